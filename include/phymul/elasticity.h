@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+//
+// Forces and energy of a body in double precision: the kernels of the reference backend as plain functions.
+#pragma once
+
+#include <phymul/topology_textures.h>
+
+#include <span>
+
+namespace phymul {
+
+/// Attractor P*_i of every particle that has bases; the particle itself elsewhere. Shapes [N], m.
+void attractors(const TopologyTextures& topology, std::span<const Vec3> position, std::span<Vec3> attractor);
+
+/// Elastic force on every particle, all terms of the topology, N. Shapes [N]; overwrites `force`; does not allocate.
+void elastic_forces(const TopologyTextures& topology, std::span<const Vec3> position, std::span<Vec3> force);
+
+/// Elastic energy, J. For the reactions full, shared and barycentric, which have none, that of `averaged`.
+double elastic_energy(const TopologyTextures& topology, std::span<const Vec3> position);
+
+/// Largest and most negative eigenvalues of M^-1 K linearised about a position, found by Lanczos iteration
+/// (conservative, averaged, springs) or Arnoldi iteration (the others, whose K is not symmetric).
+struct Spectrum {
+  double largest = 0.0;          ///< largest |eigenvalue|, 1/s^2: omega_max squared
+  double most_negative = 0.0;    ///< smallest real part if below 0, 1/s^2: grows as exp(sqrt(-it) t)
+  double largest_imaginary = 0.0;  ///< of the eigenvalues found, 1/s^2: flutter
+};
+
+/// `fixed` [N] as LoadFrame::fixed, or empty. Throws Error when position is not finite.
+Spectrum estimate_spectrum(const TopologyTextures& topology, std::span<const Vec3> position,
+                           std::span<const std::uint8_t> fixed = {});
+
+/// Largest stable step of x+ = x + d (x - x-) + (f/m) dt^2 in s: (omega_max dt)^2 <= 2 (1 + d); infinite without
+/// any stiffness.
+double stable_step(const Spectrum& spectrum, double damping_factor);
+
+}  // namespace phymul

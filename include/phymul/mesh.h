@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+//
+// Tetrahedral, hexahedral, wedge and pyramid meshes from the file formats of meshers.
+#pragma once
+
+#include <phymul/model.h>
+
+#include <string>
+
+namespace phymul {
+
+struct MeshOptions {
+  double length_unit = 1.0;        ///< metres per file unit
+  double default_mass = 1.0;       ///< kg per particle, until set_material
+  double default_stiffness = 1.0;  ///< N/m per particle
+  std::size_t max_bytes = 4u << 30;
+};
+
+/// Reads by extension and content: Gmsh .msh (2.2 and 4.1, text and binary), legacy .vtk and XML .vtu unstructured
+/// grids (text, base64 and raw binary, zlib). First-order cells only. Points no cell uses are dropped and noted.
+/// Physical groups of a .msh become named groups. Cells are oriented and checked (check.h). Throws Error.
+Model read_mesh(const std::string& path, const MeshOptions& options = {});
+
+}  // namespace phymul

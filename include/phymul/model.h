@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+//
+// Model: what the tissue is. Plain data, const once built and checked, shared by any number of solvers.
+// Made by read_pml (pml.h), read_mesh (mesh.h) or a shape builder (shapes.h).
+#pragma once
+
+#include <phymul/types.h>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace phymul {
+
+enum class CellType {
+  atom,
+  line,
+  triangle,
+  quad,
+  tetrahedron,
+  wedge,
+  pyramid,
+  hexahedron,
+  poly_line,
+  poly_vertex
+};
+
+/// Particles a cell of this type has; 0 where any number is allowed (poly_line, poly_vertex).
+int cell_size(CellType type);
+
+/// True for tetrahedron, wedge, pyramid, hexahedron.
+bool is_volume(CellType type);
+
+/// Upper-case PML spelling ("HEXAHEDRON").
+const char* cell_name(CellType type);
+
+/// A named value that a file carried and phymul does not interpret; kept so that writing loses nothing.
+struct Attribute {
+  std::string name;
+  std::string value;
+  bool operator==(const Attribute&) const = default;
+};
+
+using Colour = std::array<double, 4>;  ///< red, green, blue, alpha in [0, 1]
+
+/// A geometric cell over particles. Vertex order, as VTK and PML have it: tetrahedron (a,b,c,d) has d on the
+/// side that (b-a) x (c-a) points to; hexahedron is the ring 0-1-2-3, then 4-5-6-7 above it; wedge is the
+/// triangle 0-1-2, then 3-4-5 above it; pyramid is the ring 0-1-2-3, then the apex 4.
+struct Cell {
+  CellType type = CellType::tetrahedron;
+  std::vector<Index> particles;
+  Index material = -1;    ///< row of Model::materials; -1: none
+  Index file_index = -1;  ///< the index the file gave it; -1: none
+  std::string name;
+  std::vector<Attribute> attributes;
+  std::optional<Colour> colour;
+  bool operator==(const Cell&) const = default;
+};
+
+/// A node of the tree of named parts (PML multiComponent and structuralComponent), flattened: a parent
+/// always stands before its children.
+struct Component {
+  std::string name;
+  Index parent = -1;        ///< row of Model::components; -1: a root
+  bool exclusive = true;    ///< true: part of the body's own partition; false: an overlapping group
+  bool structural = true;   ///< true: holds cells and particles; false: holds components only
+  std::vector<Index> cells;      ///< cells defined here, rows of Model::cells
+  std::vector<Index> cell_refs;  ///< cells defined elsewhere and referred to here
+  std::vector<Index> particles;  ///< particles referred to directly
+  std::vector<Attribute> attributes;
+  std::optional<Colour> colour;
+  bool operator==(const Component&) const = default;
+};
+
+/// Isotropic elastic material; small-strain meaning of the constants.
+struct Material {
+  double young = 0.0;    ///< Young's modulus, Pa, > 0
+  double poisson = 0.0;  ///< Poisson's ratio, in (-3/8, 1/2)
+  double density = 0.0;  ///< kg/m^3, > 0
+  bool operator==(const Material&) const = default;
+};
+
+struct Model {
+  std::string name;
+  int dimension = 3;  ///< 3, or 2: particles in the plane z = 0
+
+  VecList rest;                   ///< [N] rest positions, m
+  std::vector<double> mass;       ///< [N] kg; overwritten by set_material
+  std::vector<double> stiffness;  ///< [N] shape stiffness k_i, N/m; unused where a material is set
+  RaggedList neighbours;          ///< [N rows] ordered neighbours of each particle, itself not among them
+
+  std::vector<Cell> cells;
+  std::vector<Component> components;
+  std::vector<Material> materials;  ///< empty: stiffness holds; else see set_material
+
+  // What only a file knows, kept for writing back; empty for a built shape.
+  std::vector<Index> file_index;                        ///< [N] or empty: PML atom index of each particle
+  std::vector<std::string> particle_name;               ///< [N] or empty
+  std::vector<std::vector<Attribute>> particle_fields;  ///< [N] or empty: further atom attributes
+
+  /// What reading and checking found or mended, a sentence each ("file:line: ..."). Not part of equality.
+  std::vector<std::string> notes;
+
+  Index particle_count() const { return static_cast<Index>(rest.size()); }
+
+  /// Particles of the component(s) of that name: referred to directly or through cells, sorted, unique.
+  /// Throws Error that lists the known names.
+  std::vector<Index> group(std::string_view group_name) const;
+  bool has_group(std::string_view group_name) const;
+
+  /// Adds an informative component that names these particles; returns *this.
+  Model& add_group(std::string group_name, std::vector<Index> particles);
+
+  bool operator==(const Model& other) const;  ///< everything but notes
+};
+
+/// Gives every volume cell the material and every particle the mass density * (its share of the volume of the
+/// cells around it). A share is the cell's volume divided evenly over its vertices. Throws Error when the
+/// model has no volume cells, or a constant is out of its range.
+void set_material(Model& model, const Material& material);
+
+/// The same for the cells all of whose particles are in the named group; masses are summed anew from all cells
+/// that have a material.
+void set_material(Model& model, const Material& material, std::string_view group_name);
+
+/// Rest volume of a volume cell in m^3 (positive when wound as above); 0 for other cells. Hexahedra, wedges and
+/// pyramids by their trilinear map.
+double cell_volume(const Model& model, const Cell& cell);
+
+/// Mean rest distance between a particle and its neighbours, m: the "spacing" h that relative tolerances use.
+double mean_spacing(const Model& model);
+
+/// Largest side of the bounding box of the rest shape, m.
+double body_size(const Model& model);
+
+/// Throws Error unless the arrays agree in size, every index is in range, masses are positive and finite,
+/// coordinates finite, stiffness not negative. Called by every reader, builder and make_solver.
+void validate(const Model& model);
+
+/// Neighbours from cells: the edges of lines, triangles, quads, hexahedra, wedges and pyramids, all pairs of a
+/// tetrahedron. Rows in increasing order.
+RaggedList neighbours_from_cells(const std::vector<Cell>& cells, Index particle_count);
+
+}  // namespace phymul

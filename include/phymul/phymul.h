@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+//
+// All a user needs. Backend authors also include topology_textures.h; elasticity.h gives the forces by themselves.
+#pragma once
+
+#include <phymul/check.h>
+#include <phymul/elasticity.h>
+#include <phymul/error.h>
+#include <phymul/lml.h>
+#include <phymul/mesh.h>
+#include <phymul/model.h>
+#include <phymul/monitor.h>
+#include <phymul/pml.h>
+#include <phymul/scene.h>
+#include <phymul/shapes.h>
+#include <phymul/solver.h>
+#include <phymul/state.h>
+#include <phymul/topology.h>
+#include <phymul/types.h>
+#include <phymul/writer.h>

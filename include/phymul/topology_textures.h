@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+//
+// TopologyTextures: the constants of an elastic body, in the tables every backend reads. Const once built.
+//
+// The first four are those of the 2007 thesis:
+//   index       per particle: Nc, X, Bc, X' = number of neighbours, row of the first in `neighbours`,
+//               number of bases, row of the first in `bases`
+//   neighbours  per row: particle number                                (rows X ... X + Nc - 1 belong to one particle)
+//   bases       per row: particles a, b, c and the height beta          (rows X' ... X' + Bc - 1)
+//   alpha       per row of `neighbours`: alpha_ij
+// The rest is there only where the options ask for it. Integers are integers: a float holds them only to 2^24.
+//
+// Each table is padded to a rectangle of texels (TextureShape), filled with `none` (-1) and zeros; the first
+// `..._count` rows are real. A device uploads the rows in order: row r is texel (r mod width, r / width).
+#pragma once
+
+#include <phymul/topology.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace phymul {
+
+inline constexpr Index none = -1;
+
+/// Rectangle that holds a table: row-major, near-square, width a power of two.
+struct TextureShape {
+  int width = 0;
+  int height = 0;
+
+  std::int64_t texels() const { return std::int64_t{width} * height; }
+  std::array<int, 2> texel(Index row) const { return {row % width, row / width}; }
+  bool operator==(const TextureShape&) const = default;
+};
+
+/// Smallest such rectangle for `rows` rows with sides up to `limit`; at least 1 x 1. Throws Error, naming `table`, the
+/// rows and the limit, when none is large enough.
+TextureShape fit_texture(std::int64_t rows, int limit, const char* table);
+
+struct IndexTexel {
+  Index neighbour_count = 0;  ///< Nc
+  Index first_neighbour = 0;  ///< X
+  Index base_count = 0;       ///< Bc
+  Index first_base = 0;       ///< X'
+  bool operator==(const IndexTexel&) const = default;
+};
+
+struct BaseTexel {
+  std::array<Index, 3> vertex{none, none, none};  ///< a, b, c; c is none in 2-D
+  double beta = 0.0;                              ///< m
+  bool operator==(const BaseTexel&) const = default;
+};
+
+struct SpringTexel {
+  std::array<Index, 2> end{none, none};
+  double rest_length = 0.0;  ///< m
+  double stiffness = 0.0;    ///< N/m
+};
+
+/// Volume energy of a tetrahedron (triangle in 2-D, d none, volumes per unit thickness).
+struct VolumeTexel {
+  std::array<Index, 4> vertex{none, none, none, none};
+  double inverse_rest_volume = 0.0;  ///< 1/m^3: J = volume * this
+  double stiffness = 0.0;            ///< J: kappa times the rest volume this term stands for
+};
+
+/// Energy of a cell's mean deformation gradient F = sum_v x_v (x) gradient_v.
+struct CellTexel {
+  std::array<Index, 8> vertex{none, none, none, none, none, none, none, none};
+  std::array<Vec3, 8> gradient{};  ///< 1/m
+  double shape_stiffness = 0.0;    ///< J: gamma c V
+  double volume_stiffness = 0.0;   ///< J: gamma kappa V
+};
+
+struct TopologyTextures {
+  TopologyOptions options;  ///< as built; area_exponent is the one in force
+  int dimension = 3;
+
+  Index particle_count = 0;
+  Index neighbour_count = 0;  ///< real rows of neighbours and alpha
+  Index base_count = 0;       ///< real rows of bases, lambda, weight
+
+  TextureShape index_shape, neighbour_shape, base_shape;
+  std::vector<IndexTexel> index;
+  std::vector<Index> neighbours;
+  std::vector<BaseTexel> bases;
+  std::vector<double> alpha;
+
+  // Per particle, unpadded.
+  VecList rest;                   ///< m
+  std::vector<double> mass;       ///< kg
+  std::vector<double> stiffness;  ///< k_i, N/m
+
+  // Per base, unpadded.
+  std::vector<std::array<double, 3>> lambda;
+  std::vector<double> weight;     ///< w_t
+  std::vector<double> rest_area;  ///< |w| = twice the area (2-D: the length) at rest; only where area_exponent != 0
+
+  // Further terms of the energy, empty where the options ask for none.
+  std::vector<SpringTexel> springs;
+  std::vector<VolumeTexel> volumes;
+  std::vector<CellTexel> cells;
+
+  // Transposed lists, because a shader can gather but not scatter. An entry is (row of the term) * corners + corner.
+  RaggedList neighbour_of;  ///< per particle j: rows r of `neighbours` with neighbours[r] = j (corners = 1)
+  RaggedList base_of;       ///< per particle: base row * 3 + corner (2-D too)
+  RaggedList spring_of;     ///< spring row * 2 + end
+  RaggedList volume_of;     ///< volume row * 4 + corner
+  RaggedList cell_of;       ///< cell row * 8 + corner
+  std::vector<Index> neighbour_owner;  ///< [neighbour_count] particle whose neighbour row it is
+  std::vector<Index> base_owner;       ///< [base_count] particle whose base it is
+};
+
+}  // namespace phymul
