@@ -120,9 +120,10 @@ TEST(WorkedExamples, TwoParticleOscillator) {
     const State now = solver->read();
     const double gap = (now.position[1] - now.position[0]).x() - 0.01;
     worst = std::max(worst, std::abs(gap - stretch * std::cos(discrete * step * dt)) / stretch);
-    if (step <= 60) worst_closed = std::max(worst_closed, std::abs(gap - stretch * std::cos(omega * step * dt)) / stretch);
+    if (step <= 60)
+      worst_closed = std::max(worst_closed, std::abs(gap - stretch * std::cos(omega * step * dt)) / stretch);
   }
-  EXPECT_LE(worst, 1e-9);        // the scheme's own closed form, 2,000 steps
+  EXPECT_LE(worst, 1e-9);         // the scheme's own closed form, 2,000 steps
   EXPECT_LE(worst_closed, 1e-2);  // the oscillator's, about two periods; phase error (w dt)^2 / 24 per radian
   EXPECT_NEAR(solver->energy().total(), 0.5 * 5.0 * stretch * stretch, 1e-2 * 0.5 * 5.0 * stretch * stretch);
 }
