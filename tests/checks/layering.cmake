@@ -11,7 +11,7 @@ set(rows
     "0 version types error"
     "1 model scene state"
     "2 shapes pml lml mesh check topology monitor writer"
-    "2 xml vtu msh"               # formats, behind the readers
+    "2 xml byte gmsh vtk vtu csv"            # formats, behind the readers
     "4 elasticity solver"
     "8 phymul")                   # the umbrella, for users only
 
