@@ -14,7 +14,7 @@ namespace phymul {
 Vec3 linear_momentum(const Model& model, const State& state);  ///< kg m/s
 /// About a point (default: the origin), kg m^2/s.
 Vec3 angular_momentum(const Model& model, const State& state, const Vec3& about = Vec3::Zero());
-Vec3 centre_of_mass(const Model& model, const State& state);   ///< m
+Vec3 centre_of_mass(const Model& model, const State& state);  ///< m
 
 /// 1/2 sum m v^2 with State::velocity as it stands (half a step before State::time), J.
 double kinetic_energy(const Model& model, const State& state);
@@ -29,12 +29,14 @@ struct DisplacementNorms {
 };
 DisplacementNorms displacement_norms(const Model& model, const State& state);
 
-/// Error of positions against reference positions. `skip` [N] or empty: not 0 = leave the particle out (prescribed ones).
+/// Error of positions against reference positions. `skip` [N] or empty: not 0 = leave the particle out (prescribed
+/// ones).
 struct PositionError {
-  double global_ratio = 0.0;   ///< sqrt(sum |u - u_ref|^2 / sum |u_ref|^2), u the displacement from rest
-  double max = 0.0;            ///< largest |x - x_ref|, m
-  double p95 = 0.0;            ///< 95th percentile of |x - x_ref|, m
-  double median_ren = 0.0;     ///< median over particles of REN = |x - x_ref| / |x_ref - X|; particles that do not move left out
+  double global_ratio = 0.0;  ///< sqrt(sum |u - u_ref|^2 / sum |u_ref|^2), u the displacement from rest
+  double max = 0.0;           ///< largest |x - x_ref|, m
+  double p95 = 0.0;           ///< 95th percentile of |x - x_ref|, m
+  double median_ren =
+      0.0;  ///< median over particles of REN = |x - x_ref| / |x_ref - X|; particles that do not move left out
   double max_ren = 0.0;
   Index max_particle = -1;
 };
@@ -42,6 +44,7 @@ PositionError position_error(const Model& model, std::span<const Vec3> position,
                              std::span<const std::uint8_t> skip = {});
 
 /// REN of each particle; NaN where the reference does not move. Relative error of the displacement, per particle.
-std::vector<double> relative_errors(const Model& model, std::span<const Vec3> position, std::span<const Vec3> reference);
+std::vector<double> relative_errors(const Model& model, std::span<const Vec3> position,
+                                    std::span<const Vec3> reference);
 
 }  // namespace phymul

@@ -71,14 +71,14 @@ class Scene {
 
   const Model& model() const { return *model_; }
 
-  Scene& fix(std::string_view group);             ///< holds the group at its rest place, for ever
-  Scene& fix(std::span<const Index> particles);   ///< the same for listed particles
-  Scene& gravity(const Vec3& acceleration);       ///< m/s^2
-  Scene& add(Load load);                          ///< appends a load
-  Scene& add(std::vector<Load> loads);            ///< appends loads, as read_lml gives them
-  Scene& replace(std::size_t row, Load load);     ///< puts another load in an existing row
-  Scene& remove(std::size_t row);                 ///< later rows move up
-  Scene& clear();                                 ///< no loads, no gravity, nothing fixed
+  Scene& fix(std::string_view group);            ///< holds the group at its rest place, for ever
+  Scene& fix(std::span<const Index> particles);  ///< the same for listed particles
+  Scene& gravity(const Vec3& acceleration);      ///< m/s^2
+  Scene& add(Load load);                         ///< appends a load
+  Scene& add(std::vector<Load> loads);           ///< appends loads, as read_lml gives them
+  Scene& replace(std::size_t row, Load load);    ///< puts another load in an existing row
+  Scene& remove(std::size_t row);                ///< later rows move up
+  Scene& clear();                                ///< no loads, no gravity, nothing fixed
 
   const std::vector<Load>& loads() const { return loads_; }
   const Vec3& gravity() const { return gravity_; }

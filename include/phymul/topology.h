@@ -62,18 +62,18 @@ struct TopologyOptions {
   Law law = Law::shape_memory;
   Reaction reaction = Reaction::conservative;
   BaseSelection bases = BaseSelection::thresholded;
-  double min_quality = 0.05;      ///< thresholded, fitted: 2 A / L^2 of a base (A its area, L its longest edge) above this
+  double min_quality = 0.05;  ///< thresholded, fitted: 2 A / L^2 of a base (A its area, L its longest edge) above this
   double max_barycentric = 1.25;  ///< thresholded, fitted: |lambda| within this
   double area_exponent = 0.0;     ///< p; overwritten by the material where poisson_route is area_exponent
   PoissonRoute poisson_route = PoissonRoute::volume_term;
   VolumeLaw volume_law = VolumeLaw::bounded;
   /// Volume stiffness kappa in Pa where the model has no material (springs, or stiffness in N/m); 0: no volume term.
   double volume_stiffness = 0.0;
-  /// Share gamma in [0, 1) of a cell's energy that is taken from its mean deformation; > 0 needs a material and hexahedra
-  /// (wedges and tetrahedra may be among them) and cures bending from locking; 0.9 is a good value.
+  /// Share gamma in [0, 1) of a cell's energy that is taken from its mean deformation; > 0 needs a material and
+  /// hexahedra (wedges and tetrahedra may be among them) and cures bending from locking; 0.9 is a good value.
   double cell_average = 0.0;
   SparseParticle on_sparse = SparseParticle::error;
-  int max_texture_size = 16384;   ///< widest and highest table a device takes, texels
+  int max_texture_size = 16384;  ///< widest and highest table a device takes, texels
 };
 
 struct TopologyTextures;

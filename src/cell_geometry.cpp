@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+#include "cell_geometry.h"
+
+#include <Eigen/Geometry>
+
+namespace phymul {
+namespace {
+
+constexpr CellEdge line_edges[] = {{0, 1}};
+constexpr CellEdge triangle_edges[] = {{0, 1}, {1, 2}, {2, 0}};
+constexpr CellEdge quad_edges[] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}};
+constexpr CellEdge tetrahedron_edges[] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
+constexpr CellEdge wedge_edges[] = {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}};
+constexpr CellEdge pyramid_edges[] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}};
+constexpr CellEdge hexahedron_edges[] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
+                                         {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
+
+constexpr CellFace tetrahedron_faces[] = {{0, 2, 1, -1}, {0, 1, 3, -1}, {1, 2, 3, -1}, {2, 0, 3, -1}};
+constexpr CellFace wedge_faces[] = {{0, 2, 1, -1}, {3, 4, 5, -1}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}};
+constexpr CellFace pyramid_faces[] = {{0, 3, 2, 1}, {0, 1, 4, -1}, {1, 2, 4, -1}, {2, 3, 4, -1}, {3, 0, 4, -1}};
+constexpr CellFace hexahedron_faces[] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                         {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+
+constexpr CellCorner tetrahedron_corners[] = {{0, 1, 2, 3}, {1, 0, 3, 2}, {2, 3, 0, 1}, {3, 2, 1, 0}};
+constexpr CellCorner wedge_corners[] = {{0, 1, 2, 3}, {1, 2, 0, 4}, {2, 0, 1, 5},
+                                        {3, 5, 4, 0}, {4, 3, 5, 1}, {5, 4, 3, 2}};
+constexpr CellCorner pyramid_corners[] = {{0, 1, 3, 4}, {1, 2, 0, 4}, {2, 3, 1, 4}, {3, 0, 2, 4}};
+constexpr CellCorner hexahedron_corners[] = {{0, 1, 3, 4}, {1, 2, 0, 5}, {2, 3, 1, 6}, {3, 0, 2, 7},
+                                             {4, 7, 5, 0}, {5, 4, 6, 1}, {6, 5, 7, 2}, {7, 6, 4, 3}};
+
+constexpr int triangle_reversal[] = {0, 2, 1};
+constexpr int quad_reversal[] = {0, 3, 2, 1};
+constexpr int tetrahedron_reversal[] = {0, 2, 1, 3};
+constexpr int wedge_reversal[] = {3, 4, 5, 0, 1, 2};
+constexpr int pyramid_reversal[] = {0, 3, 2, 1, 4};
+constexpr int hexahedron_reversal[] = {4, 5, 6, 7, 0, 1, 2, 3};
+
+double six_volumes(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return a.dot(b.cross(c));
+}
+
+}  // namespace
+
+std::span<const CellEdge> cell_edges(CellType type) {
+  switch (type) {
+    case CellType::line:
+      return line_edges;
+    case CellType::triangle:
+      return triangle_edges;
+    case CellType::quad:
+      return quad_edges;
+    case CellType::tetrahedron:
+      return tetrahedron_edges;
+    case CellType::wedge:
+      return wedge_edges;
+    case CellType::pyramid:
+      return pyramid_edges;
+    case CellType::hexahedron:
+      return hexahedron_edges;
+    default:
+      return {};
+  }
+}
+
+std::span<const CellFace> cell_faces(CellType type) {
+  switch (type) {
+    case CellType::tetrahedron:
+      return tetrahedron_faces;
+    case CellType::wedge:
+      return wedge_faces;
+    case CellType::pyramid:
+      return pyramid_faces;
+    case CellType::hexahedron:
+      return hexahedron_faces;
+    default:
+      return {};
+  }
+}
+
+std::span<const CellCorner> cell_corners(CellType type) {
+  switch (type) {
+    case CellType::tetrahedron:
+      return tetrahedron_corners;
+    case CellType::wedge:
+      return wedge_corners;
+    case CellType::pyramid:
+      return pyramid_corners;
+    case CellType::hexahedron:
+      return hexahedron_corners;
+    default:
+      return {};
+  }
+}
+
+std::span<const int> cell_reversal(CellType type) {
+  switch (type) {
+    case CellType::triangle:
+      return triangle_reversal;
+    case CellType::quad:
+      return quad_reversal;
+    case CellType::tetrahedron:
+      return tetrahedron_reversal;
+    case CellType::wedge:
+      return wedge_reversal;
+    case CellType::pyramid:
+      return pyramid_reversal;
+    case CellType::hexahedron:
+      return hexahedron_reversal;
+    default:
+      return {};
+  }
+}
+
+double signed_volume(CellType type, std::span<const Index> particles, std::span<const Vec3> position) {
+  const std::span<const CellFace> faces = cell_faces(type);
+  if (faces.empty()) return 0.0;
+  // From one vertex, not from the origin: a body far away from it keeps its digits.
+  const Vec3 origin = position[particles[0]];
+  std::array<Vec3, 8> x;
+  for (std::size_t v = 0; v < particles.size(); ++v) x[v] = position[particles[v]] - origin;
+  double twelve_volumes = 0.0;
+  for (const CellFace& face : faces) {
+    const Vec3 &a = x[face[0]], &b = x[face[1]], &c = x[face[2]];
+    if (face[3] < 0) {
+      twelve_volumes += 2.0 * six_volumes(a, b, c);
+    } else {
+      const Vec3& d = x[face[3]];
+      twelve_volumes += six_volumes(a, b, c) + six_volumes(a, c, d) + six_volumes(a, b, d) + six_volumes(b, c, d);
+    }
+  }
+  return twelve_volumes / 12.0;
+}
+
+Vec3 area_vector(std::span<const Index> particles, std::span<const Vec3> position) {
+  const Vec3& a = position[particles[0]];
+  if (particles.size() < 4) return 0.5 * (position[particles[1]] - a).cross(position[particles[2]] - a);
+  return 0.5 * (position[particles[2]] - a).cross(position[particles[3]] - position[particles[1]]);
+}
+
+bool is_solid(int dimension, CellType type) {
+  if (dimension == 3) return is_volume(type);
+  return type == CellType::triangle || type == CellType::quad;
+}
+
+double signed_measure(int dimension, const Cell& cell, std::span<const Vec3> position) {
+  if (!is_solid(dimension, cell.type)) return 0.0;
+  return dimension == 3 ? signed_volume(cell.type, cell.particles, position)
+                        : area_vector(cell.particles, position).z();
+}
+
+}  // namespace phymul

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+//
+// Tables of the cell types (edges, faces, corners) and the measures that follow from them. Numbers in the tables are
+// places in Cell::particles; vertex order as Cell documents it.
+#pragma once
+
+#include <phymul/model.h>
+
+#include <array>
+#include <span>
+
+namespace phymul {
+
+using CellEdge = std::array<int, 2>;
+/// Counter-clockwise seen from outside the cell; -1 in the last place: a triangle.
+using CellFace = std::array<int, 4>;
+/// A vertex and its three edge neighbours, of positive volume in a well-shaped, rightly wound cell.
+using CellCorner = std::array<int, 4>;
+
+/// Edges of lines, triangles, quads and volume cells; empty for the other types.
+std::span<const CellEdge> cell_edges(CellType type);
+
+/// Outward faces of a volume cell; empty for the other types.
+std::span<const CellFace> cell_faces(CellType type);
+
+/// Corner tetrahedra of a volume cell, one per vertex, row v at vertex v; a pyramid's apex has four edges and no row.
+std::span<const CellCorner> cell_corners(CellType type);
+
+/// The permutation of vertices that turns a mirrored cell (negative volume or, for triangles and quads, area) round:
+/// new place k takes old place result[k]. Empty for types without a winding.
+std::span<const int> cell_reversal(CellType type);
+
+/// Signed volume of the volume cell at these positions, m^3; 0 for other types. Exact for the trilinear map: a bilinear
+/// face sweeps the mean of the volumes that its two diagonal cuts sweep.
+double signed_volume(CellType type, std::span<const Index> particles, std::span<const Vec3> position);
+
+/// Area vector (normal times area) of a triangle or quad, m^2; for a bilinear quad the integral of its normal.
+Vec3 area_vector(std::span<const Index> particles, std::span<const Vec3> position);
+
+/// What a cell contributes to the body: signed volume of a volume cell in 3-D, area along +z of a triangle or quad in
+/// 2-D (m^2: volume per metre of thickness), 0 otherwise.
+double signed_measure(int dimension, const Cell& cell, std::span<const Vec3> position);
+
+/// True for the cells that signed_measure measures.
+bool is_solid(int dimension, CellType type);
+
+}  // namespace phymul
