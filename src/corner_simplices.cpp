@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "corner_simplices.h"
+#include "cell_geometry.h"
 
 #include <phymul/error.h>
 
@@ -13,36 +14,18 @@
 namespace phymul {
 namespace {
 
-// Corner first, then its edge neighbours in right-handed order, for the windings of model.h.
-constexpr std::array<std::array<int, 4>, 1> tetrahedron_corners{{{0, 1, 2, 3}}};
-constexpr std::array<std::array<int, 4>, 8> hexahedron_corners{
-    {{0, 1, 3, 4}, {1, 2, 0, 5}, {2, 3, 1, 6}, {3, 0, 2, 7}, {4, 7, 5, 0}, {5, 4, 6, 1}, {6, 5, 7, 2}, {7, 6, 4, 3}}};
-constexpr std::array<std::array<int, 4>, 6> wedge_corners{
-    {{0, 1, 2, 3}, {1, 2, 0, 4}, {2, 0, 1, 5}, {3, 5, 4, 0}, {4, 3, 5, 1}, {5, 4, 3, 2}}};
-constexpr std::array<std::array<int, 4>, 4> pyramid_corners{{{0, 1, 3, 4}, {1, 2, 0, 4}, {2, 3, 1, 4}, {3, 0, 2, 4}}};
-constexpr std::array<std::array<int, 4>, 1> triangle_corners{{{0, 1, 2, -1}}};
-constexpr std::array<std::array<int, 4>, 4> quad_corners{{{0, 1, 3, -1}, {1, 2, 0, -1}, {2, 3, 1, -1}, {3, 0, 2, -1}}};
+// Corner first, then its edge neighbours; counter-clockwise.
+constexpr CellCorner triangle_corners[] = {{0, 1, 2, -1}};
+constexpr CellCorner quad_corners[] = {{0, 1, 3, -1}, {1, 2, 0, -1}, {2, 3, 1, -1}, {3, 0, 2, -1}};
 
 // Volume (area) over the longest edge cubed (squared) below which a corner is flat.
 constexpr double flat_corner = 1e-6;
 
-std::span<const std::array<int, 4>> corners_of(CellType type) {
-  switch (type) {
-    case CellType::tetrahedron:
-      return tetrahedron_corners;
-    case CellType::hexahedron:
-      return hexahedron_corners;
-    case CellType::wedge:
-      return wedge_corners;
-    case CellType::pyramid:
-      return pyramid_corners;
-    case CellType::triangle:
-      return triangle_corners;
-    case CellType::quad:
-      return quad_corners;
-    default:
-      return {};
-  }
+std::span<const CellCorner> corners_of(CellType type) {
+  if (type == CellType::triangle) return triangle_corners;
+  if (type == CellType::quad) return quad_corners;
+  const std::span<const CellCorner> corners = cell_corners(type);
+  return type == CellType::tetrahedron ? corners.first(1) : corners;  // its four corners are all the tetrahedron itself
 }
 
 struct Extent {
@@ -58,20 +41,9 @@ Extent extent(const VecList& rest, const std::array<Index, 4>& v) {
   return {a.cross(b).dot(c) / 6, std::max({a.norm(), b.norm(), c.norm()})};
 }
 
-double whole_volume(const Model& model, const Cell& cell, double sum_of_corners) {
-  if (model.dimension == 3) return cell_volume(model, cell);
-  return cell.type == CellType::quad ? sum_of_corners / 2 : sum_of_corners;  // a quad is seen twice by its corners
-}
-
 // In the plane either winding is as good: triangles seen from behind are turned over.
 bool wound_clockwise(const Model& model, const Cell& cell) {
-  if (model.dimension == 3) return false;
-  double area = 0.0;
-  for (std::size_t v = 0; v < cell.particles.size(); ++v) {
-    const Vec3& p = model.rest[cell.particles[v]];
-    area += p.cross(model.rest[cell.particles[(v + 1) % cell.particles.size()]]).z();
-  }
-  return area < 0.0;
+  return model.dimension == 2 && signed_measure(2, cell, model.rest) < 0.0;
 }
 
 [[noreturn]] void fail_inside_out(const Model& model, Index cell) {
@@ -83,11 +55,6 @@ bool wound_clockwise(const Model& model, const Cell& cell) {
 
 }  // namespace
 
-bool fills_space(const Model& model, const Cell& cell) {
-  if (model.dimension == 3) return is_volume(cell.type);
-  return cell.type == CellType::triangle || cell.type == CellType::quad;
-}
-
 std::string cell_label(const Model& model, Index cell) {
   const Index number = model.cells[cell].file_index;
   return number >= 0 ? "cell " + std::to_string(number) : "cell " + std::to_string(cell) + " (row)";
@@ -98,7 +65,7 @@ std::vector<CornerSimplex> corner_simplices(const Model& model, Index cell_row) 
   const bool clockwise = wound_clockwise(model, cell);
   std::vector<CornerSimplex> result;
   double sum = 0.0;
-  for (const std::array<int, 4>& corner : corners_of(cell.type)) {
+  for (const CellCorner& corner : corners_of(cell.type)) {
     CornerSimplex simplex;
     simplex.cell = cell_row;
     for (std::size_t v = 0; v < 4; ++v) simplex.vertex[v] = corner[v] < 0 ? -1 : cell.particles[corner[v]];
@@ -111,7 +78,8 @@ std::vector<CornerSimplex> corner_simplices(const Model& model, Index cell_row) 
     sum += size.volume;
     result.push_back(simplex);
   }
-  const double whole = whole_volume(model, cell, sum);
+  const double measure = signed_measure(model.dimension, cell, model.rest);
+  const double whole = clockwise ? -measure : measure;
   if (!(whole > 0.0) || !(sum > 0.0)) fail_inside_out(model, cell_row);
   for (CornerSimplex& simplex : result) simplex.share = simplex.volume * (whole / sum);
   return result;
@@ -120,7 +88,7 @@ std::vector<CornerSimplex> corner_simplices(const Model& model, Index cell_row) 
 std::vector<CornerSimplex> corner_simplices(const Model& model) {
   std::vector<CornerSimplex> result;
   for (Index cell = 0; cell < static_cast<Index>(model.cells.size()); ++cell) {
-    if (!fills_space(model, model.cells[cell])) continue;
+    if (!is_solid(model.dimension, model.cells[cell].type)) continue;
     const std::vector<CornerSimplex> corners = corner_simplices(model, cell);
     result.insert(result.end(), corners.begin(), corners.end());
   }

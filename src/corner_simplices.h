@@ -20,9 +20,6 @@ struct CornerSimplex {
   Index cell = -1;      ///< row of Model::cells
 };
 
-/// True for the cells that have corner simplices: volume cells in 3-D, triangles and quads in 2-D.
-bool fills_space(const Model& model, const Cell& cell);
-
 /// "cell 17", by the file's index where there is one, else by the row.
 std::string cell_label(const Model& model, Index cell);
 

@@ -2,7 +2,7 @@
 #include <phymul/error.h>
 #include <phymul/topology_textures.h>
 
-#include "base_selection.h"
+#include "calibrated_bases.h"
 #include "topology_terms.h"
 #include "transpose.h"
 
@@ -71,6 +71,9 @@ void treat_sparse(const Model& model, const BaseTable& table, TopologyTextures& 
           (topology.options.bases == BaseSelection::all ? "" : ", and must pass the thresholds") +
           ". Give more neighbours, loosen min_quality and max_barycentric, or set on_sparse to springs or free");
     case SparseParticle::springs:
+      require(model.materials.empty(), particle_names(model, sparse) + (sparse.size() == 1 ? " is" : " are") +
+                                           " in no cell that has a material, and springs would need a stiffness in "
+                                           "N/m. Set on_sparse to free, or remove these particles");
       topology.springs = springs_around(model, sparse);
       break;
     case SparseParticle::free:
@@ -213,22 +216,54 @@ BaseTable no_bases(const Model& model) {
   return table;
 }
 
+void check_material_options(const TopologyOptions& options) {
+  require(options.law == Law::shape_memory,
+          "springs take their stiffness in N/m and cannot carry a material; clear Model::materials, or use "
+          "Law::shape_memory");
+  require(options.reaction == Reaction::conservative,
+          "a calibrated material needs Reaction::conservative: the other reactions have no stiffness against uniform "
+          "strain inside a body. Use it, or clear Model::materials and set stiffness in N/m");
+  require(options.volume_stiffness == 0.0,
+          "volume_stiffness is for models without a material; with one it follows from Poisson's ratio. Set it to 0");
+  require(options.area_exponent == 0.0,
+          "area_exponent follows from the material. Set it to 0, and poisson_route to area_exponent where it is to be "
+          "used");
+  require(options.cell_average == 0.0 || options.poisson_route == PoissonRoute::volume_term,
+          "cell_average goes with PoissonRoute::volume_term: a cell's mean deformation has no base area. Set one of "
+          "the two back");
+}
+
+BaseTable build_calibrated(const Model& model, TopologyTextures& topology) {
+  TopologyOptions& options = topology.options;
+  check_material_options(options);
+  if (options.bases != BaseSelection::fitted) options.bases = BaseSelection::opposite_faces;
+  const std::vector<Calibration> calibration = calibrate_model(model, options.poisson_route);
+  options.area_exponent = calibration.front().exponent;
+  const double corner_share = 1.0 - options.cell_average;
+  topology.volumes = calibrated_volumes(model, calibration, corner_share);
+  if (options.cell_average > 0.0) topology.cells = cell_terms(model, calibration, options.cell_average);
+  return calibrated_bases(model, options, calibration, corner_share, most_base_rows(options));
+}
+
+BaseTable build_plain(const Model& model, TopologyTextures& topology) {
+  const TopologyOptions& options = topology.options;
+  require(options.cell_average == 0.0, "cell_average needs a material: call set_material, or set cell_average to 0");
+  if (options.volume_stiffness > 0.0) topology.volumes = volume_terms(model, options.volume_stiffness);
+  if (options.law == Law::shape_memory) return select_bases(model, options, most_base_rows(options));
+  topology.springs = neighbour_springs(model);
+  return no_bases(model);
+}
+
 }  // namespace
 
 TopologyTextures build_topology(const Model& model, const TopologyOptions& options) {
   validate(model);
   check_options(options);
   TopologyTextures topology = start(model, options);
-  BaseTable table;
-  if (options.law == Law::springs) {
-    table = no_bases(model);
-    topology.springs = neighbour_springs(model);
-  } else {
-    table = select_bases(model, options, most_base_rows(options));
-    treat_sparse(model, table, topology);
-  }
-  if (options.volume_stiffness > 0.0) topology.volumes = volume_terms(model, options.volume_stiffness);
-  const bool from_bases = options.law == Law::shape_memory && options.bases == BaseSelection::opposite_faces;
+  const bool has_material = !model.materials.empty();
+  const BaseTable table = has_material ? build_calibrated(model, topology) : build_plain(model, topology);
+  if (options.law == Law::shape_memory) treat_sparse(model, table, topology);
+  const bool from_bases = options.law == Law::shape_memory && topology.options.bases == BaseSelection::opposite_faces;
   pack_neighbours(neighbour_rows(model, table, from_bases), options.max_texture_size, topology);
   pack_bases(table, options.max_texture_size, topology);
   fill_alpha(topology);
