@@ -91,7 +91,7 @@ Repeats repeated_cells(const std::vector<Cell>& cells) {
     std::array<Index, 8> key;
     key.fill(-1);
     std::copy(cells[row].particles.begin(), cells[row].particles.end(), key.begin());
-    std::sort(key.begin(), key.begin() + static_cast<std::ptrdiff_t>(cells[row].particles.size()));
+    std::sort(key.begin(), key.end());
     return key;
   };
   std::vector<std::pair<std::uint64_t, Index>> hashed;
