@@ -28,6 +28,9 @@ struct MeshParts {
   std::vector<std::string> notes;
 };
 
+/// What read_mesh does, with a file already in memory. `source` stands for its name.
+Model mesh_from_bytes(const std::string& source, std::string_view bytes, const MeshOptions& options);
+
 /// Drops points that no cell uses, makes neighbours, masses and groups, validates and checks. Throws Error.
 Model assemble(MeshParts parts, const MeshOptions& options);
 

@@ -159,13 +159,16 @@ Model assemble(MeshParts parts, const MeshOptions& options) {
   return model;
 }
 
-Model read_mesh(const std::string& path, const MeshOptions& options) {
+Model mesh_from_bytes(const std::string& source, std::string_view bytes, const MeshOptions& options) {
   if (!(options.length_unit > 0.0) || !std::isfinite(options.length_unit)) {
     throw Error("read_mesh: expected a length_unit above 0 (metres per file unit), got " +
                 std::to_string(options.length_unit));
   }
-  const std::string bytes = read_whole_file(path, options.max_bytes);
-  return assemble(read_parts(path, bytes), options);
+  return assemble(read_parts(source, bytes), options);
+}
+
+Model read_mesh(const std::string& path, const MeshOptions& options) {
+  return mesh_from_bytes(path, read_whole_file(path, options.max_bytes), options);
 }
 
 }  // namespace phymul
