@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "shapes.h"
+#include "shape_builder.h"
 
 #include <phymul/error.h>
 #include <phymul/shapes.h>

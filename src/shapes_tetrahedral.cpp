@@ -13,7 +13,7 @@
 #include <numeric>
 
 #include "cell_geometry.h"
-#include "shapes.h"
+#include "shape_builder.h"
 
 namespace phymul {
 namespace {

@@ -18,7 +18,9 @@ struct Body {
   Model model;
 };
 
-inline Model cylinder_275() { return make_cylinder(0.010, 0.040, 3, 8, 11); }
+inline Model cylinder_275() {
+  return make_cylinder(0.010, 0.040, 3, 8, 11);
+}
 
 inline Model jittered_block() {
   Model model = make_block({0.04, 0.03, 0.03}, 4, 3, 3, 18);
@@ -41,7 +43,9 @@ inline std::vector<Body> bodies() {
 }
 
 /// Uniform in [-1, 1), from the generator's bits alone: the same on every machine.
-inline double uniform(std::mt19937& bits) { return static_cast<double>(bits()) / 2147483648.0 - 1.0; }
+inline double uniform(std::mt19937& bits) {
+  return static_cast<double>(bits()) / 2147483648.0 - 1.0;
+}
 
 inline Vec3 random_vector(std::mt19937& bits, int dimension) {
   Vec3 v(uniform(bits), uniform(bits), uniform(bits));
@@ -99,11 +103,13 @@ inline Vec3 torque(const VecList& position, const VecList& force) {
 struct Variant {
   std::string name;
   TopologyOptions options;
-  bool material = false;   ///< gives the body soft_tissue first
+  bool material = false;  ///< gives the body soft_tissue first
   double poisson = 0.3;
 };
 
-inline Material soft_tissue(double poisson = 0.3) { return {10e3, poisson, 1000.0}; }
+inline Material soft_tissue(double poisson = 0.3) {
+  return {10e3, poisson, 1000.0};
+}
 
 /// Every energy the library has that is exactly conservative.
 inline std::vector<Variant> conservative_variants() {

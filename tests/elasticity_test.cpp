@@ -14,9 +14,11 @@ namespace {
 std::vector<Variant> every_variant() {
   std::vector<Variant> all = conservative_variants();
   for (Reaction reaction : {Reaction::full, Reaction::shared, Reaction::barycentric}) {
-    for (BaseSelection bases : {BaseSelection::all, BaseSelection::thresholded, BaseSelection::opposite_faces, BaseSelection::fitted}) {
+    for (BaseSelection bases :
+         {BaseSelection::all, BaseSelection::thresholded, BaseSelection::opposite_faces, BaseSelection::fitted}) {
       Variant v;
-      v.name = "reaction " + std::to_string(static_cast<int>(reaction)) + " bases " + std::to_string(static_cast<int>(bases));
+      v.name = "reaction " + std::to_string(static_cast<int>(reaction)) + " bases " +
+               std::to_string(static_cast<int>(bases));
       v.options.reaction = reaction;
       v.options.bases = bases;
       v.options.on_sparse = SparseParticle::springs;

@@ -24,7 +24,8 @@ void expect_moduli(const char* name, const Model& shape, const TopologyOptions& 
     const Material tissue = soft_tissue(poisson);
     set_material(model, tissue);
     const Moduli found = stretch_block(model, build_topology(model, options), 1e-4);
-    std::printf("%-44s nu %.2f: E / asked %.4f, nu found %.4f\n", name, poisson, found.young / tissue.young, found.poisson);
+    std::printf("%-44s nu %.2f: E / asked %.4f, nu found %.4f\n", name, poisson, found.young / tissue.young,
+                found.poisson);
     EXPECT_NEAR(found.young, tissue.young, tolerance * tissue.young) << name;
     EXPECT_NEAR(found.poisson, poisson, tolerance) << name;
   }
@@ -38,7 +39,8 @@ TEST(Material, UniformStretchOfALattice) {
   }
   TopologyOptions exponent;
   exponent.poisson_route = PoissonRoute::area_exponent;
-  expect_moduli("lattice, per base, area exponent", make_block({0.06, 0.04, 0.04}, 6, 4, 4), exponent, 0.02, {0.0, 0.3, 0.4});
+  expect_moduli("lattice, per base, area exponent", make_block({0.06, 0.04, 0.04}, 6, 4, 4), exponent, 0.02,
+                {0.0, 0.3, 0.4});
 }
 
 TEST(Material, UniformStretchOfUnstructuredTetrahedra) {

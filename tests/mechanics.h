@@ -18,7 +18,12 @@ namespace phymul::test {
 class StaticSolve {
  public:
   StaticSolve(const TopologyTextures& topology, std::vector<std::uint8_t> fixed, VecList load)
-      : topology_(topology), fixed_(std::move(fixed)), load_(std::move(load)), moved_(load_.size()), force_(load_.size()), base_(load_.size()) {}
+      : topology_(topology),
+        fixed_(std::move(fixed)),
+        load_(std::move(load)),
+        moved_(load_.size()),
+        force_(load_.size()),
+        base_(load_.size()) {}
 
   /// `x` holds the imposed coordinates already. Returns the number of force evaluations.
   int run(VecList& x, double tolerance = 1e-9, int newton_steps = 20) {
@@ -149,7 +154,8 @@ enum class Root {
 /// Deflection of a cantilever L x H x H under a small weight over Timoshenko's
 ///   q L^4 / (8 E I) + q L^2 / (2 kappa G A), kappa = 10 (1 + nu) / (12 + 11 nu)   (Cowper 1966).
 /// `model` is a block with groups x0, x1 along x; `material` what its tables were built for.
-inline double cantilever_ratio(const Model& model, const TopologyTextures& topology, const Material& material, Root root) {
+inline double cantilever_ratio(const Model& model, const TopologyTextures& topology, const Material& material,
+                               Root root) {
   const auto n = model.rest.size();
   Vec3 size = Vec3::Zero();
   for (const Vec3& p : model.rest) size = size.cwiseMax(p);
@@ -159,8 +165,8 @@ inline double cantilever_ratio(const Model& model, const TopologyTextures& topol
   const double q = material.density * g * area;
   const double shear = material.young / (2.0 * (1.0 + material.poisson));
   const double cowper = 10.0 * (1.0 + material.poisson) / (12.0 + 11.0 * material.poisson);
-  const double expected = q * std::pow(length, 4) / (8.0 * material.young * inertia) +
-                          q * length * length / (2.0 * cowper * shear * area);
+  const double expected =
+      q * std::pow(length, 4) / (8.0 * material.young * inertia) + q * length * length / (2.0 * cowper * shear * area);
 
   std::vector<std::uint8_t> fixed(n, 0);
   VecList load(n, Vec3::Zero());

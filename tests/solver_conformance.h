@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What every backend must do. Instantiated for each built one in solver_conformance_test.cpp; a backend built out of tree
-// includes this file and instantiates it with a function that makes its solver.
+// What every backend must do. Instantiated for each built one in solver_conformance_test.cpp; a backend built out of
+// tree includes this file and instantiates it with a function that makes its solver.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,7 +18,9 @@ struct BackendUnderTest {
   std::function<std::unique_ptr<Solver>(const Model&, const Scene&, const TopologyOptions&, const SolverOptions&)> make;
 };
 
-inline void PrintTo(const BackendUnderTest& backend, std::ostream* out) { *out << backend.name; }
+inline void PrintTo(const BackendUnderTest& backend, std::ostream* out) {
+  *out << backend.name;
+}
 
 class SolverConformance : public testing::TestWithParam<BackendUnderTest> {
  protected:

@@ -7,14 +7,15 @@ namespace {
 std::vector<BackendUnderTest> built_backends() {
   std::vector<BackendUnderTest> all;
   for (const std::string& name : backend_names()) {
-    all.push_back({name, [name](const Model& model, const Scene& scene, const TopologyOptions& topology,
-                                const SolverOptions& options) { return make_solver(name, model, scene, topology, options); }});
+    all.push_back(
+        {name, [name](const Model& model, const Scene& scene, const TopologyOptions& topology,
+                      const SolverOptions& options) { return make_solver(name, model, scene, topology, options); }});
   }
   return all;
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SolverConformance, testing::ValuesIn(built_backends()), [](const auto& info) {
-  std::string name = info.param.name;
+INSTANTIATE_TEST_SUITE_P(All, SolverConformance, testing::ValuesIn(built_backends()), [](const auto& backend) {
+  std::string name = backend.param.name;
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 });

@@ -71,6 +71,23 @@ struct Material {
   bool operator==(const Material&) const = default;
 };
 
+/// What a file said of a particle's neighbourhood besides the neighbours themselves.
+struct NeighbourhoodFields {
+  Index particle = -1;
+  std::vector<Attribute> attributes;
+  std::optional<Colour> colour;
+  bool operator==(const NeighbourhoodFields&) const = default;
+};
+
+/// What only a PML file knows and no computation uses, kept for writing back; empty for a built shape.
+struct FileExtras {
+  std::vector<Attribute> attributes;      ///< further attributes of the root element
+  Component atom_list;                    ///< name, attributes and colour of the list of atoms; the rest is unused
+  std::vector<Index> neighbourhood_index;  ///< [N] or empty: index of each particle's neighbourhood cell; -1: none
+  std::vector<NeighbourhoodFields> neighbourhood_fields;  ///< those that have any, by increasing particle
+  bool operator==(const FileExtras&) const = default;
+};
+
 struct Model {
   std::string name;
   int dimension = 3;  ///< 3, or 2: particles in the plane z = 0
@@ -88,6 +105,7 @@ struct Model {
   std::vector<Index> file_index;                        ///< [N] or empty: PML atom index of each particle
   std::vector<std::string> particle_name;               ///< [N] or empty
   std::vector<std::vector<Attribute>> particle_fields;  ///< [N] or empty: further atom attributes
+  FileExtras extras;
 
   /// What reading and checking found or mended, a sentence each ("file:line: ..."). Not part of equality.
   std::vector<std::string> notes;

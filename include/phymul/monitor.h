@@ -29,8 +29,9 @@ struct DisplacementNorms {
 };
 DisplacementNorms displacement_norms(const Model& model, const State& state);
 
-/// Error of positions against reference positions. `skip` [N] or empty: not 0 = leave the particle out (prescribed
-/// ones).
+/// Error of positions against reference positions. A particle whose reference is within 1e-12 body sizes of its rest
+/// place does not move. Percentiles by nearest rank. Throws Error when the sizes do not agree. `skip` [N] or empty: not
+/// 0 = leave the particle out (prescribed ones).
 struct PositionError {
   double global_ratio = 0.0;  ///< sqrt(sum |u - u_ref|^2 / sum |u_ref|^2), u the displacement from rest
   double max = 0.0;           ///< largest |x - x_ref|, m

@@ -5,6 +5,7 @@
 
 #include <phymul/model.h>
 
+#include <cstddef>
 #include <iosfwd>
 #include <string>
 
@@ -14,7 +15,7 @@ struct PmlOptions {
   double length_unit = 1e-3;         ///< metres per file unit; PML files are in millimetres by habit
   double default_mass = 1.0;         ///< kg, where neither atom nor neighbourhood cell nor its component has one
   double default_stiffness = 1.0;    ///< N/m, likewise
-  std::size_t max_bytes = 4u << 30;  ///< larger files are refused
+  std::size_t max_bytes = std::size_t{4} << 30;  ///< larger files are refused
 };
 
 /// Reads a body. Neighbourhoods come from the structuralComponent "Neighborhoods" where there is one, else from the
@@ -26,7 +27,9 @@ Model read_pml(const std::string& path, const PmlOptions& options = {});
 /// The same from memory; `source` stands for the file name in messages.
 Model read_pml_text(std::string text, const std::string& source, const PmlOptions& options = {});
 
-/// Writes the model so that read_pml with the same options gives an equal one, unknown attributes included.
+/// Writes the model so that read_pml with the same options gives an equal one, unknown attributes included. Coordinates
+/// come back bit by bit where length_unit is a power of ten, else within two units in the last place. A cell that two
+/// components define is written in the first and referred to in the second.
 /// Throws Error when the file cannot be written; an existing file is replaced only by a complete one.
 void write_pml(const Model& model, const std::string& path, const PmlOptions& options = {});
 void write_pml(const Model& model, std::ostream& out, const PmlOptions& options = {});

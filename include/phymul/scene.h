@@ -63,11 +63,16 @@ struct LoadFrame {
 ///   of their rest places.
 /// - force: v u newtons on each particle.
 /// - pressure: v pascals on every surface facet all of whose particles are meant; the facet's rest area times v,
-///   along u, or inward where no direction is given, shared evenly by its particles.
+///   along u, or inward where no direction is given, shared evenly by its particles. Surface facets are the faces that
+///   exactly one volume cell has; in a model without volume cells its triangles and quads, counter-clockwise seen
+///   from outside. In 2-D: edges of one cell alone, or lines with the outside on their right; per metre of thickness.
+/// A particle listed twice in a load is meant once. Where loads impose the same coordinate, the later one holds;
+/// an imposed coordinate beats any force; forces add up.
 /// - acceleration: mass times v u on each particle.
 class Scene {
  public:
   explicit Scene(const Model& model);
+  explicit Scene(const Model&&) = delete;  ///< a temporary would be gone before the first step
 
   const Model& model() const { return *model_; }
 
@@ -93,16 +98,25 @@ class Scene {
   void evaluate(double time, LoadFrame& frame) const;
 
  private:
-  struct Facet {
-    std::array<Index, 4> particles;  // -1 in the last place: a triangle
-    Vec3 area;                       // outward normal times rest area, m^2
+  /// A load made ready: what is left to do at an instant is to multiply by its value.
+  struct Action {
+    std::vector<Index> particles;  // sorted, each once
+    VecList unit;                  // [particles] loads and translations: effect per unit of value; rotations: rest
+                                   // place from the centroid, m
+    Vec3 axis{0, 0, 0};            // unit axis of a rotation; direction of a uniform acceleration
+    std::uint8_t imposed = 0;      // bit a set: coordinate a is imposed
+    bool uniform = false;          // an acceleration of the whole body along one direction, which needs no forces
   };
 
   void require(const Load& load) const;
+  Action prepared(const Load& load) const;
+  Action prepared_rotation(const Load& load, Action action) const;
+  Action prepared_pressure(const Load& load, Action action) const;
+  Vec3 unit_direction(const Load& load, const Vec3& from) const;
 
   const Model* model_;
   std::vector<Load> loads_;
-  std::vector<std::vector<Facet>> facets_;  // per load; empty unless it is a pressure
+  std::vector<Action> actions_;  // per load
   Vec3 gravity_{0, 0, 0};
   std::uint64_t version_ = 0;
 };

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/check.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+
+#include "cell_geometry.h"
+#include "duplicates.h"
+
+namespace phymul {
+namespace {
+
+constexpr double degenerate_ratio = 1e-6;  // volume / longest edge^3, area / longest edge^2
+constexpr double same_point_ratio = 1e-9;  // distance / body size
+constexpr double massless_ratio = 1e-9;    // mass / mean mass
+constexpr double collinear_ratio = 1e-6;   // distance from the line / length of the line
+constexpr double largest_body = 10.0;      // m
+constexpr double smallest_body = 10.0e-6;  // m
+constexpr std::size_t named_at_most = 5;
+
+Index particle_label(const Model& model, Index i) {
+  return model.file_index.empty() ? i : model.file_index[i];
+}
+
+Index cell_label(const Model& model, Index row) {
+  return model.cells[row].file_index >= 0 ? model.cells[row].file_index : row;
+}
+
+/// "1 particle has" or "3 particles have", as `one` and `many` say.
+std::string counted(std::size_t count, const char* one, const char* many) {
+  return std::to_string(count) + ' ' + (count == 1 ? one : many);
+}
+
+/// The first few items, each as `name` writes it: "3, 7, 9 and 12 more".
+template <class Items, class Name>
+std::string first_few(const Items& items, Name name) {
+  std::string text;
+  for (std::size_t k = 0; k < std::min(items.size(), named_at_most); ++k) text += (k ? ", " : "") + name(items[k]);
+  if (items.size() > named_at_most) text += " and " + std::to_string(items.size() - named_at_most) + " more";
+  return text;
+}
+
+std::string particles_named(const Model& model, const std::vector<Index>& items) {
+  return first_few(items, [&](Index i) { return std::to_string(particle_label(model, i)); });
+}
+
+std::string cells_named(const Model& model, const std::vector<Index>& items) {
+  return first_few(items, [&](Index row) { return std::to_string(cell_label(model, row)); });
+}
+
+double longest_edge(const Model& model, const Cell& cell) {
+  double longest = 0.0;
+  for (const CellEdge& edge : cell_edges(cell.type)) {
+    const double length = (model.rest[cell.particles[edge[0]]] - model.rest[cell.particles[edge[1]]]).norm();
+    longest = std::max(longest, length);
+  }
+  return longest;
+}
+
+bool repeats_a_vertex(const Cell& cell) {
+  for (std::size_t a = 0; a < cell.particles.size(); ++a) {
+    for (std::size_t b = 0; b < a; ++b) {
+      if (cell.particles[a] == cell.particles[b]) return true;
+    }
+  }
+  return false;
+}
+
+/// Lines, whose only measure is their length, are degenerate by a repeated vertex alone.
+bool is_degenerate(const Model& model, const Cell& cell) {
+  if (cell_edges(cell.type).empty()) return false;
+  if (repeats_a_vertex(cell)) return true;
+  const double edge = longest_edge(model, cell);
+  if (is_volume(cell.type)) {
+    const double volume = signed_volume(cell.type, cell.particles, model.rest);
+    return !(std::abs(volume) >= degenerate_ratio * edge * edge * edge) || volume == 0.0;
+  }
+  if (cell.type == CellType::line) return false;
+  const double area = area_vector(cell.particles, model.rest).norm();
+  return !(area >= degenerate_ratio * edge * edge) || area == 0.0;
+}
+
+void look_at_cells(const Model& model, bool mending, std::vector<Finding>& findings) {
+  Finding winding{Flaw::winding, {}, mending, {}}, degenerate{Flaw::degenerate_cell, {}, false, {}};
+  for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
+    const Cell& cell = model.cells[row];
+    if (is_degenerate(model, cell)) {
+      degenerate.items.push_back(row);
+    } else if (signed_measure(model.dimension, cell, model.rest) < 0.0) {
+      winding.items.push_back(row);
+    }
+  }
+  if (!winding.items.empty()) {
+    winding.message = counted(winding.items.size(), "cell is wound", "cells are wound") +
+                      " the wrong way, with negative " + (model.dimension == 3 ? "volume: " : "area: ") +
+                      cells_named(model, winding.items) + (mending ? "; turned round" : "; check_mesh mends this");
+    findings.push_back(std::move(winding));
+  }
+  if (!degenerate.items.empty()) {
+    degenerate.message = counted(degenerate.items.size(), "cell is", "cells are") +
+                         " degenerate, with no volume or area for the length of the edges or a vertex repeated: " +
+                         cells_named(model, degenerate.items) +
+                         "; remove such cells, or mend the order of the vertices";
+    findings.push_back(std::move(degenerate));
+  }
+}
+
+/// All rows in the pairs, each once, sorted.
+std::vector<Index> rows_of(const Repeats& repeats) {
+  std::vector<Index> rows;
+  for (const auto& [row, original] : repeats) rows.insert(rows.end(), {row, original});
+  std::sort(rows.begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  return rows;
+}
+
+void look_for_repeats(const Model& model, std::vector<Finding>& findings) {
+  const Repeats cells = repeated_cells(model.cells);
+  if (!cells.empty()) {
+    const std::string named = first_few(cells, [&](const std::pair<Index, Index>& pair) {
+      return std::to_string(cell_label(model, pair.first)) + " repeats " +
+             std::to_string(cell_label(model, pair.second));
+    });
+    findings.push_back({Flaw::duplicate_cell, rows_of(cells), false,
+                        counted(cells.size(), "cell stands", "cells stand") + " over the particles of another: " +
+                            named + "; keep one of each, or their volume counts twice"});
+  }
+  const Repeats points = repeated_points(model.rest, same_point_ratio * body_size(model));
+  if (!points.empty()) {
+    const std::string named = first_few(points, [&](const std::pair<Index, Index>& pair) {
+      return std::to_string(particle_label(model, pair.first)) + " on " +
+             std::to_string(particle_label(model, pair.second));
+    });
+    findings.push_back({Flaw::duplicate_point, rows_of(points), false,
+                        counted(points.size(), "particle lies", "particles lie") + " on the place of another: " +
+                            named + "; merge such pairs, unless the body is meant to be cut there"});
+  }
+}
+
+void look_at_masses(const Model& model, std::vector<Finding>& findings) {
+  const double sum = std::accumulate(model.mass.begin(), model.mass.end(), 0.0);
+  const double least = massless_ratio * sum / static_cast<double>(model.mass.size());
+  std::vector<Index> items;
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    if (model.mass[i] < least) items.push_back(i);
+  }
+  if (items.empty()) return;
+  std::string message = counted(items.size(), "particle has", "particles have") +
+                        " next to no mass beside the mean: " + particles_named(model, items) +
+                        "; give more, or the stable step becomes tiny";
+  findings.push_back({Flaw::massless, std::move(items), false, std::move(message)});
+}
+
+/// Neighbours of a particle other than itself, each once.
+void gather_neighbours(const Model& model, Index i, std::vector<Index>& others) {
+  others.assign(model.neighbours.begin(i), model.neighbours.end(i));
+  std::sort(others.begin(), others.end());
+  others.erase(std::unique(others.begin(), others.end()), others.end());
+  others.erase(std::remove(others.begin(), others.end(), i), others.end());
+}
+
+bool on_one_line(const Model& model, const std::vector<Index>& others) {
+  const Vec3& a = model.rest[others.front()];
+  Vec3 line = Vec3::Zero();
+  for (const Index j : others) {
+    const Vec3 to = model.rest[j] - a;
+    if (to.squaredNorm() > line.squaredNorm()) line = to;
+  }
+  const double width = collinear_ratio * line.squaredNorm();
+  return std::all_of(others.begin(), others.end(),
+                     [&](Index j) { return line.cross(model.rest[j] - a).norm() <= width; });
+}
+
+/// Particles that no cell holds though the body is made of cells.
+std::vector<char> outside_the_cells(const Model& model) {
+  const bool made_of_cells = std::any_of(model.cells.begin(), model.cells.end(),
+                                         [&](const Cell& cell) { return is_solid(model.dimension, cell.type); });
+  std::vector<char> outside(model.rest.size(), made_of_cells);
+  for (const Cell& cell : model.cells) {
+    if (cell_edges(cell.type).empty()) continue;
+    for (const Index i : cell.particles) outside[i] = 0;
+  }
+  return outside;
+}
+
+void look_at_neighbours(const Model& model, bool mending, std::vector<Finding>& findings) {
+  const std::size_t needed = model.dimension == 3 ? 3 : 2;
+  const std::vector<char> outside = outside_the_cells(model);
+  Finding isolated{Flaw::isolated, {}, false, {}}, few{Flaw::few_neighbours, {}, false, {}},
+      own{Flaw::self_neighbour, {}, mending, {}};
+  std::vector<Index> others;
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    gather_neighbours(model, i, others);
+    if (others.empty() || outside[i]) isolated.items.push_back(i);
+    // Two points always lie on a line, which in the plane is all that a base needs.
+    if (others.size() < needed || (model.dimension == 3 && on_one_line(model, others))) few.items.push_back(i);
+    if (std::find(model.neighbours.begin(i), model.neighbours.end(i), i) != model.neighbours.end(i)) {
+      own.items.push_back(i);
+    }
+  }
+  if (!isolated.items.empty()) {
+    isolated.message = counted(isolated.items.size(), "particle has", "particles have") +
+                       " no neighbours or no cell around: " + particles_named(model, isolated.items) +
+                       "; nothing elastic holds such a particle: remove it, or add it to the mesh";
+    findings.push_back(std::move(isolated));
+  }
+  if (!few.items.empty()) {
+    few.message = counted(few.items.size(), "particle has", "particles have") + " fewer than " +
+                  std::to_string(needed) + " neighbours" +
+                  (model.dimension == 3 ? " or all of them on one line: " : ": ") + particles_named(model, few.items) +
+                  "; add neighbours, or choose what becomes of sparse particles";
+    findings.push_back(std::move(few));
+  }
+  if (!own.items.empty()) {
+    own.message = counted(own.items.size(),
+                          "particle is among its own neighbours: ", "particles are among their own neighbours: ") +
+                  particles_named(model, own.items) +
+                  (mending ? "; removed from the lists" : "; check_mesh mends this");
+    findings.push_back(std::move(own));
+  }
+}
+
+void look_at_units(const Model& model, std::vector<Finding>& findings) {
+  const double size = body_size(model);
+  if (size <= largest_body && (size >= smallest_body || size == 0.0)) return;
+  char text[160];
+  std::snprintf(text, sizeof text, "the body is %g m large: perhaps %s; set the length unit when reading", size,
+                size > largest_body ? "millimetres were read as metres" : "metres were read as millimetres");
+  findings.push_back({Flaw::suspect_units, {}, false, text});
+}
+
+std::vector<Finding> look(const Model& model, bool mending) {
+  std::vector<Finding> findings;
+  look_at_cells(model, mending, findings);
+  look_for_repeats(model, findings);
+  look_at_masses(model, findings);
+  look_at_neighbours(model, mending, findings);
+  look_at_units(model, findings);
+  return findings;
+}
+
+void turn_round(Cell& cell) {
+  const std::span<const int> place = cell_reversal(cell.type);
+  const std::vector<Index> old = cell.particles;
+  for (std::size_t v = 0; v < old.size(); ++v) cell.particles[v] = old[place[v]];
+}
+
+void remove_self_neighbours(RaggedList& neighbours) {
+  RaggedList kept;
+  std::vector<Index> row;
+  for (Index i = 0; i < neighbours.rows(); ++i) {
+    row.assign(neighbours.begin(i), neighbours.end(i));
+    row.erase(std::remove(row.begin(), row.end(), i), row.end());
+    kept.push_row(row.begin(), row.end());
+  }
+  neighbours = std::move(kept);
+}
+
+}  // namespace
+
+std::vector<Finding> find_flaws(const Model& model) {
+  return look(model, false);
+}
+
+std::vector<Finding> check_mesh(Model& model, const std::string& source) {
+  std::vector<Finding> findings = look(model, true);
+  for (const Finding& finding : findings) {
+    if (finding.flaw == Flaw::winding) {
+      for (const Index row : finding.items) turn_round(model.cells[row]);
+    }
+    if (finding.flaw == Flaw::self_neighbour) remove_self_neighbours(model.neighbours);
+    model.notes.push_back(source.empty() ? finding.message : source + ": " + finding.message);
+  }
+  return findings;
+}
+
+}  // namespace phymul

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/error.h>
+#include <phymul/monitor.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "cell_geometry.h"
+
+namespace phymul {
+namespace {
+
+constexpr double unmoved_ratio = 1e-12;  // displacement of the reference / body size
+
+void require_count(const Model& model, std::size_t count, const char* what) {
+  if (count == model.rest.size()) return;
+  throw Error("expected " + std::to_string(model.rest.size()) + " " + what + ", one per particle, got " +
+              std::to_string(count));
+}
+
+/// Sum over particles of mass times term(i).
+template <class Term>
+Vec3 mass_sum(const Model& model, Term term) {
+  Vec3 sum = Vec3::Zero();
+  for (Index i = 0; i < model.particle_count(); ++i) sum += model.mass[i] * term(i);
+  return sum;
+}
+
+/// The value that the share of all values is not above, by nearest rank; 0 for none. Reorders the values.
+double percentile(std::vector<double>& values, double share) {
+  if (values.empty()) return 0.0;
+  const double rank = std::ceil(share * static_cast<double>(values.size()));
+  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(std::max(rank, 1.0)) - 1;
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
+}
+
+/// Infinite where a coordinate is not a number, so that such a particle counts as the worst.
+double distance(const Vec3& a, const Vec3& b) {
+  const double length = (a - b).norm();
+  return std::isnan(length) ? std::numeric_limits<double>::infinity() : length;
+}
+
+}  // namespace
+
+Vec3 linear_momentum(const Model& model, const State& state) {
+  require_count(model, state.velocity.size(), "velocities");
+  return mass_sum(model, [&](Index i) { return state.velocity[i]; });
+}
+
+Vec3 angular_momentum(const Model& model, const State& state, const Vec3& about) {
+  require_count(model, state.position.size(), "positions");
+  require_count(model, state.velocity.size(), "velocities");
+  return mass_sum(model, [&](Index i) -> Vec3 { return (state.position[i] - about).cross(state.velocity[i]); });
+}
+
+Vec3 centre_of_mass(const Model& model, const State& state) {
+  require_count(model, state.position.size(), "positions");
+  double mass = 0.0;
+  for (const double m : model.mass) mass += m;
+  return mass_sum(model, [&](Index i) { return state.position[i]; }) / mass;
+}
+
+double kinetic_energy(const Model& model, const State& state) {
+  require_count(model, state.velocity.size(), "velocities");
+  double sum = 0.0;
+  for (Index i = 0; i < model.particle_count(); ++i) sum += 0.5 * model.mass[i] * state.velocity[i].squaredNorm();
+  return sum;
+}
+
+double volume(const Model& model, std::span<const Vec3> position) {
+  require_count(model, position.size(), "positions");
+  double sum = 0.0;
+  for (const Cell& cell : model.cells) sum += signed_measure(model.dimension, cell, position);
+  return sum;
+}
+
+DisplacementNorms displacement_norms(const Model& model, const State& state) {
+  require_count(model, state.position.size(), "positions");
+  DisplacementNorms norms;
+  double squares = 0.0;
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    const double length = distance(state.position[i], model.rest[i]);
+    squares += length * length;
+    if (norms.max_particle < 0 || length > norms.max) {
+      norms.max = length;
+      norms.max_particle = i;
+    }
+  }
+  if (!model.rest.empty()) norms.rms = std::sqrt(squares / static_cast<double>(model.rest.size()));
+  return norms;
+}
+
+std::vector<double> relative_errors(const Model& model, std::span<const Vec3> position,
+                                    std::span<const Vec3> reference) {
+  require_count(model, position.size(), "positions");
+  require_count(model, reference.size(), "reference positions");
+  const double unmoved = unmoved_ratio * body_size(model);
+  std::vector<double> errors(model.rest.size(), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    const double moved = (reference[i] - model.rest[i]).norm();
+    if (moved > unmoved) errors[i] = distance(position[i], reference[i]) / moved;
+  }
+  return errors;
+}
+
+PositionError position_error(const Model& model, std::span<const Vec3> position, std::span<const Vec3> reference,
+                             std::span<const std::uint8_t> skip) {
+  const std::vector<double> relative = relative_errors(model, position, reference);
+  if (!skip.empty()) require_count(model, skip.size(), "marks of particles to skip (or none)");
+  PositionError error;
+  std::vector<double> distances, rens;
+  double off = 0.0, moved = 0.0;
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    if (!skip.empty() && skip[i] != 0) continue;
+    const double length = distance(position[i], reference[i]);
+    distances.push_back(length);
+    off += length * length;
+    moved += (reference[i] - model.rest[i]).squaredNorm();
+    if (error.max_particle < 0 || length > error.max) {
+      error.max = length;
+      error.max_particle = i;
+    }
+    if (std::isnan(relative[i])) continue;
+    rens.push_back(relative[i]);
+    error.max_ren = std::max(error.max_ren, relative[i]);
+  }
+  if (off > 0.0) error.global_ratio = std::sqrt(off / moved);
+  error.p95 = percentile(distances, 0.95);
+  error.median_ren = percentile(rens, 0.5);
+  return error;
+}
+
+}  // namespace phymul

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+//
+// The attribute by which write_pml says what plain PML cannot, so that reading gives an equal model. Other programs keep
+// or ignore it like any attribute they do not know.
+#pragma once
+
+#include <phymul/model.h>
+
+#include <optional>
+#include <string_view>
+
+namespace phymul {
+
+inline constexpr const char* pml_mark_attribute = "phymul";
+
+struct PmlMarks {
+  bool unnumbered = false;   ///< root, cell: the model has no file indices, those written are rows
+  bool wrapper = false;      ///< multiComponent: stands only because PML wants one root; no row of Model::components
+  bool loose = false;        ///< structuralComponent: holds cells that are in no component; no row either
+  bool unlisted = false;     ///< structuralComponent "Neighborhoods": no row either
+  std::optional<Index> row;  ///< component, cell: row in the model where it is not the order of the file
+};
+
+/// Parses the blank-separated words of the attribute ("unnumbered row=12"); none where a word is not known.
+std::optional<PmlMarks> parse_pml_marks(std::string_view text);
+
+}  // namespace phymul

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+
+#include "pml_reader.h"
+
+namespace phymul {
+
+void PmlReader::open_neighbourhoods(pugi::xml_node component) {
+  if (neighbourhoods_) {
+    xml_.fail(component, "expected one component \"Neighborhoods\", got a second one; the first is on line " +
+                             std::to_string(xml_.line(neighbourhoods_)) + "; put their cells together");
+  }
+  neighbourhoods_ = component;
+  const pugi::xml_attribute mass = component.attribute("mass");
+  const pugi::xml_attribute stiffness = component.attribute("stiffness");
+  if (mass) component_mass_ = positive(component, "mass", mass.value(), false);
+  if (stiffness) component_stiffness_ = positive(component, "stiffness", stiffness.value(), true);
+}
+
+void PmlReader::read_neighbourhood(pugi::xml_node cell, const CellHead& head) {
+  constexpr std::string_view prefix = "Atom #";
+  if (head.type != CellType::poly_vertex) {
+    xml_.fail(head.node, std::string("expected a neighbourhood of type POLY_VERTEX, got ") + cell_name(head.type));
+  }
+  const std::optional<std::int64_t> number = parse_integer(head.name.substr(prefix.size()));
+  const Index row = number ? atoms_.find(*number) : -1;
+  if (row < 0) {
+    xml_.fail(head.node, "expected a neighbourhood named \"Atom #\" and the index of an atom, got " +
+                             XmlSource::cite(head.name) + ", which names no atom");
+  }
+  if (neighbourhood_cell_.empty()) neighbourhood_cell_.resize(model_.rest.size());
+  if (neighbourhood_cell_[row]) {
+    xml_.fail(head.node, "expected one neighbourhood for each atom, got another for atom " + std::to_string(*number) +
+                             "; the first is on line " + std::to_string(xml_.line(neighbourhood_cell_[row])));
+  }
+  neighbourhood_cell_[row] = cell;
+  if (head.index >= 0) {
+    if (model_.extras.neighbourhood_index.empty()) model_.extras.neighbourhood_index.assign(model_.rest.size(), -1);
+    model_.extras.neighbourhood_index[row] = head.index;
+  }
+  // Read even where the atom has its own: a wrong number is an error wherever it stands.
+  if (head.mass.data() != nullptr) {
+    const double mass = positive(head.node, "mass", head.mass, false);
+    if (std::isnan(model_.mass[row])) model_.mass[row] = mass;
+  }
+  if (head.stiffness.data() != nullptr) {
+    const double stiffness = positive(head.node, "stiffness", head.stiffness, true);
+    if (std::isnan(model_.stiffness[row])) model_.stiffness[row] = stiffness;
+  }
+}
+
+void PmlReader::finish_neighbourhoods() {
+  if (neighbourhood_cell_.empty()) {
+    if (neighbourhoods_) xml_.note(neighbourhoods_, "no neighbourhood in \"Neighborhoods\"; they are made from the cells");
+    model_.neighbours = neighbours_from_cells(model_.cells, model_.particle_count());
+    return;
+  }
+  std::vector<Index> row_entries;
+  std::vector<Index> missing;
+  for (Index row = 0; row < model_.particle_count(); ++row) {
+    row_entries.clear();
+    const pugi::xml_node cell = neighbourhood_cell_[row];
+    if (cell) {
+      read_cell_parts(cell, row_entries);
+      keep_neighbourhood_fields(cell, row);
+    } else {
+      missing.push_back(row);
+    }
+    if (model_.neighbours.entry.size() + row_entries.size() > largest_count) {
+      xml_.fail(cell, "expected fewer than 2^31 neighbours in all, got more");
+    }
+    model_.neighbours.push_row(row_entries.begin(), row_entries.end());
+  }
+  if (!missing.empty()) note_missing(missing);
+}
+
+void PmlReader::keep_neighbourhood_fields(pugi::xml_node cell, Index row) {
+  NeighbourhoodFields fields;
+  fields.particle = row;
+  fields.attributes =
+      xml_.other_attributes(cell.child("cellProperties"), {"index", "name", "type", pml_mark_attribute});
+  if (const pugi::xml_node node = cell.child("color")) fields.colour = colour(node);
+  if (!fields.attributes.empty() || fields.colour) {
+    model_.extras.neighbourhood_fields.push_back(std::move(fields));
+  }
+}
+
+void PmlReader::note_missing(const std::vector<Index>& rows) {
+  constexpr std::size_t shown = 10;
+  std::string list;
+  for (std::size_t i = 0; i < rows.size() && i < shown; ++i) {
+    const Index row = rows[i];
+    list += (i == 0 ? "" : ", ") + std::to_string(model_.file_index.empty() ? row : model_.file_index[row]);
+  }
+  if (rows.size() > shown) list += ", ...";
+  xml_.note(neighbourhoods_, std::to_string(rows.size()) + " atom(s) have no neighbourhood and get no neighbours: " + list);
+}
+
+void PmlReader::finish_particles() {
+  const double mass = std::isnan(component_mass_) ? options_.default_mass : component_mass_;
+  const double stiffness = std::isnan(component_stiffness_) ? options_.default_stiffness : component_stiffness_;
+  for (Index row = 0; row < model_.particle_count(); ++row) {
+    if (std::isnan(model_.mass[row])) model_.mass[row] = mass;
+    if (std::isnan(model_.stiffness[row])) model_.stiffness[row] = stiffness;
+  }
+}
+
+}  // namespace phymul
