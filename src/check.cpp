@@ -96,14 +96,14 @@ void look_at_cells(const Model& model, bool mending, std::vector<Finding>& findi
   if (!winding.items.empty()) {
     winding.message = counted(winding.items.size(), "cell is wound", "cells are wound") +
                       " the wrong way, with negative " + (model.dimension == 3 ? "volume: " : "area: ") +
-                      cells_named(model, winding.items) +
-                      (mending ? "; turned round" : "; check_mesh turns them round");
+                      cells_named(model, winding.items) + (mending ? "; turned round" : "; check_mesh mends this");
     findings.push_back(std::move(winding));
   }
   if (!degenerate.items.empty()) {
     degenerate.message = counted(degenerate.items.size(), "cell is", "cells are") +
                          " degenerate, with no volume or area for the length of the edges or a vertex repeated: " +
-                         cells_named(model, degenerate.items) + "; remove them, or mend the order of their vertices";
+                         cells_named(model, degenerate.items) +
+                         "; remove such cells, or mend the order of the vertices";
     findings.push_back(std::move(degenerate));
   }
 }
@@ -136,7 +136,7 @@ void look_for_repeats(const Model& model, std::vector<Finding>& findings) {
     });
     findings.push_back({Flaw::duplicate_point, rows_of(points), false,
                         counted(points.size(), "particle lies", "particles lie") + " on the place of another: " +
-                            named + "; merge them, unless the body is meant to be cut there"});
+                            named + "; merge such pairs, unless the body is meant to be cut there"});
   }
 }
 
@@ -150,7 +150,7 @@ void look_at_masses(const Model& model, std::vector<Finding>& findings) {
   if (items.empty()) return;
   std::string message = counted(items.size(), "particle has", "particles have") +
                         " next to no mass beside the mean: " + particles_named(model, items) +
-                        "; give them mass, or the stable step becomes tiny";
+                        "; give more, or the stable step becomes tiny";
   findings.push_back({Flaw::massless, std::move(items), false, std::move(message)});
 }
 
@@ -215,9 +215,10 @@ void look_at_neighbours(const Model& model, bool mending, std::vector<Finding>& 
     findings.push_back(std::move(few));
   }
   if (!own.items.empty()) {
-    own.message = counted(own.items.size(), "particle is", "particles are") +
-                  " listed among their own neighbours: " + particles_named(model, own.items) +
-                  (mending ? "; removed from the lists" : "; check_mesh removes them from the lists");
+    own.message = counted(own.items.size(),
+                          "particle is among its own neighbours: ", "particles are among their own neighbours: ") +
+                  particles_named(model, own.items) +
+                  (mending ? "; removed from the lists" : "; check_mesh mends this");
     findings.push_back(std::move(own));
   }
 }

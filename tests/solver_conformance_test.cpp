@@ -14,8 +14,8 @@ std::vector<BackendUnderTest> built_backends() {
   return all;
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SolverConformance, testing::ValuesIn(built_backends()), [](const auto& info) {
-  std::string name = info.param.name;
+INSTANTIATE_TEST_SUITE_P(All, SolverConformance, testing::ValuesIn(built_backends()), [](const auto& backend) {
+  std::string name = backend.param.name;
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 });

@@ -71,7 +71,7 @@ struct EnergyRun {
 EnergyRun run_undamped(const Model& model, const TopologyOptions& topology, double share_of_limit, int steps) {
   const Scene scene(model);
   const auto solver = make_solver("reference", model, scene, topology, allowing());
-  solver->reset(bent(model, 0.01));
+  solver->reset(bent(model, 0.001));
   const double dt = share_of_limit * solver->stable_step();
   solver->step(1, dt);
   const double before = solver->energy().total();

@@ -4,6 +4,7 @@
 #include <phymul/elasticity.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "integrate.h"
@@ -124,9 +125,10 @@ class ReferenceSolver final : public Solver {
     }
   }
 
+  /// Squares, so that a runaway is caught while distances can still be computed.
   Index first_not_finite() const {
     for (Index i = 0; i < topology().particle_count; ++i) {
-      if (!next_position_[i].allFinite() || !next_velocity_[i].allFinite()) return i;
+      if (!std::isfinite(next_position_[i].squaredNorm() + next_velocity_[i].squaredNorm())) return i;
     }
     return -1;
   }

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+//
+// Counts allocations of the whole test program, for what promises to make none.
+#include "allocation_count.h"
+
+#include <gtest/gtest.h>
+#include <phymul/scene.h>
+#include <phymul/shapes.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <memory>
+#include <new>
+
+namespace {
+
+std::atomic<std::size_t> allocations{0};
+
+void* counted(std::size_t size, std::size_t alignment) {
+  ++allocations;
+  const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
+  void* memory = std::aligned_alloc(alignment, rounded == 0 ? alignment : rounded);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+  return counted(size, alignof(std::max_align_t));
+}
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return counted(size, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::align_val_t) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}
+
+namespace phymul {
+
+std::size_t allocation_count() {
+  return allocations;
+}
+
+namespace {
+
+TEST(AllocationCount, SeesAllocations) {
+  const std::size_t before = allocation_count();
+  const auto memory = std::make_unique<double[]>(100);
+  ASSERT_NE(memory, nullptr);
+  EXPECT_GT(allocation_count(), before);
+}
+
+TEST(AllocationCount, EvaluatingASceneAllocatesNothing) {
+  const Model model = make_block({1, 1, 1}, 4, 4, 4);
+  Scene scene(model);
+  scene.gravity({0, 0, -9.81}).fix("x0");
+  for (const LoadType type :
+       {LoadType::translation, LoadType::rotation, LoadType::force, LoadType::pressure, LoadType::acceleration}) {
+    Load load;
+    load.type = type;
+    load.particles = model.group("z1");
+    load.direction = Vec3(0, 0, 1);
+    load.events = {{0.0, 0.0}, {0.5, 1.0}, {1.0, -1.0}};
+    scene.add(load);
+  }
+  LoadFrame frame;
+  scene.prepare(frame);
+  const std::size_t before = allocation_count();
+  for (int k = 0; k < 100; ++k) scene.evaluate(0.013 * k, frame);
+  EXPECT_EQ(allocation_count(), before);
+}
+
+}  // namespace
+}  // namespace phymul
