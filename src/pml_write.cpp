@@ -45,7 +45,9 @@ class PmlWriter {
   PmlLayout layout_;
 };
 
-bool is_material_name(std::string_view name) { return name == "young" || name == "poisson" || name == "density"; }
+bool is_material_name(std::string_view name) {
+  return name == "young" || name == "poisson" || name == "density";
+}
 
 bool has_material_names(const std::vector<Attribute>& attributes) {
   return std::any_of(attributes.begin(), attributes.end(),
@@ -57,11 +59,10 @@ void PmlWriter::write() {
   if (!model_.name.empty()) xml_.attribute("name", model_.name);
   if (model_.dimension != 3) xml_.attribute("dimension", Index{model_.dimension});
   write_counts();
-  if (model_.file_index.empty()) write_mark("unnumbered");
-  write_attributes(model_.extras.attributes,
-                   {"name", "dimension", "nrOfAtoms", "nrOfExclusiveComponents", "nrOfInformativeComponents",
-                    "nrOfCells", pml_mark_attribute},
-                   "physicalModel");
+  write_attributes(
+      model_.extras.attributes,
+      {"name", "dimension", "nrOfAtoms", "nrOfExclusiveComponents", "nrOfInformativeComponents", "nrOfCells"},
+      "physicalModel");
   write_atoms();
   write_section("exclusiveComponents", true);
   if (!layout_.roots[0].empty()) write_section("informativeComponents", false);
@@ -84,7 +85,8 @@ void PmlWriter::write_atoms() {
   xml_.open("atoms");
   xml_.open("structuralComponent");
   if (!list.name.empty()) xml_.attribute("name", list.name);
-  write_attributes(list.attributes, {"name"}, "structuralComponent");
+  if (model_.file_index.empty()) write_mark("unnumbered");
+  write_attributes(list.attributes, {"name", pml_mark_attribute}, "structuralComponent");
   write_colour(list.colour);
   xml_.leaf("nrOfStructures", "value", model_.rest.size());
   constexpr const char* axes[] = {"x", "y", "z"};
@@ -125,6 +127,7 @@ void PmlWriter::write_section(const char* element, bool exclusive) {
   xml_.open(element);
   if (wrapped) {
     xml_.open("multiComponent");
+    xml_.attribute("name", std::string_view(exclusive ? "Exclusive Components" : "Informative Components"));
     write_mark("wrapper");
   }
   for (const Index row : roots) write_component(row);
@@ -152,10 +155,12 @@ void PmlWriter::write_component(Index row) {
   for (const Index child : layout_.children[row]) write_component(child);
   if (component.structural) {
     const bool neighbourhoods = row == layout_.neighbourhoods;
-    const std::size_t structures = layout_.own_cells[row].size() + layout_.references[row].size() + component.particles.size();
+    const std::size_t structures =
+        layout_.own_cells[row].size() + layout_.references[row].size() + component.particles.size();
     xml_.leaf("nrOfStructures", "value", structures + (neighbourhoods ? model_.rest.size() : 0));
     for (const Index cell : layout_.own_cells[row]) write_cell(cell, material >= 0);
-    for (const Index cell : layout_.references[row]) xml_.leaf("cellRef", "index", static_cast<std::size_t>(layout_.cell_number[cell]));
+    for (const Index cell : layout_.references[row])
+      xml_.leaf("cellRef", "index", static_cast<std::size_t>(layout_.cell_number[cell]));
     for (const Index particle : component.particles) {
       xml_.leaf("atomRef", "index", static_cast<std::size_t>(atom_number(particle)));
     }
@@ -204,6 +209,7 @@ void PmlWriter::write_cell(Index row, bool material_known) {
 
 void PmlWriter::write_loose_cells() {
   xml_.open("structuralComponent");
+  xml_.attribute("name", std::string_view("Elements"));
   write_mark("loose");
   xml_.leaf("nrOfStructures", "value", layout_.loose.size());
   for (const Index cell : layout_.loose) write_cell(cell, false);
@@ -222,7 +228,8 @@ void PmlWriter::write_neighbourhoods() {
     xml_.attribute("type", std::string_view("POLY_VERTEX"));
     xml_.attribute("name", "Atom #" + std::to_string(atom_number(row)));
     const bool has_fields = fields != extras.neighbourhood_fields.end() && fields->particle == row;
-    if (has_fields) write_attributes(fields->attributes, {"index", "type", "name", pml_mark_attribute}, "cellProperties");
+    if (has_fields)
+      write_attributes(fields->attributes, {"index", "type", "name", pml_mark_attribute}, "cellProperties");
     xml_.close();
     if (has_fields) write_colour((fields++)->colour);
     xml_.leaf("nrOfStructures", "value", static_cast<std::size_t>(model_.neighbours.size(row)));
@@ -243,8 +250,8 @@ void PmlWriter::write_attributes(const std::vector<Attribute>& attributes,
                                  std::initializer_list<std::string_view> taken, const char* element) {
   for (const Attribute& attribute : attributes) {
     if (std::find(taken.begin(), taken.end(), attribute.name) != taken.end()) {
-      throw Error("expected further attributes of <" + std::string(element) + "> under other names than its own, got \"" +
-                  attribute.name + '"');
+      throw Error("expected further attributes of <" + std::string(element) +
+                  "> under other names than its own, got \"" + attribute.name + '"');
     }
     xml_.attribute(attribute.name, attribute.value);
   }
@@ -258,7 +265,9 @@ void PmlWriter::write_colour(const std::optional<Colour>& colour) {
   xml_.close();
 }
 
-void PmlWriter::write_mark(const std::string& words) { xml_.attribute(pml_mark_attribute, words); }
+void PmlWriter::write_mark(const std::string& words) {
+  xml_.attribute(pml_mark_attribute, words);
+}
 
 void require_unit(const PmlOptions& options) {
   if (options.length_unit > 0.0 && std::isfinite(options.length_unit)) return;

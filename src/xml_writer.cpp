@@ -19,7 +19,8 @@ constexpr std::size_t piece = 1 << 16;  // bytes handed to the stream at once
 /// pass.
 bool is_name(std::string_view name) {
   const auto starts = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == ':' || static_cast<unsigned char>(c) >= 0x80;
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == ':' ||
+           static_cast<unsigned char>(c) >= 0x80;
   };
   return !name.empty() && starts(name.front()) && std::all_of(name.begin(), name.end(), [&](char c) {
     return starts(c) || (c >= '0' && c <= '9') || c == '-' || c == '.';
@@ -52,11 +53,17 @@ void XmlWriter::attribute(std::string_view name, std::string_view value) {
   buffer_ += '"';
 }
 
-void XmlWriter::attribute(std::string_view name, Index value) { raw_attribute(name, std::to_string(value)); }
+void XmlWriter::attribute(std::string_view name, Index value) {
+  raw_attribute(name, std::to_string(value));
+}
 
-void XmlWriter::attribute(std::string_view name, std::size_t value) { raw_attribute(name, std::to_string(value)); }
+void XmlWriter::attribute(std::string_view name, std::size_t value) {
+  raw_attribute(name, std::to_string(value));
+}
 
-void XmlWriter::attribute(std::string_view name, double value) { raw_attribute(name, to_decimal(value)); }
+void XmlWriter::attribute(std::string_view name, double value) {
+  raw_attribute(name, to_decimal(value));
+}
 
 void XmlWriter::raw_attribute(std::string_view name, std::string_view value) {
   buffer_.append(" ").append(name).append("=\"").append(value).append("\"");
@@ -66,6 +73,11 @@ void XmlWriter::text(std::string_view text) {
   if (in_start_tag_) buffer_ += '>';
   in_start_tag_ = false;
   append_escaped(text);
+}
+
+void XmlWriter::instruction(const char* content) {
+  end_start_tag();
+  buffer_.append("<?").append(content).append("?>\n");
 }
 
 void XmlWriter::close() {

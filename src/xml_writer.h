@@ -25,6 +25,7 @@ class XmlWriter {
   void attribute(std::string_view name, double value);
   void raw_attribute(std::string_view name, std::string_view value);  ///< value needs no escaping
   void text(std::string_view text);
+  void instruction(const char* content);  ///< a processing instruction, for readers that know it
   void close();
 
   /// One child element with one index, the shape of most of a file.

@@ -14,8 +14,8 @@ TEST(Decimal, ParsesWholeNumbersOnly) {
   EXPECT_EQ(parse_decimal("12.5"), 12.5);
   EXPECT_EQ(parse_decimal(" +1 \n"), 1.0);
   EXPECT_EQ(parse_decimal("-.5e+1"), -5.0);
-  for (const char* const wrong : {"", " ", "+", "+-1", "++1", "1,5", "abc", "1.5mm", "1 2", "0x10", "nan", "inf", "-inf",
-                                  "infinity", "1e400", "--1", "1e", "e5"}) {
+  for (const char* const wrong : {"", " ", "+", "+-1", "++1", "1,5", "abc", "1.5mm", "1 2", "0x10", "nan", "inf",
+                                  "-inf", "infinity", "1e400", "--1", "1e", "e5"}) {
     EXPECT_FALSE(parse_decimal(wrong)) << wrong;
     EXPECT_FALSE(DecimalUnit(1e-3).parse(wrong)) << wrong;
     EXPECT_FALSE(DecimalUnit(0.0254).parse(wrong)) << wrong;
