@@ -11,15 +11,15 @@
 namespace phymul {
 
 enum class Flaw {
-  winding,           ///< cell with negative volume; turned round
-  degenerate_cell,   ///< volume (area) below 1e-6 of its longest edge cubed (squared), or a vertex repeated
-  duplicate_cell,    ///< two cells over the same particles
-  duplicate_point,   ///< two particles closer than 1e-9 of the body size
-  massless,          ///< particle whose mass is below 1e-9 of the mean
-  isolated,          ///< particle without neighbours, or in no cell although others are
-  few_neighbours,    ///< fewer than 3 neighbours (2 in 2-D), or all of them on one line
-  self_neighbour,    ///< particle among its own neighbours; removed
-  suspect_units      ///< body larger than 10 m or smaller than 10 micrometres: mm read as m, or the reverse
+  winding,          ///< cell with negative volume; turned round
+  degenerate_cell,  ///< volume (area) below 1e-6 of its longest edge cubed (squared), or a vertex repeated
+  duplicate_cell,   ///< two cells over the same particles
+  duplicate_point,  ///< two particles closer than 1e-9 of the body size
+  massless,         ///< particle whose mass is below 1e-9 of the mean
+  isolated,         ///< particle without neighbours, or in no cell although others are
+  few_neighbours,   ///< fewer than 3 neighbours (2 in 2-D), or all of them on one line
+  self_neighbour,   ///< particle among its own neighbours; removed
+  suspect_units     ///< body larger than 10 m or smaller than 10 micrometres: mm read as m, or the reverse
 };
 
 struct Finding {

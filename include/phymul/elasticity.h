@@ -21,8 +21,8 @@ double elastic_energy(const TopologyTextures& topology, std::span<const Vec3> po
 /// Largest and most negative eigenvalues of M^-1 K linearised about a position, found by Lanczos iteration
 /// (conservative, averaged, springs) or Arnoldi iteration (the others, whose K is not symmetric).
 struct Spectrum {
-  double largest = 0.0;          ///< largest |eigenvalue|, 1/s^2: omega_max squared
-  double most_negative = 0.0;    ///< smallest real part if below 0, 1/s^2: grows as exp(sqrt(-it) t)
+  double largest = 0.0;            ///< largest |eigenvalue|, 1/s^2: omega_max squared
+  double most_negative = 0.0;      ///< smallest real part if below 0, 1/s^2: grows as exp(sqrt(-it) t)
   double largest_imaginary = 0.0;  ///< of the eigenvalues found, 1/s^2: flutter
 };
 

@@ -10,10 +10,10 @@
 namespace phymul {
 
 struct MeshOptions {
-  double length_unit = 1.0;        ///< metres per file unit
-  double default_mass = 1.0;       ///< kg per particle, until set_material
-  double default_stiffness = 1.0;  ///< N/m per particle
-  std::size_t max_bytes = 4u << 30;
+  double length_unit = 1.0;                      ///< metres per file unit
+  double default_mass = 1.0;                     ///< kg per particle, until set_material
+  double default_stiffness = 1.0;                ///< N/m per particle
+  std::size_t max_bytes = std::size_t{4} << 30;  ///< larger files are refused
 };
 
 /// Reads by extension and content: Gmsh .msh (2.2 and 4.1, text and binary), legacy .vtk and XML .vtu unstructured

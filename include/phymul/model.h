@@ -14,18 +14,7 @@
 
 namespace phymul {
 
-enum class CellType {
-  atom,
-  line,
-  triangle,
-  quad,
-  tetrahedron,
-  wedge,
-  pyramid,
-  hexahedron,
-  poly_line,
-  poly_vertex
-};
+enum class CellType { atom, line, triangle, quad, tetrahedron, wedge, pyramid, hexahedron, poly_line, poly_vertex };
 
 /// Particles a cell of this type has; 0 where any number is allowed (poly_line, poly_vertex).
 int cell_size(CellType type);
@@ -63,9 +52,9 @@ struct Cell {
 /// always stands before its children.
 struct Component {
   std::string name;
-  Index parent = -1;        ///< row of Model::components; -1: a root
-  bool exclusive = true;    ///< true: part of the body's own partition; false: an overlapping group
-  bool structural = true;   ///< true: holds cells and particles; false: holds components only
+  Index parent = -1;             ///< row of Model::components; -1: a root
+  bool exclusive = true;         ///< true: part of the body's own partition; false: an overlapping group
+  bool structural = true;        ///< true: holds cells and particles; false: holds components only
   std::vector<Index> cells;      ///< cells defined here, rows of Model::cells
   std::vector<Index> cell_refs;  ///< cells defined elsewhere and referred to here
   std::vector<Index> particles;  ///< particles referred to directly

@@ -17,4 +17,5 @@
 #include <phymul/state.h>
 #include <phymul/topology.h>
 #include <phymul/types.h>
+#include <phymul/version.h>
 #include <phymul/writer.h>

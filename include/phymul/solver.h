@@ -3,11 +3,11 @@
 // Solver: moves a body through time. One abstract class, backends by name.
 #pragma once
 
+#include <phymul/elasticity.h>
 #include <phymul/scene.h>
 #include <phymul/state.h>
-#include <phymul/topology.h>
+#include <phymul/topology_textures.h>
 
-#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -17,8 +17,8 @@ namespace phymul {
 
 /// Loss of velocity. A rate gives the same result whatever the step; the raw factor is the thesis' d.
 struct Damping {
-  double rate = 0.0;    ///< 1/s, >= 0: velocity is multiplied by exp(-rate dt) each step
-  double factor = 1.0;  ///< raw d per step in [0, 1], on top of the rate; 1 takes nothing
+  double rate = 0.0;                  ///< 1/s, >= 0: velocity is multiplied by exp(-rate dt) each step
+  double factor = 1.0;                ///< raw d per step in [0, 1], on top of the rate; 1 takes nothing
   double factor_at(double dt) const;  ///< both together, for a step of dt
 };
 
@@ -31,25 +31,26 @@ struct SolverOptions {
   Damping damping;
   UnstableStep on_unstable = UnstableStep::refuse;
   /// A body rests when, for `rest_steps` steps on end, no free particle's speed times tau exceeds rest_tolerance * h
-  /// and no net force over mass times tau^2 does; h is the mean spacing, tau = 1 / omega_max. Independent of dt and scale.
+  /// and no net force over mass times tau^2 does; h is the mean spacing, tau = 1 / omega_max. Independent of dt and
+  /// scale.
   double rest_tolerance = 1e-8;
   int rest_steps = 16;
 };
 
-enum class StepStatus { ok, unstable_step, not_finite, device_lost };
+enum class StepStatus { ok, invalid_step, unstable_step, not_finite, device_lost };
 
 struct StepReport {
   StepStatus status = StepStatus::ok;
-  int steps = 0;             ///< steps done by this call
-  double time = 0.0;         ///< s, of the state reached (of the last good one after a failure)
-  double dt = 0.0;           ///< s, as asked
-  double stable_step = 0.0;  ///< s, limit at rest; see stable_step()
-  bool beyond_limit = false; ///< dt was above it and allowed
-  bool at_rest = false;      ///< the rest test held at the end
-  double residual = 0.0;     ///< largest net force on a free particle at the last step, N
-  double max_speed = 0.0;    ///< largest speed, m/s
-  Index particle = -1;       ///< culprit of a failure, row of the model
-  const char* cause = "";    ///< likely cause of a failure, static text
+  int steps = 0;              ///< steps done by this call
+  double time = 0.0;          ///< s, of the state reached (of the last good one after a failure)
+  double dt = 0.0;            ///< s, as asked
+  double stable_step = 0.0;   ///< s, limit at rest; see stable_step()
+  bool beyond_limit = false;  ///< dt was above it and allowed
+  bool at_rest = false;       ///< the rest test held at the end
+  double residual = 0.0;      ///< largest net force on a free particle at the last step, N
+  double max_speed = 0.0;     ///< largest speed, m/s
+  Index particle = -1;        ///< culprit of a failure, row of the model
+  const char* cause = "";     ///< likely cause of a failure, static text
 
   bool ok() const { return status == StepStatus::ok; }
   std::string message() const;  ///< a sentence for a person; allocates
@@ -57,12 +58,15 @@ struct StepReport {
 
 struct Energy {
   double elastic = 0.0;  ///< J
-  double kinetic = 0.0;  ///< J: 1/2 sum m v- . v+ with the half-step velocities around `time`; exact for Verlet
-  double total() const { return elastic + kinetic; }
+  /// J: 1/2 sum m v- . v+ with the velocities half a step before and after `time`. With it the total of an undamped
+  /// linear body is constant in Verlet's scheme, whatever the step.
+  double kinetic = 0.0;
+  double gravity = 0.0;  ///< J, of the scene's gravity; 0 in the rest shape
+  double total() const { return elastic + kinetic + gravity; }
 };
 
-/// step() never throws and never allocates; read() is the one call that waits for a device. Not thread-safe; two solvers
-/// are independent. Keeps references to model and scene, which must outlive it.
+/// step() never throws and never allocates; read() is the one call that waits for a device. Not thread-safe; two
+/// solvers are independent. Keeps references to model and scene, which must outlive it.
 class Solver {
  public:
   virtual ~Solver() = default;
@@ -88,22 +92,22 @@ class Solver {
 
   Energy energy() const;  ///< at the present state and scene
 
-  /// Limit of dt in s for the body at rest, this scene's fixed particles and this damping. Deformed bodies have a smaller
-  /// one: work at half of it, recover from collapsed states at a fifth.
+  /// Limit of dt in s for the free body at rest and this damping; holding particles can only raise it. Deformed bodies
+  /// have a smaller one: work at half of it, recover from collapsed states at a fifth. See estimate_spectrum.
   double stable_step() const { return stable_step_; }
 
  protected:
   Solver(std::string name, std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
          const SolverOptions& options);
 
-  struct Motion {           ///< what a backend tells of the last of its steps
-    int steps = 0;          ///< good steps done
+  struct Motion {             ///< what a backend tells of the last of its steps
+    int steps = 0;            ///< good steps done
     Index bad_particle = -1;  ///< >= 0: the step after those made this particle's coordinates not finite; it was undone
-    bool lost = false;      ///< device lost
+    bool lost = false;        ///< device lost
     double max_acceleration = 0.0;  ///< m/s^2, free coordinates only
     double max_force = 0.0;         ///< N, likewise
     double max_speed = 0.0;         ///< m/s, likewise
-    int steps_at_rest = 0;  ///< how many steps on end, up to the last one, were within the thresholds
+    int steps_at_rest = 0;          ///< how many steps on end, up to the last one, were within the thresholds
   };
   struct StepPlan {  ///< what the non-virtual half asks for
     int steps = 0;
@@ -117,7 +121,7 @@ class Solver {
 
   const Scene& scene() const { return *scene_; }
   const SolverOptions& options() const { return options_; }
-  LoadFrame& frame() { return frame_; }              ///< prepared; a backend evaluates it at each step's time
+  LoadFrame& frame() { return frame_; }  ///< prepared; a backend evaluates it at each step's time
   const LoadFrame& frame() const { return frame_; }
 
  private:
@@ -136,8 +140,8 @@ class Solver {
   const Scene* scene_;
   SolverOptions options_;
   LoadFrame frame_;
-  std::uint64_t scene_version_ = std::numeric_limits<std::uint64_t>::max();
-  double omega_max_ = 0.0;
+  std::uint64_t scene_version_ = 0;
+  Spectrum spectrum_;
   double stable_step_ = 0.0;
   double spacing_ = 0.0;
 };

@@ -103,11 +103,11 @@ struct TopologyTextures {
   std::vector<CellTexel> cells;
 
   // Transposed lists, because a shader can gather but not scatter. An entry is (row of the term) * corners + corner.
-  RaggedList neighbour_of;  ///< per particle j: rows r of `neighbours` with neighbours[r] = j (corners = 1)
-  RaggedList base_of;       ///< per particle: base row * 3 + corner (2-D too)
-  RaggedList spring_of;     ///< spring row * 2 + end
-  RaggedList volume_of;     ///< volume row * 4 + corner
-  RaggedList cell_of;       ///< cell row * 8 + corner
+  RaggedList neighbour_of;             ///< per particle j: rows r of `neighbours` with neighbours[r] = j (corners = 1)
+  RaggedList base_of;                  ///< per particle: base row * 3 + corner (2-D too)
+  RaggedList spring_of;                ///< spring row * 2 + end
+  RaggedList volume_of;                ///< volume row * 4 + corner
+  RaggedList cell_of;                  ///< cell row * 8 + corner
   std::vector<Index> neighbour_owner;  ///< [neighbour_count] particle whose neighbour row it is
   std::vector<Index> base_owner;       ///< [base_count] particle whose base it is
 };

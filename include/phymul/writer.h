@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Writers: one state, or a series of them, as files other programs open. They throw Error when a file cannot be written.
+// Writers: one state, or a series of them, as files other programs open. They throw Error when a file cannot be
+// written.
 #pragma once
 
 #include <phymul/model.h>

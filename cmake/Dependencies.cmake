@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: MIT
+#
+# Every package phymul uses, found here and nowhere else. What only tests, benches or examples need is looked for
+# only where they are built.
+
+# Stops with a sentence that says what is missing and how to get it.
+function(phymul_missing sentence debian_package)
+  message(FATAL_ERROR "${sentence}, which CMake did not find. On Debian or Ubuntu: apt-get install ${debian_package}. "
+                      "Where it is installed elsewhere, add its prefix to CMAKE_PREFIX_PATH. ${ARGN}")
+endfunction()
+
+find_package(Eigen3 3.4 QUIET NO_MODULE)
+if(NOT Eigen3_FOUND)
+  phymul_missing("phymul needs Eigen 3.4" libeigen3-dev)
+endif()
+
+find_package(pugixml QUIET)
+if(NOT pugixml_FOUND)
+  phymul_missing("phymul needs pugixml" libpugixml-dev)
+endif()
+
+find_package(ZLIB QUIET)
+if(NOT ZLIB_FOUND)
+  phymul_missing("phymul needs zlib" zlib1g-dev)
+endif()
+
+if(PHYMUL_BUILD_TESTS)
+  find_package(GTest QUIET)
+  if(NOT GTest_FOUND)
+    phymul_missing("The tests need GoogleTest" libgtest-dev "Without tests: -DPHYMUL_BUILD_TESTS=OFF.")
+  endif()
+endif()
+
+if(PHYMUL_BUILD_BENCH)
+  find_package(benchmark QUIET)
+  if(NOT benchmark_FOUND)
+    phymul_missing("The benches need Google Benchmark" libbenchmark-dev "Without benches: -DPHYMUL_BUILD_BENCH=OFF.")
+  endif()
+endif()
+
+if(PHYMUL_BUILD_EXAMPLES)
+  set(without "Without examples: -DPHYMUL_BUILD_EXAMPLES=OFF.")
+  find_package(CLI11 QUIET)
+  if(NOT CLI11_FOUND)
+    phymul_missing("The examples need CLI11" libcli11-dev "${without}")
+  endif()
+  find_package(PkgConfig QUIET)
+  if(NOT PkgConfig_FOUND)
+    phymul_missing("The examples need pkg-config" pkg-config "${without}")
+  endif()
+  pkg_check_modules(cairo QUIET IMPORTED_TARGET cairo)
+  if(NOT cairo_FOUND)
+    phymul_missing("The examples need cairo" libcairo2-dev "${without}")
+  endif()
+endif()
+
+if(PHYMUL_WITH_GL STREQUAL "AUTO")
+  message(STATUS "phymul: PHYMUL_WITH_GL=AUTO builds no GL backend: this release has none")
+elseif(PHYMUL_WITH_GL)
+  message(FATAL_ERROR "PHYMUL_WITH_GL=${PHYMUL_WITH_GL}, but this release of phymul has no GL backend; "
+                      "set it to AUTO or OFF")
+endif()

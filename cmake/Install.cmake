@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: MIT
+#
+# What `cmake --install` puts where, for find_package(phymul) and for pkg-config.
+include(CMakePackageConfigHelpers)
+
+install(TARGETS phymul EXPORT phymulTargets)
+install(DIRECTORY include/phymul ${PROJECT_BINARY_DIR}/include/phymul DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+        FILES_MATCHING PATTERN "*.h")
+
+# A static phymul leaves it to the program to link what phymul uses inside; a shared one has it linked already.
+get_target_property(type phymul TYPE)
+if(type STREQUAL "STATIC_LIBRARY")
+  set(PHYMUL_IS_STATIC ON)
+  set(PHYMUL_PC_PUBLIC "eigen3, pugixml, zlib")
+else()
+  set(PHYMUL_IS_STATIC OFF)
+  set(PHYMUL_PC_PUBLIC "eigen3")
+endif()
+
+set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/phymul)
+install(EXPORT phymulTargets NAMESPACE phymul:: DESTINATION ${config_dir})
+configure_package_config_file(cmake/phymulConfig.cmake.in ${PROJECT_BINARY_DIR}/phymulConfig.cmake
+                              INSTALL_DESTINATION ${config_dir} NO_SET_AND_CHECK_MACRO)
+# Before 1.0 every minor version may change the interface.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/phymulConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/phymulConfig.cmake ${PROJECT_BINARY_DIR}/phymulConfigVersion.cmake
+        DESTINATION ${config_dir})
+
+# Relative to the file's own folder: the installed tree can be moved.
+file(RELATIVE_PATH PHYMUL_PC_PREFIX "${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig" "${CMAKE_INSTALL_PREFIX}")
+configure_file(cmake/phymul.pc.in ${PROJECT_BINARY_DIR}/phymul.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/phymul.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

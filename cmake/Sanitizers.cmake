@@ -1,0 +1,14 @@
+# SPDX-License-Identifier: MIT
+#
+# phymul_sanitizers: linked PRIVATE to our own targets; empty unless PHYMUL_SANITIZE says otherwise. See docs/testing.md.
+add_library(phymul_sanitizers INTERFACE)
+if(PHYMUL_SANITIZE)
+  if(PHYMUL_SANITIZE MATCHES "thread" AND PHYMUL_SANITIZE MATCHES "address")
+    message(FATAL_ERROR "PHYMUL_SANITIZE=${PHYMUL_SANITIZE}: address and thread cannot be in one build")
+  endif()
+  # -O1: Eigen's layers of small functions are unbearably slow with instrumentation and without inlining.
+  target_compile_options(phymul_sanitizers INTERFACE -fsanitize=${PHYMUL_SANITIZE} -fno-sanitize-recover=all
+                                                     -fno-omit-frame-pointer -g -O1)
+  target_compile_definitions(phymul_sanitizers INTERFACE _GLIBCXX_ASSERTIONS)
+  target_link_options(phymul_sanitizers INTERFACE -fsanitize=${PHYMUL_SANITIZE})
+endif()

@@ -1,0 +1,15 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+#
+# Builds phymul and pulls a cylinder of 275 particles, on a machine that has only a compiler and CMake.
+#   sh cmake/demo.sh     results in ./out
+set -eu
+cd "$(dirname "$0")/.."
+
+sh cmake/install-packages.sh examples
+. cmake/generator.sh
+
+cmake -S . -B build/demo -DCMAKE_BUILD_TYPE=Release -DPHYMUL_BUILD_TESTS=OFF -DPHYMUL_BUILD_BENCH=OFF
+cmake --build build/demo --parallel "$(nproc)"
+mkdir -p out
+build/demo/examples/phymul-run examples/data/cylinder_275.pml examples/data/cylinder_275_pull.lml --out out

@@ -1,0 +1,61 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+#
+# Installs what is missing on a Debian machine to build phymul; does nothing, and needs no rights, where nothing is.
+#   sh cmake/install-packages.sh [examples] [tests] [bench]
+# The library's own needs are always among them. A compiler and CMake are taken as there.
+set -eu
+
+missing=""
+need_package() {
+  if [ "$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null)" != installed ]; then
+    missing="$missing $1"
+  fi
+}
+need_command() {  # command, package that has it
+  command -v "$1" >/dev/null 2>&1 || missing="$missing $2"
+}
+
+if ! command -v dpkg-query >/dev/null 2>&1; then
+  echo "phymul: this is no Debian machine, so nothing was installed; CMake will name what it misses" >&2
+  exit 0
+fi
+
+command -v make >/dev/null 2>&1 || need_command ninja ninja-build
+for package in libeigen3-dev libpugixml-dev zlib1g-dev; do
+  need_package $package
+done
+for part in "$@"; do
+  case $part in
+    examples)
+      need_package libcli11-dev
+      need_package libcairo2-dev
+      need_command pkg-config pkg-config
+      ;;
+    tests)
+      need_package libgtest-dev
+      need_command pkg-config pkg-config
+      ;;
+    bench) need_package libbenchmark-dev ;;
+    *)
+      echo "phymul: unknown part \"$part\"; there are: examples tests bench" >&2
+      exit 2
+      ;;
+  esac
+done
+
+[ -n "$missing" ] || exit 0
+
+as_root=""
+if [ "$(id -u)" -ne 0 ]; then
+  if ! command -v sudo >/dev/null 2>&1; then
+    echo "phymul: packages are missing and this user may not install them; as root: apt-get install$missing" >&2
+    exit 1
+  fi
+  as_root=sudo
+fi
+
+echo "phymul: installing$missing"
+$as_root apt-get update -qq
+# $missing is a list of words; env, because sudo drops variables.
+$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing

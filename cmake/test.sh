@@ -1,0 +1,15 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+#
+# Builds phymul and runs all its tests on a machine that has only a compiler and CMake.
+#   sh cmake/test.sh [preset]     presets: ci (default), dev, release, asan-ubsan, tsan, no-gl
+set -eu
+cd "$(dirname "$0")/.."
+preset=${1:-ci}
+
+sh cmake/install-packages.sh tests bench examples
+. cmake/generator.sh
+
+cmake --preset "$preset"
+cmake --build --preset "$preset" --parallel "$(nproc)"
+ctest --preset "$preset" --output-on-failure --parallel 2

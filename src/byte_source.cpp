@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: MIT
+#include "byte_source.h"
+
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+namespace phymul {
+namespace {
+
+bool is_space(char c) {
+  return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v';
+}
+
+/// from_chars knows no leading plus sign; some writers print one.
+std::string_view without_plus(std::string_view word) {
+  return word.size() > 1 && word[0] == '+' && word[1] != '-' ? word.substr(1) : word;
+}
+
+}  // namespace
+
+std::size_t size_of(NumberType type) {
+  switch (type) {
+    case NumberType::int8:
+    case NumberType::uint8:
+      return 1;
+    case NumberType::int16:
+    case NumberType::uint16:
+      return 2;
+    case NumberType::int32:
+    case NumberType::uint32:
+    case NumberType::float32:
+      return 4;
+    case NumberType::int64:
+    case NumberType::uint64:
+    case NumberType::float64:
+      return 8;
+  }
+  return 8;
+}
+
+bool is_real(NumberType type) {
+  return type == NumberType::float32 || type == NumberType::float64;
+}
+
+std::string read_whole_file(const std::string& path, std::size_t max_bytes) {
+  std::error_code problem;
+  if (std::filesystem::is_directory(path, problem)) throw Error(path + ": expected a file, got a folder");
+  std::ifstream in(path, std::ios::binary | std::ios::ate);
+  if (!in) throw Error(path + ": cannot be opened; check the name and the right to read it");
+  const auto size = static_cast<std::streamoff>(in.tellg());
+  if (size < 0) throw Error(path + ": expected a file of known size, got a pipe or device");
+  if (static_cast<std::uintmax_t>(size) > max_bytes) {
+    throw Error(path + ": expected at most " + std::to_string(max_bytes) + " bytes, got " + std::to_string(size) +
+                "; raise max_bytes if the file is meant");
+  }
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  in.seekg(0);
+  in.read(bytes.data(), size);
+  if (!in) throw Error(path + ": could not be read to its end");
+  return bytes;
+}
+
+std::string cited(std::string_view text) {
+  constexpr std::size_t longest = 40;
+  std::string out = "\"";
+  for (const char c : text.substr(0, longest)) out += c >= ' ' && c <= '~' ? c : '?';
+  if (text.size() > longest) out += "...";
+  return out + '"';
+}
+
+ByteSource::ByteSource(std::string source, std::string_view bytes, std::size_t first_line)
+    : source_(std::move(source)), bytes_(bytes), first_line_(first_line) {}
+
+ByteSource ByteSource::decoded(std::string place, std::string_view bytes, bool swap) {
+  ByteSource result(std::move(place), bytes);
+  result.use_binary(swap);
+  result.decoded_ = true;
+  return result;
+}
+
+void ByteSource::use_binary(bool swap) {
+  binary_ = true;
+  swap_ = swap;
+}
+
+void ByteSource::seek(std::size_t position) {
+  mark_ = position_ = std::min(position, bytes_.size());
+}
+
+std::string_view ByteSource::line() {
+  mark_ = position_;
+  const std::size_t end = std::min(bytes_.find('\n', position_), bytes_.size());
+  std::string_view text = bytes_.substr(position_, end - position_);
+  position_ = std::min(end + 1, bytes_.size());
+  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+std::string_view ByteSource::word() {
+  while (position_ < bytes_.size() && is_space(bytes_[position_])) ++position_;
+  mark_ = position_;
+  while (position_ < bytes_.size() && !is_space(bytes_[position_])) ++position_;
+  return bytes_.substr(mark_, position_ - mark_);
+}
+
+void ByteSource::expect_word(std::string_view expected) {
+  const std::string_view got = word();
+  if (got == expected) return;
+  fail("expected " + cited(expected) + ", got " + (got.empty() ? "the end of the file" : cited(got)) +
+       "; the counts before it are wrong or the file is damaged: export it again");
+}
+
+bool ByteSource::skip_past(std::string_view text) {
+  const std::size_t found = bytes_.find(text, position_);
+  if (found == std::string_view::npos) return false;
+  seek(found + text.size());
+  return true;
+}
+
+std::string_view ByteSource::number_word(const char* what) {
+  const std::string_view text = word();
+  if (text.empty()) fail_short(what);
+  return text;
+}
+
+template <class T>
+T ByteSource::take(const char* what) {
+  mark_ = position_;
+  if (remaining() < sizeof(T)) fail_short(what);
+  std::array<char, sizeof(T)> raw;
+  std::memcpy(raw.data(), bytes_.data() + position_, sizeof(T));
+  if (swap_) std::reverse(raw.begin(), raw.end());
+  position_ += sizeof(T);
+  T value;
+  std::memcpy(&value, raw.data(), sizeof(T));
+  return value;
+}
+
+std::int64_t ByteSource::integer(NumberType type, const char* what) {
+  if (binary_) {
+    switch (type) {
+      case NumberType::int8:
+        return take<std::int8_t>(what);
+      case NumberType::uint8:
+        return take<std::uint8_t>(what);
+      case NumberType::int16:
+        return take<std::int16_t>(what);
+      case NumberType::uint16:
+        return take<std::uint16_t>(what);
+      case NumberType::int32:
+        return take<std::int32_t>(what);
+      case NumberType::uint32:
+        return take<std::uint32_t>(what);
+      case NumberType::int64:
+        return take<std::int64_t>(what);
+      case NumberType::uint64: {
+        const auto value = take<std::uint64_t>(what);
+        if (value > static_cast<std::uint64_t>(INT64_MAX)) {
+          fail(std::string("expected ") + what + ", got " + std::to_string(value) + "; the file is damaged");
+        }
+        return static_cast<std::int64_t>(value);
+      }
+      case NumberType::float32:
+      case NumberType::float64:
+        break;
+    }
+    fail(std::string("expected ") + what + " as whole numbers, got an array of reals");
+  }
+  const std::string_view text = number_word(what);
+  const std::string_view digits = without_plus(text);
+  std::int64_t value = 0;
+  const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (problem != std::errc() || end != digits.data() + digits.size()) {
+    fail(std::string("expected ") + what + " (a whole number), got " + cited(text) +
+         "; correct it, or export the file again");
+  }
+  return value;
+}
+
+double ByteSource::real(NumberType type, const char* what) {
+  double value = 0.0;
+  if (binary_) {
+    if (type == NumberType::float32) {
+      value = static_cast<double>(take<float>(what));
+    } else if (type == NumberType::float64) {
+      value = take<double>(what);
+    } else {
+      return static_cast<double>(integer(type, what));
+    }
+  } else {
+    const std::string_view text = number_word(what);
+    const std::string_view digits = without_plus(text);
+    const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    // Underflow is no mistake of the file's: 1e-400 is zero.
+    const bool tiny = problem == std::errc::result_out_of_range && digits.find("e-") != std::string_view::npos;
+    if (tiny) value = 0.0;
+    if ((problem != std::errc() && !tiny) || end != digits.data() + digits.size()) {
+      fail(std::string("expected ") + what + " (a number with a decimal point), got " + cited(text) +
+           "; correct it, or export the file again");
+    }
+  }
+  if (!std::isfinite(value)) {
+    fail(std::string("expected ") + what + " that is finite, got " + (std::isnan(value) ? "NaN" : "infinity") +
+         "; mend the mesh and export it again");
+  }
+  return value;
+}
+
+std::size_t ByteSource::count(NumberType type, std::size_t bytes_each, const char* what) {
+  const std::int64_t n = integer(type, what);
+  if (n < 0)
+    fail(std::string("expected ") + what + " of at least 0, got " + std::to_string(n) + "; the file is damaged");
+  const std::size_t most = remaining() / std::max<std::size_t>(bytes_each, 1);
+  if (static_cast<std::uint64_t>(n) > most) {
+    fail(std::string("expected ") + what + " that the " + std::to_string(remaining()) +
+         " remaining bytes can hold (at most " + std::to_string(most) + "), got " + std::to_string(n) +
+         "; the file is cut off or damaged: export it again");
+  }
+  return static_cast<std::size_t>(n);
+}
+
+void ByteSource::skip_numbers(std::size_t n, NumberType type) {
+  if (binary_) {
+    mark_ = position_;
+    if (n > remaining() / size_of(type)) fail_short("more numbers");
+    position_ += n * size_of(type);
+    return;
+  }
+  for (std::size_t i = 0; i < n; ++i) number_word("more numbers");
+}
+
+std::string ByteSource::where() const {
+  if (decoded_) return source_;
+  if (binary_) return source_ + ": byte " + std::to_string(mark_);
+  const auto lines = std::count(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(mark_), '\n');
+  return source_ + ':' + std::to_string(first_line_ + static_cast<std::size_t>(lines));
+}
+
+void ByteSource::fail(const std::string& problem) const {
+  throw Error(where() + ": " + problem);
+}
+
+void ByteSource::fail_short(const char* what) const {
+  fail(std::string("expected ") + what + ", got the end of the " + (decoded_ ? "array" : "file") +
+       "; it is cut off: export it again");
+}
+
+}  // namespace phymul

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+//
+// The elastic terms of a body, in double precision and plain loops: the truth other backends are held against.
+#include <phymul/elasticity.h>
+
+#include <cassert>
+
+#include "force_cell.h"
+#include "force_shape.h"
+#include "force_spring.h"
+#include "force_volume.h"
+
+namespace phymul {
+namespace {
+
+using cpu::BaseFrame;
+using cpu::HeightScale;
+
+/// A base as it stands: its frame, the scale of its height, and P*_t - x_i.
+struct BaseNow {
+  BaseFrame<double> frame;
+  HeightScale<double> height;
+  Vec3 pull;
+};
+
+BaseFrame<double> frame_of(const TopologyTextures& topology, const BaseTexel& base, std::span<const Vec3> x) {
+  const Vec3 &xa = x[base.vertex[0]], &xb = x[base.vertex[1]];
+  return topology.dimension == 2 ? cpu::base_frame_2d(xa, xb) : cpu::base_frame_3d(xa, xb, x[base.vertex[2]]);
+}
+
+double rest_length(const TopologyTextures& topology, Index t) {
+  return topology.rest_area.empty() ? 1.0 : topology.rest_area[t];
+}
+
+HeightScale<double> height_of(const TopologyTextures& topology, Index t, const BaseFrame<double>& frame) {
+  if (topology.rest_area.empty()) return {};
+  return cpu::height_scale(frame.length / topology.rest_area[t], topology.options.area_exponent);
+}
+
+BaseNow base_now(const TopologyTextures& topology, Index t, Index i, std::span<const Vec3> x) {
+  const BaseTexel& base = topology.bases[t];
+  BaseNow now;
+  now.frame = frame_of(topology, base, x);
+  now.height = height_of(topology, t, now.frame);
+  now.pull = base.beta * now.height.value * now.frame.n;
+  // From differences to x_i: lambda sums to 1, and a body far from the origin loses no digits.
+  for (int corner = 0; corner < topology.dimension; ++corner) {
+    now.pull += topology.lambda[t][corner] * (x[base.vertex[corner]] - x[i]);
+  }
+  return now;
+}
+
+/// P*_i - x_i.
+Vec3 attractor_pull(const TopologyTextures& topology, Index i, std::span<const Vec3> x) {
+  const IndexTexel& at = topology.index[i];
+  Vec3 pull = Vec3::Zero();
+  for (Index r = at.first_neighbour; r < at.first_neighbour + at.neighbour_count; ++r) {
+    pull += topology.alpha[r] * (x[topology.neighbours[r]] - x[i]);
+  }
+  for (Index t = at.first_base; t < at.first_base + at.base_count; ++t) {
+    const BaseFrame<double> frame = frame_of(topology, topology.bases[t], x);
+    const HeightScale<double> height = height_of(topology, t, frame);
+    pull += topology.weight[t] * topology.bases[t].beta * height.value * frame.n;
+  }
+  return pull;
+}
+
+/// Gives to the vertices of base t what its owner's force F costs them.
+void react(const TopologyTextures& topology, Index t, const BaseNow& now, const Vec3& F, std::span<Vec3> force) {
+  const BaseTexel& base = topology.bases[t];
+  const auto on =
+      topology.dimension == 2
+          ? cpu::base_reaction_2d(now.frame, topology.lambda[t], base.beta, now.height, rest_length(topology, t), F)
+          : cpu::base_reaction_3d(now.frame, topology.lambda[t], base.beta, now.height, rest_length(topology, t), F);
+  for (int corner = 0; corner < topology.dimension; ++corner) force[base.vertex[corner]] += on[corner];
+}
+
+void shape_forces(const TopologyTextures& topology, std::span<const Vec3> x, std::span<Vec3> force) {
+  const Reaction reaction = topology.options.reaction;
+  for (Index i = 0; i < topology.particle_count; ++i) {
+    const IndexTexel& at = topology.index[i];
+    if (at.base_count == 0) continue;
+    const double k = topology.stiffness[i];
+    const Index first = at.first_base, last = at.first_base + at.base_count;
+
+    if (reaction == Reaction::conservative) {
+      for (Index t = first; t < last; ++t) {
+        const BaseNow now = base_now(topology, t, i, x);
+        const Vec3 F = k * topology.weight[t] * now.pull;
+        force[i] += F;
+        react(topology, t, now, F, force);
+      }
+      continue;
+    }
+
+    const Vec3 F = k * attractor_pull(topology, i, x);
+    force[i] += F;
+    if (reaction == Reaction::averaged) {
+      for (Index t = first; t < last; ++t)
+        react(topology, t, base_now(topology, t, i, x), topology.weight[t] * F, force);
+      continue;
+    }
+    for (Index r = at.first_neighbour; r < at.first_neighbour + at.neighbour_count; ++r) {
+      const double share = reaction == Reaction::full     ? 1.0
+                           : reaction == Reaction::shared ? 1.0 / at.neighbour_count
+                                                          : topology.alpha[r];
+      force[topology.neighbours[r]] -= share * F;
+    }
+  }
+}
+
+double shape_energy(const TopologyTextures& topology, std::span<const Vec3> x) {
+  double energy = 0.0;
+  for (Index i = 0; i < topology.particle_count; ++i) {
+    const IndexTexel& at = topology.index[i];
+    if (at.base_count == 0) continue;
+    if (topology.options.reaction != Reaction::conservative) {
+      energy += 0.5 * topology.stiffness[i] * attractor_pull(topology, i, x).squaredNorm();
+      continue;
+    }
+    for (Index t = at.first_base; t < at.first_base + at.base_count; ++t) {
+      energy += 0.5 * topology.stiffness[i] * topology.weight[t] * base_now(topology, t, i, x).pull.squaredNorm();
+    }
+  }
+  return energy;
+}
+
+void volume_forces(const TopologyTextures& topology, std::span<const Vec3> x, std::span<Vec3> force) {
+  const VolumeLaw law = topology.options.volume_law;
+  for (const VolumeTexel& term : topology.volumes) {
+    const auto& v = term.vertex;
+    if (topology.dimension == 2) {
+      const auto on =
+          cpu::triangle_area_forces<double>(law, {x[v[0]], x[v[1]], x[v[2]]}, term.inverse_rest_volume, term.stiffness);
+      for (int corner = 0; corner < 3; ++corner) force[v[corner]] += on[corner];
+    } else {
+      const auto on = cpu::tetrahedron_volume_forces<double>(law, {x[v[0]], x[v[1]], x[v[2]], x[v[3]]},
+                                                             term.inverse_rest_volume, term.stiffness);
+      for (int corner = 0; corner < 4; ++corner) force[v[corner]] += on[corner];
+    }
+  }
+}
+
+double volume_energy(const TopologyTextures& topology, std::span<const Vec3> x) {
+  double energy = 0.0;
+  for (const VolumeTexel& term : topology.volumes) {
+    const auto& v = term.vertex;
+    const double J =
+        topology.dimension == 2
+            ? cpu::triangle_ratio<double>({x[v[0]], x[v[1]], x[v[2]]}, term.inverse_rest_volume)
+            : cpu::tetrahedron_ratio<double>({x[v[0]], x[v[1]], x[v[2]], x[v[3]]}, term.inverse_rest_volume);
+    energy += term.stiffness * cpu::volume_energy_density(topology.options.volume_law, J);
+  }
+  return energy;
+}
+
+/// Mean deformation gradient of a cell. Differences to the first vertex: the gradients sum to zero.
+Mat3 mean_gradient(const CellTexel& cell, std::span<const Vec3> x) {
+  Mat3 F = Mat3::Zero();
+  for (int corner = 1; corner < 8 && cell.vertex[corner] != none; ++corner) {
+    F += (x[cell.vertex[corner]] - x[cell.vertex[0]]) * cell.gradient[corner].transpose();
+  }
+  return F;
+}
+
+void cell_forces(const TopologyTextures& topology, std::span<const Vec3> x, std::span<Vec3> force) {
+  for (const CellTexel& cell : topology.cells) {
+    Mat3 P;
+    cpu::cell_energy(mean_gradient(cell, x), cell.shape_stiffness, cell.volume_stiffness, topology.options.volume_law,
+                     &P);
+    for (int corner = 0; corner < 8 && cell.vertex[corner] != none; ++corner) {
+      force[cell.vertex[corner]] -= P * cell.gradient[corner];
+    }
+  }
+}
+
+}  // namespace
+
+void attractors(const TopologyTextures& topology, std::span<const Vec3> position, std::span<Vec3> attractor) {
+  assert(position.size() == static_cast<std::size_t>(topology.particle_count) && attractor.size() == position.size());
+  for (Index i = 0; i < topology.particle_count; ++i) {
+    attractor[i] = position[i];
+    if (topology.index[i].base_count > 0) attractor[i] += attractor_pull(topology, i, position);
+  }
+}
+
+void elastic_forces(const TopologyTextures& topology, std::span<const Vec3> position, std::span<Vec3> force) {
+  assert(position.size() == static_cast<std::size_t>(topology.particle_count) && force.size() == position.size());
+  for (Vec3& f : force) f.setZero();
+  if (topology.base_count > 0) shape_forces(topology, position, force);
+  for (const SpringTexel& spring : topology.springs) {
+    const Vec3 F = cpu::spring_force<double>(position[spring.end[0]], position[spring.end[1]], spring.rest_length,
+                                             spring.stiffness);
+    force[spring.end[0]] += F;
+    force[spring.end[1]] -= F;
+  }
+  volume_forces(topology, position, force);
+  cell_forces(topology, position, force);
+}
+
+double elastic_energy(const TopologyTextures& topology, std::span<const Vec3> position) {
+  double energy = topology.base_count > 0 ? shape_energy(topology, position) : 0.0;
+  for (const SpringTexel& spring : topology.springs) {
+    energy += cpu::spring_energy<double>(position[spring.end[0]], position[spring.end[1]], spring.rest_length,
+                                         spring.stiffness);
+  }
+  energy += volume_energy(topology, position);
+  for (const CellTexel& cell : topology.cells) {
+    energy += cpu::cell_energy<double>(mean_gradient(cell, position), cell.shape_stiffness, cell.volume_stiffness,
+                                       topology.options.volume_law, nullptr);
+  }
+  return energy;
+}
+
+}  // namespace phymul

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+//
+// Cell-averaged shape memory: the energy of a base, written for a deformation gradient F instead of three vertices,
+// charged once per cell at the cell's mean F and averaged over an isotropic set of base normals m:
+//   W(F) = sum_m q_m 1/2 |n_m(F) - F m|^2,   n_m(F) = cof(F) m / |cof(F) m|
+// The set is the four diagonals of a cube (0.15 each) and its three axes (2/15 each): its second and fourth moments are
+// those of the sphere, so that small strains see exactly mu = 7/15, lambda = -1/5 per unit of stiffness.
+#pragma once
+
+#include <Eigen/LU>
+
+#include "force_volume.h"
+
+namespace phymul::cpu {
+
+template <class S>
+using Mat = Eigen::Matrix<S, 3, 3>;
+
+template <class S>
+struct CellDirection {
+  Vec<S> m, t1, t2;  ///< right-handed orthonormal: t1 x t2 = m
+  S weight;
+};
+
+template <class S>
+const std::array<CellDirection<S>, 7>& cell_directions() {
+  static const std::array<CellDirection<S>, 7> directions = [] {
+    std::array<CellDirection<S>, 7> d;
+    const S r = S(1) / std::sqrt(S(3));
+    const std::array<Vec<S>, 7> normals{Vec<S>(r, r, r), Vec<S>(-r, r, r), Vec<S>(r, -r, r), Vec<S>(r, r, -r),
+                                        Vec<S>(1, 0, 0), Vec<S>(0, 1, 0),  Vec<S>(0, 0, 1)};
+    for (std::size_t i = 0; i < 7; ++i) {
+      const Vec<S> helper = std::abs(normals[i].x()) < S(0.9) ? Vec<S>(1, 0, 0) : Vec<S>(0, 1, 0);
+      const Vec<S> t1 = helper.cross(normals[i]).normalized();
+      d[i] = {normals[i], t1, normals[i].cross(t1), i < 4 ? S(0.15) : S(2) / S(15)};
+    }
+    return d;
+  }();
+  return directions;
+}
+
+/// W(F) and, where asked for, dW/dF.
+template <class S>
+S cell_shape_energy(const Mat<S>& F, Mat<S>* gradient) {
+  S energy = 0;
+  for (const CellDirection<S>& d : cell_directions<S>()) {
+    const Vec<S> f1 = F * d.t1, f2 = F * d.t2, fm = F * d.m;
+    const BaseFrame<S> base = base_frame_3d<S>(Vec<S>::Zero(), f1, f2);
+    const Vec<S> r = base.n - fm;
+    energy += S(0.5) * d.weight * r.squaredNorm();
+    if (!gradient) continue;
+    *gradient -= d.weight * r * d.m.transpose();
+    if (base.n == Vec<S>::Zero()) continue;
+    const Vec<S> G = (d.weight / base.length) * (r - base.n.dot(r) * base.n);
+    *gradient += f2.cross(G) * d.t1.transpose() + G.cross(f1) * d.t2.transpose();
+  }
+  return energy;
+}
+
+/// Energy of a cell at mean deformation gradient F, and dE/dF where asked for.
+template <class S>
+S cell_energy(const Mat<S>& F, S shape_stiffness, S volume_stiffness, VolumeLaw law, Mat<S>* gradient) {
+  if (gradient) gradient->setZero();
+  S energy = shape_stiffness * cell_shape_energy(F, gradient);
+  if (gradient) *gradient *= shape_stiffness;
+  if (volume_stiffness == S(0)) return energy;
+  const S J = F.determinant();
+  energy += volume_stiffness * volume_energy_density(law, J);
+  if (gradient) {
+    const S q = volume_stiffness * volume_pressure(law, J);
+    gradient->col(0) += q * F.col(1).cross(F.col(2));
+    gradient->col(1) += q * F.col(2).cross(F.col(0));
+    gradient->col(2) += q * F.col(0).cross(F.col(1));
+  }
+  return energy;
+}
+
+}  // namespace phymul::cpu

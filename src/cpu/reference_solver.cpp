@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+#include "reference_solver.h"
+
+#include <phymul/elasticity.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "integrate.h"
+
+namespace phymul::cpu {
+namespace {
+
+class ReferenceSolver final : public Solver {
+ public:
+  ReferenceSolver(std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in,
+                  const SolverOptions& options_in)
+      : Solver("reference", std::move(shared), scene_in, options_in),
+        force_(topology().particle_count),
+        next_position_(topology().particle_count),
+        next_velocity_(topology().particle_count) {
+    reset();
+  }
+
+ private:
+  void do_reset(const State& state) override {
+    state_ = state;
+    last_dt_ = 0.0;
+    steps_at_rest_ = 0;
+    scene().evaluate(state_.time, frame());
+  }
+
+  void do_scene_changed() override {
+    steps_at_rest_ = 0;
+    scene().evaluate(state_.time, frame());
+  }
+
+  Motion do_step(const StepPlan& plan) override {
+    Motion motion;
+    while (motion.steps < plan.steps) {
+      elastic_forces(topology(), state_.position, force_);
+      measure(motion);
+      move(plan);
+
+      motion.bad_particle = first_not_finite();
+      if (motion.bad_particle >= 0) {
+        scene().evaluate(state_.time, frame());
+        break;
+      }
+      std::swap(state_.position, next_position_);
+      std::swap(state_.velocity, next_velocity_);
+      state_.time += plan.dt;
+      last_dt_ = plan.dt;
+      ++motion.steps;
+
+      motion.max_speed = max_free_speed();
+      const bool quiet = motion.max_speed <= plan.speed_at_rest && motion.max_acceleration <= plan.acceleration_at_rest;
+      steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
+      motion.steps_at_rest = steps_at_rest_;
+      if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;
+    }
+    return motion;
+  }
+
+  void do_read(State& state) const override { state = state_; }
+  double do_time() const override { return state_.time; }
+
+  Energy do_energy() const override {
+    Energy energy;
+    energy.elastic = elastic_energy(topology(), state_.position);
+    VecList force(state_.position.size());
+    elastic_forces(topology(), state_.position, force);
+    for (Index i = 0; i < topology().particle_count; ++i) {
+      const double m = topology().mass[i];
+      const Vec3& before = state_.velocity[i];
+      Vec3 after = before + last_dt_ * acceleration(i, force[i]);
+      for (int axis = 0; axis < 3; ++axis) {
+        if (fixed(i, axis)) after[axis] = before[axis];
+      }
+      energy.kinetic += 0.5 * m * before.dot(after);
+      energy.gravity -= m * frame().gravity.dot(state_.position[i] - topology().rest[i]);
+    }
+    return energy;
+  }
+
+  bool fixed(Index i, int axis) const { return !frame().fixed.empty() && (frame().fixed[i] >> axis & 1) != 0; }
+
+  Vec3 acceleration(Index i, const Vec3& elastic) const {
+    const Vec3 load = frame().force.empty() ? Vec3(Vec3::Zero()) : frame().force[i];
+    Vec3 a = (elastic + load) / topology().mass[i] + frame().gravity;
+    if (topology().dimension == 2) a.z() = 0.0;
+    return a;
+  }
+
+  /// Largest net force and acceleration on free coordinates, of the state before this step.
+  void measure(Motion& motion) const {
+    motion.max_acceleration = motion.max_force = 0.0;
+    for (Index i = 0; i < topology().particle_count; ++i) {
+      Vec3 a = acceleration(i, force_[i]);
+      for (int axis = 0; axis < 3; ++axis) {
+        if (fixed(i, axis)) a[axis] = 0.0;
+      }
+      motion.max_acceleration = std::max(motion.max_acceleration, a.norm());
+      motion.max_force = std::max(motion.max_force, topology().mass[i] * a.norm());
+    }
+  }
+
+  /// Forces act at the old time, imposed positions hold at the new one.
+  void move(const StepPlan& plan) {
+    for (Index i = 0; i < topology().particle_count; ++i) {
+      const Moved<double> moved = integrate<double>(state_.position[i], state_.velocity[i], acceleration(i, force_[i]),
+                                                    plan.dt, plan.damping_factor);
+      next_position_[i] = moved.position;
+      next_velocity_[i] = moved.velocity;
+    }
+    scene().evaluate(state_.time + plan.dt, frame());
+    if (frame().fixed.empty()) return;
+    for (Index i = 0; i < topology().particle_count; ++i) {
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!fixed(i, axis)) continue;
+        next_position_[i][axis] = frame().target[i][axis];
+        next_velocity_[i][axis] = (frame().target[i][axis] - state_.position[i][axis]) / plan.dt;
+      }
+    }
+  }
+
+  /// Squares, so that a runaway is caught while distances can still be computed.
+  Index first_not_finite() const {
+    for (Index i = 0; i < topology().particle_count; ++i) {
+      if (!std::isfinite(next_position_[i].squaredNorm() + next_velocity_[i].squaredNorm())) return i;
+    }
+    return -1;
+  }
+
+  double max_free_speed() const {
+    double largest = 0.0;
+    for (Index i = 0; i < topology().particle_count; ++i) {
+      Vec3 v = state_.velocity[i];
+      for (int axis = 0; axis < 3; ++axis) {
+        if (fixed(i, axis)) v[axis] = 0.0;
+      }
+      largest = std::max(largest, v.norm());
+    }
+    return largest;
+  }
+
+  State state_;
+  VecList force_, next_position_, next_velocity_;
+  double last_dt_ = 0.0;
+  int steps_at_rest_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Solver> make_reference_solver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
+                                              const SolverOptions& options) {
+  return std::make_unique<ReferenceSolver>(std::move(topology), scene, options);
+}
+
+}  // namespace phymul::cpu

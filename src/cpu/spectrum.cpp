@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: MIT
+//
+// Extreme eigenvalues of M^-1 K, K = -df/dx by central differences of the elastic forces along a direction. Lanczos
+// works on the symmetric M^-1/2 K M^-1/2, Arnoldi on the same similarity transform of an unsymmetric K.
+// Source: Golub & Van Loan, Matrix Computations, ch. 10.
+#include <phymul/elasticity.h>
+#include <phymul/error.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace phymul {
+namespace {
+
+using Vector = Eigen::VectorXd;
+
+/// A Ritz value is taken when its residual is below this share of it; the eigenvalue is then nearer than that.
+constexpr double ritz_accuracy = 1e-3;
+constexpr int lanczos_steps = 400;
+/// Arnoldi keeps every vector: as many as fit in this many bytes, within [12, 80].
+constexpr double arnoldi_bytes = 4e8;
+
+double rest_spacing(const TopologyTextures& topology) {
+  double sum = 0.0;
+  std::size_t count = 0;
+  const auto add = [&](Index a, Index b) {
+    sum += (topology.rest[a] - topology.rest[b]).norm();
+    ++count;
+  };
+  for (Index i = 0; i < topology.particle_count; ++i) {
+    const IndexTexel& at = topology.index[i];
+    for (Index r = at.first_neighbour; r < at.first_neighbour + at.neighbour_count; ++r) add(i, topology.neighbours[r]);
+  }
+  for (const SpringTexel& spring : topology.springs) add(spring.end[0], spring.end[1]);
+  for (const VolumeTexel& term : topology.volumes) add(term.vertex[0], term.vertex[1]);
+  for (const CellTexel& cell : topology.cells) add(cell.vertex[0], cell.vertex[1]);
+  return count > 0 ? sum / static_cast<double>(count) : 0.0;
+}
+
+/// The operator q -> M^-1/2 K M^-1/2 q, free coordinates only.
+class ScaledStiffness {
+ public:
+  ScaledStiffness(const TopologyTextures& topology, std::span<const Vec3> position, std::span<const std::uint8_t> fixed)
+      : topology_(topology),
+        position_(position),
+        spacing_(rest_spacing(topology)),
+        scale_(Vector::Zero(3 * topology.particle_count)),
+        moved_(position.begin(), position.end()),
+        plus_(position.size()),
+        minus_(position.size()) {
+    for (Index i = 0; i < topology.particle_count; ++i) {
+      for (int axis = 0; axis < topology.dimension; ++axis) {
+        const bool free = fixed.empty() || (fixed[i] >> axis & 1) == 0;
+        if (free) scale_[3 * i + axis] = 1.0 / std::sqrt(topology.mass[i]);
+      }
+    }
+  }
+
+  double spacing() const { return spacing_; }
+
+  void project(Vector& q) const { q = (scale_.array() > 0).select(q, 0.0); }
+
+  void apply(const Vector& q, Vector& result) {
+    const Vector direction = scale_.cwiseProduct(q);
+    const double largest = direction.cwiseAbs().maxCoeff();
+    result.setZero(q.size());
+    if (largest == 0.0) return;
+    // Truncation falls as step^2, rounding grows as 1/step: 1e-4 of the spacing keeps both near 1e-8.
+    const double step = 1e-4 * spacing_ / largest;
+    force_at(direction, step, plus_);
+    force_at(direction, -step, minus_);
+    for (Index i = 0; i < topology_.particle_count; ++i) {
+      const Vec3 stiffness = (minus_[i] - plus_[i]) / (2.0 * step);
+      result.segment<3>(3 * i) = scale_.segment<3>(3 * i).cwiseProduct(stiffness);
+    }
+  }
+
+ private:
+  void force_at(const Vector& direction, double step, VecList& force) {
+    for (Index i = 0; i < topology_.particle_count; ++i) {
+      moved_[i] = position_[i] + step * direction.segment<3>(3 * i);
+    }
+    elastic_forces(topology_, moved_, force);
+  }
+
+  const TopologyTextures& topology_;
+  std::span<const Vec3> position_;
+  double spacing_;
+  Vector scale_;
+  VecList moved_, plus_, minus_;
+};
+
+/// Fixed, and from the generator's bits alone: the same on every machine.
+Vector start_vector(Eigen::Index size) {
+  std::mt19937 bits(20071);
+  Vector q(size);
+  for (Eigen::Index k = 0; k < size; ++k) q[k] = static_cast<double>(bits()) / 4294967296.0 - 0.5;
+  return q;
+}
+
+Spectrum lanczos(ScaledStiffness& A, Vector q) {
+  std::vector<double> diagonal, off;
+  Vector before = Vector::Zero(q.size()), image(q.size());
+  Spectrum found;
+  for (int step = 0; step < lanczos_steps; ++step) {
+    A.apply(q, image);
+    diagonal.push_back(q.dot(image));
+    image -= diagonal.back() * q;
+    if (step > 0) image -= off.back() * before;
+    const double beta = image.norm();
+
+    const bool look = step % 5 == 4 || step + 1 == lanczos_steps || beta == 0.0;
+    if (look) {
+      const auto size = static_cast<Eigen::Index>(diagonal.size());
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz;
+      ritz.computeFromTridiagonal(Eigen::Map<Vector>(diagonal.data(), size), Eigen::Map<Vector>(off.data(), size - 1));
+      const auto& values = ritz.eigenvalues();
+      const Eigen::Index top = std::abs(values[0]) > std::abs(values[size - 1]) ? 0 : size - 1;
+      found.largest = std::abs(values[top]);
+      found.most_negative = values[0];
+      const double residual = beta * std::abs(ritz.eigenvectors()(size - 1, top));
+      if (residual <= ritz_accuracy * found.largest || beta <= 1e-12 * found.largest) break;
+    }
+    off.push_back(beta);
+    before.swap(q);
+    q = image / beta;
+  }
+  return found;
+}
+
+Spectrum arnoldi(ScaledStiffness& A, Vector q) {
+  const double vector_bytes = 8.0 * static_cast<double>(q.size());
+  const auto steps = std::min<Eigen::Index>(
+      q.size(), std::clamp<Eigen::Index>(static_cast<Eigen::Index>(arnoldi_bytes / vector_bytes), 12, 80));
+  Eigen::MatrixXd basis(q.size(), steps + 1);
+  Eigen::MatrixXd hessenberg = Eigen::MatrixXd::Zero(steps + 1, steps);
+  basis.col(0) = q;
+  Vector image(q.size());
+  Eigen::Index used = steps;
+  for (Eigen::Index step = 0; step < steps; ++step) {
+    A.apply(basis.col(step), image);
+    for (Eigen::Index k = 0; k <= step; ++k) {
+      hessenberg(k, step) = basis.col(k).dot(image);
+      image -= hessenberg(k, step) * basis.col(k);
+    }
+    const double beta = image.norm();
+    hessenberg(step + 1, step) = beta;
+    if (beta <= 1e-12 * hessenberg.topLeftCorner(step + 1, step + 1).norm()) {
+      used = step + 1;
+      break;
+    }
+    basis.col(step + 1) = image / beta;
+  }
+  const Eigen::VectorXcd values =
+      Eigen::EigenSolver<Eigen::MatrixXd>(hessenberg.topLeftCorner(used, used), false).eigenvalues();
+  Spectrum found;
+  for (const std::complex<double>& value : values) {
+    found.largest = std::max(found.largest, std::abs(value));
+    found.most_negative = std::min(found.most_negative, value.real());
+    found.largest_imaginary = std::max(found.largest_imaginary, std::abs(value.imag()));
+  }
+  return found;
+}
+
+}  // namespace
+
+Spectrum estimate_spectrum(const TopologyTextures& topology, std::span<const Vec3> position,
+                           std::span<const std::uint8_t> fixed) {
+  for (Index i = 0; i < topology.particle_count; ++i) {
+    if (!position[i].allFinite()) {
+      throw Error("estimate_spectrum: the position of particle " + std::to_string(i) + " is not finite");
+    }
+  }
+  ScaledStiffness A(topology, position, fixed);
+  Vector q = start_vector(3 * topology.particle_count);
+  A.project(q);
+  if (A.spacing() == 0.0 || q.norm() == 0.0) return {};
+  q.normalize();
+
+  const Reaction reaction = topology.options.reaction;
+  const bool symmetric =
+      topology.base_count == 0 || reaction == Reaction::conservative || reaction == Reaction::averaged;
+  Spectrum found = symmetric ? lanczos(A, q) : arnoldi(A, q);
+  // The zero modes of rigid motion come out as rounding on either side of zero.
+  if (found.most_negative > -1e-6 * found.largest) found.most_negative = 0.0;
+  return found;
+}
+
+double stable_step(const Spectrum& spectrum, double damping_factor) {
+  if (spectrum.largest <= 0.0) return std::numeric_limits<double>::infinity();
+  return std::sqrt(2.0 * (1.0 + damping_factor) / spectrum.largest);
+}
+
+}  // namespace phymul

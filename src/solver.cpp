@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: MIT
+//
+// The non-virtual half of Solver: argument checks, step limit, failure policy and rest test, once for all backends.
+#include <phymul/elasticity.h>
+#include <phymul/error.h>
+#include <phymul/solver.h>
+
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+namespace phymul {
+namespace {
+
+/// A step this much beyond the limit still counts as at it: the limit itself was rounded.
+constexpr double limit_slack = 1e-9;
+
+void require_options(const SolverOptions& options) {
+  const Damping& d = options.damping;
+  if (!(d.rate >= 0.0) || !std::isfinite(d.rate)) {
+    throw Error("SolverOptions::damping.rate must be a finite rate in 1/s, 0 or more; got " + std::to_string(d.rate));
+  }
+  if (!(d.factor >= 0.0 && d.factor <= 1.0)) {
+    throw Error("SolverOptions::damping.factor must be in [0, 1] (1 takes nothing, above 1 a body gains energy); got " +
+                std::to_string(d.factor));
+  }
+  if (!(options.rest_tolerance > 0.0)) {
+    throw Error("SolverOptions::rest_tolerance must be above 0; got " + std::to_string(options.rest_tolerance));
+  }
+  if (options.rest_steps < 1) {
+    throw Error("SolverOptions::rest_steps must be 1 or more; got " + std::to_string(options.rest_steps));
+  }
+}
+
+const char* likely_cause(const TopologyTextures& topology, const Spectrum& spectrum, double dt, double limit) {
+  if (dt > limit) return "the step is beyond the stable step at rest; make dt smaller";
+  if (spectrum.most_negative < 0.0 && topology.options.reaction == Reaction::full && topology.base_count > 0) {
+    return "the full reaction gives back more force than it takes and grows without bound at any step; use "
+           "Reaction::conservative";
+  }
+  if (spectrum.most_negative < 0.0) return "this model is unstable at rest at any step; use Reaction::conservative";
+  return "the deformation raised the body's stiffness until dt passed its stable step, or a load is extreme; halve dt "
+         "or raise damping";
+}
+
+}  // namespace
+
+double Damping::factor_at(double dt) const {
+  return factor * std::exp(-rate * dt);
+}
+
+std::string StepReport::message() const {
+  char text[512];
+  switch (status) {
+    case StepStatus::ok:
+      std::snprintf(text, sizeof text, "ok: %d steps to t = %.6g s, residual %.3g N, speed %.3g m/s%s%s", steps, time,
+                    residual, max_speed, at_rest ? ", at rest" : "",
+                    beyond_limit ? "; the step is beyond the stable step" : "");
+      break;
+    case StepStatus::invalid_step:
+      std::snprintf(text, sizeof text,
+                    "invalid_step: expected n >= 0 and a finite dt > 0 s, got dt = %g; nothing was done", dt);
+      break;
+    case StepStatus::unstable_step:
+      std::snprintf(
+          text, sizeof text,
+          "unstable_step: dt = %.6g s is above the stable step %.6g s of this body at rest; nothing was done. "
+          "Use at most half of it, or UnstableStep::allow",
+          dt, stable_step);
+      break;
+    case StepStatus::not_finite:
+      std::snprintf(
+          text, sizeof text,
+          "not_finite: particle %d would have left the finite numbers after t = %.6g s (step %d of this call, "
+          "dt = %.6g s, stable step at rest %.6g s); the state at that time is kept. Likely cause: %s",
+          static_cast<int>(particle), time, steps + 1, dt, stable_step, cause);
+      break;
+    case StepStatus::device_lost:
+      std::snprintf(text, sizeof text, "device_lost: the device went away after t = %.6g s", time);
+      break;
+  }
+  return text;
+}
+
+Solver::Solver(std::string name, std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
+               const SolverOptions& options)
+    : name_(std::move(name)), topology_(std::move(topology)), scene_(&scene), options_(options) {
+  require_options(options_);
+  if (topology_->particle_count != model().particle_count()) {
+    throw Error("the tables were built for " + std::to_string(topology_->particle_count) +
+                " particles, the scene's model has " + std::to_string(model().particle_count()));
+  }
+  spectrum_ = estimate_spectrum(*topology_, topology_->rest);
+  stable_step_ = phymul::stable_step(spectrum_, options_.damping.factor);
+  spacing_ = mean_spacing(model());
+  scene_->prepare(frame_);
+  scene_version_ = scene_->version();
+}
+
+void Solver::follow_scene() {
+  if (scene_version_ == scene_->version()) return;
+  scene_->prepare(frame_);
+  scene_version_ = scene_->version();
+  do_scene_changed();
+}
+
+void Solver::reset(const State& state) {
+  const auto n = static_cast<std::size_t>(topology_->particle_count);
+  if (state.position.size() != n || state.velocity.size() != n) {
+    throw Error("Solver::reset: expected " + std::to_string(n) + " positions and velocities, got " +
+                std::to_string(state.position.size()) + " and " + std::to_string(state.velocity.size()));
+  }
+  if (!is_finite(state)) {
+    throw Error(
+        "Solver::reset: the state has a time, position or velocity that is not finite; the solver keeps its own");
+  }
+  follow_scene();
+  do_reset(state);
+}
+
+void Solver::reset() {
+  reset(rest_state(model()));
+}
+
+StepReport Solver::step(int n, double dt) {
+  return advance(n, dt, false);
+}
+StepReport Solver::run_to_rest(int max_steps, double dt) {
+  return advance(max_steps, dt, true);
+}
+
+StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
+  StepReport report;
+  report.time = do_time();
+  report.dt = dt;
+  report.stable_step = stable_step_;
+  if (n < 0 || !(dt > 0.0) || !std::isfinite(dt)) {
+    report.status = StepStatus::invalid_step;
+    return report;
+  }
+  report.beyond_limit = dt > stable_step_ * (1.0 + limit_slack);
+  if (report.beyond_limit && options_.on_unstable == UnstableStep::refuse) {
+    report.status = StepStatus::unstable_step;
+    return report;
+  }
+  follow_scene();
+
+  StepPlan plan;
+  plan.steps = n;
+  plan.dt = dt;
+  plan.damping_factor = options_.damping.factor_at(dt);
+  const double omega = std::sqrt(spectrum_.largest);
+  plan.speed_at_rest = options_.rest_tolerance * spacing_ * omega;
+  plan.acceleration_at_rest = plan.speed_at_rest * omega;
+  plan.stop_at_rest = stop_at_rest;
+  plan.rest_steps = options_.rest_steps;
+
+  const Motion motion = do_step(plan);
+  report.steps = motion.steps;
+  report.time = do_time();
+  report.residual = motion.max_force;
+  report.max_speed = motion.max_speed;
+  report.at_rest = motion.steps_at_rest >= options_.rest_steps;
+  if (motion.lost) {
+    report.status = StepStatus::device_lost;
+  } else if (motion.bad_particle >= 0) {
+    report.status = StepStatus::not_finite;
+    report.particle = motion.bad_particle;
+    report.cause = likely_cause(*topology_, spectrum_, dt, stable_step_);
+  }
+  return report;
+}
+
+void Solver::read(State& state) const {
+  do_read(state);
+}
+
+State Solver::read() const {
+  State state;
+  do_read(state);
+  return state;
+}
+
+Energy Solver::energy() const {
+  return do_energy();
+}
+
+}  // namespace phymul

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+#include "vtk_cells.h"
+
+#include <phymul/error.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <utility>
+
+namespace phymul {
+namespace {
+
+enum VtkType : std::int64_t {
+  vtk_empty = 0,
+  vtk_vertex = 1,
+  vtk_poly_vertex = 2,
+  vtk_line = 3,
+  vtk_poly_line = 4,
+  vtk_triangle = 5,
+  vtk_triangle_strip = 6,
+  vtk_polygon = 7,
+  vtk_pixel = 8,
+  vtk_quad = 9,
+  vtk_tetra = 10,
+  vtk_voxel = 11,
+  vtk_hexahedron = 12,
+  vtk_wedge = 13,
+  vtk_pyramid = 14,
+  vtk_first_quadratic = 21
+};
+
+/// Where a message is about; made into words only when one is needed.
+struct Place {
+  const std::string& file;
+  std::size_t cell;
+
+  std::string words() const { return file + ": cell " + std::to_string(cell) + ": "; }
+};
+
+[[noreturn]] void refuse_type(std::int64_t type, const Place& place) {
+  std::string message =
+      place.words() + "expected first-order cells (VTK types 1 to 5, 8 to 14), got type " + std::to_string(type);
+  if (type >= vtk_first_quadratic && type != 41 && type != 42) {
+    message += ", of second or higher order; export the mesh with first-order (linear) cells";
+  } else {
+    message += "; export tetrahedra, hexahedra, wedges or pyramids";
+  }
+  throw Error(message);
+}
+
+CellType our_type(std::int64_t type, std::size_t corners, const Place& place) {
+  switch (type) {
+    case vtk_vertex:
+      return CellType::atom;
+    case vtk_poly_vertex:
+      return CellType::poly_vertex;
+    case vtk_line:
+      return CellType::line;
+    case vtk_poly_line:
+      return CellType::poly_line;
+    case vtk_triangle:
+      return CellType::triangle;
+    case vtk_pixel:
+    case vtk_quad:
+      return CellType::quad;
+    case vtk_tetra:
+      return CellType::tetrahedron;
+    case vtk_voxel:
+    case vtk_hexahedron:
+      return CellType::hexahedron;
+    case vtk_wedge:
+      return CellType::wedge;
+    case vtk_pyramid:
+      return CellType::pyramid;
+    case vtk_polygon:
+      if (corners == 3) return CellType::triangle;
+      if (corners == 4) return CellType::quad;
+      throw Error(place.words() + "expected polygons of 3 or 4 corners, got one of " + std::to_string(corners) +
+                  "; triangulate the mesh and export it again");
+    default:
+      refuse_type(type, place);
+  }
+}
+
+/// VTK's documentation has a wedge's first triangle look outward; many writers have it look inward, as Model has it.
+/// The volume tells which it is.
+bool first_triangle_looks_out(const VecList& points, const std::vector<Index>& p) {
+  const Vec3 normal = (points[p[1]] - points[p[0]]).cross(points[p[2]] - points[p[0]]);
+  const Vec3 up = points[p[3]] + points[p[4]] + points[p[5]] - points[p[0]] - points[p[1]] - points[p[2]];
+  return normal.dot(up) < 0.0;
+}
+
+void turn_wedge(std::vector<Index>& p) {
+  std::swap(p[1], p[2]);
+  std::swap(p[4], p[5]);
+}
+
+}  // namespace
+
+void append_vtk_cells(const VtkCells& vtk, Index first_point, const std::string& where, MeshParts& parts) {
+  for (std::size_t c = 0; c < vtk.types.size(); ++c) {
+    const std::int64_t type = vtk.types[c];
+    if (type == vtk_empty) continue;
+    const Place place{where, c};
+    const auto begin = vtk.connectivity.begin() + vtk.offset[c];
+    const auto end = vtk.connectivity.begin() + vtk.offset[c + 1];
+    Cell cell;
+    cell.type = our_type(type, static_cast<std::size_t>(end - begin), place);
+    const int corners = cell_size(cell.type);
+    if (corners != 0 ? end - begin != corners : end == begin) {
+      throw Error(place.words() + "expected " + (corners != 0 ? std::to_string(corners) + " points" : "points") +
+                  " for VTK type " + std::to_string(type) + ", got " + std::to_string(end - begin) +
+                  "; the file is damaged: export it again");
+    }
+    for (auto p = begin; p != end; ++p) cell.particles.push_back(first_point + static_cast<Index>(*p));
+    if (type == vtk_pixel || type == vtk_voxel) std::swap(cell.particles[2], cell.particles[3]);
+    if (type == vtk_voxel) std::swap(cell.particles[6], cell.particles[7]);
+    if (type == vtk_wedge && first_triangle_looks_out(parts.points, cell.particles)) turn_wedge(cell.particles);
+    parts.cells.push_back(std::move(cell));
+  }
+}
+
+std::uint8_t vtk_type(CellType type) {
+  switch (type) {
+    case CellType::atom:
+      return vtk_vertex;
+    case CellType::line:
+      return vtk_line;
+    case CellType::triangle:
+      return vtk_triangle;
+    case CellType::quad:
+      return vtk_quad;
+    case CellType::tetrahedron:
+      return vtk_tetra;
+    case CellType::wedge:
+      return vtk_wedge;
+    case CellType::pyramid:
+      return vtk_pyramid;
+    case CellType::hexahedron:
+      return vtk_hexahedron;
+    case CellType::poly_line:
+      return vtk_poly_line;
+    case CellType::poly_vertex:
+      return vtk_poly_vertex;
+  }
+  return vtk_empty;
+}
+
+std::vector<Index> vtk_order(const Cell& cell) {
+  std::vector<Index> particles = cell.particles;
+  if (cell.type == CellType::wedge) turn_wedge(particles);
+  return particles;
+}
+
+}  // namespace phymul

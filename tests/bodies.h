@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+//
+// Bodies and states that tests, and conformance checks of other backends, share. Analytic, from fixed seeds.
+#pragma once
+
+#include <phymul/phymul.h>
+#include <phymul/topology_textures.h>
+
+#include <Eigen/Geometry>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace phymul::test {
+
+struct Body {
+  std::string name;
+  Model model;
+};
+
+inline Model cylinder_275() {
+  return make_cylinder(0.010, 0.040, 3, 8, 11);
+}
+
+inline Model jittered_block() {
+  Model model = make_block({0.04, 0.03, 0.03}, 4, 3, 3, 18);
+  jitter(model, 0.2, 7);
+  return model;
+}
+
+/// One of every kind: builders, valences, jittered, unstructured, two-dimensional.
+inline std::vector<Body> bodies() {
+  std::vector<Body> all;
+  all.push_back({"tetrahedron", make_tetrahedron(0.01)});
+  all.push_back({"cylinder275", cylinder_275()});
+  for (int valence : {6, 14, 18, 26}) {
+    all.push_back({"block" + std::to_string(valence), make_block({0.03, 0.02, 0.02}, 3, 2, 2, valence)});
+  }
+  all.push_back({"jittered", jittered_block()});
+  all.push_back({"tetrahedra", make_tetrahedral_block({0.03, 0.02, 0.02}, 3, 2, 2, 0.2, 5)});
+  all.push_back({"strip", make_strip(0.04, 0.02, 4, 2)});
+  return all;
+}
+
+/// Uniform in [-1, 1), from the generator's bits alone: the same on every machine.
+inline double uniform(std::mt19937& bits) {
+  return static_cast<double>(bits()) / 2147483648.0 - 1.0;
+}
+
+inline Vec3 random_vector(std::mt19937& bits, int dimension) {
+  Vec3 v(uniform(bits), uniform(bits), uniform(bits));
+  if (dimension == 2) v.z() = 0.0;
+  return v;
+}
+
+/// The rest shape with every particle off its place by up to `amount` mean spacings along each axis.
+inline VecList random_positions(const Model& model, double amount, std::uint32_t seed) {
+  std::mt19937 bits(seed);
+  const double h = mean_spacing(model);
+  VecList x = model.rest;
+  for (Vec3& p : x) p += amount * h * random_vector(bits, model.dimension);
+  return x;
+}
+
+/// A random rotation (about z in 2-D) and a translation of a few body sizes.
+inline VecList rigidly_moved(const Model& model, std::uint32_t seed) {
+  std::mt19937 bits(seed);
+  const Vec3 axis = model.dimension == 2 ? Vec3::UnitZ() : random_vector(bits, 3).normalized();
+  const Mat3 turn = Eigen::AngleAxisd(3.0 * uniform(bits), axis).toRotationMatrix();
+  const Vec3 shift = 3.0 * body_size(model) * random_vector(bits, model.dimension);
+  VecList x = model.rest;
+  for (Vec3& p : x) p = turn * p + shift;
+  return x;
+}
+
+inline double largest_norm(const VecList& list) {
+  double largest = 0.0;
+  for (const Vec3& v : list) largest = std::max(largest, v.norm());
+  return largest;
+}
+
+inline double norm(const VecList& list) {
+  double sum = 0.0;
+  for (const Vec3& v : list) sum += v.squaredNorm();
+  return std::sqrt(sum);
+}
+
+inline Vec3 sum(const VecList& list) {
+  Vec3 total = Vec3::Zero();
+  for (const Vec3& v : list) total += v;
+  return total;
+}
+
+/// Net torque about the centre of the positions, N m.
+inline Vec3 torque(const VecList& position, const VecList& force) {
+  const Vec3 centre = sum(position) / static_cast<double>(position.size());
+  Vec3 total = Vec3::Zero();
+  for (std::size_t i = 0; i < position.size(); ++i) total += (position[i] - centre).cross(force[i]);
+  return total;
+}
+
+/// A way of building the tables, with a name for messages.
+struct Variant {
+  std::string name;
+  TopologyOptions options;
+  bool material = false;  ///< gives the body soft_tissue first
+  double poisson = 0.3;
+};
+
+inline Material soft_tissue(double poisson = 0.3) {
+  return {10e3, poisson, 1000.0};
+}
+
+/// Every energy the library has that is exactly conservative.
+inline std::vector<Variant> conservative_variants() {
+  std::vector<Variant> all;
+  const auto add = [&](std::string name, bool material, auto&& set) {
+    Variant v;
+    v.name = std::move(name);
+    v.material = material;
+    set(v);
+    all.push_back(std::move(v));
+  };
+  add("springs", false, [](Variant& v) { v.options.law = Law::springs; });
+  add("springs+volume", false, [](Variant& v) {
+    v.options.law = Law::springs;
+    v.options.volume_stiffness = 50.0;
+    v.options.volume_law = VolumeLaw::quadratic;
+  });
+  add("averaged", false, [](Variant& v) { v.options.reaction = Reaction::averaged; });
+  add("conservative", false, [](Variant&) {});
+  add("conservative p=1", false, [](Variant& v) { v.options.area_exponent = 1.0; });
+  add("conservative p=1.5 all", false, [](Variant& v) {
+    v.options.area_exponent = 1.5;
+    v.options.bases = BaseSelection::all;
+  });
+  add("averaged p=1", false, [](Variant& v) {
+    v.options.reaction = Reaction::averaged;
+    v.options.area_exponent = 1.0;
+  });
+  add("conservative+volume", false, [](Variant& v) { v.options.volume_stiffness = 50.0; });
+  add("material", true, [](Variant&) {});
+  add("material quadratic volume", true, [](Variant& v) { v.options.volume_law = VolumeLaw::quadratic; });
+  add("material nu 0.45", true, [](Variant& v) { v.poisson = 0.45; });
+  add("material fitted", true, [](Variant& v) { v.options.bases = BaseSelection::fitted; });
+  add("material area exponent", true, [](Variant& v) { v.options.poisson_route = PoissonRoute::area_exponent; });
+  add("material cell-averaged", true, [](Variant& v) { v.options.cell_average = 0.9; });
+  return all;
+}
+
+/// True where the body can carry the variant at all: calibrated materials are three-dimensional.
+inline bool applies(const Variant& variant, const Body& body) {
+  return !(variant.material && body.model.dimension == 2);
+}
+
+inline Model prepared(const Variant& variant, const Body& body) {
+  Model model = body.model;
+  if (variant.material) set_material(model, soft_tissue(variant.poisson));
+  return model;
+}
+
+}  // namespace phymul::test

@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/phymul.h>
+#include "solver_internals.h"

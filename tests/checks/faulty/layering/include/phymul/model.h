@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/scene.h>
+#include <phymul/topology.h>

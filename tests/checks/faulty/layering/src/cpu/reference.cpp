@@ -1,0 +1,4 @@
+// SPDX-License-Identifier: MIT
+#include "reference.h"
+#include "../gl/context.h"
+#include <EGL/egl.h>

@@ -1,0 +1,5 @@
+// SPDX-License-Identifier: MIT
+#include <pugixml.hpp>
+#include <math.h>
+#include <Eigen/Core>
+#include <vector>

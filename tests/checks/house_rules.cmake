@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: MIT
+#
+# Licence line, length and name of every source file.
+include(${CMAKE_CURRENT_LIST_DIR}/faults.cmake)
+
+set(most_lines 400)
+
+set(files "")
+foreach(folder include src tests bench examples)
+  file(GLOB_RECURSE found ${ROOT}/${folder}/*.h ${ROOT}/${folder}/*.cpp)
+  list(APPEND files ${found})
+endforeach()
+if(NOT ROOT MATCHES "/faulty/")
+  list(FILTER files EXCLUDE REGEX "/tests/checks/faulty/")
+endif()
+if(NOT files)
+  message(FATAL_ERROR "no sources under ${ROOT}: nothing was checked")
+endif()
+
+foreach(file IN LISTS files)
+  file(STRINGS "${file}" first LIMIT_COUNT 1)
+  if(NOT first STREQUAL "// SPDX-License-Identifier: MIT")
+    fault("${file}" "does not begin with // SPDX-License-Identifier: MIT")
+  endif()
+  file(READ "${file}" text)
+  string(REGEX REPLACE "[^\n]" "" newlines "${text}")
+  string(LENGTH "${newlines}" lines)
+  if(lines GREATER most_lines)
+    fault("${file}" "has ${lines} lines, more than ${most_lines}; what are its two subjects?")
+  endif()
+  cmake_path(GET file STEM stem)
+  if(stem MATCHES "(^|_)(utils?|helpers?|misc)(_|$)")
+    fault("${file}" "is named for no subject")
+  endif()
+endforeach()
+report_faults()

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: MIT
+#
+# One step of the consumer tests: cmake -DSTEP=... -P run.cmake, with the variables tests/consumer/CMakeLists.txt gives.
+cmake_minimum_required(VERSION 3.25)
+
+set(consumers ${CMAKE_CURRENT_LIST_DIR})
+set(body ${SOURCE}/examples/data/cylinder_275.pml)
+set(installed ${SCRATCH}/installed)
+set(configure_flags -G ${GENERATOR} -DCMAKE_BUILD_TYPE=${CONFIG} -DCMAKE_CXX_COMPILER=${COMPILER}
+                    -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
+if(STEP MATCHES "_other_kind$")
+  set(installed ${SCRATCH}/installed_other_kind)
+endif()
+
+function(run)
+  execute_process(COMMAND ${ARGN} COMMAND_ECHO STDOUT COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
+
+# The program's output starts with the version it was linked with.
+function(run_program program)
+  execute_process(COMMAND ${program} ${body} COMMAND_ECHO STDOUT OUTPUT_VARIABLE output ECHO_OUTPUT_VARIABLE
+                  COMMAND_ERROR_IS_FATAL ANY)
+  if(NOT output MATCHES "^phymul [0-9.]+: 275 particles, 10 steps")
+    message(FATAL_ERROR "unexpected output of ${program}")
+  endif()
+endfunction()
+
+if(STEP STREQUAL "install")
+  file(REMOVE_RECURSE ${installed})
+  run(${CMAKE_COMMAND} --install ${BINARY} --config ${CONFIG} --prefix ${installed})
+
+elseif(STEP STREQUAL "install_other_kind")
+  file(REMOVE_RECURSE ${installed})
+  run(${CMAKE_COMMAND} --install ${SCRATCH}/subdirectory/phymul --config ${CONFIG} --prefix ${installed})
+
+elseif(STEP MATCHES "^find_package")
+  set(build ${SCRATCH}/${STEP})
+  file(REMOVE_RECURSE ${build})
+  run(${CMAKE_COMMAND} -S ${consumers}/find_package -B ${build} ${configure_flags} -DCMAKE_PREFIX_PATH=${installed})
+  run(${CMAKE_COMMAND} --build ${build} --config ${CONFIG})
+  run_program(${build}/app)
+
+elseif(STEP STREQUAL "subdirectory")
+  set(build ${SCRATCH}/${STEP})
+  set(other_kind ON)
+  if(SHARED)
+    set(other_kind OFF)
+  endif()
+  run(${CMAKE_COMMAND} -S ${consumers}/subdirectory -B ${build} ${configure_flags} -DPHYMUL_SOURCE=${SOURCE}
+      -DBUILD_SHARED_LIBS=${other_kind} -DPHYMUL_INSTALL=ON)
+  run(${CMAKE_COMMAND} --build ${build} --config ${CONFIG})
+  run_program(${build}/app)
+
+elseif(STEP MATCHES "^pkg_config")
+  file(MAKE_DIRECTORY ${SCRATCH}/${STEP})
+  file(GLOB_RECURSE pc ${installed}/*/phymul.pc)
+  cmake_path(GET pc PARENT_PATH pc_folder)
+  cmake_path(GET pc_folder PARENT_PATH libraries)
+  set(ENV{PKG_CONFIG_PATH} ${pc_folder})
+  set(ENV{LD_LIBRARY_PATH} ${libraries})
+  set(ENV{CXX} ${COMPILER})
+  run(sh ${consumers}/pkg_config/build.sh ${SCRATCH}/${STEP}/app)
+  run_program(${SCRATCH}/${STEP}/app)
+
+else()
+  message(FATAL_ERROR "unknown step \"${STEP}\"")
+endif()

@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: MIT
+//
+// What every backend must do. Instantiated for each built one in solver_conformance_test.cpp; a backend built out of
+// tree includes this file and instantiates it with a function that makes its solver.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+#include "bodies.h"
+
+namespace phymul::test {
+
+struct BackendUnderTest {
+  std::string name;
+  std::function<std::unique_ptr<Solver>(const Model&, const Scene&, const TopologyOptions&, const SolverOptions&)> make;
+};
+
+inline void PrintTo(const BackendUnderTest& backend, std::ostream* out) {
+  *out << backend.name;
+}
+
+class SolverConformance : public testing::TestWithParam<BackendUnderTest> {
+ protected:
+  static std::unique_ptr<Solver> make(const Model& model, const Scene& scene, const SolverOptions& options = {},
+                                      const TopologyOptions& topology = {}) {
+    return GetParam().make(model, scene, topology, options);
+  }
+  static Model block() {
+    Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
+    set_material(model, soft_tissue());
+    return model;
+  }
+};
+
+TEST_P(SolverConformance, RestStaysAtRest) {
+  for (const Body& body : bodies()) {
+    SCOPED_TRACE(body.name);
+    const Scene scene(body.model);
+    TopologyOptions topology;
+    topology.on_sparse = SparseParticle::springs;
+    const auto solver = make(body.model, scene, {}, topology);
+    const StepReport report = solver->step(1000, 0.5 * solver->stable_step());
+    EXPECT_TRUE(report.ok()) << report.message();
+    EXPECT_TRUE(report.at_rest);
+    const State state = solver->read();
+    for (Index i = 0; i < body.model.particle_count(); ++i) {
+      EXPECT_LE((state.position[i] - body.model.rest[i]).norm(), 1e-9 * mean_spacing(body.model));
+    }
+  }
+}
+
+TEST_P(SolverConformance, FreeFall) {
+  const Model model = block();
+  Scene scene(model);
+  scene.gravity({0, 0, -9.81});
+  const auto solver = make(model, scene);
+  const double dt = 0.5 * solver->stable_step();
+  const int steps = 400;
+  ASSERT_TRUE(solver->step(steps, dt).ok());
+  const State state = solver->read();
+  EXPECT_NEAR(state.time, steps * dt, 1e-9 * state.time);
+  // The scheme's own closed form: v_n = n g dt, x_n = n (n + 1) / 2 g dt^2.
+  const double fall = -9.81 * dt * dt * steps * (steps + 1) / 2.0;
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    EXPECT_NEAR(state.position[i].z() - model.rest[i].z(), fall, 1e-6 * std::abs(fall));
+    EXPECT_NEAR(state.velocity[i].z(), -9.81 * dt * steps, 1e-6 * 9.81 * dt * steps);
+  }
+}
+
+TEST_P(SolverConformance, RigidMotionOfTheSceneMovesTheResult) {
+  const Model model = block();
+  const Mat3 turn = Eigen::AngleAxisd(1.1, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  const Vec3 shift(0.3, -0.2, 0.1), g(2.0, 1.0, -9.81);
+  Model moved = model;
+  for (Vec3& p : moved.rest) p = turn * p + shift;
+  Scene scene(model), moved_scene(moved);
+  scene.fix("x0").gravity(g);
+  moved_scene.fix("x0").gravity(turn * g);
+  const auto solver = make(model, scene), moved_solver = make(moved, moved_scene);
+  const double dt = 0.4 * solver->stable_step();
+  ASSERT_TRUE(solver->step(500, dt).ok());
+  ASSERT_TRUE(moved_solver->step(500, dt).ok());
+  const State a = solver->read(), b = moved_solver->read();
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    EXPECT_LE((turn * a.position[i] + shift - b.position[i]).norm(), 1e-6 * mean_spacing(model)) << i;
+  }
+}
+
+TEST_P(SolverConformance, ImposedPositionsAreMetAndOtherAxesAreFree) {
+  const Model model = block();
+  Scene scene(model);
+  scene.fix("x0");
+  Load pull;
+  pull.type = LoadType::translation;
+  pull.particles = model.group("x1");
+  pull.events = {{0.0, 0.0}, {0.05, 0.003}};
+  pull.axes = {Axis::driven, Axis::free, Axis::free};
+  pull.direction = {1, 0, 0};
+  scene.add(pull);
+  SolverOptions options;
+  options.damping.rate = 60.0;
+  const auto solver = make(model, scene, options);
+  const double dt = 0.5 * solver->stable_step();
+  ASSERT_TRUE(solver->step(static_cast<int>(0.2 / dt), dt).ok());
+  const State state = solver->read();
+  for (Index i : model.group("x0")) EXPECT_LE((state.position[i] - model.rest[i]).norm(), 1e-9);
+  bool narrowed = false;
+  for (Index i : model.group("x1")) {
+    EXPECT_NEAR(state.position[i].x() - model.rest[i].x(), 0.003, 1e-8);
+    narrowed = narrowed || std::abs(state.position[i].y() - model.rest[i].y()) > 1e-5;
+  }
+  EXPECT_TRUE(narrowed);
+}
+
+TEST_P(SolverConformance, HangsToRestUnderGravityAndBearsItsWeight) {
+  const Model model = block();
+  Scene scene(model);
+  scene.fix("z1").gravity({0, 0, -9.81});
+  SolverOptions options;
+  options.damping.rate = 60.0;
+  const auto solver = make(model, scene, options);
+  const StepReport report = solver->run_to_rest(200000, 0.5 * solver->stable_step());
+  ASSERT_TRUE(report.ok()) << report.message();
+  EXPECT_TRUE(report.at_rest);
+  VecList force(model.rest.size());
+  elastic_forces(solver->topology(), solver->read().position, force);
+  double held = 0.0, hanging = 0.0;
+  const std::vector<Index> top = model.group("z1");
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    const bool fixed = std::find(top.begin(), top.end(), i) != top.end();
+    (fixed ? held : hanging) += fixed ? force[i].z() : 9.81 * model.mass[i];
+  }
+  EXPECT_NEAR(-held, hanging, 1e-3 * hanging);
+}
+
+TEST_P(SolverConformance, DampingRateGivesTheSameResultAtAnyStep) {
+  const Model model = block();
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -9.81});
+  SolverOptions options;
+  options.damping.rate = 20.0;
+  const auto coarse = make(model, scene, options), fine = make(model, scene, options);
+  const double dt = 0.4 * coarse->stable_step();
+  ASSERT_TRUE(coarse->step(200, dt).ok());
+  ASSERT_TRUE(fine->step(800, dt / 4).ok());
+  const PositionError error = position_error(model, coarse->read().position, fine->read().position);
+  EXPECT_LE(error.global_ratio, 0.02);
+}
+
+TEST_P(SolverConformance, RenumberingPermutesTheResult) {
+  const Model model = jittered_block();
+  const Index n = model.particle_count();
+  std::vector<Index> to(n);
+  for (Index i = 0; i < n; ++i) to[i] = (i * 37 + 11) % n;
+  Model shuffled = model;
+  std::vector<std::vector<Index>> rows(n);
+  for (Index i = 0; i < n; ++i) {
+    shuffled.rest[to[i]] = model.rest[i];
+    for (const Index* j = model.neighbours.begin(i); j != model.neighbours.end(i); ++j) rows[to[i]].push_back(to[*j]);
+  }
+  shuffled.neighbours = {};
+  for (const auto& row : rows) shuffled.neighbours.push_row(row.begin(), row.end());
+  for (Cell& cell : shuffled.cells) {
+    for (Index& p : cell.particles) p = to[p];
+  }
+  shuffled.components.clear();
+  const Scene scene(model), shuffled_scene(shuffled);
+  const auto solver = make(model, scene), other = make(shuffled, shuffled_scene);
+  State start = rest_state(model), shuffled_start = rest_state(shuffled);
+  start.position = random_positions(model, 0.02, 4);
+  for (Index i = 0; i < n; ++i) shuffled_start.position[to[i]] = start.position[i];
+  solver->reset(start);
+  other->reset(shuffled_start);
+  const double dt = 0.3 * solver->stable_step();
+  ASSERT_TRUE(solver->step(50, dt).ok());
+  ASSERT_TRUE(other->step(50, dt).ok());
+  const State a = solver->read(), b = other->read();
+  for (Index i = 0; i < n; ++i) {
+    EXPECT_LE((a.position[i] - b.position[to[i]]).norm(), 1e-5 * mean_spacing(model));
+  }
+}
+
+TEST_P(SolverConformance, StateRoundTripGoesOnAsIfNothingHappened) {
+  const Model model = block();
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -9.81});
+  const auto straight = make(model, scene), halved = make(model, scene), resumed = make(model, scene);
+  const double dt = 0.5 * straight->stable_step();
+  ASSERT_TRUE(straight->step(200, dt).ok());
+  ASSERT_TRUE(halved->step(100, dt).ok());
+  resumed->reset(halved->read());
+  ASSERT_TRUE(resumed->step(100, dt).ok());
+  const PositionError error = position_error(model, resumed->read().position, straight->read().position);
+  EXPECT_LE(error.global_ratio, 1e-5);
+}
+
+TEST_P(SolverConformance, StepInPiecesIsBitEqual) {
+  const Model model = block();
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -9.81});
+  const auto once = make(model, scene), pieces = make(model, scene);
+  const double dt = 0.5 * once->stable_step();
+  ASSERT_TRUE(once->step(30, dt).ok());
+  for (int k = 0; k < 10; ++k) ASSERT_TRUE(pieces->step(3, dt).ok());
+  EXPECT_EQ(once->read(), pieces->read());
+}
+
+TEST_P(SolverConformance, SceneMayChangeBetweenSteps) {
+  const Model model = block();
+  Scene scene(model);
+  const auto solver = make(model, scene);
+  const double dt = 0.5 * solver->stable_step();
+  ASSERT_TRUE(solver->step(10, dt).ok());
+  scene.gravity({0, 0, -9.81}).fix("x0");
+  ASSERT_TRUE(solver->step(100, dt).ok());
+  const State state = solver->read();
+  for (Index i : model.group("x0")) EXPECT_LE((state.position[i] - model.rest[i]).norm(), 1e-9);
+  EXPECT_LT(state.position[model.group("x1")[0]].z(), model.rest[model.group("x1")[0]].z());
+  scene.clear();
+  ASSERT_TRUE(solver->step(10, dt).ok());
+}
+
+TEST_P(SolverConformance, StepBeyondTheLimitIsRefusedAndNothingMoves) {
+  const Model model = block();
+  Scene scene(model);
+  scene.gravity({0, 0, -9.81});
+  const auto solver = make(model, scene);
+  const State before = solver->read();
+  const StepReport report = solver->step(10, 1.5 * solver->stable_step());
+  EXPECT_EQ(report.status, StepStatus::unstable_step);
+  EXPECT_EQ(report.steps, 0);
+  EXPECT_EQ(solver->read(), before);
+  EXPECT_NE(report.message().find("is above the stable step"), std::string::npos) << report.message();
+}
+
+TEST_P(SolverConformance, InvalidStepsAreRefused) {
+  const Model model = block();
+  const Scene scene(model);
+  const auto solver = make(model, scene);
+  for (double dt : {0.0, -1e-3, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    const StepReport report = solver->step(1, dt);
+    EXPECT_EQ(report.status, StepStatus::invalid_step);
+    EXPECT_NE(report.message().find("expected n >= 0 and a finite dt > 0"), std::string::npos);
+  }
+  EXPECT_EQ(solver->step(-1, 1e-6).status, StepStatus::invalid_step);
+}
+
+TEST_P(SolverConformance, StopsBeforeNaNAndKeepsTheLastGoodState) {
+  const Model model = block();
+  const Scene scene(model);
+  SolverOptions options;
+  options.on_unstable = UnstableStep::allow;
+  const auto solver = make(model, scene, options);
+  State start = rest_state(model);
+  start.position = random_positions(model, 0.05, 3);
+  solver->reset(start);
+  const StepReport report = solver->step(1000000, 3.0 * solver->stable_step());
+  ASSERT_EQ(report.status, StepStatus::not_finite) << report.message();
+  EXPECT_TRUE(report.beyond_limit);
+  EXPECT_GE(report.particle, 0);
+  const State state = solver->read();
+  EXPECT_TRUE(is_finite(state));
+  EXPECT_EQ(state.time, report.time);
+  EXPECT_NE(report.message().find("the step is beyond the stable step at rest"), std::string::npos) << report.message();
+  solver->reset();
+  EXPECT_TRUE(solver->step(10, 0.5 * solver->stable_step()).ok());
+}
+
+TEST_P(SolverConformance, BadStatesAndOptionsAreRefused) {
+  const Model model = block();
+  const Scene scene(model);
+  const auto solver = make(model, scene);
+  const State before = solver->read();
+  State bad = before;
+  bad.position[3].y() = std::nan("");
+  EXPECT_THROW(solver->reset(bad), Error);
+  bad = before;
+  bad.velocity.pop_back();
+  EXPECT_THROW(solver->reset(bad), Error);
+  EXPECT_EQ(solver->read(), before);
+  const auto refuses = [&](auto&& set, const char* text) {
+    SolverOptions options;
+    set(options);
+    try {
+      make(model, scene, options);
+      ADD_FAILURE() << "accepted: " << text;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(text), std::string::npos) << error.what();
+    }
+  };
+  refuses([](SolverOptions& o) { o.damping.factor = 1.01; }, "damping.factor must be in [0, 1]");
+  refuses([](SolverOptions& o) { o.damping.rate = -1.0; }, "damping.rate must be a finite rate");
+  refuses([](SolverOptions& o) { o.rest_tolerance = 0.0; }, "rest_tolerance must be above 0");
+  refuses([](SolverOptions& o) { o.rest_steps = 0; }, "rest_steps must be 1 or more");
+}
+
+TEST_P(SolverConformance, RepeatsBitForBit) {
+  const Model model = jittered_block();
+  const Scene scene(model);
+  State start = rest_state(model);
+  start.position = random_positions(model, 0.05, 2);
+  const auto run = [&] {
+    const auto solver = make(model, scene);
+    solver->reset(start);
+    EXPECT_TRUE(solver->step(50, 0.4 * solver->stable_step()).ok());
+    return solver->read();
+  };
+  EXPECT_EQ(run(), run());
+}
+
+}  // namespace phymul::test

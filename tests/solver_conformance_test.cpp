@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#include "solver_conformance.h"
+
+namespace phymul::test {
+namespace {
+
+std::vector<BackendUnderTest> built_backends() {
+  std::vector<BackendUnderTest> all;
+  for (const std::string& name : backend_names()) {
+    all.push_back(
+        {name, [name](const Model& model, const Scene& scene, const TopologyOptions& topology,
+                      const SolverOptions& options) { return make_solver(name, model, scene, topology, options); }});
+  }
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SolverConformance, testing::ValuesIn(built_backends()), [](const auto& backend) {
+  std::string name = backend.param.name;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
+
+TEST(Backends, UnknownNameListsTheKnownOnes) {
+  const Model model = make_tetrahedron(0.01);
+  const Scene scene(model);
+  try {
+    make_solver("vulkan", model, scene);
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "unknown backend \"vulkan\"; this build has: auto, reference");
+  }
+  EXPECT_EQ(make_solver("auto", model, scene)->name(), "reference");
+}
+
+TEST(Backends, SceneOfAnotherModelIsRefused) {
+  const Model model = make_tetrahedron(0.01), other = make_tetrahedron(0.02);
+  const Scene scene(other);
+  EXPECT_THROW(make_solver("reference", model, scene), Error);
+}
+
+TEST(Backends, TablesAreShared) {
+  const Model model = make_tetrahedron(0.01);
+  const Scene scene(model);
+  const auto tables = std::make_shared<const TopologyTextures>(build_topology(model));
+  const auto a = make_solver("reference", tables, scene), b = make_solver("reference", tables, scene);
+  EXPECT_EQ(&a->topology(), &b->topology());
+}
+
+}  // namespace
+}  // namespace phymul::test
