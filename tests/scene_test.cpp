@@ -403,8 +403,10 @@ TEST(Scene, EvaluatingLeavesNoTraceOfTheInstantBefore) {
   lift.events = {{0.0, 0.0}, {1.0, 1.0}, {2.0, 0.0}};
   push.type = LoadType::force;
   push.events = lift.events;
+  Load more = push;
+  more.particles = {0, 18, 20};
   Scene scene(model);
-  scene.add({lift, push});
+  scene.add({lift, push, more});
   LoadFrame frame;
   scene.prepare(frame);
   for (const double time : {0.3, 1.7, 0.9, 5.0, -1.0}) {
