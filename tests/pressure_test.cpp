@@ -14,16 +14,16 @@ TEST(Pressure, PushesInwardOnTheSurfaceAlone) {
   for (const Model& model : {make_block({1, 2, 3}, 2, 3, 4), make_tetrahedral_block({1, 2, 3}, 2, 3, 4, 0.2, 5)}) {
     Scene scene(model);
     scene.add(made(LoadType::pressure, model.group("x1"), {0, 0, 0}, 100.0));
-    expect_near(sum(at(scene, 0.0).force), Vec3(-600, 0, 0), 1e-10);
+    expect_near(total_of(at(scene, 0.0).force), Vec3(-600, 0, 0), 1e-10);
     Load directed = made(LoadType::pressure, model.group("x1"), {0, 0, 3}, 100.0);
     scene.clear().add(directed);
-    expect_near(sum(at(scene, 0.0).force), Vec3(0, 0, 600), 1e-10);
+    expect_near(total_of(at(scene, 0.0).force), Vec3(0, 0, 600), 1e-10);
     // All particles: the closed surface pushes with no sum, and nothing pushes inside.
     std::vector<Index> all(model.rest.size());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Index>(i);
     scene.clear().add(made(LoadType::pressure, all, {0, 0, 0}, 100.0));
     const LoadFrame frame = at(scene, 0.0);
-    expect_near(sum(frame.force), Vec3(0, 0, 0), 1e-10);
+    expect_near(total_of(frame.force), Vec3(0, 0, 0), 1e-10);
     double work = 0.0;
     for (Index i = 0; i < model.particle_count(); ++i) {
       const Vec3& x = model.rest[i];
@@ -55,7 +55,7 @@ TEST(Pressure, IsInwardForMirroredCellsToo) {
   std::swap(model.cells[0].particles[4], model.cells[0].particles[6]);
   Scene scene(model);
   scene.add(made(LoadType::pressure, model.group("y0"), {0, 0, 0}, 1.0));
-  expect_near(sum(at(scene, 0.0).force), Vec3(0, 1, 0));
+  expect_near(total_of(at(scene, 0.0).force), Vec3(0, 1, 0));
 }
 
 TEST(Pressure, OnASurfaceModelAndInThePlane) {
@@ -65,13 +65,13 @@ TEST(Pressure, OnASurfaceModelAndInThePlane) {
   shell.cells[0].particles = top;
   Scene scene(shell);
   scene.add(made(LoadType::pressure, top, {0, 0, 0}, 3.0));
-  expect_near(sum(at(scene, 0.0).force), Vec3(0, 0, -3));
+  expect_near(total_of(at(scene, 0.0).force), Vec3(0, 0, -3));
   expect_near(at(scene, 0.0).force[4], Vec3(0, 0, -0.75));
 
   Model strip = make_strip(2, 1, 4, 2);
   Scene plane(strip);
   plane.add(made(LoadType::pressure, strip.group("y1"), {0, 0, 0}, 3.0));
-  expect_near(sum(at(plane, 0.0).force), Vec3(0, -6, 0));
+  expect_near(total_of(at(plane, 0.0).force), Vec3(0, -6, 0));
   std::vector<Cell> lines(1);
   lines[0].type = CellType::line;
   lines[0].particles = {0, 4};  // along +x, the outside on its right: below
@@ -79,7 +79,7 @@ TEST(Pressure, OnASurfaceModelAndInThePlane) {
   strip.components.clear();
   Scene line(strip);
   line.add(made(LoadType::pressure, {0, 4}, {0, 0, 0}, 3.0));
-  expect_near(sum(at(line, 0.0).force), Vec3(0, 6, 0));
+  expect_near(total_of(at(line, 0.0).force), Vec3(0, 6, 0));
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ inline void expect_near(const Vec3& got, const Vec3& expected, double tolerance 
   EXPECT_NEAR((got - expected).norm(), 0.0, tolerance) << got.transpose() << " instead of " << expected.transpose();
 }
 
-inline Vec3 sum(const VecList& list) {
+inline Vec3 total_of(const VecList& list) {
   Vec3 total = Vec3::Zero();
   for (const Vec3& v : list) total += v;
   return total;

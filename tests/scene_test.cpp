@@ -140,7 +140,7 @@ TEST(Scene, ForcesAddUp) {
   const LoadFrame frame = at(scene, 0.0);
   expect_near(frame.force[1], Vec3(0, 0, 3));
   expect_near(frame.force[2], Vec3(-1, 0, 3));
-  expect_near(sum(frame.force), Vec3(-1, 0, 6));
+  expect_near(total_of(frame.force), Vec3(-1, 0, 6));
 }
 
 TEST(Scene, AccelerationIsMassTimesValue) {
