@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string>
 
+#include "cell_terms.h"
 #include "corner_simplices.h"
 #include "isotropic_fit.h"
 
@@ -17,46 +18,71 @@ namespace {
 // four diagonals at 0.15, three axes at 2/15.
 constexpr double corner_view = 0.6;
 
+constexpr double tolerated_anisotropy = 0.03;
+constexpr double least_view_share = 0.1;  // against the deformations of a hexahedron that leave its mean alone
+
 struct StiffBase {
   Index owner;
   RestBase base;
   double stiffness;  // k_t, N/m
 };
 
-// k_t of all views of one cell.
-void add_cell_views(const Model& model, Index cell, double c, std::vector<StiffBase>& bases) {
-  const std::vector<CornerSimplex> corners = corner_simplices(model, cell);
-  const bool is_tetrahedron = model.cells[cell].type == CellType::tetrahedron;
-  std::vector<StiffBase> views;
-  std::vector<Vec3> normals;
-  std::vector<double> priors;
+struct View {
+  Index owner;
+  RestBase base;
+  double share;  // of the cell's shape energy, sum 1
+};
+
+std::vector<View> views_of(const Model& model, CellType type, const std::vector<CornerSimplex>& corners) {
+  double volume = 0.0;
+  for (const CornerSimplex& corner : corners) volume += corner.share;
+  const double first = type == CellType::tetrahedron ? 0.25 : corner_view;
+  std::vector<View> views;
+  for (const CornerSimplex& corner : corners) {
+    for (const OppositeFace& face : opposite_faces(corner)) {
+      const double part = face.owner == corner.vertex[0] ? first : (1.0 - first) / 3.0;
+      views.push_back({face.owner, rest_base(model.rest, face.owner, face.vertex), part * corner.share / volume});
+    }
+  }
+  return views;
+}
+
+// Distance of the views' fourth moment from the isotropic one, over the latter's size.
+double anisotropy(const std::vector<View>& views) {
+  FourthMoment moment = FourthMoment::Zero();
+  for (const View& view : views) moment += view.share * fourth_moment(view.base.normal);
+  return (moment - isotropic_moment(3)).norm() / isotropic_moment(3).norm();
+}
+
+double mean_deformation_share(const std::vector<View>& views, const TopologyOptions& options) {
+  if (options.poisson_route == PoissonRoute::area_exponent) return 0.0;
+  const double needed = 1.0 - tolerated_anisotropy / std::max(anisotropy(views), tolerated_anisotropy);
+  return std::max(options.cell_average, std::min(needed, 1.0 - least_view_share));
+}
+
+// Views and volume terms of one cell; returns what is left to its mean deformation.
+CellShare add_cell(const Model& model, Index row, const Calibration& material, const TopologyOptions& options,
+                   std::vector<StiffBase>& bases, std::vector<VolumeTexel>& volumes) {
+  const CellType type = model.cells[row].type;
+  const std::vector<CornerSimplex> corners = corner_simplices(model, row);
+  const std::vector<View> views = views_of(model, type, corners);
+  const double averaged =
+      options.bases == BaseSelection::fitted ? options.cell_average : mean_deformation_share(views, options);
+  // A tetrahedron has one volume, in its cell term where it has that.
+  const double averaged_volume = type == CellType::tetrahedron && averaged > 0.0 ? 1.0 : averaged;
   double volume = 0.0;
   for (const CornerSimplex& corner : corners) {
     volume += corner.share;
-    for (const OppositeFace& face : opposite_faces(corner)) {
-      views.push_back({face.owner, rest_base(model.rest, face.owner, face.vertex), 0.0});
-      normals.push_back(views.back().base.normal);
-      const double from_corner = face.owner == corner.vertex[0] ? corner_view : (1.0 - corner_view) / 3.0;
-      priors.push_back(corner.share * (is_tetrahedron ? 0.25 : from_corner));
+    const double stiffness = (1.0 - averaged_volume) * material.kappa * corner.share;
+    if (stiffness > 0.0) volumes.push_back({corner.vertex, 1.0 / corner.volume, stiffness});
+  }
+  if (options.bases != BaseSelection::fitted) {
+    const double energy = (1.0 - averaged) * material.c * volume;
+    for (const View& view : views) {
+      bases.push_back({view.owner, view.base, energy * view.share / (view.base.beta * view.base.beta)});
     }
   }
-  const Eigen::VectorXd prior = Eigen::Map<const Eigen::VectorXd>(priors.data(), std::ssize(priors)) / volume;
-  const Eigen::VectorXd weight = view_weights(normals, prior);
-  for (std::size_t k = 0; k < views.size(); ++k) {
-    const double v = weight[static_cast<Eigen::Index>(k)];
-    if (!(v > 0.0)) continue;
-    views[k].stiffness = c * volume * v / (views[k].base.beta * views[k].base.beta);
-    bases.push_back(views[k]);
-  }
-}
-
-std::vector<StiffBase> cell_views(const Model& model, const std::vector<Calibration>& calibration, double share) {
-  std::vector<StiffBase> bases;
-  for (Index cell = 0; cell < static_cast<Index>(model.cells.size()); ++cell) {
-    const Cell& it = model.cells[cell];
-    if (is_volume(it.type)) add_cell_views(model, cell, share * calibration[it.material].c, bases);
-  }
-  return bases;
+  return {averaged, averaged_volume};
 }
 
 // c V_i of every particle: each cell's evenly over its vertices, J.
@@ -72,7 +98,8 @@ std::vector<double> shape_energy_shares(const Model& model, const std::vector<Ca
 }
 
 std::vector<StiffBase> fitted_views(const Model& model, const TopologyOptions& options,
-                                    const std::vector<Calibration>& calibration, double share) {
+                                    const std::vector<Calibration>& calibration) {
+  const double share = 1.0 - options.cell_average;
   const std::vector<double> energy = shape_energy_shares(model, calibration);
   std::vector<StiffBase> bases;
   for (Index i = 0; i < model.particle_count(); ++i) {
@@ -140,24 +167,22 @@ std::vector<Calibration> calibrate_model(const Model& model, PoissonRoute route)
   return result;
 }
 
-BaseTable calibrated_bases(const Model& model, const TopologyOptions& options,
-                           const std::vector<Calibration>& calibration, double share, std::int64_t most_rows) {
-  std::vector<StiffBase> bases = options.bases == BaseSelection::fitted
-                                     ? fitted_views(model, options, calibration, share)
-                                     : cell_views(model, calibration, share);
+CalibratedBody calibrated_body(const Model& model, const TopologyOptions& options,
+                               const std::vector<Calibration>& calibration, std::int64_t most_rows) {
+  CalibratedBody body;
+  std::vector<StiffBase> bases;
+  std::vector<CellShare> shares(model.cells.size());
+  for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
+    const Cell& cell = model.cells[row];
+    if (!is_volume(cell.type)) continue;
+    shares[row] = add_cell(model, row, calibration[cell.material], options, bases, body.volumes);
+  }
+  if (options.bases == BaseSelection::fitted) bases = fitted_views(model, options, calibration);
   merge(bases);
   require_base_rows(bases.size(), most_rows);
-  return table_of(model.particle_count(), bases);
-}
-
-std::vector<VolumeTexel> calibrated_volumes(const Model& model, const std::vector<Calibration>& calibration,
-                                            double share) {
-  std::vector<VolumeTexel> terms;
-  for (const CornerSimplex& simplex : corner_simplices(model)) {
-    const double kappa = share * calibration[model.cells[simplex.cell].material].kappa;
-    if (kappa > 0.0) terms.push_back({simplex.vertex, 1.0 / simplex.volume, kappa * simplex.share});
-  }
-  return terms;
+  body.bases = table_of(model.particle_count(), bases);
+  body.cells = cell_terms(model, calibration, shares);
+  return body;
 }
 
 }  // namespace phymul

@@ -3,7 +3,6 @@
 
 #include "nnls.h"
 
-#include <Eigen/Cholesky>
 #include <array>
 #include <cmath>
 
@@ -36,8 +35,6 @@ constexpr std::array<Monomial, 15> monomials{{{4, 0, 0, 1},
 
 // Rows that hold the sum at 1 outweigh the moments; what is left is divided out.
 constexpr double sum_row = 1e3;
-// Pull towards the prior: small beside the moments, large beside rounding.
-constexpr double prior_row = 1e-2;
 // Pull towards a balanced set: settles which of equal directions is taken.
 constexpr double balance_row = 1e-2;
 
@@ -71,27 +68,6 @@ FourthMoment isotropic_moment(int dimension) {
     m[static_cast<Eigen::Index>(k)] = std::sqrt(count) * (count == 1.0 ? 3.0 : 1.0) / over;
   }
   return m;
-}
-
-VectorXd view_weights(const std::vector<Vec3>& normals, const VectorXd& prior) {
-  const Eigen::Index n = prior.size();
-  MatrixXd a(16, n);
-  a.topRows(15) = moments(normals);
-  a.row(15).setConstant(sum_row);
-  VectorXd b(16);
-  b << isotropic_moment(3), sum_row;
-  // Without the bounds the answer is prior + A^T (A A^T + r^2 I)^-1 (b - A prior); where no entry is negative it is
-  // the answer with them.
-  const MatrixXd normal_matrix = a * a.transpose() + prior_row * prior_row * MatrixXd::Identity(16, 16);
-  VectorXd v = prior + a.transpose() * normal_matrix.ldlt().solve(b - a * prior);
-  if (v.minCoeff() < 0.0) {
-    MatrixXd bounded(16 + n, n);
-    bounded << a, prior_row * MatrixXd::Identity(n, n);
-    VectorXd target(16 + n);
-    target << b, prior_row * prior;
-    v = non_negative_least_squares(bounded, target);
-  }
-  return v / v.sum();
 }
 
 VectorXd sparse_weights(const std::vector<Vec3>& normals, const VecList& centres, int dimension) {

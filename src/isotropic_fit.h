@@ -22,10 +22,6 @@ FourthMoment fourth_moment(const Vec3& normal);
 /// Moment of directions spread evenly over the sphere (circle where dimension is 2).
 FourthMoment isotropic_moment(int dimension);
 
-/// Weights of few directions, all to be kept: the nearest isotropic moment, and among equally near ones the nearest to
-/// `prior` (positive, sum 1); sum 1. Unique, and as symmetric as the directions and the prior are.
-Eigen::VectorXd view_weights(const std::vector<Vec3>& normals, const Eigen::VectorXd& prior);
-
 /// Weights of many directions, most of them 0: the nearest isotropic moment with at most 18 positive weights, sum 1.
 /// `centre` is where each sample lies, in units of the neighbourhood's size and relative to its particle; sets that
 /// are balanced about the particle are preferred. All zero where there are no directions.

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 namespace phymul {
 namespace {
@@ -239,10 +240,10 @@ BaseTable build_calibrated(const Model& model, TopologyTextures& topology) {
   if (options.bases != BaseSelection::fitted) options.bases = BaseSelection::opposite_faces;
   const std::vector<Calibration> calibration = calibrate_model(model, options.poisson_route);
   options.area_exponent = calibration.front().exponent;
-  const double corner_share = 1.0 - options.cell_average;
-  topology.volumes = calibrated_volumes(model, calibration, corner_share);
-  if (options.cell_average > 0.0) topology.cells = cell_terms(model, calibration, options.cell_average);
-  return calibrated_bases(model, options, calibration, corner_share, most_base_rows(options));
+  CalibratedBody body = calibrated_body(model, options, calibration, most_base_rows(options));
+  topology.cells = std::move(body.cells);
+  topology.volumes = std::move(body.volumes);
+  return std::move(body.bases);
 }
 
 BaseTable build_plain(const Model& model, TopologyTextures& topology) {

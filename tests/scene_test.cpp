@@ -207,7 +207,9 @@ TEST(Scene, PressurePushesInwardOnTheSurfaceAlone) {
     for (Index i = 0; i < model.particle_count(); ++i) {
       const Vec3& x = model.rest[i];
       const bool inside = x.minCoeff() > 0 && x.x() < 1 && x.y() < 2 && x.z() < 3;
-      if (inside) EXPECT_EQ(frame.force[i], Vec3(0, 0, 0));
+      if (inside) {
+        EXPECT_EQ(frame.force[i], Vec3(0, 0, 0));
+      }
       work += frame.force[i].dot(x);
     }
     // p times the surface integral of -n.x is -3 p V.
