@@ -26,7 +26,9 @@ void add_body_options(CLI::App& app, RunOptions& options) {
   app.add_option("loads", options.loads, "what acts on it: .lml")->check(CLI::ExistingFile);
   app.add_option("--unit", options.length_unit, "metres per length unit of the body's file [1e-3 for .pml, else 1]")
       ->check(CLI::PositiveNumber);
-  app.add_option("--fix", options.fixed_groups, "hold this group of particles; may be given several times");
+  app.add_option("--fix", options.fixed_groups, "hold this group of particles; may be given several times")
+      ->option_text("GROUP")
+      ->allow_extra_args(false);
   app.add_option("--gravity", options.gravity, "acceleration on everything, m/s^2: x y z")->expected(3);
 }
 
@@ -37,10 +39,12 @@ void add_elasticity_options(CLI::App& app, RunOptions& options) {
   auto* density = app.add_option("--density", options.material.density, "kg/m^3")->capture_default_str();
   auto* from_file = app.add_flag("--from-file", options.from_file, "masses and stiffnesses of the file, no material");
   auto* reaction = app.add_option("--reaction", options.topology.reaction, "how forces are given back [conservative]")
-                       ->transform(CLI::CheckedTransformer(reactions, CLI::ignore_case));
+                       ->transform(CLI::CheckedTransformer(reactions, CLI::ignore_case))
+                       ->option_text("full|shared|barycentric|averaged|conservative");
   auto* bases =
       app.add_option("--bases", options.topology.bases, "which bases [thresholded; opposite_faces with a material]")
-          ->transform(CLI::CheckedTransformer(selections, CLI::ignore_case));
+          ->transform(CLI::CheckedTransformer(selections, CLI::ignore_case))
+          ->option_text("all|thresholded|opposite_faces|fitted");
   auto* springs = app.add_flag_callback(
       "--springs", [&options] { options.topology.law = phymul::Law::springs; }, "springs instead of shape memory");
   auto* volume = app.add_option("--volume-stiffness", options.topology.volume_stiffness,
