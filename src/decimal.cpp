@@ -74,7 +74,8 @@ std::optional<double> DecimalUnit::parse_shifted(std::string_view text) const {
   if (mark != std::string_view::npos) {
     const std::string_view digits = text.substr(mark + 1);
     const std::optional<std::int64_t> own = parse_integer(digits);
-    // Blanks inside a number are an error; parse_integer alone would pass them. Exponents beyond 10^6 belong to no double.
+    // Blanks inside a number are an error; parse_integer alone would pass them. Exponents beyond 10^6 belong to no
+    // double.
     if (!own || trim(digits) != digits || std::abs(*own) > 1'000'000) return std::nullopt;
     exponent += *own;
   }

@@ -91,7 +91,9 @@ Repeats repeated_cells(const std::vector<Cell>& cells) {
     std::array<Index, 8> key;
     key.fill(-1);
     std::copy(cells[row].particles.begin(), cells[row].particles.end(), key.begin());
-    std::sort(key.begin(), key.end());
+    // By insertion: GCC 12 warns of an overrun inside std::sort of so short an array.
+    for (auto last = key.begin(); last != key.end(); ++last)
+      std::rotate(std::upper_bound(key.begin(), last, *last), last, last + 1);
     return key;
   };
   std::vector<std::pair<std::uint64_t, Index>> hashed;

@@ -8,8 +8,8 @@
 
 namespace phymul {
 
-/// From the number a file gives a thing to its row. Numbers need neither start at 0 nor be consecutive; memory goes with
-/// their count, not with their size.
+/// From the number a file gives a thing to its row. Numbers need neither start at 0 nor be consecutive; memory goes
+/// with their count, not with their size.
 class IndexTable {
  public:
   IndexTable() = default;

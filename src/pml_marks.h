@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The attribute by which write_pml says what plain PML cannot, so that reading gives an equal model. Other programs keep
-// or ignore it like any attribute they do not know.
+// The attribute by which write_pml says what plain PML cannot, so that reading gives an equal model. Other programs
+// keep or ignore it like any attribute they do not know.
 #pragma once
 
 #include <phymul/model.h>
@@ -14,7 +14,7 @@ namespace phymul {
 inline constexpr const char* pml_mark_attribute = "phymul";
 
 struct PmlMarks {
-  bool unnumbered = false;   ///< root, cell: the model has no file indices, those written are rows
+  bool unnumbered = false;   ///< list of atoms, cell: the model has no file indices, those written are rows
   bool wrapper = false;      ///< multiComponent: stands only because PML wants one root; no row of Model::components
   bool loose = false;        ///< structuralComponent: holds cells that are in no component; no row either
   bool unlisted = false;     ///< structuralComponent "Neighborhoods": no row either

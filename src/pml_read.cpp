@@ -83,11 +83,9 @@ void PmlReader::read_root(pugi::xml_node root) {
       xml_.fail(root, "expected dimension 2 or 3, got " + XmlSource::cite(dimension.value()));
     }
   }
-  unnumbered_ = marks(root).unnumbered;
   // The counts are hints, often wrong: never used, written anew.
-  model_.extras.attributes =
-      xml_.other_attributes(root, {"name", "dimension", pml_mark_attribute, "nrOfAtoms", "nrOfExclusiveComponents",
-                                   "nrOfInformativeComponents", "nrOfCells"});
+  model_.extras.attributes = xml_.other_attributes(
+      root, {"name", "dimension", "nrOfAtoms", "nrOfExclusiveComponents", "nrOfInformativeComponents", "nrOfCells"});
 }
 
 void PmlReader::read_atoms(pugi::xml_node atoms) {
@@ -110,7 +108,8 @@ void PmlReader::read_atom_list(pugi::xml_node list, bool first) {
   Component& kept = model_.extras.atom_list;
   if (first) {
     kept.name = list.attribute("name").value();
-    kept.attributes = xml_.other_attributes(list, {"name"});
+    kept.attributes = xml_.other_attributes(list, {"name", pml_mark_attribute});
+    unnumbered_ = marks(list).unnumbered;
   }
   // Counted, not believed: @value of nrOfStructures is a hint.
   std::size_t count = 0;
@@ -209,8 +208,8 @@ void PmlReader::fail_repeated_atom(pugi::xml_node atoms, Index number) const {
       const pugi::xml_node node = atom.child("atomProperties");
       if (xml_.index(node, "index") != number) continue;
       if (first != 0) {
-        xml_.fail(node, "expected each atom index once, got " + std::to_string(number) + " again; it is first on line " +
-                            std::to_string(first));
+        xml_.fail(node, "expected each atom index once, got " + std::to_string(number) +
+                            " again; it is first on line " + std::to_string(first));
       }
       first = xml_.line(node);
     }

@@ -20,7 +20,8 @@ CellType cell_type(const XmlSource& xml, pugi::xml_node node, std::string_view n
   xml.fail(node, "expected a cell type (" + known + "), got " + XmlSource::cite(name));
 }
 
-/// Puts every item in its wanted row and returns the new row of each. Throws by `fail` unless the rows are a permutation.
+/// Puts every item in its wanted row and returns the new row of each. Throws by `fail` unless the rows are a
+/// permutation.
 template <class Item, class Fail>
 std::vector<Index> permute(std::vector<Item>& items, const std::vector<Index>& wanted, Fail fail) {
   std::vector<char> taken(items.size(), 0);
@@ -88,12 +89,15 @@ void PmlReader::read_structures(pugi::xml_node node, Index component, bool neigh
     const std::string_view kind = child.name();
     if (kind == "cell") {
       const bool is_neighbourhood =
-          neighbourhoods && std::string_view(child.child("cellProperties").attribute("name").value()).starts_with("Atom #");
+          neighbourhoods &&
+          std::string_view(child.child("cellProperties").attribute("name").value()).starts_with("Atom #");
       if (is_neighbourhood) {
         read_neighbourhood(child, read_cell_head(child));
       } else {
-        if (neighbourhoods) xml_.note(child, "expected cells named \"Atom #<index>\" in \"Neighborhoods\"; "
-                                             "this one is read as an ordinary cell");
+        if (neighbourhoods)
+          xml_.note(child,
+                    "expected cells named \"Atom #<index>\" in \"Neighborhoods\"; "
+                    "this one is read as an ordinary cell");
         read_cell(child, component, material);
       }
     } else if (kind == "atomRef" && component >= 0) {
@@ -250,7 +254,8 @@ void PmlReader::restore_component_rows() {
 void PmlReader::fail_rows(const char* what) const {
   xml_.fail(xml_.root(), std::string("expected the row=N of every ") + what +
                              " to count from 0 without gaps, parents before children, got something else; remove the "
-                             "attributes \"" + pml_mark_attribute + "\" to read the file in its own order");
+                             "attributes \"" +
+                             pml_mark_attribute + "\" to read the file in its own order");
 }
 
 void PmlReader::order_materials() {

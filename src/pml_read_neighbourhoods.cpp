@@ -51,7 +51,8 @@ void PmlReader::read_neighbourhood(pugi::xml_node cell, const CellHead& head) {
 
 void PmlReader::finish_neighbourhoods() {
   if (neighbourhood_cell_.empty()) {
-    if (neighbourhoods_) xml_.note(neighbourhoods_, "no neighbourhood in \"Neighborhoods\"; they are made from the cells");
+    if (neighbourhoods_)
+      xml_.note(neighbourhoods_, "no neighbourhood in \"Neighborhoods\"; they are made from the cells");
     model_.neighbours = neighbours_from_cells(model_.cells, model_.particle_count());
     return;
   }
@@ -93,7 +94,8 @@ void PmlReader::note_missing(const std::vector<Index>& rows) {
     list += (i == 0 ? "" : ", ") + std::to_string(model_.file_index.empty() ? row : model_.file_index[row]);
   }
   if (rows.size() > shown) list += ", ...";
-  xml_.note(neighbourhoods_, std::to_string(rows.size()) + " atom(s) have no neighbourhood and get no neighbours: " + list);
+  xml_.note(neighbourhoods_,
+            std::to_string(rows.size()) + " atom(s) have no neighbourhood and get no neighbours: " + list);
 }
 
 void PmlReader::finish_particles() {

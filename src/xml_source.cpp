@@ -14,14 +14,15 @@
 namespace phymul {
 namespace {
 
-constexpr int max_depth = 256;        // far above any real file: components nest by anatomy, not by data
+constexpr int max_depth = 256;           // far above any real file: components nest by anatomy, not by data
 constexpr std::size_t max_notes = 1000;  // a wrong file may hold a flaw per atom
 
 /// Names in old files are often in Latin-1, and say so. Converted here, not by the parser, whose offsets would then no
 /// longer be those of the file.
 bool declares_latin1(std::string_view text) {
   std::string head(text.substr(0, text.substr(0, 200).find('>')));
-  std::transform(head.begin(), head.end(), head.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
+  std::transform(head.begin(), head.end(), head.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
   return head.find("<?xml") != std::string::npos &&
          (head.find("iso-8859-1") != std::string::npos || head.find("latin1") != std::string::npos);
 }
@@ -73,7 +74,7 @@ std::string XmlSource::load(const std::string& path, std::size_t max_bytes) {
   return text;
 }
 
-XmlSource::XmlSource(std::string text, std::string name)
+XmlSource::XmlSource(std::string text, std::string name, bool instructions)
     : name_(std::move(name)), text_(std::move(text)), document_(std::make_unique<pugi::xml_document>()) {
   if (declares_latin1(text_)) text_ = latin1_to_utf8(text_);
   const auto lines = static_cast<std::size_t>(std::count(text_.begin(), text_.end(), '\n'));
@@ -85,16 +86,16 @@ XmlSource::XmlSource(std::string text, std::string name)
   if (zero != std::string::npos) {
     throw Error(line_at(zero) + ": expected XML in UTF-8, got a zero byte; binary files and UTF-16 are not read");
   }
-  parse();
+  parse(instructions);
   refuse_entities();
   refuse_depth();
 }
 
 XmlSource::~XmlSource() = default;
 
-void XmlSource::parse() {
-  const auto result = document_->load_buffer_inplace(text_.data(), text_.size(),
-                                                     pugi::parse_default | pugi::parse_doctype, pugi::encoding_utf8);
+void XmlSource::parse(bool instructions) {
+  const unsigned flags = pugi::parse_default | pugi::parse_doctype | (instructions ? pugi::parse_pi : 0u);
+  const auto result = document_->load_buffer_inplace(text_.data(), text_.size(), flags, pugi::encoding_utf8);
   if (result.status == pugi::status_out_of_memory) throw Error(name_ + ": not enough memory to read it");
   if (!result) {
     throw Error(line_at(static_cast<std::size_t>(result.offset)) + ": expected well-formed XML, got \"" +
@@ -141,7 +142,9 @@ void XmlSource::refuse_depth() const {
   }
 }
 
-pugi::xml_node XmlSource::root() const { return document_->document_element(); }
+pugi::xml_node XmlSource::root() const {
+  return document_->document_element();
+}
 
 std::size_t XmlSource::line(pugi::xml_node node) const {
   const auto offset = std::max<std::ptrdiff_t>(node.offset_debug(), 0);
@@ -154,9 +157,13 @@ std::string XmlSource::line_at(std::size_t offset) const {
   return name_ + ':' + std::to_string(found - line_end_.begin() + 1);
 }
 
-std::string XmlSource::where(pugi::xml_node node) const { return name_ + ':' + std::to_string(line(node)); }
+std::string XmlSource::where(pugi::xml_node node) const {
+  return name_ + ':' + std::to_string(line(node));
+}
 
-void XmlSource::fail(pugi::xml_node node, const std::string& message) const { throw Error(where(node) + ": " + message); }
+void XmlSource::fail(pugi::xml_node node, const std::string& message) const {
+  throw Error(where(node) + ": " + message);
+}
 
 std::string_view XmlSource::text(pugi::xml_node node, const char* attribute) const {
   const pugi::xml_attribute found = node.attribute(attribute);
@@ -238,7 +245,9 @@ std::vector<std::string> XmlSource::take_notes() {
   return std::move(notes_);
 }
 
-void XmlSource::discard(pugi::xml_node node) { node.parent().remove_child(node); }
+void XmlSource::discard(pugi::xml_node node) {
+  node.parent().remove_child(node);
+}
 
 std::string XmlSource::cite(std::string_view text) {
   constexpr std::size_t longest = 40;

@@ -24,7 +24,8 @@ class XmlSource {
  public:
   /// Parses. `name` stands for the file in messages. Throws Error for text that is no XML document, declares entities
   /// (nothing here needs them, and expanding them is how small files grow huge), or nests elements deeper than 256.
-  XmlSource(std::string text, std::string name);
+  /// `instructions`: processing instructions appear in the tree too.
+  XmlSource(std::string text, std::string name, bool instructions = false);
   ~XmlSource();
   XmlSource(const XmlSource&) = delete;
   XmlSource& operator=(const XmlSource&) = delete;
@@ -66,7 +67,7 @@ class XmlSource {
 
  private:
   std::string line_at(std::size_t offset) const;  // "file:line"
-  void parse();
+  void parse(bool instructions);
   void refuse_entities() const;
   void refuse_depth() const;
 
@@ -76,7 +77,7 @@ class XmlSource {
   };
 
   std::string name_;
-  std::string text_;  // owned by the parser once parse() has run: cut into names and values in place
+  std::string text_;                   // owned by the parser once parse() has run: cut into names and values in place
   std::vector<std::size_t> line_end_;  // offset of every '\n'
   std::unique_ptr<pugi::xml_document> document_;
   std::vector<std::string> notes_;

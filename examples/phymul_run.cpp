@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+//
+// phymul-run BODY [LOADS]: pulls a body as its loads say, lets it go, runs until it rests, and reports.
+#include <phymul/error.h>
+#include <phymul/lml.h>
+#include <phymul/mesh.h>
+#include <phymul/pml.h>
+#include <phymul/topology_textures.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "run_loop.h"
+#include "run_options.h"
+#include "run_report.h"
+#include "run_schedule.h"
+
+namespace {
+
+void print_notes(const std::vector<std::string>& notes) {
+  constexpr std::size_t most = 8;
+  for (std::size_t k = 0; k < std::min(most, notes.size()); ++k) std::fprintf(stderr, "note: %s\n", notes[k].c_str());
+  if (notes.size() > most) std::fprintf(stderr, "note: ... and %zu more\n", notes.size() - most);
+}
+
+bool is_pml(const std::string& path) {
+  return std::filesystem::path(path).extension() == ".pml";
+}
+
+/// A mesh file is in metres unless told otherwise, a PML file in millimetres, as the readers have it.
+double length_unit(const RunOptions& options) {
+  if (options.length_unit > 0.0) return options.length_unit;
+  return is_pml(options.body) ? phymul::PmlOptions{}.length_unit : phymul::MeshOptions{}.length_unit;
+}
+
+phymul::Model read_body(const RunOptions& options) {
+  const double unit = length_unit(options);
+  phymul::Model model = is_pml(options.body) ? phymul::read_pml(options.body, {.length_unit = unit})
+                                             : phymul::read_mesh(options.body, {.length_unit = unit});
+  if (!options.from_file) phymul::set_material(model, options.material);
+  return model;
+}
+
+phymul::Scene make_scene(const RunOptions& options, const phymul::Model& model) {
+  phymul::Scene scene(model);
+  if (!options.loads.empty()) {
+    std::vector<std::string> notes;
+    scene.add(phymul::read_lml(options.loads, model, &notes));
+    print_notes(notes);
+  }
+  for (const std::string& group : options.fixed_groups) scene.fix(group);
+  if (!options.gravity.empty()) scene.gravity({options.gravity[0], options.gravity[1], options.gravity[2]});
+  return scene;
+}
+
+int run(const RunOptions& options) {
+  const phymul::Model model = read_body(options);
+  print_notes(model.notes);
+  phymul::Scene scene = make_scene(options, model);
+  phymul::SolverOptions solver_options;
+  solver_options.damping.rate = options.damping_rate;
+  const auto solver = phymul::make_solver(options.backend, model, scene, options.topology, solver_options);
+
+  std::filesystem::create_directories(options.out);
+  const RunSchedule schedule = schedule_of(scene.loads());
+  RunLoop loop(options, schedule, scene, *solver);
+  const int exit_code = loop.run();
+  phymul::write_csv(model, loop.state(), options.out + "/rest.csv");
+  phymul::write_pml(phymul::deformed_model(model, loop.state()), options.out + "/rest.pml",
+                    {.length_unit = length_unit(options)});
+  print_table(*solver, loop.summary());
+  std::printf("\nresults in %s\n", options.out.c_str());
+  return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  int exit_code = 0;
+  const std::optional<RunOptions> options = read_run_options(argc, argv, exit_code);
+  return options ? run(*options) : exit_code;
+} catch (const phymul::Error& error) {
+  std::fprintf(stderr, "phymul-run: %s\n", error.what());
+  return 1;
+} catch (const std::filesystem::filesystem_error& error) {
+  std::fprintf(stderr, "phymul-run: %s\n", error.what());
+  return 1;
+}

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: MIT
+#
+# Runs phymul-run (RUN) shortly on the sample of DATA and on the mesh MESH, and looks for its results in OUT.
+file(REMOVE_RECURSE ${OUT})
+
+function(run expected_code expected_text)
+  execute_process(COMMAND ${RUN} ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE err)
+  if(NOT code EQUAL expected_code OR NOT "${out}${err}" MATCHES "${expected_text}")
+    message(FATAL_ERROR "phymul-run ${ARGN}\nexpected exit code ${expected_code} and \"${expected_text}\", "
+                        "got ${code} and:\n${out}${err}")
+  endif()
+endfunction()
+
+function(expect_file name)
+  if(NOT EXISTS ${OUT}/${name})
+    message(FATAL_ERROR "phymul-run did not write ${name}")
+  endif()
+  file(SIZE ${OUT}/${name} size)
+  if(size EQUAL 0)
+    message(FATAL_ERROR "phymul-run wrote an empty ${name}")
+  endif()
+endfunction()
+
+# Let go early and cut short: not at rest, but all there.
+set(sample ${DATA}/cylinder_275.pml ${DATA}/cylinder_275_pull.lml)
+run(3 "let go.*particles +275.*not at rest" ${sample} --let-go 0.02 --max-time 0.04 --frame-interval 0.01 --out ${OUT})
+foreach(name frames/body.pvd frames/body_000000.vtu frames/body_000004.vtu energies.csv pulled.png rest.png rest.csv
+             rest.pml)
+  expect_file(${name})
+endforeach()
+
+# What it wrote, it reads: the deformed body is a body, and a frame is a mesh.
+run(3 "particles +275" ${OUT}/rest.pml --max-time 0.001 --frame-interval 0 --no-pictures --out ${OUT}/again)
+run(3 "particles +275" ${OUT}/frames/body_000004.vtu --max-time 0.001 --frame-interval 0 --no-pictures
+    --gravity 0 0 -9.81 --out ${OUT}/frame)
+
+# A small stiff body comes to rest.
+run(0 "steps from letting go to rest" ${MESH} --unit 0.01 --fix "fixed side" --gravity 0 0 -9.81 --damping 60
+    --frame-interval 0 --out ${OUT}/mesh)
+
+run(1 "ExistingFile|not exist" no_such_file.pml --out ${OUT})
+run(1 "no_such_group" ${MESH} --fix no_such_group --out ${OUT}/none)
+run(1 "no_such_backend" ${MESH} --backend no_such_backend --out ${OUT}/none)

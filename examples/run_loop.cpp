@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+#include "run_loop.h"
+
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "picture.h"
+
+namespace {
+
+constexpr int samples_per_frame = 10;
+constexpr double default_sample_interval = 0.005;  // s, where no frames are asked for
+constexpr double time_to_rest = 20.0;              // s after the last date, unless --max-time says otherwise
+
+}  // namespace
+
+RunLoop::RunLoop(const RunOptions& options, const RunSchedule& schedule, phymul::Scene& scene, phymul::Solver& solver)
+    : options_(options), schedule_(schedule), scene_(scene), solver_(solver), model_(solver.model()) {
+  if (schedule.has_driven && !options.keep) let_go_date_ = options.let_go.value_or(schedule.let_go);
+  if (schedule.has_driven) pull_date_ = std::min(schedule.largest_pull, let_go_date_.value_or(schedule.largest_pull));
+  end_ = options.max_time.value_or(std::max(schedule.last_date, let_go_date_.value_or(0.0)) + time_to_rest);
+  sample_interval_ =
+      options.frame_interval > 0.0 ? options.frame_interval / samples_per_frame : default_sample_interval;
+  if (options.frame_interval > 0.0) {
+    std::filesystem::create_directories(options.out + "/frames");
+    series_.emplace(options.out + "/frames/body");
+  }
+  energies_.open(options.out + "/energies.csv");
+  energies_.precision(12);
+  energies_ << "time,elastic,kinetic,gravity,total,residual,max_speed,max_displacement\n";
+}
+
+/// The default step is a whole part of the sample interval: samples and most dates then fall on steps.
+void RunLoop::choose_step() {
+  if (options_.dt) {
+    summary_.dt = *options_.dt;
+    return;
+  }
+  const double wanted = std::min(0.5 * solver_.stable_step(), sample_interval_);
+  summary_.dt = sample_interval_ / std::ceil(sample_interval_ / wanted * (1.0 - 1e-9));
+}
+
+bool RunLoop::is_settling() const {
+  return reached(schedule_.last_date) && (!let_go_date_ || let_go_done_);
+}
+
+double RunLoop::next_date() const {
+  double date = std::min(end_, static_cast<double>(samples_) * sample_interval_);
+  if (pull_date_ && !pull_seen_) date = std::min(date, *pull_date_);
+  if (let_go_date_ && !let_go_done_) date = std::min(date, *let_go_date_);
+  return date;
+}
+
+/// False when the solver failed.
+bool RunLoop::advance(double date) {
+  const auto steps = static_cast<int>(std::max<long long>(1, std::llround((date - state_.time) / summary_.dt)));
+  const auto start = std::chrono::steady_clock::now();
+  report_ = is_settling() ? solver_.run_to_rest(steps, summary_.dt) : solver_.step(steps, summary_.dt);
+  summary_.wall_time += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  summary_.steps += report_.steps;
+  return report_.ok();
+}
+
+void RunLoop::look() {
+  solver_.read(state_);
+  const phymul::Energy energy = solver_.energy();
+  if (reached(static_cast<double>(samples_) * sample_interval_)) {
+    energies_ << state_.time << ',' << energy.elastic << ',' << energy.kinetic << ',' << energy.gravity << ','
+              << energy.total() << ',' << report_.residual << ',' << report_.max_speed << ','
+              << displacement_norms(model_, state_).max << '\n';
+    if (series_ && samples_ % samples_per_frame == 0) series_->write(model_, state_);
+    while (reached(static_cast<double>(samples_) * sample_interval_)) ++samples_;
+  }
+  remember_pull();
+  if (let_go_date_ && !let_go_done_ && reached(*let_go_date_)) {
+    summary_.snapshots.push_back(take_snapshot("let go", solver_, state_, report_));
+    let_go(scene_);
+    let_go_done_ = true;
+    let_go_step_ = summary_.steps;
+    progress_.say("let go at " + std::to_string(state_.time) + " s");
+  }
+  progress_.show(state_.time, energy, report_,
+                 summary_.wall_time > 0.0 ? static_cast<double>(summary_.steps) / summary_.wall_time : 0.0);
+}
+
+/// Where nothing is driven, the most deformed moment stands for the largest pull.
+void RunLoop::remember_pull() {
+  if (pull_date_ && !pull_seen_ && reached(*pull_date_)) {
+    pull_seen_ = true;
+    pulled_ = state_;
+    summary_.snapshots.push_back(take_snapshot("largest pull", solver_, state_, report_));
+    draw("pulled.png", "largest pull", state_, false);
+  } else if (!pull_date_ && displacement_norms(model_, state_).max > pulled_shot_.displacement.max) {
+    pulled_ = state_;
+    pulled_shot_ = take_snapshot("most deformed", solver_, state_, report_);
+  }
+}
+
+int RunLoop::run() {
+  choose_step();
+  look();
+  while (true) {
+    const bool settling = is_settling();
+    if (!advance(next_date())) return finish(true);
+    look();
+    if ((settling && report_.at_rest) || reached(end_)) return finish(false);
+  }
+}
+
+int RunLoop::finish(bool failed) {
+  solver_.read(state_);
+  const bool at_rest = !failed && report_.at_rest;
+  summary_.status = failed ? report_.message()
+                    : at_rest
+                        ? "at rest"
+                        : "not at rest after " + std::to_string(state_.time) + " s; raise --max-time or --damping";
+  if (at_rest) summary_.steps_to_rest = summary_.steps - let_go_step_;
+  if (!pull_date_ && pulled_) {
+    draw("pulled.png", "most deformed", *pulled_, false);
+    summary_.snapshots.push_back(pulled_shot_);
+  }
+  summary_.snapshots.push_back(take_snapshot(at_rest ? "at rest" : "at the end", solver_, state_, report_));
+  draw("rest.png", at_rest ? "at rest" : "at the end", state_, let_go_done_);
+  energies_.close();
+  if (!energies_)
+    throw phymul::Error(options_.out + "/energies.csv: could not be written to its end; is the disk full?");
+  return failed ? 2 : at_rest ? 0 : 3;
+}
+
+void RunLoop::draw(const std::string& file, const std::string& title, const phymul::State& state,
+                   bool is_let_go) const {
+  if (!options_.pictures) return;
+  PictureOptions picture;
+  picture.title = (model_.name.empty() ? "body" : model_.name) + ": " + title;
+  char text[160];
+  std::snprintf(text, sizeof text, "t = %.4g s, %d particles", state.time, model_.particle_count());
+  picture.subtitle = text;
+  if (!model_.materials.empty()) {
+    std::snprintf(text, sizeof text, ", E = %.4g kPa, Poisson's ratio %.3g", 1e-3 * options_.material.young,
+                  options_.material.poisson);
+    picture.subtitle += text;
+  }
+  picture.fixed = schedule_.held;
+  if (!is_let_go) picture.driven = schedule_.driven;
+  if (pulled_) picture.frame = pulled_->position;
+  draw_picture(model_, state, picture, options_.out + '/' + file);
+}

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#include "run_options.h"
+
+#include <phymul/version.h>
+
+#include <CLI/CLI.hpp>
+#include <map>
+
+namespace {
+
+const std::map<std::string, phymul::Reaction> reactions{{"full", phymul::Reaction::full},
+                                                        {"shared", phymul::Reaction::shared},
+                                                        {"barycentric", phymul::Reaction::barycentric},
+                                                        {"averaged", phymul::Reaction::averaged},
+                                                        {"conservative", phymul::Reaction::conservative}};
+
+const std::map<std::string, phymul::BaseSelection> selections{{"all", phymul::BaseSelection::all},
+                                                              {"thresholded", phymul::BaseSelection::thresholded},
+                                                              {"opposite_faces", phymul::BaseSelection::opposite_faces},
+                                                              {"fitted", phymul::BaseSelection::fitted}};
+
+void add_body_options(CLI::App& app, RunOptions& options) {
+  app.add_option("body", options.body, "the body: .pml, .msh (Gmsh), .vtk or .vtu")
+      ->required()
+      ->check(CLI::ExistingFile);
+  app.add_option("loads", options.loads, "what acts on it: .lml")->check(CLI::ExistingFile);
+  app.add_option("--unit", options.length_unit, "metres per length unit of the body's file [1e-3 for .pml, else 1]")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--fix", options.fixed_groups, "hold this group of particles; may be given several times");
+  app.add_option("--gravity", options.gravity, "acceleration on everything, m/s^2: x y z")->expected(3);
+}
+
+void add_elasticity_options(CLI::App& app, RunOptions& options) {
+  const std::string group = "Elasticity";
+  auto* young = app.add_option("--young", options.material.young, "Young's modulus, Pa")->capture_default_str();
+  auto* poisson = app.add_option("--poisson", options.material.poisson, "Poisson's ratio")->capture_default_str();
+  auto* density = app.add_option("--density", options.material.density, "kg/m^3")->capture_default_str();
+  auto* from_file = app.add_flag("--from-file", options.from_file, "masses and stiffnesses of the file, no material");
+  auto* reaction = app.add_option("--reaction", options.topology.reaction, "how forces are given back [conservative]")
+                       ->transform(CLI::CheckedTransformer(reactions, CLI::ignore_case));
+  auto* bases =
+      app.add_option("--bases", options.topology.bases, "which bases [thresholded; opposite_faces with a material]")
+          ->transform(CLI::CheckedTransformer(selections, CLI::ignore_case));
+  auto* springs = app.add_flag_callback(
+      "--springs", [&options] { options.topology.law = phymul::Law::springs; }, "springs instead of shape memory");
+  auto* volume = app.add_option("--volume-stiffness", options.topology.volume_stiffness,
+                                "kappa of a volume term without a material, Pa");
+  auto* average = app.add_option("--cell-average", options.topology.cell_average,
+                                 "share of the energy from a hexahedron's mean deformation; 0.9 cures locking");
+  for (CLI::Option* option : {young, poisson, density, from_file, reaction, bases, springs, volume, average}) {
+    option->group(group);
+  }
+  for (CLI::Option* option : {young, poisson, density}) from_file->excludes(option);
+  reaction->needs(from_file);
+  springs->needs(from_file);
+  volume->needs(from_file);
+  average->excludes(from_file);
+}
+
+void add_run_options(CLI::App& app, RunOptions& options) {
+  const std::string group = "Run";
+  for (CLI::Option* option :
+       {app.add_option("--backend", options.backend, "solver by name")->capture_default_str(),
+        app.add_option("--damping", options.damping_rate, "rate of loss of velocity, 1/s")
+            ->capture_default_str()
+            ->check(CLI::NonNegativeNumber),
+        app.add_option("--dt", options.dt, "step, s [half of the stable step]")->check(CLI::PositiveNumber),
+        app.add_option("--let-go", options.let_go, "when driven particles are let go, s [their last date]")
+            ->check(CLI::NonNegativeNumber),
+        app.add_option("--max-time", options.max_time, "simulated time at most, s [20 s after the last date]")
+            ->check(CLI::PositiveNumber)}) {
+    option->group(group);
+  }
+  app.add_flag("--keep", options.keep, "never let go")->group(group)->excludes("--let-go");
+}
+
+void add_output_options(CLI::App& app, RunOptions& options) {
+  const std::string group = "Output";
+  app.add_option("--out", options.out, "folder for results; made where it is missing")
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--frame-interval", options.frame_interval, "simulated time between VTK frames, s; 0: none")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber)
+      ->group(group);
+  app.add_flag("!--no-pictures", options.pictures, "no PNG pictures")->group(group);
+}
+
+}  // namespace
+
+std::optional<RunOptions> read_run_options(int argc, char** argv, int& exit_code) {
+  RunOptions options;
+  CLI::App app{
+      "Deforms a body as its loads say, lets it go, and runs until it rests.\n"
+      "The defaults suit soft tissue of some centimetres, in metres, kilograms and seconds."};
+  app.name("phymul-run");
+  app.set_version_flag("--version", PHYMUL_VERSION);
+  app.footer(
+      "Writes into the --out folder: frames/body.pvd (for ParaView), energies.csv, pulled.png and rest.png, rest.pml\n"
+      "and rest.csv. Exit code: 0 at rest, 1 wrong input, 2 the solver failed, 3 not at rest within --max-time.");
+  add_body_options(app, options);
+  add_elasticity_options(app, options);
+  add_run_options(app, options);
+  add_output_options(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    exit_code = app.exit(error) == 0 ? 0 : 1;
+    return std::nullopt;
+  }
+  return options;
+}

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+//
+// What phymul-run is asked to do.
+#pragma once
+
+#include <phymul/solver.h>
+#include <phymul/topology.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+struct RunOptions {
+  std::string body;   ///< .pml, .msh, .vtk or .vtu
+  std::string loads;  ///< .lml; empty: none
+  std::string out = "out";
+
+  double length_unit = 0.0;  ///< m per unit of the body's file; 0: mm for .pml, m for meshes
+  bool from_file = false;    ///< masses and stiffnesses of the file instead of the material
+  phymul::Material material{.young = 10e3, .poisson = 0.3, .density = 1000.0};
+  phymul::TopologyOptions topology;
+
+  std::vector<std::string> fixed_groups;
+  std::vector<double> gravity;  ///< m/s^2, three or none
+
+  std::string backend = "auto";
+  double damping_rate = 20.0;      ///< 1/s
+  std::optional<double> dt;        ///< s; none: half of the stable step, or a little less
+  std::optional<double> let_go;    ///< s; none: last date of the driven translations
+  bool keep = false;               ///< never let go
+  std::optional<double> max_time;  ///< s; none: 20 s after the last date
+  double frame_interval = 0.05;    ///< s; 0: no frames
+  bool pictures = true;
+};
+
+/// None where the program should end now, with `exit_code` (help was asked for, or the words made no sense).
+std::optional<RunOptions> read_run_options(int argc, char** argv, int& exit_code);

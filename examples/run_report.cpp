@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#include "run_report.h"
+
+#include <phymul/topology_textures.h>
+#include <unistd.h>
+
+#include <cinttypes>
+#include <cstdio>
+#include <functional>
+
+using phymul::StepReport;
+
+Snapshot take_snapshot(std::string label, const phymul::Solver& solver, const phymul::State& state,
+                       const StepReport& report) {
+  const phymul::Model& model = solver.model();
+  Snapshot shot;
+  shot.label = std::move(label);
+  shot.time = state.time;
+  shot.energy = solver.energy();
+  shot.residual = report.residual;
+  shot.max_speed = report.max_speed;
+  shot.linear_momentum = linear_momentum(model, state).norm();
+  shot.angular_momentum = angular_momentum(model, state, centre_of_mass(model, state)).norm();
+  const double rest_volume = volume(model, model.rest);
+  shot.volume_ratio = rest_volume > 0.0 ? volume(model, state.position) / rest_volume : 0.0;
+  shot.displacement = displacement_norms(model, state);
+  return shot;
+}
+
+Progress::Progress() : in_place_(isatty(STDERR_FILENO) != 0), next_(std::chrono::steady_clock::now()) {}
+
+Progress::~Progress() {
+  if (line_open_) std::fputc('\n', stderr);
+}
+
+void Progress::show(double time, const phymul::Energy& energy, const StepReport& report, double steps_per_second) {
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_) return;
+  next_ = now + (in_place_ ? std::chrono::milliseconds(200) : std::chrono::milliseconds(2000));
+  // \033[K clears what a longer line has left.
+  std::fprintf(stderr, "%st = %8.4f s  elastic %.3e J  kinetic %.3e J  residual %.2e N  speed %.2e m/s  %.0f steps/s%s",
+               in_place_ ? "\r" : "", time, energy.elastic, energy.kinetic, report.residual, report.max_speed,
+               steps_per_second, in_place_ ? "\033[K" : "\n");
+  std::fflush(stderr);
+  line_open_ = in_place_;
+}
+
+void Progress::say(const std::string& sentence) {
+  std::fprintf(stderr, "%s%s\n", line_open_ ? "\r\033[K" : "", sentence.c_str());
+  line_open_ = false;
+}
+
+namespace {
+
+void row(const char* name, const std::vector<Snapshot>& shots, const char* format,
+         const std::function<double(const Snapshot&)>& value) {
+  std::printf("  %-34s", name);
+  for (const Snapshot& shot : shots) {
+    char text[32];
+    std::snprintf(text, sizeof text, format, value(shot));
+    std::printf("%16s", text);
+  }
+  std::printf("\n");
+}
+
+void print_moments(const std::vector<Snapshot>& shots) {
+  std::printf("  %-34s", "");
+  for (const Snapshot& shot : shots) std::printf("%16s", shot.label.c_str());
+  std::printf("\n");
+  row("time, s", shots, "%.4f", [](const Snapshot& s) { return s.time; });
+  row("elastic energy, J", shots, "%.4e", [](const Snapshot& s) { return s.energy.elastic; });
+  row("kinetic energy, J", shots, "%.4e", [](const Snapshot& s) { return s.energy.kinetic; });
+  row("largest residual force, N", shots, "%.3e", [](const Snapshot& s) { return s.residual; });
+  row("largest speed, m/s", shots, "%.3e", [](const Snapshot& s) { return s.max_speed; });
+  row("linear momentum, kg m/s", shots, "%.3e", [](const Snapshot& s) { return s.linear_momentum; });
+  row("angular momentum, kg m^2/s", shots, "%.3e", [](const Snapshot& s) { return s.angular_momentum; });
+  row("distance from rest shape, rms, mm", shots, "%.4g", [](const Snapshot& s) { return 1e3 * s.displacement.rms; });
+  row("distance from rest, largest, mm", shots, "%.4g", [](const Snapshot& s) { return 1e3 * s.displacement.max; });
+  if (shots.front().volume_ratio > 0.0) {
+    row("volume / rest volume", shots, "%.5f", [](const Snapshot& s) { return s.volume_ratio; });
+  }
+}
+
+}  // namespace
+
+void print_table(const phymul::Solver& solver, const RunSummary& summary) {
+  const phymul::TopologyTextures& topology = solver.topology();
+  std::printf("\n%s: %s\n\n", solver.model().name.empty() ? "body" : solver.model().name.c_str(),
+              summary.status.c_str());
+  std::printf("  %-34s%16d\n", "particles", topology.particle_count);
+  std::printf("  %-34s%16d\n", "bases", topology.base_count);
+  std::printf("  %-34s%16zu\n", "springs", topology.springs.size());
+  std::printf("  %-34s%16zu\n", "volume terms", topology.volumes.size());
+  std::printf("  %-34s%16zu\n", "cell terms", topology.cells.size());
+  std::printf("  %-34s%16s\n", "backend", std::string(solver.name()).c_str());
+  std::printf("  %-34s%16.4e\n", "step, s", summary.dt);
+  std::printf("  %-34s%16.4e\n", "stable step at rest, s", solver.stable_step());
+  std::printf("  %-34s%16" PRId64 "\n", "steps", summary.steps);
+  if (summary.steps_to_rest >= 0)
+    std::printf("  %-34s%16" PRId64 "\n", "steps from letting go to rest", summary.steps_to_rest);
+  std::printf("  %-34s%16.4f\n", "simulated time, s", summary.snapshots.empty() ? 0.0 : summary.snapshots.back().time);
+  std::printf("  %-34s%16.3f\n", "wall time of stepping, s", summary.wall_time);
+  if (summary.wall_time > 0.0) {
+    std::printf("  %-34s%16.4g\n", "particle-steps/s",
+                static_cast<double>(summary.steps) * topology.particle_count / summary.wall_time);
+  }
+  std::printf("\n");
+  if (!summary.snapshots.empty()) print_moments(summary.snapshots);
+}

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+//
+// What phymul-run says: a line of progress while it works, a table when it is done.
+#pragma once
+
+#include <phymul/monitor.h>
+#include <phymul/solver.h>
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+/// Figures of one moment of a run.
+struct Snapshot {
+  std::string label;
+  double time = 0.0;  ///< s
+  phymul::Energy energy;
+  double residual = 0.0;          ///< N
+  double max_speed = 0.0;         ///< m/s
+  double linear_momentum = 0.0;   ///< kg m/s
+  double angular_momentum = 0.0;  ///< kg m^2/s, about the centre of mass
+  double volume_ratio = 0.0;      ///< to the rest volume; 0 where the body has none
+  phymul::DisplacementNorms displacement;
+};
+
+Snapshot take_snapshot(std::string label, const phymul::Solver& solver, const phymul::State& state,
+                       const phymul::StepReport& report);
+
+struct RunSummary {
+  std::string status;  ///< how it ended
+  std::int64_t steps = 0;
+  std::int64_t steps_to_rest = -1;  ///< from letting go; -1: not at rest
+  double dt = 0.0;                  ///< s
+  double wall_time = 0.0;           ///< s, stepping only
+  std::vector<Snapshot> snapshots;
+};
+
+/// One line, overwritten in place on a terminal, printed anew every few seconds elsewhere.
+class Progress {
+ public:
+  Progress();
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// Prints when it is time to.
+  void show(double time, const phymul::Energy& energy, const phymul::StepReport& report, double steps_per_second);
+  void say(const std::string& sentence);  ///< prints now, on a line of its own
+
+ private:
+  bool in_place_;
+  bool line_open_ = false;
+  std::chrono::steady_clock::time_point next_;
+};
+
+void print_table(const phymul::Solver& solver, const RunSummary& summary);
