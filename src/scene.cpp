@@ -276,7 +276,11 @@ void Scene::prepare(LoadFrame& frame) const {
 
 void Scene::evaluate(double time, LoadFrame& frame) const {
   frame.gravity = gravity_;
-  std::fill(frame.force.begin(), frame.force.end(), Vec3::Zero());
+  // Only particles that some load pushes ever differ from 0: the cost follows the loads, not the body.
+  for (std::size_t row = 0; row < loads_.size(); ++row) {
+    if (imposes(loads_[row].type) || actions_[row].uniform) continue;
+    for (const Index i : actions_[row].particles) frame.force[i].setZero();
+  }
   for (std::size_t row = 0; row < loads_.size(); ++row) {
     const Action& action = actions_[row];
     assert(action.imposed == 0 || action.particles.empty() || frame.target.size() == model_->rest.size());

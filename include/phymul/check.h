@@ -29,7 +29,9 @@ struct Finding {
   std::string message;  ///< one sentence: what, how many, the first few by their file index, what was done or to do
 };
 
-/// Looks for every flaw; changes nothing.
+/// Looks for every flaw; changes nothing. Expects a model that validate accepts. Of duplicates both sides are listed; a
+/// particle without neighbours is both isolated and short of them. Lists (poly_line, poly_vertex, atom) are not looked
+/// at.
 std::vector<Finding> find_flaws(const Model& model);
 
 /// Turns wrongly wound cells, removes self-neighbours; returns all findings and appends their messages to

@@ -81,8 +81,8 @@ struct NeighbourhoodFields {
 
 /// What only a PML file knows and no computation uses, kept for writing back; empty for a built shape.
 struct FileExtras {
-  std::vector<Attribute> attributes;      ///< further attributes of the root element
-  Component atom_list;                    ///< name, attributes and colour of the list of atoms; the rest is unused
+  std::vector<Attribute> attributes;       ///< further attributes of the root element
+  Component atom_list;                     ///< name, attributes and colour of the list of atoms; the rest is unused
   std::vector<Index> neighbourhood_index;  ///< [N] or empty: index of each particle's neighbourhood cell; -1: none
   std::vector<NeighbourhoodFields> neighbourhood_fields;  ///< those that have any, by increasing particle
   bool operator==(const FileExtras&) const = default;
@@ -112,7 +112,8 @@ struct Model {
 
   Index particle_count() const { return static_cast<Index>(rest.size()); }
 
-  /// Particles of the component(s) of that name: referred to directly or through cells, sorted, unique.
+  /// Particles of the component(s) of that name and of the components in them: referred to directly or through cells,
+  /// sorted, unique.
   /// Throws Error that lists the known names.
   std::vector<Index> group(std::string_view group_name) const;
   bool has_group(std::string_view group_name) const;
@@ -124,8 +125,9 @@ struct Model {
 };
 
 /// Gives every volume cell the material and every particle the mass density * (its share of the volume of the
-/// cells around it). A share is the cell's volume divided evenly over its vertices. Throws Error when the
-/// model has no volume cells, or a constant is out of its range.
+/// cells around it). A share is the cell's volume divided evenly over its vertices; in 2-D triangles and quads stand
+/// for a metre of thickness. A particle in no such cell keeps its mass, which is noted. Throws Error, and changes
+/// nothing, when the model has no volume cells, one of them has no positive volume, or a constant is out of its range.
 void set_material(Model& model, const Material& material);
 
 /// The same for the cells all of whose particles are in the named group; masses are summed anew from all cells
@@ -142,8 +144,9 @@ double mean_spacing(const Model& model);
 /// Largest side of the bounding box of the rest shape, m.
 double body_size(const Model& model);
 
-/// Throws Error unless the arrays agree in size, every index is in range, masses are positive and finite,
-/// coordinates finite, stiffness not negative. Called by every reader, builder and make_solver.
+/// Throws Error, naming the first offender, unless there is a particle, the arrays agree in size, every index is in
+/// range, masses are positive and finite, coordinates finite (z = 0 in 2-D), stiffness not negative. Called by every
+/// reader, builder and make_solver.
 void validate(const Model& model);
 
 /// Neighbours from cells: the edges of lines, triangles, quads, hexahedra, wedges and pyramids, all pairs of a

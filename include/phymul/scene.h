@@ -94,7 +94,8 @@ class Scene {
   /// Gives `frame` the sizes this scene needs. Allocates; called when version() has changed.
   void prepare(LoadFrame& frame) const;
 
-  /// Fills a prepared frame for one instant. Does not allocate, does not throw.
+  /// Fills a frame that prepare() sized at this version, for one instant. Writes only to what loads act on. Does not
+  /// allocate, does not throw.
   void evaluate(double time, LoadFrame& frame) const;
 
  private:
