@@ -35,7 +35,7 @@ run(3 "particles +275" ${OUT}/frames/body_000004.vtu --max-time 0.001 --frame-in
     --gravity 0 0 -9.81 --out ${OUT}/frame)
 
 # A small stiff body comes to rest.
-run(0 "steps from letting go to rest" ${MESH} --unit 0.01 --fix "fixed side" --gravity 0 0 -9.81 --damping 60
+run(0 "steps to rest after the last date" ${MESH} --unit 0.01 --fix "fixed side" --gravity 0 0 -9.81 --damping 60
     --frame-interval 0 --out ${OUT}/mesh)
 
 run(1 "ExistingFile|not exist" no_such_file.pml --out ${OUT})

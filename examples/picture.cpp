@@ -141,10 +141,18 @@ class Painter {
     }
     std::sort(order.begin(), order.end());
     cairo_set_line_width(c_, 0.8);
-    for (const auto& [depth, face] : order) paint_face(*face);
+    const double line_strength = 0.35 * std::min(1.0, mean_edge_pixels() / 15.0);  // a fine mesh would be all lines
+    for (const auto& [depth, face] : order) paint_face(*face, line_strength);
   }
 
-  void paint_face(const Face& face) {
+  double mean_edge_pixels() const {
+    double sum = 0.0;
+    for (const SurfaceEdge& edge : surface_.edges)
+      sum += (model_.rest[edge.ends[0]] - model_.rest[edge.ends[1]]).norm();
+    return view_.scale() * sum / static_cast<double>(std::max<std::size_t>(surface_.edges.size(), 1));
+  }
+
+  void paint_face(const Face& face, double line_strength) {
     double displacement = 0.0;
     for (const Index i : face.corners) displacement += (x_[i] - model_.rest[i]).norm();
     const Rgb colour = colour_at(displacement / static_cast<double>(face.corners.size()));
@@ -157,7 +165,7 @@ class Painter {
     cairo_close_path(c_);
     cairo_set_source_rgb(c_, lit * colour.red, lit * colour.green, lit * colour.blue);
     cairo_fill_preserve(c_);
-    cairo_set_source_rgba(c_, 0, 0, 0, 0.35);
+    cairo_set_source_rgba(c_, 0, 0, 0, line_strength);
     cairo_stroke(c_);
   }
 

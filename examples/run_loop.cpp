@@ -80,7 +80,6 @@ void RunLoop::look() {
     summary_.snapshots.push_back(take_snapshot("let go", solver_, state_, report_));
     let_go(scene_);
     let_go_done_ = true;
-    let_go_step_ = summary_.steps;
     progress_.say("let go at " + std::to_string(state_.time) + " s");
   }
   progress_.show(state_.time, energy, report_,
@@ -105,20 +104,21 @@ int RunLoop::run() {
   look();
   while (true) {
     const bool settling = is_settling();
-    if (!advance(next_date())) return finish(true);
+    if (settling && settling_from_ < 0) settling_from_ = summary_.steps;
+    if (!advance(next_date())) return finish(true, false);
     look();
-    if ((settling && report_.at_rest) || reached(end_)) return finish(false);
+    const bool at_rest = settling && report_.at_rest;
+    if (at_rest || reached(end_)) return finish(false, at_rest);
   }
 }
 
-int RunLoop::finish(bool failed) {
+int RunLoop::finish(bool failed, bool at_rest) {
   solver_.read(state_);
-  const bool at_rest = !failed && report_.at_rest;
   summary_.status = failed ? report_.message()
                     : at_rest
                         ? "at rest"
                         : "not at rest after " + std::to_string(state_.time) + " s; raise --max-time or --damping";
-  if (at_rest) summary_.steps_to_rest = summary_.steps - let_go_step_;
+  if (at_rest) summary_.steps_to_rest = summary_.steps - settling_from_;
   if (!pull_date_ && pulled_) {
     draw("pulled.png", "most deformed", *pulled_, false);
     summary_.snapshots.push_back(pulled_shot_);

@@ -31,7 +31,7 @@ class RunLoop {
   bool advance(double date);
   void look();  ///< reads the state, and does what this date asks for
   void remember_pull();
-  int finish(bool failed);
+  int finish(bool failed, bool at_rest);
   void draw(const std::string& file, const std::string& title, const phymul::State& state, bool is_let_go) const;
 
   const RunOptions& options_;
@@ -46,7 +46,7 @@ class RunLoop {
   bool pull_seen_ = false;
   bool let_go_done_ = false;
   std::int64_t samples_ = 0;
-  std::int64_t let_go_step_ = 0;
+  std::int64_t settling_from_ = -1;  ///< step
 
   phymul::State state_;
   phymul::StepReport report_;

@@ -97,7 +97,7 @@ void print_table(const phymul::Solver& solver, const RunSummary& summary) {
   std::printf("  %-34s%16.4e\n", "stable step at rest, s", solver.stable_step());
   std::printf("  %-34s%16" PRId64 "\n", "steps", summary.steps);
   if (summary.steps_to_rest >= 0)
-    std::printf("  %-34s%16" PRId64 "\n", "steps from letting go to rest", summary.steps_to_rest);
+    std::printf("  %-34s%16" PRId64 "\n", "steps to rest after the last date", summary.steps_to_rest);
   std::printf("  %-34s%16.4f\n", "simulated time, s", summary.snapshots.empty() ? 0.0 : summary.snapshots.back().time);
   std::printf("  %-34s%16.3f\n", "wall time of stepping, s", summary.wall_time);
   if (summary.wall_time > 0.0) {

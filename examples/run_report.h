@@ -30,7 +30,7 @@ Snapshot take_snapshot(std::string label, const phymul::Solver& solver, const ph
 struct RunSummary {
   std::string status;  ///< how it ended
   std::int64_t steps = 0;
-  std::int64_t steps_to_rest = -1;  ///< from letting go; -1: not at rest
+  std::int64_t steps_to_rest = -1;  ///< after the last date of the loads; -1: not at rest
   double dt = 0.0;                  ///< s
   double wall_time = 0.0;           ///< s, stepping only
   std::vector<Snapshot> snapshots;

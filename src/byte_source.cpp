@@ -181,6 +181,9 @@ std::int64_t ByteSource::integer(NumberType type, const char* what) {
     fail(std::string("expected ") + what + " (a whole number), got " + cited(text) +
          "; correct it, or export the file again");
   }
+  if (type == NumberType::int32 && value != static_cast<std::int32_t>(value)) {
+    fail(std::string("expected ") + what + " of 32 bits, got " + std::to_string(value) + "; the file is damaged");
+  }
   return value;
 }
 

@@ -4,8 +4,9 @@
 
 #include <array>
 #include <charconv>
+#include <ostream>
 
-#include "writer_file.h"
+#include "replace_file.h"
 
 namespace phymul {
 namespace {
@@ -29,17 +30,17 @@ void require_size(const Model& model, const State& state, const char* caller) {
 
 void write_csv(const Model& model, const State& state, const std::string& path) {
   require_size(model, state, "write_csv");
-  WriterFile file(path);
-  file.out() << "particle,x,y,z,ux,uy,uz,vx,vy,vz\n";
-  for (Index i = 0; i < model.particle_count(); ++i) {
-    const Vec3 displacement = state.position[i] - model.rest[i];
-    std::string line = std::to_string(i);
-    for (const Vec3& value : {state.position[i], displacement, state.velocity[i]}) {
-      for (int axis = 0; axis < 3; ++axis) append_number(line, value[axis]);
+  replace_file(path, [&](std::ostream& out) {
+    out << "particle,x,y,z,ux,uy,uz,vx,vy,vz\n";
+    for (Index i = 0; i < model.particle_count(); ++i) {
+      const Vec3 displacement = state.position[i] - model.rest[i];
+      std::string line = std::to_string(i);
+      for (const Vec3& value : {state.position[i], displacement, state.velocity[i]}) {
+        for (int axis = 0; axis < 3; ++axis) append_number(line, value[axis]);
+      }
+      out << line << '\n';
     }
-    file.out() << line << '\n';
-  }
-  file.complete();
+  });
 }
 
 Model deformed_model(const Model& model, const State& state) {

@@ -8,6 +8,7 @@
 #include "decimal.h"
 #include "lml_targets.h"
 #include "lml_units.h"
+#include "replace_file.h"
 #include "xml_writer.h"
 
 namespace phymul {

@@ -8,6 +8,7 @@
 #include "decimal.h"
 #include "pml_layout.h"
 #include "pml_marks.h"
+#include "replace_file.h"
 #include "xml_writer.h"
 
 namespace phymul {

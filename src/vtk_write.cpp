@@ -10,11 +10,12 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <limits>
+#include <ostream>
 #include <set>
 
+#include "decimal.h"
+#include "replace_file.h"
 #include "vtk_cells.h"
-#include "writer_file.h"
 
 namespace phymul {
 namespace {
@@ -136,12 +137,6 @@ std::string point_arrays(const Model& model, const State& state, const std::vect
   return xml + "      </Points>\n";
 }
 
-std::string exact(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.*g", std::numeric_limits<double>::max_digits10, value);
-  return text;
-}
-
 }  // namespace
 
 void write_vtu(const Model& model, const State& state, const std::string& path, const std::vector<Field>& fields) {
@@ -152,15 +147,17 @@ void write_vtu(const Model& model, const State& state, const std::string& path, 
   const char* byte_order = std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
   const std::size_t cell_count = model.cells.empty() ? model.rest.size() : model.cells.size();
 
-  WriterFile file(path);
-  file.out() << "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\""
-             << byte_order << "\" header_type=\"UInt64\">\n  <UnstructuredGrid>\n"
-             << "    <FieldData>\n      <DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" "
-             << "format=\"ascii\">" << exact(state.time) << "</DataArray>\n    </FieldData>\n"
-             << "    <Piece NumberOfPoints=\"" << model.rest.size() << "\" NumberOfCells=\"" << cell_count << "\">\n"
-             << points << cells << "    </Piece>\n  </UnstructuredGrid>\n  <AppendedData encoding=\"raw\">\n_"
-             << arrays.bytes() << "\n  </AppendedData>\n</VTKFile>\n";
-  file.complete();
+  // Numbers as strings: a stream would write them in the way of the global locale.
+  replace_file(path, [&](std::ostream& out) {
+    out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"" << byte_order
+        << "\" header_type=\"UInt64\">\n  <UnstructuredGrid>\n"
+        << "    <FieldData>\n      <DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" "
+        << "format=\"ascii\">" << to_decimal(state.time) << "</DataArray>\n    </FieldData>\n"
+        << "    <Piece NumberOfPoints=\"" << std::to_string(model.rest.size()) << "\" NumberOfCells=\""
+        << std::to_string(cell_count) << "\">\n"
+        << points << cells << "    </Piece>\n  </UnstructuredGrid>\n  <AppendedData encoding=\"raw\">\n_"
+        << arrays.bytes() << "\n  </AppendedData>\n</VTKFile>\n";
+  });
 }
 
 VtkSeries::VtkSeries(std::string stem) : stem_(std::move(stem)) {}
@@ -172,13 +169,13 @@ void VtkSeries::write(const Model& model, const State& state, const std::vector<
   // Beside the .pvd file, so that the folder can be moved.
   frames_.emplace_back(state.time, std::filesystem::path(stem_ + number).filename().string());
 
-  WriterFile file(stem_ + ".pvd");
-  file.out() << "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n  <Collection>\n";
-  for (const auto& [time, name] : frames_) {
-    file.out() << "    <DataSet timestep=\"" << exact(time) << "\" part=\"0\" file=\"" << escaped(name) << "\"/>\n";
-  }
-  file.out() << "  </Collection>\n</VTKFile>\n";
-  file.complete();
+  replace_file(stem_ + ".pvd", [&](std::ostream& out) {
+    out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n  <Collection>\n";
+    for (const auto& [time, name] : frames_) {
+      out << "    <DataSet timestep=\"" << to_decimal(time) << "\" part=\"0\" file=\"" << escaped(name) << "\"/>\n";
+    }
+    out << "  </Collection>\n</VTKFile>\n";
+  });
 }
 
 }  // namespace phymul

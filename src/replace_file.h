@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <iosfwd>
+#include <string>
+
+namespace phymul {
+
+/// Calls `write` with a stream to a new file beside `path`, which takes the place of `path` only when complete. Throws
+/// Error, and leaves no new file, when anything fails.
+void replace_file(const std::string& path, const std::function<void(std::ostream&)>& write);
+
+}  // namespace phymul
