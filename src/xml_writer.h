@@ -4,7 +4,6 @@
 #include <phymul/error.h>
 #include <phymul/types.h>
 
-#include <functional>
 #include <iosfwd>
 #include <string>
 #include <string_view>
@@ -43,9 +42,5 @@ class XmlWriter {
   std::string open_elements_;  // names, each followed by '/'
   bool in_start_tag_ = false;
 };
-
-/// Calls `write` with a stream to a new file beside `path`, which takes the place of `path` only when complete. Throws
-/// Error, and leaves no new file, when anything fails.
-void replace_file(const std::string& path, const std::function<void(std::ostream&)>& write);
 
 }  // namespace phymul
