@@ -107,7 +107,13 @@ void write_lml(const std::vector<Load>& loads, const Model& model, std::ostream&
 }
 
 void write_lml(const std::vector<Load>& loads, const Model& model, const std::string& path) {
-  replace_file(path, [&](std::ostream& out) { write_lml(loads, model, out); });
+  WriterFile file(path);
+  try {
+    write_lml(loads, model, file.out());
+  } catch (const Error& error) {
+    throw Error(path + ": " + error.what());
+  }
+  file.complete();
 }
 
 }  // namespace phymul
