@@ -107,13 +107,7 @@ void write_lml(const std::vector<Load>& loads, const Model& model, std::ostream&
 }
 
 void write_lml(const std::vector<Load>& loads, const Model& model, const std::string& path) {
-  WriterFile file(path);
-  try {
-    write_lml(loads, model, file.out());
-  } catch (const Error& error) {
-    throw Error(path + ": " + error.what());
-  }
-  file.complete();
+  replace_file(path, [&](std::ostream& out) { write_lml(loads, model, out); });
 }
 
 }  // namespace phymul

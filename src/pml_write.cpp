@@ -284,13 +284,7 @@ void write_pml(const Model& model, std::ostream& out, const PmlOptions& options)
 }
 
 void write_pml(const Model& model, const std::string& path, const PmlOptions& options) {
-  WriterFile file(path);
-  try {
-    write_pml(model, file.out(), options);
-  } catch (const Error& error) {
-    throw Error(path + ": " + error.what());
-  }
-  file.complete();
+  replace_file(path, [&](std::ostream& out) { write_pml(model, out, options); });
 }
 
 }  // namespace phymul
