@@ -19,7 +19,7 @@ void replace_file(const std::string& path, const std::function<void(std::ostream
   std::error_code problem;
   try {
     std::ofstream out(draft, std::ios::binary);
-    if (!out) throw Error("cannot be written; check that the folder exists and may be written to");
+    if (!out) throw Error("cannot be written; check that its folder exists and may be written to");
     write(out);
     out.close();
     if (!out) throw Error("cannot be written to its end; is the disk full?");

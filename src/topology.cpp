@@ -234,10 +234,19 @@ void check_material_options(const TopologyOptions& options) {
           "the two back");
 }
 
+bool has_tetrahedra(const Model& model) {
+  return std::any_of(model.cells.begin(), model.cells.end(),
+                     [](const Cell& cell) { return cell.type == CellType::tetrahedron; });
+}
+
 BaseTable build_calibrated(const Model& model, TopologyTextures& topology) {
   TopologyOptions& options = topology.options;
   check_material_options(options);
-  if (options.bases != BaseSelection::fitted) options.bases = BaseSelection::opposite_faces;
+  if (options.bases != BaseSelection::fitted) {
+    // Without a volume term tetrahedra have no mean-deformation share to make up for their four directions.
+    const bool fit = options.poisson_route == PoissonRoute::area_exponent && has_tetrahedra(model);
+    options.bases = fit ? BaseSelection::fitted : BaseSelection::opposite_faces;
+  }
   const std::vector<Calibration> calibration = calibrate_model(model, options.poisson_route);
   options.area_exponent = calibration.front().exponent;
   CalibratedBody body = calibrated_body(model, options, calibration, most_base_rows(options));

@@ -34,8 +34,8 @@ struct Attribute {
 
 using Colour = std::array<double, 4>;  ///< red, green, blue, alpha in [0, 1]
 
-/// A geometric cell over particles. Vertex order, as VTK and PML have it: tetrahedron (a,b,c,d) has d on the
-/// side that (b-a) x (c-a) points to; hexahedron is the ring 0-1-2-3, then 4-5-6-7 above it; wedge is the
+/// A geometric cell over particles. Vertex order, as PML has it (VTK's too, but for the wedge): tetrahedron (a,b,c,d)
+/// has d on the side that (b-a) x (c-a) points to; hexahedron is the ring 0-1-2-3, then 4-5-6-7 above it; wedge is the
 /// triangle 0-1-2, then 3-4-5 above it; pyramid is the ring 0-1-2-3, then the apex 4.
 struct Cell {
   CellType type = CellType::tetrahedron;

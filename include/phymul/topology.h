@@ -48,8 +48,8 @@ enum class VolumeLaw {
 /// How the material's Poisson's ratio is met.
 enum class PoissonRoute {
   volume_term,   ///< a volume energy per tetrahedron: any ratio in (-3/8, 1/2)
-  area_exponent  ///< beta_t [2/(1+(A_t/A_t0)^2)]^p with p from the ratio: -0.375 to 0.42 (p = 2); no extra term. Right
-                 ///< on lattices of cubes; on tetrahedra ask for `fitted` bases too, else E comes out 20 % low
+  area_exponent  ///< beta_t [2/(1+(A_t/A_t0)^2)]^p with p from the ratio: -0.375 to 0.42 (p = 2); no extra
+                 ///< term. E exact on lattices of cubes, 3-7 % low elsewhere
 };
 
 /// What to do with a particle that has no base.
@@ -83,7 +83,8 @@ struct TopologyTextures;
 
 /// Builds the tables. Where the model has a material, k_i, w_t and the volume term follow from it for
 /// Law::shape_memory with Reaction::conservative (any other reaction cannot carry a calibrated material: Error).
-/// A model with a material takes its bases from opposite_faces unless `fitted` is asked for. Throws Error, also when a
+/// A model with a material takes its bases from opposite_faces; from `fitted` where that is asked for, or where a body
+/// of tetrahedra is to meet Poisson's ratio by the area exponent. Throws Error, also when a
 /// table outgrows max_texture_size squared (with the sizes).
 TopologyTextures build_topology(const Model& model, const TopologyOptions& options = {});
 
