@@ -183,7 +183,7 @@ class Painter {
     const double dash[] = {6.0, 4.0};
     cairo_set_dash(c_, dash, 2, 0.0);
     cairo_set_line_width(c_, 1.4);
-    cairo_set_source_rgba(c_, 0.45, 0.45, 0.45, strength);
+    cairo_set_source_rgba(c_, 0.45, 0.45, 0.45, surface_.faces.empty() ? 0.3 * strength : strength);
     const auto looks_here = [&](int face) {
       return normal_of(surface_.faces[static_cast<std::size_t>(face)], model_.rest).dot(view_.towards()) > 1e-9;
     };
