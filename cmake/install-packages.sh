@@ -7,6 +7,7 @@
 set -eu
 
 missing=""
+need_pkg_config=""
 need_package() {
   if [ "$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null)" != installed ]; then
     missing="$missing $1"
@@ -30,11 +31,11 @@ for part in "$@"; do
     examples)
       need_package libcli11-dev
       need_package libcairo2-dev
-      need_command pkg-config pkg-config
+      need_pkg_config=yes
       ;;
     tests)
       need_package libgtest-dev
-      need_command pkg-config pkg-config
+      need_pkg_config=yes
       ;;
     bench) need_package libbenchmark-dev ;;
     *)
@@ -43,6 +44,8 @@ for part in "$@"; do
       ;;
   esac
 done
+
+[ -z "$need_pkg_config" ] || need_command pkg-config pkg-config
 
 [ -n "$missing" ] || exit 0
 
@@ -57,5 +60,5 @@ fi
 
 echo "phymul: installing$missing"
 $as_root apt-get update -qq
-# $missing is a list of words; env, because sudo drops variables.
-$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing
+# $missing is a list of words; env, because sudo drops variables; Use-Pty, because a container may have no terminals.
+$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends -o Dpkg::Use-Pty=0 $missing

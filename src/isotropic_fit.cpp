@@ -33,10 +33,10 @@ constexpr std::array<Monomial, 15> monomials{{{4, 0, 0, 1},
                                               {1, 2, 1, 12},
                                               {1, 1, 2, 12}}};
 
-// Rows that hold the sum at 1 outweigh the moments; what is left is divided out.
-constexpr double sum_row = 1e3;
+// The row that holds the sum at 1 outweighs the moments; what is left is divided out.
+constexpr double sum_row = 10.0;
 // Pull towards a balanced set: settles which of equal directions is taken.
-constexpr double balance_row = 1e-2;
+constexpr double balance_row = 0.03;
 
 MatrixXd moments(const std::vector<Vec3>& normals) {
   MatrixXd m(15, static_cast<Eigen::Index>(normals.size()));

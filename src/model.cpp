@@ -109,8 +109,7 @@ bool Model::operator==(const Model& other) const {
   return name == other.name && dimension == other.dimension && rest == other.rest && mass == other.mass &&
          stiffness == other.stiffness && neighbours == other.neighbours && cells == other.cells &&
          components == other.components && materials == other.materials && file_index == other.file_index &&
-         particle_name == other.particle_name && particle_fields == other.particle_fields &&
-         extras == other.extras;
+         particle_name == other.particle_name && particle_fields == other.particle_fields && extras == other.extras;
 }
 
 double cell_volume(const Model& model, const Cell& cell) {

@@ -277,6 +277,7 @@ Model read_pml_text(std::string text, const std::string& source, const PmlOption
 }
 
 Model read_pml(const std::string& path, const PmlOptions& options) {
+  require_usable(options);
   return read_pml_text(XmlSource::load(path, options.max_bytes), path, options);
 }
 

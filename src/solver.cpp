@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <utility>
 
 namespace phymul {
@@ -14,6 +15,8 @@ namespace {
 
 /// A step this much beyond the limit still counts as at it: the limit itself was rounded.
 constexpr double limit_slack = 1e-9;
+/// Speeds beyond this many times spacing times omega_max (twice the wave speed or so) are a failure, not a motion.
+constexpr double runaway_factor = 1e6;
 
 void require_options(const SolverOptions& options) {
   const Damping& d = options.damping;
@@ -69,11 +72,11 @@ std::string StepReport::message() const {
           dt, stable_step);
       break;
     case StepStatus::not_finite:
-      std::snprintf(
-          text, sizeof text,
-          "not_finite: particle %d would have left the finite numbers after t = %.6g s (step %d of this call, "
-          "dt = %.6g s, stable step at rest %.6g s); the state at that time is kept. Likely cause: %s",
-          static_cast<int>(particle), time, steps + 1, dt, stable_step, cause);
+      std::snprintf(text, sizeof text,
+                    "not_finite: particle %d ran away (a million times the wave speed, or not a number) after t = %.6g "
+                    "s (step %d of this call, "
+                    "dt = %.6g s, stable step at rest %.6g s); the state at that time is kept. Likely cause: %s",
+                    static_cast<int>(particle), time, steps + 1, dt, stable_step, cause);
       break;
     case StepStatus::device_lost:
       std::snprintf(text, sizeof text, "device_lost: the device went away after t = %.6g s", time);
@@ -152,6 +155,7 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   const double omega = std::sqrt(spectrum_.largest);
   plan.speed_at_rest = options_.rest_tolerance * spacing_ * omega;
   plan.acceleration_at_rest = plan.speed_at_rest * omega;
+  plan.runaway_speed = omega > 0.0 ? runaway_factor * spacing_ * omega : std::numeric_limits<double>::max();
   plan.stop_at_rest = stop_at_rest;
   plan.rest_steps = options_.rest_steps;
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <new>
 #include <pugixml.hpp>
 
 #include "decimal.h"
@@ -42,6 +43,19 @@ std::string latin1_to_utf8(std::string_view text) {
   return utf8;
 }
 
+/// Reads to the end and counts, whatever size the system gives: devices and pipes have none.
+void append_all(std::string& text, std::istream& in, const std::string& path, std::size_t max_bytes) {
+  std::vector<char> chunk(1 << 16);
+  while (in.read(chunk.data(), static_cast<std::streamsize>(chunk.size())), in.gcount() > 0) {
+    const auto got = static_cast<std::size_t>(in.gcount());
+    if (got > max_bytes - text.size()) {
+      throw Error(path + ": expected at most " + std::to_string(max_bytes) +
+                  " bytes, got more; raise max_bytes if the file is meant");
+    }
+    text.append(chunk.data(), got);
+  }
+}
+
 }  // namespace
 
 std::string XmlSource::load(const std::string& path, std::size_t max_bytes) {
@@ -53,22 +67,18 @@ std::string XmlSource::load(const std::string& path, std::size_t max_bytes) {
     throw Error(path + ": cannot be opened" + (errno != 0 ? std::string(" (") + std::strerror(errno) + ')' : "") +
                 "; check the name and the right to read it");
   }
-  // Reserves by the size the system gives, but reads to the end and counts: devices and pipes have no size.
   std::string text;
   in.seekg(0, std::ios::end);
   const std::streamoff size = in.tellg();
   in.clear();
   in.seekg(0);
   in.clear();
-  if (size > 0) text.reserve(std::min(static_cast<std::size_t>(size), max_bytes));
-  std::vector<char> chunk(1 << 16);
-  while (in.read(chunk.data(), static_cast<std::streamsize>(chunk.size())), in.gcount() > 0) {
-    const auto got = static_cast<std::size_t>(in.gcount());
-    if (got > max_bytes - text.size()) {
-      throw Error(path + ": expected at most " + std::to_string(max_bytes) +
-                  " bytes, got more; raise max_bytes if the file is meant");
-    }
-    text.append(chunk.data(), got);
+  const auto expected = size > 0 ? std::min(static_cast<std::size_t>(size), max_bytes) : 0;
+  try {
+    text.reserve(expected);
+    append_all(text, in, path, max_bytes);
+  } catch (const std::bad_alloc&) {
+    throw Error(path + ": not enough memory to read it");
   }
   if (in.bad()) throw Error(path + ": cannot be read to its end");
   return text;

@@ -203,7 +203,7 @@ TEST(PmlWrite, ReplacesAFileOnlyByACompleteOne) {
   EXPECT_EQ(files, 1u) << "no draft is left behind";
   const std::string nowhere = (folder / "no" / "body.pml").string();
   EXPECT_EQ(message_of([&] { write_pml(model, nowhere); }),
-            nowhere + ": cannot be written; check that the folder exists and may be written to");
+            nowhere + ": cannot be written; check that its folder exists and may be written to");
   std::filesystem::remove_all(folder);
 }
 

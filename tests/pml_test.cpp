@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <phymul/check.h>
 #include <phymul/pml.h>
+#include <phymul/topology_textures.h>
 
 #include <algorithm>
 #include <clocale>
@@ -109,6 +110,13 @@ TEST(PmlRead, FewNeighboursAreNamedAndLoad) {
   ASSERT_NE(few, findings.end());
   EXPECT_EQ(few->items, std::vector<Index>{1});
   EXPECT_TRUE(has_note(model.notes, "t.pml: " + few->message));
+  // What becomes of the particle is the caller's choice.
+  EXPECT_NE(message_of([&] { build_topology(model); }).find("on_sparse"), std::string::npos);
+  for (const SparseParticle choice : {SparseParticle::springs, SparseParticle::free}) {
+    TopologyOptions options;
+    options.on_sparse = choice;
+    EXPECT_EQ(message_of([&] { build_topology(model, options); }), "(no error)");
+  }
 }
 
 TEST(PmlRead, IndicesAreLookedUpNotCounted) {

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "message_of.h"
+
 namespace phymul {
 
 /// Corners of a unit tetrahedron in mm, on lines 4 to 7 of the file.
@@ -62,17 +64,6 @@ inline std::string written(const Model& model, const PmlOptions& options = {}) {
 
 inline Model reread(const Model& model, const PmlOptions& options = {}) {
   return read_pml_text(written(model, options), "again.pml", options);
-}
-
-/// The message of the Error that a call throws; empty where it throws none.
-template <class Call>
-std::string message_of(Call call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 inline bool has_note(const std::vector<std::string>& notes, const std::string& part) {

@@ -83,8 +83,9 @@ EnergyRun run_undamped(const Model& model, const TopologyOptions& topology, doub
       break;
     }
     const double now = solver->energy().total();
-    run.drift = std::max(run.drift, std::abs(now - before) / before);
-    if (run.drift > 100.0) {
+    const double drift = std::abs(now - before) / before;
+    if (drift > run.drift) run.drift = drift;
+    if (!(drift <= 100.0)) {
       run.blew_up = true;
       break;
     }

@@ -123,7 +123,7 @@ TEST(WorkedExamples, TwoParticleOscillator) {
     if (step <= 60)
       worst_closed = std::max(worst_closed, std::abs(gap - stretch * std::cos(omega * step * dt)) / stretch);
   }
-  EXPECT_LE(worst, 1e-9);         // the scheme's own closed form, 2,000 steps
+  EXPECT_LE(worst, 1e-9);  // the scheme's own closed form, 2,000 steps
   // The oscillator's own, 12 radians long: the scheme's phase runs ahead by (w dt)^2 / 24 per radian.
   EXPECT_LE(worst_closed, 1.05 * 0.04 / 24.0 * 12.0);
   // The energy with both half-step velocities is constant, at 1 - (w dt / 2)^2 of the oscillator's.

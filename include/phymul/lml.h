@@ -12,8 +12,9 @@
 namespace phymul {
 
 /// Reads loads for a model; appliedTo indices are the model's file indices (rows where it has none), names its
-/// groups. All units are converted to SI. Throws Error ("file:line: ...") and leaves nothing behind; unknown
-/// elements are skipped, each with a sentence in `notes` where given.
+/// groups. All units are converted to SI; a load without a unit is taken in mm, radian, N, kPa or m/s^2.
+/// Throws Error ("file:line: ...") and leaves nothing behind; assumed units and skipped elements each leave a
+/// sentence in `notes` where given.
 std::vector<Load> read_lml(const std::string& path, const Model& model, std::vector<std::string>* notes = nullptr);
 
 /// The same from memory; `source` stands for the file name in messages.

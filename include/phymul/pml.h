@@ -12,9 +12,9 @@
 namespace phymul {
 
 struct PmlOptions {
-  double length_unit = 1e-3;         ///< metres per file unit; PML files are in millimetres by habit
-  double default_mass = 1.0;         ///< kg, where neither atom nor neighbourhood cell nor its component has one
-  double default_stiffness = 1.0;    ///< N/m, likewise
+  double length_unit = 1e-3;       ///< metres per file unit; PML files are in millimetres by habit
+  double default_mass = 1.0;       ///< kg, where neither atom nor neighbourhood cell nor its component has one
+  double default_stiffness = 1.0;  ///< N/m, likewise
   std::size_t max_bytes = std::size_t{4} << 30;  ///< larger files are refused
 };
 

@@ -37,6 +37,8 @@ struct SolverOptions {
   int rest_steps = 16;
 };
 
+/// not_finite: a particle would have left the finite numbers, or run faster than a million spacings times omega_max,
+/// which no body survives; the step was not taken.
 enum class StepStatus { ok, invalid_step, unstable_step, not_finite, device_lost };
 
 struct StepReport {
@@ -100,10 +102,10 @@ class Solver {
   Solver(std::string name, std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
          const SolverOptions& options);
 
-  struct Motion {             ///< what a backend tells of the last of its steps
-    int steps = 0;            ///< good steps done
-    Index bad_particle = -1;  ///< >= 0: the step after those made this particle's coordinates not finite; it was undone
-    bool lost = false;        ///< device lost
+  struct Motion {                   ///< what a backend tells of the last of its steps
+    int steps = 0;                  ///< good steps done
+    Index bad_particle = -1;        ///< >= 0: in the step after those this particle ran away; the step was undone
+    bool lost = false;              ///< device lost
     double max_acceleration = 0.0;  ///< m/s^2, free coordinates only
     double max_force = 0.0;         ///< N, likewise
     double max_speed = 0.0;         ///< m/s, likewise
@@ -115,6 +117,7 @@ class Solver {
     double damping_factor = 1.0;
     double speed_at_rest = 0.0;         ///< m/s threshold
     double acceleration_at_rest = 0.0;  ///< m/s^2 threshold
+    double runaway_speed = 0.0;         ///< m/s: a faster particle, or one that is not finite, is a failure
     bool stop_at_rest = false;
     int rest_steps = 0;
   };

@@ -4,7 +4,6 @@
 #include <phymul/elasticity.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "integrate.h"
@@ -43,7 +42,7 @@ class ReferenceSolver final : public Solver {
       measure(motion);
       move(plan);
 
-      motion.bad_particle = first_not_finite();
+      motion.bad_particle = first_runaway(plan.runaway_speed);
       if (motion.bad_particle >= 0) {
         scene().evaluate(state_.time, frame());
         break;
@@ -125,10 +124,9 @@ class ReferenceSolver final : public Solver {
     }
   }
 
-  /// Squares, so that a runaway is caught while distances can still be computed.
-  Index first_not_finite() const {
+  Index first_runaway(double speed) const {
     for (Index i = 0; i < topology().particle_count; ++i) {
-      if (!std::isfinite(next_position_[i].squaredNorm() + next_velocity_[i].squaredNorm())) return i;
+      if (!next_position_[i].allFinite() || !(next_velocity_[i].norm() <= speed)) return i;
     }
     return -1;
   }
