@@ -38,7 +38,14 @@ phymul::Model read_body(const RunOptions& options) {
   const double unit = length_unit(options);
   phymul::Model model = is_pml(options.body) ? phymul::read_pml(options.body, {.length_unit = unit})
                                              : phymul::read_mesh(options.body, {.length_unit = unit});
-  if (!options.from_file) phymul::set_material(model, options.material);
+  if (options.from_file) return model;
+  if (std::none_of(model.cells.begin(), model.cells.end(),
+                   [](const phymul::Cell& cell) { return phymul::is_volume(cell.type); })) {
+    throw phymul::Error(options.body +
+                        ": expected volume cells, which a material needs, got none; give --from-file to "
+                        "run it with the file's own masses and stiffnesses");
+  }
+  phymul::set_material(model, options.material);
   return model;
 }
 

@@ -41,3 +41,6 @@ run(0 "steps to rest after the last date" ${MESH} --unit 0.01 --fix "fixed side"
 run(1 "ExistingFile|not exist" no_such_file.pml --out ${OUT})
 run(1 "no_such_group" ${MESH} --fix no_such_group --out ${OUT}/none)
 run(1 "no_such_backend" ${MESH} --backend no_such_backend --out ${OUT}/none)
+file(WRITE ${OUT}/plane.vtk "# vtk DataFile Version 3.0\nplane\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n"
+     "0 0 0 1 0 0 1 1 0 0 1 0\nCELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n9\n")
+run(1 "give --from-file" ${OUT}/plane.vtk --out ${OUT}/none)

@@ -7,12 +7,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 
 #include "body_surface.h"
 #include "colour_map.h"
+#include "picture_legend.h"
 
 namespace {
 
@@ -95,11 +95,9 @@ class Painter {
     paint_ghost(0.9);
     surface_.faces.empty() ? paint_links() : paint_faces();
     paint_ghost(0.3);
-    paint_marks(options_.fixed, {0.1, 0.1, 0.1}, false);
-    paint_marks(options_.driven, {0.84, 0.15, 0.16}, true);
-    paint_words();
-    paint_colour_bar();
-    paint_length_bar();
+    paint_marks(options_.fixed, held_colour, false);
+    paint_marks(options_.driven, driven_colour, true);
+    paint_legend();
   }
 
   void save(const std::string& path) {
@@ -185,7 +183,7 @@ class Painter {
     const double dash[] = {6.0, 4.0};
     cairo_set_dash(c_, dash, 2, 0.0);
     cairo_set_line_width(c_, 1.4);
-    cairo_set_source_rgba(c_, 0.45, 0.45, 0.45, strength);
+    cairo_set_source_rgba(c_, 0.45, 0.45, 0.45, surface_.faces.empty() ? 0.3 * strength : strength);
     const auto looks_here = [&](int face) {
       return normal_of(surface_.faces[static_cast<std::size_t>(face)], model_.rest).dot(view_.towards()) > 1e-9;
     };
@@ -220,104 +218,14 @@ class Painter {
     }
   }
 
-  void text(double x, double y, double size, const std::string& words, bool bold = false) {
-    cairo_select_font_face(c_, "sans-serif", CAIRO_FONT_SLANT_NORMAL,
-                           bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-    cairo_set_font_size(c_, size);
-    cairo_set_source_rgb(c_, 0.1, 0.1, 0.1);
-    cairo_move_to(c_, x, y);
-    cairo_show_text(c_, words.c_str());
-  }
-
-  void paint_words() {
-    text(side_margin, 38, 22, options_.title, true);
-    text(side_margin, 64, 15, options_.subtitle);
-  }
-
-  static std::string short_number(double value) {
-    char buffer[32];
-    std::snprintf(buffer, sizeof buffer, "%.3g", value);
-    return buffer;
-  }
-
-  void paint_colour_bar() {
-    const double x = options_.width - bar_margin + 50.0;
-    const double y = top_margin + 40.0;
-    const double height = std::min(320.0, options_.height - y - bottom_margin);
-    cairo_pattern_t* ramp = cairo_pattern_create_linear(0.0, y + height, 0.0, y);
-    for (int k = 0; k <= 16; ++k) {
-      const Rgb colour = viridis(k / 16.0);
-      cairo_pattern_add_color_stop_rgb(ramp, k / 16.0, colour.red, colour.green, colour.blue);
-    }
-    cairo_rectangle(c_, x, y, 22.0, height);
-    cairo_set_source(c_, ramp);
-    cairo_fill(c_);
-    cairo_pattern_destroy(ramp);
-    const auto [unit, metres] = unit_for(full_scale_);
-    text(x - 30.0, y - 28.0, 13, "displacement");
-    text(x - 30.0, y - 12.0, 13, std::string("in ") + unit);
-    for (int k = 0; k <= 4; ++k) {
-      text(x + 29.0, y + height * (1.0 - k / 4.0) + 4.5, 13, short_number(full_scale_ * k / 4.0 / metres));
-    }
-  }
-
-  static std::pair<const char*, double> unit_for(double length) {
-    if (length >= 1.0) return {"m", 1.0};
-    if (length >= 1e-4 || length == 0.0) return {"mm", 1e-3};
-    if (length >= 1e-7) return {"\u00b5m", 1e-6};
-    return {"nm", 1e-9};
-  }
-
-  /// A bar of a round length, 1, 2 or 5 times a power of ten, at most a quarter of the picture wide.
-  void paint_length_bar() {
-    const double most = 0.25 * options_.width / view_.scale();
-    const double power = std::pow(10.0, std::floor(std::log10(most)));
-    const double length = most / power >= 5.0 ? 5.0 * power : most / power >= 2.0 ? 2.0 * power : power;
+  void paint_legend() {
+    draw_title(c_, side_margin, options_.title, options_.subtitle);
+    const double top = top_margin + 40.0;
+    draw_colour_bar(c_, options_.width - bar_margin + 50.0, top, std::min(320.0, options_.height - top - bottom_margin),
+                    full_scale_);
     const double y = options_.height - 30.0;
-    const double end = side_margin + length * view_.scale();
-    cairo_set_source_rgb(c_, 0.1, 0.1, 0.1);
-    cairo_set_line_width(c_, 2.0);
-    for (const double x : {side_margin, end}) {
-      cairo_move_to(c_, x, y - 5.0);
-      cairo_line_to(c_, x, y + 5.0);
-    }
-    cairo_move_to(c_, side_margin, y);
-    cairo_line_to(c_, end, y);
-    cairo_stroke(c_);
-    const auto [unit, metres] = unit_for(length);
-    text(end + 10.0, y + 5.0, 13, short_number(length / metres) + ' ' + unit);
-    paint_key(end + 90.0, y);
-  }
-
-  void paint_key(double x, double y) {
-    const auto entry = [&](const char* words) {
-      text(x + 10.0, y + 5.0, 13, words);
-      cairo_text_extents_t size;
-      cairo_text_extents(c_, words, &size);
-      x += size.x_advance + 34.0;
-    };
-    if (!options_.fixed.empty()) {
-      cairo_rectangle(c_, x - 3.5, y - 3.5, 7.0, 7.0);
-      cairo_fill(c_);
-      entry("held");
-    }
-    if (!options_.driven.empty()) {
-      cairo_arc(c_, x, y, 3.5, 0.0, 6.2832);
-      cairo_set_source_rgb(c_, 0.84, 0.15, 0.16);
-      cairo_fill(c_);
-      entry("driven");
-    }
-    if (largest_ > 0.0) {
-      const double dash[] = {6.0, 4.0};
-      cairo_set_dash(c_, dash, 2, 0.0);
-      cairo_set_source_rgb(c_, 0.45, 0.45, 0.45);
-      cairo_move_to(c_, x - 4.0, y);
-      cairo_line_to(c_, x + 22.0, y);
-      cairo_stroke(c_);
-      cairo_set_dash(c_, nullptr, 0, 0.0);
-      x += 20.0;
-      entry("rest shape");
-    }
+    const double end = draw_length_bar(c_, side_margin, y, 0.25 * options_.width, view_.scale());
+    draw_key(c_, end + 90.0, y, {!options_.fixed.empty(), !options_.driven.empty(), largest_ > 0.0});
   }
 
   const phymul::Model& model_;

@@ -22,7 +22,9 @@ RunLoop::RunLoop(const RunOptions& options, const RunSchedule& schedule, phymul:
     : options_(options), schedule_(schedule), scene_(scene), solver_(solver), model_(solver.model()) {
   if (schedule.has_driven && !options.keep) let_go_date_ = options.let_go.value_or(schedule.let_go);
   if (schedule.has_driven) pull_date_ = std::min(schedule.largest_pull, let_go_date_.value_or(schedule.largest_pull));
-  end_ = options.max_time.value_or(std::max(schedule.last_date, let_go_date_.value_or(0.0)) + time_to_rest);
+  settle_date_ = schedule.last_date;
+  if (schedule.has_driven) settle_date_ = std::max(settle_date_, let_go_date_.value_or(schedule.let_go));
+  end_ = options.max_time.value_or(settle_date_ + time_to_rest);
   sample_interval_ =
       options.frame_interval > 0.0 ? options.frame_interval / samples_per_frame : default_sample_interval;
   if (options.frame_interval > 0.0) {
@@ -45,7 +47,7 @@ void RunLoop::choose_step() {
 }
 
 bool RunLoop::is_settling() const {
-  return reached(schedule_.last_date) && (!let_go_date_ || let_go_done_);
+  return reached(settle_date_) && (!let_go_date_ || let_go_done_);
 }
 
 double RunLoop::next_date() const {

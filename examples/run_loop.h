@@ -41,6 +41,7 @@ class RunLoop {
   const phymul::Model& model_;
 
   double sample_interval_ = 0.0;  ///< s, between rows of energies.csv; ten of them make a frame
+  double settle_date_ = 0.0;      ///< s, from then on nothing is done to the body any more
   double end_ = 0.0;              ///< s
   std::optional<double> pull_date_, let_go_date_;
   bool pull_seen_ = false;

@@ -34,8 +34,8 @@ RunSchedule schedule_of(const std::vector<Load>& loads) {
   RunSchedule schedule;
   double largest = 0.0;
   for (const Load& load : loads) {
-    for (const ValueEvent& event : load.events) schedule.last_date = std::max(schedule.last_date, event.date);
     if (!is_driving(load)) {
+      for (const ValueEvent& event : load.events) schedule.last_date = std::max(schedule.last_date, event.date);
       if (is_imposed(load)) add_particles(schedule.held, load);
       continue;
     }

@@ -11,7 +11,7 @@ struct RunSchedule {
   bool has_driven = false;
   double largest_pull = 0.0;          ///< s, first date of the largest imposed value; only where something is driven
   double let_go = 0.0;                ///< s, last date of the driven loads; only where something is driven
-  double last_date = 0.0;             ///< s, last date of any load
+  double last_date = 0.0;             ///< s, last date of the other loads
   std::vector<phymul::Index> held;    ///< particles that a translation holds, sorted
   std::vector<phymul::Index> driven;  ///< particles that a translation or rotation moves, sorted
 };

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+//
+// The words and scales around a picture. Places and sizes in pixels.
+#pragma once
+
+#include <cairo.h>
+
+#include <string>
+
+#include "colour_map.h"
+
+inline constexpr Rgb held_colour{0.1, 0.1, 0.1};
+inline constexpr Rgb driven_colour{0.84, 0.15, 0.16};
+
+void draw_title(cairo_t* c, double x, const std::string& title, const std::string& subtitle);
+
+/// Colours from 0 to full_scale, m, upward from y + height to y, with five labels.
+void draw_colour_bar(cairo_t* c, double x, double y, double height, double full_scale);
+
+/// A bar of a round length, 1, 2 or 5 times a power of ten, at most `most` wide; scale in pixels per metre. Returns
+/// where it ends.
+double draw_length_bar(cairo_t* c, double x, double y, double most, double scale);
+
+/// What the marks mean; only those that are there.
+struct PictureKey {
+  bool held, driven, rest_shape;
+};
+void draw_key(cairo_t* c, double x, double y, const PictureKey& key);
