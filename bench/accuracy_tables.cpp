@@ -22,12 +22,18 @@ void stretch_table() {
     Model model;
     TopologyOptions options;
   };
-  std::vector<Row> rows(4);
-  rows[0] = {"lattice 6x4x4, per base", make_block({0.06, 0.04, 0.04}, 6, 4, 4), {}};
-  rows[1] = {"lattice 6x4x4, cell-averaged", rows[0].model, {}};
-  rows[1].options.cell_average = 0.9;
-  rows[2] = {"tetrahedra of 6x4x4, per base", make_tetrahedral_block({0.06, 0.04, 0.04}, 6, 4, 4, 0.2, 1), {}};
-  rows[3] = {"tetrahedra of 12x8x8, per base", make_tetrahedral_block({0.06, 0.04, 0.04}, 12, 8, 8, 0.2, 2), {}};
+  TopologyOptions averaged, fitted;
+  averaged.cell_average = 0.9;
+  fitted.bases = BaseSelection::fitted;
+  const Model lattice = make_block({0.06, 0.04, 0.04}, 6, 4, 4);
+  const Model coarse = make_tetrahedral_block({0.06, 0.04, 0.04}, 6, 4, 4, 0.2, 1);
+  const Model fine = make_tetrahedral_block({0.06, 0.04, 0.04}, 12, 8, 8, 0.2, 2);
+  std::vector<Row> rows{{"lattice 6x4x4, per base", lattice, {}},
+                        {"lattice 6x4x4, cell-averaged", lattice, averaged},
+                        {"tetrahedra of 6x4x4", coarse, {}},
+                        {"tetrahedra of 12x8x8", fine, {}},
+                        {"tetrahedra of 6x4x4, fitted bases", coarse, fitted},
+                        {"tetrahedra of 12x8x8, fitted bases", fine, fitted}};
   for (Row& row : rows) {
     std::printf("%-34s", row.name);
     for (double poisson : {0.0, 0.3, 0.45}) {
