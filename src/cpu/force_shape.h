@@ -68,33 +68,33 @@ HeightScale<S> height_scale(S s, S p) {
   return {g, -p * S(2) * s / q * g};
 }
 
-/// Forces on the vertices of a base whose owner feels F, as -dE/dx of an energy with dE = F . d(P*_t - x_i).
-/// G is the derivative of the energy by w:
+/// Derivative by w of an energy whose change is F . d(beta g n):
 ///   G = beta [ g/|w| (F - n (n.F)) + g'/|w_rest| n (n.F) ]
+template <class S>
+Vec<S> height_slope(const BaseFrame<S>& f, S beta, const HeightScale<S>& g, S rest_length, const Vec<S>& force) {
+  if (f.n == Vec<S>::Zero()) return Vec<S>::Zero();
+  const S along = f.n.dot(force);
+  Vec<S> G = (beta * g.value / f.length) * (force - along * f.n);
+  if (g.slope != S(0)) G += (beta * g.slope / rest_length * along) * f.n;
+  return G;
+}
+
+/// Forces on the vertices of a base whose owner feels F, as -dE/dx of an energy with dE = F . d(P*_t - x_i):
 ///   on b: -lambda_b F - e2 x G,  on c: -lambda_c F - G x e1,  on a: what makes the four forces sum to zero.
 template <class S>
 std::array<Vec<S>, 3> base_reaction_3d(const BaseFrame<S>& f, const std::array<S, 3>& lambda, S beta,
                                        const HeightScale<S>& g, S rest_length, const Vec<S>& force) {
-  const S along = f.n.dot(force);
-  Vec<S> G = Vec<S>::Zero();
-  if (f.n != Vec<S>::Zero()) {
-    G = (beta * g.value / f.length) * (force - along * f.n);
-    if (g.slope != S(0)) G += (beta * g.slope / rest_length * along) * f.n;
-  }
+  const Vec<S> G = height_slope(f, beta, g, rest_length, force);
   const Vec<S> on_b = -lambda[1] * force - f.e2.cross(G);
   const Vec<S> on_c = -lambda[2] * force - G.cross(f.e1);
   return {-(force + on_b + on_c), on_b, on_c};
 }
 
+/// The same in 2-D, where w is e1 turned left: on b: -lambda_b F - G turned right.
 template <class S>
 std::array<Vec<S>, 3> base_reaction_2d(const BaseFrame<S>& f, const std::array<S, 3>& lambda, S beta,
                                        const HeightScale<S>& g, S rest_length, const Vec<S>& force) {
-  const S along = f.n.dot(force);
-  Vec<S> G = Vec<S>::Zero();
-  if (f.n != Vec<S>::Zero()) {
-    G = (beta * g.value / f.length) * (force - along * f.n);
-    if (g.slope != S(0)) G += (beta * g.slope / rest_length * along) * f.n;
-  }
+  const Vec<S> G = height_slope(f, beta, g, rest_length, force);
   const Vec<S> on_b = -lambda[1] * force - Vec<S>(G.y(), -G.x(), S(0));
   return {-(force + on_b), on_b, Vec<S>::Zero()};
 }
