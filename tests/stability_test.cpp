@@ -186,6 +186,7 @@ TEST(Stability, ScaleFromOneMillimetreToOneMetreChangesNothing) {
   for (const Case& c : cases) {
     VecList reference;
     int reference_steps = 0;
+    double worst = 0.0;
     for (double size : {1.0, 0.1, 0.02, 0.005, 0.001}) {
       SCOPED_TRACE(std::string(c.name) + " at " + std::to_string(size) + " m");
       Model model = make_block({size, size / 2, size / 2}, 4, 2, 2, 18);
@@ -215,9 +216,11 @@ TEST(Stability, ScaleFromOneMillimetreToOneMetreChangesNothing) {
       for (std::size_t i = 0; i < relative.size(); ++i) {
         difference = std::max(difference, (relative[i] - reference[i]).norm());
       }
+      worst = std::max(worst, difference / largest_norm(reference));
       EXPECT_LE(difference, 1e-4 * largest_norm(reference));
       EXPECT_NEAR(report.steps, reference_steps, 0.001 * reference_steps);
     }
+    std::printf("%s: rest shapes from 1 mm to 1 m agree within %.2g of the largest displacement\n", c.name, worst);
   }
 }
 
