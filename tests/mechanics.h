@@ -26,7 +26,7 @@ class StaticSolve {
         base_(load_.size()) {}
 
   /// `x` holds the imposed coordinates already. Returns the number of force evaluations.
-  int run(VecList& x, double tolerance = 1e-9, int newton_steps = 20) {
+  int run(VecList& x, double tolerance = 1e-6, int newton_steps = 20) {
     evaluations_ = 0;
     double first = 0.0;
     for (int step = 0; step < newton_steps; ++step) {
@@ -34,14 +34,14 @@ class StaticSolve {
       const double size = std::sqrt(dot(residual, residual));
       if (step == 0) first = size;
       if (size <= tolerance * first || size == 0.0) break;
-      const VecList dx = conjugate_gradients(x, residual, 1e-2 * tolerance * first / size + 1e-10);
+      const VecList dx = conjugate_gradients(x, residual, std::max(0.1 * tolerance * first / size, 1e-8));
       for (std::size_t i = 0; i < x.size(); ++i) x[i] += dx[i];
     }
     return evaluations_;
   }
 
   /// One linear step from x, without iteration: the small-strain answer.
-  VecList linear(const VecList& x, double tolerance = 1e-8) { return conjugate_gradients(x, net_force(x), tolerance); }
+  VecList linear(const VecList& x, double tolerance = 1e-6) { return conjugate_gradients(x, net_force(x), tolerance); }
 
  private:
   VecList net_force(const VecList& x) {

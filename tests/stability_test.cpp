@@ -42,8 +42,8 @@ TEST(Stability, FullReactionGrowsOnTheCylinderAndNotOnTheTetrahedron) {
     const double h = mean_spacing(model);
     start.position = random_positions(model, 1e-6, 1);
     solver->reset(start);
-    // A hundredth of the limit: the growth is the reaction's, not the step's.
-    const StepReport report = solver->step(60000, 0.01 * solver->stable_step());
+    // A twentieth of the limit: the growth is the reaction's, not the step's.
+    const StepReport report = solver->step(10000, 0.05 * solver->stable_step());
     const double moved = largest_displacement(model, solver->read()) / h;
     const Spectrum spectrum = estimate_spectrum(solver->topology(), model.rest);
     std::printf("full reaction, %s: smallest eigenvalue %.3g of the largest, displacement %.3g h after %d steps, %s\n",
@@ -100,7 +100,7 @@ TEST(Stability, ConservativeKeepsItsEnergyBelowTheLimitAndBlowsUpAboveIt) {
     TopologyOptions topology;
   };
   std::vector<Case> cases;
-  cases.push_back({"block, thresholded bases", make_block({0.03, 0.02, 0.02}, 3, 2, 2, 6), {}});
+  cases.push_back({"block, thresholded bases", make_block({0.02, 0.02, 0.01}, 2, 2, 1, 6), {}});
   Model tissue = make_block({0.02, 0.01, 0.01}, 2, 1, 1, 6);
   set_material(tissue, soft_tissue());
   cases.push_back({"block, calibrated material", tissue, {}});
@@ -117,8 +117,7 @@ TEST(Stability, ConservativeKeepsItsEnergyBelowTheLimitAndBlowsUpAboveIt) {
 
 TEST(Stability, LimitIsRightWithinTwoPercentForEveryVariant) {
   for (const Body& body : bodies()) {
-    if (body.name == "cylinder275" || body.name == "block26" || body.name == "block14" || body.name == "jittered")
-      continue;
+    if (body.model.particle_count() > 40 || (body.name.starts_with("block") && body.name != "block6")) continue;
     for (Variant variant : conservative_variants()) {
       if (!applies(variant, body)) continue;
       SCOPED_TRACE(body.name + ", " + variant.name);
@@ -130,7 +129,7 @@ TEST(Stability, LimitIsRightWithinTwoPercentForEveryVariant) {
         State start = rest_state(model);
         start.position = random_positions(model, 1e-7, 1);
         solver->reset(start);
-        const StepReport report = solver->step(1500, share * solver->stable_step());
+        const StepReport report = solver->step(400, share * solver->stable_step());
         const double grown = largest_displacement(model, solver->read()) / mean_spacing(model);
         if (share < 1.0) {
           EXPECT_TRUE(report.ok());
@@ -154,7 +153,7 @@ TEST(Stability, DampingLowersTheLimitAsPredicted) {
     start.position = random_positions(model, 1e-7, 1);
     for (double share : {0.98, 1.02}) {
       solver->reset(start);
-      const StepReport report = solver->step(3000, share * solver->stable_step());
+      const StepReport report = solver->step(1000, share * solver->stable_step());
       const double grown = largest_displacement(model, solver->read()) / mean_spacing(model);
       if (share < 1.0) {
         EXPECT_LT(grown, 1e-5) << "d = " << d;
@@ -189,7 +188,7 @@ TEST(Stability, ScaleFromOneMillimetreToOneMetreChangesNothing) {
     double worst = 0.0;
     for (double size : {1.0, 0.1, 0.02, 0.005, 0.001}) {
       SCOPED_TRACE(std::string(c.name) + " at " + std::to_string(size) + " m");
-      Model model = make_block({size, size / 2, size / 2}, 4, 2, 2, 18);
+      Model model = make_block({size, size / 3, size / 3}, 3, 1, 1, 18);
       if (c.material) {
         set_material(model, soft_tissue());
       } else {
