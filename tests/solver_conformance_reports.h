@@ -192,6 +192,24 @@ TEST_P(SolverConformance, FasterThanAnyWaveIsAFailureAndLeavesNoTrace) {
   EXPECT_EQ(solver->energy().gravity, 0.0);
 }
 
+TEST_P(SolverConformance, PlaneBodiesKeepTheirPlane) {
+  const Model model = make_strip(0.04, 0.02, 4, 2);
+  const Scene scene(model);
+  TopologyOptions springs;
+  springs.law = Law::springs;
+  const auto solver = make(model, scene, {}, springs);
+  State start = rest_state(model);
+  start.position = random_positions(model, 0.1, 2);
+  solver->reset(start);
+  ASSERT_TRUE(solver->step(50, 0.4 * solver->stable_step()).ok());
+  for (const Vec3& p : solver->read().position) EXPECT_EQ(p.z(), 0.0);
+  start.position[3].z() = 1e-3;
+  EXPECT_THROW(solver->reset(start), Error);
+  start.position[3].z() = 0.0;
+  start.velocity[2].z() = 1e-3;
+  EXPECT_THROW(solver->reset(start), Error);
+}
+
 TEST_P(SolverConformance, CloudWithoutStiffnessFalls) {
   Model model = block();
   model.cells.clear();
