@@ -96,14 +96,8 @@ std::optional<double> DecimalUnit::parse_shifted(std::string_view text) const {
 
 void DecimalUnit::append(std::string& out, double value) const {
   if (exponent_ && *exponent_ != 0) return append_shifted(out, value);
-  double number = value / factor_;
-  for (const double candidate : {number, std::nextafter(number, -HUGE_VAL), std::nextafter(number, HUGE_VAL)}) {
-    if (candidate * factor_ == value) {
-      number = candidate;
-      break;
-    }
-  }
-  append_decimal(out, number);
+  // The rounded quotient is the double whose product lies nearest to the value: no other comes back better.
+  append_decimal(out, value / factor_);
 }
 
 void DecimalUnit::append_shifted(std::string& out, double value) const {

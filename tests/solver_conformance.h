@@ -210,6 +210,8 @@ TEST_P(SolverConformance, StepBeyondTheLimitIsRefusedAndNothingMoves) {
   EXPECT_EQ(report.steps, 0);
   EXPECT_EQ(solver->read(), before);
   EXPECT_NE(report.message().find("is above the stable step"), std::string::npos) << report.message();
+  EXPECT_EQ(solver->step(1, 1.001 * solver->stable_step()).status, StepStatus::unstable_step);
+  EXPECT_TRUE(solver->step(1, solver->stable_step()).ok());
 }
 
 TEST_P(SolverConformance, InvalidStepsAreRefused) {

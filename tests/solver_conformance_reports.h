@@ -122,6 +122,14 @@ TEST_P(SolverConformance, ResetForgetsTheStepsBefore) {
   solver->reset();
   EXPECT_FALSE(solver->step(1, dt).at_rest) << "one quiet step is not " << SolverOptions{}.rest_steps;
   EXPECT_TRUE(solver->step(20, dt).at_rest);
+  scene.gravity({0, 0, -9.81});  // reset looks at the scene too
+  State raised = rest_state(model);
+  for (Vec3& p : raised.position) p.z() += 0.01;
+  solver->reset(raised);
+  EXPECT_NEAR(solver->energy().gravity, total_mass(model) * 9.81 * 0.01, 1e-4 * total_mass(model));
+  scene.clear().fix("x0");
+  solver->reset();
+  EXPECT_TRUE(solver->step(20, dt).at_rest);
   scene.gravity({0, 0, 0});  // a change of the scene, whatever it says, starts the count anew
   EXPECT_FALSE(solver->step(1, dt).at_rest);
 }

@@ -80,7 +80,7 @@ TEST(TopologyLimits, CalibrationTakesFiniteConstantsAndGivesNoNegativeOnes) {
                      calibrate({infinity, 0.3, 1000}, PoissonRoute::volume_term);
                    }),
                    "Young's modulus is inf"));
-  for (const double young : {1.0, 3.0, 7e3, 1e4 / 3, 1.1e5}) {
+  for (double young = 1.0; young < 1e6; young *= 1.01) {
     EXPECT_GE(calibrate({young, -0.375, 1000}, PoissonRoute::volume_term).kappa, 0.0) << young;
   }
 }
