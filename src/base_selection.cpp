@@ -88,8 +88,7 @@ std::vector<std::vector<RestBase>> opposite_bases(const Model& model) {
     for (const OppositeFace& face : opposite_faces(simplex)) {
       std::vector<RestBase>& row = result[face.owner];
       if (std::ranges::find(row, face.vertex, &RestBase::vertex) != row.end()) continue;
-      const RestBase base = rest_base(model.rest, face.owner, face.vertex);
-      if (has_plane(base)) row.push_back(base);
+      row.push_back(rest_base(model.rest, face.owner, face.vertex));
     }
   }
   return result;

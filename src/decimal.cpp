@@ -74,9 +74,10 @@ std::optional<double> DecimalUnit::parse_shifted(std::string_view text) const {
   if (mark != std::string_view::npos) {
     const std::string_view digits = text.substr(mark + 1);
     const std::optional<std::int64_t> own = parse_integer(digits);
-    // Blanks inside a number are an error; parse_integer alone would pass them. Exponents beyond 10^6 belong to no
-    // double.
-    if (!own || trim(digits) != digits || std::abs(*own) > 1'000'000) return std::nullopt;
+    // Blanks inside a number are an error; parse_integer alone would pass them. Exponents beyond `largest` belong to no
+    // double; not by std::abs, which the least integer defeats.
+    constexpr std::int64_t largest = 1'000'000;
+    if (!own || trim(digits) != digits || *own < -largest || *own > largest) return std::nullopt;
     exponent += *own;
   }
   const std::string_view mantissa = text.substr(0, mark);
@@ -95,14 +96,8 @@ std::optional<double> DecimalUnit::parse_shifted(std::string_view text) const {
 
 void DecimalUnit::append(std::string& out, double value) const {
   if (exponent_ && *exponent_ != 0) return append_shifted(out, value);
-  double number = value / factor_;
-  for (const double candidate : {number, std::nextafter(number, -HUGE_VAL), std::nextafter(number, HUGE_VAL)}) {
-    if (candidate * factor_ == value) {
-      number = candidate;
-      break;
-    }
-  }
-  append_decimal(out, number);
+  // The rounded quotient is the double whose product lies nearest to the value: no other comes back better.
+  append_decimal(out, value / factor_);
 }
 
 void DecimalUnit::append_shifted(std::string& out, double value) const {

@@ -5,6 +5,7 @@
 #include <phymul/error.h>
 #include <phymul/solver.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -33,6 +34,11 @@ void require_options(const SolverOptions& options) {
   if (options.rest_steps < 1) {
     throw Error("SolverOptions::rest_steps must be 1 or more; got " + std::to_string(options.rest_steps));
   }
+}
+
+bool in_plane(const State& state) {
+  const auto is_in = [](const Vec3& v) { return v.z() == 0.0; };
+  return std::ranges::all_of(state.position, is_in) && std::ranges::all_of(state.velocity, is_in);
 }
 
 const char* likely_cause(const TopologyTextures& topology, const Spectrum& spectrum, double dt, double limit) {
@@ -116,6 +122,9 @@ void Solver::reset(const State& state) {
   if (!is_finite(state)) {
     throw Error(
         "Solver::reset: the state has a time, position or velocity that is not finite; the solver keeps its own");
+  }
+  if (topology_->dimension == 2 && !in_plane(state)) {
+    throw Error("Solver::reset: expected places and velocities with z = 0 in a two-dimensional model");
   }
   follow_scene();
   do_reset(state);

@@ -28,8 +28,6 @@ std::string number(double value) {
 
 void check_options(const TopologyOptions& o) {
   const auto is_positive = [](double value) { return std::isfinite(value) && value >= 0.0; };
-  require(o.max_texture_size >= 1,
-          "max_texture_size is " + std::to_string(o.max_texture_size) + "; a texture has at least 1 x 1 texels");
   require(
       o.min_quality >= 0.0 && o.min_quality < 1.0,
       "min_quality is " + number(o.min_quality) + "; expected at least 0 and below 1 (a regular triangle has 0.87)");

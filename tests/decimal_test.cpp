@@ -34,7 +34,8 @@ TEST(Decimal, ShiftsTheExponentInsteadOfRounding) {
   EXPECT_EQ(millimetre.parse(" +3e+1 "), 0.03);
   EXPECT_EQ(millimetre.parse("2E-1"), 0.0002);
   EXPECT_EQ(millimetre.parse(std::string(200, '0') + "1"), 0.001);
-  for (const char* const wrong : {"1e 3", "1 e3", "1e3 3", "1e+-3", "1e99999999999999999999", "1e9999999"}) {
+  for (const char* const wrong :
+       {"1e 3", "1 e3", "1e3 3", "1e+-3", "1e99999999999999999999", "1e9999999", "1e-9223372036854775808"}) {
     EXPECT_FALSE(millimetre.parse(wrong)) << wrong;
   }
 }
@@ -69,6 +70,20 @@ TEST(Decimal, EveryDoubleComesBackBitByBitInPowersOfTen) {
       const std::optional<double> back = scale.parse(text);
       ASSERT_TRUE(back) << text;
       ASSERT_EQ(std::bit_cast<std::uint64_t>(*back), std::bit_cast<std::uint64_t>(value)) << text << " unit " << unit;
+    }
+  }
+}
+
+TEST(Decimal, WhatWasReadInOtherUnitsComesBackBitByBit) {
+  std::mt19937_64 random(3);
+  std::uniform_int_distribution<int> digits(1, 99999);
+  for (const double unit : {0.0254, 0.3048, 3.0}) {
+    const DecimalUnit scale(unit);
+    for (int i = 0; i < 20000; ++i) {
+      const double value = scale.parse(std::to_string(digits(random)) + "e-4").value();
+      std::string text;
+      scale.append(text, value);
+      ASSERT_EQ(scale.parse(text), value) << text;
     }
   }
 }

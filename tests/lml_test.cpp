@@ -220,6 +220,28 @@ TEST(LmlWrite, BuiltLoadsComeBackEqual) {
   EXPECT_NE(out.str().find("<appliedTo>5-7,2,9,8</appliedTo>"), std::string::npos) << out.str();
 }
 
+TEST(LmlRead, ATargetWithoutParticlesIsNoted) {
+  Model model = line_model();
+  model.add_group("Nobody", {});
+  std::vector<std::string> notes;
+  const std::vector<Load> loads = read_lml_text(
+      load_text("Force", "<appliedTo>Nobody</appliedTo>" + event + along_z + "<unit>N</unit>"), "t.lml", model, &notes);
+  EXPECT_TRUE(loads.front().particles.empty());
+  EXPECT_EQ(notes, std::vector<std::string>{"t.lml:3: appliedTo: \"Nobody\" has no particles; the load does nothing"});
+}
+
+TEST(LmlWrite, WordsThatNoLongerMeanTheParticlesGiveWay) {
+  Load load;
+  load.type = LoadType::force;
+  load.applied_to = "Tip";
+  load.particles = {5, 6};
+  load.events = {{0, 1}};
+  load.direction = {0, 0, 1};
+  const std::vector<Load> again = rewritten({load}, line_model());
+  EXPECT_EQ(again.front().particles, load.particles);
+  EXPECT_EQ(again.front().applied_to, "");
+}
+
 TEST(LmlWrite, RefusesWhatLmlCannotSay) {
   const Model model = line_model();
   Load load;
@@ -235,6 +257,9 @@ TEST(LmlWrite, RefusesWhatLmlCannotSay) {
   load.particles = {1};
   load.events = {{0, std::numeric_limits<double>::infinity()}};
   EXPECT_EQ(message_of([&] { rewritten({load}, model); }), "Force: expected finite dates and values");
+  load.events = {{0, 1}};
+  load.direction.y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(message_of([&] { rewritten({load}, model); }), "Force: expected a finite direction");
 }
 
 TEST(LmlErrors, AppliedTo) {

@@ -92,7 +92,8 @@ TEST(Model, EqualityLooksAtEverythingButNotes) {
       [](Model& m) { m.materials.push_back(soft); },
       [](Model& m) { m.file_index.assign(m.rest.size(), 1); },
       [](Model& m) { m.particle_name.resize(m.rest.size()); },
-      [](Model& m) { m.particle_fields.resize(m.rest.size()); }};
+      [](Model& m) { m.particle_fields.resize(m.rest.size()); },
+      [](Model& m) { m.extras.atom_list.name = "list"; }};
   for (std::size_t k = 0; k < changes.size(); ++k) {
     other = model;
     changes[k](other);
@@ -155,6 +156,8 @@ TEST(SetMaterial, RefusesWhatItCannotDoAndLeavesTheModel) {
   EXPECT_NE(refused({1.0, -0.375, 1.0}).find("above -3/8"), std::string::npos);
   EXPECT_NE(refused({1.0, not_a_number, 1.0}).find("Poisson"), std::string::npos);
   EXPECT_NE(refused({1.0, 0.3, -2.0}).find("density in kg/m^3, got -2"), std::string::npos);
+  EXPECT_NE(refused({1.0, 0.3, std::numeric_limits<double>::infinity()}).find("density in kg/m^3, got inf"),
+            std::string::npos);
   EXPECT_NE(message_of([&] { set_material(model, soft, "x0"); }).find("it holds none whole"), std::string::npos);
   EXPECT_EQ(model, before);
   std::swap(model.cells[0].particles[0], model.cells[0].particles[2]);

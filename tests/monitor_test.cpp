@@ -144,6 +144,10 @@ TEST(PositionError, DoesNotDependOnTheScale) {
   EXPECT_NEAR(error.global_ratio, 0.1, 1e-12);
   EXPECT_NEAR(scaled.global_ratio, error.global_ratio, 1e-9);
   EXPECT_NEAR(scaled.median_ren, error.median_ren, 1e-9);
+  for (VecList* list : {&model.rest, &position, &reference}) {
+    for (Vec3& x : *list) x *= 1e-6;  // displacements of 1e-13 m are still displacements
+  }
+  EXPECT_NEAR(position_error(model, position, reference).median_ren, error.median_ren, 1e-9);
 }
 
 TEST(Monitor, SizesMustAgree) {

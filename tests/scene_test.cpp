@@ -177,6 +177,7 @@ TEST(Scene, TheLaterImposingLoadHolds) {
   expect_near(frame.target[1], model.rest[1] + Vec3(0.3, 0, 0.2));
   scene.clear().add({lift, shift});
   frame = at(scene, 0.0);
+  EXPECT_EQ(frame.fixed[1], 7);
   expect_near(frame.target[1], model.rest[1] + Vec3(0.3, 0, 0));
   expect_near(frame.target[0], model.rest[0] + Vec3(0, 0, 0.2));
 }

@@ -4,36 +4,12 @@
 // tree includes this file and instantiates it with a function that makes its solver.
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <functional>
 #include <limits>
 
-#include "bodies.h"
+#include "solver_conformance_fixture.h"
+#include "solver_conformance_reports.h"
 
 namespace phymul::test {
-
-struct BackendUnderTest {
-  std::string name;
-  std::function<std::unique_ptr<Solver>(const Model&, const Scene&, const TopologyOptions&, const SolverOptions&)> make;
-};
-
-inline void PrintTo(const BackendUnderTest& backend, std::ostream* out) {
-  *out << backend.name;
-}
-
-class SolverConformance : public testing::TestWithParam<BackendUnderTest> {
- protected:
-  static std::unique_ptr<Solver> make(const Model& model, const Scene& scene, const SolverOptions& options = {},
-                                      const TopologyOptions& topology = {}) {
-    return GetParam().make(model, scene, topology, options);
-  }
-  static Model block() {
-    Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
-    set_material(model, soft_tissue());
-    return model;
-  }
-};
 
 TEST_P(SolverConformance, RestStaysAtRest) {
   for (const Body& body : bodies()) {
@@ -234,6 +210,8 @@ TEST_P(SolverConformance, StepBeyondTheLimitIsRefusedAndNothingMoves) {
   EXPECT_EQ(report.steps, 0);
   EXPECT_EQ(solver->read(), before);
   EXPECT_NE(report.message().find("is above the stable step"), std::string::npos) << report.message();
+  EXPECT_EQ(solver->step(1, 1.001 * solver->stable_step()).status, StepStatus::unstable_step);
+  EXPECT_TRUE(solver->step(1, solver->stable_step()).ok());
 }
 
 TEST_P(SolverConformance, InvalidStepsAreRefused) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "solver_conformance.h"
 
+#include "message_of.h"
+
 namespace phymul::test {
 namespace {
 
@@ -36,6 +38,19 @@ TEST(Backends, SceneOfAnotherModelIsRefused) {
   const Model model = make_tetrahedron(0.01), other = make_tetrahedron(0.02);
   const Scene scene(other);
   EXPECT_THROW(make_solver("reference", model, scene), Error);
+}
+
+TEST(Backends, TablesOfAnotherBodyAreRefused) {
+  const Model model = make_tetrahedron(0.01), other = make_block({1, 1, 1}, 1, 1, 1);
+  const Scene scene(model);
+  EXPECT_NE(message_of([&] {
+              make_solver("reference", std::make_shared<const TopologyTextures>(build_topology(other)), scene);
+            }).find("built for 8 particles, the scene's model has 4"),
+            std::string::npos);
+  EXPECT_NE(message_of([&] {
+              make_solver("reference", std::shared_ptr<const TopologyTextures>(), scene);
+            }).find("the topology is null"),
+            std::string::npos);
 }
 
 TEST(Backends, TablesAreShared) {

@@ -63,6 +63,22 @@ TEST(Stability, FullReactionGrowsOnTheCylinderAndNotOnTheTetrahedron) {
   }
 }
 
+TEST(Stability, ABodyThatGrowsAtAnyStepSaysSo) {
+  const Model model = cylinder_275();
+  TopologyOptions topology;
+  topology.reaction = Reaction::shared;
+  topology.bases = BaseSelection::all;
+  ASSERT_LT(estimate_spectrum(build_topology(model, topology), model.rest).most_negative, 0.0);
+  const Scene scene(model);
+  const auto solver = make_solver("reference", model, scene, topology);
+  State start = rest_state(model);
+  start.velocity[7] = {1e9, 0, 0};
+  solver->reset(start);
+  const StepReport report = solver->step(1, 0.01 * solver->stable_step());
+  EXPECT_EQ(report.status, StepStatus::not_finite);
+  EXPECT_NE(report.message().find("unstable at rest at any step"), std::string::npos) << report.message();
+}
+
 struct EnergyRun {
   double drift = 0.0;  ///< largest |E - E0| / E0
   bool blew_up = false;

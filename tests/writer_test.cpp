@@ -11,7 +11,9 @@
 #include <iterator>
 #include <locale>
 #include <sstream>
+#include <stdexcept>
 
+#include "replace_file.h"
 #include "text_file.h"
 #include "vtu_array.h"
 
@@ -103,6 +105,30 @@ TEST(Writer, VtuOfABodyWithoutCellsHasVertices) {
   const TextFile file("cloud.vtu", "");
   phymul::write_vtu(model, phymul::rest_state(model), file.path());
   EXPECT_NE(text_of(file.path()).find("NumberOfPoints=\"8\" NumberOfCells=\"8\""), std::string::npos);
+}
+
+TEST(Writer, VtuNamesAreXmlWhateverTheyHold) {
+  Model model = phymul::make_block({1, 1, 1}, 1, 1, 1);
+  model.add_group("<a>\a&\"b\"", {1, 2});
+  const TextFile file("names.vtu", "");
+  phymul::write_vtu(model, phymul::rest_state(model), file.path());
+  const std::string text = text_of(file.path());
+  EXPECT_NE(text.find("Name=\"group:&lt;a&gt;?&amp;&quot;b&quot;\""), std::string::npos);
+  EXPECT_EQ(text.find("group:Elements"), std::string::npos) << "all particles are no group";
+  EXPECT_EQ(phymul::read_mesh(file.path()).group("<a>?&\"b\""), (std::vector<Index>{1, 2}));
+}
+
+TEST(Writer, DraftsGoWhateverStopsTheWriting) {
+  const TextFile file("kept.txt", "as it was");
+  EXPECT_THROW(phymul::replace_file(file.path(),
+                                    [](std::ostream& out) {
+                                      out << "half";
+                                      throw std::runtime_error("no more");
+                                    }),
+               std::runtime_error);
+  EXPECT_EQ(text_of(file.path()), "as it was");
+  const std::filesystem::directory_iterator files(std::filesystem::path(file.path()).parent_path());
+  EXPECT_EQ(std::distance(begin(files), end(files)), 1);
 }
 
 TEST(Writer, SeriesIsCompleteAfterEveryFrame) {

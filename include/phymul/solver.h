@@ -79,7 +79,8 @@ class Solver {
   const Model& model() const { return scene_->model(); }
   const TopologyTextures& topology() const { return *topology_; }
 
-  /// Starts from a state; throws Error when its sizes do not fit or a value is not finite (state untouched then).
+  /// Starts from a state; throws Error when its sizes do not fit, a value is not finite, or it leaves the plane of a
+  /// two-dimensional model (state untouched then).
   void reset(const State& state);
   void reset();  ///< the rest shape
 

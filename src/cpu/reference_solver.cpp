@@ -87,9 +87,7 @@ class ReferenceSolver final : public Solver {
 
   Vec3 acceleration(Index i, const Vec3& elastic) const {
     const Vec3 load = frame().force.empty() ? Vec3(Vec3::Zero()) : frame().force[i];
-    Vec3 a = (elastic + load) / topology().mass[i] + frame().gravity;
-    if (topology().dimension == 2) a.z() = 0.0;
-    return a;
+    return (elastic + load) / topology().mass[i] + frame().gravity;
   }
 
   /// Largest net force and acceleration on free coordinates, of the state before this step.

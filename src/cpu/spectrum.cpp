@@ -17,8 +17,11 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// A Ritz value is taken when its residual is below this share of it; the eigenvalue is then nearer than that.
+/// Ritz values are taken when their residuals are below this share of the largest; eigenvalues are then nearer than
+/// that.
 constexpr double ritz_accuracy = 1e-3;
+/// Eigenvalues nearer to 0 than this share of the largest are those of rigid motion, on either side of 0 by rounding.
+constexpr double rigid_motion = 1e-6;
 constexpr int lanczos_steps = 400;
 /// Arnoldi keeps every vector: as many as fit in this many bytes, within [12, 80].
 constexpr double arnoldi_bytes = 4e8;
@@ -121,8 +124,12 @@ Spectrum lanczos(ScaledStiffness& A, Vector q) {
       const Eigen::Index top = std::abs(values[0]) > std::abs(values[size - 1]) ? 0 : size - 1;
       found.largest = std::abs(values[top]);
       found.most_negative = values[0];
-      const double residual = beta * std::abs(ritz.eigenvectors()(size - 1, top));
-      if (residual <= ritz_accuracy * found.largest || beta <= 1e-12 * found.largest) break;
+      // A negative end must settle as well. Where none shows, waiting for one would cost a body at rest thrice the
+      // steps.
+      const auto last = ritz.eigenvectors().row(size - 1);
+      const bool grows = values[0] < -rigid_motion * found.largest;
+      const double residual = beta * std::max(std::abs(last[top]), grows ? std::abs(last[0]) : 0.0);
+      if (residual <= ritz_accuracy * found.largest) break;
     }
     off.push_back(beta);
     before.swap(q);
@@ -184,8 +191,7 @@ Spectrum estimate_spectrum(const TopologyTextures& topology, std::span<const Vec
   const bool symmetric =
       topology.base_count == 0 || reaction == Reaction::conservative || reaction == Reaction::averaged;
   Spectrum found = symmetric ? lanczos(A, q) : arnoldi(A, q);
-  // The zero modes of rigid motion come out as rounding on either side of zero.
-  if (found.most_negative > -1e-6 * found.largest) found.most_negative = 0.0;
+  if (found.most_negative > -rigid_motion * found.largest) found.most_negative = 0.0;
   return found;
 }
 
