@@ -93,7 +93,8 @@ class Solver {
   void read(State& state) const;  ///< copies the state out
   State read() const;
 
-  Energy energy() const;  ///< at the present state and scene
+  Energy energy()
+      const;  ///< of the present state, with gravity and fixed coordinates as the last step or reset saw them
 
   /// Limit of dt in s for the free body at rest and this damping; holding particles can only raise it. Deformed bodies
   /// have a smaller one: work at half of it, recover from collapsed states at a fifth. See estimate_spectrum.

@@ -37,6 +37,7 @@ class ReferenceSolver final : public Solver {
 
   Motion do_step(const StepPlan& plan) override {
     Motion motion;
+    motion.steps_at_rest = steps_at_rest_;
     while (motion.steps < plan.steps) {
       elastic_forces(topology(), state_.position, force_);
       measure(motion);
