@@ -4,19 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "cell_geometry.h"
+#include "decimal.h"
 #include "material_range.h"
 
 namespace phymul {
 namespace {
-
-std::string shown(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
 
 /// Sums density * volume / vertices over the cells that have a material. A particle in none of them keeps its mass.
 void sum_masses(Model& model) {
@@ -27,7 +21,7 @@ void sum_masses(Model& model) {
     const double measure = signed_measure(model.dimension, cell, model.rest);
     if (!(measure > 0.0)) {
       throw Error("cell " + std::to_string(row) + " (" + cell_name(cell.type) +
-                  "): expected a positive volume to give it a mass, got " + shown(measure) +
+                  "): expected a positive volume to give it a mass, got " + to_decimal(measure) +
                   "; run check_mesh first, and mend or remove the cells it names");
     }
     const double share = model.materials[cell.material].density * measure / static_cast<double>(cell.particles.size());
@@ -90,14 +84,14 @@ std::string solid_cells(const Model& model) {
 
 void require_in_range(const Material& material) {
   if (!(material.young > 0.0) || !std::isfinite(material.young)) {
-    throw Error("material: expected a positive, finite Young's modulus in Pa, got " + shown(material.young));
+    throw Error("material: expected a positive, finite Young's modulus in Pa, got " + to_decimal(material.young));
   }
   if (!(material.poisson > -3.0 / 8.0 && material.poisson < 0.5)) {
-    throw Error("material: expected Poisson's ratio above -3/8 and below 1/2, got " + shown(material.poisson) +
+    throw Error("material: expected Poisson's ratio above -3/8 and below 1/2, got " + to_decimal(material.poisson) +
                 "; take 0.49 for a nearly incompressible tissue");
   }
   if (!(material.density > 0.0) || !std::isfinite(material.density)) {
-    throw Error("material: expected a positive, finite density in kg/m^3, got " + shown(material.density));
+    throw Error("material: expected a positive, finite density in kg/m^3, got " + to_decimal(material.density));
   }
 }
 

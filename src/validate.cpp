@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "decimal.h"
 #include "material_range.h"
 
 namespace phymul {
@@ -14,7 +15,7 @@ std::string quoted(const std::string& name) {
 }
 
 std::string shown(const Vec3& v) {
-  return '(' + std::to_string(v.x()) + ", " + std::to_string(v.y()) + ", " + std::to_string(v.z()) + ')';
+  return '(' + to_decimal(v.x()) + ", " + to_decimal(v.y()) + ", " + to_decimal(v.z()) + ')';
 }
 
 /// "particle 7 (file index 12)"
@@ -50,15 +51,15 @@ void validate_particles(const Model& model) {
     }
     if (model.dimension == 2 && model.rest[i].z() != 0.0) {
       throw Error(particle_label(model, i) + ": expected z = 0 in a two-dimensional model, got " +
-                  std::to_string(model.rest[i].z()) + " m");
+                  to_decimal(model.rest[i].z()) + " m");
     }
     if (!(model.mass[i] > 0.0) || !std::isfinite(model.mass[i])) {
-      throw Error(particle_label(model, i) + ": expected a positive, finite mass, got " +
-                  std::to_string(model.mass[i]) + " kg");
+      throw Error(particle_label(model, i) + ": expected a positive, finite mass, got " + to_decimal(model.mass[i]) +
+                  " kg");
     }
     if (!(model.stiffness[i] >= 0.0) || !std::isfinite(model.stiffness[i])) {
       throw Error(particle_label(model, i) + ": expected a finite stiffness of 0 or more, got " +
-                  std::to_string(model.stiffness[i]) + " N/m");
+                  to_decimal(model.stiffness[i]) + " N/m");
     }
   }
 }
