@@ -60,6 +60,7 @@ void drop_unused_materials(Model& model) {
 /// Gives the material to the solid cells that `chosen` accepts; what it throws leaves the model as it was.
 template <class Predicate>
 void assign(Model& model, const Material& material, const std::string& nothing_chosen, Predicate chosen) {
+  validate(model);
   Model changed = model;
   const auto known = std::find(changed.materials.begin(), changed.materials.end(), material);
   const Index row = static_cast<Index>(known - changed.materials.begin());

@@ -43,7 +43,7 @@ struct Load {
   bool operator==(const Load&) const = default;
 };
 
-/// Value of the events at a date. Shapes: scalar.
+/// Value of the events, sorted by date, at a date.
 double value_at(std::span<const ValueEvent> events, double date);
 
 /// What a scene means at one instant, ready for a solver. Empty vectors where nothing of the kind acts.
