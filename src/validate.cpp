@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "cell_label.h"
 #include "decimal.h"
 #include "material_range.h"
 
@@ -23,13 +24,6 @@ std::string particle_label(const Model& model, std::size_t i) {
   std::string label = "particle " + std::to_string(i);
   if (i < model.file_index.size()) label += " (file index " + std::to_string(model.file_index[i]) + ')';
   return label;
-}
-
-std::string cell_label(const Model& model, std::size_t row) {
-  const Cell& cell = model.cells[row];
-  std::string label = "cell " + std::to_string(row) + " (" + cell_name(cell.type);
-  if (cell.file_index >= 0) label += ", file index " + std::to_string(cell.file_index);
-  return label + ')' + quoted(cell.name);
 }
 
 void require_rows(const Model& model, const char* what, std::size_t size, bool optional) {
@@ -121,6 +115,13 @@ void validate_components(const Model& model) {
 }
 
 }  // namespace
+
+std::string cell_label(const Model& model, std::size_t row) {
+  const Cell& cell = model.cells[row];
+  std::string label = "cell " + std::to_string(row) + " (" + cell_name(cell.type);
+  if (cell.file_index >= 0) label += ", file index " + std::to_string(cell.file_index);
+  return label + ')' + quoted(cell.name);
+}
 
 void validate(const Model& model) {
   if (model.dimension != 2 && model.dimension != 3) {
