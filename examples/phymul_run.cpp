@@ -61,6 +61,13 @@ phymul::Scene make_scene(const RunOptions& options, const phymul::Model& model) 
   return scene;
 }
 
+void make_folder(const std::string& path) {
+  std::error_code problem;
+  std::filesystem::create_directories(path, problem);
+  if (problem)
+    throw phymul::Error(path + ": this folder cannot be made (" + problem.message() + "); give another --out");
+}
+
 int run(const RunOptions& options) {
   const phymul::Model model = read_body(options);
   print_notes(model.notes);
@@ -69,7 +76,7 @@ int run(const RunOptions& options) {
   solver_options.damping.rate = options.damping_rate;
   const auto solver = phymul::make_solver(options.backend, model, scene, options.topology, solver_options);
 
-  std::filesystem::create_directories(options.out);
+  make_folder(options.out);
   const RunSchedule schedule = schedule_of(scene.loads());
   RunLoop loop(options, schedule, scene, *solver);
   const int exit_code = loop.run();
@@ -77,6 +84,8 @@ int run(const RunOptions& options) {
   phymul::write_pml(phymul::deformed_model(model, loop.state()), options.out + "/rest.pml",
                     {.length_unit = length_unit(options)});
   print_table(*solver, loop.summary());
+  print_story(scene, schedule, loop.summary());
+  if (exit_code == 2) std::fprintf(stderr, "phymul-run: %s\n", loop.summary().status.c_str());
   std::printf("\nresults in %s\n", options.out.c_str());
   return exit_code;
 }

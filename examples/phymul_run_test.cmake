@@ -23,8 +23,8 @@ endfunction()
 
 # Let go early and cut short: not at rest, but all there.
 set(sample ${DATA}/cylinder_275.pml ${DATA}/cylinder_275_pull.lml)
-run(3 "not at rest.*particles +275.*let go at 0.02" ${sample} --let-go 0.02 --max-time 0.04 --frame-interval 0.01 --out ${OUT})
-foreach(name frames/body.pvd frames/body_000000.vtu frames/body_000004.vtu energies.csv pulled.png rest.png rest.csv
+run(3 "not at rest.*particles +275.*Pulled at 0.02 s.*Let go at 0.02 s.*Stopped at 0.04 s.*let go at 0.02" ${sample} --let-go 0.02 --max-time 0.04 --frame-interval 0.01 --out ${OUT})
+foreach(name frames/body.pvd frames/body_000000.vtu frames/body_000004.vtu energies.csv pulled.png let_go.png rest.png rest.csv
              rest.pml)
   expect_file(${name})
 endforeach()
@@ -40,6 +40,9 @@ run(0 "steps to rest after the last date" ${MESH} --unit 0.01 --fix "fixed side"
 
 run(1 "ExistingFile|not exist" no_such_file.pml --out ${OUT})
 run(1 "no_such_group" ${MESH} --fix no_such_group --out ${OUT}/none)
+run(1 "expected averaged.barycentric.*got sideways" ${MESH} --from-file --reaction sideways --out ${OUT}/none)
+run(1 "expected a number above 0, got -1" ${MESH} --max-time -1 --out ${OUT}/none)
+run(1 "this folder cannot be made" ${MESH} --out ${OUT}/rest.csv)
 run(1 "no_such_backend" ${MESH} --backend no_such_backend --out ${OUT}/none)
 file(WRITE ${OUT}/plane.vtk "# vtk DataFile Version 3.0\nplane\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n"
      "0 0 0 1 0 0 1 1 0 0 1 0\nCELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n9\n")

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <utility>
 
 #include "picture.h"
 
@@ -79,7 +80,9 @@ void RunLoop::look() {
   }
   remember_pull();
   if (let_go_date_ && !let_go_done_ && reached(*let_go_date_)) {
-    summary_.snapshots.push_back(take_snapshot("let go", solver_, state_, report_));
+    summary_.let_go = snapshot("let go");
+    summary_.snapshots.push_back(*summary_.let_go);
+    draw("let_go.png", "let go", state_, false);
     let_go(scene_);
     let_go_done_ = true;
     progress_.say("let go at " + std::to_string(state_.time) + " s");
@@ -93,12 +96,18 @@ void RunLoop::remember_pull() {
   if (pull_date_ && !pull_seen_ && reached(*pull_date_)) {
     pull_seen_ = true;
     pulled_ = state_;
-    summary_.snapshots.push_back(take_snapshot("largest pull", solver_, state_, report_));
+    summary_.pulled = snapshot("largest pull");
+    summary_.snapshots.push_back(*summary_.pulled);
+    full_scale_ = summary_.pulled->displacement.max;
     draw("pulled.png", "largest pull", state_, false);
   } else if (!pull_date_ && displacement_norms(model_, state_).max > pulled_shot_.displacement.max) {
     pulled_ = state_;
-    pulled_shot_ = take_snapshot("most deformed", solver_, state_, report_);
+    pulled_shot_ = snapshot("most deformed");
   }
+}
+
+Snapshot RunLoop::snapshot(std::string label) const {
+  return take_snapshot(std::move(label), solver_, state_, report_, schedule_.driven);
 }
 
 int RunLoop::run() {
@@ -121,11 +130,13 @@ int RunLoop::finish(bool failed, bool at_rest) {
                         ? "at rest"
                         : "not at rest after " + std::to_string(state_.time) + " s; raise --max-time or --damping";
   if (at_rest) summary_.steps_to_rest = summary_.steps - settling_from_;
+  summary_.at_rest = at_rest;
   if (!pull_date_ && pulled_) {
+    full_scale_ = pulled_shot_.displacement.max;
     draw("pulled.png", "most deformed", *pulled_, false);
     summary_.snapshots.push_back(pulled_shot_);
   }
-  summary_.snapshots.push_back(take_snapshot(at_rest ? "at rest" : "at the end", solver_, state_, report_));
+  summary_.snapshots.push_back(snapshot(at_rest ? "at rest" : "at the end"));
   draw("rest.png", at_rest ? "at rest" : "at the end", state_, let_go_done_);
   energies_.close();
   if (!energies_)
@@ -146,6 +157,10 @@ void RunLoop::draw(const std::string& file, const std::string& title, const phym
                   options_.material.poisson);
     picture.subtitle += text;
   }
+  std::snprintf(text, sizeof text, "; at most %.3g mm from the rest shape",
+                1e3 * displacement_norms(model_, state).max);
+  picture.subtitle += text;
+  picture.full_scale = full_scale_;
   picture.fixed = schedule_.held;
   if (!is_let_go) picture.driven = schedule_.driven;
   if (pulled_) picture.frame = pulled_->position;

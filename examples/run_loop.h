@@ -31,6 +31,7 @@ class RunLoop {
   bool advance(double date);
   void look();  ///< reads the state, and does what this date asks for
   void remember_pull();
+  Snapshot snapshot(std::string label) const;
   int finish(bool failed, bool at_rest);
   void draw(const std::string& file, const std::string& title, const phymul::State& state, bool is_let_go) const;
 
@@ -43,6 +44,7 @@ class RunLoop {
   double sample_interval_ = 0.0;  ///< s, between rows of energies.csv; ten of them make a frame
   double settle_date_ = 0.0;      ///< s, from then on nothing is done to the body any more
   double end_ = 0.0;              ///< s
+  double full_scale_ = 0.0;       ///< m, of the pictures' colours: one for all once the largest pull is known
   std::optional<double> pull_date_, let_go_date_;
   bool pull_seen_ = false;
   bool let_go_done_ = false;

@@ -4,6 +4,7 @@
 #include <phymul/version.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <map>
 
 namespace {
@@ -19,13 +20,53 @@ const std::map<std::string, phymul::BaseSelection> selections{{"all", phymul::Ba
                                                               {"opposite_faces", phymul::BaseSelection::opposite_faces},
                                                               {"fitted", phymul::BaseSelection::fitted}};
 
+/// An option that takes one of the words of a table, and names them all where it gets another.
+template <class Value>
+CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
+                        const std::map<std::string, Value>& choices, const std::string& what) {
+  std::string words;
+  for (const auto& choice : choices) words += (words.empty() ? "" : "|") + choice.first;
+  return app
+      .add_option_function<std::string>(
+          name,
+          [name, words, &value, &choices](const std::string& word) {
+            const auto choice = choices.find(word);
+            if (choice == choices.end()) {
+              throw CLI::ValidationError(name, "expected " + words + ", got " + word);
+            }
+            value = choice->second;
+          },
+          what)
+      ->option_text(words);
+}
+
+/// CLI11's own ones tell the largest double in all its digits.
+CLI::Validator number_above(bool or_zero) {
+  return {[or_zero](const std::string& word) {
+            double number = 0.0;
+            const bool good = CLI::detail::lexical_cast(word, number) && std::isfinite(number) &&
+                              (number > 0.0 || (or_zero && number == 0.0));
+            return good ? std::string()
+                        : "expected a number " + std::string(or_zero ? "of 0 or more" : "above 0") + ", got " + word;
+          },
+          or_zero ? ">= 0" : "> 0"};
+}
+
+CLI::Validator positive() {
+  return number_above(false);
+}
+
+CLI::Validator not_negative() {
+  return number_above(true);
+}
+
 void add_body_options(CLI::App& app, RunOptions& options) {
   app.add_option("body", options.body, "the body: .pml, .msh (Gmsh), .vtk or .vtu")
       ->required()
       ->check(CLI::ExistingFile);
   app.add_option("loads", options.loads, "what acts on it: .lml")->check(CLI::ExistingFile);
   app.add_option("--unit", options.length_unit, "metres per length unit of the body's file [1e-3 for .pml, else 1]")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   app.add_option("--fix", options.fixed_groups, "hold this group of particles; may be given several times")
       ->option_text("GROUP")
       ->allow_extra_args(false);
@@ -38,13 +79,10 @@ void add_elasticity_options(CLI::App& app, RunOptions& options) {
   auto* poisson = app.add_option("--poisson", options.material.poisson, "Poisson's ratio")->capture_default_str();
   auto* density = app.add_option("--density", options.material.density, "kg/m^3")->capture_default_str();
   auto* from_file = app.add_flag("--from-file", options.from_file, "masses and stiffnesses of the file, no material");
-  auto* reaction = app.add_option("--reaction", options.topology.reaction, "how forces are given back [conservative]")
-                       ->transform(CLI::CheckedTransformer(reactions, CLI::ignore_case))
-                       ->option_text("full|shared|barycentric|averaged|conservative");
-  auto* bases =
-      app.add_option("--bases", options.topology.bases, "which bases [thresholded; opposite_faces with a material]")
-          ->transform(CLI::CheckedTransformer(selections, CLI::ignore_case))
-          ->option_text("all|thresholded|opposite_faces|fitted");
+  auto* reaction =
+      add_choice(app, "--reaction", options.topology.reaction, reactions, "how forces are given back [conservative]");
+  auto* bases = add_choice(app, "--bases", options.topology.bases, selections,
+                           "which bases [thresholded; opposite_faces with a material]");
   auto* springs = app.add_flag_callback(
       "--springs", [&options] { options.topology.law = phymul::Law::springs; }, "springs instead of shape memory");
   auto* volume = app.add_option("--volume-stiffness", options.topology.volume_stiffness,
@@ -67,12 +105,12 @@ void add_run_options(CLI::App& app, RunOptions& options) {
        {app.add_option("--backend", options.backend, "solver by name")->capture_default_str(),
         app.add_option("--damping", options.damping_rate, "rate of loss of velocity, 1/s")
             ->capture_default_str()
-            ->check(CLI::NonNegativeNumber),
-        app.add_option("--dt", options.dt, "step, s [half of the stable step]")->check(CLI::PositiveNumber),
+            ->check(not_negative()),
+        app.add_option("--dt", options.dt, "step, s [half of the stable step]")->check(positive()),
         app.add_option("--let-go", options.let_go, "when driven particles are let go, s [their last date]")
-            ->check(CLI::NonNegativeNumber),
+            ->check(not_negative()),
         app.add_option("--max-time", options.max_time, "simulated time at most, s [20 s after the last date]")
-            ->check(CLI::PositiveNumber)}) {
+            ->check(positive())}) {
     option->group(group);
   }
   app.add_flag("--keep", options.keep, "never let go")->group(group)->excludes("--let-go");
@@ -85,9 +123,11 @@ void add_output_options(CLI::App& app, RunOptions& options) {
       ->group(group);
   app.add_option("--frame-interval", options.frame_interval, "simulated time between VTK frames, s; 0: none")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->group(group);
-  app.add_flag("!--no-pictures", options.pictures, "no PNG pictures")->group(group);
+  app.add_flag_callback(
+         "--no-pictures", [&options] { options.pictures = false; }, "no PNG pictures")
+      ->group(group);
 }
 
 }  // namespace
@@ -100,8 +140,9 @@ std::optional<RunOptions> read_run_options(int argc, char** argv, int& exit_code
   app.name("phymul-run");
   app.set_version_flag("--version", PHYMUL_VERSION);
   app.footer(
-      "Writes into the --out folder: frames/body.pvd (for ParaView), energies.csv, pulled.png and rest.png, rest.pml\n"
-      "and rest.csv. Exit code: 0 at rest, 1 wrong input, 2 the solver failed, 3 not at rest within --max-time.");
+      "Writes into the --out folder: frames/body.pvd (for ParaView), energies.csv, pulled.png, let_go.png and\n"
+      "rest.png, rest.pml and rest.csv. Exit code: 0 at rest, 1 wrong input, 2 the solver failed, 3 not at rest within "
+      "--max-time.");
   add_body_options(app, options);
   add_elasticity_options(app, options);
   add_run_options(app, options);

@@ -4,14 +4,16 @@
 #include <phymul/topology_textures.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cinttypes>
 #include <cstdio>
 #include <functional>
+#include <set>
 
 using phymul::StepReport;
 
 Snapshot take_snapshot(std::string label, const phymul::Solver& solver, const phymul::State& state,
-                       const StepReport& report) {
+                       const StepReport& report, const std::vector<phymul::Index>& driven) {
   const phymul::Model& model = solver.model();
   Snapshot shot;
   shot.label = std::move(label);
@@ -24,6 +26,7 @@ Snapshot take_snapshot(std::string label, const phymul::Solver& solver, const ph
   const double rest_volume = volume(model, model.rest);
   shot.volume_ratio = rest_volume > 0.0 ? volume(model, state.position) / rest_volume : 0.0;
   shot.displacement = displacement_norms(model, state);
+  for (const phymul::Index i : driven) shot.driven = std::max(shot.driven, (state.position[i] - model.rest[i]).norm());
   return shot;
 }
 
@@ -106,4 +109,45 @@ void print_table(const phymul::Solver& solver, const RunSummary& summary) {
   }
   std::printf("\n");
   if (!summary.snapshots.empty()) print_moments(summary.snapshots);
+}
+
+namespace {
+
+/// "acceleration, gravity": what pushes the body, by kind.
+std::string kinds_of_pushes(const phymul::Scene& scene) {
+  std::set<std::string> kinds;
+  for (const phymul::Load& load : scene.loads()) {
+    if (!is_pushing(load)) continue;
+    kinds.insert(load.type == phymul::LoadType::force      ? "force"
+                 : load.type == phymul::LoadType::pressure ? "pressure"
+                                                           : "acceleration");
+  }
+  if (!scene.gravity().isZero(0.0)) kinds.insert("gravity");
+  std::string text;
+  for (const std::string& kind : kinds) text += (text.empty() ? "" : ", ") + kind;
+  return text;
+}
+
+}  // namespace
+
+void print_story(const phymul::Scene& scene, const RunSchedule& schedule, const RunSummary& summary) {
+  std::printf("\n  %zu particles held, %zu driven", schedule.held.size(), schedule.driven.size());
+  const std::string pushes = kinds_of_pushes(scene);
+  if (!pushes.empty()) std::printf("; under %s", pushes.c_str());
+  std::printf(".\n");
+  if (summary.pulled) {
+    std::printf("  Pulled at %.4g s: the driven particles are %.4g mm from their rest places.\n", summary.pulled->time,
+                1e3 * summary.pulled->driven);
+  }
+  if (summary.let_go) {
+    std::printf("  Let go at %.4g s, the driven particles %.4g mm from their rest places.\n", summary.let_go->time,
+                1e3 * summary.let_go->driven);
+    if (summary.pulled && summary.let_go->driven < 0.5 * summary.pulled->driven) {
+      std::printf("    The loads had led them back by then; --let-go %.4g lets go at the largest pull.\n",
+                  summary.pulled->time);
+    }
+  }
+  const Snapshot& end = summary.snapshots.back();
+  std::printf("  %s at %.4g s, at most %.4g mm from the rest shape%s.\n", summary.at_rest ? "At rest" : "Stopped",
+              end.time, 1e3 * end.displacement.max, summary.at_rest && !pushes.empty() ? " under what still acts" : "");
 }

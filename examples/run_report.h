@@ -8,8 +8,11 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "run_schedule.h"
 
 /// Figures of one moment of a run.
 struct Snapshot {
@@ -22,18 +25,22 @@ struct Snapshot {
   double angular_momentum = 0.0;  ///< kg m^2/s, about the centre of mass
   double volume_ratio = 0.0;      ///< to the rest volume; 0 where the body has none
   phymul::DisplacementNorms displacement;
+  double driven = 0.0;  ///< largest displacement of a driven particle, m
 };
 
 Snapshot take_snapshot(std::string label, const phymul::Solver& solver, const phymul::State& state,
-                       const phymul::StepReport& report);
+                       const phymul::StepReport& report, const std::vector<phymul::Index>& driven);
 
 struct RunSummary {
   std::string status;  ///< how it ended
+  bool at_rest = false;
   std::int64_t steps = 0;
   std::int64_t steps_to_rest = -1;  ///< after the last date of the loads; -1: not at rest
   double dt = 0.0;                  ///< s
   double wall_time = 0.0;           ///< s, stepping only
   std::vector<Snapshot> snapshots;
+  std::optional<Snapshot> pulled;  ///< the one at the largest pull
+  std::optional<Snapshot> let_go;  ///< the one just before
 };
 
 /// One line, overwritten in place on a terminal, printed anew every few seconds elsewhere.
@@ -55,3 +62,6 @@ class Progress {
 };
 
 void print_table(const phymul::Solver& solver, const RunSummary& summary);
+
+/// What was done to the body, and what it did, in a few sentences.
+void print_story(const phymul::Scene& scene, const RunSchedule& schedule, const RunSummary& summary);

@@ -14,6 +14,11 @@ bool is_imposed(const Load& load) {
   return load.type == LoadType::translation || load.type == LoadType::rotation;
 }
 
+bool has_value(const Load& load) {
+  return std::any_of(load.events.begin(), load.events.end(),
+                     [](const ValueEvent& event) { return event.value != 0.0; });
+}
+
 void add_particles(std::vector<phymul::Index>& set, const Load& load) {
   set.insert(set.end(), load.particles.begin(), load.particles.end());
   std::sort(set.begin(), set.end());
@@ -25,9 +30,11 @@ void add_particles(std::vector<phymul::Index>& set, const Load& load) {
 bool is_driving(const Load& load) {
   const bool has_axis = load.type == LoadType::rotation ||
                         std::find(load.axes.begin(), load.axes.end(), phymul::Axis::driven) != load.axes.end();
-  return is_imposed(load) && has_axis &&
-         std::any_of(load.events.begin(), load.events.end(),
-                     [](const ValueEvent& event) { return event.value != 0.0; });
+  return is_imposed(load) && has_axis && has_value(load);
+}
+
+bool is_pushing(const Load& load) {
+  return !is_imposed(load) && has_value(load);
 }
 
 RunSchedule schedule_of(const std::vector<Load>& loads) {

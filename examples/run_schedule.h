@@ -19,6 +19,9 @@ struct RunSchedule {
 /// True for an imposed translation or rotation that moves something; one that only holds is none.
 bool is_driving(const phymul::Load& load);
 
+/// True for a force, pressure or acceleration that is not 0 throughout.
+bool is_pushing(const phymul::Load& load);
+
 RunSchedule schedule_of(const std::vector<phymul::Load>& loads);
 
 /// Takes the driving loads out of the scene.

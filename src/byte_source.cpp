@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -52,8 +53,12 @@ bool is_real(NumberType type) {
 std::string read_whole_file(const std::string& path, std::size_t max_bytes) {
   std::error_code problem;
   if (std::filesystem::is_directory(path, problem)) throw Error(path + ": expected a file, got a folder");
+  errno = 0;
   std::ifstream in(path, std::ios::binary | std::ios::ate);
-  if (!in) throw Error(path + ": cannot be opened; check the name and the right to read it");
+  if (!in) {
+    throw Error(path + ": cannot be opened" + (errno != 0 ? std::string(" (") + std::strerror(errno) + ')' : "") +
+                "; check the name and the right to read it");
+  }
   const auto size = static_cast<std::streamoff>(in.tellg());
   if (size < 0) throw Error(path + ": expected a file of known size, got a pipe or device");
   if (static_cast<std::uintmax_t>(size) > max_bytes) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "calibrated_bases.h"
+#include "cell_label.h"
 
 #include <phymul/error.h>
 

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <string>
 
+#include "decimal.h"
+
 namespace phymul {
 namespace {
 
@@ -68,7 +70,7 @@ Calibration by_volume_term(const Material& material) {
 
 Calibration calibrate(const Material& material, PoissonRoute route) {
   if (!(material.young > 0.0) || !std::isfinite(material.young)) {
-    throw Error("Young's modulus is " + std::to_string(material.young) + " Pa; expected a finite value above 0");
+    throw Error("Young's modulus is " + to_decimal(material.young) + " Pa; expected a finite value above 0");
   }
   return route == PoissonRoute::area_exponent ? by_area_exponent(material) : by_volume_term(material);
 }

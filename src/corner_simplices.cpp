@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "corner_simplices.h"
+
 #include "cell_geometry.h"
+#include "cell_label.h"
 
 #include <phymul/error.h>
 
@@ -48,17 +50,12 @@ bool wound_clockwise(const Model& model, const Cell& cell) {
 
 [[noreturn]] void fail_inside_out(const Model& model, Index cell) {
   throw Error(
-      cell_label(model, cell) + " (" + cell_name(model.cells[cell].type) +
-      ") is inside out at rest, as a whole or at one of its corners: its volume is not positive. Run check_mesh, "
+      cell_label(model, cell) +
+      " is inside out at rest, as a whole or at one of its corners: its volume is not positive. Run check_mesh, "
       "which turns wrongly wound cells, or mend the mesh");
 }
 
 }  // namespace
-
-std::string cell_label(const Model& model, Index cell) {
-  const Index number = model.cells[cell].file_index;
-  return number >= 0 ? "cell " + std::to_string(number) : "cell " + std::to_string(cell) + " (row)";
-}
 
 std::vector<CornerSimplex> corner_simplices(const Model& model, Index cell_row) {
   const Cell& cell = model.cells[cell_row];

@@ -20,9 +20,6 @@ struct CornerSimplex {
   Index cell = -1;      ///< row of Model::cells
 };
 
-/// "cell 17", by the file's index where there is one, else by the row.
-std::string cell_label(const Model& model, Index cell);
-
 /// Simplices of one cell. Hexahedra and wedges have one per corner, pyramids one per corner of the ring, quads
 /// one per corner; tetrahedra and triangles are their own. A corner whose edges lie in a plane is left out. Throws
 /// Error when the cell, or one of its corners, is inside out at rest.

@@ -4,19 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "cell_geometry.h"
+#include "cell_label.h"
+#include "decimal.h"
 #include "material_range.h"
 
 namespace phymul {
 namespace {
-
-std::string shown(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
 
 /// Sums density * volume / vertices over the cells that have a material. A particle in none of them keeps its mass.
 void sum_masses(Model& model) {
@@ -26,9 +21,8 @@ void sum_masses(Model& model) {
     if (cell.material < 0 || !is_solid(model.dimension, cell.type)) continue;
     const double measure = signed_measure(model.dimension, cell, model.rest);
     if (!(measure > 0.0)) {
-      throw Error("cell " + std::to_string(row) + " (" + cell_name(cell.type) +
-                  "): expected a positive volume to give it a mass, got " + shown(measure) +
-                  "; run check_mesh first, and mend or remove the cells it names");
+      throw Error(cell_label(model, row) + ": expected a positive volume to give it a mass, got " +
+                  to_decimal(measure) + "; run check_mesh first, and mend or remove the cells it names");
     }
     const double share = model.materials[cell.material].density * measure / static_cast<double>(cell.particles.size());
     for (const Index i : cell.particles) mass[i] += share;
@@ -66,6 +60,7 @@ void drop_unused_materials(Model& model) {
 /// Gives the material to the solid cells that `chosen` accepts; what it throws leaves the model as it was.
 template <class Predicate>
 void assign(Model& model, const Material& material, const std::string& nothing_chosen, Predicate chosen) {
+  validate(model);
   Model changed = model;
   const auto known = std::find(changed.materials.begin(), changed.materials.end(), material);
   const Index row = static_cast<Index>(known - changed.materials.begin());
@@ -90,14 +85,14 @@ std::string solid_cells(const Model& model) {
 
 void require_in_range(const Material& material) {
   if (!(material.young > 0.0) || !std::isfinite(material.young)) {
-    throw Error("material: expected a positive, finite Young's modulus in Pa, got " + shown(material.young));
+    throw Error("material: expected a positive, finite Young's modulus in Pa, got " + to_decimal(material.young));
   }
   if (!(material.poisson > -3.0 / 8.0 && material.poisson < 0.5)) {
-    throw Error("material: expected Poisson's ratio above -3/8 and below 1/2, got " + shown(material.poisson) +
+    throw Error("material: expected Poisson's ratio above -3/8 and below 1/2, got " + to_decimal(material.poisson) +
                 "; take 0.49 for a nearly incompressible tissue");
   }
   if (!(material.density > 0.0) || !std::isfinite(material.density)) {
-    throw Error("material: expected a positive, finite density in kg/m^3, got " + shown(material.density));
+    throw Error("material: expected a positive, finite density in kg/m^3, got " + to_decimal(material.density));
   }
 }
 

@@ -11,6 +11,7 @@
 #include <filesystem>
 
 #include "byte_source.h"
+#include "decimal.h"
 #include "mesh_parts.h"
 
 namespace phymul {
@@ -162,7 +163,7 @@ Model assemble(MeshParts parts, const MeshOptions& options) {
 Model mesh_from_bytes(const std::string& source, std::string_view bytes, const MeshOptions& options) {
   if (!(options.length_unit > 0.0) || !std::isfinite(options.length_unit)) {
     throw Error("read_mesh: expected a length_unit above 0 (metres per file unit), got " +
-                std::to_string(options.length_unit));
+                to_decimal(options.length_unit));
   }
   return assemble(read_parts(source, bytes), options);
 }

@@ -31,6 +31,14 @@ std::string known_groups(const Model& model) {
   return text;
 }
 
+/// What is yet to be validated may have cells of any size.
+void require_whole(const Cell& cell) {
+  const int size = cell_size(cell.type);
+  if (size == 0 || cell.particles.size() == static_cast<std::size_t>(size)) return;
+  throw Error(std::string("expected a ") + cell_name(cell.type) + " of " + std::to_string(size) + " particles, got " +
+              std::to_string(cell.particles.size()));
+}
+
 void append(std::vector<Index>& particles, const Model& model, const Component& component) {
   particles.insert(particles.end(), component.particles.begin(), component.particles.end());
   for (const std::vector<Index>* rows : {&component.cells, &component.cell_refs}) {
@@ -113,6 +121,7 @@ bool Model::operator==(const Model& other) const {
 }
 
 double cell_volume(const Model& model, const Cell& cell) {
+  require_whole(cell);
   return signed_volume(cell.type, cell.particles, model.rest);
 }
 
@@ -137,6 +146,7 @@ double body_size(const Model& model) {
 }
 
 RaggedList neighbours_from_cells(const std::vector<Cell>& cells, Index particle_count) {
+  for (const Cell& cell : cells) require_whole(cell);
   std::vector<std::int64_t> start(static_cast<std::size_t>(particle_count) + 1, 0);
   const auto each_edge = [&](auto&& visit) {
     for (const Cell& cell : cells) {

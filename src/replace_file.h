@@ -7,8 +7,9 @@
 
 namespace phymul {
 
-/// Calls `write` with a stream to a new file beside `path`, which takes the place of `path` only when complete. Throws
-/// Error, and leaves no new file, when anything fails.
+/// Calls `write` with a stream to a new file beside `path`, which takes the place of `path` only when complete (of
+/// the file it names, where `path` is a link). A pipe or device is written to directly. Throws Error, and leaves no new
+/// file, when anything fails.
 void replace_file(const std::string& path, const std::function<void(std::ostream&)>& write);
 
 }  // namespace phymul

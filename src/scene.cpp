@@ -7,6 +7,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "decimal.h"
 #include "surface.h"
 
 namespace phymul {
@@ -60,8 +61,8 @@ void require_events(const Load& load) {
   }
   for (const ValueEvent& event : load.events) {
     if (std::isfinite(event.date) && std::isfinite(event.value)) continue;
-    throw Error(load_label(load) + "expected finite dates and values, got value " + std::to_string(event.value) +
-                " at date " + std::to_string(event.date) + " s");
+    throw Error(load_label(load) + "expected finite dates and values, got value " + to_decimal(event.value) +
+                " at date " + to_decimal(event.date) + " s");
   }
 }
 
@@ -86,7 +87,9 @@ double value_at(std::span<const ValueEvent> events, double date) {
   return (1.0 - share) * last.value + share * next->value;
 }
 
-Scene::Scene(const Model& model) : model_(&model) {}
+Scene::Scene(const Model& model) : model_(&model) {
+  validate(model);
+}
 
 void Scene::require(const Load& load) const {
   const Index count = model_->particle_count();
@@ -137,6 +140,15 @@ Scene::Action Scene::prepared(const Load& load) const {
   if (load.type == LoadType::translation) {
     for (int a = 0; a < 3; ++a) action.imposed |= static_cast<std::uint8_t>((load.axes[a] != Axis::free) << a);
   }
+  return action;
+}
+
+/// Throws for a load that makes no sense; else sorts its events.
+Scene::Action Scene::accepted(Load& load) const {
+  require(load);
+  Action action = prepared(load);
+  std::stable_sort(load.events.begin(), load.events.end(),
+                   [](const ValueEvent& a, const ValueEvent& b) { return a.date < b.date; });
   return action;
 }
 
@@ -194,7 +206,7 @@ Scene& Scene::fix(std::span<const Index> particles) {
 Scene& Scene::gravity(const Vec3& acceleration) {
   if (!acceleration.allFinite()) throw Error("gravity: expected a finite acceleration in m/s^2");
   if (model_->dimension == 2 && acceleration.z() != 0.0) {
-    throw Error("gravity: expected z = 0 in a two-dimensional model, got " + std::to_string(acceleration.z()));
+    throw Error("gravity: expected z = 0 in a two-dimensional model, got " + to_decimal(acceleration.z()));
   }
   gravity_ = acceleration;
   ++version_;
@@ -209,12 +221,7 @@ Scene& Scene::add(Load load) {
 
 Scene& Scene::add(std::vector<Load> loads) {
   std::vector<Action> actions;
-  for (Load& load : loads) {
-    require(load);
-    actions.push_back(prepared(load));
-    std::stable_sort(load.events.begin(), load.events.end(),
-                     [](const ValueEvent& a, const ValueEvent& b) { return a.date < b.date; });
-  }
+  for (Load& load : loads) actions.push_back(accepted(load));
   // Room first: what follows cannot fail half-way.
   loads_.reserve(loads_.size() + loads.size());
   actions_.reserve(loads_.size() + loads.size());
@@ -229,10 +236,8 @@ Scene& Scene::replace(std::size_t row, Load load) {
     throw Error("replace: expected a row of one of " + std::to_string(loads_.size()) + " loads, got " +
                 std::to_string(row));
   }
-  Scene other(*model_);
-  other.add(std::move(load));
-  loads_[row] = std::move(other.loads_.front());
-  actions_[row] = std::move(other.actions_.front());
+  actions_[row] = accepted(load);
+  loads_[row] = std::move(load);
   ++version_;
   return *this;
 }
@@ -267,7 +272,8 @@ void Scene::prepare(LoadFrame& frame) const {
   frame.gravity = gravity_;
   frame.force.assign(pushes ? count : 0, Vec3::Zero());
   frame.fixed.assign(imposed ? count : 0, 0);
-  frame.target = imposed ? model_->rest : VecList{};
+  // By range, not by copy: a frame that has the room already takes none anew.
+  frame.target.assign(model_->rest.begin(), imposed ? model_->rest.end() : model_->rest.begin());
   for (const Action& action : actions_) {
     if (action.imposed == 0) continue;
     for (const Index i : action.particles) frame.fixed[i] |= action.imposed;

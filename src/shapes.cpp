@@ -8,11 +8,13 @@
 #include <limits>
 #include <numbers>
 
+#include "decimal.h"
+
 namespace phymul {
 
 void require_length(const char* what, const char* name, double value) {
   if (value > 0.0 && std::isfinite(value)) return;
-  throw Error(std::string(what) + ": expected a positive, finite " + name + " in m, got " + std::to_string(value));
+  throw Error(std::string(what) + ": expected a positive, finite " + name + " in m, got " + to_decimal(value));
 }
 
 namespace {
@@ -26,7 +28,7 @@ void require_count(const char* what, const char* name, int value, int least) {
 void require_countable(const char* what, double particles, int entries_per_particle) {
   if (particles * entries_per_particle <= std::numeric_limits<Index>::max()) return;
   throw Error(std::string(what) + ": expected fewer than 2^31 entries in its lists, got about " +
-              std::to_string(particles * entries_per_particle) + "; ask for fewer cells");
+              to_decimal(particles * entries_per_particle) + "; ask for fewer cells");
 }
 
 }  // namespace
@@ -221,7 +223,7 @@ Model make_cylinder(double radius, double length, int rings, int sectors, int di
 
 void jitter(Model& model, double amount, std::uint32_t seed) {
   if (!(amount >= 0.0) || !std::isfinite(amount)) {
-    throw Error("jitter: expected a finite amount of 0 or more spacings, got " + std::to_string(amount));
+    throw Error("jitter: expected a finite amount of 0 or more spacings, got " + to_decimal(amount));
   }
   const double length = amount * mean_spacing(model);
   Random random(seed);

@@ -13,6 +13,7 @@
 #include <numeric>
 
 #include "cell_geometry.h"
+#include "decimal.h"
 #include "shape_builder.h"
 
 namespace phymul {
@@ -83,7 +84,7 @@ Model make_tetrahedral_block(const Vec3& size, int nx, int ny, int nz, double ji
   constexpr const char* what = "make_tetrahedral_block";
   if (nz < 1) throw Error(std::string(what) + ": expected nz of at least 1, got " + std::to_string(nz));
   if (!(jitter >= 0.0 && jitter < 0.5)) {
-    throw Error(std::string(what) + ": expected a jitter from 0 to below 0.5 spacings, got " + std::to_string(jitter));
+    throw Error(std::string(what) + ": expected a jitter from 0 to below 0.5 spacings, got " + to_decimal(jitter));
   }
   const Lattice lattice = make_lattice(what, size, nx, ny, nz, 26);
   Model model = named_model("tetrahedral block");

@@ -11,6 +11,8 @@
 #include <limits>
 #include <utility>
 
+#include "decimal.h"
+
 namespace phymul {
 namespace {
 
@@ -22,23 +24,39 @@ constexpr double runaway_factor = 1e6;
 void require_options(const SolverOptions& options) {
   const Damping& d = options.damping;
   if (!(d.rate >= 0.0) || !std::isfinite(d.rate)) {
-    throw Error("SolverOptions::damping.rate must be a finite rate in 1/s, 0 or more; got " + std::to_string(d.rate));
+    throw Error("SolverOptions::damping.rate must be a finite rate in 1/s, 0 or more; got " + to_decimal(d.rate));
   }
   if (!(d.factor >= 0.0 && d.factor <= 1.0)) {
     throw Error("SolverOptions::damping.factor must be in [0, 1] (1 takes nothing, above 1 a body gains energy); got " +
-                std::to_string(d.factor));
+                to_decimal(d.factor));
   }
   if (!(options.rest_tolerance > 0.0)) {
-    throw Error("SolverOptions::rest_tolerance must be above 0; got " + std::to_string(options.rest_tolerance));
+    throw Error("SolverOptions::rest_tolerance must be above 0; got " + to_decimal(options.rest_tolerance));
   }
   if (options.rest_steps < 1) {
     throw Error("SolverOptions::rest_steps must be 1 or more; got " + std::to_string(options.rest_steps));
   }
 }
 
-bool in_plane(const State& state) {
-  const auto is_in = [](const Vec3& v) { return v.z() == 0.0; };
-  return std::ranges::all_of(state.position, is_in) && std::ranges::all_of(state.velocity, is_in);
+/// Tables of a model that has changed since, or of another one as large, would move what nobody sees.
+void require_same_body(const TopologyTextures& topology, const Model& model) {
+  if (topology.particle_count != model.particle_count()) {
+    throw Error("the tables were built for " + std::to_string(topology.particle_count) +
+                " particles, the scene's model has " + std::to_string(model.particle_count()));
+  }
+  for (Index i = 0; i < topology.particle_count; ++i) {
+    const bool same_place = topology.rest[i] == model.rest[i];
+    if (same_place && topology.mass[i] == model.mass[i]) continue;
+    throw Error("the tables were built for another model, or before this one was changed: particle " +
+                std::to_string(i) + " has another " + (same_place ? "mass" : "rest place") +
+                " there; build them anew with build_topology");
+  }
+}
+
+bool is_in_plane(const State& state) {
+  const auto flat = [](const Vec3& v) { return v.z() == 0.0; };
+  return std::all_of(state.position.begin(), state.position.end(), flat) &&
+         std::all_of(state.velocity.begin(), state.velocity.end(), flat);
 }
 
 const char* likely_cause(const TopologyTextures& topology, const Spectrum& spectrum, double dt, double limit) {
@@ -68,7 +86,8 @@ std::string StepReport::message() const {
       break;
     case StepStatus::invalid_step:
       std::snprintf(text, sizeof text,
-                    "invalid_step: expected n >= 0 and a finite dt > 0 s, got dt = %g; nothing was done", dt);
+                    "invalid_step: expected n >= 0 and a finite dt > 0 s, got dt = %g s (%s); nothing was done", dt,
+                    cause);
       break;
     case StepStatus::unstable_step:
       std::snprintf(
@@ -95,11 +114,13 @@ Solver::Solver(std::string name, std::shared_ptr<const TopologyTextures> topolog
                const SolverOptions& options)
     : name_(std::move(name)), topology_(std::move(topology)), scene_(&scene), options_(options) {
   require_options(options_);
-  if (topology_->particle_count != model().particle_count()) {
-    throw Error("the tables were built for " + std::to_string(topology_->particle_count) +
-                " particles, the scene's model has " + std::to_string(model().particle_count()));
-  }
+  require_same_body(*topology_, model());
   spectrum_ = estimate_spectrum(*topology_, topology_->rest);
+  if (!std::isfinite(spectrum_.largest)) {
+    throw Error(
+        "the body's stiffness over its mass is beyond the range of numbers; expected masses in kg and stiffnesses in "
+        "N/m (or a material in Pa) of a real body");
+  }
   stable_step_ = phymul::stable_step(spectrum_, options_.damping.factor);
   spacing_ = mean_spacing(model());
   scene_->prepare(frame_);
@@ -123,8 +144,8 @@ void Solver::reset(const State& state) {
     throw Error(
         "Solver::reset: the state has a time, position or velocity that is not finite; the solver keeps its own");
   }
-  if (topology_->dimension == 2 && !in_plane(state)) {
-    throw Error("Solver::reset: expected places and velocities with z = 0 in a two-dimensional model");
+  if (topology_->dimension == 2 && !is_in_plane(state)) {
+    throw Error("Solver::reset: expected z = 0 in all positions and velocities of a two-dimensional model");
   }
   follow_scene();
   do_reset(state);
@@ -148,6 +169,7 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   report.stable_step = stable_step_;
   if (n < 0 || !(dt > 0.0) || !std::isfinite(dt)) {
     report.status = StepStatus::invalid_step;
+    report.cause = n < 0 ? "n is negative" : "dt is 0, negative or not finite";
     return report;
   }
   report.beyond_limit = dt > stable_step_ * (1.0 + limit_slack);

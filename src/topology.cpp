@@ -3,6 +3,7 @@
 #include <phymul/topology_textures.h>
 
 #include "calibrated_bases.h"
+#include "decimal.h"
 #include "topology_terms.h"
 #include "transpose.h"
 
@@ -19,24 +20,17 @@ void require(bool holds, const std::string& sentence) {
   if (!holds) throw Error(sentence);
 }
 
-std::string number(double value) {
-  std::string text = std::to_string(value);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  return text;
-}
-
 void check_options(const TopologyOptions& o) {
-  const auto is_positive = [](double value) { return std::isfinite(value) && value >= 0.0; };
-  require(
-      o.min_quality >= 0.0 && o.min_quality < 1.0,
-      "min_quality is " + number(o.min_quality) + "; expected at least 0 and below 1 (a regular triangle has 0.87)");
-  require(o.max_barycentric > 0.0, "max_barycentric is " + number(o.max_barycentric) + "; expected above 0");
-  require(is_positive(o.area_exponent), "area_exponent is " + number(o.area_exponent) + "; expected 0 or more");
-  require(is_positive(o.volume_stiffness),
-          "volume_stiffness is " + number(o.volume_stiffness) + " Pa; expected 0 or more");
+  const auto is_not_negative = [](double value) { return std::isfinite(value) && value >= 0.0; };
+  require(o.min_quality >= 0.0 && o.min_quality < 1.0,
+          "min_quality is " + to_decimal(o.min_quality) +
+              "; expected at least 0 and below 1 (a regular triangle has 0.87)");
+  require(o.max_barycentric > 0.0, "max_barycentric is " + to_decimal(o.max_barycentric) + "; expected above 0");
+  require(is_not_negative(o.area_exponent), "area_exponent is " + to_decimal(o.area_exponent) + "; expected 0 or more");
+  require(is_not_negative(o.volume_stiffness),
+          "volume_stiffness is " + to_decimal(o.volume_stiffness) + " Pa; expected 0 or more");
   require(o.cell_average >= 0.0 && o.cell_average < 1.0,
-          "cell_average is " + number(o.cell_average) + "; expected at least 0 and below 1 (0.9 is a good value)");
+          "cell_average is " + to_decimal(o.cell_average) + "; expected at least 0 and below 1 (0.9 is a good value)");
 }
 
 // "particles 3, 7, 9 and 12 more", by the file's numbers where there are some.
@@ -59,16 +53,26 @@ std::vector<Index> particles_without_base(const BaseTable& table) {
   return result;
 }
 
+std::string how_to_get_bases(const Model& model, BaseSelection bases) {
+  if (bases == BaseSelection::opposite_faces) {
+    return std::string("bases from opposite_faces are faces of ") +
+           (model.dimension == 3 ? "volume cells" : "triangles and quads") +
+           ". Put each particle in a cell that is not flat, use BaseSelection::thresholded, which takes neighbours";
+  }
+  const std::string least =
+      model.dimension == 3 ? "3 neighbours that are not on a line" : "2 neighbours at different places";
+  if (bases == BaseSelection::all) return "one takes " + least + ". Give more neighbours";
+  return "one takes " + least +
+         ", and must pass the thresholds. Give more neighbours, loosen min_quality and max_barycentric";
+}
+
 void treat_sparse(const Model& model, const BaseTable& table, TopologyTextures& topology) {
   const std::vector<Index> sparse = particles_without_base(table);
   if (sparse.empty()) return;
   switch (topology.options.on_sparse) {
     case SparseParticle::error:
-      throw Error(
-          particle_names(model, sparse) + (sparse.size() == 1 ? " has" : " have") + " no base: one takes " +
-          (model.dimension == 3 ? "3 neighbours that are not on a line" : "2 neighbours at different places") +
-          (topology.options.bases == BaseSelection::all ? "" : ", and must pass the thresholds") +
-          ". Give more neighbours, loosen min_quality and max_barycentric, or set on_sparse to springs or free");
+      throw Error(particle_names(model, sparse) + (sparse.size() == 1 ? " has" : " have") + " no base: " +
+                  how_to_get_bases(model, topology.options.bases) + ", or set on_sparse to springs or free");
     case SparseParticle::springs:
       require(model.materials.empty(), particle_names(model, sparse) + (sparse.size() == 1 ? " is" : " are") +
                                            " in no cell that has a material, and springs would need a stiffness in "

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "cell_label.h"
+#include "decimal.h"
 #include "material_range.h"
 
 namespace phymul {
@@ -14,7 +16,7 @@ std::string quoted(const std::string& name) {
 }
 
 std::string shown(const Vec3& v) {
-  return '(' + std::to_string(v.x()) + ", " + std::to_string(v.y()) + ", " + std::to_string(v.z()) + ')';
+  return '(' + to_decimal(v.x()) + ", " + to_decimal(v.y()) + ", " + to_decimal(v.z()) + ')';
 }
 
 /// "particle 7 (file index 12)"
@@ -22,13 +24,6 @@ std::string particle_label(const Model& model, std::size_t i) {
   std::string label = "particle " + std::to_string(i);
   if (i < model.file_index.size()) label += " (file index " + std::to_string(model.file_index[i]) + ')';
   return label;
-}
-
-std::string cell_label(const Model& model, std::size_t row) {
-  const Cell& cell = model.cells[row];
-  std::string label = "cell " + std::to_string(row) + " (" + cell_name(cell.type);
-  if (cell.file_index >= 0) label += ", file index " + std::to_string(cell.file_index);
-  return label + ')' + quoted(cell.name);
 }
 
 void require_rows(const Model& model, const char* what, std::size_t size, bool optional) {
@@ -50,15 +45,15 @@ void validate_particles(const Model& model) {
     }
     if (model.dimension == 2 && model.rest[i].z() != 0.0) {
       throw Error(particle_label(model, i) + ": expected z = 0 in a two-dimensional model, got " +
-                  std::to_string(model.rest[i].z()) + " m");
+                  to_decimal(model.rest[i].z()) + " m");
     }
     if (!(model.mass[i] > 0.0) || !std::isfinite(model.mass[i])) {
-      throw Error(particle_label(model, i) + ": expected a positive, finite mass, got " +
-                  std::to_string(model.mass[i]) + " kg");
+      throw Error(particle_label(model, i) + ": expected a positive, finite mass, got " + to_decimal(model.mass[i]) +
+                  " kg");
     }
     if (!(model.stiffness[i] >= 0.0) || !std::isfinite(model.stiffness[i])) {
       throw Error(particle_label(model, i) + ": expected a finite stiffness of 0 or more, got " +
-                  std::to_string(model.stiffness[i]) + " N/m");
+                  to_decimal(model.stiffness[i]) + " N/m");
     }
   }
 }
@@ -120,6 +115,13 @@ void validate_components(const Model& model) {
 }
 
 }  // namespace
+
+std::string cell_label(const Model& model, std::size_t row) {
+  const Cell& cell = model.cells[row];
+  std::string label = "cell " + std::to_string(row) + " (" + cell_name(cell.type);
+  if (cell.file_index >= 0) label += ", file index " + std::to_string(cell.file_index);
+  return label + ')' + quoted(cell.name);
+}
 
 void validate(const Model& model) {
   if (model.dimension != 2 && model.dimension != 3) {

@@ -79,7 +79,13 @@ void require_sizes(const Model& model, const State& state, const std::vector<Fie
   };
   require("positions", state.position.size());
   require("velocities", state.velocity.size());
-  for (const Field& field : fields) require("field \"" + field.name + '"', field.values.size());
+  std::set<std::string> taken{"displacement", "velocity", "mass"};
+  for (const Field& field : fields) {
+    require("field \"" + field.name + '"', field.values.size());
+    if (!field.name.empty() && taken.insert(field.name).second) continue;
+    throw Error(path + ": expected fields with names of their own, other than \"displacement\", \"velocity\" and " +
+                "\"mass\", got \"" + field.name + '"');
+  }
 }
 
 /// Cells of the model, or a vertex per particle where it has none.

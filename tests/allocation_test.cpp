@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <phymul/scene.h>
 #include <phymul/shapes.h>
+#include <phymul/solver.h>
 
 #include <atomic>
 #include <cstdlib>
@@ -126,6 +127,35 @@ TEST(AllocationCount, EvaluatingASceneAllocatesNothing) {
   const std::size_t before = allocation_count();
   for (int k = 0; k < 100; ++k) scene.evaluate(0.013 * k, frame);
   EXPECT_EQ(allocation_count(), before);
+}
+
+TEST(AllocationCount, SteppingAllocatesNothingEvenWhenLoadsAreReplaced) {
+  Model model = make_block({0.02, 0.02, 0.02}, 3, 3, 3);
+  set_material(model, {.young = 1e4, .poisson = 0.3, .density = 1000});
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -9.81});
+  Load pull;
+  pull.type = LoadType::translation;
+  pull.particles = model.group("x1");
+  pull.direction = Vec3(1, 0, 0);
+  pull.events = {{0.0, 0.0}};
+  scene.add(pull);
+  Load push = pull;
+  push.type = LoadType::force;
+  scene.add(push);
+  const auto solver = make_solver("reference", model, scene);
+  const double dt = 0.5 * solver->stable_step();
+  State state = solver->read();
+  ASSERT_TRUE(solver->step(1, dt).ok());
+  for (int k = 0; k < 10; ++k) {
+    pull.events[0].value = 1e-5 * k;
+    scene.replace(1, pull);
+    const std::size_t before = allocation_count();
+    const StepReport report = solver->step(3, dt);
+    solver->read(state);
+    EXPECT_EQ(allocation_count(), before);
+    ASSERT_TRUE(report.ok()) << report.message();
+  }
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ TEST(Calibration, RatioOutOfTheRoutesRangeIsRefused) {
       says(refuse(1e4, 0.5, PoissonRoute::volume_term), "Poisson's ratio is 0.5; this route takes -0.375 to 0.5"));
   EXPECT_TRUE(says(refuse(1e4, -0.4, PoissonRoute::volume_term), "Poisson's ratio is -0.4"));
   EXPECT_TRUE(says(refuse(1e4, 0.45, PoissonRoute::area_exponent), "Use the volume term"));
-  EXPECT_TRUE(says(refuse(0.0, 0.3, PoissonRoute::volume_term), "Young's modulus is 0.0"));
+  EXPECT_TRUE(says(refuse(0.0, 0.3, PoissonRoute::volume_term), "Young's modulus is 0 Pa"));
   EXPECT_TRUE(says(refuse(NAN, 0.3, PoissonRoute::volume_term), "Young's modulus is nan"));
   EXPECT_TRUE(says(refuse(1e4, NAN, PoissonRoute::area_exponent), "Poisson's ratio is nan"));
 }
@@ -195,7 +195,7 @@ TEST(Calibration, WhatCannotCarryAMaterialSaysSo) {
   Model holed = block;
   holed.cells[3].material = -1;
   holed.cells[3].file_index = 12;
-  EXPECT_TRUE(says(refuse(holed, [](TopologyOptions&) {}), "cell 12 has no material"));
+  EXPECT_TRUE(says(refuse(holed, [](TopologyOptions&) {}), "cell 3 (HEXAHEDRON, file index 12) has no material"));
   Model two = block;
   two.materials.push_back(soft_tissue(0.1));
   two.cells[0].material = 1;

@@ -183,6 +183,18 @@ TEST(Elasticity, TransposedListsGatherWhatTheLoopsScatter) {
   }
 }
 
+TEST(Elasticity, WrongSizesAreRefused) {
+  const Model model = make_tetrahedron(0.01);
+  const TopologyTextures topology = build_topology(model);
+  VecList short_of_one(3, Vec3::Zero()), room(4, Vec3::Zero());
+  EXPECT_THROW(attractors(topology, model.rest, short_of_one), Error);
+  EXPECT_THROW(elastic_forces(topology, short_of_one, room), Error);
+  EXPECT_THROW(elastic_energy(topology, short_of_one), Error);
+  EXPECT_THROW(estimate_spectrum(topology, short_of_one), Error);
+  const std::vector<std::uint8_t> marks(5, 0);
+  EXPECT_THROW(estimate_spectrum(topology, model.rest, marks), Error);
+}
+
 TEST(Elasticity, CollapsedBodiesStayFinite) {
   for (const Body& body : bodies()) {
     for (Variant variant : every_variant()) {

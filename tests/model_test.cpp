@@ -168,6 +168,12 @@ TEST(SetMaterial, RefusesWhatItCannotDoAndLeavesTheModel) {
   model.cells.clear();
   model.components.clear();
   EXPECT_NE(refused(soft).find("got one without"), std::string::npos);
+  model = before;
+  model.mass.clear();
+  EXPECT_NE(refused(soft).find("expected 8 rows in mass"), std::string::npos);
+  model = before;
+  model.cells[0].particles[7] = 8;
+  EXPECT_NE(refused(soft).find("expected particles from 0 to 7, got 8"), std::string::npos);
 }
 
 TEST(Model, SpacingAndSize) {
@@ -260,6 +266,11 @@ TEST(NeighboursFromCells, FollowTheEdgesInIncreasingOrder) {
   EXPECT_NE(message_of([&] {
               neighbours_from_cells({cell(CellType::line, {0, 2})}, 2);
             }).find("from 0 to 1, got one"),
+            std::string::npos);
+  const Cell short_of_two = cell(CellType::tetrahedron, {0, 1});
+  EXPECT_NE(message_of([&] { neighbours_from_cells({short_of_two}, 2); }).find("of 4 particles, got 2"),
+            std::string::npos);
+  EXPECT_NE(message_of([&] { cell_volume(make_tetrahedron(1.0), short_of_two); }).find("of 4 particles, got 2"),
             std::string::npos);
 }
 

@@ -301,6 +301,15 @@ TEST(Scene, TakesNoTemporaryModel) {
   EXPECT_FALSE((std::is_constructible_v<Scene, Model>));
 }
 
+TEST(Scene, RefusesAModelThatIsNotOne) {
+  Model model = make_block({1, 1, 1}, 1, 1, 1);
+  model.mass.clear();
+  EXPECT_THROW(Scene{model}, Error);
+  model = make_block({1, 1, 1}, 1, 1, 1);
+  model.components.back().particles.push_back(8);
+  EXPECT_THROW(Scene{model}, Error);
+}
+
 TEST(Scene, EvaluatingLeavesNoTraceOfTheInstantBefore) {
   const Model model = make_block({1, 1, 1}, 2, 2, 2);
   Load lift = made(LoadType::translation, model.group("z1"), {0, 0, 1}, 0.0), push = lift;

@@ -199,6 +199,33 @@ TEST_P(SolverConformance, SceneMayChangeBetweenSteps) {
   ASSERT_TRUE(solver->step(10, dt).ok());
 }
 
+TEST_P(SolverConformance, EnergyIsThatOfTheSceneAsItStands) {
+  const Model model = block();
+  Scene scene(model);
+  const auto solver = make(model, scene);
+  State lifted = rest_state(model);
+  for (Vec3& x : lifted.position) x.z() += 0.5;
+  solver->reset(lifted);
+  EXPECT_EQ(solver->energy().gravity, 0.0);
+  scene.gravity({0, 0, -10});
+  double mass = 0.0;
+  for (const double m : model.mass) mass += m;
+  EXPECT_NEAR(solver->energy().gravity, 5.0 * mass, 1e-5 * mass);
+}
+
+TEST_P(SolverConformance, StatesOffThePlaneOfATwoDimensionalModelAreRefused) {
+  const Model model = make_strip(0.04, 0.02, 4, 2, true);
+  const Scene scene(model);
+  const auto solver = make(model, scene);
+  State state = solver->read();
+  state.position[3].z() = 1e-3;
+  EXPECT_THROW(solver->reset(state), Error);
+  state = solver->read();
+  state.velocity[3].z() = 1e-3;
+  EXPECT_THROW(solver->reset(state), Error);
+  EXPECT_EQ(solver->read(), rest_state(model));
+}
+
 TEST_P(SolverConformance, StepBeyondTheLimitIsRefusedAndNothingMoves) {
   const Model model = block();
   Scene scene(model);
@@ -224,6 +251,7 @@ TEST_P(SolverConformance, InvalidStepsAreRefused) {
     EXPECT_NE(report.message().find("expected n >= 0 and a finite dt > 0"), std::string::npos);
   }
   EXPECT_EQ(solver->step(-1, 1e-6).status, StepStatus::invalid_step);
+  EXPECT_NE(solver->step(-1, 1e-6).message().find("n is negative"), std::string::npos);
 }
 
 TEST_P(SolverConformance, StopsBeforeNaNAndKeepsTheLastGoodState) {

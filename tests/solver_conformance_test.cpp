@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "solver_conformance.h"
+#include "message_of.h"
 
 #include "message_of.h"
 
@@ -50,6 +51,25 @@ TEST(Backends, TablesOfAnotherBodyAreRefused) {
   EXPECT_NE(message_of([&] {
               make_solver("reference", std::shared_ptr<const TopologyTextures>(), scene);
             }).find("the topology is null"),
+            std::string::npos);
+}
+
+TEST(Backends, TablesOfAChangedBodyAreRefused) {
+  Model model = make_tetrahedron(0.01);
+  const auto tables = std::make_shared<const TopologyTextures>(build_topology(model));
+  const Model wider = make_tetrahedron(0.02);
+  const Scene scene(model), scene_of_wider(wider);
+  const auto message = [&](const Scene& of) { return message_of([&] { make_solver("reference", tables, of); }); };
+  EXPECT_NE(message(scene_of_wider).find("particle 1 has another rest place"), std::string::npos);
+  model.mass[2] = 3.0;
+  EXPECT_NE(message(scene).find("particle 2 has another mass"), std::string::npos);
+}
+
+TEST(Backends, BodiesBeyondTheRangeOfNumbersAreRefused) {
+  Model model = make_tetrahedron(0.01);
+  model.mass[1] = 1e-300;
+  const Scene scene(model);
+  EXPECT_NE(message_of([&] { make_solver("reference", model, scene); }).find("beyond the range of numbers"),
             std::string::npos);
 }
 

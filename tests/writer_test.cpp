@@ -219,6 +219,37 @@ TEST(Writer, RefusesAStateOfAnotherModel) {
   EXPECT_EQ(text_of(file.path()), "as it was");
 }
 
+TEST(Writer, RefusesFieldsWithoutANameOfTheirOwn) {
+  const Model model = phymul::make_block({0.03, 0.02, 0.01}, 1, 1, 1);
+  const TextFile file("fields.vtu", "as it was");
+  const std::vector<double> values(8, 1.0);
+  const std::vector<std::vector<phymul::Field>> bad{{{"", values}}, {{"mass", values}}, {{"a", values}, {"a", values}}};
+  for (const std::vector<phymul::Field>& fields : bad) {
+    EXPECT_THROW(phymul::write_vtu(model, phymul::rest_state(model), file.path(), fields), phymul::Error);
+  }
+  EXPECT_EQ(text_of(file.path()), "as it was");
+}
+
+TEST(Writer, WritesThroughALinkAndIntoADevice) {
+  const Model model = phymul::make_block({0.03, 0.02, 0.01}, 1, 1, 1);
+  const State state = phymul::rest_state(model);
+  const TextFile file("behind.csv", "");
+  const std::string link = file.path() + ".link";
+  std::filesystem::create_symlink(file.path(), link);
+  phymul::write_csv(model, state, link);
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_FALSE(text_of(file.path()).empty());
+  // Through a link of our own: where this fails, it is not the machine's device that is lost.
+  const std::string device = file.path() + ".device";
+  std::filesystem::create_symlink("/dev/full", device);
+  if (std::filesystem::is_character_file(device)) {
+    EXPECT_THROW(phymul::write_csv(model, state, device), phymul::Error);
+    EXPECT_TRUE(std::filesystem::is_symlink(device));
+  }
+  std::filesystem::remove(link);
+  std::filesystem::remove(device);
+}
+
 TEST(Writer, LeavesNothingBehindWhereItCannotWrite) {
   const Model model = phymul::make_block({0.03, 0.02, 0.01}, 1, 1, 1);
   const TextFile file("folder_in_the_way", "");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Forces and energy of a body in double precision: the kernels of the reference backend as plain functions.
+// Forces and energy of a body in double precision: the kernels of the reference backend as plain functions. They throw
+// Error when a size is not the topology's particle count.
 #pragma once
 
 #include <phymul/topology_textures.h>
@@ -21,7 +22,7 @@ double elastic_energy(const TopologyTextures& topology, std::span<const Vec3> po
 /// Largest and most negative eigenvalues of M^-1 K linearised about a position, found by Lanczos iteration
 /// (conservative, averaged, springs) or Arnoldi iteration (the others, whose K is not symmetric).
 struct Spectrum {
-  double largest = 0.0;            ///< largest |eigenvalue|, 1/s^2: omega_max squared
+  double largest = 0.0;            ///< largest |eigenvalue|, 1/s^2: omega_max squared; infinite where it overflows
   double most_negative = 0.0;      ///< smallest real part if below 0, 1/s^2: grows as exp(sqrt(-it) t)
   double largest_imaginary = 0.0;  ///< of the eigenvalues found, 1/s^2: flutter
 };

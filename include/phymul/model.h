@@ -93,7 +93,7 @@ struct Model {
   int dimension = 3;  ///< 3, or 2: particles in the plane z = 0
 
   VecList rest;                   ///< [N] rest positions, m
-  std::vector<double> mass;       ///< [N] kg; overwritten by set_material
+  std::vector<double> mass;       ///< [N] kg, > 0; overwritten by set_material
   std::vector<double> stiffness;  ///< [N] shape stiffness k_i, N/m; unused where a material is set
   RaggedList neighbours;          ///< [N rows] ordered neighbours of each particle, itself not among them
 
@@ -127,7 +127,8 @@ struct Model {
 /// Gives every volume cell the material and every particle the mass density * (its share of the volume of the
 /// cells around it). A share is the cell's volume divided evenly over its vertices; in 2-D triangles and quads stand
 /// for a metre of thickness. A particle in no such cell keeps its mass, which is noted. Throws Error, and changes
-/// nothing, when the model has no volume cells, one of them has no positive volume, or a constant is out of its range.
+/// nothing, when the model is not valid or has no volume cells, one of them has no positive volume, or a constant is
+/// out of its range.
 void set_material(Model& model, const Material& material);
 
 /// The same for the cells all of whose particles are in the named group; masses are summed anew from all cells
@@ -150,7 +151,7 @@ double body_size(const Model& model);
 void validate(const Model& model);
 
 /// Neighbours from cells: the edges of lines, triangles, quads, hexahedra, wedges and pyramids, all pairs of a
-/// tetrahedron. Rows in increasing order.
+/// tetrahedron. Rows in increasing order. Throws Error when a cell has too few particles, or one out of range.
 RaggedList neighbours_from_cells(const std::vector<Cell>& cells, Index particle_count);
 
 }  // namespace phymul

@@ -43,7 +43,7 @@ struct Load {
   bool operator==(const Load&) const = default;
 };
 
-/// Value of the events at a date. Shapes: scalar.
+/// Value of the events, sorted by date, at a date.
 double value_at(std::span<const ValueEvent> events, double date);
 
 /// What a scene means at one instant, ready for a solver. Empty vectors where nothing of the kind acts.
@@ -54,7 +54,8 @@ struct LoadFrame {
   VecList target;                   ///< [N] m, or empty: the imposed coordinates
 };
 
-/// Keeps a reference to the model, which must outlive it. Functions throw Error for an unknown group, an index out
+/// Keeps a reference to the model, which must outlive it and not change. An empty list of particles is allowed, and
+/// does nothing. Functions throw Error for an unknown group, an index out
 /// of range, or a value that is not finite, and then leave the scene as it was.
 ///
 /// Meaning of the load types, for value v, unit direction u (from `direction` or `toward`):
@@ -71,7 +72,7 @@ struct LoadFrame {
 /// - acceleration: mass times v u on each particle.
 class Scene {
  public:
-  explicit Scene(const Model& model);
+  explicit Scene(const Model& model);      ///< throws Error unless validate(model) accepts it
   explicit Scene(const Model&&) = delete;  ///< a temporary would be gone before the first step
 
   const Model& model() const { return *model_; }
@@ -110,6 +111,7 @@ class Scene {
   };
 
   void require(const Load& load) const;
+  Action accepted(Load& load) const;
   Action prepared(const Load& load) const;
   Action prepared_rotation(const Load& load, Action action) const;
   Action prepared_pressure(const Load& load, Action action) const;

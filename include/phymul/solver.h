@@ -67,8 +67,10 @@ struct Energy {
   double total() const { return elastic + kinetic + gravity; }
 };
 
-/// step() never throws and never allocates; read() is the one call that waits for a device. Not thread-safe; two
-/// solvers are independent. Keeps references to model and scene, which must outlive it.
+/// step() never throws, and allocates only in the first step after the scene has gained its first force or its first
+/// imposed position; read() is the one call that waits for a device. Not thread-safe; two solvers are independent, and
+/// may share a scene that nobody changes meanwhile. Keeps a reference to the scene and, through it, to the model, which
+/// must both outlive it and of which the model must not change.
 class Solver {
  public:
   virtual ~Solver() = default;
@@ -79,28 +81,32 @@ class Solver {
   const Model& model() const { return scene_->model(); }
   const TopologyTextures& topology() const { return *topology_; }
 
-  /// Starts from a state; throws Error when its sizes do not fit, a value is not finite, or it leaves the plane of a
+  /// Starts from a state; throws Error when its sizes do not fit, a value is not finite, or z is not 0 in a
   /// two-dimensional model (state untouched then).
   void reset(const State& state);
   void reset();  ///< the rest shape
 
-  /// n steps of dt seconds. Looks at the scene for changes first. On failure the last good state is kept.
+  /// n steps of dt seconds. Looks at the scene for changes first. On failure the last good state is kept. n = 0 takes
+  /// over the scene and moves nothing; residual, speed and at_rest then say nothing.
   StepReport step(int n, double dt);
 
-  /// Steps until at rest or max_steps; the report counts all steps.
+  /// Steps until at rest or max_steps; the report counts all steps. Loads of later dates are not waited for: a body
+  /// that rests before they act is at rest. Step to the last date first.
   StepReport run_to_rest(int max_steps, double dt);
 
   void read(State& state) const;  ///< copies the state out
   State read() const;
 
-  Energy energy()
-      const;  ///< of the present state, with gravity and fixed coordinates as the last step or reset saw them
+  Energy energy() const;  ///< at the present state and scene; allocates
 
   /// Limit of dt in s for the free body at rest and this damping; holding particles can only raise it. Deformed bodies
-  /// have a smaller one: work at half of it, recover from collapsed states at a fifth. See estimate_spectrum.
+  /// have a smaller one: work at half of it, recover from collapsed states at a fifth. Infinite for a body without any
+  /// stiffness. See estimate_spectrum.
   double stable_step() const { return stable_step_; }
 
  protected:
+  /// Checks the options, and that the tables are those of the scene's model; throws Error. A subclass ends its own
+  /// constructor with reset().
   Solver(std::string name, std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
          const SolverOptions& options);
 
@@ -126,8 +132,8 @@ class Solver {
 
   const Scene& scene() const { return *scene_; }
   const SolverOptions& options() const { return options_; }
-  LoadFrame& frame() { return frame_; }  ///< prepared; a backend evaluates it at each step's time
-  const LoadFrame& frame() const { return frame_; }
+  LoadFrame& frame() { return frame_; }              ///< prepared; a backend evaluates it at each step's time
+  const LoadFrame& frame() const { return frame_; }  ///< of the scene as the last step or reset saw it
 
  private:
   virtual void do_reset(const State& state) = 0;
@@ -154,10 +160,16 @@ class Solver {
 /// Makes a solver, at rest. "auto" picks one. Throws Error that lists the known names and, for one not built, how to.
 std::unique_ptr<Solver> make_solver(std::string_view backend, const Model& model, const Scene& scene,
                                     const TopologyOptions& topology = {}, const SolverOptions& options = {});
+std::unique_ptr<Solver> make_solver(std::string_view backend, const Model& model, const Scene&& scene,
+                                    const TopologyOptions& topology = {},
+                                    const SolverOptions& options = {}) = delete;  ///< the scene must outlive it
 
-/// The same over tables built before, which any number of solvers may share.
+/// The same over tables built before, which any number of solvers may share. Throws Error when the model has changed
+/// since.
 std::unique_ptr<Solver> make_solver(std::string_view backend, std::shared_ptr<const TopologyTextures> topology,
                                     const Scene& scene, const SolverOptions& options = {});
+std::unique_ptr<Solver> make_solver(std::string_view backend, std::shared_ptr<const TopologyTextures> topology,
+                                    const Scene&& scene, const SolverOptions& options = {}) = delete;
 
 /// Names make_solver takes in this build, "auto" not among them.
 std::vector<std::string> backend_names();

@@ -83,7 +83,8 @@ struct TopologyTextures;
 
 /// Builds the tables. Where the model has a material, k_i, w_t and the volume term follow from it for
 /// Law::shape_memory with Reaction::conservative (any other reaction cannot carry a calibrated material: Error).
-/// A model with a material takes its bases from opposite_faces; from `fitted` where that is asked for, or where a body
+/// A model with a material must be three-dimensional (in 2-D clear Model::materials; the masses stay), and takes its
+/// bases from opposite_faces; from `fitted` where that is asked for, or where a body
 /// of tetrahedra is to meet Poisson's ratio by the area exponent. Throws Error, also when a
 /// table outgrows max_texture_size squared (with the sizes).
 TopologyTextures build_topology(const Model& model, const TopologyOptions& options = {});

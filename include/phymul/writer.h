@@ -16,7 +16,7 @@ namespace phymul {
 
 /// One named value per particle, [N].
 struct Field {
-  std::string name;
+  std::string name;  ///< not empty, and not that of another array of the file
   std::vector<double> values;
 };
 

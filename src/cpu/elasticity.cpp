@@ -3,7 +3,7 @@
 // The elastic terms of a body, in double precision and plain loops: the truth other backends are held against.
 #include <phymul/elasticity.h>
 
-#include <cassert>
+#include <phymul/error.h>
 
 #include "force_cell.h"
 #include "force_shape.h"
@@ -174,10 +174,18 @@ void cell_forces(const TopologyTextures& topology, std::span<const Vec3> x, std:
   }
 }
 
+void require_sizes(const TopologyTextures& topology, const char* caller, std::size_t positions, std::size_t results) {
+  const auto count = static_cast<std::size_t>(topology.particle_count);
+  if (positions == count && results == count) return;
+  throw Error(std::string(caller) + ": expected " + std::to_string(count) +
+              " positions and room for as many results, got " + std::to_string(positions) + " and " +
+              std::to_string(results));
+}
+
 }  // namespace
 
 void attractors(const TopologyTextures& topology, std::span<const Vec3> position, std::span<Vec3> attractor) {
-  assert(position.size() == static_cast<std::size_t>(topology.particle_count) && attractor.size() == position.size());
+  require_sizes(topology, "attractors", position.size(), attractor.size());
   for (Index i = 0; i < topology.particle_count; ++i) {
     attractor[i] = position[i];
     if (topology.index[i].base_count > 0) attractor[i] += attractor_pull(topology, i, position);
@@ -185,7 +193,7 @@ void attractors(const TopologyTextures& topology, std::span<const Vec3> position
 }
 
 void elastic_forces(const TopologyTextures& topology, std::span<const Vec3> position, std::span<Vec3> force) {
-  assert(position.size() == static_cast<std::size_t>(topology.particle_count) && force.size() == position.size());
+  require_sizes(topology, "elastic_forces", position.size(), force.size());
   for (Vec3& f : force) f.setZero();
   if (topology.base_count > 0) shape_forces(topology, position, force);
   for (const SpringTexel& spring : topology.springs) {
@@ -199,6 +207,7 @@ void elastic_forces(const TopologyTextures& topology, std::span<const Vec3> posi
 }
 
 double elastic_energy(const TopologyTextures& topology, std::span<const Vec3> position) {
+  require_sizes(topology, "elastic_energy", position.size(), position.size());
   double energy = topology.base_count > 0 ? shape_energy(topology, position) : 0.0;
   for (const SpringTexel& spring : topology.springs) {
     energy += cpu::spring_energy<double>(position[spring.end[0]], position[spring.end[1]], spring.rest_length,

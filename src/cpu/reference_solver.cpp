@@ -67,6 +67,9 @@ class ReferenceSolver final : public Solver {
   double do_time() const override { return state_.time; }
 
   Energy do_energy() const override {
+    LoadFrame now;  // not frame(): the scene may have changed since the last step
+    scene().prepare(now);
+    scene().evaluate(state_.time, now);
     Energy energy;
     energy.elastic = elastic_energy(topology(), state_.position);
     VecList force(state_.position.size());
@@ -74,28 +77,31 @@ class ReferenceSolver final : public Solver {
     for (Index i = 0; i < topology().particle_count; ++i) {
       const double m = topology().mass[i];
       const Vec3& before = state_.velocity[i];
-      Vec3 after = before + last_dt_ * acceleration(i, force[i]);
+      Vec3 after = before + last_dt_ * acceleration(i, force[i], now);
       for (int axis = 0; axis < 3; ++axis) {
-        if (fixed(i, axis)) after[axis] = before[axis];
+        if (fixed(i, axis, now)) after[axis] = before[axis];
       }
       energy.kinetic += 0.5 * m * before.dot(after);
-      energy.gravity -= m * frame().gravity.dot(state_.position[i] - topology().rest[i]);
+      energy.gravity -= m * now.gravity.dot(state_.position[i] - topology().rest[i]);
     }
     return energy;
   }
 
-  bool fixed(Index i, int axis) const { return !frame().fixed.empty() && (frame().fixed[i] >> axis & 1) != 0; }
+  static bool fixed(Index i, int axis, const LoadFrame& loads) {
+    return !loads.fixed.empty() && (loads.fixed[i] >> axis & 1) != 0;
+  }
+  bool fixed(Index i, int axis) const { return fixed(i, axis, frame()); }
 
-  Vec3 acceleration(Index i, const Vec3& elastic) const {
-    const Vec3 load = frame().force.empty() ? Vec3(Vec3::Zero()) : frame().force[i];
-    return (elastic + load) / topology().mass[i] + frame().gravity;
+  Vec3 acceleration(Index i, const Vec3& elastic, const LoadFrame& loads) const {
+    const Vec3 load = loads.force.empty() ? Vec3(Vec3::Zero()) : loads.force[i];
+    return (elastic + load) / topology().mass[i] + loads.gravity;
   }
 
   /// Largest net force and acceleration on free coordinates, of the state before this step.
   void measure(Motion& motion) const {
     motion.max_acceleration = motion.max_force = 0.0;
     for (Index i = 0; i < topology().particle_count; ++i) {
-      Vec3 a = acceleration(i, force_[i]);
+      Vec3 a = acceleration(i, force_[i], frame());
       for (int axis = 0; axis < 3; ++axis) {
         if (fixed(i, axis)) a[axis] = 0.0;
       }
@@ -107,8 +113,8 @@ class ReferenceSolver final : public Solver {
   /// Forces act at the old time, imposed positions hold at the new one.
   void move(const StepPlan& plan) {
     for (Index i = 0; i < topology().particle_count; ++i) {
-      const Moved<double> moved = integrate<double>(state_.position[i], state_.velocity[i], acceleration(i, force_[i]),
-                                                    plan.dt, plan.damping_factor);
+      const Moved<double> moved = integrate<double>(state_.position[i], state_.velocity[i],
+                                                    acceleration(i, force_[i], frame()), plan.dt, plan.damping_factor);
       next_position_[i] = moved.position;
       next_velocity_[i] = moved.velocity;
     }

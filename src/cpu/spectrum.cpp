@@ -23,6 +23,8 @@ constexpr double ritz_accuracy = 1e-3;
 /// Eigenvalues nearer to 0 than this share of the largest are those of rigid motion, on either side of 0 by rounding.
 constexpr double rigid_motion = 1e-6;
 constexpr int lanczos_steps = 400;
+/// Stiffness over mass leaves the numbers: no step is small enough.
+constexpr Spectrum out_of_range{.largest = std::numeric_limits<double>::infinity()};
 /// Arnoldi keeps every vector: as many as fit in this many bytes, within [12, 80].
 constexpr double arnoldi_bytes = 4e8;
 
@@ -114,6 +116,7 @@ Spectrum lanczos(ScaledStiffness& A, Vector q) {
     image -= diagonal.back() * q;
     if (step > 0) image -= off.back() * before;
     const double beta = image.norm();
+    if (!std::isfinite(beta)) return out_of_range;
 
     const bool look = step % 5 == 4 || step + 1 == lanczos_steps || beta == 0.0;
     if (look) {
@@ -154,6 +157,7 @@ Spectrum arnoldi(ScaledStiffness& A, Vector q) {
       image -= hessenberg(k, step) * basis.col(k);
     }
     const double beta = image.norm();
+    if (!std::isfinite(beta)) return out_of_range;
     hessenberg(step + 1, step) = beta;
     if (beta <= 1e-12 * hessenberg.topLeftCorner(step + 1, step + 1).norm()) {
       used = step + 1;
@@ -176,6 +180,12 @@ Spectrum arnoldi(ScaledStiffness& A, Vector q) {
 
 Spectrum estimate_spectrum(const TopologyTextures& topology, std::span<const Vec3> position,
                            std::span<const std::uint8_t> fixed) {
+  const auto count = static_cast<std::size_t>(topology.particle_count);
+  if (position.size() != count || (!fixed.empty() && fixed.size() != count)) {
+    throw Error("estimate_spectrum: expected " + std::to_string(count) +
+                " positions and as many fixed marks or none, got " + std::to_string(position.size()) + " and " +
+                std::to_string(fixed.size()));
+  }
   for (Index i = 0; i < topology.particle_count; ++i) {
     if (!position[i].allFinite()) {
       throw Error("estimate_spectrum: the position of particle " + std::to_string(i) + " is not finite");
