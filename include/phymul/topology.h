@@ -49,7 +49,7 @@ enum class VolumeLaw {
 enum class PoissonRoute {
   volume_term,   ///< a volume energy per tetrahedron: any ratio in (-3/8, 1/2)
   area_exponent  ///< beta_t [2/(1+(A_t/A_t0)^2)]^p with p from the ratio: -0.375 to 0.42 (p = 2); no extra
-                 ///< term. E exact on lattices of cubes, 3-7 % low elsewhere
+                 ///< term. E exact on lattices of cubes, 3-5 % low on unstructured tetrahedra
 };
 
 /// What to do with a particle that has no base.
