@@ -45,6 +45,11 @@ std::unique_ptr<Solver> make_solver(std::string_view backend, const Model& model
                      options);
 }
 
+std::string why_unavailable(std::string_view backend, const SolverOptions&) {
+  find_backend(backend);
+  return {};
+}
+
 std::vector<std::string> backend_names() {
   std::vector<std::string> names;
   for (const Backend& backend : backends) names.emplace_back(backend.name);

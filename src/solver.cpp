@@ -3,6 +3,7 @@
 // The non-virtual half of Solver: argument checks, step limit, failure policy and rest test, once for all backends.
 #include <phymul/elasticity.h>
 #include <phymul/error.h>
+#include <phymul/monitor.h>
 #include <phymul/solver.h>
 
 #include <algorithm>
@@ -20,6 +21,8 @@ namespace {
 constexpr double limit_slack = 1e-9;
 /// Speeds beyond this many times spacing times omega_max (twice the wave speed or so) are a failure, not a motion.
 constexpr double runaway_factor = 1e6;
+/// Of request_read.
+constexpr std::size_t most_copies = 3;
 
 void require_options(const SolverOptions& options) {
   const Damping& d = options.damping;
@@ -115,7 +118,7 @@ Solver::Solver(std::string name, std::shared_ptr<const TopologyTextures> topolog
     : name_(std::move(name)), topology_(std::move(topology)), scene_(&scene), options_(options) {
   require_options(options_);
   require_same_body(*topology_, model());
-  spectrum_ = estimate_spectrum(*topology_, topology_->rest);
+  spectrum_ = options_.spectrum ? *options_.spectrum : estimate_spectrum(*topology_, topology_->rest);
   if (!std::isfinite(spectrum_.largest)) {
     throw Error(
         "the body's stiffness over its mass is beyond the range of numbers; expected masses in kg and stiffnesses in "
@@ -148,6 +151,7 @@ void Solver::reset(const State& state) {
     throw Error("Solver::reset: expected z = 0 in all positions and velocities of a two-dimensional model");
   }
   follow_scene();
+  copies_.clear();
   do_reset(state);
 }
 
@@ -218,6 +222,60 @@ State Solver::read() const {
 
 Energy Solver::energy() const {
   return do_energy();
+}
+
+Momentum Solver::momentum(const Vec3& about) const {
+  return do_momentum(about);
+}
+
+void Solver::request_read() {
+  do_request_read();
+}
+
+bool Solver::collect(State& state) {
+  return do_collect(state);
+}
+
+ParticleBuffer Solver::position_buffer() const {
+  return do_position_buffer();
+}
+
+ParticleBuffer Solver::attractor_buffer() const {
+  return topology_->base_count > 0 ? do_attractor_buffer() : ParticleBuffer{};
+}
+
+std::string Solver::device() const {
+  return do_device();
+}
+
+void Solver::do_request_read() {
+  if (copies_.size() == most_copies) copies_.pop_back();
+  copies_.push_back(read());
+}
+
+bool Solver::do_collect(State& state) {
+  if (copies_.empty()) return false;
+  state = std::move(copies_.front());
+  copies_.erase(copies_.begin());
+  return true;
+}
+
+Momentum Solver::do_momentum(const Vec3& about) const {
+  const State state = read();
+  return {linear_momentum(model(), state), angular_momentum(model(), state, about)};
+}
+
+ParticleBuffer Solver::do_position_buffer() const {
+  State state = read();
+  shown_ = std::move(state.position);
+  return {.position = shown_};
+}
+
+ParticleBuffer Solver::do_attractor_buffer() const {
+  const State state = read();
+  attracted_.resize(state.position.size());
+  attractors(*topology_, state.position, attracted_);
+  return {.position = attracted_};
 }
 
 }  // namespace phymul

@@ -6,6 +6,7 @@
 #include <phymul/check.h>
 #include <phymul/elasticity.h>
 #include <phymul/error.h>
+#include <phymul/gl.h>
 #include <phymul/lml.h>
 #include <phymul/mesh.h>
 #include <phymul/model.h>

@@ -54,6 +54,24 @@ struct LoadFrame {
   VecList target;                   ///< [N] m, or empty: the imposed coordinates
 };
 
+/// What a scene means at any instant, taken apart into vectors that stay and numbers that change with time, so that a
+/// device needs only the numbers at each step: value[m] of Scene::mode_values. Empty lists where nothing of the kind
+/// acts.
+struct LoadModes {
+  struct Part {
+    Index mode = 0;
+    Vec3 vector{0, 0, 0};
+  };
+  int count = 0;                     ///< of the numbers
+  std::vector<std::uint8_t> fixed;   ///< [N] or empty: as LoadFrame::fixed
+  std::vector<Index> target_offset;  ///< [N + 1] or empty: particle i's rows of target
+  std::vector<Part> target;          ///< m: imposed displacement from rest = sum of value[mode] * vector
+  std::vector<Index> force_offset;   ///< [N + 1] or empty
+  std::vector<Part> force;           ///< N: force = sum of value[mode] * vector
+  Vec3 gravity{0, 0, 0};             ///< m/s^2, on every particle
+  std::vector<Part> acceleration;    ///< m/s^2, on every particle besides: sum of value[mode] * vector
+};
+
 /// Keeps a reference to the model, which must outlive it and not change. An empty list of particles is allowed, and
 /// does nothing. Functions throw Error for an unknown group, an index out
 /// of range, or a value that is not finite, and then leave the scene as it was.
@@ -98,6 +116,9 @@ class Scene {
   /// Fills a frame that prepare() sized at this version, for one instant. Writes only to what loads act on. Does not
   /// allocate, does not throw.
   void evaluate(double time, LoadFrame& frame) const;
+
+  LoadModes modes() const;                                        ///< of this version; allocates
+  void mode_values(double time, std::span<double> values) const;  ///< [LoadModes::count]; does not allocate
 
  private:
   /// A load made ready: what is left to do at an instant is to multiply by its value.

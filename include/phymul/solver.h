@@ -4,11 +4,14 @@
 #pragma once
 
 #include <phymul/elasticity.h>
+#include <phymul/gl.h>
 #include <phymul/scene.h>
 #include <phymul/state.h>
 #include <phymul/topology_textures.h>
 
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,6 +38,10 @@ struct SolverOptions {
   /// scale.
   double rest_tolerance = 1e-8;
   int rest_steps = 16;
+  /// Of these very tables at rest, where it is known: saves estimating it, which takes a hundred force evaluations or
+  /// so. A wrong one makes stable_step() and the rest test wrong.
+  std::optional<Spectrum> spectrum;
+  GlOptions gl;  ///< of the GL backends; the others do not look at it
 };
 
 /// not_finite: a particle would have left the finite numbers, or run faster than a million spacings times omega_max,
@@ -67,6 +74,20 @@ struct Energy {
   double total() const { return elastic + kinetic + gravity; }
 };
 
+struct Momentum {
+  Vec3 linear{0, 0, 0};   ///< kg m/s
+  Vec3 angular{0, 0, 0};  ///< kg m^2/s, about the point asked for
+};
+
+/// Where a backend keeps one vector per particle, to be drawn as it stands. One of the two members is filled.
+struct ParticleBuffer {
+  /// GL backends: name of an RGBA32F texture in the solver's share group; texel (i mod width, i / width) holds particle
+  /// i's displacement from its rest place in xyz, m; w means nothing. 0: none.
+  std::uint32_t texture = 0;
+  int width = 0, height = 0;
+  std::span<const Vec3> position;  ///< CPU backends: [N] m
+};
+
 /// step() never throws, and allocates only in the first step after the scene has gained its first force or its first
 /// imposed position; read() is the one call that waits for a device. Not thread-safe; two solvers are independent, and
 /// may share a scene that nobody changes meanwhile. Keeps a reference to the scene and, through it, to the model, which
@@ -97,7 +118,23 @@ class Solver {
   void read(State& state) const;  ///< copies the state out
   State read() const;
 
-  Energy energy() const;  ///< at the present state and scene; allocates
+  /// Starts copying the present state out, without waiting for the device. At most three copies are on their way at a
+  /// time; a fourth request takes the place of the third.
+  void request_read();
+  /// True when the oldest copy asked for has arrived; it is in `state` then. Never waits; false too when none was asked
+  /// for. reset() drops copies on their way.
+  bool collect(State& state);
+
+  Energy energy() const;                                      ///< at the present state and scene; allocates
+  Momentum momentum(const Vec3& about = Vec3::Zero()) const;  ///< of State::velocity as it stands
+
+  /// Positions, and attractors P* (where the model has bases), without a copy. Valid until the next step(), reset() or
+  /// the solver's end. With GL: made current work first; bind the texture and draw from a context of the share group.
+  ParticleBuffer position_buffer() const;
+  ParticleBuffer attractor_buffer() const;  ///< empty where the law has no attractors
+
+  std::string device() const;  ///< what it runs on, for people and result files: a renderer, a kind of processor
+  std::string_view choice() const { return choice_; }  ///< why "auto" took this backend; empty when asked for by name
 
   /// Limit of dt in s for the free body at rest and this damping; holding particles can only raise it. Deformed bodies
   /// have a smaller one: work at half of it, recover from collapsed states at a fifth. Infinite for a body without any
@@ -142,11 +179,22 @@ class Solver {
   virtual void do_read(State& state) const = 0;
   virtual Energy do_energy() const = 0;
   virtual double do_time() const = 0;
+  // What a backend may do better than by read(): without waiting, without a copy.
+  virtual void do_request_read();
+  virtual bool do_collect(State& state);
+  virtual Momentum do_momentum(const Vec3& about) const;
+  virtual ParticleBuffer do_position_buffer() const;
+  virtual ParticleBuffer do_attractor_buffer() const;
+  virtual std::string do_device() const = 0;
 
+  friend std::unique_ptr<Solver> make_solver(std::string_view, std::shared_ptr<const TopologyTextures>, const Scene&,
+                                             const SolverOptions&);
   void follow_scene();
   StepReport advance(int n, double dt, bool stop_at_rest);
 
-  std::string name_;
+  std::string name_, choice_;
+  std::vector<State> copies_;          // of do_request_read's plain way
+  mutable VecList shown_, attracted_;  // of the plain buffers
   std::shared_ptr<const TopologyTextures> topology_;
   const Scene* scene_;
   SolverOptions options_;
@@ -173,5 +221,9 @@ std::unique_ptr<Solver> make_solver(std::string_view backend, std::shared_ptr<co
 
 /// Names make_solver takes in this build, "auto" not among them.
 std::vector<std::string> backend_names();
+
+/// Empty where this machine can run the backend; else the reason in a sentence: a library that is missing, a driver
+/// that gives no context. Throws Error for an unknown name.
+std::string why_unavailable(std::string_view backend, const SolverOptions& options = {});
 
 }  // namespace phymul

@@ -65,6 +65,8 @@ class ReferenceSolver final : public Solver {
 
   void do_read(State& state) const override { state = state_; }
   double do_time() const override { return state_.time; }
+  std::string do_device() const override { return "one processor core, double precision"; }
+  ParticleBuffer do_position_buffer() const override { return {.position = state_.position}; }
 
   Energy do_energy() const override {
     LoadFrame now;  // not frame(): the scene may have changed since the last step

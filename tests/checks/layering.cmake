@@ -9,7 +9,7 @@ include(${CMAKE_CURRENT_LIST_DIR}/faults.cmake)
 set(rows
     "7 backends"                  # the table of backends; sees them all, nothing sees what it includes
     "3 topology_textures"         # before topology
-    "0 version types error"
+    "0 version types error gl"
     "1 model scene state"
     "2 shapes pml lml mesh check topology monitor writer"
     "2 xml byte gmsh vtk vtu csv"            # formats, behind the readers

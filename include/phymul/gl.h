@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+//
+// GlOptions: where and how a GL backend runs. No GL or EGL header is needed to read this one: handles are void*.
+#pragma once
+
+#include <string>
+
+namespace phymul {
+
+/// Whose context a GL backend runs in. The host's context, state and bound API are as before after every call.
+enum class GlContext {
+  own,     ///< one of its own, headless, through EGL; current only during a call
+  shared,  ///< one of its own that shares objects with the host's EGL context: its textures can be drawn by the host
+  worker,  ///< one of its own on a thread of its own: the safe one beside a host that uses GLX
+  current  ///< the one the caller has current at every call, EGL or GLX; what a step touches is put back
+};
+
+enum class GlDialect {
+  automatic,  ///< desktop GL 3.3 core or later, else OpenGL ES 3.0 or later
+  desktop,
+  es
+};
+
+/// How a shader knows the bases of a particle.
+enum class BaseLayout {
+  automatic,  ///< enumerated where the base set allows it and that is smaller
+  table,      ///< the thesis' bases table
+  enumerated  ///< triples counted out of the neighbour list, only beta stored; BaseSelection::all in 3-D with the
+              ///< reactions full, shared and barycentric. Error elsewhere
+};
+
+/// The environment overrides what is left at its default: PHYMUL_EGL (device), PHYMUL_GL_DIALECT (desktop, es),
+/// PHYMUL_GL_PASSES (2, 4), PHYMUL_GL_DEBUG (1), PHYMUL_GLSL (shader_folder).
+struct GlOptions {
+  GlContext context = GlContext::own;
+  /// GlContext::shared: the host's EGLDisplay and EGLContext. Null: those current on the thread that makes the solver.
+  void* host_display = nullptr;
+  void* host_context = nullptr;
+  /// "device:N" (N counts EGL devices from 0), "surfaceless" or "default" (the window system's display). Empty: devices
+  /// that are no software renderer, then surfaceless, then default.
+  std::string device;
+  GlDialect dialect = GlDialect::automatic;
+  int passes = 2;  ///< 4: attractor, force, reaction, Verlet, each a pass, as in the 2007 thesis; the same bits, slower
+  BaseLayout layout = BaseLayout::automatic;
+  bool debug = false;         ///< GL debug output; an error in it becomes an Error
+  std::string shader_folder;  ///< shaders are read from here in place of those built in; empty: built in
+};
+
+}  // namespace phymul

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+//
+// FloatTables: the constants of a body for backends that compute in float. Packed once from TopologyTextures, which
+// stays the truth; what a GPU is given, bit for bit, and what its mirror on the CPU reads.
+//
+// Float backends store displacements u_i = x_i - X_i and velocities, and write every force as a difference from the
+// rest shape: with e = E + d, E an edge at rest (here, from double), d = u_b - u_a, nothing is lost to cancellation. A
+// body at rest has no force to the last bit, and one far from the origin loses no digits.
+//
+// Rows that a device gathers:
+//   base t     force on its vertices a, b, c and on its owner, at 0, 1, 2, 3 of "terms": entry t * 4 + corner
+//   volume v   force on its vertices: entry v * 4 + corner
+//   cell c     first Piola stress, three columns; entry c * 8 + corner, where the force is -P gradient
+#pragma once
+
+#include <phymul/topology_textures.h>
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+namespace phymul {
+
+using Int4 = std::array<std::int32_t, 4>;
+using Int2 = std::array<std::int32_t, 2>;
+using Float4 = std::array<float, 4>;
+using Float2 = std::array<float, 2>;
+
+inline std::int32_t bits_of(float value) {
+  return std::bit_cast<std::int32_t>(value);
+}
+
+/// Vectors are unpadded and empty where the body has nothing of the kind.
+struct FloatTables {
+  TopologyOptions options;
+  int dimension = 3;
+  Index particle_count = 0;
+  Index base_count = 0, volume_count = 0, cell_count = 0;
+
+  // Per particle.
+  std::vector<Float4> particle;  ///< 1/m (1/kg), k_i (N/m), m (kg), 0
+  std::vector<Int4> index;       ///< Nc, X, Bc, X': as TopologyTextures::index
+  /// [N + 1] row i and i + 1 bound particle i's entries in `reaction`, `volume_entry`, `cell_entry` and `spring`.
+  std::vector<Int4> lists;
+
+  // Attractor of the reactions full, shared, barycentric and averaged. Rows as TopologyTextures::neighbours.
+  std::vector<std::int32_t> neighbour;
+  std::vector<float> alpha;
+  /// Enumerated layout only: per neighbour row the rest edge X_j - X_i and alpha; per particle the first texel of beta;
+  /// beta times w of its triples (j < k < l in the order of its neighbour rows), four a texel, 0 where there is no
+  /// base.
+  std::vector<Float4> edge_alpha;
+  std::vector<std::int32_t> first_height;
+  std::vector<Float4> height;
+
+  // Per base. The third vertex is `none` in 2-D.
+  std::vector<Int4> base;        ///< a, b, c, bits of beta
+  std::vector<Float4> base_e1;   ///< X_b - X_a, lambda_b
+  std::vector<Float4> base_e2;   ///< X_c - X_a (2-D: 0), lambda_c (2-D: 0)
+  std::vector<Int2> base_share;  ///< owner; bits of k_i w_t (conservative) or of w_t (the others)
+
+  // Gathered forces.
+  std::vector<Int2> share;  ///< full, shared, barycentric: owner of the row, bits of the share of -F it gives
+  std::vector<std::int32_t> reaction;  ///< averaged, conservative: base entries t * 4 + corner; own bases (corner 3)
+                                       ///< are not listed, their rows are X' ... X' + Bc - 1
+  std::vector<Int4> volume;            ///< a, b, c, d (2-D: d none)
+  std::vector<Float4> volume_e1;       ///< X_b - X_a, 1 / (6 V) (2-D: 1 / (2 A))
+  std::vector<Float4> volume_e2;       ///< X_c - X_a, stiffness, J
+  std::vector<Float4> volume_e3;       ///< X_d - X_a (2-D: 0), 0
+  std::vector<std::int32_t> volume_entry;
+  std::vector<Int4> cell_vertex;       ///< [2 cells] corners 0-3, 4-7; `none` where there is no such corner
+  std::vector<Float4> cell_gradient;   ///< [8 cells] gradient, 0
+  std::vector<Float2> cell_stiffness;  ///< shape, volume; J
+  std::vector<std::int32_t> cell_entry;
+  std::vector<std::int32_t> spring_other;  ///< per end: the other particle
+  std::vector<Float4> spring;              ///< per end: X_other - X_self, stiffness, N/m
+
+  bool has_attractors() const { return !neighbour.empty() && options.reaction != Reaction::conservative; }
+};
+
+enum class FloatLayout { table, enumerated };
+
+/// Rows of `share` (thesis' reactions) or `reaction` are bounded by lists[i][0]. Throws Error where an entry would not
+/// fit 32 bits, and for `enumerated` where the options do not allow it.
+FloatTables pack_floats(const TopologyTextures& topology, FloatLayout layout = FloatLayout::table);
+
+}  // namespace phymul
