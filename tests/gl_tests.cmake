@@ -13,6 +13,34 @@ target_include_directories(phymul_gl_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_link_libraries(phymul_gl_test PRIVATE phymul_gl_objects GTest::gtest_main phymul_warnings phymul_sanitizers)
 gtest_discover_tests(phymul_gl_test DISCOVERY_TIMEOUT 60)
 
+# The door to the module, which must not open where it should not: each in a process of its own, because a module that
+# has been found stays.
+add_executable(phymul_gl_module_test gl_module_test.cpp)
+target_link_libraries(phymul_gl_module_test PRIVATE phymul GTest::gtest_main phymul_warnings phymul_sanitizers)
+add_dependencies(phymul_gl_module_test phymul_gl)
+gtest_discover_tests(phymul_gl_module_test DISCOVERY_TIMEOUT 60 TEST_FILTER GlModule.*)
+
+# Modules that are none, and their reasons.
+add_library(phymul_absent SHARED faulty_modules/absent.cpp)  # nowhere to be found, as GLEW is on a machine without GL
+function(faulty_module name reason)
+  add_library(phymul_${name} MODULE faulty_modules/${name}.cpp)
+  target_link_libraries(phymul_${name} PRIVATE phymul ${ARGN} phymul_warnings phymul_sanitizers)
+  target_include_directories(phymul_${name} PRIVATE ${PROJECT_SOURCE_DIR}/src)
+  set_target_properties(phymul_${name} PROPERTIES SKIP_BUILD_RPATH ON)
+  add_dependencies(phymul_gl_module_test phymul_${name})
+  faulty_module_test(${name} $<TARGET_FILE:phymul_${name}> "${reason}")
+endfunction()
+function(faulty_module_test name module reason)
+  add_test(NAME gl.module_${name} COMMAND phymul_gl_module_test --gtest_filter=GlModuleFaulty.* --gtest_brief=1)
+  set_tests_properties(gl.module_${name} PROPERTIES ENVIRONMENT "PHYMUL_GL_MODULE=${module};PHYMUL_TEST_REASON=${reason}")
+endfunction()
+faulty_module_test(nowhere /nonexistent/libphymul_gl.so
+                   "/nonexistent/libphymul_gl.so: cannot open shared object file: No such file or directory")
+faulty_module(needs_absent "libphymul_absent.so: cannot open shared object file" phymul_absent)
+faulty_module(no_entry "is no GL module of phymul: it has no function phymul_gl_module")
+faulty_module(other_version "belongs to phymul 99.1.2, this program to ${PROJECT_VERSION};")
+faulty_module(other_flags "and was built with other headers or flags")
+
 # The same on other GLs: what the tests of both programs are called that look at GL decides, so a new one is among them.
 function(gl_tests_under name)
   foreach(program IN ITEMS phymul_test phymul_gl_test)
@@ -53,3 +81,19 @@ else()
   message(STATUS "phymul: beside GLX nothing is tested, because CMake did not find X11 and GLX; on Debian or Ubuntu: "
                  "apt-get install libx11-dev libgl-dev xvfb xauth")
 endif()
+
+# What a machine without GL must be able to load needs no library of it; the check itself finds that the module does.
+set(loadable $<TARGET_FILE:phymul_test>)
+get_target_property(type phymul TYPE)
+if(type STREQUAL "SHARED_LIBRARY")
+  list(APPEND loadable $<TARGET_FILE:phymul>)
+endif()
+function(add_no_gl_check name)
+  add_test(NAME check.${name} COMMAND ${CMAKE_COMMAND} -DREADELF=${CMAKE_READELF} ${ARGN}
+                                      -P ${CMAKE_CURRENT_SOURCE_DIR}/checks/no_gl_needed.cmake)
+endfunction()
+add_no_gl_check(no_gl_needed "-DFILES=${loadable}")
+add_no_gl_check(no_gl_needed.finds_faults -DFILES=$<TARGET_FILE:phymul_gl>)
+set_tests_properties(check.no_gl_needed.finds_faults PROPERTIES WILL_FAIL ON)
+# A copy of the core in the module stays its own.
+add_no_gl_check(gl_module_shows_one_function -DFILES=$<TARGET_FILE:phymul_gl> -DONLY_SYMBOL=phymul_gl_module)
