@@ -31,6 +31,10 @@ void require_single_precision(const VecList& rest, const State& state) {
   }
 }
 
+ParticleBuffer shown(const Texture& texture) {
+  return {.texture = texture.id(), .width = texture.shape().width, .height = texture.shape().height, .position = {}};
+}
+
 }  // namespace
 
 FragmentSolver::FragmentSolver(std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in,
@@ -236,15 +240,11 @@ bool FragmentSolver::do_collect(State& state) {
 
 ParticleBuffer FragmentSolver::do_position_buffer() const {
   if (!device_) return {};
-  const Texture& texture = device_->state().displacement();
-  return {.texture = texture.id(), .width = texture.shape().width, .height = texture.shape().height};
+  return shown(device_->state().displacement());
 }
 
 ParticleBuffer FragmentSolver::do_attractor_buffer() const {
-  return on_device([&] {
-    const Texture& texture = device_->attractors();
-    return ParticleBuffer{.texture = texture.id(), .width = texture.shape().width, .height = texture.shape().height};
-  });
+  return on_device([&] { return shown(device_->attractors()); });
 }
 
 std::unique_ptr<Solver> make_fragment_solver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
