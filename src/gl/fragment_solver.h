@@ -21,7 +21,7 @@ class FragmentSolver final : public Solver {
   FragmentSolver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene, const SolverOptions& options);
   ~FragmentSolver() override;
 
-  Context& context() { return *context_; }
+  const std::shared_ptr<Context>& context() const { return context_; }
   bool enumerated() const { return layout_ == FloatLayout::enumerated; }
   double first_compile() const { return first_compile_; }  ///< s that shaders and the first draws took
 
