@@ -15,13 +15,9 @@ namespace phymul::test {
 struct BackendUnderTest {
   std::string name;
   std::function<std::unique_ptr<Solver>(const Model&, const Scene&, const TopologyOptions&, const SolverOptions&)> make;
-<<<<<<< HEAD
   double roundoff = 0x1p-53;  ///< of one operation of its arithmetic
-  std::string why_not = {};  ///< a sentence where this machine cannot run it: its tests are skipped, or fail
-=======
   /// A sentence where this machine cannot run it: its tests are skipped, or fail. Null: it always can.
   std::function<std::string()> why_not = {};
->>>>>>> context
 };
 
 inline void PrintTo(const BackendUnderTest& backend, std::ostream* out) {
