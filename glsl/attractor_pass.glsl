@@ -7,6 +7,7 @@ uniform sampler2D particle;  // 1/m, k_i, m
 uniform int particle_log2;
 
 layout(location = 0) out vec4 result;
+invariant result;
 
 void main() {
   int i = own_row();

@@ -4,6 +4,7 @@
 // bases' forces. Needs net_force.glsl.
 
 layout(location = 0) out vec4 attractor;
+invariant attractor;
 
 void main() {
   int i = own_row();
