@@ -6,6 +6,11 @@ vec3 acceleration(vec3 force, float inverse_mass, vec3 gravity) {
   return inverse_mass * force + gravity;
 }
 
+vec3 cut_force(vec3 force, float largest) {
+  float q = inner_product(force, force);
+  return q > largest * largest ? (largest * (1.0 / sqrt(q))) * force : force;
+}
+
 void integrate_displacement(inout vec3 u, inout vec3 v, vec3 a, float dt, float damping_factor) {
   v = damping_factor * v + dt * a;
   u = u + dt * v;

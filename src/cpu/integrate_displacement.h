@@ -14,6 +14,13 @@ Vector3<S> acceleration(const Vector3<S>& force, const S& inverse_mass, const Ve
   return inverse_mass * force + gravity;
 }
 
+/// An elastic force, cut to `largest`: SolverOptions::largest_push.
+template <class S>
+Vector3<S> cut_force(const Vector3<S>& force, const S& largest) {
+  const S q = inner_product(force, force);
+  return select(q > largest * largest, (largest * (S(1.0f) / square_root(q))) * force, force);
+}
+
 template <class S>
 struct Displaced {
   Vector3<S> u, v;

@@ -171,10 +171,14 @@ class MirrorSolver final : public Solver {
   void move(const StepPlan& plan, Motion& motion) {
     const auto dt = static_cast<float>(plan.dt), damping = static_cast<float>(plan.damping_factor);
     const auto inverse_dt = static_cast<float>(1.0 / plan.dt);
+    const auto largest_acceleration = static_cast<float>(plan.largest_acceleration);
     forces_.evaluate(u_, force_);
     loads_.evaluate(scene(), time_);
     motion.max_acceleration = motion.max_force = 0.0;
     for (Index i = 0; i < topology().particle_count; ++i) {
+      const Float3 cut = cut_force(force_[i], forces_.tables().particle[i][2] * largest_acceleration);
+      motion.cut = motion.cut || cut != force_[i];
+      force_[i] = cut;
       const Float3 a = acceleration_of(i, force_[i], loads_);
       const double free = widened(loads_.free_part(i, a)).norm();
       motion.max_acceleration = std::max(motion.max_acceleration, free);
