@@ -147,8 +147,7 @@ class Solver {
   std::string_view choice() const { return choice_; }  ///< why "auto" took this backend; empty when asked for by name
 
   /// Limit of dt in s for the free body at rest and this damping; holding particles can only raise it. Deformed bodies
-  /// have a smaller one: work at half of it, recover from collapsed states at a fifth. Infinite for a body without any
-  /// stiffness. See estimate_spectrum.
+  /// have a smaller one: work at half of it. Infinite for a body without any stiffness. See estimate_spectrum.
   double stable_step() const { return stable_step_; }
 
  protected:
