@@ -32,7 +32,6 @@ struct GlModule {
   GlModuleStamp stamp;
   /// Opens a context as the options say, and closes it; throws Error with what was tried.
   GlDevice (*probe)(const GlOptions& options) = nullptr;
-  /// Null as long as the module holds no solver.
   std::unique_ptr<Solver> (*make)(std::shared_ptr<const TopologyTextures>, const Scene&,
                                   const SolverOptions&) = nullptr;
 };
