@@ -21,14 +21,18 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void require_single_precision(const VecList& rest, const State& state) {
+/// The largest displacement, m. Throws Error where one is beyond single precision.
+double require_single_precision(const VecList& rest, const State& state) {
+  double largest = 0.0;
   for (std::size_t i = 0; i < rest.size(); ++i) {
     const Eigen::Vector3f u = (state.position[i] - rest[i]).cast<float>(), v = state.velocity[i].cast<float>();
+    largest = std::max(largest, u.cast<double>().norm());
     if (u.allFinite() && v.allFinite()) continue;
     throw Error("Solver::reset: particle " + std::to_string(i) +
                 " has a displacement or velocity beyond single precision; the backend \"reference\" computes in "
                 "double precision");
   }
+  return largest;
 }
 
 ParticleBuffer shown(const Texture& texture) {
@@ -104,7 +108,7 @@ auto FragmentSolver::on_device(Function&& function) const {
 }
 
 void FragmentSolver::do_reset(const State& state) {
-  require_single_precision(topology().rest, state);
+  const double largest = require_single_precision(topology().rest, state);
   if (!device_ || context_->lost()) rebuild();
   follow();
   context_->run([&] {
@@ -115,6 +119,7 @@ void FragmentSolver::do_reset(const State& state) {
   time_ = state.time;
   last_dt_ = 0.0;
   steps_at_rest_ = 0;
+  largest_displacement_ = largest;
 }
 
 void FragmentSolver::do_scene_changed() {
@@ -175,11 +180,12 @@ Solver::Motion FragmentSolver::run_batches(const StepPlan& plan) {
 bool FragmentSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
   std::vector<double> instants{time_};
   for (int k = 0; k < count; ++k) instants.push_back(instants.back() + plan.dt);
+  const RestThresholds rest = rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest}, largest_displacement_);
   device_->begin_batch({.dt = plan.dt,
                         .damping_factor = plan.damping_factor,
                         .runaway_speed = plan.runaway_speed,
-                        .speed_at_rest = plan.speed_at_rest,
-                        .acceleration_at_rest = plan.acceleration_at_rest},
+                        .speed_at_rest = rest.speed,
+                        .acceleration_at_rest = rest.acceleration},
                        instants);
   device_->run(count);
   BatchReport report = device_->report();
@@ -200,6 +206,7 @@ bool FragmentSolver::run_batch(const StepPlan& plan, int count, Motion& motion) 
     motion.max_speed = report.max_speed;
     motion.max_acceleration = report.max_acceleration;
     motion.max_force = report.max_force;
+    largest_displacement_ = report.max_displacement;
   }
   motion.steps += good;
   advance_time(good, plan.dt);
