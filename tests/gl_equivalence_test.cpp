@@ -165,13 +165,18 @@ void follow_reference(const GlTwins& twins, Solver& reference, const Model& mode
 }
 
 TEST_F(GlEquivalence, DampedBodiesComeToTheReferencesRest) {
+  const gl::ContextInfo info = gl::Context::open({})->info();
+  const bool slow = info.software && !info.renderer.starts_with("llvmpipe");
   for (const Body& body : bodies()) {
     for (const Variant& variant : all_variants()) {
       // The full reaction grows without bound; the shared one flutters where heights scale with the area.
       const bool settles = variant.options.reaction != Reaction::full && variant.name != "shared p=1.5 all";
-      const bool chosen = body.name == "block18" || body.name == "strip" || variant.name == "conservative" ||
-                          variant.name == "material" || variant.name == "shared";
+      const bool chosen_by_name =
+          variant.name == "conservative" || variant.name == "material" || variant.name == "shared";
+      const bool chosen = body.name == "block18" || body.name == "strip" || chosen_by_name;
       if (!applies(variant, body) || !settles || !chosen) continue;
+      // Two thousand steps of the larger bodies take a software renderer other than llvmpipe minutes.
+      if (slow && (body.model.particle_count() > 20 || !chosen_by_name)) continue;
       SCOPED_TRACE(body.name + ", " + variant.name);
       const Model model = prepared(variant, body);
       const Scene scene(model);

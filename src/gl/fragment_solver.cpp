@@ -35,7 +35,9 @@ double require_single_precision(const VecList& rest, const State& state) {
   return largest;
 }
 
-ParticleBuffer shown(const Texture& texture) {
+/// Another context sees what was drawn here only once it is done. After a step, whose report was waited for, it is.
+ParticleBuffer finished(const Texture& texture) {
+  glFinish();
   return {.texture = texture.id(), .width = texture.shape().width, .height = texture.shape().height, .position = {}};
 }
 
@@ -247,11 +249,11 @@ bool FragmentSolver::do_collect(State& state) {
 
 ParticleBuffer FragmentSolver::do_position_buffer() const {
   if (!device_) return {};
-  return shown(device_->state().displacement());
+  return on_device([&] { return finished(device_->state().displacement()); });
 }
 
 ParticleBuffer FragmentSolver::do_attractor_buffer() const {
-  return on_device([&] { return shown(device_->attractors()); });
+  return on_device([&] { return finished(device_->attractors()); });
 }
 
 std::unique_ptr<Solver> make_fragment_solver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
