@@ -50,6 +50,7 @@ FragmentSolver::FragmentSolver(std::shared_ptr<const TopologyTextures> shared, c
       layout_(choose_layout(gl_.layout, topology())),
       context_(Context::open(gl_)),
       kept_(rest_state(model())) {
+  instants_.reserve(FragmentDevice::most_steps + 1);
   try {
     build();
     reset();
@@ -180,15 +181,15 @@ Solver::Motion FragmentSolver::run_batches(const StepPlan& plan) {
 
 /// False where the motion ends with this batch: a failure, or rest.
 bool FragmentSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
-  std::vector<double> instants{time_};
-  for (int k = 0; k < count; ++k) instants.push_back(instants.back() + plan.dt);
+  instants_.assign(1, time_);
+  for (int k = 0; k < count; ++k) instants_.push_back(instants_.back() + plan.dt);
   const RestThresholds rest = rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest}, largest_displacement_);
   device_->begin_batch({.dt = plan.dt,
                         .damping_factor = plan.damping_factor,
                         .runaway_speed = plan.runaway_speed,
                         .speed_at_rest = rest.speed,
                         .acceleration_at_rest = rest.acceleration},
-                       instants);
+                       instants_);
   device_->run(count);
   BatchReport report = device_->report();
   const int failed_at = report.runaway_step;

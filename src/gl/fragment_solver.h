@@ -61,6 +61,7 @@ class FragmentSolver final : public Solver {
   double time_ = 0.0, last_dt_ = 0.0;
   int steps_at_rest_ = 0;
   double largest_displacement_ = 0.0;  // m, when the present batch began
+  std::vector<double> instants_;       // of a batch
   double seconds_a_step_ = 0.0;        // wall clock; 0: not known yet
 };
 
