@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Everything that pulls at one particle, in a fixed order: its own attractor or bases, what reactions give back,
-// volumes, cells, springs, loads. Needs displacement.glsl; delta_spring.glsl where SPRINGS is defined.
+// volumes, cells, springs, loads. Needs displacement.glsl; delta_spring.glsl where SPRINGS is defined;
+// integrate_displacement.glsl where CUT is.
 
 uniform sampler2D particle;  // 1/m, k_i, m
 uniform int particle_log2;
@@ -47,6 +48,9 @@ uniform int load_parts_log2;
 uniform sampler2D load_values;  // a row of load_count values per instant
 uniform int load_values_log2;
 uniform int load_count;
+#endif
+#ifdef CUT
+uniform float largest_acceleration;  // m/s^2: elastic force over mass is cut to it
 #endif
 uniform int instant;  // whose values act on the step: of its old time; the next are of its new time
 
@@ -116,13 +120,20 @@ vec3 load_sum(int first, int end, int at) {
 }
 #endif
 
-vec3 net_force(int i) {
+// w: 1 where the elastic part was cut.
+vec4 net_force(int i) {
+  vec3 F = elastic_force(i);
+  float was_cut = 0.0;
+#ifdef CUT
+  float largest = fetch(particle, particle_log2, i).z * largest_acceleration;
+  was_cut = inner_product(F, F) > largest * largest ? 1.0 : 0.0;
+  F = cut_force(F, largest);
+#endif
 #ifdef FORCES
   ivec4 rows = fetch(load_index, load_index_log2, i);
-  return elastic_force(i) + load_sum(rows.x, rows.y, instant);
-#else
-  return elastic_force(i);
+  F = F + load_sum(rows.x, rows.y, instant);
 #endif
+  return vec4(F, was_cut);
 }
 
 // Bit k set: coordinate k is imposed.

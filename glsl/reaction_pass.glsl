@@ -8,5 +8,5 @@ invariant net;
 void main() {
   int i = own_row();
   if (i >= row_count) discard;
-  net = vec4(net_force(i), 0.0);
+  net = net_force(i);
 }

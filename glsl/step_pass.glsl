@@ -4,7 +4,8 @@
 // Needs net_force.glsl and integrate_displacement.glsl.
 //
 // What a step has to tell rides along, so that no further pass is needed until the batch of steps ends:
-//   velocity.w      number of the first step of the batch in which the particle ran away; 0: none
+//   velocity.w      number of the first step of the batch in which the particle ran away; 0: none, -1: none, but in some
+//                   step its elastic force was cut
 //   displacement.w  first * 1024 + last step of the batch in which it was not quiet; 0: none
 
 uniform sampler2D velocity;
@@ -22,7 +23,7 @@ layout(location = 0) out vec4 next_displacement;
 invariant next_displacement;
 layout(location = 1) out vec4 next_velocity;
 invariant next_velocity;
-layout(location = 2) out vec4 measured;  // speed, acceleration, force of the free coordinates
+layout(location = 2) out vec4 measured;  // speed, acceleration, force of the free coordinates; displacement
 invariant measured;
 
 float length_of(vec3 a) {
@@ -47,11 +48,11 @@ void main() {
   vec4 old_velocity = fetch(velocity, velocity_log2, i);
   vec4 inertia = fetch(particle, particle_log2, i);
 #ifdef FOUR_PASSES
-  vec3 F = fetch(net, net_log2, i).xyz;
+  vec4 F = fetch(net, net_log2, i);
 #else
-  vec3 F = net_force(i);
+  vec4 F = net_force(i);
 #endif
-  vec3 a = acceleration(F, inertia.x, gravity);
+  vec3 a = acceleration(F.xyz, inertia.x, gravity);
   vec3 u = old_displacement.xyz;
   vec3 v = old_velocity.xyz;
   integrate_displacement(u, v, a, dt, damping_factor);
@@ -64,11 +65,11 @@ void main() {
 
   float speed = length_of(free_part(v, fixed_at));
   float pushed = length_of(free_part(a, fixed_at));
-  measured = vec4(speed, pushed, inertia.z * pushed, 0.0);
+  measured = vec4(speed, pushed, inertia.z * pushed, length_of(u));
   bool quiet = speed <= speed_at_rest && pushed <= acceleration_at_rest;
   bool bad = !finite(u) || !finite(v) || !(length_of(v) <= runaway_speed);
   float ran_away = batch_step == 1 ? 0.0 : old_velocity.w;
-  if (ran_away == 0.0 && bad) ran_away = float(batch_step);
+  if (ran_away <= 0.0) ran_away = bad ? float(batch_step) : min(ran_away, -F.w);
   next_displacement = vec4(u, unquiet_steps(old_displacement.w, quiet));
   next_velocity = vec4(v, ran_away);
 }

@@ -127,10 +127,13 @@ FragmentPasses::Stepping FragmentPasses::compiled(const LoadKind& loads) const {
   ShaderRequest step = gathering(loads, "step_pass.glsl");
   if (four_) {
     step.defines.emplace_back("FOUR_PASSES", 1);
-    stepping.reaction = Pass(*library_, gathering(loads, "reaction_pass.glsl"));
+    ShaderRequest reaction = gathering(loads, "reaction_pass.glsl");
+    reaction.defines.emplace_back("CUT", 1);
+    stepping.reaction = Pass(*library_, std::move(reaction));
     tables_->bind(stepping.reaction);
     bind_terms(stepping.reaction);
   }
+  step.defines.emplace_back("CUT", 1);
   stepping.step = Pass(*library_, std::move(step));
   tables_->bind(stepping.step);
   bind_terms(stepping.step);
@@ -148,12 +151,15 @@ void FragmentPasses::set_loads(const FragmentLoads& loads) {
 }
 
 void FragmentPasses::set_constants(const StepConstants& constants) {
+  const auto finite = [](double value) { return std::min(value, double{std::numeric_limits<float>::max()}); };
+  Pass& cutting = four_ ? now_->reaction : now_->step;
+  cutting.set("largest_acceleration", static_cast<float>(finite(constants.largest_acceleration)));
   Pass& pass = now_->step;
   const auto set = [&](const char* name, double value) { pass.set(name, static_cast<float>(value)); };
   set("dt", constants.dt);
   set("inverse_dt", 1.0 / constants.dt);
   set("damping_factor", constants.damping_factor);
-  set("runaway_speed", std::min(constants.runaway_speed, static_cast<double>(std::numeric_limits<float>::max())));
+  set("runaway_speed", finite(constants.runaway_speed));
   set("speed_at_rest", constants.speed_at_rest);
   set("acceleration_at_rest", constants.acceleration_at_rest);
 }

@@ -22,7 +22,7 @@ namespace phymul::gl {
 /// What all steps of a call have in common.
 struct StepConstants {
   double dt = 0.0, damping_factor = 1.0;
-  double runaway_speed = 0.0, speed_at_rest = 0.0, acceleration_at_rest = 0.0;
+  double largest_acceleration = 0.0, runaway_speed = 0.0, speed_at_rest = 0.0, acceleration_at_rest = 0.0;
 };
 
 class FragmentPasses {

@@ -50,7 +50,8 @@ BatchReport FragmentReport::read(const Texture& displacement, const Texture& vel
   levels_.back().target.read(1, GL_RGBA, GL_FLOAT, maxima.data());
 
   BatchReport report;
-  if (events[0] != never) {
+  report.cut = events[0] == never - 1;
+  if (events[0] < never - 1) {
     report.runaway_step = events[0];
     report.particle = events[1];
   }
@@ -59,6 +60,7 @@ BatchReport FragmentReport::read(const Texture& displacement, const Texture& vel
   report.max_speed = maxima[0];
   report.max_acceleration = maxima[1];
   report.max_force = maxima[2];
+  report.max_displacement = maxima[3];
   return report;
 }
 

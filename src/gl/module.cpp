@@ -17,6 +17,7 @@ GlDevice probe(const GlOptions& options) {
 }  // namespace phymul::gl
 
 extern "C" __attribute__((visibility("default"))) const phymul::GlModule* phymul_gl_module() {
-  static const phymul::GlModule module{.stamp = {}, .probe = phymul::gl::probe, .make = phymul::gl::make_fragment_solver};
+  static const phymul::GlModule module{
+      .stamp = {}, .probe = phymul::gl::probe, .make = phymul::gl::make_fragment_solver};
   return &module;
 }
