@@ -8,12 +8,14 @@
 #include <functional>
 
 #include "bodies.h"
+#include "gl_needed.h"
 
 namespace phymul::test {
 
 struct BackendUnderTest {
   std::string name;
   std::function<std::unique_ptr<Solver>(const Model&, const Scene&, const TopologyOptions&, const SolverOptions&)> make;
+  std::string why_not = {};  ///< a sentence where this machine cannot run it: its tests are skipped, or fail
 };
 
 inline void PrintTo(const BackendUnderTest& backend, std::ostream* out) {
@@ -22,6 +24,8 @@ inline void PrintTo(const BackendUnderTest& backend, std::ostream* out) {
 
 class SolverConformance : public testing::TestWithParam<BackendUnderTest> {
  protected:
+  void SetUp() override { PHYMUL_SKIP_OR_FAIL(GetParam().why_not); }
+
   static std::unique_ptr<Solver> make(const Model& model, const Scene& scene, const SolverOptions& options = {},
                                       const TopologyOptions& topology = {}) {
     return GetParam().make(model, scene, topology, options);

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: MIT
+#
+# phymul_gl: the GL part, a module that the library loads at the first wish for it. So a machine without GLEW, EGL or GL
+# still loads the library and what is linked with it. See src/gl_module.h.
+
+# The tests of the inside take the same objects.
+add_library(phymul_gl_objects OBJECT
+  src/gl/context.cpp
+  src/gl/context_current.cpp
+  src/gl/context_debug.cpp
+  src/gl/context_info.cpp
+  src/gl/context_own.cpp
+  src/gl/context_self_test.cpp
+  src/gl/context_worker.cpp
+  src/gl/egl_context.cpp
+  src/gl/egl_display.cpp
+  src/gl/gl_functions.cpp
+  src/gl/guard_egl.cpp
+  src/gl/guard_state.cpp
+  src/gl/module.cpp)
+find_package(Threads REQUIRED)
+target_include_directories(phymul_gl_objects PUBLIC src)
+target_compile_options(phymul_gl_objects PRIVATE -ffp-contract=off)
+set_target_properties(phymul_gl_objects PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden
+                                                   VISIBILITY_INLINES_HIDDEN ON)
+target_link_libraries(phymul_gl_objects PUBLIC phymul GLEW::GLEW OpenGL::EGL Threads::Threads ${CMAKE_DL_LIBS}
+                                        PRIVATE phymul_warnings phymul_sanitizers)
+
+add_library(phymul_gl MODULE)
+# Beside a static library it carries what it needs of the core itself, and shows none of it.
+target_link_options(phymul_gl PRIVATE LINKER:--exclude-libs,ALL LINKER:--no-undefined)
+target_link_libraries(phymul_gl PRIVATE phymul_gl_objects phymul_sanitizers)
+set_target_properties(phymul_gl PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/phymul
+                                           INSTALL_RPATH "$ORIGIN/..")
+
+target_sources(phymul PRIVATE src/gl_module.cpp)
+target_compile_definitions(phymul PRIVATE PHYMUL_HAS_GL PHYMUL_LIBDIR_NAME="${CMAKE_INSTALL_LIBDIR}"
+                                          PHYMUL_LIBDIR="${CMAKE_INSTALL_FULL_LIBDIR}")
+target_link_libraries(phymul PRIVATE ${CMAKE_DL_LIBS})
+get_target_property(type phymul TYPE)
+if(type STREQUAL "STATIC_LIBRARY")
+  # A program with a static phymul stands anywhere: the dynamic loader is told where the module is, as CMake tells it
+  # of shared libraries.
+  target_link_options(phymul INTERFACE
+    $<BUILD_INTERFACE:LINKER:-rpath,${PROJECT_BINARY_DIR}/phymul>
+    $<INSTALL_INTERFACE:LINKER:-rpath,$<INSTALL_PREFIX>/${CMAKE_INSTALL_LIBDIR}/phymul>)
+endif()
