@@ -15,6 +15,7 @@ namespace phymul::test {
 struct BackendUnderTest {
   std::string name;
   std::function<std::unique_ptr<Solver>(const Model&, const Scene&, const TopologyOptions&, const SolverOptions&)> make;
+  double roundoff = 0x1p-53;  ///< of one operation of its arithmetic
   std::string why_not = {};  ///< a sentence where this machine cannot run it: its tests are skipped, or fail
 };
 
@@ -30,6 +31,7 @@ class SolverConformance : public testing::TestWithParam<BackendUnderTest> {
                                       const TopologyOptions& topology = {}) {
     return GetParam().make(model, scene, topology, options);
   }
+  static double roundoff() { return GetParam().roundoff; }
   static Model block() {
     Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
     set_material(model, soft_tissue());

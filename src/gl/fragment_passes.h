@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+//
+// The passes of a step. Two by default, besides those for what only some bodies hold:
+//   attractor  F_i of every particle                        reactions full, shared, barycentric, averaged
+//   bases      forces of a base on a, b, c and its owner    averaged, conservative
+//   volumes    forces of a volume on its vertices           bodies with a volume energy
+//   cells      stress of a cell                             bodies with cell-averaged terms
+//   step       net force and Verlet
+// With four passes as in the 2007 thesis the first is two (attractor, force) and the last is two (reaction, Verlet);
+// the bits are the same.
+#pragma once
+
+#include <optional>
+
+#include "gl/fragment_loads.h"
+#include "gl/fragment_state.h"
+#include "gl/fragment_tables.h"
+
+namespace phymul::gl {
+
+/// What all steps of a call have in common.
+struct StepConstants {
+  double dt = 0.0, damping_factor = 1.0;
+  double runaway_speed = 0.0, speed_at_rest = 0.0, acceleration_at_rest = 0.0;
+};
+
+class FragmentPasses {
+ public:
+  /// `four`: as the thesis had them.
+  FragmentPasses(const FragmentTables& tables, const ShaderLibrary& library, bool four);
+
+  const FragmentTables& tables() const { return *tables_; }
+
+  /// Compiles what these loads need, where it is not there yet.
+  void set_loads(const FragmentLoads& loads);
+
+  /// Before steps of a call.
+  void set_constants(const StepConstants& constants);
+
+  /// One step from the current state to state.next(), as number `batch_step` (1, 2, ...) of a batch whose loads were
+  /// evaluated at instants batch_step - 1 and batch_step. Does not advance the state.
+  void step(const FragmentState& state, int batch_step, bool measuring);
+
+  /// Forces of attractors, bases, volumes and cells at the current state, into the textures that `bind_terms` gives.
+  void evaluate(const FragmentState& state);
+  void bind_terms(Pass& pass) const;
+
+  /// What the body and the loads need of the shaders that include net_force.glsl.
+  ShaderRequest gathering(const LoadKind& loads, const char* pass) const;
+
+  /// P*_i - X_i of every particle, m; compiled at the first call. Only where the body has attractors or bases.
+  const Texture& attractors(const FragmentState& state);
+
+  /// Draws every pass once, so that a driver compiles now what it would compile at the first step.
+  void warm_up(const FragmentState& state);
+
+ private:
+  struct Drawing {
+    Pass pass;
+    Framebuffer target;
+    int rows = 0;
+  };
+  struct Stepping {  // of one kind of loads
+    LoadKind loads;
+    Pass reaction, step;  // reaction: four passes only
+  };
+  Drawing drawing(ShaderRequest request, std::vector<Attachment> targets, int rows) const;
+  ShaderRequest with_bases(std::vector<std::string> files) const;
+  std::vector<std::string> attractor_files() const;
+  void add_attractors();
+  void add_terms();
+  static void draw(Drawing& drawing, const FragmentState& state);
+
+  const FragmentTables* tables_;
+  const ShaderLibrary* library_;
+  bool four_;
+  Texture pull_, force_, net_, base_terms_, volume_terms_, cell_terms_, shown_;
+  std::vector<Drawing> before_;  // drawn in order before the step
+  std::optional<Drawing> showing_;
+  Framebuffer net_target_;
+  std::vector<Stepping> stepping_;
+  Stepping* now_ = nullptr;
+  const FragmentLoads* loads_ = nullptr;
+};
+
+/// For every pass that draws a row per texel of a target.
+void set_rows(Pass& pass, const Texture& target, int rows);
+
+}  // namespace phymul::gl

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+//
+// Pass: a program with the textures it reads, ready to be drawn over a target.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "framebuffer.h"
+#include "program.h"
+
+namespace phymul::gl {
+
+class Pass {
+ public:
+  Pass() = default;
+  Pass(const ShaderLibrary& library, ShaderRequest request);
+
+  /// The texture behind sampler `name`, and the uniform `name`_log2 that finds a row in it. Stays until the next call;
+  /// one the shader does not use is passed over.
+  void input(const char* name, const Texture& texture);
+
+  /// For uniforms, which stay too. Makes the program current.
+  void set(const char* name, int value);
+  void set(const char* name, float value);
+  void set(const char* name, const Float4& xyz);  ///< a vec3: the first three
+
+  /// One fragment per texel of the target. A vertex array must be bound.
+  void draw(const Framebuffer& target);
+
+ private:
+  struct Input {
+    std::string name;
+    GLuint texture;
+    GLenum kind;
+    int log2_width;
+    GLint log2_location;
+  };
+  struct Uniform {
+    std::string name;
+    GLint location;
+  };
+  GLint location(const char* name);
+
+  Program program_;
+  std::vector<Input> inputs_;  // at texture units 0, 1, ...
+  std::vector<std::string> unused_;
+  std::vector<Uniform> uniforms_;
+};
+
+}  // namespace phymul::gl
