@@ -4,6 +4,8 @@
 // cylinder, as figures 3.1 to 3.6 of the 2007 thesis show them: at rest, deformed, come back.
 #include <phymul/phymul.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 
@@ -39,8 +41,9 @@ State come_to_rest(phymul::Solver& solver, std::string& subtitle) {
   const phymul::StepReport report = solver.run_to_rest(200'000, 0.5 * solver.stable_step());
   if (!report.ok() || !report.at_rest) throw phymul::Error("the body did not come to rest: " + report.message());
   const State state = solver.read();
-  subtitle = text("at rest after %.0f steps, at most %.1g mm from the rest shape", report.steps,
-                  1e3 * displacement_norms(solver.model(), state).max);
+  const double nanometres = std::ceil(1e9 * displacement_norms(solver.model(), state).max);
+  subtitle =
+      text("at rest again after %.0f steps, within %.0f nm of its rest shape", report.steps, std::max(nanometres, 1.0));
   return state;
 }
 
@@ -83,18 +86,18 @@ void draw_tetrahedron(const std::string& folder) {
 
   PictureOptions picture;
   picture.inside = true;
+  picture.particle_radius = 0.055 * edge;
   picture.fixed = model.group("base");
   picture.eye = Vec3(0.35, -1.0, 0.35);
   picture.width = 760;
   picture.height = 700;
   const State rest = phymul::rest_state(model);
   draw(model,
-       {{"tetrahedron_1_rest.png", "1. At rest", "every particle lies in its attractor", rest,
-         attractors_of(*solver, rest)},
+       {{"tetrahedron_1_rest.png", "1. At rest", "each particle lies where the three others say: no force", rest, {}},
         {"tetrahedron_2_pulled.png", "2. One particle pulled away",
-         "its attractor stays where the others put it; theirs move along with it", pulled,
+         "each is drawn to its attractor, where the others now say its place is", pulled,
          attractors_of(*solver, pulled), true},
-        {"tetrahedron_3_returned.png", "3. Let go", how, back, attractors_of(*solver, back)}},
+        {"tetrahedron_3_returned.png", "3. Let go", how, back, {}}},
        picture, folder, apex);
 }
 

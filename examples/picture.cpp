@@ -30,7 +30,7 @@ VecList all_points(const phymul::Model& model, const phymul::State& state, const
 phymul::DisplayOptions layers(const PictureOptions& options) {
   phymul::DisplayOptions shown;
   shown.full_scale = options.full_scale;
-  shown.rest_shape = true;
+  shown.particle_radius = options.particle_radius;
   shown.attractors = !options.attractors.empty();
   if (options.inside) {
     shown.surface_opacity = 0.3;
@@ -66,16 +66,19 @@ void BodyPictures::draw(const phymul::State& state, const PictureOptions& given,
   PictureOptions options = given;
   const double largest = displacement_norms(model_, state).max;
   if (options.full_scale <= 0.0) options.full_scale = largest;
+  const bool deformed = largest > 1e-3 * options.full_scale;  // else the rest shape's outline would lie on the body's
   const int width = std::max(options.width - side_margin - bar_margin, 1);
   const int height = std::max(options.height - top_margin - bottom_margin, 1);
   const phymul::Vec3 eye = model_.dimension == 2 ? phymul::Vec3(phymul::Vec3::UnitZ()) : options.eye;
-  const phymul::Camera camera =
-      phymul::framing(all_points(model_, state, options), eye, static_cast<double>(width) / height);
+  const double aspect = static_cast<double>(width) / height;
+  phymul::Camera camera = phymul::framing(all_points(model_, state, options), eye, aspect);
+  const double ball = options.particle_radius > 0.0 ? options.particle_radius : 0.08 * mean_spacing(model_);
+  camera.view_height += 2.6 * ball * std::max(1.0, 1.0 / aspect);  // marks are balls, and larger
 
   Canvas canvas(options.width, options.height);
   if (display_) {
     phymul::DisplayOptions shown = layers(options);
-    shown.rest_shape = largest > 0.0;
+    shown.rest_shape = deformed;
     display_->show(state.position, options.attractors);
     canvas.put(display_->render(camera, shown, width, height), side_margin, top_margin);
   } else {
@@ -92,6 +95,6 @@ void BodyPictures::draw(const phymul::State& state, const PictureOptions& given,
   const double end = draw_length_bar(canvas.cairo(), side_margin, y, 0.25 * options.width,
                                      phymul::pixels_per_metre(camera, camera.target, height));
   draw_key(canvas.cairo(), end + 90.0, y,
-           {!options.fixed.empty(), !options.driven.empty(), display_ && !options.attractors.empty(), largest > 0.0});
+           {!options.fixed.empty(), !options.driven.empty(), display_ && !options.attractors.empty(), deformed});
   canvas.save(path);
 }

@@ -24,6 +24,7 @@ struct PictureOptions {
   int width = 900;                     ///< pixels
   int height = 1000;
   // By OpenGL only.
+  double particle_radius = 0.0;     ///< m; 0: as Display takes it
   bool inside = false;              ///< the surface lets through; particles and links between neighbours show
   phymul::VecList attractors = {};  ///< [N] or empty: where each particle is drawn to
 };

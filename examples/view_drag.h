@@ -27,6 +27,6 @@ class ParticleDrag {
   phymul::Scene& scene_;
   std::optional<phymul::Index> particle_;
   std::size_t first_row_ = 0;
-  double depth_ = 0.0;                  // m, from the eye
-  phymul::Vec3 offset_{0, 0, 0};        // from the place under the mouse to the particle, m
+  double depth_ = 0.0;            // m, from the eye
+  phymul::Vec3 offset_{0, 0, 0};  // from the place under the mouse to the particle, m
 };

@@ -67,8 +67,10 @@ void Simulation::step(int n) {
   failure_ = report.ok() ? std::string() : report.message();
 }
 
-void Simulation::advance(double wall_time) {
-  if (wall_time > longest_frame) {
+void Simulation::advance(double wall_time, bool keep_up) {
+  if (!keep_up) {
+    steps_a_frame_ = std::max(1, static_cast<int>(frame / dt_));
+  } else if (wall_time > longest_frame) {
     steps_a_frame_ = std::max(1, steps_a_frame_ * 4 / 5);
   } else {
     steps_a_frame_ = std::min(steps_a_frame_ + 1 + steps_a_frame_ / 8, std::max(1, static_cast<int>(frame / dt_)));

@@ -14,8 +14,8 @@
 
 #include "view_options.h"
 
-/// Needs the window's context current at every call: GL backends run in it, and leave the particles where they are drawn
-/// from.
+/// Needs the window's context current at every call: GL backends run in it, and leave the particles where they are
+/// drawn from.
 class Simulation {
  public:
   Simulation(const phymul::Model& model, const ViewOptions& options);
@@ -26,8 +26,9 @@ class Simulation {
   phymul::Display& display() { return *display_; }
   double time() const { return time_; }  ///< s, simulated
 
-  /// As many steps as a frame has time for, at most as many as it lasts. `wall_time`: that of the frame before, s.
-  void advance(double wall_time);
+  /// As many steps as make up a frame's time; fewer where the frame before, of `wall_time` s, came late and `keep_up`
+  /// is asked for.
+  void advance(double wall_time, bool keep_up);
   void step(int n);
   void reset();
   void next_backend();

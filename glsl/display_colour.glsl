@@ -21,5 +21,5 @@ vec3 towards_eye(vec3 point) {
 // Both sides are lit: faces of a plane body or of a turned cell may look away.
 vec3 lit(vec3 colour, vec3 normal, vec3 point) {
   vec3 facing = dot(normal, towards_eye(point)) < 0.0 ? -normal : normal;
-  return colour * (0.58 + 0.47 * max(dot(facing, light), 0.0));
+  return colour * (0.66 + 0.38 * max(dot(facing, light), 0.0));
 }

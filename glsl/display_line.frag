@@ -9,6 +9,6 @@ out vec4 colour;
 
 void main() {
   if (dash > 0.0 && fract(along / dash) > 0.6) discard;
-  float shade = tube ? 0.6 + 0.4 * sqrt(max(1.0 - across * across, 0.0)) : 1.0;
+  float shade = tube ? 0.5 + 0.5 * sqrt(max(1.0 - across * across, 0.0)) : 1.0;
   colour = vec4(shade * colour_at(share), opacity);
 }

@@ -25,8 +25,8 @@ struct Image {
   const std::uint8_t* pixel(int x, int y) const { return &rgba[4 * (std::size_t(y) * std::size_t(width) + x)]; }
 };
 
-/// The scale of displacements, share in [0, 1] of the largest one shown: viridis (Smith and van der Walt, 2015, CC0).
-/// Even steps look even, also to the colour-blind and in grey print.
+/// The scale of displacements, share in [0, 1] of the largest one shown: from nearly white over blue to dark purple.
+/// Even steps look even, also to the colour-blind and in grey print, and a body at rest shows its shape.
 Colour displacement_colour(double share);
 
 /// Particles to be marked, such as held or driven ones.
@@ -44,7 +44,7 @@ struct DisplayOptions {
   bool attractors = false;       ///< P* as small balls, and a line from each particle to its own: the way of its force
   bool rest_shape = false;       ///< contour and sharp edges of the rest shape, dashed
   double full_scale = 0.0;       ///< m, displacement at the end of the colour scale; 0: one colour for all
-  double particle_radius = 0.0;  ///< m; 0: a tenth of the mean spacing
+  double particle_radius = 0.0;  ///< m; 0: 0.08 of the mean spacing
   Colour background{1, 1, 1, 1};
   std::vector<DisplayMark> marks;  ///< drawn as balls, a little larger than particles
 };

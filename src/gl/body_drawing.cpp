@@ -9,7 +9,7 @@ namespace {
 
 constexpr double reach = 4.0;           // of what is seen around the body, in its radii, before and behind it
 constexpr double lift = 2e-3;           // of edges over their faces, in the body's radii
-constexpr double particle_size = 0.1;   // radius of a ball in spacings
+constexpr double particle_size = 0.08;  // radius of a ball in spacings
 constexpr double mark_size = 1.25;      // of marks and attractors, in particles
 constexpr double attractor_size = 0.6;  // the same
 constexpr double link_size = 0.025;     // radius of a rod in spacings

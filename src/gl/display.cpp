@@ -5,6 +5,7 @@
 
 #include <array>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include "gl/body_drawing.h"
@@ -78,7 +79,7 @@ class GlDisplay final : public Display {
       glGenVertexArrays(1, &vertex_array_);
       body_.emplace(model, ShaderLibrary(options.shader_folder, context_->info().es));
     });
-    if (!solver) show(model.rest);
+    if (!solver) show(model.rest, {});
   }
 
   ~GlDisplay() override {
@@ -167,7 +168,7 @@ class GlDisplay final : public Display {
 
   /// Calls draw(placement) in the context, between the solver's commands before and after.
   template <class Draw>
-  auto with_placement(bool attractors, Draw&& draw) {
+  std::invoke_result_t<Draw&, const Placement&> with_placement(bool attractors, Draw&& draw) {
     auto result = context_->run([&] {
       const BlendGuard guard;
       Placement placement;
