@@ -170,7 +170,7 @@ void BodyDrawing::set_body(Drawing& drawing, const TextureView& displacement, co
 
 void BodyDrawing::set_line(Drawing& drawing, const Eye& eye, double half_width, double opacity) const {
   drawing.set("viewport", eye.viewport);
-  drawing.set("half_width", static_cast<float>(half_width * eye.pixel_size));
+  drawing.set("half_width", static_cast<float>(std::max(half_width * eye.pixel_size, 0.7)));  // thinner ones break up
   drawing.set("lift", static_cast<float>(lift * radius_));
   drawing.set("opacity", static_cast<float>(opacity));
   drawing.set("dash", 0.0f);
