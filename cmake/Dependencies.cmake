@@ -59,7 +59,7 @@ set(phymul_has_gl OFF)
 if(PHYMUL_WITH_GL)
   # GLEW's GL is asked for by its new name, so that CMake does not warn of there being two.
   set(OpenGL_GL_PREFERENCE GLVND)
-  find_package(OpenGL QUIET COMPONENTS EGL)
+  find_package(OpenGL QUIET COMPONENTS EGL OPTIONAL_COMPONENTS GLX)
   find_package(GLEW 2.1 QUIET)
   if(TARGET OpenGL::EGL AND TARGET GLEW::GLEW)
     set(phymul_has_gl ON)

@@ -35,6 +35,7 @@ set(shaders
   net_force.glsl
   reaction_pass.glsl
   report_pass.glsl
+  shown_attractor_pass.glsl
   step_pass.glsl
   sum_pass.glsl
   vector3.glsl
@@ -60,10 +61,22 @@ add_library(phymul_gl_objects OBJECT
   src/gl/drawing.cpp
   src/gl/egl_context.cpp
   src/gl/egl_display.cpp
+  src/gl/fragment_copies.cpp
+  src/gl/fragment_device.cpp
+  src/gl/fragment_loads.cpp
+  src/gl/fragment_options.cpp
+  src/gl/fragment_passes.cpp
+  src/gl/fragment_report.cpp
+  src/gl/fragment_solver.cpp
+  src/gl/fragment_state.cpp
+  src/gl/fragment_sums.cpp
+  src/gl/fragment_tables.cpp
+  src/gl/framebuffer.cpp
   src/gl/gl_functions.cpp
   src/gl/guard_egl.cpp
   src/gl/guard_state.cpp
   src/gl/module.cpp
+  src/gl/pass.cpp
   src/gl/picture_target.cpp
   src/gl/program.cpp
   src/gl/shader_source.cpp

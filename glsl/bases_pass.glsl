@@ -18,10 +18,14 @@ uniform int force_log2;
 #endif
 
 layout(location = 0) out vec4 on_a;
+invariant on_a;
 layout(location = 1) out vec4 on_b;
+invariant on_b;
 layout(location = 2) out vec4 on_c;
+invariant on_c;
 #ifndef AVERAGED
 layout(location = 3) out vec4 on_owner;
+invariant on_owner;
 #endif
 
 void main() {

@@ -12,10 +12,14 @@ uniform int cell_stiffness_log2;
 
 #ifdef ENERGY
 layout(location = 0) out vec4 energy;
+invariant energy;
 #else
 layout(location = 0) out vec4 column_0;
+invariant column_0;
 layout(location = 1) out vec4 column_1;
+invariant column_1;
 layout(location = 2) out vec4 column_2;
+invariant column_2;
 #endif
 
 void main() {

@@ -15,6 +15,7 @@ uniform vec3 own_gravity;   // m/s^2, without
 uniform float dt;           // of the last step
 
 layout(location = 0) out vec4 energy;
+invariant energy;
 
 // 1/2 F^2 / k: of a force that is k times what it pulls over.
 float pull_energy_of(vec3 F, float k) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // Rows of tables: row r of a table whose width is 2^l is texel (r mod 2^l, r / 2^l).
+//
+// Passes declare what they write invariant: a compiler then keeps the order of operations of the source (Mesa would
+// turn a - b + c into a + c - b), and every program, on any visit, gives the same bits for the same kernel.
 
 uniform int target_log2;  // of the rectangle that is drawn
 uniform int row_count;    // rows of it that mean something

@@ -8,6 +8,7 @@ uniform sampler2D particle;  // 1/m, k_i, m
 uniform int particle_log2;
 
 layout(location = 0) out vec4 force;
+invariant force;
 
 void main() {
   int i = own_row();

@@ -11,7 +11,9 @@ uniform sampler2D rest;  // X_i from the middle, m
 uniform int rest_log2;
 
 layout(location = 0) out vec4 linear;
+invariant linear;
 layout(location = 1) out vec4 angular;
+invariant angular;
 
 void main() {
   int i = own_row();

@@ -19,7 +19,9 @@ uniform int maxima_log2;
 #endif
 
 layout(location = 0) out ivec4 least_events;  // first step of a runaway, its particle, first and last unquiet step
+invariant least_events;
 layout(location = 1) out vec4 largest;        // speed, acceleration, force
+invariant largest;
 
 const int never = 2147483647;
 

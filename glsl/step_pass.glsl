@@ -19,8 +19,11 @@ uniform float dt, inverse_dt, damping_factor;
 uniform float runaway_speed, speed_at_rest, acceleration_at_rest;
 
 layout(location = 0) out vec4 next_displacement;
+invariant next_displacement;
 layout(location = 1) out vec4 next_velocity;
+invariant next_velocity;
 layout(location = 2) out vec4 measured;  // speed, acceleration, force of the free coordinates
+invariant measured;
 
 float length_of(vec3 a) {
   return sqrt(inner_product(a, a));

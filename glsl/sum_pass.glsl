@@ -7,6 +7,7 @@ uniform int terms_log2;
 uniform int source_count;
 
 layout(location = 0) out vec4 total;
+invariant total;
 
 void main() {
   int row = own_row();

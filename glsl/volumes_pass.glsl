@@ -14,11 +14,16 @@ uniform int volume_e3_log2;
 
 #ifdef ENERGY
 layout(location = 0) out vec4 energy;
+invariant energy;
 #else
 layout(location = 0) out vec4 on_a;
+invariant on_a;
 layout(location = 1) out vec4 on_b;
+invariant on_b;
 layout(location = 2) out vec4 on_c;
+invariant on_c;
 layout(location = 3) out vec4 on_d;
+invariant on_d;
 #endif
 
 void main() {

@@ -11,7 +11,7 @@ std::vector<BackendUnderTest> built_backends() {
     all.push_back({name,
                    [name](const Model& model, const Scene& scene, const TopologyOptions& topology,
                           const SolverOptions& options) { return make_solver(name, model, scene, topology, options); },
-                   name == "reference" ? 0x1p-53 : 0x1p-24, why_unavailable(name)});
+                   name == "reference" ? 0x1p-53 : 0x1p-24, [name] { return why_unavailable(name); }});
   }
   return all;
 }

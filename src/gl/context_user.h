@@ -13,7 +13,7 @@ class Context;
 class ContextUser {
  public:
   virtual ~ContextUser() = default;
-  virtual std::shared_ptr<Context> context() const = 0;
+  virtual const std::shared_ptr<Context>& context() const = 0;  ///< another one after a loss
   /// Whose context it is: objects are seen in the host's where it is GlContext::current or shared.
   virtual GlContext context_kind() const = 0;
 };

@@ -61,35 +61,13 @@ int log2_of(int width) {
 
 class GlDisplay final : public Display {
  public:
-  GlDisplay(const Model& model, const Solver* solver, const GlOptions& options) : model_(model), solver_(solver) {
-    const auto* user = dynamic_cast<const ContextUser*>(solver);
-    own_context_ = options.context != GlContext::current;
-    if (user && options.context == GlContext::own) {
-      context_ = user->context();
-    } else {
-      context_ = Context::open(options);
-    }
-    sees_solver_ = user && context_ == user->context();
-    if (user && options.context == GlContext::current) {
-      const GlContext kind = user->context_kind();
-      sees_solver_ = kind == GlContext::current || kind == GlContext::shared;
-      if (kind == GlContext::shared) writer_ = user->context();
-    }
-    context_->run([&] {
-      glGenVertexArrays(1, &vertex_array_);
-      body_.emplace(model, ShaderLibrary(options.shader_folder, context_->info().es));
-    });
+  GlDisplay(const Model& model, const Solver* solver, const GlOptions& options)
+      : model_(model), solver_(solver), user_(dynamic_cast<const ContextUser*>(solver)), options_(options) {
+    open();
     if (!solver) show(model.rest, {});
   }
 
-  ~GlDisplay() override {
-    context_->discard([this] {
-      body_.reset();
-      position_ = {};
-      attractor_ = {};
-      glDeleteVertexArrays(1, &vertex_array_);
-    });
-  }
+  ~GlDisplay() override { drop(); }
 
   Image render(const Camera& camera, const DisplayOptions& options, int width, int height) override {
     return with_placement(options.attractors, [&](const Placement& placement) {
@@ -101,7 +79,7 @@ class GlDisplay final : public Display {
   }
 
   void draw(const Camera& camera, const DisplayOptions& options, int x, int y, int width, int height) override {
-    if (own_context_) {
+    if (options_.context != GlContext::current) {
       throw Error(
           "Display::draw: draws into the caller's framebuffer, so the display must be made with GlContext::current; "
           "this "
@@ -131,6 +109,42 @@ class GlDisplay final : public Display {
   std::string device() const override { return context_->info().device(); }
 
  private:
+  void open() {
+    if (user_ && options_.context == GlContext::own) {
+      context_ = user_->context();
+      sees_solver_ = true;
+    } else {
+      context_ = Context::open(options_);
+    }
+    if (user_ && options_.context == GlContext::current) {
+      const GlContext kind = user_->context_kind();
+      sees_solver_ = kind == GlContext::current || kind == GlContext::shared;
+      if (kind == GlContext::shared) writer_ = user_->context();
+    }
+    context_->run([&] {
+      glGenVertexArrays(1, &vertex_array_);
+      body_.emplace(model_, ShaderLibrary(options_.shader_folder, context_->info().es));
+    });
+  }
+
+  void drop() noexcept {
+    context_->discard([this] {
+      body_.reset();
+      position_ = {};
+      attractor_ = {};
+      glDeleteVertexArrays(1, &vertex_array_);
+    });
+  }
+
+  /// A solver that lost its device goes on in another context.
+  void follow_context() {
+    if (!sees_solver_) return;
+    const std::shared_ptr<Context>& now = user_->context();
+    if (now == (writer_ ? writer_ : context_) || (options_.context == GlContext::current && !writer_)) return;
+    drop();
+    open();
+  }
+
   void upload(std::span<const Vec3> place, Texture& texture, const char* name) const {
     std::vector<Float4> moved(place.size());
     for (std::size_t i = 0; i < place.size(); ++i) {
@@ -154,7 +168,7 @@ class GlDisplay final : public Display {
 
   /// A GL solver in a context whose objects are not seen here gives its positions by a copy.
   TextureView solver_positions() {
-    if (sees_solver_ || !dynamic_cast<const ContextUser*>(solver_)) {
+    if (sees_solver_ || !user_) {
       return view_of_buffer(solver_->position_buffer(), position_, "positions");
     }
     const State state = solver_->read();
@@ -169,6 +183,7 @@ class GlDisplay final : public Display {
   /// Calls draw(placement) in the context, between the solver's commands before and after.
   template <class Draw>
   std::invoke_result_t<Draw&, const Placement&> with_placement(bool attractors, Draw&& draw) {
+    follow_context();
     auto result = context_->run([&] {
       const BlendGuard guard;
       Placement placement;
@@ -189,10 +204,11 @@ class GlDisplay final : public Display {
   }
 
   const Model& model_;
-  const Solver* solver_;
+  const Solver* solver_;     // null: show() gives the positions
+  const ContextUser* user_;  // the same, where it is one of src/gl
+  const GlOptions options_;
   std::shared_ptr<Context> context_;
   std::shared_ptr<Context> writer_;  // the solver's, where it is another one of our share group
-  bool own_context_ = true;
   bool sees_solver_ = false;
   bool has_attractors_ = false;
   GLuint vertex_array_ = 0;

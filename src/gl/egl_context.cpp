@@ -216,7 +216,8 @@ class EglContextMaker {
 std::unique_ptr<EglContext> EglContext::open(const GlOptions& options) {
   const EglGuard guard;
   const Host host = host_of(options);
-  const GlDialect wanted = wanted_dialect(options);
+  // PHYMUL_GL_DIALECT has no say beside a host, whose dialect decides.
+  const GlDialect dialect = host.context ? dialect_of(host, options.dialect) : wanted_dialect(options);
   std::vector<DisplayChoice> places{{"the host's display", host.display}};
   if (host.context == EGL_NO_CONTEXT) places = display_choices(options.device);
 
@@ -229,7 +230,7 @@ std::unique_ptr<EglContext> EglContext::open(const GlOptions& options) {
       continue;
     }
     EglContextMaker maker(place, host, wants_debug(options));
-    for (const Request& request : requests_for(host.context ? dialect_of(host, wanted) : wanted)) {
+    for (const Request& request : requests_for(dialect)) {
       if (auto made = maker.make(request)) return made;
     }
     failures += maker.failures();

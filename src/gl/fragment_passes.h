@@ -10,6 +10,7 @@
 // the bits are the same.
 #pragma once
 
+#include <deque>
 #include <optional>
 
 #include "gl/fragment_loads.h"
@@ -41,7 +42,7 @@ class FragmentPasses {
   /// evaluated at instants batch_step - 1 and batch_step. Does not advance the state.
   void step(const FragmentState& state, int batch_step, bool measuring);
 
-  /// Forces of attractors, bases, volumes and cells at the current state, into the textures that `bind_terms` gives.
+  /// Forces of attractors, bases, volumes and cells at the current state, into the textures that bind_terms() gives.
   void evaluate(const FragmentState& state);
   void bind_terms(Pass& pass) const;
 
@@ -50,9 +51,6 @@ class FragmentPasses {
 
   /// P*_i - X_i of every particle, m; compiled at the first call. Only where the body has attractors or bases.
   const Texture& attractors(const FragmentState& state);
-
-  /// Draws every pass once, so that a driver compiles now what it would compile at the first step.
-  void warm_up(const FragmentState& state);
 
  private:
   struct Drawing {
@@ -64,26 +62,25 @@ class FragmentPasses {
     LoadKind loads;
     Pass reaction, step;  // reaction: four passes only
   };
-  Drawing drawing(ShaderRequest request, std::vector<Attachment> targets, int rows) const;
-  ShaderRequest with_bases(std::vector<std::string> files) const;
-  std::vector<std::string> attractor_files() const;
+  void add(ShaderRequest request, const std::vector<Attachment>& targets, int rows);
   void add_attractors();
-  void add_terms();
-  static void draw(Drawing& drawing, const FragmentState& state);
+  void add_bases();
+  void add_volumes_and_cells();
+  Stepping compiled(const LoadKind& loads) const;
 
   const FragmentTables* tables_;
   const ShaderLibrary* library_;
   bool four_;
   Texture pull_, force_, net_, base_terms_, volume_terms_, cell_terms_, shown_;
   std::vector<Drawing> before_;  // drawn in order before the step
-  std::optional<Drawing> showing_;
-  Framebuffer net_target_;
-  std::vector<Stepping> stepping_;
+  Framebuffer net_target_, shown_target_;
+  std::optional<Pass> showing_;
+  std::deque<Stepping> stepping_;  // whose addresses stay
   Stepping* now_ = nullptr;
   const FragmentLoads* loads_ = nullptr;
 };
 
-/// For every pass that draws a row per texel of a target.
-void set_rows(Pass& pass, const Texture& target, int rows);
+/// The kernels' macros of a body.
+void define_kernels(const BodyKind& kind, ShaderRequest& request);
 
 }  // namespace phymul::gl

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Where the particles are, on the device: three pairs of textures, displacement (m) and velocity (m/s). A step reads one
-// pair and writes another, so that no pass reads what it writes; the third holds the state before the present batch.
+// Where the particles are, on the device: three pairs of textures, displacement (m) and velocity (m/s). A step reads
+// one pair and writes another, so that no pass reads what it writes; the third holds the state before the present
+// batch.
 #pragma once
 
 #include <phymul/state.h>

@@ -55,6 +55,12 @@ void fill_gaps() {
   PHYMUL_FILL(GetQueryObjecti64v);
   PHYMUL_FILL(GetQueryObjectui64v);
   // later on the desktop, in OpenGL ES from 3.0
+  PHYMUL_FILL(ClearDepthf);
+  PHYMUL_FILL(DepthRangef);
+  PHYMUL_FILL(GetShaderPrecisionFormat);
+  PHYMUL_FILL(GetProgramBinary);
+  PHYMUL_FILL(ProgramBinary);
+  PHYMUL_FILL(ProgramParameteri);
   PHYMUL_FILL(TexStorage2D);
   PHYMUL_FILL(TexStorage3D);
   PHYMUL_FILL(InvalidateFramebuffer);

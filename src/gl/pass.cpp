@@ -58,6 +58,11 @@ void Pass::set(const char* name, const Float4& xyz) {
   glUniform3f(location(name), xyz[0], xyz[1], xyz[2]);
 }
 
+void Pass::set_rows(const Texture& target, int rows) {
+  set("target_log2", target.log2_width());
+  set("row_count", rows);
+}
+
 void Pass::draw(const Framebuffer& target) {
   glUseProgram(program_.id());
   for (std::size_t unit = 0; unit < inputs_.size(); ++unit) {

@@ -25,6 +25,9 @@ class Pass {
   void set(const char* name, float value);
   void set(const char* name, const Float4& xyz);  ///< a vec3: the first three
 
+  /// The rectangle that will be drawn over, and how many of its rows mean something.
+  void set_rows(const Texture& target, int rows);
+
   /// One fragment per texel of the target. A vertex array must be bound.
   void draw(const Framebuffer& target);
 
@@ -46,6 +49,19 @@ class Pass {
   std::vector<Input> inputs_;  // at texture units 0, 1, ...
   std::vector<std::string> unused_;
   std::vector<Uniform> uniforms_;
+};
+
+/// What a draw without vertices needs in a core profile. Made and deleted in the context.
+class EmptyVertexArray {
+ public:
+  EmptyVertexArray() { glGenVertexArrays(1, &id_); }
+  EmptyVertexArray(const EmptyVertexArray&) = delete;
+  EmptyVertexArray& operator=(const EmptyVertexArray&) = delete;
+  ~EmptyVertexArray() { glDeleteVertexArrays(1, &id_); }
+  void bind() const { glBindVertexArray(id_); }
+
+ private:
+  GLuint id_ = 0;
 };
 
 }  // namespace phymul::gl
