@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 #
 # Installs what is missing on a Debian machine to build phymul; does nothing, and needs no rights, where nothing is.
-#   sh cmake/install-packages.sh [examples] [tests] [bench]
+#   sh cmake/install-packages.sh [examples] [tests] [bench] [gl] [gl-tests]
 # The library's own needs are always among them. A compiler and CMake are taken as there.
 set -eu
 
@@ -38,8 +38,23 @@ for part in "$@"; do
       need_pkg_config=yes
       ;;
     bench) need_package libbenchmark-dev ;;
+    gl)  # headers, the viewer's window, and Mesa's drivers: a software renderer where there is no GPU
+      need_package libglew-dev
+      need_package libegl-dev
+      need_package libopengl-dev
+      need_package libglfw3-dev
+      need_package libegl1
+      need_package libegl-mesa0
+      need_package libgl1-mesa-dri
+      ;;
+    gl-tests)  # a host on an X server
+      need_package libgl-dev
+      need_package libx11-dev
+      need_package xvfb
+      need_package xauth
+      ;;
     *)
-      echo "phymul: unknown part \"$part\"; there are: examples tests bench" >&2
+      echo "phymul: unknown part \"$part\"; there are: examples tests bench gl gl-tests" >&2
       exit 2
       ;;
   esac
