@@ -6,6 +6,7 @@
 #include <GLFW/glfw3.h>
 #include <phymul/error.h>
 
+#include <cctype>
 #include <chrono>
 #include <cstdio>
 
@@ -18,8 +19,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The mouse of a script: pressed in the first frame, at its goal in the last.
-void play_drag(ViewInput& input, const ViewOptions& options, int frame) {
+/// The hands of a script: a key a frame; the mouse pressed in the first frame, at its goal in the last.
+void play(ViewInput& input, const ViewOptions& options, int frame) {
+  if (static_cast<std::size_t>(frame) < options.keys.size()) {
+    // GLFW numbers keys by their capital letters.
+    input.key(std::toupper(static_cast<unsigned char>(options.keys[static_cast<std::size_t>(frame)])));
+  }
   if (options.drag.size() != 4 || options.frames < 2) return;
   const double share = static_cast<double>(frame) / (options.frames - 1);
   const auto at = [&](std::size_t axis) {
@@ -41,7 +46,7 @@ int run(const ViewOptions& options) {
   std::printf("drawn %s\n", simulation.display().zero_copy() ? "from the solver's own texture" : "from a copy");
   Clock::time_point then = Clock::now(), titled = then;
   for (int frame = 0; !window.closing() && (options.frames == 0 || frame < options.frames); ++frame) {
-    play_drag(input, options, frame);
+    play(input, options, frame);
     const Clock::time_point now = Clock::now();
     input.advance(std::chrono::duration<double>(now - then).count(),
                   options.frames == 0);  // a script is not in a hurry

@@ -66,6 +66,7 @@ std::optional<ViewOptions> read_view_options(int argc, char** argv, int& exit_co
   app.add_option("--frames", options.frames, "end after so many")->group("Scripts");
   app.add_option("--png", options.png, "write the last frame there")->group("Scripts");
   app.add_flag("--hidden", options.hidden, "no window on the screen")->group("Scripts");
+  app.add_option("--keys", options.keys, "press these, one a frame")->group("Scripts");
   app.add_option("--drag", options.drag, "as the mouse, pixels: x0 y0 x1 y1")->expected(4)->group("Scripts");
   try {
     app.parse(argc, argv);

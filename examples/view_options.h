@@ -24,6 +24,7 @@ struct ViewOptions {
   int frames = 0;  ///< 0: until the window is closed
   std::string png;
   bool hidden = false;
+  std::string keys;          ///< pressed one after the other, one a frame
   std::vector<double> drag;  ///< pixels x0, y0, x1, y1: as the mouse, from the first frame to the last
 };
 

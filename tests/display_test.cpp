@@ -18,7 +18,7 @@ namespace {
 constexpr int width = 240, height = 200;
 constexpr double ball = 0.0008;  // m
 
-class DisplayTest : public testing::Test {
+class GlPictureTest : public testing::Test {
  protected:
   void SetUp() override { PHYMUL_SKIP_OR_FAIL(why_no_display()); }
 
@@ -81,7 +81,7 @@ double difference(const Image& a, const Image& b) {
   return 4.0 * count / static_cast<double>(a.rgba.size());
 }
 
-TEST_F(DisplayTest, BallsAreJustWhereTheProjectionSays) {
+TEST_F(GlPictureTest, BallsAreJustWhereTheProjectionSays) {
   const Model model = make_tetrahedron(0.01);
   const auto display = make_display(model);
   for (const double angle : {0.0, 0.3}) {
@@ -105,7 +105,7 @@ TEST_F(DisplayTest, BallsAreJustWhereTheProjectionSays) {
   }
 }
 
-TEST_F(DisplayTest, WhatMovesMovesInThePicture) {
+TEST_F(GlPictureTest, WhatMovesMovesInThePicture) {
   const Model model = make_tetrahedron(0.01);
   const auto display = make_display(model);
   const Camera camera = camera_for(model);
@@ -127,7 +127,7 @@ TEST_F(DisplayTest, WhatMovesMovesInThePicture) {
   EXPECT_GT(difference(before, after), 0.01);
 }
 
-TEST_F(DisplayTest, FacesAreLitByTheirNormalsAndColouredByDisplacement) {
+TEST_F(GlPictureTest, FacesAreLitByTheirNormalsAndColouredByDisplacement) {
   const Model model = make_tetrahedron(0.01);
   const auto display = make_display(model);
   DisplayOptions options = nothing();
@@ -157,7 +157,7 @@ TEST_F(DisplayTest, FacesAreLitByTheirNormalsAndColouredByDisplacement) {
   EXPECT_GE(seen, 5);
 }
 
-TEST_F(DisplayTest, LinksMarksAndAttractorsAreDrawn) {
+TEST_F(GlPictureTest, LinksMarksAndAttractorsAreDrawn) {
   const Model model = make_tetrahedron(0.01);
   const auto display = make_display(model);
   const Camera camera = camera_for(model);
@@ -190,7 +190,7 @@ TEST_F(DisplayTest, LinksMarksAndAttractorsAreDrawn) {
   EXPECT_GT(colour_at(marks, camera, model.rest[1]).x(), 0.99);
 }
 
-TEST_F(DisplayTest, TheRestShapeIsSeenBehindABodyThatLeftIt) {
+TEST_F(GlPictureTest, TheRestShapeIsSeenBehindABodyThatLeftIt) {
   const Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
   const auto display = make_display(model);
   const Camera camera = camera_for(model);
@@ -206,7 +206,7 @@ TEST_F(DisplayTest, TheRestShapeIsSeenBehindABodyThatLeftIt) {
   EXPECT_FALSE(is_painted(image.pixel(width / 2, height / 2 + 30)));
 }
 
-TEST_F(DisplayTest, WhatIsInsideShowsThroughASurfaceThatLetsThrough) {
+TEST_F(GlPictureTest, WhatIsInsideShowsThroughASurfaceThatLetsThrough) {
   const Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
   const auto display = make_display(model);
   const Camera camera = camera_for(model);
@@ -222,7 +222,7 @@ TEST_F(DisplayTest, WhatIsInsideShowsThroughASurfaceThatLetsThrough) {
   EXPECT_GT(redness(display->render(camera, options, width, height)), 0.1);
 }
 
-TEST_F(DisplayTest, ABodyFarFromTheOriginLooksTheSame) {
+TEST_F(GlPictureTest, ABodyFarFromTheOriginLooksTheSame) {
   const Model here = jittered_block();
   Model there = here;
   const Vec3 far(1000.0, -2000.0, 500.0);
@@ -235,7 +235,7 @@ TEST_F(DisplayTest, ABodyFarFromTheOriginLooksTheSame) {
   EXPECT_LT(difference(first, make_display(there)->render(camera, options, width, height)), 1e-3);
 }
 
-TEST_F(DisplayTest, ACpuSolverIsFollowed) {
+TEST_F(GlPictureTest, ACpuSolverIsFollowed) {
   const Model model = make_tetrahedron(0.01);
   const Scene scene(model);
   const auto solver = make_solver("reference", model, scene);
@@ -259,7 +259,7 @@ TEST_F(DisplayTest, ACpuSolverIsFollowed) {
 }
 
 /// The particles drawn from the texture that the solver wrote are those that read() gives.
-TEST_F(DisplayTest, AGlSolverIsDrawnFromItsOwnTexture) {
+TEST_F(GlPictureTest, AGlSolverIsDrawnFromItsOwnTexture) {
   PHYMUL_SKIP_OR_FAIL(why_unavailable("gl"));
   for (const bool with_attractors : {false, true}) {
     Model model = cylinder_275();
@@ -296,7 +296,7 @@ TEST_F(DisplayTest, AGlSolverIsDrawnFromItsOwnTexture) {
   }
 }
 
-TEST_F(DisplayTest, PlaneBodiesAndSinglePixelsHavePictures) {
+TEST_F(GlPictureTest, PlaneBodiesAndSinglePixelsHavePictures) {
   const Model strip = make_strip(0.04, 0.02, 4, 2);
   const auto display = make_display(strip);
   const Camera camera = framing(strip.rest, Vec3::UnitZ(), static_cast<double>(width) / height);
@@ -305,7 +305,7 @@ TEST_F(DisplayTest, PlaneBodiesAndSinglePixelsHavePictures) {
   EXPECT_EQ(display->render(camera, {}, 33, 17).rgba.size(), 4u * 33u * 17u);
 }
 
-TEST_F(DisplayTest, WrongUseIsRefusedInASentence) {
+TEST_F(GlPictureTest, WrongUseIsRefusedInASentence) {
   const Model model = make_tetrahedron(0.01);
   const Scene scene(model);
   const auto solver = make_solver("reference", model, scene);

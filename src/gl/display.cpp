@@ -11,6 +11,7 @@
 #include "gl/body_drawing.h"
 #include "gl/context.h"
 #include "gl/context_user.h"
+#include "gl/pass.h"
 #include "gl/picture_target.h"
 
 namespace phymul::gl {
@@ -59,6 +60,15 @@ int log2_of(int width) {
   return log2;
 }
 
+/// What lives in the context.
+struct Objects {
+  Objects(const Model& model, const ShaderLibrary& library) : body(model, library) {}
+
+  EmptyVertexArray vertices;
+  BodyDrawing body;
+  Texture position, attractor;  // of what is uploaded
+};
+
 class GlDisplay final : public Display {
  public:
   GlDisplay(const Model& model, const Solver* solver, const GlOptions& options)
@@ -73,7 +83,8 @@ class GlDisplay final : public Display {
     return with_placement(options.attractors, [&](const Placement& placement) {
       const PictureTarget target(width, height);
       const int factor = target.factor();
-      body_->draw(placement, camera, options, {0, 0, width * factor, height * factor, static_cast<double>(factor)});
+      objects_->body.draw(placement, camera, options,
+                          {0, 0, width * factor, height * factor, static_cast<double>(factor)});
       return target.read();
     });
   }
@@ -86,7 +97,7 @@ class GlDisplay final : public Display {
           "one has a context of its own, where render() makes pictures");
     }
     with_placement(options.attractors, [&](const Placement& placement) {
-      body_->draw(placement, camera, options, {x, y, width, height, 1.0});
+      objects_->body.draw(placement, camera, options, {x, y, width, height, 1.0});
       return 0;
     });
   }
@@ -99,9 +110,9 @@ class GlDisplay final : public Display {
                   std::to_string(position.size()) + " and " + std::to_string(attractor.size()));
     }
     context_->run([&] {
-      upload(position, position_, "positions");
+      upload(position, objects_->position, "positions");
       has_attractors_ = !attractor.empty();
-      if (has_attractors_) upload(attractor, attractor_, "attractors");
+      if (has_attractors_) upload(attractor, objects_->attractor, "attractors");
     });
   }
 
@@ -122,18 +133,13 @@ class GlDisplay final : public Display {
       if (kind == GlContext::shared) writer_ = user_->context();
     }
     context_->run([&] {
-      glGenVertexArrays(1, &vertex_array_);
-      body_.emplace(model_, ShaderLibrary(options_.shader_folder, context_->info().es));
+      objects_ = std::make_unique<Objects>(model_, ShaderLibrary(options_.shader_folder, context_->info().es));
     });
   }
 
   void drop() noexcept {
-    context_->discard([this] {
-      body_.reset();
-      position_ = {};
-      attractor_ = {};
-      glDeleteVertexArrays(1, &vertex_array_);
-    });
+    context_->discard([this] { objects_.reset(); });
+    static_cast<void>(objects_.release());  // not there any more, or out of reach: their names may be others' by now
   }
 
   /// A solver that lost its device goes on in another context.
@@ -169,15 +175,16 @@ class GlDisplay final : public Display {
   /// A GL solver in a context whose objects are not seen here gives its positions by a copy.
   TextureView solver_positions() {
     if (sees_solver_ || !user_) {
-      return view_of_buffer(solver_->position_buffer(), position_, "positions");
+      return view_of_buffer(solver_->position_buffer(), objects_->position, "positions");
     }
     const State state = solver_->read();
-    return view_of_buffer({.position = state.position}, position_, "positions");
+    return view_of_buffer({.position = state.position}, objects_->position, "positions");
   }
 
   TextureView solver_attractors() {
     const ParticleBuffer buffer = solver_->attractor_buffer();
-    return buffer.texture != 0 && !sees_solver_ ? TextureView{} : view_of_buffer(buffer, attractor_, "attractors");
+    return buffer.texture != 0 && !sees_solver_ ? TextureView{}
+                                                : view_of_buffer(buffer, objects_->attractor, "attractors");
   }
 
   /// Calls draw(placement) in the context, between the solver's commands before and after.
@@ -192,10 +199,10 @@ class GlDisplay final : public Display {
         if (attractors) placement.attractor = solver_attractors();
         if (writer_) order(*writer_, *context_);
       } else {
-        placement.displacement = view_of(position_);
-        if (attractors && has_attractors_) placement.attractor = view_of(attractor_);
+        placement.displacement = view_of(objects_->position);
+        if (attractors && has_attractors_) placement.attractor = view_of(objects_->attractor);
       }
-      glBindVertexArray(vertex_array_);
+      objects_->vertices.bind();
       return draw(placement);
     });
     if (writer_) order(*context_, *writer_);
@@ -211,9 +218,7 @@ class GlDisplay final : public Display {
   std::shared_ptr<Context> writer_;  // the solver's, where it is another one of our share group
   bool sees_solver_ = false;
   bool has_attractors_ = false;
-  GLuint vertex_array_ = 0;
-  std::optional<BodyDrawing> body_;
-  mutable Texture position_, attractor_;  // of what is uploaded
+  std::unique_ptr<Objects> objects_;
 };
 
 }  // namespace
