@@ -95,6 +95,7 @@ void BodyPictures::draw(const phymul::State& state, const PictureOptions& given,
   const double end = draw_length_bar(canvas.cairo(), side_margin, y, 0.25 * options.width,
                                      phymul::pixels_per_metre(camera, camera.target, height));
   draw_key(canvas.cairo(), end + 90.0, y,
-           {!options.fixed.empty(), !options.driven.empty(), display_ && !options.attractors.empty(), deformed});
+           {!options.fixed.empty(), !options.driven.empty(), display_ && !options.attractors.empty(), deformed,
+            display_ != nullptr});
   canvas.save(path);
 }

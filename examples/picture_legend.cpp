@@ -88,7 +88,7 @@ void draw_key(cairo_t* c, double x, double y, const PictureKey& key) {
   };
   cairo_new_path(c);
   if (key.held) {
-    cairo_rectangle(c, x - 3.5, y - 3.5, 7.0, 7.0);
+    key.balls ? cairo_arc(c, x, y, 3.5, 0.0, 6.2832) : cairo_rectangle(c, x - 3.5, y - 3.5, 7.0, 7.0);
     set_colour(c, held_colour);
     cairo_fill(c);
     entry("held");

@@ -24,5 +24,6 @@ double draw_length_bar(cairo_t* c, double x, double y, double most, double scale
 /// What the marks mean; only those that are there.
 struct PictureKey {
   bool held, driven, attractors, rest_shape;
+  bool balls;  ///< held particles are marked by balls as the others, not by squares
 };
 void draw_key(cairo_t* c, double x, double y, const PictureKey& key);

@@ -11,6 +11,7 @@
 #include "gl/body_drawing.h"
 #include "gl/context.h"
 #include "gl/context_user.h"
+#include "gl/fragment_options.h"
 #include "gl/pass.h"
 #include "gl/picture_target.h"
 
@@ -72,7 +73,10 @@ struct Objects {
 class GlDisplay final : public Display {
  public:
   GlDisplay(const Model& model, const Solver* solver, const GlOptions& options)
-      : model_(model), solver_(solver), user_(dynamic_cast<const ContextUser*>(solver)), options_(options) {
+      : model_(model),
+        solver_(solver),
+        user_(dynamic_cast<const ContextUser*>(solver)),
+        options_(with_environment(options)) {
     open();
     if (!solver) show(model.rest, {});
   }
