@@ -4,6 +4,7 @@
 #include <phymul/version.h>
 
 #include <array>
+#include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <thread>
@@ -30,11 +31,13 @@ std::string processor() {
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> machine_facts() {
-  return {{"date", today()},
-          {"phymul", PHYMUL_VERSION},
-          {"processor", processor() + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads"},
-          {"compiler", "GCC or compatible " __VERSION__},
-          {"build", PHYMUL_BENCH_BUILD}};
+  return {
+      {"date", today()},
+      {"phymul", PHYMUL_VERSION},
+      {"processor", processor() + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads"},
+      {"compiler", "GCC or compatible " __VERSION__},
+      {"build", PHYMUL_BENCH_BUILD},
+      {"compiled shaders kept by Mesa", std::getenv("MESA_SHADER_CACHE_DISABLE") ? "no" : "yes, from earlier runs"}};
 }
 
 bool is_software(const std::string& device) {

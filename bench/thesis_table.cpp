@@ -31,9 +31,8 @@ struct Law {
   phymul::TopologyOptions options;
 };
 const Law laws[] = {
-    {"thesis: every triple of neighbours is a base, reaction shared",
-     {.reaction = phymul::Reaction::shared, .bases = phymul::BaseSelection::all}},
-    {"default: bases above the threshold, reaction conservative", {}},
+    {"near the thesis: reaction shared, bases above the threshold", {.reaction = phymul::Reaction::shared}},
+    {"default: reaction conservative, bases above the threshold", {}},
 };
 
 struct Options {
