@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
-// Display::draw in a host's own context: into its framebuffer, and nothing else of it changed.
+// Displays beside a host's context. Display::draw draws into the host's framebuffer, and changes nothing else of it.
 #include <phymul/display.h>
 #include <phymul/shapes.h>
 
+#include <algorithm>
 #include <array>
+#include <optional>
 #include <vector>
 
+#include "egl_host.h"
 #include "gl/gl_api.h"
 #include "gl_fixture.h"
 
@@ -124,6 +127,58 @@ TEST_F(GlDisplayTest, DrawsIntoTheHostsFramebufferAndLeavesTheRestAlone) {
     glDeleteFramebuffers(1, &framebuffer);
     glDeleteRenderbuffers(2, buffers);
   });
+}
+
+/// Largest difference of a channel.
+int difference(const Image& a, const Image& b) {
+  int most = 0;
+  for (std::size_t k = 0; k < a.rgba.size(); ++k) most = std::max(most, std::abs(a.rgba[k] - b.rgba[k]));
+  return most;
+}
+
+TEST_F(GlDisplayTest, ASolverIsDrawnWhateverContextItRunsInAndTheDisplayDrawsIn) {
+  for (const HostKind host_kind : {HostKind::desktop, HostKind::es}) {
+    const EglHost host(host_kind);
+    const EglBindings bindings;
+    const Model model = make_tetrahedron(0.01);
+    Scene scene(model);
+    scene.fix("base");
+    State start = rest_state(model);
+    start.position[3] += Vec3(0.003, 0.002, 0.0);  // swings
+    const Camera camera = framing(model.rest, {0.4, -1, 0.35}, 1.25);
+    DisplayOptions layers;
+    layers.particles = layers.links = true;
+    layers.full_scale = 0.002;
+    const auto given = make_display(model);
+    for (const GlContext kind : {GlContext::own, GlContext::worker, GlContext::current, GlContext::shared}) {
+      SolverOptions options;
+      options.gl.context = kind;
+      if (host.is_es()) options.gl.dialect = GlDialect::es;
+      const auto solver = make_solver("gl", model, scene, {}, options);
+      const auto in_solvers = make_display(*solver), in_hosts = make_display(*solver, {.context = GlContext::current});
+      const bool shares = kind == GlContext::current || kind == GlContext::shared;
+      EXPECT_TRUE(in_solvers->zero_copy());
+      EXPECT_EQ(in_hosts->zero_copy(), shares) << static_cast<int>(kind);
+      solver->reset(start);
+      std::optional<Image> before;
+      for (int frame = 0; frame < 3; ++frame) {
+        ASSERT_TRUE(solver->step(2, 0.3 * solver->stable_step()).ok());
+        // The pictures first: what has been read has arrived, which would hide a missing wait.
+        const Image hosts = in_hosts->render(camera, layers, 100, 80);
+        const Image solvers = in_solvers->render(camera, layers, 100, 80);
+        given->show(solver->read().position);
+        const Image expected = given->render(camera, layers, 100, 80);
+        EXPECT_LE(difference(hosts, expected), 2) << static_cast<int>(kind);
+        EXPECT_LE(difference(solvers, expected), 2) << static_cast<int>(kind);
+        if (before) {
+          EXPECT_GT(difference(expected, *before), 20);
+        }
+        before = expected;
+        EXPECT_EQ(EglBindings(), bindings);
+        EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+      }
+    }
+  }
 }
 
 }  // namespace
