@@ -10,9 +10,8 @@ uniform int velocity_log2;
 uniform isampler2D base_share;  // owner, bits of k_i w_t
 uniform int base_share_log2;
 #endif
-uniform vec3 gravity;       // m/s^2, with uniform accelerations
-uniform vec3 own_gravity;   // m/s^2, without
-uniform float dt;           // of the last step
+uniform vec3 gravity;  // m/s^2, with uniform accelerations
+uniform float dt;      // of the last step
 
 layout(location = 0) out vec4 energy;
 invariant energy;
@@ -54,5 +53,5 @@ void main() {
   vec4 inertia = fetch(particle, particle_log2, i);
   vec3 gained = dt * free_part(acceleration(net_force(i), inertia.x, gravity), fixed_axes(i));
   float kinetic = 0.5 * inertia.z * inner_product(v, v + gained);
-  energy = vec4(own_elastic(i, inertia.y), kinetic, -(inertia.z * inner_product(own_gravity, u)), 0.0);
+  energy = vec4(own_elastic(i, inertia.y), kinetic, -(inertia.z * inner_product(gravity, u)), 0.0);
 }

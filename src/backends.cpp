@@ -35,21 +35,15 @@ struct Choice {
 /// Below, a step on a GPU costs more to start than it saves: the passes of one take some 5 to 8 us to launch.
 constexpr Index gl_particles = 200;
 
-const GlModule& gl_module_with_solver() {
-  const GlModule& module = load_gl_module();
-  if (!module.make) throw Error("the GL part of this build has contexts, and no solver yet");
-  return module;
-}
-
 std::unique_ptr<Solver> make_gl_solver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
                                        const SolverOptions& options) try {
-  return gl_module_with_solver().make(std::move(topology), scene, options);
+  return load_gl_module().make(std::move(topology), scene, options);
 } catch (const Error& error) {
   throw Error(std::string("backend \"gl\": ") + error.what());
 }
 
 std::string why_gl_unavailable(const SolverOptions& options) try {
-  gl_module_with_solver().probe(options.gl);
+  load_gl_module().probe(options.gl);
   return {};
 } catch (const Error& error) {
   return error.what();
@@ -63,7 +57,7 @@ Choice choose(Index particle_count, const SolverOptions& options) try {
     return {"reference",
             "reference: " + std::to_string(particle_count) + " particles are too few for a GPU to gain on"};
   }
-  const GlDevice device = gl_module_with_solver().probe(options.gl);
+  const GlDevice device = load_gl_module().probe(options.gl);
   if (device.software) return {"reference", "reference: GL has a software renderer only (" + device.name + ")"};
   return {"gl", "gl: " + std::to_string(particle_count) + " particles, on " + device.name};
 } catch (const Error& error) {

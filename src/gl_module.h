@@ -33,7 +33,6 @@ struct GlModule {
   GlModuleStamp stamp;
   /// Opens a context as the options say, and closes it; throws Error with what was tried.
   GlDevice (*probe)(const GlOptions& options) = nullptr;
-  /// Null as long as the module holds no solver.
   std::unique_ptr<Solver> (*make)(std::shared_ptr<const TopologyTextures>, const Scene&,
                                   const SolverOptions&) = nullptr;
   /// Of the solver, or where it is null of what Display::show is given.

@@ -9,9 +9,13 @@ add_executable(phymul_gl_test
   gl_context_test.cpp
   gl_display_test.cpp
   gl_equivalence_test.cpp
+  gl_fragment_test.cpp
   gl_hosts_test.cpp
+  gl_life_test.cpp
+  gl_objects_test.cpp
   host_state.cpp)
 target_include_directories(phymul_gl_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+target_compile_definitions(phymul_gl_test PRIVATE PHYMUL_GLSL_SOURCES="${PROJECT_SOURCE_DIR}/glsl")
 target_link_libraries(phymul_gl_test PRIVATE phymul_gl_objects GTest::gtest_main phymul_warnings phymul_sanitizers)
 gtest_discover_tests(phymul_gl_test DISCOVERY_TIMEOUT 60)
 

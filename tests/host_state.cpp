@@ -253,7 +253,8 @@ void HostileHost::set_numbers() {
   if (has_indexed(info_)) {
     glColorMaski(0, GL_FALSE, GL_TRUE, GL_FALSE, GL_TRUE);
     glColorMaski(1, GL_TRUE, GL_FALSE, GL_FALSE, GL_TRUE);
-    glEnablei(GL_BLEND, 1);
+    glEnablei(GL_BLEND, 0);
+    glEnablei(GL_BLEND, 2);
   } else {
     glColorMask(GL_FALSE, GL_TRUE, GL_FALSE, GL_TRUE);
     glEnable(GL_BLEND);
@@ -308,22 +309,30 @@ void leave_a_mess() {
   for (const GLenum on : {GL_BLEND, GL_DEPTH_TEST, GL_SCISSOR_TEST, GL_CULL_FACE}) glEnable(on);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
   glPixelStorei(GL_PACK_ALIGNMENT, 8);
-  glPixelStorei(GL_UNPACK_ROW_LENGTH, 3);
+  for (const GLenum store :
+       {GL_PACK_ROW_LENGTH, GL_PACK_SKIP_ROWS, GL_PACK_SKIP_PIXELS, GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_ROWS,
+        GL_UNPACK_SKIP_PIXELS, GL_UNPACK_IMAGE_HEIGHT, GL_UNPACK_SKIP_IMAGES}) {
+    glPixelStorei(store, 3);
+  }
 }
 
 bool draws_well(const gl::ContextInfo& info) {
   gl::self_test(info);
   GLuint texture = 0, framebuffer = 0;
   glGenTextures(1, &texture);
-  glBindTexture(GL_TEXTURE_2D, texture);
-  std::array<float, 4 * 8> sent{}, got{};
+  glBindTexture(GL_TEXTURE_2D_ARRAY, texture);
+  constexpr std::size_t layer = 4 * 8;  // numbers in one of 4 x 2 texels
+  std::array<float, 2 * layer> sent{}, got{};
   for (std::size_t i = 0; i < sent.size(); ++i) sent[i] = 1.5f * static_cast<float>(i) - 7.0f;
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, 4, 2, 0, GL_RGBA, GL_FLOAT, sent.data());
+  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA32F, 4, 2, 2, 0, GL_RGBA, GL_FLOAT, sent.data());
   glGenFramebuffers(1, &framebuffer);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
-  glReadPixels(0, 0, 4, 2, GL_RGBA, GL_FLOAT, got.data());
+  for (GLint i = 0; i < 2; ++i) {
+    glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, texture, 0, i);
+    glReadPixels(0, 0, 4, 2, GL_RGBA, GL_FLOAT, got.data() + static_cast<std::size_t>(i) * layer);
+  }
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, 0);
   glDeleteFramebuffers(1, &framebuffer);
   glDeleteTextures(1, &texture);
   return got == sent;

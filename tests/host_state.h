@@ -41,7 +41,8 @@ class HostileHost {
 /// What a careless step would leave behind.
 void leave_a_mess();
 
-/// Draws a triangle into an RGBA32F texture of 4 x 2, and returns whether every texel arrived as it should.
+/// Draws a texel (throws Error where it fails), sends a texture of 4 x 2 x 2 and reads it back; true where it is the
+/// same.
 bool draws_well(const gl::ContextInfo& info);
 
 }  // namespace phymul::test

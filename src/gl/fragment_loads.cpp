@@ -16,7 +16,6 @@ FragmentLoads::FragmentLoads(const Scene& scene, int instants) : scene_(&scene),
   kind_ = {.forces = !modes_.force_offset.empty(), .fixed = !modes_.fixed.empty()};
   row_.resize(static_cast<std::size_t>(modes_.count));
   gravity_.resize(static_cast<std::size_t>(instants));
-  own_gravity_ = to_float(modes_.gravity);
   if (!kind_.any()) return;
   upload_parts();
   table_.resize(gravity_.size() * row_.size());

@@ -30,8 +30,6 @@ class FragmentLoads {
   void evaluate(const std::vector<double>& instants);
   /// Of an instant given to evaluate(), m/s^2: gravity and uniform accelerations.
   const Float4& gravity(std::size_t instant) const { return gravity_[instant]; }
-  /// The scene's gravity alone.
-  const Float4& own_gravity() const { return own_gravity_; }
 
   void bind(Pass& pass) const;
 
@@ -45,7 +43,6 @@ class FragmentLoads {
   std::vector<double> row_;         // [modes] at one instant
   std::vector<float> table_;        // [instants][modes]
   std::vector<Float4> gravity_;     // [instants]
-  Float4 own_gravity_{};
 };
 
 }  // namespace phymul::gl

@@ -105,7 +105,7 @@ auto FragmentSolver::on_device(Function&& function) const {
 
 void FragmentSolver::do_reset(const State& state) {
   require_single_precision(topology().rest, state);
-  if (!device_) rebuild();
+  if (!device_ || context_->lost()) rebuild();
   follow();
   context_->run([&] {
     device_->copies().clear();

@@ -78,7 +78,6 @@ Energy FragmentSums::energy(const FragmentState& state, const FragmentLoads& loa
   own.pass.input("velocity", state.velocity());
   own.pass.set("instant", 0);
   own.pass.set("gravity", loads.gravity(0));
-  own.pass.set("own_gravity", loads.own_gravity());
   own.pass.set("dt", static_cast<float>(dt));
   own.pass.draw(own.target);
   const Sum sum = total(own.texels.front(), own.rows);

@@ -20,6 +20,10 @@ constexpr const char* es_head =
     "precision highp isampler2D;\n"
     "precision highp sampler2DArray;\n";
 
+/// File number n (from 1) of a request has the lines n * lines_a_file + 1 and on. #line also takes the number of a
+/// source string, which Mesa 22 forgets before it reports an error.
+constexpr int lines_a_file = 10000;
+
 }  // namespace
 
 std::string ShaderLibrary::file(const std::string& name) const {
@@ -42,28 +46,28 @@ std::string ShaderLibrary::file(const std::string& name) const {
 std::string ShaderLibrary::text(const ShaderRequest& request) const {
   std::string all = es_ ? es_head : desktop_head;
   for (const auto& [name, value] : request.defines) all += "#define " + name + " " + std::to_string(value) + "\n";
-  int string_number = 1;  // 0 is the head
+  int first_line = lines_a_file + 1;  // the head has those before
   for (const std::string& name : request.files) {
-    all += "#line 1 " + std::to_string(string_number++) + "\n" + file(name);
+    all += "#line " + std::to_string(first_line) + "\n" + file(name);
+    first_line += lines_a_file;
     if (all.back() != '\n') all += '\n';
   }
   return all;
 }
 
 std::string ShaderLibrary::readable(std::string_view log, const ShaderRequest& request) {
-  // Mesa: "2:14(5): error"; NVIDIA: "2(14) : error"; ANGLE, Apple: "ERROR: 2:14: ...".
-  static const std::regex place(R"(^((?:ERROR|WARNING): )?(\d+)(?::(\d+)(?:\(\d+\))?|\((\d+)\)))");
+  // Mesa: "0:20014(5): error"; NVIDIA: "0(20014) : error"; ANGLE, Apple: "ERROR: 0:20014: ...".
+  static const std::regex place(R"(^((?:ERROR|WARNING): )?\d+(?::(\d+)(?:\(\d+\))?|\((\d+)\)))");
   std::istringstream lines{std::string(log)};
   std::string line, result;
   while (std::getline(lines, line)) {
     std::smatch match;
     if (std::regex_search(line, match, place)) {
-      const auto string_number = static_cast<std::size_t>(std::atoi(match[2].str().c_str()));
-      const std::string& where = match[3].matched ? match[3].str() : match[4].str();
-      const std::string name = string_number >= 1 && string_number <= request.files.size()
-                                   ? request.files[string_number - 1]
-                                   : std::string("head");
-      line = match[1].str() + name + ":" + where + match.suffix().str();
+      const int number = std::atoi((match[2].matched ? match[2] : match[3]).str().c_str());
+      const auto file_number = static_cast<std::size_t>(number / lines_a_file);
+      const bool known = file_number >= 1 && file_number <= request.files.size();
+      const std::string name = known ? request.files[file_number - 1] : "head";
+      line = match[1].str() + name + ":" + std::to_string(number % lines_a_file) + match.suffix().str();
     }
     result += line + "\n";
   }

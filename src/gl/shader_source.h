@@ -32,7 +32,7 @@ class ShaderLibrary {
   /// Throws Error when a file does not exist.
   std::string text(const ShaderRequest& request) const;
 
-  /// A driver's log, with "file:line" where it has the number of a source string and a line.
+  /// A driver's log of a text() of this request, with "file:line" for its lines.
   static std::string readable(std::string_view log, const ShaderRequest& request);
 
  private:
