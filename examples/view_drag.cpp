@@ -48,8 +48,9 @@ void ParticleDrag::move(const phymul::Camera& camera, double x, double y, int wi
                               scene_.model().rest[static_cast<std::size_t>(*particle_)];
   for (int axis = 0; axis < scene_.model().dimension; ++axis) {
     const std::size_t row = first_row_ + static_cast<std::size_t>(axis);
-    const double now = value_at(scene_.loads()[row].events, time);
-    scene_.replace(row, along(axis, time, now, wanted[axis]));
+    const std::vector<phymul::ValueEvent>& events = scene_.loads()[row].events;
+    if (events.back().value == wanted[axis]) continue;  // on its way there already
+    scene_.replace(row, along(axis, time, value_at(events, time), wanted[axis]));
   }
 }
 
