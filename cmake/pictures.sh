@@ -13,7 +13,8 @@ cmake -S . -B build/pictures -DCMAKE_BUILD_TYPE=Release -DPHYMUL_BUILD_TESTS=OFF
 cmake --build build/pictures --parallel "$(nproc)"
 build/pictures/examples/phymul-pictures docs/pictures
 out=$(mktemp -d)
+trap 'rm -r "$out"' EXIT
+# Exit code 3: it was told to end before the body rests.
 build/pictures/examples/phymul-run examples/data/cylinder_275.pml examples/data/cylinder_275_pull.lml --out "$out" \
-  --frame-interval 0 --max-time 1.01
+  --frame-interval 0 --max-time 1.01 || [ $? -eq 3 ]
 cp "$out/pulled.png" docs/pulled_cylinder.png
-rm -r "$out"
