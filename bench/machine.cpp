@@ -42,6 +42,7 @@ std::vector<std::pair<std::string, std::string>> machine_facts() {
       {"date", today()},
       {"phymul", PHYMUL_VERSION},
       {"processor", processor() + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads"},
+      {"load before the run", load_before() + " (1 or less is quiet)"},
       {"compiler", "GCC or compatible " __VERSION__},
       {"build", PHYMUL_BENCH_BUILD},
       {"compiled shaders kept by Mesa", std::getenv("MESA_SHADER_CACHE_DISABLE") ? "no" : "yes, from earlier runs"}};

@@ -20,7 +20,7 @@ uniform int maxima_log2;
 
 layout(location = 0) out ivec4 least_events;  // first step of a runaway, its particle, first and last unquiet step
 invariant least_events;
-layout(location = 1) out vec4 largest;        // speed, acceleration, force
+layout(location = 1) out vec4 largest;        // speed, acceleration, force, displacement
 invariant largest;
 
 const int never = 2147483647;
@@ -31,15 +31,15 @@ ivec4 events_of(int row) {
   int unquiet = int(fetch(displacement, displacement_log2, row).w);
   return ivec4(ran_away == 0 ? never : ran_away, row, unquiet == 0 ? never : unquiet >> 10, unquiet & 1023);
 }
-vec3 maxima_of(int row) {
-  return fetch(measured, measured_log2, row).xyz;
+vec4 maxima_of(int row) {
+  return fetch(measured, measured_log2, row);
 }
 #else
 ivec4 events_of(int row) {
   return fetch(events, events_log2, row);
 }
-vec3 maxima_of(int row) {
-  return fetch(maxima, maxima_log2, row).xyz;
+vec4 maxima_of(int row) {
+  return fetch(maxima, maxima_log2, row);
 }
 #endif
 
@@ -52,7 +52,7 @@ void main() {
   int row = own_row();
   if (row >= row_count) discard;
   ivec4 found = ivec4(never, never, never, 0);
-  vec3 most = vec3(0.0);
+  vec4 most = vec4(0.0);
   int end = min(16 * row + 16, source_count);
   for (int source = 16 * row; source < end; ++source) {
     ivec4 other = events_of(source);
@@ -60,9 +60,9 @@ void main() {
     if (other.x < found.x) found.xy = other.xy;
     found.z = min(found.z, other.z);
     found.w = max(found.w, other.w);
-    vec3 size = maxima_of(source);
-    most = vec3(larger(most.x, size.x), larger(most.y, size.y), larger(most.z, size.z));
+    vec4 size = maxima_of(source);
+    most = vec4(larger(most.x, size.x), larger(most.y, size.y), larger(most.z, size.z), larger(most.w, size.w));
   }
   least_events = found;
-  largest = vec4(most, 0.0);
+  largest = most;
 }

@@ -22,7 +22,7 @@ layout(location = 0) out vec4 next_displacement;
 invariant next_displacement;
 layout(location = 1) out vec4 next_velocity;
 invariant next_velocity;
-layout(location = 2) out vec4 measured;  // speed, acceleration, force of the free coordinates
+layout(location = 2) out vec4 measured;  // speed, acceleration, force of the free coordinates; displacement
 invariant measured;
 
 float length_of(vec3 a) {
@@ -64,7 +64,7 @@ void main() {
 
   float speed = length_of(free_part(v, fixed_at));
   float pushed = length_of(free_part(a, fixed_at));
-  measured = vec4(speed, pushed, inertia.z * pushed, 0.0);
+  measured = vec4(speed, pushed, inertia.z * pushed, length_of(u));
   bool quiet = speed <= speed_at_rest && pushed <= acceleration_at_rest;
   bool bad = !finite(u) || !finite(v) || !(length_of(v) <= runaway_speed);
   float ran_away = batch_step == 1 ? 0.0 : old_velocity.w;

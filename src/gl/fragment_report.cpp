@@ -59,6 +59,7 @@ BatchReport FragmentReport::read(const Texture& displacement, const Texture& vel
   report.max_speed = maxima[0];
   report.max_acceleration = maxima[1];
   report.max_force = maxima[2];
+  report.max_displacement = maxima[3];
   return report;
 }
 

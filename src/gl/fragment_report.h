@@ -15,7 +15,8 @@ struct BatchReport {
   int runaway_step = 0;  ///< first in which a particle ran away
   Index particle = -1;   ///< the first of them by number
   int first_unquiet = 0, last_unquiet = 0;
-  double max_speed = 0.0, max_acceleration = 0.0, max_force = 0.0;  ///< of the last step, if it was measuring
+  /// Of the last step, if it was measuring.
+  double max_speed = 0.0, max_acceleration = 0.0, max_force = 0.0, max_displacement = 0.0;
 };
 
 class FragmentReport {

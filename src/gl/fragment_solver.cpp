@@ -21,17 +21,23 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void require_single_precision(const VecList& rest, const State& state) {
+/// The largest displacement, m. Throws Error where one is beyond single precision.
+double require_single_precision(const VecList& rest, const State& state) {
+  double largest = 0.0;
   for (std::size_t i = 0; i < rest.size(); ++i) {
     const Eigen::Vector3f u = (state.position[i] - rest[i]).cast<float>(), v = state.velocity[i].cast<float>();
+    largest = std::max(largest, u.cast<double>().norm());
     if (u.allFinite() && v.allFinite()) continue;
     throw Error("Solver::reset: particle " + std::to_string(i) +
                 " has a displacement or velocity beyond single precision; the backend \"reference\" computes in "
                 "double precision");
   }
+  return largest;
 }
 
-ParticleBuffer shown(const Texture& texture) {
+/// Another context sees what was drawn here only once it is done. After a step, whose report was waited for, it is.
+ParticleBuffer finished(const Texture& texture) {
+  glFinish();
   return {.texture = texture.id(), .width = texture.shape().width, .height = texture.shape().height, .position = {}};
 }
 
@@ -44,6 +50,7 @@ FragmentSolver::FragmentSolver(std::shared_ptr<const TopologyTextures> shared, c
       layout_(choose_layout(gl_.layout, topology())),
       context_(Context::open(gl_)),
       kept_(rest_state(model())) {
+  instants_.reserve(FragmentDevice::most_steps + 1);
   try {
     build();
     reset();
@@ -104,7 +111,7 @@ auto FragmentSolver::on_device(Function&& function) const {
 }
 
 void FragmentSolver::do_reset(const State& state) {
-  require_single_precision(topology().rest, state);
+  const double largest = require_single_precision(topology().rest, state);
   if (!device_ || context_->lost()) rebuild();
   follow();
   context_->run([&] {
@@ -115,6 +122,7 @@ void FragmentSolver::do_reset(const State& state) {
   time_ = state.time;
   last_dt_ = 0.0;
   steps_at_rest_ = 0;
+  largest_displacement_ = largest;
 }
 
 void FragmentSolver::do_scene_changed() {
@@ -173,14 +181,15 @@ Solver::Motion FragmentSolver::run_batches(const StepPlan& plan) {
 
 /// False where the motion ends with this batch: a failure, or rest.
 bool FragmentSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
-  std::vector<double> instants{time_};
-  for (int k = 0; k < count; ++k) instants.push_back(instants.back() + plan.dt);
+  instants_.assign(1, time_);
+  for (int k = 0; k < count; ++k) instants_.push_back(instants_.back() + plan.dt);
+  const RestThresholds rest = rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest}, largest_displacement_);
   device_->begin_batch({.dt = plan.dt,
                         .damping_factor = plan.damping_factor,
                         .runaway_speed = plan.runaway_speed,
-                        .speed_at_rest = plan.speed_at_rest,
-                        .acceleration_at_rest = plan.acceleration_at_rest},
-                       instants);
+                        .speed_at_rest = rest.speed,
+                        .acceleration_at_rest = rest.acceleration},
+                       instants_);
   device_->run(count);
   BatchReport report = device_->report();
   const int failed_at = report.runaway_step;
@@ -200,6 +209,7 @@ bool FragmentSolver::run_batch(const StepPlan& plan, int count, Motion& motion) 
     motion.max_speed = report.max_speed;
     motion.max_acceleration = report.max_acceleration;
     motion.max_force = report.max_force;
+    largest_displacement_ = report.max_displacement;
   }
   motion.steps += good;
   advance_time(good, plan.dt);
@@ -240,11 +250,11 @@ bool FragmentSolver::do_collect(State& state) {
 
 ParticleBuffer FragmentSolver::do_position_buffer() const {
   if (!device_) return {};
-  return shown(device_->state().displacement());
+  return on_device([&] { return finished(device_->state().displacement()); });
 }
 
 ParticleBuffer FragmentSolver::do_attractor_buffer() const {
-  return on_device([&] { return shown(device_->attractors()); });
+  return on_device([&] { return finished(device_->attractors()); });
 }
 
 std::unique_ptr<Solver> make_fragment_solver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene,

@@ -62,7 +62,9 @@ class FragmentSolver final : public Solver, public ContextUser {
   mutable State kept_;  // the newest state the host has
   double time_ = 0.0, last_dt_ = 0.0;
   int steps_at_rest_ = 0;
-  double seconds_a_step_ = 0.0;  // wall clock; 0: not known yet
+  double largest_displacement_ = 0.0;  // m, when the present batch began
+  std::vector<double> instants_;       // of a batch
+  double seconds_a_step_ = 0.0;        // wall clock; 0: not known yet
 };
 
 std::unique_ptr<Solver> make_fragment_solver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene,

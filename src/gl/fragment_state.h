@@ -45,7 +45,7 @@ class FragmentState {
   int free_pair() const;
 
   std::array<Texture, pairs> displacement_, velocity_;
-  Texture measured_;  // speed, acceleration, force
+  Texture measured_;  // speed, acceleration, force, displacement
   std::array<Framebuffer, pairs> plain_, measuring_;
   int current_ = 0, checkpoint_ = 0;
 };
