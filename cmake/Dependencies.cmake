@@ -71,3 +71,12 @@ if(PHYMUL_WITH_GL)
                    "Without it: -DPHYMUL_WITH_GL=OFF.")
   endif()
 endif()
+
+# The window of phymul-view, and nothing else.
+if(PHYMUL_BUILD_EXAMPLES AND phymul_has_gl)
+  find_package(glfw3 3.3 QUIET)
+  if(NOT glfw3_FOUND)
+    message(STATUS "phymul: no viewer phymul-view, because CMake did not find GLFW; on Debian or Ubuntu: "
+                   "apt-get install libglfw3-dev")
+  endif()
+endif()

@@ -17,6 +17,16 @@ set(shaders
   delta_spring.glsl
   delta_volume.glsl
   displacement.glsl
+  display_ball.frag
+  display_ball.vert
+  display_body.glsl
+  display_colour.glsl
+  display_contour.vert
+  display_line.frag
+  display_line.glsl
+  display_pair.vert
+  display_surface.frag
+  display_surface.vert
   energy_pass.glsl
   fetch.glsl
   force_pass.glsl
@@ -39,6 +49,7 @@ add_custom_command(OUTPUT ${PROJECT_BINARY_DIR}/shaders/embedded_shaders.cpp
 
 # The tests of the inside take the same objects.
 add_library(phymul_gl_objects OBJECT
+  src/gl/body_drawing.cpp
   src/gl/context.cpp
   src/gl/context_current.cpp
   src/gl/context_debug.cpp
@@ -46,6 +57,8 @@ add_library(phymul_gl_objects OBJECT
   src/gl/context_own.cpp
   src/gl/context_self_test.cpp
   src/gl/context_worker.cpp
+  src/gl/display.cpp
+  src/gl/drawing.cpp
   src/gl/egl_context.cpp
   src/gl/egl_display.cpp
   src/gl/fragment_copies.cpp
@@ -64,6 +77,7 @@ add_library(phymul_gl_objects OBJECT
   src/gl/guard_state.cpp
   src/gl/module.cpp
   src/gl/pass.cpp
+  src/gl/picture_target.cpp
   src/gl/program.cpp
   src/gl/shader_source.cpp
   src/gl/texture.cpp

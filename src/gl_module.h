@@ -4,6 +4,7 @@
 // libGLEW, libEGL or libGL runs everything else.
 #pragma once
 
+#include <phymul/display.h>
 #include <phymul/solver.h>
 #include <phymul/version.h>
 
@@ -34,6 +35,9 @@ struct GlModule {
   GlDevice (*probe)(const GlOptions& options) = nullptr;
   std::unique_ptr<Solver> (*make)(std::shared_ptr<const TopologyTextures>, const Scene&,
                                   const SolverOptions&) = nullptr;
+  /// Of the solver, or where it is null of what Display::show is given.
+  std::unique_ptr<Display> (*make_display)(const Model& model, const Solver* solver,
+                                           const GlOptions& options) = nullptr;
 };
 
 /// Name and type of the module's one function.

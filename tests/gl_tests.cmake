@@ -7,6 +7,7 @@ add_dependencies(phymul_test phymul_gl)  # loaded, not linked
 # The inside of src/gl, apart from phymul_test, which runs on machines without GL.
 add_executable(phymul_gl_test
   gl_context_test.cpp
+  gl_display_test.cpp
   gl_equivalence_test.cpp
   gl_fragment_test.cpp
   gl_hosts_test.cpp

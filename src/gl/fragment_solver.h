@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "gl/context.h"
+#include "gl/context_user.h"
 #include "gl/fragment_device.h"
 
 namespace phymul::gl {
@@ -16,12 +17,13 @@ namespace phymul::gl {
 /// has: that of the last reset(), read() or collect(). The solver opens another context, rebuilds itself there from the
 /// topology and goes on from that state at the next call; where it cannot, every step says device_lost until a reset()
 /// finds a device.
-class FragmentSolver final : public Solver {
+class FragmentSolver final : public Solver, public ContextUser {
  public:
   FragmentSolver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene, const SolverOptions& options);
   ~FragmentSolver() override;
 
-  const std::shared_ptr<Context>& context() const { return context_; }
+  const std::shared_ptr<Context>& context() const override { return context_; }
+  GlContext context_kind() const override { return gl_.context; }
   bool enumerated() const { return layout_ == FloatLayout::enumerated; }
   double first_compile() const { return first_compile_; }  ///< s that shaders and the first draws took
 

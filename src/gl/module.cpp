@@ -2,6 +2,7 @@
 //
 // The one function that the module shows.
 #include "gl/context.h"
+#include "gl/display.h"
 #include "gl/fragment_solver.h"
 #include "gl_module.h"
 
@@ -17,7 +18,9 @@ GlDevice probe(const GlOptions& options) {
 }  // namespace phymul::gl
 
 extern "C" __attribute__((visibility("default"))) const phymul::GlModule* phymul_gl_module() {
-  static const phymul::GlModule module{
-      .stamp = {}, .probe = phymul::gl::probe, .make = phymul::gl::make_fragment_solver};
+  static const phymul::GlModule module{.stamp = {},
+                                       .probe = phymul::gl::probe,
+                                       .make = phymul::gl::make_fragment_solver,
+                                       .make_display = phymul::gl::make_display};
   return &module;
 }

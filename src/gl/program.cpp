@@ -48,11 +48,11 @@ class Shader {
 
 }  // namespace
 
-Program::Program(const ShaderLibrary& library, const ShaderRequest& fragment) {
-  const Shader cover(GL_VERTEX_SHADER, library, {.files = {"cover_target.glsl"}, .defines = {}});
+Program::Program(const ShaderLibrary& library, const ShaderRequest& vertex, const ShaderRequest& fragment) {
+  const Shader corners(GL_VERTEX_SHADER, library, vertex);
   const Shader body(GL_FRAGMENT_SHADER, library, fragment);
   id_ = glCreateProgram();
-  glAttachShader(id_, cover.id());
+  glAttachShader(id_, corners.id());
   glAttachShader(id_, body.id());
   glLinkProgram(id_);
   GLint good = GL_FALSE, length = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Program: a fragment shader over the rectangle of its target, compiled and linked.
+// Program: a vertex and a fragment shader, compiled and linked.
 #pragma once
 
 #include "gl/gl_api.h"
@@ -13,7 +13,10 @@ class Program {
  public:
   Program() = default;
   /// Throws Error with the stage, file, line and the driver's log.
-  Program(const ShaderLibrary& library, const ShaderRequest& fragment);
+  Program(const ShaderLibrary& library, const ShaderRequest& vertex, const ShaderRequest& fragment);
+  /// A fragment shader over the rectangle of its target.
+  Program(const ShaderLibrary& library, const ShaderRequest& fragment)
+      : Program(library, {.files = {"cover_target.glsl"}, .defines = {}}, fragment) {}
   Program(Program&& other) noexcept;
   Program& operator=(Program&& other) noexcept;
   ~Program();
