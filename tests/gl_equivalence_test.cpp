@@ -2,7 +2,11 @@
 //
 // The backend "gl" against its mirror, bit by bit where the renderer allows (llvmpipe), and against the double
 // reference.
+#include <limits>
+#include <thread>
+
 #include "bounded_forces.h"
+#include "failure_states.h"
 #include "gl_twins.h"
 
 namespace phymul::test {
@@ -73,7 +77,8 @@ TEST_F(GlEquivalence, SingleStepsAreWithinTheRoundingBound) {
       const Scene scene(model);
       const auto tables = tables_of(model, variant.options);
       SolverOptions options;
-      options.gl.layout = BaseLayout::table;  // the bound is that of its rounded edges
+      options.gl.layout = BaseLayout::table;                           // the bound is that of its rounded edges
+      options.largest_push = std::numeric_limits<double>::infinity();  // and of uncut forces
       const GlTwins twins(tables, scene, options);
       const bool large = tables->base_count > 20000;
       if (large && twins.gl->context()->info().software && !twins.same_bits_expected()) {
@@ -191,6 +196,55 @@ TEST_F(GlEquivalence, DampedBodiesComeToTheReferencesRest) {
       follow_reference(twins, *reference, model, 0.3 * reference->stable_step(), body.name + ", " + variant.name);
     }
   }
+}
+
+/// Where elastic forces are cut, on the way back from states no tissue is in.
+TEST_F(GlEquivalence, FailureStatesHaveTheMirrorsBits) {
+  constexpr double side = 0.03;
+  Model model = make_block({side, side, side}, 3, 3, 3, 6);
+  set_material(model, soft_tissue());
+  const Scene scene(model);
+  SolverOptions options;
+  options.damping.factor = 0.98;
+  for (const int passes : {2, 4}) {
+    options.gl.passes = passes;
+    const GlTwins twins(tables_of(model, {}), scene, options);
+    for (const FailureState& failure : failure_states()) {
+      SCOPED_TRACE(failure.name);
+      std::mt19937 bits(5);
+      State state = rest_state(model);
+      failure.apply(state.position, side, side / 3, bits);
+      twins.reset(state);
+      for (int k = 0; k < 4; ++k) {
+        const StepReport gl = twins.gl->step(50, 0.5 * twins.gl->stable_step());
+        const StepReport mirror = twins.mirror->step(50, 0.5 * twins.gl->stable_step());
+        EXPECT_TRUE(gl.ok()) << gl.message();
+        EXPECT_TRUE(gl.cut || k > 0);
+        EXPECT_TRUE(gl.cut == mirror.cut || !twins.same_bits_expected()) << "call " << k;
+        twins.expect_same_bits("call " + std::to_string(k));
+      }
+    }
+  }
+}
+
+TEST_F(GlEquivalence, FourSolversInFourThreads) {
+  const Model model = jittered_block();
+  const Scene scene(model);
+  const auto tables = tables_of(model, {});
+  SolverOptions options;
+  options.spectrum = estimate_spectrum(*tables, tables->rest);
+  const auto run = [&] {
+    gl::FragmentSolver solver(tables, scene, options);
+    solver.reset(random_state(model, 0.1, 0.0, 3));
+    for (int k = 0; k < 20; ++k) EXPECT_TRUE(solver.step(5, 0.4 * solver.stable_step()).ok());
+    return solver.read();
+  };
+  const State alone = run();
+  std::array<State, 4> states;
+  std::vector<std::thread> threads;
+  for (State& state : states) threads.emplace_back([&] { state = run(); });
+  for (std::thread& thread : threads) thread.join();
+  for (const State& state : states) EXPECT_EQ(difference(state, alone), "");
 }
 
 TEST_F(GlEquivalence, FarFromTheOriginNoDigitIsLost) {
