@@ -31,9 +31,12 @@ inline std::int32_t bits_of(float value) {
   return std::bit_cast<std::int32_t>(value);
 }
 
+enum class FloatLayout { table, enumerated };
+
 /// Vectors are unpadded and empty where the body has nothing of the kind.
 struct FloatTables {
   TopologyOptions options;
+  FloatLayout layout = FloatLayout::table;
   int dimension = 3;
   Index particle_count = 0;
   Index base_count = 0, volume_count = 0, cell_count = 0;
@@ -47,9 +50,9 @@ struct FloatTables {
   // Attractor of the reactions full, shared, barycentric and averaged. Rows as TopologyTextures::neighbours.
   std::vector<std::int32_t> neighbour;
   std::vector<float> alpha;
-  /// Enumerated layout only: per neighbour row the rest edge X_j - X_i and alpha; per particle the first texel of beta;
-  /// beta times w of its triples (j < k < l in the order of its neighbour rows), four a texel, 0 where there is no
-  /// base.
+  /// Enumerated layout only, where `alpha` and the tables per base are empty: per neighbour row the rest edge X_j - X_i
+  /// and alpha; per particle its first texel of `height`; beta times w of its triples (j < k < l in the order of its
+  /// neighbour rows), four a texel. 0 where the triple is no base: it may have no plane, and must be passed over.
   std::vector<Float4> edge_alpha;
   std::vector<std::int32_t> first_height;
   std::vector<Float4> height;
@@ -79,10 +82,8 @@ struct FloatTables {
   bool has_attractors() const { return !neighbour.empty() && options.reaction != Reaction::conservative; }
 };
 
-enum class FloatLayout { table, enumerated };
-
 /// Rows of `share` (thesis' reactions) or `reaction` are bounded by lists[i][0]. Throws Error where an entry would not
-/// fit 32 bits, and for `enumerated` where the options do not allow it.
+/// fit 32 bits or a constant not a float, and for `enumerated` where the options do not allow it.
 FloatTables pack_floats(const TopologyTextures& topology, FloatLayout layout = FloatLayout::table);
 
 }  // namespace phymul

@@ -14,6 +14,7 @@ namespace phymul::test {
 struct BackendUnderTest {
   std::string name;
   std::function<std::unique_ptr<Solver>(const Model&, const Scene&, const TopologyOptions&, const SolverOptions&)> make;
+  double roundoff = 0x1p-53;  ///< of one operation of its arithmetic
 };
 
 inline void PrintTo(const BackendUnderTest& backend, std::ostream* out) {
@@ -26,6 +27,7 @@ class SolverConformance : public testing::TestWithParam<BackendUnderTest> {
                                       const TopologyOptions& topology = {}) {
     return GetParam().make(model, scene, topology, options);
   }
+  static double roundoff() { return GetParam().roundoff; }
   static Model block() {
     Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
     set_material(model, soft_tissue());

@@ -10,9 +10,10 @@ namespace {
 std::vector<BackendUnderTest> built_backends() {
   std::vector<BackendUnderTest> all;
   for (const std::string& name : backend_names()) {
-    all.push_back(
-        {name, [name](const Model& model, const Scene& scene, const TopologyOptions& topology,
-                      const SolverOptions& options) { return make_solver(name, model, scene, topology, options); }});
+    all.push_back({name,
+                   [name](const Model& model, const Scene& scene, const TopologyOptions& topology,
+                          const SolverOptions& options) { return make_solver(name, model, scene, topology, options); },
+                   name == "reference" ? 0x1p-53 : 0x1p-24});
   }
   return all;
 }
