@@ -8,6 +8,7 @@
 #include <array>
 
 #include "cpu/reference_solver.h"
+#include "cpu/vector_solver.h"
 
 namespace phymul {
 namespace {
@@ -17,7 +18,8 @@ struct Backend {
   std::unique_ptr<Solver> (*make)(std::shared_ptr<const TopologyTextures>, const Scene&, const SolverOptions&);
 };
 
-constexpr std::array backends{Backend{"reference", cpu::make_reference_solver}};
+constexpr std::array backends{Backend{"reference", cpu::make_reference_solver},
+                              Backend{"cpu", cpu::make_vector_solver}};
 
 const Backend& find_backend(std::string_view name) {
   if (name == "auto") return backends.front();

@@ -31,7 +31,7 @@ TEST(Backends, UnknownNameListsTheKnownOnes) {
     make_solver("vulkan", model, scene);
     FAIL() << "accepted";
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "unknown backend \"vulkan\"; this build has: auto, reference");
+    EXPECT_STREQ(error.what(), "unknown backend \"vulkan\"; this build has: auto, reference, cpu");
   }
   EXPECT_EQ(make_solver("auto", model, scene)->name(), "reference");
 }

@@ -1,0 +1,402 @@
+// SPDX-License-Identifier: MIT
+#include "vector_body.h"
+
+#include <phymul/error.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "renumbering.h"
+#include "vector_rows.h"
+
+namespace phymul::cpu {
+namespace {
+
+/// Particles of a cluster: few enough that its displacements and forces stay in a core's first cache, many enough that
+/// most of a cluster's terms touch its own particles alone.
+constexpr Index cluster_size = 512;
+/// A body of fewer particles and less work than these stays in one piece: it is not worth a second thread.
+constexpr Index whole_size = 2048;
+constexpr double whole_cost = 40e3;  // ns
+
+std::vector<Index> work_of(const TopologyTextures& topology) {
+  std::vector<Index> work;
+  for (Index i = 0; i < topology.particle_count; ++i) {
+    const Index springs = topology.springs.empty() ? 0 : topology.spring_of.size(i);
+    work.push_back(topology.index[i].base_count + springs);
+  }
+  return work;
+}
+
+/// Slots of one cluster: its own particles, then others in the order they are met.
+class Slots {
+ public:
+  explicit Slots(Index particles) : slot_(static_cast<std::size_t>(particles)), seen_(slot_.size(), -1) {}
+
+  void begin(int cluster, Cluster& to, Index own_particles) {
+    cluster_ = cluster;
+    to_ = &to;
+    own_particles_ = own_particles;
+  }
+  std::int32_t offset_of(Index particle) {
+    const Index k = particle - to_->first;
+    if (k >= 0 && k < own_particles_) return 16 * k;
+    if (seen_[particle] != cluster_) {
+      seen_[particle] = cluster_;
+      slot_[particle] = to_->own + static_cast<std::int32_t>(to_->halo.size());
+      to_->halo.push_back(particle);
+    }
+    return 16 * slot_[particle];
+  }
+
+ private:
+  std::vector<std::int32_t> slot_, seen_;
+  Cluster* to_ = nullptr;
+  int cluster_ = -1;
+  Index own_particles_ = 0;
+};
+
+/// Rows of `terms` that belong to each cluster: to the one that has most of its vertices, the first of those.
+template <class Term, class Vertices>
+std::vector<std::vector<Index>> by_cluster(const std::vector<Term>& terms, Index size, std::size_t clusters,
+                                           const Vertices& vertices) {
+  std::vector<std::vector<Index>> rows(clusters);
+  for (std::size_t t = 0; t < terms.size(); ++t) {
+    Index best = 0;
+    long most = 0;
+    const auto& v = vertices(terms[t]);
+    for (const Index i : v) {
+      if (i == none) continue;
+      const long here = std::count_if(v.begin(), v.end(), [&](Index j) { return j != none && j / size == i / size; });
+      if (here > most || (here == most && i / size < best)) {
+        most = here;
+        best = i / size;
+      }
+    }
+    rows[best].push_back(static_cast<Index>(t));
+  }
+  return rows;
+}
+
+class Cutter {
+ public:
+  Cutter(const TopologyTextures& t, Index size, VectorBody& body)
+      : t_(t), size_(size), body_(body), slots_(t.particle_count) {}
+
+  void cut() {
+    const auto count = static_cast<std::size_t>((t_.particle_count + size_ - 1) / size_);
+    volumes_ = by_cluster(
+        t_.volumes, size_, count, [](const VolumeTexel& v) -> auto& { return v.vertex; });
+    cells_ = by_cluster(
+        t_.cells, size_, count, [](const CellTexel& c) -> auto& { return c.vertex; });
+    body_.clusters.resize(count);
+    body_.base_first.push_back(0);
+    body_.spring_first.push_back(0);
+    starts_.resize(count);
+    for (std::size_t c = 0; c < count; ++c) cut_cluster(static_cast<int>(c));
+    point_jobs();
+    cut_particles();
+    cut_halo();
+    if (body_.gives()) cut_gifts();
+  }
+
+ private:
+  struct Start {  // where a cluster's rows begin in the arrays of the body
+    std::size_t base_slice, spring_slice, volume, cell4, cell6, cell8;
+  };
+
+  void cut_cluster(int c) {
+    Cluster& cluster = body_.clusters[c];
+    cluster.first = static_cast<std::int32_t>(c) * size_;
+    const Index own = std::min(size_, t_.particle_count - cluster.first);
+    cluster.own = (own + body_.lanes - 1) / body_.lanes * body_.lanes;
+    cluster.force_first = body_.force_rows;
+    slots_.begin(c, cluster, own);
+    starts_[c] = {body_.base_first.size() - 1, body_.spring_first.size() - 1, body_.volumes.size(),
+                  body_.cells4.size(),         body_.cells6.size(),           body_.cells8.size()};
+    const int slices = cluster.own / body_.lanes;
+    if (t_.base_count > 0) {
+      for (int s = 0; s < slices; ++s) cut_base_slice(cluster, s, own);
+      cluster.job.bases.count = slices;
+    }
+    if (!t_.springs.empty()) {
+      for (int s = 0; s < slices; ++s) cut_spring_slice(cluster, s, own);
+      cluster.job.springs.count = slices;
+    }
+    cluster.job.volumes.count = cut_volumes(c);
+    cluster.job.cells4.count = cut_cells(c, 1, 4, body_.cells4);
+    cluster.job.cells6.count = cut_cells(c, 5, 6, body_.cells6);
+    cluster.job.cells8.count = cut_cells(c, 7, 8, body_.cells8);
+    fill_idle_lanes(c);
+    body_.force_rows += cluster.slots();
+    estimate_cost(c);
+  }
+
+  void cut_base_slice(const Cluster& cluster, int s, Index own) {
+    LaneRows rows(body_.bases, simd::base_columns, body_.lanes);
+    const Index first = cluster.first + s * body_.lanes;
+    Index longest = 0;
+    for (int lane = 0; lane < body_.lanes; ++lane) {
+      if (s * body_.lanes + lane < own) longest = std::max(longest, t_.index[first + lane].base_count);
+    }
+    rows.add(longest, 3);
+    for (int lane = 0; lane < body_.lanes && s * body_.lanes + lane < own; ++lane) {
+      const IndexTexel& at = t_.index[first + lane];
+      for (Index k = 0; k < at.base_count; ++k) pack_base(at.first_base + k, first + lane, rows, k, lane);
+    }
+    body_.base_first.push_back(body_.base_first.back() + longest);
+  }
+
+  void pack_base(Index t, Index owner, LaneRows& rows, Index row, int lane) {
+    const BaseTexel& base = t_.bases[t];
+    const int vertices = body_.plane ? 2 : 3;
+    for (int k = 0; k < vertices; ++k) rows.offset(row, k, lane, slots_.offset_of(base.vertex[k]));
+    const Vec3& at = t_.rest[base.vertex[0]];
+    const Vec3 E1 = t_.rest[base.vertex[1]] - at;
+    const Vec3 E2 = body_.plane ? Vec3(Vec3::Zero()) : Vec3(t_.rest[base.vertex[2]] - at);
+    const double length = body_.plane ? E1.norm() : E1.cross(E2).norm();
+    const double share = body_.use == simd::BaseUse::conservative ? t_.stiffness[owner] * t_.weight[t] : t_.weight[t];
+    rows.put(row, 3, lane, E1);
+    rows.put(row, 6, lane, E2);
+    rows.put(row, 9, lane, t_.lambda[t][1]);
+    rows.put(row, 10, lane, body_.plane ? 0.0 : t_.lambda[t][2]);
+    rows.put(row, 11, lane, base.beta / length);
+    rows.put(row, 12, lane, 1.0 / (length * length));
+    rows.put(row, 13, lane, share);
+  }
+
+  void cut_spring_slice(const Cluster& cluster, int s, Index own) {
+    LaneRows rows(body_.springs, simd::spring_columns, body_.lanes);
+    const Index first = cluster.first + s * body_.lanes;
+    Index longest = 0;
+    for (int lane = 0; lane < body_.lanes; ++lane) {
+      if (s * body_.lanes + lane < own) longest = std::max(longest, t_.spring_of.size(first + lane));
+    }
+    rows.add(longest, 1);
+    for (int lane = 0; lane < body_.lanes && s * body_.lanes + lane < own; ++lane) {
+      const Index i = first + lane;
+      Index row = 0;
+      for (const Index* entry = t_.spring_of.begin(i); entry != t_.spring_of.end(i); ++entry, ++row) {
+        const SpringTexel& spring = t_.springs[*entry / 2];
+        const Index other = spring.end[1 - *entry % 2];
+        const Vec3 R = t_.rest[other] - t_.rest[i];
+        rows.offset(row, 0, lane, slots_.offset_of(other));
+        rows.put(row, 1, lane, R);
+        rows.put(row, 4, lane, R == Vec3::Zero() ? 0.0 : 1.0 / R.squaredNorm());
+        rows.put(row, 5, lane, spring.stiffness);
+      }
+    }
+    body_.spring_first.push_back(body_.spring_first.back() + longest);
+  }
+
+  int cut_volumes(int c) {
+    const SpreadLanes spread(volumes_[c].size(), body_.lanes);
+    LaneRows rows(body_.volumes, simd::volume_columns, body_.lanes);
+    rows.add(spread.rows(), 4);
+    for (std::size_t k = 0; k < volumes_[c].size(); ++k) {
+      const VolumeTexel& term = t_.volumes[volumes_[c][k]];
+      const auto [row, lane] = spread.place(k);
+      for (int v = 0; v < 4; ++v) {
+        if (term.vertex[v] == none) continue;
+        rows.offset(row, v, lane, slots_.offset_of(term.vertex[v]));
+        if (v > 0) rows.put(row, 3 * v + 1, lane, Vec3(t_.rest[term.vertex[v]] - t_.rest[term.vertex[0]]));
+      }
+      rows.put(row, 13, lane, term.inverse_rest_volume / (body_.plane ? 2.0 : 6.0));
+      rows.put(row, 14, lane, term.stiffness);
+    }
+    return spread.rows();
+  }
+
+  /// Cells whose number of corners is in [least, corners].
+  int cut_cells(int c, int least, int corners, Floats& to) {
+    std::vector<Index> cells;
+    for (const Index t : cells_[c]) {
+      const auto& v = t_.cells[t].vertex;
+      const auto n = std::count_if(v.begin(), v.end(), [](Index i) { return i != none; });
+      if (n >= least && n <= corners) cells.push_back(t);
+    }
+    const SpreadLanes spread(cells.size(), body_.lanes);
+    LaneRows rows(to, simd::cell_columns(corners), body_.lanes);
+    rows.add(spread.rows(), corners);
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      const CellTexel& cell = t_.cells[cells[k]];
+      const auto [row, lane] = spread.place(k);
+      for (int v = 0; v < corners && cell.vertex[v] != none; ++v) {
+        rows.offset(row, v, lane, slots_.offset_of(cell.vertex[v]));
+        if (v > 0) rows.put(row, corners + 3 * (v - 1), lane, cell.gradient[v]);
+      }
+      rows.put(row, 4 * corners - 3, lane, cell.shape_stiffness);
+      rows.put(row, 4 * corners - 2, lane, cell.volume_stiffness);
+    }
+    return spread.rows();
+  }
+
+  /// Lanes without a term point at the slot that stands for nothing, whose number is known only now.
+  void fill_idle_lanes(int c) {
+    const std::int32_t idle = 16 * (body_.clusters[c].slots() - 1);
+    const Start& start = starts_[c];
+    const auto from_slice = [&](const Offsets& first, std::size_t slice, int columns) {
+      return static_cast<std::size_t>(first[slice]) * columns * body_.lanes;
+    };
+    fill_idle(body_.bases, from_slice(body_.base_first, start.base_slice, simd::base_columns), simd::base_columns,
+              body_.plane ? 2 : 3, body_.lanes, idle);
+    fill_idle(body_.springs, from_slice(body_.spring_first, start.spring_slice, simd::spring_columns),
+              simd::spring_columns, 1, body_.lanes, idle);
+    fill_idle(body_.volumes, start.volume, simd::volume_columns, 4, body_.lanes, idle);
+    fill_idle(body_.cells4, start.cell4, simd::cell_columns(4), 4, body_.lanes, idle);
+    fill_idle(body_.cells6, start.cell6, simd::cell_columns(6), 6, body_.lanes, idle);
+    fill_idle(body_.cells8, start.cell8, simd::cell_columns(8), 8, body_.lanes, idle);
+  }
+
+  void estimate_cost(int c) {
+    Cluster& cluster = body_.clusters[c];
+    const auto rows_since = [](const Offsets& first, std::size_t start) {
+      return static_cast<double>(first.back() - first[start]);
+    };
+    const double base = body_.use == simd::BaseUse::attractor  ? 25.0
+                        : body_.use == simd::BaseUse::averaged ? 80.0
+                                                               : 50.0;
+    cluster.cost = base * rows_since(body_.base_first, starts_[c].base_slice) +
+                   8.0 * rows_since(body_.spring_first, starts_[c].spring_slice) + 40.0 * cluster.job.volumes.count +
+                   100.0 * (cluster.job.cells4.count + cluster.job.cells6.count + cluster.job.cells8.count) +
+                   20.0 * cluster.own / body_.lanes + 2.0 * static_cast<double>(cluster.halo.size());
+  }
+
+  void point_jobs() {
+    for (std::size_t c = 0; c < body_.clusters.size(); ++c) {
+      simd::Job& job = body_.clusters[c].job;
+      const Start& start = starts_[c];
+      job.exponent = narrowed(t_.options.area_exponent);
+      job.bases.first = body_.base_first.data() + start.base_slice;
+      job.bases.rows = body_.bases.data();
+      job.springs.first = body_.spring_first.data() + start.spring_slice;
+      job.springs.rows = body_.springs.data();
+      job.volumes.rows = body_.volumes.data() + start.volume;
+      job.cells4.rows = body_.cells4.data() + start.cell4;
+      job.cells6.rows = body_.cells6.data() + start.cell6;
+      job.cells8.rows = body_.cells8.data() + start.cell8;
+    }
+  }
+
+  void cut_particles() {
+    body_.places = body_.clusters.empty() ? 0 : body_.clusters.back().first + body_.clusters.back().own;
+    const auto places = static_cast<std::size_t>(body_.places);
+    body_.stiffness.assign(places, 0.0f);
+    body_.mass.assign(places, 0.0f);
+    body_.inverse_mass.assign(places, 0.0f);
+    for (Index i = 0; i < t_.particle_count; ++i) {
+      body_.stiffness[i] = t_.stiffness.empty() ? 0.0f : narrowed(t_.stiffness[i]);
+      body_.mass[i] = narrowed(t_.mass[i]);
+      body_.inverse_mass[i] = narrowed(1.0 / t_.mass[i]);
+    }
+    for (Cluster& cluster : body_.clusters) cluster.job.stiffness = body_.stiffness.data() + cluster.first;
+  }
+
+  /// Who else has forces for the particles of a slice, in the order of the clusters.
+  void cut_halo() {
+    std::vector<std::vector<std::int64_t>> rows_of(static_cast<std::size_t>(body_.places));
+    for (const Cluster& cluster : body_.clusters) {
+      for (std::size_t k = 0; k < cluster.halo.size(); ++k) {
+        rows_of[cluster.halo[k]].push_back(cluster.force_first + cluster.own + static_cast<std::int64_t>(k));
+      }
+    }
+    const std::int64_t zero = body_.force_rows++;
+    if (body_.force_rows * 16 > std::numeric_limits<std::int32_t>::max()) {
+      throw Error("the body has " + std::to_string(t_.particle_count) +
+                  " particles, too many for 32-bit offsets; the backend \"reference\" has no such limit");
+    }
+    body_.halo_first.push_back(0);
+    for (int s = 0; s < body_.slices(); ++s) {
+      const Cluster& cluster = body_.clusters[s * body_.lanes / size_];
+      body_.own.push_back(static_cast<std::int32_t>(16 * (cluster.force_first + s * body_.lanes - cluster.first)));
+      std::size_t longest = 0;
+      for (int lane = 0; lane < body_.lanes; ++lane)
+        longest = std::max(longest, rows_of[s * body_.lanes + lane].size());
+      for (std::size_t k = 0; k < longest; ++k) {
+        for (int lane = 0; lane < body_.lanes; ++lane) {
+          const auto& rows = rows_of[s * body_.lanes + lane];
+          body_.halo.push_back(static_cast<std::int32_t>(16 * (k < rows.size() ? rows[k] : zero)));
+        }
+      }
+      body_.halo_first.push_back(body_.halo_first.back() + static_cast<std::int32_t>(longest));
+    }
+  }
+
+  double share_of(Index row) const {
+    switch (t_.options.reaction) {
+      case Reaction::full:
+        return 1.0;
+      case Reaction::shared:
+        return 1.0 / t_.index[t_.neighbour_owner[row]].neighbour_count;
+      default:
+        return t_.alpha[row];
+    }
+  }
+
+  /// Whose pulls a particle bears, and what share of each.
+  void cut_gifts() {
+    LaneRows rows(body_.give, 2, body_.lanes);
+    body_.give_first.push_back(0);
+    for (int s = 0; s < body_.slices(); ++s) {
+      const Index first = s * body_.lanes, last = std::min<Index>(first + body_.lanes, t_.particle_count);
+      Index longest = 0;
+      for (Index i = first; i < last; ++i) longest = std::max(longest, t_.neighbour_of.size(i));
+      rows.add(longest, 1);
+      for (Index i = first; i < last; ++i) {
+        Index row = 0;
+        for (const Index* r = t_.neighbour_of.begin(i); r != t_.neighbour_of.end(i); ++r, ++row) {
+          if (t_.index[t_.neighbour_owner[*r]].base_count == 0) continue;
+          rows.offset(row, 0, i - first, 16 * t_.neighbour_owner[*r]);
+          rows.put(row, 1, i - first, share_of(*r));
+        }
+      }
+      body_.give_first.push_back(body_.give_first.back() + longest);
+    }
+    fill_idle(body_.give, 0, 2, 1, body_.lanes, 16 * body_.places);
+  }
+
+  const TopologyTextures& t_;
+  const Index size_;
+  VectorBody& body_;
+  Slots slots_;
+  std::vector<std::vector<Index>> volumes_, cells_;
+  std::vector<Start> starts_;
+};
+
+double rough_cost(const TopologyTextures& t, int lanes) {
+  const double base = t.options.reaction == Reaction::averaged ? 80.0 : 50.0;
+  return (base * t.base_count + 16.0 * static_cast<double>(t.springs.size()) +
+          40.0 * static_cast<double>(t.volumes.size()) + 100.0 * static_cast<double>(t.cells.size())) /
+         lanes;
+}
+
+}  // namespace
+
+double VectorBody::cost() const {
+  double sum = 0.0;
+  for (const Cluster& cluster : clusters) sum += cluster.cost;
+  return sum;
+}
+
+std::unique_ptr<const VectorBody> make_vector_body(const TopologyTextures& topology, int lanes) {
+  auto body = std::make_unique<VectorBody>();
+  const bool whole = topology.particle_count <= whole_size && rough_cost(topology, lanes) <= whole_cost;
+  const Index size = whole ? std::max<Index>(topology.particle_count, 1) : cluster_size;
+  body->lanes = lanes;
+  body->order = locality_order(topology.rest, work_of(topology), size);
+  body->plane = topology.dimension == 2;
+  body->scaled = !topology.rest_area.empty();
+  body->bounded = topology.options.volume_law == VolumeLaw::bounded;
+  body->use = topology.options.reaction == Reaction::conservative ? simd::BaseUse::conservative
+              : topology.options.reaction == Reaction::averaged   ? simd::BaseUse::averaged
+                                                                  : simd::BaseUse::attractor;
+  const TopologyTextures ordered = renumbered(topology, body->order);
+  Cutter(ordered, size, *body).cut();
+  return body;
+}
+
+}  // namespace phymul::cpu
