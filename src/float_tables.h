@@ -15,6 +15,7 @@
 
 #include <phymul/topology_textures.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -81,6 +82,24 @@ struct FloatTables {
 
   bool has_attractors() const { return !neighbour.empty() && options.reaction != Reaction::conservative; }
 };
+
+/// What a float backend can tell from rest. A displacement u is rounded by up to 2^-24 |u|, which pushes its particle
+/// with accelerations of up to a few times omega_max^2 2^-24 |u|: a body's noise at rest was measured at 2 to 3.5 of
+/// these units, in speed times omega_max too. Below `rest_noise` of them the rest test would wait for ever.
+inline constexpr double rest_noise = 8.0 * 0x1p-24;
+
+struct RestThresholds {
+  double speed = 0.0;         ///< m/s
+  double acceleration = 0.0;  ///< m/s^2
+};
+
+/// The thresholds asked for, or the noise where that is more; `largest` is the largest displacement of the body, m.
+inline RestThresholds rest_thresholds(RestThresholds asked, double largest) {
+  if (!(asked.speed > 0.0)) return asked;
+  const double omega_max = asked.acceleration / asked.speed;
+  const double speed = rest_noise * largest * omega_max;
+  return {std::max(asked.speed, speed), std::max(asked.acceleration, speed * omega_max)};
+}
 
 /// Rows of `share` (thesis' reactions) or `reaction` are bounded by lists[i][0]. Throws Error where an entry would not
 /// fit 32 bits or a constant not a float, and for `enumerated` where the options do not allow it.

@@ -122,7 +122,9 @@ class MirrorSolver final : public Solver {
       ++motion.steps;
 
       motion.max_speed = max_free_speed();
-      const bool quiet = motion.max_speed <= plan.speed_at_rest && motion.max_acceleration <= plan.acceleration_at_rest;
+      const RestThresholds rest =
+          rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest}, largest_displacement());
+      const bool quiet = motion.max_speed <= rest.speed && motion.max_acceleration <= rest.acceleration;
       steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
       motion.steps_at_rest = steps_at_rest_;
       if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;
@@ -203,6 +205,12 @@ class MirrorSolver final : public Solver {
     for (Index i = 0; i < topology().particle_count; ++i) {
       largest = std::max(largest, widened(loads_.free_part(i, v_[i])).norm());
     }
+    return largest;
+  }
+
+  double largest_displacement() const {
+    double largest = 0.0;
+    for (const Float3& u : u_) largest = std::max(largest, widened(u).norm());
     return largest;
   }
 
