@@ -10,7 +10,9 @@
 #include <limits>
 #include <string>
 
+#include "neighbourhoods.h"
 #include "renumbering.h"
+#include "simplices.h"
 #include "vector_rows.h"
 
 namespace phymul::cpu {
@@ -23,11 +25,26 @@ constexpr Index cluster_size = 512;
 constexpr Index whole_size = 2048;
 constexpr double whole_cost = 40e3;  // ns
 
-std::vector<Index> work_of(const TopologyTextures& topology) {
+/// Bases of particle i that no simplex has taken.
+std::vector<Index> lone_bases(const TopologyTextures& t, const Simplices& simplices, Index i) {
+  std::vector<Index> rows;
+  const IndexTexel& at = t.index[i];
+  for (Index b = at.first_base; b < at.first_base + at.base_count; ++b) {
+    if (!simplices.base_taken[b]) rows.push_back(b);
+  }
+  return rows;
+}
+
+/// Rows that each particle has in its slice.
+std::vector<Index> work_of(const TopologyTextures& t) {
+  const Simplices simplices = find_simplices(t);
+  const bool enumerable = is_enumerable(t, simd::most_enumerated);
   std::vector<Index> work;
-  for (Index i = 0; i < topology.particle_count; ++i) {
-    const Index springs = topology.springs.empty() ? 0 : topology.spring_of.size(i);
-    work.push_back(topology.index[i].base_count + springs);
+  for (Index i = 0; i < t.particle_count; ++i) {
+    const Index springs = t.springs.empty() ? 0 : t.spring_of.size(i);
+    const Index bases = enumerable && t.index[i].base_count > 0 ? t.index[i].neighbour_count
+                                                                 : static_cast<Index>(lone_bases(t, simplices, i).size());
+    work.push_back(bases + springs);
   }
   return work;
 }
@@ -60,12 +77,13 @@ class Slots {
   Index own_particles_ = 0;
 };
 
-/// Rows of `terms` that belong to each cluster: to the one that has most of its vertices, the first of those.
+/// Rows of `terms`, but for those taken, that belong to each cluster: to the one that has most of its vertices, the first of those.
 template <class Term, class Vertices>
 std::vector<std::vector<Index>> by_cluster(const std::vector<Term>& terms, Index size, std::size_t clusters,
-                                           const Vertices& vertices) {
+                                           const Vertices& vertices, const std::vector<bool>& taken) {
   std::vector<std::vector<Index>> rows(clusters);
   for (std::size_t t = 0; t < terms.size(); ++t) {
+    if (!taken.empty() && taken[t]) continue;
     Index best = 0;
     long most = 0;
     const auto& v = vertices(terms[t]);
@@ -85,14 +103,18 @@ std::vector<std::vector<Index>> by_cluster(const std::vector<Term>& terms, Index
 class Cutter {
  public:
   Cutter(const TopologyTextures& t, Index size, VectorBody& body)
-      : t_(t), size_(size), body_(body), slots_(t.particle_count) {}
+      : t_(t), size_(size), body_(body), slots_(t.particle_count), shared_(find_simplices(t)) {}
 
   void cut() {
     const auto count = static_cast<std::size_t>((t_.particle_count + size_ - 1) / size_);
     volumes_ = by_cluster(
-        t_.volumes, size_, count, [](const VolumeTexel& v) -> auto& { return v.vertex; });
+        t_.volumes, size_, count, [](const VolumeTexel& v) -> auto& { return v.vertex; }, shared_.volume_taken);
     cells_ = by_cluster(
-        t_.cells, size_, count, [](const CellTexel& c) -> auto& { return c.vertex; });
+        t_.cells, size_, count, [](const CellTexel& c) -> auto& { return c.vertex; }, shared_.cell_taken);
+    simplices_ = by_cluster(
+        shared_.all, size_, count, [](const Simplex& s) -> auto& { return s.vertex; }, {});
+    enumerates_ = is_enumerable(t_, simd::most_enumerated);
+    slices_bases_ = !enumerates_ && std::ranges::find(shared_.base_taken, false) != shared_.base_taken.end();
     body_.clusters.resize(count);
     body_.base_first.push_back(0);
     body_.spring_first.push_back(0);
@@ -106,7 +128,7 @@ class Cutter {
 
  private:
   struct Start {  // where a cluster's rows begin in the arrays of the body
-    std::size_t base_slice, spring_slice, volume, cell4, cell6, cell8;
+    std::size_t base_slice, enumerated_slice, enumerated, spring_slice, volume, cell4, cell6, cell8, simplex, cell_simplex;
   };
 
   void cut_cluster(int c) {
@@ -116,12 +138,17 @@ class Cutter {
     cluster.own = (own + body_.lanes - 1) / body_.lanes * body_.lanes;
     cluster.force_first = body_.force_rows;
     slots_.begin(c, cluster, own);
-    starts_[c] = {body_.base_first.size() - 1, body_.spring_first.size() - 1, body_.volumes.size(),
-                  body_.cells4.size(),         body_.cells6.size(),           body_.cells8.size()};
+    starts_[c] = {body_.base_first.size() - 1, body_.enumerated_first.size(), body_.enumerated.size(), body_.spring_first.size() - 1, body_.volumes.size(),
+                  body_.cells4.size(),         body_.cells6.size(),           body_.cells8.size(),
+                  body_.simplices.size(),      body_.cell_simplices.size()};
     const int slices = cluster.own / body_.lanes;
-    if (t_.base_count > 0) {
+    if (slices_bases_) {
       for (int s = 0; s < slices; ++s) cut_base_slice(cluster, s, own);
       cluster.job.bases.count = slices;
+    }
+    if (enumerates_) {
+      for (int s = 0; s < slices; ++s) cut_enumerated_slice(cluster, s, own);
+      cluster.job.enumerated.count = slices;
     }
     if (!t_.springs.empty()) {
       for (int s = 0; s < slices; ++s) cut_spring_slice(cluster, s, own);
@@ -131,6 +158,8 @@ class Cutter {
     cluster.job.cells4.count = cut_cells(c, 1, 4, body_.cells4);
     cluster.job.cells6.count = cut_cells(c, 5, 6, body_.cells6);
     cluster.job.cells8.count = cut_cells(c, 7, 8, body_.cells8);
+    cluster.job.simplices.count = cut_simplices(c, false, body_.simplices);
+    cluster.job.cell_simplices.count = cut_simplices(c, true, body_.cell_simplices);
     fill_idle_lanes(c);
     body_.force_rows += cluster.slots();
     estimate_cost(c);
@@ -139,14 +168,18 @@ class Cutter {
   void cut_base_slice(const Cluster& cluster, int s, Index own) {
     LaneRows rows(body_.bases, simd::base_columns, body_.lanes);
     const Index first = cluster.first + s * body_.lanes;
+    std::vector<std::vector<Index>> bases;
     Index longest = 0;
-    for (int lane = 0; lane < body_.lanes; ++lane) {
-      if (s * body_.lanes + lane < own) longest = std::max(longest, t_.index[first + lane].base_count);
+    for (Index i = first; i < std::min(first + body_.lanes, cluster.first + own); ++i) {
+      bases.push_back(lone_bases(t_, shared_, i));
+      longest = std::max(longest, static_cast<Index>(bases.back().size()));
     }
     rows.add(longest, 3);
-    for (int lane = 0; lane < body_.lanes && s * body_.lanes + lane < own; ++lane) {
-      const IndexTexel& at = t_.index[first + lane];
-      for (Index k = 0; k < at.base_count; ++k) pack_base(at.first_base + k, first + lane, rows, k, lane);
+    for (std::size_t lane = 0; lane < bases.size(); ++lane) {
+      const Index owner = first + static_cast<Index>(lane);
+      for (std::size_t k = 0; k < bases[lane].size(); ++k) {
+        pack_base(bases[lane][k], owner, rows, static_cast<Index>(k), static_cast<int>(lane));
+      }
     }
     body_.base_first.push_back(body_.base_first.back() + longest);
   }
@@ -167,6 +200,57 @@ class Cutter {
     rows.put(row, 11, lane, base.beta / length);
     rows.put(row, 12, lane, 1.0 / (length * length));
     rows.put(row, 13, lane, share);
+  }
+
+  void cut_enumerated_slice(const Cluster& cluster, int s, Index own) {
+    const Index first = cluster.first + s * body_.lanes;
+    std::vector<Triples> triples;
+    Index count = 0;
+    for (Index i = first; i < std::min(first + body_.lanes, cluster.first + own); ++i) {
+      triples.push_back(triples_of(t_, i));
+      count = std::max(count, static_cast<Index>(triples.back().neighbour.size()));
+    }
+    body_.enumerated_neighbours.push_back(count);
+    body_.enumerated_first.push_back(static_cast<std::int32_t>(body_.enumerated.size() / body_.lanes));
+    LaneRows edges(body_.enumerated, 5, body_.lanes);
+    edges.add(count, 1);
+    for (std::size_t lane = 0; lane < triples.size(); ++lane) {
+      const Triples& of = triples[lane];
+      for (std::size_t k = 0; k < of.neighbour.size(); ++k) {
+        const auto row = static_cast<Index>(k);
+        edges.offset(row, 0, static_cast<int>(lane), slots_.offset_of(of.neighbour[k]));
+        edges.put(row, 1, static_cast<int>(lane), Vec3(t_.rest[of.neighbour[k]] - t_.rest[first + lane]));
+        edges.put(row, 4, static_cast<int>(lane), of.alpha[k]);
+      }
+    }
+    LaneRows rows(body_.enumerated, 2, body_.lanes);
+    rows.add(count * (count - 1) * (count - 2) / 6, 0);
+    Index row = 0;
+    for (Index j = 0; j < count; ++j) {
+      for (Index k = j + 1; k < count; ++k) {
+        for (Index l = k + 1; l < count; ++l, ++row) {
+          for (std::size_t lane = 0; lane < triples.size(); ++lane) {
+            pack_triple(triples[lane], j, k, l, rows, row, static_cast<int>(lane));
+          }
+        }
+      }
+    }
+  }
+
+  void pack_triple(const Triples& of, Index j, Index k, Index l, LaneRows& rows, Index row, int lane) const {
+    const auto n = static_cast<Index>(of.neighbour.size());
+    if (l >= n) return;
+    const auto base_row = of.base[triple_row(n, j, k, l)];
+    if (base_row == none) return;
+    const BaseTexel& base = t_.bases[base_row];
+    const auto normal = [this](Index a, Index b, Index c) {
+      return Vec3((t_.rest[b] - t_.rest[a]).cross(t_.rest[c] - t_.rest[a]));
+    };
+    const Vec3 w = normal(of.neighbour[j], of.neighbour[k], of.neighbour[l]);
+    const bool turned = w.dot(normal(base.vertex[0], base.vertex[1], base.vertex[2])) < 0.0;
+    const double height = t_.weight[base_row] * base.beta / w.norm();
+    rows.put(row, 0, lane, turned ? -height : height);
+    rows.put(row, 1, lane, 1.0 / w.squaredNorm());
   }
 
   void cut_spring_slice(const Cluster& cluster, int s, Index own) {
@@ -235,6 +319,24 @@ class Cutter {
     return spread.rows();
   }
 
+  int cut_simplices(int c, bool with_cell, Floats& to) {
+    std::vector<Index> chosen;
+    for (const Index s : simplices_[c]) {
+      if ((shared_.all[s].cell != none) == with_cell) chosen.push_back(s);
+    }
+    const SpreadLanes spread(chosen.size(), body_.lanes);
+    LaneRows rows(to, simd::simplex_columns, body_.lanes);
+    rows.add(spread.rows(), 4);
+    for (std::size_t k = 0; k < chosen.size(); ++k) {
+      const Simplex& simplex = shared_.all[chosen[k]];
+      const auto [row, lane] = spread.place(k);
+      for (int v = 0; v < 4; ++v) rows.offset(row, v, lane, slots_.offset_of(simplex.vertex[v]));
+      const auto constants = simplex_constants(t_, simplex);
+      for (int m = 0; m < simplex_constant_count; ++m) rows.put(row, 4 + m, lane, constants[m]);
+    }
+    return spread.rows();
+  }
+
   /// Lanes without a term point at the slot that stands for nothing, whose number is known only now.
   void fill_idle_lanes(int c) {
     const std::int32_t idle = 16 * (body_.clusters[c].slots() - 1);
@@ -244,12 +346,19 @@ class Cutter {
     };
     fill_idle(body_.bases, from_slice(body_.base_first, start.base_slice, simd::base_columns), simd::base_columns,
               body_.plane ? 2 : 3, body_.lanes, idle);
+    for (std::size_t s = start.enumerated_slice; s < body_.enumerated_first.size(); ++s) {
+      const auto first = static_cast<std::size_t>(body_.enumerated_first[s]) * body_.lanes;
+      fill_idle(body_.enumerated, first, 5, 1, body_.lanes, idle,
+                first + 5 * static_cast<std::size_t>(body_.enumerated_neighbours[s]) * body_.lanes);
+    }
     fill_idle(body_.springs, from_slice(body_.spring_first, start.spring_slice, simd::spring_columns),
               simd::spring_columns, 1, body_.lanes, idle);
     fill_idle(body_.volumes, start.volume, simd::volume_columns, 4, body_.lanes, idle);
     fill_idle(body_.cells4, start.cell4, simd::cell_columns(4), 4, body_.lanes, idle);
     fill_idle(body_.cells6, start.cell6, simd::cell_columns(6), 6, body_.lanes, idle);
     fill_idle(body_.cells8, start.cell8, simd::cell_columns(8), 8, body_.lanes, idle);
+    fill_idle(body_.simplices, start.simplex, simd::simplex_columns, 4, body_.lanes, idle);
+    fill_idle(body_.cell_simplices, start.cell_simplex, simd::simplex_columns, 4, body_.lanes, idle);
   }
 
   void estimate_cost(int c) {
@@ -261,8 +370,10 @@ class Cutter {
                         : body_.use == simd::BaseUse::averaged ? 80.0
                                                                : 50.0;
     cluster.cost = base * rows_since(body_.base_first, starts_[c].base_slice) +
+                   0.15 * base * static_cast<double>(body_.enumerated.size() - starts_[c].enumerated) / body_.lanes +
                    8.0 * rows_since(body_.spring_first, starts_[c].spring_slice) + 40.0 * cluster.job.volumes.count +
                    100.0 * (cluster.job.cells4.count + cluster.job.cells6.count + cluster.job.cells8.count) +
+                   80.0 * cluster.job.simplices.count + 140.0 * cluster.job.cell_simplices.count +
                    20.0 * cluster.own / body_.lanes + 2.0 * static_cast<double>(cluster.halo.size());
   }
 
@@ -273,12 +384,17 @@ class Cutter {
       job.exponent = narrowed(t_.options.area_exponent);
       job.bases.first = body_.base_first.data() + start.base_slice;
       job.bases.rows = body_.bases.data();
+      job.enumerated.first = body_.enumerated_first.data() + start.enumerated_slice;
+      job.enumerated.neighbours = body_.enumerated_neighbours.data() + start.enumerated_slice;
+      job.enumerated.rows = body_.enumerated.data();
       job.springs.first = body_.spring_first.data() + start.spring_slice;
       job.springs.rows = body_.springs.data();
       job.volumes.rows = body_.volumes.data() + start.volume;
       job.cells4.rows = body_.cells4.data() + start.cell4;
       job.cells6.rows = body_.cells6.data() + start.cell6;
       job.cells8.rows = body_.cells8.data() + start.cell8;
+      job.simplices.rows = body_.simplices.data() + start.simplex;
+      job.cell_simplices.rows = body_.cell_simplices.data() + start.cell_simplex;
     }
   }
 
@@ -363,7 +479,9 @@ class Cutter {
   const Index size_;
   VectorBody& body_;
   Slots slots_;
-  std::vector<std::vector<Index>> volumes_, cells_;
+  const Simplices shared_;
+  bool slices_bases_ = false, enumerates_ = false;
+  std::vector<std::vector<Index>> volumes_, cells_, simplices_;  // rows by cluster
   std::vector<Start> starts_;
 };
 

@@ -51,11 +51,11 @@ struct VectorBody {
   bool plane = false, scaled = false, bounded = false;
 
   // Arrays of the jobs and of simd::Move.
-  Offsets base_first, spring_first, own, halo_first, halo, give_first;
-  Floats bases, springs, volumes, cells4, cells6, cells8, stiffness, inverse_mass, mass, give;
+  Offsets base_first, spring_first, enumerated_first, enumerated_neighbours, own, halo_first, halo, give_first;
+  Floats bases, enumerated, springs, volumes, cells4, cells6, cells8, simplices, cell_simplices, stiffness, inverse_mass, mass, give;
 
   int slices() const { return places / lanes; }
-  bool gives() const { return use == simd::BaseUse::attractor && !bases.empty(); }
+  bool gives() const { return use == simd::BaseUse::attractor && !(bases.empty() && enumerated.empty()); }
   double cost() const;  ///< ns per step, rough
 };
 

@@ -3,6 +3,7 @@
 
 #include <phymul/error.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -34,9 +35,10 @@ void LaneRows::offset(Index row, int column, int lane, std::int32_t value) {
   at(row, column, lane) = std::bit_cast<float>(value);
 }
 
-void fill_idle(Floats& rows, std::size_t first, int columns, int offset_columns, int lanes, std::int32_t idle) {
+void fill_idle(Floats& rows, std::size_t first, int columns, int offset_columns, int lanes, std::int32_t idle,
+               std::size_t last) {
   const std::size_t stride = static_cast<std::size_t>(columns) * lanes;
-  for (std::size_t row = first; row < rows.size(); row += stride) {
+  for (std::size_t row = first; row < std::min(last, rows.size()); row += stride) {
     for (std::size_t k = row; k < row + static_cast<std::size_t>(offset_columns) * lanes; ++k) {
       if (std::bit_cast<std::int32_t>(rows[k]) == unclaimed) rows[k] = std::bit_cast<float>(idle);
     }

@@ -39,8 +39,9 @@ class LaneRows {
   std::size_t first_;
 };
 
-/// Points what is unclaimed among the rows from `first` on to `idle`.
-void fill_idle(Floats& rows, std::size_t first, int columns, int offset_columns, int lanes, std::int32_t idle);
+/// Points what is unclaimed among the rows from `first` on, up to `last`, to `idle`.
+void fill_idle(Floats& rows, std::size_t first, int columns, int offset_columns, int lanes, std::int32_t idle,
+               std::size_t last = static_cast<std::size_t>(-1));
 
 /// Terms that are neighbours share particles, and adding to one place in lane after lane would wait for each other: so
 /// a lane takes a run of terms, and a row takes its terms far from each other.

@@ -163,7 +163,9 @@ class VectorSolver final : public Solver {
     if (body_->gives()) job.pull = bytes(pull_) + 16 * static_cast<std::size_t>(cluster.first);
     job.u = near_u_.empty() ? bytes(u_) : displacements_of(cluster, near_u_[part]);
     if (job.bases.count > 0) kernels_.bases[static_cast<int>(body_->use)][body_->plane][body_->scaled](job);
+    if (job.enumerated.count > 0) kernels_.enumerated[body_->use == simd::BaseUse::averaged](job);
     if (job.springs.count > 0) kernels_.springs(job);
+    if (job.simplices.count + job.cell_simplices.count > 0) kernels_.simplices[body_->bounded](job);
     if (job.volumes.count > 0) kernels_.volumes[body_->plane][body_->bounded](job);
     if (job.cells4.count + job.cells6.count + job.cells8.count > 0) kernels_.cells[body_->bounded](job);
   }

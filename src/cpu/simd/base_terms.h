@@ -51,7 +51,7 @@ PHYMUL_INLINE BaseNow<scaled> base_now(const BaseRow& row, Pack3 ua, Pack3 ub, P
     edges = collapsed * dot(now.e1, now.e1) * dot(now.e2, now.e2);
   }
   const Pack q = dot(now.w, now.w);
-  const Pack y = dot(dw, now.w + (now.w - dw)) * row.rest;
+  const Pack y = dot(dw, all(2.0f) * now.w - dw) * row.rest;
   const Pack a = q * row.rest;
   const Pack c = select(q > edges, inverse_root_change(a, y), all(-1.0f));
   now.rho = c + 1.0f;

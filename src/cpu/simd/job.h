@@ -9,6 +9,8 @@
 //   base     a, b, c; E1, E2 (3 each), lambda_b, lambda_c, beta / |w0|, 1 / |w0|^2, share    13 + 1 columns
 //   volume   a, b, c, d; E1, E2, E3, 1 / (6 V) (2-D: 1 / (2 A)), stiffness                    15
 //   cell     n corners; gradients of corners 1 to n - 1, stiffness of shape, of volume        4 n - 1
+//   simplex  a, b, c, d; constants as simplices.h has them                                    38
+//   enumerated, per neighbour: offset; E, alpha; then per triple w beta / |w0|, 1 / |w0|^2   5 and 2
 //   spring   other end; R, 1 / |R|^2 (0 for a spring without length), stiffness                6
 // Bases and springs stand in slices: lane k of slice s belongs to particle s * lanes + k of the cluster.
 #pragma once
@@ -20,6 +22,7 @@ namespace phymul::cpu::simd {
 inline constexpr int base_columns = 14;
 inline constexpr int volume_columns = 15;
 inline constexpr int spring_columns = 6;
+inline constexpr int simplex_columns = 38;
 constexpr int cell_columns(int corners) {
   return 4 * corners - 1;
 }
@@ -35,6 +38,16 @@ struct Rows {
   int count = 0;
 };
 
+/// Slices whose lanes have their triples of neighbours in one order.
+struct Enumerated {
+  const std::int32_t* neighbours = nullptr;  ///< [slices]
+  const std::int32_t* first = nullptr;       ///< [slices] first column of each in `rows`
+  const float* rows = nullptr;
+  int count = 0;
+};
+inline constexpr int most_enumerated = 20;  ///< neighbours
+inline constexpr int most_enumerated_triples = most_enumerated * (most_enumerated - 1) * (most_enumerated - 2) / 6;
+
 struct Job {
   const char* u = nullptr;           ///< [slots] m, displacements
   char* force = nullptr;             ///< [slots] N, added to
@@ -42,7 +55,9 @@ struct Job {
   const float* stiffness = nullptr;  ///< [own] k_i, N/m
   float exponent = 0.0f;             ///< p
   Slices bases, springs;
+  Enumerated enumerated;
   Rows volumes, cells4, cells6, cells8;
+  Rows simplices, cell_simplices;  ///< without and with a cell term
 };
 
 /// Particles [first, first + lanes * slices) of the body.
@@ -81,9 +96,11 @@ struct Kernels {
   const char* name;
   int lanes;
   void (*bases[3][2][2])(const Job&);  ///< [BaseUse][plane][area exponent]
+  void (*enumerated[2])(const Job&);   ///< [averaged]
   void (*volumes[2][2])(const Job&);   ///< [plane][bounded]
   void (*cells[2])(const Job&);        ///< [bounded]
   void (*springs)(const Job&);
+  void (*simplices[2])(const Job&);    ///< [bounded]
   void (*move)(const Move&, int slice, int end, Reach&);
 };
 

@@ -4,8 +4,10 @@
 #pragma once
 
 #include "base_terms.h"
+#include "enumerated_terms.h"
 #include "move.h"
 #include "other_terms.h"
+#include "simplex_terms.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
 
@@ -19,9 +21,11 @@ constexpr simd::Kernels all_kernels(const char* name) {
             {base_slices<averaged, true, false>, base_slices<averaged, true, true>}},
            {{base_slices<attractor, false, false>, base_slices<attractor, false, true>},
             {base_slices<attractor, true, false>, base_slices<attractor, true, true>}}},
+          {enumerated_slices<false>, enumerated_slices<true>},
           {{volume_rows<false, false>, volume_rows<false, true>}, {volume_rows<true, false>, volume_rows<true, true>}},
           {cell_rows<false>, cell_rows<true>},
           spring_slices,
+          {simplex_rows<false>, simplex_rows<true>},
           move_slices};
 }
 
