@@ -10,6 +10,7 @@
 #include <limits>
 #include <string>
 
+#include "hexahedra.h"
 #include "neighbourhoods.h"
 #include "renumbering.h"
 #include "simplices.h"
@@ -103,16 +104,19 @@ std::vector<std::vector<Index>> by_cluster(const std::vector<Term>& terms, Index
 class Cutter {
  public:
   Cutter(const TopologyTextures& t, Index size, VectorBody& body)
-      : t_(t), size_(size), body_(body), slots_(t.particle_count), shared_(find_simplices(t)) {}
+      : t_(t), size_(size), body_(body), slots_(t.particle_count), shared_(find_simplices(t)), lattice_(find_hexahedra(t, shared_)) {}
 
   void cut() {
     const auto count = static_cast<std::size_t>((t_.particle_count + size_ - 1) / size_);
     volumes_ = by_cluster(
         t_.volumes, size_, count, [](const VolumeTexel& v) -> auto& { return v.vertex; }, shared_.volume_taken);
     cells_ = by_cluster(
-        t_.cells, size_, count, [](const CellTexel& c) -> auto& { return c.vertex; }, shared_.cell_taken);
+        t_.cells, size_, count, [](const CellTexel& c) -> auto& { return c.vertex; }, taken_cells());
     simplices_ = by_cluster(
-        shared_.all, size_, count, [](const Simplex& s) -> auto& { return s.vertex; }, {});
+        shared_.all, size_, count, [](const Simplex& s) -> auto& { return s.vertex; }, lattice_.simplex_taken);
+    hexahedra_ = by_cluster(
+        lattice_.all, size_, count, [](const Hexahedron& h) -> auto& { return h.vertex; }, {});
+    body_.hexahedron_shapes.assign(lattice_.shapes.begin(), lattice_.shapes.end());
     enumerates_ = is_enumerable(t_, simd::most_enumerated);
     slices_bases_ = !enumerates_ && std::ranges::find(shared_.base_taken, false) != shared_.base_taken.end();
     body_.clusters.resize(count);
@@ -128,7 +132,7 @@ class Cutter {
 
  private:
   struct Start {  // where a cluster's rows begin in the arrays of the body
-    std::size_t base_slice, enumerated_slice, enumerated, spring_slice, volume, cell4, cell6, cell8, simplex, cell_simplex;
+    std::size_t base_slice, enumerated_slice, enumerated, spring_slice, volume, cell4, cell6, cell8, simplex, cell_simplex, hexahedron;
   };
 
   void cut_cluster(int c) {
@@ -140,7 +144,8 @@ class Cutter {
     slots_.begin(c, cluster, own);
     starts_[c] = {body_.base_first.size() - 1, body_.enumerated_first.size(), body_.enumerated.size(), body_.spring_first.size() - 1, body_.volumes.size(),
                   body_.cells4.size(),         body_.cells6.size(),           body_.cells8.size(),
-                  body_.simplices.size(),      body_.cell_simplices.size()};
+                  body_.simplices.size(),      body_.cell_simplices.size(),
+                  body_.hexahedra.size()};
     const int slices = cluster.own / body_.lanes;
     if (slices_bases_) {
       for (int s = 0; s < slices; ++s) cut_base_slice(cluster, s, own);
@@ -158,6 +163,7 @@ class Cutter {
     cluster.job.cells4.count = cut_cells(c, 1, 4, body_.cells4);
     cluster.job.cells6.count = cut_cells(c, 5, 6, body_.cells6);
     cluster.job.cells8.count = cut_cells(c, 7, 8, body_.cells8);
+    cluster.job.hexahedra.count = cut_hexahedra(c);
     cluster.job.simplices.count = cut_simplices(c, false, body_.simplices);
     cluster.job.cell_simplices.count = cut_simplices(c, true, body_.cell_simplices);
     fill_idle_lanes(c);
@@ -319,6 +325,34 @@ class Cutter {
     return spread.rows();
   }
 
+  std::vector<bool> taken_cells() const {
+    std::vector<bool> taken = shared_.cell_taken;
+    for (std::size_t c = 0; c < taken.size(); ++c) taken[c] = taken[c] || lattice_.cell_taken[c];
+    return taken;
+  }
+
+  /// Shape after shape, so that a row has one.
+  int cut_hexahedra(int c) {
+    int count = 0;
+    const auto shapes = static_cast<int>(lattice_.shapes.size() / simd::hexahedron_constants);
+    for (int shape = 0; shape < shapes; ++shape) {
+      std::vector<Index> chosen;
+      for (const Index h : hexahedra_[c]) {
+        if (lattice_.all[h].shape == shape) chosen.push_back(h);
+      }
+      const SpreadLanes spread(chosen.size(), body_.lanes);
+      LaneRows rows(body_.hexahedra, 8, body_.lanes);
+      rows.add(spread.rows(), 8);
+      for (std::size_t k = 0; k < chosen.size(); ++k) {
+        const auto [row, lane] = spread.place(k);
+        for (int v = 0; v < 8; ++v) rows.offset(row, v, lane, slots_.offset_of(lattice_.all[chosen[k]].vertex[v]));
+      }
+      body_.hexahedron_shape.insert(body_.hexahedron_shape.end(), static_cast<std::size_t>(spread.rows()), shape);
+      count += spread.rows();
+    }
+    return count;
+  }
+
   int cut_simplices(int c, bool with_cell, Floats& to) {
     std::vector<Index> chosen;
     for (const Index s : simplices_[c]) {
@@ -357,6 +391,7 @@ class Cutter {
     fill_idle(body_.cells4, start.cell4, simd::cell_columns(4), 4, body_.lanes, idle);
     fill_idle(body_.cells6, start.cell6, simd::cell_columns(6), 6, body_.lanes, idle);
     fill_idle(body_.cells8, start.cell8, simd::cell_columns(8), 8, body_.lanes, idle);
+    fill_idle(body_.hexahedra, start.hexahedron, 8, 8, body_.lanes, idle);
     fill_idle(body_.simplices, start.simplex, simd::simplex_columns, 4, body_.lanes, idle);
     fill_idle(body_.cell_simplices, start.cell_simplex, simd::simplex_columns, 4, body_.lanes, idle);
   }
@@ -373,7 +408,7 @@ class Cutter {
                    0.15 * base * static_cast<double>(body_.enumerated.size() - starts_[c].enumerated) / body_.lanes +
                    8.0 * rows_since(body_.spring_first, starts_[c].spring_slice) + 40.0 * cluster.job.volumes.count +
                    100.0 * (cluster.job.cells4.count + cluster.job.cells6.count + cluster.job.cells8.count) +
-                   80.0 * cluster.job.simplices.count + 140.0 * cluster.job.cell_simplices.count +
+                   550.0 * cluster.job.hexahedra.count + 80.0 * cluster.job.simplices.count + 140.0 * cluster.job.cell_simplices.count +
                    20.0 * cluster.own / body_.lanes + 2.0 * static_cast<double>(cluster.halo.size());
   }
 
@@ -393,6 +428,9 @@ class Cutter {
       job.cells4.rows = body_.cells4.data() + start.cell4;
       job.cells6.rows = body_.cells6.data() + start.cell6;
       job.cells8.rows = body_.cells8.data() + start.cell8;
+      job.hexahedra.rows = body_.hexahedra.data() + start.hexahedron;
+      job.hexahedron_shape = body_.hexahedron_shape.data() + start.hexahedron / (8 * body_.lanes);
+      job.hexahedron_shapes = body_.hexahedron_shapes.data();
       job.simplices.rows = body_.simplices.data() + start.simplex;
       job.cell_simplices.rows = body_.cell_simplices.data() + start.cell_simplex;
     }
@@ -480,8 +518,9 @@ class Cutter {
   VectorBody& body_;
   Slots slots_;
   const Simplices shared_;
+  const Hexahedra lattice_;
   bool slices_bases_ = false, enumerates_ = false;
-  std::vector<std::vector<Index>> volumes_, cells_, simplices_;  // rows by cluster
+  std::vector<std::vector<Index>> volumes_, cells_, simplices_, hexahedra_;  // rows by cluster
   std::vector<Start> starts_;
 };
 

@@ -11,6 +11,7 @@
 //   cell     n corners; gradients of corners 1 to n - 1, stiffness of shape, of volume        4 n - 1
 //   simplex  a, b, c, d; constants as simplices.h has them                                    38
 //   enumerated, per neighbour: offset; E, alpha; then per triple w beta / |w0|, 1 / |w0|^2   5 and 2
+//   hexahedron eight corners; constants of its shape stand apart                              8
 //   spring   other end; R, 1 / |R|^2 (0 for a spring without length), stiffness                6
 // Bases and springs stand in slices: lane k of slice s belongs to particle s * lanes + k of the cluster.
 #pragma once
@@ -23,6 +24,11 @@ inline constexpr int base_columns = 14;
 inline constexpr int volume_columns = 15;
 inline constexpr int spring_columns = 6;
 inline constexpr int simplex_columns = 38;
+inline constexpr int simplex_constants = 34;
+inline constexpr int hexahedron_constants = 8 * simplex_constants + 23;
+/// Corners that an edge joins to each corner of a hexahedron.
+inline constexpr int hexahedron_edges[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
+                                               {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
 constexpr int cell_columns(int corners) {
   return 4 * corners - 1;
 }
@@ -57,6 +63,9 @@ struct Job {
   Slices bases, springs;
   Enumerated enumerated;
   Rows volumes, cells4, cells6, cells8;
+  Rows hexahedra;
+  const std::int32_t* hexahedron_shape = nullptr;  ///< [hexahedra.count]
+  const float* hexahedron_shapes = nullptr;        ///< [shapes][hexahedron_constants]
   Rows simplices, cell_simplices;  ///< without and with a cell term
 };
 
@@ -100,6 +109,7 @@ struct Kernels {
   void (*volumes[2][2])(const Job&);   ///< [plane][bounded]
   void (*cells[2])(const Job&);        ///< [bounded]
   void (*springs)(const Job&);
+  void (*hexahedra[2])(const Job&);    ///< [bounded]
   void (*simplices[2])(const Job&);    ///< [bounded]
   void (*move)(const Move&, int slice, int end, Reach&);
 };

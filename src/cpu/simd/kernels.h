@@ -5,6 +5,7 @@
 
 #include "base_terms.h"
 #include "enumerated_terms.h"
+#include "hexahedron_terms.h"
 #include "move.h"
 #include "other_terms.h"
 #include "simplex_terms.h"
@@ -25,6 +26,7 @@ constexpr simd::Kernels all_kernels(const char* name) {
           {{volume_rows<false, false>, volume_rows<false, true>}, {volume_rows<true, false>, volume_rows<true, true>}},
           {cell_rows<false>, cell_rows<true>},
           spring_slices,
+          {hexahedron_rows<false>, hexahedron_rows<true>},
           {simplex_rows<false>, simplex_rows<true>},
           move_slices};
 }

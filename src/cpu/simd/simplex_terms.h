@@ -30,7 +30,7 @@ template <class Constants>
 PHYMUL_INLINE FacePull face_pull(const Constants& constants, int k, Pack3 w, Pack3 dw, Pack bound, Pack3 from) {
   const Pack share = constants.at(k), height = constants.at(k + 1), rest = constants.at(k + 2);
   const Pack q = dot(w, w);
-  const Pack y = dot(dw, all(2.0f) * w - dw) * rest;
+  const Pack y = dot(dw, w + (w - dw)) * rest;
   const Pack c = select(q > bound, inverse_root_change(q * rest, y), all(-1.0f));
   const Pack3 F = share * (from + height * (dw + c * w));
   const Pack rho = c + 1.0f;
