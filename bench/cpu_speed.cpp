@@ -140,36 +140,71 @@ std::vector<std::function<Case()>> cases() {
   const TopologyOptions springs{.law = Law::springs};
   const TopologyOptions springs_volume{.law = Law::springs, .volume_stiffness = 50.0};
   return {
-      [=] { return Case{"n6 full shared 4k", block(16, 6), shared_all}; },
-      [=] { return Case{"n6 full averaged 4k", block(16, 6), averaged_all}; },
-      [=] { return Case{"n6 full conservative 4k", block(16, 6), conservative_all}; },
-      [=] { return Case{"n14 full shared 4k", block(16, 14), shared_all}; },
-      [=] { return Case{"n14 full averaged 4k", block(16, 14), averaged_all}; },
-      [=] { return Case{"springs 1k", tetrahedra(10), springs}; },
-      [=] { return Case{"springs 10k", tetrahedra(22), springs}; },
-      [=] { return Case{"springs 97k", tetrahedra(46), springs}; },
-      [=] { return Case{"springs+volume 1k", tetrahedra(10), springs_volume}; },
-      [=] { return Case{"springs+volume 10k", tetrahedra(22), springs_volume}; },
-      [=] { return Case{"springs+volume 97k", tetrahedra(46), springs_volume}; },
-      [=] { return Case{"tetrahedra material 4k", with_material(tetrahedra(16)), {}}; },
       [=] {
-        return Case{"tetrahedra faces+volume 4k", tetrahedra(16),
+        return Case{"n6 full shared 4k", block(16, 6), shared_all};
+      },
+      [=] {
+        return Case{"n6 full averaged 4k", block(16, 6), averaged_all};
+      },
+      [=] {
+        return Case{"n6 full conservative 4k", block(16, 6), conservative_all};
+      },
+      [=] {
+        return Case{"n14 full shared 4k", block(16, 14), shared_all};
+      },
+      [=] {
+        return Case{"n14 full averaged 4k", block(16, 14), averaged_all};
+      },
+      [=] {
+        return Case{"springs 1k", tetrahedra(10), springs};
+      },
+      [=] {
+        return Case{"springs 10k", tetrahedra(22), springs};
+      },
+      [=] {
+        return Case{"springs 97k", tetrahedra(46), springs};
+      },
+      [=] {
+        return Case{"springs+volume 1k", tetrahedra(10), springs_volume};
+      },
+      [=] {
+        return Case{"springs+volume 10k", tetrahedra(22), springs_volume};
+      },
+      [=] {
+        return Case{"springs+volume 97k", tetrahedra(46), springs_volume};
+      },
+      [=] {
+        return Case{"tetrahedra material 4k", with_material(tetrahedra(16)), {}};
+      },
+      [=] {
+        return Case{"tetrahedra faces+volume 4k",
+                    tetrahedra(16),
                     {.bases = BaseSelection::opposite_faces, .volume_stiffness = 50.0}};
       },
       [=] {
         const Model model = with_material(make_block({0.05, 0.05, 0.1}, 10, 10, 20));
         return Case{"lattice cell-averaged 2541", model, {.cell_average = 0.9}};
       },
-      [=] { return Case{"lattice cell-averaged 2673", with_material(make_block({0.04, 0.04, 0.16}, 8, 8, 32)), {.cell_average = 0.9}}; },
-      [=] { return Case{"lattice cell-averaged 32k", with_material(block(32, 6)), {.cell_average = 0.9}}; },
-      [=] { return Case{"lattice material 4k", with_material(block(16, 6)), {}}; },
+      [=] {
+        return Case{"lattice cell-averaged 2673",
+                    with_material(make_block({0.04, 0.04, 0.16}, 8, 8, 32)),
+                    {.cell_average = 0.9}};
+      },
+      [=] {
+        return Case{"lattice cell-averaged 32k", with_material(block(32, 6)), {.cell_average = 0.9}};
+      },
+      [=] {
+        return Case{"lattice material 4k", with_material(block(16, 6)), {}};
+      },
       [=] {
         return Case{"cylinder averaged 275", make_cylinder(0.010, 0.040, 3, 8, 11), {.reaction = Reaction::averaged}};
       },
       [=] {
         return Case{"cylinder shared 275", make_cylinder(0.010, 0.040, 3, 8, 11), {.reaction = Reaction::shared}};
       },
-      [=] { return Case{"cylinder conservative 275", make_cylinder(0.010, 0.040, 3, 8, 11), {}}; },
+      [=] {
+        return Case{"cylinder conservative 275", make_cylinder(0.010, 0.040, 3, 8, 11), {}};
+      },
   };
 }
 

@@ -14,8 +14,9 @@ static_assert(simd::simplex_constants == simplex_constant_count);
 
 /// Constants are equal within this, relative to the greatest of their kind: lattice places are rounded in double.
 constexpr double equal = 1e-9;
-/// A shape must have many cells, else vectors of one shape are mostly idle.
-constexpr std::size_t cells_a_shape = 128;
+/// A shape must have many cells, else vectors of one shape are mostly idle; and a body of many shapes is no lattice, so
+/// that the search for a cell's shape must not take long.
+constexpr std::size_t least_cells = 128, most_shapes = 32;
 
 using Constants = std::vector<double>;
 
@@ -97,25 +98,41 @@ Hexahedra find_hexahedra(const TopologyTextures& t, const Simplices& simplices) 
   Hexahedra result;
   result.simplex_taken.assign(simplices.all.size(), false);
   result.cell_taken.assign(t.cells.size(), false);
+  if (simplices.all.empty() || t.cells.size() < least_cells) return result;
+  struct Candidate {
+    Index cell;
+    std::array<Index, 8> simplex;
+    std::size_t shape;
+  };
+  std::vector<Candidate> candidates;
   std::vector<Constants> shapes;
-  const std::size_t most_shapes = t.cells.size() / cells_a_shape;
-  for (std::size_t row = 0; row < t.cells.size() && !simplices.all.empty(); ++row) {
+  std::vector<std::size_t> cells_of;
+  for (std::size_t row = 0; row < t.cells.size(); ++row) {
     const std::optional<Found> found = hexahedron_of(t, simplices, static_cast<Index>(row));
     if (!found) continue;
-    const bool shared = std::ranges::any_of(found->simplex, [&](Index s) { return result.simplex_taken[s]; });
-    if (shared) continue;
     auto shape = std::ranges::find_if(shapes, [&](const Constants& s) { return same_shape(s, found->constants); });
     if (shape == shapes.end()) {
-      if (shapes.size() >= most_shapes) continue;
+      if (shapes.size() == most_shapes) continue;
       shapes.push_back(found->constants);
+      cells_of.push_back(0);
       shape = shapes.end() - 1;
     }
-    result.all.push_back({t.cells[row].vertex, static_cast<int>(shape - shapes.begin())});
-    result.cell_taken[row] = true;
-    for (const Index s : found->simplex) result.simplex_taken[s] = true;
+    const auto number = static_cast<std::size_t>(shape - shapes.begin());
+    ++cells_of[number];
+    candidates.push_back({static_cast<Index>(row), found->simplex, number});
   }
-  for (const Constants& shape : shapes) {
-    for (const double value : shape) result.shapes.push_back(narrowed(value));
+  std::vector<int> kept(shapes.size(), -1);
+  for (std::size_t shape = 0; shape < shapes.size(); ++shape) {
+    if (cells_of[shape] < least_cells) continue;
+    kept[shape] = static_cast<int>(result.shapes.size() / simd::hexahedron_constants);
+    for (const double value : shapes[shape]) result.shapes.push_back(narrowed(value));
+  }
+  for (const Candidate& c : candidates) {
+    const bool shared = std::ranges::any_of(c.simplex, [&](Index s) { return result.simplex_taken[s]; });
+    if (kept[c.shape] < 0 || shared) continue;
+    result.all.push_back({t.cells[c.cell].vertex, kept[c.shape]});
+    result.cell_taken[c.cell] = true;
+    for (const Index s : c.simplex) result.simplex_taken[s] = true;
   }
   return result;
 }

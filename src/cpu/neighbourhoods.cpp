@@ -53,9 +53,8 @@ bool is_enumerable(const TopologyTextures& t, Index most) {
     const auto row = t.neighbours.begin() + at.first_neighbour;
     for (Index b = at.first_base; b < at.first_base + at.base_count; ++b) {
       const auto& vertex = t.bases[b].vertex;
-      const bool among = std::ranges::all_of(vertex, [&](Index v) {
-        return std::find(row, row + at.neighbour_count, v) != row + at.neighbour_count;
-      });
+      const bool among = std::ranges::all_of(
+          vertex, [&](Index v) { return std::find(row, row + at.neighbour_count, v) != row + at.neighbour_count; });
       if (!among) return false;
     }
   }

@@ -54,7 +54,8 @@ struct VectorBody {
   Offsets base_first, spring_first, enumerated_first, enumerated_neighbours, own, halo_first, halo, give_first;
   Offsets hexahedron_shape;
   Floats hexahedra, hexahedron_shapes;
-  Floats bases, enumerated, springs, volumes, cells4, cells6, cells8, simplices, cell_simplices, stiffness, inverse_mass, mass, give;
+  Floats bases, enumerated, springs, volumes, cells4, cells6, cells8, simplices, cell_simplices, stiffness,
+      inverse_mass, mass, give;
 
   int slices() const { return places / lanes; }
   bool gives() const { return use == simd::BaseUse::attractor && !(bases.empty() && enumerated.empty()); }

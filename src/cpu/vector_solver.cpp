@@ -12,6 +12,7 @@
 #include <thread>
 #include <utility>
 
+#include "../float_tables.h"
 #include "denormals.h"
 #include "simd/instruction_set.h"
 #include "thread_pool.h"
@@ -117,6 +118,7 @@ class VectorSolver final : public Solver {
         reach.acceleration = std::max(reach.acceleration, of_part.acceleration);
         reach.force = std::max(reach.force, of_part.force);
         reach.speed = std::max(reach.speed, of_part.speed);
+        reach.displacement = std::max(reach.displacement, of_part.displacement);
         reach.runaway = reach.runaway || of_part.runaway;
       }
       motion.max_acceleration = std::sqrt(static_cast<double>(reach.acceleration));
@@ -132,7 +134,9 @@ class VectorSolver final : public Solver {
       ++motion.steps;
 
       motion.max_speed = std::sqrt(static_cast<double>(reach.speed));
-      const bool quiet = motion.max_speed <= plan.speed_at_rest && motion.max_acceleration <= plan.acceleration_at_rest;
+      const RestThresholds rest = rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest},
+                                                  std::sqrt(static_cast<double>(reach.displacement)));
+      const bool quiet = motion.max_speed <= rest.speed && motion.max_acceleration <= rest.acceleration;
       steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
       motion.steps_at_rest = steps_at_rest_;
       if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;

@@ -57,34 +57,38 @@ PHYMUL_INLINE Pack3 enumerated_pull(const Neighbourhood& n, Pack* changes) {
   const float* row = n.triples;
   Pack3 E2[simd::most_enumerated], d2[simd::most_enumerated], e2[simd::most_enumerated];
   Pack length2[simd::most_enumerated];
-  count_up<fixed, 0, neighbours - 2>(0, count - 2, [&](auto j_) __attribute__((always_inline)) {
-    const int j = number(j_);
-    constexpr int cj = number_of<decltype(j_)>;
-    const Pack3 Ej = n.E(j), dj = n.d[j];
-    count_up<fixed, cj + 1, neighbours>(j + 1, count, [&](auto l_) __attribute__((always_inline)) {
-      const int l = number(l_);
-      E2[l] = n.E(l) - Ej;
-      d2[l] = n.d[l] - dj;
-      e2[l] = E2[l] + d2[l];
-      length2[l] = dot(e2[l], e2[l]);
-    });
-    count_up<fixed, cj + 1, neighbours - 1>(j + 1, count - 1, [&](auto k_) __attribute__((always_inline)) {
-      const int k = number(k_);
-      constexpr int ck = number_of<decltype(k_)>;
-      const Pack3 E1 = E2[k], d1 = d2[k], e1 = e2[k];
-      const Pack bound = collapsed * length2[k];
-      count_up<fixed, ck + 1, neighbours>(k + 1, count, [&](auto l_) __attribute__((always_inline)) {
-        const int l = number(l_);
-        const Pack rest = load(row + lanes);
-        const Pack3 w = cross(e1, e2[l]), dw = cross(d1, e2[l]) + cross(E1, d2[l]);
-        const Pack q = dot(w, w), y = dot(dw, w + (w - dw)) * rest;
-        const Pack c = select(q > bound * length2[l], inverse_root_change(q * rest, y), all(-1.0f));
-        sum += load(row) * (dw + c * w);
-        if constexpr (keep) *changes++ = c;
-        row += 2 * lanes;
+  count_up<fixed, 0, neighbours - 2>(
+      0, count - 2, [&](auto j_) __attribute__((always_inline)) {
+        const int j = number(j_);
+        constexpr int cj = number_of<decltype(j_)>;
+        const Pack3 Ej = n.E(j), dj = n.d[j];
+        count_up<fixed, cj + 1, neighbours>(
+            j + 1, count, [&](auto l_) __attribute__((always_inline)) {
+              const int l = number(l_);
+              E2[l] = n.E(l) - Ej;
+              d2[l] = n.d[l] - dj;
+              e2[l] = E2[l] + d2[l];
+              length2[l] = dot(e2[l], e2[l]);
+            });
+        count_up<fixed, cj + 1, neighbours - 1>(
+            j + 1, count - 1, [&](auto k_) __attribute__((always_inline)) {
+              const int k = number(k_);
+              constexpr int ck = number_of<decltype(k_)>;
+              const Pack3 E1 = E2[k], d1 = d2[k], e1 = e2[k];
+              const Pack bound = collapsed * length2[k];
+              count_up<fixed, ck + 1, neighbours>(
+                  k + 1, count, [&](auto l_) __attribute__((always_inline)) {
+                    const int l = number(l_);
+                    const Pack rest = load(row + lanes);
+                    const Pack3 w = cross(e1, e2[l]), dw = cross(d1, e2[l]) + cross(E1, d2[l]);
+                    const Pack q = dot(w, w), y = dot(dw, w + (w - dw)) * rest;
+                    const Pack c = select(q > bound * length2[l], inverse_root_change(q * rest, y), all(-1.0f));
+                    sum += load(row) * (dw + c * w);
+                    if constexpr (keep) *changes++ = c;
+                    row += 2 * lanes;
+                  });
+            });
       });
-    });
-  });
   return along + sum;
 }
 
@@ -97,34 +101,36 @@ PHYMUL_INLINE void enumerated_give_back(const Neighbourhood& n, const Pack* chan
   Pack3 f[simd::most_enumerated], e2[simd::most_enumerated];
   for (int k = 0; k < count; ++k) f[k] = -(n.alpha(k) * F);
   const float* row = n.triples;
-  count_up<fixed, 0, neighbours - 2>(0, count - 2, [&](auto j_) __attribute__((always_inline)) {
-    const int j = number(j_);
-    constexpr int cj = number_of<decltype(j_)>;
-    const Pack3 ej = n.e[j];
-    count_up<fixed, cj + 1, neighbours>(j + 1, count, [&](auto l_) __attribute__((always_inline)) {
-      e2[number(l_)] = n.e[number(l_)] - ej;
-    });
-    Pack3 fj{};
-    count_up<fixed, cj + 1, neighbours - 1>(j + 1, count - 1, [&](auto k_) __attribute__((always_inline)) {
-      const int k = number(k_);
-      constexpr int ck = number_of<decltype(k_)>;
-      const Pack3 e1 = e2[k];
-      Pack3 fk{}, all_G{};
-      count_up<fixed, ck + 1, neighbours>(k + 1, count, [&](auto l_) __attribute__((always_inline)) {
-        const int l = number(l_);
-        const Pack rho = *changes++ + 1.0f;
-        const Pack3 w = cross(e1, e2[l]);
-        const Pack3 G = (load(row) * rho) * (F - (load(row + lanes) * rho * rho * dot(w, F)) * w);
-        fk -= cross(e2[l], G);
-        all_G += G;
-        f[l] -= cross(G, e1);
-        row += 2 * lanes;
+  count_up<fixed, 0, neighbours - 2>(
+      0, count - 2, [&](auto j_) __attribute__((always_inline)) {
+        const int j = number(j_);
+        constexpr int cj = number_of<decltype(j_)>;
+        const Pack3 ej = n.e[j];
+        count_up<fixed, cj + 1, neighbours>(
+            j + 1, count, [&](auto l_) __attribute__((always_inline)) { e2[number(l_)] = n.e[number(l_)] - ej; });
+        Pack3 fj{};
+        count_up<fixed, cj + 1, neighbours - 1>(
+            j + 1, count - 1, [&](auto k_) __attribute__((always_inline)) {
+              const int k = number(k_);
+              constexpr int ck = number_of<decltype(k_)>;
+              const Pack3 e1 = e2[k];
+              Pack3 fk{}, all_G{};
+              count_up<fixed, ck + 1, neighbours>(
+                  k + 1, count, [&](auto l_) __attribute__((always_inline)) {
+                    const int l = number(l_);
+                    const Pack rho = *changes++ + 1.0f;
+                    const Pack3 w = cross(e1, e2[l]);
+                    const Pack3 G = (load(row) * rho) * (F - (load(row + lanes) * rho * rho * dot(w, F)) * w);
+                    fk -= cross(e2[l], G);
+                    all_G += G;
+                    f[l] -= cross(G, e1);
+                    row += 2 * lanes;
+                  });
+              f[k] += fk;
+              fj += cross(all_G, e1) - fk;
+            });
+        f[j] += fj;
       });
-      f[k] += fk;
-      fj += cross(all_G, e1) - fk;
-    });
-    f[j] += fj;
-  });
   for (int k = 0; k < count; ++k) {
     std::int32_t offset[lanes];
     __builtin_memcpy(offset, n.edges + 5 * k * lanes, sizeof offset);
@@ -160,10 +166,17 @@ void enumerated_slices(const simd::Job& job) {
       n.e[k] = n.E(k) + n.d[k];
     }
     switch (n.count) {
-      case 4: enumerated_slice<averaged, 4>(job, slice, n); break;
-      case 5: enumerated_slice<averaged, 5>(job, slice, n); break;
-      case 6: enumerated_slice<averaged, 6>(job, slice, n); break;
-      default: enumerated_slice<averaged, 0>(job, slice, n);
+      case 4:
+        enumerated_slice<averaged, 4>(job, slice, n);
+        break;
+      case 5:
+        enumerated_slice<averaged, 5>(job, slice, n);
+        break;
+      case 6:
+        enumerated_slice<averaged, 6>(job, slice, n);
+        break;
+      default:
+        enumerated_slice<averaged, 0>(job, slice, n);
     }
   }
 }

@@ -23,7 +23,8 @@ void hexahedron_rows(const simd::Job& job) {
   for (int r = 0; r < job.hexahedra.count; ++r) {
     std::int32_t offset[8 * lanes];
     __builtin_memcpy(offset, job.hexahedra.rows + static_cast<std::int64_t>(r) * 8 * lanes, sizeof offset);
-    const float* shape = job.hexahedron_shapes + static_cast<std::int64_t>(job.hexahedron_shape[r]) * simd::hexahedron_constants;
+    const float* shape =
+        job.hexahedron_shapes + static_cast<std::int64_t>(job.hexahedron_shape[r]) * simd::hexahedron_constants;
     Pack3 u[8], f[8];
     for (int k = 0; k < 8; ++k) {
       u[k] = gather(job.u, offset + k * lanes);
@@ -32,8 +33,9 @@ void hexahedron_rows(const simd::Job& job) {
     for (int corner = 0; corner < 8; ++corner) {
       const int a = simd::hexahedron_edges[corner][0], b = simd::hexahedron_edges[corner][1],
                 c = simd::hexahedron_edges[corner][2];
-      const SimplexForces on = simplex_forces<bounded, false>(u[a] - u[corner], u[b] - u[corner], u[c] - u[corner],
-                                                              SharedConstants{shape + simd::simplex_constants * corner});
+      const SimplexForces on =
+          simplex_forces<bounded, false>(u[a] - u[corner], u[b] - u[corner], u[c] - u[corner],
+                                         SharedConstants{shape + simd::simplex_constants * corner});
       f[a] += on.f1;
       f[b] += on.f2;
       f[c] += on.f3;

@@ -66,7 +66,7 @@ struct Job {
   Rows hexahedra;
   const std::int32_t* hexahedron_shape = nullptr;  ///< [hexahedra.count]
   const float* hexahedron_shapes = nullptr;        ///< [shapes][hexahedron_constants]
-  Rows simplices, cell_simplices;  ///< without and with a cell term
+  Rows simplices, cell_simplices;                  ///< without and with a cell term
 };
 
 /// Particles [first, first + lanes * slices) of the body.
@@ -92,9 +92,9 @@ struct Move {
   float runaway_squared = 0;  ///< m^2/s^2
 };
 
-/// Largest squares over free coordinates, and whether a particle ran away.
+/// Largest squares, but for the displacement's over free coordinates, and whether a particle ran away.
 struct Reach {
-  float acceleration = 0, force = 0, speed = 0;
+  float acceleration = 0, force = 0, speed = 0, displacement = 0;
   bool runaway = false;
 };
 
@@ -109,8 +109,8 @@ struct Kernels {
   void (*volumes[2][2])(const Job&);   ///< [plane][bounded]
   void (*cells[2])(const Job&);        ///< [bounded]
   void (*springs)(const Job&);
-  void (*hexahedra[2])(const Job&);    ///< [bounded]
-  void (*simplices[2])(const Job&);    ///< [bounded]
+  void (*hexahedra[2])(const Job&);  ///< [bounded]
+  void (*simplices[2])(const Job&);  ///< [bounded]
   void (*move)(const Move&, int slice, int end, Reach&);
 };
 

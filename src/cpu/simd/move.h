@@ -38,7 +38,7 @@ PHYMUL_INLINE void move_slices_of(const simd::Move& move, int slice, int end, si
   constexpr float largest_float = 3.4028234e38f;
   const Pack3 gravity{all(move.gravity[0]), all(move.gravity[1]), all(move.gravity[2])};
   const Pack dt = all(move.dt), damping = all(move.damping), runaway = all(move.runaway_squared);
-  Pack acceleration{}, push{}, speed{};
+  Pack acceleration{}, push{}, speed{}, displacement{};
   Ints ran{};
   for (; slice < end; ++slice) {
     const std::int64_t at = static_cast<std::int64_t>(slice) * lanes;
@@ -66,6 +66,7 @@ PHYMUL_INLINE void move_slices_of(const simd::Move& move, int slice, int end, si
     push = larger(mass * mass * a_squared, push);
     speed = larger(select(real, dot(free_v, free_v), Pack{}), speed);
     const Pack reached = dot(next_u, next_u);
+    displacement = larger(select(real, reached, Pack{}), displacement);
     ran |= real & ~((dot(next_v, next_v) <= runaway) & (reached <= largest_float));
     // Slots that stand for nothing stay at 0, whatever gravity does.
     next_u = {select(real, next_u.x, Pack{}), select(real, next_u.y, Pack{}), select(real, next_u.z, Pack{})};
@@ -77,6 +78,7 @@ PHYMUL_INLINE void move_slices_of(const simd::Move& move, int slice, int end, si
   reach.acceleration = largest_of(acceleration);
   reach.force = largest_of(push);
   reach.speed = largest_of(speed);
+  reach.displacement = largest_of(displacement);
   std::int32_t any = 0;
   for (int k = 0; k < lanes; ++k) any |= ran[k];
   reach.runaway = any != 0;
