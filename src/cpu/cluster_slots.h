@@ -20,14 +20,17 @@ class Slots {
     to_ = &to;
     own_particles_ = own_particles;
   }
-  std::int32_t offset_of(Index particle) {
+  /// `pushes`: the term has forces for the particle.
+  std::int32_t offset_of(Index particle, bool pushes = true) {
     const Index k = particle - to_->first;
     if (k >= 0 && k < own_particles_) return 16 * k;
     if (seen_[particle] != cluster_) {
       seen_[particle] = cluster_;
       slot_[particle] = to_->own + static_cast<std::int32_t>(to_->halo.size());
       to_->halo.push_back(particle);
+      to_->pushed.push_back(false);
     }
+    if (pushes) to_->pushed[slot_[particle] - to_->own] = true;
     return 16 * slot_[particle];
   }
 

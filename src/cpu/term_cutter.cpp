@@ -111,7 +111,7 @@ void TermCutter::cut_base_slice(const Cluster& cluster, int s, Index own) {
 void TermCutter::pack_base(Index t, Index owner, LaneRows& rows, Index row, int lane) {
   const BaseTexel& base = t_.bases[t];
   const int vertices = body_.plane ? 2 : 3;
-  for (int k = 0; k < vertices; ++k) rows.offset(row, k, lane, slots_.offset_of(base.vertex[k]));
+  for (int k = 0; k < vertices; ++k) rows.offset(row, k, lane, slots_.offset_of(base.vertex[k], body_.use != simd::BaseUse::attractor));
   const Vec3& at = t_.rest[base.vertex[0]];
   const Vec3 E1 = t_.rest[base.vertex[1]] - at;
   const Vec3 E2 = body_.plane ? Vec3(Vec3::Zero()) : Vec3(t_.rest[base.vertex[2]] - at);
@@ -142,7 +142,7 @@ void TermCutter::cut_enumerated_slice(const Cluster& cluster, int s, Index own) 
     const Triples& of = triples[lane];
     for (std::size_t k = 0; k < of.neighbour.size(); ++k) {
       const auto row = static_cast<Index>(k);
-      edges.offset(row, 0, static_cast<int>(lane), slots_.offset_of(of.neighbour[k]));
+      edges.offset(row, 0, static_cast<int>(lane), slots_.offset_of(of.neighbour[k], body_.use != simd::BaseUse::attractor));
       edges.put(row, 1, static_cast<int>(lane), Vec3(t_.rest[of.neighbour[k]] - t_.rest[first + lane]));
       edges.put(row, 4, static_cast<int>(lane), of.alpha[k]);
     }
@@ -192,7 +192,7 @@ void TermCutter::cut_spring_slice(const Cluster& cluster, int s, Index own) {
       const SpringTexel& spring = t_.springs[*entry / 2];
       const Index other = spring.end[1 - *entry % 2];
       const Vec3 R = t_.rest[other] - t_.rest[i];
-      rows.offset(row, 0, lane, slots_.offset_of(other));
+      rows.offset(row, 0, lane, slots_.offset_of(other, false));
       rows.put(row, 1, lane, R);
       rows.put(row, 4, lane, R == Vec3::Zero() ? 0.0 : 1.0 / R.squaredNorm());
       rows.put(row, 5, lane, spring.stiffness);

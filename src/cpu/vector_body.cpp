@@ -64,6 +64,7 @@ class Cutter {
     std::vector<std::vector<std::int64_t>> rows_of(static_cast<std::size_t>(body_.places));
     for (const Cluster& cluster : body_.clusters) {
       for (std::size_t k = 0; k < cluster.halo.size(); ++k) {
+        if (!cluster.pushed[k]) continue;
         rows_of[cluster.halo[k]].push_back(cluster.force_first + cluster.own + static_cast<std::int64_t>(k));
       }
     }

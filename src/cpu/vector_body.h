@@ -9,32 +9,18 @@
 
 #include <cstdint>
 #include <memory>
-#include <new>
 #include <vector>
 
 #include "simd/job.h"
+#include "vector_memory.h"
 
 namespace phymul::cpu {
-
-/// For arrays that kernels read in whole vectors.
-template <class T>
-struct VectorAligned {
-  using value_type = T;
-  static constexpr std::align_val_t alignment{64};
-  VectorAligned() = default;
-  template <class U>
-  explicit VectorAligned(const VectorAligned<U>&) {}
-  T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), alignment)); }
-  void deallocate(T* p, std::size_t) { ::operator delete(p, alignment); }
-  bool operator==(const VectorAligned&) const = default;
-};
-using Floats = std::vector<float, VectorAligned<float>>;
-using Offsets = std::vector<std::int32_t, VectorAligned<std::int32_t>>;
 
 struct Cluster {
   simd::Job job;                   ///< without u and force, which belong to a step
   std::int32_t first = 0;          ///< particle of slot 0
   std::int32_t own = 0;            ///< slots of own particles, a multiple of the lanes
+  std::vector<bool> pushed;        ///< of the halo: whether the cluster's terms have forces for it
   std::vector<std::int32_t> halo;  ///< particles of the slots after those
   std::int64_t force_first = 0;    ///< row of slot 0 among the forces of all clusters
   double cost = 0.0;               ///< rough, ns per step

@@ -52,6 +52,14 @@ PHYMUL_INLINE void store_quad(char* to, Quad q) {
   __builtin_memcpy(__builtin_assume_aligned(to, 16), &q, sizeof q);
 }
 
+/// Asks for what a pass over rows of `columns` will read some 4 kB later: from memory, not from a cache, it would come
+/// too late, because the processor's own foresight ends with a page.
+template <int columns>
+PHYMUL_INLINE void prefetch_rows(const float* row) {
+  constexpr int ahead = 1024;
+  for (int k = 0; k < columns * lanes; k += 16) __builtin_prefetch(row + ahead + k);
+}
+
 PHYMUL_INLINE Pack3 operator+(Pack3 a, Pack3 b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
