@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 #include <optional>
@@ -49,6 +50,16 @@ std::vector<int> shared_out(const VectorBody& body, int parts) {
   return first;
 }
 
+constexpr std::size_t page = 4096;
+
+/// The first place from `near` on that is half a page from `other`, whole pages aside. Processors take a load for one
+/// of a recent store where the two agree in their last twelve bits: a slot's displacement must not stand there relative
+/// to its force, or the kernels run at half their pace.
+char* half_a_page_from(const char* other, char* near) {
+  const auto distance = reinterpret_cast<std::uintptr_t>(other) + page / 2 - reinterpret_cast<std::uintptr_t>(near);
+  return near + distance % page;
+}
+
 const char* bytes(const Floats& floats) {
   return reinterpret_cast<const char*>(floats.data());
 }
@@ -73,11 +84,9 @@ class VectorSolver final : public Solver {
     next_v_ = v_;
     force_.assign(4 * static_cast<std::size_t>(body_->force_rows), 0.0f);
     if (body_->gives()) pull_.assign(quads, 0.0f);
-    if (body_->clusters.size() > 1) {
-      std::int32_t most = 0;
-      for (const Cluster& cluster : body_->clusters) most = std::max(most, cluster.slots());
-      near_u_.assign(static_cast<std::size_t>(pool_.parts()), Floats(4 * static_cast<std::size_t>(most), 0.0f));
-    }
+    std::int32_t most = 0;
+    for (const Cluster& cluster : body_->clusters) most = std::max(most, cluster.slots());
+    near_u_.assign(static_cast<std::size_t>(pool_.parts()), Floats(4 * static_cast<std::size_t>(most) + page, 0.0f));
     reset();
   }
 
@@ -165,7 +174,7 @@ class VectorSolver final : public Solver {
     job.force = bytes(force_) + 16 * cluster.force_first;
     std::memset(job.force, 0, 16 * static_cast<std::size_t>(cluster.slots()));
     if (body_->gives()) job.pull = bytes(pull_) + 16 * static_cast<std::size_t>(cluster.first);
-    job.u = near_u_.empty() ? bytes(u_) : displacements_of(cluster, near_u_[part]);
+    job.u = displacements_of(cluster, half_a_page_from(job.force, bytes(near_u_[part])));
     if (job.bases.count > 0) kernels_.bases[static_cast<int>(body_->use)][body_->plane][body_->scaled](job);
     if (job.enumerated.count > 0) kernels_.enumerated[body_->use == simd::BaseUse::averaged](job);
     if (job.springs.count > 0) kernels_.springs(job);
@@ -176,8 +185,8 @@ class VectorSolver final : public Solver {
   }
 
   /// Displacements slot by slot. The last slot, which stands for nothing, was set to 0.
-  const char* displacements_of(const Cluster& cluster, Floats& near) const {
-    char* to = bytes(near);
+  const char* displacements_of(const Cluster& cluster, char* const near) const {
+    char* to = near;
     std::memcpy(to, bytes(u_) + 16 * static_cast<std::size_t>(cluster.first),
                 16 * static_cast<std::size_t>(cluster.own));
     to += 16 * static_cast<std::size_t>(cluster.own);
@@ -186,7 +195,7 @@ class VectorSolver final : public Solver {
       to += 16;
     }
     std::memset(to, 0, 16);
-    return bytes(near);
+    return near;
   }
 
   simd::Move move_of(const StepPlan& plan) {
@@ -291,7 +300,7 @@ class VectorSolver final : public Solver {
   std::vector<simd::Reach> reach_;  // [parts]
   Floats u_, v_, next_u_, next_v_;  // u: [places + 1][4], v: [slices][3][lanes]
   Floats force_, pull_;
-  std::vector<Floats> near_u_;  // [parts] displacements of the cluster a part is at; empty for a body in one piece
+  std::vector<Floats> near_u_;  // [parts] displacements of the cluster a part is at
   double time_ = 0.0, last_dt_ = 0.0;
   int steps_at_rest_ = 0;
 };
