@@ -24,6 +24,8 @@ if(NOT ZLIB_FOUND)
   phymul_missing("phymul needs zlib" zlib1g-dev)
 endif()
 
+find_package(Threads REQUIRED)
+
 if(PHYMUL_BUILD_TESTS)
   find_package(GTest QUIET)
   if(NOT GTest_FOUND)

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// The table of backends: one row each.
+// The table of backends, and what "auto" takes of them.
 #include <phymul/error.h>
 #include <phymul/solver.h>
 #include <phymul/topology_textures.h>
 
+#include <algorithm>
 #include <array>
+#include <chrono>
+#include <cstdio>
 
 #include "cpu/reference_solver.h"
+#include "cpu/vector_solver.h"
 #ifdef PHYMUL_HAS_GL
 #include "gl_module.h"
 #endif
@@ -25,16 +29,7 @@ std::string always_available(const SolverOptions&) {
   return {};
 }
 
-/// What "auto" takes, and why.
-struct Choice {
-  const char* backend;
-  std::string reason;
-};
-
 #ifdef PHYMUL_HAS_GL
-/// Below, a step on a GPU costs more to start than it saves: the passes of one take some 5 to 8 us to launch.
-constexpr Index gl_particles = 200;
-
 std::unique_ptr<Solver> make_gl_solver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
                                        const SolverOptions& options) try {
   return load_gl_module().make(std::move(topology), scene, options);
@@ -48,28 +43,15 @@ std::string why_gl_unavailable(const SolverOptions& options) try {
 } catch (const Error& error) {
   return error.what();
 }
-
-constexpr std::array backends{Backend{"reference", cpu::make_reference_solver, always_available},
-                              Backend{"gl", make_gl_solver, why_gl_unavailable}};
-
-Choice choose(Index particle_count, const SolverOptions& options) try {
-  if (particle_count < gl_particles) {
-    return {"reference",
-            "reference: " + std::to_string(particle_count) + " particles are too few for a GPU to gain on"};
-  }
-  const GlDevice device = load_gl_module().probe(options.gl);
-  if (device.software) return {"reference", "reference: GL has a software renderer only (" + device.name + ")"};
-  return {"gl", "gl: " + std::to_string(particle_count) + " particles, on " + device.name};
-} catch (const Error& error) {
-  return {"reference", std::string("reference: GL is not available: ") + error.what()};
-}
-#else
-constexpr std::array backends{Backend{"reference", cpu::make_reference_solver, always_available}};
-
-Choice choose(Index, const SolverOptions&) {
-  return {"reference", "reference: this build has no GL backend (PHYMUL_WITH_GL)"};
-}
 #endif
+
+constexpr std::array backends{
+    Backend{"reference", cpu::make_reference_solver, always_available},
+    Backend{"cpu", cpu::make_vector_solver, always_available},
+#ifdef PHYMUL_HAS_GL
+    Backend{"gl", make_gl_solver, why_gl_unavailable},
+#endif
+};
 
 const Backend& find_backend(std::string_view name) {
   for (const Backend& backend : backends) {
@@ -80,24 +62,81 @@ const Backend& find_backend(std::string_view name) {
   throw Error("unknown backend \"" + std::string(name) + "\"; this build has: " + known);
 }
 
+struct Choice {
+  std::unique_ptr<Solver> solver;
+  std::string reason;
+};
+
+#ifdef PHYMUL_HAS_GL
+/// Below, a step on a GPU costs more to start than it saves: two passes take some 5 to 8 us to launch, in which a
+/// processor moves that many particles.
+constexpr Index gl_particles = 1000;
+constexpr int timed_steps = 8;
+
+/// Seconds a step takes, from the rest shape and back to it. The first call, which may set things up, is not counted.
+double seconds_a_step(Solver& solver) {
+  const double dt = std::min(0.1 * solver.stable_step(), 1.0);
+  double best = 0.0;
+  for (int round = 0; round < 4; ++round) {
+    const auto start = std::chrono::steady_clock::now();
+    solver.step(timed_steps, dt);
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / timed_steps;
+    if (round == 1 || (round > 1 && seconds < best)) best = seconds;
+  }
+  solver.reset();
+  return best;
+}
+
+/// The faster of the processor and the GPU on this very body.
+Choice faster_of(std::unique_ptr<Solver> cpu, std::unique_ptr<Solver> gl) {
+  const double on_cpu = seconds_a_step(*cpu), on_gl = seconds_a_step(*gl);
+  char measured[96];
+  std::snprintf(measured, sizeof measured, ": a step took %.3g us, on the %s %.3g us; ", 1e6 * std::min(on_cpu, on_gl),
+                on_gl < on_cpu ? "processor" : "GPU", 1e6 * std::max(on_cpu, on_gl));
+  const std::string device = gl->device();
+  if (on_gl < on_cpu) return {std::move(gl), "gl" + (measured + device)};
+  return {std::move(cpu), "cpu" + (measured + device)};
+}
+#endif
+
+Choice choose(const std::shared_ptr<const TopologyTextures>& topology, const Scene& scene,
+              const SolverOptions& options) {
+  std::unique_ptr<Solver> cpu;
+  try {
+    cpu = cpu::make_vector_solver(topology, scene, options);
+  } catch (const Error& error) {
+    // Where the fault is the caller's, the reference backend finds it again.
+    return {cpu::make_reference_solver(topology, scene, options), std::string("reference: ") + error.what()};
+  }
+#ifdef PHYMUL_HAS_GL
+  if (topology->particle_count < gl_particles) {
+    return {std::move(cpu),
+            "cpu: " + std::to_string(topology->particle_count) + " particles are too few for a GPU to gain on"};
+  }
+  try {
+    const GlDevice device = load_gl_module().probe(options.gl);
+    if (device.software) return {std::move(cpu), "cpu: GL has a software renderer only (" + device.name + ")"};
+    std::unique_ptr<Solver> gl = make_gl_solver(topology, scene, options);
+    return faster_of(std::move(cpu), std::move(gl));
+  } catch (const Error& error) {
+    if (!cpu) throw;
+    return {std::move(cpu), std::string("cpu: GL is not available: ") + error.what()};
+  }
+#else
+  return {std::move(cpu), "cpu: this build has no GL backend (PHYMUL_WITH_GL)"};
+#endif
+}
+
 }  // namespace
 
 std::unique_ptr<Solver> make_solver(std::string_view backend, std::shared_ptr<const TopologyTextures> topology,
                                     const Scene& scene, const SolverOptions& options) {
   if (!topology) throw Error("make_solver: the topology is null; build_topology makes one");
   if (backend != "auto") return find_backend(backend).make(std::move(topology), scene, options);
-  Choice choice = choose(topology->particle_count, options);
-  std::unique_ptr<Solver> solver;
-  try {
-    solver = find_backend(choice.backend).make(topology, scene, options);
-  } catch (const Error& error) {
-    if (choice.backend == backends.front().name) throw;
-    // Where the fault is the caller's, the reference backend finds it again.
-    choice = {backends.front().name, std::string(backends.front().name) + ": " + error.what()};
-    solver = backends.front().make(std::move(topology), scene, options);
-  }
-  solver->choice_ = std::move(choice.reason);
-  return solver;
+  Choice choice = choose(topology, scene, options);
+  choice.solver->choice_ = std::move(choice.reason);
+  return std::move(choice.solver);
 }
 
 std::unique_ptr<Solver> make_solver(std::string_view backend, const Model& model, const Scene& scene,

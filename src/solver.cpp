@@ -43,6 +43,10 @@ void require_options(const SolverOptions& options) {
   if (options.rest_steps < 1) {
     throw Error("SolverOptions::rest_steps must be 1 or more; got " + std::to_string(options.rest_steps));
   }
+  if (options.threads < 0) {
+    throw Error("SolverOptions::threads must be 0 (chosen by the solver) or more; got " +
+                std::to_string(options.threads));
+  }
 }
 
 /// Tables of a model that has changed since, or of another one as large, would move what nobody sees.

@@ -33,7 +33,7 @@ TEST(Backends, UnknownNameListsTheKnownOnes) {
     for (const std::string& name : backend_names()) known += ", " + name;
     EXPECT_EQ(error.what(), "unknown backend \"vulkan\"; this build has: " + known);
   }
-  EXPECT_EQ(make_solver("auto", model, scene)->name(), "reference");
+  EXPECT_EQ(make_solver("auto", model, scene)->name(), "cpu");
 }
 
 TEST(Backends, SceneOfAnotherModelIsRefused) {

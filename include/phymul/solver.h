@@ -47,6 +47,9 @@ struct SolverOptions {
   /// Of these very tables at rest, where it is known: saves estimating it, which takes a hundred force evaluations or
   /// so. A wrong one makes stable_step() and the rest test wrong.
   std::optional<Spectrum> spectrum;
+  /// Of the backend "cpu": threads to run on. 0: as many as the body has work for, up to the processors. Results do not
+  /// depend on it.
+  int threads = 0;
   GlOptions gl;  ///< of the GL backends; the others do not look at it
 };
 

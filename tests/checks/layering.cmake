@@ -112,7 +112,8 @@ function(check_library_file file)
   return(PROPAGATE faults)
 endfunction()
 
-# Benches and examples are users: the public headers and their own folder; benches share the tests' bodies.
+# Benches and examples are users: the public headers and their own folder; benches share the tests' bodies, and those
+# named for src/cpu look into it.
 function(check_user_file file)
   cmake_path(RELATIVE_PATH file BASE_DIRECTORY "${ROOT}" OUTPUT_VARIABLE own)
   cmake_path(GET file PARENT_PATH folder)
@@ -120,6 +121,9 @@ function(check_user_file file)
   foreach(include IN LISTS includes)
     string(REGEX REPLACE "^<.*|\"" "" path "${include}")
     if(path MATCHES "^[a-z_]+\\.h$" AND own MATCHES "^bench/" AND EXISTS "${ROOT}/tests/${path}")
+      continue()
+    endif()
+    if(own MATCHES "^bench/cpu_" AND path MATCHES "^cpu/[a-z_/]+\\.h$" AND EXISTS "${ROOT}/src/${path}")
       continue()
     endif()
     if(path MATCHES "\\.\\./" OR NOT EXISTS "${folder}/${path}")

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: MIT
+//
+// How fast the vector backend steps, beside the same arithmetic in plain loops, each pair interleaved in this process
+// so that other work on the machine hurts both alike. Medians of the repeats.
+//   cpu_speed [filter] [repeats]
+#include <phymul/phymul.h>
+#include <phymul/topology_textures.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "cpu/mirror.h"
+#include "cpu/simd/instruction_set.h"
+#include "cpu/vector_body.h"
+#include "machine_ceilings.h"
+
+namespace {
+
+using namespace phymul;
+using bench::processor_seconds;
+
+double seconds_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
+struct Case {
+  std::string name;
+  Model model;
+  TopologyOptions options;
+};
+
+/// A solver and its start: the rest shape, every particle a little off its place.
+struct Runner {
+  std::unique_ptr<Solver> solver;
+  double dt = 0.0;
+  int steps = 1;
+  bool by_processor = true;   // processor time, not time on the clock
+  std::vector<double> rates;  // particle-steps a second
+
+  /// Takes as many steps as last about `seconds`.
+  void calibrate(double seconds) {
+    for (steps = 1; steps < 1 << 20; steps *= 2) {
+      if (once() > seconds) return;
+    }
+  }
+  double once() {
+    const double start = by_processor ? processor_seconds() : seconds_now();
+    const StepReport report = solver->step(steps, dt);
+    const double taken = (by_processor ? processor_seconds() : seconds_now()) - start;
+    if (!report.ok()) {
+      std::printf("%s\n", report.message().c_str());
+      std::exit(1);
+    }
+    return taken;
+  }
+  void measure() { rates.push_back(static_cast<double>(solver->model().particle_count()) * steps / once()); }
+};
+
+State start_of(const Model& model) {
+  State state = rest_state(model);
+  const double h = mean_spacing(model);
+  for (std::size_t i = 0; i < state.position.size(); ++i) {
+    const double phase = static_cast<double>(i % 7);
+    state.position[i] += 0.02 * h * Vec3(std::sin(phase), std::cos(2.0 * phase), std::sin(3.0 * phase + 1.0));
+    if (model.dimension == 2) state.position[i].z() = 0.0;
+  }
+  return state;
+}
+
+Runner runner(std::unique_ptr<Solver> solver, const State& start) {
+  Runner r;
+  r.solver = std::move(solver);
+  r.dt = 1e-3 * std::min(r.solver->stable_step(), 1.0);  // hardly moves: every step does the same work
+  r.solver->reset(start);
+  r.calibrate(0.02);
+  return r;
+}
+
+/// Bytes that a step moves between the tables, the state and the core: constants once, displacements and velocities
+/// read and written, forces written and read.
+double bytes_a_step(const cpu::VectorBody& body) {
+  double bytes = 0.0;
+  for (const cpu::Floats* table : {&body.bases, &body.enumerated, &body.springs, &body.volumes, &body.cells4,
+                                   &body.cells6, &body.cells8, &body.hexahedra, &body.simplices, &body.cell_simplices,
+                                   &body.give, &body.mass, &body.inverse_mass, &body.stiffness}) {
+    bytes += 4.0 * static_cast<double>(table->size());
+  }
+  bytes += 4.0 * static_cast<double>(body.halo.size() + body.own.size());
+  bytes += body.places * (2.0 * 16.0 + 2.0 * 12.0) + static_cast<double>(body.force_rows) * 2.0 * 16.0;
+  return bytes;
+}
+
+/// Vector multiplications and multiply-adds of an enumerated triple of an attractor: what the multiplying units see.
+constexpr double multiplications_a_triple = 38.0;
+
+void run(const Case& test, int repeats) {
+  const Model& model = test.model;
+  const auto tables = std::make_shared<const TopologyTextures>(build_topology(model, test.options));
+  Scene scene(model);
+  SolverOptions options;
+  options.on_unstable = UnstableStep::allow;
+  options.spectrum = Spectrum{1e6, 0.0, 0};
+  const State start = start_of(model);
+  options.threads = 1;
+  std::vector<Runner> runners;
+  runners.push_back(runner(cpu::make_mirror_solver(tables, scene, options), start));
+  runners.push_back(runner(make_solver("cpu", tables, scene, options), start));
+  options.threads = 2;
+  runners.push_back(runner(make_solver("cpu", tables, scene, options), start));
+  runners[2].by_processor = false;
+  std::vector<double> ratios, scaling;
+  for (int k = 0; k < repeats; ++k) {
+    for (Runner& r : runners) r.measure();
+    ratios.push_back(runners[1].rates.back() / runners[0].rates.back());
+    scaling.push_back(runners[2].rates.back() / runners[1].rates.back());
+  }
+  const double best = *std::ranges::max_element(runners[1].rates);
+  const double n = model.particle_count();
+  std::printf("%-34s %8d | %8.2f %8.2f (best %8.2f) %8.2f | %6.2f | %5.2f | %9.2f us\n", test.name.c_str(),
+              model.particle_count(), median(runners[0].rates) * 1e-6, median(runners[1].rates) * 1e-6, best * 1e-6,
+              median(runners[2].rates) * 1e-6, median(ratios), median(scaling), n / median(runners[1].rates) * 1e6);
+  const auto body = cpu::make_vector_body(*tables, cpu::simd::chosen_kernels().lanes);
+  const double rate = median(runners[1].rates) / n;  // steps a second
+  std::printf("%-34s bytes a particle-step %.0f, so %.1f GB/s", "", bytes_a_step(*body) / n,
+              bytes_a_step(*body) * rate * 1e-9);
+  if (!body->enumerated.empty() && body->gives()) {
+    double triples = 0.0;
+    for (const std::int32_t k : body->enumerated_neighbours) triples += k * (k - 1.0) * (k - 2.0) / 6.0;
+    const double ceiling = bench::vector_multiply_adds(0.2);
+    std::printf("; triples keep the multiplying units busy to %.0f %%",
+                100.0 * triples * multiplications_a_triple * rate / ceiling);
+  }
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
+Model block(int a_side, int valence) {
+  const double side = 0.005 * (a_side - 1);
+  return make_block({side, side, side}, a_side - 1, a_side - 1, a_side - 1, valence);
+}
+Model tetrahedra(int a_side) {
+  const double side = 0.005 * (a_side - 1);
+  return make_tetrahedral_block({side, side, side}, a_side - 1, a_side - 1, a_side - 1, 0.2, 7);
+}
+Model with_material(Model model) {
+  set_material(model, {10e3, 0.3, 1000.0});
+  return model;
+}
+
+std::vector<std::function<Case()>> cases() {
+  const TopologyOptions shared_all{.reaction = Reaction::shared, .bases = BaseSelection::all};
+  const TopologyOptions averaged_all{.reaction = Reaction::averaged, .bases = BaseSelection::all};
+  const TopologyOptions conservative_all{.reaction = Reaction::conservative, .bases = BaseSelection::all};
+  const TopologyOptions springs{.law = Law::springs};
+  const TopologyOptions springs_volume{.law = Law::springs, .volume_stiffness = 50.0};
+  return {
+      [=] {
+        return Case{"n6 full shared 4k", block(16, 6), shared_all};
+      },
+      [=] {
+        return Case{"n6 full averaged 4k", block(16, 6), averaged_all};
+      },
+      [=] {
+        return Case{"n6 full conservative 4k", block(16, 6), conservative_all};
+      },
+      [=] {
+        return Case{"n14 full shared 4k", block(16, 14), shared_all};
+      },
+      [=] {
+        return Case{"n14 full averaged 4k", block(16, 14), averaged_all};
+      },
+      [=] {
+        return Case{"corner faces, thesis 4k",
+                    block(16, 6),
+                    {.reaction = Reaction::shared, .bases = BaseSelection::opposite_faces}};
+      },
+      [=] {
+        return Case{"springs 1k", tetrahedra(10), springs};
+      },
+      [=] {
+        return Case{"springs 10k", tetrahedra(22), springs};
+      },
+      [=] {
+        return Case{"springs 97k", tetrahedra(46), springs};
+      },
+      [=] {
+        return Case{"springs+volume 1k", tetrahedra(10), springs_volume};
+      },
+      [=] {
+        return Case{"springs+volume 10k", tetrahedra(22), springs_volume};
+      },
+      [=] {
+        return Case{"springs+volume 97k", tetrahedra(46), springs_volume};
+      },
+      [=] {
+        return Case{"tetrahedra material 4k", with_material(tetrahedra(16)), {}};
+      },
+      [=] {
+        return Case{"tetrahedra faces+volume 4k",
+                    tetrahedra(16),
+                    {.bases = BaseSelection::opposite_faces, .volume_stiffness = 50.0}};
+      },
+      [=] {
+        return Case{"lattice cell-averaged 2673",
+                    with_material(make_block({0.04, 0.04, 0.16}, 8, 8, 32)),
+                    {.cell_average = 0.9}};
+      },
+      [=] {
+        return Case{"lattice cell-averaged 32k", with_material(block(32, 6)), {.cell_average = 0.9}};
+      },
+      [=] {
+        return Case{"lattice material 4k", with_material(block(16, 6)), {}};
+      },
+      [=] {
+        return Case{"cylinder averaged 275", make_cylinder(0.010, 0.040, 3, 8, 11), {.reaction = Reaction::averaged}};
+      },
+      [=] {
+        return Case{"cylinder shared 275", make_cylinder(0.010, 0.040, 3, 8, 11), {.reaction = Reaction::shared}};
+      },
+      [=] {
+        return Case{"cylinder conservative 275", make_cylinder(0.010, 0.040, 3, 8, 11), {}};
+      },
+  };
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string filter = argc > 1 ? argv[1] : "";
+  const int repeats = argc > 2 ? std::atoi(argv[2]) : 7;
+  std::printf(
+      "one core: %.1f G vector multiply-adds a second; reads %.0f GB/s of 256 KB, %.0f of 8 MB, %.0f of 256 MB\n",
+      1e-9 * bench::vector_multiply_adds(0.3), 1e-9 * bench::read_bandwidth(256e3, 0.2),
+      1e-9 * bench::read_bandwidth(8e6, 0.2), 1e-9 * bench::read_bandwidth(256e6, 0.4));
+  std::printf("million particle-steps a second, medians of %d\n", repeats);
+  std::printf("%-34s %8s | %8s %8s %15s %8s | %6s | %5s\n", "", "particles", "plain", "1 thread", "", "2", "ratio",
+              "2 : 1");
+  for (const auto& make : cases()) {
+    const Case test = make();
+    if (test.name.find(filter) != std::string::npos) run(test, repeats);
+  }
+  return 0;
+}

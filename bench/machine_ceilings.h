@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+//
+// What one core of this machine can do at most, measured: the ceilings that rates are shares of.
+#pragma once
+
+namespace phymul::bench {
+
+/// Multiply-adds of whole vectors a second, of the widest vectors this processor has among AVX-512, AVX2 and 4 floats.
+/// Needs about `seconds` of processor time, as the other does.
+double vector_multiply_adds(double seconds);
+
+/// Bytes a second read one after another from an array of that many.
+double read_bandwidth(double bytes, double seconds);
+
+/// Processor time of this process, s: what something costs however many others share the machine.
+double processor_seconds();
+
+}  // namespace phymul::bench

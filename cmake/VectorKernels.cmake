@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: MIT
+#
+# The vector kernels of src/cpu/simd, compiled once per instruction set and chosen at run time. Here a * b + c may become
+# one rounding: these files promise the same bits for any number of threads, not for any instruction set.
+set(kernel_options -O3 -ffp-contract=fast -fno-math-errno -fno-trapping-math)
+# GCC 12 takes the "undefined" operands of its own intrinsics for uninitialised variables.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  list(APPEND kernel_options -Wno-maybe-uninitialized -Wno-uninitialized)
+endif()
+set_source_files_properties(src/cpu/simd/kernels_portable.cpp PROPERTIES COMPILE_OPTIONS "${kernel_options}")
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
+  target_sources(phymul PRIVATE src/cpu/simd/kernels_avx2.cpp src/cpu/simd/kernels_avx512.cpp)
+  target_compile_definitions(phymul PRIVATE PHYMUL_X86_KERNELS)
+  set_source_files_properties(src/cpu/simd/kernels_avx2.cpp PROPERTIES
+                              COMPILE_OPTIONS "${kernel_options};-mavx2;-mfma")
+  set_source_files_properties(
+    src/cpu/simd/kernels_avx512.cpp PROPERTIES
+    COMPILE_OPTIONS "${kernel_options};-mavx2;-mfma;-mavx512f;-mavx512dq;-mavx512vl;-mavx512bw")
+endif()

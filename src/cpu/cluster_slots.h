@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+//
+// Which cluster a term belongs to, and where its particles stand there.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "vector_body.h"
+
+namespace phymul::cpu {
+
+/// Slots of one cluster: its own particles, then others in the order they are met.
+class Slots {
+ public:
+  explicit Slots(Index particles) : slot_(static_cast<std::size_t>(particles)), seen_(slot_.size(), -1) {}
+
+  void begin(int cluster, Cluster& to, Index own_particles) {
+    cluster_ = cluster;
+    to_ = &to;
+    own_particles_ = own_particles;
+  }
+  /// `pushes`: the term has forces for the particle.
+  std::int32_t offset_of(Index particle, bool pushes = true) {
+    const Index k = particle - to_->first;
+    if (k >= 0 && k < own_particles_) return 16 * k;
+    if (seen_[particle] != cluster_) {
+      seen_[particle] = cluster_;
+      slot_[particle] = to_->own + static_cast<std::int32_t>(to_->halo.size());
+      to_->halo.push_back(particle);
+      to_->pushed.push_back(false);
+    }
+    if (pushes) to_->pushed[slot_[particle] - to_->own] = true;
+    return 16 * slot_[particle];
+  }
+
+ private:
+  std::vector<std::int32_t> slot_, seen_;
+  Cluster* to_ = nullptr;
+  int cluster_ = -1;
+  Index own_particles_ = 0;
+};
+
+/// Rows of `terms`, but for those taken, that belong to each cluster: to the one that has most of its vertices, the
+/// first of those.
+template <class Term, class Vertices>
+std::vector<std::vector<Index>> by_cluster(const std::vector<Term>& terms, Index size, std::size_t clusters,
+                                           const Vertices& vertices, const std::vector<bool>& taken) {
+  std::vector<std::vector<Index>> rows(clusters);
+  for (std::size_t t = 0; t < terms.size(); ++t) {
+    if (!taken.empty() && taken[t]) continue;
+    Index best = 0;
+    long most = 0;
+    const auto& v = vertices(terms[t]);
+    for (const Index i : v) {
+      if (i == none) continue;
+      const long here = std::count_if(v.begin(), v.end(), [&](Index j) { return j != none && j / size == i / size; });
+      if (here > most || (here == most && i / size < best)) {
+        most = here;
+        best = i / size;
+      }
+    }
+    rows[best].push_back(static_cast<Index>(t));
+  }
+  return rows;
+}
+
+}  // namespace phymul::cpu

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+//
+// Bases, a slice of particles at a time. delta_base.h has the formulas; here with
+//   a = |w|^2 / |w0|^2,  y = a - 1 (from dw, not from a),  c = 1 / sqrt(a) - 1
+//   n - n0 = (dw + c w) / |w0|,   1 / |w| = (1 + c) / |w0|
+// A collapsed base has c = -1: no normal, n - n0 = -n0.
+#pragma once
+
+#include "height.h"
+
+namespace phymul::cpu::PHYMUL_ISA {
+
+/// See collapsed_sine_squared in delta_base.h.
+inline constexpr float collapsed = 1e-12f;
+
+struct BaseRow {
+  Pack3 E1, E2;
+  Pack lambda_b, lambda_c, height, rest, share;  // height: beta / |w0|; rest: 1 / |w0|^2
+};
+
+PHYMUL_INLINE BaseRow load_base(const float* row) {
+  return {load3(row + 3 * lanes), load3(row + 6 * lanes), load(row + 9 * lanes), load(row + 10 * lanes),
+          load(row + 11 * lanes), load(row + 12 * lanes), load(row + 13 * lanes)};
+}
+
+template <bool scaled>
+struct BaseNow {
+  Pack3 d1, d2, e1, e2, w;
+  Pack3 change;   // |w0| (g n - n0)
+  Pack rho;       // |w0| / |w|
+  Height height;  // scaled only
+};
+
+template <bool plane, bool scaled>
+PHYMUL_INLINE BaseNow<scaled> base_now(const BaseRow& row, Pack3 ua, Pack3 ub, Pack3 uc, Pack p) {
+  BaseNow<scaled> now;
+  now.d1 = ub - ua;
+  now.e1 = row.E1 + now.d1;
+  Pack3 dw;
+  Pack edges;
+  if constexpr (plane) {
+    now.d2 = now.e2 = Pack3{};
+    dw = {-now.d1.y, now.d1.x, Pack{}};
+    now.w = {-now.e1.y, now.e1.x, Pack{}};
+    edges = Pack{};
+  } else {
+    now.d2 = uc - ua;
+    now.e2 = row.E2 + now.d2;
+    dw = cross(now.d1, now.e2) + cross(row.E1, now.d2);
+    now.w = cross(now.e1, now.e2);
+    edges = collapsed * dot(now.e1, now.e1) * dot(now.e2, now.e2);
+  }
+  const Pack q = dot(now.w, now.w);
+  const Pack y = dot(dw, all(2.0f) * now.w - dw) * row.rest;
+  const Pack a = q * row.rest;
+  const Pack c = select(q > edges, inverse_root_change(a, y), all(-1.0f));
+  now.rho = c + 1.0f;
+  now.change = dw + c * now.w;
+  if constexpr (scaled) {
+    now.height = height_of(y, a * now.rho, p);
+    now.change = now.height.value * now.change + now.height.excess * (now.w - dw);
+  }
+  return now;
+}
+
+template <bool scaled>
+PHYMUL_INLINE Pack3 height_slope(const BaseNow<scaled>& now, const BaseRow& row, Pack3 F) {
+  const Pack along = row.rest * now.rho * now.rho * dot(now.w, F);
+  const Pack3 across = F - along * now.w;
+  if constexpr (scaled) {
+    return (row.height * now.height.value * now.rho) * across + (row.height * now.height.slope * along) * now.w;
+  } else {
+    return (row.height * now.rho) * across;
+  }
+}
+
+/// Gives what the owner's force F costs the base to its vertices.
+template <bool plane, bool scaled>
+PHYMUL_INLINE void give_back(const BaseNow<scaled>& now, const BaseRow& row, Pack3 F, const std::int32_t* offset,
+                             char* force) {
+  const Pack3 G = height_slope(now, row, F);
+  if constexpr (plane) {
+    const Pack3 on_b = -(row.lambda_b * F) - Pack3{G.y, -G.x, Pack{}};
+    scatter_add(force, offset, -(F + on_b));
+    scatter_add(force, offset + lanes, on_b);
+  } else {
+    const Pack3 on_b = -(row.lambda_b * F) - cross(now.e2, G), on_c = -(row.lambda_c * F) - cross(G, now.e1);
+    scatter_add(force, offset, -(F + on_b + on_c));
+    scatter_add(force, offset + lanes, on_b);
+    scatter_add(force, offset + 2 * lanes, on_c);
+  }
+}
+
+template <simd::BaseUse use, bool plane, bool scaled>
+void base_slices(const simd::Job& job) {
+  const Pack p = all(job.exponent);
+  for (int slice = 0; slice < job.bases.count; ++slice) {
+    const int first = job.bases.first[slice], last = job.bases.first[slice + 1];
+    const Pack3 ui = gather_row(job.u + 16 * lanes * slice);
+    const auto row_at = [&](int r) {
+      return job.bases.rows + static_cast<std::int64_t>(r) * simd::base_columns * lanes;
+    };
+    Pack3 sum{};
+    const auto now_of = [&](const float* row, const BaseRow& base, std::int32_t* offset, Pack3& ua)
+        __attribute__((always_inline)) {
+      __builtin_memcpy(offset, row, 3 * sizeof(Pack));
+      ua = gather(job.u, offset);
+      const Pack3 ub = gather(job.u, offset + lanes);
+      const Pack3 uc = plane ? Pack3{} : gather(job.u, offset + 2 * lanes);
+      return base_now<plane, scaled>(base, ua, ub, uc, p);
+    };
+    for (int r = first; r < last; ++r) {
+      std::int32_t offset[3 * lanes];
+      Pack3 ua;
+      prefetch_rows<simd::base_columns>(row_at(r));
+      const BaseRow base = load_base(row_at(r));
+      const BaseNow<scaled> now = now_of(row_at(r), base, offset, ua);
+      Pack3 pull = (ua - ui) + base.lambda_b * now.d1 + base.height * now.change;
+      if constexpr (!plane) pull += base.lambda_c * now.d2;
+      const Pack3 F = base.share * pull;
+      sum += F;
+      if constexpr (use == simd::BaseUse::conservative) give_back<plane>(now, base, F, offset, job.force);
+    }
+    if constexpr (use == simd::BaseUse::conservative) {
+      add_row(job.force + 16 * lanes * slice, sum);
+      continue;
+    }
+    const Pack3 F = load(job.stiffness + slice * lanes) * sum;
+    if constexpr (use == simd::BaseUse::attractor) {
+      store_row(job.pull + 16 * lanes * slice, F);
+      continue;
+    }
+    add_row(job.force + 16 * lanes * slice, F);
+    for (int r = first; r < last; ++r) {
+      std::int32_t offset[3 * lanes];
+      Pack3 ua;
+      const BaseRow base = load_base(row_at(r));
+      const BaseNow<scaled> now = now_of(row_at(r), base, offset, ua);
+      give_back<plane>(now, base, base.share * F, offset, job.force);
+    }
+  }
+}
+
+}  // namespace phymul::cpu::PHYMUL_ISA

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#include "instruction_set.h"
+
+#include <phymul/error.h>
+
+#include <cstdlib>
+#include <string>
+
+namespace phymul::cpu::simd {
+
+std::vector<const Kernels*> usable_kernels() {
+  std::vector<const Kernels*> usable{&portable_kernels};
+#if defined(PHYMUL_X86_KERNELS)
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) usable.push_back(&avx2_kernels);
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
+      __builtin_cpu_supports("avx512bw")) {
+    usable.push_back(&avx512_kernels);
+  }
+#endif
+  return usable;
+}
+
+const Kernels& chosen_kernels() {
+  const std::vector<const Kernels*> usable = usable_kernels();
+  const char* asked = std::getenv("PHYMUL_CPU_ISA");
+  if (asked == nullptr || *asked == '\0') return *usable.back();
+  std::string names;
+  for (const Kernels* kernels : usable) {
+    if (std::string(asked) == kernels->name) return *kernels;
+    names += (names.empty() ? "" : ", ") + std::string(kernels->name);
+  }
+  throw Error("PHYMUL_CPU_ISA is \"" + std::string(asked) + "\"; this build on this processor can run: " + names);
+}
+
+}  // namespace phymul::cpu::simd

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+//
+// What the vector kernels are given: plain arrays, cut for one instruction set. A cluster is a run of particles near
+// each other, with the terms that belong to them; its slots are its own particles in order, then those of other
+// clusters that its terms touch, then one slot that stands for nothing, where idle lanes point.
+//
+// Vectors per slot or particle are four floats, the fourth 0, aligned to 16 bytes. An "offset" is slot * 16. A row is
+// `lanes` of each of its columns, offsets first (as the bits of a float):
+//   base     a, b, c; E1, E2 (3 each), lambda_b, lambda_c, beta / |w0|, 1 / |w0|^2, share    13 + 1 columns
+//   volume   a, b, c, d; E1, E2, E3, 1 / (6 V) (2-D: 1 / (2 A)), stiffness                    15
+//   cell     n corners; gradients of corners 1 to n - 1, stiffness of shape, of volume        4 n - 1
+//   simplex  a, b, c, d; constants as simplices.h has them                                    38
+//   enumerated, per neighbour: offset; E, alpha; then per triple w beta / |w0|, 1 / |w0|^2   5 and 2
+//   hexahedron eight corners; constants of its shape stand apart                              8
+//   spring   other end; R, 1 / |R|^2 (0 for a spring without length), stiffness                6
+// Bases and springs stand in slices: lane k of slice s belongs to particle s * lanes + k of the cluster.
+#pragma once
+
+#include <cstdint>
+
+namespace phymul::cpu::simd {
+
+inline constexpr int base_columns = 14;
+inline constexpr int volume_columns = 15;
+inline constexpr int spring_columns = 6;
+inline constexpr int simplex_columns = 38;
+inline constexpr int simplex_constants = 34;
+inline constexpr int hexahedron_constants = 8 * simplex_constants + 23;
+/// Corners that an edge joins to each corner of a hexahedron.
+inline constexpr int hexahedron_edges[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
+                                               {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
+constexpr int cell_columns(int corners) {
+  return 4 * corners - 1;
+}
+
+struct Slices {
+  const std::int32_t* first = nullptr;  ///< [slices + 1] row of each slice in `rows`
+  const float* rows = nullptr;
+  int count = 0;
+};
+
+struct Rows {
+  const float* rows = nullptr;
+  int count = 0;
+};
+
+/// Slices whose lanes have their triples of neighbours in one order.
+struct Enumerated {
+  const std::int32_t* neighbours = nullptr;  ///< [slices]
+  const std::int32_t* first = nullptr;       ///< [slices] first column of each in `rows`
+  const float* rows = nullptr;
+  int count = 0;
+};
+inline constexpr int most_enumerated = 20;  ///< neighbours
+inline constexpr int most_enumerated_triples = most_enumerated * (most_enumerated - 1) * (most_enumerated - 2) / 6;
+
+struct Job {
+  const char* u = nullptr;           ///< [slots] m, displacements
+  char* force = nullptr;             ///< [slots] N, added to
+  char* pull = nullptr;              ///< [own] N, written: F of the own particles, where other particles gather it
+  const float* stiffness = nullptr;  ///< [own] k_i, N/m
+  float exponent = 0.0f;             ///< p
+  Slices bases, springs;
+  Enumerated enumerated;
+  Rows volumes, cells4, cells6, cells8;
+  Rows hexahedra;
+  const std::int32_t* hexahedron_shape = nullptr;  ///< [hexahedra.count]
+  const float* hexahedron_shapes = nullptr;        ///< [shapes][hexahedron_constants]
+  Rows simplices, cell_simplices;                  ///< without and with a cell term
+};
+
+/// Particles [first, first + lanes * slices) of the body.
+struct Move {
+  const char* force = nullptr;               ///< rows of all clusters
+  const std::int32_t* own = nullptr;         ///< [slices] byte offset in `force` of each slice's own row
+  const std::int32_t* halo_first = nullptr;  ///< [slices + 1] row of `halo`; null: no cluster but one
+  const std::int32_t* halo = nullptr;        ///< [rows][lanes] byte offsets in `force`, of zeros where there is no more
+  const char* pull = nullptr;                ///< by particle; null: nothing to gather
+  const std::int32_t* give_first = nullptr;  ///< [slices + 1] row of `give`
+  const float* give = nullptr;               ///< [rows][2][lanes] byte offset in `pull`, share
+  const char* load = nullptr;                ///< [particles] N; null: none
+  const char* target = nullptr;              ///< [particles] m; null: nothing imposed
+  const std::int32_t* fixed = nullptr;       ///< [particles] bit a: coordinate a is imposed
+  const float* inverse_mass = nullptr;       ///< [particles] 1/kg
+  const float* mass = nullptr;               ///< [particles] kg, 0 where there is no particle
+  const char* u = nullptr;                   ///< m
+  const float* v = nullptr;                  ///< m/s, [slices][3][lanes]
+  char* next_u = nullptr;
+  float* next_v = nullptr;
+  float gravity[3] = {0, 0, 0};  ///< m/s^2
+  float dt = 0, inverse_dt = 0, damping = 1;
+  float runaway_squared = 0;  ///< m^2/s^2
+  float largest_acceleration = 0, largest_acceleration_squared = 0;  ///< m/s^2: elastic force over mass is cut to it
+};
+
+/// Largest squares, but for the displacement's over free coordinates, and whether a particle ran away.
+struct Reach {
+  float acceleration = 0, force = 0, speed = 0, displacement = 0;
+  bool runaway = false;
+  bool cut = false;  ///< some elastic force was
+};
+
+enum class BaseUse { conservative, averaged, attractor };
+
+/// The kernels of one instruction set.
+struct Kernels {
+  const char* name;
+  int lanes;
+  void (*bases[3][2][2])(const Job&);  ///< [BaseUse][plane][area exponent]
+  void (*enumerated[2])(const Job&);   ///< [averaged]
+  void (*volumes[2][2])(const Job&);   ///< [plane][bounded]
+  void (*cells[2])(const Job&);        ///< [bounded]
+  void (*springs)(const Job&);
+  void (*hexahedra[2])(const Job&);  ///< [bounded]
+  void (*simplices[2])(const Job&);  ///< [bounded]
+  void (*move)(const Move&, int slice, int end, Reach&);
+};
+
+extern const Kernels portable_kernels, avx2_kernels, avx512_kernels;
+
+}  // namespace phymul::cpu::simd

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+//
+// Sums what clusters and neighbours give a particle, and moves it: integrate_displacement.h, a slice at a time.
+#pragma once
+
+#include "job.h"
+#include "pack.h"
+
+namespace phymul::cpu::PHYMUL_ISA {
+
+PHYMUL_INLINE Pack3 total_force(const simd::Move& move, int slice) {
+  Pack3 force = gather_row(move.force + move.own[slice]);
+  if (move.halo_first != nullptr) {
+    for (int r = move.halo_first[slice]; r < move.halo_first[slice + 1]; ++r) {
+      force += gather(move.force, move.halo + static_cast<std::int64_t>(r) * lanes);
+    }
+  }
+  if (move.pull != nullptr) {
+    force += gather_row(move.pull + static_cast<std::int64_t>(slice) * lanes * 16);
+    for (int r = move.give_first[slice]; r < move.give_first[slice + 1]; ++r) {
+      const float* row = move.give + static_cast<std::int64_t>(r) * 2 * lanes;
+      std::int32_t offset[lanes];
+      __builtin_memcpy(offset, row, sizeof offset);
+      force -= load(row + lanes) * gather(move.pull, offset);
+    }
+  }
+  return force;
+}
+
+PHYMUL_INLINE bool any_of(Ints mask) {
+  std::int32_t any = 0;
+  for (int k = 0; k < lanes; ++k) any |= mask[k];
+  return any != 0;
+}
+
+/// SolverOptions::largest_push. Lanes are cut one by one: it is rare.
+PHYMUL_INLINE bool cut_force(Pack3& force, Pack inverse_mass, const simd::Move& move) {
+  const Pack q = inverse_mass * inverse_mass * dot(force, force);
+  const Ints over = q > all(move.largest_acceleration_squared);
+  if (!any_of(over)) return false;
+  Pack scale = all(1.0f);
+  for (int k = 0; k < lanes; ++k) {
+    if (over[k]) scale[k] = move.largest_acceleration / __builtin_sqrtf(q[k]);
+  }
+  force = scale * force;
+  return true;
+}
+
+PHYMUL_INLINE float largest_of(Pack p) {
+  float largest = 0.0f;
+  for (int k = 0; k < lanes; ++k) largest = p[k] > largest ? p[k] : largest;
+  return largest;
+}
+
+template <bool imposed>
+PHYMUL_INLINE void move_slices_of(const simd::Move& move, int slice, int end, simd::Reach& reach) {
+  constexpr float largest_float = 3.4028234e38f;
+  const Pack3 gravity{all(move.gravity[0]), all(move.gravity[1]), all(move.gravity[2])};
+  const Pack dt = all(move.dt), damping = all(move.damping), runaway = all(move.runaway_squared);
+  Pack acceleration{}, push{}, speed{}, displacement{};
+  Ints ran{};
+  for (; slice < end; ++slice) {
+    const std::int64_t at = static_cast<std::int64_t>(slice) * lanes;
+    Pack3 force = total_force(move, slice);
+    reach.cut |= cut_force(force, load(move.inverse_mass + at), move);
+    if (move.load != nullptr) force += gather_row(move.load + 16 * at);
+    const Pack mass = load(move.mass + at);
+    const Pack3 u = gather_row(move.u + 16 * at), v = load3(move.v + 3 * at);
+    Pack3 a = load(move.inverse_mass + at) * force + gravity;
+    Pack3 next_v = damping * v + dt * a;
+    Pack3 next_u = u + dt * next_v;
+    Pack3 free_v = next_v;
+    if constexpr (imposed) {
+      Ints fixed;
+      __builtin_memcpy(&fixed, move.fixed + at, sizeof fixed);
+      const Ints x = (fixed & 1) != 0, y = (fixed & 2) != 0, z = (fixed & 4) != 0;
+      const Pack3 target = gather_row(move.target + 16 * at), w = all(move.inverse_dt) * (target - u);
+      a = {select(x, Pack{}, a.x), select(y, Pack{}, a.y), select(z, Pack{}, a.z)};
+      free_v = {select(x, Pack{}, next_v.x), select(y, Pack{}, next_v.y), select(z, Pack{}, next_v.z)};
+      next_v = {select(x, w.x, next_v.x), select(y, w.y, next_v.y), select(z, w.z, next_v.z)};
+      next_u = {select(x, target.x, next_u.x), select(y, target.y, next_u.y), select(z, target.z, next_u.z)};
+    }
+    const Ints real = mass > 0.0f;
+    const Pack a_squared = select(real, dot(a, a), Pack{});
+    acceleration = larger(a_squared, acceleration);
+    push = larger(mass * mass * a_squared, push);
+    speed = larger(select(real, dot(free_v, free_v), Pack{}), speed);
+    const Pack reached = dot(next_u, next_u);
+    displacement = larger(select(real, reached, Pack{}), displacement);
+    ran |= real & ~((dot(next_v, next_v) <= runaway) & (reached <= largest_float));
+    // Slots that stand for nothing stay at 0, whatever gravity does.
+    next_u = {select(real, next_u.x, Pack{}), select(real, next_u.y, Pack{}), select(real, next_u.z, Pack{})};
+    store_row(move.next_u + 16 * at, next_u);
+    store(move.next_v + 3 * at, next_v.x);
+    store(move.next_v + 3 * at + lanes, next_v.y);
+    store(move.next_v + 3 * at + 2 * lanes, next_v.z);
+  }
+  reach.acceleration = largest_of(acceleration);
+  reach.force = largest_of(push);
+  reach.speed = largest_of(speed);
+  reach.displacement = largest_of(displacement);
+  reach.runaway = any_of(ran);
+}
+
+inline void move_slices(const simd::Move& move, int slice, int end, simd::Reach& reach) {
+  if (move.target != nullptr) {
+    move_slices_of<true>(move, slice, end, reach);
+  } else {
+    move_slices_of<false>(move, slice, end, reach);
+  }
+}
+
+}  // namespace phymul::cpu::PHYMUL_ISA

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "cluster_slots.h"
+#include "hexahedra.h"
+#include "simplices.h"
+#include "vector_rows.h"
+
+namespace phymul::cpu {
+
+struct Triples;
+
+/// Packs the terms of a body, cluster by cluster, into the rows of simd/job.h.
+class TermCutter {
+ public:
+  /// `size`: particles of a cluster.
+  TermCutter(const TopologyTextures& topology, Index size, std::size_t clusters, VectorBody& body);
+
+  void cut(int c);    ///< the terms of cluster c, whose own particles are known; clusters in order, each once
+  void point_jobs();  ///< once all are cut: the arrays no longer move
+
+  /// Rows that each particle has in its slice.
+  static std::vector<Index> work_of(const TopologyTextures& topology);
+
+ private:
+  struct Start {  // where a cluster's rows begin in the arrays of the body
+    std::size_t base_slice, enumerated_slice, enumerated, spring_slice, volume, cell4, cell6, cell8, simplex,
+        cell_simplex, hexahedron;
+  };
+
+  std::vector<bool> taken_cells() const;
+  void cut_base_slice(const Cluster& cluster, int s, Index own);
+  void pack_base(Index t, Index owner, LaneRows& rows, Index row, int lane);
+  void cut_enumerated_slice(const Cluster& cluster, int s, Index own);
+  void pack_triple(const Triples& of, Index j, Index k, Index l, LaneRows& rows, Index row, int lane) const;
+  void cut_spring_slice(const Cluster& cluster, int s, Index own);
+  int cut_volumes(int c);
+  int cut_cells(int c, int least, int corners, Floats& to);
+  int cut_hexahedra(int c);
+  int cut_simplices(int c, bool with_cell, Floats& to);
+  void fill_idle_lanes(int c);
+  void estimate_cost(int c);
+
+  const TopologyTextures& t_;
+  const Index size_;
+  VectorBody& body_;
+  Slots slots_;
+  const Simplices shared_;
+  const Hexahedra lattice_;
+  bool slices_bases_ = false, enumerates_ = false;
+  std::vector<std::vector<Index>> volumes_, cells_, simplices_, hexahedra_;  // rows by cluster
+  std::vector<Start> starts_;
+};
+
+}  // namespace phymul::cpu

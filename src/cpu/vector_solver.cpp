@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: MIT
+#include "vector_solver.h"
+
+#include <phymul/elasticity.h>
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "../float_tables.h"
+#include "denormals.h"
+#include "simd/instruction_set.h"
+#include "thread_pool.h"
+#include "vector_body.h"
+#include "vector_loads.h"
+
+namespace phymul::cpu {
+namespace {
+
+/// Work below which another thread costs more, in waiting for it, than it brings.
+constexpr double least_cost_a_thread = 20e3;  // ns
+
+int thread_count(int asked, const VectorBody& body) {
+  const auto clusters = static_cast<int>(std::min<std::size_t>(body.clusters.size(), 1024));
+  if (asked > 0) return std::max(1, std::min(asked, clusters));
+  const int processors = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  const double worth = std::min(body.cost() / least_cost_a_thread, 1024.0);
+  return std::max(1, std::min({processors, clusters, static_cast<int>(worth)}));
+}
+
+/// Clusters [result[part], result[part + 1]) of about equal cost for each part.
+std::vector<int> shared_out(const VectorBody& body, int parts) {
+  std::vector<int> first{0};
+  double done = 0.0;
+  const double all = body.cost();
+  for (std::size_t c = 0; c < body.clusters.size(); ++c) {
+    const double middle = done + 0.5 * body.clusters[c].cost;
+    while (static_cast<int>(first.size()) < parts && middle >= all * static_cast<double>(first.size()) / parts) {
+      first.push_back(static_cast<int>(c));
+    }
+    done += body.clusters[c].cost;
+  }
+  first.resize(static_cast<std::size_t>(parts) + 1, static_cast<int>(body.clusters.size()));
+  return first;
+}
+
+constexpr std::size_t page = 4096;
+
+/// The first place from `near` on that is half a page from `other`, whole pages aside. Processors take a load for one
+/// of a recent store where the two agree in their last twelve bits: a slot's displacement must not stand there relative
+/// to its force, or the kernels run at half their pace.
+char* half_a_page_from(const char* other, char* near) {
+  const auto distance = reinterpret_cast<std::uintptr_t>(other) + page / 2 - reinterpret_cast<std::uintptr_t>(near);
+  return near + distance % page;
+}
+
+const char* bytes(const Floats& floats) {
+  return reinterpret_cast<const char*>(floats.data());
+}
+char* bytes(Floats& floats) {
+  return reinterpret_cast<char*>(floats.data());
+}
+
+class VectorSolver final : public Solver {
+ public:
+  VectorSolver(std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in, const SolverOptions& options_in)
+      : Solver("cpu", std::move(shared), scene_in, options_in),
+        kernels_(simd::chosen_kernels()),
+        body_(make_vector_body(topology(), kernels_.lanes)),
+        loads_(scene(), *body_),
+        pool_(thread_count(options().threads, *body_)),
+        first_cluster_(shared_out(*body_, pool_.parts())),
+        reach_(static_cast<std::size_t>(pool_.parts())) {
+    const auto quads = 4 * (static_cast<std::size_t>(body_->places) + 1);
+    u_.assign(quads, 0.0f);
+    next_u_ = u_;
+    v_.assign(3 * static_cast<std::size_t>(body_->places), 0.0f);
+    next_v_ = v_;
+    force_.assign(4 * static_cast<std::size_t>(body_->force_rows), 0.0f);
+    if (body_->gives()) pull_.assign(quads, 0.0f);
+    std::int32_t most = 0;
+    for (const Cluster& cluster : body_->clusters) most = std::max(most, cluster.slots());
+    near_u_.assign(static_cast<std::size_t>(pool_.parts()), Floats(4 * static_cast<std::size_t>(most) + page, 0.0f));
+    reset();
+  }
+
+ private:
+  void do_reset(const State& state) override {
+    for (std::size_t place = 0; place < body_->order.size(); ++place) {
+      const Index i = body_->order[place];
+      const Vec3 u = state.position[i] - topology().rest[i];
+      for (int a = 0; a < 3; ++a) {
+        next_u_[4 * place + a] = static_cast<float>(u[a]);
+        next_v_[velocity_at(place, a)] = static_cast<float>(state.velocity[i][a]);
+        if (std::isfinite(next_u_[4 * place + a]) && std::isfinite(next_v_[velocity_at(place, a)])) continue;
+        throw Error("Solver::reset: particle " + std::to_string(i) +
+                    " has a displacement or velocity beyond single precision; the backend \"reference\" computes in "
+                    "double precision");
+      }
+    }
+    u_.swap(next_u_);
+    v_.swap(next_v_);
+    time_ = state.time;
+    last_dt_ = 0.0;
+    steps_at_rest_ = 0;
+  }
+
+  void do_scene_changed() override {
+    steps_at_rest_ = 0;
+    loads_ = VectorLoads(scene(), *body_);
+  }
+
+  Motion do_step(const StepPlan& plan) override {
+    const DenormalsAreZero guard;
+    Motion motion;
+    motion.steps_at_rest = steps_at_rest_;
+    while (motion.steps < plan.steps) {
+      step_once(plan);
+      simd::Reach reach;
+      for (const simd::Reach& of_part : reach_) {
+        reach.acceleration = std::max(reach.acceleration, of_part.acceleration);
+        reach.force = std::max(reach.force, of_part.force);
+        reach.speed = std::max(reach.speed, of_part.speed);
+        reach.displacement = std::max(reach.displacement, of_part.displacement);
+        reach.runaway = reach.runaway || of_part.runaway;
+        reach.cut = reach.cut || of_part.cut;
+      }
+      motion.cut = motion.cut || reach.cut;
+      motion.max_acceleration = std::sqrt(static_cast<double>(reach.acceleration));
+      motion.max_force = std::sqrt(static_cast<double>(reach.force));
+      if (reach.runaway) {
+        motion.bad_particle = first_runaway(plan.runaway_speed);
+        break;
+      }
+      u_.swap(next_u_);
+      v_.swap(next_v_);
+      time_ += plan.dt;
+      last_dt_ = plan.dt;
+      ++motion.steps;
+
+      motion.max_speed = std::sqrt(static_cast<double>(reach.speed));
+      const RestThresholds rest = rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest},
+                                                  std::sqrt(static_cast<double>(reach.displacement)));
+      const bool quiet = motion.max_speed <= rest.speed && motion.max_acceleration <= rest.acceleration;
+      steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
+      motion.steps_at_rest = steps_at_rest_;
+      if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;
+    }
+    return motion;
+  }
+
+  void step_once(const StepPlan& plan) {
+    loads_.act_at(scene(), time_);
+    loads_.impose_at(scene(), time_ + plan.dt);
+    const simd::Move move = move_of(plan);
+    pool_.run([this](int part, int) {
+      const DenormalsAreZero guard;
+      for (int c = first_cluster_[part]; c < first_cluster_[part + 1]; ++c) elastic_forces_of(c, part);
+    });
+    pool_.run([&, this](int part, int parts) {
+      const DenormalsAreZero guard;
+      const auto bound = [&](int k) { return static_cast<int>(std::int64_t{body_->slices()} * k / parts); };
+      kernels_.move(move, bound(part), bound(part + 1), reach_[part]);
+    });
+  }
+
+  void elastic_forces_of(int c, int part) {
+    const Cluster& cluster = body_->clusters[c];
+    simd::Job job = cluster.job;
+    job.force = bytes(force_) + 16 * cluster.force_first;
+    std::memset(job.force, 0, 16 * static_cast<std::size_t>(cluster.slots()));
+    if (body_->gives()) job.pull = bytes(pull_) + 16 * static_cast<std::size_t>(cluster.first);
+    job.u = displacements_of(cluster, half_a_page_from(job.force, bytes(near_u_[part])));
+    if (job.bases.count > 0) kernels_.bases[static_cast<int>(body_->use)][body_->plane][body_->scaled](job);
+    if (job.enumerated.count > 0) kernels_.enumerated[body_->use == simd::BaseUse::averaged](job);
+    if (job.springs.count > 0) kernels_.springs(job);
+    if (job.hexahedra.count > 0) kernels_.hexahedra[body_->bounded](job);
+    if (job.simplices.count + job.cell_simplices.count > 0) kernels_.simplices[body_->bounded](job);
+    if (job.volumes.count > 0) kernels_.volumes[body_->plane][body_->bounded](job);
+    if (job.cells4.count + job.cells6.count + job.cells8.count > 0) kernels_.cells[body_->bounded](job);
+  }
+
+  /// Displacements slot by slot. The last slot, which stands for nothing, was set to 0.
+  const char* displacements_of(const Cluster& cluster, char* const near) const {
+    char* to = near;
+    std::memcpy(to, bytes(u_) + 16 * static_cast<std::size_t>(cluster.first),
+                16 * static_cast<std::size_t>(cluster.own));
+    to += 16 * static_cast<std::size_t>(cluster.own);
+    for (const std::int32_t particle : cluster.halo) {
+      std::memcpy(to, bytes(u_) + 16 * static_cast<std::size_t>(particle), 16);
+      to += 16;
+    }
+    std::memset(to, 0, 16);
+    return near;
+  }
+
+  simd::Move move_of(const StepPlan& plan) {
+    simd::Move move;
+    move.force = bytes(force_);
+    move.own = body_->own.data();
+    if (body_->clusters.size() > 1) {
+      move.halo_first = body_->halo_first.data();
+      move.halo = body_->halo.data();
+    }
+    if (body_->gives()) {
+      move.pull = bytes(pull_);
+      move.give_first = body_->give_first.data();
+      move.give = body_->give.data();
+    }
+    loads_.point(move);
+    move.inverse_mass = body_->inverse_mass.data();
+    move.mass = body_->mass.data();
+    move.u = bytes(u_);
+    move.v = v_.data();
+    move.next_u = bytes(next_u_);
+    move.next_v = next_v_.data();
+    move.dt = static_cast<float>(plan.dt);
+    move.inverse_dt = static_cast<float>(1.0 / plan.dt);
+    move.damping = static_cast<float>(plan.damping_factor);
+    constexpr double largest = std::numeric_limits<float>::max();
+    move.runaway_squared = static_cast<float>(std::min(plan.runaway_speed * plan.runaway_speed, largest));
+    move.largest_acceleration = static_cast<float>(std::min(plan.largest_acceleration, largest));
+    move.largest_acceleration_squared =
+        static_cast<float>(std::min(plan.largest_acceleration * plan.largest_acceleration, largest));
+    return move;
+  }
+
+  /// The kernel knows that there is one; it is sought here, in the model's order.
+  Index first_runaway(double speed) const {
+    Index first = std::numeric_limits<Index>::max();
+    const double greatest = std::min(speed, std::sqrt(static_cast<double>(std::numeric_limits<float>::max())));
+    for (std::size_t place = 0; place < body_->order.size(); ++place) {
+      const Vec3 u = displacement(next_u_, place), v = velocity(next_v_, place);
+      const bool reached = u.allFinite() && u.squaredNorm() <= std::numeric_limits<float>::max();
+      // A little less than the bound: the kernel rounds its squares.
+      if (!reached || !(v.norm() <= greatest * (1.0 - 1e-6))) first = std::min(first, body_->order[place]);
+    }
+    return first;
+  }
+
+  std::size_t velocity_at(std::size_t place, int axis) const {
+    const auto lanes = static_cast<std::size_t>(body_->lanes);
+    return (3 * (place / lanes) + axis) * lanes + place % lanes;
+  }
+  static Vec3 displacement(const Floats& u, std::size_t place) {
+    return {u[4 * place], u[4 * place + 1], u[4 * place + 2]};
+  }
+  Vec3 velocity(const Floats& v, std::size_t place) const {
+    return {v[velocity_at(place, 0)], v[velocity_at(place, 1)], v[velocity_at(place, 2)]};
+  }
+
+  void do_read(State& state) const override {
+    state.time = time_;
+    state.position.resize(body_->order.size());
+    state.velocity.resize(body_->order.size());
+    for (std::size_t place = 0; place < body_->order.size(); ++place) {
+      const Index i = body_->order[place];
+      state.position[i] = topology().rest[i] + displacement(u_, place);
+      state.velocity[i] = velocity(v_, place);
+    }
+  }
+
+  double do_time() const override { return time_; }
+
+  std::string do_device() const override {
+    return std::to_string(pool_.parts()) + (pool_.parts() == 1 ? " thread" : " threads") + ", " + kernels_.name +
+           " vectors, single precision";
+  }
+
+  /// In double precision: the state is a float's, what follows from it need not lose more.
+  Energy do_energy() const override {
+    LoadFrame now;
+    scene().prepare(now);
+    scene().evaluate(time_, now);
+    State state;
+    do_read(state);
+    VecList force(state.position.size());
+    elastic_forces(topology(), state.position, force);
+    Energy energy;
+    energy.elastic = elastic_energy(topology(), state.position);
+    for (Index i = 0; i < topology().particle_count; ++i) {
+      const double m = topology().mass[i];
+      Vec3 a = force[i] / m + now.gravity;
+      if (!now.force.empty()) a += now.force[i] / m;
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!now.fixed.empty() && (now.fixed[i] >> axis & 1) != 0) a[axis] = 0.0;
+      }
+      energy.kinetic += 0.5 * m * state.velocity[i].dot(state.velocity[i] + last_dt_ * a);
+      energy.gravity -= m * now.gravity.dot(state.position[i] - topology().rest[i]);
+    }
+    return energy;
+  }
+
+  const simd::Kernels& kernels_;
+  std::unique_ptr<const VectorBody> body_;
+  VectorLoads loads_;
+  ThreadPool pool_;
+  std::vector<int> first_cluster_;  // [parts + 1]
+  std::vector<simd::Reach> reach_;  // [parts]
+  Floats u_, v_, next_u_, next_v_;  // u: [places + 1][4], v: [slices][3][lanes]
+  Floats force_, pull_;
+  std::vector<Floats> near_u_;  // [parts] displacements of the cluster a part is at
+  double time_ = 0.0, last_dt_ = 0.0;
+  int steps_at_rest_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Solver> make_vector_solver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
+                                           const SolverOptions& options) {
+  return std::make_unique<VectorSolver>(std::move(topology), scene, options);
+}
+
+}  // namespace phymul::cpu

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: MIT
+//
+// The vector backend: forces within the rounding bound for every term and instruction set, the same bits for any number
+// of threads, no allocation in a step.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <iostream>
+
+#include "allocation_count.h"
+#include "bodies.h"
+#include "bounded_forces.h"
+#include "cpu/simd/instruction_set.h"
+#include "message_of.h"
+
+namespace phymul::test {
+namespace {
+
+/// Names an instruction set in the environment for as long as this lives.
+class InstructionSet {
+ public:
+  explicit InstructionSet(const char* name) { setenv("PHYMUL_CPU_ISA", name, 1); }
+  ~InstructionSet() { unsetenv("PHYMUL_CPU_ISA"); }
+  InstructionSet(const InstructionSet&) = delete;
+  InstructionSet& operator=(const InstructionSet&) = delete;
+};
+
+/// conservative_variants() and the reactions that have no energy.
+std::vector<Variant> all_variants() {
+  std::vector<Variant> all = conservative_variants();
+  for (const auto& [name, reaction] :
+       {std::pair{"full", Reaction::full}, std::pair{"shared", Reaction::shared},
+        std::pair{"barycentric", Reaction::barycentric}, std::pair{"averaged", Reaction::averaged}}) {
+    Variant v;
+    v.name = name;
+    v.options.reaction = reaction;
+    v.options.volume_stiffness = 50.0;
+    all.push_back(v);
+    v.name += " all";
+    v.options.volume_stiffness = 0.0;
+    v.options.bases = BaseSelection::all;
+    all.push_back(v);
+    v.name += " p=1";
+    v.options.area_exponent = 1.0;
+    all.push_back(v);
+  }
+  return all;
+}
+
+/// bodies(), and a lattice of enough cells of one shape, beside others, for the kernel of lattices.
+std::vector<Body> all_bodies() {
+  std::vector<Body> all = bodies();
+  Model lattice = make_block({0.06, 0.05, 0.06}, 6, 5, 6);
+  for (Vec3& p : lattice.rest) p += Vec3(0.3, -0.2, 0.1);
+  all.push_back({"lattice", lattice});
+  lattice.rest[0].x() -= 0.002;
+  all.push_back({"dented lattice", lattice});
+  return all;
+}
+
+struct Case {
+  std::string name;
+  Model model;
+  std::shared_ptr<const TopologyTextures> tables;
+};
+
+template <class Visit>
+void for_each_case(const Visit& visit) {
+  for (const Body& body : all_bodies()) {
+    for (const Variant& variant : all_variants()) {
+      const bool lattice = body.name.ends_with("lattice");
+      if (!applies(variant, body) || (lattice && !variant.material)) continue;
+      const Model model = prepared(variant, body);
+      visit(Case{body.name + ", " + variant.name, model,
+                 std::make_shared<const TopologyTextures>(build_topology(model, variant.options))});
+    }
+  }
+}
+
+SolverOptions any_step(int threads = 1) {
+  SolverOptions options;
+  options.on_unstable = UnstableStep::allow;
+  options.spectrum = Spectrum{1e9, 0.0, 0};
+  options.threads = threads;
+  return options;
+}
+
+/// A power of two: nothing is rounded by it.
+constexpr double tiny_step = 0x1p-20;
+
+/// Elastic forces as one step from standstill shows them: v+ = dt (f / m).
+VecList forces_of(Solver& solver, const VecList& position) {
+  State state = rest_state(solver.model());
+  state.position = position;
+  solver.reset(state);
+  EXPECT_TRUE(solver.step(1, tiny_step).ok());
+  solver.read(state);
+  VecList force = state.velocity;
+  for (std::size_t i = 0; i < force.size(); ++i) force[i] *= solver.topology().mass[i] / tiny_step;
+  return force;
+}
+
+/// Random displacements, each exactly a float.
+VecList random_displacements(const Model& model, double amount, std::uint32_t seed) {
+  VecList u = random_positions(model, amount, seed);
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] = (u[i] - model.rest[i]).cast<float>().cast<double>();
+  return u;
+}
+
+VecList sum_of(const VecList& a, const VecList& b) {
+  VecList total = a;
+  for (std::size_t i = 0; i < a.size(); ++i) total[i] += b[i];
+  return total;
+}
+
+TEST(CpuBackend, ForcesAreWithinTheRoundingBound) {
+  double worst = 0.0;
+  std::string where;
+  for_each_case([&](const Case& body) {
+    const Scene scene(body.model);
+    for (const double amount : {0.001, 0.1, 0.3}) {
+      const VecList u = random_displacements(body.model, amount, 11), x = sum_of(body.tables->rest, u);
+      VecList exact(x.size());
+      elastic_forces(*body.tables, x, exact);
+      const BoundedForces bounded(*body.tables, u);
+      for (const cpu::simd::Kernels* kernels : cpu::simd::usable_kernels()) {
+        const InstructionSet chosen(kernels->name);
+        const VecList found = forces_of(*make_solver("cpu", body.tables, scene, any_step()), x);
+        for (std::size_t i = 0; i < x.size(); ++i) {
+          const Bounded3 bound = bounded.force(static_cast<Index>(i));
+          const std::array<double, 3> most{bound.x.error, bound.y.error, bound.z.error};
+          for (int axis = 0; axis < 3; ++axis) {
+            // The mass and its inverse, and their product with the force, are rounded too.
+            const double allowed = most[static_cast<std::size_t>(axis)] + 3.0 * unit * std::abs(exact[i][axis]);
+            const double error = std::abs(found[i][axis] - exact[i][axis]);
+            ASSERT_LE(error, allowed) << body.name << ", " << kernels->name << ", " << amount << ", particle " << i;
+            if (allowed > 0.0 && error / allowed > worst) {
+              worst = error / allowed;
+              where = body.name + ", " + kernels->name;
+            }
+          }
+        }
+      }
+    }
+  });
+  std::cout << "worst error: " << worst << " of the bound (" << where << ")\n";
+  EXPECT_GT(worst, 0.01);  // a bound that nothing comes near would hide mistakes
+}
+
+TEST(CpuBackend, NoForceAtRestOrAfterATranslation) {
+  for_each_case([](const Case& body) {
+    const Scene scene(body.model);
+    VecList moved = body.tables->rest;
+    for (Vec3& p : moved) p += Vec3(1.5, -0.25, body.model.dimension == 2 ? 0.0 : 8.0);
+    for (const cpu::simd::Kernels* kernels : cpu::simd::usable_kernels()) {
+      const InstructionSet chosen(kernels->name);
+      const auto solver = make_solver("cpu", body.tables, scene, any_step());
+      for (const Vec3& f : forces_of(*solver, body.tables->rest)) ASSERT_EQ(f, Vec3(0, 0, 0)) << body.name;
+      for (const Vec3& f : forces_of(*solver, moved)) ASSERT_EQ(f, Vec3(0, 0, 0)) << body.name << ", moved";
+    }
+  });
+}
+
+Scene pulled(const Model& model) {
+  Scene scene(model);
+  Load pull;
+  pull.type = LoadType::translation;
+  pull.particles = model.group("x1");
+  pull.direction = {1, 0, 0};
+  pull.events = {{0.0, 0.0}, {1.0, 0.1}};
+  Load push;
+  push.particles = model.group("y1");
+  push.direction = {0, 1, 0};
+  push.events = {{0.0, 0.01}};
+  scene.fix("x0").gravity({0, 0, -9.81}).add(pull).add(push);
+  return scene;
+}
+
+/// Bodies of several clusters, with the terms of every kernel among them.
+std::vector<Case> large_cases() {
+  const auto make = [](std::string name, Model model, const TopologyOptions& options) {
+    return Case{std::move(name), model, std::make_shared<const TopologyTextures>(build_topology(model, options))};
+  };
+  const auto material = [](Model model) {
+    set_material(model, soft_tissue());
+    return model;
+  };
+  const Model block = make_block({0.14, 0.14, 0.14}, 14, 14, 14, 14);
+  const Model tetrahedra = make_tetrahedral_block({0.14, 0.14, 0.14}, 14, 14, 14, 0.2, 7);
+  return {make("springs", tetrahedra, {.law = Law::springs, .volume_stiffness = 50.0}),
+          make("shared", block, {.reaction = Reaction::shared, .bases = BaseSelection::all}),
+          make("averaged", block, {.reaction = Reaction::averaged, .bases = BaseSelection::all}),
+          make("fitted", tetrahedra, {.area_exponent = 1.0}),
+          make("tetrahedra", material(tetrahedra), {}),
+          make("lattice", material(block), {.cell_average = 0.9})};
+}
+
+TEST(CpuBackend, AnyNumberOfThreadsGivesTheSameBits) {
+  for (const Case& body : large_cases()) {
+    const Scene scene = pulled(body.model);
+    for (const cpu::simd::Kernels* kernels : cpu::simd::usable_kernels()) {
+      const InstructionSet chosen(kernels->name);
+      State first;
+      for (const int threads : {1, 2, 4, 7, 1}) {
+        const auto solver = make_solver("cpu", body.tables, scene, any_step(threads));
+        EXPECT_EQ(solver->device().substr(0, 2), std::to_string(threads) + " ") << body.name;
+        State state = rest_state(body.model);
+        state.position = random_positions(body.model, 0.05, 9);
+        solver->reset(state);
+        const StepReport report = solver->step(5, 1e-5);
+        ASSERT_TRUE(report.ok()) << body.name << ": " << report.message();
+        solver->read(state);
+        if (first.position.empty()) first = state;
+        EXPECT_EQ(state, first) << body.name << ", " << kernels->name << ", " << threads << " threads";
+      }
+    }
+  }
+}
+
+TEST(CpuBackend, ClustersHaveTheForcesOfTheWhole) {
+  for (const Case& body : large_cases()) {
+    const Scene scene(body.model);
+    const VecList u = random_displacements(body.model, 0.1, 4), x = sum_of(body.tables->rest, u);
+    VecList exact(x.size());
+    elastic_forces(*body.tables, x, exact);
+    const VecList found = forces_of(*make_solver("cpu", body.tables, scene, any_step(2)), x);
+    const double scale = largest_norm(exact);
+    for (std::size_t i = 0; i < x.size(); ++i) ASSERT_LE((found[i] - exact[i]).norm(), 2e-6 * scale) << body.name;
+  }
+}
+
+TEST(CpuBackend, StepsDoNotAllocate) {
+  for (const Case& body : large_cases()) {
+    const Scene scene = pulled(body.model);
+    const auto solver = make_solver("cpu", body.tables, scene, any_step(2));
+    solver->step(1, 1e-5);
+    const std::size_t before = allocation_count();
+    ASSERT_TRUE(solver->step(10, 1e-5).ok());
+    EXPECT_EQ(allocation_count(), before) << body.name;
+  }
+}
+
+TEST(CpuBackend, SmallBodiesRunOnOneThread) {
+  const Model model = cylinder_275();
+  const Scene scene(model);
+  EXPECT_EQ(make_solver("cpu", model, scene)->device().substr(0, 9), "1 thread,");
+}
+
+TEST(CpuBackend, RefusesWhatItCannotDo) {
+  const Model model = make_tetrahedron(0.01);
+  const Scene scene(model);
+  {
+    const InstructionSet unknown("mmx");
+    EXPECT_NE(message_of([&] { make_solver("cpu", model, scene); }).find("PHYMUL_CPU_ISA is \"mmx\""),
+              std::string::npos);
+  }
+  EXPECT_NE(message_of([&] { make_solver("cpu", model, scene, {}, any_step(-1)); }).find("threads must be 0"),
+            std::string::npos);
+  const auto solver = make_solver("cpu", model, scene);
+  State far = rest_state(model);
+  far.position[2].x() = 1e39;
+  EXPECT_NE(message_of([&] { solver->reset(far); }).find("beyond single precision"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace phymul::test

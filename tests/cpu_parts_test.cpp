@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+//
+// What the vector backend is made of: renumbering, simplices, triples, the pool of threads.
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "bodies.h"
+#include "cpu/hexahedra.h"
+#include "cpu/neighbourhoods.h"
+#include "cpu/renumbering.h"
+#include "cpu/simplices.h"
+#include "cpu/thread_pool.h"
+
+namespace phymul::test {
+namespace {
+
+TEST(Renumbering, PermutesForcesAndEnergy) {
+  for (const Body& body : bodies()) {
+    for (const Variant& variant : conservative_variants()) {
+      if (!applies(variant, body)) continue;
+      const Model model = prepared(variant, body);
+      const TopologyTextures tables = build_topology(model, variant.options);
+      const Index n = tables.particle_count;
+      std::vector<Index> work(static_cast<std::size_t>(n));
+      for (Index i = 0; i < n; ++i) work[i] = i % 5;
+      const std::vector<Index> order = cpu::locality_order(tables.rest, work, 16);
+      std::vector<Index> sorted = order;
+      std::ranges::sort(sorted);
+      for (Index i = 0; i < n; ++i) ASSERT_EQ(sorted[i], i);
+      const TopologyTextures other = cpu::renumbered(tables, order);
+      const VecList x = random_positions(model, 0.1, 3);
+      VecList moved(x.size()), force(x.size()), other_force(x.size());
+      for (Index i = 0; i < n; ++i) moved[i] = x[order[i]];
+      elastic_forces(tables, x, force);
+      elastic_forces(other, moved, other_force);
+      const double scale = largest_norm(force);
+      for (Index i = 0; i < n; ++i) {
+        ASSERT_LE((other_force[i] - force[order[i]]).norm(), 1e-12 * scale) << body.name << ", " << variant.name;
+      }
+      EXPECT_NEAR(elastic_energy(other, moved), elastic_energy(tables, x), 1e-12 * elastic_energy(tables, x));
+    }
+  }
+}
+
+TEST(Renumbering, PutsNeighboursNearEachOtherAndWorkInOrder) {
+  const Model model = make_block({0.15, 0.15, 0.15}, 15, 15, 15);
+  std::vector<Index> work;
+  for (Index i = 0; i < model.particle_count(); ++i) work.push_back(model.neighbours.size(i));
+  const std::vector<Index> order = cpu::locality_order(model.rest, work, 256);
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    if (i % 256 == 0) continue;
+    ASSERT_GE(work[order[i - 1]], work[order[i]]);
+  }
+  for (std::size_t first = 0; first < order.size(); first += 256) {
+    Vec3 low = model.rest[order[first]], high = low;
+    for (std::size_t i = first; i < std::min(first + 256, order.size()); ++i) {
+      low = low.cwiseMin(model.rest[order[i]]);
+      high = high.cwiseMax(model.rest[order[i]]);
+    }
+    EXPECT_LE((high - low).prod(), 600.0 * 1e-6);  // 256 of 1e-6 m^3 each, in no thin slice
+  }
+}
+
+TEST(Simplices, EveryTermIsTakenOnce) {
+  Model model = make_tetrahedral_block({0.03, 0.02, 0.02}, 3, 2, 2, 0.2, 5);
+  set_material(model, soft_tissue());
+  const TopologyTextures tables = build_topology(model);
+  const cpu::Simplices simplices = cpu::find_simplices(tables);
+  EXPECT_EQ(simplices.all.size(), model.cells.size());
+  std::vector<int> taken(static_cast<std::size_t>(tables.base_count), 0);
+  for (const cpu::Simplex& simplex : simplices.all) {
+    EXPECT_NE(simplex.cell, none);
+    for (int k = 0; k < 4; ++k) {
+      ASSERT_NE(simplex.base[k], none);
+      EXPECT_EQ(tables.base_owner[simplex.base[k]], simplex.vertex[k]);
+      ++taken[simplex.base[k]];
+    }
+  }
+  for (const int times : taken) EXPECT_EQ(times, 1);
+}
+
+TEST(Hexahedra, LatticesHaveOneShapeAndBentBodiesNone) {
+  const auto found = [](Model model) {
+    set_material(model, soft_tissue());
+    const TopologyTextures tables = build_topology(model, {.cell_average = 0.9});
+    return cpu::find_hexahedra(tables, cpu::find_simplices(tables));
+  };
+  Model block = make_block({0.06, 0.06, 0.06}, 6, 6, 6);
+  EXPECT_EQ(found(block).all.size(), 216u);
+  EXPECT_EQ(found(block).shapes.size(), static_cast<std::size_t>(cpu::simd::hexahedron_constants));
+  block.rest[0].x() -= 0.002;
+  EXPECT_EQ(found(block).all.size(), 215u);
+  jitter(block, 0.1, 3);
+  EXPECT_LE(found(block).all.size(), 1u);
+}
+
+TEST(Neighbourhoods, TriplesAreCountedInOrder) {
+  Index row = 0;
+  for (Index j = 0; j < 7; ++j) {
+    for (Index k = j + 1; k < 7; ++k) {
+      for (Index l = k + 1; l < 7; ++l) EXPECT_EQ(cpu::triple_row(7, j, k, l), row++);
+    }
+  }
+  EXPECT_EQ(row, 35);
+  const Model model = make_block({0.03, 0.03, 0.03}, 3, 3, 3);
+  const TopologyTextures all = build_topology(model, {.reaction = Reaction::shared, .bases = BaseSelection::all});
+  EXPECT_TRUE(cpu::is_enumerable(all, 6));
+  EXPECT_FALSE(cpu::is_enumerable(all, 5));
+  EXPECT_FALSE(cpu::is_enumerable(build_topology(model), 6)) << "conservative";
+}
+
+TEST(ThreadPool, RunsEveryPartOnceEachTime) {
+  for (const int parts : {1, 2, 5}) {
+    cpu::ThreadPool pool(parts);
+    EXPECT_EQ(pool.parts(), parts);
+    std::vector<long> sum(static_cast<std::size_t>(parts), 0);
+    for (long round = 1; round <= 2000; ++round) {
+      pool.run([&](int part, int of) { sum[static_cast<std::size_t>(part)] += round * of; });
+    }
+    for (const long s : sum) EXPECT_EQ(s, 2001000L * parts);
+  }
+}
+
+}  // namespace
+}  // namespace phymul::test
