@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+//
+// What a solution is worth: its distance from the reference, in displacement and in force.
+#pragma once
+
+#include <phymul/topology_textures.h>
+
+#include <optional>
+#include <span>
+
+#include "problem.h"
+
+namespace phymul::bench {
+
+struct Measures {
+  PositionError displacement;         ///< at the sample points that are not prescribed; p95 and max in m
+  std::optional<double> force_error;  ///< |R - R_ref| / |R_ref| over the components the case gives
+};
+
+/// R is what the supports of a group exert on the body: minus its elastic forces, weight and loads.
+Measures measure(const Problem& problem, const TopologyTextures& topology, const Scene& scene,
+                 std::span<const Vec3> position);
+
+/// Of the null model, which has no force.
+PositionError null_error(const Problem& problem);
+
+/// Force of the supports on these particles, N.
+Vec3 support_force(std::span<const Index> particles, const TopologyTextures& topology, const Scene& scene,
+                   std::span<const Vec3> position);
+
+}  // namespace phymul::bench
