@@ -34,10 +34,20 @@ const char* name_of(StepStatus status) {
   return "unknown";
 }
 
-struct Excited {
-  double omega = 0.0;  ///< rad/s, of the motion the load excites; 0: nothing moved
-  double reach = 0.0;  ///< m, largest displacement met
-};
+/// Rayleigh quotient of the motion from one state to another, 1/s^2: how stiff the body is against it, over its mass.
+/// Negative or not finite for bodies without an energy.
+double stiffness_over_mass(const TopologyTextures& topology, const VecList& from, const VecList& to) {
+  VecList before(from.size()), after(from.size());
+  elastic_forces(topology, from, before);
+  elastic_forces(topology, to, after);
+  double stiff = 0.0, mass = 0.0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const Vec3 move = to[i] - from[i];
+    stiff += move.dot(before[i] - after[i]);
+    mass += topology.mass[i] * move.squaredNorm();
+  }
+  return stiff / mass;
+}
 
 class Relaxing {
  public:
@@ -53,14 +63,16 @@ class Relaxing {
     State state = rest_state(scene_.model());
     state.position = start;
     began_ = Clock::now();
-    const Excited excited = excite(state);
+    result_.excited = plan_.excited;
+    if (result_.excited.omega == 0.0) result_.excited = find_excited(state);
     if (!result_.status.empty()) return result_;
-    result_.rate = 2.0 * excited.omega;
+    const auto& [omega, reach] = result_.excited;
+    result_.rate = 2.0 * omega;
     options_.damping.rate = result_.rate;
     // At critical damping a body that has `left` to go moves at about omega times that.
     const double omega_max = std::sqrt(options_.spectrum->largest);
-    const double left = plan_.rest_accuracy * excited.reach;
-    options_.rest_tolerance = std::max(left * excited.omega / (omega_max * mean_spacing(scene_.model())), 1e-14);
+    const double left = plan_.rest_accuracy * reach;
+    options_.rest_tolerance = std::max(left * omega / (omega_max * mean_spacing(scene_.model())), 1e-14);
     settle(state);
     return result_;
   }
@@ -75,37 +87,63 @@ class Relaxing {
     return true;
   }
 
-  Excited excite(const State& start) {
+  bool over_budget(double share, const char* stage) {
+    if (seconds_since(began_) < share * plan_.wall_cap) return false;
+    result_.status = "over_budget";
+    result_.message = stage;
+    return true;
+  }
+
+  Excited find_excited(const State& start) {
+    Excited excited = first_peak(start);
+    State state = start;
+    for (int round = 0; round < 3 && result_.status.empty() && excited.omega > 0.0; ++round) {
+      const double slower = slow_omega(excited.omega, state);
+      if (!(slower > 0.0) || slower > 0.8 * excited.omega) break;
+      excited.omega = std::max(slower, 0.05 * excited.omega);
+    }
+    return excited;
+  }
+
+  Excited first_peak(const State& start) {
     Excited excited;
     const auto undamped = solver();
     undamped->reset(start);
     result_.device = undamped->device();
-    State state;
     double peak = 0.0, peak_time = 0.0;
-    for (int steps = 0;;) {
+    for (int steps = 0; !over_budget(0.3, "the first quarter of the period is not over");) {
       const int batch = std::max(4, steps / 12);
       if (failed(undamped->step(batch, result_.dt))) return excited;
       steps += batch;
-      undamped->read(state);
-      result_.state = state;
+      const State& state = result_.state = undamped->read();
       excited.reach = std::max(excited.reach, displacement_norms(scene_.model(), state).max);
       const double kinetic = kinetic_energy(scene_.model(), state);
       if (kinetic > peak) peak = kinetic, peak_time = state.time;
       if (kinetic < 0.8 * peak || peak == 0.0) break;
-      if (seconds_since(began_) > 0.4 * plan_.wall_cap) {
-        result_.status = "over_budget";
-        result_.message = "the first quarter of the period is not over after " + std::to_string(steps) + " steps";
-        result_.steps = steps;
-        return excited;
-      }
     }
     excited.omega = peak_time > 0.0 ? std::numbers::pi / 2.0 / peak_time : 0.0;
     return excited;
   }
 
+  /// Goes on from `state`, critically damped for omega; 0 where what still moves has no frequency.
+  double slow_omega(double omega, State& state) {
+    options_.damping.rate = 2.0 * omega;
+    const auto damped = solver();
+    damped->reset(state);
+    const int steps = static_cast<int>(std::ceil(4.0 / (omega * result_.dt)));
+    if (failed(damped->step(steps, result_.dt)) || over_budget(0.5, "its slow motion is not found")) return 0.0;
+    const VecList before = damped->read().position;
+    if (failed(damped->step(steps / 2 + 1, result_.dt))) return 0.0;
+    damped->read(state);
+    result_.state = state;
+    const double square = stiffness_over_mass(*topology_, before, state.position);
+    return square > 0.0 && std::isfinite(square) ? std::sqrt(square) : 0.0;
+  }
+
   void settle(const State& start) {
     const auto damped = solver();
     damped->reset(start);
+    result_.device = damped->device();
     std::vector<double> per_step;
     result_.status = "over_budget";
     result_.message = "not at rest within the time given";
