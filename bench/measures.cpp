@@ -4,6 +4,8 @@
 #include <phymul/elasticity.h>
 #include <phymul/monitor.h>
 
+#include <Eigen/Geometry>
+
 #include <cmath>
 #include <limits>
 
@@ -23,17 +25,21 @@ PositionError sample_error(const Problem& problem, std::span<const Vec3> displac
 
 }  // namespace
 
-Vec3 support_force(std::span<const Index> particles, const TopologyTextures& topology, const Scene& scene,
-                   std::span<const Vec3> position) {
+Support support(std::span<const Index> particles, const TopologyTextures& topology, const Scene& scene,
+                std::span<const Vec3> position) {
   VecList elastic(position.size());
   elastic_forces(topology, position, elastic);
   LoadFrame frame;
   scene.prepare(frame);
   scene.evaluate(0.0, frame);
-  Vec3 sum = Vec3::Zero();
+  Vec3 centre = Vec3::Zero();
+  for (const Index i : particles) centre += topology.rest[i] / static_cast<double>(particles.size());
+  Support sum;
   for (const Index i : particles) {
-    sum -= elastic[i] + topology.mass[i] * frame.gravity;
-    if (!frame.force.empty()) sum -= frame.force[i];
+    Vec3 force = -elastic[i] - topology.mass[i] * frame.gravity;
+    if (!frame.force.empty()) force -= frame.force[i];
+    sum.force += force;
+    sum.torque += (position[i] - centre).cross(force);
   }
   return sum;
 }
@@ -44,16 +50,16 @@ Measures measure(const Problem& problem, const TopologyTextures& topology, const
   VecList displacement(position.begin(), position.end());
   for (std::size_t i = 0; i < displacement.size(); ++i) displacement[i] -= topology.rest[i];
   result.displacement = sample_error(problem, displacement);
-  double off = 0.0, size = 0.0;
   for (const Problem::Reaction& reaction : problem.reactions) {
-    const Vec3 force = support_force(reaction.particles, topology, scene, position);
+    const Support found = support(reaction.particles, topology, scene, position);
+    double off = 0.0, size = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
-      if (!reaction.force[axis]) continue;
-      off += std::pow(force[axis] - *reaction.force[axis], 2);
-      size += std::pow(*reaction.force[axis], 2);
+      if (!reaction.value[axis]) continue;
+      off += std::pow((reaction.torque ? found.torque : found.force)[axis] - *reaction.value[axis], 2);
+      size += std::pow(*reaction.value[axis], 2);
     }
+    if (size > 0.0) result.force_error = std::max(result.force_error.value_or(0.0), std::sqrt(off / size));
   }
-  if (size > 0.0) result.force_error = std::sqrt(off / size);
   return result;
 }
 

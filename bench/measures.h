@@ -14,7 +14,8 @@ namespace phymul::bench {
 
 struct Measures {
   PositionError displacement;         ///< at the sample points that are not prescribed; p95 and max in m
-  std::optional<double> force_error;  ///< |R - R_ref| / |R_ref| over the components the case gives
+  std::optional<double> force_error;  ///< |R - R_ref| / |R_ref| over the components the case gives; the largest of
+                                      ///< several reactions and torques
 };
 
 /// R is what the supports of a group exert on the body: minus its elastic forces, weight and loads.
@@ -24,8 +25,13 @@ Measures measure(const Problem& problem, const TopologyTextures& topology, const
 /// Of the null model, which has no force.
 PositionError null_error(const Problem& problem);
 
-/// Force of the supports on these particles, N.
-Vec3 support_force(std::span<const Index> particles, const TopologyTextures& topology, const Scene& scene,
-                   std::span<const Vec3> position);
+struct Support {
+  Vec3 force{0, 0, 0};   ///< N
+  Vec3 torque{0, 0, 0};  ///< N m, about the rest centroid of the particles
+};
+
+/// What the supports of these particles exert on the body.
+Support support(std::span<const Index> particles, const TopologyTextures& topology, const Scene& scene,
+                std::span<const Vec3> position);
 
 }  // namespace phymul::bench

@@ -192,13 +192,16 @@ Problem make_problem(const ReferenceCase& it, const std::string& level, int n) {
   add_loads(it, variables, problem);
   for (int axis = 0; axis < 3; ++axis) spread_harmonically(problem, axis);
   take_samples(samples_of(it, level, variables), problem);
-  for (const ReferenceCase::OnGroup& reaction : it.reactions) {
+  const auto expect = [&](const ReferenceCase::OnGroup& given, bool torque) {
     Problem::Reaction& row = problem.reactions.emplace_back();
-    row.particles = problem.model.group(reaction.group);
+    row.torque = torque;
+    row.particles = problem.model.group(given.group);
     for (int axis = 0; axis < 3; ++axis) {
-      if (reaction.value[axis] != "-") row.force[axis] = evaluate(reaction.value[axis], variables);
+      if (given.value[axis] != "-") row.value[axis] = evaluate(given.value[axis], variables);
     }
-  }
+  };
+  for (const ReferenceCase::OnGroup& reaction : it.reactions) expect(reaction, false);
+  for (const ReferenceCase::OnGroup& torque : it.torques) expect(torque, true);
   problem.floor = evaluate(it.floor, variables);
   problem.force_floor = evaluate(it.force_floor, variables);
   return problem;

@@ -18,7 +18,8 @@ namespace phymul::bench {
 struct Problem {
   struct Reaction {
     std::vector<Index> particles;
-    std::array<std::optional<double>, 3> force;  ///< N, of the support on the body
+    std::array<std::optional<double>, 3> value;  ///< of the supports on the body, N; N m where it is a torque
+    bool torque = false;                         ///< about the rest centroid of the particles
   };
 
   Model model;                        ///< material set; neighbours are cell edges

@@ -113,6 +113,8 @@ void read_line(const Words& w, ReferenceCase& it) {
     it.exact = triple(w, 1);
   } else if (key == "reaction") {
     it.reactions.push_back(on_group(w));
+  } else if (key == "torque") {
+    it.torques.push_back(on_group(w));
   } else if (key == "floor") {
     require_count(w, 1, 2, "displacement force");
     it.floor = w[1];

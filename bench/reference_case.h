@@ -49,7 +49,8 @@ struct ReferenceCase {
   std::string samples;         ///< CSV: level,x,y,z,ux,uy,uz
   std::vector<Triple> points;  ///< with `exact`
   Triple exact{"-", "-", "-"};
-  std::vector<OnGroup> reactions;
+  std::vector<OnGroup> reactions;  ///< N, of the supports on the body
+  std::vector<OnGroup> torques;    ///< N m, about the rest centroid of the group
   std::string floor = "0", force_floor = "0";
 
   const Level& level(const std::string& level_name) const;     ///< throws Error that lists them

@@ -59,7 +59,7 @@ double stretched_stiffness(const MethodBody& body, const Material& material, con
   const auto topology = std::make_shared<const TopologyTextures>(build_topology(body.model, body.options));
   const Relaxation rest = relax(topology, scene, start, plan);
   if (rest.status != "ok") throw Error("its stretching test failed: " + rest.status + ": " + rest.message);
-  const double pull = support_force(ends.high, *topology, scene, rest.state.position)[ends.axis];
+  const double pull = support(ends.high, *topology, scene, rest.state.position).force[ends.axis];
   const double wanted = material.young * strain * volume(body.model, body.model.rest) / ends.length;
   if (!(pull > 0.0)) throw Error("its stretching test failed: it does not pull back");
   return wanted / pull;
