@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 #
 # Installs what is missing on a Debian machine to build phymul; does nothing, and needs no rights, where nothing is.
-#   sh cmake/install-packages.sh [examples] [tests] [bench]
+#   sh cmake/install-packages.sh [examples] [tests] [bench] [charts]
 # The library's own needs are always among them. A compiler and CMake are taken as there.
 set -eu
 
@@ -38,8 +38,13 @@ for part in "$@"; do
       need_pkg_config=yes
       ;;
     bench) need_package libbenchmark-dev ;;
+    charts)  # drawing, and a peer to measure beside
+      need_package python3-matplotlib
+      need_package libbullet-dev
+      need_pkg_config=yes
+      ;;
     *)
-      echo "phymul: unknown part \"$part\"; there are: examples tests bench" >&2
+      echo "phymul: unknown part \"$part\"; there are: examples tests bench charts" >&2
       exit 2
       ;;
   esac
