@@ -36,11 +36,11 @@ def work_precision(out, rows, about):
         figure, grid = plt.subplots(len(levels), 2, figsize=(10.5, 1.2 + 3.3 * len(levels)), sharey="row", squeeze=False)
         for (level, of_level), row_axes in zip(levels, grid):
             null, floor = number(of_level[0], "null_error"), max(number(r, "floor") for r in of_level)
+            errors = [number(r, "error") for r in of_level if r["status"] == "ok"]
             for axes, time in zip(row_axes, ("wall_per_s", "wall_to_rest")):
                 failed = draw_front(axes, of_level, time)
                 axes.set(xscale="log", yscale="log")
-                lowest = min([floor] + [number(r, "error") for r in of_level if r["status"] == "ok"])
-                axes.set_ylim(max(lowest / 2, 2e-5), 3 * max(null, 0.1))
+                axes.set_ylim(max(min([floor, *errors]) / 2, 1e-5), min(1.5 * max([null, *errors]), 20))
                 axes.axhspan(axes.get_ylim()[0], floor, color="#bbbbbb", alpha=0.5, linewidth=0)
                 style.guide(axes, y=floor, text="error of the reference", linewidth=0)
                 style.guide(axes, y=null, text="null model", linestyle=":", linewidth=1.6)
@@ -50,8 +50,9 @@ def work_precision(out, rows, about):
             style.guide(row_axes[1], x=1.0, text="1 s", linestyle="--")
             row_axes[0].set_ylabel(f"{level[0].replace('_', ', ')}\ndisplacement error |u - u_ref| / |u_ref|")
             if failed:
-                row_axes[1].annotate("not at rest: " + "; ".join(failed), (0.0, 1.01), xycoords="axes fraction",
-                                     fontsize=5.5, color="#555555", ha="left")
+                note = row_axes[0].annotate("not drawn: " + "; ".join(failed), (0.0, 1.015), xycoords="axes fraction",
+                                            fontsize=6, color="#555555", ha="left", annotation_clip=False)
+                note.set_in_layout(False)
         grid[-1][0].set_xlabel("measured seconds per simulated second")
         grid[-1][1].set_xlabel("measured seconds to rest")
         handles = {}
@@ -60,7 +61,8 @@ def work_precision(out, rows, about):
         figure.legend(handles.values(), handles.keys(), loc="center right", fontsize=8)
         figure.suptitle(of_case[0]["title"], x=0.01, ha="left", fontsize=11, fontweight="bold")
         figure.tight_layout(rect=(0, 0.02, 0.78, 0.99))
-        style.finish(figure, out, f"work_precision_{case}", data.caption(about))
+        backends = ", ".join(sorted({row["backend"] for row in of_case}))
+        style.finish(figure, out, f"work_precision_{case}", data.caption(about) + f" · fastest of: {backends}")
 
 
 def convergence(out, rows, samples, about):
@@ -69,7 +71,11 @@ def convergence(out, rows, samples, about):
     solutions = data.sample_solutions(samples)
     wanted = ["per_base", "cell_averaged", "area_exponent", "springs_18"]
     labels = {row["method"]: row["label"] for row in rows}
-    panels = data.groups([r for r in rows if r["status"] == "ok"], "case", "level")
+    resolved = [r for r in rows if r["status"] == "ok" and r["method"] in wanted]
+    panels = {key: of_panel for key, of_panel in data.groups(resolved, "case", "level").items()
+              if len({r["n"] for r in of_panel}) > 1}
+    if not panels:
+        return {}
     columns = 4
     figure, grid = plt.subplots(math.ceil(len(panels) / columns), columns, figsize=(12.5, 2.75 * math.ceil(len(panels) / columns)),
                                 squeeze=False)
@@ -87,9 +93,13 @@ def convergence(out, rows, samples, about):
                 floor = float(np.linalg.norm(limit - reference) / np.linalg.norm(reference))
                 orders[(case, level, method)] = (order, floor, data.fitted_slope(h, [number(r, "error") for r in line]))
                 exact = max(distance.values()) < 1e-4
-                text = "exact at once" if exact else f"order {order:.1f}"
-            axes.plot(h, [number(r, "error") for r in line], label=f"{labels[method]} {text}", **style.style_of(method))
+                text = ": at its limit" if exact else f": order {order:.1f}"
+            short = labels[method].replace("calibrated, ", "").replace(" neighbours", "")
+            axes.plot(h, [number(r, "error") for r in line], label=short + text, **style.style_of(method))
         axes.set(xscale="log", yscale="log")
+        low, high = axes.get_ylim()
+        if high < 12 * low:  # a decade at least, so that slopes look alike
+            axes.set_ylim(math.sqrt(low * high / 12), math.sqrt(low * high * 12))
         axes.set_title(f"{case.replace('_', ' ')}, {level.replace('_', ', ')}", fontsize=8, loc="left")
         axes.xaxis.set_major_formatter("{x:.0f}")
         axes.xaxis.set_minor_formatter("{x:.0f}")
@@ -149,6 +159,28 @@ def equivalence(out):
     style.finish(figure, out, "equivalence", data.caption(about))
 
 
+def cost(out, rows, about):
+    """Time a step against particles, by backend."""
+    figure, axes = plt.subplots(figsize=(6.5, 4.4))
+    wanted = {"springs_18": "springs, 18", "per_base": "per base", "cell_averaged": "cell-averaged"}
+    timed = [r for r in rows if r["method"] in wanted and number(r, "wall_step") > 0]
+    backends = list(dict.fromkeys(r["backend"] for r in timed))
+    for (backend, method), line in data.groups(timed, "backend", "method").items():
+        least = {}
+        for row in line:
+            n = int(row["particles"])
+            least[n] = min(number(row, "wall_step"), least.get(n, math.inf))
+        looks = style.style_of(method)
+        looks["fillstyle"] = ("full", "none", "left", "right")[backends.index(backend) % 4]
+        axes.plot(sorted(least), [1e3 * least[n] for n in sorted(least)], label=f"{wanted[method]}, {backend}", **looks)
+    axes.set(xscale="log", yscale="log", xlabel="particles", ylabel="milliseconds a step")
+    style.guide(axes, y=1.0, text="1 kHz: one step a frame")
+    axes.set_title("Cost of a step, bodies of all cases", loc="left", fontsize=10, fontweight="bold")
+    axes.legend(fontsize=7)
+    figure.tight_layout(rect=(0, 0.025, 1, 1))
+    style.finish(figure, out, "cost", data.caption(about))
+
+
 METHOD_OF_PEERS = {"spring": "springs", "spring_vol": "springs_volume", "corot": "corotated FEM", "neohook": "neo-Hookean FEM",
                    "fem": "FEM", "polar": "polar FEM", "large": "corotated FEM"}
 
@@ -195,6 +227,7 @@ def main(out):
         sys.exit(f"{out}/work_precision.csv: expected rows to draw")
     work_precision(out, rows, about)
     orders = convergence(out, rows, samples, about)
+    cost(out, rows, about)
     order_in_time(out)
     equivalence(out)
     soft_cube(out, os.path.join(here, "..", "reference", "peers", "soft_cube_quoted.csv"))
