@@ -7,7 +7,7 @@ set -eu
 cd "$(dirname "$0")/.."
 preset=${1:-ci}
 
-sh cmake/install-packages.sh tests bench examples
+sh cmake/install-packages.sh tests bench examples charts
 . cmake/generator.sh
 
 cmake --preset "$preset"

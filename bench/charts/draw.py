@@ -87,13 +87,12 @@ def convergence(out, rows, samples, about):
                 continue
             h = [1e3 * number(r, "spacing") for r in line]
             of_method, reference = solutions.get((case, level, method), ({}, None))
-            order, limit, distance = data.own_limit(of_method)
+            order, limit = data.own_limit(of_method, reference)
             text = ""
             if limit is not None:
                 floor = float(np.linalg.norm(limit - reference) / np.linalg.norm(reference))
                 orders[(case, level, method)] = (order, floor, data.fitted_slope(h, [number(r, "error") for r in line]))
-                exact = max(distance.values()) < 1e-4
-                text = ": at its limit" if exact else f": order {order:.1f}"
+                text = ": at its limit" if math.isinf(order) else f": order {order:.1f}"
             short = labels[method].replace("calibrated, ", "").replace(" neighbours", "")
             axes.plot(h, [number(r, "error") for r in line], label=short + text, **style.style_of(method))
         axes.set(xscale="log", yscale="log")
