@@ -35,11 +35,11 @@ if [ -z "$draw_only" ]; then
   cmake -S . -B build/charts -DCMAKE_BUILD_TYPE=Release -DPHYMUL_BUILD_TESTS=OFF -DPHYMUL_BUILD_EXAMPLES=OFF >"$out/build.log"
   cmake --build build/charts --parallel "$(nproc)" --target work_precision peer_cube trajectory_error >>"$out/build.log"
   if [ -n "$quick" ]; then
-    precision="--most-particles 450 --most-resolutions 3 --steps 0.5 --wall-cap ${wall_cap:-4}"
+    precision="--most-particles 450 --most-particles-in-reference 200 --most-resolutions 3 --steps 0.5 --wall-cap ${wall_cap:-4}"
     peer="--reference-steps 1000 --slow-steps 200 --steps 70,100,200,1000 --bullet-steps 10,50 --repeats 2"
     trajectory="--finest 16 --most-steps 1024"
   else
-    precision="--most-particles 4096 --steps 0.9,0.5 --wall-cap ${wall_cap:-10}"
+    precision="--most-particles 4096 --most-particles-in-reference 800 --steps 0.9,0.5 --wall-cap ${wall_cap:-10}"
     peer=""
     trajectory=""
   fi

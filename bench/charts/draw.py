@@ -92,7 +92,7 @@ def convergence(out, rows, samples, about):
             if limit is not None:
                 floor = float(np.linalg.norm(limit - reference) / np.linalg.norm(reference))
                 orders[(case, level, method)] = (order, floor, data.fitted_slope(h, [number(r, "error") for r in line]))
-                text = ": at its limit" if math.isinf(order) else f": order {order:.1f}"
+                text = ": at its limit" if math.isinf(order) else f": order {order:.1f}" if order > 0.32 else ": saturates"
             short = labels[method].replace("calibrated, ", "").replace(" neighbours", "")
             axes.plot(h, [number(r, "error") for r in line], label=short + text, **style.style_of(method))
         axes.set(xscale="log", yscale="log")

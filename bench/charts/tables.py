@@ -47,5 +47,5 @@ def accuracy_table(rows, orders, most_particles=4096):
         force = number(best, "force_error")
         text += (f"| {case.replace('_', ' ')}, {level.replace('_', ', ')} | {best['label']} | {best['particles']} "
                  f"| {100 * number(best, 'error'):.2f} % | {'' if math.isnan(force) else f'{100 * force:.2f} %'} "
-                 f"| {100 * number(best, 'null_error'):.1f} % | {'at its limit' if math.isinf(order) else f'{order:.1f}'} | {100 * floor:.2f} % |\n")
+                 f"| {100 * number(best, 'null_error'):.1f} % | {'at its limit' if math.isinf(order) else '' if math.isnan(order) else f'{order:.1f}'} | {'' if math.isnan(floor) else f'{100 * floor:.2f} %'} |\n")
     return text
