@@ -124,8 +124,17 @@ int main(int argc, char** argv) try {
                              {"backends", ""},
                              {"finest", "64"},
                              {"most-steps", "16384"}});
-  const std::vector<std::string> backends =
-      arguments.list("backends").empty() ? backend_names() : arguments.list("backends");
+  std::vector<std::string> backends = arguments.list("backends");
+  if (backends.empty()) {
+    for (const std::string& name : backend_names()) {
+      const std::string reason = why_unavailable(name);
+      if (reason.empty()) {
+        backends.push_back(name);
+      } else {
+        std::printf("backend %s is left out: %s\n", name.c_str(), reason.c_str());
+      }
+    }
+  }
   const std::vector<std::string> methods = arguments.list("methods");
   CsvFile order(arguments.text("order"), {"backend", "method", "label", "dt", "share_of_limit", "steps", "error"});
   order_in_time(order, backends, methods, static_cast<int>(arguments.number("finest")));

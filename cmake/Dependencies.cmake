@@ -59,9 +59,29 @@ if(PHYMUL_BUILD_EXAMPLES)
   endif()
 endif()
 
-if(PHYMUL_WITH_GL STREQUAL "AUTO")
-  message(STATUS "phymul: PHYMUL_WITH_GL=AUTO builds no GL backend: this release has none")
-elseif(PHYMUL_WITH_GL)
-  message(FATAL_ERROR "PHYMUL_WITH_GL=${PHYMUL_WITH_GL}, but this release of phymul has no GL backend; "
-                      "set it to AUTO or OFF")
+# phymul_has_gl: is the GL part built?
+set(phymul_has_gl OFF)
+if(PHYMUL_WITH_GL)
+  # GLEW's GL is asked for by its new name, so that CMake does not warn of there being two.
+  set(OpenGL_GL_PREFERENCE GLVND)
+  find_package(OpenGL QUIET COMPONENTS EGL OPTIONAL_COMPONENTS GLX)
+  find_package(GLEW 2.1 QUIET)
+  if(TARGET OpenGL::EGL AND TARGET GLEW::GLEW)
+    set(phymul_has_gl ON)
+  elseif(PHYMUL_WITH_GL STREQUAL "AUTO")
+    message(STATUS "phymul: no GL backend, because CMake did not find GLEW and EGL; on Debian or Ubuntu: "
+                   "apt-get install libglew-dev libegl-dev")
+  else()
+    phymul_missing("The GL backend (PHYMUL_WITH_GL=${PHYMUL_WITH_GL}) needs GLEW and EGL" "libglew-dev libegl-dev"
+                   "Without it: -DPHYMUL_WITH_GL=OFF.")
+  endif()
+endif()
+
+# The window of phymul-view, and nothing else.
+if(PHYMUL_BUILD_EXAMPLES AND phymul_has_gl)
+  find_package(glfw3 3.3 QUIET)
+  if(NOT glfw3_FOUND)
+    message(STATUS "phymul: no viewer phymul-view, because CMake did not find GLFW; on Debian or Ubuntu: "
+                   "apt-get install libglfw3-dev")
+  endif()
 endif()

@@ -4,6 +4,9 @@
 include(CMakePackageConfigHelpers)
 
 install(TARGETS phymul EXPORT phymulTargets)
+if(phymul_has_gl)
+  install(TARGETS phymul_gl LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/phymul)
+endif()
 install(DIRECTORY include/phymul ${PROJECT_BINARY_DIR}/include/phymul DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
         FILES_MATCHING PATTERN "*.h")
 
@@ -12,6 +15,9 @@ get_target_property(type phymul TYPE)
 if(type STREQUAL "STATIC_LIBRARY")
   set(PHYMUL_IS_STATIC ON)
   set(PHYMUL_PC_PUBLIC "eigen3, pugixml, zlib")
+  if(phymul_has_gl AND CMAKE_DL_LIBS)
+    set(PHYMUL_PC_LIBS "-l${CMAKE_DL_LIBS}")
+  endif()
 else()
   set(PHYMUL_IS_STATIC OFF)
   set(PHYMUL_PC_PUBLIC "eigen3")

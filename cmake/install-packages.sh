@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 #
 # Installs what is missing on a Debian machine to build phymul; does nothing, and needs no rights, where nothing is.
-#   sh cmake/install-packages.sh [examples] [tests] [bench] [charts]
+#   sh cmake/install-packages.sh [examples] [tests] [bench] [charts] [gl] [gl-tests]
 # The library's own needs are always among them. A compiler and CMake are taken as there.
 set -eu
 
@@ -43,8 +43,23 @@ for part in "$@"; do
       need_package libbullet-dev
       need_pkg_config=yes
       ;;
+    gl)  # headers, the viewer's window, and Mesa's drivers: a software renderer where there is no GPU
+      need_package libglew-dev
+      need_package libegl-dev
+      need_package libopengl-dev
+      need_package libglfw3-dev
+      need_package libegl1
+      need_package libegl-mesa0
+      need_package libgl1-mesa-dri
+      ;;
+    gl-tests)  # a host on an X server
+      need_package libgl-dev
+      need_package libx11-dev
+      need_package xvfb
+      need_package xauth
+      ;;
     *)
-      echo "phymul: unknown part \"$part\"; there are: examples tests bench charts" >&2
+      echo "phymul: unknown part \"$part\"; there are: examples tests bench charts gl gl-tests" >&2
       exit 2
       ;;
   esac

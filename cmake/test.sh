@@ -7,7 +7,11 @@ set -eu
 cd "$(dirname "$0")/.."
 preset=${1:-ci}
 
-sh cmake/install-packages.sh tests bench examples charts
+if [ "$preset" = no-gl ]; then
+  sh cmake/install-packages.sh tests bench examples charts
+else
+  sh cmake/install-packages.sh tests bench examples charts gl gl-tests
+fi
 . cmake/generator.sh
 
 cmake --preset "$preset"

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// Draws a body to a PNG file with cairo, for reports and first looks; no GPU, no window.
+// Pictures of a body in PNG files, with a title, scales and a key: the body by OpenGL (phymul/display.h) where the
+// machine has it, else with cairo; the words around it always with cairo.
 #pragma once
 
+#include <phymul/display.h>
 #include <phymul/model.h>
 #include <phymul/state.h>
 
-#include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -21,9 +23,28 @@ struct PictureOptions {
   phymul::Vec3 eye{0.75, -1.0, 0.45};  ///< direction from the body to the eye; 2-D bodies are seen along -z
   int width = 900;                     ///< pixels
   int height = 1000;
+  // By OpenGL only.
+  double particle_radius = 0.0;     ///< m; 0: as Display takes it
+  bool inside = false;              ///< the surface lets through; particles and links between neighbours show
+  phymul::VecList attractors = {};  ///< [N] or empty: where each particle is drawn to
 };
 
-/// Surface of the body at a state: faces coloured by displacement and shaded by a light, the rest shape as an outline.
-/// Throws phymul::Error when the file cannot be written.
-void draw_picture(const phymul::Model& model, const phymul::State& state, const PictureOptions& options,
-                  const std::string& path);
+class BodyPictures {
+ public:
+  enum class Way { best, opengl, cairo };
+
+  /// The model must outlive it. Throws phymul::Error for Way::opengl where there is none.
+  explicit BodyPictures(const phymul::Model& model, Way way = Way::best);
+  ~BodyPictures();
+
+  /// Throws phymul::Error when the file cannot be written.
+  void draw(const phymul::State& state, const PictureOptions& options, const std::string& path);
+
+  /// "OpenGL, on <renderer>", or "cairo: <why there is no OpenGL>".
+  const std::string& drawn_by() const { return drawn_by_; }
+
+ private:
+  const phymul::Model& model_;
+  std::unique_ptr<phymul::Display> display_;  // null: cairo
+  std::string drawn_by_;
+};

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// Draws a bent block and looks at the pixels: a body is there, in many colours, with its marks, and a picture of the
-// rest shape differs.
+// picture_check cairo|opengl: draws a bent block and looks at the pixels: a body is there, in many colours, with its
+// marks, and a picture of the rest shape differs.
+// picture_check FILE.png: is anything painted there? Exit code 77: this machine has no OpenGL, nothing was tried.
 #include <cairo.h>
 #include <phymul/error.h>
 #include <phymul/shapes.h>
 
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -52,21 +55,19 @@ void expect(bool holds, const char* what) {
   failed = true;
 }
 
-}  // namespace
-
-int main() try {
-  const phymul::Model model = phymul::make_block({0.04, 0.02, 0.02}, 8, 4, 4);
+int check_drawing(BodyPictures& pictures, const phymul::Model& model) {
+  const char* file = "picture_check.png";
   phymul::State state = phymul::rest_state(model);
   PictureOptions options;
   options.title = "block";
-  draw_picture(model, state, options, "picture_check.png");
-  const Pixels rest = pixels_of("picture_check.png");
+  pictures.draw(state, options, file);
+  const Pixels rest = pixels_of(file);
 
   for (phymul::Vec3& x : state.position) x.z() -= 10.0 * x.x() * x.x();
   options.fixed = model.group("x0");
   options.driven = model.group("x1");
-  draw_picture(model, state, options, "picture_check.png");
-  const Pixels bent = pixels_of("picture_check.png");
+  pictures.draw(state, options, file);
+  const Pixels bent = pixels_of(file);
 
   expect(rest.total == options.width * options.height, "the picture has the size asked for");
   expect(rest.painted > rest.total / 10 && rest.painted < rest.total / 10 * 9, "the body fills a part of the picture");
@@ -74,12 +75,38 @@ int main() try {
   expect(bent.colours.size() > 200, "displacement gives many colours");
   expect(rest.red == 0 && bent.red > 100, "driven particles are marked");
   try {
-    draw_picture(model, state, options, "no such folder/picture.png");
+    pictures.draw(state, options, "no such folder/picture.png");
     expect(false, "a picture that cannot be written is an error");
   } catch (const phymul::Error&) {
   }
-  std::printf("%d of %d pixels painted, %zu colours\n", bent.painted, bent.total, bent.colours.size());
+  std::printf("%s: %d of %d pixels painted, %zu colours\n", pictures.drawn_by().c_str(), bent.painted, bent.total,
+              bent.colours.size());
   return failed ? 1 : 0;
+}
+
+int check_file(const std::string& path) {
+  const Pixels pixels = pixels_of(path);
+  expect(pixels.painted > pixels.total / 50 && pixels.painted < pixels.total, "a body is there, and not only a body");
+  expect(pixels.colours.size() > 3, "it is lit");  // a tetrahedron shows two faces and their edges
+  std::printf("%s: %d of %d pixels painted, %zu colours\n", path.c_str(), pixels.painted, pixels.total,
+              pixels.colours.size());
+  return failed ? 1 : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  const std::string what = argc > 1 ? argv[1] : "cairo";
+  if (what != "cairo" && what != "opengl") return check_file(what);
+  const phymul::Model model = phymul::make_block({0.04, 0.02, 0.02}, 8, 4, 4);
+  std::optional<BodyPictures> pictures;
+  try {
+    pictures.emplace(model, what == "cairo" ? BodyPictures::Way::cairo : BodyPictures::Way::opengl);
+  } catch (const phymul::Error& error) {
+    std::puts(error.what());
+    return std::getenv("PHYMUL_REQUIRE_GL") ? 1 : 77;
+  }
+  return check_drawing(*pictures, model);
 } catch (const phymul::Error& error) {
   std::puts(error.what());
   return 1;

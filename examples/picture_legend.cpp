@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "picture_legend.h"
 
+#include <phymul/display.h>
+
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -29,8 +31,8 @@ std::pair<const char*, double> unit_for(double length) {
   return {"nm", 1e-9};
 }
 
-void set_colour(cairo_t* c, const Rgb& colour) {
-  cairo_set_source_rgb(c, colour.red, colour.green, colour.blue);
+void set_colour(cairo_t* c, const phymul::Colour& colour) {
+  cairo_set_source_rgb(c, colour[0], colour[1], colour[2]);
 }
 
 }  // namespace
@@ -43,8 +45,8 @@ void draw_title(cairo_t* c, double x, const std::string& title, const std::strin
 void draw_colour_bar(cairo_t* c, double x, double y, double height, double full_scale) {
   cairo_pattern_t* ramp = cairo_pattern_create_linear(0.0, y + height, 0.0, y);
   for (int k = 0; k <= 16; ++k) {
-    const Rgb colour = viridis(k / 16.0);
-    cairo_pattern_add_color_stop_rgb(ramp, k / 16.0, colour.red, colour.green, colour.blue);
+    const phymul::Colour colour = phymul::displacement_colour(k / 16.0);
+    cairo_pattern_add_color_stop_rgb(ramp, k / 16.0, colour[0], colour[1], colour[2]);
   }
   cairo_rectangle(c, x, y, 22.0, height);
   cairo_set_source(c, ramp);
@@ -86,7 +88,7 @@ void draw_key(cairo_t* c, double x, double y, const PictureKey& key) {
   };
   cairo_new_path(c);
   if (key.held) {
-    cairo_rectangle(c, x - 3.5, y - 3.5, 7.0, 7.0);
+    key.balls ? cairo_arc(c, x, y, 3.5, 0.0, 6.2832) : cairo_rectangle(c, x - 3.5, y - 3.5, 7.0, 7.0);
     set_colour(c, held_colour);
     cairo_fill(c);
     entry("held");
@@ -97,6 +99,13 @@ void draw_key(cairo_t* c, double x, double y, const PictureKey& key) {
     set_colour(c, driven_colour);
     cairo_fill(c);
     entry("driven");
+  }
+  if (key.attractors) {
+    cairo_new_path(c);
+    cairo_arc(c, x, y, 3.5, 0.0, 6.2832);
+    set_colour(c, attractor_colour);
+    cairo_fill(c);
+    entry("attractors");
   }
   if (key.rest_shape) {
     const double dash[] = {6.0, 4.0};

@@ -4,13 +4,13 @@
 #pragma once
 
 #include <cairo.h>
+#include <phymul/model.h>
 
 #include <string>
 
-#include "colour_map.h"
-
-inline constexpr Rgb held_colour{0.1, 0.1, 0.1};
-inline constexpr Rgb driven_colour{0.84, 0.15, 0.16};
+inline constexpr phymul::Colour held_colour{0.1, 0.1, 0.1, 1.0};
+inline constexpr phymul::Colour driven_colour{0.84, 0.15, 0.16, 1.0};
+inline constexpr phymul::Colour attractor_colour{0.74, 0.16, 0.52, 1.0};  // as Display draws them
 
 void draw_title(cairo_t* c, double x, const std::string& title, const std::string& subtitle);
 
@@ -23,6 +23,7 @@ double draw_length_bar(cairo_t* c, double x, double y, double most, double scale
 
 /// What the marks mean; only those that are there.
 struct PictureKey {
-  bool held, driven, rest_shape;
+  bool held, driven, attractors, rest_shape;
+  bool balls;  ///< held particles are marked by balls as the others, not by squares
 };
 void draw_key(cairo_t* c, double x, double y, const PictureKey& key);

@@ -9,8 +9,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "picture.h"
-
 namespace {
 
 constexpr int samples_per_frame = 10;
@@ -144,9 +142,12 @@ int RunLoop::finish(bool failed, bool at_rest) {
   return failed ? 2 : at_rest ? 0 : 3;
 }
 
-void RunLoop::draw(const std::string& file, const std::string& title, const phymul::State& state,
-                   bool is_let_go) const {
+void RunLoop::draw(const std::string& file, const std::string& title, const phymul::State& state, bool is_let_go) {
   if (!options_.pictures) return;
+  if (!pictures_) {
+    pictures_.emplace(model_);
+    progress_.say("pictures by " + pictures_->drawn_by());
+  }
   PictureOptions picture;
   picture.title = (model_.name.empty() ? "body" : model_.name) + ": " + title;
   char text[160];
@@ -164,5 +165,5 @@ void RunLoop::draw(const std::string& file, const std::string& title, const phym
   picture.fixed = schedule_.held;
   if (!is_let_go) picture.driven = schedule_.driven;
   if (pulled_) picture.frame = pulled_->position;
-  draw_picture(model_, state, picture, options_.out + '/' + file);
+  pictures_->draw(state, picture, options_.out + '/' + file);
 }

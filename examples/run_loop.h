@@ -8,6 +8,7 @@
 #include <fstream>
 #include <optional>
 
+#include "picture.h"
 #include "run_options.h"
 #include "run_report.h"
 #include "run_schedule.h"
@@ -33,7 +34,7 @@ class RunLoop {
   void remember_pull();
   Snapshot snapshot(std::string label) const;
   int finish(bool failed, bool at_rest);
-  void draw(const std::string& file, const std::string& title, const phymul::State& state, bool is_let_go) const;
+  void draw(const std::string& file, const std::string& title, const phymul::State& state, bool is_let_go);
 
   const RunOptions& options_;
   const RunSchedule& schedule_;
@@ -57,6 +58,7 @@ class RunLoop {
   Snapshot pulled_shot_;
   std::optional<phymul::VtkSeries> series_;
   std::ofstream energies_;
+  std::optional<BodyPictures> pictures_;
   Progress progress_;
   RunSummary summary_;
 };

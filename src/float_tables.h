@@ -15,6 +15,7 @@
 
 #include <phymul/topology_textures.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -31,9 +32,12 @@ inline std::int32_t bits_of(float value) {
   return std::bit_cast<std::int32_t>(value);
 }
 
+enum class FloatLayout { table, enumerated };
+
 /// Vectors are unpadded and empty where the body has nothing of the kind.
 struct FloatTables {
   TopologyOptions options;
+  FloatLayout layout = FloatLayout::table;
   int dimension = 3;
   Index particle_count = 0;
   Index base_count = 0, volume_count = 0, cell_count = 0;
@@ -47,9 +51,9 @@ struct FloatTables {
   // Attractor of the reactions full, shared, barycentric and averaged. Rows as TopologyTextures::neighbours.
   std::vector<std::int32_t> neighbour;
   std::vector<float> alpha;
-  /// Enumerated layout only: per neighbour row the rest edge X_j - X_i and alpha; per particle the first texel of beta;
-  /// beta times w of its triples (j < k < l in the order of its neighbour rows), four a texel, 0 where there is no
-  /// base.
+  /// Enumerated layout only, where `alpha` and the tables per base are empty: per neighbour row the rest edge X_j - X_i
+  /// and alpha; per particle its first texel of `height`; beta times w of its triples (j < k < l in the order of its
+  /// neighbour rows), four a texel. 0 where the triple is no base: it may have no plane, and must be passed over.
   std::vector<Float4> edge_alpha;
   std::vector<std::int32_t> first_height;
   std::vector<Float4> height;
@@ -79,10 +83,26 @@ struct FloatTables {
   bool has_attractors() const { return !neighbour.empty() && options.reaction != Reaction::conservative; }
 };
 
-enum class FloatLayout { table, enumerated };
+/// What a float backend can tell from rest. A displacement u is rounded by up to 2^-24 |u|, which pushes its particle
+/// with accelerations of up to a few times omega_max^2 2^-24 |u|: a body's noise at rest was measured at 2 to 3.6 of
+/// these units, in speed times omega_max too. Below `rest_noise` of them the rest test would wait for ever.
+inline constexpr double rest_noise = 8.0 * 0x1p-24;
+
+struct RestThresholds {
+  double speed = 0.0;         ///< m/s
+  double acceleration = 0.0;  ///< m/s^2
+};
+
+/// The thresholds asked for, or the noise where that is more; `largest` is the largest displacement of the body, m.
+inline RestThresholds rest_thresholds(RestThresholds asked, double largest) {
+  if (!(asked.speed > 0.0)) return asked;
+  const double omega_max = asked.acceleration / asked.speed;
+  const double speed = rest_noise * largest * omega_max;
+  return {std::max(asked.speed, speed), std::max(asked.acceleration, speed * omega_max)};
+}
 
 /// Rows of `share` (thesis' reactions) or `reaction` are bounded by lists[i][0]. Throws Error where an entry would not
-/// fit 32 bits, and for `enumerated` where the options do not allow it.
+/// fit 32 bits or a constant not a float, and for `enumerated` where the options do not allow it.
 FloatTables pack_floats(const TopologyTextures& topology, FloatLayout layout = FloatLayout::table);
 
 }  // namespace phymul

@@ -36,6 +36,10 @@ void require_options(const SolverOptions& options) {
   if (!(options.rest_tolerance > 0.0)) {
     throw Error("SolverOptions::rest_tolerance must be above 0; got " + to_decimal(options.rest_tolerance));
   }
+  if (!(options.largest_push > 0.0)) {
+    throw Error("SolverOptions::largest_push must be above 0 (infinite: no force is cut); got " +
+                to_decimal(options.largest_push));
+  }
   if (options.rest_steps < 1) {
     throw Error("SolverOptions::rest_steps must be 1 or more; got " + std::to_string(options.rest_steps));
   }
@@ -62,6 +66,11 @@ bool is_in_plane(const State& state) {
          std::all_of(state.velocity.begin(), state.velocity.end(), flat);
 }
 
+/// A model whose motion grows by itself shows that; a cut would hide it.
+bool grows_by_itself(const Spectrum& spectrum) {
+  return spectrum.most_negative < 0.0 || spectrum.largest_imaginary > 0.0;
+}
+
 const char* likely_cause(const TopologyTextures& topology, const Spectrum& spectrum, double dt, double limit) {
   if (dt > limit) return "the step is beyond the stable step at rest; make dt smaller";
   if (spectrum.most_negative < 0.0 && topology.options.reaction == Reaction::full && topology.base_count > 0) {
@@ -81,11 +90,18 @@ double Damping::factor_at(double dt) const {
 
 std::string StepReport::message() const {
   char text[512];
+  int length = 0;
   switch (status) {
     case StepStatus::ok:
-      std::snprintf(text, sizeof text, "ok: %d steps to t = %.6g s, residual %.3g N, speed %.3g m/s%s%s", steps, time,
-                    residual, max_speed, at_rest ? ", at rest" : "",
-                    beyond_limit ? "; the step is beyond the stable step" : "");
+      length = std::snprintf(text, sizeof text, "ok: %d steps to t = %.6g s, residual %.3g N, speed %.3g m/s%s%s%s",
+                             steps, time, residual, max_speed, at_rest ? ", at rest" : "",
+                             beyond_limit ? "; the step is beyond the stable step" : "",
+                             cut ? "; elastic forces were cut, the body was far out of shape" : "");
+      if (collapsed >= 0) {
+        std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
+                      "; a base of particle %d has collapsed and has no direction: move some of its particles apart",
+                      static_cast<int>(collapsed));
+      }
       break;
     case StepStatus::invalid_step:
       std::snprintf(text, sizeof text,
@@ -190,6 +206,9 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   const double omega = std::sqrt(spectrum_.largest);
   plan.speed_at_rest = options_.rest_tolerance * spacing_ * omega;
   plan.acceleration_at_rest = plan.speed_at_rest * omega;
+  const bool cuts = !report.beyond_limit && !grows_by_itself(spectrum_);
+  plan.largest_acceleration =
+      cuts ? options_.largest_push * spacing_ / (dt * dt) : std::numeric_limits<double>::infinity();
   plan.runaway_speed = omega > 0.0 ? runaway_factor * spacing_ * omega : std::numeric_limits<double>::max();
   plan.stop_at_rest = stop_at_rest;
   plan.rest_steps = options_.rest_steps;
@@ -199,7 +218,9 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   report.time = do_time();
   report.residual = motion.max_force;
   report.max_speed = motion.max_speed;
+  report.cut = motion.cut;
   report.at_rest = motion.steps_at_rest >= options_.rest_steps;
+  if (stop_at_rest && report.at_rest) report.collapsed = first_collapsed(*topology_, read().position);
   if (motion.lost) {
     report.status = StepStatus::device_lost;
   } else if (motion.bad_particle >= 0) {

@@ -19,6 +19,10 @@ void elastic_forces(const TopologyTextures& topology, std::span<const Vec3> posi
 /// Elastic energy, J. For the reactions full, shared and barycentric, which have none, that of `averaged`.
 double elastic_energy(const TopologyTextures& topology, std::span<const Vec3> position);
 
+/// The first particle one of whose bases has collapsed to a line or a point, so that it has no direction; -1: none.
+/// Throws Error when the size does not agree.
+Index first_collapsed(const TopologyTextures& topology, std::span<const Vec3> position);
+
 /// Largest and most negative eigenvalues of M^-1 K linearised about a position, found by Lanczos iteration
 /// (conservative, averaged, springs) or Arnoldi iteration (the others, whose K is not symmetric).
 struct Spectrum {

@@ -38,12 +38,12 @@ struct GlOptions {
   void* host_context = nullptr;
   /// "device:N" (N counts EGL devices from 0), "surfaceless" or "default" (the window system's display). Empty: devices
   /// that are no software renderer, then surfaceless, then default.
-  std::string device;
+  std::string device{};
   GlDialect dialect = GlDialect::automatic;
   int passes = 2;  ///< 4: attractor, force, reaction, Verlet, each a pass, as in the 2007 thesis; the same bits, slower
   BaseLayout layout = BaseLayout::automatic;
-  bool debug = false;         ///< GL debug output; an error in it becomes an Error
-  std::string shader_folder;  ///< shaders are read from here in place of those built in; empty: built in
+  bool debug = false;           ///< GL debug output; an error in it becomes an Error
+  std::string shader_folder{};  ///< shaders are read from here in place of those built in; empty: built in
 };
 
 }  // namespace phymul

@@ -3,7 +3,9 @@
 // All a user needs. Backend authors also include topology_textures.h; elasticity.h gives the forces by themselves.
 #pragma once
 
+#include <phymul/camera.h>
 #include <phymul/check.h>
+#include <phymul/display.h>
 #include <phymul/elasticity.h>
 #include <phymul/error.h>
 #include <phymul/gl.h>

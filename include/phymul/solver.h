@@ -38,6 +38,12 @@ struct SolverOptions {
   /// scale.
   double rest_tolerance = 1e-8;
   int rest_steps = 16;
+  /// An elastic force that by itself would move its particle by more than this many mean spacings in one step is cut to
+  /// that; the report says so. Forces of this size belong to states no tissue is in (flattened, mirrored, scattered),
+  /// where an explicit step overshoots: cut, bodies return from them at half the step limit. Momentum and energy are
+  /// not kept while it acts. Off (whatever its value) for steps beyond the limit and for models that are unstable at
+  /// rest or flutter, whose growth it would hide; infinite: always off.
+  double largest_push = 0.1;
   /// Of these very tables at rest, where it is known: saves estimating it, which takes a hundred force evaluations or
   /// so. A wrong one makes stable_step() and the rest test wrong.
   std::optional<Spectrum> spectrum;
@@ -58,8 +64,12 @@ struct StepReport {
   bool at_rest = false;       ///< the rest test held at the end
   double residual = 0.0;      ///< largest net force on a free particle at the last step, N
   double max_speed = 0.0;     ///< largest speed, m/s
-  Index particle = -1;        ///< culprit of a failure, row of the model
-  const char* cause = "";     ///< likely cause of a failure, static text
+  bool cut = false;           ///< an elastic force was cut in some step of this call: SolverOptions::largest_push
+  /// run_to_rest() that came to rest: a particle one of whose bases has collapsed to a line or a point, else -1. Such a
+  /// base has no direction; a body all in one point is at rest so and cannot come back by itself.
+  Index collapsed = -1;
+  Index particle = -1;     ///< culprit of a failure, row of the model
+  const char* cause = "";  ///< likely cause of a failure, static text
 
   bool ok() const { return status == StepStatus::ok; }
   std::string message() const;  ///< a sentence for a person; allocates
@@ -137,8 +147,7 @@ class Solver {
   std::string_view choice() const { return choice_; }  ///< why "auto" took this backend; empty when asked for by name
 
   /// Limit of dt in s for the free body at rest and this damping; holding particles can only raise it. Deformed bodies
-  /// have a smaller one: work at half of it, recover from collapsed states at a fifth. Infinite for a body without any
-  /// stiffness. See estimate_spectrum.
+  /// have a smaller one: work at half of it. Infinite for a body without any stiffness. See estimate_spectrum.
   double stable_step() const { return stable_step_; }
 
  protected:
@@ -151,6 +160,7 @@ class Solver {
     int steps = 0;                  ///< good steps done
     Index bad_particle = -1;        ///< >= 0: in the step after those this particle ran away; the step was undone
     bool lost = false;              ///< device lost
+    bool cut = false;               ///< an elastic acceleration was above StepPlan::largest_acceleration
     double max_acceleration = 0.0;  ///< m/s^2, free coordinates only
     double max_force = 0.0;         ///< N, likewise
     double max_speed = 0.0;         ///< m/s, likewise
@@ -162,6 +172,7 @@ class Solver {
     double damping_factor = 1.0;
     double speed_at_rest = 0.0;         ///< m/s threshold
     double acceleration_at_rest = 0.0;  ///< m/s^2 threshold
+    double largest_acceleration = 0.0;  ///< m/s^2: elastic force over mass beyond this is cut to it; may be infinite
     double runaway_speed = 0.0;         ///< m/s: a faster particle, or one that is not finite, is a failure
     bool stop_at_rest = false;
     int rest_steps = 0;

@@ -206,6 +206,17 @@ void elastic_forces(const TopologyTextures& topology, std::span<const Vec3> posi
   cell_forces(topology, position, force);
 }
 
+Index first_collapsed(const TopologyTextures& topology, std::span<const Vec3> position) {
+  require_sizes(topology, "first_collapsed", position.size(), position.size());
+  for (Index i = 0; i < topology.particle_count; ++i) {
+    const IndexTexel& at = topology.index[i];
+    for (Index t = at.first_base; t < at.first_base + at.base_count; ++t) {
+      if (frame_of(topology, topology.bases[t], position).n == Vec3::Zero()) return i;
+    }
+  }
+  return -1;
+}
+
 double elastic_energy(const TopologyTextures& topology, std::span<const Vec3> position) {
   require_sizes(topology, "elastic_energy", position.size(), position.size());
   double energy = topology.base_count > 0 ? shape_energy(topology, position) : 0.0;

@@ -14,6 +14,13 @@ struct Moved {
   Vec<S> position, velocity;
 };
 
+/// An elastic acceleration, cut to `largest`: phymul::SolverOptions::largest_push.
+template <class S>
+Vec<S> cut(const Vec<S>& elastic, S largest) {
+  const S size = elastic.norm();
+  return size > largest ? Vec<S>(largest / size * elastic) : elastic;
+}
+
 template <class S>
 Moved<S> integrate(const Vec<S>& position, const Vec<S>& velocity, const Vec<S>& acceleration, S dt, S damping_factor) {
   const Vec<S> v = damping_factor * velocity + dt * acceleration;

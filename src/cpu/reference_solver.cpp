@@ -40,6 +40,7 @@ class ReferenceSolver final : public Solver {
     motion.steps_at_rest = steps_at_rest_;
     while (motion.steps < plan.steps) {
       elastic_forces(topology(), state_.position, force_);
+      cut_forces(plan.largest_acceleration, motion);
       measure(motion);
       move(plan);
 
@@ -97,6 +98,15 @@ class ReferenceSolver final : public Solver {
   Vec3 acceleration(Index i, const Vec3& elastic, const LoadFrame& loads) const {
     const Vec3 load = loads.force.empty() ? Vec3(Vec3::Zero()) : loads.force[i];
     return (elastic + load) / topology().mass[i] + loads.gravity;
+  }
+
+  void cut_forces(double largest, Motion& motion) {
+    for (Index i = 0; i < topology().particle_count; ++i) {
+      const Vec3 elastic = force_[i] / topology().mass[i];
+      if (!(elastic.norm() > largest)) continue;
+      motion.cut = true;
+      force_[i] = topology().mass[i] * cut(elastic, largest);
+    }
   }
 
   /// Largest net force and acceleration on free coordinates, of the state before this step.

@@ -10,6 +10,9 @@ int main(int, char** argv) try {
   const auto solver = phymul::make_solver("auto", model, scene);
   const phymul::StepReport report = solver->step(10, 0.25 * solver->stable_step());
   std::printf("phymul %s: %d particles, %d steps\n", PHYMUL_VERSION, model.particle_count(), report.steps);
+  for (const std::string& backend : phymul::backend_names()) {
+    std::printf("%s: %s\n", backend.c_str(), phymul::why_unavailable(backend).c_str());
+  }
   return report.ok() ? 0 : 1;
 } catch (const phymul::Error& error) {
   std::fprintf(stderr, "%s\n", error.what());

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: MIT
+#
+# phymul_gl: the GL part, a module that the library loads at the first wish for it. So a machine without GLEW, EGL or GL
+# still loads the library and what is linked with it. See src/gl_module.h.
+
+# The text of the shaders is part of the library. A changed one makes it anew.
+set(shaders
+  attractor_pass.glsl
+  attractor_pull.glsl
+  attractor_pull_enumerated.glsl
+  bases_pass.glsl
+  cells_pass.glsl
+  cover_target.glsl
+  delta_base.glsl
+  delta_cell.glsl
+  delta_height.glsl
+  delta_spring.glsl
+  delta_volume.glsl
+  displacement.glsl
+  display_ball.frag
+  display_ball.vert
+  display_body.glsl
+  display_colour.glsl
+  display_contour.vert
+  display_line.frag
+  display_line.glsl
+  display_pair.vert
+  display_surface.frag
+  display_surface.vert
+  energy_pass.glsl
+  fetch.glsl
+  force_pass.glsl
+  integrate_displacement.glsl
+  momentum_pass.glsl
+  net_force.glsl
+  reaction_pass.glsl
+  report_pass.glsl
+  shown_attractor_pass.glsl
+  step_pass.glsl
+  sum_pass.glsl
+  vector3.glsl
+  volumes_pass.glsl)
+list(TRANSFORM shaders PREPEND ${PROJECT_SOURCE_DIR}/glsl/)
+add_custom_command(OUTPUT ${PROJECT_BINARY_DIR}/shaders/embedded_shaders.cpp
+  COMMAND ${CMAKE_COMMAND} -DOUTPUT=${PROJECT_BINARY_DIR}/shaders/embedded_shaders.cpp "-DFILES=${shaders}"
+          -P ${PROJECT_SOURCE_DIR}/cmake/embed_shaders.cmake
+  DEPENDS ${shaders} ${PROJECT_SOURCE_DIR}/cmake/embed_shaders.cmake
+  COMMENT "Embedding shaders" VERBATIM)
+
+# The tests of the inside take the same objects.
+add_library(phymul_gl_objects OBJECT
+  src/gl/body_drawing.cpp
+  src/gl/context.cpp
+  src/gl/context_current.cpp
+  src/gl/context_debug.cpp
+  src/gl/context_info.cpp
+  src/gl/context_own.cpp
+  src/gl/context_self_test.cpp
+  src/gl/context_worker.cpp
+  src/gl/display.cpp
+  src/gl/drawing.cpp
+  src/gl/egl_context.cpp
+  src/gl/egl_display.cpp
+  src/gl/fragment_copies.cpp
+  src/gl/fragment_device.cpp
+  src/gl/fragment_loads.cpp
+  src/gl/fragment_options.cpp
+  src/gl/fragment_passes.cpp
+  src/gl/fragment_report.cpp
+  src/gl/fragment_solver.cpp
+  src/gl/fragment_state.cpp
+  src/gl/fragment_sums.cpp
+  src/gl/fragment_tables.cpp
+  src/gl/framebuffer.cpp
+  src/gl/gl_functions.cpp
+  src/gl/guard_egl.cpp
+  src/gl/guard_state.cpp
+  src/gl/module.cpp
+  src/gl/pass.cpp
+  src/gl/picture_target.cpp
+  src/gl/program.cpp
+  src/gl/shader_source.cpp
+  src/gl/texture.cpp
+  ${PROJECT_BINARY_DIR}/shaders/embedded_shaders.cpp)
+find_package(Threads REQUIRED)
+target_include_directories(phymul_gl_objects PUBLIC src)
+target_compile_options(phymul_gl_objects PRIVATE -ffp-contract=off)
+set_target_properties(phymul_gl_objects PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden
+                                                   VISIBILITY_INLINES_HIDDEN ON)
+target_link_libraries(phymul_gl_objects PUBLIC phymul GLEW::GLEW OpenGL::EGL Threads::Threads ${CMAKE_DL_LIBS}
+                                        PRIVATE phymul_warnings phymul_sanitizers)
+
+add_library(phymul_gl MODULE)
+# Beside a static library it carries what it needs of the core itself, and shows none of it.
+target_link_options(phymul_gl PRIVATE LINKER:--exclude-libs,ALL LINKER:--no-undefined)
+target_link_libraries(phymul_gl PRIVATE phymul_gl_objects phymul_sanitizers)
+set_target_properties(phymul_gl PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/phymul
+                                           INSTALL_RPATH "$ORIGIN/..")
+
+target_sources(phymul PRIVATE src/gl_module.cpp)
+target_compile_definitions(phymul PRIVATE PHYMUL_HAS_GL PHYMUL_LIBDIR_NAME="${CMAKE_INSTALL_LIBDIR}"
+                                          PHYMUL_LIBDIR="${CMAKE_INSTALL_FULL_LIBDIR}")
+target_link_libraries(phymul PRIVATE ${CMAKE_DL_LIBS})
+get_target_property(type phymul TYPE)
+if(type STREQUAL "STATIC_LIBRARY")
+  # A program with a static phymul stands anywhere: the dynamic loader is told where the module is, as CMake tells it
+  # of shared libraries.
+  target_link_options(phymul INTERFACE
+    $<BUILD_INTERFACE:LINKER:-rpath,${PROJECT_BINARY_DIR}/phymul>
+    $<INSTALL_INTERFACE:LINKER:-rpath,$<INSTALL_PREFIX>/${CMAKE_INSTALL_LIBDIR}/phymul>)
+endif()

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: MIT
+#
+# Runs phymul-view (VIEW) by script on an X server of its own (XVFB_RUN), and looks at its last frames with CHECK.
+if(NOT XVFB_RUN)
+  if("$ENV{PHYMUL_REQUIRE_GL}" STREQUAL "1")
+    message(FATAL_ERROR "PHYMUL_REQUIRE_GL=1, but there is no xvfb-run; on Debian or Ubuntu: apt-get install xvfb xauth")
+  endif()
+  message("NOT TESTED: there is no xvfb-run; on Debian or Ubuntu: apt-get install xvfb xauth")
+  return()
+endif()
+file(REMOVE_RECURSE ${OUT})
+file(MAKE_DIRECTORY ${OUT})
+
+function(view name expected_code expected_text)
+  execute_process(COMMAND ${XVFB_RUN} --auto-servernum "--server-args=-screen 0 800x600x24" ${VIEW} --hidden
+                          --width 400 --height 320 --png ${OUT}/${name}.png ${ARGN}
+                  RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE err TIMEOUT 200)
+  if(NOT code EQUAL expected_code OR NOT "${out}${err}" MATCHES "${expected_text}")
+    message(FATAL_ERROR "phymul-view ${ARGN}\nexpected exit code ${expected_code} and \"${expected_text}\", "
+                        "got ${code} and:\n${out}${err}")
+  endif()
+  if(code EQUAL 0)
+    execute_process(COMMAND ${CHECK} ${OUT}/${name}.png RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE out)
+    if(NOT code EQUAL 0)
+      message(FATAL_ERROR "phymul-view ${ARGN}: ${out}")
+    endif()
+  endif()
+endfunction()
+
+function(expect_same first second same)
+  file(SHA256 ${OUT}/${first}.png a)
+  file(SHA256 ${OUT}/${second}.png b)
+  if(same AND NOT a STREQUAL b)
+    message(FATAL_ERROR "${first}.png and ${second}.png differ")
+  elseif(NOT same AND a STREQUAL b)
+    message(FATAL_ERROR "${first}.png and ${second}.png are the same")
+  endif()
+endfunction()
+
+view(rest 0 "reference .*drawn from a copy" tetrahedron --backend reference --frames 3)
+view(gl 0 "gl .*drawn from the solver's own texture" tetrahedron --backend gl --frames 3)
+# At rest both backends hold the same places, to the last bit.
+expect_same(rest gl TRUE)
+
+# A hand takes a particle of the upper end, and pulls.
+foreach(backend IN ITEMS reference gl)
+  view(held_${backend} 0 ${backend} cylinder --fix bottom --backend ${backend} --frames 12 --drag 200 78 200 78)
+  view(pulled_${backend} 0 ${backend} cylinder --fix bottom --backend ${backend} --frames 12 --drag 200 78 260 60)
+  expect_same(held_${backend} pulled_${backend} FALSE)
+endforeach()
+
+# Every key, two of them changing the backend to and fro.
+view(keys 0 "275 particles" ${BODY} ${LOADS} --backend reference --frames 24 --keys "selpaotc=-bnrb fselpao")
+view(layers 0 "275 particles" ${BODY} --backend reference --frames 4 --keys "sel")
+view(none 1 "no_such_body.*expected a file" no_such_body --frames 1)
+view(none 1 "no_such_backend" tetrahedron --backend no_such_backend --frames 1)

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#include "view_options.h"
+
+#include <phymul/phymul.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+
+namespace {
+
+constexpr const char* keys =
+    "In the window:\n"
+    "  left drag      on a particle: pull it; elsewhere: turn the view\n"
+    "  right drag     shift the view;  wheel: zoom;  f: whole body\n"
+    "  space          pause;  n: one step;  r: back to the rest shape\n"
+    "  b              next backend\n"
+    "  s e l p a o    surface, edges, links, particles, attractors, outline of the rest shape\n"
+    "  t              surface lets through;  c: colours by displacement;  + -: their scale\n"
+    "  q, escape      end";
+
+phymul::Model read_file(const std::string& path) {
+  if (!std::filesystem::exists(path)) {
+    throw phymul::Error(path + ": expected a file, or one of tetrahedron, cylinder, block, strip");
+  }
+  return std::filesystem::path(path).extension() == ".pml" ? phymul::read_pml(path) : phymul::read_mesh(path);
+}
+
+phymul::Model shape_or_file(const std::string& name) {
+  if (name == "tetrahedron") return phymul::make_tetrahedron(0.01);
+  if (name == "cylinder") return phymul::make_cylinder(0.010, 0.040, 3, 8, 11);
+  if (name == "block") return phymul::make_block({0.04, 0.03, 0.02}, 12, 9, 6);
+  if (name == "strip") return phymul::make_strip(0.04, 0.02, 12, 6, true);
+  return read_file(name);
+}
+
+}  // namespace
+
+phymul::Model make_view_body(const ViewOptions& options) {
+  phymul::Model model = shape_or_file(options.body);
+  const bool has_volume = std::any_of(model.cells.begin(), model.cells.end(),
+                                      [](const phymul::Cell& cell) { return phymul::is_volume(cell.type); });
+  if (!options.from_file && model.dimension == 3 && has_volume) phymul::set_material(model, options.material);
+  return model;
+}
+
+std::optional<ViewOptions> read_view_options(int argc, char** argv, int& exit_code) {
+  ViewOptions options;
+  CLI::App app{"Shows a body in a window while it moves, and lets a mouse pull it."};
+  app.name("phymul-view");
+  app.set_version_flag("--version", PHYMUL_VERSION);
+  app.footer(keys);
+  app.add_option("body", options.body, "a .pml, .msh, .vtk or .vtu file, or tetrahedron, cylinder, block, strip")
+      ->capture_default_str();
+  app.add_option("loads", options.loads, "what acts on it: .lml")->check(CLI::ExistingFile);
+  app.add_option("--fix", options.fixed_groups, "hold this group of particles; may be given several times")
+      ->allow_extra_args(false);
+  app.add_option("--backend", options.backend, "solver by name")->capture_default_str();
+  app.add_flag("--from-file", options.from_file, "masses and stiffnesses of the file, no material");
+  app.add_option("--young", options.material.young, "Young's modulus, Pa")->capture_default_str();
+  app.add_option("--poisson", options.material.poisson, "Poisson's ratio")->capture_default_str();
+  app.add_option("--damping", options.damping_rate, "rate of loss of velocity, 1/s")->capture_default_str();
+  app.add_option("--step", options.step_share, "step, as a share of the stable one")->capture_default_str();
+  app.add_option("--width", options.width, "pixels")->capture_default_str();
+  app.add_option("--height", options.height, "pixels")->capture_default_str();
+  app.add_option("--frames", options.frames, "end after so many")->group("Scripts");
+  app.add_option("--png", options.png, "write the last frame there")->group("Scripts");
+  app.add_flag("--hidden", options.hidden, "no window on the screen")->group("Scripts");
+  app.add_option("--keys", options.keys, "press these, one a frame")->group("Scripts");
+  app.add_option("--drag", options.drag, "as the mouse, pixels: x0 y0 x1 y1")->expected(4)->group("Scripts");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    exit_code = app.exit(error) == 0 ? 0 : 1;
+    return std::nullopt;
+  }
+  return options;
+}

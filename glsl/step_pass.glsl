@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+//
+// Per particle, Verlet's step. Gathers the net force itself, or with FOUR_PASSES takes what reaction_pass.glsl wrote.
+// Needs net_force.glsl and integrate_displacement.glsl.
+//
+// What a step has to tell rides along, so that no further pass is needed until the batch of steps ends:
+//   velocity.w      number of the first step of the batch in which the particle ran away; 0: none, -1: none, but in some
+//                   step its elastic force was cut
+//   displacement.w  first * 1024 + last step of the batch in which it was not quiet; 0: none
+
+uniform sampler2D velocity;
+uniform int velocity_log2;
+#ifdef FOUR_PASSES
+uniform sampler2D net;
+uniform int net_log2;
+#endif
+uniform int batch_step;  // counts from 1
+uniform vec3 gravity;    // m/s^2
+uniform float dt, inverse_dt, damping_factor;
+uniform float runaway_speed, speed_at_rest, acceleration_at_rest;
+
+layout(location = 0) out vec4 next_displacement;
+invariant next_displacement;
+layout(location = 1) out vec4 next_velocity;
+invariant next_velocity;
+layout(location = 2) out vec4 measured;  // speed, acceleration, force of the free coordinates; displacement
+invariant measured;
+
+float length_of(vec3 a) {
+  return sqrt(inner_product(a, a));
+}
+
+bool finite(vec3 a) {
+  return !(any(isnan(a)) || any(isinf(a)));
+}
+
+float unquiet_steps(float before, bool quiet) {
+  int steps = batch_step == 1 ? 0 : int(before);
+  if (quiet) return float(steps);
+  int first = steps == 0 ? batch_step : steps >> 10;
+  return float(first * 1024 + batch_step);
+}
+
+void main() {
+  int i = own_row();
+  if (i >= row_count) discard;
+  vec4 old_displacement = fetch(displacement, displacement_log2, i);
+  vec4 old_velocity = fetch(velocity, velocity_log2, i);
+  vec4 inertia = fetch(particle, particle_log2, i);
+#ifdef FOUR_PASSES
+  vec4 F = fetch(net, net_log2, i);
+#else
+  vec4 F = net_force(i);
+#endif
+  vec3 a = acceleration(F.xyz, inertia.x, gravity);
+  vec3 u = old_displacement.xyz;
+  vec3 v = old_velocity.xyz;
+  integrate_displacement(u, v, a, dt, damping_factor);
+  int fixed_at = fixed_axes(i);
+#ifdef FIXED
+  ivec4 rows = fetch(load_index, load_index_log2, i);
+  vec3 target = load_sum(rows.z, rows.z + (rows.w >> 3), instant + 1);
+  impose(u, v, fixed_at, target, old_displacement.xyz, inverse_dt);
+#endif
+
+  float speed = length_of(free_part(v, fixed_at));
+  float pushed = length_of(free_part(a, fixed_at));
+  measured = vec4(speed, pushed, inertia.z * pushed, length_of(u));
+  bool quiet = speed <= speed_at_rest && pushed <= acceleration_at_rest;
+  bool bad = !finite(u) || !finite(v) || !(length_of(v) <= runaway_speed);
+  float ran_away = batch_step == 1 ? 0.0 : old_velocity.w;
+  if (ran_away <= 0.0) ran_away = bad ? float(batch_step) : min(ran_away, -F.w);
+  next_displacement = vec4(u, unquiet_steps(old_displacement.w, quiet));
+  next_velocity = vec4(v, ran_away);
+}

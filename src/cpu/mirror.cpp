@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: MIT
+#include "mirror.h"
+
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "integrate_displacement.h"
+#include "mirror_forces.h"
+
+namespace phymul::cpu {
+namespace {
+
+Float3 narrowed(const Vec3& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+
+Vec3 widened(const Float3& v) {
+  return {v.x, v.y, v.z};
+}
+
+bool is_finite(const Float3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// A scene in float: vectors that stay, and their factors at one instant.
+class FloatLoads {
+ public:
+  explicit FloatLoads(const Scene& scene)
+      : modes_(scene.modes()), exact_(static_cast<std::size_t>(modes_.count)), value_(exact_.size()) {
+    for (const auto& part : modes_.target) target_.push_back(narrowed(part.vector));
+    for (const auto& part : modes_.force) force_.push_back(narrowed(part.vector));
+  }
+
+  void evaluate(const Scene& scene, double time) {
+    scene.mode_values(time, exact_);
+    std::ranges::transform(exact_, value_.begin(), [](double value) { return static_cast<float>(value); });
+    Vec3 sum = modes_.gravity;
+    for (const LoadModes::Part& part : modes_.acceleration) sum += exact_[part.mode] * part.vector;
+    gravity = narrowed(sum);
+  }
+
+  bool imposes() const { return !modes_.fixed.empty(); }
+  bool fixed(Index i, int axis) const { return imposes() && (modes_.fixed[i] >> axis & 1) != 0; }
+  Float3 target(Index i) const {
+    return modes_.target_offset.empty() ? Float3{} : sum(modes_.target_offset, modes_.target, target_, i);
+  }
+  bool pushes() const { return !modes_.force_offset.empty(); }
+  Float3 force(Index i) const { return sum(modes_.force_offset, modes_.force, force_, i); }
+
+  /// What is left of a vector on coordinates that nothing holds.
+  Float3 free_part(Index i, const Float3& v) const {
+    return {fixed(i, 0) ? 0.0f : v.x, fixed(i, 1) ? 0.0f : v.y, fixed(i, 2) ? 0.0f : v.z};
+  }
+
+  Float3 gravity;
+
+ private:
+  Float3 sum(const std::vector<Index>& offset, const std::vector<LoadModes::Part>& parts,
+             const std::vector<Float3>& vector, Index i) const {
+    Float3 total;
+    for (Index row = offset[i]; row < offset[i + 1]; ++row) total += value_[parts[row].mode] * vector[row];
+    return total;
+  }
+
+  LoadModes modes_;
+  std::vector<double> exact_;
+  std::vector<float> value_;
+  std::vector<Float3> target_, force_;
+};
+
+class MirrorSolver final : public Solver {
+ public:
+  MirrorSolver(std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in, const SolverOptions& options_in,
+               FloatLayout layout)
+      : Solver("mirror", std::move(shared), scene_in, options_in),
+        forces_(pack_floats(topology(), layout)),
+        loads_(scene()),
+        u_(topology().rest.size()),
+        v_(u_.size()),
+        next_u_(u_.size()),
+        next_v_(u_.size()),
+        force_(u_.size()) {
+    reset();
+  }
+
+ private:
+  void do_reset(const State& state) override {
+    for (std::size_t i = 0; i < u_.size(); ++i) {
+      next_u_[i] = narrowed(state.position[i] - topology().rest[i]);
+      next_v_[i] = narrowed(state.velocity[i]);
+      if (is_finite(next_u_[i]) && is_finite(next_v_[i])) continue;
+      throw Error("Solver::reset: particle " + std::to_string(i) +
+                  " has a displacement or velocity beyond single precision; the backend \"reference\" computes in "
+                  "double precision");
+    }
+    u_.swap(next_u_);
+    v_.swap(next_v_);
+    time_ = state.time;
+    last_dt_ = 0.0;
+    steps_at_rest_ = 0;
+  }
+
+  void do_scene_changed() override {
+    steps_at_rest_ = 0;
+    loads_ = FloatLoads(scene());
+  }
+
+  Motion do_step(const StepPlan& plan) override {
+    Motion motion;
+    motion.steps_at_rest = steps_at_rest_;
+    while (motion.steps < plan.steps) {
+      move(plan, motion);
+      motion.bad_particle = first_runaway(plan.runaway_speed);
+      if (motion.bad_particle >= 0) break;
+      u_.swap(next_u_);
+      v_.swap(next_v_);
+      time_ += plan.dt;
+      last_dt_ = plan.dt;
+      ++motion.steps;
+
+      motion.max_speed = max_free_speed();
+      const RestThresholds rest =
+          rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest}, largest_displacement());
+      const bool quiet = motion.max_speed <= rest.speed && motion.max_acceleration <= rest.acceleration;
+      steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
+      motion.steps_at_rest = steps_at_rest_;
+      if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;
+    }
+    return motion;
+  }
+
+  void do_read(State& state) const override {
+    state.time = time_;
+    state.position.resize(u_.size());
+    state.velocity.resize(u_.size());
+    for (std::size_t i = 0; i < u_.size(); ++i) {
+      state.position[i] = topology().rest[i] + widened(u_[i]);
+      state.velocity[i] = widened(v_[i]);
+    }
+  }
+
+  double do_time() const override { return time_; }
+  std::string do_device() const override { return "one processor core, single precision"; }
+
+  Energy do_energy() const override {
+    FloatLoads now(scene());  // not loads_: the scene may have changed since the last step
+    now.evaluate(scene(), time_);
+    std::vector<Float3> force(u_.size());
+    forces_.evaluate(u_, force);
+    const auto dt = static_cast<float>(last_dt_);
+    Energy energy;
+    energy.elastic = forces_.energy(u_);
+    for (Index i = 0; i < topology().particle_count; ++i) {
+      const float m = forces_.tables().particle[i][2];
+      const Float3 after = v_[i] + dt * now.free_part(i, acceleration_of(i, force[i], now));
+      energy.kinetic += 0.5f * m * inner_product(v_[i], after);
+      energy.gravity -= m * inner_product(now.gravity, u_[i]);
+    }
+    return energy;
+  }
+
+  Float3 acceleration_of(Index i, const Float3& elastic, const FloatLoads& loads) const {
+    const Float3 force = loads.pushes() ? elastic + loads.force(i) : elastic;
+    return acceleration(force, forces_.tables().particle[i][0], loads.gravity);
+  }
+
+  /// Forces act at the old time, imposed positions hold at the new one.
+  void move(const StepPlan& plan, Motion& motion) {
+    const auto dt = static_cast<float>(plan.dt), damping = static_cast<float>(plan.damping_factor);
+    const auto inverse_dt = static_cast<float>(1.0 / plan.dt);
+    const auto largest_acceleration = static_cast<float>(plan.largest_acceleration);
+    forces_.evaluate(u_, force_);
+    loads_.evaluate(scene(), time_);
+    motion.max_acceleration = motion.max_force = 0.0;
+    for (Index i = 0; i < topology().particle_count; ++i) {
+      const Float3 cut = cut_force(force_[i], forces_.tables().particle[i][2] * largest_acceleration);
+      motion.cut = motion.cut || cut != force_[i];
+      force_[i] = cut;
+      const Float3 a = acceleration_of(i, force_[i], loads_);
+      const double free = widened(loads_.free_part(i, a)).norm();
+      motion.max_acceleration = std::max(motion.max_acceleration, free);
+      motion.max_force = std::max(motion.max_force, topology().mass[i] * free);
+      const Displaced<float> moved = integrate_displacement(u_[i], v_[i], a, dt, damping);
+      next_u_[i] = moved.u;
+      next_v_[i] = moved.v;
+    }
+    if (!loads_.imposes()) return;
+    loads_.evaluate(scene(), time_ + plan.dt);
+    for (Index i = 0; i < topology().particle_count; ++i) {
+      Displaced<float> moved{next_u_[i], next_v_[i]};
+      impose(moved, loads_.fixed(i, 0), loads_.fixed(i, 1), loads_.fixed(i, 2), loads_.target(i), u_[i], inverse_dt);
+      next_u_[i] = moved.u;
+      next_v_[i] = moved.v;
+    }
+  }
+
+  Index first_runaway(double speed) const {
+    for (Index i = 0; i < topology().particle_count; ++i) {
+      if (!is_finite(next_u_[i]) || !(widened(next_v_[i]).norm() <= speed)) return i;
+    }
+    return -1;
+  }
+
+  double max_free_speed() const {
+    double largest = 0.0;
+    for (Index i = 0; i < topology().particle_count; ++i) {
+      largest = std::max(largest, widened(loads_.free_part(i, v_[i])).norm());
+    }
+    return largest;
+  }
+
+  double largest_displacement() const {
+    double largest = 0.0;
+    for (const Float3& u : u_) largest = std::max(largest, widened(u).norm());
+    return largest;
+  }
+
+  MirrorForces forces_;
+  FloatLoads loads_;
+  std::vector<Float3> u_, v_, next_u_, next_v_, force_;
+  double time_ = 0.0, last_dt_ = 0.0;
+  int steps_at_rest_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Solver> make_mirror_solver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
+                                           const SolverOptions& options, FloatLayout layout) {
+  return std::make_unique<MirrorSolver>(std::move(topology), scene, options, layout);
+}
+
+}  // namespace phymul::cpu

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "gl/context.h"
+#include "gl/egl_context.h"
+
+namespace phymul::gl {
+
+/// GlContext::own and shared: current on the caller's thread, for the time of a call.
+class OwnContext : public Context {
+ public:
+  explicit OwnContext(const GlOptions& options);
+  void throw_debug_errors() override { egl_->debug_log().throw_errors(); }
+
+ private:
+  void call(Task task, void* argument) override;
+
+  std::unique_ptr<EglContext> egl_;
+};
+
+}  // namespace phymul::gl

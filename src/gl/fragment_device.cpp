@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "gl/fragment_device.h"
+
+namespace phymul::gl {
+
+FragmentDevice::FragmentDevice(const FloatTables& tables, const Scene& scene, const ShaderLibrary& library,
+                               bool four_passes)
+    : library_(library),
+      tables_(tables),
+      state_(tables.particle_count),
+      passes_(tables_, library_, four_passes),
+      report_(library_, tables.particle_count),
+      sums_(library_, passes_) {
+  set_scene(scene);
+  const VecList origin(static_cast<std::size_t>(tables.particle_count), Vec3::Zero());
+  state_.write(origin, {.time = 0.0, .position = origin, .velocity = origin});
+  begin_batch({.dt = 1.0}, {0.0, 1.0});
+  try_step(1);
+}
+
+void FragmentDevice::set_scene(const Scene& scene) {
+  loads_ = std::make_unique<FragmentLoads>(scene, most_steps + 1);
+  passes_.set_loads(*loads_);
+}
+
+void FragmentDevice::begin_batch(const StepConstants& constants, const std::vector<double>& instants) {
+  loads_->evaluate(instants);
+  passes_.set_constants(constants);
+  state_.set_checkpoint();
+}
+
+void FragmentDevice::run(int count) {
+  vertices_.bind();
+  state_.go_back();
+  for (int step = 1; step <= count; ++step) {
+    passes_.step(state_, step, step == count);
+    state_.advance();
+  }
+}
+
+BatchReport FragmentDevice::try_step(int number) {
+  vertices_.bind();
+  passes_.step(state_, number, true);
+  return report_.read(state_.next_displacement(), state_.next_velocity(), state_.measured());
+}
+
+BatchReport FragmentDevice::report() {
+  vertices_.bind();
+  return report_.read(state_.displacement(), state_.velocity(), state_.measured());
+}
+
+Energy FragmentDevice::energy(const Scene& scene, double time, double dt) {
+  vertices_.bind();
+  FragmentLoads loads(scene, 1);  // the scene may have changed since the last step
+  loads.evaluate({time});
+  return sums_.energy(state_, loads, dt);
+}
+
+Momentum FragmentDevice::momentum(const VecList& rest, const Vec3& about) {
+  vertices_.bind();
+  return sums_.momentum(state_, rest, about);
+}
+
+const Texture& FragmentDevice::attractors() {
+  vertices_.bind();
+  return passes_.attractors(state_);
+}
+
+}  // namespace phymul::gl

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+//
+// The passes of a step. Two by default, besides those for what only some bodies hold:
+//   attractor  F_i of every particle                        reactions full, shared, barycentric, averaged
+//   bases      forces of a base on a, b, c and its owner    averaged, conservative
+//   volumes    forces of a volume on its vertices           bodies with a volume energy
+//   cells      stress of a cell                             bodies with cell-averaged terms
+//   step       net force and Verlet
+// With four passes as in the 2007 thesis the first is two (attractor, force) and the last is two (reaction, Verlet);
+// the bits are the same.
+#pragma once
+
+#include <deque>
+#include <optional>
+
+#include "gl/fragment_loads.h"
+#include "gl/fragment_state.h"
+#include "gl/fragment_tables.h"
+
+namespace phymul::gl {
+
+/// What all steps of a call have in common.
+struct StepConstants {
+  double dt = 0.0, damping_factor = 1.0;
+  double largest_acceleration = 0.0, runaway_speed = 0.0, speed_at_rest = 0.0, acceleration_at_rest = 0.0;
+};
+
+class FragmentPasses {
+ public:
+  /// `four`: as the thesis had them.
+  FragmentPasses(const FragmentTables& tables, const ShaderLibrary& library, bool four);
+
+  const FragmentTables& tables() const { return *tables_; }
+
+  /// Compiles what these loads need, where it is not there yet.
+  void set_loads(const FragmentLoads& loads);
+
+  /// Before steps of a call.
+  void set_constants(const StepConstants& constants);
+
+  /// One step from the current state to state.next(), as number `batch_step` (1, 2, ...) of a batch whose loads were
+  /// evaluated at instants batch_step - 1 and batch_step. Does not advance the state.
+  void step(const FragmentState& state, int batch_step, bool measuring);
+
+  /// Forces of attractors, bases, volumes and cells at the current state, into the textures that bind_terms() gives.
+  void evaluate(const FragmentState& state);
+  void bind_terms(Pass& pass) const;
+
+  /// What the body and the loads need of the shaders that include net_force.glsl.
+  ShaderRequest gathering(const LoadKind& loads, const char* pass) const;
+
+  /// P*_i - X_i of every particle, m; compiled at the first call. Only where the body has attractors or bases.
+  const Texture& attractors(const FragmentState& state);
+
+ private:
+  struct Drawing {
+    Pass pass;
+    Framebuffer target;
+    int rows = 0;
+  };
+  struct Stepping {  // of one kind of loads
+    LoadKind loads;
+    Pass reaction, step;  // reaction: four passes only
+  };
+  void add(ShaderRequest request, const std::vector<Attachment>& targets, int rows);
+  void add_attractors();
+  void add_bases();
+  void add_volumes_and_cells();
+  Stepping compiled(const LoadKind& loads) const;
+
+  const FragmentTables* tables_;
+  const ShaderLibrary* library_;
+  bool four_;
+  Texture pull_, force_, net_, base_terms_, volume_terms_, cell_terms_, shown_;
+  std::vector<Drawing> before_;  // drawn in order before the step
+  Framebuffer net_target_, shown_target_;
+  std::optional<Pass> showing_;
+  std::deque<Stepping> stepping_;  // whose addresses stay
+  Stepping* now_ = nullptr;
+  const FragmentLoads* loads_ = nullptr;
+};
+
+/// The kernels' macros of a body.
+void define_kernels(const BodyKind& kind, ShaderRequest& request);
+
+}  // namespace phymul::gl

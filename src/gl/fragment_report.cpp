@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "gl/fragment_report.h"
+
+#include <limits>
+#include <utility>
+
+namespace phymul::gl {
+namespace {
+
+constexpr int rows_to_one = 16;  // report_pass.glsl
+constexpr std::int32_t never = std::numeric_limits<std::int32_t>::max();
+
+}  // namespace
+
+FragmentReport::FragmentReport(const ShaderLibrary& library, Index particles)
+    : first_(library, {.files = {"fetch.glsl", "report_pass.glsl"}, .defines = {{"FIRST", 1}}}), particles_(particles) {
+  int rows = particles;
+  do {
+    rows = (rows + rows_to_one - 1) / rows_to_one;
+    Level level;
+    level.rows = rows;
+    level.events = Texture::target(rows, TexelFormat::rgba32i, "events of steps");
+    level.maxima = Texture::target(rows, TexelFormat::rgba32f, "largest speeds and forces");
+    level.target = Framebuffer({{&level.events}, {&level.maxima}});
+    levels_.push_back(std::move(level));
+  } while (rows > 1);
+  if (levels_.size() > 1) further_ = Pass(library, {.files = {"fetch.glsl", "report_pass.glsl"}, .defines = {}});
+}
+
+BatchReport FragmentReport::read(const Texture& displacement, const Texture& velocity, const Texture& measured) {
+  first_.input("displacement", displacement);
+  first_.input("velocity", velocity);
+  first_.input("measured", measured);
+  int source_rows = particles_;
+  for (std::size_t k = 0; k < levels_.size(); ++k) {
+    Pass& pass = k == 0 ? first_ : further_;
+    if (k > 0) {
+      pass.input("events", levels_[k - 1].events);
+      pass.input("maxima", levels_[k - 1].maxima);
+    }
+    pass.set("source_count", source_rows);
+    pass.set_rows(levels_[k].events, levels_[k].rows);
+    pass.draw(levels_[k].target);
+    source_rows = levels_[k].rows;
+  }
+  Int4 events{};
+  Float4 maxima{};
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  levels_.back().target.read(0, GL_RGBA_INTEGER, GL_INT, events.data());
+  levels_.back().target.read(1, GL_RGBA, GL_FLOAT, maxima.data());
+
+  BatchReport report;
+  report.cut = events[0] == never - 1;
+  if (events[0] < never - 1) {
+    report.runaway_step = events[0];
+    report.particle = events[1];
+  }
+  report.first_unquiet = events[2] == never ? 0 : events[2];
+  report.last_unquiet = events[3];
+  report.max_speed = maxima[0];
+  report.max_acceleration = maxima[1];
+  report.max_force = maxima[2];
+  report.max_displacement = maxima[3];
+  return report;
+}
+
+}  // namespace phymul::gl

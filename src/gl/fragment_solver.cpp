@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: MIT
+#include "gl/fragment_solver.h"
+
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "gl/fragment_options.h"
+
+namespace phymul::gl {
+namespace {
+
+/// A batch of steps that takes longer keeps the device from drawing, and a window system may take it for hung.
+constexpr double seconds_a_batch = 0.05;
+constexpr int first_batch = 8;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// The largest displacement, m. Throws Error where one is beyond single precision.
+double require_single_precision(const VecList& rest, const State& state) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const Eigen::Vector3f u = (state.position[i] - rest[i]).cast<float>(), v = state.velocity[i].cast<float>();
+    largest = std::max(largest, u.cast<double>().norm());
+    if (u.allFinite() && v.allFinite()) continue;
+    throw Error("Solver::reset: particle " + std::to_string(i) +
+                " has a displacement or velocity beyond single precision; the backend \"reference\" computes in "
+                "double precision");
+  }
+  return largest;
+}
+
+/// Another context sees what was drawn here only once it is done. After a step, whose report was waited for, it is.
+ParticleBuffer finished(const Texture& texture) {
+  glFinish();
+  return {.texture = texture.id(), .width = texture.shape().width, .height = texture.shape().height, .position = {}};
+}
+
+}  // namespace
+
+FragmentSolver::FragmentSolver(std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in,
+                               const SolverOptions& options_in)
+    : Solver("gl", std::move(shared), scene_in, options_in),
+      gl_(with_environment(options_in.gl)),
+      layout_(choose_layout(gl_.layout, topology())),
+      context_(Context::open(gl_)),
+      kept_(rest_state(model())) {
+  instants_.reserve(FragmentDevice::most_steps + 1);
+  try {
+    build();
+    reset();
+  } catch (...) {
+    drop();
+    throw;
+  }
+}
+
+FragmentSolver::~FragmentSolver() {
+  drop();
+}
+
+void FragmentSolver::build() {
+  const FloatTables tables = pack_floats(topology(), layout_);
+  loads_version_ = scene().version();
+  context_->run([&] {
+    const auto start = std::chrono::steady_clock::now();
+    const ShaderLibrary library(gl_.shader_folder, context_->info().es);
+    device_ = std::make_unique<FragmentDevice>(tables, scene(), library, gl_.passes == 4);
+    first_compile_ = seconds_since(start);
+  });
+  context_->throw_debug_errors();
+}
+
+/// Deleting is harmless in a lost context that can still be made current. Where it cannot, another context may be
+/// current, whose objects must not be touched: ours are then left behind with the context they went with.
+void FragmentSolver::drop() noexcept {
+  if (!device_) return;
+  try {
+    context_->run([this] { device_.reset(); });
+  } catch (...) {
+    static_cast<void>(device_.release());
+  }
+}
+
+void FragmentSolver::rebuild() {
+  drop();
+  context_ = Context::open(gl_);
+  build();
+}
+
+/// Another context, and the newest state the host has.
+void FragmentSolver::recover() noexcept {
+  try {
+    rebuild();
+    do_reset(State(kept_));
+  } catch (...) {
+    drop();
+    time_ = kept_.time;
+  }
+}
+
+template <class Function>
+auto FragmentSolver::on_device(Function&& function) const {
+  if (!device_) throw Error("the device of this solver is lost, and no other could be had; see Solver::reset");
+  return context_->run(std::forward<Function>(function));
+}
+
+void FragmentSolver::do_reset(const State& state) {
+  const double largest = require_single_precision(topology().rest, state);
+  if (!device_ || context_->lost()) rebuild();
+  follow();
+  context_->run([&] {
+    device_->copies().clear();
+    device_->write(topology().rest, state);
+  });
+  kept_ = state;
+  time_ = state.time;
+  last_dt_ = 0.0;
+  steps_at_rest_ = 0;
+  largest_displacement_ = largest;
+}
+
+void FragmentSolver::do_scene_changed() {
+  steps_at_rest_ = 0;
+}
+
+/// Takes the scene's loads to the device, where they have changed.
+void FragmentSolver::follow() {
+  if (loads_version_ == scene().version()) return;
+  context_->run([this] { device_->set_scene(scene()); });
+  loads_version_ = scene().version();
+}
+
+Solver::Motion FragmentSolver::do_step(const StepPlan& plan) {
+  try {
+    if (device_ && !context_->lost()) {
+      follow();
+      const Motion motion = context_->run([&] { return run_batches(plan); });
+      context_->throw_debug_errors();
+      if (!context_->lost()) return motion;
+    }
+  } catch (...) {  // a device that refuses what it did before is lost to us
+  }
+  recover();
+  Motion motion;
+  motion.lost = true;
+  return motion;
+}
+
+void FragmentSolver::advance_time(int steps, double dt) {
+  for (int k = 0; k < steps; ++k) time_ += dt;
+  if (steps > 0) last_dt_ = dt;
+}
+
+/// No longer than rest_steps where the body is to stop at rest: then an unquiet step in a batch says that no other
+/// row of so many quiet ones is in it.
+int FragmentSolver::batch_size(const StepPlan& plan, int remaining) const {
+  const double wished = seconds_a_step_ > 0.0 ? seconds_a_batch / seconds_a_step_ : first_batch;
+  const int size = static_cast<int>(std::clamp(wished, 1.0, static_cast<double>(FragmentDevice::most_steps)));
+  return std::min({size, remaining, plan.stop_at_rest ? plan.rest_steps : remaining});
+}
+
+Solver::Motion FragmentSolver::run_batches(const StepPlan& plan) {
+  Motion motion;
+  motion.steps_at_rest = steps_at_rest_;
+  while (motion.steps < plan.steps) {
+    const int count = batch_size(plan, plan.steps - motion.steps);
+    const auto start = std::chrono::steady_clock::now();
+    const bool go_on = run_batch(plan, count, motion);
+    seconds_a_step_ = seconds_since(start) / count;
+    steps_at_rest_ = motion.steps_at_rest;
+    if (!go_on || context_->lost()) break;
+  }
+  return motion;
+}
+
+/// False where the motion ends with this batch: a failure, or rest.
+bool FragmentSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
+  instants_.assign(1, time_);
+  for (int k = 0; k < count; ++k) instants_.push_back(instants_.back() + plan.dt);
+  const RestThresholds rest = rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest}, largest_displacement_);
+  device_->begin_batch({.dt = plan.dt,
+                        .damping_factor = plan.damping_factor,
+                        .largest_acceleration = plan.largest_acceleration,
+                        .runaway_speed = plan.runaway_speed,
+                        .speed_at_rest = rest.speed,
+                        .acceleration_at_rest = rest.acceleration},
+                       instants_);
+  device_->run(count);
+  BatchReport report = device_->report();
+  const int failed_at = report.runaway_step;
+  const Index culprit = report.particle;
+  int good = failed_at > 0 ? failed_at - 1 : count;
+
+  const int until_rest = std::max(plan.rest_steps - motion.steps_at_rest, 1);
+  const int quiet = report.first_unquiet > 0 ? std::min(report.first_unquiet - 1, good) : good;
+  const bool rests = plan.stop_at_rest && quiet >= until_rest;
+  if (rests) good = until_rest;
+  if (good < count) {
+    device_->run(good);
+    if (good > 0) report = device_->report();
+  }
+  if (good > 0) {
+    motion.cut = motion.cut || report.cut;
+    motion.steps_at_rest = report.last_unquiet > 0 ? good - report.last_unquiet : motion.steps_at_rest + good;
+    motion.max_speed = report.max_speed;
+    motion.max_acceleration = report.max_acceleration;
+    motion.max_force = report.max_force;
+    largest_displacement_ = report.max_displacement;
+  }
+  motion.steps += good;
+  advance_time(good, plan.dt);
+  if (rests || failed_at == 0) return !rests;
+  // The forces that the step after the last good one began with, which are those of the state that is kept.
+  const BatchReport failed = device_->try_step(good + 1);
+  motion.max_acceleration = failed.max_acceleration;
+  motion.max_force = failed.max_force;
+  motion.bad_particle = culprit;
+  return false;
+}
+
+void FragmentSolver::do_read(State& state) const {
+  if (device_ && !context_->lost()) {
+    context_->run([&] { device_->state().read(topology().rest, kept_); });
+    kept_.time = time_;
+  }
+  state = kept_;
+}
+
+Energy FragmentSolver::do_energy() const {
+  return on_device([&] { return device_->energy(scene(), time_, last_dt_); });
+}
+
+Momentum FragmentSolver::do_momentum(const Vec3& about) const {
+  return on_device([&] { return device_->momentum(topology().rest, about); });
+}
+
+void FragmentSolver::do_request_read() {
+  on_device([this] { device_->copies().request(device_->state(), time_); });
+}
+
+bool FragmentSolver::do_collect(State& state) {
+  if (!on_device([&] { return device_->copies().collect(topology().rest, state); })) return false;
+  kept_ = state;
+  return true;
+}
+
+ParticleBuffer FragmentSolver::do_position_buffer() const {
+  if (!device_) return {};
+  return on_device([&] { return finished(device_->state().displacement()); });
+}
+
+ParticleBuffer FragmentSolver::do_attractor_buffer() const {
+  return on_device([&] { return finished(device_->attractors()); });
+}
+
+std::unique_ptr<Solver> make_fragment_solver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
+                                             const SolverOptions& options) {
+  return std::make_unique<FragmentSolver>(std::move(topology), scene, options);
+}
+
+}  // namespace phymul::gl

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+//
+// The backend "gl": every pass a fragment shader, state and constants on the device, one small read a call.
+#pragma once
+
+#include <phymul/solver.h>
+
+#include <memory>
+
+#include "gl/context.h"
+#include "gl/context_user.h"
+#include "gl/fragment_device.h"
+
+namespace phymul::gl {
+
+/// When the context is lost, so is the state. step() then says device_lost, with the time of the newest state the host
+/// has: that of the last reset(), read() or collect(). The solver opens another context, rebuilds itself there from the
+/// topology and goes on from that state at the next call; where it cannot, every step says device_lost until a reset()
+/// finds a device.
+class FragmentSolver final : public Solver, public ContextUser {
+ public:
+  FragmentSolver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene, const SolverOptions& options);
+  ~FragmentSolver() override;
+
+  const std::shared_ptr<Context>& context() const override { return context_; }
+  GlContext context_kind() const override { return gl_.context; }
+  bool enumerated() const { return layout_ == FloatLayout::enumerated; }
+  double first_compile() const { return first_compile_; }  ///< s that shaders and the first draws took
+
+ private:
+  void do_reset(const State& state) override;
+  void do_scene_changed() override;
+  Motion do_step(const StepPlan& plan) override;
+  void do_read(State& state) const override;
+  Energy do_energy() const override;
+  double do_time() const override { return time_; }
+  void do_request_read() override;
+  bool do_collect(State& state) override;
+  Momentum do_momentum(const Vec3& about) const override;
+  ParticleBuffer do_position_buffer() const override;
+  ParticleBuffer do_attractor_buffer() const override;
+  std::string do_device() const override { return context_->info().device(); }
+
+  void build();
+  void drop() noexcept;
+  void rebuild();
+  void recover() noexcept;
+  template <class Function>
+  auto on_device(Function&& function) const;
+  void follow();
+  Motion run_batches(const StepPlan& plan);
+  bool run_batch(const StepPlan& plan, int count, Motion& motion);
+  int batch_size(const StepPlan& plan, int remaining) const;
+  void advance_time(int steps, double dt);
+
+  GlOptions gl_;
+  FloatLayout layout_;
+  std::shared_ptr<Context> context_;
+  std::unique_ptr<FragmentDevice> device_;
+  double first_compile_ = 0.0;
+  std::uint64_t loads_version_ = 0;
+  mutable State kept_;  // the newest state the host has
+  double time_ = 0.0, last_dt_ = 0.0;
+  int steps_at_rest_ = 0;
+  double largest_displacement_ = 0.0;  // m, when the present batch began
+  std::vector<double> instants_;       // of a batch
+  double seconds_a_step_ = 0.0;        // wall clock; 0: not known yet
+};
+
+std::unique_ptr<Solver> make_fragment_solver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
+                                             const SolverOptions& options);
+
+}  // namespace phymul::gl

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT
+//
+// The one place that includes GL and EGL headers. GLEW is the loader; see gl_functions.h for what it does not load.
+#pragma once
+
+#include <GL/glew.h>
+
+// Without it the EGL headers bring Xlib's macros (None, Status, Bool) along.
+#define EGL_NO_X11
+#include <EGL/egl.h>
+#include <EGL/eglext.h>

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#include "pass.h"
+
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace phymul::gl {
+
+Pass::Pass(const ShaderLibrary& library, ShaderRequest request) : program_(library, request) {}
+
+void Pass::input(const char* name, const Texture& texture) {
+  for (Input& input : inputs_) {
+    if (input.name != name) continue;
+    input.texture = texture.id();
+    if (input.log2_width == texture.log2_width()) return;
+    input.log2_width = texture.log2_width();
+    glUseProgram(program_.id());
+    glUniform1i(input.log2_location, input.log2_width);
+    return;
+  }
+  if (std::find(unused_.begin(), unused_.end(), name) != unused_.end()) return;
+  const GLint sampler = program_.uniform(name);
+  if (sampler < 0) {
+    unused_.emplace_back(name);
+    return;
+  }
+  GLint units = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &units);
+  if (static_cast<GLint>(inputs_.size()) >= units) {
+    throw Error("a pass reads more textures than the " + std::to_string(units) + " this driver binds at a time");
+  }
+  const GLint log2_location = program_.uniform((std::string(name) + "_log2").c_str());
+  glUseProgram(program_.id());
+  glUniform1i(sampler, static_cast<GLint>(inputs_.size()));
+  glUniform1i(log2_location, texture.log2_width());
+  inputs_.push_back({name, texture.id(), texture.kind(), texture.log2_width(), log2_location});
+}
+
+GLint Pass::location(const char* name) {
+  glUseProgram(program_.id());
+  for (const Uniform& uniform : uniforms_) {
+    if (uniform.name == name) return uniform.location;
+  }
+  uniforms_.push_back({name, program_.uniform(name)});
+  return uniforms_.back().location;
+}
+
+void Pass::set(const char* name, int value) {
+  glUniform1i(location(name), value);
+}
+void Pass::set(const char* name, float value) {
+  glUniform1f(location(name), value);
+}
+void Pass::set(const char* name, const Float4& xyz) {
+  glUniform3f(location(name), xyz[0], xyz[1], xyz[2]);
+}
+
+void Pass::set_rows(const Texture& target, int rows) {
+  set("target_log2", target.log2_width());
+  set("row_count", rows);
+}
+
+void Pass::draw(const Framebuffer& target) {
+  glUseProgram(program_.id());
+  for (std::size_t unit = 0; unit < inputs_.size(); ++unit) {
+    glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
+    glBindTexture(inputs_[unit].kind, inputs_[unit].texture);
+  }
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.id());
+  glViewport(0, 0, target.shape().width, target.shape().height);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+}  // namespace phymul::gl

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+//
+// Pass: a program with the textures it reads, ready to be drawn over a target.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "framebuffer.h"
+#include "program.h"
+
+namespace phymul::gl {
+
+class Pass {
+ public:
+  Pass() = default;
+  Pass(const ShaderLibrary& library, ShaderRequest request);
+
+  /// The texture behind sampler `name`, and the uniform `name`_log2 that finds a row in it. Stays until the next call;
+  /// one the shader does not use is passed over.
+  void input(const char* name, const Texture& texture);
+
+  /// For uniforms, which stay too. Makes the program current.
+  void set(const char* name, int value);
+  void set(const char* name, float value);
+  void set(const char* name, const Float4& xyz);  ///< a vec3: the first three
+
+  /// The rectangle that will be drawn over, and how many of its rows mean something.
+  void set_rows(const Texture& target, int rows);
+
+  /// One fragment per texel of the target. A vertex array must be bound.
+  void draw(const Framebuffer& target);
+
+ private:
+  struct Input {
+    std::string name;
+    GLuint texture;
+    GLenum kind;
+    int log2_width;
+    GLint log2_location;
+  };
+  struct Uniform {
+    std::string name;
+    GLint location;
+  };
+  GLint location(const char* name);
+
+  Program program_;
+  std::vector<Input> inputs_;  // at texture units 0, 1, ...
+  std::vector<std::string> unused_;
+  std::vector<Uniform> uniforms_;
+};
+
+/// What a draw without vertices needs in a core profile. Made and deleted in the context.
+class EmptyVertexArray {
+ public:
+  EmptyVertexArray() { glGenVertexArrays(1, &id_); }
+  EmptyVertexArray(const EmptyVertexArray&) = delete;
+  EmptyVertexArray& operator=(const EmptyVertexArray&) = delete;
+  ~EmptyVertexArray() { glDeleteVertexArrays(1, &id_); }
+  void bind() const { glBindVertexArray(id_); }
+
+ private:
+  GLuint id_ = 0;
+};
+
+}  // namespace phymul::gl

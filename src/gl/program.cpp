@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#include "program.h"
+
+#include <phymul/error.h>
+
+#include <string>
+#include <utility>
+
+namespace phymul::gl {
+namespace {
+
+std::string renderer() {
+  const auto* text = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+  return text ? text : "an unnamed renderer";
+}
+
+std::string name_of(const ShaderRequest& request) {
+  return request.files.empty() ? std::string() : request.files.back();
+}
+
+/// Owns a shader object until the program has it.
+class Shader {
+ public:
+  Shader(GLenum stage, const ShaderLibrary& library, const ShaderRequest& request) : id_(glCreateShader(stage)) {
+    const std::string text = library.text(request);
+    const char* start = text.c_str();
+    glShaderSource(id_, 1, &start, nullptr);
+    glCompileShader(id_);
+    GLint good = GL_FALSE, length = 0;
+    glGetShaderiv(id_, GL_COMPILE_STATUS, &good);
+    if (good == GL_TRUE) return;
+    glGetShaderiv(id_, GL_INFO_LOG_LENGTH, &length);
+    std::string log(static_cast<std::size_t>(length), '\0');
+    if (length > 0) glGetShaderInfoLog(id_, length, nullptr, log.data());
+    log = log.c_str();
+    glDeleteShader(id_);
+    throw Error(std::string(stage == GL_VERTEX_SHADER ? "vertex" : "fragment") + " shader " + name_of(request) +
+                " does not compile on " + renderer() + ":\n" + ShaderLibrary::readable(log, request));
+  }
+  Shader(const Shader&) = delete;
+  Shader& operator=(const Shader&) = delete;
+  ~Shader() { glDeleteShader(id_); }
+  GLuint id() const { return id_; }
+
+ private:
+  GLuint id_;
+};
+
+}  // namespace
+
+Program::Program(const ShaderLibrary& library, const ShaderRequest& vertex, const ShaderRequest& fragment) {
+  const Shader corners(GL_VERTEX_SHADER, library, vertex);
+  const Shader body(GL_FRAGMENT_SHADER, library, fragment);
+  id_ = glCreateProgram();
+  glAttachShader(id_, corners.id());
+  glAttachShader(id_, body.id());
+  glLinkProgram(id_);
+  GLint good = GL_FALSE, length = 0;
+  glGetProgramiv(id_, GL_LINK_STATUS, &good);
+  if (good == GL_TRUE) return;
+  glGetProgramiv(id_, GL_INFO_LOG_LENGTH, &length);
+  std::string log(static_cast<std::size_t>(length), '\0');
+  if (length > 0) glGetProgramInfoLog(id_, length, nullptr, log.data());
+  log = log.c_str();
+  glDeleteProgram(id_);
+  throw Error("the program of " + name_of(fragment) + " does not link on " + renderer() + ":\n" +
+              ShaderLibrary::readable(log, fragment));
+}
+
+Program::Program(Program&& other) noexcept {
+  *this = std::move(other);
+}
+
+Program& Program::operator=(Program&& other) noexcept {
+  std::swap(id_, other.id_);
+  return *this;
+}
+
+Program::~Program() {
+  if (id_ != 0) glDeleteProgram(id_);
+}
+
+}  // namespace phymul::gl

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "texture.h"
+
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+#include <vector>
+
+namespace phymul::gl {
+namespace {
+
+struct FormatRow {
+  GLenum internal, layout, type;
+  int bytes;
+};
+
+const FormatRow& row_of(TexelFormat format) {
+  static constexpr FormatRow rows[] = {
+      {GL_R32I, GL_RED_INTEGER, GL_INT, 4},
+      {GL_RG32I, GL_RG_INTEGER, GL_INT, 8},
+      {GL_RGBA32I, GL_RGBA_INTEGER, GL_INT, 16},
+      {GL_R32F, GL_RED, GL_FLOAT, 4},
+      {GL_RG32F, GL_RG, GL_FLOAT, 8},
+      {GL_RGBA32F, GL_RGBA, GL_FLOAT, 16},
+  };
+  return rows[static_cast<int>(format)];
+}
+
+/// The driver's answer to an allocation is glGetError's: what was wrong before must not be taken for it.
+void forget_errors() {
+  for (int k = 0; k < 16 && glGetError() != GL_NO_ERROR; ++k) {
+  }
+}
+
+void require_allocated(const char* name, const TextureShape& shape, int layers, int bytes) {
+  const GLenum error = glGetError();
+  if (error == GL_NO_ERROR) return;
+  const std::int64_t texels = shape.texels() * std::max(layers, 1);
+  throw Error("the texture of " + std::string(name) + " could not be made: " + std::to_string(shape.width) + " x " +
+              std::to_string(shape.height) + (layers > 0 ? " x " + std::to_string(layers) : std::string()) +
+              " texels, " + std::to_string(texels * bytes) + " bytes; the driver says " +
+              (error == GL_OUT_OF_MEMORY ? std::string("out of memory") : "GL error " + std::to_string(error)) +
+              ". Its largest texture has " + std::to_string(largest_side()) +
+              " texels a side. Use fewer particles or bases, or a device with more memory");
+}
+
+/// Rows of integers are padded by `none`, others by 0.
+template <class Row>
+std::vector<Row> padded(std::span<const Row> rows, const TextureShape& shape, const Row& padding) {
+  std::vector<Row> all(static_cast<std::size_t>(shape.texels()), padding);
+  std::copy(rows.begin(), rows.end(), all.begin());
+  return all;
+}
+
+void keep_plain_unpacking() {
+  glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+  glPixelStorei(GL_UNPACK_SKIP_ROWS, 0);
+  glPixelStorei(GL_UNPACK_SKIP_PIXELS, 0);
+}
+
+}  // namespace
+
+int largest_side() {
+  GLint side = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
+  return side;
+}
+
+Texture::Texture(std::int64_t rows, TexelFormat format, const char* name, int layers, const void* padded)
+    : shape_(fit_texture(rows, largest_side(), name)), rows_(rows), layers_(layers), format_(format), name_(name) {
+  const FormatRow& row = row_of(format);
+  forget_errors();
+  keep_plain_unpacking();
+  glGenTextures(1, &id_);
+  glBindTexture(kind(), id_);
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
+    glTexParameteri(kind(), filter, GL_NEAREST);
+  }
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) glTexParameteri(kind(), wrap, GL_CLAMP_TO_EDGE);
+  glTexParameteri(kind(), GL_TEXTURE_MAX_LEVEL, 0);
+  const auto internal = static_cast<GLint>(row.internal);
+  if (layers > 0) {
+    glTexImage3D(kind(), 0, internal, shape_.width, shape_.height, layers, 0, row.layout, row.type, padded);
+  } else {
+    glTexImage2D(kind(), 0, internal, shape_.width, shape_.height, 0, row.layout, row.type, padded);
+  }
+  glBindTexture(kind(), 0);
+  try {
+    require_allocated(name, shape_, layers, row.bytes);
+  } catch (...) {
+    glDeleteTextures(1, &id_);
+    throw;
+  }
+}
+
+Texture::Texture(Texture&& other) noexcept {
+  *this = std::move(other);
+}
+
+Texture& Texture::operator=(Texture&& other) noexcept {
+  std::swap(id_, other.id_);
+  std::swap(shape_, other.shape_);
+  std::swap(rows_, other.rows_);
+  std::swap(layers_, other.layers_);
+  std::swap(format_, other.format_);
+  std::swap(name_, other.name_);
+  return *this;
+}
+
+Texture::~Texture() {
+  if (id_ != 0) glDeleteTextures(1, &id_);
+}
+
+int Texture::log2_width() const {
+  return std::countr_zero(static_cast<unsigned>(shape_.width));
+}
+
+#define PHYMUL_TABLE(Row, FORMAT, ...)                                                                     \
+  Texture Texture::table(std::span<const Row> rows, const char* name) {                                    \
+    const auto count = static_cast<std::int64_t>(rows.size());                                             \
+    const std::vector<Row> all = padded<Row>(rows, fit_texture(count, largest_side(), name), __VA_ARGS__); \
+    return {count, TexelFormat::FORMAT, name, 0, all.data()};                                              \
+  }
+PHYMUL_TABLE(std::int32_t, r32i, none)
+PHYMUL_TABLE(Int2, rg32i, Int2{none, none})
+PHYMUL_TABLE(Int4, rgba32i, Int4{none, none, none, none})
+PHYMUL_TABLE(float, r32f, 0.0f)
+PHYMUL_TABLE(Float2, rg32f, Float2{})
+PHYMUL_TABLE(Float4, rgba32f, Float4{})
+#undef PHYMUL_TABLE
+
+Texture Texture::target(std::int64_t rows, TexelFormat format, const char* name, int layers) {
+  return {rows, format, name, layers, nullptr};
+}
+
+void Texture::upload(std::span<const Float4> rows) {
+  upload_rows(rows.data(), static_cast<std::int64_t>(rows.size()), sizeof(Float4));
+}
+
+void Texture::upload(std::span<const float> rows) {
+  upload_rows(rows.data(), static_cast<std::int64_t>(rows.size()), sizeof(float));
+}
+
+void Texture::upload_rows(const void* data, std::int64_t count, std::size_t bytes) {
+  const FormatRow& row = row_of(format_);
+  const auto whole = static_cast<GLsizei>(count / shape_.width), rest = static_cast<GLsizei>(count % shape_.width);
+  keep_plain_unpacking();
+  glBindTexture(kind(), id_);
+  if (whole > 0) glTexSubImage2D(kind(), 0, 0, 0, shape_.width, whole, row.layout, row.type, data);
+  const auto* last = static_cast<const char*>(data) + static_cast<std::size_t>(whole) * shape_.width * bytes;
+  if (rest > 0) glTexSubImage2D(kind(), 0, 0, whole, rest, 1, row.layout, row.type, last);
+  glBindTexture(kind(), 0);
+}
+
+}  // namespace phymul::gl

@@ -1,0 +1,4 @@
+// SPDX-License-Identifier: MIT
+int phymul_absent() {
+  return 1;
+}

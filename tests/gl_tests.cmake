@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: MIT
+#
+# Tests that need GL.
+
+add_dependencies(phymul_test phymul_gl)  # loaded, not linked
+
+# The inside of src/gl, apart from phymul_test, which runs on machines without GL.
+add_executable(phymul_gl_test
+  gl_context_test.cpp
+  gl_display_test.cpp
+  gl_equivalence_test.cpp
+  gl_fragment_test.cpp
+  gl_hosts_test.cpp
+  gl_life_test.cpp
+  gl_objects_test.cpp
+  host_state.cpp)
+target_include_directories(phymul_gl_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+target_compile_definitions(phymul_gl_test PRIVATE PHYMUL_GLSL_SOURCES="${PROJECT_SOURCE_DIR}/glsl")
+target_link_libraries(phymul_gl_test PRIVATE phymul_gl_objects GTest::gtest_main phymul_warnings phymul_sanitizers)
+gtest_discover_tests(phymul_gl_test DISCOVERY_TIMEOUT 60)
+
+# The door to the module, which must not open where it should not: each in a process of its own, because a module that
+# has been found stays.
+add_executable(phymul_gl_module_test gl_module_test.cpp)
+target_link_libraries(phymul_gl_module_test PRIVATE phymul GTest::gtest_main phymul_warnings phymul_sanitizers)
+add_dependencies(phymul_gl_module_test phymul_gl)
+gtest_discover_tests(phymul_gl_module_test DISCOVERY_TIMEOUT 60 TEST_FILTER GlModule.*)
+
+# Modules that are none, and their reasons.
+add_library(phymul_absent SHARED faulty_modules/absent.cpp)  # nowhere to be found, as GLEW is on a machine without GL
+function(faulty_module name reason)
+  add_library(phymul_${name} MODULE faulty_modules/${name}.cpp)
+  target_link_libraries(phymul_${name} PRIVATE phymul ${ARGN} phymul_warnings phymul_sanitizers)
+  target_include_directories(phymul_${name} PRIVATE ${PROJECT_SOURCE_DIR}/src)
+  set_target_properties(phymul_${name} PROPERTIES SKIP_BUILD_RPATH ON)
+  add_dependencies(phymul_gl_module_test phymul_${name})
+  faulty_module_test(${name} $<TARGET_FILE:phymul_${name}> "${reason}")
+endfunction()
+function(faulty_module_test name module reason)
+  add_test(NAME gl.module_${name} COMMAND phymul_gl_module_test --gtest_filter=GlModuleFaulty.* --gtest_brief=1)
+  set_tests_properties(gl.module_${name} PROPERTIES ENVIRONMENT "PHYMUL_GL_MODULE=${module};PHYMUL_TEST_REASON=${reason}")
+endfunction()
+faulty_module_test(nowhere /nonexistent/libphymul_gl.so
+                   "/nonexistent/libphymul_gl.so: cannot open shared object file: No such file or directory")
+faulty_module(needs_absent "libphymul_absent.so: cannot open shared object file" phymul_absent)
+faulty_module(no_entry "is no GL module of phymul: it has no function phymul_gl_module")
+faulty_module(other_version "belongs to phymul 99.1.2, this program to ${PROJECT_VERSION};")
+faulty_module(other_flags "and was built with other headers or flags")
+
+# The same on other GLs: what the tests of both programs are called that look at GL decides, so a new one is among them.
+# Arguments behind the name: tests to leave out, and the environment.
+function(gl_tests_under name without)
+  set(backend_tests "*/gl:*Gl*")  # the backend's instances of what every backend runs, and its own tests
+  add_test(NAME gl.${name}.phymul_test COMMAND phymul_test "--gtest_filter=${backend_tests}-${without}" --gtest_brief=1)
+  add_test(NAME gl.${name}.phymul_gl_test COMMAND phymul_gl_test "--gtest_filter=*-${without}" --gtest_brief=1)
+  set_tests_properties(gl.${name}.phymul_test gl.${name}.phymul_gl_test PROPERTIES ENVIRONMENT "${ARGN}" TIMEOUT 1500)
+endfunction()
+
+# The oldest desktop GL, the other dialect, and its oldest version. LP_NUM_THREADS=0: no threads of the renderer's own,
+# which small bodies only wait for.
+gl_tests_under(33 "" MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330 LP_NUM_THREADS=0)
+gl_tests_under(es "" PHYMUL_GL_DIALECT=es LP_NUM_THREADS=0)
+gl_tests_under(es30 "" PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.0 LP_NUM_THREADS=0)
+# Another renderer, which interprets shaders: 200 steps of every model variant would take it minutes. Its arithmetic has
+# not the bits of the float mirror, but is within the rounding bound.
+gl_tests_under(softpipe "*RestStaysAtRest*" GALLIUM_DRIVER=softpipe)
+
+# A host that uses GLX, on an X server of its own.
+find_package(X11 QUIET)
+find_program(PHYMUL_XVFB_RUN xvfb-run DOC "Runs the tests that need an X server")
+if(TARGET X11::X11 AND TARGET OpenGL::GLX)
+  add_executable(phymul_glx_test gl_glx_test.cpp host_state.cpp)
+  target_include_directories(phymul_glx_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+  target_link_libraries(phymul_glx_test PRIVATE phymul_gl_objects OpenGL::GLX X11::X11 GTest::gtest_main
+                                                phymul_warnings phymul_sanitizers)
+  set(x_server "")
+  if(PHYMUL_XVFB_RUN)
+    set(x_server ${PHYMUL_XVFB_RUN} --auto-servernum "--server-args=-screen 0 64x64x24")
+  endif()
+  add_test(NAME gl.glx_host
+           COMMAND ${x_server} $<TARGET_FILE:phymul_glx_test> --gtest_brief=1 --gtest_filter=-GlGlxBelow33.*)
+  add_test(NAME gl.glx_host_below_33
+           COMMAND ${x_server} $<TARGET_FILE:phymul_glx_test> --gtest_brief=1 --gtest_filter=GlGlxBelow33.*)
+  set_tests_properties(gl.glx_host_below_33 PROPERTIES ENVIRONMENT MESA_GL_VERSION_OVERRIDE=3.1COMPAT)
+else()
+  message(STATUS "phymul: beside GLX nothing is tested, because CMake did not find X11 and GLX; on Debian or Ubuntu: "
+                 "apt-get install libx11-dev libgl-dev xvfb xauth")
+endif()
+
+# What a machine without GL must be able to load needs no library of it; the check itself finds that the module does.
+set(loadable $<TARGET_FILE:phymul_test>)
+get_target_property(type phymul TYPE)
+if(type STREQUAL "SHARED_LIBRARY")
+  list(APPEND loadable $<TARGET_FILE:phymul>)
+endif()
+function(add_no_gl_check name)
+  add_test(NAME check.${name} COMMAND ${CMAKE_COMMAND} -DREADELF=${CMAKE_READELF} ${ARGN}
+                                      -P ${CMAKE_CURRENT_SOURCE_DIR}/checks/no_gl_needed.cmake)
+endfunction()
+add_no_gl_check(no_gl_needed "-DFILES=${loadable}")
+add_no_gl_check(no_gl_needed.finds_faults -DFILES=$<TARGET_FILE:phymul_gl>)
+set_tests_properties(check.no_gl_needed.finds_faults PROPERTIES WILL_FAIL ON)
+# A copy of the core in the module stays its own.
+add_no_gl_check(gl_module_shows_one_function -DFILES=$<TARGET_FILE:phymul_gl> -DONLY_SYMBOL=phymul_gl_module)

@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: MIT
+#include "host_state.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+namespace phymul::test {
+namespace {
+
+struct Named {
+  GLenum value;
+  const char* name;
+  int count = 1;  ///< numbers that glGet gives
+};
+#define N(x) GL_##x, #x
+
+const std::vector<Named> numbers{{N(CURRENT_PROGRAM)},
+                                 {N(VERTEX_ARRAY_BINDING)},
+                                 {N(DRAW_FRAMEBUFFER_BINDING)},
+                                 {N(READ_FRAMEBUFFER_BINDING)},
+                                 {N(RENDERBUFFER_BINDING)},
+                                 {N(ACTIVE_TEXTURE)},
+                                 {N(VIEWPORT), 4},
+                                 {N(SCISSOR_BOX), 4},
+                                 {N(COLOR_CLEAR_VALUE), 4},
+                                 {N(DEPTH_CLEAR_VALUE)},
+                                 {N(STENCIL_CLEAR_VALUE)},
+                                 {N(DEPTH_WRITEMASK)},
+                                 {N(DEPTH_FUNC)},
+                                 {N(DEPTH_RANGE), 2},
+                                 {N(STENCIL_FUNC)},
+                                 {N(STENCIL_REF)},
+                                 {N(STENCIL_VALUE_MASK)},
+                                 {N(STENCIL_WRITEMASK)},
+                                 {N(CULL_FACE_MODE)},
+                                 {N(FRONT_FACE)},
+                                 {N(LINE_WIDTH)},
+                                 {N(POLYGON_OFFSET_FACTOR)},
+                                 {N(POLYGON_OFFSET_UNITS)},
+                                 {N(BLEND_COLOR), 4},
+                                 {N(BLEND_SRC_RGB)},
+                                 {N(BLEND_DST_RGB)},
+                                 {N(BLEND_EQUATION_RGB)},
+                                 {N(SAMPLE_COVERAGE_VALUE)},
+                                 {N(SAMPLE_COVERAGE_INVERT)},
+                                 {N(READ_BUFFER)},
+                                 {N(DRAW_BUFFER0)},
+                                 {N(ARRAY_BUFFER_BINDING)},
+                                 {N(ELEMENT_ARRAY_BUFFER_BINDING)},
+                                 {N(PIXEL_PACK_BUFFER_BINDING)},
+                                 {N(PIXEL_UNPACK_BUFFER_BINDING)},
+                                 {N(UNIFORM_BUFFER_BINDING)},
+                                 {N(COPY_READ_BUFFER)},
+                                 {N(COPY_WRITE_BUFFER)},
+                                 {N(TRANSFORM_FEEDBACK_BUFFER_BINDING)},
+                                 {N(PACK_ALIGNMENT)},
+                                 {N(PACK_ROW_LENGTH)},
+                                 {N(PACK_SKIP_ROWS)},
+                                 {N(PACK_SKIP_PIXELS)},
+                                 {N(UNPACK_ALIGNMENT)},
+                                 {N(UNPACK_ROW_LENGTH)},
+                                 {N(UNPACK_SKIP_ROWS)},
+                                 {N(UNPACK_SKIP_PIXELS)},
+                                 {N(UNPACK_IMAGE_HEIGHT)},
+                                 {N(UNPACK_SKIP_IMAGES)}};
+const std::vector<Named> desktop_numbers{{N(POLYGON_MODE), 2},   {N(CLAMP_READ_COLOR)},  {N(PACK_SWAP_BYTES)},
+                                         {N(PACK_LSB_FIRST)},    {N(PACK_IMAGE_HEIGHT)}, {N(PACK_SKIP_IMAGES)},
+                                         {N(UNPACK_SWAP_BYTES)}, {N(UNPACK_LSB_FIRST)},  {N(LOGIC_OP_MODE)},
+                                         {N(POINT_SIZE)},        {N(PROVOKING_VERTEX)},  {N(PRIMITIVE_RESTART_INDEX)}};
+const std::vector<Named> switches{{N(DEPTH_TEST)},          {N(STENCIL_TEST)},    {N(SCISSOR_TEST)},
+                                  {N(CULL_FACE)},           {N(DITHER)},          {N(RASTERIZER_DISCARD)},
+                                  {N(POLYGON_OFFSET_FILL)}, {N(SAMPLE_COVERAGE)}, {N(SAMPLE_ALPHA_TO_COVERAGE)}};
+const std::vector<Named> desktop_switches{{N(PRIMITIVE_RESTART)},  {N(SAMPLE_MASK)}, {N(FRAMEBUFFER_SRGB)},
+                                          {N(COLOR_LOGIC_OP)},     {N(DEPTH_CLAMP)}, {N(POLYGON_SMOOTH)},
+                                          {N(PROGRAM_POINT_SIZE)}, {N(LINE_SMOOTH)}, {N(CLIP_DISTANCE0)},
+                                          {N(CLIP_DISTANCE5)},     {N(MULTISAMPLE)}};
+#undef N
+
+constexpr int units = 16;
+
+template <class... Lists>
+std::vector<Named> joined(const Lists&... lists) {
+  std::vector<Named> all;
+  (all.insert(all.end(), lists.begin(), lists.end()), ...);
+  return all;
+}
+
+std::vector<Named> switches_of(const gl::ContextInfo& info) {
+  std::vector<Named> all = info.es ? switches : joined(switches, desktop_switches);
+  if (!info.core_profile) all.push_back({GL_ALPHA_TEST, "ALPHA_TEST"});
+  return all;
+}
+
+bool has_indexed(const gl::ContextInfo& info) {
+  return !info.es || info.at_least(3, 2);
+}
+
+void note_units(HostState& state) {
+  GLint active = 0;
+  glGetIntegerv(GL_ACTIVE_TEXTURE, &active);
+  for (int i = 0; i < units; ++i) {
+    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(i));
+    GLint flat = 0, layered = 0, cube = 0, sampler = 0;
+    glGetIntegerv(GL_TEXTURE_BINDING_2D, &flat);
+    glGetIntegerv(GL_TEXTURE_BINDING_2D_ARRAY, &layered);
+    glGetIntegerv(GL_TEXTURE_BINDING_CUBE_MAP, &cube);
+    glGetIntegerv(GL_SAMPLER_BINDING, &sampler);
+    state["unit " + std::to_string(i)] = {double(flat), double(layered), double(cube), double(sampler)};
+  }
+  glActiveTexture(static_cast<GLenum>(active));
+}
+
+void note_indexed(const gl::ContextInfo& info, HostState& state) {
+  for (GLuint i = 0; i < 4; ++i) {
+    GLint name = 0;
+    GLint64 start = 0, size = 0;
+    glGetIntegeri_v(GL_UNIFORM_BUFFER_BINDING, i, &name);
+    glGetInteger64i_v(GL_UNIFORM_BUFFER_START, i, &start);
+    glGetInteger64i_v(GL_UNIFORM_BUFFER_SIZE, i, &size);
+    state["uniform buffer " + std::to_string(i)] = {double(name), double(start), double(size)};
+  }
+  for (GLuint i = 0; i < (has_indexed(info) ? 4u : 1u); ++i) {
+    std::array<GLboolean, 4> mask{};
+    GLboolean blend = GL_FALSE;
+    if (has_indexed(info)) {
+      glGetBooleani_v(GL_COLOR_WRITEMASK, i, mask.data());
+      blend = glIsEnabledi(GL_BLEND, i);
+    } else {
+      glGetBooleanv(GL_COLOR_WRITEMASK, mask.data());
+      blend = glIsEnabled(GL_BLEND);
+    }
+    state["draw buffer " + std::to_string(i)] = {double(mask[0]), double(mask[1]), double(mask[2]), double(mask[3]),
+                                                 double(blend)};
+  }
+}
+
+}  // namespace
+
+HostState host_state(const gl::ContextInfo& info) {
+  HostState state;
+  for (const Named& number : info.es ? numbers : joined(numbers, desktop_numbers)) {
+    std::array<GLfloat, 4> values{};
+    glGetFloatv(number.value, values.data());
+    state[number.name].assign(values.begin(), values.begin() + number.count);
+  }
+  for (const Named& one : switches_of(info)) state[one.name] = {double(glIsEnabled(one.value))};
+  note_units(state);
+  note_indexed(info, state);
+  state["error"] = {double(glGetError())};
+  return state;
+}
+
+std::string differences(const HostState& before, const HostState& after) {
+  std::string text;
+  const auto list = [](const std::vector<double>& values) {
+    std::string all;
+    for (const double value : values) all += " " + std::to_string(value);
+    return all;
+  };
+  for (const auto& [name, values] : before) {
+    if (after.at(name) != values) text += name + ":" + list(values) + " became" + list(after.at(name)) + "\n";
+  }
+  return text;
+}
+
+HostileHost::HostileHost(const gl::ContextInfo& info) : info_(info) {
+  bind_objects();
+  bind_textures();
+  set_numbers();
+  set_switches(true);
+}
+
+HostileHost::~HostileHost() {
+  set_switches(false);
+  glUseProgram(0);
+  glDeleteProgram(program_);
+  glDeleteVertexArrays(1, &vertex_array_);
+  glDeleteRenderbuffers(1, &renderbuffer_);
+  glDeleteFramebuffers(static_cast<GLsizei>(framebuffers_.size()), framebuffers_.data());
+  glDeleteBuffers(static_cast<GLsizei>(buffers_.size()), buffers_.data());
+  glDeleteTextures(static_cast<GLsizei>(textures_.size()), textures_.data());
+  glDeleteSamplers(static_cast<GLsizei>(samplers_.size()), samplers_.data());
+}
+
+void HostileHost::bind_objects() {
+  const char* const version = info_.es ? "#version 300 es\n" : "#version 330 core\n";
+  const char* const vertex[] = {version, "void main() { gl_Position = vec4(0.0); }"};
+  const char* const fragment[] = {version, "out highp vec4 color; void main() { color = vec4(1.0); }"};
+  program_ = glCreateProgram();
+  for (const auto& [kind, source] : {std::pair{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}}) {
+    const GLuint shader = glCreateShader(static_cast<GLenum>(kind));
+    glShaderSource(shader, 2, source, nullptr);
+    glCompileShader(shader);
+    glAttachShader(program_, shader);
+    glDeleteShader(shader);
+  }
+  glLinkProgram(program_);
+  glUseProgram(program_);
+  glGenVertexArrays(1, &vertex_array_);
+  glBindVertexArray(vertex_array_);
+  framebuffers_.resize(2);
+  glGenFramebuffers(2, framebuffers_.data());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffers_[0]);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffers_[1]);
+  glGenRenderbuffers(1, &renderbuffer_);
+  glBindRenderbuffer(GL_RENDERBUFFER, renderbuffer_);
+
+  buffers_.resize(9);
+  glGenBuffers(9, buffers_.data());
+  const std::array targets{GL_ARRAY_BUFFER,     GL_ELEMENT_ARRAY_BUFFER, GL_PIXEL_PACK_BUFFER, GL_PIXEL_UNPACK_BUFFER,
+                           GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER,    GL_UNIFORM_BUFFER};
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    glBindBuffer(static_cast<GLenum>(targets[i]), buffers_[i]);
+    glBufferData(static_cast<GLenum>(targets[i]), 4096, nullptr, GL_STATIC_DRAW);
+  }
+  glBindBufferRange(GL_UNIFORM_BUFFER, 0, buffers_[6], 256, 512);
+  glBindBufferBase(GL_UNIFORM_BUFFER, 2, buffers_[6]);
+  glBindBuffer(GL_UNIFORM_BUFFER, buffers_[7]);
+}
+
+void HostileHost::bind_textures() {
+  textures_.resize(3 * units);
+  samplers_.resize(units);
+  glGenTextures(3 * units, textures_.data());
+  glGenSamplers(units, samplers_.data());
+  for (std::size_t i = 0; i < units; ++i) {
+    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(i));
+    glBindTexture(GL_TEXTURE_2D, textures_[3 * i]);
+    glBindTexture(GL_TEXTURE_2D_ARRAY, textures_[3 * i + 1]);
+    glBindTexture(GL_TEXTURE_CUBE_MAP, textures_[3 * i + 2]);
+    glBindSampler(static_cast<GLuint>(i), samplers_[i]);
+  }
+  glActiveTexture(GL_TEXTURE5);
+}
+
+void HostileHost::set_numbers() {
+  glViewport(1, 2, 3, 4);
+  glScissor(5, 6, 1, 1);
+  glClearColor(0.25f, 0.5f, 0.75f, 1.0f);
+  glClearDepthf(0.5f);
+  glDepthFunc(GL_NEVER);
+  glDepthMask(GL_FALSE);
+  glStencilFunc(GL_NEVER, 1, 3);
+  glCullFace(GL_FRONT_AND_BACK);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 2);
+  for (const GLenum name :
+       {GL_PACK_ROW_LENGTH, GL_PACK_SKIP_ROWS, GL_PACK_SKIP_PIXELS, GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_ROWS,
+        GL_UNPACK_SKIP_PIXELS, GL_UNPACK_IMAGE_HEIGHT, GL_UNPACK_SKIP_IMAGES}) {
+    glPixelStorei(name, 7);
+  }
+  if (has_indexed(info_)) {
+    glColorMaski(0, GL_FALSE, GL_TRUE, GL_FALSE, GL_TRUE);
+    glColorMaski(1, GL_TRUE, GL_FALSE, GL_FALSE, GL_TRUE);
+    glEnablei(GL_BLEND, 0);
+    glEnablei(GL_BLEND, 2);
+  } else {
+    glColorMask(GL_FALSE, GL_TRUE, GL_FALSE, GL_TRUE);
+    glEnable(GL_BLEND);
+  }
+  glBlendFunc(GL_ZERO, GL_ONE);
+  if (info_.es) return;
+  for (const GLenum name : {GL_PACK_SWAP_BYTES, GL_UNPACK_SWAP_BYTES, GL_PACK_LSB_FIRST, GL_UNPACK_LSB_FIRST}) {
+    glPixelStorei(name, 1);
+  }
+  glPolygonMode(GL_FRONT_AND_BACK, GL_POINT);
+  glClampColor(GL_CLAMP_READ_COLOR, GL_TRUE);
+  glLogicOp(GL_INVERT);
+  if (!info_.core_profile) glAlphaFunc(GL_NEVER, 0.0f);
+}
+
+/// A switch that a fresh context has on, dithering or multisampling, goes off.
+void HostileHost::set_switches(bool on) {
+  for (const Named& one : switches_of(info_)) {
+    const bool fresh = one.value == GL_DITHER || one.value == GL_MULTISAMPLE;
+    if (on != fresh) {
+      glEnable(one.value);
+    } else {
+      glDisable(one.value);
+    }
+  }
+}
+
+void leave_a_mess() {
+  GLuint name = 0;
+  for (int i = 0; i < units; ++i) {
+    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(i));
+    glGenTextures(1, &name);
+    glBindTexture(GL_TEXTURE_2D, name);
+    glBindTexture(GL_TEXTURE_2D_ARRAY, 0);
+    glBindSampler(static_cast<GLuint>(i), 0);
+  }
+  glUseProgram(0);
+  glBindVertexArray(0);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glBindRenderbuffer(GL_RENDERBUFFER, 0);
+  glGenBuffers(1, &name);
+  for (const GLenum target : {GL_ARRAY_BUFFER, GL_PIXEL_PACK_BUFFER, GL_PIXEL_UNPACK_BUFFER, GL_UNIFORM_BUFFER,
+                              GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER}) {
+    glBindBuffer(target, name);
+  }
+  glBindBufferBase(GL_UNIFORM_BUFFER, 0, name);
+  glBindBufferBase(GL_UNIFORM_BUFFER, 1, name);
+  glViewport(0, 0, 99, 98);
+  glScissor(0, 0, 97, 96);
+  glClearColor(1, 1, 1, 1);
+  glDepthFunc(GL_GREATER);
+  for (const GLenum on : {GL_BLEND, GL_DEPTH_TEST, GL_SCISSOR_TEST, GL_CULL_FACE}) glEnable(on);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
+  glPixelStorei(GL_PACK_ALIGNMENT, 8);
+  for (const GLenum store :
+       {GL_PACK_ROW_LENGTH, GL_PACK_SKIP_ROWS, GL_PACK_SKIP_PIXELS, GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_ROWS,
+        GL_UNPACK_SKIP_PIXELS, GL_UNPACK_IMAGE_HEIGHT, GL_UNPACK_SKIP_IMAGES}) {
+    glPixelStorei(store, 3);
+  }
+}
+
+bool draws_well(const gl::ContextInfo& info) {
+  gl::self_test(info);
+  GLuint texture = 0, framebuffer = 0;
+  glGenTextures(1, &texture);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, texture);
+  constexpr std::size_t layer = 4 * 8;  // numbers in one of 4 x 2 texels
+  std::array<float, 2 * layer> sent{}, got{};
+  for (std::size_t i = 0; i < sent.size(); ++i) sent[i] = 1.5f * static_cast<float>(i) - 7.0f;
+  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA32F, 4, 2, 2, 0, GL_RGBA, GL_FLOAT, sent.data());
+  glGenFramebuffers(1, &framebuffer);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  for (GLint i = 0; i < 2; ++i) {
+    glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, texture, 0, i);
+    glReadPixels(0, 0, 4, 2, GL_RGBA, GL_FLOAT, got.data() + static_cast<std::size_t>(i) * layer);
+  }
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, 0);
+  glDeleteFramebuffers(1, &framebuffer);
+  glDeleteTextures(1, &texture);
+  return got == sent;
+}
+
+}  // namespace phymul::test
