@@ -14,7 +14,13 @@ def read(path):
     with open(path, encoding="utf-8") as file:
         lines = file.readlines()
     about = dict(line[2:].strip().split(": ", 1) for line in lines if line.startswith("# ") and ": " in line)
-    return list(csv.DictReader(line for line in lines if not line.startswith("#"))), about
+    rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    for row in rows:  # a software renderer's time is never taken for a GPU's
+        if "software renderer" in row.get("device", ""):
+            for key in ("backend", "engine"):
+                if key in row:
+                    row[key] += " (software renderer)"
+    return rows, about
 
 
 def number(row, key):

@@ -143,7 +143,7 @@ def equivalence(out):
     figure, axes = plt.subplots(figsize=(6.5, 4.4))
     for k, ((backend, method, label), line) in enumerate(data.groups(rows, "backend", "method", "label").items()):
         looks = style.style_of(method)
-        looks["fillstyle"] = "none" if backend == "gl" else "full"
+        looks["fillstyle"] = "none" if backend.startswith("gl") else "full"
         axes.plot([int(r["steps"]) for r in line], [max(number(r, "max_over_spacing"), 1e-17) for r in line],
                   label=f"{label}, {backend}", **looks)
     if not rows:
