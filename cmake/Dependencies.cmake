@@ -38,6 +38,11 @@ if(PHYMUL_BUILD_BENCH)
   if(NOT benchmark_FOUND)
     phymul_missing("The benches need Google Benchmark" libbenchmark-dev "Without benches: -DPHYMUL_BUILD_BENCH=OFF.")
   endif()
+  # A peer in the charts, never needed: the double-precision Bullet.
+  find_package(PkgConfig QUIET)
+  if(PkgConfig_FOUND)
+    pkg_check_modules(bullet QUIET IMPORTED_TARGET bullet-float64)
+  endif()
 endif()
 
 if(PHYMUL_BUILD_EXAMPLES)

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 #
 # Installs what is missing on a Debian machine to build phymul; does nothing, and needs no rights, where nothing is.
-#   sh cmake/install-packages.sh [examples] [tests] [bench] [gl] [gl-tests]
+#   sh cmake/install-packages.sh [examples] [tests] [bench] [charts] [gl] [gl-tests]
 # The library's own needs are always among them. A compiler and CMake are taken as there.
 set -eu
 
@@ -38,6 +38,11 @@ for part in "$@"; do
       need_pkg_config=yes
       ;;
     bench) need_package libbenchmark-dev ;;
+    charts)  # drawing, and a peer to measure beside
+      need_package python3-matplotlib
+      need_package libbullet-dev
+      need_pkg_config=yes
+      ;;
     gl)  # headers, the viewer's window, and Mesa's drivers: a software renderer where there is no GPU
       need_package libglew-dev
       need_package libegl-dev
@@ -54,7 +59,7 @@ for part in "$@"; do
       need_package xauth
       ;;
     *)
-      echo "phymul: unknown part \"$part\"; there are: examples tests bench gl gl-tests" >&2
+      echo "phymul: unknown part \"$part\"; there are: examples tests bench charts gl gl-tests" >&2
       exit 2
       ;;
   esac

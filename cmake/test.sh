@@ -8,9 +8,9 @@ cd "$(dirname "$0")/.."
 preset=${1:-ci}
 
 if [ "$preset" = no-gl ]; then
-  sh cmake/install-packages.sh tests bench examples
+  sh cmake/install-packages.sh tests bench examples charts
 else
-  sh cmake/install-packages.sh tests bench examples gl gl-tests
+  sh cmake/install-packages.sh tests bench examples charts gl gl-tests
 fi
 . cmake/generator.sh
 

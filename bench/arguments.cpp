@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#include "arguments.h"
+
+#include <phymul/error.h>
+
+#include <sstream>
+
+#include "expression.h"
+
+namespace phymul::bench {
+
+Arguments::Arguments(int argc, char** argv, std::map<std::string, std::string> known) : values_(std::move(known)) {
+  std::string names;
+  for (const auto& [name, value] : values_) names += " --" + name + " (" + value + ")";
+  for (int k = 1; k < argc; k += 2) {
+    const std::string name = std::string(argv[k]).rfind("--", 0) == 0 ? argv[k] + 2 : "";
+    if (!values_.contains(name) || k + 1 == argc) {
+      throw Error("expected pairs of a name and a value, got \"" + std::string(argv[k]) + "\"; known:" + names);
+    }
+    values_[name] = argv[k + 1];
+  }
+}
+
+double Arguments::number(const std::string& name) const {
+  return evaluate(text(name), {});
+}
+
+std::vector<std::string> Arguments::list(const std::string& name) const {
+  std::istringstream in(text(name));
+  std::vector<std::string> entries;
+  for (std::string entry; std::getline(in, entry, ',');) entries.push_back(entry);
+  return entries;
+}
+
+std::vector<double> Arguments::numbers(const std::string& name) const {
+  std::vector<double> values;
+  for (const std::string& entry : list(name)) values.push_back(evaluate(entry, {}));
+  return values;
+}
+
+}  // namespace phymul::bench

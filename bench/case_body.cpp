@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include "case_body.h"
+
+#include <phymul/error.h>
+#include <phymul/mesh.h>
+#include <phymul/shapes.h>
+
+#include <cmath>
+#include <filesystem>
+
+namespace phymul::bench {
+namespace {
+
+std::vector<double> values(const std::vector<std::string>& texts, const Variables& variables) {
+  std::vector<double> result;
+  for (const std::string& text : texts) result.push_back(evaluate(text, variables));
+  return result;
+}
+
+int count(const std::string& text, const Variables& variables) {
+  const double value = evaluate(text, variables);
+  if (std::abs(value - std::round(value)) > 1e-9) throw Error("cells: expected a whole number, got \"" + text + "\"");
+  return static_cast<int>(std::round(value));
+}
+
+Model from_file(const ReferenceCase& it, const Variables& variables) {
+  if (it.body_args.empty()) throw Error("body file: expected a path");
+  std::string path = it.body_args[0];
+  if (const std::size_t mark = path.find("{n}"); mark != std::string::npos) {
+    path.replace(mark, 3, std::to_string(static_cast<int>(variables.at("n"))));
+  }
+  MeshOptions options;
+  if (it.body_args.size() > 1) options.length_unit = evaluate(it.body_args[1], variables);
+  return read_mesh((std::filesystem::path(it.folder) / path).string(), options);
+}
+
+Model built(const ReferenceCase& it, const Variables& variables) {
+  if (it.body == "file") return from_file(it, variables);
+  const std::vector<double> a = values(it.body_args, variables);
+  const int nx = count(it.cells[0], variables), ny = count(it.cells[1], variables), nz = count(it.cells[2], variables);
+  const auto require = [&](std::size_t least) {
+    if (a.size() < least) {
+      throw Error("body " + it.body + ": expected " + std::to_string(least) + " numbers, got " +
+                  std::to_string(a.size()));
+    }
+  };
+  if (it.body == "block") {
+    require(3);
+    return make_block({a[0], a[1], a[2]}, nx, ny, nz);
+  }
+  if (it.body == "tetrahedra") {
+    require(4);
+    const auto seed = static_cast<std::uint32_t>(a.size() > 4 ? a[4] : 1.0);
+    return make_tetrahedral_block({a[0], a[1], a[2]}, nx, ny, nz, a[3], seed);
+  }
+  if (it.body == "cylinder") {
+    require(2);
+    return make_cylinder(a[0], a[1], nx, ny, nz + 1);
+  }
+  throw Error("body \"" + it.body + "\": expected block, tetrahedra, cylinder or file");
+}
+
+}  // namespace
+
+Variables at_point(Variables variables, const Vec3& point) {
+  variables["x"] = point.x();
+  variables["y"] = point.y();
+  variables["z"] = point.z();
+  return variables;
+}
+
+Model make_body(const ReferenceCase& it, const Variables& variables) {
+  Model model = built(it, variables);
+  if (it.map[0] != "-") {
+    for (Vec3& p : model.rest) {
+      const Variables here = at_point(variables, p);
+      for (int axis = 0; axis < 3; ++axis) p[axis] = evaluate(it.map[axis], here);
+    }
+  }
+  for (const auto& [name, condition] : it.groups) {
+    std::vector<Index> members;
+    for (Index i = 0; i < model.particle_count(); ++i) {
+      if (evaluate(condition, at_point(variables, model.rest[i])) != 0.0) members.push_back(i);
+    }
+    if (members.empty()) throw Error("group " + name + ": no particle meets the condition \"" + condition + "\"");
+    model.add_group(name, std::move(members));
+  }
+  return model;
+}
+
+}  // namespace phymul::bench

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: MIT
+"""Markdown tables from the rows of work_precision.csv."""
+import math
+
+import chart_data as data
+from chart_data import number
+
+
+def seconds(value):
+    if value < 1e-3:
+        return f"{1e6 * value:.0f} us"
+    return f"{1e3 * value:.3g} ms" if value < 1 else f"{value:.3g} s"
+
+
+def cheapest_table(rows):
+    """The run that comes to rest soonest within each error."""
+    bounds = (0.10, 0.05, 0.02, 0.01)
+    text = "| case | " + " | ".join(f"error to {100 * b:.0f} %" for b in bounds) + " |\n|---|" + "---|" * len(bounds) + "\n"
+    for (case, level), of_level in data.groups(rows, "case", "level").items():
+        cells = []
+        for bound in bounds:
+            good = [r for r in of_level if r["status"] == "ok" and number(r, "error") <= bound and number(r, "wall_to_rest") > 0]
+            if not good:
+                cells.append("none")
+                continue
+            best = min(good, key=lambda r: number(r, "wall_to_rest"))
+            cells.append(f"{best['label']}, {best['particles']} particles, {best['backend']}: {seconds(number(best, 'wall_to_rest'))}"
+                         f" ({100 * number(best, 'error'):.2g} %)")
+        text += f"| {case.replace('_', ' ')}, {level.replace('_', ', ')} | " + " | ".join(cells) + " |\n"
+    return text
+
+
+def accuracy_table(rows, orders, most_particles=4096):
+    """Best calibrated variant of a case within the particles, by displacement error, with its force error and orders."""
+    text = "| case | best calibrated variant | particles | error | force error | null model | order, own limit | left in the limit |\n"
+    text += "|---|---|---|---|---|---|---|---|\n"
+    calibrated = ("per_base", "cell_averaged", "area_exponent", "fitted")
+    for (case, level), of_level in data.groups(rows, "case", "level").items():
+        good = [r for r in of_level if r["status"] == "ok" and r["method"] in calibrated
+                and int(r["particles"]) <= most_particles and not math.isnan(number(r, "error"))]
+        if not good:
+            text += f"| {case}, {level} | none at rest | | | | | | |\n"
+            continue
+        finest = max(int(r["particles"]) for r in good)
+        best = min((r for r in good if int(r["particles"]) == finest), key=lambda r: number(r, "error"))
+        order, floor, _ = orders.get((case, level, best["method"]), (math.nan, math.nan, math.nan))
+        force = number(best, "force_error")
+        text += (f"| {case.replace('_', ' ')}, {level.replace('_', ', ')} | {best['label']} | {best['particles']} "
+                 f"| {100 * number(best, 'error'):.2f} % | {'' if math.isnan(force) else f'{100 * force:.2f} %'} "
+                 f"| {100 * number(best, 'null_error'):.1f} % | {'at its limit' if math.isinf(order) else '' if math.isnan(order) else f'{order:.1f}'} | {'' if math.isnan(floor) else f'{100 * floor:.2f} %'} |\n")
+    return text

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "csv_row.h"
+
+#include <phymul/error.h>
+#include <phymul/version.h>
+
+#include <cmath>
+#include <ctime>
+#include <fstream>
+#include <thread>
+
+namespace phymul::bench {
+namespace {
+
+std::string processor() {
+  std::ifstream in("/proc/cpuinfo");
+  for (std::string line; std::getline(in, line);) {
+    if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
+  }
+  return "unknown processor";
+}
+
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%d", &utc);
+  return text;
+}
+
+}  // namespace
+
+CsvFile::CsvFile(const std::string& path, const std::vector<std::string>& columns)
+    : file_(std::fopen(path.c_str(), "w")), columns_(columns.size()) {
+  if (!file_) throw Error(path + ": expected a place to write to");
+  std::fprintf(file_, "# machine: %s, %u threads\n", processor().c_str(), std::thread::hardware_concurrency());
+  std::fprintf(file_, "# compiler: %s\n# flags: %s\n# phymul: %s\n# date: %s\n", PHYMUL_BENCH_COMPILER,
+               PHYMUL_BENCH_FLAGS, PHYMUL_VERSION, today().c_str());
+  row(columns);
+}
+
+CsvFile::~CsvFile() {
+  std::fclose(file_);
+}
+
+void CsvFile::row(const std::vector<std::string>& fields) {
+  if (fields.size() != columns_) throw Error("CsvFile: a row has another number of fields than there are columns");
+  for (std::size_t k = 0; k < fields.size(); ++k) {
+    std::string text = fields[k];
+    if (text.find_first_of(",\"\n") != std::string::npos) {
+      std::string quoted = "\"";
+      for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+      text = quoted + "\"";
+    }
+    std::fprintf(file_, "%s%s", k ? "," : "", text.c_str());
+  }
+  std::fprintf(file_, "\n");
+  std::fflush(file_);
+}
+
+std::string field(double value) {
+  if (!std::isfinite(value)) return "";
+  char text[40];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+}  // namespace phymul::bench

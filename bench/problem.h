@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+//
+// A reference case at one level and one resolution: body, loads, and the answer to be met.
+#pragma once
+
+#include <phymul/phymul.h>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cell_interpolation.h"
+#include "reference_case.h"
+
+namespace phymul::bench {
+
+struct Problem {
+  struct Reaction {
+    std::vector<Index> particles;
+    std::array<std::optional<double>, 3> value;  ///< of the supports on the body, N; N m where it is a torque
+    bool torque = false;                         ///< about the rest centroid of the particles
+  };
+
+  Model model;                        ///< material set; neighbours are cell edges
+  std::vector<Load> loads;            ///< imposed motion and forces, in full from time 0 on
+  Vec3 gravity{0, 0, 0};              ///< m/s^2
+  std::vector<std::uint8_t> imposed;  ///< [N] bit a set: coordinate a is imposed
+  VecList displacement;               ///< [N] m: imposed coordinates as loads say, the others harmonic (see below)
+  std::vector<PlaceInCell> places;    ///< of the sample points that are not prescribed
+  VecList sample_point;               ///< their rest places, m
+  VecList reference;                  ///< their displacement, m
+  int prescribed_samples = 0;         ///< left out
+  std::vector<Reaction> reactions;
+  double floor = 0.0, force_floor = 0.0;  ///< error of the reference itself
+
+  Scene scene(const Model& same_body) const;  ///< loads on a model with the same particles
+  bool has_forces() const;                    ///< gravity, forces or pressures: the answer depends on E
+};
+
+/// Throws Error. `displacement` is the null model: the prescribed displacement spread harmonically through the body (on
+/// the graph of cell edges), which between two plates is the linear ramp. It is the start of a relaxation, too.
+Problem make_problem(const ReferenceCase& reference_case, const std::string& level, int n);
+
+}  // namespace phymul::bench

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+//
+// Case files of bench/reference: expressions, the bodies and loads they make, and where sample points are.
+#include <gtest/gtest.h>
+#include <phymul/error.h>
+#include <phymul/phymul.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "cell_interpolation.h"
+#include "expression.h"
+#include "measures.h"
+#include "problem.h"
+#include "reference_case.h"
+#include "relaxation.h"
+
+namespace phymul::bench {
+namespace {
+
+TEST(Expression, PrecedenceFunctionsAndConditions) {
+  const Variables v{{"x", 2.0}, {"n", 3.0}};
+  EXPECT_DOUBLE_EQ(evaluate("1+2*x^2-6/n", v), 7.0);
+  EXPECT_DOUBLE_EQ(evaluate("-x^2", v), -4.0);
+  EXPECT_DOUBLE_EQ(evaluate("2^-1", v), 0.5);
+  EXPECT_DOUBLE_EQ(evaluate("8-3-2", v), 3.0);
+  EXPECT_DOUBLE_EQ(evaluate("sqrt(16)+max(1, x)+cos(pi)", v), 5.0);
+  EXPECT_DOUBLE_EQ(evaluate("if(x<=2 && n!=2, 1e-3, 7)", v), 1e-3);
+  EXPECT_DOUBLE_EQ(evaluate("!(x>1) || n==3", v), 1.0);
+}
+
+TEST(Expression, ErrorsQuoteTheText) {
+  for (const char* wrong : {"", "1+", "2*(3", "y", "foo(1)", "1/0", "3 4", "sin(1,2)"}) {
+    EXPECT_THROW(evaluate(wrong, {}), Error) << wrong;
+  }
+}
+
+/// Every cell type gives back a linear field exactly, inside and beyond its facets.
+TEST(CellInterpolation, LinearFieldsAreExact) {
+  Mat3 slope;
+  slope << 1, 2, 3, -4, 5, 6, 7, -8, 9;
+  Model block = make_block({0.1, 0.06, 0.04}, 4, 3, 2);
+  jitter(block, 0.1, 3);
+  for (const Model& model :
+       {block, make_tetrahedral_block({0.1, 0.06, 0.04}, 4, 3, 2, 0.2, 1), make_cylinder(0.03, 0.08, 2, 8, 5)}) {
+    const bool round = model.has_group("bottom");
+    const VecList points = round ? VecList{{0.001, 0.002, 0.01}, {0.0277, 0.0115, 0.05}, {-0.02, 0.01, 0.08}}
+                                 : VecList{{0.03, 0.02, 0.01}, {0.055, 0.031, 0.022}, {0.08, 0.05, 0.03}};
+    VecList field = model.rest;
+    for (Vec3& p : field) p = slope * p;
+    for (const PlaceInCell& place : locate(model, points)) {
+      const Vec3 at = place.interpolate(model.rest);
+      EXPECT_LT((place.interpolate(field) - slope * at).norm(), 1e-14);
+    }
+    for (std::size_t s = 0; s < points.size(); ++s) {
+      EXPECT_LT((locate(model, points)[s].interpolate(model.rest) - points[s]).norm(), 1e-12);
+    }
+  }
+}
+
+TEST(CellInterpolation, RefusesPointsFarOutside) {
+  const VecList far{{0.2, 0, 0}};
+  EXPECT_THROW(locate(make_block({0.1, 0.1, 0.1}, 2, 2, 2), far), Error);
+}
+
+class CaseFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(testing::TempDir()) / "phymul_case_file";
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string write(const std::string& name, const std::string& text) const {
+    const std::string path = (folder_ / name).string();
+    std::ofstream(path) << text;
+    return path;
+  }
+
+  std::filesystem::path folder_;
+};
+
+/// A body no case file of the project has: a mesh file, a group by a condition, an imposed shear that depends on place.
+TEST_F(CaseFile, MeshFileSheared) {
+  const Model body = make_tetrahedral_block({0.06, 0.02, 0.02}, 6, 2, 2, 0.1, 4);
+  write_vtu(body, rest_state(body), (folder_ / "body_2.vtu").string());
+  const std::string path =
+      write("sheared.case",
+            "body file body_{n}.vtu 2\nresolutions 2\nlevel a nu=0.4 d=0.01*n\nlet twice 2*d\n"
+            "material 5e3 nu 900\ngroup low z < 1e-9\ngroup high z > 0.04-1e-9 && x > -1\nfix low\n"
+            "move high twice*x/0.12 - 0\npoint 0.05 0.02 0.02\nexact z 0 0\nreaction high - - 1\n");
+  const ReferenceCase it = read_case(path);
+  const Problem problem = make_problem(it, "a", 2);
+  EXPECT_DOUBLE_EQ(problem.model.materials.front().poisson, 0.4);
+  EXPECT_NEAR(volume(problem.model, problem.model.rest), 0.12 * 0.04 * 0.04, 1e-12);
+  const Scene scene = problem.scene(problem.model);
+  LoadFrame frame;
+  scene.prepare(frame);
+  scene.evaluate(0.0, frame);
+  for (const Index i : problem.model.group("high")) {
+    const Vec3& rest = problem.model.rest[i];
+    EXPECT_EQ(frame.fixed[i], 5);
+    EXPECT_NEAR(frame.target[i].x(), rest.x() + 0.04 * rest.x() / 0.12, 1e-12);
+    EXPECT_NEAR(frame.target[i].z(), rest.z(), 1e-15);
+  }
+  for (const Index i : problem.model.group("low")) EXPECT_EQ(frame.fixed[i], 7);
+  EXPECT_NEAR(problem.reference[0].x(), 0.02, 1e-15);
+}
+
+TEST_F(CaseFile, ErrorsNameFileAndLine) {
+  const std::string path = write("wrong.case", "title it\nbody block 1 1 1\nmove x0 0 0\n");
+  try {
+    read_case(path);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("wrong.case:3:"), std::string::npos) << error.what();
+  }
+  EXPECT_THROW(read_case(write("short.case", "body block 1 1 1\ncells n n n\nresolutions 2\n")), Error);
+}
+
+TEST_F(CaseFile, NullModelBetweenPlatesIsTheRamp) {
+  const std::string path = write("ramp.case",
+                                 "body block 0.1 0.1 0.2\ncells n n 2*n\nresolutions 3\nfix z0\nmove z1 0.01 0 -0.02\n"
+                                 "point 0.05 0.05 0.1\nexact 0.005 0 -0.01\n");
+  const Problem problem = make_problem(read_case(path), "only", 3);
+  for (Index i = 0; i < problem.model.particle_count(); ++i) {
+    const double share = problem.model.rest[i].z() / 0.2;
+    EXPECT_LT((problem.displacement[i] - share * Vec3(0.01, 0, -0.02)).norm(), 1e-12);
+  }
+  EXPECT_LT(null_error(problem).global_ratio, 1e-10);
+}
+
+/// Relaxed by real stepping, a stretched block has the strains and the force of its E and nu; a wrong nu is seen.
+TEST_F(CaseFile, RelaxedBodyMeetsTheClosedForm) {
+  const std::string text =
+      "let e 1e-3\nbody block 0.04 0.02 0.02\ncells 2*n n n\nresolutions 2\nmaterial 1e4 0.3 1000\nlevel right q=0.3\n"
+      "level wrong q=0.25\nmove x0 0 - -\nmove x1 e*0.04 - -\nmove y0 - 0 -\nmove z0 - - 0\npoint 0.021 0.02 0.013\n"
+      "exact e*x -q*e*y -q*e*z\nreaction x1 1e4*e*0.02^2 - -\n";
+  const ReferenceCase it = read_case(write("stretch.case", text));
+  for (const bool right : {true, false}) {
+    const Problem problem = make_problem(it, right ? "right" : "wrong", 2);
+    const auto topology = std::make_shared<const TopologyTextures>(build_topology(problem.model));
+    const Scene scene = problem.scene(problem.model);
+    VecList start = problem.model.rest;
+    for (std::size_t i = 0; i < start.size(); ++i) start[i] += problem.displacement[i];
+    RelaxationPlan plan;
+    plan.backend = "reference";
+    const Relaxation relaxation = relax(topology, scene, start, plan);
+    ASSERT_EQ(relaxation.status, "ok") << relaxation.message;
+    const Measures measures = measure(problem, *topology, scene, relaxation.state.position);
+    if (right) {
+      EXPECT_LT(measures.displacement.global_ratio, 1e-3);
+    } else {
+      EXPECT_GT(measures.displacement.global_ratio, 0.02);
+    }
+    EXPECT_LT(measures.force_error.value(), 3e-3);
+  }
+}
+
+TEST(ReferenceCases, EveryFileMakesItsCoarsestProblem) {
+  for (const ReferenceCase& it : read_cases(PHYMUL_REFERENCE_CASES)) {
+    for (const std::string& level : it.levels_to_draw()) {
+      const Problem problem = make_problem(it, level, it.resolutions.front());
+      EXPECT_GE(problem.places.size(), 4u) << it.name;
+      EXPECT_GT(problem.floor, 0.0) << it.name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace phymul::bench

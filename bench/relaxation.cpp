@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+#include "relaxation.h"
+
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace phymul::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+const char* name_of(StepStatus status) {
+  switch (status) {
+    case StepStatus::ok:
+      return "ok";
+    case StepStatus::invalid_step:
+      return "invalid_step";
+    case StepStatus::unstable_step:
+      return "unstable_step";
+    case StepStatus::not_finite:
+      return "not_finite";
+    case StepStatus::device_lost:
+      return "device_lost";
+  }
+  return "unknown";
+}
+
+/// Rayleigh quotient of the motion from one state to another, 1/s^2: how stiff the body is against it, over its mass.
+/// Negative or not finite for bodies without an energy.
+double stiffness_over_mass(const TopologyTextures& topology, const VecList& from, const VecList& to) {
+  VecList before(from.size()), after(from.size());
+  elastic_forces(topology, from, before);
+  elastic_forces(topology, to, after);
+  double stiff = 0.0, mass = 0.0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const Vec3 move = to[i] - from[i];
+    stiff += move.dot(before[i] - after[i]);
+    mass += topology.mass[i] * move.squaredNorm();
+  }
+  return stiff / mass;
+}
+
+class Relaxing {
+ public:
+  Relaxing(std::shared_ptr<const TopologyTextures> topology, const Scene& scene, const RelaxationPlan& plan)
+      : topology_(std::move(topology)), scene_(scene), plan_(plan) {
+    options_.on_unstable = UnstableStep::allow;
+    options_.spectrum = estimate_spectrum(*topology_, topology_->rest);
+    result_.stable_step = stable_step(*options_.spectrum, 1.0);
+    result_.dt = plan.step_share * result_.stable_step;
+  }
+
+  Relaxation run(const VecList& start) {
+    State state = rest_state(scene_.model());
+    state.position = start;
+    began_ = Clock::now();
+    result_.excited = plan_.excited;
+    if (result_.excited.omega == 0.0) result_.excited = find_excited(state);
+    if (!result_.status.empty()) return result_;
+    const auto& [omega, reach] = result_.excited;
+    result_.rate = 2.0 * omega;
+    options_.damping.rate = result_.rate;
+    // At critical damping a body that has `left` to go moves at about omega times that.
+    const double omega_max = std::sqrt(options_.spectrum->largest);
+    const double left = plan_.rest_accuracy * reach;
+    options_.rest_tolerance = std::max(left * omega / (omega_max * mean_spacing(scene_.model())), 1e-14);
+    settle(state);
+    return result_;
+  }
+
+ private:
+  std::unique_ptr<Solver> solver() const { return make_solver(plan_.backend, topology_, scene_, options_); }
+
+  bool failed(const StepReport& report) {
+    if (report.ok()) return false;
+    result_.status = name_of(report.status);
+    result_.message = report.message();
+    return true;
+  }
+
+  bool over_budget(double share, const char* stage) {
+    if (seconds_since(began_) < share * plan_.wall_cap) return false;
+    result_.status = "over_budget";
+    result_.message = stage;
+    return true;
+  }
+
+  Excited find_excited(const State& start) {
+    Excited excited = first_peak(start);
+    State state = start;
+    for (int round = 0; round < 3 && result_.status.empty() && excited.omega > 0.0; ++round) {
+      const double slower = slow_omega(excited.omega, state);
+      if (!(slower > 0.0) || slower > 0.8 * excited.omega) break;
+      excited.omega = std::max(slower, 0.05 * excited.omega);
+    }
+    return excited;
+  }
+
+  Excited first_peak(const State& start) {
+    Excited excited;
+    const auto undamped = solver();
+    undamped->reset(start);
+    result_.device = undamped->device();
+    double peak = 0.0, peak_time = 0.0;
+    for (int steps = 0; !over_budget(0.3, "the first quarter of the period is not over");) {
+      const int batch = std::max(4, steps / 12);
+      if (failed(undamped->step(batch, result_.dt))) return excited;
+      steps += batch;
+      const State& state = result_.state = undamped->read();
+      excited.reach = std::max(excited.reach, displacement_norms(scene_.model(), state).max);
+      const double kinetic = kinetic_energy(scene_.model(), state);
+      if (kinetic > peak) peak = kinetic, peak_time = state.time;
+      if (kinetic < 0.8 * peak || peak == 0.0) break;
+    }
+    excited.omega = peak_time > 0.0 ? std::numbers::pi / 2.0 / peak_time : 0.0;
+    return excited;
+  }
+
+  /// Goes on from `state`, critically damped for omega; 0 where what still moves has no frequency.
+  double slow_omega(double omega, State& state) {
+    options_.damping.rate = 2.0 * omega;
+    const auto damped = solver();
+    damped->reset(state);
+    const int steps = static_cast<int>(std::ceil(4.0 / (omega * result_.dt)));
+    if (failed(damped->step(steps, result_.dt)) || over_budget(0.5, "its slow motion is not found")) return 0.0;
+    const VecList before = damped->read().position;
+    if (failed(damped->step(steps / 2 + 1, result_.dt))) return 0.0;
+    damped->read(state);
+    result_.state = state;
+    const double square = stiffness_over_mass(*topology_, before, state.position);
+    return square > 0.0 && std::isfinite(square) ? std::sqrt(square) : 0.0;
+  }
+
+  void settle(const State& start) {
+    const auto damped = solver();
+    damped->reset(start);
+    result_.device = damped->device();
+    std::vector<double> per_step;
+    result_.status = "over_budget";
+    result_.message = "not at rest within the time given";
+    const double most_steps = std::max(500.0, 2.0 * plan_.patience / (result_.rate * result_.dt));
+    while (seconds_since(began_) < plan_.wall_cap) {
+      const int batch = std::max(8, result_.steps / 16);
+      const auto start_of_batch = Clock::now();
+      const StepReport report = damped->run_to_rest(batch, result_.dt);
+      const double wall = seconds_since(start_of_batch);
+      if (report.steps > 0) per_step.push_back(wall / report.steps);
+      result_.steps += report.steps;
+      if (failed(report)) break;
+      if (report.at_rest) {
+        result_.status = "ok";
+        result_.message.clear();
+        break;
+      }
+      if (result_.steps > most_steps) {
+        result_.status = "restless";
+        result_.message = "still moving after five times the steps that critical damping takes";
+        break;
+      }
+    }
+    damped->read(result_.state);
+    if (!per_step.empty()) {
+      const auto middle = per_step.begin() + static_cast<std::ptrdiff_t>(per_step.size() / 2);
+      std::ranges::nth_element(per_step, middle);
+      result_.wall_per_step = *middle;
+    }
+  }
+
+  std::shared_ptr<const TopologyTextures> topology_;
+  const Scene& scene_;
+  RelaxationPlan plan_;
+  SolverOptions options_;
+  Relaxation result_;
+  Clock::time_point began_;
+};
+
+}  // namespace
+
+Relaxation relax(std::shared_ptr<const TopologyTextures> topology, const Scene& scene, const VecList& start,
+                 const RelaxationPlan& plan) {
+  try {
+    return Relaxing(std::move(topology), scene, plan).run(start);
+  } catch (const Error& error) {
+    Relaxation refused;
+    refused.status = "refused";
+    refused.message = error.what();
+    return refused;
+  }
+}
+
+}  // namespace phymul::bench
