@@ -218,6 +218,29 @@ TEST_P(SolverConformance, PlaneBodiesKeepTheirPlane) {
   EXPECT_THROW(solver->reset(start), Error);
 }
 
+TEST_P(SolverConformance, ScatteredBodiesComeBackAndTheReportSaysThatForcesWereCut) {
+  const Model model = block();
+  const Scene scene(model);
+  SolverOptions options;
+  options.damping.factor = 0.98;
+  const auto solver = make(model, scene, options);
+  State scattered = rest_state(model);
+  scattered.position = random_positions(model, 1.5, 7);
+  solver->reset(scattered);
+  const double dt = 0.5 * solver->stable_step();
+  EXPECT_TRUE(solver->step(1, dt).cut);
+  const StepReport report = solver->step(4000, dt);
+  ASSERT_TRUE(report.ok()) << report.message();
+  EXPECT_TRUE(report.cut);
+  EXPECT_LE(solver->energy().elastic, 1e-6 * soft_tissue().young * volume(model, model.rest));
+  EXPECT_FALSE(solver->step(1, dt).cut);
+
+  options.largest_push = std::numeric_limits<double>::infinity();
+  const auto uncut = make(model, scene, options);
+  uncut->reset(scattered);
+  EXPECT_FALSE(uncut->step(1, dt).cut);
+}
+
 TEST_P(SolverConformance, CloudWithoutStiffnessFalls) {
   Model model = block();
   model.cells.clear();

@@ -59,10 +59,11 @@ PHYMUL_INLINE void move_slices_of(const simd::Move& move, int slice, int end, si
   const Pack dt = all(move.dt), damping = all(move.damping), runaway = all(move.runaway_squared);
   Pack acceleration{}, push{}, speed{}, displacement{};
   Ints ran{};
+  bool cut = false;
   for (; slice < end; ++slice) {
     const std::int64_t at = static_cast<std::int64_t>(slice) * lanes;
     Pack3 force = total_force(move, slice);
-    reach.cut |= cut_force(force, load(move.inverse_mass + at), move);
+    cut |= cut_force(force, load(move.inverse_mass + at), move);
     if (move.load != nullptr) force += gather_row(move.load + 16 * at);
     const Pack mass = load(move.mass + at);
     const Pack3 u = gather_row(move.u + 16 * at), v = load3(move.v + 3 * at);
@@ -100,6 +101,7 @@ PHYMUL_INLINE void move_slices_of(const simd::Move& move, int slice, int end, si
   reach.speed = largest_of(speed);
   reach.displacement = largest_of(displacement);
   reach.runaway = any_of(ran);
+  reach.cut = cut;
 }
 
 inline void move_slices(const simd::Move& move, int slice, int end, simd::Reach& reach) {
