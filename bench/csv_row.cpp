@@ -5,32 +5,11 @@
 #include <phymul/version.h>
 
 #include <cmath>
-#include <ctime>
-#include <fstream>
 #include <thread>
 
+#include "machine.h"
+
 namespace phymul::bench {
-namespace {
-
-std::string processor() {
-  std::ifstream in("/proc/cpuinfo");
-  for (std::string line; std::getline(in, line);) {
-    if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
-  }
-  return "unknown processor";
-}
-
-std::string today() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%d", &utc);
-  return text;
-}
-
-}  // namespace
-
 CsvFile::CsvFile(const std::string& path, const std::vector<std::string>& columns)
     : file_(std::fopen(path.c_str(), "w")), columns_(columns.size()) {
   if (!file_) throw Error(path + ": expected a place to write to");

@@ -9,8 +9,6 @@
 #include <fstream>
 #include <thread>
 
-namespace {
-
 std::string today() {
   const std::time_t now = std::time(nullptr);
   std::array<char, 32> text{};
@@ -27,6 +25,8 @@ std::string processor() {
   }
   return "unknown";
 }
+
+namespace {
 
 /// Processes that wanted a processor in the minute before: a quiet machine has none or one.
 std::string load_before() {

@@ -7,6 +7,9 @@
 #include <utility>
 #include <vector>
 
+std::string today();      ///< UTC
+std::string processor();  ///< its name, as the system tells it
+
 /// Date, phymul's version, processor, compiler and flags, in the order to print them.
 std::vector<std::pair<std::string, std::string>> machine_facts();
 

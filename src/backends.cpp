@@ -9,6 +9,7 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <limits>
 
 #include "cpu/reference_solver.h"
 #include "cpu/vector_solver.h"
@@ -73,13 +74,14 @@ struct Choice {
 constexpr Index gl_particles = 1000;
 constexpr int timed_steps = 8;
 
-/// Seconds a step takes, from the rest shape and back to it. The first call, which may set things up, is not counted.
+/// Seconds a step takes, from the rest shape and back to it; infinite where one fails. The first call, which may set
+/// things up, is not counted.
 double seconds_a_step(Solver& solver) {
   const double dt = std::min(0.1 * solver.stable_step(), 1.0);
   double best = 0.0;
   for (int round = 0; round < 4; ++round) {
     const auto start = std::chrono::steady_clock::now();
-    solver.step(timed_steps, dt);
+    if (!solver.step(timed_steps, dt).ok()) return std::numeric_limits<double>::infinity();
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / timed_steps;
     if (round == 1 || (round > 1 && seconds < best)) best = seconds;

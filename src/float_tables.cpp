@@ -199,6 +199,19 @@ void pack_lists(const TopologyTextures& from, FloatTables& to) {
 
 }  // namespace
 
+void require_bases_in_range(const TopologyTextures& topology) {
+  for (Index i = 0; i < topology.particle_count; ++i) {
+    const IndexTexel& at = topology.index[i];
+    for (Index t = at.first_base; t < at.first_base + at.base_count; ++t) {
+      const auto& v = topology.bases[t].vertex;
+      const Vec3 E1 = topology.rest[v[1]] - topology.rest[v[0]];
+      require_square(topology.dimension == 2 ? E1.squaredNorm()
+                                             : E1.cross(Vec3(topology.rest[v[2]] - topology.rest[v[0]])).squaredNorm(),
+                     i);
+    }
+  }
+}
+
 FloatTables pack_floats(const TopologyTextures& topology, FloatLayout layout) {
   FloatTables tables;
   tables.options = topology.options;

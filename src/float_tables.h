@@ -101,6 +101,9 @@ inline RestThresholds rest_thresholds(RestThresholds asked, double largest) {
   return {std::max(asked.speed, speed), std::max(asked.acceleration, speed * omega_max)};
 }
 
+/// Throws Error where a base's squared area would leave what single precision can hold.
+void require_bases_in_range(const TopologyTextures& topology);
+
 /// Rows of `share` (thesis' reactions) or `reaction` are bounded by lists[i][0]. Throws Error where an entry would not
 /// fit 32 bits or a constant not a float, and for `enumerated` where the options do not allow it.
 FloatTables pack_floats(const TopologyTextures& topology, FloatLayout layout = FloatLayout::table);

@@ -146,6 +146,8 @@ Solver::Solver(std::string name, std::shared_ptr<const TopologyTextures> topolog
   }
   stable_step_ = phymul::stable_step(spectrum_, options_.damping.factor);
   spacing_ = mean_spacing(model());
+  // Cells alone make a body, without neighbours to take a spacing from.
+  if (!(spacing_ > 0.0)) spacing_ = body_size(model()) / std::cbrt(static_cast<double>(topology_->particle_count));
   scene_->prepare(frame_);
   scene_version_ = scene_->version();
 }
@@ -153,8 +155,8 @@ Solver::Solver(std::string name, std::shared_ptr<const TopologyTextures> topolog
 void Solver::follow_scene() {
   if (scene_version_ == scene_->version()) return;
   scene_->prepare(frame_);
-  scene_version_ = scene_->version();
   do_scene_changed();
+  scene_version_ = scene_->version();
 }
 
 void Solver::reset(const State& state) {
@@ -210,10 +212,10 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   const double omega = std::sqrt(spectrum_.largest);
   plan.speed_at_rest = options_.rest_tolerance * spacing_ * omega;
   plan.acceleration_at_rest = plan.speed_at_rest * omega;
-  const bool cuts = !report.beyond_limit && !grows_by_itself(spectrum_);
+  const bool cuts = spacing_ > 0.0 && !report.beyond_limit && !grows_by_itself(spectrum_);
   plan.largest_acceleration =
       cuts ? options_.largest_push * spacing_ / (dt * dt) : std::numeric_limits<double>::infinity();
-  plan.runaway_speed = omega > 0.0 ? runaway_factor * spacing_ * omega : std::numeric_limits<double>::max();
+  plan.runaway_speed = omega * spacing_ > 0.0 ? runaway_factor * spacing_ * omega : std::numeric_limits<double>::max();
   plan.stop_at_rest = stop_at_rest;
   plan.rest_steps = options_.rest_steps;
 

@@ -262,5 +262,15 @@ TEST(CpuBackend, RefusesWhatItCannotDo) {
   EXPECT_NE(message_of([&] { solver->reset(far); }).find("beyond single precision"), std::string::npos);
 }
 
+TEST(CpuBackend, BodiesTooSmallForSinglePrecisionAreForTheReference) {
+  const Model model = make_tetrahedron(1e-9);
+  const Scene scene(model);
+  EXPECT_NE(message_of([&] { make_solver("cpu", model, scene); }).find("a base of particle 0 spans"),
+            std::string::npos);
+  const auto solver = make_solver("auto", model, scene);
+  EXPECT_EQ(solver->name(), "reference");
+  EXPECT_NE(solver->choice().find("single precision holds"), std::string::npos) << solver->choice();
+}
+
 }  // namespace
 }  // namespace phymul::test

@@ -9,13 +9,13 @@
 #include <array>
 #include <atomic>
 #include <cstdio>
-#include <fstream>
 #include <stdexcept>
 #include <thread>
 #include <vector>
 
 #include "gl/gl_api.h"
 #include "gl_fixture.h"
+#include "heap_in_use.h"
 #include "message_of.h"
 
 namespace phymul::gl {
@@ -142,14 +142,6 @@ TEST_F(GlContextTest, AContextMayMoveBetweenThreads) {
   }
 }
 
-/// Resident memory of this process, in pages.
-long resident_pages() {
-  std::ifstream statm("/proc/self/statm");
-  long size = 0, resident = 0;
-  statm >> size >> resident;
-  return resident;
-}
-
 /// What each of a hundred contexts left behind would show: a driver's context weighs hundreds of kilobytes.
 TEST_F(GlContextTest, AHundredContextsLeaveNothingBehind) {
   for (const GlContext mode : {GlContext::own, GlContext::worker}) {
@@ -157,13 +149,11 @@ TEST_F(GlContextTest, AHundredContextsLeaveNothingBehind) {
       for (int i = 0; i < times; ++i) EXPECT_EQ(drawn_and_read(*Context::open({.context = mode}), 1.0f), 1.0f);
     };
     open_and_close(20);  // the driver's caches fill
-    const long before = resident_pages();
+    const double before = heap_in_use();
     open_and_close(100);
-    const long grown = resident_pages() - before;
-    std::printf("100 contexts: %ld pages more\n", grown);
-#ifndef __SANITIZE_ADDRESS__  // keeps what was freed; its own leak checker does the counting there
-    EXPECT_LT(grown, 100 * 16);
-#endif
+    const double grown = heap_in_use() - before;
+    std::printf("[  MEMORY  ] grew by %.0f KiB over 100 contexts\n", grown / 1024.0);
+    EXPECT_LT(grown, 100 * 16384.0);
   }
 }
 

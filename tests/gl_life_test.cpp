@@ -4,9 +4,8 @@
 // and what becomes of it when its device goes away.
 #include <unistd.h>
 
-#include <fstream>
-
 #include "gl_twins.h"
+#include "heap_in_use.h"
 #include "message_of.h"
 
 namespace phymul::test {
@@ -121,14 +120,6 @@ TEST_F(GlLife, StatesBeyondSinglePrecisionAreRefused) {
   EXPECT_EQ(solver->read(), rest_state(model_));
 }
 
-/// Resident memory of this process, bytes.
-double resident() {
-  std::ifstream in("/proc/self/statm");
-  double total = 0.0, pages = 0.0;
-  in >> total >> pages;
-  return pages * static_cast<double>(sysconf(_SC_PAGESIZE));
-}
-
 TEST_F(GlLife, AHundredSolversComeAndGo) {
   SolverOptions options;
   options.gl.debug = true;
@@ -147,9 +138,9 @@ TEST_F(GlLife, AHundredSolversComeAndGo) {
       solver->read();
     }
     ASSERT_EQ(message_of([&] { context->throw_debug_errors(); }), "(no error)") << k;
-    if (k == 30) before = resident();
+    if (k == 30) before = heap_in_use();
   }
-  const double grown = resident() - before;
+  const double grown = heap_in_use() - before;
   std::printf("[  MEMORY  ] grew by %.0f KiB over the last 70 solvers\n", grown / 1024.0);
   EXPECT_LT(grown, 8e6);
 }

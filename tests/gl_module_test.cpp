@@ -30,8 +30,7 @@ TEST(GlModule, IsLoadedOnlyWhenItMayBeOfUse) {
   ASSERT_FALSE(process_has("libphymul_gl"));
   const Model small = make_tetrahedron(0.01);
   const Scene small_scene(small);
-  EXPECT_EQ(make_solver("auto", small, small_scene)->choice(),
-            "cpu: 4 particles are too few for a GPU to gain on");
+  EXPECT_EQ(make_solver("auto", small, small_scene)->choice(), "cpu: 4 particles are too few for a GPU to gain on");
   EXPECT_FALSE(process_has("libphymul_gl"));
   EXPECT_FALSE(process_has("libGLEW"));
 
@@ -52,8 +51,7 @@ TEST(GlModule, AutoSaysWhyItTookWhatItTook) {
     EXPECT_NE(choice.find(why_not), std::string::npos) << choice;
   } else {
     const bool gpu = solver->name() == "gl";
-    EXPECT_NE(choice.find(gpu ? "a step took " : "GL has a software renderer only ("), std::string::npos)
-        << choice;
+    EXPECT_NE(choice.find(gpu ? "a step took " : "GL has a software renderer only ("), std::string::npos) << choice;
   }
   EXPECT_EQ(make_solver("reference", model, scene)->choice(), "");
 }

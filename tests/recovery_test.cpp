@@ -112,6 +112,22 @@ TEST(Recovery, ABodyInOnePointIsReported) {
   EXPECT_EQ(solver->run_to_rest(1000, 0.5 * solver->stable_step()).collapsed, -1);
 }
 
+/// Cells alone make a body; the spacing that forces are measured by is then that of the particles in its size.
+TEST(Recovery, ABodyWithoutNeighboursIsNotCut) {
+  Model model = cube(0.3);
+  model.neighbours.offset.assign(model.rest.size() + 1, 0);
+  model.neighbours.entry.clear();
+  Scene scene(model);
+  scene.fix("z1").gravity({0, 0, -1});
+  const auto solver = make_solver("reference", model, scene);
+  const StepReport report = solver->step(200, 0.5 * solver->stable_step());
+  EXPECT_TRUE(report.ok()) << report.message();
+  EXPECT_FALSE(report.cut);
+  const Vec3 hung = solver->read().position[model.group("z0")[0]] - model.rest[model.group("z0")[0]];
+  EXPECT_LT(hung.z(), 0.0);
+  EXPECT_GT(hung.z(), -0.1 * side);
+}
+
 /// Beyond the limit, and in models that grow by themselves, a cut would hide what has to be seen.
 TEST(Recovery, GrowthIsNotHidden) {
   const Model model = cylinder_275();

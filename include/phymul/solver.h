@@ -101,10 +101,10 @@ struct ParticleBuffer {
   std::span<const Vec3> position;  ///< CPU backends: [N] m
 };
 
-/// step() never throws, and allocates only in the first step after the scene has gained its first force or its first
-/// imposed position; read() is the one call that waits for a device. Not thread-safe; two solvers are independent, and
-/// may share a scene that nobody changes meanwhile. Keeps a reference to the scene and, through it, to the model, which
-/// must both outlive it and of which the model must not change.
+/// step() throws nothing but std::bad_alloc, and allocates only in the first step after a change of the scene
+/// ("reference": after its first force or first imposed position); read() is the one call that waits for a device. Not
+/// thread-safe; two solvers are independent, and may share a scene that nobody changes meanwhile. Keeps a reference to
+/// the scene and, through it, to the model, which must both outlive it and of which the model must not change.
 class Solver {
  public:
   virtual ~Solver() = default;
@@ -219,8 +219,9 @@ class Solver {
   double spacing_ = 0.0;
 };
 
-/// Makes a solver, at rest. "auto" takes "cpu", or "gl" where a GPU was measured to be faster; Solver::choice() says
-/// why. Throws Error that lists the known names and, for one not built, how to.
+/// Makes a solver, at rest. "auto" takes "cpu", or "gl" where a GPU was measured to be faster, or "reference" where
+/// single precision cannot hold the body; Solver::choice() says why. Throws Error that lists the known names and, for
+/// one not built, how to.
 std::unique_ptr<Solver> make_solver(std::string_view backend, const Model& model, const Scene& scene,
                                     const TopologyOptions& topology = {}, const SolverOptions& options = {});
 std::unique_ptr<Solver> make_solver(std::string_view backend, const Model& model, const Scene&& scene,

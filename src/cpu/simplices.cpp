@@ -70,7 +70,7 @@ bool is_flat(const TopologyTextures& t, const std::array<Index, 4>& v) {
 
 /// One of each kind, or nothing: the same base twice stays outside.
 bool fits(const std::vector<Member>& members, std::size_t first, std::size_t last, Simplex& simplex) {
-  // The order of the volume or the cell, if there is one: its volume is positive.
+  // Sorted; simplex_constants carries the sign of that order.
   simplex.vertex = members[first].key;
   for (std::size_t m = first; m < last; ++m) {
     const Member& member = members[m];

@@ -111,7 +111,8 @@ void TermCutter::cut_base_slice(const Cluster& cluster, int s, Index own) {
 void TermCutter::pack_base(Index t, Index owner, LaneRows& rows, Index row, int lane) {
   const BaseTexel& base = t_.bases[t];
   const int vertices = body_.plane ? 2 : 3;
-  for (int k = 0; k < vertices; ++k) rows.offset(row, k, lane, slots_.offset_of(base.vertex[k], body_.use != simd::BaseUse::attractor));
+  for (int k = 0; k < vertices; ++k)
+    rows.offset(row, k, lane, slots_.offset_of(base.vertex[k], body_.use != simd::BaseUse::attractor));
   const Vec3& at = t_.rest[base.vertex[0]];
   const Vec3 E1 = t_.rest[base.vertex[1]] - at;
   const Vec3 E2 = body_.plane ? Vec3(Vec3::Zero()) : Vec3(t_.rest[base.vertex[2]] - at);
@@ -142,7 +143,8 @@ void TermCutter::cut_enumerated_slice(const Cluster& cluster, int s, Index own) 
     const Triples& of = triples[lane];
     for (std::size_t k = 0; k < of.neighbour.size(); ++k) {
       const auto row = static_cast<Index>(k);
-      edges.offset(row, 0, static_cast<int>(lane), slots_.offset_of(of.neighbour[k], body_.use != simd::BaseUse::attractor));
+      edges.offset(row, 0, static_cast<int>(lane),
+                   slots_.offset_of(of.neighbour[k], body_.use != simd::BaseUse::attractor));
       edges.put(row, 1, static_cast<int>(lane), Vec3(t_.rest[of.neighbour[k]] - t_.rest[first + lane]));
       edges.put(row, 4, static_cast<int>(lane), of.alpha[k]);
     }

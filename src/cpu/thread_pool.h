@@ -12,11 +12,11 @@
 namespace phymul::cpu {
 
 /// run() calls work(part, parts) once for each part 0 <= part < parts(), part 0 on the calling thread, and returns when
-/// all have returned. Which thread runs which part is fixed, so results depend on `parts` only through how the work is
+/// all have returned. Which thread runs which part is fixed, so results depend on parts() only through how the work is
 /// cut. `work` must not throw. One caller at a time.
 class ThreadPool {
  public:
-  explicit ThreadPool(int parts);  ///< parts - 1 threads are started; throws std::system_error where that fails
+  explicit ThreadPool(int parts);  ///< parts - 1 threads are started, or as many as the system gives
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "../float_tables.h"
 #include "renumbering.h"
 #include "term_cutter.h"
 #include "vector_rows.h"
@@ -144,6 +145,7 @@ double VectorBody::cost() const {
 }
 
 std::unique_ptr<const VectorBody> make_vector_body(const TopologyTextures& topology, int lanes) {
+  require_bases_in_range(topology);
   auto body = std::make_unique<VectorBody>();
   const bool whole = topology.particle_count <= whole_size && rough_cost(topology, lanes) <= whole_cost;
   const Index size = whole ? std::max<Index>(topology.particle_count, 1) : cluster_size;

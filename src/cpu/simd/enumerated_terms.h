@@ -80,7 +80,7 @@ PHYMUL_INLINE Pack3 enumerated_pull(const Neighbourhood& n, Pack* changes) {
                   k + 1, count, [&](auto l_) __attribute__((always_inline)) {
                     const int l = number(l_);
                     prefetch_rows<2>(row);
-        const Pack rest = load(row + lanes);
+                    const Pack rest = load(row + lanes);
                     const Pack3 w = cross(e1, e2[l]), dw = cross(d1, e2[l]) + cross(E1, d2[l]);
                     const Pack q = dot(w, w), y = dot(dw, w + (w - dw)) * rest;
                     const Pack c = select(q > bound * length2[l], inverse_root_change(q * rest, y), all(-1.0f));

@@ -89,7 +89,7 @@ struct Move {
   float* next_v = nullptr;
   float gravity[3] = {0, 0, 0};  ///< m/s^2
   float dt = 0, inverse_dt = 0, damping = 1;
-  float runaway_squared = 0;  ///< m^2/s^2
+  float runaway_squared = 0;                                         ///< m^2/s^2
   float largest_acceleration = 0, largest_acceleration_squared = 0;  ///< m/s^2: elastic force over mass is cut to it
 };
 

@@ -35,8 +35,9 @@ PHYMUL_INLINE bool any_of(Ints mask) {
 
 /// SolverOptions::largest_push. Lanes are cut one by one: it is rare.
 PHYMUL_INLINE bool cut_force(Pack3& force, Pack inverse_mass, const simd::Move& move) {
-  const Pack q = inverse_mass * inverse_mass * dot(force, force);
-  const Ints over = q > all(move.largest_acceleration_squared);
+  const Pack3 a = inverse_mass * force;
+  const Pack q = dot(a, a);
+  const Ints over = (q > all(move.largest_acceleration_squared)) & (q <= all(3.4028234e38f));
   if (!any_of(over)) return false;
   Pack scale = all(1.0f);
   for (int k = 0; k < lanes; ++k) {
@@ -84,7 +85,8 @@ PHYMUL_INLINE void move_slices_of(const simd::Move& move, int slice, int end, si
     const Ints real = mass > 0.0f;
     const Pack a_squared = select(real, dot(a, a), Pack{});
     acceleration = larger(a_squared, acceleration);
-    push = larger(mass * mass * a_squared, push);
+    const Pack3 net = mass * a;
+    push = larger(select(real, dot(net, net), Pack{}), push);
     speed = larger(select(real, dot(free_v, free_v), Pack{}), speed);
     const Pack reached = dot(next_u, next_u);
     displacement = larger(select(real, reached, Pack{}), displacement);
