@@ -91,7 +91,7 @@ double seconds_a_step(Solver& solver) {
 }
 
 /// The faster of the processor and the GPU on this very body.
-Choice faster_of(std::unique_ptr<Solver> cpu, std::unique_ptr<Solver> gl) {
+Choice faster_of(std::unique_ptr<Solver>& cpu, std::unique_ptr<Solver>& gl) {
   const double on_cpu = seconds_a_step(*cpu), on_gl = seconds_a_step(*gl);
   char measured[96];
   std::snprintf(measured, sizeof measured, ": a step took %.3g us, on the %s %.3g us; ", 1e6 * std::min(on_cpu, on_gl),
@@ -120,9 +120,8 @@ Choice choose(const std::shared_ptr<const TopologyTextures>& topology, const Sce
     const GlDevice device = load_gl_module().probe(options.gl);
     if (device.software) return {std::move(cpu), "cpu: GL has a software renderer only (" + device.name + ")"};
     std::unique_ptr<Solver> gl = make_gl_solver(topology, scene, options);
-    return faster_of(std::move(cpu), std::move(gl));
+    return faster_of(cpu, gl);
   } catch (const Error& error) {
-    if (!cpu) throw;
     return {std::move(cpu), std::string("cpu: GL is not available: ") + error.what()};
   }
 #else

@@ -226,7 +226,7 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   report.max_speed = motion.max_speed;
   report.cut = motion.cut;
   report.at_rest = motion.steps_at_rest >= options_.rest_steps;
-  if (stop_at_rest && report.at_rest) report.collapsed = first_collapsed(*topology_, read().position);
+  if (stop_at_rest && report.at_rest && !motion.lost) report.collapsed = first_collapsed(*topology_, read().position);
   if (motion.lost) {
     report.status = StepStatus::device_lost;
   } else if (motion.bad_particle >= 0) {

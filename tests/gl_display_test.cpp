@@ -136,6 +136,24 @@ int difference(const Image& a, const Image& b) {
   return most;
 }
 
+/// A small picture in the solver's own context leaves nothing behind that clips or blends the larger targets of steps.
+TEST_F(GlDisplayTest, StepsAfterAPictureAreThoseWithoutOne) {
+  const Model model = make_block({0.17, 0.17, 0.17}, 17, 17, 17, 6);
+  TopologyOptions springs;
+  springs.law = Law::springs;
+  Scene scene(model);
+  scene.gravity({0, 0, -9.81}).fix("z1");
+  const auto drawn = make_solver("gl", model, scene, springs), plain = make_solver("gl", model, scene, springs);
+  const auto display = make_display(*drawn);
+  const Camera camera = framing(model.rest, {1.0, -1.0, 0.5}, 1.0);
+  for (int k = 0; k < 3; ++k) {
+    ASSERT_EQ(display->render(camera, {.links = true, .full_scale = 0.01}, 8, 8).width, 8);
+    ASSERT_TRUE(drawn->step(4, 0.3 * drawn->stable_step()).ok());
+    ASSERT_TRUE(plain->step(4, 0.3 * plain->stable_step()).ok());
+  }
+  EXPECT_TRUE(drawn->read() == plain->read());
+}
+
 TEST_F(GlDisplayTest, ASolverIsDrawnWhateverContextItRunsInAndTheDisplayDrawsIn) {
   for (const HostKind host_kind : {HostKind::desktop, HostKind::es}) {
     const EglHost host(host_kind);

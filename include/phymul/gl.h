@@ -42,7 +42,7 @@ struct GlOptions {
   GlDialect dialect = GlDialect::automatic;
   int passes = 2;  ///< 4: attractor, force, reaction, Verlet, each a pass, as in the 2007 thesis; the same bits, slower
   BaseLayout layout = BaseLayout::automatic;
-  bool debug = false;           ///< GL debug output; an error in it becomes an Error
+  bool debug = false;           ///< GL debug output; an error in it becomes an Error, in step() device_lost
   std::string shader_folder{};  ///< shaders are read from here in place of those built in; empty: built in
 };
 

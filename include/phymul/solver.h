@@ -142,7 +142,7 @@ class Solver {
   Momentum momentum(const Vec3& about = Vec3::Zero()) const;  ///< of State::velocity as it stands
 
   /// Positions, and attractors P* (where the model has bases), without a copy. Valid until the next step(), reset() or
-  /// the solver's end. With GL: made current work first; bind the texture and draw from a context of the share group.
+  /// the solver's end. With GL it waits for the device; bind the texture and draw from a context of the share group.
   ParticleBuffer position_buffer() const;
   ParticleBuffer attractor_buffer() const;  ///< empty where the law has no attractors
 

@@ -284,7 +284,10 @@ void BodyDrawing::draw(const Placement& placement, const Camera& camera, const D
   const Colour& background = options.background;
   glClearColor(static_cast<float>(background[0]), static_cast<float>(background[1]), static_cast<float>(background[2]),
                static_cast<float>(background[3]));
-  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  glFrontFace(GL_CCW);
+  const GLfloat farthest = 1.0f;  // a host may clear to another depth; this leaves its own value alone
+  glClear(GL_COLOR_BUFFER_BIT);
+  glClearBufferfv(GL_DEPTH, 0, &farthest);
   glEnable(GL_BLEND);
   glBlendEquation(GL_FUNC_ADD);
   glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);

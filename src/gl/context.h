@@ -11,11 +11,12 @@
 #include <utility>
 
 #include "gl/context_info.h"
+#include "gl/unreachable.h"
 
 namespace phymul::gl {
 
-/// GL objects keep a std::shared_ptr to their context and are made, used and deleted inside run(). One thread at a
-/// time.
+/// Who has GL objects keeps a std::shared_ptr to their context, and makes, uses and deletes them inside run(). One
+/// thread at a time.
 class Context {
  public:
   /// As GlOptions::context says. Throws Error that lists what was tried.

@@ -46,7 +46,7 @@ CurrentContext::CurrentContext() : handle_(current_handle()) {
 void CurrentContext::call(Task task, void* argument) {
   if (inside_) return task(argument);
   if (current_handle() != handle_) {
-    throw Error(
+    throw Unreachable(
         "GlContext::current: the context that was current when the solver was made is not current on this thread now; "
         "make it current before every call");
   }

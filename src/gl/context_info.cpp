@@ -47,13 +47,6 @@ void require_version(const ContextInfo& info) {
   throw Error("expected OpenGL 3.3 or OpenGL ES 3.0, or later, got " + info.device());
 }
 
-bool counts_time(const ContextInfo& info) {
-  if (info.es && !info.has("GL_EXT_disjoint_timer_query")) return false;
-  GLint bits = 0;
-  glGetQueryiv(GL_TIME_ELAPSED, GL_QUERY_COUNTER_BITS, &bits);
-  return bits > 0;
-}
-
 bool can_report_reset(const ContextInfo& info) {
   if (info.es ? info.at_least(3, 2) : info.at_least(4, 5)) return true;
   return info.has("GL_KHR_robustness") || info.has("GL_ARB_robustness") || info.has("GL_EXT_robustness");
@@ -89,10 +82,9 @@ ContextInfo read_context_info() {
   info.max_color_attachments = integer_of(GL_MAX_COLOR_ATTACHMENTS);
   info.max_draw_buffers = integer_of(GL_MAX_DRAW_BUFFERS);
   info.max_texture_units = integer_of(GL_MAX_TEXTURE_IMAGE_UNITS);
-  info.has_timer_query = counts_time(info);
   info.has_robustness =
       can_report_reset(info) && integer_of(GL_RESET_NOTIFICATION_STRATEGY) == GL_LOSE_CONTEXT_ON_RESET;
-  while (glGetError() != GL_NO_ERROR) {
+  for (int tries = 0; tries < 16 && glGetError() != GL_NO_ERROR; ++tries) {  // a lost context may report for ever
   }
   return info;
 }

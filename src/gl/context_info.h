@@ -19,7 +19,6 @@ struct ContextInfo {
   int max_color_attachments = 0;
   int max_draw_buffers = 0;
   int max_texture_units = 0;            ///< of a fragment shader
-  bool has_timer_query = false;         ///< GL_TIME_ELAPSED counts
   bool has_robustness = false;          ///< a reset of the device can be asked for, and takes no other context along
   std::vector<std::string> extensions;  ///< sorted
 

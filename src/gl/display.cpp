@@ -32,6 +32,9 @@ class BlendGuard {
     glBlendEquationSeparate(value(4), value(5));
     glCullFace(value(6));
     glFrontFace(value(7));
+    // Passes that follow in this context need these off, and a host's own values come back with StateGuard.
+    for (const GLenum name : {GL_BLEND, GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_CULL_FACE}) glDisable(name);
+    glDepthMask(GL_TRUE);
   }
 
  private:
@@ -78,7 +81,12 @@ class GlDisplay final : public Display {
         user_(dynamic_cast<const ContextUser*>(solver)),
         options_(with_environment(options)) {
     open();
-    if (!solver) show(model.rest, {});
+    try {
+      if (!solver) show(model.rest, {});
+    } catch (...) {
+      drop();  // the destructor of what was not made does not run
+      throw;
+    }
   }
 
   ~GlDisplay() override { drop(); }
@@ -148,6 +156,7 @@ class GlDisplay final : public Display {
 
   /// A solver that lost its device goes on in another context.
   void follow_context() {
+    if (!objects_) return open();  // an earlier opening failed
     if (!sees_solver_) return;
     const std::shared_ptr<Context>& now = user_->context();
     if (now == (writer_ ? writer_ : context_) || (options_.context == GlContext::current && !writer_)) return;
@@ -186,9 +195,11 @@ class GlDisplay final : public Display {
   }
 
   TextureView solver_attractors() {
-    const ParticleBuffer buffer = solver_->attractor_buffer();
-    return buffer.texture != 0 && !sees_solver_ ? TextureView{}
-                                                : view_of_buffer(buffer, objects_->attractor, "attractors");
+    if (!user_ || sees_solver_) return view_of_buffer(solver_->attractor_buffer(), objects_->attractor, "attractors");
+    if (solver_->topology().base_count == 0) return {};
+    VecList place(model_.rest.size());
+    attractors(solver_->topology(), solver_->read().position, place);
+    return view_of_buffer({.position = place}, objects_->attractor, "attractors");
   }
 
   /// Calls draw(placement) in the context, between the solver's commands before and after.

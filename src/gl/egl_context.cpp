@@ -11,6 +11,7 @@
 #include "gl/egl_display.h"
 #include "gl/gl_functions.h"
 #include "gl/guard_egl.h"
+#include "gl/unreachable.h"
 
 namespace phymul::gl {
 namespace {
@@ -260,6 +261,7 @@ void EglContext::make_current() {
         ". Either this context is current on another thread, or a context of GLX is current on this one, and EGL "
         "refuses a second beside it. Beside a host that uses GLX take GlContext::worker, which works on a thread of "
         "its own, or GlContext::current, which works in the host's context";
+    throw Unreachable(reason);
   }
   throw Error(reason);
 }

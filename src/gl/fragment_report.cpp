@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "gl/fragment_report.h"
 
+#include <phymul/error.h>
+
 #include <limits>
 #include <utility>
 
@@ -49,6 +51,7 @@ BatchReport FragmentReport::read(const Texture& displacement, const Texture& vel
   levels_.back().target.read(0, GL_RGBA_INTEGER, GL_INT, events.data());
   levels_.back().target.read(1, GL_RGBA, GL_FLOAT, maxima.data());
 
+  if (events[0] < 1) throw Error("the device gave no report of its steps");
   BatchReport report;
   report.cut = events[0] == never - 1;
   if (events[0] < never - 1) {

@@ -68,10 +68,8 @@ void FragmentSolver::build() {
   const FloatTables tables = pack_floats(topology(), layout_);
   loads_version_ = scene().version();
   context_->run([&] {
-    const auto start = std::chrono::steady_clock::now();
     const ShaderLibrary library(gl_.shader_folder, context_->info().es);
     device_ = std::make_unique<FragmentDevice>(tables, scene(), library, gl_.passes == 4);
-    first_compile_ = seconds_since(start);
   });
   context_->throw_debug_errors();
 }
@@ -107,7 +105,20 @@ void FragmentSolver::recover() noexcept {
 template <class Function>
 auto FragmentSolver::on_device(Function&& function) const {
   if (!device_) throw Error("the device of this solver is lost, and no other could be had; see Solver::reset");
-  return context_->run(std::forward<Function>(function));
+  struct LostCheck {
+    Context& context;
+    void operator()() const {
+      if (context.lost()) throw Error("the device of this solver was lost; see Solver::reset");
+    }
+  } check{*context_};
+  if constexpr (std::is_void_v<std::invoke_result_t<Function&>>) {
+    context_->run(std::forward<Function>(function));
+    check();
+  } else {
+    auto result = context_->run(std::forward<Function>(function));
+    check();
+    return result;
+  }
 }
 
 void FragmentSolver::do_reset(const State& state) {
@@ -144,6 +155,10 @@ Solver::Motion FragmentSolver::do_step(const StepPlan& plan) {
       context_->throw_debug_errors();
       if (!context_->lost()) return motion;
     }
+  } catch (const Unreachable&) {  // the device and its state stay, for when the host makes its context current again
+    Motion motion;
+    motion.lost = true;
+    return motion;
   } catch (...) {  // a device that refuses what it did before is lost to us
   }
   recover();
@@ -226,8 +241,10 @@ bool FragmentSolver::run_batch(const StepPlan& plan, int count, Motion& motion) 
 
 void FragmentSolver::do_read(State& state) const {
   if (device_ && !context_->lost()) {
-    context_->run([&] { device_->state().read(topology().rest, kept_); });
-    kept_.time = time_;
+    State now;
+    context_->run([&] { device_->state().read(topology().rest, now); });
+    now.time = time_;
+    if (!context_->lost()) kept_ = std::move(now);
   }
   state = kept_;
 }
@@ -246,7 +263,7 @@ void FragmentSolver::do_request_read() {
 
 bool FragmentSolver::do_collect(State& state) {
   if (!on_device([&] { return device_->copies().collect(topology().rest, state); })) return false;
-  kept_ = state;
+  if (state.time >= kept_.time) kept_ = state;
   return true;
 }
 

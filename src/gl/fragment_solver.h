@@ -25,7 +25,6 @@ class FragmentSolver final : public Solver, public ContextUser {
   const std::shared_ptr<Context>& context() const override { return context_; }
   GlContext context_kind() const override { return gl_.context; }
   bool enumerated() const { return layout_ == FloatLayout::enumerated; }
-  double first_compile() const { return first_compile_; }  ///< s that shaders and the first draws took
 
  private:
   void do_reset(const State& state) override;
@@ -57,7 +56,6 @@ class FragmentSolver final : public Solver, public ContextUser {
   FloatLayout layout_;
   std::shared_ptr<Context> context_;
   std::unique_ptr<FragmentDevice> device_;
-  double first_compile_ = 0.0;
   std::uint64_t loads_version_ = 0;
   mutable State kept_;  // the newest state the host has
   double time_ = 0.0, last_dt_ = 0.0;

@@ -57,6 +57,7 @@ FragmentSums::Terms& FragmentSums::particle_energy(const LoadKind& loads) {
 /// Of terms that particles share, and which no particle's row can hold.
 void FragmentSums::compile_shared_terms() {
   const BodyKind& kind = passes_->tables().kind();
+  shared_.clear();  // of an attempt that failed half-way
   const auto add = [&](std::vector<std::string> files, int rows) {
     ShaderRequest request{.files = {"fetch.glsl", "vector3.glsl", "displacement.glsl"}, .defines = {{"ENERGY", 1}}};
     request.files.insert(request.files.end(), files.begin(), files.end());

@@ -5,7 +5,8 @@
 
 namespace phymul::gl {
 
-/// What EGL has bound to this thread, to be bound again: context, display, both surfaces and the API. Costs some microseconds.
+/// What EGL has bound to this thread, to be bound again: context, display, both surfaces and the API. Costs some
+/// microseconds.
 class EglGuard {
  public:
   EglGuard();

@@ -63,7 +63,7 @@ std::vector<GLenum> switches_of(const ContextInfo& info) {
                              GL_DEPTH_CLAMP, GL_PROGRAM_POINT_SIZE, GL_POLYGON_SMOOTH, GL_LINE_SMOOTH});
   for (GLenum plane = 0; plane < 8; ++plane) names.push_back(GL_CLIP_DISTANCE0 + plane);
   if (info.at_least(4, 3)) names.push_back(GL_PRIMITIVE_RESTART_FIXED_INDEX);
-  if (!info.core_profile) names.push_back(GL_ALPHA_TEST);
+  if (!info.core_profile) names.insert(names.end(), {GL_ALPHA_TEST, GL_POLYGON_STIPPLE});
   return names;
 }
 

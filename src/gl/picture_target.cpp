@@ -35,7 +35,7 @@ int factor_for(int width, int height) {
 
 PictureTarget::PictureTarget(int width, int height)
     : width_(width), height_(height), factor_(factor_for(width, height)) {
-  while (glGetError() != GL_NO_ERROR) {
+  for (int tries = 0; tries < 16 && glGetError() != GL_NO_ERROR; ++tries) {  // a lost context may report for ever
   }
   glGenRenderbuffers(2, buffers_);
   const std::array<GLenum, 2> formats{GL_RGBA8, GL_DEPTH_COMPONENT24};
