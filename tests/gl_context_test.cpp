@@ -149,9 +149,9 @@ TEST_F(GlContextTest, AHundredContextsLeaveNothingBehind) {
       for (int i = 0; i < times; ++i) EXPECT_EQ(drawn_and_read(*Context::open({.context = mode}), 1.0f), 1.0f);
     };
     open_and_close(20);  // the driver's caches fill
-    const double before = heap_in_use();
+    const double before = test::heap_in_use();
     open_and_close(100);
-    const double grown = heap_in_use() - before;
+    const double grown = test::heap_in_use() - before;
     std::printf("[  MEMORY  ] grew by %.0f KiB over 100 contexts\n", grown / 1024.0);
     EXPECT_LT(grown, 100 * 16384.0);
   }

@@ -146,8 +146,10 @@ TEST_F(GlDisplayTest, StepsAfterAPictureAreThoseWithoutOne) {
   const auto drawn = make_solver("gl", model, scene, springs), plain = make_solver("gl", model, scene, springs);
   const auto display = make_display(*drawn);
   const Camera camera = framing(model.rest, {1.0, -1.0, 0.5}, 1.0);
+  DisplayOptions options;
+  options.links = true;
   for (int k = 0; k < 3; ++k) {
-    ASSERT_EQ(display->render(camera, {.links = true, .full_scale = 0.01}, 8, 8).width, 8);
+    ASSERT_EQ(display->render(camera, options, 8, 8).width, 8);
     ASSERT_TRUE(drawn->step(4, 0.3 * drawn->stable_step()).ok());
     ASSERT_TRUE(plain->step(4, 0.3 * plain->stable_step()).ok());
   }
