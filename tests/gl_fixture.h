@@ -3,6 +3,7 @@
 // Fixture of the tests of src/gl.
 #pragma once
 
+#include <dlfcn.h>
 #include <cstdlib>
 #include <optional>
 
@@ -10,6 +11,10 @@
 #include "gl_needed.h"
 
 namespace phymul::test {
+
+/// Keeps Mesa's driver, if that is the one, to the end of the process. A leak checker looks when libraries are gone,
+/// and would count what EGL's display still holds, which nobody may terminate.
+inline void* const kept_driver = dlopen("libEGL_mesa.so.0", RTLD_LAZY | RTLD_NODELETE);
 
 /// An environment variable for the time of a test; null removes it. Not while other threads look.
 class Environment {
