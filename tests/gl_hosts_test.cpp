@@ -183,8 +183,8 @@ TEST_F(GlNoHost, SharedAndCurrentSayThatThereIsNone) {
   EXPECT_TRUE(shared.starts_with("GlContext::shared: no EGL context is current on this thread")) << shared;
   const std::string current = message_of([] { Context::open({.context = GlContext::current}); });
   EXPECT_TRUE(current.starts_with("GlContext::current: no context of EGL or GLX is current")) << current;
-  int dummy = 0;
-  const std::string half = message_of([&] { Context::open({.context = GlContext::shared, .host_context = &dummy}); });
+  int no_context = 0;
+  const std::string half = message_of([&] { Context::open({.context = GlContext::shared, .host_context = &no_context}); });
   EXPECT_NE(half.find("expected both, or neither"), std::string::npos) << half;
 }
 
