@@ -8,6 +8,7 @@
 #include "bodies.h"
 #include "bounded_forces.h"
 #include "cpu/mirror_forces.h"
+#include "sanitized.h"
 
 namespace phymul::test {
 namespace {
@@ -128,12 +129,7 @@ TEST(FloatKernels, NoForceAfterATranslation) {
   });
 }
 
-// A build with sanitizers runs this some thirty times slower.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::uint32_t random_states = 5;
-#else
-constexpr std::uint32_t random_states = 100;
-#endif
+constexpr std::uint32_t random_states = sanitized ? 5 : 100;
 
 class FloatKernelsOf : public testing::TestWithParam<std::size_t> {};
 

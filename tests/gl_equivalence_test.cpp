@@ -8,6 +8,7 @@
 #include "bounded_forces.h"
 #include "failure_states.h"
 #include "gl_twins.h"
+#include "sanitized.h"
 
 namespace phymul::test {
 namespace {
@@ -16,6 +17,7 @@ using GlEquivalence = GlTest;
 
 /// Bodies with hundreds of thousands of bases take fewer states: a step of theirs is a second on a processor.
 int states_of(const TopologyTextures& tables) {
+  if (sanitized) return tables.base_count > 20000 ? 1 : 10;
   return tables.base_count > 20000 ? 3 : 100;
 }
 
@@ -151,7 +153,7 @@ TEST_F(GlEquivalence, LoadsOfAllKindsHaveTheMirrorsBits) {
 
 /// Steps of the reference and of gl on end; where they part by more than a millionth of the spacing is printed.
 void follow_reference(const GlTwins& twins, Solver& reference, const Model& model, double dt, const std::string& name) {
-  constexpr int steps = 2000, at_a_time = 50;
+  constexpr int steps = sanitized ? 100 : 2000, at_a_time = 50;
   int parted = 0;
   for (int done = 0; done < steps; done += at_a_time) {
     ASSERT_TRUE(twins.gl->step(at_a_time, dt).ok());
