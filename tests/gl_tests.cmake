@@ -2,7 +2,9 @@
 #
 # Tests that need GL.
 
-add_dependencies(phymul_test phymul_gl)  # loaded, not linked
+# Loaded, not linked.
+add_dependencies(phymul_test phymul_gl)
+add_dependencies(phymul_stability_test phymul_gl)
 
 # The inside of src/gl, apart from phymul_test, which runs on machines without GL.
 add_executable(phymul_gl_test
