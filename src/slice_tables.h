@@ -4,7 +4,7 @@
 // neighbouring memory and wait for the longest of them (sliced ELLPACK).
 //
 // Particles get places: along a Morton curve through the rest shape, so that neighbours lie near each other, and within
-// windows of it by decreasing number of rows, so that lanes side by side have equally many. Places 0 ... N - 1 are the
+// windows of it by their numbers of rows, so that lanes side by side have about as many. Places 0 ... N - 1 are the
 // particles; the last slice is filled up with places that are nobody's.
 //
 // Every list of a particle is interleaved with those of the others in its slice: entry e of lane l of slice s is row
