@@ -14,10 +14,12 @@
 #include <phymul/model.h>
 #include <phymul/monitor.h>
 #include <phymul/pml.h>
+#include <phymul/recording.h>
 #include <phymul/scene.h>
 #include <phymul/shapes.h>
 #include <phymul/solver.h>
 #include <phymul/state.h>
+#include <phymul/state_file.h>
 #include <phymul/topology.h>
 #include <phymul/types.h>
 #include <phymul/version.h>

@@ -116,6 +116,7 @@ class Solver {
   std::string_view name() const { return name_; }
   const Model& model() const { return scene_->model(); }
   const TopologyTextures& topology() const { return *topology_; }
+  const SolverOptions& options() const { return options_; }
 
   /// Starts from a state; throws Error when its sizes do not fit, a value is not finite, or z is not 0 in a
   /// two-dimensional model (state untouched then).
@@ -193,7 +194,6 @@ class Solver {
   void refuse_parts(const Snapshot& snapshot) const;
 
   const Scene& scene() const { return *scene_; }
-  const SolverOptions& options() const { return options_; }
   LoadFrame& frame() { return frame_; }              ///< prepared; a backend evaluates it at each step's time
   const LoadFrame& frame() const { return frame_; }  ///< of the scene as the last step or reset saw it
 

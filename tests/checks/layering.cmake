@@ -9,6 +9,7 @@ include(${CMAKE_CURRENT_LIST_DIR}/faults.cmake)
 set(rows
     "7 backends"                  # the table of backends; sees them all, nothing sees what it includes
     "3 topology_textures"         # before topology
+    "4 state_file recording"      # before state
     "4 gl_module"                 # before gl; the door to src/gl
     "0 version types error gl camera"
     "1 model scene state"
