@@ -3,6 +3,7 @@
 // All a user needs. Backend authors also include topology_textures.h; elasticity.h gives the forces by themselves.
 #pragma once
 
+#include <phymul/bodies.h>
 #include <phymul/camera.h>
 #include <phymul/check.h>
 #include <phymul/display.h>

@@ -15,7 +15,7 @@ set(rows
     "1 model scene state"
     "2 shapes pml lml mesh check topology monitor writer"
     "2 xml byte gmsh vtk vtu csv"            # formats, behind the readers
-    "4 elasticity solver display"
+    "4 elasticity solver display bodies"
     "8 phymul")                   # the umbrella, for users only
 set(core_row 4)
 set(cpu_row 5)
