@@ -102,13 +102,21 @@ class Scene {
   Scene& add(std::vector<Load> loads);           ///< appends loads, as read_lml gives them
   Scene& replace(std::size_t row, Load load);    ///< puts another load in an existing row
   Scene& remove(std::size_t row);                ///< later rows move up
-  Scene& clear();                                ///< no loads, no gravity, nothing fixed
+
+  /// Gives a load other values; where it acts and along what stays. Cheap however large the body: no solver prepares
+  /// anything anew, and nothing is allocated where the load has had as many events before and these are sorted. For
+  /// what changes at every step, as the tool of a haptic device does: three translations with one driven axis each move
+  /// a group anywhere.
+  Scene& set_events(std::size_t row, std::span<const ValueEvent> events);
+  Scene& clear();  ///< no loads, no gravity, nothing fixed
 
   const std::vector<Load>& loads() const { return loads_; }
   const Vec3& gravity() const { return gravity_; }
 
-  /// Grows by one at every change: lets a solver see that its prepared frame is stale.
+  /// Grows by one at every change but those of set_events(): lets a solver see that its prepared frame is stale.
   std::uint64_t version() const { return version_; }
+  /// Grows by one at every set_events(): frame and modes are as before, their values are not.
+  std::uint64_t values_version() const { return values_version_; }
 
   /// Gives `frame` the sizes this scene needs. Allocates; called when version() has changed.
   void prepare(LoadFrame& frame) const;
@@ -142,7 +150,7 @@ class Scene {
   std::vector<Load> loads_;
   std::vector<Action> actions_;  // per load
   Vec3 gravity_{0, 0, 0};
-  std::uint64_t version_ = 0;
+  std::uint64_t version_ = 0, values_version_ = 0;
 };
 
 }  // namespace phymul
