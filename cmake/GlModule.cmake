@@ -77,6 +77,7 @@ add_library(phymul_gl_objects OBJECT
   src/gl/guard_state.cpp
   src/gl/module.cpp
   src/gl/pass.cpp
+  src/gl/pass_timer.cpp
   src/gl/picture_target.cpp
   src/gl/program.cpp
   src/gl/shader_source.cpp

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "decimal.h"
+#include "profile.h"
 
 namespace phymul {
 namespace {
@@ -42,6 +43,10 @@ void require_options(const SolverOptions& options) {
   }
   if (options.rest_steps < 1) {
     throw Error("SolverOptions::rest_steps must be 1 or more; got " + std::to_string(options.rest_steps));
+  }
+  if (!(options.progress_seconds >= 0.0) || !std::isfinite(options.progress_seconds)) {
+    throw Error("SolverOptions::progress_seconds must be finite and 0 or more; got " +
+                to_decimal(options.progress_seconds));
   }
   if (options.threads < 0) {
     throw Error("SolverOptions::threads must be 0 (chosen by the solver) or more; got " +
@@ -101,8 +106,9 @@ std::string StepReport::message() const {
   int length = 0;
   switch (status) {
     case StepStatus::ok:
-      length = std::snprintf(text, sizeof text, "ok: %d steps to t = %.6g s, residual %.3g N, speed %.3g m/s%s%s%s",
+      length = std::snprintf(text, sizeof text, "ok: %d steps to t = %.6g s, residual %.3g N, speed %.3g m/s%s%s%s%s",
                              steps, time, residual, max_speed, at_rest ? ", at rest" : "",
+                             stopped ? "; stopped by SolverOptions::progress" : "",
                              beyond_limit ? "; the step is beyond the stable step" : "",
                              cut ? "; elastic forces were cut, the body was far out of shape" : "");
       if (collapsed >= 0) {
@@ -163,13 +169,21 @@ Solver::Solver(std::string name, std::shared_ptr<const TopologyTextures> topolog
   if (!(spacing_ > 0.0)) spacing_ = body_size(model()) / std::cbrt(static_cast<double>(topology_->particle_count));
   scene_->prepare(frame_);
   scene_version_ = scene_->version();
+  values_version_ = scene_->values_version();
+  if (options_.profile) profile_ = std::make_unique<Profile>();
 }
 
+Solver::~Solver() = default;
+
 void Solver::follow_scene() {
-  if (scene_version_ == scene_->version()) return;
-  scene_->prepare(frame_);
-  do_scene_changed();
+  if (scene_version_ != scene_->version()) {
+    scene_->prepare(frame_);
+    do_scene_changed();
+  } else if (values_version_ != scene_->values_version()) {
+    do_values_changed();
+  }
   scene_version_ = scene_->version();
+  values_version_ = scene_->values_version();
 }
 
 void Solver::require_fitting(const State& state) const {
@@ -264,7 +278,7 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   plan.stop_at_rest = stop_at_rest;
   plan.rest_steps = options_.rest_steps;
 
-  const Motion motion = do_step(plan);
+  const Motion motion = run(plan, report);
   report.steps = motion.steps;
   report.time = do_time();
   report.residual = motion.max_force;
@@ -318,6 +332,18 @@ ParticleBuffer Solver::position_buffer() const {
 
 ParticleBuffer Solver::attractor_buffer() const {
   return topology_->base_count > 0 ? do_attractor_buffer() : ParticleBuffer{};
+}
+
+std::vector<PassProfile> Solver::profile() const {
+  if (!profile_) return {};
+  do_profile();
+  return profile_->rows();
+}
+
+void Solver::clear_profile() {
+  if (!profile_) return;
+  do_profile();
+  profile_->clear();
 }
 
 std::string Solver::device() const {

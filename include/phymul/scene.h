@@ -134,13 +134,21 @@ class Scene {
   Scene& contacts(const ContactOptions& options);  ///< bodies, and parts of a body, touch from now on
   Scene& no_contacts();
 
+  /// Gives a load other values; where it acts and along what stays. Cheap however large the body: no solver prepares
+  /// anything anew, and nothing is allocated where the load has had as many events before and these are sorted. For
+  /// what changes at every step, as the tool of a haptic device does: three translations with one driven axis each move
+  /// a group anywhere.
+  Scene& set_events(std::size_t row, std::span<const ValueEvent> events);
+
   const std::vector<Load>& loads() const { return loads_; }
   const Vec3& gravity() const { return gravity_; }
   const std::vector<ClosedVolume>& volumes() const { return volumes_; }
   const std::optional<ContactOptions>& contacts() const { return contacts_; }
 
-  /// Grows by one at every change: lets a solver see that its prepared frame is stale.
+  /// Grows by one at every change but those of set_events(): lets a solver see that its prepared frame is stale.
   std::uint64_t version() const { return version_; }
+  /// Grows by one at every set_events(): frame and modes are as before, their values are not.
+  std::uint64_t values_version() const { return values_version_; }
 
   /// Gives `frame` the sizes this scene needs. Allocates; called when version() has changed.
   void prepare(LoadFrame& frame) const;
@@ -176,7 +184,7 @@ class Scene {
   Vec3 gravity_{0, 0, 0};
   std::vector<ClosedVolume> volumes_;
   std::optional<ContactOptions> contacts_;
-  std::uint64_t version_ = 0;
+  std::uint64_t version_ = 0, values_version_ = 0;
 };
 
 }  // namespace phymul

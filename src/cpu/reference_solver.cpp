@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "../profile.h"
 #include "integrate.h"
 
 namespace phymul::cpu {
@@ -19,6 +20,11 @@ class ReferenceSolver final : public Solver {
         force_(topology().particle_count),
         next_position_(topology().particle_count),
         next_velocity_(topology().particle_count) {
+    if (Profile* profile = profiling()) {
+      forces_row_ = profile->row("forces");
+      move_row_ = profile->row("move");
+      checks_row_ = profile->row("checks");
+    }
     reset();
   }
 
@@ -51,11 +57,15 @@ class ReferenceSolver final : public Solver {
   Motion do_step(const StepPlan& plan) override {
     Motion motion;
     motion.steps_at_rest = steps_at_rest_;
+    Laps laps(profiling());
     while (motion.steps < plan.steps) {
       elastic_forces(topology(), state_.position, force_);
+      laps.end(forces_row_);
       cut_forces(plan.largest_acceleration, motion);
       measure(motion);
+      laps.end(checks_row_, 0);
       move(plan);
+      laps.end(move_row_);
 
       motion.bad_particle = first_runaway(plan.runaway_speed);
       if (motion.bad_particle >= 0) {
@@ -72,6 +82,7 @@ class ReferenceSolver final : public Solver {
       const bool quiet = motion.max_speed <= plan.speed_at_rest && motion.max_acceleration <= plan.acceleration_at_rest;
       steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
       motion.steps_at_rest = steps_at_rest_;
+      laps.end(checks_row_);
       if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;
     }
     return motion;
@@ -177,6 +188,7 @@ class ReferenceSolver final : public Solver {
   VecList force_, next_position_, next_velocity_;
   double last_dt_ = 0.0;
   int steps_at_rest_ = 0;
+  int forces_row_ = 0, move_row_ = 0, checks_row_ = 0;  // of profiling()
 };
 
 }  // namespace

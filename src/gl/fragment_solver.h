@@ -39,6 +39,7 @@ class FragmentSolver final : public Solver, public ContextUser {
   ParticleBuffer do_position_buffer() const override;
   ParticleBuffer do_attractor_buffer() const override;
   std::string do_device() const override { return context_->info().device(); }
+  void do_profile() const override;
 
   void build();
   void drop() noexcept;
