@@ -112,9 +112,15 @@ std::string StepReport::message() const {
                              beyond_limit ? "; the step is beyond the stable step" : "",
                              cut ? "; elastic forces were cut, the body was far out of shape" : "");
       if (collapsed >= 0) {
+        length += std::snprintf(
+            text + length, sizeof text - static_cast<std::size_t>(length),
+            "; a base of particle %d has collapsed and has no direction: move some of its particles apart",
+            static_cast<int>(collapsed));
+      }
+      if (folded >= 0) {
         std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
-                      "; a base of particle %d has collapsed and has no direction: move some of its particles apart",
-                      static_cast<int>(collapsed));
+                      "; cell %d is flat or inside out: the body rests folded, which is not its rest shape",
+                      static_cast<int>(folded));
       }
       break;
     case StepStatus::invalid_step:
@@ -235,6 +241,29 @@ void Solver::restore(const Snapshot& snapshot) {
   do_restore(snapshot);
 }
 
+void Solver::start(const State& state, double dt) {
+  if (!(dt > 0.0) || !std::isfinite(dt))
+    throw Error("Solver::start: expected a finite dt above 0 s; got " + to_decimal(dt));
+  reset(state);  // which refuses what does not fit before anything is computed from it
+  LoadFrame at_start;
+  scene_->prepare(at_start);
+  scene_->evaluate(state.time, at_start);
+  VecList force(state.position.size());
+  elastic_forces(*topology_, state.position, force);
+  // The scheme steps from v- to v+ = d v- + a dt; the velocity in the middle is to be the given one.
+  const double d = options_.damping.factor_at(dt);
+  State earlier = state;
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    if (!at_start.force.empty()) force[i] += at_start.force[i];
+    const Vec3 acceleration = at_start.gravity + force[i] / topology_->mass[i];
+    for (int axis = 0; axis < topology_->dimension; ++axis) {
+      const bool imposed = !at_start.fixed.empty() && (at_start.fixed[i] >> axis & 1);
+      if (!imposed) earlier.velocity[i][axis] = (2.0 * state.velocity[i][axis] - dt * acceleration[axis]) / (1.0 + d);
+    }
+  }
+  reset(earlier);
+}
+
 StepReport Solver::step(int n, double dt) {
   return advance(n, dt, false);
 }
@@ -285,7 +314,11 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   report.max_speed = motion.max_speed;
   report.cut = motion.cut;
   report.at_rest = motion.steps_at_rest >= options_.rest_steps;
-  if (stop_at_rest && report.at_rest && !motion.lost) report.collapsed = first_collapsed(*topology_, read().position);
+  if (stop_at_rest && report.at_rest && !motion.lost) {
+    const State state = read();
+    report.collapsed = first_collapsed(*topology_, state.position);
+    report.folded = first_folded_cell(model(), state.position);
+  }
   if (motion.lost) {
     report.status = StepStatus::device_lost;
   } else if (motion.lost_volume >= 0) {

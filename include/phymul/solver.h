@@ -93,6 +93,8 @@ struct StepReport {
   /// run_to_rest() that came to rest: a particle one of whose bases has collapsed to a line or a point, else -1. Such a
   /// base has no direction; a body all in one point is at rest so and cannot come back by itself.
   Index collapsed = -1;
+  /// Likewise: a cell that rests turned inside out or flat (first_folded_cell), else -1. Springs keep such states.
+  Index folded = -1;
   Index particle = -1;     ///< culprit of a failure, row of the model
   const char* cause = "";  ///< likely cause of a failure, static text
 
@@ -161,6 +163,10 @@ class Solver {
   /// snapshot has parts that this solver does not know.
   Snapshot snapshot() const;
   void restore(const Snapshot& snapshot);
+  /// reset() to a state whose velocities are those of State::time itself, as a body let go has them: for steps of dt
+  /// they are taken half a step back, by the acceleration that scene and body have then. Throws Error as reset() does,
+  /// and where dt is not above 0.
+  void start(const State& state, double dt);
 
   /// n steps of dt seconds. Looks at the scene for changes first. On failure the last good state is kept. n = 0 takes
   /// over the scene and moves nothing; residual, speed and at_rest then say nothing.
