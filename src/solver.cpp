@@ -297,6 +297,10 @@ void Solver::clear_profile() {
   profile_->clear();
 }
 
+double Solver::bytes_a_step() const {
+  return do_bytes_a_step();
+}
+
 std::string Solver::device() const {
   return do_device();
 }

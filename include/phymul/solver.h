@@ -185,6 +185,10 @@ class Solver {
   std::vector<PassProfile> profile() const;
   void clear_profile();
 
+  /// What a step reads and writes where nothing stays in a cache from step to step, counted by hand, bytes; not a
+  /// number where the backend does not count. Over the time of a step: the bandwidth it needs.
+  double bytes_a_step() const;
+
   std::string device() const;  ///< what it runs on, for people and result files: a renderer, a kind of processor
   std::string_view choice() const { return choice_; }  ///< why "auto" took this backend; empty when asked for by name
 
@@ -243,6 +247,7 @@ class Solver {
   virtual ParticleBuffer do_position_buffer() const;
   virtual ParticleBuffer do_attractor_buffer() const;
   virtual std::string do_device() const = 0;
+  virtual double do_bytes_a_step() const { return std::numeric_limits<double>::quiet_NaN(); }
   virtual void do_profile() const {}  ///< brings profiling(), which is not null, up to date
 
   friend std::unique_ptr<Solver> make_solver(std::string_view, std::shared_ptr<const TopologyTextures>, const Scene&,
