@@ -275,6 +275,8 @@ Scene& Scene::clear() {
   loads_.clear();
   actions_.clear();
   gravity_.setZero();
+  volumes_.clear();
+  contacts_.reset();
   ++version_;
   return *this;
 }

@@ -80,6 +80,10 @@ bool grows_by_itself(const Spectrum& spectrum) {
   return spectrum.most_negative < 0.0 || spectrum.largest_imaginary > 0.0;
 }
 
+std::string cannot_do(const std::string& backend, const std::string& thing) {
+  return "the backend \"" + backend + "\" cannot do " + thing + "; \"reference\" and \"cpu\" can";
+}
+
 const char* likely_cause(const TopologyTextures& topology, const Spectrum& spectrum, double dt, double limit) {
   if (dt > limit) return "the step is beyond the stable step at rest; make dt smaller";
   if (spectrum.most_negative < 0.0 && topology.options.reaction == Reaction::full && topology.base_count > 0) {
@@ -135,6 +139,15 @@ std::string StepReport::message() const {
     case StepStatus::device_lost:
       std::snprintf(text, sizeof text, "device_lost: the device went away after t = %.6g s", time);
       break;
+    case StepStatus::volume_lost:
+      std::snprintf(text, sizeof text,
+                    "volume_lost: the volume of the closed surface at particle %d could not be restored after t = %.6g "
+                    "s (step %d of this call); the state at that time is kept. Likely cause: %s",
+                    static_cast<int>(particle), time, steps + 1, cause);
+      break;
+    case StepStatus::unsupported_scene:
+      std::snprintf(text, sizeof text, "unsupported_scene: %s; nothing was done", cause);
+      break;
   }
   return text;
 }
@@ -173,7 +186,7 @@ void Solver::follow_scene() {
   values_version_ = scene_->values_version();
 }
 
-void Solver::reset(const State& state) {
+void Solver::require_fitting(const State& state) const {
   const auto n = static_cast<std::size_t>(topology_->particle_count);
   if (state.position.size() != n || state.velocity.size() != n) {
     throw Error("Solver::reset: expected " + std::to_string(n) + " positions and velocities, got " +
@@ -186,6 +199,11 @@ void Solver::reset(const State& state) {
   if (topology_->dimension == 2 && !is_in_plane(state)) {
     throw Error("Solver::reset: expected z = 0 in all positions and velocities of a two-dimensional model");
   }
+}
+
+void Solver::reset(const State& state) {
+  require_fitting(state);
+  if (const std::string thing = do_cannot(); !thing.empty()) throw Error(cannot_do(name_, thing));
   follow_scene();
   copies_.clear();
   do_reset(state);
@@ -193,6 +211,28 @@ void Solver::reset(const State& state) {
 
 void Solver::reset() {
   reset(rest_state(model()));
+}
+
+Snapshot Solver::snapshot() const {
+  Snapshot snapshot;
+  do_snapshot(snapshot);
+  return snapshot;
+}
+
+void Solver::restore(const Snapshot& snapshot) {
+  require_fitting(snapshot.state);
+  if (const std::string thing = do_cannot(); !thing.empty()) throw Error(cannot_do(name_, thing));
+  if (!snapshot.displacement.empty() && snapshot.displacement.size() != snapshot.state.position.size()) {
+    throw Error("Solver::restore: expected as many displacements as positions (" +
+                std::to_string(snapshot.state.position.size()) + "), or none; got " +
+                std::to_string(snapshot.displacement.size()));
+  }
+  if (!(snapshot.last_dt >= 0.0) || !std::isfinite(snapshot.last_dt) || snapshot.steps_at_rest < 0) {
+    throw Error("Solver::restore: expected a finite last step of 0 s or more and no negative count of steps at rest");
+  }
+  follow_scene();
+  copies_.clear();
+  do_restore(snapshot);
 }
 
 StepReport Solver::step(int n, double dt) {
@@ -215,6 +255,11 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   report.beyond_limit = dt > stable_step_ * (1.0 + limit_slack);
   if (report.beyond_limit && options_.on_unstable == UnstableStep::refuse) {
     report.status = StepStatus::unstable_step;
+    return report;
+  }
+  if (scene_version_ != scene_->version() && !do_cannot().empty()) {
+    report.status = StepStatus::unsupported_scene;
+    report.cause = "the scene has come to hold what this backend cannot do; the backends \"reference\" and \"cpu\" can";
     return report;
   }
   follow_scene();
@@ -243,6 +288,10 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   if (stop_at_rest && report.at_rest && !motion.lost) report.collapsed = first_collapsed(*topology_, read().position);
   if (motion.lost) {
     report.status = StepStatus::device_lost;
+  } else if (motion.lost_volume >= 0) {
+    report.status = StepStatus::volume_lost;
+    report.particle = scene_->volumes()[static_cast<std::size_t>(motion.lost_volume)].triangles.front()[0];
+    report.cause = "no small move of its free particles brings it back: all of them are held, or the surface is flat";
   } else if (motion.bad_particle >= 0) {
     report.status = StepStatus::not_finite;
     report.particle = motion.bad_particle;
@@ -285,22 +334,6 @@ ParticleBuffer Solver::attractor_buffer() const {
   return topology_->base_count > 0 ? do_attractor_buffer() : ParticleBuffer{};
 }
 
-std::vector<PassProfile> Solver::profile() const {
-  if (!profile_) return {};
-  do_profile();
-  return profile_->rows();
-}
-
-void Solver::clear_profile() {
-  if (!profile_) return;
-  do_profile();
-  profile_->clear();
-}
-
-double Solver::bytes_a_step() const {
-  return do_bytes_a_step();
-}
-
 std::string Solver::device() const {
   return do_device();
 }
@@ -315,6 +348,26 @@ bool Solver::do_collect(State& state) {
   state = std::move(copies_.front());
   copies_.erase(copies_.begin());
   return true;
+}
+
+void Solver::do_snapshot(Snapshot& snapshot) const {
+  do_read(snapshot.state);
+}
+
+void Solver::refuse_parts(const Snapshot& snapshot) const {
+  if (snapshot.parts.empty()) return;
+  throw Error("Solver::restore: the snapshot holds \"" + snapshot.parts.front().name + "\", of which the backend \"" +
+              name_ + "\" knows nothing; restore it in the backend that made it");
+}
+
+void Solver::do_restore(const Snapshot& snapshot) {
+  refuse_parts(snapshot);
+  do_reset(snapshot.state);
+}
+
+std::string Solver::do_cannot() const {
+  if (!scene_->volumes().empty()) return "Scene::keep_volume";
+  return scene_->contacts() ? "Scene::contacts" : "";
 }
 
 Momentum Solver::do_momentum(const Vec3& about) const {

@@ -74,7 +74,9 @@ struct SolverOptions {
 
 /// not_finite: a particle would have left the finite numbers, or run faster than a million spacings times omega_max,
 /// which no body survives; the step was not taken.
-enum class StepStatus { ok, invalid_step, unstable_step, not_finite, device_lost };
+/// volume_lost: an enclosed volume (Scene::keep_volume) could not be restored; the step was not taken.
+/// unsupported_scene: the scene has come to hold what this backend cannot do; nothing was done.
+enum class StepStatus { ok, invalid_step, unstable_step, not_finite, device_lost, volume_lost, unsupported_scene };
 
 struct StepReport {
   StepStatus status = StepStatus::ok;
@@ -148,11 +150,17 @@ class Solver {
   std::string_view name() const { return name_; }
   const Model& model() const { return scene_->model(); }
   const TopologyTextures& topology() const { return *topology_; }
+  const SolverOptions& options() const { return options_; }
 
   /// Starts from a state; throws Error when its sizes do not fit, a value is not finite, or z is not 0 in a
   /// two-dimensional model (state untouched then).
   void reset(const State& state);
   void reset();  ///< the rest shape
+
+  /// The state with all that further steps depend on, and back to it. restore() throws as reset() does, and where the
+  /// snapshot has parts that this solver does not know.
+  Snapshot snapshot() const;
+  void restore(const Snapshot& snapshot);
 
   /// n steps of dt seconds. Looks at the scene for changes first. On failure the last good state is kept. n = 0 takes
   /// over the scene and moves nothing; residual, speed and at_rest then say nothing.
@@ -206,6 +214,7 @@ class Solver {
     int steps = 0;                  ///< good steps done
     Index bad_particle = -1;        ///< >= 0: in the step after those this particle ran away; the step was undone
     bool lost = false;              ///< device lost
+    int lost_volume = -1;           ///< >= 0: row of Scene::volumes() that the step after those could not restore
     bool cut = false;               ///< an elastic acceleration was above StepPlan::largest_acceleration
     double max_acceleration = 0.0;  ///< m/s^2, free coordinates only
     double max_force = 0.0;         ///< N, likewise
@@ -224,8 +233,10 @@ class Solver {
     int rest_steps = 0;
   };
 
+  /// Throws Error for the first part of a snapshot; for backends that have none.
+  void refuse_parts(const Snapshot& snapshot) const;
+
   const Scene& scene() const { return *scene_; }
-  const SolverOptions& options() const { return options_; }
   LoadFrame& frame() { return frame_; }                  ///< prepared; a backend evaluates it at each step's time
   const LoadFrame& frame() const { return frame_; }      ///< of the scene as the last step or reset saw it
   Profile* profiling() const { return profile_.get(); }  ///< null unless SolverOptions::profile
@@ -247,11 +258,18 @@ class Solver {
   virtual ParticleBuffer do_position_buffer() const;
   virtual ParticleBuffer do_attractor_buffer() const;
   virtual std::string do_device() const = 0;
+  // Backends that keep more than a State, or keep it more exactly, say so here.
+  virtual void do_snapshot(Snapshot& snapshot) const;
+  virtual void do_restore(const Snapshot& snapshot);
+  /// What the scene holds that this backend cannot do, as the end of "cannot do "; empty: nothing. As it stands, all
+  /// that a backend has to add code for.
+  virtual std::string do_cannot() const;
   virtual double do_bytes_a_step() const { return std::numeric_limits<double>::quiet_NaN(); }
   virtual void do_profile() const {}  ///< brings profiling(), which is not null, up to date
 
   friend std::unique_ptr<Solver> make_solver(std::string_view, std::shared_ptr<const TopologyTextures>, const Scene&,
                                              const SolverOptions&);
+  void require_fitting(const State& state) const;
   void follow_scene();
   StepReport advance(int n, double dt, bool stop_at_rest);
   Motion run(const StepPlan& plan, StepReport& report);

@@ -36,6 +36,19 @@ class ReferenceSolver final : public Solver {
     scene().evaluate(state_.time, frame());
   }
 
+  void do_snapshot(Snapshot& snapshot) const override {
+    snapshot.state = state_;
+    snapshot.last_dt = last_dt_;
+    snapshot.steps_at_rest = steps_at_rest_;
+  }
+
+  void do_restore(const Snapshot& snapshot) override {
+    refuse_parts(snapshot);
+    do_reset(snapshot.state);
+    last_dt_ = snapshot.last_dt;
+    steps_at_rest_ = snapshot.steps_at_rest;
+  }
+
   void do_scene_changed() override {
     steps_at_rest_ = 0;
     scene().evaluate(state_.time, frame());

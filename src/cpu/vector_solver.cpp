@@ -94,10 +94,30 @@ class VectorSolver final : public Solver {
   }
 
  private:
-  void do_reset(const State& state) override {
+  void do_reset(const State& state) override { take(state, {}); }
+
+  void do_snapshot(Snapshot& snapshot) const override {
+    do_read(snapshot.state);
+    snapshot.displacement.resize(body_->order.size());
+    for (std::size_t place = 0; place < body_->order.size(); ++place) {
+      snapshot.displacement[body_->order[place]] = displacement(u_, place);
+    }
+    snapshot.last_dt = last_dt_;
+    snapshot.steps_at_rest = steps_at_rest_;
+  }
+
+  void do_restore(const Snapshot& snapshot) override {
+    refuse_parts(snapshot);
+    take(snapshot.state, snapshot.displacement);
+    last_dt_ = snapshot.last_dt;
+    steps_at_rest_ = snapshot.steps_at_rest;
+  }
+
+  /// Displacements are those of the state where none are given.
+  void take(const State& state, const VecList& given) {
     for (std::size_t place = 0; place < body_->order.size(); ++place) {
       const Index i = body_->order[place];
-      const Vec3 u = state.position[i] - topology().rest[i];
+      const Vec3 u = given.empty() ? Vec3(state.position[i] - topology().rest[i]) : given[i];
       for (int a = 0; a < 3; ++a) {
         next_u_[4 * place + a] = static_cast<float>(u[a]);
         next_v_[velocity_at(place, a)] = static_cast<float>(state.velocity[i][a]);
