@@ -367,18 +367,6 @@ ParticleBuffer Solver::attractor_buffer() const {
   return topology_->base_count > 0 ? do_attractor_buffer() : ParticleBuffer{};
 }
 
-std::vector<PassProfile> Solver::profile() const {
-  if (!profile_) return {};
-  do_profile();
-  return profile_->rows();
-}
-
-void Solver::clear_profile() {
-  if (!profile_) return;
-  do_profile();
-  profile_->clear();
-}
-
 std::string Solver::device() const {
   return do_device();
 }

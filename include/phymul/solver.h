@@ -199,6 +199,10 @@ class Solver {
   std::vector<PassProfile> profile() const;
   void clear_profile();
 
+  /// What a step reads and writes where nothing stays in a cache from step to step, counted by hand, bytes; not a
+  /// number where the backend does not count. Over the time of a step: the bandwidth it needs.
+  double bytes_a_step() const;
+
   std::string device() const;  ///< what it runs on, for people and result files: a renderer, a kind of processor
   std::string_view choice() const { return choice_; }  ///< why "auto" took this backend; empty when asked for by name
 
@@ -266,6 +270,7 @@ class Solver {
   /// What the scene holds that this backend cannot do, as the end of "cannot do "; empty: nothing. As it stands, all
   /// that a backend has to add code for.
   virtual std::string do_cannot() const;
+  virtual double do_bytes_a_step() const { return std::numeric_limits<double>::quiet_NaN(); }
   virtual void do_profile() const {}  ///< brings profiling(), which is not null, up to date
 
   friend std::unique_ptr<Solver> make_solver(std::string_view, std::shared_ptr<const TopologyTextures>, const Scene&,

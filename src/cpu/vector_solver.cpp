@@ -321,6 +321,7 @@ class VectorSolver final : public Solver {
   }
 
   double do_time() const override { return time_; }
+  double do_bytes_a_step() const override { return body_->bytes_a_step(); }
 
   std::string do_device() const override {
     return std::to_string(pool_.parts()) + (pool_.parts() == 1 ? " thread" : " threads") + ", " + kernels_.name +

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "gl/fragment_options.h"
+#include "gl/fragment_traffic.h"
 
 namespace phymul::gl {
 namespace {
@@ -67,6 +68,7 @@ FragmentSolver::~FragmentSolver() {
 void FragmentSolver::build() {
   const FloatTables tables = pack_floats(topology(), layout_);
   loads_version_ = scene().version();
+  bytes_a_step_ = gl::bytes_a_step(tables);
   context_->run([&] {
     const ShaderLibrary library(gl_.shader_folder, context_->info().es);
     device_ = std::make_unique<FragmentDevice>(tables, scene(), library, gl_.passes == 4);
