@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "decimal.h"
+#include "profile.h"
 
 namespace phymul {
 namespace {
@@ -42,6 +43,10 @@ void require_options(const SolverOptions& options) {
   }
   if (options.rest_steps < 1) {
     throw Error("SolverOptions::rest_steps must be 1 or more; got " + std::to_string(options.rest_steps));
+  }
+  if (!(options.progress_seconds >= 0.0) || !std::isfinite(options.progress_seconds)) {
+    throw Error("SolverOptions::progress_seconds must be finite and 0 or more; got " +
+                to_decimal(options.progress_seconds));
   }
   if (options.threads < 0) {
     throw Error("SolverOptions::threads must be 0 (chosen by the solver) or more; got " +
@@ -75,6 +80,10 @@ bool grows_by_itself(const Spectrum& spectrum) {
   return spectrum.most_negative < 0.0 || spectrum.largest_imaginary > 0.0;
 }
 
+std::string cannot_do(const std::string& backend, const std::string& thing) {
+  return "the backend \"" + backend + "\" cannot do " + thing + "; \"reference\" and \"cpu\" can";
+}
+
 const char* likely_cause(const TopologyTextures& topology, const Spectrum& spectrum, double dt, double limit) {
   if (dt > limit) return "the step is beyond the stable step at rest; make dt smaller";
   if (spectrum.most_negative < 0.0 && topology.options.reaction == Reaction::full && topology.base_count > 0) {
@@ -97,8 +106,9 @@ std::string StepReport::message() const {
   int length = 0;
   switch (status) {
     case StepStatus::ok:
-      length = std::snprintf(text, sizeof text, "ok: %d steps to t = %.6g s, residual %.3g N, speed %.3g m/s%s%s%s",
+      length = std::snprintf(text, sizeof text, "ok: %d steps to t = %.6g s, residual %.3g N, speed %.3g m/s%s%s%s%s",
                              steps, time, residual, max_speed, at_rest ? ", at rest" : "",
+                             stopped ? "; stopped by SolverOptions::progress" : "",
                              beyond_limit ? "; the step is beyond the stable step" : "",
                              cut ? "; elastic forces were cut, the body was far out of shape" : "");
       if (collapsed >= 0) {
@@ -135,6 +145,15 @@ std::string StepReport::message() const {
     case StepStatus::device_lost:
       std::snprintf(text, sizeof text, "device_lost: the device went away after t = %.6g s", time);
       break;
+    case StepStatus::volume_lost:
+      std::snprintf(text, sizeof text,
+                    "volume_lost: the volume of the closed surface at particle %d could not be restored after t = %.6g "
+                    "s (step %d of this call); the state at that time is kept. Likely cause: %s",
+                    static_cast<int>(particle), time, steps + 1, cause);
+      break;
+    case StepStatus::unsupported_scene:
+      std::snprintf(text, sizeof text, "unsupported_scene: %s; nothing was done", cause);
+      break;
   }
   return text;
 }
@@ -156,16 +175,24 @@ Solver::Solver(std::string name, std::shared_ptr<const TopologyTextures> topolog
   if (!(spacing_ > 0.0)) spacing_ = body_size(model()) / std::cbrt(static_cast<double>(topology_->particle_count));
   scene_->prepare(frame_);
   scene_version_ = scene_->version();
+  values_version_ = scene_->values_version();
+  if (options_.profile) profile_ = std::make_unique<Profile>();
 }
+
+Solver::~Solver() = default;
 
 void Solver::follow_scene() {
-  if (scene_version_ == scene_->version()) return;
-  scene_->prepare(frame_);
-  do_scene_changed();
+  if (scene_version_ != scene_->version()) {
+    scene_->prepare(frame_);
+    do_scene_changed();
+  } else if (values_version_ != scene_->values_version()) {
+    do_values_changed();
+  }
   scene_version_ = scene_->version();
+  values_version_ = scene_->values_version();
 }
 
-void Solver::reset(const State& state) {
+void Solver::require_fitting(const State& state) const {
   const auto n = static_cast<std::size_t>(topology_->particle_count);
   if (state.position.size() != n || state.velocity.size() != n) {
     throw Error("Solver::reset: expected " + std::to_string(n) + " positions and velocities, got " +
@@ -178,6 +205,11 @@ void Solver::reset(const State& state) {
   if (topology_->dimension == 2 && !is_in_plane(state)) {
     throw Error("Solver::reset: expected z = 0 in all positions and velocities of a two-dimensional model");
   }
+}
+
+void Solver::reset(const State& state) {
+  require_fitting(state);
+  if (const std::string thing = do_cannot(); !thing.empty()) throw Error(cannot_do(name_, thing));
   follow_scene();
   copies_.clear();
   do_reset(state);
@@ -185,6 +217,28 @@ void Solver::reset(const State& state) {
 
 void Solver::reset() {
   reset(rest_state(model()));
+}
+
+Snapshot Solver::snapshot() const {
+  Snapshot snapshot;
+  do_snapshot(snapshot);
+  return snapshot;
+}
+
+void Solver::restore(const Snapshot& snapshot) {
+  require_fitting(snapshot.state);
+  if (const std::string thing = do_cannot(); !thing.empty()) throw Error(cannot_do(name_, thing));
+  if (!snapshot.displacement.empty() && snapshot.displacement.size() != snapshot.state.position.size()) {
+    throw Error("Solver::restore: expected as many displacements as positions (" +
+                std::to_string(snapshot.state.position.size()) + "), or none; got " +
+                std::to_string(snapshot.displacement.size()));
+  }
+  if (!(snapshot.last_dt >= 0.0) || !std::isfinite(snapshot.last_dt) || snapshot.steps_at_rest < 0) {
+    throw Error("Solver::restore: expected a finite last step of 0 s or more and no negative count of steps at rest");
+  }
+  follow_scene();
+  copies_.clear();
+  do_restore(snapshot);
 }
 
 void Solver::start(const State& state, double dt) {
@@ -232,6 +286,11 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
     report.status = StepStatus::unstable_step;
     return report;
   }
+  if (scene_version_ != scene_->version() && !do_cannot().empty()) {
+    report.status = StepStatus::unsupported_scene;
+    report.cause = "the scene has come to hold what this backend cannot do; the backends \"reference\" and \"cpu\" can";
+    return report;
+  }
   follow_scene();
 
   StepPlan plan;
@@ -248,7 +307,7 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   plan.stop_at_rest = stop_at_rest;
   plan.rest_steps = options_.rest_steps;
 
-  const Motion motion = do_step(plan);
+  const Motion motion = run(plan, report);
   report.steps = motion.steps;
   report.time = do_time();
   report.residual = motion.max_force;
@@ -262,6 +321,10 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   }
   if (motion.lost) {
     report.status = StepStatus::device_lost;
+  } else if (motion.lost_volume >= 0) {
+    report.status = StepStatus::volume_lost;
+    report.particle = scene_->volumes()[static_cast<std::size_t>(motion.lost_volume)].triangles.front()[0];
+    report.cause = "no small move of its free particles brings it back: all of them are held, or the surface is flat";
   } else if (motion.bad_particle >= 0) {
     report.status = StepStatus::not_finite;
     report.particle = motion.bad_particle;
@@ -318,6 +381,26 @@ bool Solver::do_collect(State& state) {
   state = std::move(copies_.front());
   copies_.erase(copies_.begin());
   return true;
+}
+
+void Solver::do_snapshot(Snapshot& snapshot) const {
+  do_read(snapshot.state);
+}
+
+void Solver::refuse_parts(const Snapshot& snapshot) const {
+  if (snapshot.parts.empty()) return;
+  throw Error("Solver::restore: the snapshot holds \"" + snapshot.parts.front().name + "\", of which the backend \"" +
+              name_ + "\" knows nothing; restore it in the backend that made it");
+}
+
+void Solver::do_restore(const Snapshot& snapshot) {
+  refuse_parts(snapshot);
+  do_reset(snapshot.state);
+}
+
+std::string Solver::do_cannot() const {
+  if (!scene_->volumes().empty()) return "Scene::keep_volume";
+  return scene_->contacts() ? "Scene::contacts" : "";
 }
 
 Momentum Solver::do_momentum(const Vec3& about) const {

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -72,6 +73,24 @@ struct LoadModes {
   std::vector<Part> acceleration;    ///< m/s^2, on every particle besides: sum of value[mode] * vector
 };
 
+/// A closed surface whose volume every step restores: Scene::keep_volume.
+struct ClosedVolume {
+  std::vector<std::array<Index, 3>> triangles;  ///< counter-clockwise seen from outside
+  double volume = 0.0;                          ///< m^3, wanted
+  std::string applied_to;                       ///< group, for messages; empty: the whole body
+  bool operator==(const ClosedVolume&) const = default;
+};
+
+/// Touching of particles on surfaces, each a ball, with others of other bodies and of their own: Scene::contacts. A
+/// pair's impulse stops its approach where the balls meet, and rubs by Coulomb's law; equal and opposite.
+struct ContactOptions {
+  double friction = 0.3;  ///< Coulomb's coefficient, >= 0
+  double radius = 0.0;    ///< m, of every ball; 0: half of the mean length of the surface's edges around a particle
+  bool self = true;       ///< parts of one body touch each other too, where they lie apart at rest
+  int rounds = 8;         ///< sweeps over all pairs in a step, >= 1; more: pushes travel further through a stack
+  bool operator==(const ContactOptions&) const = default;
+};
+
 /// Keeps a reference to the model, which must outlive it and not change. An empty list of particles is allowed, and
 /// does nothing. Functions throw Error for an unknown group, an index out
 /// of range, or a value that is not finite, and then leave the scene as it was.
@@ -102,13 +121,34 @@ class Scene {
   Scene& add(std::vector<Load> loads);           ///< appends loads, as read_lml gives them
   Scene& replace(std::size_t row, Load load);    ///< puts another load in an existing row
   Scene& remove(std::size_t row);                ///< later rows move up
-  Scene& clear();                                ///< no loads, no gravity, nothing fixed
+  Scene& clear();                                ///< no loads, no gravity, nothing fixed, no volume kept, no contacts
+
+  /// After each step the volume that the surface of these particles' cells encloses is brought back to what it was at
+  /// rest (or to `volume`, m^3), exactly: every free particle of the surface moves along the gradient of the volume
+  /// over its mass. Linear momentum is kept, and angular momentum; imposed coordinates stay. Surfaces are those of
+  /// pressure loads. Throws Error where one is not closed, with an edge that is open.
+  Scene& keep_volume();
+  Scene& keep_volume(std::string_view group);
+  Scene& keep_volume(ClosedVolume surface);
+
+  Scene& contacts(const ContactOptions& options);  ///< bodies, and parts of a body, touch from now on
+  Scene& no_contacts();
+
+  /// Gives a load other values; where it acts and along what stays. Cheap however large the body: no solver prepares
+  /// anything anew, and nothing is allocated where the load has had as many events before and these are sorted. For
+  /// what changes at every step, as the tool of a haptic device does: three translations with one driven axis each move
+  /// a group anywhere.
+  Scene& set_events(std::size_t row, std::span<const ValueEvent> events);
 
   const std::vector<Load>& loads() const { return loads_; }
   const Vec3& gravity() const { return gravity_; }
+  const std::vector<ClosedVolume>& volumes() const { return volumes_; }
+  const std::optional<ContactOptions>& contacts() const { return contacts_; }
 
-  /// Grows by one at every change: lets a solver see that its prepared frame is stale.
+  /// Grows by one at every change but those of set_events(): lets a solver see that its prepared frame is stale.
   std::uint64_t version() const { return version_; }
+  /// Grows by one at every set_events(): frame and modes are as before, their values are not.
+  std::uint64_t values_version() const { return values_version_; }
 
   /// Gives `frame` the sizes this scene needs. Allocates; called when version() has changed.
   void prepare(LoadFrame& frame) const;
@@ -142,7 +182,9 @@ class Scene {
   std::vector<Load> loads_;
   std::vector<Action> actions_;  // per load
   Vec3 gravity_{0, 0, 0};
-  std::uint64_t version_ = 0;
+  std::vector<ClosedVolume> volumes_;
+  std::optional<ContactOptions> contacts_;
+  std::uint64_t version_ = 0, values_version_ = 0;
 };
 
 }  // namespace phymul

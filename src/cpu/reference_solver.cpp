@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "../profile.h"
 #include "integrate.h"
 
 namespace phymul::cpu {
@@ -19,6 +20,11 @@ class ReferenceSolver final : public Solver {
         force_(topology().particle_count),
         next_position_(topology().particle_count),
         next_velocity_(topology().particle_count) {
+    if (Profile* profile = profiling()) {
+      forces_row_ = profile->row("forces");
+      move_row_ = profile->row("move");
+      checks_row_ = profile->row("checks");
+    }
     reset();
   }
 
@@ -30,6 +36,19 @@ class ReferenceSolver final : public Solver {
     scene().evaluate(state_.time, frame());
   }
 
+  void do_snapshot(Snapshot& snapshot) const override {
+    snapshot.state = state_;
+    snapshot.last_dt = last_dt_;
+    snapshot.steps_at_rest = steps_at_rest_;
+  }
+
+  void do_restore(const Snapshot& snapshot) override {
+    refuse_parts(snapshot);
+    do_reset(snapshot.state);
+    last_dt_ = snapshot.last_dt;
+    steps_at_rest_ = snapshot.steps_at_rest;
+  }
+
   void do_scene_changed() override {
     steps_at_rest_ = 0;
     scene().evaluate(state_.time, frame());
@@ -38,11 +57,15 @@ class ReferenceSolver final : public Solver {
   Motion do_step(const StepPlan& plan) override {
     Motion motion;
     motion.steps_at_rest = steps_at_rest_;
+    Laps laps(profiling());
     while (motion.steps < plan.steps) {
       elastic_forces(topology(), state_.position, force_);
-      cut_forces(plan.largest_acceleration, motion);
+      laps.end(forces_row_);
+      const bool any_cut = cut_forces(plan.largest_acceleration);
       measure(motion);
+      laps.end(checks_row_, 0);
       move(plan);
+      laps.end(move_row_);
 
       motion.bad_particle = first_runaway(plan.runaway_speed);
       if (motion.bad_particle >= 0) {
@@ -54,11 +77,13 @@ class ReferenceSolver final : public Solver {
       state_.time += plan.dt;
       last_dt_ = plan.dt;
       ++motion.steps;
+      motion.cut = motion.cut || any_cut;
 
       motion.max_speed = max_free_speed();
       const bool quiet = motion.max_speed <= plan.speed_at_rest && motion.max_acceleration <= plan.acceleration_at_rest;
       steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
       motion.steps_at_rest = steps_at_rest_;
+      laps.end(checks_row_);
       if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;
     }
     return motion;
@@ -100,13 +125,15 @@ class ReferenceSolver final : public Solver {
     return (elastic + load) / topology().mass[i] + loads.gravity;
   }
 
-  void cut_forces(double largest, Motion& motion) {
+  bool cut_forces(double largest) {
+    bool any = false;
     for (Index i = 0; i < topology().particle_count; ++i) {
       const Vec3 elastic = force_[i] / topology().mass[i];
       if (!(elastic.norm() > largest)) continue;
-      motion.cut = true;
+      any = true;
       force_[i] = topology().mass[i] * cut(elastic, largest);
     }
+    return any;
   }
 
   /// Largest net force and acceleration on free coordinates, of the state before this step.
@@ -164,6 +191,7 @@ class ReferenceSolver final : public Solver {
   VecList force_, next_position_, next_velocity_;
   double last_dt_ = 0.0;
   int steps_at_rest_ = 0;
+  int forces_row_ = 0, move_row_ = 0, checks_row_ = 0;  // of profiling()
 };
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "gl/fragment_passes.h"
 #include "gl/fragment_report.h"
 #include "gl/fragment_sums.h"
+#include "gl/pass_timer.h"
 
 namespace phymul::gl {
 
@@ -20,6 +21,10 @@ class FragmentDevice {
 
   /// Compiles, uploads, and draws every pass of a step once: drivers compile at the first draw, not when they are told.
   FragmentDevice(const FloatTables& tables, const Scene& scene, const ShaderLibrary& library, bool four_passes);
+
+  /// From now on; timer() is null before.
+  void time_passes(const ContextInfo& info, Profile& profile) { timer_ = std::make_unique<PassTimer>(info, profile); }
+  PassTimer* timer() { return timer_.get(); }
 
   void set_scene(const Scene& scene);
   void write(const VecList& rest, const State& state) { state_.write(rest, state); }
@@ -49,6 +54,7 @@ class FragmentDevice {
   FragmentReport report_;
   FragmentSums sums_;
   FragmentCopies copies_;
+  std::unique_ptr<PassTimer> timer_;
 };
 
 }  // namespace phymul::gl

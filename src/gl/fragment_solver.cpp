@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "gl/fragment_options.h"
+#include "gl/fragment_traffic.h"
 
 namespace phymul::gl {
 namespace {
@@ -67,9 +68,11 @@ FragmentSolver::~FragmentSolver() {
 void FragmentSolver::build() {
   const FloatTables tables = pack_floats(topology(), layout_);
   loads_version_ = scene().version();
+  bytes_a_step_ = gl::bytes_a_step(tables);
   context_->run([&] {
     const ShaderLibrary library(gl_.shader_folder, context_->info().es);
     device_ = std::make_unique<FragmentDevice>(tables, scene(), library, gl_.passes == 4);
+    if (profiling()) device_->time_passes(context_->info(), *profiling());
   });
   context_->throw_debug_errors();
 }
@@ -181,6 +184,7 @@ int FragmentSolver::batch_size(const StepPlan& plan, int remaining) const {
 }
 
 Solver::Motion FragmentSolver::run_batches(const StepPlan& plan) {
+  const PassTimer::Current timing(device_->timer());
   Motion motion;
   motion.steps_at_rest = steps_at_rest_;
   while (motion.steps < plan.steps) {
@@ -251,6 +255,11 @@ void FragmentSolver::do_read(State& state) const {
 
 Energy FragmentSolver::do_energy() const {
   return on_device([&] { return device_->energy(scene(), time_, last_dt_); });
+}
+
+void FragmentSolver::do_profile() const {
+  if (!device_ || !device_->timer() || context_->lost()) return;
+  context_->run([this] { device_->timer()->finish(); });
 }
 
 Momentum FragmentSolver::do_momentum(const Vec3& about) const {

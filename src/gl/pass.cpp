@@ -7,9 +7,21 @@
 #include <string>
 #include <utility>
 
+#include "gl/pass_timer.h"
+
 namespace phymul::gl {
 
-Pass::Pass(const ShaderLibrary& library, ShaderRequest request) : program_(library, request) {}
+namespace {
+
+std::string pass_name(const ShaderRequest& request) {
+  const std::string file = request.files.empty() ? std::string() : request.files.back();
+  return file.substr(0, file.rfind('.'));
+}
+
+}  // namespace
+
+Pass::Pass(const ShaderLibrary& library, ShaderRequest request)
+    : name_(pass_name(request)), program_(library, request) {}
 
 void Pass::input(const char* name, const Texture& texture) {
   for (Input& input : inputs_) {
@@ -64,6 +76,7 @@ void Pass::set_rows(const Texture& target, int rows) {
 }
 
 void Pass::draw(const Framebuffer& target) {
+  const PassTimer::Timed timed(name_);
   glUseProgram(program_.id());
   for (std::size_t unit = 0; unit < inputs_.size(); ++unit) {
     glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
