@@ -86,6 +86,9 @@ const char* likely_cause(const TopologyTextures& topology, const Spectrum& spect
          "or raise damping";
 }
 
+constexpr const char* no_tools =
+    "the scene has tools, which this backend does not take yet; use \"cpu\" or \"reference\"";
+
 }  // namespace
 
 double Damping::factor_at(double dt) const {
@@ -125,6 +128,9 @@ std::string StepReport::message() const {
                     "s (step %d of this call, "
                     "dt = %.6g s, stable step at rest %.6g s); the state at that time is kept. Likely cause: %s",
                     static_cast<int>(particle), time, steps + 1, dt, stable_step, cause);
+      break;
+    case StepStatus::not_supported:
+      std::snprintf(text, sizeof text, "not_supported: %s; nothing was done", cause);
       break;
     case StepStatus::device_lost:
       std::snprintf(text, sizeof text, "device_lost: the device went away after t = %.6g s", time);
@@ -172,6 +178,7 @@ void Solver::reset(const State& state) {
   if (topology_->dimension == 2 && !is_in_plane(state)) {
     throw Error("Solver::reset: expected z = 0 in all positions and velocities of a two-dimensional model");
   }
+  if (!scene_->tools().empty() && !takes_tools()) throw Error("backend \"" + name_ + "\": " + no_tools);
   follow_scene();
   copies_.clear();
   do_reset(state);
@@ -201,6 +208,11 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   report.beyond_limit = dt > stable_step_ * (1.0 + limit_slack);
   if (report.beyond_limit && options_.on_unstable == UnstableStep::refuse) {
     report.status = StepStatus::unstable_step;
+    return report;
+  }
+  if (!scene_->tools().empty() && !takes_tools()) {
+    report.status = StepStatus::not_supported;
+    report.cause = no_tools;
     return report;
   }
   follow_scene();
@@ -269,6 +281,26 @@ ParticleBuffer Solver::position_buffer() const {
 
 ParticleBuffer Solver::attractor_buffer() const {
   return topology_->base_count > 0 ? do_attractor_buffer() : ParticleBuffer{};
+}
+
+const ToolReport& Solver::tool_report(std::string_view name) const {
+  const std::vector<SceneTool>& tools = scene_->tools();
+  for (std::size_t row = 0; row < tools.size(); ++row) {
+    if (tools[row].name == name) return do_tool_report(row);
+  }
+  throw Error("the scene has no tool \"" + std::string(name) + '"');
+}
+
+const ToolForce& Solver::tool_force(std::string_view name) const {
+  return tool_report(name).force;
+}
+
+const ToolPose& Solver::tool_pose(std::string_view name) const {
+  return tool_report(name).pose;
+}
+
+const ToolReport& Solver::do_tool_report(std::size_t) const {
+  throw Error(no_tools);
 }
 
 std::string Solver::device() const {

@@ -6,6 +6,7 @@
 #include <phymul/camera.h>
 #include <phymul/check.h>
 #include <phymul/display.h>
+#include <phymul/distance_grid.h>
 #include <phymul/elasticity.h>
 #include <phymul/error.h>
 #include <phymul/gl.h>
@@ -13,11 +14,13 @@
 #include <phymul/mesh.h>
 #include <phymul/model.h>
 #include <phymul/monitor.h>
+#include <phymul/needle.h>
 #include <phymul/pml.h>
 #include <phymul/scene.h>
 #include <phymul/shapes.h>
 #include <phymul/solver.h>
 #include <phymul/state.h>
+#include <phymul/tool.h>
 #include <phymul/topology.h>
 #include <phymul/types.h>
 #include <phymul/version.h>

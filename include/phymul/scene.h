@@ -5,6 +5,7 @@
 #pragma once
 
 #include <phymul/model.h>
+#include <phymul/tool.h>
 
 #include <array>
 #include <cstdint>
@@ -72,6 +73,33 @@ struct LoadModes {
   std::vector<Part> acceleration;    ///< m/s^2, on every particle besides: sum of value[mode] * vector
 };
 
+class Scene;
+
+/// Moves a tool of a scene. Cheap to make and to copy; no call but grasp() makes a solver allocate. Good as long as the
+/// scene has the tool: later calls throw Error.
+class ToolHandle {
+ public:
+  /// Where the tool is at the end of the solver's next step(): over the call's steps it goes there from where it is,
+  /// straight and evenly, turning the shorter way. Afterwards it goes on with the pose's velocity and spin. (In
+  /// run_to_rest() it is there after the first step.)
+  void pose(const ToolPose& pose) const;
+  /// The same at once, without having been in between: nothing is pushed along, and no force says so. Particles that it
+  /// then covers come out in the next step without gaining speed.
+  void place(const ToolPose& pose) const;
+  const ToolPose& pose() const;  ///< the last one asked for
+
+  /// From the next step on, free particles within `distance` of the surface (or inside) move with the tool.
+  void grasp(double distance) const;
+  void release() const;
+
+ private:
+  friend class Scene;
+  ToolHandle(Scene& scene, std::uint64_t id) : scene_(&scene), id_(id) {}
+  SceneTool& own() const;
+  Scene* scene_;
+  std::uint64_t id_;
+};
+
 /// Keeps a reference to the model, which must outlive it and not change. An empty list of particles is allowed, and
 /// does nothing. Functions throw Error for an unknown group, an index out
 /// of range, or a value that is not finite, and then leave the scene as it was.
@@ -102,12 +130,19 @@ class Scene {
   Scene& add(std::vector<Load> loads);           ///< appends loads, as read_lml gives them
   Scene& replace(std::size_t row, Load load);    ///< puts another load in an existing row
   Scene& remove(std::size_t row);                ///< later rows move up
-  Scene& clear();                                ///< no loads, no gravity, nothing fixed
+  Scene& clear();                                ///< no loads, no gravity, nothing fixed, no tools
+
+  Scene& add_tool(std::string name,
+                  Tool tool);  ///< throws for a name that is taken, a size or pose that makes no sense
+  Scene& remove_tool(std::string_view name);
+  ToolHandle tool(std::string_view name);  ///< throws Error that lists the known names
+  const std::vector<SceneTool>& tools() const { return tools_; }
 
   const std::vector<Load>& loads() const { return loads_; }
   const Vec3& gravity() const { return gravity_; }
 
-  /// Grows by one at every change: lets a solver see that its prepared frame is stale.
+  /// Grows by one at every change but a tool's pose and grasp, which have counters of their own: lets a solver see that
+  /// its prepared frame is stale.
   std::uint64_t version() const { return version_; }
 
   /// Gives `frame` the sizes this scene needs. Allocates; called when version() has changed.
@@ -137,11 +172,14 @@ class Scene {
   Action prepared_rotation(const Load& load, Action action) const;
   Action prepared_pressure(const Load& load, Action action) const;
   Vec3 unit_direction(const Load& load, const Vec3& from) const;
+  friend class ToolHandle;
 
   const Model* model_;
   std::vector<Load> loads_;
   std::vector<Action> actions_;  // per load
   Vec3 gravity_{0, 0, 0};
+  std::vector<SceneTool> tools_;
+  std::uint64_t next_tool_ = 1;
   std::uint64_t version_ = 0;
 };
 

@@ -55,7 +55,8 @@ struct SolverOptions {
 
 /// not_finite: a particle would have left the finite numbers, or run faster than a million spacings times omega_max,
 /// which no body survives; the step was not taken.
-enum class StepStatus { ok, invalid_step, unstable_step, not_finite, device_lost };
+/// not_supported: the scene has tools, and this backend does not take them; nothing was done.
+enum class StepStatus { ok, invalid_step, unstable_step, not_finite, device_lost, not_supported };
 
 struct StepReport {
   StepStatus status = StepStatus::ok;
@@ -146,6 +147,14 @@ class Solver {
   ParticleBuffer position_buffer() const;
   ParticleBuffer attractor_buffer() const;  ///< empty where the law has no attractors
 
+  /// What the particles do to a tool of the scene, and where it is now. Zero, and the scene's pose, before the first
+  /// step. Throw Error for an unknown name; allocate nothing.
+  const ToolForce& tool_force(std::string_view name) const;
+  const ToolPose& tool_pose(std::string_view name) const;
+  /// Whether this backend takes scenes with tools. One that does not is not made for such a scene, and does not step
+  /// it.
+  bool takes_tools() const { return do_takes_tools(); }
+
   std::string device() const;  ///< what it runs on, for people and result files: a renderer, a kind of processor
   std::string_view choice() const { return choice_; }  ///< why "auto" took this backend; empty when asked for by name
 
@@ -200,10 +209,13 @@ class Solver {
   virtual ParticleBuffer do_position_buffer() const;
   virtual ParticleBuffer do_attractor_buffer() const;
   virtual std::string do_device() const = 0;
+  virtual bool do_takes_tools() const { return false; }
+  virtual const ToolReport& do_tool_report(std::size_t row) const;  ///< of Scene::tools(), of the version last seen
 
   friend std::unique_ptr<Solver> make_solver(std::string_view, std::shared_ptr<const TopologyTextures>, const Scene&,
                                              const SolverOptions&);
   void follow_scene();
+  const ToolReport& tool_report(std::string_view name) const;
   StepReport advance(int n, double dt, bool stop_at_rest);
 
   std::string name_, choice_;
