@@ -256,6 +256,7 @@ Scene& Scene::remove(std::size_t row) {
 Scene& Scene::clear() {
   loads_.clear();
   actions_.clear();
+  tools_.clear();
   gravity_.setZero();
   volumes_.clear();
   contacts_.reset();

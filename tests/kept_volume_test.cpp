@@ -64,7 +64,7 @@ TEST(EnclosedVolume, RootsAreTheNearestOnTheGrowingBranchOrNone) {
   EXPECT_FALSE(root_of_cubic({1, 1, 0}, -0.3));  // s + s^2 is at least -1/4
   EXPECT_NEAR(root_of_cubic({1, 1, 0}, -0.2499999).value(), -0.5, 1e-3);
   EXPECT_FALSE(root_of_cubic({1, 0, -1.0 / 3.0}, 0.7));  // s - s^3 / 3 grows to 2/3 only
-  EXPECT_NEAR(root_of_cubic({1, 0, -1.0 / 3.0}, 0.5).value(), 0.557932, 1e-5);
+  EXPECT_NEAR(root_of_cubic({1, 0, -1.0 / 3.0}, 0.5).value(), 2.0 * std::sin(std::asin(0.75) / 3.0), 1e-14);
   EXPECT_NEAR(root_of_cubic({1e-30, 0, 1}, 8.0).value(), 2.0, 1e-14);
   EXPECT_FALSE(root_of_cubic({0, 0, 0}, 1.0));  // nothing is free to move
   EXPECT_FALSE(root_of_cubic({-1, 0, 1}, 1.0));
@@ -73,7 +73,9 @@ TEST(EnclosedVolume, RootsAreTheNearestOnTheGrowingBranchOrNone) {
     const std::array<double, 3> c{1.0 + uniform(bits), 3.0 * uniform(bits), 3.0 * uniform(bits)};
     const double wanted = 2.0 * uniform(bits);
     const auto s = root_of_cubic(c, wanted);
-    if (s) EXPECT_NEAR(((c[2] * *s + c[1]) * *s + c[0]) * *s, wanted, 1e-14 * (1.0 + std::abs(wanted)));
+    if (s) {
+      EXPECT_NEAR(((c[2] * *s + c[1]) * *s + c[0]) * *s, wanted, 1e-14 * (1.0 + std::abs(wanted)));
+    }
   }
 }
 

@@ -1,46 +1,21 @@
 // SPDX-License-Identifier: MIT
 #include "body_contacts.h"
 
-#include <phymul/bodies.h>
-
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
-#include "../surface.h"
+#include "closest_point.h"
 
 namespace phymul::cpu {
 namespace {
 
-constexpr double skin_factor = 2.0;  // of the sum of radii, at rest
-/// Of an overlap, and of the sum of radii, in a step.
-constexpr double parted_share = 0.2, largest_parting = 0.02;
-
-/// Half of the mean length of the surface's edges around each particle; 0 for particles inside. A model without facets
-/// is all surface, its neighbours stand for edges.
-std::vector<double> surface_radii(const Model& model) {
-  std::vector<double> sum(model.rest.size(), 0.0);
-  std::vector<int> count(model.rest.size(), 0);
-  const auto edge = [&](Index a, Index b) {
-    const double length = (model.rest[a] - model.rest[b]).norm();
-    for (const Index i : {a, b}) {
-      sum[i] += length;
-      ++count[i];
-    }
-  };
-  const std::vector<Facet> facets = surface_facets(model, std::vector<char>(model.rest.size(), 1));
-  for (const Facet& facet : facets) {
-    const std::vector<Index>& ring = facet.particles;
-    for (std::size_t k = 0; k < ring.size(); ++k) edge(ring[k], ring[(k + 1) % ring.size()]);
-  }
-  if (facets.empty()) {
-    for (Index i = 0; i < model.neighbours.rows(); ++i) {
-      for (const Index* j = model.neighbours.begin(i); j != model.neighbours.end(i); ++j) edge(i, *j);
-    }
-  }
-  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = count[i] > 0 ? 0.5 * sum[i] / count[i] : 0.0;
-  return sum;
-}
+/// Skin of either side where the scene names none, in edges.
+constexpr double usual_skin = 0.1;
+/// Of an overlap, and of an edge, in a step: more would press the surface in, and the body would spring back from that.
+constexpr double parted_share = 0.05, largest_parting = 0.002;
+/// Distances closer than this many edges count as one: the point is on the edge of two triangles.
+constexpr double same_distance = 1e-9;
 
 /// Of what is free of a particle along a direction: 1/kg.
 double inverse_mass(const TouchedParticles::Touched& particle, const Vec3& along) {
@@ -52,115 +27,184 @@ double inverse_mass(const TouchedParticles::Touched& particle, const Vec3& along
   return particle.inverse_mass * share;
 }
 
-void push_apart(TouchedParticles::Touched& a, TouchedParticles::Touched& b, const Vec3& impulse) {
-  if (!a.held) TouchedParticles::push(a, impulse);
-  if (!b.held) TouchedParticles::push(b, -impulse);
+void shift(TouchedParticles::Touched& particle, Vec3 by) {
+  if (particle.held) return;
+  for (int axis = 0; axis < 3; ++axis) {
+    if ((particle.fixed >> axis & 1) != 0) by[axis] = 0.0;
+  }
+  particle.shift += by;
+}
+
+void push(TouchedParticles::Touched& particle, const Vec3& impulse) {
+  if (!particle.held) TouchedParticles::push(particle, impulse);
 }
 
 }  // namespace
 
 void BodyContacts::follow(const Scene& scene) {
-  balls_.clear();
-  pairs_.clear();
+  surface_ = {};
+  contacts_.clear();
   if (!scene.contacts()) return;
   options_ = *scene.contacts();
-  const Model& model = scene.model();
-  rest_ = &model.rest;
-  std::vector<Index> body_of(model.rest.size(), -1);
-  const std::vector<ConnectedBody> bodies = connected_bodies(model);
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    for (const Index i : bodies[b].particles) body_of[i] = static_cast<Index>(b);
-  }
-  const std::vector<double> radii = surface_radii(model);
-  largest_radius_ = 0.0;
-  for (Index i = 0; i < model.particle_count(); ++i) {
-    if (radii[i] == 0.0) continue;
-    balls_.push_back({i, body_of[i], options_.radius > 0.0 ? options_.radius : radii[i]});
-    largest_radius_ = std::max(largest_radius_, balls_.back().radius);
-  }
-  place_.resize(balls_.size());
-  velocity_.resize(balls_.size());
+  surface_ = make_contact_surface(scene.model());
+  place_.resize(surface_.particles.size());
+  centre_.resize(surface_.triangles.size());
 }
 
-bool BodyContacts::skin(const Ball& a, const Ball& b) const {
-  if (a.body != b.body) return false;
-  if (!options_.self) return true;
-  const double apart = ((*rest_)[a.particle] - (*rest_)[b.particle]).norm();
-  return apart <= skin_factor * (a.radius + b.radius);
-}
-
-/// Pairs that may meet in this step: those whose gap is less than twice what the fastest ball moves against the mean.
-void BodyContacts::find_pairs(TouchedParticles& touched) {
+/// Particles whose gap to a triangle is less than twice what the fastest one moves against the mean.
+void BodyContacts::find(TouchedParticles& touched) {
   const double dt = touched.dt();
   Vec3 mean = Vec3::Zero();
-  for (std::size_t k = 0; k < balls_.size(); ++k) {
-    place_[k] = touched.step().position(balls_[k].particle);
-    velocity_[k] = touched.step().free_velocity(balls_[k].particle);
-    mean += velocity_[k] / static_cast<double>(balls_.size());
+  for (std::size_t k = 0; k < place_.size(); ++k) {
+    place_[k] = touched.step().position(surface_.particles[k].row);
+    mean += touched.step().free_velocity(surface_.particles[k].row) / static_cast<double>(place_.size());
   }
   double fastest = 0.0;
-  for (const Vec3& v : velocity_) fastest = std::max(fastest, (v - mean).squaredNorm());
-  // Beyond a few diameters a step is a failure, which the solver reports: the search must not outgrow the body.
-  const double margin = std::min(2.0 * dt * std::sqrt(fastest), 4.0 * largest_radius_);
-  grid_.build(place_, 2.0 * largest_radius_ + margin);
-  pairs_.clear();
-  grid_.each_pair([&](std::size_t a, std::size_t b) {
-    const Vec3 between = place_[a] - place_[b];
-    const double reach = balls_[a].radius + balls_[b].radius, near = reach + margin;
-    const double squared = between.squaredNorm();
-    if (squared > near * near || squared == 0.0 || skin(balls_[a], balls_[b])) return;
-    const double distance = std::sqrt(squared);
-    pairs_.push_back({touched.slot(balls_[a].particle), touched.slot(balls_[b].particle), between / distance,
-                      distance - reach, reach, 0.0, Vec3::Zero()});
-  });
+  for (const ContactSurface::Particle& particle : surface_.particles) {
+    fastest = std::max(fastest, (touched.step().free_velocity(particle.row) - mean).squaredNorm());
+  }
+  // Beyond a few edges a step is a failure, which the solver reports: the search must not outgrow the body.
+  const double margin = std::min(2.0 * dt * std::sqrt(fastest), 4.0 * surface_.longest_edge);
+  double widest = 0.0;  // from a triangle's centre to its furthest corner, squared
+  for (std::size_t t = 0; t < centre_.size(); ++t) {
+    const auto& corner = surface_.triangles[t].corner;
+    centre_[t] = (place_[corner[0]] + place_[corner[1]] + place_[corner[2]]) / 3.0;
+    for (const Index c : corner) widest = std::max(widest, (place_[c] - centre_[t]).squaredNorm());
+  }
+  // What got into a body is found as far as an edge below its surface.
+  const double skins = options_.skin > 0.0 ? 2.0 * options_.skin : 2.0 * usual_skin * surface_.longest_edge;
+  const double reach = std::max(margin + skins, surface_.longest_edge);
+  contacts_.clear();
+  if (!std::isfinite(widest)) return;  // a runaway particle, found out elsewhere
+  grid_.build(centre_, std::sqrt(widest) + reach);
+  for (std::size_t k = 0; k < place_.size(); ++k) {
+    nearest_.clear();
+    grid_.each_near(place_[k], [&](std::size_t t) { look(k, t, reach); });
+    keep(k, touched, margin);
+  }
 }
 
-void BodyContacts::press(Pair& pair, TouchedParticles& touched) const {
-  TouchedParticles::Touched &a = touched[pair.a], &b = touched[pair.b];
-  const double mobility = inverse_mass(a, pair.normal) + inverse_mass(b, pair.normal);
-  if (mobility == 0.0) return;
-  const Vec3 relative = a.velocity - b.velocity;
-  const double lacking = -std::max(pair.gap, 0.0) / touched.dt() - pair.normal.dot(relative);
-  const double pressed = std::max(pair.pressed + lacking / mobility, 0.0);
-  push_apart(a, b, (pressed - pair.pressed) * pair.normal);
-  pair.pressed = pressed;
-  if (options_.friction == 0.0) return;
+/// Keeps the triangle where it is the nearest of its body so far. On an edge that two share the one that faces the
+/// particle more is meant: it says on which side the particle is.
+void BodyContacts::look(std::size_t particle, std::size_t t, double reach) {
+  const ContactSurface::Particle& own = surface_.particles[particle];
+  const ContactSurface::Triangle& triangle = surface_.triangles[t];
+  if (own.body == triangle.body && !options_.self) return;
+  if (surface_.is_own_skin(own, particle, triangle)) return;
+  const Vec3 &a = place_[triangle.corner[0]], &b = place_[triangle.corner[1]], &c = place_[triangle.corner[2]];
+  Nearest found;
+  found.triangle = t;
+  found.body = triangle.body;
+  found.share = closest_point(place_[particle], a, b, c);
+  found.way = place_[particle] - (found.share[0] * a + found.share[1] * b + found.share[2] * c);
+  found.distance = found.way.norm();
+  if (!(found.distance <= reach)) return;
+  const Vec3 area = (b - a).cross(c - a);
+  const double across =
+      area.norm() > 0.0 && found.distance > 0.0 ? area.dot(found.way) / (area.norm() * found.distance) : 0.0;
+  found.alignment = std::abs(across);
+  found.inside = triangle.has_inside && across < 0.0;
+  if (found.distance > 0.0) {
+    found.way *= (found.inside ? -1.0 : 1.0) / found.distance;
+  } else if (area.norm() > 0.0) {
+    found.way = area / area.norm();
+  } else {
+    return;
+  }
+  const auto known =
+      std::find_if(nearest_.begin(), nearest_.end(), [&](const Nearest& n) { return n.body == found.body; });
+  if (known == nearest_.end()) {
+    nearest_.push_back(found);
+    return;
+  }
+  const double tie = same_distance * triangle.edge;
+  const bool nearer = found.distance < known->distance - tie;
+  const bool as_near = found.distance <= known->distance + tie;
+  const bool facing =
+      found.alignment > known->alignment || (found.alignment == known->alignment && t < known->triangle);
+  if (nearer || (as_near && facing)) *known = found;
+}
 
-  const Vec3 after = a.velocity - b.velocity, sliding = after - pair.normal.dot(after) * pair.normal;
+void BodyContacts::keep(std::size_t particle, TouchedParticles& touched, double margin) {
+  for (const Nearest& found : nearest_) {
+    const ContactSurface::Triangle& triangle = surface_.triangles[found.triangle];
+    const double edge = std::max(triangle.edge, surface_.particles[particle].edge);
+    const double skins =
+        options_.skin > 0.0 ? 2.0 * options_.skin : usual_skin * (triangle.edge + surface_.particles[particle].edge);
+    const double gap = (found.inside ? -found.distance : found.distance) - skins;
+    if (gap > margin) continue;
+    Contact contact;
+    contact.particle = touched.slot(surface_.particles[particle].row);
+    for (int c = 0; c < 3; ++c) contact.corner[c] = touched.slot(surface_.particles[triangle.corner[c]].row);
+    contact.share = found.share;
+    contact.normal = found.way;
+    contact.gap = gap;
+    contact.edge = edge;
+    contacts_.push_back(contact);
+  }
+}
+
+void BodyContacts::press(Contact& contact, TouchedParticles& touched) const {
+  TouchedParticles::Touched& particle = touched[contact.particle];
+  const auto corner = [&](int c) -> TouchedParticles::Touched& { return touched[contact.corner[c]]; };
+  const auto mobility = [&](const Vec3& along) {
+    double sum = inverse_mass(particle, along);
+    for (int c = 0; c < 3; ++c) sum += contact.share[c] * contact.share[c] * inverse_mass(corner(c), along);
+    return sum;
+  };
+  const auto relative = [&] {
+    Vec3 v = particle.velocity;
+    for (int c = 0; c < 3; ++c) v -= contact.share[c] * corner(c).velocity;
+    return v;
+  };
+  const auto give = [&](const Vec3& impulse) {
+    push(particle, impulse);
+    for (int c = 0; c < 3; ++c) push(corner(c), -contact.share[c] * impulse);
+  };
+
+  const double along_normal = mobility(contact.normal);
+  if (along_normal == 0.0) return;
+  const double lacking = -std::max(contact.gap, 0.0) / touched.dt() - contact.normal.dot(relative());
+  const double pressed = std::max(contact.pressed + lacking / along_normal, 0.0);
+  if (pressed != contact.pressed) give((pressed - contact.pressed) * contact.normal);
+  contact.pressed = pressed;
+  if (options_.friction == 0.0 || (pressed == 0.0 && contact.rubbed == Vec3::Zero())) return;
+
+  const Vec3 after = relative(), sliding = after - contact.normal.dot(after) * contact.normal;
   const double speed = sliding.norm();
-  if (speed == 0.0 && pair.rubbed == Vec3::Zero()) return;
-  const Vec3 along = speed > 0.0 ? Vec3(sliding / speed) : Vec3(Vec3::Zero());
-  const double ease = inverse_mass(a, along) + inverse_mass(b, along);
-  Vec3 rubbed = pair.rubbed;
-  if (ease > 0.0) rubbed -= speed / ease * along;
-  const double most = options_.friction * pair.pressed, size = rubbed.norm();
+  Vec3 rubbed = contact.rubbed;
+  if (speed > 0.0) {
+    const double ease = mobility(sliding / speed);
+    if (ease > 0.0) rubbed -= sliding / ease;
+  }
+  const double most = options_.friction * pressed, size = rubbed.norm();
   if (size > most) rubbed *= most / size;
-  push_apart(a, b, rubbed - pair.rubbed);
-  pair.rubbed = rubbed;
+  give(rubbed - contact.rubbed);
+  contact.rubbed = rubbed;
 }
 
-void BodyContacts::part(const Pair& pair, TouchedParticles& touched) const {
-  if (pair.gap >= 0.0) return;
-  TouchedParticles::Touched &a = touched[pair.a], &b = touched[pair.b];
-  const double mobility = inverse_mass(a, pair.normal) + inverse_mass(b, pair.normal);
+void BodyContacts::part(const Contact& contact, TouchedParticles& touched) {
+  if (contact.gap >= 0.0) return;
+  TouchedParticles::Touched& particle = touched[contact.particle];
+  double mobility = inverse_mass(particle, contact.normal);
+  for (int c = 0; c < 3; ++c) {
+    mobility += contact.share[c] * contact.share[c] * inverse_mass(touched[contact.corner[c]], contact.normal);
+  }
   if (mobility == 0.0) return;
-  const double way = std::min(-parted_share * pair.gap, largest_parting * pair.reach) / mobility;
-  for (const auto& [particle, sign] : {std::pair{&a, 1.0}, std::pair{&b, -1.0}}) {
-    if (particle->held) continue;
-    Vec3 by = sign * way * particle->inverse_mass * pair.normal;
-    for (int axis = 0; axis < 3; ++axis) {
-      if ((particle->fixed >> axis & 1) != 0) by[axis] = 0.0;
-    }
-    particle->shift += by;
+  const double way = std::min(-parted_share * contact.gap, largest_parting * contact.edge) / mobility;
+  shift(particle, way * particle.inverse_mass * contact.normal);
+  for (int c = 0; c < 3; ++c) {
+    TouchedParticles::Touched& corner = touched[contact.corner[c]];
+    shift(corner, -way * contact.share[c] * corner.inverse_mass * contact.normal);
   }
 }
 
 void BodyContacts::act(TouchedParticles& touched) {
-  find_pairs(touched);
+  find(touched);
   for (int round = 0; round < options_.rounds; ++round) {
-    for (Pair& pair : pairs_) press(pair, touched);
+    for (Contact& contact : contacts_) press(contact, touched);
   }
-  for (const Pair& pair : pairs_) part(pair, touched);
+  for (const Contact& contact : contacts_) part(contact, touched);
 }
 
 }  // namespace phymul::cpu

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// Points hashed into the cells of a uniform grid, to find those near each other: linear in the points, in an order that
+// Points hashed into the cells of a uniform grid, to find those near a place: linear in the points, in an order that
 // depends on them alone.
 #pragma once
 
 #include <phymul/types.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -15,11 +14,10 @@
 
 namespace phymul::cpu {
 
-class BallGrid {
+class PointGrid {
  public:
   /// Cells of this side, m. Allocates only while its arrays still grow.
   void build(std::span<const Vec3> points, double side) {
-    points_ = points;
     inverse_side_ = 1.0 / side;
     std::size_t buckets = 1;
     while (buckets < 2 * points.size()) buckets *= 2;
@@ -36,20 +34,18 @@ class BallGrid {
     for (std::size_t k = 0; k < points.size(); ++k) entry_[next_[bucket(cell_[k])]++] = static_cast<Index>(k);
   }
 
-  /// Calls visit(a, b), a < b, once for each pair of points whose cells meet: all that are no further apart than a
-  /// cell's side, and others.
+  /// Calls visit(k) for each point k no further from x than a cell's side, and for others, each once.
   template <class Visit>
-  void each_pair(Visit visit) const {
-    for (std::size_t a = 0; a < points_.size(); ++a) {
-      for (int dx = -1; dx <= 1; ++dx) {
-        for (int dy = -1; dy <= 1; ++dy) {
-          for (int dz = -1; dz <= 1; ++dz) {
-            const Cell wanted{cell_[a][0] + dx, cell_[a][1] + dy, cell_[a][2] + dz};
-            const std::size_t at = bucket(wanted);
-            for (Index e = first_[at]; e < first_[at + 1]; ++e) {
-              const auto b = static_cast<std::size_t>(entry_[e]);
-              if (b > a && cell_[b] == wanted) visit(a, b);
-            }
+  void each_near(const Vec3& x, Visit visit) const {
+    const Cell centre = cell_of(x);
+    for (int dx = -1; dx <= 1; ++dx) {
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dz = -1; dz <= 1; ++dz) {
+          const Cell wanted{centre[0] + dx, centre[1] + dy, centre[2] + dz};
+          const std::size_t at = bucket(wanted);
+          for (Index e = first_[at]; e < first_[at + 1]; ++e) {
+            const auto k = static_cast<std::size_t>(entry_[e]);
+            if (cell_[k] == wanted) visit(k);
           }
         }
       }
@@ -77,7 +73,6 @@ class BallGrid {
     return static_cast<std::size_t>(h) & mask_;
   }
 
-  std::span<const Vec3> points_;
   double inverse_side_ = 1.0;
   std::size_t mask_ = 0;
   std::vector<Cell> cell_;
