@@ -181,6 +181,8 @@ class VectorSolver final : public Solver {
     if (job.enumerated.count > 0) kernels_.enumerated[body_->use == simd::BaseUse::averaged](job);
     if (job.springs.count > 0) kernels_.springs(job);
     if (job.hexahedra.count > 0) kernels_.hexahedra[body_->bounded](job);
+    if (job.stars.count > 0) kernels_.stars[body_->bounded](job);
+    if (job.boxes.count > 0) kernels_.boxes[body_->bounded](job);
     if (job.simplices.count + job.cell_simplices.count > 0) kernels_.simplices[body_->bounded](job);
     if (job.volumes.count > 0) kernels_.volumes[body_->plane][body_->bounded](job);
     if (job.cells4.count + job.cells6.count + job.cells8.count > 0) kernels_.cells[body_->bounded](job);
