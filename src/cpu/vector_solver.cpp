@@ -243,6 +243,11 @@ class VectorSolver final : public Solver {
       kernels_.hexahedra[body_->bounded](job);
       laps.end(Work::hexahedra);
     }
+    if (job.stars.count + job.boxes.count > 0) {
+      if (job.stars.count > 0) kernels_.stars[body_->bounded](job);
+      if (job.boxes.count > 0) kernels_.boxes[body_->bounded](job);
+      laps.end(Work::box_lattice);
+    }
     if (job.simplices.count + job.cell_simplices.count > 0) {
       kernels_.simplices[body_->bounded](job);
       laps.end(Work::simplices);
