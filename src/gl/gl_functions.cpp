@@ -66,6 +66,9 @@ void fill_gaps() {
   PHYMUL_FILL(InvalidateFramebuffer);
   PHYMUL_FILL(InvalidateSubFramebuffer);
   PHYMUL_FILL(GetInternalformativ);
+  // OpenGL 4.5, and an extension of OpenGL ES
+  PHYMUL_FILL(ClipControl);
+  PHYMUL_FILL(ClipControlEXT);
 #undef PHYMUL_FILL
 }
 
