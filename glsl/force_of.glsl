@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
-// F_i, N: as the attractor pass wrote it, or with RECOMPUTE computed where it is asked for, which needs
+// F_i, N: as the attractor pass wrote it, or with RECOMPUTE_FORCES computed where it is asked for, which needs
 // attractor_pass.glsl.
 
 vec3 force_of(int i) {
-#ifdef RECOMPUTE
+#ifdef RECOMPUTE_FORCES
   attractor_row(i);
   return attractor_result.xyz;
 #else

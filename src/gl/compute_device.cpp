@@ -16,7 +16,7 @@ ComputeDevice::ComputeDevice(const SliceTables& slices, const Scene& scene, cons
       limits_(limits),
       tables_(slices, limits_),
       passes_(tables_, library_, choose_form(wish, tables_.kind()), limits_),
-      state_(tables_, passes_.stores_terms(), limits_),
+      state_(tables_, passes_.stores_forces(), passes_.stores_terms(), limits_),
       report_(library_, passes_, state_, limits_),
       sums_(library_, passes_, limits_) {
   set_scene(scene);

@@ -51,7 +51,8 @@ ShaderRequest ComputePasses::evaluating(bool attractors, bool bases, bool volume
   ShaderRequest request{.files = common, .defines = {}};
   tables_->define(request);
   define(request, "AREA_EXPONENT", kind.options.area_exponent != 0.0);
-  define(request, "RECOMPUTE", form_ == ComputeForm::recompute);
+  define(request, "RECOMPUTE", !stores_terms());
+  define(request, "RECOMPUTE_FORCES", !stores_forces());
   define(request, "AVERAGED", kind.base_terms && !kind.conservative());
   define(request, "ATTRACTOR_ROWS", attractors);
   define(request, "BASE_ROWS", bases);
@@ -59,7 +60,7 @@ ShaderRequest ComputePasses::evaluating(bool attractors, bool bases, bool volume
   define(request, "CELL_ROWS", cells);
   if (attractors || bases) append(request, base_kernel(kind));
   if (attractors) append(request, attractor_files(kind));
-  append(request, {"force_of.glsl"});
+  if (kind.attractors) append(request, {"force_of.glsl"});
   if (bases) append(request, {"bases_pass.glsl"});
   if (volumes) append(request, joined({volume_kernel(), {"volumes_pass.glsl"}}));
   if (cells) append(request, joined({base_kernel(kind), cell_kernel(), {"cells_pass.glsl"}}));
@@ -100,13 +101,12 @@ void ComputePasses::compile_terms(const ComputeState& state) {
   const BodyKind& kind = tables_->kind();
   const bool apart = kind.attractors && kind.base_terms;
   terms_.clear();  // of an attempt that failed half-way
-  add_terms(kind.attractors, kind.base_terms && !apart, true, state);
-  if (apart) add_terms(false, true, false, state);
+  add_terms(kind.attractors && stores_forces(), kind.base_terms && !apart && stores_terms(), stores_terms(), state);
+  if (apart && stores_terms()) add_terms(false, true, false, state);
   terms_compiled_ = true;
 }
 
 void ComputePasses::evaluate(const ComputeState& state) {
-  if (!stores_terms()) return;
   if (!terms_compiled_) compile_terms(state);
   for (Terms& terms : terms_) {
     terms.kernel.set("pair", state.current());

@@ -9,7 +9,8 @@
 
 namespace phymul::gl {
 
-ComputeState::ComputeState(const ComputeTables& tables, bool stores_terms, const ComputeLimits& limits)
+ComputeState::ComputeState(const ComputeTables& tables, bool stores_forces, bool stores_terms,
+                           const ComputeLimits& limits)
     : tables_(&tables) {
   const BodyKind& kind = tables.kind();
   std::int64_t rows = pair_row(pairs);
@@ -23,8 +24,8 @@ ComputeState::ComputeState(const ComputeTables& tables, bool stores_terms, const
     return static_cast<int>(first);
   };
   measured_row_ = take(tables.places());
+  if (stores_forces) force_row_ = take(kind.attractors ? tables.places() : 0);
   if (stores_terms) {
-    force_row_ = take(kind.attractors ? tables.places() : 0);
     base_row_ = take(kind.base_terms ? std::int64_t{4} * kind.bases : 0);
     volume_row_ = take(std::int64_t{4} * kind.volumes);
     cell_row_ = take(std::int64_t{4} * kind.cells);

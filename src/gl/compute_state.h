@@ -15,8 +15,8 @@ class ComputeState {
   static constexpr int pairs = 3;
   static constexpr int most_report_groups = 256;
 
-  /// `stores_terms`: passes write forces and terms for others to read.
-  ComputeState(const ComputeTables& tables, bool stores_terms, const ComputeLimits& limits);
+  /// What passes write for others to read: forces of attractors, terms of bases, volumes and cells.
+  ComputeState(const ComputeTables& tables, bool stores_forces, bool stores_terms, const ComputeLimits& limits);
 
   int current() const { return current_; }
   int checkpoint() const { return checkpoint_; }
