@@ -18,8 +18,8 @@ class GlLife : public GlTest {
     scene_.emplace(model_);
     scene_->gravity({0, 0, -9.81});
   }
-  std::unique_ptr<gl::FragmentSolver> make(const SolverOptions& options = {}) const {
-    return std::make_unique<gl::FragmentSolver>(tables_of(model_, {}), *scene_, options);
+  std::unique_ptr<gl::DeviceSolver> make(const SolverOptions& options = {}) const {
+    return std::make_unique<gl::DeviceSolver>(GlBackend::fragment, tables_of(model_, {}), *scene_, options);
   }
   /// Waits as long as a device may take: collect() itself never does.
   static bool collected(Solver& solver, State& state) {
@@ -80,7 +80,7 @@ TEST_F(GlLife, TexturesHoldDisplacementsAndAttractors) {
     const Scene scene(model);
     TopologyOptions options;
     options.reaction = reaction;
-    gl::FragmentSolver solver(tables_of(model, options), scene, {});
+    gl::DeviceSolver solver(GlBackend::fragment, tables_of(model, options), scene, {});
     const State start = random_state(model, 0.1, 0.0, 8);
     solver.reset(start);
     const VecList u = texture_rows(*solver.context(), solver.position_buffer());
@@ -96,7 +96,7 @@ TEST_F(GlLife, TexturesHoldDisplacementsAndAttractors) {
   const Scene scene(plain);
   TopologyOptions springs;
   springs.law = Law::springs;
-  EXPECT_EQ(gl::FragmentSolver(tables_of(plain, springs), scene, {}).attractor_buffer().texture, 0u);
+  EXPECT_EQ(gl::DeviceSolver(GlBackend::fragment, tables_of(plain, springs), scene, {}).attractor_buffer().texture, 0u);
 }
 
 TEST_F(GlLife, OptionsAndEnvironmentAreChecked) {

@@ -11,7 +11,7 @@
 
 #include "bodies.h"
 #include "cpu/mirror.h"
-#include "gl/fragment_solver.h"
+#include "gl/device_solver.h"
 #include "gl_fixture.h"
 
 namespace phymul::test {
@@ -81,7 +81,7 @@ class GlTwins {
       : options_(std::move(options)) {
     options_.on_unstable = UnstableStep::allow;
     if (!options_.spectrum) options_.spectrum = estimate_spectrum(*tables, tables->rest);
-    gl = std::make_unique<gl::FragmentSolver>(tables, scene, options_);
+    gl = std::make_unique<gl::DeviceSolver>(GlBackend::fragment, tables, scene, options_);
     mirror = cpu::make_mirror_solver(tables, scene, options_,
                                      gl->enumerated() ? FloatLayout::enumerated : FloatLayout::table);
   }
@@ -99,7 +99,7 @@ class GlTwins {
     EXPECT_EQ(difference(gl->read(), mirror->read()), "") << where;
   }
 
-  std::unique_ptr<gl::FragmentSolver> gl;
+  std::unique_ptr<gl::DeviceSolver> gl;
   std::unique_ptr<Solver> mirror;
 
  private:

@@ -94,7 +94,7 @@ void set_depth_range(const ContextInfo& info, GLfloat near, GLfloat far) {
 StateGuard::StateGuard(const ContextInfo& info) : info_(info) {
   save_objects();
   save_units();
-  save_uniform_buffers();
+  save_indexed_buffers();
   save_draw_buffers();
   save_switches();
   save_pixels();
@@ -103,7 +103,7 @@ StateGuard::StateGuard(const ContextInfo& info) : info_(info) {
 
 StateGuard::~StateGuard() {
   restore_units();
-  restore_uniform_buffers();
+  restore_indexed_buffers();
   restore_objects();
   for (const auto& [name, on] : switches_) set(name, on);
   restore_draw_buffers();
@@ -148,14 +148,23 @@ void StateGuard::save_units() {
   }
 }
 
-void StateGuard::save_uniform_buffers() {
+void StateGuard::save_indexed_buffers() {
+  const auto save = [](GLenum binding, GLenum start, GLenum size, std::vector<IndexedBuffer>& buffers) {
+    for (std::size_t i = 0; i < buffers.size(); ++i) {
+      const GLuint index = static_cast<GLuint>(i);
+      glGetIntegeri_v(binding, index, &buffers[i].name);
+      glGetInteger64i_v(start, index, &buffers[i].start);
+      glGetInteger64i_v(size, index, &buffers[i].size);
+    }
+  };
   uniform_buffers_.resize(uniform_buffers);
-  for (std::size_t i = 0; i < uniform_buffers_.size(); ++i) {
-    const GLuint index = static_cast<GLuint>(i);
-    glGetIntegeri_v(GL_UNIFORM_BUFFER_BINDING, index, &uniform_buffers_[i].name);
-    glGetInteger64i_v(GL_UNIFORM_BUFFER_START, index, &uniform_buffers_[i].start);
-    glGetInteger64i_v(GL_UNIFORM_BUFFER_SIZE, index, &uniform_buffers_[i].size);
-  }
+  save(GL_UNIFORM_BUFFER_BINDING, GL_UNIFORM_BUFFER_START, GL_UNIFORM_BUFFER_SIZE, uniform_buffers_);
+  if (!info_.computes()) return;
+  buffers_.emplace_back(GL_SHADER_STORAGE_BUFFER, integer_of(GL_SHADER_STORAGE_BUFFER_BINDING));
+  const GLint bindings = integer_of(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS);
+  storage_buffers_.resize(static_cast<std::size_t>(std::clamp(bindings, 0, storage_buffers)));
+  save(GL_SHADER_STORAGE_BUFFER_BINDING, GL_SHADER_STORAGE_BUFFER_START, GL_SHADER_STORAGE_BUFFER_SIZE,
+       storage_buffers_);
 }
 
 void StateGuard::save_draw_buffers() {
@@ -243,17 +252,21 @@ void StateGuard::restore_units() const {
   glActiveTexture(static_cast<GLenum>(active_unit_));
 }
 
-void StateGuard::restore_uniform_buffers() const {
-  for (std::size_t i = 0; i < uniform_buffers_.size(); ++i) {
-    const UniformBuffer& buffer = uniform_buffers_[i];
-    const GLuint index = static_cast<GLuint>(i), name = static_cast<GLuint>(buffer.name);
-    if (buffer.size > 0) {
-      glBindBufferRange(GL_UNIFORM_BUFFER, index, name, static_cast<GLintptr>(buffer.start),
-                        static_cast<GLsizeiptr>(buffer.size));
-    } else {
-      glBindBufferBase(GL_UNIFORM_BUFFER, index, name);
+void StateGuard::restore_indexed_buffers() const {
+  const auto restore = [](GLenum target, const std::vector<IndexedBuffer>& buffers) {
+    for (std::size_t i = 0; i < buffers.size(); ++i) {
+      const IndexedBuffer& buffer = buffers[i];
+      const GLuint index = static_cast<GLuint>(i), name = static_cast<GLuint>(buffer.name);
+      if (buffer.size > 0) {
+        glBindBufferRange(target, index, name, static_cast<GLintptr>(buffer.start),
+                          static_cast<GLsizeiptr>(buffer.size));
+      } else {
+        glBindBufferBase(target, index, name);
+      }
     }
-  }
+  };
+  restore(GL_UNIFORM_BUFFER, uniform_buffers_);
+  restore(GL_SHADER_STORAGE_BUFFER, storage_buffers_);
 }
 
 void StateGuard::restore_draw_buffers() const {
