@@ -31,15 +31,7 @@ class GlLife : public GlTest {
   }
   /// xyz of an RGBA32F texture's first rows.
   VecList texture_rows(gl::Context& context, const ParticleBuffer& buffer) const {
-    std::vector<Float4> texels(static_cast<std::size_t>(buffer.width) * buffer.height);
-    context.run([&] {
-      GLuint framebuffer = 0;
-      glGenFramebuffers(1, &framebuffer);
-      glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-      glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, buffer.texture, 0);
-      glReadPixels(0, 0, buffer.width, buffer.height, GL_RGBA, GL_FLOAT, texels.data());
-      glDeleteFramebuffers(1, &framebuffer);
-    });
+    const std::vector<Float4> texels = texels_of(context, buffer);
     VecList rows;
     for (std::size_t i = 0; i < model_.rest.size(); ++i) rows.emplace_back(texels[i][0], texels[i][1], texels[i][2]);
     return rows;

@@ -119,6 +119,22 @@ void note_units(HostState& state) {
   glActiveTexture(static_cast<GLenum>(active));
 }
 
+constexpr GLuint storage_bindings = 6;
+
+void note_storage_buffers(HostState& state) {
+  GLint bound = 0;
+  glGetIntegerv(GL_SHADER_STORAGE_BUFFER_BINDING, &bound);
+  state["storage buffer"] = {double(bound)};
+  for (GLuint i = 0; i < storage_bindings; ++i) {
+    GLint name = 0;
+    GLint64 start = 0, size = 0;
+    glGetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, i, &name);
+    glGetInteger64i_v(GL_SHADER_STORAGE_BUFFER_START, i, &start);
+    glGetInteger64i_v(GL_SHADER_STORAGE_BUFFER_SIZE, i, &size);
+    state["storage buffer " + std::to_string(i)] = {double(name), double(start), double(size)};
+  }
+}
+
 void note_indexed(const gl::ContextInfo& info, HostState& state) {
   for (GLuint i = 0; i < 4; ++i) {
     GLint name = 0;
@@ -162,6 +178,7 @@ HostState host_state(const gl::ContextInfo& info) {
   for (const Named& one : switches_of(info)) state[one.name] = {double(glIsEnabled(one.value))};
   note_units(state);
   note_indexed(info, state);
+  if (info.computes()) note_storage_buffers(state);
   state["error"] = {double(glGetError())};
   return state;
 }
@@ -232,6 +249,12 @@ void HostileHost::bind_objects() {
   glBindBufferRange(GL_UNIFORM_BUFFER, 0, buffers_[6], 256, 512);
   glBindBufferBase(GL_UNIFORM_BUFFER, 2, buffers_[6]);
   glBindBuffer(GL_UNIFORM_BUFFER, buffers_[7]);
+  if (!info_.computes()) return;
+  glBindBuffer(GL_SHADER_STORAGE_BUFFER, buffers_[8]);
+  glBufferData(GL_SHADER_STORAGE_BUFFER, 4096, nullptr, GL_STATIC_DRAW);
+  for (const GLuint binding : {0u, 1u, 2u, 4u}) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffers_[8]);
+  glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 3, buffers_[6], 256, 512);
+  glBindBuffer(GL_SHADER_STORAGE_BUFFER, buffers_[0]);
 }
 
 void HostileHost::bind_textures() {
@@ -319,6 +342,9 @@ void leave_a_mess() {
   }
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, name);
   glBindBufferBase(GL_UNIFORM_BUFFER, 1, name);
+  if (gl::read_context_info().computes()) {
+    for (GLuint binding = 0; binding < 5; ++binding) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, name);
+  }
   glViewport(0, 0, 99, 98);
   glScissor(0, 0, 97, 96);
   glClearColor(1, 1, 1, 1);
