@@ -75,8 +75,8 @@ struct SolverOptions {
 /// not_finite: a particle would have left the finite numbers, or run faster than a million spacings times omega_max,
 /// which no body survives; the step was not taken.
 /// volume_lost: an enclosed volume (Scene::keep_volume) could not be restored; the step was not taken.
-/// unsupported_scene: the scene has come to hold what this backend cannot do; nothing was done.
-enum class StepStatus { ok, invalid_step, unstable_step, not_finite, device_lost, volume_lost, unsupported_scene };
+/// not_supported: the scene has tools, contacts or kept volumes, and this backend does not take them; nothing was done.
+enum class StepStatus { ok, invalid_step, unstable_step, not_finite, device_lost, volume_lost, not_supported };
 
 struct StepReport {
   StepStatus status = StepStatus::ok;
@@ -202,6 +202,13 @@ class Solver {
   /// What a step reads and writes where nothing stays in a cache from step to step, counted by hand, bytes; not a
   /// number where the backend does not count. Over the time of a step: the bandwidth it needs.
   double bytes_a_step() const;
+  /// What the particles do to a tool of the scene, and where it is now. Zero, and the scene's pose, before the first
+  /// step. Throw Error for an unknown name; allocate nothing.
+  const ToolForce& tool_force(std::string_view name) const;
+  const ToolPose& tool_pose(std::string_view name) const;
+  /// Whether this backend takes scenes with tools. One that does not is not made for such a scene, and does not step
+  /// it.
+  bool takes_tools() const { return do_takes_tools(); }
 
   std::string device() const;  ///< what it runs on, for people and result files: a renderer, a kind of processor
   std::string_view choice() const { return choice_; }  ///< why "auto" took this backend; empty when asked for by name
@@ -267,16 +274,20 @@ class Solver {
   // Backends that keep more than a State, or keep it more exactly, say so here.
   virtual void do_snapshot(Snapshot& snapshot) const;
   virtual void do_restore(const Snapshot& snapshot);
-  /// What the scene holds that this backend cannot do, as the end of "cannot do "; empty: nothing. As it stands, all
+  /// What the scene holds that this backend does not take, a sentence, static text; null: nothing. As it stands, all
   /// that a backend has to add code for.
-  virtual std::string do_cannot() const;
+  virtual const char* do_cannot() const;
+  virtual bool do_takes_tools() const { return false; }
+  virtual const ToolReport& do_tool_report(std::size_t row) const;  ///< of Scene::tools(), of the version last seen
   virtual double do_bytes_a_step() const { return std::numeric_limits<double>::quiet_NaN(); }
   virtual void do_profile() const {}  ///< brings profiling(), which is not null, up to date
 
   friend std::unique_ptr<Solver> make_solver(std::string_view, std::shared_ptr<const TopologyTextures>, const Scene&,
                                              const SolverOptions&);
   void require_fitting(const State& state) const;
+  void require_supported() const;
   void follow_scene();
+  const ToolReport& tool_report(std::string_view name) const;
   StepReport advance(int n, double dt, bool stop_at_rest);
   Motion run(const StepPlan& plan, StepReport& report);
   Motion run_with_progress(const StepPlan& plan, StepReport& report);
