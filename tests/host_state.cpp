@@ -92,6 +92,14 @@ std::vector<Named> switches_of(const gl::ContextInfo& info) {
   return all;
 }
 
+bool has_clip_control(const gl::ContextInfo& info) {
+  return info.es ? info.has("GL_EXT_clip_control") : info.at_least(4, 5) || info.has("GL_ARB_clip_control");
+}
+
+void set_clip_control(const gl::ContextInfo& info, GLenum origin, GLenum depth) {
+  if (has_clip_control(info)) (info.es ? glClipControlEXT : glClipControl)(origin, depth);
+}
+
 bool has_indexed(const gl::ContextInfo& info) {
   return !info.es || info.at_least(3, 2);
 }
@@ -159,6 +167,13 @@ HostState host_state(const gl::ContextInfo& info) {
     std::array<GLfloat, 4> values{};
     glGetFloatv(number.value, values.data());
     state[number.name].assign(values.begin(), values.begin() + number.count);
+  }
+  if (has_clip_control(info)) {
+    GLint origin = 0, depth = 0;
+    glGetIntegerv(GL_CLIP_ORIGIN, &origin);
+    glGetIntegerv(GL_CLIP_DEPTH_MODE, &depth);
+    state["CLIP_ORIGIN"] = {double(origin)};
+    state["CLIP_DEPTH_MODE"] = {double(depth)};
   }
   for (const Named& one : switches_of(info)) state[one.name] = {double(glIsEnabled(one.value))};
   note_units(state);
@@ -264,6 +279,8 @@ void HostileHost::set_numbers() {
   glClearDepthf(0.5f);
   glDepthFunc(GL_NEVER);
   glDepthMask(GL_FALSE);
+  glDepthRangef(0.75f, 0.25f);
+  set_clip_control(info_, GL_UPPER_LEFT, GL_ZERO_TO_ONE);
   glStencilFunc(GL_NEVER, 1, 3);
   glCullFace(GL_FRONT_AND_BACK);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
@@ -332,6 +349,7 @@ void leave_a_mess() {
   glScissor(0, 0, 97, 96);
   glClearColor(1, 1, 1, 1);
   glDepthFunc(GL_GREATER);
+  glDepthRangef(0.5f, 0.25f);
   for (const GLenum on : {GL_BLEND, GL_DEPTH_TEST, GL_SCISSOR_TEST, GL_CULL_FACE}) glEnable(on);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
   glPixelStorei(GL_PACK_ALIGNMENT, 8);

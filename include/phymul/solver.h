@@ -67,7 +67,7 @@ struct StepReport {
   bool at_rest = false;       ///< the rest test held at the end
   double residual = 0.0;      ///< largest net force on a free particle at the last step, N
   double max_speed = 0.0;     ///< largest speed, m/s
-  bool cut = false;           ///< an elastic force was cut in some step of this call: SolverOptions::largest_push
+  bool cut = false;           ///< an elastic force was cut in some step done: SolverOptions::largest_push
   /// run_to_rest() that came to rest: a particle one of whose bases has collapsed to a line or a point, else -1. Such a
   /// base has no direction; a body all in one point is at rest so and cannot come back by itself.
   Index collapsed = -1;

@@ -40,7 +40,7 @@ class ReferenceSolver final : public Solver {
     motion.steps_at_rest = steps_at_rest_;
     while (motion.steps < plan.steps) {
       elastic_forces(topology(), state_.position, force_);
-      cut_forces(plan.largest_acceleration, motion);
+      const bool any_cut = cut_forces(plan.largest_acceleration);
       measure(motion);
       move(plan);
 
@@ -54,6 +54,7 @@ class ReferenceSolver final : public Solver {
       state_.time += plan.dt;
       last_dt_ = plan.dt;
       ++motion.steps;
+      motion.cut = motion.cut || any_cut;
 
       motion.max_speed = max_free_speed();
       const bool quiet = motion.max_speed <= plan.speed_at_rest && motion.max_acceleration <= plan.acceleration_at_rest;
@@ -100,13 +101,15 @@ class ReferenceSolver final : public Solver {
     return (elastic + load) / topology().mass[i] + loads.gravity;
   }
 
-  void cut_forces(double largest, Motion& motion) {
+  bool cut_forces(double largest) {
+    bool any = false;
     for (Index i = 0; i < topology().particle_count; ++i) {
       const Vec3 elastic = force_[i] / topology().mass[i];
       if (!(elastic.norm() > largest)) continue;
-      motion.cut = true;
+      any = true;
       force_[i] = topology().mass[i] * cut(elastic, largest);
     }
+    return any;
   }
 
   /// Largest net force and acceleration on free coordinates, of the state before this step.

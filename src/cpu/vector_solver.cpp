@@ -2,7 +2,6 @@
 #include "vector_solver.h"
 
 #include <phymul/elasticity.h>
-#include <phymul/error.h>
 
 #include <algorithm>
 #include <cmath>
@@ -92,20 +91,15 @@ class VectorSolver final : public Solver {
 
  private:
   void do_reset(const State& state) override {
+    require_state_in_range(topology().rest, state);
     for (std::size_t place = 0; place < body_->order.size(); ++place) {
       const Index i = body_->order[place];
       const Vec3 u = state.position[i] - topology().rest[i];
       for (int a = 0; a < 3; ++a) {
-        next_u_[4 * place + a] = static_cast<float>(u[a]);
-        next_v_[velocity_at(place, a)] = static_cast<float>(state.velocity[i][a]);
-        if (std::isfinite(next_u_[4 * place + a]) && std::isfinite(next_v_[velocity_at(place, a)])) continue;
-        throw Error("Solver::reset: particle " + std::to_string(i) +
-                    " has a displacement or velocity beyond single precision; the backend \"reference\" computes in "
-                    "double precision");
+        u_[4 * place + a] = static_cast<float>(u[a]);
+        v_[velocity_at(place, a)] = static_cast<float>(state.velocity[i][a]);
       }
     }
-    u_.swap(next_u_);
-    v_.swap(next_v_);
     time_ = state.time;
     last_dt_ = 0.0;
     steps_at_rest_ = 0;
@@ -131,7 +125,6 @@ class VectorSolver final : public Solver {
         reach.runaway = reach.runaway || of_part.runaway;
         reach.cut = reach.cut || of_part.cut;
       }
-      motion.cut = motion.cut || reach.cut;
       motion.max_acceleration = std::sqrt(static_cast<double>(reach.acceleration));
       motion.max_force = std::sqrt(static_cast<double>(reach.force));
       if (reach.runaway) {
@@ -143,6 +136,7 @@ class VectorSolver final : public Solver {
       time_ += plan.dt;
       last_dt_ = plan.dt;
       ++motion.steps;
+      motion.cut = motion.cut || reach.cut;
 
       motion.max_speed = std::sqrt(static_cast<double>(reach.speed));
       const RestThresholds rest = rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest},

@@ -24,20 +24,6 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// The largest displacement, m. Throws Error where one is beyond single precision.
-double require_single_precision(const VecList& rest, const State& state) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < rest.size(); ++i) {
-    const Eigen::Vector3f u = (state.position[i] - rest[i]).cast<float>(), v = state.velocity[i].cast<float>();
-    largest = std::max(largest, u.cast<double>().norm());
-    if (u.allFinite() && v.allFinite()) continue;
-    throw Error("Solver::reset: particle " + std::to_string(i) +
-                " has a displacement or velocity beyond single precision; the backend \"reference\" computes in "
-                "double precision");
-  }
-  return largest;
-}
-
 /// Another context sees what was drawn here only once it is done. After a step, whose report was waited for, it is.
 ParticleBuffer finished(const Texture& texture) {
   glFinish();
@@ -131,7 +117,7 @@ auto DeviceSolver::on_device(Function&& function) const {
 }
 
 void DeviceSolver::do_reset(const State& state) {
-  const double largest = require_single_precision(topology().rest, state);
+  const double largest = require_state_in_range(topology().rest, state);
   if (!device_ || context_->lost()) rebuild();
   follow();
   context_->run([&] {

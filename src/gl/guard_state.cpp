@@ -67,6 +67,28 @@ std::vector<GLenum> switches_of(const ContextInfo& info) {
   return names;
 }
 
+/// Where pictures stand upright and which depths are seen.
+bool has_clip_control(const ContextInfo& info) {
+  return info.es ? info.has("GL_EXT_clip_control") : info.at_least(4, 5) || info.has("GL_ARB_clip_control");
+}
+
+void set_clip_control(const ContextInfo& info, GLenum origin, GLenum depth) {
+  if (!has_clip_control(info)) return;
+  if (info.es) {
+    glClipControlEXT(origin, depth);
+  } else {
+    glClipControl(origin, depth);
+  }
+}
+
+void set_depth_range(const ContextInfo& info, GLfloat near, GLfloat far) {
+  if (info.es) {
+    glDepthRangef(near, far);
+  } else {
+    glDepthRange(static_cast<GLdouble>(near), static_cast<GLdouble>(far));
+  }
+}
+
 }  // namespace
 
 StateGuard::StateGuard(const ContextInfo& info) : info_(info) {
@@ -105,6 +127,11 @@ void StateGuard::save_objects() {
   glGetFloatv(GL_DEPTH_CLEAR_VALUE, &clear_depth_);
   glGetBooleanv(GL_DEPTH_WRITEMASK, &depth_mask_);
   depth_function_ = integer_of(GL_DEPTH_FUNC);
+  glGetFloatv(GL_DEPTH_RANGE, depth_range_.data());
+  if (has_clip_control(info_)) {
+    clip_origin_ = integer_of(GL_CLIP_ORIGIN);
+    clip_depth_ = integer_of(GL_CLIP_DEPTH_MODE);
+  }
   if (info_.es) return;
   glGetIntegerv(GL_POLYGON_MODE, polygon_mode_.data());
   clamp_read_ = integer_of(GL_CLAMP_READ_COLOR);
@@ -173,6 +200,8 @@ void StateGuard::set_defaults() {
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_LESS);
+  set_depth_range(info_, 0.0f, 1.0f);
+  set_clip_control(info_, GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
   for (const PixelStore& store : pixel_stores) {
     if (store.in_es || !info_.es) glPixelStorei(store.name, store.fresh);
   }
@@ -199,6 +228,8 @@ void StateGuard::restore_objects() const {
   }
   glDepthMask(depth_mask_);
   glDepthFunc(static_cast<GLenum>(depth_function_));
+  set_depth_range(info_, depth_range_[0], depth_range_[1]);
+  set_clip_control(info_, static_cast<GLenum>(clip_origin_), static_cast<GLenum>(clip_depth_));
   if (info_.es) return;
   glPolygonMode(GL_FRONT_AND_BACK, static_cast<GLenum>(polygon_mode_[0]));
   glClampColor(GL_CLAMP_READ_COLOR, static_cast<GLenum>(clamp_read_));

@@ -60,6 +60,8 @@ class StateGuard {
   GLboolean depth_mask_ = GL_TRUE;
   GLint depth_function_ = GL_LESS;
   GLfloat clear_depth_ = 1.0f;
+  std::array<GLfloat, 2> depth_range_{0.0f, 1.0f};
+  GLint clip_origin_ = 0, clip_depth_ = 0;  ///< where the context has a choice
   std::array<GLint, 2> polygon_mode_{GL_FILL, GL_FILL};
   GLint clamp_read_ = 0, clamp_fragment_ = 0;
   std::vector<std::pair<GLenum, GLint>> buffers_;  ///< target, name
