@@ -90,6 +90,7 @@ add_library(phymul_gl_objects OBJECT
   src/gl/fragment_state.cpp
   src/gl/fragment_sums.cpp
   src/gl/fragment_tables.cpp
+  src/gl/fragment_traffic.cpp
   src/gl/framebuffer.cpp
   src/gl/gl_functions.cpp
   src/gl/guard_egl.cpp
@@ -99,6 +100,7 @@ add_library(phymul_gl_objects OBJECT
   src/gl/module.cpp
   src/gl/options.cpp
   src/gl/pass.cpp
+  src/gl/pass_timer.cpp
   src/gl/picture_target.cpp
   src/gl/program.cpp
   src/gl/shader_source.cpp

@@ -101,6 +101,8 @@ class MirrorSolver final : public Solver {
     loads_ = FloatLoads(scene());
   }
 
+  void do_values_changed() override { steps_at_rest_ = 0; }
+
   Motion do_step(const StepPlan& plan) override {
     Motion motion;
     motion.steps_at_rest = steps_at_rest_;

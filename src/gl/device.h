@@ -5,8 +5,10 @@
 
 #include <phymul/solver.h>
 
+#include <memory>
 #include <vector>
 
+#include "gl/pass_timer.h"
 #include "gl/texture.h"
 
 namespace phymul::gl {
@@ -41,6 +43,10 @@ class Device {
   Device& operator=(const Device&) = delete;
   virtual ~Device() = default;
 
+  /// From now on; timer() is null before.
+  void time_passes(const ContextInfo& info, Profile& profile) { timer_ = std::make_unique<PassTimer>(info, profile); }
+  PassTimer* timer() { return timer_.get(); }
+
   virtual void set_scene(const Scene& scene) = 0;
   virtual void write(const VecList& rest, const State& state) = 0;
   virtual void read(const VecList& rest, State& state) = 0;
@@ -67,6 +73,9 @@ class Device {
   /// Displacements of the particles, and of their attractors, in the model's order.
   virtual const Texture& displacements() = 0;
   virtual const Texture& attractors() = 0;
+
+ private:
+  std::unique_ptr<PassTimer> timer_;
 };
 
 }  // namespace phymul::gl

@@ -10,6 +10,7 @@
 
 #include "gl/compute_device.h"
 #include "gl/fragment_device.h"
+#include "gl/fragment_traffic.h"
 #include "gl/options.h"
 #include "slice_tables.h"
 
@@ -57,14 +58,17 @@ DeviceSolver::~DeviceSolver() {
 void DeviceSolver::build() {
   FloatTables tables = pack_floats(topology(), layout_);
   loads_version_ = scene().version();
+  bytes_a_step_ = gl::bytes_a_step(tables);
   const ContextInfo& info = context_->info();
   const ShaderLibrary library(gl_.shader_folder, info.es, !info.es || info.at_least(3, 2));
   if (backend_ == GlBackend::compute) {
     const SliceTables slices = pack_slices(std::move(tables), topology());
-    context_->run([&] { device_ = std::make_unique<ComputeDevice>(slices, scene(), library, gl_.compute); });
+    const ComputeForm form = choose_form(gl_.compute, slices, info.software);
+    context_->run([&] { device_ = std::make_unique<ComputeDevice>(slices, scene(), library, form); });
   } else {
     context_->run([&] { device_ = std::make_unique<FragmentDevice>(tables, scene(), library, gl_.passes == 4); });
   }
+  if (profiling()) context_->run([&] { device_->time_passes(context_->info(), *profiling()); });
   context_->throw_debug_errors();
 }
 
@@ -175,6 +179,7 @@ int DeviceSolver::batch_size(const StepPlan& plan, int remaining) const {
 }
 
 Solver::Motion DeviceSolver::run_batches(const StepPlan& plan) {
+  const PassTimer::Current timing(device_->timer());
   Motion motion;
   motion.steps_at_rest = steps_at_rest_;
   while (motion.steps < plan.steps) {
@@ -245,6 +250,11 @@ void DeviceSolver::do_read(State& state) const {
 
 Energy DeviceSolver::do_energy() const {
   return on_device([&] { return device_->energy(scene(), time_, last_dt_); });
+}
+
+void DeviceSolver::do_profile() const {
+  if (!device_ || !device_->timer() || context_->lost()) return;
+  context_->run([this] { device_->timer()->finish(); });
 }
 
 Momentum DeviceSolver::do_momentum(const Vec3& about) const {

@@ -41,6 +41,8 @@ class DeviceSolver final : public Solver, public ContextUser {
   ParticleBuffer do_position_buffer() const override;
   ParticleBuffer do_attractor_buffer() const override;
   std::string do_device() const override { return context_->info().device(); }
+  void do_profile() const override;
+  double do_bytes_a_step() const override { return bytes_a_step_; }
 
   void build();
   void drop() noexcept;
@@ -66,6 +68,7 @@ class DeviceSolver final : public Solver, public ContextUser {
   double largest_displacement_ = 0.0;  // m, when the present batch began
   std::vector<double> instants_;       // of a batch
   double seconds_a_step_ = 0.0;        // wall clock; 0: not known yet
+  double bytes_a_step_ = 0.0;
 };
 
 std::unique_ptr<Solver> make_device_solver(GlBackend backend, std::shared_ptr<const TopologyTextures> topology,

@@ -9,6 +9,7 @@
 #include "gl/fragment_passes.h"
 #include "gl/fragment_report.h"
 #include "gl/fragment_sums.h"
+#include "gl/pass_timer.h"
 
 namespace phymul::gl {
 

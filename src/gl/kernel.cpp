@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "gl/pass_timer.h"
+
 namespace phymul::gl {
 namespace {
 
@@ -37,7 +39,10 @@ ComputeLimits ComputeLimits::of_context() {
 }
 
 Kernel::Kernel(const ShaderLibrary& library, ShaderRequest request, int group, const ComputeLimits& limits)
-    : program_(Program::computing(library, with_group(std::move(request), group))), group_(group), limits_(limits) {}
+    : name_(request.name()),
+      program_(Program::computing(library, with_group(std::move(request), group))),
+      group_(group),
+      limits_(limits) {}
 
 GLint Kernel::location(const char* name) {
   glUseProgram(program_.id());
@@ -55,6 +60,7 @@ void Kernel::dispatch(int groups) {
                 " groups that this driver dispatches at a time; use fewer particles or bases");
   }
   glUseProgram(program_.id());
+  const PassTimer::Timed timed(name_);
   glDispatchCompute(static_cast<GLuint>(across), static_cast<GLuint>(down), 1);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }

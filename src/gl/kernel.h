@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "gl/program.h"
 
@@ -39,6 +40,7 @@ class Kernel {
  private:
   GLint location(const char* name);
 
+  std::string name_;
   Program program_;
   int group_ = 1;
   ComputeLimits limits_;

@@ -7,9 +7,11 @@
 #include <string>
 #include <utility>
 
+#include "gl/pass_timer.h"
+
 namespace phymul::gl {
 
-Pass::Pass(const ShaderLibrary& library, ShaderRequest request) : program_(library, request) {}
+Pass::Pass(const ShaderLibrary& library, ShaderRequest request) : name_(request.name()), program_(library, request) {}
 
 void Pass::input(const char* name, const Texture& texture) {
   for (Input& input : inputs_) {
@@ -60,6 +62,7 @@ void Pass::set_rows(const Texture& target, int rows) {
 }
 
 void Pass::draw(const Framebuffer& target) {
+  const PassTimer::Timed timed(name_);
   glUseProgram(program_.id());
   for (std::size_t unit = 0; unit < inputs_.size(); ++unit) {
     glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));

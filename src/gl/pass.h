@@ -41,6 +41,7 @@ class Pass {
   };
   GLint location(const char* name);
 
+  std::string name_;  // of its last shader file, without the ending
   Program program_;
   std::vector<Input> inputs_;  // at texture units 0, 1, ...
   std::vector<std::string> unused_;

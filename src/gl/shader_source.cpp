@@ -57,6 +57,11 @@ std::string ShaderLibrary::file(const std::string& name) const {
   throw Error("no shader " + name + " is built in");
 }
 
+std::string ShaderRequest::name() const {
+  const std::string file = files.empty() ? std::string() : files.back();
+  return file.substr(0, file.rfind('.'));
+}
+
 std::string ShaderLibrary::text(const ShaderRequest& request, Stage stage) const {
   std::string all = es_ ? es_head : desktop_head;
   if (stage == Stage::compute) {

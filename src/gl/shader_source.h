@@ -22,6 +22,8 @@ extern const EmbeddedShader embedded_shaders[];
 struct ShaderRequest {
   std::vector<std::string> files;
   std::vector<std::pair<std::string, int>> defines;
+
+  std::string name() const;  ///< of its last file, without the ending: the others are parts of it
 };
 
 enum class Stage { drawing, compute };
