@@ -54,7 +54,7 @@ faulty_module(other_flags "and was built with other headers or flags")
 # The same on other GLs: what the tests of both programs are called that look at GL decides, so a new one is among them.
 # Arguments behind the name: tests to leave out, and the environment.
 function(gl_tests_under name without)
-  set(backend_tests "*/gl:*/gl_compute:*Gl*")  # the backend's instances of what every backend runs, and its own tests
+  set(backend_tests "*/gl:*/gl_compute*:*Gl*")  # the backend's instances of what every backend runs, and its own tests
   add_test(NAME gl.${name}.phymul_test COMMAND phymul_test "--gtest_filter=${backend_tests}-${without}" --gtest_brief=1)
   add_test(NAME gl.${name}.phymul_gl_test COMMAND phymul_gl_test "--gtest_filter=*-${without}" --gtest_brief=1)
   set_tests_properties(gl.${name}.phymul_test gl.${name}.phymul_gl_test PROPERTIES ENVIRONMENT "${ARGN}" TIMEOUT 1500)
@@ -62,7 +62,7 @@ endfunction()
 
 # Compute shaders are asked for where a driver has them: not in OpenGL ES 3.0 nor on softpipe. Where the desktop GL is
 # too old for them they run under OpenGL ES.
-set(computing "*/gl_compute:GlComputeDevice.*:*HostsContextIsLeftAsItWasByComputing*")
+set(computing "*/gl_compute*:GlComputeDevice.*:*HostsContextIsLeftAsItWasByComputing*")
 
 # The oldest desktop GL, the other dialect, and its oldest version. LP_NUM_THREADS=0: no threads of the renderer's own,
 # which small bodies only wait for.

@@ -31,7 +31,7 @@ enum class BaseLayout {
 
 /// How the backend "gl-compute" cuts a step into dispatches; the bits are the same.
 enum class GlCompute {
-  automatic,  ///< workgroup where the body is small enough, else store
+  automatic,  ///< workgroup on a GPU where the body is small enough, else store
   store,      ///< forces of attractors, bases, volumes and cells in one dispatch, their sums and Verlet in another
   recompute,  ///< one dispatch: a particle computes anew what its neighbours' terms give it, and stores nothing
   workgroup   ///< many steps in a dispatch, by one group of invocations: for small bodies, where launching is the cost

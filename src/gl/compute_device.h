@@ -15,7 +15,7 @@ namespace phymul::gl {
 class ComputeDevice final : public Device {
  public:
   /// Compiles, uploads, and dispatches every pass of a step once, as drivers compile at first use.
-  ComputeDevice(const SliceTables& slices, const Scene& scene, const ShaderLibrary& library, GlCompute wish,
+  ComputeDevice(const SliceTables& slices, const Scene& scene, const ShaderLibrary& library, ComputeForm form,
                 const ComputeLimits& limits = ComputeLimits::of_context());
 
   void set_scene(const Scene& scene) override;

@@ -63,7 +63,8 @@ void DeviceSolver::build() {
   const ShaderLibrary library(gl_.shader_folder, info.es, !info.es || info.at_least(3, 2));
   if (backend_ == GlBackend::compute) {
     const SliceTables slices = pack_slices(std::move(tables), topology());
-    context_->run([&] { device_ = std::make_unique<ComputeDevice>(slices, scene(), library, gl_.compute); });
+    const ComputeForm form = choose_form(gl_.compute, slices, info.software);
+    context_->run([&] { device_ = std::make_unique<ComputeDevice>(slices, scene(), library, form); });
   } else {
     context_->run([&] { device_ = std::make_unique<FragmentDevice>(tables, scene(), library, gl_.passes == 4); });
   }
