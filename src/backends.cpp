@@ -112,6 +112,7 @@ Choice choose(const std::shared_ptr<const TopologyTextures>& topology, const Sce
     return {cpu::make_reference_solver(topology, scene, options), std::string("reference: ") + error.what()};
   }
 #ifdef PHYMUL_HAS_GL
+  if (!scene.tools().empty()) return {std::move(cpu), "cpu: the scene has tools, which \"gl\" does not take yet"};
   if (topology->particle_count < gl_particles) {
     return {std::move(cpu),
             "cpu: " + std::to_string(topology->particle_count) + " particles are too few for a GPU to gain on"};

@@ -274,6 +274,7 @@ Scene& Scene::set_events(std::size_t row, std::span<const ValueEvent> events) {
 Scene& Scene::clear() {
   loads_.clear();
   actions_.clear();
+  tools_.clear();
   gravity_.setZero();
   volumes_.clear();
   contacts_.reset();

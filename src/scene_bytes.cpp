@@ -24,7 +24,7 @@ void put_contacts(ByteWriter& out, const std::optional<ContactOptions>& contacts
   out.u8(contacts ? 1 : 0);
   if (!contacts) return;
   out.real(contacts->friction);
-  out.real(contacts->radius);
+  out.real(contacts->skin);
   out.u8(contacts->self ? 1 : 0);
   out.index(contacts->rounds);
 }
@@ -36,7 +36,7 @@ void take_contacts(ByteReader& in, Scene& scene) {
   }
   ContactOptions options;
   options.friction = in.real("a coefficient of friction");
-  options.radius = in.real("a radius");
+  options.skin = in.real("a skin");
   options.self = enumerator(in, 2, "whether a body touches itself") == 1;
   options.rounds = positive(in, "a number of rounds");
   scene.contacts(options);

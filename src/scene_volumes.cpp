@@ -123,12 +123,13 @@ Scene& Scene::keep_volume(ClosedVolume surface) {
 }
 
 Scene& Scene::contacts(const ContactOptions& options) {
+  if (model_->dimension != 3) throw Error("contacts: expected a three-dimensional model");
   if (!(options.friction >= 0.0) || !std::isfinite(options.friction)) {
     throw Error("contacts: expected a finite coefficient of friction of 0 or more, got " +
                 to_decimal(options.friction));
   }
-  if (!(options.radius >= 0.0) || !std::isfinite(options.radius)) {
-    throw Error("contacts: expected a finite radius in m (0: from the spacing), got " + to_decimal(options.radius));
+  if (!(options.skin >= 0.0) || !std::isfinite(options.skin)) {
+    throw Error("contacts: expected a finite skin in m (0: from the spacing), got " + to_decimal(options.skin));
   }
   if (options.rounds < 1) throw Error("contacts: expected 1 round or more, got " + std::to_string(options.rounds));
   contacts_ = options;

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
 
@@ -80,10 +79,6 @@ bool grows_by_itself(const Spectrum& spectrum) {
   return spectrum.most_negative < 0.0 || spectrum.largest_imaginary > 0.0;
 }
 
-std::string cannot_do(const std::string& backend, const std::string& thing) {
-  return "the backend \"" + backend + "\" cannot do " + thing + "; \"reference\" and \"cpu\" can";
-}
-
 const char* likely_cause(const TopologyTextures& topology, const Spectrum& spectrum, double dt, double limit) {
   if (dt > limit) return "the step is beyond the stable step at rest; make dt smaller";
   if (spectrum.most_negative < 0.0 && topology.options.reaction == Reaction::full && topology.base_count > 0) {
@@ -95,61 +90,17 @@ const char* likely_cause(const TopologyTextures& topology, const Spectrum& spect
          "or raise damping";
 }
 
+constexpr const char* no_tools =
+    "the scene has tools, which this backend does not take yet; use \"cpu\" or \"reference\"";
+constexpr const char* no_volumes =
+    "the scene keeps volumes, which this backend does not do yet; use \"cpu\" or \"reference\"";
+constexpr const char* no_contacts =
+    "the scene has contacts, which this backend does not take yet; use \"cpu\" or \"reference\"";
+
 }  // namespace
 
 double Damping::factor_at(double dt) const {
   return factor * std::exp(-rate * dt);
-}
-
-std::string StepReport::message() const {
-  char text[512];
-  int length = 0;
-  switch (status) {
-    case StepStatus::ok:
-      length = std::snprintf(text, sizeof text, "ok: %d steps to t = %.6g s, residual %.3g N, speed %.3g m/s%s%s%s%s",
-                             steps, time, residual, max_speed, at_rest ? ", at rest" : "",
-                             stopped ? "; stopped by SolverOptions::progress" : "",
-                             beyond_limit ? "; the step is beyond the stable step" : "",
-                             cut ? "; elastic forces were cut, the body was far out of shape" : "");
-      if (collapsed >= 0) {
-        std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
-                      "; a base of particle %d has collapsed and has no direction: move some of its particles apart",
-                      static_cast<int>(collapsed));
-      }
-      break;
-    case StepStatus::invalid_step:
-      std::snprintf(text, sizeof text,
-                    "invalid_step: expected n >= 0 and a finite dt > 0 s, got dt = %g s (%s); nothing was done", dt,
-                    cause);
-      break;
-    case StepStatus::unstable_step:
-      std::snprintf(
-          text, sizeof text,
-          "unstable_step: dt = %.6g s is above the stable step %.6g s of this body at rest; nothing was done. "
-          "Use at most half of it, or UnstableStep::allow",
-          dt, stable_step);
-      break;
-    case StepStatus::not_finite:
-      std::snprintf(text, sizeof text,
-                    "not_finite: particle %d ran away (a million times the wave speed, or not a number) after t = %.6g "
-                    "s (step %d of this call, "
-                    "dt = %.6g s, stable step at rest %.6g s); the state at that time is kept. Likely cause: %s",
-                    static_cast<int>(particle), time, steps + 1, dt, stable_step, cause);
-      break;
-    case StepStatus::device_lost:
-      std::snprintf(text, sizeof text, "device_lost: the device went away after t = %.6g s", time);
-      break;
-    case StepStatus::volume_lost:
-      std::snprintf(text, sizeof text,
-                    "volume_lost: the volume of the closed surface at particle %d could not be restored after t = %.6g "
-                    "s (step %d of this call); the state at that time is kept. Likely cause: %s",
-                    static_cast<int>(particle), time, steps + 1, cause);
-      break;
-    case StepStatus::unsupported_scene:
-      std::snprintf(text, sizeof text, "unsupported_scene: %s; nothing was done", cause);
-      break;
-  }
-  return text;
 }
 
 Solver::Solver(std::string name, std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
@@ -201,9 +152,13 @@ void Solver::require_fitting(const State& state) const {
   }
 }
 
+void Solver::require_supported() const {
+  if (const char* const cause = do_cannot()) throw Error("backend \"" + name_ + "\": " + cause);
+}
+
 void Solver::reset(const State& state) {
   require_fitting(state);
-  if (const std::string thing = do_cannot(); !thing.empty()) throw Error(cannot_do(name_, thing));
+  require_supported();
   follow_scene();
   copies_.clear();
   do_reset(state);
@@ -221,7 +176,7 @@ Snapshot Solver::snapshot() const {
 
 void Solver::restore(const Snapshot& snapshot) {
   require_fitting(snapshot.state);
-  if (const std::string thing = do_cannot(); !thing.empty()) throw Error(cannot_do(name_, thing));
+  require_supported();
   if (!snapshot.displacement.empty() && snapshot.displacement.size() != snapshot.state.position.size()) {
     throw Error("Solver::restore: expected as many displacements as positions (" +
                 std::to_string(snapshot.state.position.size()) + "), or none; got " +
@@ -233,6 +188,29 @@ void Solver::restore(const Snapshot& snapshot) {
   follow_scene();
   copies_.clear();
   do_restore(snapshot);
+}
+
+void Solver::start(const State& state, double dt) {
+  if (!(dt > 0.0) || !std::isfinite(dt))
+    throw Error("Solver::start: expected a finite dt above 0 s; got " + to_decimal(dt));
+  reset(state);  // which refuses what does not fit before anything is computed from it
+  LoadFrame at_start;
+  scene_->prepare(at_start);
+  scene_->evaluate(state.time, at_start);
+  VecList force(state.position.size());
+  elastic_forces(*topology_, state.position, force);
+  // The scheme steps from v- to v+ = d v- + a dt; the velocity in the middle is to be the given one.
+  const double d = options_.damping.factor_at(dt);
+  State earlier = state;
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    if (!at_start.force.empty()) force[i] += at_start.force[i];
+    const Vec3 acceleration = at_start.gravity + force[i] / topology_->mass[i];
+    for (int axis = 0; axis < topology_->dimension; ++axis) {
+      const bool imposed = !at_start.fixed.empty() && (at_start.fixed[i] >> axis & 1);
+      if (!imposed) earlier.velocity[i][axis] = (2.0 * state.velocity[i][axis] - dt * acceleration[axis]) / (1.0 + d);
+    }
+  }
+  reset(earlier);
 }
 
 StepReport Solver::step(int n, double dt) {
@@ -257,9 +235,9 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
     report.status = StepStatus::unstable_step;
     return report;
   }
-  if (scene_version_ != scene_->version() && !do_cannot().empty()) {
-    report.status = StepStatus::unsupported_scene;
-    report.cause = "the scene has come to hold what this backend cannot do; the backends \"reference\" and \"cpu\" can";
+  if (do_cannot() != nullptr) {
+    report.status = StepStatus::not_supported;
+    report.cause = do_cannot();
     return report;
   }
   follow_scene();
@@ -285,7 +263,11 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   report.max_speed = motion.max_speed;
   report.cut = motion.cut;
   report.at_rest = motion.steps_at_rest >= options_.rest_steps;
-  if (stop_at_rest && report.at_rest && !motion.lost) report.collapsed = first_collapsed(*topology_, read().position);
+  if (stop_at_rest && report.at_rest && !motion.lost) {
+    const State state = read();
+    report.collapsed = first_collapsed(*topology_, state.position);
+    report.folded = first_folded_cell(model(), state.position);
+  }
   if (motion.lost) {
     report.status = StepStatus::device_lost;
   } else if (motion.lost_volume >= 0) {
@@ -334,6 +316,26 @@ ParticleBuffer Solver::attractor_buffer() const {
   return topology_->base_count > 0 ? do_attractor_buffer() : ParticleBuffer{};
 }
 
+const ToolReport& Solver::tool_report(std::string_view name) const {
+  const std::vector<SceneTool>& tools = scene_->tools();
+  for (std::size_t row = 0; row < tools.size(); ++row) {
+    if (tools[row].name == name) return do_tool_report(row);
+  }
+  throw Error("the scene has no tool \"" + std::string(name) + '"');
+}
+
+const ToolForce& Solver::tool_force(std::string_view name) const {
+  return tool_report(name).force;
+}
+
+const ToolPose& Solver::tool_pose(std::string_view name) const {
+  return tool_report(name).pose;
+}
+
+const ToolReport& Solver::do_tool_report(std::size_t) const {
+  throw Error(no_tools);
+}
+
 std::string Solver::device() const {
   return do_device();
 }
@@ -365,9 +367,10 @@ void Solver::do_restore(const Snapshot& snapshot) {
   do_reset(snapshot.state);
 }
 
-std::string Solver::do_cannot() const {
-  if (!scene_->volumes().empty()) return "Scene::keep_volume";
-  return scene_->contacts() ? "Scene::contacts" : "";
+const char* Solver::do_cannot() const {
+  if (!scene_->tools().empty() && !takes_tools()) return no_tools;
+  if (!scene_->volumes().empty()) return no_volumes;
+  return scene_->contacts() ? no_contacts : nullptr;
 }
 
 Momentum Solver::do_momentum(const Vec3& about) const {

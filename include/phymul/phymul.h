@@ -7,6 +7,7 @@
 #include <phymul/camera.h>
 #include <phymul/check.h>
 #include <phymul/display.h>
+#include <phymul/distance_grid.h>
 #include <phymul/elasticity.h>
 #include <phymul/error.h>
 #include <phymul/gl.h>
@@ -14,6 +15,7 @@
 #include <phymul/mesh.h>
 #include <phymul/model.h>
 #include <phymul/monitor.h>
+#include <phymul/needle.h>
 #include <phymul/pml.h>
 #include <phymul/recording.h>
 #include <phymul/scene.h>
@@ -21,6 +23,7 @@
 #include <phymul/solver.h>
 #include <phymul/state.h>
 #include <phymul/state_file.h>
+#include <phymul/tool.h>
 #include <phymul/topology.h>
 #include <phymul/types.h>
 #include <phymul/version.h>

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <phymul/model.h>
+#include <phymul/tool.h>
 
 #include <array>
 #include <cstdint>
@@ -81,14 +82,41 @@ struct ClosedVolume {
   bool operator==(const ClosedVolume&) const = default;
 };
 
-/// Touching of particles on surfaces, each a ball, with others of other bodies and of their own: Scene::contacts. A
-/// pair's impulse stops its approach where the balls meet, and rubs by Coulomb's law; equal and opposite.
+/// Touching of surfaces, of bodies and of parts of one: Scene::contacts. A particle on a surface and the nearest
+/// triangle of another one come no nearer than their skins, and rub by Coulomb's law; impulses are equal and opposite.
 struct ContactOptions {
   double friction = 0.3;  ///< Coulomb's coefficient, >= 0
-  double radius = 0.0;    ///< m, of every ball; 0: half of the mean length of the surface's edges around a particle
+  double skin = 0.0;      ///< m, of every surface; two skins touch. 0: a tenth of the mean edge around a particle
   bool self = true;       ///< parts of one body touch each other too, where they lie apart at rest
   int rounds = 8;         ///< sweeps over all pairs in a step, >= 1; more: pushes travel further through a stack
   bool operator==(const ContactOptions&) const = default;
+};
+
+class Scene;
+
+/// Moves a tool of a scene. Cheap to make and to copy; no call but grasp() makes a solver allocate. Good as long as the
+/// scene has the tool: later calls throw Error.
+class ToolHandle {
+ public:
+  /// Where the tool is at the end of the solver's next step(): over the call's steps it goes there from where it is,
+  /// straight and evenly, turning the shorter way. Afterwards it goes on with the pose's velocity and spin. (In
+  /// run_to_rest() it is there after the first step.)
+  void pose(const ToolPose& pose) const;
+  /// The same at once, without having been in between: nothing is pushed along, and no force says so. Particles that it
+  /// then covers come out in the next step without gaining speed.
+  void place(const ToolPose& pose) const;
+  const ToolPose& pose() const;  ///< the last one asked for
+
+  /// From the next step on, free particles within `distance` of the surface (or inside) move with the tool.
+  void grasp(double distance) const;
+  void release() const;
+
+ private:
+  friend class Scene;
+  ToolHandle(Scene& scene, std::uint64_t id) : scene_(&scene), id_(id) {}
+  SceneTool& own() const;
+  Scene* scene_;
+  std::uint64_t id_;
 };
 
 /// Keeps a reference to the model, which must outlive it and not change. An empty list of particles is allowed, and
@@ -121,7 +149,7 @@ class Scene {
   Scene& add(std::vector<Load> loads);           ///< appends loads, as read_lml gives them
   Scene& replace(std::size_t row, Load load);    ///< puts another load in an existing row
   Scene& remove(std::size_t row);                ///< later rows move up
-  Scene& clear();                                ///< no loads, no gravity, nothing fixed, no volume kept, no contacts
+  Scene& clear();  ///< no loads, no gravity, nothing fixed, no tools, no kept volumes, no contacts
 
   /// After each step the volume that the surface of these particles' cells encloses is brought back to what it was at
   /// rest (or to `volume`, m^3), exactly: every free particle of the surface moves along the gradient of the volume
@@ -139,13 +167,19 @@ class Scene {
   /// what changes at every step, as the tool of a haptic device does: three translations with one driven axis each move
   /// a group anywhere.
   Scene& set_events(std::size_t row, std::span<const ValueEvent> events);
+  Scene& add_tool(std::string name,
+                  Tool tool);  ///< throws for a name that is taken, a size or pose that makes no sense
+  Scene& remove_tool(std::string_view name);
+  ToolHandle tool(std::string_view name);  ///< throws Error that lists the known names
+  const std::vector<SceneTool>& tools() const { return tools_; }
 
   const std::vector<Load>& loads() const { return loads_; }
   const Vec3& gravity() const { return gravity_; }
   const std::vector<ClosedVolume>& volumes() const { return volumes_; }
   const std::optional<ContactOptions>& contacts() const { return contacts_; }
 
-  /// Grows by one at every change but those of set_events(): lets a solver see that its prepared frame is stale.
+  /// Grows by one at every change but those of set_events() and of a tool's pose and grasp, which have counters of their
+  /// own: lets a solver see that its prepared frame is stale.
   std::uint64_t version() const { return version_; }
   /// Grows by one at every set_events(): frame and modes are as before, their values are not.
   std::uint64_t values_version() const { return values_version_; }
@@ -177,6 +211,7 @@ class Scene {
   Action prepared_rotation(const Load& load, Action action) const;
   Action prepared_pressure(const Load& load, Action action) const;
   Vec3 unit_direction(const Load& load, const Vec3& from) const;
+  friend class ToolHandle;
 
   const Model* model_;
   std::vector<Load> loads_;
@@ -184,6 +219,8 @@ class Scene {
   Vec3 gravity_{0, 0, 0};
   std::vector<ClosedVolume> volumes_;
   std::optional<ContactOptions> contacts_;
+  std::vector<SceneTool> tools_;
+  std::uint64_t next_tool_ = 1;
   std::uint64_t version_ = 0, values_version_ = 0;
 };
 

@@ -75,8 +75,8 @@ struct SolverOptions {
 /// not_finite: a particle would have left the finite numbers, or run faster than a million spacings times omega_max,
 /// which no body survives; the step was not taken.
 /// volume_lost: an enclosed volume (Scene::keep_volume) could not be restored; the step was not taken.
-/// unsupported_scene: the scene has come to hold what this backend cannot do; nothing was done.
-enum class StepStatus { ok, invalid_step, unstable_step, not_finite, device_lost, volume_lost, unsupported_scene };
+/// not_supported: the scene has tools, contacts or kept volumes, and this backend does not take them; nothing was done.
+enum class StepStatus { ok, invalid_step, unstable_step, not_finite, device_lost, volume_lost, not_supported };
 
 struct StepReport {
   StepStatus status = StepStatus::ok;
@@ -88,11 +88,13 @@ struct StepReport {
   bool at_rest = false;       ///< the rest test held at the end
   double residual = 0.0;      ///< largest net force on a free particle at the last step, N
   double max_speed = 0.0;     ///< largest speed, m/s
-  bool cut = false;           ///< an elastic force was cut in some step of this call: SolverOptions::largest_push
+  bool cut = false;           ///< an elastic force was cut in some step done: SolverOptions::largest_push
   bool stopped = false;       ///< SolverOptions::progress ended the call before its last step
   /// run_to_rest() that came to rest: a particle one of whose bases has collapsed to a line or a point, else -1. Such a
   /// base has no direction; a body all in one point is at rest so and cannot come back by itself.
   Index collapsed = -1;
+  /// Likewise: a cell that rests turned inside out or flat (first_folded_cell), else -1. Springs keep such states.
+  Index folded = -1;
   Index particle = -1;     ///< culprit of a failure, row of the model
   const char* cause = "";  ///< likely cause of a failure, static text
 
@@ -161,6 +163,10 @@ class Solver {
   /// snapshot has parts that this solver does not know.
   Snapshot snapshot() const;
   void restore(const Snapshot& snapshot);
+  /// reset() to a state whose velocities are those of State::time itself, as a body let go has them: for steps of dt
+  /// they are taken half a step back, by the acceleration that scene and body have then. Throws Error as reset() does,
+  /// and where dt is not above 0.
+  void start(const State& state, double dt);
 
   /// n steps of dt seconds. Looks at the scene for changes first. On failure the last good state is kept. n = 0 takes
   /// over the scene and moves nothing; residual, speed and at_rest then say nothing.
@@ -196,6 +202,13 @@ class Solver {
   /// What a step reads and writes where nothing stays in a cache from step to step, counted by hand, bytes; not a
   /// number where the backend does not count. Over the time of a step: the bandwidth it needs.
   double bytes_a_step() const;
+  /// What the particles do to a tool of the scene, and where it is now. Zero, and the scene's pose, before the first
+  /// step. Throw Error for an unknown name; allocate nothing.
+  const ToolForce& tool_force(std::string_view name) const;
+  const ToolPose& tool_pose(std::string_view name) const;
+  /// Whether this backend takes scenes with tools. One that does not is not made for such a scene, and does not step
+  /// it.
+  bool takes_tools() const { return do_takes_tools(); }
 
   std::string device() const;  ///< what it runs on, for people and result files: a renderer, a kind of processor
   std::string_view choice() const { return choice_; }  ///< why "auto" took this backend; empty when asked for by name
@@ -261,16 +274,20 @@ class Solver {
   // Backends that keep more than a State, or keep it more exactly, say so here.
   virtual void do_snapshot(Snapshot& snapshot) const;
   virtual void do_restore(const Snapshot& snapshot);
-  /// What the scene holds that this backend cannot do, as the end of "cannot do "; empty: nothing. As it stands, all
+  /// What the scene holds that this backend does not take, a sentence, static text; null: nothing. As it stands, all
   /// that a backend has to add code for.
-  virtual std::string do_cannot() const;
+  virtual const char* do_cannot() const;
+  virtual bool do_takes_tools() const { return false; }
+  virtual const ToolReport& do_tool_report(std::size_t row) const;  ///< of Scene::tools(), of the version last seen
   virtual double do_bytes_a_step() const { return std::numeric_limits<double>::quiet_NaN(); }
   virtual void do_profile() const {}  ///< brings profiling(), which is not null, up to date
 
   friend std::unique_ptr<Solver> make_solver(std::string_view, std::shared_ptr<const TopologyTextures>, const Scene&,
                                              const SolverOptions&);
   void require_fitting(const State& state) const;
+  void require_supported() const;
   void follow_scene();
+  const ToolReport& tool_report(std::string_view name) const;
   StepReport advance(int n, double dt, bool stop_at_rest);
   Motion run(const StepPlan& plan, StepReport& report);
   Motion run_with_progress(const StepPlan& plan, StepReport& report);

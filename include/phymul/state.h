@@ -4,6 +4,7 @@
 #pragma once
 
 #include <phymul/model.h>
+#include <phymul/tool.h>
 
 #include <cstdint>
 #include <string>
@@ -17,6 +18,9 @@ struct State {
   /// [N] m/s: (position - previous position) / dt of the step that led here. In Verlet's scheme this is the velocity
   /// half a step before `time`.
   VecList velocity;
+  /// Of the scene's tools. Solver::reset() takes those whose names the scene has; a tool without one starts at the
+  /// scene's pose and holds nothing.
+  std::vector<ToolState> tools{};
 
   bool operator==(const State&) const = default;
 };

@@ -38,8 +38,9 @@ struct VectorBody {
 
   // Arrays of the jobs and of simd::Move.
   Offsets base_first, spring_first, enumerated_first, enumerated_neighbours, own, halo_first, halo, give_first;
-  Offsets hexahedron_shape;
-  Floats hexahedra, hexahedron_shapes;
+  Offsets hexahedron_shape, star_shape, box_shape;
+  Floats hexahedra, hexahedron_shapes, stars, boxes;
+  std::vector<simd::BoxShape> box_shapes;
   Floats bases, enumerated, springs, volumes, cells4, cells6, cells8, simplices, cell_simplices, stiffness,
       inverse_mass, mass, give;
 

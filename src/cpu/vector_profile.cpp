@@ -5,9 +5,9 @@ namespace phymul::cpu {
 
 WorkLaps::WorkLaps(Profile* profile, const VectorBody& body) : profile_(profile) {
   if (!profile_) return;
-  constexpr std::array<const char*, kinds> names{"loads",   "gathering", "bases",     "enumerated bases",
-                                                 "springs", "hexahedra", "simplices", "volumes",
-                                                 "cells",   "waiting",   "move",      "checks"};
+  constexpr std::array<const char*, kinds> names{"loads",     "gathering",   "bases",     "enumerated bases", "springs",
+                                                 "hexahedra", "box lattice", "simplices", "volumes",          "cells",
+                                                 "waiting",   "move",        "checks"};
   for (std::size_t k = 0; k < names.size(); ++k) rows_[k] = profile_->row(names[k]);
   const auto runs = [this](Work work, bool yes) {
     bool& any = runs_[static_cast<std::size_t>(work)];
@@ -20,6 +20,7 @@ WorkLaps::WorkLaps(Profile* profile, const VectorBody& body) : profile_(profile)
     runs(Work::enumerated_bases, job.enumerated.count > 0);
     runs(Work::springs, job.springs.count > 0);
     runs(Work::hexahedra, job.hexahedra.count > 0);
+    runs(Work::box_lattice, job.stars.count + job.boxes.count > 0);
     runs(Work::simplices, job.simplices.count + job.cell_simplices.count > 0);
     runs(Work::volumes, job.volumes.count > 0);
     runs(Work::cells, job.cells4.count + job.cells6.count + job.cells8.count > 0);

@@ -17,6 +17,7 @@ enum class Work {
   enumerated_bases,
   springs,
   hexahedra,
+  box_lattice,
   simplices,
   volumes,
   cells,
@@ -39,7 +40,7 @@ class WorkLaps {
   void end_step();
 
  private:
-  static constexpr int kinds = 12;
+  static constexpr int kinds = 13;
   int row_of(Work work) const { return rows_[static_cast<std::size_t>(work)]; }
 
   Profile* profile_;
