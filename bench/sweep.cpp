@@ -42,6 +42,8 @@ const std::vector<std::string> columns{"variant",
                                        "s_least",
                                        "s_greatest",
                                        "cpu_s_per_step",
+                                       "cpu_s_least",
+                                       "cpu_s_greatest",
                                        "device_s_per_step",
                                        "particle_steps_per_s",
                                        "bases_per_s",
@@ -51,7 +53,9 @@ const std::vector<std::string> columns{"variant",
                                        "load"};
 
 std::vector<std::string> fields_of(const SweepRow& row) {
-  const double n = row.particles, rate = n / row.seconds_a_step;
+  // One thread's by processor time: other work on the machine does not count.
+  const double n = row.particles, seconds = row.threads == 1 ? row.processor_seconds_a_step : row.seconds_a_step;
+  const double rate = n / seconds;
   return {row.variant,
           row.bases,
           std::to_string(row.particles),
@@ -66,6 +70,8 @@ std::vector<std::string> fields_of(const SweepRow& row) {
           field(row.least),
           field(row.greatest),
           field(row.processor_seconds_a_step),
+          field(row.processor_least),
+          field(row.processor_greatest),
           field(row.device_seconds_a_step),
           field(rate),
           field(rate / n * row.base_count),

@@ -101,17 +101,17 @@ int lanes_of(const std::string& device) {
   return device.find("portable") != std::string::npos ? 4 : 0;
 }
 
-/// The ceilings are measured beside the body, as others on the machine lower both.
+/// The ceilings are measured beside the body, by processor time as the body's is.
 void add_shares(SweepRow& row, bool enumerated) {
   if (row.threads != 1 || row.backend != "cpu") return;
   if (row.bytes_a_step > beyond_caches) {
     const double bandwidth = read_bandwidth(std::min(row.bytes_a_step, 512e6), 0.2);
-    row.bandwidth_share = row.bytes_a_step / row.seconds_a_step / bandwidth;
+    row.bandwidth_share = row.bytes_a_step / row.processor_seconds_a_step / bandwidth;
   }
   const int lanes = lanes_of(row.device);
   if (!enumerated || lanes == 0) return;
   row.multiply_share =
-      row.base_count / lanes * multiplications_a_triple / row.seconds_a_step / vector_multiply_adds(0.1);
+      row.base_count / lanes * multiplications_a_triple / row.processor_seconds_a_step / vector_multiply_adds(0.1);
 }
 
 /// By a solver of its own: timers cost, and are not in the other times.
@@ -193,6 +193,8 @@ void measure_body(const SweepVariant& variant, int size, const SweepLimits& limi
       row.least = *std::ranges::min_element(r.seconds);
       row.greatest = *std::ranges::max_element(r.seconds);
       row.processor_seconds_a_step = median(r.processor);
+      row.processor_least = *std::ranges::min_element(r.processor);
+      row.processor_greatest = *std::ranges::max_element(r.processor);
       add_shares(row, variant.options.bases == BaseSelection::all);
       if (!is_cpu(row.backend)) row.device_seconds_a_step = device_seconds(row, tables, scene, start);
     }

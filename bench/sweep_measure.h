@@ -20,9 +20,10 @@ struct SweepRow {
   int particles = 0, threads = 0;  ///< threads of GL backends: 0
   double base_count = unknown;
   double seconds_a_step = unknown, least = unknown, greatest = unknown;  ///< wall clock: median of the repeats, spread
-  double processor_seconds_a_step = unknown;                             ///< of all threads of the process, median
-  double device_seconds_a_step = unknown;                                ///< by the device's timers, over all passes
-  double bytes_a_step = unknown;                                         ///< Solver::bytes_a_step
+  /// Of all threads of the process, likewise. Of one thread it is what the wall clock says on a quiet machine.
+  double processor_seconds_a_step = unknown, processor_least = unknown, processor_greatest = unknown;
+  double device_seconds_a_step = unknown;  ///< by the device's timers, over all passes
+  double bytes_a_step = unknown;           ///< Solver::bytes_a_step
   double bandwidth_share = unknown;  ///< bytes over time, of what one core reads from memory; 1 thread, beyond caches
   double multiply_share = unknown;   ///< multiplications of the triples over time, of one core's most; 1 thread
   int repeats = 0;

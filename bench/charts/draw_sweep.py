@@ -10,7 +10,7 @@ from chart_style import plt
 from matplotlib.lines import Line2D
 
 # The 2007 thesis, table 3.1: 275 particles, microseconds a step.
-THESIS = {"thesis 2007, CPU": (275, 270e-6, "X"), "thesis 2007, GPU": (275, 314e-6, "P")}
+THESIS = {"thesis 2007, CPU": (275, 270e-6, "x"), "thesis 2007, GPU": (275, 314e-6, "+")}
 TITLES = {
     "springs": "springs, tetrahedral edges",
     "shared_6_all": "shared, 6 neighbours, all 20 bases",
@@ -57,13 +57,15 @@ def draw(rows, about, out, name, title, value, label, scale="log"):
         for line, points in lines.items():
             looks = style_of(line)
             n = [number(r, "particles") for r in points]
-            middle, low, high = ([value(r, number(r, k)) for r in points] for k in ("s_per_step", "s_least", "s_greatest"))
+            time = "cpu_s" if points[0]["threads"] == "1" else "s"
+            middle, low, high = ([value(r, number(r, f"{time}_{k}")) for r in points]
+                                 for k in ("per_step", "least", "greatest"))
             bars = [[abs(m - min(a, b)) for m, a, b in zip(middle, low, high)],
                     [abs(max(a, b) - m) for m, a, b in zip(middle, low, high)]]
             axes.errorbar(n, middle, yerr=bars, elinewidth=0.6, capsize=1.5, **looks)
             labels[line] = Line2D([], [], **looks)
-        for line, (n, seconds, marker) in THESIS.items():
-            looks = {"color": "#CC79A7", "marker": marker, "markersize": 7, "linestyle": "none"}
+        for line, (n, seconds, marker) in THESIS.items() if "275" in {r["particles"] for r in of_variant} else ():
+            looks = {"color": "#CC79A7", "marker": marker, "markersize": 7, "markeredgewidth": 1.6, "linestyle": "none"}
             axes.plot([n], [value({"particles": str(n)}, seconds)], **looks)
             labels[line] = Line2D([], [], **looks)
         axes.set(xscale="log", yscale=scale)
@@ -80,7 +82,7 @@ def draw(rows, about, out, name, title, value, label, scale="log"):
     figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold")
     figure.tight_layout(rect=(0, 0.03, 1, 0.98))
     loads = [number(r, "load") for r in rows if r["load"]]
-    foot = f"{data.caption(about)} · load of the machine {min(loads):.1f} to {max(loads):.1f} (1 is quiet)" if loads else ""
+    foot = f"{data.caption(about)} · load {min(loads):.1f} to {max(loads):.1f} (1 is quiet) · one thread: processor time, others: wall clock; median, least, greatest" if loads else ""
     style.finish(figure, out, name, foot)
 
 
