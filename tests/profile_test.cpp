@@ -154,7 +154,7 @@ TEST(Profile, EveryKernelOfTheVectorBackendHasItsRow) {
       {lattice, {.reaction = Reaction::shared, .bases = BaseSelection::all}, "enumerated bases"},
       {lattice, {.reaction = Reaction::shared, .bases = BaseSelection::opposite_faces}, "bases"},
       {lattice, {.law = Law::springs}, "springs"},
-      {solid, {.cell_average = 0.9}, "hexahedra"},
+      {solid, {.cell_average = 0.9}, "box lattice"},
   };
   for (const Case& of : cases) {
     SCOPED_TRACE(of.row);
