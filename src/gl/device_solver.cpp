@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base_layout.h"
 #include "gl/compute_device.h"
 #include "gl/fragment_device.h"
 #include "gl/fragment_traffic.h"
