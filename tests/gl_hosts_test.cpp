@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "egl_host.h"
+#include "gl/device_solver.h"
 #include "gl_fixture.h"
 #include "host_state.h"
 #include "message_of.h"
@@ -100,6 +101,40 @@ TEST_P(GlHosts, SharedContextLeavesTheHostAsItWas) {
 
 TEST_P(GlHosts, HostsContextIsLeftAsItWas) {
   expect_host_untouched({.context = GlContext::current}, host_info());
+}
+
+/// What only computing touches, by a solver's whole life.
+TEST_P(GlHosts, HostsContextIsLeftAsItWasByComputing) {
+  if (!host_info().computes()) GTEST_SKIP() << "NOT TESTED: no compute shaders in " << host_info().device();
+  const Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -9.81});
+  SolverOptions options;
+  options.gl.context = GlContext::current;
+  const test::HostileHost hostile(host_info());
+  const HostState before = test::host_state(host_info());
+  const auto expect_as_before = [&](const char* after) {
+    EXPECT_EQ(test::differences(before, test::host_state(host_info())), "") << after;
+  };
+  auto tables = std::make_shared<const TopologyTextures>(build_topology(model));
+  auto solver = std::make_unique<DeviceSolver>(GlBackend::compute, tables, scene, options);
+  expect_as_before("making a solver");
+  const StepReport report = solver->step(20, 0.3 * solver->stable_step());
+  EXPECT_TRUE(report.ok()) << report.message();
+  EXPECT_GT(report.max_speed, 0.0);
+  expect_as_before("steps");
+  EXPECT_GT(solver->energy().total(), -1.0);
+  solver->momentum();
+  expect_as_before("sums");
+  EXPECT_NE(solver->position_buffer().texture, 0u);
+  solver->attractor_buffer();
+  expect_as_before("buffers");
+  State state = solver->read();
+  solver->request_read();
+  solver->collect(state);
+  expect_as_before("copies");
+  solver.reset();
+  expect_as_before("the solver's end");
 }
 
 /// Without the guard the hostile state would spoil the work: so the tests above can fail.
