@@ -6,13 +6,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base_layout.h"
 #include "gl/compute_device.h"
 #include "gl/fragment_device.h"
-#include "gl/fragment_traffic.h"
 #include "gl/options.h"
+#include "gl/step_traffic.h"
 #include "slice_tables.h"
 
 namespace phymul::gl {
@@ -59,14 +60,16 @@ DeviceSolver::~DeviceSolver() {
 void DeviceSolver::build() {
   FloatTables tables = pack_floats(topology(), layout_);
   loads_version_ = scene().version();
-  bytes_a_step_ = gl::bytes_a_step(tables);
   const ContextInfo& info = context_->info();
   const ShaderLibrary library(gl_.shader_folder, info.es, !info.es || info.at_least(3, 2));
   if (backend_ == GlBackend::compute) {
     const SliceTables slices = pack_slices(std::move(tables), topology());
     const ComputeForm form = choose_form(gl_.compute, slices, info.software);
+    const bool counted = form != ComputeForm::recompute;
+    bytes_a_step_ = counted ? gl::bytes_a_step(slices) : std::numeric_limits<double>::quiet_NaN();
     context_->run([&] { device_ = std::make_unique<ComputeDevice>(slices, scene(), library, form); });
   } else {
+    bytes_a_step_ = gl::bytes_a_step(tables);
     context_->run([&] { device_ = std::make_unique<FragmentDevice>(tables, scene(), library, gl_.passes == 4); });
   }
   if (profiling()) context_->run([&] { device_->time_passes(context_->info(), *profiling()); });
