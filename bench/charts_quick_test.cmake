@@ -41,11 +41,12 @@ run_program(${TRAJECTORY_ERROR} --finest 16 --most-steps 16 --methods springs_18
             --order ${OUT}/order_in_time.csv --equivalence ${OUT}/equivalence.csv)
 require_rows(order_in_time.csv 4)
 
-run_program(${STABILITY_ATLAS} --cells 2 --steps 300 --most-particles 40 --limits ${OUT}/stability_limits.csv
+run_program(${STABILITY_ATLAS} --cells 2 --steps 300 --most-particles 16 --factors 1 --ratios 100
+            --valences 18 --limits ${OUT}/stability_limits.csv
             --recovery ${OUT}/stability_recovery.csv --rates ${OUT}/stability_rates.csv)
-require_rows(stability_limits.csv 200)
+require_rows(stability_limits.csv 50)
 require_rows(stability_recovery.csv 210)
-require_rows(stability_rates.csv 15)
+require_rows(stability_rates.csv 6)
 
 foreach(python python3 /usr/bin/python3)
   execute_process(COMMAND ${python} -c "import matplotlib" RESULT_VARIABLE missing OUTPUT_QUIET ERROR_QUIET)

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
 #include <string>
 
 #include "gl_needed.h"
@@ -23,7 +25,7 @@ class OnBackend : public testing::TestWithParam<std::string> {
   }
   static bool is_reference() { return GetParam() == "reference"; }
   /// Where a software renderer may stand in for a GPU, and where sanitizers are: bodies and runs are cut down.
-  static bool is_slow() { return GetParam() == "gl" || sanitized; }
+  static bool is_slow() { return GetParam().starts_with("gl") || sanitized; }
 };
 
 /// Takes nothing from growth, whatever the step.
@@ -41,9 +43,14 @@ inline Method method_named(const std::string& name) {
   throw Error("no method is called " + name);
 }
 
+inline std::string as_test_name(std::string backend) {
+  std::replace(backend.begin(), backend.end(), '-', '_');
+  return backend;
+}
+
 }  // namespace phymul::test
 
 /// Every test of the suite on every backend of this build.
 #define PHYMUL_ON_EVERY_BACKEND(suite)                                               \
   INSTANTIATE_TEST_SUITE_P(All, suite, testing::ValuesIn(::phymul::backend_names()), \
-                           [](const auto& backend) { return std::string(backend.param); })
+                           [](const auto& backend) { return ::phymul::test::as_test_name(backend.param); })

@@ -136,7 +136,7 @@ TEST_P(StabilityInput, ResetInMidRunIsAFreshRun) {
 }
 
 TEST_P(StabilityInput, TwoSolversAtOnceAreIndependent) {
-  if (GetParam() == "gl") GTEST_SKIP() << "GlEquivalence.FourSolversInFourThreads does this";
+  if (GetParam().starts_with("gl")) GTEST_SKIP() << "GlEquivalence.FourSolversInFourThreads does this";
   const Model model = tissue_block();
   const Scene scene(model);
   const auto run = [&](int steps) {

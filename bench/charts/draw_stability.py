@@ -48,13 +48,13 @@ def limits(out, rows, about):
             axes.set(xlabel=label)
             if question in ("stiffness", "mass"):
                 axes.set(xscale="log", yscale="log")
-            else:
-                axes.set_ylim(bottom=0)
-            if question == "damping":
+            elif question == "damping":
                 axes.set_xscale("symlog", linthresh=0.01)
                 axes.set_xlim(-0.002, 1.3)
             axes.set_title(name, loc="left", fontsize=9)
             axes.legend(fontsize=6.5)
+        if question in ("valence", "damping"):
+            grid[0][0].set_ylim(bottom=0)
         grid[0][0].set_ylabel("limit of dt, in times of a wave across a spacing\nline: predicted, mark: found by bisection")
         figure.suptitle(title, x=0.01, ha="left", fontsize=10, fontweight="bold")
         figure.tight_layout(rect=(0, 0.025, 1, 1))
@@ -94,7 +94,7 @@ def recovery_table(rows):
     for (method, backend), of_line in data.groups(rows, "method", "backend").items():
         back = [r for r in of_line if r["verdict"] == "returned"]
         worst = max((number(r, "distance") for r in back), default=math.nan)
-        others = "; ".join(f"{verdict}: {', '.join(r['state'].replace(', ', ' with ') for r in some)}" for (verdict,), some in
+        others = "; ".join(f"{verdict}: {', '.join(r['state'].replace(', ', ' ') for r in some)}" for (verdict,), some in
                            data.groups([r for r in of_line if r["verdict"] != "returned"], "verdict").items())
         text += f"| {method} | {backend} | {len(back)} of {len(of_line)} | {'' if math.isnan(worst) else f'{worst:.1g}'} | {others} |\n"
     return text
