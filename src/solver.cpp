@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "decimal.h"
+#include "profile.h"
 
 namespace phymul {
 namespace {
@@ -41,6 +42,10 @@ void require_options(const SolverOptions& options) {
   }
   if (options.rest_steps < 1) {
     throw Error("SolverOptions::rest_steps must be 1 or more; got " + std::to_string(options.rest_steps));
+  }
+  if (!(options.progress_seconds >= 0.0) || !std::isfinite(options.progress_seconds)) {
+    throw Error("SolverOptions::progress_seconds must be finite and 0 or more; got " +
+                to_decimal(options.progress_seconds));
   }
   if (options.threads < 0) {
     throw Error("SolverOptions::threads must be 0 (chosen by the solver) or more; got " +
@@ -115,13 +120,21 @@ Solver::Solver(std::string name, std::shared_ptr<const TopologyTextures> topolog
   if (!(spacing_ > 0.0)) spacing_ = body_size(model()) / std::cbrt(static_cast<double>(topology_->particle_count));
   scene_->prepare(frame_);
   scene_version_ = scene_->version();
+  values_version_ = scene_->values_version();
+  if (options_.profile) profile_ = std::make_unique<Profile>();
 }
 
+Solver::~Solver() = default;
+
 void Solver::follow_scene() {
-  if (scene_version_ == scene_->version()) return;
-  scene_->prepare(frame_);
-  do_scene_changed();
+  if (scene_version_ != scene_->version()) {
+    scene_->prepare(frame_);
+    do_scene_changed();
+  } else if (values_version_ != scene_->values_version()) {
+    do_values_changed();
+  }
   scene_version_ = scene_->version();
+  values_version_ = scene_->values_version();
 }
 
 void Solver::require_fitting(const State& state) const {
@@ -177,6 +190,29 @@ void Solver::restore(const Snapshot& snapshot) {
   do_restore(snapshot);
 }
 
+void Solver::start(const State& state, double dt) {
+  if (!(dt > 0.0) || !std::isfinite(dt))
+    throw Error("Solver::start: expected a finite dt above 0 s; got " + to_decimal(dt));
+  reset(state);  // which refuses what does not fit before anything is computed from it
+  LoadFrame at_start;
+  scene_->prepare(at_start);
+  scene_->evaluate(state.time, at_start);
+  VecList force(state.position.size());
+  elastic_forces(*topology_, state.position, force);
+  // The scheme steps from v- to v+ = d v- + a dt; the velocity in the middle is to be the given one.
+  const double d = options_.damping.factor_at(dt);
+  State earlier = state;
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    if (!at_start.force.empty()) force[i] += at_start.force[i];
+    const Vec3 acceleration = at_start.gravity + force[i] / topology_->mass[i];
+    for (int axis = 0; axis < topology_->dimension; ++axis) {
+      const bool imposed = !at_start.fixed.empty() && (at_start.fixed[i] >> axis & 1);
+      if (!imposed) earlier.velocity[i][axis] = (2.0 * state.velocity[i][axis] - dt * acceleration[axis]) / (1.0 + d);
+    }
+  }
+  reset(earlier);
+}
+
 StepReport Solver::step(int n, double dt) {
   return advance(n, dt, false);
 }
@@ -220,14 +256,18 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   plan.stop_at_rest = stop_at_rest;
   plan.rest_steps = options_.rest_steps;
 
-  const Motion motion = do_step(plan);
+  const Motion motion = run(plan, report);
   report.steps = motion.steps;
   report.time = do_time();
   report.residual = motion.max_force;
   report.max_speed = motion.max_speed;
   report.cut = motion.cut;
   report.at_rest = motion.steps_at_rest >= options_.rest_steps;
-  if (stop_at_rest && report.at_rest && !motion.lost) report.collapsed = first_collapsed(*topology_, read().position);
+  if (stop_at_rest && report.at_rest && !motion.lost) {
+    const State state = read();
+    report.collapsed = first_collapsed(*topology_, state.position);
+    report.folded = first_folded_cell(model(), state.position);
+  }
   if (motion.lost) {
     report.status = StepStatus::device_lost;
   } else if (motion.lost_volume >= 0) {

@@ -10,14 +10,21 @@ std::string StepReport::message() const {
   int length = 0;
   switch (status) {
     case StepStatus::ok:
-      length = std::snprintf(text, sizeof text, "ok: %d steps to t = %.6g s, residual %.3g N, speed %.3g m/s%s%s%s",
+      length = std::snprintf(text, sizeof text, "ok: %d steps to t = %.6g s, residual %.3g N, speed %.3g m/s%s%s%s%s",
                              steps, time, residual, max_speed, at_rest ? ", at rest" : "",
+                             stopped ? "; stopped by SolverOptions::progress" : "",
                              beyond_limit ? "; the step is beyond the stable step" : "",
                              cut ? "; elastic forces were cut, the body was far out of shape" : "");
       if (collapsed >= 0) {
+        length += std::snprintf(
+            text + length, sizeof text - static_cast<std::size_t>(length),
+            "; a base of particle %d has collapsed and has no direction: move some of its particles apart",
+            static_cast<int>(collapsed));
+      }
+      if (folded >= 0) {
         std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
-                      "; a base of particle %d has collapsed and has no direction: move some of its particles apart",
-                      static_cast<int>(collapsed));
+                      "; cell %d is flat or inside out: the body rests folded, which is not its rest shape",
+                      static_cast<int>(folded));
       }
       break;
     case StepStatus::invalid_step:

@@ -162,6 +162,11 @@ class Scene {
   Scene& contacts(const ContactOptions& options);  ///< bodies, and parts of a body, touch from now on
   Scene& no_contacts();
 
+  /// Gives a load other values; where it acts and along what stays. Cheap however large the body: no solver prepares
+  /// anything anew, and nothing is allocated where the load has had as many events before and these are sorted. For
+  /// what changes at every step, as the tool of a haptic device does: three translations with one driven axis each move
+  /// a group anywhere.
+  Scene& set_events(std::size_t row, std::span<const ValueEvent> events);
   Scene& add_tool(std::string name,
                   Tool tool);  ///< throws for a name that is taken, a size or pose that makes no sense
   Scene& remove_tool(std::string_view name);
@@ -173,9 +178,11 @@ class Scene {
   const std::vector<ClosedVolume>& volumes() const { return volumes_; }
   const std::optional<ContactOptions>& contacts() const { return contacts_; }
 
-  /// Grows by one at every change but a tool's pose and grasp, which have counters of their own: lets a solver see that
-  /// its prepared frame is stale.
+  /// Grows by one at every change but those of set_events() and of a tool's pose and grasp, which have counters of their
+  /// own: lets a solver see that its prepared frame is stale.
   std::uint64_t version() const { return version_; }
+  /// Grows by one at every set_events(): frame and modes are as before, their values are not.
+  std::uint64_t values_version() const { return values_version_; }
 
   /// Gives `frame` the sizes this scene needs. Allocates; called when version() has changed.
   void prepare(LoadFrame& frame) const;
@@ -214,7 +221,7 @@ class Scene {
   std::optional<ContactOptions> contacts_;
   std::vector<SceneTool> tools_;
   std::uint64_t next_tool_ = 1;
-  std::uint64_t version_ = 0;
+  std::uint64_t version_ = 0, values_version_ = 0;
 };
 
 }  // namespace phymul

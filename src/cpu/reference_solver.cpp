@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "../profile.h"
 #include "integrate.h"
 #include "tool_set.h"
 #include "touching.h"
@@ -21,6 +22,11 @@ class ReferenceSolver final : public Solver {
         force_(topology().particle_count),
         next_position_(topology().particle_count),
         next_velocity_(topology().particle_count) {
+    if (Profile* profile = profiling()) {
+      forces_row_ = profile->row("forces");
+      move_row_ = profile->row("move");
+      checks_row_ = profile->row("checks");
+    }
     reset();
   }
 
@@ -66,13 +72,17 @@ class ReferenceSolver final : public Solver {
     Motion motion;
     motion.steps_at_rest = steps_at_rest_;
     if (!tools_.empty()) tools_.begin_call(scene(), plan.steps, plan.stop_at_rest);
+    Laps laps(profiling());
     while (motion.steps < plan.steps) {
       elastic_forces(topology(), state_.position, force_);
-      cut_forces(plan.largest_acceleration, motion);
+      laps.end(forces_row_);
+      const bool any_cut = cut_forces(plan.largest_acceleration);
       if (touches()) motion.lost_volume = touch(plan);
       if (motion.lost_volume >= 0) break;
       measure(motion);
+      laps.end(checks_row_, 0);
       move(plan);
+      laps.end(move_row_);
 
       motion.bad_particle = first_runaway(plan.runaway_speed);
       if (motion.bad_particle >= 0) {
@@ -85,11 +95,13 @@ class ReferenceSolver final : public Solver {
       if (!tools_.empty()) tools_.accept();
       last_dt_ = plan.dt;
       ++motion.steps;
+      motion.cut = motion.cut || any_cut;
 
       motion.max_speed = max_free_speed();
       const bool quiet = motion.max_speed <= plan.speed_at_rest && motion.max_acceleration <= plan.acceleration_at_rest;
       steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
       motion.steps_at_rest = steps_at_rest_;
+      laps.end(checks_row_);
       if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;
     }
     return motion;
@@ -137,13 +149,15 @@ class ReferenceSolver final : public Solver {
     return (elastic + load) / topology().mass[i] + loads.gravity;
   }
 
-  void cut_forces(double largest, Motion& motion) {
+  bool cut_forces(double largest) {
+    bool any = false;
     for (Index i = 0; i < topology().particle_count; ++i) {
       const Vec3 elastic = force_[i] / topology().mass[i];
       if (!(elastic.norm() > largest)) continue;
-      motion.cut = true;
+      any = true;
       force_[i] = topology().mass[i] * cut(elastic, largest);
     }
+    return any;
   }
 
   /// The step as tools see it: forces are those of force_, to which they add.
@@ -239,6 +253,7 @@ class ReferenceSolver final : public Solver {
   std::vector<std::pair<Index, Vec3>> shifts_;
   double last_dt_ = 0.0;
   int steps_at_rest_ = 0;
+  int forces_row_ = 0, move_row_ = 0, checks_row_ = 0;  // of profiling()
 };
 
 }  // namespace
