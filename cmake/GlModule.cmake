@@ -103,6 +103,7 @@ add_library(phymul_gl_objects OBJECT
   src/gl/pass_timer.cpp
   src/gl/picture_target.cpp
   src/gl/program.cpp
+  src/gl/report_copy.cpp
   src/gl/shader_source.cpp
   src/gl/state_copies.cpp
   src/gl/storage_buffer.cpp

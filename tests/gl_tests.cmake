@@ -14,6 +14,7 @@ add_executable(phymul_gl_test
   gl_equivalence_test.cpp
   gl_fragment_test.cpp
   gl_hosts_test.cpp
+  gl_late_report_test.cpp
   gl_life_test.cpp
   gl_objects_test.cpp
   host_state.cpp)

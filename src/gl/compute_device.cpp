@@ -50,12 +50,13 @@ void ComputeDevice::run(int count) {
 BatchReport ComputeDevice::try_step(int number) {
   bind();
   passes_.try_step(state_, number);
-  return report_.read(state_, state_.free_pair());
+  report_.request(state_, state_.free_pair());
+  return report_.take();
 }
 
-BatchReport ComputeDevice::report() {
+void ComputeDevice::request_report() {
   bind();
-  return report_.read(state_, state_.current());
+  report_.request(state_, state_.current());
 }
 
 Energy ComputeDevice::energy(const Scene& scene, double time, double dt) {

@@ -122,9 +122,9 @@ void ComputePasses::evaluate(const ComputeState& state) {
 
 ShaderRequest ComputePasses::gathering(const LoadKind& loads, bool with_passes) const {
   const BodyKind& kind = tables_->kind();
-  const bool all = with_passes || form_ == ComputeForm::recompute;
-  ShaderRequest request =
-      evaluating(all && kind.attractors, all && kind.base_terms, all && kind.volumes > 0, all && kind.cells > 0);
+  const bool forces = with_passes || !stores_forces(), terms = with_passes || !stores_terms();
+  ShaderRequest request = evaluating(forces && kind.attractors, terms && kind.base_terms, terms && kind.volumes > 0,
+                                     terms && kind.cells > 0);
   define_gathering(kind, loads, request);
   append(request, {"delta_spring.glsl", "integrate_displacement.glsl", "terms_of.glsl", "net_force.glsl"});
   return request;
