@@ -279,7 +279,7 @@ TEST_P(StabilityMotion, AtResonanceDampingBounds) {
     return width;
   };
   EXPECT_GT(widest(0.0, 6, 8), 2.0 * widest(0.0, 2, 4) * 0.8);
-  const int late = is_slow() ? 8 : 20;
+  const int late = 20;
   const double rate = 0.3 * omega;
   EXPECT_NEAR(widest(rate, late - 4, late - 2), widest(rate, late - 2, late), 0.1 * widest(rate, late - 2, late));
 }
