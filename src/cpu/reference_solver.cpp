@@ -43,8 +43,10 @@ class ReferenceSolver final : public Solver {
 
   void follow_tools() {
     tools_.follow(scene());
-    if (!tools_.empty()) touched_.prepare(topology().mass, frame().fixed, topology().dimension == 2);
     shifts_.clear();
+    if (tools_.empty()) return;
+    touched_.prepare(topology().mass, frame().fixed, topology().dimension == 2);
+    shifts_.reserve(topology().rest.size());
   }
 
   Motion do_step(const StepPlan& plan) override {
