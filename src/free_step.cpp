@@ -9,6 +9,7 @@ void TouchedParticles::prepare(std::span<const double> mass, std::span<const std
   plane_ = plane;
   slot_of_.assign(mass.size(), -1);
   touched_.clear();
+  touched_.reserve(mass.size());
 }
 
 void TouchedParticles::begin(FreeStep& step, double dt) {

@@ -47,7 +47,7 @@ class FreeStep {
 };
 
 /// The particles of a step that something touches: copies in double precision whose velocities take impulses one after
-/// the other; the backend gets each sum once. Between begin() and end(); allocates only while its arrays still grow.
+/// the other; the backend gets each sum once. Between begin() and end(); only prepare() allocates.
 class TouchedParticles {
  public:
   struct Touched {

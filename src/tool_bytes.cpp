@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tool_bytes.h"
 
-#include <phymul/error.h>
+#include <phymul/distance_grid.h>
 
+#include <bit>
 #include <limits>
 #include <type_traits>
 
@@ -33,7 +34,23 @@ void each_member(Shape& shape, Visit visit) {
   }
 }
 
-constexpr const char* no_grids = "tools made of a distance grid cannot be recorded or saved yet; use a plain shape";
+void put_grid(ByteWriter& out, const DistanceGrid& grid) {
+  out.vector(grid.origin());
+  out.real(grid.spacing());
+  for (const int count : grid.count()) out.index(count);
+  out.u64(grid.values().size());
+  for (const float value : grid.values()) out.u32(std::bit_cast<std::uint32_t>(value));
+}
+
+std::shared_ptr<const DistanceGrid> take_grid(ByteReader& in) {
+  const Vec3 origin = in.vector("a grid's origin");
+  const double spacing = in.real("a grid's spacing");
+  std::array<int, 3> count{};
+  for (int& c : count) c = in.index("a grid's corners");
+  std::vector<float> values(in.count(4, "a number of distances"));
+  for (float& value : values) value = std::bit_cast<float>(in.u32("a distance"));
+  return std::make_shared<const DistanceGrid>(origin, spacing, count, std::move(values));
+}
 
 template <std::size_t row = 0>
 ToolShape take_shape(ByteReader& in, std::uint8_t wanted) {
@@ -44,7 +61,7 @@ ToolShape take_shape(ByteReader& in, std::uint8_t wanted) {
     if (row != wanted) return take_shape<row + 1>(in, wanted);
     using Shape = std::variant_alternative_t<row, ToolShape>;
     if constexpr (std::is_same_v<Shape, std::shared_ptr<const DistanceGrid>>) {
-      in.fail(no_grids);
+      return take_grid(in);
     } else {
       Shape shape;
       each_member(shape, [&](double& member) { member = in.real("a size of a tool"); });
@@ -96,7 +113,7 @@ void put_tool(ByteWriter& out, const Tool& tool) {
   std::visit(
       [&](const auto& shape) {
         if constexpr (std::is_same_v<std::decay_t<decltype(shape)>, std::shared_ptr<const DistanceGrid>>) {
-          throw Error(no_grids);
+          put_grid(out, *shape);
         } else {
           each_member(shape, [&](const double& member) { out.real(member); });
         }
@@ -126,8 +143,8 @@ void put_tool_state(ByteWriter& out, const ToolState& state) {
   out.vectors(state.held_at);
   out.u64(state.needle.hole.size());
   for (const NeedleNode& node : state.needle.hole) put_node(out, node);
-  out.index(state.needle.inside);
   out.u8(state.needle.punctured ? 1 : 0);
+  out.u8(state.needle.through ? 1 : 0);
   out.real(state.needle.slip);
 }
 
@@ -144,12 +161,8 @@ ToolState take_tool_state(ByteReader& in) {
   state.held_at = in.vectors(count, "held places");
   const std::size_t nodes = in.count(17, "a number of points of a hole");
   for (std::size_t k = 0; k < nodes; ++k) state.needle.hole.push_back(take_node(in));
-  state.needle.inside = in.index("how many of them are behind the tip");
-  if (state.needle.inside < 0 || static_cast<std::size_t>(state.needle.inside) > nodes) {
-    in.fail("expected 0 to " + std::to_string(nodes) + " points of a hole behind the tip, got " +
-            std::to_string(state.needle.inside));
-  }
   state.needle.punctured = in.u8("whether it has punctured") != 0;
+  state.needle.through = in.u8("whether it came out again") != 0;
   state.needle.slip = in.real("a slip");
   return state;
 }

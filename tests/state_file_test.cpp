@@ -118,7 +118,7 @@ TEST(StateFile, ExtremeNumbersComeBackBitForBit) {
   tool.pose = {{1, 2, 3}, Quaternion(0.5, -0.5, 0.5, -0.5), {4, 5, 6}, {7, 8, 9}};
   tool.held = {0};
   tool.held_at = {{1e-3, 0, -0.0}};
-  tool.needle = {{{{0}, {0.25}, true}, {{}, {}, false}}, 1, true, 1e-5};
+  tool.needle = {{{{0}, {0.25}, true}, {{}, {}, false}}, true, true, 1e-5};
   saved.snapshot.state.tools = {tool, ToolState{}};
   saved.snapshot.displacement = {{-0.0, 1e-300, 7}};
   saved.snapshot.last_dt = 1e-9;

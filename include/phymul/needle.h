@@ -35,18 +35,19 @@ struct Needle {
 
 /// A point of the tissue that a needle has passed: the weighted mean of some particles.
 struct NeedleNode {
-  std::vector<Index> particles;
-  std::vector<double> weights;  ///< sum 1
-  bool slides = false;          ///< relative to the shaft, in the last step
+  std::vector<Index> particles{};
+  std::vector<double> weights{};  ///< sum 1
+  bool slides = false;            ///< relative to the shaft, in the last step
   bool operator==(const NeedleNode&) const = default;
 };
 
-/// The hole a needle has made, from the surface inward.
+/// The hole a needle has made, from the surface inward. Nodes are as far apart as a force spreads; the last one is
+/// where the tip cuts on, unless it came out on the other side.
 struct NeedleState {
-  std::vector<NeedleNode> hole;  ///< empty: no contact
-  int inside = 0;                ///< of them behind the tip; the others are hole that the needle has left
+  std::vector<NeedleNode> hole{};  ///< empty: no contact; one node and not `punctured`: the tip presses on the surface
   bool punctured = false;
-  double slip = 0.0;  ///< m by which the tip has gone beyond the surface point or the end of the hole it pushes
+  bool through = false;  ///< the tip came out again
+  double slip = 0.0;     ///< m by which the tip has gone beyond the last node
   bool operator==(const NeedleState&) const = default;
 };
 

@@ -27,4 +27,5 @@
 #include <phymul/topology.h>
 #include <phymul/types.h>
 #include <phymul/version.h>
+#include <phymul/virtual_coupling.h>
 #include <phymul/writer.h>

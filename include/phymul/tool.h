@@ -49,7 +49,7 @@ struct ToolPose {
 
 struct Tool {
   ToolShape shape = Sphere{};
-  ToolPose pose;          ///< where it is at first
+  ToolPose pose{};        ///< where it is at first
   double friction = 0.0;  ///< Coulomb's coefficient, sticking and sliding alike
   /// m/N: how far a particle enters per newton on it. 0: not at all, a particle ends each step outside. The spring is
   /// taken at the step's end, so that it is stable however stiff.
@@ -69,17 +69,17 @@ struct ToolForce {
 
 /// What a solver says of a tool after a step.
 struct ToolReport {
-  ToolPose pose;  ///< where it is at the state's time
-  ToolForce force;
+  ToolPose pose{};  ///< where it is at the state's time
+  ToolForce force{};
 };
 
 /// What a solver remembers of a tool between steps: with it, a state can be gone back to.
 struct ToolState {
-  std::string name;
-  ToolPose pose;
-  std::vector<Index> held;  ///< particles that it grasps
-  VecList held_at;          ///< [held] their places in the tool's frame, m
-  NeedleState needle;
+  std::string name{};
+  ToolPose pose{};
+  std::vector<Index> held{};  ///< particles that it grasps
+  VecList held_at{};          ///< [held] their places in the tool's frame, m
+  NeedleState needle{};
   bool operator==(const ToolState&) const = default;
 };
 
@@ -87,9 +87,9 @@ struct ToolState {
 /// may look at one scene.
 struct SceneTool {
   std::uint64_t id = 0;  ///< of this scene's tools, never used again
-  std::string name;
+  std::string name{};
   Tool tool;
-  ToolPose pose;             ///< the last one asked for
+  ToolPose pose{};           ///< the last one asked for
   std::uint64_t moves = 0;   ///< calls of pose() and place()
   std::uint64_t places = 0;  ///< calls of place()
   std::uint64_t grasps = 0;  ///< calls of grasp() and release()

@@ -10,8 +10,9 @@ namespace phymul::cpu {
 
 template <class S>
 struct ContactLaw {
-  S friction{};    // Coulomb's coefficient
-  S compliance{};  // m/N
+  S friction{};         // Coulomb's coefficient
+  S compliance{};       // m/N
+  bool placed = false;  // the tool was put where it is, not moved there
 };
 
 template <class S>
@@ -28,8 +29,9 @@ struct Depth {
   Vector3<S> normal;
 };
 
-/// The first point of the way from q0 to q1 that is in the shape, by steps of the distance that is left: none is longer
-/// than the way to the surface, so nothing is jumped over. True where there is one; `share` of the way then.
+/// The first point of the way from q0 on that is in the shape (q0 itself, for what lies on the surface), by steps of
+/// the distance that is left: none is longer than the way to the surface, so nothing is jumped over. True where there
+/// is one; `share` of the way then.
 template <class S>
 bool first_hit(const ShapeIn<S>& shape, const Vector3<S>& q0, const Vector3<S>& way, const S& length, S& share) {
   constexpr int most = 64;
@@ -51,7 +53,7 @@ Depth<S> depth_after(const ShapeIn<S>& shape, const Vector3<S>& q0, const Vector
   const Distance<S> end = distance_to(shape, q1);
   const Vector3<S> way = q1 - q0;
   const S length = square_root(inner_product(way, way));
-  if (length <= S(0.5f) * shape.thickness || phi0 < S(0.0f) || phi0 > length) return {-end.phi, end.normal};
+  if (length <= S(0.5f) * shape.thickness || phi0 > length) return {-end.phi, end.normal};
   S share;
   if (!first_hit(shape, q0, way, length, share)) return {-end.phi, end.normal};
   const Vector3<S> at = q0 + share * way;
@@ -67,7 +69,8 @@ Depth<S> depth_after(const ShapeIn<S>& shape, const Vector3<S>& q0, const Vector
 
 /// The impulse along the normal that leaves the particle on the surface (or pressed into it by compliance times the
 /// force), and against its sliding that of Coulomb's law: what stops it, but at most friction times the normal one.
-/// What was inside at the step's start comes out without an impulse.
+/// What a placed tool covers comes out without an impulse. Else a particle that is inside at the step's start slid
+/// there over a curved surface, and is due the impulse that keeps it on its curve.
 template <class S>
 Touch<S> touch_in_step(const ShapeIn<S>& shape, const ContactLaw<S>& law, const Vector3<S>& q0, const Vector3<S>& q1,
                        const S& inverse_mass, const S& dt) {
@@ -75,7 +78,7 @@ Touch<S> touch_in_step(const ShapeIn<S>& shape, const ContactLaw<S>& law, const 
   const Depth<S> in = depth_after(shape, q0, q1, phi0);
   if (!(in.depth > S(0.0f))) return {};
   S before = S(0.0f);
-  if (law.compliance == S(0.0f) && phi0 < S(0.0f)) before = -phi0 < in.depth ? -phi0 : in.depth;
+  if (law.placed && law.compliance == S(0.0f) && phi0 < S(0.0f)) before = -phi0 < in.depth ? -phi0 : in.depth;
   const S normal_impulse = (in.depth - before) * dt / (law.compliance + dt * dt * inverse_mass);
   Touch<S> touch;
   touch.touches = true;

@@ -64,8 +64,10 @@ class ReferenceSolver final : public Solver {
   void follow_tools() {
     tools_.follow(scene());
     touching_.follow(scene());
-    if (touches()) touched_.prepare(topology().mass, frame().fixed, topology().dimension == 2);
     shifts_.clear();
+    if (!touches()) return;
+    touched_.prepare(topology().mass, frame().fixed, topology().dimension == 2);
+    shifts_.reserve(topology().rest.size());
   }
 
   Motion do_step(const StepPlan& plan) override {

@@ -2,7 +2,6 @@
 #include "tool_set.h"
 
 #include <phymul/distance_grid.h>
-#include <phymul/error.h>
 
 #include <algorithm>
 #include <cmath>
@@ -86,14 +85,14 @@ ToolPose between(const ToolPose& from, const ToolPose& to, double share) {
 
 }  // namespace
 
-ToolSet::Moving ToolSet::made(const SceneTool& tool, const Scene&) {
+ToolSet::Moving ToolSet::made(const SceneTool& tool, const Scene& scene) {
   Moving moving;
   moving.id = tool.id;
   moving.name = tool.name;
   const auto take = [&](const auto& shape) {
     using Shape = std::decay_t<decltype(shape)>;
     if constexpr (std::is_same_v<Shape, Needle>) {
-      throw Error("tool \"" + tool.name + "\": needles are not taken yet");
+      moving.needle.emplace(shape, tool.tool.friction, scene.model());
     } else {
       if constexpr (std::is_same_v<Shape, std::shared_ptr<const DistanceGrid>>) moving.grid = shape;
       const Extent extent = extent_of(shape);
@@ -106,7 +105,7 @@ ToolSet::Moving ToolSet::made(const SceneTool& tool, const Scene&) {
   moving.shape.thickness += tool.tool.margin;
   moving.reach.low.array() -= tool.tool.margin;
   moving.reach.high.array() += tool.tool.margin;
-  moving.law = {tool.tool.friction, tool.tool.compliance};
+  moving.law = {.friction = tool.tool.friction, .compliance = tool.tool.compliance};
   moving.seen_grasps = 0;
   place(moving, tool.pose);
   moving.seen_moves = tool.moves;
@@ -126,7 +125,8 @@ void ToolSet::follow(const Scene& scene) {
 
 void ToolSet::place(Moving& tool, const ToolPose& pose) {
   tool.report.pose = tool.next_pose = tool.to = pose;
-  tool.steps = 0;
+  tool.steps = tool.done = 0;
+  tool.law.placed = true;
 }
 
 void ToolSet::reset(const Scene& scene, const State& state) {
@@ -138,6 +138,8 @@ void ToolSet::reset(const Scene& scene, const State& state) {
     place(tool, restored ? known->pose : wanted.pose);
     tool.held = restored ? known->held : std::vector<Index>{};
     tool.held_at = restored ? known->held_at : VecList{};
+    if (tool.needle) tool.needle->restore(restored ? known->needle : NeedleState{});
+    tool.law.placed = !restored;
     tool.grasps = tool.releases = false;
     tool.seen_moves = wanted.moves;
     tool.seen_places = wanted.places;
@@ -155,6 +157,7 @@ void ToolSet::read(State& state) const {
     to.pose = tool.report.pose;
     to.held = tool.held;
     to.held_at = tool.held_at;
+    to.needle = tool.needle ? tool.needle->state() : NeedleState{};
   }
 }
 
@@ -265,12 +268,19 @@ void ToolSet::act(TouchedParticles& touched) {
     tool.grasps = false;
     hold(tool, touched);
   }
-  for (Moving& tool : tools_) press(tool, touched);
+  for (Moving& tool : tools_) {
+    if (tool.needle) tool.needle->act(touched, tool.report.pose, tool.next_pose, tool.next_force);
+  }
+  for (Moving& tool : tools_) {
+    if (!tool.needle) press(tool, touched);
+  }
 }
 
 void ToolSet::accept() {
   for (Moving& tool : tools_) {
+    if (tool.needle) tool.needle->accept();
     tool.report.pose = tool.next_pose;
+    tool.law.placed = false;
     if (tool.done < tool.steps && ++tool.done == tool.steps) tool.steps = tool.done = 0;
     tool.report.force.force = tool.next_force.force;
     tool.report.force.torque = tool.next_force.torque;

@@ -8,8 +8,14 @@
 #include <phymul/state.h>
 #include <phymul/topology_textures.h>
 
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "../free_step.h"
 #include "contact_tool.h"
+#include "needle_path.h"
 #include "tool_frame.h"
 
 namespace phymul::cpu {
@@ -50,6 +56,7 @@ class ToolSet {
     double grasp_distance = 0.0;
     std::vector<Index> held;
     VecList held_at;
+    std::optional<NeedlePath> needle;
 
     ToolForce next_force;
     Vec3 sum_force{0, 0, 0}, sum_torque{0, 0, 0};  // over the steps of this call

@@ -4,6 +4,12 @@
 #include <cstring>
 
 namespace phymul::cpu {
+namespace {
+
+/// Particles from which on looking for those near a tool takes longer than waking another thread for it, some 10 us.
+constexpr std::size_t worth_threads = 8192;
+
+}  // namespace
 
 /// A step whose prediction is in move.next_u and move.next_v.
 class VectorTools::Step final : public FreeStep {
@@ -19,16 +25,18 @@ class VectorTools::Step final : public FreeStep {
   }
 
   void find(const Region& region, std::vector<Index>& found) const override {
+    if (tools_.rest_.size() < worth_threads) {
+      find_among(0, tools_.rest_.size(), region, found);
+      return;
+    }
     pool_.run([&](int part, int parts) {
       const auto bound = [&](int k) { return tools_.rest_.size() * static_cast<std::size_t>(k) / parts; };
-      std::vector<Index>& own = tools_.found_[part];
-      own.clear();
-      for (std::size_t place = bound(part); place < bound(part + 1); ++place) {
-        if (!region.meets(place_at(move_.u, place), place_at(move_.next_u, place))) continue;
-        own.push_back(tools_.body_.order[place]);
-      }
+      tools_.found_[part].clear();
+      find_among(bound(part), bound(part + 1), region, tools_.found_[part]);
     });
-    for (const auto& own : tools_.found_) found.insert(found.end(), own.begin(), own.end());
+    for (int part = 0; part < pool_.parts(); ++part) {
+      found.insert(found.end(), tools_.found_[part].begin(), tools_.found_[part].end());
+    }
   }
 
   void add_force(Index i, const Vec3& force) override {
@@ -43,6 +51,13 @@ class VectorTools::Step final : public FreeStep {
   }
 
  private:
+  void find_among(std::size_t first, std::size_t last, const Region& region, std::vector<Index>& found) const {
+    for (std::size_t place = first; place < last; ++place) {
+      if (!region.meets(place_at(move_.u, place), place_at(move_.next_u, place))) continue;
+      found.push_back(tools_.body_.order[place]);
+    }
+  }
+
   Vec3 place_at(const char* displacements, std::size_t place) const {
     const float* u = reinterpret_cast<const float*>(displacements) + 4 * place;
     return tools_.rest_[place] + Vec3(u[0], u[1], u[2]);

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+//
+// A spring and a damper between a haptic device and a tool: the tool follows the hand as its contacts let it, the hand
+// feels the spring. So a device never meets a force that is stiffer than the spring, whatever the tool meets (J. E.
+// Colgate, M. C. Stanley, J. M. Brown, "Issues in the haptic display of tool use", IEEE/RSJ IROS 1995, 140-145).
+#pragma once
+
+#include <phymul/tool.h>
+
+namespace phymul {
+
+struct CouplingOptions {
+  double stiffness = 500.0;        ///< N/m; what the device can show without shaking
+  double damping = 5.0;            ///< N s/m
+  double mass = 0.05;              ///< kg of the tool as the hand feels it
+  double turning_stiffness = 0.5;  ///< N m/rad
+  double turning_damping = 5e-3;   ///< N m s/rad
+  double inertia = 5e-5;           ///< kg m^2, about any axis
+  double largest_force = 5.0;      ///< N to the device
+  double largest_torque = 0.1;     ///< N m to the device
+};
+
+/// Once a tick of the device: follow(), the pose to the tool, step(), force() to the device.
+class VirtualCoupling {
+ public:
+  /// The tool starts at the device's pose. Throws Error unless mass, inertia and limits are above 0 and the rest not
+  /// below.
+  VirtualCoupling(const CouplingOptions& options, const ToolPose& device);
+
+  /// Where the tool goes within `dt` s: device is where the hand is then, on_tool what Solver::tool_force last said
+  /// (its mean over the call is the smoother one). The spring is taken at the tick's end: stable however stiff. Does
+  /// not throw.
+  const ToolPose& follow(const ToolPose& device, const Vec3& force_on_tool, const Vec3& torque_on_tool, double dt);
+
+  const Vec3& force() const { return force_; }    ///< N, on the device
+  const Vec3& torque() const { return torque_; }  ///< N m, on the device
+  const ToolPose& tool() const { return tool_; }
+
+ private:
+  CouplingOptions options_;
+  ToolPose tool_;
+  Vec3 force_{0, 0, 0}, torque_{0, 0, 0};
+};
+
+}  // namespace phymul

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+#include "closest_triangle.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+namespace phymul {
+namespace {
+
+constexpr int leaf_size = 4;
+
+double squared_distance(const Vec3& x, const Vec3& low, const Vec3& high) {
+  return (x - x.cwiseMax(low).cwiseMin(high)).squaredNorm();
+}
+
+}  // namespace
+
+std::array<Index, 2> open_edge(std::span<const Triangle> triangles) {
+  std::map<std::pair<Index, Index>, int> count;  // of directed edges
+  for (const Triangle& t : triangles) {
+    for (int k = 0; k < 3; ++k) ++count[{t[k], t[(k + 1) % 3]}];
+  }
+  for (const auto& [edge, times] : count) {
+    const auto back = count.find({edge.second, edge.first});
+    if (times != 1 || back == count.end() || back->second != 1) return {edge.first, edge.second};
+  }
+  return {-1, -1};
+}
+
+ClosestTriangle::ClosestTriangle(std::span<const Vec3> place, std::span<const Triangle> triangles)
+    : place_(place.begin(), place.end()),
+      triangle_(triangles.begin(), triangles.end()),
+      corner_normal_(place.size(), Vec3::Zero()) {
+  boxes_.reserve(2 * triangle_.size());
+  build(0, static_cast<int>(triangle_.size()));  // puts the triangles in order
+  std::map<std::pair<Index, Index>, Vec3> across;
+  for (const Triangle& t : triangle_) {
+    const Vec3 normal = (place_[t[1]] - place_[t[0]]).cross(place_[t[2]] - place_[t[0]]).normalized();
+    face_normal_.push_back(normal);
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 a = place_[t[(k + 1) % 3]] - place_[t[k]], b = place_[t[(k + 2) % 3]] - place_[t[k]];
+      corner_normal_[t[k]] += std::atan2(a.cross(b).norm(), a.dot(b)) * normal;
+      across[{t[k], t[(k + 1) % 3]}] = normal;
+    }
+  }
+  for (std::size_t i = 0; i < triangle_.size(); ++i) {
+    std::array<Vec3, 3>& edges = edge_normal_.emplace_back();
+    for (int k = 0; k < 3; ++k) {
+      edges[k] = face_normal_[i] + across.at({triangle_[i][(k + 1) % 3], triangle_[i][k]});
+    }
+  }
+}
+
+int ClosestTriangle::build(int first, int last) {
+  Box box{Vec3::Constant(std::numeric_limits<double>::infinity()),
+          Vec3::Constant(-std::numeric_limits<double>::infinity()), first, last};
+  for (int i = first; i < last; ++i) {
+    for (const Index p : triangle_[i]) {
+      box.low = box.low.cwiseMin(place_[p]);
+      box.high = box.high.cwiseMax(place_[p]);
+    }
+  }
+  const auto own = static_cast<int>(boxes_.size());
+  boxes_.push_back(box);
+  if (last - first <= leaf_size) return own;
+  int axis = 0;
+  (box.high - box.low).maxCoeff(&axis);
+  const int middle = (first + last) / 2;
+  const auto centre = [&](const Triangle& t) { return place_[t[0]][axis] + place_[t[1]][axis] + place_[t[2]][axis]; };
+  std::nth_element(triangle_.begin() + first, triangle_.begin() + middle, triangle_.begin() + last,
+                   [&](const Triangle& a, const Triangle& b) { return centre(a) < centre(b); });
+  const int left = build(first, middle), right = build(middle, last);
+  boxes_[own].left = left;
+  boxes_[own].right = right;
+  return own;
+}
+
+/// By the regions of C. Ericson, "Real-Time Collision Detection", Morgan Kaufmann 2005, section 5.1.5.
+void ClosestTriangle::look_at(int triangle, const Vec3& x, Nearest& nearest) const {
+  const Triangle& t = triangle_[triangle];
+  const Vec3 &a = place_[t[0]], &b = place_[t[1]], &c = place_[t[2]];
+  const auto take = [&](const Vec3& at, const Vec3& normal) {
+    const Vec3 way = x - at;
+    if (way.squaredNorm() < nearest.squared) nearest = {way.squaredNorm(), way, normal};
+  };
+  const Vec3 ab = b - a, ac = c - a, ax = x - a, bx = x - b, cx = x - c;
+  const double d1 = ab.dot(ax), d2 = ac.dot(ax), d3 = ab.dot(bx), d4 = ac.dot(bx), d5 = ab.dot(cx), d6 = ac.dot(cx);
+  if (d1 <= 0.0 && d2 <= 0.0) return take(a, corner_normal_[t[0]]);
+  if (d3 >= 0.0 && d4 <= d3) return take(b, corner_normal_[t[1]]);
+  if (d6 >= 0.0 && d5 <= d6) return take(c, corner_normal_[t[2]]);
+  const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
+  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return take(a + d1 / (d1 - d3) * ab, edge_normal_[triangle][0]);
+  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return take(a + d2 / (d2 - d6) * ac, edge_normal_[triangle][2]);
+  if (va <= 0.0 && d4 >= d3 && d5 >= d6) {
+    return take(b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b), edge_normal_[triangle][1]);
+  }
+  take(a + (vb * ab + vc * ac) / (va + vb + vc), face_normal_[triangle]);
+}
+
+void ClosestTriangle::visit(int number, const Vec3& x, Nearest& nearest) const {
+  const Box& box = boxes_[number];
+  if (squared_distance(x, box.low, box.high) >= nearest.squared) return;
+  if (box.left < 0) {
+    for (int i = box.first; i < box.last; ++i) look_at(i, x, nearest);
+    return;
+  }
+  const auto distance = [&](int k) { return squared_distance(x, boxes_[k].low, boxes_[k].high); };
+  const bool left_first = distance(box.left) <= distance(box.right);
+  visit(left_first ? box.left : box.right, x, nearest);
+  visit(left_first ? box.right : box.left, x, nearest);
+}
+
+double ClosestTriangle::signed_distance(const Vec3& x) const {
+  Nearest nearest{std::numeric_limits<double>::infinity(), Vec3::Zero(), Vec3::Zero()};
+  visit(0, x, nearest);
+  const double distance = std::sqrt(nearest.squared);
+  return nearest.way.dot(nearest.normal) < 0.0 ? -distance : distance;
+}
+
+}  // namespace phymul

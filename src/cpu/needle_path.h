@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+//
+// A needle in tissue: the nodes of its hole are material points, held on the shaft sideways, rubbed by it lengthwise,
+// and pushed ahead by the tip. All are impulses on where a step would take the particles, each within its limit; node
+// after node, several times over (projected Gauss-Seidel, as for friction in M. Jean, "The non-smooth contact dynamics
+// method", Comput. Methods Appl. Mech. Eng. 177 (1999) 235-257).
+#pragma once
+
+#include <phymul/model.h>
+#include <phymul/needle.h>
+
+#include <array>
+
+#include "../free_step.h"
+#include "tool_frame.h"
+
+namespace phymul::cpu {
+
+class NeedlePath {
+ public:
+  NeedlePath(const Needle& needle, double friction, const Model& model);
+
+  /// `force`: what it takes from the particles is added there.
+  void act(TouchedParticles& touched, const ToolPose& start, const ToolPose& end, ToolForce& force);
+  void accept();  ///< the step counts
+
+  const NeedleState& state() const { return state_; }
+  void restore(NeedleState state) { state_ = std::move(state); }
+
+ private:
+  /// A node in one step.
+  struct Coupled {
+    std::vector<std::size_t> slots;
+    double inverse_mass = 0.0;          // sum w^2 / m, 1/kg
+    double along = 0.0;                 // m from the tip toward the hub, at the step's start
+    double length = 0.0;                // m of shaft that rubs here
+    double limit = 0.0;                 // N s of friction
+    double rubbed = 0.0, pushed = 0.0;  // N s given so far: along the shaft toward the hub; by the tip, forward
+    Vec3 sideways{0, 0, 0};             // N s
+    bool slides = false;
+  };
+  /// Tip and axis, which points to the hub.
+  struct Line {
+    explicit Line(const ToolPose& pose) : tip(pose.position), axis(pose.orientation * Vec3::UnitZ()) {}
+    double along(const Vec3& x) const { return axis.dot(x - tip); }
+    Vec3 aside(const Vec3& x) const { return x - tip - along(x) * axis; }
+    Vec3 tip, axis;
+  };
+
+  // Where the hole goes, by the positions at the step's start.
+  void follow(const TouchedParticles& touched, const Line& line);
+  bool enter(const FreeStep& step, const Line& line);
+  void lengthen(const FreeStep& step, const Line& line);
+  struct Crossing {
+    double way = -1.0;     // m to the surface; negative: none
+    bool outward = false;  // goes out there
+  };
+  Crossing nearest_surface(const FreeStep& step, const Vec3& x, const Vec3& direction) const;
+  NeedleNode node_at(const FreeStep& step, const Vec3& x);
+  static Vec3 place(const NeedleNode& node, const FreeStep& step);
+
+  // What acts on it.
+  void couple(TouchedParticles& touched, const Line& start, double turned);
+  void share_out_length();
+  void hold_sideways(std::size_t node, TouchedParticles& touched, const Line& end);
+  void rub(std::size_t node, TouchedParticles& touched, const Line& start, const Line& end);
+  void push_ahead(TouchedParticles& touched, const Line& end);
+  void twist(std::size_t node, TouchedParticles& touched, const Line& end, double turned);
+  void give(std::size_t node, TouchedParticles& touched, const Vec3& impulse);
+  Vec3 place_at_end(std::size_t node, TouchedParticles& touched) const;
+  bool on_shaft(std::size_t node) const;
+
+  Needle needle_;
+  double friction_ = 0.0, spread_ = 0.0;
+  std::vector<std::array<Index, 3>> facets_;  // outward
+  NeedleState state_;
+  std::vector<Coupled> coupled_;  // per node of the hole, and some that wait for more
+  std::vector<Index> found_;
+  std::vector<std::pair<std::size_t, Vec3>> given_;  // slot, impulse: of this step
+};
+
+}  // namespace phymul::cpu
