@@ -95,21 +95,6 @@ Runner runner(std::unique_ptr<Solver> solver, const State& start) {
   return r;
 }
 
-/// Bytes that a step moves between the tables, the state and the core: constants once, displacements and velocities
-/// read and written, forces written and read.
-double bytes_a_step(const cpu::VectorBody& body) {
-  double bytes = 0.0;
-  for (const cpu::Floats* table :
-       {&body.bases, &body.enumerated, &body.springs, &body.volumes, &body.cells4, &body.cells6, &body.cells8,
-        &body.hexahedra, &body.stars, &body.boxes, &body.simplices, &body.cell_simplices, &body.give, &body.mass,
-        &body.inverse_mass, &body.stiffness}) {
-    bytes += 4.0 * static_cast<double>(table->size());
-  }
-  bytes += 4.0 * static_cast<double>(body.halo.size() + body.own.size());
-  bytes += body.places * (2.0 * 16.0 + 2.0 * 12.0) + static_cast<double>(body.force_rows) * 2.0 * 16.0;
-  return bytes;
-}
-
 /// Vector multiplications and multiply-adds of an enumerated triple of an attractor: what the multiplying units see.
 constexpr double multiplications_a_triple = 38.0;
 
@@ -146,8 +131,8 @@ void run(const Case& test, int repeats) {
               median(scaling), n / median(runners[1].rates) * 1e6);
   const auto body = cpu::make_vector_body(*tables, cpu::simd::chosen_kernels().lanes);
   const double rate = median(runners[1].rates) / n;  // steps a second
-  std::printf("%-34s bytes a particle-step %.0f, so %.1f GB/s", "", bytes_a_step(*body) / n,
-              bytes_a_step(*body) * rate * 1e-9);
+  std::printf("%-34s bytes a particle-step %.0f, so %.1f GB/s", "", body->bytes_a_step() / n,
+              body->bytes_a_step() * rate * 1e-9);
   if (tables->base_count > 0) std::printf("; %.1f bases a particle", tables->base_count / n);
   if (!body->enumerated.empty() && body->gives()) {
     double triples = 0.0;

@@ -47,6 +47,8 @@ struct VectorBody {
   int slices() const { return places / lanes; }
   bool gives() const { return use == simd::BaseUse::attractor && !(bases.empty() && enumerated.empty()); }
   double cost() const;  ///< ns per step, rough
+  /// See Solver::bytes_a_step. Loads of a scene, which few particles have, are not among them.
+  double bytes_a_step() const;
 };
 
 /// Throws Error where a constant is not a float or an offset not 32 bits.

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+//
+// Tools: rigid things that somebody outside moves, which touch, hold or pierce a body. They push particles, and tell
+// what the particles push back.
+#pragma once
+
+#include <phymul/needle.h>
+#include <phymul/types.h>
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace phymul {
+
+class DistanceGrid;  // distance_grid.h
+
+/// Not aligned, as all that stands in public structs.
+using Quaternion = Eigen::Quaternion<double, Eigen::DontAlign>;
+
+// Shapes, in the tool's own frame; m.
+struct Sphere {
+  double radius = 0.0;  ///< around the tool's position
+  bool operator==(const Sphere&) const = default;
+};
+struct Capsule {  ///< all points within `radius` of the segment from the tool's position along +z
+  double radius = 0.0, length = 0.0;
+  bool operator==(const Capsule&) const = default;
+};
+struct HalfSpace {  ///< solid where z < 0: a floor, whose normal is the tool's +z
+  bool operator==(const HalfSpace&) const = default;
+};
+struct Box {
+  Vec3 half_size{0, 0, 0};  ///< centred at the tool's position
+  bool operator==(const Box&) const = default;
+};
+using ToolShape = std::variant<Sphere, Capsule, HalfSpace, Box, std::shared_ptr<const DistanceGrid>, Needle>;
+
+struct ToolPose {
+  Vec3 position{0, 0, 0};              ///< m
+  Quaternion orientation{1, 0, 0, 0};  ///< turns the tool's frame to the world's; normalised when taken over
+  Vec3 velocity{0, 0, 0};              ///< m/s of `position`; the tool goes on with it where no new pose comes
+  Vec3 spin{0, 0, 0};                  ///< rad/s about axes of the world; likewise
+  bool operator==(const ToolPose&) const = default;
+};
+
+struct Tool {
+  ToolShape shape = Sphere{};
+  ToolPose pose;          ///< where it is at first
+  double friction = 0.0;  ///< Coulomb's coefficient, sticking and sliding alike
+  /// m/N: how far a particle enters per newton on it. 0: not at all, a particle ends each step outside. The spring is
+  /// taken at the step's end, so that it is stable however stiff.
+  double compliance = 0.0;
+  /// m added around the shape. A tool touches particles, not what is between them: one thinner than a spacing slips
+  /// through unless its margin makes up for it.
+  double margin = 0.0;
+};
+
+/// What the particles do to a tool, as a hand that holds it would feel it: N, and N m about the tool's position. (The
+/// tool itself has neither mass nor weight.)
+struct ToolForce {
+  Vec3 force{0, 0, 0}, torque{0, 0, 0};            ///< of the last step
+  Vec3 mean_force{0, 0, 0}, mean_torque{0, 0, 0};  ///< over the steps of the last call of step()
+  int particles = 0;                               ///< that it pushed or held in the last step
+};
+
+/// What a solver says of a tool after a step.
+struct ToolReport {
+  ToolPose pose;  ///< where it is at the state's time
+  ToolForce force;
+};
+
+/// What a solver remembers of a tool between steps: with it, a state can be gone back to.
+struct ToolState {
+  std::string name;
+  ToolPose pose;
+  std::vector<Index> held;  ///< particles that it grasps
+  VecList held_at;          ///< [held] their places in the tool's frame, m
+  NeedleState needle;
+  bool operator==(const ToolState&) const = default;
+};
+
+/// A tool as a scene has it. The counters grow by one at each call, so that a solver sees what is new; several solvers
+/// may look at one scene.
+struct SceneTool {
+  std::uint64_t id = 0;  ///< of this scene's tools, never used again
+  std::string name;
+  Tool tool;
+  ToolPose pose;             ///< the last one asked for
+  std::uint64_t moves = 0;   ///< calls of pose() and place()
+  std::uint64_t places = 0;  ///< calls of place()
+  std::uint64_t grasps = 0;  ///< calls of grasp() and release()
+  bool grasping = false;
+  double grasp_distance = 0.0;
+};
+
+}  // namespace phymul

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+#include "vector_tools.h"
+
+#include <cstring>
+
+namespace phymul::cpu {
+
+/// A step whose prediction is in move.next_u and move.next_v.
+class VectorTools::Step final : public FreeStep {
+ public:
+  Step(VectorTools& tools, const simd::Move& move, ThreadPool& pool) : tools_(tools), move_(move), pool_(pool) {}
+
+  Vec3 position(Index i) const override { return place_at(move_.u, static_cast<std::size_t>(tools_.place_of_[i])); }
+
+  Vec3 free_velocity(Index i) const override {
+    const auto place = static_cast<std::size_t>(tools_.place_of_[i]);
+    const float* v = move_.next_v;
+    return {v[tools_.velocity_at(place, 0)], v[tools_.velocity_at(place, 1)], v[tools_.velocity_at(place, 2)]};
+  }
+
+  void find(const Region& region, std::vector<Index>& found) const override {
+    pool_.run([&](int part, int parts) {
+      const auto bound = [&](int k) { return tools_.rest_.size() * static_cast<std::size_t>(k) / parts; };
+      std::vector<Index>& own = tools_.found_[part];
+      own.clear();
+      for (std::size_t place = bound(part); place < bound(part + 1); ++place) {
+        if (!region.meets(place_at(move_.u, place), place_at(move_.next_u, place))) continue;
+        own.push_back(tools_.body_.order[place]);
+      }
+    });
+    for (const auto& own : tools_.found_) found.insert(found.end(), own.begin(), own.end());
+  }
+
+  void add_force(Index i, const Vec3& force) override {
+    const Index place = tools_.place_of_[i];
+    tools_.pushed_.push_back(place);
+    for (int a = 0; a < 3; ++a) tools_.load_[4 * static_cast<std::size_t>(place) + a] += static_cast<float>(force[a]);
+  }
+
+  void shift(Index i, const Vec3& by) override {
+    tools_.shifts_.push_back(
+        {tools_.place_of_[i], {static_cast<float>(by.x()), static_cast<float>(by.y()), static_cast<float>(by.z())}});
+  }
+
+ private:
+  Vec3 place_at(const char* displacements, std::size_t place) const {
+    const float* u = reinterpret_cast<const float*>(displacements) + 4 * place;
+    return tools_.rest_[place] + Vec3(u[0], u[1], u[2]);
+  }
+
+  VectorTools& tools_;
+  const simd::Move& move_;
+  ThreadPool& pool_;
+};
+
+VectorTools::VectorTools(const VectorBody& body, const TopologyTextures& topology, int parts)
+    : body_(body), topology_(topology), found_(static_cast<std::size_t>(parts)) {}
+
+void VectorTools::follow(const Scene& scene, std::span<const std::uint8_t> fixed) {
+  set_.follow(scene);
+  touching_.follow(scene);
+  shifts_.clear();
+  pushed_.clear();
+  load_.clear();
+  if (empty()) return;
+  const std::size_t count = body_.order.size();
+  touched_.prepare(topology_.mass, fixed, topology_.dimension == 2);
+  place_of_.resize(count);
+  rest_.resize(count);
+  for (std::size_t place = 0; place < count; ++place) {
+    place_of_[body_.order[place]] = static_cast<Index>(place);
+    rest_[place] = topology_.rest[body_.order[place]];
+  }
+  load_.assign(4 * static_cast<std::size_t>(body_.places), 0.0f);
+  pushed_.reserve(count);
+  shifts_.reserve(count);
+  for (auto& own : found_) own.reserve(count);
+}
+
+std::size_t VectorTools::velocity_at(std::size_t place, int axis) const {
+  const auto lanes = static_cast<std::size_t>(body_.lanes);
+  return (3 * (place / lanes) + axis) * lanes + place % lanes;
+}
+
+bool VectorTools::act(const simd::Move& move, ThreadPool& pool, double dt) {
+  if (move.load != nullptr) {
+    std::memcpy(load_.data(), move.load, sizeof(float) * load_.size());
+  } else {
+    for (const Index place : pushed_) std::memset(&load_[4 * static_cast<std::size_t>(place)], 0, 4 * sizeof(float));
+  }
+  pushed_.clear();
+  shifts_.clear();
+  Step step(*this, move, pool);
+  touched_.begin(step, dt);
+  set_.act(touched_);
+  lost_volume_ = touching_.act(touched_);
+  touched_.end();
+  return !pushed_.empty();
+}
+
+void VectorTools::shift(float* next_u) const {
+  for (const auto& [place, by] : shifts_) {
+    for (int a = 0; a < 3; ++a) next_u[4 * static_cast<std::size_t>(place) + a] += by[a];
+  }
+}
+
+}  // namespace phymul::cpu

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#include "snapshot_bytes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tool_bytes.h"
+
+namespace phymul {
+namespace {
+
+bool all_finite(const VecList& list) {
+  return std::all_of(list.begin(), list.end(), [](const Vec3& v) { return v.allFinite(); });
+}
+
+void require_particle(const ByteReader& in, Index i, std::size_t count) {
+  if (i >= 0 && static_cast<std::size_t>(i) < count) return;
+  in.fail("expected particles from 0 to " + std::to_string(static_cast<long long>(count) - 1) + ", got " +
+          std::to_string(i) + "; the file was written by something else");
+}
+
+}  // namespace
+
+void put_snapshot(ByteWriter& out, const Snapshot& snapshot) {
+  out.u64(snapshot.state.position.size());
+  out.real(snapshot.state.time);
+  out.real(snapshot.last_dt);
+  out.u32(static_cast<std::uint32_t>(snapshot.steps_at_rest));
+  out.vectors(snapshot.state.position);
+  out.vectors(snapshot.state.velocity);
+  out.u8(snapshot.displacement.empty() ? 0 : 1);
+  out.vectors(snapshot.displacement);
+  out.u64(snapshot.state.tools.size());
+  for (const ToolState& tool : snapshot.state.tools) put_tool_state(out, tool);
+  out.u64(snapshot.parts.size());
+  for (const Snapshot::Part& part : snapshot.parts) {
+    out.text(part.name);
+    out.text({reinterpret_cast<const char*>(part.bytes.data()), part.bytes.size()});
+  }
+}
+
+Snapshot take_snapshot(ByteReader& in) {
+  Snapshot snapshot;
+  const std::size_t count = in.count(48, "a number of particles");
+  snapshot.state.time = in.real("a time");
+  snapshot.last_dt = in.real("the last step");
+  const std::uint32_t rested = in.u32("a count of steps at rest");
+  if (rested > static_cast<std::uint32_t>(std::numeric_limits<int>::max())) {
+    in.fail("expected a count of steps at rest, got " + std::to_string(rested) + "; the file is damaged");
+  }
+  snapshot.steps_at_rest = static_cast<int>(rested);
+  snapshot.state.position = in.vectors(count, "positions");
+  snapshot.state.velocity = in.vectors(count, "velocities");
+  const std::uint8_t displaced = in.u8("whether there are displacements");
+  if (displaced > 1) in.fail("expected 0 or 1, got " + std::to_string(displaced) + "; the file is damaged");
+  if (displaced == 1) snapshot.displacement = in.vectors(count, "displacements");
+  const std::size_t tools = in.count(40, "a number of tools");
+  for (std::size_t k = 0; k < tools; ++k) {
+    snapshot.state.tools.push_back(take_tool_state(in));
+    for (const Index i : snapshot.state.tools.back().held) require_particle(in, i, count);
+    for (const NeedleNode& node : snapshot.state.tools.back().needle.hole) {
+      for (const Index i : node.particles) require_particle(in, i, count);
+    }
+  }
+  const std::size_t parts = in.count(8, "a number of parts");
+  for (std::size_t k = 0; k < parts; ++k) {
+    Snapshot::Part part;
+    part.name = in.text("a part's name");
+    const std::string bytes = in.text("a part");
+    part.bytes.assign(bytes.begin(), bytes.end());
+    snapshot.parts.push_back(std::move(part));
+  }
+  const bool finite = is_finite(snapshot.state) && all_finite(snapshot.displacement) && snapshot.last_dt >= 0.0 &&
+                      std::isfinite(snapshot.last_dt);
+  if (!finite) in.fail("expected finite numbers in the state before this byte; it was written by something else");
+  return snapshot;
+}
+
+}  // namespace phymul
