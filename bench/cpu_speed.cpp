@@ -92,7 +92,7 @@ Runner runner(std::unique_ptr<Solver> solver, const State& start) {
 double bytes_a_step(const cpu::VectorBody& body) {
   double bytes = 0.0;
   for (const cpu::Floats* table : {&body.bases, &body.enumerated, &body.springs, &body.volumes, &body.cells4,
-                                   &body.cells6, &body.cells8, &body.hexahedra, &body.simplices, &body.cell_simplices,
+                                   &body.cells6, &body.cells8, &body.hexahedra, &body.stars, &body.boxes, &body.simplices, &body.cell_simplices,
                                    &body.give, &body.mass, &body.inverse_mass, &body.stiffness}) {
     bytes += 4.0 * static_cast<double>(table->size());
   }

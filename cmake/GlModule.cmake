@@ -16,7 +16,8 @@ set(shaders
   delta_height.glsl
   delta_spring.glsl
   delta_volume.glsl
-  displacement.glsl
+  dialect_compute.glsl
+  dialect_fragment.glsl
   display_ball.frag
   display_ball.vert
   display_body.glsl
@@ -28,18 +29,29 @@ set(shaders
   display_surface.frag
   display_surface.vert
   energy_pass.glsl
-  fetch.glsl
+  force_of.glsl
   force_pass.glsl
   integrate_displacement.glsl
   momentum_pass.glsl
   net_force.glsl
   reaction_pass.glsl
+  report_events.glsl
+  report_kernel.glsl
   report_pass.glsl
+  show_kernel.glsl
   shown_attractor_pass.glsl
+  step_kernel.glsl
   step_pass.glsl
+  store_step.glsl
+  store_terms.glsl
+  sum_kernel.glsl
   sum_pass.glsl
+  tables.glsl
+  terms_kernel.glsl
+  terms_of.glsl
   vector3.glsl
-  volumes_pass.glsl)
+  volumes_pass.glsl
+  workgroup_kernel.glsl)
 list(TRANSFORM shaders PREPEND ${PROJECT_SOURCE_DIR}/glsl/)
 add_custom_command(OUTPUT ${PROJECT_BINARY_DIR}/shaders/embedded_shaders.cpp
   COMMAND ${CMAKE_COMMAND} -DOUTPUT=${PROJECT_BINARY_DIR}/shaders/embedded_shaders.cpp "-DFILES=${shaders}"
@@ -50,6 +62,14 @@ add_custom_command(OUTPUT ${PROJECT_BINARY_DIR}/shaders/embedded_shaders.cpp
 # The tests of the inside take the same objects.
 add_library(phymul_gl_objects OBJECT
   src/gl/body_drawing.cpp
+  src/gl/body_kind.cpp
+  src/gl/compute_device.cpp
+  src/gl/compute_loads.cpp
+  src/gl/compute_passes.cpp
+  src/gl/compute_report.cpp
+  src/gl/compute_state.cpp
+  src/gl/compute_sums.cpp
+  src/gl/compute_tables.cpp
   src/gl/context.cpp
   src/gl/context_current.cpp
   src/gl/context_debug.cpp
@@ -57,29 +77,35 @@ add_library(phymul_gl_objects OBJECT
   src/gl/context_own.cpp
   src/gl/context_self_test.cpp
   src/gl/context_worker.cpp
+  src/gl/device.cpp
+  src/gl/device_solver.cpp
   src/gl/display.cpp
   src/gl/drawing.cpp
   src/gl/egl_context.cpp
   src/gl/egl_display.cpp
-  src/gl/fragment_copies.cpp
   src/gl/fragment_device.cpp
   src/gl/fragment_loads.cpp
-  src/gl/fragment_options.cpp
   src/gl/fragment_passes.cpp
   src/gl/fragment_report.cpp
-  src/gl/fragment_solver.cpp
   src/gl/fragment_state.cpp
   src/gl/fragment_sums.cpp
   src/gl/fragment_tables.cpp
+  src/gl/fragment_traffic.cpp
   src/gl/framebuffer.cpp
   src/gl/gl_functions.cpp
   src/gl/guard_egl.cpp
   src/gl/guard_state.cpp
+  src/gl/kernel.cpp
+  src/gl/load_table.cpp
   src/gl/module.cpp
+  src/gl/options.cpp
   src/gl/pass.cpp
+  src/gl/pass_timer.cpp
   src/gl/picture_target.cpp
   src/gl/program.cpp
   src/gl/shader_source.cpp
+  src/gl/state_copies.cpp
+  src/gl/storage_buffer.cpp
   src/gl/texture.cpp
   ${PROJECT_BINARY_DIR}/shaders/embedded_shaders.cpp)
 find_package(Threads REQUIRED)

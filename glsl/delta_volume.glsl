@@ -4,7 +4,7 @@
 
 float volume_pressure(float change) {
 #ifdef BOUNDED_VOLUME
-  float x = change * 3.3333333;
+  float x = change * 2.5;
   return change * (1.0 / sqrt(1.0 + x * x));
 #else
   return change;
@@ -13,7 +13,7 @@ float volume_pressure(float change) {
 
 float volume_energy_density(float change) {
 #ifdef BOUNDED_VOLUME
-  float x = change * 3.3333333;
+  float x = change * 2.5;
   return change * change * (1.0 / (1.0 + sqrt(1.0 + x * x)));
 #else
   return 0.5 * change * change;

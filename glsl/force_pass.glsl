@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// Per particle, the force F_i = k_i (P*_i - x_i), N, from the pull that the attractor pass wrote. Needs fetch.glsl.
+// Per particle, the force F_i = k_i (P*_i - x_i), N, from the pull that the attractor pass wrote. Needs tables.glsl.
 
-uniform sampler2D pull;
-uniform int pull_log2;
-uniform sampler2D particle;  // 1/m, k_i, m
-uniform int particle_log2;
+STORED(pull, pull_place);
 
-layout(location = 0) out vec4 force;
-invariant force;
+RESULT(0, vec4, force_result);
 
-void main() {
-  int i = own_row();
-  if (i >= row_count) discard;
-  force = vec4(fetch(particle, particle_log2, i).y * fetch(pull, pull_log2, i).xyz, 0.0);
+void force_row(int i) {
+  force_result =
+      vec4(fetch_vec4(particle, particle_place, i).y * fetch_changing(pull, pull_place, i).xyz, 0.0);
 }
+
+PASS_MAIN(force_row)

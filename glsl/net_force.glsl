@@ -1,107 +1,62 @@
 // SPDX-License-Identifier: MIT
 //
 // Everything that pulls at one particle, in a fixed order: its own attractor or bases, what reactions give back,
-// volumes, cells, springs, loads. Needs displacement.glsl; delta_spring.glsl where SPRINGS is defined;
-// integrate_displacement.glsl where CUT is.
+// volumes, cells, springs, loads. Needs tables.glsl, terms_of.glsl; force_of.glsl where ATTRACTORS is defined;
+// delta_spring.glsl where SPRINGS is; integrate_displacement.glsl where CUT is.
 
-uniform sampler2D particle;  // 1/m, k_i, m
-uniform int particle_log2;
-uniform isampler2D lists;  // first rows of: reaction or share, volume entries, cell entries, springs
-uniform int lists_log2;
-uniform isampler2D entries;  // reaction, volume entries, cell entries, spring ends, one after another
-uniform int entries_log2;
-uniform int volume_start, cell_start, spring_start;
-
-#ifdef ATTRACTORS
-uniform sampler2D force;  // F_i
-uniform int force_log2;
-#endif
-#ifdef SHARES
-uniform isampler2D share;  // owner j, bits of the share of -F_j
-uniform int share_log2;
-#endif
-#ifdef BASE_TERMS
-uniform isampler2D index;  // Nc, X, Bc, X'
-uniform int index_log2;
-uniform sampler2DArray base_terms;  // on a, b, c, owner
-uniform int base_terms_log2;
-#endif
-#ifdef VOLUMES
-uniform sampler2DArray volume_terms;  // on a, b, c, d
-uniform int volume_terms_log2;
-#endif
-#ifdef CELLS
-uniform sampler2DArray cell_terms;  // columns of the stress
-uniform int cell_terms_log2;
-uniform sampler2D cell_gradient;
-uniform int cell_gradient_log2;
-#endif
-#ifdef SPRINGS
-uniform sampler2D spring;  // X_other - X_i, stiffness
-uniform int spring_log2;
-#endif
-#if defined(FORCES) || defined(FIXED)
-uniform isampler2D load_index;  // first and end row of force parts, first row of target parts, their number * 8 + fixed
-uniform int load_index_log2;
-uniform sampler2D load_parts;  // vector, number of the value it is multiplied by
-uniform int load_parts_log2;
-uniform sampler2D load_values;  // a row of load_count values per instant
-uniform int load_values_log2;
-uniform int load_count;
-#endif
 #ifdef CUT
 uniform float largest_acceleration;  // m/s^2: elastic force over mass is cut to it
 #endif
-uniform int instant;  // whose values act on the step: of its old time; the next are of its new time
+OF_STEP(int, instant);  // whose values act on the step: of its old time; the next are of its new time
 
 vec3 own_force(int i) {
   vec3 F = vec3(0.0);
 #ifdef ATTRACTORS
-  F = fetch(force, force_log2, i).xyz;
+  F = force_of(i);
 #endif
 #ifdef CONSERVATIVE
-  ivec4 at = fetch(index, index_log2, i);
-  for (int t = at.w; t < at.w + at.z; ++t) F = F + fetch(base_terms, base_terms_log2, t, 3).xyz;
+  ivec2 own = base_rows(i);
+  for (int t = own.x; t < own.y; t += ROW_STRIDE) F = F + base_term(t, 3);
 #endif
   return F;
 }
 
 vec3 elastic_force(int i) {
-  ivec4 first = fetch(lists, lists_log2, i);
-  ivec4 end = fetch(lists, lists_log2, i + 1);
   vec3 F = own_force(i);
 #ifdef SHARES
-  for (int row = first.x; row < end.x; ++row) {
-    ivec4 given = fetch(share, share_log2, row);
-    F = F - intBitsToFloat(given.y) * fetch(force, force_log2, given.x).xyz;
+  ivec2 giving = reaction_rows(i);
+  for (int row = giving.x; row < giving.y; row += ROW_STRIDE) {
+    ivec2 given = fetch_ivec2(share, share_place, row);
+    F = F - intBitsToFloat(given.y) * force_of(given.x);
   }
 #endif
 #ifdef BASE_TERMS
-  for (int row = first.x; row < end.x; ++row) {
-    int entry = fetch(entries, entries_log2, row).x;
-    F = F + fetch(base_terms, base_terms_log2, entry >> 2, entry & 3).xyz;
+  ivec2 touching = reaction_rows(i);
+  for (int row = touching.x; row < touching.y; row += ROW_STRIDE) {
+    int entry = fetch_int(entries, entries_place, row);
+    F = F + base_term(entry >> 2, entry & 3);
   }
 #endif
 #ifdef VOLUMES
-  for (int row = first.y; row < end.y; ++row) {
-    int entry = fetch(entries, entries_log2, volume_start + row).x;
-    F = F + fetch(volume_terms, volume_terms_log2, entry >> 2, entry & 3).xyz;
+  ivec2 volumes = volume_rows(i);
+  for (int row = volumes.x; row < volumes.y; row += ROW_STRIDE) {
+    int entry = fetch_int(entries, entries_place, volume_start + row);
+    F = F + volume_term(entry >> 2, entry & 3);
   }
 #endif
 #ifdef CELLS
-  for (int row = first.z; row < end.z; ++row) {
-    int entry = fetch(entries, entries_log2, cell_start + row).x;
-    int cell = entry >> 3;
-    vec3 g = fetch(cell_gradient, cell_gradient_log2, entry).xyz;
-    F = F - (g.x * fetch(cell_terms, cell_terms_log2, cell, 0).xyz + g.y * fetch(cell_terms, cell_terms_log2, cell, 1).xyz +
-             g.z * fetch(cell_terms, cell_terms_log2, cell, 2).xyz);
+  ivec2 cells = cell_rows(i);
+  for (int row = cells.x; row < cells.y; row += ROW_STRIDE) {
+    int entry = fetch_int(entries, entries_place, cell_start + row);
+    F = F - cell_term(entry >> 3, fetch_vec4(cell_gradient, cell_gradient_place, entry).xyz);
   }
 #endif
 #ifdef SPRINGS
   vec3 u_i = displaced(i);
-  for (int row = first.w; row < end.w; ++row) {
-    int other = fetch(entries, entries_log2, spring_start + row).x;
-    vec4 pull = fetch(spring, spring_log2, row);
+  ivec2 springs = spring_rows(i);
+  for (int row = springs.x; row < springs.y; row += ROW_STRIDE) {
+    int other = fetch_int(entries, entries_place, spring_start + row);
+    vec4 pull = fetch_vec4(spring, spring_place, row);
     F = F + spring_force(pull.xyz, displaced(other) - u_i, pull.w);
   }
 #endif
@@ -113,8 +68,8 @@ vec3 elastic_force(int i) {
 vec3 load_sum(int first, int end, int at) {
   vec3 sum = vec3(0.0);
   for (int row = first; row < end; ++row) {
-    vec4 part = fetch(load_parts, load_parts_log2, row);
-    sum = sum + fetch(load_values, load_values_log2, at * load_count + int(part.w)).x * part.xyz;
+    vec4 part = fetch_load_vec4(load_parts, load_parts_place, row);
+    sum = sum + fetch_load_float(load_values, load_values_place, at * load_count + int(part.w)) * part.xyz;
   }
   return sum;
 }
@@ -125,12 +80,12 @@ vec4 net_force(int i) {
   vec3 F = elastic_force(i);
   float was_cut = 0.0;
 #ifdef CUT
-  float largest = fetch(particle, particle_log2, i).z * largest_acceleration;
+  float largest = fetch_vec4(particle, particle_place, i).z * largest_acceleration;
   was_cut = inner_product(F, F) > largest * largest ? 1.0 : 0.0;
   F = cut_force(F, largest);
 #endif
 #ifdef FORCES
-  ivec4 rows = fetch(load_index, load_index_log2, i);
+  ivec4 rows = fetch_load_ivec4(load_index, load_index_place, i);
   F = F + load_sum(rows.x, rows.y, instant);
 #endif
   return vec4(F, was_cut);
@@ -139,7 +94,7 @@ vec4 net_force(int i) {
 // Bit k set: coordinate k is imposed.
 int fixed_axes(int i) {
 #ifdef FIXED
-  return fetch(load_index, load_index_log2, i).w & 7;
+  return fetch_load_ivec4(load_index, load_index_place, i).w & 7;
 #else
   return 0;
 #endif

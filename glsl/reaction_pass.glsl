@@ -2,11 +2,10 @@
 //
 // Per particle, the net force, N: the third of the thesis' four passes. Needs net_force.glsl.
 
-layout(location = 0) out vec4 net;
-invariant net;
+RESULT(0, vec4, net_result);
 
-void main() {
-  int i = own_row();
-  if (i >= row_count) discard;
-  net = net_force(i);
+void reaction_row(int i) {
+  net_result = net_force(i);
 }
+
+PASS_MAIN(reaction_row)

@@ -1,69 +1,33 @@
 // SPDX-License-Identifier: MIT
 //
-// Sixteen rows to one: what step_pass.glsl left in its targets, until one row is left. FIRST reads those targets
-// themselves, later passes their own results. Needs fetch.glsl.
+// Sixteen rows to one, until one row is left. FIRST reads what step_pass.glsl wrote, later passes their own results.
+// Drawn only; needs tables.glsl and report_events.glsl.
 
 uniform int source_count;
-#ifdef FIRST
-uniform sampler2D displacement;
-uniform int displacement_log2;
-uniform sampler2D velocity;
-uniform int velocity_log2;
-uniform sampler2D measured;
-uniform int measured_log2;
-#else
-uniform isampler2D events;
-uniform int events_log2;
-uniform sampler2D maxima;
-uniform int maxima_log2;
+#ifndef FIRST
+TABLE_INTS(events, events_place);
+STORED(maxima, maxima_place);
 #endif
 
-layout(location = 0) out ivec4 least_events;  // first step of a runaway (never - 1: none, but forces were cut), its
-                                              // particle, first and last unquiet step
-invariant least_events;
-layout(location = 1) out vec4 largest;        // speed, acceleration, force, displacement
-invariant largest;
+RESULT(0, ivec4, least_events);
+RESULT(1, vec4, largest);
 
-const int never = 2147483647;
-
-#ifdef FIRST
-ivec4 events_of(int row) {
-  int ran_away = int(fetch(velocity, velocity_log2, row).w);
-  int unquiet = int(fetch(displacement, displacement_log2, row).w);
-  return ivec4(ran_away > 0 ? ran_away : ran_away < 0 ? never - 1 : never, row, unquiet == 0 ? never : unquiet >> 10, unquiet & 1023);
-}
-vec4 maxima_of(int row) {
-  return fetch(measured, measured_log2, row);
-}
-#else
-ivec4 events_of(int row) {
-  return fetch(events, events_log2, row);
-}
-vec4 maxima_of(int row) {
-  return fetch(maxima, maxima_log2, row);
-}
-#endif
-
-// A value that is not a number is not larger.
-float larger(float a, float b) {
-  return a < b ? b : a;
-}
-
-void main() {
-  int row = own_row();
-  if (row >= row_count) discard;
+void report_row(int row) {
   ivec4 found = ivec4(never, never, never, 0);
   vec4 most = vec4(0.0);
   int end = min(16 * row + 16, source_count);
   for (int source = 16 * row; source < end; ++source) {
-    ivec4 other = events_of(source);
-    // Rows come in order, so the first of a step is its smallest particle.
-    if (other.x < found.x) found.xy = other.xy;
-    found.z = min(found.z, other.z);
-    found.w = max(found.w, other.w);
-    vec4 size = maxima_of(source);
-    most = vec4(larger(most.x, size.x), larger(most.y, size.y), larger(most.z, size.z), larger(most.w, size.w));
+#ifdef FIRST
+    vec4 u = fetch_changing(displacement, displacement_place, source);
+    merge_events(found, events_of(u, fetch_changing(velocity, velocity_place, source), source));
+    merge_largest(most, fetch_changing(measured, measured_place, source));
+#else
+    merge_events(found, fetch_ivec4(events, events_place, source));
+    merge_largest(most, fetch_changing(maxima, maxima_place, source));
+#endif
   }
   least_events = found;
   largest = most;
 }
+
+PASS_MAIN(report_row)

@@ -8,23 +8,17 @@
 //                   step its elastic force was cut
 //   displacement.w  first * 1024 + last step of the batch in which it was not quiet; 0: none
 
-uniform sampler2D velocity;
-uniform int velocity_log2;
 #ifdef FOUR_PASSES
-uniform sampler2D net;
-uniform int net_log2;
+STORED(net, net_place);
 #endif
-uniform int batch_step;  // counts from 1
-uniform vec3 gravity;    // m/s^2
+OF_STEP(int, batch_step);  // counts from 1
+OF_STEP(vec3, gravity);    // m/s^2
 uniform float dt, inverse_dt, damping_factor;
 uniform float runaway_speed, speed_at_rest, acceleration_at_rest;
 
-layout(location = 0) out vec4 next_displacement;
-invariant next_displacement;
-layout(location = 1) out vec4 next_velocity;
-invariant next_velocity;
-layout(location = 2) out vec4 measured;  // speed, acceleration, force of the free coordinates; displacement
-invariant measured;
+RESULT(0, vec4, next_displacement);
+RESULT(1, vec4, next_velocity);
+RESULT(2, vec4, next_measured);  // speed, acceleration, force of the free coordinates; displacement
 
 float length_of(vec3 a) {
   return sqrt(inner_product(a, a));
@@ -41,14 +35,12 @@ float unquiet_steps(float before, bool quiet) {
   return float(first * 1024 + batch_step);
 }
 
-void main() {
-  int i = own_row();
-  if (i >= row_count) discard;
-  vec4 old_displacement = fetch(displacement, displacement_log2, i);
-  vec4 old_velocity = fetch(velocity, velocity_log2, i);
-  vec4 inertia = fetch(particle, particle_log2, i);
+void step_row(int i) {
+  vec4 old_displacement = fetch_changing(displacement, displacement_place, i);
+  vec4 old_velocity = fetch_changing(velocity, velocity_place, i);
+  vec4 inertia = fetch_vec4(particle, particle_place, i);
 #ifdef FOUR_PASSES
-  vec4 F = fetch(net, net_log2, i);
+  vec4 F = fetch_changing(net, net_place, i);
 #else
   vec4 F = net_force(i);
 #endif
@@ -58,14 +50,14 @@ void main() {
   integrate_displacement(u, v, a, dt, damping_factor);
   int fixed_at = fixed_axes(i);
 #ifdef FIXED
-  ivec4 rows = fetch(load_index, load_index_log2, i);
+  ivec4 rows = fetch_load_ivec4(load_index, load_index_place, i);
   vec3 target = load_sum(rows.z, rows.z + (rows.w >> 3), instant + 1);
   impose(u, v, fixed_at, target, old_displacement.xyz, inverse_dt);
 #endif
 
   float speed = length_of(free_part(v, fixed_at));
   float pushed = length_of(free_part(a, fixed_at));
-  measured = vec4(speed, pushed, inertia.z * pushed, length_of(u));
+  next_measured = vec4(speed, pushed, inertia.z * pushed, length_of(u));
   bool quiet = speed <= speed_at_rest && pushed <= acceleration_at_rest;
   bool bad = !finite(u) || !finite(v) || !(length_of(v) <= runaway_speed);
   float ran_away = batch_step == 1 ? 0.0 : old_velocity.w;
@@ -73,3 +65,5 @@ void main() {
   next_displacement = vec4(u, unquiet_steps(old_displacement.w, quiet));
   next_velocity = vec4(v, ran_away);
 }
+
+PASS_MAIN(step_row)

@@ -1,19 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// Sixteen rows to one, added. Needs fetch.glsl.
+// Sixteen rows to one, added. Drawn only; needs dialect_fragment.glsl.
 
-uniform sampler2D terms;
-uniform int terms_log2;
+STORED(terms, terms_place);
 uniform int source_count;
 
-layout(location = 0) out vec4 total;
-invariant total;
+RESULT(0, vec4, total);
 
-void main() {
-  int row = own_row();
-  if (row >= row_count) discard;
+void sum_row(int row) {
   vec4 sum = vec4(0.0);
   int end = min(16 * row + 16, source_count);
-  for (int source = 16 * row; source < end; ++source) sum = sum + fetch(terms, terms_log2, source);
+  for (int source = 16 * row; source < end; ++source) sum = sum + fetch_changing(terms, terms_place, source);
   total = sum;
 }
+
+PASS_MAIN(sum_row)

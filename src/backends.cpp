@@ -31,15 +31,17 @@ std::string always_available(const SolverOptions&) {
 }
 
 #ifdef PHYMUL_HAS_GL
+template <GlBackend backend>
 std::unique_ptr<Solver> make_gl_solver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
                                        const SolverOptions& options) try {
-  return load_gl_module().make(std::move(topology), scene, options);
+  return load_gl_module().make(backend, std::move(topology), scene, options);
 } catch (const Error& error) {
-  throw Error(std::string("backend \"gl\": ") + error.what());
+  throw Error("backend \"" + std::string(name_of(backend)) + "\": " + error.what());
 }
 
+template <GlBackend backend>
 std::string why_gl_unavailable(const SolverOptions& options) try {
-  load_gl_module().probe(options.gl);
+  load_gl_module().probe(backend, options.gl);
   return {};
 } catch (const Error& error) {
   return error.what();
@@ -50,7 +52,8 @@ constexpr std::array backends{
     Backend{"reference", cpu::make_reference_solver, always_available},
     Backend{"cpu", cpu::make_vector_solver, always_available},
 #ifdef PHYMUL_HAS_GL
-    Backend{"gl", make_gl_solver, why_gl_unavailable},
+    Backend{"gl", make_gl_solver<GlBackend::fragment>, why_gl_unavailable<GlBackend::fragment>},
+    Backend{"gl-compute", make_gl_solver<GlBackend::compute>, why_gl_unavailable<GlBackend::compute>},
 #endif
 };
 
@@ -118,9 +121,9 @@ Choice choose(const std::shared_ptr<const TopologyTextures>& topology, const Sce
             "cpu: " + std::to_string(topology->particle_count) + " particles are too few for a GPU to gain on"};
   }
   try {
-    const GlDevice device = load_gl_module().probe(options.gl);
+    const GlDevice device = load_gl_module().probe(GlBackend::fragment, options.gl);
     if (device.software) return {std::move(cpu), "cpu: GL has a software renderer only (" + device.name + ")"};
-    std::unique_ptr<Solver> gl = make_gl_solver(topology, scene, options);
+    std::unique_ptr<Solver> gl = make_gl_solver<GlBackend::fragment>(topology, scene, options);
     return faster_of(cpu, gl);
   } catch (const Error& error) {
     return {std::move(cpu), std::string("cpu: GL is not available: ") + error.what()};

@@ -212,6 +212,19 @@ void require_bases_in_range(const TopologyTextures& topology) {
   }
 }
 
+double require_state_in_range(const VecList& rest, const State& state) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const Eigen::Vector3f u = (state.position[i] - rest[i]).cast<float>(), v = state.velocity[i].cast<float>();
+    largest = std::max(largest, u.cast<double>().norm());
+    if (u.allFinite() && v.allFinite()) continue;
+    throw Error("Solver::reset: particle " + std::to_string(i) +
+                " has a displacement or velocity beyond single precision; the backend \"reference\" computes in "
+                "double precision");
+  }
+  return largest;
+}
+
 FloatTables pack_floats(const TopologyTextures& topology, FloatLayout layout) {
   FloatTables tables;
   tables.options = topology.options;

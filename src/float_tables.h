@@ -13,6 +13,7 @@
 //   cell c     first Piola stress, three columns; entry c * 8 + corner, where the force is -P gradient
 #pragma once
 
+#include <phymul/state.h>
 #include <phymul/topology_textures.h>
 
 #include <algorithm>
@@ -100,6 +101,10 @@ inline RestThresholds rest_thresholds(RestThresholds asked, double largest) {
   const double speed = rest_noise * largest * omega_max;
   return {std::max(asked.speed, speed), std::max(asked.acceleration, speed * omega_max)};
 }
+
+/// Throws Error where a displacement or velocity is beyond single precision. Returns the largest displacement as it is
+/// stored, m.
+double require_state_in_range(const VecList& rest, const State& state);
 
 /// Throws Error where a base's squared area would leave what single precision can hold.
 void require_bases_in_range(const TopologyTextures& topology);

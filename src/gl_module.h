@@ -12,6 +12,8 @@
 #include <cstddef>
 #include <string>
 
+#include "gl_backend.h"
+
 namespace phymul {
 
 /// Both sides must have been built from the same headers. Trivial types only: it is read before anything is trusted.
@@ -31,9 +33,9 @@ struct GlDevice {
 
 struct GlModule {
   GlModuleStamp stamp;
-  /// Opens a context as the options say, and closes it; throws Error with what was tried.
-  GlDevice (*probe)(const GlOptions& options) = nullptr;
-  std::unique_ptr<Solver> (*make)(std::shared_ptr<const TopologyTextures>, const Scene&,
+  /// Opens a context as the options say and the backend needs, and closes it; throws Error with what was tried.
+  GlDevice (*probe)(GlBackend backend, const GlOptions& options) = nullptr;
+  std::unique_ptr<Solver> (*make)(GlBackend, std::shared_ptr<const TopologyTextures>, const Scene&,
                                   const SolverOptions&) = nullptr;
   /// Of the solver, or where it is null of what Display::show is given.
   std::unique_ptr<Display> (*make_display)(const Model& model, const Solver* solver,

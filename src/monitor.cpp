@@ -38,6 +38,9 @@ double percentile(std::vector<double>& values, double share) {
   return *nth;
 }
 
+/// Of its rest measure: a cell below counts as folded.
+constexpr double folded_share = 1e-3;
+
 /// Infinite where a coordinate is not a number, so that such a particle counts as the worst.
 double distance(const Vec3& a, const Vec3& b) {
   const double length = (a - b).norm();
@@ -76,6 +79,17 @@ double volume(const Model& model, std::span<const Vec3> position) {
   double sum = 0.0;
   for (const Cell& cell : model.cells) sum += signed_measure(model.dimension, cell, position);
   return sum;
+}
+
+Index first_folded_cell(const Model& model, std::span<const Vec3> position) {
+  require_count(model, position.size(), "positions");
+  for (std::size_t c = 0; c < model.cells.size(); ++c) {
+    const double at_rest = signed_measure(model.dimension, model.cells[c], model.rest);
+    const double now = signed_measure(model.dimension, model.cells[c], position);
+    // A cell that the model has wound the other way is negative from the start.
+    if (at_rest != 0.0 && now / at_rest < folded_share) return static_cast<Index>(c);
+  }
+  return -1;
 }
 
 DisplacementNorms displacement_norms(const Model& model, const State& state) {

@@ -41,9 +41,8 @@ bool has_driven_axis(const Load& load) {
   return std::any_of(load.axes.begin(), load.axes.end(), [](Axis axis) { return axis == Axis::driven; });
 }
 
-bool always_zero(const Load& load) {
-  return std::all_of(load.events.begin(), load.events.end(),
-                     [](const ValueEvent& event) { return event.value == 0.0; });
+bool always_zero(std::span<const ValueEvent> events) {
+  return std::all_of(events.begin(), events.end(), [](const ValueEvent& event) { return event.value == 0.0; });
 }
 
 bool has_direction(const Load& load) {
@@ -55,15 +54,23 @@ Vec3 normalised(const Vec3& v) {
   return length > 0.0 ? Vec3(v / length) : Vec3(Vec3::Zero());
 }
 
-void require_events(const Load& load) {
-  if (load.events.empty() && has_driven_axis(load)) {
+/// Of the load and these events.
+void require_events(const Load& load, std::span<const ValueEvent> events) {
+  if (events.empty() && has_driven_axis(load)) {
     throw Error(load_label(load) + "expected at least one value with its date, got none");
   }
-  for (const ValueEvent& event : load.events) {
+  for (const ValueEvent& event : events) {
     if (std::isfinite(event.date) && std::isfinite(event.value)) continue;
     throw Error(load_label(load) + "expected finite dates and values, got value " + to_decimal(event.value) +
                 " at date " + to_decimal(event.date) + " s");
   }
+  if (!has_direction(load) && load.type != LoadType::pressure && has_driven_axis(load) && !always_zero(events)) {
+    throw Error(load_label(load) + "expected a direction that is not zero; set Load::direction or Load::toward");
+  }
+}
+
+bool is_earlier(const ValueEvent& a, const ValueEvent& b) {
+  return a.date < b.date;
 }
 
 /// In the plane z = 0 nothing may push along z, and turning is about z alone.
@@ -102,13 +109,10 @@ void Scene::require(const Load& load) const {
     throw Error(load_label(load) + "expected a particle to point toward from 0 to " + std::to_string(count - 1) +
                 " (or -1 for none), got " + std::to_string(load.toward));
   }
-  require_events(load);
   if (load.toward < 0 && !driven_part(load, load.direction).allFinite()) {
     throw Error(load_label(load) + "expected a finite direction");
   }
-  if (!has_direction(load) && load.type != LoadType::pressure && has_driven_axis(load) && !always_zero(load)) {
-    throw Error(load_label(load) + "expected a direction that is not zero; set Load::direction or Load::toward");
-  }
+  require_events(load, load.events);
   if (load.type == LoadType::rotation && !has_direction(load)) {
     throw Error(load_label(load) + "expected an axis; set Load::direction");
   }
@@ -147,8 +151,7 @@ Scene::Action Scene::prepared(const Load& load) const {
 Scene::Action Scene::accepted(Load& load) const {
   require(load);
   Action action = prepared(load);
-  std::stable_sort(load.events.begin(), load.events.end(),
-                   [](const ValueEvent& a, const ValueEvent& b) { return a.date < b.date; });
+  std::stable_sort(load.events.begin(), load.events.end(), is_earlier);
   return action;
 }
 
@@ -253,11 +256,28 @@ Scene& Scene::remove(std::size_t row) {
   return *this;
 }
 
+Scene& Scene::set_events(std::size_t row, std::span<const ValueEvent> events) {
+  if (row >= loads_.size()) {
+    throw Error("set_events: expected a row of one of " + std::to_string(loads_.size()) + " loads, got " +
+                std::to_string(row));
+  }
+  Load& load = loads_[row];
+  require_events(load, events);
+  load.events.assign(events.begin(), events.end());
+  if (!std::is_sorted(load.events.begin(), load.events.end(), is_earlier)) {
+    std::stable_sort(load.events.begin(), load.events.end(), is_earlier);
+  }
+  ++values_version_;
+  return *this;
+}
+
 Scene& Scene::clear() {
   loads_.clear();
   actions_.clear();
   tools_.clear();
   gravity_.setZero();
+  volumes_.clear();
+  contacts_.reset();
   ++version_;
   return *this;
 }

@@ -8,11 +8,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
 
 #include "decimal.h"
+#include "tool_state.h"
+#include "profile.h"
 
 namespace phymul {
 namespace {
@@ -42,6 +43,10 @@ void require_options(const SolverOptions& options) {
   }
   if (options.rest_steps < 1) {
     throw Error("SolverOptions::rest_steps must be 1 or more; got " + std::to_string(options.rest_steps));
+  }
+  if (!(options.progress_seconds >= 0.0) || !std::isfinite(options.progress_seconds)) {
+    throw Error("SolverOptions::progress_seconds must be finite and 0 or more; got " +
+                to_decimal(options.progress_seconds));
   }
   if (options.threads < 0) {
     throw Error("SolverOptions::threads must be 0 (chosen by the solver) or more; got " +
@@ -88,55 +93,15 @@ const char* likely_cause(const TopologyTextures& topology, const Spectrum& spect
 
 constexpr const char* no_tools =
     "the scene has tools, which this backend does not take yet; use \"cpu\" or \"reference\"";
+constexpr const char* no_volumes =
+    "the scene keeps volumes, which this backend does not do yet; use \"cpu\" or \"reference\"";
+constexpr const char* no_contacts =
+    "the scene has contacts, which this backend does not take yet; use \"cpu\" or \"reference\"";
 
 }  // namespace
 
 double Damping::factor_at(double dt) const {
   return factor * std::exp(-rate * dt);
-}
-
-std::string StepReport::message() const {
-  char text[512];
-  int length = 0;
-  switch (status) {
-    case StepStatus::ok:
-      length = std::snprintf(text, sizeof text, "ok: %d steps to t = %.6g s, residual %.3g N, speed %.3g m/s%s%s%s",
-                             steps, time, residual, max_speed, at_rest ? ", at rest" : "",
-                             beyond_limit ? "; the step is beyond the stable step" : "",
-                             cut ? "; elastic forces were cut, the body was far out of shape" : "");
-      if (collapsed >= 0) {
-        std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
-                      "; a base of particle %d has collapsed and has no direction: move some of its particles apart",
-                      static_cast<int>(collapsed));
-      }
-      break;
-    case StepStatus::invalid_step:
-      std::snprintf(text, sizeof text,
-                    "invalid_step: expected n >= 0 and a finite dt > 0 s, got dt = %g s (%s); nothing was done", dt,
-                    cause);
-      break;
-    case StepStatus::unstable_step:
-      std::snprintf(
-          text, sizeof text,
-          "unstable_step: dt = %.6g s is above the stable step %.6g s of this body at rest; nothing was done. "
-          "Use at most half of it, or UnstableStep::allow",
-          dt, stable_step);
-      break;
-    case StepStatus::not_finite:
-      std::snprintf(text, sizeof text,
-                    "not_finite: particle %d ran away (a million times the wave speed, or not a number) after t = %.6g "
-                    "s (step %d of this call, "
-                    "dt = %.6g s, stable step at rest %.6g s); the state at that time is kept. Likely cause: %s",
-                    static_cast<int>(particle), time, steps + 1, dt, stable_step, cause);
-      break;
-    case StepStatus::not_supported:
-      std::snprintf(text, sizeof text, "not_supported: %s; nothing was done", cause);
-      break;
-    case StepStatus::device_lost:
-      std::snprintf(text, sizeof text, "device_lost: the device went away after t = %.6g s", time);
-      break;
-  }
-  return text;
 }
 
 Solver::Solver(std::string name, std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
@@ -156,16 +121,24 @@ Solver::Solver(std::string name, std::shared_ptr<const TopologyTextures> topolog
   if (!(spacing_ > 0.0)) spacing_ = body_size(model()) / std::cbrt(static_cast<double>(topology_->particle_count));
   scene_->prepare(frame_);
   scene_version_ = scene_->version();
+  values_version_ = scene_->values_version();
+  if (options_.profile) profile_ = std::make_unique<Profile>();
 }
+
+Solver::~Solver() = default;
 
 void Solver::follow_scene() {
-  if (scene_version_ == scene_->version()) return;
-  scene_->prepare(frame_);
-  do_scene_changed();
+  if (scene_version_ != scene_->version()) {
+    scene_->prepare(frame_);
+    do_scene_changed();
+  } else if (values_version_ != scene_->values_version()) {
+    do_values_changed();
+  }
   scene_version_ = scene_->version();
+  values_version_ = scene_->values_version();
 }
 
-void Solver::reset(const State& state) {
+void Solver::require_fitting(const State& state) const {
   const auto n = static_cast<std::size_t>(topology_->particle_count);
   if (state.position.size() != n || state.velocity.size() != n) {
     throw Error("Solver::reset: expected " + std::to_string(n) + " positions and velocities, got " +
@@ -178,7 +151,16 @@ void Solver::reset(const State& state) {
   if (topology_->dimension == 2 && !is_in_plane(state)) {
     throw Error("Solver::reset: expected z = 0 in all positions and velocities of a two-dimensional model");
   }
-  if (!scene_->tools().empty() && !takes_tools()) throw Error("backend \"" + name_ + "\": " + no_tools);
+  require_tool_states(state, topology_->particle_count);
+}
+
+void Solver::require_supported() const {
+  if (const char* const cause = do_cannot()) throw Error("backend \"" + name_ + "\": " + cause);
+}
+
+void Solver::reset(const State& state) {
+  require_fitting(state);
+  require_supported();
   follow_scene();
   copies_.clear();
   do_reset(state);
@@ -186,6 +168,51 @@ void Solver::reset(const State& state) {
 
 void Solver::reset() {
   reset(rest_state(model()));
+}
+
+Snapshot Solver::snapshot() const {
+  Snapshot snapshot;
+  do_snapshot(snapshot);
+  return snapshot;
+}
+
+void Solver::restore(const Snapshot& snapshot) {
+  require_fitting(snapshot.state);
+  require_supported();
+  if (!snapshot.displacement.empty() && snapshot.displacement.size() != snapshot.state.position.size()) {
+    throw Error("Solver::restore: expected as many displacements as positions (" +
+                std::to_string(snapshot.state.position.size()) + "), or none; got " +
+                std::to_string(snapshot.displacement.size()));
+  }
+  if (!(snapshot.last_dt >= 0.0) || !std::isfinite(snapshot.last_dt) || snapshot.steps_at_rest < 0) {
+    throw Error("Solver::restore: expected a finite last step of 0 s or more and no negative count of steps at rest");
+  }
+  follow_scene();
+  copies_.clear();
+  do_restore(snapshot);
+}
+
+void Solver::start(const State& state, double dt) {
+  if (!(dt > 0.0) || !std::isfinite(dt))
+    throw Error("Solver::start: expected a finite dt above 0 s; got " + to_decimal(dt));
+  reset(state);  // which refuses what does not fit before anything is computed from it
+  LoadFrame at_start;
+  scene_->prepare(at_start);
+  scene_->evaluate(state.time, at_start);
+  VecList force(state.position.size());
+  elastic_forces(*topology_, state.position, force);
+  // The scheme steps from v- to v+ = d v- + a dt; the velocity in the middle is to be the given one.
+  const double d = options_.damping.factor_at(dt);
+  State earlier = state;
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    if (!at_start.force.empty()) force[i] += at_start.force[i];
+    const Vec3 acceleration = at_start.gravity + force[i] / topology_->mass[i];
+    for (int axis = 0; axis < topology_->dimension; ++axis) {
+      const bool imposed = !at_start.fixed.empty() && (at_start.fixed[i] >> axis & 1);
+      if (!imposed) earlier.velocity[i][axis] = (2.0 * state.velocity[i][axis] - dt * acceleration[axis]) / (1.0 + d);
+    }
+  }
+  reset(earlier);
 }
 
 StepReport Solver::step(int n, double dt) {
@@ -210,9 +237,9 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
     report.status = StepStatus::unstable_step;
     return report;
   }
-  if (!scene_->tools().empty() && !takes_tools()) {
+  if (do_cannot() != nullptr) {
     report.status = StepStatus::not_supported;
-    report.cause = no_tools;
+    report.cause = do_cannot();
     return report;
   }
   follow_scene();
@@ -231,16 +258,24 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   plan.stop_at_rest = stop_at_rest;
   plan.rest_steps = options_.rest_steps;
 
-  const Motion motion = do_step(plan);
+  const Motion motion = run(plan, report);
   report.steps = motion.steps;
   report.time = do_time();
   report.residual = motion.max_force;
   report.max_speed = motion.max_speed;
   report.cut = motion.cut;
   report.at_rest = motion.steps_at_rest >= options_.rest_steps;
-  if (stop_at_rest && report.at_rest && !motion.lost) report.collapsed = first_collapsed(*topology_, read().position);
+  if (stop_at_rest && report.at_rest && !motion.lost) {
+    const State state = read();
+    report.collapsed = first_collapsed(*topology_, state.position);
+    report.folded = first_folded_cell(model(), state.position);
+  }
   if (motion.lost) {
     report.status = StepStatus::device_lost;
+  } else if (motion.lost_volume >= 0) {
+    report.status = StepStatus::volume_lost;
+    report.particle = scene_->volumes()[static_cast<std::size_t>(motion.lost_volume)].triangles.front()[0];
+    report.cause = "no small move of its free particles brings it back: all of them are held, or the surface is flat";
   } else if (motion.bad_particle >= 0) {
     report.status = StepStatus::not_finite;
     report.particle = motion.bad_particle;
@@ -317,6 +352,27 @@ bool Solver::do_collect(State& state) {
   state = std::move(copies_.front());
   copies_.erase(copies_.begin());
   return true;
+}
+
+void Solver::do_snapshot(Snapshot& snapshot) const {
+  do_read(snapshot.state);
+}
+
+void Solver::refuse_parts(const Snapshot& snapshot) const {
+  if (snapshot.parts.empty()) return;
+  throw Error("Solver::restore: the snapshot holds \"" + snapshot.parts.front().name + "\", of which the backend \"" +
+              name_ + "\" knows nothing; restore it in the backend that made it");
+}
+
+void Solver::do_restore(const Snapshot& snapshot) {
+  refuse_parts(snapshot);
+  do_reset(snapshot.state);
+}
+
+const char* Solver::do_cannot() const {
+  if (!scene_->tools().empty() && !takes_tools()) return no_tools;
+  if (!scene_->volumes().empty()) return no_volumes;
+  return scene_->contacts() ? no_contacts : nullptr;
 }
 
 Momentum Solver::do_momentum(const Vec3& about) const {

@@ -8,6 +8,7 @@
 #include <phymul/shapes.h>
 #include <phymul/solver.h>
 
+#include <array>
 #include <atomic>
 #include <cstdlib>
 #include <memory>
@@ -155,6 +156,44 @@ TEST(AllocationCount, SteppingAllocatesNothingEvenWhenLoadsAreReplaced) {
     solver->read(state);
     EXPECT_EQ(allocation_count(), before);
     ASSERT_TRUE(report.ok()) << report.message();
+  }
+}
+
+/// A tool moved along all three axes each millisecond.
+TEST(AllocationCount, DrivingAGroupAllocatesNothing) {
+  Model model = make_block({0.02, 0.02, 0.02}, 12, 12, 12);
+  set_material(model, {.young = 1e4, .poisson = 0.3, .density = 1000});
+  for (const char* backend : {"reference", "cpu"}) {
+    SCOPED_TRACE(backend);
+    Scene scene(model);
+    scene.fix("x0");
+    for (int axis = 0; axis < 3; ++axis) {
+      Load move;
+      move.type = LoadType::translation;
+      move.particles = model.group("x1");
+      move.axes.fill(Axis::free);
+      move.axes[axis] = Axis::driven;
+      move.direction = Vec3::Unit(axis);
+      move.events = {{0.0, 0.0}, {1.0, 0.0}};
+      scene.add(move);
+    }
+    SolverOptions options;
+    options.threads = 2;
+    const auto solver = make_solver(backend, model, scene, {}, options);
+    const double dt = 0.5 * solver->stable_step();
+    ASSERT_TRUE(solver->step(1, dt).ok());
+    State state = solver->read();
+    const std::size_t before = allocation_count();
+    for (int k = 0; k < 10; ++k) {
+      for (std::size_t row = 1; row <= 3; ++row) {
+        const std::array<ValueEvent, 2> events{{{state.time, 1e-6 * k}, {state.time + 4 * dt, 1e-6 * (k + 1)}}};
+        scene.set_events(row, events);
+      }
+      const StepReport report = solver->step(4, dt);
+      solver->read(state);
+      ASSERT_TRUE(report.ok()) << report.message();
+    }
+    EXPECT_EQ(allocation_count(), before);
   }
 }
 

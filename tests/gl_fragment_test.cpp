@@ -18,13 +18,13 @@ Model soft_block() {
   return model;
 }
 
-std::unique_ptr<gl::FragmentSolver> solver_of(const Model& model, const Scene& scene, const GlOptions& gl = {},
-                                              const TopologyOptions& topology = {}) {
+std::unique_ptr<gl::DeviceSolver> solver_of(const Model& model, const Scene& scene, const GlOptions& gl = {},
+                                            const TopologyOptions& topology = {}) {
   SolverOptions options;
   options.gl = gl;
   options.damping.factor = 0.99;
   options.on_unstable = UnstableStep::allow;
-  return std::make_unique<gl::FragmentSolver>(tables_of(model, topology), scene, options);
+  return std::make_unique<gl::DeviceSolver>(GlBackend::fragment, tables_of(model, topology), scene, options);
 }
 
 TEST_F(GlFragment, FourPassesHaveTheBitsOfTwo) {
@@ -251,10 +251,10 @@ TEST_F(GlFragment, EnergyAndMomentumAreTheReferences) {
       const auto tables = tables_of(model, variant.options);
       SolverOptions options;
       options.on_unstable = UnstableStep::allow;
-      const gl::FragmentSolver solver(tables, scene, options);
+      const gl::DeviceSolver solver(GlBackend::fragment, tables, scene, options);
       const auto reference = make_solver("reference", tables, scene, options);
       const State start = random_state(model, 0.1, 0.3, 4);
-      const_cast<gl::FragmentSolver&>(solver).reset(start);
+      const_cast<gl::DeviceSolver&>(solver).reset(start);
       reference->reset(start);
       const Energy a = solver.energy(), b = reference->energy();
       EXPECT_NEAR(a.elastic, b.elastic, 1e-5 * b.elastic);

@@ -3,10 +3,13 @@
 // Beside a host that has a context of its own through EGL. What the host had bound and set is there afterwards.
 #include <gtest/gtest.h>
 #include <phymul/error.h>
+#include <phymul/phymul.h>
 
+#include <cmath>
 #include <thread>
 
 #include "egl_host.h"
+#include "gl/device_solver.h"
 #include "gl_fixture.h"
 #include "host_state.h"
 #include "message_of.h"
@@ -100,6 +103,40 @@ TEST_P(GlHosts, HostsContextIsLeftAsItWas) {
   expect_host_untouched({.context = GlContext::current}, host_info());
 }
 
+/// What only computing touches, by a solver's whole life.
+TEST_P(GlHosts, HostsContextIsLeftAsItWasByComputing) {
+  if (!host_info().computes()) GTEST_SKIP() << "NOT TESTED: no compute shaders in " << host_info().device();
+  const Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -9.81});
+  SolverOptions options;
+  options.gl.context = GlContext::current;
+  const test::HostileHost hostile(host_info());
+  const HostState before = test::host_state(host_info());
+  const auto expect_as_before = [&](const char* after) {
+    EXPECT_EQ(test::differences(before, test::host_state(host_info())), "") << after;
+  };
+  auto tables = std::make_shared<const TopologyTextures>(build_topology(model));
+  auto solver = std::make_unique<DeviceSolver>(GlBackend::compute, tables, scene, options);
+  expect_as_before("making a solver");
+  const StepReport report = solver->step(20, 0.3 * solver->stable_step());
+  EXPECT_TRUE(report.ok()) << report.message();
+  EXPECT_GT(report.max_speed, 0.0);
+  expect_as_before("steps");
+  EXPECT_GT(solver->energy().total(), -1.0);
+  solver->momentum();
+  expect_as_before("sums");
+  EXPECT_NE(solver->position_buffer().texture, 0u);
+  solver->attractor_buffer();
+  expect_as_before("buffers");
+  State state = solver->read();
+  solver->request_read();
+  solver->collect(state);
+  expect_as_before("copies");
+  solver.reset();
+  expect_as_before("the solver's end");
+}
+
 /// Without the guard the hostile state would spoil the work: so the tests above can fail.
 TEST_P(GlHosts, HostileStateIsHostile) {
   const test::HostileHost hostile(host_info());
@@ -184,7 +221,8 @@ TEST_F(GlNoHost, SharedAndCurrentSayThatThereIsNone) {
   const std::string current = message_of([] { Context::open({.context = GlContext::current}); });
   EXPECT_TRUE(current.starts_with("GlContext::current: no context of EGL or GLX is current")) << current;
   int no_context = 0;
-  const std::string half = message_of([&] { Context::open({.context = GlContext::shared, .host_context = &no_context}); });
+  const std::string half =
+      message_of([&] { Context::open({.context = GlContext::shared, .host_context = &no_context}); });
   EXPECT_NE(half.find("expected both, or neither"), std::string::npos) << half;
 }
 
@@ -197,6 +235,48 @@ TEST_F(GlNoHost, ContextThatIsCurrentElsewhereIsRefusedWithAWayOut) {
       EXPECT_NE(message.find("current on another thread"), std::string::npos) << message;
     }).join();
   });
+}
+
+/// Timer queries of one kind do not nest: while the host times itself, the solver has no times of the device.
+TEST_P(GlHosts, AHostThatTimesItselfIsLeftAlone) {
+  if (host_info().es && !host_info().has("GL_EXT_disjoint_timer_query")) {
+    GTEST_SKIP() << "NOT TESTED: " << host_info().device() << " has no timers";
+  }
+  GLint bits = 0;
+  glGetQueryiv(GL_TIME_ELAPSED, GL_QUERY_COUNTER_BITS, &bits);
+  ASSERT_GT(bits, 0);
+  const Model model = make_tetrahedron(0.01);
+  const Scene scene(model);
+  SolverOptions options;
+  options.profile = true;
+  options.gl.context = GlContext::current;
+  const auto solver = make_solver("gl", model, scene, {}, options);
+  const double dt = 0.1 * solver->stable_step();
+  const auto device_seconds = [&] {
+    double sum = 0.0;
+    for (const PassProfile& pass : solver->profile()) sum += pass.device_seconds;
+    return sum;
+  };
+  ASSERT_EQ(solver->step(600, dt).steps, 600);  // more than may be on their way unseen
+  EXPECT_GT(device_seconds(), 0.0);
+  solver->clear_profile();
+
+  GLuint query = 0;
+  glGenQueries(1, &query);
+  glBeginQuery(GL_TIME_ELAPSED, query);
+  ASSERT_EQ(solver->step(3, dt).steps, 3);
+  EXPECT_EQ(solver->profile().front().runs, 3);
+  EXPECT_TRUE(std::isnan(device_seconds()));
+  GLint current = 0;
+  glGetQueryiv(GL_TIME_ELAPSED, GL_CURRENT_QUERY, &current);
+  EXPECT_EQ(current, static_cast<GLint>(query));
+  glEndQuery(GL_TIME_ELAPSED);
+  EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
+  glDeleteQueries(1, &query);
+
+  solver->clear_profile();
+  solver->step(3, dt);
+  EXPECT_GT(device_seconds(), 0.0);
 }
 
 }  // namespace

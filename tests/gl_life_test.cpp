@@ -18,8 +18,8 @@ class GlLife : public GlTest {
     scene_.emplace(model_);
     scene_->gravity({0, 0, -9.81});
   }
-  std::unique_ptr<gl::FragmentSolver> make(const SolverOptions& options = {}) const {
-    return std::make_unique<gl::FragmentSolver>(tables_of(model_, {}), *scene_, options);
+  std::unique_ptr<gl::DeviceSolver> make(const SolverOptions& options = {}) const {
+    return std::make_unique<gl::DeviceSolver>(GlBackend::fragment, tables_of(model_, {}), *scene_, options);
   }
   /// Waits as long as a device may take: collect() itself never does.
   static bool collected(Solver& solver, State& state) {
@@ -31,15 +31,7 @@ class GlLife : public GlTest {
   }
   /// xyz of an RGBA32F texture's first rows.
   VecList texture_rows(gl::Context& context, const ParticleBuffer& buffer) const {
-    std::vector<Float4> texels(static_cast<std::size_t>(buffer.width) * buffer.height);
-    context.run([&] {
-      GLuint framebuffer = 0;
-      glGenFramebuffers(1, &framebuffer);
-      glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-      glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, buffer.texture, 0);
-      glReadPixels(0, 0, buffer.width, buffer.height, GL_RGBA, GL_FLOAT, texels.data());
-      glDeleteFramebuffers(1, &framebuffer);
-    });
+    const std::vector<Float4> texels = texels_of(context, buffer);
     VecList rows;
     for (std::size_t i = 0; i < model_.rest.size(); ++i) rows.emplace_back(texels[i][0], texels[i][1], texels[i][2]);
     return rows;
@@ -80,7 +72,7 @@ TEST_F(GlLife, TexturesHoldDisplacementsAndAttractors) {
     const Scene scene(model);
     TopologyOptions options;
     options.reaction = reaction;
-    gl::FragmentSolver solver(tables_of(model, options), scene, {});
+    gl::DeviceSolver solver(GlBackend::fragment, tables_of(model, options), scene, {});
     const State start = random_state(model, 0.1, 0.0, 8);
     solver.reset(start);
     const VecList u = texture_rows(*solver.context(), solver.position_buffer());
@@ -96,7 +88,7 @@ TEST_F(GlLife, TexturesHoldDisplacementsAndAttractors) {
   const Scene scene(plain);
   TopologyOptions springs;
   springs.law = Law::springs;
-  EXPECT_EQ(gl::FragmentSolver(tables_of(plain, springs), scene, {}).attractor_buffer().texture, 0u);
+  EXPECT_EQ(gl::DeviceSolver(GlBackend::fragment, tables_of(plain, springs), scene, {}).attractor_buffer().texture, 0u);
 }
 
 TEST_F(GlLife, OptionsAndEnvironmentAreChecked) {

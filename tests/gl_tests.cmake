@@ -6,6 +6,7 @@ add_dependencies(phymul_test phymul_gl)  # loaded, not linked
 
 # The inside of src/gl, apart from phymul_test, which runs on machines without GL.
 add_executable(phymul_gl_test
+  gl_compute_test.cpp
   gl_context_test.cpp
   gl_display_test.cpp
   gl_equivalence_test.cpp
@@ -17,6 +18,7 @@ add_executable(phymul_gl_test
 target_include_directories(phymul_gl_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(phymul_gl_test PRIVATE PHYMUL_GLSL_SOURCES="${PROJECT_SOURCE_DIR}/glsl")
 target_link_libraries(phymul_gl_test PRIVATE phymul_gl_objects GTest::gtest_main phymul_warnings phymul_sanitizers)
+add_dependencies(phymul_gl_test phymul_gl)  # displays come from the module
 gtest_discover_tests(phymul_gl_test DISCOVERY_TIMEOUT 60)
 
 # The door to the module, which must not open where it should not: each in a process of its own, because a module that
@@ -50,20 +52,24 @@ faulty_module(other_flags "and was built with other headers or flags")
 # The same on other GLs: what the tests of both programs are called that look at GL decides, so a new one is among them.
 # Arguments behind the name: tests to leave out, and the environment.
 function(gl_tests_under name without)
-  set(backend_tests "*/gl:*Gl*")  # the backend's instances of what every backend runs, and its own tests
+  set(backend_tests "*/gl:*/gl_compute:*Gl*")  # the backend's instances of what every backend runs, and its own tests
   add_test(NAME gl.${name}.phymul_test COMMAND phymul_test "--gtest_filter=${backend_tests}-${without}" --gtest_brief=1)
   add_test(NAME gl.${name}.phymul_gl_test COMMAND phymul_gl_test "--gtest_filter=*-${without}" --gtest_brief=1)
   set_tests_properties(gl.${name}.phymul_test gl.${name}.phymul_gl_test PROPERTIES ENVIRONMENT "${ARGN}" TIMEOUT 1500)
 endfunction()
 
+# Compute shaders are asked for where a driver has them: not in OpenGL ES 3.0 nor on softpipe. Where the desktop GL is
+# too old for them they run under OpenGL ES.
+set(computing "*/gl_compute:GlComputeDevice.*:*HostsContextIsLeftAsItWasByComputing*")
+
 # The oldest desktop GL, the other dialect, and its oldest version. LP_NUM_THREADS=0: no threads of the renderer's own,
 # which small bodies only wait for.
 gl_tests_under(33 "" MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330 LP_NUM_THREADS=0)
 gl_tests_under(es "" PHYMUL_GL_DIALECT=es LP_NUM_THREADS=0)
-gl_tests_under(es30 "" PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.0 LP_NUM_THREADS=0)
+gl_tests_under(es30 "${computing}" PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.0 LP_NUM_THREADS=0)
 # Another renderer, which interprets shaders: 200 steps of every model variant would take it minutes. Its arithmetic has
 # not the bits of the float mirror, but is within the rounding bound.
-gl_tests_under(softpipe "*RestStaysAtRest*" GALLIUM_DRIVER=softpipe)
+gl_tests_under(softpipe "*RestStaysAtRest*:${computing}" GALLIUM_DRIVER=softpipe)
 
 # A host that uses GLX, on an X server of its own.
 find_package(X11 QUIET)

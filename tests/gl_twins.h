@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The backend "gl" beside its float mirror, over the same tables and scene. On llvmpipe the two give the same bits; on
+// A GL backend beside its float mirror, over the same tables and scene. On llvmpipe the two give the same bits; on
 // another renderer they need not.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 #include "bodies.h"
 #include "cpu/mirror.h"
-#include "gl/fragment_solver.h"
+#include "gl/device_solver.h"
 #include "gl_fixture.h"
 
 namespace phymul::test {
@@ -75,13 +75,28 @@ inline std::string difference(const State& a, const State& b) {
   return text.data();
 }
 
+/// Texels of a solver's buffer, row by row.
+inline std::vector<Float4> texels_of(gl::Context& context, const ParticleBuffer& buffer) {
+  std::vector<Float4> texels(static_cast<std::size_t>(buffer.width) * static_cast<std::size_t>(buffer.height));
+  context.run([&] {
+    GLuint framebuffer = 0;
+    glGenFramebuffers(1, &framebuffer);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, buffer.texture, 0);
+    glReadPixels(0, 0, buffer.width, buffer.height, GL_RGBA, GL_FLOAT, texels.data());
+    glDeleteFramebuffers(1, &framebuffer);
+  });
+  return texels;
+}
+
 class GlTwins {
  public:
-  GlTwins(std::shared_ptr<const TopologyTextures> tables, const Scene& scene, SolverOptions options = {})
+  GlTwins(std::shared_ptr<const TopologyTextures> tables, const Scene& scene, SolverOptions options = {},
+          GlBackend backend = GlBackend::fragment)
       : options_(std::move(options)) {
     options_.on_unstable = UnstableStep::allow;
     if (!options_.spectrum) options_.spectrum = estimate_spectrum(*tables, tables->rest);
-    gl = std::make_unique<gl::FragmentSolver>(tables, scene, options_);
+    gl = std::make_unique<gl::DeviceSolver>(backend, tables, scene, options_);
     mirror = cpu::make_mirror_solver(tables, scene, options_,
                                      gl->enumerated() ? FloatLayout::enumerated : FloatLayout::table);
   }
@@ -99,7 +114,7 @@ class GlTwins {
     EXPECT_EQ(difference(gl->read(), mirror->read()), "") << where;
   }
 
-  std::unique_ptr<gl::FragmentSolver> gl;
+  std::unique_ptr<gl::DeviceSolver> gl;
   std::unique_ptr<Solver> mirror;
 
  private:

@@ -92,6 +92,14 @@ std::vector<Named> switches_of(const gl::ContextInfo& info) {
   return all;
 }
 
+bool has_clip_control(const gl::ContextInfo& info) {
+  return info.es ? info.has("GL_EXT_clip_control") : info.at_least(4, 5) || info.has("GL_ARB_clip_control");
+}
+
+void set_clip_control(const gl::ContextInfo& info, GLenum origin, GLenum depth) {
+  if (has_clip_control(info)) (info.es ? glClipControlEXT : glClipControl)(origin, depth);
+}
+
 bool has_indexed(const gl::ContextInfo& info) {
   return !info.es || info.at_least(3, 2);
 }
@@ -109,6 +117,22 @@ void note_units(HostState& state) {
     state["unit " + std::to_string(i)] = {double(flat), double(layered), double(cube), double(sampler)};
   }
   glActiveTexture(static_cast<GLenum>(active));
+}
+
+constexpr GLuint storage_bindings = 6;
+
+void note_storage_buffers(HostState& state) {
+  GLint bound = 0;
+  glGetIntegerv(GL_SHADER_STORAGE_BUFFER_BINDING, &bound);
+  state["storage buffer"] = {double(bound)};
+  for (GLuint i = 0; i < storage_bindings; ++i) {
+    GLint name = 0;
+    GLint64 start = 0, size = 0;
+    glGetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, i, &name);
+    glGetInteger64i_v(GL_SHADER_STORAGE_BUFFER_START, i, &start);
+    glGetInteger64i_v(GL_SHADER_STORAGE_BUFFER_SIZE, i, &size);
+    state["storage buffer " + std::to_string(i)] = {double(name), double(start), double(size)};
+  }
 }
 
 void note_indexed(const gl::ContextInfo& info, HostState& state) {
@@ -144,9 +168,17 @@ HostState host_state(const gl::ContextInfo& info) {
     glGetFloatv(number.value, values.data());
     state[number.name].assign(values.begin(), values.begin() + number.count);
   }
+  if (has_clip_control(info)) {
+    GLint origin = 0, depth = 0;
+    glGetIntegerv(GL_CLIP_ORIGIN, &origin);
+    glGetIntegerv(GL_CLIP_DEPTH_MODE, &depth);
+    state["CLIP_ORIGIN"] = {double(origin)};
+    state["CLIP_DEPTH_MODE"] = {double(depth)};
+  }
   for (const Named& one : switches_of(info)) state[one.name] = {double(glIsEnabled(one.value))};
   note_units(state);
   note_indexed(info, state);
+  if (info.computes()) note_storage_buffers(state);
   state["error"] = {double(glGetError())};
   return state;
 }
@@ -217,6 +249,12 @@ void HostileHost::bind_objects() {
   glBindBufferRange(GL_UNIFORM_BUFFER, 0, buffers_[6], 256, 512);
   glBindBufferBase(GL_UNIFORM_BUFFER, 2, buffers_[6]);
   glBindBuffer(GL_UNIFORM_BUFFER, buffers_[7]);
+  if (!info_.computes()) return;
+  glBindBuffer(GL_SHADER_STORAGE_BUFFER, buffers_[8]);
+  glBufferData(GL_SHADER_STORAGE_BUFFER, 4096, nullptr, GL_STATIC_DRAW);
+  for (const GLuint binding : {0u, 1u, 2u, 4u}) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffers_[8]);
+  glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 3, buffers_[6], 256, 512);
+  glBindBuffer(GL_SHADER_STORAGE_BUFFER, buffers_[0]);
 }
 
 void HostileHost::bind_textures() {
@@ -241,6 +279,8 @@ void HostileHost::set_numbers() {
   glClearDepthf(0.5f);
   glDepthFunc(GL_NEVER);
   glDepthMask(GL_FALSE);
+  glDepthRangef(0.75f, 0.25f);
+  set_clip_control(info_, GL_UPPER_LEFT, GL_ZERO_TO_ONE);
   glStencilFunc(GL_NEVER, 1, 3);
   glCullFace(GL_FRONT_AND_BACK);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
@@ -302,10 +342,14 @@ void leave_a_mess() {
   }
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, name);
   glBindBufferBase(GL_UNIFORM_BUFFER, 1, name);
+  if (gl::read_context_info().computes()) {
+    for (GLuint binding = 0; binding < 5; ++binding) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, name);
+  }
   glViewport(0, 0, 99, 98);
   glScissor(0, 0, 97, 96);
   glClearColor(1, 1, 1, 1);
   glDepthFunc(GL_GREATER);
+  glDepthRangef(0.5f, 0.25f);
   for (const GLenum on : {GL_BLEND, GL_DEPTH_TEST, GL_SCISSOR_TEST, GL_CULL_FACE}) glEnable(on);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
   glPixelStorei(GL_PACK_ALIGNMENT, 8);

@@ -220,6 +220,30 @@ TEST(Scene, EventsAreSortedStably) {
   EXPECT_EQ(scene.loads()[0].events, expected);
 }
 
+TEST(Scene, NewEventsLeaveTheRestAsItWas) {
+  const Model model = make_tetrahedron(1.0);
+  Scene scene(model);
+  scene.add(made(LoadType::force, {0}, {1, 0, 0}, 5.0));
+  Load idle = made(LoadType::force, {1}, {0, 0, 0}, 0.0);
+  scene.add(idle);
+  const std::uint64_t version = scene.version(), values = scene.values_version();
+  scene.set_events(0, std::vector<ValueEvent>{{1.0, 4.0}, {0.0, 2.0}});
+  EXPECT_EQ(scene.version(), version);
+  EXPECT_EQ(scene.values_version(), values + 1);
+  expect_near(at(scene, 0.5).force[0], Vec3(3, 0, 0));
+  const std::vector<Load> before = scene.loads();
+  EXPECT_NE(message_of([&] { scene.set_events(2, before[0].events); }).find("row of one of 2 loads, got 2"),
+            std::string::npos);
+  EXPECT_NE(message_of([&] { scene.set_events(0, {}); }).find("at least one value"), std::string::npos);
+  EXPECT_THROW(scene.set_events(0, std::vector<ValueEvent>{{0.0, INFINITY}}), Error);
+  EXPECT_NE(message_of([&] {
+              scene.set_events(1, std::vector<ValueEvent>{{0.0, 1.0}});
+            }).find("not zero"),
+            std::string::npos);
+  EXPECT_EQ(scene.loads(), before);
+  EXPECT_EQ(scene.values_version(), values + 1);
+}
+
 TEST(Scene, RefusesWhatMakesNoSenseAndStaysAsItWas) {
   const Model model = make_block({1, 1, 1}, 2, 2, 2);
   Scene scene(model);

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "solver_conformance_fixture.h"
+#include "solver_conformance_progress.h"
 #include "solver_conformance_reports.h"
 
 namespace phymul::test {

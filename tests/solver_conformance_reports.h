@@ -241,6 +241,31 @@ TEST_P(SolverConformance, ScatteredBodiesComeBackAndTheReportSaysThatForcesWereC
   EXPECT_FALSE(uncut->step(1, dt).cut);
 }
 
+// A report is about the steps that were done: not the one that failed.
+TEST_P(SolverConformance, CutsOfAStepThatFailedAreNotReported) {
+  const Model model = block();
+  Scene scene(model);
+  const auto solver = make(model, scene);
+  State scattered = rest_state(model), running = scattered;
+  scattered.position = random_positions(model, 1.5, 7);
+  running.position = scattered.position;
+  running.velocity[5] = {1e9, 0, 0};
+  solver->reset(running);
+  const double dt = 0.5 * solver->stable_step();
+  const StepReport at_once = solver->step(3, dt);
+  EXPECT_EQ(at_once.status, StepStatus::not_finite);
+  EXPECT_EQ(at_once.steps, 0);
+  EXPECT_FALSE(at_once.cut);
+
+  const double late = 4.5 * dt;
+  scene.add(on_all(model, LoadType::acceleration, {0, 0, -1}, {{0.0, 0.0}, {late, 0.0}, {late, 1e20}}));
+  solver->reset(scattered);
+  const StepReport report = solver->step(20, dt);
+  EXPECT_EQ(report.status, StepStatus::not_finite);
+  EXPECT_EQ(report.steps, 5);
+  EXPECT_TRUE(report.cut);
+}
+
 TEST_P(SolverConformance, CloudWithoutStiffnessFalls) {
   Model model = block();
   model.cells.clear();

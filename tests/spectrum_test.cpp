@@ -3,40 +3,15 @@
 // Extreme eigenvalues against those of the dense matrix, and the step that follows from them.
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <complex>
 #include <limits>
 
 #include "bodies.h"
+#include "dense_operator.h"
 #include "message_of.h"
 
 namespace phymul::test {
 namespace {
-
-/// M^-1 K of the free coordinates, by central differences; rows and columns of the others are 0.
-Eigen::MatrixXd dense_operator(const TopologyTextures& topology, const VecList& position,
-                               const std::vector<std::uint8_t>& fixed) {
-  const auto n = static_cast<Eigen::Index>(3 * position.size());
-  const double step = 1e-4 * (topology.rest[1] - topology.rest[0]).norm();
-  Eigen::MatrixXd k = Eigen::MatrixXd::Zero(n, n);
-  const auto is_free = [&](Eigen::Index row) {
-    return row % 3 < topology.dimension && (fixed.empty() || (fixed[row / 3] >> (row % 3) & 1) == 0);
-  };
-  VecList plus(position.size()), minus(position.size());
-  for (Eigen::Index column = 0; column < n; ++column) {
-    if (!is_free(column)) continue;
-    VecList x = position;
-    x[column / 3][column % 3] += step;
-    elastic_forces(topology, x, plus);
-    x[column / 3][column % 3] -= 2.0 * step;
-    elastic_forces(topology, x, minus);
-    for (Eigen::Index row = 0; row < n; ++row) {
-      if (is_free(row))
-        k(row, column) = (minus[row / 3] - plus[row / 3])[row % 3] / (2.0 * step * topology.mass[row / 3]);
-    }
-  }
-  return k;
-}
 
 void expect_spectrum(const TopologyTextures& topology, const VecList& position,
                      const std::vector<std::uint8_t>& fixed = {}) {

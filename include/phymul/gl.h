@@ -16,7 +16,7 @@ enum class GlContext {
 };
 
 enum class GlDialect {
-  automatic,  ///< desktop GL 3.3 core or later, else OpenGL ES 3.0 or later
+  automatic,  ///< desktop GL 3.3 core or later, else OpenGL ES 3.0 or later; "gl-compute": 4.3, else 3.1
   desktop,
   es
 };
@@ -29,8 +29,17 @@ enum class BaseLayout {
               ///< reactions full, shared and barycentric. Error elsewhere
 };
 
+/// How the backend "gl-compute" cuts a step into dispatches; the bits are the same.
+enum class GlCompute {
+  automatic,  ///< workgroup where the body is small enough, else store
+  store,      ///< forces of attractors, bases, volumes and cells in one dispatch, their sums and Verlet in another
+  recompute,  ///< one dispatch: a particle computes anew what its neighbours' terms give it, and stores nothing
+  workgroup   ///< many steps in a dispatch, by one group of invocations: for small bodies, where launching is the cost
+};
+
 /// The environment overrides what is left at its default: PHYMUL_EGL (device), PHYMUL_GL_DIALECT (desktop, es),
-/// PHYMUL_GL_PASSES (2, 4), PHYMUL_GL_DEBUG (1), PHYMUL_GLSL (shader_folder).
+/// PHYMUL_GL_PASSES (2, 4), PHYMUL_GL_COMPUTE (auto, store, recompute, workgroup), PHYMUL_GL_DEBUG (1), PHYMUL_GLSL
+/// (shader_folder).
 struct GlOptions {
   GlContext context = GlContext::own;
   /// GlContext::shared: the host's EGLDisplay and EGLContext. Null: those current on the thread that makes the solver.
@@ -41,6 +50,7 @@ struct GlOptions {
   std::string device{};
   GlDialect dialect = GlDialect::automatic;
   int passes = 2;  ///< 4: attractor, force, reaction, Verlet, each a pass, as in the 2007 thesis; the same bits, slower
+  GlCompute compute = GlCompute::automatic;  ///< of "gl-compute"; `passes` is of "gl"
   BaseLayout layout = BaseLayout::automatic;
   bool debug = false;           ///< GL debug output; an error in it becomes an Error, in step() device_lost
   std::string shader_folder{};  ///< shaders are read from here in place of those built in; empty: built in

@@ -22,6 +22,10 @@ double kinetic_energy(const Model& model, const State& state);
 /// Volume of all volume cells, m^3; of quads and triangles (area, m^2) in 2-D.
 double volume(const Model& model, std::span<const Vec3> position);
 
+/// The first cell measured by volume() that is turned inside out or squashed to less than a thousandth of its rest
+/// measure, row of Model::cells; -1: none. No tissue is in such a state.
+Index first_folded_cell(const Model& model, std::span<const Vec3> position);
+
 struct DisplacementNorms {
   double rms = 0.0;  ///< m
   double max = 0.0;  ///< m

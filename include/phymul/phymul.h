@@ -3,6 +3,7 @@
 // All a user needs. Backend authors also include topology_textures.h; elasticity.h gives the forces by themselves.
 #pragma once
 
+#include <phymul/bodies.h>
 #include <phymul/camera.h>
 #include <phymul/check.h>
 #include <phymul/display.h>
@@ -16,10 +17,12 @@
 #include <phymul/monitor.h>
 #include <phymul/needle.h>
 #include <phymul/pml.h>
+#include <phymul/recording.h>
 #include <phymul/scene.h>
 #include <phymul/shapes.h>
 #include <phymul/solver.h>
 #include <phymul/state.h>
+#include <phymul/state_file.h>
 #include <phymul/tool.h>
 #include <phymul/topology.h>
 #include <phymul/types.h>

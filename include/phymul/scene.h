@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -73,6 +74,24 @@ struct LoadModes {
   std::vector<Part> acceleration;    ///< m/s^2, on every particle besides: sum of value[mode] * vector
 };
 
+/// A closed surface whose volume every step restores: Scene::keep_volume.
+struct ClosedVolume {
+  std::vector<std::array<Index, 3>> triangles;  ///< counter-clockwise seen from outside
+  double volume = 0.0;                          ///< m^3, wanted
+  std::string applied_to;                       ///< group, for messages; empty: the whole body
+  bool operator==(const ClosedVolume&) const = default;
+};
+
+/// Touching of surfaces, of bodies and of parts of one: Scene::contacts. A particle on a surface and the nearest
+/// triangle of another one come no nearer than their skins, and rub by Coulomb's law; impulses are equal and opposite.
+struct ContactOptions {
+  double friction = 0.3;  ///< Coulomb's coefficient, >= 0
+  double skin = 0.0;      ///< m, of every surface; two skins touch. 0: a tenth of the mean edge around a particle
+  bool self = true;       ///< parts of one body touch each other too, where they lie apart at rest
+  int rounds = 8;         ///< sweeps over all pairs in a step, >= 1; more: pushes travel further through a stack
+  bool operator==(const ContactOptions&) const = default;
+};
+
 class Scene;
 
 /// Moves a tool of a scene. Cheap to make and to copy; no call but grasp() makes a solver allocate. Good as long as the
@@ -130,8 +149,24 @@ class Scene {
   Scene& add(std::vector<Load> loads);           ///< appends loads, as read_lml gives them
   Scene& replace(std::size_t row, Load load);    ///< puts another load in an existing row
   Scene& remove(std::size_t row);                ///< later rows move up
-  Scene& clear();                                ///< no loads, no gravity, nothing fixed, no tools
+  Scene& clear();  ///< no loads, no gravity, nothing fixed, no tools, no kept volumes, no contacts
 
+  /// After each step the volume that the surface of these particles' cells encloses is brought back to what it was at
+  /// rest (or to `volume`, m^3), exactly: every free particle of the surface moves along the gradient of the volume
+  /// over its mass. Linear momentum is kept, and angular momentum; imposed coordinates stay. Surfaces are those of
+  /// pressure loads. Throws Error where one is not closed, with an edge that is open.
+  Scene& keep_volume();
+  Scene& keep_volume(std::string_view group);
+  Scene& keep_volume(ClosedVolume surface);
+
+  Scene& contacts(const ContactOptions& options);  ///< bodies, and parts of a body, touch from now on
+  Scene& no_contacts();
+
+  /// Gives a load other values; where it acts and along what stays. Cheap however large the body: no solver prepares
+  /// anything anew, and nothing is allocated where the load has had as many events before and these are sorted. For
+  /// what changes at every step, as the tool of a haptic device does: three translations with one driven axis each move
+  /// a group anywhere.
+  Scene& set_events(std::size_t row, std::span<const ValueEvent> events);
   Scene& add_tool(std::string name,
                   Tool tool);  ///< throws for a name that is taken, a size or pose that makes no sense
   Scene& remove_tool(std::string_view name);
@@ -140,10 +175,14 @@ class Scene {
 
   const std::vector<Load>& loads() const { return loads_; }
   const Vec3& gravity() const { return gravity_; }
+  const std::vector<ClosedVolume>& volumes() const { return volumes_; }
+  const std::optional<ContactOptions>& contacts() const { return contacts_; }
 
-  /// Grows by one at every change but a tool's pose and grasp, which have counters of their own: lets a solver see that
-  /// its prepared frame is stale.
+  /// Grows by one at every change but those of set_events() and of a tool's pose and grasp, which have counters of their
+  /// own: lets a solver see that its prepared frame is stale.
   std::uint64_t version() const { return version_; }
+  /// Grows by one at every set_events(): frame and modes are as before, their values are not.
+  std::uint64_t values_version() const { return values_version_; }
 
   /// Gives `frame` the sizes this scene needs. Allocates; called when version() has changed.
   void prepare(LoadFrame& frame) const;
@@ -178,9 +217,11 @@ class Scene {
   std::vector<Load> loads_;
   std::vector<Action> actions_;  // per load
   Vec3 gravity_{0, 0, 0};
+  std::vector<ClosedVolume> volumes_;
+  std::optional<ContactOptions> contacts_;
   std::vector<SceneTool> tools_;
   std::uint64_t next_tool_ = 1;
-  std::uint64_t version_ = 0;
+  std::uint64_t version_ = 0, values_version_ = 0;
 };
 
 }  // namespace phymul

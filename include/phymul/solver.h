@@ -9,6 +9,9 @@
 #include <phymul/state.h>
 #include <phymul/topology_textures.h>
 
+#include <cstdint>
+#include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -28,6 +31,15 @@ struct Damping {
 enum class UnstableStep {
   refuse,  ///< step() does nothing and says unstable_step
   allow    ///< step() goes on; the report says so
+};
+
+/// How far a call has come: SolverOptions::progress.
+struct StepProgress {
+  int steps = 0;           ///< done by this call
+  int of = 0;              ///< asked for; of run_to_rest() the most there will be
+  double time = 0.0;       ///< s, of the state reached
+  double residual = 0.0;   ///< N, as StepReport has it
+  double max_speed = 0.0;  ///< m/s
 };
 
 struct SolverOptions {
@@ -50,13 +62,21 @@ struct SolverOptions {
   /// Of the backend "cpu": threads to run on. 0: as many as the body has work for, up to the processors. Results do not
   /// depend on it.
   int threads = 0;
-  GlOptions gl;  ///< of the GL backends; the others do not look at it
+  /// step() and run_to_rest() call it between two steps, not before `progress_seconds` have passed since they began or
+  /// called it last, and never after their last step. False ends the call there: StepReport::stopped. What it throws
+  /// leaves the call; the state is that after the steps it was told of. It may read the solver, not step, reset or
+  /// change its scene. No trajectory and no count of steps at rest depends on it.
+  std::function<bool(const StepProgress&)> progress;
+  double progress_seconds = 0.5;  ///< 0: after every step
+  bool profile = false;           ///< Solver::profile() has something to say; off, no clock is asked
+  GlOptions gl;                   ///< of the GL backends; the others do not look at it
 };
 
 /// not_finite: a particle would have left the finite numbers, or run faster than a million spacings times omega_max,
 /// which no body survives; the step was not taken.
-/// not_supported: the scene has tools, and this backend does not take them; nothing was done.
-enum class StepStatus { ok, invalid_step, unstable_step, not_finite, device_lost, not_supported };
+/// volume_lost: an enclosed volume (Scene::keep_volume) could not be restored; the step was not taken.
+/// not_supported: the scene has tools, contacts or kept volumes, and this backend does not take them; nothing was done.
+enum class StepStatus { ok, invalid_step, unstable_step, not_finite, device_lost, volume_lost, not_supported };
 
 struct StepReport {
   StepStatus status = StepStatus::ok;
@@ -68,16 +88,32 @@ struct StepReport {
   bool at_rest = false;       ///< the rest test held at the end
   double residual = 0.0;      ///< largest net force on a free particle at the last step, N
   double max_speed = 0.0;     ///< largest speed, m/s
-  bool cut = false;           ///< an elastic force was cut in some step of this call: SolverOptions::largest_push
+  bool cut = false;           ///< an elastic force was cut in some step done: SolverOptions::largest_push
+  bool stopped = false;       ///< SolverOptions::progress ended the call before its last step
   /// run_to_rest() that came to rest: a particle one of whose bases has collapsed to a line or a point, else -1. Such a
   /// base has no direction; a body all in one point is at rest so and cannot come back by itself.
   Index collapsed = -1;
+  /// Likewise: a cell that rests turned inside out or flat (first_folded_cell), else -1. Springs keep such states.
+  Index folded = -1;
   Index particle = -1;     ///< culprit of a failure, row of the model
   const char* cause = "";  ///< likely cause of a failure, static text
 
   bool ok() const { return status == StepStatus::ok; }
   std::string message() const;  ///< a sentence for a person; allocates
 };
+
+/// What one pass of the steps has cost: a kind of force, the move, a shader.
+struct PassProfile {
+  std::string name;
+  std::int64_t runs = 0;  ///< CPU backends: one a step. GL: one a draw; steps tried and taken back count too
+  /// s of the thread that works for the caller. GL: of handing the pass over, not of its work.
+  double seconds = 0.0;
+  /// s by the device's own timers; not a number where it has none, or where they were disturbed (a laptop that changed
+  /// its clock), or the host was timing itself.
+  double device_seconds = std::numeric_limits<double>::quiet_NaN();
+};
+
+class Profile;  // src/profile.h
 
 struct Energy {
   double elastic = 0.0;  ///< J
@@ -102,24 +138,35 @@ struct ParticleBuffer {
   std::span<const Vec3> position;  ///< CPU backends: [N] m
 };
 
-/// step() throws nothing but std::bad_alloc, and allocates only in the first step after a change of the scene
-/// ("reference": after its first force or first imposed position); read() is the one call that waits for a device. Not
+/// step() throws nothing but std::bad_alloc and what SolverOptions::progress throws, and allocates only in the first
+/// step after a change of the scene ("reference": after its first force or first imposed position; Scene::set_events
+/// is none); read() is the one call that waits for a device. Not
 /// thread-safe; two solvers are independent, and may share a scene that nobody changes meanwhile. Keeps a reference to
 /// the scene and, through it, to the model, which must both outlive it and of which the model must not change.
 class Solver {
  public:
-  virtual ~Solver() = default;
+  virtual ~Solver();
   Solver(const Solver&) = delete;
   Solver& operator=(const Solver&) = delete;
 
   std::string_view name() const { return name_; }
   const Model& model() const { return scene_->model(); }
   const TopologyTextures& topology() const { return *topology_; }
+  const SolverOptions& options() const { return options_; }
 
   /// Starts from a state; throws Error when its sizes do not fit, a value is not finite, or z is not 0 in a
   /// two-dimensional model (state untouched then).
   void reset(const State& state);
   void reset();  ///< the rest shape
+
+  /// The state with all that further steps depend on, and back to it. restore() throws as reset() does, and where the
+  /// snapshot has parts that this solver does not know.
+  Snapshot snapshot() const;
+  void restore(const Snapshot& snapshot);
+  /// reset() to a state whose velocities are those of State::time itself, as a body let go has them: for steps of dt
+  /// they are taken half a step back, by the acceleration that scene and body have then. Throws Error as reset() does,
+  /// and where dt is not above 0.
+  void start(const State& state, double dt);
 
   /// n steps of dt seconds. Looks at the scene for changes first. On failure the last good state is kept. n = 0 takes
   /// over the scene and moves nothing; residual, speed and at_rest then say nothing.
@@ -147,6 +194,14 @@ class Solver {
   ParticleBuffer position_buffer() const;
   ParticleBuffer attractor_buffer() const;  ///< empty where the law has no attractors
 
+  /// What has been spent since the solver was made or clear_profile(), in the order of first use. Empty unless
+  /// SolverOptions::profile. With GL it waits for the device.
+  std::vector<PassProfile> profile() const;
+  void clear_profile();
+
+  /// What a step reads and writes where nothing stays in a cache from step to step, counted by hand, bytes; not a
+  /// number where the backend does not count. Over the time of a step: the bandwidth it needs.
+  double bytes_a_step() const;
   /// What the particles do to a tool of the scene, and where it is now. Zero, and the scene's pose, before the first
   /// step. Throw Error for an unknown name; allocate nothing.
   const ToolForce& tool_force(std::string_view name) const;
@@ -172,6 +227,7 @@ class Solver {
     int steps = 0;                  ///< good steps done
     Index bad_particle = -1;        ///< >= 0: in the step after those this particle ran away; the step was undone
     bool lost = false;              ///< device lost
+    int lost_volume = -1;           ///< >= 0: row of Scene::volumes() that the step after those could not restore
     bool cut = false;               ///< an elastic acceleration was above StepPlan::largest_acceleration
     double max_acceleration = 0.0;  ///< m/s^2, free coordinates only
     double max_force = 0.0;         ///< N, likewise
@@ -190,14 +246,20 @@ class Solver {
     int rest_steps = 0;
   };
 
+  /// Throws Error for the first part of a snapshot; for backends that have none.
+  void refuse_parts(const Snapshot& snapshot) const;
+
   const Scene& scene() const { return *scene_; }
-  const SolverOptions& options() const { return options_; }
-  LoadFrame& frame() { return frame_; }              ///< prepared; a backend evaluates it at each step's time
-  const LoadFrame& frame() const { return frame_; }  ///< of the scene as the last step or reset saw it
+  LoadFrame& frame() { return frame_; }                  ///< prepared; a backend evaluates it at each step's time
+  const LoadFrame& frame() const { return frame_; }      ///< of the scene as the last step or reset saw it
+  Profile* profiling() const { return profile_.get(); }  ///< null unless SolverOptions::profile
 
  private:
   virtual void do_reset(const State& state) = 0;
   virtual void do_scene_changed() = 0;  ///< frame() has new sizes; may allocate
+  /// Scene::mode_values() has other numbers of the same modes. Must not allocate, and takes its count of steps at rest
+  /// back to 0.
+  virtual void do_values_changed() { do_scene_changed(); }
   virtual Motion do_step(const StepPlan& plan) = 0;
   virtual void do_read(State& state) const = 0;
   virtual Energy do_energy() const = 0;
@@ -209,14 +271,26 @@ class Solver {
   virtual ParticleBuffer do_position_buffer() const;
   virtual ParticleBuffer do_attractor_buffer() const;
   virtual std::string do_device() const = 0;
+  // Backends that keep more than a State, or keep it more exactly, say so here.
+  virtual void do_snapshot(Snapshot& snapshot) const;
+  virtual void do_restore(const Snapshot& snapshot);
+  /// What the scene holds that this backend does not take, a sentence, static text; null: nothing. As it stands, all
+  /// that a backend has to add code for.
+  virtual const char* do_cannot() const;
   virtual bool do_takes_tools() const { return false; }
   virtual const ToolReport& do_tool_report(std::size_t row) const;  ///< of Scene::tools(), of the version last seen
+  virtual double do_bytes_a_step() const { return std::numeric_limits<double>::quiet_NaN(); }
+  virtual void do_profile() const {}  ///< brings profiling(), which is not null, up to date
 
   friend std::unique_ptr<Solver> make_solver(std::string_view, std::shared_ptr<const TopologyTextures>, const Scene&,
                                              const SolverOptions&);
+  void require_fitting(const State& state) const;
+  void require_supported() const;
   void follow_scene();
   const ToolReport& tool_report(std::string_view name) const;
   StepReport advance(int n, double dt, bool stop_at_rest);
+  Motion run(const StepPlan& plan, StepReport& report);
+  Motion run_with_progress(const StepPlan& plan, StepReport& report);
 
   std::string name_, choice_;
   std::vector<State> copies_;          // of do_request_read's plain way
@@ -225,7 +299,9 @@ class Solver {
   const Scene* scene_;
   SolverOptions options_;
   LoadFrame frame_;
-  std::uint64_t scene_version_ = 0;
+  std::uint64_t scene_version_ = 0, values_version_ = 0;
+  std::unique_ptr<Profile> profile_;
+  int steps_a_slice_ = 1;  // between two looks at the clock, where progress is asked for
   Spectrum spectrum_;
   double stable_step_ = 0.0;
   double spacing_ = 0.0;

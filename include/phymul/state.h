@@ -6,6 +6,10 @@
 #include <phymul/model.h>
 #include <phymul/tool.h>
 
+#include <cstdint>
+#include <string>
+#include <vector>
+
 namespace phymul {
 
 struct State {
@@ -19,6 +23,26 @@ struct State {
   std::vector<ToolState> tools{};
 
   bool operator==(const State&) const = default;
+};
+
+/// All that a solver's further steps depend on, but for the scene: put back into a solver over the same tables, of the
+/// same backend, it goes on bit for bit. A State alone does in double precision, but for run_to_rest() and energy().
+struct Snapshot {
+  State state;
+  double last_dt = 0.0;   ///< s, of the step that led here; 0: none did
+  int steps_at_rest = 0;  ///< steps on end that were within the rest test
+  /// [N] m, or empty: displacements from rest of a backend in single precision. position = rest + displacement is
+  /// rounded, to a few parts in 1e16 of the distance from the origin, and loses what is smaller.
+  VecList displacement;
+  /// What others of the solver's parts remember, each under a name of its own.
+  struct Part {
+    std::string name;
+    std::vector<std::uint8_t> bytes;
+    bool operator==(const Part&) const = default;
+  };
+  std::vector<Part> parts;
+
+  bool operator==(const Snapshot&) const = default;
 };
 
 /// The rest shape, not moving, at time 0.

@@ -42,7 +42,7 @@ enum class BaseSelection {
 /// The energy of a volume ratio J, per unit rest volume; U(1) = U'(1) = 0, U''(1) = kappa for all.
 enum class VolumeLaw {
   quadratic,  ///< kappa/2 (J-1)^2
-  bounded     ///< kappa s^2 (sqrt(1 + ((J-1)/s)^2) - 1), s = 0.3: U' stays below kappa s however far from rest
+  bounded     ///< kappa s^2 (sqrt(1 + ((J-1)/s)^2) - 1), s = 0.4: U' stays below kappa s however far from rest
 };
 
 /// How the material's Poisson's ratio is met.

@@ -16,7 +16,7 @@ namespace phymul::cpu {
 template <bool bounded, class S>
 S volume_pressure(const S& change) {
   if constexpr (!bounded) return change;
-  const S x = change * S(3.3333333f);  // over s = 0.3, where u' saturates
+  const S x = change * S(2.5f);  // over s = 0.4, where u' saturates
   return change * (S(1.0f) / square_root(S(1.0f) + x * x));
 }
 
@@ -24,7 +24,7 @@ S volume_pressure(const S& change) {
 template <bool bounded, class S>
 S volume_energy_density(const S& change) {
   if constexpr (!bounded) return S(0.5f) * change * change;
-  const S x = change * S(3.3333333f);
+  const S x = change * S(2.5f);
   return change * change * (S(1.0f) / (S(1.0f) + square_root(S(1.0f) + x * x)));
 }
 

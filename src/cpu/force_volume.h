@@ -12,7 +12,7 @@ namespace phymul::cpu {
 
 /// Width of the bounded law: u' saturates at this value.
 template <class S>
-inline constexpr S volume_bound = S(0.3);
+inline constexpr S volume_bound = S(0.4);
 
 template <class S>
 S volume_energy_density(VolumeLaw law, S J) {

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <optional>
 
-#include "vector_rows.h"
-
 namespace phymul::cpu {
 namespace {
 
@@ -124,8 +122,8 @@ Hexahedra find_hexahedra(const TopologyTextures& t, const Simplices& simplices) 
   std::vector<int> kept(shapes.size(), -1);
   for (std::size_t shape = 0; shape < shapes.size(); ++shape) {
     if (cells_of[shape] < least_cells) continue;
-    kept[shape] = static_cast<int>(result.shapes.size() / simd::hexahedron_constants);
-    for (const double value : shapes[shape]) result.shapes.push_back(narrowed(value));
+    kept[shape] = static_cast<int>(result.shapes.size());
+    result.shapes.push_back(shapes[shape]);
   }
   for (const Candidate& c : candidates) {
     const bool shared = std::ranges::any_of(c.simplex, [&](Index s) { return result.simplex_taken[s]; });

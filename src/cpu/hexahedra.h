@@ -19,7 +19,7 @@ struct Hexahedron {
 /// their simplices out of the rest; empty where shapes are too many to be worth it.
 struct Hexahedra {
   std::vector<Hexahedron> all;
-  std::vector<float> shapes;                    ///< [shapes][simd::hexahedron_constants]
+  std::vector<std::vector<double>> shapes;      ///< constants of each, [simd::hexahedron_constants]
   std::vector<bool> simplex_taken, cell_taken;  ///< by row
 };
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "mirror.h"
 
-#include <phymul/error.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -88,16 +86,11 @@ class MirrorSolver final : public Solver {
 
  private:
   void do_reset(const State& state) override {
+    require_state_in_range(topology().rest, state);
     for (std::size_t i = 0; i < u_.size(); ++i) {
-      next_u_[i] = narrowed(state.position[i] - topology().rest[i]);
-      next_v_[i] = narrowed(state.velocity[i]);
-      if (is_finite(next_u_[i]) && is_finite(next_v_[i])) continue;
-      throw Error("Solver::reset: particle " + std::to_string(i) +
-                  " has a displacement or velocity beyond single precision; the backend \"reference\" computes in "
-                  "double precision");
+      u_[i] = narrowed(state.position[i] - topology().rest[i]);
+      v_[i] = narrowed(state.velocity[i]);
     }
-    u_.swap(next_u_);
-    v_.swap(next_v_);
     time_ = state.time;
     last_dt_ = 0.0;
     steps_at_rest_ = 0;
@@ -108,11 +101,13 @@ class MirrorSolver final : public Solver {
     loads_ = FloatLoads(scene());
   }
 
+  void do_values_changed() override { steps_at_rest_ = 0; }
+
   Motion do_step(const StepPlan& plan) override {
     Motion motion;
     motion.steps_at_rest = steps_at_rest_;
     while (motion.steps < plan.steps) {
-      move(plan, motion);
+      const bool cut = move(plan, motion);
       motion.bad_particle = first_runaway(plan.runaway_speed);
       if (motion.bad_particle >= 0) break;
       u_.swap(next_u_);
@@ -120,6 +115,7 @@ class MirrorSolver final : public Solver {
       time_ += plan.dt;
       last_dt_ = plan.dt;
       ++motion.steps;
+      motion.cut = motion.cut || cut;
 
       motion.max_speed = max_free_speed();
       const RestThresholds rest =
@@ -167,17 +163,18 @@ class MirrorSolver final : public Solver {
     return acceleration(force, forces_.tables().particle[i][0], loads.gravity);
   }
 
-  /// Forces act at the old time, imposed positions hold at the new one.
-  void move(const StepPlan& plan, Motion& motion) {
+  /// Forces act at the old time, imposed positions hold at the new one. True where an elastic force was cut.
+  bool move(const StepPlan& plan, Motion& motion) {
     const auto dt = static_cast<float>(plan.dt), damping = static_cast<float>(plan.damping_factor);
     const auto inverse_dt = static_cast<float>(1.0 / plan.dt);
     const auto largest_acceleration = static_cast<float>(plan.largest_acceleration);
     forces_.evaluate(u_, force_);
     loads_.evaluate(scene(), time_);
     motion.max_acceleration = motion.max_force = 0.0;
+    bool any_cut = false;
     for (Index i = 0; i < topology().particle_count; ++i) {
       const Float3 cut = cut_force(force_[i], forces_.tables().particle[i][2] * largest_acceleration);
-      motion.cut = motion.cut || cut != force_[i];
+      any_cut = any_cut || cut != force_[i];
       force_[i] = cut;
       const Float3 a = acceleration_of(i, force_[i], loads_);
       const double free = widened(loads_.free_part(i, a)).norm();
@@ -187,7 +184,7 @@ class MirrorSolver final : public Solver {
       next_u_[i] = moved.u;
       next_v_[i] = moved.v;
     }
-    if (!loads_.imposes()) return;
+    if (!loads_.imposes()) return any_cut;
     loads_.evaluate(scene(), time_ + plan.dt);
     for (Index i = 0; i < topology().particle_count; ++i) {
       Displaced<float> moved{next_u_[i], next_v_[i]};
@@ -195,6 +192,7 @@ class MirrorSolver final : public Solver {
       next_u_[i] = moved.u;
       next_v_[i] = moved.v;
     }
+    return any_cut;
   }
 
   Index first_runaway(double speed) const {

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "../profile.h"
 #include "integrate.h"
 #include "tool_set.h"
+#include "touching.h"
 
 namespace phymul::cpu {
 namespace {
@@ -20,6 +22,11 @@ class ReferenceSolver final : public Solver {
         force_(topology().particle_count),
         next_position_(topology().particle_count),
         next_velocity_(topology().particle_count) {
+    if (Profile* profile = profiling()) {
+      forces_row_ = profile->row("forces");
+      move_row_ = profile->row("move");
+      checks_row_ = profile->row("checks");
+    }
     reset();
   }
 
@@ -35,6 +42,19 @@ class ReferenceSolver final : public Solver {
     scene().evaluate(state_.time, frame());
   }
 
+  void do_snapshot(Snapshot& snapshot) const override {
+    do_read(snapshot.state);
+    snapshot.last_dt = last_dt_;
+    snapshot.steps_at_rest = steps_at_rest_;
+  }
+
+  void do_restore(const Snapshot& snapshot) override {
+    refuse_parts(snapshot);
+    do_reset(snapshot.state);
+    last_dt_ = snapshot.last_dt;
+    steps_at_rest_ = snapshot.steps_at_rest;
+  }
+
   void do_scene_changed() override {
     steps_at_rest_ = 0;
     follow_tools();
@@ -43,8 +63,9 @@ class ReferenceSolver final : public Solver {
 
   void follow_tools() {
     tools_.follow(scene());
+    touching_.follow(scene());
     shifts_.clear();
-    if (tools_.empty()) return;
+    if (!touches()) return;
     touched_.prepare(topology().mass, frame().fixed, topology().dimension == 2);
     shifts_.reserve(topology().rest.size());
   }
@@ -53,12 +74,17 @@ class ReferenceSolver final : public Solver {
     Motion motion;
     motion.steps_at_rest = steps_at_rest_;
     if (!tools_.empty()) tools_.begin_call(scene(), plan.steps, plan.stop_at_rest);
+    Laps laps(profiling());
     while (motion.steps < plan.steps) {
       elastic_forces(topology(), state_.position, force_);
-      cut_forces(plan.largest_acceleration, motion);
-      if (!tools_.empty()) touch(plan);
+      laps.end(forces_row_);
+      const bool any_cut = cut_forces(plan.largest_acceleration);
+      if (touches()) motion.lost_volume = touch(plan);
+      if (motion.lost_volume >= 0) break;
       measure(motion);
+      laps.end(checks_row_, 0);
       move(plan);
+      laps.end(move_row_);
 
       motion.bad_particle = first_runaway(plan.runaway_speed);
       if (motion.bad_particle >= 0) {
@@ -71,11 +97,13 @@ class ReferenceSolver final : public Solver {
       if (!tools_.empty()) tools_.accept();
       last_dt_ = plan.dt;
       ++motion.steps;
+      motion.cut = motion.cut || any_cut;
 
       motion.max_speed = max_free_speed();
       const bool quiet = motion.max_speed <= plan.speed_at_rest && motion.max_acceleration <= plan.acceleration_at_rest;
       steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
       motion.steps_at_rest = steps_at_rest_;
+      laps.end(checks_row_);
       if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;
     }
     return motion;
@@ -86,6 +114,7 @@ class ReferenceSolver final : public Solver {
     tools_.read(state);
   }
   bool do_takes_tools() const override { return true; }
+  const char* do_cannot() const override { return nullptr; }
   const ToolReport& do_tool_report(std::size_t row) const override { return tools_.report(row); }
   double do_time() const override { return state_.time; }
   std::string do_device() const override { return "one processor core, double precision"; }
@@ -122,13 +151,15 @@ class ReferenceSolver final : public Solver {
     return (elastic + load) / topology().mass[i] + loads.gravity;
   }
 
-  void cut_forces(double largest, Motion& motion) {
+  bool cut_forces(double largest) {
+    bool any = false;
     for (Index i = 0; i < topology().particle_count; ++i) {
       const Vec3 elastic = force_[i] / topology().mass[i];
       if (!(elastic.norm() > largest)) continue;
-      motion.cut = true;
+      any = true;
       force_[i] = topology().mass[i] * cut(elastic, largest);
     }
+    return any;
   }
 
   /// The step as tools see it: forces are those of force_, to which they add.
@@ -149,14 +180,19 @@ class ReferenceSolver final : public Solver {
     ReferenceSolver& solver_;
   };
 
-  void touch(const StepPlan& plan) {
+  bool touches() const { return !tools_.empty() || !touching_.empty(); }
+
+  /// The row of a volume that cannot be restored; -1: none.
+  int touch(const StepPlan& plan) {
     shifts_.clear();
     move(plan);
     scene().evaluate(state_.time, frame());
     Step step(*this);
     touched_.begin(step, plan.dt);
     tools_.act(touched_);
+    const int lost = touching_.act(touched_);
     touched_.end();
+    return lost;
   }
 
   /// Largest net force and acceleration on free coordinates, of the state before this step.
@@ -214,10 +250,12 @@ class ReferenceSolver final : public Solver {
   State state_;
   VecList force_, next_position_, next_velocity_;
   ToolSet tools_;
+  Touching touching_;
   TouchedParticles touched_;
   std::vector<std::pair<Index, Vec3>> shifts_;
   double last_dt_ = 0.0;
   int steps_at_rest_ = 0;
+  int forces_row_ = 0, move_row_ = 0, checks_row_ = 0;  // of profiling()
 };
 
 }  // namespace

@@ -2,62 +2,29 @@
 #include "renumbering.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <numeric>
 
+#include "../locality_order.h"
 #include "transpose.h"
 
 namespace phymul::cpu {
 namespace {
 
-/// The low 21 bits of v, two zero bits between each.
-std::uint64_t spread(std::uint64_t v) {
-  v &= 0x1fffff;
-  v = (v | v << 32) & 0x001f00000000ffff;
-  v = (v | v << 16) & 0x001f0000ff0000ff;
-  v = (v | v << 8) & 0x100f00f00f00f00f;
-  v = (v | v << 4) & 0x10c30c30c30c30c3;
-  v = (v | v << 2) & 0x1249249249249249;
-  return v;
-}
-
-std::vector<std::uint64_t> morton_codes(const VecList& rest) {
-  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
-  if (!rest.empty()) low = high = rest.front();
-  for (const Vec3& x : rest) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  const double extent = (high - low).maxCoeff();
-  const double scale = extent > 0.0 ? 2097151.0 / extent : 0.0;
-  std::vector<std::uint64_t> codes;
-  codes.reserve(rest.size());
-  for (const Vec3& x : rest) {
-    const Vec3 cell = (x - low) * scale;
-    codes.push_back(spread(static_cast<std::uint64_t>(cell.x())) | spread(static_cast<std::uint64_t>(cell.y())) << 1 |
-                    spread(static_cast<std::uint64_t>(cell.z())) << 2);
-  }
-  return codes;
-}
-
 /// Terms with their vertices renamed, in the order of their least vertex.
 template <class Term, class Vertices>
 std::vector<Term> renamed(std::vector<Term> terms, const std::vector<Index>& to, Vertices vertices) {
+  if (terms.empty()) return terms;
   for (Term& term : terms) {
     for (Index& v : vertices(term)) {
       if (v != none) v = to[v];
     }
   }
-  const auto least = [&](const Term& term) {
-    Index smallest = std::numeric_limits<Index>::max();
-    for (const Index v : vertices(const_cast<Term&>(term))) {
-      if (v != none) smallest = std::min(smallest, v);
-    }
-    return smallest;
-  };
-  std::stable_sort(terms.begin(), terms.end(), [&](const Term& a, const Term& b) { return least(a) < least(b); });
-  return terms;
+  const auto corners = static_cast<Index>(vertices(terms.front()).size());
+  const auto order = order_by_least_vertex(static_cast<Index>(terms.size()), corners,
+                                           [&](Index row, Index corner) { return vertices(terms[row])[corner]; });
+  std::vector<Term> result;
+  result.reserve(terms.size());
+  for (const Index row : order) result.push_back(terms[row]);
+  return result;
 }
 
 void copy_rows(const TopologyTextures& from, const std::vector<Index>& order, const std::vector<Index>& to,
@@ -114,19 +81,6 @@ void transpose_lists(const TopologyTextures& from, TopologyTextures& result) {
 }
 
 }  // namespace
-
-std::vector<Index> locality_order(const VecList& rest, const std::vector<Index>& work, Index window) {
-  const std::vector<std::uint64_t> codes = morton_codes(rest);
-  std::vector<Index> order(rest.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return codes[a] < codes[b]; });
-  for (auto first = order.begin(); first != order.end();) {
-    const auto last = first + std::min<std::ptrdiff_t>(window, order.end() - first);
-    std::stable_sort(first, last, [&](Index a, Index b) { return work[a] > work[b]; });
-    first = last;
-  }
-  return order;
-}
 
 TopologyTextures renumbered(const TopologyTextures& topology, const std::vector<Index>& order) {
   std::vector<Index> to(order.size());

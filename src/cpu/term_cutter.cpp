@@ -41,16 +41,15 @@ TermCutter::TermCutter(const TopologyTextures& t, Index size, std::size_t cluste
       body_(body),
       slots_(t.particle_count),
       shared_(find_simplices(t)),
-      lattice_(find_hexahedra(t, shared_)),
+      found_(find_hexahedra(t, shared_)),
+      lattice_(found_, size, clusters, body),
       starts_(clusters) {
   volumes_ = by_cluster(
       t_.volumes, size_, clusters, [](const VolumeTexel& v) -> auto& { return v.vertex; }, shared_.volume_taken);
   cells_ = by_cluster(
       t_.cells, size_, clusters, [](const CellTexel& c) -> auto& { return c.vertex; }, taken_cells());
   simplices_ = by_cluster(
-      shared_.all, size_, clusters, [](const Simplex& s) -> auto& { return s.vertex; }, lattice_.simplex_taken);
-  hexahedra_ = by_cluster(lattice_.all, size_, clusters, [](const Hexahedron& h) -> auto& { return h.vertex; }, {});
-  body_.hexahedron_shapes.assign(lattice_.shapes.begin(), lattice_.shapes.end());
+      shared_.all, size_, clusters, [](const Simplex& s) -> auto& { return s.vertex; }, found_.simplex_taken);
   enumerates_ = is_enumerable(t_, simd::most_enumerated);
   slices_bases_ = !enumerates_ && std::ranges::find(shared_.base_taken, false) != shared_.base_taken.end();
   body_.base_first.push_back(0);
@@ -64,7 +63,7 @@ void TermCutter::cut(int c) {
   starts_[c] = {body_.base_first.size() - 1,   body_.enumerated_first.size(), body_.enumerated.size(),
                 body_.spring_first.size() - 1, body_.volumes.size(),          body_.cells4.size(),
                 body_.cells6.size(),           body_.cells8.size(),           body_.simplices.size(),
-                body_.cell_simplices.size(),   body_.hexahedra.size()};
+                body_.cell_simplices.size()};
   const int slices = cluster.own / body_.lanes;
   if (slices_bases_) {
     for (int s = 0; s < slices; ++s) cut_base_slice(cluster, s, own);
@@ -82,7 +81,7 @@ void TermCutter::cut(int c) {
   cluster.job.cells4.count = cut_cells(c, 1, 4, body_.cells4);
   cluster.job.cells6.count = cut_cells(c, 5, 6, body_.cells6);
   cluster.job.cells8.count = cut_cells(c, 7, 8, body_.cells8);
-  cluster.job.hexahedra.count = cut_hexahedra(c);
+  lattice_.cut(c, slots_);
   cluster.job.simplices.count = cut_simplices(c, false, body_.simplices);
   cluster.job.cell_simplices.count = cut_simplices(c, true, body_.cell_simplices);
   fill_idle_lanes(c);
@@ -247,30 +246,8 @@ int TermCutter::cut_cells(int c, int least, int corners, Floats& to) {
 
 std::vector<bool> TermCutter::taken_cells() const {
   std::vector<bool> taken = shared_.cell_taken;
-  for (std::size_t c = 0; c < taken.size(); ++c) taken[c] = taken[c] || lattice_.cell_taken[c];
+  for (std::size_t c = 0; c < taken.size(); ++c) taken[c] = taken[c] || found_.cell_taken[c];
   return taken;
-}
-
-/// Shape after shape, so that a row has one.
-int TermCutter::cut_hexahedra(int c) {
-  int count = 0;
-  const auto shapes = static_cast<int>(lattice_.shapes.size() / simd::hexahedron_constants);
-  for (int shape = 0; shape < shapes; ++shape) {
-    std::vector<Index> chosen;
-    for (const Index h : hexahedra_[c]) {
-      if (lattice_.all[h].shape == shape) chosen.push_back(h);
-    }
-    const SpreadLanes spread(chosen.size(), body_.lanes);
-    LaneRows rows(body_.hexahedra, 8, body_.lanes);
-    rows.add(spread.rows(), 8);
-    for (std::size_t k = 0; k < chosen.size(); ++k) {
-      const auto [row, lane] = spread.place(k);
-      for (int v = 0; v < 8; ++v) rows.offset(row, v, lane, slots_.offset_of(lattice_.all[chosen[k]].vertex[v]));
-    }
-    body_.hexahedron_shape.insert(body_.hexahedron_shape.end(), static_cast<std::size_t>(spread.rows()), shape);
-    count += spread.rows();
-  }
-  return count;
 }
 
 int TermCutter::cut_simplices(int c, bool with_cell, Floats& to) {
@@ -311,7 +288,7 @@ void TermCutter::fill_idle_lanes(int c) {
   fill_idle(body_.cells4, start.cell4, simd::cell_columns(4), 4, body_.lanes, idle);
   fill_idle(body_.cells6, start.cell6, simd::cell_columns(6), 6, body_.lanes, idle);
   fill_idle(body_.cells8, start.cell8, simd::cell_columns(8), 8, body_.lanes, idle);
-  fill_idle(body_.hexahedra, start.hexahedron, 8, 8, body_.lanes, idle);
+  lattice_.fill_idle_lanes(c, idle);
   fill_idle(body_.simplices, start.simplex, simd::simplex_columns, 4, body_.lanes, idle);
   fill_idle(body_.cell_simplices, start.cell_simplex, simd::simplex_columns, 4, body_.lanes, idle);
 }
@@ -326,7 +303,7 @@ void TermCutter::estimate_cost(int c) {
                  0.15 * base * static_cast<double>(body_.enumerated.size() - starts_[c].enumerated) / body_.lanes +
                  8.0 * rows_since(body_.spring_first, starts_[c].spring_slice) + 40.0 * cluster.job.volumes.count +
                  100.0 * (cluster.job.cells4.count + cluster.job.cells6.count + cluster.job.cells8.count) +
-                 550.0 * cluster.job.hexahedra.count + 80.0 * cluster.job.simplices.count +
+                 lattice_.cost(cluster.job) + 80.0 * cluster.job.simplices.count +
                  140.0 * cluster.job.cell_simplices.count + 20.0 * cluster.own / body_.lanes +
                  2.0 * static_cast<double>(cluster.halo.size());
 }
@@ -347,9 +324,7 @@ void TermCutter::point_jobs() {
     job.cells4.rows = body_.cells4.data() + start.cell4;
     job.cells6.rows = body_.cells6.data() + start.cell6;
     job.cells8.rows = body_.cells8.data() + start.cell8;
-    job.hexahedra.rows = body_.hexahedra.data() + start.hexahedron;
-    job.hexahedron_shape = body_.hexahedron_shape.data() + start.hexahedron / (8 * body_.lanes);
-    job.hexahedron_shapes = body_.hexahedron_shapes.data();
+    lattice_.point(static_cast<int>(c), job);
     job.simplices.rows = body_.simplices.data() + start.simplex;
     job.cell_simplices.rows = body_.cell_simplices.data() + start.cell_simplex;
   }

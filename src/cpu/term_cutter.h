@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cluster_slots.h"
-#include "hexahedra.h"
+#include "lattice_cutter.h"
 #include "simplices.h"
 #include "vector_rows.h"
 
@@ -25,7 +25,7 @@ class TermCutter {
  private:
   struct Start {  // where a cluster's rows begin in the arrays of the body
     std::size_t base_slice, enumerated_slice, enumerated, spring_slice, volume, cell4, cell6, cell8, simplex,
-        cell_simplex, hexahedron;
+        cell_simplex;
   };
 
   std::vector<bool> taken_cells() const;
@@ -36,7 +36,6 @@ class TermCutter {
   void cut_spring_slice(const Cluster& cluster, int s, Index own);
   int cut_volumes(int c);
   int cut_cells(int c, int least, int corners, Floats& to);
-  int cut_hexahedra(int c);
   int cut_simplices(int c, bool with_cell, Floats& to);
   void fill_idle_lanes(int c);
   void estimate_cost(int c);
@@ -46,9 +45,10 @@ class TermCutter {
   VectorBody& body_;
   Slots slots_;
   const Simplices shared_;
-  const Hexahedra lattice_;
+  Hexahedra found_;
+  LatticeCutter lattice_;
   bool slices_bases_ = false, enumerates_ = false;
-  std::vector<std::vector<Index>> volumes_, cells_, simplices_, hexahedra_;  // rows by cluster
+  std::vector<std::vector<Index>> volumes_, cells_, simplices_;  // rows by cluster
   std::vector<Start> starts_;
 };
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "../float_tables.h"
+#include "../locality_order.h"
 #include "renumbering.h"
 #include "term_cutter.h"
 #include "vector_rows.h"

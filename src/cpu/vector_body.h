@@ -38,14 +38,17 @@ struct VectorBody {
 
   // Arrays of the jobs and of simd::Move.
   Offsets base_first, spring_first, enumerated_first, enumerated_neighbours, own, halo_first, halo, give_first;
-  Offsets hexahedron_shape;
-  Floats hexahedra, hexahedron_shapes;
+  Offsets hexahedron_shape, star_shape, box_shape;
+  Floats hexahedra, hexahedron_shapes, stars, boxes;
+  std::vector<simd::BoxShape> box_shapes;
   Floats bases, enumerated, springs, volumes, cells4, cells6, cells8, simplices, cell_simplices, stiffness,
       inverse_mass, mass, give;
 
   int slices() const { return places / lanes; }
   bool gives() const { return use == simd::BaseUse::attractor && !(bases.empty() && enumerated.empty()); }
   double cost() const;  ///< ns per step, rough
+  /// See Solver::bytes_a_step. Loads of a scene, which few particles have, are not among them.
+  double bytes_a_step() const;
 };
 
 /// Throws Error where a constant is not a float or an offset not 32 bits.

@@ -2,7 +2,6 @@
 #include "vector_solver.h"
 
 #include <phymul/elasticity.h>
-#include <phymul/error.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,6 +18,7 @@
 #include "thread_pool.h"
 #include "vector_body.h"
 #include "vector_loads.h"
+#include "vector_profile.h"
 #include "vector_tools.h"
 
 namespace phymul::cpu {
@@ -78,7 +78,9 @@ class VectorSolver final : public Solver {
         pool_(thread_count(options().threads, *body_)),
         tools_(*body_, topology(), pool_.parts()),
         first_cluster_(shared_out(*body_, pool_.parts())),
-        reach_(static_cast<std::size_t>(pool_.parts())) {
+        reach_(static_cast<std::size_t>(pool_.parts())),
+        laps_(profiling(), *body_),
+        no_laps_(nullptr, *body_) {
     const auto quads = 4 * (static_cast<std::size_t>(body_->places) + 1);
     u_.assign(quads, 0.0f);
     next_u_ = u_;
@@ -94,21 +96,36 @@ class VectorSolver final : public Solver {
   }
 
  private:
-  void do_reset(const State& state) override {
+  void do_reset(const State& state) override { take(state, {}); }
+
+  void do_snapshot(Snapshot& snapshot) const override {
+    do_read(snapshot.state);
+    snapshot.displacement.resize(body_->order.size());
+    for (std::size_t place = 0; place < body_->order.size(); ++place) {
+      snapshot.displacement[body_->order[place]] = displacement(u_, place);
+    }
+    snapshot.last_dt = last_dt_;
+    snapshot.steps_at_rest = steps_at_rest_;
+  }
+
+  void do_restore(const Snapshot& snapshot) override {
+    refuse_parts(snapshot);
+    take(snapshot.state, snapshot.displacement);
+    last_dt_ = snapshot.last_dt;
+    steps_at_rest_ = snapshot.steps_at_rest;
+  }
+
+  /// Displacements are those of the state where none are given.
+  void take(const State& state, const VecList& given) {
+    require_state_in_range(topology().rest, state);
     for (std::size_t place = 0; place < body_->order.size(); ++place) {
       const Index i = body_->order[place];
-      const Vec3 u = state.position[i] - topology().rest[i];
+      const Vec3 u = given.empty() ? Vec3(state.position[i] - topology().rest[i]) : given[i];
       for (int a = 0; a < 3; ++a) {
-        next_u_[4 * place + a] = static_cast<float>(u[a]);
-        next_v_[velocity_at(place, a)] = static_cast<float>(state.velocity[i][a]);
-        if (std::isfinite(next_u_[4 * place + a]) && std::isfinite(next_v_[velocity_at(place, a)])) continue;
-        throw Error("Solver::reset: particle " + std::to_string(i) +
-                    " has a displacement or velocity beyond single precision; the backend \"reference\" computes in "
-                    "double precision");
+        u_[4 * place + a] = static_cast<float>(u[a]);
+        v_[velocity_at(place, a)] = static_cast<float>(state.velocity[i][a]);
       }
     }
-    u_.swap(next_u_);
-    v_.swap(next_v_);
     tools_.set().reset(scene(), state);
     time_ = state.time;
     last_dt_ = 0.0;
@@ -121,16 +138,20 @@ class VectorSolver final : public Solver {
     tools_.follow(scene(), frame().fixed);
   }
 
+  void do_values_changed() override { steps_at_rest_ = 0; }
   bool do_takes_tools() const override { return true; }
+  const char* do_cannot() const override { return nullptr; }
   const ToolReport& do_tool_report(std::size_t row) const override { return tools_.set().report(row); }
 
   Motion do_step(const StepPlan& plan) override {
     const DenormalsAreZero guard;
     Motion motion;
     motion.steps_at_rest = steps_at_rest_;
+    laps_.begin();
     if (!tools_.empty()) tools_.set().begin_call(scene(), plan.steps, plan.stop_at_rest);
     while (motion.steps < plan.steps) {
-      step_once(plan);
+      motion.lost_volume = step_once(plan);
+      if (motion.lost_volume >= 0) break;
       simd::Reach reach;
       for (const simd::Reach& of_part : reach_) {
         reach.acceleration = std::max(reach.acceleration, of_part.acceleration);
@@ -140,7 +161,6 @@ class VectorSolver final : public Solver {
         reach.runaway = reach.runaway || of_part.runaway;
         reach.cut = reach.cut || of_part.cut;
       }
-      motion.cut = motion.cut || reach.cut;
       motion.max_acceleration = std::sqrt(static_cast<double>(reach.acceleration));
       motion.max_force = std::sqrt(static_cast<double>(reach.force));
       if (reach.runaway) {
@@ -153,6 +173,7 @@ class VectorSolver final : public Solver {
       time_ += plan.dt;
       last_dt_ = plan.dt;
       ++motion.steps;
+      motion.cut = motion.cut || reach.cut;
 
       motion.max_speed = std::sqrt(static_cast<double>(reach.speed));
       const RestThresholds rest = rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest},
@@ -160,26 +181,32 @@ class VectorSolver final : public Solver {
       const bool quiet = motion.max_speed <= rest.speed && motion.max_acceleration <= rest.acceleration;
       steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
       motion.steps_at_rest = steps_at_rest_;
+      laps_.end(Work::checks);
+      laps_.end_step();
       if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;
     }
     return motion;
   }
 
-  void step_once(const StepPlan& plan) {
+  /// The row of a volume that cannot be restored; -1: none.
+  int step_once(const StepPlan& plan) {
     loads_.act_at(scene(), time_);
     loads_.impose_at(scene(), time_ + plan.dt);
     simd::Move move = move_of(plan);
+    laps_.end(Work::loads);
     pool_.run([this](int part, int) {
       const DenormalsAreZero guard;
       for (int c = first_cluster_[part]; c < first_cluster_[part + 1]; ++c) elastic_forces_of(c, part);
     });
+    laps_.end(Work::waiting);
     run(move);
-    if (tools_.empty()) return;
+    if (tools_.empty()) return -1;
     if (tools_.act(move, pool_, plan.dt)) {
       move.load = tools_.loads();
       run(move);
     }
     tools_.shift(next_u_.data());
+    return tools_.lost_volume();
   }
 
   void run(const simd::Move& move) {
@@ -188,22 +215,51 @@ class VectorSolver final : public Solver {
       const auto bound = [&](int k) { return static_cast<int>(std::int64_t{body_->slices()} * k / parts); };
       kernels_.move(move, bound(part), bound(part + 1), reach_[part]);
     });
+    laps_.end(Work::move);
   }
 
   void elastic_forces_of(int c, int part) {
+    WorkLaps& laps = part == 0 ? laps_ : no_laps_;  // part 0 is the calling thread; the others write nothing
     const Cluster& cluster = body_->clusters[c];
     simd::Job job = cluster.job;
     job.force = bytes(force_) + 16 * cluster.force_first;
     std::memset(job.force, 0, 16 * static_cast<std::size_t>(cluster.slots()));
     if (body_->gives()) job.pull = bytes(pull_) + 16 * static_cast<std::size_t>(cluster.first);
     job.u = displacements_of(cluster, half_a_page_from(job.force, bytes(near_u_[part])));
-    if (job.bases.count > 0) kernels_.bases[static_cast<int>(body_->use)][body_->plane][body_->scaled](job);
-    if (job.enumerated.count > 0) kernels_.enumerated[body_->use == simd::BaseUse::averaged](job);
-    if (job.springs.count > 0) kernels_.springs(job);
-    if (job.hexahedra.count > 0) kernels_.hexahedra[body_->bounded](job);
-    if (job.simplices.count + job.cell_simplices.count > 0) kernels_.simplices[body_->bounded](job);
-    if (job.volumes.count > 0) kernels_.volumes[body_->plane][body_->bounded](job);
-    if (job.cells4.count + job.cells6.count + job.cells8.count > 0) kernels_.cells[body_->bounded](job);
+    laps.end(Work::gathering);
+    if (job.bases.count > 0) {
+      kernels_.bases[static_cast<int>(body_->use)][body_->plane][body_->scaled](job);
+      laps.end(Work::bases);
+    }
+    if (job.enumerated.count > 0) {
+      kernels_.enumerated[body_->use == simd::BaseUse::averaged](job);
+      laps.end(Work::enumerated_bases);
+    }
+    if (job.springs.count > 0) {
+      kernels_.springs(job);
+      laps.end(Work::springs);
+    }
+    if (job.hexahedra.count > 0) {
+      kernels_.hexahedra[body_->bounded](job);
+      laps.end(Work::hexahedra);
+    }
+    if (job.stars.count + job.boxes.count > 0) {
+      if (job.stars.count > 0) kernels_.stars[body_->bounded](job);
+      if (job.boxes.count > 0) kernels_.boxes[body_->bounded](job);
+      laps.end(Work::box_lattice);
+    }
+    if (job.simplices.count + job.cell_simplices.count > 0) {
+      kernels_.simplices[body_->bounded](job);
+      laps.end(Work::simplices);
+    }
+    if (job.volumes.count > 0) {
+      kernels_.volumes[body_->plane][body_->bounded](job);
+      laps.end(Work::volumes);
+    }
+    if (job.cells4.count + job.cells6.count + job.cells8.count > 0) {
+      kernels_.cells[body_->bounded](job);
+      laps.end(Work::cells);
+    }
   }
 
   /// Displacements slot by slot. The last slot, which stands for nothing, was set to 0.
@@ -288,6 +344,7 @@ class VectorSolver final : public Solver {
   }
 
   double do_time() const override { return time_; }
+  double do_bytes_a_step() const override { return body_->bytes_a_step(); }
 
   std::string do_device() const override {
     return std::to_string(pool_.parts()) + (pool_.parts() == 1 ? " thread" : " threads") + ", " + kernels_.name +
@@ -330,6 +387,7 @@ class VectorSolver final : public Solver {
   std::vector<Floats> near_u_;  // [parts] displacements of the cluster a part is at
   double time_ = 0.0, last_dt_ = 0.0;
   int steps_at_rest_ = 0;
+  WorkLaps laps_, no_laps_;
 };
 
 }  // namespace

@@ -73,10 +73,11 @@ VectorTools::VectorTools(const VectorBody& body, const TopologyTextures& topolog
 
 void VectorTools::follow(const Scene& scene, std::span<const std::uint8_t> fixed) {
   set_.follow(scene);
+  touching_.follow(scene);
   shifts_.clear();
   pushed_.clear();
   load_.clear();
-  if (set_.empty()) return;
+  if (empty()) return;
   const std::size_t count = body_.order.size();
   touched_.prepare(topology_.mass, fixed, topology_.dimension == 2);
   place_of_.resize(count);
@@ -107,6 +108,7 @@ bool VectorTools::act(const simd::Move& move, ThreadPool& pool, double dt) {
   Step step(*this, move, pool);
   touched_.begin(step, dt);
   set_.act(touched_);
+  lost_volume_ = touching_.act(touched_);
   touched_.end();
   return !pushed_.empty();
 }

@@ -8,6 +8,7 @@
 
 #include "thread_pool.h"
 #include "tool_set.h"
+#include "touching.h"
 #include "vector_body.h"
 
 namespace phymul::cpu {
@@ -17,13 +18,14 @@ class VectorTools {
   VectorTools(const VectorBody& body, const TopologyTextures& topology, int parts);
 
   void follow(const Scene& scene, std::span<const std::uint8_t> fixed);
-  bool empty() const { return set_.empty(); }
+  bool empty() const { return set_.empty() && touching_.empty(); }
   ToolSet& set() { return set_; }
   const ToolSet& set() const { return set_; }
 
   /// After a moving pass: what tools do about where it went. True where the pass is to be done again, with loads() in
   /// place of move.load.
   bool act(const simd::Move& move, ThreadPool& pool, double dt);
+  int lost_volume() const { return lost_volume_; }  ///< by the last act(): a row; -1: none
   const char* loads() const { return reinterpret_cast<const char*>(load_.data()); }
   /// After the last pass of a step.
   void shift(float* next_u) const;
@@ -35,6 +37,8 @@ class VectorTools {
   const VectorBody& body_;
   const TopologyTextures& topology_;
   ToolSet set_;
+  Touching touching_;
+  int lost_volume_ = -1;
   TouchedParticles touched_;
   // Empty without tools.
   std::vector<Index> place_of_;                                 // [particles]

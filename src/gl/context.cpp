@@ -9,15 +9,15 @@
 
 namespace phymul::gl {
 
-std::shared_ptr<Context> Context::open(const GlOptions& options) {
+std::shared_ptr<Context> Context::open(const GlOptions& options, GlBackend backend) {
   switch (options.context) {
     case GlContext::own:
     case GlContext::shared:
-      return std::make_shared<OwnContext>(options);
+      return std::make_shared<OwnContext>(options, backend);
     case GlContext::worker:
-      return std::make_shared<WorkerContext>(options);
+      return std::make_shared<WorkerContext>(options, backend);
     case GlContext::current:
-      return std::make_shared<CurrentContext>();
+      return std::make_shared<CurrentContext>(backend);
   }
   throw Error("GlOptions::context: expected own, shared, worker or current, got " +
               std::to_string(static_cast<int>(options.context)));

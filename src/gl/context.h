@@ -12,6 +12,7 @@
 
 #include "gl/context_info.h"
 #include "gl/unreachable.h"
+#include "gl_backend.h"
 
 namespace phymul::gl {
 
@@ -19,8 +20,8 @@ namespace phymul::gl {
 /// thread at a time.
 class Context {
  public:
-  /// As GlOptions::context says. Throws Error that lists what was tried.
-  static std::shared_ptr<Context> open(const GlOptions& options);
+  /// As GlOptions::context says, of the version that the backend needs. Throws Error that lists what was tried.
+  static std::shared_ptr<Context> open(const GlOptions& options, GlBackend backend = GlBackend::fragment);
 
   virtual ~Context() = default;
   Context(const Context&) = delete;

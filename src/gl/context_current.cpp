@@ -32,13 +32,14 @@ void* current_handle() {
 
 }  // namespace
 
-CurrentContext::CurrentContext() : handle_(current_handle()) {
+CurrentContext::CurrentContext(GlBackend backend) : handle_(current_handle()) {
   if (!handle_) {
     throw Error(
         "GlContext::current: no context of EGL or GLX is current on this thread; make the host's current first");
   }
   load_functions();
   info_ = read_context_info();
+  require_backend(info_, backend);
   info_.display = "the host's context";
   run([this] { self_test(info_); });
 }

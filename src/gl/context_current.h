@@ -8,7 +8,7 @@ namespace phymul::gl {
 /// GlContext::current: the context that is current when this is made, EGL's or GLX's, and must be at every call.
 class CurrentContext : public Context {
  public:
-  CurrentContext();
+  explicit CurrentContext(GlBackend backend);
 
  private:
   void call(Task task, void* argument) override;

@@ -89,6 +89,12 @@ ContextInfo read_context_info() {
   return info;
 }
 
+void require_backend(const ContextInfo& info, GlBackend backend) {
+  if (backend == GlBackend::fragment || info.computes()) return;
+  throw Error("expected OpenGL 4.3 or OpenGL ES 3.1, or later, for compute shaders, got " + info.device() +
+              "; the backend \"gl\" runs there, by fragment shaders");
+}
+
 bool was_reset(const ContextInfo& info) {
   if (!info.has_robustness) return false;
   const char* name = "glGetGraphicsResetStatus";

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "gl_backend.h"
+
 namespace phymul::gl {
 
 struct ContextInfo {
@@ -28,11 +30,16 @@ struct ContextInfo {
   bool has(std::string_view extension) const;
   /// "llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5 core, Mesa 22.3.6, software renderer"
   std::string device() const;
+  /// Storage buffers and compute shaders: OpenGL 4.3, OpenGL ES 3.1.
+  bool computes() const { return es ? at_least(3, 1) : at_least(4, 3); }
 };
 
 /// Of the context that is current; functions must be loaded. Throws Error when it is none phymul can work in: OpenGL
 /// 3.3 or OpenGL ES 3.0 with EXT_color_buffer_float.
 ContextInfo read_context_info();
+
+/// Throws Error where the context is none that the backend can run in.
+void require_backend(const ContextInfo& info, GlBackend backend);
 
 /// Draws one texel into an RGBA32F texture and reads it back; throws Error where another value arrives. Leaves no
 /// objects, but bindings as they fall.

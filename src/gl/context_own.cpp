@@ -5,7 +5,7 @@
 
 namespace phymul::gl {
 
-OwnContext::OwnContext(const GlOptions& options) : egl_(EglContext::open(options)) {
+OwnContext::OwnContext(const GlOptions& options, GlBackend backend) : egl_(EglContext::open(options, backend)) {
   info_ = egl_->info();
 }
 

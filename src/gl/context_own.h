@@ -9,7 +9,7 @@ namespace phymul::gl {
 /// GlContext::own and shared: current on the caller's thread, for the time of a call.
 class OwnContext : public Context {
  public:
-  explicit OwnContext(const GlOptions& options);
+  OwnContext(const GlOptions& options, GlBackend backend);
   void throw_debug_errors() override { egl_->debug_log().throw_errors(); }
 
  private:

@@ -5,7 +5,8 @@
 
 namespace phymul::gl {
 
-WorkerContext::WorkerContext(const GlOptions& options) : thread_([this, options] { serve(options); }) {
+WorkerContext::WorkerContext(const GlOptions& options, GlBackend backend)
+    : thread_([this, options, backend] { serve(options, backend); }) {
   std::exception_ptr failure;
   {
     std::unique_lock lock(mutex_);
@@ -38,10 +39,10 @@ void WorkerContext::call(Task task, void* argument) {
   if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 
-void WorkerContext::open(const GlOptions& options) {
+void WorkerContext::open(const GlOptions& options, GlBackend backend) {
   GlOptions own = options;
   own.context = GlContext::own;
-  egl_ = EglContext::open(own);
+  egl_ = EglContext::open(own, backend);
   egl_->make_current();
   info_ = egl_->info();
 }
@@ -56,9 +57,9 @@ void WorkerContext::finish(std::exception_ptr failure) {
   changed_.notify_all();
 }
 
-void WorkerContext::serve(const GlOptions& options) {
+void WorkerContext::serve(const GlOptions& options, GlBackend backend) {
   try {
-    open(options);
+    open(options, backend);
   } catch (...) {
     egl_.reset();
     eglReleaseThread();

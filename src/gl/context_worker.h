@@ -15,14 +15,14 @@ namespace phymul::gl {
 /// time.
 class WorkerContext : public Context {
  public:
-  explicit WorkerContext(const GlOptions& options);
+  WorkerContext(const GlOptions& options, GlBackend backend);
   ~WorkerContext() override;
   void throw_debug_errors() override { egl_->debug_log().throw_errors(); }
 
  private:
   void call(Task task, void* argument) override;
-  void serve(const GlOptions& options);  ///< the thread
-  void open(const GlOptions& options);
+  void serve(const GlOptions& options, GlBackend backend);  ///< the thread
+  void open(const GlOptions& options, GlBackend backend);
   void finish(std::exception_ptr failure);
 
   std::unique_ptr<EglContext> egl_;  // made and ended on the thread

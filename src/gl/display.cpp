@@ -11,7 +11,7 @@
 #include "gl/body_drawing.h"
 #include "gl/context.h"
 #include "gl/context_user.h"
-#include "gl/fragment_options.h"
+#include "gl/options.h"
 #include "gl/pass.h"
 #include "gl/picture_target.h"
 

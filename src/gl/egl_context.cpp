@@ -37,10 +37,13 @@ GlDialect wanted_dialect(const GlOptions& options) {
   throw Error("PHYMUL_GL_DIALECT: expected \"desktop\" or \"es\", got \"" + std::string(wish) + "\"");
 }
 
-std::vector<Request> requests_for(GlDialect dialect) {
+std::vector<Request> requests_for(GlDialect dialect, GlBackend backend) {
   std::vector<Request> requests;
   if (dialect != GlDialect::es) requests.insert(requests.end(), desktop_requests.begin(), desktop_requests.end());
   if (dialect != GlDialect::desktop) requests.insert(requests.end(), es_requests.begin(), es_requests.end());
+  if (backend == GlBackend::compute) {
+    std::erase_if(requests, [](const Request& r) { return r.es ? r.minor < 1 : r.major < 4; });
+  }
   return requests;
 }
 
@@ -95,8 +98,8 @@ GlDialect dialect_of(const Host& host, GlDialect wanted) {
 /// Makes contexts on one display, and keeps a list of what failed.
 class EglContextMaker {
  public:
-  EglContextMaker(DisplayChoice place, const Host& host, bool debug)
-      : display_(place.display), name_(std::move(place.name)), host_(host), debug_(debug) {}
+  EglContextMaker(DisplayChoice place, const Host& host, bool debug, GlBackend backend)
+      : display_(place.display), name_(std::move(place.name)), host_(host), debug_(debug), backend_(backend) {}
 
   /// Null where the request failed; failures() has got a line then.
   std::unique_ptr<EglContext> make(const Request& request) {
@@ -119,6 +122,7 @@ class EglContextMaker {
     made->make_current();
     load_functions();
     made->info_ = read_context_info();
+    require_backend(made->info_, backend_);
     made->info_.display = name_;
     if (debug_) made->log_.listen(made->info_);
     self_test(made->info_);
@@ -211,10 +215,11 @@ class EglContextMaker {
   std::string name_;
   Host host_;
   bool debug_;
+  GlBackend backend_;
   std::string failures_;
 };
 
-std::unique_ptr<EglContext> EglContext::open(const GlOptions& options) {
+std::unique_ptr<EglContext> EglContext::open(const GlOptions& options, GlBackend backend) {
   const EglGuard guard;
   const Host host = host_of(options);
   // PHYMUL_GL_DIALECT has no say beside a host, whose dialect decides.
@@ -230,11 +235,17 @@ std::unique_ptr<EglContext> EglContext::open(const GlOptions& options) {
       failures += "\n  " + place.name + ": " + error.what();
       continue;
     }
-    EglContextMaker maker(place, host, wants_debug(options));
-    for (const Request& request : requests_for(dialect)) {
+    EglContextMaker maker(place, host, wants_debug(options), backend);
+    for (const Request& request : requests_for(dialect, backend)) {
       if (auto made = maker.make(request)) return made;
     }
     failures += maker.failures();
+  }
+  if (backend == GlBackend::compute) {
+    throw Error(
+        "no OpenGL 4.3 or OpenGL ES 3.1 context without a window could be made, which compute shaders need; the "
+        "backend \"gl\" needs OpenGL 3.3 or OpenGL ES 3.0 only; tried:" +
+        failures);
   }
   throw Error("no OpenGL 3.3 or OpenGL ES 3.0 context without a window could be made; tried:" + failures);
 }

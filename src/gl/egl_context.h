@@ -18,7 +18,7 @@ class EglContext {
  public:
   /// A context that has passed its self-test, on the first display that gives one. It is current on no thread when this
   /// returns, and what was current still is. Throws Error that lists what was tried, each with its reason.
-  static std::unique_ptr<EglContext> open(const GlOptions& options);
+  static std::unique_ptr<EglContext> open(const GlOptions& options, GlBackend backend);
 
   ~EglContext();
   EglContext(const EglContext&) = delete;

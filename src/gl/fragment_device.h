@@ -1,43 +1,37 @@
 // SPDX-License-Identifier: MIT
 //
-// Everything of a fragment solver that lives in its context: made, used and deleted inside Context::run.
+// The device of the backend "gl": every pass a fragment shader, every table a texture.
 #pragma once
 
 #include <memory>
-#include <vector>
 
-#include "gl/fragment_copies.h"
+#include "gl/device.h"
 #include "gl/fragment_passes.h"
 #include "gl/fragment_report.h"
 #include "gl/fragment_sums.h"
+#include "gl/pass_timer.h"
 
 namespace phymul::gl {
 
-class FragmentDevice {
+class FragmentDevice final : public Device {
  public:
-  /// Most steps between two reads of a report, so that their numbers fit what step_pass.glsl packs.
-  static constexpr int most_steps = 256;
-
   /// Compiles, uploads, and draws every pass of a step once: drivers compile at the first draw, not when they are told.
   FragmentDevice(const FloatTables& tables, const Scene& scene, const ShaderLibrary& library, bool four_passes);
 
-  void set_scene(const Scene& scene);
-  void write(const VecList& rest, const State& state) { state_.write(rest, state); }
-  FragmentState& state() { return state_; }
-  FragmentCopies& copies() { return copies_; }
-
-  /// The loads at the instants of a batch: instants[s] is the old time of its step s + 1.
-  void begin_batch(const StepConstants& constants, const std::vector<double>& instants);
-  /// Steps 1 ... count of the batch from the checkpoint; the last one measures.
-  void run(int count);
-  /// Step `number` from the present state, which stays as it is; only what it measures is kept.
-  BatchReport try_step(int number);
-  /// Of the steps since begin_batch(), or since the last run() did.
-  BatchReport report();
-
-  Energy energy(const Scene& scene, double time, double dt);
-  Momentum momentum(const VecList& rest, const Vec3& about);
-  const Texture& attractors();
+  void set_scene(const Scene& scene) override;
+  void write(const VecList& rest, const State& state) override { state_.write(rest, state); }
+  void read(const VecList& rest, State& state) override { state_.read(rest, state); }
+  void begin_batch(const StepConstants& constants, const std::vector<double>& instants) override;
+  void run(int count) override;
+  BatchReport try_step(int number) override;
+  BatchReport report() override;
+  Energy energy(const Scene& scene, double time, double dt) override;
+  Momentum momentum(const VecList& rest, const Vec3& about) override;
+  void request_copy(double time) override { state_.request_copy(copies_, time); }
+  bool collect_copy(const VecList& rest, State& state) override { return copies_.collect(rest, {}, state); }
+  void drop_copies() override { copies_.clear(); }
+  const Texture& displacements() override { return state_.displacement(); }
+  const Texture& attractors() override;
 
  private:
   EmptyVertexArray vertices_;
@@ -48,7 +42,7 @@ class FragmentDevice {
   FragmentPasses passes_;
   FragmentReport report_;
   FragmentSums sums_;
-  FragmentCopies copies_;
+  StateCopies copies_;
 };
 
 }  // namespace phymul::gl

@@ -1,58 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "gl/fragment_loads.h"
 
-#include <algorithm>
-
 namespace phymul::gl {
-namespace {
 
-Float4 to_float(const Vec3& v, float w = 0.0f) {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), w};
-}
-
-}  // namespace
-
-FragmentLoads::FragmentLoads(const Scene& scene, int instants) : scene_(&scene), modes_(scene.modes()) {
-  kind_ = {.forces = !modes_.force_offset.empty(), .fixed = !modes_.fixed.empty()};
-  row_.resize(static_cast<std::size_t>(modes_.count));
-  gravity_.resize(static_cast<std::size_t>(instants));
-  if (!kind_.any()) return;
-  upload_parts();
-  table_.resize(gravity_.size() * row_.size());
-  values_ = Texture::target(static_cast<std::int64_t>(table_.size()), TexelFormat::r32f, "load_values");
-}
-
-void FragmentLoads::upload_parts() {
-  std::vector<Float4> parts;
-  for (const auto* list : {&modes_.force, &modes_.target}) {
-    for (const LoadModes::Part& part : *list) parts.push_back(to_float(part.vector, static_cast<float>(part.mode)));
-  }
-  const auto targets = static_cast<Index>(modes_.force.size());
-  std::vector<Int4> index(scene_->model().rest.size(), Int4{});
-  for (std::size_t i = 0; i < index.size(); ++i) {
-    if (kind_.forces) {
-      index[i][0] = modes_.force_offset[i];
-      index[i][1] = modes_.force_offset[i + 1];
-    }
-    if (kind_.fixed) {
-      index[i][2] = targets + modes_.target_offset[i];
-      index[i][3] = (modes_.target_offset[i + 1] - modes_.target_offset[i]) * 8 + modes_.fixed[i];
-    }
-  }
-  index_ = Texture::table(std::span<const Int4>(index), "load_index");
-  parts_ = Texture::table(std::span<const Float4>(parts), "load_parts");
+FragmentLoads::FragmentLoads(const Scene& scene, int instants) : table_(scene, instants) {
+  if (!kind().any()) return;
+  index_ = Texture::table(std::span<const Int4>(table_.index()), "load_index");
+  parts_ = Texture::table(std::span<const Float4>(table_.parts()), "load_parts");
+  values_ = Texture::target(static_cast<std::int64_t>(table_.values().size()), TexelFormat::r32f, "load_values");
 }
 
 void FragmentLoads::evaluate(const std::vector<double>& instants) {
-  float* out = table_.data();
-  for (std::size_t at = 0; at < instants.size(); ++at) {
-    scene_->mode_values(instants[at], row_);
-    Vec3 gravity = modes_.gravity;
-    for (const LoadModes::Part& part : modes_.acceleration) gravity += row_[part.mode] * part.vector;
-    gravity_[at] = to_float(gravity);
-    if (values_) out = std::transform(row_.begin(), row_.end(), out, [](double v) { return static_cast<float>(v); });
-  }
-  if (values_) values_.upload(std::span<const float>(table_.data(), instants.size() * row_.size()));
+  table_.evaluate(instants);
+  const std::size_t modes = static_cast<std::size_t>(table_.mode_count());
+  if (values_) values_.upload(std::span<const float>(table_.values().data(), instants.size() * modes));
 }
 
 void FragmentLoads::bind(Pass& pass) const {
@@ -60,7 +21,7 @@ void FragmentLoads::bind(Pass& pass) const {
   pass.input("load_index", index_);
   pass.input("load_parts", parts_);
   pass.input("load_values", values_);
-  pass.set("load_count", modes_.count);
+  pass.set("load_count", table_.mode_count());
 }
 
 }  // namespace phymul::gl

@@ -8,27 +8,9 @@
 namespace phymul::gl {
 namespace {
 
-using Files = std::vector<std::string>;
-
-Files joined(std::initializer_list<Files> parts) {
-  Files all;
-  for (const Files& part : parts) all.insert(all.end(), part.begin(), part.end());
-  return all;
-}
-
-Files base_kernel(const BodyKind& kind) {
-  const Files base{"delta_base.glsl"};
-  return kind.options.area_exponent != 0.0 ? joined({{"delta_height.glsl"}, base}) : base;
-}
-
-const Files common{"fetch.glsl", "vector3.glsl", "displacement.glsl"};
+const ShaderFiles common{"dialect_fragment.glsl", "tables.glsl", "vector3.glsl"};
 
 }  // namespace
-
-void define_kernels(const BodyKind& kind, ShaderRequest& request) {
-  request.defines.emplace_back("DIMENSION", kind.dimension);
-  if (kind.options.volume_law == VolumeLaw::bounded) request.defines.emplace_back("BOUNDED_VOLUME", 1);
-}
 
 FragmentPasses::FragmentPasses(const FragmentTables& tables, const ShaderLibrary& library, bool four)
     : tables_(&tables), library_(&library), four_(four) {
@@ -51,17 +33,13 @@ void FragmentPasses::add(ShaderRequest request, const std::vector<Attachment>& t
 void FragmentPasses::add_attractors() {
   const BodyKind& kind = tables_->kind();
   force_ = Texture::target(kind.particles, TexelFormat::rgba32f, "forces of attractors");
-  ShaderRequest request{.files = joined({common,
-                                         base_kernel(kind),
-                                         {kind.enumerated ? "attractor_pull_enumerated.glsl" : "attractor_pull.glsl"},
-                                         {"attractor_pass.glsl"}}),
-                        .defines = {}};
+  ShaderRequest request{.files = joined({common, base_kernel(kind), attractor_files(kind)}), .defines = {}};
   if (kind.options.area_exponent != 0.0) request.defines.emplace_back("AREA_EXPONENT", 1);
   if (!four_) return add(std::move(request), {{&force_}}, kind.particles);
   request.defines.emplace_back("FOUR_PASSES", 1);
   pull_ = Texture::target(kind.particles, TexelFormat::rgba32f, "pulls of attractors");
   add(std::move(request), {{&pull_}}, kind.particles);
-  add({.files = {"fetch.glsl", "force_pass.glsl"}, .defines = {}}, {{&force_}}, kind.particles);
+  add({.files = joined({common, {"force_pass.glsl"}}), .defines = {}}, {{&force_}}, kind.particles);
   before_.back().pass.input("pull", pull_);
 }
 
@@ -69,7 +47,8 @@ void FragmentPasses::add_bases() {
   const BodyKind& kind = tables_->kind();
   const int corners = kind.conservative() ? 4 : 3;
   base_terms_ = Texture::target(kind.bases, TexelFormat::rgba32f, "forces of bases", corners);
-  ShaderRequest request{.files = joined({common, base_kernel(kind), {"bases_pass.glsl"}}), .defines = {}};
+  ShaderRequest request{.files = joined({common, base_kernel(kind), {"force_of.glsl", "bases_pass.glsl"}}),
+                        .defines = {}};
   if (kind.options.area_exponent != 0.0) request.defines.emplace_back("AREA_EXPONENT", 1);
   if (!kind.conservative()) request.defines.emplace_back("AVERAGED", 1);
   std::vector<Attachment> layers;
@@ -82,35 +61,25 @@ void FragmentPasses::add_volumes_and_cells() {
   const BodyKind& kind = tables_->kind();
   if (kind.volumes > 0) {
     volume_terms_ = Texture::target(kind.volumes, TexelFormat::rgba32f, "forces of volumes", 4);
-    add({.files = joined({common, {"delta_volume.glsl", "volumes_pass.glsl"}}), .defines = {}},
+    add({.files = joined({common, volume_kernel(), {"volumes_pass.glsl"}}), .defines = {}},
         {{&volume_terms_, 0}, {&volume_terms_, 1}, {&volume_terms_, 2}, {&volume_terms_, 3}}, kind.volumes);
   }
   if (kind.cells > 0) {
     cell_terms_ = Texture::target(kind.cells, TexelFormat::rgba32f, "stresses of cells", 3);
-    add({.files = joined({common, {"delta_base.glsl", "delta_volume.glsl", "delta_cell.glsl", "cells_pass.glsl"}}),
-         .defines = {}},
+    add({.files = joined({common, {"delta_base.glsl"}, cell_kernel(), {"cells_pass.glsl"}}), .defines = {}},
         {{&cell_terms_, 0}, {&cell_terms_, 1}, {&cell_terms_, 2}}, kind.cells);
   }
 }
 
 ShaderRequest FragmentPasses::gathering(const LoadKind& loads, const char* pass) const {
   const BodyKind& kind = tables_->kind();
-  ShaderRequest request{
-      .files = joined({common, {"delta_spring.glsl", "integrate_displacement.glsl", "net_force.glsl"}}), .defines = {}};
+  ShaderRequest request{.files = joined({common,
+                                         {"delta_spring.glsl", "integrate_displacement.glsl", "force_of.glsl",
+                                          "terms_of.glsl", "net_force.glsl"}}),
+                        .defines = {}};
   request.files.emplace_back(pass);
   define_kernels(kind, request);
-  const auto define = [&](const char* name, bool wanted) {
-    if (wanted) request.defines.emplace_back(name, 1);
-  };
-  define("ATTRACTORS", kind.attractors);
-  define("SHARES", kind.attractors && !kind.base_terms);
-  define("BASE_TERMS", kind.base_terms);
-  define("CONSERVATIVE", kind.conservative());
-  define("VOLUMES", kind.volumes > 0);
-  define("CELLS", kind.cells > 0);
-  define("SPRINGS", kind.springs);
-  define("FORCES", loads.forces);
-  define("FIXED", loads.fixed);
+  define_gathering(kind, loads, request);
   return request;
 }
 

@@ -13,17 +13,12 @@
 #include <deque>
 #include <optional>
 
+#include "gl/device.h"
 #include "gl/fragment_loads.h"
 #include "gl/fragment_state.h"
 #include "gl/fragment_tables.h"
 
 namespace phymul::gl {
-
-/// What all steps of a call have in common.
-struct StepConstants {
-  double dt = 0.0, damping_factor = 1.0;
-  double largest_acceleration = 0.0, runaway_speed = 0.0, speed_at_rest = 0.0, acceleration_at_rest = 0.0;
-};
 
 class FragmentPasses {
  public:
@@ -79,8 +74,5 @@ class FragmentPasses {
   Stepping* now_ = nullptr;
   const FragmentLoads* loads_ = nullptr;
 };
-
-/// The kernels' macros of a body.
-void define_kernels(const BodyKind& kind, ShaderRequest& request);
 
 }  // namespace phymul::gl

@@ -1,21 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "gl/fragment_report.h"
 
-#include <phymul/error.h>
-
-#include <limits>
 #include <utility>
 
 namespace phymul::gl {
 namespace {
 
 constexpr int rows_to_one = 16;  // report_pass.glsl
-constexpr std::int32_t never = std::numeric_limits<std::int32_t>::max();
+const std::vector<std::string> report_files{"dialect_fragment.glsl", "tables.glsl", "report_events.glsl",
+                                            "report_pass.glsl"};
 
 }  // namespace
 
 FragmentReport::FragmentReport(const ShaderLibrary& library, Index particles)
-    : first_(library, {.files = {"fetch.glsl", "report_pass.glsl"}, .defines = {{"FIRST", 1}}}), particles_(particles) {
+    : first_(library, {.files = report_files, .defines = {{"FIRST", 1}}}), particles_(particles) {
   int rows = particles;
   do {
     rows = (rows + rows_to_one - 1) / rows_to_one;
@@ -26,7 +24,7 @@ FragmentReport::FragmentReport(const ShaderLibrary& library, Index particles)
     level.target = Framebuffer({{&level.events}, {&level.maxima}});
     levels_.push_back(std::move(level));
   } while (rows > 1);
-  if (levels_.size() > 1) further_ = Pass(library, {.files = {"fetch.glsl", "report_pass.glsl"}, .defines = {}});
+  if (levels_.size() > 1) further_ = Pass(library, {.files = report_files, .defines = {}});
 }
 
 BatchReport FragmentReport::read(const Texture& displacement, const Texture& velocity, const Texture& measured) {
@@ -50,21 +48,7 @@ BatchReport FragmentReport::read(const Texture& displacement, const Texture& vel
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   levels_.back().target.read(0, GL_RGBA_INTEGER, GL_INT, events.data());
   levels_.back().target.read(1, GL_RGBA, GL_FLOAT, maxima.data());
-
-  if (events[0] < 1) throw Error("the device gave no report of its steps");
-  BatchReport report;
-  report.cut = events[0] == never - 1;
-  if (events[0] < never - 1) {
-    report.runaway_step = events[0];
-    report.particle = events[1];
-  }
-  report.first_unquiet = events[2] == never ? 0 : events[2];
-  report.last_unquiet = events[3];
-  report.max_speed = maxima[0];
-  report.max_acceleration = maxima[1];
-  report.max_force = maxima[2];
-  report.max_displacement = maxima[3];
-  return report;
+  return {events, maxima};
 }
 
 }  // namespace phymul::gl

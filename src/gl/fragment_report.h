@@ -5,20 +5,11 @@
 
 #include <vector>
 
+#include "gl/device.h"
 #include "gl/fragment_state.h"
 #include "gl/pass.h"
 
 namespace phymul::gl {
-
-/// Steps count from 1 within the batch; 0: never.
-struct BatchReport {
-  int runaway_step = 0;  ///< first in which a particle ran away
-  Index particle = -1;   ///< the first of them by number
-  bool cut = false;      ///< an elastic force was; false too where a particle ran away
-  int first_unquiet = 0, last_unquiet = 0;
-  /// Of the last step, if it was measuring.
-  double max_speed = 0.0, max_acceleration = 0.0, max_force = 0.0, max_displacement = 0.0;
-};
 
 class FragmentReport {
  public:

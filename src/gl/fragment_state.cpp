@@ -25,31 +25,23 @@ void FragmentState::read(const VecList& rest, State& state) const {
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   current().read(0, GL_RGBA, GL_FLOAT, u.data());
   current().read(1, GL_RGBA, GL_FLOAT, v.data());
-  unpack_state(u.data(), v.data(), rest, state);
+  unpack_state(u.data(), v.data(), rest, {}, state);
 }
 
 void FragmentState::write(const VecList& rest, const State& state) {
   std::vector<Float4> u(rest.size(), Float4{}), v(rest.size(), Float4{});
-  for (std::size_t i = 0; i < rest.size(); ++i) {
-    for (int axis = 0; axis < 3; ++axis) {
-      u[i][axis] = static_cast<float>(state.position[i][axis] - rest[i][axis]);
-      v[i][axis] = static_cast<float>(state.velocity[i][axis]);
-    }
-  }
+  pack_state(rest, state, {}, u.data(), v.data());
   displacement_[current_].upload(std::span<const Float4>(u));
   velocity_[current_].upload(std::span<const Float4>(v));
   set_checkpoint();
 }
 
-void unpack_state(const Float4* displacement, const Float4* velocity, const VecList& rest, State& state) {
-  state.position.resize(rest.size());
-  state.velocity.resize(rest.size());
-  for (std::size_t i = 0; i < rest.size(); ++i) {
-    for (int axis = 0; axis < 3; ++axis) {
-      state.position[i][axis] = rest[i][axis] + static_cast<double>(displacement[i][axis]);
-      state.velocity[i][axis] = static_cast<double>(velocity[i][axis]);
-    }
-  }
+void FragmentState::request_copy(StateCopies& copies, double time) const {
+  const auto texels = static_cast<std::size_t>(current().shape().texels());
+  copies.request(texels, time, [&] {
+    current().read(0, GL_RGBA, GL_FLOAT, nullptr);  // an offset in the buffer
+    current().read(1, GL_RGBA, GL_FLOAT, reinterpret_cast<void*>(texels * sizeof(Float4)));
+  });
 }
 
 }  // namespace phymul::gl

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "gl/framebuffer.h"
+#include "gl/state_copies.h"
 
 namespace phymul::gl {
 
@@ -37,7 +38,7 @@ class FragmentState {
   /// Framebuffer of the current state, to be read: displacement at 0, velocity at 1.
   const Framebuffer& current() const { return plain_[current_]; }
 
-  /// State from displacements: position = rest + u.
+  void request_copy(StateCopies& copies, double time) const;
   void read(const VecList& rest, State& state) const;
   void write(const VecList& rest, const State& state);
 
@@ -49,8 +50,5 @@ class FragmentState {
   std::array<Framebuffer, pairs> plain_, measuring_;
   int current_ = 0, checkpoint_ = 0;
 };
-
-/// Rows of displacement and velocity, as a framebuffer's read() gives them, as a state.
-void unpack_state(const Float4* displacement, const Float4* velocity, const VecList& rest, State& state);
 
 }  // namespace phymul::gl

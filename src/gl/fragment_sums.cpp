@@ -20,7 +20,8 @@ FragmentSums::Terms::Terms(Pass writing, int row_count, int targets) : pass(std:
 }
 
 FragmentSums::Sum FragmentSums::total(const Texture& terms, int rows) {
-  if (!added_) added_.emplace(*library_, ShaderRequest{.files = {"fetch.glsl", "sum_pass.glsl"}, .defines = {}});
+  if (!added_)
+    added_.emplace(*library_, ShaderRequest{.files = {"dialect_fragment.glsl", "sum_pass.glsl"}, .defines = {}});
   // Deleted below: sums are rare, and a driver keeps what a queued draw still needs.
   std::vector<Texture> levels;
   Framebuffer target;
@@ -59,15 +60,16 @@ void FragmentSums::compile_shared_terms() {
   const BodyKind& kind = passes_->tables().kind();
   shared_.clear();  // of an attempt that failed half-way
   const auto add = [&](std::vector<std::string> files, int rows) {
-    ShaderRequest request{.files = {"fetch.glsl", "vector3.glsl", "displacement.glsl"}, .defines = {{"ENERGY", 1}}};
+    ShaderRequest request{.files = {"dialect_fragment.glsl", "tables.glsl", "vector3.glsl"},
+                          .defines = {{"ENERGY", 1}}};
     request.files.insert(request.files.end(), files.begin(), files.end());
     define_kernels(kind, request);
     Pass pass(*library_, std::move(request));
     passes_->tables().bind(pass);
     shared_.emplace_back(std::move(pass), rows, 1);
   };
-  if (kind.volumes > 0) add({"delta_volume.glsl", "volumes_pass.glsl"}, kind.volumes);
-  if (kind.cells > 0) add({"delta_base.glsl", "delta_volume.glsl", "delta_cell.glsl", "cells_pass.glsl"}, kind.cells);
+  if (kind.volumes > 0) add(joined({volume_kernel(), {"volumes_pass.glsl"}}), kind.volumes);
+  if (kind.cells > 0) add(joined({{"delta_base.glsl"}, cell_kernel(), {"cells_pass.glsl"}}), kind.cells);
 }
 
 Energy FragmentSums::energy(const FragmentState& state, const FragmentLoads& loads, double dt) {
@@ -101,7 +103,7 @@ Momentum FragmentSums::momentum(const FragmentState& state, const VecList& rest,
     }
     rest_ = Texture::table(std::span<const Float4>(from_middle), "rest places");
     Pass pass(*library_,
-              {.files = {"fetch.glsl", "vector3.glsl", "displacement.glsl", "momentum_pass.glsl"}, .defines = {}});
+              {.files = {"dialect_fragment.glsl", "tables.glsl", "vector3.glsl", "momentum_pass.glsl"}, .defines = {}});
     passes_->tables().bind(pass);
     pass.input("rest", rest_);
     momentum_.emplace(std::move(pass), static_cast<int>(rest.size()), 2);

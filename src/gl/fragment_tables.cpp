@@ -7,19 +7,6 @@
 
 namespace phymul::gl {
 
-BodyKind::BodyKind(const FloatTables& tables)
-    : options(tables.options),
-      dimension(tables.dimension),
-      particles(tables.particle_count),
-      bases(tables.base_count),
-      volumes(tables.volume_count),
-      cells(tables.cell_count),
-      attractors(tables.has_attractors()),
-      base_terms(!tables.base.empty() &&
-                 (tables.options.reaction == Reaction::averaged || tables.options.reaction == Reaction::conservative)),
-      springs(!tables.spring.empty()),
-      enumerated(tables.layout == FloatLayout::enumerated) {}
-
 template <class Row>
 void FragmentTables::add(const char* name, const std::vector<Row>& rows) {
   if (!rows.empty()) textures_.push_back({name, Texture::table(std::span<const Row>(rows), name)});

@@ -5,23 +5,10 @@
 
 #include <vector>
 
+#include "gl/body_kind.h"
 #include "gl/pass.h"
 
 namespace phymul::gl {
-
-/// What a body holds, as far as shaders differ for it.
-struct BodyKind {
-  TopologyOptions options;
-  int dimension = 3;
-  Index particles = 0, bases = 0, volumes = 0, cells = 0;
-  bool attractors = false;  ///< particles have a force F_i of their own: any reaction but the conservative
-  bool base_terms = false;  ///< bases are evaluated a row each: averaged, conservative
-  bool springs = false;
-  bool enumerated = false;
-
-  explicit BodyKind(const FloatTables& tables);
-  bool conservative() const { return base_terms && !attractors; }
-};
 
 class FragmentTables {
  public:

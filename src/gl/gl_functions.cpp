@@ -66,6 +66,12 @@ void fill_gaps() {
   PHYMUL_FILL(InvalidateFramebuffer);
   PHYMUL_FILL(InvalidateSubFramebuffer);
   PHYMUL_FILL(GetInternalformativ);
+  // OpenGL 4.5, and an extension of OpenGL ES
+  PHYMUL_FILL(ClipControl);
+  PHYMUL_FILL(ClipControlEXT);
+  // OpenGL 4.2, 4.3; OpenGL ES 3.1
+  PHYMUL_FILL(DispatchCompute);
+  PHYMUL_FILL(MemoryBarrier);
 #undef PHYMUL_FILL
 }
 

@@ -10,8 +10,8 @@
 namespace phymul::gl {
 
 /// Loads GL functions through GLEW, once in a process; needs a current context. Afterwards every function that OpenGL
-/// 3.3 and OpenGL ES 3.0 have in common is there, and glTexStorage2D, 3D, glInvalidateFramebuffer. A pointer that is
-/// not null says nothing about the context: ask for its version and its extensions.
+/// 3.3 and OpenGL ES 3.0 have in common is there, and glTexStorage2D, 3D, glInvalidateFramebuffer, glDispatchCompute,
+/// glMemoryBarrier. A pointer that is not null says nothing about the context: ask for its version and its extensions.
 /// Throws Error.
 void load_functions();
 

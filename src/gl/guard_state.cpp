@@ -67,12 +67,34 @@ std::vector<GLenum> switches_of(const ContextInfo& info) {
   return names;
 }
 
+/// Where pictures stand upright and which depths are seen.
+bool has_clip_control(const ContextInfo& info) {
+  return info.es ? info.has("GL_EXT_clip_control") : info.at_least(4, 5) || info.has("GL_ARB_clip_control");
+}
+
+void set_clip_control(const ContextInfo& info, GLenum origin, GLenum depth) {
+  if (!has_clip_control(info)) return;
+  if (info.es) {
+    glClipControlEXT(origin, depth);
+  } else {
+    glClipControl(origin, depth);
+  }
+}
+
+void set_depth_range(const ContextInfo& info, GLfloat near, GLfloat far) {
+  if (info.es) {
+    glDepthRangef(near, far);
+  } else {
+    glDepthRange(static_cast<GLdouble>(near), static_cast<GLdouble>(far));
+  }
+}
+
 }  // namespace
 
 StateGuard::StateGuard(const ContextInfo& info) : info_(info) {
   save_objects();
   save_units();
-  save_uniform_buffers();
+  save_indexed_buffers();
   save_draw_buffers();
   save_switches();
   save_pixels();
@@ -81,7 +103,7 @@ StateGuard::StateGuard(const ContextInfo& info) : info_(info) {
 
 StateGuard::~StateGuard() {
   restore_units();
-  restore_uniform_buffers();
+  restore_indexed_buffers();
   restore_objects();
   for (const auto& [name, on] : switches_) set(name, on);
   restore_draw_buffers();
@@ -105,6 +127,11 @@ void StateGuard::save_objects() {
   glGetFloatv(GL_DEPTH_CLEAR_VALUE, &clear_depth_);
   glGetBooleanv(GL_DEPTH_WRITEMASK, &depth_mask_);
   depth_function_ = integer_of(GL_DEPTH_FUNC);
+  glGetFloatv(GL_DEPTH_RANGE, depth_range_.data());
+  if (has_clip_control(info_)) {
+    clip_origin_ = integer_of(GL_CLIP_ORIGIN);
+    clip_depth_ = integer_of(GL_CLIP_DEPTH_MODE);
+  }
   if (info_.es) return;
   glGetIntegerv(GL_POLYGON_MODE, polygon_mode_.data());
   clamp_read_ = integer_of(GL_CLAMP_READ_COLOR);
@@ -121,14 +148,23 @@ void StateGuard::save_units() {
   }
 }
 
-void StateGuard::save_uniform_buffers() {
+void StateGuard::save_indexed_buffers() {
+  const auto save = [](GLenum binding, GLenum start, GLenum size, std::vector<IndexedBuffer>& buffers) {
+    for (std::size_t i = 0; i < buffers.size(); ++i) {
+      const GLuint index = static_cast<GLuint>(i);
+      glGetIntegeri_v(binding, index, &buffers[i].name);
+      glGetInteger64i_v(start, index, &buffers[i].start);
+      glGetInteger64i_v(size, index, &buffers[i].size);
+    }
+  };
   uniform_buffers_.resize(uniform_buffers);
-  for (std::size_t i = 0; i < uniform_buffers_.size(); ++i) {
-    const GLuint index = static_cast<GLuint>(i);
-    glGetIntegeri_v(GL_UNIFORM_BUFFER_BINDING, index, &uniform_buffers_[i].name);
-    glGetInteger64i_v(GL_UNIFORM_BUFFER_START, index, &uniform_buffers_[i].start);
-    glGetInteger64i_v(GL_UNIFORM_BUFFER_SIZE, index, &uniform_buffers_[i].size);
-  }
+  save(GL_UNIFORM_BUFFER_BINDING, GL_UNIFORM_BUFFER_START, GL_UNIFORM_BUFFER_SIZE, uniform_buffers_);
+  if (!info_.computes()) return;
+  buffers_.emplace_back(GL_SHADER_STORAGE_BUFFER, integer_of(GL_SHADER_STORAGE_BUFFER_BINDING));
+  const GLint bindings = integer_of(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS);
+  storage_buffers_.resize(static_cast<std::size_t>(std::clamp(bindings, 0, storage_buffers)));
+  save(GL_SHADER_STORAGE_BUFFER_BINDING, GL_SHADER_STORAGE_BUFFER_START, GL_SHADER_STORAGE_BUFFER_SIZE,
+       storage_buffers_);
 }
 
 void StateGuard::save_draw_buffers() {
@@ -164,6 +200,8 @@ void StateGuard::set_defaults() {
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_LESS);
+  set_depth_range(info_, 0.0f, 1.0f);
+  set_clip_control(info_, GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
   for (const PixelStore& store : pixel_stores) {
     if (store.in_es || !info_.es) glPixelStorei(store.name, store.fresh);
   }
@@ -190,6 +228,8 @@ void StateGuard::restore_objects() const {
   }
   glDepthMask(depth_mask_);
   glDepthFunc(static_cast<GLenum>(depth_function_));
+  set_depth_range(info_, depth_range_[0], depth_range_[1]);
+  set_clip_control(info_, static_cast<GLenum>(clip_origin_), static_cast<GLenum>(clip_depth_));
   if (info_.es) return;
   glPolygonMode(GL_FRONT_AND_BACK, static_cast<GLenum>(polygon_mode_[0]));
   glClampColor(GL_CLAMP_READ_COLOR, static_cast<GLenum>(clamp_read_));
@@ -212,17 +252,21 @@ void StateGuard::restore_units() const {
   glActiveTexture(static_cast<GLenum>(active_unit_));
 }
 
-void StateGuard::restore_uniform_buffers() const {
-  for (std::size_t i = 0; i < uniform_buffers_.size(); ++i) {
-    const UniformBuffer& buffer = uniform_buffers_[i];
-    const GLuint index = static_cast<GLuint>(i), name = static_cast<GLuint>(buffer.name);
-    if (buffer.size > 0) {
-      glBindBufferRange(GL_UNIFORM_BUFFER, index, name, static_cast<GLintptr>(buffer.start),
-                        static_cast<GLsizeiptr>(buffer.size));
-    } else {
-      glBindBufferBase(GL_UNIFORM_BUFFER, index, name);
+void StateGuard::restore_indexed_buffers() const {
+  const auto restore = [](GLenum target, const std::vector<IndexedBuffer>& buffers) {
+    for (std::size_t i = 0; i < buffers.size(); ++i) {
+      const IndexedBuffer& buffer = buffers[i];
+      const GLuint index = static_cast<GLuint>(i), name = static_cast<GLuint>(buffer.name);
+      if (buffer.size > 0) {
+        glBindBufferRange(target, index, name, static_cast<GLintptr>(buffer.start),
+                          static_cast<GLsizeiptr>(buffer.size));
+      } else {
+        glBindBufferBase(target, index, name);
+      }
     }
-  }
+  };
+  restore(GL_UNIFORM_BUFFER, uniform_buffers_);
+  restore(GL_SHADER_STORAGE_BUFFER, storage_buffers_);
 }
 
 void StateGuard::restore_draw_buffers() const {

@@ -18,6 +18,7 @@ class StateGuard {
  public:
   static constexpr int texture_units = 16;   ///< of 2D and 2D array textures, and samplers
   static constexpr int uniform_buffers = 4;  ///< indexed bindings
+  static constexpr int storage_buffers = 5;  ///< indexed bindings, where there are any
 
   explicit StateGuard(const ContextInfo& info);
   ~StateGuard();
@@ -28,7 +29,7 @@ class StateGuard {
   struct Unit {
     GLint texture_2d = 0, texture_2d_array = 0, sampler = 0;
   };
-  struct UniformBuffer {
+  struct IndexedBuffer {
     GLint name = 0;
     GLint64 start = 0, size = 0;
   };
@@ -39,14 +40,14 @@ class StateGuard {
 
   void save_objects();
   void save_units();
-  void save_uniform_buffers();
+  void save_indexed_buffers();
   void save_draw_buffers();
   void save_switches();
   void save_pixels();
   void set_defaults();
   void restore_objects() const;
   void restore_units() const;
-  void restore_uniform_buffers() const;
+  void restore_indexed_buffers() const;
   void restore_draw_buffers() const;
   void restore_pixels() const;
   bool has_indexed_switches() const;
@@ -59,11 +60,13 @@ class StateGuard {
   GLboolean depth_mask_ = GL_TRUE;
   GLint depth_function_ = GL_LESS;
   GLfloat clear_depth_ = 1.0f;
+  std::array<GLfloat, 2> depth_range_{0.0f, 1.0f};
+  GLint clip_origin_ = 0, clip_depth_ = 0;  ///< where the context has a choice
   std::array<GLint, 2> polygon_mode_{GL_FILL, GL_FILL};
   GLint clamp_read_ = 0, clamp_fragment_ = 0;
   std::vector<std::pair<GLenum, GLint>> buffers_;  ///< target, name
   std::vector<Unit> units_;
-  std::vector<UniformBuffer> uniform_buffers_;
+  std::vector<IndexedBuffer> uniform_buffers_, storage_buffers_;
   std::vector<DrawBuffer> draw_buffers_;
   std::vector<std::pair<GLenum, GLboolean>> switches_;  ///< glEnable's
   std::vector<std::pair<GLenum, GLint>> pixels_;        ///< glPixelStore's

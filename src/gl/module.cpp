@@ -2,15 +2,15 @@
 //
 // The one function that the module shows.
 #include "gl/context.h"
+#include "gl/device_solver.h"
 #include "gl/display.h"
-#include "gl/fragment_solver.h"
 #include "gl_module.h"
 
 namespace phymul::gl {
 namespace {
 
-GlDevice probe(const GlOptions& options) {
-  const ContextInfo info = Context::open(options)->info();
+GlDevice probe(GlBackend backend, const GlOptions& options) {
+  const ContextInfo info = Context::open(options, backend)->info();
   return {info.device(), info.software};
 }
 
@@ -20,7 +20,7 @@ GlDevice probe(const GlOptions& options) {
 extern "C" __attribute__((visibility("default"))) const phymul::GlModule* phymul_gl_module() {
   static const phymul::GlModule module{.stamp = {},
                                        .probe = phymul::gl::probe,
-                                       .make = phymul::gl::make_fragment_solver,
+                                       .make = phymul::gl::make_device_solver,
                                        .make_display = phymul::gl::make_display};
   return &module;
 }

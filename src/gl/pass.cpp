@@ -7,9 +7,11 @@
 #include <string>
 #include <utility>
 
+#include "gl/pass_timer.h"
+
 namespace phymul::gl {
 
-Pass::Pass(const ShaderLibrary& library, ShaderRequest request) : program_(library, request) {}
+Pass::Pass(const ShaderLibrary& library, ShaderRequest request) : name_(request.name()), program_(library, request) {}
 
 void Pass::input(const char* name, const Texture& texture) {
   for (Input& input : inputs_) {
@@ -18,7 +20,7 @@ void Pass::input(const char* name, const Texture& texture) {
     if (input.log2_width == texture.log2_width()) return;
     input.log2_width = texture.log2_width();
     glUseProgram(program_.id());
-    glUniform1i(input.log2_location, input.log2_width);
+    glUniform1i(input.place_location, input.log2_width);
     return;
   }
   if (std::find(unused_.begin(), unused_.end(), name) != unused_.end()) return;
@@ -32,20 +34,16 @@ void Pass::input(const char* name, const Texture& texture) {
   if (static_cast<GLint>(inputs_.size()) >= units) {
     throw Error("a pass reads more textures than the " + std::to_string(units) + " this driver binds at a time");
   }
-  const GLint log2_location = program_.uniform((std::string(name) + "_log2").c_str());
+  const GLint place_location = program_.uniform((std::string(name) + "_place").c_str());
   glUseProgram(program_.id());
   glUniform1i(sampler, static_cast<GLint>(inputs_.size()));
-  glUniform1i(log2_location, texture.log2_width());
-  inputs_.push_back({name, texture.id(), texture.kind(), texture.log2_width(), log2_location});
+  glUniform1i(place_location, texture.log2_width());
+  inputs_.push_back({name, texture.id(), texture.kind(), texture.log2_width(), place_location});
 }
 
 GLint Pass::location(const char* name) {
   glUseProgram(program_.id());
-  for (const Uniform& uniform : uniforms_) {
-    if (uniform.name == name) return uniform.location;
-  }
-  uniforms_.push_back({name, program_.uniform(name)});
-  return uniforms_.back().location;
+  return program_.known_uniform(name);
 }
 
 void Pass::set(const char* name, int value) {
@@ -64,6 +62,7 @@ void Pass::set_rows(const Texture& target, int rows) {
 }
 
 void Pass::draw(const Framebuffer& target) {
+  const PassTimer::Timed timed(name_);
   glUseProgram(program_.id());
   for (std::size_t unit = 0; unit < inputs_.size(); ++unit) {
     glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));

@@ -16,7 +16,7 @@ class Pass {
   Pass() = default;
   Pass(const ShaderLibrary& library, ShaderRequest request);
 
-  /// The texture behind sampler `name`, and the uniform `name`_log2 that finds a row in it. Stays until the next call;
+  /// The texture behind sampler `name`, and the uniform `name`_place that finds a row in it. Stays until the next call;
   /// one the shader does not use is passed over.
   void input(const char* name, const Texture& texture);
 
@@ -37,18 +37,14 @@ class Pass {
     GLuint texture;
     GLenum kind;
     int log2_width;
-    GLint log2_location;
-  };
-  struct Uniform {
-    std::string name;
-    GLint location;
+    GLint place_location;
   };
   GLint location(const char* name);
 
+  std::string name_;  // of its last shader file, without the ending
   Program program_;
   std::vector<Input> inputs_;  // at texture units 0, 1, ...
   std::vector<std::string> unused_;
-  std::vector<Uniform> uniforms_;
 };
 
 /// What a draw without vertices needs in a core profile. Made and deleted in the context.

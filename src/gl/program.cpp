@@ -14,7 +14,7 @@ std::string renderer() {
   return text ? text : "an unnamed renderer";
 }
 
-std::string name_of(const ShaderRequest& request) {
+std::string name_of_last(const ShaderRequest& request) {
   return request.files.empty() ? std::string() : request.files.back();
 }
 
@@ -22,7 +22,7 @@ std::string name_of(const ShaderRequest& request) {
 class Shader {
  public:
   Shader(GLenum stage, const ShaderLibrary& library, const ShaderRequest& request) : id_(glCreateShader(stage)) {
-    const std::string text = library.text(request);
+    const std::string text = library.text(request, stage == GL_COMPUTE_SHADER ? Stage::compute : Stage::drawing);
     const char* start = text.c_str();
     glShaderSource(id_, 1, &start, nullptr);
     glCompileShader(id_);
@@ -34,8 +34,9 @@ class Shader {
     if (length > 0) glGetShaderInfoLog(id_, length, nullptr, log.data());
     log = log.c_str();
     glDeleteShader(id_);
-    throw Error(std::string(stage == GL_VERTEX_SHADER ? "vertex" : "fragment") + " shader " + name_of(request) +
-                " does not compile on " + renderer() + ":\n" + ShaderLibrary::readable(log, request));
+    const char* kind = stage == GL_VERTEX_SHADER ? "vertex" : stage == GL_COMPUTE_SHADER ? "compute" : "fragment";
+    throw Error(std::string(kind) + " shader " + name_of_last(request) + " does not compile on " + renderer() + ":\n" +
+                ShaderLibrary::readable(log, request));
   }
   Shader(const Shader&) = delete;
   Shader& operator=(const Shader&) = delete;
@@ -48,12 +49,7 @@ class Shader {
 
 }  // namespace
 
-Program::Program(const ShaderLibrary& library, const ShaderRequest& vertex, const ShaderRequest& fragment) {
-  const Shader corners(GL_VERTEX_SHADER, library, vertex);
-  const Shader body(GL_FRAGMENT_SHADER, library, fragment);
-  id_ = glCreateProgram();
-  glAttachShader(id_, corners.id());
-  glAttachShader(id_, body.id());
+void Program::link(const ShaderRequest& named) {
   glLinkProgram(id_);
   GLint good = GL_FALSE, length = 0;
   glGetProgramiv(id_, GL_LINK_STATUS, &good);
@@ -63,8 +59,35 @@ Program::Program(const ShaderLibrary& library, const ShaderRequest& vertex, cons
   if (length > 0) glGetProgramInfoLog(id_, length, nullptr, log.data());
   log = log.c_str();
   glDeleteProgram(id_);
-  throw Error("the program of " + name_of(fragment) + " does not link on " + renderer() + ":\n" +
-              ShaderLibrary::readable(log, fragment));
+  id_ = 0;
+  throw Error("the program of " + name_of_last(named) + " does not link on " + renderer() + ":\n" +
+              ShaderLibrary::readable(log, named));
+}
+
+Program::Program(const ShaderLibrary& library, const ShaderRequest& vertex, const ShaderRequest& fragment) {
+  const Shader corners(GL_VERTEX_SHADER, library, vertex);
+  const Shader body(GL_FRAGMENT_SHADER, library, fragment);
+  id_ = glCreateProgram();
+  glAttachShader(id_, corners.id());
+  glAttachShader(id_, body.id());
+  link(fragment);
+}
+
+Program Program::computing(const ShaderLibrary& library, const ShaderRequest& request) {
+  const Shader shader(GL_COMPUTE_SHADER, library, request);
+  Program program;
+  program.id_ = glCreateProgram();
+  glAttachShader(program.id_, shader.id());
+  program.link(request);
+  return program;
+}
+
+GLint Program::known_uniform(const char* name) {
+  for (const Uniform& known : uniforms_) {
+    if (known.name == name) return known.location;
+  }
+  uniforms_.push_back({name, uniform(name)});
+  return uniforms_.back().location;
 }
 
 Program::Program(Program&& other) noexcept {
@@ -73,6 +96,7 @@ Program::Program(Program&& other) noexcept {
 
 Program& Program::operator=(Program&& other) noexcept {
   std::swap(id_, other.id_);
+  std::swap(uniforms_, other.uniforms_);
   return *this;
 }
 

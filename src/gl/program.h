@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// Program: a vertex and a fragment shader, compiled and linked.
+// Program: a vertex and a fragment shader, or a compute shader, compiled and linked.
 #pragma once
 
 #include "gl/gl_api.h"
+
+#include <string>
+#include <vector>
 
 #include "shader_source.h"
 
@@ -17,6 +20,8 @@ class Program {
   /// A fragment shader over the rectangle of its target.
   Program(const ShaderLibrary& library, const ShaderRequest& fragment)
       : Program(library, {.files = {"cover_target.glsl"}, .defines = {}}, fragment) {}
+  /// A compute shader.
+  static Program computing(const ShaderLibrary& library, const ShaderRequest& request);
   Program(Program&& other) noexcept;
   Program& operator=(Program&& other) noexcept;
   ~Program();
@@ -24,9 +29,18 @@ class Program {
   GLuint id() const { return id_; }
   /// -1 where the shader has no such uniform or does not use it.
   GLint uniform(const char* name) const { return glGetUniformLocation(id_, name); }
+  /// The same, remembered: for those that are set again and again.
+  GLint known_uniform(const char* name);
 
  private:
+  struct Uniform {
+    std::string name;
+    GLint location;
+  };
+  void link(const ShaderRequest& named);
+
   GLuint id_ = 0;
+  std::vector<Uniform> uniforms_;
 };
 
 }  // namespace phymul::gl

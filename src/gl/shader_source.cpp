@@ -20,6 +20,20 @@ constexpr const char* es_head =
     "precision highp isampler2D;\n"
     "precision highp sampler2DArray;\n";
 
+constexpr const char* desktop_compute_head =
+    "#version 430 core\n"
+    "#define PRECISE precise\n";
+constexpr const char* es_32_compute_head =
+    "#version 320 es\n"
+    "#define PRECISE precise\n"
+    "precision highp float;\n"
+    "precision highp int;\n";
+constexpr const char* es_31_compute_head =
+    "#version 310 es\n"
+    "#define PRECISE\n"
+    "precision highp float;\n"
+    "precision highp int;\n";
+
 /// File number n (from 1) of a request has the lines n * lines_a_file + 1 and on. #line also takes the number of a
 /// source string, which Mesa 22 forgets before it reports an error.
 constexpr int lines_a_file = 10000;
@@ -43,8 +57,16 @@ std::string ShaderLibrary::file(const std::string& name) const {
   throw Error("no shader " + name + " is built in");
 }
 
-std::string ShaderLibrary::text(const ShaderRequest& request) const {
+std::string ShaderRequest::name() const {
+  const std::string file = files.empty() ? std::string() : files.back();
+  return file.substr(0, file.rfind('.'));
+}
+
+std::string ShaderLibrary::text(const ShaderRequest& request, Stage stage) const {
   std::string all = es_ ? es_head : desktop_head;
+  if (stage == Stage::compute) {
+    all = !es_ ? desktop_compute_head : has_precise_ ? es_32_compute_head : es_31_compute_head;
+  }
   for (const auto& [name, value] : request.defines) all += "#define " + name + " " + std::to_string(value) + "\n";
   int first_line = lines_a_file + 1;  // the head has those before
   for (const std::string& name : request.files) {

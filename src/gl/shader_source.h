@@ -22,15 +22,21 @@ extern const EmbeddedShader embedded_shaders[];
 struct ShaderRequest {
   std::vector<std::string> files;
   std::vector<std::pair<std::string, int>> defines;
+
+  std::string name() const;  ///< of its last file, without the ending: the others are parts of it
 };
+
+enum class Stage { drawing, compute };
 
 class ShaderLibrary {
  public:
-  /// `folder`: files are read from there; empty: those built in. `es`: OpenGL ES 3.0, else GL 3.3 core.
-  ShaderLibrary(std::string folder, bool es) : folder_(std::move(folder)), es_(es) {}
+  /// `folder`: files are read from there; empty: those built in. `es`: OpenGL ES, else desktop GL. What is drawn is of
+  /// GL 3.3 or ES 3.0; what is computed of GL 4.3 or, where it `has_precise`, ES 3.2, else 3.1.
+  ShaderLibrary(std::string folder, bool es, bool has_precise = true)
+      : folder_(std::move(folder)), es_(es), has_precise_(has_precise) {}
 
   /// Throws Error when a file does not exist.
-  std::string text(const ShaderRequest& request) const;
+  std::string text(const ShaderRequest& request, Stage stage = Stage::drawing) const;
 
   /// A driver's log of a text() of this request, with "file:line" for its lines.
   static std::string readable(std::string_view log, const ShaderRequest& request);
@@ -38,7 +44,7 @@ class ShaderLibrary {
  private:
   std::string file(const std::string& name) const;
   std::string folder_;
-  bool es_;
+  bool es_, has_precise_;
 };
 
 }  // namespace phymul::gl

@@ -138,17 +138,26 @@ Texture Texture::target(std::int64_t rows, TexelFormat format, const char* name,
 }
 
 void Texture::upload(std::span<const Float4> rows) {
+  keep_plain_unpacking();
   upload_rows(rows.data(), static_cast<std::int64_t>(rows.size()), sizeof(Float4));
 }
 
 void Texture::upload(std::span<const float> rows) {
+  keep_plain_unpacking();
   upload_rows(rows.data(), static_cast<std::int64_t>(rows.size()), sizeof(float));
+}
+
+void Texture::upload_from(GLuint buffer, std::int64_t first) {
+  keep_plain_unpacking();
+  glBindBuffer(GL_PIXEL_UNPACK_BUFFER, buffer);
+  upload_rows(reinterpret_cast<const void*>(static_cast<std::uintptr_t>(first) * sizeof(Float4)), rows_,
+              sizeof(Float4));
+  glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
 }
 
 void Texture::upload_rows(const void* data, std::int64_t count, std::size_t bytes) {
   const FormatRow& row = row_of(format_);
   const auto whole = static_cast<GLsizei>(count / shape_.width), rest = static_cast<GLsizei>(count % shape_.width);
-  keep_plain_unpacking();
   glBindTexture(kind(), id_);
   if (whole > 0) glTexSubImage2D(kind(), 0, 0, 0, shape_.width, whole, row.layout, row.type, data);
   const auto* last = static_cast<const char*>(data) + static_cast<std::size_t>(whole) * shape_.width * bytes;

@@ -37,6 +37,8 @@ class Texture {
   /// Writes over the first rows; no more than there are.
   void upload(std::span<const Float4> rows);
   void upload(std::span<const float> rows);
+  /// All rows, of 16 bytes, from a buffer's row `first` on, without the host.
+  void upload_from(GLuint buffer, std::int64_t first);
 
   explicit operator bool() const { return id_ != 0; }
   GLuint id() const { return id_; }

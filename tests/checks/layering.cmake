@@ -9,12 +9,13 @@ include(${CMAKE_CURRENT_LIST_DIR}/faults.cmake)
 set(rows
     "7 backends"                  # the table of backends; sees them all, nothing sees what it includes
     "3 topology_textures"         # before topology
+    "4 state_file recording"      # before state
     "4 gl_module"                 # before gl; the door to src/gl
     "0 version types error gl camera"
     "1 model scene state tool needle virtual"
     "2 shapes pml lml mesh check topology monitor writer distance"
     "2 xml byte gmsh vtk vtu csv"            # formats, behind the readers
-    "4 elasticity solver display"
+    "4 elasticity solver display bodies"
     "8 phymul")                   # the umbrella, for users only
 set(core_row 4)
 set(cpu_row 5)

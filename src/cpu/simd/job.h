@@ -12,6 +12,9 @@
 //   simplex  a, b, c, d; constants as simplices.h has them                                    38
 //   enumerated, per neighbour: offset; E, alpha; then per triple w beta / |w0|, 1 / |w0|^2   5 and 2
 //   hexahedron eight corners; constants of its shape stand apart                              8
+//   box      eight corners, that at (x, y, z) of {0, 1} as number x + 2 y + 4 z               8
+//   star     centre, neighbours at -x, +x, -y, +y, -z, +z (the centre where there is none);
+//            then bits: octant x + 2 y + 4 z is there                                         8
 //   spring   other end; R, 1 / |R|^2 (0 for a spring without length), stiffness                6
 // Bases and springs stand in slices: lane k of slice s belongs to particle s * lanes + k of the cluster.
 #pragma once
@@ -25,6 +28,7 @@ inline constexpr int volume_columns = 15;
 inline constexpr int spring_columns = 6;
 inline constexpr int simplex_columns = 38;
 inline constexpr int simplex_constants = 34;
+inline constexpr int star_columns = 8;
 inline constexpr int hexahedron_constants = 8 * simplex_constants + 23;
 /// Corners that an edge joins to each corner of a hexahedron.
 inline constexpr int hexahedron_edges[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
@@ -54,6 +58,26 @@ struct Enumerated {
 inline constexpr int most_enumerated = 20;  ///< neighbours
 inline constexpr int most_enumerated_triples = most_enumerated * (most_enumerated - 1) * (most_enumerated - 2) / 6;
 
+/// A hexahedron whose edges lie along the axes, with equal bases at its corners: those over the triangles of two edges
+/// ("legs", by the axis of their owner's edge), and over those of the three far ends of a corner's edges ("apex").
+struct BoxShape {
+  float h[3] = {0, 0, 0};  ///< m, edges
+  struct Leg {
+    float area = 0, twice_area = 0, rest = 0;  ///< |w0| (m^2), 2 |w0|, 1 / |w0|^2
+    float share = 0, share_height = 0, twice_share_height = 0,
+          height = 0;  ///< k w (N/m), times height; height: beta / |w0|
+  };
+  Leg leg[3];
+  float lambda[3] = {0, 0, 0}, share_lambda[3] = {0, 0, 0};  ///< of the apex
+  float apex_rest = 0, apex_share_height = 0, apex_height = 0;
+  float inverse_volume = 0, corner_volume = 0;      ///< 1/m^3, N/m^2: 1 / (6 V) of a corner's simplex, times stiffness
+  float gradient[3] = {0, 0, 0};                    ///< 1/m, of a corner on the + side
+  float shape_stiffness = 0, volume_stiffness = 0;  ///< N m, of the mean deformation
+  float tame = 0;  ///< m^2: sum of squared displacements of a star's spokes below which no |w| is small but by y
+};
+/// Beside the number of a star's shape: some lane lacks an octant.
+inline constexpr std::int32_t cut_star = 1 << 30;
+
 struct Job {
   const char* u = nullptr;           ///< [slots] m, displacements
   char* force = nullptr;             ///< [slots] N, added to
@@ -66,7 +90,10 @@ struct Job {
   Rows hexahedra;
   const std::int32_t* hexahedron_shape = nullptr;  ///< [hexahedra.count]
   const float* hexahedron_shapes = nullptr;        ///< [shapes][hexahedron_constants]
-  Rows simplices, cell_simplices;                  ///< without and with a cell term
+  Rows stars, boxes;
+  const std::int32_t *star_shape = nullptr, *box_shape = nullptr;  ///< [stars.count], [boxes.count]
+  const BoxShape* box_shapes = nullptr;
+  Rows simplices, cell_simplices;  ///< without and with a cell term
 };
 
 /// Particles [first, first + lanes * slices) of the body.
@@ -112,6 +139,8 @@ struct Kernels {
   void (*cells[2])(const Job&);        ///< [bounded]
   void (*springs)(const Job&);
   void (*hexahedra[2])(const Job&);  ///< [bounded]
+  void (*stars[2])(const Job&);      ///< [bounded]
+  void (*boxes[2])(const Job&);      ///< [bounded]
   void (*simplices[2])(const Job&);  ///< [bounded]
   void (*move)(const Move&, int slice, int end, Reach&);
 };

@@ -9,6 +9,7 @@
 #include "move.h"
 #include "other_terms.h"
 #include "simplex_terms.h"
+#include "star_terms.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
 
@@ -27,6 +28,8 @@ constexpr simd::Kernels all_kernels(const char* name) {
           {cell_rows<false>, cell_rows<true>},
           spring_slices,
           {hexahedron_rows<false>, hexahedron_rows<true>},
+          {star_runs<false>, star_runs<true>},
+          {box_rows<false>, box_rows<true>},
           {simplex_rows<false>, simplex_rows<true>},
           move_slices};
 }

@@ -10,7 +10,7 @@ namespace phymul::cpu::PHYMUL_ISA {
 template <bool bounded>
 PHYMUL_INLINE Pack volume_pressure(Pack change) {
   if constexpr (!bounded) return change;
-  const Pack x = change * 3.3333333f;
+  const Pack x = change * 2.5f;
   return change * inverse_root(1.0f + x * x);
 }
 

@@ -32,8 +32,25 @@ PHYMUL_INLINE Pack all(float value) {
 PHYMUL_INLINE Pack select(Ints mask, Pack a, Pack b) {
   return mask ? a : b;
 }
+/// Whether a < b in some lane.
+PHYMUL_INLINE bool any_below(Pack a, Pack b) {
+#if PHYMUL_LANES == 16
+  return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ) != 0;
+#elif PHYMUL_LANES == 8
+  return _mm256_movemask_ps(_mm256_cmp_ps((__m256)a, (__m256)b, _CMP_LT_OQ)) != 0;
+#elif defined(__SSE2__)
+  return _mm_movemask_ps(_mm_cmplt_ps((__m128)a, (__m128)b)) != 0;
+#else
+  bool any = false;
+  for (int k = 0; k < lanes; ++k) any |= a[k] < b[k];
+  return any;
+#endif
+}
 PHYMUL_INLINE Pack larger(Pack a, Pack b) {
   return a > b ? a : b;
+}
+PHYMUL_INLINE Pack smaller(Pack a, Pack b) {
+  return a < b ? a : b;
 }
 PHYMUL_INLINE Pack load(const float* from) {
   Pack p;

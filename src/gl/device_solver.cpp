@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gl/fragment_solver.h"
+#include "gl/device_solver.h"
 
 #include <phymul/error.h>
 
@@ -8,7 +8,11 @@
 #include <cmath>
 #include <utility>
 
-#include "gl/fragment_options.h"
+#include "gl/compute_device.h"
+#include "gl/fragment_device.h"
+#include "gl/fragment_traffic.h"
+#include "gl/options.h"
+#include "slice_tables.h"
 
 namespace phymul::gl {
 namespace {
@@ -21,20 +25,6 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// The largest displacement, m. Throws Error where one is beyond single precision.
-double require_single_precision(const VecList& rest, const State& state) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < rest.size(); ++i) {
-    const Eigen::Vector3f u = (state.position[i] - rest[i]).cast<float>(), v = state.velocity[i].cast<float>();
-    largest = std::max(largest, u.cast<double>().norm());
-    if (u.allFinite() && v.allFinite()) continue;
-    throw Error("Solver::reset: particle " + std::to_string(i) +
-                " has a displacement or velocity beyond single precision; the backend \"reference\" computes in "
-                "double precision");
-  }
-  return largest;
-}
-
 /// Another context sees what was drawn here only once it is done. After a step, whose report was waited for, it is.
 ParticleBuffer finished(const Texture& texture) {
   glFinish();
@@ -43,14 +33,15 @@ ParticleBuffer finished(const Texture& texture) {
 
 }  // namespace
 
-FragmentSolver::FragmentSolver(std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in,
-                               const SolverOptions& options_in)
-    : Solver("gl", std::move(shared), scene_in, options_in),
+DeviceSolver::DeviceSolver(GlBackend backend, std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in,
+                           const SolverOptions& options_in)
+    : Solver(name_of(backend), std::move(shared), scene_in, options_in),
+      backend_(backend),
       gl_(with_environment(options_in.gl)),
       layout_(choose_layout(gl_.layout, topology())),
-      context_(Context::open(gl_)),
+      context_(Context::open(gl_, backend)),
       kept_(rest_state(model())) {
-  instants_.reserve(FragmentDevice::most_steps + 1);
+  instants_.reserve(Device::most_steps + 1);
   try {
     build();
     reset();
@@ -60,23 +51,29 @@ FragmentSolver::FragmentSolver(std::shared_ptr<const TopologyTextures> shared, c
   }
 }
 
-FragmentSolver::~FragmentSolver() {
+DeviceSolver::~DeviceSolver() {
   drop();
 }
 
-void FragmentSolver::build() {
-  const FloatTables tables = pack_floats(topology(), layout_);
+void DeviceSolver::build() {
+  FloatTables tables = pack_floats(topology(), layout_);
   loads_version_ = scene().version();
-  context_->run([&] {
-    const ShaderLibrary library(gl_.shader_folder, context_->info().es);
-    device_ = std::make_unique<FragmentDevice>(tables, scene(), library, gl_.passes == 4);
-  });
+  bytes_a_step_ = gl::bytes_a_step(tables);
+  const ContextInfo& info = context_->info();
+  const ShaderLibrary library(gl_.shader_folder, info.es, !info.es || info.at_least(3, 2));
+  if (backend_ == GlBackend::compute) {
+    const SliceTables slices = pack_slices(std::move(tables), topology());
+    context_->run([&] { device_ = std::make_unique<ComputeDevice>(slices, scene(), library, gl_.compute); });
+  } else {
+    context_->run([&] { device_ = std::make_unique<FragmentDevice>(tables, scene(), library, gl_.passes == 4); });
+  }
+  if (profiling()) context_->run([&] { device_->time_passes(context_->info(), *profiling()); });
   context_->throw_debug_errors();
 }
 
 /// Deleting is harmless in a lost context that can still be made current. Where it cannot, another context may be
 /// current, whose objects must not be touched: ours are then left behind with the context they went with.
-void FragmentSolver::drop() noexcept {
+void DeviceSolver::drop() noexcept {
   if (!device_) return;
   try {
     context_->run([this] { device_.reset(); });
@@ -85,14 +82,14 @@ void FragmentSolver::drop() noexcept {
   }
 }
 
-void FragmentSolver::rebuild() {
+void DeviceSolver::rebuild() {
   drop();
-  context_ = Context::open(gl_);
+  context_ = Context::open(gl_, backend_);
   build();
 }
 
 /// Another context, and the newest state the host has.
-void FragmentSolver::recover() noexcept {
+void DeviceSolver::recover() noexcept {
   try {
     rebuild();
     do_reset(State(kept_));
@@ -103,7 +100,7 @@ void FragmentSolver::recover() noexcept {
 }
 
 template <class Function>
-auto FragmentSolver::on_device(Function&& function) const {
+auto DeviceSolver::on_device(Function&& function) const {
   if (!device_) throw Error("the device of this solver is lost, and no other could be had; see Solver::reset");
   struct LostCheck {
     Context& context;
@@ -121,12 +118,12 @@ auto FragmentSolver::on_device(Function&& function) const {
   }
 }
 
-void FragmentSolver::do_reset(const State& state) {
-  const double largest = require_single_precision(topology().rest, state);
+void DeviceSolver::do_reset(const State& state) {
+  const double largest = require_state_in_range(topology().rest, state);
   if (!device_ || context_->lost()) rebuild();
   follow();
   context_->run([&] {
-    device_->copies().clear();
+    device_->drop_copies();
     device_->write(topology().rest, state);
   });
   kept_ = state;
@@ -136,18 +133,18 @@ void FragmentSolver::do_reset(const State& state) {
   largest_displacement_ = largest;
 }
 
-void FragmentSolver::do_scene_changed() {
+void DeviceSolver::do_scene_changed() {
   steps_at_rest_ = 0;
 }
 
 /// Takes the scene's loads to the device, where they have changed.
-void FragmentSolver::follow() {
+void DeviceSolver::follow() {
   if (loads_version_ == scene().version()) return;
   context_->run([this] { device_->set_scene(scene()); });
   loads_version_ = scene().version();
 }
 
-Solver::Motion FragmentSolver::do_step(const StepPlan& plan) {
+Solver::Motion DeviceSolver::do_step(const StepPlan& plan) {
   try {
     if (device_ && !context_->lost()) {
       follow();
@@ -167,20 +164,21 @@ Solver::Motion FragmentSolver::do_step(const StepPlan& plan) {
   return motion;
 }
 
-void FragmentSolver::advance_time(int steps, double dt) {
+void DeviceSolver::advance_time(int steps, double dt) {
   for (int k = 0; k < steps; ++k) time_ += dt;
   if (steps > 0) last_dt_ = dt;
 }
 
 /// No longer than rest_steps where the body is to stop at rest: then an unquiet step in a batch says that no other
 /// row of so many quiet ones is in it.
-int FragmentSolver::batch_size(const StepPlan& plan, int remaining) const {
+int DeviceSolver::batch_size(const StepPlan& plan, int remaining) const {
   const double wished = seconds_a_step_ > 0.0 ? seconds_a_batch / seconds_a_step_ : first_batch;
-  const int size = static_cast<int>(std::clamp(wished, 1.0, static_cast<double>(FragmentDevice::most_steps)));
+  const int size = static_cast<int>(std::clamp(wished, 1.0, static_cast<double>(Device::most_steps)));
   return std::min({size, remaining, plan.stop_at_rest ? plan.rest_steps : remaining});
 }
 
-Solver::Motion FragmentSolver::run_batches(const StepPlan& plan) {
+Solver::Motion DeviceSolver::run_batches(const StepPlan& plan) {
+  const PassTimer::Current timing(device_->timer());
   Motion motion;
   motion.steps_at_rest = steps_at_rest_;
   while (motion.steps < plan.steps) {
@@ -195,7 +193,7 @@ Solver::Motion FragmentSolver::run_batches(const StepPlan& plan) {
 }
 
 /// False where the motion ends with this batch: a failure, or rest.
-bool FragmentSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
+bool DeviceSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
   instants_.assign(1, time_);
   for (int k = 0; k < count; ++k) instants_.push_back(instants_.back() + plan.dt);
   const RestThresholds rest = rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest}, largest_displacement_);
@@ -239,46 +237,51 @@ bool FragmentSolver::run_batch(const StepPlan& plan, int count, Motion& motion) 
   return false;
 }
 
-void FragmentSolver::do_read(State& state) const {
+void DeviceSolver::do_read(State& state) const {
   if (device_ && !context_->lost()) {
     State now;
-    context_->run([&] { device_->state().read(topology().rest, now); });
+    context_->run([&] { device_->read(topology().rest, now); });
     now.time = time_;
     if (!context_->lost()) kept_ = std::move(now);
   }
   state = kept_;
 }
 
-Energy FragmentSolver::do_energy() const {
+Energy DeviceSolver::do_energy() const {
   return on_device([&] { return device_->energy(scene(), time_, last_dt_); });
 }
 
-Momentum FragmentSolver::do_momentum(const Vec3& about) const {
+void DeviceSolver::do_profile() const {
+  if (!device_ || !device_->timer() || context_->lost()) return;
+  context_->run([this] { device_->timer()->finish(); });
+}
+
+Momentum DeviceSolver::do_momentum(const Vec3& about) const {
   return on_device([&] { return device_->momentum(topology().rest, about); });
 }
 
-void FragmentSolver::do_request_read() {
-  on_device([this] { device_->copies().request(device_->state(), time_); });
+void DeviceSolver::do_request_read() {
+  on_device([this] { device_->request_copy(time_); });
 }
 
-bool FragmentSolver::do_collect(State& state) {
-  if (!on_device([&] { return device_->copies().collect(topology().rest, state); })) return false;
+bool DeviceSolver::do_collect(State& state) {
+  if (!on_device([&] { return device_->collect_copy(topology().rest, state); })) return false;
   if (state.time >= kept_.time) kept_ = state;
   return true;
 }
 
-ParticleBuffer FragmentSolver::do_position_buffer() const {
+ParticleBuffer DeviceSolver::do_position_buffer() const {
   if (!device_) return {};
-  return on_device([&] { return finished(device_->state().displacement()); });
+  return on_device([&] { return finished(device_->displacements()); });
 }
 
-ParticleBuffer FragmentSolver::do_attractor_buffer() const {
+ParticleBuffer DeviceSolver::do_attractor_buffer() const {
   return on_device([&] { return finished(device_->attractors()); });
 }
 
-std::unique_ptr<Solver> make_fragment_solver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
-                                             const SolverOptions& options) {
-  return std::make_unique<FragmentSolver>(std::move(topology), scene, options);
+std::unique_ptr<Solver> make_device_solver(GlBackend backend, std::shared_ptr<const TopologyTextures> topology,
+                                           const Scene& scene, const SolverOptions& options) {
+  return std::make_unique<DeviceSolver>(backend, std::move(topology), scene, options);
 }
 
 }  // namespace phymul::gl

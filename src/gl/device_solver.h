@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
-// The backend "gl": every pass a fragment shader, state and constants on the device, one small read a call.
+// The backends "gl" and "gl-compute": state and constants on the device, one small read a call.
 #pragma once
 
 #include <phymul/solver.h>
 
 #include <memory>
 
+#include "float_tables.h"
 #include "gl/context.h"
 #include "gl/context_user.h"
-#include "gl/fragment_device.h"
+#include "gl/device.h"
 
 namespace phymul::gl {
 
@@ -17,10 +18,11 @@ namespace phymul::gl {
 /// has: that of the last reset(), read() or collect(). The solver opens another context, rebuilds itself there from the
 /// topology and goes on from that state at the next call; where it cannot, every step says device_lost until a reset()
 /// finds a device.
-class FragmentSolver final : public Solver, public ContextUser {
+class DeviceSolver final : public Solver, public ContextUser {
  public:
-  FragmentSolver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene, const SolverOptions& options);
-  ~FragmentSolver() override;
+  DeviceSolver(GlBackend backend, std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
+               const SolverOptions& options);
+  ~DeviceSolver() override;
 
   const std::shared_ptr<Context>& context() const override { return context_; }
   GlContext context_kind() const override { return gl_.context; }
@@ -39,6 +41,8 @@ class FragmentSolver final : public Solver, public ContextUser {
   ParticleBuffer do_position_buffer() const override;
   ParticleBuffer do_attractor_buffer() const override;
   std::string do_device() const override { return context_->info().device(); }
+  void do_profile() const override;
+  double do_bytes_a_step() const override { return bytes_a_step_; }
 
   void build();
   void drop() noexcept;
@@ -52,10 +56,11 @@ class FragmentSolver final : public Solver, public ContextUser {
   int batch_size(const StepPlan& plan, int remaining) const;
   void advance_time(int steps, double dt);
 
+  GlBackend backend_;
   GlOptions gl_;
   FloatLayout layout_;
   std::shared_ptr<Context> context_;
-  std::unique_ptr<FragmentDevice> device_;
+  std::unique_ptr<Device> device_;
   std::uint64_t loads_version_ = 0;
   mutable State kept_;  // the newest state the host has
   double time_ = 0.0, last_dt_ = 0.0;
@@ -63,9 +68,10 @@ class FragmentSolver final : public Solver, public ContextUser {
   double largest_displacement_ = 0.0;  // m, when the present batch began
   std::vector<double> instants_;       // of a batch
   double seconds_a_step_ = 0.0;        // wall clock; 0: not known yet
+  double bytes_a_step_ = 0.0;
 };
 
-std::unique_ptr<Solver> make_fragment_solver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
-                                             const SolverOptions& options);
+std::unique_ptr<Solver> make_device_solver(GlBackend backend, std::shared_ptr<const TopologyTextures> topology,
+                                           const Scene& scene, const SolverOptions& options);
 
 }  // namespace phymul::gl

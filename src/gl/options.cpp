@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "gl/fragment_options.h"
+#include "gl/options.h"
 
 #include <phymul/error.h>
 
+#include <array>
 #include <cstdlib>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace phymul::gl {
 namespace {
@@ -35,6 +37,16 @@ bool enumerated_is_smaller(const TopologyTextures& topology) {
          topology.base_count * table;
 }
 
+GlCompute compute_of(std::string_view name) {
+  constexpr std::array names{std::pair{"auto", GlCompute::automatic}, std::pair{"store", GlCompute::store},
+                             std::pair{"recompute", GlCompute::recompute},
+                             std::pair{"workgroup", GlCompute::workgroup}};
+  for (const auto& [known, value] : names) {
+    if (name == known) return value;
+  }
+  throw Error("PHYMUL_GL_COMPUTE: expected auto, store, recompute or workgroup, got \"" + std::string(name) + "\"");
+}
+
 }  // namespace
 
 GlOptions with_environment(GlOptions options) {
@@ -48,6 +60,10 @@ GlOptions with_environment(GlOptions options) {
   }
   if (options.passes != 2 && options.passes != 4) {
     throw Error("GlOptions::passes: expected 2 or 4, got " + std::to_string(options.passes));
+  }
+  if (const std::string_view compute = environment("PHYMUL_GL_COMPUTE");
+      options.compute == defaults.compute && !compute.empty()) {
+    options.compute = compute_of(compute);
   }
   if (options.shader_folder.empty()) options.shader_folder = environment("PHYMUL_GLSL");
   return options;

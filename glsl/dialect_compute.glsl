@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+//
+// The words of dialect_fragment.glsl for passes that are dispatched. Constants lie one after another in one buffer, in
+// rows of 16 bytes, and `place` is a table's first row, or for tables of one or two words a row its first word. What
+// passes write lies in another buffer. Floats go by their bits.
+//
+// Results are declared precise, as those of the others are declared invariant. OpenGL ES 3.1 has no word for it.
+
+#define SLICED
+#define ROW_STRIDE SLICE
+
+#ifdef ONE_WORKGROUP
+#define SEEN_BY_ALL coherent
+#else
+#define SEEN_BY_ALL
+#endif
+
+layout(std430, binding = 0) readonly buffer ConstantRows {
+  ivec4 constant_rows[];
+};
+layout(std430, binding = 1) readonly buffer ConstantWords {  // the same memory
+  int constant_words[];
+};
+layout(std430, binding = 2) SEEN_BY_ALL buffer ChangingRows {
+  ivec4 changing_rows[];
+};
+layout(std430, binding = 3) readonly buffer LoadRows {
+  ivec4 load_rows[];
+};
+#ifdef HEIGHTS_APART
+layout(std430, binding = 4) readonly buffer HeightRows {
+  ivec4 height_rows[];
+};
+#endif
+
+#define TABLE_FLOATS(table, place) uniform int place
+#define TABLE_INTS(table, place) uniform int place
+#define CHANGING(table, place) int place
+#define STORED(table, place) uniform int place
+#define STORED_LAYERS(table, place) uniform int place
+#define OF_STEP(type, name) type name
+#define RESULT(number, type, name) PRECISE type name
+
+ivec2 word_pair(int first) {
+  return ivec2(constant_words[first], constant_words[first + 1]);
+}
+
+#define fetch_vec4(table, place, row) intBitsToFloat(constant_rows[place + (row)])
+#define fetch_vec2(table, place, row) intBitsToFloat(word_pair(place + 2 * (row)))
+#define fetch_float(table, place, row) intBitsToFloat(constant_words[place + (row)])
+#define fetch_ivec4(table, place, row) constant_rows[place + (row)]
+#define fetch_ivec2(table, place, row) word_pair(place + 2 * (row))
+#define fetch_int(table, place, row) constant_words[place + (row)]
+#ifdef HEIGHTS_APART
+#define fetch_height(table, place, row) intBitsToFloat(height_rows[row])
+#else
+#define fetch_height(table, place, row) fetch_vec4(table, place, row)
+#endif
+#define fetch_changing(table, place, row) intBitsToFloat(changing_rows[place + (row)])
+#define fetch_layer(table, place, row, layer) intBitsToFloat(changing_rows[place + 4 * (row) + (layer)])
+#define fetch_load_vec4(table, place, row) intBitsToFloat(load_rows[place + (row)])
+#define fetch_load_ivec4(table, place, row) load_rows[place + (row)]
+#define fetch_load_float(table, place, row) intBitsToFloat(load_rows[place + ((row) >> 2)][(row) & 3])
+
+#define PASS_MAIN(compute_row)
+
+uniform int particle_count;  // places 0 ... particle_count - 1 are particles
+uniform int place_count;     // rows of a table by place
+
+// The groups of a dispatch form a rectangle where they are too many for a line.
+int own_group() {
+  return int(gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x);
+}
+
+// Pair k of displacements and velocities, which stand before everything else that changes.
+int pair_place(int pair) {
+  return 2 * pair * place_count;
+}

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+//
+// Rows of the passes before the step, computed and stored. Dispatched only; needs tables.glsl and the passes asked for.
+
+uniform int base_rows_count, volume_count, cell_count;
+
+#ifdef ATTRACTOR_ROWS
+void store_attractor(int i) {
+  attractor_row(i);
+  changing_rows[force_place + i] = floatBitsToInt(attractor_result);
+}
+#endif
+
+#ifdef BASE_ROWS
+void store_base(int t) {
+  if (fetch_ivec4(bases, bases_place, t).x < 0) return;  // fills up a slice
+  base_row(t);
+  int at = base_terms_place + 4 * t;
+  changing_rows[at] = floatBitsToInt(base_on_a);
+  changing_rows[at + 1] = floatBitsToInt(base_on_b);
+  changing_rows[at + 2] = floatBitsToInt(base_on_c);
+#ifndef AVERAGED
+  changing_rows[at + 3] = floatBitsToInt(base_on_owner);
+#endif
+}
+#endif
+
+#ifdef VOLUME_ROWS
+void store_volume(int row) {
+  volume_row(row);
+  int at = volume_terms_place + 4 * row;
+  changing_rows[at] = floatBitsToInt(volume_on_a);
+  changing_rows[at + 1] = floatBitsToInt(volume_on_b);
+  changing_rows[at + 2] = floatBitsToInt(volume_on_c);
+  changing_rows[at + 3] = floatBitsToInt(volume_on_d);
+}
+#endif
+
+#ifdef CELL_ROWS
+void store_cell(int row) {
+  cell_row(row);
+  int at = cell_terms_place + 4 * row;
+  changing_rows[at] = floatBitsToInt(cell_column_0);
+  changing_rows[at + 1] = floatBitsToInt(cell_column_1);
+  changing_rows[at + 2] = floatBitsToInt(cell_column_2);
+}
+#endif

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/bodies.h>
+#include <phymul/elasticity.h>
+#include <phymul/error.h>
+#include <phymul/topology_textures.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <numeric>
+#include <set>
+
+namespace phymul {
+namespace {
+
+void require_joinable(std::span<const NamedBody> bodies) {
+  if (bodies.empty()) throw Error("merge_models: expected one body or more, got none");
+  std::set<std::string> taken;
+  for (const NamedBody& body : bodies) {
+    const std::string label = "merge_models: body \"" + body.name + "\": ";
+    if (body.model == nullptr) throw Error(label + "expected a model, got none");
+    if (body.name.empty() || body.name.find('/') != std::string::npos) {
+      throw Error(label +
+                  "expected a name that is not empty and without '/', which stands between a body and its "
+                  "groups");
+    }
+    if (!taken.insert(body.name).second) throw Error(label + "expected a name of its own; another body has it");
+    if (body.model->dimension != bodies.front().model->dimension) {
+      throw Error(label + "expected " + std::to_string(bodies.front().model->dimension) +
+                  " dimensions, as the first body has, got " + std::to_string(body.model->dimension));
+    }
+    if (body.model->materials.empty() != bodies.front().model->materials.empty()) {
+      throw Error(label + "expected a material on every body or on none; set_material gives one");
+    }
+    try {
+      validate(*body.model);
+    } catch (const Error& error) {
+      throw Error(label + error.what());
+    }
+  }
+}
+
+Index shifted(Index row, Index by) {
+  return row < 0 ? row : row + by;
+}
+
+void shift(std::vector<Index>& rows, Index by) {
+  for (Index& row : rows) row += by;
+}
+
+void append_particles(Model& all, const Model& body, Index first) {
+  all.rest.insert(all.rest.end(), body.rest.begin(), body.rest.end());
+  all.mass.insert(all.mass.end(), body.mass.begin(), body.mass.end());
+  all.stiffness.insert(all.stiffness.end(), body.stiffness.begin(), body.stiffness.end());
+  std::vector<Index> row;
+  for (Index i = 0; i < body.neighbours.rows(); ++i) {
+    row.assign(body.neighbours.begin(i), body.neighbours.end(i));
+    shift(row, first);
+    all.neighbours.push_row(row.begin(), row.end());
+  }
+  if (!body.particle_name.empty() || !all.particle_name.empty()) {
+    all.particle_name.resize(static_cast<std::size_t>(first));
+    all.particle_name.insert(all.particle_name.end(), body.particle_name.begin(), body.particle_name.end());
+    all.particle_name.resize(all.rest.size());
+  }
+  if (!body.particle_fields.empty() || !all.particle_fields.empty()) {
+    all.particle_fields.resize(static_cast<std::size_t>(first));
+    all.particle_fields.insert(all.particle_fields.end(), body.particle_fields.begin(), body.particle_fields.end());
+    all.particle_fields.resize(all.rest.size());
+  }
+}
+
+/// Equal materials are one row, as set_material leaves them.
+void append_cells(Model& all, const Model& body, Index first) {
+  std::vector<Index> material_row;
+  for (const Material& material : body.materials) {
+    const auto known = std::find(all.materials.begin(), all.materials.end(), material);
+    material_row.push_back(static_cast<Index>(known - all.materials.begin()));
+    if (known == all.materials.end()) all.materials.push_back(material);
+  }
+  for (Cell cell : body.cells) {
+    shift(cell.particles, first);
+    if (cell.material >= 0) cell.material = material_row[cell.material];
+    cell.file_index = -1;
+    all.cells.push_back(std::move(cell));
+  }
+}
+
+void append_components(Model& all, const NamedBody& body, Index first, Index first_cell) {
+  const Index offset = static_cast<Index>(all.components.size());
+  for (Component component : body.model->components) {
+    if (!component.name.empty()) component.name = body.name + '/' + component.name;
+    component.parent = shifted(component.parent, offset);
+    shift(component.cells, first_cell);
+    shift(component.cell_refs, first_cell);
+    shift(component.particles, first);
+    all.components.push_back(std::move(component));
+  }
+  Component own;
+  own.name = body.name;
+  own.exclusive = false;
+  own.parent = 0;
+  own.particles.resize(body.model->rest.size());
+  std::iota(own.particles.begin(), own.particles.end(), first);
+  all.components.push_back(std::move(own));
+}
+
+class UnionFind {
+ public:
+  explicit UnionFind(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
+  Index root(Index i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  /// The smaller root stays.
+  void join(Index a, Index b) {
+    a = root(a);
+    b = root(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<Index> parent_;
+};
+
+}  // namespace
+
+Model merge_models(std::span<const NamedBody> bodies) {
+  require_joinable(bodies);
+  Model all;
+  all.dimension = bodies.front().model->dimension;
+  Component names;  // the parent of the bodies' groups
+  names.name = "Bodies";
+  names.exclusive = names.structural = false;
+  all.components.push_back(std::move(names));
+  for (const NamedBody& body : bodies) {
+    const Index first = all.particle_count(), first_cell = static_cast<Index>(all.cells.size());
+    all.name += (all.name.empty() ? "" : "+") + body.name;
+    append_particles(all, *body.model, first);
+    append_cells(all, *body.model, first);
+    append_components(all, body, first, first_cell);
+    for (const std::string& note : body.model->notes) all.notes.push_back(body.name + ": " + note);
+  }
+  validate(all);
+  return all;
+}
+
+Model moved(Model model, const Vec3& by) {
+  for (Vec3& x : model.rest) x += by;
+  validate(model);
+  return model;
+}
+
+Load for_merged(Load load, Index first) {
+  shift(load.particles, first);
+  load.toward = shifted(load.toward, first);
+  return load;
+}
+
+std::vector<ConnectedBody> connected_bodies(const Model& model) {
+  UnionFind sets(model.rest.size());
+  for (Index i = 0; i < model.neighbours.rows(); ++i) {
+    for (const Index* j = model.neighbours.begin(i); j != model.neighbours.end(i); ++j) sets.join(i, *j);
+  }
+  for (const Cell& cell : model.cells) {
+    // Lists only name particles.
+    if (cell_size(cell.type) == 0) continue;
+    for (const Index i : cell.particles) sets.join(cell.particles.front(), i);
+  }
+  std::vector<ConnectedBody> bodies;
+  std::map<Index, std::size_t> row_of;
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    const auto [known, fresh] = row_of.try_emplace(sets.root(i), bodies.size());
+    if (fresh) bodies.emplace_back();
+    bodies[known->second].particles.push_back(i);
+  }
+  std::set<std::string> seen;
+  for (const Component& component : model.components) {
+    if (component.name.empty() || !seen.insert(component.name).second) continue;
+    const std::vector<Index> group = model.group(component.name);
+    if (group.empty()) continue;
+    ConnectedBody& body = bodies[row_of.at(sets.root(group.front()))];
+    const bool shorter = body.name.empty() || component.name.size() < body.name.size();
+    if (shorter && body.particles == group) body.name = component.name;
+  }
+  return bodies;
+}
+
+std::vector<BodyLimit> body_limits(const Model& model, const TopologyTextures& topology, double damping_factor) {
+  std::vector<BodyLimit> limits;
+  for (const ConnectedBody& body : connected_bodies(model)) {
+    std::vector<std::uint8_t> fixed(model.rest.size(), 7);
+    for (const Index i : body.particles) fixed[i] = 0;
+    const Spectrum spectrum = estimate_spectrum(topology, topology.rest, fixed);
+    limits.push_back({body.name, body.particles.front(), stable_step(spectrum, damping_factor)});
+  }
+  return limits;
+}
+
+std::string describe(std::span<const BodyLimit> limits) {
+  const auto least = std::min_element(limits.begin(), limits.end(), [](const BodyLimit& a, const BodyLimit& b) {
+    return a.stable_step < b.stable_step;
+  });
+  if (least == limits.end()) return "there is no body";
+  const auto named = [](const BodyLimit& limit) {
+    return limit.name.empty() ? "the body of particle " + std::to_string(limit.first) : '"' + limit.name + '"';
+  };
+  char step[32];
+  const auto seconds = [&](const BodyLimit& limit) {
+    std::snprintf(step, sizeof step, "%.3g s", limit.stable_step);
+    return std::string(step);
+  };
+  std::string text = named(*least) + " sets the stable step of " + seconds(*least);
+  for (const BodyLimit& limit : limits) {
+    if (&limit != &*least) text += ", " + named(limit) + " by itself allows " + seconds(limit);
+  }
+  return text;
+}
+
+}  // namespace phymul

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: MIT
+#include "body_contacts.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "closest_point.h"
+
+namespace phymul::cpu {
+namespace {
+
+/// Skin of either side where the scene names none, in edges.
+constexpr double usual_skin = 0.1;
+/// Of an overlap, and of an edge, in a step: more would press the surface in, and the body would spring back from that.
+constexpr double parted_share = 0.05, largest_parting = 0.002;
+/// Distances closer than this many edges count as one: the point is on the edge of two triangles.
+constexpr double same_distance = 1e-9;
+
+/// Of what is free of a particle along a direction: 1/kg.
+double inverse_mass(const TouchedParticles::Touched& particle, const Vec3& along) {
+  if (particle.held) return 0.0;
+  double share = 0.0;
+  for (int a = 0; a < 3; ++a) {
+    if ((particle.fixed >> a & 1) == 0) share += along[a] * along[a];
+  }
+  return particle.inverse_mass * share;
+}
+
+void shift(TouchedParticles::Touched& particle, Vec3 by) {
+  if (particle.held) return;
+  for (int axis = 0; axis < 3; ++axis) {
+    if ((particle.fixed >> axis & 1) != 0) by[axis] = 0.0;
+  }
+  particle.shift += by;
+}
+
+void push(TouchedParticles::Touched& particle, const Vec3& impulse) {
+  if (!particle.held) TouchedParticles::push(particle, impulse);
+}
+
+}  // namespace
+
+void BodyContacts::follow(const Scene& scene) {
+  surface_ = {};
+  contacts_.clear();
+  if (!scene.contacts()) return;
+  options_ = *scene.contacts();
+  surface_ = make_contact_surface(scene.model());
+  place_.resize(surface_.particles.size());
+  centre_.resize(surface_.triangles.size());
+}
+
+/// Particles whose gap to a triangle is less than twice what the fastest one moves against the mean.
+void BodyContacts::find(TouchedParticles& touched) {
+  const double dt = touched.dt();
+  Vec3 mean = Vec3::Zero();
+  for (std::size_t k = 0; k < place_.size(); ++k) {
+    place_[k] = touched.step().position(surface_.particles[k].row);
+    mean += touched.step().free_velocity(surface_.particles[k].row) / static_cast<double>(place_.size());
+  }
+  double fastest = 0.0;
+  for (const ContactSurface::Particle& particle : surface_.particles) {
+    fastest = std::max(fastest, (touched.step().free_velocity(particle.row) - mean).squaredNorm());
+  }
+  // Beyond a few edges a step is a failure, which the solver reports: the search must not outgrow the body.
+  const double margin = std::min(2.0 * dt * std::sqrt(fastest), 4.0 * surface_.longest_edge);
+  double widest = 0.0;  // from a triangle's centre to its furthest corner, squared
+  for (std::size_t t = 0; t < centre_.size(); ++t) {
+    const auto& corner = surface_.triangles[t].corner;
+    centre_[t] = (place_[corner[0]] + place_[corner[1]] + place_[corner[2]]) / 3.0;
+    for (const Index c : corner) widest = std::max(widest, (place_[c] - centre_[t]).squaredNorm());
+  }
+  // What got into a body is found as far as an edge below its surface.
+  const double skins = options_.skin > 0.0 ? 2.0 * options_.skin : 2.0 * usual_skin * surface_.longest_edge;
+  const double reach = std::max(margin + skins, surface_.longest_edge);
+  contacts_.clear();
+  if (!std::isfinite(widest)) return;  // a runaway particle, found out elsewhere
+  grid_.build(centre_, std::sqrt(widest) + reach);
+  for (std::size_t k = 0; k < place_.size(); ++k) {
+    nearest_.clear();
+    grid_.each_near(place_[k], [&](std::size_t t) { look(k, t, reach); });
+    keep(k, touched, margin);
+  }
+}
+
+/// Keeps the triangle where it is the nearest of its body so far. On an edge that two share the one that faces the
+/// particle more is meant: it says on which side the particle is.
+void BodyContacts::look(std::size_t particle, std::size_t t, double reach) {
+  const ContactSurface::Particle& own = surface_.particles[particle];
+  const ContactSurface::Triangle& triangle = surface_.triangles[t];
+  if (own.body == triangle.body && !options_.self) return;
+  if (surface_.is_own_skin(own, particle, triangle)) return;
+  const Vec3 &a = place_[triangle.corner[0]], &b = place_[triangle.corner[1]], &c = place_[triangle.corner[2]];
+  Nearest found;
+  found.triangle = t;
+  found.body = triangle.body;
+  found.share = closest_point(place_[particle], a, b, c);
+  found.way = place_[particle] - (found.share[0] * a + found.share[1] * b + found.share[2] * c);
+  found.distance = found.way.norm();
+  if (!(found.distance <= reach)) return;
+  const Vec3 area = (b - a).cross(c - a);
+  const double across =
+      area.norm() > 0.0 && found.distance > 0.0 ? area.dot(found.way) / (area.norm() * found.distance) : 0.0;
+  found.alignment = std::abs(across);
+  found.inside = triangle.has_inside && across < 0.0;
+  if (found.distance > 0.0) {
+    found.way *= (found.inside ? -1.0 : 1.0) / found.distance;
+  } else if (area.norm() > 0.0) {
+    found.way = area / area.norm();
+  } else {
+    return;
+  }
+  const auto known =
+      std::find_if(nearest_.begin(), nearest_.end(), [&](const Nearest& n) { return n.body == found.body; });
+  if (known == nearest_.end()) {
+    nearest_.push_back(found);
+    return;
+  }
+  const double tie = same_distance * triangle.edge;
+  const bool nearer = found.distance < known->distance - tie;
+  const bool as_near = found.distance <= known->distance + tie;
+  const bool facing =
+      found.alignment > known->alignment || (found.alignment == known->alignment && t < known->triangle);
+  if (nearer || (as_near && facing)) *known = found;
+}
+
+void BodyContacts::keep(std::size_t particle, TouchedParticles& touched, double margin) {
+  for (const Nearest& found : nearest_) {
+    const ContactSurface::Triangle& triangle = surface_.triangles[found.triangle];
+    const double edge = std::max(triangle.edge, surface_.particles[particle].edge);
+    const double skins =
+        options_.skin > 0.0 ? 2.0 * options_.skin : usual_skin * (triangle.edge + surface_.particles[particle].edge);
+    const double gap = (found.inside ? -found.distance : found.distance) - skins;
+    if (gap > margin) continue;
+    Contact contact;
+    contact.particle = touched.slot(surface_.particles[particle].row);
+    for (int c = 0; c < 3; ++c) contact.corner[c] = touched.slot(surface_.particles[triangle.corner[c]].row);
+    contact.share = found.share;
+    contact.normal = found.way;
+    contact.gap = gap;
+    contact.edge = edge;
+    contacts_.push_back(contact);
+  }
+}
+
+void BodyContacts::press(Contact& contact, TouchedParticles& touched) const {
+  TouchedParticles::Touched& particle = touched[contact.particle];
+  const auto corner = [&](int c) -> TouchedParticles::Touched& { return touched[contact.corner[c]]; };
+  const auto mobility = [&](const Vec3& along) {
+    double sum = inverse_mass(particle, along);
+    for (int c = 0; c < 3; ++c) sum += contact.share[c] * contact.share[c] * inverse_mass(corner(c), along);
+    return sum;
+  };
+  const auto relative = [&] {
+    Vec3 v = particle.velocity;
+    for (int c = 0; c < 3; ++c) v -= contact.share[c] * corner(c).velocity;
+    return v;
+  };
+  const auto give = [&](const Vec3& impulse) {
+    push(particle, impulse);
+    for (int c = 0; c < 3; ++c) push(corner(c), -contact.share[c] * impulse);
+  };
+
+  const double along_normal = mobility(contact.normal);
+  if (along_normal == 0.0) return;
+  const double lacking = -std::max(contact.gap, 0.0) / touched.dt() - contact.normal.dot(relative());
+  const double pressed = std::max(contact.pressed + lacking / along_normal, 0.0);
+  if (pressed != contact.pressed) give((pressed - contact.pressed) * contact.normal);
+  contact.pressed = pressed;
+  if (options_.friction == 0.0 || (pressed == 0.0 && contact.rubbed == Vec3::Zero())) return;
+
+  const Vec3 after = relative(), sliding = after - contact.normal.dot(after) * contact.normal;
+  const double speed = sliding.norm();
+  Vec3 rubbed = contact.rubbed;
+  if (speed > 0.0) {
+    const double ease = mobility(sliding / speed);
+    if (ease > 0.0) rubbed -= sliding / ease;
+  }
+  const double most = options_.friction * pressed, size = rubbed.norm();
+  if (size > most) rubbed *= most / size;
+  give(rubbed - contact.rubbed);
+  contact.rubbed = rubbed;
+}
+
+void BodyContacts::part(const Contact& contact, TouchedParticles& touched) {
+  if (contact.gap >= 0.0) return;
+  TouchedParticles::Touched& particle = touched[contact.particle];
+  double mobility = inverse_mass(particle, contact.normal);
+  for (int c = 0; c < 3; ++c) {
+    mobility += contact.share[c] * contact.share[c] * inverse_mass(touched[contact.corner[c]], contact.normal);
+  }
+  if (mobility == 0.0) return;
+  const double way = std::min(-parted_share * contact.gap, largest_parting * contact.edge) / mobility;
+  shift(particle, way * particle.inverse_mass * contact.normal);
+  for (int c = 0; c < 3; ++c) {
+    TouchedParticles::Touched& corner = touched[contact.corner[c]];
+    shift(corner, -way * contact.share[c] * corner.inverse_mass * contact.normal);
+  }
+}
+
+void BodyContacts::act(TouchedParticles& touched) {
+  find(touched);
+  for (int round = 0; round < options_.rounds; ++round) {
+    for (Contact& contact : contacts_) press(contact, touched);
+  }
+  for (const Contact& contact : contacts_) part(contact, touched);
+}
+
+}  // namespace phymul::cpu

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+//
+// Scene::contacts, in double precision and in one order whatever the backend and its threads. Every particle of a
+// surface meets the nearest triangle of every other body (and of its own, far enough away at rest): an impulse along
+// the way between the particle and the nearest point of the triangle lets them come no nearer than their skins by the
+// step's end, and one across it of at most `friction` times that acts against their sliding. The triangle's corners
+// take the opposite of what the particle takes, by their share in the point: so momentum is kept, and angular momentum
+// but for what friction does over the thickness of the skins. Bodies of volume cells have an inside: what got in is
+// pushed out. Overlaps (of a start, or of what pushed harder than the rounds could hold) go back a fifth a step,
+// without speed.
+#pragma once
+
+#include <phymul/scene.h>
+
+#include <array>
+
+#include "../free_step.h"
+#include "contact_surface.h"
+#include "point_grid.h"
+
+namespace phymul::cpu {
+
+class BodyContacts {
+ public:
+  void follow(const Scene& scene);  ///< allocates
+  bool empty() const { return surface_.particles.empty(); }
+
+  void act(TouchedParticles& touched);
+
+ private:
+  struct Contact {
+    std::size_t particle = 0;             // slot of the touched particles
+    std::array<std::size_t, 3> corner{};  // likewise
+    Vec3 share{0, 0, 0};                  // of the corners in the nearest point, sum 1
+    Vec3 normal{0, 0, 0};                 // away from the triangle
+    double gap = 0.0;                     // m, at the step's start; negative: overlap
+    double edge = 0.0;                    // m, of the triangle, about
+    double pressed = 0.0;                 // N s, so far
+    Vec3 rubbed{0, 0, 0};                 // N s, so far, across the normal
+  };
+  struct Nearest {
+    std::size_t triangle = 0;
+    Index body = -1;
+    double distance = 0.0, alignment = 0.0;
+    Vec3 share{0, 0, 0}, way{0, 0, 0};  // from the triangle to the particle, m
+    bool inside = false;
+  };
+
+  void find(TouchedParticles& touched);
+  void look(std::size_t particle, std::size_t triangle, double reach);
+  void keep(std::size_t particle, TouchedParticles& touched, double margin);
+  void press(Contact& contact, TouchedParticles& touched) const;
+  static void part(const Contact& contact, TouchedParticles& touched);
+
+  ContactOptions options_;
+  ContactSurface surface_;
+  VecList place_;   // [particles of the surface] m
+  VecList centre_;  // [triangles] m
+  PointGrid grid_;
+  std::vector<Nearest> nearest_;  // of the particle in question, one a body
+  std::vector<Contact> contacts_;
+};
+
+}  // namespace phymul::cpu

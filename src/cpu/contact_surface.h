@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+//
+// What of a model can touch: the particles and triangles of its bodies' surfaces.
+#pragma once
+
+#include <phymul/model.h>
+
+#include <array>
+#include <vector>
+
+namespace phymul::cpu {
+
+struct ContactSurface {
+  struct Particle {
+    Index row = -1, body = -1;
+    double edge = 0.0;  ///< m, mean length of the surface's edges around it
+  };
+  struct Triangle {
+    std::array<Index, 3> corner{};  ///< rows of `particles`
+    Index body = -1;
+    double edge = 0.0;        ///< m, the longest
+    bool has_inside = false;  ///< of a body of volume cells; counter-clockwise seen from outside then
+  };
+  std::vector<Particle> particles;
+  std::vector<Triangle> triangles;
+  VecList rest;  ///< [particles] m
+  double longest_edge = 0.0;
+
+  /// Whether a particle is too near a triangle at rest to touch it: neighbours in one body do not.
+  bool is_own_skin(const Particle& particle, std::size_t particle_row, const Triangle& triangle) const;
+};
+
+/// Bodies without any facet have particles only, whose edges are the ways to their neighbours.
+ContactSurface make_contact_surface(const Model& model);
+
+}  // namespace phymul::cpu

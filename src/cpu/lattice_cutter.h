@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "box_lattice.h"
+#include "cluster_slots.h"
+#include "hexahedra.h"
+
+namespace phymul::cpu {
+
+/// Packs hexahedra of few shapes, cluster by cluster; TermCutter's calls.
+class LatticeCutter {
+ public:
+  /// Takes what boxes it finds out of `hexahedra`.
+  LatticeCutter(Hexahedra& hexahedra, Index size, std::size_t clusters, VectorBody& body);
+
+  void cut(int c, Slots& slots);
+  void fill_idle_lanes(int c, std::int32_t idle);
+  void point(int c, simd::Job& job) const;
+  double cost(const simd::Job& job) const;  ///< ns a step, rough
+
+ private:
+  struct Start {
+    std::size_t hexahedron, star, box;
+  };
+
+  int cut_cells(const std::vector<Hexahedron>& all, const std::vector<Index>& here, Slots& slots, Floats& to,
+                Offsets& shape_of);
+  int cut_stars(const std::vector<Index>& here, bool whole, Slots& slots);
+
+  VectorBody& body_;
+  const BoxLattice boxes_;
+  std::vector<Hexahedron> hexahedra_;                                       // those that are no boxes
+  std::vector<std::vector<Index>> hexahedron_rows_, box_rows_, star_rows_;  // by cluster
+  std::vector<Start> starts_;
+};
+
+}  // namespace phymul::cpu

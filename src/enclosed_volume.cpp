@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include "enclosed_volume.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace phymul {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// Nearest zeros of c1 + 2 c2 s + 3 c3 s^2 below and above 0, where it is positive.
+std::pair<double, double> growing_branch(const std::array<double, 3>& c) {
+  const double a = 3.0 * c[2], b = c[1], under = b * b - a * c[0];  // halved form: a s^2 + 2 b s + c1
+  std::pair<double, double> ends{-infinite, infinite};
+  if (under < 0.0) return ends;
+  const double q = -(b + std::copysign(std::sqrt(under), b));
+  for (const double zero : {q / a, c[0] / q}) {
+    if (!std::isfinite(zero)) continue;
+    if (zero < 0.0) ends.first = std::max(ends.first, zero);
+    if (zero > 0.0) ends.second = std::min(ends.second, zero);
+  }
+  return ends;
+}
+
+}  // namespace
+
+double enclosed_volume(Triangles triangles, std::span<const Vec3> position) {
+  if (triangles.empty()) return 0.0;
+  const Vec3 origin = position[triangles.front()[0]];
+  double sum = 0.0;
+  for (const std::array<Index, 3>& t : triangles) {
+    const Vec3 a = position[t[0]] - origin, b = position[t[1]] - origin, c = position[t[2]] - origin;
+    sum += a.dot(b.cross(c));
+  }
+  return sum / 6.0;
+}
+
+void volume_gradient(Triangles triangles, std::span<const Vec3> position, std::span<Vec3> gradient) {
+  std::fill(gradient.begin(), gradient.end(), Vec3::Zero());
+  if (triangles.empty()) return;
+  const Vec3 origin = position[triangles.front()[0]];
+  for (const std::array<Index, 3>& t : triangles) {
+    const Vec3 a = position[t[0]] - origin, b = position[t[1]] - origin, c = position[t[2]] - origin;
+    gradient[t[0]] += b.cross(c) / 6.0;
+    gradient[t[1]] += c.cross(a) / 6.0;
+    gradient[t[2]] += a.cross(b) / 6.0;
+  }
+}
+
+std::array<double, 3> volume_along(Triangles triangles, std::span<const Vec3> position, std::span<const Vec3> along) {
+  std::array<double, 3> c{0.0, 0.0, 0.0};
+  if (triangles.empty()) return c;
+  const Vec3 origin = position[triangles.front()[0]];
+  for (const std::array<Index, 3>& t : triangles) {
+    const Vec3 x = position[t[0]] - origin, y = position[t[1]] - origin, z = position[t[2]] - origin;
+    const Vec3 &u = along[t[0]], &v = along[t[1]], &w = along[t[2]];
+    c[0] += u.dot(y.cross(z)) + v.dot(z.cross(x)) + w.dot(x.cross(y));
+    c[1] += x.dot(v.cross(w)) + y.dot(w.cross(u)) + z.dot(u.cross(v));
+    c[2] += u.dot(v.cross(w));
+  }
+  for (double& value : c) value /= 6.0;
+  return c;
+}
+
+std::optional<double> root_of_cubic(const std::array<double, 3>& c, double wanted) {
+  if (!(c[0] > 0.0) || !std::isfinite(wanted) || !std::isfinite(c[0] + c[1] + c[2])) return std::nullopt;
+  if (wanted == 0.0) return 0.0;
+  const auto value = [&](double s) { return ((c[2] * s + c[1]) * s + c[0]) * s - wanted; };
+  const auto slope = [&](double s) { return (3.0 * c[2] * s + 2.0 * c[1]) * s + c[0]; };
+  const std::pair<double, double> ends = growing_branch(c);
+  double far = wanted / c[0];
+  const double end = wanted > 0.0 ? ends.second : ends.first;
+  const auto short_of = [&](double s) { return wanted > 0.0 ? value(s) < 0.0 : value(s) > 0.0; };
+  for (int k = 0; short_of(far); ++k) {
+    if (std::abs(far) >= std::abs(end) || k > 1000) return std::nullopt;
+    far *= 2.0;
+  }
+  if (std::abs(far) > std::abs(end)) far = end;
+  if (short_of(far)) return std::nullopt;
+
+  // Newton's iteration, kept between 0 and there by halving.
+  double low = std::min(0.0, far), high = std::max(0.0, far), s = std::clamp(wanted / c[0], low, high);
+  for (int k = 0; k < 200; ++k) {
+    const double f = value(s);
+    (f < 0.0 ? low : high) = s;
+    const double newton = s - f / slope(s);
+    const double next = newton > low && newton < high ? newton : 0.5 * (low + high);
+    if (f == 0.0 || next == s || next == low || next == high) break;
+    s = next;
+  }
+  return s;
+}
+
+}  // namespace phymul

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+//
+// The device of the backend "gl-compute": every pass a compute shader, tables in storage buffers.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "gl/compute_passes.h"
+#include "gl/compute_report.h"
+#include "gl/compute_sums.h"
+
+namespace phymul::gl {
+
+class ComputeDevice final : public Device {
+ public:
+  /// Compiles, uploads, and dispatches every pass of a step once, as drivers compile at first use.
+  ComputeDevice(const SliceTables& slices, const Scene& scene, const ShaderLibrary& library, GlCompute wish,
+                const ComputeLimits& limits = ComputeLimits::of_context());
+
+  void set_scene(const Scene& scene) override;
+  void write(const VecList& rest, const State& state) override { state_.write(rest, state); }
+  void read(const VecList& rest, State& state) override { state_.read(rest, state); }
+  void begin_batch(const StepConstants& constants, const std::vector<double>& instants) override;
+  void run(int count) override;
+  BatchReport try_step(int number) override;
+  BatchReport report() override;
+  Energy energy(const Scene& scene, double time, double dt) override;
+  Momentum momentum(const VecList& rest, const Vec3& about) override;
+  void request_copy(double time) override { state_.request_copy(copies_, time); }
+  bool collect_copy(const VecList& rest, State& state) override {
+    return copies_.collect(rest, state_.place_of(), state);
+  }
+  void drop_copies() override { copies_.clear(); }
+  const Texture& displacements() override;
+  const Texture& attractors() override;
+
+  const ComputeState& state() const { return state_; }
+
+ private:
+  struct Shown {  // by particles of the model
+    Kernel kernel;
+    Texture texture;
+  };
+  void bind() const;
+  const Texture& show(Shown& shown);
+
+  ShaderLibrary library_;
+  ComputeLimits limits_;
+  ComputeTables tables_;
+  ComputePasses passes_;
+  ComputeState state_;
+  std::unique_ptr<ComputeLoads> loads_;
+  ComputeReport report_;
+  ComputeSums sums_;
+  StateCopies copies_;
+  std::optional<Shown> displacements_, attractors_;
+};
+
+}  // namespace phymul::gl

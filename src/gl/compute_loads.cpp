@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#include "gl/compute_loads.h"
+
+namespace phymul::gl {
+
+ComputeLoads::ComputeLoads(const Scene& scene, int instants, const ComputeTables& tables, const ComputeLimits& limits)
+    : table_(scene, instants), index_row_(instants), parts_row_(index_row_), values_row_(index_row_) {
+  std::vector<Int4> index;
+  std::vector<Float4> parts;
+  if (kind().any()) {
+    const std::vector<Int4> by_particle = table_.index();
+    index.assign(static_cast<std::size_t>(tables.places()), Int4{});
+    for (std::size_t i = 0; i < by_particle.size(); ++i) {
+      index[static_cast<std::size_t>(tables.place_of()[i])] = by_particle[i];
+    }
+    parts = table_.parts();
+    parts_row_ = index_row_ + static_cast<std::int64_t>(index.size());
+    values_row_ = parts_row_ + static_cast<std::int64_t>(parts.size());
+  }
+  const auto value_rows = static_cast<std::int64_t>((table_.values().size() + 3) / 4);
+  buffer_ = StorageBuffer(values_row_ + value_rows, "the scene's loads", limits);
+  buffer_.write(16 * index_row_, index.data(), static_cast<std::int64_t>(16 * index.size()));
+  buffer_.write(16 * parts_row_, parts.data(), static_cast<std::int64_t>(16 * parts.size()));
+}
+
+void ComputeLoads::evaluate(const std::vector<double>& instants) {
+  table_.evaluate(instants);
+  buffer_.write(0, table_.gravity().data(), static_cast<std::int64_t>(16 * instants.size()));
+  if (!kind().any()) return;
+  const std::size_t values = instants.size() * static_cast<std::size_t>(table_.mode_count());
+  buffer_.write(16 * values_row_, table_.values().data(), static_cast<std::int64_t>(4 * values));
+}
+
+void ComputeLoads::place(Kernel& kernel) const {
+  kernel.set("gravity_place", 0);
+  kernel.set("load_index_place", static_cast<int>(index_row_));
+  kernel.set("load_parts_place", static_cast<int>(parts_row_));
+  kernel.set("load_values_place", static_cast<int>(values_row_));
+  kernel.set("load_count", table_.mode_count());
+}
+
+}  // namespace phymul::gl

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+#include "gl/compute_passes.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace phymul::gl {
+namespace {
+
+constexpr int lanes = 64;  // of a group where groups are many
+
+/// Beyond, one group of invocations takes longer than several dispatches of many.
+constexpr Index workgroup_particles = 1024;
+
+const ShaderFiles common{"dialect_compute.glsl", "tables.glsl", "vector3.glsl"};
+
+void append(ShaderRequest& request, const ShaderFiles& files) {
+  for (const std::string& file : files) {
+    if (std::ranges::find(request.files, file) == request.files.end()) request.files.push_back(file);
+  }
+}
+
+void define(ShaderRequest& request, const char* name, bool wanted = true) {
+  if (wanted) request.defines.emplace_back(name, 1);
+}
+
+}  // namespace
+
+ComputeForm choose_form(GlCompute wish, const BodyKind& kind) {
+  switch (wish) {
+    case GlCompute::store:
+      return ComputeForm::store;
+    case GlCompute::recompute:
+      return ComputeForm::recompute;
+    case GlCompute::workgroup:
+      return ComputeForm::workgroup;
+    case GlCompute::automatic:
+      break;
+  }
+  return kind.particles <= workgroup_particles ? ComputeForm::workgroup : ComputeForm::store;
+}
+
+ComputePasses::ComputePasses(const ComputeTables& tables, const ShaderLibrary& library, ComputeForm form,
+                             const ComputeLimits& limits)
+    : tables_(&tables), library_(&library), form_(form), limits_(limits) {}
+
+/// The passes before the step that are asked for, and what they need.
+ShaderRequest ComputePasses::evaluating(bool attractors, bool bases, bool volumes, bool cells) const {
+  const BodyKind& kind = tables_->kind();
+  ShaderRequest request{.files = common, .defines = {}};
+  tables_->define(request);
+  define(request, "AREA_EXPONENT", kind.options.area_exponent != 0.0);
+  define(request, "RECOMPUTE", !stores_terms());
+  define(request, "RECOMPUTE_FORCES", !stores_forces());
+  define(request, "AVERAGED", kind.base_terms && !kind.conservative());
+  define(request, "ATTRACTOR_ROWS", attractors);
+  define(request, "BASE_ROWS", bases);
+  define(request, "VOLUME_ROWS", volumes);
+  define(request, "CELL_ROWS", cells);
+  if (attractors || bases) append(request, base_kernel(kind));
+  if (attractors) append(request, attractor_files(kind));
+  if (kind.attractors) append(request, {"force_of.glsl"});
+  if (bases) append(request, {"bases_pass.glsl"});
+  if (volumes) append(request, joined({volume_kernel(), {"volumes_pass.glsl"}}));
+  if (cells) append(request, joined({base_kernel(kind), cell_kernel(), {"cells_pass.glsl"}}));
+  return request;
+}
+
+Kernel ComputePasses::placed(ShaderRequest request, int group, const ComputeState& state) const {
+  Kernel kernel(*library_, std::move(request), group, limits_);
+  tables_->place(kernel);
+  state.place(kernel);
+  const BodyKind& kind = tables_->kind();
+  kernel.set("base_rows_count", kind.bases);
+  kernel.set("volume_count", kind.volumes);
+  kernel.set("cell_count", kind.cells);
+  return kernel;
+}
+
+void ComputePasses::add_terms(bool attractors, bool bases, bool others, const ComputeState& state) {
+  const BodyKind& kind = tables_->kind();
+  const bool volumes = others && kind.volumes > 0, cells = others && kind.cells > 0;
+  if (!attractors && !bases && !volumes && !cells) return;
+  ShaderRequest request = evaluating(attractors, bases, volumes, cells);
+  append(request, {"store_terms.glsl", "terms_kernel.glsl"});
+  Terms terms;
+  terms.kernel = placed(std::move(request), lanes, state);
+  if (attractors) terms.attractor_groups = terms.kernel.groups_for(kind.particles);
+  if (bases) terms.base_groups = terms.kernel.groups_for(kind.bases);
+  if (volumes) terms.volume_groups = terms.kernel.groups_for(kind.volumes);
+  if (cells) terms.cell_groups = terms.kernel.groups_for(kind.cells);
+  terms.kernel.set("attractor_groups", terms.attractor_groups);
+  terms.kernel.set("base_groups", terms.base_groups);
+  terms.kernel.set("volume_groups", terms.volume_groups);
+  terms_.push_back(std::move(terms));
+}
+
+/// With the averaged reaction bases read forces that must be there.
+void ComputePasses::compile_terms(const ComputeState& state) {
+  const BodyKind& kind = tables_->kind();
+  const bool apart = kind.attractors && kind.base_terms;
+  terms_.clear();  // of an attempt that failed half-way
+  add_terms(kind.attractors && stores_forces(), kind.base_terms && !apart && stores_terms(), stores_terms(), state);
+  if (apart && stores_terms()) add_terms(false, true, false, state);
+  terms_compiled_ = true;
+}
+
+void ComputePasses::evaluate(const ComputeState& state) {
+  if (!terms_compiled_) compile_terms(state);
+  for (Terms& terms : terms_) {
+    terms.kernel.set("pair", state.current());
+    terms.kernel.dispatch(terms.groups());
+  }
+}
+
+ShaderRequest ComputePasses::gathering(const LoadKind& loads, bool with_passes) const {
+  const BodyKind& kind = tables_->kind();
+  const bool all = with_passes || form_ == ComputeForm::recompute;
+  ShaderRequest request =
+      evaluating(all && kind.attractors, all && kind.base_terms, all && kind.volumes > 0, all && kind.cells > 0);
+  define_gathering(kind, loads, request);
+  append(request, {"delta_spring.glsl", "integrate_displacement.glsl", "terms_of.glsl", "net_force.glsl"});
+  return request;
+}
+
+int ComputePasses::workgroup() const {
+  const BodyKind& kind = tables_->kind();
+  const int rows = std::max({kind.particles, kind.base_terms ? kind.bases : 0, kind.volumes, kind.cells});
+  const int most = std::min(limits_.invocations, 1024);
+  return std::min((rows + 31) / 32 * 32, most / 32 * 32);
+}
+
+Kernel ComputePasses::stepping(const LoadKind& loads, const ComputeState& state) const {
+  ShaderRequest request = gathering(loads, form_ == ComputeForm::workgroup);
+  define(request, "CUT");
+  append(request, {"step_pass.glsl", "store_step.glsl"});
+  if (form_ != ComputeForm::workgroup) {
+    append(request, {"step_kernel.glsl"});
+    return placed(std::move(request), lanes, state);
+  }
+  const BodyKind& kind = tables_->kind();
+  define(request, "ONE_WORKGROUP");
+  define(request, "STORED_TERMS", kind.attractors || kind.base_terms || kind.volumes > 0 || kind.cells > 0);
+  append(request, {"store_terms.glsl", "workgroup_kernel.glsl"});
+  return placed(std::move(request), workgroup(), state);
+}
+
+void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& state) {
+  auto found = std::ranges::find(stepping_, loads.kind(), &Stepping::loads);
+  if (found == stepping_.end()) {
+    found = stepping_.insert(stepping_.end(), {loads.kind(), stepping(loads.kind(), state)});
+  }
+  now_ = &found->kernel;
+  loads.place(*now_);
+}
+
+void ComputePasses::set_constants(const StepConstants& constants) {
+  const auto finite = [](double value) { return std::min(value, double{std::numeric_limits<float>::max()}); };
+  const auto set = [this](const char* name, double value) { now_->set(name, static_cast<float>(value)); };
+  set("largest_acceleration", finite(constants.largest_acceleration));
+  set("dt", constants.dt);
+  set("inverse_dt", 1.0 / constants.dt);
+  set("damping_factor", constants.damping_factor);
+  set("runaway_speed", finite(constants.runaway_speed));
+  set("speed_at_rest", constants.speed_at_rest);
+  set("acceleration_at_rest", constants.acceleration_at_rest);
+}
+
+void ComputePasses::steps(ComputeState& state, int first, int count) {
+  if (form_ == ComputeForm::workgroup) {
+    if (count == 0) return;
+    now_->set("pair", state.current());
+    now_->set("checkpoint", state.checkpoint());
+    now_->set("number", first);
+    now_->set("steps", count);
+    now_->dispatch(1);
+    for (int k = 0; k < count; ++k) state.advance();
+    return;
+  }
+  for (int k = 0; k < count; ++k) {
+    evaluate(state);
+    now_->set("pair", state.current());
+    now_->set("next_pair", state.free_pair());
+    now_->set("number", first + k);
+    now_->set("measuring", k == count - 1 ? 1 : 0);
+    now_->dispatch(now_->groups_for(tables_->kind().particles));
+    state.advance();
+  }
+}
+
+void ComputePasses::try_step(const ComputeState& state, int number) {
+  if (form_ == ComputeForm::workgroup) {
+    now_->set("pair", state.current());
+    now_->set("checkpoint", state.checkpoint());
+    now_->set("number", number);
+    now_->set("steps", 1);
+    return now_->dispatch(1);
+  }
+  evaluate(state);
+  now_->set("pair", state.current());
+  now_->set("next_pair", state.free_pair());
+  now_->set("number", number);
+  now_->set("measuring", 1);
+  now_->dispatch(now_->groups_for(tables_->kind().particles));
+}
+
+}  // namespace phymul::gl

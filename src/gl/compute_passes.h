@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+//
+// The passes of a step, dispatched. By form:
+//   store      forces of attractors, terms of bases, volumes and cells in one dispatch (bases of the averaged reaction,
+//              which read forces, in a second); net force and Verlet in another
+//   recompute  net force and Verlet in one dispatch, where each particle computes what the others would have stored
+//              (forces of the averaged reaction's attractors are stored still, by a dispatch before)
+//   workgroup  as store, many steps in one dispatch by one group
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "gl/compute_loads.h"
+#include "gl/compute_state.h"
+#include "gl/device.h"
+
+namespace phymul::gl {
+
+enum class ComputeForm { store, recompute, workgroup };
+
+/// What `wish` means for a body.
+ComputeForm choose_form(GlCompute wish, const BodyKind& kind);
+
+class ComputePasses {
+ public:
+  ComputePasses(const ComputeTables& tables, const ShaderLibrary& library, ComputeForm form,
+                const ComputeLimits& limits);
+
+  const ComputeTables& tables() const { return *tables_; }
+  ComputeForm form() const { return form_; }
+  bool stores_terms() const { return form_ != ComputeForm::recompute; }
+  /// Bases of the averaged reaction read the force of their owner, which is stored in any case: recomputed for each
+  /// corner of each base it would cost more than everything else.
+  bool stores_forces() const { return stores_terms() || tables_->kind().base_terms; }
+
+  /// Compiles what these loads need, where it is not there yet.
+  void set_loads(const ComputeLoads& loads, const ComputeState& state);
+  /// Before steps of a call.
+  void set_constants(const StepConstants& constants);
+
+  /// Steps first ... first + count - 1 of a batch from the current state, each to the next free pair; the last one
+  /// measures. Advances the state.
+  void steps(ComputeState& state, int first, int count);
+  /// Step `number` from the current state to the free pair; measures, and does not advance.
+  void try_step(const ComputeState& state, int number);
+
+  /// What other kernels read: forces and terms of the current state, where they do not recompute them.
+  void evaluate(const ComputeState& state);
+  /// Files up to and with net_force.glsl, and what they need defined; `with_passes`: those before the step too, which
+  /// kernels that recompute have in any case.
+  ShaderRequest gathering(const LoadKind& loads, bool with_passes = false) const;
+  /// The kernels and passes of some rows alone.
+  ShaderRequest evaluating(bool attractors, bool bases, bool volumes, bool cells) const;
+  /// A kernel that knows where everything is.
+  Kernel placed(ShaderRequest request, int group, const ComputeState& state) const;
+
+ private:
+  struct Stepping {  // of one kind of loads
+    LoadKind loads;
+    Kernel kernel;
+  };
+  struct Terms {
+    Kernel kernel;
+    int attractor_groups = 0, base_groups = 0, volume_groups = 0, cell_groups = 0;
+    int groups() const { return attractor_groups + base_groups + volume_groups + cell_groups; }
+  };
+  void compile_terms(const ComputeState& state);
+  void add_terms(bool attractors, bool bases, bool others, const ComputeState& state);
+  Kernel stepping(const LoadKind& loads, const ComputeState& state) const;
+  int workgroup() const;
+
+  const ComputeTables* tables_;
+  const ShaderLibrary* library_;
+  ComputeForm form_;
+  ComputeLimits limits_;
+  std::vector<Terms> terms_;  // dispatched in order before a step
+  bool terms_compiled_ = false;
+  std::deque<Stepping> stepping_;  // whose addresses stay
+  Kernel* now_ = nullptr;
+};
+
+}  // namespace phymul::gl

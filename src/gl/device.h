@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+//
+// Device: what of a solver lives in its context, whatever the passes are: made, used and deleted inside Context::run.
+#pragma once
+
+#include <phymul/solver.h>
+
+#include <memory>
+#include <vector>
+
+#include "gl/pass_timer.h"
+#include "gl/texture.h"
+
+namespace phymul::gl {
+
+/// What all steps of a call have in common.
+struct StepConstants {
+  double dt = 0.0, damping_factor = 1.0;
+  double largest_acceleration = 0.0, runaway_speed = 0.0, speed_at_rest = 0.0, acceleration_at_rest = 0.0;
+};
+
+/// What a batch of steps has to tell. Steps count from 1 within the batch; 0: never.
+struct BatchReport {
+  int runaway_step = 0;  ///< first in which a particle ran away
+  Index particle = -1;   ///< the first of them by number
+  bool cut = false;      ///< an elastic force was; false too where a particle ran away
+  int first_unquiet = 0, last_unquiet = 0;
+  /// Of the last step.
+  double max_speed = 0.0, max_acceleration = 0.0, max_force = 0.0, max_displacement = 0.0;
+
+  BatchReport() = default;
+  /// From what report_events.glsl leaves of all rows. Throws Error where that is no report.
+  BatchReport(const Int4& events, const Float4& largest);
+};
+
+class Device {
+ public:
+  /// Most steps between two reads of a report, so that their numbers fit what step_pass.glsl packs.
+  static constexpr int most_steps = 256;
+
+  Device() = default;
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  virtual ~Device() = default;
+
+  /// From now on; timer() is null before.
+  void time_passes(const ContextInfo& info, Profile& profile) { timer_ = std::make_unique<PassTimer>(info, profile); }
+  PassTimer* timer() { return timer_.get(); }
+
+  virtual void set_scene(const Scene& scene) = 0;
+  virtual void write(const VecList& rest, const State& state) = 0;
+  virtual void read(const VecList& rest, State& state) = 0;
+
+  /// The loads at the instants of a batch: instants[s] is the old time of its step s + 1. The present state becomes the
+  /// checkpoint.
+  virtual void begin_batch(const StepConstants& constants, const std::vector<double>& instants) = 0;
+  /// Steps 1 ... count of the batch from the checkpoint; the last one measures.
+  virtual void run(int count) = 0;
+  /// Step `number` from the present state, which stays as it is; only what it measures is kept.
+  virtual BatchReport try_step(int number) = 0;
+  /// Of the steps since begin_batch(), or since the last run() did. Waits for the device.
+  virtual BatchReport report() = 0;
+
+  virtual Energy energy(const Scene& scene, double time, double dt) = 0;
+  virtual Momentum momentum(const VecList& rest, const Vec3& about) = 0;
+
+  /// Starts a copy of the present state to the host.
+  virtual void request_copy(double time) = 0;
+  /// True where the oldest copy has arrived, and is then in `state`.
+  virtual bool collect_copy(const VecList& rest, State& state) = 0;
+  virtual void drop_copies() = 0;
+
+  /// Displacements of the particles, and of their attractors, in the model's order.
+  virtual const Texture& displacements() = 0;
+  virtual const Texture& attractors() = 0;
+
+ private:
+  std::unique_ptr<PassTimer> timer_;
+};
+
+}  // namespace phymul::gl

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+//
+// The kinds of inputs (phymul::Input) that the library itself makes.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+namespace phymul::input_kind {
+
+inline constexpr std::string_view step = "step";        ///< n (i32), dt (f64)
+inline constexpr std::string_view to_rest = "rest";     ///< the same
+inline constexpr std::string_view restore = "rset";     ///< a snapshot; of a reset, a plain state's
+inline constexpr std::string_view scene = "scne";       ///< scene_bytes.h
+inline constexpr std::string_view checkpoint = "chck";  ///< fingerprint of the snapshot (u64), time (f64)
+
+inline constexpr std::array all{step, to_rest, restore, scene, checkpoint};
+
+inline bool is_own(std::string_view kind) {
+  return std::find(all.begin(), all.end(), kind) != all.end();
+}
+
+}  // namespace phymul::input_kind

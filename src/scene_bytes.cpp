@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+#include "scene_bytes.h"
+
+#include <limits>
+
+namespace phymul {
+namespace {
+
+std::uint8_t enumerator(ByteReader& in, int count, const char* what) {
+  const std::uint8_t value = in.u8(what);
+  if (value >= count) {
+    in.fail(std::string("expected ") + what + " below " + std::to_string(count) + ", got " + std::to_string(value));
+  }
+  return value;
+}
+
+int positive(ByteReader& in, const char* what) {
+  const Index value = in.index(what);
+  if (value < 0) in.fail(std::string("expected ") + what + " of 0 or more, got " + std::to_string(value));
+  return value;
+}
+
+void put_contacts(ByteWriter& out, const std::optional<ContactOptions>& contacts) {
+  out.u8(contacts ? 1 : 0);
+  if (!contacts) return;
+  out.real(contacts->friction);
+  out.real(contacts->skin);
+  out.u8(contacts->self ? 1 : 0);
+  out.index(contacts->rounds);
+}
+
+void take_contacts(ByteReader& in, Scene& scene) {
+  if (enumerator(in, 2, "whether there are contacts") == 0) {
+    if (scene.contacts()) scene.no_contacts();
+    return;
+  }
+  ContactOptions options;
+  options.friction = in.real("a coefficient of friction");
+  options.skin = in.real("a skin");
+  options.self = enumerator(in, 2, "whether a body touches itself") == 1;
+  options.rounds = positive(in, "a number of rounds");
+  scene.contacts(options);
+}
+
+void take_volumes(ByteReader& in, Scene& scene) {
+  const std::size_t count = in.count(20, "a number of kept volumes");
+  for (std::size_t k = 0; k < count; ++k) {
+    ClosedVolume surface;
+    surface.volume = in.real("a volume");
+    surface.applied_to = in.text("a group's name");
+    surface.triangles.resize(in.count(12, "a number of triangles"));
+    for (auto& triangle : surface.triangles) {
+      for (Index& i : triangle) i = in.index("a particle");
+    }
+    scene.keep_volume(std::move(surface));
+  }
+}
+
+}  // namespace
+
+std::string load_bytes(const Load& load) {
+  ByteWriter out;
+  out.u8(static_cast<std::uint8_t>(load.type));
+  out.indices(load.particles);
+  out.u64(load.events.size());
+  for (const ValueEvent& event : load.events) {
+    out.real(event.date);
+    out.real(event.value);
+  }
+  for (const Axis axis : load.axes) out.u8(static_cast<std::uint8_t>(axis));
+  out.vector(load.direction);
+  out.index(load.toward);
+  out.text(load.applied_to);
+  return out.bytes();
+}
+
+Load take_load(ByteReader& in) {
+  Load load;
+  load.type = static_cast<LoadType>(enumerator(in, 5, "a type of load"));
+  load.particles = in.indices("particles");
+  load.events.resize(in.count(16, "a number of values"));
+  for (ValueEvent& event : load.events) {
+    event.date = in.real("a date");
+    event.value = in.real("a value");
+  }
+  for (Axis& axis : load.axes) axis = static_cast<Axis>(enumerator(in, 3, "an axis"));
+  load.direction = in.vector("a direction");
+  load.toward = in.index("a particle to point toward");
+  load.applied_to = in.text("a target");
+  return load;
+}
+
+std::string volume_bytes(const Scene& scene) {
+  ByteWriter out;
+  out.u64(scene.volumes().size());
+  for (const ClosedVolume& surface : scene.volumes()) {
+    out.real(surface.volume);
+    out.text(surface.applied_to);
+    out.u64(surface.triangles.size());
+    for (const auto& triangle : surface.triangles) {
+      for (const Index i : triangle) out.index(i);
+    }
+  }
+  return out.bytes();
+}
+
+std::string scene_change_bytes(const Scene& scene, const std::vector<std::string>& loads, bool anew) {
+  ByteWriter out;
+  out.u8(anew ? 1 : 0);
+  out.vector(scene.gravity());
+  put_contacts(out, scene.contacts());
+  out.u64(scene.loads().size());
+  ByteWriter changed;
+  std::uint64_t changes = 0;
+  for (std::size_t row = 0; row < scene.loads().size(); ++row) {
+    const std::string bytes = load_bytes(scene.loads()[row]);
+    if (!anew && row < loads.size() && loads[row] == bytes) continue;
+    changed.u64(row);
+    changed.raw(bytes);
+    ++changes;
+  }
+  out.u64(changes);
+  out.raw(changed.bytes());
+  if (anew) out.raw(volume_bytes(scene));
+  return out.bytes();
+}
+
+void change_scene(Scene& scene, ByteReader& in) {
+  const bool anew = enumerator(in, 2, "whether the scene is made anew") == 1;
+  if (anew) scene.clear();
+  scene.gravity(in.vector("a gravity"));
+  take_contacts(in, scene);
+  const std::uint64_t count = in.u64("a number of loads");
+  const std::size_t changes = in.count(16, "a number of changed loads");
+  for (std::size_t k = 0; k < changes; ++k) {
+    const std::uint64_t row = in.u64("a load's row");
+    if (row > scene.loads().size() || row >= count) {
+      in.fail("expected the row of a load, " + std::to_string(scene.loads().size()) + " or less, got " +
+              std::to_string(row));
+    }
+    if (row == scene.loads().size()) {
+      scene.add(take_load(in));
+    } else {
+      scene.replace(row, take_load(in));
+    }
+  }
+  if (scene.loads().size() < count) in.fail("expected " + std::to_string(count) + " loads, got fewer");
+  while (scene.loads().size() > count) scene.remove(scene.loads().size() - 1);
+  if (anew) take_volumes(in, scene);
+  in.expect_end("a change of the scene");
+}
+
+}  // namespace phymul

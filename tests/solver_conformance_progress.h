@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+//
+// What every backend must do in calls that tell how far they are, and when values of a scene change between them.
+#pragma once
+
+#include <stdexcept>
+
+#include "solver_conformance_fixture.h"
+
+namespace phymul::test {
+
+TEST_P(SolverConformance, ProgressChangesNoBitAndNoCount) {
+  const Model model = block();
+  Scene scene(model);
+  scene.fix("z1").gravity({0, 0, -9.81});
+  SolverOptions options;
+  options.damping.rate = 60.0;
+  options.rest_tolerance = 1e-3;
+  const auto plain = make(model, scene, options);
+  std::vector<StepProgress> told;
+  options.progress = [&](const StepProgress& progress) {
+    told.push_back(progress);
+    return true;
+  };
+  options.progress_seconds = 0.0;
+  const auto telling = make(model, scene, options);
+  const double dt = 0.5 * plain->stable_step();
+  for (const int before : {0, 7}) {  // steps of an earlier call count too
+    SCOPED_TRACE(before);
+    plain->reset();
+    telling->reset();
+    plain->step(before, dt);
+    telling->step(before, dt);
+    told.clear();
+    const StepReport expected = plain->run_to_rest(20000, dt), report = telling->run_to_rest(20000, dt);
+    ASSERT_TRUE(expected.at_rest);
+    EXPECT_TRUE(report.at_rest);
+    EXPECT_FALSE(report.stopped);
+    EXPECT_EQ(report.steps, expected.steps);
+    EXPECT_EQ(report.residual, expected.residual);
+    EXPECT_EQ(report.max_speed, expected.max_speed);
+    EXPECT_EQ(telling->read(), plain->read());
+    ASSERT_EQ(static_cast<int>(told.size()), report.steps - 1);  // after every step but the last
+    for (std::size_t k = 0; k < told.size(); ++k) {
+      EXPECT_EQ(told[k].steps, static_cast<int>(k) + 1);
+      EXPECT_EQ(told[k].of, 20000);
+      EXPECT_GT(told[k].residual, 0.0);
+    }
+    EXPECT_NEAR(told.back().time, report.time - dt, 1e-9 * report.time);
+  }
+}
+
+TEST_P(SolverConformance, ProgressEndsACallBetweenSteps) {
+  const Model model = block();
+  Scene scene(model);
+  scene.fix("z1").gravity({0, 0, -9.81});
+  SolverOptions options;
+  const auto plain = make(model, scene, options);
+  options.progress_seconds = 0.0;
+  options.progress = [](const StepProgress& progress) { return progress.steps < 5; };
+  const auto stopping = make(model, scene, options);
+  const double dt = 0.5 * plain->stable_step();
+  const StepReport report = stopping->step(100, dt);
+  EXPECT_TRUE(report.ok());
+  EXPECT_TRUE(report.stopped);
+  EXPECT_NE(report.message().find("stopped"), std::string::npos) << report.message();
+  EXPECT_EQ(report.steps, 5);
+  EXPECT_FALSE(plain->step(5, dt).stopped);
+  EXPECT_EQ(stopping->read(), plain->read());
+  EXPECT_FALSE(stopping->step(5, dt).stopped);  // it is asked between steps, and there is none after the fifth
+  plain->step(5, dt);
+  EXPECT_EQ(stopping->read(), plain->read());
+}
+
+TEST_P(SolverConformance, WhatProgressThrowsLeavesASolverThatGoesOn) {
+  const Model model = block();
+  Scene scene(model);
+  scene.fix("z1").gravity({0, 0, -9.81});
+  SolverOptions options;
+  const auto plain = make(model, scene, options);
+  bool angry = true;
+  options.progress_seconds = 0.0;
+  options.progress = [&angry](const StepProgress& progress) {
+    if (angry && progress.steps == 3) throw std::runtime_error("enough");
+    return true;
+  };
+  const auto throwing = make(model, scene, options);
+  const double dt = 0.5 * plain->stable_step();
+  EXPECT_THROW(throwing->step(100, dt), std::runtime_error);
+  plain->step(3, dt);
+  EXPECT_EQ(throwing->read(), plain->read());
+  angry = false;
+  EXPECT_EQ(throwing->step(10, dt).steps, 10);
+  plain->step(10, dt);
+  EXPECT_EQ(throwing->read(), plain->read());
+}
+
+TEST_P(SolverConformance, ProgressTellsOfFailuresAsEver) {
+  const Model model = block();
+  const Scene scene(model);
+  SolverOptions options;
+  options.on_unstable = UnstableStep::allow;
+  const auto plain = make(model, scene, options);
+  options.progress_seconds = 0.0;
+  options.progress = [](const StepProgress&) { return true; };
+  const auto telling = make(model, scene, options);
+  State start = rest_state(model);
+  start.position = random_positions(model, 0.05, 3);
+  plain->reset(start);
+  telling->reset(start);
+  const double dt = 3.0 * plain->stable_step();
+  const StepReport expected = plain->step(10000, dt), report = telling->step(10000, dt);
+  ASSERT_EQ(expected.status, StepStatus::not_finite);
+  EXPECT_EQ(report.status, StepStatus::not_finite);
+  EXPECT_EQ(report.steps, expected.steps);
+  EXPECT_EQ(report.particle, expected.particle);
+  EXPECT_EQ(report.max_speed, expected.max_speed);
+  EXPECT_EQ(telling->read(), plain->read());
+}
+
+TEST_P(SolverConformance, ProgressIsToldNoMoreOftenThanAsked) {
+  const Model model = block();
+  const Scene scene(model);
+  int calls = 0;
+  SolverOptions options;
+  options.progress_seconds = 3600.0;
+  options.progress = [&calls](const StepProgress&) { return ++calls > 0; };
+  const auto solver = make(model, scene, options);
+  EXPECT_EQ(solver->step(300, 0.5 * solver->stable_step()).steps, 300);
+  EXPECT_EQ(calls, 0);
+  options.progress_seconds = -1.0;
+  EXPECT_THROW(make(model, scene, options), Error);
+}
+
+TEST_P(SolverConformance, NewValuesOfALoadActLikeANewLoad) {
+  const Model model = block();
+  Scene replaced(model), driven(model);
+  Load pull, push;
+  pull.type = LoadType::translation;
+  pull.particles = model.group("z1");
+  pull.axes = {Axis::driven, Axis::free, Axis::free};
+  pull.direction = {1, 0, 0};
+  pull.events = {{0.0, 0.0}, {1.0, 0.0}};
+  push = pull;
+  push.type = LoadType::force;
+  push.particles = model.group("x0");
+  Load turn = pull;
+  turn.type = LoadType::rotation;
+  turn.particles = model.group("y1");
+  for (Scene* scene : {&replaced, &driven}) scene->add({pull, push, turn}).fix("z0");
+  const auto a = make(model, replaced), b = make(model, driven);
+  const double dt = 0.5 * a->stable_step();
+  for (int k = 1; k <= 5; ++k) {
+    const double now = b->read().time;
+    pull.events = {{now, 1e-4 * (k - 1)}, {now + 4 * dt, 1e-4 * k}};
+    push.events = {{now, 1e-3 * k}};
+    turn.events = {{now, 1e-3 * k}};
+    replaced.replace(0, pull).replace(1, push).replace(2, turn);
+    driven.set_events(0, pull.events).set_events(1, push.events).set_events(2, turn.events);
+    ASSERT_TRUE(a->step(4, dt).ok());
+    ASSERT_TRUE(b->step(4, dt).ok());
+    ASSERT_EQ(a->read(), b->read()) << k;
+  }
+  EXPECT_NE(b->read(), rest_state(model));
+}
+
+TEST_P(SolverConformance, NewValuesStartTheCountOfStepsAtRestAnew) {
+  const Model model = block();
+  Scene scene(model);
+  Load pull;
+  pull.type = LoadType::translation;
+  pull.particles = model.group("z1");
+  pull.direction = {1, 0, 0};
+  pull.events = {{0.0, 0.0}};
+  scene.add(pull);
+  const auto solver = make(model, scene);
+  const double dt = 0.5 * solver->stable_step();
+  ASSERT_TRUE(solver->step(20, dt).at_rest);
+  pull.events[0].value = 1e-5;
+  scene.set_events(0, pull.events);
+  EXPECT_FALSE(solver->step(1, dt).at_rest);
+}
+
+}  // namespace phymul::test
