@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 #
-# Makes every chart and table of docs/charts.md: builds, measures, draws.
+# Makes every chart and table of docs/charts.md and docs/stability.md: builds, measures, draws.
 #   sh bench/charts.sh [--quick] [--out DIR] [--draw-only] [--methods a,b,...] [--backends a,b,...] [--wall-cap SECONDS]
 # Default DIR: out/charts. --quick takes coarse bodies only and under 3 minutes; --draw-only redraws what is in DIR.
 # Measure on a quiet machine: times are wall times.
@@ -33,15 +33,17 @@ python=python3
 mkdir -p "$out"
 if [ -z "$draw_only" ]; then
   cmake -S . -B build/charts -DCMAKE_BUILD_TYPE=Release -DPHYMUL_BUILD_TESTS=OFF -DPHYMUL_BUILD_EXAMPLES=OFF >"$out/build.log"
-  cmake --build build/charts --parallel "$(nproc)" --target work_precision peer_cube trajectory_error >>"$out/build.log"
+  cmake --build build/charts --parallel "$(nproc)" --target work_precision peer_cube trajectory_error stability_atlas >>"$out/build.log"
   if [ -n "$quick" ]; then
     precision="--most-particles 450 --most-particles-in-reference 200 --most-resolutions 3 --steps 0.5 --wall-cap ${wall_cap:-4}"
     peer="--reference-steps 1000 --slow-steps 200 --steps 70,100,200,1000 --bullet-steps 10,50 --repeats 2"
     trajectory="--finest 16 --most-steps 1024"
+    atlas="--cells 2 --steps 2000 --most-particles 40"
   else
     precision="--most-particles 4096 --most-particles-in-reference 800 --steps 0.9,0.5 --wall-cap ${wall_cap:-10}"
     peer=""
     trajectory=""
+    atlas=""
   fi
   bin=build/charts/bench
   # $precision and the like are lists of words.
@@ -50,6 +52,9 @@ if [ -z "$draw_only" ]; then
   $bin/peer_cube $peer --backends "$backends" --out "$out/soft_cube.csv"
   $bin/trajectory_error $trajectory --backends "$backends" --order "$out/order_in_time.csv" \
     --equivalence "$out/equivalence.csv"
+  $bin/stability_atlas $atlas --limits "$out/stability_limits.csv" --recovery "$out/stability_recovery.csv" \
+    --rates "$out/stability_rates.csv"
 fi
 "$python" bench/charts/draw.py "$out"
+"$python" bench/charts/draw_stability.py "$out"
 echo "charts, tables and CSV files are in $out"

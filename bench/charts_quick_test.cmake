@@ -41,11 +41,20 @@ run_program(${TRAJECTORY_ERROR} --finest 16 --most-steps 16 --methods springs_18
             --order ${OUT}/order_in_time.csv --equivalence ${OUT}/equivalence.csv)
 require_rows(order_in_time.csv 4)
 
+run_program(${STABILITY_ATLAS} --cells 2 --steps 300 --most-particles 16 --factors 1 --ratios 100
+            --valences 18 --limits ${OUT}/stability_limits.csv
+            --recovery ${OUT}/stability_recovery.csv --rates ${OUT}/stability_rates.csv)
+require_rows(stability_limits.csv 50)
+require_rows(stability_recovery.csv 210)
+require_rows(stability_rates.csv 6)
+
 foreach(python python3 /usr/bin/python3)
   execute_process(COMMAND ${python} -c "import matplotlib" RESULT_VARIABLE missing OUTPUT_QUIET ERROR_QUIET)
   if(missing EQUAL 0)
     run_program(${python} ${CHARTS}/draw.py ${OUT})
-    foreach(chart work_precision_cube_bonded convergence_spacing convergence_time equivalence soft_cube_measured)
+    run_program(${python} ${CHARTS}/draw_stability.py ${OUT})
+    foreach(chart work_precision_cube_bonded convergence_spacing convergence_time equivalence soft_cube_measured
+                  stability_limit_mass stability_recovery)
       if(NOT EXISTS ${OUT}/${chart}.svg OR NOT EXISTS ${OUT}/${chart}.png)
         message(FATAL_ERROR "draw.py wrote no ${chart}")
       endif()

@@ -26,16 +26,11 @@ std::string processor() {
   return "unknown";
 }
 
-namespace {
-
-/// Processes that wanted a processor in the minute before: a quiet machine has none or one.
 std::string load_before() {
   std::ifstream load("/proc/loadavg");
   std::string minute;
   return load >> minute ? minute : "unknown";
 }
-
-}  // namespace
 
 std::vector<std::pair<std::string, std::string>> machine_facts() {
   return {

@@ -7,7 +7,9 @@
 #include <utility>
 #include <vector>
 
-std::string today();      ///< UTC
+std::string today();  ///< UTC
+/// Processes that wanted a processor in the minute before, on average: a quiet machine has none or one.
+std::string load_before();
 std::string processor();  ///< its name, as the system tells it
 
 /// Date, phymul's version, processor, compiler and flags, in the order to print them.

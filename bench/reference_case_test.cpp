@@ -7,13 +7,16 @@
 
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 #include "cell_interpolation.h"
 #include "expression.h"
 #include "measures.h"
+#include "methods.h"
 #include "problem.h"
 #include "reference_case.h"
 #include "relaxation.h"
+#include "sanitized.h"
 
 namespace phymul::bench {
 namespace {
@@ -163,6 +166,52 @@ TEST(ReferenceCases, EveryFileMakesItsCoarsestProblem) {
       const Problem problem = make_problem(it, level, it.resolutions.front());
       EXPECT_GE(problem.places.size(), 4u) << it.name;
       EXPECT_GT(problem.floor, 0.0) << it.name;
+    }
+  }
+}
+
+/// Displacement error of a method, by name, at rest; infinite where it does not come to rest.
+double error_at_rest(const std::string& file, const std::string& level, int n, const std::string& method_name) {
+  const ReferenceCase it = read_case(std::string(PHYMUL_REFERENCE_CASES) + "/" + file);
+  const Problem problem = make_problem(it, level, n);
+  for (const Method& method : all_methods()) {
+    if (method.name != method_name) continue;
+    MethodBody body = body_for(method, problem);
+    if (method.rule == StiffnessRule::lattice) {
+      set_stiffness(body, spring_stiffness(body, problem.model.materials.front()));
+    }
+    const auto topology = std::make_shared<const TopologyTextures>(build_topology(body.model, body.options));
+    const Scene scene = problem.scene(body.model);
+    VecList start = problem.model.rest;
+    for (std::size_t i = 0; i < start.size(); ++i) start[i] += problem.displacement[i];
+    RelaxationPlan plan;
+    plan.backend = "cpu";
+    plan.step_share = 0.5;
+    plan.wall_cap = 60.0;
+    const Relaxation relaxation = relax(topology, scene, start, plan);
+    if (relaxation.status != "ok") return std::numeric_limits<double>::infinity();
+    return measure(problem, *topology, scene, relaxation.state.position).displacement.global_ratio;
+  }
+  throw Error("no method is called " + method_name);
+}
+
+/// Strongly bent, cells of springs collapse; the calibrated body holds the bound of 3 %.
+TEST(ReferenceCases, SpringsFailInStrongBendingAndTheCalibratedBodyHolds) {
+  const int n = test::sanitized ? 2 : 4;
+  EXPECT_GT(error_at_rest("cantilever.case", "nu0.30_g0.30", n, "springs_18"), 0.10);
+  EXPECT_LT(error_at_rest("cantilever.case", "nu0.30_g0.30", n, "cell_averaged"), n == 2 ? 0.07 : 0.03);
+}
+
+/// Pressed by 18 % between bonded plates, where cells might buckle: no jump from level to level.
+TEST(ReferenceCases, APressedCubeDoesNotBuckle) {
+  const int n = test::sanitized ? 4 : 8;
+  for (const char* method : {"per_base", "cell_averaged"}) {
+    double before = 0.0;
+    for (const char* level : {"nu0.30_c0.0500", "nu0.30_c0.1250", "nu0.30_c0.1825"}) {
+      const double error = error_at_rest("cube_bonded.case", level, n, method);
+      EXPECT_LT(error, 0.10) << method << ", " << level;
+      EXPECT_LT(error, before + 0.03) << method << ", " << level;
+      before = error;
     }
   }
 }

@@ -30,6 +30,8 @@ const char* name_of(StepStatus status) {
       return "not_finite";
     case StepStatus::device_lost:
       return "device_lost";
+    case StepStatus::volume_lost:
+      return "volume_lost";
     case StepStatus::not_supported:
       return "not_supported";
   }

@@ -6,6 +6,7 @@
 #include <phymul/phymul.h>
 #include <phymul/topology_textures.h>
 
+#include <cmath>
 #include <string>
 
 namespace {
@@ -86,6 +87,12 @@ void solver_step(benchmark::State& run, const std::string& backend, const Elasti
   run.SetItemsProcessed(run.iterations() * steps_a_batch * block.model.particle_count());
   run.counters["particles"] = block.model.particle_count();
   run.counters["bases"] = solver->topology().base_count;
+  const double steps = static_cast<double>(run.iterations()) * steps_a_batch;
+  run.counters["bases_per_second"] =
+      benchmark::Counter(steps * solver->topology().base_count, benchmark::Counter::kIsRate);
+  if (const double bytes = solver->bytes_a_step(); std::isfinite(bytes)) {
+    run.counters["bytes_a_particle_step"] = bytes / block.model.particle_count();
+  }
 }
 
 /// One bench for each backend of this build and each law.

@@ -58,22 +58,26 @@ Limit step_limit(const Model& model, const TopologyOptions& topology, double dam
 
 class Limits {
  public:
-  Limits(const std::string& path, int cells)
-      : file_(path, {"question", "method", "value", "predicted", "found", "unit"}), cells_(cells) {}
+  Limits(const std::string& path, const Arguments& arguments)
+      : file_(path, {"question", "method", "value", "predicted", "found", "unit"}),
+        cells_(std::max(2, static_cast<int>(arguments.number("cells")) / 2)),
+        factors_(arguments.numbers("factors")),
+        ratios_(arguments.numbers("ratios")),
+        valences_(arguments.numbers("valences")) {}
 
   void all(const Method& method) {
     const Model plain = tissue_cube(method, side, cells_);
-    for (const double d : {1.0, 0.99, 0.9, 0.5, 0.0}) row("damping", method, d, plain, d);
-    for (const double ratio : {1.0, 1e1, 1e2, 1e3, 1e4, 1e6}) {
+    for (const double d : factors_) row("damping", method, d, plain, d);
+    for (const double ratio : ratios_) {
       row("stiffness", method, ratio, stiffer_half(method, ratio), 1.0);
       Model model = plain;
       for (std::size_t i = 0; i < model.mass.size(); i += 2) model.mass[i] *= ratio;
       row("mass", method, ratio, model, 1.0);
     }
     if (method.material) return;  // whose bases are those of its cells
-    for (const int valence : {6, 14, 18, 26}) {
+    for (const double valence : valences_) {
       Method other = method;
-      other.valence = valence;
+      other.valence = static_cast<int>(valence);
       row("valence", other, valence, tissue_cube(other, side, cells_), 1.0);
     }
   }
@@ -118,6 +122,7 @@ class Limits {
 
   CsvFile file_;
   int cells_;
+  std::vector<double> factors_, ratios_, valences_;
 };
 
 const char* verdict(const StepReport& report, double distance) {
@@ -192,6 +197,9 @@ int main(int argc, char** argv) try {
                              {"rates", ""},
                              {"backends", "cpu"},
                              {"cells", "4"},
+                             {"factors", "1,0.99,0.9,0.5,0"},
+                             {"ratios", "1,1e1,1e2,1e3,1e4,1e6"},
+                             {"valences", "6,14,18,26"},
                              {"steps", "12000"},
                              {"step-share", "0.5"},
                              {"most-particles", "300"}});
@@ -200,7 +208,7 @@ int main(int argc, char** argv) try {
     write_rates(arguments.text("rates"), static_cast<int>(arguments.number("most-particles")));
   }
   if (!arguments.text("limits").empty()) {
-    Limits limits(arguments.text("limits"), std::max(2, cells / 2));
+    Limits limits(arguments.text("limits"), arguments);
     for (const Method& method : stability_methods()) limits.all(method);
   }
   if (!arguments.text("recovery").empty()) {

@@ -90,7 +90,7 @@ add_library(phymul_gl_objects OBJECT
   src/gl/fragment_state.cpp
   src/gl/fragment_sums.cpp
   src/gl/fragment_tables.cpp
-  src/gl/fragment_traffic.cpp
+  src/gl/step_traffic.cpp
   src/gl/framebuffer.cpp
   src/gl/gl_functions.cpp
   src/gl/guard_egl.cpp
@@ -103,6 +103,7 @@ add_library(phymul_gl_objects OBJECT
   src/gl/pass_timer.cpp
   src/gl/picture_target.cpp
   src/gl/program.cpp
+  src/gl/report_copy.cpp
   src/gl/shader_source.cpp
   src/gl/state_copies.cpp
   src/gl/storage_buffer.cpp

@@ -74,16 +74,23 @@ int run(const RunOptions& options) {
   phymul::Scene scene = make_scene(options, model);
   phymul::SolverOptions solver_options;
   solver_options.damping.rate = options.damping_rate;
+  solver_options.profile = options.profile;
+  Progress progress(options.quiet);
+  solver_options.progress = [&progress](const phymul::StepProgress& step) {
+    progress.show(step);
+    return true;
+  };
   const auto solver = phymul::make_solver(options.backend, model, scene, options.topology, solver_options);
 
   make_folder(options.out);
   const RunSchedule schedule = schedule_of(scene.loads());
-  RunLoop loop(options, schedule, scene, *solver);
+  RunLoop loop(options, schedule, scene, *solver, progress);
   const int exit_code = loop.run();
   phymul::write_csv(model, loop.state(), options.out + "/rest.csv");
   phymul::write_pml(phymul::deformed_model(model, loop.state()), options.out + "/rest.pml",
                     {.length_unit = length_unit(options)});
   print_table(*solver, loop.summary());
+  if (options.profile) print_profile(solver->profile(), loop.summary());
   print_story(scene, schedule, loop.summary());
   if (exit_code == 2) std::fprintf(stderr, "phymul-run: %s\n", loop.summary().status.c_str());
   std::printf("\nresults in %s\n", options.out.c_str());

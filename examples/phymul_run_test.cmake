@@ -34,6 +34,15 @@ run(3 "particles +275" ${OUT}/rest.pml --max-time 0.001 --frame-interval 0 --no-
 run(3 "particles +275" ${OUT}/frames/body_000004.vtu --max-time 0.001 --frame-interval 0 --no-pictures
     --gravity 0 0 -9.81 --out ${OUT}/frame)
 
+# Where the time went, by pass; and nothing on the way where nothing is wanted.
+run(3 "pass +runs.*move +[1-9].*all, of the wall time" ${sample} --profile --backend cpu --max-time 0.02 --frame-interval 0
+    --no-pictures --out ${OUT}/profile)
+execute_process(COMMAND ${RUN} ${sample} --quiet --let-go 0.005 --max-time 0.01 --frame-interval 0 --no-pictures --out ${OUT}/quiet
+                OUTPUT_QUIET ERROR_VARIABLE said)
+if(NOT said STREQUAL "")
+  message(FATAL_ERROR "phymul-run --quiet said on the way: ${said}")
+endif()
+
 # A small stiff body comes to rest.
 run(0 "steps to rest after the last date" ${MESH} --unit 0.01 --fix "fixed side" --gravity 0 0 -9.81 --damping 60
     --frame-interval 0 --out ${OUT}/mesh)

@@ -17,8 +17,14 @@ constexpr double time_to_rest = 20.0;              // s after the last date, unl
 
 }  // namespace
 
-RunLoop::RunLoop(const RunOptions& options, const RunSchedule& schedule, phymul::Scene& scene, phymul::Solver& solver)
-    : options_(options), schedule_(schedule), scene_(scene), solver_(solver), model_(solver.model()) {
+RunLoop::RunLoop(const RunOptions& options, const RunSchedule& schedule, phymul::Scene& scene, phymul::Solver& solver,
+                 Progress& progress)
+    : options_(options),
+      schedule_(schedule),
+      scene_(scene),
+      solver_(solver),
+      model_(solver.model()),
+      progress_(progress) {
   if (schedule.has_driven && !options.keep) let_go_date_ = options.let_go.value_or(schedule.let_go);
   if (schedule.has_driven) pull_date_ = std::min(schedule.largest_pull, let_go_date_.value_or(schedule.largest_pull));
   settle_date_ = schedule.last_date;

@@ -16,7 +16,8 @@
 class RunLoop {
  public:
   /// The output folder must exist.
-  RunLoop(const RunOptions& options, const RunSchedule& schedule, phymul::Scene& scene, phymul::Solver& solver);
+  RunLoop(const RunOptions& options, const RunSchedule& schedule, phymul::Scene& scene, phymul::Solver& solver,
+          Progress& progress);
 
   /// Returns the program's exit code. Throws phymul::Error where a file cannot be written.
   int run();
@@ -59,6 +60,6 @@ class RunLoop {
   std::optional<phymul::VtkSeries> series_;
   std::ofstream energies_;
   std::optional<BodyPictures> pictures_;
-  Progress progress_;
+  Progress& progress_;
   RunSummary summary_;
 };

@@ -128,6 +128,8 @@ void add_output_options(CLI::App& app, RunOptions& options) {
   app.add_flag_callback(
          "--no-pictures", [&options] { options.pictures = false; }, "no PNG pictures")
       ->group(group);
+  app.add_flag("--profile", options.profile, "a table at the end of what the passes of the steps cost")->group(group);
+  app.add_flag("--quiet", options.quiet, "say nothing on the way")->group(group);
 }
 
 }  // namespace

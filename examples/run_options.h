@@ -31,6 +31,8 @@ struct RunOptions {
   std::optional<double> max_time;  ///< s; none: 20 s after the last date
   double frame_interval = 0.05;    ///< s; 0: no frames
   bool pictures = true;
+  bool profile = false;  ///< a table of what the passes of the steps cost
+  bool quiet = false;    ///< nothing on the way
 };
 
 /// None where the program should end now, with `exit_code` (help was asked for, or the words made no sense).

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cinttypes>
+#include <cmath>
 #include <cstdio>
 #include <functional>
 #include <set>
@@ -30,25 +31,40 @@ Snapshot take_snapshot(std::string label, const phymul::Solver& solver, const ph
   return shot;
 }
 
-Progress::Progress() : in_place_(isatty(STDERR_FILENO) != 0), next_(std::chrono::steady_clock::now()) {}
+Progress::Progress(bool quiet)
+    : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0), next_(std::chrono::steady_clock::now()) {}
 
 Progress::~Progress() {
   if (line_open_) std::fputc('\n', stderr);
 }
 
-void Progress::show(double time, const phymul::Energy& energy, const StepReport& report, double steps_per_second) {
+bool Progress::is_due() {
+  if (quiet_ || !terminal_) return false;
   const auto now = std::chrono::steady_clock::now();
-  if (now < next_) return;
-  next_ = now + (in_place_ ? std::chrono::milliseconds(200) : std::chrono::milliseconds(2000));
+  if (now < next_) return false;
+  next_ = now + std::chrono::milliseconds(200);
+  line_open_ = true;
+  return true;
+}
+
+void Progress::show(double time, const phymul::Energy& energy, const StepReport& report, double steps_per_second) {
+  if (!is_due()) return;
   // \033[K clears what a longer line has left.
-  std::fprintf(stderr, "%st = %8.4f s  elastic %.3e J  kinetic %.3e J  residual %.2e N  speed %.2e m/s  %.0f steps/s%s",
-               in_place_ ? "\r" : "", time, energy.elastic, energy.kinetic, report.residual, report.max_speed,
-               steps_per_second, in_place_ ? "\033[K" : "\n");
+  std::fprintf(stderr,
+               "\rt = %8.4f s  elastic %.3e J  kinetic %.3e J  residual %.2e N  speed %.2e m/s  %.0f steps/s\033[K",
+               time, energy.elastic, energy.kinetic, report.residual, report.max_speed, steps_per_second);
   std::fflush(stderr);
-  line_open_ = in_place_;
+}
+
+void Progress::show(const phymul::StepProgress& progress) {
+  if (!is_due()) return;
+  std::fprintf(stderr, "\rt = %8.4f s  step %d of at most %d  residual %.2e N  speed %.2e m/s\033[K", progress.time,
+               progress.steps, progress.of, progress.residual, progress.max_speed);
+  std::fflush(stderr);
 }
 
 void Progress::say(const std::string& sentence) {
+  if (quiet_) return;
   std::fprintf(stderr, "%s%s\n", line_open_ ? "\r\033[K" : "", sentence.c_str());
   line_open_ = false;
 }
@@ -85,6 +101,25 @@ void print_moments(const std::vector<Snapshot>& shots) {
 }
 
 }  // namespace
+
+void print_profile(const std::vector<phymul::PassProfile>& passes, const RunSummary& summary) {
+  // The device's own times, where it has any; else those of the thread that works for this program.
+  const auto cost = [](const phymul::PassProfile& pass) {
+    return std::isnan(pass.device_seconds) ? pass.seconds : pass.device_seconds;
+  };
+  double all = 0.0;
+  for (const phymul::PassProfile& pass : passes) all += cost(pass);
+  std::printf("\n  %-24s%12s%12s%12s%10s%14s\n", "pass", "runs", "host, s", "device, s", "share, %", "us a step");
+  const double steps = std::max<double>(1.0, static_cast<double>(summary.steps));
+  for (const phymul::PassProfile& pass : passes) {
+    char device[32] = "-";
+    if (!std::isnan(pass.device_seconds)) std::snprintf(device, sizeof device, "%.4f", pass.device_seconds);
+    std::printf("  %-24s%12" PRId64 "%12.4f%12s%10.1f%14.3f\n", pass.name.c_str(), pass.runs, pass.seconds, device,
+                all > 0.0 ? 100.0 * cost(pass) / all : 0.0, 1e6 * cost(pass) / steps);
+  }
+  std::printf("  %-24s%12" PRId64 "%12.4f%12s%10.1f%14.3f\n", "all, of the wall time", summary.steps, summary.wall_time,
+              "", summary.wall_time > 0.0 ? 100.0 * all / summary.wall_time : 0.0, 1e6 * summary.wall_time / steps);
+}
 
 void print_table(const phymul::Solver& solver, const RunSummary& summary) {
   const phymul::TopologyTextures& topology = solver.topology();

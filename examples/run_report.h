@@ -43,23 +43,30 @@ struct RunSummary {
   std::optional<Snapshot> let_go;  ///< the one just before
 };
 
-/// One line, overwritten in place on a terminal, printed anew every few seconds elsewhere.
+/// What is said on the way, on the standard error: one line, overwritten in place, where that is a terminal.
 class Progress {
  public:
-  Progress();
+  explicit Progress(bool quiet);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
   /// Prints when it is time to.
   void show(double time, const phymul::Energy& energy, const phymul::StepReport& report, double steps_per_second);
-  void say(const std::string& sentence);  ///< prints now, on a line of its own
+  /// Within a call of the solver that takes long.
+  void show(const phymul::StepProgress& progress);
+  void say(const std::string& sentence);  ///< prints now, on a line of its own, terminal or not
 
  private:
-  bool in_place_;
+  bool is_due();
+
+  bool quiet_, terminal_;
   bool line_open_ = false;
   std::chrono::steady_clock::time_point next_;
 };
+
+/// Where the time of the steps went.
+void print_profile(const std::vector<phymul::PassProfile>& passes, const RunSummary& summary);
 
 void print_table(const phymul::Solver& solver, const RunSummary& summary);
 

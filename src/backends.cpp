@@ -11,9 +11,12 @@
 #include <cstdio>
 #include <limits>
 
+#include "cpu/neighbourhoods.h"
 #include "cpu/reference_solver.h"
+#include "cpu/simd/job.h"
 #include "cpu/vector_solver.h"
 #ifdef PHYMUL_HAS_GL
+#include "base_layout.h"
 #include "gl_module.h"
 #endif
 
@@ -92,16 +95,66 @@ double seconds_a_step(Solver& solver) {
   solver.reset();
   return best;
 }
+#endif
 
+std::string layout_text(const TopologyTextures& topology, bool enumerated) {
+  return topology.base_count == 0 ? "no bases" : enumerated ? "bases enumerated" : "bases by table";
+}
+
+/// Threads, vectors and layout.
+std::string processor_text(const Solver& cpu) {
+  return cpu.device() + ", " +
+         layout_text(cpu.topology(), cpu::is_enumerable(cpu.topology(), cpu::simd::most_enumerated));
+}
+
+Choice processor_because(std::unique_ptr<Solver> cpu, const std::string& reason) {
+  const std::string processor = processor_text(*cpu);
+  return {std::move(cpu), "cpu: " + reason + "; processor: " + processor};
+}
+
+#ifdef PHYMUL_HAS_GL
 /// The faster of the processor and the GPU on this very body.
-Choice faster_of(std::unique_ptr<Solver>& cpu, std::unique_ptr<Solver>& gl) {
+Choice faster_of(std::unique_ptr<Solver>& cpu, std::unique_ptr<Solver>& gl, const SolverOptions& options) {
   const double on_cpu = seconds_a_step(*cpu), on_gl = seconds_a_step(*gl);
-  char measured[96];
-  std::snprintf(measured, sizeof measured, ": a step took %.3g us, on the %s %.3g us; ", 1e6 * std::min(on_cpu, on_gl),
-                on_gl < on_cpu ? "processor" : "GPU", 1e6 * std::max(on_cpu, on_gl));
-  const std::string device = gl->device();
-  if (on_gl < on_cpu) return {std::move(gl), "gl" + (measured + device)};
-  return {std::move(cpu), "cpu" + (measured + device)};
+  const FloatLayout layout = choose_layout(options.gl.layout, gl->topology());
+  const std::string on_gpu = gl->device() + ", " + layout_text(gl->topology(), layout == FloatLayout::enumerated);
+  const std::string devices = processor_text(*cpu) + "; GPU: " + on_gpu;
+  std::unique_ptr<Solver>& faster = on_gl < on_cpu ? gl : cpu;
+  const std::unique_ptr<Solver>& slower = on_gl < on_cpu ? cpu : gl;
+  std::array<char, 120> measured{};
+  std::snprintf(measured.data(), measured.size(),
+                "%s: a step took %.3g us, by %s %.3g us; processor: ", std::string(faster->name()).c_str(),
+                1e6 * std::min(on_cpu, on_gl), std::string(slower->name()).c_str(), 1e6 * std::max(on_cpu, on_gl));
+  return {std::move(faster), measured.data() + devices};
+}
+
+/// Of the GL backends the one of compute shaders, where a GPU has them, is measured against the processor; the other
+/// one where not. A software renderer is none to measure.
+Choice choose_with_gl(std::unique_ptr<Solver>& cpu, const std::shared_ptr<const TopologyTextures>& topology,
+                      const Scene& scene, const SolverOptions& options) {
+  std::string no_compute, no_gl;
+  const auto measured = [&](GlBackend backend, auto make, std::string& why_not) -> Choice {
+    try {
+      const GlDevice device = load_gl_module().probe(backend, options.gl);
+      if (device.software) {
+        why_not = "GL has a software renderer only (" + device.name + ")";
+        return {};
+      }
+      std::unique_ptr<Solver> gl = make(topology, scene, options);
+      return faster_of(cpu, gl, options);
+    } catch (const Error& error) {
+      why_not = std::string("GL is not available: ") + error.what();
+      return {};
+    }
+  };
+  Choice choice = measured(GlBackend::compute, make_gl_solver<GlBackend::compute>, no_compute);
+  if (choice.solver) return choice;
+  choice = measured(GlBackend::fragment, make_gl_solver<GlBackend::fragment>, no_gl);
+  if (choice.solver) {
+    choice.reason += "; not gl-compute: " + no_compute;
+    return choice;
+  }
+  return processor_because(std::move(cpu), no_gl);
 }
 #endif
 
@@ -115,21 +168,16 @@ Choice choose(const std::shared_ptr<const TopologyTextures>& topology, const Sce
     return {cpu::make_reference_solver(topology, scene, options), std::string("reference: ") + error.what()};
   }
 #ifdef PHYMUL_HAS_GL
-  if (!scene.tools().empty()) return {std::move(cpu), "cpu: the scene has tools, which \"gl\" does not take yet"};
+  if (!scene.tools().empty()) {
+    return processor_because(std::move(cpu), "the scene has tools, which no GL backend takes yet");
+  }
   if (topology->particle_count < gl_particles) {
-    return {std::move(cpu),
-            "cpu: " + std::to_string(topology->particle_count) + " particles are too few for a GPU to gain on"};
+    return processor_because(std::move(cpu),
+                             std::to_string(topology->particle_count) + " particles are too few for a GPU to gain on");
   }
-  try {
-    const GlDevice device = load_gl_module().probe(GlBackend::fragment, options.gl);
-    if (device.software) return {std::move(cpu), "cpu: GL has a software renderer only (" + device.name + ")"};
-    std::unique_ptr<Solver> gl = make_gl_solver<GlBackend::fragment>(topology, scene, options);
-    return faster_of(cpu, gl);
-  } catch (const Error& error) {
-    return {std::move(cpu), std::string("cpu: GL is not available: ") + error.what()};
-  }
+  return choose_with_gl(cpu, topology, scene, options);
 #else
-  return {std::move(cpu), "cpu: this build has no GL backend (PHYMUL_WITH_GL)"};
+  return processor_because(std::move(cpu), "this build has no GL backend (PHYMUL_WITH_GL)");
 #endif
 }
 

@@ -38,8 +38,15 @@ double percentile(std::vector<double>& values, double share) {
   return *nth;
 }
 
-/// Of its rest measure: a cell below counts as folded.
+/// Of its rest measure: a cell or corner below counts as folded.
 constexpr double folded_share = 1e-3;
+/// Of its cell's volume: a corner as small as this at rest is flat, and says nothing.
+constexpr double flat_corner = 1e-3;
+
+double corner_volume(const Cell& cell, const CellCorner& corner, std::span<const Vec3> x) {
+  const auto at = [&](int k) -> const Vec3& { return x[cell.particles[corner[k]]]; };
+  return (at(1) - at(0)).cross(at(2) - at(0)).dot(at(3) - at(0)) / 6.0;
+}
 
 /// Infinite where a coordinate is not a number, so that such a particle counts as the worst.
 double distance(const Vec3& a, const Vec3& b) {
@@ -84,10 +91,17 @@ double volume(const Model& model, std::span<const Vec3> position) {
 Index first_folded_cell(const Model& model, std::span<const Vec3> position) {
   require_count(model, position.size(), "positions");
   for (std::size_t c = 0; c < model.cells.size(); ++c) {
-    const double at_rest = signed_measure(model.dimension, model.cells[c], model.rest);
-    const double now = signed_measure(model.dimension, model.cells[c], position);
+    const Cell& cell = model.cells[c];
+    const double at_rest = signed_measure(model.dimension, cell, model.rest);
     // A cell that the model has wound the other way is negative from the start.
-    if (at_rest != 0.0 && now / at_rest < folded_share) return static_cast<Index>(c);
+    const auto folds = [&](double now, double rest) { return now * at_rest < folded_share * rest * at_rest; };
+    if (folds(signed_measure(model.dimension, cell, position), at_rest)) return static_cast<Index>(c);
+    if (model.dimension != 3 || !is_volume(cell.type)) continue;
+    for (const CellCorner& corner : cell_corners(cell.type)) {
+      const double rest = corner_volume(cell, corner, model.rest);
+      if (rest * at_rest < flat_corner * at_rest * at_rest) continue;
+      if (folds(corner_volume(cell, corner, position), rest)) return static_cast<Index>(c);
+    }
   }
   return -1;
 }

@@ -10,6 +10,7 @@
 #include "input_kinds.h"
 #include "scene_bytes.h"
 #include "snapshot_bytes.h"
+#include "tool_bytes.h"
 
 namespace phymul {
 namespace {
@@ -50,19 +51,27 @@ Recorder::Recorder(Solver& solver, const Scene& scene) : solver_(solver), scene_
   recording_.backend = solver.name();
   recording_.device = solver.device();
   recording_.options = recorded_options(solver);
-  // A step of none takes the scene over, if it has changed: a solver then forgets how long its body has rested.
+  // A step of none takes the scene over, if it has changed: a solver then forgets how long its body has rested. Poses
+  // and grasps that no step has seen yet are forgotten too, for a recording starts from states.
   solver_.step(0, std::numeric_limits<double>::min());
   recording_.start = solver_.snapshot();
+  solver_.restore(recording_.start);
   recording_.scene = scene_change_bytes(scene_, {}, true);
   keep_scene();
 }
 
 void Recorder::keep_scene() {
-  volumes_ = volume_bytes(scene_);
-  loads_.clear();
-  for (const Load& load : scene_.loads()) loads_.push_back(load_bytes(load));
+  before_ = std::make_unique<SceneBefore>(scene_as_it_is(scene_));
   scene_version_ = scene_.version();
+  std::map<std::uint64_t, SeenTool> now;
+  for (const SceneTool& tool : scene_.tools()) {
+    const auto known = seen_tools_.find(tool.id);
+    now[tool.id] = known != seen_tools_.end() ? known->second : SeenTool{tool.moves, tool.places, tool.grasps};
+  }
+  seen_tools_ = std::move(now);
 }
+
+Recorder::~Recorder() = default;
 
 void Recorder::record(std::string_view kind, std::string bytes) {
   std::vector<Input>& inputs = recording_.inputs;
@@ -75,10 +84,31 @@ void Recorder::record(std::string_view kind, std::string bytes) {
 
 /// Even a change to the same scene is one: solvers look at the version.
 void Recorder::record_scene() {
-  if (scene_version_ == scene_.version()) return;
-  // A kept volume can only be taken back by clearing the scene.
-  record(input_kind::scene, scene_change_bytes(scene_, loads_, volume_bytes(scene_) != volumes_));
-  keep_scene();
+  if (scene_version_ != scene_.version()) {
+    record(input_kind::scene, scene_change_bytes(scene_, *before_, volume_bytes(scene_) != before_->volumes));
+    keep_scene();
+  }
+  for (const SceneTool& tool : scene_.tools()) record_tool(tool);
+}
+
+/// Of several poses between two steps solvers see the last.
+void Recorder::record_tool(const SceneTool& tool) {
+  SeenTool& seen = seen_tools_.at(tool.id);
+  if (seen.moves != tool.moves) {
+    ByteWriter out;
+    out.text(tool.name);
+    out.u8(seen.places != tool.places ? 1 : 0);
+    put_pose(out, tool.pose);
+    record(input_kind::pose, out.bytes());
+  }
+  if (seen.grasps != tool.grasps) {
+    ByteWriter out;
+    out.text(tool.name);
+    out.u8(tool.grasping ? 1 : 0);
+    out.real(tool.grasp_distance);
+    record(input_kind::grasp, out.bytes());
+  }
+  seen = {tool.moves, tool.places, tool.grasps};
 }
 
 StepReport Recorder::step(int n, double dt) {

@@ -9,6 +9,7 @@
 #include "input_kinds.h"
 #include "scene_bytes.h"
 #include "snapshot_bytes.h"
+#include "tool_bytes.h"
 
 namespace phymul {
 namespace {
@@ -90,6 +91,20 @@ void Replay::follow_checkpoint(const Input& input) const {
               solver_.device() + "): another backend or vector width gives other last bits");
 }
 
+void Replay::move_tool(const Input& input) {
+  ByteReader in = reader(input);
+  const ToolHandle tool = scene_.tool(in.text("a tool's name"));
+  const bool set = in.u8("whether it is placed, or grasps") != 0;
+  if (input.kind == input_kind::pose) {
+    const ToolPose pose = take_pose(in);
+    set ? tool.place(pose) : tool.pose(pose);
+  } else {
+    const double distance = in.real("a distance to grasp within");
+    set ? tool.grasp(distance) : tool.release();
+  }
+  in.expect_end("the input");
+}
+
 void Replay::perform(const Input& input) {
   if (input.kind == input_kind::step) {
     const StepInput step = take_step(input);
@@ -105,6 +120,8 @@ void Replay::perform(const Input& input) {
   } else if (input.kind == input_kind::scene) {
     ByteReader in = reader(input);
     change_scene(scene_, in);
+  } else if (input.kind == input_kind::pose || input.kind == input_kind::grasp) {
+    move_tool(input);
   } else if (input.kind == input_kind::checkpoint) {
     follow_checkpoint(input);
   } else if (on_note) {
@@ -148,7 +165,9 @@ void Replay::skip_to(std::uint64_t position) {
                   std::to_string(position));
     }
     const Input& input = recording_.inputs[row_];
-    if (input.kind == input_kind::scene) {
+    const bool of_scene =
+        input.kind == input_kind::scene || input.kind == input_kind::pose || input.kind == input_kind::grasp;
+    if (of_scene) {
       perform(input);
       advance();
     } else {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "scene_bytes.h"
 
-#include <limits>
+#include <algorithm>
+
+#include "tool_bytes.h"
 
 namespace phymul {
 namespace {
@@ -56,6 +58,28 @@ void take_volumes(ByteReader& in, Scene& scene) {
   }
 }
 
+/// Tools keep their order where some go: new ones stand after those that stay.
+void take_tools(ByteReader& in, Scene& scene) {
+  const std::size_t count = in.count(5, "a number of tools");
+  std::vector<std::pair<std::string, Tool>> added;
+  std::vector<std::string> kept;
+  for (std::size_t k = 0; k < count; ++k) {
+    std::string name = in.text("a tool's name");
+    if (enumerator(in, 2, "whether a tool is new") == 1) {
+      added.emplace_back(std::move(name), take_tool(in));
+    } else {
+      kept.push_back(std::move(name));
+    }
+  }
+  std::vector<std::string> gone;
+  for (const SceneTool& tool : scene.tools()) {
+    if (std::find(kept.begin(), kept.end(), tool.name) == kept.end()) gone.push_back(tool.name);
+  }
+  for (const std::string& name : gone) scene.remove_tool(name);
+  if (scene.tools().size() != kept.size()) in.fail("expected tools that the scene has, got another one");
+  for (auto& [name, tool] : added) scene.add_tool(std::move(name), std::move(tool));
+}
+
 }  // namespace
 
 std::string load_bytes(const Load& load) {
@@ -104,7 +128,15 @@ std::string volume_bytes(const Scene& scene) {
   return out.bytes();
 }
 
-std::string scene_change_bytes(const Scene& scene, const std::vector<std::string>& loads, bool anew) {
+SceneBefore scene_as_it_is(const Scene& scene) {
+  SceneBefore now;
+  for (const Load& load : scene.loads()) now.loads.push_back(load_bytes(load));
+  now.volumes = volume_bytes(scene);
+  for (const SceneTool& tool : scene.tools()) now.tools.push_back(tool.id);
+  return now;
+}
+
+std::string scene_change_bytes(const Scene& scene, const SceneBefore& before, bool anew) {
   ByteWriter out;
   out.u8(anew ? 1 : 0);
   out.vector(scene.gravity());
@@ -114,13 +146,23 @@ std::string scene_change_bytes(const Scene& scene, const std::vector<std::string
   std::uint64_t changes = 0;
   for (std::size_t row = 0; row < scene.loads().size(); ++row) {
     const std::string bytes = load_bytes(scene.loads()[row]);
-    if (!anew && row < loads.size() && loads[row] == bytes) continue;
+    if (!anew && row < before.loads.size() && before.loads[row] == bytes) continue;
     changed.u64(row);
     changed.raw(bytes);
     ++changes;
   }
   out.u64(changes);
   out.raw(changed.bytes());
+  out.u64(scene.tools().size());
+  for (const SceneTool& tool : scene.tools()) {
+    out.text(tool.name);
+    const bool known = !anew && std::find(before.tools.begin(), before.tools.end(), tool.id) != before.tools.end();
+    out.u8(known ? 0 : 1);
+    if (known) continue;
+    Tool there = tool.tool;
+    there.pose = tool.pose;
+    put_tool(out, there);
+  }
   if (anew) out.raw(volume_bytes(scene));
   return out.bytes();
 }
@@ -146,6 +188,7 @@ void change_scene(Scene& scene, ByteReader& in) {
   }
   if (scene.loads().size() < count) in.fail("expected " + std::to_string(count) + " loads, got fewer");
   while (scene.loads().size() > count) scene.remove(scene.loads().size() - 1);
+  take_tools(in, scene);
   if (anew) take_volumes(in, scene);
   in.expect_end("a change of the scene");
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // A scene in bytes, load by load. A change of a scene is: whether it starts from an empty one (u8), gravity, contacts,
-// the number of loads (u64), the changed ones (count, then row and load each), and after an empty one the kept volumes.
+// the number of loads (u64), the changed ones (count, then row and load each), all tools by name, with what they are
+// where they are new, and after an empty scene the kept volumes.
 #pragma once
 
 #include <phymul/scene.h>
@@ -15,8 +16,17 @@ Load take_load(ByteReader& in);  ///< throws Error for a value that no load has;
 
 std::string volume_bytes(const Scene& scene);
 
-/// The change from a scene of these loads (load_bytes of each) to `scene`; `anew`: from an empty one.
-std::string scene_change_bytes(const Scene& scene, const std::vector<std::string>& loads, bool anew);
+/// A scene as it was: what a change is told from.
+struct SceneBefore {
+  std::vector<std::string> loads;    ///< load_bytes of each
+  std::string volumes;               ///< volume_bytes
+  std::vector<std::uint64_t> tools;  ///< SceneTool::id
+};
+SceneBefore scene_as_it_is(const Scene& scene);
+
+/// The change from a scene as it was; `anew`: from an empty one. A kept volume can only be taken back by making the
+/// scene anew.
+std::string scene_change_bytes(const Scene& scene, const SceneBefore& before, bool anew);
 
 /// Makes such a change. Throws Error for bytes that are none, or that the scene refuses.
 void change_scene(Scene& scene, ByteReader& in);

@@ -5,11 +5,19 @@
 #include <cmath>
 #include <limits>
 
+#include "tool_bytes.h"
+
 namespace phymul {
 namespace {
 
 bool all_finite(const VecList& list) {
   return std::all_of(list.begin(), list.end(), [](const Vec3& v) { return v.allFinite(); });
+}
+
+void require_particle(const ByteReader& in, Index i, std::size_t count) {
+  if (i >= 0 && static_cast<std::size_t>(i) < count) return;
+  in.fail("expected particles from 0 to " + std::to_string(static_cast<long long>(count) - 1) + ", got " +
+          std::to_string(i) + "; the file was written by something else");
 }
 
 }  // namespace
@@ -23,6 +31,8 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot) {
   out.vectors(snapshot.state.velocity);
   out.u8(snapshot.displacement.empty() ? 0 : 1);
   out.vectors(snapshot.displacement);
+  out.u64(snapshot.state.tools.size());
+  for (const ToolState& tool : snapshot.state.tools) put_tool_state(out, tool);
   out.u64(snapshot.parts.size());
   for (const Snapshot::Part& part : snapshot.parts) {
     out.text(part.name);
@@ -45,6 +55,14 @@ Snapshot take_snapshot(ByteReader& in) {
   const std::uint8_t displaced = in.u8("whether there are displacements");
   if (displaced > 1) in.fail("expected 0 or 1, got " + std::to_string(displaced) + "; the file is damaged");
   if (displaced == 1) snapshot.displacement = in.vectors(count, "displacements");
+  const std::size_t tools = in.count(40, "a number of tools");
+  for (std::size_t k = 0; k < tools; ++k) {
+    snapshot.state.tools.push_back(take_tool_state(in));
+    for (const Index i : snapshot.state.tools.back().held) require_particle(in, i, count);
+    for (const NeedleNode& node : snapshot.state.tools.back().needle.hole) {
+      for (const Index i : node.particles) require_particle(in, i, count);
+    }
+  }
   const std::size_t parts = in.count(8, "a number of parts");
   for (std::size_t k = 0; k < parts; ++k) {
     Snapshot::Part part;

@@ -28,6 +28,12 @@ std::string hexadecimal(std::uint64_t value) {
 std::size_t bytes_of(const Snapshot& snapshot) {
   std::size_t bytes = sizeof(Snapshot) + sizeof(Vec3) * (snapshot.state.position.size() +
                                                          snapshot.state.velocity.size() + snapshot.displacement.size());
+  for (const ToolState& tool : snapshot.state.tools) {
+    bytes += sizeof tool + tool.name.size() + tool.held.size() * (sizeof(Index) + sizeof(Vec3));
+    for (const NeedleNode& node : tool.needle.hole) {
+      bytes += sizeof node + node.particles.size() * (sizeof(Index) + sizeof(double));
+    }
+  }
   for (const Snapshot::Part& part : snapshot.parts) bytes += sizeof part + part.name.size() + part.bytes.size();
   return bytes;
 }

@@ -55,6 +55,7 @@ std::vector<Body> all_bodies() {
   all.push_back({"lattice", lattice});
   lattice.rest[0].x() -= 0.002;
   all.push_back({"dented lattice", lattice});
+  all.push_back({"uneven lattice", make_block({0.06, 0.08, 0.045}, 6, 5, 6)});
   return all;
 }
 
@@ -226,6 +227,27 @@ TEST(CpuBackend, ClustersHaveTheForcesOfTheWhole) {
     const VecList found = forces_of(*make_solver("cpu", body.tables, scene, any_step(2)), x);
     const double scale = largest_norm(exact);
     for (std::size_t i = 0; i < x.size(); ++i) ASSERT_LE((found[i] - exact[i]).norm(), 2e-6 * scale) << body.name;
+  }
+}
+
+TEST(CpuBackend, MaterialsMeetInALattice) {
+  Model model = make_block({0.12, 0.06, 0.06}, 12, 6, 6);
+  set_material(model, soft_tissue());
+  std::vector<Index> left;
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    if (model.rest[i].x() < 0.065) left.push_back(i);
+  }
+  model.add_group("left", left);
+  set_material(model, {50e3, 0.3, 1000.0}, "left");
+  const auto tables = std::make_shared<const TopologyTextures>(build_topology(model, {.cell_average = 0.9}));
+  const Scene scene(model);
+  for (const double amount : {0.1, 2.0}) {  // bases are flat or turned over in the latter
+    const VecList u = random_displacements(model, amount, 4), x = sum_of(tables->rest, u);
+    VecList exact(x.size());
+    elastic_forces(*tables, x, exact);
+    const VecList found = forces_of(*make_solver("cpu", tables, scene, any_step()), x);
+    const double scale = largest_norm(exact);
+    for (std::size_t i = 0; i < x.size(); ++i) ASSERT_LE((found[i] - exact[i]).norm(), 1e-5 * scale) << amount;
   }
 }
 

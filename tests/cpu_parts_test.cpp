@@ -3,9 +3,11 @@
 // What the vector backend is made of: renumbering, simplices, triples, the pool of threads.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <numeric>
 
 #include "bodies.h"
+#include "cpu/box_lattice.h"
 #include "cpu/hexahedra.h"
 #include "cpu/neighbourhoods.h"
 #include "cpu/renumbering.h"
@@ -94,6 +96,58 @@ TEST(Hexahedra, LatticesHaveOneShapeAndBentBodiesNone) {
   EXPECT_EQ(found(block).all.size(), 215u);
   jitter(block, 0.1, 3);
   EXPECT_LE(found(block).all.size(), 1u);
+}
+
+/// Boxes of a block in which cells at x < `border` have another material.
+cpu::BoxLattice boxes_of(Model model, double border, std::size_t& others) {
+  set_material(model, soft_tissue());
+  std::vector<Index> left;
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    if (model.rest[i].x() < border) left.push_back(i);
+  }
+  if (border > 0.0) {
+    model.add_group("left", left);
+    set_material(model, {50e3, 0.3, 1000.0}, "left");
+  }
+  const TopologyTextures tables = build_topology(model, {.cell_average = 0.9});
+  cpu::Hexahedra hexahedra = cpu::find_hexahedra(tables, cpu::find_simplices(tables));
+  cpu::BoxLattice lattice = cpu::take_boxes(hexahedra);
+  others = hexahedra.all.size();
+  for (const cpu::Star& star : lattice.stars) {
+    for (int s = 0; s < 6; ++s) {
+      if (star.spoke[s] == none) continue;
+      Vec3 edge = tables.rest[star.spoke[s]] - tables.rest[star.centre];
+      EXPECT_GT((s % 2 == 0 ? -1.0 : 1.0) * edge[s / 2], 0.009);
+      edge[s / 2] = 0.0;
+      EXPECT_LT(edge.norm(), 1e-9);
+    }
+  }
+  return lattice;
+}
+
+TEST(BoxLattice, EveryCornerOfABoxIsAnOctantOfOneStar) {
+  const auto octants = [](const cpu::BoxLattice& lattice) {
+    int sum = 0;
+    for (const cpu::Star& star : lattice.stars) sum += std::popcount(static_cast<unsigned>(star.octants));
+    return sum;
+  };
+  Model block = make_block({0.12, 0.06, 0.06}, 12, 6, 6);
+  std::size_t others = 0;
+  const cpu::BoxLattice one = boxes_of(block, 0.0, others);
+  EXPECT_EQ(one.boxes.size(), 432u);
+  EXPECT_EQ(one.stars.size(), 637u);
+  EXPECT_EQ(octants(one), 8 * 432);
+  EXPECT_EQ(others, 0u);
+  const cpu::BoxLattice two = boxes_of(block, 0.065, others);
+  EXPECT_EQ(two.shapes.size(), 2u);
+  EXPECT_EQ(two.stars.size(), 637u + 49u) << "particles between two materials have two stars";
+  EXPECT_EQ(octants(two), 8 * 432);
+  block.rest[0].x() -= 0.002;
+  EXPECT_EQ(octants(boxes_of(block, 0.0, others)), 8 * 431);
+  // A body of equal cells that are no boxes keeps them.
+  for (Vec3& p : block.rest) p = Vec3(p.x() + 0.3 * p.y(), p.y(), p.z());
+  EXPECT_TRUE(boxes_of(block, 0.0, others).stars.empty());
+  EXPECT_GT(others, 400u);
 }
 
 TEST(Neighbourhoods, TriplesAreCountedInOrder) {

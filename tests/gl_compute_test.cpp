@@ -82,7 +82,8 @@ struct OwnDevice {
     const auto tables = tables_of(model, topology);
     const bool counted = layout == BaseLayout::enumerated;
     slices = pack_slices(pack_floats(*tables, counted ? FloatLayout::enumerated : FloatLayout::table), *tables);
-    device = std::make_unique<gl::ComputeDevice>(slices, scene, gl::ShaderLibrary("", is_es()), form, limits);
+    device = std::make_unique<gl::ComputeDevice>(slices, scene, gl::ShaderLibrary("", is_es()),
+                                                 gl::choose_form(form, slices, false), limits);
     dt = 0.2 * stable_step(estimate_spectrum(*tables, tables->rest), 1.0);
   }
   static bool is_es() { return gl::read_context_info().es; }
@@ -304,6 +305,18 @@ TEST_F(GlComputeDevice, ReportsOfManyGroupsAreThoseOfTheFragmentBackend) {
     EXPECT_EQ(x.residual, y.residual);
     EXPECT_EQ(difference(a.read(), b.read()), "");
   }
+}
+
+TEST_F(GlComputeDevice, SmallBodiesAreMovedByOneGroupOnAGpuOnly) {
+  const auto slices_of = [](const Model& model) {
+    const auto tables = tables_of(model, {});
+    return pack_slices(pack_floats(*tables), *tables);
+  };
+  const SliceTables small = slices_of(soft_block()), large = slices_of(make_block({0.05, 0.05, 0.05}, 13, 13, 13));
+  EXPECT_EQ(gl::choose_form(GlCompute::automatic, small, false), gl::ComputeForm::workgroup);
+  EXPECT_EQ(gl::choose_form(GlCompute::automatic, large, false), gl::ComputeForm::store);
+  EXPECT_EQ(gl::choose_form(GlCompute::automatic, small, true), gl::ComputeForm::store);
+  EXPECT_EQ(gl::choose_form(GlCompute::workgroup, large, true), gl::ComputeForm::workgroup);
 }
 
 TEST_F(GlComputeDevice, EnvironmentChoosesTheForm) {

@@ -2,7 +2,9 @@
 #
 # Tests that need GL.
 
-add_dependencies(phymul_test phymul_gl)  # loaded, not linked
+# Loaded, not linked.
+add_dependencies(phymul_test phymul_gl)
+add_dependencies(phymul_stability_test phymul_gl)
 
 # The inside of src/gl, apart from phymul_test, which runs on machines without GL.
 add_executable(phymul_gl_test
@@ -12,6 +14,7 @@ add_executable(phymul_gl_test
   gl_equivalence_test.cpp
   gl_fragment_test.cpp
   gl_hosts_test.cpp
+  gl_late_report_test.cpp
   gl_life_test.cpp
   gl_objects_test.cpp
   host_state.cpp)
@@ -49,10 +52,19 @@ faulty_module(no_entry "is no GL module of phymul: it has no function phymul_gl_
 faulty_module(other_version "belongs to phymul 99.1.2, this program to ${PROJECT_VERSION};")
 faulty_module(other_flags "and was built with other headers or flags")
 
+# What "auto" makes of a GPU.
+add_library(phymul_instant_gpu MODULE instant_gpu_module.cpp)
+target_link_libraries(phymul_instant_gpu PRIVATE phymul phymul_warnings phymul_sanitizers)
+target_include_directories(phymul_instant_gpu PRIVATE ${PROJECT_SOURCE_DIR}/src)
+add_dependencies(phymul_gl_module_test phymul_instant_gpu)
+add_test(NAME gl.auto COMMAND phymul_gl_module_test --gtest_filter=GlModuleInstant.* --gtest_brief=1)
+set_tests_properties(gl.auto PROPERTIES ENVIRONMENT
+                     "PHYMUL_GL_MODULE=$<TARGET_FILE:phymul_instant_gpu>;PHYMUL_TEST_INSTANT_GPU=1")
+
 # The same on other GLs: what the tests of both programs are called that look at GL decides, so a new one is among them.
 # Arguments behind the name: tests to leave out, and the environment.
 function(gl_tests_under name without)
-  set(backend_tests "*/gl:*/gl_compute:*Gl*")  # the backend's instances of what every backend runs, and its own tests
+  set(backend_tests "*/gl:*/gl_compute*:*Gl*")  # the backend's instances of what every backend runs, and its own tests
   add_test(NAME gl.${name}.phymul_test COMMAND phymul_test "--gtest_filter=${backend_tests}-${without}" --gtest_brief=1)
   add_test(NAME gl.${name}.phymul_gl_test COMMAND phymul_gl_test "--gtest_filter=*-${without}" --gtest_brief=1)
   set_tests_properties(gl.${name}.phymul_test gl.${name}.phymul_gl_test PROPERTIES ENVIRONMENT "${ARGN}" TIMEOUT 1500)
@@ -60,13 +72,22 @@ endfunction()
 
 # Compute shaders are asked for where a driver has them: not in OpenGL ES 3.0 nor on softpipe. Where the desktop GL is
 # too old for them they run under OpenGL ES.
-set(computing "*/gl_compute:GlComputeDevice.*:*HostsContextIsLeftAsItWasByComputing*")
+set(computing "*/gl_compute*:GlComputeDevice.*:*HostsContextIsLeftAsItWasByComputing*")
 
 # The oldest desktop GL, the other dialect, and its oldest version. LP_NUM_THREADS=0: no threads of the renderer's own,
 # which small bodies only wait for.
 gl_tests_under(33 "" MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330 LP_NUM_THREADS=0)
 gl_tests_under(es "" PHYMUL_GL_DIALECT=es LP_NUM_THREADS=0)
 gl_tests_under(es30 "${computing}" PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.0 LP_NUM_THREADS=0)
+# The oldest OpenGL ES that computes. It has no `precise`, so that a compiler may order sums as it likes: what every
+# backend must do is asked of it, not the mirror's bits.
+add_test(NAME gl.es31.phymul_test COMMAND phymul_test "--gtest_filter=*/gl_compute" --gtest_brief=1)
+set(es31 PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.1 LP_NUM_THREADS=0)
+set_tests_properties(gl.es31.phymul_test PROPERTIES ENVIRONMENT "${es31}" TIMEOUT 1500)
+# A desktop GL that does not.
+add_test(NAME gl.33.no_compute COMMAND phymul_gl_module_test --gtest_filter=GlModuleOld.* --gtest_brief=1)
+set(old_gl MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330 PHYMUL_GL_DIALECT=desktop PHYMUL_TEST_OLD_GL=1)
+set_tests_properties(gl.33.no_compute PROPERTIES ENVIRONMENT "${old_gl}")
 # Another renderer, which interprets shaders: 200 steps of every model variant would take it minutes. Its arithmetic has
 # not the bits of the float mirror, but is within the rounding bound.
 gl_tests_under(softpipe "*RestStaysAtRest*:${computing}" GALLIUM_DRIVER=softpipe)

@@ -167,5 +167,37 @@ TEST(Monitor, SizesMustAgree) {
   EXPECT_THROW(relative_errors(row.model, row.reference, state.position), Error);
 }
 
+TEST(Monitor, FoldedCellsAreTheFlatAndTheInsideOut) {
+  for (const Model& model : {make_block({3, 1, 1}, 3, 1, 1), make_tetrahedral_block({3, 1, 1}, 3, 1, 1, 0.1, 2)}) {
+    EXPECT_EQ(first_folded_cell(model, model.rest), -1);
+    VecList x = model.rest;
+    for (Vec3& p : x) p = Vec3(p.x(), 0.01 * p.y() + p.z(), p.z());
+    EXPECT_EQ(first_folded_cell(model, x), -1) << "a hundredth of its volume is thin and not folded";
+    for (Vec3& p : x) p.y() = p.z();
+    EXPECT_EQ(first_folded_cell(model, x), 0);
+    x = model.rest;
+    for (Vec3& p : x) p.x() = -p.x();
+    EXPECT_EQ(first_folded_cell(model, x), 0);
+  }
+}
+
+TEST(Monitor, AFoldedCornerFoldsACellOfPositiveVolume) {
+  const Model bar = make_block({3, 1, 1}, 3, 1, 1);
+  VecList x = bar.rest;
+  x.back() = Vec3(2.4, 0.4, 0.4);
+  EXPECT_EQ(first_folded_cell(bar, x), 2);
+  EXPECT_GT(volume(bar, x), 2.0);
+}
+
+TEST(Monitor, FoldedCellsInThePlane) {
+  const Model strip = make_strip(2, 1, 2, 1);
+  EXPECT_EQ(first_folded_cell(strip, strip.rest), -1);
+  VecList x = strip.rest;
+  for (Vec3& p : x) p.y() = -p.y();
+  EXPECT_EQ(first_folded_cell(strip, x), 0);
+  x.pop_back();
+  EXPECT_THROW(first_folded_cell(strip, x), Error);
+}
+
 }  // namespace
 }  // namespace phymul

@@ -126,6 +126,63 @@ TEST_F(RecordingTest, ARecordingOfOneThreadReplaysOnTwo) {
   EXPECT_TRUE(same_bits(two->read(), end));
 }
 
+/// Poses at every step, placed and grasping tools, one that goes and one that comes: all again, also across a state
+/// saved while a tool holds tissue.
+TEST_F(RecordingTest, ToolsMoveAgainAsTheyDid) {
+  const std::string middle = path_for("tools.state"), file = path_for("tools.rec");
+  for (const BackendCase& backend : cpu_backends) {
+    Scene scene(model_);
+    scene.fix("x0").contacts({}).keep_volume();
+    scene.add_tool("ball", {.shape = Sphere{0.005}, .pose = {.position = {0.06, 0.015, 3.035}}, .friction = 0.3});
+    const auto recorded = solver(backend, scene);
+    const double dt = 0.4 * recorded->stable_step();
+    Recorder recorder(*recorded, scene);
+    const auto lower = [&](int k) {
+      return ToolPose{.position = {0.06 - 1e-4 * k, 0.015, 3.035 - 2e-4 * k}, .velocity = {0, 0, -0.01}};
+    };
+    for (int k = 0; k < 20; ++k) {
+      scene.tool("ball").pose(lower(k));
+      recorder.step(3, dt);
+    }
+    scene.tool("ball").grasp(0.002);
+    recorder.step(1, dt);
+    EXPECT_FALSE(recorded->read().tools[0].held.empty());
+    for (int k = 20; k > 10; --k) {
+      scene.tool("ball").pose(lower(k));
+      recorder.step(3, dt);
+    }
+    save_state(*recorded, middle);
+    std::uint64_t middle_at = 0;
+    for (const Input& input : recorder.recording().inputs) middle_at += input.times;
+    recorder.step(5, dt);
+    scene.tool("ball").release();
+    scene.tool("ball").place({.position = {0.03, 0.015, 3.04}});
+    scene.add_tool("floor", {.shape = HalfSpace{}, .pose = {.position = {0, 0, 2.99}}});
+    recorder.step(5, dt);
+    scene.remove_tool("ball");
+    recorder.step(5, dt);
+    const State end = recorded->read();
+    ASSERT_EQ(end.tools.size(), 1u);
+    save_recording(recorder.recording(), file);
+
+    Scene again(model_);
+    const auto replayed = solver(backend, again);
+    Replay replay(read_recording(file), *replayed, again);
+    replay.run();
+    EXPECT_TRUE(same_bits(replayed->read(), end)) << backend.name << ' ' << backend.threads;
+    EXPECT_EQ(replayed->snapshot(), recorded->snapshot());
+
+    Scene half(model_);
+    const auto resumed = solver(backend, half);
+    Replay rest(read_recording(file), *resumed, half);
+    rest.skip_to(middle_at);
+    load_state(*resumed, middle);
+    EXPECT_FALSE(resumed->read().tools[0].held.empty());
+    rest.run();
+    EXPECT_TRUE(same_bits(resumed->read(), end)) << backend.name << ' ' << backend.threads;
+  }
+}
+
 TEST_F(RecordingTest, EqualStepsAreOneInput) {
   const auto own = solver({"reference", 0}, scene_);
   Recorder recorder(*own, scene_);

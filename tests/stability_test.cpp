@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "bodies.h"
+#include "sanitized.h"
 
 namespace phymul::test {
 namespace {
@@ -131,9 +132,11 @@ TEST(Stability, ConservativeKeepsItsEnergyBelowTheLimitAndBlowsUpAboveIt) {
   }
 }
 
+/// On six bodies; beyond the limit by 2 % noise grows by a third a step.
 TEST(Stability, LimitIsRightWithinTwoPercentForEveryVariant) {
   for (const Body& body : bodies()) {
-    if (body.model.particle_count() > 40 || (body.name.starts_with("block") && body.name != "block6")) continue;
+    if (body.name == "block14" || body.name == "block18" || body.name == "strip") continue;
+    if (sanitized && body.model.particle_count() > 40) continue;
     for (Variant variant : conservative_variants()) {
       if (!applies(variant, body)) continue;
       SCOPED_TRACE(body.name + ", " + variant.name);
@@ -145,7 +148,7 @@ TEST(Stability, LimitIsRightWithinTwoPercentForEveryVariant) {
         State start = rest_state(model);
         start.position = random_positions(model, 1e-7, 1);
         solver->reset(start);
-        const StepReport report = solver->step(400, share * solver->stable_step());
+        const StepReport report = solver->step(120, share * solver->stable_step());
         const double grown = largest_displacement(model, solver->read()) / mean_spacing(model);
         if (share < 1.0) {
           EXPECT_TRUE(report.ok());

@@ -110,7 +110,16 @@ TEST(StateFile, ExtremeNumbersComeBackBitForBit) {
   SavedState saved;
   saved.body = 0xfedcba9876543210ull;
   saved.backend = "any";
-  saved.snapshot.state = {5e-324, {{-0.0, 1.7976931348623157e308, 0.1}}, {{2.2250738585072014e-308, -5e-324, 3}}};
+  saved.snapshot.state.time = 5e-324;
+  saved.snapshot.state.position = {{-0.0, 1.7976931348623157e308, 0.1}};
+  saved.snapshot.state.velocity = {{2.2250738585072014e-308, -5e-324, 3}};
+  ToolState tool;
+  tool.name = "probe";
+  tool.pose = {{1, 2, 3}, Quaternion(0.5, -0.5, 0.5, -0.5), {4, 5, 6}, {7, 8, 9}};
+  tool.held = {0};
+  tool.held_at = {{1e-3, 0, -0.0}};
+  tool.needle = {{{{0}, {0.25}, true}, {{}, {}, false}}, true, true, 1e-5};
+  saved.snapshot.state.tools = {tool, ToolState{}};
   saved.snapshot.displacement = {{-0.0, 1e-300, 7}};
   saved.snapshot.last_dt = 1e-9;
   saved.snapshot.steps_at_rest = 12;
@@ -151,6 +160,14 @@ TEST(StateFile, OtherBodiesAreRefusedAndTheSolverKeepsItsState) {
   EXPECT_NE(counts.find("expected a state of 4 particles, got one of " + std::to_string(model.rest.size())),
             std::string::npos)
       << counts;
+}
+
+/// A member more than are written would be lost in silence.
+TEST(StateFile, KnowsEveryMemberOfAToolsState) {
+  EXPECT_EQ(sizeof(NeedleNode), 2 * sizeof(std::vector<int>) + 8) << "write the new member in src/tool_bytes.cpp";
+  EXPECT_EQ(sizeof(NeedleState), sizeof(std::vector<int>) + 8 + 8) << "write the new member in src/tool_bytes.cpp";
+  EXPECT_EQ(sizeof(Needle), 7 * sizeof(double)) << "write the new member in src/tool_bytes.cpp";
+  EXPECT_EQ(sizeof(ToolPose), 13 * sizeof(double)) << "write the new member in src/tool_bytes.cpp";
 }
 
 /// Every option and constant that moves a body is in the fingerprint; the widest texture is not.

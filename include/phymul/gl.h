@@ -31,7 +31,7 @@ enum class BaseLayout {
 
 /// How the backend "gl-compute" cuts a step into dispatches; the bits are the same.
 enum class GlCompute {
-  automatic,  ///< workgroup where the body is small enough, else store
+  automatic,  ///< workgroup on a GPU where the body is small enough, else store
   store,      ///< forces of attractors, bases, volumes and cells in one dispatch, their sums and Verlet in another
   recompute,  ///< one dispatch: a particle computes anew what its neighbours' terms give it, and stores nothing
   workgroup   ///< many steps in a dispatch, by one group of invocations: for small bodies, where launching is the cost
@@ -52,6 +52,11 @@ struct GlOptions {
   int passes = 2;  ///< 4: attractor, force, reaction, Verlet, each a pass, as in the 2007 thesis; the same bits, slower
   GlCompute compute = GlCompute::automatic;  ///< of "gl-compute"; `passes` is of "gl"
   BaseLayout layout = BaseLayout::automatic;
+  /// step() queues its steps and returns the report of the call before, without waiting for the device; of the first
+  /// call after a reset() it has nothing to tell, and steps is 0. A failure is said by the next call, which takes no
+  /// step then. Whoever looks at the state (read(), energy(), buffers) waits for what is on its way; run_to_rest() does.
+  /// States are the same to the last bit.
+  bool late_report = false;
   bool debug = false;           ///< GL debug output; an error in it becomes an Error, in step() device_lost
   std::string shader_folder{};  ///< shaders are read from here in place of those built in; empty: built in
 };

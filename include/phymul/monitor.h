@@ -23,7 +23,7 @@ double kinetic_energy(const Model& model, const State& state);
 double volume(const Model& model, std::span<const Vec3> position);
 
 /// The first cell measured by volume() that is turned inside out or squashed to less than a thousandth of its rest
-/// measure, row of Model::cells; -1: none. No tissue is in such a state.
+/// measure, as a whole or in one of its corners; row of Model::cells; -1: none. No tissue is in such a state.
 Index first_folded_cell(const Model& model, std::span<const Vec3> position);
 
 struct DisplacementNorms {

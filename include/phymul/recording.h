@@ -8,11 +8,15 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace phymul {
+
+struct SceneBefore;  // src/scene_bytes.h
 
 /// One thing that a host did: a kind of four letters, and bytes that the kind gives a meaning.
 struct Input {
@@ -54,8 +58,10 @@ Recording read_recording_bytes(std::string_view bytes, const std::string& name);
 /// end are one input.
 class Recorder {
  public:
-  /// Throws Error where the scene is that of another model.
+  /// Throws Error where the scene is that of another model. Poses and grasps of tools that no step has seen yet are
+  /// forgotten: ask for them again.
   Recorder(Solver& solver, const Scene& scene);
+  ~Recorder();
 
   StepReport step(int n, double dt);
   StepReport run_to_rest(int max_steps, double dt);
@@ -75,13 +81,17 @@ class Recorder {
   void record(std::string_view kind, std::string bytes);
   void record_scene();
   void keep_scene();
+  void record_tool(const SceneTool& tool);
 
   Solver& solver_;
   const Scene& scene_;
   Recording recording_;
   std::uint64_t scene_version_ = 0;
-  std::vector<std::string> loads_;  // of the scene as recorded, in bytes
-  std::string volumes_;
+  std::unique_ptr<SceneBefore> before_;  // the scene as recorded
+  struct SeenTool {
+    std::uint64_t moves = 0, places = 0, grasps = 0;
+  };
+  std::map<std::uint64_t, SeenTool> seen_tools_;  // by SceneTool::id
 };
 
 /// Does it all again. Keeps references to solver and scene, which must outlive it; nobody else may change them.
@@ -109,6 +119,7 @@ class Replay {
 
  private:
   void perform(const Input& input);
+  void move_tool(const Input& input);
   void follow_checkpoint(const Input& input) const;
   void start_scene();
   void advance();  // position_ by one

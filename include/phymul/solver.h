@@ -307,8 +307,8 @@ class Solver {
   double spacing_ = 0.0;
 };
 
-/// Makes a solver, at rest. "auto" takes "cpu", or "gl" where a GPU was measured to be faster, or "reference" where
-/// single precision cannot hold the body; Solver::choice() says why. Throws Error that lists the known names and, for
+/// Makes a solver, at rest. "auto" takes "cpu", or where a GPU was measured to be faster "gl-compute" ("gl" on one that
+/// has no compute shaders), or "reference" where single precision cannot hold the body; choice() says why. Throws Error that lists the known names and, for
 /// one not built, how to.
 std::unique_ptr<Solver> make_solver(std::string_view backend, const Model& model, const Scene& scene,
                                     const TopologyOptions& topology = {}, const SolverOptions& options = {});

@@ -6,7 +6,7 @@
 // step's end, and one across it of at most `friction` times that acts against their sliding. The triangle's corners
 // take the opposite of what the particle takes, by their share in the point: so momentum is kept, and angular momentum
 // but for what friction does over the thickness of the skins. Bodies of volume cells have an inside: what got in is
-// pushed out. Overlaps (of a start, or of what pushed harder than the rounds could hold) go back a fifth a step,
+// pushed out. Overlaps (of a start, or of what pushed harder than the rounds could hold) go back little by little,
 // without speed.
 #pragma once
 

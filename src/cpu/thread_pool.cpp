@@ -37,7 +37,7 @@ void wait_for_change(const std::atomic<T>& value, T old) {
 
 }  // namespace
 
-ThreadPool::ThreadPool(int parts) {
+ThreadPool::ThreadPool(int parts) : claims_(static_cast<std::size_t>(parts)) {
   workers_.reserve(static_cast<std::size_t>(parts - 1));
   try {
     for (int part = 1; part < parts; ++part) workers_.emplace_back([this, part] { serve(part); });
@@ -57,13 +57,28 @@ void ThreadPool::end() {
   for (std::thread& worker : workers_) worker.join();
 }
 
+/// A part is taken once a round, so its last round is the one before until then.
+bool ThreadPool::claim(int part, std::uint32_t round) {
+  std::uint32_t before = round - 1;
+  return claims_[part].round.compare_exchange_strong(before, round, std::memory_order_acq_rel);
+}
+
+void ThreadPool::finish_part() {
+  if (busy_.fetch_sub(1, std::memory_order_acq_rel) == 1) busy_.notify_one();
+}
+
 void ThreadPool::call(Call function, const void* object) {
   function_ = function;
   object_ = object;
   busy_.store(static_cast<int>(workers_.size()), std::memory_order_relaxed);
-  round_.fetch_add(1, std::memory_order_release);
+  const std::uint32_t round = round_.fetch_add(1, std::memory_order_release) + 1;
   round_.notify_all();
   function(object, 0, parts());
+  for (int part = 1; part < parts(); ++part) {
+    if (!claim(part, round)) continue;
+    function(object, part, parts());
+    finish_part();
+  }
   for (int busy = busy_.load(std::memory_order_acquire); busy != 0; busy = busy_.load(std::memory_order_acquire)) {
     wait_for_change(busy_, busy);
   }
@@ -73,10 +88,12 @@ void ThreadPool::serve(int part) {
   std::uint32_t seen = 0;
   for (;;) {
     wait_for_change(round_, seen);
-    ++seen;
+    seen = round_.load(std::memory_order_acquire);
     if (ending_.load(std::memory_order_relaxed)) return;
+    // Once claimed, the round waits for this part, and function_ stays.
+    if (!claim(part, seen)) continue;
     function_(object_, part, parts());
-    if (busy_.fetch_sub(1, std::memory_order_acq_rel) == 1) busy_.notify_one();
+    finish_part();
   }
 }
 

@@ -12,8 +12,9 @@
 namespace phymul::cpu {
 
 /// run() calls work(part, parts) once for each part 0 <= part < parts(), part 0 on the calling thread, and returns when
-/// all have returned. Which thread runs which part is fixed, so results depend on parts() only through how the work is
-/// cut. `work` must not throw. One caller at a time.
+/// all have returned. Each other part has a thread of its own; where that has not begun by the time the caller is done,
+/// because other programs have the processors, the caller takes the part. Results depend on parts() only through how
+/// the work is cut. `work` must not throw. One caller at a time.
 class ThreadPool {
  public:
   explicit ThreadPool(int parts);  ///< parts - 1 threads are started, or as many as the system gives
@@ -35,15 +36,23 @@ class ThreadPool {
  private:
   using Call = void (*)(const void*, int, int);
 
+  /// Of one part: the last round in which some thread took it. A line of its own.
+  struct alignas(64) Claim {
+    std::atomic<std::uint32_t> round{0};
+  };
+
   void call(Call function, const void* object);
+  bool claim(int part, std::uint32_t round);
+  void finish_part();
   void serve(int part);
   void end();
 
+  std::vector<Claim> claims_;  // [parts], of part 0 unused
   std::vector<std::thread> workers_;
   Call function_ = nullptr;
   const void* object_ = nullptr;
   std::atomic<std::uint32_t> round_{0};  // grows by one at each call; workers wait for it to change
-  std::atomic<int> busy_{0};             // workers that have not finished the round
+  std::atomic<int> busy_{0};             // parts but 0 that are not finished
   std::atomic<bool> ending_{false};
 };
 

@@ -11,11 +11,11 @@ constexpr int lanes = 64;
 }  // namespace
 
 ComputeDevice::ComputeDevice(const SliceTables& slices, const Scene& scene, const ShaderLibrary& library,
-                             GlCompute wish, const ComputeLimits& limits)
+                             ComputeForm form, const ComputeLimits& limits)
     : library_(library),
       limits_(limits),
       tables_(slices, limits_),
-      passes_(tables_, library_, choose_form(wish, tables_.kind()), limits_),
+      passes_(tables_, library_, form, limits_),
       state_(tables_, passes_.stores_forces(), passes_.stores_terms(), limits_),
       report_(library_, passes_, state_, limits_),
       sums_(library_, passes_, limits_) {
@@ -50,12 +50,13 @@ void ComputeDevice::run(int count) {
 BatchReport ComputeDevice::try_step(int number) {
   bind();
   passes_.try_step(state_, number);
-  return report_.read(state_, state_.free_pair());
+  report_.request(state_, state_.free_pair());
+  return report_.take();
 }
 
-BatchReport ComputeDevice::report() {
+void ComputeDevice::request_report() {
   bind();
-  return report_.read(state_, state_.current());
+  report_.request(state_, state_.current());
 }
 
 Energy ComputeDevice::energy(const Scene& scene, double time, double dt) {

@@ -15,7 +15,7 @@ namespace phymul::gl {
 class ComputeDevice final : public Device {
  public:
   /// Compiles, uploads, and dispatches every pass of a step once, as drivers compile at first use.
-  ComputeDevice(const SliceTables& slices, const Scene& scene, const ShaderLibrary& library, GlCompute wish,
+  ComputeDevice(const SliceTables& slices, const Scene& scene, const ShaderLibrary& library, ComputeForm form,
                 const ComputeLimits& limits = ComputeLimits::of_context());
 
   void set_scene(const Scene& scene) override;
@@ -24,7 +24,8 @@ class ComputeDevice final : public Device {
   void begin_batch(const StepConstants& constants, const std::vector<double>& instants) override;
   void run(int count) override;
   BatchReport try_step(int number) override;
-  BatchReport report() override;
+  void request_report() override;
+  BatchReport take_report() override { return report_.take(); }
   Energy energy(const Scene& scene, double time, double dt) override;
   Momentum momentum(const VecList& rest, const Vec3& about) override;
   void request_copy(double time) override { state_.request_copy(copies_, time); }

@@ -10,8 +10,10 @@ namespace {
 
 constexpr int lanes = 64;  // of a group where groups are many
 
-/// Beyond, one group of invocations takes longer than several dispatches of many.
-constexpr Index workgroup_particles = 1024;
+/// Beyond, one group of invocations takes longer than dispatches of many, which cost some 5 to 8 us a step to launch:
+/// reckoned from a GPU whose multiprocessor evaluates a base in each of 128 lanes in 50 cycles. A cell counts for the
+/// seven directions it is evaluated in.
+constexpr double workgroup_bases = 16384.0;
 
 const ShaderFiles common{"dialect_compute.glsl", "tables.glsl", "vector3.glsl"};
 
@@ -27,7 +29,7 @@ void define(ShaderRequest& request, const char* name, bool wanted = true) {
 
 }  // namespace
 
-ComputeForm choose_form(GlCompute wish, const BodyKind& kind) {
+ComputeForm choose_form(GlCompute wish, const SliceTables& slices, bool software) {
   switch (wish) {
     case GlCompute::store:
       return ComputeForm::store;
@@ -38,7 +40,11 @@ ComputeForm choose_form(GlCompute wish, const BodyKind& kind) {
     case GlCompute::automatic:
       break;
   }
-  return kind.particles <= workgroup_particles ? ComputeForm::workgroup : ComputeForm::store;
+  const FloatTables& rows = slices.rows;
+  const double bases = static_cast<double>(rows.base_count) + 4.0 * static_cast<double>(rows.height.size());
+  const double others = static_cast<double>(rows.volume_count) + 7.0 * static_cast<double>(rows.cell_count) +
+                        static_cast<double>(rows.spring.size()) + static_cast<double>(rows.particle_count);
+  return !software && bases + others <= workgroup_bases ? ComputeForm::workgroup : ComputeForm::store;
 }
 
 ComputePasses::ComputePasses(const ComputeTables& tables, const ShaderLibrary& library, ComputeForm form,
@@ -116,9 +122,9 @@ void ComputePasses::evaluate(const ComputeState& state) {
 
 ShaderRequest ComputePasses::gathering(const LoadKind& loads, bool with_passes) const {
   const BodyKind& kind = tables_->kind();
-  const bool all = with_passes || form_ == ComputeForm::recompute;
-  ShaderRequest request =
-      evaluating(all && kind.attractors, all && kind.base_terms, all && kind.volumes > 0, all && kind.cells > 0);
+  const bool forces = with_passes || !stores_forces(), terms = with_passes || !stores_terms();
+  ShaderRequest request = evaluating(forces && kind.attractors, terms && kind.base_terms, terms && kind.volumes > 0,
+                                     terms && kind.cells > 0);
   define_gathering(kind, loads, request);
   append(request, {"delta_spring.glsl", "integrate_displacement.glsl", "terms_of.glsl", "net_force.glsl"});
   return request;

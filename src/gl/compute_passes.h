@@ -19,8 +19,8 @@ namespace phymul::gl {
 
 enum class ComputeForm { store, recompute, workgroup };
 
-/// What `wish` means for a body.
-ComputeForm choose_form(GlCompute wish, const BodyKind& kind);
+/// What `wish` means for a body; `software`: on a processor that plays GPU, where launches cost nothing.
+ComputeForm choose_form(GlCompute wish, const SliceTables& slices, bool software);
 
 class ComputePasses {
  public:

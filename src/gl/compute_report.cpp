@@ -26,7 +26,7 @@ ComputeReport::ComputeReport(const ShaderLibrary& library, const ComputePasses& 
   groups_ = std::clamp(particles_ / (group * rows_a_lane), 1, ComputeState::most_report_groups);
 }
 
-BatchReport ComputeReport::read(const ComputeState& state, int pair) {
+void ComputeReport::request(const ComputeState& state, int pair) {
   const int last = state.report_row() + 2 * ComputeState::most_report_groups;
   const int partial = groups_ > 1 ? state.report_row() : last;
   kernel_.set("pair", pair);
@@ -40,12 +40,12 @@ BatchReport ComputeReport::read(const ComputeState& state, int pair) {
     kernel_.set("report_place", last);
     kernel_.dispatch(1);
   }
-  struct {
-    Int4 events;
-    Float4 largest;
-  } rows{};
-  state.rows().read(last, 2, &rows);
-  return {rows.events, rows.largest};
+  copy_.request([&] {
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    glBindBuffer(GL_COPY_READ_BUFFER, state.rows().id());
+    glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_PIXEL_PACK_BUFFER, static_cast<GLintptr>(16) * last, 0, 32);
+    glBindBuffer(GL_COPY_READ_BUFFER, 0);
+  });
 }
 
 }  // namespace phymul::gl

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "gl/compute_passes.h"
+#include "gl/report_copy.h"
 
 namespace phymul::gl {
 
@@ -12,13 +13,15 @@ class ComputeReport {
   ComputeReport(const ShaderLibrary& library, const ComputePasses& passes, const ComputeState& state,
                 const ComputeLimits& limits);
 
-  /// Of the state in a pair, which the last step wrote and measured. Waits for the device.
-  BatchReport read(const ComputeState& state, int pair);
+  /// Of the state in a pair, which the last step wrote and measured.
+  void request(const ComputeState& state, int pair);
+  BatchReport take() { return copy_.take(); }
 
  private:
   Kernel kernel_;
   Index particles_;
   int groups_;
+  ReportCopy copy_;
 };
 
 }  // namespace phymul::gl

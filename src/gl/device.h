@@ -59,7 +59,13 @@ class Device {
   /// Step `number` from the present state, which stays as it is; only what it measures is kept.
   virtual BatchReport try_step(int number) = 0;
   /// Of the steps since begin_batch(), or since the last run() did. Waits for the device.
-  virtual BatchReport report() = 0;
+  BatchReport report() {
+    request_report();
+    return take_report();
+  }
+  /// Sends the report on its way, and waits for it: one at a time, nothing else of the device between the two.
+  virtual void request_report() = 0;
+  virtual BatchReport take_report() = 0;
 
   virtual Energy energy(const Scene& scene, double time, double dt) = 0;
   virtual Momentum momentum(const VecList& rest, const Vec3& about) = 0;

@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <utility>
 
+#include "base_layout.h"
 #include "gl/compute_device.h"
 #include "gl/fragment_device.h"
-#include "gl/fragment_traffic.h"
 #include "gl/options.h"
+#include "gl/step_traffic.h"
 #include "slice_tables.h"
 
 namespace phymul::gl {
@@ -58,13 +60,16 @@ DeviceSolver::~DeviceSolver() {
 void DeviceSolver::build() {
   FloatTables tables = pack_floats(topology(), layout_);
   loads_version_ = scene().version();
-  bytes_a_step_ = gl::bytes_a_step(tables);
   const ContextInfo& info = context_->info();
   const ShaderLibrary library(gl_.shader_folder, info.es, !info.es || info.at_least(3, 2));
   if (backend_ == GlBackend::compute) {
     const SliceTables slices = pack_slices(std::move(tables), topology());
-    context_->run([&] { device_ = std::make_unique<ComputeDevice>(slices, scene(), library, gl_.compute); });
+    const ComputeForm form = choose_form(gl_.compute, slices, info.software);
+    const bool counted = form != ComputeForm::recompute;
+    bytes_a_step_ = counted ? gl::bytes_a_step(slices) : std::numeric_limits<double>::quiet_NaN();
+    context_->run([&] { device_ = std::make_unique<ComputeDevice>(slices, scene(), library, form); });
   } else {
+    bytes_a_step_ = gl::bytes_a_step(tables);
     context_->run([&] { device_ = std::make_unique<FragmentDevice>(tables, scene(), library, gl_.passes == 4); });
   }
   if (profiling()) context_->run([&] { device_->time_passes(context_->info(), *profiling()); });
@@ -95,7 +100,7 @@ void DeviceSolver::recover() noexcept {
     do_reset(State(kept_));
   } catch (...) {
     drop();
-    time_ = kept_.time;
+    progress_.time = kept_.time;
   }
 }
 
@@ -127,14 +132,17 @@ void DeviceSolver::do_reset(const State& state) {
     device_->write(topology().rest, state);
   });
   kept_ = state;
-  time_ = state.time;
-  last_dt_ = 0.0;
-  steps_at_rest_ = 0;
-  largest_displacement_ = largest;
+  late_.reset();
+  untold_.reset();
+  progress_ = {.time = state.time, .last_dt = 0.0, .steps_at_rest = 0, .largest_displacement = largest};
 }
 
 void DeviceSolver::do_scene_changed() {
-  steps_at_rest_ = 0;
+  try {
+    settle();
+  } catch (...) {  // do_step() finds out and says so
+  }
+  progress_.steps_at_rest = 0;
 }
 
 /// Takes the scene's loads to the device, where they have changed.
@@ -147,8 +155,9 @@ void DeviceSolver::follow() {
 Solver::Motion DeviceSolver::do_step(const StepPlan& plan) {
   try {
     if (device_ && !context_->lost()) {
+      settle();  // under the scene it was done in
       follow();
-      const Motion motion = context_->run([&] { return run_batches(plan); });
+      const Motion motion = context_->run([&] { return gl_.late_report ? run_late(plan) : run_batches(plan); });
       context_->throw_debug_errors();
       if (!context_->lost()) return motion;
     }
@@ -164,11 +173,6 @@ Solver::Motion DeviceSolver::do_step(const StepPlan& plan) {
   return motion;
 }
 
-void DeviceSolver::advance_time(int steps, double dt) {
-  for (int k = 0; k < steps; ++k) time_ += dt;
-  if (steps > 0) last_dt_ = dt;
-}
-
 /// No longer than rest_steps where the body is to stop at rest: then an unquiet step in a batch says that no other
 /// row of so many quiet ones is in it.
 int DeviceSolver::batch_size(const StepPlan& plan, int remaining) const {
@@ -180,23 +184,61 @@ int DeviceSolver::batch_size(const StepPlan& plan, int remaining) const {
 Solver::Motion DeviceSolver::run_batches(const StepPlan& plan) {
   const PassTimer::Current timing(device_->timer());
   Motion motion;
-  motion.steps_at_rest = steps_at_rest_;
+  motion.steps_at_rest = progress_.steps_at_rest;
   while (motion.steps < plan.steps) {
     const int count = batch_size(plan, plan.steps - motion.steps);
     const auto start = std::chrono::steady_clock::now();
-    const bool go_on = run_batch(plan, count, motion);
+    queue_batch(plan, count);
+    const bool go_on = settle_batch(plan, count, motion);
     seconds_a_step_ = seconds_since(start) / count;
-    steps_at_rest_ = motion.steps_at_rest;
+    progress_.steps_at_rest = motion.steps_at_rest;
     if (!go_on || context_->lost()) break;
   }
   return motion;
 }
 
-/// False where the motion ends with this batch: a failure, or rest.
-bool DeviceSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
-  instants_.assign(1, time_);
+/// The report of the call before, while the last batch of this one is on its way. run_to_rest() waits for every batch.
+Solver::Motion DeviceSolver::run_late(const StepPlan& plan) {
+  const Motion before = std::exchange(untold_, std::nullopt).value_or(Motion{});
+  if (before.bad_particle >= 0) return before;
+  if (plan.stop_at_rest) return run_batches(plan);
+  const PassTimer::Current timing(device_->timer());
+  Motion motion;
+  motion.steps_at_rest = progress_.steps_at_rest;
+  for (int left = plan.steps; left > 0;) {
+    const int count = batch_size(plan, left);
+    const auto start = std::chrono::steady_clock::now();
+    queue_batch(plan, count);
+    left -= count;
+    if (left == 0) {
+      late_ = Late{plan, count, motion};
+      break;
+    }
+    if (!settle_batch(plan, count, motion)) return motion;
+    seconds_a_step_ = seconds_since(start) / count;
+    progress_.steps_at_rest = motion.steps_at_rest;
+  }
+  return before;
+}
+
+/// Waits for the batch whose report is on its way. Whatever it says is told by the next step().
+void DeviceSolver::settle() const {
+  if (!late_) return;
+  Late late = *late_;
+  on_device([&] {
+    const PassTimer::Current timing(device_->timer());
+    settle_batch(late.plan, late.count, late.motion);
+  });
+  late_.reset();
+  progress_.steps_at_rest = late.motion.steps_at_rest;
+  untold_ = late.motion;
+}
+
+void DeviceSolver::queue_batch(const StepPlan& plan, int count) {
+  instants_.assign(1, progress_.time);
   for (int k = 0; k < count; ++k) instants_.push_back(instants_.back() + plan.dt);
-  const RestThresholds rest = rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest}, largest_displacement_);
+  const RestThresholds rest =
+      rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest}, progress_.largest_displacement);
   device_->begin_batch({.dt = plan.dt,
                         .damping_factor = plan.damping_factor,
                         .largest_acceleration = plan.largest_acceleration,
@@ -205,7 +247,12 @@ bool DeviceSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
                         .acceleration_at_rest = rest.acceleration},
                        instants_);
   device_->run(count);
-  BatchReport report = device_->report();
+  device_->request_report();
+}
+
+/// False where the motion ends with this batch: a failure, or rest.
+bool DeviceSolver::settle_batch(const StepPlan& plan, int count, Motion& motion) const {
+  BatchReport report = device_->take_report();
   const int failed_at = report.runaway_step;
   const Index culprit = report.particle;
   int good = failed_at > 0 ? failed_at - 1 : count;
@@ -224,10 +271,11 @@ bool DeviceSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
     motion.max_speed = report.max_speed;
     motion.max_acceleration = report.max_acceleration;
     motion.max_force = report.max_force;
-    largest_displacement_ = report.max_displacement;
+    progress_.largest_displacement = report.max_displacement;
   }
   motion.steps += good;
-  advance_time(good, plan.dt);
+  for (int k = 0; k < good; ++k) progress_.time += plan.dt;
+  if (good > 0) progress_.last_dt = plan.dt;
   if (rests || failed_at == 0) return !rests;
   // The forces that the step after the last good one began with, which are those of the state that is kept.
   const BatchReport failed = device_->try_step(good + 1);
@@ -238,17 +286,23 @@ bool DeviceSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
 }
 
 void DeviceSolver::do_read(State& state) const {
+  try {
+    settle();
+  } catch (const Error&) {
+    if (device_ && !context_->lost()) throw;
+  }
   if (device_ && !context_->lost()) {
     State now;
     context_->run([&] { device_->read(topology().rest, now); });
-    now.time = time_;
+    now.time = progress_.time;
     if (!context_->lost()) kept_ = std::move(now);
   }
   state = kept_;
 }
 
 Energy DeviceSolver::do_energy() const {
-  return on_device([&] { return device_->energy(scene(), time_, last_dt_); });
+  settle();
+  return on_device([&] { return device_->energy(scene(), progress_.time, progress_.last_dt); });
 }
 
 void DeviceSolver::do_profile() const {
@@ -257,11 +311,13 @@ void DeviceSolver::do_profile() const {
 }
 
 Momentum DeviceSolver::do_momentum(const Vec3& about) const {
+  settle();
   return on_device([&] { return device_->momentum(topology().rest, about); });
 }
 
 void DeviceSolver::do_request_read() {
-  on_device([this] { device_->request_copy(time_); });
+  settle();
+  on_device([this] { device_->request_copy(progress_.time); });
 }
 
 bool DeviceSolver::do_collect(State& state) {
@@ -272,10 +328,12 @@ bool DeviceSolver::do_collect(State& state) {
 
 ParticleBuffer DeviceSolver::do_position_buffer() const {
   if (!device_) return {};
+  settle();
   return on_device([&] { return finished(device_->displacements()); });
 }
 
 ParticleBuffer DeviceSolver::do_attractor_buffer() const {
+  settle();
   return on_device([&] { return finished(device_->attractors()); });
 }
 

@@ -6,6 +6,7 @@
 #include <phymul/solver.h>
 
 #include <memory>
+#include <optional>
 
 #include "float_tables.h"
 #include "gl/context.h"
@@ -34,7 +35,7 @@ class DeviceSolver final : public Solver, public ContextUser {
   Motion do_step(const StepPlan& plan) override;
   void do_read(State& state) const override;
   Energy do_energy() const override;
-  double do_time() const override { return time_; }
+  double do_time() const override { return progress_.time; }
   void do_request_read() override;
   bool do_collect(State& state) override;
   Momentum do_momentum(const Vec3& about) const override;
@@ -52,9 +53,11 @@ class DeviceSolver final : public Solver, public ContextUser {
   auto on_device(Function&& function) const;
   void follow();
   Motion run_batches(const StepPlan& plan);
-  bool run_batch(const StepPlan& plan, int count, Motion& motion);
+  Motion run_late(const StepPlan& plan);
+  void queue_batch(const StepPlan& plan, int count);
+  bool settle_batch(const StepPlan& plan, int count, Motion& motion) const;
+  void settle() const;
   int batch_size(const StepPlan& plan, int remaining) const;
-  void advance_time(int steps, double dt);
 
   GlBackend backend_;
   GlOptions gl_;
@@ -63,11 +66,22 @@ class DeviceSolver final : public Solver, public ContextUser {
   std::unique_ptr<Device> device_;
   std::uint64_t loads_version_ = 0;
   mutable State kept_;  // the newest state the host has
-  double time_ = 0.0, last_dt_ = 0.0;
-  int steps_at_rest_ = 0;
-  double largest_displacement_ = 0.0;  // m, when the present batch began
-  std::vector<double> instants_;       // of a batch
-  double seconds_a_step_ = 0.0;        // wall clock; 0: not known yet
+  /// As far as reports have come: they may be seen late, by whoever looks at the state first.
+  struct Progress {
+    double time = 0.0, last_dt = 0.0;
+    int steps_at_rest = 0;
+    double largest_displacement = 0.0;  // m, when the present batch began
+  };
+  struct Late {  // the last batch of a call, whose report is on its way
+    StepPlan plan;
+    int count = 0;
+    Motion motion;  // of the call's batches before
+  };
+  mutable Progress progress_;
+  mutable std::optional<Late> late_;
+  mutable std::optional<Motion> untold_;  // of a call that was settled, for the next to tell
+  std::vector<double> instants_;          // of a batch
+  double seconds_a_step_ = 0.0;           // wall clock; 0: not known yet
   double bytes_a_step_ = 0.0;
 };
 

@@ -41,12 +41,13 @@ void FragmentDevice::run(int count) {
 BatchReport FragmentDevice::try_step(int number) {
   vertices_.bind();
   passes_.step(state_, number, true);
-  return report_.read(state_.next_displacement(), state_.next_velocity(), state_.measured());
+  report_.request(state_.next_displacement(), state_.next_velocity(), state_.measured());
+  return report_.take();
 }
 
-BatchReport FragmentDevice::report() {
+void FragmentDevice::request_report() {
   vertices_.bind();
-  return report_.read(state_.displacement(), state_.velocity(), state_.measured());
+  report_.request(state_.displacement(), state_.velocity(), state_.measured());
 }
 
 Energy FragmentDevice::energy(const Scene& scene, double time, double dt) {

@@ -24,7 +24,8 @@ class FragmentDevice final : public Device {
   void begin_batch(const StepConstants& constants, const std::vector<double>& instants) override;
   void run(int count) override;
   BatchReport try_step(int number) override;
-  BatchReport report() override;
+  void request_report() override;
+  BatchReport take_report() override { return report_.take(); }
   Energy energy(const Scene& scene, double time, double dt) override;
   Momentum momentum(const VecList& rest, const Vec3& about) override;
   void request_copy(double time) override { state_.request_copy(copies_, time); }

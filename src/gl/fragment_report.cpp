@@ -27,7 +27,7 @@ FragmentReport::FragmentReport(const ShaderLibrary& library, Index particles)
   if (levels_.size() > 1) further_ = Pass(library, {.files = report_files, .defines = {}});
 }
 
-BatchReport FragmentReport::read(const Texture& displacement, const Texture& velocity, const Texture& measured) {
+void FragmentReport::request(const Texture& displacement, const Texture& velocity, const Texture& measured) {
   first_.input("displacement", displacement);
   first_.input("velocity", velocity);
   first_.input("measured", measured);
@@ -43,12 +43,10 @@ BatchReport FragmentReport::read(const Texture& displacement, const Texture& vel
     pass.draw(levels_[k].target);
     source_rows = levels_[k].rows;
   }
-  Int4 events{};
-  Float4 maxima{};
-  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-  levels_.back().target.read(0, GL_RGBA_INTEGER, GL_INT, events.data());
-  levels_.back().target.read(1, GL_RGBA, GL_FLOAT, maxima.data());
-  return {events, maxima};
+  copy_.request([this] {
+    levels_.back().target.read(0, GL_RGBA_INTEGER, GL_INT, nullptr);
+    levels_.back().target.read(1, GL_RGBA, GL_FLOAT, reinterpret_cast<void*>(sizeof(Int4)));  // an offset in the buffer
+  });
 }
 
 }  // namespace phymul::gl

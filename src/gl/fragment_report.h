@@ -8,6 +8,7 @@
 #include "gl/device.h"
 #include "gl/fragment_state.h"
 #include "gl/pass.h"
+#include "gl/report_copy.h"
 
 namespace phymul::gl {
 
@@ -15,8 +16,9 @@ class FragmentReport {
  public:
   FragmentReport(const ShaderLibrary& library, Index particles);
 
-  /// Of the state a batch has reached. Waits for the device.
-  BatchReport read(const Texture& displacement, const Texture& velocity, const Texture& measured);
+  /// Of the state a batch has reached.
+  void request(const Texture& displacement, const Texture& velocity, const Texture& measured);
+  BatchReport take() { return copy_.take(); }
 
  private:
   struct Level {
@@ -28,6 +30,7 @@ class FragmentReport {
   Pass first_, further_;
   Index particles_;
   std::vector<Level> levels_;
+  ReportCopy copy_;
 };
 
 }  // namespace phymul::gl

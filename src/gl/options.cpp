@@ -17,26 +17,6 @@ std::string_view environment(const char* name) {
   return value ? value : "";
 }
 
-bool can_enumerate(const TopologyTextures& topology) {
-  const TopologyOptions& o = topology.options;
-  const bool thesis =
-      o.reaction == Reaction::full || o.reaction == Reaction::shared || o.reaction == Reaction::barycentric;
-  return topology.dimension == 3 && o.law == Law::shape_memory && o.bases == BaseSelection::all && thesis &&
-         topology.base_count > 0;
-}
-
-/// Bytes that the two layouts do not share; see FloatTables.
-bool enumerated_is_smaller(const TopologyTextures& topology) {
-  double triples = 0.0;
-  for (const IndexTexel& at : topology.index) {
-    const double n = at.neighbour_count;
-    triples += n * (n - 1.0) * (n - 2.0) / 6.0;
-  }
-  const double table = sizeof(Int4) + 2 * sizeof(Float4) + sizeof(Int2);
-  return triples * sizeof(float) + topology.neighbour_count * (sizeof(Float4) - sizeof(float)) <
-         topology.base_count * table;
-}
-
 GlCompute compute_of(std::string_view name) {
   constexpr std::array names{std::pair{"auto", GlCompute::automatic}, std::pair{"store", GlCompute::store},
                              std::pair{"recompute", GlCompute::recompute},
@@ -67,13 +47,6 @@ GlOptions with_environment(GlOptions options) {
   }
   if (options.shader_folder.empty()) options.shader_folder = environment("PHYMUL_GLSL");
   return options;
-}
-
-FloatLayout choose_layout(BaseLayout wish, const TopologyTextures& topology) {
-  if (wish == BaseLayout::enumerated) return FloatLayout::enumerated;  // pack_floats refuses what cannot be
-  const bool automatic = wish == BaseLayout::automatic;
-  return automatic && can_enumerate(topology) && enumerated_is_smaller(topology) ? FloatLayout::enumerated
-                                                                                 : FloatLayout::table;
 }
 
 }  // namespace phymul::gl

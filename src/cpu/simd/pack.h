@@ -131,9 +131,10 @@ PHYMUL_INLINE Pack inverse_root(Pack x) {
 /// place of the result or 1e-10 (AVX-512: 1e-12), whichever is more, and exactly 0 at y = 0. One step of third order
 /// from a rough root.
 PHYMUL_INLINE Pack inverse_root_change(Pack a, Pack y) {
-  const Pack c = rough_inverse_root(a) - 1.0f;
-  const Pack residual = a * (c * c + (c + c)) + y;
-  return select(y == 0.0f, Pack{}, c - (c + 1.0f) * residual * (0.5f - 0.375f * residual));
+  const Pack r = rough_inverse_root(a), c = r - 1.0f;
+  // a r^2 - 1. Far above 1, a would magnify the rounding of c.
+  const Pack residual = select(y > 3.0f, (a * r) * r - 1.0f, a * (c * c + (c + c)) + y);
+  return select(y == 0.0f, Pack{}, c - r * residual * (0.5f - 0.375f * residual));
 }
 
 #if PHYMUL_LANES == 16

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gl/fragment_traffic.h"
+#include "gl/step_traffic.h"
 
 namespace phymul::gl {
 namespace {
@@ -56,6 +56,15 @@ double bytes_a_step(const FloatTables& t) {
   if (t.volume_count > 0) bytes += volumes_pass(t, particles) + 4.0 * texel * t.volume_count;
   if (t.cell_count > 0) bytes += cells_pass(t, particles) + 3.0 * texel * t.cell_count + bytes_of(t.cell_gradient);
   return bytes;
+}
+
+double bytes_a_step(const SliceTables& s) {
+  double ranges = 0.0;
+  for (const auto* lists : {&s.neighbours, &s.heights, &s.bases, &s.reactions, &s.volumes, &s.cells, &s.springs}) {
+    ranges += bytes_of(*lists);
+  }
+  if (s.rows.options.reaction == Reaction::conservative) ranges += bytes_of(s.bases);  // by the step too
+  return bytes_a_step(s.rows) + ranges;
 }
 
 }  // namespace phymul::gl
