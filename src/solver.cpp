@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "decimal.h"
+#include "tool_state.h"
 #include "profile.h"
 
 namespace phymul {
@@ -150,6 +151,7 @@ void Solver::require_fitting(const State& state) const {
   if (topology_->dimension == 2 && !is_in_plane(state)) {
     throw Error("Solver::reset: expected z = 0 in all positions and velocities of a two-dimensional model");
   }
+  require_tool_states(state, topology_->particle_count);
 }
 
 void Solver::require_supported() const {

@@ -160,6 +160,22 @@ TEST_P(MovingTool, GoesBackWithItsState) {
   EXPECT_EQ(solver->read(), once);
 }
 
+TEST_P(MovingTool, StatesThatDoNotFitAreRefused) {
+  const Model model = soft_block({0.02, 0.02, 0.02}, 2, 2, 2);
+  Scene scene(model);
+  scene.add_tool("jaw", {.shape = Sphere{0.001}, .pose = {.position = {0, 0, 1}}});
+  const auto solver = make(model, scene);
+  const auto message = [&](const ToolState& tool) {
+    State state = rest_state(model);
+    state.tools.push_back(tool);
+    return message_of([&] { solver->reset(state); });
+  };
+  EXPECT_TRUE(has(message({.name = "jaw", .held = {27}, .held_at = {Vec3::Zero()}}), "tool \"jaw\" has particles"));
+  EXPECT_TRUE(has(message({.name = "jaw", .held = {2}}), "unlike lengths"));
+  EXPECT_TRUE(has(message({.name = "jaw", .needle = {.hole = {{.particles = {0}}}}}), "unlike lengths"));
+  EXPECT_EQ(message({.name = "jaw", .held = {2}, .held_at = {Vec3::Zero()}}), "(no error)");
+}
+
 TEST_P(MovingTool, PosingEveryMillisecondAllocatesNothing) {
   const Model model = soft_block({0.02, 0.02, 0.02}, 4, 4, 4);
   Scene scene(model);

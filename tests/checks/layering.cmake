@@ -12,8 +12,8 @@ set(rows
     "4 state_file recording"      # before state
     "4 gl_module"                 # before gl; the door to src/gl
     "0 version types error gl camera"
-    "1 model scene state tool needle virtual"
-    "2 shapes pml lml mesh check topology monitor writer distance"
+    "1 model scene state tool needle virtual distance"
+    "2 shapes pml lml mesh check topology monitor writer"
     "2 xml byte gmsh vtk vtu csv"            # formats, behind the readers
     "4 elasticity solver display bodies"
     "8 phymul")                   # the umbrella, for users only

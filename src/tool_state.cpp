@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#include "tool_state.h"
+
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace phymul {
+namespace {
+
+bool fits(const ToolState& tool, Index particle_count) {
+  const auto is_particle = [&](Index i) { return i >= 0 && i < particle_count; };
+  const auto finite = [](const Vec3& v) { return v.allFinite(); };
+  if (!finite(tool.pose.position) || !finite(tool.pose.velocity) || !finite(tool.pose.spin)) return false;
+  const double turn = tool.pose.orientation.norm();
+  if (!(turn > 0.0) || !std::isfinite(turn)) return false;
+  if (tool.held.size() != tool.held_at.size()) return false;
+  if (!std::ranges::all_of(tool.held, is_particle) || !std::ranges::all_of(tool.held_at, finite)) return false;
+  return std::ranges::all_of(tool.needle.hole, [&](const NeedleNode& node) {
+    return !node.particles.empty() && node.particles.size() == node.weights.size() &&
+           std::ranges::all_of(node.particles, is_particle) &&
+           std::ranges::all_of(node.weights, [](double w) { return std::isfinite(w); });
+  });
+}
+
+}  // namespace
+
+void require_tool_states(const State& state, Index particle_count) {
+  for (const ToolState& tool : state.tools) {
+    if (fits(tool, particle_count)) continue;
+    throw Error(
+        "Solver::reset: the state of tool \"" + tool.name +
+        "\" has particles that this model does not have, lists of unlike lengths, or numbers that are not finite");
+  }
+}
+
+}  // namespace phymul

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <phymul/state.h>
+
+namespace phymul {
+
+/// Throws Error where a tool's part of a state does not fit a model of so many particles.
+void require_tool_states(const State& state, Index particle_count);
+
+}  // namespace phymul
