@@ -87,7 +87,10 @@ double seconds_a_step(Solver& solver) {
   double best = 0.0;
   for (int round = 0; round < 4; ++round) {
     const auto start = std::chrono::steady_clock::now();
-    if (!solver.step(timed_steps, dt).ok()) return std::numeric_limits<double>::infinity();
+    if (!solver.step(timed_steps, dt).ok()) {
+      best = std::numeric_limits<double>::infinity();
+      break;
+    }
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / timed_steps;
     if (round == 1 || (round > 1 && seconds < best)) best = seconds;
@@ -168,8 +171,9 @@ Choice choose(const std::shared_ptr<const TopologyTextures>& topology, const Sce
     return {cpu::make_reference_solver(topology, scene, options), std::string("reference: ") + error.what()};
   }
 #ifdef PHYMUL_HAS_GL
-  if (!scene.tools().empty()) {
-    return processor_because(std::move(cpu), "the scene has tools, which no GL backend takes yet");
+  if (!scene.tools().empty() || !scene.volumes().empty() || scene.contacts()) {
+    return processor_because(std::move(cpu),
+                             "the scene has tools, kept volumes or contacts, which no GL backend takes yet");
   }
   if (topology->particle_count < gl_particles) {
     return processor_because(std::move(cpu),
@@ -187,7 +191,12 @@ std::unique_ptr<Solver> make_solver(std::string_view backend, std::shared_ptr<co
                                     const Scene& scene, const SolverOptions& options) {
   if (!topology) throw Error("make_solver: the topology is null; build_topology makes one");
   if (backend != "auto") return find_backend(backend).make(std::move(topology), scene, options);
-  Choice choice = choose(topology, scene, options);
+  // What is tried out in between is none of the caller's calls.
+  SolverOptions quiet = options;
+  quiet.progress = {};
+  Choice choice = choose(topology, scene, quiet);
+  choice.solver->options_.progress = options.progress;
+  choice.solver->clear_profile();
   choice.solver->choice_ = std::move(choice.reason);
   return std::move(choice.solver);
 }

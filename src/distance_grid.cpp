@@ -59,6 +59,9 @@ DistanceGrid::DistanceGrid(const Vec3& origin, double spacing, const std::array<
   std::size_t corners = 1;
   for (const int n : count) {
     if (n < 2) refuse("expected at least 2 corners along each axis, got " + std::to_string(n));
+    if (corners > values_.size() / static_cast<std::size_t>(n)) {
+      refuse("expected a value for each corner of the grid, got " + std::to_string(values_.size()));
+    }
     corners *= static_cast<std::size_t>(n);
   }
   if (values_.size() != corners) {

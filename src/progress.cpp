@@ -27,7 +27,9 @@ int next_slice(int steps, double seconds, double wanted) {
 }  // namespace
 
 Solver::Motion Solver::run(const StepPlan& plan, StepReport& report) {
-  return options_.progress ? run_with_progress(plan, report) : do_step(plan);
+  // A tool goes its way evenly over the steps of one do_step(): slices would make it jump.
+  const bool in_slices = options_.progress && scene_->tools().empty();
+  return in_slices ? run_with_progress(plan, report) : do_step(plan);
 }
 
 Solver::Motion Solver::run_with_progress(const StepPlan& plan, StepReport& report) {

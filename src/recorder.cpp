@@ -32,6 +32,11 @@ bool is_word(std::string_view kind) {
   return kind.size() == 4 && std::all_of(kind.begin(), kind.end(), [](unsigned char c) { return std::isgraph(c); });
 }
 
+/// Grows with every change of the scene, and with every change of a load's values alone.
+std::uint64_t changes_of(const Scene& scene) {
+  return scene.version() + scene.values_version();
+}
+
 }  // namespace
 
 RecordedOptions recorded_options(const Solver& solver) {
@@ -61,12 +66,14 @@ Recorder::Recorder(Solver& solver, const Scene& scene) : solver_(solver), scene_
 }
 
 void Recorder::keep_scene() {
+  const bool starting = !before_;
   before_ = std::make_unique<SceneBefore>(scene_as_it_is(scene_));
-  scene_version_ = scene_.version();
+  scene_version_ = changes_of(scene_);
   std::map<std::uint64_t, SeenTool> now;
   for (const SceneTool& tool : scene_.tools()) {
     const auto known = seen_tools_.find(tool.id);
-    now[tool.id] = known != seen_tools_.end() ? known->second : SeenTool{tool.moves, tool.places, tool.grasps};
+    now[tool.id] =
+        known != seen_tools_.end() ? known->second : SeenTool{tool.moves, tool.places, starting ? tool.grasps : 0};
   }
   seen_tools_ = std::move(now);
 }
@@ -84,7 +91,7 @@ void Recorder::record(std::string_view kind, std::string bytes) {
 
 /// Even a change to the same scene is one: solvers look at the version.
 void Recorder::record_scene() {
-  if (scene_version_ != scene_.version()) {
+  if (scene_version_ != changes_of(scene_)) {
     record(input_kind::scene, scene_change_bytes(scene_, *before_, volume_bytes(scene_) != before_->volumes));
     keep_scene();
   }
@@ -113,14 +120,16 @@ void Recorder::record_tool(const SceneTool& tool) {
 
 StepReport Recorder::step(int n, double dt) {
   record_scene();
-  record(input_kind::step, step_bytes(n, dt));
-  return solver_.step(n, dt);
+  const StepReport report = solver_.step(n, dt);
+  record(input_kind::step, step_bytes(report.stopped ? report.steps : n, dt));
+  return report;
 }
 
 StepReport Recorder::run_to_rest(int max_steps, double dt) {
   record_scene();
-  record(input_kind::to_rest, step_bytes(max_steps, dt));
-  return solver_.run_to_rest(max_steps, dt);
+  const StepReport report = solver_.run_to_rest(max_steps, dt);
+  record(input_kind::to_rest, step_bytes(report.stopped ? report.steps : max_steps, dt));
+  return report;
 }
 
 void Recorder::reset() {

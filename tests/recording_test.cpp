@@ -38,6 +38,8 @@ Recording session(Solver& solver, Scene& scene, const std::string& middle, std::
     scene.replace(1, pull(model, "x1", {0, 1, 0.1 * k}, {{0, -0.0}, {0.02, 0.003}}));
     recorder.step(2, dt);
   }
+  scene.set_events(1, std::vector<ValueEvent>{{0, 0.0}, {0.02, 0.005}});
+  recorder.step(3, dt);
   recorder.checkpoint();
   recorder.note("tool", "pose 7");
   scene.add(pull(model, "y1", {1, 0, 0}, {{0, 0.01}}, LoadType::force)).remove(1);

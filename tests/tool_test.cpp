@@ -152,12 +152,31 @@ TEST_P(MovingTool, GoesBackWithItsState) {
   const double dt = 0.4 * solver->stable_step();
   scene.tool("ball").pose({.position = {0.011, 0.01, 0.026}, .velocity = {0.02, 0, -0.05}});
   ASSERT_TRUE(solver->step(50, dt).ok());
-  const State then = solver->read();
+  const Snapshot then = solver->snapshot();
+  EXPECT_FALSE(then.state.tools.at(1).held.empty());
   ASSERT_TRUE(solver->step(200, dt).ok());
   const State once = solver->read();
-  solver->reset(then);
+  solver->restore(then);
   ASSERT_TRUE(solver->step(200, dt).ok());
   EXPECT_EQ(solver->read(), once);
+}
+
+/// Also between a change of the scene and the step that sees it.
+TEST_P(MovingTool, ReportsAreOfTheToolAskedFor) {
+  const Model model = soft_block({0.02, 0.02, 0.02}, 2, 2, 2);
+  Scene scene(model);
+  scene.add_tool("far", {.shape = Sphere{0.001}, .pose = {.position = {0, 0, 1}}});
+  scene.add_tool("ball", {.shape = Sphere{0.008}, .pose = {.position = {0.01, 0.01, 0.03}}});
+  const auto solver = make(model, scene);
+  scene.tool("ball").pose({.position = {0.01, 0.01, 0.026}});
+  ASSERT_TRUE(solver->step(50, 0.3 * solver->stable_step()).ok());
+  const Vec3 pushed = solver->tool_force("ball").force;
+  EXPECT_GT(pushed.norm(), 0.0);
+  scene.remove_tool("far");
+  EXPECT_EQ(solver->tool_force("ball").force, pushed);
+  scene.add_tool("new", {.shape = Sphere{0.001}, .pose = {.position = {0, 0, 2}}});
+  EXPECT_EQ(solver->tool_force("new").force, Vec3(0, 0, 0));
+  EXPECT_EQ(solver->tool_pose("new").position, Vec3(0, 0, 2));
 }
 
 TEST_P(MovingTool, StatesThatDoNotFitAreRefused) {

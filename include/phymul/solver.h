@@ -65,7 +65,7 @@ struct SolverOptions {
   /// step() and run_to_rest() call it between two steps, not before `progress_seconds` have passed since they began or
   /// called it last, and never after their last step. False ends the call there: StepReport::stopped. What it throws
   /// leaves the call; the state is that after the steps it was told of. It may read the solver, not step, reset or
-  /// change its scene. No trajectory and no count of steps at rest depends on it.
+  /// change its scene. No trajectory depends on it; with tools in the scene, whose way is a call's, it is not called.
   std::function<bool(const StepProgress&)> progress;
   double progress_seconds = 0.5;  ///< 0: after every step
   bool profile = false;           ///< Solver::profile() has something to say; off, no clock is asked

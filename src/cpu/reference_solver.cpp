@@ -115,7 +115,7 @@ class ReferenceSolver final : public Solver {
   }
   bool do_takes_tools() const override { return true; }
   const char* do_cannot() const override { return nullptr; }
-  const ToolReport& do_tool_report(std::size_t row) const override { return tools_.report(row); }
+  const ToolReport& do_tool_report(std::size_t row) const override { return tools_.report(scene().tools()[row]); }
   double do_time() const override { return state_.time; }
   std::string do_device() const override { return "one processor core, double precision"; }
   ParticleBuffer do_position_buffer() const override { return {.position = state_.position}; }

@@ -39,7 +39,7 @@ Extent extent_of(const Box& box) {
 Extent extent_of(const std::shared_ptr<const DistanceGrid>& grid) {
   const auto [nx, ny, nz] = grid->count();
   const GridValues<double> values{grid->values().data(), nx, ny, nz, unpacked(grid->origin()), grid->spacing()};
-  return {{.kind = ShapeKind::grid, .thickness = grid->depth(), .grid = values},
+  return {{.kind = ShapeKind::grid, .thickness = std::min(grid->depth(), grid->spacing()), .grid = values},
           grid->origin(),
           grid->origin() + grid->spacing() * Vec3(nx - 1, ny - 1, nz - 1)};
 }
@@ -143,9 +143,18 @@ void ToolSet::reset(const Scene& scene, const State& state) {
     tool.grasps = tool.releases = false;
     tool.seen_moves = wanted.moves;
     tool.seen_places = wanted.places;
-    tool.seen_grasps = wanted.grasps;
+    // A tool that was told to hold before the solver was there, or before it began anew, holds from the first step on.
+    tool.seen_grasps = wanted.grasping && !restored ? wanted.grasps - 1 : wanted.grasps;
     tool.report.force = {};
   }
+}
+
+const ToolReport& ToolSet::report(const SceneTool& wanted) const {
+  const auto known = std::ranges::find(tools_, wanted.id, &Moving::id);
+  if (known != tools_.end()) return known->report;
+  unseen_ = {};
+  unseen_.pose = wanted.pose;
+  return unseen_;
 }
 
 void ToolSet::read(State& state) const {

@@ -36,7 +36,9 @@ class ToolSet {
   void act(TouchedParticles& touched);
   void accept();  ///< the step counts; without it the next act() does it over
 
-  const ToolReport& report(std::size_t row) const { return tools_[row].report; }
+  /// Of a tool of the scene as it is now; where follow() has not seen it yet, no force and the scene's pose. Good until
+  /// the next call of a function of this class.
+  const ToolReport& report(const SceneTool& wanted) const;
 
  private:
   struct Moving {
@@ -73,6 +75,7 @@ class ToolSet {
 
   std::vector<Moving> tools_;
   std::vector<Index> found_;
+  mutable ToolReport unseen_;  // of a tool that follow() has not seen yet
 };
 
 }  // namespace phymul::cpu

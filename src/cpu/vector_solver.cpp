@@ -141,7 +141,7 @@ class VectorSolver final : public Solver {
   void do_values_changed() override { steps_at_rest_ = 0; }
   bool do_takes_tools() const override { return true; }
   const char* do_cannot() const override { return nullptr; }
-  const ToolReport& do_tool_report(std::size_t row) const override { return tools_.set().report(row); }
+  const ToolReport& do_tool_report(std::size_t row) const override { return tools_.set().report(scene().tools()[row]); }
 
   Motion do_step(const StepPlan& plan) override {
     const DenormalsAreZero guard;

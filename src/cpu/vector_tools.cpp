@@ -3,6 +3,8 @@
 
 #include <cstring>
 
+#include "denormals.h"
+
 namespace phymul::cpu {
 namespace {
 
@@ -30,6 +32,7 @@ class VectorTools::Step final : public FreeStep {
       return;
     }
     pool_.run([&](int part, int parts) {
+      const DenormalsAreZero guard;
       const auto bound = [&](int k) { return tools_.rest_.size() * static_cast<std::size_t>(k) / parts; };
       tools_.found_[part].clear();
       find_among(bound(part), bound(part + 1), region, tools_.found_[part]);

@@ -157,7 +157,9 @@ Solver::Motion DeviceSolver::do_step(const StepPlan& plan) {
     if (device_ && !context_->lost()) {
       settle();  // under the scene it was done in
       follow();
-      const Motion motion = context_->run([&] { return gl_.late_report ? run_late(plan) : run_batches(plan); });
+      // Where the caller asked for progress a call is many plans, each of which needs its own report.
+      const bool late = gl_.late_report && !options().progress;
+      const Motion motion = context_->run([&] { return late ? run_late(plan) : run_batches(plan); });
       context_->throw_debug_errors();
       if (!context_->lost()) return motion;
     }
@@ -298,6 +300,30 @@ void DeviceSolver::do_read(State& state) const {
     if (!context_->lost()) kept_ = std::move(now);
   }
   state = kept_;
+}
+
+/// The device's displacements come and go as they are where rest places are taken to be 0.
+void DeviceSolver::do_snapshot(Snapshot& snapshot) const {
+  do_read(snapshot.state);
+  State displaced;
+  const VecList origin(snapshot.state.position.size(), Vec3::Zero());
+  on_device([&] { device_->read(origin, displaced); });
+  snapshot.displacement = std::move(displaced.position);
+  snapshot.last_dt = progress_.last_dt;
+  snapshot.steps_at_rest = progress_.steps_at_rest;
+}
+
+void DeviceSolver::do_restore(const Snapshot& snapshot) {
+  refuse_parts(snapshot);
+  do_reset(snapshot.state);
+  if (!snapshot.displacement.empty()) {
+    State displaced = snapshot.state;
+    displaced.position = snapshot.displacement;
+    const VecList origin(displaced.position.size(), Vec3::Zero());
+    on_device([&] { device_->write(origin, displaced); });
+  }
+  progress_.last_dt = snapshot.last_dt;
+  progress_.steps_at_rest = snapshot.steps_at_rest;
 }
 
 Energy DeviceSolver::do_energy() const {

@@ -36,6 +36,8 @@ class DeviceSolver final : public Solver, public ContextUser {
   void do_read(State& state) const override;
   Energy do_energy() const override;
   double do_time() const override { return progress_.time; }
+  void do_snapshot(Snapshot& snapshot) const override;
+  void do_restore(const Snapshot& snapshot) override;
   void do_request_read() override;
   bool do_collect(State& state) override;
   Momentum do_momentum(const Vec3& about) const override;
