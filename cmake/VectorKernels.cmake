@@ -2,7 +2,13 @@
 #
 # The vector kernels of src/cpu/simd, compiled once per instruction set and chosen at run time. Here a * b + c may become
 # one rounding: these files promise the same bits for any number of threads, not for any instruction set.
-set(kernel_options -O3 -ffp-contract=fast -fno-math-errno -fno-trapping-math)
+set(kernel_options -ffp-contract=fast -fno-math-errno -fno-trapping-math)
+if(PHYMUL_SANITIZE)
+  # Checks of every pointer in unrolled code take the compiler many minutes; the address sanitizer's stay.
+  list(APPEND kernel_options -fno-sanitize=undefined)
+else()
+  list(APPEND kernel_options -O3)
+endif()
 # GCC 12 takes the "undefined" operands of its own intrinsics for uninitialised variables.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   list(APPEND kernel_options -Wno-maybe-uninitialized -Wno-uninitialized)
