@@ -108,8 +108,8 @@ struct PassProfile {
   std::int64_t runs = 0;  ///< CPU backends: one a step. GL: one a draw; steps tried and taken back count too
   /// s of the thread that works for the caller. GL: of handing the pass over, not of its work.
   double seconds = 0.0;
-  /// s by the device's own timers; not a number where it has none, or where they were disturbed (a laptop that changed
-  /// its clock), or the host was timing itself.
+  /// s by the device's own timers; not a number where it has none (llvmpipe, of compute shaders), or where they were
+  /// disturbed (a laptop that changed its clock), or the host was timing itself.
   double device_seconds = std::numeric_limits<double>::quiet_NaN();
 };
 
@@ -308,8 +308,8 @@ class Solver {
 };
 
 /// Makes a solver, at rest. "auto" takes "cpu", or where a GPU was measured to be faster "gl-compute" ("gl" on one that
-/// has no compute shaders), or "reference" where single precision cannot hold the body; choice() says why. Throws Error that lists the known names and, for
-/// one not built, how to.
+/// has no compute shaders), or "reference" where single precision cannot hold the body; choice() says why. Throws Error
+/// that lists the known names and, for one not built, how to.
 std::unique_ptr<Solver> make_solver(std::string_view backend, const Model& model, const Scene& scene,
                                     const TopologyOptions& topology = {}, const SolverOptions& options = {});
 std::unique_ptr<Solver> make_solver(std::string_view backend, const Model& model, const Scene&& scene,

@@ -60,7 +60,7 @@ void Kernel::dispatch(int groups) {
                 " groups that this driver dispatches at a time; use fewer particles or bases");
   }
   glUseProgram(program_.id());
-  const PassTimer::Timed timed(name_);
+  const PassTimer::Timed timed(name_, PassTimer::Work::dispatch);
   glDispatchCompute(static_cast<GLuint>(across), static_cast<GLuint>(down), 1);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }

@@ -62,7 +62,7 @@ void Pass::set_rows(const Texture& target, int rows) {
 }
 
 void Pass::draw(const Framebuffer& target) {
-  const PassTimer::Timed timed(name_);
+  const PassTimer::Timed timed(name_, PassTimer::Work::draw);
   glUseProgram(program_.id());
   for (std::size_t unit = 0; unit < inputs_.size(); ++unit) {
     glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));

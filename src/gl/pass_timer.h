@@ -40,12 +40,13 @@ class PassTimer {
     PassTimer* before_;
   };
 
-  /// One draw or dispatch, from here to its end. Without a current timer it asks no clock and calls no GL. They do not
+  enum class Work { draw, dispatch };
+  /// One of either, from here to its end. Without a current timer it asks no clock and calls no GL. They do not
   /// nest, as queries must not.
   class Timed {
    public:
-    explicit Timed(const std::string& pass) : timer_(current_) {
-      if (timer_) timer_->begin(pass);
+    Timed(const std::string& pass, Work work) : timer_(current_) {
+      if (timer_) timer_->begin(pass, work);
     }
     Timed(const Timed&) = delete;
     Timed& operator=(const Timed&) = delete;
@@ -62,7 +63,7 @@ class PassTimer {
     GLuint query;
     int row;
   };
-  void begin(const std::string& pass);
+  void begin(const std::string& pass, Work work);
   void end();
   void collect(bool wait);
   bool was_disturbed() const;
@@ -70,7 +71,7 @@ class PassTimer {
   static thread_local PassTimer* current_;
 
   Profile& profile_;
-  bool es_, has_queries_ = false;
+  bool es_, has_queries_ = false, times_dispatches_;
   void(GLAPIENTRY* get_result_)(GLuint, GLenum, GLuint64*) = nullptr;
   std::vector<GLuint> idle_;
   std::deque<Pending> pending_;  // oldest first
