@@ -49,6 +49,7 @@ void BodyContacts::follow(const Scene& scene) {
   surface_ = make_contact_surface(scene.model());
   place_.resize(surface_.particles.size());
   centre_.resize(surface_.triangles.size());
+  radius_.resize(surface_.triangles.size());
 }
 
 /// Particles whose gap to a triangle is less than twice what the fastest one moves against the mean.
@@ -65,18 +66,21 @@ void BodyContacts::find(TouchedParticles& touched) {
   }
   // Beyond a few edges a step is a failure, which the solver reports: the search must not outgrow the body.
   const double margin = std::min(2.0 * dt * std::sqrt(fastest), 4.0 * surface_.longest_edge);
-  double widest = 0.0;  // from a triangle's centre to its furthest corner, squared
+  double widest = 0.0;
   for (std::size_t t = 0; t < centre_.size(); ++t) {
     const auto& corner = surface_.triangles[t].corner;
     centre_[t] = (place_[corner[0]] + place_[corner[1]] + place_[corner[2]]) / 3.0;
-    for (const Index c : corner) widest = std::max(widest, (place_[c] - centre_[t]).squaredNorm());
+    double furthest = 0.0;
+    for (const Index c : corner) furthest = std::max(furthest, (place_[c] - centre_[t]).squaredNorm());
+    radius_[t] = std::sqrt(furthest);
+    widest = std::max(widest, radius_[t]);
   }
   // What got into a body is found as far as an edge below its surface.
   const double skins = options_.skin > 0.0 ? 2.0 * options_.skin : 2.0 * usual_skin * surface_.longest_edge;
   const double reach = std::max(margin + skins, surface_.longest_edge);
   contacts_.clear();
   if (!std::isfinite(widest)) return;  // a runaway particle, found out elsewhere
-  grid_.build(centre_, std::sqrt(widest) + reach);
+  grid_.build(centre_, widest + reach);
   for (std::size_t k = 0; k < place_.size(); ++k) {
     nearest_.clear();
     grid_.each_near(place_[k], [&](std::size_t t) { look(k, t, reach); });
@@ -90,6 +94,8 @@ void BodyContacts::look(std::size_t particle, std::size_t t, double reach) {
   const ContactSurface::Particle& own = surface_.particles[particle];
   const ContactSurface::Triangle& triangle = surface_.triangles[t];
   if (own.body == triangle.body && !options_.self) return;
+  const double far = (radius_[t] + reach) * (1.0 + 1e-9);  // rounding must not leave out what is just near enough
+  if ((place_[particle] - centre_[t]).squaredNorm() > far * far) return;
   if (surface_.is_own_skin(own, particle, triangle)) return;
   const Vec3 &a = place_[triangle.corner[0]], &b = place_[triangle.corner[1]], &c = place_[triangle.corner[2]];
   Nearest found;

@@ -54,8 +54,9 @@ class BodyContacts {
 
   ContactOptions options_;
   ContactSurface surface_;
-  VecList place_;   // [particles of the surface] m
-  VecList centre_;  // [triangles] m
+  VecList place_;               // [particles of the surface] m
+  VecList centre_;              // [triangles] m
+  std::vector<double> radius_;  // [triangles] m, from the centre to the furthest corner
   PointGrid grid_;
   std::vector<Nearest> nearest_;  // of the particle in question, one a body
   std::vector<Contact> contacts_;
