@@ -78,11 +78,10 @@ class Builder {
   void add_layer(int layer) {
     const double in_organ = std::min(1.0, static_cast<double>(layer) / shape_.organ_layers);
     const int beyond = std::max(0, layer - shape_.organ_layers);
-    const Vec3 axes =
-        shape_.semi_axes +
-        Vec3::Constant(beyond > 0 ? shape_.shell * beyond / static_cast<double>(shape_.shell_layers) : 0.0);
+    const double outward = beyond > 0 ? beyond / static_cast<double>(shape_.shell_layers) : 0.0;
+    const Vec3 axes = shape_.semi_axes + Vec3::Constant(outward * shape_.shell), shift = outward * shape_.shell_shift;
     for (const Outer& o : outer_) {
-      model_.rest.push_back(axes.cwiseProduct((1.0 - in_organ) * o.in_block + in_organ * o.on_ball));
+      model_.rest.push_back(shift + axes.cwiseProduct((1.0 - in_organ) * o.in_block + in_organ * o.on_ball));
     }
     for (int axis = 0; axis < 3; ++axis) {
       for (const int side : {0, n_}) {

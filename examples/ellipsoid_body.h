@@ -8,6 +8,7 @@
 struct EllipsoidShape {
   phymul::Vec3 semi_axes{0.03, 0.02, 0.015};  ///< m, of the organ, centred at the origin
   double shell = 0.0;                         ///< m that the shell adds to each semi-axis
+  phymul::Vec3 shell_shift{0, 0, 0};          ///< m, of the shell's outer side against the organ
   int core = 6;          ///< cells across the inner block, even: so the planes of symmetry lie between cells
   int organ_layers = 2;  ///< cells from the block to the organ's surface, >= 1
   int shell_layers = 0;  ///< cells through the shell

@@ -1,24 +1,36 @@
 // SPDX-License-Identifier: MIT
 #include "prostate.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "scene_picture.h"
 
 Prostate::Prostate(bool quick) {
   shape.semi_axes = phymul::Vec3(0.025, 0.015, 0.020);  // m
   shape.shell = 0.015;
+  shape.shell_shift = {0.0, 0.005, 0.0};  // 10 mm of tissue behind the gland, 20 mm in front of it
   shape.core = quick ? 4 : 6;
   shape.organ_layers = quick ? 1 : 2;
   shape.shell_layers = quick ? 2 : 3;
   model = make_ellipsoid(shape);
   model.name = "prostate";
   set_materials(model, shape, {.young = 30e3, .poisson = 0.45, .density = 1000.0},
-                {.young = 5e3, .poisson = 0.45, .density = 1000.0});
+                {.young = 4e3, .poisson = 0.45, .density = 1000.0});
   for (const phymul::Index i : model.group("skin")) {
     const phymul::Vec3& x = model.rest[i];
-    if (x.y() > 0.3 * (shape.semi_axes.y() + shape.shell) || x.z() < -0.6 * (shape.semi_axes.z() + shape.shell)) {
+    const phymul::Vec3 from_middle = x - shape.shell_shift;
+    if (from_middle.y() > 0.4 * (shape.semi_axes.y() + shape.shell) ||
+        from_middle.z() < -0.75 * (shape.semi_axes.z() + shape.shell)) {
       held.push_back(i);
     }
   }
+}
+
+std::vector<char> Prostate::half(const phymul::Vec3& normal) const {
+  EllipsoidShape straight = shape;
+  straight.shell_shift.setZero();
+  return cells_beyond(make_ellipsoid(straight), phymul::Vec3::Zero(), normal);
 }
 
 std::unique_ptr<phymul::Solver> Prostate::solver(const phymul::Scene& scene) const {

@@ -19,6 +19,8 @@ struct Prostate {
   phymul::Model model;
   std::vector<phymul::Index> held;  ///< the outer side where it lies on bone and pelvic wall: in front, and above
 
+  /// The cells on one side of a plane of symmetry of the lattice, which the shell's shift bends.
+  std::vector<char> half(const phymul::Vec3& normal) const;
   /// A solver for a scene of this model.
   std::unique_ptr<phymul::Solver> solver(const phymul::Scene& scene) const;
   /// Steps a tick is divided into, so that they are stable.

@@ -28,7 +28,8 @@ struct Motion {
 
 void press_with_probe(const Prostate& prostate, const ExampleOptions& options) {
   const Motion motion{options.quick ? 0.08 : 0.025, options.quick ? 0.05 : 0.3};
-  const double skin = -(prostate.shape.semi_axes.y() + prostate.shape.shell);  // m, y of the outer side
+  const double skin =
+      prostate.shape.shell_shift.y() - prostate.shape.semi_axes.y() - prostate.shape.shell;  // m, y of the outer side
   const auto pose_at = [&](double time) {
     return phymul::ToolPose{.position = Vec3(0.0, skin - radius + motion.depth(time), -0.5 * length)};
   };
@@ -40,8 +41,7 @@ void press_with_probe(const Prostate& prostate, const ExampleOptions& options) {
   const int steps = Prostate::steps_for(*solver, tick);
   const BodyPoint centre(prostate.model, Vec3::Zero());
 
-  const ScenePictures pictures(prostate.model, cells_beyond(prostate.model, Vec3::Zero(), -Vec3::UnitX()),
-                               prostate.model.group("surface"));
+  const ScenePictures pictures(prostate.model, prostate.half(-Vec3::UnitX()), prostate.model.group("surface"));
   ScenePictureOptions sheet;
   sheet.full_scale = press;
   sheet.eye = Vec3(1.0, -0.25, 0.2);
@@ -55,7 +55,7 @@ void press_with_probe(const Prostate& prostate, const ExampleOptions& options) {
     sheet.tools = {{shape, solver->tool_pose("probe"), probe_colour, "probe, 20 mm"}};
     pictures.draw(solver->read(), sheet, options.file(file));
   };
-  draw("1. Gland of 30 kPa in tissue of 5 kPa", "cut open in the middle; front at the right, probe behind",
+  draw("1. Gland of 30 kPa in tissue of 4 kPa", "cut open in the middle; front at the right, probe behind",
        "prostate_probe_1.png");
 
   Curve curve(options.file("prostate_probe.csv"), "time_s,depth_mm,force_N,gland_moved_mm");

@@ -42,7 +42,7 @@ struct ScenePictureOptions {
   std::vector<PictureTool> tools{};
   std::vector<PicturePoint> points{};
   std::vector<KeyEntry> key{};  ///< what the points and the outline mean
-  int width = 760, height = 620;
+  int width = 720, height = 560;
 };
 
 class ScenePictures {

@@ -37,7 +37,7 @@ struct Plan {
 Model flat_organ(bool quick) {
   const int fine = quick ? 1 : 2;
   Model model = phymul::make_block({0.100, 0.080, bed}, 10 * fine, 8 * fine, 2 * fine);
-  phymul::set_material(model, {.young = 12e3, .poisson = 0.4, .density = 1000.0});
+  phymul::set_material(model, {.young = 25e3, .poisson = 0.4, .density = 1000.0});
   return phymul::moved(std::move(model), {-0.050, -0.040, -bed});
 }
 
@@ -45,7 +45,7 @@ Model round_organ(bool quick) {
   const EllipsoidShape shape{
       .semi_axes = Vec3(0.032, 0.024, high), .core = quick ? 4 : 6, .organ_layers = quick ? 1 : 2};
   Model model = make_ellipsoid(shape);
-  phymul::set_material(model, {.young = 5e3, .poisson = 0.4, .density = 1000.0});
+  phymul::set_material(model, {.young = 12e3, .poisson = 0.4, .density = 1000.0});
   return phymul::moved(std::move(model), {0.0, 0.0, high + 0.001});
 }
 
@@ -69,7 +69,7 @@ void run(const ExampleOptions& options) {
   phymul::Scene scene(model);
   // Neither organ can reach itself.
   scene.gravity({0, 0, -9.81}).fix("flat/z0").contacts({.friction = 0.4, .self = false});
-  const phymul::Needle needle{.length = 0.08, .puncture = 0.4, .cutting = 0.25, .spread = 0.010};
+  const phymul::Needle needle{.length = 0.08, .puncture = 0.4, .cutting = 0.25, .spread = 0.009};
   scene.add_tool("probe", {.shape = phymul::Sphere{radius}, .pose = probe_at(0.0), .friction = 0.2});
   scene.add_tool("needle", {.shape = needle, .pose = needle_at(0.0), .friction = 0.3});
   phymul::SolverOptions solver_options;
@@ -109,7 +109,7 @@ void run(const ExampleOptions& options) {
     pushed = std::max(pushed, along);
     pulled = std::min(pulled, along);
     if (drawn == 0 && time > plan.settle - tick)
-      draw("One lies on the other", "5 kPa on 12 kPa, under gravity; cut open");
+      draw("One lies on the other", "12 kPa on 25 kPa, under gravity; cut open");
     if (drawn == 1 && time > plan.needle() - tick) draw("A probe presses", text("10 mm deep: %.2f N on it", probe));
     if (drawn == 2 && time > plan.back() - tick) {
       draw("A needle goes in under it", text("%.2f N on the probe, %.2f N on the needle", probe, along));

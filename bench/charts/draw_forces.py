@@ -47,7 +47,7 @@ def needle(out):
         depth, force = columns(rows, "depth_mm", "force_N")
         turning = name == "turning"
         axes.plot(depth, force, color=RED if turning else BLUE, linewidth=1.2, linestyle=(0, (4, 2)) if turning else "-",
-                  label="turns 5 times a second" if turning else "straight")
+                  label="turns 10 times a second" if turning else "straight")
         if not turning:
             top = max(range(len(force)), key=lambda k: force[k] if depth[k] < 20 else -1)
             axes.annotate("the skin gives way", (depth[top], force[top]), (-45, 9), textcoords="offset points", fontsize=8)

@@ -50,6 +50,12 @@ void BodyContacts::follow(const Scene& scene) {
   place_.resize(surface_.particles.size());
   centre_.resize(surface_.triangles.size());
   radius_.resize(surface_.triangles.size());
+  Index bodies = 0;
+  for (const ContactSurface::Particle& particle : surface_.particles) bodies = std::max(bodies, particle.body + 1);
+  box_.resize(static_cast<std::size_t>(bodies));
+  meant_.reserve(centre_.size());
+  meant_centre_.reserve(centre_.size());
+  grid_.reserve(centre_.size());
 }
 
 /// Particles whose gap to a triangle is less than twice what the fastest one moves against the mean.
@@ -66,6 +72,27 @@ void BodyContacts::find(TouchedParticles& touched) {
   }
   // Beyond a few edges a step is a failure, which the solver reports: the search must not outgrow the body.
   const double margin = std::min(2.0 * dt * std::sqrt(fastest), 4.0 * surface_.longest_edge);
+  // What got into a body is found as far as an edge below its surface.
+  const double skins = options_.skin > 0.0 ? 2.0 * options_.skin : 2.0 * usual_skin * surface_.longest_edge;
+  const double reach = std::max(margin + skins, surface_.longest_edge);
+  contacts_.clear();
+  measure(reach);
+  for (std::size_t k = 0; k < place_.size() && !meant_.empty(); ++k) {
+    if (!options_.self && !meets_another(surface_.particles[k].body, place_[k], reach)) continue;
+    nearest_.clear();
+    grid_.each_near(place_[k], [&](std::size_t entry) { look(k, meant_[entry], reach); });
+    keep(k, touched, margin);
+  }
+}
+
+/// Puts the triangles that something may touch into the grid.
+void BodyContacts::measure(double reach) {
+  std::ranges::fill(box_, Box{Vec3::Constant(HUGE_VAL), Vec3::Constant(-HUGE_VAL)});
+  for (std::size_t k = 0; k < place_.size(); ++k) {
+    Box& box = box_[surface_.particles[k].body];
+    box.low = box.low.cwiseMin(place_[k]);
+    box.high = box.high.cwiseMax(place_[k]);
+  }
   double widest = 0.0;
   for (std::size_t t = 0; t < centre_.size(); ++t) {
     const auto& corner = surface_.triangles[t].corner;
@@ -75,17 +102,26 @@ void BodyContacts::find(TouchedParticles& touched) {
     radius_[t] = std::sqrt(furthest);
     widest = std::max(widest, radius_[t]);
   }
-  // What got into a body is found as far as an edge below its surface.
-  const double skins = options_.skin > 0.0 ? 2.0 * options_.skin : 2.0 * usual_skin * surface_.longest_edge;
-  const double reach = std::max(margin + skins, surface_.longest_edge);
-  contacts_.clear();
+  meant_.clear();
+  meant_centre_.clear();
   if (!std::isfinite(widest)) return;  // a runaway particle, found out elsewhere
-  grid_.build(centre_, widest + reach);
-  for (std::size_t k = 0; k < place_.size(); ++k) {
-    nearest_.clear();
-    grid_.each_near(place_[k], [&](std::size_t t) { look(k, t, reach); });
-    keep(k, touched, margin);
+  for (std::size_t t = 0; t < centre_.size(); ++t) {
+    if (!options_.self && !meets_another(surface_.triangles[t].body, centre_[t], radius_[t] + reach)) continue;
+    meant_.push_back(t);
+    meant_centre_.push_back(centre_[t]);
   }
+  grid_.build(meant_centre_, widest + reach);
+}
+
+/// Whether a point is within reach of what lies around another body.
+bool BodyContacts::meets_another(Index body, const Vec3& x, double reach) const {
+  const double far = reach * (1.0 + 1e-9);  // rounding must not leave out what is just near enough
+  for (std::size_t other = 0; other < box_.size(); ++other) {
+    if (static_cast<Index>(other) == body) continue;
+    const Box& box = box_[other];
+    if ((x.array() >= box.low.array() - far).all() && (x.array() <= box.high.array() + far).all()) return true;
+  }
+  return false;
 }
 
 /// Keeps the triangle where it is the nearest of its body so far. On an edge that two share the one that faces the
