@@ -130,6 +130,7 @@ class Builder {
     const Index all = model_.particle_count();
     model_.add_group("shell", range(organ - a_layer, all));
     model_.add_group("skin", range(all - a_layer, all));
+    model_.add_group("rind", range(all - 2 * a_layer, all));
   }
 
   struct Outer {

@@ -18,8 +18,13 @@ using phymul::Vec3;
 
 constexpr double width = 0.06, height = 0.05;  // m
 constexpr double above = 0.002, deep = 0.040;  // m: where the tip starts over the surface, and goes to under it
-constexpr double turns = 10.0;                 // 1/s
+                                               // 1/s
 constexpr double tick = 1e-3;                  // s
+
+/// 1/s; a faster needle turns faster.
+double turns(const ExampleOptions& options) {
+  return options.quick ? 33.0 : 10.0;
+}
 
 /// Where the tip is and how it got there.
 struct Motion {
@@ -41,7 +46,9 @@ struct Findings {
 class Insertion {
  public:
   Insertion(const ExampleOptions& options, bool turning)
-      : options_(options), turning_(turning), motion_{options.quick ? 0.10 : 0.03, options.quick ? 0.05 : 0.3} {
+      : options_(options),
+        turns_(turning ? turns(options) : 0.0),
+        motion_{options.quick ? 0.10 : 0.03, options.quick ? 0.05 : 0.3} {
     const int n = options.quick ? 8 : 12;
     model_ = phymul::make_block({width, width, height}, n, n, n - 2);
     phymul::set_material(model_, {.young = 25e3, .poisson = 0.45, .density = 1000.0});
@@ -65,7 +72,7 @@ class Insertion {
       needle.pose(pose_at(time + tick));
       time = advance(*solver_, steps_, tick / steps_).time;
       const double force = solver_->tool_force("needle").mean_force.z(), depth = motion_.depth(time);
-      curve.add(turning_ ? "turning" : "straight", {time, 1e3 * depth, force});
+      curve.add(turns_ > 0.0 ? "turning" : "straight", {time, 1e3 * depth, force});
       note(found, lowest, time, depth, force);
       if (draw) picture(drawn, time, force);
     }
@@ -75,7 +82,7 @@ class Insertion {
 
  private:
   phymul::ToolPose pose_at(double time) const {
-    const double angle = turning_ ? 2.0 * std::numbers::pi * turns * time : 0.0;
+    const double angle = 2.0 * std::numbers::pi * turns_ * time;
     const Eigen::Quaterniond turned(Eigen::AngleAxisd(angle, Vec3::UnitZ()));
     return {.position = {0.5 * width, 0.5 * width, height - motion_.depth(time)},
             .orientation = phymul::Quaternion(turned)};
@@ -100,7 +107,7 @@ class Insertion {
     const phymul::State state = solver_->read();
     const bool pierced = state.tools.front().needle.punctured;
     const bool pressing = force > 0.85 * shape_.puncture && !pierced;
-    const bool moments[] = {pressing, time > out - 0.5 * tick, motion_.depth(time) < 0.5 * deep && time > out};
+    const bool moments[] = {pressing, time > out - 0.5 * tick, motion_.depth(time) < 0.8 * deep && time > out};
     if (drawn >= 3 || !moments[drawn]) return;
     const std::string titles[] = {"1. It presses on the surface", "2. It is in, and stands still",
                                   "3. It is drawn out"};
@@ -110,7 +117,7 @@ class Insertion {
     ScenePictureOptions sheet;
     sheet.title = titles[drawn];
     sheet.subtitle = text(words[drawn], force);
-    sheet.full_scale = 0.006;
+    sheet.full_scale = 0.005;
     sheet.eye = Vec3(0.25, -1.0, 0.35);
     sheet.held = scene_->model().group("z0");
     sheet.frame = scene_->model().rest;
@@ -127,7 +134,7 @@ class Insertion {
   }
 
   const ExampleOptions& options_;
-  const bool turning_;
+  const double turns_;  // 1/s
   const Motion motion_;
   phymul::Model model_;
   phymul::Needle shape_;
@@ -145,7 +152,7 @@ void run(const ExampleOptions& options) {
       "straight: %.2f N at %.1f mm, then %.2f N; %.2f N at 40 mm, %.2f N at rest there; %.2f N on the way out\n",
       straight.peak, 1e3 * straight.peak_depth, straight.after_peak, straight.deepest, straight.stopped,
       straight.most_pull);
-  std::printf("turning %.0f times a second: %.2f N at 40 mm, %.2f N on the way out\n", turns, turning.deepest,
+  std::printf("turning %.0f times a second: %.2f N at 40 mm, %.2f N on the way out\n", turns(options), turning.deepest,
               turning.most_pull);
   const phymul::Needle law;
   require(std::abs(straight.peak - law.puncture) < 0.1 * law.puncture, "the force does not rise to the puncture's");

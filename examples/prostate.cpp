@@ -9,7 +9,7 @@
 Prostate::Prostate(bool quick) {
   shape.semi_axes = phymul::Vec3(0.025, 0.015, 0.020);  // m
   shape.shell = 0.015;
-  shape.shell_shift = {0.0, 0.005, 0.0};  // 10 mm of tissue behind the gland, 20 mm in front of it
+  shape.shell_shift = {0.0, 0.003, 0.0};  // 12 mm of tissue behind the gland, 18 mm in front of it
   shape.core = quick ? 4 : 6;
   shape.organ_layers = quick ? 1 : 2;
   shape.shell_layers = quick ? 2 : 3;
@@ -17,6 +17,8 @@ Prostate::Prostate(bool quick) {
   model.name = "prostate";
   set_materials(model, shape, {.young = 30e3, .poisson = 0.45, .density = 1000.0},
                 {.young = 4e3, .poisson = 0.45, .density = 1000.0});
+  // Skin and the wall of the rectum.
+  phymul::set_material(model, {.young = 20e3, .poisson = 0.45, .density = 1000.0}, "rind");
   for (const phymul::Index i : model.group("skin")) {
     const phymul::Vec3& x = model.rest[i];
     const phymul::Vec3 from_middle = x - shape.shell_shift;

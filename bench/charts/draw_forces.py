@@ -42,7 +42,7 @@ def zero(axes):
 
 def needle(out):
     figure, (axes,) = sheet("A needle in liver: 40 mm in, a rest, and out", ("depth of the tip under the surface at rest, mm",
-                            "force on the hand, N (positive: pushes it back)"))
+                            "force on the hand, N"))
     for (name,), rows in data.groups(rows_of(out, "needle"), "needle").items():
         depth, force = columns(rows, "depth_mm", "force_N")
         turning = name == "turning"
@@ -50,7 +50,7 @@ def needle(out):
                   label="turns 10 times a second" if turning else "straight")
         if not turning:
             top = max(range(len(force)), key=lambda k: force[k] if depth[k] < 20 else -1)
-            axes.annotate("the skin gives way", (depth[top], force[top]), (-45, 9), textcoords="offset points", fontsize=8)
+            axes.annotate("the skin gives way: 2 N", (depth[top], force[top]), (12, 2), textcoords="offset points", fontsize=8)
             deepest = max(depth)
             last = max(k for k in range(len(depth)) if depth[k] > deepest - 1e-6)
             axes.annotate("stops: it sticks,\nand stays drawn in", (depth[last], force[last]), (-92, -34),
