@@ -97,7 +97,7 @@ class Session {
     sheet.title = std::to_string(number) + ". The middle needle comes " + place[turn];
     sheet.subtitle = text("its tip is where the target was; the target has moved %.1f mm", 1e3 * miss);
     sheet.full_scale = 0.005;
-    sheet.width = 660;
+    sheet.width = 710;
     sheet.height = 520;
     sheet.eye = Vec3(0.1, -1.0, 0.15);
     sheet.held = prostate_.held;

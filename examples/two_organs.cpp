@@ -84,7 +84,7 @@ void run(const ExampleOptions& options) {
   sheet.full_scale = press;
   sheet.held = model.group("flat/z0");
   sheet.frame = model.rest;
-  sheet.frame.push_back({0.0, 0.0, top + 2.0 * radius});
+  sheet.frame.push_back({0.0, 0.0, top + 2.0 * radius + gap});
   sheet.eye = Vec3(0.15, -1.0, 0.35);
   int drawn = 0;
   const auto draw = [&](const std::string& title, const std::string& subtitle) {

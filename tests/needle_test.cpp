@@ -183,20 +183,20 @@ TEST(NeedleShaft, DrawsTheTissueSideways) {
   EXPECT_LT(needle.solver->tool_force("needle").force.x(), -0.05);
 }
 
-/// Where the way ahead meets the far side on an edge or a corner of its triangles, it must not slip between them.
+/// Over a lattice point the dent is deeper than the mean over particles that the hole begins at, so that the tip is
+/// in front of the facets when the skin gives way; and ways along lines of the mesh meet edges and corners.
 TEST_P(NeedleIn, IsInTheBodyOnALineOfTheMesh) {
   Needle pointed = thin_needle();
-  pointed.puncture = 0.2;
-  for (const double x : {0.5 * side, 0.5 * side + 1e-3}) {
-    for (const double y : {0.5 * side, 0.5 * side + 1e-3}) {
-      Insertion needle(GetParam(), 4, 0.4, pointed);
-      needle.pose.position = {x, y, side + offset};
-      needle.scene.tool("needle").place(needle.pose);
-      const std::vector<double> in = needle.go(0.020, 0.2, 41);
-      const State deep = needle.solver->read();
-      EXPECT_TRUE(deep.tools[0].needle.punctured && !deep.tools[0].needle.through) << x << ' ' << y;
-      EXPECT_GT(in.back(), pointed.cutting) << x << ' ' << y;
-    }
+  pointed.puncture = 0.8;
+  pointed.spread = 0.0125;
+  for (const double y : {0.5 * side, 0.5 * side + 1e-3}) {
+    Insertion needle(GetParam(), 8, 0.5, pointed);
+    needle.pose.position = {0.5 * side, y, side + offset};
+    needle.scene.tool("needle").place(needle.pose);
+    const std::vector<double> in = needle.go(0.020, 0.2, 21);
+    const State deep = needle.solver->read();
+    EXPECT_TRUE(deep.tools[0].needle.punctured && !deep.tools[0].needle.through) << y;
+    EXPECT_GT(in.back(), 0.5 * pointed.cutting) << y;
   }
 }
 
