@@ -157,11 +157,6 @@ phymul::Model make_ellipsoid(const EllipsoidShape& shape) {
   return Builder(shape).take();
 }
 
-int organ_cells(const EllipsoidShape& shape) {
-  const int n = shape.core;
-  return n * n * (n + 6 * shape.organ_layers);
-}
-
 void set_materials(phymul::Model& model, const EllipsoidShape& shape, const phymul::Material& organ,
                    const phymul::Material& around) {
   phymul::set_material(model, around);

@@ -16,11 +16,8 @@ struct EllipsoidShape {
 
 /// A rounded block in the middle and layers around it, so that no cell is flattened, as those at the edges of a cube
 /// bent to a ball would be. Groups: "organ" and "surface" (the organ's), "shell", "skin" (the outer side) and "rind"
-/// (the outermost layer) where there is one. Cells of the organ come first, then those of the shell.
+/// (the outermost layer) where there is one.
 phymul::Model make_ellipsoid(const EllipsoidShape& shape);
-
-/// Cells of the organ, the first ones.
-int organ_cells(const EllipsoidShape& shape);
 
 /// Gives the cells of organ and shell their materials; set_material's masses for both.
 void set_materials(phymul::Model& model, const EllipsoidShape& shape, const phymul::Material& organ,

@@ -7,7 +7,6 @@
 #include <phymul/phymul.h>
 
 #include <memory>
-#include <optional>
 
 #include "ellipsoid_body.h"
 #include "example_run.h"
