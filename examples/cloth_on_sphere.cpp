@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// cloth_on_sphere [FOLDER]: a square of cloth falls on a ball and the floor below it. Writes how high its lowest and
-// highest particles are and what it presses the ball with (cloth_on_sphere.csv), and three pictures.
+// cloth_on_sphere [--out DIR] [--quick]: a square of cloth falls on a ball and the floor below it. Writes how high its
+// lowest and highest particles are and what it presses ball and floor with (cloth_on_sphere.csv), and three pictures.
 #include <phymul/phymul.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 
-#include "picture.h"
+#include "example_run.h"
+#include "scene_picture.h"
 
 namespace {
 
@@ -18,23 +16,21 @@ using phymul::Index;
 using phymul::Model;
 using phymul::Vec3;
 
-constexpr int side = 33;                          // particles
-constexpr double spacing = 0.01, ball = 0.06;     // m
-constexpr double mass = 0.2 * spacing * spacing;  // kg a particle: 200 g/m^2
-
-Index at(int i, int j) {
-  return static_cast<Index>(j * side + i);
-}
+constexpr double width = 0.32, ball = 0.06, below = -0.07;  // m; z of the floor
+constexpr double surface_mass = 0.2;                        // kg/m^2
+constexpr phymul::Colour ball_colour{0.86, 0.55, 0.30, 1.0}, floor_colour{0.90, 0.89, 0.86, 1.0};
 
 /// Springs to the eight neighbours and to those two places on, which hold it against bending.
-Model cloth() {
+Model cloth(int side) {
+  const double spacing = width / (side - 1);
+  const auto at = [side](int i, int j) { return static_cast<Index>(j * side + i); };
   Model model;
   model.name = "cloth";
   const double middle = 0.5 * (side - 1);
   for (int j = 0; j < side; ++j) {
     for (int i = 0; i < side; ++i) model.rest.push_back({spacing * (i - middle), spacing * (j - middle), 0.08});
   }
-  model.mass.assign(model.rest.size(), mass);
+  model.mass.assign(model.rest.size(), surface_mass * spacing * spacing);
   model.stiffness.assign(model.rest.size(), 4.0);  // N/m
   for (int j = 0; j < side; ++j) {
     for (int i = 0; i < side; ++i) {
@@ -69,69 +65,67 @@ Model cloth() {
   return model;
 }
 
-void run(const std::string& folder) {
-  const Model model = cloth();
+/// Throws phymul::Error where a particle is in the ball or under the floor.
+std::pair<double, double> extent(const phymul::State& state) {
+  double lowest = HUGE_VAL, highest = -HUGE_VAL;
+  for (const Vec3& x : state.position) {
+    lowest = std::min(lowest, x.z());
+    highest = std::max(highest, x.z());
+    require(x.norm() > 0.99 * ball, "a particle is in the ball");
+  }
+  require(lowest > below - 5e-4, "a particle is below the floor");
+  return {lowest, highest};
+}
+
+void run(const ExampleOptions& options) {
+  const int side = options.quick ? 17 : 33;
+  const Model model = cloth(side);
+  const double spacing = width / (side - 1);
   phymul::Scene scene(model);
   scene.gravity({0, 0, -9.81}).contacts({.friction = 0.4, .skin = 0.15 * spacing});
   const double margin = 0.2 * spacing;
   scene.add_tool("ball", {.shape = phymul::Sphere{ball}, .pose = {}, .friction = 0.3, .margin = margin});
-  scene.add_tool("floor", {.shape = phymul::HalfSpace{}, .pose = {.position = {0, 0, -0.07}}, .friction = 0.5});
+  scene.add_tool("floor", {.shape = phymul::HalfSpace{}, .pose = {.position = {0, 0, below}}, .friction = 0.5});
   phymul::TopologyOptions springs;
   springs.law = phymul::Law::springs;
-  phymul::SolverOptions options;
-  options.damping.rate = 2.0;
-  options.threads = 1;
-  const auto solver = phymul::make_solver("cpu", model, scene, springs, options);
+  phymul::SolverOptions solver_options;
+  solver_options.damping.rate = 2.0;
+  solver_options.threads = 1;
+  const auto solver = phymul::make_solver("cpu", model, scene, springs, solver_options);
 
-  BodyPictures pictures(model);
-  PictureOptions picture;
-  picture.width = 900;
-  picture.height = 700;
-  picture.full_scale = 0.15;
-  picture.frame = {Vec3(-0.17, -0.17, -0.07), Vec3(0.17, 0.17, 0.08)};
-  picture.eye = Vec3(0.5, -1.0, 0.5);
-  std::ofstream curve(folder + "/cloth_on_sphere.csv");
-  curve << "time,lowest,highest,force\n";
+  const ScenePictures pictures(model);
+  ScenePictureOptions sheet;
+  sheet.full_scale = 0.15;
+  sheet.frame = {Vec3(-0.17, -0.17, below), Vec3(0.17, 0.17, 0.09), Vec3(0.17, -0.17, below), Vec3(-0.17, 0.17, below)};
+  sheet.eye = Vec3(0.5, -1.0, 0.45);
+  sheet.tools = {{phymul::Sphere{ball}, {}, ball_colour, "ball, 12 cm"},
+                 {phymul::HalfSpace{}, {.position = {0, 0, below - 0.001}}, floor_colour, ""}};
+  Curve curve(options.file("cloth_on_sphere.csv"), "time_s,lowest_mm,highest_mm,ball_N,floor_N");
   const double dt = 0.4 * solver->stable_step();
-  const double moments[] = {0.08, 0.2, 1.5};
+  const double moments[] = {0.09, 0.22, options.quick ? 0.8 : 1.6};
   const char* titles[] = {"1. It meets the ball", "2. It hangs over it", "3. It lies on ball and floor"};
   for (int k = 0; k < 3; ++k) {
     for (double time = solver->read().time; time < moments[k];) {
-      const phymul::StepReport report = solver->step(std::max(1, static_cast<int>(0.005 / dt)), dt);
-      if (!report.ok()) throw phymul::Error(report.message());
-      time = report.time;
-      const phymul::State state = solver->read();
-      double lowest = 1.0, highest = -1.0;
-      for (const Vec3& x : state.position) {
-        lowest = std::min(lowest, x.z());
-        highest = std::max(highest, x.z());
-        if (x.norm() < 0.99 * ball) throw phymul::Error("a particle is in the ball");
-        if (x.z() < -0.0705) throw phymul::Error("a particle is below the floor");
-      }
-      curve << time << ',' << lowest << ',' << highest << ',' << -solver->tool_force("ball").mean_force.z() << '\n';
+      time = advance(*solver, std::max(1, static_cast<int>(0.005 / dt)), dt).time;
+      const auto [lowest, highest] = extent(solver->read());
+      curve.add({time, 1e3 * lowest, 1e3 * highest, -solver->tool_force("ball").mean_force.z(),
+                 -solver->tool_force("floor").mean_force.z()});
     }
-    char text[96];
-    std::snprintf(text, sizeof text, "%.2f s, a ball of 12 cm, cloth of 32 cm", solver->read().time);
-    picture.title = titles[k];
-    picture.subtitle = text;
-    const std::string file = folder + "/cloth_on_sphere_" + std::to_string(k + 1) + ".png";
-    pictures.draw(solver->read(), picture, file);
-    std::printf("%s\n", file.c_str());
+    sheet.title = titles[k];
+    sheet.subtitle = text("%.2f s; cloth of 32 cm, 200 g/m\u00b2, friction 0.3 on the ball and 0.5 on the floor",
+                          solver->read().time);
+    pictures.draw(solver->read(), sheet, options.file(text("cloth_on_sphere_%.0f.png", k + 1.0)));
   }
-  const double weight = mass * side * side * 9.81, force = -solver->tool_force("ball").mean_force.z();
-  std::printf("the ball carries %.3f N of %.3f N\n", force, weight);
+  const double weight = surface_mass * spacing * spacing * side * side * 9.81;
+  const double on_ball = -solver->tool_force("ball").mean_force.z();
+  const double on_floor = -solver->tool_force("floor").mean_force.z();
+  std::printf("ball and floor carry %.3f N and %.3f N of %.3f N\n", on_ball, on_floor, weight);
+  require(on_ball > 0.3 * weight && on_floor > 0.0, "the cloth does not lie on ball and floor");
+  require(std::abs(on_ball + on_floor - weight) < 0.1 * weight, "ball and floor do not carry the cloth's weight");
 }
 
 }  // namespace
 
-int main(int argc, char** argv) try {
-  const std::string folder = argc > 1 ? argv[1] : ".";
-  std::filesystem::create_directories(folder);
-  run(folder);
-} catch (const phymul::Error& error) {
-  std::fprintf(stderr, "cloth_on_sphere: %s\n", error.what());
-  return 1;
-} catch (const std::filesystem::filesystem_error& error) {
-  std::fprintf(stderr, "cloth_on_sphere: %s\n", error.what());
-  return 1;
+int main(int argc, char** argv) {
+  return run_example(argc, argv, run);
 }

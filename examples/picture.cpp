@@ -41,6 +41,17 @@ phymul::DisplayOptions layers(const PictureOptions& options) {
   return shown;
 }
 
+/// Marks by cairo are squares where particles are held.
+std::vector<KeyEntry> key_of(const PictureOptions& options, bool by_opengl, bool deformed) {
+  using Mark = KeyEntry::Mark;
+  std::vector<KeyEntry> key;
+  if (!options.fixed.empty()) key.push_back({by_opengl ? Mark::ball : Mark::square, held_colour, "held"});
+  if (!options.driven.empty()) key.push_back({Mark::ball, driven_colour, "driven"});
+  if (by_opengl && !options.attractors.empty()) key.push_back({Mark::ball, attractor_colour, "attractors"});
+  if (deformed) key.push_back({Mark::dashes, {0.45, 0.45, 0.45, 1.0}, "rest shape"});
+  return key;
+}
+
 }  // namespace
 
 BodyPictures::BodyPictures(const phymul::Model& model, Way way) : model_(model) {
@@ -94,8 +105,6 @@ void BodyPictures::draw(const phymul::State& state, const PictureOptions& given,
   const double y = options.height - 30.0;
   const double end = draw_length_bar(canvas.cairo(), side_margin, y, 0.25 * options.width,
                                      phymul::pixels_per_metre(camera, camera.target, height));
-  draw_key(canvas.cairo(), end + 90.0, y,
-           {!options.fixed.empty(), !options.driven.empty(), display_ && !options.attractors.empty(), deformed,
-            display_ != nullptr});
+  draw_key(canvas.cairo(), end + 90.0, y, key_of(options, display_ != nullptr, deformed));
   canvas.save(path);
 }

@@ -35,6 +35,32 @@ void set_colour(cairo_t* c, const phymul::Colour& colour) {
   cairo_set_source_rgb(c, colour[0], colour[1], colour[2]);
 }
 
+/// In the colour that is set. Returns how much longer it is than a ball.
+double draw_mark(cairo_t* c, double x, double y, KeyEntry::Mark mark) {
+  using Mark = KeyEntry::Mark;
+  if (mark == Mark::ball || mark == Mark::square) {
+    mark == Mark::ball ? cairo_arc(c, x, y, 3.5, 0.0, 6.2832) : cairo_rectangle(c, x - 3.5, y - 3.5, 7.0, 7.0);
+    cairo_fill(c);
+    return 0.0;
+  }
+  cairo_set_line_width(c, 2.0);
+  if (mark == Mark::cross) {
+    for (const double side : {-1.0, 1.0}) {
+      cairo_move_to(c, x - 4.0, y - side * 4.0);
+      cairo_line_to(c, x + 4.0, y + side * 4.0);
+    }
+    cairo_stroke(c);
+    return 0.0;
+  }
+  const double dash[] = {6.0, 4.0};
+  if (mark == Mark::dashes) cairo_set_dash(c, dash, 2, 0.0);
+  cairo_move_to(c, x - 4.0, y);
+  cairo_line_to(c, x + 22.0, y);
+  cairo_stroke(c);
+  cairo_set_dash(c, nullptr, 0, 0.0);
+  return 20.0;
+}
+
 }  // namespace
 
 void draw_title(cairo_t* c, double x, const std::string& title, const std::string& subtitle) {
@@ -79,43 +105,14 @@ double draw_length_bar(cairo_t* c, double x, double y, double most, double scale
   return end;
 }
 
-void draw_key(cairo_t* c, double x, double y, const PictureKey& key) {
-  const auto entry = [&](const char* words) {
-    text(c, x + 10.0, y + 5.0, 13, words);
+void draw_key(cairo_t* c, double x, double y, std::span<const KeyEntry> entries) {
+  for (const KeyEntry& entry : entries) {
+    cairo_new_path(c);
+    set_colour(c, entry.colour);
+    x += draw_mark(c, x, y, entry.mark);
+    text(c, x + 10.0, y + 5.0, 13, entry.words);
     cairo_text_extents_t size;
-    cairo_text_extents(c, words, &size);
+    cairo_text_extents(c, entry.words.c_str(), &size);
     x += size.x_advance + 34.0;
-  };
-  cairo_new_path(c);
-  if (key.held) {
-    key.balls ? cairo_arc(c, x, y, 3.5, 0.0, 6.2832) : cairo_rectangle(c, x - 3.5, y - 3.5, 7.0, 7.0);
-    set_colour(c, held_colour);
-    cairo_fill(c);
-    entry("held");
-  }
-  if (key.driven) {
-    cairo_new_path(c);
-    cairo_arc(c, x, y, 3.5, 0.0, 6.2832);
-    set_colour(c, driven_colour);
-    cairo_fill(c);
-    entry("driven");
-  }
-  if (key.attractors) {
-    cairo_new_path(c);
-    cairo_arc(c, x, y, 3.5, 0.0, 6.2832);
-    set_colour(c, attractor_colour);
-    cairo_fill(c);
-    entry("attractors");
-  }
-  if (key.rest_shape) {
-    const double dash[] = {6.0, 4.0};
-    cairo_set_dash(c, dash, 2, 0.0);
-    cairo_set_source_rgb(c, 0.45, 0.45, 0.45);
-    cairo_move_to(c, x - 4.0, y);
-    cairo_line_to(c, x + 22.0, y);
-    cairo_stroke(c);
-    cairo_set_dash(c, nullptr, 0, 0.0);
-    x += 20.0;
-    entry("rest shape");
   }
 }

@@ -6,6 +6,7 @@
 #include <cairo.h>
 #include <phymul/model.h>
 
+#include <span>
 #include <string>
 
 inline constexpr phymul::Colour held_colour{0.1, 0.1, 0.1, 1.0};
@@ -21,9 +22,11 @@ void draw_colour_bar(cairo_t* c, double x, double y, double height, double full_
 /// where it ends.
 double draw_length_bar(cairo_t* c, double x, double y, double most, double scale);
 
-/// What the marks mean; only those that are there.
-struct PictureKey {
-  bool held, driven, attractors, rest_shape;
-  bool balls;  ///< held particles are marked by balls as the others, not by squares
+/// What a mark means.
+struct KeyEntry {
+  enum class Mark { ball, square, line, dashes, cross } mark;
+  phymul::Colour colour;
+  std::string words;
 };
-void draw_key(cairo_t* c, double x, double y, const PictureKey& key);
+/// One entry beside the other, from x on.
+void draw_key(cairo_t* c, double x, double y, std::span<const KeyEntry> entries);

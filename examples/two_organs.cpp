@@ -1,119 +1,129 @@
 // SPDX-License-Identifier: MIT
 //
-// two_organs [FOLDER]: a soft organ lies on a stiffer one; a round probe presses it, by 12 mm and back. Writes the
-// probe's force over its depth (two_organs.csv) and three pictures.
+// two_organs [--out DIR] [--quick]: a soft round organ lies on a stiffer flat one. A round probe presses it from above,
+// a needle goes into it from the side, and both go away again. Writes their forces (two_organs.csv) and pictures.
 #include <phymul/phymul.h>
 
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
+#include <algorithm>
+#include <cmath>
 
-#include "picture.h"
+#include "ellipsoid_body.h"
+#include "example_run.h"
+#include "scene_picture.h"
 
 namespace {
 
 using phymul::Model;
-using phymul::State;
 using phymul::Vec3;
 
-constexpr double radius = 0.012, press = 0.012;                   // m
-constexpr double settle = 0.4, down = 0.5, hold = 0.3, up = 0.5;  // s
+constexpr double radius = 0.012, press = 0.010;  // m
+constexpr double tick = 2e-3;                    // s
+constexpr double bed = 0.020, high = 0.016;      // m: the flat organ's thickness, the round one's semi-axis
 
-Model organ(const Vec3& corner, int nx, int ny, int nz, double young) {
-  Model model = phymul::make_block(0.005 * Vec3(nx, ny, nz), nx, ny, nz);
-  phymul::set_material(model, {.young = young, .poisson = 0.4, .density = 1000.0});
-  return phymul::moved(std::move(model), corner);
-}
-
-/// m below where the probe touches at first.
-double depth_at(double time) {
-  if (time < settle) return -0.002;
-  const double pressed = time - settle - down;
-  if (pressed < 0.0) return -0.002 + (press + 0.002) * (time - settle) / down;
-  return pressed < hold ? press : std::max(press - (press + 0.002) * (pressed - hold) / up, -0.002);
-}
-
-class Pictures {
- public:
-  Pictures(const Model& model, std::string folder) : pictures_(model), folder_(std::move(folder)) {
-    options_.width = 900;
-    options_.height = 700;
-    options_.full_scale = press;
-    options_.fixed = model.group("lower/z0");
-    options_.frame = model.rest;
-    options_.eye = Vec3(0.4, -1.0, 0.35);
+/// Times of what happens, s.
+struct Plan {
+  explicit Plan(bool quick) : move(quick ? 0.12 : 0.4), settle(quick ? 0.15 : 0.4), hold(quick ? 0.05 : 0.2) {}
+  double move, settle, hold;
+  double needle() const { return settle + move + hold; }  ///< it starts
+  double in() const { return needle() + move; }
+  double back() const { return in() + hold; }  ///< both go
+  double end() const { return back() + move + hold; }
+  /// From 0 to 1 within `move` from `begin` on, and back from back() on.
+  double share(double time, double begin) const {
+    return std::clamp((time - begin) / move, 0.0, 1.0) - std::clamp((time - back()) / move, 0.0, 1.0);
   }
-
-  void draw(const State& state, const std::string& file, const std::string& title, const std::string& subtitle) {
-    options_.title = title;
-    options_.subtitle = subtitle;
-    pictures_.draw(state, options_, folder_ + '/' + file);
-    std::printf("%s/%s\n", folder_.c_str(), file.c_str());
-  }
-
- private:
-  BodyPictures pictures_;
-  PictureOptions options_;
-  std::string folder_;
 };
 
-void run(const std::string& folder) {
-  const Model lower = organ({0, 0, 0}, 16, 12, 4, 12e3), upper = organ({0.013, 0.011, 0.0215}, 10, 8, 5, 3e3);
-  const phymul::NamedBody bodies[] = {{"lower", &lower}, {"upper", &upper}};
+Model flat_organ(bool quick) {
+  const int fine = quick ? 1 : 2;
+  Model model = phymul::make_block({0.100, 0.080, bed}, 10 * fine, 8 * fine, 2 * fine);
+  phymul::set_material(model, {.young = 25e3, .poisson = 0.4, .density = 1000.0});
+  return phymul::moved(std::move(model), {-0.050, -0.040, -bed});
+}
+
+Model round_organ(bool quick) {
+  const EllipsoidShape shape{
+      .semi_axes = Vec3(0.032, 0.024, high), .core = quick ? 4 : 6, .organ_layers = quick ? 1 : 2};
+  Model model = make_ellipsoid(shape);
+  phymul::set_material(model, {.young = 12e3, .poisson = 0.4, .density = 1000.0});
+  return phymul::moved(std::move(model), {0.0, 0.0, high + 0.001});
+}
+
+void run(const ExampleOptions& options) {
+  const Plan plan(options.quick);
+  const Model flat = flat_organ(options.quick), round = round_organ(options.quick);
+  const phymul::NamedBody bodies[] = {{"flat", &flat}, {"round", &round}};
   const Model model = phymul::merge_models(bodies);
-  const double top = 0.0215 + 0.025 - 0.0015;  // m, of the upper organ once it lies
-  const auto probe_at = [&](double depth) { return Vec3(0.038, 0.031, top + radius - depth); };
+  const double top = 2.0 * high - 0.001, gap = 0.003;  // m, of the round organ once it lies
+  const auto probe_at = [&](double time) {
+    const double depth = (press + gap) * plan.share(time, plan.settle) - gap;
+    return phymul::ToolPose{.position = {-0.006, 0.0, top + radius - depth}};
+  };
+  const auto turned = phymul::Quaternion(Eigen::AngleAxisd(0.45 * 3.14159265, Vec3::UnitY()));
+  const Vec3 outside(0.050, 0.0, 0.018), inward = -(turned * Vec3::UnitZ());
+  const auto needle_at = [&](double time) {
+    return phymul::ToolPose{.position = outside + 0.045 * plan.share(time, plan.needle()) * inward,
+                            .orientation = turned};
+  };
 
   phymul::Scene scene(model);
-  scene.gravity({0, 0, -9.81}).fix("lower/z0").contacts({.friction = 0.4});
-  scene.add_tool("probe", {.shape = phymul::Sphere{radius}, .pose = {.position = probe_at(-0.002)}, .friction = 0.2});
-  phymul::SolverOptions options;
-  options.damping.rate = 20.0;
-  options.threads = 1;
-  const auto solver = phymul::make_solver("cpu", model, scene, {}, options);
-  const auto topology = phymul::describe(phymul::body_limits(model, solver->topology()));
-  std::printf("%s\n", topology.c_str());
+  // Neither organ can reach itself.
+  scene.gravity({0, 0, -9.81}).fix("flat/z0").contacts({.friction = 0.4, .self = false});
+  const phymul::Needle needle{.length = 0.08, .puncture = 0.4, .cutting = 0.25, .spread = 0.009};
+  scene.add_tool("probe", {.shape = phymul::Sphere{radius}, .pose = probe_at(0.0), .friction = 0.2});
+  scene.add_tool("needle", {.shape = needle, .pose = needle_at(0.0), .friction = 0.3});
+  phymul::SolverOptions solver_options;
+  solver_options.damping.rate = 30.0;
+  solver_options.threads = 1;
+  const auto solver = phymul::make_solver("cpu", model, scene, {.cell_average = 0.9}, solver_options);
+  std::printf("%d particles; %s\n", model.particle_count(),
+              phymul::describe(phymul::body_limits(model, solver->topology())).c_str());
 
-  Pictures pictures(model, folder);
-  std::ofstream curve(folder + "/two_organs.csv");
-  curve << "time,depth,force\n";
-  const double dt = 0.4 * solver->stable_step();
-  const int steps = static_cast<int>(0.01 / dt);
-  double largest = 0.0;
-  bool settled = false, pressed = false;
-  for (double time = 0.0; time < settle + down + hold + up + 0.1; time = solver->read().time) {
-    scene.tool("probe").pose({.position = probe_at(depth_at(time + steps * dt))});
-    const phymul::StepReport report = solver->step(steps, dt);
-    if (!report.ok()) throw phymul::Error(report.message());
-    const double force = solver->tool_force("probe").mean_force.z();
-    largest = std::max(largest, force);
-    curve << report.time << ',' << depth_at(report.time) << ',' << force << '\n';
-    if (!settled && report.time >= settle) {
-      settled = true;
-      pictures.draw(solver->read(), "two_organs_1.png", "1. One lies on the other", "3 kPa on 12 kPa, under gravity");
-    }
-    if (!pressed && report.time >= settle + down + 0.9 * hold) {
-      pressed = true;
-      char text[96];
-      std::snprintf(text, sizeof text, "a ball of 24 mm, 12 mm deep: %.2f N", force);
-      pictures.draw(solver->read(), "two_organs_2.png", "2. A probe presses", text);
+  const ScenePictures pictures(model, cells_beyond(model, Vec3::Zero(), Vec3::UnitY()));
+  ScenePictureOptions sheet;
+  sheet.full_scale = press;
+  sheet.held = model.group("flat/z0");
+  sheet.frame = model.rest;
+  sheet.frame.push_back({0.0, 0.0, top + 2.0 * radius + gap});
+  sheet.eye = Vec3(0.15, -1.0, 0.35);
+  int drawn = 0;
+  const auto draw = [&](const std::string& title, const std::string& subtitle) {
+    sheet.title = std::to_string(++drawn) + ". " + title;
+    sheet.subtitle = subtitle;
+    sheet.tools = {{phymul::Sphere{radius}, solver->tool_pose("probe"), probe_colour, "probe, 24 mm"},
+                   {needle, solver->tool_pose("needle"), needle_colour, "needle"}};
+    pictures.draw(solver->read(), sheet, options.file("two_organs_" + std::to_string(drawn) + ".png"));
+  };
+
+  Curve curve(options.file("two_organs.csv"), "time_s,probe_N,needle_N");
+  const int steps = std::max(1, static_cast<int>(std::ceil(tick / (0.5 * solver->stable_step()))));
+  double pressed = 0.0, pushed = 0.0, pulled = 0.0, probe = 0.0, along = 0.0;
+  for (double time = 0.0; time < plan.end();) {
+    scene.tool("probe").pose(probe_at(time + tick));
+    scene.tool("needle").pose(needle_at(time + tick));
+    time = advance(*solver, steps, tick / steps).time;
+    probe = solver->tool_force("probe").mean_force.z();
+    along = -solver->tool_force("needle").mean_force.dot(inward);
+    curve.add({time, probe, along});
+    if (time < plan.back()) pressed = std::max(pressed, probe);
+    pushed = std::max(pushed, along);
+    pulled = std::min(pulled, along);
+    if (drawn == 0 && time > plan.settle - tick)
+      draw("One lies on the other", "12 kPa on 25 kPa, under gravity; cut open");
+    if (drawn == 1 && time > plan.needle() - tick) draw("A probe presses", text("10 mm deep: %.2f N on it", probe));
+    if (drawn == 2 && time > plan.back() - tick) {
+      draw("A needle goes in under it", text("%.2f N on the probe, %.2f N on the needle", probe, along));
     }
   }
-  pictures.draw(solver->read(), "two_organs_3.png", "3. It has gone", "the organs come back");
-  std::printf("largest force %.3f N; %s/two_organs.csv\n", largest, folder.c_str());
-  if (!(largest > 0.0)) throw phymul::Error("the probe felt nothing");
+  draw("Both have gone", "the organs come back");
+  std::printf("probe at most %.2f N, needle %.2f N in and %.2f N out\n", pressed, pushed, pulled);
+  require(pressed > 0.1 && std::abs(probe) < 0.01, "the probe does not press, or still does when it is away");
+  require(pushed > 0.9 * needle.puncture, "the needle's force does not rise to the puncture's");
+  require(pulled < -0.02 && std::abs(along) < 0.01, "the needle is not pulled back, or still is when it is out");
 }
 
 }  // namespace
 
-int main(int argc, char** argv) try {
-  const std::string folder = argc > 1 ? argv[1] : ".";
-  std::filesystem::create_directories(folder);
-  run(folder);
-} catch (const phymul::Error& error) {
-  std::fprintf(stderr, "two_organs: %s\n", error.what());
-  return 1;
-} catch (const std::filesystem::filesystem_error& error) {
-  std::fprintf(stderr, "two_organs: %s\n", error.what());
-  return 1;
+int main(int argc, char** argv) {
+  return run_example(argc, argv, run);
 }

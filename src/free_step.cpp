@@ -40,14 +40,4 @@ std::size_t TouchedParticles::slot(Index particle) {
   return static_cast<std::size_t>(slot);
 }
 
-Vec3 TouchedParticles::push(Touched& touched, const Vec3& impulse) {
-  Vec3 taken = impulse;
-  for (int a = 0; a < 3; ++a) {
-    if (touched.fixed >> a & 1) taken[a] = 0.0;
-  }
-  touched.impulse += taken;
-  touched.velocity += touched.inverse_mass * taken;
-  return taken;
-}
-
 }  // namespace phymul

@@ -183,6 +183,23 @@ TEST(NeedleShaft, DrawsTheTissueSideways) {
   EXPECT_LT(needle.solver->tool_force("needle").force.x(), -0.05);
 }
 
+/// Over a lattice point the dent is deeper than the mean over particles that the hole begins at, so that the tip is
+/// in front of the facets when the skin gives way; and ways along lines of the mesh meet edges and corners.
+TEST_P(NeedleIn, IsInTheBodyOnALineOfTheMesh) {
+  Needle pointed = thin_needle();
+  pointed.puncture = 0.8;
+  pointed.spread = 0.0125;
+  for (const double y : {0.5 * side, 0.5 * side + 1e-3}) {
+    Insertion needle(GetParam(), 8, 0.5, pointed);
+    needle.pose.position = {0.5 * side, y, side + offset};
+    needle.scene.tool("needle").place(needle.pose);
+    const std::vector<double> in = needle.go(0.020, 0.2, 21);
+    const State deep = needle.solver->read();
+    EXPECT_TRUE(deep.tools[0].needle.punctured && !deep.tools[0].needle.through) << y;
+    EXPECT_GT(in.back(), 0.5 * pointed.cutting) << y;
+  }
+}
+
 TEST(NeedleShaft, BehindTheBodyTheTipIsFree) {
   Insertion needle("cpu", 5, 0.5);
   needle.go(side + 0.02, 0.2, 40);

@@ -49,6 +49,13 @@ void BodyContacts::follow(const Scene& scene) {
   surface_ = make_contact_surface(scene.model());
   place_.resize(surface_.particles.size());
   centre_.resize(surface_.triangles.size());
+  radius_.resize(surface_.triangles.size());
+  Index bodies = 0;
+  for (const ContactSurface::Particle& particle : surface_.particles) bodies = std::max(bodies, particle.body + 1);
+  box_.resize(static_cast<std::size_t>(bodies));
+  meant_.reserve(centre_.size());
+  meant_centre_.reserve(centre_.size());
+  grid_.reserve(centre_.size());
 }
 
 /// Particles whose gap to a triangle is less than twice what the fastest one moves against the mean.
@@ -65,23 +72,56 @@ void BodyContacts::find(TouchedParticles& touched) {
   }
   // Beyond a few edges a step is a failure, which the solver reports: the search must not outgrow the body.
   const double margin = std::min(2.0 * dt * std::sqrt(fastest), 4.0 * surface_.longest_edge);
-  double widest = 0.0;  // from a triangle's centre to its furthest corner, squared
-  for (std::size_t t = 0; t < centre_.size(); ++t) {
-    const auto& corner = surface_.triangles[t].corner;
-    centre_[t] = (place_[corner[0]] + place_[corner[1]] + place_[corner[2]]) / 3.0;
-    for (const Index c : corner) widest = std::max(widest, (place_[c] - centre_[t]).squaredNorm());
-  }
   // What got into a body is found as far as an edge below its surface.
   const double skins = options_.skin > 0.0 ? 2.0 * options_.skin : 2.0 * usual_skin * surface_.longest_edge;
   const double reach = std::max(margin + skins, surface_.longest_edge);
   contacts_.clear();
-  if (!std::isfinite(widest)) return;  // a runaway particle, found out elsewhere
-  grid_.build(centre_, std::sqrt(widest) + reach);
-  for (std::size_t k = 0; k < place_.size(); ++k) {
+  measure(reach);
+  for (std::size_t k = 0; k < place_.size() && !meant_.empty(); ++k) {
+    if (!options_.self && !meets_another(surface_.particles[k].body, place_[k], reach)) continue;
     nearest_.clear();
-    grid_.each_near(place_[k], [&](std::size_t t) { look(k, t, reach); });
+    grid_.each_near(place_[k], [&](std::size_t entry) { look(k, meant_[entry], reach); });
     keep(k, touched, margin);
   }
+}
+
+/// Puts the triangles that something may touch into the grid.
+void BodyContacts::measure(double reach) {
+  std::ranges::fill(box_, Box{Vec3::Constant(HUGE_VAL), Vec3::Constant(-HUGE_VAL)});
+  for (std::size_t k = 0; k < place_.size(); ++k) {
+    Box& box = box_[surface_.particles[k].body];
+    box.low = box.low.cwiseMin(place_[k]);
+    box.high = box.high.cwiseMax(place_[k]);
+  }
+  double widest = 0.0;
+  for (std::size_t t = 0; t < centre_.size(); ++t) {
+    const auto& corner = surface_.triangles[t].corner;
+    centre_[t] = (place_[corner[0]] + place_[corner[1]] + place_[corner[2]]) / 3.0;
+    double furthest = 0.0;
+    for (const Index c : corner) furthest = std::max(furthest, (place_[c] - centre_[t]).squaredNorm());
+    radius_[t] = std::sqrt(furthest);
+    widest = std::max(widest, radius_[t]);
+  }
+  meant_.clear();
+  meant_centre_.clear();
+  if (!std::isfinite(widest)) return;  // a runaway particle, found out elsewhere
+  for (std::size_t t = 0; t < centre_.size(); ++t) {
+    if (!options_.self && !meets_another(surface_.triangles[t].body, centre_[t], radius_[t] + reach)) continue;
+    meant_.push_back(t);
+    meant_centre_.push_back(centre_[t]);
+  }
+  grid_.build(meant_centre_, widest + reach);
+}
+
+/// Whether a point is within reach of what lies around another body.
+bool BodyContacts::meets_another(Index body, const Vec3& x, double reach) const {
+  const double far = reach * (1.0 + 1e-9);  // rounding must not leave out what is just near enough
+  for (std::size_t other = 0; other < box_.size(); ++other) {
+    if (static_cast<Index>(other) == body) continue;
+    const Box& box = box_[other];
+    if ((x.array() >= box.low.array() - far).all() && (x.array() <= box.high.array() + far).all()) return true;
+  }
+  return false;
 }
 
 /// Keeps the triangle where it is the nearest of its body so far. On an edge that two share the one that faces the
@@ -90,6 +130,8 @@ void BodyContacts::look(std::size_t particle, std::size_t t, double reach) {
   const ContactSurface::Particle& own = surface_.particles[particle];
   const ContactSurface::Triangle& triangle = surface_.triangles[t];
   if (own.body == triangle.body && !options_.self) return;
+  const double far = (radius_[t] + reach) * (1.0 + 1e-9);  // rounding must not leave out what is just near enough
+  if ((place_[particle] - centre_[t]).squaredNorm() > far * far) return;
   if (surface_.is_own_skin(own, particle, triangle)) return;
   const Vec3 &a = place_[triangle.corner[0]], &b = place_[triangle.corner[1]], &c = place_[triangle.corner[2]];
   Nearest found;

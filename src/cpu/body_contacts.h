@@ -47,6 +47,8 @@ class BodyContacts {
   };
 
   void find(TouchedParticles& touched);
+  void measure(double reach);
+  bool meets_another(Index body, const Vec3& x, double reach) const;
   void look(std::size_t particle, std::size_t triangle, double reach);
   void keep(std::size_t particle, TouchedParticles& touched, double margin);
   void press(Contact& contact, TouchedParticles& touched) const;
@@ -54,8 +56,15 @@ class BodyContacts {
 
   ContactOptions options_;
   ContactSurface surface_;
-  VecList place_;   // [particles of the surface] m
-  VecList centre_;  // [triangles] m
+  VecList place_;               // [particles of the surface] m
+  VecList centre_;              // [triangles] m
+  std::vector<double> radius_;  // [triangles] m, from the centre to the furthest corner
+  struct Box {
+    Vec3 low{0, 0, 0}, high{0, 0, 0};
+  };
+  std::vector<Box> box_;            // [bodies] around their surfaces
+  std::vector<std::size_t> meant_;  // triangles in the grid: without contact of a body with itself those near another
+  VecList meant_centre_;
   PointGrid grid_;
   std::vector<Nearest> nearest_;  // of the particle in question, one a body
   std::vector<Contact> contacts_;

@@ -28,6 +28,10 @@ std::vector<std::array<Index, 3>> triangles_of(const Model& model) {
   return triangles;
 }
 
+/// Share of a triangle's side by which it is taken to be larger: a way along a line of the mesh must not pass between
+/// two triangles by rounding.
+constexpr double overlap = 1e-9;
+
 /// Way along `direction` from `from` to the triangle; negative where there is none. (T. Moeller, B. Trumbore, J.
 /// Graphics Tools 2 (1997) 21-28.) `facing`: > 0 where the triangle's outside looks along the direction.
 double way_to(const std::array<Vec3, 3>& t, const Vec3& from, const Vec3& direction, double& facing) {
@@ -37,7 +41,7 @@ double way_to(const std::array<Vec3, 3>& t, const Vec3& from, const Vec3& direct
   if (determinant == 0.0) return -1.0;
   const Vec3 s = from - t[0], q = s.cross(e1);
   const double u = s.dot(p) / determinant, v = direction.dot(q) / determinant;
-  if (u < 0.0 || v < 0.0 || u + v > 1.0) return -1.0;
+  if (u < -overlap || v < -overlap || u + v > 1.0 + overlap) return -1.0;
   return e2.dot(q) / determinant;
 }
 
@@ -107,14 +111,15 @@ void NeedlePath::lengthen(const FreeStep& step, const Line& line) {
     state_.hole.push_back(node_at(step, line.tip + left * line.axis));
   }
   state_.slip = 0.0;
-  const Crossing ahead = nearest_surface(step, line.tip, -line.axis);
-  if (ahead.way >= 0.0 && ahead.outward) {
+  // Out again where the nearest surface toward the hub is one it came out of. A mean over particles lies above the
+  // deepest point of a dent, so that right after the puncture the tip may still be in front of the facets.
+  const Crossing behind = nearest_surface(step, line.tip, line.axis);
+  if (behind.way < 0.0 || behind.outward) {
     state_.hole.push_back(node_at(step, line.tip));
     return;
   }
   state_.through = true;
-  const Crossing behind = nearest_surface(step, line.tip, line.axis);
-  if (behind.way >= 0.0) state_.hole.push_back(node_at(step, line.tip + behind.way * line.axis));
+  state_.hole.push_back(node_at(step, line.tip + behind.way * line.axis));
 }
 
 void NeedlePath::follow(const TouchedParticles& touched, const Line& line) {

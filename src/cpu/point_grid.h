@@ -16,6 +16,13 @@ namespace phymul::cpu {
 
 class PointGrid {
  public:
+  void reserve(std::size_t points) {
+    cell_.reserve(points);
+    entry_.reserve(points);
+    first_.reserve(4 * points + 2);  // as many buckets at most, and one
+    next_.reserve(4 * points + 1);
+  }
+
   /// Cells of this side, m. Allocates only while its arrays still grow.
   void build(std::span<const Vec3> points, double side) {
     inverse_side_ = 1.0 / side;
@@ -45,7 +52,7 @@ class PointGrid {
           const std::size_t at = bucket(wanted);
           for (Index e = first_[at]; e < first_[at + 1]; ++e) {
             const auto k = static_cast<std::size_t>(entry_[e]);
-            if (cell_[k] == wanted) visit(k);
+            if (same(cell_[k], wanted)) visit(k);
           }
         }
       }
@@ -54,6 +61,10 @@ class PointGrid {
 
  private:
   using Cell = std::array<std::int64_t, 3>;
+
+  static bool same(const Cell& a, const Cell& b) {  // == calls memcmp, a tenth of the time of all contacts
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+  }
 
   Cell cell_of(const Vec3& x) const {
     constexpr double furthest = 1e15;  // cells; particles that run away share one, and are found out elsewhere

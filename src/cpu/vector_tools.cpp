@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "vector_tools.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "denormals.h"
@@ -56,9 +57,20 @@ class VectorTools::Step final : public FreeStep {
  private:
   void find_among(std::size_t first, std::size_t last, const Region& region, std::vector<Index>& found) const {
     for (std::size_t place = first; place < last; ++place) {
-      if (!region.meets(place_at(move_.u, place), place_at(move_.next_u, place))) continue;
+      if (misses(place, region) || !region.meets(place_at(move_.u, place), place_at(move_.next_u, place))) continue;
       found.push_back(tools_.body_.order[place]);
     }
+  }
+
+  /// Axis by axis: most particles are far along the first one already, and this looks at all of them.
+  bool misses(std::size_t place, const Region& region) const {
+    const float* u = reinterpret_cast<const float*>(move_.u) + 4 * place;
+    const float* next_u = reinterpret_cast<const float*>(move_.next_u) + 4 * place;
+    for (int a = 0; a < 3; ++a) {
+      const double rest = tools_.rest_[place][a], from = rest + u[a], to = rest + next_u[a];
+      if (std::min(from, to) > region.high[a] || std::max(from, to) < region.low[a]) return true;
+    }
+    return false;
   }
 
   Vec3 place_at(const char* displacements, std::size_t place) const {

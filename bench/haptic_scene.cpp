@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include "haptic_scene.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+namespace phymul::bench {
+namespace {
+
+constexpr double reach = 0.25;  // of the spacing: how far the moved particles go
+constexpr double probe_radius = 0.010, pressed = 0.004, rubbed = 0.003;  // m
+constexpr double needle_deep = 0.045, needle_above = 0.003;              // m
+
+Model make_body(int particles) {
+  const int n = std::max(1, static_cast<int>(std::lround(std::cbrt(particles))) - 1);
+  const int high = std::max(1, (particles + n * (n + 2)) / ((n + 1) * (n + 1)) - 1);
+  Model model = make_block({n * haptic_spacing, n * haptic_spacing, high * haptic_spacing}, n, n, high, 6);
+  set_material(model, {.young = 10e3, .poisson = 0.3, .density = 1000});
+  return model;
+}
+
+/// A hand's motion: a few hertz, all axes, mostly pressing.
+Vec3 hand(double time) {
+  const double a = reach * haptic_spacing;
+  return {a * std::sin(7.0 * time), a * std::sin(11.0 * time), -a * (1.0 - std::cos(5.0 * time))};
+}
+
+std::array<ValueEvent, 2> way(double date, int axis) {
+  return {{{date, hand(date)[axis]}, {date + tick, hand(date + tick)[axis]}}};
+}
+
+}  // namespace
+
+HapticScene::HapticScene(int particles) : model_(make_body(particles)), scene_(model_) {
+  scene_.fix("z0");
+}
+
+Vec3 HapticScene::top(double x, double y) const {
+  const Vec3& corner = model_.rest.back();
+  return {x * corner.x(), y * corner.y(), corner.z()};
+}
+
+MovedParticles::MovedParticles(int particles) : HapticScene(particles) {
+  std::vector<Index> moved;
+  for (const Index i : model().group("z1")) {
+    if ((model().rest[i] - top(0.5, 0.5)).norm() <= 2.5 * haptic_spacing) moved.push_back(i);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    Load load;
+    load.type = LoadType::translation;
+    load.particles = moved;
+    load.axes.fill(Axis::free);
+    load.axes[axis] = Axis::driven;
+    load.direction = Vec3::Unit(axis);
+    load.events = {{0.0, 0.0}, {tick, 0.0}};
+    scene_.add(load);
+  }
+  count_ = moved.size();
+}
+
+void MovedParticles::drive(double date) {
+  for (int axis = 0; axis < 3; ++axis) scene_.set_events(static_cast<std::size_t>(axis) + 1, way(date, axis));
+}
+
+void MovedParticles::drive_by_replacing(double date) {
+  for (int axis = 0; axis < 3; ++axis) {
+    Load load = scene_.loads()[static_cast<std::size_t>(axis) + 1];
+    const auto events = way(date, axis);
+    load.events.assign(events.begin(), events.end());
+    scene_.replace(static_cast<std::size_t>(axis) + 1, std::move(load));
+  }
+}
+
+std::string MovedParticles::what() const {
+  return "a group of " + std::to_string(count_) + " particles";
+}
+
+ProbeAndNeedle::ProbeAndNeedle(int particles) : HapticScene(particles) {
+  scene_.add_tool("probe", {.shape = Sphere{probe_radius}, .pose = probe_at(0.0), .friction = 0.3});
+  scene_.add_tool("needle", {.shape = Needle{.length = 0.12}, .pose = needle_at(0.0), .friction = 0.3});
+}
+
+ToolPose ProbeAndNeedle::probe_at(double time) const {
+  const Vec3 moved(rubbed * std::sin(7.0 * time), rubbed * std::sin(11.0 * time),
+                   probe_radius - 0.5 * pressed * (1.0 - std::cos(5.0 * time)));
+  return {.position = top(0.3, 0.5) + moved};
+}
+
+ToolPose ProbeAndNeedle::needle_at(double time) const {
+  const double in = 0.5 * (1.0 - std::cos(2.0 * std::numbers::pi * time));
+  return {.position = top(0.7, 0.5) + (needle_above - (needle_above + needle_deep) * in) * Vec3::UnitZ()};
+}
+
+void ProbeAndNeedle::drive(double date) {
+  scene_.tool("probe").pose(probe_at(date + tick));
+  scene_.tool("needle").pose(needle_at(date + tick));
+}
+
+void ProbeAndNeedle::answer(const Solver& solver) {
+  const ToolForce &probe = solver.tool_force("probe"), &needle = solver.tool_force("needle");
+  on_probe_ = std::max(on_probe_, probe.mean_force.norm());
+  on_needle_ = std::max(on_needle_, needle.mean_force.z());
+  pulled_ = std::min(pulled_, needle.mean_force.z());
+  ++answers_;
+  inserted_ += needle.particles > 0 ? 1 : 0;
+}
+
+std::string ProbeAndNeedle::found() const {
+  char text[160];
+  std::snprintf(
+      text, sizeof text,
+      "on the ball at most %.2f N, on the needle %.2f N in and %.2f N out; it touched in %.0f %% of the ticks",
+      on_probe_, on_needle_, pulled_, 100.0 * static_cast<double>(inserted_) / static_cast<double>(answers_));
+  return text;
+}
+
+}  // namespace phymul::bench
