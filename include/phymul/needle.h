@@ -15,11 +15,11 @@ namespace phymul {
 /// +z axis to the hub, which the tool holds and turns; so the needle is pushed in along -z.
 ///
 /// All three forces are limits, as in dry friction: below its limit nothing moves relative to the tissue, at it
-/// something gives way. So a force curve depends neither on the step nor on the speed. Insertion force = stiffness of
-/// the tissue up to the puncture, cutting at the tip and friction along the shaft after it: A. M. Okamura, C. Simone,
-/// M. D. O'Leary, "Force modeling for needle insertion into soft tissue", IEEE Trans. Biomed. Eng. 51 (2004) 1707-1716.
+/// something gives way. So a force curve depends neither on the step nor on the speed. A. M. Okamura, C. Simone, M. D.
+/// O'Leary, "Force modeling for needle insertion into soft tissue", IEEE Trans. Biomed. Eng. 51 (2004) 1707-1716, split
+/// what they measured on bovine liver ex vivo so: stiffness up to the puncture, constant cutting, friction by length.
 ///
-/// The defaults are of the order of magnitude that paper finds for bovine liver; tissues, needles and their speeds
+/// The defaults are round numbers of that order, for an 18 gauge needle in liver: no table's. Tissues, tips and speeds
 /// differ by more than a factor of two, so measured values should take their place.
 struct Needle {
   double length = 0.15;            ///< m, from tip to hub
