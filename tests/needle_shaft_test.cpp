@@ -114,12 +114,13 @@ struct Aside {
   Vec3 force{0, 0, 0};
   double tip = 0.0;  // m, where it is
 };
-Aside moved_aside(const std::string& backend, const Needle& shape) {
-  Insertion needle(backend, 5, 0.5, shape);
+Aside moved_aside(const std::string& backend, const Needle& shape, int cells = 5, double share = 0.5) {
+  Insertion needle(backend, cells, share, shape);
   needle.go(0.02, 0.1, 10);
   needle.pose.position.x() += 0.003;
   needle.scene.tool("needle").pose(needle.pose);
   EXPECT_TRUE(needle.solver->step(static_cast<int>(0.25 / needle.dt), needle.dt).ok());
+  EXPECT_TRUE(needle.solver->step(50, needle.dt).ok());
   return {needle.solver->tool_force("needle").mean_force, needle.solver->needle_points("needle", 2)[0].x()};
 }
 
@@ -133,6 +134,14 @@ TEST_P(BendingNeedleIn, IsTheStiffOneWhereItIsVeryStiffAndFollowsTheTissueWhereI
   EXPECT_LT(steel.tip, very.tip - 1e-4);
   EXPECT_NEAR(soft.tip, 0.0203, 1e-4);  // where it was
   EXPECT_LT(std::abs(soft.force.x()), 1e-3);
+}
+
+TEST(BendingNeedle, PressesAsideAsWithHalfTheStepAndOnAFinerMesh) {
+  const Aside one = moved_aside("cpu", bending(5e-3), 6), half = moved_aside("cpu", bending(5e-3), 6, 0.25),
+              fine = moved_aside("cpu", bending(5e-3), 12);
+  EXPECT_LT(one.force.x(), -0.04);
+  EXPECT_NEAR(half.force.x(), one.force.x(), 0.03 * std::abs(one.force.x()));
+  EXPECT_NEAR(fine.force.x(), one.force.x(), 0.1 * std::abs(one.force.x()));
 }
 
 std::vector<double> bent_curve(double stiffness) {
