@@ -4,6 +4,7 @@
 #include <phymul/error.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -197,6 +198,25 @@ void pack_lists(const TopologyTextures& from, FloatTables& to) {
   }
 }
 
+/// Upper bounds: of triples that three nested loops count, all turns of all three.
+LoopTurns count_turns(const TopologyTextures& from, FloatLayout layout) {
+  LoopTurns most;
+  const bool conservative = from.options.reaction == Reaction::conservative;  // gathers its own bases; no attractor
+  const auto length = [](const RaggedList& list, Index i) {
+    return list.entry.empty() ? std::int64_t{0} : std::int64_t{list.offset[i + 1]} - list.offset[i];
+  };
+  for (Index i = 0; i < from.particle_count; ++i) {
+    const std::int64_t n = from.index[i].neighbour_count, bases = from.index[i].base_count;
+    const std::int64_t triples = n * (n - 1) / 2 * (n - 2) / 3;
+    const std::int64_t attractor = layout == FloatLayout::enumerated ? 2 * n + n * n / 2 + triples : n + bases;
+    const std::int64_t own = conservative ? 0 : attractor;
+    const std::int64_t gathered = (conservative ? bases : 0) + length(from.neighbour_of, i) + length(from.base_of, i) +
+                                  length(from.volume_of, i) + length(from.cell_of, i) + length(from.spring_of, i);
+    most = {std::max(most.own, own), std::max(most.gathered, gathered)};
+  }
+  return most;
+}
+
 }  // namespace
 
 void require_bases_in_range(const TopologyTextures& topology) {
@@ -243,6 +263,7 @@ FloatTables pack_floats(const TopologyTextures& topology, FloatLayout layout) {
   pack_cells(topology, tables);
   pack_springs(topology, tables);
   pack_lists(topology, tables);
+  tables.turns = count_turns(topology, layout);
   return tables;
 }
 

@@ -35,6 +35,12 @@ inline std::int32_t bits_of(float value) {
 
 enum class FloatLayout { table, enumerated };
 
+/// The most turns that a shader's loops take for one particle: over its own neighbours and bases, and over the forces
+/// it gathers.
+struct LoopTurns {
+  std::int64_t own = 0, gathered = 0;
+};
+
 /// Vectors are unpadded and empty where the body has nothing of the kind.
 struct FloatTables {
   TopologyOptions options;
@@ -42,6 +48,7 @@ struct FloatTables {
   int dimension = 3;
   Index particle_count = 0;
   Index base_count = 0, volume_count = 0, cell_count = 0;
+  LoopTurns turns;
 
   // Per particle.
   std::vector<Float4> particle;  ///< 1/m (1/kg), k_i (N/m), m (kg), 0

@@ -193,7 +193,7 @@ std::vector<Case> large_cases() {
           make("averaged", block, {.reaction = Reaction::averaged, .bases = BaseSelection::all}),
           make("fitted", tetrahedra, {.area_exponent = 1.0}),
           make("tetrahedra", material(tetrahedra), {}),
-          make("lattice", material(block), {.cell_average = 0.9})};
+          make("lattice", material(make_block({0.2, 0.2, 0.2}, 20, 20, 20)), {.cell_average = 0.9})};
 }
 
 TEST(CpuBackend, AnyNumberOfThreadsGivesTheSameBits) {

@@ -13,6 +13,7 @@
 #include "cpu/renumbering.h"
 #include "cpu/simplices.h"
 #include "cpu/thread_pool.h"
+#include "cpu/vector_body.h"
 #include "locality_order.h"
 
 namespace phymul::test {
@@ -148,6 +149,52 @@ TEST(BoxLattice, EveryCornerOfABoxIsAnOctantOfOneStar) {
   for (Vec3& p : block.rest) p = Vec3(p.x() + 0.3 * p.y(), p.y(), p.z());
   EXPECT_TRUE(boxes_of(block, 0.0, others).stars.empty());
   EXPECT_GT(others, 400u);
+}
+
+/// Lanes of grids, and cells and particles that are left to be gathered.
+struct GridShare {
+  long octants = 0, vectors = 0, gathered = 0;
+};
+
+GridShare grid_share(Model model) {
+  set_material(model, soft_tissue());
+  const TopologyTextures tables = build_topology(model, {.cell_average = 0.9});
+  const auto body = cpu::make_vector_body(tables, 8);
+  GridShare share;
+  for (const cpu::Cluster& cluster : body->clusters) {
+    const cpu::simd::Grid& grid = cluster.job.grid;
+    share.vectors += grid.count;
+    share.gathered += cluster.job.stars.count + cluster.job.boxes.count + cluster.job.hexahedra.count;
+    for (int k = 0; k < 8 * grid.count; ++k) {
+      share.octants += std::popcount(static_cast<unsigned>(grid.octants[k]));
+    }
+    const int reach = grid.stride[0] + grid.stride[1] + grid.stride[2];
+    for (int r = 0; r < grid.count; ++r) {
+      EXPECT_LE(grid.rows[r].node + 8 + reach, grid.nodes + grid.margin);
+      EXPECT_EQ(grid.whole > r,
+                std::all_of(grid.octants + 8 * r, grid.octants + 8 * (r + 1), [](int o) { return o == 0xff; }));
+    }
+  }
+  return share;
+}
+
+TEST(Grid, ALatticeIsTakenByTheNode) {
+  for (const auto& [x, y, z] : {std::array{8, 8, 32}, std::array{20, 20, 20}, std::array{60, 5, 5}}) {
+    const GridShare share = grid_share(make_block({0.01 * x, 0.01 * y, 0.01 * z}, x, y, z));
+    EXPECT_EQ(share.octants, 8L * x * y * z);
+    EXPECT_EQ(share.gathered, 0);
+    EXPECT_LE(share.vectors * 8, 1.1 * (x + 1) * (y + 1) * (z + 1)) << "idle lanes";
+  }
+}
+
+TEST(Grid, WhatStandsOffTheLatticeIsGathered) {
+  Model model = make_block({0.2, 0.2, 0.2}, 20, 20, 20);
+  model.rest[5000] += Vec3(0.002, 0.0, 0.0);  // inside: eight cells are no boxes
+  const GridShare share = grid_share(model);
+  EXPECT_EQ(share.octants, 8L * (8000 - 8));
+  EXPECT_EQ(share.gathered, 0);
+  for (Vec3& p : model.rest) p = Vec3(p.x() + 0.3 * p.y(), p.y(), p.z());
+  EXPECT_EQ(grid_share(model).vectors, 0);
 }
 
 TEST(Neighbourhoods, TriplesAreCountedInOrder) {

@@ -172,6 +172,44 @@ TEST_F(GlComputeDevice, GroupsMayFormARectangle) {
       << message;
 }
 
+/// llvmpipe ends loops after so many turns that 50 of these steps in one dispatch would lack some.
+TEST_F(GlComputeDevice, ManyStepsOfManyBasesAreSoManyDispatches) {
+  const Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2, 18);
+  const Scene scene(model);
+  TopologyOptions all;
+  all.bases = BaseSelection::all;
+  context_->run([&] {
+    const OwnDevice stored(model, scene, all, GlCompute::store, limits_);
+    const OwnDevice dispatched(model, scene, all, GlCompute::workgroup, limits_);
+    const State start = random_state(model, 0.05, 0.1, 9);
+    for (const OwnDevice* own : {&stored, &dispatched}) {
+      own->device->write(model.rest, start);
+      own->begin(200);
+      own->device->run(200);
+    }
+    if (same_bits_expected()) {
+      EXPECT_EQ(difference(stored.read(model), dispatched.read(model)), "");
+    }
+    EXPECT_EQ(stored.device->report().max_speed, dispatched.device->report().max_speed);
+  });
+}
+
+TEST_F(GlComputeDevice, MoreTurnsThanARendererTakesAreRefused) {
+  const Model model = make_block({0.03, 0.02, 0.02}, 5, 4, 4, 26);
+  const Scene scene(model);
+  const gl::ContextInfo& info = context_->info();
+  SolverOptions options;
+  options.gl.compute = GlCompute::recompute;
+  const auto tables = tables_of(model, {.reaction = Reaction::shared, .bases = BaseSelection::all});
+  const auto make = [&] { gl::DeviceSolver(GlBackend::compute, tables, scene, options); };
+  if (info.loop_turns > 100000) {
+    make();
+    return;
+  }
+  const std::string message = message_of(make);
+  EXPECT_NE(message.find("expected at most 65535 turns of the loops of a shader"), std::string::npos) << message;
+}
+
 TEST_F(GlComputeDevice, BuffersBeyondTheDriversLimitAreRefusedWithSizes) {
   const Model model = make_block({0.05, 0.05, 0.05}, 7, 7, 7);
   const Scene scene(model);

@@ -10,8 +10,9 @@ constexpr int all_octants = 0xff;
 
 }  // namespace
 
-LatticeCutter::LatticeCutter(Hexahedra& hexahedra, Index size, std::size_t clusters, VectorBody& body)
-    : body_(body), boxes_(take_boxes(hexahedra)), starts_(clusters) {
+LatticeCutter::LatticeCutter(Hexahedra& hexahedra, const VecList& rest, const std::optional<LatticeFrame>& frame,
+                             Index size, std::size_t clusters, VectorBody& body)
+    : body_(body), boxes_(take_boxes(hexahedra)), grid_(boxes_, rest, frame, size, clusters, body), starts_(clusters) {
   const auto corners = [](const Hexahedron& h) -> auto& {
     return h.vertex;
   };
@@ -34,6 +35,7 @@ void LatticeCutter::cut(int c, Slots& slots) {
   job.hexahedra.count = cut_cells(hexahedra_, hexahedron_rows_[c], slots, body_.hexahedra, body_.hexahedron_shape);
   job.boxes.count = cut_cells(boxes_.boxes, box_rows_[c], slots, body_.boxes, body_.box_shape);
   job.stars.count = cut_stars(star_rows_[c], true, slots) + cut_stars(star_rows_[c], false, slots);
+  grid_.cut(c, slots);
 }
 
 /// Shape after shape, so that a row has one.
@@ -90,6 +92,7 @@ void LatticeCutter::fill_idle_lanes(int c, std::int32_t idle) {
   fill_idle(body_.hexahedra, starts_[c].hexahedron, 8, 8, body_.lanes, idle);
   fill_idle(body_.boxes, starts_[c].box, 8, 8, body_.lanes, idle);
   fill_idle(body_.stars, starts_[c].star, simd::star_columns, 7, body_.lanes, idle);
+  grid_.fill_idle_lanes(c, idle);
 }
 
 void LatticeCutter::point(int c, simd::Job& job) const {
@@ -103,10 +106,11 @@ void LatticeCutter::point(int c, simd::Job& job) const {
   job.stars.rows = body_.stars.data() + start.star;
   job.star_shape = body_.star_shape.data() + row(start.star);
   job.box_shapes = body_.box_shapes.data();
+  grid_.point(c, job);
 }
 
 double LatticeCutter::cost(const simd::Job& job) const {
-  return 550.0 * job.hexahedra.count + 80.0 * job.boxes.count + 220.0 * job.stars.count;
+  return 550.0 * job.hexahedra.count + 80.0 * job.boxes.count + 220.0 * job.stars.count + grid_.cost(job);
 }
 
 }  // namespace phymul::cpu

@@ -3,6 +3,7 @@
 
 #include "box_lattice.h"
 #include "cluster_slots.h"
+#include "grid_cutter.h"
 #include "hexahedra.h"
 
 namespace phymul::cpu {
@@ -11,7 +12,8 @@ namespace phymul::cpu {
 class LatticeCutter {
  public:
   /// Takes what boxes it finds out of `hexahedra`.
-  LatticeCutter(Hexahedra& hexahedra, Index size, std::size_t clusters, VectorBody& body);
+  LatticeCutter(Hexahedra& hexahedra, const VecList& rest, const std::optional<LatticeFrame>& frame, Index size,
+                std::size_t clusters, VectorBody& body);
 
   void cut(int c, Slots& slots);
   void fill_idle_lanes(int c, std::int32_t idle);
@@ -28,7 +30,8 @@ class LatticeCutter {
   int cut_stars(const std::vector<Index>& here, bool whole, Slots& slots);
 
   VectorBody& body_;
-  const BoxLattice boxes_;
+  BoxLattice boxes_;
+  GridCutter grid_;
   std::vector<Hexahedron> hexahedra_;                                       // those that are no boxes
   std::vector<std::vector<Index>> hexahedron_rows_, box_rows_, star_rows_;  // by cluster
   std::vector<Start> starts_;

@@ -35,14 +35,15 @@ std::vector<Index> TermCutter::work_of(const TopologyTextures& t) {
   return work;
 }
 
-TermCutter::TermCutter(const TopologyTextures& t, Index size, std::size_t clusters, VectorBody& body)
+TermCutter::TermCutter(const TopologyTextures& t, const std::optional<LatticeFrame>& frame, Index size,
+                       std::size_t clusters, VectorBody& body)
     : t_(t),
       size_(size),
       body_(body),
       slots_(t.particle_count),
       shared_(find_simplices(t)),
       found_(find_hexahedra(t, shared_)),
-      lattice_(found_, size, clusters, body),
+      lattice_(found_, t.rest, frame, size, clusters, body),
       starts_(clusters) {
   volumes_ = by_cluster(
       t_.volumes, size_, clusters, [](const VolumeTexel& v) -> auto& { return v.vertex; }, shared_.volume_taken);

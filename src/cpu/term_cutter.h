@@ -14,7 +14,8 @@ struct Triples;
 class TermCutter {
  public:
   /// `size`: particles of a cluster.
-  TermCutter(const TopologyTextures& topology, Index size, std::size_t clusters, VectorBody& body);
+  TermCutter(const TopologyTextures& topology, const std::optional<LatticeFrame>& frame, Index size,
+             std::size_t clusters, VectorBody& body);
 
   void cut(int c);    ///< the terms of cluster c, whose own particles are known; clusters in order, each once
   void point_jobs();  ///< once all are cut: the arrays no longer move

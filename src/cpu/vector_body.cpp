@@ -19,18 +19,22 @@ namespace {
 /// Particles of a cluster: few enough that its displacements and forces stay in a core's first cache, many enough that
 /// most of a cluster's terms touch its own particles alone.
 constexpr Index cluster_size = 512;
+/// The same where grids (simd::Grid) are to take most terms: they read in order, so that the second cache does, and of
+/// larger clusters less is surface. Large bodies have clusters enough for threads, small ones need them.
+constexpr Index least_grid_cluster = 1344, most_grid_cluster = 2048;
 /// A body of fewer particles and less work than these stays in one piece: it is not worth a second thread.
 constexpr Index whole_size = 2048;
 constexpr double whole_cost = 40e3;  // ns
 
 class Cutter {
  public:
-  Cutter(const TopologyTextures& t, Index size, VectorBody& body) : t_(t), size_(size), body_(body) {}
+  Cutter(const TopologyTextures& t, const std::optional<LatticeFrame>& frame, Index size, VectorBody& body)
+      : t_(t), frame_(frame), size_(size), body_(body) {}
 
   void cut() {
     const auto count = static_cast<std::size_t>((t_.particle_count + size_ - 1) / size_);
     body_.clusters.resize(count);
-    TermCutter terms(t_, size_, count, body_);
+    TermCutter terms(t_, frame_, size_, count, body_);
     for (std::size_t c = 0; c < count; ++c) {
       Cluster& cluster = body_.clusters[c];
       cluster.first = static_cast<std::int32_t>(c) * size_;
@@ -126,9 +130,17 @@ class Cutter {
   }
 
   const TopologyTextures& t_;
+  const std::optional<LatticeFrame>& frame_;
   const Index size_;
   VectorBody& body_;
 };
+
+/// Equal clusters, a multiple of the lanes.
+Index grid_cluster_size(Index particles, int lanes) {
+  const Index size = std::clamp<Index>(particles / 16, least_grid_cluster, most_grid_cluster);
+  const Index clusters = (particles + size - 1) / size;
+  return (particles + clusters * lanes - 1) / (clusters * lanes) * lanes;
+}
 
 double rough_cost(const TopologyTextures& t, int lanes) {
   const double base = t.options.reaction == Reaction::averaged ? 80.0 : 50.0;
@@ -145,13 +157,29 @@ double VectorBody::cost() const {
   return sum;
 }
 
+std::size_t VectorBody::most_slots() const {
+  std::int32_t most = 0;
+  for (const Cluster& cluster : clusters) most = std::max(most, cluster.slots());
+  return static_cast<std::size_t>(most);
+}
+
+std::size_t VectorBody::most_grid_floats() const {
+  int most = 0;
+  for (const Cluster& cluster : clusters) most = std::max(most, cluster.job.grid.pitch);
+  return static_cast<std::size_t>(simd::grid_fields) * static_cast<std::size_t>(most);
+}
+
 std::unique_ptr<const VectorBody> make_vector_body(const TopologyTextures& topology, int lanes) {
   require_bases_in_range(topology);
   auto body = std::make_unique<VectorBody>();
   const bool whole = topology.particle_count <= whole_size && rough_cost(topology, lanes) <= whole_cost;
-  const Index size = whole ? std::max<Index>(topology.particle_count, 1) : cluster_size;
+  const Index all = std::max<Index>(topology.particle_count, 1);
+  const Index grid_size = whole ? all : grid_cluster_size(all, lanes);
+  const std::optional<LatticeFrame> frame = LatticeFrame::of(topology, grid_size);
+  const Index size = whole ? all : frame ? grid_size : cluster_size;
   body->lanes = lanes;
-  body->order = locality_order(topology.rest, TermCutter::work_of(topology), size);
+  body->order =
+      frame ? frame->order(topology.rest) : locality_order(topology.rest, TermCutter::work_of(topology), size);
   body->plane = topology.dimension == 2;
   body->scaled = !topology.rest_area.empty();
   body->bounded = topology.options.volume_law == VolumeLaw::bounded;
@@ -159,7 +187,7 @@ std::unique_ptr<const VectorBody> make_vector_body(const TopologyTextures& topol
               : topology.options.reaction == Reaction::averaged   ? simd::BaseUse::averaged
                                                                   : simd::BaseUse::attractor;
   const TopologyTextures ordered = renumbered(topology, body->order);
-  Cutter(ordered, size, *body).cut();
+  Cutter(ordered, frame, size, *body).cut();
   return body;
 }
 

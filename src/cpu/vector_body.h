@@ -41,9 +41,13 @@ struct VectorBody {
   Offsets hexahedron_shape, star_shape, box_shape;
   Floats hexahedra, hexahedron_shapes, stars, boxes;
   std::vector<simd::BoxShape> box_shapes;
+  Offsets grid_slot, grid_octants;
+  std::vector<simd::GridRow> grid_rows;
   Floats bases, enumerated, springs, volumes, cells4, cells6, cells8, simplices, cell_simplices, stiffness,
       inverse_mass, mass, give;
 
+  std::size_t most_slots() const;        ///< of a cluster
+  std::size_t most_grid_floats() const;  ///< that a cluster's grid needs beside it
   int slices() const { return places / lanes; }
   bool gives() const { return use == simd::BaseUse::attractor && !(bases.empty() && enumerated.empty()); }
   double cost() const;  ///< ns per step, rough

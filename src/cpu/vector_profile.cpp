@@ -20,7 +20,7 @@ WorkLaps::WorkLaps(Profile* profile, const VectorBody& body) : profile_(profile)
     runs(Work::enumerated_bases, job.enumerated.count > 0);
     runs(Work::springs, job.springs.count > 0);
     runs(Work::hexahedra, job.hexahedra.count > 0);
-    runs(Work::box_lattice, job.stars.count + job.boxes.count > 0);
+    runs(Work::box_lattice, job.stars.count + job.boxes.count + job.grid.count > 0);
     runs(Work::simplices, job.simplices.count + job.cell_simplices.count > 0);
     runs(Work::volumes, job.volumes.count > 0);
     runs(Work::cells, job.cells4.count + job.cells6.count + job.cells8.count > 0);

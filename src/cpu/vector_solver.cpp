@@ -88,9 +88,8 @@ class VectorSolver final : public Solver {
     next_v_ = v_;
     force_.assign(4 * static_cast<std::size_t>(body_->force_rows), 0.0f);
     if (body_->gives()) pull_.assign(quads, 0.0f);
-    std::int32_t most = 0;
-    for (const Cluster& cluster : body_->clusters) most = std::max(most, cluster.slots());
-    near_u_.assign(static_cast<std::size_t>(pool_.parts()), Floats(4 * static_cast<std::size_t>(most) + page, 0.0f));
+    near_u_.assign(reach_.size(), Floats(4 * body_->most_slots() + page, 0.0f));
+    grid_.assign(reach_.size(), Floats(body_->most_grid_floats(), 0.0f));
     tools_.follow(scene(), frame().fixed);
     reset();
   }
@@ -225,6 +224,7 @@ class VectorSolver final : public Solver {
     job.force = bytes(force_) + 16 * cluster.force_first;
     std::memset(job.force, 0, 16 * static_cast<std::size_t>(cluster.slots()));
     if (body_->gives()) job.pull = bytes(pull_) + 16 * static_cast<std::size_t>(cluster.first);
+    job.grid_memory = grid_[part].data();
     job.u = displacements_of(cluster, half_a_page_from(job.force, bytes(near_u_[part])));
     laps.end(Work::gathering);
     if (job.bases.count > 0) {
@@ -243,9 +243,8 @@ class VectorSolver final : public Solver {
       kernels_.hexahedra[body_->bounded](job);
       laps.end(Work::hexahedra);
     }
-    if (job.stars.count + job.boxes.count > 0) {
-      if (job.stars.count > 0) kernels_.stars[body_->bounded](job);
-      if (job.boxes.count > 0) kernels_.boxes[body_->bounded](job);
+    if (job.stars.count + job.boxes.count + job.grid.count > 0) {
+      kernels_.lattices[body_->bounded](job);
       laps.end(Work::box_lattice);
     }
     if (job.simplices.count + job.cell_simplices.count > 0) {
@@ -385,6 +384,7 @@ class VectorSolver final : public Solver {
   Floats u_, v_, next_u_, next_v_;  // u: [places + 1][4], v: [slices][3][lanes]
   Floats force_, pull_;
   std::vector<Floats> near_u_;  // [parts] displacements of the cluster a part is at
+  std::vector<Floats> grid_;    // [parts] Job::grid_memory
   double time_ = 0.0, last_dt_ = 0.0;
   int steps_at_rest_ = 0;
   WorkLaps laps_, no_laps_;

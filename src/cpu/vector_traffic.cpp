@@ -19,9 +19,10 @@ double constants(const VectorBody& b) {
   }
   for (const Offsets* table :
        {&b.base_first, &b.spring_first, &b.enumerated_first, &b.enumerated_neighbours, &b.own, &b.halo_first, &b.halo,
-        &b.give_first, &b.hexahedron_shape, &b.star_shape, &b.box_shape}) {
+        &b.give_first, &b.hexahedron_shape, &b.star_shape, &b.box_shape, &b.grid_slot, &b.grid_octants}) {
     words += static_cast<double>(table->size());
   }
+  words += static_cast<double>(b.grid_rows.size() * sizeof(simd::GridRow)) / word;
   const bool attracts = !(b.bases.empty() && b.enumerated.empty()) && b.use != simd::BaseUse::conservative;
   if (attracts) words += static_cast<double>(b.stiffness.size());
   return word * words;

@@ -10,6 +10,7 @@ BodyKind::BodyKind(const FloatTables& tables)
       bases(tables.base_count),
       volumes(tables.volume_count),
       cells(tables.cell_count),
+      turns(tables.turns),
       attractors(tables.has_attractors()),
       base_terms(!tables.base.empty() &&
                  (tables.options.reaction == Reaction::averaged || tables.options.reaction == Reaction::conservative)),

@@ -17,6 +17,7 @@ struct BodyKind {
   TopologyOptions options;
   int dimension = 3;
   Index particles = 0, bases = 0, volumes = 0, cells = 0;
+  LoopTurns turns;
   bool attractors = false;  ///< particles have a force F_i of their own: any reaction but the conservative
   bool base_terms = false;  ///< bases are evaluated a row each: averaged, conservative
   bool springs = false;

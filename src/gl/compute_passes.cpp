@@ -137,6 +137,15 @@ int ComputePasses::workgroup() const {
   return std::min((rows + 31) / 32 * 32, most / 32 * 32);
 }
 
+/// As many as the driver's shaders have turns for; half of those are left to what is not counted here (loads).
+int ComputePasses::steps_a_dispatch() const {
+  const BodyKind& kind = tables_->kind();
+  const auto rounds = [group = workgroup()](std::int64_t rows) { return (rows + group - 1) / group; };
+  const std::int64_t of_step = 1 + rounds(kind.particles) * (2 + kind.turns.own + kind.turns.gathered) +
+                               rounds(kind.bases) + rounds(kind.volumes) + rounds(kind.cells);
+  return static_cast<int>(std::clamp<std::int64_t>(limits_.loop_turns / 2 / of_step, 1, Device::most_steps));
+}
+
 Kernel ComputePasses::stepping(const LoadKind& loads, const ComputeState& state) const {
   ShaderRequest request = gathering(loads, form_ == ComputeForm::workgroup);
   define(request, "CUT");
@@ -175,13 +184,16 @@ void ComputePasses::set_constants(const StepConstants& constants) {
 
 void ComputePasses::steps(ComputeState& state, int first, int count) {
   if (form_ == ComputeForm::workgroup) {
-    if (count == 0) return;
-    now_->set("pair", state.current());
-    now_->set("checkpoint", state.checkpoint());
-    now_->set("number", first);
-    now_->set("steps", count);
-    now_->dispatch(1);
-    for (int k = 0; k < count; ++k) state.advance();
+    const int at_a_time = steps_a_dispatch();
+    for (int done = 0, now = 0; done < count; done += now) {
+      now = std::min(at_a_time, count - done);
+      now_->set("pair", state.current());
+      now_->set("checkpoint", state.checkpoint());
+      now_->set("number", first + done);
+      now_->set("steps", now);
+      now_->dispatch(1);
+      for (int k = 0; k < now; ++k) state.advance();
+    }
     return;
   }
   for (int k = 0; k < count; ++k) {

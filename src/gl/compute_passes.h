@@ -68,6 +68,7 @@ class ComputePasses {
   void compile_terms(const ComputeState& state);
   void add_terms(bool attractors, bool bases, bool others, const ComputeState& state);
   Kernel stepping(const LoadKind& loads, const ComputeState& state) const;
+  int steps_a_dispatch() const;
   int workgroup() const;
 
   const ComputeTables* tables_;

@@ -66,12 +66,17 @@ std::string ContextInfo::device() const {
          (software ? ", software renderer" : "");
 }
 
+std::int64_t loop_turns_of(std::string_view renderer) {
+  return renderer.starts_with("llvmpipe") ? 65535 : std::numeric_limits<std::int64_t>::max();
+}
+
 ContextInfo read_context_info() {
   ContextInfo info;
   read_version(info);
   info.vendor = text_of(GL_VENDOR);
   info.renderer = text_of(GL_RENDERER);
   info.software = is_software_renderer(info.renderer);
+  info.loop_turns = loop_turns_of(info.renderer);
   require_version(info);
   info.glsl_version = text_of(GL_SHADING_LANGUAGE_VERSION);
   info.extensions = gl_extensions();

@@ -3,7 +3,10 @@
 
 #include <phymul/gl.h>
 
+#include <cstdint>
+#include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gl_backend.h"
@@ -17,6 +20,7 @@ struct ContextInfo {
   std::string vendor, renderer, version, glsl_version;
   std::string display;    ///< where it was found: "device:0 (/dev/dri/renderD128)", "surfaceless", "host"
   bool software = false;  ///< the renderer is a processor, not a GPU
+  std::int64_t loop_turns = std::numeric_limits<std::int64_t>::max();  ///< loop_turns_of(renderer)
   int max_texture_size = 0;
   int max_color_attachments = 0;
   int max_draw_buffers = 0;
@@ -40,6 +44,10 @@ ContextInfo read_context_info();
 
 /// Throws Error where the context is none that the backend can run in.
 void require_backend(const ContextInfo& info, GlBackend backend);
+
+/// Turns of all loops of a shader together after which they end, done or not. None but llvmpipe's are known to do so
+/// (Mesa's LP_MAX_TGSI_LOOP_ITERATIONS).
+std::int64_t loop_turns_of(std::string_view renderer);
 
 /// Draws one texel into an RGBA32F texture and reads it back; throws Error where another value arrives. Leaves no
 /// objects, but bindings as they fall.

@@ -33,6 +33,16 @@ ParticleBuffer finished(const Texture& texture) {
   return {.texture = texture.id(), .width = texture.shape().width, .height = texture.shape().height, .position = {}};
 }
 
+/// Else forces would be missing, and nobody the wiser.
+void require_turns(const ContextInfo& info, LoopTurns turns, bool recomputes) {
+  const std::int64_t all = recomputes ? turns.gathered * (1 + turns.own) : turns.own + turns.gathered;
+  if (all <= info.loop_turns) return;
+  throw Error("expected at most " + std::to_string(info.loop_turns) +
+              " turns of the loops of a shader, which is where " + info.renderer + " breaks off, got up to " +
+              std::to_string(all) + " for a particle of this body; use fewer bases" +
+              (recomputes ? ", the form that stores," : "") + " or another backend");
+}
+
 }  // namespace
 
 DeviceSolver::DeviceSolver(GlBackend backend, std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in,
@@ -65,10 +75,13 @@ void DeviceSolver::build() {
   if (backend_ == GlBackend::compute) {
     const SliceTables slices = pack_slices(std::move(tables), topology());
     const ComputeForm form = choose_form(gl_.compute, slices, info.software);
+    const bool thesis = topology().options.reaction != Reaction::averaged;  // whose forces every neighbour recomputes
+    require_turns(info, slices.rows.turns, thesis && form == ComputeForm::recompute);
     const bool counted = form != ComputeForm::recompute;
     bytes_a_step_ = counted ? gl::bytes_a_step(slices) : std::numeric_limits<double>::quiet_NaN();
     context_->run([&] { device_ = std::make_unique<ComputeDevice>(slices, scene(), library, form); });
   } else {
+    require_turns(info, tables.turns, false);
     bytes_a_step_ = gl::bytes_a_step(tables);
     context_->run([&] { device_ = std::make_unique<FragmentDevice>(tables, scene(), library, gl_.passes == 4); });
   }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "gl/context_info.h"
 #include "gl/pass_timer.h"
 
 namespace phymul::gl {
@@ -35,7 +36,8 @@ ComputeLimits ComputeLimits::of_context() {
           .blocks = static_cast<int>(limit(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS)),
           .groups_across = groups_along(0),
           .groups_down = groups_along(1),
-          .invocations = static_cast<int>(limit(GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS))};
+          .invocations = static_cast<int>(limit(GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS)),
+          .loop_turns = loop_turns_of(reinterpret_cast<const char*>(glGetString(GL_RENDERER)))};
 }
 
 Kernel::Kernel(const ShaderLibrary& library, ShaderRequest request, int group, const ComputeLimits& limits)

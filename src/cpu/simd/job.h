@@ -75,6 +75,25 @@ struct BoxShape {
   float shape_stiffness = 0, volume_stiffness = 0;  ///< N m, of the mean deformation
   float tame = 0;  ///< m^2: sum of squared displacements of a star's spokes below which no |w| is small but by y
 };
+/// A row of a grid: `lanes` nodes from `node` on, of one shape.
+struct GridRow {
+  std::int32_t node = 0, shape = 0;
+  bool boxes = false;  ///< some lane has the octant of its high sides, and so a box there
+};
+
+/// A cluster's stars and boxes of which the particles stand in the order of a lattice: a neighbour along an axis is
+/// `stride` of it nodes further, along one of them 1. A margin before and behind the nodes may be read and written.
+struct Grid {
+  const std::int32_t* slot = nullptr;  ///< [nodes] byte offset
+  const GridRow* rows = nullptr;
+  const std::int32_t* octants = nullptr;  ///< [count][lanes] bits as of a star; 0 where a lane has none
+  int nodes = 0;                          ///< a multiple of the lanes, as margin and pitch
+  int stride[3] = {0, 0, 0};
+  int margin = 0, pitch = 0;  ///< pitch: nodes and both margins
+  int count = 0, whole = 0;   ///< rows; those of whole stars stand first
+};
+inline constexpr int grid_fields = 12;  ///< of `pitch` floats
+
 /// Beside the number of a star's shape: some lane lacks an octant.
 inline constexpr std::int32_t cut_star = 1 << 30;
 
@@ -93,6 +112,8 @@ struct Job {
   Rows stars, boxes;
   const std::int32_t *star_shape = nullptr, *box_shape = nullptr;  ///< [stars.count], [boxes.count]
   const BoxShape* box_shapes = nullptr;
+  Grid grid;
+  float* grid_memory = nullptr;    ///< [grid_fields][grid.pitch], the displacements of its margins finite
   Rows simplices, cell_simplices;  ///< without and with a cell term
 };
 
@@ -139,8 +160,7 @@ struct Kernels {
   void (*cells[2])(const Job&);        ///< [bounded]
   void (*springs)(const Job&);
   void (*hexahedra[2])(const Job&);  ///< [bounded]
-  void (*stars[2])(const Job&);      ///< [bounded]
-  void (*boxes[2])(const Job&);      ///< [bounded]
+  void (*lattices[2])(const Job&);   ///< [bounded]: stars, boxes, grid
   void (*simplices[2])(const Job&);  ///< [bounded]
   void (*move)(const Move&, int slice, int end, Reach&);
 };

@@ -5,13 +5,21 @@
 
 #include "base_terms.h"
 #include "enumerated_terms.h"
+#include "grid_rows.h"
 #include "hexahedron_terms.h"
 #include "move.h"
 #include "other_terms.h"
 #include "simplex_terms.h"
-#include "star_terms.h"
+#include "star_rows.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
+
+template <bool bounded>
+void lattice_terms(const simd::Job& job) {
+  if (job.stars.count > 0) star_runs<bounded>(job);
+  if (job.boxes.count > 0) box_rows<bounded>(job);
+  if (job.grid.count > 0) grid_rows<bounded>(job);
+}
 
 constexpr simd::Kernels all_kernels(const char* name) {
   using enum simd::BaseUse;
@@ -28,8 +36,7 @@ constexpr simd::Kernels all_kernels(const char* name) {
           {cell_rows<false>, cell_rows<true>},
           spring_slices,
           {hexahedron_rows<false>, hexahedron_rows<true>},
-          {star_runs<false>, star_runs<true>},
-          {box_rows<false>, box_rows<true>},
+          {lattice_terms<false>, lattice_terms<true>},
           {simplex_rows<false>, simplex_rows<true>},
           move_slices};
 }

@@ -51,19 +51,20 @@ struct Columns {
   Pack3 c0, c1, c2;
 };
 
-/// A direction of the cell's mean deformation F = I + H. w = cof(F) m, dw = w - m, Hm = H m; bound: see below.
+/// A direction m of the cell's mean deformation F = I + H, with |m|^2 = 1 / `norm`: w = cof(F) m, dw = w - m, Hm = H m;
+/// bound: see below.
 struct Direction {
-  Pack3 r, G;  // n(F) - F m; weight/|w| (r - n (n.r))
+  Pack3 r, G;  // |m| (n(F) - F m / |m|); rho (r - n (n.r)), rho = |m| / |w|
 };
 
-PHYMUL_INLINE Direction direction(Pack3 m, Pack3 dw, Pack3 Hm, Pack bound, Pack weight) {
+PHYMUL_INLINE Direction direction(Pack3 m, Pack3 dw, Pack3 Hm, Pack bound, Pack norm) {
   const Pack3 w = m + dw;
-  const Pack q = dot(w, w);
-  const Pack y = dot(dw, w + m);
+  const Pack q = norm * dot(w, w);
+  const Pack y = norm * dot(dw, w + m);
   const Pack c = select(q > bound, inverse_root_change(q, y), all(-1.0f));
   const Pack3 r = dw + c * w - Hm;
   const Pack rho = c + 1.0f;
-  return {weight * r, (weight * rho) * (r - (rho * rho * dot(w, r)) * w)};
+  return {r, rho * (r - (norm * rho * rho * dot(w, r)) * w)};
 }
 
 /// dE/dF over its stiffness, as a derivative by F: P by itself and A by cof(F).
@@ -71,31 +72,31 @@ struct CellSums {
   Columns P, A;
 };
 
-/// Sums over the seven directions; C = cof(F) - I.
+/// Sums over the seven directions; C = cof(F) - I. The diagonals are (+-1, +-1, +-1).
 PHYMUL_INLINE CellSums direction_sums(const Columns& H, const Columns& C, Pack bound) {
-  const Pack one = all(1.0f), zero{}, s = all(0.57735027f);
-  const Pack diagonal = all(0.15f), axis = all(0.13333334f);
+  const Pack one = all(1.0f), zero{}, third = all(0.33333334f);
+  const Pack diagonal = all(0.05f), axis = all(0.13333334f);  // weights over |m|^2
   const Pack3 Cp = C.c0 + C.c1, Cm = C.c1 - C.c0, Hp = H.c0 + H.c1, Hm = H.c1 - H.c0;
-  const Direction a = direction({s, s, s}, s * (Cp + C.c2), s * (Hp + H.c2), bound, diagonal);
-  const Direction b = direction({-s, s, s}, s * (Cm + C.c2), s * (Hm + H.c2), bound, diagonal);
-  const Direction c = direction({s, -s, s}, s * (C.c2 - Cm), s * (H.c2 - Hm), bound, diagonal);
-  const Direction d = direction({s, s, -s}, s * (Cp - C.c2), s * (Hp - H.c2), bound, diagonal);
-  const Direction x = direction({one, zero, zero}, C.c0, H.c0, bound, axis);
-  const Direction y = direction({zero, one, zero}, C.c1, H.c1, bound, axis);
-  const Direction z = direction({zero, zero, one}, C.c2, H.c2, bound, axis);
+  const Direction a = direction({one, one, one}, Cp + C.c2, Hp + H.c2, bound, third);
+  const Direction b = direction({-one, one, one}, Cm + C.c2, Hm + H.c2, bound, third);
+  const Direction c = direction({one, -one, one}, C.c2 - Cm, H.c2 - Hm, bound, third);
+  const Direction d = direction({one, one, -one}, Cp - C.c2, Hp - H.c2, bound, third);
+  const Direction x = direction({one, zero, zero}, C.c0, H.c0, bound, one);
+  const Direction y = direction({zero, one, zero}, C.c1, H.c1, bound, one);
+  const Direction z = direction({zero, zero, one}, C.c2, H.c2, bound, one);
   CellSums sums;
   const auto fold = [&](Pack3 va, Pack3 vb, Pack3 vc, Pack3 vd, Columns & to) __attribute__((always_inline)) {
     const Pack3 ad = va + vd, bc = vc - vb;
-    to.c0 = s * (ad + bc);
-    to.c1 = s * (ad - bc);
-    to.c2 = s * ((va - vd) + (vb + vc));
+    to.c0 = diagonal * (ad + bc);
+    to.c1 = diagonal * (ad - bc);
+    to.c2 = diagonal * ((va - vd) + (vb + vc));
   };
   fold(a.r, b.r, c.r, d.r, sums.P);
   fold(a.G, b.G, c.G, d.G, sums.A);
-  sums.P = {-(sums.P.c0 + x.r), -(sums.P.c1 + y.r), -(sums.P.c2 + z.r)};
-  sums.A.c0 += x.G;
-  sums.A.c1 += y.G;
-  sums.A.c2 += z.G;
+  sums.P = {-(sums.P.c0 + axis * x.r), -(sums.P.c1 + axis * y.r), -(sums.P.c2 + axis * z.r)};
+  sums.A.c0 += axis * x.G;
+  sums.A.c1 += axis * y.G;
+  sums.A.c2 += axis * z.G;
   return sums;
 }
 

@@ -73,9 +73,11 @@ PHYMUL_INLINE ByAxis cost_by_normal(const ByAxis& m, const ByAxis& F, Pack heigh
 }
 
 struct StarWork {
-  ByAxis a[3][2], f[3][2];            // spokes, [axis][side]: displacement, force; both turned outward
-  Pack edge[3][2];                    // h + a along the axis
-  ByAxis dw[3][2][2], cost[3][2][2];  // of the normal along an axis, [axis][side of the next axis][of the one after]
+  ByAxis a[3][2], f[3][2];  // spokes, [axis][side]: displacement, force; both turned outward
+  Pack edge[3][2];          // h + a along the axis
+  ByAxis dw[3][2][2];       // of the normal along an axis, [axis][side of the next axis][of the one after]
+  ByAxis apex[8];           // by octant: what its base over the far faces costs, by the normal
+  Pack pressure[8];         // by octant: what its volume costs, by a normal times an edge
   Pack floor;
 };
 
@@ -84,6 +86,44 @@ PHYMUL_INLINE ByAxis edge_of(const StarWork& star, int axis, int side) {
   ByAxis e = star.a[axis][side];
   e.at[axis] = star.edge[axis][side];
   return e;
+}
+
+/// w - w0 of the four normals along axis C.
+template <int C>
+PHYMUL_INLINE void normals(StarWork& star, const simd::BoxShape& box) {
+  constexpr int A = (C + 1) % 3, B = (C + 2) % 3;
+#pragma GCC unroll 4
+  for (int k = 0; k < 4; ++k) {
+    const ByAxis &a = star.a[A][k & 1], &b = star.a[B][k >> 1];
+    const Pack ea = star.edge[A][k & 1], eb = star.edge[B][k >> 1];
+    ByAxis& dw = star.dw[C][k & 1][k >> 1];
+    dw.at[A] = a.at[B] * b.at[C] - a.at[C] * eb;
+    dw.at[B] = a.at[C] * b.at[A] - ea * b.at[C];
+    dw.at[C] = (a.at[A] * eb - a.at[B] * b.at[A]) + all(box.h[A]) * b.at[B];
+  }
+}
+
+/// Gives back to the edges along A and B what their normal (axis C, sides of k) costs: `leg` of its own bases, and
+/// those of the octants on its sides.
+template <int C>
+PHYMUL_INLINE void give_to_edges(StarWork& star, int k, const ByAxis& leg, ByAxis (&fa)[2], ByAxis (&fb)[2]) {
+  constexpr int A = (C + 1) % 3, B = (C + 2) % 3;
+  const int low = (k & 1) << A | (k >> 1) << B, high = low | 1 << C;
+  ByAxis cost;
+#pragma GCC unroll 3
+  for (int i = 0; i < 3; ++i) cost.at[i] = leg.at[i] + (star.apex[high].at[i] - star.apex[low].at[i]);
+  if constexpr (C == 2) {
+    const ByAxis below = edge_of(star, 2, 0), above = edge_of(star, 2, 1);
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) cost.at[i] += star.pressure[low] * below.at[i] + star.pressure[high] * above.at[i];
+  }
+  const ByAxis ea = edge_of(star, A, k & 1), eb = edge_of(star, B, k >> 1);
+#pragma GCC unroll 3
+  for (int i = 0; i < 3; ++i) {
+    const int p = (i + 1) % 3, q = (i + 2) % 3;
+    fa[k & 1].at[i] -= eb.at[p] * cost.at[q] - eb.at[q] * cost.at[p];
+    fb[k >> 1].at[i] -= cost.at[p] * ea.at[q] - cost.at[q] * ea.at[p];
+  }
 }
 
 /// Bases of the two neighbours along axis C over the triangles in the plane across: four normals.
@@ -95,14 +135,7 @@ PHYMUL_INLINE void across(StarWork& star, const simd::BoxShape& box, Ints octant
   ByAxis dw[4];
   Pack tilt[4], y[4], c[4];
 #pragma GCC unroll 4
-  for (int k = 0; k < 4; ++k) {
-    const ByAxis &a = star.a[A][k & 1], &b = star.a[B][k >> 1];
-    const Pack ea = star.edge[A][k & 1], eb = star.edge[B][k >> 1];
-    dw[k].at[A] = a.at[B] * b.at[C] - a.at[C] * eb;
-    dw[k].at[B] = a.at[C] * b.at[A] - ea * b.at[C];
-    dw[k].at[C] = (a.at[A] * eb - a.at[B] * b.at[A]) + all(box.h[A]) * b.at[B];
-    star.dw[C][k & 1][k >> 1] = dw[k];
-  }
+  for (int k = 0; k < 4; ++k) dw[k] = star.dw[C][k & 1][k >> 1];
 #pragma GCC unroll 4
   for (int k = 0; k < 4; ++k) {
     tilt[k] = dw[k].at[A] * dw[k].at[A] + dw[k].at[B] * dw[k].at[B];
@@ -114,6 +147,7 @@ PHYMUL_INLINE void across(StarWork& star, const simd::BoxShape& box, Ints octant
         ratio = q * rest;
         normal = q > collapsed * squared(edge_of(star, A, k & 1)) * squared(edge_of(star, B, k >> 1));
       });
+  ByAxis fa[2] = {star.f[A][0], star.f[A][1]}, fb[2] = {star.f[B][0], star.f[B][1]};
   ByAxis far[2], sum[2]{};  // share * a of the owners
   for (int i = 0; i < 3; ++i) {
     far[0].at[i] = all(leg.share) * star.a[C][0].at[i];
@@ -141,12 +175,17 @@ PHYMUL_INLINE void across(StarWork& star, const simd::BoxShape& box, Ints octant
       }
     }
     t.at[C] += w0;
-    star.cost[C][k & 1][k >> 1] = cost_by_normal(t, F, all(leg.height) * rho, rest);
+    give_to_edges<C>(star, k, cost_by_normal(t, F, all(leg.height) * rho, rest), fa, fb);
+  }
+#pragma GCC unroll 2
+  for (int s = 0; s < 2; ++s) {
+    star.f[A][s] = fa[s];
+    star.f[B][s] = fb[s];
   }
   for (int i = 0; i < 3; ++i) {
     if constexpr (whole) sum[1].at[i] = sum[0].at[i] = all(leg.share_height) * sum[0].at[i];
-    star.f[C][0].at[i] = whole ? sum[0].at[i] - 4.0f * far[0].at[i] : sum[0].at[i];
-    star.f[C][1].at[i] = whole ? sum[1].at[i] - 4.0f * far[1].at[i] : sum[1].at[i];
+    star.f[C][0].at[i] += whole ? sum[0].at[i] - 4.0f * far[0].at[i] : sum[0].at[i];
+    star.f[C][1].at[i] += whole ? sum[1].at[i] - 4.0f * far[1].at[i] : sum[1].at[i];
   }
 }
 
@@ -156,7 +195,7 @@ struct Lean {
 };
 
 /// Bases of the centre over the far faces of four octants, on one side along z, and the volumes of their corner
-/// simplices. Adds what they cost to `cost`, the volumes' force along z to `f`, and F by axis and side to `sum`.
+/// simplices. Leaves what they cost, the volumes' force along z in `f`, and adds F by axis and side to `sum`.
 template <bool whole, bool bounded, int z>
 PHYMUL_INLINE void octants_of(StarWork& star, const simd::BoxShape& box, Ints octants, const Lean& lean,
                               ByAxis (&sum)[3][2]) {
@@ -222,19 +261,8 @@ PHYMUL_INLINE void octants_of(StarWork& star, const simd::BoxShape& box, Ints oc
       if constexpr (!whole) F[k].at[i] = select(here, F[k].at[i], Pack{});
     }
     if constexpr (!whole) q[k] = select(here, q[k], Pack{});
-    const ByAxis G = cost_by_normal(m, F[k], all(box.apex_height) * rho, rest);
-    const ByAxis ez = edge_of(star, 2, z);
-#pragma GCC unroll 3
-    for (int C = 0; C < 3; ++C) {
-      ByAxis& cost = star.cost[C][side(k, (C + 1) % 3)][side(k, (C + 2) % 3)];
-#pragma GCC unroll 3
-      for (int i = 0; i < 3; ++i) {
-        Pack now = side(k, C) != 0 ? cost.at[i] + G.at[i] : cost.at[i] - G.at[i];
-        // A volume is a normal along z times an edge.
-        if (C == 2) now += q[k] * ez.at[i];
-        cost.at[i] = now;
-      }
-    }
+    star.apex[k | z << 2] = cost_by_normal(m, F[k], all(box.apex_height) * rho, rest);
+    star.pressure[k | z << 2] = q[k];
   }
 #pragma GCC unroll 3
   for (int i = 0; i < 3; ++i) {
@@ -250,7 +278,7 @@ PHYMUL_INLINE void octants_of(StarWork& star, const simd::BoxShape& box, Ints oc
       const Pack w = i == 2 ? part(k, 2).at[i] + all(box.leg[2].area) : part(k, 2).at[i];
       volumes += q[k] * w;
     }
-    star.f[2][z].at[i] -= volumes;
+    star.f[2][z].at[i] = -volumes;
   }
 }
 
@@ -277,121 +305,39 @@ PHYMUL_INLINE void all_octants(StarWork& star, const simd::BoxShape& box, Ints o
   for (int axis = 0; axis < 3; ++axis) {
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
-      star.f[axis][0].at[i] -= all(box.lambda[axis]) * sum[axis][0].at[i];
-      star.f[axis][1].at[i] += all(box.lambda[axis]) * sum[axis][1].at[i];
+      const Pack low = all(box.lambda[axis]) * sum[axis][0].at[i], high = all(box.lambda[axis]) * sum[axis][1].at[i];
+      star.f[axis][0].at[i] = axis == 2 ? star.f[2][0].at[i] - low : -low;
+      star.f[axis][1].at[i] = axis == 2 ? star.f[2][1].at[i] + high : high;
     }
   }
 }
 
-/// What its four normals cost, given back to an edge along A.
-template <int A>
-PHYMUL_INLINE void give_to_edge(StarWork& star, int side) {
-  constexpr int B = (A + 1) % 3, C = (A + 2) % 3;
-  ByAxis f = star.f[A][side];
-#pragma GCC unroll 2
-  for (int s = 0; s < 2; ++s) {
-    const ByAxis eb = edge_of(star, B, s), ec = edge_of(star, C, s);
-    const ByAxis &by_b = star.cost[C][side][s], &by_c = star.cost[B][s][side];
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i) {
-      const int p = (i + 1) % 3, q = (i + 2) % 3;
-      f.at[i] -= eb.at[p] * by_b.at[q] - eb.at[q] * by_b.at[p];
-      f.at[i] -= by_c.at[p] * ec.at[q] - by_c.at[q] * ec.at[p];
-    }
-  }
-  star.f[A][side] = f;
-}
-
+/// Forces of a star on its spokes, from `a` and `edge`; `longest` is the sum of squared spokes' displacements.
 template <bool whole, bool bounded>
-PHYMUL_INLINE void star_row(const simd::Job& job, const float* row, const simd::BoxShape& box) {
-  std::int32_t offset[8 * lanes];
-  __builtin_memcpy(offset, row, sizeof offset);
-  Ints octants;
-  __builtin_memcpy(&octants, offset + 7 * lanes, sizeof octants);
-  StarWork star;
-  const Pack3 u = gather(job.u, offset);
-  Pack longest{};
-#pragma GCC unroll 3
-  for (int axis = 0; axis < 3; ++axis) {
-#pragma GCC unroll 3
-    for (int s = 0; s < 2; ++s) {
-      const Pack3 v = gather(job.u, offset + (1 + 2 * axis + s) * lanes);
-      const Pack3 out = s != 0 ? v - u : u - v;
-      star.a[axis][s] = {{out.x, out.y, out.z}};
-      star.edge[axis][s] = all(box.h[axis]) + star.a[axis][s].at[axis];
-      longest += dot(out, out);
-    }
-  }
+PHYMUL_INLINE void star_forces(StarWork& star, const simd::BoxShape& box, Ints octants, Pack longest) {
   // Beyond, a base may be collapsed though its |w| is not small.
   star.floor = select(longest < all(box.tame), all(flat), all(3.4028234e38f));
+  normals<0>(star, box);
+  normals<1>(star, box);
+  normals<2>(star, box);
+  all_octants<whole, bounded>(star, box, octants);
   across<whole, 0>(star, box, octants);
   across<whole, 1>(star, box, octants);
   across<whole, 2>(star, box, octants);
-  all_octants<whole, bounded>(star, box, octants);
-#pragma GCC unroll 2
-  for (int s = 0; s < 2; ++s) {
-    give_to_edge<0>(star, s);
-    give_to_edge<1>(star, s);
-    give_to_edge<2>(star, s);
-  }
-  Pack3 sum{};
-#pragma GCC unroll 3
-  for (int axis = 0; axis < 3; ++axis) {
-#pragma GCC unroll 3
-    for (int s = 0; s < 2; ++s) {
-      const Pack3 out{star.f[axis][s].at[0], star.f[axis][s].at[1], star.f[axis][s].at[2]};
-      const Pack3 f = s != 0 ? out : -out;
-      sum += f;
-      scatter_add(job.force, offset + (1 + 2 * axis + s) * lanes, f);
-    }
-  }
-  scatter_add(job.force, offset, -sum);
 }
 
-template <bool whole, bool bounded>
-[[gnu::noinline]] void star_rows(const simd::Job& job, int first, int last) {
-  for (int r = first; r < last; ++r) {
-    star_row<whole, bounded>(job, job.stars.rows + static_cast<std::int64_t>(r) * simd::star_columns * lanes,
-                             job.box_shapes[job.star_shape[r] & ~simd::cut_star]);
-  }
-}
+/// Forces of a box's mean deformation on its corners are +- x +- y +- z, + on the corner's low sides.
+struct BoxForces {
+  Pack3 x, y, z;
+};
 
+/// From the sums of the four differences along the edges of each axis.
 template <bool bounded>
-void star_runs(const simd::Job& job) {
-  for (int r = 0; r < job.stars.count;) {
-    const int cut = job.star_shape[r] & simd::cut_star;
-    int last = r + 1;
-    while (last < job.stars.count && (job.star_shape[last] & simd::cut_star) == cut) ++last;
-    cut != 0 ? star_rows<false, bounded>(job, r, last) : star_rows<true, bounded>(job, r, last);
-    r = last;
-  }
-}
-
-/// Mean deformations of boxes: differences along the edges.
-template <bool bounded>
-void box_rows(const simd::Job& job) {
-  for (int r = 0; r < job.boxes.count; ++r) {
-    std::int32_t offset[8 * lanes];
-    __builtin_memcpy(offset, job.boxes.rows + static_cast<std::int64_t>(r) * 8 * lanes, sizeof offset);
-    const simd::BoxShape& box = job.box_shapes[job.box_shape[r]];
-    Pack3 u[8];
-    for (int k = 0; k < 8; ++k) u[k] = gather(job.u, offset + k * lanes);
-    const Columns H{all(box.gradient[0]) * (((u[1] - u[0]) + (u[3] - u[2])) + ((u[5] - u[4]) + (u[7] - u[6]))),
-                    all(box.gradient[1]) * (((u[2] - u[0]) + (u[3] - u[1])) + ((u[6] - u[4]) + (u[7] - u[5]))),
-                    all(box.gradient[2]) * (((u[4] - u[0]) + (u[5] - u[1])) + ((u[6] - u[2]) + (u[7] - u[3])))};
-    const Columns P = cell_stress<bounded>(H, all(box.shape_stiffness), all(box.volume_stiffness));
-    const Pack3 x = all(box.gradient[0]) * P.c0, y = all(box.gradient[1]) * P.c1, z = all(box.gradient[2]) * P.c2;
-    const Pack3 both = x + y, turned = y - x;
-    const Pack3 f0 = both + z, f1 = turned + z, f4 = both - z, f5 = turned - z;
-    scatter_add(job.force, offset, f0);
-    scatter_add(job.force, offset + lanes, f1);
-    scatter_add(job.force, offset + 2 * lanes, -f5);
-    scatter_add(job.force, offset + 3 * lanes, -f4);
-    scatter_add(job.force, offset + 4 * lanes, f4);
-    scatter_add(job.force, offset + 5 * lanes, f5);
-    scatter_add(job.force, offset + 6 * lanes, -f1);
-    scatter_add(job.force, offset + 7 * lanes, -f0);
-  }
+PHYMUL_INLINE BoxForces box_forces(const Pack3& along_x, const Pack3& along_y, const Pack3& along_z,
+                                   const simd::BoxShape& box) {
+  const Columns H{all(box.gradient[0]) * along_x, all(box.gradient[1]) * along_y, all(box.gradient[2]) * along_z};
+  const Columns P = cell_stress<bounded>(H, all(box.shape_stiffness), all(box.volume_stiffness));
+  return {all(box.gradient[0]) * P.c0, all(box.gradient[1]) * P.c1, all(box.gradient[2]) * P.c2};
 }
 
 }  // namespace phymul::cpu::PHYMUL_ISA
