@@ -318,22 +318,6 @@ ParticleBuffer Solver::attractor_buffer() const {
   return topology_->base_count > 0 ? do_attractor_buffer() : ParticleBuffer{};
 }
 
-const ToolReport& Solver::tool_report(std::string_view name) const {
-  const std::vector<SceneTool>& tools = scene_->tools();
-  for (std::size_t row = 0; row < tools.size(); ++row) {
-    if (tools[row].name == name) return do_tool_report(row);
-  }
-  throw Error("the scene has no tool \"" + std::string(name) + '"');
-}
-
-const ToolForce& Solver::tool_force(std::string_view name) const {
-  return tool_report(name).force;
-}
-
-const ToolPose& Solver::tool_pose(std::string_view name) const {
-  return tool_report(name).pose;
-}
-
 const ToolReport& Solver::do_tool_report(std::size_t) const {
   throw Error(no_tools);
 }

@@ -15,7 +15,7 @@
 namespace phymul {
 namespace {
 
-constexpr FileKind state_kind{"phymulSt", 1, "a state file"};
+constexpr FileKind state_kind{"phymulSt", 2, "a state file"};
 constexpr const char* body_tag = "body";
 constexpr const char* state_tag = "stat";
 
@@ -30,6 +30,7 @@ std::size_t bytes_of(const Snapshot& snapshot) {
                                                          snapshot.state.velocity.size() + snapshot.displacement.size());
   for (const ToolState& tool : snapshot.state.tools) {
     bytes += sizeof tool + tool.name.size() + tool.held.size() * (sizeof(Index) + sizeof(Vec3));
+    bytes += tool.needle.shaft.size() * sizeof(ShaftLoad);
     for (const NeedleNode& node : tool.needle.hole) {
       bytes += sizeof node + node.particles.size() * (sizeof(Index) + sizeof(double));
     }

@@ -29,6 +29,7 @@ void each_member(Shape& shape, Visit visit) {
     visit(shape.static_friction);
     visit(shape.kinetic_friction);
     visit(shape.spread);
+    visit(shape.bending_stiffness);
   } else {
     static_assert(std::is_same_v<Plain, HalfSpace>, "a shape that is not written yet");
   }
@@ -146,6 +147,10 @@ void put_tool_state(ByteWriter& out, const ToolState& state) {
   out.u8(state.needle.punctured ? 1 : 0);
   out.u8(state.needle.through ? 1 : 0);
   out.real(state.needle.slip);
+  out.u64(state.needle.shaft.size());
+  for (const ShaftLoad& load : state.needle.shaft) {
+    for (const double value : {load.along, load.x, load.y}) out.real(value);
+  }
 }
 
 ToolState take_tool_state(ByteReader& in) {
@@ -164,6 +169,10 @@ ToolState take_tool_state(ByteReader& in) {
   state.needle.punctured = in.u8("whether it has punctured") != 0;
   state.needle.through = in.u8("whether it came out again") != 0;
   state.needle.slip = in.real("a slip");
+  state.needle.shaft.resize(in.count(24, "a number of forces on a shaft"));
+  for (ShaftLoad& load : state.needle.shaft) {
+    for (double* value : {&load.along, &load.x, &load.y}) *value = in.real("a force on a shaft");
+  }
   return state;
 }
 

@@ -11,6 +11,10 @@ namespace {
 
 constexpr double longest_needle = 10.0;  // m: no needle slips farther
 
+bool fits(const ShaftLoad& load) {
+  return std::abs(load.along) <= longest_needle && std::isfinite(load.x) && std::isfinite(load.y);
+}
+
 bool fits(const ToolState& tool, Index particle_count) {
   const auto is_particle = [&](Index i) { return i >= 0 && i < particle_count; };
   const auto finite = [](const Vec3& v) { return v.allFinite(); };
@@ -19,6 +23,7 @@ bool fits(const ToolState& tool, Index particle_count) {
   if (!(turn > 0.0) || !std::isfinite(turn)) return false;
   if (tool.held.size() != tool.held_at.size()) return false;
   if (!(std::abs(tool.needle.slip) <= longest_needle)) return false;
+  if (!std::ranges::all_of(tool.needle.shaft, [](const ShaftLoad& load) { return fits(load); })) return false;
   if (!std::ranges::all_of(tool.held, is_particle) || !std::ranges::all_of(tool.held_at, finite)) return false;
   return std::ranges::all_of(tool.needle.hole, [&](const NeedleNode& node) {
     return !node.particles.empty() && node.particles.size() == node.weights.size() &&

@@ -5,60 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "tool_backends.h"
+#include "needle_insertion.h"
 
 namespace phymul::test {
 namespace {
-
-constexpr double side = 0.04, offset = 0.5e-3;  // m: of the block; of the tip above it at first
-
-Needle thin_needle() {
-  return {.length = 0.1,
-          .radius = 0.6e-3,
-          .puncture = 0.4,
-          .cutting = 0.15,
-          .static_friction = 12.0,
-          .kinetic_friction = 10.0,
-          .spread = 0.012};
-}
-
-/// A needle over the middle of a block whose bottom is held, off the lattice's lines.
-struct Insertion {
-  Model model;
-  Scene scene;
-  std::unique_ptr<Solver> solver;
-  double dt;
-  ToolPose pose{.position = {0.0203, 0.0197, side + offset}};
-
-  Insertion(const std::string& backend, int cells, double share, const Needle& needle = thin_needle())
-      : model(gel(cells)), scene(model) {
-    scene.fix("z0").add_tool("needle", {.shape = needle, .pose = pose, .friction = 0.5});
-    SolverOptions options;
-    options.damping.rate = 40.0;
-    solver = make_solver(backend, model, scene, {}, options);
-    dt = share * solver->stable_step();
-  }
-  static Model gel(int cells) {
-    Model model = make_block({side, side, side}, cells, cells, cells);
-    set_material(model, {.young = 10e3, .poisson = 0.45, .density = 1000.0});
-    return model;
-  }
-
-  /// Mean force on the hub along the shaft over each of `parts` equal parts of the way; up is against insertion.
-  std::vector<double> go(double depth, double speed, int parts) {
-    const double from = pose.position.z(), to = side - depth;
-    std::vector<double> force;
-    for (int k = 1; k <= parts; ++k) {
-      pose.position.z() = from + (to - from) * k / parts;
-      scene.tool("needle").pose(pose);
-      const double seconds = std::abs(to - from) / parts / speed;
-      const StepReport report = solver->step(std::max(1, static_cast<int>(std::lround(seconds / dt))), dt);
-      EXPECT_TRUE(report.ok()) << report.message();
-      force.push_back(solver->tool_force("needle").mean_force.z());
-    }
-    return force;
-  }
-};
 
 using NeedleIn = WithTools;
 PHYMUL_WITH_TOOLS(NeedleIn);
@@ -113,18 +63,10 @@ TEST_P(NeedleIn, TakesFromTheTissueWhatTheHubFeels) {
   EXPECT_TRUE(solver->read().tools.at(0).needle.punctured);
 }
 
-/// Largest difference of two curves over the largest force of both.
-double apart(const std::vector<double>& a, const std::vector<double>& b) {
-  double difference = 0.0, most = 0.0;
-  for (std::size_t k = 0; k < a.size(); ++k) {
-    difference = std::max(difference, std::abs(a[k] - b[k]));
-    most = std::max({most, std::abs(a[k]), std::abs(b[k])});
-  }
-  return difference / most;
-}
-
-std::vector<double> curve(int cells, double share) {
+std::vector<double> curve(int cells, double share, const Vec3& aside = Vec3::Zero()) {
   Insertion needle("cpu", cells, share);
+  needle.pose.position += aside;
+  needle.scene.tool("needle").place(needle.pose);
   std::vector<double> all = needle.go(0.020, 0.1, 20);
   const std::vector<double> out = needle.go(-offset, 0.1, 20);
   all.insert(all.end(), out.begin(), out.end());
@@ -132,11 +74,17 @@ std::vector<double> curve(int cells, double share) {
 }
 
 TEST(NeedleCurve, IsThatOfHalfTheStep) {
-  EXPECT_LE(apart(curve(6, 0.5), curve(6, 0.25)), 0.1);
+  EXPECT_LE(apart(curve(6, 0.5), curve(6, 0.25)), 0.05);
 }
 
-TEST(NeedleCurve, IsThatOfAFinerMesh) {
-  EXPECT_LE(apart(curve(6, 0.5), curve(9, 0.5)), 0.1);
+/// Six cells are 1.8 to the spread, twelve 3.6. Near a particle and away from all.
+TEST(NeedleCurve, IsThatOfFinerMeshes) {
+  const std::vector<double> coarse = curve(6, 0.5), finer = curve(9, 0.5), fine = curve(12, 0.5);
+  EXPECT_LE(apart(coarse, finer), 0.1);
+  EXPECT_LE(apart(finer, fine), 0.1);
+  EXPECT_LE(apart(coarse, fine), 0.1);
+  const Vec3 aside(0.003, -0.0017, 0.0);
+  EXPECT_LE(apart(curve(6, 0.5, aside), curve(12, 0.5, aside)), 0.1);
 }
 
 TEST(NeedleCurve, OfTheFastBackendIsThatOfTheReference) {
@@ -159,7 +107,7 @@ TEST(NeedleShaft, TurningTakesTheFrictionAlongIt) {
   ASSERT_TRUE(needle.solver->step(static_cast<int>(0.1 / needle.dt), needle.dt).ok());
   const ToolForce turning = needle.solver->tool_force("needle");
   EXPECT_NEAR(still, 0.15 + 10 * 0.021, 0.05);
-  EXPECT_LT(turning.mean_force.z(), 0.15 + 0.25 * 10 * 0.021);
+  EXPECT_LT(turning.mean_force.z(), 0.15 + 0.3 * 10 * 0.021);
   // Tissue against the turn: at most kinetic friction times length times radius.
   const double most = 10.0 * 0.024 * 0.6e-3;
   EXPECT_LT(turning.mean_torque.z(), -0.3 * most);

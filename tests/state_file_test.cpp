@@ -118,7 +118,7 @@ TEST(StateFile, ExtremeNumbersComeBackBitForBit) {
   tool.pose = {{1, 2, 3}, Quaternion(0.5, -0.5, 0.5, -0.5), {4, 5, 6}, {7, 8, 9}};
   tool.held = {0};
   tool.held_at = {{1e-3, 0, -0.0}};
-  tool.needle = {{{{0}, {0.25}, true}, {{}, {}, false}}, true, true, 1e-5};
+  tool.needle = {{{{0}, {0.25}, true}, {{}, {}, false}}, true, true, 1e-5, {{-1e-3, 0.5, -0.0}}};
   saved.snapshot.state.tools = {tool, ToolState{}};
   saved.snapshot.displacement = {{-0.0, 1e-300, 7}};
   saved.snapshot.last_dt = 1e-9;
@@ -130,8 +130,8 @@ TEST(StateFile, ExtremeNumbersComeBackBitForBit) {
   EXPECT_EQ(again, saved);
   EXPECT_TRUE(same_bits(again.snapshot.state, saved.snapshot.state));
   EXPECT_TRUE(same_bits(again.snapshot.displacement, saved.snapshot.displacement));
-  // Little-endian whatever the machine: magic, version 1, and the body's fingerprint at byte 24.
-  EXPECT_EQ(bytes_of(path).substr(0, 16), std::string("phymulSt\1\0\0\0body", 16));
+  // Little-endian whatever the machine: magic, version 2, and the body's fingerprint at byte 24.
+  EXPECT_EQ(bytes_of(path).substr(0, 16), std::string("phymulSt\2\0\0\0body", 16));
   EXPECT_EQ(bytes_of(path).substr(24, 8), "\x10\x32\x54\x76\x98\xba\xdc\xfe");
 }
 
@@ -165,8 +165,9 @@ TEST(StateFile, OtherBodiesAreRefusedAndTheSolverKeepsItsState) {
 /// A member more than are written would be lost in silence.
 TEST(StateFile, KnowsEveryMemberOfAToolsState) {
   EXPECT_EQ(sizeof(NeedleNode), 2 * sizeof(std::vector<int>) + 8) << "write the new member in src/tool_bytes.cpp";
-  EXPECT_EQ(sizeof(NeedleState), sizeof(std::vector<int>) + 8 + 8) << "write the new member in src/tool_bytes.cpp";
-  EXPECT_EQ(sizeof(Needle), 7 * sizeof(double)) << "write the new member in src/tool_bytes.cpp";
+  EXPECT_EQ(sizeof(NeedleState), 2 * sizeof(std::vector<int>) + 8 + 8) << "write the new member in src/tool_bytes.cpp";
+  EXPECT_EQ(sizeof(ShaftLoad), 3 * sizeof(double)) << "write the new member in src/tool_bytes.cpp";
+  EXPECT_EQ(sizeof(Needle), 8 * sizeof(double)) << "write the new member in src/tool_bytes.cpp";
   EXPECT_EQ(sizeof(ToolPose), 13 * sizeof(double)) << "write the new member in src/tool_bytes.cpp";
 }
 
@@ -218,9 +219,9 @@ TEST(StateFile, DamageIsRefusedWithPlaceAndReason) {
             "s: byte 0: expected a state file, which begins with \"phymulSt\", got \"PhymulSt\"; give a file of that "
             "kind");
   wrong = good;
-  wrong[8] = 2;
+  wrong[8] = 1;
   EXPECT_EQ(refused(wrong),
-            "s: byte 8: expected version 1 of a state file, got 2; read it with the version of phymul that wrote it");
+            "s: byte 8: expected version 2 of a state file, got 1; read it with the version of phymul that wrote it");
   wrong = good;
   wrong[100] = static_cast<char>(wrong[100] ^ 4);
   EXPECT_NE(refused(wrong).find("expected the checksum 0x"), std::string::npos) << refused(wrong);
@@ -244,7 +245,7 @@ TEST(StateFile, MutantsWithRightChecksumsAreHarmless) {
   const Model model = make_tetrahedron(0.01);
   const Scene scene(model);
   const auto solver = make_solver("cpu", model, scene);
-  const FileKind kind{"phymulSt", 1, "a state file"};
+  const FileKind kind{"phymulSt", 2, "a state file"};
   const std::string good = a_file();
   const std::vector<FileSection> sections = read_sections("s", good, kind);
   const std::string body(sections[0].payload), payload(sections[1].payload);

@@ -206,6 +206,9 @@ class Solver {
   /// step. Throw Error for an unknown name; allocate nothing.
   const ToolForce& tool_force(std::string_view name) const;
   const ToolPose& tool_pose(std::string_view name) const;
+  /// Where a needle is: `count` places, 2 or more, evenly along it from the tip to the hub, m. Throws Error for a tool
+  /// that is none.
+  VecList needle_points(std::string_view name, int count) const;
   /// Whether this backend takes scenes with tools. One that does not is not made for such a scene, and does not step
   /// it.
   bool takes_tools() const { return do_takes_tools(); }
@@ -287,7 +290,7 @@ class Solver {
   void require_fitting(const State& state) const;
   void require_supported() const;
   void follow_scene();
-  const ToolReport& tool_report(std::string_view name) const;
+  std::size_t tool_row(std::string_view name) const;
   StepReport advance(int n, double dt, bool stop_at_rest);
   Motion run(const StepPlan& plan, StepReport& report);
   Motion run_with_progress(const StepPlan& plan, StepReport& report);

@@ -71,6 +71,7 @@ struct ToolForce {
 struct ToolReport {
   ToolPose pose{};  ///< where it is at the state's time
   ToolForce force{};
+  std::vector<ShaftLoad> shaft{};  ///< of a needle that bends
 };
 
 /// What a solver remembers of a tool between steps: with it, a state can be gone back to.

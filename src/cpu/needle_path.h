@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
-// A needle in tissue: the nodes of its hole are material points, held on the shaft sideways, rubbed by it lengthwise,
-// and pushed ahead by the tip. All are impulses on where a step would take the particles, each within its limit; node
-// after node, several times over (projected Gauss-Seidel, as for friction in M. Jean, "The non-smooth contact dynamics
-// method", Comput. Methods Appl. Mech. Eng. 177 (1999) 235-257).
+// A needle in tissue: the nodes of its hole are material points, held on the shaft sideways (which bends by that unless
+// it is stiff), rubbed by it lengthwise, and pushed ahead by the tip. All are impulses on where a step would take the
+// particles, each within its limit; node after node, several times over (projected Gauss-Seidel, as for friction in M.
+// Jean, "The non-smooth contact dynamics method", Comput. Methods Appl. Mech. Eng. 177 (1999) 235-257).
 #pragma once
 
 #include <phymul/model.h>
 #include <phymul/needle.h>
 
+#include <Eigen/Cholesky>
 #include <array>
 
 #include "../free_step.h"
@@ -39,15 +40,17 @@ class NeedlePath {
     Vec3 sideways{0, 0, 0};             // N s
     bool slides = false;
   };
-  /// Tip and axis, which points to the hub.
+  /// Tip and axis, which points to the hub, of the unbent shaft.
   struct Line {
-    explicit Line(const ToolPose& pose) : tip(pose.position), axis(pose.orientation * Vec3::UnitZ()) {}
+    explicit Line(const ToolPose& pose)
+        : tip(pose.position), axis(pose.orientation * Vec3::UnitZ()), turn(pose.orientation) {}
     double along(const Vec3& x) const { return axis.dot(x - tip); }
     Vec3 aside(const Vec3& x) const { return x - tip - along(x) * axis; }
     Vec3 tip, axis;
+    Quaternion turn;  // of the tool's frame
   };
 
-  // Where the hole goes, by the positions at the step's start.
+  // Where the hole goes, by the positions at the step's start: needle_path.cpp.
   void follow(const TouchedParticles& touched, const Line& line);
   bool enter(const FreeStep& step, const Line& line);
   void lengthen(const FreeStep& step, const Line& line);
@@ -58,25 +61,39 @@ class NeedlePath {
   Crossing nearest_surface(const FreeStep& step, const Vec3& x, const Vec3& direction) const;
   NeedleNode node_at(const FreeStep& step, const Vec3& x);
   static Vec3 place(const NeedleNode& node, const FreeStep& step);
+  Vec3 shaft_at(const Line& line, double along) const;
 
-  // What acts on it.
+  // What acts on it: needle_forces.cpp.
   void couple(TouchedParticles& touched, const Line& start, double turned);
   void share_out_length();
   void hold_sideways(std::size_t node, TouchedParticles& touched, const Line& end);
-  void rub(std::size_t node, TouchedParticles& touched, const Line& start, const Line& end);
+  void couple_sideways(TouchedParticles& touched);
+  void hold_on_bent(TouchedParticles& touched, const Line& end);
+  void rub(std::size_t node, TouchedParticles& touched, const Line& end);
   void push_ahead(TouchedParticles& touched, const Line& end);
   void twist(std::size_t node, TouchedParticles& touched, const Line& end, double turned);
+  void settle(TouchedParticles& touched, const Line& end);
   void give(std::size_t node, TouchedParticles& touched, const Vec3& impulse);
   Vec3 place_at_end(std::size_t node, TouchedParticles& touched) const;
   bool on_shaft(std::size_t node) const;
 
   Needle needle_;
   double friction_ = 0.0, spread_ = 0.0;
+  double reach_ = 0.0;                        // m: of the weights that spread a force so far
   std::vector<std::array<Index, 3>> facets_;  // outward
   NeedleState state_;
   std::vector<Coupled> coupled_;  // per node of the hole, and some that wait for more
   std::vector<Index> found_;
   std::vector<std::pair<std::size_t, Vec3>> given_;  // slot, impulse: of this step
+
+  // Of a shaft that bends. Rows are those of held_.
+  std::vector<std::size_t> held_;  // nodes held sideways in this step
+  std::vector<double> share_of_;   // [slot] 1/kg
+  Eigen::MatrixXd compliance_;     // m/N, of the shaft
+  Eigen::MatrixXd gives_;          // m / (N s), of the shaft and the tissue
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+  Eigen::Matrix<double, Eigen::Dynamic, 3> off_;
+  std::vector<ShaftLoad> loads_;  // of this step
 };
 
 }  // namespace phymul::cpu

@@ -138,7 +138,11 @@ void ToolSet::reset(const Scene& scene, const State& state) {
     place(tool, restored ? known->pose : wanted.pose);
     tool.held = restored ? known->held : std::vector<Index>{};
     tool.held_at = restored ? known->held_at : VecList{};
-    if (tool.needle) tool.needle->restore(restored ? known->needle : NeedleState{});
+    tool.report.shaft.clear();
+    if (tool.needle) {
+      tool.needle->restore(restored ? known->needle : NeedleState{});
+      tool.report.shaft = tool.needle->state().shaft;
+    }
     tool.law.placed = !restored;
     tool.grasps = tool.releases = false;
     tool.seen_moves = wanted.moves;
@@ -287,7 +291,10 @@ void ToolSet::act(TouchedParticles& touched) {
 
 void ToolSet::accept() {
   for (Moving& tool : tools_) {
-    if (tool.needle) tool.needle->accept();
+    if (tool.needle) {
+      tool.needle->accept();
+      tool.report.shaft = tool.needle->state().shaft;
+    }
     tool.report.pose = tool.next_pose;
     tool.law.placed = false;
     if (tool.done < tool.steps && ++tool.done == tool.steps) tool.steps = tool.done = 0;

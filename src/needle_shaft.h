@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+//
+// How a needle's shaft bends: a beam clamped in the hub under forces across it (Euler and Bernoulli; the closed form of
+// a cantilever under one force, and the sum over the forces). So there is nothing to discretise, and no stiffness that
+// a step would have to resolve.
+#pragma once
+
+#include <phymul/needle.h>
+
+namespace phymul {
+
+/// m/N: how far a force across the shaft `from` m from the tip moves its place `at` m from the tip. Places beyond the
+/// hub do not move, those ahead of the tip move as it does. 0 where the needle is stiff.
+double shaft_compliance(const Needle& needle, double at, double from);
+
+/// m, in the tool's frame.
+Vec3 shaft_deflection(const Needle& needle, std::span<const ShaftLoad> loads, double along);
+
+}  // namespace phymul

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+//
+// What a solver says of its scene's tools.
+#include <phymul/error.h>
+#include <phymul/solver.h>
+
+namespace phymul {
+
+std::size_t Solver::tool_row(std::string_view name) const {
+  const std::vector<SceneTool>& tools = scene_->tools();
+  for (std::size_t row = 0; row < tools.size(); ++row) {
+    if (tools[row].name == name) return row;
+  }
+  throw Error("the scene has no tool \"" + std::string(name) + '"');
+}
+
+const ToolForce& Solver::tool_force(std::string_view name) const {
+  return do_tool_report(tool_row(name)).force;
+}
+
+const ToolPose& Solver::tool_pose(std::string_view name) const {
+  return do_tool_report(tool_row(name)).pose;
+}
+
+VecList Solver::needle_points(std::string_view name, int count) const {
+  const std::size_t row = tool_row(name);
+  const auto* const needle = std::get_if<Needle>(&scene_->tools()[row].tool.shape);
+  if (needle == nullptr) throw Error("tool \"" + std::string(name) + "\": expected a needle, got another shape");
+  const ToolReport& report = do_tool_report(row);
+  VecList points = shaft_points(*needle, report.shaft, count);
+  for (Vec3& point : points) point = report.pose.position + report.pose.orientation * point;
+  return points;
+}
+
+}  // namespace phymul

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+//
+// A needle that goes into a block, step by step: what tests of needles share.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "tool_backends.h"
+
+namespace phymul::test {
+
+inline constexpr double side = 0.04, offset = 0.5e-3;  // m: of the block; of the tip above it at first
+
+inline Needle thin_needle() {
+  return {.length = 0.1,
+          .radius = 0.6e-3,
+          .puncture = 0.4,
+          .cutting = 0.15,
+          .static_friction = 12.0,
+          .kinetic_friction = 10.0,
+          .spread = 0.012};
+}
+
+/// A needle over the middle of a block whose bottom is held, off the lattice's lines.
+struct Insertion {
+  Model model;
+  Scene scene;
+  std::unique_ptr<Solver> solver;
+  double dt;
+  ToolPose pose{.position = {0.0203, 0.0197, side + offset}};
+
+  Insertion(const std::string& backend, int cells, double share, const Needle& needle = thin_needle())
+      : model(gel(cells)), scene(model) {
+    scene.fix("z0").add_tool("needle", {.shape = needle, .pose = pose, .friction = 0.5});
+    SolverOptions options;
+    options.damping.rate = 40.0;
+    solver = make_solver(backend, model, scene, {}, options);
+    dt = share * solver->stable_step();
+  }
+  static Model gel(int cells) {
+    Model model = make_block({side, side, side}, cells, cells, cells);
+    set_material(model, {.young = 10e3, .poisson = 0.45, .density = 1000.0});
+    return model;
+  }
+
+  /// Mean force on the hub along the shaft over each of `parts` equal parts of the way; up is against insertion.
+  std::vector<double> go(double depth, double speed, int parts) {
+    const double from = pose.position.z(), to = side - depth;
+    std::vector<double> force;
+    for (int k = 1; k <= parts; ++k) {
+      pose.position.z() = from + (to - from) * k / parts;
+      scene.tool("needle").pose(pose);
+      const double seconds = std::abs(to - from) / parts / speed;
+      const StepReport report = solver->step(std::max(1, static_cast<int>(std::lround(seconds / dt))), dt);
+      EXPECT_TRUE(report.ok()) << report.message();
+      force.push_back(solver->tool_force("needle").mean_force.z());
+    }
+    return force;
+  }
+};
+
+/// Largest difference of two curves over the largest force of both.
+inline double apart(const std::vector<double>& a, const std::vector<double>& b) {
+  double difference = 0.0, most = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    difference = std::max(difference, std::abs(a[k] - b[k]));
+    most = std::max({most, std::abs(a[k]), std::abs(b[k])});
+  }
+  return difference / most;
+}
+
+}  // namespace phymul::test
