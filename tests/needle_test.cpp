@@ -61,7 +61,7 @@ struct Insertion {
 };
 
 using NeedleIn = WithTools;
-PHYMUL_WITH_TOOLS(NeedleIn);
+PHYMUL_WITH_NEEDLES(NeedleIn);
 
 TEST_P(NeedleIn, ForceRisesDropsAtPunctureGrowsWithDepthAndTurnsOnWithdrawal) {
   Insertion needle(GetParam(), 6, 0.4);

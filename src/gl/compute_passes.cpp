@@ -137,9 +137,15 @@ int ComputePasses::workgroup() const {
   return std::min((rows + 31) / 32 * 32, most / 32 * 32);
 }
 
-Kernel ComputePasses::stepping(const LoadKind& loads, const ComputeState& state) const {
-  ShaderRequest request = gathering(loads, form_ == ComputeForm::workgroup);
+Kernel ComputePasses::stepping(const StepKind& step, const ComputeState& state) const {
+  ShaderRequest request = gathering(step.loads, form_ == ComputeForm::workgroup);
   define(request, "CUT");
+  append(request, {"free_step.glsl"});
+  if (step.tools) {
+    define_tools(step.grids, request);
+    append(request, tool_files());
+    append(request, {"tell_tools.glsl"});
+  }
   append(request, {"step_pass.glsl", "store_step.glsl"});
   if (form_ != ComputeForm::workgroup) {
     append(request, {"step_kernel.glsl"});
@@ -153,10 +159,10 @@ Kernel ComputePasses::stepping(const LoadKind& loads, const ComputeState& state)
 }
 
 void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& state) {
-  auto found = std::ranges::find(stepping_, loads.kind(), &Stepping::loads);
-  if (found == stepping_.end()) {
-    found = stepping_.insert(stepping_.end(), {loads.kind(), stepping(loads.kind(), state)});
-  }
+  const ComputeTools* const tools = loads.tools();
+  const StepKind kind{.loads = loads.kind(), .tools = tools != nullptr, .grids = tools && tools->any_grid()};
+  auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
+  if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), {kind, stepping(kind, state)});
   now_ = &found->kernel;
   loads.place(*now_);
 }
