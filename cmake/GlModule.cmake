@@ -10,6 +10,7 @@ set(shaders
   attractor_pull_enumerated.glsl
   bases_pass.glsl
   cells_pass.glsl
+  contact_tool.glsl
   cover_target.glsl
   delta_base.glsl
   delta_cell.glsl
@@ -28,9 +29,11 @@ set(shaders
   display_pair.vert
   display_surface.frag
   display_surface.vert
+  distance_to_shape.glsl
   energy_pass.glsl
   force_of.glsl
   force_pass.glsl
+  free_step.glsl
   integrate_displacement.glsl
   momentum_pass.glsl
   net_force.glsl
@@ -47,8 +50,14 @@ set(shaders
   sum_kernel.glsl
   sum_pass.glsl
   tables.glsl
+  tell_tools.glsl
   terms_kernel.glsl
   terms_of.glsl
+  tool_sums_kernel.glsl
+  tool_sums_pass.glsl
+  tool_tables.glsl
+  tools_pass.glsl
+  touch_tools.glsl
   vector3.glsl
   volumes_pass.glsl
   workgroup_kernel.glsl)
@@ -70,6 +79,7 @@ add_library(phymul_gl_objects OBJECT
   src/gl/compute_state.cpp
   src/gl/compute_sums.cpp
   src/gl/compute_tables.cpp
+  src/gl/compute_tools.cpp
   src/gl/context.cpp
   src/gl/context_current.cpp
   src/gl/context_debug.cpp
@@ -90,6 +100,7 @@ add_library(phymul_gl_objects OBJECT
   src/gl/fragment_state.cpp
   src/gl/fragment_sums.cpp
   src/gl/fragment_tables.cpp
+  src/gl/fragment_tools.cpp
   src/gl/step_traffic.cpp
   src/gl/framebuffer.cpp
   src/gl/gl_functions.cpp

@@ -24,7 +24,12 @@ layout(std430, binding = 1) readonly buffer ConstantWords {  // the same memory
 layout(std430, binding = 2) SEEN_BY_ALL buffer ChangingRows {
   ivec4 changing_rows[];
 };
-layout(std430, binding = 3) readonly buffer LoadRows {
+#ifdef TOOLS  // which tell there what they felt
+#define LOAD_ACCESS
+#else
+#define LOAD_ACCESS readonly
+#endif
+layout(std430, binding = 3) LOAD_ACCESS buffer LoadRows {
   ivec4 load_rows[];
 };
 #ifdef HEIGHTS_APART

@@ -46,4 +46,7 @@ int own_row() {
   return (int(gl_FragCoord.y) << target_log2) + int(gl_FragCoord.x);
 }
 
+// Tools have a pass of their own to tell what they felt.
+#define TELL_TOOL(tool, i, reaction)
+
 #define PASS_MAIN(compute_row) void main() { if (own_row() >= row_count) discard; compute_row(own_row()); }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Per particle, Verlet's step. Gathers the net force itself, or with FOUR_PASSES takes what reaction_pass.glsl wrote.
-// Needs net_force.glsl and integrate_displacement.glsl.
+// Needs net_force.glsl, free_step.glsl and, where TOOLS is defined, touch_tools.glsl.
 //
 // What a step has to tell rides along, so that no further pass is needed until the batch of steps ends:
 //   velocity.w      number of the first step of the batch in which the particle ran away; 0: none, -1: none, but in some
@@ -12,8 +12,6 @@
 STORED(net, net_place);
 #endif
 OF_STEP(int, batch_step);  // counts from 1
-OF_STEP(vec3, gravity);    // m/s^2
-uniform float dt, inverse_dt, damping_factor;
 uniform float runaway_speed, speed_at_rest, acceleration_at_rest;
 
 RESULT(0, vec4, next_displacement);
@@ -47,12 +45,20 @@ void step_row(int i) {
   vec3 a = acceleration(F.xyz, inertia.x, gravity);
   vec3 u = old_displacement.xyz;
   vec3 v = old_velocity.xyz;
-  integrate_displacement(u, v, a, dt, damping_factor);
+  free_step(i, a, u, v);
   int fixed_at = fixed_axes(i);
-#ifdef FIXED
-  ivec4 rows = fetch_load_ivec4(load_index, load_index_place, i);
-  vec3 target = load_sum(rows.z, rows.z + (rows.w >> 3), instant + 1);
-  impose(u, v, fixed_at, target, old_displacement.xyz, inverse_dt);
+#ifdef TOOLS
+  TouchedParticle touched = untouched(i, old_displacement.xyz, v, fixed_at);
+  vec4 held = fetch_load_vec4(tool_held, tool_held_place, i);
+  for (int tool = 0; tool < tool_count; ++tool) {
+    Reaction reaction = touch_tool(tool, held, instant, touched, dt, inverse_dt);
+    TELL_TOOL(tool, i, reaction);
+  }
+  a = acceleration(F.xyz + inverse_dt * touched.impulse, inertia.x, gravity);
+  u = old_displacement.xyz;
+  v = old_velocity.xyz;
+  free_step(i, a, u, v);
+  u = u + touched.shift;
 #endif
 
   float speed = length_of(free_part(v, fixed_at));

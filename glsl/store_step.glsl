@@ -17,6 +17,9 @@ void begin_step(int from, int to, int number) {
 }
 
 void store_step(int i, bool measuring) {
+#ifdef TOOLS
+  telling_last = measuring;
+#endif
   step_row(i);
   changing_rows[next_pair_place + i] = floatBitsToInt(next_displacement);
   changing_rows[next_pair_place + place_count + i] = floatBitsToInt(next_velocity);

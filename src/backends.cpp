@@ -18,6 +18,7 @@
 #ifdef PHYMUL_HAS_GL
 #include "base_layout.h"
 #include "gl_module.h"
+#include "tool_state.h"
 #endif
 
 namespace phymul {
@@ -171,9 +172,9 @@ Choice choose(const std::shared_ptr<const TopologyTextures>& topology, const Sce
     return {cpu::make_reference_solver(topology, scene, options), std::string("reference: ") + error.what()};
   }
 #ifdef PHYMUL_HAS_GL
-  if (!scene.tools().empty() || !scene.volumes().empty() || scene.contacts()) {
+  if (has_needle(scene.tools()) || !scene.volumes().empty() || scene.contacts()) {
     return processor_because(std::move(cpu),
-                             "the scene has tools, kept volumes or contacts, which no GL backend takes yet");
+                             "the scene has needles, kept volumes or contacts, which no GL backend takes yet");
   }
   if (topology->particle_count < gl_particles) {
     return processor_because(std::move(cpu),

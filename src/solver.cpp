@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "decimal.h"
-#include "tool_state.h"
 #include "profile.h"
+#include "tool_state.h"
 
 namespace phymul {
 namespace {
@@ -93,6 +93,8 @@ const char* likely_cause(const TopologyTextures& topology, const Spectrum& spect
 
 constexpr const char* no_tools =
     "the scene has tools, which this backend does not take yet; use \"cpu\" or \"reference\"";
+constexpr const char* no_needles =
+    "the scene has a needle, which this backend does not take yet; use \"cpu\" or \"reference\"";
 constexpr const char* no_volumes =
     "the scene keeps volumes, which this backend does not do yet; use \"cpu\" or \"reference\"";
 constexpr const char* no_contacts =
@@ -355,6 +357,7 @@ void Solver::do_restore(const Snapshot& snapshot) {
 
 const char* Solver::do_cannot() const {
   if (!scene_->tools().empty() && !takes_tools()) return no_tools;
+  if (has_needle(scene_->tools())) return no_needles;
   if (!scene_->volumes().empty()) return no_volumes;
   return scene_->contacts() ? no_contacts : nullptr;
 }

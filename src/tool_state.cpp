@@ -34,6 +34,11 @@ bool fits(const ToolState& tool, Index particle_count) {
 
 }  // namespace
 
+bool has_needle(const std::vector<SceneTool>& tools) {
+  return std::ranges::any_of(tools,
+                             [](const SceneTool& own) { return std::holds_alternative<Needle>(own.tool.shape); });
+}
+
 void require_tool_states(const State& state, Index particle_count) {
   for (const ToolState& tool : state.tools) {
     if (fits(tool, particle_count)) continue;

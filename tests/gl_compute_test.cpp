@@ -82,7 +82,7 @@ struct OwnDevice {
     const auto tables = tables_of(model, topology);
     const bool counted = layout == BaseLayout::enumerated;
     slices = pack_slices(pack_floats(*tables, counted ? FloatLayout::enumerated : FloatLayout::table), *tables);
-    device = std::make_unique<gl::ComputeDevice>(slices, scene, gl::ShaderLibrary("", is_es()),
+    device = std::make_unique<gl::ComputeDevice>(slices, scene, no_tools, gl::ShaderLibrary("", is_es()),
                                                  gl::choose_form(form, slices, false), limits);
     dt = 0.2 * stable_step(estimate_spectrum(*tables, tables->rest), 1.0);
   }
@@ -90,7 +90,7 @@ struct OwnDevice {
   void begin(int steps) const {
     std::vector<double> instants(1, 0.0);
     for (int k = 0; k < steps; ++k) instants.push_back(instants.back() + dt);
-    device->begin_batch({.dt = dt, .largest_acceleration = 1e30, .runaway_speed = 1e30}, instants);
+    device->begin_batch({.dt = dt, .largest_acceleration = 1e30, .runaway_speed = 1e30}, instants, no_tools);
   }
   State read(const Model& model) const {
     State state;
@@ -98,6 +98,7 @@ struct OwnDevice {
     return state;
   }
 
+  const FloatTools no_tools{gl::Device::most_steps};
   SliceTables slices;
   std::unique_ptr<gl::ComputeDevice> device;
   double dt = 0.0;

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "bodies.h"
 
 namespace phymul::test {
@@ -18,6 +20,17 @@ inline std::vector<std::string> tool_backends() {
     if (why_unavailable(name).empty() && make_solver(name, model, scene)->takes_tools()) all.push_back(name);
   }
   return all;
+}
+
+/// "gl-compute" as a test may be called: gl_compute.
+inline std::string test_name_of(std::string backend) {
+  std::ranges::replace(backend, '-', '_');
+  return backend;
+}
+
+/// Of those, the ones that take needles too.
+inline std::vector<std::string> needle_backends() {
+  return {"reference", "cpu"};
 }
 
 class WithTools : public testing::TestWithParam<std::string> {
@@ -60,4 +73,7 @@ inline Imbalance imbalance(const Momentum& before, const Momentum& after, const 
 
 #define PHYMUL_WITH_TOOLS(name)                                                         \
   INSTANTIATE_TEST_SUITE_P(All, name, testing::ValuesIn(phymul::test::tool_backends()), \
-                           [](const auto& backend) { return backend.param; })
+                           [](const auto& backend) { return phymul::test::test_name_of(backend.param); })
+#define PHYMUL_WITH_NEEDLES(name)                                                         \
+  INSTANTIATE_TEST_SUITE_P(All, name, testing::ValuesIn(phymul::test::needle_backends()), \
+                           [](const auto& backend) { return phymul::test::test_name_of(backend.param); })

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Tools of a scene: what is accepted, how they move, what they hold, and what they cost.
+#include <algorithm>
 #include <cmath>
 
 #include "allocation_count.h"
@@ -203,7 +204,8 @@ TEST_P(MovingTool, PosingEveryMillisecondAllocatesNothing) {
   const auto solver = make(model, scene);
   const double dt = 0.4 * solver->stable_step();
   const ToolHandle ball = scene.tool("ball");
-  ASSERT_TRUE(solver->step(1, dt).ok());
+  // As many as below: a driver compiles anew for steps that do not measure, and allocates then.
+  ASSERT_TRUE(solver->step(3, dt).ok());
   const std::size_t before = allocation_count();
   int touched = 0;
   for (int k = 0; k < 50; ++k) {
@@ -262,24 +264,28 @@ TEST(ToolOfTheFastBackend, AgreesWithTheReference) {
   EXPECT_LE((forces[0].mean_force - forces[1].mean_force).norm(), 1e-3 * forces[0].mean_force.norm());
 }
 
-TEST(ToolOfOtherBackends, IsRefusedAloud) {
+TEST(ToolOfOtherBackends, NeedlesAreRefusedAloudWhereTheyAreNotTaken) {
   const Model model = make_tetrahedron(0.01);
+  const std::vector<std::string> taking = needle_backends();
   int refused = 0;
   for (const std::string& name : backend_names()) {
     Scene scene(model);
     if (!why_unavailable(name).empty()) continue;
     const auto solver = make_solver(name, model, scene);
-    scene.add_tool("probe", {.shape = Sphere{0.002}, .pose = {.position = {0, 0, 1}}});
+    EXPECT_TRUE(solver->takes_tools()) << name;
+    scene.add_tool("needle", {.shape = Needle{}, .pose = {.position = {0, 0, 1}}});
     const StepReport report = solver->step(1, 0.1 * solver->stable_step());
-    if (solver->takes_tools()) {
+    if (std::ranges::count(taking, name) > 0) {
       EXPECT_TRUE(report.ok()) << name;
       continue;
     }
     ++refused;
     EXPECT_EQ(report.status, StepStatus::not_supported) << name;
     EXPECT_EQ(report.steps, 0);
-    EXPECT_TRUE(has(report.message(), "does not take yet; use \"cpu\" or \"reference\""));
-    EXPECT_TRUE(has(message_of([&] { make_solver(name, model, scene); }), "has tools"));
+    EXPECT_TRUE(has(report.message(), "a needle, which this backend does not take yet; use \"cpu\" or \"reference\""));
+    EXPECT_TRUE(has(message_of([&] { make_solver(name, model, scene); }), "has a needle"));
+    scene.remove_tool("needle");
+    EXPECT_TRUE(solver->step(1, 0.1 * solver->stable_step()).ok()) << name;
   }
   RecordProperty("backends_that_refuse", refused);
 }

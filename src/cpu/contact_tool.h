@@ -22,6 +22,14 @@ struct Touch {
   Vector3<S> shift;    // m, besides: out of a tool that was put over it
 };
 
+/// a / b. In float as drivers divide, written out.
+inline double quotient(double a, double b) {
+  return a / b;
+}
+inline float quotient(float a, float b) {
+  return a * (1.0f / b);
+}
+
 /// Where the particle would be, q1, seen from where it comes from, q0: how deep, and which way is out.
 template <class S>
 struct Depth {
@@ -39,7 +47,7 @@ bool first_hit(const ShapeIn<S>& shape, const Vector3<S>& q0, const Vector3<S>& 
   for (int k = 0; k < most; ++k) {
     const S phi = distance_to(shape, q0 + share * way).phi;
     if (phi <= S(1e-6f) * length) return true;
-    share += phi / length;
+    share += quotient(phi, length);
     if (share >= S(1.0f)) return false;
   }
   return true;  // along the surface for so long: as good as on it
@@ -49,9 +57,9 @@ bool first_hit(const ShapeIn<S>& shape, const Vector3<S>& q0, const Vector3<S>& 
 /// nearest surface may then be the far one. Where it came in counts as a plane, and what is still inside after that
 /// comes out by the nearest surface.
 template <class S>
-Depth<S> depth_after(const ShapeIn<S>& shape, const Vector3<S>& q0, const Vector3<S>& q1, const S& phi0) {
+Depth<S> depth_after(const ShapeIn<S>& shape, const Vector3<S>& q0, const Vector3<S>& q1, const Vector3<S>& way,
+                     const S& phi0) {
   const Distance<S> end = distance_to(shape, q1);
-  const Vector3<S> way = q1 - q0;
   const S length = square_root(inner_product(way, way));
   if (length <= S(0.5f) * shape.thickness || phi0 > length) return {-end.phi, end.normal};
   S share;
@@ -70,29 +78,29 @@ Depth<S> depth_after(const ShapeIn<S>& shape, const Vector3<S>& q0, const Vector
 /// The impulse along the normal that leaves the particle on the surface (or pressed into it by compliance times the
 /// force), and against its sliding that of Coulomb's law: what stops it, but at most friction times the normal one.
 /// What a placed tool covers comes out without an impulse. Else a particle that is inside at the step's start slid
-/// there over a curved surface, and is due the impulse that keeps it on its curve.
+/// there over a curved surface, and is due the impulse that keeps it on its curve. `way`: q1 - q0, which in float has
+/// more digits than the difference.
 template <class S>
 Touch<S> touch_in_step(const ShapeIn<S>& shape, const ContactLaw<S>& law, const Vector3<S>& q0, const Vector3<S>& q1,
-                       const S& inverse_mass, const S& dt) {
+                       const Vector3<S>& way, const S& inverse_mass, const S& dt) {
   const S phi0 = distance_to(shape, q0).phi;
-  const Depth<S> in = depth_after(shape, q0, q1, phi0);
+  const Depth<S> in = depth_after(shape, q0, q1, way, phi0);
   if (!(in.depth > S(0.0f))) return {};
   S before = S(0.0f);
   if (law.placed && law.compliance == S(0.0f) && phi0 < S(0.0f)) before = -phi0 < in.depth ? -phi0 : in.depth;
-  const S normal_impulse = (in.depth - before) * dt / (law.compliance + dt * dt * inverse_mass);
+  const S normal_impulse = quotient((in.depth - before) * dt, law.compliance + dt * dt * inverse_mass);
   Touch<S> touch;
   touch.touches = true;
   touch.impulse = normal_impulse * in.normal;
   touch.shift = before * in.normal;
   if (law.friction == S(0.0f)) return touch;
-  const Vector3<S> way = q1 - q0;
   const Vector3<S> slide = way - inner_product(way, in.normal) * in.normal;
   const S length = square_root(inner_product(slide, slide));
-  const S to_stop = length / (dt * inverse_mass), most = law.friction * normal_impulse;
+  const S to_stop = quotient(length, dt * inverse_mass), most = law.friction * normal_impulse;
   if (to_stop <= most) {
     touch.impulse -= (S(1.0f) / (dt * inverse_mass)) * slide;
   } else {
-    touch.impulse -= (most / length) * slide;
+    touch.impulse -= quotient(most, length) * slide;
   }
   return touch;
 }

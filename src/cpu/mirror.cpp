@@ -7,6 +7,7 @@
 
 #include "integrate_displacement.h"
 #include "mirror_forces.h"
+#include "touch_tools.h"
 
 namespace phymul::cpu {
 namespace {
@@ -81,6 +82,7 @@ class MirrorSolver final : public Solver {
         next_u_(u_.size()),
         next_v_(u_.size()),
         force_(u_.size()) {
+    tools_.follow(scene());
     reset();
   }
 
@@ -91,6 +93,7 @@ class MirrorSolver final : public Solver {
       u_[i] = narrowed(state.position[i] - topology().rest[i]);
       v_[i] = narrowed(state.velocity[i]);
     }
+    tools_.reset(scene(), state);
     time_ = state.time;
     last_dt_ = 0.0;
     steps_at_rest_ = 0;
@@ -99,19 +102,26 @@ class MirrorSolver final : public Solver {
   void do_scene_changed() override {
     steps_at_rest_ = 0;
     loads_ = FloatLoads(scene());
+    tools_.follow(scene());
   }
 
   void do_values_changed() override { steps_at_rest_ = 0; }
+  bool do_takes_tools() const override { return true; }
+  const ToolReport& do_tool_report(std::size_t row) const override { return tools_.report(scene().tools()[row]); }
 
   Motion do_step(const StepPlan& plan) override {
     Motion motion;
     motion.steps_at_rest = steps_at_rest_;
+    if (tools_.begin_call(scene(), plan.steps, plan.stop_at_rest)) {
+      tools_.hold(read().position, frame().fixed, topology().dimension == 2);
+    }
     while (motion.steps < plan.steps) {
       const bool cut = move(plan, motion);
       motion.bad_particle = first_runaway(plan.runaway_speed);
       if (motion.bad_particle >= 0) break;
       u_.swap(next_u_);
       v_.swap(next_v_);
+      if (!tools_.empty()) tools_.accept(1, plan.dt, tool_sums_);
       time_ += plan.dt;
       last_dt_ = plan.dt;
       ++motion.steps;
@@ -130,6 +140,7 @@ class MirrorSolver final : public Solver {
 
   void do_read(State& state) const override {
     state.time = time_;
+    tools_.read(state);
     state.position.resize(u_.size());
     state.velocity.resize(u_.size());
     for (std::size_t i = 0; i < u_.size(); ++i) {
@@ -165,34 +176,74 @@ class MirrorSolver final : public Solver {
 
   /// Forces act at the old time, imposed positions hold at the new one. True where an elastic force was cut.
   bool move(const StepPlan& plan, Motion& motion) {
-    const auto dt = static_cast<float>(plan.dt), damping = static_cast<float>(plan.damping_factor);
-    const auto inverse_dt = static_cast<float>(1.0 / plan.dt);
-    const auto largest_acceleration = static_cast<float>(plan.largest_acceleration);
-    forces_.evaluate(u_, force_);
-    loads_.evaluate(scene(), time_);
+    const bool any_cut = net_forces(static_cast<float>(plan.largest_acceleration));
+    const Float3 gravity = loads_.gravity;
+    if (loads_.imposes()) loads_.evaluate(scene(), time_ + plan.dt);
+    if (!tools_.empty()) tools_.begin_batch(1, plan.dt);
+    tool_sums_.assign(static_cast<std::size_t>(tools_.count()), ToolSums{});
     motion.max_acceleration = motion.max_force = 0.0;
-    bool any_cut = false;
     for (Index i = 0; i < topology().particle_count; ++i) {
-      const Float3 cut = cut_force(force_[i], forces_.tables().particle[i][2] * largest_acceleration);
-      any_cut = any_cut || cut != force_[i];
-      force_[i] = cut;
-      const Float3 a = acceleration_of(i, force_[i], loads_);
+      Displaced<float> moved = free_step(plan, i, gravity);
+      if (!tools_.empty()) moved = touched_step(plan, i, gravity, moved.v);
+      const Float3 a = acceleration(force_[i], forces_.tables().particle[i][0], gravity);
       const double free = widened(loads_.free_part(i, a)).norm();
       motion.max_acceleration = std::max(motion.max_acceleration, free);
       motion.max_force = std::max(motion.max_force, topology().mass[i] * free);
-      const Displaced<float> moved = integrate_displacement(u_[i], v_[i], a, dt, damping);
-      next_u_[i] = moved.u;
-      next_v_[i] = moved.v;
-    }
-    if (!loads_.imposes()) return any_cut;
-    loads_.evaluate(scene(), time_ + plan.dt);
-    for (Index i = 0; i < topology().particle_count; ++i) {
-      Displaced<float> moved{next_u_[i], next_v_[i]};
-      impose(moved, loads_.fixed(i, 0), loads_.fixed(i, 1), loads_.fixed(i, 2), loads_.target(i), u_[i], inverse_dt);
       next_u_[i] = moved.u;
       next_v_[i] = moved.v;
     }
     return any_cut;
+  }
+
+  /// Into force_. True where an elastic force was cut.
+  bool net_forces(float largest_acceleration) {
+    forces_.evaluate(u_, force_);
+    loads_.evaluate(scene(), time_);
+    bool any_cut = false;
+    for (Index i = 0; i < topology().particle_count; ++i) {
+      const Float3 cut = cut_force(force_[i], forces_.tables().particle[i][2] * largest_acceleration);
+      any_cut = any_cut || cut != force_[i];
+      force_[i] = loads_.pushes() ? cut + loads_.force(i) : cut;
+    }
+    return any_cut;
+  }
+
+  Displaced<float> free_step(const StepPlan& plan, Index i, const Float3& gravity) const {
+    const Float3 a = acceleration(force_[i], forces_.tables().particle[i][0], gravity);
+    Displaced<float> moved =
+        integrate_displacement(u_[i], v_[i], a, static_cast<float>(plan.dt), static_cast<float>(plan.damping_factor));
+    if (loads_.imposes()) {
+      impose(moved, loads_.fixed(i, 0), loads_.fixed(i, 1), loads_.fixed(i, 2), loads_.target(i), u_[i],
+             static_cast<float>(1.0 / plan.dt));
+    }
+    return moved;
+  }
+
+  /// Adds to force_ what tools do to a particle that would go on with velocity v.
+  Displaced<float> touched_step(const StepPlan& plan, Index i, const Float3& gravity, const Float3& v) {
+    const auto dt = static_cast<float>(plan.dt), inverse_dt = static_cast<float>(1.0 / plan.dt);
+    const ToolRows rows(tools_);
+    int fixed_at = topology().dimension == 2 ? 4 : 0;
+    for (int axis = 0; axis < 3; ++axis) fixed_at |= loads_.fixed(i, axis) ? 1 << axis : 0;
+    TouchedParticle particle = rows.untouched(i, u_[i], v, forces_.tables().particle[i], fixed_at);
+    for (int tool = 0; tool < tools_.count(); ++tool) {
+      add(rows.touch(tool, i, particle, dt, inverse_dt), tool_sums_[static_cast<std::size_t>(tool)]);
+    }
+    force_[i] += inverse_dt * particle.impulse;
+    Displaced<float> moved = free_step(plan, i, gravity);
+    moved.u += particle.shift;
+    return moved;
+  }
+
+  /// Of one step.
+  static void add(const FloatReaction& reaction, ToolSums& sums) {
+    if (!reaction.touches) return;
+    const auto add_to = [](Float4& sum, const Float3& v) { sum = {sum[0] + v.x, sum[1] + v.y, sum[2] + v.z, sum[3]}; };
+    add_to(sums.force, reaction.force);
+    add_to(sums.torque, reaction.torque);
+    add_to(sums.last_force, reaction.force);
+    add_to(sums.last_torque, reaction.torque);
+    sums.last_force[3] += 1.0f;
   }
 
   Index first_runaway(double speed) const {
@@ -218,6 +269,8 @@ class MirrorSolver final : public Solver {
 
   MirrorForces forces_;
   FloatLoads loads_;
+  FloatTools tools_{1};
+  std::vector<ToolSums> tool_sums_;  // of the step in question
   std::vector<Float3> u_, v_, next_u_, next_v_, force_;
   double time_ = 0.0, last_dt_ = 0.0;
   int steps_at_rest_ = 0;

@@ -10,10 +10,10 @@
 
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "../free_step.h"
+#include "../moved_tool.h"
 #include "contact_tool.h"
 #include "needle_path.h"
 #include "tool_frame.h"
@@ -42,32 +42,16 @@ class ToolSet {
 
  private:
   struct Moving {
-    std::uint64_t id = 0;
-    std::string name;
+    MovedTool moved;
     ShapeIn<double> shape;
-    std::shared_ptr<const DistanceGrid> grid;  // keeps what shape points to
+    std::shared_ptr<const DistanceGrid> grid{};  // keeps what shape points to
     ContactLaw<double> law;
     Region reach;  // of the shape in its own frame
-
-    ToolReport report;        // pose of the state, force of the last step
-    ToolPose next_pose;       // of the end of the step in question
-    ToolPose from, to;        // of this call's motion
-    int steps = 0, done = 0;  // of it; steps 0: the tool goes on with its velocity
-    std::uint64_t seen_moves = 0, seen_places = 0, seen_grasps = 0;
-    bool grasps = false, releases = false;  // in the next step
-    double grasp_distance = 0.0;
-    std::vector<Index> held;
-    VecList held_at;
-    std::optional<NeedlePath> needle;
-
-    ToolForce next_force;
-    Vec3 sum_force{0, 0, 0}, sum_torque{0, 0, 0};  // over the steps of this call
-    int summed = 0;
+    std::optional<NeedlePath> needle{};
+    ToolForce next_force{};  // in the step in question
   };
 
   static Moving made(const SceneTool& tool, const Scene& scene);
-  static void place(Moving& tool, const ToolPose& pose);
-  static void advance(Moving& tool, double dt);
   void take_hold(Moving& tool, TouchedParticles& touched);
   void hold(Moving& tool, TouchedParticles& touched);
   void press(Moving& tool, TouchedParticles& touched);

@@ -42,6 +42,11 @@ const ShaderFiles& cell_kernel() {
   return files;
 }
 
+const ShaderFiles& tool_files() {
+  static const ShaderFiles files{"tool_tables.glsl", "distance_to_shape.glsl", "contact_tool.glsl", "touch_tools.glsl"};
+  return files;
+}
+
 void define_kernels(const BodyKind& kind, ShaderRequest& request) {
   request.defines.emplace_back("DIMENSION", kind.dimension);
   if (kind.options.volume_law == VolumeLaw::bounded) request.defines.emplace_back("BOUNDED_VOLUME", 1);
@@ -60,6 +65,11 @@ void define_gathering(const BodyKind& kind, const LoadKind& loads, ShaderRequest
   define("SPRINGS", kind.springs);
   define("FORCES", loads.forces);
   define("FIXED", loads.fixed);
+}
+
+void define_tools(bool grids, ShaderRequest& request) {
+  request.defines.emplace_back("TOOLS", 1);
+  if (grids) request.defines.emplace_back("TOOL_GRIDS", 1);
 }
 
 }  // namespace phymul::gl

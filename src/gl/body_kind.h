@@ -35,10 +35,13 @@ ShaderFiles base_kernel(const BodyKind& kind);
 ShaderFiles attractor_files(const BodyKind& kind);
 const ShaderFiles& volume_kernel();
 const ShaderFiles& cell_kernel();  ///< with the volume kernel it needs
+const ShaderFiles& tool_files();   ///< up to touch_tools.glsl; needs net_force.glsl
 
 /// The kernels' macros.
 void define_kernels(const BodyKind& kind, ShaderRequest& request);
 /// What the body and the loads need of net_force.glsl.
 void define_gathering(const BodyKind& kind, const LoadKind& loads, ShaderRequest& request);
+/// What a pass that tools act in is asked for; `grids`: some are distance grids.
+void define_tools(bool grids, ShaderRequest& request);
 
 }  // namespace phymul::gl

@@ -10,8 +10,8 @@ constexpr int lanes = 64;
 
 }  // namespace
 
-ComputeDevice::ComputeDevice(const SliceTables& slices, const Scene& scene, const ShaderLibrary& library,
-                             ComputeForm form, const ComputeLimits& limits)
+ComputeDevice::ComputeDevice(const SliceTables& slices, const Scene& scene, const FloatTools& tools,
+                             const ShaderLibrary& library, ComputeForm form, const ComputeLimits& limits)
     : library_(library),
       limits_(limits),
       tables_(slices, limits_),
@@ -19,8 +19,8 @@ ComputeDevice::ComputeDevice(const SliceTables& slices, const Scene& scene, cons
       state_(tables_, passes_.stores_forces(), passes_.stores_terms(), limits_),
       report_(library_, passes_, state_, limits_),
       sums_(library_, passes_, limits_) {
-  set_scene(scene);
-  begin_batch({.dt = 1.0}, {0.0, 1.0});
+  set_scene(scene, tools);
+  begin_batch({.dt = 1.0}, {0.0, 1.0}, tools);
   try_step(1);
 }
 
@@ -30,13 +30,15 @@ void ComputeDevice::bind() const {
   loads_->bind();
 }
 
-void ComputeDevice::set_scene(const Scene& scene) {
-  loads_ = std::make_unique<ComputeLoads>(scene, most_steps + 1, tables_, limits_);
+void ComputeDevice::set_scene(const Scene& scene, const FloatTools& tools) {
+  loads_ = std::make_unique<ComputeLoads>(scene, most_steps + 1, tables_, limits_, &tools);
   passes_.set_loads(*loads_, state_);
 }
 
-void ComputeDevice::begin_batch(const StepConstants& constants, const std::vector<double>& instants) {
+void ComputeDevice::begin_batch(const StepConstants& constants, const std::vector<double>& instants,
+                                const FloatTools& tools) {
   loads_->evaluate(instants);
+  loads_->set_frames(tools);
   passes_.set_constants(constants);
   state_.set_checkpoint();
 }
@@ -50,13 +52,13 @@ void ComputeDevice::run(int count) {
 BatchReport ComputeDevice::try_step(int number) {
   bind();
   passes_.try_step(state_, number);
-  report_.request(state_, state_.free_pair());
+  report_.request(state_, state_.free_pair(), *loads_);
   return report_.take();
 }
 
 void ComputeDevice::request_report() {
   bind();
-  report_.request(state_, state_.current());
+  report_.request(state_, state_.current(), *loads_);
 }
 
 Energy ComputeDevice::energy(const Scene& scene, double time, double dt) {

@@ -15,20 +15,23 @@ namespace phymul::gl {
 class ComputeDevice final : public Device {
  public:
   /// Compiles, uploads, and dispatches every pass of a step once, as drivers compile at first use.
-  ComputeDevice(const SliceTables& slices, const Scene& scene, const ShaderLibrary& library, ComputeForm form,
-                const ComputeLimits& limits = ComputeLimits::of_context());
+  ComputeDevice(const SliceTables& slices, const Scene& scene, const FloatTools& tools, const ShaderLibrary& library,
+                ComputeForm form, const ComputeLimits& limits = ComputeLimits::of_context());
 
-  void set_scene(const Scene& scene) override;
+  void set_scene(const Scene& scene, const FloatTools& tools) override;
+  void set_held(const FloatTools& tools) override { loads_->set_held(tools); }
   void write(const VecList& rest, const State& state) override { state_.write(rest, state); }
   void read(const VecList& rest, State& state) override { state_.read(rest, state); }
-  void begin_batch(const StepConstants& constants, const std::vector<double>& instants) override;
+  void begin_batch(const StepConstants& constants, const std::vector<double>& instants,
+                   const FloatTools& tools) override;
   void run(int count) override;
   BatchReport try_step(int number) override;
   void request_report() override;
   BatchReport take_report() override { return report_.take(); }
+  std::span<const ToolSums> tool_sums() const override { return report_.tool_sums(); }
   Energy energy(const Scene& scene, double time, double dt) override;
   Momentum momentum(const VecList& rest, const Vec3& about) override;
-  void request_copy(double time) override { state_.request_copy(copies_, time); }
+  void request_copy(const State& header) override { state_.request_copy(copies_, header); }
   bool collect_copy(const VecList& rest, State& state) override {
     return copies_.collect(rest, state_.place_of(), state);
   }

@@ -3,7 +3,8 @@
 
 namespace phymul::gl {
 
-ComputeLoads::ComputeLoads(const Scene& scene, int instants, const ComputeTables& tables, const ComputeLimits& limits)
+ComputeLoads::ComputeLoads(const Scene& scene, int instants, const ComputeTables& tables, const ComputeLimits& limits,
+                           const FloatTools* tools)
     : table_(scene, instants), index_row_(instants), parts_row_(index_row_), values_row_(index_row_) {
   std::vector<Int4> index;
   std::vector<Float4> parts;
@@ -18,9 +19,12 @@ ComputeLoads::ComputeLoads(const Scene& scene, int instants, const ComputeTables
     values_row_ = parts_row_ + static_cast<std::int64_t>(parts.size());
   }
   const auto value_rows = static_cast<std::int64_t>((table_.values().size() + 3) / 4);
-  buffer_ = StorageBuffer(values_row_ + value_rows, "the scene's loads", limits);
+  const std::int64_t load_rows = values_row_ + value_rows;
+  if (tools && !tools->empty()) tools_.emplace(*tools, load_rows, tables);
+  buffer_ = StorageBuffer(tools_ ? tools_->end() : load_rows, "the scene's loads and tools", limits);
   buffer_.write(16 * index_row_, index.data(), static_cast<std::int64_t>(16 * index.size()));
   buffer_.write(16 * parts_row_, parts.data(), static_cast<std::int64_t>(16 * parts.size()));
+  if (tools_) tools_->write(*tools, buffer_);
 }
 
 void ComputeLoads::evaluate(const std::vector<double>& instants) {
@@ -31,12 +35,21 @@ void ComputeLoads::evaluate(const std::vector<double>& instants) {
   buffer_.write(16 * values_row_, table_.values().data(), static_cast<std::int64_t>(4 * values));
 }
 
+void ComputeLoads::set_frames(const FloatTools& tools) {
+  if (tools_) tools_->write_frames(tools, buffer_);
+}
+
+void ComputeLoads::set_held(const FloatTools& tools) {
+  if (tools_) tools_->write_held(tools, buffer_);
+}
+
 void ComputeLoads::place(Kernel& kernel) const {
   kernel.set("gravity_place", 0);
   kernel.set("load_index_place", static_cast<int>(index_row_));
   kernel.set("load_parts_place", static_cast<int>(parts_row_));
   kernel.set("load_values_place", static_cast<int>(values_row_));
   kernel.set("load_count", table_.mode_count());
+  if (tools_) tools_->place(kernel);
 }
 
 }  // namespace phymul::gl

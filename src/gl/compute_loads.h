@@ -1,27 +1,35 @@
 // SPDX-License-Identifier: MIT
 //
-// A scene's loads in a storage buffer: gravity per instant, index, parts and values, one after another.
+// A scene's loads in a storage buffer: gravity per instant, index, parts and values, one after another, and its tools.
 #pragma once
 
-#include "gl/compute_tables.h"
+#include <optional>
+
+#include "gl/compute_tools.h"
 #include "gl/load_table.h"
 
 namespace phymul::gl {
 
 class ComputeLoads {
  public:
-  /// Room for the values of as many instants.
-  ComputeLoads(const Scene& scene, int instants, const ComputeTables& tables, const ComputeLimits& limits);
+  /// Room for the values of as many instants; `tools` may be null or none.
+  ComputeLoads(const Scene& scene, int instants, const ComputeTables& tables, const ComputeLimits& limits,
+               const FloatTools* tools = nullptr);
 
   const LoadKind& kind() const { return table_.kind(); }
+  const ComputeTools* tools() const { return tools_ ? &*tools_ : nullptr; }  ///< null where there are none
 
   /// Takes over the values at these instants.
   void evaluate(const std::vector<double>& instants);
+  void set_frames(const FloatTools& tools);
+  void set_held(const FloatTools& tools);
   void bind() const { buffer_.bind(loads_binding); }
   void place(Kernel& kernel) const;
+  const StorageBuffer& rows() const { return buffer_; }
 
  private:
   LoadTable table_;
+  std::optional<ComputeTools> tools_;
   std::int64_t index_row_, parts_row_, values_row_;
   StorageBuffer buffer_;
 };

@@ -15,6 +15,8 @@ constexpr int lanes = 64;  // of a group where groups are many
 /// seven directions it is evaluated in.
 constexpr double workgroup_bases = 16384.0;
 
+constexpr std::int64_t turns_a_tool = 66;  // of loops, for one particle: contact_tool.glsl looks along its way in 64
+
 const ShaderFiles common{"dialect_compute.glsl", "tables.glsl", "vector3.glsl"};
 
 void append(ShaderRequest& request, const ShaderFiles& files) {
@@ -141,14 +143,21 @@ int ComputePasses::workgroup() const {
 int ComputePasses::steps_a_dispatch() const {
   const BodyKind& kind = tables_->kind();
   const auto rounds = [group = workgroup()](std::int64_t rows) { return (rows + group - 1) / group; };
-  const std::int64_t of_step = 1 + rounds(kind.particles) * (2 + kind.turns.own + kind.turns.gathered) +
-                               rounds(kind.bases) + rounds(kind.volumes) + rounds(kind.cells);
+  const std::int64_t of_step =
+      1 + rounds(kind.particles) * (2 + kind.turns.own + kind.turns.gathered + turns_a_tool * tools_) +
+      rounds(kind.bases) + rounds(kind.volumes) + rounds(kind.cells);
   return static_cast<int>(std::clamp<std::int64_t>(limits_.loop_turns / 2 / of_step, 1, Device::most_steps));
 }
 
-Kernel ComputePasses::stepping(const LoadKind& loads, const ComputeState& state) const {
-  ShaderRequest request = gathering(loads, form_ == ComputeForm::workgroup);
+Kernel ComputePasses::stepping(const StepKind& step, const ComputeState& state) const {
+  ShaderRequest request = gathering(step.loads, form_ == ComputeForm::workgroup);
   define(request, "CUT");
+  append(request, {"free_step.glsl"});
+  if (step.tools) {
+    define_tools(step.grids, request);
+    append(request, tool_files());
+    append(request, {"tell_tools.glsl"});
+  }
   append(request, {"step_pass.glsl", "store_step.glsl"});
   if (form_ != ComputeForm::workgroup) {
     append(request, {"step_kernel.glsl"});
@@ -162,10 +171,11 @@ Kernel ComputePasses::stepping(const LoadKind& loads, const ComputeState& state)
 }
 
 void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& state) {
-  auto found = std::ranges::find(stepping_, loads.kind(), &Stepping::loads);
-  if (found == stepping_.end()) {
-    found = stepping_.insert(stepping_.end(), {loads.kind(), stepping(loads.kind(), state)});
-  }
+  const ComputeTools* const tools = loads.tools();
+  tools_ = tools ? tools->count() : 0;
+  const StepKind kind{.loads = loads.kind(), .tools = tools != nullptr, .grids = tools && tools->any_grid()};
+  auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
+  if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), {kind, stepping(kind, state)});
   now_ = &found->kernel;
   loads.place(*now_);
 }

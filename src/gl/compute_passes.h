@@ -56,8 +56,13 @@ class ComputePasses {
   Kernel placed(ShaderRequest request, int group, const ComputeState& state) const;
 
  private:
-  struct Stepping {  // of one kind of loads
+  struct StepKind {
     LoadKind loads;
+    bool tools = false, grids = false;
+    bool operator==(const StepKind&) const = default;
+  };
+  struct Stepping {
+    StepKind kind;
     Kernel kernel;
   };
   struct Terms {
@@ -67,7 +72,7 @@ class ComputePasses {
   };
   void compile_terms(const ComputeState& state);
   void add_terms(bool attractors, bool bases, bool others, const ComputeState& state);
-  Kernel stepping(const LoadKind& loads, const ComputeState& state) const;
+  Kernel stepping(const StepKind& step, const ComputeState& state) const;
   int steps_a_dispatch() const;
   int workgroup() const;
 
@@ -79,6 +84,7 @@ class ComputePasses {
   bool terms_compiled_ = false;
   std::deque<Stepping> stepping_;  // whose addresses stay
   Kernel* now_ = nullptr;
+  int tools_ = 0;  // of the loads that now_ is for
 };
 
 }  // namespace phymul::gl

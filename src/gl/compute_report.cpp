@@ -3,18 +3,20 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 namespace phymul::gl {
 namespace {
 
 constexpr int largest_group = 256;
-constexpr int rows_a_lane = 4;  // before another group is worth its launch
+constexpr int rows_a_lane = 4;   // before another group is worth its launch
+constexpr int tool_group = 128;  // whose rows fit the 16 KiB of OpenGL ES 3.1
 
 }  // namespace
 
 ComputeReport::ComputeReport(const ShaderLibrary& library, const ComputePasses& passes, const ComputeState& state,
                              const ComputeLimits& limits)
-    : particles_(passes.tables().kind().particles) {
+    : library_(&library), passes_(&passes), limits_(limits), particles_(passes.tables().kind().particles) {
   const int group =
       static_cast<int>(std::bit_floor(static_cast<unsigned>(std::min(limits.invocations, largest_group))));
   ShaderRequest request{.files = {"dialect_compute.glsl", "tables.glsl", "report_events.glsl", "report_kernel.glsl"},
@@ -26,7 +28,41 @@ ComputeReport::ComputeReport(const ShaderLibrary& library, const ComputePasses& 
   groups_ = std::clamp(particles_ / (group * rows_a_lane), 1, ComputeState::most_report_groups);
 }
 
-void ComputeReport::request(const ComputeState& state, int pair) {
+void ComputeReport::sum_tools(const ComputeTools& tools) {
+  if (!tool_kernel_) {
+    ShaderRequest request{.files = {"dialect_compute.glsl", "tool_sums_kernel.glsl"}, .defines = {{"TOOLS", 1}}};
+    passes_->tables().define(request);
+    tool_kernel_ = Kernel(*library_, std::move(request), tool_group, limits_);
+  }
+  const auto sum = [&](std::int64_t source, int rows, int stride, int parts, std::int64_t to) {
+    tool_kernel_.set("source_place", static_cast<int>(source));
+    tool_kernel_.set("source_count", rows);
+    tool_kernel_.set("source_stride", stride);
+    tool_kernel_.set("part_count", parts);
+    tool_kernel_.set("sums_place", static_cast<int>(to));
+    tool_kernel_.dispatch(parts * tools.count());
+  };
+  const int parts = std::clamp(particles_ / (tool_group * rows_a_lane), 1, ComputeTools::most_parts);
+  const int places = passes_->tables().places();
+  if (parts == 1) return sum(tools.sums_row(), particles_, places, 1, tools.total_row());
+  sum(tools.sums_row(), particles_, places, parts, tools.parts_row());
+  sum(tools.parts_row(), parts, parts, 1, tools.total_row());
+}
+
+BatchReport ComputeReport::take() {
+  const BatchReport report = copy_.take();
+  for (std::size_t tool = 0; tool < tool_sums_.size(); ++tool) {
+    const Float4* const rows = &copy_.more()[4 * tool];
+    tool_sums_[tool] = {rows[0], rows[1], rows[2], rows[3]};
+  }
+  return report;
+}
+
+void ComputeReport::request(const ComputeState& state, int pair, const ComputeLoads& loads) {
+  const ComputeTools* const tools = loads.tools();
+  tool_sums_.resize(tools ? static_cast<std::size_t>(tools->count()) : 0);
+  copy_.carry(4 * tool_sums_.size());
+  if (tools) sum_tools(*tools);
   const int last = state.report_row() + 2 * ComputeState::most_report_groups;
   const int partial = groups_ > 1 ? state.report_row() : last;
   kernel_.set("pair", pair);
@@ -44,6 +80,11 @@ void ComputeReport::request(const ComputeState& state, int pair) {
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glBindBuffer(GL_COPY_READ_BUFFER, state.rows().id());
     glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_PIXEL_PACK_BUFFER, static_cast<GLintptr>(16) * last, 0, 32);
+    if (tools) {
+      glBindBuffer(GL_COPY_READ_BUFFER, loads.rows().id());
+      glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_PIXEL_PACK_BUFFER, static_cast<GLintptr>(16 * tools->total_row()), 32,
+                          static_cast<GLsizeiptr>(64 * tool_sums_.size()));
+    }
     glBindBuffer(GL_COPY_READ_BUFFER, 0);
   });
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What a batch of steps has to tell, brought down to two rows: one small read instead of the state.
+// What a batch of steps has to tell, brought down to two rows, and to four for each tool: one small read instead of the
+// state.
 #pragma once
 
 #include "gl/compute_passes.h"
@@ -13,15 +14,22 @@ class ComputeReport {
   ComputeReport(const ShaderLibrary& library, const ComputePasses& passes, const ComputeState& state,
                 const ComputeLimits& limits);
 
-  /// Of the state in a pair, which the last step wrote and measured.
-  void request(const ComputeState& state, int pair);
-  BatchReport take() { return copy_.take(); }
+  /// Of the state in a pair, which the last step wrote and measured, and of what steps told of the tools among `loads`.
+  void request(const ComputeState& state, int pair, const ComputeLoads& loads);
+  BatchReport take();
+  std::span<const ToolSums> tool_sums() const { return tool_sums_; }
 
  private:
-  Kernel kernel_;
+  void sum_tools(const ComputeTools& tools);
+
+  const ShaderLibrary* library_;
+  const ComputePasses* passes_;
+  ComputeLimits limits_;
+  Kernel kernel_, tool_kernel_;
   Index particles_;
   int groups_;
   ReportCopy copy_;
+  std::vector<ToolSums> tool_sums_;
 };
 
 }  // namespace phymul::gl

@@ -67,9 +67,9 @@ void ComputeState::read(const VecList& rest, State& state) const {
   unpack_state(rows.data(), rows.data() + places, rest, place_of(), state);
 }
 
-void ComputeState::request_copy(StateCopies& copies, double time) const {
+void ComputeState::request_copy(StateCopies& copies, const State& header) const {
   const auto places = static_cast<std::size_t>(tables_->places());
-  copies.request(places, time, [&] {
+  copies.request(places, header, [&] {
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glBindBuffer(GL_COPY_READ_BUFFER, rows_.id());
     glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_PIXEL_PACK_BUFFER, static_cast<GLintptr>(16 * pair_row(current_)), 0,

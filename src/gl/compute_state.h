@@ -30,7 +30,7 @@ class ComputeState {
 
   void write(const VecList& rest, const State& state);
   void read(const VecList& rest, State& state) const;
-  void request_copy(StateCopies& copies, double time) const;
+  void request_copy(StateCopies& copies, const State& header) const;
   PlaceOf place_of() const { return tables_->place_of(); }
 
   /// What the last step measured has been reported by then: rows for whoever shows or sums something.

@@ -6,8 +6,10 @@
 #include <phymul/solver.h>
 
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "float_tools.h"
 #include "gl/pass_timer.h"
 #include "gl/texture.h"
 
@@ -47,13 +49,17 @@ class Device {
   void time_passes(const ContextInfo& info, Profile& profile) { timer_ = std::make_unique<PassTimer>(info, profile); }
   PassTimer* timer() { return timer_.get(); }
 
-  virtual void set_scene(const Scene& scene) = 0;
+  /// `tools` of the scene; they may be none.
+  virtual void set_scene(const Scene& scene, const FloatTools& tools) = 0;
+  /// After a change of what they hold.
+  virtual void set_held(const FloatTools& tools) = 0;
   virtual void write(const VecList& rest, const State& state) = 0;
   virtual void read(const VecList& rest, State& state) = 0;
 
   /// The loads at the instants of a batch: instants[s] is the old time of its step s + 1. The present state becomes the
-  /// checkpoint.
-  virtual void begin_batch(const StepConstants& constants, const std::vector<double>& instants) = 0;
+  /// checkpoint. `tools` as far as they are ahead.
+  virtual void begin_batch(const StepConstants& constants, const std::vector<double>& instants,
+                           const FloatTools& tools) = 0;
   /// Steps 1 ... count of the batch from the checkpoint; the last one measures.
   virtual void run(int count) = 0;
   /// Step `number` from the present state, which stays as it is; only what it measures is kept.
@@ -66,12 +72,14 @@ class Device {
   /// Sends the report on its way, and waits for it: one at a time, nothing else of the device between the two.
   virtual void request_report() = 0;
   virtual BatchReport take_report() = 0;
+  /// What the steps of that report, of run(), did to each tool.
+  virtual std::span<const ToolSums> tool_sums() const = 0;
 
   virtual Energy energy(const Scene& scene, double time, double dt) = 0;
   virtual Momentum momentum(const VecList& rest, const Vec3& about) = 0;
 
-  /// Starts a copy of the present state to the host.
-  virtual void request_copy(double time) = 0;
+  /// Starts a copy of the present state to the host; what `header` has besides places and velocities comes with it.
+  virtual void request_copy(const State& header) = 0;
   /// True where the oldest copy has arrived, and is then in `state`.
   virtual bool collect_copy(const VecList& rest, State& state) = 0;
   virtual void drop_copies() = 0;

@@ -70,6 +70,7 @@ DeviceSolver::~DeviceSolver() {
 void DeviceSolver::build() {
   FloatTables tables = pack_floats(topology(), layout_);
   loads_version_ = scene().version();
+  tools_.follow(scene());
   const ContextInfo& info = context_->info();
   const ShaderLibrary library(gl_.shader_folder, info.es, !info.es || info.at_least(3, 2));
   if (backend_ == GlBackend::compute) {
@@ -79,11 +80,12 @@ void DeviceSolver::build() {
     require_turns(info, slices.rows.turns, thesis && form == ComputeForm::recompute);
     const bool counted = form != ComputeForm::recompute;
     bytes_a_step_ = counted ? gl::bytes_a_step(slices) : std::numeric_limits<double>::quiet_NaN();
-    context_->run([&] { device_ = std::make_unique<ComputeDevice>(slices, scene(), library, form); });
+    context_->run([&] { device_ = std::make_unique<ComputeDevice>(slices, scene(), tools_, library, form); });
   } else {
     require_turns(info, tables.turns, false);
     bytes_a_step_ = gl::bytes_a_step(tables);
-    context_->run([&] { device_ = std::make_unique<FragmentDevice>(tables, scene(), library, gl_.passes == 4); });
+    context_->run(
+        [&] { device_ = std::make_unique<FragmentDevice>(tables, scene(), tools_, library, gl_.passes == 4); });
   }
   if (profiling()) context_->run([&] { device_->time_passes(context_->info(), *profiling()); });
   context_->throw_debug_errors();
@@ -140,9 +142,11 @@ void DeviceSolver::do_reset(const State& state) {
   const double largest = require_state_in_range(topology().rest, state);
   if (!device_ || context_->lost()) rebuild();
   follow();
+  tools_.reset(scene(), state);
   context_->run([&] {
     device_->drop_copies();
     device_->write(topology().rest, state);
+    device_->set_held(tools_);
   });
   kept_ = state;
   late_.reset();
@@ -158,10 +162,11 @@ void DeviceSolver::do_scene_changed() {
   progress_.steps_at_rest = 0;
 }
 
-/// Takes the scene's loads to the device, where they have changed.
+/// Takes the scene's loads and tools to the device, where they have changed.
 void DeviceSolver::follow() {
   if (loads_version_ == scene().version()) return;
-  context_->run([this] { device_->set_scene(scene()); });
+  tools_.follow(scene());
+  context_->run([this] { device_->set_scene(scene(), tools_); });
   loads_version_ = scene().version();
 }
 
@@ -196,7 +201,17 @@ int DeviceSolver::batch_size(const StepPlan& plan, int remaining) const {
   return std::min({size, remaining, plan.stop_at_rest ? plan.rest_steps : remaining});
 }
 
+/// New poses and grasps of a call. What is grasped is found here, from one read of the state; steps read nothing.
+void DeviceSolver::begin_tools(const StepPlan& plan) {
+  if (tools_.empty() || !tools_.begin_call(scene(), plan.steps, plan.stop_at_rest)) return;
+  State now;
+  if (tools_.grasps()) device_->read(topology().rest, now);
+  tools_.hold(now.position, frame().fixed, topology().dimension == 2);
+  device_->set_held(tools_);
+}
+
 Solver::Motion DeviceSolver::run_batches(const StepPlan& plan) {
+  begin_tools(plan);
   const PassTimer::Current timing(device_->timer());
   Motion motion;
   motion.steps_at_rest = progress_.steps_at_rest;
@@ -217,6 +232,7 @@ Solver::Motion DeviceSolver::run_late(const StepPlan& plan) {
   const Motion before = std::exchange(untold_, std::nullopt).value_or(Motion{});
   if (before.bad_particle >= 0) return before;
   if (plan.stop_at_rest) return run_batches(plan);
+  begin_tools(plan);
   const PassTimer::Current timing(device_->timer());
   Motion motion;
   motion.steps_at_rest = progress_.steps_at_rest;
@@ -254,13 +270,14 @@ void DeviceSolver::queue_batch(const StepPlan& plan, int count) {
   for (int k = 0; k < count; ++k) instants_.push_back(instants_.back() + plan.dt);
   const RestThresholds rest =
       rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest}, progress_.largest_displacement);
+  if (!tools_.empty()) tools_.begin_batch(count, plan.dt);
   device_->begin_batch({.dt = plan.dt,
                         .damping_factor = plan.damping_factor,
                         .largest_acceleration = plan.largest_acceleration,
                         .runaway_speed = plan.runaway_speed,
                         .speed_at_rest = rest.speed,
                         .acceleration_at_rest = rest.acceleration},
-                       instants_);
+                       instants_, tools_);
   device_->run(count);
   device_->request_report();
 }
@@ -287,6 +304,7 @@ bool DeviceSolver::settle_batch(const StepPlan& plan, int count, Motion& motion)
     motion.max_acceleration = report.max_acceleration;
     motion.max_force = report.max_force;
     progress_.largest_displacement = report.max_displacement;
+    if (!tools_.empty()) tools_.accept(good, plan.dt, device_->tool_sums());
   }
   motion.steps += good;
   for (int k = 0; k < good; ++k) progress_.time += plan.dt;
@@ -310,6 +328,7 @@ void DeviceSolver::do_read(State& state) const {
     State now;
     context_->run([&] { device_->read(topology().rest, now); });
     now.time = progress_.time;
+    tools_.read(now);
     if (!context_->lost()) kept_ = std::move(now);
   }
   state = kept_;
@@ -339,6 +358,11 @@ void DeviceSolver::do_restore(const Snapshot& snapshot) {
   progress_.steps_at_rest = snapshot.steps_at_rest;
 }
 
+/// Not counted where there are tools: it depends on how much they touch.
+double DeviceSolver::do_bytes_a_step() const {
+  return tools_.empty() ? bytes_a_step_ : std::numeric_limits<double>::quiet_NaN();
+}
+
 Energy DeviceSolver::do_energy() const {
   settle();
   return on_device([&] { return device_->energy(scene(), progress_.time, progress_.last_dt); });
@@ -356,7 +380,10 @@ Momentum DeviceSolver::do_momentum(const Vec3& about) const {
 
 void DeviceSolver::do_request_read() {
   settle();
-  on_device([this] { device_->request_copy(progress_.time); });
+  State header;
+  header.time = progress_.time;
+  tools_.read(header);
+  on_device([&] { device_->request_copy(header); });
 }
 
 bool DeviceSolver::do_collect(State& state) {

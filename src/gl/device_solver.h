@@ -45,7 +45,9 @@ class DeviceSolver final : public Solver, public ContextUser {
   ParticleBuffer do_attractor_buffer() const override;
   std::string do_device() const override { return context_->info().device(); }
   void do_profile() const override;
-  double do_bytes_a_step() const override { return bytes_a_step_; }
+  double do_bytes_a_step() const override;
+  bool do_takes_tools() const override { return true; }
+  const ToolReport& do_tool_report(std::size_t row) const override { return tools_.report(scene().tools()[row]); }
 
   void build();
   void drop() noexcept;
@@ -54,6 +56,7 @@ class DeviceSolver final : public Solver, public ContextUser {
   template <class Function>
   auto on_device(Function&& function) const;
   void follow();
+  void begin_tools(const StepPlan& plan);
   Motion run_batches(const StepPlan& plan);
   Motion run_late(const StepPlan& plan);
   void queue_batch(const StepPlan& plan, int count);
@@ -67,7 +70,8 @@ class DeviceSolver final : public Solver, public ContextUser {
   std::shared_ptr<Context> context_;
   std::unique_ptr<Device> device_;
   std::uint64_t loads_version_ = 0;
-  mutable State kept_;  // the newest state the host has
+  mutable FloatTools tools_{Device::most_steps};  // as far as reports have come
+  mutable State kept_;                            // the newest state the host has
   /// As far as reports have come: they may be seen late, by whoever looks at the state first.
   struct Progress {
     double time = 0.0, last_dt = 0.0;

@@ -3,28 +3,35 @@
 
 namespace phymul::gl {
 
-FragmentDevice::FragmentDevice(const FloatTables& tables, const Scene& scene, const ShaderLibrary& library,
-                               bool four_passes)
+FragmentDevice::FragmentDevice(const FloatTables& tables, const Scene& scene, const FloatTools& tools,
+                               const ShaderLibrary& library, bool four_passes)
     : library_(library),
       tables_(tables),
       state_(tables.particle_count),
       passes_(tables_, library_, four_passes),
       report_(library_, tables.particle_count),
       sums_(library_, passes_) {
-  set_scene(scene);
+  set_scene(scene, tools);
   const VecList origin(static_cast<std::size_t>(tables.particle_count), Vec3::Zero());
   state_.write(origin, {.time = 0.0, .position = origin, .velocity = origin});
-  begin_batch({.dt = 1.0}, {0.0, 1.0});
+  begin_batch({.dt = 1.0}, {0.0, 1.0}, tools);
   try_step(1);
 }
 
-void FragmentDevice::set_scene(const Scene& scene) {
+void FragmentDevice::set_scene(const Scene& scene, const FloatTools& tools) {
   loads_ = std::make_unique<FragmentLoads>(scene, most_steps + 1);
-  passes_.set_loads(*loads_);
+  tools_ = tools.empty() ? nullptr : std::make_unique<FragmentTools>(tools);
+  passes_.set_loads(*loads_, tools_.get());
 }
 
-void FragmentDevice::begin_batch(const StepConstants& constants, const std::vector<double>& instants) {
+void FragmentDevice::set_held(const FloatTools& tools) {
+  if (tools_) tools_->set_held(tools);
+}
+
+void FragmentDevice::begin_batch(const StepConstants& constants, const std::vector<double>& instants,
+                                 const FloatTools& tools) {
   loads_->evaluate(instants);
+  if (tools_) tools_->set_frames(tools);
   passes_.set_constants(constants);
   state_.set_checkpoint();
 }
@@ -41,13 +48,13 @@ void FragmentDevice::run(int count) {
 BatchReport FragmentDevice::try_step(int number) {
   vertices_.bind();
   passes_.step(state_, number, true);
-  report_.request(state_.next_displacement(), state_.next_velocity(), state_.measured());
+  report_.request(state_.next_displacement(), state_.next_velocity(), state_.measured(), tools_.get());
   return report_.take();
 }
 
 void FragmentDevice::request_report() {
   vertices_.bind();
-  report_.request(state_.displacement(), state_.velocity(), state_.measured());
+  report_.request(state_.displacement(), state_.velocity(), state_.measured(), tools_.get());
 }
 
 Energy FragmentDevice::energy(const Scene& scene, double time, double dt) {

@@ -16,19 +16,23 @@ namespace phymul::gl {
 class FragmentDevice final : public Device {
  public:
   /// Compiles, uploads, and draws every pass of a step once: drivers compile at the first draw, not when they are told.
-  FragmentDevice(const FloatTables& tables, const Scene& scene, const ShaderLibrary& library, bool four_passes);
+  FragmentDevice(const FloatTables& tables, const Scene& scene, const FloatTools& tools, const ShaderLibrary& library,
+                 bool four_passes);
 
-  void set_scene(const Scene& scene) override;
+  void set_scene(const Scene& scene, const FloatTools& tools) override;
+  void set_held(const FloatTools& tools) override;
   void write(const VecList& rest, const State& state) override { state_.write(rest, state); }
   void read(const VecList& rest, State& state) override { state_.read(rest, state); }
-  void begin_batch(const StepConstants& constants, const std::vector<double>& instants) override;
+  void begin_batch(const StepConstants& constants, const std::vector<double>& instants,
+                   const FloatTools& tools) override;
   void run(int count) override;
   BatchReport try_step(int number) override;
   void request_report() override;
   BatchReport take_report() override { return report_.take(); }
+  std::span<const ToolSums> tool_sums() const override { return report_.tool_sums(); }
   Energy energy(const Scene& scene, double time, double dt) override;
   Momentum momentum(const VecList& rest, const Vec3& about) override;
-  void request_copy(double time) override { state_.request_copy(copies_, time); }
+  void request_copy(const State& header) override { state_.request_copy(copies_, header); }
   bool collect_copy(const VecList& rest, State& state) override { return copies_.collect(rest, {}, state); }
   void drop_copies() override { copies_.clear(); }
   const Texture& displacements() override { return state_.displacement(); }
@@ -40,6 +44,7 @@ class FragmentDevice final : public Device {
   FragmentTables tables_;
   FragmentState state_;
   std::unique_ptr<FragmentLoads> loads_;
+  std::unique_ptr<FragmentTools> tools_;  // null where there are none
   FragmentPasses passes_;
   FragmentReport report_;
   FragmentSums sums_;

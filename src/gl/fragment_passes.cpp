@@ -17,9 +17,6 @@ FragmentPasses::FragmentPasses(const FragmentTables& tables, const ShaderLibrary
   if (tables.kind().attractors) add_attractors();
   if (tables.kind().base_terms) add_bases();
   add_volumes_and_cells();
-  if (!four_) return;
-  net_ = Texture::target(tables.kind().particles, TexelFormat::rgba32f, "net forces");
-  net_target_ = Framebuffer({{&net_}});
 }
 
 void FragmentPasses::add(ShaderRequest request, const std::vector<Attachment>& targets, int rows) {
@@ -90,44 +87,70 @@ void FragmentPasses::bind_terms(Pass& pass) const {
   if (cell_terms_) pass.input("cell_terms", cell_terms_);
 }
 
-FragmentPasses::Stepping FragmentPasses::compiled(const LoadKind& loads) const {
+/// Of those that move particles, or tell where they would go.
+Pass FragmentPasses::compiled(const StepKind& kind, const char* pass) const {
+  ShaderRequest request = gathering(kind.loads, "free_step.glsl");
+  request.defines.emplace_back("CUT", 1);
+  if (kind.tools) {
+    define_tools(kind.grids, request);
+    request.files.insert(request.files.end(), tool_files().begin(), tool_files().end());
+  }
+  const bool apart = four_ || kind.tools;
+  if (apart) request.defines.emplace_back("FOUR_PASSES", 1);
+  request.files.emplace_back(pass);
+  Pass moving(*library_, std::move(request));
+  tables_->bind(moving);
+  bind_terms(moving);
+  if (apart) moving.input("net", net_);
+  return moving;
+}
+
+FragmentPasses::Stepping FragmentPasses::compiled(const StepKind& kind) const {
   Stepping stepping;
-  stepping.loads = loads;
-  ShaderRequest step = gathering(loads, "step_pass.glsl");
-  if (four_) {
-    step.defines.emplace_back("FOUR_PASSES", 1);
-    ShaderRequest reaction = gathering(loads, "reaction_pass.glsl");
+  stepping.kind = kind;
+  if (reaction_apart()) {
+    ShaderRequest reaction = gathering(kind.loads, "reaction_pass.glsl");
     reaction.defines.emplace_back("CUT", 1);
     stepping.reaction = Pass(*library_, std::move(reaction));
     tables_->bind(stepping.reaction);
     bind_terms(stepping.reaction);
   }
-  step.defines.emplace_back("CUT", 1);
-  stepping.step = Pass(*library_, std::move(step));
-  tables_->bind(stepping.step);
-  bind_terms(stepping.step);
-  if (four_) stepping.step.input("net", net_);
+  if (kind.tools) stepping.tools = compiled(kind, "tools_pass.glsl");
+  stepping.step = compiled(kind, "step_pass.glsl");
   return stepping;
 }
 
-void FragmentPasses::set_loads(const FragmentLoads& loads) {
+void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools) {
   loads_ = &loads;
-  auto found = std::ranges::find(stepping_, loads.kind(), &Stepping::loads);
-  if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), compiled(loads.kind()));
+  tools_ = tools;
+  if (reaction_apart() && !net_) {
+    net_ = Texture::target(tables_->kind().particles, TexelFormat::rgba32f, "net forces");
+    net_target_ = Framebuffer({{&net_}});
+  }
+  const StepKind kind{.loads = loads.kind(), .tools = tools != nullptr, .grids = tools && tools->any_grid()};
+  auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
+  if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), compiled(kind));
   now_ = &*found;
   loads.bind(now_->step);
-  if (four_) loads.bind(now_->reaction);
+  if (reaction_apart()) loads.bind(now_->reaction);
+  if (!tools) return;
+  loads.bind(now_->tools);
+  tools->bind(now_->tools);
+  tools->bind(now_->step);
 }
 
 void FragmentPasses::set_constants(const StepConstants& constants) {
   const auto finite = [](double value) { return std::min(value, double{std::numeric_limits<float>::max()}); };
-  Pass& cutting = four_ ? now_->reaction : now_->step;
+  Pass& cutting = reaction_apart() ? now_->reaction : now_->step;
   cutting.set("largest_acceleration", static_cast<float>(finite(constants.largest_acceleration)));
-  Pass& pass = now_->step;
-  const auto set = [&](const char* name, double value) { pass.set(name, static_cast<float>(value)); };
-  set("dt", constants.dt);
-  set("inverse_dt", 1.0 / constants.dt);
-  set("damping_factor", constants.damping_factor);
+  const auto set_motion = [&](Pass& pass) {
+    pass.set("dt", static_cast<float>(constants.dt));
+    pass.set("inverse_dt", static_cast<float>(1.0 / constants.dt));
+    pass.set("damping_factor", static_cast<float>(constants.damping_factor));
+  };
+  set_motion(now_->step);
+  if (tools_) set_motion(now_->tools);
+  const auto set = [&](const char* name, double value) { now_->step.set(name, static_cast<float>(value)); };
   set("runaway_speed", finite(constants.runaway_speed));
   set("speed_at_rest", constants.speed_at_rest);
   set("acceleration_at_rest", constants.acceleration_at_rest);
@@ -140,22 +163,33 @@ void FragmentPasses::evaluate(const FragmentState& state) {
   }
 }
 
+void FragmentPasses::set_instant(Pass& pass, int batch_step) const {
+  pass.set("instant", batch_step - 1);
+  pass.set("batch_step", batch_step);
+  pass.set("gravity", loads_->gravity(static_cast<std::size_t>(batch_step - 1)));
+}
+
 void FragmentPasses::step(const FragmentState& state, int batch_step, bool measuring) {
   evaluate(state);
-  if (four_) {
+  if (reaction_apart()) {
     Pass& reaction = now_->reaction;
     reaction.input("displacement", state.displacement());
     reaction.set_rows(net_, tables_->kind().particles);
     reaction.set("instant", batch_step - 1);
     reaction.draw(net_target_);
   }
+  const auto prepare = [&](Pass& pass) {
+    pass.input("displacement", state.displacement());
+    pass.input("velocity", state.velocity());
+    set_instant(pass, batch_step);
+  };
+  if (tools_) {
+    prepare(now_->tools);
+    tools_->tell(now_->tools);
+  }
   Pass& step = now_->step;
-  step.input("displacement", state.displacement());
-  step.input("velocity", state.velocity());
+  prepare(step);
   step.set_rows(state.displacement(), tables_->kind().particles);
-  step.set("instant", batch_step - 1);
-  step.set("batch_step", batch_step);
-  step.set("gravity", loads_->gravity(static_cast<std::size_t>(batch_step - 1)));
   step.draw(state.next(measuring));
 }
 

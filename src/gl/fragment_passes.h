@@ -7,7 +7,7 @@
 //   cells      stress of a cell                             bodies with cell-averaged terms
 //   step       net force and Verlet
 // With four passes as in the 2007 thesis the first is two (attractor, force) and the last is two (reaction, Verlet);
-// the bits are the same.
+// the bits are the same. With tools the last is two in any case, as what they feel is a pass between them.
 #pragma once
 
 #include <deque>
@@ -17,6 +17,7 @@
 #include "gl/fragment_loads.h"
 #include "gl/fragment_state.h"
 #include "gl/fragment_tables.h"
+#include "gl/fragment_tools.h"
 
 namespace phymul::gl {
 
@@ -27,8 +28,8 @@ class FragmentPasses {
 
   const FragmentTables& tables() const { return *tables_; }
 
-  /// Compiles what these loads need, where it is not there yet.
-  void set_loads(const FragmentLoads& loads);
+  /// Compiles what these loads need, where it is not there yet. `tools`: null for none.
+  void set_loads(const FragmentLoads& loads, FragmentTools* tools);
 
   /// Before steps of a call.
   void set_constants(const StepConstants& constants);
@@ -53,15 +54,23 @@ class FragmentPasses {
     Framebuffer target;
     int rows = 0;
   };
-  struct Stepping {  // of one kind of loads
+  struct StepKind {
     LoadKind loads;
-    Pass reaction, step;  // reaction: four passes only
+    bool tools = false, grids = false;
+    bool operator==(const StepKind&) const = default;
+  };
+  struct Stepping {
+    StepKind kind;
+    Pass reaction, tools, step;  // reaction: four passes, or tools; tools: only with them
   };
   void add(ShaderRequest request, const std::vector<Attachment>& targets, int rows);
   void add_attractors();
   void add_bases();
   void add_volumes_and_cells();
-  Stepping compiled(const LoadKind& loads) const;
+  Stepping compiled(const StepKind& kind) const;
+  Pass compiled(const StepKind& kind, const char* pass) const;
+  bool reaction_apart() const { return four_ || tools_ != nullptr; }
+  void set_instant(Pass& pass, int batch_step) const;
 
   const FragmentTables* tables_;
   const ShaderLibrary* library_;
@@ -73,6 +82,7 @@ class FragmentPasses {
   std::deque<Stepping> stepping_;  // whose addresses stay
   Stepping* now_ = nullptr;
   const FragmentLoads* loads_ = nullptr;
+  FragmentTools* tools_ = nullptr;
 };
 
 }  // namespace phymul::gl

@@ -13,7 +13,7 @@ const std::vector<std::string> report_files{"dialect_fragment.glsl", "tables.gls
 }  // namespace
 
 FragmentReport::FragmentReport(const ShaderLibrary& library, Index particles)
-    : first_(library, {.files = report_files, .defines = {{"FIRST", 1}}}), particles_(particles) {
+    : library_(&library), first_(library, {.files = report_files, .defines = {{"FIRST", 1}}}), particles_(particles) {
   int rows = particles;
   do {
     rows = (rows + rows_to_one - 1) / rows_to_one;
@@ -27,7 +27,8 @@ FragmentReport::FragmentReport(const ShaderLibrary& library, Index particles)
   if (levels_.size() > 1) further_ = Pass(library, {.files = report_files, .defines = {}});
 }
 
-void FragmentReport::request(const Texture& displacement, const Texture& velocity, const Texture& measured) {
+void FragmentReport::request(const Texture& displacement, const Texture& velocity, const Texture& measured,
+                             FragmentTools* tools) {
   first_.input("displacement", displacement);
   first_.input("velocity", velocity);
   first_.input("measured", measured);
@@ -43,10 +44,29 @@ void FragmentReport::request(const Texture& displacement, const Texture& velocit
     pass.draw(levels_[k].target);
     source_rows = levels_[k].rows;
   }
-  copy_.request([this] {
+  tool_sums_.resize(tools ? static_cast<std::size_t>(tools->count()) : 0);
+  copy_.carry(tools ? 4 * tools->texels() : 0);
+  if (tools) {
+    if (!tools_added_)
+      tools_added_.emplace(*library_,
+                           ShaderRequest{.files = {"dialect_fragment.glsl", "tool_sums_pass.glsl"}, .defines = {}});
+    tools->sum(*tools_added_);
+  }
+  copy_.request([&] {
     levels_.back().target.read(0, GL_RGBA_INTEGER, GL_INT, nullptr);
     levels_.back().target.read(1, GL_RGBA, GL_FLOAT, reinterpret_cast<void*>(sizeof(Int4)));  // an offset in the buffer
+    if (tools) tools->copy(sizeof(Int4) + sizeof(Float4));
   });
+}
+
+BatchReport FragmentReport::take() {
+  const BatchReport report = copy_.take();
+  const std::size_t row = copy_.more().size() / 4;
+  for (std::size_t tool = 0; tool < tool_sums_.size(); ++tool) {
+    const Float4* const at = copy_.more().data() + tool;
+    tool_sums_[tool] = {at[0], at[row], at[2 * row], at[3 * row]};
+  }
+  return report;
 }
 
 }  // namespace phymul::gl

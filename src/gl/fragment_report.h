@@ -3,10 +3,13 @@
 // What a batch of steps has to tell, brought down to one texel on the device: one small read instead of the state.
 #pragma once
 
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "gl/device.h"
 #include "gl/fragment_state.h"
+#include "gl/fragment_tools.h"
 #include "gl/pass.h"
 #include "gl/report_copy.h"
 
@@ -16,9 +19,10 @@ class FragmentReport {
  public:
   FragmentReport(const ShaderLibrary& library, Index particles);
 
-  /// Of the state a batch has reached.
-  void request(const Texture& displacement, const Texture& velocity, const Texture& measured);
-  BatchReport take() { return copy_.take(); }
+  /// Of the state a batch has reached, and of what its steps told of tools; null: there are none.
+  void request(const Texture& displacement, const Texture& velocity, const Texture& measured, FragmentTools* tools);
+  BatchReport take();
+  std::span<const ToolSums> tool_sums() const { return tool_sums_; }
 
  private:
   struct Level {
@@ -27,10 +31,13 @@ class FragmentReport {
     int rows = 0;
   };
 
+  const ShaderLibrary* library_;
   Pass first_, further_;
+  std::optional<Pass> tools_added_;
   Index particles_;
   std::vector<Level> levels_;
   ReportCopy copy_;
+  std::vector<ToolSums> tool_sums_;
 };
 
 }  // namespace phymul::gl

@@ -36,9 +36,9 @@ void FragmentState::write(const VecList& rest, const State& state) {
   set_checkpoint();
 }
 
-void FragmentState::request_copy(StateCopies& copies, double time) const {
+void FragmentState::request_copy(StateCopies& copies, const State& header) const {
   const auto texels = static_cast<std::size_t>(current().shape().texels());
-  copies.request(texels, time, [&] {
+  copies.request(texels, header, [&] {
     current().read(0, GL_RGBA, GL_FLOAT, nullptr);  // an offset in the buffer
     current().read(1, GL_RGBA, GL_FLOAT, reinterpret_cast<void*>(texels * sizeof(Float4)));
   });

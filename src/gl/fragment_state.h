@@ -38,7 +38,7 @@ class FragmentState {
   /// Framebuffer of the current state, to be read: displacement at 0, velocity at 1.
   const Framebuffer& current() const { return plain_[current_]; }
 
-  void request_copy(StateCopies& copies, double time) const;
+  void request_copy(StateCopies& copies, const State& header) const;
   void read(const VecList& rest, State& state) const;
   void write(const VecList& rest, const State& state);
 

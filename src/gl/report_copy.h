@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// ReportCopy: the two rows of a report on their way to the host.
+// ReportCopy: the two rows of a report on their way to the host, and behind them what tools have felt.
 #pragma once
 
 #include "gl/gl_api.h"
+
+#include <vector>
 
 #include "gl/device.h"
 
@@ -26,13 +28,20 @@ class ReportCopy {
     glFlush();
   }
 
+  /// From the next request on `fill` writes so many rows behind the two.
+  void carry(std::size_t more_rows);
+
   /// Waits for what was requested last.
   BatchReport take();
+  /// The rows behind, of the report last taken.
+  const std::vector<Float4>& more() const { return more_; }
 
  private:
   void bind();
+  GLsizeiptr bytes() const;
 
   GLuint buffer_ = 0;
+  std::vector<Float4> more_;
 };
 
 }  // namespace phymul::gl

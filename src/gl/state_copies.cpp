@@ -41,12 +41,12 @@ void StateCopies::clear() {
   on_their_way_.clear();
 }
 
-void StateCopies::request(std::size_t rows, double time, const std::function<void()>& fill) {
+void StateCopies::request(std::size_t rows, const State& header, const std::function<void()>& fill) {
   if (on_their_way_.size() == most) {
     drop(on_their_way_.back());
     on_their_way_.pop_back();
   }
-  Copy copy{.buffer = 0, .fence = nullptr, .rows = rows, .time = time};
+  Copy copy{.buffer = 0, .fence = nullptr, .rows = rows, .time = header.time, .tools = header.tools};
   if (spare_.empty()) {
     glGenBuffers(1, &copy.buffer);
     glBindBuffer(GL_PIXEL_PACK_BUFFER, copy.buffer);
@@ -61,7 +61,7 @@ void StateCopies::request(std::size_t rows, double time, const std::function<voi
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   copy.fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
   glFlush();  // a fence that is never sent never comes
-  on_their_way_.push_back(copy);
+  on_their_way_.push_back(std::move(copy));
 }
 
 bool StateCopies::collect(const VecList& rest, PlaceOf place_of, State& state) {
@@ -75,6 +75,7 @@ bool StateCopies::collect(const VecList& rest, PlaceOf place_of, State& state) {
   if (rows) {
     unpack_state(rows, rows + copy.rows, rest, place_of, state);
     state.time = copy.time;
+    state.tools = std::move(copy.tools);
     glUnmapBuffer(GL_PIXEL_PACK_BUFFER);
   }
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);

@@ -39,7 +39,8 @@ class StateCopies {
   /// Starts a copy of so many rows of displacement, and as many of velocity behind them: `fill` gives the commands that
   /// write them to the buffer bound to GL_PIXEL_PACK_BUFFER. Takes the place of the newest where `most` are on their
   /// way. One number of rows for all requests.
-  void request(std::size_t rows, double time, const std::function<void()>& fill);
+  /// `header` has what else the state is to have: its time, and its tools.
+  void request(std::size_t rows, const State& header, const std::function<void()>& fill);
   /// True where the oldest has arrived, and is then in `state`.
   bool collect(const VecList& rest, PlaceOf place_of, State& state);
   void clear();
@@ -50,6 +51,7 @@ class StateCopies {
     GLsync fence = nullptr;
     std::size_t rows = 0;
     double time = 0.0;
+    std::vector<ToolState> tools;
   };
   void drop(Copy& copy);
 

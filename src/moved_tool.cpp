@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+#include "moved_tool.h"
+
+#include <algorithm>
+
+namespace phymul {
+namespace {
+
+ToolPose between(const ToolPose& from, const ToolPose& to, double share) {
+  ToolPose pose = to;
+  pose.position = from.position + share * (to.position - from.position);
+  pose.orientation = from.orientation.slerp(share, to.orientation);
+  return pose;
+}
+
+}  // namespace
+
+void ToolMotion::place(const ToolPose& there) {
+  pose = next_pose = to = there;
+  steps = done = 0;
+  placed = true;
+}
+
+void ToolMotion::advance(double dt) {
+  if (done < steps) {
+    const int next = done + 1;
+    next_pose = next == steps ? to : between(from, to, static_cast<double>(next) / steps);
+    return;
+  }
+  next_pose = pose;
+  next_pose.position += dt * pose.velocity;
+  const double angle = dt * pose.spin.norm();
+  if (!(angle > 0.0)) return;
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle, pose.spin.normalized()));
+  next_pose.orientation = Quaternion(turn * Eigen::Quaterniond(pose.orientation)).normalized();
+}
+
+void ToolMotion::accept() {
+  pose = next_pose;
+  placed = false;
+  if (done < steps && ++done == steps) steps = done = 0;
+}
+
+MovedTool::MovedTool(const SceneTool& tool)
+    : id(tool.id), name(tool.name), seen_moves_(tool.moves), seen_places_(tool.places) {
+  place(tool.pose);
+}
+
+void MovedTool::place(const ToolPose& pose) {
+  motion.place(pose);
+  report.pose = pose;
+}
+
+const ToolState* MovedTool::reset(const SceneTool& wanted, const State& state) {
+  const auto row = std::ranges::find(state.tools, name, &ToolState::name);
+  const ToolState* const known = row != state.tools.end() ? &*row : nullptr;
+  place(known ? known->pose : wanted.pose);
+  held = known ? known->held : std::vector<Index>{};
+  held_at = known ? known->held_at : VecList{};
+  motion.placed = known == nullptr;
+  grasps = releases = false;
+  seen_moves_ = wanted.moves;
+  seen_places_ = wanted.places;
+  // A tool that was told to hold before the solver was there, or before it began anew, holds from the first step on.
+  seen_grasps_ = wanted.grasping && !known ? wanted.grasps - 1 : wanted.grasps;
+  report.force = {};
+  return known;
+}
+
+void MovedTool::read(ToolState& to) const {
+  to.name = name;
+  to.pose = report.pose;
+  to.held = held;
+  to.held_at = held_at;
+  to.needle = {};
+}
+
+void MovedTool::begin_call(const SceneTool& wanted, int call_steps, bool at_once) {
+  sum_force_.setZero();
+  sum_torque_.setZero();
+  summed_ = 0;
+  if (seen_places_ != wanted.places) {
+    seen_places_ = wanted.places;
+    seen_moves_ = wanted.moves;
+    place(wanted.pose);
+  } else if (seen_moves_ != wanted.moves || motion.done < motion.steps) {
+    seen_moves_ = wanted.moves;
+    motion.from = motion.pose;
+    motion.to = wanted.pose;
+    motion.steps = at_once ? 1 : call_steps;
+    motion.done = 0;
+  }
+  if (seen_grasps_ == wanted.grasps) return;
+  seen_grasps_ = wanted.grasps;
+  grasps = wanted.grasping;
+  releases = !wanted.grasping;
+  grasp_distance = wanted.grasp_distance;
+}
+
+void MovedTool::release() {
+  held.clear();
+  held_at.clear();
+  releases = false;
+}
+
+void MovedTool::accept_pose() {
+  motion.accept();
+  report.pose = motion.pose;
+}
+
+void MovedTool::tell(const ToolForce& last, const Vec3& sum_force, const Vec3& sum_torque, int steps) {
+  report.force.force = last.force;
+  report.force.torque = last.torque;
+  report.force.particles = last.particles;
+  sum_force_ += sum_force;
+  sum_torque_ += sum_torque;
+  summed_ += steps;
+  report.force.mean_force = sum_force_ / summed_;
+  report.force.mean_torque = sum_torque_ / summed_;
+}
+
+}  // namespace phymul

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+//
+// A tool of a scene as one solver moves it, whatever the backend: its pose step by step, what it holds, and what its
+// calls of step() have felt. In double precision.
+#pragma once
+
+#include <phymul/scene.h>
+#include <phymul/state.h>
+
+#include <string>
+#include <vector>
+
+namespace phymul {
+
+/// Where a tool goes. Cheap to copy.
+struct ToolMotion {
+  ToolPose pose;            // at the state's time
+  ToolPose next_pose;       // of the end of the step in question
+  bool placed = true;       // since the last step: it was put where it is, not moved there
+  ToolPose from, to;        // of this call's motion
+  int steps = 0, done = 0;  // of it; steps 0: the tool goes on with its velocity
+
+  void place(const ToolPose& there);
+  void advance(double dt);  ///< next_pose
+  void accept();            ///< the step counts; without it the next advance() does it over
+};
+
+struct MovedTool {
+  explicit MovedTool(const SceneTool& tool);
+
+  /// To what a state says of it, which is returned; null where it says nothing: to where the scene has it.
+  const ToolState* reset(const SceneTool& wanted, const State& state);
+  void read(ToolState& to) const;  ///< all but needles
+  /// A call of `call_steps` steps, above 0, begins: looks for new poses and grasps. `at_once`: poses are reached in the
+  /// first step.
+  void begin_call(const SceneTool& wanted, int call_steps, bool at_once);
+  void release();
+  void accept_pose();
+  /// What so many more steps of the call did to it: in the last one, and summed up.
+  void tell(const ToolForce& last, const Vec3& sum_force, const Vec3& sum_torque, int steps);
+
+  std::uint64_t id = 0;
+  std::string name;
+  ToolMotion motion;
+  ToolReport report;                      // pose of the state, force of the last step
+  bool grasps = false, releases = false;  // in the next step
+  double grasp_distance = 0.0;            // m
+  std::vector<Index> held;
+  VecList held_at;  // [held] in the tool's frame, m
+
+ private:
+  void place(const ToolPose& pose);
+
+  std::uint64_t seen_moves_ = 0, seen_places_ = 0, seen_grasps_ = 0;
+  Vec3 sum_force_{0, 0, 0}, sum_torque_{0, 0, 0};  // over the steps of this call
+  int summed_ = 0;
+};
+
+}  // namespace phymul
