@@ -41,7 +41,7 @@ def zero(axes):
 
 
 def needle(out):
-    figure, (axes,) = sheet("A needle in liver: 40 mm in, a rest, and out", ("depth of the tip under the surface at rest, mm",
+    figure, (axes,) = sheet("A needle in a soft block: 40 mm in, a rest, and out", ("depth of the tip under the surface at rest, mm",
                             "force on the hand, N"))
     for (name,), rows in data.groups(rows_of(out, "needle"), "needle").items():
         depth, force = columns(rows, "depth_mm", "force_N")
