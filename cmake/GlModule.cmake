@@ -88,6 +88,7 @@ add_library(phymul_gl_objects OBJECT
   src/gl/context_self_test.cpp
   src/gl/context_worker.cpp
   src/gl/device.cpp
+  src/gl/device_batches.cpp
   src/gl/device_solver.cpp
   src/gl/display.cpp
   src/gl/drawing.cpp
@@ -108,6 +109,7 @@ add_library(phymul_gl_objects OBJECT
   src/gl/guard_state.cpp
   src/gl/kernel.cpp
   src/gl/load_table.cpp
+  src/gl/loop_turns.cpp
   src/gl/module.cpp
   src/gl/options.cpp
   src/gl/pass.cpp

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 #
 # The force curves from the examples' CSV files.
+file(GLOB before ${OUT}/*_force.png)
+file(REMOVE ${before})
 foreach(python python3 /usr/bin/python3)
   execute_process(COMMAND ${python} -c "import matplotlib" RESULT_VARIABLE missing OUTPUT_QUIET ERROR_QUIET)
   if(missing EQUAL 0)

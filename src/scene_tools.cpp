@@ -35,6 +35,10 @@ void require_needle(std::string_view tool, const Needle& needle) {
   require_not_negative(tool, "kinetic friction (N/m)", needle.kinetic_friction);
   require_not_negative(tool, "spread (m)", needle.spread);
   require_not_negative(tool, "bending stiffness (N m^2)", needle.bending_stiffness);
+  if (needle.bending_stiffness > 0.0 && needle.bending_stiffness < 1e-12) {
+    throw Error(label(tool) + "expected a bending stiffness of 0 (stiff), or at least 1e-12 N m^2, got " +
+                to_decimal(needle.bending_stiffness));
+  }
   if (needle.cutting > needle.puncture) {
     throw Error(label(tool) + "expected a cutting force of at most the puncture force " + to_decimal(needle.puncture) +
                 " N, got " + to_decimal(needle.cutting));

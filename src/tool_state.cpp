@@ -10,9 +10,19 @@ namespace phymul {
 namespace {
 
 constexpr double longest_needle = 10.0;  // m: no needle slips farther
+constexpr double largest_load = 1e6;     // N on a shaft
+constexpr double largest_weight = 100.0;
 
 bool fits(const ShaftLoad& load) {
-  return std::abs(load.along) <= longest_needle && std::isfinite(load.x) && std::isfinite(load.y);
+  return std::abs(load.along) <= longest_needle && std::abs(load.x) <= largest_load && std::abs(load.y) <= largest_load;
+}
+
+/// A weighted mean.
+bool fits(const std::vector<double>& weights) {
+  double sum = 0.0;
+  for (const double w : weights) sum += w;
+  return std::abs(sum - 1.0) <= 1e-6 &&
+         std::ranges::all_of(weights, [](double w) { return std::abs(w) <= largest_weight; });
 }
 
 bool fits(const ToolState& tool, Index particle_count) {
@@ -27,8 +37,7 @@ bool fits(const ToolState& tool, Index particle_count) {
   if (!std::ranges::all_of(tool.held, is_particle) || !std::ranges::all_of(tool.held_at, finite)) return false;
   return std::ranges::all_of(tool.needle.hole, [&](const NeedleNode& node) {
     return !node.particles.empty() && node.particles.size() == node.weights.size() &&
-           std::ranges::all_of(node.particles, is_particle) &&
-           std::ranges::all_of(node.weights, [](double w) { return std::isfinite(w); });
+           std::ranges::all_of(node.particles, is_particle) && fits(node.weights);
   });
 }
 
@@ -42,9 +51,8 @@ bool has_needle(const std::vector<SceneTool>& tools) {
 void require_tool_states(const State& state, Index particle_count) {
   for (const ToolState& tool : state.tools) {
     if (fits(tool, particle_count)) continue;
-    throw Error(
-        "Solver::reset: the state of tool \"" + tool.name +
-        "\" has particles that this model does not have, lists of unlike lengths, or numbers that are not finite");
+    throw Error("Solver::reset: the state of tool \"" + tool.name +
+                "\" has particles that this model does not have, lists of unlike lengths, or numbers that no tool has");
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <set>
@@ -26,7 +27,7 @@ bool is_patchwork(const TopologyTextures& t) {
   std::set<float> stiffnesses;  // rounded: they are computed
   for (const CellTexel& cell : t.cells) {
     stiffnesses.insert(static_cast<float>(cell.shape_stiffness));
-    if (stiffnesses.size() > 2 * most_stiffnesses) return true;
+    if (stiffnesses.size() > most_stiffnesses) return true;
   }
   return false;
 }
@@ -98,7 +99,9 @@ std::optional<LatticeFrame::Node> LatticeFrame::node_of(const Vec3& rest) const 
 }
 
 int LatticeFrame::tile_of(const Node& node) const {
-  const auto part = [&](int axis, int tiles) { return node[axis] * tiles / count_[axis]; };
+  const auto part = [&](int axis, int tiles) {
+    return static_cast<int>(std::int64_t{node[axis]} * tiles / count_[axis]);
+  };
   return part(axes_[0], line_tiles_) * side_tiles_ + part(axes_[1], side_tiles_);
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -55,7 +56,7 @@ void NeedlePath::couple(TouchedParticles& touched, const Line& start, double tur
     for (std::size_t j = 0; j < node.particles.size(); ++j) {
       const std::size_t slot = touched.slot(node.particles[j]);
       coupled.slots.push_back(slot);
-      if (touched[slot].fixed != 7)
+      if (touched[slot].fixed != 7 && !touched[slot].held)
         coupled.inverse_mass += node.weights[j] * node.weights[j] * touched[slot].inverse_mass;
     }
     coupled.along = start.along(place(node, touched.step()));
@@ -111,8 +112,11 @@ void NeedlePath::couple_sideways(TouchedParticles& touched) {
   }
   const auto count = static_cast<Eigen::Index>(held_.size());
   const double dt = touched.dt();
-  gives_.resize(count, count);
-  compliance_.resize(count, count);
+  if (gives_.rows() < count) {  // more than it takes now: it changes from step to step
+    gives_.resize(2 * count, 2 * count);
+    compliance_.resize(2 * count, 2 * count);
+    off_.resize(2 * count, 3);
+  }
   share_of_.assign(touched.count(), 0.0);
   for (Eigen::Index row = 0; row < count; ++row) {
     const Coupled& node = coupled_[held_[row]];
@@ -134,9 +138,10 @@ void NeedlePath::couple_sideways(TouchedParticles& touched) {
     }
     each_share([&](std::size_t slot, double) { share_of_[slot] = 0.0; });
   }
-  gives_.diagonal() *= 1.0 + slack;
-  factor_.compute(gives_);
-  off_.resize(count, 3);
+  auto gives = gives_.topLeftCorner(count, count);
+  gives.diagonal() *= 1.0 + slack;
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> in_place(gives);
+  if (in_place.info() != Eigen::Success) held_.clear();
 }
 
 /// Onto the bent shaft, all nodes at once: where the step ends, the shaft is bent by what it holds the tissue with.
@@ -150,10 +155,13 @@ void NeedlePath::hold_on_bent(TouchedParticles& touched, const Line& end) {
     }
     off_.row(row) = off.transpose();
   }
-  factor_.solveInPlace(off_);
+  const auto factor = gives_.topLeftCorner(count, count).triangularView<Eigen::Lower>();
+  auto off = off_.topRows(count);
+  factor.solveInPlace(off);
+  factor.adjoint().solveInPlace(off);
   for (Eigen::Index row = 0; row < count; ++row) {
     Coupled& node = coupled_[held_[row]];
-    Vec3 wanted = node.sideways - off_.row(row).transpose();
+    Vec3 wanted = node.sideways - off.row(row).transpose();
     const double most = friction_ * node.pushed, size = wanted.norm();
     if (!state_.punctured && size > most) wanted *= most / size;
     give(held_[row], touched, wanted - node.sideways);

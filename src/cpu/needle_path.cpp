@@ -19,6 +19,12 @@ double reach_of(double spread, double spacing) {
   return std::max(std::sqrt(std::max(left, 0.0)), std::min(spread, 1.5 * spacing));
 }
 
+/// Cells alone make a body, without neighbours to take a spacing from.
+double spacing_of(const Model& model) {
+  const double spacing = mean_spacing(model);
+  return spacing > 0.0 ? spacing : body_size(model) / std::cbrt(static_cast<double>(model.particle_count()));
+}
+
 std::vector<std::array<Index, 3>> triangles_of(const Model& model) {
   const std::vector<char> all(model.rest.size(), 1);
   std::vector<std::array<Index, 3>> triangles;
@@ -59,8 +65,8 @@ std::array<Vec3, 3> corners(const std::array<Index, 3>& t, const FreeStep& step)
 NeedlePath::NeedlePath(const Needle& needle, double friction, const Model& model)
     : needle_(needle),
       friction_(friction),
-      spread_(needle.spread > 0.0 ? needle.spread : 2.0 * mean_spacing(model)),
-      reach_(reach_of(spread_, mean_spacing(model))),
+      spread_(needle.spread > 0.0 ? needle.spread : 2.0 * spacing_of(model)),
+      reach_(reach_of(spread_, spacing_of(model))),
       facets_(triangles_of(model)) {
   found_.reserve(model.rest.size());
 }
@@ -73,6 +79,7 @@ Vec3 NeedlePath::place(const NeedleNode& node, const FreeStep& step) {
 
 NeedleNode NeedlePath::node_at(const FreeStep& step, const Vec3& x) {
   NeedleNode node;
+  if (!x.allFinite()) return node;
   double reach = reach_;
   do {
     found_.clear();
@@ -119,20 +126,26 @@ Vec3 NeedlePath::shaft_at(const Line& line, double along) const {
 
 /// New nodes on the way that the tip has made since the last one.
 void NeedlePath::lengthen(const FreeStep& step, const Line& line) {
-  for (double left = state_.slip - spread_; left > 0.0; left -= spread_) {
-    state_.hole.push_back(node_at(step, shaft_at(line, left)));
-  }
+  const bool first = state_.hole.size() == 1;
+  const auto add = [&](const Vec3& x) {
+    NeedleNode node = node_at(step, x);
+    if (!node.particles.empty()) state_.hole.push_back(std::move(node));
+  };
+  for (double left = state_.slip - spread_; left > 0.0; left -= spread_) add(shaft_at(line, left));
   state_.slip = 0.0;
-  // Out again where the nearest surface toward the hub is one it came out of. A mean over particles lies above the
-  // deepest point of a dent, so that right after the puncture the tip may still be in front of the facets.
+  // Out again where the nearest surface back along the shaft is one it came out of. A mean over particles lies above
+  // the deepest point of a dent, so that right after the puncture the tip may still be in front of the facets.
   const Vec3 tip = shaft_at(line, 0.0);
-  const Crossing behind = nearest_surface(step, tip, line.axis);
-  if (behind.way < 0.0 || behind.outward) {
-    state_.hole.push_back(node_at(step, tip));
-    return;
-  }
+  const Vec3 back = (shaft_at(line, std::min(spread_, needle_.length)) - tip).normalized();
+  const Crossing behind = nearest_surface(step, tip, back);
+  const auto body_is_ahead = [&] {
+    const Crossing ahead = nearest_surface(step, tip, -back);
+    return ahead.way >= 0.0 && ahead.outward;
+  };
+  const bool in = behind.way >= 0.0 ? behind.outward : first || body_is_ahead();
+  if (in) return add(tip);
   state_.through = true;
-  state_.hole.push_back(node_at(step, shaft_at(line, behind.way)));
+  if (behind.way >= 0.0) add(tip + behind.way * back);
 }
 
 void NeedlePath::follow(const TouchedParticles& touched, const Line& line) {

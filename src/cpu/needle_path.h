@@ -9,7 +9,7 @@
 #include <phymul/model.h>
 #include <phymul/needle.h>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <array>
 
 #include "../free_step.h"
@@ -89,9 +89,9 @@ class NeedlePath {
   // Of a shaft that bends. Rows are those of held_.
   std::vector<std::size_t> held_;  // nodes held sideways in this step
   std::vector<double> share_of_;   // [slot] 1/kg
-  Eigen::MatrixXd compliance_;     // m/N, of the shaft
-  Eigen::MatrixXd gives_;          // m / (N s), of the shaft and the tissue
-  Eigen::LLT<Eigen::MatrixXd> factor_;
+  // As many of them as are held; the rest is room.
+  Eigen::MatrixXd compliance_;  // m/N, of the shaft
+  Eigen::MatrixXd gives_;       // m / (N s), of the shaft and the tissue; then its lower triangular factor
   Eigen::Matrix<double, Eigen::Dynamic, 3> off_;
   std::vector<ShaftLoad> loads_;  // of this step
 };

@@ -31,8 +31,9 @@ void ComputeDevice::bind() const {
 }
 
 void ComputeDevice::set_scene(const Scene& scene, const FloatTools& tools) {
-  loads_ = std::make_unique<ComputeLoads>(scene, most_steps + 1, tables_, limits_, &tools);
-  passes_.set_loads(*loads_, state_);
+  auto loads = std::make_unique<ComputeLoads>(scene, most_steps + 1, tables_, limits_, &tools);
+  passes_.set_loads(*loads, state_);
+  loads_ = std::move(loads);
 }
 
 void ComputeDevice::begin_batch(const StepConstants& constants, const std::vector<double>& instants,

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "gl/compute_passes.h"
 
+#include <phymul/error.h>
+
 #include <algorithm>
 #include <limits>
+#include <string>
 #include <utility>
 
 namespace phymul::gl {
@@ -16,6 +19,7 @@ constexpr int lanes = 64;  // of a group where groups are many
 constexpr double workgroup_bases = 16384.0;
 
 constexpr std::int64_t turns_a_tool = 66;  // of loops, for one particle: contact_tool.glsl looks along its way in 64
+constexpr std::int64_t turns_a_cell = 15;
 
 const ShaderFiles common{"dialect_compute.glsl", "tables.glsl", "vector3.glsl"};
 
@@ -139,14 +143,18 @@ int ComputePasses::workgroup() const {
   return std::min((rows + 31) / 32 * 32, most / 32 * 32);
 }
 
-/// As many as the driver's shaders have turns for; half of those are left to what is not counted here (loads).
-int ComputePasses::steps_a_dispatch() const {
+/// Turns of the loops of a step of one group.
+std::int64_t ComputePasses::turns_a_step(std::int64_t tools) const {
   const BodyKind& kind = tables_->kind();
   const auto rounds = [group = workgroup()](std::int64_t rows) { return (rows + group - 1) / group; };
-  const std::int64_t of_step =
-      1 + rounds(kind.particles) * (2 + kind.turns.own + kind.turns.gathered + turns_a_tool * tools_) +
-      rounds(kind.bases) + rounds(kind.volumes) + rounds(kind.cells);
-  return static_cast<int>(std::clamp<std::int64_t>(limits_.loop_turns / 2 / of_step, 1, Device::most_steps));
+  return 1 + rounds(kind.particles) * (2 + kind.turns.own + kind.turns.gathered + turns_a_tool * tools) +
+         rounds(kind.bases) + rounds(kind.volumes) + turns_a_cell * rounds(kind.cells);
+}
+
+/// As many as the driver's shaders have turns for; half of those are left to what is not counted (loads).
+int ComputePasses::steps_a_dispatch() const {
+  const std::int64_t fit = limits_.loop_turns / 2 / turns_a_step(tools_);
+  return static_cast<int>(std::clamp<std::int64_t>(fit, 1, Device::most_steps));
 }
 
 Kernel ComputePasses::stepping(const StepKind& step, const ComputeState& state) const {
@@ -172,11 +180,17 @@ Kernel ComputePasses::stepping(const StepKind& step, const ComputeState& state) 
 
 void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& state) {
   const ComputeTools* const tools = loads.tools();
-  tools_ = tools ? tools->count() : 0;
+  const int tool_count = tools ? tools->count() : 0;
+  if (form_ == ComputeForm::workgroup && turns_a_step(tool_count) > limits_.loop_turns) {
+    throw Error("expected a step of one group to take at most " + std::to_string(limits_.loop_turns) +
+                " turns of loops, which is where this renderer breaks off, got " +
+                std::to_string(turns_a_step(tool_count)) + "; use GlCompute::store (PHYMUL_GL_COMPUTE=store)");
+  }
   const StepKind kind{.loads = loads.kind(), .tools = tools != nullptr, .grids = tools && tools->any_grid()};
   auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
   if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), {kind, stepping(kind, state)});
   now_ = &found->kernel;
+  tools_ = tool_count;
   loads.place(*now_);
 }
 

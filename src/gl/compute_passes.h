@@ -73,6 +73,7 @@ class ComputePasses {
   void compile_terms(const ComputeState& state);
   void add_terms(bool attractors, bool bases, bool others, const ComputeState& state);
   Kernel stepping(const StepKind& step, const ComputeState& state) const;
+  std::int64_t turns_a_step(std::int64_t tools) const;
   int steps_a_dispatch() const;
   int workgroup() const;
 

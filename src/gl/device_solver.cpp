@@ -3,8 +3,6 @@
 
 #include <phymul/error.h>
 
-#include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -12,6 +10,7 @@
 #include "base_layout.h"
 #include "gl/compute_device.h"
 #include "gl/fragment_device.h"
+#include "gl/loop_turns.h"
 #include "gl/options.h"
 #include "gl/step_traffic.h"
 #include "slice_tables.h"
@@ -19,28 +18,10 @@
 namespace phymul::gl {
 namespace {
 
-/// A batch of steps that takes longer keeps the device from drawing, and a window system may take it for hung.
-constexpr double seconds_a_batch = 0.05;
-constexpr int first_batch = 8;
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 /// Another context sees what was drawn here only once it is done. After a step, whose report was waited for, it is.
 ParticleBuffer finished(const Texture& texture) {
   glFinish();
   return {.texture = texture.id(), .width = texture.shape().width, .height = texture.shape().height, .position = {}};
-}
-
-/// Else forces would be missing, and nobody the wiser.
-void require_turns(const ContextInfo& info, LoopTurns turns, bool recomputes) {
-  const std::int64_t all = recomputes ? turns.gathered * (1 + turns.own) : turns.own + turns.gathered;
-  if (all <= info.loop_turns) return;
-  throw Error("expected at most " + std::to_string(info.loop_turns) +
-              " turns of the loops of a shader, which is where " + info.renderer + " breaks off, got up to " +
-              std::to_string(all) + " for a particle of this body; use fewer bases" +
-              (recomputes ? ", the form that stores," : "") + " or another backend");
 }
 
 }  // namespace
@@ -142,8 +123,8 @@ void DeviceSolver::do_reset(const State& state) {
   const double largest = require_state_in_range(topology().rest, state);
   if (!device_ || context_->lost()) rebuild();
   follow();
-  tools_.reset(scene(), state);
   context_->run([&] {
+    tools_.reset(scene(), state);
     device_->drop_copies();
     device_->write(topology().rest, state);
     device_->set_held(tools_);
@@ -162,12 +143,21 @@ void DeviceSolver::do_scene_changed() {
   progress_.steps_at_rest = 0;
 }
 
-/// Takes the scene's loads and tools to the device, where they have changed.
+/// Takes the scene's loads and tools to the device, where they have changed; all of it or nothing.
 void DeviceSolver::follow() {
   if (loads_version_ == scene().version()) return;
-  tools_.follow(scene());
-  context_->run([this] { device_->set_scene(scene(), tools_); });
+  FloatTools tools = tools_;
+  tools.follow(scene());
+  context_->run([&] { device_->set_scene(scene(), tools); });
+  tools_ = std::move(tools);
   loads_version_ = scene().version();
+  seconds_a_step_ = 0.0;
+}
+
+Solver::Motion DeviceSolver::lost_motion() {
+  Motion motion;
+  motion.lost = true;
+  return motion;
 }
 
 Solver::Motion DeviceSolver::do_step(const StepPlan& plan) {
@@ -182,74 +172,13 @@ Solver::Motion DeviceSolver::do_step(const StepPlan& plan) {
       if (!context_->lost()) return motion;
     }
   } catch (const Unreachable&) {  // the device and its state stay, for when the host makes its context current again
-    Motion motion;
-    motion.lost = true;
-    return motion;
+    return lost_motion();
+  } catch (const Error&) {
+    if (!context_->lost() && loads_version_ != scene().version()) throw;  // the changed scene does not fit the device
   } catch (...) {  // a device that refuses what it did before is lost to us
   }
   recover();
-  Motion motion;
-  motion.lost = true;
-  return motion;
-}
-
-/// No longer than rest_steps where the body is to stop at rest: then an unquiet step in a batch says that no other
-/// row of so many quiet ones is in it.
-int DeviceSolver::batch_size(const StepPlan& plan, int remaining) const {
-  const double wished = seconds_a_step_ > 0.0 ? seconds_a_batch / seconds_a_step_ : first_batch;
-  const int size = static_cast<int>(std::clamp(wished, 1.0, static_cast<double>(Device::most_steps)));
-  return std::min({size, remaining, plan.stop_at_rest ? plan.rest_steps : remaining});
-}
-
-/// New poses and grasps of a call. What is grasped is found here, from one read of the state; steps read nothing.
-void DeviceSolver::begin_tools(const StepPlan& plan) {
-  if (tools_.empty() || !tools_.begin_call(scene(), plan.steps, plan.stop_at_rest)) return;
-  State now;
-  if (tools_.grasps()) device_->read(topology().rest, now);
-  tools_.hold(now.position, frame().fixed, topology().dimension == 2);
-  device_->set_held(tools_);
-}
-
-Solver::Motion DeviceSolver::run_batches(const StepPlan& plan) {
-  begin_tools(plan);
-  const PassTimer::Current timing(device_->timer());
-  Motion motion;
-  motion.steps_at_rest = progress_.steps_at_rest;
-  while (motion.steps < plan.steps) {
-    const int count = batch_size(plan, plan.steps - motion.steps);
-    const auto start = std::chrono::steady_clock::now();
-    queue_batch(plan, count);
-    const bool go_on = settle_batch(plan, count, motion);
-    seconds_a_step_ = seconds_since(start) / count;
-    progress_.steps_at_rest = motion.steps_at_rest;
-    if (!go_on || context_->lost()) break;
-  }
-  return motion;
-}
-
-/// The report of the call before, while the last batch of this one is on its way. run_to_rest() waits for every batch.
-Solver::Motion DeviceSolver::run_late(const StepPlan& plan) {
-  const Motion before = std::exchange(untold_, std::nullopt).value_or(Motion{});
-  if (before.bad_particle >= 0) return before;
-  if (plan.stop_at_rest) return run_batches(plan);
-  begin_tools(plan);
-  const PassTimer::Current timing(device_->timer());
-  Motion motion;
-  motion.steps_at_rest = progress_.steps_at_rest;
-  for (int left = plan.steps; left > 0;) {
-    const int count = batch_size(plan, left);
-    const auto start = std::chrono::steady_clock::now();
-    queue_batch(plan, count);
-    left -= count;
-    if (left == 0) {
-      late_ = Late{plan, count, motion};
-      break;
-    }
-    if (!settle_batch(plan, count, motion)) return motion;
-    seconds_a_step_ = seconds_since(start) / count;
-    progress_.steps_at_rest = motion.steps_at_rest;
-  }
-  return before;
+  return lost_motion();
 }
 
 /// Waits for the batch whose report is on its way. Whatever it says is told by the next step().
@@ -263,59 +192,6 @@ void DeviceSolver::settle() const {
   late_.reset();
   progress_.steps_at_rest = late.motion.steps_at_rest;
   untold_ = late.motion;
-}
-
-void DeviceSolver::queue_batch(const StepPlan& plan, int count) {
-  instants_.assign(1, progress_.time);
-  for (int k = 0; k < count; ++k) instants_.push_back(instants_.back() + plan.dt);
-  const RestThresholds rest =
-      rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest}, progress_.largest_displacement);
-  if (!tools_.empty()) tools_.begin_batch(count, plan.dt);
-  device_->begin_batch({.dt = plan.dt,
-                        .damping_factor = plan.damping_factor,
-                        .largest_acceleration = plan.largest_acceleration,
-                        .runaway_speed = plan.runaway_speed,
-                        .speed_at_rest = rest.speed,
-                        .acceleration_at_rest = rest.acceleration},
-                       instants_, tools_);
-  device_->run(count);
-  device_->request_report();
-}
-
-/// False where the motion ends with this batch: a failure, or rest.
-bool DeviceSolver::settle_batch(const StepPlan& plan, int count, Motion& motion) const {
-  BatchReport report = device_->take_report();
-  const int failed_at = report.runaway_step;
-  const Index culprit = report.particle;
-  int good = failed_at > 0 ? failed_at - 1 : count;
-
-  const int until_rest = std::max(plan.rest_steps - motion.steps_at_rest, 1);
-  const int quiet = report.first_unquiet > 0 ? std::min(report.first_unquiet - 1, good) : good;
-  const bool rests = plan.stop_at_rest && quiet >= until_rest;
-  if (rests) good = until_rest;
-  if (good < count) {
-    device_->run(good);
-    if (good > 0) report = device_->report();
-  }
-  if (good > 0) {
-    motion.cut = motion.cut || report.cut;
-    motion.steps_at_rest = report.last_unquiet > 0 ? good - report.last_unquiet : motion.steps_at_rest + good;
-    motion.max_speed = report.max_speed;
-    motion.max_acceleration = report.max_acceleration;
-    motion.max_force = report.max_force;
-    progress_.largest_displacement = report.max_displacement;
-    if (!tools_.empty()) tools_.accept(good, plan.dt, device_->tool_sums());
-  }
-  motion.steps += good;
-  for (int k = 0; k < good; ++k) progress_.time += plan.dt;
-  if (good > 0) progress_.last_dt = plan.dt;
-  if (rests || failed_at == 0) return !rests;
-  // The forces that the step after the last good one began with, which are those of the state that is kept.
-  const BatchReport failed = device_->try_step(good + 1);
-  motion.max_acceleration = failed.max_acceleration;
-  motion.max_force = failed.max_force;
-  motion.bad_particle = culprit;
-  return false;
 }
 
 void DeviceSolver::do_read(State& state) const {

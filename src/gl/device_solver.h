@@ -56,6 +56,7 @@ class DeviceSolver final : public Solver, public ContextUser {
   template <class Function>
   auto on_device(Function&& function) const;
   void follow();
+  static Motion lost_motion();
   void begin_tools(const StepPlan& plan);
   Motion run_batches(const StepPlan& plan);
   Motion run_late(const StepPlan& plan);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "gl/fragment_device.h"
 
+#include <utility>
+
 namespace phymul::gl {
 
 FragmentDevice::FragmentDevice(const FloatTables& tables, const Scene& scene, const FloatTools& tools,
@@ -19,9 +21,11 @@ FragmentDevice::FragmentDevice(const FloatTables& tables, const Scene& scene, co
 }
 
 void FragmentDevice::set_scene(const Scene& scene, const FloatTools& tools) {
-  loads_ = std::make_unique<FragmentLoads>(scene, most_steps + 1);
-  tools_ = tools.empty() ? nullptr : std::make_unique<FragmentTools>(tools);
-  passes_.set_loads(*loads_, tools_.get());
+  auto new_loads = std::make_unique<FragmentLoads>(scene, most_steps + 1);
+  auto new_tools = tools.empty() ? nullptr : std::make_unique<FragmentTools>(tools);
+  passes_.set_loads(*new_loads, new_tools.get());
+  loads_ = std::move(new_loads);
+  tools_ = std::move(new_tools);
 }
 
 void FragmentDevice::set_held(const FloatTools& tools) {

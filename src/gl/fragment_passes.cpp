@@ -121,15 +121,21 @@ FragmentPasses::Stepping FragmentPasses::compiled(const StepKind& kind) const {
 }
 
 void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools) {
-  loads_ = &loads;
-  tools_ = tools;
-  if (reaction_apart() && !net_) {
-    net_ = Texture::target(tables_->kind().particles, TexelFormat::rgba32f, "net forces");
-    net_target_ = Framebuffer({{&net_}});
-  }
   const StepKind kind{.loads = loads.kind(), .tools = tools != nullptr, .grids = tools && tools->any_grid()};
   auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
-  if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), compiled(kind));
+  const auto* const loads_before = std::exchange(loads_, &loads);
+  auto* const tools_before = std::exchange(tools_, tools);
+  try {
+    if (reaction_apart() && !net_) {
+      net_ = Texture::target(tables_->kind().particles, TexelFormat::rgba32f, "net forces");
+      net_target_ = Framebuffer({{&net_}});
+    }
+    if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), compiled(kind));
+  } catch (...) {
+    loads_ = loads_before;
+    tools_ = tools_before;
+    throw;
+  }
   now_ = &*found;
   loads.bind(now_->step);
   if (reaction_apart()) loads.bind(now_->reaction);
