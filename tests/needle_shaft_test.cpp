@@ -65,7 +65,7 @@ double skin_off_shaft(const Solver& solver, const ToolPose& pose) {
 }
 
 using BendingNeedleIn = WithTools;
-PHYMUL_WITH_TOOLS(BendingNeedleIn);
+PHYMUL_WITH_NEEDLES(BendingNeedleIn);
 
 /// A block that hangs on the needle alone: its weight is known, and acts in its middle.
 TEST_P(BendingNeedleIn, BendsUnderAHangingBlockAsABeamDoes) {
@@ -254,7 +254,8 @@ TEST_P(BendingNeedleIn, GoesOnBitForBitFromAFile) {
 }
 
 TEST_P(BendingNeedleIn, RefusesAStateWhoseForcesAreNoForces) {
-  Insertion needle(GetParam(), 3, 0.4, bending(1e-3));
+  Insertion needle(GetParam(), 5, 0.4, bending(1e-3));
+  needle.go(0.02, 0.2, 5);
   State state = needle.solver->read();
   const auto refused = [&](const ShaftLoad& load) {
     state.tools.at(0).needle.shaft = {load};
