@@ -98,7 +98,7 @@ set_tests_properties(gl.33.no_compute PROPERTIES ENVIRONMENT "${old_gl}")
 # agrees with the reference as llvmpipe does (GlTool.Agrees*) takes it more than one minute.
 set(long_with_tools "*GlTool.Every*:*GlTool.Agrees*:*GlTool.Batches*:*GlTool.Late*:*MovingTool.GoesBack*:*MovingTool.Holds*")
 set(long_with_tools "${long_with_tools}:*Contact.Block*:*Contact.Compliance*:*Contact.TenThousand*:*GridTool*")
-gl_tests_under(softpipe "*RestStaysAtRest*:${long_with_tools}:${computing}" GALLIUM_DRIVER=softpipe)
+gl_tests_under(softpipe "*RestStaysAtRest*:${long_with_tools}:*GlTool*/gl_four_passes:${computing}" GALLIUM_DRIVER=softpipe)
 
 # A host that uses GLX, on an X server of its own.
 find_package(X11 QUIET)
