@@ -38,7 +38,8 @@ BatchReport ReportCopy::take() {
   Rows rows{};
   if (const void* from = glMapBufferRange(GL_PIXEL_PACK_BUFFER, 0, bytes(), GL_MAP_READ_BIT)) {
     std::memcpy(&rows, from, sizeof rows);
-    std::memcpy(more_.data(), static_cast<const char*>(from) + sizeof rows, more_.size() * sizeof(Float4));
+    if (!more_.empty())
+      std::memcpy(more_.data(), static_cast<const char*>(from) + sizeof rows, more_.size() * sizeof(Float4));
     glUnmapBuffer(GL_PIXEL_PACK_BUFFER);
   }
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
