@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
 #
 # The force curves from the examples' CSV files.
-file(GLOB before ${OUT}/*_force.png)
-file(REMOVE ${before})
+set(charts needle prostate_probe prostate_needles cloth_on_sphere two_organs)
+foreach(chart IN LISTS charts)
+  file(REMOVE ${OUT}/${chart}_force.png)  # of an earlier run
+endforeach()
 foreach(python python3 /usr/bin/python3)
   execute_process(COMMAND ${python} -c "import matplotlib" RESULT_VARIABLE missing OUTPUT_QUIET ERROR_QUIET)
   if(missing EQUAL 0)
@@ -11,7 +13,7 @@ foreach(python python3 /usr/bin/python3)
     if(NOT result EQUAL 0)
       message(FATAL_ERROR "draw_forces.py failed (${result}):\n${output}")
     endif()
-    foreach(chart needle prostate_probe prostate_needles cloth_on_sphere two_organs)
+    foreach(chart IN LISTS charts)
       if(NOT EXISTS ${OUT}/${chart}_force.png)
         message(FATAL_ERROR "draw_forces.py wrote no ${chart}_force.png")
       endif()
