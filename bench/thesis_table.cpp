@@ -191,15 +191,19 @@ void run_body(const Options& options, const Law& law, const Body& body, std::ofs
   const Tables tables = std::make_shared<const phymul::TopologyTextures>(build_topology(model, law.options));
   const phymul::Spectrum spectrum = spectrum_of(body, tables, law);
   for (const std::string& backend : options.backends) {
-    const std::string reason = phymul::why_unavailable(backend);
-    if (!reason.empty()) {
-      std::printf("| %d | %d | %s | not run: %s |\n", tables->particle_count, tables->base_count, backend.c_str(),
-                  reason.c_str());
-      continue;
+    std::string reason = phymul::why_unavailable(backend);
+    try {
+      if (reason.empty()) {
+        const Row row = Runner(options, backend, tables, scene, spectrum).run();
+        print_row(*tables, row);
+        if (csv.is_open()) write_csv_rows(csv, law, body, *tables, row);
+        continue;
+      }
+    } catch (const phymul::Error& error) {  // a body that is too large for the device
+      reason = error.what();
     }
-    const Row row = Runner(options, backend, tables, scene, spectrum).run();
-    print_row(*tables, row);
-    if (csv.is_open()) write_csv_rows(csv, law, body, *tables, row);
+    std::printf("| %d | %d | %s | not run: %s |\n", tables->particle_count, tables->base_count, backend.c_str(),
+                reason.c_str());
   }
   if (body.name == "cylinder") {
     std::printf("| 275 | | thesis 2007, GPU | | | | | | | 314 |\n| 275 | | thesis 2007, CPU | | | | | | | 270 |\n");

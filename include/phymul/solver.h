@@ -75,7 +75,8 @@ struct SolverOptions {
 /// not_finite: a particle would have left the finite numbers, or run faster than a million spacings times omega_max,
 /// which no body survives; the step was not taken.
 /// volume_lost: an enclosed volume (Scene::keep_volume) could not be restored; the step was not taken.
-/// not_supported: the scene has needles, contacts or kept volumes, and this backend does not take them; nothing was done.
+/// not_supported: the scene has needles, contacts or kept volumes, and this backend does not take them; nothing was
+/// done.
 enum class StepStatus { ok, invalid_step, unstable_step, not_finite, device_lost, volume_lost, not_supported };
 
 struct StepReport {
