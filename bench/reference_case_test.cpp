@@ -287,6 +287,16 @@ double error_at_rest(const std::string& file, const std::string& level, int n, c
   return displacement ? displacement->global_ratio : std::numeric_limits<double>::infinity();
 }
 
+/// A sphere feels Hertz' force, and the displacement under it is Hertz'; with under 3 cells in the contact's radius.
+TEST(ReferenceCases, ASpherePressedInMeetsHertz) {
+  for (const char* level : {"nu0.30", "nu0.45"}) {
+    const Measures found = measures_at_rest("hertz.case", level, test::sanitized ? 4 : 8, "cell_averaged");
+    ASSERT_TRUE(found.force_error && found.displacement) << level;
+    EXPECT_LT(*found.force_error, test::sanitized ? 0.10 : 0.06) << level;
+    EXPECT_LT(found.displacement->global_ratio, test::sanitized ? 0.15 : 0.03) << level;
+  }
+}
+
 /// Strongly bent, cells of springs collapse; the calibrated body holds the bound of 3 %.
 TEST(ReferenceCases, SpringsFailInStrongBendingAndTheCalibratedBodyHolds) {
   const int n = test::sanitized ? 2 : 4;
