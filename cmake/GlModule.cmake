@@ -35,6 +35,15 @@ set(shaders
   force_pass.glsl
   free_step.glsl
   integrate_displacement.glsl
+  kept_along_pass.glsl
+  kept_facet.glsl
+  kept_root_pass.glsl
+  kept_step_kernel.glsl
+  kept_step_pass.glsl
+  kept_sums_kernel.glsl
+  kept_sums_pass.glsl
+  kept_tables.glsl
+  measure_step.glsl
   momentum_pass.glsl
   net_force.glsl
   reaction_pass.glsl
@@ -45,6 +54,8 @@ set(shaders
   shown_attractor_pass.glsl
   step_kernel.glsl
   step_pass.glsl
+  store_kept_step.glsl
+  store_kept_sums.glsl
   store_step.glsl
   store_terms.glsl
   sum_kernel.glsl
@@ -59,7 +70,9 @@ set(shaders
   tools_pass.glsl
   touch_tools.glsl
   vector3.glsl
+  volume_root.glsl
   volumes_pass.glsl
+  wait_for_all.glsl
   workgroup_kernel.glsl)
 list(TRANSFORM shaders PREPEND ${PROJECT_SOURCE_DIR}/glsl/)
 add_custom_command(OUTPUT ${PROJECT_BINARY_DIR}/shaders/embedded_shaders.cpp
@@ -80,6 +93,7 @@ add_library(phymul_gl_objects OBJECT
   src/gl/compute_sums.cpp
   src/gl/compute_tables.cpp
   src/gl/compute_tools.cpp
+  src/gl/compute_volumes.cpp
   src/gl/context.cpp
   src/gl/context_current.cpp
   src/gl/context_debug.cpp
@@ -102,6 +116,7 @@ add_library(phymul_gl_objects OBJECT
   src/gl/fragment_sums.cpp
   src/gl/fragment_tables.cpp
   src/gl/fragment_tools.cpp
+  src/gl/fragment_volumes.cpp
   src/gl/step_traffic.cpp
   src/gl/framebuffer.cpp
   src/gl/gl_functions.cpp

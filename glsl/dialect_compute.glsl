@@ -24,7 +24,9 @@ layout(std430, binding = 1) readonly buffer ConstantWords {  // the same memory
 layout(std430, binding = 2) SEEN_BY_ALL buffer ChangingRows {
   ivec4 changing_rows[];
 };
-#ifdef TOOLS  // which tell there what they felt
+#if defined(KEPT_VOLUMES)  // whose sums are there
+#define LOAD_ACCESS SEEN_BY_ALL
+#elif defined(TOOLS)  // which tell there what they felt
 #define LOAD_ACCESS
 #else
 #define LOAD_ACCESS readonly

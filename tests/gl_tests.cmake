@@ -18,6 +18,7 @@ add_executable(phymul_gl_test
   gl_life_test.cpp
   gl_objects_test.cpp
   gl_tool_test.cpp
+  gl_volume_test.cpp
   host_state.cpp)
 target_include_directories(phymul_gl_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(phymul_gl_test PRIVATE PHYMUL_GLSL_SOURCES="${PROJECT_SOURCE_DIR}/glsl")
@@ -81,7 +82,7 @@ set(long "*GlEquivalence.SingleSteps*/gl_compute*:*GlEquivalence.DampedBodies*/g
 
 # The oldest desktop GL, the other dialect, and its oldest version. LP_NUM_THREADS=0: no threads of the renderer's own,
 # which small bodies only wait for. (Where desktop GL is 3.3 compute shaders run under OpenGL ES, as in the next.)
-gl_tests_under(33 "${long}:*GlTool*/gl_compute*" MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330 LP_NUM_THREADS=0)
+gl_tests_under(33 "${long}:*GlTool*/gl_compute*:*GlVolume*/gl_compute*" MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330 LP_NUM_THREADS=0)
 gl_tests_under(es "${long}" PHYMUL_GL_DIALECT=es LP_NUM_THREADS=0)
 gl_tests_under(es30 "${computing}" PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.0 LP_NUM_THREADS=0)
 # The oldest OpenGL ES that computes. It has no `precise`, so that a compiler may order sums as it likes: what every
@@ -98,7 +99,7 @@ set_tests_properties(gl.33.no_compute PROPERTIES ENVIRONMENT "${old_gl}")
 # agrees with the reference as llvmpipe does (GlTool.Agrees*) takes it more than one minute.
 set(long_with_tools "*GlTool.Every*:*GlTool.Agrees*:*GlTool.Batches*:*GlTool.Late*:*MovingTool.GoesBack*:*MovingTool.Holds*")
 set(long_with_tools "${long_with_tools}:*Contact.Block*:*Contact.Compliance*:*Contact.TenThousand*:*GridTool*")
-gl_tests_under(softpipe "*RestStaysAtRest*:${long_with_tools}:*GlTool*/gl_four_passes:${computing}" GALLIUM_DRIVER=softpipe)
+gl_tests_under(softpipe "*RestStaysAtRest*:${long_with_tools}:*GlTool*/gl_four_passes:*GlVolume*/gl_four_passes:${computing}" GALLIUM_DRIVER=softpipe)
 
 # A host that uses GLX, on an X server of its own.
 find_package(X11 QUIET)

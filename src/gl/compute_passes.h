@@ -6,6 +6,8 @@
 //   recompute  net force and Verlet in one dispatch, where each particle computes what the others would have stored
 //              (forces of the averaged reaction's attractors are stored still, by a dispatch before)
 //   workgroup  as store, many steps in one dispatch by one group
+// Where the scene keeps volumes, sums over their facets and the end of the step are two dispatches more, or three; the
+// workgroup waits for itself.
 #pragma once
 
 #include <deque>
@@ -58,12 +60,13 @@ class ComputePasses {
  private:
   struct StepKind {
     LoadKind loads;
-    bool tools = false, grids = false;
+    bool tools = false, grids = false, volumes = false;
     bool operator==(const StepKind&) const = default;
   };
   struct Stepping {
     StepKind kind;
     Kernel kernel;
+    KeepingKernels keeping;  // after it; none in the form workgroup
   };
   struct Terms {
     Kernel kernel;
@@ -73,7 +76,10 @@ class ComputePasses {
   void compile_terms(const ComputeState& state);
   void add_terms(bool attractors, bool bases, bool others, const ComputeState& state);
   Kernel stepping(const StepKind& step, const ComputeState& state) const;
-  std::int64_t turns_a_step(std::int64_t tools) const;
+  KeepingKernels keeping(const StepKind& step, const ComputeState& state) const;
+  void dispatch_step(const ComputeState& state, int number, bool measuring);
+  void dispatch_workgroup(const ComputeState& state, int number, int steps);
+  std::int64_t turns_a_step(std::int64_t tools, const ComputeVolumes* volumes) const;
   int steps_a_dispatch() const;
   int workgroup() const;
 
@@ -84,8 +90,8 @@ class ComputePasses {
   std::vector<Terms> terms_;  // dispatched in order before a step
   bool terms_compiled_ = false;
   std::deque<Stepping> stepping_;  // whose addresses stay
-  Kernel* now_ = nullptr;
-  int tools_ = 0;  // of the loads that now_ is for
+  Stepping* now_ = nullptr;
+  std::int64_t turns_ = 0;  // of loops, of a step of now_ by one group
 };
 
 }  // namespace phymul::gl

@@ -234,9 +234,10 @@ void DeviceSolver::do_restore(const Snapshot& snapshot) {
   progress_.steps_at_rest = snapshot.steps_at_rest;
 }
 
-/// Not counted where there are tools: it depends on how much they touch.
+/// Not counted where there are tools, as it depends on how much they touch, nor where volumes are kept.
 double DeviceSolver::do_bytes_a_step() const {
-  return tools_.empty() ? bytes_a_step_ : std::numeric_limits<double>::quiet_NaN();
+  const bool counted = tools_.empty() && scene().volumes().empty();
+  return counted ? bytes_a_step_ : std::numeric_limits<double>::quiet_NaN();
 }
 
 Energy DeviceSolver::do_energy() const {
