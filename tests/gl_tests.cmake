@@ -83,7 +83,7 @@ set(long "*GlEquivalence.SingleSteps*/gl_compute*:*GlEquivalence.DampedBodies*/g
 # The oldest desktop GL, the other dialect, and its oldest version. LP_NUM_THREADS=0: no threads of the renderer's own,
 # which small bodies only wait for. (Where desktop GL is 3.3 compute shaders run under OpenGL ES, as in the next.)
 gl_tests_under(33 "${long}:*GlTool*/gl_compute*:*GlVolume*/gl_compute*" MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330 LP_NUM_THREADS=0)
-gl_tests_under(es "${long}" PHYMUL_GL_DIALECT=es LP_NUM_THREADS=0)
+gl_tests_under(es "${long}:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolumeOf*" PHYMUL_GL_DIALECT=es LP_NUM_THREADS=0)
 gl_tests_under(es30 "${computing}" PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.0 LP_NUM_THREADS=0)
 # The oldest OpenGL ES that computes. It has no `precise`, so that a compiler may order sums as it likes: what every
 # backend must do is asked of it, not the mirror's bits.
@@ -96,10 +96,11 @@ set(old_gl MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330 PHYMUL_GL
 set_tests_properties(gl.33.no_compute PROPERTIES ENVIRONMENT "${old_gl}")
 # Another renderer, which interprets shaders: 200 steps of every model variant would take it minutes. Its arithmetic has
 # not the bits of the float mirror, but is within the rounding bound. Of tools it does what takes it seconds; that it
-# agrees with the reference as llvmpipe does (GlTool.Agrees*) takes it more than one minute.
+# agrees with the reference as llvmpipe does (GlTool.Agrees*) takes it more than one minute. Likewise of kept volumes.
 set(long_with_tools "*GlTool.Every*:*GlTool.Agrees*:*GlTool.Batches*:*GlTool.Late*:*MovingTool.GoesBack*:*MovingTool.Holds*")
 set(long_with_tools "${long_with_tools}:*Contact.Block*:*Contact.Compliance*:*Contact.TenThousand*:*GridTool*")
-gl_tests_under(softpipe "*RestStaysAtRest*:${long_with_tools}:*GlTool*/gl_four_passes:*GlVolume*/gl_four_passes:${computing}" GALLIUM_DRIVER=softpipe)
+set(long_with_volumes "*GlVolume.IsKept*:*GlVolume.Several*:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolumeOf*:*GlVolume*/gl_four_passes")
+gl_tests_under(softpipe "*RestStaysAtRest*:${long_with_tools}:*GlTool*/gl_four_passes:${long_with_volumes}:${computing}" GALLIUM_DRIVER=softpipe)
 
 # A host that uses GLX, on an X server of its own.
 find_package(X11 QUIET)

@@ -14,7 +14,7 @@ namespace {
 
 /// Positions are rounded: displacements of u_max shift a surface of area A by as much as u_max 2^-24, if all of them
 /// were rounded outward. Bound of the share of V that is missing after a step: twice that, A u_max 2^-23 / V (the other
-/// half for the sums). The largest over these tests was 0.073 of it.
+/// half for the sums). The largest over these tests was 0.1 of it.
 double volume_bound(const Scene& scene, std::size_t row, const State& state) {
   const ClosedVolume& kept = scene.volumes()[row];
   double area = 0.0, largest = 0.0;
@@ -34,21 +34,21 @@ double volume_error(const Scene& scene, std::size_t row, const State& state) {
 
 class GlVolume : public GlBlockTest {
  protected:
-  /// A share of the bound: what is printed.
   void expect_kept(const Scene& scene, const State& state) {
     for (std::size_t row = 0; row < scene.volumes().size(); ++row) {
       const double bound = volume_bound(scene, row, state), error = volume_error(scene, row, state);
       EXPECT_LE(error, bound) << row;
       EXPECT_LE(error, 1e-6) << row;
+      largest_ = std::max(largest_, error);
       if (bound > 0.0) worst_ = std::max(worst_, error / bound);
     }
   }
   void TearDown() override {
-    if (worst_ > 0.0) std::printf("[ VOLUMES  ] off by at most %.2g of the bound\n", worst_);
+    if (worst_ > 0.0) std::printf("[ VOLUMES  ] off by at most %.2g, %.2g of the bound\n", largest_, worst_);
     GlBlockTest::TearDown();
   }
 
-  double worst_ = 0.0;
+  double largest_ = 0.0, worst_ = 0.0;  // error, over its bound
 };
 
 PHYMUL_IN_ALL_GL_FORMS(GlVolume);
@@ -125,8 +125,8 @@ TEST_P(GlVolume, SeveralBodiesAndToolsFarFromTheOrigin) {
   EXPECT_LE(off, 1e-5 * moved);
 }
 
-/// Free in space, thrown, turning and out of shape. Momentum moves as far as floats let it: the bound is eight times the
-/// largest of what llvmpipe gave.
+/// Free in space, thrown, turning and out of shape. Momentum moves as far as floats let it: the bound is eight times
+/// the largest of what llvmpipe gave.
 TEST_P(GlVolume, KeepsLinearAndAngularMomentumOfAFreeBody) {
   Scene scene(model_);
   scene.keep_volume();
@@ -141,8 +141,8 @@ TEST_P(GlVolume, KeepsLinearAndAngularMomentumOfAFreeBody) {
   }
   twins.reset(state);
   const Momentum start = twins.gl->momentum();
-  ASSERT_TRUE(twins.gl->step(300, 0.5 * dt_).ok());
-  ASSERT_TRUE(twins.mirror->step(300, 0.5 * dt_).ok());
+  ASSERT_TRUE(twins.gl->step(150, 0.5 * dt_).ok());
+  ASSERT_TRUE(twins.mirror->step(150, 0.5 * dt_).ok());
   twins.expect_same_bits("a free body");
   const Momentum end = twins.gl->momentum();
   const double arm = body_size(model_), linear = (end.linear - start.linear).norm() / scale,
@@ -290,18 +290,22 @@ INSTANTIATE_TEST_SUITE_P(All, GlVolumeOfManyFacets,
                                          GlForm{"gl_compute", GlBackend::compute, GlCompute::store, 2}),
                          [](const auto& form) { return form.param.name; });
 
-/// A slab of 16,896, so that many groups sum them: of 1,056 sums, where one group takes 1,024.
-TEST_P(GlVolumeOfManyFacets, AreSummedByManyGroups) {
-  const Model slab = make_block({0.64, 0.64, 0.01}, 64, 64, 1);
-  Scene scene(slab);
-  scene.gravity({0, 0, -9.81}).fix("x0").keep_volume();
-  ASSERT_EQ(scene.volumes()[0].triangles.size(), 16896u);
-  const GlTwins twins(tables_of(slab, {}), scene, options_, GetParam().backend);  // any spectrum: nothing comes to rest
-  ASSERT_TRUE(twins.gl->step(4, 1e-3).ok());
-  ASSERT_TRUE(twins.mirror->step(4, 1e-3).ok());
-  EXPECT_GT(largest_distance(twins.gl->read().position, slab.rest), 5e-5);
-  twins.expect_same_bits("many facets");
-  expect_kept(scene, twins.gl->read());
+/// Of 9,600 and 16,896 facets: 600 sums, of which each lane of the one group takes several, and 1,056, which are left
+/// to many groups.
+TEST_P(GlVolumeOfManyFacets, AreSummed) {
+  for (const int side : {48, 64}) {
+    const Model slab = make_block({0.01 * side, 0.01 * side, 0.01}, side, side, 1);
+    Scene scene(slab);
+    scene.fix("x0").keep_volume();
+    ASSERT_EQ(scene.volumes()[0].triangles.size(), static_cast<std::size_t>(4 * side * (side + 2)));
+    const GlTwins twins(tables_of(slab, {}), scene, options_, GetParam().backend);  // any spectrum: none comes to rest
+    twins.reset(random_state(slab, 0.01, 0.05, 3));  // nothing so small that a renderer takes it for 0
+    ASSERT_TRUE(twins.gl->step(4, 1e-3).ok());
+    ASSERT_TRUE(twins.mirror->step(4, 1e-3).ok());
+    EXPECT_GT(largest_distance(twins.gl->read().position, slab.rest), 5e-5);
+    twins.expect_same_bits(std::to_string(side) + " a side");
+    expect_kept(scene, twins.gl->read());
+  }
 }
 
 }  // namespace
