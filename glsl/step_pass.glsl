@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Per particle, Verlet's step. Gathers the net force itself, or with FOUR_PASSES takes what reaction_pass.glsl wrote.
-// Needs net_force.glsl, free_step.glsl and, where TOOLS is defined, touch_tools.glsl.
+// Needs net_force.glsl, free_step.glsl and, where TOOLS is defined, touch_tools.glsl. Where PUSHED is defined it ends what
+// free_kernel.glsl began, tools included, and needs pushed_tables.glsl.
 //
 // What a step has to tell rides along, so that no further pass is needed until the batch of steps ends:
 //   velocity.w      number of the first step of the batch in which the particle ran away; 0: none, -1: none, but in some
@@ -39,6 +40,8 @@ void step_row(int i) {
   vec4 inertia = fetch_vec4(particle, particle_place, i);
 #ifdef FOUR_PASSES
   vec4 F = fetch_changing(net, net_place, i);
+#elif defined(PUSHED)
+  vec4 F = fetch_load_vec4(pushed_force, pushed_force_place, i);
 #else
   vec4 F = net_force(i);
 #endif
@@ -46,6 +49,9 @@ void step_row(int i) {
   vec3 u = old_displacement.xyz;
   vec3 v = old_velocity.xyz;
   free_step(i, a, u, v);
+#ifdef PUSHED
+  u = u + fetch_load_vec4(pushed_shift, pushed_shift_place, i).xyz;
+#endif
   int fixed_at = fixed_axes(i);
 #ifdef TOOLS
   TouchedParticle touched = untouched(i, old_displacement.xyz, v, fixed_at);

@@ -8,7 +8,9 @@ add_dependencies(phymul_stability_test phymul_gl)
 
 # The inside of src/gl, apart from phymul_test, which runs on machines without GL.
 add_executable(phymul_gl_test
+  gl_body_contact_test.cpp
   gl_compute_test.cpp
+  gl_contact_runs_test.cpp
   gl_context_test.cpp
   gl_display_test.cpp
   gl_equivalence_test.cpp
@@ -73,7 +75,7 @@ endfunction()
 
 # Compute shaders are asked for where a driver has them: not in OpenGL ES 3.0 nor on softpipe. Where the desktop GL is
 # too old for them they run under OpenGL ES.
-set(computing "*/gl_compute*:GlComputeDevice.*:*HostsContextIsLeftAsItWasByComputing*")
+set(computing "*/gl_compute*:GlComputeDevice.*:GlBodyContact.*:GlContactRuns.*:*HostsContextIsLeftAsItWasByComputing*")
 
 # Minutes each, and of all bodies and variants: compute shaders show their bits under desktop GL, and for a body of each
 # kind under the others too (GlCompute*).

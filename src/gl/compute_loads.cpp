@@ -21,10 +21,19 @@ ComputeLoads::ComputeLoads(const Scene& scene, int instants, const ComputeTables
   const auto value_rows = static_cast<std::int64_t>((table_.values().size() + 3) / 4);
   const std::int64_t load_rows = values_row_ + value_rows;
   if (tools && !tools->empty()) tools_.emplace(*tools, load_rows, tables);
-  buffer_ = StorageBuffer(tools_ ? tools_->end() : load_rows, "the scene's loads and tools", limits);
+  std::int64_t rows = tools_ ? tools_->end() : load_rows;
+  std::optional<FloatContacts> touching;
+  if (tools && scene.contacts()) touching.emplace(scene);
+  if (touching && !touching->empty()) {
+    contacts_.emplace(*touching, rows, tables, limits);
+    rows = contacts_->end();
+  }
+  buffer_ =
+      StorageBuffer(rows, contacts_ ? "the scene's loads, tools and contacts" : "the scene's loads and tools", limits);
   buffer_.write(16 * index_row_, index.data(), static_cast<std::int64_t>(16 * index.size()));
   buffer_.write(16 * parts_row_, parts.data(), static_cast<std::int64_t>(16 * parts.size()));
   if (tools_) tools_->write(*tools, buffer_);
+  if (contacts_) contacts_->write(*touching, buffer_);
 }
 
 void ComputeLoads::evaluate(const std::vector<double>& instants) {
@@ -50,6 +59,7 @@ void ComputeLoads::place(Kernel& kernel) const {
   kernel.set("load_values_place", static_cast<int>(values_row_));
   kernel.set("load_count", table_.mode_count());
   if (tools_) tools_->place(kernel);
+  if (contacts_) contacts_->place(kernel);
 }
 
 }  // namespace phymul::gl

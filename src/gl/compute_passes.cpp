@@ -157,17 +157,26 @@ int ComputePasses::steps_a_dispatch() const {
   return static_cast<int>(std::clamp<std::int64_t>(fit, 1, Device::most_steps));
 }
 
+void ComputePasses::add_tools(const StepKind& step, ShaderRequest& request) const {
+  if (!step.tools) return;
+  define_tools(step.grids, request);
+  append(request, tool_files());
+  append(request, {"tell_tools.glsl"});
+}
+
 Kernel ComputePasses::stepping(const StepKind& step, const ComputeState& state) const {
-  ShaderRequest request = gathering(step.loads, form_ == ComputeForm::workgroup);
+  const bool one_group = by_one_group(step.contacts);
+  ShaderRequest request = gathering(step.loads, one_group);
   define(request, "CUT");
+  define(request, "PUSHED", step.contacts);
   append(request, {"free_step.glsl"});
-  if (step.tools) {
-    define_tools(step.grids, request);
-    append(request, tool_files());
-    append(request, {"tell_tools.glsl"});
+  if (step.contacts) {
+    append(request, {"pushed_tables.glsl"});
+  } else {
+    add_tools(step, request);
   }
   append(request, {"step_pass.glsl", "store_step.glsl"});
-  if (form_ != ComputeForm::workgroup) {
+  if (!one_group) {
     append(request, {"step_kernel.glsl"});
     return placed(std::move(request), lanes, state);
   }
@@ -178,73 +187,106 @@ Kernel ComputePasses::stepping(const StepKind& step, const ComputeState& state) 
   return placed(std::move(request), workgroup(), state);
 }
 
+Kernel ComputePasses::freeing(const StepKind& step, const ComputeState& state) const {
+  if (!step.contacts) return {};
+  ShaderRequest request = gathering(step.loads);
+  define(request, "CUT");
+  define(request, "PUSHES");
+  append(request, {"free_step.glsl", "pushed_tables.glsl"});
+  add_tools(step, request);
+  append(request, {"free_kernel.glsl"});
+  return placed(std::move(request), lanes, state);
+}
+
 void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& state) {
   const ComputeTools* const tools = loads.tools();
   const int tool_count = tools ? tools->count() : 0;
-  if (form_ == ComputeForm::workgroup && turns_a_step(tool_count) > limits_.loop_turns) {
+  const bool touching = loads.contacts() != nullptr;
+  if (by_one_group(touching) && turns_a_step(tool_count) > limits_.loop_turns) {
     throw Error("expected a step of one group to take at most " + std::to_string(limits_.loop_turns) +
                 " turns of loops, which is where this renderer breaks off, got " +
                 std::to_string(turns_a_step(tool_count)) + "; use GlCompute::store (PHYMUL_GL_COMPUTE=store)");
   }
-  const StepKind kind{.loads = loads.kind(), .tools = tools != nullptr, .grids = tools && tools->any_grid()};
+  const StepKind kind{
+      .loads = loads.kind(), .tools = tools != nullptr, .grids = tools && tools->any_grid(), .contacts = touching};
   auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
-  if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), {kind, stepping(kind, state)});
-  now_ = &found->kernel;
+  if (found == stepping_.end()) {
+    found = stepping_.insert(stepping_.end(), {kind, stepping(kind, state), freeing(kind, state)});
+  }
+  if (touching && !contacts_) contacts_.emplace(*library_, *tables_, limits_);
+  now_ = &*found;
   tools_ = tool_count;
-  loads.place(*now_);
+  touching_ = touching ? &loads.rows() : nullptr;
+  loads.place(now_->kernel);
+  if (!touching) return;
+  loads.place(now_->free);
+  contacts_->set_contacts(*loads.contacts());
 }
 
 void ComputePasses::set_constants(const StepConstants& constants) {
   const auto finite = [](double value) { return std::min(value, double{std::numeric_limits<float>::max()}); };
-  const auto set = [this](const char* name, double value) { now_->set(name, static_cast<float>(value)); };
-  set("largest_acceleration", finite(constants.largest_acceleration));
-  set("dt", constants.dt);
-  set("inverse_dt", 1.0 / constants.dt);
-  set("damping_factor", constants.damping_factor);
-  set("runaway_speed", finite(constants.runaway_speed));
-  set("speed_at_rest", constants.speed_at_rest);
-  set("acceleration_at_rest", constants.acceleration_at_rest);
+  const auto set_all = [&](Kernel& kernel) {
+    const auto set = [&kernel](const char* name, double value) { kernel.set(name, static_cast<float>(value)); };
+    set("largest_acceleration", finite(constants.largest_acceleration));
+    set("dt", constants.dt);
+    set("inverse_dt", 1.0 / constants.dt);
+    set("damping_factor", constants.damping_factor);
+    set("runaway_speed", finite(constants.runaway_speed));
+    set("speed_at_rest", constants.speed_at_rest);
+    set("acceleration_at_rest", constants.acceleration_at_rest);
+  };
+  set_all(now_->kernel);
+  if (!touching_) return;
+  set_all(now_->free);
+  contacts_->set_step(constants.dt);
+}
+
+/// One step, by many groups, from the current state to the free pair.
+void ComputePasses::step(const ComputeState& state, int number, bool measuring) {
+  evaluate(state);
+  const auto run = [&](Kernel& kernel) {
+    kernel.set("pair", state.current());
+    kernel.set("number", number);
+    kernel.set("measuring", measuring ? 1 : 0);
+    kernel.dispatch(kernel.groups_for(tables_->kind().particles));
+  };
+  if (touching_) {
+    run(now_->free);
+    contacts_->act(*touching_, state.current());
+  }
+  now_->kernel.set("next_pair", state.free_pair());
+  run(now_->kernel);
 }
 
 void ComputePasses::steps(ComputeState& state, int first, int count) {
-  if (form_ == ComputeForm::workgroup) {
+  if (by_one_group(touching_ != nullptr)) {
     const int at_a_time = steps_a_dispatch();
+    Kernel& kernel = now_->kernel;
     for (int done = 0, now = 0; done < count; done += now) {
       now = std::min(at_a_time, count - done);
-      now_->set("pair", state.current());
-      now_->set("checkpoint", state.checkpoint());
-      now_->set("number", first + done);
-      now_->set("steps", now);
-      now_->dispatch(1);
+      kernel.set("pair", state.current());
+      kernel.set("checkpoint", state.checkpoint());
+      kernel.set("number", first + done);
+      kernel.set("steps", now);
+      kernel.dispatch(1);
       for (int k = 0; k < now; ++k) state.advance();
     }
     return;
   }
   for (int k = 0; k < count; ++k) {
-    evaluate(state);
-    now_->set("pair", state.current());
-    now_->set("next_pair", state.free_pair());
-    now_->set("number", first + k);
-    now_->set("measuring", k == count - 1 ? 1 : 0);
-    now_->dispatch(now_->groups_for(tables_->kind().particles));
+    step(state, first + k, k == count - 1);
     state.advance();
   }
 }
 
 void ComputePasses::try_step(const ComputeState& state, int number) {
-  if (form_ == ComputeForm::workgroup) {
-    now_->set("pair", state.current());
-    now_->set("checkpoint", state.checkpoint());
-    now_->set("number", number);
-    now_->set("steps", 1);
-    return now_->dispatch(1);
-  }
-  evaluate(state);
-  now_->set("pair", state.current());
-  now_->set("next_pair", state.free_pair());
-  now_->set("number", number);
-  now_->set("measuring", 1);
-  now_->dispatch(now_->groups_for(tables_->kind().particles));
+  if (!by_one_group(touching_ != nullptr)) return step(state, number, true);
+  Kernel& kernel = now_->kernel;
+  kernel.set("pair", state.current());
+  kernel.set("checkpoint", state.checkpoint());
+  kernel.set("number", number);
+  kernel.set("steps", 1);
+  kernel.dispatch(1);
 }
 
 }  // namespace phymul::gl
