@@ -247,6 +247,7 @@ int main(int argc, char** argv) {
       "one core: %.1f G vector multiply-adds a second; reads %.0f GB/s of 256 KB, %.0f of 8 MB, %.0f of 256 MB\n",
       1e-9 * bench::vector_multiply_adds(0.3), 1e-9 * bench::read_bandwidth(256e3, 0.2),
       1e-9 * bench::read_bandwidth(8e6, 0.2), 1e-9 * bench::read_bandwidth(256e6, 0.4));
+  std::printf("two threads do %.2f times the multiply-adds of one\n", bench::threads_gain(2));
   std::printf("million particle-steps a second, medians of %d; m: the mirror\n", repeats);
   std::printf("%-34s %8s | %8s  %8s %15s %8s | %6s | %5s\n", "", "particles", "plain", "1 thread", "", "2", "ratio",
               "2 : 1");

@@ -2,8 +2,11 @@
 #include "machine_ceilings.h"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <ctime>
+#include <thread>
 #include <vector>
 
 #if defined(__x86_64__)
@@ -75,6 +78,33 @@ double vector_multiply_adds(double seconds) {
     best = std::max(best, static_cast<double>(chains) * rounds / (processor_seconds() - start));
   }
   return best;
+}
+
+double threads_gain(int threads) {
+  using Clock = std::chrono::steady_clock;
+  const auto rate = [](int count) {
+    std::atomic<long> done = 0;
+    const Clock::time_point begin = Clock::now(), end = begin + std::chrono::milliseconds(50);
+    const auto work = [&] {
+      while (Clock::now() < end) {
+        volatile float result = widest_chains();
+        static_cast<void>(result);
+        ++done;
+      }
+    };
+    std::vector<std::thread> others;
+    for (int k = 1; k < count; ++k) others.emplace_back(work);
+    work();
+    for (std::thread& other : others) other.join();
+    return static_cast<double>(done) / std::chrono::duration<double>(Clock::now() - begin).count();
+  };
+  std::vector<double> gains(7);
+  for (double& gain : gains) {
+    const double one = rate(1);
+    gain = rate(threads) / one;
+  }
+  std::ranges::nth_element(gains, gains.begin() + 3);
+  return gains[3];
 }
 
 double read_bandwidth(double bytes, double seconds) {

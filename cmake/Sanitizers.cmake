@@ -6,9 +6,10 @@ if(PHYMUL_SANITIZE)
   if(PHYMUL_SANITIZE MATCHES "thread" AND PHYMUL_SANITIZE MATCHES "address")
     message(FATAL_ERROR "PHYMUL_SANITIZE=${PHYMUL_SANITIZE}: address and thread cannot be in one build")
   endif()
-  # -O1: Eigen's layers of small functions are unbearably slow with instrumentation and without inlining.
+  # -O1: Eigen's layers of small functions are unbearably slow with instrumentation and without inlining. -g1: lines for
+  # the stack traces of a finding, without the variables, which are most of the build's time and size.
   target_compile_options(phymul_sanitizers INTERFACE -fsanitize=${PHYMUL_SANITIZE} -fno-sanitize-recover=all
-                                                     -fno-omit-frame-pointer -g -O1)
+                                                     -fno-omit-frame-pointer -g1 -O1)
   target_compile_definitions(phymul_sanitizers INTERFACE _GLIBCXX_ASSERTIONS)
   target_link_options(phymul_sanitizers INTERFACE -fsanitize=${PHYMUL_SANITIZE})
 endif()

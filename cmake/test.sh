@@ -2,10 +2,13 @@
 # SPDX-License-Identifier: MIT
 #
 # Builds phymul and runs all its tests on a machine that has only a compiler and CMake.
-#   sh cmake/test.sh [preset]     presets: ci (default), dev, release, asan-ubsan, tsan, no-gl
+#   sh cmake/test.sh [preset [ctest's options]]     presets: ci (default), dev, release, asan-ubsan, tsan, no-gl
 set -eu
 cd "$(dirname "$0")/.."
 preset=${1:-ci}
+if [ $# -gt 0 ]; then
+  shift
+fi
 
 if [ "$preset" = no-gl ]; then
   sh cmake/install-packages.sh tests bench examples charts
@@ -16,4 +19,4 @@ fi
 
 cmake --preset "$preset"
 cmake --build --preset "$preset" --parallel "$(nproc)"
-ctest --preset "$preset" --output-on-failure --parallel 2
+ctest --preset "$preset" --output-on-failure --parallel 2 "$@"

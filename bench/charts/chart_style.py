@@ -45,8 +45,8 @@ def finish(figure, out, name, foot):
     plt.close(figure)
 
 
-def guide(axes, x=None, y=None, text="", **line):
-    """A marked line across the chart."""
+def guide(axes, x=None, y=None, text="", below=False, **line):
+    """A marked line across the chart; the text of a level line stands above its right end, or below its left one."""
     looks = {"color": "#777777", "linewidth": 1.0, **line}
     if x is not None:
         axes.axvline(x, **looks)
@@ -54,5 +54,5 @@ def guide(axes, x=None, y=None, text="", **line):
                       ha="right", va="bottom")
     else:
         axes.axhline(y, **looks)
-        axes.annotate(text, (0.995, y), xycoords=("axes fraction", "data"), fontsize=7, color="#555555", ha="right",
-                      va="bottom")
+        end, ha, va = (0.005, "left", "top") if below else (0.995, "right", "bottom")
+        axes.annotate(text, (end, y), xycoords=("axes fraction", "data"), fontsize=7, color="#555555", ha=ha, va=va)

@@ -42,7 +42,7 @@ def work_precision(out, rows, about):
                 axes.set(xscale="log", yscale="log")
                 axes.set_ylim(max(min([floor, *errors]) / 2, 1e-5), min(1.5 * max([null, *errors]), 20))
                 axes.axhspan(axes.get_ylim()[0], floor, color="#bbbbbb", alpha=0.5, linewidth=0)
-                style.guide(axes, y=floor, text="error of the reference", linewidth=0)
+                style.guide(axes, y=floor, text="error of the reference", below=True, linewidth=0)
                 style.guide(axes, y=null, text="null model", linestyle=":", linewidth=1.6)
                 axes.margins(x=0.08)
             style.guide(row_axes[0], x=1.0, text="real time")
@@ -132,7 +132,7 @@ def order_in_time(out):
     x = np.array([0.05, 0.8])
     axes.plot(x, 0.02 * x**2, color="#777777", linewidth=1, linestyle=":", label="order 2")
     axes.set(xscale="log", yscale="log", xlabel="dt over the stable step", ylabel="error of the displacements after 200 limits")
-    axes.set_title("Error in time: a beam let go, against a step 4 times finer than the finest here", loc="left", fontsize=10, fontweight="bold")
+    axes.set_title("A beam let go, against a step a quarter of the finest here", loc="left", fontsize=10, fontweight="bold")
     axes.legend(fontsize=7)
     figure.tight_layout(rect=(0, 0.025, 1, 1))
     style.finish(figure, out, "convergence_time", data.caption(about))
@@ -190,7 +190,7 @@ def soft_cube(out, quoted_path):
         return
     quoted, _ = data.read(quoted_path)
     for name, with_quoted in (("soft_cube_measured", False), ("soft_cube_quoted", True)):
-        figure, grid = plt.subplots(1, 2, figsize=(11, 4.6), sharey=True)
+        figure, grid = plt.subplots(1, 2, figsize=(11, 5.6 if with_quoted else 5.0), sharey=True)
         for axes, method, title in zip(grid, ("springs", "springs_volume"), ("springs", "springs and volume")):
             ours = data.groups([r for r in measured if r["method"] == method and r["status"] == "ok"], "engine")
             lines = [(engine, [(1e3 * number(r, "cpu"), number(r, "error")) for r in line], "-") for (engine,), line in ours.items()
@@ -209,12 +209,14 @@ def soft_cube(out, quoted_path):
             style.guide(axes, x=100, text="real time")
             style.guide(axes, y=0.01, text="1 %", linestyle=":")
             axes.set_title(f"Soft cube, 1,000 particles, {title}", loc="left", fontsize=9, fontweight="bold")
-            axes.legend(fontsize=7)
         grid[0].set_ylabel("error of the positions after 0.1 s")
         foot = data.caption(about)
         if with_quoted:
             foot += " · quoted: one core of another machine, see bench/reference/peers"
-        figure.tight_layout(rect=(0, 0.025, 1, 1))
+        # The left panel has every engine, in the colours of the right one.
+        figure.legend(*grid[0].get_legend_handles_labels(), fontsize=7, loc="lower center", bbox_to_anchor=(0.5, 0.03),
+                      ncol=5, frameon=False)
+        figure.tight_layout(rect=(0, 0.1 if with_quoted else 0.07, 1, 1))
         style.finish(figure, out, name, foot)
 
 

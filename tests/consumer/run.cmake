@@ -52,8 +52,10 @@ elseif(STEP STREQUAL "subdirectory")
   if(SHARED)
     set(other_kind OFF)
   endif()
+  # Without optimisation: how to link is asked here, and the whole library is built for it.
+  string(TOUPPER ${CONFIG} config)
   run(${CMAKE_COMMAND} -S ${consumers}/subdirectory -B ${build} ${configure_flags} -DPHYMUL_SOURCE=${SOURCE}
-      -DBUILD_SHARED_LIBS=${other_kind} -DPHYMUL_INSTALL=ON)
+      "-DCMAKE_CXX_FLAGS_${config}=-O0 -DNDEBUG" -DBUILD_SHARED_LIBS=${other_kind} -DPHYMUL_INSTALL=ON)
   run(${CMAKE_COMMAND} --build ${build} --config ${CONFIG})
   run_program(${build}/app)
 
