@@ -10,6 +10,15 @@ set(shaders
   attractor_pull_enumerated.glsl
   bases_pass.glsl
   cells_pass.glsl
+  closest_point.glsl
+  contact_grid_kernel.glsl
+  contact_group.glsl
+  contact_order_kernel.glsl
+  contact_part_kernel.glsl
+  contact_press_kernel.glsl
+  contact_queue_kernel.glsl
+  contact_search_kernel.glsl
+  contact_tables.glsl
   contact_tool.glsl
   cover_target.glsl
   delta_base.glsl
@@ -33,6 +42,7 @@ set(shaders
   energy_pass.glsl
   force_of.glsl
   force_pass.glsl
+  free_kernel.glsl
   free_step.glsl
   integrate_displacement.glsl
   kept_along_pass.glsl
@@ -46,6 +56,7 @@ set(shaders
   measure_step.glsl
   momentum_pass.glsl
   net_force.glsl
+  pushed_tables.glsl
   reaction_pass.glsl
   report_events.glsl
   report_kernel.glsl
@@ -85,6 +96,7 @@ add_custom_command(OUTPUT ${PROJECT_BINARY_DIR}/shaders/embedded_shaders.cpp
 add_library(phymul_gl_objects OBJECT
   src/gl/body_drawing.cpp
   src/gl/body_kind.cpp
+  src/gl/compute_contacts.cpp
   src/gl/compute_device.cpp
   src/gl/compute_loads.cpp
   src/gl/compute_passes.cpp
@@ -94,6 +106,7 @@ add_library(phymul_gl_objects OBJECT
   src/gl/compute_tables.cpp
   src/gl/compute_tools.cpp
   src/gl/compute_volumes.cpp
+  src/gl/contact_passes.cpp
   src/gl/context.cpp
   src/gl/context_current.cpp
   src/gl/context_debug.cpp

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // Per particle, Verlet's step. Gathers the net force itself, or with FOUR_PASSES takes what reaction_pass.glsl wrote.
-// Needs net_force.glsl, free_step.glsl, measure_step.glsl and, where TOOLS is defined, touch_tools.glsl. Where
-// KEPT_VOLUMES is defined it leaves what kept_step_pass.glsl ends: displacement, 1 where a force was cut; velocity;
-// acceleration.
+// Needs net_force.glsl, free_step.glsl, measure_step.glsl and, where TOOLS is defined, touch_tools.glsl. Where PUSHED is
+// defined it ends what free_kernel.glsl began, tools included, and needs pushed_tables.glsl. Where KEPT_VOLUMES is
+// defined it leaves what kept_step_pass.glsl ends: displacement, 1 where a force was cut; velocity; acceleration.
 
 #ifdef FOUR_PASSES
 STORED(net, net_place);
@@ -15,6 +15,8 @@ void step_row(int i) {
   vec4 inertia = fetch_vec4(particle, particle_place, i);
 #ifdef FOUR_PASSES
   vec4 F = fetch_changing(net, net_place, i);
+#elif defined(PUSHED)
+  vec4 F = fetch_load_vec4(pushed_force, pushed_force_place, i);
 #else
   vec4 F = net_force(i);
 #endif
@@ -22,6 +24,9 @@ void step_row(int i) {
   vec3 u = old_displacement.xyz;
   vec3 v = old_velocity.xyz;
   free_step(i, a, u, v);
+#ifdef PUSHED
+  u = u + fetch_load_vec4(pushed_shift, pushed_shift_place, i).xyz;
+#endif
   int fixed_at = fixed_axes(i);
 #ifdef TOOLS
   TouchedParticle touched = untouched(i, old_displacement.xyz, v, fixed_at);

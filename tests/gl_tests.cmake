@@ -8,7 +8,9 @@ add_dependencies(phymul_stability_test phymul_gl)
 
 # The inside of src/gl, apart from phymul_test, which runs on machines without GL.
 add_executable(phymul_gl_test
+  gl_body_contact_test.cpp
   gl_compute_test.cpp
+  gl_contact_runs_test.cpp
   gl_context_test.cpp
   gl_display_test.cpp
   gl_equivalence_test.cpp
@@ -74,7 +76,7 @@ endfunction()
 
 # Compute shaders are asked for where a driver has them: not in OpenGL ES 3.0 nor on softpipe. Where the desktop GL is
 # too old for them they run under OpenGL ES.
-set(computing "*/gl_compute*:GlComputeDevice.*:*HostsContextIsLeftAsItWasByComputing*")
+set(computing "*/gl_compute*:GlComputeDevice.*:GlBodyContact.*:GlContactRuns.*:*HostsContextIsLeftAsItWasByComputing*")
 
 # Minutes each, and of all bodies and variants: compute shaders show their bits under desktop GL, and for a body of each
 # kind under the others too (GlCompute*).
@@ -82,7 +84,7 @@ set(long "*GlEquivalence.SingleSteps*/gl_compute*:*GlEquivalence.DampedBodies*/g
 
 # The oldest desktop GL, the other dialect, and its oldest version. LP_NUM_THREADS=0: no threads of the renderer's own,
 # which small bodies only wait for. (Where desktop GL is 3.3 compute shaders run under OpenGL ES, as in the next.)
-gl_tests_under(33 "${long}:*GlTool*/gl_compute*:*GlVolume*/gl_compute*" MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330 LP_NUM_THREADS=0)
+gl_tests_under(33 "${long}:*GlTool*/gl_compute*:*GlVolume*/gl_compute*:GlBodyContact.*" MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330 LP_NUM_THREADS=0)
 gl_tests_under(es "${long}:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolumeOf*" PHYMUL_GL_DIALECT=es LP_NUM_THREADS=0)
 gl_tests_under(es30 "${computing}" PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.0 LP_NUM_THREADS=0)
 # The oldest OpenGL ES that computes. It has no `precise`, so that a compiler may order sums as it likes: what every

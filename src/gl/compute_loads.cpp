@@ -22,11 +22,15 @@ ComputeLoads::ComputeLoads(const Scene& scene, int instants, const ComputeTables
   std::int64_t rows = values_row_ + value_rows;
   if (tools && !tools->empty()) rows = tools_.emplace(*tools, rows, tables).end();
   if (volumes && !volumes->empty()) rows = volumes_.emplace(*volumes, rows, tables).end();
-  buffer_ = StorageBuffer(rows, "the scene's loads, tools and kept volumes", limits);
+  std::optional<FloatContacts> touching;
+  if (tools && scene.contacts()) touching.emplace(scene);
+  if (touching && !touching->empty()) rows = contacts_.emplace(*touching, rows, tables, limits).end();
+  buffer_ = StorageBuffer(rows, "the scene's loads, tools, kept volumes and contacts", limits);
   buffer_.write(16 * index_row_, index.data(), static_cast<std::int64_t>(16 * index.size()));
   buffer_.write(16 * parts_row_, parts.data(), static_cast<std::int64_t>(16 * parts.size()));
   if (tools_) tools_->write(*tools, buffer_);
   if (volumes_) volumes_->write(*volumes, buffer_);
+  if (contacts_) contacts_->write(*touching, buffer_);
 }
 
 void ComputeLoads::evaluate(const std::vector<double>& instants) {
@@ -53,6 +57,7 @@ void ComputeLoads::place(Kernel& kernel) const {
   kernel.set("load_count", table_.mode_count());
   if (tools_) tools_->place(kernel);
   if (volumes_) volumes_->place(kernel);
+  if (contacts_) contacts_->place(kernel);
 }
 
 }  // namespace phymul::gl

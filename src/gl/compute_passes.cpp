@@ -158,20 +158,33 @@ int ComputePasses::steps_a_dispatch() const {
   return static_cast<int>(std::clamp<std::int64_t>(fit, 1, Device::most_steps));
 }
 
+void ComputePasses::add_tools(const StepKind& step, ShaderRequest& request) const {
+  if (!step.tools) return;
+  define_tools(step.grids, request);
+  append(request, tool_files());
+  append(request, {"tell_tools.glsl"});
+}
+
 Kernel ComputePasses::stepping(const StepKind& step, const ComputeState& state) const {
-  ShaderRequest request = gathering(step.loads, form_ == ComputeForm::workgroup);
+  const bool one_group = by_one_group(step.contacts);
+  ShaderRequest request = gathering(step.loads, one_group);
   define(request, "CUT");
+  define(request, "PUSHED", step.contacts);
   append(request, {"free_step.glsl"});
-  if (step.tools) {
-    define_tools(step.grids, request);
-    append(request, tool_files());
-    append(request, {"tell_tools.glsl"});
+  if (step.contacts) {
+    append(request, {"pushed_tables.glsl"});
+  } else {
+    add_tools(step, request);
   }
   append(request, {"measure_step.glsl"});
   define(request, "KEPT_VOLUMES", step.volumes);
+  if (step.volumes && step.tools && step.contacts) {  // what tools hold, volumes leave
+    append(request, {"tool_tables.glsl"});
+    define(request, "HELD");
+  }
   if (step.volumes) append(request, keeping_step_files());
   append(request, {"step_pass.glsl", "store_step.glsl"});
-  if (form_ != ComputeForm::workgroup) {
+  if (!one_group) {
     append(request, {"step_kernel.glsl"});
     return placed(std::move(request), lanes, state);
   }
@@ -184,8 +197,19 @@ Kernel ComputePasses::stepping(const StepKind& step, const ComputeState& state) 
   return placed(std::move(request), workgroup(), state);
 }
 
+Kernel ComputePasses::freeing(const StepKind& step, const ComputeState& state) const {
+  if (!step.contacts) return {};
+  ShaderRequest request = gathering(step.loads);
+  define(request, "CUT");
+  define(request, "PUSHES");
+  append(request, {"free_step.glsl", "pushed_tables.glsl"});
+  add_tools(step, request);
+  append(request, {"free_kernel.glsl"});
+  return placed(std::move(request), lanes, state);
+}
+
 KeepingKernels ComputePasses::keeping(const StepKind& step, const ComputeState& state) const {
-  if (!step.volumes || form_ == ComputeForm::workgroup) return {};
+  if (!step.volumes || by_one_group(step.contacts)) return {};
   ShaderRequest sums{.files = joined({common, keeping_sums_files(), {"kept_sums_kernel.glsl"}}),
                      .defines = {{"KEPT_VOLUMES", 1}, {"ONE_WORKGROUP", 1}}};
   tables_->define(sums);
@@ -198,8 +222,9 @@ KeepingKernels ComputePasses::keeping(const StepKind& step, const ComputeState& 
 
 void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& state) {
   const ComputeTools* const tools = loads.tools();
+  const bool touching = loads.contacts() != nullptr;
   const std::int64_t turns = turns_a_step(tools ? tools->count() : 0, loads.volumes());
-  if (form_ == ComputeForm::workgroup && turns > limits_.loop_turns) {
+  if (by_one_group(touching) && turns > limits_.loop_turns) {
     throw Error("expected a step of one group to take at most " + std::to_string(limits_.loop_turns) +
                 " turns of loops, which is where this renderer breaks off, got " + std::to_string(turns) +
                 "; use GlCompute::store (PHYMUL_GL_COMPUTE=store)");
@@ -207,43 +232,61 @@ void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& sta
   const StepKind kind{.loads = loads.kind(),
                       .tools = tools != nullptr,
                       .grids = tools && tools->any_grid(),
+                      .contacts = touching,
                       .volumes = loads.volumes() != nullptr};
   auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
   if (found == stepping_.end()) {
-    found = stepping_.insert(stepping_.end(), {kind, stepping(kind, state), keeping(kind, state)});
+    found =
+        stepping_.insert(stepping_.end(), {kind, stepping(kind, state), freeing(kind, state), keeping(kind, state)});
   }
+  if (touching && !contacts_) contacts_.emplace(*library_, *tables_, limits_);
   now_ = &*found;
   turns_ = turns;
+  touching_ = touching ? &loads.rows() : nullptr;
   loads.place(now_->kernel);
-  if (!now_->keeping) return;
-  loads.place(now_->keeping.step());
-  now_->keeping.place(*loads.volumes());
+  if (now_->keeping) {
+    loads.place(now_->keeping.step());
+    now_->keeping.place(*loads.volumes());
+  }
+  if (!touching) return;
+  loads.place(now_->free);
+  contacts_->set_contacts(*loads.contacts());
 }
 
 void ComputePasses::set_constants(const StepConstants& constants) {
   const auto finite = [](double value) { return std::min(value, double{std::numeric_limits<float>::max()}); };
-  const auto set = [this](const char* name, double value) {
-    now_->kernel.set(name, static_cast<float>(value));
-    if (now_->keeping) now_->keeping.step().set(name, static_cast<float>(value));
+  const auto set_all = [&](Kernel& kernel) {
+    const auto set = [&kernel](const char* name, double value) { kernel.set(name, static_cast<float>(value)); };
+    set("largest_acceleration", finite(constants.largest_acceleration));
+    set("dt", constants.dt);
+    set("inverse_dt", 1.0 / constants.dt);
+    set("damping_factor", constants.damping_factor);
+    set("runaway_speed", finite(constants.runaway_speed));
+    set("speed_at_rest", constants.speed_at_rest);
+    set("acceleration_at_rest", constants.acceleration_at_rest);
   };
-  set("largest_acceleration", finite(constants.largest_acceleration));
-  set("dt", constants.dt);
-  set("inverse_dt", 1.0 / constants.dt);
-  set("damping_factor", constants.damping_factor);
-  set("runaway_speed", finite(constants.runaway_speed));
-  set("speed_at_rest", constants.speed_at_rest);
-  set("acceleration_at_rest", constants.acceleration_at_rest);
+  set_all(now_->kernel);
+  if (now_->keeping) set_all(now_->keeping.step());
+  if (!touching_) return;
+  set_all(now_->free);
+  contacts_->set_step(constants.dt);
 }
 
-/// Of many groups, from the current state to the free pair.
-void ComputePasses::dispatch_step(const ComputeState& state, int number, bool measuring) {
+/// One step, by many groups, from the current state to the free pair.
+void ComputePasses::step(const ComputeState& state, int number, bool measuring) {
   evaluate(state);
-  Kernel& kernel = now_->kernel;
-  kernel.set("pair", state.current());
-  kernel.set("next_pair", state.free_pair());
-  kernel.set("number", number);
-  kernel.set("measuring", measuring ? 1 : 0);
-  kernel.dispatch(kernel.groups_for(tables_->kind().particles));
+  const auto run = [&](Kernel& kernel) {
+    kernel.set("pair", state.current());
+    kernel.set("number", number);
+    kernel.set("measuring", measuring ? 1 : 0);
+    kernel.dispatch(kernel.groups_for(tables_->kind().particles));
+  };
+  if (touching_) {
+    run(now_->free);
+    contacts_->act(*touching_, state.current());
+  }
+  now_->kernel.set("next_pair", state.free_pair());
+  run(now_->kernel);
   if (now_->keeping) now_->keeping.run(state, number, tables_->kind().particles);
 }
 
@@ -257,22 +300,22 @@ void ComputePasses::dispatch_workgroup(const ComputeState& state, int number, in
 }
 
 void ComputePasses::steps(ComputeState& state, int first, int count) {
-  const bool one_group = form_ == ComputeForm::workgroup;
+  const bool one_group = by_one_group(touching_ != nullptr);
   const int at_a_time = one_group ? steps_a_dispatch() : 1;
   for (int done = 0, now = 0; done < count; done += now) {
     now = std::min(at_a_time, count - done);
     if (one_group) {
       dispatch_workgroup(state, first + done, now);
     } else {
-      dispatch_step(state, first + done, done == count - 1);
+      step(state, first + done, done == count - 1);
     }
     for (int k = 0; k < now; ++k) state.advance();
   }
 }
 
 void ComputePasses::try_step(const ComputeState& state, int number) {
-  if (form_ == ComputeForm::workgroup) return dispatch_workgroup(state, number, 1);
-  dispatch_step(state, number, true);
+  if (by_one_group(touching_ != nullptr)) return dispatch_workgroup(state, number, 1);
+  step(state, number, true);
 }
 
 }  // namespace phymul::gl
