@@ -10,6 +10,15 @@ set(shaders
   attractor_pull_enumerated.glsl
   bases_pass.glsl
   cells_pass.glsl
+  closest_point.glsl
+  contact_grid_kernel.glsl
+  contact_group.glsl
+  contact_order_kernel.glsl
+  contact_part_kernel.glsl
+  contact_press_kernel.glsl
+  contact_queue_kernel.glsl
+  contact_search_kernel.glsl
+  contact_tables.glsl
   contact_tool.glsl
   cover_target.glsl
   delta_base.glsl
@@ -33,10 +42,21 @@ set(shaders
   energy_pass.glsl
   force_of.glsl
   force_pass.glsl
+  free_kernel.glsl
   free_step.glsl
   integrate_displacement.glsl
+  kept_along_pass.glsl
+  kept_facet.glsl
+  kept_root_pass.glsl
+  kept_step_kernel.glsl
+  kept_step_pass.glsl
+  kept_sums_kernel.glsl
+  kept_sums_pass.glsl
+  kept_tables.glsl
+  measure_step.glsl
   momentum_pass.glsl
   net_force.glsl
+  pushed_tables.glsl
   reaction_pass.glsl
   report_events.glsl
   report_kernel.glsl
@@ -45,6 +65,8 @@ set(shaders
   shown_attractor_pass.glsl
   step_kernel.glsl
   step_pass.glsl
+  store_kept_step.glsl
+  store_kept_sums.glsl
   store_step.glsl
   store_terms.glsl
   sum_kernel.glsl
@@ -59,7 +81,9 @@ set(shaders
   tools_pass.glsl
   touch_tools.glsl
   vector3.glsl
+  volume_root.glsl
   volumes_pass.glsl
+  wait_for_all.glsl
   workgroup_kernel.glsl)
 list(TRANSFORM shaders PREPEND ${PROJECT_SOURCE_DIR}/glsl/)
 add_custom_command(OUTPUT ${PROJECT_BINARY_DIR}/shaders/embedded_shaders.cpp
@@ -72,6 +96,7 @@ add_custom_command(OUTPUT ${PROJECT_BINARY_DIR}/shaders/embedded_shaders.cpp
 add_library(phymul_gl_objects OBJECT
   src/gl/body_drawing.cpp
   src/gl/body_kind.cpp
+  src/gl/compute_contacts.cpp
   src/gl/compute_device.cpp
   src/gl/compute_loads.cpp
   src/gl/compute_passes.cpp
@@ -80,6 +105,8 @@ add_library(phymul_gl_objects OBJECT
   src/gl/compute_sums.cpp
   src/gl/compute_tables.cpp
   src/gl/compute_tools.cpp
+  src/gl/compute_volumes.cpp
+  src/gl/contact_passes.cpp
   src/gl/context.cpp
   src/gl/context_current.cpp
   src/gl/context_debug.cpp
@@ -102,6 +129,7 @@ add_library(phymul_gl_objects OBJECT
   src/gl/fragment_sums.cpp
   src/gl/fragment_tables.cpp
   src/gl/fragment_tools.cpp
+  src/gl/fragment_volumes.cpp
   src/gl/step_traffic.cpp
   src/gl/framebuffer.cpp
   src/gl/gl_functions.cpp

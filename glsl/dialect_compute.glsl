@@ -15,16 +15,22 @@
 #define SEEN_BY_ALL
 #endif
 
+#ifdef CONTACT_PASS  // reads no constants, and has a block of its own: OpenGL ES 3.1 promises four
+#undef HEIGHTS_APART
+#else
 layout(std430, binding = 0) readonly buffer ConstantRows {
   ivec4 constant_rows[];
 };
 layout(std430, binding = 1) readonly buffer ConstantWords {  // the same memory
   int constant_words[];
 };
+#endif
 layout(std430, binding = 2) SEEN_BY_ALL buffer ChangingRows {
   ivec4 changing_rows[];
 };
-#ifdef TOOLS  // which tell there what they felt
+#if defined(PUSHES) || defined(KEPT_VOLUMES)  // what pushes a particle within a step stands there, or sums
+#define LOAD_ACCESS SEEN_BY_ALL
+#elif defined(TOOLS)  // which tell there what they felt
 #define LOAD_ACCESS
 #else
 #define LOAD_ACCESS readonly
@@ -46,9 +52,11 @@ layout(std430, binding = 4) readonly buffer HeightRows {
 #define OF_STEP(type, name) type name
 #define RESULT(number, type, name) PRECISE type name
 
+#ifndef CONTACT_PASS
 ivec2 word_pair(int first) {
   return ivec2(constant_words[first], constant_words[first + 1]);
 }
+#endif
 
 #define fetch_vec4(table, place, row) intBitsToFloat(constant_rows[place + (row)])
 #define fetch_vec2(table, place, row) intBitsToFloat(word_pair(place + 2 * (row)))

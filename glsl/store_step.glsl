@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// A step of one particle, computed and stored. Dispatched only; needs step_pass.glsl.
+// A step of one particle, computed and stored. Dispatched only; needs step_pass.glsl and, where KEPT_VOLUMES is defined,
+// kept_along_pass.glsl.
 
 uniform int gravity_place;  // of the loads: a row per instant
 
@@ -23,5 +24,11 @@ void store_step(int i, bool measuring) {
   step_row(i);
   changing_rows[next_pair_place + i] = floatBitsToInt(next_displacement);
   changing_rows[next_pair_place + place_count + i] = floatBitsToInt(next_velocity);
+#ifdef KEPT_VOLUMES  // measured is what ends the step
+  changing_rows[measured_place + i] = floatBitsToInt(next_measured);
+  along_row(i);
+  load_rows[kept_along_place + i] = floatBitsToInt(kept_direction);
+#else
   if (measuring) changing_rows[measured_place + i] = floatBitsToInt(next_measured);
+#endif
 }

@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
 // Many steps in one dispatch, by one workgroup, which waits for itself between the passes: no other could be waited for.
-// Needs store_terms.glsl and store_step.glsl.
+// Needs store_terms.glsl, store_step.glsl and wait_for_all.glsl; where KEPT_VOLUMES is defined, store_kept_sums.glsl and
+// store_kept_step.glsl.
 
 layout(local_size_x = GROUP) in;
 
 uniform int pair, checkpoint;  // the pair to begin with, and the one to keep
 uniform int number, steps;     // of the first step, and how many
-
-void wait_for_all() {
-  memoryBarrierBuffer();
-  barrier();
-}
 
 // Of three pairs, one that is neither.
 int free_pair(int a, int b) {
@@ -44,6 +40,14 @@ void main() {
 #endif
     for (int i = lane; i < particle_count; i += GROUP) store_step(i, step == steps - 1);
     wait_for_all();
+#ifdef KEPT_VOLUMES
+    displacement_place = pair_place(to);
+    kept_step = number + step;
+    store_kept_roots(lane, 0);
+    begin_kept_step(from, to, number + step);
+    for (int i = lane; i < particle_count; i += GROUP) store_kept_step(i);
+    wait_for_all();
+#endif
     from = to;
   }
 }

@@ -172,9 +172,12 @@ Choice choose(const std::shared_ptr<const TopologyTextures>& topology, const Sce
     return {cpu::make_reference_solver(topology, scene, options), std::string("reference: ") + error.what()};
   }
 #ifdef PHYMUL_HAS_GL
-  if (has_needle(scene.tools()) || !scene.volumes().empty() || scene.contacts()) {
+  if (has_needle(scene.tools())) {
+    return processor_because(std::move(cpu), "the scene has needles, which no GL backend takes yet");
+  }
+  if (scene.contacts()) {
     return processor_because(std::move(cpu),
-                             "the scene has needles, kept volumes or contacts, which no GL backend takes yet");
+                             "the scene has contacts, and what they cost a GPU no trial shows before bodies touch");
   }
   if (topology->particle_count < gl_particles) {
     return processor_because(std::move(cpu),

@@ -72,15 +72,14 @@ std::optional<double> root_of_cubic(const std::array<double, 3>& c, double wante
   const auto value = [&](double s) { return ((c[2] * s + c[1]) * s + c[0]) * s - wanted; };
   const auto slope = [&](double s) { return (3.0 * c[2] * s + 2.0 * c[1]) * s + c[0]; };
   const std::pair<double, double> ends = growing_branch(c);
-  double far = wanted / c[0];
   const double end = wanted > 0.0 ? ends.second : ends.first;
+  const auto up_to_end = [end](double s) { return std::abs(s) > std::abs(end) ? end : s; };
   const auto short_of = [&](double s) { return wanted > 0.0 ? value(s) < 0.0 : value(s) > 0.0; };
+  double far = up_to_end(wanted / c[0]);
   for (int k = 0; short_of(far); ++k) {
-    if (std::abs(far) >= std::abs(end) || k > 1000) return std::nullopt;
-    far *= 2.0;
+    if (far == end || k > 1000) return std::nullopt;
+    far = up_to_end(2.0 * far);
   }
-  if (std::abs(far) > std::abs(end)) far = end;
-  if (short_of(far)) return std::nullopt;
 
   // Newton's iteration, kept between 0 and there by halving.
   double low = std::min(0.0, far), high = std::max(0.0, far), s = std::clamp(wanted / c[0], low, high);

@@ -276,7 +276,8 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
     report.status = StepStatus::device_lost;
   } else if (motion.lost_volume >= 0) {
     report.status = StepStatus::volume_lost;
-    report.particle = scene_->volumes()[static_cast<std::size_t>(motion.lost_volume)].triangles.front()[0];
+    const auto row = static_cast<std::size_t>(motion.lost_volume);  // of a late report, which may know another scene
+    if (row < scene_->volumes().size()) report.particle = scene_->volumes()[row].triangles.front()[0];
     report.cause = "no small move of its free particles brings it back: all of them are held, or the surface is flat";
   } else if (motion.bad_particle >= 0) {
     report.status = StepStatus::not_finite;
@@ -358,7 +359,7 @@ void Solver::do_restore(const Snapshot& snapshot) {
 const char* Solver::do_cannot() const {
   if (!scene_->tools().empty() && !takes_tools()) return no_tools;
   if (has_needle(scene_->tools())) return no_needles;
-  if (!scene_->volumes().empty()) return no_volumes;
+  if (!scene_->volumes().empty() && !do_takes_volumes()) return no_volumes;
   return scene_->contacts() ? no_contacts : nullptr;
 }
 

@@ -8,7 +8,9 @@ add_dependencies(phymul_stability_test phymul_gl)
 
 # The inside of src/gl, apart from phymul_test, which runs on machines without GL.
 add_executable(phymul_gl_test
+  gl_body_contact_test.cpp
   gl_compute_test.cpp
+  gl_contact_runs_test.cpp
   gl_context_test.cpp
   gl_display_test.cpp
   gl_equivalence_test.cpp
@@ -18,6 +20,7 @@ add_executable(phymul_gl_test
   gl_life_test.cpp
   gl_objects_test.cpp
   gl_tool_test.cpp
+  gl_volume_test.cpp
   host_state.cpp)
 target_include_directories(phymul_gl_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(phymul_gl_test PRIVATE PHYMUL_GLSL_SOURCES="${PROJECT_SOURCE_DIR}/glsl")
@@ -73,7 +76,7 @@ endfunction()
 
 # Compute shaders are asked for where a driver has them: not in OpenGL ES 3.0 nor on softpipe. Where the desktop GL is
 # too old for them they run under OpenGL ES.
-set(computing "*/gl_compute*:GlComputeDevice.*:*HostsContextIsLeftAsItWasByComputing*")
+set(computing "*/gl_compute*:GlComputeDevice.*:GlBodyContact.*:GlContactRuns.*:*HostsContextIsLeftAsItWasByComputing*")
 
 # A minute each, of all bodies and variants: under desktop GL every form of the GL backends shows its bits, under the
 # oldest of each dialect single steps of the fragment backend, and 2,000 damped ones under the oldest OpenGL ES.
@@ -84,8 +87,9 @@ set(long_in_33 "*GlEquivalence.SingleSteps*/gl_compute*:${damped}")
 
 # The oldest desktop GL, the other dialect, and its oldest version. LP_NUM_THREADS=0: no threads of the renderer's own,
 # which small bodies only wait for. (Where desktop GL is 3.3 compute shaders run under OpenGL ES, as in the next.)
-gl_tests_under(33 "${long_in_33}:*GlTool*/gl_compute*" MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330 LP_NUM_THREADS=0)
-gl_tests_under(es "${long}" PHYMUL_GL_DIALECT=es LP_NUM_THREADS=0)
+set(gl_33 MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330 LP_NUM_THREADS=0)
+gl_tests_under(33 "${long_in_33}:*GlTool*/gl_compute*:*GlVolume*/gl_compute*:GlBodyContact.*" ${gl_33})
+gl_tests_under(es "${long}:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolumeOf*" PHYMUL_GL_DIALECT=es LP_NUM_THREADS=0)
 gl_tests_under(es30 "*AHundred*:${computing}" PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.0 LP_NUM_THREADS=0)
 # The oldest OpenGL ES that computes. It has no `precise`, so that a compiler may order sums as it likes: what every
 # backend must do is asked of it, not the mirror's bits.
@@ -102,7 +106,8 @@ set_tests_properties(gl.33.no_compute PROPERTIES ENVIRONMENT "${old_gl}")
 set(minutes "*RestStaysAtRest*:*PulledCylinder*:*EnumeratedBasesMove*:*AHundred*")
 set(long_with_tools "*GlTool.Every*:*GlTool.Agrees*:*GlTool.Batches*:*GlTool.Late*:*MovingTool.GoesBack*:*MovingTool.Holds*")
 set(long_with_tools "${long_with_tools}:*Contact.Block*:*Contact.Compliance*:*Contact.TenThousand*:*GridTool*")
-gl_tests_under(softpipe "${minutes}:${long_with_tools}:*GlTool*/gl_four_passes:${computing}" GALLIUM_DRIVER=softpipe)
+set(long_with_volumes "*GlVolume.IsKept*:*GlVolume.Several*:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolumeOf*:*GlVolume*/gl_four_passes")
+gl_tests_under(softpipe "${minutes}:${long_with_tools}:*GlTool*/gl_four_passes:${long_with_volumes}:${computing}" GALLIUM_DRIVER=softpipe)
 
 # A host that uses GLX, on an X server of its own.
 find_package(X11 QUIET)

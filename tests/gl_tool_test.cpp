@@ -7,51 +7,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gl_twins.h"
+#include "gl_forms.h"
 
 namespace phymul::test {
 namespace {
 
-struct Form {
-  const char* name;
-  GlBackend backend;
-  GlCompute compute;
-  int passes;
-};
+class GlTool : public GlBlockTest {};
 
-class GlTool : public GlTest, public testing::WithParamInterface<Form> {
- protected:
-  GlTool() : model_(make_block({0.03, 0.02, 0.02}, 6, 4, 4)) { set_material(model_, soft_tissue()); }
-  void SetUp() override {
-    GlTest::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_unavailable(name_of(GetParam().backend)));
-    tables_ = tables_of(model_, {});
-    options_.damping.rate = 30.0;
-    options_.gl.compute = GetParam().compute;
-    options_.gl.passes = GetParam().passes;
-    options_.gl.debug = true;
-    options_.spectrum = estimate_spectrum(*tables_, tables_->rest);
-    dt_ = 0.4 * stable_step(*options_.spectrum, 1.0);
-  }
-  GlTwins twins(const Scene& scene) const { return {tables_, scene, options_, GetParam().backend}; }
-  std::unique_ptr<gl::DeviceSolver> make(const Scene& scene) const {
-    return std::make_unique<gl::DeviceSolver>(GetParam().backend, tables_, scene, options_);
-  }
-
-  Model model_;
-  std::shared_ptr<const TopologyTextures> tables_;
-  SolverOptions options_;
-  double dt_ = 0.0;
-};
-
-INSTANTIATE_TEST_SUITE_P(All, GlTool,
-                         testing::Values(Form{"gl", GlBackend::fragment, GlCompute::automatic, 2},
-                                         Form{"gl_four_passes", GlBackend::fragment, GlCompute::automatic, 4},
-                                         Form{"gl_compute", GlBackend::compute, GlCompute::workgroup, 2},
-                                         Form{"gl_compute_store", GlBackend::compute, GlCompute::store, 2},
-                                         Form{"gl_compute_recompute", GlBackend::compute, GlCompute::recompute, 2}),
-                         [](const auto& form) { return form.param.name; });
+PHYMUL_IN_ALL_GL_FORMS(GlTool);
 
 /// Distances of a ball of 3 mm, up to 2 mm from it along the axes: a margin of more is beyond the grid.
 std::shared_ptr<const DistanceGrid> ball_grid() {
@@ -253,16 +216,6 @@ TEST_P(GlTool, CopiesAndLostDevicesKnowWhatToolsHold) {
   const State once = untouched->read(), again = solver->read();
   EXPECT_EQ(again.tools, once.tools);
   EXPECT_LE(largest_distance(again.position, once.position), 1e-9 * body_size(model_));
-}
-
-/// What draws or dispatches, and how often; 0 for what runs once a batch, of which the clock makes more or fewer.
-std::vector<std::pair<std::string, std::int64_t>> runs_of(Solver& solver) {
-  std::vector<std::pair<std::string, std::int64_t>> runs;
-  for (const PassProfile& pass : solver.profile()) {
-    const bool of_batch = pass.name.starts_with("report") || pass.name.starts_with("workgroup");
-    runs.emplace_back(pass.name, of_batch ? 0 : pass.runs);
-  }
-  return runs;
 }
 
 TEST_P(GlTool, ASceneWithoutToolsPaysNothing) {

@@ -66,6 +66,8 @@ TEST(EnclosedVolume, RootsAreTheNearestOnTheGrowingBranchOrNone) {
   EXPECT_FALSE(root_of_cubic({1, 0, -1.0 / 3.0}, 0.7));  // s - s^3 / 3 grows to 2/3 only
   EXPECT_NEAR(root_of_cubic({1, 0, -1.0 / 3.0}, 0.5).value(), 2.0 * std::sin(std::asin(0.75) / 3.0), 1e-14);
   EXPECT_NEAR(root_of_cubic({1e-30, 0, 1}, 8.0).value(), 2.0, 1e-14);
+  EXPECT_NEAR(root_of_cubic({0.001, 1, -0.5}, 0.501).value(), 1.0, 1e-14);  // where the slope at 0 leads past the end
+  EXPECT_NEAR(root_of_cubic({0.001, -1, -0.5}, -0.501).value(), -1.0, 1e-14);
   EXPECT_FALSE(root_of_cubic({0, 0, 0}, 1.0));  // nothing is free to move
   EXPECT_FALSE(root_of_cubic({-1, 0, 1}, 1.0));
   std::mt19937 bits(8);

@@ -75,8 +75,7 @@ struct SolverOptions {
 /// not_finite: a particle would have left the finite numbers, or run faster than a million spacings times omega_max,
 /// which no body survives; the step was not taken.
 /// volume_lost: an enclosed volume (Scene::keep_volume) could not be restored; the step was not taken.
-/// not_supported: the scene has needles, contacts or kept volumes, and this backend does not take them; nothing was
-/// done.
+/// not_supported: the scene has needles or contacts, and this backend does not take them; nothing was done.
 enum class StepStatus { ok, invalid_step, unstable_step, not_finite, device_lost, volume_lost, not_supported };
 
 struct StepReport {
@@ -282,6 +281,7 @@ class Solver {
   /// that a backend has to add code for.
   virtual const char* do_cannot() const;
   virtual bool do_takes_tools() const { return false; }
+  virtual bool do_takes_volumes() const { return false; }  ///< keeps them: Scene::keep_volume
   virtual const ToolReport& do_tool_report(std::size_t row) const;  ///< of Scene::tools(), of the version last seen
   virtual double do_bytes_a_step() const { return std::numeric_limits<double>::quiet_NaN(); }
   virtual void do_profile() const {}  ///< brings profiling(), which is not null, up to date

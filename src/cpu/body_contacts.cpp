@@ -10,10 +10,7 @@
 namespace phymul::cpu {
 namespace {
 
-/// Skin of either side where the scene names none, in edges.
-constexpr double usual_skin = 0.1;
-/// Of an overlap, and of an edge, in a step: more would press the surface in, and the body would spring back from that.
-constexpr double parted_share = 0.05, largest_parting = 0.002;
+constexpr double usual_skin = ContactSurface::usual_skin;
 /// Distances closer than this many edges count as one: the point is on the edge of two triangles.
 constexpr double same_distance = 1e-9;
 
@@ -81,6 +78,7 @@ void BodyContacts::find(TouchedParticles& touched) {
     if (!options_.self && !meets_another(surface_.particles[k].body, place_[k], reach)) continue;
     nearest_.clear();
     grid_.each_near(place_[k], [&](std::size_t entry) { look(k, meant_[entry], reach); });
+    std::ranges::sort(nearest_, {}, &Nearest::body);  // not in the grid's order, which is nobody else's
     keep(k, touched, margin);
   }
 }
@@ -146,6 +144,9 @@ void BodyContacts::look(std::size_t particle, std::size_t t, double reach) {
       area.norm() > 0.0 && found.distance > 0.0 ? area.dot(found.way) / (area.norm() * found.distance) : 0.0;
   found.alignment = std::abs(across);
   found.inside = triangle.has_inside && across < 0.0;
+  // Below a surface counts as far as its own edges reach: `reach` is that of the coarsest body, and further in the
+  // surface of the other side of the particle's own body would count as one it got into.
+  if (found.inside && found.distance > std::max(triangle.edge, own.edge)) return;
   if (found.distance > 0.0) {
     found.way *= (found.inside ? -1.0 : 1.0) / found.distance;
   } else if (area.norm() > 0.0) {
@@ -233,7 +234,8 @@ void BodyContacts::part(const Contact& contact, TouchedParticles& touched) {
     mobility += contact.share[c] * contact.share[c] * inverse_mass(touched[contact.corner[c]], contact.normal);
   }
   if (mobility == 0.0) return;
-  const double way = std::min(-parted_share * contact.gap, largest_parting * contact.edge) / mobility;
+  const double way =
+      std::min(-ContactSurface::parted_share * contact.gap, ContactSurface::largest_parting * contact.edge) / mobility;
   shift(particle, way * particle.inverse_mass * contact.normal);
   for (int c = 0; c < 3; ++c) {
     TouchedParticles::Touched& corner = touched[contact.corner[c]];

@@ -14,8 +14,8 @@
 
 #include <array>
 
+#include "../contact_surface.h"
 #include "../free_step.h"
-#include "contact_surface.h"
 #include "point_grid.h"
 
 namespace phymul::cpu {

@@ -7,6 +7,7 @@
 
 #include "integrate_displacement.h"
 #include "mirror_forces.h"
+#include "mirror_volumes.h"
 #include "touch_tools.h"
 
 namespace phymul::cpu {
@@ -83,6 +84,7 @@ class MirrorSolver final : public Solver {
         next_v_(u_.size()),
         force_(u_.size()) {
     tools_.follow(scene());
+    volumes_.follow(scene());
     reset();
   }
 
@@ -103,10 +105,12 @@ class MirrorSolver final : public Solver {
     steps_at_rest_ = 0;
     loads_ = FloatLoads(scene());
     tools_.follow(scene());
+    volumes_.follow(scene());
   }
 
   void do_values_changed() override { steps_at_rest_ = 0; }
   bool do_takes_tools() const override { return true; }
+  bool do_takes_volumes() const override { return true; }
   const ToolReport& do_tool_report(std::size_t row) const override { return tools_.report(scene().tools()[row]); }
 
   Motion do_step(const StepPlan& plan) override {
@@ -117,6 +121,7 @@ class MirrorSolver final : public Solver {
     }
     while (motion.steps < plan.steps) {
       const bool cut = move(plan, motion);
+      if (motion.lost_volume >= 0) break;
       motion.bad_particle = first_runaway(plan.runaway_speed);
       if (motion.bad_particle >= 0) break;
       u_.swap(next_u_);
@@ -185,14 +190,41 @@ class MirrorSolver final : public Solver {
     for (Index i = 0; i < topology().particle_count; ++i) {
       Displaced<float> moved = free_step(plan, i, gravity);
       if (!tools_.empty()) moved = touched_step(plan, i, gravity, moved.v);
-      const Float3 a = acceleration(force_[i], forces_.tables().particle[i][0], gravity);
-      const double free = widened(loads_.free_part(i, a)).norm();
-      motion.max_acceleration = std::max(motion.max_acceleration, free);
-      motion.max_force = std::max(motion.max_force, topology().mass[i] * free);
       next_u_[i] = moved.u;
       next_v_[i] = moved.v;
     }
+    if (!volumes_.empty()) motion.lost_volume = find_ways();
+    for (Index i = 0; i < topology().particle_count; ++i) {
+      Float3 a = acceleration(force_[i], forces_.tables().particle[i][0], gravity);
+      if (volumes_.moves(i)) go_along(i, static_cast<float>(1.0 / plan.dt), a);
+      const double free = widened(loads_.free_part(i, a)).norm();
+      motion.max_acceleration = std::max(motion.max_acceleration, free);
+      motion.max_force = std::max(motion.max_force, topology().mass[i] * free);
+    }
     return any_cut;
+  }
+
+  /// Of the particles of kept volumes. The row of a volume that cannot be kept; -1: none.
+  int find_ways() {
+    volumes_.follow_gradient(u_, forces_.tables().particle, [this](Index i) {
+      if (!tools_.empty() && tools_.held()[static_cast<std::size_t>(i)][3] >= 0.0f) return 7;
+      return fixed_axes(i);
+    });
+    return volumes_.find_roots(next_u_);
+  }
+
+  void go_along(Index i, float inverse_dt, Float3& a) {
+    const auto [way, along] = volumes_.way(i);
+    const float speed = inverse_dt * way;
+    next_u_[i] += way * along;
+    next_v_[i] += speed * along;
+    a += (inverse_dt * speed) * along;
+  }
+
+  int fixed_axes(Index i) const {
+    int fixed_at = 0;
+    for (int axis = 0; axis < 3; ++axis) fixed_at |= loads_.fixed(i, axis) ? 1 << axis : 0;
+    return fixed_at;
   }
 
   /// Into force_. True where an elastic force was cut.
@@ -223,8 +255,7 @@ class MirrorSolver final : public Solver {
   Displaced<float> touched_step(const StepPlan& plan, Index i, const Float3& gravity, const Float3& v) {
     const auto dt = static_cast<float>(plan.dt), inverse_dt = static_cast<float>(1.0 / plan.dt);
     const ToolRows rows(tools_);
-    int fixed_at = topology().dimension == 2 ? 4 : 0;
-    for (int axis = 0; axis < 3; ++axis) fixed_at |= loads_.fixed(i, axis) ? 1 << axis : 0;
+    const int fixed_at = fixed_axes(i) | (topology().dimension == 2 ? 4 : 0);
     TouchedParticle particle = rows.untouched(i, u_[i], v, forces_.tables().particle[i], fixed_at);
     for (int tool = 0; tool < tools_.count(); ++tool) {
       add(rows.touch(tool, i, particle, dt, inverse_dt), tool_sums_[static_cast<std::size_t>(tool)]);
@@ -270,6 +301,7 @@ class MirrorSolver final : public Solver {
   MirrorForces forces_;
   FloatLoads loads_;
   FloatTools tools_{1};
+  MirrorVolumes volumes_;
   std::vector<ToolSums> tool_sums_;  // of the step in question
   std::vector<Float3> u_, v_, next_u_, next_v_, force_;
   double time_ = 0.0, last_dt_ = 0.0;

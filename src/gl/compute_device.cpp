@@ -31,7 +31,8 @@ void ComputeDevice::bind() const {
 }
 
 void ComputeDevice::set_scene(const Scene& scene, const FloatTools& tools) {
-  auto loads = std::make_unique<ComputeLoads>(scene, most_steps + 1, tables_, limits_, &tools);
+  const FloatVolumes volumes = pack_volumes(scene);
+  auto loads = std::make_unique<ComputeLoads>(scene, most_steps + 1, tables_, limits_, &tools, &volumes);
   passes_.set_loads(*loads, state_);
   loads_ = std::move(loads);
 }

@@ -4,7 +4,7 @@
 namespace phymul::gl {
 
 ComputeLoads::ComputeLoads(const Scene& scene, int instants, const ComputeTables& tables, const ComputeLimits& limits,
-                           const FloatTools* tools)
+                           const FloatTools* tools, const FloatVolumes* volumes)
     : table_(scene, instants), index_row_(instants), parts_row_(index_row_), values_row_(index_row_) {
   std::vector<Int4> index;
   std::vector<Float4> parts;
@@ -19,12 +19,18 @@ ComputeLoads::ComputeLoads(const Scene& scene, int instants, const ComputeTables
     values_row_ = parts_row_ + static_cast<std::int64_t>(parts.size());
   }
   const auto value_rows = static_cast<std::int64_t>((table_.values().size() + 3) / 4);
-  const std::int64_t load_rows = values_row_ + value_rows;
-  if (tools && !tools->empty()) tools_.emplace(*tools, load_rows, tables);
-  buffer_ = StorageBuffer(tools_ ? tools_->end() : load_rows, "the scene's loads and tools", limits);
+  std::int64_t rows = values_row_ + value_rows;
+  if (tools && !tools->empty()) rows = tools_.emplace(*tools, rows, tables).end();
+  if (volumes && !volumes->empty()) rows = volumes_.emplace(*volumes, rows, tables).end();
+  std::optional<FloatContacts> touching;
+  if (tools && scene.contacts()) touching.emplace(scene);
+  if (touching && !touching->empty()) rows = contacts_.emplace(*touching, rows, tables, limits).end();
+  buffer_ = StorageBuffer(rows, "the scene's loads, tools, kept volumes and contacts", limits);
   buffer_.write(16 * index_row_, index.data(), static_cast<std::int64_t>(16 * index.size()));
   buffer_.write(16 * parts_row_, parts.data(), static_cast<std::int64_t>(16 * parts.size()));
   if (tools_) tools_->write(*tools, buffer_);
+  if (volumes_) volumes_->write(*volumes, buffer_);
+  if (contacts_) contacts_->write(*touching, buffer_);
 }
 
 void ComputeLoads::evaluate(const std::vector<double>& instants) {
@@ -50,6 +56,8 @@ void ComputeLoads::place(Kernel& kernel) const {
   kernel.set("load_values_place", static_cast<int>(values_row_));
   kernel.set("load_count", table_.mode_count());
   if (tools_) tools_->place(kernel);
+  if (volumes_) volumes_->place(kernel);
+  if (contacts_) contacts_->place(kernel);
 }
 
 }  // namespace phymul::gl

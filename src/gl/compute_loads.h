@@ -1,23 +1,29 @@
 // SPDX-License-Identifier: MIT
 //
-// A scene's loads in a storage buffer: gravity per instant, index, parts and values, one after another, and its tools.
+// A scene's loads in a storage buffer: gravity per instant, index, parts and values, one after another, its tools, and
+// the volumes it keeps, and what of it touches.
 #pragma once
 
 #include <optional>
 
+#include "gl/compute_contacts.h"
 #include "gl/compute_tools.h"
+#include "gl/compute_volumes.h"
 #include "gl/load_table.h"
 
 namespace phymul::gl {
 
 class ComputeLoads {
  public:
-  /// Room for the values of as many instants; `tools` may be null or none.
+  /// Room for the values of as many instants; `tools` and `volumes` may be none. Null: no steps are to be done with
+  /// these loads, so that neither tools nor contacts are among them.
   ComputeLoads(const Scene& scene, int instants, const ComputeTables& tables, const ComputeLimits& limits,
-               const FloatTools* tools = nullptr);
+               const FloatTools* tools = nullptr, const FloatVolumes* volumes = nullptr);
 
   const LoadKind& kind() const { return table_.kind(); }
-  const ComputeTools* tools() const { return tools_ ? &*tools_ : nullptr; }  ///< null where there are none
+  const ComputeTools* tools() const { return tools_ ? &*tools_ : nullptr; }              ///< null where there are none
+  const ComputeVolumes* volumes() const { return volumes_ ? &*volumes_ : nullptr; }      ///< likewise
+  const ComputeContacts* contacts() const { return contacts_ ? &*contacts_ : nullptr; }  ///< likewise
 
   /// Takes over the values at these instants.
   void evaluate(const std::vector<double>& instants);
@@ -30,6 +36,8 @@ class ComputeLoads {
  private:
   LoadTable table_;
   std::optional<ComputeTools> tools_;
+  std::optional<ComputeVolumes> volumes_;
+  std::optional<ComputeContacts> contacts_;
   std::int64_t index_row_, parts_row_, values_row_;
   StorageBuffer buffer_;
 };

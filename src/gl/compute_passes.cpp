@@ -144,107 +144,178 @@ int ComputePasses::workgroup() const {
 }
 
 /// Turns of the loops of a step of one group.
-std::int64_t ComputePasses::turns_a_step(std::int64_t tools) const {
+std::int64_t ComputePasses::turns_a_step(std::int64_t tools, const ComputeVolumes* volumes) const {
   const BodyKind& kind = tables_->kind();
   const auto rounds = [group = workgroup()](std::int64_t rows) { return (rows + group - 1) / group; };
-  return 1 + rounds(kind.particles) * (2 + kind.turns.own + kind.turns.gathered + turns_a_tool * tools) +
+  return 1 + (volumes ? volumes->turns(workgroup()) : 0) +
+         rounds(kind.particles) * (2 + kind.turns.own + kind.turns.gathered + turns_a_tool * tools) +
          rounds(kind.bases) + rounds(kind.volumes) + turns_a_cell * rounds(kind.cells);
 }
 
 /// As many as the driver's shaders have turns for; half of those are left to what is not counted (loads).
 int ComputePasses::steps_a_dispatch() const {
-  const std::int64_t fit = limits_.loop_turns / 2 / turns_a_step(tools_);
+  const std::int64_t fit = limits_.loop_turns / 2 / turns_;
   return static_cast<int>(std::clamp<std::int64_t>(fit, 1, Device::most_steps));
 }
 
+void ComputePasses::add_tools(const StepKind& step, ShaderRequest& request) const {
+  if (!step.tools) return;
+  define_tools(step.grids, request);
+  append(request, tool_files());
+  append(request, {"tell_tools.glsl"});
+}
+
 Kernel ComputePasses::stepping(const StepKind& step, const ComputeState& state) const {
-  ShaderRequest request = gathering(step.loads, form_ == ComputeForm::workgroup);
+  const bool one_group = by_one_group(step.contacts);
+  ShaderRequest request = gathering(step.loads, one_group);
   define(request, "CUT");
+  define(request, "PUSHED", step.contacts);
   append(request, {"free_step.glsl"});
-  if (step.tools) {
-    define_tools(step.grids, request);
-    append(request, tool_files());
-    append(request, {"tell_tools.glsl"});
+  if (step.contacts) {
+    append(request, {"pushed_tables.glsl"});
+  } else {
+    add_tools(step, request);
   }
+  append(request, {"measure_step.glsl"});
+  define(request, "KEPT_VOLUMES", step.volumes);
+  if (step.volumes && step.tools && step.contacts) {  // what tools hold, volumes leave
+    append(request, {"tool_tables.glsl"});
+    define(request, "HELD");
+  }
+  if (step.volumes) append(request, keeping_step_files());
   append(request, {"step_pass.glsl", "store_step.glsl"});
-  if (form_ != ComputeForm::workgroup) {
+  if (!one_group) {
     append(request, {"step_kernel.glsl"});
     return placed(std::move(request), lanes, state);
   }
   const BodyKind& kind = tables_->kind();
   define(request, "ONE_WORKGROUP");
   define(request, "STORED_TERMS", kind.attractors || kind.base_terms || kind.volumes > 0 || kind.cells > 0);
-  append(request, {"store_terms.glsl", "workgroup_kernel.glsl"});
+  append(request, {"store_terms.glsl", "wait_for_all.glsl"});
+  if (step.volumes) append(request, joined({keeping_sums_files(), keeping_end_files()}));
+  append(request, {"workgroup_kernel.glsl"});
   return placed(std::move(request), workgroup(), state);
+}
+
+Kernel ComputePasses::freeing(const StepKind& step, const ComputeState& state) const {
+  if (!step.contacts) return {};
+  ShaderRequest request = gathering(step.loads);
+  define(request, "CUT");
+  define(request, "PUSHES");
+  append(request, {"free_step.glsl", "pushed_tables.glsl"});
+  add_tools(step, request);
+  append(request, {"free_kernel.glsl"});
+  return placed(std::move(request), lanes, state);
+}
+
+KeepingKernels ComputePasses::keeping(const StepKind& step, const ComputeState& state) const {
+  if (!step.volumes || by_one_group(step.contacts)) return {};
+  ShaderRequest sums{.files = joined({common, keeping_sums_files(), {"kept_sums_kernel.glsl"}}),
+                     .defines = {{"KEPT_VOLUMES", 1}, {"ONE_WORKGROUP", 1}}};
+  tables_->define(sums);
+  ShaderRequest end = gathering(step.loads);
+  define(end, "KEPT_VOLUMES");
+  append(end, joined({{"free_step.glsl", "measure_step.glsl", "kept_tables.glsl"}, keeping_end_files()}));
+  append(end, {"kept_step_kernel.glsl"});
+  return {placed(std::move(sums), std::min(limits_.invocations, 256), state), placed(std::move(end), lanes, state)};
 }
 
 void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& state) {
   const ComputeTools* const tools = loads.tools();
-  const int tool_count = tools ? tools->count() : 0;
-  if (form_ == ComputeForm::workgroup && turns_a_step(tool_count) > limits_.loop_turns) {
+  const bool touching = loads.contacts() != nullptr;
+  const std::int64_t turns = turns_a_step(tools ? tools->count() : 0, loads.volumes());
+  if (by_one_group(touching) && turns > limits_.loop_turns) {
     throw Error("expected a step of one group to take at most " + std::to_string(limits_.loop_turns) +
-                " turns of loops, which is where this renderer breaks off, got " +
-                std::to_string(turns_a_step(tool_count)) + "; use GlCompute::store (PHYMUL_GL_COMPUTE=store)");
+                " turns of loops, which is where this renderer breaks off, got " + std::to_string(turns) +
+                "; use GlCompute::store (PHYMUL_GL_COMPUTE=store)");
   }
-  const StepKind kind{.loads = loads.kind(), .tools = tools != nullptr, .grids = tools && tools->any_grid()};
+  const StepKind kind{.loads = loads.kind(),
+                      .tools = tools != nullptr,
+                      .grids = tools && tools->any_grid(),
+                      .contacts = touching,
+                      .volumes = loads.volumes() != nullptr};
   auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
-  if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), {kind, stepping(kind, state)});
-  now_ = &found->kernel;
-  tools_ = tool_count;
-  loads.place(*now_);
+  if (found == stepping_.end()) {
+    found =
+        stepping_.insert(stepping_.end(), {kind, stepping(kind, state), freeing(kind, state), keeping(kind, state)});
+  }
+  if (touching && !contacts_) contacts_.emplace(*library_, *tables_, limits_);
+  now_ = &*found;
+  turns_ = turns;
+  touching_ = touching ? &loads.rows() : nullptr;
+  loads.place(now_->kernel);
+  if (now_->keeping) {
+    loads.place(now_->keeping.step());
+    now_->keeping.place(*loads.volumes());
+  }
+  if (!touching) return;
+  loads.place(now_->free);
+  contacts_->set_contacts(*loads.contacts());
 }
 
 void ComputePasses::set_constants(const StepConstants& constants) {
   const auto finite = [](double value) { return std::min(value, double{std::numeric_limits<float>::max()}); };
-  const auto set = [this](const char* name, double value) { now_->set(name, static_cast<float>(value)); };
-  set("largest_acceleration", finite(constants.largest_acceleration));
-  set("dt", constants.dt);
-  set("inverse_dt", 1.0 / constants.dt);
-  set("damping_factor", constants.damping_factor);
-  set("runaway_speed", finite(constants.runaway_speed));
-  set("speed_at_rest", constants.speed_at_rest);
-  set("acceleration_at_rest", constants.acceleration_at_rest);
+  const auto set_all = [&](Kernel& kernel) {
+    const auto set = [&kernel](const char* name, double value) { kernel.set(name, static_cast<float>(value)); };
+    set("largest_acceleration", finite(constants.largest_acceleration));
+    set("dt", constants.dt);
+    set("inverse_dt", 1.0 / constants.dt);
+    set("damping_factor", constants.damping_factor);
+    set("runaway_speed", finite(constants.runaway_speed));
+    set("speed_at_rest", constants.speed_at_rest);
+    set("acceleration_at_rest", constants.acceleration_at_rest);
+  };
+  set_all(now_->kernel);
+  if (now_->keeping) set_all(now_->keeping.step());
+  if (!touching_) return;
+  set_all(now_->free);
+  contacts_->set_step(constants.dt);
+}
+
+/// One step, by many groups, from the current state to the free pair.
+void ComputePasses::step(const ComputeState& state, int number, bool measuring) {
+  evaluate(state);
+  const auto run = [&](Kernel& kernel) {
+    kernel.set("pair", state.current());
+    kernel.set("number", number);
+    kernel.set("measuring", measuring ? 1 : 0);
+    kernel.dispatch(kernel.groups_for(tables_->kind().particles));
+  };
+  if (touching_) {
+    run(now_->free);
+    contacts_->act(*touching_, state.current());
+  }
+  now_->kernel.set("next_pair", state.free_pair());
+  run(now_->kernel);
+  if (now_->keeping) now_->keeping.run(state, number, tables_->kind().particles);
+}
+
+void ComputePasses::dispatch_workgroup(const ComputeState& state, int number, int steps) {
+  Kernel& kernel = now_->kernel;
+  kernel.set("pair", state.current());
+  kernel.set("checkpoint", state.checkpoint());
+  kernel.set("number", number);
+  kernel.set("steps", steps);
+  kernel.dispatch(1);
 }
 
 void ComputePasses::steps(ComputeState& state, int first, int count) {
-  if (form_ == ComputeForm::workgroup) {
-    const int at_a_time = steps_a_dispatch();
-    for (int done = 0, now = 0; done < count; done += now) {
-      now = std::min(at_a_time, count - done);
-      now_->set("pair", state.current());
-      now_->set("checkpoint", state.checkpoint());
-      now_->set("number", first + done);
-      now_->set("steps", now);
-      now_->dispatch(1);
-      for (int k = 0; k < now; ++k) state.advance();
+  const bool one_group = by_one_group(touching_ != nullptr);
+  const int at_a_time = one_group ? steps_a_dispatch() : 1;
+  for (int done = 0, now = 0; done < count; done += now) {
+    now = std::min(at_a_time, count - done);
+    if (one_group) {
+      dispatch_workgroup(state, first + done, now);
+    } else {
+      step(state, first + done, done == count - 1);
     }
-    return;
-  }
-  for (int k = 0; k < count; ++k) {
-    evaluate(state);
-    now_->set("pair", state.current());
-    now_->set("next_pair", state.free_pair());
-    now_->set("number", first + k);
-    now_->set("measuring", k == count - 1 ? 1 : 0);
-    now_->dispatch(now_->groups_for(tables_->kind().particles));
-    state.advance();
+    for (int k = 0; k < now; ++k) state.advance();
   }
 }
 
 void ComputePasses::try_step(const ComputeState& state, int number) {
-  if (form_ == ComputeForm::workgroup) {
-    now_->set("pair", state.current());
-    now_->set("checkpoint", state.checkpoint());
-    now_->set("number", number);
-    now_->set("steps", 1);
-    return now_->dispatch(1);
-  }
-  evaluate(state);
-  now_->set("pair", state.current());
-  now_->set("next_pair", state.free_pair());
-  now_->set("number", number);
-  now_->set("measuring", 1);
-  now_->dispatch(now_->groups_for(tables_->kind().particles));
+  if (by_one_group(touching_ != nullptr)) return dispatch_workgroup(state, number, 1);
+  step(state, number, true);
 }
 
 }  // namespace phymul::gl

@@ -5,14 +5,19 @@
 //              which read forces, in a second); net force and Verlet in another
 //   recompute  net force and Verlet in one dispatch, where each particle computes what the others would have stored
 //              (forces of the averaged reaction's attractors are stored still, by a dispatch before)
-//   workgroup  as store, many steps in one dispatch by one group
+//   workgroup  as store, many steps in one dispatch by one group; where bodies touch, as store
+// Where bodies touch, another dispatch before the last one finds where each particle would go by itself, then come the
+// passes of contact_passes.h, and the last one ends what those two began. Where the scene keeps volumes, sums over
+// their facets and the end of the step are two dispatches more behind it, or three; the workgroup waits for itself.
 #pragma once
 
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "gl/compute_loads.h"
 #include "gl/compute_state.h"
+#include "gl/contact_passes.h"
 #include "gl/device.h"
 
 namespace phymul::gl {
@@ -58,12 +63,14 @@ class ComputePasses {
  private:
   struct StepKind {
     LoadKind loads;
-    bool tools = false, grids = false;
+    bool tools = false, grids = false, contacts = false, volumes = false;
     bool operator==(const StepKind&) const = default;
   };
   struct Stepping {
     StepKind kind;
     Kernel kernel;
+    Kernel free;             // where there are contacts: up to what pushes, which `kernel` goes on from
+    KeepingKernels keeping;  // where volumes are kept, behind it; not of one group
   };
   struct Terms {
     Kernel kernel;
@@ -72,8 +79,14 @@ class ComputePasses {
   };
   void compile_terms(const ComputeState& state);
   void add_terms(bool attractors, bool bases, bool others, const ComputeState& state);
+  void add_tools(const StepKind& step, ShaderRequest& request) const;
   Kernel stepping(const StepKind& step, const ComputeState& state) const;
-  std::int64_t turns_a_step(std::int64_t tools) const;
+  Kernel freeing(const StepKind& step, const ComputeState& state) const;
+  KeepingKernels keeping(const StepKind& step, const ComputeState& state) const;
+  bool by_one_group(bool contacts) const { return form_ == ComputeForm::workgroup && !contacts; }
+  void step(const ComputeState& state, int number, bool measuring);
+  void dispatch_workgroup(const ComputeState& state, int number, int steps);
+  std::int64_t turns_a_step(std::int64_t tools, const ComputeVolumes* volumes) const;
   int steps_a_dispatch() const;
   int workgroup() const;
 
@@ -84,8 +97,10 @@ class ComputePasses {
   std::vector<Terms> terms_;  // dispatched in order before a step
   bool terms_compiled_ = false;
   std::deque<Stepping> stepping_;  // whose addresses stay
-  Kernel* now_ = nullptr;
-  int tools_ = 0;  // of the loads that now_ is for
+  Stepping* now_ = nullptr;
+  std::int64_t turns_ = 0;                   // of loops, of a step of now_ by one group
+  const StorageBuffer* touching_ = nullptr;  // the loads that now_ is for, where they have contacts
+  std::optional<ContactPasses> contacts_;    // once there were some
 };
 
 }  // namespace phymul::gl

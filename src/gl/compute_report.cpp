@@ -50,18 +50,22 @@ void ComputeReport::sum_tools(const ComputeTools& tools) {
 }
 
 BatchReport ComputeReport::take() {
-  const BatchReport report = copy_.take();
+  BatchReport report = copy_.take();
   for (std::size_t tool = 0; tool < tool_sums_.size(); ++tool) {
     const Float4* const rows = &copy_.more()[4 * tool];
     tool_sums_[tool] = {rows[0], rows[1], rows[2], rows[3]};
   }
+  const std::span<const Float4> more(copy_.more());
+  report.see_volumes(more.subspan(4 * tool_sums_.size(), volumes_));
   return report;
 }
 
 void ComputeReport::request(const ComputeState& state, int pair, const ComputeLoads& loads) {
   const ComputeTools* const tools = loads.tools();
   tool_sums_.resize(tools ? static_cast<std::size_t>(tools->count()) : 0);
-  copy_.carry(4 * tool_sums_.size());
+  const ComputeVolumes* const volumes = loads.volumes();
+  volumes_ = volumes ? static_cast<std::size_t>(volumes->count()) : 0;
+  copy_.carry(4 * tool_sums_.size() + volumes_);
   if (tools) sum_tools(*tools);
   const int last = state.report_row() + 2 * ComputeState::most_report_groups;
   const int partial = groups_ > 1 ? state.report_row() : last;
@@ -80,10 +84,15 @@ void ComputeReport::request(const ComputeState& state, int pair, const ComputeLo
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glBindBuffer(GL_COPY_READ_BUFFER, state.rows().id());
     glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_PIXEL_PACK_BUFFER, static_cast<GLintptr>(16) * last, 0, 32);
+    glBindBuffer(GL_COPY_READ_BUFFER, loads.rows().id());
+    const auto tool_bytes = static_cast<GLsizeiptr>(64 * tool_sums_.size());
     if (tools) {
-      glBindBuffer(GL_COPY_READ_BUFFER, loads.rows().id());
       glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_PIXEL_PACK_BUFFER, static_cast<GLintptr>(16 * tools->total_row()), 32,
-                          static_cast<GLsizeiptr>(64 * tool_sums_.size()));
+                          tool_bytes);
+    }
+    if (volumes) {
+      glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_PIXEL_PACK_BUFFER, static_cast<GLintptr>(16 * volumes->roots_row()),
+                          32 + tool_bytes, static_cast<GLsizeiptr>(16 * volumes_));
     }
     glBindBuffer(GL_COPY_READ_BUFFER, 0);
   });

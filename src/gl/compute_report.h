@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What a batch of steps has to tell, brought down to two rows, and to four for each tool: one small read instead of the
-// state.
+// What a batch of steps has to tell, brought down to two rows, to four for each tool and one for each kept volume: one
+// small read instead of the state.
 #pragma once
 
 #include "gl/compute_passes.h"
@@ -14,7 +14,8 @@ class ComputeReport {
   ComputeReport(const ShaderLibrary& library, const ComputePasses& passes, const ComputeState& state,
                 const ComputeLimits& limits);
 
-  /// Of the state in a pair, which the last step wrote and measured, and of what steps told of the tools among `loads`.
+  /// Of the state in a pair, which the last step wrote and measured, and of what steps told of the tools and volumes
+  /// among `loads`.
   void request(const ComputeState& state, int pair, const ComputeLoads& loads);
   BatchReport take();
   std::span<const ToolSums> tool_sums() const { return tool_sums_; }
@@ -30,6 +31,7 @@ class ComputeReport {
   int groups_;
   ReportCopy copy_;
   std::vector<ToolSums> tool_sums_;
+  std::size_t volumes_ = 0;
 };
 
 }  // namespace phymul::gl

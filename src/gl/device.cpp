@@ -20,4 +20,13 @@ BatchReport::BatchReport(const Int4& events, const Float4& largest)
   last_unquiet = events[3];
 }
 
+void BatchReport::see_volumes(std::span<const Float4> roots) {
+  for (std::size_t row = 0; row < roots.size(); ++row) {
+    const int step = static_cast<int>(roots[row][1]);
+    if (step == 0 || (lost_step > 0 && lost_step <= step)) continue;
+    lost_step = step;
+    lost_volume = static_cast<int>(row);
+  }
+}
+
 }  // namespace phymul::gl

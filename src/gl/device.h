@@ -27,12 +27,16 @@ struct BatchReport {
   Index particle = -1;   ///< the first of them by number
   bool cut = false;      ///< an elastic force was; false too where a particle ran away
   int first_unquiet = 0, last_unquiet = 0;
+  int lost_step = 0;     ///< first in which a kept volume could not be restored
+  int lost_volume = -1;  ///< the first of them by row
   /// Of the last step.
   double max_speed = 0.0, max_acceleration = 0.0, max_force = 0.0, max_displacement = 0.0;
 
   BatchReport() = default;
   /// From what report_events.glsl leaves of all rows. Throws Error where that is no report.
   BatchReport(const Int4& events, const Float4& largest);
+  /// From what kept_root_pass.glsl leaves of every volume.
+  void see_volumes(std::span<const Float4> roots);
 };
 
 class Device {

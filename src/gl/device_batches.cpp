@@ -58,7 +58,7 @@ Solver::Motion DeviceSolver::run_batches(const StepPlan& plan) {
 /// The report of the call before, while the last batch of this one is on its way. run_to_rest() waits for every batch.
 Solver::Motion DeviceSolver::run_late(const StepPlan& plan) {
   const Motion before = std::exchange(untold_, std::nullopt).value_or(Motion{});
-  if (before.bad_particle >= 0) return before;
+  if (before.bad_particle >= 0 || before.lost_volume >= 0) return before;
   if (plan.stop_at_rest) return run_batches(plan);
   begin_tools(plan);
   const PassTimer::Current timing(device_->timer());
@@ -100,7 +100,10 @@ void DeviceSolver::queue_batch(const StepPlan& plan, int count) {
 /// False where the motion ends with this batch: a failure, or rest.
 bool DeviceSolver::settle_batch(const StepPlan& plan, int count, Motion& motion) const {
   BatchReport report = device_->take_report();
-  const int failed_at = report.runaway_step;
+  // A volume that cannot be restored comes before what runs away with it in the same step.
+  const bool loses = report.lost_step > 0 && (report.runaway_step == 0 || report.lost_step <= report.runaway_step);
+  const int failed_at = loses ? report.lost_step : report.runaway_step;
+  const int lost_volume = report.lost_volume;
   const Index culprit = report.particle;
   int good = failed_at > 0 ? failed_at - 1 : count;
 
@@ -125,6 +128,10 @@ bool DeviceSolver::settle_batch(const StepPlan& plan, int count, Motion& motion)
   for (int k = 0; k < good; ++k) progress_.time += plan.dt;
   if (good > 0) progress_.last_dt = plan.dt;
   if (rests || failed_at == 0) return !rests;
+  if (loses) {
+    motion.lost_volume = lost_volume;
+    return false;
+  }
   // The forces that the step after the last good one began with, which are those of the state that is kept.
   const BatchReport failed = device_->try_step(good + 1);
   motion.max_acceleration = failed.max_acceleration;

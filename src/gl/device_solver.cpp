@@ -14,6 +14,7 @@
 #include "gl/options.h"
 #include "gl/step_traffic.h"
 #include "slice_tables.h"
+#include "tool_state.h"
 
 namespace phymul::gl {
 namespace {
@@ -23,6 +24,13 @@ ParticleBuffer finished(const Texture& texture) {
   glFinish();
   return {.texture = texture.id(), .width = texture.shape().width, .height = texture.shape().height, .position = {}};
 }
+
+constexpr const char* no_needles =
+    "the scene has a needle, which this backend does not take yet; use \"cpu\" or \"reference\"";
+constexpr const char* no_contacts =
+    "the scene has contacts, whose sweeps fragment shaders would need hundreds of draws a step for; use "
+    "\"gl-compute\", "
+    "\"cpu\" or \"reference\"";
 
 }  // namespace
 
@@ -70,6 +78,11 @@ void DeviceSolver::build() {
   }
   if (profiling()) context_->run([&] { device_->time_passes(context_->info(), *profiling()); });
   context_->throw_debug_errors();
+}
+
+const char* DeviceSolver::do_cannot() const {
+  if (has_needle(scene().tools())) return no_needles;
+  return scene().contacts() && backend_ == GlBackend::fragment ? no_contacts : nullptr;
 }
 
 /// Deleting is harmless in a lost context that can still be made current. Where it cannot, another context may be
@@ -234,9 +247,10 @@ void DeviceSolver::do_restore(const Snapshot& snapshot) {
   progress_.steps_at_rest = snapshot.steps_at_rest;
 }
 
-/// Not counted where there are tools: it depends on how much they touch.
+/// Not counted where there are tools or contacts, as it depends on how much they touch, nor where volumes are kept.
 double DeviceSolver::do_bytes_a_step() const {
-  return tools_.empty() ? bytes_a_step_ : std::numeric_limits<double>::quiet_NaN();
+  const bool counted = tools_.empty() && !scene().contacts() && scene().volumes().empty();
+  return counted ? bytes_a_step_ : std::numeric_limits<double>::quiet_NaN();
 }
 
 Energy DeviceSolver::do_energy() const {

@@ -23,9 +23,12 @@ FragmentDevice::FragmentDevice(const FloatTables& tables, const Scene& scene, co
 void FragmentDevice::set_scene(const Scene& scene, const FloatTools& tools) {
   auto new_loads = std::make_unique<FragmentLoads>(scene, most_steps + 1);
   auto new_tools = tools.empty() ? nullptr : std::make_unique<FragmentTools>(tools);
-  passes_.set_loads(*new_loads, new_tools.get());
+  const FloatVolumes volumes = pack_volumes(scene);
+  auto new_volumes = volumes.empty() ? nullptr : std::make_unique<FragmentVolumes>(volumes);
+  passes_.set_loads(*new_loads, new_tools.get(), new_volumes.get());
   loads_ = std::move(new_loads);
   tools_ = std::move(new_tools);
+  volumes_ = std::move(new_volumes);
 }
 
 void FragmentDevice::set_held(const FloatTools& tools) {
@@ -52,13 +55,13 @@ void FragmentDevice::run(int count) {
 BatchReport FragmentDevice::try_step(int number) {
   vertices_.bind();
   passes_.step(state_, number, true);
-  report_.request(state_.next_displacement(), state_.next_velocity(), state_.measured(), tools_.get());
+  report_.request(state_.next_displacement(), state_.next_velocity(), state_.measured(), tools_.get(), volumes_.get());
   return report_.take();
 }
 
 void FragmentDevice::request_report() {
   vertices_.bind();
-  report_.request(state_.displacement(), state_.velocity(), state_.measured(), tools_.get());
+  report_.request(state_.displacement(), state_.velocity(), state_.measured(), tools_.get(), volumes_.get());
 }
 
 Energy FragmentDevice::energy(const Scene& scene, double time, double dt) {

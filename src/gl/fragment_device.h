@@ -44,7 +44,8 @@ class FragmentDevice final : public Device {
   FragmentTables tables_;
   FragmentState state_;
   std::unique_ptr<FragmentLoads> loads_;
-  std::unique_ptr<FragmentTools> tools_;  // null where there are none
+  std::unique_ptr<FragmentTools> tools_;      // null where there are none
+  std::unique_ptr<FragmentVolumes> volumes_;  // likewise
   FragmentPasses passes_;
   FragmentReport report_;
   FragmentSums sums_;

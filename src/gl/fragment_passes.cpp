@@ -88,7 +88,7 @@ void FragmentPasses::bind_terms(Pass& pass) const {
 }
 
 /// Of those that move particles, or tell where they would go.
-Pass FragmentPasses::compiled(const StepKind& kind, const char* pass) const {
+Pass FragmentPasses::compiled(const StepKind& kind, const ShaderFiles& passes) const {
   ShaderRequest request = gathering(kind.loads, "free_step.glsl");
   request.defines.emplace_back("CUT", 1);
   if (kind.tools) {
@@ -97,7 +97,8 @@ Pass FragmentPasses::compiled(const StepKind& kind, const char* pass) const {
   }
   const bool apart = four_ || kind.tools;
   if (apart) request.defines.emplace_back("FOUR_PASSES", 1);
-  request.files.emplace_back(pass);
+  if (kind.volumes) request.defines.emplace_back("KEPT_VOLUMES", 1);
+  request.files.insert(request.files.end(), passes.begin(), passes.end());
   Pass moving(*library_, std::move(request));
   tables_->bind(moving);
   bind_terms(moving);
@@ -115,13 +116,31 @@ FragmentPasses::Stepping FragmentPasses::compiled(const StepKind& kind) const {
     tables_->bind(stepping.reaction);
     bind_terms(stepping.reaction);
   }
-  if (kind.tools) stepping.tools = compiled(kind, "tools_pass.glsl");
-  stepping.step = compiled(kind, "step_pass.glsl");
+  if (kind.tools) stepping.tools = compiled(kind, {"tools_pass.glsl"});
+  stepping.step = compiled(kind, {"measure_step.glsl", "step_pass.glsl"});
+  if (kind.volumes) compile_keeping(stepping);
   return stepping;
 }
 
-void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools) {
-  const StepKind kind{.loads = loads.kind(), .tools = tools != nullptr, .grids = tools && tools->any_grid()};
+void FragmentPasses::compile_keeping(Stepping& stepping) const {
+  stepping.along = compiled(stepping.kind, {"kept_tables.glsl", "kept_facet.glsl", "kept_along_pass.glsl"});
+  stepping.end = compiled(stepping.kind, {"measure_step.glsl", "kept_tables.glsl", "kept_step_pass.glsl"});
+  const auto plain = [this](ShaderRequest request) {
+    define_kernels(tables_->kind(), request);
+    return Pass(*library_, std::move(request));
+  };
+  const ShaderFiles sums = joined({common, {"kept_tables.glsl", "kept_facet.glsl", "kept_sums_pass.glsl"}});
+  stepping.facets = plain({.files = sums, .defines = {{"FACETS", 1}}});
+  stepping.sums = plain({.files = sums, .defines = {}});
+  stepping.roots = plain(
+      {.files = joined({common, {"kept_tables.glsl", "volume_root.glsl", "kept_root_pass.glsl"}}), .defines = {}});
+}
+
+void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes) {
+  const StepKind kind{.loads = loads.kind(),
+                      .tools = tools != nullptr,
+                      .grids = tools && tools->any_grid(),
+                      .volumes = volumes != nullptr};
   auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
   const auto* const loads_before = std::exchange(loads_, &loads);
   auto* const tools_before = std::exchange(tools_, tools);
@@ -139,10 +158,19 @@ void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools)
   now_ = &*found;
   loads.bind(now_->step);
   if (reaction_apart()) loads.bind(now_->reaction);
-  if (!tools) return;
-  loads.bind(now_->tools);
-  tools->bind(now_->tools);
-  tools->bind(now_->step);
+  if (tools) {
+    loads.bind(now_->tools);
+    tools->bind(now_->tools);
+    tools->bind(now_->step);
+  }
+  volumes_ = volumes;
+  if (volumes) bind_volumes();
+}
+
+void FragmentPasses::bind_volumes() {
+  for (Pass* const pass : {&now_->along, &now_->end}) loads_->bind(*pass);
+  if (tools_) tools_->bind(now_->along);
+  for (Pass* const pass : {&now_->along, &now_->facets, &now_->sums, &now_->roots, &now_->end}) volumes_->bind(*pass);
 }
 
 void FragmentPasses::set_constants(const StepConstants& constants) {
@@ -156,7 +184,9 @@ void FragmentPasses::set_constants(const StepConstants& constants) {
   };
   set_motion(now_->step);
   if (tools_) set_motion(now_->tools);
-  const auto set = [&](const char* name, double value) { now_->step.set(name, static_cast<float>(value)); };
+  if (volumes_) set_motion(now_->end);
+  Pass& end = volumes_ ? now_->end : now_->step;
+  const auto set = [&](const char* name, double value) { end.set(name, static_cast<float>(value)); };
   set("runaway_speed", finite(constants.runaway_speed));
   set("speed_at_rest", constants.speed_at_rest);
   set("acceleration_at_rest", constants.acceleration_at_rest);
@@ -169,7 +199,9 @@ void FragmentPasses::evaluate(const FragmentState& state) {
   }
 }
 
-void FragmentPasses::set_instant(Pass& pass, int batch_step) const {
+void FragmentPasses::prepare(Pass& pass, const FragmentState& state, int batch_step) const {
+  pass.input("displacement", state.displacement());
+  pass.input("velocity", state.velocity());
   pass.set("instant", batch_step - 1);
   pass.set("batch_step", batch_step);
   pass.set("gravity", loads_->gravity(static_cast<std::size_t>(batch_step - 1)));
@@ -184,19 +216,26 @@ void FragmentPasses::step(const FragmentState& state, int batch_step, bool measu
     reaction.set("instant", batch_step - 1);
     reaction.draw(net_target_);
   }
-  const auto prepare = [&](Pass& pass) {
-    pass.input("displacement", state.displacement());
-    pass.input("velocity", state.velocity());
-    set_instant(pass, batch_step);
-  };
   if (tools_) {
-    prepare(now_->tools);
+    prepare(now_->tools, state, batch_step);
     tools_->tell(now_->tools);
   }
   Pass& step = now_->step;
-  prepare(step);
+  prepare(step, state, batch_step);
   step.set_rows(state.displacement(), tables_->kind().particles);
-  step.draw(state.next(measuring));
+  step.draw(volumes_ ? volumes_->free_target() : state.next(measuring));
+  if (volumes_) keep(state, batch_step, measuring);
+}
+
+void FragmentPasses::keep(const FragmentState& state, int batch_step, bool measuring) {
+  prepare(now_->along, state, batch_step);
+  volumes_->follow_gradient(now_->along);
+  volumes_->sum(now_->facets, now_->sums);
+  volumes_->find_roots(now_->roots, batch_step);
+  volumes_->bind_roots(now_->end);
+  prepare(now_->end, state, batch_step);
+  now_->end.set_rows(state.displacement(), tables_->kind().particles);
+  now_->end.draw(state.next(measuring));
 }
 
 const Texture& FragmentPasses::attractors(const FragmentState& state) {

@@ -7,7 +7,9 @@
 //   cells      stress of a cell                             bodies with cell-averaged terms
 //   step       net force and Verlet
 // With four passes as in the 2007 thesis the first is two (attractor, force) and the last is two (reaction, Verlet);
-// the bits are the same. With tools the last is two in any case, as what they feel is a pass between them.
+// the bits are the same. With tools the last is two in any case, as what they feel is a pass between them. Where the
+// scene keeps volumes, the step is drawn aside, and passes follow it: which way their particles go, sums over facets,
+// how far, and the end of the step.
 #pragma once
 
 #include <deque>
@@ -18,6 +20,7 @@
 #include "gl/fragment_state.h"
 #include "gl/fragment_tables.h"
 #include "gl/fragment_tools.h"
+#include "gl/fragment_volumes.h"
 
 namespace phymul::gl {
 
@@ -28,8 +31,8 @@ class FragmentPasses {
 
   const FragmentTables& tables() const { return *tables_; }
 
-  /// Compiles what these loads need, where it is not there yet. `tools`: null for none.
-  void set_loads(const FragmentLoads& loads, FragmentTools* tools);
+  /// Compiles what these loads need, where it is not there yet. `tools`, `volumes`: null for none.
+  void set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes);
 
   /// Before steps of a call.
   void set_constants(const StepConstants& constants);
@@ -56,21 +59,25 @@ class FragmentPasses {
   };
   struct StepKind {
     LoadKind loads;
-    bool tools = false, grids = false;
+    bool tools = false, grids = false, volumes = false;
     bool operator==(const StepKind&) const = default;
   };
   struct Stepping {
     StepKind kind;
-    Pass reaction, tools, step;  // reaction: four passes, or tools; tools: only with them
+    Pass reaction, tools, step;            // reaction: four passes, or tools; tools: only with them
+    Pass along, facets, sums, roots, end;  // only where volumes are kept
   };
   void add(ShaderRequest request, const std::vector<Attachment>& targets, int rows);
   void add_attractors();
   void add_bases();
   void add_volumes_and_cells();
   Stepping compiled(const StepKind& kind) const;
-  Pass compiled(const StepKind& kind, const char* pass) const;
+  Pass compiled(const StepKind& kind, const ShaderFiles& passes) const;
+  void compile_keeping(Stepping& stepping) const;
+  void bind_volumes();
+  void keep(const FragmentState& state, int batch_step, bool measuring);
   bool reaction_apart() const { return four_ || tools_ != nullptr; }
-  void set_instant(Pass& pass, int batch_step) const;
+  void prepare(Pass& pass, const FragmentState& state, int batch_step) const;
 
   const FragmentTables* tables_;
   const ShaderLibrary* library_;
@@ -83,6 +90,7 @@ class FragmentPasses {
   Stepping* now_ = nullptr;
   const FragmentLoads* loads_ = nullptr;
   FragmentTools* tools_ = nullptr;
+  FragmentVolumes* volumes_ = nullptr;
 };
 
 }  // namespace phymul::gl

@@ -28,7 +28,7 @@ FragmentReport::FragmentReport(const ShaderLibrary& library, Index particles)
 }
 
 void FragmentReport::request(const Texture& displacement, const Texture& velocity, const Texture& measured,
-                             FragmentTools* tools) {
+                             FragmentTools* tools, const FragmentVolumes* volumes) {
   first_.input("displacement", displacement);
   first_.input("velocity", velocity);
   first_.input("measured", measured);
@@ -45,7 +45,9 @@ void FragmentReport::request(const Texture& displacement, const Texture& velocit
     source_rows = levels_[k].rows;
   }
   tool_sums_.resize(tools ? static_cast<std::size_t>(tools->count()) : 0);
-  copy_.carry(tools ? 4 * tools->texels() : 0);
+  tool_rows_ = tools ? tools->texels() : 0;
+  volumes_ = volumes ? static_cast<std::size_t>(volumes->count()) : 0;
+  copy_.carry(4 * tool_rows_ + (volumes ? volumes->texels() : 0));
   if (tools) {
     if (!tools_added_)
       tools_added_.emplace(*library_,
@@ -55,17 +57,19 @@ void FragmentReport::request(const Texture& displacement, const Texture& velocit
   copy_.request([&] {
     levels_.back().target.read(0, GL_RGBA_INTEGER, GL_INT, nullptr);
     levels_.back().target.read(1, GL_RGBA, GL_FLOAT, reinterpret_cast<void*>(sizeof(Int4)));  // an offset in the buffer
-    if (tools) tools->copy(sizeof(Int4) + sizeof(Float4));
+    const std::size_t behind = sizeof(Int4) + sizeof(Float4);
+    if (tools) tools->copy(behind);
+    if (volumes) volumes->copy(behind + 4 * tool_rows_ * sizeof(Float4));
   });
 }
 
 BatchReport FragmentReport::take() {
-  const BatchReport report = copy_.take();
-  const std::size_t row = copy_.more().size() / 4;
+  BatchReport report = copy_.take();
   for (std::size_t tool = 0; tool < tool_sums_.size(); ++tool) {
     const Float4* const at = copy_.more().data() + tool;
-    tool_sums_[tool] = {at[0], at[row], at[2 * row], at[3 * row]};
+    tool_sums_[tool] = {at[0], at[tool_rows_], at[2 * tool_rows_], at[3 * tool_rows_]};
   }
+  report.see_volumes(std::span<const Float4>(copy_.more()).subspan(4 * tool_rows_, volumes_));
   return report;
 }
 

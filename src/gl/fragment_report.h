@@ -10,6 +10,7 @@
 #include "gl/device.h"
 #include "gl/fragment_state.h"
 #include "gl/fragment_tools.h"
+#include "gl/fragment_volumes.h"
 #include "gl/pass.h"
 #include "gl/report_copy.h"
 
@@ -19,8 +20,9 @@ class FragmentReport {
  public:
   FragmentReport(const ShaderLibrary& library, Index particles);
 
-  /// Of the state a batch has reached, and of what its steps told of tools; null: there are none.
-  void request(const Texture& displacement, const Texture& velocity, const Texture& measured, FragmentTools* tools);
+  /// Of the state a batch has reached, and of what its steps told of tools and kept volumes; null: there are none.
+  void request(const Texture& displacement, const Texture& velocity, const Texture& measured, FragmentTools* tools,
+               const FragmentVolumes* volumes);
   BatchReport take();
   std::span<const ToolSums> tool_sums() const { return tool_sums_; }
 
@@ -38,6 +40,8 @@ class FragmentReport {
   std::vector<Level> levels_;
   ReportCopy copy_;
   std::vector<ToolSums> tool_sums_;
+  std::size_t tool_rows_ = 0;  // of which four are behind the report, before the volumes
+  std::size_t volumes_ = 0;
 };
 
 }  // namespace phymul::gl

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// ReportCopy: the two rows of a report on their way to the host, and behind them what tools have felt.
+// ReportCopy: the two rows of a report on their way to the host, and behind them what tools have felt and which volumes
+// were lost.
 #pragma once
 
 #include "gl/gl_api.h"

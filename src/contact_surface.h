@@ -8,7 +8,7 @@
 #include <array>
 #include <vector>
 
-namespace phymul::cpu {
+namespace phymul {
 
 struct ContactSurface {
   struct Particle {
@@ -26,6 +26,15 @@ struct ContactSurface {
   VecList rest;  ///< [particles] m
   double longest_edge = 0.0;
 
+  // Constants of contact, of all backends.
+  /// Edges: what is that near at rest does not touch, in one body. A little more than the two of a lattice, so that
+  /// rounding does not decide.
+  static constexpr double skin_factor = 2.001;
+  static constexpr double usual_skin = 0.1;  ///< of either side where the scene names none, in edges
+  /// Of an overlap, and of an edge, in a step: more would press the surface in, and the body would spring back from
+  /// that.
+  static constexpr double parted_share = 0.05, largest_parting = 0.002;
+
   /// Whether a particle is too near a triangle at rest to touch it: neighbours in one body do not.
   bool is_own_skin(const Particle& particle, std::size_t particle_row, const Triangle& triangle) const;
 };
@@ -33,4 +42,4 @@ struct ContactSurface {
 /// Bodies without any facet have particles only, whose edges are the ways to their neighbours.
 ContactSurface make_contact_surface(const Model& model);
 
-}  // namespace phymul::cpu
+}  // namespace phymul

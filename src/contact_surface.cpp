@@ -7,12 +7,10 @@
 #include <algorithm>
 #include <map>
 
-#include "../surface.h"
+#include "surface.h"
 
-namespace phymul::cpu {
+namespace phymul {
 namespace {
-
-constexpr double skin_factor = 2.0;  // edges, at rest
 
 /// Adds one body: its particles by row of the model, and triangles with outward normals.
 class SurfaceBuilder {
@@ -114,4 +112,4 @@ bool ContactSurface::is_own_skin(const Particle& particle, std::size_t particle_
                      [&](Index corner) { return (rest[corner] - rest[particle_row]).squaredNorm() <= near * near; });
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#include "float_contacts.h"
+
+namespace phymul {
+
+FloatContacts::FloatContacts(const Scene& scene) : options(*scene.contacts()) {
+  const ContactSurface surface = make_contact_surface(scene.model());
+  longest_edge = surface.longest_edge;
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& X : scene.model().rest) middle += X / static_cast<double>(scene.model().rest.size());
+  for (std::size_t k = 0; k < surface.particles.size(); ++k) {
+    const ContactSurface::Particle& own = surface.particles[k];
+    bodies = std::max(bodies, own.body + 1);
+    particle.push_back({own.row, own.body, bits_of(static_cast<float>(own.edge)), 0});
+    const Vec3 X = surface.rest[k] - middle;
+    const Eigen::Vector3f high = X.cast<float>(), low = (X - high.cast<double>()).cast<float>();
+    rest.push_back({high.x(), high.y(), high.z(), 0.0f});
+    rest.push_back({low.x(), low.y(), low.z(), 0.0f});
+  }
+  for (const ContactSurface::Triangle& own : surface.triangles) {
+    triangle.push_back({own.corner[0], own.corner[1], own.corner[2], 2 * own.body + (own.has_inside ? 1 : 0)});
+    triangle_law.push_back({static_cast<float>(own.edge), 0.0f, 0.0f, 0.0f});
+  }
+}
+
+}  // namespace phymul
