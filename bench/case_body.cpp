@@ -34,6 +34,12 @@ Model from_file(const ReferenceCase& it, const Variables& variables) {
   return read_mesh((std::filesystem::path(it.folder) / path).string(), options);
 }
 
+void add_place(Variables& variables, const Vec3& point) {
+  variables["x"] = point.x();
+  variables["y"] = point.y();
+  variables["z"] = point.z();
+}
+
 Model built(const ReferenceCase& it, const Variables& variables) {
   if (it.body == "file") return from_file(it, variables);
   const std::vector<double> a = values(it.body_args, variables);
@@ -62,25 +68,29 @@ Model built(const ReferenceCase& it, const Variables& variables) {
 
 }  // namespace
 
-Variables at_point(Variables variables, const Vec3& point) {
-  variables["x"] = point.x();
-  variables["y"] = point.y();
-  variables["z"] = point.z();
+Variables at_point(const ReferenceCase& it, Variables variables, const Vec3& point) {
+  add_place(variables, point);
+  for (const auto& [name, text] : it.fields) variables[name] = evaluate(text, variables);
   return variables;
+}
+
+Vec3 vector_of(const Triple& texts, const Variables& variables) {
+  return {evaluate(texts[0], variables), evaluate(texts[1], variables), evaluate(texts[2], variables)};
 }
 
 Model make_body(const ReferenceCase& it, const Variables& variables) {
   Model model = built(it, variables);
   if (it.map[0] != "-") {
+    Variables here = variables;
     for (Vec3& p : model.rest) {
-      const Variables here = at_point(variables, p);
+      add_place(here, p);
       for (int axis = 0; axis < 3; ++axis) p[axis] = evaluate(it.map[axis], here);
     }
   }
   for (const auto& [name, condition] : it.groups) {
     std::vector<Index> members;
     for (Index i = 0; i < model.particle_count(); ++i) {
-      if (evaluate(condition, at_point(variables, model.rest[i])) != 0.0) members.push_back(i);
+      if (evaluate(condition, at_point(it, variables, model.rest[i])) != 0.0) members.push_back(i);
     }
     if (members.empty()) throw Error("group " + name + ": no particle meets the condition \"" + condition + "\"");
     model.add_group(name, std::move(members));

@@ -12,7 +12,9 @@ namespace phymul::bench {
 /// With groups, without material. Throws Error.
 Model make_body(const ReferenceCase& reference_case, const Variables& variables);
 
-/// Adds x, y, z of a point to the variables.
-Variables at_point(Variables variables, const Vec3& point);
+Vec3 vector_of(const Triple& texts, const Variables& variables);
+
+/// Adds x, y, z of a place in the mapped body to the variables, and the case's fields there.
+Variables at_point(const ReferenceCase& reference_case, Variables variables, const Vec3& point);
 
 }  // namespace phymul::bench

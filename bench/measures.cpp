@@ -12,7 +12,8 @@
 namespace phymul::bench {
 namespace {
 
-PositionError sample_error(const Problem& problem, std::span<const Vec3> displacement) {
+std::optional<PositionError> sample_error(const Problem& problem, std::span<const Vec3> displacement) {
+  if (problem.places.empty()) return std::nullopt;
   Model samples;
   samples.rest = problem.sample_point;
   VecList found, wanted;
@@ -21,6 +22,16 @@ PositionError sample_error(const Problem& problem, std::span<const Vec3> displac
     wanted.push_back(problem.sample_point[s] + problem.reference[s]);
   }
   return position_error(samples, found, wanted);
+}
+
+void take_worse(std::optional<double>& worst, const Vec3& found, const std::array<std::optional<double>, 3>& wanted) {
+  double off = 0.0, size = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!wanted[axis]) continue;
+    off += std::pow(found[axis] - *wanted[axis], 2);
+    size += std::pow(*wanted[axis], 2);
+  }
+  if (size > 0.0) worst = std::max(worst.value_or(0.0), std::sqrt(off / size));
 }
 
 }  // namespace
@@ -45,25 +56,23 @@ Support support(std::span<const Index> particles, const TopologyTextures& topolo
 }
 
 Measures measure(const Problem& problem, const TopologyTextures& topology, const Scene& scene,
-                 std::span<const Vec3> position) {
+                 std::span<const Vec3> position, const ToolForces& pushed) {
   Measures result;
   VecList displacement(position.begin(), position.end());
   for (std::size_t i = 0; i < displacement.size(); ++i) displacement[i] -= topology.rest[i];
   result.displacement = sample_error(problem, displacement);
   for (const Problem::Reaction& reaction : problem.reactions) {
     const Support found = support(reaction.particles, topology, scene, position);
-    double off = 0.0, size = 0.0;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!reaction.value[axis]) continue;
-      off += std::pow((reaction.torque ? found.torque : found.force)[axis] - *reaction.value[axis], 2);
-      size += std::pow(*reaction.value[axis], 2);
-    }
-    if (size > 0.0) result.force_error = std::max(result.force_error.value_or(0.0), std::sqrt(off / size));
+    take_worse(result.force_error, reaction.torque ? found.torque : found.force, reaction.value);
+  }
+  for (const Problem::Push& push : problem.pushes) {
+    const auto found = pushed.find(push.tool);
+    if (found != pushed.end()) take_worse(result.force_error, found->second, push.value);
   }
   return result;
 }
 
-PositionError null_error(const Problem& problem) {
+std::optional<PositionError> null_error(const Problem& problem) {
   return sample_error(problem, problem.displacement);
 }
 

@@ -11,16 +11,18 @@
 #include <sstream>
 
 #include "case_body.h"
+#include "case_tool.h"
 
 namespace phymul::bench {
 namespace {
 
 /// Loads of one imposed motion: particles with the same displacement share one.
-std::vector<Load> motions(const ReferenceCase::OnGroup& motion, const Model& model, const Variables& variables,
+std::vector<Load> motions(const ReferenceCase& it, const ReferenceCase::OnGroup& motion, const Variables& variables,
                           Problem& problem) {
+  const Model& model = problem.model;
   std::map<std::array<double, 3>, std::vector<Index>> by_displacement;
   for (const Index i : model.group(motion.group)) {
-    const Variables here = at_point(variables, model.rest[i]);
+    const Variables here = at_point(it, variables, model.rest[i]);
     std::array<double, 3> u{0, 0, 0};
     for (int axis = 0; axis < 3; ++axis) {
       if (motion.value[axis] == "-") continue;
@@ -46,10 +48,6 @@ std::vector<Load> motions(const ReferenceCase::OnGroup& motion, const Model& mod
   return loads;
 }
 
-Vec3 vector_of(const Triple& texts, const Variables& variables) {
-  return {evaluate(texts[0], variables), evaluate(texts[1], variables), evaluate(texts[2], variables)};
-}
-
 Load push(LoadType type, const Vec3& vector, std::vector<Index> particles) {
   Load load;
   load.type = type;
@@ -61,7 +59,7 @@ Load push(LoadType type, const Vec3& vector, std::vector<Index> particles) {
 
 void add_loads(const ReferenceCase& it, const Variables& variables, Problem& problem) {
   for (const ReferenceCase::OnGroup& motion : it.imposed) {
-    for (Load& load : motions(motion, problem.model, variables, problem)) problem.loads.push_back(std::move(load));
+    for (Load& load : motions(it, motion, variables, problem)) problem.loads.push_back(std::move(load));
   }
   for (const ReferenceCase::OnGroup& force : it.forces) {
     std::vector<Index> members = problem.model.group(force.group);
@@ -80,6 +78,8 @@ void add_loads(const ReferenceCase& it, const Variables& variables, Problem& pro
     problem.loads.push_back(std::move(load));
   }
   problem.gravity = vector_of(it.gravity, variables);
+  for (const ReferenceCase::PlacedTool& tool : it.tools)
+    problem.tools.push_back({tool.name, make_tool(tool, variables)});
 }
 
 /// Coordinates that are not imposed become the mean of their neighbours', by conjugate gradients on the graph.
@@ -121,12 +121,13 @@ struct Samples {
   VecList point, displacement;
 };
 
+/// None where the case knows forces alone.
 Samples samples_of(const ReferenceCase& it, const std::string& level, const Variables& variables) {
   Samples result;
   if (it.samples.empty()) {
     for (const Triple& point : it.points) {
       result.point.push_back(vector_of(point, variables));
-      result.displacement.push_back(vector_of(it.exact, at_point(variables, result.point.back())));
+      result.displacement.push_back(vector_of(it.exact, at_point(it, variables, result.point.back())));
     }
     return result;
   }
@@ -164,7 +165,28 @@ void take_samples(const Samples& samples, Problem& problem) {
     problem.sample_point.push_back(samples.point[s]);
     problem.reference.push_back(samples.displacement[s]);
   }
-  if (problem.places.empty()) throw Error("every sample point is prescribed; nothing is left to compare");
+  if (problem.places.empty() && !samples.point.empty())
+    throw Error("every sample point is prescribed; nothing is left to compare");
+}
+
+std::array<std::optional<double>, 3> known_part(const Triple& texts, const Variables& variables) {
+  std::array<std::optional<double>, 3> value;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (texts[axis] != "-") value[axis] = evaluate(texts[axis], variables);
+  }
+  return value;
+}
+
+void add_expected_forces(const ReferenceCase& it, const Variables& variables, Problem& problem) {
+  for (const ReferenceCase::OnGroup& row : it.reactions) {
+    problem.reactions.push_back({problem.model.group(row.group), known_part(row.value, variables), false});
+  }
+  for (const ReferenceCase::OnGroup& row : it.torques) {
+    problem.reactions.push_back({problem.model.group(row.group), known_part(row.value, variables), true});
+  }
+  for (const ReferenceCase::OnGroup& row : it.pushes) {
+    problem.pushes.push_back({row.group, known_part(row.value, variables)});
+  }
 }
 
 }  // namespace
@@ -173,6 +195,7 @@ Scene Problem::scene(const Model& same_body) const {
   Scene result(same_body);
   result.gravity(gravity);
   for (const Load& load : loads) result.add(load);
+  for (const NamedTool& it : tools) result.add_tool(it.name, it.tool);
   return result;
 }
 
@@ -192,16 +215,7 @@ Problem make_problem(const ReferenceCase& it, const std::string& level, int n) {
   add_loads(it, variables, problem);
   for (int axis = 0; axis < 3; ++axis) spread_harmonically(problem, axis);
   take_samples(samples_of(it, level, variables), problem);
-  const auto expect = [&](const ReferenceCase::OnGroup& given, bool torque) {
-    Problem::Reaction& row = problem.reactions.emplace_back();
-    row.torque = torque;
-    row.particles = problem.model.group(given.group);
-    for (int axis = 0; axis < 3; ++axis) {
-      if (given.value[axis] != "-") row.value[axis] = evaluate(given.value[axis], variables);
-    }
-  };
-  for (const ReferenceCase::OnGroup& reaction : it.reactions) expect(reaction, false);
-  for (const ReferenceCase::OnGroup& torque : it.torques) expect(torque, true);
+  add_expected_forces(it, variables, problem);
   problem.floor = evaluate(it.floor, variables);
   problem.force_floor = evaluate(it.force_floor, variables);
   return problem;

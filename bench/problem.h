@@ -22,19 +22,30 @@ struct Problem {
     bool torque = false;                         ///< about the rest centroid of the particles
   };
 
+  struct Push {
+    std::string tool;
+    std::array<std::optional<double>, 3> value;  ///< of the body on the tool, N
+  };
+  struct NamedTool {
+    std::string name;
+    Tool tool;
+  };
+
   Model model;                        ///< material set; neighbours are cell edges
   std::vector<Load> loads;            ///< imposed motion and forces, in full from time 0 on
   Vec3 gravity{0, 0, 0};              ///< m/s^2
+  std::vector<NamedTool> tools;       ///< where they have come to; the null model does not know them
   std::vector<std::uint8_t> imposed;  ///< [N] bit a set: coordinate a is imposed
   VecList displacement;               ///< [N] m: imposed coordinates as loads say, the others harmonic (see below)
-  std::vector<PlaceInCell> places;    ///< of the sample points that are not prescribed
+  std::vector<PlaceInCell> places;    ///< of the sample points that are not prescribed; empty: forces alone are known
   VecList sample_point;               ///< their rest places, m
   VecList reference;                  ///< their displacement, m
   int prescribed_samples = 0;         ///< left out
   std::vector<Reaction> reactions;
+  std::vector<Push> pushes;
   double floor = 0.0, force_floor = 0.0;  ///< error of the reference itself
 
-  Scene scene(const Model& same_body) const;  ///< loads on a model with the same particles
+  Scene scene(const Model& same_body) const;  ///< loads and tools on a model with the same particles
   bool has_forces() const;                    ///< gravity, forces or pressures: the answer depends on E
 };
 

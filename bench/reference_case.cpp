@@ -7,7 +7,10 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <set>
 #include <sstream>
+
+#include "case_tool.h"
 
 namespace phymul::bench {
 namespace {
@@ -43,8 +46,8 @@ std::pair<std::string, std::string> assignment(const std::string& word) {
   return {word.substr(0, equals), word.substr(equals + 1)};
 }
 
-ReferenceCase::OnGroup on_group(const Words& words) {
-  require_count(words, 4, 4, "GROUP x y z");
+ReferenceCase::OnGroup on_group(const Words& words, const char* usage = "GROUP x y z") {
+  require_count(words, 4, 4, usage);
   return {words[1], triple(words, 2)};
 }
 
@@ -61,6 +64,9 @@ void read_line(const Words& w, ReferenceCase& it) {
   } else if (key == "let") {
     require_count(w, 2, 2, "NAME expression");
     it.lets.emplace_back(w[1], w[2]);
+  } else if (key == "field") {
+    require_count(w, 2, 2, "NAME expression");
+    it.fields.emplace_back(w[1], w[2]);
   } else if (key == "level") {
     require_count(w, 1, any, "NAME name=expression ...");
     ReferenceCase::Level& level = it.levels.emplace_back();
@@ -102,6 +108,10 @@ void read_line(const Words& w, ReferenceCase& it) {
   } else if (key == "gravity") {
     require_count(w, 3, 3, "x y z");
     it.gravity = triple(w, 1);
+  } else if (key == "tool") {
+    it.tools.push_back(read_tool(w));
+  } else if (key == "push") {
+    it.pushes.push_back(on_group(w, "TOOL fx fy fz"));
   } else if (key == "samples") {
     require_count(w, 1, 1, "FILE");
     it.samples = w[1];
@@ -147,8 +157,16 @@ void require_complete(const ReferenceCase& it, const std::string& path) {
   require(!it.body.empty(), "a line \"body\"");
   require(it.body == "file" || !it.cells.empty(), "a line \"cells\"");
   require(!it.resolutions.empty(), "a line \"resolutions\" with at least one number");
-  require(!it.samples.empty() || (!it.points.empty() && it.exact[0] != "-"),
-          "\"samples\", or \"point\" lines and \"exact\"");
+  require(it.points.empty() == (it.exact[0] == "-"), "\"point\" lines and \"exact\" together");
+  require(!it.samples.empty() || !it.points.empty() || it.knows_forces(),
+          "\"samples\", or \"point\" lines and \"exact\"; or, for forces alone, \"reaction\", \"torque\" or \"push\"");
+  std::set<std::string> names;
+  for (const ReferenceCase::PlacedTool& tool : it.tools) {
+    require(names.insert(tool.name).second, ("one tool \"" + tool.name + "\", not several").c_str());
+  }
+  for (const ReferenceCase::OnGroup& push : it.pushes) {
+    require(names.contains(push.group), ("a line \"tool " + push.group + "\" for the line \"push\"").c_str());
+  }
 }
 
 }  // namespace
@@ -167,6 +185,10 @@ Variables ReferenceCase::variables(const std::string& level_name, int n) const {
   for (const auto& [key, text] : level(level_name).values) result[key] = evaluate(text, result);
   for (const auto& [key, text] : lets) result[key] = evaluate(text, result);
   return result;
+}
+
+bool ReferenceCase::knows_forces() const {
+  return !reactions.empty() || !torques.empty() || !pushes.empty();
 }
 
 std::vector<std::string> ReferenceCase::levels_to_draw() const {

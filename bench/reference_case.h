@@ -24,11 +24,18 @@ struct ReferenceCase {
     std::string group;
     Triple value;
   };
+  struct PlacedTool {
+    std::string name, shape;         ///< shape: sphere, capsule, half-space, box
+    std::vector<std::string> sizes;  ///< m
+    Triple place, displacement;      ///< m; the case is about where it has come to
+    Triple axis{"0", "0", "1"};      ///< where its own +z points
+  };
 
   std::string name;    ///< of the file, without folder and extension
   std::string folder;  ///< of the file: other paths are relative to it
   std::string title;
   std::vector<std::pair<std::string, std::string>> lets;
+  std::vector<std::pair<std::string, std::string>> fields;  ///< of the place: name, expression in x, y, z
   std::vector<Level> levels;
   std::vector<std::string> main_levels;  ///< those the charts draw; all where none is named
 
@@ -45,17 +52,20 @@ struct ReferenceCase {
   std::vector<OnGroup> tractions;                              ///< Pa on the group's surface facets, along axes
   std::vector<std::pair<std::string, std::string>> pressures;  ///< Pa on the group's surface facets, inward
   Triple gravity{"0", "0", "0"};
+  std::vector<PlacedTool> tools;
 
-  std::string samples;         ///< CSV: level,x,y,z,ux,uy,uz
+  std::string samples;         ///< CSV: level,x,y,z,ux,uy,uz; none, and no points: forces alone are known
   std::vector<Triple> points;  ///< with `exact`
   Triple exact{"-", "-", "-"};
   std::vector<OnGroup> reactions;  ///< N, of the supports on the body
   std::vector<OnGroup> torques;    ///< N m, about the rest centroid of the group
+  std::vector<OnGroup> pushes;     ///< N, of the body on a tool, which stands for the group
   std::string floor = "0", force_floor = "0";
 
   const Level& level(const std::string& level_name) const;     ///< throws Error that lists them
   Variables variables(const std::string& level, int n) const;  ///< n, the level's values, then the lets
   std::vector<std::string> levels_to_draw() const;
+  bool knows_forces() const;
 };
 
 /// Throws Error as "file:line: ...".

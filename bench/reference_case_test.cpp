@@ -121,6 +121,65 @@ TEST_F(CaseFile, ErrorsNameFileAndLine) {
   EXPECT_THROW(read_case(write("short.case", "body block 1 1 1\ncells n n n\nresolutions 2\n")), Error);
 }
 
+/// A wrong file's message, without its folder; empty where it is accepted.
+std::string refusal(const std::string& path) {
+  try {
+    const ReferenceCase it = read_case(path);
+    make_problem(it, it.levels.front().name, it.resolutions.front());
+  } catch (const Error& error) {
+    const std::string text = error.what();
+    return text.substr(std::min(text.size(), text.rfind('/') + 1));
+  }
+  return {};
+}
+
+TEST_F(CaseFile, WrongToolsAreRefusedWithWhatIsExpected) {
+  const std::string body = "body block 1 1 1\ncells n n n\nresolutions 1\n";
+  const auto refused = [&](const std::string& lines) { return refusal(write("tool.case", body + lines)); };
+  EXPECT_EQ(refused("tool t cone 1 0 0 0 0 0 0\npush t - - 1\n"),
+            "tool.case:4: tool shape \"cone\": expected sphere, capsule, half-space or box");
+  EXPECT_EQ(refused("tool t sphere 0 0 0 0 0 0\npush t - - 1\n"),
+            "tool.case:4: expected: tool NAME sphere radius x y z ux uy uz [ax ay az]");
+  EXPECT_EQ(refused("tool t\npush t - - 1\n"),
+            "tool.case:4: expected: tool NAME sphere|capsule|half-space|box sizes x y z ux uy uz [ax ay az]");
+  EXPECT_EQ(refused("tool t half-space 0 0 0 0 0 0 0 0\n"),
+            "tool.case:4: expected: tool NAME half-space x y z ux uy uz [ax ay az]");
+  EXPECT_EQ(refused("tool t sphere 1 0 0 3 0 0 0\npush t - 1\n"), "tool.case:5: expected: push TOOL fx fy fz");
+  EXPECT_EQ(refused("push other - - 1\n"), "tool.case: expected a line \"tool other\" for the line \"push\"");
+  EXPECT_EQ(refused("tool t sphere 1 0 0 3 0 0 0\ntool t half-space 0 0 -1 0 0 0\npush t - - 1\n"),
+            "tool.case: expected one tool \"t\", not several");
+  EXPECT_EQ(refused("tool t sphere 1 0 0 3 0 0 0 0 0 0\npush t - - 1\n"), "tool t: expected an axis that is not zero");
+  EXPECT_EQ(refused("field f\npush t - - 1\n"), "tool.case:4: expected: field NAME expression");
+  EXPECT_EQ(refused("point 0 0 0\nreaction z0 1 - -\n"), "tool.case: expected \"point\" lines and \"exact\" together");
+  EXPECT_EQ(refused("tool t sphere 1 0 0 3 0 0 0\n"),
+            "tool.case: expected \"samples\", or \"point\" lines and \"exact\"; or, for forces alone, \"reaction\", "
+            "\"torque\" or \"push\"");
+}
+
+/// Tools of all shapes are where the file has brought them, and look where it says.
+TEST_F(CaseFile, ToolsOfEveryShape) {
+  const ReferenceCase it = read_case(
+      write("tools.case",
+            "body block 1 1 1\ncells n n n\nresolutions 1\nlevel a d=0.25\ntool ball sphere 2*d 0 0 3 0 0 -d\n"
+            "tool rod capsule d 4 5 0 0 d 0 0 1 0 0\ntool plate half-space 0 0 2 0 0 0 0 0 -1\n"
+            "tool brick box 1 2 3 9 0 0 0 0 0\npush ball - d 1\n"));
+  const Problem problem = make_problem(it, "a", 1);
+  const Scene scene = problem.scene(problem.model);
+  ASSERT_EQ(scene.tools().size(), 4u);
+  EXPECT_EQ(std::get<Sphere>(scene.tools()[0].tool.shape).radius, 0.5);
+  EXPECT_LT((scene.tools()[0].pose.position - Vec3(0, 0, 2.75)).norm(), 1e-15);
+  EXPECT_EQ(std::get<Capsule>(scene.tools()[1].tool.shape).radius, 0.25);
+  EXPECT_EQ(std::get<Capsule>(scene.tools()[1].tool.shape).length, 4.0);
+  EXPECT_LT((scene.tools()[1].pose.orientation * Vec3(0, 0, 1) - Vec3(1, 0, 0)).norm(), 1e-12);
+  EXPECT_LT((scene.tools()[1].pose.position - Vec3(5.25, 0, 0)).norm(), 1e-15);
+  EXPECT_TRUE(std::holds_alternative<HalfSpace>(scene.tools()[2].tool.shape));
+  EXPECT_LT((scene.tools()[2].pose.orientation * Vec3(0, 0, 1) - Vec3(0, 0, -1)).norm(), 1e-12);
+  EXPECT_LT((std::get<Box>(scene.tools()[3].tool.shape).half_size - Vec3(1, 2, 3)).norm(), 1e-15);
+  ASSERT_EQ(problem.pushes.size(), 1u);
+  EXPECT_FALSE(problem.pushes[0].value[0]);
+  EXPECT_EQ(problem.pushes[0].value[1], 0.25);
+}
+
 TEST_F(CaseFile, NullModelBetweenPlatesIsTheRamp) {
   const std::string path = write("ramp.case",
                                  "body block 0.1 0.1 0.2\ncells n n 2*n\nresolutions 3\nfix z0\nmove z1 0.01 0 -0.02\n"
@@ -130,7 +189,7 @@ TEST_F(CaseFile, NullModelBetweenPlatesIsTheRamp) {
     const double share = problem.model.rest[i].z() / 0.2;
     EXPECT_LT((problem.displacement[i] - share * Vec3(0.01, 0, -0.02)).norm(), 1e-12);
   }
-  EXPECT_LT(null_error(problem).global_ratio, 1e-10);
+  EXPECT_LT(null_error(problem)->global_ratio, 1e-10);
 }
 
 /// Relaxed by real stepping, a stretched block has the strains and the force of its E and nu; a wrong nu is seen.
@@ -152,11 +211,38 @@ TEST_F(CaseFile, RelaxedBodyMeetsTheClosedForm) {
     ASSERT_EQ(relaxation.status, "ok") << relaxation.message;
     const Measures measures = measure(problem, *topology, scene, relaxation.state.position);
     if (right) {
-      EXPECT_LT(measures.displacement.global_ratio, 1e-3);
+      EXPECT_LT(measures.displacement->global_ratio, 1e-3);
     } else {
-      EXPECT_GT(measures.displacement.global_ratio, 0.02);
+      EXPECT_GT(measures.displacement->global_ratio, 0.02);
     }
     EXPECT_LT(measures.force_error.value(), 3e-3);
+  }
+}
+
+/// Pressed between its frictionless ground and a plate, a block has uniform strain: the plate feels E times it. Forces
+/// are all that this case knows; a wrong one is seen.
+TEST_F(CaseFile, AToolFeelsTheForceOfTheClosedForm) {
+  const ReferenceCase it = read_case(
+      write("plate.case",
+            "let e 1e-3\nbody block 0.04 0.02 0.02\ncells 2*n n n\nresolutions 2\nlevel right q=1\nlevel wrong q=0.8\n"
+            "material 1e4 0.3 1000\nmove x0 0 - -\nmove y0 - 0 -\nmove z0 - - 0\n"
+            "tool plate half-space 0.04 0 0 -e*0.04 0 0 -1 0 0\npush plate q*1e4*e*0.02^2 0 0\n"));
+  for (const char* backend : {"reference", "cpu"}) {
+    for (const bool right : {true, false}) {
+      const Problem problem = make_problem(it, right ? "right" : "wrong", 2);
+      const auto topology = std::make_shared<const TopologyTextures>(build_topology(problem.model));
+      const Scene scene = problem.scene(problem.model);
+      RelaxationPlan plan;
+      plan.backend = backend;
+      plan.step_share = 0.5;
+      const Relaxation relaxation = relax(topology, scene, problem.model.rest, plan);
+      ASSERT_EQ(relaxation.status, "ok") << relaxation.message;
+      const Measures measures = measure(problem, *topology, scene, relaxation.state.position, relaxation.tool_force);
+      EXPECT_FALSE(measures.displacement);
+      EXPECT_FALSE(null_error(problem));
+      ASSERT_TRUE(measures.force_error);
+      EXPECT_NEAR(*measures.force_error, right ? 0.0 : 0.25, 3e-3) << backend;
+    }
   }
 }
 
@@ -170,8 +256,8 @@ TEST(ReferenceCases, EveryFileMakesItsCoarsestProblem) {
   }
 }
 
-/// Displacement error of a method, by name, at rest; infinite where it does not come to rest.
-double error_at_rest(const std::string& file, const std::string& level, int n, const std::string& method_name) {
+/// Errors of a method, by name, at rest; none where it does not come to rest.
+Measures measures_at_rest(const std::string& file, const std::string& level, int n, const std::string& method_name) {
   const ReferenceCase it = read_case(std::string(PHYMUL_REFERENCE_CASES) + "/" + file);
   const Problem problem = make_problem(it, level, n);
   for (const Method& method : all_methods()) {
@@ -189,10 +275,26 @@ double error_at_rest(const std::string& file, const std::string& level, int n, c
     plan.step_share = 0.5;
     plan.wall_cap = 60.0;
     const Relaxation relaxation = relax(topology, scene, start, plan);
-    if (relaxation.status != "ok") return std::numeric_limits<double>::infinity();
-    return measure(problem, *topology, scene, relaxation.state.position).displacement.global_ratio;
+    if (relaxation.status != "ok") return {};
+    return measure(problem, *topology, scene, relaxation.state.position, relaxation.tool_force);
   }
   throw Error("no method is called " + method_name);
+}
+
+/// Of the displacement; infinite where it does not come to rest.
+double error_at_rest(const std::string& file, const std::string& level, int n, const std::string& method) {
+  const auto displacement = measures_at_rest(file, level, n, method).displacement;
+  return displacement ? displacement->global_ratio : std::numeric_limits<double>::infinity();
+}
+
+/// A sphere feels Hertz' force, and the displacement under it is Hertz'; with under 3 cells in the contact's radius.
+TEST(ReferenceCases, ASpherePressedInMeetsHertz) {
+  for (const char* level : {"nu0.30", "nu0.45"}) {
+    const Measures found = measures_at_rest("hertz.case", level, test::sanitized ? 4 : 8, "cell_averaged");
+    ASSERT_TRUE(found.force_error && found.displacement) << level;
+    EXPECT_LT(*found.force_error, test::sanitized ? 0.10 : 0.06) << level;
+    EXPECT_LT(found.displacement->global_ratio, test::sanitized ? 0.15 : 0.03) << level;
+  }
 }
 
 /// Strongly bent, cells of springs collapse; the calibrated body holds the bound of 3 %.

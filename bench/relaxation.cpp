@@ -172,6 +172,9 @@ class Relaxing {
       }
     }
     damped->read(result_.state);
+    for (const SceneTool& tool : scene_.tools()) {
+      result_.tool_force[tool.name] = damped->tool_force(tool.name).mean_force;
+    }
     if (!per_step.empty()) {
       const auto middle = per_step.begin() + static_cast<std::ptrdiff_t>(per_step.size() / 2);
       std::ranges::nth_element(per_step, middle);

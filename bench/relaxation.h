@@ -10,6 +10,8 @@
 #include <phymul/phymul.h>
 #include <phymul/topology_textures.h>
 
+#include <functional>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -39,6 +41,7 @@ struct Relaxation {
   double wall_per_step = 0.0;  ///< s, median over batches of steps
   std::string device;
   Excited excited;
+  std::map<std::string, Vec3, std::less<>> tool_force;  ///< N, of the body on each tool, mean over the last steps
 
   double wall_to_rest() const { return wall_per_step * steps; }
 };

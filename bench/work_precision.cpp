@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <limits>
 #include <map>
+#include <optional>
 
 #include "arguments.h"
 #include "csv_row.h"
@@ -75,6 +76,7 @@ class Run {
 
  private:
   void begin(const ReferenceCase& reference_case, const std::string& level, int n, const Problem& problem) {
+    const std::optional<PositionError> null = null_error(problem);
     common_ = {{"case", reference_case.name},
                {"title", reference_case.title},
                {"level", level},
@@ -83,7 +85,7 @@ class Run {
                {"spacing", field(mean_spacing(problem.model))},
                {"floor", field(problem.floor)},
                {"force_floor", field(problem.force_floor)},
-               {"null_error", field(null_error(problem).global_ratio)}};
+               {"null_error", null ? field(null->global_ratio) : std::string()}};
   }
 
   void one_method(const Method& method, const Problem& problem) {
@@ -147,7 +149,8 @@ class Run {
       write(*prepared.method, plan, relaxation, nullptr, problem);
       return;
     }
-    const Measures measures = measure(problem, *prepared.topology, scene, relaxation.state.position);
+    const Measures measures =
+        measure(problem, *prepared.topology, scene, relaxation.state.position, relaxation.tool_force);
     write(*prepared.method, plan, relaxation, &measures, problem);
     if (relaxation.status == "ok" && samples_) write_samples(*prepared.method, plan, relaxation.state, problem);
   }
@@ -183,13 +186,13 @@ class Run {
       row["wall_to_rest"] = field(it.wall_to_rest());
       row["wall_per_s"] = field(it.wall_per_step / it.dt);
     }
-    if (measures) {
-      row["error"] = field(measures->displacement.global_ratio);
-      row["p95"] = field(measures->displacement.p95 / size);
-      row["max"] = field(measures->displacement.max / size);
-      row["median_ren"] = field(measures->displacement.median_ren);
-      if (measures->force_error) row["force_error"] = field(*measures->force_error);
+    if (measures && measures->displacement) {
+      row["error"] = field(measures->displacement->global_ratio);
+      row["p95"] = field(measures->displacement->p95 / size);
+      row["max"] = field(measures->displacement->max / size);
+      row["median_ren"] = field(measures->displacement->median_ren);
     }
+    if (measures && measures->force_error) row["force_error"] = field(*measures->force_error);
     std::vector<std::string> fields;
     for (const std::string& column : columns) fields.push_back(row[column]);
     file_.row(fields);

@@ -41,11 +41,16 @@ def caption(about):
     return f"{about.get('machine', '?')} · {about.get('compiler', '?')} {about.get('flags', '').strip()} · {about.get('date', '?')}"
 
 
-def cheapest_by_resolution(rows, time):
+def error_column(rows):
+    """The column of a case's errors: of the force where it has no samples of the displacement."""
+    return "error" if any(row["error"] for row in rows) or not any(row["force_error"] for row in rows) else "force_error"
+
+
+def cheapest_by_resolution(rows, time, error="error"):
     """Of each resolution the fastest run that came to rest: over steps and backends."""
     best = {}
     for row in rows:
-        if row["status"] != "ok" or math.isnan(number(row, time)) or math.isnan(number(row, "error")):
+        if row["status"] != "ok" or math.isnan(number(row, time)) or math.isnan(number(row, error)):
             continue
         n = int(row["n"])
         if n not in best or number(row, time) < number(best[n], time):

@@ -12,15 +12,15 @@ from chart_style import plt
 from tables import accuracy_table, cheapest_table
 
 
-def draw_front(axes, rows, time):
+def draw_front(axes, rows, time, error):
     """One line a method through its resolutions; the front over all of them in bold."""
     points, failed = [], []
     for (method, label), of_method in data.groups(rows, "method", "label").items():
-        line = data.cheapest_by_resolution(of_method, time)
+        line = data.cheapest_by_resolution(of_method, time, error)
         if not line:
             failed.append(f"{label}: {', '.join(sorted({row['status'] for row in of_method}))}")
             continue
-        x, y = [number(r, time) for r in line], [number(r, "error") for r in line]
+        x, y = [number(r, time) for r in line], [number(r, error) for r in line]
         axes.plot(x, y, label=label, **style.style_of(method))
         points += zip(x, y)
     front = data.pareto(points)
@@ -33,22 +33,27 @@ def draw_front(axes, rows, time):
 def work_precision(out, rows, about):
     for (case,), of_case in data.groups(rows, "case").items():
         levels = list(data.groups(of_case, "level").items())
+        error = data.error_column(of_case)
         figure, grid = plt.subplots(len(levels), 2, figsize=(10.5, 1.2 + 3.3 * len(levels)), sharey="row", squeeze=False)
         for (level, of_level), row_axes in zip(levels, grid):
-            null, floor = number(of_level[0], "null_error"), max(number(r, "floor") for r in of_level)
-            errors = [number(r, "error") for r in of_level if r["status"] == "ok"]
+            null = number(of_level[0], "null_error")
+            floor = max(number(r, "floor" if error == "error" else "force_floor") for r in of_level)
+            errors = [number(r, error) for r in of_level if r["status"] == "ok" and r[error]]
+            highest = max(errors + ([] if math.isnan(null) else [null]), default=1.0)
             for axes, time in zip(row_axes, ("wall_per_s", "wall_to_rest")):
-                failed = draw_front(axes, of_level, time)
+                failed = draw_front(axes, of_level, time, error)
                 axes.set(xscale="log", yscale="log")
-                axes.set_ylim(max(min([floor, *errors]) / 2, 1e-5), min(1.5 * max([null, *errors]), 20))
+                axes.set_ylim(max(min([floor, *errors]) / 2, 1e-5), min(1.5 * highest, 20))
                 axes.axhspan(axes.get_ylim()[0], floor, color="#bbbbbb", alpha=0.5, linewidth=0)
                 style.guide(axes, y=floor, text="error of the reference", below=True, linewidth=0)
-                style.guide(axes, y=null, text="null model", linestyle=":", linewidth=1.6)
+                if not math.isnan(null):
+                    style.guide(axes, y=null, text="null model", linestyle=":", linewidth=1.6)
                 axes.margins(x=0.08)
             style.guide(row_axes[0], x=1.0, text="real time")
             style.guide(row_axes[1], x=1e-3, text="one 1 kHz frame")
             style.guide(row_axes[1], x=1.0, text="1 s", linestyle="--")
-            row_axes[0].set_ylabel(f"{level[0].replace('_', ', ')}\ndisplacement error |u - u_ref| / |u_ref|")
+            quantity = "displacement error |u - u_ref| / |u_ref|" if error == "error" else "force error |R - R_ref| / |R_ref|"
+            row_axes[0].set_ylabel(f"{level[0].replace('_', ', ')}\n{quantity}")
             if failed:
                 note = row_axes[0].annotate("not drawn: " + "; ".join(failed), (0.0, 1.015), xycoords="axes fraction",
                                             fontsize=6, color="#555555", ha="left", annotation_clip=False)
@@ -71,7 +76,7 @@ def convergence(out, rows, samples, about):
     solutions = data.sample_solutions(samples)
     wanted = ["per_base", "cell_averaged", "area_exponent", "springs_18"]
     labels = {row["method"]: row["label"] for row in rows}
-    resolved = [r for r in rows if r["status"] == "ok" and r["method"] in wanted]
+    resolved = [r for r in rows if r["status"] == "ok" and r["method"] in wanted and r["error"]]
     panels = {key: of_panel for key, of_panel in data.groups(resolved, "case", "level").items()
               if len({r["n"] for r in of_panel}) > 1}
     if not panels:

@@ -12,20 +12,25 @@ def seconds(value):
     return f"{1e3 * value:.3g} ms" if value < 1 else f"{value:.3g} s"
 
 
+def percent(value, digits):
+    return "" if math.isnan(value) else f"{100 * value:.{digits}f} %"
+
+
 def cheapest_table(rows):
     """The run that comes to rest soonest within each error."""
     bounds = (0.10, 0.05, 0.02, 0.01)
     text = "| case | " + " | ".join(f"error to {100 * b:.0f} %" for b in bounds) + " |\n|---|" + "---|" * len(bounds) + "\n"
     for (case, level), of_level in data.groups(rows, "case", "level").items():
         cells = []
+        error = data.error_column(of_level)
         for bound in bounds:
-            good = [r for r in of_level if r["status"] == "ok" and number(r, "error") <= bound and number(r, "wall_to_rest") > 0]
+            good = [r for r in of_level if r["status"] == "ok" and number(r, error) <= bound and number(r, "wall_to_rest") > 0]
             if not good:
                 cells.append("none")
                 continue
             best = min(good, key=lambda r: number(r, "wall_to_rest"))
             cells.append(f"{best['label']}, {best['particles']} particles, {best['backend']}: {seconds(number(best, 'wall_to_rest'))}"
-                         f" ({100 * number(best, 'error'):.2g} %)")
+                         f" ({100 * number(best, error):.2g} %{'' if error == 'error' else ' of the force'})")
         text += f"| {case.replace('_', ' ')}, {level.replace('_', ', ')} | " + " | ".join(cells) + " |\n"
     return text
 
@@ -36,16 +41,16 @@ def accuracy_table(rows, orders, most_particles=4096):
     text += "|---|---|---|---|---|---|---|---|\n"
     calibrated = ("per_base", "cell_averaged", "area_exponent", "fitted")
     for (case, level), of_level in data.groups(rows, "case", "level").items():
+        error = data.error_column(of_level)
         good = [r for r in of_level if r["status"] == "ok" and r["method"] in calibrated
-                and int(r["particles"]) <= most_particles and not math.isnan(number(r, "error"))]
+                and int(r["particles"]) <= most_particles and not math.isnan(number(r, error))]
         if not good:
             text += f"| {case}, {level} | none at rest | | | | | | |\n"
             continue
         finest = max(int(r["particles"]) for r in good)
-        best = min((r for r in good if int(r["particles"]) == finest), key=lambda r: number(r, "error"))
+        best = min((r for r in good if int(r["particles"]) == finest), key=lambda r: number(r, error))
         order, floor, _ = orders.get((case, level, best["method"]), (math.nan, math.nan, math.nan))
-        force = number(best, "force_error")
         text += (f"| {case.replace('_', ' ')}, {level.replace('_', ', ')} | {best['label']} | {best['particles']} "
-                 f"| {100 * number(best, 'error'):.2f} % | {'' if math.isnan(force) else f'{100 * force:.2f} %'} "
-                 f"| {100 * number(best, 'null_error'):.1f} % | {'at its limit' if math.isinf(order) else '' if math.isnan(order) else f'{order:.1f}'} | {'' if math.isnan(floor) else f'{100 * floor:.2f} %'} |\n")
+                 f"| {percent(number(best, 'error'), 2)} | {percent(number(best, 'force_error'), 2)} "
+                 f"| {percent(number(best, 'null_error'), 1)} | {'at its limit' if math.isinf(order) else '' if math.isnan(order) else f'{order:.1f}'} | {percent(floor, 2)} |\n")
     return text
