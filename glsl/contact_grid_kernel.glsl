@@ -56,7 +56,7 @@ void main() {
   wait_for_group();
   float widest = surround_triangles(lane);
   float reach = max(margin + largest_skins, longest_edge);
-  // Wider than needed, so that rounding of places as far as 2^17 cells does not take anything out of the next cell.
+  // Wider than needed, so that rounding of places as far away as 2^17 cells does not take anything out of the next cell.
   float inverse_side = 1.0 / ((widest + reach) * (1.0 + 1.0 / 64.0));
   bool any = widest < 1e30;  // else a particle ran away, which is found out elsewhere
   if (lane == 0) store_row(contact_range_place, vec4(margin, reach, inverse_side, 0.0));

@@ -1,7 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "float_contacts.h"
 
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <string>
+
 namespace phymul {
+namespace {
+
+/// Edges from the middle: cells are at least one wide, and floats know places that far away to 1/128 of it, which the
+/// cells' slack in contact_grid_kernel.glsl is for, with as much again for motion.
+constexpr double furthest = 65536.0;
+
+}  // namespace
 
 FloatContacts::FloatContacts(const Scene& scene) : options(*scene.contacts()) {
   const ContactSurface surface = make_contact_surface(scene.model());
@@ -13,6 +25,12 @@ FloatContacts::FloatContacts(const Scene& scene) : options(*scene.contacts()) {
     bodies = std::max(bodies, own.body + 1);
     particle.push_back({own.row, own.body, bits_of(static_cast<float>(own.edge)), 0});
     const Vec3 X = surface.rest[k] - middle;
+    if (X.cwiseAbs().maxCoeff() > furthest * longest_edge) {
+      throw Error("contacts in single precision: expected surfaces within 65536 of their longest edges (" +
+                  std::to_string(longest_edge) + " m) of the middle of all particles, got particle " +
+                  std::to_string(own.row) + " at " + std::to_string(X.norm()) +
+                  " m; bring the bodies nearer to each other, or use the backend \"cpu\"");
+    }
     const Eigen::Vector3f high = X.cast<float>(), low = (X - high.cast<double>()).cast<float>();
     rest.push_back({high.x(), high.y(), high.z(), 0.0f});
     rest.push_back({low.x(), low.y(), low.z(), 0.0f});

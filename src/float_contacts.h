@@ -14,7 +14,7 @@
 namespace phymul {
 
 struct FloatContacts {
-  /// Of a scene with contacts.
+  /// Of a scene with contacts. Throws Error where bodies are too far apart for floats to tell cells of a grid apart.
   explicit FloatContacts(const Scene& scene);
 
   ContactOptions options;

@@ -123,6 +123,20 @@ TEST_F(GlContactRuns, ASceneWithoutContactsPaysNothing) {
   }
 }
 
+/// Bodies a kilometre apart are beyond the cells that floats tell apart.
+TEST_F(GlContactRuns, BodiesTooFarApartAreRefused) {
+  const Model model = stacked(1000.0);
+  Scene scene(model);
+  scene.contacts({});
+  try {
+    make_solver("gl-compute", model, scene);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("bring the bodies nearer to each other"), std::string::npos)
+        << error.what();
+  }
+}
+
 /// Fragments refuse contacts by name, also those that come later, and keep their state.
 TEST(GlFragmentContact, IsRefusedWithAdvice) {
   PHYMUL_SKIP_OR_FAIL(why_unavailable("gl"));

@@ -88,8 +88,10 @@ set(long_in_33 "*GlEquivalence.SingleSteps*/gl_compute*:${damped}")
 # The oldest desktop GL, the other dialect, and its oldest version. LP_NUM_THREADS=0: no threads of the renderer's own,
 # which small bodies only wait for. (Where desktop GL is 3.3 compute shaders run under OpenGL ES, as in the next.)
 set(gl_33 MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330 LP_NUM_THREADS=0)
-gl_tests_under(33 "${long_in_33}:*GlTool*/gl_compute*:*GlVolume*/gl_compute*:GlBodyContact.*" ${gl_33})
-gl_tests_under(es "${long}:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolumeOf*" PHYMUL_GL_DIALECT=es LP_NUM_THREADS=0)
+gl_tests_under(33 "${long_in_33}:*GlTool*/gl_compute*:*GlVolume*/gl_compute*:GlBodyContact.*:GlContactRuns.*" ${gl_33})
+set(long_in_es "${long}:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolumeOf*")
+set(long_in_es "${long_in_es}:GlBodyContact.Friction*:GlBodyContact.ABody*:GlBodyContact.Momentum*")
+gl_tests_under(es "${long_in_es}" PHYMUL_GL_DIALECT=es LP_NUM_THREADS=0)
 gl_tests_under(es30 "*AHundred*:${computing}" PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.0 LP_NUM_THREADS=0)
 # The oldest OpenGL ES that computes. It has no `precise`, so that a compiler may order sums as it likes: what every
 # backend must do is asked of it, not the mirror's bits.
