@@ -9,6 +9,7 @@ layout(local_size_x = GROUP) in;
 uniform int pair;
 uniform float dt;
 uniform float longest_edge, largest_skins;   // m; the latter of two that meet, together
+uniform float depth_factor;  // of edges: what is that far inside has not got in there
 uniform int bucket_next, raw_list, owner_list, bucket_of;  // words: scratch
 
 // Largest speed against the mean, m/s.
@@ -55,10 +56,10 @@ void main() {
   float margin = min(2.0 * dt * fastest_particle(lane), 4.0 * longest_edge);
   wait_for_group();
   float widest = surround_triangles(lane);
-  float reach = max(margin + largest_skins, longest_edge);
+  float reach = max(margin + largest_skins, depth_factor * longest_edge);
   // Wider than needed, so that rounding of places as far away as 2^17 cells does not take anything out of the next cell.
   float inverse_side = 1.0 / ((widest + reach) * (1.0 + 1.0 / 64.0));
-  bool any = widest < 1e30;  // else a particle ran away, which is found out elsewhere
+  bool any = widest < 1e4 * longest_edge;  // else a particle ran away, which is found out elsewhere
   if (lane == 0) store_row(contact_range_place, vec4(margin, reach, inverse_side, 0.0));
   for (int t = lane; t < triangle_count && any; t += GROUP) {
     int bucket = bucket_at(cell_at(float_row(triangle_ball_place + t).xyz, inverse_side));

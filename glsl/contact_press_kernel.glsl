@@ -131,7 +131,8 @@ void main() {
   if (lane == 0) pressed_count = load_words[live_count + 1];
   wait_for_group();
   for (int phase = 0; phase < phases; ++phase) {
-    if (pressed_count >= contacts * rounds) break;  // for all lanes: none counts on before the next wait
+    int before = pressed_count;
+    if (before >= contacts * rounds) break;  // for all lanes: none counts on before the next wait
     for (int block = 0; block < rows; block += 32) {
       int end = min(rows - block, 32);
       uint ready = 0u;
@@ -154,6 +155,7 @@ void main() {
       }
       wait_for_group();
     }
+    if (pressed_count == before) break;  // for all lanes likewise; a turn that never comes must not be waited for
   }
   if (lane == 0) load_words[live_count + 1] = pressed_count;
 }

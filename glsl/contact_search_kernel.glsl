@@ -10,6 +10,7 @@ uniform int touches_itself;
 uniform float skin;        // m; 0: a share of edges
 uniform float usual_skin;  // that share
 uniform float skin_factor;  // of edges: what is that near at rest does not touch, in one body
+uniform float depth_factor;  // of edges: what is that far inside has not got in there
 
 const float same_distance = 1e-6;  // edges: closer than this distances count as one
 
@@ -49,6 +50,10 @@ void keep_nearer(int k, int t, ivec4 corners, float edge, vec3 share, float far,
   load_rows[at + 3] = ivec4(t, inside ? 1 : 0, 0, 0);
 }
 
+bool is_deep(float far, float edge) {
+  return far > depth_factor * max(edge, intBitsToFloat(own.z));
+}
+
 void look(int k, int t, ivec4 corners) {
   float edge = float_row(triangle_law_place + t).x;
   if (is_own_skin(k, corners, edge)) return;
@@ -63,7 +68,7 @@ void look(int k, int t, ivec4 corners) {
   float size = sqrt(inner_product(area, area));
   float across = size > 0.0 && far > 0.0 ? inner_product(area, way) / (size * far) : 0.0;
   bool inside = (corners.w & 1) != 0 && across < 0.0;
-  if (inside && far > max(edge, intBitsToFloat(own.z))) return;
+  if (own.y == corners.w >> 1 && inside && is_deep(far, edge)) return;
   if (far > 0.0) {
     way = way * ((inside ? -1.0 : 1.0) / far);
   } else if (size > 0.0) {
@@ -89,7 +94,8 @@ void settle(int at, float margin) {
   vec4 nearest = float_row(at + 1);
   float gap = (found.y != 0 ? -nearest.w : nearest.w) - skins;
   bool movable = is_movable(who.x) || is_movable(who.y) || is_movable(who.z) || is_movable(who.w);
-  if (gap > margin || !movable) {
+  bool deep = found.y != 0 && is_deep(nearest.w, edge);
+  if (gap > margin || deep || !movable) {
     load_rows[at].x = -1;
     return;
   }

@@ -13,8 +13,8 @@ void root_row(int volume) {
   float missing = law.x - total.x;
   VolumeRoot root = root_of_cubic(total.yzw, missing);
   float lost = kept_step == 1 ? 0.0 : fetch_load_vec4(kept_roots, kept_roots_place, volume).y;
-  // Where nothing is free to make up for it, what is rounded is not a loss.
-  bool kept = root.found || abs(missing) <= law.y;
+  // Where nothing is free to make up for it, what is rounded is not a loss; nor is what is no number.
+  bool kept = root.found || !(abs(missing) > law.y);
   if (!kept && lost == 0.0) lost = float(kept_step);
   kept_root = vec4(root.found ? kept_law(volume, 0).x * root.s : 0.0, lost, 0.0, 0.0);
 }

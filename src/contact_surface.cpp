@@ -60,7 +60,8 @@ class SurfaceBuilder {
     std::vector<Index> ring = facet.particles;
     double longest = 0.0;
     for (std::size_t k = 0; k < ring.size(); ++k) {
-      longest = std::max(longest, add_edge(ring[k], ring[(k + 1) % ring.size()], body));
+      const Index next = ring[(k + 1) % ring.size()];
+      if (next != ring[k]) longest = std::max(longest, add_edge(ring[k], next, body));
     }
     Vec3 area = Vec3::Zero();
     for (std::size_t k = 2; k < ring.size(); ++k) {
@@ -69,6 +70,8 @@ class SurfaceBuilder {
     if (area.dot(facet.area) < 0.0) std::reverse(ring.begin(), ring.end());
     surface_.longest_edge = std::max(surface_.longest_edge, longest);
     for (std::size_t k = 2; k < ring.size(); ++k) {
+      // Of cells with a corner twice: no area, and a contact would push one particle as two.
+      if (ring[k - 1] == ring[k] || ring[k - 1] == ring[0] || ring[k] == ring[0]) continue;
       surface_.triangles.push_back(
           {{slot(ring[0], body), slot(ring[k - 1], body), slot(ring[k], body)}, body, longest, solid});
     }

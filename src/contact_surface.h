@@ -30,6 +30,8 @@ struct ContactSurface {
   /// Edges: what is that near at rest does not touch, in one body. A little more than the two of a lattice, so that
   /// rounding does not decide.
   static constexpr double skin_factor = 2.001;
+  /// Edges: what is that far inside a body has not got in through that side of it. Likewise a little more than a cell.
+  static constexpr double depth_factor = 1.001;
   static constexpr double usual_skin = 0.1;  ///< of either side where the scene names none, in edges
   /// Of an overlap, and of an edge, in a step: more would press the surface in, and the body would spring back from
   /// that.

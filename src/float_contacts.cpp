@@ -3,7 +3,7 @@
 
 #include <phymul/error.h>
 
-#include <algorithm>
+#include <map>
 #include <string>
 
 namespace phymul {
@@ -20,10 +20,15 @@ FloatContacts::FloatContacts(const Scene& scene) : options(*scene.contacts()) {
   longest_edge = surface.longest_edge;
   Vec3 middle = Vec3::Zero();
   for (const Vec3& X : scene.model().rest) middle += X / static_cast<double>(scene.model().rest.size());
+  // Bodies that have triangles, in their order: each particle may meet each of these, and no other.
+  std::map<Index, Index> solid;
+  for (const ContactSurface::Triangle& own : surface.triangles) solid.emplace(own.body, 0);
+  for (auto& [body, number] : solid) number = bodies++;
   for (std::size_t k = 0; k < surface.particles.size(); ++k) {
     const ContactSurface::Particle& own = surface.particles[k];
-    bodies = std::max(bodies, own.body + 1);
-    particle.push_back({own.row, own.body, bits_of(static_cast<float>(own.edge)), 0});
+    const auto number = solid.find(own.body);
+    particle.push_back(
+        {own.row, number == solid.end() ? -1 : number->second, bits_of(static_cast<float>(own.edge)), 0});
     const Vec3 X = surface.rest[k] - middle;
     if (X.cwiseAbs().maxCoeff() > furthest * longest_edge) {
       throw Error("contacts in single precision: expected surfaces within 65536 of their longest edges (" +
@@ -36,7 +41,8 @@ FloatContacts::FloatContacts(const Scene& scene) : options(*scene.contacts()) {
     rest.push_back({low.x(), low.y(), low.z(), 0.0f});
   }
   for (const ContactSurface::Triangle& own : surface.triangles) {
-    triangle.push_back({own.corner[0], own.corner[1], own.corner[2], 2 * own.body + (own.has_inside ? 1 : 0)});
+    triangle.push_back(
+        {own.corner[0], own.corner[1], own.corner[2], 2 * solid.at(own.body) + (own.has_inside ? 1 : 0)});
     triangle_law.push_back({static_cast<float>(own.edge), 0.0f, 0.0f, 0.0f});
   }
 }

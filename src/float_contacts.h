@@ -18,11 +18,11 @@ struct FloatContacts {
   explicit FloatContacts(const Scene& scene);
 
   ContactOptions options;
-  Index bodies = 0;
+  Index bodies = 0;           ///< that have triangles
   double longest_edge = 0.0;  ///< m
 
   // Rows as glsl/contact_tables.glsl has them.
-  std::vector<Int4> particle;        ///< row of the model, body, bits of the mean edge around it (m)
+  std::vector<Int4> particle;        ///< row of the model, body or -1, bits of the mean edge around it (m)
   std::vector<Float4> rest;          ///< [2 particles] m
   std::vector<Int4> triangle;        ///< corners: rows of `particle`; 2 * body + 1 where it has an inside
   std::vector<Float4> triangle_law;  ///< longest edge, m

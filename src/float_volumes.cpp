@@ -11,8 +11,9 @@
 namespace phymul {
 namespace {
 
-/// What is missing of a volume that nothing free can make up for is rounding up to here.
-constexpr double rounded_share = 1e-6;
+/// What is missing of a volume that nothing free can make up for is rounding up to here. It grows with the way: this
+/// much a body turned and carried a thousand times its size may show.
+constexpr double rounded_share = 1e-4;
 
 Float4 narrowed(const Vec3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};

@@ -71,6 +71,11 @@ class TouchedParticles {
   const FreeStep& step() const { return *step_; }
   std::size_t count() const { return touched_.size(); }
   Touched& operator[](std::size_t slot) { return touched_[slot]; }
+  /// m/s, with the impulses so far.
+  Vec3 velocity(Index particle) const {
+    const Index slot = slot_of_[particle];
+    return slot < 0 ? step_->free_velocity(particle) : touched_[slot].velocity;
+  }
   std::size_t slot(Index particle);  ///< fetched at the first call in a step; references before it are no longer good
 
   /// Adds what of an impulse the free coordinates take, and returns that. Here, because needles and contacts call it

@@ -278,7 +278,10 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
     report.status = StepStatus::volume_lost;
     const auto row = static_cast<std::size_t>(motion.lost_volume);  // of a late report, which may know another scene
     if (row < scene_->volumes().size()) report.particle = scene_->volumes()[row].triangles.front()[0];
-    report.cause = "no small move of its free particles brings it back: all of them are held, or the surface is flat";
+    report.cause =
+        "no small move of its free particles brings it back: all of them are held, or the surface is flat or far out "
+        "of "
+        "shape";
   } else if (motion.bad_particle >= 0) {
     report.status = StepStatus::not_finite;
     report.particle = motion.bad_particle;

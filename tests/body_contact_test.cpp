@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 
+#include "contact_surface.h"
 #include "cpu/closest_point.h"
 #include "cpu/point_grid.h"
 #include "message_of.h"
@@ -229,6 +231,19 @@ TEST(BodyContact, ASingleBodyIsAsWithoutContacts) {
     }
     EXPECT_EQ(end[0], end[1]);
   }
+}
+
+/// A wedge as a hexahedron has corners twice, and so triangles of two corners, which would be pushed as two particles.
+TEST(BodyContact, TrianglesHaveThreeCorners) {
+  Model wedge;
+  wedge.rest = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}};
+  wedge.cells = {{CellType::hexahedron, {0, 1, 2, 3, 4, 4, 5, 5}}};
+  const ContactSurface surface = make_contact_surface(wedge);
+  EXPECT_EQ(surface.triangles.size(), 8u);  // of three quads, and two ends
+  for (const ContactSurface::Triangle& triangle : surface.triangles) {
+    EXPECT_EQ(std::set<Index>(triangle.corner.begin(), triangle.corner.end()).size(), 3u);
+  }
+  for (const ContactSurface::Particle& particle : surface.particles) EXPECT_GT(particle.edge, 0.9);
 }
 
 /// A strip of tissue folded over itself: with self the halves stay apart, without they pass through each other.

@@ -105,8 +105,8 @@ def convergence(out, rows, samples, about):
         if high < 12 * low:  # a decade at least, so that slopes look alike
             axes.set_ylim(math.sqrt(low * high / 12), math.sqrt(low * high * 12))
         axes.set_title(f"{case.replace('_', ' ')}, {level.replace('_', ', ')}", fontsize=8, loc="left")
-        axes.xaxis.set_major_formatter("{x:.0f}")
-        axes.xaxis.set_minor_formatter("{x:.0f}")
+        axes.xaxis.set_major_formatter("{x:g}")
+        axes.xaxis.set_minor_formatter("{x:g}")
         axes.tick_params(labelsize=7, which="both")
         axes.legend(fontsize=6)
     for axes in list(grid.flat)[len(panels):]:
@@ -115,7 +115,7 @@ def convergence(out, rows, samples, about):
         axes.set_ylabel("displacement error", fontsize=8)
     for axes in grid[-1]:
         axes.set_xlabel("spacing, mm", fontsize=8)
-    figure.suptitle("Error against the finite elements, over particle spacing; order of convergence to the method's own limit",
+    figure.suptitle("Error against the reference, over particle spacing; order of convergence to the method's own limit",
                     x=0.01, ha="left", fontsize=11, fontweight="bold")
     figure.tight_layout(rect=(0, 0.02, 1, 0.98))
     style.finish(figure, out, "convergence_spacing", data.caption(about))

@@ -32,6 +32,12 @@ void shift(TouchedParticles::Touched& particle, Vec3 by) {
   particle.shift += by;
 }
 
+/// Whether what lies inside is too far from a side to have got in there. Edges are local: a coarser body's elsewhere
+/// say nothing of this one.
+bool is_deep(double distance, const ContactSurface::Triangle& triangle, const ContactSurface::Particle& own) {
+  return distance > ContactSurface::depth_factor * std::max(triangle.edge, own.edge);
+}
+
 void push(TouchedParticles::Touched& particle, const Vec3& impulse) {
   if (!particle.held) TouchedParticles::push(particle, impulse);
 }
@@ -61,17 +67,17 @@ void BodyContacts::find(TouchedParticles& touched) {
   Vec3 mean = Vec3::Zero();
   for (std::size_t k = 0; k < place_.size(); ++k) {
     place_[k] = touched.step().position(surface_.particles[k].row);
-    mean += touched.step().free_velocity(surface_.particles[k].row) / static_cast<double>(place_.size());
+    mean += touched.velocity(surface_.particles[k].row) / static_cast<double>(place_.size());
   }
   double fastest = 0.0;
   for (const ContactSurface::Particle& particle : surface_.particles) {
-    fastest = std::max(fastest, (touched.step().free_velocity(particle.row) - mean).squaredNorm());
+    fastest = std::max(fastest, (touched.velocity(particle.row) - mean).squaredNorm());
   }
   // Beyond a few edges a step is a failure, which the solver reports: the search must not outgrow the body.
   const double margin = std::min(2.0 * dt * std::sqrt(fastest), 4.0 * surface_.longest_edge);
   // What got into a body is found as far as an edge below its surface.
   const double skins = options_.skin > 0.0 ? 2.0 * options_.skin : 2.0 * usual_skin * surface_.longest_edge;
-  const double reach = std::max(margin + skins, surface_.longest_edge);
+  const double reach = std::max(margin + skins, ContactSurface::depth_factor * surface_.longest_edge);
   contacts_.clear();
   measure(reach);
   for (std::size_t k = 0; k < place_.size() && !meant_.empty(); ++k) {
@@ -144,9 +150,8 @@ void BodyContacts::look(std::size_t particle, std::size_t t, double reach) {
       area.norm() > 0.0 && found.distance > 0.0 ? area.dot(found.way) / (area.norm() * found.distance) : 0.0;
   found.alignment = std::abs(across);
   found.inside = triangle.has_inside && across < 0.0;
-  // Below a surface counts as far as its own edges reach: `reach` is that of the coarsest body, and further in the
-  // surface of the other side of the particle's own body would count as one it got into.
-  if (found.inside && found.distance > std::max(triangle.edge, own.edge)) return;
+  // Far inside its own body a particle has not got in anywhere: the triangle is of its other side.
+  if (own.body == triangle.body && found.inside && is_deep(found.distance, triangle, own)) return;
   if (found.distance > 0.0) {
     found.way *= (found.inside ? -1.0 : 1.0) / found.distance;
   } else if (area.norm() > 0.0) {
@@ -171,6 +176,7 @@ void BodyContacts::look(std::size_t particle, std::size_t t, double reach) {
 void BodyContacts::keep(std::size_t particle, TouchedParticles& touched, double margin) {
   for (const Nearest& found : nearest_) {
     const ContactSurface::Triangle& triangle = surface_.triangles[found.triangle];
+    if (found.inside && is_deep(found.distance, triangle, surface_.particles[particle])) continue;
     const double edge = std::max(triangle.edge, surface_.particles[particle].edge);
     const double skins =
         options_.skin > 0.0 ? 2.0 * options_.skin : usual_skin * (triangle.edge + surface_.particles[particle].edge);

@@ -65,7 +65,7 @@ int MirrorVolumes::find_roots(std::span<const Float3> u) {
     const VolumeRoot root = root_of_cubic(total[1], total[2], total[3], missing);
     if (root.found) {
       roots_[at(volume)] = law(volume, 0)[0] * root.s;
-    } else if (!(std::abs(missing) <= law(volume, 1)[1])) {
+    } else if (std::abs(missing) > law(volume, 1)[1]) {
       lost = volume;
     }
   }

@@ -37,6 +37,10 @@ ComputeContacts::ComputeContacts(const FloatContacts& contacts, std::int64_t fir
       bodies_(contacts.bodies),
       end_(first) {
   require_turns(particles_, triangles_, meetings(), limits);
+  if (meetings() * options_.rounds > std::numeric_limits<int>::max()) {
+    throw Error("expected contacts times rounds of at most 2147483647, got up to " + std::to_string(meetings()) +
+                " contacts in " + std::to_string(options_.rounds) + " rounds; use fewer rounds");
+  }
   while (buckets_ < 2 * triangles_) buckets_ *= 2;
   const auto take = [this](std::int64_t rows) {
     const std::int64_t row = end_;
@@ -127,6 +131,7 @@ void ComputeContacts::place(Kernel& kernel) const {
   set_real("skin", options_.skin);
   set_real("usual_skin", ContactSurface::usual_skin);
   set_real("skin_factor", ContactSurface::skin_factor);
+  set_real("depth_factor", ContactSurface::depth_factor);
   set_real("parted_share", ContactSurface::parted_share);
   set_real("largest_parting", ContactSurface::largest_parting);
   set_real("longest_edge", longest_edge_);
