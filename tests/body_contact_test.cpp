@@ -237,7 +237,10 @@ TEST(BodyContact, ASingleBodyIsAsWithoutContacts) {
 TEST(BodyContact, TrianglesHaveThreeCorners) {
   Model wedge;
   wedge.rest = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}};
-  wedge.cells = {{CellType::hexahedron, {0, 1, 2, 3, 4, 4, 5, 5}}};
+  Cell cell;
+  cell.type = CellType::hexahedron;
+  cell.particles = {0, 1, 2, 3, 4, 4, 5, 5};
+  wedge.cells = {cell};
   const ContactSurface surface = make_contact_surface(wedge);
   EXPECT_EQ(surface.triangles.size(), 8u);  // of three quads, and two ends
   for (const ContactSurface::Triangle& triangle : surface.triangles) {
