@@ -152,10 +152,10 @@ class Scene {
   Scene& clear();  ///< no loads, no gravity, nothing fixed, no tools, no kept volumes, no contacts
 
   /// After each step the volume that the surface of these particles' cells encloses is brought back to what it was at
-  /// rest (or to `volume`, m^3), exactly (in single precision: as far as positions are rounded, 1e-7 or so of it): every
-  /// free particle of the surface moves along the gradient of the volume over its mass. Linear momentum is kept, and
-  /// angular momentum; imposed coordinates stay. Surfaces are those of pressure loads. Throws Error where one is not
-  /// closed, with an edge that is open.
+  /// rest (or to `volume`, m^3), exactly (in single precision: as far as positions are rounded, 1e-7 or so of it):
+  /// every free particle of the surface moves along the gradient of the volume over its mass. Linear momentum is kept,
+  /// and angular momentum; imposed coordinates stay. Surfaces are those of pressure loads. Throws Error where one is
+  /// not closed, with an edge that is open.
   Scene& keep_volume();
   Scene& keep_volume(std::string_view group);
   Scene& keep_volume(ClosedVolume surface);
@@ -179,8 +179,8 @@ class Scene {
   const std::vector<ClosedVolume>& volumes() const { return volumes_; }
   const std::optional<ContactOptions>& contacts() const { return contacts_; }
 
-  /// Grows by one at every change but those of set_events() and of a tool's pose and grasp, which have counters of their
-  /// own: lets a solver see that its prepared frame is stale.
+  /// Grows by one at every change but those of set_events() and of a tool's pose and grasp, which have counters of
+  /// their own: lets a solver see that its prepared frame is stale.
   std::uint64_t version() const { return version_; }
   /// Grows by one at every set_events(): frame and modes are as before, their values are not.
   std::uint64_t values_version() const { return values_version_; }

@@ -281,7 +281,7 @@ class Solver {
   /// that a backend has to add code for.
   virtual const char* do_cannot() const;
   virtual bool do_takes_tools() const { return false; }
-  virtual bool do_takes_volumes() const { return false; }  ///< keeps them: Scene::keep_volume
+  virtual bool do_takes_volumes() const { return false; }           ///< keeps them: Scene::keep_volume
   virtual const ToolReport& do_tool_report(std::size_t row) const;  ///< of Scene::tools(), of the version last seen
   virtual double do_bytes_a_step() const { return std::numeric_limits<double>::quiet_NaN(); }
   virtual void do_profile() const {}  ///< brings profiling(), which is not null, up to date
