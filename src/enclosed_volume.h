@@ -14,6 +14,10 @@ namespace phymul {
 
 using Triangles = std::span<const std::array<Index, 3>>;
 
+/// Of a volume: what is missing of one that nothing free can make up for is rounding of single precision up to here. It
+/// grows with the way: this much a body turned and carried a thousand times its size may show.
+inline constexpr double rounded_volume_share = 1e-4;
+
 /// m^3; the sum of the tetrahedra over the first triangle's first corner, which keeps digits far from the origin.
 double enclosed_volume(Triangles triangles, std::span<const Vec3> position);
 

@@ -11,10 +11,6 @@
 namespace phymul {
 namespace {
 
-/// What is missing of a volume that nothing free can make up for is rounding up to here. It grows with the way: this
-/// much a body turned and carried a thousand times its size may show.
-constexpr double rounded_share = 1e-4;
-
 Float4 narrowed(const Vec3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
 }
@@ -39,7 +35,7 @@ void add_volume(const ClosedVolume& kept, const Model& model, FloatVolumes& tabl
   tables.laws.push_back({static_cast<float>(unit), static_cast<float>(1.0 / unit),
                          static_cast<float>(mean_mass(kept, model.mass) / 6.0), 0.0f});
   tables.laws.push_back({static_cast<float>((kept.volume - at_rest) / cube),
-                         static_cast<float>(rounded_share * kept.volume / cube), 0.0f, 0.0f});
+                         static_cast<float>(rounded_volume_share * kept.volume / cube), 0.0f, 0.0f});
   const Index o = kept.triangles.front()[0];
   const auto X = [&](Index i) -> const Vec3& { return model.rest[static_cast<std::size_t>(i)]; };
   for (const auto& [a, b, c] : kept.triangles) {

@@ -279,9 +279,8 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
     const auto row = static_cast<std::size_t>(motion.lost_volume);  // of a late report, which may know another scene
     if (row < scene_->volumes().size()) report.particle = scene_->volumes()[row].triangles.front()[0];
     report.cause =
-        "no small move of its free particles brings it back: all of them are held, or the surface is flat or far out "
-        "of "
-        "shape";
+        "no small move of its free particles brings it back: all of them are held, or the surface is flat or torn far "
+        "out of shape";
   } else if (motion.bad_particle >= 0) {
     report.status = StepStatus::not_finite;
     report.particle = motion.bad_particle;

@@ -7,12 +7,6 @@
 #include "../enclosed_volume.h"
 
 namespace phymul::cpu {
-namespace {
-
-/// Of a volume that nothing free can make up for, as FloatVolumes has it: places of single precision come here too.
-constexpr double rounded_share = 1e-4;
-
-}  // namespace
 
 void KeptVolumes::follow(const Scene& scene) {
   surfaces_.clear();
@@ -61,7 +55,7 @@ bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
   const auto s = root_of_cubic(volume_along(surface.triangles, surface.end, surface.along), missing);
   // Where nothing is free to make up for it, what a backend in single precision rounds is not a loss; nor is what is no
   // number, whose particle is found out elsewhere.
-  if (!s) return !(std::abs(missing) > rounded_share * surface.volume);
+  if (!s) return !(std::abs(missing) > rounded_volume_share * surface.volume);
   for (std::size_t k = 0; k < surface.particles.size(); ++k) {
     TouchedParticles::Touched& particle = touched[touched.slot(surface.particles[k])];
     // s d is a way; over dt a velocity, times the mass an impulse.
