@@ -34,6 +34,8 @@ const char* name_of(StepStatus status) {
       return "volume_lost";
     case StepStatus::not_supported:
       return "not_supported";
+    case StepStatus::needle_full:
+      return "needle_full";
   }
   return "unknown";
 }

@@ -53,9 +53,20 @@ set(shaders
   kept_sums_kernel.glsl
   kept_sums_pass.glsl
   kept_tables.glsl
+  lone_group.glsl
   measure_step.glsl
   momentum_pass.glsl
+  needle_bend.glsl
+  needle_follow_kernel.glsl
+  needle_force_kernel.glsl
+  needle_node.glsl
+  needle_nodes.glsl
+  needle_settle.glsl
+  needle_shaft.glsl
+  needle_surface.glsl
+  needle_tables.glsl
   net_force.glsl
+  press_kernel.glsl
   pushed_tables.glsl
   reaction_pass.glsl
   report_events.glsl
@@ -80,6 +91,7 @@ set(shaders
   tool_tables.glsl
   tools_pass.glsl
   touch_tools.glsl
+  two_floats.glsl
   vector3.glsl
   volume_root.glsl
   volumes_pass.glsl
@@ -99,6 +111,7 @@ add_library(phymul_gl_objects OBJECT
   src/gl/compute_contacts.cpp
   src/gl/compute_device.cpp
   src/gl/compute_loads.cpp
+  src/gl/compute_needles.cpp
   src/gl/compute_passes.cpp
   src/gl/compute_report.cpp
   src/gl/compute_state.cpp
@@ -139,6 +152,7 @@ add_library(phymul_gl_objects OBJECT
   src/gl/load_table.cpp
   src/gl/loop_turns.cpp
   src/gl/module.cpp
+  src/gl/needle_passes.cpp
   src/gl/options.cpp
   src/gl/pass.cpp
   src/gl/pass_timer.cpp

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Where each particle would go by itself and by the tools that touch it, a lane each; nothing moves yet. Dispatched
-// only; needs free_step.glsl and pushed_tables.glsl, and tell_tools.glsl where TOOLS is defined.
+// Where each particle would go by itself and by the tools that touch it (where NEEDLES is defined: that hold it), a lane
+// each; nothing moves yet. Dispatched only; needs free_step.glsl and pushed_tables.glsl, and tell_tools.glsl where TOOLS
+// is defined.
 
 layout(local_size_x = GROUP) in;
 
@@ -34,7 +35,12 @@ void main() {
   telling_last = measuring != 0;
   TouchedParticle touched = untouched(i, before, v, fixed_axes(i));
   vec4 held = fetch_load_vec4(tool_held, tool_held_place, i);
-  for (int tool = 0; tool < tool_count; ++tool) {
+#ifdef NEEDLES  // which come after what holds and before what presses: press_kernel.glsl
+  bool touches_now = held.w >= 0.0;
+#else
+  bool touches_now = true;
+#endif
+  for (int tool = 0; tool < tool_count && touches_now; ++tool) {
     Reaction reaction = touch_tool(tool, held, instant, touched, dt, inverse_dt);
     TELL_TOOL(tool, i, reaction);
   }

@@ -108,6 +108,11 @@ ShapeIn tool_shape(int tool) {
 #endif
 }
 
+// Which touches nothing here: needle_force_kernel.glsl.
+bool is_needle(int tool) {
+  return int(tool_law(tool, 0).w) == 5;
+}
+
 // Axes on which nothing pushes particle i.
 int unmoved_axes(int fixed_at) {
 #if DIMENSION == 2

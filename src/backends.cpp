@@ -173,7 +173,8 @@ Choice choose(const std::shared_ptr<const TopologyTextures>& topology, const Sce
   }
 #ifdef PHYMUL_HAS_GL
   if (has_needle(scene.tools())) {
-    return processor_because(std::move(cpu), "the scene has needles, which no GL backend takes yet");
+    return processor_because(
+        std::move(cpu), "the scene has needles, and what they cost a GPU no trial shows before they are in tissue");
   }
   if (scene.contacts()) {
     return processor_because(std::move(cpu),

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "grasp.h"
+#include "needle_measures.h"
 #include "tool_extent.h"
 
 namespace phymul {
@@ -92,14 +93,33 @@ void FloatTools::fill_held() {
   }
 }
 
+double FloatTools::needle_radius_of(const Tool& tool) {
+  const auto* const needle = std::get_if<Needle>(&tool.shape);
+  return needle ? needle->radius : 0.0;
+}
+
+int FloatTools::needle_count() const {
+  return static_cast<int>(
+      std::ranges::count_if(tools_, [](const Moving& tool) { return needle_radius_of(tool.tool) > 0.0; }));
+}
+
 void FloatTools::reset(const Scene& scene, const State& state) {
-  for (std::size_t row = 0; row < tools_.size(); ++row) tools_[row].moved.reset(scene.tools()[row], state);
+  for (std::size_t row = 0; row < tools_.size(); ++row) {
+    Moving& tool = tools_[row];
+    const ToolState* const known = tool.moved.reset(scene.tools()[row], state);
+    if (needle_radius_of(tool.tool) == 0.0) continue;
+    tool.needle = known ? known->needle : NeedleState{};
+    tool.moved.report.shaft = tool.needle.shaft;
+  }
   fill_held();
 }
 
 void FloatTools::read(State& state) const {
   state.tools.resize(tools_.size());
-  for (std::size_t row = 0; row < tools_.size(); ++row) tools_[row].moved.read(state.tools[row]);
+  for (std::size_t row = 0; row < tools_.size(); ++row) {
+    tools_[row].moved.read(state.tools[row]);
+    state.tools[row].needle = tools_[row].needle;
+  }
 }
 
 bool FloatTools::begin_call(const Scene& scene, int steps, bool at_once) {
@@ -137,8 +157,8 @@ void FloatTools::hold(const VecList& position, std::span<const std::uint8_t> fix
   fill_held();
 }
 
-/// Of a motion whose next pose is known.
-void FloatTools::fill_frame(const ToolMotion& motion, Float4* rows) const {
+/// Of a motion whose next pose is known. A needle asks not whether it was placed, but by how much its surface turns, m.
+void FloatTools::fill_frame(const Tool& tool, const ToolMotion& motion, Float4* rows) const {
   const Mat3 turn = motion.pose.orientation.toRotationMatrix();
   const Mat3 gain = motion.next_pose.orientation.toRotationMatrix() - turn;
   const Vec3 gone = motion.next_pose.position - motion.pose.position;
@@ -148,7 +168,10 @@ void FloatTools::fill_frame(const ToolMotion& motion, Float4* rows) const {
     rows[axis] = {own.x(), own.y(), own.z(), place.high[axis]};
     rows[4 + axis] = {more.x(), more.y(), more.z(), static_cast<float>(gone[axis])};
   }
-  rows[3] = {place.low.x(), place.low.y(), place.low.z(), motion.placed ? 1.0f : 0.0f};
+  const double radius = needle_radius_of(tool);
+  const float turned = static_cast<float>(radius > 0.0 ? radius * needle_turn(motion.pose, motion.next_pose) : 0.0);
+  const float placed = motion.placed ? 1.0f : 0.0f;
+  rows[3] = {place.low.x(), place.low.y(), place.low.z(), radius > 0.0 ? turned : placed};
 }
 
 void FloatTools::begin_batch(int steps, double dt) {
@@ -156,11 +179,11 @@ void FloatTools::begin_batch(int steps, double dt) {
   for (const Moving& tool : tools_) motions_.push_back(tool.moved.motion);
   Float4* rows = frames_.data();
   for (int step = 0; step <= steps; ++step) {
-    for (ToolMotion& motion : motions_) {
-      motion.advance(dt);
-      fill_frame(motion, rows);
+    for (std::size_t row = 0; row < motions_.size(); ++row) {
+      motions_[row].advance(dt);
+      fill_frame(tools_[row].tool, motions_[row], rows);
       rows += frame_rows;
-      motion.accept();
+      motions_[row].accept();
     }
   }
   frames_filled_ = static_cast<std::size_t>(rows - frames_.data());
@@ -177,6 +200,7 @@ void FloatTools::accept(int steps, double dt, std::span<const ToolSums> sums) {
                          .torque = widened(sums[row].last_torque),
                          .particles = static_cast<int>(sums[row].last_force[3])};
     tool.tell(last, widened(sums[row].force), widened(sums[row].torque), steps);
+    tool.report.shaft = sums[row].shaft;
   }
 }
 

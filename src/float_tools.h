@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// FloatTools: the tools of a scene for backends that compute in float, all but needles. Moved on the host in double
-// precision; a device is given rows, and gives back sums.
+// FloatTools: the tools of a scene for backends that compute in float. Moved on the host in double precision; a device
+// is given rows, and gives back sums. What needles are besides: float_needles.h.
 //
 // Places are seen from the middle of the rest shape and stand as two floats whose sum they are, so that neither the
 // distance of a body from the origin nor its size costs a tool any digits: near a particle is a matter of differences.
@@ -11,6 +11,7 @@
 #include <phymul/state.h>
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "float_tables.h"
@@ -22,6 +23,7 @@ namespace phymul {
 struct ToolSums {
   Float4 force{}, torque{};
   Float4 last_force{}, last_torque{};  // w of the force: particles that it touched
+  std::vector<ShaftLoad> shaft{};      // of a needle that bends, in the last step
 };
 
 class FloatTools {
@@ -39,9 +41,14 @@ class FloatTools {
   bool empty() const { return tools_.empty(); }
   int count() const { return static_cast<int>(tools_.size()); }
   bool any_grid() const { return !grid_values_.empty(); }
+  bool is_needle(int row) const { return needle_radius_of(tools_[static_cast<std::size_t>(row)].tool) > 0.0; }
+  int needle_count() const;
 
   void reset(const Scene& scene, const State& state);
   void read(State& state) const;
+  /// Of a needle, as a device has told of it, or as it is to begin there.
+  const NeedleState& needle(int row) const { return tools_[static_cast<std::size_t>(row)].needle; }
+  void set_needle(int row, NeedleState state) { tools_[static_cast<std::size_t>(row)].needle = std::move(state); }
 
   /// A call begins. True where what is held changes: hold() is then to be called before its first step.
   bool begin_call(const Scene& scene, int steps, bool at_once);
@@ -71,11 +78,13 @@ class FloatTools {
   struct Moving {
     MovedTool moved;
     Tool tool;
+    NeedleState needle{};
   };
+  static double needle_radius_of(const Tool& tool);  ///< m; 0: none
   void fill_laws();
   void fill_rest(const VecList& rest);
   void fill_held();
-  void fill_frame(const ToolMotion& motion, Float4* rows) const;
+  void fill_frame(const Tool& tool, const ToolMotion& motion, Float4* rows) const;
   bool held_by_any(Index particle) const;
 
   std::size_t most_steps_;

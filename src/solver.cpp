@@ -94,7 +94,7 @@ const char* likely_cause(const TopologyTextures& topology, const Spectrum& spect
 constexpr const char* no_tools =
     "the scene has tools, which this backend does not take yet; use \"cpu\" or \"reference\"";
 constexpr const char* no_needles =
-    "the scene has a needle, which this backend does not take yet; use \"cpu\" or \"reference\"";
+    "the scene has a needle, which this backend does not take; use \"gl-compute\", \"cpu\" or \"reference\"";
 constexpr const char* no_volumes =
     "the scene keeps volumes, which this backend does not do yet; use \"cpu\" or \"reference\"";
 constexpr const char* no_contacts =
@@ -281,6 +281,9 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
     report.cause =
         "no small move of its free particles brings it back: all of them are held, or the surface is flat or torn far "
         "out of shape";
+  } else if (motion.full_needle >= 0) {
+    report.status = StepStatus::needle_full;
+    report.cause = "Give the needle a larger Needle::spread, or use the backend \"cpu\"";
   } else if (motion.bad_particle >= 0) {
     report.status = StepStatus::not_finite;
     report.particle = motion.bad_particle;

@@ -76,7 +76,18 @@ struct SolverOptions {
 /// which no body survives; the step was not taken.
 /// volume_lost: an enclosed volume (Scene::keep_volume) could not be restored; the step was not taken.
 /// not_supported: the scene has needles or contacts, and this backend does not take them; nothing was done.
-enum class StepStatus { ok, invalid_step, unstable_step, not_finite, device_lost, volume_lost, not_supported };
+/// needle_full: a needle's hole would be longer, or a point of it a mean of more particles, than a device has room for;
+/// the step was not taken.
+enum class StepStatus {
+  ok,
+  invalid_step,
+  unstable_step,
+  not_finite,
+  device_lost,
+  volume_lost,
+  not_supported,
+  needle_full
+};
 
 struct StepReport {
   StepStatus status = StepStatus::ok;
@@ -231,6 +242,7 @@ class Solver {
     Index bad_particle = -1;        ///< >= 0: in the step after those this particle ran away; the step was undone
     bool lost = false;              ///< device lost
     int lost_volume = -1;           ///< >= 0: row of Scene::volumes() that the step after those could not restore
+    int full_needle = -1;           ///< >= 0: row of Scene::tools() whose hole the step after those has no room for
     bool cut = false;               ///< an elastic acceleration was above StepPlan::largest_acceleration
     double max_acceleration = 0.0;  ///< m/s^2, free coordinates only
     double max_force = 0.0;         ///< N, likewise

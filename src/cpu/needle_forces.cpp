@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../needle_measures.h"
 #include "../needle_shaft.h"
 #include "needle_path.h"
 
@@ -237,10 +238,7 @@ void NeedlePath::act(TouchedParticles& touched, const ToolPose& start_pose, cons
   given_.clear();
   loads_.clear();
   if (state_.hole.empty()) return;
-  const Eigen::AngleAxisd turn(Eigen::Quaterniond(end_pose.orientation * start_pose.orientation.conjugate()));
-  // Orientations on the way between two equal ones differ by rounding, which is no turning.
-  const double angle = turn.angle() * turn.axis().dot(end.axis);
-  const double turned = std::abs(angle) > 1e-9 ? needle_.radius * angle : 0.0;
+  const double turned = needle_.radius * needle_turn(start_pose, end_pose);
   couple(touched, start, turned);
   const std::size_t count = state_.hole.size();
   for (std::size_t k = 0; k < count && turned != 0.0; ++k) {

@@ -4,40 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../needle_measures.h"
 #include "../needle_shaft.h"
-#include "../surface.h"
 #include "needle_weights.h"
 
 namespace phymul::cpu {
 namespace {
-
-/// Reach of the weights at which a force spreads as far on every mesh. A force on a particle is one on its cell
-/// already, spread evenly over the spacing h, which has the variance h^2 / 12 along each axis. The weights, whose own
-/// over a surface is reach^2 / 8, add what is missing; below 1.5 spacings they would find too few particles.
-double reach_of(double spread, double spacing) {
-  const double left = spread * spread - 8.0 / 12.0 * spacing * spacing;
-  return std::max(std::sqrt(std::max(left, 0.0)), std::min(spread, 1.5 * spacing));
-}
-
-/// Cells alone make a body, without neighbours to take a spacing from.
-double spacing_of(const Model& model) {
-  const double spacing = mean_spacing(model);
-  return spacing > 0.0 ? spacing : body_size(model) / std::cbrt(static_cast<double>(model.particle_count()));
-}
-
-std::vector<std::array<Index, 3>> triangles_of(const Model& model) {
-  const std::vector<char> all(model.rest.size(), 1);
-  std::vector<std::array<Index, 3>> triangles;
-  for (const Facet& facet : surface_facets(model, all)) {
-    for (std::size_t k = 2; k < facet.particles.size(); ++k) {
-      std::array<Index, 3> t{facet.particles[0], facet.particles[k - 1], facet.particles[k]};
-      const Vec3 area = (model.rest[t[1]] - model.rest[t[0]]).cross(model.rest[t[2]] - model.rest[t[0]]);
-      if (area.dot(facet.area) < 0.0) std::swap(t[1], t[2]);
-      triangles.push_back(t);
-    }
-  }
-  return triangles;
-}
 
 /// Share of a triangle's side by which it is taken to be larger: a way along a line of the mesh must not pass between
 /// two triangles by rounding.
@@ -65,9 +37,9 @@ std::array<Vec3, 3> corners(const std::array<Index, 3>& t, const FreeStep& step)
 NeedlePath::NeedlePath(const Needle& needle, double friction, const Model& model)
     : needle_(needle),
       friction_(friction),
-      spread_(needle.spread > 0.0 ? needle.spread : 2.0 * spacing_of(model)),
-      reach_(reach_of(spread_, spacing_of(model))),
-      facets_(triangles_of(model)) {
+      spread_(needle_spread(needle, model)),
+      reach_(needle_reach(spread_, model)),
+      facets_(needle_facets(model)) {
   found_.reserve(model.rest.size());
 }
 

@@ -27,9 +27,10 @@ void require_turns(std::int64_t particles, std::int64_t triangles, std::int64_t 
 
 }  // namespace
 
-ComputeContacts::ComputeContacts(const FloatContacts& contacts, std::int64_t first, const ComputeTables& tables,
-                                 const ComputeLimits& limits)
+ComputeContacts::ComputeContacts(const FloatContacts& contacts, const PushedRows& pushed, std::int64_t first,
+                                 const ComputeTables& tables, const ComputeLimits& limits)
     : tables_(&tables),
+      pushed_(pushed),
       options_(contacts.options),
       longest_edge_(contacts.longest_edge),
       particles_(size_of(contacts.particle)),
@@ -48,10 +49,6 @@ ComputeContacts::ComputeContacts(const FloatContacts& contacts, std::int64_t fir
     return row;
   };
   const auto take_words = [&](std::int64_t words) { return 4 * take((words + 3) / 4); };
-  const std::int64_t places = tables.places();
-  force_ = take(places);
-  velocity_ = take(places);
-  shift_ = take(places);
   surface_ = take(particles_);
   rest_ = take(2 * particles_);
   triangle_ = take(triangles_);
@@ -94,14 +91,11 @@ void ComputeContacts::write(const FloatContacts& contacts, StorageBuffer& rows) 
 void ComputeContacts::place(Kernel& kernel) const {
   const auto set = [&](const char* name, std::int64_t value) { kernel.set(name, static_cast<int>(value)); };
   const auto set_real = [&](const char* name, double value) { kernel.set(name, static_cast<float>(value)); };
-  set("place_count", tables_->places());
+  pushed_.place(kernel);
   set("surface_count", particles_);
   set("triangle_count", triangles_);
   set("body_count", bodies_);
   set("bucket_count", buckets_);
-  set("pushed_force_place", force_);
-  set("free_velocity_place", velocity_);
-  set("pushed_shift_place", shift_);
   set("surface_place", surface_);
   set("surface_rest_place", rest_);
   set("triangle_place", triangle_);

@@ -5,14 +5,15 @@
 
 #include "float_contacts.h"
 #include "gl/compute_tables.h"
+#include "gl/pushed_rows.h"
 
 namespace phymul::gl {
 
 class ComputeContacts {
  public:
   /// Takes rows from `first` on. Every list has room for all that can be, so that none runs over.
-  ComputeContacts(const FloatContacts& contacts, std::int64_t first, const ComputeTables& tables,
-                  const ComputeLimits& limits);
+  ComputeContacts(const FloatContacts& contacts, const PushedRows& pushed, std::int64_t first,
+                  const ComputeTables& tables, const ComputeLimits& limits);
 
   std::int64_t end() const { return end_; }
   std::int64_t particles() const { return particles_; }
@@ -33,11 +34,11 @@ class ComputeContacts {
 
  private:
   const ComputeTables* tables_;
+  PushedRows pushed_;
   ContactOptions options_;
   double longest_edge_;
   std::int64_t particles_, triangles_, bodies_, buckets_ = 1, end_;
   // Rows.
-  std::int64_t force_ = 0, velocity_ = 0, shift_ = 0;
   std::int64_t surface_ = 0, rest_ = 0, triangle_ = 0, law_ = 0;
   std::int64_t range_ = 0, moved_ = 0, surface_velocity_ = 0, push_ = 0, ball_ = 0, meeting_ = 0;
   // Words.

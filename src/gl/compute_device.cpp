@@ -43,18 +43,31 @@ void ComputeDevice::begin_batch(const StepConstants& constants, const std::vecto
   loads_->set_frames(tools);
   passes_.set_constants(constants);
   state_.set_checkpoint();
+  if (const ComputeNeedles* const needles = loads_->needles()) needles->set_checkpoint();
+}
+
+void ComputeDevice::write_needles(const FloatTools& tools) {
+  if (loads_->needles()) loads_->needles()->write(tools);
+}
+
+void ComputeDevice::read_needles(FloatTools& tools) {
+  if (loads_->needles()) loads_->needles()->read(tools);
 }
 
 void ComputeDevice::run(int count) {
   bind();
   state_.go_back();
+  if (const ComputeNeedles* const needles = loads_->needles()) needles->go_back();
   passes_.steps(state_, 1, count);
 }
 
 BatchReport ComputeDevice::try_step(int number) {
   bind();
+  const ComputeNeedles* const needles = loads_->needles();
+  if (needles) needles->begin_trial();
   passes_.try_step(state_, number);
   report_.request(state_, state_.free_pair(), *loads_);
+  if (needles) needles->end_trial();
   return report_.take();
 }
 

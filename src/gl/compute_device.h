@@ -20,6 +20,8 @@ class ComputeDevice final : public Device {
 
   void set_scene(const Scene& scene, const FloatTools& tools) override;
   void set_held(const FloatTools& tools) override { loads_->set_held(tools); }
+  void write_needles(const FloatTools& tools) override;
+  void read_needles(FloatTools& tools) override;
   void write(const VecList& rest, const State& state) override { state_.write(rest, state); }
   void read(const VecList& rest, State& state) override { state_.read(rest, state); }
   void begin_batch(const StepConstants& constants, const std::vector<double>& instants,

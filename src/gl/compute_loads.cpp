@@ -24,13 +24,16 @@ ComputeLoads::ComputeLoads(const Scene& scene, int instants, const ComputeTables
   if (volumes && !volumes->empty()) rows = volumes_.emplace(*volumes, rows, tables).end();
   std::optional<FloatContacts> touching;
   if (tools && scene.contacts()) touching.emplace(scene);
-  if (touching && !touching->empty()) rows = contacts_.emplace(*touching, rows, tables, limits).end();
+  const bool touches = touching && !touching->empty(), pierces = tools && tools->needle_count() > 0;
+  if (touches || pierces) rows = pushed_.emplace(rows, tables.places()).end();
+  if (touches) rows = contacts_.emplace(*touching, *pushed_, rows, tables, limits).end();
   buffer_ = StorageBuffer(rows, "the scene's loads, tools, kept volumes and contacts", limits);
   buffer_.write(16 * index_row_, index.data(), static_cast<std::int64_t>(16 * index.size()));
   buffer_.write(16 * parts_row_, parts.data(), static_cast<std::int64_t>(16 * parts.size()));
   if (tools_) tools_->write(*tools, buffer_);
   if (volumes_) volumes_->write(*volumes, buffer_);
   if (contacts_) contacts_->write(*touching, buffer_);
+  if (pierces) needles_.emplace(FloatNeedles(scene), *tools, tables, limits);
 }
 
 void ComputeLoads::evaluate(const std::vector<double>& instants) {
@@ -47,6 +50,7 @@ void ComputeLoads::set_frames(const FloatTools& tools) {
 
 void ComputeLoads::set_held(const FloatTools& tools) {
   if (tools_) tools_->write_held(tools, buffer_);
+  if (needles_) needles_->uncouple();
 }
 
 void ComputeLoads::place(Kernel& kernel) const {
@@ -57,6 +61,7 @@ void ComputeLoads::place(Kernel& kernel) const {
   kernel.set("load_count", table_.mode_count());
   if (tools_) tools_->place(kernel);
   if (volumes_) volumes_->place(kernel);
+  if (pushed_) pushed_->place(kernel);
   if (contacts_) contacts_->place(kernel);
 }
 

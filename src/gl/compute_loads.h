@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
 // A scene's loads in a storage buffer: gravity per instant, index, parts and values, one after another, its tools, and
-// the volumes it keeps, and what of it touches.
+// the volumes it keeps, and what of it touches. Its needles in another.
 #pragma once
 
 #include <optional>
 
 #include "gl/compute_contacts.h"
+#include "gl/compute_needles.h"
 #include "gl/compute_tools.h"
 #include "gl/compute_volumes.h"
 #include "gl/load_table.h"
@@ -24,6 +25,9 @@ class ComputeLoads {
   const ComputeTools* tools() const { return tools_ ? &*tools_ : nullptr; }              ///< null where there are none
   const ComputeVolumes* volumes() const { return volumes_ ? &*volumes_ : nullptr; }      ///< likewise
   const ComputeContacts* contacts() const { return contacts_ ? &*contacts_ : nullptr; }  ///< likewise
+  ComputeNeedles* needles() { return needles_ ? &*needles_ : nullptr; }                  ///< likewise
+  const ComputeNeedles* needles() const { return needles_ ? &*needles_ : nullptr; }
+  const PushedRows* pushed() const { return pushed_ ? &*pushed_ : nullptr; }  ///< where contacts or needles push
 
   /// Takes over the values at these instants.
   void evaluate(const std::vector<double>& instants);
@@ -37,7 +41,9 @@ class ComputeLoads {
   LoadTable table_;
   std::optional<ComputeTools> tools_;
   std::optional<ComputeVolumes> volumes_;
+  std::optional<PushedRows> pushed_;
   std::optional<ComputeContacts> contacts_;
+  std::optional<ComputeNeedles> needles_;
   std::int64_t index_row_, parts_row_, values_row_;
   StorageBuffer buffer_;
 };

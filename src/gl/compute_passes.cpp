@@ -161,24 +161,25 @@ int ComputePasses::steps_a_dispatch() const {
 void ComputePasses::add_tools(const StepKind& step, ShaderRequest& request) const {
   if (!step.tools) return;
   define_tools(step.grids, request);
+  define(request, "NEEDLES", step.needles);
   append(request, tool_files());
   append(request, {"tell_tools.glsl"});
 }
 
 Kernel ComputePasses::stepping(const StepKind& step, const ComputeState& state) const {
-  const bool one_group = by_one_group(step.contacts);
+  const bool one_group = by_one_group(step.pushes());
   ShaderRequest request = gathering(step.loads, one_group);
   define(request, "CUT");
-  define(request, "PUSHED", step.contacts);
+  define(request, "PUSHED", step.pushes());
   append(request, {"free_step.glsl"});
-  if (step.contacts) {
+  if (step.pushes()) {
     append(request, {"pushed_tables.glsl"});
   } else {
     add_tools(step, request);
   }
   append(request, {"measure_step.glsl"});
   define(request, "KEPT_VOLUMES", step.volumes);
-  if (step.volumes && step.tools && step.contacts) {  // what tools hold, volumes leave
+  if (step.volumes && step.tools && step.pushes()) {  // what tools hold, volumes leave
     append(request, {"tool_tables.glsl"});
     define(request, "HELD");
   }
@@ -198,18 +199,28 @@ Kernel ComputePasses::stepping(const StepKind& step, const ComputeState& state) 
 }
 
 Kernel ComputePasses::freeing(const StepKind& step, const ComputeState& state) const {
-  if (!step.contacts) return {};
+  if (!step.pushes()) return {};
   ShaderRequest request = gathering(step.loads);
   define(request, "CUT");
   define(request, "PUSHES");
   append(request, {"free_step.glsl", "pushed_tables.glsl"});
-  add_tools(step, request);
+  if (step.contacts || step.presses) add_tools(step, request);
   append(request, {"free_kernel.glsl"});
   return placed(std::move(request), lanes, state);
 }
 
+Kernel ComputePasses::pressing(const StepKind& step, const ComputeState& state) const {
+  if (!step.presses) return {};
+  ShaderRequest request = gathering(step.loads);
+  define(request, "PUSHES");
+  append(request, {"free_step.glsl", "pushed_tables.glsl"});
+  add_tools(step, request);
+  append(request, {"press_kernel.glsl"});
+  return placed(std::move(request), lanes, state);
+}
+
 KeepingKernels ComputePasses::keeping(const StepKind& step, const ComputeState& state) const {
-  if (!step.volumes || by_one_group(step.contacts)) return {};
+  if (!step.volumes || by_one_group(step.pushes())) return {};
   ShaderRequest sums{.files = joined({common, keeping_sums_files(), {"kept_sums_kernel.glsl"}}),
                      .defines = {{"KEPT_VOLUMES", 1}, {"ONE_WORKGROUP", 1}}};
   tables_->define(sums);
@@ -222,9 +233,9 @@ KeepingKernels ComputePasses::keeping(const StepKind& step, const ComputeState& 
 
 void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& state) {
   const ComputeTools* const tools = loads.tools();
-  const bool touching = loads.contacts() != nullptr;
+  const bool touching = loads.contacts() != nullptr, piercing = loads.needles() != nullptr;
   const std::int64_t turns = turns_a_step(tools ? tools->count() : 0, loads.volumes());
-  if (by_one_group(touching) && turns > limits_.loop_turns) {
+  if (by_one_group(touching || piercing) && turns > limits_.loop_turns) {
     throw Error("expected a step of one group to take at most " + std::to_string(limits_.loop_turns) +
                 " turns of loops, which is where this renderer breaks off, got " + std::to_string(turns) +
                 "; use GlCompute::store (PHYMUL_GL_COMPUTE=store)");
@@ -233,13 +244,18 @@ void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& sta
                       .tools = tools != nullptr,
                       .grids = tools && tools->any_grid(),
                       .contacts = touching,
-                      .volumes = loads.volumes() != nullptr};
+                      .volumes = loads.volumes() != nullptr,
+                      .needles = piercing,
+                      .presses = piercing && tools->count() > tools->needle_count()};
   auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
   if (found == stepping_.end()) {
-    found =
-        stepping_.insert(stepping_.end(), {kind, stepping(kind, state), freeing(kind, state), keeping(kind, state)});
+    found = stepping_.insert(stepping_.end(), {kind, stepping(kind, state), freeing(kind, state), pressing(kind, state),
+                                               keeping(kind, state)});
   }
   if (touching && !contacts_) contacts_.emplace(*library_, *tables_, limits_);
+  if (piercing && (!needles_ || needles_->bending() != loads.needles()->any_bends())) {
+    needles_.emplace(*library_, *tables_, limits_, loads.needles()->any_bends());
+  }
   now_ = &*found;
   turns_ = turns;
   touching_ = touching ? &loads.rows() : nullptr;
@@ -248,9 +264,10 @@ void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& sta
     loads.place(now_->keeping.step());
     now_->keeping.place(*loads.volumes());
   }
-  if (!touching) return;
-  loads.place(now_->free);
-  contacts_->set_contacts(*loads.contacts());
+  if (now_->free) loads.place(now_->free);
+  if (now_->press) loads.place(now_->press);
+  if (piercing) needles_->set_needles(*loads.needles(), *tools, *loads.pushed());
+  if (touching) contacts_->set_contacts(*loads.contacts());
 }
 
 void ComputePasses::set_constants(const StepConstants& constants) {
@@ -267,26 +284,33 @@ void ComputePasses::set_constants(const StepConstants& constants) {
   };
   set_all(now_->kernel);
   if (now_->keeping) set_all(now_->keeping.step());
-  if (!touching_) return;
-  set_all(now_->free);
-  contacts_->set_step(constants.dt);
+  if (now_->free) set_all(now_->free);
+  if (now_->press) set_all(now_->press);
+  if (now_->kind.needles) needles_->set_step(constants.dt);
+  if (touching_) contacts_->set_step(constants.dt);
+}
+
+/// What pushes particles between forces and motion, in the order of ToolSet::act and Touching of src/cpu.
+void ComputePasses::act_on_free(const ComputeState& state, int number, bool measuring) {
+  run(now_->free, state, number, measuring);
+  if (now_->kind.needles) needles_->act(number, state.current());
+  if (now_->press) run(now_->press, state, number, measuring);
+  if (touching_) contacts_->act(*touching_, state.current());
+}
+
+void ComputePasses::run(Kernel& kernel, const ComputeState& state, int number, bool measuring) {
+  kernel.set("pair", state.current());
+  kernel.set("number", number);
+  kernel.set("measuring", measuring ? 1 : 0);
+  kernel.dispatch(kernel.groups_for(tables_->kind().particles));
 }
 
 /// One step, by many groups, from the current state to the free pair.
 void ComputePasses::step(const ComputeState& state, int number, bool measuring) {
   evaluate(state);
-  const auto run = [&](Kernel& kernel) {
-    kernel.set("pair", state.current());
-    kernel.set("number", number);
-    kernel.set("measuring", measuring ? 1 : 0);
-    kernel.dispatch(kernel.groups_for(tables_->kind().particles));
-  };
-  if (touching_) {
-    run(now_->free);
-    contacts_->act(*touching_, state.current());
-  }
+  if (now_->free) act_on_free(state, number, measuring);
   now_->kernel.set("next_pair", state.free_pair());
-  run(now_->kernel);
+  run(now_->kernel, state, number, measuring);
   if (now_->keeping) now_->keeping.run(state, number, tables_->kind().particles);
 }
 
@@ -300,7 +324,7 @@ void ComputePasses::dispatch_workgroup(const ComputeState& state, int number, in
 }
 
 void ComputePasses::steps(ComputeState& state, int first, int count) {
-  const bool one_group = by_one_group(touching_ != nullptr);
+  const bool one_group = by_one_group(now_->kind.pushes());
   const int at_a_time = one_group ? steps_a_dispatch() : 1;
   for (int done = 0, now = 0; done < count; done += now) {
     now = std::min(at_a_time, count - done);
@@ -314,7 +338,7 @@ void ComputePasses::steps(ComputeState& state, int first, int count) {
 }
 
 void ComputePasses::try_step(const ComputeState& state, int number) {
-  if (by_one_group(touching_ != nullptr)) return dispatch_workgroup(state, number, 1);
+  if (by_one_group(now_->kind.pushes())) return dispatch_workgroup(state, number, 1);
   step(state, number, true);
 }
 

@@ -5,10 +5,11 @@
 //              which read forces, in a second); net force and Verlet in another
 //   recompute  net force and Verlet in one dispatch, where each particle computes what the others would have stored
 //              (forces of the averaged reaction's attractors are stored still, by a dispatch before)
-//   workgroup  as store, many steps in one dispatch by one group; where bodies touch, as store
-// Where bodies touch, another dispatch before the last one finds where each particle would go by itself, then come the
-// passes of contact_passes.h, and the last one ends what those two began. Where the scene keeps volumes, sums over
-// their facets and the end of the step are two dispatches more behind it, or three; the workgroup waits for itself.
+//   workgroup  as store, many steps in one dispatch by one group; where bodies touch or needles are, as store
+// There another dispatch before the last one finds where each particle would go by itself, then come the passes of
+// needle_passes.h, of other tools where there are needles, and of contact_passes.h, and the last one ends what those
+// began. Where the scene keeps volumes, sums over their facets and the end of the step are two dispatches more behind
+// it, or three; the workgroup waits for itself.
 #pragma once
 
 #include <deque>
@@ -19,6 +20,7 @@
 #include "gl/compute_state.h"
 #include "gl/contact_passes.h"
 #include "gl/device.h"
+#include "gl/needle_passes.h"
 
 namespace phymul::gl {
 
@@ -64,12 +66,15 @@ class ComputePasses {
   struct StepKind {
     LoadKind loads;
     bool tools = false, grids = false, contacts = false, volumes = false;
+    bool needles = false, presses = false;  // presses: there are other tools beside needles
+    bool pushes() const { return contacts || needles; }
     bool operator==(const StepKind&) const = default;
   };
   struct Stepping {
     StepKind kind;
     Kernel kernel;
-    Kernel free;             // where there are contacts: up to what pushes, which `kernel` goes on from
+    Kernel free;             // where there are contacts or needles: up to what pushes, which `kernel` goes on from
+    Kernel press;            // where there are needles and other tools: what these push
     KeepingKernels keeping;  // where volumes are kept, behind it; not of one group
   };
   struct Terms {
@@ -82,8 +87,11 @@ class ComputePasses {
   void add_tools(const StepKind& step, ShaderRequest& request) const;
   Kernel stepping(const StepKind& step, const ComputeState& state) const;
   Kernel freeing(const StepKind& step, const ComputeState& state) const;
+  Kernel pressing(const StepKind& step, const ComputeState& state) const;
   KeepingKernels keeping(const StepKind& step, const ComputeState& state) const;
-  bool by_one_group(bool contacts) const { return form_ == ComputeForm::workgroup && !contacts; }
+  bool by_one_group(bool pushes) const { return form_ == ComputeForm::workgroup && !pushes; }
+  void act_on_free(const ComputeState& state, int number, bool measuring);
+  void run(Kernel& kernel, const ComputeState& state, int number, bool measuring);
   void step(const ComputeState& state, int number, bool measuring);
   void dispatch_workgroup(const ComputeState& state, int number, int steps);
   std::int64_t turns_a_step(std::int64_t tools, const ComputeVolumes* volumes) const;
@@ -101,6 +109,7 @@ class ComputePasses {
   std::int64_t turns_ = 0;                   // of loops, of a step of now_ by one group
   const StorageBuffer* touching_ = nullptr;  // the loads that now_ is for, where they have contacts
   std::optional<ContactPasses> contacts_;    // once there were some
+  std::optional<NeedlePasses> needles_;      // likewise
 };
 
 }  // namespace phymul::gl

@@ -53,10 +53,18 @@ BatchReport ComputeReport::take() {
   BatchReport report = copy_.take();
   for (std::size_t tool = 0; tool < tool_sums_.size(); ++tool) {
     const Float4* const rows = &copy_.more()[4 * tool];
-    tool_sums_[tool] = {rows[0], rows[1], rows[2], rows[3]};
+    tool_sums_[tool].force = rows[0];
+    tool_sums_[tool].torque = rows[1];
+    tool_sums_[tool].last_force = rows[2];
+    tool_sums_[tool].last_torque = rows[3];
   }
   const std::span<const Float4> more(copy_.more());
   report.see_volumes(more.subspan(4 * tool_sums_.size(), volumes_));
+  if (needles_) {
+    const ComputeNeedles::Told told = needles_->take(more.subspan(4 * tool_sums_.size() + volumes_), tool_sums_);
+    report.full_step = told.full_step;
+    report.full_needle = told.tool;
+  }
   return report;
 }
 
@@ -65,7 +73,9 @@ void ComputeReport::request(const ComputeState& state, int pair, const ComputeLo
   tool_sums_.resize(tools ? static_cast<std::size_t>(tools->count()) : 0);
   const ComputeVolumes* const volumes = loads.volumes();
   volumes_ = volumes ? static_cast<std::size_t>(volumes->count()) : 0;
-  copy_.carry(4 * tool_sums_.size() + volumes_);
+  needles_ = loads.needles();
+  const auto needle_rows = static_cast<std::size_t>(needles_ ? needles_->told_rows() : 0);
+  copy_.carry(4 * tool_sums_.size() + volumes_ + needle_rows);
   if (tools) sum_tools(*tools);
   const int last = state.report_row() + 2 * ComputeState::most_report_groups;
   const int partial = groups_ > 1 ? state.report_row() : last;
@@ -94,6 +104,7 @@ void ComputeReport::request(const ComputeState& state, int pair, const ComputeLo
       glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_PIXEL_PACK_BUFFER, static_cast<GLintptr>(16 * volumes->roots_row()),
                           32 + tool_bytes, static_cast<GLsizeiptr>(16 * volumes_));
     }
+    if (needles_) needles_->copy_told(32 + tool_bytes + static_cast<GLintptr>(16 * volumes_));
     glBindBuffer(GL_COPY_READ_BUFFER, 0);
   });
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What a batch of steps has to tell, brought down to two rows, to four for each tool and one for each kept volume: one
-// small read instead of the state.
+// What a batch of steps has to tell, brought down to two rows, to four for each tool and one for each kept volume, and
+// how needles stand: one small read instead of the state.
 #pragma once
 
 #include "gl/compute_passes.h"
@@ -32,6 +32,7 @@ class ComputeReport {
   ReportCopy copy_;
   std::vector<ToolSums> tool_sums_;
   std::size_t volumes_ = 0;
+  const ComputeNeedles* needles_ = nullptr;  // of what was requested last
 };
 
 }  // namespace phymul::gl

@@ -13,7 +13,11 @@ std::int64_t size_of(const auto& rows) {
 }  // namespace
 
 ComputeTools::ComputeTools(const FloatTools& tools, std::int64_t first, const ComputeTables& tables)
-    : tables_(&tables), count_(tools.count()), any_grid_(tools.any_grid()), end_(first) {
+    : tables_(&tables),
+      count_(tools.count()),
+      needle_count_(tools.needle_count()),
+      any_grid_(tools.any_grid()),
+      end_(first) {
   const auto take = [this](std::int64_t rows) {
     const std::int64_t row = end_;
     end_ += rows;
@@ -46,6 +50,11 @@ void ComputeTools::write(const FloatTools& tools, StorageBuffer& rows) const {
   rows.write(16 * rest_row_, rest.data(), 16 * size_of(rest));
   rows.write(16 * grid_row_, tools.grid_values().data(), 4 * size_of(tools.grid_values()));
   write_held(tools, rows);
+  const std::vector<Float4> zeros(needle_count_ > 0 ? static_cast<std::size_t>(4 * tables_->places()) : 0, Float4{});
+  for (int tool = 0; tool < count_; ++tool) {  // a needle tells of itself in the rows of the first place
+    if (!tools.is_needle(tool)) continue;
+    rows.write(16 * (sums_row_ + std::int64_t{4} * tables_->places() * tool), zeros.data(), 16 * size_of(zeros));
+  }
 }
 
 void ComputeTools::write_held(const FloatTools& tools, StorageBuffer& rows) const {

@@ -18,6 +18,7 @@ class ComputeTools {
 
   std::int64_t end() const { return end_; }
   int count() const { return count_; }
+  int needle_count() const { return needle_count_; }
   bool any_grid() const { return any_grid_; }
 
   /// All but frames, which change with every batch.
@@ -34,7 +35,7 @@ class ComputeTools {
   std::vector<Float4> by_place(const std::vector<Float4>& by_particle, std::size_t rows_each) const;
 
   const ComputeTables* tables_;
-  int count_;
+  int count_, needle_count_;
   bool any_grid_;
   std::int64_t laws_row_ = 0, frames_row_ = 0, rest_row_ = 0, held_row_ = 0, grid_row_ = 0;
   std::int64_t sums_row_ = 0, parts_row_ = 0, total_row_ = 0, end_ = 0;

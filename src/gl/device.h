@@ -29,6 +29,8 @@ struct BatchReport {
   int first_unquiet = 0, last_unquiet = 0;
   int lost_step = 0;     ///< first in which a kept volume could not be restored
   int lost_volume = -1;  ///< the first of them by row
+  int full_step = 0;     ///< first for which a needle's hole had no room
+  int full_needle = -1;  ///< that needle's row among the tools
   /// Of the last step.
   double max_speed = 0.0, max_acceleration = 0.0, max_force = 0.0, max_displacement = 0.0;
 
@@ -57,6 +59,10 @@ class Device {
   virtual void set_scene(const Scene& scene, const FloatTools& tools) = 0;
   /// After a change of what they hold.
   virtual void set_held(const FloatTools& tools) = 0;
+  /// The holes of needles as `tools` have them. Throws Error, and changes nothing, where they do not fit.
+  virtual void write_needles(const FloatTools& /*tools*/) {}
+  /// Those of the present state, to `tools`. Waits for the device.
+  virtual void read_needles(FloatTools& /*tools*/) {}
   virtual void write(const VecList& rest, const State& state) = 0;
   virtual void read(const VecList& rest, State& state) = 0;
 

@@ -58,7 +58,7 @@ Solver::Motion DeviceSolver::run_batches(const StepPlan& plan) {
 /// The report of the call before, while the last batch of this one is on its way. run_to_rest() waits for every batch.
 Solver::Motion DeviceSolver::run_late(const StepPlan& plan) {
   const Motion before = std::exchange(untold_, std::nullopt).value_or(Motion{});
-  if (before.bad_particle >= 0 || before.lost_volume >= 0) return before;
+  if (before.bad_particle >= 0 || before.lost_volume >= 0 || before.full_needle >= 0) return before;
   if (plan.stop_at_rest) return run_batches(plan);
   begin_tools(plan);
   const PassTimer::Current timing(device_->timer());
@@ -102,7 +102,11 @@ bool DeviceSolver::settle_batch(const StepPlan& plan, int count, Motion& motion)
   BatchReport report = device_->take_report();
   // A volume that cannot be restored comes before what runs away with it in the same step.
   const bool loses = report.lost_step > 0 && (report.runaway_step == 0 || report.lost_step <= report.runaway_step);
-  const int failed_at = loses ? report.lost_step : report.runaway_step;
+  const int went_wrong = loses ? report.lost_step : report.runaway_step;
+  // So does a hole that was left as it was.
+  const bool fills = report.full_step > 0 && (went_wrong == 0 || report.full_step <= went_wrong);
+  const int failed_at = fills ? report.full_step : went_wrong;
+  const int full_needle = report.full_needle;
   const int lost_volume = report.lost_volume;
   const Index culprit = report.particle;
   int good = failed_at > 0 ? failed_at - 1 : count;
@@ -128,6 +132,10 @@ bool DeviceSolver::settle_batch(const StepPlan& plan, int count, Motion& motion)
   for (int k = 0; k < good; ++k) progress_.time += plan.dt;
   if (good > 0) progress_.last_dt = plan.dt;
   if (rests || failed_at == 0) return !rests;
+  if (fills) {
+    motion.full_needle = full_needle;
+    return false;
+  }
   if (loses) {
     motion.lost_volume = lost_volume;
     return false;

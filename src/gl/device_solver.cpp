@@ -26,7 +26,9 @@ ParticleBuffer finished(const Texture& texture) {
 }
 
 constexpr const char* no_needles =
-    "the scene has a needle, which this backend does not take yet; use \"cpu\" or \"reference\"";
+    "the scene has a needle, whose step is one group of lanes that wait for each other, which fragment shaders have "
+    "not; "
+    "use \"gl-compute\", \"cpu\" or \"reference\"";
 constexpr const char* no_contacts =
     "the scene has contacts, whose sweeps fragment shaders would need hundreds of draws a step for; use "
     "\"gl-compute\", "
@@ -81,8 +83,9 @@ void DeviceSolver::build() {
 }
 
 const char* DeviceSolver::do_cannot() const {
+  if (backend_ == GlBackend::compute) return nullptr;
   if (has_needle(scene().tools())) return no_needles;
-  return scene().contacts() && backend_ == GlBackend::fragment ? no_contacts : nullptr;
+  return scene().contacts() ? no_contacts : nullptr;
 }
 
 /// Deleting is harmless in a lost context that can still be made current. Where it cannot, another context may be
@@ -137,7 +140,10 @@ void DeviceSolver::do_reset(const State& state) {
   if (!device_ || context_->lost()) rebuild();
   follow();
   context_->run([&] {
-    tools_.reset(scene(), state);
+    FloatTools tools = tools_;
+    tools.reset(scene(), state);
+    device_->write_needles(tools);
+    tools_ = std::move(tools);
     device_->drop_copies();
     device_->write(topology().rest, state);
     device_->set_held(tools_);
@@ -160,6 +166,7 @@ void DeviceSolver::do_scene_changed() {
 void DeviceSolver::follow() {
   if (loads_version_ == scene().version()) return;
   FloatTools tools = tools_;
+  context_->run([&] { device_->read_needles(tools); });
   tools.follow(scene());
   context_->run([&] { device_->set_scene(scene(), tools); });
   tools_ = std::move(tools);
@@ -215,7 +222,10 @@ void DeviceSolver::do_read(State& state) const {
   }
   if (device_ && !context_->lost()) {
     State now;
-    context_->run([&] { device_->read(topology().rest, now); });
+    context_->run([&] {
+      device_->read(topology().rest, now);
+      device_->read_needles(tools_);
+    });
     now.time = progress_.time;
     tools_.read(now);
     if (!context_->lost()) kept_ = std::move(now);
@@ -272,8 +282,11 @@ void DeviceSolver::do_request_read() {
   settle();
   State header;
   header.time = progress_.time;
-  tools_.read(header);
-  on_device([&] { device_->request_copy(header); });
+  on_device([&] {
+    device_->read_needles(tools_);
+    tools_.read(header);
+    device_->request_copy(header);
+  });
 }
 
 bool DeviceSolver::do_collect(State& state) {

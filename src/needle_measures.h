@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+//
+// What every backend derives of a needle from the body it goes into, and from its poses. In double precision.
+#pragma once
+
+#include <phymul/model.h>
+#include <phymul/tool.h>
+
+#include <array>
+#include <vector>
+
+namespace phymul {
+
+/// m: Needle::spread, or two spacings of the body.
+double needle_spread(const Needle& needle, const Model& model);
+/// m: of the weights at which a force spreads as far on every mesh.
+double needle_reach(double spread, const Model& model);
+/// Triangles of the body's surface at rest, outward.
+std::vector<std::array<Index, 3>> needle_facets(const Model& model);
+
+/// rad, about the needle's axis: by how much it turns between two poses. Orientations on the way between two equal ones
+/// differ by rounding, which is no turning.
+double needle_turn(const ToolPose& start, const ToolPose& end);
+
+}  // namespace phymul
