@@ -6,6 +6,7 @@
 layout(local_size_x = GROUP) in;
 
 uniform int pair, number, measuring;
+OF_STEP(int, batch_step);  // counts from 1
 
 void main() {
   int i = own_group() * GROUP + int(gl_LocalInvocationID.x);

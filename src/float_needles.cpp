@@ -10,6 +10,9 @@
 namespace phymul {
 namespace {
 
+/// Spacings: as far as weights reach that were made wider by half until their particles span space, on a lattice.
+constexpr double widest = 2.25;
+
 /// A ball of this radius lies in 27 cells of that side about its middle's, wherever it is: at rest no more than this
 /// can be in it.
 int most_within(double radius, const Model& model) {
@@ -43,7 +46,7 @@ FloatNeedles::FloatNeedles(const Scene& scene) {
     one.reach = needle_reach(one.spread, model);
     const double inside = std::min(needle->length, body_size(model));
     one.nodes = static_cast<int>(std::min(8.0 + 2.0 * std::ceil(inside / one.spread), double{most_nodes}));
-    one.particles = most_within(one.reach, model);
+    one.particles = most_within(std::max(one.reach, widest * needle_spacing(model)), model);
     needles.push_back(one);
   }
   if (!needles.empty()) facets = needle_facets(model);

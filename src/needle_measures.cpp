@@ -8,25 +8,21 @@
 #include "surface.h"
 
 namespace phymul {
-namespace {
 
-/// Cells alone make a body, without neighbours to take a spacing from.
-double spacing_of(const Model& model) {
+double needle_spacing(const Model& model) {
   const double spacing = mean_spacing(model);
   return spacing > 0.0 ? spacing : body_size(model) / std::cbrt(static_cast<double>(model.particle_count()));
 }
 
-}  // namespace
-
 double needle_spread(const Needle& needle, const Model& model) {
-  return needle.spread > 0.0 ? needle.spread : 2.0 * spacing_of(model);
+  return needle.spread > 0.0 ? needle.spread : 2.0 * needle_spacing(model);
 }
 
 /// A force on a particle is one on its cell already, spread evenly over the spacing h, which has the variance h^2 / 12
 /// along each axis. The weights, whose own over a surface is reach^2 / 8, add what is missing; below 1.5 spacings they
 /// would find too few particles.
 double needle_reach(double spread, const Model& model) {
-  const double spacing = spacing_of(model);
+  const double spacing = needle_spacing(model);
   const double left = spread * spread - 8.0 / 12.0 * spacing * spacing;
   return std::max(std::sqrt(std::max(left, 0.0)), std::min(spread, 1.5 * spacing));
 }

@@ -11,6 +11,8 @@
 
 namespace phymul {
 
+/// m: between particles; of cells alone, which have no neighbours to take it from, from the size of the body.
+double needle_spacing(const Model& model);
 /// m: Needle::spread, or two spacings of the body.
 double needle_spread(const Needle& needle, const Model& model);
 /// m: of the weights at which a force spreads as far on every mesh.

@@ -18,6 +18,8 @@ add_executable(phymul_gl_test
   gl_hosts_test.cpp
   gl_late_report_test.cpp
   gl_life_test.cpp
+  gl_needle_runs_test.cpp
+  gl_needle_test.cpp
   gl_objects_test.cpp
   gl_tool_test.cpp
   gl_volume_test.cpp

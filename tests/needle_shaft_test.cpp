@@ -200,7 +200,9 @@ TEST_P(BendingNeedleIn, TakesFromTheTissueWhatTheHubFeels) {
     for (const ShaftLoad& load : tool.needle.shaft) across += Vec3(load.x, load.y, 0.0);
     Vec3 hub = tool.pose.orientation.conjugate() * force;
     hub.z() = 0.0;
-    EXPECT_LE((hub - across).norm(), 1e-9 * (1.0 + across.norm())) << k;
+    // In double precision on the CPU backends whatever their own is; a device adds some hundred shares up.
+    const double added = GetParam() == "gl-compute" ? 0x1p-24 * 100.0 : 1e-9;
+    EXPECT_LE((hub - across).norm(), added * (1.0 + across.norm())) << k;
     bent = std::max(bent, (solver->needle_points("needle", 2)[0] - tool.pose.position).norm());
   }
   EXPECT_GT(bent, 1e-4);

@@ -30,7 +30,9 @@ inline std::string test_name_of(std::string backend) {
 
 /// Of those, the ones that take needles too.
 inline std::vector<std::string> needle_backends() {
-  return {"reference", "cpu"};
+  std::vector<std::string> all = tool_backends();
+  std::erase(all, "gl");
+  return all;
 }
 
 class WithTools : public testing::TestWithParam<std::string> {

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: MIT
+//
+// Needles on "gl-compute" in what batches, devices and scenes do: the same bits from every state and in every form,
+// nothing paid by a scene without them, room that runs out, refused by fragments.
+#include <algorithm>
+#include <cmath>
+
+#include "gl_forms.h"
+#include "gl_needles.h"
+#include "message_of.h"
+
+namespace phymul::test {
+namespace {
+
+class GlNeedleRuns : public WithContacts {};
+
+/// In and out again by half, aside and turning: `calls` calls.
+template <class Step>
+void drive(Scene& scene, ToolPose& pose, int calls, Step&& step) {
+  for (int k = 0; k < calls; ++k) {
+    pose.position += Vec3(5e-5, 0, k < 8 ? -2e-3 : 1e-3);
+    pose.orientation = Quaternion(Eigen::AngleAxisd(0.1 * k, Vec3::UnitZ()));
+    scene.tool("needle").pose(pose);
+    step(k);
+  }
+}
+
+TEST_F(GlNeedleRuns, EveryFormHasTheSameBits) {
+  std::vector<State> ends;
+  for (const GlCompute form : {GlCompute::store, GlCompute::recompute, GlCompute::workgroup}) {
+    BesideNeedle pair(5e-3, 3, {0, 0, 0}, form);
+    drive(pair.scene, pair.pose, 10, [&](int) { ASSERT_TRUE(pair.device->step(15, pair.dt).ok()); });
+    ends.push_back(pair.device->read());
+    EXPECT_GT(ends.back().tools[0].needle.hole.size(), 2u);
+    if (!pair.device->context()->info().renderer.starts_with("llvmpipe")) GTEST_SKIP() << "bits are llvmpipe's";
+  }
+  EXPECT_EQ(difference(ends[0], ends[1]), "");
+  EXPECT_EQ(difference(ends[0], ends[2]), "");
+  EXPECT_EQ(ends[0].tools, ends[1].tools);
+}
+
+/// From a state in the middle: in another solver, after a change of the scene, in another cut of the same steps.
+TEST_F(GlNeedleRuns, GoesOnFromEveryStateWithTheSameBits) {
+  for (const double stiffness : {0.0, 5e-3}) {
+    BesideNeedle pair(stiffness, 3);
+    drive(pair.scene, pair.pose, 5, [&](int) { ASSERT_TRUE(pair.device->step(20, pair.dt).ok()); });
+    const State middle = pair.device->read();
+    ASSERT_TRUE(middle.tools[0].needle.punctured);
+    const VecList shaft = pair.device->needle_points("needle", 4);
+    const auto other = pair.make();
+    other->reset(middle);
+    EXPECT_EQ(other->read().tools, middle.tools);
+    EXPECT_EQ(other->needle_points("needle", 4), shaft);
+    pair.scene.gravity({1, 0, 0});  // rows of the scene are made anew, with the hole as it is
+    pair.pose.velocity = {0.01, 0, -0.1};
+    pair.scene.tool("needle").pose(pair.pose);
+    ASSERT_TRUE(pair.device->step(1, pair.dt).ok());
+    ASSERT_TRUE(other->step(1, pair.dt).ok());
+    ASSERT_TRUE(pair.device->step(80, pair.dt).ok());
+    for (int k = 0; k < 8; ++k) ASSERT_TRUE(other->step(10, pair.dt).ok());
+    const State a = pair.device->read(), b = other->read();
+    EXPECT_EQ(difference(a, b), "");
+    EXPECT_EQ(a.tools, b.tools);
+    EXPECT_NE(a.tools[0].needle, middle.tools[0].needle);
+    pair.device->request_read();
+    ASSERT_TRUE(pair.device->step(20, pair.dt).ok());
+    State copy;
+    while (!pair.device->collect(copy)) {
+    }
+    EXPECT_EQ(copy, a);
+    pair.device->context()->mark_lost();
+    EXPECT_EQ(pair.device->step(5, pair.dt).status, StepStatus::device_lost);
+    EXPECT_EQ(pair.device->read(), a);
+  }
+}
+
+/// A batch that ends before its last step is done again up to there, from the hole as it was before.
+TEST_F(GlNeedleRuns, BatchesDoneAgainComeToTheSame) {
+  SolverOptions options = damped(200.0);
+  options.rest_tolerance = 1e-4;
+  BesideNeedle resting(5e-3, 3, {0, 0, 0}, GlCompute::automatic, options);
+  const auto same = resting.make();
+  resting.pose.position.z() -= 0.013;
+  resting.scene.tool("needle").pose(resting.pose);
+  const StepReport report = resting.device->run_to_rest(5000, resting.dt);
+  ASSERT_TRUE(report.at_rest) << report.message();
+  ASSERT_TRUE(same->step(1, resting.dt).ok());  // in which run_to_rest() goes all the way
+  ASSERT_TRUE(same->step(report.steps - 1, resting.dt).ok());
+  EXPECT_EQ(difference(same->read(), resting.device->read()), "");
+  EXPECT_EQ(same->read().tools, resting.device->read().tools);
+  EXPECT_EQ(same->tool_force("needle").force, resting.device->tool_force("needle").force);
+  EXPECT_TRUE(same->read().tools[0].needle.punctured);
+
+  SolverOptions beyond = damped(0.0);
+  beyond.on_unstable = UnstableStep::allow;
+  BesideNeedle failing(5e-3, 3, {0, 0, 0}, GlCompute::automatic, beyond);
+  failing.pose.velocity = {0, 0, -0.3};
+  failing.scene.tool("needle").place(failing.pose);
+  const StepReport failed = failing.device->step(250, 6.0 * failing.dt);
+  ASSERT_EQ(failed.status, StepStatus::not_finite) << failed.message();
+  ASSERT_GT(failed.steps, 3);
+  const State kept = failing.device->read();
+  failing.device->reset();
+  failing.scene.tool("needle").place(failing.pose);
+  ASSERT_TRUE(failing.device->step(failed.steps, 6.0 * failing.dt).ok());
+  EXPECT_EQ(difference(failing.device->read(), kept), "");
+  EXPECT_EQ(failing.device->read().tools, kept.tools);
+}
+
+TEST_F(GlNeedleRuns, LateReportsTellOfTheCallBefore) {
+  BesideNeedle pair(5e-3, 3);
+  pair.options().gl.late_report = true;
+  const auto late = pair.make();
+  VecList before = pair.device->needle_points("needle", 3);
+  Vec3 force(0, 0, 0);
+  drive(pair.scene, pair.pose, 10, [&](int k) {
+    ASSERT_TRUE(pair.device->step(7, pair.dt).ok());
+    ASSERT_TRUE(late->step(7, pair.dt).ok());
+    EXPECT_EQ(late->needle_points("needle", 3), before) << k;
+    EXPECT_EQ(late->tool_force("needle").force, force) << k;
+    before = pair.device->needle_points("needle", 3);
+    force = pair.device->tool_force("needle").force;
+  });
+  EXPECT_GT(force.norm(), 0.01);
+  EXPECT_EQ(late->read(), pair.device->read());
+  EXPECT_EQ(late->needle_points("needle", 3), before);
+}
+
+TEST_F(GlNeedleRuns, ASceneWithoutNeedlesPaysNothing) {
+  const Model model = Insertion::gel(3);
+  Scene with(model), without(model), alone(model);
+  const Tool ball{.shape = Sphere{0.005}, .pose = {.position = {0.01, 0.01, side + 0.004}}};
+  for (Scene* scene : {&with, &without}) scene->fix("z0").add_tool("ball", ball);
+  alone.fix("z0");
+  const Tool needle{.shape = thin_needle(), .pose = {.position = {0.0203, 0.0197, side + offset}}};
+  with.add_tool("needle", needle);
+  alone.add_tool("needle", needle);
+  SolverOptions options = damped(5.0);
+  options.profile = true;
+  const BesideReference plain(model, without, options), both(model, with, options), one(model, alone, options);
+  const auto runs = [](const BesideReference& pair, const char* name) {
+    const auto all = runs_of(*pair.device);
+    const auto found = std::ranges::find(all, name, &std::pair<std::string, std::int64_t>::first);
+    return found == all.end() ? -1 : found->second;
+  };
+  for (const BesideReference* pair : {&plain, &both, &one}) ASSERT_TRUE(pair->device->step(8, plain.dt).ok());
+  for (const auto& [name, count] : runs_of(*plain.device)) {
+    EXPECT_EQ(name.find("needle"), std::string::npos) << name;
+    EXPECT_EQ(name.find("press_kernel"), std::string::npos) << name;
+    EXPECT_EQ(name.find("free_kernel"), std::string::npos) << name;
+  }
+  for (const BesideReference* pair : {&both, &one}) {
+    EXPECT_EQ(runs(*pair, "free_kernel"), 8);
+    EXPECT_EQ(runs(*pair, "needle_force_kernel"), 8);
+    EXPECT_GE(runs(*pair, "needle_follow_kernel"), 8);
+  }
+  EXPECT_EQ(runs(both, "press_kernel"), 8);
+  EXPECT_EQ(runs(one, "press_kernel"), -1);
+  EXPECT_EQ(runs(one, "contact_grid_kernel"), -1);
+  // A needle that touches nothing changes no bit; one that went leaves no pass.
+  EXPECT_EQ(both.device->read().position, plain.device->read().position);
+  with.remove_tool("needle");
+  both.device->reset(), plain.device->reset();
+  ASSERT_TRUE(both.device->step(8, plain.dt).ok());
+  both.device->clear_profile(), plain.device->clear_profile();
+  ASSERT_TRUE(plain.device->step(8, plain.dt).ok());
+  both.device->reset(), plain.device->reset();
+  both.device->clear_profile(), plain.device->clear_profile();
+  for (const BesideReference* pair : {&plain, &both}) ASSERT_TRUE(pair->device->step(8, plain.dt).ok());
+  EXPECT_EQ(runs_of(*both.device), runs_of(*plain.device));
+  EXPECT_EQ(difference(both.device->read(), plain.device->read()), "");
+}
+
+/// A shaft of 2 mm that is driven 4 cm deep has more nodes than a hole of its length.
+TEST_F(GlNeedleRuns, AHoleThatIsTooLongIsReportedAndTheStateBeforeKept) {
+  const Model model = Insertion::gel(4);
+  Needle shape = thin_needle();
+  shape.length = 0.002;
+  shape.spread = 0.0025;
+  Scene scene(model);
+  const ToolPose start{.position = {0.0203, 0.0197, side + offset}, .velocity = {0, 0, -0.5}};
+  scene.fix("z0").add_tool("other", {.shape = Sphere{0.001}, .pose = {.position = {0, 0, 1}}});
+  scene.add_tool("needle", {.shape = shape, .pose = start});
+  BesideReference pair(model, scene, damped(40.0));
+  StepReport report;
+  int steps = 0;
+  for (int k = 0; k < 20 && report.ok(); ++k) {
+    report = pair.device->step(50, pair.dt);
+    steps += report.steps;
+  }
+  ASSERT_EQ(report.status, StepStatus::needle_full) << report.message();
+  EXPECT_NE(report.message().find("larger Needle::spread"), std::string::npos) << report.message();
+  const State kept = pair.device->read();
+  EXPECT_NEAR(kept.time, steps * pair.dt, 1e-9);
+  ASSERT_EQ(kept.tools[1].needle.hole.size(), 10u);
+  EXPECT_EQ(pair.device->step(1, pair.dt).status, StepStatus::needle_full);
+  EXPECT_EQ(pair.device->read(), kept);
+  pair.device->reset();
+  ASSERT_TRUE(pair.device->step(steps, pair.dt).ok());
+  EXPECT_EQ(difference(pair.device->read(), kept), "");
+  State longer = kept;
+  longer.tools[1].needle.hole.push_back(longer.tools[1].needle.hole.back());
+  EXPECT_NE(message_of([&] { pair.device->reset(longer); }).find("hole of at most 10 points"), std::string::npos);
+  EXPECT_EQ(difference(pair.device->read(), kept), "");
+}
+
+/// Fragments refuse needles by name, also those that come later, and keep their state.
+TEST(GlFragmentNeedle, IsRefusedWithAdvice) {
+  PHYMUL_SKIP_OR_FAIL(why_unavailable("gl"));
+  const Model model = Insertion::gel(2);
+  Scene scene(model);
+  const auto solver = make_solver("gl", model, scene);
+  const double dt = 0.2 * solver->stable_step();
+  ASSERT_TRUE(solver->step(2, dt).ok());
+  const State before = solver->read();
+  scene.add_tool("needle", {.shape = thin_needle(), .pose = {.position = {0, 0, 1}}});
+  const StepReport report = solver->step(2, dt);
+  EXPECT_EQ(report.status, StepStatus::not_supported);
+  EXPECT_NE(report.message().find("needle"), std::string::npos) << report.message();
+  EXPECT_NE(report.message().find("use \"gl-compute\", \"cpu\" or \"reference\""), std::string::npos);
+  EXPECT_EQ(solver->read().position, before.position);
+  EXPECT_NE(message_of([&] { make_solver("gl", model, scene); }).find("gl-compute"), std::string::npos);
+  scene.remove_tool("needle");
+  EXPECT_TRUE(solver->step(2, dt).ok());
+}
+
+}  // namespace
+}  // namespace phymul::test

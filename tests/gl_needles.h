@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+//
+// A needle in a block of gel, on the device beside the reference.
+#pragma once
+
+#include "gl_touching_bodies.h"
+#include "needle_insertion.h"
+
+namespace phymul::test {
+
+/// The same hole, but for rounding.
+inline void expect_like(const NeedleState& a, const NeedleState& b) {
+  EXPECT_EQ(a.punctured, b.punctured);
+  EXPECT_EQ(a.through, b.through);
+  EXPECT_NEAR(a.slip, b.slip, 1e-6);
+  ASSERT_EQ(a.hole.size(), b.hole.size());
+  for (std::size_t k = 0; k < a.hole.size(); ++k) {
+    ASSERT_EQ(a.hole[k].particles, b.hole[k].particles) << k;
+    for (std::size_t j = 0; j < a.hole[k].weights.size(); ++j) {
+      EXPECT_NEAR(a.hole[k].weights[j], b.hole[k].weights[j], 1e-4) << k << ", " << j;
+    }
+  }
+  EXPECT_EQ(a.shaft.size(), b.shaft.size());
+}
+
+class BesideNeedle {
+ public:
+  explicit BesideNeedle(double stiffness, int cells = 4, const Vec3& origin = {0, 0, 0},
+                        GlCompute form = GlCompute::automatic, SolverOptions options = damped(40.0))
+      : model(moved(Insertion::gel(cells), origin)), scene(model), tables_(tables_of(model, {})) {
+    Needle shape = thin_needle();
+    shape.bending_stiffness = stiffness;
+    pose.position = origin + Vec3(0.0203, 0.0197, side + offset);
+    scene.fix("z0").add_tool("needle", {.shape = shape, .pose = pose, .friction = 0.5});
+    options.gl.compute = form;
+    options.gl.debug = true;
+    options.spectrum = estimate_spectrum(*tables_, tables_->rest);
+    dt = 0.4 * stable_step(*options.spectrum, 1.0);
+    options_ = options;
+    device = make();
+    reference = make_solver("reference", tables_, scene, options);
+  }
+
+  /// Another solver of the scene on the device.
+  std::unique_ptr<gl::DeviceSolver> make() const {
+    return std::make_unique<gl::DeviceSolver>(GlBackend::compute, tables_, scene, options_);
+  }
+  SolverOptions& options() { return options_; }
+
+  /// Both to `pose`.
+  void go(double seconds) {
+    scene.tool("needle").pose(pose);
+    const int steps = std::max(1, static_cast<int>(std::lround(seconds / dt)));
+    ASSERT_TRUE(device->step(steps, dt).ok());
+    ASSERT_TRUE(reference->step(steps, dt).ok());
+  }
+
+  Model model;
+  Scene scene;
+  std::unique_ptr<gl::DeviceSolver> device;
+  std::unique_ptr<Solver> reference;
+  ToolPose pose;
+  double dt = 0.0;
+
+ private:
+  std::shared_ptr<const TopologyTextures> tables_;
+  SolverOptions options_;
+};
+
+}  // namespace phymul::test
