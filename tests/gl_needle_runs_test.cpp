@@ -4,7 +4,9 @@
 // nothing paid by a scene without them, room that runs out, refused by fragments.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "gl/compute_device.h"
 #include "gl_forms.h"
 #include "gl_needles.h"
 #include "message_of.h"
@@ -105,6 +107,55 @@ TEST_F(GlNeedleRuns, BatchesDoneAgainComeToTheSame) {
   ASSERT_TRUE(failing.device->step(failed.steps, 6.0 * failing.dt).ok());
   EXPECT_EQ(difference(failing.device->read(), kept), "");
   EXPECT_EQ(failing.device->read().tools, kept.tools);
+}
+
+/// Of a needle that is put 3 cm deep at once: nodes that one dispatch does not get done the next ones do.
+TEST_F(GlNeedleRuns, WhatOneDispatchLeavesTheNextOnesDo) {
+  const Model model = Insertion::gel(4);
+  const auto tables = tables_of(model, {});
+  Scene scene(model);
+  const Tool needle{.shape = thin_needle(), .pose = {.position = {0.0203, 0.0197, side - 0.03}}};
+  scene.fix("z0").add_tool("needle", needle);
+  SolverOptions options = damped(40.0);
+  options.spectrum = estimate_spectrum(*tables, tables->rest);
+  const gl::DeviceSolver solver(GlBackend::compute, tables, scene, options);
+  const SliceTables slices = pack_slices(pack_floats(*tables), *tables);
+  const FloatNeedles packed(scene);
+  const gl::ShaderLibrary library("", solver.context()->info().es);
+  std::vector<State> ends;
+  std::vector<int> dispatches;
+  solver.context()->run([&] {
+    // The last one: a GPU's group, which has other sums over lanes.
+    for (const std::int64_t turns :
+         {std::int64_t{65535}, std::int64_t{5000}, std::numeric_limits<std::int64_t>::max()}) {
+      gl::ComputeLimits limits = gl::ComputeLimits::of_context();
+      limits.loop_turns = turns;
+      FloatTools tools(gl::Device::most_steps);
+      tools.follow(scene);
+      gl::ComputeDevice device(slices, scene, tools, library, gl::ComputeForm::store, limits);
+      const gl::ComputeTables constants(slices, limits);
+      dispatches.push_back(gl::ComputeNeedles(packed, tools, constants, limits).follow_dispatches());
+      State& end = ends.emplace_back(rest_state(model));
+      device.write(tables->rest, end);
+      const double dt = 0.4 * stable_step(*options.spectrum, 1.0);
+      std::vector<double> instants;
+      for (int k = 0; k <= 5; ++k) instants.push_back(k * dt);
+      tools.begin_batch(5, dt);
+      device.begin_batch({.dt = dt, .largest_acceleration = 1e30, .runaway_speed = 1e9}, instants, tools);
+      device.run(5);
+      EXPECT_EQ(device.report().full_step, 0);
+      device.read(tables->rest, end);
+      device.read_needles(tools);
+      tools.read(end);
+    }
+  });
+  EXPECT_GT(dispatches[1], 3 * dispatches[0]);
+  EXPECT_EQ(ends[0].tools.at(0).needle.hole.size(), 4u);
+  EXPECT_EQ(difference(ends[0], ends[1]), "");
+  EXPECT_EQ(ends[0].tools, ends[1].tools);
+  EXPECT_EQ(dispatches[2], 1);
+  EXPECT_LE(largest_distance(ends[0].position, ends[2].position), 1e-8);
+  expect_like(ends[0].tools[0].needle, ends[2].tools[0].needle);
 }
 
 TEST_F(GlNeedleRuns, LateReportsTellOfTheCallBefore) {

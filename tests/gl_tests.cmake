@@ -78,7 +78,7 @@ endfunction()
 
 # Compute shaders are asked for where a driver has them: not in OpenGL ES 3.0 nor on softpipe. Where the desktop GL is
 # too old for them they run under OpenGL ES.
-set(computing "*/gl_compute*:GlComputeDevice.*:GlBodyContact.*:GlContactRuns.*:*HostsContextIsLeftAsItWasByComputing*")
+set(computing "*/gl_compute*:GlComputeDevice.*:GlBodyContact.*:GlContactRuns.*:GlNeedle.*:GlNeedleRuns.*:*HostsContextIsLeftAsItWasByComputing*")
 
 # A minute each, of all bodies and variants: under desktop GL every form of the GL backends shows its bits, under the
 # oldest of each dialect single steps of the fragment backend, and 2,000 damped ones under the oldest OpenGL ES.
@@ -90,14 +90,17 @@ set(long_in_33 "*GlEquivalence.SingleSteps*/gl_compute*:${damped}")
 # The oldest desktop GL, the other dialect, and its oldest version. LP_NUM_THREADS=0: no threads of the renderer's own,
 # which small bodies only wait for. (Where desktop GL is 3.3 compute shaders run under OpenGL ES, as in the next.)
 set(gl_33 MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330 LP_NUM_THREADS=0)
-gl_tests_under(33 "${long_in_33}:*GlTool*/gl_compute*:*GlVolume*/gl_compute*:GlBodyContact.*:GlContactRuns.*" ${gl_33})
+set(compute_in_es "*GlTool*/gl_compute*:*GlVolume*/gl_compute*:*NeedleIn.*/gl_compute")
+set(compute_in_es "${compute_in_es}:GlBodyContact.*:GlContactRuns.*:GlNeedle.*:GlNeedleRuns.*")
+gl_tests_under(33 "${long_in_33}:${compute_in_es}" ${gl_33})
 set(long_in_es "${long}:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolumeOf*")
 set(long_in_es "${long_in_es}:GlBodyContact.Friction*:GlBodyContact.ABody*:GlBodyContact.Momentum*")
-gl_tests_under(es "${long_in_es}" PHYMUL_GL_DIALECT=es LP_NUM_THREADS=0)
+set(long_needles "*NeedleIn.BendsUnder*/gl_compute:*NeedleIn.IsTheStiff*/gl_compute:*NeedleIn.GoesOn*/gl_compute")
+gl_tests_under(es "${long_in_es}:${long_needles}" PHYMUL_GL_DIALECT=es LP_NUM_THREADS=0)
 gl_tests_under(es30 "*AHundred*:${computing}" PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.0 LP_NUM_THREADS=0)
 # The oldest OpenGL ES that computes. It has no `precise`, so that a compiler may order sums as it likes: what every
 # backend must do is asked of it, not the mirror's bits.
-add_test(NAME gl.es31.phymul_test COMMAND phymul_test "--gtest_filter=*/gl_compute" --gtest_brief=1)
+add_test(NAME gl.es31.phymul_test COMMAND phymul_test "--gtest_filter=*/gl_compute-${long_needles}" --gtest_brief=1)
 set(es31 PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.1 LP_NUM_THREADS=0)
 set_tests_properties(gl.es31.phymul_test PROPERTIES ENVIRONMENT "${es31}" TIMEOUT 1500)
 # A desktop GL that does not.
