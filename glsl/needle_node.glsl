@@ -142,9 +142,10 @@ vec3 mean_place(int lane, int k) {
 }
 
 // 1/kg: what a share of an impulse on a particle adds to its velocity, along the axes, and as one number for all of them.
+// (Nothing pushes what a tool holds along any axis: free_kernel.glsl.)
 vec4 eased(int i, float share) {
   int axes = int(fetch_load_vec4(free_velocity, free_velocity_place, i).w);
-  float ease = axes == 7 || is_held(i) ? 0.0 : share * fetch_load_vec4(pushed_shift, pushed_shift_place, i).w;
+  float ease = axes == 7 ? 0.0 : share * fetch_load_vec4(pushed_shift, pushed_shift_place, i).w;
   return vec4((axes & 1) != 0 ? 0.0 : ease, (axes & 2) != 0 ? 0.0 : ease, (axes & 4) != 0 ? 0.0 : ease, ease);
 }
 

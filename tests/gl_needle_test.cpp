@@ -93,8 +93,40 @@ TEST_F(GlNeedle, AStepIsThatOfTheReference) {
     }
     std::printf("[ NEEDLES ] a step off by at most %.2g m, the force by %.2g N\n", worst, worst_force);
     EXPECT_LE(worst, 3e-8);
-    EXPECT_LE(worst_force, 2e-4);
+    EXPECT_LE(worst_force, stiffness > 0.0 ? 1e-5 : 4e-4);
   }
+}
+
+/// Nodes by the dozen on a hair, of a needle that is put into a long block: a system of a condition that floats do not
+/// solve.
+TEST_F(GlNeedle, ManyNodesBendASoftShaftAsOnTheReference) {
+  Model model = make_block({0.01, 0.01, 0.1}, 4, 4, 40);
+  set_material(model, {.young = 10e3, .poisson = 0.45, .density = 1000.0});
+  Needle hair = thin_needle();
+  hair.length = 0.12;
+  hair.spread = 0.0045;
+  hair.bending_stiffness = 1e-6;
+  ToolPose pose{.position = {0.0053, 0.0049, 0.004}};
+  Scene scene(model);
+  scene.fix("z0").add_tool("needle", {.shape = hair, .pose = pose, .friction = 0.5});
+  BesideReference pair(model, scene, damped(40.0));
+  double worst = 0.0, worst_bend = 0.0, bent = 0.0;
+  for (int k = 0; k < 8; ++k) {
+    pose.position.x() += 2e-4;
+    scene.tool("needle").pose(pose);
+    worst = std::max(worst, pair.off_after(12));
+    const VecList x = pair.device->needle_points("needle", 7), y = pair.reference->needle_points("needle", 7);
+    worst_bend = std::max(worst_bend, largest_distance(x, y));
+    bent = std::max(bent, (y.front() - pose.position).norm());
+    expect_like(pair.device->read().tools[0].needle, pair.reference->read().tools[0].needle);
+  }
+  const std::size_t nodes = pair.device->read().tools[0].needle.shaft.size();
+  std::printf("[ NEEDLES ] %zu nodes: off by %.2g of the motion, the shaft by %.2g m of %.2g\n", nodes, worst,
+              worst_bend, bent);
+  EXPECT_GE(nodes, 20u);
+  EXPECT_GT(bent, 1e-3);
+  EXPECT_LE(worst, 1e-5);
+  EXPECT_LE(worst_bend, 1e-7);
 }
 
 /// Two needles, one of which bends, a ball beside them, a jaw that holds some of the particles around the first, and a
@@ -131,6 +163,8 @@ TEST_F(GlNeedle, ActsBetweenWhatHoldsAndWhatPresses) {
   }
   const State end = pair.device->read();
   EXPECT_TRUE(end.tools[1].needle.punctured && end.tools[3].needle.punctured);
+  const std::vector<Index>& skin = end.tools[1].needle.hole.front().particles;
+  EXPECT_TRUE(std::ranges::any_of(skin, [&](Index i) { return std::ranges::count(end.tools[2].held, i) > 0; }));
   EXPECT_GT(pair.reference->tool_force("ball").mean_force.norm(), 0.05);
   std::printf("[ NEEDLES ] with tools and a volume: off by %.2g of the motion, forces by %.2g N\n", worst, worst_force);
   EXPECT_LE(worst, 1e-5);

@@ -84,7 +84,8 @@ bool ComputeNeedles::any_bends() const {
 }
 
 /// What a dispatch of needle_follow_kernel.glsl may do, and how many are surely enough for a step: half of a renderer's
-/// turns are left to what is not counted. A unit finds the particles around a place, or couples a node.
+/// turns are left to what is not counted. A unit looks for particles around a place, or couples a node; five times,
+/// wider and wider, is more than any mesh asks for.
 void ComputeNeedles::require_turns(std::int64_t particles, const ComputeLimits& limits) {
   const std::int64_t group = NeedlePasses::group(limits), team = NeedlePasses::team;
   const auto rounds = [group](std::int64_t rows) { return (rows + group - 1) / group; };
@@ -94,11 +95,11 @@ void ComputeNeedles::require_turns(std::int64_t particles, const ComputeLimits& 
     const std::int64_t teams = group / team,
                        by_team = (longest + teams - 1) / teams * ((most + team - 1) / team + team);
     nodes = std::max(nodes, longest);
-    unit = std::max(unit, 2 * rounds(particles) + 3 * rounds(facet_count_) + 8 * rounds(most) + by_team + 512);
+    unit = std::max(unit, 2 * rounds(particles) + 3 * rounds(facet_count_) + 8 * rounds(most) + by_team + 320);
     acting = std::max(acting, 2 * by_team + 4 * longest * rounds(most) + 64 * longest + 4 * longest * longest);
   }
   const std::int64_t turns = limits.loop_turns / 2;
-  const std::int64_t needed = 2 * nodes + 32;
+  const std::int64_t needed = 6 * nodes + 32;
   if (unit > turns || acting > turns) {
     throw Error("expected needles that take at most " + std::to_string(turns) +
                 " turns of a shader's loops, half of where this renderer breaks off, got up to " +
