@@ -97,14 +97,14 @@ TEST_F(GlNeedle, AStepIsThatOfTheReference) {
   }
 }
 
-/// Nodes by the dozen on a hair, of a needle that is put into a long block: a system of a condition that floats do not
-/// solve.
+/// Nodes by the dozen on a hair, of a needle that is put into a long block: a system of a condition that floats alone
+/// do not solve, by 3e-5 m; and more places at once than a dispatch looks at.
 TEST_F(GlNeedle, ManyNodesBendASoftShaftAsOnTheReference) {
   Model model = make_block({0.01, 0.01, 0.1}, 4, 4, 40);
   set_material(model, {.young = 10e3, .poisson = 0.45, .density = 1000.0});
   Needle hair = thin_needle();
   hair.length = 0.12;
-  hair.spread = 0.0045;
+  hair.spread = 0.00168;
   hair.bending_stiffness = 1e-6;
   ToolPose pose{.position = {0.0053, 0.0049, 0.004}};
   Scene scene(model);
@@ -114,19 +114,19 @@ TEST_F(GlNeedle, ManyNodesBendASoftShaftAsOnTheReference) {
   for (int k = 0; k < 8; ++k) {
     pose.position.x() += 2e-4;
     scene.tool("needle").pose(pose);
-    worst = std::max(worst, pair.off_after(12));
+    pair.off_after(12);
+    worst = std::max(worst, largest_distance(pair.device->read().position, pair.reference->read().position));
     const VecList x = pair.device->needle_points("needle", 7), y = pair.reference->needle_points("needle", 7);
     worst_bend = std::max(worst_bend, largest_distance(x, y));
     bent = std::max(bent, (y.front() - pose.position).norm());
     expect_like(pair.device->read().tools[0].needle, pair.reference->read().tools[0].needle);
   }
   const std::size_t nodes = pair.device->read().tools[0].needle.shaft.size();
-  std::printf("[ NEEDLES ] %zu nodes: off by %.2g of the motion, the shaft by %.2g m of %.2g\n", nodes, worst,
-              worst_bend, bent);
-  EXPECT_GE(nodes, 20u);
+  std::printf("[ NEEDLES ] %zu nodes: off by %.2g m, the shaft by %.2g m of %.2g\n", nodes, worst, worst_bend, bent);
+  EXPECT_GE(nodes, 50u);
   EXPECT_GT(bent, 1e-3);
-  EXPECT_LE(worst, 1e-5);
-  EXPECT_LE(worst_bend, 1e-7);
+  EXPECT_LE(worst, 1e-6);
+  EXPECT_LE(worst_bend, 3e-7);
 }
 
 /// Two needles, one of which bends, a ball beside them, a jaw that holds some of the particles around the first, and a
