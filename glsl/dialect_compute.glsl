@@ -15,7 +15,7 @@
 #define SEEN_BY_ALL
 #endif
 
-#ifdef CONTACT_PASS  // reads no constants, and has a block of its own: OpenGL ES 3.1 promises four
+#ifdef OWN_BLOCK  // reads no constants, and has a block of its own: OpenGL ES 3.1 promises four
 #undef HEIGHTS_APART
 #else
 layout(std430, binding = 0) readonly buffer ConstantRows {
@@ -52,7 +52,7 @@ layout(std430, binding = 4) readonly buffer HeightRows {
 #define OF_STEP(type, name) type name
 #define RESULT(number, type, name) PRECISE type name
 
-#ifndef CONTACT_PASS
+#ifndef OWN_BLOCK
 ivec2 word_pair(int first) {
   return ivec2(constant_words[first], constant_words[first + 1]);
 }

@@ -27,8 +27,8 @@ void store_pair(int place, int i, int j, vec2 value) {
   needle_words[at + 1] = floatBitsToInt(value.y);
 }
 
-// Held are those on the shaft and the one at the tip, but no two closer than half a spread: closer ones move as one, and
-// forces against each other would only turn the tissue.
+// Held are those on the shaft and the one at the tip, but no two closer than half a spread: closer ones move as one,
+// and forces against each other would only turn the tissue.
 void choose_held(int lane) {
   held_count = 0;
   own_row = -1;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Where a needle's hole goes, by the positions at the step's start: NeedlePath::follow of src/cpu, by one group. A place
-// to be taken into the hole, and a node whose coupling is not known, are a unit of work each; what units a dispatch does
-// not get done the next one goes on with. Needs needle_surface.glsl, needle_node.glsl and needle_shaft.glsl.
+// Where a needle's hole goes, by the positions at the step's start: NeedlePath::follow of src/cpu, by one group. A look
+// for the particles around a place, and a node whose coupling is not known, are a unit of work each; what units a
+// dispatch does not get done the next one goes on with. Needs needle_surface.glsl, needle_node.glsl and
+// needle_shaft.glsl.
 
 layout(local_size_x = GROUP) in;
 

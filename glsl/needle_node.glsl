@@ -141,8 +141,8 @@ vec3 mean_place(int lane, int k) {
   return sum_of_lanes(lane, sum).xyz;
 }
 
-// 1/kg: what a share of an impulse on a particle adds to its velocity, along the axes, and as one number for all of them.
-// (Nothing pushes what a tool holds along any axis: free_kernel.glsl.)
+// 1/kg: what a share of an impulse on a particle adds to its velocity, along the axes, and as one number for all of
+// them. (Nothing pushes what a tool holds along any axis: free_kernel.glsl.)
 vec4 eased(int i, float share) {
   int axes = int(fetch_load_vec4(free_velocity, free_velocity_place, i).w);
   float ease = axes == 7 ? 0.0 : share * fetch_load_vec4(pushed_shift, pushed_shift_place, i).w;

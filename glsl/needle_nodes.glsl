@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The nodes of a needle's hole in one step, a lane each: where they are, how they move, how much of the shaft rubs there.
-// Needs needle_tables.glsl.
+// The nodes of a needle's hole in one step, a lane each: where they are, how they move, how much of the shaft rubs
+// there. Needs needle_tables.glsl.
 
 uniform float dt, inverse_dt;
 
@@ -85,8 +85,8 @@ void gather(int lane) {
   own_ease = node_motion[lane].w;
 }
 
-// Each node on the shaft rubs over half of the way to the next ones; the first up to the surface, the last to the tip or
-// to where the shaft comes out. Of the lane's own node, m.
+// Each node on the shaft rubs over half of the way to the next ones; the first up to the surface, the last to the tip
+// or to where the shaft comes out. Of the lane's own node, m.
 float rubbing_length(int lane) {
   float above = -1.0;  // along, of the border to the node before
   for (int k = 0; k < node_count; ++k) {
@@ -102,8 +102,8 @@ float rubbing_length(int lane) {
   return 0.0;
 }
 
-// Friction acts against the whole sliding, of which a turning shaft has a part around it: what is left lengthwise is that
-// much smaller.
+// Friction acts against the whole sliding, of which a turning shaft has a part around it: what is left lengthwise is
+// that much smaller.
 void begin_limits(int lane) {
   own_rubbed = 0.0;
   own_pushed = 0.0;

@@ -3,8 +3,8 @@
 // Needles, as in src/gl/compute_needles.h, and where one is in a step: twin of NeedlePath of src/cpu. Every lane of the
 // group knows its law and its state. Needs pushed_tables.glsl, tool_tables.glsl, vector3.glsl and lone_group.glsl.
 //
-// Words: 20 a needle for its law; the body's facets, three places each; the place of each particle of the model; states.
-// A state is a header of 16 words; along, x, y, 0 for each force on a shaft that bends; for each node of the hole the
+// Words: 20 a needle for its law; the body's facets, three places each; the place of each particle of the model;
+// states. A state is a header of 16 words; along, x, y, 0 for each force on a shaft that bends; for each node of the hole the
 // number of its particles and whether it slides; for each node its particles, in the model's order, and their weights.
 
 layout(std430, binding = 0) SEEN_BY_ALL buffer NeedleWords {

@@ -27,7 +27,7 @@ ContactPasses::ContactPasses(const ShaderLibrary& library, const ComputeTables& 
       most_turns_(static_cast<int>(std::min<std::int64_t>(limits.loop_turns / 2, std::numeric_limits<int>::max()))) {
   const ShaderFiles common{"dialect_compute.glsl", "vector3.glsl", "pushed_tables.glsl", "contact_tables.glsl"};
   const auto request = [&](ShaderFiles files, bool alone) {
-    ShaderRequest wanted{.files = joined({common, std::move(files)}), .defines = {{"PUSHES", 1}, {"CONTACT_PASS", 1}}};
+    ShaderRequest wanted{.files = joined({common, std::move(files)}), .defines = {{"PUSHES", 1}, {"OWN_BLOCK", 1}}};
     if (alone) wanted.defines.emplace_back("ONE_WORKGROUP", 1);
     return wanted;
   };

@@ -28,7 +28,7 @@ Kernel NeedlePasses::compiled(const ShaderLibrary& library, ShaderFiles files, i
                         "lone_group.glsl", "needle_tables.glsl", "needle_shaft.glsl"},
                        std::move(files)}),
       .defines = {{"PUSHES", 1},
-                  {"CONTACT_PASS", 1},
+                  {"OWN_BLOCK", 1},
                   {"ONE_WORKGROUP", 1},
                   {"MOST_NODES", FloatNeedles::most_nodes},
                   {"TEAM", team}}};
