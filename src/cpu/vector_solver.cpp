@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "../float_tables.h"
+#include "cluster_claims.h"
 #include "denormals.h"
 #include "simd/instruction_set.h"
 #include "thread_pool.h"
@@ -24,8 +25,9 @@
 namespace phymul::cpu {
 namespace {
 
-/// Work below which another thread costs more, in waiting for it, than it brings.
-constexpr double least_cost_a_thread = 20e3;  // ns
+/// Work of a step worth a thread. Handing two passes over and back costs a step about 0.5 us, so that two threads with
+/// this much each gain most of what they can.
+constexpr double least_cost_a_thread = 10e3;  // ns
 
 int thread_count(int asked, const VectorBody& body) {
   const auto clusters = static_cast<int>(std::min<std::size_t>(body.clusters.size(), 1024));
@@ -33,22 +35,6 @@ int thread_count(int asked, const VectorBody& body) {
   const int processors = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   const double worth = std::min(body.cost() / least_cost_a_thread, 1024.0);
   return std::max(1, std::min({processors, clusters, static_cast<int>(worth)}));
-}
-
-/// Clusters [result[part], result[part + 1]) of about equal cost for each part.
-std::vector<int> shared_out(const VectorBody& body, int parts) {
-  std::vector<int> first{0};
-  double done = 0.0;
-  const double all = body.cost();
-  for (std::size_t c = 0; c < body.clusters.size(); ++c) {
-    const double middle = done + 0.5 * body.clusters[c].cost;
-    while (static_cast<int>(first.size()) < parts && middle >= all * static_cast<double>(first.size()) / parts) {
-      first.push_back(static_cast<int>(c));
-    }
-    done += body.clusters[c].cost;
-  }
-  first.resize(static_cast<std::size_t>(parts) + 1, static_cast<int>(body.clusters.size()));
-  return first;
 }
 
 constexpr std::size_t page = 4096;
@@ -68,6 +54,11 @@ char* bytes(Floats& floats) {
   return reinterpret_cast<char*>(floats.data());
 }
 
+/// A line of the caches for each part.
+struct alignas(64) PartReach {
+  simd::Reach reach;
+};
+
 class VectorSolver final : public Solver {
  public:
   VectorSolver(std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in, const SolverOptions& options_in)
@@ -77,7 +68,7 @@ class VectorSolver final : public Solver {
         loads_(scene(), *body_),
         pool_(thread_count(options().threads, *body_)),
         tools_(*body_, topology(), pool_.parts()),
-        first_cluster_(shared_out(*body_, pool_.parts())),
+        claims_(*body_, pool_.parts()),
         reach_(static_cast<std::size_t>(pool_.parts())),
         laps_(profiling(), *body_),
         no_laps_(nullptr, *body_) {
@@ -152,7 +143,7 @@ class VectorSolver final : public Solver {
       motion.lost_volume = step_once(plan);
       if (motion.lost_volume >= 0) break;
       simd::Reach reach;
-      for (const simd::Reach& of_part : reach_) {
+      for (const auto& [of_part] : reach_) {
         reach.acceleration = std::max(reach.acceleration, of_part.acceleration);
         reach.force = std::max(reach.force, of_part.force);
         reach.speed = std::max(reach.speed, of_part.speed);
@@ -193,9 +184,10 @@ class VectorSolver final : public Solver {
     loads_.impose_at(scene(), time_ + plan.dt);
     simd::Move move = move_of(plan);
     laps_.end(Work::loads);
+    claims_.begin();
     pool_.run([this](int part, int) {
       const DenormalsAreZero guard;
-      for (int c = first_cluster_[part]; c < first_cluster_[part + 1]; ++c) elastic_forces_of(c, part);
+      for (int c = claims_.take(part); c >= 0; c = claims_.take(part)) elastic_forces_of(c, part);
     });
     laps_.end(Work::waiting);
     run(move);
@@ -212,7 +204,7 @@ class VectorSolver final : public Solver {
     pool_.run([&, this](int part, int parts) {
       const DenormalsAreZero guard;
       const auto bound = [&](int k) { return static_cast<int>(std::int64_t{body_->slices()} * k / parts); };
-      kernels_.move(move, bound(part), bound(part + 1), reach_[part]);
+      kernels_.move(move, bound(part), bound(part + 1), reach_[part].reach);
     });
     laps_.end(Work::move);
   }
@@ -379,8 +371,8 @@ class VectorSolver final : public Solver {
   VectorLoads loads_;
   ThreadPool pool_;
   VectorTools tools_;
-  std::vector<int> first_cluster_;  // [parts + 1]
-  std::vector<simd::Reach> reach_;  // [parts]
+  ClusterClaims claims_;
+  std::vector<PartReach> reach_;    // [parts]
   Floats u_, v_, next_u_, next_v_;  // u: [places + 1][4], v: [slices][3][lanes]
   Floats force_, pull_;
   std::vector<Floats> near_u_;  // [parts] displacements of the cluster a part is at
