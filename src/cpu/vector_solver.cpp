@@ -213,11 +213,13 @@ class VectorSolver final : public Solver {
     WorkLaps& laps = part == 0 ? laps_ : no_laps_;  // part 0 is the calling thread; the others write nothing
     const Cluster& cluster = body_->clusters[c];
     simd::Job job = cluster.job;
-    job.force = bytes(force_) + 16 * cluster.force_first;
-    std::memset(job.force, 0, 16 * static_cast<std::size_t>(cluster.slots()));
     if (body_->gives()) job.pull = bytes(pull_) + 16 * static_cast<std::size_t>(cluster.first);
+    if (!force_.empty()) {
+      job.force = bytes(force_) + 16 * cluster.force_first;
+      std::memset(job.force, 0, 16 * static_cast<std::size_t>(cluster.slots()));
+    }
     job.grid_memory = grid_[part].data();
-    job.u = displacements_of(cluster, half_a_page_from(job.force, bytes(near_u_[part])));
+    job.u = displacements_of(cluster, half_a_page_from(job.force ? job.force : job.pull, bytes(near_u_[part])));
     laps.end(Work::gathering);
     if (job.bases.count > 0) {
       kernels_.bases[static_cast<int>(body_->use)][body_->plane][body_->scaled](job);
@@ -269,9 +271,9 @@ class VectorSolver final : public Solver {
 
   simd::Move move_of(const StepPlan& plan) {
     simd::Move move;
-    move.force = bytes(force_);
+    move.force = force_.empty() ? nullptr : bytes(force_);
     move.own = body_->own.data();
-    if (body_->clusters.size() > 1) {
+    if (body_->clusters.size() > 1 && !force_.empty()) {
       move.halo_first = body_->halo_first.data();
       move.halo = body_->halo.data();
     }

@@ -9,7 +9,8 @@
 namespace phymul::cpu::PHYMUL_ISA {
 
 PHYMUL_INLINE Pack3 total_force(const simd::Move& move, int slice) {
-  Pack3 force = gather_row(move.force + move.own[slice]);
+  Pack3 force{};
+  if (move.force != nullptr) force = gather_row(move.force + move.own[slice]);
   if (move.halo_first != nullptr) {
     for (int r = move.halo_first[slice]; r < move.halo_first[slice + 1]; ++r) {
       force += gather(move.force, move.halo + static_cast<std::int64_t>(r) * lanes);
