@@ -4,8 +4,11 @@
 // of threads, no allocation in a step.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <iostream>
+#include <string>
+#include <thread>
 
 #include "allocation_count.h"
 #include "bodies.h"
@@ -266,6 +269,14 @@ TEST(CpuBackend, SmallBodiesRunOnOneThread) {
   const Model model = cylinder_275();
   const Scene scene(model);
   EXPECT_EQ(make_solver("cpu", model, scene)->device().substr(0, 9), "1 thread,");
+}
+
+/// The lightest step of 4,096 particles: some 35 us.
+TEST(CpuBackend, SpringsOnAFewThousandParticlesRunOnTwoThreads) {
+  const Model model = make_tetrahedral_block({0.075, 0.075, 0.075}, 15, 15, 15, 0.2, 7);
+  const Scene scene(model);
+  const auto solver = make_solver("cpu", model, scene, {.law = Law::springs});
+  EXPECT_GE(std::stoul(solver->device()), std::min(2u, std::thread::hardware_concurrency())) << solver->device();
 }
 
 TEST(CpuBackend, RefusesWhatItCannotDo) {
