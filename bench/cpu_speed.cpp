@@ -24,6 +24,7 @@
 #include "cpu/vector_body.h"
 #include "machine_ceilings.h"
 #include "plain_loop.h"
+#include "triple_work.h"
 
 namespace {
 
@@ -113,9 +114,6 @@ struct Gains {
   }
 };
 
-/// Vector multiplications and multiply-adds of an enumerated triple of an attractor: what the multiplying units see.
-constexpr double multiplications_a_triple = 38.0;
-
 void run(const Case& test, int repeats) {
   const Model& model = test.model;
   const auto tables = std::make_shared<const TopologyTextures>(build_topology(model, test.options));
@@ -158,11 +156,9 @@ void run(const Case& test, int repeats) {
               body->bytes_a_step() * rate * 1e-9);
   if (tables->base_count > 0) std::printf("; %.1f bases a particle", tables->base_count / n);
   if (!body->enumerated.empty() && body->gives()) {
-    double triples = 0.0;
-    for (const std::int32_t k : body->enumerated_neighbours) triples += k * (k - 1.0) * (k - 2.0) / 6.0;
     const double ceiling = bench::vector_multiply_adds(0.2);
     std::printf("; triples keep the multiplying units busy to %.0f %%",
-                100.0 * triples * multiplications_a_triple * rate / ceiling);
+                100.0 * bench::triple_multiplications(*tables) / body->lanes * rate / ceiling);
   }
   std::printf("\n");
   std::fflush(stdout);

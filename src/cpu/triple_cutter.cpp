@@ -78,8 +78,9 @@ void TripleCutter::cut_slice(Index first, Index end, Slots& slots) {
     }
   }
   sum_heights(count, first_pair, first_triple);
-  body_.enumerated_neighbours.push_back(count);
-  body_.enumerated_first.push_back(static_cast<std::int32_t>(share_constants(constants) / lanes));
+  const std::size_t place = share_constants(constants);
+  body_.enumerated_neighbours.push_back(place == constants ? count : count + simd::known_constants);
+  body_.enumerated_first.push_back(static_cast<std::int32_t>(place / lanes));
 }
 
 void TripleCutter::pack_triple(const Triples& of, Index j, Index k, Index l, LaneRows& rows, Index row,
@@ -157,7 +158,7 @@ double TripleCutter::cost(int c) const {
   const double a_triple = body_.use == simd::BaseUse::averaged ? 8.0 : 4.0;
   double cost = 0.0;
   for (std::size_t s = starts_[c].slice; s < body_.enumerated_neighbours.size(); ++s) {
-    const double n = body_.enumerated_neighbours[s];
+    const double n = body_.enumerated_neighbours[s] & ~simd::known_constants;
     cost += 12.0 * n + 4.0 * n * n + a_triple * n * (n - 1.0) * (n - 2.0) / 6.0;
   }
   return cost;

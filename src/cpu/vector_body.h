@@ -52,10 +52,10 @@ struct VectorBody {
   int slices() const { return places / lanes; }
   /// Whether terms have forces of their own for particles, and not only pulls that the move gathers.
   bool pushes() const {
-    return use != simd::BaseUse::attractor || !(springs.empty() && volumes.empty() && cells4.empty() &&
-                                                cells6.empty() && cells8.empty() && simplices.empty() &&
-                                                cell_simplices.empty() && hexahedra.empty() && stars.empty() &&
-                                                boxes.empty() && grid_rows.empty());
+    return use != simd::BaseUse::attractor ||
+           !(springs.empty() && volumes.empty() && cells4.empty() && cells6.empty() && cells8.empty() &&
+             simplices.empty() && cell_simplices.empty() && hexahedra.empty() && stars.empty() && boxes.empty() &&
+             grid_rows.empty());
   }
   bool gives() const { return use == simd::BaseUse::attractor && !(bases.empty() && enumerated.empty()); }
   double cost() const;  ///< ns per step, rough

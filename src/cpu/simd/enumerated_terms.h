@@ -4,13 +4,15 @@
 // have their triples in one order, so that each neighbour is gathered once and a base costs two constants.
 #pragma once
 
-#include <cstdlib>
 #include "triple_lengths.h"
 #include "triple_normals.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
 
-inline bool getenv_generic() { static const bool g = std::getenv("GENERIC") != nullptr; return g; }
+inline constexpr int most_unrolled = 6;
+/// So many of the constants of particles with that many neighbours, or more, for each of those.
+inline constexpr int columns_a_neighbour = 4 + 3 + 7;
+
 /// Works on one slice, whose neighbourhood is gathered.
 template <bool averaged, int neighbours>
 [[gnu::noinline]] void enumerated_slice(const simd::Job& job, int slice, const Neighbourhood& n) {
@@ -38,16 +40,22 @@ void enumerated_slices(const simd::Job& job) {
   const simd::Enumerated& rows = job.enumerated;
   n.offsets = rows.offsets;
   for (int slice = 0; slice < rows.count; ++slice) {
-    n.count = rows.neighbours[slice];
+    n.count = rows.neighbours[slice] & ~simd::known_constants;
+    n.fresh = n.count == rows.neighbours[slice];
     n.edges = rows.rows + static_cast<std::int64_t>(rows.first[slice]) * lanes;
     n.pairs = n.edges + 4 * n.count * lanes;
     n.triples = n.pairs + n.count * (n.count - 1) / 2 * lanes;
     const Pack3 ui = gather_row(job.u + 16 * lanes * slice);
+    const float* ahead = n.edges;
     for (int k = 0; k < n.count; ++k) {
+      // The kernels for few neighbours have no loop of triples to ask for the next ones in.
+      if (n.fresh && n.count <= most_unrolled) {
+        for (int column = 0; column < columns_a_neighbour; ++column, ahead += lanes) prefetch_rows<1>(ahead);
+      }
       n.half[k] = all(0.5f) * (gather(job.u, n.offsets + k * lanes) - ui);
       n.middle[k] = n.E(k) + n.half[k];
     }
-    switch (getenv_generic() ? 0 : n.count) {
+    switch (n.count) {
       case 4:
         enumerated_slice<averaged, 4>(job, slice, n);
         break;

@@ -96,7 +96,7 @@ PHYMUL_INLINE bool pull_by_lengths(const Neighbourhood& n, PairLengths<neighbour
               count_up<fixed, ck + 1, neighbours>(
                   k + 1, count, [&](auto l_) __attribute__((always_inline)) {
                     const int jl = of_j + number(l_), kl = of_k + number(l_);
-                    if constexpr (!fixed) prefetch_rows<2>(row);
+                    if (!fixed && n.fresh) prefetch_rows<2>(row);
                     const Pack eta2 = pairs.eta[jl], g2 = pairs.g[jl];
                     const Pack eta = (eta1 + eta2) - pairs.eta[kl], g = (g1 + g2) - pairs.g[kl];
                     const Pack y = load(row + lanes) * (twice_eta1 * g2 + (twice_g1 * eta2 - eta * g));
