@@ -15,6 +15,7 @@
 #include "../float_tables.h"
 #include "cluster_claims.h"
 #include "denormals.h"
+#include "near_displacements.h"
 #include "simd/instruction_set.h"
 #include "thread_pool.h"
 #include "vector_body.h"
@@ -39,6 +40,9 @@ int thread_count(int asked, const VectorBody& body) {
 
 constexpr std::size_t page = 4096;
 
+/// Bytes a step above which the next step finds hardly anything in a core's own caches.
+constexpr double caches = 16e6;
+
 /// The first place from `near` on that is half a page from `other`, whole pages aside. Processors take a load for one
 /// of a recent store where the two agree in their last twelve bits: a slot's displacement must not stand there relative
 /// to its force, or the kernels run at half their pace.
@@ -47,9 +51,6 @@ char* half_a_page_from(const char* other, char* near) {
   return near + distance % page;
 }
 
-const char* bytes(const Floats& floats) {
-  return reinterpret_cast<const char*>(floats.data());
-}
 char* bytes(Floats& floats) {
   return reinterpret_cast<char*>(floats.data());
 }
@@ -71,7 +72,8 @@ class VectorSolver final : public Solver {
         claims_(*body_, pool_.parts()),
         reach_(static_cast<std::size_t>(pool_.parts())),
         laps_(profiling(), *body_),
-        no_laps_(nullptr, *body_) {
+        no_laps_(nullptr, *body_),
+        far_(body_->bytes_a_step() > caches) {
     const auto quads = 4 * (static_cast<std::size_t>(body_->places) + 1);
     u_.assign(quads, 0.0f);
     next_u_ = u_;
@@ -219,7 +221,11 @@ class VectorSolver final : public Solver {
       std::memset(job.force, 0, 16 * static_cast<std::size_t>(cluster.slots()));
     }
     job.grid_memory = grid_[part].data();
-    job.u = displacements_of(cluster, half_a_page_from(job.force ? job.force : job.pull, bytes(near_u_[part])));
+    job.u = near_displacements(cluster, bytes(u_),
+                               half_a_page_from(job.force ? job.force : job.pull, bytes(near_u_[part])));
+    if (far_ && c + 1 < static_cast<int>(body_->clusters.size())) {
+      ask_for_displacements(body_->clusters[c + 1], bytes(u_));
+    }
     laps.end(Work::gathering);
     if (job.bases.count > 0) {
       kernels_.bases[static_cast<int>(body_->use)][body_->plane][body_->scaled](job);
@@ -255,20 +261,6 @@ class VectorSolver final : public Solver {
     }
   }
 
-  /// Displacements slot by slot. The last slot, which stands for nothing, was set to 0.
-  const char* displacements_of(const Cluster& cluster, char* const near) const {
-    char* to = near;
-    std::memcpy(to, bytes(u_) + 16 * static_cast<std::size_t>(cluster.first),
-                16 * static_cast<std::size_t>(cluster.own));
-    to += 16 * static_cast<std::size_t>(cluster.own);
-    for (const std::int32_t particle : cluster.halo) {
-      std::memcpy(to, bytes(u_) + 16 * static_cast<std::size_t>(particle), 16);
-      to += 16;
-    }
-    std::memset(to, 0, 16);
-    return near;
-  }
-
   simd::Move move_of(const StepPlan& plan) {
     simd::Move move;
     move.force = force_.empty() ? nullptr : bytes(force_);
@@ -286,6 +278,7 @@ class VectorSolver final : public Solver {
     move.inverse_mass = body_->inverse_mass.data();
     move.mass = body_->mass.data();
     move.u = bytes(u_);
+    move.far = far_;
     move.v = v_.data();
     move.next_u = bytes(next_u_);
     move.next_v = next_v_.data();
@@ -382,6 +375,7 @@ class VectorSolver final : public Solver {
   double time_ = 0.0, last_dt_ = 0.0;
   int steps_at_rest_ = 0;
   WorkLaps laps_, no_laps_;
+  const bool far_;
 };
 
 }  // namespace
