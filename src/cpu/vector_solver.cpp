@@ -279,6 +279,7 @@ class VectorSolver final : public Solver {
     move.mass = body_->mass.data();
     move.u = bytes(u_);
     move.far = far_;
+    move.slices = body_->slices();
     move.v = v_.data();
     move.next_u = bytes(next_u_);
     move.next_v = next_v_.data();

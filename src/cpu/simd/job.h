@@ -139,6 +139,7 @@ struct Move {
   const float* v = nullptr;                  ///< m/s, [slices][3][lanes]
   char* next_u = nullptr;
   float* next_v = nullptr;
+  int slices = 0;                ///< of the body
   bool far = false;              ///< the arrays are in no cache
   float gravity[3] = {0, 0, 0};  ///< m/s^2
   float dt = 0, inverse_dt = 0, damping = 1;

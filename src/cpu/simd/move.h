@@ -75,6 +75,14 @@ PHYMUL_INLINE void ask_ahead(const simd::Move& move, int slice) {
     ask_for(move.pull + 16 * at, 16 * lanes);
     const std::int32_t first = move.give_first[slice], rows = move.give_first[slice + 1] - first;
     ask_for(move.give + (static_cast<std::int64_t>(first) + ahead * rows) * 2 * lanes, rows * 8 * lanes);
+    // Pulls of neighbours, which a curve through space puts far apart now and then.
+    const int soon = slice + ahead / 2;
+    if (soon >= move.slices) return;
+    for (std::int32_t r = move.give_first[soon]; r < move.give_first[soon + 1]; ++r) {
+      std::int32_t offset[lanes];
+      __builtin_memcpy(offset, move.give + static_cast<std::int64_t>(r) * 2 * lanes, sizeof offset);
+      for (int k = 0; k < lanes; ++k) __builtin_prefetch(move.pull + offset[k]);
+    }
   }
 }
 
