@@ -80,11 +80,12 @@ double vector_multiply_adds(double seconds) {
   return best;
 }
 
-double threads_gain(int threads) {
+double threads_gain(int threads, int pairs, double seconds) {
   using Clock = std::chrono::steady_clock;
-  const auto rate = [](int count) {
+  const auto rate = [seconds](int count) {
     std::atomic<long> done = 0;
-    const Clock::time_point begin = Clock::now(), end = begin + std::chrono::milliseconds(50);
+    const Clock::time_point begin = Clock::now(),
+                            end = begin + duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
     const auto work = [&] {
       while (Clock::now() < end) {
         volatile float result = widest_chains();
@@ -98,13 +99,14 @@ double threads_gain(int threads) {
     for (std::thread& other : others) other.join();
     return static_cast<double>(done) / std::chrono::duration<double>(Clock::now() - begin).count();
   };
-  std::vector<double> gains(7);
+  std::vector<double> gains(static_cast<std::size_t>(pairs));
   for (double& gain : gains) {
     const double one = rate(1);
     gain = rate(threads) / one;
   }
-  std::ranges::nth_element(gains, gains.begin() + 3);
-  return gains[3];
+  const auto middle = gains.begin() + pairs / 2;
+  std::ranges::nth_element(gains, middle);
+  return *middle;
 }
 
 double read_bandwidth(double bytes, double seconds) {

@@ -9,10 +9,10 @@ namespace phymul::bench {
 /// Needs about `seconds` of processor time, as the other does.
 double vector_multiply_adds(double seconds);
 
-/// The same of `threads` threads at once over that of one, by the wall clock: the median of seven pairs. Threads of
-/// ours cannot gain more than this; a virtual processor that shares its core with others gives less than its number
-/// says.
-double threads_gain(int threads);
+/// The same of `threads` threads at once over that of one, by the wall clock: the median of `pairs` measurements, each
+/// of twice so many seconds. Threads of ours cannot gain more than this; a virtual processor that shares its core with
+/// others gives less than its number says, and may do so for seconds at a time.
+double threads_gain(int threads, int pairs = 7, double seconds = 0.05);
 
 /// Bytes a second read one after another from an array of that many.
 double read_bandwidth(double bytes, double seconds);

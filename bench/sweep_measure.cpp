@@ -11,13 +11,10 @@
 #include "machine.h"
 #include "machine_ceilings.h"
 #include "stopwatch.h"
+#include "triple_work.h"
 
 namespace phymul::bench {
 namespace {
-
-/// Multiplications and multiply-adds of whole vectors that the kernel of enumerated triples does for one, counted in
-/// src/cpu/simd/enumerated_terms.h: what the multiplying units see.
-constexpr double multiplications_a_triple = 38.0;
 
 /// Bytes a step of bodies that no cache holds; within one, bytes say nothing about memory.
 constexpr double beyond_caches = 64e6;
@@ -101,17 +98,17 @@ int lanes_of(const std::string& device) {
   return device.find("portable") != std::string::npos ? 4 : 0;
 }
 
-/// The ceilings are measured beside the body, by processor time as the body's is.
-void add_shares(SweepRow& row, bool enumerated) {
+/// `multiplications`: of enumerated triples, in a step. The ceilings are measured beside the body, by processor time as
+/// the body's is.
+void add_shares(SweepRow& row, double multiplications) {
   if (row.threads != 1 || row.backend != "cpu") return;
   if (row.bytes_a_step > beyond_caches) {
     const double bandwidth = read_bandwidth(std::min(row.bytes_a_step, 512e6), 0.2);
     row.bandwidth_share = row.bytes_a_step / row.processor_seconds_a_step / bandwidth;
   }
   const int lanes = lanes_of(row.device);
-  if (!enumerated || lanes == 0) return;
-  row.multiply_share =
-      row.base_count / lanes * multiplications_a_triple / row.processor_seconds_a_step / vector_multiply_adds(0.1);
+  if (multiplications == 0.0 || lanes == 0) return;
+  row.multiply_share = multiplications / lanes / row.processor_seconds_a_step / vector_multiply_adds(0.1);
 }
 
 /// By a solver of its own: timers cost, and are not in the other times.
@@ -195,7 +192,7 @@ void measure_body(const SweepVariant& variant, int size, const SweepLimits& limi
       row.processor_seconds_a_step = median(r.processor);
       row.processor_least = *std::ranges::min_element(r.processor);
       row.processor_greatest = *std::ranges::max_element(r.processor);
-      add_shares(row, variant.options.bases == BaseSelection::all);
+      add_shares(row, variant.options.bases == BaseSelection::all ? triple_multiplications(*tables) : 0.0);
       if (!is_cpu(row.backend)) row.device_seconds_a_step = device_seconds(row, tables, scene, start);
     }
     done(row);

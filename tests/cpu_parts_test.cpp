@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What the vector backend is made of: renumbering, simplices, triples, the pool of threads.
+// What the vector backend is made of: renumbering, simplices, triples, the pool of threads and who takes what of it.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -8,6 +8,7 @@
 
 #include "bodies.h"
 #include "cpu/box_lattice.h"
+#include "cpu/cluster_claims.h"
 #include "cpu/hexahedra.h"
 #include "cpu/neighbourhoods.h"
 #include "cpu/renumbering.h"
@@ -221,6 +222,59 @@ TEST(ThreadPool, RunsEveryPartOnceEachTime) {
       pool.run([&](int part, int of) { sum[static_cast<std::size_t>(part)] += round * of; });
     }
     for (const long s : sum) EXPECT_EQ(s, 2001000L * parts);
+  }
+}
+
+/// Clusters of a body that costs so much each.
+cpu::VectorBody body_of_clusters(const std::vector<double>& costs) {
+  cpu::VectorBody body;
+  body.clusters.resize(costs.size());
+  for (std::size_t c = 0; c < costs.size(); ++c) body.clusters[c].cost = costs[c];
+  return body;
+}
+
+std::vector<int> all_for(cpu::ClusterClaims& claims, int part) {
+  std::vector<int> taken;
+  for (int c = claims.take(part); c >= 0; c = claims.take(part)) taken.push_back(c);
+  return taken;
+}
+
+TEST(ClusterClaims, AreOfEqualCost) {
+  cpu::ClusterClaims claims(body_of_clusters({3, 1, 1, 1, 2, 2, 2}), 2);
+  for (int step = 0; step < 2; ++step) {
+    claims.begin();
+    // Both take in turns: neither finds more than one cluster left with the other.
+    std::vector<int> first, second;
+    for (int k = 0; k < 4; ++k) {
+      first.push_back(claims.take(0));
+      second.push_back(claims.take(1));
+    }
+    EXPECT_EQ(first, (std::vector<int>{0, 1, 2, 3}));
+    EXPECT_EQ(second, (std::vector<int>{4, 5, 6, -1}));
+    EXPECT_EQ(claims.take(0), -1);
+  }
+}
+
+TEST(ClusterClaims, OfALatePartAreTakenFromItsEnd) {
+  cpu::ClusterClaims claims(body_of_clusters(std::vector<double>(8, 1.0)), 2);
+  claims.begin();
+  EXPECT_EQ(claims.take(1), 4);
+  EXPECT_EQ(all_for(claims, 0), (std::vector<int>{0, 1, 2, 3, 7, 6})) << "the last one is left to its part";
+  EXPECT_EQ(all_for(claims, 1), (std::vector<int>{5}));
+}
+
+TEST(ClusterClaims, GiveEveryClusterOnceWhoeverIsFaster) {
+  for (const int parts : {1, 2, 7}) {
+    cpu::ThreadPool pool(parts);
+    cpu::ClusterClaims claims(body_of_clusters(std::vector<double>(40, 1.0)), pool.parts());
+    std::vector<int> times(40, 0);
+    for (int step = 1; step <= 500; ++step) {
+      claims.begin();
+      pool.run([&](int part, int) {
+        for (int c = claims.take(part); c >= 0; c = claims.take(part)) ++times[static_cast<std::size_t>(c)];
+      });
+      ASSERT_EQ(times, std::vector<int>(40, step)) << parts << " parts";
+    }
   }
 }
 

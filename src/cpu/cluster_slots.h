@@ -20,6 +20,7 @@ class Slots {
     to_ = &to;
     own_particles_ = own_particles;
   }
+  Index own_particles() const { return own_particles_; }
   /// `pushes`: the term has forces for the particle.
   std::int32_t offset_of(Index particle, bool pushes = true) {
     const Index k = particle - to_->first;

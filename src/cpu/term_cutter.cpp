@@ -44,6 +44,7 @@ TermCutter::TermCutter(const TopologyTextures& t, const std::optional<LatticeFra
       shared_(find_simplices(t)),
       found_(find_hexahedra(t, shared_)),
       lattice_(found_, t.rest, frame, size, clusters, body),
+      triples_(t, clusters, body),
       starts_(clusters) {
   volumes_ = by_cluster(
       t_.volumes, size_, clusters, [](const VolumeTexel& v) -> auto& { return v.vertex; }, shared_.volume_taken);
@@ -51,8 +52,7 @@ TermCutter::TermCutter(const TopologyTextures& t, const std::optional<LatticeFra
       t_.cells, size_, clusters, [](const CellTexel& c) -> auto& { return c.vertex; }, taken_cells());
   simplices_ = by_cluster(
       shared_.all, size_, clusters, [](const Simplex& s) -> auto& { return s.vertex; }, found_.simplex_taken);
-  enumerates_ = is_enumerable(t_, simd::most_enumerated);
-  slices_bases_ = !enumerates_ && std::ranges::find(shared_.base_taken, false) != shared_.base_taken.end();
+  slices_bases_ = !triples_.enumerates() && std::ranges::find(shared_.base_taken, false) != shared_.base_taken.end();
   body_.base_first.push_back(0);
   body_.spring_first.push_back(0);
 }
@@ -61,19 +61,15 @@ void TermCutter::cut(int c) {
   Cluster& cluster = body_.clusters[c];
   const Index own = std::min(size_, t_.particle_count - cluster.first);
   slots_.begin(c, cluster, own);
-  starts_[c] = {body_.base_first.size() - 1,   body_.enumerated_first.size(), body_.enumerated.size(),
-                body_.spring_first.size() - 1, body_.volumes.size(),          body_.cells4.size(),
-                body_.cells6.size(),           body_.cells8.size(),           body_.simplices.size(),
-                body_.cell_simplices.size()};
+  starts_[c] = {body_.base_first.size() - 1, body_.spring_first.size() - 1, body_.volumes.size(),
+                body_.cells4.size(),         body_.cells6.size(),           body_.cells8.size(),
+                body_.simplices.size(),      body_.cell_simplices.size()};
   const int slices = cluster.own / body_.lanes;
   if (slices_bases_) {
     for (int s = 0; s < slices; ++s) cut_base_slice(cluster, s, own);
     cluster.job.bases.count = slices;
   }
-  if (enumerates_) {
-    for (int s = 0; s < slices; ++s) cut_enumerated_slice(cluster, s, own);
-    cluster.job.enumerated.count = slices;
-  }
+  triples_.cut(c, slots_);
   if (!t_.springs.empty()) {
     for (int s = 0; s < slices; ++s) cut_spring_slice(cluster, s, own);
     cluster.job.springs.count = slices;
@@ -125,58 +121,6 @@ void TermCutter::pack_base(Index t, Index owner, LaneRows& rows, Index row, int 
   rows.put(row, 11, lane, base.beta / length);
   rows.put(row, 12, lane, 1.0 / (length * length));
   rows.put(row, 13, lane, share);
-}
-
-void TermCutter::cut_enumerated_slice(const Cluster& cluster, int s, Index own) {
-  const Index first = cluster.first + s * body_.lanes;
-  std::vector<Triples> triples;
-  Index count = 0;
-  for (Index i = first; i < std::min(first + body_.lanes, cluster.first + own); ++i) {
-    triples.push_back(triples_of(t_, i));
-    count = std::max(count, static_cast<Index>(triples.back().neighbour.size()));
-  }
-  body_.enumerated_neighbours.push_back(count);
-  body_.enumerated_first.push_back(static_cast<std::int32_t>(body_.enumerated.size() / body_.lanes));
-  LaneRows edges(body_.enumerated, 5, body_.lanes);
-  edges.add(count, 1);
-  for (std::size_t lane = 0; lane < triples.size(); ++lane) {
-    const Triples& of = triples[lane];
-    for (std::size_t k = 0; k < of.neighbour.size(); ++k) {
-      const auto row = static_cast<Index>(k);
-      edges.offset(row, 0, static_cast<int>(lane),
-                   slots_.offset_of(of.neighbour[k], body_.use != simd::BaseUse::attractor));
-      edges.put(row, 1, static_cast<int>(lane), Vec3(t_.rest[of.neighbour[k]] - t_.rest[first + lane]));
-      edges.put(row, 4, static_cast<int>(lane), of.alpha[k]);
-    }
-  }
-  LaneRows rows(body_.enumerated, 2, body_.lanes);
-  rows.add(count * (count - 1) * (count - 2) / 6, 0);
-  Index row = 0;
-  for (Index j = 0; j < count; ++j) {
-    for (Index k = j + 1; k < count; ++k) {
-      for (Index l = k + 1; l < count; ++l, ++row) {
-        for (std::size_t lane = 0; lane < triples.size(); ++lane) {
-          pack_triple(triples[lane], j, k, l, rows, row, static_cast<int>(lane));
-        }
-      }
-    }
-  }
-}
-
-void TermCutter::pack_triple(const Triples& of, Index j, Index k, Index l, LaneRows& rows, Index row, int lane) const {
-  const auto n = static_cast<Index>(of.neighbour.size());
-  if (l >= n) return;
-  const auto base_row = of.base[triple_row(n, j, k, l)];
-  if (base_row == none) return;
-  const BaseTexel& base = t_.bases[base_row];
-  const auto normal = [this](Index a, Index b, Index c) {
-    return Vec3((t_.rest[b] - t_.rest[a]).cross(t_.rest[c] - t_.rest[a]));
-  };
-  const Vec3 w = normal(of.neighbour[j], of.neighbour[k], of.neighbour[l]);
-  const bool turned = w.dot(normal(base.vertex[0], base.vertex[1], base.vertex[2])) < 0.0;
-  const double height = t_.weight[base_row] * base.beta / w.norm();
-  rows.put(row, 0, lane, turned ? -height : height);
-  rows.put(row, 1, lane, 1.0 / w.squaredNorm());
 }
 
 void TermCutter::cut_spring_slice(const Cluster& cluster, int s, Index own) {
@@ -278,11 +222,7 @@ void TermCutter::fill_idle_lanes(int c) {
   };
   fill_idle(body_.bases, from_slice(body_.base_first, start.base_slice, simd::base_columns), simd::base_columns,
             body_.plane ? 2 : 3, body_.lanes, idle);
-  for (std::size_t s = start.enumerated_slice; s < body_.enumerated_first.size(); ++s) {
-    const auto first = static_cast<std::size_t>(body_.enumerated_first[s]) * body_.lanes;
-    fill_idle(body_.enumerated, first, 5, 1, body_.lanes, idle,
-              first + 5 * static_cast<std::size_t>(body_.enumerated_neighbours[s]) * body_.lanes);
-  }
+  triples_.fill_idle_lanes(c, idle);
   fill_idle(body_.springs, from_slice(body_.spring_first, start.spring_slice, simd::spring_columns),
             simd::spring_columns, 1, body_.lanes, idle);
   fill_idle(body_.volumes, start.volume, simd::volume_columns, 4, body_.lanes, idle);
@@ -300,8 +240,7 @@ void TermCutter::estimate_cost(int c) {
     return static_cast<double>(first.back() - first[start]);
   };
   const double base = body_.use == simd::BaseUse::attractor ? 25.0 : body_.use == simd::BaseUse::averaged ? 80.0 : 50.0;
-  cluster.cost = base * rows_since(body_.base_first, starts_[c].base_slice) +
-                 0.15 * base * static_cast<double>(body_.enumerated.size() - starts_[c].enumerated) / body_.lanes +
+  cluster.cost = base * rows_since(body_.base_first, starts_[c].base_slice) + triples_.cost(c) +
                  8.0 * rows_since(body_.spring_first, starts_[c].spring_slice) + 40.0 * cluster.job.volumes.count +
                  100.0 * (cluster.job.cells4.count + cluster.job.cells6.count + cluster.job.cells8.count) +
                  lattice_.cost(cluster.job) + 80.0 * cluster.job.simplices.count +
@@ -316,9 +255,7 @@ void TermCutter::point_jobs() {
     job.exponent = narrowed(t_.options.area_exponent);
     job.bases.first = body_.base_first.data() + start.base_slice;
     job.bases.rows = body_.bases.data();
-    job.enumerated.first = body_.enumerated_first.data() + start.enumerated_slice;
-    job.enumerated.neighbours = body_.enumerated_neighbours.data() + start.enumerated_slice;
-    job.enumerated.rows = body_.enumerated.data();
+    triples_.point(static_cast<int>(c), job);
     job.springs.first = body_.spring_first.data() + start.spring_slice;
     job.springs.rows = body_.springs.data();
     job.volumes.rows = body_.volumes.data() + start.volume;

@@ -4,11 +4,10 @@
 #include "cluster_slots.h"
 #include "lattice_cutter.h"
 #include "simplices.h"
+#include "triple_cutter.h"
 #include "vector_rows.h"
 
 namespace phymul::cpu {
-
-struct Triples;
 
 /// Packs the terms of a body, cluster by cluster, into the rows of simd/job.h.
 class TermCutter {
@@ -25,15 +24,12 @@ class TermCutter {
 
  private:
   struct Start {  // where a cluster's rows begin in the arrays of the body
-    std::size_t base_slice, enumerated_slice, enumerated, spring_slice, volume, cell4, cell6, cell8, simplex,
-        cell_simplex;
+    std::size_t base_slice, spring_slice, volume, cell4, cell6, cell8, simplex, cell_simplex;
   };
 
   std::vector<bool> taken_cells() const;
   void cut_base_slice(const Cluster& cluster, int s, Index own);
   void pack_base(Index t, Index owner, LaneRows& rows, Index row, int lane);
-  void cut_enumerated_slice(const Cluster& cluster, int s, Index own);
-  void pack_triple(const Triples& of, Index j, Index k, Index l, LaneRows& rows, Index row, int lane) const;
   void cut_spring_slice(const Cluster& cluster, int s, Index own);
   int cut_volumes(int c);
   int cut_cells(int c, int least, int corners, Floats& to);
@@ -48,7 +44,8 @@ class TermCutter {
   const Simplices shared_;
   Hexahedra found_;
   LatticeCutter lattice_;
-  bool slices_bases_ = false, enumerates_ = false;
+  TripleCutter triples_;
+  bool slices_bases_ = false;
   std::vector<std::vector<Index>> volumes_, cells_, simplices_;  // rows by cluster
   std::vector<Start> starts_;
 };

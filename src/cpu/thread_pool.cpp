@@ -10,10 +10,12 @@
 namespace phymul::cpu {
 namespace {
 
-/// About 20 to 50 microseconds: longer than the pause between two passes, shorter than a scheduler's slice.
-constexpr int spins_before_sleep = 1000;
-/// After this many a waiting thread offers its processor: there may be fewer of them than threads.
-constexpr int spins_before_yield = 100;
+/// Some 10 microseconds of pauses, as long as parts of a step differ: an offer of the processor takes half a
+/// microsecond where nobody wants it, which a waiting thread is late by then.
+constexpr int spins_before_yield = 300;
+/// Thereafter it offers its processor, of which there may be fewer than threads: some hundred microseconds, longer than
+/// the pause between two calls and shorter than a scheduler's slice.
+constexpr int spins_before_sleep = 1200;
 
 void pause_a_moment() {
 #if defined(__x86_64__) || defined(__i386__)
@@ -37,7 +39,7 @@ void wait_for_change(const std::atomic<T>& value, T old) {
 
 }  // namespace
 
-ThreadPool::ThreadPool(int parts) : claims_(static_cast<std::size_t>(parts)) {
+ThreadPool::ThreadPool(int parts) : parts_(static_cast<std::size_t>(parts)) {
   workers_.reserve(static_cast<std::size_t>(parts - 1));
   try {
     for (int part = 1; part < parts; ++part) workers_.emplace_back([this, part] { serve(part); });
@@ -51,49 +53,52 @@ ThreadPool::~ThreadPool() {
 }
 
 void ThreadPool::end() {
-  ending_.store(true, std::memory_order_relaxed);
-  round_.fetch_add(1, std::memory_order_release);
-  round_.notify_all();
+  order_.ending.store(true, std::memory_order_relaxed);
+  order_.round.fetch_add(1);
+  order_.round.notify_all();
   for (std::thread& worker : workers_) worker.join();
 }
 
-/// A part is taken once a round, so its last round is the one before until then.
-bool ThreadPool::claim(int part, std::uint32_t round) {
-  std::uint32_t before = round - 1;
-  return claims_[part].round.compare_exchange_strong(before, round, std::memory_order_acq_rel);
-}
-
-void ThreadPool::finish_part() {
-  if (busy_.fetch_sub(1, std::memory_order_acq_rel) == 1) busy_.notify_one();
+/// A part is taken in every round. One that is seen as taken is left alone: to write there costs both threads a wait.
+bool ThreadPool::take(int part, std::uint32_t round) {
+  std::uint32_t before = parts_[part].taken.load(std::memory_order_relaxed);
+  return before == round - 1 && parts_[part].taken.compare_exchange_strong(before, round, std::memory_order_acq_rel);
 }
 
 void ThreadPool::call(Call function, const void* object) {
-  function_ = function;
-  object_ = object;
-  busy_.store(static_cast<int>(workers_.size()), std::memory_order_relaxed);
-  const std::uint32_t round = round_.fetch_add(1, std::memory_order_release) + 1;
-  round_.notify_all();
+  order_.function = function;
+  order_.object = object;
+  const std::uint32_t round = order_.round.load(std::memory_order_relaxed) + 1;
+  // No read-modify-write, which would wait for the line: a worker that falls asleep at this very moment may miss the
+  // round, and the caller takes its part.
+  order_.round.store(round, std::memory_order_release);
+  order_.round.notify_all();
   function(object, 0, parts());
   for (int part = 1; part < parts(); ++part) {
-    if (!claim(part, round)) continue;
+    if (!take(part, round)) continue;
     function(object, part, parts());
-    finish_part();
+    parts_[part].finished.store(round, std::memory_order_relaxed);
   }
-  for (int busy = busy_.load(std::memory_order_acquire); busy != 0; busy = busy_.load(std::memory_order_acquire)) {
-    wait_for_change(busy_, busy);
+  for (int part = 1; part < parts(); ++part) {
+    const std::atomic<std::uint32_t>& finished = parts_[part].finished;
+    for (std::uint32_t last = finished.load(std::memory_order_acquire); last != round;
+         last = finished.load(std::memory_order_acquire)) {
+      wait_for_change(finished, last);
+    }
   }
 }
 
 void ThreadPool::serve(int part) {
   std::uint32_t seen = 0;
   for (;;) {
-    wait_for_change(round_, seen);
-    seen = round_.load(std::memory_order_acquire);
-    if (ending_.load(std::memory_order_relaxed)) return;
-    // Once claimed, the round waits for this part, and function_ stays.
-    if (!claim(part, seen)) continue;
-    function_(object_, part, parts());
-    finish_part();
+    wait_for_change(order_.round, seen);
+    seen = order_.round.load(std::memory_order_acquire);
+    if (order_.ending.load(std::memory_order_relaxed)) return;
+    // Once taken, the round waits for this part, and the order stays.
+    if (!take(part, seen)) continue;
+    order_.function(order_.object, part, parts());
+    parts_[part].finished.store(seen);
+    parts_[part].finished.notify_one();
   }
 }
 

@@ -36,24 +36,28 @@ class ThreadPool {
  private:
   using Call = void (*)(const void*, int, int);
 
-  /// Of one part: the last round in which some thread took it. A line of its own.
-  struct alignas(64) Claim {
-    std::atomic<std::uint32_t> round{0};
+  /// What the caller tells the workers: a line of the caches that it alone writes.
+  struct alignas(64) Order {
+    std::atomic<std::uint32_t> round{0};  ///< grows by one at each call; workers wait for it to change
+    std::atomic<bool> ending{false};
+    Call function = nullptr;
+    const void* object = nullptr;
+  };
+
+  /// Of one part: the last round in which some thread took it, and the last one that its own thread finished. A line
+  /// that the caller reads once a call where that thread is in time.
+  struct alignas(64) Part {
+    std::atomic<std::uint32_t> taken{0}, finished{0};
   };
 
   void call(Call function, const void* object);
-  bool claim(int part, std::uint32_t round);
-  void finish_part();
+  bool take(int part, std::uint32_t round);
   void serve(int part);
   void end();
 
-  std::vector<Claim> claims_;  // [parts], of part 0 unused
+  Order order_;
+  std::vector<Part> parts_;  // of part 0 unused
   std::vector<std::thread> workers_;
-  Call function_ = nullptr;
-  const void* object_ = nullptr;
-  std::atomic<std::uint32_t> round_{0};  // grows by one at each call; workers wait for it to change
-  std::atomic<int> busy_{0};             // parts but 0 that are not finished
-  std::atomic<bool> ending_{false};
 };
 
 }  // namespace phymul::cpu

@@ -48,6 +48,10 @@ class Cutter {
     cut_particles();
     cut_halo();
     if (body_.gives()) cut_gifts();
+    if (!body_.pushes()) {
+      body_.force_rows = 0;
+      for (Offsets* rows : {&body_.own, &body_.halo_first, &body_.halo}) *rows = {};
+    }
   }
 
  private:

@@ -31,13 +31,14 @@ struct VectorBody {
   int lanes = 0;
   std::vector<Index> order;     ///< [particles] row of the model
   std::int32_t places = 0;      ///< particles, filled up to whole slices
-  std::int64_t force_rows = 0;  ///< of all clusters, the last one always zero
+  std::int64_t force_rows = 0;  ///< of all clusters, the last one always zero; none where nothing pushes()
   std::vector<Cluster> clusters;
   simd::BaseUse use = simd::BaseUse::conservative;
   bool plane = false, scaled = false, bounded = false;
 
   // Arrays of the jobs and of simd::Move.
-  Offsets base_first, spring_first, enumerated_first, enumerated_neighbours, own, halo_first, halo, give_first;
+  Offsets base_first, spring_first, enumerated_first, enumerated_neighbours, enumerated_offsets, own, halo_first, halo,
+      give_first;
   Offsets hexahedron_shape, star_shape, box_shape;
   Floats hexahedra, hexahedron_shapes, stars, boxes;
   std::vector<simd::BoxShape> box_shapes;
@@ -49,6 +50,13 @@ struct VectorBody {
   std::size_t most_slots() const;        ///< of a cluster
   std::size_t most_grid_floats() const;  ///< that a cluster's grid needs beside it
   int slices() const { return places / lanes; }
+  /// Whether terms have forces of their own for particles, and not only pulls that the move gathers.
+  bool pushes() const {
+    return use != simd::BaseUse::attractor ||
+           !(springs.empty() && volumes.empty() && cells4.empty() && cells6.empty() && cells8.empty() &&
+             simplices.empty() && cell_simplices.empty() && hexahedra.empty() && stars.empty() && boxes.empty() &&
+             grid_rows.empty());
+  }
   bool gives() const { return use == simd::BaseUse::attractor && !(bases.empty() && enumerated.empty()); }
   double cost() const;  ///< ns per step, rough
   /// See Solver::bytes_a_step. Loads of a scene, which few particles have, are not among them.

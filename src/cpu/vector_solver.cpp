@@ -13,7 +13,9 @@
 #include <utility>
 
 #include "../float_tables.h"
+#include "cluster_claims.h"
 #include "denormals.h"
+#include "near_displacements.h"
 #include "simd/instruction_set.h"
 #include "thread_pool.h"
 #include "vector_body.h"
@@ -24,8 +26,9 @@
 namespace phymul::cpu {
 namespace {
 
-/// Work below which another thread costs more, in waiting for it, than it brings.
-constexpr double least_cost_a_thread = 20e3;  // ns
+/// Work of a step worth a thread. Handing two passes over and back costs a step about 0.5 us, so that two threads with
+/// this much each gain most of what they can.
+constexpr double least_cost_a_thread = 10e3;  // ns
 
 int thread_count(int asked, const VectorBody& body) {
   const auto clusters = static_cast<int>(std::min<std::size_t>(body.clusters.size(), 1024));
@@ -35,23 +38,10 @@ int thread_count(int asked, const VectorBody& body) {
   return std::max(1, std::min({processors, clusters, static_cast<int>(worth)}));
 }
 
-/// Clusters [result[part], result[part + 1]) of about equal cost for each part.
-std::vector<int> shared_out(const VectorBody& body, int parts) {
-  std::vector<int> first{0};
-  double done = 0.0;
-  const double all = body.cost();
-  for (std::size_t c = 0; c < body.clusters.size(); ++c) {
-    const double middle = done + 0.5 * body.clusters[c].cost;
-    while (static_cast<int>(first.size()) < parts && middle >= all * static_cast<double>(first.size()) / parts) {
-      first.push_back(static_cast<int>(c));
-    }
-    done += body.clusters[c].cost;
-  }
-  first.resize(static_cast<std::size_t>(parts) + 1, static_cast<int>(body.clusters.size()));
-  return first;
-}
-
 constexpr std::size_t page = 4096;
+
+/// Bytes a step above which the next step finds hardly anything in a core's own caches.
+constexpr double caches = 16e6;
 
 /// The first place from `near` on that is half a page from `other`, whole pages aside. Processors take a load for one
 /// of a recent store where the two agree in their last twelve bits: a slot's displacement must not stand there relative
@@ -61,12 +51,14 @@ char* half_a_page_from(const char* other, char* near) {
   return near + distance % page;
 }
 
-const char* bytes(const Floats& floats) {
-  return reinterpret_cast<const char*>(floats.data());
-}
 char* bytes(Floats& floats) {
   return reinterpret_cast<char*>(floats.data());
 }
+
+/// A line of the caches for each part.
+struct alignas(64) PartReach {
+  simd::Reach reach;
+};
 
 class VectorSolver final : public Solver {
  public:
@@ -77,10 +69,11 @@ class VectorSolver final : public Solver {
         loads_(scene(), *body_),
         pool_(thread_count(options().threads, *body_)),
         tools_(*body_, topology(), pool_.parts()),
-        first_cluster_(shared_out(*body_, pool_.parts())),
+        claims_(*body_, pool_.parts()),
         reach_(static_cast<std::size_t>(pool_.parts())),
         laps_(profiling(), *body_),
-        no_laps_(nullptr, *body_) {
+        no_laps_(nullptr, *body_),
+        far_(body_->bytes_a_step() > caches) {
     const auto quads = 4 * (static_cast<std::size_t>(body_->places) + 1);
     u_.assign(quads, 0.0f);
     next_u_ = u_;
@@ -152,7 +145,7 @@ class VectorSolver final : public Solver {
       motion.lost_volume = step_once(plan);
       if (motion.lost_volume >= 0) break;
       simd::Reach reach;
-      for (const simd::Reach& of_part : reach_) {
+      for (const auto& [of_part] : reach_) {
         reach.acceleration = std::max(reach.acceleration, of_part.acceleration);
         reach.force = std::max(reach.force, of_part.force);
         reach.speed = std::max(reach.speed, of_part.speed);
@@ -193,9 +186,10 @@ class VectorSolver final : public Solver {
     loads_.impose_at(scene(), time_ + plan.dt);
     simd::Move move = move_of(plan);
     laps_.end(Work::loads);
+    claims_.begin();
     pool_.run([this](int part, int) {
       const DenormalsAreZero guard;
-      for (int c = first_cluster_[part]; c < first_cluster_[part + 1]; ++c) elastic_forces_of(c, part);
+      for (int c = claims_.take(part); c >= 0; c = claims_.take(part)) elastic_forces_of(c, part);
     });
     laps_.end(Work::waiting);
     run(move);
@@ -212,7 +206,7 @@ class VectorSolver final : public Solver {
     pool_.run([&, this](int part, int parts) {
       const DenormalsAreZero guard;
       const auto bound = [&](int k) { return static_cast<int>(std::int64_t{body_->slices()} * k / parts); };
-      kernels_.move(move, bound(part), bound(part + 1), reach_[part]);
+      kernels_.move(move, bound(part), bound(part + 1), reach_[part].reach);
     });
     laps_.end(Work::move);
   }
@@ -221,11 +215,17 @@ class VectorSolver final : public Solver {
     WorkLaps& laps = part == 0 ? laps_ : no_laps_;  // part 0 is the calling thread; the others write nothing
     const Cluster& cluster = body_->clusters[c];
     simd::Job job = cluster.job;
-    job.force = bytes(force_) + 16 * cluster.force_first;
-    std::memset(job.force, 0, 16 * static_cast<std::size_t>(cluster.slots()));
     if (body_->gives()) job.pull = bytes(pull_) + 16 * static_cast<std::size_t>(cluster.first);
+    if (!force_.empty()) {
+      job.force = bytes(force_) + 16 * cluster.force_first;
+      std::memset(job.force, 0, 16 * static_cast<std::size_t>(cluster.slots()));
+    }
     job.grid_memory = grid_[part].data();
-    job.u = displacements_of(cluster, half_a_page_from(job.force, bytes(near_u_[part])));
+    job.u = near_displacements(cluster, bytes(u_),
+                               half_a_page_from(job.force ? job.force : job.pull, bytes(near_u_[part])));
+    if (far_ && c + 1 < static_cast<int>(body_->clusters.size())) {
+      ask_for_displacements(body_->clusters[c + 1], bytes(u_));
+    }
     laps.end(Work::gathering);
     if (job.bases.count > 0) {
       kernels_.bases[static_cast<int>(body_->use)][body_->plane][body_->scaled](job);
@@ -261,25 +261,11 @@ class VectorSolver final : public Solver {
     }
   }
 
-  /// Displacements slot by slot. The last slot, which stands for nothing, was set to 0.
-  const char* displacements_of(const Cluster& cluster, char* const near) const {
-    char* to = near;
-    std::memcpy(to, bytes(u_) + 16 * static_cast<std::size_t>(cluster.first),
-                16 * static_cast<std::size_t>(cluster.own));
-    to += 16 * static_cast<std::size_t>(cluster.own);
-    for (const std::int32_t particle : cluster.halo) {
-      std::memcpy(to, bytes(u_) + 16 * static_cast<std::size_t>(particle), 16);
-      to += 16;
-    }
-    std::memset(to, 0, 16);
-    return near;
-  }
-
   simd::Move move_of(const StepPlan& plan) {
     simd::Move move;
-    move.force = bytes(force_);
+    move.force = force_.empty() ? nullptr : bytes(force_);
     move.own = body_->own.data();
-    if (body_->clusters.size() > 1) {
+    if (body_->clusters.size() > 1 && !force_.empty()) {
       move.halo_first = body_->halo_first.data();
       move.halo = body_->halo.data();
     }
@@ -292,6 +278,8 @@ class VectorSolver final : public Solver {
     move.inverse_mass = body_->inverse_mass.data();
     move.mass = body_->mass.data();
     move.u = bytes(u_);
+    move.far = far_;
+    move.slices = body_->slices();
     move.v = v_.data();
     move.next_u = bytes(next_u_);
     move.next_v = next_v_.data();
@@ -379,8 +367,8 @@ class VectorSolver final : public Solver {
   VectorLoads loads_;
   ThreadPool pool_;
   VectorTools tools_;
-  std::vector<int> first_cluster_;  // [parts + 1]
-  std::vector<simd::Reach> reach_;  // [parts]
+  ClusterClaims claims_;
+  std::vector<PartReach> reach_;    // [parts]
   Floats u_, v_, next_u_, next_v_;  // u: [places + 1][4], v: [slices][3][lanes]
   Floats force_, pull_;
   std::vector<Floats> near_u_;  // [parts] displacements of the cluster a part is at
@@ -388,6 +376,7 @@ class VectorSolver final : public Solver {
   double time_ = 0.0, last_dt_ = 0.0;
   int steps_at_rest_ = 0;
   WorkLaps laps_, no_laps_;
+  const bool far_;
 };
 
 }  // namespace

@@ -17,9 +17,9 @@ double constants(const VectorBody& b) {
         &b.boxes, &b.simplices, &b.cell_simplices, &b.give, &b.inverse_mass, &b.mass}) {
     words += static_cast<double>(table->size());
   }
-  for (const Offsets* table :
-       {&b.base_first, &b.spring_first, &b.enumerated_first, &b.enumerated_neighbours, &b.own, &b.halo_first, &b.halo,
-        &b.give_first, &b.hexahedron_shape, &b.star_shape, &b.box_shape, &b.grid_slot, &b.grid_octants}) {
+  for (const Offsets* table : {&b.base_first, &b.spring_first, &b.enumerated_first, &b.enumerated_neighbours,
+                               &b.enumerated_offsets, &b.own, &b.halo_first, &b.halo, &b.give_first,
+                               &b.hexahedron_shape, &b.star_shape, &b.box_shape, &b.grid_slot, &b.grid_octants}) {
     words += static_cast<double>(table->size());
   }
   words += static_cast<double>(b.grid_rows.size() * sizeof(simd::GridRow)) / word;

@@ -10,7 +10,8 @@
 //   volume   a, b, c, d; E1, E2, E3, 1 / (6 V) (2-D: 1 / (2 A)), stiffness                    15
 //   cell     n corners; gradients of corners 1 to n - 1, stiffness of shape, of volume        4 n - 1
 //   simplex  a, b, c, d; constants as simplices.h has them                                    38
-//   enumerated, per neighbour: offset; E, alpha; then per triple w beta / |w0|, 1 / |w0|^2   5 and 2
+//   enumerated, per neighbour: E, alpha; then per pair of them 2 sum of +- w beta / |w0|;
+//            then per triple w beta / |w0|, 2 / |w0|^2; offsets apart                         4, 1 and 2
 //   hexahedron eight corners; constants of its shape stand apart                              8
 //   box      eight corners, that at (x, y, z) of {0, 1} as number x + 2 y + 4 z               8
 //   star     centre, neighbours at -x, +x, -y, +y, -z, +z (the centre where there is none);
@@ -48,14 +49,17 @@ struct Rows {
   int count = 0;
 };
 
-/// Slices whose lanes have their triples of neighbours in one order.
+/// Slices whose lanes have their triples of neighbours in one order. Constants may serve several of them.
 struct Enumerated {
-  const std::int32_t* neighbours = nullptr;  ///< [slices]
+  const std::int32_t* neighbours = nullptr;  ///< [slices] how many, plus known_constants
+  const std::int32_t* offsets = nullptr;     ///< [neighbours][lanes] of each slice, one after another
   const std::int32_t* first = nullptr;       ///< [slices] first column of each in `rows`
   const float* rows = nullptr;
   int count = 0;
 };
 inline constexpr int most_enumerated = 20;  ///< neighbours
+/// Beside their number: an earlier slice has the same constants.
+inline constexpr std::int32_t known_constants = 1 << 30;
 inline constexpr int most_enumerated_triples = most_enumerated * (most_enumerated - 1) * (most_enumerated - 2) / 6;
 
 /// A hexahedron whose edges lie along the axes, with equal bases at its corners: those over the triangles of two edges
@@ -119,7 +123,7 @@ struct Job {
 
 /// Particles [first, first + lanes * slices) of the body.
 struct Move {
-  const char* force = nullptr;               ///< rows of all clusters
+  const char* force = nullptr;               ///< rows of all clusters; null: no term has any
   const std::int32_t* own = nullptr;         ///< [slices] byte offset in `force` of each slice's own row
   const std::int32_t* halo_first = nullptr;  ///< [slices + 1] row of `halo`; null: no cluster but one
   const std::int32_t* halo = nullptr;        ///< [rows][lanes] byte offsets in `force`, of zeros where there is no more
@@ -135,6 +139,8 @@ struct Move {
   const float* v = nullptr;                  ///< m/s, [slices][3][lanes]
   char* next_u = nullptr;
   float* next_v = nullptr;
+  int slices = 0;                ///< of the body
+  bool far = false;              ///< the arrays are in no cache
   float gravity[3] = {0, 0, 0};  ///< m/s^2
   float dt = 0, inverse_dt = 0, damping = 1;
   float runaway_squared = 0;                                         ///< m^2/s^2

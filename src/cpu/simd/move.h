@@ -9,7 +9,8 @@
 namespace phymul::cpu::PHYMUL_ISA {
 
 PHYMUL_INLINE Pack3 total_force(const simd::Move& move, int slice) {
-  Pack3 force = gather_row(move.force + move.own[slice]);
+  Pack3 force{};
+  if (move.force != nullptr) force = gather_row(move.force + move.own[slice]);
   if (move.halo_first != nullptr) {
     for (int r = move.halo_first[slice]; r < move.halo_first[slice + 1]; ++r) {
       force += gather(move.force, move.halo + static_cast<std::int64_t>(r) * lanes);
@@ -53,6 +54,38 @@ PHYMUL_INLINE float largest_of(Pack p) {
   return largest;
 }
 
+PHYMUL_INLINE void ask_for(const void* from, std::int64_t bytes) {
+  const char* at = static_cast<const char*>(from);
+  for (int k = 0; k < bytes; k += 64) __builtin_prefetch(at + k);
+}
+
+/// Asks for what a later slice reads and writes: a dozen arrays side by side, each of whose pages begins with a wait
+/// for memory, because the processor's own foresight ends with a page.
+PHYMUL_INLINE void ask_ahead(const simd::Move& move, int slice) {
+  constexpr int ahead = 6;  // slices
+  const std::int64_t at = static_cast<std::int64_t>(slice + ahead) * lanes;
+  ask_for(move.u + 16 * at, 16 * lanes);
+  ask_for(move.next_u + 16 * at, 16 * lanes);
+  ask_for(move.v + 3 * at, 12 * lanes);
+  ask_for(move.next_v + 3 * at, 12 * lanes);
+  ask_for(move.mass + at, 4 * lanes);
+  ask_for(move.inverse_mass + at, 4 * lanes);
+  if (move.force != nullptr) ask_for(move.force + move.own[slice] + 16 * ahead * lanes, 16 * lanes);
+  if (move.pull != nullptr) {
+    ask_for(move.pull + 16 * at, 16 * lanes);
+    const std::int32_t first = move.give_first[slice], rows = move.give_first[slice + 1] - first;
+    ask_for(move.give + (static_cast<std::int64_t>(first) + ahead * rows) * 2 * lanes, rows * 8 * lanes);
+    // Pulls of neighbours, which a curve through space puts far apart now and then.
+    const int soon = slice + ahead / 2;
+    if (soon >= move.slices) return;
+    for (std::int32_t r = move.give_first[soon]; r < move.give_first[soon + 1]; ++r) {
+      std::int32_t offset[lanes];
+      __builtin_memcpy(offset, move.give + static_cast<std::int64_t>(r) * 2 * lanes, sizeof offset);
+      for (int k = 0; k < lanes; ++k) __builtin_prefetch(move.pull + offset[k]);
+    }
+  }
+}
+
 template <bool imposed>
 PHYMUL_INLINE void move_slices_of(const simd::Move& move, int slice, int end, simd::Reach& reach) {
   constexpr float largest_float = 3.4028234e38f;
@@ -63,6 +96,7 @@ PHYMUL_INLINE void move_slices_of(const simd::Move& move, int slice, int end, si
   bool cut = false;
   for (; slice < end; ++slice) {
     const std::int64_t at = static_cast<std::int64_t>(slice) * lanes;
+    if (move.far) ask_ahead(move, slice);
     Pack3 force = total_force(move, slice);
     cut |= cut_force(force, load(move.inverse_mass + at), move);
     if (move.load != nullptr) force += gather_row(move.load + 16 * at);

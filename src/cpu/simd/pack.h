@@ -140,9 +140,10 @@ PHYMUL_INLINE Pack inverse_root_change(Pack a, Pack y) {
 #if PHYMUL_LANES == 16
 PHYMUL_INLINE Pack quads(const char* base, const std::int32_t* offset, int k) {
   __m512 p = _mm512_castps128_ps512((__m128)load_quad(base + offset[k]));
-  p = _mm512_insertf32x4(p, (__m128)load_quad(base + offset[4 + k]), 1);
-  p = _mm512_insertf32x4(p, (__m128)load_quad(base + offset[8 + k]), 2);
-  return (Pack)_mm512_insertf32x4(p, (__m128)load_quad(base + offset[12 + k]), 3);
+  // Loads that write four lanes need no unit that moves lanes about, of which there are fewer.
+  p = _mm512_mask_broadcast_f32x4(p, 0x00f0, (__m128)load_quad(base + offset[4 + k]));
+  p = _mm512_mask_broadcast_f32x4(p, 0x0f00, (__m128)load_quad(base + offset[8 + k]));
+  return (Pack)_mm512_mask_broadcast_f32x4(p, 0xf000, (__m128)load_quad(base + offset[12 + k]));
 }
 PHYMUL_INLINE void split_quads(Pack p, Quad to[4]) {
   to[0] = (Quad)_mm512_castps512_ps128((__m512)p);

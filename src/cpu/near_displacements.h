@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+//
+// A cluster's displacements side by side, as its kernels read them.
+#pragma once
+
+#include <cstring>
+
+#include "vector_body.h"
+
+namespace phymul::cpu {
+
+/// `u`: 16 bytes a particle; `near`: as many a slot. The last slot, which stands for nothing, is set to 0. Returns
+/// `near`.
+inline const char* near_displacements(const Cluster& cluster, const char* u, char* const near) {
+  char* to = near;
+  std::memcpy(to, u + 16 * static_cast<std::size_t>(cluster.first), 16 * static_cast<std::size_t>(cluster.own));
+  to += 16 * static_cast<std::size_t>(cluster.own);
+  for (const std::int32_t particle : cluster.halo) {
+    std::memcpy(to, u + 16 * static_cast<std::size_t>(particle), 16);
+    to += 16;
+  }
+  std::memset(to, 0, 16);
+  return near;
+}
+
+/// Asks for them ahead, into the second cache: a halo lies scattered in memory, where no processor foresees it.
+inline void ask_for_displacements(const Cluster& cluster, const char* u) {
+  const char* own = u + 16 * static_cast<std::size_t>(cluster.first);
+  for (std::size_t k = 0; k < 16 * static_cast<std::size_t>(cluster.own); k += 64) __builtin_prefetch(own + k, 0, 2);
+  for (const std::int32_t particle : cluster.halo) {
+    __builtin_prefetch(u + 16 * static_cast<std::size_t>(particle), 0, 2);
+  }
+}
+
+}  // namespace phymul::cpu

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+//
+// Forces of the vector backend, by any of its instruction sets, and what share of the rounding bound they are off.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <memory>
+
+#include "bodies.h"
+#include "bounded_forces.h"
+#include "cpu/simd/instruction_set.h"
+
+namespace phymul::test {
+
+/// Names an instruction set in the environment for as long as this lives.
+class InstructionSet {
+ public:
+  explicit InstructionSet(const char* name) { setenv("PHYMUL_CPU_ISA", name, 1); }
+  ~InstructionSet() { unsetenv("PHYMUL_CPU_ISA"); }
+  InstructionSet(const InstructionSet&) = delete;
+  InstructionSet& operator=(const InstructionSet&) = delete;
+};
+
+inline SolverOptions any_step(int threads = 1) {
+  SolverOptions options;
+  options.on_unstable = UnstableStep::allow;
+  options.spectrum = Spectrum{1e9, 0.0, 0};
+  options.threads = threads;
+  return options;
+}
+
+/// A power of two: nothing is rounded by it.
+inline constexpr double tiny_step = 0x1p-20;
+
+/// Elastic forces as one step from standstill shows them: v+ = dt (f / m).
+inline VecList forces_of(Solver& solver, const VecList& position) {
+  State state = rest_state(solver.model());
+  state.position = position;
+  solver.reset(state);
+  EXPECT_TRUE(solver.step(1, tiny_step).ok());
+  solver.read(state);
+  VecList force = state.velocity;
+  for (std::size_t i = 0; i < force.size(); ++i) force[i] *= solver.topology().mass[i] / tiny_step;
+  return force;
+}
+
+/// Random displacements, each exactly a float.
+inline VecList random_displacements(const Model& model, double amount, std::uint32_t seed) {
+  VecList u = random_positions(model, amount, seed);
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] = (u[i] - model.rest[i]).cast<float>().cast<double>();
+  return u;
+}
+
+inline VecList sum_of(const VecList& a, const VecList& b) {
+  VecList total = a;
+  for (std::size_t i = 0; i < a.size(); ++i) total[i] += b[i];
+  return total;
+}
+
+/// The largest error of a component over its bound; infinite where it is beyond a bound of 0.
+inline double share_of_bound(const Bounded3& bound, const Vec3& exact, const Vec3& found) {
+  const std::array<double, 3> most{bound.x.error, bound.y.error, bound.z.error};
+  double share = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    // The mass and its inverse, and their product with the force, are rounded too.
+    const double allowed = most[static_cast<std::size_t>(axis)] + 3.0 * unit * std::abs(exact[axis]);
+    const double error = std::abs(found[axis] - exact[axis]);
+    if (!(error <= allowed) && allowed == 0.0) return std::numeric_limits<double>::infinity();
+    if (allowed > 0.0) share = std::max(share, std::isfinite(error) ? error / allowed : 2.0);
+  }
+  return share;
+}
+
+}  // namespace phymul::test
