@@ -213,6 +213,7 @@ NeedleState ComputeNeedles::state_of(const Placed& needle, const std::vector<std
 
 void ComputeNeedles::write(const FloatTools& tools) {
   for (const Placed& needle : needles_) require_room(needle, tools.needle(needle.law.tool));
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   for (const Placed& needle : needles_) {
     const std::vector<std::int32_t> words = state_words(needle, tools.needle(needle.law.tool));
     buffer_.write(4 * needle.state, words.data(), static_cast<std::int64_t>(4 * words.size()));
@@ -236,6 +237,7 @@ void ComputeNeedles::read(FloatTools& tools) const {
 
 void ComputeNeedles::uncouple() {
   const std::int32_t none = 0;
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   for (const Placed& needle : needles_) buffer_.write(4 * (needle.state + coupled_word), &none, 4);
 }
 
