@@ -19,7 +19,8 @@ struct FloatNeedles {
   struct One {
     int tool = 0;  ///< row of Scene::tools()
     Needle needle;
-    double friction = 0.0, spread = 0.0, reach = 0.0;  ///< m
+    double friction = 0.0;             ///< Coulomb's, of the tip on the surface
+    double spread = 0.0, reach = 0.0;  ///< m
     int nodes = 0;  ///< twice as many as a straight hole through the body has, and some: room for tissue that is pushed
                     ///< together
     int particles = 0;  ///< a node; six times as many as are within reach of a place inside a body at rest, or all
@@ -27,7 +28,6 @@ struct FloatNeedles {
   };
   std::vector<One> needles;                  ///< in the scene's order
   std::vector<std::array<Index, 3>> facets;  ///< of the body's surface, outward
-  bool empty() const { return needles.empty(); }
 };
 
 }  // namespace phymul

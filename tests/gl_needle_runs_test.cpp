@@ -253,6 +253,14 @@ TEST_F(GlNeedleRuns, AHoleThatIsTooLongIsReportedAndTheStateBeforeKept) {
   pair.device->reset();
   ASSERT_TRUE(pair.device->step(steps, pair.dt).ok());
   EXPECT_EQ(difference(pair.device->read(), kept), "");
+  // Told a call late, and by a call that takes no step.
+  SolverOptions late_options = damped(40.0);
+  late_options.gl.late_report = true;
+  gl::DeviceSolver late(GlBackend::compute, tables_of(model, {}), scene, late_options);
+  StepStatus last = StepStatus::ok;
+  for (int k = 0; k < 40 && last == StepStatus::ok; ++k) last = late.step(50, pair.dt).status;
+  EXPECT_EQ(last, StepStatus::needle_full);
+  EXPECT_EQ(difference(late.read(), kept), "");
   State longer = kept;
   longer.tools[1].needle.hole.push_back(longer.tools[1].needle.hole.back());
   EXPECT_NE(message_of([&] { pair.device->reset(longer); }).find("hole of at most 10 points"), std::string::npos);
