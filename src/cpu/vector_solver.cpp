@@ -221,6 +221,7 @@ class VectorSolver final : public Solver {
       std::memset(job.force, 0, 16 * static_cast<std::size_t>(cluster.slots()));
     }
     job.grid_memory = grid_[part].data();
+    job.far = far_;
     job.u = near_displacements(cluster, bytes(u_),
                                half_a_page_from(job.force ? job.force : job.pull, bytes(near_u_[part])));
     if (far_ && c + 1 < static_cast<int>(body_->clusters.size())) {

@@ -41,7 +41,7 @@ void enumerated_slices(const simd::Job& job) {
   n.offsets = rows.offsets;
   for (int slice = 0; slice < rows.count; ++slice) {
     n.count = rows.neighbours[slice] & ~simd::known_constants;
-    n.fresh = n.count == rows.neighbours[slice];
+    n.fresh = job.far && n.count == rows.neighbours[slice];
     n.edges = rows.rows + static_cast<std::int64_t>(rows.first[slice]) * lanes;
     n.pairs = n.edges + 4 * n.count * lanes;
     n.triples = n.pairs + n.count * (n.count - 1) / 2 * lanes;
