@@ -78,6 +78,44 @@ TEST(ContactSearch, DeepBelowAFineSideNoCoarseOneLeadsOut) {
   }
 }
 
+/// A strip squashed to two fifths and folded over itself, its upper half on the way down: of its own body the far side
+/// is nearer to each particle than what comes.
+TEST(ContactSearch, TheFarSideOfOnesOwnBodyHidesNoFold) {
+  const Model model = make_block({0.12, 0.01, 0.015}, 24, 2, 3);
+  constexpr double squash = 0.4, gap = 0.0075;  // gap: m, between 6 mm of either half
+  std::vector<Index> low, high;                 // particles that face each other, along the middles of the halves
+  State folded = rest_state(model);
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    const Vec3& X = model.rest[i];
+    Vec3& x = folded.position[i];
+    x.z() = squash * X.z();
+    if (X.x() > 0.0575) x = {0.1163 - X.x(), X.y() + 0.0003, 2.0 * squash * 0.015 + gap - x.z()};
+    const bool facing = X.z() > 0.0149 && std::abs(X.y() - 0.005) < 0.001;
+    if (facing && X.x() < 0.041) low.push_back(i);
+    if (facing && X.x() > 0.079) high.push_back(i);
+  }
+  for (const char* backend : {"reference", "cpu"}) {
+    double apart[2] = {0.0, 0.0};
+    for (const bool touching : {false, true}) {
+      Scene scene(model);
+      if (touching) scene.contacts({.friction = 0.0});
+      const auto solver = make_solver(backend, model, scene, {}, options_for({backend, 1}));
+      const double dt = 0.01 * solver->stable_step();  // short, so that they hardly spring back
+      State state = folded;
+      for (Index i = 0; i < model.particle_count(); ++i) {
+        if (model.rest[i].x() > 0.0575) state.velocity[i].z() = -(gap + 0.003) / dt;
+      }
+      solver->reset(state);
+      const StepReport report = solver->step(1, dt);
+      EXPECT_TRUE(report.ok()) << backend << ": " << report.message();
+      const State end = solver->read();
+      apart[touching] = middle_of(end, high).z() - middle_of(end, low).z();
+    }
+    EXPECT_LT(apart[0], -0.002) << backend;
+    EXPECT_GT(apart[1], 0.0005) << backend;
+  }
+}
+
 /// A body all in one point, a particle of another one on it: no triangle has a normal, and the point gives no
 /// direction.
 TEST(ContactSearch, TrianglesWithoutAreaGiveNoDirection) {
