@@ -79,13 +79,15 @@ TEST(ContactSearch, DeepBelowAFineSideNoCoarseOneLeadsOut) {
 }
 
 /// A strip squashed to two fifths and folded over itself, its upper half on the way down: of its own body the far side
-/// is nearer to each particle than what comes.
+/// is nearer to each particle than what comes. Beside it is a coarse body.
 TEST(ContactSearch, TheFarSideOfOnesOwnBodyHidesNoFold) {
-  const Model model = make_block({0.12, 0.01, 0.015}, 24, 2, 3);
+  const Model strip = make_block({0.12, 0.01, 0.015}, 24, 2, 3), coarse = small_cube({0, 0, 0.5}, 0.06);
+  const NamedBody bodies[] = {{"strip", &strip}, {"coarse", &coarse}};
+  const Model model = merge_models(bodies);
   constexpr double squash = 0.4, gap = 0.0075;  // gap: m, between 6 mm of either half
   std::vector<Index> low, high;                 // particles that face each other, along the middles of the halves
   State folded = rest_state(model);
-  for (Index i = 0; i < model.particle_count(); ++i) {
+  for (const Index i : model.group("strip")) {
     const Vec3& X = model.rest[i];
     Vec3& x = folded.position[i];
     x.z() = squash * X.z();
@@ -102,7 +104,7 @@ TEST(ContactSearch, TheFarSideOfOnesOwnBodyHidesNoFold) {
       const auto solver = make_solver(backend, model, scene, {}, options_for({backend, 1}));
       const double dt = 0.01 * solver->stable_step();  // short, so that they hardly spring back
       State state = folded;
-      for (Index i = 0; i < model.particle_count(); ++i) {
+      for (const Index i : model.group("strip")) {
         if (model.rest[i].x() > 0.0575) state.velocity[i].z() = -(gap + 0.003) / dt;
       }
       solver->reset(state);

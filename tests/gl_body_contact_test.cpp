@@ -195,6 +195,27 @@ TEST_F(GlBodyContact, ALongChainOfContactsIsPressedToItsEnd) {
   EXPECT_LE(worst, 20.0);
 }
 
+/// What is deeper than the longer edge of the two is in no body, and no coarse side behind leads it out.
+TEST_F(GlBodyContact, InsideIsAsDeepAsTheLongerEdgeOfTheTwo) {
+  const Model big = make_block({0.04, 0.02, 0.02}, 2, 4, 4);  // edges of 5 mm across x, else of 20 mm
+  for (const double below : {0.003, 0.0065, 0.012}) {
+    const Model small = moved(make_block({0.001, 0.001, 0.001}, 1, 1, 1), {0.039 - below, 0.011, 0.0095});
+    const Model model = joined_bodies(big, small);
+    Scene scene(model);
+    scene.contacts({.skin = 1e-4});
+    BesideReference pair(model, scene, damped(5.0));
+    if (below == 0.0065) {
+      ASSERT_TRUE(pair.device->step(1, pair.dt).ok());
+      EXPECT_EQ(pair.device->read().position, model.rest);
+      continue;
+    }
+    EXPECT_LE(pair.off_after(1), 1e-3) << below;
+    const Vec3 way =
+        mean_place(pair.device->read(), model.group("high")) - mean_place(rest_state(model), model.group("high"));
+    EXPECT_GT(below < 0.006 ? way.x() : way.y(), 1e-7) << way.transpose();
+  }
+}
+
 /// What a tool holds no contact moves: it presses the slab. What another tool pushes rubs on it.
 TEST_F(GlBodyContact, ToolsAndContactsActInOneStep) {
   const Model model = stacked(0.0012);
