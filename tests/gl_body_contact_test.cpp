@@ -195,6 +195,23 @@ TEST_F(GlBodyContact, ALongChainOfContactsIsPressedToItsEnd) {
   EXPECT_LE(worst, 20.0);
 }
 
+/// From rest a jaw takes the cube down, past the gap in its first step: the slab gives way in that step.
+TEST_F(GlBodyContact, WhatAToolSetsGoingIsSeenInThatStep) {
+  const Model model = stacked(0.002);
+  const Vec3 middle(0.0122, 0.0131, 0.017);
+  Scene scene(model);
+  scene.contacts({.friction = 0.0});
+  scene.add_tool("jaw", {.shape = Box{{0.0055, 0.0055, 0.0055}}, .pose = {.position = middle}});
+  scene.tool("jaw").grasp(0.0);
+  BesideReference pair(model, scene, damped(5.0));
+  scene.tool("jaw").pose({.position = middle - Vec3(0, 0, 0.003)});
+  EXPECT_LE(pair.off_after(1), 1e-5);
+  double deepest = 0.0;
+  const State end = pair.device->read();
+  for (const Index i : model.group("low")) deepest = std::min(deepest, (end.position[i] - model.rest[i]).z());
+  EXPECT_LT(deepest, -0.001);
+}
+
 /// What is deeper than the longer edge of the two is in no body, and no coarse side behind leads it out.
 TEST_F(GlBodyContact, InsideIsAsDeepAsTheLongerEdgeOfTheTwo) {
   const Model big = make_block({0.04, 0.02, 0.02}, 2, 4, 4);  // edges of 5 mm across x, else of 20 mm
