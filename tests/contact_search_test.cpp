@@ -32,11 +32,12 @@ Effect effect_of_contacts(const Model& big, const Model& small, const char* back
   const Model coarse = small_cube({0, 0, 0.5}, 0.06);
   const NamedBody bodies[] = {{"big", &big}, {"small", &small}, {"coarse", &coarse}};
   const Model model = merge_models(bodies);
+  Scene scene(model);
+  const auto solver = make_solver(backend, model, scene, {}, options_for({backend, 1}));
   State end[2];
   for (const bool touching : {false, true}) {
-    Scene scene(model);
     if (touching) scene.contacts({.skin = 1e-4});
-    const auto solver = make_solver(backend, model, scene, {}, options_for({backend, 1}));
+    solver->reset();
     EXPECT_TRUE(solver->step(1, 0.4 * solver->stable_step()).ok());
     end[touching] = solver->read();
   }
@@ -97,11 +98,11 @@ TEST(ContactSearch, TheFarSideOfOnesOwnBodyHidesNoFold) {
     if (facing && X.x() > 0.079) high.push_back(i);
   }
   for (const char* backend : {"reference", "cpu"}) {
+    Scene scene(model);
+    const auto solver = make_solver(backend, model, scene, {}, options_for({backend, 1}));
     double apart[2] = {0.0, 0.0};
     for (const bool touching : {false, true}) {
-      Scene scene(model);
       if (touching) scene.contacts({.friction = 0.0});
-      const auto solver = make_solver(backend, model, scene, {}, options_for({backend, 1}));
       const double dt = 0.01 * solver->stable_step();  // short, so that they hardly spring back
       State state = folded;
       for (const Index i : model.group("strip")) {
