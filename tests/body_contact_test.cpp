@@ -312,6 +312,31 @@ TEST(BodyContact, AnOverlapAtTheStartGoesGently) {
   }
 }
 
+/// From rest a jaw takes the cube down, past the gap in its first step: the slab is where the cube leaves room.
+TEST(BodyContact, WhatAToolSetsGoingIsSeenInThatStep) {
+  const Model model = stacked(0.002);
+  const Vec3 middle(0.0313, 0.0321, 0.032), end = middle - Vec3(0, 0, 0.003);
+  for (const char* backend : {"reference", "cpu"}) {
+    Scene scene(model);
+    scene.contacts({.friction = 0.0});
+    scene.add_tool("jaw", {.shape = Box{{0.0105, 0.0105, 0.0105}}, .pose = {.position = middle}});
+    scene.tool("jaw").grasp(0.0);
+    const auto solver = make_solver(backend, model, scene, {}, options_for({backend, 1}));
+    scene.tool("jaw").pose({.position = end});
+    const StepReport report = solver->step(1, 0.4 * solver->stable_step());
+    ASSERT_TRUE(report.ok()) << report.message();
+    const State state = solver->read();
+    const double bottom = lowest(state, model.group("high"));
+    EXPECT_NEAR(bottom, 0.019, 1e-6) << backend;
+    for (const Index i : model.group("low/z1")) {
+      const Vec3 off = model.rest[i] - middle;
+      if (std::max(std::abs(off.x()), std::abs(off.y())) < 0.01) {
+        EXPECT_LT(state.position[i].z(), bottom - 0.0009) << backend;  // m; two skins are 1 mm
+      }
+    }
+  }
+}
+
 TEST(BodyContact, RefusesWhatMakesNoSense) {
   const Model model = make_tetrahedron(0.01);
   Scene scene(model);

@@ -195,6 +195,44 @@ TEST_F(GlBodyContact, ALongChainOfContactsIsPressedToItsEnd) {
   EXPECT_LE(worst, 20.0);
 }
 
+/// From rest a jaw takes the cube down, past the gap in its first step: the slab gives way in that step.
+TEST_F(GlBodyContact, WhatAToolSetsGoingIsSeenInThatStep) {
+  const Model model = stacked(0.002);
+  const Vec3 middle(0.0122, 0.0131, 0.017);
+  Scene scene(model);
+  scene.contacts({.friction = 0.0});
+  scene.add_tool("jaw", {.shape = Box{{0.0055, 0.0055, 0.0055}}, .pose = {.position = middle}});
+  scene.tool("jaw").grasp(0.0);
+  BesideReference pair(model, scene, damped(5.0));
+  scene.tool("jaw").pose({.position = middle - Vec3(0, 0, 0.003)});
+  EXPECT_LE(pair.off_after(1), 1e-5);
+  double deepest = 0.0;
+  const State end = pair.device->read();
+  for (const Index i : model.group("low")) deepest = std::min(deepest, (end.position[i] - model.rest[i]).z());
+  EXPECT_LT(deepest, -0.001);
+}
+
+/// What is deeper than the longer edge of the two is in no body, and no coarse side behind leads it out.
+TEST_F(GlBodyContact, InsideIsAsDeepAsTheLongerEdgeOfTheTwo) {
+  const Model big = make_block({0.04, 0.02, 0.02}, 2, 4, 4);  // edges of 5 mm across x, else of 20 mm
+  for (const double below : {0.003, 0.0065, 0.012}) {
+    const Model small = moved(make_block({0.001, 0.001, 0.001}, 1, 1, 1), {0.039 - below, 0.011, 0.0095});
+    const Model model = joined_bodies(big, small);
+    Scene scene(model);
+    scene.contacts({.skin = 1e-4});
+    BesideReference pair(model, scene, damped(5.0));
+    if (below == 0.0065) {
+      ASSERT_TRUE(pair.device->step(1, pair.dt).ok());
+      EXPECT_EQ(pair.device->read().position, model.rest);
+      continue;
+    }
+    EXPECT_LE(pair.off_after(1), 1e-3) << below;
+    const Vec3 way =
+        mean_place(pair.device->read(), model.group("high")) - mean_place(rest_state(model), model.group("high"));
+    EXPECT_GT(below < 0.006 ? way.x() : way.y(), 1e-7) << way.transpose();
+  }
+}
+
 /// What a tool holds no contact moves: it presses the slab. What another tool pushes rubs on it.
 TEST_F(GlBodyContact, ToolsAndContactsActInOneStep) {
   const Model model = stacked(0.0012);

@@ -211,6 +211,32 @@ TEST_P(GlVolume, OneThatCannotBeRestoredIsReportedAndTheStepNotTaken) {
   EXPECT_EQ(late->read(), rest_state(model_));
 }
 
+/// Held whole by two tools, and carried forty of its sizes away: rounding is no loss, a hundredth of the volume is.
+TEST_P(GlVolume, OfWhatIsHeldWholeIsLostOnlyWhereItChanges) {
+  const double size = 0.01;  // m
+  const Model cube = make_block(Vec3::Constant(size), 1, 2, 2);
+  const Vec3 ends[] = {{0, 0.5 * size, 0.5 * size}, {size, 0.5 * size, 0.5 * size}};
+  const Vec3 far = 40.0 * size * Vec3(0.6, -0.48, 0.64);
+  Scene scene(cube);
+  scene.keep_volume();
+  for (const Vec3& end : ends) {
+    const std::string name = end.x() > 0.0 ? "high" : "low";
+    scene.add_tool(name, {.shape = Box{{0.1 * size, 0.6 * size, 0.6 * size}}, .pose = {.position = end}});
+    scene.tool(name).grasp(0.0);
+  }
+  options_.spectrum.reset();
+  const GlTwins twins(tables_of(cube, {}), scene, options_, GetParam().backend);
+  ASSERT_TRUE(twins.gl->step(1, 1e-4).ok() && twins.mirror->step(1, 1e-4).ok());
+  scene.tool("low").pose({.position = ends[0] + far});
+  for (const double lost : {0.0, 1e-2}) {
+    scene.tool("high").pose({.position = ends[1] + far - lost * size * Vec3::UnitX()});
+    const StepReport a = twins.gl->step(1, 1e-4), b = twins.mirror->step(1, 1e-4);
+    EXPECT_EQ(a.status, lost == 0.0 ? StepStatus::ok : StepStatus::volume_lost) << a.message();
+    EXPECT_EQ(a.status, b.status);
+    EXPECT_LT((twins.gl->read().position.front() - far).norm(), 1e-6 * far.norm());
+  }
+}
+
 /// Volumes come, change and go while a solver runs.
 TEST_P(GlVolume, AChangedSceneIsFollowed) {
   Scene scene(model_);

@@ -270,5 +270,45 @@ TEST(KeptVolume, ThatCannotBeRestoredIsReported) {
   }
 }
 
+/// Held whole, by loads or by tools, and carried forty of its sizes away: rounding is no loss, what its ends lose is.
+TEST(KeptVolume, OfWhatIsHeldWholeIsLostOnlyWhereItChanges) {
+  const double size = 0.01;  // m
+  const Model model = make_block(Vec3::Constant(size), 1, 2, 2);
+  const Vec3 far = 40.0 * size * Vec3(0.6, -0.48, 0.64);
+  for (const BackendCase& backend : cpu_backends) {
+    for (const bool by_tools : {false, true}) {
+      Scene scene(model);
+      scene.keep_volume();
+      const auto to = [&](const char* end, const Vec3& way) {
+        const double x = end[1] == '0' ? 0.0 : size;
+        if (by_tools) return scene.tool(end).pose({.position = Vec3(x, 0.5 * size, 0.5 * size) + way});
+        scene.replace(x > 0.0, pull(model, end, way, {{0, way.norm()}}));
+      };
+      for (const char* end : {"x0", "x1"}) {
+        if (!by_tools) {
+          scene.add(pull(model, end, far, {{0, 0}}));
+          continue;
+        }
+        const Vec3 at(end[1] == '0' ? 0.0 : size, 0.5 * size, 0.5 * size);
+        scene.add_tool(end, {.shape = Box{{0.1 * size, 0.6 * size, 0.6 * size}}, .pose = {.position = at}});
+        scene.tool(end).grasp(0.0);
+      }
+      const auto solver = make_solver(backend.name, model, scene);
+      const double dt = 0.3 * solver->stable_step();
+      ASSERT_TRUE(solver->step(1, dt).ok());
+      to("x0", far);
+      for (const double lost : {0.0, 5e-5, 5e-4, 1e-2}) {
+        to("x1", far - lost * size * Vec3::UnitX());
+        const State before = solver->read();
+        const StepReport report = solver->step(1, dt);
+        SCOPED_TRACE(testing::Message() << backend.name << (by_tools ? ", tools, " : ", loads, ") << lost);
+        EXPECT_EQ(report.status, lost < 1e-4 ? StepStatus::ok : StepStatus::volume_lost) << report.message();
+        EXPECT_EQ(solver->read().position == before.position, !report.ok());
+        EXPECT_LT((solver->read().position.front() - model.rest.front() - far).norm(), 1e-6 * far.norm());
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace phymul
