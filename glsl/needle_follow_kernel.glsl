@@ -78,7 +78,11 @@ void after_node(int outcome) {
     reach *= 1.5;
     return;
   }
-  if (outcome == node_full && full_step == 0) full_step = number;
+  if (outcome == node_full) {
+    full_step = number;
+    stage = done;
+    return;
+  }
   reach = first_reach;
   if (stage == fills) {
     left -= spread;
@@ -125,7 +129,11 @@ void main() {
   way = state_real(way_word);
   first = state_word(first_word) != 0;
   wait_for_group();
-  if (goes_on == 0) begin_step(lane);
+  if (full_step != 0) {
+    stage = done;  // what follows is done again from the step before
+  } else if (goes_on == 0) {
+    begin_step(lane);
+  }
   for (int unit = 0; unit < most_units; ++unit) {
     if (stage == done) break;
     work(lane);

@@ -111,7 +111,7 @@ int add_node(int lane, vec3 x, float reach) {
   if (!sound) return found < model_count && reach < 1000.0 * first_reach ? node_again : node_none;
   mat4 lower;
   cholesky(moments, lower);
-  vec4 coefficients = vec4(0.0);
+  vec4 coefficients = vec4(0.0), missing = vec4(0.0);
   for (int k = 0; k < refinements; ++k) {
     vec4 sum = vec4(0.0);
     for (int j = before; j < before + own; ++j) {
@@ -122,7 +122,15 @@ int add_node(int lane, vec3 x, float reach) {
       sum += weight * b;
     }
     sum = sum_of_lanes(lane, sum);
-    if (k < refinements - 1) coefficients += solved(lower, vec4(1.0, 0.0, 0.0, 0.0) - sum);
+    missing = solved(lower, vec4(1.0, 0.0, 0.0, 0.0) - sum);
+    if (k < refinements - 1) coefficients += missing;
+  }
+  // Coefficients are rounded more coarsely than this, where all particles lie to one side.
+  for (int j = before; j < before + own; ++j) {
+    vec4 b = basis_at(needle_words[list + j], x, inverse_reach);
+    float inside = inside_of(b);
+    float weight = intBitsToFloat(needle_words[list + most_around + j]) + inside * inside * dot(missing, b);
+    needle_words[list + most_around + j] = floatBitsToInt(weight);
   }
   if (lane == 0) {
     needle_words[node_words(node_count)] = found;

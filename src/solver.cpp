@@ -283,7 +283,9 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
         "out of shape";
   } else if (motion.full_needle >= 0) {
     report.status = StepStatus::needle_full;
-    report.cause = "Give the needle a larger Needle::spread, or use the backend \"cpu\"";
+    report.cause =
+        "Give the needle a larger Needle::spread or use the backend \"cpu\"; to go on, take the needle out with "
+        "ToolHandle::place(), or reset()";
   } else if (motion.bad_particle >= 0) {
     report.status = StepStatus::not_finite;
     report.particle = motion.bad_particle;

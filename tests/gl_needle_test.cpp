@@ -23,15 +23,14 @@ struct Course {
 };
 
 /// Rise, puncture, plateau and withdrawal; turning; a shaft that bends; out on the far side. Bounds: some ten times of
-/// what llvmpipe gave. A stiff shaft holds nodes that are nearly at one place, as where it comes out, and turns the
-/// tissue about them by their rounding: its forces were off by 1.2e-5 of the peak there, by 6e-7 elsewhere.
+/// what llvmpipe gave. A stiff shaft that comes out holds nodes that all but coincide, and any rounding then decides
+/// where it goes, in the reference too: there is no such course.
 TEST_F(GlNeedle, AgreesWithTheReferenceOverWholeInsertions) {
   const Vec3 far(800, -600, 1000);
   const std::array courses{Course{"stiff", 0.0, {0, 0, 0}, 0.02, 0.0, 0.0, GlCompute::store},
                            Course{"turning, far", 0.0, far, 0.02, 0.4, 0.0, GlCompute::recompute},
                            Course{"bending", 5e-3, {0, 0, 0}, 0.02, 0.1, 1e-4, GlCompute::workgroup},
                            Course{"soft, far", 1e-6, far, 0.025, 0.0, 2e-4, GlCompute::store},
-                           Course{"through", 0.0, {0, 0, 0}, 0.06, 0.0, 0.0, GlCompute::store},
                            Course{"through, bending", 2e-2, far, 0.06, 0.2, 1e-4, GlCompute::store}};
   for (const Course& course : courses) {
     SCOPED_TRACE(course.name);
@@ -67,7 +66,7 @@ TEST_F(GlNeedle, AgreesWithTheReferenceOverWholeInsertions) {
     std::printf("[ NEEDLES ] %s: off by at most %.2g m of %.2g, forces by %.2g of the peak, the shaft by %.2g m\n",
                 course.name, off, moved, off_force / peak, off_bend);
     EXPECT_LE(off, 3e-8);
-    EXPECT_LE(off_force, (through && course.stiffness == 0.0 ? 1e-4 : 6e-6) * peak);
+    EXPECT_LE(off_force, 6e-6 * peak);
     EXPECT_LE(off_bend, 1e-7);
   }
 }
@@ -169,6 +168,46 @@ TEST_F(GlNeedle, ActsBetweenWhatHoldsAndWhatPresses) {
   std::printf("[ NEEDLES ] with tools and a volume: off by %.2g of the motion, forces by %.2g N\n", worst, worst_force);
   EXPECT_LE(worst, 1e-5);
   EXPECT_LE(worst_force, 5e-5);
+}
+
+/// A point of the exit has all its particles to one side, where weights are the hardest to get right: read() and
+/// reset() promise sums within 1e-6.
+TEST_F(GlNeedle, AStateAtAnObliqueExitCanBeGoneOnFrom) {
+  Model model = make_block({0.04, 0.04, 0.04}, 5, 5, 5);
+  set_material(model, {10e3, 0.45, 1000.0});
+  for (const double tilt : {0.55, 0.7, 0.85}) {
+    Needle needle;
+    needle.length = 0.1;
+    needle.radius = 0.6e-3;
+    needle.puncture = 0.4;
+    needle.cutting = 0.15;
+    needle.spread = 0.012;
+    ToolPose pose;
+    pose.position = {0.022, 0.0197, 0.0403};
+    pose.orientation = Quaternion(Eigen::AngleAxisd(-tilt, Vec3::UnitY()));
+    Scene scene(model);
+    scene.fix("z0").add_tool("needle", {.shape = needle, .pose = pose, .friction = 0.5});
+    SolverOptions options;
+    options.damping.rate = 40.0;
+    const auto solver = make_solver("gl-compute", model, scene, {}, options);
+    bool through = false;
+    double off = 0.0;
+    for (int k = 0; k < 45; ++k) {
+      pose.position -= 1e-3 * (pose.orientation * Vec3::UnitZ());
+      scene.tool("needle").pose(pose);
+      ASSERT_TRUE(solver->step(12, 0.4 * solver->stable_step()).ok()) << tilt;
+      const NeedleState state = solver->read().tools[0].needle;
+      through = through || state.through;
+      for (const NeedleNode& node : state.hole) {
+        double sum = 0.0;
+        for (const double weight : node.weights) sum += weight;
+        off = std::max(off, std::abs(sum - 1.0));
+      }
+    }
+    EXPECT_TRUE(through) << tilt;
+    EXPECT_LE(off, 5e-7) << tilt;
+    solver->reset(solver->read());
+  }
 }
 
 /// Pushed through one body that rests on another: needles before contacts.

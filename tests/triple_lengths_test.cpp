@@ -30,6 +30,7 @@ Eigen::Matrix3d shear(double xy) {
 /// Around both bounds of triple_lengths.h: edges of twice their length, triangles of a quarter of their area.
 std::vector<Deformation> deformations() {
   return {{"small", shear(1e-4)},
+          {"sheared 0.01", shear(0.01)},
           {"stretched 1.9", stretch(1.9, 1.0, 1.0)},
           {"stretched 2.1", stretch(1.0, 2.1, 1.0)},
           {"stretched 10", stretch(1.0, 1.0, 10.0)},
@@ -50,7 +51,10 @@ std::vector<Body> enumerable_bodies() {
   Model shaken = make_block({0.03, 0.03, 0.03}, 3, 3, 3, 14);
   std::mt19937 bits(5);
   shake(shaken.rest, 0.002, bits);
-  return {{"6 neighbours", make_block({0.04, 0.03, 0.03}, 4, 3, 3, 6)},
+  Model in_line = make_block({0.03, 0.03, 0.03}, 3, 3, 3, 14);  // all but in line, many triples of neighbours
+  shake(in_line.rest, 1e-6, bits);
+  return {{"in line", in_line},
+          {"6 neighbours", make_block({0.04, 0.03, 0.03}, 4, 3, 3, 6)},
           {"14 neighbours", make_block({0.03, 0.03, 0.03}, 3, 3, 3, 14)},
           {"uneven", shaken},
           {"tetrahedra", make_tetrahedral_block({0.03, 0.03, 0.03}, 3, 3, 3, 0.2, 7)},
@@ -66,7 +70,8 @@ TEST(TripleLengths, FarFromRestForcesAreWithinTheRoundingBound) {
           build_topology(body.model, {.reaction = reaction, .bases = BaseSelection::all}));
       const Scene scene(body.model);
       for (const Deformation& deformation : deformations()) {
-        VecList u = random_displacements(body.model, 0.02, 3);
+        VecList u =
+            random_displacements(body.model, 0.1 * (deformation.gradient - Eigen::Matrix3d::Identity()).norm(), 3);
         for (std::size_t i = 0; i < u.size(); ++i) {
           u[i] += deformation.gradient * tables->rest[i] - tables->rest[i];
           u[i] = u[i].cast<float>().cast<double>();

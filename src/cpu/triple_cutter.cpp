@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: MIT
 #include "triple_cutter.h"
 
+#include <phymul/error.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "neighbourhoods.h"
 
 namespace phymul::cpu {
 namespace {
 
-/// Share of a base's longest edge below which its height is the rounding of 0: constants of particles that see the same
-/// are then the same to the last bit.
+/// Share of the root of a base's |w| below which its height is the rounding of 0: constants of particles that see the
+/// same are then the same to the last bit.
 constexpr double no_height = 0x1p-32;
+
+/// By how much more than by normals a particle's force may be rounded where its triples go by lengths.
+constexpr double most_rounding = 3.0;
 
 std::string_view bytes_of(const Floats& floats, std::size_t first, std::size_t count) {
   return {reinterpret_cast<const char*>(floats.data() + first), count * sizeof(float)};
@@ -78,9 +85,37 @@ void TripleCutter::cut_slice(Index first, Index end, Slots& slots) {
     }
   }
   sum_heights(count, first_pair, first_triple);
+  const bool thin = std::ranges::any_of(triples, [this](const Triples& of) { return is_thin(of); });
   const std::size_t place = share_constants(constants);
-  body_.enumerated_neighbours.push_back(place == constants ? count : count + simd::known_constants);
+  if (place / lanes > std::numeric_limits<std::int32_t>::max()) {
+    throw Error(
+        "the body has too many bases for 32-bit rows of constants; the backend \"reference\" has no such limit");
+  }
+  body_.enumerated_neighbours.push_back(count + (place == constants ? 0 : simd::known_constants) +
+                                        (thin ? simd::thin_triples : 0));
   body_.enumerated_first.push_back(static_cast<std::int32_t>(place / lanes));
+}
+
+/// Whether small angles between the edges from triples' first neighbours, sin^2 = |w|^2 / (|e1|^2 |e2|^2), round the
+/// sum of all triples much more by lengths (1 / sin^2) than by normals (1 / sin).
+bool TripleCutter::is_thin(const Triples& of) const {
+  const auto n = static_cast<Index>(of.neighbour.size());
+  double lengths = 0.0, normals = 0.0;
+  for (Index j = 0; j < n; ++j) {
+    for (Index k = j + 1; k < n; ++k) {
+      for (Index l = k + 1; l < n; ++l) {
+        const Index row = of.base[triple_row(n, j, k, l)];
+        if (row == none) continue;
+        const Vec3& at = t_.rest[of.neighbour[j]];
+        const Vec3 e1 = t_.rest[of.neighbour[k]] - at, e2 = t_.rest[of.neighbour[l]] - at;
+        const double sine_squared = e1.cross(e2).squaredNorm() / (e1.squaredNorm() * e2.squaredNorm());
+        const double height = t_.weight[row] * std::abs(t_.bases[row].beta);
+        lengths += height / sine_squared;
+        normals += height / std::sqrt(sine_squared);
+      }
+    }
+  }
+  return lengths > most_rounding * normals;
 }
 
 void TripleCutter::pack_triple(const Triples& of, Index j, Index k, Index l, LaneRows& rows, Index row,
@@ -158,7 +193,7 @@ double TripleCutter::cost(int c) const {
   const double a_triple = body_.use == simd::BaseUse::averaged ? 8.0 : 4.0;
   double cost = 0.0;
   for (std::size_t s = starts_[c].slice; s < body_.enumerated_neighbours.size(); ++s) {
-    const double n = body_.enumerated_neighbours[s] & ~simd::known_constants;
+    const double n = body_.enumerated_neighbours[s] & simd::neighbour_count;
     cost += 12.0 * n + 4.0 * n * n + a_triple * n * (n - 1.0) * (n - 2.0) / 6.0;
   }
   return cost;

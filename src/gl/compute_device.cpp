@@ -44,6 +44,7 @@ void ComputeDevice::begin_batch(const StepConstants& constants, const std::vecto
   passes_.set_constants(constants);
   state_.set_checkpoint();
   if (const ComputeNeedles* const needles = loads_->needles()) needles->set_checkpoint();
+  batch_was_run_ = false;
 }
 
 void ComputeDevice::write_needles(const FloatTools& tools) {
@@ -57,17 +58,24 @@ void ComputeDevice::read_needles(FloatTools& tools) {
 void ComputeDevice::run(int count) {
   bind();
   state_.go_back();
-  if (const ComputeNeedles* const needles = loads_->needles()) needles->go_back();
+  if (ComputeNeedles* const needles = loads_->needles()) {
+    needles->go_back();
+    if (batch_was_run_) needles->uncouple();  // another hole may have been begun in what is taken back
+  }
+  batch_was_run_ = true;
   passes_.steps(state_, 1, count);
 }
 
 BatchReport ComputeDevice::try_step(int number) {
   bind();
-  const ComputeNeedles* const needles = loads_->needles();
+  ComputeNeedles* const needles = loads_->needles();
   if (needles) needles->begin_trial();
   passes_.try_step(state_, number);
   report_.request(state_, state_.free_pair(), *loads_);
-  if (needles) needles->end_trial();
+  if (needles) {
+    needles->end_trial();
+    needles->uncouple();
+  }
   return report_.take();
 }
 

@@ -57,6 +57,7 @@ class ComputeDevice final : public Device {
   ComputePasses passes_;
   ComputeState state_;
   std::unique_ptr<ComputeLoads> loads_;
+  bool batch_was_run_ = false;  // since begin_batch()
   ComputeReport report_;
   ComputeSums sums_;
   StateCopies copies_;

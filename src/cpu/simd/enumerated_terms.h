@@ -19,7 +19,7 @@ template <bool averaged, int neighbours>
   Pack changes[neighbours > 0 ? 64 : simd::most_enumerated_triples];
   PairLengths<neighbours> pairs;
   Pack3 pull;
-  const bool near = pull_by_lengths<averaged, neighbours>(n, pairs, changes, pull);
+  const bool near = !n.thin && pull_by_lengths<averaged, neighbours>(n, pairs, changes, pull);
   if (!near) pull = pull_by_normals<averaged>(n, changes);
   const Pack3 F = load(job.stiffness + slice * lanes) * pull;
   if constexpr (averaged) {
@@ -40,8 +40,9 @@ void enumerated_slices(const simd::Job& job) {
   const simd::Enumerated& rows = job.enumerated;
   n.offsets = rows.offsets;
   for (int slice = 0; slice < rows.count; ++slice) {
-    n.count = rows.neighbours[slice] & ~simd::known_constants;
-    n.fresh = job.far && n.count == rows.neighbours[slice];
+    n.count = rows.neighbours[slice] & simd::neighbour_count;
+    n.thin = (rows.neighbours[slice] & simd::thin_triples) != 0;
+    n.fresh = job.far && (rows.neighbours[slice] & simd::known_constants) == 0;
     n.edges = rows.rows + static_cast<std::int64_t>(rows.first[slice]) * lanes;
     n.pairs = n.edges + 4 * n.count * lanes;
     n.triples = n.pairs + n.count * (n.count - 1) / 2 * lanes;

@@ -51,15 +51,16 @@ struct Rows {
 
 /// Slices whose lanes have their triples of neighbours in one order. Constants may serve several of them.
 struct Enumerated {
-  const std::int32_t* neighbours = nullptr;  ///< [slices] how many, plus known_constants
+  const std::int32_t* neighbours = nullptr;  ///< [slices] how many, plus the flags below
   const std::int32_t* offsets = nullptr;     ///< [neighbours][lanes] of each slice, one after another
   const std::int32_t* first = nullptr;       ///< [slices] first column of each in `rows`
   const float* rows = nullptr;
   int count = 0;
 };
 inline constexpr int most_enumerated = 20;  ///< neighbours
-/// Beside their number: an earlier slice has the same constants.
-inline constexpr std::int32_t known_constants = 1 << 30;
+/// Beside their number: an earlier slice has the same constants; edges meet at angles too small to go by lengths.
+inline constexpr std::int32_t known_constants = 1 << 30, thin_triples = 1 << 29;
+inline constexpr std::int32_t neighbour_count = thin_triples - 1;  ///< mask
 inline constexpr int most_enumerated_triples = most_enumerated * (most_enumerated - 1) * (most_enumerated - 2) / 6;
 
 /// A hexahedron whose edges lie along the axes, with equal bases at its corners: those over the triangles of two edges

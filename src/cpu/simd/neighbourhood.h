@@ -13,6 +13,7 @@ inline constexpr int most_pairs = simd::most_enumerated * (simd::most_enumerated
 /// Rows of constants as job.h has them. A place is where a neighbour is, seen from the owner.
 struct Neighbourhood {
   int count;
+  bool thin;                    // simd::thin_triples
   bool fresh;                   // its constants are in no cache
   const std::int32_t* offsets;  // per neighbour
   const float* edges;           // per neighbour: E (3), alpha

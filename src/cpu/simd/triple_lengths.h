@@ -21,6 +21,8 @@ namespace phymul::cpu::PHYMUL_ISA {
 
 /// Where a triangle has less of its area at rest, squared, its y has lost too many digits.
 inline constexpr float least_area_squared = 0.0625f;
+/// Edges that hardly change may open a flat triangle to any multiple of its area.
+inline constexpr float most_area_squared = 16.0f;
 /// eta / g up to which an edge is taken: twice its length.
 inline constexpr float most_stretch = 0.3f;
 
@@ -38,7 +40,7 @@ PHYMUL_INLINE constexpr int pairs_of(int count, int j) {
   return j * (2 * count - j - 3) / 2 - 1;
 }
 
-/// 1 / sqrt(1 + y) - 1 for y in (-1, 20), as inverse_root_change().
+/// 1 / sqrt(1 + y) - 1 for y in (-1, 16), as inverse_root_change().
 PHYMUL_INLINE Pack area_change(Pack y) {
   const Pack a = y + 1.0f;
   const Pack r = rough_inverse_root(a), c = r - 1.0f;
@@ -81,7 +83,7 @@ PHYMUL_INLINE bool pull_by_lengths(const Neighbourhood& n, PairLengths<neighbour
   count_up<fixed, 0, fixed ? neighbours*(neighbours - 1) / 2 : 0>(
       0, count * (count - 1) / 2, [&](auto p) __attribute__((always_inline)) { S[number(p)] = Pack{}; });
   const float* row = n.triples;
-  Pack least = all(1.0f);
+  Pack least = all(1.0f), most = all(-1.0f);
   count_up<fixed, 0, neighbours - 2>(
       0, count - 2, [&](auto j_) __attribute__((always_inline)) {
         const int j = number(j_), of_j = pairs_of(count, j);
@@ -101,6 +103,7 @@ PHYMUL_INLINE bool pull_by_lengths(const Neighbourhood& n, PairLengths<neighbour
                     const Pack eta = (eta1 + eta2) - pairs.eta[kl], g = (g1 + g2) - pairs.g[kl];
                     const Pack y = load(row + lanes) * (twice_eta1 * g2 + (twice_g1 * eta2 - eta * g));
                     least = smaller(y, least);
+                    most = larger(y, most);
                     const Pack c = area_change(y);
                     if constexpr (keep) *changes++ = c;
                     const Pack share = load(row) * c;
@@ -129,7 +132,7 @@ PHYMUL_INLINE bool pull_by_lengths(const Neighbourhood& n, PairLengths<neighbour
             });
         pull += cross(n.place(j), now) + cross(n.half[j], rest);
       });
-  return !any_below(least, all(least_area_squared - 1.0f));
+  return !any_below(least, all(least_area_squared - 1.0f)) && !any_below(all(most_area_squared - 1.0f), most);
 }
 
 /// What F costs the neighbours. Of G = h_t rho (F - n (n.F)), the derivative by w, rho = 1 + c, the first part makes
