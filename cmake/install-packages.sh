@@ -56,7 +56,6 @@ for part in "$@"; do
       need_package libgl-dev
       need_package libx11-dev
       need_package xvfb
-      need_package xauth
       ;;
     *)
       echo "phymul: unknown part \"$part\"; there are: examples tests bench charts gl gl-tests" >&2

@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: MIT
 #
-# Runs phymul-view (VIEW) by script on an X server of its own (XVFB_RUN), and looks at its last frames with CHECK.
-if(NOT XVFB_RUN)
+# Runs phymul-view (VIEW) by script on an X server of its own (XVFB), and looks at its last frames with CHECK.
+if(NOT XVFB)
   if("$ENV{PHYMUL_REQUIRE_GL}" STREQUAL "1")
-    message(FATAL_ERROR "PHYMUL_REQUIRE_GL=1, but there is no xvfb-run; on Debian or Ubuntu: apt-get install xvfb xauth")
+    message(FATAL_ERROR "PHYMUL_REQUIRE_GL=1, but there is no Xvfb; on Debian or Ubuntu: apt-get install xvfb")
   endif()
-  message("NOT TESTED: there is no xvfb-run; on Debian or Ubuntu: apt-get install xvfb xauth")
+  message("NOT TESTED: there is no Xvfb; on Debian or Ubuntu: apt-get install xvfb")
   return()
 endif()
 file(REMOVE_RECURSE ${OUT})
 file(MAKE_DIRECTORY ${OUT})
 
 function(view name expected_code expected_text)
-  execute_process(COMMAND ${XVFB_RUN} --auto-servernum "--server-args=-screen 0 800x600x24" ${VIEW} --hidden
+  execute_process(COMMAND sh ${ON_X_SERVER} ${XVFB} 800x600x24 ${VIEW} --hidden
                           --width 400 --height 320 --png ${OUT}/${name}.png ${ARGN}
                   RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE err TIMEOUT 200)
   if(NOT code EQUAL expected_code OR NOT "${out}${err}" MATCHES "${expected_text}")

@@ -75,7 +75,8 @@ class GlGlx : public test::GlTest, public testing::WithParamInterface<int> {
   void SetUp() override {
     test::GlTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(XDisplayName(nullptr)[0] ? "" : "no X server: DISPLAY is not set; run it under xvfb-run");
+    PHYMUL_SKIP_OR_FAIL(
+        XDisplayName(nullptr)[0] ? "" : "no X server: DISPLAY is not set; give it one, as tests/on_x_server.sh does");
     host_ = std::make_unique<GlxHost>(3, 3, GetParam());
     PHYMUL_SKIP_OR_FAIL(host_->works() ? "" : "GLX gives no OpenGL 3.3 context on this X server");
     load_functions();
@@ -155,7 +156,8 @@ TEST_P(GlGlx, CurrentMeansTheSameContextAtEveryCall) {
 class GlGlxBelow33 : public testing::Test {};
 
 TEST_F(GlGlxBelow33, CurrentContextIsRefused) {
-  PHYMUL_SKIP_OR_FAIL(XDisplayName(nullptr)[0] ? "" : "no X server: DISPLAY is not set; run it under xvfb-run");
+  PHYMUL_SKIP_OR_FAIL(
+      XDisplayName(nullptr)[0] ? "" : "no X server: DISPLAY is not set; give it one, as tests/on_x_server.sh does");
   const GlxHost host(3, 0, 0);
   PHYMUL_SKIP_OR_FAIL(host.works() ? "" : "GLX gives no OpenGL 3.0 context on this X server");
   const std::string version = reinterpret_cast<const char*>(glGetString(GL_VERSION));
