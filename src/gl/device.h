@@ -27,10 +27,11 @@ struct BatchReport {
   Index particle = -1;   ///< the first of them by number
   bool cut = false;      ///< an elastic force was; false too where a particle ran away
   int first_unquiet = 0, last_unquiet = 0;
-  int lost_step = 0;     ///< first in which a kept volume could not be restored
-  int lost_volume = -1;  ///< the first of them by row
-  int full_step = 0;     ///< first for which a needle's hole had no room
-  int full_needle = -1;  ///< that needle's row among the tools
+  int lost_step = 0;        ///< first in which a kept volume could not be restored
+  int lost_volume = -1;     ///< the first of them by row
+  int full_step = 0;        ///< first for which a needle's hole had no room
+  int full_needle = -1;     ///< that needle's row among the tools
+  bool unfinished = false;  ///< a step needed more passes than it was given; nothing else of the report means anything
   /// Of the last step.
   double max_speed = 0.0, max_acceleration = 0.0, max_force = 0.0, max_displacement = 0.0;
 
@@ -72,6 +73,8 @@ class Device {
                            const FloatTools& tools) = 0;
   /// Steps 1 ... count of the batch from the checkpoint; the last one measures.
   virtual void run(int count) = 0;
+  /// After an unfinished report: the next run() gives its steps more passes, and in the end as many as any may need.
+  virtual void give_more_passes() {}
   /// Step `number` from the present state, which stays as it is; only what it measures is kept.
   virtual BatchReport try_step(int number) = 0;
   /// Of the steps since begin_batch(), or since the last run() did. Waits for the device.

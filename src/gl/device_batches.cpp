@@ -100,6 +100,11 @@ void DeviceSolver::queue_batch(const StepPlan& plan, int count) {
 /// False where the motion ends with this batch: a failure, or rest.
 bool DeviceSolver::settle_batch(const StepPlan& plan, int count, Motion& motion) const {
   BatchReport report = device_->take_report();
+  while (report.unfinished) {
+    device_->give_more_passes();
+    device_->run(count);
+    report = device_->report();
+  }
   // A volume that cannot be restored comes before what runs away with it in the same step.
   const bool loses = report.lost_step > 0 && (report.runaway_step == 0 || report.lost_step <= report.runaway_step);
   const int went_wrong = loses ? report.lost_step : report.runaway_step;
