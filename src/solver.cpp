@@ -92,13 +92,13 @@ const char* likely_cause(const TopologyTextures& topology, const Spectrum& spect
 }
 
 constexpr const char* no_tools =
-    "the scene has tools, which this backend does not take yet; use \"cpu\" or \"reference\"";
+    "the scene has tools, which this backend does not take; use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_needles =
     "the scene has a needle, which this backend does not take; use \"gl-compute\", \"cpu\" or \"reference\"";
 constexpr const char* no_volumes =
-    "the scene keeps volumes, which this backend does not do yet; use \"cpu\" or \"reference\"";
+    "the scene keeps volumes, which this backend does not do; use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_contacts =
-    "the scene has contacts, which this backend does not take yet; use \"cpu\" or \"reference\"";
+    "the scene has contacts, which this backend does not take; use \"cpu\", \"gl-compute\" or \"reference\"";
 
 }  // namespace
 

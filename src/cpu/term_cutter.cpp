@@ -241,10 +241,10 @@ void TermCutter::estimate_cost(int c) {
   };
   const double base = body_.use == simd::BaseUse::attractor ? 25.0 : body_.use == simd::BaseUse::averaged ? 80.0 : 50.0;
   cluster.cost = base * rows_since(body_.base_first, starts_[c].base_slice) + triples_.cost(c) +
-                 8.0 * rows_since(body_.spring_first, starts_[c].spring_slice) + 40.0 * cluster.job.volumes.count +
+                 8.0 * rows_since(body_.spring_first, starts_[c].spring_slice) + 55.0 * cluster.job.volumes.count +
                  100.0 * (cluster.job.cells4.count + cluster.job.cells6.count + cluster.job.cells8.count) +
-                 lattice_.cost(cluster.job) + 80.0 * cluster.job.simplices.count +
-                 140.0 * cluster.job.cell_simplices.count + 20.0 * cluster.own / body_.lanes +
+                 lattice_.cost(cluster.job) + 130.0 * cluster.job.simplices.count +
+                 230.0 * cluster.job.cell_simplices.count + 20.0 * cluster.own / body_.lanes +
                  2.0 * static_cast<double>(cluster.halo.size());
 }
 

@@ -140,7 +140,7 @@ void TripleCutter::pack_triple(const Triples& of, Index j, Index k, Index l, Lan
 /// triples, each as it is rounded there.
 void TripleCutter::sum_heights(Index count, std::size_t pairs, std::size_t triples) {
   const auto lanes = static_cast<std::size_t>(body_.lanes);
-  const auto pair = [&](Index k, Index l) { return static_cast<std::size_t>(k * (2 * count - k - 3) / 2 - 1 + l); };
+  const auto pair = [&](Index k, Index l) { return static_cast<std::size_t>(simd::pairs_of(count, k) + l); };
   for (std::size_t lane = 0; lane < lanes; ++lane) {
     std::vector<double> sum(static_cast<std::size_t>(count * (count - 1) / 2));
     std::size_t row = triples + lane;

@@ -58,6 +58,10 @@ struct Enumerated {
   int count = 0;
 };
 inline constexpr int most_enumerated = 20;  ///< neighbours
+/// Pair j < k of so many neighbours is at this plus k.
+constexpr int pairs_of(int count, int j) {
+  return j * (2 * count - j - 3) / 2 - 1;
+}
 /// Beside their number: an earlier slice has the same constants; edges meet at angles too small to go by lengths.
 inline constexpr std::int32_t known_constants = 1 << 30, thin_triples = 1 << 29;
 inline constexpr std::int32_t neighbour_count = thin_triples - 1;  ///< mask

@@ -19,6 +19,8 @@
 
 namespace phymul::cpu::PHYMUL_ISA {
 
+using simd::pairs_of;
+
 /// Where a triangle has less of its area at rest, squared, its y has lost too many digits.
 inline constexpr float least_area_squared = 0.0625f;
 /// Edges that hardly change may open a flat triangle to any multiple of its area.
@@ -34,11 +36,6 @@ template <int neighbours>
 struct PairLengths {
   Pairs<neighbours> eta, g;
 };
-
-/// Pair j < k is at this plus k.
-PHYMUL_INLINE constexpr int pairs_of(int count, int j) {
-  return j * (2 * count - j - 3) / 2 - 1;
-}
 
 /// 1 / sqrt(1 + y) - 1 for y in (-1, 16), as inverse_root_change().
 PHYMUL_INLINE Pack area_change(Pack y) {
