@@ -33,9 +33,12 @@ void hexahedron_rows(const simd::Job& job) {
     for (int corner = 0; corner < 8; ++corner) {
       const int a = simd::hexahedron_edges[corner][0], b = simd::hexahedron_edges[corner][1],
                 c = simd::hexahedron_edges[corner][2];
-      const SimplexForces on =
-          simplex_forces<bounded, false>(u[a] - u[corner], u[b] - u[corner], u[c] - u[corner],
-                                         SharedConstants{shape + simd::simplex_constants * corner});
+      const Pack3 d1 = u[a] - u[corner], d2 = u[b] - u[corner], d3 = u[c] - u[corner];
+      const SharedConstants constants{shape + simd::simplex_constants * corner};
+      Pack most = all(-1.0f);
+      SimplexForces on = simplex_forces<bounded, false, true>(d1, d2, d3, constants, most);
+      if (any_below(all(most_near), most)) [[unlikely]]
+        on = far_simplex_forces<bounded, false>(d1, d2, d3, constants);
       f[a] += on.f1;
       f[b] += on.f2;
       f[c] += on.f3;

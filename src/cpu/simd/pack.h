@@ -127,14 +127,32 @@ PHYMUL_INLINE Pack inverse_root(Pack x) {
   return r - r * residual * (0.5f - 0.375f * residual);
 }
 
+/// Up to this y = a - 1 inverse_root_change_near() may be taken.
+inline constexpr float most_near = 3.0f;
+
 /// 1 / sqrt(a) - 1 from a > 0 and y = a - 1, the latter without the rounding of a: right to a few units in the last
 /// place of the result or 1e-10 (AVX-512: 1e-12), whichever is more, and exactly 0 at y = 0. One step of third order
 /// from a rough root.
+PHYMUL_INLINE Pack inverse_root_change_near(Pack a, Pack y) {
+  const Pack r = rough_inverse_root(a), c = r - 1.0f;
+  const Pack residual = a * (c * c + (c + c)) + y;  // a r^2 - 1
+  return select(y == 0.0f, Pack{}, c - r * residual * (0.5f - 0.375f * residual));
+}
+/// The same for any y: far above 1, a would magnify the rounding of c.
 PHYMUL_INLINE Pack inverse_root_change(Pack a, Pack y) {
   const Pack r = rough_inverse_root(a), c = r - 1.0f;
-  // a r^2 - 1. Far above 1, a would magnify the rounding of c.
-  const Pack residual = select(y > 3.0f, (a * r) * r - 1.0f, a * (c * c + (c + c)) + y);
+  const Pack residual = select(y > most_near, (a * r) * r - 1.0f, a * (c * c + (c + c)) + y);
   return select(y == 0.0f, Pack{}, c - r * residual * (0.5f - 0.375f * residual));
+}
+/// c, of a = 1 + y to the last bit, where y is not 0, and 0 there. AVX-512 has the rough root of 1 right (Intel
+/// Software Developer's Manual, VRSQRT14PS), and then c is 0 by itself.
+PHYMUL_INLINE Pack zero_at_rest(Pack y, Pack c) {
+#if PHYMUL_LANES == 16
+  static_cast<void>(y);
+  return c;
+#else
+  return select(y == 0.0f, Pack{}, c);
+#endif
 }
 
 #if PHYMUL_LANES == 16

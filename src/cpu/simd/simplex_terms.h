@@ -25,20 +25,24 @@ struct FacePull {
   Pack3 F, G;
 };
 
-/// F of the owner and the derivative by w of what it costs; `from` is what the pull has besides the normal.
-template <class Constants>
-PHYMUL_INLINE FacePull face_pull(const Constants& constants, int k, Pack3 w, Pack3 dw, Pack bound, Pack3 from) {
+/// F of the owner and the derivative by w of what it costs; `from` is what the pull has besides the normal. `most`: the
+/// largest y so far; where `near` only one up to most_near is right.
+template <bool near, class Constants>
+PHYMUL_INLINE FacePull face_pull(const Constants& constants, int k, Pack3 w, Pack3 dw, Pack bound, Pack3 from,
+                                 Pack& most) {
   const Pack share = constants.at(k), height = constants.at(k + 1), rest = constants.at(k + 2);
   const Pack q = dot(w, w);
   const Pack y = dot(dw, w + (w - dw)) * rest;
-  const Pack c = select(q > bound, inverse_root_change(q * rest, y), all(-1.0f));
+  const Pack a = q * rest;
+  if constexpr (near) most = larger(y, most);
+  const Pack c = select(q > bound, near ? inverse_root_change_near(a, y) : inverse_root_change(a, y), all(-1.0f));
   const Pack3 F = share * (from + height * (dw + c * w));
   const Pack rho = c + 1.0f;
   return {F, (height * rho) * (F - (rest * rho * rho * dot(w, F)) * w)};
 }
 
-template <bool bounded, bool cell, class Constants>
-PHYMUL_INLINE SimplexForces simplex_forces(Pack3 d1, Pack3 d2, Pack3 d3, const Constants& constants) {
+template <bool bounded, bool cell, bool near, class Constants>
+PHYMUL_INLINE SimplexForces simplex_forces(Pack3 d1, Pack3 d2, Pack3 d3, const Constants& constants, Pack& most) {
   const Pack3 E1 = constants.vector(0), E2 = constants.vector(3), E3 = constants.vector(6);
   const Pack3 e1 = E1 + d1, e2 = E2 + d2, e3 = E3 + d3;
   const Pack3 c1 = cross(e2, e3), c2 = cross(e3, e1), c3 = cross(e1, e2);
@@ -49,14 +53,16 @@ PHYMUL_INLINE SimplexForces simplex_forces(Pack3 d1, Pack3 d2, Pack3 d3, const C
 
   // Columns: of each base, first the share, beta / |w0| and 1 / |w0|^2, then its lambda.
   const Pack lambda1_2 = constants.at(12), lambda1_3 = constants.at(13);
-  const FacePull p1 = face_pull(constants, 9, c1, dc1, collapsed * l2 * l3, lambda1_2 * d2 + lambda1_3 * d3 - d1);
+  const FacePull p1 =
+      face_pull<near>(constants, 9, c1, dc1, collapsed * l2 * l3, lambda1_2 * d2 + lambda1_3 * d3 - d1, most);
   const Pack lambda2_1 = constants.at(17), lambda2_3 = constants.at(18);
-  const FacePull p2 = face_pull(constants, 14, c2, dc2, l1 * l3, lambda2_1 * d1 + lambda2_3 * d3 - d2);
+  const FacePull p2 = face_pull<near>(constants, 14, c2, dc2, l1 * l3, lambda2_1 * d1 + lambda2_3 * d3 - d2, most);
   const Pack lambda3_1 = constants.at(22), lambda3_2 = constants.at(23);
-  const FacePull p3 = face_pull(constants, 19, c3, dc3, l1 * l2, lambda3_1 * d1 + lambda3_2 * d2 - d3);
+  const FacePull p3 = face_pull<near>(constants, 19, c3, dc3, l1 * l2, lambda3_1 * d1 + lambda3_2 * d2 - d3, most);
   const Pack lambda0_1 = constants.at(27), lambda0_2 = constants.at(28), lambda0_3 = constants.at(29);
-  const FacePull p0 = face_pull(constants, 24, c1 + c2 + c3, dc1 + dc2 + dc3, collapsed * dot(e12, e12) * dot(e13, e13),
-                                lambda0_1 * d1 + lambda0_2 * d2 + lambda0_3 * d3);
+  const FacePull p0 =
+      face_pull<near>(constants, 24, c1 + c2 + c3, dc1 + dc2 + dc3, collapsed * dot(e12, e12) * dot(e13, e13),
+                      lambda0_1 * d1 + lambda0_2 * d2 + lambda0_3 * d3, most);
 
   const Pack3 A1 = p1.G + p0.G, A2 = p2.G + p0.G, A3 = p3.G + p0.G;
   Pack3 f1 = p1.F - lambda0_1 * p0.F - lambda2_1 * p2.F - lambda3_1 * p3.F - (cross(A2, e3) + cross(e2, A3));
@@ -80,6 +86,13 @@ PHYMUL_INLINE SimplexForces simplex_forces(Pack3 d1, Pack3 d2, Pack3 d3, const C
   return {f1, f2, f3};
 }
 
+/// Where a face has grown far beyond its area, which is rare.
+template <bool bounded, bool cell, class Constants>
+[[gnu::noinline]] SimplexForces far_simplex_forces(Pack3 d1, Pack3 d2, Pack3 d3, const Constants& constants) {
+  Pack most{};
+  return simplex_forces<bounded, cell, false>(d1, d2, d3, constants, most);
+}
+
 template <bool bounded, bool cell>
 PHYMUL_INLINE void simplex_rows_of(const simd::Rows& simplices, const simd::Job& job) {
   for (int r = 0; r < simplices.count; ++r) {
@@ -90,7 +103,11 @@ PHYMUL_INLINE void simplex_rows_of(const simd::Rows& simplices, const simd::Job&
     const Pack3 u0 = gather(job.u, offset);
     const Pack3 d1 = gather(job.u, offset + lanes) - u0, d2 = gather(job.u, offset + 2 * lanes) - u0,
                 d3 = gather(job.u, offset + 3 * lanes) - u0;
-    const SimplexForces f = simplex_forces<bounded, cell>(d1, d2, d3, LaneConstants{row + 4 * lanes});
+    const LaneConstants constants{row + 4 * lanes};
+    Pack most = all(-1.0f);
+    SimplexForces f = simplex_forces<bounded, cell, true>(d1, d2, d3, constants, most);
+    if (any_below(all(most_near), most)) [[unlikely]]
+      f = far_simplex_forces<bounded, cell>(d1, d2, d3, constants);
     scatter_add(job.force, offset, -(f.f1 + f.f2 + f.f3));
     scatter_add(job.force, offset + lanes, f.f1);
     scatter_add(job.force, offset + 2 * lanes, f.f2);

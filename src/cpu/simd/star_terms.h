@@ -34,7 +34,7 @@ PHYMUL_INLINE void inverse_root_changes(const Pack (&a)[n], const Pack (&y)[n], 
 #pragma GCC unroll 4
   for (int k = 0; k < n; ++k) c[k] -= (root[k] * residual[k]) * (0.5f - 0.375f * residual[k]);
 #pragma GCC unroll 4
-  for (int k = 0; k < n; ++k) c[k] = select(y[k] == 0.0f, Pack{}, c[k]);
+  for (int k = 0; k < n; ++k) c[k] = zero_at_rest(y[k], c[k]);
 }
 
 /// inverse_root_change of 1 + y; `exact` gives |w|^2 / |w0|^2 of normal k, and a mask of bases that have one, for lanes

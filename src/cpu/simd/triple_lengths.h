@@ -42,7 +42,7 @@ PHYMUL_INLINE Pack area_change(Pack y) {
   const Pack a = y + 1.0f;
   const Pack r = rough_inverse_root(a), c = r - 1.0f;
   const Pack residual = a * (c * c + (c + c)) + y;
-  return select(y == 0.0f, Pack{}, c - r * residual * (0.5f - 0.375f * residual));
+  return zero_at_rest(y, c - r * residual * (0.5f - 0.375f * residual));
 }
 
 /// Returns whether no edge is longer than bounds allow.
