@@ -42,6 +42,8 @@ constexpr std::size_t page = 4096;
 
 /// Bytes a step above which the next step finds hardly anything in a core's own caches.
 constexpr double caches = 16e6;
+/// And above which rows that a kernel reads once come from so far that it gains by asking for them ahead.
+constexpr double near_caches = 8e6;
 
 /// The first place from `near` on that is half a page from `other`, whole pages aside. Processors take a load for one
 /// of a recent store where the two agree in their last twelve bits: a slot's displacement must not stand there relative
@@ -73,6 +75,7 @@ class VectorSolver final : public Solver {
         reach_(static_cast<std::size_t>(pool_.parts())),
         laps_(profiling(), *body_),
         no_laps_(nullptr, *body_),
+        rows_far_(body_->bytes_a_step() > near_caches),
         far_(body_->bytes_a_step() > caches) {
     const auto quads = 4 * (static_cast<std::size_t>(body_->places) + 1);
     u_.assign(quads, 0.0f);
@@ -221,6 +224,7 @@ class VectorSolver final : public Solver {
       std::memset(job.force, 0, 16 * static_cast<std::size_t>(cluster.slots()));
     }
     job.grid_memory = grid_[part].data();
+    job.rows_far = rows_far_;
     job.far = far_;
     job.u = near_displacements(cluster, bytes(u_),
                                half_a_page_from(job.force ? job.force : job.pull, bytes(near_u_[part])));
@@ -377,7 +381,7 @@ class VectorSolver final : public Solver {
   double time_ = 0.0, last_dt_ = 0.0;
   int steps_at_rest_ = 0;
   WorkLaps laps_, no_laps_;
-  const bool far_;
+  const bool rows_far_, far_;
 };
 
 }  // namespace

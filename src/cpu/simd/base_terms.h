@@ -112,7 +112,7 @@ void base_slices(const simd::Job& job) {
     for (int r = first; r < last; ++r) {
       std::int32_t offset[3 * lanes];
       Pack3 ua;
-      prefetch_rows<simd::base_columns>(row_at(r));
+      if (job.rows_far) prefetch_rows<simd::base_columns>(row_at(r));
       const BaseRow base = load_base(row_at(r));
       const BaseNow<scaled> now = now_of(row_at(r), base, offset, ua);
       Pack3 pull = (ua - ui) + base.lambda_b * now.d1 + base.height * now.change;

@@ -112,6 +112,7 @@ struct Job {
   char* pull = nullptr;              ///< [own] N, written: F of the own particles, where other particles gather it
   const float* stiffness = nullptr;  ///< [own] k_i, N/m
   float exponent = 0.0f;             ///< p
+  bool rows_far = false;             ///< rows are in no cache near a core: asked for ahead
   bool far = false;                  ///< constants are in no cache
   Slices bases, springs;
   Enumerated enumerated;

@@ -18,7 +18,7 @@ template <bool plane, bool bounded>
 void volume_rows(const simd::Job& job) {
   for (int r = 0; r < job.volumes.count; ++r) {
     const float* row = job.volumes.rows + static_cast<std::int64_t>(r) * simd::volume_columns * lanes;
-    prefetch_rows<simd::volume_columns>(row);
+    if (job.rows_far) prefetch_rows<simd::volume_columns>(row);
     std::int32_t offset[4 * lanes];
     __builtin_memcpy(offset, row, sizeof offset);
     const Pack3 u0 = gather(job.u, offset);
@@ -172,7 +172,7 @@ PHYMUL_INLINE Pack3 spring_forces(const simd::Job& job, int first, int last, Pac
   Pack3 sum{};
   for (int i = first; i < last; ++i) {
     const float* row = job.springs.rows + static_cast<std::int64_t>(i) * simd::spring_columns * lanes;
-    prefetch_rows<simd::spring_columns>(row);
+    if (job.rows_far) prefetch_rows<simd::spring_columns>(row);
     std::int32_t offset[lanes];
     __builtin_memcpy(offset, row, sizeof offset);
     const Pack3 d = gather(job.u, offset) - ui, R = load3(row + lanes), r = R + d;

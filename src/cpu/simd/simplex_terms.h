@@ -97,7 +97,7 @@ template <bool bounded, bool cell>
 PHYMUL_INLINE void simplex_rows_of(const simd::Rows& simplices, const simd::Job& job) {
   for (int r = 0; r < simplices.count; ++r) {
     const float* row = simplices.rows + static_cast<std::int64_t>(r) * simd::simplex_columns * lanes;
-    prefetch_rows<simd::simplex_columns>(row);
+    if (job.rows_far) prefetch_rows<simd::simplex_columns>(row);
     std::int32_t offset[4 * lanes];
     __builtin_memcpy(offset, row, sizeof offset);
     const Pack3 u0 = gather(job.u, offset);
