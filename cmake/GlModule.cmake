@@ -11,15 +11,31 @@ set(shaders
   bases_pass.glsl
   cells_pass.glsl
   closest_point.glsl
+  contact_box_pass.glsl
   contact_grid_kernel.glsl
   contact_group.glsl
+  contact_law.glsl
+  contact_lists.glsl
+  contact_nearest.glsl
+  contact_next_pass.glsl
   contact_order_kernel.glsl
   contact_part_kernel.glsl
+  contact_part_pass.glsl
+  contact_phase_pass.glsl
   contact_press_kernel.glsl
   contact_queue_kernel.glsl
+  contact_range.glsl
+  contact_report_pass.glsl
   contact_search_kernel.glsl
+  contact_search_pass.glsl
+  contact_speed_pass.glsl
+  contact_start_pass.glsl
+  contact_surface_pass.glsl
+  contact_surfaces.glsl
+  contact_sweeps.glsl
   contact_tables.glsl
   contact_tool.glsl
+  contact_tree.glsl
   cover_target.glsl
   delta_base.glsl
   delta_cell.glsl
@@ -43,6 +59,7 @@ set(shaders
   force_of.glsl
   force_pass.glsl
   free_kernel.glsl
+  free_pass.glsl
   free_step.glsl
   integrate_displacement.glsl
   kept_along_pass.glsl
@@ -134,6 +151,8 @@ add_library(phymul_gl_objects OBJECT
   src/gl/drawing.cpp
   src/gl/egl_context.cpp
   src/gl/egl_display.cpp
+  src/gl/fragment_contact_passes.cpp
+  src/gl/fragment_contacts.cpp
   src/gl/fragment_device.cpp
   src/gl/fragment_loads.cpp
   src/gl/fragment_passes.cpp

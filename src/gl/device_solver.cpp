@@ -29,11 +29,6 @@ constexpr const char* no_needles =
     "the scene has a needle, whose step is one group of lanes that wait for each other, which fragment shaders have "
     "not; "
     "use \"gl-compute\", \"cpu\" or \"reference\"";
-constexpr const char* no_contacts =
-    "the scene has contacts, whose sweeps fragment shaders would need hundreds of draws a step for; use "
-    "\"gl-compute\", "
-    "\"cpu\" or \"reference\"";
-
 }  // namespace
 
 DeviceSolver::DeviceSolver(GlBackend backend, std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in,
@@ -84,8 +79,7 @@ void DeviceSolver::build() {
 
 const char* DeviceSolver::do_cannot() const {
   if (backend_ == GlBackend::compute) return nullptr;
-  if (has_needle(scene().tools())) return no_needles;
-  return scene().contacts() ? no_contacts : nullptr;
+  return has_needle(scene().tools()) ? no_needles : nullptr;
 }
 
 /// Deleting is harmless in a lost context that can still be made current. Where it cannot, another context may be

@@ -4,6 +4,18 @@
 #include <utility>
 
 namespace phymul::gl {
+namespace {
+
+/// Null where nothing can touch anything.
+std::unique_ptr<FragmentContacts> make_contacts(const Scene& scene) {
+  if (!scene.contacts()) return nullptr;
+  const FloatContacts contacts(scene);
+  if (contacts.empty()) return nullptr;
+  return std::make_unique<FragmentContacts>(contacts, static_cast<Index>(scene.model().rest.size()),
+                                            read_context_info().loop_turns);
+}
+
+}  // namespace
 
 FragmentDevice::FragmentDevice(const FloatTables& tables, const Scene& scene, const FloatTools& tools,
                                const ShaderLibrary& library, bool four_passes)
@@ -25,10 +37,12 @@ void FragmentDevice::set_scene(const Scene& scene, const FloatTools& tools) {
   auto new_tools = tools.empty() ? nullptr : std::make_unique<FragmentTools>(tools);
   const FloatVolumes volumes = pack_volumes(scene);
   auto new_volumes = volumes.empty() ? nullptr : std::make_unique<FragmentVolumes>(volumes);
-  passes_.set_loads(*new_loads, new_tools.get(), new_volumes.get());
+  auto new_contacts = make_contacts(scene);
+  passes_.set_loads(*new_loads, new_tools.get(), new_volumes.get(), new_contacts.get());
   loads_ = std::move(new_loads);
   tools_ = std::move(new_tools);
   volumes_ = std::move(new_volumes);
+  contacts_ = std::move(new_contacts);
 }
 
 void FragmentDevice::set_held(const FloatTools& tools) {
@@ -39,6 +53,7 @@ void FragmentDevice::begin_batch(const StepConstants& constants, const std::vect
                                  const FloatTools& tools) {
   loads_->evaluate(instants);
   if (tools_) tools_->set_frames(tools);
+  if (contacts_) contacts_->begin_batch();
   passes_.set_constants(constants);
   state_.set_checkpoint();
 }
@@ -50,18 +65,28 @@ void FragmentDevice::run(int count) {
     passes_.step(state_, step, step == count);
     state_.advance();
   }
+  steps_ = count;
+}
+
+void FragmentDevice::give_more_passes() {
+  if (contacts_) contacts_->give_more_phases();
 }
 
 BatchReport FragmentDevice::try_step(int number) {
   vertices_.bind();
   passes_.step(state_, number, true);
-  report_.request(state_.next_displacement(), state_.next_velocity(), state_.measured(), tools_.get(), volumes_.get());
+  request_report(state_.next_displacement(), state_.next_velocity(), number);
   return report_.take();
 }
 
 void FragmentDevice::request_report() {
   vertices_.bind();
-  report_.request(state_.displacement(), state_.velocity(), state_.measured(), tools_.get(), volumes_.get());
+  request_report(state_.displacement(), state_.velocity(), steps_);
+}
+
+void FragmentDevice::request_report(const Texture& displacement, const Texture& velocity, int last_step) {
+  if (contacts_) passes_.sum_contacts(last_step);
+  report_.request(displacement, velocity, state_.measured(), tools_.get(), volumes_.get(), contacts_.get());
 }
 
 Energy FragmentDevice::energy(const Scene& scene, double time, double dt) {

@@ -28,6 +28,7 @@ class FragmentDevice final : public Device {
   void run(int count) override;
   BatchReport try_step(int number) override;
   void request_report() override;
+  void give_more_passes() override;
   BatchReport take_report() override { return report_.take(); }
   std::span<const ToolSums> tool_sums() const override { return report_.tool_sums(); }
   Energy energy(const Scene& scene, double time, double dt) override;
@@ -39,17 +40,21 @@ class FragmentDevice final : public Device {
   const Texture& attractors() override;
 
  private:
+  void request_report(const Texture& displacement, const Texture& velocity, int last_step);
+
   EmptyVertexArray vertices_;
   ShaderLibrary library_;
   FragmentTables tables_;
   FragmentState state_;
   std::unique_ptr<FragmentLoads> loads_;
-  std::unique_ptr<FragmentTools> tools_;      // null where there are none
-  std::unique_ptr<FragmentVolumes> volumes_;  // likewise
+  std::unique_ptr<FragmentTools> tools_;        // null where there are none
+  std::unique_ptr<FragmentVolumes> volumes_;    // likewise
+  std::unique_ptr<FragmentContacts> contacts_;  // likewise
   FragmentPasses passes_;
   FragmentReport report_;
   FragmentSums sums_;
   StateCopies copies_;
+  int steps_ = 0;  // of the batch, that run() has done
 };
 
 }  // namespace phymul::gl

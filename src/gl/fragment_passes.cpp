@@ -99,11 +99,25 @@ Pass FragmentPasses::compiled(const StepKind& kind, const ShaderFiles& passes) c
   if (apart) request.defines.emplace_back("FOUR_PASSES", 1);
   if (kind.volumes) request.defines.emplace_back("KEPT_VOLUMES", 1);
   request.files.insert(request.files.end(), passes.begin(), passes.end());
+  return compiled(std::move(request), apart);
+}
+
+Pass FragmentPasses::compiled(ShaderRequest request, bool reads_net) const {
   Pass moving(*library_, std::move(request));
   tables_->bind(moving);
   bind_terms(moving);
-  if (apart) moving.input("net", net_);
+  if (reads_net) moving.input("net", net_);
   return moving;
+}
+
+/// The step where bodies touch, which ends what free_pass.glsl began, tools included.
+Pass FragmentPasses::compiled_pushed_step(const StepKind& kind) const {
+  ShaderRequest request = gathering(kind.loads, "free_step.glsl");
+  for (const char* const name : {"CUT", "PUSHED"}) request.defines.emplace_back(name, 1);
+  if (kind.volumes) request.defines.emplace_back("KEPT_VOLUMES", 1);
+  for (const char* const file : {"pushed_tables.glsl", "measure_step.glsl", "step_pass.glsl"})
+    request.files.emplace_back(file);
+  return compiled(std::move(request), false);
 }
 
 FragmentPasses::Stepping FragmentPasses::compiled(const StepKind& kind) const {
@@ -117,7 +131,8 @@ FragmentPasses::Stepping FragmentPasses::compiled(const StepKind& kind) const {
     bind_terms(stepping.reaction);
   }
   if (kind.tools) stepping.tools = compiled(kind, {"tools_pass.glsl"});
-  stepping.step = compiled(kind, {"measure_step.glsl", "step_pass.glsl"});
+  if (kind.contacts) stepping.free = compiled(kind, {"free_pass.glsl"});
+  stepping.step = kind.contacts ? compiled_pushed_step(kind) : compiled(kind, {"measure_step.glsl", "step_pass.glsl"});
   if (kind.volumes) compile_keeping(stepping);
   return stepping;
 }
@@ -136,11 +151,13 @@ void FragmentPasses::compile_keeping(Stepping& stepping) const {
       {.files = joined({common, {"kept_tables.glsl", "volume_root.glsl", "kept_root_pass.glsl"}}), .defines = {}});
 }
 
-void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes) {
+void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes,
+                               FragmentContacts* contacts) {
   const StepKind kind{.loads = loads.kind(),
                       .tools = tools != nullptr,
                       .grids = tools && tools->any_grid(),
-                      .volumes = volumes != nullptr};
+                      .volumes = volumes != nullptr,
+                      .contacts = contacts != nullptr};
   auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
   const auto* const loads_before = std::exchange(loads_, &loads);
   auto* const tools_before = std::exchange(tools_, tools);
@@ -148,6 +165,10 @@ void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools,
     if (reaction_apart() && !net_) {
       net_ = Texture::target(tables_->kind().particles, TexelFormat::rgba32f, "net forces");
       net_target_ = Framebuffer({{&net_}});
+    }
+    if (contacts && !touching_) {
+      pushed_.emplace(tables_->kind().particles);
+      touching_.emplace(*library_);
     }
     if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), compiled(kind));
   } catch (...) {
@@ -158,13 +179,23 @@ void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools,
   now_ = &*found;
   loads.bind(now_->step);
   if (reaction_apart()) loads.bind(now_->reaction);
+  Pass& touched = contacts ? now_->free : now_->step;
   if (tools) {
     loads.bind(now_->tools);
     tools->bind(now_->tools);
-    tools->bind(now_->step);
+    tools->bind(touched);
   }
+  contacts_ = contacts;
+  if (contacts) bind_contacts();
   volumes_ = volumes;
   if (volumes) bind_volumes();
+}
+
+void FragmentPasses::bind_contacts() {
+  loads_->bind(now_->free);
+  now_->step.input("pushed_force", contacts_->pushed_force);
+  now_->step.input("pushed_shift", contacts_->pushed_shift);
+  touching_->set_contacts(*contacts_);
 }
 
 void FragmentPasses::bind_volumes() {
@@ -175,7 +206,7 @@ void FragmentPasses::bind_volumes() {
 
 void FragmentPasses::set_constants(const StepConstants& constants) {
   const auto finite = [](double value) { return std::min(value, double{std::numeric_limits<float>::max()}); };
-  Pass& cutting = reaction_apart() ? now_->reaction : now_->step;
+  Pass& cutting = reaction_apart() ? now_->reaction : contacts_ ? now_->free : now_->step;
   cutting.set("largest_acceleration", static_cast<float>(finite(constants.largest_acceleration)));
   const auto set_motion = [&](Pass& pass) {
     pass.set("dt", static_cast<float>(constants.dt));
@@ -184,6 +215,10 @@ void FragmentPasses::set_constants(const StepConstants& constants) {
   };
   set_motion(now_->step);
   if (tools_) set_motion(now_->tools);
+  if (contacts_) {
+    set_motion(now_->free);
+    touching_->set_step(constants.dt);
+  }
   if (volumes_) set_motion(now_->end);
   Pass& end = volumes_ ? now_->end : now_->step;
   const auto set = [&](const char* name, double value) { end.set(name, static_cast<float>(value)); };
@@ -220,11 +255,19 @@ void FragmentPasses::step(const FragmentState& state, int batch_step, bool measu
     prepare(now_->tools, state, batch_step);
     tools_->tell(now_->tools);
   }
+  if (contacts_) touch(state, batch_step);
   Pass& step = now_->step;
   prepare(step, state, batch_step);
   step.set_rows(state.displacement(), tables_->kind().particles);
   step.draw(volumes_ ? volumes_->free_target() : state.next(measuring));
   if (volumes_) keep(state, batch_step, measuring);
+}
+
+void FragmentPasses::touch(const FragmentState& state, int batch_step) {
+  prepare(now_->free, state, batch_step);
+  now_->free.set_rows(pushed_->force, tables_->kind().particles);
+  now_->free.draw(pushed_->target);
+  touching_->act(*pushed_, state.displacement(), batch_step);
 }
 
 void FragmentPasses::keep(const FragmentState& state, int batch_step, bool measuring) {

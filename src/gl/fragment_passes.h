@@ -7,15 +7,17 @@
 //   cells      stress of a cell                             bodies with cell-averaged terms
 //   step       net force and Verlet
 // With four passes as in the 2007 thesis the first is two (attractor, force) and the last is two (reaction, Verlet);
-// the bits are the same. With tools the last is two in any case, as what they feel is a pass between them. Where the
-// scene keeps volumes, the step is drawn aside, and passes follow it: which way their particles go, sums over facets,
-// how far, and the end of the step.
+// the bits are the same. With tools the last is two in any case, as what they feel is a pass between them. Where
+// bodies touch, free_pass.glsl and those of fragment_contact_passes.h come before the step, which ends what they began.
+// Where the scene keeps volumes, the step is drawn aside, and passes follow it: which way their particles go, sums over
+// facets, how far, and the end of the step.
 #pragma once
 
 #include <deque>
 #include <optional>
 
 #include "gl/device.h"
+#include "gl/fragment_contact_passes.h"
 #include "gl/fragment_loads.h"
 #include "gl/fragment_state.h"
 #include "gl/fragment_tables.h"
@@ -31,8 +33,9 @@ class FragmentPasses {
 
   const FragmentTables& tables() const { return *tables_; }
 
-  /// Compiles what these loads need, where it is not there yet. `tools`, `volumes`: null for none.
-  void set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes);
+  /// Compiles what these loads need, where it is not there yet. `tools`, `volumes`, `contacts`: null for none.
+  void set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes,
+                 FragmentContacts* contacts);
 
   /// Before steps of a call.
   void set_constants(const StepConstants& constants);
@@ -40,6 +43,9 @@ class FragmentPasses {
   /// One step from the current state to state.next(), as number `batch_step` (1, 2, ...) of a batch whose loads were
   /// evaluated at instants batch_step - 1 and batch_step. Does not advance the state.
   void step(const FragmentState& state, int batch_step, bool measuring);
+
+  /// Brings down what the contacts of a batch told, up to this step of it; only where there are contacts.
+  void sum_contacts(int last_step) { touching_->sum(last_step); }
 
   /// Forces of attractors, bases, volumes and cells at the current state, into the textures that bind_terms() gives.
   void evaluate(const FragmentState& state);
@@ -59,12 +65,13 @@ class FragmentPasses {
   };
   struct StepKind {
     LoadKind loads;
-    bool tools = false, grids = false, volumes = false;
+    bool tools = false, grids = false, volumes = false, contacts = false;
     bool operator==(const StepKind&) const = default;
   };
   struct Stepping {
     StepKind kind;
     Pass reaction, tools, step;            // reaction: four passes, or tools; tools: only with them
+    Pass free;                             // where bodies touch: up to what contacts push, which `step` goes on from
     Pass along, facets, sums, roots, end;  // only where volumes are kept
   };
   void add(ShaderRequest request, const std::vector<Attachment>& targets, int rows);
@@ -73,6 +80,10 @@ class FragmentPasses {
   void add_volumes_and_cells();
   Stepping compiled(const StepKind& kind) const;
   Pass compiled(const StepKind& kind, const ShaderFiles& passes) const;
+  Pass compiled(ShaderRequest request, bool reads_net) const;
+  Pass compiled_pushed_step(const StepKind& kind) const;
+  void bind_contacts();
+  void touch(const FragmentState& state, int batch_step);
   void compile_keeping(Stepping& stepping) const;
   void bind_volumes();
   void keep(const FragmentState& state, int batch_step, bool measuring);
@@ -91,6 +102,9 @@ class FragmentPasses {
   const FragmentLoads* loads_ = nullptr;
   FragmentTools* tools_ = nullptr;
   FragmentVolumes* volumes_ = nullptr;
+  FragmentContacts* contacts_ = nullptr;
+  std::optional<FragmentPushed> pushed_;           // once bodies touched
+  std::optional<FragmentContactPasses> touching_;  // likewise
 };
 
 }  // namespace phymul::gl

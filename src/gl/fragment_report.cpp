@@ -28,7 +28,7 @@ FragmentReport::FragmentReport(const ShaderLibrary& library, Index particles)
 }
 
 void FragmentReport::request(const Texture& displacement, const Texture& velocity, const Texture& measured,
-                             FragmentTools* tools, const FragmentVolumes* volumes) {
+                             FragmentTools* tools, const FragmentVolumes* volumes, FragmentContacts* contacts) {
   first_.input("displacement", displacement);
   first_.input("velocity", velocity);
   first_.input("measured", measured);
@@ -47,7 +47,8 @@ void FragmentReport::request(const Texture& displacement, const Texture& velocit
   tool_sums_.resize(tools ? static_cast<std::size_t>(tools->count()) : 0);
   tool_rows_ = tools ? tools->texels() : 0;
   volumes_ = volumes ? static_cast<std::size_t>(volumes->count()) : 0;
-  copy_.carry(4 * tool_rows_ + (volumes ? volumes->texels() : 0));
+  contacts_ = contacts;
+  copy_.carry(4 * tool_rows_ + (volumes ? volumes->texels() : 0) + (contacts ? 1 : 0));
   if (tools) {
     if (!tools_added_)
       tools_added_.emplace(*library_,
@@ -60,6 +61,7 @@ void FragmentReport::request(const Texture& displacement, const Texture& velocit
     const std::size_t behind = sizeof(Int4) + sizeof(Float4);
     if (tools) tools->copy(behind);
     if (volumes) volumes->copy(behind + 4 * tool_rows_ * sizeof(Float4));
+    if (contacts) contacts->copy_told(behind + (copy_.more().size() - 1) * sizeof(Float4));
   });
 }
 
@@ -70,6 +72,11 @@ BatchReport FragmentReport::take() {
     tool_sums_[tool] = {at[0], at[tool_rows_], at[2 * tool_rows_], at[3 * tool_rows_]};
   }
   report.see_volumes(std::span<const Float4>(copy_.more()).subspan(4 * tool_rows_, volumes_));
+  if (contacts_) {
+    // What comes after a step in which a particle ran away was not to be done.
+    const int unfinished = contacts_->see(copy_.more().back());
+    report.unfinished = unfinished > 0 && (report.runaway_step == 0 || unfinished <= report.runaway_step);
+  }
   return report;
 }
 
