@@ -156,6 +156,7 @@ add_library(phymul_gl_objects OBJECT
   src/gl/fragment_device.cpp
   src/gl/fragment_loads.cpp
   src/gl/fragment_passes.cpp
+  src/gl/fragment_pushed.cpp
   src/gl/fragment_report.cpp
   src/gl/fragment_state.cpp
   src/gl/fragment_sums.cpp

@@ -19,27 +19,35 @@ bool is_near(int n, vec3 x, float far) {
   return inner_product(off, off) <= far * far;
 }
 
+// The next leaf from node n on that is near; `end` where there is none.
+int leaf_from(int n, int end, vec3 x, float far) {
+  while (n < end) {
+    ivec4 node = tree_node(n);
+    bool near = is_near(n, x, far);
+    if (near && node.w == 1) break;
+    n = near ? n + 1 : node.z;
+  }
+  return n;
+}
+
 // False where there is none within reach.
 bool find_nearest(int k, ivec4 own, int body, float reach, inout Seen nearest_one) {
   bool any = false;
   vec3 x = about_place(k);
-  float far = reach * (1.0 + 1.0 / 32.0);  // rounding must not leave out what is just near enough
+  float slack = (1.0 / 32.0) * reach;  // rounding must not leave out what is just near enough, nor what is as near
   ivec2 tree = fetch_ivec2(tree_roots, tree_roots_place, body);
-  for (int n = tree.x; n < tree.y;) {
-    ivec4 node = tree_node(n);
-    if (!is_near(n, x, far)) {
-      n = node.z;
-      continue;
-    }
-    for (int entry = node.x; node.w == 1 && entry < node.y; ++entry) {
+  float far = reach + slack;
+  for (int n = leaf_from(tree.x, tree.y, x, far); n < tree.y; n = leaf_from(n + 1, tree.y, x, far)) {
+    ivec4 leaf = tree_node(n);
+    for (int entry = leaf.x; entry < leaf.y; ++entry) {
       int t = tree_item(entry);
       Seen seen;
       if (!look_from(t, fetch_ivec4(triangle, triangle_place, t), k, own, reach, seen)) continue;
       if (any && !is_nearer(seen, nearest_one.triangle, nearest_one.far, nearest_one.facing)) continue;
       nearest_one = seen;
+      far = seen.far + slack;
       any = true;
     }
-    ++n;
   }
   return any;
 }

@@ -11,7 +11,7 @@
 namespace phymul {
 
 struct BoxForest {
-  static constexpr Index items_a_leaf = 4, children = 8;
+  static constexpr Index items_a_leaf = 2, children = 8;
 
   /// `group`, 0 ... groups - 1, of each place.
   BoxForest(const VecList& places, const std::vector<Index>& group, Index groups);

@@ -14,6 +14,7 @@ add_executable(phymul_gl_test
   gl_context_test.cpp
   gl_display_test.cpp
   gl_equivalence_test.cpp
+  gl_fragment_contact_test.cpp
   gl_fragment_test.cpp
   gl_hosts_test.cpp
   gl_late_report_test.cpp

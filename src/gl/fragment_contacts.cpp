@@ -48,8 +48,9 @@ BoxForest particle_forest(const FloatContacts& contacts) {
 /// Renderers that break off a shader's loops: half of the turns are left to what is not counted.
 void require_turns(const FloatContacts& contacts, std::size_t triangle_nodes, std::size_t particle_nodes,
                    std::int64_t loop_turns) {
-  const auto triangles = static_cast<std::int64_t>(contacts.triangle.size() + triangle_nodes),
-             particles = static_cast<std::int64_t>(contacts.particle.size() + particle_nodes);
+  // A fragment may look at every item of a tree, at every node, and begin anew behind every leaf.
+  const auto triangles = static_cast<std::int64_t>(contacts.triangle.size() + 2 * triangle_nodes),
+             particles = static_cast<std::int64_t>(contacts.particle.size() + 2 * particle_nodes);
   const std::int64_t turns =
       std::max(triangles, particles + contacts.bodies + BoxForest::items_a_leaf * (contacts.bodies + 1));
   if (turns <= loop_turns / 2) return;
@@ -220,6 +221,11 @@ void FragmentContacts::begin_batch() {
 }
 
 void FragmentContacts::give_more_phases() {
+  if (!unfinished_) return;
+  if (phases_ == most_phases_) {
+    throw Error("expected the sweeps over contacts to end within " + std::to_string(most_phases_) +
+                " phases, one for each contact and round, got some that did not; use \"gl-compute\" or \"cpu\"");
+  }
   phases_ = static_cast<int>(std::min<std::int64_t>(2 * std::int64_t{phases_}, most_phases_));
 }
 
@@ -227,10 +233,11 @@ void FragmentContacts::copy_told(std::size_t offset) const {
   told.levels.back().target.read(0, GL_RGBA, GL_FLOAT, reinterpret_cast<void*>(offset));  // an offset in the buffer
 }
 
-int FragmentContacts::see(const Float4& reported) {
-  const int unfinished = static_cast<int>(reported[0]);
-  if (unfinished == 0) needed_ = static_cast<int>(reported[1]);
-  return unfinished;
+bool FragmentContacts::see(const Float4& reported, int runaway_step) {
+  const int step = static_cast<int>(reported[0]);
+  unfinished_ = step > 0 && (runaway_step == 0 || step <= runaway_step);
+  if (!unfinished_) needed_ = static_cast<int>(reported[1]);
+  return unfinished_;
 }
 
 }  // namespace phymul::gl

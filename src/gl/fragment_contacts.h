@@ -78,12 +78,14 @@ class FragmentContacts {
   int phases() const { return phases_; }
   /// Before the steps of a batch.
   void begin_batch();
-  /// A batch is to be done again.
+  /// A batch is to be done again: where see() found that phases were too few. Throws Error where they are as many as
+  /// any step may need, which only a device that miscounts gets to.
   void give_more_phases();
   /// The texel of `told`, to `offset` in the buffer bound to GL_PIXEL_PACK_BUFFER.
   void copy_told(std::size_t offset) const;
-  /// That texel on the host. First step that was not done, 0: none.
-  int see(const Float4& reported);
+  /// That texel on the host; runaway_step: the first in which a particle ran away, 0: none. What comes after it was not
+  /// to be done. True where a step before that took more phases than it was given.
+  bool see(const Float4& reported, int runaway_step);
 
  private:
   struct Sweeps {
@@ -98,6 +100,7 @@ class FragmentContacts {
   std::array<Sweeps, 2> sweeps_;
   std::size_t turn_ = 0;  // of the newest
   int phases_, most_phases_, needed_ = 0;
+  bool unfinished_ = false;
 };
 
 }  // namespace phymul::gl

@@ -265,8 +265,7 @@ void FragmentPasses::step(const FragmentState& state, int batch_step, bool measu
 
 void FragmentPasses::touch(const FragmentState& state, int batch_step) {
   prepare(now_->free, state, batch_step);
-  now_->free.set_rows(pushed_->force, tables_->kind().particles);
-  now_->free.draw(pushed_->target);
+  pushed_->begin(now_->free);
   touching_->act(*pushed_, state.displacement(), batch_step);
 }
 

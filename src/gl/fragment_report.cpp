@@ -72,11 +72,7 @@ BatchReport FragmentReport::take() {
     tool_sums_[tool] = {at[0], at[tool_rows_], at[2 * tool_rows_], at[3 * tool_rows_]};
   }
   report.see_volumes(std::span<const Float4>(copy_.more()).subspan(4 * tool_rows_, volumes_));
-  if (contacts_) {
-    // What comes after a step in which a particle ran away was not to be done.
-    const int unfinished = contacts_->see(copy_.more().back());
-    report.unfinished = unfinished > 0 && (report.runaway_step == 0 || unfinished <= report.runaway_step);
-  }
+  if (contacts_) report.unfinished = contacts_->see(copy_.more().back(), report.runaway_step);
   return report;
 }
 
