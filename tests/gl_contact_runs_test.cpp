@@ -33,7 +33,7 @@ TEST_P(GlContactRuns, BatchesDoneAgainComeToTheSame) {
   Scene scene(model);
   scene.gravity({0, 0, -1}).fix("low/z0").contacts({.friction = 0.5});
   SolverOptions options = damped(100.0);
-  options.rest_tolerance = 2e-4;
+  options.rest_tolerance = 1e-3;
   const BesideReference pair(model, scene, options, GetParam());
   const StepReport report = pair.device->run_to_rest(2000, pair.dt);
   ASSERT_TRUE(report.at_rest) << report.message();
