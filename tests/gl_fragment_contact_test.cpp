@@ -76,6 +76,20 @@ TEST_F(GlFragmentContact, BitsAreThoseOfComputeShaders) {
   expect_bits_of_compute(falling.model, falling.scene, 60, "with tools and a kept volume");
 }
 
+/// Particles without a surface meet triangles, and are none's corners.
+TEST_F(GlFragmentContact, BitsAreThoseOfComputeShadersInABodyWithoutTriangles) {
+  PHYMUL_SKIP_OR_FAIL(why_unavailable("gl-compute"));
+  Model loose = moved(make_block({0.01, 0.01, 0.01}, 2, 2, 2), {0.0072, 0.0081, 0.0112});
+  loose.cells.clear();
+  loose.components.clear();
+  Model model = joined_bodies(make_block({0.025, 0.025, 0.01}, 5, 5, 2), loose);
+  std::ranges::fill(model.mass, 1.25e-4);
+  std::ranges::fill(model.stiffness, 25.0);
+  Scene scene(model);
+  scene.gravity({3, 1, -9.81}).fix("low/z0").contacts({.friction = 0.3});
+  expect_bits_of_compute(model, scene, 40, "loose particles");
+}
+
 /// A strip whose ends are pressed together above its middle.
 TEST_F(GlFragmentContact, BitsAreThoseOfComputeShadersInABodyThatTouchesItself) {
   PHYMUL_SKIP_OR_FAIL(why_unavailable("gl-compute"));
