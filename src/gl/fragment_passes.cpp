@@ -97,6 +97,10 @@ Pass FragmentPasses::compiled(const StepKind& kind, const ShaderFiles& passes) c
   }
   const bool apart = four_ || kind.tools;
   if (apart) request.defines.emplace_back("FOUR_PASSES", 1);
+  if (kind.needles) {
+    request.defines.emplace_back("PUSHED", 1);
+    request.files.emplace_back("pushed_tables.glsl");
+  }
   if (kind.volumes) request.defines.emplace_back("KEPT_VOLUMES", 1);
   request.files.insert(request.files.end(), passes.begin(), passes.end());
   Pass moving(*library_, std::move(request));
@@ -119,7 +123,13 @@ FragmentPasses::Stepping FragmentPasses::compiled(const StepKind& kind) const {
   if (kind.tools) stepping.tools = compiled(kind, {"tools_pass.glsl"});
   stepping.step = compiled(kind, {"measure_step.glsl", "step_pass.glsl"});
   if (kind.volumes) compile_keeping(stepping);
+  if (kind.needles) compile_piercing(stepping);
   return stepping;
+}
+
+void FragmentPasses::compile_piercing(Stepping& stepping) const {
+  stepping.free = compiled(stepping.kind, {"free_pass.glsl"});
+  stepping.press = compiled(stepping.kind, {"press_pass.glsl"});
 }
 
 void FragmentPasses::compile_keeping(Stepping& stepping) const {
@@ -136,11 +146,13 @@ void FragmentPasses::compile_keeping(Stepping& stepping) const {
       {.files = joined({common, {"kept_tables.glsl", "volume_root.glsl", "kept_root_pass.glsl"}}), .defines = {}});
 }
 
-void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes) {
+void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes,
+                               FragmentNeedles* needles) {
   const StepKind kind{.loads = loads.kind(),
                       .tools = tools != nullptr,
                       .grids = tools && tools->any_grid(),
-                      .volumes = volumes != nullptr};
+                      .volumes = volumes != nullptr,
+                      .needles = needles != nullptr};
   auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
   const auto* const loads_before = std::exchange(loads_, &loads);
   auto* const tools_before = std::exchange(tools_, tools);
@@ -148,6 +160,11 @@ void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools,
     if (reaction_apart() && !net_) {
       net_ = Texture::target(tables_->kind().particles, TexelFormat::rgba32f, "net forces");
       net_target_ = Framebuffer({{&net_}});
+    }
+    if (needles && !piercing_) {
+      const auto* const renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+      pushed_.emplace(tables_->kind().particles);
+      piercing_.emplace(*library_, tables_->kind(), loop_turns_of(renderer ? renderer : ""));
     }
     if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), compiled(kind));
   } catch (...) {
@@ -165,6 +182,16 @@ void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools,
   }
   volumes_ = volumes;
   if (volumes) bind_volumes();
+  needles_ = needles;
+  if (needles) bind_needles();
+}
+
+void FragmentPasses::bind_needles() {
+  for (Pass* const pass : {&now_->free, &now_->press}) {
+    loads_->bind(*pass);
+    tools_->bind(*pass);
+  }
+  piercing_->set_needles(*needles_, *tools_);
 }
 
 void FragmentPasses::bind_volumes() {
@@ -185,6 +212,11 @@ void FragmentPasses::set_constants(const StepConstants& constants) {
   set_motion(now_->step);
   if (tools_) set_motion(now_->tools);
   if (volumes_) set_motion(now_->end);
+  if (needles_) {
+    set_motion(now_->free);
+    set_motion(now_->press);
+    piercing_->set_step(constants.dt);
+  }
   Pass& end = volumes_ ? now_->end : now_->step;
   const auto set = [&](const char* name, double value) { end.set(name, static_cast<float>(value)); };
   set("runaway_speed", finite(constants.runaway_speed));
@@ -216,7 +248,9 @@ void FragmentPasses::step(const FragmentState& state, int batch_step, bool measu
     reaction.set("instant", batch_step - 1);
     reaction.draw(net_target_);
   }
-  if (tools_) {
+  if (needles_) {
+    pierce(state, batch_step);
+  } else if (tools_) {
     prepare(now_->tools, state, batch_step);
     tools_->tell(now_->tools);
   }
@@ -225,6 +259,21 @@ void FragmentPasses::step(const FragmentState& state, int batch_step, bool measu
   step.set_rows(state.displacement(), tables_->kind().particles);
   step.draw(volumes_ ? volumes_->free_target() : state.next(measuring));
   if (volumes_) keep(state, batch_step, measuring);
+}
+
+/// What pushes particles between forces and motion, in the order of ToolSet::act of src/cpu.
+void FragmentPasses::pierce(const FragmentState& state, int batch_step) {
+  prepare(now_->free, state, batch_step);
+  pushed_->begin(now_->free);
+  piercing_->act(state, batch_step, *pushed_);
+  if (presses()) {
+    pushed_->bind(now_->tools);
+    prepare(now_->tools, state, batch_step);
+    tools_->tell(now_->tools);
+    prepare(now_->press, state, batch_step);
+    pushed_->press(now_->press);
+  }
+  pushed_->bind(now_->step);
 }
 
 void FragmentPasses::keep(const FragmentState& state, int batch_step, bool measuring) {

@@ -9,7 +9,8 @@
 // With four passes as in the 2007 thesis the first is two (attractor, force) and the last is two (reaction, Verlet);
 // the bits are the same. With tools the last is two in any case, as what they feel is a pass between them. Where the
 // scene keeps volumes, the step is drawn aside, and passes follow it: which way their particles go, sums over facets,
-// how far, and the end of the step.
+// how far, and the end of the step. Where it has needles, the step opens with a pass of its own, free; then come their
+// passes, what presses after them, and the step's end.
 #pragma once
 
 #include <deque>
@@ -17,6 +18,7 @@
 
 #include "gl/device.h"
 #include "gl/fragment_loads.h"
+#include "gl/fragment_needle_passes.h"
 #include "gl/fragment_state.h"
 #include "gl/fragment_tables.h"
 #include "gl/fragment_tools.h"
@@ -31,8 +33,8 @@ class FragmentPasses {
 
   const FragmentTables& tables() const { return *tables_; }
 
-  /// Compiles what these loads need, where it is not there yet. `tools`, `volumes`: null for none.
-  void set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes);
+  /// Compiles what these loads need, where it is not there yet. `tools`, `volumes`, `needles`: null for none.
+  void set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes, FragmentNeedles* needles);
 
   /// Before steps of a call.
   void set_constants(const StepConstants& constants);
@@ -59,13 +61,14 @@ class FragmentPasses {
   };
   struct StepKind {
     LoadKind loads;
-    bool tools = false, grids = false, volumes = false;
+    bool tools = false, grids = false, volumes = false, needles = false;
     bool operator==(const StepKind&) const = default;
   };
   struct Stepping {
     StepKind kind;
     Pass reaction, tools, step;            // reaction: four passes, or tools; tools: only with them
     Pass along, facets, sums, roots, end;  // only where volumes are kept
+    Pass free, press;                      // only with needles; press: with other tools beside them
   };
   void add(ShaderRequest request, const std::vector<Attachment>& targets, int rows);
   void add_attractors();
@@ -74,7 +77,11 @@ class FragmentPasses {
   Stepping compiled(const StepKind& kind) const;
   Pass compiled(const StepKind& kind, const ShaderFiles& passes) const;
   void compile_keeping(Stepping& stepping) const;
+  void compile_piercing(Stepping& stepping) const;
   void bind_volumes();
+  void bind_needles();
+  bool presses() const { return tools_ && tools_->presses(); }
+  void pierce(const FragmentState& state, int batch_step);
   void keep(const FragmentState& state, int batch_step, bool measuring);
   bool reaction_apart() const { return four_ || tools_ != nullptr; }
   void prepare(Pass& pass, const FragmentState& state, int batch_step) const;
@@ -91,6 +98,9 @@ class FragmentPasses {
   const FragmentLoads* loads_ = nullptr;
   FragmentTools* tools_ = nullptr;
   FragmentVolumes* volumes_ = nullptr;
+  FragmentNeedles* needles_ = nullptr;
+  std::optional<FragmentNeedlePasses> piercing_;
+  std::optional<FragmentPushed> pushed_;
 };
 
 }  // namespace phymul::gl

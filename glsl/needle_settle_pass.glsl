@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+//
+// Impulses on the nodes of a needle's hole within their limits: NeedlePath::settle of src/cpu, in its order. Drawn only, a
+// row for each node: every fragment goes through all nodes, as many sweeps as a renderer has loops for, and tells of its
+// own. Needs needle_motion.glsl.
+
+STORED(needle_coupling, needle_coupling_place);
+STORED(settled_sides, settled_sides_place);      // of the sweeps before: needle_settle_pass.glsl
+STORED(settled_motions, settled_motions_place);
+uniform int first_sweep, end_sweep;
+
+RESULT(0, vec4, side_row);     // sideways and along the shaft toward the hub, N s
+RESULT(1, vec4, motion_row);   // m/s; forward by the tip, N s
+RESULT(2, vec4, impulse_row);  // of all, N s; 1 where the needle touches
+RESULT(3, vec4, node_end_row);  // m along the shaft; 1 where it slides; how many particles are touched
+
+float node_limit[MOST_NODES];  // N s of friction
+vec4 node_side[MOST_NODES];    // N s: sideways, along the shaft toward the hub
+float pushed;                  // N s by the tip so far, forward: of the last node
+
+vec4 coupling(int k, int other) {
+  return fetch_changing(needle_coupling, needle_coupling_place, k * longest + other);
+}
+
+void read_nodes() {
+  for (int k = 0; k < node_count; ++k) {
+    node_place[k] = fetch_changing(needle_places, needle_places_place, k);
+    float ease = coupling(k, k).w;
+    if (first_sweep == 0) {
+      node_motion[k] = vec4(fetch_changing(needle_motions, needle_motions_place, k).xyz, ease);
+      node_side[k] = vec4(0.0);
+    } else {
+      vec4 motion = fetch_changing(settled_motions, settled_motions_place, k);
+      node_motion[k] = vec4(motion.xyz, ease);
+      node_side[k] = fetch_changing(settled_sides, settled_sides_place, k);
+      pushed = motion.w;
+    }
+  }
+}
+
+// Each node on the shaft rubs over half of the way to the next ones; the first up to the surface, the last to the tip
+// or to where the shaft comes out.
+void share_out_length() {
+  float above = -1.0;  // along, of the border to the node before
+  for (int k = 0; k < node_count; ++k) {
+    node_limit[k] = 0.0;
+    if (!on_shaft(k)) continue;
+    float along = node_place[k].w;
+    if (above < 0.0) above = along;
+    float end = through && is_last(k) ? along : 0.0;
+    bool last = is_last(k) || !on_shaft(k + 1);
+    float below = last ? end : 0.5 * (along + node_place[k + 1].w);
+    bool slides = turned != 0.0 || state_row(node_row(k)).y > 0.0;
+    node_limit[k] = (slides ? kinetic_friction : static_friction) * max(0.0, above - below) * dt;
+    above = below;
+  }
+}
+
+void take(int k) {
+  own_place = node_place[k].xyz;
+  own_motion = node_motion[k].xyz;
+  own_ease = node_motion[k].w;
+  own_limit = node_limit[k];
+  own_side = node_side[k].xyz;
+  own_rubbed = node_side[k].w;
+  own_pushed = is_last(k) ? pushed : 0.0;
+}
+
+// `impulse` on node k, N s.
+void give(int k, vec3 impulse) {
+  node_side[k] = vec4(own_side, own_rubbed);
+  if (is_last(k)) pushed = own_pushed;
+  if (impulse == vec3(0.0)) return;
+  for (int other = 0; other < node_count; ++other) {
+    node_motion[other].xyz += coupling(other, k).xyz * impulse;
+  }
+}
+
+void settle() {
+  bool bends = bending_stiffness > 0.0;
+  int last = node_count - 1;
+  for (int sweep = first_sweep; sweep < end_sweep; ++sweep) {
+    if (!through && node_motion[last].w > 0.0) {
+      take(last);
+      give(last, push_ahead());
+    }
+    for (int k = 0; k < node_count; ++k) {
+      if (node_motion[k].w == 0.0) continue;
+      take(k);
+      give(k, own_impulse(k, coupling(k, k).xyz, bends));
+    }
+  }
+}
+
+void settle_row(int k) {
+  begin_needle();
+  if (k >= node_count) discard;
+  begin_motion();
+  pushed = 0.0;
+  read_nodes();
+  share_out_length();
+  settle();
+  take(k);
+  bool touches = on_shaft(k) || own_pushed > 0.0;
+  side_row = vec4(own_side, own_rubbed);
+  motion_row = vec4(own_motion, pushed);
+  impulse_row = vec4(own_side + (own_rubbed - own_pushed) * end_axis, touches ? 1.0 : 0.0);
+  bool slides = own_limit > 0.0 && abs(own_rubbed) >= own_limit;
+  node_end_row = vec4(node_place[k].w, slides ? 1.0 : 0.0, touches ? float(around(k)) : 0.0, 0.0);
+}
+
+PASS_MAIN(settle_row)
