@@ -69,6 +69,7 @@ set(shaders
   needle_follow_kernel.glsl
   needle_force_kernel.glsl
   needle_give_pass.glsl
+  needle_limits.glsl
   needle_marks_pass.glsl
   needle_means_pass.glsl
   needle_motion.glsl
@@ -84,6 +85,9 @@ set(shaders
   needle_surface.glsl
   needle_tables.glsl
   needle_total.glsl
+  needle_turn_parts_pass.glsl
+  needle_turning.glsl
+  needle_twist_pass.glsl
   needle_weights.glsl
   needle_weights_of.glsl
   needle_weights_pass.glsl

@@ -7,6 +7,8 @@
 STORED(needle_impulses, needle_impulses_place);
 STORED(needle_hubs, needle_hubs_place);
 STORED(needle_node_ends, needle_node_ends_place);
+STORED(needle_twist_pushes, needle_twist_pushes_place);
+STORED(needle_twists, needle_twists_place);
 
 RESULT(0, vec4, next_state);
 
@@ -17,7 +19,9 @@ vec4 felt(bool turning) {
     vec3 reaction = -inverse_dt * fetch_changing(needle_impulses, needle_impulses_place, k).xyz;
     if (turning) {
       sum.xyz += cross_product(hub.xyz, reaction);
+      if (turned != 0.0) sum.xyz -= inverse_dt * fetch_changing(needle_twists, needle_twists_place, k).xyz;
     } else {
+      if (turned != 0.0) sum.xyz -= inverse_dt * fetch_changing(needle_twist_pushes, needle_twist_pushes_place, k).xyz;
       sum += vec4(hub.w * reaction, fetch_changing(needle_node_ends, needle_node_ends_place, k).z);
     }
   }
@@ -26,6 +30,7 @@ vec4 felt(bool turning) {
 
 void end_row(int row) {
   begin_needle();
+  begin_motion();
   next_state = state_row(row);
   if (row < header_rows) {
     next_state = header_row(row);

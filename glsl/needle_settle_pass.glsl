@@ -2,11 +2,12 @@
 //
 // Impulses on the nodes of a needle's hole within their limits: NeedlePath::settle of src/cpu, in its order. Drawn only, a
 // row for each node: every fragment goes through all nodes, as many sweeps as a renderer has loops for, and tells of its
-// own. Needs needle_motion.glsl.
+// own. Needs needle_limits.glsl.
 
 STORED(needle_coupling, needle_coupling_place);
 STORED(settled_sides, settled_sides_place);      // of the sweeps before: needle_settle_pass.glsl
 STORED(settled_motions, settled_motions_place);
+STORED(needle_twists, needle_twists_place);  // needle_twist_pass.glsl
 uniform int first_sweep, end_sweep;
 
 RESULT(0, vec4, side_row);     // sideways and along the shaft toward the hub, N s
@@ -14,7 +15,6 @@ RESULT(1, vec4, motion_row);   // m/s; forward by the tip, N s
 RESULT(2, vec4, impulse_row);  // of all, N s; 1 where the needle touches
 RESULT(3, vec4, node_end_row);  // m along the shaft; 1 where it slides; how many particles are touched
 
-float node_limit[MOST_NODES];  // N s of friction
 vec4 node_side[MOST_NODES];    // N s: sideways, along the shaft toward the hub
 float pushed;                  // N s by the tip so far, forward: of the last node
 
@@ -35,24 +35,6 @@ void read_nodes() {
       node_side[k] = fetch_changing(settled_sides, settled_sides_place, k);
       pushed = motion.w;
     }
-  }
-}
-
-// Each node on the shaft rubs over half of the way to the next ones; the first up to the surface, the last to the tip
-// or to where the shaft comes out.
-void share_out_length() {
-  float above = -1.0;  // along, of the border to the node before
-  for (int k = 0; k < node_count; ++k) {
-    node_limit[k] = 0.0;
-    if (!on_shaft(k)) continue;
-    float along = node_place[k].w;
-    if (above < 0.0) above = along;
-    float end = through && is_last(k) ? along : 0.0;
-    bool last = is_last(k) || !on_shaft(k + 1);
-    float below = last ? end : 0.5 * (along + node_place[k + 1].w);
-    bool slides = turned != 0.0 || state_row(node_row(k)).y > 0.0;
-    node_limit[k] = (slides ? kinetic_friction : static_friction) * max(0.0, above - below) * dt;
-    above = below;
   }
 }
 
@@ -99,6 +81,9 @@ void settle_row(int k) {
   pushed = 0.0;
   read_nodes();
   share_out_length();
+  for (int node = 0; turned != 0.0 && node < node_count; ++node) {
+    node_limit[node] *= fetch_changing(needle_twists, needle_twists_place, node).w;
+  }
   settle();
   take(k);
   bool touches = on_shaft(k) || own_pushed > 0.0;

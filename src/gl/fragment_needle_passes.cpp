@@ -43,15 +43,21 @@ FragmentNeedlePasses::FragmentNeedlePasses(const ShaderLibrary& library, const B
   append_ = compiled(joined({weighs, {"needle_append_pass.glsl"}}));
   marks_ = compiled({"needle_marks_pass.glsl"});
   coupling_ = compiled({"needle_weights.glsl", "needle_coupling_pass.glsl"});
-  settle_ = compiled({"needle_motion.glsl", "needle_settle_pass.glsl"});
-  give_ = compiled({"needle_give_pass.glsl"});
+  const ShaderFiles turning{"needle_motion.glsl", "needle_turning.glsl"};
+  turn_parts_ = compiled(joined({turning, {"needle_turn_parts_pass.glsl"}}));
+  twist_ = compiled({"needle_motion.glsl", "needle_limits.glsl", "needle_twist_pass.glsl"});
+  const ShaderFiles giving = joined({turning, {"needle_give_pass.glsl"}});
+  give_twist_ = compiled(giving, {{"TWIST", 1}});
+  give_ = compiled(giving);
+  settle_ = compiled({"needle_motion.glsl", "needle_limits.glsl", "needle_settle_pass.glsl"});
   end_ = compiled({"needle_motion.glsl", "needle_end_pass.glsl"});
 }
 
 template <class Function>
 void FragmentNeedlePasses::for_all(Function&& function) {
-  for (Pass* pass : {&parts_, &means_, &begin_, &first_facets_, &facets_, &aim_, &first_around_, &around_, &select_,
-                     &first_weights_, &weights_, &append_, &marks_, &coupling_, &settle_, &give_, &end_}) {
+  for (Pass* pass : {&parts_,      &means_,  &begin_,         &first_facets_, &facets_, &aim_,   &first_around_,
+                     &around_,     &select_, &first_weights_, &weights_,      &append_, &marks_, &coupling_,
+                     &turn_parts_, &twist_,  &give_twist_,    &settle_,       &give_,   &end_}) {
     function(*pass);
   }
 }
@@ -73,7 +79,7 @@ void FragmentNeedlePasses::set_needles(FragmentNeedles& needles, const FragmentT
 }
 
 void FragmentNeedlePasses::set_step(double dt) {
-  for (Pass* pass : {&parts_, &settle_, &end_, &give_}) {
+  for (Pass* pass : {&parts_, &turn_parts_, &twist_, &give_twist_, &settle_, &give_, &end_}) {
     pass->set("dt", static_cast<float>(dt));
     pass->set("inverse_dt", static_cast<float>(1.0 / dt));
   }
@@ -202,6 +208,20 @@ void FragmentNeedlePasses::couple(Placed& needle) {
   needle.coupled = true;
 }
 
+/// Friction around the shaft, before what sweeps see of the particles' motion.
+void FragmentNeedlePasses::twist(Placed& needle, FragmentPushed& pushed) {
+  const NeedleTextures& drawn = needle.drawn;
+  draw(turn_parts_, needle, drawn.turn_parts[0], NeedleTextures::team * needle.law.nodes, drawn.turn_parts_target);
+  twist_.input("push_parts", drawn.turn_parts[0]);
+  twist_.input("moment_parts", drawn.turn_parts[1]);
+  draw(twist_, needle, drawn.twists[0], needle.law.nodes, drawn.twists_target);
+  prepare(give_twist_, needle);
+  give_twist_.input("needle_marks", drawn.marks);
+  give_twist_.input("needle_impulses", drawn.twists[0]);
+  pushed.push(give_twist_);
+  gather(needle, false);
+}
+
 /// Half of the turns are left to what is not counted.
 int FragmentNeedlePasses::sweeps_at_a_time(const Placed& needle) const {
   const std::int64_t nodes = needle.law.nodes, a_sweep = (nodes + 1) * (nodes + 1);
@@ -211,6 +231,7 @@ int FragmentNeedlePasses::sweeps_at_a_time(const Placed& needle) const {
 void FragmentNeedlePasses::settle(const Placed& needle) {
   const NeedleTextures& drawn = needle.drawn;
   settle_.input("needle_coupling", drawn.coupling);
+  settle_.input("needle_twists", drawn.twists[1]);
   const int at_a_time = sweeps_at_a_time(needle);
   std::size_t turn = 0;
   for (int sweep = 0; sweep < sweeps; sweep += at_a_time) {
@@ -240,6 +261,7 @@ void FragmentNeedlePasses::act(const FragmentState& state, int number, FragmentP
     }
     if (nodes > 0) gather(needle, true);
     if (nodes > 0 || !needle.coupled) couple(needle);
+    if (needles_->turns(needle, number)) twist(needle, pushed);
     settle(needle);
     give_.input("needle_marks", needle.drawn.marks);
     give_.input("needle_impulses", needle.drawn.impulses);
@@ -247,6 +269,8 @@ void FragmentNeedlePasses::act(const FragmentState& state, int number, FragmentP
     end_.input("needle_impulses", needle.drawn.impulses);
     end_.input("needle_hubs", needle.drawn.means[2]);
     end_.input("needle_node_ends", needle.drawn.node_ends);
+    end_.input("needle_twist_pushes", needle.drawn.twists[0]);
+    end_.input("needle_twists", needle.drawn.twists[1]);
     pushed.push(give_);
     draw_state(end_, needle);
     ++row_;

@@ -38,6 +38,7 @@ class FragmentNeedlePasses {
   void find_particles(const Placed& needle);
   void weigh(const Placed& needle);
   void couple(Placed& needle);
+  void twist(Placed& needle, FragmentPushed& pushed);
   void settle(const Placed& needle);
   int sweeps_at_a_time(const Placed& needle) const;
   template <class Function>
@@ -47,7 +48,7 @@ class FragmentNeedlePasses {
   BodyKind kind_;
   std::int64_t loop_turns_;
   Pass parts_, means_, begin_, first_facets_, facets_, aim_, first_around_, around_, select_, first_weights_, weights_,
-      append_, marks_, coupling_, settle_, give_, end_;
+      append_, marks_, coupling_, turn_parts_, twist_, give_twist_, settle_, give_, end_;
   FragmentNeedles* needles_ = nullptr;
   // Of the step at hand.
   const FragmentPushed* pushed_ = nullptr;

@@ -47,6 +47,9 @@ struct NeedleTextures {
   std::array<std::array<Texture, 2>, 2> settled;  // [turn]: sides, motions
   Texture impulses, node_ends;
   std::array<Framebuffer, 2> settled_targets;
+  // Of a shaft that turns: pushes, moments.
+  std::array<Texture, 2> turn_parts, twists;
+  Framebuffer turn_parts_target, twists_target;
 };
 
 class FragmentNeedles {

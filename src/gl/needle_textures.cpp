@@ -50,6 +50,12 @@ NeedleTextures::NeedleTextures(const FloatNeedles::One& law, int particles, int 
   marks_target = Framebuffer({{&marks}});
   impulses = target(nodes);
   node_ends = target(nodes);
+  for (std::size_t k = 0; k < 2; ++k) {
+    turn_parts[k] = target(nodes * team);
+    twists[k] = target(nodes);
+  }
+  turn_parts_target = Framebuffer({{&turn_parts[0]}, {&turn_parts[1]}});
+  twists_target = Framebuffer({{&twists[0]}, {&twists[1]}});
   for (std::size_t turn = 0; turn < 2; ++turn) {
     state[turn] = target(8 + 2 * nodes, "a needle's hole");
     state_targets[turn] = Framebuffer({{&state[turn]}});
