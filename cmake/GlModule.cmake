@@ -62,6 +62,8 @@ set(shaders
   needle_around_pass.glsl
   needle_begin_pass.glsl
   needle_bend.glsl
+  needle_bent.glsl
+  needle_coupling.glsl
   needle_coupling_pass.glsl
   needle_end_pass.glsl
   needle_facets_pass.glsl
@@ -69,6 +71,8 @@ set(shaders
   needle_follow_kernel.glsl
   needle_force_kernel.glsl
   needle_give_pass.glsl
+  needle_held.glsl
+  needle_invert_pass.glsl
   needle_limits.glsl
   needle_marks_pass.glsl
   needle_means_pass.glsl
@@ -82,7 +86,9 @@ set(shaders
   needle_settle_pass.glsl
   needle_shaft.glsl
   needle_state.glsl
+  needle_stiffness_pass.glsl
   needle_surface.glsl
+  needle_sweeps.glsl
   needle_tables.glsl
   needle_total.glsl
   needle_turn_parts_pass.glsl

@@ -9,6 +9,7 @@ STORED(needle_hubs, needle_hubs_place);
 STORED(needle_node_ends, needle_node_ends_place);
 STORED(needle_twist_pushes, needle_twist_pushes_place);
 STORED(needle_twists, needle_twists_place);
+STORED(settled_sides, settled_sides_place);
 
 RESULT(0, vec4, next_state);
 
@@ -28,10 +29,29 @@ vec4 felt(bool turning) {
   return sum;
 }
 
+#ifdef BENDING
+// What bends the shaft, in the tool's frame at the step's end.
+void find_loads(int row) {
+  shaft_loads = 0;
+  for (int k = 0; k < node_count && bending_stiffness > 0.0; ++k) {
+    vec4 end = fetch_changing(needle_node_ends, needle_node_ends_place, k);
+    if (!(end.w > 0.0)) continue;
+    ++shaft_loads;
+    if (row != load_row(int(end.w) - 1)) continue;
+    vec3 load = -inverse_dt * fetch_changing(settled_sides, settled_sides_place, k).xyz;
+    next_state = vec4(end.x, inner_product(frame_row(number, 0).xyz, load), inner_product(frame_row(number, 1).xyz, load),
+                      0.0);
+  }
+}
+#endif
+
 void end_row(int row) {
   begin_needle();
   begin_motion();
   next_state = state_row(row);
+#ifdef BENDING
+  find_loads(row);
+#endif
   if (row < header_rows) {
     next_state = header_row(row);
   } else if (row < header_rows + hub_rows) {

@@ -2,9 +2,9 @@
 //
 // Impulses on the nodes of a needle's hole within their limits: NeedlePath::settle of src/cpu, in its order. Drawn only, a
 // row for each node: every fragment goes through all nodes, as many sweeps as a renderer has loops for, and tells of its
-// own. Needs needle_limits.glsl.
+// own. Needs needle_sweeps.glsl,
+// and needle_bent.glsl where BENDING is defined.
 
-STORED(needle_coupling, needle_coupling_place);
 STORED(settled_sides, settled_sides_place);      // of the sweeps before: needle_settle_pass.glsl
 STORED(settled_motions, settled_motions_place);
 STORED(needle_twists, needle_twists_place);  // needle_twist_pass.glsl
@@ -13,14 +13,8 @@ uniform int first_sweep, end_sweep;
 RESULT(0, vec4, side_row);     // sideways and along the shaft toward the hub, N s
 RESULT(1, vec4, motion_row);   // m/s; forward by the tip, N s
 RESULT(2, vec4, impulse_row);  // of all, N s; 1 where the needle touches
-RESULT(3, vec4, node_end_row);  // m along the shaft; 1 where it slides; how many particles are touched
-
-vec4 node_side[MOST_NODES];    // N s: sideways, along the shaft toward the hub
-float pushed;                  // N s by the tip so far, forward: of the last node
-
-vec4 coupling(int k, int other) {
-  return fetch_changing(needle_coupling, needle_coupling_place, k * longest + other);
-}
+RESULT(3, vec4, node_end_row);  // m along the shaft; 1 where it slides; how many particles are touched; 1 +
+                                // its row among those held sideways by a shaft that bends
 
 void read_nodes() {
   for (int k = 0; k < node_count; ++k) {
@@ -48,24 +42,26 @@ void take(int k) {
   own_pushed = is_last(k) ? pushed : 0.0;
 }
 
-// `impulse` on node k, N s.
 void give(int k, vec3 impulse) {
   node_side[k] = vec4(own_side, own_rubbed);
   if (is_last(k)) pushed = own_pushed;
-  if (impulse == vec3(0.0)) return;
-  for (int other = 0; other < node_count; ++other) {
-    node_motion[other].xyz += coupling(other, k).xyz * impulse;
-  }
+  push_nodes(k, impulse);
 }
 
 void settle() {
   bool bends = bending_stiffness > 0.0;
   int last = node_count - 1;
+#ifdef BENDING
+  if (bends) find_held();
+#endif
   for (int sweep = first_sweep; sweep < end_sweep; ++sweep) {
     if (!through && node_motion[last].w > 0.0) {
       take(last);
       give(last, push_ahead());
     }
+#ifdef BENDING
+    if (bends) hold_on_bent();
+#endif
     for (int k = 0; k < node_count; ++k) {
       if (node_motion[k].w == 0.0) continue;
       take(k);
@@ -92,6 +88,11 @@ void settle_row(int k) {
   impulse_row = vec4(own_side + (own_rubbed - own_pushed) * end_axis, touches ? 1.0 : 0.0);
   bool slides = own_limit > 0.0 && abs(own_rubbed) >= own_limit;
   node_end_row = vec4(node_place[k].w, slides ? 1.0 : 0.0, touches ? float(around(k)) : 0.0, 0.0);
+#ifdef BENDING
+  for (int row = 0; bending_stiffness > 0.0 && row < held_count; ++row) {
+    if (held_node[row] == k) node_end_row.w = float(row + 1);
+  }
+#endif
 }
 
 PASS_MAIN(settle_row)

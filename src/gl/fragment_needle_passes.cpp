@@ -24,8 +24,9 @@ int levels_of(int particles) {
 
 }  // namespace
 
-FragmentNeedlePasses::FragmentNeedlePasses(const ShaderLibrary& library, const BodyKind& kind, std::int64_t loop_turns)
-    : library_(&library), kind_(kind), loop_turns_(loop_turns) {
+FragmentNeedlePasses::FragmentNeedlePasses(const ShaderLibrary& library, const BodyKind& kind, std::int64_t loop_turns,
+                                           bool bending)
+    : library_(&library), kind_(kind), loop_turns_(loop_turns), bending_(bending) {
   parts_ = compiled({"needle_motion.glsl", "needle_parts_pass.glsl"});
   means_ = compiled({"needle_means_pass.glsl"});
   begin_ = compiled(joined({follows, {"needle_begin_pass.glsl"}}));
@@ -49,7 +50,15 @@ FragmentNeedlePasses::FragmentNeedlePasses(const ShaderLibrary& library, const B
   const ShaderFiles giving = joined({turning, {"needle_give_pass.glsl"}});
   give_twist_ = compiled(giving, {{"TWIST", 1}});
   give_ = compiled(giving);
-  settle_ = compiled({"needle_motion.glsl", "needle_limits.glsl", "needle_settle_pass.glsl"});
+  ShaderFiles settling{"needle_motion.glsl", "needle_limits.glsl", "needle_coupling.glsl", "needle_sweeps.glsl"};
+  if (bending) {
+    const ShaderFiles holding{"needle_shaft.glsl", "two_floats.glsl", "needle_held.glsl"};
+    stiffness_ =
+        compiled(joined({{"needle_motion.glsl", "needle_coupling.glsl"}, holding, {"needle_stiffness_pass.glsl"}}));
+    invert_ = compiled({"two_floats.glsl", "needle_invert_pass.glsl"});
+    settling = joined({settling, holding, {"needle_bent.glsl"}});
+  }
+  settle_ = compiled(joined({settling, {"needle_settle_pass.glsl"}}));
   end_ = compiled({"needle_motion.glsl", "needle_end_pass.glsl"});
 }
 
@@ -60,6 +69,9 @@ void FragmentNeedlePasses::for_all(Function&& function) {
                      &turn_parts_, &twist_,  &give_twist_,    &settle_,       &give_,   &end_}) {
     function(*pass);
   }
+  if (!bending_) return;
+  function(stiffness_);
+  function(invert_);
 }
 
 Pass FragmentNeedlePasses::compiled(ShaderFiles files, std::vector<std::pair<std::string, int>> defines) const {
@@ -67,6 +79,7 @@ Pass FragmentNeedlePasses::compiled(ShaderFiles files, std::vector<std::pair<std
   define_kernels(kind_, request);
   request.defines.emplace_back("MOST_NODES", FloatNeedles::most_nodes);
   request.defines.emplace_back("TEAM", NeedleTextures::team);
+  if (bending_) request.defines.emplace_back("BENDING", 1);
   return {*library_, std::move(request)};
 }
 
@@ -83,6 +96,9 @@ void FragmentNeedlePasses::set_step(double dt) {
     pass->set("dt", static_cast<float>(dt));
     pass->set("inverse_dt", static_cast<float>(1.0 / dt));
   }
+  if (!bending_) return;
+  stiffness_.set("dt", static_cast<float>(dt));
+  stiffness_.set("inverse_dt", static_cast<float>(1.0 / dt));
 }
 
 void FragmentNeedlePasses::prepare(Pass& pass, const Placed& needle) const {
@@ -222,9 +238,25 @@ void FragmentNeedlePasses::twist(Placed& needle, FragmentPushed& pushed) {
   gather(needle, false);
 }
 
+/// What a shaft that bends gives way under, inverted.
+void FragmentNeedlePasses::stiffen(const Placed& needle) {
+  const NeedleTextures& drawn = needle.drawn;
+  const int rows = needle.law.nodes * needle.law.nodes + 1;
+  stiffness_.input("needle_coupling", drawn.coupling);
+  draw(stiffness_, needle, drawn.stiffness[0], rows, drawn.stiffness_targets[0]);
+  std::size_t turn = 0;
+  for (int pivot = 0; pivot < needle.law.nodes; pivot += 2) {
+    invert_.input("needle_stiffness", drawn.stiffness[turn]);
+    invert_.set("pivot", pivot);
+    turn = 1 - turn;
+    draw(invert_, needle, drawn.stiffness[0], rows, drawn.stiffness_targets[turn]);
+  }
+  settle_.input("needle_inverse", drawn.stiffness[turn]);
+}
+
 /// Half of the turns are left to what is not counted.
 int FragmentNeedlePasses::sweeps_at_a_time(const Placed& needle) const {
-  const std::int64_t nodes = needle.law.nodes, a_sweep = (nodes + 1) * (nodes + 1);
+  const std::int64_t nodes = needle.law.nodes, a_sweep = (needle.law.bends() ? 5 : 1) * (nodes + 1) * (nodes + 1);
   return static_cast<int>(std::clamp<std::int64_t>(loop_turns_ / 2 / a_sweep, 1, sweeps));
 }
 
@@ -240,6 +272,7 @@ void FragmentNeedlePasses::settle(const Placed& needle) {
     settle_.set("first_sweep", sweep);
     settle_.set("end_sweep", std::min(sweep + at_a_time, sweeps));
     draw(settle_, needle, drawn.impulses, needle.law.nodes, drawn.settled_targets[turn]);
+    end_.input("settled_sides", drawn.settled[turn][0]);
     turn = 1 - turn;
   }
 }
@@ -262,6 +295,7 @@ void FragmentNeedlePasses::act(const FragmentState& state, int number, FragmentP
     if (nodes > 0) gather(needle, true);
     if (nodes > 0 || !needle.coupled) couple(needle);
     if (needles_->turns(needle, number)) twist(needle, pushed);
+    if (needle.law.bends()) stiffen(needle);
     settle(needle);
     give_.input("needle_marks", needle.drawn.marks);
     give_.input("needle_impulses", needle.drawn.impulses);

@@ -16,8 +16,10 @@ namespace phymul::gl {
 
 class FragmentNeedlePasses {
  public:
-  /// Compiles. `loop_turns`: of a shader, after which this renderer breaks off; `particles`: of the body.
-  FragmentNeedlePasses(const ShaderLibrary& library, const BodyKind& kind, std::int64_t loop_turns);
+  /// Compiles. `loop_turns`: of a shader, after which this renderer breaks off; `bending`: some needle bends.
+  FragmentNeedlePasses(const ShaderLibrary& library, const BodyKind& kind, std::int64_t loop_turns, bool bending);
+
+  bool bending() const { return bending_; }
 
   void set_needles(FragmentNeedles& needles, const FragmentTools& tools);
   void set_step(double dt);
@@ -39,6 +41,7 @@ class FragmentNeedlePasses {
   void weigh(const Placed& needle);
   void couple(Placed& needle);
   void twist(Placed& needle, FragmentPushed& pushed);
+  void stiffen(const Placed& needle);
   void settle(const Placed& needle);
   int sweeps_at_a_time(const Placed& needle) const;
   template <class Function>
@@ -47,8 +50,9 @@ class FragmentNeedlePasses {
   const ShaderLibrary* library_;
   BodyKind kind_;
   std::int64_t loop_turns_;
+  bool bending_;
   Pass parts_, means_, begin_, first_facets_, facets_, aim_, first_around_, around_, select_, first_weights_, weights_,
-      append_, marks_, coupling_, turn_parts_, twist_, give_twist_, settle_, give_, end_;
+      append_, marks_, coupling_, turn_parts_, twist_, give_twist_, stiffness_, invert_, settle_, give_, end_;
   FragmentNeedles* needles_ = nullptr;
   // Of the step at hand.
   const FragmentPushed* pushed_ = nullptr;

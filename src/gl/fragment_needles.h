@@ -50,6 +50,9 @@ struct NeedleTextures {
   // Of a shaft that turns: pushes, moments.
   std::array<Texture, 2> turn_parts, twists;
   Framebuffer turn_parts_target, twists_target;
+  // Of one that bends. [nodes * nodes + 1]
+  std::array<Texture, 2> stiffness;
+  std::array<Framebuffer, 2> stiffness_targets;
 };
 
 class FragmentNeedles {

@@ -161,10 +161,12 @@ void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools,
       net_ = Texture::target(tables_->kind().particles, TexelFormat::rgba32f, "net forces");
       net_target_ = Framebuffer({{&net_}});
     }
-    if (needles && !piercing_) {
+    if (needles && (!piercing_ || piercing_->bending() != needles->any_bends())) {
       const auto* const renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-      pushed_.emplace(tables_->kind().particles);
-      piercing_.emplace(*library_, tables_->kind(), loop_turns_of(renderer ? renderer : ""));
+      FragmentNeedlePasses passes(*library_, tables_->kind(), loop_turns_of(renderer ? renderer : ""),
+                                  needles->any_bends());
+      if (!pushed_) pushed_.emplace(tables_->kind().particles);
+      piercing_ = std::move(passes);
     }
     if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), compiled(kind));
   } catch (...) {

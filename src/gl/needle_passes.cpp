@@ -21,7 +21,7 @@ NeedlePasses::NeedlePasses(const ShaderLibrary& library, const ComputeTables& ta
                       "needle_follow_kernel.glsl"},
                      group(limits));
   ShaderFiles forces{"needle_motion.glsl", "needle_nodes.glsl", "needle_settle.glsl", "needle_force_kernel.glsl"};
-  if (bending) forces.insert(forces.begin() + 2, {"two_floats.glsl", "needle_bend.glsl"});
+  if (bending) forces.insert(forces.begin() + 2, {"two_floats.glsl", "needle_held.glsl", "needle_bend.glsl"});
   force_ = compiled(library, std::move(forces), group(limits));
 }
 
