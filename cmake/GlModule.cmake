@@ -72,6 +72,8 @@ set(shaders
   needle_force_kernel.glsl
   needle_give_pass.glsl
   needle_held.glsl
+  needle_held_rows.glsl
+  needle_hold_pass.glsl
   needle_invert_pass.glsl
   needle_limits.glsl
   needle_marks_pass.glsl
@@ -79,6 +81,8 @@ set(shaders
   needle_motion.glsl
   needle_node.glsl
   needle_nodes.glsl
+  needle_pairs.glsl
+  needle_panel_pass.glsl
   needle_parts_pass.glsl
   needle_search.glsl
   needle_select_pass.glsl

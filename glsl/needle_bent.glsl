@@ -1,53 +1,29 @@
 // SPDX-License-Identifier: MIT
 //
-// A shaft that bends: all nodes onto it at once, in a fragment that goes through all of them. Twin of
+// A shaft that bends: all nodes onto it at once, between the draws of needle_settle_pass.glsl. Twin of
 // NeedlePath::hold_on_bent of src/cpu. Needs needle_held.glsl and needle_sweeps.glsl.
 
-STORED(needle_inverse, needle_inverse_place);  // needle_invert_pass.glsl
+STORED(needle_holds, needle_holds_place);  // needle_hold_pass.glsl
 
-vec3 held_off[MOST_NODES];
-
-vec2 inverse_at(int row, int column) {
-  return fetch_vec2(needle_inverse, needle_inverse_place, row * longest + column);
-}
-
-void find_held() {
-  choose_held(0);
-  if (!(inverse_at(0, 0).x > 0.0)) held_count = 0;  // there was none
-}
-
-vec3 change_of(int row) {
-  vec2 x = vec2(0.0);
-  vec2 y = vec2(0.0);
-  vec2 z = vec2(0.0);
-  for (int k = 0; k < held_count; ++k) {
-    vec2 entry = inverse_at(row, k);
-    vec3 off = held_off[k];
-    x = sum_of(x, product_of(entry, vec2(off.x, 0.0)));
-    y = sum_of(y, product_of(entry, vec2(off.y, 0.0)));
-    z = sum_of(z, product_of(entry, vec2(off.z, 0.0)));
+// m, by which node k, where the step ends, is off the shaft as it is bent by what it holds the tissue with; 0 where it
+// is not held.
+vec3 off_shaft(int k) {
+  vec3 off = across(node_place[k].xyz - gone + dt * node_motion[k].xyz);
+  float arm = shaft_arm(node_place[k].w);
+  bool is_one = false;
+  for (int row = 0; row < held_count; ++row) {
+    is_one = is_one || held_node[row] == k;
+    off = off + (inverse_dt * shaft_compliance(arm, held_arm[row])) * node_side[held_node[row]].xyz;
   }
-  return vec3(x.x, y.x, z.x);
+  return is_one ? off : vec3(0.0);
 }
 
-// Where the step ends, the shaft is bent by what it holds the tissue with.
-void hold_on_bent() {
+void take_holds() {
   for (int row = 0; row < held_count; ++row) {
     int node = held_node[row];
-    vec3 off = across(node_place[node].xyz - gone + dt * node_motion[node].xyz);
-    for (int k = 0; k < held_count; ++k) {
-      off = off + (inverse_dt * shaft_compliance(held_arm[row], held_arm[k])) * node_side[held_node[k]].xyz;
-    }
-    held_off[row] = off;
-  }
-  for (int row = 0; row < held_count; ++row) {
-    int node = held_node[row];
-    vec3 side = node_side[node].xyz;
-    vec3 wanted = side - change_of(row);
-    float most = is_last(node) ? surface_friction * pushed : 0.0;
-    float size = sqrt(inner_product(wanted, wanted));
-    if (!punctured && size > most) wanted = wanted * (most / size);
+    vec3 wanted = fetch_changing(needle_holds, needle_holds_place, node).xyz;
+    vec3 impulse = wanted - node_side[node].xyz;
     node_side[node].xyz = wanted;
-    push_nodes(node, wanted - side);
+    push_nodes(node, impulse);
   }
 }

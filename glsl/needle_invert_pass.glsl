@@ -1,49 +1,34 @@
 // SPDX-License-Identifier: MIT
 //
-// Two pivots of an inversion in place (Gauss and Jordan; a positive definite matrix needs no search for pivots), in sums
-// of two floats. Nothing but zeros where a pivot is not positive. Drawn only, a row for each pair and one more; needs
-// needle_state.glsl and two_floats.glsl.
+// PANEL pivots of an inversion in place, in sums of two floats: what they make of all entries. Drawn only, a row for each
+// pair and each node; needs needle_pairs.glsl and two_floats.glsl.
 
-STORED(needle_stiffness, needle_stiffness_place);
-uniform int pivot;  // the first of the two
+STORED(needle_panel, needle_panel_place);  // needle_panel_pass.glsl
+uniform int pivot;
 
 RESULT(0, vec2, entry);
 
-bool positive;
-
-vec2 entry_at(int i, int j) {
-  return fetch_vec2(needle_stiffness, needle_stiffness_place, i * longest + j);
-}
-
-// What pivot p makes of the entry at i, j; of it and the pivot, and those of its row and column.
-vec2 pivoted(bool in_row, bool in_column, vec2 own, vec2 of_column, vec2 of_row, vec2 at_pivot) {
-  if (!(at_pivot.x > 0.0)) positive = false;
-  if (in_row && in_column) return quotient_of(vec2(1.0, 0.0), at_pivot);
-  if (in_row) return quotient_of(own, at_pivot);
-  if (in_column) return -quotient_of(own, at_pivot);
-  return sum_of(own, -product_of(of_column, quotient_of(of_row, at_pivot)));
-}
-
-vec2 after_first(int i, int j) {
-  return pivoted(i == pivot, j == pivot, entry_at(i, j), entry_at(i, pivot), entry_at(pivot, j),
-                 entry_at(pivot, pivot));
+vec2 panel_at(int p, int j) {
+  return fetch_vec2(needle_panel, needle_panel_place, p * longest + j);
 }
 
 void invert_row(int row) {
   read_law();
   int i = row / longest;
   int j = row - i * longest;
-  int held = int(fetch_vec2(needle_stiffness, needle_stiffness_place, longest * longest).x);
-  entry = fetch_vec2(needle_stiffness, needle_stiffness_place, row);
+  entry = pair_at(i, j);
+  if (i >= longest) return;
+  int held = held_nodes();
   if (i >= held || j >= held || pivot >= held) return;
-  positive = true;
-  entry = after_first(i, j);
-  int second = pivot + 1;
-  if (second < held) {
-    entry = pivoted(i == second, j == second, entry, after_first(i, second), after_first(second, j),
-                    after_first(second, second));
+  int end = min(pivot + PANEL, held);
+  if (!(panel_at(0, pivot).x > 0.0)) {
+    entry = vec2(0.0);
+  } else if (i >= pivot && i < end) {
+    entry = panel_at(i - pivot, j);
+  } else {
+    if (j >= pivot && j < end) entry = vec2(0.0);
+    for (int p = pivot; p < end; ++p) entry = sum_of(entry, -product_of(pair_at(i, p), panel_at(p - pivot, j)));
   }
-  if (!positive) entry = vec2(0.0);
 }
 
 PASS_MAIN(invert_row)

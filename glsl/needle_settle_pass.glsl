@@ -12,7 +12,8 @@ uniform int first_sweep, end_sweep;
 
 RESULT(0, vec4, side_row);     // sideways and along the shaft toward the hub, N s
 RESULT(1, vec4, motion_row);   // m/s; forward by the tip, N s
-RESULT(2, vec4, impulse_row);  // of all, N s; 1 where the needle touches
+RESULT(2, vec4, impulse_row);  // of all, N s; 1 where the needle touches. Between sweeps of a shaft that
+                               // bends: m, off it
 RESULT(3, vec4, node_end_row);  // m along the shaft; 1 where it slides; how many particles are touched; 1 +
                                 // its row among those held sideways by a shaft that bends
 
@@ -48,25 +49,35 @@ void give(int k, vec3 impulse) {
   push_nodes(k, impulse);
 }
 
-void settle() {
-  bool bends = bending_stiffness > 0.0;
+void push_forward() {
   int last = node_count - 1;
+  if (through || node_motion[last].w == 0.0) return;
+  take(last);
+  give(last, push_ahead());
+}
+
+void go_through(bool bends) {
+  for (int k = 0; k < node_count; ++k) {
+    if (node_motion[k].w == 0.0) continue;
+    take(k);
+    give(k, own_impulse(k, coupling(k, k).xyz, bends));
+  }
+}
+
+void settle() {
 #ifdef BENDING
-  if (bends) find_held();
+  if (bending_stiffness > 0.0) {  // from where a sweep holds the nodes sideways to where the next one does
+    if (first_sweep > 0) {
+      take_holds();
+      go_through(true);
+    }
+    if (first_sweep < sweeps) push_forward();
+    return;
+  }
 #endif
   for (int sweep = first_sweep; sweep < end_sweep; ++sweep) {
-    if (!through && node_motion[last].w > 0.0) {
-      take(last);
-      give(last, push_ahead());
-    }
-#ifdef BENDING
-    if (bends) hold_on_bent();
-#endif
-    for (int k = 0; k < node_count; ++k) {
-      if (node_motion[k].w == 0.0) continue;
-      take(k);
-      give(k, own_impulse(k, coupling(k, k).xyz, bends));
-    }
+    push_forward();
+    go_through(false);
   }
 }
 
@@ -80,6 +91,10 @@ void settle_row(int k) {
   for (int node = 0; turned != 0.0 && node < node_count; ++node) {
     node_limit[node] *= fetch_changing(needle_twists, needle_twists_place, node).w;
   }
+#ifdef BENDING
+  held_count = 0;
+  if (bending_stiffness > 0.0) read_held();
+#endif
   settle();
   take(k);
   bool touches = on_shaft(k) || own_pushed > 0.0;
@@ -89,9 +104,10 @@ void settle_row(int k) {
   bool slides = own_limit > 0.0 && abs(own_rubbed) >= own_limit;
   node_end_row = vec4(node_place[k].w, slides ? 1.0 : 0.0, touches ? float(around(k)) : 0.0, 0.0);
 #ifdef BENDING
-  for (int row = 0; bending_stiffness > 0.0 && row < held_count; ++row) {
+  for (int row = 0; row < held_count; ++row) {
     if (held_node[row] == k) node_end_row.w = float(row + 1);
   }
+  if (bending_stiffness > 0.0 && first_sweep < sweeps) impulse_row = vec4(off_shaft(k), 0.0);
 #endif
 }
 

@@ -8,7 +8,7 @@
 // and 1 where it slides; along, x, y for each force on a shaft that bends. Lists have room for most_around rows a node:
 // its particles, in the model's order, and the bits of their weights.
 
-TABLE_FLOATS(needle_laws, needle_laws_place);  // five rows a needle
+TABLE_FLOATS(needle_laws, needle_laws_place);  // four rows a needle
 TABLE_INTS(needle_facets, needle_facets_place);  // a, b, c, outward
 STORED(needle_state, needle_state_place);
 TABLE_INTS(needle_lists, needle_lists_place);
@@ -49,7 +49,7 @@ vec3 tip_high, tip_low;     // at the step's start, as a sum
 vec3 axis_x, axis_y, axis;  // likewise; axis points to the hub
 
 vec4 law_row(int row) {
-  return fetch_load_vec4(needle_laws, needle_laws_place, 5 * needle + row);
+  return fetch_load_vec4(needle_laws, needle_laws_place, 4 * needle + row);
 }
 
 vec4 state_row(int row) {

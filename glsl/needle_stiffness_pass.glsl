@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// How the nodes that a bending shaft holds give way under impulses on each, in sums of two floats; behind the pairs how
-// many they are. Drawn only, a row for each pair and one more; needs needle_held.glsl.
+// How the nodes that a bending shaft holds give way under impulses on each, in sums of two floats; behind the pairs which
+// nodes those are, and their distances from the hub. Drawn only, a row for each pair and each node; needs
+// needle_held.glsl.
 
 RESULT(0, vec2, entry);
 
@@ -16,8 +17,8 @@ void stiffness_row(int row) {
   int i = row / longest;
   int j = row - i * longest;
   entry = vec2(0.0);
-  if (i == longest) {
-    entry.x = float(held_count);
+  if (i >= longest) {
+    entry = j < held_count ? vec2(float(held_node[j]), held_arm[j]) : vec2(-1.0, 0.0);
   } else if (i < held_count && j < held_count) {
     entry = gives(max(i, j), min(i, j));
   }

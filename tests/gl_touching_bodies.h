@@ -42,13 +42,14 @@ inline Vec3 mean_place(const State& state, const std::vector<Index>& particles) 
 /// A scene on the device and on the reference.
 class BesideReference {
  public:
-  BesideReference(const Model& model, const Scene& scene, SolverOptions options, GlCompute form = GlCompute::automatic)
+  BesideReference(const Model& model, const Scene& scene, SolverOptions options, GlCompute form = GlCompute::automatic,
+                  GlBackend backend = GlBackend::compute)
       : tables_(tables_of(model, {})) {
     options.gl.compute = form;
     options.gl.debug = true;
     if (!options.spectrum) options.spectrum = estimate_spectrum(*tables_, tables_->rest);
     dt = 0.4 * stable_step(*options.spectrum, 1.0);
-    device = std::make_unique<gl::DeviceSolver>(GlBackend::compute, tables_, scene, options);
+    device = std::make_unique<gl::DeviceSolver>(backend, tables_, scene, options);
     reference = make_solver("reference", tables_, scene, options);
   }
 

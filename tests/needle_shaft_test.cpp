@@ -65,7 +65,7 @@ double skin_off_shaft(const Solver& solver, const ToolPose& pose) {
 }
 
 using BendingNeedleIn = WithTools;
-PHYMUL_WITH_NEEDLES(BendingNeedleIn);
+PHYMUL_WITH_TOOLS(BendingNeedleIn);
 
 /// A block that hangs on the needle alone: its weight is known, and acts in its middle.
 TEST_P(BendingNeedleIn, BendsUnderAHangingBlockAsABeamDoes) {

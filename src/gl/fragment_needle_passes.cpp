@@ -53,10 +53,13 @@ FragmentNeedlePasses::FragmentNeedlePasses(const ShaderLibrary& library, const B
   ShaderFiles settling{"needle_motion.glsl", "needle_limits.glsl", "needle_coupling.glsl", "needle_sweeps.glsl"};
   if (bending) {
     const ShaderFiles holding{"needle_shaft.glsl", "two_floats.glsl", "needle_held.glsl"};
-    stiffness_ =
-        compiled(joined({{"needle_motion.glsl", "needle_coupling.glsl"}, holding, {"needle_stiffness_pass.glsl"}}));
-    invert_ = compiled({"two_floats.glsl", "needle_invert_pass.glsl"});
-    settling = joined({settling, holding, {"needle_bent.glsl"}});
+    const ShaderFiles held = joined({holding, {"needle_pairs.glsl", "needle_held_rows.glsl"}});
+    const ShaderFiles coupled{"needle_motion.glsl", "needle_coupling.glsl"};
+    stiffness_ = compiled(joined({coupled, holding, {"needle_stiffness_pass.glsl"}}));
+    panel_ = compiled({"two_floats.glsl", "needle_pairs.glsl", "needle_panel_pass.glsl"});
+    invert_ = compiled({"two_floats.glsl", "needle_pairs.glsl", "needle_invert_pass.glsl"});
+    hold_ = compiled(joined({coupled, held, {"needle_hold_pass.glsl"}}));
+    settling = joined({settling, held, {"needle_bent.glsl"}});
   }
   settle_ = compiled(joined({settling, {"needle_settle_pass.glsl"}}));
   end_ = compiled({"needle_motion.glsl", "needle_end_pass.glsl"});
@@ -70,8 +73,7 @@ void FragmentNeedlePasses::for_all(Function&& function) {
     function(*pass);
   }
   if (!bending_) return;
-  function(stiffness_);
-  function(invert_);
+  for (Pass* pass : {&stiffness_, &panel_, &invert_, &hold_}) function(*pass);
 }
 
 Pass FragmentNeedlePasses::compiled(ShaderFiles files, std::vector<std::pair<std::string, int>> defines) const {
@@ -79,6 +81,7 @@ Pass FragmentNeedlePasses::compiled(ShaderFiles files, std::vector<std::pair<std
   define_kernels(kind_, request);
   request.defines.emplace_back("MOST_NODES", FloatNeedles::most_nodes);
   request.defines.emplace_back("TEAM", NeedleTextures::team);
+  request.defines.emplace_back("PANEL", NeedleTextures::pivots);
   if (bending_) request.defines.emplace_back("BENDING", 1);
   return {*library_, std::move(request)};
 }
@@ -97,8 +100,10 @@ void FragmentNeedlePasses::set_step(double dt) {
     pass->set("inverse_dt", static_cast<float>(1.0 / dt));
   }
   if (!bending_) return;
-  stiffness_.set("dt", static_cast<float>(dt));
-  stiffness_.set("inverse_dt", static_cast<float>(1.0 / dt));
+  for (Pass* pass : {&stiffness_, &hold_}) {
+    pass->set("dt", static_cast<float>(dt));
+    pass->set("inverse_dt", static_cast<float>(1.0 / dt));
+  }
 }
 
 void FragmentNeedlePasses::prepare(Pass& pass, const Placed& needle) const {
@@ -238,43 +243,69 @@ void FragmentNeedlePasses::twist(Placed& needle, FragmentPushed& pushed) {
   gather(needle, false);
 }
 
-/// What a shaft that bends gives way under, inverted.
+/// How a shaft that bends gives way, inverted.
 void FragmentNeedlePasses::stiffen(const Placed& needle) {
   const NeedleTextures& drawn = needle.drawn;
-  const int rows = needle.law.nodes * needle.law.nodes + 1;
+  const int nodes = needle.law.nodes, rows = nodes * (nodes + 1);
   stiffness_.input("needle_coupling", drawn.coupling);
   draw(stiffness_, needle, drawn.stiffness[0], rows, drawn.stiffness_targets[0]);
   std::size_t turn = 0;
-  for (int pivot = 0; pivot < needle.law.nodes; pivot += 2) {
-    invert_.input("needle_stiffness", drawn.stiffness[turn]);
-    invert_.set("pivot", pivot);
+  for (int pivot = 0; pivot < nodes; pivot += NeedleTextures::pivots) {
+    for (Pass* pass : {&panel_, &invert_}) {
+      pass->input("needle_stiffness", drawn.stiffness[turn]);
+      pass->set("pivot", pivot);
+    }
+    invert_.input("needle_panel", drawn.panel);
+    draw(panel_, needle, drawn.panel, NeedleTextures::pivots * nodes, drawn.panel_target);
     turn = 1 - turn;
     draw(invert_, needle, drawn.stiffness[0], rows, drawn.stiffness_targets[turn]);
   }
-  settle_.input("needle_inverse", drawn.stiffness[turn]);
+  for (Pass* pass : {&settle_, &hold_}) pass->input("needle_stiffness", drawn.stiffness[turn]);
 }
 
 /// Half of the turns are left to what is not counted.
 int FragmentNeedlePasses::sweeps_at_a_time(const Placed& needle) const {
-  const std::int64_t nodes = needle.law.nodes, a_sweep = (needle.law.bends() ? 5 : 1) * (nodes + 1) * (nodes + 1);
+  const std::int64_t nodes = needle.law.nodes, a_sweep = (nodes + 1) * (nodes + 1);
   return static_cast<int>(std::clamp<std::int64_t>(loop_turns_ / 2 / a_sweep, 1, sweeps));
+}
+
+void FragmentNeedlePasses::sweep(const Placed& needle, int from, int to) {
+  const NeedleTextures& drawn = needle.drawn;
+  settle_.input("settled_sides", drawn.settled[settled_][0]);
+  settle_.input("settled_motions", drawn.settled[settled_][1]);
+  settle_.set("first_sweep", from);
+  settle_.set("end_sweep", to);
+  settled_ = 1 - settled_;
+  draw(settle_, needle, drawn.impulses, needle.law.nodes, drawn.settled_targets[settled_]);
+}
+
+/// A draw from where a sweep holds nodes on the shaft to where the next one does, and one for that.
+void FragmentNeedlePasses::settle_on_bent(const Placed& needle) {
+  const NeedleTextures& drawn = needle.drawn;
+  settle_.input("needle_holds", drawn.holds);
+  hold_.input("needle_impulses", drawn.impulses);
+  hold_.input("needle_coupling", drawn.coupling);
+  sweep(needle, 0, 0);
+  for (int k = 1; k <= sweeps; ++k) {
+    hold_.input("settled_sides", drawn.settled[settled_][0]);
+    hold_.input("settled_motions", drawn.settled[settled_][1]);
+    draw(hold_, needle, drawn.holds, needle.law.nodes, drawn.holds_target);
+    sweep(needle, k, k);
+  }
 }
 
 void FragmentNeedlePasses::settle(const Placed& needle) {
   const NeedleTextures& drawn = needle.drawn;
   settle_.input("needle_coupling", drawn.coupling);
   settle_.input("needle_twists", drawn.twists[1]);
-  const int at_a_time = sweeps_at_a_time(needle);
-  std::size_t turn = 0;
-  for (int sweep = 0; sweep < sweeps; sweep += at_a_time) {
-    settle_.input("settled_sides", drawn.settled[1 - turn][0]);
-    settle_.input("settled_motions", drawn.settled[1 - turn][1]);
-    settle_.set("first_sweep", sweep);
-    settle_.set("end_sweep", std::min(sweep + at_a_time, sweeps));
-    draw(settle_, needle, drawn.impulses, needle.law.nodes, drawn.settled_targets[turn]);
-    end_.input("settled_sides", drawn.settled[turn][0]);
-    turn = 1 - turn;
+  if (needle.law.bends()) {
+    stiffen(needle);
+    settle_on_bent(needle);
+  } else {
+    const int at_a_time = sweeps_at_a_time(needle);
+    for (int from = 0; from < sweeps; from += at_a_time) sweep(needle, from, std::min(from + at_a_time, sweeps));
   }
+  end_.input("settled_sides", drawn.settled[settled_][0]);
 }
 
 void FragmentNeedlePasses::act(const FragmentState& state, int number, FragmentPushed& pushed) {
@@ -295,7 +326,6 @@ void FragmentNeedlePasses::act(const FragmentState& state, int number, FragmentP
     if (nodes > 0) gather(needle, true);
     if (nodes > 0 || !needle.coupled) couple(needle);
     if (needles_->turns(needle, number)) twist(needle, pushed);
-    if (needle.law.bends()) stiffen(needle);
     settle(needle);
     give_.input("needle_marks", needle.drawn.marks);
     give_.input("needle_impulses", needle.drawn.impulses);

@@ -43,6 +43,8 @@ class FragmentNeedlePasses {
   void twist(Placed& needle, FragmentPushed& pushed);
   void stiffen(const Placed& needle);
   void settle(const Placed& needle);
+  void settle_on_bent(const Placed& needle);
+  void sweep(const Placed& needle, int from, int to);
   int sweeps_at_a_time(const Placed& needle) const;
   template <class Function>
   void for_all(Function&& function);
@@ -52,12 +54,14 @@ class FragmentNeedlePasses {
   std::int64_t loop_turns_;
   bool bending_;
   Pass parts_, means_, begin_, first_facets_, facets_, aim_, first_around_, around_, select_, first_weights_, weights_,
-      append_, marks_, coupling_, turn_parts_, twist_, give_twist_, stiffness_, invert_, settle_, give_, end_;
+      append_, marks_, coupling_, turn_parts_, twist_, give_twist_, stiffness_, panel_, invert_, hold_, settle_, give_,
+      end_;
   FragmentNeedles* needles_ = nullptr;
   // Of the step at hand.
   const FragmentPushed* pushed_ = nullptr;
   const FragmentState* state_ = nullptr;
   int number_ = 0, row_ = 0;
+  std::size_t settled_ = 0;  // turn of the newest
 };
 
 }  // namespace phymul::gl

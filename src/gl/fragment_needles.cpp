@@ -230,7 +230,8 @@ void FragmentNeedles::take(std::span<const Float4> rows, std::span<ToolSums> sum
     sees(unfinished_step_, rows[1][2]);
     rows = rows.subspan(static_cast<std::size_t>(needle.drawn.state_targets[0].shape().texels()));
   }
-  report.unfinished = unfinished_step_ > 0;
+  // What comes after a step in which a particle ran away was not to be done.
+  report.unfinished = unfinished_step_ > 0 && (report.runaway_step == 0 || unfinished_step_ <= report.runaway_step);
 }
 
 }  // namespace phymul::gl

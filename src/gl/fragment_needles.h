@@ -19,6 +19,7 @@ namespace phymul::gl {
 struct NeedleTextures {
   static constexpr int team = 16;    ///< rows a node that its sums are made from
   static constexpr int branch = 32;  ///< needle_state.glsl
+  static constexpr int pivots = 4;   ///< of an inversion, at a time
 
   NeedleTextures(const FloatNeedles::One& law, int particles, int facets);
 
@@ -50,9 +51,11 @@ struct NeedleTextures {
   // Of a shaft that turns: pushes, moments.
   std::array<Texture, 2> turn_parts, twists;
   Framebuffer turn_parts_target, twists_target;
-  // Of one that bends. [nodes * nodes + 1]
-  std::array<Texture, 2> stiffness;
+  // Of one that bends.
+  std::array<Texture, 2> stiffness;  // [nodes * nodes + nodes]
   std::array<Framebuffer, 2> stiffness_targets;
+  Texture panel, holds;  // [pivots * nodes], [nodes]
+  Framebuffer panel_target, holds_target;
 };
 
 class FragmentNeedles {

@@ -98,8 +98,9 @@ Pass FragmentPasses::compiled(const StepKind& kind, const ShaderFiles& passes) c
   const bool apart = four_ || kind.tools;
   if (apart) request.defines.emplace_back("FOUR_PASSES", 1);
   if (kind.needles) {
-    request.defines.emplace_back("PUSHED", 1);
-    request.files.emplace_back("pushed_tables.glsl");
+    for (const char* const name : {"PUSHED", "NEEDLES"}) request.defines.emplace_back(name, 1);
+    const bool keeps = std::ranges::count(passes, "kept_tables.glsl") > 0;  // which has names of its own for the like
+    if (!keeps) request.files.emplace_back("pushed_tables.glsl");
   }
   if (kind.volumes) request.defines.emplace_back("KEPT_VOLUMES", 1);
   request.files.insert(request.files.end(), passes.begin(), passes.end());

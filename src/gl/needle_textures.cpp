@@ -57,8 +57,14 @@ NeedleTextures::NeedleTextures(const FloatNeedles::One& law, int particles, int 
   turn_parts_target = Framebuffer({{&turn_parts[0]}, {&turn_parts[1]}});
   twists_target = Framebuffer({{&twists[0]}, {&twists[1]}});
   for (std::size_t turn = 0; law.bends() && turn < 2; ++turn) {
-    stiffness[turn] = Texture::target(nodes * nodes + 1, TexelFormat::rg32f, "how a needle's shaft gives way");
+    stiffness[turn] = Texture::target(nodes * nodes + nodes, TexelFormat::rg32f, "how a needle's shaft gives way");
     stiffness_targets[turn] = Framebuffer({{&stiffness[turn]}});
+  }
+  if (law.bends()) {
+    panel = Texture::target(nodes * pivots, TexelFormat::rg32f, "how a needle's shaft gives way");
+    panel_target = Framebuffer({{&panel}});
+    holds = target(nodes);
+    holds_target = Framebuffer({{&holds}});
   }
   for (std::size_t turn = 0; turn < 2; ++turn) {
     state[turn] = target(8 + 2 * nodes, "a needle's hole");
