@@ -33,6 +33,7 @@ TEST_P(GlNeedleRuns, EveryFormHasTheSameBits) {
   std::vector<State> ends;
   const bool fragments = GetParam() == GlBackend::fragment;
   for (const GlCompute form : {GlCompute::store, GlCompute::recompute, GlCompute::workgroup}) {
+    if (fragments && form == GlCompute::workgroup) break;  // of those there are two
     SolverOptions options = damped(40.0);
     if (fragments) options.gl.passes = form == GlCompute::store ? 2 : 4;
     BesideNeedle pair(GetParam(), 5e-3, 3, {0, 0, 0}, form, options);
@@ -43,7 +44,7 @@ TEST_P(GlNeedleRuns, EveryFormHasTheSameBits) {
       GTEST_SKIP() << "bits are llvmpipe's";
   }
   EXPECT_EQ(difference(ends[0], ends[1]), "");
-  EXPECT_EQ(difference(ends[0], ends[2]), "");
+  EXPECT_EQ(difference(ends[0], ends.back()), "");
   EXPECT_EQ(ends[0].tools, ends[1].tools);
 }
 

@@ -122,6 +122,8 @@ class FragmentNeedles {
   std::vector<Float4> frames_;
   std::vector<int> nodes_to_make_;  // [step of the batch]
   int unfinished_step_ = 0;         // of the last report
+  int later_ = 1;                   // nodes a step, after one that had too few
+  std::size_t last_short_ = 0;
 };
 
 }  // namespace phymul::gl
