@@ -205,7 +205,7 @@ TEST_P(GlFragmentNeedle, AGuessThatDoesNotSufficeComesToTheSame) {
   const gl::ShaderLibrary library("", solver_->context()->info().es);
   std::vector<State> ends;
   solver_->context()->run([&] {
-    for (const int before : {0, 1, 4}) {  // of doublings: no node a step, one, eight
+    for (const int before : {0, 1, 2}) {  // no node a step, one, four
       FloatTools moved = tools();
       gl::FragmentDevice device(rows, scene_, moved, library, false);
       int again = 0;
@@ -218,7 +218,7 @@ TEST_P(GlFragmentNeedle, AGuessThatDoesNotSufficeComesToTheSame) {
           ++again;
         }
       }));
-      EXPECT_EQ(again, before == 0 ? 3 : before == 1 ? 2 : 0);  // four nodes in the first step
+      EXPECT_EQ(again, 2 - before);  // four nodes in the first step
     }
   });
   EXPECT_EQ(ends[0].tools.at(0).needle.hole.size(), 4u);

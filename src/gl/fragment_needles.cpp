@@ -190,13 +190,13 @@ void FragmentNeedles::begin_batch() {
   later_ = 1;
 }
 
-/// A step that had too few gets twice as many; those after it, of which nothing is known, a few, and more of them where
+/// A step that had too few gets four times as many; those after it, of which nothing is known, a few, and more of them where
 /// one of those has had too few in its turn. What steps before it did they do again.
 void FragmentNeedles::give_more() {
   const std::size_t short_step = index(unfinished_step_);
   if (short_step > 0 && short_step != last_short_ && nodes_to_make_[short_step] > 0) later_ *= 2;
   last_short_ = short_step;
-  const int more = std::max(1, 2 * nodes_to_make_[short_step]);
+  const int more = std::max(1, 4 * nodes_to_make_[short_step]);
   nodes_to_make_[short_step] = more;
   const int later = short_step > 0 ? std::min(more, later_) : more;
   for (std::size_t step = short_step + 1; step < nodes_to_make_.size(); ++step) {
