@@ -229,7 +229,11 @@ void FragmentNeedles::take(std::span<const Float4> rows, std::span<ToolSums> sum
   };
   for (const Placed& needle : placed_) {
     ToolSums& told = sums[index(needle.law.tool)];
-    told = {rows[header_rows], rows[header_rows + 1], rows[header_rows + 2], rows[header_rows + 3]};
+    told.force = rows[header_rows];
+    told.torque = rows[header_rows + 1];
+    told.last_force = rows[header_rows + 2];
+    told.last_torque = rows[header_rows + 3];
+    told.shaft.clear();
     const std::size_t loads = header_rows + hub_rows + index(needle.law.nodes);
     for (std::size_t k = 0; k < static_cast<std::size_t>(rows[1][0]); ++k) {
       told.shaft.push_back({.along = rows[loads + k][0], .x = rows[loads + k][1], .y = rows[loads + k][2]});
