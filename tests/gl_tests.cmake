@@ -79,7 +79,7 @@ endfunction()
 
 # Compute shaders are asked for where a driver has them: not in OpenGL ES 3.0 nor on softpipe. Where the desktop GL is
 # too old for them they run under OpenGL ES.
-set(computing "*/gl_compute*:GlComputeDevice.*:GlFragmentContact.Bits*:GlNeedle.*:GlNeedleRuns.*:*HostsContextIsLeftAsItWasByComputing*")
+set(computing "*/gl_compute*:GlComputeDevice.*:GlFragmentContact.Bits*:*GlComputeNeedle.*:*HostsContextIsLeftAsItWasByComputing*")
 
 # A minute each, of all bodies and variants: under desktop GL every form of the GL backends shows its bits, under the
 # oldest of each dialect single steps of the fragment backend, and 2,000 damped ones under the oldest OpenGL ES.
@@ -92,7 +92,7 @@ set(long_in_33 "*GlEquivalence.SingleSteps*/gl_compute*:${damped}")
 # which small bodies only wait for. (Where desktop GL is 3.3 compute shaders run under OpenGL ES, as in the next.)
 set(gl_33 MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330 LP_NUM_THREADS=0)
 set(compute_in_es "*GlTool*/gl_compute*:*GlVolume*/gl_compute*:*NeedleIn.*/gl_compute")
-set(compute_in_es "${compute_in_es}:*Gl*Contact*/gl_compute:GlNeedle.*:GlNeedleRuns.*")
+set(compute_in_es "${compute_in_es}:*Gl*Contact*/gl_compute:*GlNeedle*/gl_compute:*GlComputeNeedle.*")
 # What fragments do about contacts in seconds each; the rest they do under every GL.
 set(long_contacts "*GlBodyContact.M*/gl:*GlBodyContact.ALong*/gl:*GlContactRuns.Batches*/gl:*GlContactRuns.Runs*/gl")
 set(long_contacts "${long_contacts}:GlFragmentContact.Bits*")

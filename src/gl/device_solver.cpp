@@ -14,7 +14,6 @@
 #include "gl/options.h"
 #include "gl/step_traffic.h"
 #include "slice_tables.h"
-#include "tool_state.h"
 
 namespace phymul::gl {
 namespace {
@@ -25,10 +24,6 @@ ParticleBuffer finished(const Texture& texture) {
   return {.texture = texture.id(), .width = texture.shape().width, .height = texture.shape().height, .position = {}};
 }
 
-constexpr const char* no_needles =
-    "the scene has a needle, whose step is one group of lanes that wait for each other, which fragment shaders have "
-    "not; "
-    "use \"gl-compute\", \"cpu\" or \"reference\"";
 }  // namespace
 
 DeviceSolver::DeviceSolver(GlBackend backend, std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in,
@@ -75,11 +70,6 @@ void DeviceSolver::build() {
   }
   if (profiling()) context_->run([&] { device_->time_passes(context_->info(), *profiling()); });
   context_->throw_debug_errors();
-}
-
-const char* DeviceSolver::do_cannot() const {
-  if (backend_ == GlBackend::compute) return nullptr;
-  return has_needle(scene().tools()) ? no_needles : nullptr;
 }
 
 /// Deleting is harmless in a lost context that can still be made current. Where it cannot, another context may be

@@ -220,13 +220,14 @@ void FragmentContacts::begin_batch() {
   phases_ = std::max(wanted, phases_ - (phases_ + 7) / 8);
 }
 
-void FragmentContacts::give_more_phases() {
-  if (!unfinished_) return;
+bool FragmentContacts::give_more_phases() {
+  if (!unfinished_) return false;
   if (phases_ == most_phases_) {
     throw Error("expected the sweeps over contacts to end within " + std::to_string(most_phases_) +
                 " phases, one for each contact and round, got some that did not; use \"gl-compute\" or \"cpu\"");
   }
   phases_ = static_cast<int>(std::min<std::int64_t>(2 * std::int64_t{phases_}, most_phases_));
+  return true;
 }
 
 void FragmentContacts::copy_told(std::size_t offset) const {

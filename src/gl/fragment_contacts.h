@@ -78,9 +78,9 @@ class FragmentContacts {
   int phases() const { return phases_; }
   /// Before the steps of a batch.
   void begin_batch();
-  /// A batch is to be done again: where see() found that phases were too few. Throws Error where they are as many as
-  /// any step may need, which only a device that miscounts gets to.
-  void give_more_phases();
+  /// A batch is to be done again. True, and twice as many from now on, where see() found that phases were too few.
+  /// Throws Error where they are as many as any step may need, which only a device that miscounts gets to.
+  bool give_more_phases();
   /// The texel of `told`, to `offset` in the buffer bound to GL_PIXEL_PACK_BUFFER.
   void copy_told(std::size_t offset) const;
   /// That texel on the host; runaway_step: the first in which a particle ran away, 0: none. What comes after it was not

@@ -7,10 +7,10 @@
 //   cells      stress of a cell                             bodies with cell-averaged terms
 //   step       net force and Verlet
 // With four passes as in the 2007 thesis the first is two (attractor, force) and the last is two (reaction, Verlet);
-// the bits are the same. With tools the last is two in any case, as what they feel is a pass between them. Where
-// bodies touch, free_pass.glsl and those of fragment_contact_passes.h come before the step, which ends what they began.
-// Where the scene keeps volumes, the step is drawn aside, and passes follow it: which way their particles go, sums over
-// facets, how far, and the end of the step.
+// the bits are the same. With tools the last is two in any case, as what they feel is a pass between them. Where bodies
+// touch or needles are, the step opens with a pass of its own, free; then come those of fragment_needle_passes.h, what
+// presses after needles, those of fragment_contact_passes.h, and the step's end. Where the scene keeps volumes, that is
+// drawn aside, and passes follow it: which way their particles go, sums over facets, how far, and the end of the step.
 #pragma once
 
 #include <deque>
@@ -19,6 +19,7 @@
 #include "gl/device.h"
 #include "gl/fragment_contact_passes.h"
 #include "gl/fragment_loads.h"
+#include "gl/fragment_needle_passes.h"
 #include "gl/fragment_state.h"
 #include "gl/fragment_tables.h"
 #include "gl/fragment_tools.h"
@@ -33,9 +34,9 @@ class FragmentPasses {
 
   const FragmentTables& tables() const { return *tables_; }
 
-  /// Compiles what these loads need, where it is not there yet. `tools`, `volumes`, `contacts`: null for none.
-  void set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes,
-                 FragmentContacts* contacts);
+  /// Compiles what these loads need, where it is not there yet. Pointers: null for none.
+  void set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes, FragmentContacts* contacts,
+                 FragmentNeedles* needles);
 
   /// Before steps of a call.
   void set_constants(const StepConstants& constants);
@@ -65,14 +66,16 @@ class FragmentPasses {
   };
   struct StepKind {
     LoadKind loads;
-    bool tools = false, grids = false, volumes = false, contacts = false;
+    bool tools = false, grids = false, volumes = false, contacts = false, needles = false;
+    bool pushes() const { return contacts || needles; }
     bool operator==(const StepKind&) const = default;
   };
   struct Stepping {
     StepKind kind;
     Pass reaction, tools, step;            // reaction: four passes, or tools; tools: only with them
-    Pass free;                             // where bodies touch: up to what contacts push, which `step` goes on from
     Pass along, facets, sums, roots, end;  // only where volumes are kept
+    Pass free;                             // where bodies touch or needles are: up to what pushes
+    Pass press;                            // with needles: what other tools push
   };
   void add(ShaderRequest request, const std::vector<Attachment>& targets, int rows);
   void add_attractors();
@@ -80,12 +83,12 @@ class FragmentPasses {
   void add_volumes_and_cells();
   Stepping compiled(const StepKind& kind) const;
   Pass compiled(const StepKind& kind, const ShaderFiles& passes) const;
-  Pass compiled(ShaderRequest request, bool reads_net) const;
-  Pass compiled_pushed_step(const StepKind& kind) const;
-  void bind_contacts();
-  void touch(const FragmentState& state, int batch_step);
   void compile_keeping(Stepping& stepping) const;
   void bind_volumes();
+  void bind_pushing();
+  bool presses() const { return tools_ && tools_->presses(); }
+  void act_on_free(const FragmentState& state, int batch_step);
+  void pierce(const FragmentState& state, int batch_step);
   void keep(const FragmentState& state, int batch_step, bool measuring);
   bool reaction_apart() const { return four_ || tools_ != nullptr; }
   void prepare(Pass& pass, const FragmentState& state, int batch_step) const;
@@ -103,8 +106,10 @@ class FragmentPasses {
   FragmentTools* tools_ = nullptr;
   FragmentVolumes* volumes_ = nullptr;
   FragmentContacts* contacts_ = nullptr;
-  std::optional<FragmentPushed> pushed_;           // once bodies touched
-  std::optional<FragmentContactPasses> touching_;  // likewise
+  FragmentNeedles* needles_ = nullptr;
+  std::optional<FragmentPushed> pushed_;           // once something pushed
+  std::optional<FragmentContactPasses> touching_;  // once bodies touched
+  std::optional<FragmentNeedlePasses> piercing_;   // once there were needles
 };
 
 }  // namespace phymul::gl
