@@ -11,15 +11,31 @@ set(shaders
   bases_pass.glsl
   cells_pass.glsl
   closest_point.glsl
+  contact_box_pass.glsl
   contact_grid_kernel.glsl
   contact_group.glsl
+  contact_law.glsl
+  contact_lists.glsl
+  contact_nearest.glsl
+  contact_next_pass.glsl
   contact_order_kernel.glsl
   contact_part_kernel.glsl
+  contact_part_pass.glsl
+  contact_phase_pass.glsl
   contact_press_kernel.glsl
   contact_queue_kernel.glsl
+  contact_range.glsl
+  contact_report_pass.glsl
   contact_search_kernel.glsl
+  contact_search_pass.glsl
+  contact_speed_pass.glsl
+  contact_start_pass.glsl
+  contact_surface_pass.glsl
+  contact_surfaces.glsl
+  contact_sweeps.glsl
   contact_tables.glsl
   contact_tool.glsl
+  contact_tree.glsl
   cover_target.glsl
   delta_base.glsl
   delta_cell.glsl
@@ -43,6 +59,7 @@ set(shaders
   force_of.glsl
   force_pass.glsl
   free_kernel.glsl
+  free_pass.glsl
   free_step.glsl
   integrate_displacement.glsl
   kept_along_pass.glsl
@@ -56,17 +73,53 @@ set(shaders
   lone_group.glsl
   measure_step.glsl
   momentum_pass.glsl
+  needle_aim_pass.glsl
+  needle_append_pass.glsl
+  needle_around_pass.glsl
+  needle_begin_pass.glsl
   needle_bend.glsl
+  needle_bent.glsl
+  needle_coupling.glsl
+  needle_coupling_pass.glsl
+  needle_end_pass.glsl
+  needle_facets_pass.glsl
+  needle_follow.glsl
   needle_follow_kernel.glsl
   needle_force_kernel.glsl
+  needle_give_pass.glsl
+  needle_held.glsl
+  needle_held_rows.glsl
+  needle_hold_pass.glsl
+  needle_invert_pass.glsl
+  needle_limits.glsl
+  needle_marks_pass.glsl
+  needle_means_pass.glsl
+  needle_motion.glsl
   needle_node.glsl
   needle_nodes.glsl
+  needle_pairs.glsl
+  needle_panel_pass.glsl
+  needle_parts_pass.glsl
+  needle_search.glsl
+  needle_select_pass.glsl
   needle_settle.glsl
+  needle_settle_pass.glsl
   needle_shaft.glsl
+  needle_state.glsl
+  needle_stiffness_pass.glsl
   needle_surface.glsl
+  needle_sweeps.glsl
   needle_tables.glsl
+  needle_total.glsl
+  needle_turn_parts_pass.glsl
+  needle_turning.glsl
+  needle_twist_pass.glsl
+  needle_weights.glsl
+  needle_weights_of.glsl
+  needle_weights_pass.glsl
   net_force.glsl
   press_kernel.glsl
+  press_pass.glsl
   pushed_tables.glsl
   reaction_pass.glsl
   report_events.glsl
@@ -134,9 +187,14 @@ add_library(phymul_gl_objects OBJECT
   src/gl/drawing.cpp
   src/gl/egl_context.cpp
   src/gl/egl_display.cpp
+  src/gl/fragment_contact_passes.cpp
+  src/gl/fragment_contacts.cpp
   src/gl/fragment_device.cpp
   src/gl/fragment_loads.cpp
+  src/gl/fragment_needle_passes.cpp
+  src/gl/fragment_needles.cpp
   src/gl/fragment_passes.cpp
+  src/gl/fragment_pushed.cpp
   src/gl/fragment_report.cpp
   src/gl/fragment_state.cpp
   src/gl/fragment_sums.cpp
@@ -153,6 +211,7 @@ add_library(phymul_gl_objects OBJECT
   src/gl/loop_turns.cpp
   src/gl/module.cpp
   src/gl/needle_passes.cpp
+  src/gl/needle_textures.cpp
   src/gl/options.cpp
   src/gl/pass.cpp
   src/gl/pass_timer.cpp

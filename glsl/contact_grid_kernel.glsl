@@ -2,14 +2,12 @@
 //
 // By one group: particles of surfaces as they would move, how far ahead to look, balls around triangles, and these in
 // the cells of a uniform grid, hashed into buckets by counting. Their order in a bucket is no order yet:
-// contact_order_kernel.glsl. Needs pushed_tables.glsl, contact_tables.glsl, contact_group.glsl and vector3.glsl.
+// contact_order_kernel.glsl. Needs pushed_tables.glsl, contact_tables.glsl, contact_group.glsl, contact_range.glsl and
+// vector3.glsl.
 
 layout(local_size_x = GROUP) in;
 
 uniform int pair;
-uniform float dt;
-uniform float longest_edge, largest_skins;   // m; the latter of two that meet, together
-uniform float depth_factor;  // of edges: what is that far inside has not got in there
 uniform int bucket_next, raw_list, owner_list, bucket_of;  // words: scratch
 
 // Largest speed against the mean, m/s.
@@ -53,10 +51,10 @@ float surround_triangles(int lane) {
 void main() {
   int lane = int(gl_LocalInvocationID.x);
   for (int b = lane; b <= bucket_count; b += GROUP) load_words[bucket_first + b] = 0;
-  float margin = min(2.0 * dt * fastest_particle(lane), 4.0 * longest_edge);
+  float margin = contact_margin(fastest_particle(lane));
   wait_for_group();
   float widest = surround_triangles(lane);
-  float reach = max(margin + largest_skins, depth_factor * longest_edge);
+  float reach = contact_reach(margin);
   // Wider than needed, so that rounding of places as far away as 2^17 cells does not take anything out of the next cell.
   float inverse_side = 1.0 / ((widest + reach) * (1.0 + 1.0 / 64.0));
   bool any = widest < 1e4 * longest_edge;  // else a particle ran away, which is found out elsewhere

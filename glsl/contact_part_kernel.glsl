@@ -2,29 +2,24 @@
 //
 // What contacts come to, a lane for each particle of a surface: its impulses as a force over the step, and the little
 // way by which overlaps part in a step (BodyContacts::part of src/cpu), gathered over its contacts in ascending order.
-// Needs pushed_tables.glsl, contact_tables.glsl and vector3.glsl.
+// Needs pushed_tables.glsl, contact_tables.glsl, vector3.glsl and contact_law.glsl.
 
 layout(local_size_x = GROUP) in;
 
-uniform float inverse_dt;
-uniform float parted_share, largest_parting;  // of an overlap; of an edge
-
-float eased(int k, float share, vec3 normal) {
-  int axes = int(float_row(surface_velocity_place + k).w);
-  vec3 open = vec3((axes & 1) != 0 ? 0.0 : 1.0, (axes & 2) != 0 ? 0.0 : 1.0, (axes & 4) != 0 ? 0.0 : 1.0);
-  return share * share * float_row(surface_moved_place + k).w * inner_product(open, normal * normal);
+float eased_at(int k, float share, vec3 normal) {
+  return eased(float_row(surface_velocity_place + k).w, float_row(surface_moved_place + k).w, share, normal);
 }
 
 // Of corner j of a contact (0: its particle), m.
-vec3 parting(int at, int j, float own_ease) {
+vec3 parted(int at, int j, float own_ease) {
   vec4 nearest = float_row(at + 1);
   if (nearest.w >= 0.0) return vec3(0.0);
   ivec4 who = load_rows[at];
   vec4 normal = float_row(at + 2);
-  float mobility = eased(who.x, 1.0, normal.xyz) + eased(who.y, nearest.x, normal.xyz) +
-                   eased(who.z, nearest.y, normal.xyz) + eased(who.w, nearest.z, normal.xyz);
-  if (mobility == 0.0) return vec3(0.0);
-  float way = min(-parted_share * nearest.w, largest_parting * normal.w) / mobility;
+  float together = eased_at(who.x, 1.0, normal.xyz) + eased_at(who.y, nearest.x, normal.xyz) +
+                   eased_at(who.z, nearest.y, normal.xyz) + eased_at(who.w, nearest.z, normal.xyz);
+  if (together == 0.0) return vec3(0.0);
+  float way = parting(nearest.w, normal.w, together);
   float share = j == 0 ? 1.0 : j == 1 ? -nearest.x : j == 2 ? -nearest.y : -nearest.z;
   return way * share * own_ease * normal.xyz;
 }
@@ -39,10 +34,9 @@ void main() {
   float ease = float_row(surface_moved_place + k).w;
   for (int entry = first; entry < end; ++entry) {
     int member = load_words[queue_list + entry];
-    shift = shift + parting(meeting_place + 4 * load_words[live_list + (member >> 2)], member & 3, ease);
+    shift = shift + parted(meeting_place + 4 * load_words[live_list + (member >> 2)], member & 3, ease);
   }
-  int axes = int(float_row(surface_velocity_place + k).w);
-  shift = vec3((axes & 1) != 0 ? 0.0 : shift.x, (axes & 2) != 0 ? 0.0 : shift.y, (axes & 4) != 0 ? 0.0 : shift.z);
+  shift = open_axes(float_row(surface_velocity_place + k).w) * shift;
   int place = load_rows[surface_place + k].x;
   vec3 push = inverse_dt * float_row(surface_push_place + k).xyz;
   store_row(pushed_force_place + place, float_row(pushed_force_place + place) + vec4(push, 0.0));

@@ -5,78 +5,16 @@
 // particle's list, which is counted in turns: its ticket. Of those whose turn it is no two share a particle. Contacts far
 // from each other are pressed at the same time, those of the next sweep too, and no result depends on which lane came
 // first. Every phase presses at least one; what a dispatch leaves the next one does.
-// Needs contact_tables.glsl, contact_group.glsl and vector3.glsl.
+// Needs contact_tables.glsl, contact_group.glsl, vector3.glsl and contact_law.glsl.
 
 layout(local_size_x = GROUP) in;
 
 uniform int rounds;      // sweeps
 uniform int most_turns;  // of loops, in a dispatch
-uniform float friction, inverse_dt;
 
 shared int pressed_count;
 
 const int never = 2147483647;
-
-struct Meeting {  // of a particle and the corners of a triangle
-  mat4x3 v, open;  // m/s; 1 along axes that take pushes
-  mat4x3 given;    // N s
-  vec4 ease;       // 1/kg
-  vec4 weight;     // 1, and what the corners have of the nearest point, negative
-};
-
-vec3 open_axes(float w) {
-  int axes = int(w);
-  return vec3((axes & 1) != 0 ? 0.0 : 1.0, (axes & 2) != 0 ? 0.0 : 1.0, (axes & 4) != 0 ? 0.0 : 1.0);
-}
-
-// 1/kg, of the relative velocity along a unit direction.
-float mobility(Meeting m, vec3 along) {
-  vec3 q = along * along;
-  vec4 open = vec4(inner_product(q, m.open[0]), inner_product(q, m.open[1]), inner_product(q, m.open[2]),
-                   inner_product(q, m.open[3]));
-  vec4 each = m.weight * m.weight * m.ease * open;
-  return each.x + each.y + each.z + each.w;
-}
-
-vec3 relative(Meeting m) {
-  return m.v[0] + m.weight.y * m.v[1] + m.weight.z * m.v[2] + m.weight.w * m.v[3];
-}
-
-void give(inout Meeting m, vec3 impulse) {
-  mat4x3 taken = mat4x3(m.open[0] * impulse, m.weight.y * m.open[1] * impulse, m.weight.z * m.open[2] * impulse,
-                        m.weight.w * m.open[3] * impulse);
-  m.given = m.given + taken;
-  m.v[0] = m.v[0] + m.ease.x * taken[0];
-  m.v[1] = m.v[1] + m.ease.y * taken[1];
-  m.v[2] = m.v[2] + m.ease.z * taken[2];
-  m.v[3] = m.v[3] + m.ease.w * taken[3];
-}
-
-// `done`: N s so far, across the normal and along it. False where nothing changes.
-bool push_apart(inout Meeting m, vec3 normal, float gap, inout vec4 done) {
-  float along_normal = mobility(m, normal);
-  if (along_normal == 0.0) return false;
-  float lacking = -max(gap, 0.0) * inverse_dt - inner_product(normal, relative(m));
-  float pressed = max(done.w + lacking / along_normal, 0.0);
-  if (pressed == 0.0 && done == vec4(0.0)) return false;
-  give(m, (pressed - done.w) * normal);
-  done.w = pressed;
-  if (friction == 0.0) return true;
-  vec3 after = relative(m);
-  vec3 sliding = after - inner_product(normal, after) * normal;
-  float speed = sqrt(inner_product(sliding, sliding));
-  vec3 rubbed = done.xyz;
-  if (speed > 0.0) {
-    float ease = mobility(m, sliding * (1.0 / speed));
-    if (ease > 0.0) rubbed = rubbed - sliding * (1.0 / ease);
-  }
-  float most = friction * pressed;
-  float size = sqrt(inner_product(rubbed, rubbed));
-  if (size > most) rubbed = rubbed * (most / size);
-  give(m, rubbed - done.xyz);
-  done.xyz = rubbed;
-  return true;
-}
 
 void press(int at, ivec4 who) {
   vec4 nearest = float_row(at + 1);

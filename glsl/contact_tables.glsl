@@ -37,7 +37,8 @@ vec4 float_row(int row) {
 }
 
 void store_row(int row, vec4 value) {
-  load_rows[row] = floatBitsToInt(value);
+  PRECISE vec4 stored = value;
+  load_rows[row] = floatBitsToInt(stored);
 }
 
 int meeting_row(int particle, int body) {
@@ -49,11 +50,20 @@ vec3 about_place(int k) {
   return float_row(surface_rest_place + 2 * k).xyz + float_row(surface_moved_place + k).xyz;
 }
 
-// From particle k to particle `other`, as exact as places are.
-vec3 way_between(int k, int other) {
+float triangle_edge(int t) {
+  return float_row(triangle_law_place + t).x;
+}
+
+// From particle k to particle `other`, at rest.
+vec3 rest_between(int k, int other) {
   vec3 high = float_row(surface_rest_place + 2 * other).xyz - float_row(surface_rest_place + 2 * k).xyz;
   vec3 low = float_row(surface_rest_place + 2 * other + 1).xyz - float_row(surface_rest_place + 2 * k + 1).xyz;
-  return (high + low) + (float_row(surface_moved_place + other).xyz - float_row(surface_moved_place + k).xyz);
+  return high + low;
+}
+
+// The same now, as exact as places are.
+vec3 way_between(int k, int other) {
+  return rest_between(k, other) + (float_row(surface_moved_place + other).xyz - float_row(surface_moved_place + k).xyz);
 }
 
 int cell_along(float q) {

@@ -22,7 +22,7 @@ vec3 behind;  // from the tip, along the shaft
 void begin_hole() {
   node_count = 0;
   coupled = 0;
-  load_count = 0;
+  shaft_loads = 0;
   punctured = false;
   through = false;
   slip = 0.0;
@@ -144,7 +144,7 @@ void main() {
   store(punctured_word, punctured ? 1 : 0);
   store(through_word, through ? 1 : 0);
   store(slip_word, floatBitsToInt(slip));
-  store(loads_word, load_count);
+  store(loads_word, shaft_loads);
   store(full_word, full_step);
   store(coupled_word, coupled);
   store(stage_word, stage);

@@ -85,7 +85,7 @@ void act(int lane) {
   settle(lane);
   give_particles(lane);
 #ifdef BENDING
-  if (bending_stiffness > 0.0) load_count = store_loads();
+  if (bending_stiffness > 0.0) shaft_loads = store_loads();
 #endif
   if (lane < node_count) {
     needle_words[node_words(lane) + 1] = own_limit > 0.0 && abs(own_rubbed) >= own_limit ? 1 : 0;
@@ -113,7 +113,7 @@ void main() {
   begin_motion();
   hub_force = vec4(0.0);
   hub_torque = vec4(0.0);
-  load_count = 0;
+  shaft_loads = 0;
   wait_for_group();
   if (node_count > 0) {
     act(lane);
@@ -121,6 +121,6 @@ void main() {
     hub_torque = sum_of_lanes(lane, hub_torque);
   }
   if (lane > 0) return;
-  needle_words[state_place + loads_word] = load_count;
+  needle_words[state_place + loads_word] = shaft_loads;
   tell(hub_force, hub_torque);
 }

@@ -1,52 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
 // The nodes of a needle's hole in one step, a lane each: where they are, how they move, how much of the shaft rubs
-// there. Needs needle_tables.glsl.
+// there. Needs needle_motion.glsl.
 
-uniform float dt, inverse_dt;
-
-vec3 end_axis, gone, gain;  // the axis at the step's end; what tip and axis gain up to there
-float turned;               // m: how far the shaft's surface turns
-
-shared vec4 node_place[MOST_NODES];   // at the step's start from the tip; along the axis
-shared vec4 node_motion[MOST_NODES];  // m/s, with the impulses so far; 1/kg: of itself
 shared float node_limit[MOST_NODES];  // N s of friction
 shared vec4 team_rows[GROUP];
 
-// Of the lane's own node.
-vec3 own_place, own_motion;
-float own_along;
-float own_ease;                // 1/kg
-float own_limit;               // N s
-float own_rubbed, own_pushed;  // N s so far: along the shaft toward the hub; by the tip, forward
-vec3 own_side;                 // N s
+float own_along;  // of the lane's node
 
 vec4 coupling(int k, int other) {
   int at = coupling_row(k, other);
   return intBitsToFloat(ivec4(needle_words[at], needle_words[at + 1], needle_words[at + 2], needle_words[at + 3]));
-}
-
-bool is_last(int k) {
-  return k == node_count - 1;
-}
-
-// All nodes but the one ahead of the tip.
-bool on_shaft(int k) {
-  return punctured && !(is_last(k) && !through) && node_place[k].w > 0.0;
-}
-
-void begin_motion() {
-  vec4 x = frame_row(number - 1, 4);
-  vec4 y = frame_row(number - 1, 5);
-  vec4 z = frame_row(number - 1, 6);
-  gone = vec3(x.w, y.w, z.w);
-  gain = z.xyz;
-  turned = frame_row(number - 1, 3).w;
-  end_axis = frame_row(number, 2).xyz;
-}
-
-vec3 motion_of(int i) {
-  return fetch_load_vec4(free_velocity, free_velocity_place, i).xyz;
 }
 
 // Places and velocities of all nodes: weighted means, a team of lanes for each.
@@ -115,13 +79,4 @@ void begin_limits(int lane) {
     node_limit[lane] = own_limit;
   }
   wait_for_group();
-}
-
-// m, along the axis, by which a node that moves so slides on the shaft; as tools see ways, from what both gain.
-float slide_of(vec3 place, vec3 motion) {
-  return inner_product(end_axis, dt * motion - gone) + inner_product(gain, place);
-}
-
-vec3 across(vec3 x) {
-  return x - inner_product(end_axis, x) * end_axis;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Twin of src/needle_shaft.h. Needs needle_tables.glsl.
+// Twin of src/needle_shaft.h. Needs needle_tables.glsl or needle_state.glsl.
 
 // m along the shaft from the hub: 0 for places beyond it, the tip's for those ahead of the tip.
 float shaft_arm(float along) {
@@ -19,10 +19,10 @@ vec3 shaft_at(float along) {
   vec3 x = along * axis;
 #ifdef BENDING
   float own = shaft_arm(along);
-  for (int k = 0; k < load_count; ++k) {
-    int at = load_place(k);
-    float bend = shaft_compliance(own, shaft_arm(intBitsToFloat(needle_words[at])));
-    x = x + bend * (intBitsToFloat(needle_words[at + 1]) * axis_x + intBitsToFloat(needle_words[at + 2]) * axis_y);
+  for (int k = 0; k < shaft_loads; ++k) {
+    vec3 load = shaft_load(k);
+    float bend = shaft_compliance(own, shaft_arm(load.x));
+    x = x + bend * (load.y * axis_x + load.z * axis_y);
   }
 #endif
   return x;

@@ -31,7 +31,7 @@ float bending_stiffness;                                                        
 int node_count;
 bool punctured, through;
 float slip;
-int load_count;
+int shaft_loads;
 
 vec3 tip_high, tip_low;       // at the step's start, as a sum
 vec3 axis_x, axis_y, axis;    // likewise; axis points to the hub
@@ -77,7 +77,7 @@ void begin_needle() {
   punctured = state_word(punctured_word) != 0;
   through = state_word(through_word) != 0;
   slip = state_real(slip_word);
-  load_count = state_word(loads_word);
+  shaft_loads = state_word(loads_word);
   vec4 x = frame_row(number - 1, 0);
   vec4 y = frame_row(number - 1, 1);
   vec4 z = frame_row(number - 1, 2);
@@ -91,6 +91,17 @@ void begin_needle() {
 
 int load_place(int k) {
   return state_place + header_words + 4 * k;
+}
+
+// Of a force on the shaft: m along it, N along the tool's x and y.
+vec3 shaft_load(int k) {
+  int at = load_place(k);
+  return intBitsToFloat(ivec3(needle_words[at], needle_words[at + 1], needle_words[at + 2]));
+}
+
+ivec3 facet_corners(int t) {
+  int corner = needle_facets + 3 * t;
+  return ivec3(needle_words[corner], needle_words[corner + 1], needle_words[corner + 2]);
 }
 
 int node_words(int k) {

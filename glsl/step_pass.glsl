@@ -2,7 +2,7 @@
 //
 // Per particle, Verlet's step. Gathers the net force itself, or with FOUR_PASSES takes what reaction_pass.glsl wrote.
 // Needs net_force.glsl, free_step.glsl, measure_step.glsl and, where TOOLS is defined, touch_tools.glsl. Where PUSHED is
-// defined it ends what free_kernel.glsl began, tools included, and needs pushed_tables.glsl. Where KEPT_VOLUMES is
+// defined it ends what free_kernel.glsl or free_pass.glsl began, tools included, and needs pushed_tables.glsl. Where KEPT_VOLUMES is
 // defined it leaves what kept_step_pass.glsl ends: displacement, 1 where a force was cut; velocity; acceleration.
 
 #ifdef FOUR_PASSES
@@ -13,10 +13,10 @@ void step_row(int i) {
   vec4 old_displacement = fetch_changing(displacement, displacement_place, i);
   vec4 old_velocity = fetch_changing(velocity, velocity_place, i);
   vec4 inertia = fetch_vec4(particle, particle_place, i);
-#ifdef FOUR_PASSES
-  vec4 F = fetch_changing(net, net_place, i);
-#elif defined(PUSHED)
+#ifdef PUSHED
   vec4 F = fetch_load_vec4(pushed_force, pushed_force_place, i);
+#elif defined(FOUR_PASSES)
+  vec4 F = fetch_changing(net, net_place, i);
 #else
   vec4 F = net_force(i);
 #endif
@@ -28,7 +28,7 @@ void step_row(int i) {
   u = u + fetch_load_vec4(pushed_shift, pushed_shift_place, i).xyz;
 #endif
   int fixed_at = fixed_axes(i);
-#ifdef TOOLS
+#if defined(TOOLS) && !defined(PUSHED)
   TouchedParticle touched = untouched(i, old_displacement.xyz, v, fixed_at);
   vec4 held = fetch_load_vec4(tool_held, tool_held_place, i);
   for (int tool = 0; tool < tool_count; ++tool) {

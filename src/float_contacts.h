@@ -28,6 +28,10 @@ struct FloatContacts {
   std::vector<Float4> triangle_law;  ///< longest edge, m
 
   bool empty() const { return triangle.empty(); }  ///< nothing can touch anything
+  /// Of two that meet, together, m.
+  double largest_skins() const {
+    return 2.0 * (options.skin > 0.0 ? options.skin : ContactSurface::usual_skin * longest_edge);
+  }
 };
 
 }  // namespace phymul

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Bodies that touch each other, and themselves, on "gl-compute": against the double reference step by step and over
+// Bodies that touch each other, and themselves, on the GL backends: against the double reference step by step and over
 // whole motions, and what contact is to do.
 #include <cmath>
 #include <limits>
@@ -11,19 +11,24 @@
 namespace phymul::test {
 namespace {
 
-class GlBodyContact : public WithContacts {};
+class GlBodyContact : public WithContactsOn {};
+
+/// Of gl-compute alone: fragments give its bits (GlFragmentContact), in several times the time on a software renderer.
+class GlContactMotion : public WithContactsOn {};
 
 /// A cube that falls and slides on a slab, in every form, also 1.4 km from the origin.
-TEST_F(GlBodyContact, AgreesWithTheReference) {
+TEST_P(GlBodyContact, AgreesWithTheReference) {
   double worst = 0.0, worst_step = 0.0;
-  for (const GlCompute form : {GlCompute::store, GlCompute::recompute, GlCompute::workgroup}) {
-    const Model model = stacked(0.0012, form == GlCompute::recompute ? Vec3(800, -600, 1000) : Vec3(0, 0, 0));
+  const std::vector<GlForm> all = forms();
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const GlForm& form = all[k];
+    const Model model = stacked(0.0012, k == 1 ? Vec3(800, -600, 1000) : Vec3(0, 0, 0));
     Scene scene(model);
     scene.gravity({3.0, 1.0, -9.81}).fix("low/z0").contacts({.friction = 0.2});
     BesideReference pair(model, scene, damped(5.0), form);
     double pushed = 0.0;
-    for (int k = 0; k < 12; ++k) worst = std::max(worst, pair.off_after(10));
-    for (int k = 0; k < 10; ++k) {
+    for (int call = 0; call < (draws() ? 6 : 12); ++call) worst = std::max(worst, pair.off_after(10));
+    for (int step = 0; step < 10; ++step) {
       const auto [off, change] = pair.one_step();
       worst_step = std::max(worst_step, off);
       pushed = std::max(pushed, change);
@@ -39,14 +44,14 @@ TEST_F(GlBodyContact, AgreesWithTheReference) {
 }
 
 /// What one body loses the other gains, at every step, in floats' rounding of what moves.
-TEST_F(GlBodyContact, MomentumIsKeptToRounding) {
+TEST_P(GlBodyContact, MomentumIsKeptToRounding) {
   const Model model = stacked(0.0005);
   for (const double friction : {0.0, 0.6}) {
     Scene scene(model);
     scene.contacts({.friction = friction});
     SolverOptions options;
     options.largest_push = std::numeric_limits<double>::infinity();
-    BesideReference pair(model, scene, options);
+    BesideReference pair(model, scene, options, GetParam());
     State state = rest_state(model);
     double scale = 0.0;
     for (const Index i : model.group("high")) state.velocity[i] = Vec3(0.3, 0.2, -1.0);
@@ -54,7 +59,7 @@ TEST_F(GlBodyContact, MomentumIsKeptToRounding) {
     pair.device->reset(state);
     const Momentum start = pair.device->momentum();
     double worst = 0.0;
-    for (int k = 0; k < 30; ++k) {
+    for (int k = 0; k < (draws() ? 12 : 30); ++k) {
       ASSERT_TRUE(pair.device->step(5, 0.25 * pair.dt).ok());
       worst = std::max(worst, (pair.device->momentum().linear - start.linear).norm() / (5 * (k + 1) * 0x1p-24 * scale));
     }
@@ -67,11 +72,11 @@ TEST_F(GlBodyContact, MomentumIsKeptToRounding) {
   }
 }
 
-TEST_F(GlBodyContact, ABodyDroppedOnAnotherStaysOnIt) {
+TEST_P(GlContactMotion, ABodyDroppedOnAnotherStaysOnIt) {
   const Model model = stacked(0.004);
   Scene scene(model);
   scene.gravity({0, 0, -9.81}).fix("low/z0").contacts({.friction = 0.5});
-  const BesideReference pair(model, scene, damped(40.0));
+  const BesideReference pair(model, scene, damped(40.0), GetParam());
   const std::vector<Index> high = model.group("high"), low = model.group("low");
   double deepest = 1e9;
   for (int k = 0; k < static_cast<int>(0.3 / (20 * pair.dt)); ++k) {
@@ -88,13 +93,13 @@ TEST_F(GlBodyContact, ABodyDroppedOnAnotherStaysOnIt) {
 }
 
 /// Under gravity that leans: beyond the angle of friction it slides as Coulomb's law says, below it stays.
-TEST_F(GlBodyContact, FrictionHoldsAndSlides) {
+TEST_P(GlContactMotion, FrictionHoldsAndSlides) {
   const Model model = joined_bodies(tissue({0, 0, -0.005}, {12, 4, 1}), tissue({0.0073, 0.0047, 0.001}, {2, 2, 2}));
   constexpr double g = 9.81, mu = 0.5, rate = 30.0, seconds = 0.12;
   for (const double slope : {0.25, 0.8}) {
     Scene scene(model);
     scene.fix("low").gravity({0, 0, -g}).contacts({.friction = mu});
-    const BesideReference pair(model, scene, damped(rate));
+    const BesideReference pair(model, scene, damped(rate), GetParam());
     ASSERT_TRUE(pair.device->step(static_cast<int>(0.12 / pair.dt), pair.dt).ok());
     const double start = mean_place(pair.device->read(), model.group("high")).x();
     scene.gravity({slope * g, 0, -g});
@@ -110,7 +115,7 @@ TEST_F(GlBodyContact, FrictionHoldsAndSlides) {
 }
 
 /// A strip whose ends are pressed together above its middle: with `self` they stay apart, as on the reference.
-TEST_F(GlBodyContact, ABodyTouchesItself) {
+TEST_P(GlContactMotion, ABodyTouchesItself) {
   Model model = make_block({0.09, 0.01, 0.005}, 18, 2, 1);
   set_material(model, {5e3, 0.3, 1000.0});
   std::vector<Index> middle, first_end, last_end;
@@ -130,7 +135,7 @@ TEST_F(GlBodyContact, ABodyTouchesItself) {
       load.events = {{0, 0}, {0.1, 0.002}};
       scene.add(load);
     }
-    BesideReference pair(model, scene, damped(10.0));
+    BesideReference pair(model, scene, damped(10.0), GetParam());
     for (int k = 0; k < 14; ++k) {
       ASSERT_TRUE(pair.device->step(20, pair.dt).ok());
       if (self) off = std::max(off, pair.one_step().off);
@@ -146,7 +151,7 @@ TEST_F(GlBodyContact, ABodyTouchesItself) {
 }
 
 /// Many bodies, each on two others, many cells apart from each other in pairs.
-TEST_F(GlBodyContact, ManyBodiesAgreeWithTheReference) {
+TEST_P(GlBodyContact, ManyBodiesAgreeWithTheReference) {
   std::vector<Model> parts;
   for (int k = 0; k < 4; ++k) {
     const Vec3 at(0.3 * k, 0.1 * k, 0);
@@ -162,9 +167,9 @@ TEST_F(GlBodyContact, ManyBodiesAgreeWithTheReference) {
   for (int k = 0; k < 12; ++k) {
     if (k % 3 != 2) scene.fix("b" + std::to_string(k) + "/z0");
   }
-  BesideReference pair(model, scene, damped(10.0));
+  BesideReference pair(model, scene, damped(10.0), GetParam());
   double worst = 0.0;
-  for (int k = 0; k < 6; ++k) worst = std::max(worst, pair.off_after(20));
+  for (int k = 0; k < (draws() ? 3 : 6); ++k) worst = std::max(worst, pair.off_after(20));
   for (int k = 2; k < 12; k += 3) {
     EXPECT_GT(lowest(pair.device->read(), model.group("b" + std::to_string(k))), 0.0045);
   }
@@ -173,19 +178,19 @@ TEST_F(GlBodyContact, ManyBodiesAgreeWithTheReference) {
 }
 
 /// Hundreds of particles on one triangle press one after another, further than a dispatch of this renderer goes.
-TEST_F(GlBodyContact, ALongChainOfContactsIsPressedToItsEnd) {
+TEST_P(GlBodyContact, ALongChainOfContactsIsPressedToItsEnd) {
   Model floor = make_block({0.06, 0.06, 0.03}, 1, 1, 1), sheet = make_block({0.05, 0.05, 0.003}, 16, 16, 1);
   set_material(floor, {5e3, 0.3, 1000.0});
   set_material(sheet, {5e3, 0.3, 1000.0});
   const Model model = joined_bodies(floor, moved(sheet, {0.005, 0.0045, 0.0306}));
   Scene scene(model);
   scene.fix("low/z0").contacts({.friction = 0.3, .skin = 0.0004});
-  BesideReference pair(model, scene, damped(5.0));
+  BesideReference pair(model, scene, damped(5.0), GetParam());
   State falling = rest_state(model);
   for (const Index i : model.group("high")) falling.velocity[i] = Vec3(0.02, 0.01, -0.05);
   pair.device->reset(falling);
   double worst = 0.0, pushed = 0.0;
-  for (int k = 0; k < 3; ++k) {
+  for (int k = 0; k < (draws() ? 1 : 3); ++k) {
     const auto [off, change] = pair.one_step();
     worst = std::max(worst, off);
     pushed = std::max(pushed, change);
@@ -196,14 +201,14 @@ TEST_F(GlBodyContact, ALongChainOfContactsIsPressedToItsEnd) {
 }
 
 /// From rest a jaw takes the cube down, past the gap in its first step: the slab gives way in that step.
-TEST_F(GlBodyContact, WhatAToolSetsGoingIsSeenInThatStep) {
+TEST_P(GlBodyContact, WhatAToolSetsGoingIsSeenInThatStep) {
   const Model model = stacked(0.002);
   const Vec3 middle(0.0122, 0.0131, 0.017);
   Scene scene(model);
   scene.contacts({.friction = 0.0});
   scene.add_tool("jaw", {.shape = Box{{0.0055, 0.0055, 0.0055}}, .pose = {.position = middle}});
   scene.tool("jaw").grasp(0.0);
-  BesideReference pair(model, scene, damped(5.0));
+  BesideReference pair(model, scene, damped(5.0), GetParam());
   scene.tool("jaw").pose({.position = middle - Vec3(0, 0, 0.003)});
   EXPECT_LE(pair.off_after(1), 1e-5);
   double deepest = 0.0;
@@ -213,14 +218,14 @@ TEST_F(GlBodyContact, WhatAToolSetsGoingIsSeenInThatStep) {
 }
 
 /// What is deeper than the longer edge of the two is in no body, and no coarse side behind leads it out.
-TEST_F(GlBodyContact, InsideIsAsDeepAsTheLongerEdgeOfTheTwo) {
+TEST_P(GlBodyContact, InsideIsAsDeepAsTheLongerEdgeOfTheTwo) {
   const Model big = make_block({0.04, 0.02, 0.02}, 2, 4, 4);  // edges of 5 mm across x, else of 20 mm
   for (const double below : {0.003, 0.0065, 0.012}) {
     const Model small = moved(make_block({0.001, 0.001, 0.001}, 1, 1, 1), {0.039 - below, 0.011, 0.0095});
     const Model model = joined_bodies(big, small);
     Scene scene(model);
     scene.contacts({.skin = 1e-4});
-    BesideReference pair(model, scene, damped(5.0));
+    BesideReference pair(model, scene, damped(5.0), GetParam());
     if (below == 0.0065) {
       ASSERT_TRUE(pair.device->step(1, pair.dt).ok());
       EXPECT_EQ(pair.device->read().position, model.rest);
@@ -234,14 +239,14 @@ TEST_F(GlBodyContact, InsideIsAsDeepAsTheLongerEdgeOfTheTwo) {
 }
 
 /// What a tool holds no contact moves: it presses the slab. What another tool pushes rubs on it.
-TEST_F(GlBodyContact, ToolsAndContactsActInOneStep) {
+TEST_P(GlBodyContact, ToolsAndContactsActInOneStep) {
   const Model model = stacked(0.0012);
   Scene scene(model);
   scene.fix("low/z0").contacts({.friction = 0.3});
   scene.add_tool("jaw", {.shape = Box{{0.006, 0.006, 0.001}}, .pose = {.position = {0.0122, 0.0131, 0.0222}}});
   scene.add_tool("ball", {.shape = Sphere{0.004}, .pose = {.position = {-0.0045, 0.01, 0.005}}, .friction = 0.3});
   scene.tool("jaw").grasp(0.0105);  // all of the cube, and nothing below it
-  BesideReference pair(model, scene, damped(10.0));
+  BesideReference pair(model, scene, damped(10.0), GetParam());
   double worst = 0.0, deepest = 0.0;
   for (int k = 0; k < 8; ++k) {
     scene.tool("jaw").pose({.position = {0.0122, 0.0131, 0.0222 - 2e-4 * k}});
@@ -264,13 +269,13 @@ TEST_F(GlBodyContact, ToolsAndContactsActInOneStep) {
 }
 
 /// Contacts come first, then volumes: what a tool holds (the upper layers of the cube) no volume moves either.
-TEST_F(GlBodyContact, VolumesAreKeptAfterContacts) {
+TEST_P(GlBodyContact, VolumesAreKeptAfterContacts) {
   const Model model = stacked(0.0012);
   Scene scene(model);
   scene.fix("low/z0").contacts({.friction = 0.3}).keep_volume("low").keep_volume("high");
   scene.add_tool("jaw", {.shape = Box{{0.006, 0.006, 0.001}}, .pose = {.position = {0.0122, 0.0131, 0.0222}}});
   scene.tool("jaw").grasp(0.006);
-  BesideReference pair(model, scene, damped(10.0));
+  BesideReference pair(model, scene, damped(10.0), GetParam());
   double worst = 0.0;
   for (int k = 0; k < 8; ++k) {
     scene.tool("jaw").pose({.position = {0.0122, 0.0131, 0.0222 - 2e-4 * k}});
@@ -291,6 +296,9 @@ TEST_F(GlBodyContact, VolumesAreKeptAfterContacts) {
   std::printf("[ CONTACT  ] with kept volumes: off by %.2g of the motion\n", worst);
   EXPECT_LE(worst, 1e-5);
 }
+
+PHYMUL_ON_BOTH_GL_BACKENDS(GlBodyContact);
+INSTANTIATE_TEST_SUITE_P(All, GlContactMotion, testing::Values(compute_form()), name_of_form);
 
 }  // namespace
 }  // namespace phymul::test

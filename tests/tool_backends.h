@@ -28,13 +28,6 @@ inline std::string test_name_of(std::string backend) {
   return backend;
 }
 
-/// Of those, the ones that take needles too.
-inline std::vector<std::string> needle_backends() {
-  std::vector<std::string> all = tool_backends();
-  std::erase(all, "gl");
-  return all;
-}
-
 class WithTools : public testing::TestWithParam<std::string> {
  protected:
   static std::unique_ptr<Solver> make(const Model& model, const Scene& scene, const SolverOptions& options = {}) {
@@ -75,7 +68,4 @@ inline Imbalance imbalance(const Momentum& before, const Momentum& after, const 
 
 #define PHYMUL_WITH_TOOLS(name)                                                         \
   INSTANTIATE_TEST_SUITE_P(All, name, testing::ValuesIn(phymul::test::tool_backends()), \
-                           [](const auto& backend) { return phymul::test::test_name_of(backend.param); })
-#define PHYMUL_WITH_NEEDLES(name)                                                         \
-  INSTANTIATE_TEST_SUITE_P(All, name, testing::ValuesIn(phymul::test::needle_backends()), \
                            [](const auto& backend) { return phymul::test::test_name_of(backend.param); })

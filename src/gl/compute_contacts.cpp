@@ -33,6 +33,7 @@ ComputeContacts::ComputeContacts(const FloatContacts& contacts, const PushedRows
       pushed_(pushed),
       options_(contacts.options),
       longest_edge_(contacts.longest_edge),
+      largest_skins_(contacts.largest_skins()),
       particles_(size_of(contacts.particle)),
       triangles_(size_of(contacts.triangle)),
       bodies_(contacts.bodies),
@@ -129,7 +130,7 @@ void ComputeContacts::place(Kernel& kernel) const {
   set_real("parted_share", ContactSurface::parted_share);
   set_real("largest_parting", ContactSurface::largest_parting);
   set_real("longest_edge", longest_edge_);
-  set_real("largest_skins", 2.0 * (options_.skin > 0.0 ? options_.skin : ContactSurface::usual_skin * longest_edge_));
+  set_real("largest_skins", largest_skins_);
 }
 
 }  // namespace phymul::gl

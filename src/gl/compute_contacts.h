@@ -36,7 +36,7 @@ class ComputeContacts {
   const ComputeTables* tables_;
   PushedRows pushed_;
   ContactOptions options_;
-  double longest_edge_;
+  double longest_edge_, largest_skins_;
   std::int64_t particles_, triangles_, bodies_, buckets_ = 1, end_;
   // Rows.
   std::int64_t surface_ = 0, rest_ = 0, triangle_ = 0, law_ = 0;

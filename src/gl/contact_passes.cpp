@@ -31,15 +31,23 @@ ContactPasses::ContactPasses(const ShaderLibrary& library, const ComputeTables& 
     if (alone) wanted.defines.emplace_back("ONE_WORKGROUP", 1);
     return wanted;
   };
-  grid_ =
-      compiled(library, request({"lone_group.glsl", "contact_group.glsl", "contact_grid_kernel.glsl"}, true), group_);
+  grid_ = compiled(
+      library,
+      request({"lone_group.glsl", "contact_group.glsl", "contact_range.glsl", "contact_grid_kernel.glsl"}, true),
+      group_);
   order_ = compiled(library, request({"contact_order_kernel.glsl"}, false), lanes);
-  search_ = compiled(library, request({"closest_point.glsl", "contact_search_kernel.glsl"}, false), lanes);
+  search_ = compiled(
+      library,
+      request({"closest_point.glsl", "contact_range.glsl", "contact_nearest.glsl", "contact_search_kernel.glsl"},
+              false),
+      lanes);
   queue_ =
       compiled(library, request({"lone_group.glsl", "contact_group.glsl", "contact_queue_kernel.glsl"}, true), group_);
-  press_ =
-      compiled(library, request({"lone_group.glsl", "contact_group.glsl", "contact_press_kernel.glsl"}, true), group_);
-  part_ = compiled(library, request({"contact_part_kernel.glsl"}, false), lanes);
+  press_ = compiled(
+      library,
+      request({"lone_group.glsl", "contact_group.glsl", "contact_law.glsl", "contact_press_kernel.glsl"}, true),
+      group_);
+  part_ = compiled(library, request({"contact_law.glsl", "contact_part_kernel.glsl"}, false), lanes);
 }
 
 Kernel ContactPasses::compiled(const ShaderLibrary& library, ShaderRequest request, int group) const {

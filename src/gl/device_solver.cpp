@@ -14,7 +14,6 @@
 #include "gl/options.h"
 #include "gl/step_traffic.h"
 #include "slice_tables.h"
-#include "tool_state.h"
 
 namespace phymul::gl {
 namespace {
@@ -24,15 +23,6 @@ ParticleBuffer finished(const Texture& texture) {
   glFinish();
   return {.texture = texture.id(), .width = texture.shape().width, .height = texture.shape().height, .position = {}};
 }
-
-constexpr const char* no_needles =
-    "the scene has a needle, whose step is one group of lanes that wait for each other, which fragment shaders have "
-    "not; "
-    "use \"gl-compute\", \"cpu\" or \"reference\"";
-constexpr const char* no_contacts =
-    "the scene has contacts, whose sweeps fragment shaders would need hundreds of draws a step for; use "
-    "\"gl-compute\", "
-    "\"cpu\" or \"reference\"";
 
 }  // namespace
 
@@ -80,12 +70,6 @@ void DeviceSolver::build() {
   }
   if (profiling()) context_->run([&] { device_->time_passes(context_->info(), *profiling()); });
   context_->throw_debug_errors();
-}
-
-const char* DeviceSolver::do_cannot() const {
-  if (backend_ == GlBackend::compute) return nullptr;
-  if (has_needle(scene().tools())) return no_needles;
-  return scene().contacts() ? no_contacts : nullptr;
 }
 
 /// Deleting is harmless in a lost context that can still be made current. Where it cannot, another context may be

@@ -21,11 +21,14 @@ class FragmentDevice final : public Device {
 
   void set_scene(const Scene& scene, const FloatTools& tools) override;
   void set_held(const FloatTools& tools) override;
+  void write_needles(const FloatTools& tools) override;
+  void read_needles(FloatTools& tools) override;
   void write(const VecList& rest, const State& state) override { state_.write(rest, state); }
   void read(const VecList& rest, State& state) override { state_.read(rest, state); }
   void begin_batch(const StepConstants& constants, const std::vector<double>& instants,
                    const FloatTools& tools) override;
   void run(int count) override;
+  void give_more_passes() override;
   BatchReport try_step(int number) override;
   void request_report() override;
   BatchReport take_report() override { return report_.take(); }
@@ -39,17 +42,23 @@ class FragmentDevice final : public Device {
   const Texture& attractors() override;
 
  private:
+  void request_report(const Texture& displacement, const Texture& velocity, int last_step);
+
   EmptyVertexArray vertices_;
   ShaderLibrary library_;
   FragmentTables tables_;
   FragmentState state_;
   std::unique_ptr<FragmentLoads> loads_;
-  std::unique_ptr<FragmentTools> tools_;      // null where there are none
-  std::unique_ptr<FragmentVolumes> volumes_;  // likewise
+  std::unique_ptr<FragmentTools> tools_;        // null where there are none
+  std::unique_ptr<FragmentVolumes> volumes_;    // likewise
+  std::unique_ptr<FragmentContacts> contacts_;  // likewise
+  std::unique_ptr<FragmentNeedles> needles_;    // likewise
+  bool batch_was_run_ = false;                  // since begin_batch()
   FragmentPasses passes_;
   FragmentReport report_;
   FragmentSums sums_;
   StateCopies copies_;
+  int steps_ = 0;  // of the batch, that run() has done
 };
 
 }  // namespace phymul::gl

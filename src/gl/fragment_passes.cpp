@@ -97,6 +97,12 @@ Pass FragmentPasses::compiled(const StepKind& kind, const ShaderFiles& passes) c
   }
   const bool apart = four_ || kind.tools;
   if (apart) request.defines.emplace_back("FOUR_PASSES", 1);
+  // Tools tell before contacts, and after needles.
+  const bool pushed = kind.needles || (kind.contacts && passes.back() == "step_pass.glsl");
+  const bool keeps = std::ranges::count(passes, "kept_tables.glsl") > 0;  // which has names of its own for the like
+  if (pushed) request.defines.emplace_back("PUSHED", 1);
+  if (kind.needles) request.defines.emplace_back("NEEDLES", 1);
+  if (pushed && !keeps) request.files.emplace_back("pushed_tables.glsl");
   if (kind.volumes) request.defines.emplace_back("KEPT_VOLUMES", 1);
   request.files.insert(request.files.end(), passes.begin(), passes.end());
   Pass moving(*library_, std::move(request));
@@ -117,6 +123,8 @@ FragmentPasses::Stepping FragmentPasses::compiled(const StepKind& kind) const {
     bind_terms(stepping.reaction);
   }
   if (kind.tools) stepping.tools = compiled(kind, {"tools_pass.glsl"});
+  if (kind.pushes()) stepping.free = compiled(kind, {"free_pass.glsl"});
+  if (kind.needles) stepping.press = compiled(kind, {"press_pass.glsl"});
   stepping.step = compiled(kind, {"measure_step.glsl", "step_pass.glsl"});
   if (kind.volumes) compile_keeping(stepping);
   return stepping;
@@ -136,11 +144,14 @@ void FragmentPasses::compile_keeping(Stepping& stepping) const {
       {.files = joined({common, {"kept_tables.glsl", "volume_root.glsl", "kept_root_pass.glsl"}}), .defines = {}});
 }
 
-void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes) {
+void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes,
+                               FragmentContacts* contacts, FragmentNeedles* needles) {
   const StepKind kind{.loads = loads.kind(),
                       .tools = tools != nullptr,
                       .grids = tools && tools->any_grid(),
-                      .volumes = volumes != nullptr};
+                      .volumes = volumes != nullptr,
+                      .contacts = contacts != nullptr,
+                      .needles = needles != nullptr};
   auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
   const auto* const loads_before = std::exchange(loads_, &loads);
   auto* const tools_before = std::exchange(tools_, tools);
@@ -148,6 +159,15 @@ void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools,
     if (reaction_apart() && !net_) {
       net_ = Texture::target(tables_->kind().particles, TexelFormat::rgba32f, "net forces");
       net_target_ = Framebuffer({{&net_}});
+    }
+    if (needles && (!piercing_ || piercing_->bending() != needles->any_bends())) {
+      const auto* const renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+      piercing_ = FragmentNeedlePasses(*library_, tables_->kind(), loop_turns_of(renderer ? renderer : ""),
+                                       needles->any_bends());
+    }
+    if (contacts && !touching_) touching_.emplace(*library_);
+    if (kind.pushes() && !pushed_) {
+      pushed_.emplace(tables_->kind().particles);
     }
     if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), compiled(kind));
   } catch (...) {
@@ -165,6 +185,23 @@ void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools,
   }
   volumes_ = volumes;
   if (volumes) bind_volumes();
+  contacts_ = contacts;
+  needles_ = needles;
+  if (kind.pushes()) bind_pushing();
+}
+
+void FragmentPasses::bind_pushing() {
+  loads_->bind(now_->free);
+  if (tools_) tools_->bind(now_->free);
+  if (needles_) {
+    loads_->bind(now_->press);
+    tools_->bind(now_->press);
+    piercing_->set_needles(*needles_, *tools_);
+  }
+  if (!contacts_) return;
+  now_->step.input("pushed_force", contacts_->pushed_force);
+  now_->step.input("pushed_shift", contacts_->pushed_shift);
+  touching_->set_contacts(*contacts_);
 }
 
 void FragmentPasses::bind_volumes() {
@@ -175,7 +212,8 @@ void FragmentPasses::bind_volumes() {
 
 void FragmentPasses::set_constants(const StepConstants& constants) {
   const auto finite = [](double value) { return std::min(value, double{std::numeric_limits<float>::max()}); };
-  Pass& cutting = reaction_apart() ? now_->reaction : now_->step;
+  const bool pushes = now_->kind.pushes();
+  Pass& cutting = reaction_apart() ? now_->reaction : pushes ? now_->free : now_->step;
   cutting.set("largest_acceleration", static_cast<float>(finite(constants.largest_acceleration)));
   const auto set_motion = [&](Pass& pass) {
     pass.set("dt", static_cast<float>(constants.dt));
@@ -185,6 +223,12 @@ void FragmentPasses::set_constants(const StepConstants& constants) {
   set_motion(now_->step);
   if (tools_) set_motion(now_->tools);
   if (volumes_) set_motion(now_->end);
+  if (pushes) set_motion(now_->free);
+  if (contacts_) touching_->set_step(constants.dt);
+  if (needles_) {
+    set_motion(now_->press);
+    piercing_->set_step(constants.dt);
+  }
   Pass& end = volumes_ ? now_->end : now_->step;
   const auto set = [&](const char* name, double value) { end.set(name, static_cast<float>(value)); };
   set("runaway_speed", finite(constants.runaway_speed));
@@ -216,15 +260,38 @@ void FragmentPasses::step(const FragmentState& state, int batch_step, bool measu
     reaction.set("instant", batch_step - 1);
     reaction.draw(net_target_);
   }
-  if (tools_) {
+  if (tools_ && !needles_) {
     prepare(now_->tools, state, batch_step);
     tools_->tell(now_->tools);
   }
+  if (now_->kind.pushes()) act_on_free(state, batch_step);
   Pass& step = now_->step;
   prepare(step, state, batch_step);
   step.set_rows(state.displacement(), tables_->kind().particles);
   step.draw(volumes_ ? volumes_->free_target() : state.next(measuring));
   if (volumes_) keep(state, batch_step, measuring);
+}
+
+/// What pushes particles between forces and motion, in the order of ToolSet::act and Touching of src/cpu.
+void FragmentPasses::act_on_free(const FragmentState& state, int batch_step) {
+  prepare(now_->free, state, batch_step);
+  pushed_->begin(now_->free);
+  if (needles_) pierce(state, batch_step);
+  if (contacts_) {
+    touching_->act(*pushed_, state.displacement(), batch_step);
+  } else {
+    pushed_->bind(now_->step);
+  }
+}
+
+void FragmentPasses::pierce(const FragmentState& state, int batch_step) {
+  piercing_->act(state, batch_step, *pushed_);
+  if (!presses()) return;
+  pushed_->bind(now_->tools);
+  prepare(now_->tools, state, batch_step);
+  tools_->tell(now_->tools);
+  prepare(now_->press, state, batch_step);
+  pushed_->press(now_->press);
 }
 
 void FragmentPasses::keep(const FragmentState& state, int batch_step, bool measuring) {

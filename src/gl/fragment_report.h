@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "gl/device.h"
+#include "gl/fragment_contacts.h"
+#include "gl/fragment_needles.h"
 #include "gl/fragment_state.h"
 #include "gl/fragment_tools.h"
 #include "gl/fragment_volumes.h"
@@ -20,9 +22,10 @@ class FragmentReport {
  public:
   FragmentReport(const ShaderLibrary& library, Index particles);
 
-  /// Of the state a batch has reached, and of what its steps told of tools and kept volumes; null: there are none.
+  /// Of the state a batch has reached, and of what its steps told of tools, kept volumes, contacts and needles; null:
+  /// there are none.
   void request(const Texture& displacement, const Texture& velocity, const Texture& measured, FragmentTools* tools,
-               const FragmentVolumes* volumes);
+               const FragmentVolumes* volumes, FragmentContacts* contacts, FragmentNeedles* needles);
   BatchReport take();
   std::span<const ToolSums> tool_sums() const { return tool_sums_; }
 
@@ -40,8 +43,10 @@ class FragmentReport {
   std::vector<Level> levels_;
   ReportCopy copy_;
   std::vector<ToolSums> tool_sums_;
-  std::size_t tool_rows_ = 0;  // of which four are behind the report, before the volumes
-  std::size_t volumes_ = 0;
+  std::size_t tool_rows_ = 0;  // of which four are behind the report, before volumes, needles and contacts
+  std::size_t volumes_ = 0, volume_rows_ = 0;
+  FragmentContacts* contacts_ = nullptr;  // of what was requested last
+  FragmentNeedles* needles_ = nullptr;    // likewise
 };
 
 }  // namespace phymul::gl

@@ -16,9 +16,12 @@ int NeedlePasses::group(const ComputeLimits& limits) {
 NeedlePasses::NeedlePasses(const ShaderLibrary& library, const ComputeTables& tables, const ComputeLimits& limits,
                            bool bending)
     : tables_(&tables), limits_(limits), bending_(bending) {
-  follow_ = compiled(library, {"needle_surface.glsl", "needle_node.glsl", "needle_follow_kernel.glsl"}, group(limits));
-  ShaderFiles forces{"needle_nodes.glsl", "needle_settle.glsl", "needle_force_kernel.glsl"};
-  if (bending) forces.insert(forces.begin() + 1, {"two_floats.glsl", "needle_bend.glsl"});
+  follow_ = compiled(library,
+                     {"needle_surface.glsl", "needle_search.glsl", "needle_weights.glsl", "needle_node.glsl",
+                      "needle_follow_kernel.glsl"},
+                     group(limits));
+  ShaderFiles forces{"needle_motion.glsl", "needle_nodes.glsl", "needle_settle.glsl", "needle_force_kernel.glsl"};
+  if (bending) forces.insert(forces.begin() + 2, {"two_floats.glsl", "needle_held.glsl", "needle_bend.glsl"});
   force_ = compiled(library, std::move(forces), group(limits));
 }
 
