@@ -114,7 +114,9 @@ set(minutes "*RestStaysAtRest*:*PulledCylinder*:*EnumeratedBasesMove*:*AHundred*
 set(long_with_tools "*GlTool.Every*:*GlTool.Agrees*:*GlTool.Batches*:*GlTool.Late*:*MovingTool.GoesBack*:*MovingTool.Holds*")
 set(long_with_tools "${long_with_tools}:*Contact.Block*:*Contact.Compliance*:*Contact.TenThousand*:*GridTool*")
 set(long_with_volumes "*GlVolume.IsKept*:*GlVolume.Several*:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolumeOf*:*GlVolume*/gl_four_passes")
-gl_tests_under(softpipe "${minutes}:${long_with_tools}:*GlTool*/gl_four_passes:${long_with_volumes}:${computing}" GALLIUM_DRIVER=softpipe)
+# softpipe gives weights of needles that are not numbers: what it draws beside a fragment that is discarded is wrong there.
+set(needles "*Needle*/gl:*GlFragmentNeedle.*")
+gl_tests_under(softpipe "${needles}:${minutes}:${long_with_tools}:*GlTool*/gl_four_passes:${long_with_volumes}:${computing}" GALLIUM_DRIVER=softpipe)
 
 # A host that uses GLX, on an X server of its own.
 find_package(X11 QUIET)
