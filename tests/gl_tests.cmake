@@ -96,8 +96,9 @@ gl_tests_under(33 "${long_in_33}:${compute_in_es}" ${gl_33})
 set(long_in_es "${long}:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolumeOf*")
 set(long_in_es "${long_in_es}:GlBodyContact.Friction*:GlBodyContact.ABody*:GlBodyContact.Momentum*")
 set(long_needles "*NeedleIn.BendsUnder*/gl_compute:*NeedleIn.IsTheStiff*/gl_compute:*NeedleIn.GoesOn*/gl_compute")
+set(long_needles "${long_needles}:*NeedleIn.*/gl")
 gl_tests_under(es "${long_in_es}:${long_needles}" PHYMUL_GL_DIALECT=es LP_NUM_THREADS=0)
-gl_tests_under(es30 "*AHundred*:${computing}" PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.0 LP_NUM_THREADS=0)
+gl_tests_under(es30 "*AHundred*:*NeedleIn.*/gl:${computing}" PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.0 LP_NUM_THREADS=0)
 # The oldest OpenGL ES that computes. It has no `precise`, so that a compiler may order sums as it likes: what every
 # backend must do is asked of it, not the mirror's bits.
 add_test(NAME gl.es31.phymul_test COMMAND phymul_test "--gtest_filter=*/gl_compute-${long_needles}" --gtest_brief=1)
@@ -114,9 +115,8 @@ set(minutes "*RestStaysAtRest*:*PulledCylinder*:*EnumeratedBasesMove*:*AHundred*
 set(long_with_tools "*GlTool.Every*:*GlTool.Agrees*:*GlTool.Batches*:*GlTool.Late*:*MovingTool.GoesBack*:*MovingTool.Holds*")
 set(long_with_tools "${long_with_tools}:*Contact.Block*:*Contact.Compliance*:*Contact.TenThousand*:*GridTool*")
 set(long_with_volumes "*GlVolume.IsKept*:*GlVolume.Several*:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolumeOf*:*GlVolume*/gl_four_passes")
-# softpipe gives weights of needles that are not numbers: what it draws beside a fragment that is discarded is wrong there.
-set(needles "*Needle*/gl:*GlFragmentNeedle.*")
-gl_tests_under(softpipe "${needles}:${minutes}:${long_with_tools}:*GlTool*/gl_four_passes:${long_with_volumes}:${computing}" GALLIUM_DRIVER=softpipe)
+set(long_with_needles "*NeedleIn.*/gl:*GlNeedle.*/gl:*GlNeedleRuns.Every*/gl:*GlNeedleRuns.GoesOn*/gl:*GlNeedleRuns.AHole*/gl")
+gl_tests_under(softpipe "${long_with_needles}:${minutes}:${long_with_tools}:*GlTool*/gl_four_passes:${long_with_volumes}:${computing}" GALLIUM_DRIVER=softpipe)
 
 # A host that uses GLX, on an X server of its own.
 find_package(X11 QUIET)
