@@ -100,8 +100,9 @@ gl_tests_under(33 "${long_in_33}:${compute_in_es}:${long_contacts}" ${gl_33})
 set(long_in_es "${long}:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolumeOf*")
 set(long_in_es "${long_in_es}:*GlContactMotion*:*GlBodyContact.Momentum*:${long_contacts}")
 set(long_needles "*NeedleIn.BendsUnder*/gl_compute:*NeedleIn.IsTheStiff*/gl_compute:*NeedleIn.GoesOn*/gl_compute")
+set(long_needles "${long_needles}:*NeedleIn.*/gl")
 gl_tests_under(es "${long_in_es}:${long_needles}" PHYMUL_GL_DIALECT=es LP_NUM_THREADS=0)
-gl_tests_under(es30 "*AHundred*:${computing}:${long_contacts}" PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.0 LP_NUM_THREADS=0)
+gl_tests_under(es30 "*AHundred*:*NeedleIn.*/gl:${computing}:${long_contacts}" PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.0 LP_NUM_THREADS=0)
 # The oldest OpenGL ES that computes. It has no `precise`, so that a compiler may order sums as it likes: what every
 # backend must do is asked of it, not the mirror's bits.
 add_test(NAME gl.es31.phymul_test COMMAND phymul_test "--gtest_filter=*/gl_compute-${long_needles}" --gtest_brief=1)
@@ -119,7 +120,8 @@ set(long_with_tools "*GlTool.Every*:*GlTool.Agrees*:*GlTool.Batches*:*GlTool.Lat
 set(long_with_tools "${long_with_tools}:*Contact.Block*:*Contact.Compliance*:*Contact.TenThousand*:*GridTool*")
 set(long_with_volumes "*GlVolume.IsKept*:*GlVolume.Several*:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolumeOf*:*GlVolume*/gl_four_passes")
 set(with_contacts "GlFragmentContact.*:*GlBodyContact.A*:*GlBodyContact.Tools*:*GlBodyContact.V*:*GlContactRuns.AScene*")
-gl_tests_under(softpipe "${minutes}:${with_contacts}:${long_contacts}:${long_with_tools}:*GlTool*/gl_four_passes:${long_with_volumes}:${computing}" GALLIUM_DRIVER=softpipe)
+set(long_with_needles "*NeedleIn.*/gl:*GlNeedle.*/gl:*GlNeedleRuns.Every*/gl:*GlNeedleRuns.GoesOn*/gl:*GlNeedleRuns.AHole*/gl")
+gl_tests_under(softpipe "${long_with_needles}:${minutes}:${with_contacts}:${long_contacts}:${long_with_tools}:*GlTool*/gl_four_passes:${long_with_volumes}:${computing}" GALLIUM_DRIVER=softpipe)
 
 # A host that uses GLX, on an X server of its own.
 find_package(X11 QUIET)

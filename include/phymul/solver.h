@@ -75,7 +75,7 @@ struct SolverOptions {
 /// not_finite: a particle would have left the finite numbers, or run faster than a million spacings times omega_max,
 /// which no body survives; the step was not taken.
 /// volume_lost: an enclosed volume (Scene::keep_volume) could not be restored; the step was not taken.
-/// not_supported: the scene has needles or contacts, and this backend does not take them; nothing was done.
+/// not_supported: the scene has tools, volumes or contacts that this backend does not take; nothing was done.
 /// needle_full: a needle's hole would be longer, or a point of it a mean of more particles, than a device has room for;
 /// the step was not taken.
 enum class StepStatus {
