@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Where a step is open between its forces and its motion, for passes that push particles there: what free_kernel.glsl
-// leaves, they change, and step_pass.glsl ends. By place, among the rows of the loads.
+// or free_pass.glsl leaves, they change, and step_pass.glsl ends. By place, among the rows of the loads.
 
 TABLE_FLOATS(pushed_force, pushed_force_place);    // N, with what pushes over dt; 1 where the elastic part was cut
 TABLE_FLOATS(free_velocity, free_velocity_place);  // m/s: it would go to x + dt v; axes on which nothing pushes it

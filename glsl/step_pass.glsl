@@ -2,8 +2,8 @@
 //
 // Per particle, Verlet's step. Gathers the net force itself, or with FOUR_PASSES takes what reaction_pass.glsl wrote.
 // Needs net_force.glsl, free_step.glsl, measure_step.glsl and, where TOOLS is defined, touch_tools.glsl. Where PUSHED is
-// defined it ends what free_kernel.glsl or free_pass.glsl began, tools included, and needs pushed_tables.glsl. Where KEPT_VOLUMES is
-// defined it leaves what kept_step_pass.glsl ends: displacement, 1 where a force was cut; velocity; acceleration.
+// defined it ends what free_kernel.glsl or free_pass.glsl began, tools included, and needs pushed_tables.glsl. Where
+// KEPT_VOLUMES is defined it leaves what kept_step_pass.glsl ends: displacement, 1 where a force was cut; velocity; acceleration.
 
 #ifdef FOUR_PASSES
 STORED(net, net_place);

@@ -2,8 +2,8 @@
 //
 // What the particles do to the tools in a step, a row for each tool and particle, added up over the steps of a batch:
 // what step_pass.glsl has in hand when tools have touched a particle, and has no place to tell. Drawn only, after
-// reaction_pass.glsl; needs free_step.glsl and touch_tools.glsl. Where PUSHED is defined, from what needles leave, and needs
-// pushed_tables.glsl.
+// reaction_pass.glsl; needs free_step.glsl and touch_tools.glsl. Where PUSHED is defined, from what needles leave, and
+// needs pushed_tables.glsl.
 
 STORED(net, net_place);
 STORED(tool_forces, tool_forces_place);    // the sums so far
@@ -31,8 +31,11 @@ void tool_row(int row) {
 #endif
   Reaction reaction = no_reaction;
   for (int tool = 0; tool <= told; ++tool) {
+#ifdef NEEDLES
     reaction = no_reaction;
-    if (!is_needle(tool)) reaction = touch_tool(tool, held, instant, touched, dt, inverse_dt);
+    if (is_needle(tool)) continue;
+#endif
+    reaction = touch_tool(tool, held, instant, touched, dt, inverse_dt);
   }
   last_force = vec4(reaction.force, reaction.touches ? 1.0 : 0.0);
   last_torque = vec4(reaction.torque, 0.0);

@@ -99,7 +99,10 @@ TEST_P(GlContactRuns, ASceneWithoutContactsPaysNothing) {
       const auto found = std::ranges::find(more, pass, &std::pair<std::string, std::int64_t>::first);
       ASSERT_NE(found, more.end()) << pass;
       // Fragments do a batch again whose sweeps took more phases than they were given.
-      EXPECT_EQ(found->second, draws() ? found->second / 8 * 8 : 8) << pass;
+      EXPECT_GE(found->second, 8) << pass;
+      if (!draws()) {
+        EXPECT_EQ(found->second, 8) << pass;
+      }
     }
     EXPECT_EQ(std::isnan(plain.device->bytes_a_step()), form.compute == GlCompute::recompute);  // counts nothing
     EXPECT_TRUE(std::isnan(touching.device->bytes_a_step()));

@@ -239,5 +239,46 @@ TEST_P(GlNeedle, ActsBeforeContacts) {
   EXPECT_LE(worst, 1e-5);
 }
 
+/// The programs of a needle that bends serve one that does not, also with what a change of the scene made anew.
+TEST_P(GlNeedle, AStiffOneBesideOneThatBendsOutlivesAChangeOfTheScene) {
+  const Model model = Insertion::gel(3);
+  Scene scene(model);
+  scene.fix("z0");
+  Needle bends = thin_needle();
+  bends.bending_stiffness = 5e-3;
+  ToolPose stiff_pose{.position = {0.0203, 0.0197, side + offset}}, pose{.position = {0.0103, 0.0297, side + offset}};
+  scene.add_tool("stiff", {.shape = thin_needle(), .pose = stiff_pose, .friction = 0.5});
+  scene.add_tool("bends", {.shape = bends, .pose = pose, .friction = 0.5});
+  BesideReference pair(model, scene, damped(40.0), GlCompute::automatic, GetParam());
+  for (int k = 0; k < 4; ++k) {
+    stiff_pose.position.z() -= 2e-3;
+    pose.position.z() -= 2e-3;
+    scene.tool("stiff").pose(stiff_pose);
+    scene.tool("bends").pose(pose);
+    if (k == 2) scene.gravity({1, 0, 0});
+    EXPECT_LE(pair.off_after(40), 1e-5) << k;
+  }
+  EXPECT_GT(pair.device->read().tools[0].needle.hole.size(), 1u);
+}
+
+/// Nothing to puncture: the shaft passes between the particles.
+TEST_P(GlNeedle, MakesNoHoleInABodyWithoutASurface) {
+  Model model = Insertion::gel(3);
+  model.cells.clear();
+  model.components.clear();
+  Scene scene(model);
+  ToolPose pose{.position = {0.0203, 0.0197, side + offset}};
+  scene.add_tool("needle", {.shape = thin_needle(), .pose = pose, .friction = 0.5});
+  SolverOptions options = damped(40.0);
+  options.on_unstable = UnstableStep::allow;
+  gl::DeviceSolver solver(GetParam(), tables_of(model, {.on_sparse = SparseParticle::free}), scene, options);
+  pose.position.z() -= 0.01;
+  scene.tool("needle").pose(pose);
+  ASSERT_TRUE(solver.step(10, 1e-4).ok());
+  const State state = solver.read();
+  EXPECT_TRUE(state.tools[0].needle.hole.empty());
+  for (const Vec3& v : state.velocity) EXPECT_EQ(v, Vec3(Vec3::Zero()));
+}
+
 }  // namespace
 }  // namespace phymul::test

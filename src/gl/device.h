@@ -75,6 +75,8 @@ class Device {
   virtual void run(int count) = 0;
   /// After an unfinished report: the next run() gives its steps more passes, and in the end as many as any may need.
   virtual void give_more_passes() {}
+  /// Steps of a batch before it is known how long one takes.
+  virtual int first_batch() const { return 8; }
   /// Step `number` from the present state, which stays as it is; only what it measures is kept.
   virtual BatchReport try_step(int number) = 0;
   /// Of the steps since begin_batch(), or since the last run() did. Waits for the device.

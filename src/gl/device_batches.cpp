@@ -13,7 +13,6 @@ namespace {
 
 /// A batch of steps that takes longer keeps the device from drawing, and a window system may take it for hung.
 constexpr double seconds_a_batch = 0.05;
-constexpr int first_batch = 8;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -24,7 +23,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 /// No longer than rest_steps where the body is to stop at rest: then an unquiet step in a batch says that no other
 /// row of so many quiet ones is in it.
 int DeviceSolver::batch_size(const StepPlan& plan, int remaining) const {
-  const double wished = seconds_a_step_ > 0.0 ? seconds_a_batch / seconds_a_step_ : first_batch;
+  const double wished = seconds_a_step_ > 0.0 ? seconds_a_batch / seconds_a_step_ : device_->first_batch();
   const int size = static_cast<int>(std::clamp(wished, 1.0, static_cast<double>(Device::most_steps)));
   return std::min({size, remaining, plan.stop_at_rest ? plan.rest_steps : remaining});
 }

@@ -45,7 +45,8 @@ BoxForest particle_forest(const FloatContacts& contacts) {
   return {places, body, contacts.bodies + 1};
 }
 
-/// Renderers that break off a shader's loops: half of the turns are left to what is not counted.
+/// Renderers that break off a shader's loops: half of the turns are left to what is not counted, the last look of every
+/// loop and lanes that go different ways.
 void require_turns(const FloatContacts& contacts, std::size_t triangle_nodes, std::size_t particle_nodes,
                    std::int64_t loop_turns) {
   // A fragment may look at every item of a tree, at every node, and begin anew behind every leaf.
@@ -214,10 +215,10 @@ const Framebuffer& FragmentContacts::next_sweeps() {
   return sweeps_[turn_].target;
 }
 
-/// A quarter more than the last batch needed, at once where that is more than before, else bit by bit.
+/// A quarter more than the last batch needed, at once where that is more than before, else in quarters of the way.
 void FragmentContacts::begin_batch() {
   const int wanted = std::min(needed_ + needed_ / 4 + 2, most_phases_);
-  phases_ = std::max(wanted, phases_ - (phases_ + 7) / 8);
+  phases_ = std::max(wanted, phases_ - (phases_ + 3) / 4);
 }
 
 bool FragmentContacts::give_more_phases() {
@@ -226,7 +227,7 @@ bool FragmentContacts::give_more_phases() {
     throw Error("expected the sweeps over contacts to end within " + std::to_string(most_phases_) +
                 " phases, one for each contact and round, got some that did not; use \"gl-compute\" or \"cpu\"");
   }
-  phases_ = static_cast<int>(std::min<std::int64_t>(2 * std::int64_t{phases_}, most_phases_));
+  phases_ = static_cast<int>(std::min<std::int64_t>(4 * std::int64_t{phases_}, most_phases_));
   return true;
 }
 

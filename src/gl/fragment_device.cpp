@@ -39,7 +39,9 @@ void FragmentDevice::set_scene(const Scene& scene, const FloatTools& tools) {
   const FloatVolumes volumes = pack_volumes(scene);
   auto new_volumes = volumes.empty() ? nullptr : std::make_unique<FragmentVolumes>(volumes);
   auto new_contacts = make_contacts(scene);
-  auto new_needles = tools.needle_count() > 0 ? std::make_unique<FragmentNeedles>(FloatNeedles(scene), tools) : nullptr;
+  auto new_needles = tools.needle_count() > 0
+                         ? std::make_unique<FragmentNeedles>(FloatNeedles(scene), tools, read_context_info().loop_turns)
+                         : nullptr;
   passes_.set_loads(*new_loads, new_tools.get(), new_volumes.get(), new_contacts.get(), new_needles.get());
   loads_ = std::move(new_loads);
   tools_ = std::move(new_tools);

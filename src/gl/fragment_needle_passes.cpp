@@ -302,6 +302,8 @@ void FragmentNeedlePasses::settle(const Placed& needle) {
     stiffen(needle);
     settle_on_bent(needle);
   } else {
+    // What the program reads of shafts that bend must not be another needle's, which may be gone.
+    for (const char* name : {"needle_stiffness", "needle_holds"}) settle_.input(name, drawn.coupling);
     const int at_a_time = sweeps_at_a_time(needle);
     for (int from = 0; from < sweeps; from += at_a_time) sweep(needle, from, std::min(from + at_a_time, sweeps));
   }

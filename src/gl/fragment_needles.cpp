@@ -24,12 +24,14 @@ std::size_t index(int k) {
 
 }  // namespace
 
-FragmentNeedles::FragmentNeedles(const FloatNeedles& needles, const FloatTools& tools)
+FragmentNeedles::FragmentNeedles(const FloatNeedles& needles, const FloatTools& tools, std::int64_t loop_turns)
     : particles_(static_cast<int>(tools.held().size())),
       facet_count_(static_cast<int>(needles.facets.size())),
       tool_count_(tools.count()) {
   std::vector<Float4> laws;
-  for (const FloatNeedles::One& one : needles.needles) {
+  for (FloatNeedles::One one : needles.needles) {
+    // Coupling takes three turns for each particle of a node; half of the turns are left to what is not counted.
+    one.particles = static_cast<Index>(std::min<std::int64_t>(one.particles, loop_turns / 6));
     const Needle& law = one.needle;
     laws.push_back(row_of(one.nodes, one.particles, one.tool));
     laws.push_back(row_of(law.length, law.radius));

@@ -60,7 +60,8 @@ struct NeedleTextures {
 
 class FragmentNeedles {
  public:
-  FragmentNeedles(const FloatNeedles& needles, const FloatTools& tools);
+  /// `loop_turns`: ContextInfo's.
+  FragmentNeedles(const FloatNeedles& needles, const FloatTools& tools, std::int64_t loop_turns);
 
   struct Placed {
     FloatNeedles::One law;

@@ -155,6 +155,7 @@ void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools,
   auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
   const auto* const loads_before = std::exchange(loads_, &loads);
   auto* const tools_before = std::exchange(tools_, tools);
+  std::optional<FragmentNeedlePasses> piercing;
   try {
     if (reaction_apart() && !net_) {
       net_ = Texture::target(tables_->kind().particles, TexelFormat::rgba32f, "net forces");
@@ -162,8 +163,7 @@ void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools,
     }
     if (needles && (!piercing_ || piercing_->bending() != needles->any_bends())) {
       const auto* const renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-      piercing_ = FragmentNeedlePasses(*library_, tables_->kind(), loop_turns_of(renderer ? renderer : ""),
-                                       needles->any_bends());
+      piercing.emplace(*library_, tables_->kind(), loop_turns_of(renderer ? renderer : ""), needles->any_bends());
     }
     if (contacts && !touching_) touching_.emplace(*library_);
     if (kind.pushes() && !pushed_) {
@@ -175,6 +175,7 @@ void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools,
     tools_ = tools_before;
     throw;
   }
+  if (piercing) piercing_ = std::move(piercing);
   now_ = &*found;
   loads.bind(now_->step);
   if (reaction_apart()) loads.bind(now_->reaction);

@@ -43,7 +43,7 @@ class FragmentReport {
   std::vector<Level> levels_;
   ReportCopy copy_;
   std::vector<ToolSums> tool_sums_;
-  std::size_t tool_rows_ = 0;  // of which four are behind the report, before volumes, needles and contacts
+  std::size_t tool_rows_ = 0;  // of which four are behind the report; then volumes, needles, one texel of contacts
   std::size_t volumes_ = 0, volume_rows_ = 0;
   FragmentContacts* contacts_ = nullptr;  // of what was requested last
   FragmentNeedles* needles_ = nullptr;    // likewise

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "gl/fragment_needles.h"
 
+#include <algorithm>
+
 namespace phymul::gl {
 namespace {
 
@@ -11,7 +13,7 @@ Texture target(std::int64_t rows, const char* name = "what passes write of a nee
 /// `beside`: drawn with the first of them.
 std::vector<NeedleTextures::Level> levels_of(int terms, const Texture* beside) {
   std::vector<NeedleTextures::Level> levels;
-  int rows = terms;
+  int rows = std::max(terms, 1);  // without terms a row says so
   do {
     rows = (rows + NeedleTextures::branch - 1) / NeedleTextures::branch;
     NeedleTextures::Level& level = levels.emplace_back();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// ReportCopy: the two rows of a report on their way to the host, and behind them what tools have felt and which volumes
-// were lost.
+// ReportCopy: the two rows of a report on their way to the host, and behind them what tools have felt, which volumes
+// were lost, how needles are and how many phases contacts took.
 #pragma once
 
 #include "gl/gl_api.h"
