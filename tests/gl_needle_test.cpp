@@ -271,7 +271,9 @@ TEST_P(GlNeedle, MakesNoHoleInABodyWithoutASurface) {
   scene.add_tool("needle", {.shape = thin_needle(), .pose = pose, .friction = 0.5});
   SolverOptions options = damped(40.0);
   options.on_unstable = UnstableStep::allow;
-  gl::DeviceSolver solver(GetParam(), tables_of(model, {.on_sparse = SparseParticle::free}), scene, options);
+  const auto tables =
+      std::make_shared<const TopologyTextures>(build_topology(model, {.on_sparse = SparseParticle::free}));
+  gl::DeviceSolver solver(GetParam(), tables, scene, options);
   pose.position.z() -= 0.01;
   scene.tool("needle").pose(pose);
   ASSERT_TRUE(solver.step(10, 1e-4).ok());

@@ -29,8 +29,8 @@ class FragmentDevice final : public Device {
                    const FloatTools& tools) override;
   void run(int count) override;
   void give_more_passes() override;
-  /// One, where it is not known how many passes a step needs: a batch may have to be done several times.
-  int first_batch() const override { return contacts_ || needles_ ? 1 : Device::first_batch(); }
+  /// One where it is not known how many phases a step needs: a batch may have to be done several times.
+  int first_batch() const override { return contacts_ ? 1 : Device::first_batch(); }
   BatchReport try_step(int number) override;
   void request_report() override;
   BatchReport take_report() override { return report_.take(); }
