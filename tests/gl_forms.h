@@ -57,8 +57,8 @@ class GlBlockTest : public GlTest, public testing::WithParamInterface<GlForm> {
 inline std::vector<std::pair<std::string, std::int64_t>> runs_of(Solver& solver) {
   std::vector<std::pair<std::string, std::int64_t>> runs;
   for (const PassProfile& pass : solver.profile()) {
-    const bool of_batch = pass.name.starts_with("report") || pass.name.starts_with("workgroup") ||
-                          pass.name.starts_with("tool_sums");
+    const bool of_batch =
+        pass.name.starts_with("report") || pass.name.starts_with("workgroup") || pass.name.starts_with("tool_sums");
     runs.emplace_back(pass.name, of_batch ? 0 : pass.runs);
   }
   return runs;
