@@ -162,8 +162,7 @@ void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools,
       net_target_ = Framebuffer({{&net_}});
     }
     if (needles && (!piercing_ || piercing_->bending() != needles->any_bends())) {
-      const auto* const renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-      piercing.emplace(*library_, tables_->kind(), loop_turns_of(renderer ? renderer : ""), needles->any_bends());
+      piercing.emplace(*library_, tables_->kind(), read_context_info().loop_turns, needles->any_bends());
     }
     if (contacts && !touching_) touching_.emplace(*library_);
     if (kind.pushes() && !pushed_) {
