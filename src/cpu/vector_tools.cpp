@@ -44,14 +44,14 @@ class VectorTools::Step final : public FreeStep {
   }
 
   void add_force(Index i, const Vec3& force) override {
-    const Index place = tools_.place_of_[i];
-    tools_.pushed_.push_back(place);
-    for (int a = 0; a < 3; ++a) tools_.load_[4 * static_cast<std::size_t>(place) + a] += static_cast<float>(force[a]);
+    const std::size_t quad = tools_.quad_of_particle(i);
+    tools_.pushed_.push_back(quad);
+    for (int a = 0; a < 3; ++a) tools_.load_[4 * quad + a] += static_cast<float>(force[a]);
   }
 
   void shift(Index i, const Vec3& by) override {
-    tools_.shifts_.push_back(
-        {tools_.place_of_[i], {static_cast<float>(by.x()), static_cast<float>(by.y()), static_cast<float>(by.z())}});
+    tools_.shifts_.push_back({tools_.quad_of_particle(i),
+                              {static_cast<float>(by.x()), static_cast<float>(by.y()), static_cast<float>(by.z())}});
   }
 
  private:
@@ -64,8 +64,9 @@ class VectorTools::Step final : public FreeStep {
 
   /// Axis by axis: most particles are far along the first one already, and this looks at all of them.
   bool misses(std::size_t place, const Region& region) const {
-    const float* u = reinterpret_cast<const float*>(move_.u) + 4 * place;
-    const float* next_u = reinterpret_cast<const float*>(move_.next_u) + 4 * place;
+    const std::size_t quad = tools_.body_.quad_of(place);
+    const float* u = reinterpret_cast<const float*>(move_.u) + 4 * quad;
+    const float* next_u = reinterpret_cast<const float*>(move_.next_u) + 4 * quad;
     for (int a = 0; a < 3; ++a) {
       const double rest = tools_.rest_[place][a], from = rest + u[a], to = rest + next_u[a];
       if (std::min(from, to) > region.high[a] || std::max(from, to) < region.low[a]) return true;
@@ -74,7 +75,7 @@ class VectorTools::Step final : public FreeStep {
   }
 
   Vec3 place_at(const char* displacements, std::size_t place) const {
-    const float* u = reinterpret_cast<const float*>(displacements) + 4 * place;
+    const float* u = reinterpret_cast<const float*>(displacements) + 4 * tools_.body_.quad_of(place);
     return tools_.rest_[place] + Vec3(u[0], u[1], u[2]);
   }
 
@@ -107,6 +108,10 @@ void VectorTools::follow(const Scene& scene, std::span<const std::uint8_t> fixed
   for (auto& own : found_) own.reserve(count);
 }
 
+std::size_t VectorTools::quad_of_particle(Index i) const {
+  return body_.quad_of(static_cast<std::size_t>(place_of_[i]));
+}
+
 std::size_t VectorTools::velocity_at(std::size_t place, int axis) const {
   const auto lanes = static_cast<std::size_t>(body_.lanes);
   return (3 * (place / lanes) + axis) * lanes + place % lanes;
@@ -116,7 +121,7 @@ bool VectorTools::act(const simd::Move& move, ThreadPool& pool, double dt) {
   if (move.load != nullptr) {
     std::memcpy(load_.data(), move.load, sizeof(float) * load_.size());
   } else {
-    for (const Index place : pushed_) std::memset(&load_[4 * static_cast<std::size_t>(place)], 0, 4 * sizeof(float));
+    for (const std::size_t quad : pushed_) std::memset(&load_[4 * quad], 0, 4 * sizeof(float));
   }
   pushed_.clear();
   shifts_.clear();
@@ -129,8 +134,8 @@ bool VectorTools::act(const simd::Move& move, ThreadPool& pool, double dt) {
 }
 
 void VectorTools::shift(float* next_u) const {
-  for (const auto& [place, by] : shifts_) {
-    for (int a = 0; a < 3; ++a) next_u[4 * static_cast<std::size_t>(place) + a] += by[a];
+  for (const auto& [quad, by] : shifts_) {
+    for (int a = 0; a < 3; ++a) next_u[4 * quad + a] += by[a];
   }
 }
 

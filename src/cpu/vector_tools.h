@@ -33,6 +33,7 @@ class VectorTools {
  private:
   class Step;
   std::size_t velocity_at(std::size_t place, int axis) const;
+  std::size_t quad_of_particle(Index i) const;
 
   const VectorBody& body_;
   const TopologyTextures& topology_;
@@ -41,12 +42,12 @@ class VectorTools {
   int lost_volume_ = -1;
   TouchedParticles touched_;
   // Empty without tools.
-  std::vector<Index> place_of_;                                 // [particles]
-  VecList rest_;                                                // [particles] by place, m
-  Floats load_;                                                 // [places][4] N
-  std::vector<Index> pushed_;                                   // places of load_ that tools wrote to
-  std::vector<std::pair<Index, std::array<float, 3>>> shifts_;  // by place, m
-  mutable std::vector<std::vector<Index>> found_;               // [parts]
+  std::vector<Index> place_of_;                                       // [particles]
+  VecList rest_;                                                      // [particles] by place, m
+  Floats load_;                                                       // [places][4] by quad, N
+  std::vector<std::size_t> pushed_;                                   // quads of load_ that tools wrote to
+  std::vector<std::pair<std::size_t, std::array<float, 3>>> shifts_;  // by quad, m
+  mutable std::vector<std::vector<Index>> found_;                     // [parts]
 };
 
 }  // namespace phymul::cpu
