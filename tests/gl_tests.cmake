@@ -22,6 +22,7 @@ add_executable(phymul_gl_test
   gl_needle_runs_test.cpp
   gl_needle_test.cpp
   gl_objects_test.cpp
+  gl_refused_scene_test.cpp
   gl_tool_test.cpp
   gl_volume_test.cpp
   host_state.cpp)
