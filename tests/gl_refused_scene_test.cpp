@@ -3,6 +3,7 @@
 // Scenes that a device cannot take: it goes on with the one before, as if it had not been asked.
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 #include "gl/compute_device.h"
 #include "gl/fragment_device.h"
@@ -32,6 +33,36 @@ class RefusedName {
   ~RefusedName() { glGetUniformLocation = driver_location; }
   RefusedName(const RefusedName&) = delete;
   RefusedName& operator=(const RefusedName&) = delete;
+};
+
+PFNGLGENFRAMEBUFFERSPROC driver_framebuffers = nullptr;
+PFNGLGENBUFFERSPROC driver_buffers = nullptr;
+int things_made = 0;
+
+void GLAPIENTRY count_framebuffers(GLsizei count, GLuint* names) {
+  things_made += count;
+  driver_framebuffers(count, names);
+}
+void GLAPIENTRY count_buffers(GLsizei count, GLuint* names) {
+  things_made += count;
+  driver_buffers(count, names);
+}
+
+/// Counts what a device makes: buffers, and framebuffers as most of its textures have one.
+class ThingsMade {
+ public:
+  ThingsMade() {
+    driver_framebuffers = std::exchange(glGenFramebuffers, count_framebuffers);
+    driver_buffers = std::exchange(glGenBuffers, count_buffers);
+    things_made = 0;
+  }
+  ~ThingsMade() {
+    glGenFramebuffers = driver_framebuffers;
+    glGenBuffers = driver_buffers;
+  }
+  ThingsMade(const ThingsMade&) = delete;
+  ThingsMade& operator=(const ThingsMade&) = delete;
+  static int count() { return things_made; }
 };
 
 /// A block on another one, a ball that presses, and a device of its own.
@@ -156,6 +187,41 @@ TEST_P(GlRefusedScene, ShadersThatDoNotCompileChangeNothing) {
   const gl::ShaderLibrary library(folder.string(), context_->info().es);
   context_->run([&] { expect_to_go_on(scene, other, library, "does not compile", ""); });
   std::filesystem::remove_all(folder);
+}
+
+/// Sweeps over more contacts and rounds than either backend counts.
+TEST_P(GlRefusedScene, ContactsThatAreTooManyAreRefusedBeforeAnythingIsMade) {
+  Scene other = pressed();
+  add_needle(other, 0.0);
+  other.contacts({.rounds = 100'000'000});
+  const gl::ShaderLibrary library("", context_->info().es);
+  context_->run([&] {
+    expect_to_go_on(pressed(), other, library, "use fewer rounds", "");
+    const std::unique_ptr<gl::Device> device = make(pressed(), library);
+    const ThingsMade made;
+    EXPECT_NE(message_of([&] { device->set_scene(other, tools_of(other)); }), "(no error)");
+    EXPECT_EQ(made.count(), 0);
+    device->set_scene(pressed(), tools_of(pressed()));
+    EXPECT_GT(made.count(), 0);
+  });
+}
+
+/// A host that takes back what was refused.
+TEST_P(GlRefusedScene, ASolverGoesOnOnceTheSceneFitsAgain) {
+  Scene asked = pressed(), left = pressed();
+  gl::DeviceSolver solver(GetParam(), tables_, asked, {}), alone(GetParam(), tables_, left, {});
+  ASSERT_TRUE(solver.step(20, dt_).ok());
+  ASSERT_TRUE(alone.step(20, dt_).ok());
+  const State before = solver.read();
+  asked.contacts({.rounds = 100'000'000});
+  for (int k = 0; k < 2; ++k) {
+    EXPECT_NE(message_of([&] { solver.step(5, dt_); }).find("use fewer rounds"), std::string::npos);
+    EXPECT_EQ(solver.read(), before);
+  }
+  asked.no_contacts();
+  ASSERT_TRUE(solver.step(20, dt_).ok());
+  ASSERT_TRUE(alone.step(20, dt_).ok());
+  EXPECT_EQ(difference(solver.read(), alone.read()), "");
 }
 
 }  // namespace
