@@ -121,7 +121,7 @@ class VectorSolver final : public Solver {
         v_[velocity_at(place, a)] = static_cast<float>(state.velocity[i][a]);
       }
     }
-    tools_.set().reset(scene(), state);
+    tools_.reset(scene(), state);
     time_ = state.time;
     last_dt_ = 0.0;
     steps_at_rest_ = 0;
@@ -147,15 +147,7 @@ class VectorSolver final : public Solver {
     while (motion.steps < plan.steps) {
       motion.lost_volume = step_once(plan);
       if (motion.lost_volume >= 0) break;
-      simd::Reach reach;
-      for (const auto& [of_part] : reach_) {
-        reach.acceleration = std::max(reach.acceleration, of_part.acceleration);
-        reach.force = std::max(reach.force, of_part.force);
-        reach.speed = std::max(reach.speed, of_part.speed);
-        reach.displacement = std::max(reach.displacement, of_part.displacement);
-        reach.runaway = reach.runaway || of_part.runaway;
-        reach.cut = reach.cut || of_part.cut;
-      }
+      const simd::Reach reach = reach_of_all();
       motion.max_acceleration = std::sqrt(static_cast<double>(reach.acceleration));
       motion.max_force = std::sqrt(static_cast<double>(reach.force));
       if (reach.runaway) {
@@ -164,7 +156,7 @@ class VectorSolver final : public Solver {
       }
       u_.swap(next_u_);
       v_.swap(next_v_);
-      if (!tools_.empty()) tools_.set().accept();
+      if (!tools_.empty()) tools_.accept(std::sqrt(static_cast<double>(reach.displacement)));
       time_ += plan.dt;
       last_dt_ = plan.dt;
       ++motion.steps;
@@ -197,12 +189,25 @@ class VectorSolver final : public Solver {
     laps_.end(Work::waiting);
     run(move);
     if (tools_.empty()) return -1;
-    if (tools_.act(move, pool_, plan.dt)) {
+    if (tools_.act(move, pool_, plan.dt, std::sqrt(static_cast<double>(reach_of_all().displacement)))) {
       move.load = tools_.loads();
       run(move);
     }
     tools_.shift(next_u_.data());
     return tools_.lost_volume();
+  }
+
+  simd::Reach reach_of_all() const {
+    simd::Reach reach;
+    for (const auto& [of_part] : reach_) {
+      reach.acceleration = std::max(reach.acceleration, of_part.acceleration);
+      reach.force = std::max(reach.force, of_part.force);
+      reach.speed = std::max(reach.speed, of_part.speed);
+      reach.displacement = std::max(reach.displacement, of_part.displacement);
+      reach.runaway = reach.runaway || of_part.runaway;
+      reach.cut = reach.cut || of_part.cut;
+    }
+    return reach;
   }
 
   void run(const simd::Move& move) {
