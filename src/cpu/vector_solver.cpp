@@ -169,7 +169,7 @@ class VectorSolver final : public Solver {
       steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
       motion.steps_at_rest = steps_at_rest_;
       laps_.end(Work::checks);
-      laps_.end_step();
+      laps_.end_step(!tools_.empty());
       if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;
     }
     return motion;
@@ -189,11 +189,14 @@ class VectorSolver final : public Solver {
     laps_.end(Work::waiting);
     run(move);
     if (tools_.empty()) return -1;
-    if (tools_.act(move, pool_, plan.dt, std::sqrt(static_cast<double>(reach_of_all().displacement)))) {
+    const bool pushed = tools_.act(move, pool_, plan.dt, std::sqrt(static_cast<double>(reach_of_all().displacement)));
+    laps_.end(Work::tools);
+    if (pushed) {
       move.load = tools_.loads();
       run(move);
     }
     tools_.shift(next_u_.data());
+    laps_.end(Work::tools);
     return tools_.lost_volume();
   }
 
