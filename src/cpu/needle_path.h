@@ -73,7 +73,7 @@ class NeedlePath {
   static Vec3 place(const NeedleNode& node, const FreeStep& step);
   Vec3 shaft_at(const Line& line, double along) const;
 
-  // What acts on it: needle_forces.cpp.
+  // What acts on it: needle_coupling.cpp, needle_forces.cpp.
   void couple(TouchedParticles& touched, const Line& start, double turned);
   void couple_nodes(TouchedParticles& touched);
   void share_out_length();

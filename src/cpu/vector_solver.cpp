@@ -16,6 +16,7 @@
 #include "cluster_claims.h"
 #include "denormals.h"
 #include "near_displacements.h"
+#include "part_reach.h"
 #include "simd/instruction_set.h"
 #include "thread_pool.h"
 #include "vector_body.h"
@@ -56,11 +57,6 @@ char* half_a_page_from(const char* other, char* near) {
 char* bytes(Floats& floats) {
   return reinterpret_cast<char*>(floats.data());
 }
-
-/// A line of the caches for each part.
-struct alignas(64) PartReach {
-  simd::Reach reach;
-};
 
 class VectorSolver final : public Solver {
  public:
@@ -147,7 +143,7 @@ class VectorSolver final : public Solver {
     while (motion.steps < plan.steps) {
       motion.lost_volume = step_once(plan);
       if (motion.lost_volume >= 0) break;
-      const simd::Reach reach = reach_of_all();
+      const simd::Reach reach = reach_of_all(reach_);
       motion.max_acceleration = std::sqrt(static_cast<double>(reach.acceleration));
       motion.max_force = std::sqrt(static_cast<double>(reach.force));
       if (reach.runaway) {
@@ -189,7 +185,8 @@ class VectorSolver final : public Solver {
     laps_.end(Work::waiting);
     run(move);
     if (tools_.empty()) return -1;
-    const bool pushed = tools_.act(move, pool_, plan.dt, std::sqrt(static_cast<double>(reach_of_all().displacement)));
+    const bool pushed =
+        tools_.act(move, pool_, plan.dt, std::sqrt(static_cast<double>(reach_of_all(reach_).displacement)));
     laps_.end(Work::tools);
     if (pushed) {
       move.load = tools_.loads();
@@ -198,19 +195,6 @@ class VectorSolver final : public Solver {
     tools_.shift(next_u_.data());
     laps_.end(Work::tools);
     return tools_.lost_volume();
-  }
-
-  simd::Reach reach_of_all() const {
-    simd::Reach reach;
-    for (const auto& [of_part] : reach_) {
-      reach.acceleration = std::max(reach.acceleration, of_part.acceleration);
-      reach.force = std::max(reach.force, of_part.force);
-      reach.speed = std::max(reach.speed, of_part.speed);
-      reach.displacement = std::max(reach.displacement, of_part.displacement);
-      reach.runaway = reach.runaway || of_part.runaway;
-      reach.cut = reach.cut || of_part.cut;
-    }
-    return reach;
   }
 
   void run(const simd::Move& move) {
