@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "../needle_measures.h"
-#include "../needle_shaft.h"
 #include "needle_path.h"
 
 namespace phymul::cpu {
