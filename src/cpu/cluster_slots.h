@@ -13,7 +13,8 @@ namespace phymul::cpu {
 /// Slots of one cluster: its own particles, then others in the order they are met.
 class Slots {
  public:
-  explicit Slots(Index particles) : slot_(static_cast<std::size_t>(particles)), seen_(slot_.size(), -1) {}
+  Slots(Index particles, int lanes)
+      : slot_(static_cast<std::size_t>(particles)), seen_(slot_.size(), -1), lanes_(lanes) {}
 
   void begin(int cluster, Cluster& to, Index own_particles) {
     cluster_ = cluster;
@@ -24,11 +25,11 @@ class Slots {
   /// `pushes`: the term has forces for the particle.
   std::int32_t offset_of(Index particle, bool pushes = true) {
     const Index k = particle - to_->first;
-    if (k >= 0 && k < own_particles_) return 16 * k;
+    if (k >= 0 && k < own_particles_) return 16 * simd::quad_of(k, lanes_);
     if (seen_[particle] != cluster_) {
       seen_[particle] = cluster_;
       slot_[particle] = to_->own + static_cast<std::int32_t>(to_->halo.size());
-      to_->halo.push_back(particle);
+      to_->halo.push_back(simd::quad_of(particle, lanes_));
       to_->pushed.push_back(false);
     }
     if (pushes) to_->pushed[slot_[particle] - to_->own] = true;
@@ -38,7 +39,7 @@ class Slots {
  private:
   std::vector<std::int32_t> slot_, seen_;
   Cluster* to_ = nullptr;
-  int cluster_ = -1;
+  int lanes_, cluster_ = -1;
   Index own_particles_ = 0;
 };
 

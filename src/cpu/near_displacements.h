@@ -15,8 +15,8 @@ inline const char* near_displacements(const Cluster& cluster, const char* u, cha
   char* to = near;
   std::memcpy(to, u + 16 * static_cast<std::size_t>(cluster.first), 16 * static_cast<std::size_t>(cluster.own));
   to += 16 * static_cast<std::size_t>(cluster.own);
-  for (const std::int32_t particle : cluster.halo) {
-    std::memcpy(to, u + 16 * static_cast<std::size_t>(particle), 16);
+  for (const std::int32_t quad : cluster.halo) {
+    std::memcpy(to, u + 16 * static_cast<std::size_t>(quad), 16);
     to += 16;
   }
   std::memset(to, 0, 16);
@@ -27,8 +27,8 @@ inline const char* near_displacements(const Cluster& cluster, const char* u, cha
 inline void ask_for_displacements(const Cluster& cluster, const char* u) {
   const char* own = u + 16 * static_cast<std::size_t>(cluster.first);
   for (std::size_t k = 0; k < 16 * static_cast<std::size_t>(cluster.own); k += 64) __builtin_prefetch(own + k, 0, 2);
-  for (const std::int32_t particle : cluster.halo) {
-    __builtin_prefetch(u + 16 * static_cast<std::size_t>(particle), 0, 2);
+  for (const std::int32_t quad : cluster.halo) {
+    __builtin_prefetch(u + 16 * static_cast<std::size_t>(quad), 0, 2);
   }
 }
 

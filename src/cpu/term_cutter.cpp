@@ -40,7 +40,7 @@ TermCutter::TermCutter(const TopologyTextures& t, const std::optional<LatticeFra
     : t_(t),
       size_(size),
       body_(body),
-      slots_(t.particle_count),
+      slots_(t.particle_count, body.lanes),
       shared_(find_simplices(t)),
       found_(find_hexahedra(t, shared_)),
       lattice_(found_, t.rest, frame, size, clusters, body),

@@ -42,7 +42,7 @@ class Cutter {
       cluster.own = (own + body_.lanes - 1) / body_.lanes * body_.lanes;
       cluster.force_first = body_.force_rows;
       terms.cut(static_cast<int>(c));
-      body_.force_rows += cluster.slots();
+      body_.force_rows += (cluster.slots() + 3) / 4 * 4;  // whole lines of the cache: slices do not cross them
     }
     terms.point_jobs();
     cut_particles();
@@ -71,7 +71,7 @@ class Cutter {
 
   /// Who else has forces for the particles of a slice, in the order of the clusters.
   void cut_halo() {
-    std::vector<std::vector<std::int64_t>> rows_of(static_cast<std::size_t>(body_.places));
+    std::vector<std::vector<std::int64_t>> rows_of(static_cast<std::size_t>(body_.places));  // by quad
     for (const Cluster& cluster : body_.clusters) {
       for (std::size_t k = 0; k < cluster.halo.size(); ++k) {
         if (!cluster.pushed[k]) continue;
@@ -89,10 +89,10 @@ class Cutter {
       body_.own.push_back(static_cast<std::int32_t>(16 * (cluster.force_first + s * body_.lanes - cluster.first)));
       std::size_t longest = 0;
       for (int lane = 0; lane < body_.lanes; ++lane)
-        longest = std::max(longest, rows_of[s * body_.lanes + lane].size());
+        longest = std::max(longest, rows_of[body_.quad_of(s * body_.lanes + lane)].size());
       for (std::size_t k = 0; k < longest; ++k) {
         for (int lane = 0; lane < body_.lanes; ++lane) {
-          const auto& rows = rows_of[s * body_.lanes + lane];
+          const auto& rows = rows_of[body_.quad_of(s * body_.lanes + lane)];
           body_.halo.push_back(static_cast<std::int32_t>(16 * (k < rows.size() ? rows[k] : zero)));
         }
       }
@@ -124,7 +124,7 @@ class Cutter {
         Index row = 0;
         for (const Index* r = t_.neighbour_of.begin(i); r != t_.neighbour_of.end(i); ++r, ++row) {
           if (t_.index[t_.neighbour_owner[*r]].base_count == 0) continue;
-          rows.offset(row, 0, i - first, 16 * t_.neighbour_owner[*r]);
+          rows.offset(row, 0, i - first, 16 * simd::quad_of(t_.neighbour_owner[*r], body_.lanes));
           rows.put(row, 1, i - first, share_of(*r));
         }
       }

@@ -21,8 +21,8 @@ struct Cluster {
   std::int32_t first = 0;          ///< particle of slot 0
   std::int32_t own = 0;            ///< slots of own particles, a multiple of the lanes
   std::vector<bool> pushed;        ///< of the halo: whether the cluster's terms have forces for it
-  std::vector<std::int32_t> halo;  ///< particles of the slots after those
-  std::int64_t force_first = 0;    ///< row of slot 0 among the forces of all clusters
+  std::vector<std::int32_t> halo;  ///< quads of the particles of the slots after those
+  std::int64_t force_first = 0;    ///< quad of slot 0 among the forces of all clusters, a multiple of 4
   double cost = 0.0;               ///< rough, ns per step
   std::int32_t slots() const { return own + static_cast<std::int32_t>(halo.size()) + 1; }
 };
@@ -50,6 +50,10 @@ struct VectorBody {
   std::size_t most_slots() const;        ///< of a cluster
   std::size_t most_grid_floats() const;  ///< that a cluster's grid needs beside it
   int slices() const { return places / lanes; }
+  /// Of a place of `order`, in displacements, pulls and loads.
+  std::size_t quad_of(std::size_t place) const {
+    return static_cast<std::size_t>(simd::quad_of(static_cast<std::int32_t>(place), lanes));
+  }
   /// Whether terms have forces of their own for particles, and not only pulls that the move gathers.
   bool pushes() const {
     return use != simd::BaseUse::attractor ||

@@ -11,7 +11,7 @@ VectorLoads::Sums::Sums(const std::vector<Index>& offset, const std::vector<Load
     : parts_(parts), at_(4 * static_cast<std::size_t>(body.places), 0.0f) {
   for (std::size_t place = 0; place < body.order.size(); ++place) {
     const Index i = body.order[place];
-    if (offset[i] < offset[i + 1]) rows_.push_back({static_cast<std::int32_t>(place), offset[i], offset[i + 1]});
+    if (offset[i] < offset[i + 1]) rows_.push_back({body.quad_of(place), offset[i], offset[i + 1]});
   }
 }
 
@@ -21,7 +21,7 @@ void VectorLoads::Sums::evaluate(const std::vector<double>& value) {
   for (const Row& row : rows_) {
     Vec3 sum = Vec3::Zero();
     for (Index k = row.first; k < row.last; ++k) sum += value[parts_[k].mode] * parts_[k].vector;
-    for (int a = 0; a < 3; ++a) at_[4 * static_cast<std::size_t>(row.place) + a] = static_cast<float>(sum[a]);
+    for (int a = 0; a < 3; ++a) at_[4 * row.quad + a] = static_cast<float>(sum[a]);
   }
 }
 

@@ -33,13 +33,13 @@ class VectorLoads {
 
    private:
     struct Row {
-      std::int32_t place;
+      std::size_t quad;
       Index first, last;  // parts_
     };
     std::vector<Row> rows_;
     std::vector<LoadModes::Part> parts_;
     std::vector<double> evaluated_;  // the values of at_
-    Floats at_;                      // [places][4]
+    Floats at_;                      // [places][4] by quad
   };
 
   std::vector<LoadModes::Part> acceleration_;

@@ -113,7 +113,7 @@ class VectorSolver final : public Solver {
       const Index i = body_->order[place];
       const Vec3 u = given.empty() ? Vec3(state.position[i] - topology().rest[i]) : given[i];
       for (int a = 0; a < 3; ++a) {
-        u_[4 * place + a] = static_cast<float>(u[a]);
+        u_[4 * body_->quad_of(place) + a] = static_cast<float>(u[a]);
         v_[velocity_at(place, a)] = static_cast<float>(state.velocity[i][a]);
       }
     }
@@ -308,8 +308,9 @@ class VectorSolver final : public Solver {
     const auto lanes = static_cast<std::size_t>(body_->lanes);
     return (3 * (place / lanes) + axis) * lanes + place % lanes;
   }
-  static Vec3 displacement(const Floats& u, std::size_t place) {
-    return {u[4 * place], u[4 * place + 1], u[4 * place + 2]};
+  Vec3 displacement(const Floats& u, std::size_t place) const {
+    const float* at = &u[4 * body_->quad_of(place)];
+    return {at[0], at[1], at[2]};
   }
   Vec3 velocity(const Floats& v, std::size_t place) const {
     return {v[velocity_at(place, 0)], v[velocity_at(place, 1)], v[velocity_at(place, 2)]};
@@ -366,7 +367,7 @@ class VectorSolver final : public Solver {
   VectorTools tools_;
   ClusterClaims claims_;
   std::vector<PartReach> reach_;    // [parts]
-  Floats u_, v_, next_u_, next_v_;  // u: [places + 1][4], v: [slices][3][lanes]
+  Floats u_, v_, next_u_, next_v_;  // u: [places + 1][4] by quad, v: [slices][3][lanes]
   Floats force_, pull_;
   std::vector<Floats> near_u_;  // [parts] displacements of the cluster a part is at
   std::vector<Floats> grid_;    // [parts] Job::grid_memory

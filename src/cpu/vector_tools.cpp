@@ -55,14 +55,14 @@ class VectorTools::Step final : public FreeStep {
   }
 
   void add_force(Index i, const Vec3& force) override {
-    const Index place = tools_.place_of_[i];
-    tools_.pushed_.push_back(place);
-    for (int a = 0; a < 3; ++a) tools_.load_[4 * static_cast<std::size_t>(place) + a] += static_cast<float>(force[a]);
+    const std::size_t quad = tools_.quad_of_particle(i);
+    tools_.pushed_.push_back(quad);
+    for (int a = 0; a < 3; ++a) tools_.load_[4 * quad + a] += static_cast<float>(force[a]);
   }
 
   void shift(Index i, const Vec3& by) override {
-    tools_.shifts_.push_back(
-        {tools_.place_of_[i], {static_cast<float>(by.x()), static_cast<float>(by.y()), static_cast<float>(by.z())}});
+    tools_.shifts_.push_back({tools_.quad_of_particle(i),
+                              {static_cast<float>(by.x()), static_cast<float>(by.y()), static_cast<float>(by.z())}});
   }
 
  private:
@@ -88,8 +88,9 @@ class VectorTools::Step final : public FreeStep {
 
   /// Axis by axis: most particles are far along the first one already, and this looks at all of them.
   bool misses(std::size_t place, const Region& region) const {
-    const float* u = reinterpret_cast<const float*>(move_.u) + 4 * place;
-    const float* next_u = reinterpret_cast<const float*>(move_.next_u) + 4 * place;
+    const std::size_t quad = tools_.body_.quad_of(place);
+    const float* u = reinterpret_cast<const float*>(move_.u) + 4 * quad;
+    const float* next_u = reinterpret_cast<const float*>(move_.next_u) + 4 * quad;
     for (int a = 0; a < 3; ++a) {
       const double rest = tools_.rest_[place][a], from = rest + u[a], to = rest + next_u[a];
       if (std::min(from, to) > region.high[a] || std::max(from, to) < region.low[a]) return true;
@@ -98,7 +99,7 @@ class VectorTools::Step final : public FreeStep {
   }
 
   Vec3 place_at(const char* displacements, std::size_t place) const {
-    const float* u = reinterpret_cast<const float*>(displacements) + 4 * place;
+    const float* u = reinterpret_cast<const float*>(displacements) + 4 * tools_.body_.quad_of(place);
     return tools_.rest_[place] + Vec3(u[0], u[1], u[2]);
   }
 
@@ -148,6 +149,10 @@ VectorTools::Block VectorTools::around(std::size_t block) const {
   return found;
 }
 
+std::size_t VectorTools::quad_of_particle(Index i) const {
+  return body_.quad_of(static_cast<std::size_t>(place_of_[i]));
+}
+
 std::size_t VectorTools::velocity_at(std::size_t place, int axis) const {
   const auto lanes = static_cast<std::size_t>(body_.lanes);
   return (3 * (place / lanes) + axis) * lanes + place % lanes;
@@ -157,7 +162,7 @@ bool VectorTools::act(const simd::Move& move, ThreadPool& pool, double dt, doubl
   if (move.load != nullptr) {
     std::memcpy(load_.data(), move.load, sizeof(float) * load_.size());
   } else {
-    for (const Index place : pushed_) std::memset(&load_[4 * static_cast<std::size_t>(place)], 0, 4 * sizeof(float));
+    for (const std::size_t quad : pushed_) std::memset(&load_[4 * quad], 0, 4 * sizeof(float));
   }
   pushed_.clear();
   shifts_.clear();
@@ -171,8 +176,8 @@ bool VectorTools::act(const simd::Move& move, ThreadPool& pool, double dt, doubl
 
 void VectorTools::shift(float* next_u) {
   farthest_shift_ = 0.0;
-  for (const auto& [place, by] : shifts_) {
-    for (int a = 0; a < 3; ++a) next_u[4 * static_cast<std::size_t>(place) + a] += by[a];
+  for (const auto& [quad, by] : shifts_) {
+    for (int a = 0; a < 3; ++a) next_u[4 * quad + a] += by[a];
     farthest_shift_ = std::max(farthest_shift_, Vec3(by[0], by[1], by[2]).norm());
   }
 }

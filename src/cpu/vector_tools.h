@@ -41,6 +41,7 @@ class VectorTools {
   };
   Block around(std::size_t block) const;
   std::size_t velocity_at(std::size_t place, int axis) const;
+  std::size_t quad_of_particle(Index i) const;
 
   const VectorBody& body_;
   const TopologyTextures& topology_;
@@ -51,13 +52,13 @@ class VectorTools {
   double farthest_shift_ = 0.0;  // m, of shifts_
   TouchedParticles touched_;
   // Empty without tools.
-  std::vector<Index> place_of_;                                 // [particles]
-  VecList rest_;                                                // [particles] by place, m
-  std::vector<Block> blocks_;                                   // of rest_, block_size places each
-  Floats load_;                                                 // [places][4] N
-  std::vector<Index> pushed_;                                   // places of load_ that tools wrote to
-  std::vector<std::pair<Index, std::array<float, 3>>> shifts_;  // by place, m
-  mutable std::vector<std::vector<Index>> found_;               // [parts]
+  std::vector<Index> place_of_;                                       // [particles]
+  VecList rest_;                                                      // [particles] by place, m
+  std::vector<Block> blocks_;                                         // of rest_, block_size places each
+  Floats load_;                                                       // [places][4] by quad, N
+  std::vector<std::size_t> pushed_;                                   // quads of load_ that tools wrote to
+  std::vector<std::pair<std::size_t, std::array<float, 3>>> shifts_;  // by quad, m
+  mutable std::vector<std::vector<Index>> found_;                     // [parts]
 };
 
 }  // namespace phymul::cpu

@@ -4,8 +4,9 @@
 // each other, with the terms that belong to them; its slots are its own particles in order, then those of other
 // clusters that its terms touch, then one slot that stands for nothing, where idle lanes point.
 //
-// Vectors per slot or particle are four floats, the fourth 0, aligned to 16 bytes. An "offset" is slot * 16. A row is
-// `lanes` of each of its columns, offsets first (as the bits of a float):
+// Vectors per slot or particle are four floats ("quads"), the fourth 0, aligned to 16 bytes. Within a slice they do not
+// stand in the order of its lanes but in that of quad_of(). An "offset" is 16 * quad. A row is `lanes` of each of its
+// columns, offsets first (as the bits of a float):
 //   base     a, b, c; E1, E2 (3 each), lambda_b, lambda_c, beta / |w0|, 1 / |w0|^2, share    13 + 1 columns
 //   volume   a, b, c, d; E1, E2, E3, 1 / (6 V) (2-D: 1 / (2 A)), stiffness                    15
 //   cell     n corners; gradients of corners 1 to n - 1, stiffness of shape, of volume        4 n - 1
@@ -36,6 +37,13 @@ inline constexpr int hexahedron_edges[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, 
                                                {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
 constexpr int cell_columns(int corners) {
   return 4 * corners - 1;
+}
+
+/// Where the vector of slot or particle `place` stands: in its slice lane 4 g + k is number k * lanes / 4 + g, so that
+/// whole packs from memory are what a transposition of 4 x 4 blocks takes and gives. `lanes`: 4, 8 or 16.
+constexpr std::int32_t quad_of(std::int32_t place, int lanes) {
+  const std::int32_t lane = place & (lanes - 1);
+  return place - lane + (lane & 3) * (lanes / 4) + (lane >> 2);
 }
 
 struct Slices {

@@ -220,11 +220,26 @@ PHYMUL_INLINE Pack3 gather(const char* base, const std::int32_t* offset) {
   return {t.p[0], t.p[1], t.p[2]};
 }
 
-/// The same of `lanes` vectors one after another.
+/// A slice's vectors, which stand as simd::quad_of() has them.
+PHYMUL_INLINE FourPacks load_row(const char* base) {
+  FourPacks row;
+  for (int k = 0; k < 4; ++k) __builtin_memcpy(&row.p[k], base + 4 * lanes * k, sizeof(Pack));
+  return row;
+}
 PHYMUL_INLINE Pack3 gather_row(const char* base) {
-  std::int32_t offset[lanes];
-  for (int k = 0; k < lanes; ++k) offset[k] = 16 * k;
-  return gather(base, offset);
+  const FourPacks t = transposed(load_row(base));
+  return {t.p[0], t.p[1], t.p[2]};
+}
+PHYMUL_INLINE void store_row(char* base, Pack3 v) {
+  const FourPacks t = transposed({{v.x, v.y, v.z, Pack{}}});
+  for (int k = 0; k < 4; ++k) __builtin_memcpy(base + 4 * lanes * k, &t.p[k], sizeof(Pack));
+}
+PHYMUL_INLINE void add_row(char* base, Pack3 v) {
+  const FourPacks now = load_row(base), t = transposed({{v.x, v.y, v.z, Pack{}}});
+  for (int k = 0; k < 4; ++k) {
+    const Pack sum = now.p[k] + t.p[k];
+    __builtin_memcpy(base + 4 * lanes * k, &sum, sizeof sum);
+  }
 }
 
 /// Calls with (lane, vector of four floats) of each lane.
@@ -245,15 +260,6 @@ PHYMUL_INLINE void scatter_add(char* base, const std::int32_t* offset, Pack3 v) 
         char* at = base + offset[lane];
         store_quad(at, load_quad(at) + q);
       });
-}
-PHYMUL_INLINE void add_row(char* base, Pack3 v) {
-  for_each_quad(
-      v, [&](int lane, Quad q)
-             __attribute__((always_inline)) { store_quad(base + 16 * lane, load_quad(base + 16 * lane) + q); });
-}
-PHYMUL_INLINE void store_row(char* base, Pack3 v) {
-  for_each_quad(
-      v, [&](int lane, Quad q) __attribute__((always_inline)) { store_quad(base + 16 * lane, q); });
 }
 
 }  // namespace phymul::cpu::PHYMUL_ISA

@@ -98,7 +98,7 @@ PHYMUL_INLINE bool pull_by_lengths(const Neighbourhood& n, PairLengths<neighbour
                     if (!fixed && n.fresh) prefetch_rows<2>(row);
                     const Pack eta2 = pairs.eta[jl], g2 = pairs.g[jl];
                     const Pack eta = (eta1 + eta2) - pairs.eta[kl], g = (g1 + g2) - pairs.g[kl];
-                    const Pack y = load(row + lanes) * (twice_eta1 * g2 + (twice_g1 * eta2 - eta * g));
+                    const Pack y = load(row + lanes) * ((twice_eta1 * g2 + twice_g1 * eta2) - eta * g);
                     least = smaller(y, least);
                     most = larger(y, most);
                     const Pack c = area_change(y);
