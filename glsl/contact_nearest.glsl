@@ -1,20 +1,19 @@
 // SPDX-License-Identifier: MIT
 //
-// Where a particle of a surface is seen from a triangle, and which of two is the one it meets: look() and keep() of
-// BodyContacts in src/cpu. Needs contact_range.glsl, vector3.glsl, closest_point.glsl, and of the tables triangle_edge(),
+// Where a particle of a surface is seen from a triangle, and which of them it meets: look() and keep() of BodyContacts
+// in src/cpu. Needs contact_range.glsl, vector3.glsl, closest_point.glsl, and of the tables triangle_edge(),
 // rest_between() and way_between().
 
-uniform float skin;         // m; 0: a share of edges
-uniform float usual_skin;   // that share
-uniform float skin_factor;  // of edges: what is that near at rest does not touch, in one body
-
-const float same_distance = 1e-6;  // edges: closer than this distances count as one
+uniform float skin;          // m; 0: a share of edges
+uniform float usual_skin;    // that share
+uniform float skin_factor;   // of edges: what is that near at rest does not touch, in one body
+uniform float facing_share;  // of edges: by how much what faces a particle counts as nearer
 
 struct Seen {
   int triangle;
   bool inside;
-  float far, facing;  // m; how much the triangle faces the particle
-  vec3 share, way;    // of the corners in the nearest point; off the triangle, unit
+  float far, rank;  // m; of a body's the one of least rank is met
+  vec3 share, way;  // of the corners in the nearest point; off the triangle, unit
 };
 
 // `own`: row of the particle's table.
@@ -55,15 +54,13 @@ bool look_from(int t, ivec4 corners, int k, ivec4 own, float reach, out Seen see
   } else {
     return false;
   }
-  seen = Seen(t, inside, far, abs(across), share, way);
+  seen = Seen(t, inside, far, far - facing_share * edge * abs(across), share, way);
   return true;
 }
 
 // Than the one known so far, of the same body.
-bool is_nearer(Seen seen, int triangle, float far, float facing) {
-  float tie = same_distance * triangle_edge(seen.triangle);
-  bool faces = seen.facing > facing || (seen.facing == facing && seen.triangle < triangle);
-  return !(seen.far >= far - tie && !(seen.far <= far + tie && faces));
+bool comes_before(Seen seen, int triangle, float rank) {
+  return seen.rank < rank || (seen.rank == rank && seen.triangle < triangle);
 }
 
 // Between the skins at the step's start, m. False where they do not meet within the step.

@@ -43,7 +43,7 @@ bool find_nearest(int k, ivec4 own, int body, float reach, inout Seen nearest_on
       int t = tree_item(entry);
       Seen seen;
       if (!look_from(t, fetch_ivec4(triangle, triangle_place, t), k, own, reach, seen)) continue;
-      if (any && !is_nearer(seen, nearest_one.triangle, nearest_one.far, nearest_one.facing)) continue;
+      if (any && !comes_before(seen, nearest_one.triangle, nearest_one.rank)) continue;
       nearest_one = seen;
       far = seen.far + slack;
       any = true;

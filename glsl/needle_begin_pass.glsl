@@ -8,7 +8,7 @@ RESULT(0, vec4, next_state);
 void begin_step() {
   // Out again: as far as the skin gave way, so that rounding does not part them.
   if (node_count > 0) {
-    if (fetch_changing(needle_places, needle_places_place, 0).w < -0.1 * needle_radius) begin_hole();
+    if (is_ahead_of_tip(fetch_changing(needle_places, needle_places_place, 0).w)) begin_hole();
   }
   if (node_count == 0) {
     stage = meets;

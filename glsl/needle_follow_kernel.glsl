@@ -32,7 +32,7 @@ void begin_step(int lane) {
   stage = through ? couples : looks;
   // Out again: as far as the skin gave way, so that rounding does not part them.
   bool out_again = false;
-  if (node_count > 0) out_again = inner_product(axis, mean_place(lane, 0)) < -0.1 * needle_radius;
+  if (node_count > 0) out_again = is_ahead_of_tip(inner_product(axis, mean_place(lane, 0)));
   if (out_again) begin_hole();
   if (node_count > 0) return;
   stage = done;

@@ -20,7 +20,7 @@ void choose_held(int lane) {
   float before = 0.0;
   for (int k = 0; k < node_count; ++k) {
     float along = node_place[k].w;
-    bool at_tip = is_last(k) && !through && (!punctured || along >= 0.0);
+    bool at_tip = is_last(k) && !through && (!punctured || !is_ahead_of_tip(along));
     float arm = shaft_arm(along);
     if (!on_shaft(k) && !at_tip) continue;
     if (node_motion[k].w == 0.0 && arm == 0.0) continue;

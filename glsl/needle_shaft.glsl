@@ -7,6 +7,11 @@ float shaft_arm(float along) {
   return clamp(needle_length - along, 0.0, needle_length);
 }
 
+// By more than what forces leave open.
+bool is_ahead_of_tip(float along) {
+  return along < -0.1 * needle_radius;
+}
+
 // m/N
 float shaft_compliance(float a, float b) {
   float nearer = min(a, b);

@@ -31,6 +31,10 @@ double shaft_compliance(const Needle& needle, double at, double from) {
   return nearer * nearer * (3.0 * farther - nearer) / (6.0 * needle.bending_stiffness);
 }
 
+bool is_ahead_of_tip(const Needle& needle, double along) {
+  return along < -0.1 * needle.radius;
+}
+
 Vec3 shaft_deflection(const Needle& needle, std::span<const ShaftLoad> loads, double along) {
   Vec3 u = Vec3::Zero();
   for (const ShaftLoad& load : loads) u += shaft_compliance(needle, along, load.along) * Vec3(load.x, load.y, 0.0);

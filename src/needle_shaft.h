@@ -16,4 +16,9 @@ double shaft_compliance(const Needle& needle, double at, double from);
 /// m, in the tool's frame.
 Vec3 shaft_deflection(const Needle& needle, std::span<const ShaftLoad> loads, double along);
 
+/// Whether what is `along` m from the tip toward the hub is ahead of it by more than what forces leave open: where the
+/// tip does not cut, they bring the last node to 0 but for some 1e-3 of a step's motion, either side, so that a bound
+/// of 0 would be decided by rounding. A tenth of the radius is far more than that, and a part of the tip itself.
+bool is_ahead_of_tip(const Needle& needle, double along);
+
 }  // namespace phymul

@@ -249,7 +249,7 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
     report.status = StepStatus::device_lost;
   } else if (motion.lost_volume >= 0) {
     report.status = StepStatus::volume_lost;
-    const auto row = static_cast<std::size_t>(motion.lost_volume);  // of a late report, which may know another scene
+    const auto row = static_cast<std::size_t>(motion.lost_volume);  // of none, where it went before a late report
     if (row < scene_->volumes().size()) report.particle = scene_->volumes()[row].triangles.front()[0];
     report.cause =
         "no small move of its free particles brings it back: all of them are held, or the surface is flat or torn far "

@@ -22,6 +22,7 @@ add_executable(phymul_gl_test
   gl_needle_runs_test.cpp
   gl_needle_test.cpp
   gl_objects_test.cpp
+  gl_refused_scene_test.cpp
   gl_tool_test.cpp
   gl_volume_test.cpp
   host_state.cpp)
@@ -120,7 +121,7 @@ set(long_with_tools "*GlTool.Every*:*GlTool.Agrees*:*GlTool.Batches*:*GlTool.Lat
 set(long_with_tools "${long_with_tools}:*Contact.Block*:*Contact.Compliance*:*Contact.TenThousand*:*GridTool*")
 set(long_with_volumes "*GlVolume.IsKept*:*GlVolume.Several*:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolumeOf*:*GlVolume*/gl_four_passes")
 set(with_contacts "GlFragmentContact.*:*GlBodyContact.A*:*GlBodyContact.Tools*:*GlBodyContact.V*:*GlContactRuns.AScene*")
-set(long_with_needles "*NeedleIn.*/gl:*GlNeedle.*/gl:*GlNeedleRuns.Every*/gl:*GlNeedleRuns.GoesOn*/gl:*GlNeedleRuns.AHole*/gl")
+set(long_with_needles "*RefusedScene.Sh*:*RefusedScene.W*:*NeedleIn.*/gl:*GlNeedle.*/gl:*GlNeedleRuns.Every*/gl:*GlNeedleRuns.GoesOn*/gl:*GlNeedleRuns.AHole*/gl")
 gl_tests_under(softpipe "${long_with_needles}:${minutes}:${with_contacts}:${long_contacts}:${long_with_tools}:*GlTool*/gl_four_passes:${long_with_volumes}:${computing}" GALLIUM_DRIVER=softpipe)
 
 # A host that uses GLX, on an X server of its own.

@@ -211,6 +211,31 @@ TEST_P(GlVolume, OneThatCannotBeRestoredIsReportedAndTheStepNotTaken) {
   EXPECT_EQ(late->read(), rest_state(model_));
 }
 
+/// Two bodies, of which the first one's volume is lost, and the scene is another one before that is told.
+TEST_P(GlVolume, ALateReportNamesNobodyOfAnotherVolume) {
+  const Model block = make_block({0.01, 0.01, 0.01}, 2, 2, 2);
+  Model beside = block;
+  for (Vec3& X : beside.rest) X.x() += 0.03;
+  const NamedBody bodies[] = {{"first", &block}, {"second", &beside}};
+  const Model model = merge_models(bodies);
+  options_.spectrum.reset();
+  options_.gl.late_report = true;
+  for (const bool still_kept : {false, true}) {
+    Scene scene(model);
+    scene.fix("first").fix("second").keep_volume("first").keep_volume("second");
+    scene.add(pull(model, "first/x1", {1, 0, 0}, {{0, 0}, {1e-6, -0.001}}));
+    gl::DeviceSolver solver(GetParam().backend, tables_of(model, {}), scene, options_);
+    ASSERT_TRUE(solver.step(4, 1e-4).ok());
+    const Index first = scene.volumes()[0].triangles[0][0];
+    scene.clear().keep_volume("second");
+    if (still_kept) scene.keep_volume("first");
+    const StepReport told = solver.step(4, 1e-4);
+    EXPECT_EQ(told.status, StepStatus::volume_lost);
+    EXPECT_EQ(told.particle, still_kept ? first : -1);
+    EXPECT_TRUE(solver.step(4, 1e-4).ok());
+  }
+}
+
 /// Held whole by two tools, and carried forty of its sizes away: rounding is no loss, a hundredth of the volume is.
 TEST_P(GlVolume, OfWhatIsHeldWholeIsLostOnlyWhereItChanges) {
   const double size = 0.01;  // m

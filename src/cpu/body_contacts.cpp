@@ -11,8 +11,6 @@ namespace phymul::cpu {
 namespace {
 
 constexpr double usual_skin = ContactSurface::usual_skin;
-/// Distances closer than this many edges count as one: the point is on the edge of two triangles.
-constexpr double same_distance = 1e-9;
 
 /// Of what is free of a particle along a direction: 1/kg.
 double inverse_mass(const TouchedParticles::Touched& particle, const Vec3& along) {
@@ -128,8 +126,9 @@ bool BodyContacts::meets_another(Index body, const Vec3& x, double reach) const 
   return false;
 }
 
-/// Keeps the triangle where it is the nearest of its body so far. On an edge that two share the one that faces the
-/// particle more is meant: it says on which side the particle is.
+/// Keeps the triangle where it ranks first of its body so far: by distance, and on an edge that two share, by how much
+/// it faces the particle, as that says on which side the particle is. A number of each triangle's own, so that the
+/// order they come in does not matter.
 void BodyContacts::look(std::size_t particle, std::size_t t, double reach) {
   const ContactSurface::Particle& own = surface_.particles[particle];
   const ContactSurface::Triangle& triangle = surface_.triangles[t];
@@ -148,7 +147,7 @@ void BodyContacts::look(std::size_t particle, std::size_t t, double reach) {
   const Vec3 area = (b - a).cross(c - a);
   const double across =
       area.norm() > 0.0 && found.distance > 0.0 ? area.dot(found.way) / (area.norm() * found.distance) : 0.0;
-  found.alignment = std::abs(across);
+  found.rank = found.distance - ContactSurface::facing_share * triangle.edge * std::abs(across);
   found.inside = triangle.has_inside && across < 0.0;
   // Far inside its own body a particle has not got in anywhere: the triangle is of its other side.
   if (own.body == triangle.body && found.inside && is_deep(found.distance, triangle, own)) return;
@@ -165,12 +164,7 @@ void BodyContacts::look(std::size_t particle, std::size_t t, double reach) {
     nearest_.push_back(found);
     return;
   }
-  const double tie = same_distance * triangle.edge;
-  const bool nearer = found.distance < known->distance - tie;
-  const bool as_near = found.distance <= known->distance + tie;
-  const bool facing =
-      found.alignment > known->alignment || (found.alignment == known->alignment && t < known->triangle);
-  if (nearer || (as_near && facing)) *known = found;
+  if (found.rank < known->rank || (found.rank == known->rank && t < known->triangle)) *known = found;
 }
 
 void BodyContacts::keep(std::size_t particle, TouchedParticles& touched, double margin) {

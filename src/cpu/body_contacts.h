@@ -41,7 +41,7 @@ class BodyContacts {
   struct Nearest {
     std::size_t triangle = 0;
     Index body = -1;
-    double distance = 0.0, alignment = 0.0;
+    double distance = 0.0, rank = 0.0;  // m; of those of a body the one of least rank is met
     Vec3 share{0, 0, 0}, way{0, 0, 0};  // from the triangle to the particle, m
     bool inside = false;
   };

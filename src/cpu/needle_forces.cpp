@@ -105,7 +105,8 @@ void NeedlePath::couple_sideways(TouchedParticles& touched) {
   held_.clear();
   for (std::size_t k = 0; k < state_.hole.size(); ++k) {
     const Coupled& node = coupled_[k];
-    const bool at_tip = k + 1 == state_.hole.size() && !state_.through && (!state_.punctured || node.along >= 0.0);
+    const bool at_tip =
+        k + 1 == state_.hole.size() && !state_.through && (!state_.punctured || !is_ahead_of_tip(needle_, node.along));
     if (!on_shaft(k) && !at_tip) continue;
     if (node.inverse_mass == 0.0 && shaft_compliance(needle_, node.along, node.along) == 0.0) continue;
     if (!held_.empty() && coupled_[held_.back()].along - node.along < 0.5 * spread_) continue;

@@ -124,7 +124,7 @@ void NeedlePath::follow(const TouchedParticles& touched, const Line& line) {
   const FreeStep& step = touched.step();
   if (state_.hole.empty() && !enter(step, line)) return;
   // Out again: as far as the skin gave way, so that rounding does not part them.
-  if (line.along(place(state_.hole.front(), step)) < -0.1 * needle_.radius) {
+  if (is_ahead_of_tip(needle_, line.along(place(state_.hole.front(), step)))) {
     state_ = {};
     if (!enter(step, line)) return;
   }

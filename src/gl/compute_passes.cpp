@@ -254,7 +254,8 @@ void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& sta
   }
   if (touching && !contacts_) contacts_.emplace(*library_, *tables_, limits_);
   if (piercing && (!needles_ || needles_->bending() != loads.needles()->any_bends())) {
-    needles_.emplace(*library_, *tables_, limits_, loads.needles()->any_bends());
+    NeedlePasses made(*library_, *tables_, limits_, loads.needles()->any_bends());
+    needles_ = std::move(made);  // those of before stay where these cannot be made
   }
   now_ = &*found;
   turns_ = turns;

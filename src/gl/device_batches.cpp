@@ -56,7 +56,8 @@ Solver::Motion DeviceSolver::run_batches(const StepPlan& plan) {
 
 /// The report of the call before, while the last batch of this one is on its way. run_to_rest() waits for every batch.
 Solver::Motion DeviceSolver::run_late(const StepPlan& plan) {
-  const Motion before = std::exchange(untold_, std::nullopt).value_or(Motion{});
+  Motion before = std::exchange(untold_, std::nullopt).value_or(Motion{});
+  if (before.lost_volume >= 0) before.lost_volume = volume_row_at(untold_volume_at_);  // rows may be others by now
   if (before.bad_particle >= 0 || before.lost_volume >= 0 || before.full_needle >= 0) return before;
   if (plan.stop_at_rest) return run_batches(plan);
   begin_tools(plan);

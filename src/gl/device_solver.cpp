@@ -3,6 +3,7 @@
 
 #include <phymul/error.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -22,6 +23,13 @@ namespace {
 ParticleBuffer finished(const Texture& texture) {
   glFinish();
   return {.texture = texture.id(), .width = texture.shape().width, .height = texture.shape().height, .position = {}};
+}
+
+/// What StepReport::particle says of a volume.
+std::vector<Index> particle_of_each(const std::vector<ClosedVolume>& volumes) {
+  std::vector<Index> particles;
+  for (const ClosedVolume& volume : volumes) particles.push_back(volume.triangles.front()[0]);
+  return particles;
 }
 
 }  // namespace
@@ -51,6 +59,7 @@ DeviceSolver::~DeviceSolver() {
 void DeviceSolver::build() {
   FloatTables tables = pack_floats(topology(), layout_);
   loads_version_ = scene().version();
+  volume_at_ = particle_of_each(scene().volumes());
   tools_.follow(scene());
   const ContextInfo& info = context_->info();
   const ShaderLibrary library(gl_.shader_folder, info.es, !info.es || info.at_least(3, 2));
@@ -155,7 +164,14 @@ void DeviceSolver::follow() {
   context_->run([&] { device_->set_scene(scene(), tools); });
   tools_ = std::move(tools);
   loads_version_ = scene().version();
+  volume_at_ = particle_of_each(scene().volumes());
   seconds_a_step_ = 0.0;
+}
+
+/// Of the scene as it is now; where it keeps no such volume any more, a row of none.
+int DeviceSolver::volume_row_at(Index particle) const {
+  const auto found = std::ranges::find(volume_at_, particle);
+  return found == volume_at_.end() ? std::numeric_limits<int>::max() : static_cast<int>(found - volume_at_.begin());
 }
 
 Solver::Motion DeviceSolver::lost_motion() {
@@ -196,6 +212,7 @@ void DeviceSolver::settle() const {
   late_.reset();
   progress_.steps_at_rest = late.motion.steps_at_rest;
   untold_ = late.motion;
+  if (untold_->lost_volume >= 0) untold_volume_at_ = volume_at_[static_cast<std::size_t>(untold_->lost_volume)];
 }
 
 void DeviceSolver::do_read(State& state) const {

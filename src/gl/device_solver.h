@@ -57,6 +57,7 @@ class DeviceSolver final : public Solver, public ContextUser {
   template <class Function>
   auto on_device(Function&& function) const;
   void follow();
+  int volume_row_at(Index particle) const;
   static Motion lost_motion();
   void begin_tools(const StepPlan& plan);
   Motion run_batches(const StepPlan& plan);
@@ -88,6 +89,8 @@ class DeviceSolver final : public Solver, public ContextUser {
   mutable Progress progress_;
   mutable std::optional<Late> late_;
   mutable std::optional<Motion> untold_;  // of a call that was settled, for the next to tell
+  mutable Index untold_volume_at_ = -1;   // a particle of the volume that was lost in it
+  std::vector<Index> volume_at_;          // of each volume of the scene that the device has
   std::vector<double> instants_;          // of a batch
   double seconds_a_step_ = 0.0;           // wall clock; 0: not known yet
   double bytes_a_step_ = 0.0;

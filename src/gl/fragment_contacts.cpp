@@ -2,10 +2,13 @@
 #include "gl/fragment_contacts.h"
 
 #include <phymul/error.h>
+#include <phymul/topology_textures.h>
 
 #include <algorithm>
 #include <string>
 #include <utility>
+
+#include "gl/context_info.h"
 
 namespace phymul::gl {
 namespace {
@@ -47,11 +50,11 @@ BoxForest particle_forest(const FloatContacts& contacts) {
 
 /// Renderers that break off a shader's loops: half of the turns are left to what is not counted, the last look of every
 /// loop and lanes that go different ways.
-void require_turns(const FloatContacts& contacts, std::size_t triangle_nodes, std::size_t particle_nodes,
-                   std::int64_t loop_turns) {
+void require_turns(const PlannedContacts& planned, std::int64_t loop_turns) {
+  const FloatContacts& contacts = planned.contacts;
   // A fragment may look at every item of a tree, at every node, and begin anew behind every leaf.
-  const auto triangles = static_cast<std::int64_t>(contacts.triangle.size() + 2 * triangle_nodes),
-             particles = static_cast<std::int64_t>(contacts.particle.size() + 2 * particle_nodes);
+  const auto triangles = static_cast<std::int64_t>(contacts.triangle.size() + 2 * planned.triangles.nodes.size()),
+             particles = static_cast<std::int64_t>(contacts.particle.size() + 2 * planned.corners.nodes.size());
   const std::int64_t turns =
       std::max(triangles, particles + contacts.bodies + BoxForest::items_a_leaf * (contacts.bodies + 1));
   if (turns <= loop_turns / 2) return;
@@ -129,28 +132,37 @@ void FragmentReduction::draw(Pass& first, Pass& further, const char* input) {
   }
 }
 
-FragmentContacts::FragmentContacts(const FloatContacts& contacts, Index model_rows, std::int64_t loop_turns)
-    : moved(floats(static_cast<std::int64_t>(contacts.particle.size()), "places of surfaces")),
+PlannedContacts::PlannedContacts(const Scene& scene)
+    : contacts(scene), triangles(triangle_forest(contacts)), corners(particle_forest(contacts)) {
+  if (contacts.empty()) return;
+  most_phases = phases_that_suffice(contacts);
+  require_turns(*this, read_context_info().loop_turns);
+  // Of all tables and targets that with the most rows.
+  fit_texture(4 * static_cast<std::int64_t>(contacts.particle.size()) * contacts.bodies, largest_side(),
+              "lists of contacts");
+}
+
+FragmentContacts::FragmentContacts(const PlannedContacts& planned, Index model_rows)
+    : moved(floats(static_cast<std::int64_t>(planned.contacts.particle.size()), "places of surfaces")),
       velocity(floats(moved.rows(), "velocities of surfaces")),
       mean(moved.rows(), "mean velocity of surfaces"),
       fastest(moved.rows(), "largest speed of surfaces"),
-      triangles(triangle_forest(contacts), "trees of triangles"),
-      corners(particle_forest(contacts), "trees of contacts"),
+      triangles(planned.triangles, "trees of triangles"),
+      corners(planned.corners, "trees of contacts"),
       told(moved.rows(), "phases of sweeps"),
-      options_(contacts.options),
-      longest_edge_(contacts.longest_edge),
-      largest_skins_(contacts.largest_skins()),
-      particles_(static_cast<int>(contacts.particle.size())),
-      bodies_(contacts.bodies),
-      surface_(Texture::table(std::span<const Int4>(contacts.particle), "surface")),
-      rest_(Texture::table(std::span<const Float4>(contacts.rest), "surface_rest")),
-      triangle_(Texture::table(std::span<const Int4>(contacts.triangle), "triangle")),
-      law_(Texture::table(std::span<const Float4>(contacts.triangle_law), "triangle_law")),
-      most_phases_(phases_that_suffice(contacts)) {
-  require_turns(contacts, static_cast<std::size_t>(triangles.size), static_cast<std::size_t>(corners.size), loop_turns);
+      options_(planned.contacts.options),
+      longest_edge_(planned.contacts.longest_edge),
+      largest_skins_(planned.contacts.largest_skins()),
+      particles_(static_cast<int>(planned.contacts.particle.size())),
+      bodies_(planned.contacts.bodies),
+      surface_(Texture::table(std::span<const Int4>(planned.contacts.particle), "surface")),
+      rest_(Texture::table(std::span<const Float4>(planned.contacts.rest), "surface_rest")),
+      triangle_(Texture::table(std::span<const Int4>(planned.contacts.triangle), "triangle")),
+      law_(Texture::table(std::span<const Float4>(planned.contacts.triangle_law), "triangle_law")),
+      most_phases_(planned.most_phases) {
   phases_ = std::min(first_phases, most_phases_);
   std::vector<std::int32_t> rows(static_cast<std::size_t>(model_rows), -1);
-  for (int k = 0; k < particles_; ++k) rows[static_cast<std::size_t>(contacts.particle[k][0])] = k;
+  for (int k = 0; k < particles_; ++k) rows[static_cast<std::size_t>(planned.contacts.particle[k][0])] = k;
   surface_rows_ = Texture::table(std::span<const std::int32_t>(rows), "surface_rows");
   surface_target = Framebuffer({{&moved}, {&velocity}});
   const std::int64_t most = meetings();
@@ -179,6 +191,7 @@ void FragmentContacts::place(Pass& pass) const {
   pass.set("touches_itself", options_.self ? 1 : 0);
   set("friction", options_.friction);
   set("skin", options_.skin);
+  set("facing_share", ContactSurface::facing_share);
   set("usual_skin", ContactSurface::usual_skin);
   set("skin_factor", ContactSurface::skin_factor);
   set("depth_factor", ContactSurface::depth_factor);

@@ -46,10 +46,19 @@ struct FragmentReduction {
   std::vector<Level> levels;
 };
 
+/// What of a scene with contacts touches, known to fit before anything of it is made on the device.
+struct PlannedContacts {
+  /// Throws Error where shaders have too few turns of loops, or textures no room. Needs a context.
+  explicit PlannedContacts(const Scene& scene);
+
+  FloatContacts contacts;
+  BoxForest triangles, corners;  ///< over triangles; over particles
+  int most_phases = 0;           ///< of sweeps: as many as any step may need
+};
+
 class FragmentContacts {
  public:
-  /// `loop_turns`: ContextInfo's. Throws Error where shaders have too few of them, or textures no room.
-  FragmentContacts(const FloatContacts& contacts, Index model_rows, std::int64_t loop_turns);
+  FragmentContacts(const PlannedContacts& planned, Index model_rows);
 
   int particles() const { return particles_; }
   int meetings() const { return particles_ * bodies_; }  ///< most contacts that a step can have

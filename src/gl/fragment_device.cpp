@@ -1,21 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "gl/fragment_device.h"
 
+#include <optional>
 #include <utility>
 
 namespace phymul::gl {
-namespace {
-
-/// Null where nothing can touch anything.
-std::unique_ptr<FragmentContacts> make_contacts(const Scene& scene) {
-  if (!scene.contacts()) return nullptr;
-  const FloatContacts contacts(scene);
-  if (contacts.empty()) return nullptr;
-  return std::make_unique<FragmentContacts>(contacts, static_cast<Index>(scene.model().rest.size()),
-                                            read_context_info().loop_turns);
-}
-
-}  // namespace
 
 FragmentDevice::FragmentDevice(const FloatTables& tables, const Scene& scene, const FloatTools& tools,
                                const ShaderLibrary& library, bool four_passes)
@@ -34,11 +23,15 @@ FragmentDevice::FragmentDevice(const FloatTables& tables, const Scene& scene, co
 }
 
 void FragmentDevice::set_scene(const Scene& scene, const FloatTools& tools) {
+  std::optional<PlannedContacts> touching;  // first, as it may refuse
+  if (scene.contacts()) touching.emplace(scene);
   auto new_loads = std::make_unique<FragmentLoads>(scene, most_steps + 1);
   auto new_tools = tools.empty() ? nullptr : std::make_unique<FragmentTools>(tools);
   const FloatVolumes volumes = pack_volumes(scene);
   auto new_volumes = volumes.empty() ? nullptr : std::make_unique<FragmentVolumes>(volumes);
-  auto new_contacts = make_contacts(scene);
+  auto new_contacts = touching && !touching->contacts.empty()
+                          ? std::make_unique<FragmentContacts>(*touching, static_cast<Index>(scene.model().rest.size()))
+                          : nullptr;
   auto new_needles = tools.needle_count() > 0
                          ? std::make_unique<FragmentNeedles>(FloatNeedles(scene), tools, read_context_info().loop_turns)
                          : nullptr;

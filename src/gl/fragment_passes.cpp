@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 namespace phymul::gl {
@@ -146,48 +147,56 @@ void FragmentPasses::compile_keeping(Stepping& stepping) const {
 
 void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes,
                                FragmentContacts* contacts, FragmentNeedles* needles) {
-  const StepKind kind{.loads = loads.kind(),
-                      .tools = tools != nullptr,
-                      .grids = tools && tools->any_grid(),
-                      .volumes = volumes != nullptr,
-                      .contacts = contacts != nullptr,
-                      .needles = needles != nullptr};
-  auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
-  const auto* const loads_before = std::exchange(loads_, &loads);
-  auto* const tools_before = std::exchange(tools_, tools);
-  std::optional<FragmentNeedlePasses> piercing;
+  const auto before = std::tuple(now_, loads_, tools_, volumes_, contacts_, needles_);
+  const std::size_t known = stepping_.size();
+  std::optional<FragmentNeedlePasses> replaced;
+  std::tie(loads_, tools_, volumes_, contacts_, needles_) = std::tuple(&loads, tools, volumes, contacts, needles);
   try {
-    if (reaction_apart() && !net_) {
-      net_ = Texture::target(tables_->kind().particles, TexelFormat::rgba32f, "net forces");
-      net_target_ = Framebuffer({{&net_}});
-    }
-    if (needles && (!piercing_ || piercing_->bending() != needles->any_bends())) {
-      piercing.emplace(*library_, tables_->kind(), read_context_info().loop_turns, needles->any_bends());
-    }
-    if (contacts && !touching_) touching_.emplace(*library_);
-    if (kind.pushes() && !pushed_) {
-      pushed_.emplace(tables_->kind().particles);
-    }
-    if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), compiled(kind));
+    const StepKind kind{.loads = loads.kind(),
+                        .tools = tools != nullptr,
+                        .grids = tools && tools->any_grid(),
+                        .volumes = volumes != nullptr,
+                        .contacts = contacts != nullptr,
+                        .needles = needles != nullptr};
+    make_passes(kind, replaced);
+    bind_scene();
   } catch (...) {
-    loads_ = loads_before;
-    tools_ = tools_before;
+    std::tie(now_, loads_, tools_, volumes_, contacts_, needles_) = before;
+    while (stepping_.size() > known) stepping_.pop_back();
+    if (replaced) piercing_ = std::move(replaced);
+    if (now_) bind_scene();  // what passes know already they look up no more, so that nothing can fail
     throw;
   }
-  if (piercing) piercing_ = std::move(piercing);
-  now_ = &*found;
-  loads.bind(now_->step);
-  if (reaction_apart()) loads.bind(now_->reaction);
-  if (tools) {
-    loads.bind(now_->tools);
-    tools->bind(now_->tools);
-    tools->bind(now_->step);
+}
+
+/// `replaced`: passes of needles in whose place others came.
+void FragmentPasses::make_passes(const StepKind& kind, std::optional<FragmentNeedlePasses>& replaced) {
+  if (reaction_apart() && !net_) {
+    Texture net = Texture::target(tables_->kind().particles, TexelFormat::rgba32f, "net forces");
+    net_target_ = Framebuffer({{&net}});
+    net_ = std::move(net);
   }
-  volumes_ = volumes;
-  if (volumes) bind_volumes();
-  contacts_ = contacts;
-  needles_ = needles;
-  if (kind.pushes()) bind_pushing();
+  if (kind.needles && (!piercing_ || piercing_->bending() != needles_->any_bends())) {
+    FragmentNeedlePasses made(*library_, tables_->kind(), read_context_info().loop_turns, needles_->any_bends());
+    replaced = std::exchange(piercing_, std::move(made));
+  }
+  if (kind.contacts && !touching_) touching_.emplace(*library_);
+  if (kind.pushes() && !pushed_) pushed_.emplace(tables_->kind().particles);
+  auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
+  if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), compiled(kind));
+  now_ = &*found;
+}
+
+void FragmentPasses::bind_scene() {
+  loads_->bind(now_->step);
+  if (reaction_apart()) loads_->bind(now_->reaction);
+  if (tools_) {
+    loads_->bind(now_->tools);
+    tools_->bind(now_->tools);
+    tools_->bind(now_->step);
+  }
+  if (volumes_) bind_volumes();
+  if (now_->kind.pushes()) bind_pushing();
 }
 
 void FragmentPasses::bind_pushing() {

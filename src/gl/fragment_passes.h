@@ -34,7 +34,8 @@ class FragmentPasses {
 
   const FragmentTables& tables() const { return *tables_; }
 
-  /// Compiles what these loads need, where it is not there yet. Pointers: null for none.
+  /// Compiles what these loads need, where it is not there yet. Pointers: null for none. Where it throws, steps go on
+  /// with those of before.
   void set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes, FragmentContacts* contacts,
                  FragmentNeedles* needles);
 
@@ -84,6 +85,8 @@ class FragmentPasses {
   Stepping compiled(const StepKind& kind) const;
   Pass compiled(const StepKind& kind, const ShaderFiles& passes) const;
   void compile_keeping(Stepping& stepping) const;
+  void make_passes(const StepKind& kind, std::optional<FragmentNeedlePasses>& replaced);
+  void bind_scene();
   void bind_volumes();
   void bind_pushing();
   bool presses() const { return tools_ && tools_->presses(); }

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+//
+// A ball pressed into a block by one millimetre after the other, and held after each: how deep the body comes to rest
+// under it. Deeper, cells fold below the ball's pole, particles meet where the energy has a kink, and an explicit step
+// moves them to and fro at a metre a second, whatever its size: no state of rest, which reports must say.
+#include <cmath>
+#include <cstdio>
+
+#include "stability_fixture.h"
+
+namespace phymul::test {
+namespace {
+
+constexpr double ball = 0.010, spacing = 0.005;  // m
+constexpr int deepest = 15;                      // mm
+
+struct Depth {
+  int rests = 0;      ///< mm, the last one at which the body came to rest
+  bool said = false;  ///< that of the first one at which it did not, by a cut force
+};
+
+Depth pressed(double poisson, double cell_average, double friction) {
+  Model model = make_block({0.06, 0.06, 0.05}, 12, 12, 10);
+  set_material(model, {.young = 25e3, .poisson = poisson, .density = 1000});
+  Scene scene(model);
+  scene.fix("z0");
+  const auto held_at = [](double depth) { return ToolPose{.position = {0.03, 0.03, 0.05 + ball - depth}}; };
+  scene.add_tool("ball", {.shape = Sphere{ball}, .pose = held_at(0.0), .friction = friction});
+  SolverOptions options;
+  options.damping.rate = 50.0;
+  const auto solver = make_solver("cpu", model, scene, {.cell_average = cell_average}, options);
+  const double dt = 0.5 * solver->stable_step();
+  const int tenth = static_cast<int>(std::ceil(1e-3 / dt));  // of a millimetre, at 0.1 m/s
+  Depth depth;
+  for (int mm = 1; mm <= deepest; ++mm) {
+    for (int k = 1; k <= 10; ++k) {
+      scene.tool("ball").pose(held_at(1e-3 * (mm - 1) + 1e-4 * k));
+      EXPECT_TRUE(solver->step(tenth, dt).ok());
+    }
+    // Some settle late.
+    StepReport report;
+    for (int tries = 0; tries < 5; ++tries) {
+      report = solver->step(static_cast<int>(0.3 / dt), dt);
+      EXPECT_TRUE(report.ok());
+      if (report.max_speed <= 1e-3) break;
+    }
+    if (report.max_speed > 1e-3) {
+      depth.said = report.cut;
+      return depth;
+    }
+    depth.rests = mm;
+  }
+  depth.said = true;
+  return depth;
+}
+
+struct Pressed {
+  double poisson, cell_average, friction;
+  int at_least;  ///< mm
+};
+
+class StabilityPressed : public testing::TestWithParam<Pressed> {};
+
+TEST_P(StabilityPressed, RestsDownToADepthAndSaysWhereNot) {
+  const auto& [poisson, cell_average, friction, at_least] = GetParam();
+  if (sanitized && cell_average < 0.9) GTEST_SKIP() << "NOT TESTED: sanitized programs press the cell-averaged blocks alone";
+  const Depth depth = pressed(poisson, cell_average, friction);
+  std::printf("nu %.2f, cell_average %.1f, friction %.1f: rests down to %d mm\n", poisson, cell_average, friction,
+              depth.rests);
+  EXPECT_GE(depth.rests, at_least);
+  EXPECT_TRUE(depth.said);
+}
+
+/// Bounds a millimetre or two below what was seen.
+INSTANTIATE_TEST_SUITE_P(All, StabilityPressed,
+                         testing::Values(Pressed{0.3, 0.0, 0.0, 11}, Pressed{0.3, 0.6, 0.0, 7},
+                                         Pressed{0.3, 0.9, 0.0, 4}, Pressed{0.3, 0.9, 0.1, 12},
+                                         Pressed{0.45, 0.0, 0.0, 10}, Pressed{0.45, 0.6, 0.0, 9},
+                                         Pressed{0.45, 0.9, 0.0, 4}, Pressed{0.45, 0.9, 0.1, 10}));
+
+}  // namespace
+}  // namespace phymul::test
