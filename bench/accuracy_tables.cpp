@@ -8,6 +8,7 @@
 
 #include "bodies.h"
 #include "mechanics.h"
+#include "usage.h"
 
 namespace {
 
@@ -83,6 +84,11 @@ void cantilever_table(int largest) {
 }  // namespace
 
 int main(int argc, char** argv) try {
+  if (bench::prints_usage(argc, argv,
+                          "accuracy_tables [largest number of cells across the cantilever], default 16\n"
+                          "Moduli found against those asked for, and cantilevers against beam theory.")) {
+    return 0;
+  }
   stretch_table();
   cantilever_table(argc > 1 ? std::atoi(argv[1]) : 16);
 } catch (const phymul::Error& error) {

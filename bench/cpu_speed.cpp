@@ -25,6 +25,7 @@
 #include "machine_ceilings.h"
 #include "plain_loop.h"
 #include "triple_work.h"
+#include "usage.h"
 
 namespace {
 
@@ -266,6 +267,11 @@ std::vector<std::function<Case()>> cases() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (bench::prints_usage(argc, argv,
+                          "cpu_speed [part of the names of the cases to run [repeats]], default all and 7\n"
+                          "Particle-steps a second of the backend cpu beside plain loops.")) {
+    return 0;
+  }
   const std::string filter = argc > 1 ? argv[1] : "";
   const int repeats = argc > 2 ? std::atoi(argv[2]) : 7;
   std::printf(

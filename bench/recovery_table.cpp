@@ -9,6 +9,7 @@
 #include <string>
 
 #include "failure_states.h"
+#include "usage.h"
 
 namespace {
 
@@ -54,6 +55,12 @@ void print_row(const char* name, double poisson, const TopologyOptions& topology
 }  // namespace
 
 int main(int argc, char** argv) try {
+  if (bench::prints_usage(argc, argv,
+                          "recovery_table [backend [share of the stable step]], default reference and 0.5\n"
+                          "From which of 14 broken states a cube of 125 particles comes back, by energy and Poisson's "
+                          "ratio; takes minutes in the reference backend, with cpu less.")) {
+    return 0;
+  }
   TopologyOptions bounded, quadratic, averaged, exponent;
   quadratic.volume_law = VolumeLaw::quadratic;
   averaged.cell_average = 0.9;

@@ -82,6 +82,11 @@ int run(const RunOptions& options) {
   };
   const auto solver = phymul::make_solver(options.backend, model, scene, options.topology, solver_options);
 
+  // A step that the solver refuses is wrong input, told before anything is computed or written.
+  if (options.dt) {
+    const phymul::StepReport probe = solver->step(0, *options.dt);
+    if (!probe.ok()) throw phymul::Error("--dt: " + probe.message());
+  }
   make_folder(options.out);
   const RunSchedule schedule = schedule_of(scene.loads());
   RunLoop loop(options, schedule, scene, *solver, progress);
@@ -92,7 +97,7 @@ int run(const RunOptions& options) {
   print_table(*solver, loop.summary());
   if (options.profile) print_profile(solver->profile(), loop.summary());
   print_story(scene, schedule, loop.summary());
-  if (exit_code == 2) std::fprintf(stderr, "phymul-run: %s\n", loop.summary().status.c_str());
+  if (exit_code == 2) std::fprintf(stderr, "phymul-run: %s\n", loop.summary().failure.c_str());
   std::printf("\nresults in %s\n", options.out.c_str());
   return exit_code;
 }

@@ -66,7 +66,9 @@ double RunLoop::next_date() const {
 bool RunLoop::advance(double date) {
   const auto steps = static_cast<int>(std::max<long long>(1, std::llround((date - state_.time) / summary_.dt)));
   const auto start = std::chrono::steady_clock::now();
-  report_ = is_settling() ? solver_.run_to_rest(steps, summary_.dt) : solver_.step(steps, summary_.dt);
+  // Undamped, nothing comes to rest, and run_to_rest() refuses.
+  report_ = is_settling() && options_.damping_rate > 0.0 ? solver_.run_to_rest(steps, summary_.dt)
+                                                         : solver_.step(steps, summary_.dt);
   summary_.wall_time += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   summary_.steps += report_.steps;
   return report_.ok();
@@ -129,7 +131,8 @@ int RunLoop::run() {
 
 int RunLoop::finish(bool failed, bool at_rest) {
   solver_.read(state_);
-  summary_.status = failed ? report_.message()
+  if (failed) summary_.failure = report_.message();
+  summary_.status = failed ? "the solver failed"
                     : at_rest
                         ? "at rest"
                         : "not at rest after " + std::to_string(state_.time) + " s; raise --max-time or --damping";

@@ -32,7 +32,8 @@ Snapshot take_snapshot(std::string label, const phymul::Solver& solver, const ph
                        const phymul::StepReport& report, const std::vector<phymul::Index>& driven);
 
 struct RunSummary {
-  std::string status;  ///< how it ended
+  std::string status;   ///< how it ended
+  std::string failure;  ///< what the solver said of its failure; empty: none
   bool at_rest = false;
   std::int64_t steps = 0;
   std::int64_t steps_to_rest = -1;  ///< after the last date of the loads; -1: not at rest

@@ -150,6 +150,9 @@ Model assemble(MeshParts parts, const MeshOptions& options) {
   }
   const std::vector<Index> cell_row = move_cells(parts, point_row, model.cells);
   model.notes = std::move(parts.notes);
+  model.notes.push_back(parts.source + ": a mesh has no masses and no stiffness: " + to_decimal(options.default_mass) +
+                        " kg and " + to_decimal(options.default_stiffness) +
+                        " N/m a particle are assumed (MeshOptions), until set_material gives others");
   add_components(parts, point_row, cell_row, model);
   if (is_planar(model)) model.dimension = 2;
   model.mass.assign(model.rest.size(), options.default_mass);

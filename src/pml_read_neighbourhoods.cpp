@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
 
 #include "pml_reader.h"
@@ -98,7 +99,27 @@ void PmlReader::note_missing(const std::vector<Index>& rows) {
             std::to_string(rows.size()) + " atom(s) have no neighbourhood and get no neighbours: " + list);
 }
 
+void PmlReader::note_defaults() {
+  const auto unset_in = [](const std::vector<double>& values) {
+    return std::ranges::count_if(values, [](double value) { return std::isnan(value); });
+  };
+  const std::string of = " of " + std::to_string(model_.particle_count()) + " atom(s) have no ";
+  const auto massless = std::isnan(component_mass_) ? unset_in(model_.mass) : 0;
+  if (massless > 0) {
+    xml_.note(xml_.root(), std::to_string(massless) + of + "mass: " + to_decimal(options_.default_mass) +
+                               " kg each is assumed (PmlOptions::default_mass), until set_material gives another");
+  }
+  // Materials of the cells leave no use for it.
+  const auto slack = std::isnan(component_stiffness_) && model_.materials.empty() ? unset_in(model_.stiffness) : 0;
+  if (slack > 0) {
+    xml_.note(xml_.root(),
+              std::to_string(slack) + of + "stiffness: " + to_decimal(options_.default_stiffness) +
+                  " N/m each is assumed (PmlOptions::default_stiffness), until set_material gives another");
+  }
+}
+
 void PmlReader::finish_particles() {
+  note_defaults();
   const double mass = std::isnan(component_mass_) ? options_.default_mass : component_mass_;
   const double stiffness = std::isnan(component_stiffness_) ? options_.default_stiffness : component_stiffness_;
   for (Index row = 0; row < model_.particle_count(); ++row) {

@@ -81,6 +81,7 @@ class PmlReader {
   void finish_neighbourhoods();
   void keep_neighbourhood_fields(pugi::xml_node cell, Index row);
   void note_missing(const std::vector<Index>& rows);
+  void note_defaults();
   void finish_particles();
 
   static constexpr std::size_t largest_count = std::numeric_limits<Index>::max();

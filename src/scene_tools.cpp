@@ -110,7 +110,7 @@ Scene& Scene::remove_tool(std::string_view name) {
   return *this;
 }
 
-ToolHandle Scene::tool(std::string_view name) {
+ToolHandle Scene::tool(std::string_view name) & {
   for (const SceneTool& known : tools_) {
     if (known.name == name) return {*this, known.id};
   }

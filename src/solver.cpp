@@ -13,6 +13,7 @@
 
 #include "decimal.h"
 #include "profile.h"
+#include "solver_input.h"
 #include "tool_state.h"
 
 namespace phymul {
@@ -24,35 +25,6 @@ constexpr double limit_slack = 1e-9;
 constexpr double runaway_factor = 1e6;
 /// Of request_read.
 constexpr std::size_t most_copies = 3;
-
-void require_options(const SolverOptions& options) {
-  const Damping& d = options.damping;
-  if (!(d.rate >= 0.0) || !std::isfinite(d.rate)) {
-    throw Error("SolverOptions::damping.rate must be a finite rate in 1/s, 0 or more; got " + to_decimal(d.rate));
-  }
-  if (!(d.factor >= 0.0 && d.factor <= 1.0)) {
-    throw Error("SolverOptions::damping.factor must be in [0, 1] (1 takes nothing, above 1 a body gains energy); got " +
-                to_decimal(d.factor));
-  }
-  if (!(options.rest_tolerance > 0.0)) {
-    throw Error("SolverOptions::rest_tolerance must be above 0; got " + to_decimal(options.rest_tolerance));
-  }
-  if (!(options.largest_push > 0.0)) {
-    throw Error("SolverOptions::largest_push must be above 0 (infinite: no force is cut); got " +
-                to_decimal(options.largest_push));
-  }
-  if (options.rest_steps < 1) {
-    throw Error("SolverOptions::rest_steps must be 1 or more; got " + std::to_string(options.rest_steps));
-  }
-  if (!(options.progress_seconds >= 0.0) || !std::isfinite(options.progress_seconds)) {
-    throw Error("SolverOptions::progress_seconds must be finite and 0 or more; got " +
-                to_decimal(options.progress_seconds));
-  }
-  if (options.threads < 0) {
-    throw Error("SolverOptions::threads must be 0 (chosen by the solver) or more; got " +
-                std::to_string(options.threads));
-  }
-}
 
 /// Tables of a model that has changed since, or of another one as large, would move what nobody sees.
 void require_same_body(const TopologyTextures& topology, const Model& model) {
@@ -229,9 +201,10 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   report.time = do_time();
   report.dt = dt;
   report.stable_step = stable_step_;
-  if (n < 0 || !(dt > 0.0) || !std::isfinite(dt)) {
+  report.to_rest = stop_at_rest;
+  if (const char* const cause = why_no_steps(n, dt, stop_at_rest, options_.damping)) {
     report.status = StepStatus::invalid_step;
-    report.cause = n < 0 ? "n is negative" : "dt is 0, negative or not finite";
+    report.cause = cause;
     return report;
   }
   report.beyond_limit = dt > stable_step_ * (1.0 + limit_slack);

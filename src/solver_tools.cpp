@@ -14,6 +14,25 @@ std::size_t Solver::tool_row(std::string_view name) const {
   throw Error("the scene has no tool \"" + std::string(name) + '"');
 }
 
+std::size_t Solver::tool_row(const ToolHandle& tool) const {
+  if (tool.scene_ != scene_) {
+    throw Error("the handle is of a tool of another scene than the solver's; take one from Scene::tool of that scene");
+  }
+  const std::vector<SceneTool>& tools = scene_->tools();
+  for (std::size_t row = 0; row < tools.size(); ++row) {
+    if (tools[row].id == tool.id_) return row;
+  }
+  throw Error("the scene no longer has the tool of this handle; Scene::tool gives handles of those it has");
+}
+
+const ToolForce& Solver::tool_force(const ToolHandle& tool) const {
+  return do_tool_report(tool_row(tool)).force;
+}
+
+const ToolPose& Solver::tool_pose(const ToolHandle& tool) const {
+  return do_tool_report(tool_row(tool)).pose;
+}
+
 const ToolForce& Solver::tool_force(std::string_view name) const {
   return do_tool_report(tool_row(name)).force;
 }

@@ -10,9 +10,9 @@ std::string StepReport::message() const {
   int length = 0;
   switch (status) {
     case StepStatus::ok:
-      length = std::snprintf(text, sizeof text, "ok: %d steps to t = %.6g s, residual %.3g N, speed %.3g m/s%s%s%s%s",
-                             steps, time, residual, max_speed, at_rest ? ", at rest" : "",
-                             stopped ? "; stopped by SolverOptions::progress" : "",
+      length = std::snprintf(text, sizeof text, "%s %d steps to t = %.6g s, residual %.3g N, speed %.3g m/s%s%s%s%s",
+                             to_rest && !at_rest ? "not at rest after" : "ok:", steps, time, residual, max_speed,
+                             at_rest ? ", at rest" : "", stopped ? "; stopped by SolverOptions::progress" : "",
                              beyond_limit ? "; the step is beyond the stable step" : "",
                              cut ? "; elastic forces were cut, the body was far out of shape" : "");
       if (collapsed >= 0) {
@@ -28,9 +28,7 @@ std::string StepReport::message() const {
       }
       break;
     case StepStatus::invalid_step:
-      std::snprintf(text, sizeof text,
-                    "invalid_step: expected n >= 0 and a finite dt > 0 s, got dt = %g s (%s); nothing was done", dt,
-                    cause);
+      std::snprintf(text, sizeof text, "invalid_step: dt = %g s: %s; nothing was done", dt, cause);
       break;
     case StepStatus::unstable_step:
       std::snprintf(

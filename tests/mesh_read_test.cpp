@@ -111,6 +111,14 @@ TEST(MeshRead, DropsUnusedPointsAndKeepsTheFilesNumbers) {
       << model.notes.front();
 }
 
+TEST(MeshRead, NotesTheMassesAndStiffnessesAssumed) {
+  const Model model = phymul::read_mesh(data("mixed_41.msh"), {.default_mass = 0.002});
+  const std::string said = "no masses and no stiffness: 0.002 kg and 1 N/m a particle are assumed";
+  EXPECT_TRUE(
+      std::ranges::any_of(model.notes, [&](const std::string& note) { return note.find(said) != std::string::npos; }));
+  EXPECT_EQ(model.mass.front(), 0.002);
+}
+
 TEST(MeshRead, NamesGroupsThatHaveNoName) {
   const std::string text = replaced(text_of(data("mixed_41.msh")), "3 5 \"top\"", "3 9 \"top\"");
   const Model model = read_text("unnamed.msh", text);

@@ -83,6 +83,26 @@ TEST(PmlRead, MassAndStiffnessAtomThenCellThenComponentThenDefault) {
   EXPECT_EQ(bare.stiffness, std::vector<double>(4, 7.0));
 }
 
+/// A kilogram a particle and a newton a metre are nobody's tissue, and would move like none without a word.
+TEST(PmlRead, DefaultMassesAndStiffnessesAreNoted) {
+  const Model bare = read_pml_text(pml_text(tetrahedron_atoms, {tetrahedron_cell}), "t.pml", {.default_mass = 0.5});
+  EXPECT_TRUE(has_note(bare.notes, "t.pml:1: 4 of 4 atom(s) have no mass: 0.5 kg each is assumed"));
+  EXPECT_TRUE(has_note(bare.notes, "t.pml:1: 4 of 4 atom(s) have no stiffness: 1 N/m each is assumed"));
+  const std::string cell = cell_text("POLY_VERTEX", {1, 2, 3}, "name=\"Atom #0\" mass=\"20\" stiffness=\"200\"");
+  const Model some = read_pml_text(with_neighbourhoods({cell}), "t.pml");
+  EXPECT_TRUE(has_note(some.notes, "3 of 4 atom(s) have no mass: 1 kg each"));
+  EXPECT_TRUE(has_note(some.notes, "3 of 4 atom(s) have no stiffness"));
+  const Model all = read_pml_text(with_neighbourhoods({cell}, "mass=\"30\" stiffness=\"300\""), "t.pml");
+  EXPECT_FALSE(has_note(all.notes, "have no mass"));
+  EXPECT_FALSE(has_note(all.notes, "have no stiffness"));
+  // With a material no computation looks at the stiffness.
+  const std::string material = cell_text("TETRAHEDRON", {0, 1, 2, 3}, "young=\"5e3\" poisson=\"0.3\" density=\"1e3\"");
+  const Model tissue = read_pml_text(pml_text(tetrahedron_atoms, {material}), "t.pml");
+  ASSERT_EQ(tissue.materials.size(), 1u);
+  EXPECT_TRUE(has_note(tissue.notes, "have no mass"));
+  EXPECT_FALSE(has_note(tissue.notes, "have no stiffness"));
+}
+
 TEST(PmlRead, NeighboursFromCellsWhereTheFileHasNone) {
   const Model model = read_pml_text(pml_text(tetrahedron_atoms, {tetrahedron_cell}), "t.pml");
   EXPECT_EQ(row(model.neighbours, 0), (std::vector<Index>{1, 2, 3}));

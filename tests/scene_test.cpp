@@ -325,6 +325,22 @@ TEST(Scene, TakesNoTemporaryModel) {
   EXPECT_FALSE((std::is_constructible_v<Scene, Model>));
 }
 
+/// A scene that solvers and handles point to can be emptied, not taken away.
+TEST(Scene, IsCopiedAndNeitherMovedNorAssigned) {
+  EXPECT_FALSE((std::is_assignable_v<Scene&, Scene>));
+  EXPECT_FALSE((std::is_assignable_v<Scene&, const Scene&>));
+  const Model model = make_block({1, 1, 1}, 1, 1, 1);
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -1}).add_tool("ball", {.shape = Sphere{0.1}});
+  const ToolHandle ball = scene.tool("ball");
+  const Scene other = std::move(scene);
+  ball.pose({.position = {1, 2, 3}});
+  EXPECT_EQ(scene.loads().size(), 1u);
+  EXPECT_EQ(scene.tools().front().pose.position, Vec3(1, 2, 3));
+  EXPECT_EQ(other.loads(), scene.loads());
+  EXPECT_EQ(other.tools().front().pose.position, Vec3(0, 0, 0));
+}
+
 TEST(Scene, RefusesAModelThatIsNotOne) {
   Model model = make_block({1, 1, 1}, 1, 1, 1);
   model.mass.clear();

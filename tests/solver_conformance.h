@@ -248,13 +248,44 @@ TEST_P(SolverConformance, InvalidStepsAreRefused) {
   const Model model = block();
   const Scene scene(model);
   const auto solver = make(model, scene);
-  for (double dt : {0.0, -1e-3, std::nan(""), std::numeric_limits<double>::infinity()}) {
-    const StepReport report = solver->step(1, dt);
+  const auto refused = [&](const StepReport& report, const char* why) {
     EXPECT_EQ(report.status, StepStatus::invalid_step);
-    EXPECT_NE(report.message().find("expected n >= 0 and a finite dt > 0"), std::string::npos);
-  }
-  EXPECT_EQ(solver->step(-1, 1e-6).status, StepStatus::invalid_step);
-  EXPECT_NE(solver->step(-1, 1e-6).message().find("n is negative"), std::string::npos);
+    EXPECT_FALSE(report.ok());
+    EXPECT_EQ(report.steps, 0);
+    EXPECT_NE(report.message().find(why), std::string::npos) << report.message();
+  };
+  for (double dt : {0.0, -1e-3, std::nan(""), -HUGE_VAL})
+    refused(solver->step(1, dt), "expected a finite step above 0");
+  for (double dt : {1e-320, 1e-40, 0.9e-18}) refused(solver->step(1, dt), "at least 1e-18 s");
+  refused(solver->step(1, INFINITY), "stable_step() is infinite for a body without stiffness");
+  refused(solver->step(-1, 1e-6), "expected 0 steps or more");
+  EXPECT_TRUE(solver->step(1, 1e-18).ok());
+}
+
+TEST_P(SolverConformance, RunToRestSaysWhetherItRests) {
+  const Model model = block();
+  Scene scene(model);
+  scene.fix("z1").gravity({0, 0, -9.81});
+  SolverOptions options;
+  const auto undamped = make(model, scene, options);
+  const double dt = 0.5 * undamped->stable_step();
+  StepReport report = undamped->run_to_rest(200000, dt);
+  EXPECT_EQ(report.status, StepStatus::invalid_step);
+  EXPECT_EQ(report.steps, 0);
+  EXPECT_NE(report.message().find("expected damping"), std::string::npos) << report.message();
+  EXPECT_EQ(undamped->read().time, 0.0);
+
+  options.damping.rate = 60.0;
+  const auto damped = make(model, scene, options);
+  report = damped->run_to_rest(10, dt);
+  EXPECT_TRUE(report.ok());
+  EXPECT_FALSE(report.at_rest);
+  EXPECT_EQ(report.message().find("not at rest after 10 steps"), 0u) << report.message();
+  EXPECT_EQ(damped->step(10, dt).message().find("ok: 10 steps"), 0u);
+  options.rest_tolerance = 1e-3;
+  report = make(model, scene, options)->run_to_rest(20000, dt);
+  EXPECT_TRUE(report.at_rest);
+  EXPECT_EQ(report.message().find("ok: "), 0u) << report.message();
 }
 
 TEST_P(SolverConformance, StopsBeforeNaNAndKeepsTheLastGoodState) {

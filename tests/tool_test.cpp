@@ -195,15 +195,21 @@ TEST_P(MovingTool, ReportsAreOfTheToolAskedFor) {
   scene.add_tool("far", {.shape = Sphere{0.001}, .pose = {.position = {0, 0, 1}}});
   scene.add_tool("ball", {.shape = Sphere{0.008}, .pose = {.position = {0.01, 0.01, 0.03}}});
   const auto solver = make(model, scene);
-  scene.tool("ball").pose({.position = {0.01, 0.01, 0.026}});
+  const ToolHandle ball = scene.tool("ball"), far = scene.tool("far");
+  ball.pose({.position = {0.01, 0.01, 0.026}});
   ASSERT_TRUE(solver->step(50, 0.3 * solver->stable_step()).ok());
   const Vec3 pushed = solver->tool_force("ball").force;
   EXPECT_GT(pushed.norm(), 0.0);
   scene.remove_tool("far");
   EXPECT_EQ(solver->tool_force("ball").force, pushed);
+  EXPECT_EQ(&solver->tool_force(ball), &solver->tool_force("ball"));
+  EXPECT_EQ(&solver->tool_pose(ball), &solver->tool_pose("ball"));
   scene.add_tool("new", {.shape = Sphere{0.001}, .pose = {.position = {0, 0, 2}}});
   EXPECT_EQ(solver->tool_force("new").force, Vec3(0, 0, 0));
   EXPECT_EQ(solver->tool_pose("new").position, Vec3(0, 0, 2));
+  EXPECT_TRUE(has(message_of([&] { solver->tool_force(far); }), "no longer has the tool of this handle"));
+  Scene same(scene);
+  EXPECT_TRUE(has(message_of([&] { solver->tool_pose(same.tool("ball")); }), "of a tool of another scene"));
 }
 
 TEST_P(MovingTool, StatesThatDoNotFitAreRefused) {

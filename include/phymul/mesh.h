@@ -18,7 +18,8 @@ struct MeshOptions {
 
 /// Reads by extension and content: Gmsh .msh (2.2 and 4.1, text and binary), legacy .vtk and XML .vtu unstructured
 /// grids (text, base64 and raw binary, zlib). First-order cells only. Points no cell uses are dropped and noted.
-/// Physical groups of a .msh become named groups. Cells are oriented and checked (check.h). Throws Error.
+/// Physical groups of a .msh become named groups. Cells are oriented and checked (check.h). Meshes have neither masses
+/// nor stiffnesses: the defaults are taken, and noted in Model::notes with their values. Throws Error.
 Model read_mesh(const std::string& path, const MeshOptions& options = {});
 
 }  // namespace phymul

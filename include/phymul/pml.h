@@ -19,8 +19,9 @@ struct PmlOptions {
 };
 
 /// Reads a body. Neighbourhoods come from the structuralComponent "Neighborhoods" where there is one, else from the
-/// cells. Mass and stiffness: atom, then its neighbourhood cell, then that cell's component, then the default.
-/// Cells are oriented and the mesh is checked (check.h); what was found stands in Model::notes. Throws Error
+/// cells. Mass and stiffness: atom, then its neighbourhood cell, then that cell's component, then the default, which is
+/// noted with its value (the stiffness where no cell has a material): 1 kg a particle is nobody's tissue. Cells are
+/// oriented and the mesh is checked (check.h); what was found stands in Model::notes. Throws Error
 /// ("file:line: expected ..., got ...; do ...") and leaves nothing behind.
 Model read_pml(const std::string& path, const PmlOptions& options = {});
 

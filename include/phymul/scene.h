@@ -95,7 +95,8 @@ struct ContactOptions {
 class Scene;
 
 /// Moves a tool of a scene. Cheap to make and to copy; no call but grasp() makes a solver allocate. Good as long as the
-/// scene has the tool: later calls throw Error.
+/// scene has the tool: later calls throw Error. Points to the scene, which must outlive it: a handle of a scene that is
+/// gone must not be used, and nothing can check this. Its calls change the scene, and are no more thread-safe than it.
 class ToolHandle {
  public:
   /// Where the tool is at the end of the solver's next step(): over the call's steps it goes there from where it is,
@@ -113,13 +114,17 @@ class ToolHandle {
 
  private:
   friend class Scene;
+  friend class Solver;
   ToolHandle(Scene& scene, std::uint64_t id) : scene_(&scene), id_(id) {}
   SceneTool& own() const;
   Scene* scene_;
   std::uint64_t id_;
 };
 
-/// Keeps a reference to the model, which must outlive it and not change. An empty list of particles is allowed, and
+/// Points to the model, which must outlive it and not change. Not thread-safe: any number of threads may read it, one
+/// that changes it must be alone with it and with its solvers. A copy is another scene, which solvers and handles of
+/// the first do not see; there is no moving and no assigning, after which a solver would step what nobody meant:
+/// std::move copies, and clear() empties a scene for other loads. An empty list of particles is allowed, and
 /// does nothing. Functions throw Error for an unknown group, an index out
 /// of range, or a value that is not finite, and then leave the scene as it was.
 ///
@@ -139,6 +144,8 @@ class Scene {
  public:
   explicit Scene(const Model& model);      ///< throws Error unless validate(model) accepts it
   explicit Scene(const Model&&) = delete;  ///< a temporary would be gone before the first step
+  Scene(const Scene&) = default;
+  Scene& operator=(const Scene&) = delete;
 
   const Model& model() const { return *model_; }
 
@@ -171,7 +178,7 @@ class Scene {
   Scene& add_tool(std::string name,
                   Tool tool);  ///< throws for a name that is taken, a size or pose that makes no sense
   Scene& remove_tool(std::string_view name);
-  ToolHandle tool(std::string_view name);  ///< throws Error that lists the known names
+  ToolHandle tool(std::string_view name) &;  ///< throws Error that lists the known names
   const std::vector<SceneTool>& tools() const { return tools_; }
 
   const std::vector<Load>& loads() const { return loads_; }

@@ -96,7 +96,8 @@ struct StepReport {
   double dt = 0.0;            ///< s, as asked
   double stable_step = 0.0;   ///< s, limit at rest; see stable_step()
   bool beyond_limit = false;  ///< dt was above it and allowed
-  bool at_rest = false;       ///< the rest test held at the end
+  bool to_rest = false;       ///< run_to_rest() made it
+  bool at_rest = false;       ///< the rest test held at the end; ok() does not say so
   double residual = 0.0;      ///< largest net force on a free particle at the last step, N
   double max_speed = 0.0;     ///< largest speed, m/s
   bool cut = false;           ///< an elastic force was cut in some step done: SolverOptions::largest_push
@@ -104,13 +105,16 @@ struct StepReport {
   /// run_to_rest() that came to rest: a particle one of whose bases has collapsed to a line or a point, else -1. Such a
   /// base has no direction; a body all in one point is at rest so and cannot come back by itself.
   Index collapsed = -1;
-  /// Likewise: a cell that rests turned inside out or flat (first_folded_cell), else -1. Springs keep such states.
+  /// Likewise: a cell that rests turned inside out or flat, else -1. Springs keep such states. step() sets neither: in
+  /// a body that moves, or after step(), ask first_folded_cell() (monitor.h) and first_collapsed() (elasticity.h).
   Index folded = -1;
   Index particle = -1;     ///< culprit of a failure, row of the model
   const char* cause = "";  ///< likely cause of a failure, static text
 
+  /// No failure. A run_to_rest() that used up its steps is ok too: ask at_rest.
   bool ok() const { return status == StepStatus::ok; }
-  std::string message() const;  ///< a sentence for a person; allocates
+  /// A sentence for a person; "not at rest after ..." where run_to_rest() did not come to rest. Allocates.
+  std::string message() const;
 };
 
 /// What one pass of the steps has cost: a kind of force, the move, a shader.
@@ -151,9 +155,13 @@ struct ParticleBuffer {
 
 /// step() throws nothing but std::bad_alloc and what SolverOptions::progress throws, and allocates only in the first
 /// step after a change of the scene ("reference": after its first force or first imposed position; Scene::set_events
-/// is none); read() is the one call that waits for a device. Not
-/// thread-safe; two solvers are independent, and may share a scene that nobody changes meanwhile. Keeps a reference to
-/// the scene and, through it, to the model, which must both outlive it and of which the model must not change.
+/// is none); read() is the one call that waits for a device.
+///
+/// Threads: one at a time may call a solver, const functions too, and it must be the only one to touch the solver's
+/// scene then. Two solvers are independent: each may have its thread, and they may share tables, and a scene that
+/// nobody changes meanwhile.
+/// Lifetimes: points to the scene and, through it, to the model. Both must outlive it, stay where they are in memory,
+/// and the model must not change. Nothing can check this.
 class Solver {
  public:
   virtual ~Solver();
@@ -179,12 +187,14 @@ class Solver {
   /// and where dt is not above 0.
   void start(const State& state, double dt);
 
-  /// n steps of dt seconds. Looks at the scene for changes first. On failure the last good state is kept. n = 0 takes
-  /// over the scene and moves nothing; residual, speed and at_rest then say nothing.
+  /// n steps of dt seconds, dt finite and at least 1e-18 s. Looks at the scene for changes first. On failure the last
+  /// good state is kept. n = 0 takes over the scene and moves nothing; residual, speed and at_rest then say nothing.
   StepReport step(int n, double dt);
 
   /// Steps until at rest or max_steps; the report counts all steps. Loads of later dates are not waited for: a body
-  /// that rests before they act is at rest. Step to the last date first.
+  /// that rests before they act is at rest. Step to the last date first. At max_steps it ends with ok() and without
+  /// at_rest: ask at_rest before taking the state for one of rest. Without any damping, under which nothing comes to
+  /// rest, it does nothing and says invalid_step.
   StepReport run_to_rest(int max_steps, double dt);
 
   void read(State& state) const;  ///< copies the state out
@@ -217,6 +227,10 @@ class Solver {
   /// step. Throw Error for an unknown name; allocate nothing.
   const ToolForce& tool_force(std::string_view name) const;
   const ToolPose& tool_pose(std::string_view name) const;
+  /// The same without looking for a name, for loops at a device's rate. Throw Error for a handle of another scene or
+  /// of a tool that is gone.
+  const ToolForce& tool_force(const ToolHandle& tool) const;
+  const ToolPose& tool_pose(const ToolHandle& tool) const;
   /// Where a needle is: `count` places, 2 or more, evenly along it from the tip to the hub, m. Throws Error for a tool
   /// that is none.
   VecList needle_points(std::string_view name, int count) const;
@@ -228,7 +242,8 @@ class Solver {
   std::string_view choice() const { return choice_; }  ///< why "auto" took this backend; empty when asked for by name
 
   /// Limit of dt in s for the free body at rest and this damping; holding particles can only raise it. Deformed bodies
-  /// have a smaller one: work at half of it. Infinite for a body without any stiffness. See estimate_spectrum.
+  /// have a smaller one: work at half of it. Infinite for a body without any stiffness, for which any finite dt will do
+  /// and step() takes no infinite one. See estimate_spectrum.
   double stable_step() const { return stable_step_; }
 
  protected:
@@ -304,6 +319,7 @@ class Solver {
   void require_supported() const;
   void follow_scene();
   std::size_t tool_row(std::string_view name) const;
+  std::size_t tool_row(const ToolHandle& tool) const;
   StepReport advance(int n, double dt, bool stop_at_rest);
   Motion run(const StepPlan& plan, StepReport& report);
   Motion run_with_progress(const StepPlan& plan, StepReport& report);

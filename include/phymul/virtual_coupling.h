@@ -24,13 +24,17 @@ struct CouplingOptions {
 class VirtualCoupling {
  public:
   /// The tool starts at the device's pose. Throws Error unless mass, inertia and limits are above 0 and the rest not
-  /// below.
+  /// below, and for a pose that is not finite or has a zero orientation.
   VirtualCoupling(const CouplingOptions& options, const ToolPose& device);
 
   /// Where the tool goes within `dt` s: device is where the hand is then, on_tool what Solver::tool_force last said
   /// (its mean over the call is the smoother one). The spring is taken at the tick's end: stable however stiff. Does
-  /// not throw.
+  /// not throw: where a number given is not finite, or so large that a result is not, or dt is negative, this tick is
+  /// left out, and tool(), force() and torque() are those of the tick before.
   const ToolPose& follow(const ToolPose& device, const Vec3& force_on_tool, const Vec3& torque_on_tool, double dt);
+
+  /// The tool at the device's pose, no force: after a device was away. Throws Error as the constructor does, for poses.
+  void reset(const ToolPose& device);
 
   const Vec3& force() const { return force_; }    ///< N, on the device
   const Vec3& torque() const { return torque_; }  ///< N m, on the device
