@@ -7,7 +7,7 @@
 uniform float skin;          // m; 0: a share of edges
 uniform float usual_skin;    // that share
 uniform float skin_factor;   // of edges: what is that near at rest does not touch, in one body
-uniform float facing_share;  // of edges: by how much what faces a particle counts as nearer
+uniform float facing_share;  // of the longest edge: by how much what faces a particle counts as nearer
 
 struct Seen {
   int triangle;
@@ -54,7 +54,7 @@ bool look_from(int t, ivec4 corners, int k, ivec4 own, float reach, out Seen see
   } else {
     return false;
   }
-  seen = Seen(t, inside, far, far - facing_share * edge * abs(across), share, way);
+  seen = Seen(t, inside, far, far - facing_share * longest_edge * abs(across), share, way);
   return true;
 }
 

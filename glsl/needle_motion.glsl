@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // How a needle and the nodes of its hole move in one step, and the impulses on one of them within their limits, by the
-// law of NeedlePath of src/cpu. Needs needle_tables.glsl or needle_state.glsl, and pushed_tables.glsl.
+// law of NeedlePath of src/cpu. Needs needle_tables.glsl or needle_state.glsl, needle_shaft.glsl, and
+// pushed_tables.glsl.
 
 uniform float dt, inverse_dt;
 
@@ -85,8 +86,8 @@ vec3 rub(vec3 motion) {
 // `itself`: how it moves itself, 1/kg along the axes.
 vec3 own_impulse(int k, vec3 itself, bool bends) {
   vec3 impulse = vec3(0.0);
-  bool pressed = (!punctured || is_last(k)) && own_pushed > 0.0;
-  if (!bends && (on_shaft(k) || pressed)) impulse = hold_sideways();
+  bool at_tip = is_last(k) && !through && (punctured ? !is_ahead_of_tip(node_place[k].w) : own_pushed > 0.0);
+  if (!bends && (on_shaft(k) || at_tip)) impulse = hold_sideways();
   if (on_shaft(k)) impulse = impulse + rub(own_motion + itself * impulse);
   return impulse;
 }

@@ -32,8 +32,9 @@ struct ContactSurface {
   static constexpr double skin_factor = 2.001;
   /// Edges: what is that far inside a body has not got in through that side of it. Likewise a little more than a cell.
   static constexpr double depth_factor = 1.001;
-  /// Edges, that a triangle counts as nearer the more it faces a particle (1: from straight above): where a particle is
-  /// nearest to what triangles have in common, rounding parts their distances by less. See DESIGN.md.
+  /// Of the longest edge, that a triangle counts as nearer the more it faces a particle (1: from straight above): where
+  /// a particle is nearest to what triangles have in common, rounding parts their distances by less. One length for all
+  /// of them: by its own edges a large triangle would face more than a small one that faces better. See DESIGN.md.
   static constexpr double facing_share = 1e-5;
   static constexpr double usual_skin = 0.1;  ///< of either side where the scene names none, in edges
   /// Of an overlap, and of an edge, in a step: more would press the surface in, and the body would spring back from

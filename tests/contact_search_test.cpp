@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -219,6 +220,48 @@ TEST_P(NearTrianglesIn, WhichIsMetDoesNotDependOnTheirOrder) {
     }
     EXPECT_EQ(NearTriangles(1e-4, order).pushed(GetParam()), std::vector<int>{0});
   } while (std::next_permutation(order.begin(), order.end()));
+}
+
+/// A particle 4 mm outside of the edge of a wedge of 40 degrees, between the normals of its faces, one of which is far
+/// larger: nearest to both in the edge, it is outside by the face that it sees better, and touches nothing.
+struct BesideAnEdge {
+  BesideAnEdge(double one_side, double other_side) {
+    constexpr double angle = 40.0 * std::numbers::pi / 180.0, high = 0.01, beyond = 0.14;  // rad, m
+    const Vec3 one(one_side, 0, 0), other(other_side * std::cos(angle), other_side * std::sin(angle), 0);
+    Model wedge;
+    for (const double z : {0.0, high}) {
+      for (const Vec3& corner : {Vec3(0, 0, 0), one, other}) wedge.rest.push_back(corner + z * Vec3::UnitZ());
+    }
+    NearTriangles::add(wedge, CellType::wedge, {0, 1, 2, 3, 4, 5});
+    const double at = 0.5 * std::numbers::pi + angle + beyond;
+    place = 0.004 * Vec3(std::cos(at), std::sin(at), 0) + 0.5 * high * Vec3::UnitZ();
+    Model near;
+    near.rest = {place, place + Vec3(-0.007, 0.007, 0)};
+    NearTriangles::add(near, CellType::line, {0, 1});
+    for (Model* part : {&wedge, &near}) {
+      part->mass.assign(part->rest.size(), 1e-3);
+      part->stiffness.assign(part->rest.size(), 1.0);
+      part->neighbours = neighbours_from_cells(part->cells, part->particle_count());
+    }
+    const NamedBody bodies[] = {{"wedge", &wedge}, {"near", &near}};
+    model = merge_models(bodies);
+  }
+
+  Vec3 place;
+  Model model;
+};
+
+TEST_P(NearTrianglesIn, ALargeFaceDoesNotHideASmallOneAtTheirEdge) {
+  for (const auto& [one, other] : {std::pair{0.05, 0.01}, std::pair{0.01, 0.05}}) {
+    const BesideAnEdge beside(one, other);
+    Scene scene(beside.model);
+    scene.contacts({.friction = 0.0, .skin = 1e-4, .rounds = 1});
+    TopologyOptions springs;
+    springs.on_sparse = SparseParticle::springs;
+    const auto solver = make_solver(GetParam(), beside.model, scene, springs, {});
+    EXPECT_TRUE(solver->step(5, 0.05 * solver->stable_step()).ok());
+    EXPECT_EQ((solver->read().position[beside.model.group("near").front()] - beside.place).norm(), 0.0) << one;
+  }
 }
 
 }  // namespace

@@ -147,7 +147,7 @@ void BodyContacts::look(std::size_t particle, std::size_t t, double reach) {
   const Vec3 area = (b - a).cross(c - a);
   const double across =
       area.norm() > 0.0 && found.distance > 0.0 ? area.dot(found.way) / (area.norm() * found.distance) : 0.0;
-  found.rank = found.distance - ContactSurface::facing_share * triangle.edge * std::abs(across);
+  found.rank = found.distance - ContactSurface::facing_share * surface_.longest_edge * std::abs(across);
   found.inside = triangle.has_inside && across < 0.0;
   // Far inside its own body a particle has not got in anywhere: the triangle is of its other side.
   if (own.body == triangle.body && found.inside && is_deep(found.distance, triangle, own)) return;

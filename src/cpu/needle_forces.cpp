@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "../needle_measures.h"
+#include "../needle_shaft.h"
 #include "needle_path.h"
 
 namespace phymul::cpu {
@@ -130,8 +131,10 @@ void NeedlePath::settle(TouchedParticles& touched, const Line& end) {
     if (bends) hold_on_bent(end, dt);
     for (std::size_t k = 0; k < count; ++k) {
       if (coupled_[k].inverse_mass == 0.0) continue;
-      const bool pressed = !state_.punctured || k + 1 == count;
-      if (!bends && (on_shaft(k) || (pressed && coupled_[k].pushed > 0.0))) hold_sideways(k, end, dt);
+      // In the tissue the tip holds its node whether it pushes or not: where nothing moves that is a rounding error.
+      const bool at_tip = k + 1 == count && !state_.through &&
+                          (state_.punctured ? !is_ahead_of_tip(needle_, coupled_[k].along) : coupled_[k].pushed > 0.0);
+      if (!bends && (on_shaft(k) || at_tip)) hold_sideways(k, end, dt);
       if (on_shaft(k)) rub(k, end, dt);
     }
   }

@@ -9,9 +9,8 @@ namespace phymul::gl {
 namespace {
 
 constexpr int sweeps = 12;  // needle_motion.glsl
-const ShaderFiles common{"dialect_fragment.glsl", "tables.glsl",      "vector3.glsl",
-                         "pushed_tables.glsl",    "tool_tables.glsl", "needle_state.glsl"};
-const ShaderFiles follows{"needle_shaft.glsl", "needle_follow.glsl"};
+const ShaderFiles common{"dialect_fragment.glsl", "tables.glsl",       "vector3.glsl",     "pushed_tables.glsl",
+                         "tool_tables.glsl",      "needle_state.glsl", "needle_shaft.glsl"};
 const ShaderFiles weighs{"needle_weights.glsl", "needle_total.glsl", "needle_weights_of.glsl"};
 
 int levels_of(int particles) {
@@ -29,11 +28,11 @@ FragmentNeedlePasses::FragmentNeedlePasses(const ShaderLibrary& library, const B
     : library_(&library), kind_(kind), loop_turns_(loop_turns), bending_(bending) {
   parts_ = compiled({"needle_motion.glsl", "needle_parts_pass.glsl"});
   means_ = compiled({"needle_means_pass.glsl"});
-  begin_ = compiled(joined({follows, {"needle_begin_pass.glsl"}}));
-  const ShaderFiles surface = joined({follows, {"needle_surface.glsl", "needle_facets_pass.glsl"}});
+  begin_ = compiled({"needle_follow.glsl", "needle_begin_pass.glsl"});
+  const ShaderFiles surface{"needle_follow.glsl", "needle_surface.glsl", "needle_facets_pass.glsl"};
   first_facets_ = compiled(surface, {{"FIRST", 1}});
   facets_ = compiled(surface);
-  aim_ = compiled(joined({follows, {"needle_weights.glsl", "needle_total.glsl", "needle_aim_pass.glsl"}}));
+  aim_ = compiled({"needle_follow.glsl", "needle_weights.glsl", "needle_total.glsl", "needle_aim_pass.glsl"});
   const ShaderFiles around{"needle_weights.glsl", "needle_around_pass.glsl"};
   first_around_ = compiled(around, {{"FIRST", 1}});
   around_ = compiled(around);
@@ -52,7 +51,7 @@ FragmentNeedlePasses::FragmentNeedlePasses(const ShaderLibrary& library, const B
   give_ = compiled(giving);
   ShaderFiles settling{"needle_motion.glsl", "needle_limits.glsl", "needle_coupling.glsl", "needle_sweeps.glsl"};
   if (bending) {
-    const ShaderFiles holding{"needle_shaft.glsl", "two_floats.glsl", "needle_held.glsl"};
+    const ShaderFiles holding{"two_floats.glsl", "needle_held.glsl"};
     const ShaderFiles held = joined({holding, {"needle_pairs.glsl", "needle_held_rows.glsl"}});
     const ShaderFiles coupled{"needle_motion.glsl", "needle_coupling.glsl"};
     stiffness_ = compiled(joined({coupled, holding, {"needle_stiffness_pass.glsl"}}));
