@@ -26,10 +26,13 @@ class HapticScene {
 
   /// To where the hand is a tick later.
   virtual void drive(double date) = 0;
-  /// What a device asks for after a tick.
-  virtual void answer(const Solver& solver) = 0;
-  virtual std::string what() const = 0;   ///< moves
-  virtual std::string found() const = 0;  ///< in all answers, for people; may be empty
+  /// What a device asks for after a tick; `state` is the solver's.
+  virtual void answer(const Solver& solver, const State& state) = 0;
+  virtual std::string what() const = 0;  ///< moves
+  virtual void forget() {}               ///< what the answers so far were
+  /// In all answers, for people; may be empty. Throws Error where they are of `seconds` s or more than one motion of
+  /// the hand and what should have been touched was not: what is measured then is another scene.
+  virtual std::string found(double seconds) const = 0;
 
  protected:
   Vec3 top(double x, double y) const;  ///< of the upper face, by shares of its sides
@@ -47,29 +50,40 @@ class MovedParticles final : public HapticScene {
   explicit MovedParticles(int particles);
   void drive(double date) override;
   void drive_by_replacing(double date);  ///< the same by Scene::replace, for what that would cost
-  void answer(const Solver&) override {}
+  void answer(const Solver&, const State&) override {}
   std::string what() const override;
-  std::string found() const override { return {}; }
+  std::string found(double) const override { return {}; }
 
  private:
   std::size_t count_ = 0;
 };
 
-/// A ball of 2 cm that presses and rubs the upper face, and a needle that goes 45 mm in and out beside it, once a
-/// second.
+/// A ball of 2 cm that presses and rubs the upper face, and beside it, once a second, a needle that pierces it, goes
+/// 50 mm down and comes out again (in a low body less deep).
 class ProbeAndNeedle final : public HapticScene {
  public:
   explicit ProbeAndNeedle(int particles);
   void drive(double date) override;
-  void answer(const Solver& solver) override;
+  void answer(const Solver& solver, const State& state) override;
   std::string what() const override { return "a ball of 2 cm and a needle"; }
-  std::string found() const override;
+  void forget() override { seen_ = {}; }
+  std::string found(double seconds) const override;
 
  private:
+  struct Seen {
+    double on_probe = 0.0, on_needle = 0.0, pulled = 0.0;  // N, greatest; pulled: least
+    double deepest = 0.0;                                  // m of hole
+    std::size_t nodes = 0;                                 // of it, at most
+    int pressed = 0;                                       // particles under the ball, at most
+    long answers = 0, inserted = 0;                        // ticks; with the needle in the body
+    int entered = 0, left = 0;                             // times
+  };
   ToolPose probe_at(double time) const;
   ToolPose needle_at(double time) const;
-  double on_probe_ = 0.0, on_needle_ = 0.0, pulled_ = 0.0;  // N, greatest
-  long answers_ = 0, inserted_ = 0;
+
+  double needle_deep_ = 0.0;  // m below the upper face at rest
+  Seen seen_;
+  bool in_ = false;
 };
 
 }  // namespace phymul::bench

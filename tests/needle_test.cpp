@@ -133,6 +133,20 @@ TEST(NeedleShaft, DrawsTheTissueSideways) {
 
 /// Over a lattice point the dent is deeper than the mean over particles that the hole begins at, so that the tip is
 /// in front of the facets when the skin gives way; and ways along lines of the mesh meet edges and corners.
+/// Where nothing moves along the shaft the tip cuts and the whole length rubs at their limits. Across, the particles
+/// are free. So slowly that one sweep over the nodes would not reach the limits.
+TEST_P(NeedleIn, FeelsItsLimitsWhereTheTissueCannotGoAlong) {
+  Insertion needle(GetParam(), 6, 0.4);
+  Load held;
+  held.type = LoadType::translation;
+  for (Index i = 0; i < needle.model.particle_count(); ++i) held.particles.push_back(i);
+  held.axes = {Axis::free, Axis::free, Axis::held};
+  needle.scene.add(held);
+  needle.go(0.015, 0.1, 10);
+  const double force = needle.go(0.0151, 5e-3, 2)[1];
+  EXPECT_NEAR(force, 0.15 + 10.0 * 0.015, 0.02 * force);
+}
+
 TEST_P(NeedleIn, IsInTheBodyOnALineOfTheMesh) {
   Needle pointed = thin_needle();
   pointed.puncture = 0.8;

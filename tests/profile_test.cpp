@@ -53,6 +53,25 @@ TEST_P(ProfileTest, IsEmptyUnlessAskedFor) {
   solver->clear_profile();
 }
 
+TEST(CpuProfile, ToolsHaveARowWhereThereAreAny) {
+  const Model model = cylinder_275();
+  Scene scene(model);
+  scene.fix("bottom");
+  SolverOptions options;
+  options.profile = true;
+  const auto solver = make_solver("cpu", model, scene, {}, options);
+  const double dt = 0.5 * solver->stable_step();
+  ASSERT_TRUE(solver->step(5, dt).ok());
+  EXPECT_EQ(find(solver->profile(), "tools"), nullptr);
+  scene.add_tool("floor", {.shape = HalfSpace{}, .pose = {.position = {0, 0, -1}}});
+  ASSERT_TRUE(solver->step(7, dt).ok());
+  const std::vector<PassProfile> passes = solver->profile();
+  const PassProfile* tools = find(passes, "tools");
+  ASSERT_NE(tools, nullptr);
+  EXPECT_EQ(tools->runs, 7);
+  EXPECT_GT(tools->seconds, 0.0);
+}
+
 TEST_P(ProfileTest, CountsEveryStepOnce) {
   const Model model = cylinder_275();
   Scene scene(model);

@@ -143,6 +143,32 @@ TEST_P(MovingTool, FixedParticlesAreNotMoved) {
   for (const Index i : model.group("z1")) EXPECT_LE((state.position[i] - model.rest[i]).norm(), 1e-9);
 }
 
+/// A block flies past a ball, twice its own size away from where its rest shape is, and is taken back to before.
+TEST_P(MovingTool, MeetsABodyFarFromItsRestShape) {
+  const Model model = soft_block({0.04, 0.04, 0.04}, 8, 8, 8);
+  Scene scene(model);
+  scene.add_tool("ball", {.shape = Sphere{0.01}, .pose = {.position = {0.135, 0.02, 0.02}}});
+  const auto solver = make(model, scene);
+  State state = solver->read();
+  for (Vec3& v : state.velocity) v = {4.0, 0.0, 0.0};
+  solver->reset(state);
+  const double dt = 0.5 * solver->stable_step();
+  const auto until_met = [&] {
+    int steps = 0;
+    while (steps < 1000 && solver->tool_force("ball").particles == 0 && solver->step(1, dt).ok()) ++steps;
+    return steps;
+  };
+  // Its face, 85 mm from the ball's near side.
+  EXPECT_NEAR(until_met() * dt, 0.085 / 4.0, 0.5e-3 / 4.0 + dt);
+  const State met = solver->read();
+  solver->step(20, dt);
+  const Vec3 force = solver->tool_force("ball").mean_force;
+  EXPECT_GT(force.x(), 0.0);
+  solver->reset(met);
+  solver->step(20, dt);
+  EXPECT_NEAR((solver->tool_force("ball").mean_force - force).norm(), 0.0, 1e-3 * force.norm());
+}
+
 TEST_P(MovingTool, GoesBackWithItsState) {
   const Model model = soft_block({0.02, 0.02, 0.02}, 4, 4, 4);
   Scene scene(model);

@@ -41,6 +41,10 @@ NeedlePath::NeedlePath(const Needle& needle, double friction, const Model& model
       reach_(needle_reach(spread_, model)),
       facets_(needle_facets(model)) {
   found_.reserve(model.rest.size());
+  sides_.resize(model.rest.size());
+  for (const auto& t : facets_) surface_.insert(surface_.end(), t.begin(), t.end());
+  std::ranges::sort(surface_);
+  surface_.erase(std::ranges::unique(surface_).begin(), surface_.end());
 }
 
 Vec3 NeedlePath::place(const NeedleNode& node, const FreeStep& step) {
@@ -63,10 +67,26 @@ NeedleNode NeedlePath::node_at(const FreeStep& step, const Vec3& x) {
   return node;
 }
 
+/// On which sides of the box around the shaft each particle of the surface is: what is on one side with all its corners
+/// does not meet the shaft (D. Cohen and I. Sutherland's outcodes). Most of a surface is away from it.
+void NeedlePath::look_around_shaft(const FreeStep& step, const Line& line) {
+  const Vec3 hub = line.tip + needle_.length * line.axis;
+  const double more = 1e-6 * needle_.length;  // than rounding and `overlap`
+  const Vec3 low = line.tip.cwiseMin(hub).array() - more, high = line.tip.cwiseMax(hub).array() + more;
+  for (const Index i : surface_) {
+    const Vec3 x = step.position(i);
+    unsigned sides = 0;
+    for (int a = 0; a < 3; ++a) sides |= (x[a] < low[a] ? 1u : 0u) << a | (x[a] > high[a] ? 8u : 0u) << a;
+    sides_[i] = static_cast<std::uint8_t>(sides);
+  }
+}
+
 /// True where the shaft has come through the surface: the hole begins there.
 bool NeedlePath::enter(const FreeStep& step, const Line& line) {
+  look_around_shaft(step, line);
   double farthest = -1.0;  // from the tip
   for (const auto& t : facets_) {
+    if ((sides_[t[0]] & sides_[t[1]] & sides_[t[2]]) != 0) continue;
     double facing = 0.0;
     const double way = way_to(corners(t, step), line.tip, line.axis, facing);
     if (way >= 0.0 && way <= needle_.length && facing > 0.0) farthest = std::max(farthest, way);

@@ -23,6 +23,7 @@ enum class Work {
   cells,
   waiting,
   move,
+  tools,
   checks
 };
 
@@ -36,11 +37,11 @@ class WorkLaps {
   void end(Work work) {
     if (profile_) laps_.end(row_of(work), 0);
   }
-  /// Every kind of work that the body has ran once.
-  void end_step();
+  /// Every kind of work that the body has ran once; that of tools, contacts and kept volumes where there are any.
+  void end_step(bool tools);
 
  private:
-  static constexpr int kinds = 13;
+  static constexpr int kinds = 14;
   int row_of(Work work) const { return rows_[static_cast<std::size_t>(work)]; }
 
   Profile* profile_;

@@ -16,6 +16,7 @@
 #include "cluster_claims.h"
 #include "denormals.h"
 #include "near_displacements.h"
+#include "part_reach.h"
 #include "simd/instruction_set.h"
 #include "thread_pool.h"
 #include "vector_body.h"
@@ -56,11 +57,6 @@ char* half_a_page_from(const char* other, char* near) {
 char* bytes(Floats& floats) {
   return reinterpret_cast<char*>(floats.data());
 }
-
-/// A line of the caches for each part.
-struct alignas(64) PartReach {
-  simd::Reach reach;
-};
 
 class VectorSolver final : public Solver {
  public:
@@ -121,7 +117,7 @@ class VectorSolver final : public Solver {
         v_[velocity_at(place, a)] = static_cast<float>(state.velocity[i][a]);
       }
     }
-    tools_.set().reset(scene(), state);
+    tools_.reset(scene(), state);
     time_ = state.time;
     last_dt_ = 0.0;
     steps_at_rest_ = 0;
@@ -147,15 +143,7 @@ class VectorSolver final : public Solver {
     while (motion.steps < plan.steps) {
       motion.lost_volume = step_once(plan);
       if (motion.lost_volume >= 0) break;
-      simd::Reach reach;
-      for (const auto& [of_part] : reach_) {
-        reach.acceleration = std::max(reach.acceleration, of_part.acceleration);
-        reach.force = std::max(reach.force, of_part.force);
-        reach.speed = std::max(reach.speed, of_part.speed);
-        reach.displacement = std::max(reach.displacement, of_part.displacement);
-        reach.runaway = reach.runaway || of_part.runaway;
-        reach.cut = reach.cut || of_part.cut;
-      }
+      const simd::Reach reach = reach_of_all(reach_);
       motion.max_acceleration = std::sqrt(static_cast<double>(reach.acceleration));
       motion.max_force = std::sqrt(static_cast<double>(reach.force));
       if (reach.runaway) {
@@ -164,7 +152,7 @@ class VectorSolver final : public Solver {
       }
       u_.swap(next_u_);
       v_.swap(next_v_);
-      if (!tools_.empty()) tools_.set().accept();
+      if (!tools_.empty()) tools_.accept(std::sqrt(static_cast<double>(reach.displacement)));
       time_ += plan.dt;
       last_dt_ = plan.dt;
       ++motion.steps;
@@ -177,7 +165,7 @@ class VectorSolver final : public Solver {
       steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
       motion.steps_at_rest = steps_at_rest_;
       laps_.end(Work::checks);
-      laps_.end_step();
+      laps_.end_step(!tools_.empty());
       if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;
     }
     return motion;
@@ -197,11 +185,15 @@ class VectorSolver final : public Solver {
     laps_.end(Work::waiting);
     run(move);
     if (tools_.empty()) return -1;
-    if (tools_.act(move, pool_, plan.dt)) {
+    const bool pushed =
+        tools_.act(move, pool_, plan.dt, std::sqrt(static_cast<double>(reach_of_all(reach_).displacement)));
+    laps_.end(Work::tools);
+    if (pushed) {
       move.load = tools_.loads();
       run(move);
     }
     tools_.shift(next_u_.data());
+    laps_.end(Work::tools);
     return tools_.lost_volume();
   }
 
