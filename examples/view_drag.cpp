@@ -1,12 +1,23 @@
 // SPDX-License-Identifier: MIT
 #include "view_drag.h"
 
-#include <cmath>
+#include <phymul/surface.h>
 
 namespace {
 
-constexpr double reach = 14.0;     // pixels
+constexpr double reach_in_pixels = 14.0;
 constexpr double way_time = 0.05;  // s for the way to where the mouse is
+
+/// From the eye through a pixel, as wide everywhere as the reach in pixels.
+phymul::PickRay ray_under(const phymul::Camera& camera, double x, double y, int width, int height) {
+  const auto at = [&](double right, double depth) { return from_pixel(camera, {x + right, y, depth}, width, height); };
+  const phymul::Vec3 origin = at(0.0, 0.0), ahead = at(0.0, 1.0);
+  const double reach = (at(reach_in_pixels, 0.0) - origin).norm(), farther = (at(reach_in_pixels, 1.0) - ahead).norm();
+  return {.origin = origin,
+          .direction = ahead - origin,
+          .reach = reach,
+          .widening = (farther - reach) / (ahead - origin).norm()};
+}
 
 }  // namespace
 
@@ -14,14 +25,11 @@ bool ParticleDrag::take(const phymul::Solver& solver, const phymul::Camera& came
                         int height) {
   release();
   const phymul::State state = solver.read();
-  for (std::size_t i = 0; i < state.position.size(); ++i) {
-    const phymul::Vec3 seen = to_pixel(camera, state.position[i], width, height);
-    if (std::hypot(seen.x() - x, seen.y() - y) > reach || (particle_ && seen.z() >= depth_)) continue;
-    particle_ = static_cast<phymul::Index>(i);
-    depth_ = seen.z();
-  }
-  if (!particle_) return false;
-  const phymul::Vec3& place = state.position[static_cast<std::size_t>(*particle_)];
+  const phymul::Index picked = pick_particle(state.position, ray_under(camera, x, y, width, height));
+  if (picked < 0) return false;
+  particle_ = picked;
+  const phymul::Vec3& place = state.position[static_cast<std::size_t>(picked)];
+  depth_ = to_pixel(camera, place, width, height).z();
   offset_ = place - from_pixel(camera, {x, y, depth_}, width, height);
   const phymul::Vec3 displacement = place - solver.model().rest[static_cast<std::size_t>(*particle_)];
   first_row_ = scene_.loads().size();

@@ -23,6 +23,7 @@
 #include <phymul/solver.h>
 #include <phymul/state.h>
 #include <phymul/state_file.h>
+#include <phymul/surface.h>
 #include <phymul/tool.h>
 #include <phymul/topology.h>
 #include <phymul/types.h>

@@ -12,7 +12,7 @@ set(rows
     "4 state_file recording"      # before state
     "4 gl_module"                 # before gl; the door to src/gl
     "0 version types error gl camera"
-    "1 model scene state tool needle virtual distance"
+    "1 model scene state surface tool needle virtual distance"
     "2 shapes pml lml mesh check topology monitor writer"
     "2 xml byte gmsh vtk vtu csv"            # formats, behind the readers
     "4 elasticity solver display bodies"
