@@ -2,7 +2,7 @@
 //
 // A ball pressed into a block by one millimetre after the other, and held after each: how deep the body comes to rest
 // under it. Deeper, cells fold below the ball's pole, particles meet where the energy has a kink, and an explicit step
-// moves them to and fro at a few metres a second, whatever its size: no state of rest, which reports must say.
+// moves them to and fro at a few metres a second: no state of rest, which reports must say.
 #include <cmath>
 #include <cstdio>
 
