@@ -157,9 +157,12 @@ void run(const Case& test, int repeats) {
               body->bytes_a_step() * rate * 1e-9);
   if (tables->base_count > 0) std::printf("; %.1f bases a particle", tables->base_count / n);
   if (!body->enumerated.empty() && body->gives()) {
-    const double ceiling = bench::vector_multiply_adds(0.2);
-    std::printf("; triples keep the multiplying units busy to %.0f %%",
-                100.0 * bench::triple_multiplications(*tables) / body->lanes * rate / ceiling);
+    const double ceiling = bench::vector_multiply_adds(0.2) * body->lanes;
+    const bench::TripleWork work = bench::triple_work(*tables);
+    std::printf(
+        "; triples: %.0f G operations a second, %.0f %% of what multiply-adds give, multiplying units busy to %.0f %%",
+        1e-9 * work.operations * rate, 100.0 * work.operations * rate / (2.0 * ceiling),
+        100.0 * work.multiplications * rate / ceiling);
   }
   std::printf("\n");
   std::fflush(stdout);

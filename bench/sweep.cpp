@@ -50,6 +50,7 @@ const std::vector<std::string> columns{"variant",
                                        "bytes_per_particle_step",
                                        "bandwidth_share",
                                        "multiply_share",
+                                       "operation_share",
                                        "load"};
 
 std::vector<std::string> fields_of(const SweepRow& row) {
@@ -78,6 +79,7 @@ std::vector<std::string> fields_of(const SweepRow& row) {
           field(row.bytes_a_step / n),
           field(row.bandwidth_share),
           field(row.multiply_share),
+          field(row.operation_share),
           row.load};
 }
 

@@ -98,17 +98,19 @@ int lanes_of(const std::string& device) {
   return device.find("portable") != std::string::npos ? 4 : 0;
 }
 
-/// `multiplications`: of enumerated triples, in a step. The ceilings are measured beside the body, by processor time as
+/// `work`: of enumerated triples, in a step. The ceilings are measured beside the body, by processor time as
 /// the body's is.
-void add_shares(SweepRow& row, double multiplications) {
+void add_shares(SweepRow& row, const TripleWork& work) {
   if (row.threads != 1 || row.backend != "cpu") return;
   if (row.bytes_a_step > beyond_caches) {
     const double bandwidth = read_bandwidth(std::min(row.bytes_a_step, 512e6), 0.2);
     row.bandwidth_share = row.bytes_a_step / row.processor_seconds_a_step / bandwidth;
   }
   const int lanes = lanes_of(row.device);
-  if (multiplications == 0.0 || lanes == 0) return;
-  row.multiply_share = multiplications / lanes / row.processor_seconds_a_step / vector_multiply_adds(0.1);
+  if (work.operations == 0.0 || lanes == 0) return;
+  const double most = vector_multiply_adds(0.1) * lanes * row.processor_seconds_a_step;
+  row.multiply_share = work.multiplications / most;
+  row.operation_share = work.operations / (2.0 * most);
 }
 
 /// By a solver of its own: timers cost, and are not in the other times.
@@ -192,7 +194,7 @@ void measure_body(const SweepVariant& variant, int size, const SweepLimits& limi
       row.processor_seconds_a_step = median(r.processor);
       row.processor_least = *std::ranges::min_element(r.processor);
       row.processor_greatest = *std::ranges::max_element(r.processor);
-      add_shares(row, variant.options.bases == BaseSelection::all ? triple_multiplications(*tables) : 0.0);
+      add_shares(row, variant.options.bases == BaseSelection::all ? triple_work(*tables) : TripleWork{});
       if (!is_cpu(row.backend)) row.device_seconds_a_step = device_seconds(row, tables, scene, start);
     }
     done(row);

@@ -53,7 +53,7 @@ void TripleCutter::cut_slice(Index first, Index end, Slots& slots) {
   const int lanes = body_.lanes;
   const std::size_t constants = body_.enumerated.size(), offsets = body_.enumerated_offsets.size();
   body_.enumerated_offsets.resize(offsets + static_cast<std::size_t>(count) * lanes, unclaimed);
-  LaneRows edges(body_.enumerated, 4, lanes);
+  LaneRows edges(body_.enumerated, simd::neighbour_columns, lanes);
   edges.add(count, 0);
   const bool pushes = body_.use != simd::BaseUse::attractor;
   for (std::size_t lane = 0; lane < triples.size(); ++lane) {
@@ -84,7 +84,7 @@ void TripleCutter::cut_slice(Index first, Index end, Slots& slots) {
       }
     }
   }
-  sum_heights(count, first_pair, first_triple);
+  sum_heights(count, constants, first_pair, first_triple);
   const bool thin = std::ranges::any_of(triples, [this](const Triples& of) { return is_thin(of); });
   const std::size_t place = share_constants(constants);
   if (place / lanes > std::numeric_limits<std::int32_t>::max()) {
@@ -137,24 +137,41 @@ void TripleCutter::pack_triple(const Triples& of, Index j, Index k, Index l, Lan
 }
 
 /// w = x_j x x_k + x_k x x_l - x_j x x_l of every triple: the cross product of a pair has the heights of all its
-/// triples, each as it is rounded there.
-void TripleCutter::sum_heights(Index count, std::size_t pairs, std::size_t triples) {
+/// triples, each as it is rounded there. From numbers as they are packed, so that particles that see the same get the
+/// same to the last bit.
+void TripleCutter::sum_heights(Index count, std::size_t edges, std::size_t pairs, std::size_t triples) {
   const auto lanes = static_cast<std::size_t>(body_.lanes);
+  Floats& rows = body_.enumerated;
   const auto pair = [&](Index k, Index l) { return static_cast<std::size_t>(simd::pairs_of(count, k) + l); };
   for (std::size_t lane = 0; lane < lanes; ++lane) {
+    const auto edge = [&](Index k, std::size_t column) -> float& {
+      return rows[edges + (static_cast<std::size_t>(k) * simd::neighbour_columns + column) * lanes + lane];
+    };
     std::vector<double> sum(static_cast<std::size_t>(count * (count - 1) / 2));
     std::size_t row = triples + lane;
     for (Index j = 0; j < count; ++j) {
       for (Index k = j + 1; k < count; ++k) {
         for (Index l = k + 1; l < count; ++l, row += 2 * lanes) {
-          const double height = body_.enumerated[row];
+          const double height = rows[row];
           sum[pair(j, k)] += height;
           sum[pair(k, l)] += height;
           sum[pair(j, l)] -= height;
         }
       }
     }
-    for (std::size_t p = 0; p < sum.size(); ++p) body_.enumerated[pairs + p * lanes + lane] = narrowed(2.0 * sum[p]);
+    std::vector<Vec3> tilt(static_cast<std::size_t>(count), Vec3::Zero());
+    for (Index k = 0; k < count; ++k) {
+      for (Index l = k + 1; l < count; ++l) {
+        const std::size_t p = pair(k, l);
+        const double height = 2.0 * sum[p];
+        tilt[k] += height * Vec3(edge(l, 0), edge(l, 1), edge(l, 2));
+        tilt[l] -= height * Vec3(edge(k, 0), edge(k, 1), edge(k, 2));
+        rows[pairs + p * lanes + lane] = narrowed(2.0 * height);
+      }
+    }
+    for (Index k = 0; k < count; ++k) {
+      for (int axis = 0; axis < 3; ++axis) edge(k, 4 + static_cast<std::size_t>(axis)) = narrowed(tilt[k][axis]);
+    }
   }
 }
 

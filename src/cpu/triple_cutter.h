@@ -33,7 +33,7 @@ class TripleCutter {
   void cut_slice(Index first, Index end, Slots& slots);
   void pack_triple(const Triples& of, Index j, Index k, Index l, LaneRows& rows, Index row, int lane) const;
   bool is_thin(const Triples& of) const;
-  void sum_heights(Index count, std::size_t pairs, std::size_t triples);
+  void sum_heights(Index count, std::size_t edges, std::size_t pairs, std::size_t triples);
   std::size_t share_constants(std::size_t first);
 
   const TopologyTextures& t_;

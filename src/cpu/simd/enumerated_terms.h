@@ -11,7 +11,7 @@ namespace phymul::cpu::PHYMUL_ISA {
 
 inline constexpr int most_unrolled = 6;
 /// So many of the constants of particles with that many neighbours, or more, for each of those.
-inline constexpr int columns_a_neighbour = 4 + 3 + 7;
+inline constexpr int columns_a_neighbour = simd::neighbour_columns + 3 + 7;
 
 /// Works on one slice, whose neighbourhood is gathered.
 template <bool averaged, int neighbours>
@@ -44,7 +44,7 @@ void enumerated_slices(const simd::Job& job) {
     n.thin = (rows.neighbours[slice] & simd::thin_triples) != 0;
     n.fresh = job.far && (rows.neighbours[slice] & simd::known_constants) == 0;
     n.edges = rows.rows + static_cast<std::int64_t>(rows.first[slice]) * lanes;
-    n.pairs = n.edges + 4 * n.count * lanes;
+    n.pairs = n.row(n.count);
     n.triples = n.pairs + n.count * (n.count - 1) / 2 * lanes;
     const Pack3 ui = gather_row(job.u + 16 * lanes * slice);
     const float* ahead = n.edges;

@@ -11,8 +11,9 @@
 //   volume   a, b, c, d; E1, E2, E3, 1 / (6 V) (2-D: 1 / (2 A)), stiffness                    15
 //   cell     n corners; gradients of corners 1 to n - 1, stiffness of shape, of volume        4 n - 1
 //   simplex  a, b, c, d; constants as simplices.h has them                                    38
-//   enumerated, per neighbour: E, alpha; then per pair of them 2 sum of +- w beta / |w0|;
-//            then per triple w beta / |w0|, 2 / |w0|^2; offsets apart                         4, 1 and 2
+//   enumerated, per neighbour i: E, alpha, A = sum over the others l of +- H_il E_l (+ where i < l); then per pair of
+//            them 2 H, H = 2 sum of +- w beta / |w0|;
+//            then per triple w beta / |w0|, 2 / |w0|^2; offsets apart                         7, 1 and 2
 //   hexahedron eight corners; constants of its shape stand apart                              8
 //   box      eight corners, that at (x, y, z) of {0, 1} as number x + 2 y + 4 z               8
 //   star     centre, neighbours at -x, +x, -y, +y, -z, +z (the centre where there is none);
@@ -45,6 +46,8 @@ constexpr std::int32_t quad_of(std::int32_t place, int lanes) {
   const std::int32_t lane = place & (lanes - 1);
   return place - lane + (lane & 3) * (lanes / 4) + (lane >> 2);
 }
+
+inline constexpr int neighbour_columns = 7;  ///< of `enumerated`
 
 struct Slices {
   const std::int32_t* first = nullptr;  ///< [slices + 1] row of each slice in `rows`

@@ -16,12 +16,14 @@ struct Neighbourhood {
   bool thin;                    // simd::thin_triples
   bool fresh;                   // its constants are in no cache
   const std::int32_t* offsets;  // per neighbour
-  const float* edges;           // per neighbour: E (3), alpha
-  const float* pairs;           // per pair k < l: 2 times the heights that its cross product has
+  const float* edges;           // per neighbour: E (3), alpha, A (3)
+  const float* pairs;           // per pair k < l: 2 H
   const float* triples;         // per triple: w beta / |w0|, 2 / |w0|^2; 0 where there is no base
   Pack3 half[simd::most_enumerated], middle[simd::most_enumerated];  // d / 2, E + d / 2: the place is their sum
-  PHYMUL_INLINE Pack3 E(int k) const { return load3(edges + 4 * k * lanes); }
-  PHYMUL_INLINE Pack alpha(int k) const { return load(edges + (4 * k + 3) * lanes); }
+  PHYMUL_INLINE const float* row(int k) const { return edges + simd::neighbour_columns * k * lanes; }
+  PHYMUL_INLINE Pack3 E(int k) const { return load3(row(k)); }
+  PHYMUL_INLINE Pack alpha(int k) const { return load(row(k) + 3 * lanes); }
+  PHYMUL_INLINE Pack3 A(int k) const { return load3(row(k) + 4 * lanes); }
   PHYMUL_INLINE Pack3 place(int k) const { return middle[k] + half[k]; }
 };
 

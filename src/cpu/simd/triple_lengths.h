@@ -9,8 +9,10 @@
 //   y = |w|^2 / |w0|^2 - 1 = 2 / |w0|^2 (2 eta1 g2 + 2 g1 eta2 - (eta1 + eta2 - eta3) (g1 + g2 - g3))
 // Normals are not needed one by one. With h_t = w_t beta_t / |w0|, c_t = 1 / sqrt(1 + y) - 1 and places x_k,
 //   sum h_t |w0| (n - n0) = sum h_t dw + sum h_t c_t w
-// where w = x_j x x_k + x_k x x_l + x_l x x_j makes the first a sum over pairs, with constants, and in the second
-// w = e1 x (x_l - x_j) leaves one cross product for all triples of j and k.
+// where w = x_j x x_k + x_k x x_l + x_l x x_j makes both sums over pairs, with the scalars H_kl = 2 sum of +- h_t and
+// S_kl = sum of +- h_t c_t. As x_k x x_l = E_k x E_l at rest and x = E + 2 h, the first is
+//   sum over k < l of H (E_k x h_l + h_k x E_l + 2 h_k x h_l) = sum over k of h_k x (A_k + sum over l > k of 2 H h_l)
+// with constants A_k = sum over l > k of H_kl E_l - sum over l < k of H_lk E_l.
 // What it costs: y is rounded as by 1 / sin^2 of the angle between edges 1 and 2 where triple_normals.h has 1 / sin,
 // and a triple is taken only as long as its edges and area are within bounds.
 #pragma once
@@ -35,6 +37,7 @@ using Pairs = Pack[neighbours > 0 ? neighbours*(neighbours - 1) / 2 : most_pairs
 template <int neighbours>
 struct PairLengths {
   Pairs<neighbours> eta, g;
+  Pairs<neighbours> S;  // 0 at first
 };
 
 /// 1 / sqrt(1 + y) - 1 for y in (-1, 16), as inverse_root_change().
@@ -63,6 +66,7 @@ PHYMUL_INLINE bool measure_pairs(const Neighbourhood& n, PairLengths<neighbours>
               const Pack eta = dot(h, m), g = dot(m, m) + dot(h, h);
               pairs.eta[first + l] = eta;
               pairs.g[first + l] = g;
+              pairs.S[first + l] = Pack{};
               farthest = larger(eta - most_stretch * g, farthest);
             });
       });
@@ -76,9 +80,7 @@ PHYMUL_INLINE bool pull_by_lengths(const Neighbourhood& n, PairLengths<neighbour
   constexpr bool fixed = neighbours > 0;
   const int count = fixed ? neighbours : n.count;
   if (!measure_pairs<neighbours>(n, pairs)) return false;
-  Pairs<neighbours> S;  // sum of +- h_t c_t
-  count_up<fixed, 0, fixed ? neighbours*(neighbours - 1) / 2 : 0>(
-      0, count * (count - 1) / 2, [&](auto p) __attribute__((always_inline)) { S[number(p)] = Pack{}; });
+  Pairs<neighbours>& S = pairs.S;
   const float* row = n.triples;
   Pack least = all(1.0f), most = all(-1.0f);
   count_up<fixed, 0, neighbours - 2>(
@@ -118,17 +120,18 @@ PHYMUL_INLINE bool pull_by_lengths(const Neighbourhood& n, PairLengths<neighbour
       0, count - 1, [&](auto j_) __attribute__((always_inline)) {
         const int j = number(j_), first = pairs_of(count, j);
         constexpr int cj = number_of<decltype(j_)>;
-        Pack3 now{}, rest{};
+        Pack3 turning{}, tilting = n.A(j);
         count_up<fixed, cj + 1, neighbours>(
             j + 1, count, [&](auto l_) __attribute__((always_inline)) {
               const int l = number(l_);
               const Pack H = load(height);
-              now += S[first + l] * n.place(l) + H * n.half[l];
-              rest += H * n.E(l);
+              turning += S[first + l] * n.place(l);
+              tilting += H * n.half[l];
               height += lanes;
             });
-        pull += cross(n.place(j), now) + cross(n.half[j], rest);
+        pull += cross(n.place(j), turning) + cross(n.half[j], tilting);
       });
+  pull += cross(n.half[count - 1], n.A(count - 1));
   return !any_below(least, all(least_area_squared - 1.0f)) && !any_below(all(most_area_squared - 1.0f), most);
 }
 
