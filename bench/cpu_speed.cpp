@@ -176,6 +176,11 @@ Model tetrahedra(int a_side) {
   const double side = 0.005 * (a_side - 1);
   return make_tetrahedral_block({side, side, side}, a_side - 1, a_side - 1, a_side - 1, 0.2, 7);
 }
+/// No two cells alike, as of a mesh that was read.
+Model bent(Model model) {
+  for (Vec3& x : model.rest) x.x() += 2.0 * x.z() * x.z() + 0.5 * x.x() * x.y();
+  return model;
+}
 Model with_material(Model model) {
   set_material(model, {10e3, 0.3, 1000.0});
   return model;
@@ -247,6 +252,11 @@ std::vector<std::function<Case()>> cases() {
       [=] {
         return Case{"lattice cell-averaged 2673",
                     with_material(make_block({0.04, 0.04, 0.16}, 8, 8, 32)),
+                    {.cell_average = 0.9}};
+      },
+      [=] {
+        return Case{"hexahedra cell-averaged 2673",
+                    with_material(bent(make_block({0.04, 0.04, 0.16}, 8, 8, 32))),
                     {.cell_average = 0.9}};
       },
       [=] {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
-// haptic_loop [seconds] [particles] [threads] [moved|needle] [steps]: a soft block, and in it what a haptic device
-// moves: a group of particles, or a ball and a needle. Once a millisecond of the wall clock a pose arrives, the scene
-// is told to be there a millisecond later, and the body takes so many steps. Prints how late the answers were, beside
-// ticks of plain arithmetic of the same length, second by second in turns, and what a millisecond costs the processor.
+// haptic_loop [seconds] [particles] [threads] [moved|needle] [steps] [cubes|warped]: a soft block, of equal cells or of
+// no two alike, and in it what a haptic device moves: a group of particles, or a ball and a needle. Once a millisecond
+// of the wall clock a pose arrives, the scene is told to be there a millisecond later, and the body takes so many
+// steps. Prints how late the answers were, beside ticks of plain arithmetic of the same length, second by second in
+// turns, and what a millisecond costs the processor.
 #include <phymul/phymul.h>
 
 #include <algorithm>
@@ -34,6 +35,7 @@ struct Wish {
   int particles = 5000, threads = 2;
   std::string what = "moved";
   int steps = 4;  // a tick
+  std::string cells = "cubes";
 };
 
 void print(const char* what, const Times& times) {
@@ -143,12 +145,13 @@ void refuse_unstable(const phymul::Solver& solver, int steps) {
 
 void run(const Wish& wish) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);  // who watches a minute sees that it began
+  const bool warped = wish.cells == "warped";
   std::unique_ptr<HapticScene> haptic;
   phymul::bench::MovedParticles* moved = nullptr;
   if (wish.what == "needle") {
-    haptic = std::make_unique<phymul::bench::ProbeAndNeedle>(wish.particles);
+    haptic = std::make_unique<phymul::bench::ProbeAndNeedle>(wish.particles, warped);
   } else {
-    auto made = std::make_unique<phymul::bench::MovedParticles>(wish.particles);
+    auto made = std::make_unique<phymul::bench::MovedParticles>(wish.particles, warped);
     moved = made.get();
     haptic = std::move(made);
   }
@@ -158,9 +161,9 @@ void run(const Wish& wish) {
   const auto solver = phymul::make_solver("cpu", haptic->model(), haptic->scene(), {.cell_average = 0.9}, options);
   refuse_unstable(*solver, wish.steps);
   for (const auto& [what, value] : machine_facts()) std::printf("%s: %s\n", what.c_str(), value.c_str());
-  std::printf("%d particles, cell-averaged lattice, %s; %s; %d steps a tick of %.3g us, stable up to %.3g us\n",
-              haptic->model().particle_count(), solver->device().c_str(), haptic->what().c_str(), wish.steps,
-              1e6 * tick / wish.steps, 1e6 * solver->stable_step());
+  std::printf("%d particles, cell-averaged %s, %s; %s; %d steps a tick of %.3g us, stable up to %.3g us\n",
+              haptic->model().particle_count(), warped ? "hexahedra" : "lattice", solver->device().c_str(),
+              haptic->what().c_str(), wish.steps, 1e6 * tick / wish.steps, 1e6 * solver->stable_step());
   Loop loop(*solver, *haptic, wish.steps);
   const auto drive = [&](double date) { haptic->drive(date); };
   loop.unpaced("the first ticks", 200, 1.0, drive);
@@ -188,10 +191,12 @@ int main(int argc, char** argv) try {
   if (argc > 3) wish.threads = std::atoi(argv[3]);
   if (argc > 4) wish.what = argv[4];
   if (argc > 5) wish.steps = std::atoi(argv[5]);
-  if (!(wish.seconds >= tick) || wish.particles < 64 || wish.threads < 0 || argc > 6 || wish.steps < 1 ||
-      (wish.what != "moved" && wish.what != "needle")) {
+  if (argc > 6) wish.cells = argv[6];
+  if (!(wish.seconds >= tick) || wish.particles < 64 || wish.threads < 0 || argc > 7 || wish.steps < 1 ||
+      (wish.what != "moved" && wish.what != "needle") || (wish.cells != "cubes" && wish.cells != "warped")) {
     throw phymul::Error(
-        "haptic_loop: expected [seconds >= 0.001] [particles >= 64] [threads >= 0] [moved|needle] [steps a tick >= 1]");
+        "haptic_loop: expected [seconds >= 0.001] [particles >= 64] [threads >= 0] [moved|needle] [steps a tick >= 1] "
+        "[cubes|warped]");
   }
   run(wish);
 } catch (const phymul::Error& error) {

@@ -20,10 +20,18 @@ constexpr double deepest_share = 0.6;                                    // of a
 /// centimetre first. Friction is the default's.
 constexpr Needle thin_needle{.length = 0.12, .puncture = 0.4, .cutting = 0.15};
 
-Model make_body(int particles) {
+/// A warped body has no two cells alike, as one read from a mesh; its upper and lower face are the block's.
+Model make_body(int particles, bool warped) {
   const int n = std::max(1, static_cast<int>(std::lround(std::cbrt(particles))) - 1);
   const int high = std::max(1, (particles + n * (n + 2)) / ((n + 1) * (n + 1)) - 1);
   Model model = make_block({n * haptic_spacing, n * haptic_spacing, high * haptic_spacing}, n, n, high, 6);
+  if (warped) {
+    const Vec3 corner = model.rest.back();
+    for (Vec3& x : model.rest) {
+      const double bulge = 0.3 * haptic_spacing * std::sin(std::numbers::pi * x.z() / corner.z());
+      x.x() += bulge * (1.0 + x.x() / corner.x()) * (1.0 + x.y() / corner.y());
+    }
+  }
   set_material(model, {.young = 10e3, .poisson = 0.3, .density = 1000});
   return model;
 }
@@ -40,7 +48,7 @@ std::array<ValueEvent, 2> way(double date, int axis) {
 
 }  // namespace
 
-HapticScene::HapticScene(int particles) : model_(make_body(particles)), scene_(model_) {
+HapticScene::HapticScene(int particles, bool warped) : model_(make_body(particles, warped)), scene_(model_) {
   scene_.fix("z0");
 }
 
@@ -49,7 +57,7 @@ Vec3 HapticScene::top(double x, double y) const {
   return {x * corner.x(), y * corner.y(), corner.z()};
 }
 
-MovedParticles::MovedParticles(int particles) : HapticScene(particles) {
+MovedParticles::MovedParticles(int particles, bool warped) : HapticScene(particles, warped) {
   std::vector<Index> moved;
   for (const Index i : model().group("z1")) {
     if ((model().rest[i] - top(0.5, 0.5)).norm() <= 2.5 * haptic_spacing) moved.push_back(i);
@@ -84,8 +92,8 @@ std::string MovedParticles::what() const {
   return "a group of " + std::to_string(count_) + " particles";
 }
 
-ProbeAndNeedle::ProbeAndNeedle(int particles)
-    : HapticScene(particles), needle_deep_(std::min(needle_deep, deepest_share * top(0.0, 0.0).z())) {
+ProbeAndNeedle::ProbeAndNeedle(int particles, bool warped)
+    : HapticScene(particles, warped), needle_deep_(std::min(needle_deep, deepest_share * top(0.0, 0.0).z())) {
   scene_.add_tool("probe", {.shape = Sphere{probe_radius}, .pose = probe_at(0.0), .friction = 0.3});
   scene_.add_tool("needle", {.shape = thin_needle, .pose = needle_at(0.0), .friction = 0.3});
 }

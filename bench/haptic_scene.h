@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What a haptic loop moves: a soft block of about so many particles, lower face held, spacing 5 mm, with something in
-// it that follows a hand.
+// What a haptic loop moves: a soft block of about so many particles, lower face held, spacing 5 mm (warped between its
+// faces, or not), with something in it that follows a hand.
 #pragma once
 
 #include <phymul/phymul.h>
@@ -16,7 +16,7 @@ inline constexpr double haptic_spacing = 5e-3;  // m
 
 class HapticScene {
  public:
-  explicit HapticScene(int particles);
+  HapticScene(int particles, bool warped);
   virtual ~HapticScene() = default;
   HapticScene(const HapticScene&) = delete;
   HapticScene& operator=(const HapticScene&) = delete;
@@ -47,7 +47,7 @@ class HapticScene {
 /// The particles near the middle of the upper face, moved by three translations, one an axis.
 class MovedParticles final : public HapticScene {
  public:
-  explicit MovedParticles(int particles);
+  MovedParticles(int particles, bool warped);
   void drive(double date) override;
   void drive_by_replacing(double date);  ///< the same by Scene::replace, for what that would cost
   void answer(const Solver&, const State&) override {}
@@ -62,7 +62,7 @@ class MovedParticles final : public HapticScene {
 /// 50 mm down and comes out again (in a low body less deep).
 class ProbeAndNeedle final : public HapticScene {
  public:
-  explicit ProbeAndNeedle(int particles);
+  ProbeAndNeedle(int particles, bool warped);
   void drive(double date) override;
   void answer(const Solver& solver, const State& state) override;
   std::string what() const override { return "a ball of 2 cm and a needle"; }

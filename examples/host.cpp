@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT
+//
+// A simulator's host in small: a device's loop moves a tool and steps the tissue once a millisecond, pictures are made
+// from copies in a thread of their own, a region gets softer while all goes on, and the last half second is undone.
+// The hand is a formula here. docs/hosting.md goes through it.
+//   host [seconds]
+#include <phymul/phymul.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <future>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "ellipsoid_body.h"
+
+namespace {
+
+using namespace phymul;
+using Clock = std::chrono::steady_clock;
+
+constexpr double tick = 1e-3;  // s, of the device
+constexpr int substeps = 4;
+
+/// What pictures are made of. Only positions cross from one thread to the other, and by copy: a solver, its scene and
+/// handles belong to the thread that steps.
+class Frames {
+ public:
+  void give(const VecList& position) {
+    const std::lock_guard lock(mutex_);
+    position_ = position;
+  }
+  void take(VecList& position) {
+    const std::lock_guard lock(mutex_);
+    position = position_;
+  }
+
+ private:
+  std::mutex mutex_;
+  VecList position_;
+};
+
+/// Model, scene and solver point to one another, so they are made in one place and stay there.
+struct Tissue {
+  Model model;
+  std::optional<Scene> scene;
+  std::unique_ptr<Solver> solver;
+
+  explicit Tissue(double tumour_young) : model(make_ellipsoid({.semi_axes = {0.08, 0.06, 0.04}, .organ_layers = 3})) {
+    const auto near = [this](const Vec3& place, double reach) {
+      std::vector<Index> rows;
+      for (Index i = 0; i < model.particle_count(); ++i) {
+        if ((model.rest[i] - place).norm() < reach) rows.push_back(i);
+      }
+      return rows;
+    };
+    model.add_group("ligament", near({-0.08, 0, 0}, 0.03));
+    model.add_group("tumour", near({0.02, 0, 0.02}, 0.02));
+    set_material(model, {.young = 6e3, .poisson = 0.45, .density = 1060});
+    set_material(model, {.young = tumour_young, .poisson = 0.45, .density = 1060}, "tumour");
+    scene.emplace(model);
+    scene->fix("ligament");
+    SolverOptions options;
+    options.damping.rate = 20;  // 1/s
+    options.threads = 1;
+    solver = make_solver("cpu", model, *scene, {.cell_average = 0.9}, options);
+  }
+
+  void add_gripper(const ToolPose& pose) {
+    scene->add_tool("gripper", {.shape = Sphere{0.008}, .pose = pose, .friction = 0.3});
+  }
+};
+
+/// Goes down on the organ, up with what it holds, and down again.
+Vec3 hand_at(double time) {
+  const double way = time < 0.4 ? -0.025 * time / 0.4 : -0.025 + 0.015 * std::sin((time - 0.4) * 2.0);
+  return {0.02, 0, 0.06 + way};
+}
+
+void draw_until(const std::atomic<bool>& over, Frames& frames, const Model& model, int& drawn) {
+  const auto triangles = surface_triangles(model);
+  VecList position, normal;
+  while (!over) {
+    frames.take(position);
+    if (!position.empty()) {
+      surface_normals(triangles, position, normal);  // and here triangles, positions and normals go to the screen
+      ++drawn;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(16));
+  }
+}
+
+int run(double seconds) {
+  auto tissue = std::make_unique<Tissue>(3e4);
+  const Model drawn_model = tissue->model;  // the thread that draws has a copy of its own
+  tissue->add_gripper({.position = hand_at(0)});
+  ToolHandle gripper = tissue->scene->tool("gripper");
+  VirtualCoupling coupling({}, gripper.pose());
+  StateHistory history(100, 64 << 20);  // a state every 100 steps, 64 MB
+  std::future<std::unique_ptr<Tissue>> softer;
+
+  Frames frames;
+  std::atomic<bool> over{false};
+  int drawn = 0;
+  std::thread pictures([&] { draw_until(over, frames, drawn_model, drawn); });
+  const auto stop = [&] {
+    over = true;
+    pictures.join();
+  };
+
+  State state;
+  double largest = 0.0;
+  int changed = -1;  // tick
+  const int ticks = static_cast<int>(seconds / tick);
+  auto due = Clock::now();
+  // As long as asked for, and until the change has come and been lived with for a fifth of a second.
+  for (int k = 0; k < ticks || changed < 0 || k < changed + 200; ++k) {
+    const double time = k * tick;
+    const ToolPose hand{.position = hand_at(time), .velocity = (hand_at(time + tick) - hand_at(time)) / tick};
+    const ToolForce& felt = tissue->solver->tool_force(gripper);
+    gripper.pose(coupling.follow(hand, felt.mean_force, felt.mean_torque, tick));
+    if (k == ticks / 3) gripper.grasp(0.003);
+    if (k == 5 * ticks / 6) gripper.release();
+
+    const StepReport report = tissue->solver->step(substeps, tick / substeps);
+    if (!report.ok()) {  // the last good state is kept
+      stop();
+      std::puts(report.message().c_str());
+      return 1;
+    }
+    largest = std::max(largest, coupling.force().norm());  // which goes to the device
+    history.follow(*tissue->solver, report);
+    tissue->solver->read(state);
+    frames.give(state.position);
+
+    // Another stiffness: a tissue made anew beside, which takes the state over in between two ticks.
+    if (k == ticks / 2) {
+      softer = std::async(std::launch::async, [] { return std::make_unique<Tissue>(3e3); });
+    }
+    if (softer.valid() && softer.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+      std::unique_ptr<Tissue> next = softer.get();
+      next->add_gripper(tissue->solver->tool_pose(gripper));
+      next->solver->reset(state);  // what the gripper holds is in it
+      gripper = next->scene->tool("gripper");
+      tissue = std::move(next);
+      history.clear();  // states of other tables
+      changed = k;
+    }
+    due += std::chrono::milliseconds(1);
+    std::this_thread::sleep_until(due);
+  }
+  stop();
+
+  const double end = state.time;
+  const bool undone = history.rewind(*tissue->solver, end - 0.1);
+  coupling.reset(tissue->solver->tool_pose(gripper));  // or the hand would be pulled to where the tool was
+  tissue->solver->read(state);
+  std::printf("%d particles, %.3f s, %d pictures; at most %.2f N on the hand\n", tissue->model.particle_count(), end,
+              drawn, largest);
+  std::printf("other stiffness asked for at %.3f s, in force from %.3f s\n", ticks / 2 * tick, changed * tick);
+  std::printf("%s to %.3f s\n", undone ? "gone back" : "could not go back", state.time);
+  return undone && largest > 0.0 ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  return run(argc > 1 ? std::atof(argv[1]) : 3.0);
+} catch (const phymul::Error& error) {
+  std::puts(error.what());
+  return 1;
+}
