@@ -6,10 +6,19 @@
 #include <sstream>
 
 #include "expression.h"
+#include "usage.h"
 
 namespace phymul::bench {
 
-Arguments::Arguments(int argc, char** argv, std::map<std::string, std::string> known) : values_(std::move(known)) {
+bool prints_usage(int argc, char** argv, const std::string& program, const std::string& about,
+                  const KnownArguments& known) {
+  std::string usage = program + " [--name value] ...\n" + about + "\nNames, and what holds where one is not given:\n";
+  for (const auto& [name, value] : known) usage += "  --" + name + (value.empty() ? "" : ' ' + value) + '\n';
+  usage.pop_back();  // puts() ends the line
+  return prints_usage(argc, argv, usage.c_str());
+}
+
+Arguments::Arguments(int argc, char** argv, KnownArguments known) : values_(std::move(known)) {
   std::string names;
   for (const auto& [name, value] : values_) names += " --" + name + " (" + value + ")";
   for (int k = 1; k < argc; k += 2) {

@@ -9,10 +9,17 @@
 
 namespace phymul::bench {
 
+/// Names of a program's arguments, and what stands where one is not given.
+using KnownArguments = std::map<std::string, std::string>;
+
+/// Where an argument asks for help, prints how to call `program`, `about` and the names, and says true.
+bool prints_usage(int argc, char** argv, const std::string& program, const std::string& about,
+                  const KnownArguments& known);
+
 class Arguments {
  public:
-  /// `known`: names and what stands where one is not given. Throws Error for an argument that is none of them.
-  Arguments(int argc, char** argv, std::map<std::string, std::string> known);
+  /// Throws Error for an argument that is none of the known ones.
+  Arguments(int argc, char** argv, KnownArguments known);
 
   const std::string& text(const std::string& name) const { return values_.at(name); }
   double number(const std::string& name) const;
@@ -20,7 +27,7 @@ class Arguments {
   std::vector<double> numbers(const std::string& name) const;
 
  private:
-  std::map<std::string, std::string> values_;
+  KnownArguments values_;
 };
 
 }  // namespace phymul::bench

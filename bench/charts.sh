@@ -17,6 +17,10 @@ while [ $# -gt 0 ]; do
     --methods) methods=$2; shift ;;
     --backends) backends=$2; shift ;;
     --wall-cap) wall_cap=$2; shift ;;
+    --help | -h)
+      sed -n "4,7s/^# *//p" bench/charts.sh
+      exit 0
+      ;;
     *)
       echo "charts.sh: unknown argument \"$1\"; see its first lines" >&2
       exit 2

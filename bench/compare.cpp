@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "usage.h"
+
 namespace {
 
 struct Options {
@@ -130,6 +132,13 @@ std::map<std::string, Compared> measured(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) try {
+  if (phymul::bench::prints_usage(
+          argc, argv,
+          "compare [--runs N] [--time real_time|cpu_time] [--fail-above RATIO] A B [arguments of both]\n"
+          "Runs two builds of one bench of Google Benchmark in turns and prints the ratio of B's times to A's:\n"
+          "below 1, B is faster. Ends with 3 where a median is above RATIO and no run was below 1.")) {
+    return 0;
+  }
   const Options options = read_options(argc, argv);
   std::printf("A: %s\nB: %s\n%d runs of each, in turns; B : A of %s\n\n%-60s %12s %8s %8s %8s\n",
               options.programs[0].c_str(), options.programs[1].c_str(), options.runs, options.column.c_str(), "",

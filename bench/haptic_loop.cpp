@@ -20,6 +20,7 @@
 #include "machine_ceilings.h"
 #include "paced_ticks.h"
 #include "plain_ticks.h"
+#include "usage.h"
 
 namespace {
 
@@ -185,6 +186,12 @@ void run(const Wish& wish) {
 }  // namespace
 
 int main(int argc, char** argv) try {
+  if (phymul::bench::prints_usage(
+          argc, argv,
+          "haptic_loop [seconds >= 0.001] [particles >= 64] [threads >= 0] [moved|needle] [steps a tick >= 1]\n"
+          "A haptic device moves a soft block once a millisecond: how late the answers are, and what they cost.")) {
+    return 0;
+  }
   Wish wish;
   if (argc > 1) wish.seconds = std::atof(argv[1]);
   if (argc > 2) wish.particles = std::atoi(argv[2]);

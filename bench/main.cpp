@@ -6,6 +6,8 @@
 
 #include <string_view>
 
+#include "usage.h"
+
 namespace {
 
 /// What Google Benchmark's own reporter prints, and a memory of errors.
@@ -38,6 +40,8 @@ bool take_option(int& argc, char** argv, std::string_view option) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // Google Benchmark goes on with its own options, and ends the program.
+  phymul::bench::prints_usage(argc, argv, "phymul_bench [--fail-on-error: a bench that could not run is a failure]");
   const bool fail_on_error = take_option(argc, argv, "--fail-on-error");
   benchmark::AddCustomContext("phymul", PHYMUL_VERSION);
   benchmark::AddCustomContext("phymul build", PHYMUL_BENCH_BUILD);

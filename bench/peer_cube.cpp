@@ -47,15 +47,22 @@ class Run {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  const Arguments arguments(argc, argv,
-                            {{"out", "soft_cube.csv"},
+  const KnownArguments known{{"out", "soft_cube.csv"},
                              {"side", "10"},
                              {"backends", ""},
                              {"reference-steps", "5000"},
                              {"steps", "40,50,70,100,200,400,1000,2000,4000,10000"},
                              {"slow-steps", "2000"},  // most for "reference", which is written to be read
                              {"bullet-steps", "5,10,20,50,100,200"},
-                             {"repeats", "5"}});
+                             {"repeats", "5"}};
+  if (prints_usage(argc, argv, "peer_cube",
+                   "Error against time on a soft cube of springs: this library's backends, and Bullet where it was\n"
+                   "found. Lists are separated by commas. slow-steps: most steps for the backend reference; repeats:\n"
+                   "runs, of which the fastest counts.",
+                   known)) {
+    return 0;
+  }
+  const Arguments arguments(argc, argv, known);
   CsvFile file(arguments.text("out"), columns);
   const Model cube = make_soft_cube(static_cast<int>(arguments.number("side")));
   Run run(file, cube, static_cast<int>(arguments.number("repeats")));

@@ -191,8 +191,7 @@ void write_rates(const std::string& path, int most_particles) {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  const Arguments arguments(argc, argv,
-                            {{"limits", ""},
+  const KnownArguments known{{"limits", ""},
                              {"recovery", ""},
                              {"rates", ""},
                              {"backends", "cpu"},
@@ -202,7 +201,15 @@ int main(int argc, char** argv) try {
                              {"valences", "6,14,18,26"},
                              {"steps", "12000"},
                              {"step-share", "0.5"},
-                             {"most-particles", "300"}});
+                             {"most-particles", "300"}};
+  if (prints_usage(argc, argv, "stability_atlas",
+                   "Where methods stop being stable. limits, recovery, rates: CSV files to write, those that are\n"
+                   "given. cells: along a cube's side; steps, step-share (of the limit): of a recovery;\n"
+                   "most-particles: of bodies whose growth is measured.",
+                   known)) {
+    return 0;
+  }
+  const Arguments arguments(argc, argv, known);
   const int cells = static_cast<int>(arguments.number("cells"));
   if (!arguments.text("rates").empty()) {
     write_rates(arguments.text("rates"), static_cast<int>(arguments.number("most-particles")));

@@ -15,6 +15,10 @@ while [ $# -gt 0 ]; do
     --draw-only) draw_only=yes ;;
     --out) out=$2; shift ;;
     --sizes | --variants | --backends | --cap) arguments="$arguments $1 $2"; shift ;;
+    --help | -h)
+      sed -n "4,7s/^# *//p" bench/sweep.sh
+      exit 0
+      ;;
     *)
       echo "sweep.sh: unknown argument \"$1\"; see its first lines" >&2
       exit 2

@@ -117,13 +117,20 @@ void equivalence(CsvFile& file, const std::vector<std::string>& backends, const 
 }  // namespace
 
 int main(int argc, char** argv) try {
-  const Arguments arguments(argc, argv,
-                            {{"order", "order_in_time.csv"},
+  const KnownArguments known{{"order", "order_in_time.csv"},
                              {"equivalence", "equivalence.csv"},
                              {"methods", "springs_18,per_base,cell_averaged,area_exponent"},
                              {"backends", ""},
                              {"finest", "64"},
-                             {"most-steps", "16384"}});
+                             {"most-steps", "16384"}};
+  if (prints_usage(argc, argv, "trajectory_error",
+                   "Error of a trajectory against the step, and how far backends go apart. Lists are separated by\n"
+                   "commas. finest: the smallest step is the stable one over so much; most-steps: of the comparison\n"
+                   "of backends.",
+                   known)) {
+    return 0;
+  }
+  const Arguments arguments(argc, argv, known);
   std::vector<std::string> backends = arguments.list("backends");
   if (backends.empty()) {
     for (const std::string& name : backend_names()) {

@@ -215,8 +215,7 @@ class Run {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  const Arguments arguments(argc, argv,
-                            {{"cases", "bench/reference"},
+  const KnownArguments known{{"cases", "bench/reference"},
                              {"levels", "main"},
                              {"methods", ""},
                              {"backends", ""},
@@ -227,7 +226,15 @@ int main(int argc, char** argv) try {
                              {"wall-cap", "20"},
                              {"rest-accuracy", "1e-4"},
                              {"samples", ""},
-                             {"out", "work_precision.csv"}});
+                             {"out", "work_precision.csv"}};
+  if (prints_usage(argc, argv, "work_precision",
+                   "Error against time of every reference case, model, resolution and backend. Lists are separated\n"
+                   "by commas. cases: files or folders; levels: main, all, or names; steps: in shares of the stable\n"
+                   "one; wall-cap: seconds for a run; samples: a CSV file for displacements.",
+                   known)) {
+    return 0;
+  }
+  const Arguments arguments(argc, argv, known);
   Choice choice;
   choice.methods = arguments.list("methods");
   choice.backends = arguments.list("backends");

@@ -127,5 +127,5 @@ void run(const ExampleOptions& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return run_example(argc, argv, run);
+  return run_example(argc, argv, "A cloth falls on a ball and the floor: forces as CSV, and pictures.", run);
 }

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <numeric>
 
-int run_example(int argc, char** argv, const std::function<void(const ExampleOptions&)>& run) {
+int run_example(int argc, char** argv, const char* about, const std::function<void(const ExampleOptions&)>& run) {
   const std::string name = std::filesystem::path(argv[0]).filename().string();
   try {
     ExampleOptions options;
@@ -17,6 +17,12 @@ int run_example(int argc, char** argv, const std::function<void(const ExampleOpt
         options.quick = true;
       } else if (word == "--out" && k + 1 < argc) {
         options.out = argv[++k];
+      } else if (word == "--help" || word == "-h") {
+        std::printf(
+            "%s [--out DIR] [--quick]\n%s\n"
+            "DIR: the folder to write to, here by default; --quick: coarser bodies and faster tools.\n",
+            name.c_str(), about);
+        return 0;
       } else {
         throw phymul::Error("expected [--out DIR] [--quick], got \"" + word + '"');
       }

@@ -19,8 +19,9 @@ struct ExampleOptions {
   std::string file(const std::string& name) const { return out + '/' + name; }
 };
 
-/// Reads the command line, runs, and says what went wrong: main()'s exit code.
-int run_example(int argc, char** argv, const std::function<void(const ExampleOptions&)>& run);
+/// Reads the command line, runs, and says what went wrong: main()'s exit code. `about`: what --help says of the
+/// example.
+int run_example(int argc, char** argv, const char* about, const std::function<void(const ExampleOptions&)>& run);
 
 /// Throws phymul::Error with the sentence unless it holds: an example's own test.
 void require(bool holds, const std::string& sentence);

@@ -5,11 +5,12 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <string_view>
 
 int main(int argc, char** argv) try {
   if (argc < 3) {
     std::puts("usage: from_pml BODY.pml LOADS.lml [SECONDS]");
-    return 1;
+    return argc == 2 && std::string_view(argv[1]) == "--help" ? 0 : 1;
   }
   const double seconds = argc > 3 ? std::atof(argv[3]) : 1.0;
 

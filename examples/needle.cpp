@@ -166,5 +166,6 @@ void run(const ExampleOptions& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return run_example(argc, argv, run);
+  return run_example(argc, argv,
+                     "A needle goes into a block of liver and comes out: force curves as CSV, and pictures.", run);
 }

@@ -145,6 +145,10 @@ void draw_cylinder(const std::string& folder) {
 
 int main(int argc, char** argv) try {
   const std::string folder = argc > 1 ? argv[1] : "docs/pictures";
+  if (folder == "--help" || folder == "-h") {
+    std::puts("phymul-pictures [FOLDER]\nDraws the pictures of docs/pictures.md, to docs/pictures by default.");
+    return 0;
+  }
   std::filesystem::create_directories(folder);
   draw_tetrahedron(folder);
   draw_cylinder(folder);

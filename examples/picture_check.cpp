@@ -97,6 +97,12 @@ int check_file(const std::string& path) {
 
 int main(int argc, char** argv) try {
   const std::string what = argc > 1 ? argv[1] : "cairo";
+  if (what == "--help" || what == "-h") {
+    std::puts(
+        "picture_check cairo|opengl|FILE.png\n"
+        "Draws a bent block and looks at it, or looks whether a file is painted.");
+    return 0;
+  }
   if (what != "cairo" && what != "opengl") return check_file(what);
   const phymul::Model model = phymul::make_block({0.04, 0.02, 0.02}, 8, 4, 4);
   std::optional<BodyPictures> pictures;

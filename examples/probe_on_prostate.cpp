@@ -6,10 +6,11 @@
 #include "prostate.h"
 
 int main(int argc, char** argv) {
-  return run_example(argc, argv, [](const ExampleOptions& options) {
-    const Prostate prostate(options.quick);
-    std::printf("%d particles\n", prostate.model.particle_count());
-    press_with_probe(prostate, options);
-    insert_in_orders(prostate, options);
-  });
+  return run_example(argc, argv, "A probe and three needles in a prostate: forces as CSV, and pictures.",
+                     [](const ExampleOptions& options) {
+                       const Prostate prostate(options.quick);
+                       std::printf("%d particles\n", prostate.model.particle_count());
+                       press_with_probe(prostate, options);
+                       insert_in_orders(prostate, options);
+                     });
 }

@@ -19,6 +19,10 @@ while [ $# -gt 0 ]; do
       shift
       ;;
     --docs) docs=yes ;;
+    --help | -h)
+      sed -n "4,6s/^# *//p" examples/surgery.sh
+      exit 0
+      ;;
     *)
       echo "surgery.sh: unknown argument \"$1\"; see its first lines" >&2
       exit 2

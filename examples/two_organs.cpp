@@ -125,5 +125,6 @@ void run(const ExampleOptions& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return run_example(argc, argv, run);
+  return run_example(argc, argv, "A soft organ on a stiffer one, a probe and a needle: forces as CSV, and pictures.",
+                     run);
 }

@@ -57,7 +57,7 @@ const ToolState* MovedTool::reset(const SceneTool& wanted, const State& state) {
   place(known ? known->pose : wanted.pose);
   held = known ? known->held : std::vector<Index>{};
   held_at = known ? known->held_at : VecList{};
-  motion.placed = known == nullptr;
+  motion.placed = known == nullptr || known->placed;
   grasps = releases = false;
   seen_moves_ = wanted.moves;
   seen_places_ = wanted.places;
@@ -70,6 +70,7 @@ const ToolState* MovedTool::reset(const SceneTool& wanted, const State& state) {
 void MovedTool::read(ToolState& to) const {
   to.name = name;
   to.pose = report.pose;
+  to.placed = motion.placed;
   to.held = held;
   to.held_at = held_at;
   to.needle = {};

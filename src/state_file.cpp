@@ -15,7 +15,7 @@
 namespace phymul {
 namespace {
 
-constexpr FileKind state_kind{"phymulSt", 2, "a state file"};
+constexpr FileKind state_kind{"phymulSt", 3, "a state file"};
 constexpr const char* body_tag = "body";
 constexpr const char* state_tag = "stat";
 

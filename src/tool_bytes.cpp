@@ -139,6 +139,7 @@ Tool take_tool(ByteReader& in) {
 void put_tool_state(ByteWriter& out, const ToolState& state) {
   out.text(state.name);
   put_pose(out, state.pose);
+  out.u8(state.placed ? 1 : 0);
   out.indices(state.held);
   out.u64(state.held_at.size());
   out.vectors(state.held_at);
@@ -157,6 +158,7 @@ ToolState take_tool_state(ByteReader& in) {
   ToolState state;
   state.name = in.text("a tool's name");
   state.pose = take_pose(in);
+  state.placed = in.u8("whether it was placed") != 0;
   state.held = in.indices("held particles");
   const std::size_t count = in.count(24, "a number of held places");
   if (count != state.held.size()) {

@@ -116,6 +116,7 @@ TEST(StateFile, ExtremeNumbersComeBackBitForBit) {
   ToolState tool;
   tool.name = "probe";
   tool.pose = {{1, 2, 3}, Quaternion(0.5, -0.5, 0.5, -0.5), {4, 5, 6}, {7, 8, 9}};
+  tool.placed = false;
   tool.held = {0};
   tool.held_at = {{1e-3, 0, -0.0}};
   tool.needle = {{{{0}, {0.25}, true}, {{}, {}, false}}, true, true, 1e-5, {{-1e-3, 0.5, -0.0}}};
@@ -130,8 +131,8 @@ TEST(StateFile, ExtremeNumbersComeBackBitForBit) {
   EXPECT_EQ(again, saved);
   EXPECT_TRUE(same_bits(again.snapshot.state, saved.snapshot.state));
   EXPECT_TRUE(same_bits(again.snapshot.displacement, saved.snapshot.displacement));
-  // Little-endian whatever the machine: magic, version 2, and the body's fingerprint at byte 24.
-  EXPECT_EQ(bytes_of(path).substr(0, 16), std::string("phymulSt\2\0\0\0body", 16));
+  // Little-endian whatever the machine: magic, version 3, and the body's fingerprint at byte 24.
+  EXPECT_EQ(bytes_of(path).substr(0, 16), std::string("phymulSt\3\0\0\0body", 16));
   EXPECT_EQ(bytes_of(path).substr(24, 8), "\x10\x32\x54\x76\x98\xba\xdc\xfe");
 }
 
@@ -221,7 +222,7 @@ TEST(StateFile, DamageIsRefusedWithPlaceAndReason) {
   wrong = good;
   wrong[8] = 1;
   EXPECT_EQ(refused(wrong),
-            "s: byte 8: expected version 2 of a state file, got 1; read it with the version of phymul that wrote it");
+            "s: byte 8: expected version 3 of a state file, got 1; read it with the version of phymul that wrote it");
   wrong = good;
   wrong[100] = static_cast<char>(wrong[100] ^ 4);
   EXPECT_NE(refused(wrong).find("expected the checksum 0x"), std::string::npos) << refused(wrong);
@@ -245,7 +246,7 @@ TEST(StateFile, MutantsWithRightChecksumsAreHarmless) {
   const Model model = make_tetrahedron(0.01);
   const Scene scene(model);
   const auto solver = make_solver("cpu", model, scene);
-  const FileKind kind{"phymulSt", 2, "a state file"};
+  const FileKind kind{"phymulSt", 3, "a state file"};
   const std::string good = a_file();
   const std::vector<FileSection> sections = read_sections("s", good, kind);
   const std::string body(sections[0].payload), payload(sections[1].payload);

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: MIT
 """Draws every chart and table from the CSV files of a folder: draw.py FOLDER. See bench/charts.sh."""
+import argparse
 import math
 import os
 import sys
 
 import chart_data as data
+import chart_names as names
 import chart_style as style
 import numpy as np
 from chart_data import number
@@ -53,7 +55,7 @@ def work_precision(out, rows, about):
             style.guide(row_axes[1], x=1e-3, text="one 1 kHz frame")
             style.guide(row_axes[1], x=1.0, text="1 s", linestyle="--")
             quantity = "displacement error |u - u_ref| / |u_ref|" if error == "error" else "force error |R - R_ref| / |R_ref|"
-            row_axes[0].set_ylabel(f"{level[0].replace('_', ', ')}\n{quantity}")
+            row_axes[0].set_ylabel(f"{names.level_text(level[0])}\n{quantity}")
             if failed:
                 note = row_axes[0].annotate("not drawn: " + "; ".join(failed), (0.0, 1.015), xycoords="axes fraction",
                                             fontsize=6, color="#555555", ha="left", annotation_clip=False)
@@ -82,7 +84,7 @@ def convergence(out, rows, samples, about):
     if not panels:
         return {}
     columns = 4
-    figure, grid = plt.subplots(math.ceil(len(panels) / columns), columns, figsize=(12.5, 2.75 * math.ceil(len(panels) / columns)),
+    figure, grid = plt.subplots(math.ceil(len(panels) / columns), columns, figsize=(12.5, 3.0 * math.ceil(len(panels) / columns)),
                                 squeeze=False)
     orders = {}
     for (case, level), axes in zip(panels, grid.flat):
@@ -104,7 +106,7 @@ def convergence(out, rows, samples, about):
         low, high = axes.get_ylim()
         if high < 12 * low:  # a decade at least, so that slopes look alike
             axes.set_ylim(math.sqrt(low * high / 12), math.sqrt(low * high * 12))
-        axes.set_title(f"{case.replace('_', ' ')}, {level.replace('_', ', ')}", fontsize=8, loc="left")
+        axes.set_title(names.panel_title(panels[(case, level)][0]), fontsize=8, loc="left")
         axes.xaxis.set_major_formatter("{x:g}")
         axes.xaxis.set_minor_formatter("{x:g}")
         axes.tick_params(labelsize=7, which="both")
@@ -242,6 +244,6 @@ def main(out):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        sys.exit("usage: draw.py FOLDER")
-    main(sys.argv[1])
+    parser = argparse.ArgumentParser(description="Draws every chart and table from the CSV files of a folder; bench/charts.sh makes them.")
+    parser.add_argument("folder", help="where the CSV files are, and the charts go")
+    main(parser.parse_args().folder)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Draws the force curves of docs/surgery.md from the CSV files of the examples: draw_forces.py FOLDER. See
 examples/surgery.sh."""
+import argparse
 import sys
 
 import chart_data as data
@@ -127,6 +128,6 @@ def main(out):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        sys.exit("usage: draw_forces.py FOLDER")
-    main(sys.argv[1])
+    parser = argparse.ArgumentParser(description="Draws the force curves of docs/surgery.md from the CSV files of a folder; examples/surgery.sh makes them.")
+    parser.add_argument("folder", help="where the CSV files are, and the charts go")
+    main(parser.parse_args().folder)

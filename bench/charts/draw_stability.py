@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Draws the stability atlas from the CSV files of a folder: draw_stability.py FOLDER. See bench/charts.sh."""
+import argparse
 import math
 import sys
 
 import chart_data as data
+import chart_names as names
 import chart_style as style
 from chart_data import number
 from chart_style import plt
@@ -30,7 +32,7 @@ def limits(out, rows, about):
         title, label = QUESTIONS[question]
         calibrated = [r for r in of_question if "nu 0" in r["method"]]
         others = [r for r in of_question if "nu 0" not in r["method"]]
-        panels = [panel for panel in (("k in N/m", others), ("calibrated", calibrated)) if panel[1]]
+        panels = [panel for panel in (("Stiffness given, N/m", others), ("Stiffness by E and Poisson's ratio", calibrated)) if panel[1]]
         figure, grid = plt.subplots(1, len(panels), figsize=(5.4 * len(panels), 4.4), sharey=True, squeeze=False)
         for axes, (name, of_panel) in zip(grid[0], panels):
             for (method,), line in data.groups(of_panel, "method").items():
@@ -44,7 +46,7 @@ def limits(out, rows, about):
                 grows = all(math.isnan(f) for f in found)
                 axes.plot(x, [number(r, "predicted") / u for r, u in zip(line, unit)], **looks)
                 axes.plot(x, found, color=looks["color"], linestyle="none", **marker)
-                axes.plot([], [], label=method + (" (grows at any step)" if grows else ""), **looks, **marker)
+                axes.plot([], [], label=names.stability_text(method) + (" (grows at any step)" if grows else ""), **looks, **marker)
             axes.set(xlabel=label)
             if question in ("stiffness", "mass"):
                 axes.set(xscale="log", yscale="log")
@@ -74,7 +76,7 @@ def recovery(out, rows, about):
                       markerfacecolor="black" if filled else "white", markeredgecolor="black" if row["verdict"] == "returned" else "#666666")
         worst = [number(r, "distance") for r in of_line if r["verdict"] == "returned"]
         count = f"{len(worst)} of {len(of_line)}"
-        labels.append(f"{method}{', ' + backend if several else ''}   {count}")
+        labels.append(f"{names.stability_text(method)}{', ' + backend if several else ''}   {count}")
     for verdict, (marker, filled) in VERDICTS.items():
         axes.plot([], [], marker=marker, color="black", linestyle="none", label=verdict,
                   markerfacecolor="black" if filled else "white")
@@ -96,7 +98,7 @@ def recovery_table(rows):
         worst = max((number(r, "distance") for r in back), default=math.nan)
         others = "; ".join(f"{verdict}: {', '.join(r['state'].replace(', ', ' ') for r in some)}" for (verdict,), some in
                            data.groups([r for r in of_line if r["verdict"] != "returned"], "verdict").items())
-        text += f"| {method} | {backend} | {len(back)} of {len(of_line)} | {'' if math.isnan(worst) else f'{worst:.1g}'} | {others} |\n"
+        text += f"| {names.stability_text(method)} | {backend} | {len(back)} of {len(of_line)} | {'' if math.isnan(worst) else f'{worst:.1g}'} | {others} |\n"
     return text
 
 
@@ -125,6 +127,6 @@ def main(out):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        sys.exit("usage: draw_stability.py FOLDER")
-    main(sys.argv[1])
+    parser = argparse.ArgumentParser(description="Draws the stability atlas from the CSV files of a folder; bench/charts.sh makes them.")
+    parser.add_argument("folder", help="where the CSV files are, and the charts go")
+    main(parser.parse_args().folder)

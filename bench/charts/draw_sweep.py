@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Draws the charts of docs/speed.md from the CSV file of bench/sweep: draw_sweep.py FILE FOLDER. See bench/sweep.sh."""
+import argparse
 import math
-import sys
 
 import chart_data as data
+import chart_names as names
 import chart_style as style
 from chart_data import number
 from chart_style import plt
@@ -11,15 +12,6 @@ from matplotlib.lines import Line2D
 
 # The 2007 thesis, table 3.1: 275 particles, microseconds a step.
 THESIS = {"thesis 2007, CPU": (275, 270e-6, "x"), "thesis 2007, GPU": (275, 314e-6, "+")}
-TITLES = {
-    "springs": "springs, tetrahedral edges",
-    "shared_6_all": "shared, 6 neighbours, all 20 bases",
-    "shared_6_faces": "shared, 6 neighbours, 8 bases",
-    "shared_14_all": "shared, 14 neighbours, all bases",
-    "averaged_6": "averaged, 6 neighbours",
-    "conservative_volume": "conservative + volume, tetrahedra",
-    "cell_averaged": "cell-averaged lattice",
-}
 COLOURS = {"reference": "#000000", "cpu": "#0072B2", "gl": "#D55E00", "gl-compute": "#009E73"}
 MARKERS = {"reference": "o", "cpu": "s", "gl": "^", "gl-compute": "D"}
 
@@ -69,7 +61,7 @@ def draw(rows, about, out, name, title, value, label, scale="log"):
             axes.plot([n], [value({"particles": str(n)}, seconds)], **looks)
             labels[line] = Line2D([], [], **looks)
         axes.set(xscale="log", yscale=scale)
-        axes.set_title(TITLES.get(variant, variant), fontsize=8.5, loc="left")
+        axes.set_title(names.SWEEP_VARIANTS.get(variant, variant), fontsize=8.5, loc="left")
     for axes in cells[len(panels):]:
         axes.axis("off")
     cells[len(panels)].legend(labels.values(), labels.keys(), loc="center left", fontsize=8)
@@ -88,20 +80,25 @@ def draw(rows, about, out, name, title, value, label, scale="log"):
 
 def left_out(rows, path):
     """What is not in the charts, and why, for who reads them."""
-    lines = [f"- {TITLES.get(r['variant'], r['variant'])}, {int(r['particles']):,} particles"
+    lines = [f"- {names.SWEEP_VARIANTS.get(r['variant'], r['variant'])}, {int(r['particles']):,} particles"
              f"{', ' + r['backend'] if r['backend'] else ''}: {r['status']}" for r in rows if r["status"] != "ok"]
     with open(path, "w", encoding="utf-8") as file:
         file.write("\n".join(lines) + ("\n" if lines else ""))
 
 
-def main():
-    rows, about = data.read(sys.argv[1])
-    out = sys.argv[2]
-    draw(rows, about, out, "speed_rate", "Particle-steps a second", lambda r, s: number(r, "particles") / s,
-         "particle-steps / s")
-    draw(rows, about, out, "speed_step", "Time of a step", lambda r, s: s, "s")
-    draw(rows, about, out, "speed_cost", "Cost of a particle-step", lambda r, s: 1e9 * s / number(r, "particles"), "ns")
+def main(file, out):
+    rows, about = data.read(file)
+    draw(rows, about, out, "speed_rate", "Particle-steps a second, by model and backend, over the number of particles",
+         lambda r, s: number(r, "particles") / s, "particle-steps / s")
+    draw(rows, about, out, "speed_step", "Time of a step, by model and backend, over the number of particles", lambda r, s: s, "s")
+    draw(rows, about, out, "speed_cost", "Cost of a particle-step, by model and backend, over the number of particles",
+         lambda r, s: 1e9 * s / number(r, "particles"), "ns")
     left_out(rows, f"{out}/speed_left_out.md")
 
 
-main()
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description="Draws the charts of docs/speed.md; bench/sweep.sh measures them.")
+    parser.add_argument("file", help="the CSV file of bench/sweep")
+    parser.add_argument("folder", help="where the charts go")
+    given = parser.parse_args()
+    main(given.file, given.folder)

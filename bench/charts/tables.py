@@ -3,6 +3,7 @@
 import math
 
 import chart_data as data
+import chart_names as names
 from chart_data import number
 
 
@@ -20,7 +21,7 @@ def cheapest_table(rows):
     """The run that comes to rest soonest within each error."""
     bounds = (0.10, 0.05, 0.02, 0.01)
     text = "| case | " + " | ".join(f"error to {100 * b:.0f} %" for b in bounds) + " |\n|---|" + "---|" * len(bounds) + "\n"
-    for (case, level), of_level in data.groups(rows, "case", "level").items():
+    for of_level in data.groups(rows, "case", "level").values():
         cells = []
         error = data.error_column(of_level)
         for bound in bounds:
@@ -31,7 +32,7 @@ def cheapest_table(rows):
             best = min(good, key=lambda r: number(r, "wall_to_rest"))
             cells.append(f"{best['label']}, {best['particles']} particles, {best['backend']}: {seconds(number(best, 'wall_to_rest'))}"
                          f" ({100 * number(best, error):.2g} %{'' if error == 'error' else ' of the force'})")
-        text += f"| {case.replace('_', ' ')}, {level.replace('_', ', ')} | " + " | ".join(cells) + " |\n"
+        text += f"| {names.case_text(of_level[0])} | " + " | ".join(cells) + " |\n"
     return text
 
 
@@ -45,12 +46,12 @@ def accuracy_table(rows, orders, most_particles=4096):
         good = [r for r in of_level if r["status"] == "ok" and r["method"] in calibrated
                 and int(r["particles"]) <= most_particles and not math.isnan(number(r, error))]
         if not good:
-            text += f"| {case}, {level} | none at rest | | | | | | |\n"
+            text += f"| {names.case_text(of_level[0])} | none at rest | | | | | | |\n"
             continue
         finest = max(int(r["particles"]) for r in good)
         best = min((r for r in good if int(r["particles"]) == finest), key=lambda r: number(r, error))
         order, floor, _ = orders.get((case, level, best["method"]), (math.nan, math.nan, math.nan))
-        text += (f"| {case.replace('_', ' ')}, {level.replace('_', ', ')} | {best['label']} | {best['particles']} "
+        text += (f"| {names.case_text(best)} | {best['label']} | {best['particles']} "
                  f"| {percent(number(best, 'error'), 2)} | {percent(number(best, 'force_error'), 2)} "
                  f"| {percent(number(best, 'null_error'), 1)} | {'at its limit' if math.isinf(order) else '' if math.isnan(order) else f'{order:.1f}'} | {percent(floor, 2)} |\n")
     return text

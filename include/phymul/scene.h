@@ -104,7 +104,8 @@ class ToolHandle {
   /// run_to_rest() it is there after the first step.)
   void pose(const ToolPose& pose) const;
   /// The same at once, without having been in between: nothing is pushed along, and no force says so. Particles that it
-  /// then covers come out in the next step without gaining speed.
+  /// then covers come out in the next step without gaining speed; against a tool with compliance its spring pushes
+  /// them.
   void place(const ToolPose& pose) const;
   const ToolPose& pose() const;  ///< the last one asked for
 
@@ -175,8 +176,9 @@ class Scene {
   /// what changes at every step, as the tool of a haptic device does: three translations with one driven axis each move
   /// a group anywhere.
   Scene& set_events(std::size_t row, std::span<const ValueEvent> events);
-  Scene& add_tool(std::string name,
-                  Tool tool);  ///< throws for a name that is taken, a size or pose that makes no sense
+  /// Throws Error for a name that is taken, a size or pose that makes no sense. Whether solvers step the scene already
+  /// or not, the first step that sees the tool finds it at its first pose as if by ToolHandle::place().
+  Scene& add_tool(std::string name, Tool tool);
   Scene& remove_tool(std::string_view name);
   ToolHandle tool(std::string_view name) &;  ///< throws Error that lists the known names
   const std::vector<SceneTool>& tools() const { return tools_; }

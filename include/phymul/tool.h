@@ -49,7 +49,8 @@ struct ToolPose {
 
 struct Tool {
   ToolShape shape = Sphere{};
-  ToolPose pose{};        ///< where it is at first
+  /// Where it is at first, as if by ToolHandle::place(): what it covers there comes out in the first step.
+  ToolPose pose{};
   double friction = 0.0;  ///< Coulomb's coefficient, sticking and sliding alike
   /// m/N: how far a particle enters per newton on it. 0: not at all, a particle ends each step outside. The spring is
   /// taken at the step's end, so that it is stable however stiff.
@@ -78,6 +79,8 @@ struct ToolReport {
 struct ToolState {
   std::string name{};
   ToolPose pose{};
+  /// No step was taken since it was put there: in the next one particles that it covers come out without gaining speed.
+  bool placed = true;
   std::vector<Index> held{};  ///< particles that it grasps
   VecList held_at{};          ///< [held] their places in the tool's frame, m
   NeedleState needle{};
