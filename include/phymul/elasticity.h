@@ -31,7 +31,8 @@ struct Spectrum {
   double largest_imaginary = 0.0;  ///< of the eigenvalues found, 1/s^2: flutter
 };
 
-/// `fixed` [N] as LoadFrame::fixed, or empty. Throws Error when position is not finite.
+/// `fixed` [N] as LoadFrame::fixed, or empty. Takes two threads where the body is worth it; results do not depend on
+/// them. Throws Error when position is not finite.
 Spectrum estimate_spectrum(const TopologyTextures& topology, std::span<const Vec3> position,
                            std::span<const std::uint8_t> fixed = {});
 

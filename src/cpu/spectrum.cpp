@@ -9,8 +9,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <limits>
 #include <random>
+#include <thread>
 
 namespace phymul {
 namespace {
@@ -27,6 +29,9 @@ constexpr int lanczos_steps = 400;
 constexpr Spectrum out_of_range{.largest = std::numeric_limits<double>::infinity()};
 /// Arnoldi keeps every vector: as many as fit in this many bytes, within [12, 80].
 constexpr double arnoldi_bytes = 4e8;
+/// From so many particles on, forces on both sides of a difference are found side by side: far more work than starting
+/// a thread.
+constexpr Index worth_a_thread = 500;
 
 double rest_spacing(const TopologyTextures& topology) {
   double sum = 0.0;
@@ -53,9 +58,9 @@ class ScaledStiffness {
         position_(position),
         spacing_(rest_spacing(topology)),
         scale_(Vector::Zero(3 * topology.particle_count)),
-        moved_(position.begin(), position.end()),
-        plus_(position.size()),
-        minus_(position.size()) {
+        plus_(position),
+        minus_(position),
+        side_by_side_(topology.particle_count >= worth_a_thread && std::thread::hardware_concurrency() > 1) {
     for (Index i = 0; i < topology.particle_count; ++i) {
       for (int axis = 0; axis < topology.dimension; ++axis) {
         const bool free = fixed.empty() || (fixed[i] >> axis & 1) == 0;
@@ -75,27 +80,39 @@ class ScaledStiffness {
     if (largest == 0.0) return;
     // Truncation falls as step^2, rounding grows as 1/step: 1e-4 of the spacing keeps both near 1e-8.
     const double step = 1e-4 * spacing_ / largest;
-    force_at(direction, step, plus_);
-    force_at(direction, -step, minus_);
+    if (side_by_side_) {
+      auto other = std::async(std::launch::async | std::launch::deferred, [&] { force_at(direction, -step, minus_); });
+      force_at(direction, step, plus_);
+      other.get();
+    } else {
+      force_at(direction, step, plus_);
+      force_at(direction, -step, minus_);
+    }
     for (Index i = 0; i < topology_.particle_count; ++i) {
-      const Vec3 stiffness = (minus_[i] - plus_[i]) / (2.0 * step);
+      const Vec3 stiffness = (minus_.force[i] - plus_.force[i]) / (2.0 * step);
       result.segment<3>(3 * i) = scale_.segment<3>(3 * i).cwiseProduct(stiffness);
     }
   }
 
  private:
-  void force_at(const Vector& direction, double step, VecList& force) {
+  struct Side {
+    explicit Side(std::span<const Vec3> position) : moved(position.begin(), position.end()), force(position.size()) {}
+    VecList moved, force;
+  };
+
+  void force_at(const Vector& direction, double step, Side& side) const {
     for (Index i = 0; i < topology_.particle_count; ++i) {
-      moved_[i] = position_[i] + step * direction.segment<3>(3 * i);
+      side.moved[i] = position_[i] + step * direction.segment<3>(3 * i);
     }
-    elastic_forces(topology_, moved_, force);
+    elastic_forces(topology_, side.moved, side.force);
   }
 
   const TopologyTextures& topology_;
   std::span<const Vec3> position_;
   double spacing_;
   Vector scale_;
-  VecList moved_, plus_, minus_;
+  Side plus_, minus_;
+  bool side_by_side_;
 };
 
 /// Fixed, and from the generator's bits alone: the same on every machine.
