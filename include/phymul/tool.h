@@ -65,6 +65,13 @@ struct ToolForce {
   Vec3 force{0, 0, 0}, torque{0, 0, 0};            ///< of the last step
   Vec3 mean_force{0, 0, 0}, mean_torque{0, 0, 0};  ///< over the steps of the last call of step()
   int particles = 0;                               ///< that it pushed or held in the last step
+
+  // What it grasps: rigidly its own while it does, and felt as its own inertia. Whoever turns the force into the next
+  // pose needs it (VirtualCoupling). Axes are the tool's, from its position; particles with imposed coordinates count
+  // with their whole mass. Zero where it grasps nothing.
+  double held_mass = 0.0;                 ///< kg
+  Vec3 held_centre{0, 0, 0};              ///< m, centre of that mass
+  Mat3 held_inertia = Mat3::Zero();       ///< kg m^2, about the tool's position: sum of m (|q|^2 1 - q q^T)
 };
 
 /// What a solver says of a tool after a step.
