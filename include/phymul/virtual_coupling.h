@@ -20,7 +20,12 @@ struct CouplingOptions {
   double largest_torque = 0.1;     ///< N m to the device
 };
 
-/// Once a tick of the device: follow(), the pose to the tool, step(), force() to the device.
+/// Once a tick of the device: follow(), the pose to the tool, one call of step() over the tick, force() to the device.
+///
+/// What a tool pushes without holding it feels a tick late, and swings for ever where that is heavier than the tool:
+/// mass + dt damping must be above the mass of the particles pushed, for a lattice density times half a spacing times
+/// the area that touches; inertia likewise above theirs about the tool's position. (Taken as held, what is pushed does
+/// not come to rest: it is let go and met again within a tick.)
 class VirtualCoupling {
  public:
   /// The tool starts at the device's pose. Throws Error unless mass, inertia and limits are above 0 and the rest not
