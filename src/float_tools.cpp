@@ -36,6 +36,7 @@ void FloatTools::follow(const Scene& scene) {
     now.push_back(known != tools_.end() ? std::move(*known) : Moving{MovedTool(tool), tool.tool});
   }
   tools_ = std::move(now);
+  mass_ = scene.model().mass;
   fill_laws();
   fill_rest(scene.model().rest);
   fill_held();
@@ -106,7 +107,7 @@ int FloatTools::needle_count() const {
 void FloatTools::reset(const Scene& scene, const State& state) {
   for (std::size_t row = 0; row < tools_.size(); ++row) {
     Moving& tool = tools_[row];
-    const ToolState* const known = tool.moved.reset(scene.tools()[row], state);
+    const ToolState* const known = tool.moved.reset(scene.tools()[row], state, mass_);
     if (needle_radius_of(tool.tool) == 0.0) continue;
     tool.needle = known ? known->needle : NeedleState{};
     tool.moved.report.shaft = tool.needle.shaft;
@@ -153,6 +154,7 @@ void FloatTools::hold(const VecList& position, std::span<const std::uint8_t> fix
       moved.held.push_back(i);
       moved.held_at.push_back(at);
     }
+    moved.weigh_held(mass_);
   }
   fill_held();
 }

@@ -89,6 +89,7 @@ class FloatTools {
 
   std::size_t most_steps_;
   std::vector<Moving> tools_;
+  std::span<const double> mass_;     // kg, the model's
   std::vector<ToolMotion> motions_;  // of a batch ahead
   Vec3 middle_{0, 0, 0};             // m
   std::vector<Float4> laws_, frames_, rest_, held_;

@@ -69,6 +69,7 @@ class TouchedParticles {
 
   double dt() const { return dt_; }
   const FreeStep& step() const { return *step_; }
+  std::span<const double> mass() const { return mass_; }  ///< kg, of all particles
   std::size_t count() const { return touched_.size(); }
   Touched& operator[](std::size_t slot) { return touched_[slot]; }
   /// m/s, with the impulses so far.

@@ -51,7 +51,7 @@ void MovedTool::place(const ToolPose& pose) {
   report.pose = pose;
 }
 
-const ToolState* MovedTool::reset(const SceneTool& wanted, const State& state) {
+const ToolState* MovedTool::reset(const SceneTool& wanted, const State& state, std::span<const double> mass) {
   const auto row = std::ranges::find(state.tools, name, &ToolState::name);
   const ToolState* const known = row != state.tools.end() ? &*row : nullptr;
   place(known ? known->pose : wanted.pose);
@@ -64,6 +64,7 @@ const ToolState* MovedTool::reset(const SceneTool& wanted, const State& state) {
   // A tool that was told to hold before the solver was there, or before it began anew, holds from the first step on.
   seen_grasps_ = wanted.grasping && !known ? wanted.grasps - 1 : wanted.grasps;
   report.force = {};
+  weigh_held(mass);
   return known;
 }
 
@@ -102,6 +103,23 @@ void MovedTool::release() {
   held.clear();
   held_at.clear();
   releases = false;
+  weigh_held({});
+}
+
+void MovedTool::weigh_held(std::span<const double> mass) {
+  double total = 0.0;
+  Vec3 moment = Vec3::Zero();
+  Mat3 inertia = Mat3::Zero();
+  for (std::size_t k = 0; k < held.size(); ++k) {
+    const double m = mass[static_cast<std::size_t>(held[k])];
+    const Vec3& q = held_at[k];
+    total += m;
+    moment += m * q;
+    inertia += m * (q.squaredNorm() * Mat3::Identity() - q * q.transpose());
+  }
+  report.force.held_mass = total;
+  report.force.held_centre = total > 0.0 ? Vec3(moment / total) : Vec3(Vec3::Zero());
+  report.force.held_inertia = inertia;
 }
 
 void MovedTool::accept_pose() {

@@ -7,6 +7,7 @@
 #include <phymul/scene.h>
 #include <phymul/state.h>
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,12 +30,14 @@ struct MovedTool {
   explicit MovedTool(const SceneTool& tool);
 
   /// To what a state says of it, which is returned; null where it says nothing: to where the scene has it.
-  const ToolState* reset(const SceneTool& wanted, const State& state);
+  const ToolState* reset(const SceneTool& wanted, const State& state, std::span<const double> mass);
   void read(ToolState& to) const;  ///< all but needles
   /// A call of `call_steps` steps, above 0, begins: looks for new poses and grasps. `at_once`: poses are reached in the
   /// first step.
   void begin_call(const SceneTool& wanted, int call_steps, bool at_once);
   void release();
+  /// After held has changed. `mass`: of all particles, kg.
+  void weigh_held(std::span<const double> mass);
   void accept_pose();
   /// What so many more steps of the call did to it: in the last one, and summed up.
   void tell(const ToolForce& last, const Vec3& sum_force, const Vec3& sum_torque, int steps);

@@ -52,13 +52,21 @@ bool grows_by_itself(const Spectrum& spectrum) {
   return spectrum.most_negative < 0.0 || spectrum.largest_imaginary > 0.0;
 }
 
-const char* likely_cause(const TopologyTextures& topology, const Spectrum& spectrum, double dt, double limit) {
+const char* likely_cause(const TopologyTextures& topology, const Spectrum& spectrum, double dt, double limit,
+                         bool grasps) {
   if (dt > limit) return "the step is beyond the stable step at rest; make dt smaller";
   if (spectrum.most_negative < 0.0 && topology.options.reaction == Reaction::full && topology.base_count > 0) {
     return "the full reaction gives back more force than it takes and grows without bound at any step; use "
            "Reaction::conservative";
   }
   if (spectrum.most_negative < 0.0) return "this model is unstable at rest at any step; use Reaction::conservative";
+  if (grasps) {
+    return "a tool holds particles and was moved too fast for them. Where its poses come from its forces, what it "
+           "holds "
+           "belongs to that loop, which grows by itself unless it is told of it: VirtualCoupling::follow with the "
+           "whole ToolForce; a smaller dt or more damping does not help. Else the deformation raised the body's "
+           "stiffness, or a load is extreme: halve dt or raise damping";
+  }
   return "the deformation raised the body's stiffness until dt passed its stable step, or a load is extreme; halve dt "
          "or raise damping";
 }
@@ -196,6 +204,13 @@ StepReport Solver::run_to_rest(int max_steps, double dt) {
   return advance(max_steps, dt, true);
 }
 
+bool Solver::any_tool_grasps() const {
+  for (std::size_t row = 0; row < scene_->tools().size(); ++row) {
+    if (do_tool_report(row).force.held_mass > 0.0) return true;
+  }
+  return false;
+}
+
 StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   StepReport report;
   report.time = do_time();
@@ -262,7 +277,7 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   } else if (motion.bad_particle >= 0) {
     report.status = StepStatus::not_finite;
     report.particle = motion.bad_particle;
-    report.cause = likely_cause(*topology_, spectrum_, dt, stable_step_);
+    report.cause = likely_cause(*topology_, spectrum_, dt, stable_step_, any_tool_grasps());
   }
   return report;
 }

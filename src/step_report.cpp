@@ -6,7 +6,7 @@
 namespace phymul {
 
 std::string StepReport::message() const {
-  char text[512];
+  char text[1024];
   int length = 0;
   switch (status) {
     case StepStatus::ok:

@@ -54,6 +54,23 @@ TEST(Tool, PosesDoNotMakeTheSceneNew) {
   EXPECT_NE(scene.version(), version);
 }
 
+/// What a tool says that it holds is what its state says.
+void expect_weighed(const ToolForce& force, const ToolState& state, const Model& model) {
+  double mass = 0.0;
+  Vec3 centre = Vec3::Zero();
+  for (const Index i : state.held) mass += model.mass[i];
+  for (std::size_t k = 0; k < state.held.size(); ++k) centre += model.mass[state.held[k]] / mass * state.held_at[k];
+  EXPECT_NEAR(force.held_mass, mass, 1e-12 * mass);
+  EXPECT_LE((force.held_centre - centre).norm(), 1e-12);
+  for (const Vec3& spin : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0.3, -1, 0.7)}) {
+    double energy = 0.0;  // J, of that spin about the tool's position
+    for (std::size_t k = 0; k < state.held.size(); ++k) {
+      energy += 0.5 * model.mass[state.held[k]] * spin.cross(state.held_at[k]).squaredNorm();
+    }
+    EXPECT_NEAR(0.5 * spin.dot(force.held_inertia * spin), energy, 1e-12 * energy);
+  }
+}
+
 using MovingTool = WithTools;
 PHYMUL_WITH_TOOLS(MovingTool);
 
@@ -115,6 +132,7 @@ TEST_P(MovingTool, HoldsWhatItGraspedAndFeelsItsInertia) {
   EXPECT_EQ(solver->tool_force("jaw").particles, 9);
   const State held = solver->read();
   ASSERT_EQ(held.tools.at(0).held.size(), 9u);
+  expect_weighed(solver->tool_force("jaw"), held.tools[0], model);
 
   const ToolPose turned{.position = {0.05, 0.0, 0.03},
                         .orientation = Quaternion(Eigen::AngleAxisd(0.5, Vec3(1, 2, 3).normalized()))};
@@ -125,10 +143,48 @@ TEST_P(MovingTool, HoldsWhatItGraspedAndFeelsItsInertia) {
     const Vec3 expected = turned.position + turned.orientation * moved.tools[0].held_at[k];
     EXPECT_LE((moved.position[moved.tools[0].held[k]] - expected).norm(), 1e-9 + 16 * roundoff() * 0.05);
   }
+  expect_weighed(solver->tool_force("jaw"), held.tools[0], model);
   scene.tool("jaw").release();
   ASSERT_TRUE(solver->step(100, dt).ok());
   EXPECT_TRUE(solver->read().tools.at(0).held.empty());
+  EXPECT_EQ(solver->tool_force("jaw").held_mass, 0.0);
+  EXPECT_EQ(solver->tool_force("jaw").held_inertia.norm(), 0.0);
   EXPECT_LT((solver->momentum().linear / total_mass(model)).z(), -0.05);
+  solver->reset(held);
+  expect_weighed(solver->tool_force("jaw"), held.tools[0], model);
+}
+
+/// m d / T^2 over a call of T s, however far: who shows that to a hand limits it.
+TEST_P(MovingTool, ThatHoldsFeelsAJumpAsItsLoadsInertia) {
+  const Model model = soft_block({0.02, 0.02, 0.02}, 2, 2, 2);
+  Scene scene(model);
+  scene.add_tool("jaw", {.shape = Sphere{0.02}, .pose = {.position = {0.01, 0.01, 0.01}}});  // all of it
+  const auto solver = make(model, scene);
+  const double dt = 0.3 * solver->stable_step(), seconds = 5 * dt;
+  scene.tool("jaw").grasp(0.0);
+  ASSERT_TRUE(solver->step(5, dt).ok());
+  scene.tool("jaw").pose({.position = {0.11, 0.01, 0.01}});
+  ASSERT_TRUE(solver->step(5, dt).ok());
+  const double inertia = total_mass(model) * 0.1 / (seconds * seconds);
+  EXPECT_NEAR(solver->tool_force("jaw").mean_force.x(), -inertia, 1e-3 * inertia);
+}
+
+TEST_P(MovingTool, AFailureNamesAToolThatHolds) {
+  const Model model = soft_block({0.02, 0.02, 0.02}, 2, 2, 2);
+  Scene scene(model);
+  scene.add_tool("jaw", {.shape = Sphere{0.008}, .pose = {.position = {0.01, 0.01, 0.01}}});
+  const auto solver = make(model, scene);
+  const double dt = 0.3 * solver->stable_step();
+  for (const bool grasps : {false, true}) {
+    if (grasps) scene.tool("jaw").grasp(0.001);
+    ASSERT_TRUE(solver->step(1, dt).ok());
+    scene.tool("jaw").pose({.position = {grasps ? 1e7 : 0.01, 0.01, 0.01}});
+    if (!grasps) scene.gravity({0, 0, -1e16});
+    const StepReport report = solver->step(10, dt);
+    ASSERT_EQ(report.status, StepStatus::not_finite);
+    EXPECT_EQ(has(report.message(), "VirtualCoupling::follow"), grasps) << report.message();
+    scene.gravity({0, 0, 0});
+  }
 }
 
 TEST_P(MovingTool, FixedParticlesAreNotMoved) {

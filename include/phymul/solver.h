@@ -320,6 +320,7 @@ class Solver {
   void follow_scene();
   std::size_t tool_row(std::string_view name) const;
   std::size_t tool_row(const ToolHandle& tool) const;
+  bool any_tool_grasps() const;
   StepReport advance(int n, double dt, bool stop_at_rest);
   Motion run(const StepPlan& plan, StepReport& report);
   Motion run_with_progress(const StepPlan& plan, StepReport& report);

@@ -17,6 +17,7 @@
 namespace phymul {
 
 class DistanceGrid;  // distance_grid.h
+struct Model;        // model.h
 
 /// Not aligned, as all that stands in public structs.
 using Quaternion = Eigen::Quaternion<double, Eigen::DontAlign>;
@@ -56,9 +57,20 @@ struct Tool {
   /// taken at the step's end, so that it is stable however stiff.
   double compliance = 0.0;
   /// m added around the shape. A tool touches particles, not what is between them: one thinner than a spacing slips
-  /// through unless its margin makes up for it.
+  /// through, without a force, unless its margin makes up for it: least_margin().
   double margin = 0.0;
 };
+
+/// m: the least Tool::margin with which no tool of this shape passes between the particles of the model's surface
+/// without touching one. What goes through the surface goes through one of its triangles, and no point of a triangle is
+/// farther from its nearest corner than the covering radius (of one without an obtuse angle that of the circle through
+/// its corners; half the longest edge would be too little for an equilateral one). So the margin is the largest
+/// covering radius, times `stretch`, less the shape's least radius: of a Sphere or a Capsule its radius, of a Box its
+/// smallest half size, of a DistanceGrid 0, as it may be thin anywhere. 0 for a HalfSpace, and for a Needle, which
+/// looks for the surface's triangles itself. `stretch`: by how much the surface's edges grow, above all where the tool
+/// itself parts them; 1 is for the rest shape. Throws Error for a model without a surface and a stretch that is not
+/// above 0.
+double least_margin(const Model& model, const ToolShape& shape, double stretch = 1.0);
 
 /// What the particles do to a tool, as a hand that holds it would feel it: N, and N m about the tool's position. (The
 /// tool itself has neither mass nor weight.)
@@ -66,6 +78,13 @@ struct ToolForce {
   Vec3 force{0, 0, 0}, torque{0, 0, 0};            ///< of the last step
   Vec3 mean_force{0, 0, 0}, mean_torque{0, 0, 0};  ///< over the steps of the last call of step()
   int particles = 0;                               ///< that it pushed or held in the last step
+
+  // What it grasps: rigidly its own while it does, and felt as its own inertia. Whoever turns the force into the next
+  // pose needs it (VirtualCoupling). Axes are the tool's, from its position; particles with imposed coordinates count
+  // with their whole mass. Zero where it grasps nothing.
+  double held_mass = 0.0;            ///< kg
+  Vec3 held_centre{0, 0, 0};         ///< m, centre of that mass
+  Mat3 held_inertia = Mat3::Zero();  ///< kg m^2, about the tool's position: sum of m (|q|^2 1 - q q^T)
 };
 
 /// What a solver says of a tool after a step.

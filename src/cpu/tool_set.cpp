@@ -73,7 +73,7 @@ void ToolSet::follow(const Scene& scene) {
 void ToolSet::reset(const Scene& scene, const State& state) {
   for (std::size_t row = 0; row < tools_.size(); ++row) {
     Moving& tool = tools_[row];
-    const ToolState* const known = tool.moved.reset(scene.tools()[row], state);
+    const ToolState* const known = tool.moved.reset(scene.tools()[row], state, scene.model().mass);
     if (tool.needle) {
       tool.needle->restore(known ? known->needle : NeedleState{});
       tool.moved.report.shaft = tool.needle->state().shaft;
@@ -121,6 +121,7 @@ void ToolSet::take_hold(Moving& tool, TouchedParticles& touched) {
     tool.moved.held.push_back(i);
     tool.moved.held_at.push_back(q);
   }
+  tool.moved.weigh_held(touched.mass());
 }
 
 /// The impulse that takes each held particle to its place in the frame of the step's end.
