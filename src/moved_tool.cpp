@@ -51,18 +51,19 @@ void MovedTool::place(const ToolPose& pose) {
   report.pose = pose;
 }
 
-const ToolState* MovedTool::reset(const SceneTool& wanted, const State& state) {
+const ToolState* MovedTool::reset(const SceneTool& wanted, const State& state, bool first) {
   const auto row = std::ranges::find(state.tools, name, &ToolState::name);
   const ToolState* const known = row != state.tools.end() ? &*row : nullptr;
   place(known ? known->pose : wanted.pose);
   held = known ? known->held : std::vector<Index>{};
   held_at = known ? known->held_at : VecList{};
+  report.held = static_cast<int>(held.size());
   motion.placed = known == nullptr;
   grasps = releases = false;
   seen_moves_ = wanted.moves;
   seen_places_ = wanted.places;
-  // A tool that was told to hold before the solver was there, or before it began anew, holds from the first step on.
-  seen_grasps_ = wanted.grasping && !known ? wanted.grasps - 1 : wanted.grasps;
+  // A tool that was told to hold before the solver was there holds from the first step on.
+  seen_grasps_ = wanted.grasping && first && !known ? wanted.grasps - 1 : wanted.grasps;
   report.force = {};
   return known;
 }
@@ -97,9 +98,16 @@ void MovedTool::begin_call(const SceneTool& wanted, int call_steps, bool at_once
   grasp_distance = wanted.grasp_distance;
 }
 
+void MovedTool::take_hold(Index particle, const Vec3& at) {
+  held.push_back(particle);
+  held_at.push_back(at);
+  report.held = static_cast<int>(held.size());
+}
+
 void MovedTool::release() {
   held.clear();
   held_at.clear();
+  report.held = 0;
   releases = false;
 }
 

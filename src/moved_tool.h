@@ -28,12 +28,14 @@ struct ToolMotion {
 struct MovedTool {
   explicit MovedTool(const SceneTool& tool);
 
-  /// To what a state says of it, which is returned; null where it says nothing: to where the scene has it.
-  const ToolState* reset(const SceneTool& wanted, const State& state);
+  /// To what a state says of it, which is returned; null where it says nothing: to where the scene has it, holding
+  /// nothing. Grasps asked for count as done, but by a solver that is being made: `first`.
+  const ToolState* reset(const SceneTool& wanted, const State& state, bool first);
   void read(ToolState& to) const;  ///< all but needles
   /// A call of `call_steps` steps, above 0, begins: looks for new poses and grasps. `at_once`: poses are reached in the
   /// first step.
   void begin_call(const SceneTool& wanted, int call_steps, bool at_once);
+  void take_hold(Index particle, const Vec3& at);  ///< m, in the tool's frame
   void release();
   void accept_pose();
   /// What so many more steps of the call did to it: in the last one, and summed up.
@@ -42,7 +44,7 @@ struct MovedTool {
   std::uint64_t id = 0;
   std::string name;
   ToolMotion motion;
-  ToolReport report;                      // pose of the state, force of the last step
+  ToolReport report;                      // pose and hold of the state, force of the last step
   bool grasps = false, releases = false;  // in the next step
   double grasp_distance = 0.0;            // m
   std::vector<Index> held;
