@@ -13,10 +13,10 @@
 #include <utility>
 
 #include "decimal.h"
-#include "model_fingerprint.h"
 #include "profile.h"
 #include "solver_input.h"
 #include "tool_state.h"
+#include "topology_match.h"
 
 namespace phymul {
 namespace {

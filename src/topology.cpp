@@ -4,7 +4,7 @@
 
 #include "calibrated_bases.h"
 #include "decimal.h"
-#include "model_fingerprint.h"
+#include "topology_match.h"
 #include "topology_terms.h"
 #include "transpose.h"
 

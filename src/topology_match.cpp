@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "model_fingerprint.h"
+#include "topology_match.h"
 
 #include <phymul/error.h>
 
