@@ -56,12 +56,6 @@ TEST(TopologyOfAChangedModel, IsRefusedWithWhatHasChanged) {
   EXPECT_TRUE(has(after(model, material(6e3, 0.45)), "build them anew with build_topology"));
   EXPECT_TRUE(has(after(model,
                         [](Model& m) {
-                          set_material(m, {6e4, 0.3, soft.density}, "x0");
-                        }),
-                  "(no error)"))
-      << "a face has no cells of its own";
-  EXPECT_TRUE(has(after(model,
-                        [](Model& m) {
                           m.materials.push_back({6e4, 0.3, soft.density});
                           m.cells.back().material = 1;
                         }),
