@@ -107,11 +107,12 @@ int FloatTools::needle_count() const {
 void FloatTools::reset(const Scene& scene, const State& state) {
   for (std::size_t row = 0; row < tools_.size(); ++row) {
     Moving& tool = tools_[row];
-    const ToolState* const known = tool.moved.reset(scene.tools()[row], state, mass_);
+    const ToolState* const known = tool.moved.reset(scene.tools()[row], state, mass_, !was_reset_);
     if (needle_radius_of(tool.tool) == 0.0) continue;
     tool.needle = known ? known->needle : NeedleState{};
     tool.moved.report.shaft = tool.needle.shaft;
   }
+  was_reset_ = true;
   fill_held();
 }
 
@@ -151,8 +152,7 @@ void FloatTools::hold(const VecList& position, std::span<const std::uint8_t> fix
     for (const auto& [i, at] : within_reach(tool.tool, moved.motion.pose, moved.grasp_distance, position)) {
       const int axes = (fixed.empty() ? 0 : fixed[static_cast<std::size_t>(i)]) | (plane ? 4 : 0);
       if (axes == 7 || held_by_any(i)) continue;
-      moved.held.push_back(i);
-      moved.held_at.push_back(at);
+      moved.take_hold(i, at);
     }
     moved.weigh_held(mass_);
   }

@@ -95,6 +95,7 @@ class FloatTools {
   std::vector<Float4> laws_, frames_, rest_, held_;
   std::size_t frames_filled_ = 0;
   std::vector<float> grid_values_;
+  bool was_reset_ = false;     // the first reset is that of a solver being made
   mutable ToolReport unseen_;  // of a tool that follow() has not seen yet
 };
 

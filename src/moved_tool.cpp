@@ -51,18 +51,20 @@ void MovedTool::place(const ToolPose& pose) {
   report.pose = pose;
 }
 
-const ToolState* MovedTool::reset(const SceneTool& wanted, const State& state, std::span<const double> mass) {
+const ToolState* MovedTool::reset(const SceneTool& wanted, const State& state, std::span<const double> mass,
+                                  bool first) {
   const auto row = std::ranges::find(state.tools, name, &ToolState::name);
   const ToolState* const known = row != state.tools.end() ? &*row : nullptr;
   place(known ? known->pose : wanted.pose);
   held = known ? known->held : std::vector<Index>{};
   held_at = known ? known->held_at : VecList{};
   motion.placed = known == nullptr || known->placed;
+  report.held = static_cast<int>(held.size());
   grasps = releases = false;
   seen_moves_ = wanted.moves;
   seen_places_ = wanted.places;
-  // A tool that was told to hold before the solver was there, or before it began anew, holds from the first step on.
-  seen_grasps_ = wanted.grasping && !known ? wanted.grasps - 1 : wanted.grasps;
+  // A tool that was told to hold before the solver was there holds from the first step on.
+  seen_grasps_ = wanted.grasping && first && !known ? wanted.grasps - 1 : wanted.grasps;
   report.force = {};
   weigh_held(mass);
   return known;
@@ -99,9 +101,16 @@ void MovedTool::begin_call(const SceneTool& wanted, int call_steps, bool at_once
   grasp_distance = wanted.grasp_distance;
 }
 
+void MovedTool::take_hold(Index particle, const Vec3& at) {
+  held.push_back(particle);
+  held_at.push_back(at);
+  report.held = static_cast<int>(held.size());
+}
+
 void MovedTool::release() {
   held.clear();
   held_at.clear();
+  report.held = 0;
   releases = false;
   weigh_held({});
 }

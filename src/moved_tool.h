@@ -29,12 +29,14 @@ struct ToolMotion {
 struct MovedTool {
   explicit MovedTool(const SceneTool& tool);
 
-  /// To what a state says of it, which is returned; null where it says nothing: to where the scene has it.
-  const ToolState* reset(const SceneTool& wanted, const State& state, std::span<const double> mass);
+  /// To what a state says of it, which is returned; null where it says nothing: to where the scene has it, holding
+  /// nothing. Grasps asked for count as done, but by a solver that is being made: `first`. `mass`: of all particles, kg.
+  const ToolState* reset(const SceneTool& wanted, const State& state, std::span<const double> mass, bool first);
   void read(ToolState& to) const;  ///< all but needles
   /// A call of `call_steps` steps, above 0, begins: looks for new poses and grasps. `at_once`: poses are reached in the
   /// first step.
   void begin_call(const SceneTool& wanted, int call_steps, bool at_once);
+  void take_hold(Index particle, const Vec3& at);  ///< m, in the tool's frame
   void release();
   /// After held has changed. `mass`: of all particles, kg.
   void weigh_held(std::span<const double> mass);
@@ -45,7 +47,7 @@ struct MovedTool {
   std::uint64_t id = 0;
   std::string name;
   ToolMotion motion;
-  ToolReport report;                      // pose of the state, force of the last step
+  ToolReport report;                      // pose and hold of the state, force of the last step
   bool grasps = false, releases = false;  // in the next step
   double grasp_distance = 0.0;            // m
   std::vector<Index> held;

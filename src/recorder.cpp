@@ -52,7 +52,7 @@ RecordedOptions recorded_options(const Solver& solver) {
 
 Recorder::Recorder(Solver& solver, const Scene& scene) : solver_(solver), scene_(scene) {
   if (&scene.model() != &solver.model()) throw Error("Recorder: the scene was made for another model");
-  recording_.body = fingerprint(solver.topology());
+  recording_.body = solver.body();
   recording_.backend = solver.name();
   recording_.device = solver.device();
   recording_.options = recorded_options(solver);

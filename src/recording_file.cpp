@@ -98,6 +98,7 @@ Recording read_recording_bytes(std::string_view bytes, const std::string& name) 
   ByteReader head = reader(0), start = reader(1), inputs = reader(3);
   take_head(head, recording);
   recording.start = take_snapshot(start);
+  recording.start.body = recording.body;
   start.expect_end("section \"stat\"");
   recording.scene = sections[2].payload;
   recording.inputs = take_inputs(inputs);

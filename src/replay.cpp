@@ -55,7 +55,7 @@ StepInput take_step(const Input& input) {
 Replay::Replay(Recording recording, Solver& solver, Scene& scene)
     : recording_(std::move(recording)), solver_(solver), scene_(scene) {
   if (&scene.model() != &solver.model()) throw Error("Replay: the scene was made for another model");
-  if (fingerprint(solver.topology()) != recording_.body) {
+  if (solver.body() != recording_.body) {
     throw Error(
         "Replay: the recording is of another body: other shape, material, order of particles or options of the "
         "tables; build the one that was recorded");

@@ -8,9 +8,14 @@
 #include <cmath>
 
 #include "decimal.h"
+#include "needle_measures.h"
 
 namespace phymul {
 namespace {
+
+/// Share of a spacing below which a needle's nodes, one every `spread`, are means of the same particles: hundreds of
+/// them, each pair of which a step couples, for curves that a few give.
+constexpr double least_spread = 0.1;
 
 std::string label(std::string_view tool) {
   return "tool \"" + std::string(tool) + "\": ";
@@ -47,6 +52,15 @@ void require_needle(std::string_view tool, const Needle& needle) {
     throw Error(label(tool) + "expected a kinetic friction of at most the static friction " +
                 to_decimal(needle.static_friction) + " N/m, got " + to_decimal(needle.kinetic_friction));
   }
+}
+
+void require_spread(std::string_view tool, double spread, const Model& model) {
+  if (spread == 0.0) return;
+  const double spacing = needle_spacing(model);
+  if (spread >= least_spread * spacing) return;
+  throw Error(label(tool) + "expected a spread of 0 (two spacings), or of 1.7 spacings of this body or more, each " +
+              to_decimal(spacing) + " m; got " + to_decimal(spread) +
+              " m, below a tenth of one. Give a larger spread, or a finer mesh");
 }
 
 struct ShapeCheck {
@@ -89,8 +103,11 @@ Scene& Scene::add_tool(std::string name, Tool tool) {
   require_not_negative(name, "friction", tool.friction);
   require_not_negative(name, "compliance (m/N)", tool.compliance);
   require_not_negative(name, "margin (m)", tool.margin);
-  if (std::holds_alternative<Needle>(tool.shape) && model_->dimension == 2) {
-    throw Error(label(name) + "expected a body in three dimensions: a needle spreads its forces around its shaft");
+  if (const auto* const needle = std::get_if<Needle>(&tool.shape)) {
+    if (model_->dimension == 2) {
+      throw Error(label(name) + "expected a body in three dimensions: a needle spreads its forces around its shaft");
+    }
+    require_spread(name, needle->spread, *model_);
   }
   SceneTool added;
   added.pose = tool.pose = accepted_pose(name, tool.pose);

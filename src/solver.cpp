@@ -5,6 +5,7 @@
 #include <phymul/error.h>
 #include <phymul/monitor.h>
 #include <phymul/solver.h>
+#include <phymul/state_file.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +16,7 @@
 #include "profile.h"
 #include "solver_input.h"
 #include "tool_state.h"
+#include "topology_match.h"
 
 namespace phymul {
 namespace {
@@ -26,19 +28,8 @@ constexpr double runaway_factor = 1e6;
 /// Of request_read.
 constexpr std::size_t most_copies = 3;
 
-/// Tables of a model that has changed since, or of another one as large, would move what nobody sees.
-void require_same_body(const TopologyTextures& topology, const Model& model) {
-  if (topology.particle_count != model.particle_count()) {
-    throw Error("the tables were built for " + std::to_string(topology.particle_count) +
-                " particles, the scene's model has " + std::to_string(model.particle_count()));
-  }
-  for (Index i = 0; i < topology.particle_count; ++i) {
-    const bool same_place = topology.rest[i] == model.rest[i];
-    if (same_place && topology.mass[i] == model.mass[i]) continue;
-    throw Error("the tables were built for another model, or before this one was changed: particle " +
-                std::to_string(i) + " has another " + (same_place ? "mass" : "rest place") +
-                " there; build them anew with build_topology");
-  }
+bool are_finite(const VecList& list) {
+  return std::all_of(list.begin(), list.end(), [](const Vec3& v) { return v.allFinite(); });
 }
 
 bool is_in_plane(const State& state) {
@@ -133,7 +124,7 @@ void Solver::require_fitting(const State& state) const {
   if (topology_->dimension == 2 && !is_in_plane(state)) {
     throw Error("Solver::reset: expected z = 0 in all positions and velocities of a two-dimensional model");
   }
-  require_tool_states(state, topology_->particle_count);
+  require_tool_states(state, topology_->particle_count, scene_->tools());
 }
 
 void Solver::require_supported() const {
@@ -152,9 +143,15 @@ void Solver::reset() {
   reset(rest_state(model()));
 }
 
+std::uint64_t Solver::body() const {
+  if (!body_) body_ = fingerprint(*topology_);
+  return *body_;
+}
+
 Snapshot Solver::snapshot() const {
   Snapshot snapshot;
   do_snapshot(snapshot);
+  snapshot.body = body();
   return snapshot;
 }
 
@@ -166,12 +163,21 @@ void Solver::restore(const Snapshot& snapshot) {
                 std::to_string(snapshot.state.position.size()) + "), or none; got " +
                 std::to_string(snapshot.displacement.size()));
   }
+  if (!are_finite(snapshot.displacement)) {
+    throw Error("Solver::restore: the snapshot has a displacement that is not finite; the solver keeps its state");
+  }
+  if (snapshot.body != 0 && snapshot.body != body()) {
+    throw Error(
+        "Solver::restore: expected a snapshot of this solver's body, got one of another shape, material, order of "
+        "particles or other options of the tables; the solver keeps its state. Restore it into a solver over the same "
+        "tables, or reset() to the snapshot's state where only positions are wanted");
+  }
   if (!(snapshot.last_dt >= 0.0) || !std::isfinite(snapshot.last_dt) || snapshot.steps_at_rest < 0) {
     throw Error("Solver::restore: expected a finite last step of 0 s or more and no negative count of steps at rest");
   }
   follow_scene();
-  copies_.clear();
   do_restore(snapshot);
+  copies_.clear();
 }
 
 void Solver::start(const State& state, double dt) {

@@ -41,6 +41,14 @@ const ToolPose& Solver::tool_pose(std::string_view name) const {
   return do_tool_report(tool_row(name)).pose;
 }
 
+int Solver::held(const ToolHandle& tool) const {
+  return do_tool_report(tool_row(tool)).held;
+}
+
+int Solver::held(std::string_view name) const {
+  return do_tool_report(tool_row(name)).held;
+}
+
 VecList Solver::needle_points(std::string_view name, int count) const {
   const std::size_t row = tool_row(name);
   const auto* const needle = std::get_if<Needle>(&scene_->tools()[row].tool.shape);

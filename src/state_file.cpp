@@ -42,7 +42,7 @@ std::size_t bytes_of(const Snapshot& snapshot) {
 }  // namespace
 
 void save_state(const Solver& solver, const std::string& path) {
-  save_state({fingerprint(solver.topology()), std::string(solver.name()), solver.snapshot()}, path);
+  save_state({solver.body(), std::string(solver.name()), solver.snapshot()}, path);
 }
 
 void save_state(const SavedState& saved, const std::string& path) {
@@ -70,6 +70,7 @@ SavedState read_state_bytes(std::string_view bytes, const std::string& name) {
   body.expect_end("section \"body\"");
   ByteReader state(name, sections[1].payload, sections[1].first_byte);
   saved.snapshot = take_snapshot(state);
+  saved.snapshot.body = saved.body;
   state.expect_end("section \"stat\"");
   return saved;
 }
@@ -88,7 +89,7 @@ void load_state(Solver& solver, const std::string& path) {
                 std::to_string(own_count) + " particles, got one of " + std::to_string(count) +
                 "; load it into a solver of the body it was saved from");
   }
-  const std::uint64_t own = fingerprint(solver.topology());
+  const std::uint64_t own = solver.body();
   if (saved.body != own) {
     throw Error(path + ": byte 24: expected a state of the body " + hexadecimal(own) + ", got one of " +
                 hexadecimal(saved.body) +
@@ -117,6 +118,12 @@ void StateHistory::drop_after(double time) {
 }
 
 void StateHistory::follow(const Solver& solver, const StepReport& report) {
+  if (!states_.empty() && states_.back().body != solver.body()) {
+    throw Error(
+        "StateHistory::follow: expected a solver of the body whose states are kept, got one of another shape, "
+        "material, "
+        "order of particles or other options of the tables; clear() the history, or keep one for each body");
+  }
   drop_after(report.time);
   since_ += report.steps;
   if (!states_.empty() && since_ < every_) return;

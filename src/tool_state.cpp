@@ -41,18 +41,41 @@ bool fits(const ToolState& tool, Index particle_count) {
   });
 }
 
+bool is_needle(const SceneTool& tool) {
+  return std::holds_alternative<Needle>(tool.tool.shape);
+}
+
+constexpr const char* what_to_do =
+    "; give the scene the tool that the state was taken with, another name to this one, or take its entry out of "
+    "State::tools";
+
+void require_fitting_shape(const ToolState& state, const SceneTool& tool) {
+  if (is_needle(tool) && !state.held.empty()) {
+    throw Error("Solver::reset: the state of tool \"" + state.name + "\" holds " + std::to_string(state.held.size()) +
+                " particles, but the scene's tool of that name is a needle, which cannot" + what_to_do);
+  }
+  const bool pierces = !state.needle.hole.empty() || !state.needle.shaft.empty() || state.needle.punctured;
+  if (!is_needle(tool) && pierces) {
+    throw Error("Solver::reset: the state of tool \"" + state.name +
+                "\" has a needle's hole, but the scene's tool of that name is no needle" + what_to_do);
+  }
+}
+
 }  // namespace
 
 bool has_needle(const std::vector<SceneTool>& tools) {
-  return std::ranges::any_of(tools,
-                             [](const SceneTool& own) { return std::holds_alternative<Needle>(own.tool.shape); });
+  return std::ranges::any_of(tools, is_needle);
 }
 
-void require_tool_states(const State& state, Index particle_count) {
+void require_tool_states(const State& state, Index particle_count, const std::vector<SceneTool>& tools) {
   for (const ToolState& tool : state.tools) {
-    if (fits(tool, particle_count)) continue;
-    throw Error("Solver::reset: the state of tool \"" + tool.name +
-                "\" has particles that this model does not have, lists of unlike lengths, or numbers that no tool has");
+    if (!fits(tool, particle_count)) {
+      throw Error(
+          "Solver::reset: the state of tool \"" + tool.name +
+          "\" has particles that this model does not have, lists of unlike lengths, or numbers that no tool has");
+    }
+    const auto own = std::ranges::find(tools, tool.name, &SceneTool::name);
+    if (own != tools.end()) require_fitting_shape(tool, *own);
   }
 }
 

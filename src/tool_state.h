@@ -10,7 +10,8 @@ namespace phymul {
 /// Which fewer backends take than rigid tools.
 bool has_needle(const std::vector<SceneTool>& tools);
 
-/// Throws Error where a tool's part of a state does not fit a model of so many particles.
-void require_tool_states(const State& state, Index particle_count);
+/// Throws Error where a tool's part of a state does not fit a model of so many particles, or is one that the shape of
+/// the scene's tool of that name cannot have.
+void require_tool_states(const State& state, Index particle_count, const std::vector<SceneTool>& tools);
 
 }  // namespace phymul

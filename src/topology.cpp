@@ -4,6 +4,7 @@
 
 #include "calibrated_bases.h"
 #include "decimal.h"
+#include "topology_match.h"
 #include "topology_terms.h"
 #include "transpose.h"
 
@@ -199,6 +200,7 @@ TopologyTextures start(const Model& model, const TopologyOptions& options) {
   TopologyTextures topology;
   topology.options = options;
   topology.dimension = model.dimension;
+  topology.model = model_fingerprint(model);
   topology.particle_count = model.particle_count();
   topology.index_shape = fit_texture(topology.particle_count, options.max_texture_size, "particles");
   topology.index.resize(static_cast<std::size_t>(topology.index_shape.texels()));

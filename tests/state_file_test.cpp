@@ -109,6 +109,7 @@ TEST(StateFile, RestIsFoundAtTheSameStepAfterARestart) {
 TEST(StateFile, ExtremeNumbersComeBackBitForBit) {
   SavedState saved;
   saved.body = 0xfedcba9876543210ull;
+  saved.snapshot.body = saved.body;
   saved.backend = "any";
   saved.snapshot.state.time = 5e-324;
   saved.snapshot.state.position = {{-0.0, 1.7976931348623157e308, 0.1}};

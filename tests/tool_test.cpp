@@ -32,6 +32,7 @@ TEST(Tool, WhatMakesNoSenseIsRefusedByName) {
   EXPECT_TRUE(has(message("a", {.shape = Sphere{1.0}, .pose = {.position = {NAN, 0, 0}}}), "pose of finite numbers"));
   EXPECT_TRUE(has(message("a", {.shape = Sphere{1.0}, .pose = {.orientation = {0, 0, 0, 0}}}), "not zero"));
   EXPECT_TRUE(has(message("a", {.shape = Needle{.puncture = 1.0, .cutting = 2.0}}), "at most the puncture force 1 N"));
+  EXPECT_TRUE(has(message("a", {.shape = Needle{.spread = 0.9e-3}}), "m, below a tenth of one"));
   EXPECT_TRUE(has(message_of([&] { scene.tool("needle"); }), "no tool \"needle\"; it has: probe"));
   EXPECT_EQ(scene.tools().size(), 1u);
   const ToolHandle handle = scene.tool("probe");

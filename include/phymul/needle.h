@@ -30,7 +30,10 @@ struct Needle {
   double kinetic_friction = 10.0;  ///< N per m of inserted shaft that slides; at most `static_friction`
   /// m: how far around the shaft a force on it spreads in the tissue. A force on a point of an elastic body moves that
   /// point by infinitely much, and on a mesh by what the mesh makes of it: a length that is no mesh's is what makes
-  /// curves agree between meshes. At least 1.7 spacings of the body. 0: two spacings.
+  /// curves agree between meshes, from 1.7 spacings of the body on. With less the weights widen until they have
+  /// particles enough, so that a force spreads as far as the mesh makes it and curves are that mesh's; and the hole has
+  /// a point every `spread`, whose number squared is a step's time. Below a tenth of a spacing Scene::add_tool throws
+  /// Error: such points are means of the same particles. 0: two spacings.
   double spread = 0.0;
   /// N m^2: Young's modulus times the section's second moment of area, tube_bending_stiffness(). 0: stiff. The shaft is
   /// a beam clamped in the hub whose tip is free; linear theory, good to deflections of about a tenth of its length.

@@ -20,7 +20,8 @@ namespace phymul {
 enum class LoadType { translation, rotation, force, pressure, acceleration };
 
 /// One value at one date. Between dates the value is linear; 0 before the first, the last one held after the last;
-/// two events on one date make a step (the later listed one holds from that date on).
+/// two events on one date make a step (the later listed one holds from that date on). Dates are of the solver's time
+/// (State::time), whenever the load is added: a ramp that is to begin now begins at StepReport::time of the last step.
 struct ValueEvent {
   double date = 0.0;   ///< s
   double value = 0.0;  ///< SI unit of the load type: m, rad, N, Pa, m/s^2
@@ -109,7 +110,11 @@ class ToolHandle {
   void place(const ToolPose& pose) const;
   const ToolPose& pose() const;  ///< the last one asked for
 
-  /// From the next step on, free particles within `distance` of the surface (or inside) move with the tool.
+  /// From the next step on, free particles within `distance` of the surface (or inside) move with the tool. Imposed
+  /// coordinates win (Scene::fix, translations): a particle with all of them imposed is not taken, another one goes
+  /// with the tool along those that are free, also where they are imposed later. What another tool holds is not taken;
+  /// of tools that grasp in one step, the first in Scene::tools() gets what both reach. The next grasp() adds to what
+  /// is held. Throws Error for a negative distance and for a needle.
   void grasp(double distance) const;
   void release() const;
 
@@ -150,7 +155,7 @@ class Scene {
 
   const Model& model() const { return *model_; }
 
-  Scene& fix(std::string_view group);            ///< holds the group at its rest place, for ever
+  Scene& fix(std::string_view group);            ///< holds the group at its rest place, for ever, against tools too
   Scene& fix(std::span<const Index> particles);  ///< the same for listed particles
   Scene& gravity(const Vec3& acceleration);      ///< m/s^2
   Scene& add(Load load);                         ///< appends a load

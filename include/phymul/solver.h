@@ -21,7 +21,8 @@
 
 namespace phymul {
 
-/// Loss of velocity. A rate gives the same result whatever the step; the raw factor is the thesis' d.
+/// Loss of velocity. A rate gives the same result whatever the step; the raw factor is the thesis' d. It is drag on
+/// motion relative to the world, not to the body: under gravity g a free body at a rate falls at no more than g / rate.
 struct Damping {
   double rate = 0.0;                  ///< 1/s, >= 0: velocity is multiplied by exp(-rate dt) each step
   double factor = 1.0;                ///< raw d per step in [0, 1], on top of the rate; 1 takes nothing
@@ -47,7 +48,8 @@ struct SolverOptions {
   UnstableStep on_unstable = UnstableStep::refuse;
   /// A body rests when, for `rest_steps` steps on end, no free particle's speed times tau exceeds rest_tolerance * h
   /// and no net force over mass times tau^2 does; h is the mean spacing, tau = 1 / omega_max. Independent of dt and
-  /// scale.
+  /// scale. In single precision ("cpu", GL) the first bound is at least 8 x 2^-24 of the body's largest displacement
+  /// over tau, the second as much over tau^2: rounding alone shakes a body that rests displaced so far (DESIGN.md).
   double rest_tolerance = 1e-8;
   int rest_steps = 16;
   /// An elastic force that by itself would move its particle by more than this many mean spacings in one step is cut to
@@ -171,15 +173,24 @@ class Solver {
   std::string_view name() const { return name_; }
   const Model& model() const { return scene_->model(); }
   const TopologyTextures& topology() const { return *topology_; }
+  /// fingerprint() of the tables (state_file.h): computed by the first call of it, or of snapshot() or restore().
+  std::uint64_t body() const;
   const SolverOptions& options() const { return options_; }
 
-  /// Starts from a state; throws Error when its sizes do not fit, a value is not finite, or z is not 0 in a
-  /// two-dimensional model (state untouched then).
+  /// Starts from a state; throws Error when its sizes do not fit, a value is not finite, z is not 0 in a
+  /// two-dimensional model, or a tool of the scene has in State::tools what its shape cannot have: a needle particles
+  /// that it holds, another shape a hole (state untouched then; rename the tool, or take out its entry).
+  ///
+  /// After reset(), restore(), start() and StateHistory::rewind() a tool holds what the state says and nothing else,
+  /// until ToolHandle::grasp() or release() is called after them: a call made before counts as done, whether a step
+  /// has seen it or not. (What was asked for before the solver was made is done at its first step, if none of these
+  /// comes first.)
   void reset(const State& state);
-  void reset();  ///< the rest shape
+  void reset();  ///< the rest shape, no tool holding anything
 
-  /// The state with all that further steps depend on, and back to it. restore() throws as reset() does, and where the
-  /// snapshot has parts that this solver does not know.
+  /// The state with all that further steps depend on, and back to it. restore() throws as reset() does, where the
+  /// snapshot is of another body (Snapshot::body; for its positions alone: reset(snapshot.state)), and where it has
+  /// parts that this solver does not know; the solver is then as it was.
   Snapshot snapshot() const;
   void restore(const Snapshot& snapshot);
   /// reset() to a state whose velocities are those of State::time itself, as a body let go has them: for steps of dt
@@ -231,6 +242,10 @@ class Solver {
   /// of a tool that is gone.
   const ToolForce& tool_force(const ToolHandle& tool) const;
   const ToolPose& tool_pose(const ToolHandle& tool) const;
+  /// How many particles a tool holds now; what grasp() and release() change, they change in the next step. Throw as
+  /// above, never wait for a device.
+  int held(std::string_view name) const;
+  int held(const ToolHandle& tool) const;
   /// Where a needle is: `count` places, 2 or more, evenly along it from the tip to the hub, m. Throws Error for a tool
   /// that is none.
   VecList needle_points(std::string_view name, int count) const;
@@ -333,6 +348,7 @@ class Solver {
   SolverOptions options_;
   LoadFrame frame_;
   std::uint64_t scene_version_ = 0, values_version_ = 0;
+  mutable std::optional<std::uint64_t> body_;
   std::unique_ptr<Profile> profile_;
   int steps_a_slice_ = 1;  // between two looks at the clock, where progress is asked for
   Spectrum spectrum_;
@@ -349,8 +365,9 @@ std::unique_ptr<Solver> make_solver(std::string_view backend, const Model& model
                                     const TopologyOptions& topology = {},
                                     const SolverOptions& options = {}) = delete;  ///< the scene must outlive it
 
-/// The same over tables built before, which any number of solvers may share. Throws Error when the model has changed
-/// since.
+/// The same over tables built before, which any number of solvers may share. Throws Error, with what differs, when
+/// anything that build_topology() read of the model has changed since: rest places, masses, cells, materials,
+/// stiffnesses, neighbours. A copy of the model is as good as the model.
 std::unique_ptr<Solver> make_solver(std::string_view backend, std::shared_ptr<const TopologyTextures> topology,
                                     const Scene& scene, const SolverOptions& options = {});
 std::unique_ptr<Solver> make_solver(std::string_view backend, std::shared_ptr<const TopologyTextures> topology,

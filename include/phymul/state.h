@@ -19,7 +19,7 @@ struct State {
   /// half a step before `time`.
   VecList velocity;
   /// Of the scene's tools. Solver::reset() takes those whose names the scene has; a tool without one starts at the
-  /// scene's pose and holds nothing.
+  /// scene's pose and holds nothing, whatever it was told to grasp before.
   std::vector<ToolState> tools{};
 
   bool operator==(const State&) const = default;
@@ -41,6 +41,9 @@ struct Snapshot {
     bool operator==(const Part&) const = default;
   };
   std::vector<Part> parts;
+  /// Fingerprint of the tables it was taken over (Solver::body()); 0: not known, and not asked for by
+  /// Solver::restore().
+  std::uint64_t body = 0;
 
   bool operator==(const Snapshot&) const = default;
 };

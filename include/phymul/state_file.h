@@ -22,7 +22,7 @@ std::uint64_t fingerprint(const Snapshot& snapshot);
 
 /// What Solver::restore takes, with the body it belongs to. Bit for bit.
 struct SavedState {
-  std::uint64_t body = 0;  ///< fingerprint of the tables
+  std::uint64_t body = 0;  ///< fingerprint of the tables; what is read has it in Snapshot::body too
   std::string backend;     ///< Solver::name() of the one that wrote it
   Snapshot snapshot;
   bool operator==(const SavedState&) const = default;
@@ -50,13 +50,17 @@ class StateHistory {
 
   /// To be called after steps, with what they reported (step(0, dt) does for the start): keeps the solver's state the
   /// first time, and where `every` steps have gone by since the last one kept. States later than the report's time are
-  /// of a run that was left, and go.
+  /// of a run that was left, and go. Throws Error, and keeps what it has, for a solver of another body than the states
+  /// kept: clear() first.
   void follow(const Solver& solver, const StepReport& report);
 
   /// The newest state at or before a time, s; null where none is so old.
   const Snapshot* newest_at(double time) const;
 
-  /// Puts the solver there and forgets what came after. False, and nothing done, where no state is so old.
+  /// Puts the solver there by Solver::restore(), which throws for a solver of another body, and forgets what came
+  /// after. False, and nothing done, where no state is so old. Tools then hold what that state says until grasp() or
+  /// release() is called anew (Solver::reset); their forces are 0 until the next step: a VirtualCoupling goes on from
+  /// VirtualCoupling::reset(), at the tool's pose now.
   bool rewind(Solver& solver, double time);
 
   std::size_t size() const { return states_.size(); }

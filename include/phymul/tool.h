@@ -91,6 +91,7 @@ struct ToolForce {
 struct ToolReport {
   ToolPose pose{};  ///< where it is at the state's time
   ToolForce force{};
+  int held = 0;                    ///< particles that it holds
   std::vector<ShaftLoad> shaft{};  ///< of a needle that bends
 };
 

@@ -18,6 +18,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace phymul {
@@ -73,9 +74,21 @@ struct CellTexel {
   double volume_stiffness = 0.0;   ///< J: gamma kappa V
 };
 
+/// Numbers (FNV-1a, 64 bits) for what was read of a model, part by part, so that a solver can say what has changed
+/// since.
+struct ModelFingerprint {
+  std::uint64_t neighbours = 0, cells = 0;
+  std::uint64_t materials = 0;  ///< Young's modulus and Poisson's ratio, cell by cell
+  std::uint64_t stiffness = 0;  ///< of particles, where there are no materials
+  bool operator==(const ModelFingerprint&) const = default;
+};
+
 struct TopologyTextures {
   TopologyOptions options;  ///< as built; area_exponent is the one in force
   int dimension = 3;
+  /// Of the model as it was. Empty in tables that build_topology() did not make: of those solvers compare rest places
+  /// and masses alone.
+  std::optional<ModelFingerprint> model;
 
   Index particle_count = 0;
   Index neighbour_count = 0;  ///< real rows of neighbours and alpha

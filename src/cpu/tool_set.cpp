@@ -73,12 +73,14 @@ void ToolSet::follow(const Scene& scene) {
 void ToolSet::reset(const Scene& scene, const State& state) {
   for (std::size_t row = 0; row < tools_.size(); ++row) {
     Moving& tool = tools_[row];
-    const ToolState* const known = tool.moved.reset(scene.tools()[row], state, scene.model().mass);
+    const ToolState* const known =
+        tool.moved.reset(scene.tools()[row], state, scene.model().mass, !was_reset_);
     if (tool.needle) {
       tool.needle->restore(known ? known->needle : NeedleState{});
       tool.moved.report.shaft = tool.needle->state().shaft;
     }
   }
+  was_reset_ = true;
 }
 
 const ToolReport& ToolSet::report(const SceneTool& wanted) const {
@@ -118,8 +120,7 @@ void ToolSet::take_hold(Moving& tool, TouchedParticles& touched) {
     const Vec3 q = start.inside(particle.position);
     if (particle.fixed == 7 || distance_to(tool.shape, unpacked(q)).phi > tool.moved.grasp_distance) continue;
     if (held_by_any(i)) continue;
-    tool.moved.held.push_back(i);
-    tool.moved.held_at.push_back(q);
+    tool.moved.take_hold(i, q);
   }
   tool.moved.weigh_held(touched.mass());
 }

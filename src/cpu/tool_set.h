@@ -59,6 +59,7 @@ class ToolSet {
 
   std::vector<Moving> tools_;
   std::vector<Index> found_;
+  bool was_reset_ = false;     // the first reset is that of a solver being made
   mutable ToolReport unseen_;  // of a tool that follow() has not seen yet
 };
 
