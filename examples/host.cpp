@@ -123,7 +123,7 @@ int run(double seconds) {
     const double time = k * tick;
     const ToolPose hand{.position = hand_at(time), .velocity = (hand_at(time + tick) - hand_at(time)) / tick};
     const ToolForce& felt = tissue->solver->tool_force(gripper);
-    gripper.pose(coupling.follow(hand, felt.mean_force, felt.mean_torque, tick));
+    gripper.pose(coupling.follow(hand, felt, tick));
     if (k == ticks / 3) gripper.grasp(0.003);
     if (k == 5 * ticks / 6) gripper.release();
 

@@ -30,7 +30,8 @@ struct MovedTool {
   explicit MovedTool(const SceneTool& tool);
 
   /// To what a state says of it, which is returned; null where it says nothing: to where the scene has it, holding
-  /// nothing. Grasps asked for count as done, but by a solver that is being made: `first`. `mass`: of all particles, kg.
+  /// nothing. Grasps asked for count as done, but by a solver that is being made: `first`. `mass`: of all particles,
+  /// kg.
   const ToolState* reset(const SceneTool& wanted, const State& state, std::span<const double> mass, bool first);
   void read(ToolState& to) const;  ///< all but needles
   /// A call of `call_steps` steps, above 0, begins: looks for new poses and grasps. `at_once`: poses are reached in the

@@ -73,8 +73,7 @@ void ToolSet::follow(const Scene& scene) {
 void ToolSet::reset(const Scene& scene, const State& state) {
   for (std::size_t row = 0; row < tools_.size(); ++row) {
     Moving& tool = tools_[row];
-    const ToolState* const known =
-        tool.moved.reset(scene.tools()[row], state, scene.model().mass, !was_reset_);
+    const ToolState* const known = tool.moved.reset(scene.tools()[row], state, scene.model().mass, !was_reset_);
     if (tool.needle) {
       tool.needle->restore(known ? known->needle : NeedleState{});
       tool.moved.report.shaft = tool.needle->state().shaft;
