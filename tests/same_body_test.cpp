@@ -61,7 +61,6 @@ TEST(TopologyOfAChangedModel, IsRefusedWithWhatHasChanged) {
                         }),
                   "another Young's modulus"));
   EXPECT_TRUE(has(after(model, [](Model& m) { std::swap(m.cells[0].particles, m.cells[1].particles); }), "its cells"));
-  EXPECT_TRUE(has(after(model, [](Model& m) { m.cells.pop_back(); }), "its cells"));
   EXPECT_TRUE(has(after(plain, [](Model& m) { m.stiffness[7] = std::nextafter(10.0, 11.0); }), "another stiffness"));
   EXPECT_TRUE(
       has(after(plain, [](Model& m) { std::swap(m.neighbours.entry[0], m.neighbours.entry[1]); }), "other neighbours"));
@@ -134,8 +133,8 @@ TEST_P(SnapshotOfAnotherBody, IsRefusedAndTheSolverIsAsItWas) {
     EXPECT_EQ(own.solver->snapshot(), before);
   }
   State copy;
-  while (!own.solver->collect(copy)) {
-  }
+  bool arrived = false;  // a dropped copy never does
+  for (int k = 0; k < 100000 && !arrived; ++k) arrived = own.solver->collect(copy);
   EXPECT_EQ(copy, before.state) << "a copy on its way";
 
   EXPECT_EQ(before.body, own.solver->body());
