@@ -48,15 +48,9 @@ void BodyContacts::follow(const Scene& scene) {
   if (!scene.contacts()) return;
   options_ = *scene.contacts();
   surface_ = make_contact_surface(scene.model());
+  candidates_.follow(surface_, options_);
   place_.resize(surface_.particles.size());
-  centre_.resize(surface_.triangles.size());
-  radius_.resize(surface_.triangles.size());
-  Index bodies = 0;
-  for (const ContactSurface::Particle& particle : surface_.particles) bodies = std::max(bodies, particle.body + 1);
-  box_.resize(static_cast<std::size_t>(bodies));
-  meant_.reserve(centre_.size());
-  meant_centre_.reserve(centre_.size());
-  grid_.reserve(centre_.size());
+  velocity_.resize(surface_.particles.size());
 }
 
 /// Particles whose gap to a triangle is less than twice what the fastest one moves against the mean.
@@ -65,65 +59,23 @@ void BodyContacts::find(TouchedParticles& touched) {
   Vec3 mean = Vec3::Zero();
   for (std::size_t k = 0; k < place_.size(); ++k) {
     place_[k] = touched.step().position(surface_.particles[k].row);
-    mean += touched.velocity(surface_.particles[k].row) / static_cast<double>(place_.size());
+    velocity_[k] = touched.velocity(surface_.particles[k].row);
+    mean += velocity_[k] / static_cast<double>(place_.size());
   }
   double fastest = 0.0;
-  for (const ContactSurface::Particle& particle : surface_.particles) {
-    fastest = std::max(fastest, (touched.velocity(particle.row) - mean).squaredNorm());
-  }
+  for (const Vec3& velocity : velocity_) fastest = std::max(fastest, (velocity - mean).squaredNorm());
   // Beyond a few edges a step is a failure, which the solver reports: the search must not outgrow the body.
   const double margin = std::min(2.0 * dt * std::sqrt(fastest), 4.0 * surface_.longest_edge);
   // What got into a body is found as far as an edge below its surface.
   const double skins = options_.skin > 0.0 ? 2.0 * options_.skin : 2.0 * usual_skin * surface_.longest_edge;
   const double reach = std::max(margin + skins, ContactSurface::depth_factor * surface_.longest_edge);
   contacts_.clear();
-  measure(reach);
-  for (std::size_t k = 0; k < place_.size() && !meant_.empty(); ++k) {
-    if (!options_.self && !meets_another(surface_.particles[k].body, place_[k], reach)) continue;
+  candidates_.each(place_, margin, [&](const ContactCandidates::List& list) {
     nearest_.clear();
-    grid_.each_near(place_[k], [&](std::size_t entry) { look(k, meant_[entry], reach); });
-    std::ranges::sort(nearest_, {}, &Nearest::body);  // not in the grid's order, which is nobody else's
-    keep(k, touched, margin);
-  }
-}
-
-/// Puts the triangles that something may touch into the grid.
-void BodyContacts::measure(double reach) {
-  std::ranges::fill(box_, Box{Vec3::Constant(HUGE_VAL), Vec3::Constant(-HUGE_VAL)});
-  for (std::size_t k = 0; k < place_.size(); ++k) {
-    Box& box = box_[surface_.particles[k].body];
-    box.low = box.low.cwiseMin(place_[k]);
-    box.high = box.high.cwiseMax(place_[k]);
-  }
-  double widest = 0.0;
-  for (std::size_t t = 0; t < centre_.size(); ++t) {
-    const auto& corner = surface_.triangles[t].corner;
-    centre_[t] = (place_[corner[0]] + place_[corner[1]] + place_[corner[2]]) / 3.0;
-    double furthest = 0.0;
-    for (const Index c : corner) furthest = std::max(furthest, (place_[c] - centre_[t]).squaredNorm());
-    radius_[t] = std::sqrt(furthest);
-    widest = std::max(widest, radius_[t]);
-  }
-  meant_.clear();
-  meant_centre_.clear();
-  if (!std::isfinite(widest)) return;  // a runaway particle, found out elsewhere
-  for (std::size_t t = 0; t < centre_.size(); ++t) {
-    if (!options_.self && !meets_another(surface_.triangles[t].body, centre_[t], radius_[t] + reach)) continue;
-    meant_.push_back(t);
-    meant_centre_.push_back(centre_[t]);
-  }
-  grid_.build(meant_centre_, widest + reach);
-}
-
-/// Whether a point is within reach of what lies around another body.
-bool BodyContacts::meets_another(Index body, const Vec3& x, double reach) const {
-  const double far = reach * (1.0 + 1e-9);  // rounding must not leave out what is just near enough
-  for (std::size_t other = 0; other < box_.size(); ++other) {
-    if (static_cast<Index>(other) == body) continue;
-    const Box& box = box_[other];
-    if ((x.array() >= box.low.array() - far).all() && (x.array() <= box.high.array() + far).all()) return true;
-  }
-  return false;
+    for (const Index t : list.triangles) look(list.particle, static_cast<std::size_t>(t), reach);
+    std::ranges::sort(nearest_, {}, &Nearest::body);  // not in the lists' order, which depends on when they were made
+    keep(list.particle, touched, margin);
+  });
 }
 
 /// Keeps the triangle where it ranks first of its body so far: by distance, and on an edge that two share, by how much
@@ -132,10 +84,6 @@ bool BodyContacts::meets_another(Index body, const Vec3& x, double reach) const 
 void BodyContacts::look(std::size_t particle, std::size_t t, double reach) {
   const ContactSurface::Particle& own = surface_.particles[particle];
   const ContactSurface::Triangle& triangle = surface_.triangles[t];
-  if (own.body == triangle.body && !options_.self) return;
-  const double far = (radius_[t] + reach) * (1.0 + 1e-9);  // rounding must not leave out what is just near enough
-  if ((place_[particle] - centre_[t]).squaredNorm() > far * far) return;
-  if (surface_.is_own_skin(own, particle, triangle)) return;
   const Vec3 &a = place_[triangle.corner[0]], &b = place_[triangle.corner[1]], &c = place_[triangle.corner[2]];
   Nearest found;
   found.triangle = t;

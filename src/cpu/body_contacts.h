@@ -16,12 +16,16 @@
 
 #include "../contact_surface.h"
 #include "../free_step.h"
-#include "point_grid.h"
+#include "contact_candidates.h"
 
 namespace phymul::cpu {
 
 class BodyContacts {
  public:
+  BodyContacts() = default;
+  BodyContacts(const BodyContacts&) = delete;  // its candidates point to its surface
+  BodyContacts& operator=(const BodyContacts&) = delete;
+
   void follow(const Scene& scene);  ///< allocates
   bool empty() const { return surface_.particles.empty(); }
 
@@ -47,8 +51,6 @@ class BodyContacts {
   };
 
   void find(TouchedParticles& touched);
-  void measure(double reach);
-  bool meets_another(Index body, const Vec3& x, double reach) const;
   void look(std::size_t particle, std::size_t triangle, double reach);
   void keep(std::size_t particle, TouchedParticles& touched, double margin);
   void press(Contact& contact, TouchedParticles& touched) const;
@@ -56,16 +58,8 @@ class BodyContacts {
 
   ContactOptions options_;
   ContactSurface surface_;
-  VecList place_;               // [particles of the surface] m
-  VecList centre_;              // [triangles] m
-  std::vector<double> radius_;  // [triangles] m, from the centre to the furthest corner
-  struct Box {
-    Vec3 low{0, 0, 0}, high{0, 0, 0};
-  };
-  std::vector<Box> box_;            // [bodies] around their surfaces
-  std::vector<std::size_t> meant_;  // triangles in the grid: without contact of a body with itself those near another
-  VecList meant_centre_;
-  PointGrid grid_;
+  ContactCandidates candidates_;
+  VecList place_, velocity_;      // [particles of the surface] m, m/s
   std::vector<Nearest> nearest_;  // of the particle in question, one a body
   std::vector<Contact> contacts_;
 };
