@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "closest_point.h"
 
@@ -71,72 +72,82 @@ void BodyContacts::find(TouchedParticles& touched) {
   const double reach = std::max(margin + skins, ContactSurface::depth_factor * surface_.longest_edge);
   contacts_.clear();
   candidates_.each(place_, margin, [&](const ContactCandidates::List& list) {
-    nearest_.clear();
-    for (const Index t : list.triangles) look(list.particle, static_cast<std::size_t>(t), reach);
-    std::ranges::sort(nearest_, {}, &Nearest::body);  // not in the lists' order, which depends on when they were made
-    keep(list.particle, touched, margin);
+    if (const auto found = nearest(list, reach)) keep(*found, margin);
   });
+  // Not in the lists' order, which depends on when they were made.
+  std::ranges::sort(contacts_, {}, [&](const Contact& contact) {
+    return std::pair(contact.particle, surface_.triangles[contact.triangle].body);
+  });
+  for (Contact& contact : contacts_) {
+    const auto& corner = surface_.triangles[contact.triangle].corner;
+    contact.slot = touched.slot(surface_.particles[contact.particle].row);
+    for (int c = 0; c < 3; ++c) contact.corner[c] = touched.slot(surface_.particles[corner[c]].row);
+  }
 }
 
-/// Keeps the triangle where it ranks first of its body so far: by distance, and on an edge that two share, by how much
-/// it faces the particle, as that says on which side the particle is. A number of each triangle's own, so that the
-/// order they come in does not matter.
-void BodyContacts::look(std::size_t particle, std::size_t t, double reach) {
+/// The triangle of a body that ranks first: by distance, and on an edge that two share, by how much it faces the
+/// particle, as that says on which side the particle is. A number of each triangle's own, so that the order they come
+/// in does not matter.
+std::optional<BodyContacts::Nearest> BodyContacts::nearest(const ContactCandidates::List& list, double reach) const {
+  std::optional<Nearest> best;
+  for (const Index t : list.triangles) {
+    const auto found = look(list.particle, static_cast<std::size_t>(t), reach);
+    if (!found) continue;
+    if (!best || found->rank < best->rank || (found->rank == best->rank && found->triangle < best->triangle)) {
+      best = found;
+    }
+  }
+  return best;
+}
+
+/// Nothing where the triangle is further than `reach`, m, away, or leads nowhere.
+std::optional<BodyContacts::Nearest> BodyContacts::look(std::size_t particle, std::size_t t, double reach) const {
   const ContactSurface::Particle& own = surface_.particles[particle];
   const ContactSurface::Triangle& triangle = surface_.triangles[t];
   const Vec3 &a = place_[triangle.corner[0]], &b = place_[triangle.corner[1]], &c = place_[triangle.corner[2]];
   Nearest found;
+  found.particle = particle;
   found.triangle = t;
-  found.body = triangle.body;
   found.share = closest_point(place_[particle], a, b, c);
   found.way = place_[particle] - (found.share[0] * a + found.share[1] * b + found.share[2] * c);
   found.distance = found.way.norm();
-  if (!(found.distance <= reach)) return;
+  if (!(found.distance <= reach)) return {};
   const Vec3 area = (b - a).cross(c - a);
   const double across =
       area.norm() > 0.0 && found.distance > 0.0 ? area.dot(found.way) / (area.norm() * found.distance) : 0.0;
   found.rank = found.distance - ContactSurface::facing_share * surface_.longest_edge * std::abs(across);
   found.inside = triangle.has_inside && across < 0.0;
   // Far inside its own body a particle has not got in anywhere: the triangle is of its other side.
-  if (own.body == triangle.body && found.inside && is_deep(found.distance, triangle, own)) return;
+  if (own.body == triangle.body && found.inside && is_deep(found.distance, triangle, own)) return {};
   if (found.distance > 0.0) {
     found.way *= (found.inside ? -1.0 : 1.0) / found.distance;
   } else if (area.norm() > 0.0) {
     found.way = area / area.norm();
   } else {
-    return;
+    return {};
   }
-  const auto known =
-      std::find_if(nearest_.begin(), nearest_.end(), [&](const Nearest& n) { return n.body == found.body; });
-  if (known == nearest_.end()) {
-    nearest_.push_back(found);
-    return;
-  }
-  if (found.rank < known->rank || (found.rank == known->rank && t < known->triangle)) *known = found;
+  return found;
 }
 
-void BodyContacts::keep(std::size_t particle, TouchedParticles& touched, double margin) {
-  for (const Nearest& found : nearest_) {
-    const ContactSurface::Triangle& triangle = surface_.triangles[found.triangle];
-    if (found.inside && is_deep(found.distance, triangle, surface_.particles[particle])) continue;
-    const double edge = std::max(triangle.edge, surface_.particles[particle].edge);
-    const double skins =
-        options_.skin > 0.0 ? 2.0 * options_.skin : usual_skin * (triangle.edge + surface_.particles[particle].edge);
-    const double gap = (found.inside ? -found.distance : found.distance) - skins;
-    if (gap > margin) continue;
-    Contact contact;
-    contact.particle = touched.slot(surface_.particles[particle].row);
-    for (int c = 0; c < 3; ++c) contact.corner[c] = touched.slot(surface_.particles[triangle.corner[c]].row);
-    contact.share = found.share;
-    contact.normal = found.way;
-    contact.gap = gap;
-    contact.edge = edge;
-    contacts_.push_back(contact);
-  }
+void BodyContacts::keep(const Nearest& found, double margin) {
+  const ContactSurface::Particle& own = surface_.particles[found.particle];
+  const ContactSurface::Triangle& triangle = surface_.triangles[found.triangle];
+  if (found.inside && is_deep(found.distance, triangle, own)) return;
+  const double skins = options_.skin > 0.0 ? 2.0 * options_.skin : usual_skin * (triangle.edge + own.edge);
+  const double gap = (found.inside ? -found.distance : found.distance) - skins;
+  if (gap > margin) return;
+  Contact contact;
+  contact.particle = found.particle;
+  contact.triangle = found.triangle;
+  contact.share = found.share;
+  contact.normal = found.way;
+  contact.gap = gap;
+  contact.edge = std::max(triangle.edge, own.edge);
+  contacts_.push_back(contact);
 }
 
 void BodyContacts::press(Contact& contact, TouchedParticles& touched) const {
-  TouchedParticles::Touched& particle = touched[contact.particle];
+  TouchedParticles::Touched& particle = touched[contact.slot];
   const auto corner = [&](int c) -> TouchedParticles::Touched& { return touched[contact.corner[c]]; };
   const auto mobility = [&](const Vec3& along) {
     double sum = inverse_mass(particle, along);
@@ -176,7 +187,7 @@ void BodyContacts::press(Contact& contact, TouchedParticles& touched) const {
 
 void BodyContacts::part(const Contact& contact, TouchedParticles& touched) {
   if (contact.gap >= 0.0) return;
-  TouchedParticles::Touched& particle = touched[contact.particle];
+  TouchedParticles::Touched& particle = touched[contact.slot];
   double mobility = inverse_mass(particle, contact.normal);
   for (int c = 0; c < 3; ++c) {
     mobility += contact.share[c] * contact.share[c] * inverse_mass(touched[contact.corner[c]], contact.normal);

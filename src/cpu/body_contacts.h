@@ -13,6 +13,7 @@
 #include <phymul/scene.h>
 
 #include <array>
+#include <optional>
 
 #include "../contact_surface.h"
 #include "../free_step.h"
@@ -33,34 +34,34 @@ class BodyContacts {
 
  private:
   struct Contact {
-    std::size_t particle = 0;             // slot of the touched particles
-    std::array<std::size_t, 3> corner{};  // likewise
-    Vec3 share{0, 0, 0};                  // of the corners in the nearest point, sum 1
-    Vec3 normal{0, 0, 0};                 // away from the triangle
-    double gap = 0.0;                     // m, at the step's start; negative: overlap
-    double edge = 0.0;                    // m, of the triangle, about
-    double pressed = 0.0;                 // N s, so far
-    Vec3 rubbed{0, 0, 0};                 // N s, so far, across the normal
+    std::size_t particle = 0, triangle = 0;  // of the surface
+    std::size_t slot = 0;                    // of the touched particles
+    std::array<std::size_t, 3> corner{};     // likewise
+    Vec3 share{0, 0, 0};                     // of the corners in the nearest point, sum 1
+    Vec3 normal{0, 0, 0};                    // away from the triangle
+    double gap = 0.0;                        // m, at the step's start; negative: overlap
+    double edge = 0.0;                       // m, of the triangle, about
+    double pressed = 0.0;                    // N s, so far
+    Vec3 rubbed{0, 0, 0};                    // N s, so far, across the normal
   };
   struct Nearest {
-    std::size_t triangle = 0;
-    Index body = -1;
+    std::size_t particle = 0, triangle = 0;
     double distance = 0.0, rank = 0.0;  // m; of those of a body the one of least rank is met
     Vec3 share{0, 0, 0}, way{0, 0, 0};  // from the triangle to the particle, m
     bool inside = false;
   };
 
   void find(TouchedParticles& touched);
-  void look(std::size_t particle, std::size_t triangle, double reach);
-  void keep(std::size_t particle, TouchedParticles& touched, double margin);
+  std::optional<Nearest> nearest(const ContactCandidates::List& list, double reach) const;
+  std::optional<Nearest> look(std::size_t particle, std::size_t triangle, double reach) const;
+  void keep(const Nearest& found, double margin);
   void press(Contact& contact, TouchedParticles& touched) const;
   static void part(const Contact& contact, TouchedParticles& touched);
 
   ContactOptions options_;
   ContactSurface surface_;
   ContactCandidates candidates_;
-  VecList place_, velocity_;      // [particles of the surface] m, m/s
-  std::vector<Nearest> nearest_;  // of the particle in question, one a body
+  VecList place_, velocity_;  // [particles of the surface] m, m/s
   std::vector<Contact> contacts_;
 };
 
