@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "contact_candidates.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+
+#include "closest_point.h"
 
 namespace phymul::cpu {
 namespace {
 
 /// Of a length: more than rounding makes of it, and of the coordinates between which it is measured.
 constexpr double of_length = 1e-9, of_places = 1e-14;
+
+/// Of a triangle's area and longest edge, squared: above it a nearest point is good to `of_nearest` of its distance.
+constexpr double thin = 1e-4, of_nearest = 1e-8;
 
 /// Kept lists, in mean edges of the surface: the least slack and the most. Where nothing touches even the most finds
 /// next to nothing, as neighbours within two edges are left out.
@@ -220,6 +226,18 @@ bool ContactCandidates::meet(const Cluster& cluster, std::size_t body) {
   return !met_.empty();
 }
 
+/// Whether a triangle may be within reach. Its box alone says so where the triangle is so thin that rounding may put
+/// the nearest point anywhere on it.
+bool ContactCandidates::within(const Vec3& x, Index item, double reach) const {
+  if (distance(Box{x, x}, item_box_[item]) > reach * reach) return false;
+  const auto& corner = surface_->triangles[triangles_.items[item]].corner;
+  const Vec3 &a = then_[corner[0]], &b = then_[corner[1]], &c = then_[corner[2]];
+  const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+  if (!((b - a).cross(c - a).squaredNorm() > thin * longest * longest)) return true;
+  const Vec3 share = closest_point(x, a, b, c);
+  return !((x - (share[0] * a + share[1] * b + share[2] * c)).norm() > (1.0 + of_nearest) * reach);
+}
+
 /// Nothing where all triangles are too far away by their own edges. Else those too that may rank before one that is
 /// not: longer edges let that out further.
 bool ContactCandidates::gather(std::size_t particle, const Vec3& x, std::size_t body) {
@@ -240,7 +258,7 @@ bool ContactCandidates::gather(std::size_t particle, const Vec3& x, std::size_t 
   for (const Index item : met_) {
     if (is_skin(item)) continue;
     const double reach = std::max(item_reach_[item], usual);
-    if (reach <= furthest || distance(here, item_box_[item]) > reach * reach) continue;
+    if (reach <= furthest || !within(x, item, reach)) continue;
     if (!surface_->is_own_skin(own, particle, triangle_of(item))) furthest = reach;
   }
   if (furthest == 0.0) return false;
@@ -248,7 +266,8 @@ bool ContactCandidates::gather(std::size_t particle, const Vec3& x, std::size_t 
   near_.clear();
   skin = skin_.data() + (itself ? skin_first_[particle] : 0);
   visit_items(here, body, furthest, [&](Index item) {
-    if (is_skin(item) || surface_->is_own_skin(own, particle, triangle_of(item))) return;
+    if (is_skin(item) || !within(x, item, furthest)) return;
+    if (surface_->is_own_skin(own, particle, triangle_of(item))) return;
     near_.push_back(triangles_.items[item]);
   });
   return true;

@@ -74,6 +74,7 @@ class ContactCandidates {
   void measure(std::span<const Vec3> place);
   void find_skins();
   bool meet(const Cluster& cluster, std::size_t body);
+  bool within(const Vec3& x, Index item, double reach) const;
   bool gather(std::size_t particle, const Vec3& x, std::size_t body);
   std::span<const Index> keep(std::size_t particle);
   double reach_of(double edge) const;
