@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "stopwatch.h"
+#include "machine_ceilings.h"
 #include "usage.h"
 
 namespace {
