@@ -8,7 +8,6 @@
 
 #include "contact_surface.h"
 #include "cpu/closest_point.h"
-#include "cpu/point_grid.h"
 #include "message_of.h"
 #include "run_scenes.h"
 
@@ -16,34 +15,6 @@ namespace phymul {
 namespace {
 
 using namespace test;
-
-TEST(PointGrid, FindsWhatTryingAllPairsFinds) {
-  std::mt19937 bits(2);
-  for (const double far : {0.0, 1000.0}) {
-    VecList points;
-    for (int k = 0; k < 500; ++k) points.push_back(random_vector(bits, 3) + Vec3(far, -far, far));
-    points.push_back(points[3]);
-    const double side = 0.2;
-    cpu::PointGrid grid;
-    for (int again = 0; again < 2; ++again) {
-      grid.build(points, side);
-      std::vector<std::pair<std::size_t, std::size_t>> found, wanted;
-      for (std::size_t a = 0; a < points.size(); ++a) {
-        grid.each_near(points[a], [&](std::size_t b) {
-          if (b > a && (points[a] - points[b]).norm() <= side) found.push_back({a, b});
-        });
-      }
-      for (std::size_t a = 0; a < points.size(); ++a) {
-        for (std::size_t b = a + 1; b < points.size(); ++b) {
-          if ((points[a] - points[b]).norm() <= side) wanted.push_back({a, b});
-        }
-      }
-      std::sort(found.begin(), found.end());
-      EXPECT_EQ(found, wanted);
-      EXPECT_GT(wanted.size(), 400u);
-    }
-  }
-}
 
 TEST(ClosestPoint, IsNoFurtherThanAnyOther) {
   std::mt19937 bits(6);

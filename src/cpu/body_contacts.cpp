@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "closest_point.h"
 
@@ -48,15 +49,9 @@ void BodyContacts::follow(const Scene& scene) {
   if (!scene.contacts()) return;
   options_ = *scene.contacts();
   surface_ = make_contact_surface(scene.model());
+  candidates_.follow(surface_, options_);
   place_.resize(surface_.particles.size());
-  centre_.resize(surface_.triangles.size());
-  radius_.resize(surface_.triangles.size());
-  Index bodies = 0;
-  for (const ContactSurface::Particle& particle : surface_.particles) bodies = std::max(bodies, particle.body + 1);
-  box_.resize(static_cast<std::size_t>(bodies));
-  meant_.reserve(centre_.size());
-  meant_centre_.reserve(centre_.size());
-  grid_.reserve(centre_.size());
+  velocity_.resize(surface_.particles.size());
 }
 
 /// Particles whose gap to a triangle is less than twice what the fastest one moves against the mean.
@@ -65,130 +60,94 @@ void BodyContacts::find(TouchedParticles& touched) {
   Vec3 mean = Vec3::Zero();
   for (std::size_t k = 0; k < place_.size(); ++k) {
     place_[k] = touched.step().position(surface_.particles[k].row);
-    mean += touched.velocity(surface_.particles[k].row) / static_cast<double>(place_.size());
+    velocity_[k] = touched.velocity(surface_.particles[k].row);
+    mean += velocity_[k] / static_cast<double>(place_.size());
   }
   double fastest = 0.0;
-  for (const ContactSurface::Particle& particle : surface_.particles) {
-    fastest = std::max(fastest, (touched.velocity(particle.row) - mean).squaredNorm());
-  }
+  for (const Vec3& velocity : velocity_) fastest = std::max(fastest, (velocity - mean).squaredNorm());
   // Beyond a few edges a step is a failure, which the solver reports: the search must not outgrow the body.
   const double margin = std::min(2.0 * dt * std::sqrt(fastest), 4.0 * surface_.longest_edge);
   // What got into a body is found as far as an edge below its surface.
   const double skins = options_.skin > 0.0 ? 2.0 * options_.skin : 2.0 * usual_skin * surface_.longest_edge;
   const double reach = std::max(margin + skins, ContactSurface::depth_factor * surface_.longest_edge);
   contacts_.clear();
-  measure(reach);
-  for (std::size_t k = 0; k < place_.size() && !meant_.empty(); ++k) {
-    if (!options_.self && !meets_another(surface_.particles[k].body, place_[k], reach)) continue;
-    nearest_.clear();
-    grid_.each_near(place_[k], [&](std::size_t entry) { look(k, meant_[entry], reach); });
-    std::ranges::sort(nearest_, {}, &Nearest::body);  // not in the grid's order, which is nobody else's
-    keep(k, touched, margin);
+  candidates_.each(place_, margin, [&](const ContactCandidates::List& list) {
+    if (const auto found = nearest(list, reach)) keep(*found, margin);
+  });
+  // Not in the lists' order, which depends on when they were made.
+  std::ranges::sort(contacts_, {}, [&](const Contact& contact) {
+    return std::pair(contact.particle, surface_.triangles[contact.triangle].body);
+  });
+  for (Contact& contact : contacts_) {
+    const auto& corner = surface_.triangles[contact.triangle].corner;
+    contact.slot = touched.slot(surface_.particles[contact.particle].row);
+    for (int c = 0; c < 3; ++c) contact.corner[c] = touched.slot(surface_.particles[corner[c]].row);
   }
 }
 
-/// Puts the triangles that something may touch into the grid.
-void BodyContacts::measure(double reach) {
-  std::ranges::fill(box_, Box{Vec3::Constant(HUGE_VAL), Vec3::Constant(-HUGE_VAL)});
-  for (std::size_t k = 0; k < place_.size(); ++k) {
-    Box& box = box_[surface_.particles[k].body];
-    box.low = box.low.cwiseMin(place_[k]);
-    box.high = box.high.cwiseMax(place_[k]);
+/// The triangle of a body that ranks first: by distance, and on an edge that two share, by how much it faces the
+/// particle, as that says on which side the particle is. A number of each triangle's own, so that the order they come
+/// in does not matter.
+std::optional<BodyContacts::Nearest> BodyContacts::nearest(const ContactCandidates::List& list, double reach) const {
+  std::optional<Nearest> best;
+  for (const Index t : list.triangles) {
+    const auto found = look(list.particle, static_cast<std::size_t>(t), reach);
+    if (!found) continue;
+    if (!best || found->rank < best->rank || (found->rank == best->rank && found->triangle < best->triangle)) {
+      best = found;
+    }
   }
-  double widest = 0.0;
-  for (std::size_t t = 0; t < centre_.size(); ++t) {
-    const auto& corner = surface_.triangles[t].corner;
-    centre_[t] = (place_[corner[0]] + place_[corner[1]] + place_[corner[2]]) / 3.0;
-    double furthest = 0.0;
-    for (const Index c : corner) furthest = std::max(furthest, (place_[c] - centre_[t]).squaredNorm());
-    radius_[t] = std::sqrt(furthest);
-    widest = std::max(widest, radius_[t]);
-  }
-  meant_.clear();
-  meant_centre_.clear();
-  if (!std::isfinite(widest)) return;  // a runaway particle, found out elsewhere
-  for (std::size_t t = 0; t < centre_.size(); ++t) {
-    if (!options_.self && !meets_another(surface_.triangles[t].body, centre_[t], radius_[t] + reach)) continue;
-    meant_.push_back(t);
-    meant_centre_.push_back(centre_[t]);
-  }
-  grid_.build(meant_centre_, widest + reach);
+  return best;
 }
 
-/// Whether a point is within reach of what lies around another body.
-bool BodyContacts::meets_another(Index body, const Vec3& x, double reach) const {
-  const double far = reach * (1.0 + 1e-9);  // rounding must not leave out what is just near enough
-  for (std::size_t other = 0; other < box_.size(); ++other) {
-    if (static_cast<Index>(other) == body) continue;
-    const Box& box = box_[other];
-    if ((x.array() >= box.low.array() - far).all() && (x.array() <= box.high.array() + far).all()) return true;
-  }
-  return false;
-}
-
-/// Keeps the triangle where it ranks first of its body so far: by distance, and on an edge that two share, by how much
-/// it faces the particle, as that says on which side the particle is. A number of each triangle's own, so that the
-/// order they come in does not matter.
-void BodyContacts::look(std::size_t particle, std::size_t t, double reach) {
+/// Nothing where the triangle is further than `reach`, m, away, or leads nowhere.
+std::optional<BodyContacts::Nearest> BodyContacts::look(std::size_t particle, std::size_t t, double reach) const {
   const ContactSurface::Particle& own = surface_.particles[particle];
   const ContactSurface::Triangle& triangle = surface_.triangles[t];
-  if (own.body == triangle.body && !options_.self) return;
-  const double far = (radius_[t] + reach) * (1.0 + 1e-9);  // rounding must not leave out what is just near enough
-  if ((place_[particle] - centre_[t]).squaredNorm() > far * far) return;
-  if (surface_.is_own_skin(own, particle, triangle)) return;
   const Vec3 &a = place_[triangle.corner[0]], &b = place_[triangle.corner[1]], &c = place_[triangle.corner[2]];
   Nearest found;
+  found.particle = particle;
   found.triangle = t;
-  found.body = triangle.body;
   found.share = closest_point(place_[particle], a, b, c);
   found.way = place_[particle] - (found.share[0] * a + found.share[1] * b + found.share[2] * c);
   found.distance = found.way.norm();
-  if (!(found.distance <= reach)) return;
+  if (!(found.distance <= reach)) return {};
   const Vec3 area = (b - a).cross(c - a);
   const double across =
       area.norm() > 0.0 && found.distance > 0.0 ? area.dot(found.way) / (area.norm() * found.distance) : 0.0;
   found.rank = found.distance - ContactSurface::facing_share * surface_.longest_edge * std::abs(across);
   found.inside = triangle.has_inside && across < 0.0;
   // Far inside its own body a particle has not got in anywhere: the triangle is of its other side.
-  if (own.body == triangle.body && found.inside && is_deep(found.distance, triangle, own)) return;
+  if (own.body == triangle.body && found.inside && is_deep(found.distance, triangle, own)) return {};
   if (found.distance > 0.0) {
     found.way *= (found.inside ? -1.0 : 1.0) / found.distance;
   } else if (area.norm() > 0.0) {
     found.way = area / area.norm();
   } else {
-    return;
+    return {};
   }
-  const auto known =
-      std::find_if(nearest_.begin(), nearest_.end(), [&](const Nearest& n) { return n.body == found.body; });
-  if (known == nearest_.end()) {
-    nearest_.push_back(found);
-    return;
-  }
-  if (found.rank < known->rank || (found.rank == known->rank && t < known->triangle)) *known = found;
+  return found;
 }
 
-void BodyContacts::keep(std::size_t particle, TouchedParticles& touched, double margin) {
-  for (const Nearest& found : nearest_) {
-    const ContactSurface::Triangle& triangle = surface_.triangles[found.triangle];
-    if (found.inside && is_deep(found.distance, triangle, surface_.particles[particle])) continue;
-    const double edge = std::max(triangle.edge, surface_.particles[particle].edge);
-    const double skins =
-        options_.skin > 0.0 ? 2.0 * options_.skin : usual_skin * (triangle.edge + surface_.particles[particle].edge);
-    const double gap = (found.inside ? -found.distance : found.distance) - skins;
-    if (gap > margin) continue;
-    Contact contact;
-    contact.particle = touched.slot(surface_.particles[particle].row);
-    for (int c = 0; c < 3; ++c) contact.corner[c] = touched.slot(surface_.particles[triangle.corner[c]].row);
-    contact.share = found.share;
-    contact.normal = found.way;
-    contact.gap = gap;
-    contact.edge = edge;
-    contacts_.push_back(contact);
-  }
+void BodyContacts::keep(const Nearest& found, double margin) {
+  const ContactSurface::Particle& own = surface_.particles[found.particle];
+  const ContactSurface::Triangle& triangle = surface_.triangles[found.triangle];
+  if (found.inside && is_deep(found.distance, triangle, own)) return;
+  const double skins = options_.skin > 0.0 ? 2.0 * options_.skin : usual_skin * (triangle.edge + own.edge);
+  const double gap = (found.inside ? -found.distance : found.distance) - skins;
+  if (gap > margin) return;
+  Contact contact;
+  contact.particle = found.particle;
+  contact.triangle = found.triangle;
+  contact.share = found.share;
+  contact.normal = found.way;
+  contact.gap = gap;
+  contact.edge = std::max(triangle.edge, own.edge);
+  contacts_.push_back(contact);
 }
 
 void BodyContacts::press(Contact& contact, TouchedParticles& touched) const {
-  TouchedParticles::Touched& particle = touched[contact.particle];
+  TouchedParticles::Touched& particle = touched[contact.slot];
   const auto corner = [&](int c) -> TouchedParticles::Touched& { return touched[contact.corner[c]]; };
   const auto mobility = [&](const Vec3& along) {
     double sum = inverse_mass(particle, along);
@@ -228,7 +187,7 @@ void BodyContacts::press(Contact& contact, TouchedParticles& touched) const {
 
 void BodyContacts::part(const Contact& contact, TouchedParticles& touched) {
   if (contact.gap >= 0.0) return;
-  TouchedParticles::Touched& particle = touched[contact.particle];
+  TouchedParticles::Touched& particle = touched[contact.slot];
   double mobility = inverse_mass(particle, contact.normal);
   for (int c = 0; c < 3; ++c) {
     mobility += contact.share[c] * contact.share[c] * inverse_mass(touched[contact.corner[c]], contact.normal);

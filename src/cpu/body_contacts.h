@@ -13,15 +13,20 @@
 #include <phymul/scene.h>
 
 #include <array>
+#include <optional>
 
 #include "../contact_surface.h"
 #include "../free_step.h"
-#include "point_grid.h"
+#include "contact_candidates.h"
 
 namespace phymul::cpu {
 
 class BodyContacts {
  public:
+  BodyContacts() = default;
+  BodyContacts(const BodyContacts&) = delete;  // its candidates point to its surface
+  BodyContacts& operator=(const BodyContacts&) = delete;
+
   void follow(const Scene& scene);  ///< allocates
   bool empty() const { return surface_.particles.empty(); }
 
@@ -29,44 +34,34 @@ class BodyContacts {
 
  private:
   struct Contact {
-    std::size_t particle = 0;             // slot of the touched particles
-    std::array<std::size_t, 3> corner{};  // likewise
-    Vec3 share{0, 0, 0};                  // of the corners in the nearest point, sum 1
-    Vec3 normal{0, 0, 0};                 // away from the triangle
-    double gap = 0.0;                     // m, at the step's start; negative: overlap
-    double edge = 0.0;                    // m, of the triangle, about
-    double pressed = 0.0;                 // N s, so far
-    Vec3 rubbed{0, 0, 0};                 // N s, so far, across the normal
+    std::size_t particle = 0, triangle = 0;  // of the surface
+    std::size_t slot = 0;                    // of the touched particles
+    std::array<std::size_t, 3> corner{};     // likewise
+    Vec3 share{0, 0, 0};                     // of the corners in the nearest point, sum 1
+    Vec3 normal{0, 0, 0};                    // away from the triangle
+    double gap = 0.0;                        // m, at the step's start; negative: overlap
+    double edge = 0.0;                       // m, of the triangle, about
+    double pressed = 0.0;                    // N s, so far
+    Vec3 rubbed{0, 0, 0};                    // N s, so far, across the normal
   };
   struct Nearest {
-    std::size_t triangle = 0;
-    Index body = -1;
+    std::size_t particle = 0, triangle = 0;
     double distance = 0.0, rank = 0.0;  // m; of those of a body the one of least rank is met
     Vec3 share{0, 0, 0}, way{0, 0, 0};  // from the triangle to the particle, m
     bool inside = false;
   };
 
   void find(TouchedParticles& touched);
-  void measure(double reach);
-  bool meets_another(Index body, const Vec3& x, double reach) const;
-  void look(std::size_t particle, std::size_t triangle, double reach);
-  void keep(std::size_t particle, TouchedParticles& touched, double margin);
+  std::optional<Nearest> nearest(const ContactCandidates::List& list, double reach) const;
+  std::optional<Nearest> look(std::size_t particle, std::size_t triangle, double reach) const;
+  void keep(const Nearest& found, double margin);
   void press(Contact& contact, TouchedParticles& touched) const;
   static void part(const Contact& contact, TouchedParticles& touched);
 
   ContactOptions options_;
   ContactSurface surface_;
-  VecList place_;               // [particles of the surface] m
-  VecList centre_;              // [triangles] m
-  std::vector<double> radius_;  // [triangles] m, from the centre to the furthest corner
-  struct Box {
-    Vec3 low{0, 0, 0}, high{0, 0, 0};
-  };
-  std::vector<Box> box_;            // [bodies] around their surfaces
-  std::vector<std::size_t> meant_;  // triangles in the grid: without contact of a body with itself those near another
-  VecList meant_centre_;
-  PointGrid grid_;
-  std::vector<Nearest> nearest_;  // of the particle in question, one a body
+  ContactCandidates candidates_;
+  VecList place_, velocity_;  // [particles of the surface] m, m/s
   std::vector<Contact> contacts_;
 };
 

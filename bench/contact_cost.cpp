@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+//
+// What Scene::contacts costs a step of the backend cpu, on one thread: two solvers of the same body, one with contacts,
+// take turns from the same start. Medians of processor time over the turns. Where bodies touch the two move apart.
+//   contact_cost [filter] [turns]
+#include <phymul/phymul.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "machine_ceilings.h"
+#include "usage.h"
+
+namespace {
+
+using namespace phymul;
+
+constexpr int steps_a_turn = 40;
+
+struct Case {
+  std::string name;
+  Model model;
+  Vec3 gravity{0, 0, 0};  // m/s2
+  std::string fixed{};    // group
+  Vec3 spin{0, 0, 0};     // rad/s, at the start
+  Vec3 thrown{0, 0, 0};   // m/s, of the group "high" at the start
+  bool self = true;
+};
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
+Model soft(Model model) {
+  set_material(model, {5e3, 0.3, 1000.0});
+  return model;
+}
+
+Model two_blocks() {
+  const Model low = soft(make_block({0.1, 0.1, 0.03}, 20, 20, 6));
+  Model high = soft(make_block({0.05, 0.05, 0.05}, 10, 10, 10));
+  for (Vec3& x : high.rest) x += Vec3(0.0213, 0.0221, 0.031);
+  const NamedBody bodies[] = {{"low", &low}, {"high", &high}};
+  return merge_models(bodies);
+}
+
+std::vector<Case> cases() {
+  const Vec3 size(0.05, 0.065, 0.1), leaning(3, 0, -9.81), down(0, 0, -9.81);
+  const Model block = soft(make_block(size, 10, 13, 20));
+  const Model tetrahedra = soft(make_tetrahedral_block(size, 10, 13, 20, 0.2, 7));
+  return {{.name = "block, still", .model = block},
+          {.name = "block, falling", .model = block, .gravity = leaning},
+          {.name = "block, swaying", .model = block, .gravity = leaning, .fixed = "z0"},
+          {.name = "block, spinning", .model = block, .spin = {5, 3, 2}},
+          {.name = "tetrahedra, still", .model = tetrahedra},
+          {.name = "tetrahedra, swaying", .model = tetrahedra, .gravity = leaning, .fixed = "z0"},
+          {.name = "stacked", .model = two_blocks(), .gravity = down, .fixed = "low/z0"},
+          {.name = "stacked, self off", .model = two_blocks(), .gravity = down, .fixed = "low/z0", .self = false},
+          {.name = "colliding at 1 m/s", .model = two_blocks(), .thrown = {0.2, 0, -1}},
+          {.name = "colliding at 5 m/s", .model = two_blocks(), .thrown = {1, 0, -5}}};
+}
+
+State start_of(const Case& test) {
+  State state = rest_state(test.model);
+  for (std::size_t i = 0; i < state.position.size(); ++i) state.velocity[i] = test.spin.cross(state.position[i]);
+  if (test.thrown != Vec3::Zero()) {
+    for (const Index i : test.model.group("high")) state.velocity[i] = test.thrown;
+  }
+  return state;
+}
+
+void run(const Case& test, int turns) {
+  Scene without(test.model), with(test.model);
+  for (Scene* scene : {&without, &with}) {
+    scene->gravity(test.gravity);
+    if (!test.fixed.empty()) scene->fix(test.fixed);
+  }
+  with.contacts({.self = test.self});
+  SolverOptions options;
+  options.threads = 1;
+  options.damping.rate = 5.0;
+  const State start = start_of(test);
+  std::unique_ptr<Solver> solver[2];
+  std::vector<double> us[2];
+  for (const int k : {0, 1}) {
+    solver[k] = make_solver("cpu", test.model, k == 0 ? without : with, {}, options);
+    solver[k]->reset(start);
+  }
+  const double dt = 0.4 * solver[0]->stable_step();
+  for (int turn = 0; turn < turns; ++turn) {
+    for (const int k : {0, 1}) {
+      const double begin = bench::processor_seconds();
+      const StepReport report = solver[k]->step(steps_a_turn, dt);
+      us[k].push_back(1e6 * (bench::processor_seconds() - begin) / steps_a_turn);
+      if (report.ok()) continue;
+      std::printf("%s: %s\n", test.name.c_str(), report.message().c_str());
+      std::exit(1);
+    }
+  }
+  const double off = median(us[0]), on = median(us[1]);
+  std::printf("%-22s %9d | %9.1f %9.1f | %6.2f\n", test.name.c_str(), test.model.particle_count(), off, on, on / off);
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (bench::prints_usage(argc, argv,
+                          "contact_cost [part of the names of the cases to run [turns]], default all and 11\n"
+                          "Microseconds a step of the backend cpu without and with contacts, on one thread.")) {
+    return 0;
+  }
+  const std::string filter = argc > 1 ? argv[1] : "";
+  const int turns = argc > 2 ? std::max(1, std::atoi(argv[2])) : 11;
+  std::printf("us a step, medians of %d turns of %d steps\n", turns, steps_a_turn);
+  std::printf("%-22s %9s | %9s %9s | %6s\n", "", "particles", "without", "with", "ratio");
+  for (const Case& test : cases()) {
+    if (test.name.find(filter) != std::string::npos) run(test, turns);
+  }
+  return 0;
+}

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: MIT
+#include "contact_candidates.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "closest_point.h"
+
+namespace phymul::cpu {
+namespace {
+
+/// Of a length: more than rounding makes of it, and of the coordinates between which it is measured.
+constexpr double of_length = 1e-9, of_places = 1e-14;
+
+/// Of a triangle's area and longest edge, squared: above it a nearest point is good to `of_nearest` of its distance.
+constexpr double thin = 1e-4, of_nearest = 1e-8;
+
+/// Kept lists, in mean edges of the surface: the least slack and the most. Where nothing touches even the most finds
+/// next to nothing, as neighbours within two edges are left out.
+constexpr double least_slack = 0.25, most_slack = 0.75;
+
+/// Steps that a search is to last, and those that it must last to be worth more slack than none.
+constexpr double wanted_steps = 8.0, least_steps = 2.0;
+
+/// Kept entries a particle: a heap of bodies that lie in each other has as many as it has pairs.
+constexpr std::size_t most_each = 64;
+
+/// Items of its own skin that are remembered for a particle: some 50 in a lattice.
+constexpr std::size_t most_skin = 96;
+
+/// Further out nothing can be told apart: squares of lengths are no numbers any more.
+constexpr double furthest_place = 1e150;  // m
+
+/// What is no number is left out.
+template <class Box>
+void add(Box& box, const Vec3& low, const Vec3& high) {
+  for (int a = 0; a < 3; ++a) {
+    box.low[a] = low[a] < box.low[a] ? low[a] : box.low[a];
+    box.high[a] = high[a] > box.high[a] ? high[a] : box.high[a];
+  }
+}
+
+/// Squared, m2.
+template <class Box>
+double distance(const Box& one, const Box& other) {
+  double sum = 0.0;
+  for (int a = 0; a < 3; ++a) {
+    const double off = std::max(std::max(one.low[a] - other.high[a], other.low[a] - one.high[a]), 0.0);
+    sum += off * off;
+  }
+  return sum;
+}
+
+}  // namespace
+
+void ContactCandidates::follow(const ContactSurface& surface, const ContactOptions& options) {
+  surface_ = &surface;
+  options_ = options;
+  complete_ = false;
+  searches_ = 0;
+  Index bodies = 0;
+  mean_edge_ = 0.0;
+  std::vector<Index> body;
+  for (const ContactSurface::Particle& particle : surface.particles) {
+    bodies = std::max(bodies, particle.body + 1);
+    mean_edge_ += particle.edge / static_cast<double>(surface.particles.size());
+    body.push_back(particle.body);
+  }
+  particles_ = BoxTree(surface.rest, body, bodies);
+  clusters_.clear();
+  for (const BoxTree::Node& node : particles_.nodes) {
+    if (!node.is_leaf) continue;
+    Cluster cluster{static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.end),
+                    body[particles_.items[node.first]]};
+    for (std::size_t k = cluster.first; k < cluster.end; ++k) {
+      cluster.edge = std::max(cluster.edge, surface.particles[particles_.items[k]].edge);
+    }
+    clusters_.push_back(cluster);
+  }
+
+  VecList middle;
+  body.clear();
+  for (const ContactSurface::Triangle& triangle : surface.triangles) {
+    const auto& corner = triangle.corner;
+    middle.push_back((surface.rest[corner[0]] + surface.rest[corner[1]] + surface.rest[corner[2]]) / 3.0);
+    body.push_back(triangle.body);
+  }
+  triangles_ = BoxTree(middle, body, bodies);
+  item_edge_.clear();
+  for (const Index t : triangles_.items) item_edge_.push_back(surface.triangles[t].edge);
+  node_edge_.clear();
+  for (const BoxTree::Node& node : triangles_.nodes) {
+    node_edge_.push_back(*std::max_element(item_edge_.begin() + node.first, item_edge_.begin() + node.end));
+  }
+  item_box_.resize(triangles_.items.size());
+  node_box_.resize(triangles_.nodes.size());
+  item_reach_.resize(item_box_.size());
+  node_reach_.resize(node_box_.size());
+  met_.reserve(triangles_.items.size());
+  near_.reserve(triangles_.items.size());
+  then_.reserve(surface.particles.size());
+  kept_.reserve(surface.particles.size());
+  find_skins();
+}
+
+void ContactCandidates::find_skins() {
+  measure(surface_->rest);
+  complete_ = false;
+  for (std::size_t k = 0; k < item_edge_.size(); ++k) item_reach_[k] = ContactSurface::skin_factor * item_edge_[k];
+  for (std::size_t k = 0; k < node_edge_.size(); ++k) node_reach_[k] = ContactSurface::skin_factor * node_edge_[k];
+  skin_.clear();
+  skin_first_.assign(1, 0);
+  for (std::size_t k = 0; k < surface_->particles.size(); ++k) {
+    const ContactSurface::Particle& own = surface_->particles[k];
+    const Box here{surface_->rest[k], surface_->rest[k]};
+    visit_items(here, static_cast<std::size_t>(own.body), ContactSurface::skin_factor * own.edge, [&](Index item) {
+      const ContactSurface::Triangle& triangle = surface_->triangles[triangles_.items[item]];
+      if (skin_.size() < skin_first_.back() + most_skin && surface_->is_own_skin(own, k, triangle)) {
+        skin_.push_back(item);
+      }
+    });
+    skin_first_.push_back(skin_.size());
+  }
+}
+
+/// Not where a place is not finite, now or then.
+bool ContactCandidates::hold(std::span<const Vec3> place, double margin) const {
+  if (!complete_) return false;
+  Vec3 low = Vec3::Constant(HUGE_VAL), high = Vec3::Constant(-HUGE_VAL), sum = Vec3::Zero();
+  for (std::size_t k = 0; k < place.size(); ++k) {
+    for (int a = 0; a < 3; ++a) {
+      const double way = place[k][a] - then_[k][a];
+      sum[a] += way;  // comparing leaves out what is no number
+      low[a] = way < low[a] ? way : low[a];
+      high[a] = way > high[a] ? way : high[a];
+    }
+  }
+  if (!sum.allFinite()) return false;
+  const double diagonal = (1.0 + of_length) * (high - low).norm() + of_places * (low.norm() + high.norm());
+  return diagonal <= slack_ && margin + diagonal <= margin_ + slack_;
+}
+
+void ContactCandidates::begin(std::span<const Vec3> place, double margin) {
+  ++searches_;
+  margin_ = margin;
+  slack_ = std::clamp(wanted_steps * margin, least_slack * mean_edge_, most_slack * mean_edge_);
+  if (slack_ < least_steps * margin) slack_ = 0.0;
+  for (std::size_t k = 0; k < item_edge_.size(); ++k) item_reach_[k] = reach_of(item_edge_[k]);
+  for (std::size_t k = 0; k < node_edge_.size(); ++k) node_reach_[k] = reach_of(node_edge_[k]);
+  then_.assign(place.begin(), place.end());
+  kept_.clear();
+  listed_.clear();
+  measure(place);
+}
+
+/// Boxes around clusters and triangles.
+void ContactCandidates::measure(std::span<const Vec3> place) {
+  complete_ = std::ranges::all_of(place, [](const Vec3& x) { return x.allFinite(); });
+  for (Cluster& cluster : clusters_) {
+    cluster.box = {};
+    for (std::size_t k = cluster.first; k < cluster.end; ++k) {
+      const Vec3& x = place[particles_.items[k]];
+      add(cluster.box, x, x);
+    }
+  }
+  double widest = 0.0;
+  for (std::size_t item = 0; item < item_box_.size(); ++item) {
+    Box& box = item_box_[item];
+    box = {};
+    for (const Index c : surface_->triangles[triangles_.items[item]].corner) add(box, place[c], place[c]);
+    const double more = of_places * std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff());
+    box.low.array() -= more;
+    box.high.array() += more;
+    widest = std::max(widest, (box.high - box.low).maxCoeff());
+  }
+  lost_ = !(widest < furthest_place);  // a runaway particle, found out elsewhere
+  if (lost_) complete_ = false;
+  for (std::size_t own = node_box_.size(); own-- > 0;) {  // children stand behind their parents
+    const BoxTree::Node& node = triangles_.nodes[own];
+    Box& box = node_box_[own];
+    box = {};
+    if (node.is_leaf) {
+      for (Index item = node.first; item < node.end; ++item) add(box, item_box_[item].low, item_box_[item].high);
+    } else {
+      for (auto child = static_cast<Index>(own) + 1; child < node.next; child = triangles_.nodes[child].next) {
+        add(box, node_box_[child].low, node_box_[child].high);
+      }
+    }
+  }
+}
+
+/// Beyond this, m, what has these edges, on the longer side, touches nothing in any step for which the search holds.
+double ContactCandidates::reach_of(double edge) const {
+  const double skins = options_.skin > 0.0 ? 2.0 * options_.skin : 2.0 * ContactSurface::usual_skin * edge;
+  return (1.0 + of_length) * (std::max(margin_ + skins, ContactSurface::depth_factor * edge) + slack_);
+}
+
+/// Calls visit(item) for the triangles of a body that are within `reach` of a box, or what their own edges say.
+template <class Visit>
+void ContactCandidates::visit_items(const Box& box, std::size_t body, double reach, Visit visit) const {
+  const auto near = [&](const Box& other, double own) {
+    const double far = std::max(reach, own);
+    return !(distance(box, other) > far * far);
+  };
+  const Index end = triangles_.groups[body + 1];
+  for (Index at = triangles_.groups[body]; at < end;) {
+    const BoxTree::Node& node = triangles_.nodes[at];
+    if (!near(node_box_[at], node_reach_[at])) {
+      at = node.next;
+      continue;
+    }
+    if (node.is_leaf) {
+      for (Index item = node.first; item < node.end; ++item) {
+        if (near(item_box_[item], item_reach_[item])) visit(item);
+      }
+    }
+    ++at;
+  }
+}
+
+bool ContactCandidates::meet(const Cluster& cluster, std::size_t body) {
+  met_.clear();
+  if (lost_ || (!options_.self && cluster.body == static_cast<Index>(body))) return false;
+  visit_items(cluster.box, body, reach_of(cluster.edge), [&](Index item) { met_.push_back(item); });
+  return !met_.empty();
+}
+
+/// Whether a triangle may be within reach. Its box alone says so where the triangle is so thin that rounding may put
+/// the nearest point anywhere on it.
+bool ContactCandidates::within(const Vec3& x, Index item, double reach) const {
+  if (distance(Box{x, x}, item_box_[item]) > reach * reach) return false;
+  const auto& corner = surface_->triangles[triangles_.items[item]].corner;
+  const Vec3 &a = then_[corner[0]], &b = then_[corner[1]], &c = then_[corner[2]];
+  const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+  if (!((b - a).cross(c - a).squaredNorm() > thin * longest * longest)) return true;
+  const Vec3 share = closest_point(x, a, b, c);
+  return !((x - (share[0] * a + share[1] * b + share[2] * c)).norm() > (1.0 + of_nearest) * reach);
+}
+
+/// Nothing where all triangles are too far away by their own edges. Else those too that may rank before one that is
+/// not: longer edges let that out further.
+bool ContactCandidates::gather(std::size_t particle, const Vec3& x, std::size_t body) {
+  const ContactSurface::Particle& own = surface_->particles[particle];
+  const Box here{x, x};
+  const double usual = reach_of(own.edge);
+  const bool itself = own.body == static_cast<Index>(body);
+  const Index* const end = skin_.data() + (itself ? skin_first_[particle + 1] : 0);
+  const Index* skin = skin_.data() + (itself ? skin_first_[particle] : 0);
+  const auto is_skin = [&](Index item) {  // items come ascending
+    while (skin != end && *skin < item) ++skin;
+    return skin != end && *skin == item;
+  };
+  const auto triangle_of = [&](Index item) -> const ContactSurface::Triangle& {
+    return surface_->triangles[triangles_.items[item]];
+  };
+  double furthest = 0.0;
+  for (const Index item : met_) {
+    if (is_skin(item)) continue;
+    const double reach = std::max(item_reach_[item], usual);
+    if (reach <= furthest || !within(x, item, reach)) continue;
+    if (!surface_->is_own_skin(own, particle, triangle_of(item))) furthest = reach;
+  }
+  if (furthest == 0.0) return false;
+  furthest += (1.0 + of_length) * ContactSurface::facing_share * surface_->longest_edge;
+  near_.clear();
+  skin = skin_.data() + (itself ? skin_first_[particle] : 0);
+  visit_items(here, body, furthest, [&](Index item) {
+    if (is_skin(item) || !within(x, item, furthest)) return;
+    if (surface_->is_own_skin(own, particle, triangle_of(item))) return;
+    near_.push_back(triangles_.items[item]);
+  });
+  return true;
+}
+
+std::span<const Index> ContactCandidates::keep(std::size_t particle) {
+  if (complete_ && listed_.size() + near_.size() <= most_each * then_.size()) {
+    kept_.push_back({particle, listed_.size(), near_.size()});
+    listed_.insert(listed_.end(), near_.begin(), near_.end());
+  } else {
+    complete_ = false;
+  }
+  return near_;
+}
+
+}  // namespace phymul::cpu
