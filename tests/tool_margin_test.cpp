@@ -12,7 +12,7 @@ namespace phymul::test {
 namespace {
 
 constexpr double spacing = 8.4e-3;      // m
-constexpr int across = 8, high = 5;     // cells
+constexpr int across = 4, high = 4;     // cells
 constexpr double top = high * spacing;  // m
 const Vec3 middle(0.5 * across * spacing, 0.5 * across * spacing, top);
 
@@ -60,10 +60,10 @@ Pressed press(const Model& model, const Vec3& place, double radius, double margi
 TEST(ToolMargin, IsTheLargestCoveringRadiusLessTheShapesOwn) {
   const Model block = make_block({0.03, 0.03, 0.03}, 3, 3, 3);  // right triangles with legs of 10 mm
   const double covering = 0.01 / std::sqrt(2.0);
-  EXPECT_NEAR(least_margin(block, Sphere{0.002}), covering - 0.002, 1e-12);
+  EXPECT_NEAR(least_margin(block, Sphere{0.002}), 1.25 * covering - 0.002, 1e-12);
   EXPECT_NEAR(least_margin(block, Capsule{0.002, 0.1}, 1.5), 1.5 * covering - 0.002, 1e-12);
-  EXPECT_NEAR(least_margin(block, Box{{0.01, 0.003, 0.02}}), covering - 0.003, 1e-12);
-  EXPECT_NEAR(least_margin(block, make_distance_grid(block, 0.005)), covering, 1e-12);
+  EXPECT_NEAR(least_margin(block, Box{{0.01, 0.003, 0.02}}), 1.25 * covering - 0.003, 1e-12);
+  EXPECT_NEAR(least_margin(block, make_distance_grid(block, 0.005)), 1.25 * covering, 1e-12);
   EXPECT_EQ(least_margin(block, Sphere{0.02}), 0.0);
   EXPECT_EQ(least_margin(block, HalfSpace{}), 0.0);
   EXPECT_EQ(least_margin(block, Needle{}), 0.0);
@@ -73,6 +73,8 @@ TEST(ToolMargin, IsTheLargestCoveringRadiusLessTheShapesOwn) {
   }
   Model points = block;
   points.cells.clear();
+  points.materials.clear();
+  points.components.clear();
   EXPECT_NE(message_of([&] { least_margin(points, Sphere{0.002}); }).find("body with a surface"), std::string::npos);
 }
 
@@ -80,7 +82,8 @@ TEST(ToolMargin, IsTheLargestCoveringRadiusLessTheShapesOwn) {
 TEST(ToolMargin, CoversEveryPointOfATriangle) {
   Model model;
   model.rest = {{0, 0, 0}, {1, 0, 0}, {0, 0, 0}};
-  model.mass = {1, 1, 1};
+  model.mass = model.stiffness = {1, 1, 1};
+  model.neighbours.offset = {0, 0, 0, 0};
   model.cells.resize(1);
   model.cells[0].type = CellType::triangle;
   model.cells[0].particles = {0, 1, 2};
@@ -96,7 +99,7 @@ TEST(ToolMargin, CoversEveryPointOfATriangle) {
         farthest = std::max(farthest, nearest);
       }
     }
-    EXPECT_NEAR(least_margin(model, Sphere{1e-9}), farthest, 0.004) << apex.transpose();
+    EXPECT_NEAR(least_margin(model, Sphere{1e-9}, 1.0), farthest, 0.004) << apex.transpose();
   }
 }
 
@@ -112,36 +115,36 @@ TEST(ToolMargin, NoRodPassesUnfelt) {
     for (const Vec3& place : places) {
       const Pressed with = press(model, middle + spacing * place, radius, margin, 0.025, 1);
       EXPECT_EQ(with.unfelt, 0) << radius << " m at " << place.transpose();
-      EXPECT_GT(with.force, 0.0) << radius << " m at " << place.transpose();
-      through += press(model, middle + spacing * place, radius, 0.0, 0.025, 1).force == 0.0;
-      std::printf("%g %g %g: %d %.4f\n", radius, place.x(), place.y(), with.unfelt, with.force);
+      EXPECT_GT(with.force, 0.1) << radius << " m at " << place.transpose();
+      through += press(model, middle + spacing * place, radius, 0.0, 0.025, 1).force == 0.0 ? 1 : 0;
     }
   }
   EXPECT_GT(through, 5);  // without it, this is what they do
 }
 
-/// The table of docs/tools.md: force on a rod 8 mm deep over that on a body of a third of the spacing, by margin.
-TEST(ToolMargin, ForceOverThatOfAFineBody) {
-  const Model coarse = slab(1), fine = slab(3);
-  std::printf(
-      "| radius, mm | fine, N | no margin | half of it | least_margin, mm | with it |\n|---|---|---|---|---|---|\n");
-  for (const double radius : {0.0025, 0.004, 0.005, 0.008}) {
+/// The table of docs/tools.md: force on a rod 8 mm deep over that on a body of a sixth of the spacing, by margin.
+TEST(ToolMargin, ForceOverThatOnAFineBody) {
+  const Model coarse = slab(1), fine = slab(6);
+  std::printf("| radius, mm | on the fine body, N | no margin, mm | half | least_margin | with stretch 2 |\n");
+  for (const double radius : {0.0025, 0.005, 0.008}) {
     const double full = least_margin(coarse, Capsule{radius, 0.1});
-    EXPECT_EQ(least_margin(fine, Capsule{radius, 0.1}), 0.0);
-    std::array<double, 3> least{INFINITY, INFINITY, INFINITY}, most{};
-    double truth = 0.0;
+    const double truth =
+        press(fine, middle + spacing * places[3], radius, least_margin(fine, Capsule{radius, 0.1}), 0.008, 100).force;
+    const std::array<double, 4> margins{0.0, 0.5 * full, full, least_margin(coarse, Capsule{radius, 0.1}, 2.0)};
+    std::array<double, 4> least{INFINITY, INFINITY, INFINITY, INFINITY}, most{};
     for (const Vec3& place : places) {
-      truth += press(fine, middle + spacing * place, radius, 0.0, 0.008, 150).force / places.size();
-      for (std::size_t k = 0; k < 3; ++k) {
-        const double force =
-            press(coarse, middle + spacing * place, radius, 0.5 * static_cast<double>(k) * full, 0.008, 150).force;
-        least[k] = std::min(least[k], force);
-        most[k] = std::max(most[k], force);
+      for (std::size_t k = 0; k < margins.size(); ++k) {
+        const double ratio = press(coarse, middle + spacing * place, radius, margins[k], 0.008, 100).force / truth;
+        least[k] = std::min(least[k], ratio);
+        most[k] = std::max(most[k], ratio);
       }
     }
-    std::printf("| %.1f | %.3f | %.2f to %.2f | %.2f to %.2f | %.1f | %.2f to %.2f |\n", 1e3 * radius, truth,
-                least[0] / truth, most[0] / truth, least[1] / truth, most[1] / truth, 1e3 * full, least[2] / truth,
-                most[2] / truth);
+    std::printf("| %.1f | %.2f |", 1e3 * radius, truth);
+    for (std::size_t k = 0; k < margins.size(); ++k) {
+      std::printf(" %.1f: %.2f to %.2f |", 1e3 * margins[k], least[k], most[k]);
+    }
+    std::printf("\n");
+    EXPECT_GT(least[2], 0.0);
   }
 }
 

@@ -220,6 +220,8 @@ Hanging hang(const Tool& jaw, double grasp, double ratio, bool turned, double gr
   CouplingOptions options_of_hand;
   (turned ? options_of_hand.inertia : options_of_hand.mass) =
       (turned ? seen.held.held_inertia(2, 2) : seen.held.held_mass) / ratio;
+  // The damper, once a tick, adds to the inertia: one fit for this small a block is below it.
+  if (turned) options_of_hand.turning_stiffness = 0.02, options_of_hand.turning_damping = 4e-4;
   VirtualCoupling coupling(options_of_hand, jaw.pose);
   ToolPose hand = jaw.pose;
   if (turned) hand.orientation = Quaternion(Eigen::AngleAxisd(0.3, Vec3::UnitZ()));

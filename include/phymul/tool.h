@@ -70,7 +70,7 @@ struct Tool {
 /// looks for the surface's triangles itself. `stretch`: by how much the surface's edges grow, above all where the tool
 /// itself parts them; 1 is for the rest shape. Throws Error for a model without a surface and a stretch that is not
 /// above 0.
-double least_margin(const Model& model, const ToolShape& shape, double stretch = 1.0);
+double least_margin(const Model& model, const ToolShape& shape, double stretch = 1.25);
 
 /// What the particles do to a tool, as a hand that holds it would feel it: N, and N m about the tool's position. (The
 /// tool itself has neither mass nor weight.)
