@@ -4,9 +4,11 @@
 // every step.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <new>
 #include <set>
 #include <string>
 #include <utility>
@@ -122,6 +124,47 @@ TEST(ContactCandidates, PlacesThatAreNoNumbersHideNoOthers) {
   broken[3].y() = std::numeric_limits<double>::infinity();
   EXPECT_TRUE(pairs_listed(candidates, broken, 0.0).empty());
   EXPECT_EQ(pairs_listed(candidates, surface.rest, 0.0), usual);
+}
+
+/// Memory may end within a step, which is then left: lists that were begun are none.
+TEST(ContactCandidates, ListsThatWereNotFinishedAreForgotten) {
+  const ContactSurface surface = make_contact_surface(two_cubes(0.0005));
+  cpu::ContactCandidates candidates;
+  candidates.follow(surface, {});
+  int seen = 0;
+  EXPECT_THROW(candidates.each(surface.rest, 0.0,
+                               [&](const cpu::ContactCandidates::List&) {
+                                 if (++seen == 10) throw std::bad_alloc();
+                               }),
+               std::bad_alloc);
+  EXPECT_EQ(candidates.searches(), 1u);
+  const Pairs listed = pairs_listed(candidates, surface.rest, 0.0);
+  EXPECT_EQ(candidates.searches(), 2u);
+  const Pairs wanted = pairs_that_count(surface, surface.rest, {}, 0.0);
+  ASSERT_GT(wanted.size(), 100u);
+  for (const auto& pair : wanted) EXPECT_TRUE(listed.contains(pair));
+}
+
+/// Skins of two edges and more, with which every particle has hundreds of triangles near: no slack is added to that,
+/// and all the same nothing is missing, also when the skins are usual ones again.
+TEST(ContactCandidates, ListsTooLongToKeepAreWhole) {
+  const ContactSurface surface = make_contact_surface(two_cubes(0.0005));
+  cpu::ContactCandidates candidates;
+  const ContactOptions wide{.skin = 0.012};
+  candidates.follow(surface, wide);
+  const Pairs wanted = pairs_that_count(surface, surface.rest, wide, 0.0);
+  ASSERT_GT(wanted.size(), 64 * surface.particles.size());
+  for (int step = 0; step < 20; ++step) {
+    const Pairs listed = pairs_listed(candidates, surface.rest, 0.0);
+    EXPECT_TRUE(std::ranges::includes(listed, wanted)) << step;
+  }
+  EXPECT_EQ(candidates.searches(), 20u);
+  candidates.change({});
+  for (int step = 0; step < 5; ++step) {
+    EXPECT_TRUE(std::ranges::includes(pairs_listed(candidates, surface.rest, 0.0),
+                                      pairs_that_count(surface, surface.rest, {}, 0.0)));
+  }
+  EXPECT_EQ(candidates.searches(), 21u);
 }
 
 struct Motion {

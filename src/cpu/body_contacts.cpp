@@ -44,14 +44,23 @@ void push(TouchedParticles::Touched& particle, const Vec3& impulse) {
 }  // namespace
 
 void BodyContacts::follow(const Scene& scene) {
-  surface_ = {};
   contacts_.clear();
-  if (!scene.contacts()) return;
+  if (!scene.contacts()) {
+    surface_ = {};
+    surface_known_ = false;
+    return;
+  }
   options_ = *scene.contacts();
+  if (surface_known_) {
+    candidates_.change(options_);
+    return;
+  }
+  surface_ = {};  // of no use half made
   surface_ = make_contact_surface(scene.model());
   candidates_.follow(surface_, options_);
   place_.resize(surface_.particles.size());
   velocity_.resize(surface_.particles.size());
+  surface_known_ = true;
 }
 
 /// Particles whose gap to a triangle is less than twice what the fastest one moves against the mean.

@@ -60,6 +60,7 @@ class BodyContacts {
 
   ContactOptions options_;
   ContactSurface surface_;
+  bool surface_known_ = false;  // and candidates_ of it; it is the model's, whatever else of a scene changes
   ContactCandidates candidates_;
   VecList place_, velocity_;  // [particles of the surface] m, m/s
   std::vector<Contact> contacts_;

@@ -25,6 +25,11 @@ constexpr double wanted_steps = 8.0, least_steps = 2.0;
 
 /// Kept entries a particle: a heap of bodies that lie in each other has as many as it has pairs.
 constexpr std::size_t most_each = 64;
+/// Searches without slack after lists were longer than that: with it they would be made in vain, at twice the cost.
+constexpr int tight_searches = 16;
+/// Beside a body of far longer edges slack goes by those of the finer one, or its particles would have lists of the
+/// coarse one from afar.
+constexpr double most_coarse = 2.0;
 
 /// Items of its own skin that are remembered for a particle: some 50 in a lattice.
 constexpr std::size_t most_skin = 96;
@@ -52,21 +57,31 @@ double distance(const Box& one, const Box& other) {
   return sum;
 }
 
+/// m: the mean edge of all particles, but no more than twice that of the finest body.
+double edge_for_slack(const ContactSurface& surface, std::size_t bodies) {
+  std::vector<double> sum(bodies, 0.0), count(bodies, 0.0);
+  double mean = 0.0;
+  for (const ContactSurface::Particle& particle : surface.particles) {
+    sum[particle.body] += particle.edge;
+    count[particle.body] += 1.0;
+    mean += particle.edge / static_cast<double>(surface.particles.size());
+  }
+  for (std::size_t b = 0; b < bodies; ++b) {
+    if (count[b] > 0.0) mean = std::min(mean, most_coarse * sum[b] / count[b]);
+  }
+  return mean;
+}
+
 }  // namespace
 
 void ContactCandidates::follow(const ContactSurface& surface, const ContactOptions& options) {
   surface_ = &surface;
-  options_ = options;
-  complete_ = false;
+  change(options);
   searches_ = 0;
-  Index bodies = 0;
-  mean_edge_ = 0.0;
   std::vector<Index> body;
-  for (const ContactSurface::Particle& particle : surface.particles) {
-    bodies = std::max(bodies, particle.body + 1);
-    mean_edge_ += particle.edge / static_cast<double>(surface.particles.size());
-    body.push_back(particle.body);
-  }
+  for (const ContactSurface::Particle& particle : surface.particles) body.push_back(particle.body);
+  const Index bodies = body.empty() ? 0 : *std::ranges::max_element(body) + 1;
+  usual_edge_ = edge_for_slack(surface, static_cast<std::size_t>(bodies));
   particles_ = BoxTree(surface.rest, body, bodies);
   clusters_.clear();
   for (const BoxTree::Node& node : particles_.nodes) {
@@ -104,9 +119,14 @@ void ContactCandidates::follow(const ContactSurface& surface, const ContactOptio
   find_skins();
 }
 
+void ContactCandidates::change(const ContactOptions& options) {
+  options_ = options;
+  complete_ = false;
+  tight_searches_ = 0;
+}
+
 void ContactCandidates::find_skins() {
   measure(surface_->rest);
-  complete_ = false;
   for (std::size_t k = 0; k < item_edge_.size(); ++k) item_reach_[k] = ContactSurface::skin_factor * item_edge_[k];
   for (std::size_t k = 0; k < node_edge_.size(); ++k) node_reach_[k] = ContactSurface::skin_factor * node_edge_[k];
   skin_.clear();
@@ -142,21 +162,22 @@ bool ContactCandidates::hold(std::span<const Vec3> place, double margin) const {
 }
 
 void ContactCandidates::begin(std::span<const Vec3> place, double margin) {
+  complete_ = false;
   ++searches_;
   margin_ = margin;
-  slack_ = std::clamp(wanted_steps * margin, least_slack * mean_edge_, most_slack * mean_edge_);
-  if (slack_ < least_steps * margin) slack_ = 0.0;
+  slack_ = std::clamp(wanted_steps * margin, least_slack * usual_edge_, most_slack * usual_edge_);
+  if (slack_ < least_steps * margin || tight_searches_ > 0) slack_ = 0.0;
+  if (tight_searches_ > 0) --tight_searches_;
   for (std::size_t k = 0; k < item_edge_.size(); ++k) item_reach_[k] = reach_of(item_edge_[k]);
   for (std::size_t k = 0; k < node_edge_.size(); ++k) node_reach_[k] = reach_of(node_edge_[k]);
   then_.assign(place.begin(), place.end());
   kept_.clear();
   listed_.clear();
-  measure(place);
+  keeps_ = measure(place);
 }
 
-/// Boxes around clusters and triangles.
-void ContactCandidates::measure(std::span<const Vec3> place) {
-  complete_ = std::ranges::all_of(place, [](const Vec3& x) { return x.allFinite(); });
+/// Boxes around clusters and triangles. Whether all places are numbers, and no triangle is lost.
+bool ContactCandidates::measure(std::span<const Vec3> place) {
   for (Cluster& cluster : clusters_) {
     cluster.box = {};
     for (std::size_t k = cluster.first; k < cluster.end; ++k) {
@@ -174,8 +195,7 @@ void ContactCandidates::measure(std::span<const Vec3> place) {
     box.high.array() += more;
     widest = std::max(widest, (box.high - box.low).maxCoeff());
   }
-  lost_ = !(widest < furthest_place);  // a runaway particle, found out elsewhere
-  if (lost_) complete_ = false;
+  lost_ = !(widest < furthest_place);                     // a runaway particle, found out elsewhere
   for (std::size_t own = node_box_.size(); own-- > 0;) {  // children stand behind their parents
     const BoxTree::Node& node = triangles_.nodes[own];
     Box& box = node_box_[own];
@@ -188,6 +208,7 @@ void ContactCandidates::measure(std::span<const Vec3> place) {
       }
     }
   }
+  return !lost_ && std::ranges::all_of(place, [](const Vec3& x) { return x.allFinite(); });
 }
 
 /// Beyond this, m, what has these edges, on the longer side, touches nothing in any step for which the search holds.
@@ -274,12 +295,14 @@ bool ContactCandidates::gather(std::size_t particle, const Vec3& x, std::size_t 
 }
 
 std::span<const Index> ContactCandidates::keep(std::size_t particle) {
-  if (complete_ && listed_.size() + near_.size() <= most_each * then_.size()) {
-    kept_.push_back({particle, listed_.size(), near_.size()});
-    listed_.insert(listed_.end(), near_.begin(), near_.end());
-  } else {
-    complete_ = false;
+  if (!keeps_) return near_;
+  if (listed_.size() + near_.size() > most_each * then_.size()) {
+    keeps_ = false;
+    if (slack_ > 0.0) tight_searches_ = tight_searches;
+    return near_;
   }
+  kept_.push_back({particle, listed_.size(), near_.size()});
+  listed_.insert(listed_.end(), near_.begin(), near_.end());
   return near_;
 }
 

@@ -31,6 +31,8 @@ class ContactCandidates {
 
   /// Takes over a surface, which must outlive the calls of each(). Allocates.
   void follow(const ContactSurface& surface, const ContactOptions& options);
+  /// Other options for the same surface.
+  void change(const ContactOptions& options);
 
   /// Calls visit(List), in no order, for each particle and body whose gap may be within `margin`, m. What the skin of a
   /// particle's own body leaves out is in no list; what is not finite touches nothing. `margin` is twice what
@@ -51,6 +53,7 @@ class ContactCandidates {
         }
       }
     }
+    complete_ = keeps_;  // and not before, as visit and memory may throw
   }
 
   std::size_t searches() const { return searches_; }  ///< since follow()
@@ -71,7 +74,7 @@ class ContactCandidates {
 
   bool hold(std::span<const Vec3> place, double margin) const;
   void begin(std::span<const Vec3> place, double margin);
-  void measure(std::span<const Vec3> place);
+  bool measure(std::span<const Vec3> place);
   void find_skins();
   bool meet(const Cluster& cluster, std::size_t body);
   bool within(const Vec3& x, Index item, double reach) const;
@@ -83,7 +86,7 @@ class ContactCandidates {
 
   const ContactSurface* surface_ = nullptr;
   ContactOptions options_;
-  double mean_edge_ = 0.0;  // m, of the surface's particles
+  double usual_edge_ = 0.0;  // m, that slack is measured by
   BoxTree particles_, triangles_;
   std::vector<Cluster> clusters_;
   std::vector<double> node_edge_;  // [nodes of triangles_] m, the longest
@@ -95,6 +98,8 @@ class ContactCandidates {
 
   // Of the last search.
   bool complete_ = false;              // all that it found is kept, and was finite
+  bool keeps_ = false;                 // so far, while it goes on
+  int tight_searches_ = 0;             // that are still to go without slack, as lists were too long with it
   bool lost_ = false;                  // a place is so far away that nothing is found
   double margin_ = 0.0, slack_ = 0.0;  // m
   VecList then_;                       // [particles] where they were
