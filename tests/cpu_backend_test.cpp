@@ -253,5 +253,28 @@ TEST(CpuBackend, BodiesTooSmallForSinglePrecisionAreForTheReference) {
   EXPECT_NE(solver->choice().find("single precision holds"), std::string::npos) << solver->choice();
 }
 
+/// So many particles without neighbours that whole slices have none: nothing pulls them, and they fall.
+TEST(CpuBackend, ParticlesWithoutNeighboursFall) {
+  Model model = make_block({0.02, 0.02, 0.02}, 4, 4, 4);
+  for (int k = 0; k < 40; ++k) {
+    model.rest.emplace_back(0.1 + 0.01 * k, 0, 0);
+    model.mass.push_back(model.mass.front());
+    model.stiffness.push_back(model.stiffness.front());
+    model.neighbours.offset.push_back(model.neighbours.offset.back());
+  }
+  Scene scene(model);
+  scene.gravity({0, 0, -1});
+  const auto solver =
+      make_solver("cpu", model, scene,
+                  {.reaction = Reaction::shared, .bases = BaseSelection::all, .on_sparse = SparseParticle::free});
+  const double dt = 1e-3;
+  const StepReport report = solver->step(100, dt);
+  ASSERT_TRUE(report.ok()) << report.message();
+  const State state = solver->read();
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    EXPECT_NEAR(state.position[i].z() - model.rest[i].z(), -0.5 * dt * dt * 100 * 101, 1e-7) << i;
+  }
+}
+
 }  // namespace
 }  // namespace phymul::test

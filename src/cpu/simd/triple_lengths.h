@@ -131,7 +131,7 @@ PHYMUL_INLINE bool pull_by_lengths(const Neighbourhood& n, PairLengths<neighbour
             });
         pull += cross(n.place(j), turning) + cross(n.half[j], tilting);
       });
-  pull += cross(n.half[count - 1], n.A(count - 1));
+  if (fixed || count > 0) pull += cross(n.half[count - 1], n.A(count - 1));
   return !any_below(least, all(least_area_squared - 1.0f)) && !any_below(all(most_area_squared - 1.0f), most);
 }
 
