@@ -157,7 +157,8 @@ struct ParticleBuffer {
 
 /// step() throws nothing but std::bad_alloc and what SolverOptions::progress throws, and allocates only in the first
 /// step after a change of the scene ("reference": after its first force or first imposed position; Scene::set_events
-/// is none), and where more surfaces are near each other than ever before; read() is the one call that waits for a device.
+/// is none), and where more surfaces are near each other than ever before; read() is the one call that waits for a
+/// device.
 ///
 /// Threads: one at a time may call a solver, const functions too, and it must be the only one to touch the solver's
 /// scene then. Two solvers are independent: each may have its thread, and they may share tables, and a scene that
