@@ -53,9 +53,8 @@ const char* likely_cause(const TopologyTextures& topology, const Spectrum& spect
   if (spectrum.most_negative < 0.0) return "this model is unstable at rest at any step; use Reaction::conservative";
   if (grasps) {
     return "a tool holds particles and was moved too fast for them. Where its poses come from its forces, what it "
-           "holds "
-           "belongs to that loop, which grows by itself unless it is told of it: VirtualCoupling::follow with the "
-           "whole ToolForce; a smaller dt or more damping does not help. Else the deformation raised the body's "
+           "holds belongs to that loop, which grows by itself unless it is told of it: VirtualCoupling::follow with "
+           "the whole ToolForce; a smaller dt or more damping does not help. Else the deformation raised the body's "
            "stiffness, or a load is extreme: halve dt or raise damping";
   }
   return "the deformation raised the body's stiffness until dt passed its stable step, or a load is extreme; halve dt "

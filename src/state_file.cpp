@@ -121,8 +121,7 @@ void StateHistory::follow(const Solver& solver, const StepReport& report) {
   if (!states_.empty() && states_.back().body != solver.body()) {
     throw Error(
         "StateHistory::follow: expected a solver of the body whose states are kept, got one of another shape, "
-        "material, "
-        "order of particles or other options of the tables; clear() the history, or keep one for each body");
+        "material, order of particles or other options of the tables; clear() the history, or keep one for each body");
   }
   drop_after(report.time);
   since_ += report.steps;
