@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <vector>
 
-#include "bodies.h"
-#include "mechanics.h"
+#include "support/bodies.h"
+#include "support/mechanics.h"
 #include "usage.h"
 
 namespace {

@@ -19,9 +19,8 @@
 #include <string>
 #include <vector>
 
-#include "cpu/mirror.h"
+#include "cpu/packed/vector_body.h"
 #include "cpu/simd/instruction_set.h"
-#include "cpu/vector_body.h"
 #include "machine_ceilings.h"
 #include "plain_loop.h"
 #include "triple_work.h"
@@ -125,7 +124,7 @@ void run(const Case& test, int repeats) {
   const State start = start_of(model);
   options.threads = 1;
   std::vector<Runner> runners;
-  runners.push_back(runner(cpu::make_mirror_solver(tables, scene, options), start));
+  runners.push_back(runner(make_solver("reference", tables, scene, options), start));
   const bool plain = bench::PlainLoop::covers(*tables);
   if (plain) {
     runners[0].plain.emplace(*tables, start);
@@ -147,7 +146,7 @@ void run(const Case& test, int repeats) {
   const double best = *std::ranges::max_element(runners[1].rates);
   const double n = model.particle_count();
   std::printf("%-34s %8d | %8.2f%c %8.2f (best %8.2f) %8.2f | %6.2f | %5.2f of %5.2f, quiet %5.2f (%d) | %9.2f us\n",
-              test.name.c_str(), model.particle_count(), median(runners[0].rates) * 1e-6, plain ? ' ' : 'm',
+              test.name.c_str(), model.particle_count(), median(runners[0].rates) * 1e-6, plain ? ' ' : 'r',
               median(runners[1].rates) * 1e-6, best * 1e-6, median(runners[2].clock_rates) * 1e-6, median(ratios),
               median(gains.all), median(gains.machine), gains.quiet.empty() ? 0.0 : median(gains.quiet),
               static_cast<int>(gains.quiet.size()), n / median(runners[1].rates) * 1e6);
@@ -292,7 +291,8 @@ int main(int argc, char** argv) {
       1e-9 * bench::vector_multiply_adds(0.3), 1e-9 * bench::read_bandwidth(256e3, 0.2),
       1e-9 * bench::read_bandwidth(8e6, 0.2), 1e-9 * bench::read_bandwidth(256e6, 0.4));
   std::printf("two threads do %.2f times the multiply-adds of one\n", bench::threads_gain(2));
-  std::printf("million particle-steps a second, medians of %d; m: the mirror\n", repeats);
+  std::printf("million particle-steps a second, medians of %d; r: the backend \"reference\", in double precision\n",
+              repeats);
   std::printf("%-34s %8s | %8s  %8s %15s %8s | %6s | %s\n", "", "particles", "plain", "1 thread", "", "2", "ratio",
               "2 : 1, of two without anything in common");
   for (const auto& make : cases()) {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <string>
 
-#include "failure_states.h"
+#include "support/failure_states.h"
 #include "usage.h"
 
 namespace {

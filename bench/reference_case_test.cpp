@@ -16,7 +16,7 @@
 #include "problem.h"
 #include "reference_case.h"
 #include "relaxation.h"
-#include "sanitized.h"
+#include "support/sanitized.h"
 
 namespace phymul::bench {
 namespace {

@@ -10,9 +10,9 @@
 
 #include "arguments.h"
 #include "csv_row.h"
-#include "failure_states.h"
-#include "growth_rate.h"
-#include "stability_methods.h"
+#include "stability/stability_methods.h"
+#include "support/failure_states.h"
+#include "support/growth_rate.h"
 
 namespace {
 

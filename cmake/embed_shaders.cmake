@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
 #
-# cmake -DOUTPUT=shaders.cpp -DFILES="a.glsl;b.glsl" -P embed_shaders.cmake
-# Writes phymul::gl::embedded_shaders (src/gl/shader_source.h): the shaders' text, so that the library needs no files.
+# cmake -DOUTPUT=shaders.cpp -DROOT=glsl "-DFILES=glsl/step/a.glsl;glsl/step/b.glsl" -P embed_shaders.cmake
+# Writes phymul::gl::embedded_shaders (src/gl/objects/shader_source.h): the shaders' text, so that the library needs no files.
 set(rows "")
 foreach(file IN LISTS FILES)
   file(READ ${file} text)
-  cmake_path(GET file FILENAME name)
+  cmake_path(RELATIVE_PATH file BASE_DIRECTORY ${ROOT} OUTPUT_VARIABLE name)
   string(LENGTH "${text}" length)
   if(length GREATER 16000)
     message(FATAL_ERROR "${file} has ${length} characters; compilers need to accept string literals of 16 kB only")

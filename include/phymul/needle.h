@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // A needle: the part of its law that is the tissue's, and how its shaft bends. How it is computed:
-// src/cpu/needle_path.h, and on devices glsl/needle_tables.glsl.
+// src/interaction/needle_path.h, and on devices glsl/needle/needle_tables.glsl.
 #pragma once
 
 #include <phymul/types.h>

@@ -16,7 +16,7 @@
 
 namespace phymul {
 
-struct SceneBefore;  // src/scene_bytes.h
+struct SceneBefore;  // src/session/scene_bytes.h
 
 /// One thing that a host did: a kind of four letters, and bytes that the kind gives a meaning.
 struct Input {
@@ -41,7 +41,7 @@ struct Recording {
   std::string device;      ///< Solver::device(), for people
   RecordedOptions options;
   Snapshot start;
-  std::string scene;  ///< at the start, in bytes (src/scene_bytes.h)
+  std::string scene;  ///< at the start, in bytes (src/session/scene_bytes.h)
   std::vector<Input> inputs;
   bool operator==(const Recording&) const = default;
 };

@@ -130,7 +130,7 @@ struct PassProfile {
   double device_seconds = std::numeric_limits<double>::quiet_NaN();
 };
 
-class Profile;  // src/profile.h
+class Profile;  // src/solver/profile.h
 
 struct Energy {
   double elastic = 0.0;  ///< J

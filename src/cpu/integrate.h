@@ -5,7 +5,7 @@
 //   v+ = d v + (f/m) dt,  x+ = x + v+ dt
 #pragma once
 
-#include "force_shape.h"
+#include "elastic/force_shape.h"
 
 namespace phymul::cpu {
 

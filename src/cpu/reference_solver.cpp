@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "../profile.h"
 #include "integrate.h"
-#include "tool_set.h"
-#include "touching.h"
+#include "interaction/tool_set.h"
+#include "interaction/touching.h"
+#include "solver/profile.h"
 
 namespace phymul::cpu {
 namespace {

@@ -30,7 +30,7 @@ function(row_of file result)
     set(row ${cpu_row})
   elseif(own MATCHES "^src/gl/")
     set(row ${gl_row})
-  elseif(own MATCHES "^src/topology(_[a-z_]+)?\\.")
+  elseif(own MATCHES "^src/topology/topology(_[a-z_]+)?\\.")
     set(row 3)  # makes what the public topology.h only declares
   else()
     foreach(known_row IN LISTS rows)

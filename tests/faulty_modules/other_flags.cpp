@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // A module of this version that was built with flags which change the size of a struct.
-#include "gl_module.h"
+#include "solver/gl_module.h"
 
 extern "C" const phymul::GlModule* phymul_gl_module() {
   static const phymul::GlModule module = [] {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // A module of another phymul.
-#include "gl_module.h"
+#include "solver/gl_module.h"
 
 extern "C" const phymul::GlModule* phymul_gl_module() {
   static const phymul::GlModule module{.stamp = {.version = "99.1.2"}};

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: MIT
+#include "float_tables.h"
+
+#include <phymul/error.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "base/decimal.h"
+
+namespace phymul {
+namespace {
+
+constexpr std::size_t most_entries = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
+
+/// |w0|^2 of a base must be a normal float with room for what multiplies it: edges of a nanometre to a thousand
+/// kilometres or so.
+constexpr double least_square = 1e-32, greatest_square = 1e26;
+
+void require_entries(std::size_t rows, std::size_t entries_a_row, const char* table) {
+  if (rows <= most_entries / entries_a_row) return;
+  throw Error("the float table of " + std::string(table) + " has " + std::to_string(rows) + " rows; " +
+              std::to_string(most_entries / entries_a_row) +
+              " fit 32-bit entries. Use fewer particles or a sparser base selection, or the backend \"reference\"");
+}
+
+float narrow(double value) {
+  const auto result = static_cast<float>(value);
+  if (std::isfinite(result)) return result;
+  throw Error("a constant of the body, " + to_decimal(value) +
+              " in SI units, is beyond the range of single precision; expected masses in kg, lengths in m and "
+              "stiffnesses in N/m of a real body. The backend \"reference\" computes in double precision");
+}
+
+std::int32_t narrow_bits(double value) {
+  return bits_of(narrow(value));
+}
+
+Float4 texel(const Vec3& v, double w) {
+  return {narrow(v.x()), narrow(v.y()), narrow(v.z()), narrow(w)};
+}
+
+void require_square(double square, Index owner) {
+  if (square >= least_square && square <= greatest_square) return;
+  throw Error("a base of particle " + std::to_string(owner) + " spans " + to_decimal(std::sqrt(square)) +
+              " in m^2 (m in 2-D); single precision holds " + to_decimal(std::sqrt(least_square)) + " to " +
+              to_decimal(std::sqrt(greatest_square)) +
+              ". Expected a model in metres; the backend \"reference\" computes in double precision");
+}
+
+void pack_particles(const TopologyTextures& from, FloatTables& to) {
+  for (Index i = 0; i < from.particle_count; ++i) {
+    to.particle.push_back({narrow(1.0 / from.mass[i]), narrow(from.stiffness.empty() ? 0.0 : from.stiffness[i]),
+                           narrow(from.mass[i]), 0.0f});
+    const IndexTexel& at = from.index[i];
+    to.index.push_back({at.neighbour_count, at.first_neighbour, at.base_count, at.first_base});
+  }
+}
+
+void pack_base(const TopologyTextures& from, Index owner, Index t, FloatTables& to) {
+  const BaseTexel& base = from.bases[t];
+  const bool plane = from.dimension == 2;
+  const Vec3& at = from.rest[base.vertex[0]];
+  const Vec3 E1 = from.rest[base.vertex[1]] - at;
+  const Vec3 E2 = plane ? Vec3(Vec3::Zero()) : Vec3(from.rest[base.vertex[2]] - at);
+  require_square(plane ? E1.squaredNorm() : E1.cross(E2).squaredNorm(), owner);
+  const bool conservative = from.options.reaction == Reaction::conservative;
+  to.base.push_back({base.vertex[0], base.vertex[1], base.vertex[2], narrow_bits(base.beta)});
+  to.base_e1.push_back(texel(E1, from.lambda[t][1]));
+  to.base_e2.push_back(texel(E2, plane ? 0.0 : from.lambda[t][2]));
+  to.base_share.push_back({owner, narrow_bits(conservative ? from.stiffness[owner] * from.weight[t] : from.weight[t])});
+}
+
+void pack_bases(const TopologyTextures& from, FloatTables& to) {
+  require_entries(static_cast<std::size_t>(from.base_count), 4, "bases");
+  to.base_count = from.base_count;
+  for (Index i = 0; i < from.particle_count; ++i) {
+    const IndexTexel& at = from.index[i];
+    for (Index t = at.first_base; t < at.first_base + at.base_count; ++t) pack_base(from, i, t, to);
+  }
+}
+
+void pack_neighbours(const TopologyTextures& from, FloatTables& to) {
+  to.neighbour.assign(from.neighbours.begin(), from.neighbours.begin() + from.neighbour_count);
+  if (to.layout == FloatLayout::table) {
+    for (Index r = 0; r < from.neighbour_count; ++r) to.alpha.push_back(narrow(from.alpha[r]));
+    return;
+  }
+  for (Index i = 0; i < from.particle_count; ++i) {
+    const IndexTexel& at = from.index[i];
+    for (Index r = at.first_neighbour; r < at.first_neighbour + at.neighbour_count; ++r) {
+      to.edge_alpha.push_back(texel(from.rest[from.neighbours[r]] - from.rest[i], from.alpha[r]));
+    }
+  }
+}
+
+void require_enumerable(const TopologyTextures& from) {
+  const TopologyOptions& o = from.options;
+  const bool shares =
+      o.reaction == Reaction::full || o.reaction == Reaction::shared || o.reaction == Reaction::barycentric;
+  if (from.dimension == 3 && o.law == Law::shape_memory && o.bases == BaseSelection::all && shares) return;
+  throw Error(
+      "bases can be enumerated from the neighbours only in 3-D with BaseSelection::all and Reaction::full, shared or "
+      "barycentric; take BaseLayout::table or automatic, or change the topology's options");
+}
+
+/// beta w of all triples j < k < l of particle i's neighbour rows. BaseSelection::all keeps that order and leaves out
+/// triples without a plane.
+void pack_heights_of(const TopologyTextures& from, Index i, FloatTables& to) {
+  const IndexTexel& at = from.index[i];
+  const Index* n = from.neighbours.data() + at.first_neighbour;
+  Index t = at.first_base;
+  const Index end = at.first_base + at.base_count;
+  std::size_t filled = 0;
+  for (Index j = 0; j < at.neighbour_count; ++j) {
+    for (Index k = j + 1; k < at.neighbour_count; ++k) {
+      for (Index l = k + 1; l < at.neighbour_count; ++l) {
+        if (filled % 4 == 0) to.height.push_back({0.0f, 0.0f, 0.0f, 0.0f});
+        const bool is_base = t < end && from.bases[t].vertex == std::array<Index, 3>{n[j], n[k], n[l]};
+        if (is_base) {
+          const Vec3 E1 = from.rest[n[k]] - from.rest[n[j]], E2 = from.rest[n[l]] - from.rest[n[j]];
+          require_square(E1.cross(E2).squaredNorm(), i);
+          to.height.back()[filled % 4] = narrow(from.weight[t] * from.bases[t].beta);
+          ++t;
+        }
+        ++filled;
+      }
+    }
+  }
+  if (t != end) throw Error("bases of particle " + std::to_string(i) + " are not triples of its neighbours in order");
+}
+
+void pack_heights(const TopologyTextures& from, FloatTables& to) {
+  for (Index i = 0; i < from.particle_count; ++i) {
+    require_entries(to.height.size(), 4, "heights");
+    to.first_height.push_back(static_cast<std::int32_t>(to.height.size()));
+    if (from.index[i].base_count > 0) pack_heights_of(from, i, to);
+  }
+  require_entries(to.height.size(), 4, "heights");
+}
+
+void pack_shares(const TopologyTextures& from, FloatTables& to) {
+  for (const Index row : from.neighbour_of.entry) {
+    const Index owner = from.neighbour_owner[row];
+    const double share = from.options.reaction == Reaction::full     ? 1.0
+                         : from.options.reaction == Reaction::shared ? 1.0 / from.index[owner].neighbour_count
+                                                                     : from.alpha[row];
+    to.share.push_back({owner, narrow_bits(share)});
+  }
+  for (const Index entry : from.base_of.entry) to.reaction.push_back(entry / 3 * 4 + entry % 3);
+}
+
+void pack_volumes(const TopologyTextures& from, FloatTables& to) {
+  to.volume_count = static_cast<Index>(from.volumes.size());
+  for (const VolumeTexel& term : from.volumes) {
+    const Vec3& at = from.rest[term.vertex[0]];
+    const auto edge = [&](std::size_t corner) {
+      return term.vertex[corner] == none ? Vec3(Vec3::Zero()) : Vec3(from.rest[term.vertex[corner]] - at);
+    };
+    to.volume.push_back(term.vertex);
+    to.volume_e1.push_back(texel(edge(1), term.inverse_rest_volume / (from.dimension == 2 ? 2.0 : 6.0)));
+    to.volume_e2.push_back(texel(edge(2), term.stiffness));
+    to.volume_e3.push_back(texel(edge(3), 0.0));
+  }
+  to.volume_entry = from.volume_of.entry;
+}
+
+void pack_cells(const TopologyTextures& from, FloatTables& to) {
+  to.cell_count = static_cast<Index>(from.cells.size());
+  for (const CellTexel& cell : from.cells) {
+    const auto& v = cell.vertex;
+    to.cell_vertex.push_back({v[0], v[1], v[2], v[3]});
+    to.cell_vertex.push_back({v[4], v[5], v[6], v[7]});
+    for (const Vec3& gradient : cell.gradient) to.cell_gradient.push_back(texel(gradient, 0.0));
+    to.cell_stiffness.push_back({narrow(cell.shape_stiffness), narrow(cell.volume_stiffness)});
+  }
+  to.cell_entry = from.cell_of.entry;
+}
+
+void pack_springs(const TopologyTextures& from, FloatTables& to) {
+  for (const Index entry : from.spring_of.entry) {
+    const SpringTexel& spring = from.springs[static_cast<std::size_t>(entry / 2)];
+    const Index self = spring.end[static_cast<std::size_t>(entry % 2)];
+    const Index other = spring.end[static_cast<std::size_t>(1 - entry % 2)];
+    to.spring_other.push_back(other);
+    to.spring.push_back(texel(from.rest[other] - from.rest[self], spring.stiffness));
+  }
+}
+
+void pack_lists(const TopologyTextures& from, FloatTables& to) {
+  const auto row = [](const RaggedList& list, Index i) { return list.entry.empty() ? 0 : list.offset[i]; };
+  const RaggedList& reaction = from.neighbour_of.entry.empty() ? from.base_of : from.neighbour_of;
+  for (Index i = 0; i <= from.particle_count; ++i) {
+    to.lists.push_back({row(reaction, i), row(from.volume_of, i), row(from.cell_of, i), row(from.spring_of, i)});
+  }
+}
+
+/// Upper bounds: of triples that three nested loops count, all turns of all three.
+LoopTurns count_turns(const TopologyTextures& from, FloatLayout layout) {
+  LoopTurns most;
+  const bool conservative = from.options.reaction == Reaction::conservative;  // gathers its own bases; no attractor
+  const auto length = [](const RaggedList& list, Index i) {
+    return list.entry.empty() ? std::int64_t{0} : std::int64_t{list.offset[i + 1]} - list.offset[i];
+  };
+  for (Index i = 0; i < from.particle_count; ++i) {
+    const std::int64_t n = from.index[i].neighbour_count, bases = from.index[i].base_count;
+    const std::int64_t triples = n * (n - 1) / 2 * (n - 2) / 3;
+    const std::int64_t attractor = layout == FloatLayout::enumerated ? 2 * n + n * n / 2 + triples : n + bases;
+    const std::int64_t own = conservative ? 0 : attractor;
+    const std::int64_t gathered = (conservative ? bases : 0) + length(from.neighbour_of, i) + length(from.base_of, i) +
+                                  length(from.volume_of, i) + length(from.cell_of, i) + length(from.spring_of, i);
+    most = {std::max(most.own, own), std::max(most.gathered, gathered)};
+  }
+  return most;
+}
+
+}  // namespace
+
+void require_bases_in_range(const TopologyTextures& topology) {
+  for (Index i = 0; i < topology.particle_count; ++i) {
+    const IndexTexel& at = topology.index[i];
+    for (Index t = at.first_base; t < at.first_base + at.base_count; ++t) {
+      const auto& v = topology.bases[t].vertex;
+      const Vec3 E1 = topology.rest[v[1]] - topology.rest[v[0]];
+      require_square(topology.dimension == 2 ? E1.squaredNorm()
+                                             : E1.cross(Vec3(topology.rest[v[2]] - topology.rest[v[0]])).squaredNorm(),
+                     i);
+    }
+  }
+}
+
+double require_state_in_range(const VecList& rest, const State& state) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const Eigen::Vector3f u = (state.position[i] - rest[i]).cast<float>(), v = state.velocity[i].cast<float>();
+    largest = std::max(largest, u.cast<double>().norm());
+    if (u.allFinite() && v.allFinite()) continue;
+    throw Error("Solver::reset: particle " + std::to_string(i) +
+                " has a displacement or velocity beyond single precision; the backend \"reference\" computes in "
+                "double precision");
+  }
+  return largest;
+}
+
+FloatTables pack_floats(const TopologyTextures& topology, FloatLayout layout) {
+  FloatTables tables;
+  tables.options = topology.options;
+  tables.layout = layout;
+  tables.dimension = topology.dimension;
+  tables.particle_count = topology.particle_count;
+  pack_particles(topology, tables);
+  if (layout == FloatLayout::enumerated) require_enumerable(topology);
+  if (topology.base_count > 0) {
+    if (layout == FloatLayout::table) pack_bases(topology, tables);
+    if (layout == FloatLayout::enumerated) pack_heights(topology, tables);
+    if (topology.options.reaction != Reaction::conservative) pack_neighbours(topology, tables);
+  }
+  pack_shares(topology, tables);
+  pack_volumes(topology, tables);
+  pack_cells(topology, tables);
+  pack_springs(topology, tables);
+  pack_lists(topology, tables);
+  tables.turns = count_turns(topology, layout);
+  return tables;
+}
+
+}  // namespace phymul

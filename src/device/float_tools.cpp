@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: MIT
+#include "float_tools.h"
+
+#include <phymul/distance_grid.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "interaction/grasp.h"
+#include "interaction/tool_extent.h"
+#include "scene/needle_measures.h"
+
+namespace phymul {
+namespace {
+
+float to_float(double value) {
+  return static_cast<float>(std::min(value, double{std::numeric_limits<float>::max()}));
+}
+
+/// A place as the sum of two floats.
+struct Halves {
+  explicit Halves(const Vec3& x) : high(x.cast<float>()), low((x - high.cast<double>()).cast<float>()) {}
+  Eigen::Vector3f high, low;
+};
+
+Vec3 widened(const Float4& v) {
+  return {v[0], v[1], v[2]};
+}
+
+}  // namespace
+
+void FloatTools::follow(const Scene& scene) {
+  std::vector<Moving> now;
+  for (const SceneTool& tool : scene.tools()) {
+    const auto known = std::ranges::find(tools_, tool.id, [](const Moving& moving) { return moving.moved.id; });
+    now.push_back(known != tools_.end() ? std::move(*known) : Moving{MovedTool(tool), tool.tool});
+  }
+  tools_ = std::move(now);
+  mass_ = scene.model().mass;
+  fill_laws();
+  fill_rest(scene.model().rest);
+  fill_held();
+  motions_.reserve(tools_.size());
+  frames_.assign((most_steps_ + 1) * tools_.size() * frame_rows, Float4{});
+  begin_batch(1, 0.0);
+}
+
+void FloatTools::fill_laws() {
+  laws_.clear();
+  grid_values_.clear();
+  for (const Moving& moving : tools_) {
+    const Tool& tool = moving.tool;
+    const ToolExtent extent = extent_of(tool);
+    const Eigen::Vector3f size = extent.size.cast<float>();
+    laws_.push_back({size.x(), size.y(), size.z(), static_cast<float>(tool.shape.index())});
+    laws_.push_back(
+        {to_float(tool.margin), to_float(extent.thickness), to_float(tool.friction), to_float(tool.compliance)});
+    const auto* grid = std::get_if<std::shared_ptr<const DistanceGrid>>(&tool.shape);
+    if (!grid) {
+      laws_.insert(laws_.end(), 2, Float4{});
+      continue;
+    }
+    const Eigen::Vector3f origin = (*grid)->origin().cast<float>();
+    const auto [nx, ny, nz] = (*grid)->count();
+    laws_.push_back({origin.x(), origin.y(), origin.z(), to_float((*grid)->spacing())});
+    const std::size_t first = grid_values_.size() / grid_unit;
+    laws_.push_back(
+        {static_cast<float>(nx), static_cast<float>(ny), static_cast<float>(nz), static_cast<float>(first)});
+    grid_values_.insert(grid_values_.end(), (*grid)->values().begin(), (*grid)->values().end());
+    grid_values_.resize((grid_values_.size() + grid_unit - 1) / grid_unit * grid_unit, 0.0f);
+  }
+}
+
+void FloatTools::fill_rest(const VecList& rest) {
+  middle_.setZero();
+  rest_.clear();
+  if (empty()) return;
+  for (const Vec3& X : rest) middle_ += X / static_cast<double>(rest.size());
+  for (const Vec3& X : rest) {
+    const Halves x(X - middle_);
+    rest_.push_back({x.high.x(), x.high.y(), x.high.z(), 0.0f});
+    rest_.push_back({x.low.x(), x.low.y(), x.low.z(), 0.0f});
+  }
+}
+
+void FloatTools::fill_held() {
+  held_.assign(rest_.size() / rest_rows, Float4{0.0f, 0.0f, 0.0f, -1.0f});
+  for (std::size_t row = 0; row < tools_.size(); ++row) {
+    const MovedTool& tool = tools_[row].moved;
+    for (std::size_t k = 0; k < tool.held.size(); ++k) {
+      const Eigen::Vector3f at = tool.held_at[k].cast<float>();
+      held_[static_cast<std::size_t>(tool.held[k])] = {at.x(), at.y(), at.z(), static_cast<float>(row)};
+    }
+  }
+}
+
+double FloatTools::needle_radius_of(const Tool& tool) {
+  const auto* const needle = std::get_if<Needle>(&tool.shape);
+  return needle ? needle->radius : 0.0;
+}
+
+int FloatTools::needle_count() const {
+  return static_cast<int>(
+      std::ranges::count_if(tools_, [](const Moving& tool) { return needle_radius_of(tool.tool) > 0.0; }));
+}
+
+void FloatTools::reset(const Scene& scene, const State& state) {
+  for (std::size_t row = 0; row < tools_.size(); ++row) {
+    Moving& tool = tools_[row];
+    const ToolState* const known = tool.moved.reset(scene.tools()[row], state, mass_, !was_reset_);
+    if (needle_radius_of(tool.tool) == 0.0) continue;
+    tool.needle = known ? known->needle : NeedleState{};
+    tool.moved.report.shaft = tool.needle.shaft;
+  }
+  was_reset_ = true;
+  fill_held();
+}
+
+void FloatTools::read(State& state) const {
+  state.tools.resize(tools_.size());
+  for (std::size_t row = 0; row < tools_.size(); ++row) {
+    tools_[row].moved.read(state.tools[row]);
+    state.tools[row].needle = tools_[row].needle;
+  }
+}
+
+bool FloatTools::begin_call(const Scene& scene, int steps, bool at_once) {
+  if (steps == 0) return false;
+  for (std::size_t row = 0; row < tools_.size(); ++row) {
+    tools_[row].moved.begin_call(scene.tools()[row], steps, at_once);
+  }
+  return std::ranges::any_of(tools_, [](const Moving& tool) { return tool.moved.grasps || tool.moved.releases; });
+}
+
+bool FloatTools::grasps() const {
+  return std::ranges::any_of(tools_, [](const Moving& tool) { return tool.moved.grasps; });
+}
+
+bool FloatTools::held_by_any(Index particle) const {
+  return std::ranges::any_of(tools_,
+                             [&](const Moving& tool) { return std::ranges::count(tool.moved.held, particle) > 0; });
+}
+
+void FloatTools::hold(const VecList& position, std::span<const std::uint8_t> fixed, bool plane) {
+  for (Moving& tool : tools_) {
+    if (tool.moved.releases) tool.moved.release();
+  }
+  for (Moving& tool : tools_) {
+    MovedTool& moved = tool.moved;
+    if (!moved.grasps) continue;
+    moved.grasps = false;
+    for (const auto& [i, at] : within_reach(tool.tool, moved.motion.pose, moved.grasp_distance, position)) {
+      const int axes = (fixed.empty() ? 0 : fixed[static_cast<std::size_t>(i)]) | (plane ? 4 : 0);
+      if (axes == 7 || held_by_any(i)) continue;
+      moved.take_hold(i, at);
+    }
+    moved.weigh_held(mass_);
+  }
+  fill_held();
+}
+
+/// Of a motion whose next pose is known. A needle asks not whether it was placed, but by how much its surface turns, m.
+void FloatTools::fill_frame(const Tool& tool, const ToolMotion& motion, Float4* rows) const {
+  const Mat3 turn = motion.pose.orientation.toRotationMatrix();
+  const Mat3 gain = motion.next_pose.orientation.toRotationMatrix() - turn;
+  const Vec3 gone = motion.next_pose.position - motion.pose.position;
+  const Halves place(motion.pose.position - middle_);
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3f own = turn.col(axis).cast<float>(), more = gain.col(axis).cast<float>();
+    rows[axis] = {own.x(), own.y(), own.z(), place.high[axis]};
+    rows[4 + axis] = {more.x(), more.y(), more.z(), static_cast<float>(gone[axis])};
+  }
+  const double radius = needle_radius_of(tool);
+  const float turned = static_cast<float>(radius > 0.0 ? radius * needle_turn(motion.pose, motion.next_pose) : 0.0);
+  const float placed = motion.placed ? 1.0f : 0.0f;
+  rows[3] = {place.low.x(), place.low.y(), place.low.z(), radius > 0.0 ? turned : placed};
+}
+
+void FloatTools::begin_batch(int steps, double dt) {
+  motions_.clear();
+  for (const Moving& tool : tools_) motions_.push_back(tool.moved.motion);
+  Float4* rows = frames_.data();
+  for (int step = 0; step <= steps; ++step) {
+    for (std::size_t row = 0; row < motions_.size(); ++row) {
+      motions_[row].advance(dt);
+      fill_frame(tools_[row].tool, motions_[row], rows);
+      rows += frame_rows;
+      motions_[row].accept();
+    }
+  }
+  frames_filled_ = static_cast<std::size_t>(rows - frames_.data());
+}
+
+void FloatTools::accept(int steps, double dt, std::span<const ToolSums> sums) {
+  for (std::size_t row = 0; row < tools_.size(); ++row) {
+    MovedTool& tool = tools_[row].moved;
+    for (int step = 0; step < steps; ++step) {
+      tool.motion.advance(dt);
+      tool.accept_pose();
+    }
+    const ToolForce last{.force = widened(sums[row].last_force),
+                         .torque = widened(sums[row].last_torque),
+                         .particles = static_cast<int>(sums[row].last_force[3])};
+    tool.tell(last, widened(sums[row].force), widened(sums[row].torque), steps);
+    tool.report.shaft = sums[row].shaft;
+  }
+}
+
+const ToolReport& FloatTools::report(const SceneTool& wanted) const {
+  const auto known = std::ranges::find(tools_, wanted.id, [](const Moving& moving) { return moving.moved.id; });
+  if (known != tools_.end()) return known->moved.report;
+  unseen_ = {};
+  unseen_.pose = wanted.pose;
+  return unseen_;
+}
+
+}  // namespace phymul

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+//
+// FloatTools: the tools of a scene for backends that compute in float. Moved on the host in double precision; a device
+// is given rows, and gives back sums. What needles are besides: float_needles.h.
+//
+// Places are seen from the middle of the rest shape and stand as two floats whose sum they are, so that neither the
+// distance of a body from the origin nor its size costs a tool any digits: near a particle is a matter of differences.
+#pragma once
+
+#include <phymul/scene.h>
+#include <phymul/state.h>
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "float_tables.h"
+#include "interaction/moved_tool.h"
+
+namespace phymul {
+
+/// What a batch of steps did to one tool, N and N m: summed over its steps, and in the last of them.
+struct ToolSums {
+  Float4 force{}, torque{};
+  Float4 last_force{}, last_torque{};  // w of the force: particles that it touched
+  std::vector<ShaftLoad> shaft{};      // of a needle that bends, in the last step
+};
+
+class FloatTools {
+ public:
+  // Rows as glsl/tools/tool_tables.glsl has them.
+  static constexpr std::size_t law_rows = 4, frame_rows = 7, rest_rows = 2;
+  /// Grids begin at multiples of so many values: a float counts those.
+  static constexpr std::size_t grid_unit = 256;
+
+  /// Room for batches of so many steps.
+  explicit FloatTools(int most_steps) : most_steps_(static_cast<std::size_t>(most_steps)) {}
+
+  /// Takes over the scene's tools after a change; tools that stay keep what they hold. Allocates.
+  void follow(const Scene& scene);
+  bool empty() const { return tools_.empty(); }
+  int count() const { return static_cast<int>(tools_.size()); }
+  bool any_grid() const { return !grid_values_.empty(); }
+  bool is_needle(int row) const { return needle_radius_of(tools_[static_cast<std::size_t>(row)].tool) > 0.0; }
+  int needle_count() const;
+
+  void reset(const Scene& scene, const State& state);
+  void read(State& state) const;
+  /// Of a needle, as a device has told of it, or as it is to begin there.
+  const NeedleState& needle(int row) const { return tools_[static_cast<std::size_t>(row)].needle; }
+  void set_needle(int row, NeedleState state) { tools_[static_cast<std::size_t>(row)].needle = std::move(state); }
+
+  /// A call begins. True where what is held changes: hold() is then to be called before its first step.
+  bool begin_call(const Scene& scene, int steps, bool at_once);
+  bool grasps() const;  ///< hold() needs positions
+  /// `fixed`: LoadFrame::fixed, or empty; `plane`: nothing moves along z.
+  void hold(const VecList& position, std::span<const std::uint8_t> fixed, bool plane);
+
+  /// Fills frames() for steps from here on.
+  void begin_batch(int steps, double dt);
+  /// So many steps of the batch count; `sums` are of those.
+  void accept(int steps, double dt, std::span<const ToolSums> sums);
+
+  /// As ToolSet::report of src/cpu.
+  const ToolReport& report(const SceneTool& wanted) const;
+
+  const std::vector<Float4>& laws() const { return laws_; }  ///< [count][law_rows]
+  /// [steps + 1][count][frame_rows], of the instants of the batch.
+  std::span<const Float4> frames() const { return {frames_.data(), frames_filled_}; }
+  std::size_t most_frames() const { return frames_.size(); }
+  /// [particles][rest_rows]
+  const std::vector<Float4>& rest() const { return rest_; }
+  /// [particles] place in the frame of the tool that holds it, m, and that tool's row; -1: free.
+  const std::vector<Float4>& held() const { return held_; }
+  const std::vector<float>& grid_values() const { return grid_values_; }
+
+ private:
+  struct Moving {
+    MovedTool moved;
+    Tool tool;
+    NeedleState needle{};
+  };
+  static double needle_radius_of(const Tool& tool);  ///< m; 0: none
+  void fill_laws();
+  void fill_rest(const VecList& rest);
+  void fill_held();
+  void fill_frame(const Tool& tool, const ToolMotion& motion, Float4* rows) const;
+  bool held_by_any(Index particle) const;
+
+  std::size_t most_steps_;
+  std::vector<Moving> tools_;
+  std::span<const double> mass_;     // kg, the model's
+  std::vector<ToolMotion> motions_;  // of a batch ahead
+  Vec3 middle_{0, 0, 0};             // m
+  std::vector<Float4> laws_, frames_, rest_, held_;
+  std::size_t frames_filled_ = 0;
+  std::vector<float> grid_values_;
+  bool was_reset_ = false;     // the first reset is that of a solver being made
+  mutable ToolReport unseen_;  // of a tool that follow() has not seen yet
+};
+
+}  // namespace phymul

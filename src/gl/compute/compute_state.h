@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+//
+// What changes, on the device, in one storage buffer: three pairs of displacement (m) and velocity (m/s) by place; what
+// the last step measured; forces of attractors, terms of bases, volumes and cells, four rows each; rows of a report. A
+// step reads one pair and writes another; the third holds the state before the present batch.
+#pragma once
+
+#include "compute_tables.h"
+#include "gl/solver/state_copies.h"
+
+namespace phymul::gl {
+
+class ComputeState {
+ public:
+  static constexpr int pairs = 3;
+  static constexpr int most_report_groups = 256;
+
+  /// What passes write for others to read: forces of attractors, terms of bases, volumes and cells.
+  ComputeState(const ComputeTables& tables, bool stores_forces, bool stores_terms, const ComputeLimits& limits);
+
+  int current() const { return current_; }
+  int checkpoint() const { return checkpoint_; }
+  int free_pair() const;  ///< where the next step goes
+  void advance() { current_ = free_pair(); }
+  void set_checkpoint() { checkpoint_ = current_; }
+  void go_back() { current_ = checkpoint_; }
+
+  void bind() const { rows_.bind(changing_binding); }
+  void place(Kernel& kernel) const;
+
+  void write(const VecList& rest, const State& state);
+  void read(const VecList& rest, State& state) const;
+  void request_copy(StateCopies& copies, const State& header) const;
+  PlaceOf place_of() const { return tables_->place_of(); }
+
+  /// What the last step measured has been reported by then: rows for whoever shows or sums something.
+  int spare_row() const { return measured_row_; }
+  int report_row() const { return report_row_; }
+  const StorageBuffer& rows() const { return rows_; }
+
+ private:
+  std::int64_t pair_row(int pair) const { return std::int64_t{2} * pair * tables_->places(); }
+
+  const ComputeTables* tables_;
+  int measured_row_ = 0, force_row_ = 0, base_row_ = 0, volume_row_ = 0, cell_row_ = 0, report_row_ = 0;
+  StorageBuffer rows_;
+  int current_ = 0, checkpoint_ = 0;
+};
+
+}  // namespace phymul::gl

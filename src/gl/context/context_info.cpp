@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#include "context_info.h"
+
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <array>
+
+#include "gl_api.h"
+#include "gl_functions.h"
+
+namespace phymul::gl {
+namespace {
+
+std::string text_of(GLenum name) {
+  const GLubyte* text = glGetString(name);
+  return text ? reinterpret_cast<const char*>(text) : "";
+}
+
+GLint integer_of(GLenum name) {
+  GLint value = 0;
+  glGetIntegerv(name, &value);
+  return value;
+}
+
+bool is_software_renderer(const std::string& renderer) {
+  static constexpr std::array names{"llvmpipe", "softpipe", "swrast", "Software Rasterizer", "SwiftShader", "lavapipe"};
+  return std::any_of(names.begin(), names.end(),
+                     [&](const char* name) { return renderer.find(name) != std::string::npos; });
+}
+
+/// The versions name themselves: "OpenGL ES 3.2 Mesa 22.3.6", "4.5 (Core Profile) Mesa 22.3.6".
+void read_version(ContextInfo& info) {
+  info.version = text_of(GL_VERSION);
+  info.es = info.version.starts_with("OpenGL ES");
+  info.major = integer_of(GL_MAJOR_VERSION);
+  info.minor = integer_of(GL_MINOR_VERSION);
+  if (info.es || info.at_least(3, 2)) {
+    info.core_profile = info.es || (integer_of(GL_CONTEXT_PROFILE_MASK) & GL_CONTEXT_CORE_PROFILE_BIT) != 0;
+  } else {
+    info.core_profile = false;
+  }
+}
+
+void require_version(const ContextInfo& info) {
+  if (info.es ? info.at_least(3, 0) : info.at_least(3, 3)) return;
+  throw Error("expected OpenGL 3.3 or OpenGL ES 3.0, or later, got " + info.device());
+}
+
+bool can_report_reset(const ContextInfo& info) {
+  if (info.es ? info.at_least(3, 2) : info.at_least(4, 5)) return true;
+  return info.has("GL_KHR_robustness") || info.has("GL_ARB_robustness") || info.has("GL_EXT_robustness");
+}
+
+}  // namespace
+
+bool ContextInfo::has(std::string_view extension) const {
+  return contains(extensions, extension);
+}
+
+std::string ContextInfo::device() const {
+  const std::size_t mesa = version.find("Mesa");
+  const std::string driver = mesa == std::string::npos ? vendor : version.substr(mesa);
+  return renderer + ", OpenGL " + (es ? "ES " : "") + std::to_string(major) + "." + std::to_string(minor) +
+         (es ? "" : (core_profile ? " core" : " compatibility")) + ", " + driver +
+         (software ? ", software renderer" : "");
+}
+
+std::int64_t loop_turns_of(std::string_view renderer) {
+  return renderer.starts_with("llvmpipe") ? 65535 : std::numeric_limits<std::int64_t>::max();
+}
+
+ContextInfo read_context_info() {
+  ContextInfo info;
+  read_version(info);
+  info.vendor = text_of(GL_VENDOR);
+  info.renderer = text_of(GL_RENDERER);
+  info.software = is_software_renderer(info.renderer);
+  info.loop_turns = loop_turns_of(info.renderer);
+  require_version(info);
+  info.glsl_version = text_of(GL_SHADING_LANGUAGE_VERSION);
+  info.extensions = gl_extensions();
+  if (info.es && !info.has("GL_EXT_color_buffer_float")) {
+    throw Error(info.device() + " cannot draw into float textures (EXT_color_buffer_float)");
+  }
+  info.max_texture_size = integer_of(GL_MAX_TEXTURE_SIZE);
+  info.max_color_attachments = integer_of(GL_MAX_COLOR_ATTACHMENTS);
+  info.max_draw_buffers = integer_of(GL_MAX_DRAW_BUFFERS);
+  info.max_texture_units = integer_of(GL_MAX_TEXTURE_IMAGE_UNITS);
+  info.has_robustness =
+      can_report_reset(info) && integer_of(GL_RESET_NOTIFICATION_STRATEGY) == GL_LOSE_CONTEXT_ON_RESET;
+  for (int tries = 0; tries < 16 && glGetError() != GL_NO_ERROR; ++tries) {  // a lost context may report for ever
+  }
+  return info;
+}
+
+void require_backend(const ContextInfo& info, GlBackend backend) {
+  if (backend == GlBackend::fragment || info.computes()) return;
+  throw Error("expected OpenGL 4.3 or OpenGL ES 3.1, or later, for compute shaders, got " + info.device() +
+              "; the backend \"gl\" runs there, by fragment shaders");
+}
+
+bool was_reset(const ContextInfo& info) {
+  if (!info.has_robustness) return false;
+  const char* name = "glGetGraphicsResetStatus";
+  if (info.es && !info.at_least(3, 2)) {
+    name = info.has("GL_KHR_robustness") ? "glGetGraphicsResetStatusKHR" : "glGetGraphicsResetStatusEXT";
+  } else if (!info.es && !info.at_least(4, 5) && !info.has("GL_KHR_robustness")) {
+    name = "glGetGraphicsResetStatusARB";
+  }
+  const auto query = reinterpret_cast<GLenum(GLAPIENTRY*)()>(eglGetProcAddress(name));
+  return query && query() != GL_NO_ERROR;
+}
+
+}  // namespace phymul::gl

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+#include "gl_functions.h"
+
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <mutex>
+#include <span>
+#include <utility>
+
+#include "gl_api.h"
+
+namespace phymul::gl {
+namespace {
+
+template <class Function>
+void fill(Function& pointer, const char* name) {
+  if (!pointer) pointer = reinterpret_cast<Function>(eglGetProcAddress(name));
+}
+
+/// GLEW takes an OpenGL ES 3.0 context for OpenGL 3.0 and leaves out what came to desktop GL later. It may not be asked
+/// for everything (glewExperimental): its version flags, which a host may read, would then be wrong.
+void fill_gaps() {
+#define PHYMUL_FILL(name) fill(__glew##name, "gl" #name)
+  // OpenGL 3.1
+  PHYMUL_FILL(DrawArraysInstanced);
+  PHYMUL_FILL(DrawElementsInstanced);
+  PHYMUL_FILL(CopyBufferSubData);
+  PHYMUL_FILL(GetUniformBlockIndex);
+  PHYMUL_FILL(GetUniformIndices);
+  PHYMUL_FILL(GetActiveUniformBlockiv);
+  PHYMUL_FILL(GetActiveUniformsiv);
+  PHYMUL_FILL(UniformBlockBinding);
+  // 3.2
+  PHYMUL_FILL(FenceSync);
+  PHYMUL_FILL(ClientWaitSync);
+  PHYMUL_FILL(WaitSync);
+  PHYMUL_FILL(DeleteSync);
+  PHYMUL_FILL(IsSync);
+  PHYMUL_FILL(GetSynciv);
+  PHYMUL_FILL(GetInteger64v);
+  PHYMUL_FILL(GetInteger64i_v);
+  PHYMUL_FILL(GetBufferParameteri64v);
+  // 3.3
+  PHYMUL_FILL(GenSamplers);
+  PHYMUL_FILL(DeleteSamplers);
+  PHYMUL_FILL(BindSampler);
+  PHYMUL_FILL(IsSampler);
+  PHYMUL_FILL(SamplerParameteri);
+  PHYMUL_FILL(GetSamplerParameteriv);
+  PHYMUL_FILL(VertexAttribDivisor);
+  PHYMUL_FILL(QueryCounter);
+  PHYMUL_FILL(GetQueryObjecti64v);
+  PHYMUL_FILL(GetQueryObjectui64v);
+  // later on the desktop, in OpenGL ES from 3.0
+  PHYMUL_FILL(ClearDepthf);
+  PHYMUL_FILL(DepthRangef);
+  PHYMUL_FILL(GetShaderPrecisionFormat);
+  PHYMUL_FILL(GetProgramBinary);
+  PHYMUL_FILL(ProgramBinary);
+  PHYMUL_FILL(ProgramParameteri);
+  PHYMUL_FILL(TexStorage2D);
+  PHYMUL_FILL(TexStorage3D);
+  PHYMUL_FILL(InvalidateFramebuffer);
+  PHYMUL_FILL(InvalidateSubFramebuffer);
+  PHYMUL_FILL(GetInternalformativ);
+  // OpenGL 4.5, and an extension of OpenGL ES
+  PHYMUL_FILL(ClipControl);
+  PHYMUL_FILL(ClipControlEXT);
+  // OpenGL 4.2, 4.3; OpenGL ES 3.1
+  PHYMUL_FILL(DispatchCompute);
+  PHYMUL_FILL(MemoryBarrier);
+#undef PHYMUL_FILL
+}
+
+std::string name_in(std::span<const std::pair<int, const char*>> names, int error) {
+  const auto found = std::find_if(names.begin(), names.end(), [&](const auto& row) { return row.first == error; });
+  char text[64];
+  std::snprintf(text, sizeof text, "%s (0x%x)", found == names.end() ? "unknown error" : found->second,
+                static_cast<unsigned>(error));
+  return text;
+}
+
+}  // namespace
+
+void load_functions() {
+  static std::mutex mutex;
+  static bool loaded = false;
+  const std::lock_guard lock(mutex);
+  if (loaded) return;
+  const GLenum result = glewInit();
+  // Under EGL glewInit loads GL's functions, then finds no GLX display and says so: no matter.
+  if (result != GLEW_OK && result != GLEW_ERROR_NO_GLX_DISPLAY) {
+    throw Error("GLEW could not load the functions of OpenGL: " +
+                std::string(reinterpret_cast<const char*>(glewGetErrorString(result))));
+  }
+  fill_gaps();
+  for (int tries = 0; tries < 16 && glGetError() != GL_NO_ERROR; ++tries) {  // a lost context may report for ever
+  }
+  loaded = true;
+}
+
+std::vector<std::string> gl_extensions() {
+  GLint count = 0;
+  glGetIntegerv(GL_NUM_EXTENSIONS, &count);
+  std::vector<std::string> names;
+  for (GLint i = 0; i < count; ++i) {
+    if (const GLubyte* name = glGetStringi(GL_EXTENSIONS, static_cast<GLuint>(i))) {
+      names.emplace_back(reinterpret_cast<const char*>(name));
+    }
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+bool contains(const std::vector<std::string>& sorted, std::string_view name) {
+  return std::binary_search(sorted.begin(), sorted.end(), name);
+}
+
+std::string gl_error_name(unsigned error) {
+  static constexpr std::array<std::pair<int, const char*>, 8> names{
+      {{GL_NO_ERROR, "GL_NO_ERROR"},
+       {GL_INVALID_ENUM, "GL_INVALID_ENUM"},
+       {GL_INVALID_VALUE, "GL_INVALID_VALUE"},
+       {GL_INVALID_OPERATION, "GL_INVALID_OPERATION"},
+       {GL_STACK_OVERFLOW, "GL_STACK_OVERFLOW"},
+       {GL_OUT_OF_MEMORY, "GL_OUT_OF_MEMORY"},
+       {GL_INVALID_FRAMEBUFFER_OPERATION, "GL_INVALID_FRAMEBUFFER_OPERATION"},
+       {GL_CONTEXT_LOST, "GL_CONTEXT_LOST"}}};
+  return name_in(names, static_cast<int>(error));
+}
+
+std::string egl_error_name(int error) {
+  static constexpr std::array<std::pair<int, const char*>, 15> names{
+      {{EGL_SUCCESS, "EGL_SUCCESS"},
+       {EGL_NOT_INITIALIZED, "EGL_NOT_INITIALIZED"},
+       {EGL_BAD_ACCESS, "EGL_BAD_ACCESS"},
+       {EGL_BAD_ALLOC, "EGL_BAD_ALLOC"},
+       {EGL_BAD_ATTRIBUTE, "EGL_BAD_ATTRIBUTE"},
+       {EGL_BAD_CONFIG, "EGL_BAD_CONFIG"},
+       {EGL_BAD_CONTEXT, "EGL_BAD_CONTEXT"},
+       {EGL_BAD_CURRENT_SURFACE, "EGL_BAD_CURRENT_SURFACE"},
+       {EGL_BAD_DISPLAY, "EGL_BAD_DISPLAY"},
+       {EGL_BAD_MATCH, "EGL_BAD_MATCH"},
+       {EGL_BAD_NATIVE_WINDOW, "EGL_BAD_NATIVE_WINDOW"},
+       {EGL_BAD_PARAMETER, "EGL_BAD_PARAMETER"},
+       {EGL_BAD_SURFACE, "EGL_BAD_SURFACE"},
+       {EGL_BAD_DEVICE_EXT, "EGL_BAD_DEVICE_EXT"},
+       {EGL_CONTEXT_LOST, "EGL_CONTEXT_LOST"}}};
+  return name_in(names, error);
+}
+
+}  // namespace phymul::gl

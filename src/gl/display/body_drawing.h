@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+//
+// BodyDrawing: the layers of DisplayOptions, drawn into the framebuffer bound at the time. Constant tables of one body
+// on the device, and a program per layer, made when a layer is first asked for.
+#pragma once
+
+#include <phymul/display.h>
+
+#include "drawing.h"
+#include "view/display_lists.h"
+
+namespace phymul::gl {
+
+/// Where the particles are: textures of displacements from the rest shape, m. Attractors only where they are shown.
+struct Placement {
+  TextureView displacement;
+  TextureView attractor;
+};
+
+struct Viewport {
+  int x = 0, y = 0, width = 0, height = 0;  ///< pixels, from the lower left
+  double pixel_size = 1.0;                  ///< pixels of the target per pixel of the picture that is to come of it
+};
+
+class BodyDrawing {
+ public:
+  /// The model must outlive it.
+  BodyDrawing(const Model& model, const ShaderLibrary& library);
+
+  /// Clears the rectangle and draws. Changes program, textures, viewport, scissor, depth, blending and culling.
+  void draw(const Placement& placement, const Camera& camera, const DisplayOptions& options, const Viewport& viewport);
+
+ private:
+  struct Eye;  ///< matrices and lengths of one call
+  Eye eye_of(const Camera& camera, const DisplayOptions& options, const Viewport& viewport) const;
+  Drawing& begin(Drawing& drawing, const char* vertex, const char* fragment);
+  void set_body(Drawing& drawing, const TextureView& displacement, const Eye& eye, const Colour& colour,
+                bool by_displacement);
+  void set_line(Drawing& drawing, const Eye& eye, double half_width, double opacity) const;
+
+  double ball_radius(const DisplayOptions& options) const;
+  void draw_surface(const Placement& placement, const DisplayOptions& options, const Eye& eye);
+  void draw_edges(const Placement& placement, const Eye& eye);
+  void draw_links(const Placement& placement, const Eye& eye);
+  void draw_attractors(const Placement& placement, const DisplayOptions& options, const Eye& eye);
+  void draw_balls(const TextureView& displacement, const Texture* list, std::size_t count, double radius,
+                  const Colour& colour, bool by_displacement, const Eye& eye);
+  void draw_marks(const Placement& placement, const DisplayOptions& options, const Eye& eye);
+  void draw_rest_shape(const Eye& eye, double opacity);
+
+  const Model& model_;
+  const ShaderLibrary library_;
+  Vec3 centre_;               // of the rest shape, m
+  double radius_ = 0.0;       // of a sphere around the rest shape, m
+  double spacing_ = 0.0;      // m
+  double edge_length_ = 0.0;  // mean, of the surface's edges, m
+  std::size_t face_count_ = 0, edge_count_ = 0, link_count_ = 0;
+  Texture rest_, faces_, edges_, edge_normals_, links_;
+  Texture still_;    // displacements of the rest shape
+  Texture no_list_;  // stands in for a list that a shader does not look at: each sampler needs a texture of its kind
+  Drawing surface_, pair_, contour_, ball_;
+};
+
+}  // namespace phymul::gl

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: MIT
+#include "display.h"
+
+#include <phymul/error.h>
+
+#include <array>
+#include <optional>
+#include <type_traits>
+#include <utility>
+
+#include "body_drawing.h"
+#include "gl/context/context.h"
+#include "gl/context/context_user.h"
+#include "gl/context/options.h"
+#include "gl/objects/pass.h"
+#include "picture_target.h"
+
+namespace phymul::gl {
+namespace {
+
+/// What drawing changes and StateGuard leaves alone, of the current context.
+class BlendGuard {
+ public:
+  BlendGuard() {
+    for (std::size_t k = 0; k < names.size(); ++k) glGetIntegerv(names[k], &value_[k]);
+  }
+  BlendGuard(const BlendGuard&) = delete;
+  BlendGuard& operator=(const BlendGuard&) = delete;
+  ~BlendGuard() {
+    const auto value = [this](std::size_t k) { return static_cast<GLenum>(value_[k]); };
+    glBlendFuncSeparate(value(0), value(1), value(2), value(3));
+    glBlendEquationSeparate(value(4), value(5));
+    glCullFace(value(6));
+    glFrontFace(value(7));
+    // Passes that follow in this context need these off, and a host's own values come back with StateGuard.
+    for (const GLenum name : {GL_BLEND, GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_CULL_FACE}) glDisable(name);
+    glDepthMask(GL_TRUE);
+  }
+
+ private:
+  static constexpr std::array<GLenum, 8> names{GL_BLEND_SRC_RGB,   GL_BLEND_DST_RGB,      GL_BLEND_SRC_ALPHA,
+                                               GL_BLEND_DST_ALPHA, GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA,
+                                               GL_CULL_FACE_MODE,  GL_FRONT_FACE};
+  std::array<GLint, 8> value_{};
+};
+
+/// Makes one context's commands wait, on the device, for another's up to now.
+void order(Context& first, Context& then) {
+  if (&first == &then) return;
+  const GLsync fence = first.run([] {
+    const GLsync made = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    glFlush();  // or the fence might never reach the device
+    return made;
+  });
+  then.run([fence] {
+    glWaitSync(fence, 0, GL_TIMEOUT_IGNORED);
+    glDeleteSync(fence);
+  });
+}
+
+int log2_of(int width) {
+  int log2 = 0;
+  while ((1 << log2) < width) ++log2;
+  return log2;
+}
+
+/// What lives in the context.
+struct Objects {
+  Objects(const Model& model, const ShaderLibrary& library) : body(model, library) {}
+
+  EmptyVertexArray vertices;
+  BodyDrawing body;
+  Texture position, attractor;  // of what is uploaded
+};
+
+class GlDisplay final : public Display {
+ public:
+  GlDisplay(const Model& model, const Solver* solver, const GlOptions& options)
+      : model_(model),
+        solver_(solver),
+        user_(dynamic_cast<const ContextUser*>(solver)),
+        options_(with_environment(options)) {
+    open();
+    try {
+      if (!solver) show(model.rest, {});
+    } catch (...) {
+      drop();  // the destructor of what was not made does not run
+      throw;
+    }
+  }
+
+  ~GlDisplay() override { drop(); }
+
+  Image render(const Camera& camera, const DisplayOptions& options, int width, int height) override {
+    return with_placement(options.attractors, [&](const Placement& placement) {
+      const PictureTarget target(width, height);
+      const int factor = target.factor();
+      objects_->body.draw(placement, camera, options,
+                          {0, 0, width * factor, height * factor, static_cast<double>(factor)});
+      return target.read();
+    });
+  }
+
+  void draw(const Camera& camera, const DisplayOptions& options, int x, int y, int width, int height) override {
+    if (options_.context != GlContext::current) {
+      throw Error(
+          "Display::draw: draws into the caller's framebuffer, so the display must be made with GlContext::current; "
+          "this "
+          "one has a context of its own, where render() makes pictures");
+    }
+    with_placement(options.attractors, [&](const Placement& placement) {
+      objects_->body.draw(placement, camera, options, {x, y, width, height, 1.0});
+      return 0;
+    });
+  }
+
+  void show(std::span<const Vec3> position, std::span<const Vec3> attractor) override {
+    if (solver_) throw Error("Display::show: this display shows what its solver holds; make one from the model");
+    const std::size_t n = model_.rest.size();
+    if (position.size() != n || (!attractor.empty() && attractor.size() != n)) {
+      throw Error("Display::show: expected " + std::to_string(n) + " positions, and as many attractors or none, got " +
+                  std::to_string(position.size()) + " and " + std::to_string(attractor.size()));
+    }
+    context_->run([&] {
+      upload(position, objects_->position, "positions");
+      has_attractors_ = !attractor.empty();
+      if (has_attractors_) upload(attractor, objects_->attractor, "attractors");
+    });
+  }
+
+  bool zero_copy() const override { return sees_solver_ && solver_->position_buffer().texture != 0; }
+  std::string device() const override { return context_->info().device(); }
+
+ private:
+  void open() {
+    if (user_ && options_.context == GlContext::own) {
+      context_ = user_->context();
+      sees_solver_ = true;
+    } else {
+      context_ = Context::open(options_);
+    }
+    if (user_ && options_.context == GlContext::current) {
+      const GlContext kind = user_->context_kind();
+      sees_solver_ = kind == GlContext::current || kind == GlContext::shared;
+      if (kind == GlContext::shared) writer_ = user_->context();
+    }
+    context_->run([&] {
+      objects_ = std::make_unique<Objects>(model_, ShaderLibrary(options_.shader_folder, context_->info().es));
+    });
+  }
+
+  void drop() noexcept {
+    context_->discard([this] { objects_.reset(); });
+    static_cast<void>(objects_.release());  // not there any more, or out of reach: their names may be others' by now
+  }
+
+  /// A solver that lost its device goes on in another context.
+  void follow_context() {
+    if (!objects_) return open();  // an earlier opening failed
+    if (!sees_solver_) return;
+    const std::shared_ptr<Context>& now = user_->context();
+    if (now == (writer_ ? writer_ : context_) || (options_.context == GlContext::current && !writer_)) return;
+    drop();
+    open();
+  }
+
+  void upload(std::span<const Vec3> place, Texture& texture, const char* name) const {
+    std::vector<Float4> moved(place.size());
+    for (std::size_t i = 0; i < place.size(); ++i) {
+      const Vec3 u = place[i] - model_.rest[i];
+      moved[i] = {static_cast<float>(u.x()), static_cast<float>(u.y()), static_cast<float>(u.z()), 0.0f};
+    }
+    if (texture) {
+      texture.upload(std::span<const Float4>(moved));
+    } else {
+      texture = Texture::table(moved, name);
+    }
+  }
+
+  /// Where a buffer of the solver can be read, uploading it where it must be.
+  TextureView view_of_buffer(const ParticleBuffer& buffer, Texture& texture, const char* name) const {
+    if (buffer.texture != 0) return {buffer.texture, log2_of(buffer.width)};
+    if (buffer.position.empty()) return {};
+    upload(buffer.position, texture, name);
+    return view_of(texture);
+  }
+
+  /// A GL solver in a context whose objects are not seen here gives its positions by a copy.
+  TextureView solver_positions() {
+    if (sees_solver_ || !user_) {
+      return view_of_buffer(solver_->position_buffer(), objects_->position, "positions");
+    }
+    const State state = solver_->read();
+    return view_of_buffer({.position = state.position}, objects_->position, "positions");
+  }
+
+  TextureView solver_attractors() {
+    if (!user_ || sees_solver_) return view_of_buffer(solver_->attractor_buffer(), objects_->attractor, "attractors");
+    if (solver_->topology().base_count == 0) return {};
+    VecList place(model_.rest.size());
+    attractors(solver_->topology(), solver_->read().position, place);
+    return view_of_buffer({.position = place}, objects_->attractor, "attractors");
+  }
+
+  /// Calls draw(placement) in the context, between the solver's commands before and after.
+  template <class Draw>
+  std::invoke_result_t<Draw&, const Placement&> with_placement(bool attractors, Draw&& draw) {
+    follow_context();
+    auto result = context_->run([&] {
+      const BlendGuard guard;
+      Placement placement;
+      if (solver_) {
+        placement.displacement = solver_positions();
+        if (attractors) placement.attractor = solver_attractors();
+        if (writer_) order(*writer_, *context_);
+      } else {
+        placement.displacement = view_of(objects_->position);
+        if (attractors && has_attractors_) placement.attractor = view_of(objects_->attractor);
+      }
+      objects_->vertices.bind();
+      return draw(placement);
+    });
+    if (writer_) order(*context_, *writer_);
+    context_->throw_debug_errors();
+    return result;
+  }
+
+  const Model& model_;
+  const Solver* solver_;     // null: show() gives the positions
+  const ContextUser* user_;  // the same, where it is one of src/gl
+  const GlOptions options_;
+  std::shared_ptr<Context> context_;
+  std::shared_ptr<Context> writer_;  // the solver's, where it is another one of our share group
+  bool sees_solver_ = false;
+  bool has_attractors_ = false;
+  std::unique_ptr<Objects> objects_;
+};
+
+}  // namespace
+
+std::unique_ptr<Display> make_display(const Model& model, const Solver* solver, const GlOptions& options) {
+  return std::make_unique<GlDisplay>(model, solver, options);
+}
+
+}  // namespace phymul::gl

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+//
+// The passes of a step in which bodies touch, between free_pass.glsl and the motion: trees, who meets whom, the order
+// in which contacts are pressed, a draw for each phase of the sweeps, and what they come to. Made where a scene has
+// contacts.
+#pragma once
+
+#include "fragment_contacts.h"
+
+namespace phymul::gl {
+
+class FragmentContactPasses {
+ public:
+  /// Compiles.
+  explicit FragmentContactPasses(const ShaderLibrary& library);
+
+  void set_contacts(FragmentContacts& contacts);
+  void set_step(double dt);
+
+  /// Of a step from places `displacement`, whose forces and tools have acted. What it comes to is in
+  /// FragmentContacts::pushed_force and pushed_shift.
+  void act(const FragmentPushed& pushed, const Texture& displacement, int batch_step);
+  /// Brings down what the steps of a batch told, up to this one.
+  void sum(int last_step);
+
+ private:
+  void press(int batch_step);
+
+  Pass surfaces_, mean_first_, mean_, fastest_first_, fastest_, triangle_boxes_, search_, corner_boxes_, next_, start_,
+      phase_, part_, told_first_, told_;
+  FragmentContacts* contacts_ = nullptr;
+};
+
+}  // namespace phymul::gl

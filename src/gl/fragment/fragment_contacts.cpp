@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: MIT
+#include "fragment_contacts.h"
+
+#include <phymul/error.h>
+#include <phymul/topology_textures.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "gl/context/context_info.h"
+
+namespace phymul::gl {
+namespace {
+
+constexpr int rows_to_one = 64;            // contact_speed_pass.glsl, contact_report_pass.glsl
+constexpr int first_phases = 8;            // of a scene that has told nothing yet
+constexpr std::int64_t counted = 1 << 24;  // what shaders count in floats
+
+Texture floats(std::int64_t rows, const char* name) {
+  return Texture::target(rows, TexelFormat::rgba32f, name);
+}
+
+BoxForest triangle_forest(const FloatContacts& contacts) {
+  VecList middles;
+  std::vector<Index> body;
+  for (const Int4& own : contacts.triangle) {
+    Vec3 middle = Vec3::Zero();
+    for (int c = 0; c < 3; ++c) {
+      const Float4& X = contacts.rest[2 * static_cast<std::size_t>(own[c])];
+      middle += Vec3(X[0], X[1], X[2]) / 3.0;
+    }
+    middles.push_back(middle);
+    body.push_back(own[3] >> 1);
+  }
+  return {middles, body, contacts.bodies};
+}
+
+/// Bodies without triangles are a group of their own: their particles meet others.
+BoxForest particle_forest(const FloatContacts& contacts) {
+  VecList places;
+  std::vector<Index> body;
+  for (std::size_t k = 0; k < contacts.particle.size(); ++k) {
+    const Float4& X = contacts.rest[2 * k];
+    places.push_back({X[0], X[1], X[2]});
+    body.push_back(contacts.particle[k][1] + 1);
+  }
+  return {places, body, contacts.bodies + 1};
+}
+
+/// Renderers that break off a shader's loops: half of the turns are left to what is not counted, the last look of every
+/// loop and lanes that go different ways.
+void require_turns(const PlannedContacts& planned, std::int64_t loop_turns) {
+  const FloatContacts& contacts = planned.contacts;
+  // A fragment may look at every item of a tree, at every node, and begin anew behind every leaf.
+  const auto triangles = static_cast<std::int64_t>(contacts.triangle.size() + 2 * planned.triangles.nodes.size()),
+             particles = static_cast<std::int64_t>(contacts.particle.size() + 2 * planned.corners.nodes.size());
+  const std::int64_t turns =
+      std::max(triangles, particles + contacts.bodies + BoxForest::items_a_leaf * (contacts.bodies + 1));
+  if (turns <= loop_turns / 2) return;
+  throw Error("expected contacts that take at most " + std::to_string(loop_turns / 2) +
+              " turns of a shader's loops, half of where this renderer breaks off, got up to " + std::to_string(turns) +
+              " for surfaces of " + std::to_string(contacts.particle.size()) + " particles and " +
+              std::to_string(contacts.triangle.size()) + " triangles; use the backend \"cpu\"");
+}
+
+/// Each phase presses at least one contact, so that no step takes more.
+int phases_that_suffice(const FloatContacts& contacts) {
+  const std::int64_t meetings = static_cast<std::int64_t>(contacts.particle.size()) * contacts.bodies;
+  if (meetings * contacts.options.rounds < counted) return static_cast<int>(meetings * contacts.options.rounds);
+  throw Error("expected contacts times rounds of less than " + std::to_string(counted) + ", got up to " +
+              std::to_string(meetings) + " contacts in " + std::to_string(contacts.options.rounds) +
+              " rounds; use fewer rounds, \"gl-compute\" or \"cpu\"");
+}
+
+}  // namespace
+
+FragmentForest::FragmentForest(const BoxForest& forest, const char* name)
+    : size(static_cast<int>(forest.nodes.size())),
+      levels(forest.levels),
+      nodes(Texture::table(std::span<const Int4>(forest.nodes), name)),
+      items(Texture::table(std::span<const std::int32_t>(forest.items), name)),
+      roots(Texture::table(std::span<const Int2>(forest.roots), name)) {
+  for (std::size_t k = 0; k < boxes.size(); ++k) {
+    for (Texture& side : boxes[k]) side = floats(size, name);
+    targets[k] = Framebuffer({{&boxes[k][0]}, {&boxes[k][1]}});
+  }
+}
+
+void FragmentForest::bind_tables(Pass& pass) const {
+  pass.input("tree_nodes", nodes);
+  pass.input("tree_items", items);
+  pass.input("tree_roots", roots);
+  pass.set("tree_size", size);
+}
+
+void FragmentForest::bind_boxes(Pass& pass) const {
+  pass.input("tree_low", boxes[turn][0]);
+  pass.input("tree_high", boxes[turn][1]);
+}
+
+void FragmentForest::measure(Pass& pass) {
+  pass.set_rows(boxes[0][0], size);
+  for (int level = 1; level <= levels; ++level) {
+    bind_boxes(pass);
+    turn = 1 - turn;
+    pass.set("tree_level", level);
+    pass.draw(targets[turn]);
+  }
+}
+
+FragmentReduction::FragmentReduction(std::int64_t source, const char* name) : source_rows(static_cast<int>(source)) {
+  int rows = source_rows;
+  do {
+    rows = (rows + rows_to_one - 1) / rows_to_one;
+    Level& level = levels.emplace_back();
+    level.count = rows;
+    level.rows = floats(rows, name);
+    level.target = Framebuffer({{&level.rows}});
+  } while (rows > 1);
+}
+
+void FragmentReduction::draw(Pass& first, Pass& further, const char* input) {
+  int source = source_rows;
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    Pass& pass = k == 0 ? first : further;
+    if (k > 0) pass.input(input, levels[k - 1].rows);
+    pass.set("source_count", source);
+    pass.set_rows(levels[k].rows, levels[k].count);
+    pass.draw(levels[k].target);
+    source = levels[k].count;
+  }
+}
+
+PlannedContacts::PlannedContacts(const Scene& scene)
+    : contacts(scene), triangles(triangle_forest(contacts)), corners(particle_forest(contacts)) {
+  if (contacts.empty()) return;
+  most_phases = phases_that_suffice(contacts);
+  require_turns(*this, read_context_info().loop_turns);
+  // Of all tables and targets that with the most rows.
+  fit_texture(4 * static_cast<std::int64_t>(contacts.particle.size()) * contacts.bodies, largest_side(),
+              "lists of contacts");
+}
+
+FragmentContacts::FragmentContacts(const PlannedContacts& planned, Index model_rows)
+    : moved(floats(static_cast<std::int64_t>(planned.contacts.particle.size()), "places of surfaces")),
+      velocity(floats(moved.rows(), "velocities of surfaces")),
+      mean(moved.rows(), "mean velocity of surfaces"),
+      fastest(moved.rows(), "largest speed of surfaces"),
+      triangles(planned.triangles, "trees of triangles"),
+      corners(planned.corners, "trees of contacts"),
+      told(moved.rows(), "phases of sweeps"),
+      options_(planned.contacts.options),
+      longest_edge_(planned.contacts.longest_edge),
+      largest_skins_(planned.contacts.largest_skins()),
+      particles_(static_cast<int>(planned.contacts.particle.size())),
+      bodies_(planned.contacts.bodies),
+      surface_(Texture::table(std::span<const Int4>(planned.contacts.particle), "surface")),
+      rest_(Texture::table(std::span<const Float4>(planned.contacts.rest), "surface_rest")),
+      triangle_(Texture::table(std::span<const Int4>(planned.contacts.triangle), "triangle")),
+      law_(Texture::table(std::span<const Float4>(planned.contacts.triangle_law), "triangle_law")),
+      most_phases_(planned.most_phases) {
+  phases_ = std::min(first_phases, most_phases_);
+  std::vector<std::int32_t> rows(static_cast<std::size_t>(model_rows), -1);
+  for (int k = 0; k < particles_; ++k) rows[static_cast<std::size_t>(planned.contacts.particle[k][0])] = k;
+  surface_rows_ = Texture::table(std::span<const std::int32_t>(rows), "surface_rows");
+  surface_target = Framebuffer({{&moved}, {&velocity}});
+  const std::int64_t most = meetings();
+  who = Texture::target(most, TexelFormat::rgba32i, "contacts");
+  nearest = floats(most, "nearest points");
+  normal = floats(most, "normals of contacts");
+  meeting_target = Framebuffer({{&who}, {&nearest}, {&normal}});
+  next_entries = Texture::target(4 * most, TexelFormat::r32i, "lists of contacts");
+  next_target = Framebuffer({{&next_entries}});
+  for (Sweeps& sweeps : sweeps_) {
+    sweeps.pressing = floats(particles_ + most, "velocities in sweeps");
+    sweeps.pushing = floats(particles_ + most, "impulses of sweeps");
+    sweeps.turns = Texture::target(particles_ + most, TexelFormat::rgba32i, "turns of sweeps");
+    sweeps.target = Framebuffer({{&sweeps.pressing}, {&sweeps.pushing}, {&sweeps.turns}});
+  }
+  pushed_force = floats(model_rows, "forces with contacts");
+  pushed_shift = floats(model_rows, "shifts with contacts");
+  pushed_target = Framebuffer({{&pushed_force}, {&pushed_shift}});
+}
+
+void FragmentContacts::place(Pass& pass) const {
+  const auto set = [&](const char* name, double value) { pass.set(name, static_cast<float>(value)); };
+  pass.set("surface_count", particles_);
+  pass.set("body_count", bodies_);
+  pass.set("rounds", options_.rounds);
+  pass.set("touches_itself", options_.self ? 1 : 0);
+  set("friction", options_.friction);
+  set("skin", options_.skin);
+  set("facing_share", ContactSurface::facing_share);
+  set("usual_skin", ContactSurface::usual_skin);
+  set("skin_factor", ContactSurface::skin_factor);
+  set("depth_factor", ContactSurface::depth_factor);
+  set("parted_share", ContactSurface::parted_share);
+  set("largest_parting", ContactSurface::largest_parting);
+  set("longest_edge", longest_edge_);
+  set("largest_skins", largest_skins_);
+}
+
+void FragmentContacts::bind_surfaces(Pass& pass) const {
+  pass.input("surface", surface_);
+  pass.input("surface_rest", rest_);
+  pass.input("triangle", triangle_);
+  pass.input("triangle_law", law_);
+  pass.input("surface_moved", moved);
+  pass.input("surface_velocity", velocity);
+}
+
+void FragmentContacts::bind_meetings(Pass& pass) const {
+  pass.input("meeting_who", who);
+  pass.input("meeting_nearest", nearest);
+  pass.input("meeting_normal", normal);
+  pass.input("next_entries", next_entries);
+}
+
+void FragmentContacts::bind_sweeps(Pass& pass) const {
+  pass.input("pressing", sweeps_[turn_].pressing);
+  pass.input("pushing", sweeps_[turn_].pushing);
+  pass.input("turns", sweeps_[turn_].turns);
+}
+
+const Framebuffer& FragmentContacts::next_sweeps() {
+  turn_ = 1 - turn_;
+  return sweeps_[turn_].target;
+}
+
+/// A quarter more than the last batch needed, at once where that is more than before, else in quarters of the way.
+void FragmentContacts::begin_batch() {
+  const int wanted = std::min(needed_ + needed_ / 4 + 2, most_phases_);
+  phases_ = std::max(wanted, phases_ - (phases_ + 3) / 4);
+}
+
+bool FragmentContacts::give_more_phases() {
+  if (!unfinished_) return false;
+  if (phases_ == most_phases_) {
+    throw Error("expected the sweeps over contacts to end within " + std::to_string(most_phases_) +
+                " phases, one for each contact and round, got some that did not; use \"gl-compute\" or \"cpu\"");
+  }
+  phases_ = static_cast<int>(std::min<std::int64_t>(4 * std::int64_t{phases_}, most_phases_));
+  return true;
+}
+
+void FragmentContacts::copy_told(std::size_t offset) const {
+  told.levels.back().target.read(0, GL_RGBA, GL_FLOAT, reinterpret_cast<void*>(offset));  // an offset in the buffer
+}
+
+bool FragmentContacts::see(const Float4& reported, int runaway_step) {
+  const int step = static_cast<int>(reported[0]);
+  unfinished_ = step > 0 && (runaway_step == 0 || step <= runaway_step);
+  if (!unfinished_) needed_ = static_cast<int>(reported[1]);
+  return unfinished_;
+}
+
+}  // namespace phymul::gl

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+//
+// What of a scene touches, in textures: surfaces, trees over them, and what the passes of a step write of them. And how
+// many phases a step's sweeps are given, which is a guess that follows what reports tell.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "base/box_forest.h"
+#include "device/float_contacts.h"
+#include "fragment_pushed.h"
+
+namespace phymul::gl {
+
+/// Boxes of a forest, drawn level by level from one pair of textures to the other.
+struct FragmentForest {
+  FragmentForest(const BoxForest& forest, const char* name);
+
+  void bind_tables(Pass& pass) const;
+  void bind_boxes(Pass& pass) const;
+  void measure(Pass& boxes);
+
+  int size, levels;
+  Texture nodes, items, roots;
+  std::array<std::array<Texture, 2>, 2> boxes;  // [turn]: low, high
+  std::array<Framebuffer, 2> targets;
+  std::size_t turn = 0;  // of the newest
+};
+
+/// Rows brought down to one, sixty-four to one a draw.
+struct FragmentReduction {
+  FragmentReduction(std::int64_t source_rows, const char* name);
+
+  /// The first pass with what it reads in place; later ones read their own results as `input`.
+  void draw(Pass& first, Pass& further, const char* input);
+  const Texture& result() const { return levels.back().rows; }
+
+  struct Level {
+    Texture rows;
+    Framebuffer target;
+    int count = 0;
+  };
+  int source_rows;
+  std::vector<Level> levels;
+};
+
+/// What of a scene with contacts touches, known to fit before anything of it is made on the device.
+struct PlannedContacts {
+  /// Throws Error where shaders have too few turns of loops, or textures no room. Needs a context.
+  explicit PlannedContacts(const Scene& scene);
+
+  FloatContacts contacts;
+  BoxForest triangles, corners;  ///< over triangles; over particles
+  int most_phases = 0;           ///< of sweeps: as many as any step may need
+};
+
+class FragmentContacts {
+ public:
+  FragmentContacts(const PlannedContacts& planned, Index model_rows);
+
+  int particles() const { return particles_; }
+  int meetings() const { return particles_ * bodies_; }  ///< most contacts that a step can have
+
+  /// Constants for any of the passes.
+  void place(Pass& pass) const;
+  void bind_surfaces(Pass& pass) const;
+  void bind_meetings(Pass& pass) const;
+  void bind_sweeps(Pass& pass) const;
+
+  // What passes draw into, in their order.
+  Texture moved, velocity;
+  FragmentReduction mean, fastest;
+  FragmentForest triangles, corners;
+  Texture who, nearest, normal, next_entries;
+  Framebuffer surface_target, meeting_target, next_target;
+  /// The other one than bind_sweeps() binds; becomes that.
+  const Framebuffer& next_sweeps();
+  const Texture& sweep_rows() const { return sweeps_[0].pressing; }
+  const Texture& surface_rows() const { return surface_rows_; }
+  FragmentReduction told;
+  /// Force and shift with what contacts push.
+  Texture pushed_force, pushed_shift;
+  Framebuffer pushed_target;
+
+  int phases() const { return phases_; }
+  /// Before the steps of a batch.
+  void begin_batch();
+  /// A batch is to be done again. True, and twice as many from now on, where see() found that phases were too few.
+  /// Throws Error where they are as many as any step may need, which only a device that miscounts gets to.
+  bool give_more_phases();
+  /// The texel of `told`, to `offset` in the buffer bound to GL_PIXEL_PACK_BUFFER.
+  void copy_told(std::size_t offset) const;
+  /// That texel on the host; runaway_step: the first in which a particle ran away, 0: none. What comes after it was not
+  /// to be done. True where a step before that took more phases than it was given.
+  bool see(const Float4& reported, int runaway_step);
+
+ private:
+  struct Sweeps {
+    Texture pressing, pushing, turns;
+    Framebuffer target;
+  };
+
+  ContactOptions options_;
+  double longest_edge_, largest_skins_;
+  int particles_, bodies_;
+  Texture surface_, rest_, triangle_, law_, surface_rows_;
+  std::array<Sweeps, 2> sweeps_;
+  std::size_t turn_ = 0;  // of the newest
+  int phases_, most_phases_, needed_ = 0;
+  bool unfinished_ = false;
+};
+
+}  // namespace phymul::gl

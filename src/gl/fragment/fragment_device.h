@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+//
+// The device of the backend "gl": every pass a fragment shader, every table a texture.
+#pragma once
+
+#include <memory>
+
+#include "fragment_passes.h"
+#include "fragment_report.h"
+#include "fragment_sums.h"
+#include "gl/objects/pass_timer.h"
+#include "gl/solver/device.h"
+
+namespace phymul::gl {
+
+class FragmentDevice final : public Device {
+ public:
+  /// Compiles, uploads, and draws every pass of a step once: drivers compile at the first draw, not when they are told.
+  FragmentDevice(const FloatTables& tables, const Scene& scene, const FloatTools& tools, const ShaderLibrary& library,
+                 bool four_passes);
+
+  void set_scene(const Scene& scene, const FloatTools& tools) override;
+  void set_held(const FloatTools& tools) override;
+  void write_needles(const FloatTools& tools) override;
+  void read_needles(FloatTools& tools) override;
+  void write(const VecList& rest, const State& state) override { state_.write(rest, state); }
+  void read(const VecList& rest, State& state) override { state_.read(rest, state); }
+  void begin_batch(const StepConstants& constants, const std::vector<double>& instants,
+                   const FloatTools& tools) override;
+  void run(int count) override;
+  void give_more_passes() override;
+  /// One where it is not known how many phases a step needs: a batch may have to be done several times.
+  int first_batch() const override { return contacts_ ? 1 : Device::first_batch(); }
+  BatchReport try_step(int number) override;
+  void request_report() override;
+  BatchReport take_report() override { return report_.take(); }
+  std::span<const ToolSums> tool_sums() const override { return report_.tool_sums(); }
+  Energy energy(const Scene& scene, double time, double dt) override;
+  Momentum momentum(const VecList& rest, const Vec3& about) override;
+  void request_copy(const State& header) override { state_.request_copy(copies_, header); }
+  bool collect_copy(const VecList& rest, State& state) override { return copies_.collect(rest, {}, state); }
+  void drop_copies() override { copies_.clear(); }
+  const Texture& displacements() override { return state_.displacement(); }
+  const Texture& attractors() override;
+
+ private:
+  void request_report(const Texture& displacement, const Texture& velocity, int last_step);
+
+  EmptyVertexArray vertices_;
+  ShaderLibrary library_;
+  FragmentTables tables_;
+  FragmentState state_;
+  std::unique_ptr<FragmentLoads> loads_;
+  std::unique_ptr<FragmentTools> tools_;        // null where there are none
+  std::unique_ptr<FragmentVolumes> volumes_;    // likewise
+  std::unique_ptr<FragmentContacts> contacts_;  // likewise
+  std::unique_ptr<FragmentNeedles> needles_;    // likewise
+  bool batch_was_run_ = false;                  // since begin_batch()
+  FragmentPasses passes_;
+  FragmentReport report_;
+  FragmentSums sums_;
+  StateCopies copies_;
+  int steps_ = 0;  // of the batch, that run() has done
+};
+
+}  // namespace phymul::gl

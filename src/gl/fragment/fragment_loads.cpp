@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#include "fragment_loads.h"
+
+namespace phymul::gl {
+
+FragmentLoads::FragmentLoads(const Scene& scene, int instants) : table_(scene, instants) {
+  if (!kind().any()) return;
+  index_ = Texture::table(std::span<const Int4>(table_.index()), "load_index");
+  parts_ = Texture::table(std::span<const Float4>(table_.parts()), "load_parts");
+  values_ = Texture::target(static_cast<std::int64_t>(table_.values().size()), TexelFormat::r32f, "load_values");
+}
+
+void FragmentLoads::evaluate(const std::vector<double>& instants) {
+  table_.evaluate(instants);
+  const std::size_t modes = static_cast<std::size_t>(table_.mode_count());
+  if (values_) values_.upload(std::span<const float>(table_.values().data(), instants.size() * modes));
+}
+
+void FragmentLoads::bind(Pass& pass) const {
+  if (!values_) return;
+  pass.input("load_index", index_);
+  pass.input("load_parts", parts_);
+  pass.input("load_values", values_);
+  pass.set("load_count", table_.mode_count());
+}
+
+}  // namespace phymul::gl

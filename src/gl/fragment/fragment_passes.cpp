@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: MIT
+#include "fragment_passes.h"
+
+#include <algorithm>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+namespace phymul::gl {
+namespace {
+
+const ShaderFiles common{"dialect/dialect_fragment.glsl", "step/tables.glsl", "dialect/vector3.glsl"};
+
+}  // namespace
+
+FragmentPasses::FragmentPasses(const FragmentTables& tables, const ShaderLibrary& library, bool four)
+    : tables_(&tables), library_(&library), four_(four) {
+  if (tables.kind().attractors) add_attractors();
+  if (tables.kind().base_terms) add_bases();
+  add_volumes_and_cells();
+}
+
+void FragmentPasses::add(ShaderRequest request, const std::vector<Attachment>& targets, int rows) {
+  define_kernels(tables_->kind(), request);
+  Drawing drawing{Pass(*library_, std::move(request)), Framebuffer(targets), rows};
+  tables_->bind(drawing.pass);
+  drawing.pass.set_rows(*targets.front().texture, rows);
+  before_.push_back(std::move(drawing));
+}
+
+void FragmentPasses::add_attractors() {
+  const BodyKind& kind = tables_->kind();
+  force_ = Texture::target(kind.particles, TexelFormat::rgba32f, "forces of attractors");
+  ShaderRequest request{.files = joined({common, base_kernel(kind), attractor_files(kind)}), .defines = {}};
+  if (kind.options.area_exponent != 0.0) request.defines.emplace_back("AREA_EXPONENT", 1);
+  if (!four_) return add(std::move(request), {{&force_}}, kind.particles);
+  request.defines.emplace_back("FOUR_PASSES", 1);
+  pull_ = Texture::target(kind.particles, TexelFormat::rgba32f, "pulls of attractors");
+  add(std::move(request), {{&pull_}}, kind.particles);
+  add({.files = joined({common, {"step/force_pass.glsl"}}), .defines = {}}, {{&force_}}, kind.particles);
+  before_.back().pass.input("pull", pull_);
+}
+
+void FragmentPasses::add_bases() {
+  const BodyKind& kind = tables_->kind();
+  const int corners = kind.conservative() ? 4 : 3;
+  base_terms_ = Texture::target(kind.bases, TexelFormat::rgba32f, "forces of bases", corners);
+  ShaderRequest request{.files = joined({common, base_kernel(kind), {"step/force_of.glsl", "step/bases_pass.glsl"}}),
+                        .defines = {}};
+  if (kind.options.area_exponent != 0.0) request.defines.emplace_back("AREA_EXPONENT", 1);
+  if (!kind.conservative()) request.defines.emplace_back("AVERAGED", 1);
+  std::vector<Attachment> layers;
+  for (int corner = 0; corner < corners; ++corner) layers.push_back({&base_terms_, corner});
+  add(std::move(request), layers, kind.bases);
+  if (force_) before_.back().pass.input("force", force_);
+}
+
+void FragmentPasses::add_volumes_and_cells() {
+  const BodyKind& kind = tables_->kind();
+  if (kind.volumes > 0) {
+    volume_terms_ = Texture::target(kind.volumes, TexelFormat::rgba32f, "forces of volumes", 4);
+    add({.files = joined({common, volume_kernel(), {"step/volumes_pass.glsl"}}), .defines = {}},
+        {{&volume_terms_, 0}, {&volume_terms_, 1}, {&volume_terms_, 2}, {&volume_terms_, 3}}, kind.volumes);
+  }
+  if (kind.cells > 0) {
+    cell_terms_ = Texture::target(kind.cells, TexelFormat::rgba32f, "stresses of cells", 3);
+    add({.files = joined({common, {"kernels/delta_base.glsl"}, cell_kernel(), {"step/cells_pass.glsl"}}),
+         .defines = {}},
+        {{&cell_terms_, 0}, {&cell_terms_, 1}, {&cell_terms_, 2}}, kind.cells);
+  }
+}
+
+ShaderRequest FragmentPasses::gathering(const LoadKind& loads, const char* pass) const {
+  const BodyKind& kind = tables_->kind();
+  ShaderRequest request{.files = joined({common,
+                                         {"kernels/delta_spring.glsl", "kernels/integrate_displacement.glsl",
+                                          "step/force_of.glsl", "step/terms_of.glsl", "step/net_force.glsl"}}),
+                        .defines = {}};
+  request.files.emplace_back(pass);
+  define_kernels(kind, request);
+  define_gathering(kind, loads, request);
+  return request;
+}
+
+void FragmentPasses::bind_terms(Pass& pass) const {
+  if (force_) pass.input("force", force_);
+  if (base_terms_) pass.input("base_terms", base_terms_);
+  if (volume_terms_) pass.input("volume_terms", volume_terms_);
+  if (cell_terms_) pass.input("cell_terms", cell_terms_);
+}
+
+/// Of those that move particles, or tell where they would go.
+Pass FragmentPasses::compiled(const StepKind& kind, const ShaderFiles& passes) const {
+  ShaderRequest request = gathering(kind.loads, "step/free_step.glsl");
+  request.defines.emplace_back("CUT", 1);
+  if (kind.tools) {
+    define_tools(kind.grids, request);
+    request.files.insert(request.files.end(), tool_files().begin(), tool_files().end());
+  }
+  const bool apart = four_ || kind.tools;
+  if (apart) request.defines.emplace_back("FOUR_PASSES", 1);
+  // Tools tell before contacts, and after needles.
+  const bool pushed = kind.needles || (kind.contacts && passes.back() == "step/step_pass.glsl");
+  const bool keeps =
+      std::ranges::count(passes, "volume/kept_tables.glsl") > 0;  // which has names of its own for the like
+  if (pushed) request.defines.emplace_back("PUSHED", 1);
+  if (kind.needles) request.defines.emplace_back("NEEDLES", 1);
+  if (pushed && !keeps) request.files.emplace_back("tools/pushed_tables.glsl");
+  if (kind.volumes) request.defines.emplace_back("KEPT_VOLUMES", 1);
+  request.files.insert(request.files.end(), passes.begin(), passes.end());
+  Pass moving(*library_, std::move(request));
+  tables_->bind(moving);
+  bind_terms(moving);
+  if (apart) moving.input("net", net_);
+  return moving;
+}
+
+FragmentPasses::Stepping FragmentPasses::compiled(const StepKind& kind) const {
+  Stepping stepping;
+  stepping.kind = kind;
+  if (reaction_apart()) {
+    ShaderRequest reaction = gathering(kind.loads, "step/reaction_pass.glsl");
+    reaction.defines.emplace_back("CUT", 1);
+    stepping.reaction = Pass(*library_, std::move(reaction));
+    tables_->bind(stepping.reaction);
+    bind_terms(stepping.reaction);
+  }
+  if (kind.tools) stepping.tools = compiled(kind, {"tools/tools_pass.glsl"});
+  if (kind.pushes()) stepping.free = compiled(kind, {"step/free_pass.glsl"});
+  if (kind.needles) stepping.press = compiled(kind, {"tools/press_pass.glsl"});
+  stepping.step = compiled(kind, {"report/measure_step.glsl", "step/step_pass.glsl"});
+  if (kind.volumes) compile_keeping(stepping);
+  return stepping;
+}
+
+void FragmentPasses::compile_keeping(Stepping& stepping) const {
+  stepping.along =
+      compiled(stepping.kind, {"volume/kept_tables.glsl", "volume/kept_facet.glsl", "volume/kept_along_pass.glsl"});
+  stepping.end =
+      compiled(stepping.kind, {"report/measure_step.glsl", "volume/kept_tables.glsl", "volume/kept_step_pass.glsl"});
+  const auto plain = [this](ShaderRequest request) {
+    define_kernels(tables_->kind(), request);
+    return Pass(*library_, std::move(request));
+  };
+  const ShaderFiles sums =
+      joined({common, {"volume/kept_tables.glsl", "volume/kept_facet.glsl", "volume/kept_sums_pass.glsl"}});
+  stepping.facets = plain({.files = sums, .defines = {{"FACETS", 1}}});
+  stepping.sums = plain({.files = sums, .defines = {}});
+  stepping.roots = plain(
+      {.files = joined({common, {"volume/kept_tables.glsl", "volume/volume_root.glsl", "volume/kept_root_pass.glsl"}}),
+       .defines = {}});
+}
+
+void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes,
+                               FragmentContacts* contacts, FragmentNeedles* needles) {
+  const auto before = std::tuple(now_, loads_, tools_, volumes_, contacts_, needles_);
+  const std::size_t known = stepping_.size();
+  std::optional<FragmentNeedlePasses> replaced;
+  std::tie(loads_, tools_, volumes_, contacts_, needles_) = std::tuple(&loads, tools, volumes, contacts, needles);
+  try {
+    const StepKind kind{.loads = loads.kind(),
+                        .tools = tools != nullptr,
+                        .grids = tools && tools->any_grid(),
+                        .volumes = volumes != nullptr,
+                        .contacts = contacts != nullptr,
+                        .needles = needles != nullptr};
+    make_passes(kind, replaced);
+    bind_scene();
+  } catch (...) {
+    std::tie(now_, loads_, tools_, volumes_, contacts_, needles_) = before;
+    while (stepping_.size() > known) stepping_.pop_back();
+    if (replaced) piercing_ = std::move(replaced);
+    if (now_) bind_scene();  // what passes know already they look up no more, so that nothing can fail
+    throw;
+  }
+}
+
+/// `replaced`: passes of needles in whose place others came.
+void FragmentPasses::make_passes(const StepKind& kind, std::optional<FragmentNeedlePasses>& replaced) {
+  if (reaction_apart() && !net_) {
+    Texture net = Texture::target(tables_->kind().particles, TexelFormat::rgba32f, "net forces");
+    net_target_ = Framebuffer({{&net}});
+    net_ = std::move(net);
+  }
+  if (kind.needles && (!piercing_ || piercing_->bending() != needles_->any_bends())) {
+    FragmentNeedlePasses made(*library_, tables_->kind(), read_context_info().loop_turns, needles_->any_bends());
+    replaced = std::exchange(piercing_, std::move(made));
+  }
+  if (kind.contacts && !touching_) touching_.emplace(*library_);
+  if (kind.pushes() && !pushed_) pushed_.emplace(tables_->kind().particles);
+  auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
+  if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), compiled(kind));
+  now_ = &*found;
+}
+
+void FragmentPasses::bind_scene() {
+  loads_->bind(now_->step);
+  if (reaction_apart()) loads_->bind(now_->reaction);
+  if (tools_) {
+    loads_->bind(now_->tools);
+    tools_->bind(now_->tools);
+    tools_->bind(now_->step);
+  }
+  if (volumes_) bind_volumes();
+  if (now_->kind.pushes()) bind_pushing();
+}
+
+void FragmentPasses::bind_pushing() {
+  loads_->bind(now_->free);
+  if (tools_) tools_->bind(now_->free);
+  if (needles_) {
+    loads_->bind(now_->press);
+    tools_->bind(now_->press);
+    piercing_->set_needles(*needles_, *tools_);
+  }
+  if (!contacts_) return;
+  now_->step.input("pushed_force", contacts_->pushed_force);
+  now_->step.input("pushed_shift", contacts_->pushed_shift);
+  touching_->set_contacts(*contacts_);
+}
+
+void FragmentPasses::bind_volumes() {
+  for (Pass* const pass : {&now_->along, &now_->end}) loads_->bind(*pass);
+  if (tools_) tools_->bind(now_->along);
+  for (Pass* const pass : {&now_->along, &now_->facets, &now_->sums, &now_->roots, &now_->end}) volumes_->bind(*pass);
+}
+
+void FragmentPasses::set_constants(const StepConstants& constants) {
+  const auto finite = [](double value) { return std::min(value, double{std::numeric_limits<float>::max()}); };
+  const bool pushes = now_->kind.pushes();
+  Pass& cutting = reaction_apart() ? now_->reaction : pushes ? now_->free : now_->step;
+  cutting.set("largest_acceleration", static_cast<float>(finite(constants.largest_acceleration)));
+  const auto set_motion = [&](Pass& pass) {
+    pass.set("dt", static_cast<float>(constants.dt));
+    pass.set("inverse_dt", static_cast<float>(1.0 / constants.dt));
+    pass.set("damping_factor", static_cast<float>(constants.damping_factor));
+  };
+  set_motion(now_->step);
+  if (tools_) set_motion(now_->tools);
+  if (volumes_) set_motion(now_->end);
+  if (pushes) set_motion(now_->free);
+  if (contacts_) touching_->set_step(constants.dt);
+  if (needles_) {
+    set_motion(now_->press);
+    piercing_->set_step(constants.dt);
+  }
+  Pass& end = volumes_ ? now_->end : now_->step;
+  const auto set = [&](const char* name, double value) { end.set(name, static_cast<float>(value)); };
+  set("runaway_speed", finite(constants.runaway_speed));
+  set("speed_at_rest", constants.speed_at_rest);
+  set("acceleration_at_rest", constants.acceleration_at_rest);
+}
+
+void FragmentPasses::evaluate(const FragmentState& state) {
+  for (Drawing& drawing : before_) {
+    drawing.pass.input("displacement", state.displacement());
+    drawing.pass.draw(drawing.target);
+  }
+}
+
+void FragmentPasses::prepare(Pass& pass, const FragmentState& state, int batch_step) const {
+  pass.input("displacement", state.displacement());
+  pass.input("velocity", state.velocity());
+  pass.set("instant", batch_step - 1);
+  pass.set("batch_step", batch_step);
+  pass.set("gravity", loads_->gravity(static_cast<std::size_t>(batch_step - 1)));
+}
+
+void FragmentPasses::step(const FragmentState& state, int batch_step, bool measuring) {
+  evaluate(state);
+  if (reaction_apart()) {
+    Pass& reaction = now_->reaction;
+    reaction.input("displacement", state.displacement());
+    reaction.set_rows(net_, tables_->kind().particles);
+    reaction.set("instant", batch_step - 1);
+    reaction.draw(net_target_);
+  }
+  if (tools_ && !needles_) {
+    prepare(now_->tools, state, batch_step);
+    tools_->tell(now_->tools);
+  }
+  if (now_->kind.pushes()) act_on_free(state, batch_step);
+  Pass& step = now_->step;
+  prepare(step, state, batch_step);
+  step.set_rows(state.displacement(), tables_->kind().particles);
+  step.draw(volumes_ ? volumes_->free_target() : state.next(measuring));
+  if (volumes_) keep(state, batch_step, measuring);
+}
+
+/// What pushes particles between forces and motion, in the order of ToolSet::act and Touching of src/cpu.
+void FragmentPasses::act_on_free(const FragmentState& state, int batch_step) {
+  prepare(now_->free, state, batch_step);
+  pushed_->begin(now_->free);
+  if (needles_) pierce(state, batch_step);
+  if (contacts_) {
+    touching_->act(*pushed_, state.displacement(), batch_step);
+  } else {
+    pushed_->bind(now_->step);
+  }
+}
+
+void FragmentPasses::pierce(const FragmentState& state, int batch_step) {
+  piercing_->act(state, batch_step, *pushed_);
+  if (!presses()) return;
+  pushed_->bind(now_->tools);
+  prepare(now_->tools, state, batch_step);
+  tools_->tell(now_->tools);
+  prepare(now_->press, state, batch_step);
+  pushed_->press(now_->press);
+}
+
+void FragmentPasses::keep(const FragmentState& state, int batch_step, bool measuring) {
+  prepare(now_->along, state, batch_step);
+  volumes_->follow_gradient(now_->along);
+  volumes_->sum(now_->facets, now_->sums);
+  volumes_->find_roots(now_->roots, batch_step);
+  volumes_->bind_roots(now_->end);
+  prepare(now_->end, state, batch_step);
+  now_->end.set_rows(state.displacement(), tables_->kind().particles);
+  now_->end.draw(state.next(measuring));
+}
+
+const Texture& FragmentPasses::attractors(const FragmentState& state) {
+  if (!showing_) {
+    shown_ = Texture::target(tables_->kind().particles, TexelFormat::rgba32f, "attractors");
+    shown_target_ = Framebuffer({{&shown_}});
+    showing_.emplace(*library_, gathering({}, "display/shown_attractor_pass.glsl"));
+    tables_->bind(*showing_);
+    bind_terms(*showing_);
+    showing_->set_rows(shown_, tables_->kind().particles);
+  }
+  evaluate(state);
+  showing_->input("displacement", state.displacement());
+  showing_->draw(shown_target_);
+  return shown_;
+}
+
+}  // namespace phymul::gl

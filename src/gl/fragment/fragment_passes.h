@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+//
+// The passes of a step. Two by default, besides those for what only some bodies hold:
+//   attractor  F_i of every particle                        reactions full, shared, barycentric, averaged
+//   bases      forces of a base on a, b, c and its owner    averaged, conservative
+//   volumes    forces of a volume on its vertices           bodies with a volume energy
+//   cells      stress of a cell                             bodies with cell-averaged terms
+//   step       net force and Verlet
+// With four passes as in the 2007 thesis the first is two (attractor, force) and the last is two (reaction, Verlet);
+// the bits are the same. With tools the last is two in any case, as what they feel is a pass between them. Where bodies
+// touch or needles are, the step opens with a pass of its own, free; then come those of fragment_needle_passes.h, what
+// presses after needles, those of fragment_contact_passes.h, and the step's end. Where the scene keeps volumes, that is
+// drawn aside, and passes follow it: which way their particles go, sums over facets, how far, and the end of the step.
+#pragma once
+
+#include <deque>
+#include <optional>
+
+#include "fragment_contact_passes.h"
+#include "fragment_loads.h"
+#include "fragment_needle_passes.h"
+#include "fragment_state.h"
+#include "fragment_tables.h"
+#include "fragment_tools.h"
+#include "fragment_volumes.h"
+#include "gl/solver/device.h"
+
+namespace phymul::gl {
+
+class FragmentPasses {
+ public:
+  /// `four`: as the thesis had them.
+  FragmentPasses(const FragmentTables& tables, const ShaderLibrary& library, bool four);
+
+  const FragmentTables& tables() const { return *tables_; }
+
+  /// Compiles what these loads need, where it is not there yet. Pointers: null for none. Where it throws, steps go on
+  /// with those of before.
+  void set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes, FragmentContacts* contacts,
+                 FragmentNeedles* needles);
+
+  /// Before steps of a call.
+  void set_constants(const StepConstants& constants);
+
+  /// One step from the current state to state.next(), as number `batch_step` (1, 2, ...) of a batch whose loads were
+  /// evaluated at instants batch_step - 1 and batch_step. Does not advance the state.
+  void step(const FragmentState& state, int batch_step, bool measuring);
+
+  /// Brings down what the contacts of a batch told, up to this step of it; only where there are contacts.
+  void sum_contacts(int last_step) { touching_->sum(last_step); }
+
+  /// Forces of attractors, bases, volumes and cells at the current state, into the textures that bind_terms() gives.
+  void evaluate(const FragmentState& state);
+  void bind_terms(Pass& pass) const;
+
+  /// What the body and the loads need of the shaders that include net_force.glsl.
+  ShaderRequest gathering(const LoadKind& loads, const char* pass) const;
+
+  /// P*_i - X_i of every particle, m; compiled at the first call. Only where the body has attractors or bases.
+  const Texture& attractors(const FragmentState& state);
+
+ private:
+  struct Drawing {
+    Pass pass;
+    Framebuffer target;
+    int rows = 0;
+  };
+  struct StepKind {
+    LoadKind loads;
+    bool tools = false, grids = false, volumes = false, contacts = false, needles = false;
+    bool pushes() const { return contacts || needles; }
+    bool operator==(const StepKind&) const = default;
+  };
+  struct Stepping {
+    StepKind kind;
+    Pass reaction, tools, step;            // reaction: four passes, or tools; tools: only with them
+    Pass along, facets, sums, roots, end;  // only where volumes are kept
+    Pass free;                             // where bodies touch or needles are: up to what pushes
+    Pass press;                            // with needles: what other tools push
+  };
+  void add(ShaderRequest request, const std::vector<Attachment>& targets, int rows);
+  void add_attractors();
+  void add_bases();
+  void add_volumes_and_cells();
+  Stepping compiled(const StepKind& kind) const;
+  Pass compiled(const StepKind& kind, const ShaderFiles& passes) const;
+  void compile_keeping(Stepping& stepping) const;
+  void make_passes(const StepKind& kind, std::optional<FragmentNeedlePasses>& replaced);
+  void bind_scene();
+  void bind_volumes();
+  void bind_pushing();
+  bool presses() const { return tools_ && tools_->presses(); }
+  void act_on_free(const FragmentState& state, int batch_step);
+  void pierce(const FragmentState& state, int batch_step);
+  void keep(const FragmentState& state, int batch_step, bool measuring);
+  bool reaction_apart() const { return four_ || tools_ != nullptr; }
+  void prepare(Pass& pass, const FragmentState& state, int batch_step) const;
+
+  const FragmentTables* tables_;
+  const ShaderLibrary* library_;
+  bool four_;
+  Texture pull_, force_, net_, base_terms_, volume_terms_, cell_terms_, shown_;
+  std::vector<Drawing> before_;  // drawn in order before the step
+  Framebuffer net_target_, shown_target_;
+  std::optional<Pass> showing_;
+  std::deque<Stepping> stepping_;  // whose addresses stay
+  Stepping* now_ = nullptr;
+  const FragmentLoads* loads_ = nullptr;
+  FragmentTools* tools_ = nullptr;
+  FragmentVolumes* volumes_ = nullptr;
+  FragmentContacts* contacts_ = nullptr;
+  FragmentNeedles* needles_ = nullptr;
+  std::optional<FragmentPushed> pushed_;           // once something pushed
+  std::optional<FragmentContactPasses> touching_;  // once bodies touched
+  std::optional<FragmentNeedlePasses> piercing_;   // once there were needles
+};
+
+}  // namespace phymul::gl

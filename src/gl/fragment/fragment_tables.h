@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+//
+// The constants of a body on the device: FloatTables, a texture each, under the same names.
+#pragma once
+
+#include <vector>
+
+#include "gl/objects/pass.h"
+#include "gl/solver/body_kind.h"
+
+namespace phymul::gl {
+
+class FragmentTables {
+ public:
+  explicit FragmentTables(const FloatTables& tables);
+
+  const BodyKind& kind() const { return kind_; }
+
+  /// Gives a pass every table it reads.
+  void bind(Pass& pass) const;
+
+ private:
+  struct Entry {
+    const char* name;
+    Texture texture;
+  };
+  template <class Row>
+  void add(const char* name, const std::vector<Row>& rows);
+
+  BodyKind kind_;
+  std::vector<Entry> textures_;
+  // Four lists share one texture, because a pass reads no more than sixteen; they start at these rows.
+  int volume_start_ = 0, cell_start_ = 0, spring_start_ = 0;
+};
+
+}  // namespace phymul::gl

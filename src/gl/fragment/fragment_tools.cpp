@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include "fragment_tools.h"
+
+#include <span>
+#include <utility>
+
+namespace phymul::gl {
+namespace {
+
+constexpr int rows_to_one = 16;  // tool_sums_pass.glsl
+constexpr std::array<const char*, 4> sum_inputs{"forces", "torques", "last_forces", "last_torques"};
+
+Texture target(std::int64_t rows) {
+  return Texture::target(rows, TexelFormat::rgba32f, "forces on tools");
+}
+
+}  // namespace
+
+FragmentTools::FragmentTools(const FloatTools& tools)
+    : count_(tools.count()),
+      particles_(static_cast<int>(tools.held().size())),
+      presses_(tools.count() > tools.needle_count()) {
+  laws_ = Texture::table(std::span<const Float4>(tools.laws()), "tool_laws");
+  rest_ = Texture::table(std::span<const Float4>(tools.rest()), "tool_rest");
+  held_ = Texture::table(std::span<const Float4>(tools.held()), "tool_held");
+  if (tools.any_grid()) grid_ = Texture::table(std::span<const float>(tools.grid_values()), "tool_grid");
+  frames_ = Texture::target(static_cast<std::int64_t>(tools.most_frames()), TexelFormat::rgba32f, "tool_frames");
+  const std::int64_t rows = std::int64_t{count_} * particles_;
+  for (Texture& texture : last_) texture = target(rows);
+  for (std::size_t turn = 0; turn < sums_.size(); ++turn) {
+    for (Texture& texture : sums_[turn]) texture = target(rows);
+    targets_[turn] = Framebuffer({{&sums_[turn][0]}, {&sums_[turn][1]}, {&last_[0]}, {&last_[1]}});
+  }
+  int left = particles_;
+  do {
+    left = (left + rows_to_one - 1) / rows_to_one;
+    Level& level = levels_.emplace_back();
+    level.rows_a_tool = left;
+    std::vector<Attachment> attachments;
+    for (Texture& texture : level.rows) {
+      texture = target(std::int64_t{count_} * left);
+      attachments.push_back({&texture});
+    }
+    level.target = Framebuffer(attachments);
+  } while (left > 1);
+}
+
+void FragmentTools::set_held(const FloatTools& tools) {
+  held_.upload(std::span<const Float4>(tools.held()));
+}
+
+void FragmentTools::set_frames(const FloatTools& tools) {
+  frames_.upload(tools.frames());
+}
+
+void FragmentTools::bind(Pass& pass) const {
+  pass.input("tool_laws", laws_);
+  pass.input("tool_frames", frames_);
+  pass.input("tool_rest", rest_);
+  pass.input("tool_held", held_);
+  if (grid_) pass.input("tool_grid", grid_);
+  pass.set("tool_count", count_);
+}
+
+void FragmentTools::tell(Pass& pass) {
+  pass.input("tool_forces", sums_[static_cast<std::size_t>(turn_)][0]);
+  pass.input("tool_torques", sums_[static_cast<std::size_t>(turn_)][1]);
+  turn_ = 1 - turn_;
+  pass.set("particle_rows", particles_);
+  pass.set_rows(last_[0], count_ * particles_);
+  pass.draw(targets_[static_cast<std::size_t>(turn_)]);
+}
+
+void FragmentTools::sum(Pass& added) {
+  const auto& newest = sums_[static_cast<std::size_t>(turn_)];
+  std::array<const Texture*, 4> source{&newest[0], &newest[1], &last_[0], &last_[1]};
+  int rows = particles_;
+  for (const Level& level : levels_) {
+    for (std::size_t k = 0; k < source.size(); ++k) added.input(sum_inputs[k], *source[k]);
+    added.set("source_count", rows);
+    added.set("sum_count", level.rows_a_tool);
+    added.set_rows(level.rows[0], count_ * level.rows_a_tool);
+    added.draw(level.target);
+    for (std::size_t k = 0; k < source.size(); ++k) source[k] = &level.rows[k];
+    rows = level.rows_a_tool;
+  }
+}
+
+void FragmentTools::copy(std::size_t offset) const {
+  for (int k = 0; k < 4; ++k) {
+    const std::size_t at = offset + static_cast<std::size_t>(k) * texels() * sizeof(Float4);
+    levels_.back().target.read(k, GL_RGBA, GL_FLOAT, reinterpret_cast<void*>(at));  // an offset in the buffer
+  }
+}
+
+}  // namespace phymul::gl

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+//
+// The tools of a scene in textures, and what the particles do to each: added up per particle step by step, and over the
+// particles once a report.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "device/float_tools.h"
+#include "gl/objects/pass.h"
+
+namespace phymul::gl {
+
+class FragmentTools {
+ public:
+  explicit FragmentTools(const FloatTools& tools);
+
+  int count() const { return count_; }
+  bool presses() const { return presses_; }  ///< not all are needles
+  bool any_grid() const { return static_cast<bool>(grid_); }
+  void set_held(const FloatTools& tools);
+  void set_frames(const FloatTools& tools);
+  void bind(Pass& pass) const;
+
+  /// A row for each tool and particle, drawn with tools_pass.glsl over the sums so far.
+  void tell(Pass& pass);
+
+  /// Brings the sums of the last tell() down to one row a tool.
+  void sum(Pass& added);
+  /// After sum(): the texels of a row of them, of which there are four; where they go from `offset` on in the buffer
+  /// bound to GL_PIXEL_PACK_BUFFER.
+  std::size_t texels() const { return static_cast<std::size_t>(levels_.back().target.shape().texels()); }
+  void copy(std::size_t offset) const;
+
+ private:
+  struct Level {
+    std::array<Texture, 4> rows;  // forces, torques, and both of the last step
+    Framebuffer target;
+    int rows_a_tool = 0;
+  };
+
+  int count_, particles_;
+  bool presses_;
+  Texture laws_, frames_, rest_, held_, grid_;
+  std::array<std::array<Texture, 2>, 2> sums_;  // [turn]: forces, torques; a pass reads one and writes the other
+  std::array<Texture, 2> last_;
+  std::array<Framebuffer, 2> targets_;
+  int turn_ = 0;  // of the newest
+  std::vector<Level> levels_;
+};
+
+}  // namespace phymul::gl

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+//
+// Framebuffer: the textures a pass draws into, and the way back from them.
+#pragma once
+
+#include "gl/context/gl_api.h"
+
+#include <vector>
+
+#include "texture.h"
+
+namespace phymul::gl {
+
+struct Attachment {
+  const Texture* texture = nullptr;  ///< nullptr: what the shader writes here is dropped
+  int layer = 0;                     ///< of an array
+};
+
+class Framebuffer {
+ public:
+  Framebuffer() = default;
+  /// Attachment k takes what the shader writes at location k; all have one shape. Throws Error when the driver cannot
+  /// draw into them.
+  explicit Framebuffer(const std::vector<Attachment>& attachments);
+  Framebuffer(Framebuffer&& other) noexcept;
+  Framebuffer& operator=(Framebuffer&& other) noexcept;
+  ~Framebuffer();
+
+  GLuint id() const { return id_; }
+  TextureShape shape() const { return shape_; }
+
+  /// Copies attachment k's texels of the first rows, in order, to `out`; at most to whole lines of texels, so `out`
+  /// has room for shape().texels(). Waits for the device unless `out` is an offset in a bound GL_PIXEL_PACK_BUFFER.
+  void read(int k, GLenum layout, GLenum type, void* out) const;
+
+  /// On the device: attachment 0 to that of `to`, which has the same format and shape, and no other attachment.
+  void copy_to(const Framebuffer& to) const;
+
+ private:
+  GLuint id_ = 0;
+  TextureShape shape_;
+};
+
+}  // namespace phymul::gl

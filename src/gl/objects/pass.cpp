@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#include "pass.h"
+
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "pass_timer.h"
+
+namespace phymul::gl {
+
+Pass::Pass(const ShaderLibrary& library, ShaderRequest request) : name_(request.name()), program_(library, request) {}
+
+void Pass::input(const char* name, const Texture& texture) {
+  for (Input& input : inputs_) {
+    if (input.name != name) continue;
+    input.texture = texture.id();
+    if (input.log2_width == texture.log2_width()) return;
+    input.log2_width = texture.log2_width();
+    glUseProgram(program_.id());
+    glUniform1i(input.place_location, input.log2_width);
+    return;
+  }
+  if (std::find(unused_.begin(), unused_.end(), name) != unused_.end()) return;
+  const GLint sampler = program_.uniform(name);
+  if (sampler < 0) {
+    unused_.emplace_back(name);
+    return;
+  }
+  GLint units = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &units);
+  if (static_cast<GLint>(inputs_.size()) >= units) {
+    throw Error("a pass reads more textures than the " + std::to_string(units) + " this driver binds at a time");
+  }
+  const GLint place_location = program_.uniform((std::string(name) + "_place").c_str());
+  glUseProgram(program_.id());
+  glUniform1i(sampler, static_cast<GLint>(inputs_.size()));
+  glUniform1i(place_location, texture.log2_width());
+  inputs_.push_back({name, texture.id(), texture.kind(), texture.log2_width(), place_location});
+}
+
+GLint Pass::location(const char* name) {
+  glUseProgram(program_.id());
+  return program_.known_uniform(name);
+}
+
+void Pass::set(const char* name, int value) {
+  glUniform1i(location(name), value);
+}
+void Pass::set(const char* name, float value) {
+  glUniform1f(location(name), value);
+}
+void Pass::set(const char* name, const Float4& xyz) {
+  glUniform3f(location(name), xyz[0], xyz[1], xyz[2]);
+}
+
+void Pass::set_rows(const Texture& target, int rows) {
+  set("target_log2", target.log2_width());
+  set("row_count", rows);
+}
+
+void Pass::draw(const Framebuffer& target) {
+  const PassTimer::Timed timed(name_, PassTimer::Work::draw);
+  glUseProgram(program_.id());
+  for (std::size_t unit = 0; unit < inputs_.size(); ++unit) {
+    glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
+    glBindTexture(inputs_[unit].kind, inputs_[unit].texture);
+  }
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.id());
+  glViewport(0, 0, target.shape().width, target.shape().height);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+}  // namespace phymul::gl

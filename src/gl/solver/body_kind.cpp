@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#include "body_kind.h"
+
+namespace phymul::gl {
+
+BodyKind::BodyKind(const FloatTables& tables)
+    : options(tables.options),
+      dimension(tables.dimension),
+      particles(tables.particle_count),
+      bases(tables.base_count),
+      volumes(tables.volume_count),
+      cells(tables.cell_count),
+      turns(tables.turns),
+      attractors(tables.has_attractors()),
+      base_terms(!tables.base.empty() &&
+                 (tables.options.reaction == Reaction::averaged || tables.options.reaction == Reaction::conservative)),
+      springs(!tables.spring.empty()),
+      enumerated(tables.layout == FloatLayout::enumerated) {}
+
+ShaderFiles joined(std::initializer_list<ShaderFiles> parts) {
+  ShaderFiles all;
+  for (const ShaderFiles& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+ShaderFiles base_kernel(const BodyKind& kind) {
+  if (kind.options.area_exponent != 0.0) return {"kernels/delta_height.glsl", "kernels/delta_base.glsl"};
+  return {"kernels/delta_base.glsl"};
+}
+
+ShaderFiles attractor_files(const BodyKind& kind) {
+  return {kind.enumerated ? "kernels/attractor_pull_enumerated.glsl" : "kernels/attractor_pull.glsl",
+          "step/attractor_pass.glsl"};
+}
+
+const ShaderFiles& volume_kernel() {
+  static const ShaderFiles files{"kernels/delta_volume.glsl"};
+  return files;
+}
+
+const ShaderFiles& cell_kernel() {
+  static const ShaderFiles files{"kernels/delta_volume.glsl", "kernels/delta_cell.glsl"};
+  return files;
+}
+
+const ShaderFiles& tool_files() {
+  static const ShaderFiles files{"tools/tool_tables.glsl", "tools/distance_to_shape.glsl", "tools/contact_tool.glsl",
+                                 "tools/touch_tools.glsl"};
+  return files;
+}
+
+void define_kernels(const BodyKind& kind, ShaderRequest& request) {
+  request.defines.emplace_back("DIMENSION", kind.dimension);
+  if (kind.options.volume_law == VolumeLaw::bounded) request.defines.emplace_back("BOUNDED_VOLUME", 1);
+}
+
+void define_gathering(const BodyKind& kind, const LoadKind& loads, ShaderRequest& request) {
+  const auto define = [&](const char* name, bool wanted) {
+    if (wanted) request.defines.emplace_back(name, 1);
+  };
+  define("ATTRACTORS", kind.attractors);
+  define("SHARES", kind.attractors && !kind.base_terms);
+  define("BASE_TERMS", kind.base_terms);
+  define("CONSERVATIVE", kind.conservative());
+  define("VOLUMES", kind.volumes > 0);
+  define("CELLS", kind.cells > 0);
+  define("SPRINGS", kind.springs);
+  define("FORCES", loads.forces);
+  define("FIXED", loads.fixed);
+}
+
+void define_tools(bool grids, ShaderRequest& request) {
+  request.defines.emplace_back("TOOLS", 1);
+  if (grids) request.defines.emplace_back("TOOL_GRIDS", 1);
+}
+
+}  // namespace phymul::gl

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+//
+// What a body holds, as far as shaders differ for it, and which of glsl/ they are made of.
+#pragma once
+
+#include <phymul/topology.h>
+
+#include <initializer_list>
+
+#include "device/float_tables.h"
+#include "gl/objects/shader_source.h"
+#include "load_table.h"
+
+namespace phymul::gl {
+
+struct BodyKind {
+  TopologyOptions options;
+  int dimension = 3;
+  Index particles = 0, bases = 0, volumes = 0, cells = 0;
+  LoopTurns turns;
+  bool attractors = false;  ///< particles have a force F_i of their own: any reaction but the conservative
+  bool base_terms = false;  ///< bases are evaluated a row each: averaged, conservative
+  bool springs = false;
+  bool enumerated = false;
+
+  explicit BodyKind(const FloatTables& tables);
+  bool conservative() const { return base_terms && !attractors; }
+};
+
+using ShaderFiles = std::vector<std::string>;
+ShaderFiles joined(std::initializer_list<ShaderFiles> parts);
+
+// Kernels and passes, in the order in which they need each other.
+ShaderFiles base_kernel(const BodyKind& kind);
+ShaderFiles attractor_files(const BodyKind& kind);
+const ShaderFiles& volume_kernel();
+const ShaderFiles& cell_kernel();  ///< with the volume kernel it needs
+const ShaderFiles& tool_files();   ///< up to touch_tools.glsl; needs net_force.glsl
+
+/// The kernels' macros.
+void define_kernels(const BodyKind& kind, ShaderRequest& request);
+/// What the body and the loads need of net_force.glsl.
+void define_gathering(const BodyKind& kind, const LoadKind& loads, ShaderRequest& request);
+/// What a pass that tools act in is asked for; `grids`: some are distance grids.
+void define_tools(bool grids, ShaderRequest& request);
+
+}  // namespace phymul::gl

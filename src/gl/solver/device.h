@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+//
+// Device: what of a solver lives in its context, whatever the passes are: made, used and deleted inside Context::run.
+#pragma once
+
+#include <phymul/solver.h>
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "device/float_tools.h"
+#include "gl/objects/pass_timer.h"
+#include "gl/objects/texture.h"
+
+namespace phymul::gl {
+
+/// What all steps of a call have in common.
+struct StepConstants {
+  double dt = 0.0, damping_factor = 1.0;
+  double largest_acceleration = 0.0, runaway_speed = 0.0, speed_at_rest = 0.0, acceleration_at_rest = 0.0;
+};
+
+/// What a batch of steps has to tell. Steps count from 1 within the batch; 0: never.
+struct BatchReport {
+  int runaway_step = 0;  ///< first in which a particle ran away
+  Index particle = -1;   ///< the first of them by number
+  bool cut = false;      ///< an elastic force was; false too where a particle ran away
+  int first_unquiet = 0, last_unquiet = 0;
+  int lost_step = 0;        ///< first in which a kept volume could not be restored
+  int lost_volume = -1;     ///< the first of them by row
+  int full_step = 0;        ///< first for which a needle's hole had no room
+  int full_needle = -1;     ///< that needle's row among the tools
+  bool unfinished = false;  ///< a step needed more passes than it was given; nothing else of the report means anything
+  /// Of the last step.
+  double max_speed = 0.0, max_acceleration = 0.0, max_force = 0.0, max_displacement = 0.0;
+
+  BatchReport() = default;
+  /// From what report_events.glsl leaves of all rows. Throws Error where that is no report.
+  BatchReport(const Int4& events, const Float4& largest);
+  /// From what kept_root_pass.glsl leaves of every volume.
+  void see_volumes(std::span<const Float4> roots);
+};
+
+class Device {
+ public:
+  /// Most steps between two reads of a report, so that their numbers fit what step_pass.glsl packs.
+  static constexpr int most_steps = 256;
+
+  Device() = default;
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  virtual ~Device() = default;
+
+  /// From now on; timer() is null before.
+  void time_passes(const ContextInfo& info, Profile& profile) { timer_ = std::make_unique<PassTimer>(info, profile); }
+  PassTimer* timer() { return timer_.get(); }
+
+  /// `tools` of the scene; they may be none.
+  virtual void set_scene(const Scene& scene, const FloatTools& tools) = 0;
+  /// After a change of what they hold.
+  virtual void set_held(const FloatTools& tools) = 0;
+  /// The holes of needles as `tools` have them. Throws Error, and changes nothing, where they do not fit.
+  virtual void write_needles(const FloatTools& /*tools*/) {}
+  /// Those of the present state, to `tools`. Waits for the device.
+  virtual void read_needles(FloatTools& /*tools*/) {}
+  virtual void write(const VecList& rest, const State& state) = 0;
+  virtual void read(const VecList& rest, State& state) = 0;
+
+  /// The loads at the instants of a batch: instants[s] is the old time of its step s + 1. The present state becomes the
+  /// checkpoint. `tools` as far as they are ahead.
+  virtual void begin_batch(const StepConstants& constants, const std::vector<double>& instants,
+                           const FloatTools& tools) = 0;
+  /// Steps 1 ... count of the batch from the checkpoint; the last one measures.
+  virtual void run(int count) = 0;
+  /// After an unfinished report: the next run() gives its steps more passes, and in the end as many as any may need.
+  virtual void give_more_passes() {}
+  /// Steps of a batch before it is known how long one takes.
+  virtual int first_batch() const { return 8; }
+  /// Step `number` from the present state, which stays as it is; only what it measures is kept.
+  virtual BatchReport try_step(int number) = 0;
+  /// Of the steps since begin_batch(), or since the last run() did. Waits for the device.
+  BatchReport report() {
+    request_report();
+    return take_report();
+  }
+  /// Sends the report on its way, and waits for it: one at a time, nothing else of the device between the two.
+  virtual void request_report() = 0;
+  virtual BatchReport take_report() = 0;
+  /// What the steps of that report, of run(), did to each tool.
+  virtual std::span<const ToolSums> tool_sums() const = 0;
+
+  virtual Energy energy(const Scene& scene, double time, double dt) = 0;
+  virtual Momentum momentum(const VecList& rest, const Vec3& about) = 0;
+
+  /// Starts a copy of the present state to the host; what `header` has besides places and velocities comes with it.
+  virtual void request_copy(const State& header) = 0;
+  /// True where the oldest copy has arrived, and is then in `state`.
+  virtual bool collect_copy(const VecList& rest, State& state) = 0;
+  virtual void drop_copies() = 0;
+
+  /// Displacements of the particles, and of their attractors, in the model's order.
+  virtual const Texture& displacements() = 0;
+  virtual const Texture& attractors() = 0;
+
+ private:
+  std::unique_ptr<PassTimer> timer_;
+};
+
+}  // namespace phymul::gl

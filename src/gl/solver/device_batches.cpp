@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+//
+// The steps of DeviceSolver: batch by batch, each with a report at its end.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "device_solver.h"
+
+namespace phymul::gl {
+namespace {
+
+/// A batch of steps that takes longer keeps the device from drawing, and a window system may take it for hung.
+constexpr double seconds_a_batch = 0.05;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+/// No longer than rest_steps where the body is to stop at rest: then an unquiet step in a batch says that no other
+/// row of so many quiet ones is in it.
+int DeviceSolver::batch_size(const StepPlan& plan, int remaining) const {
+  const double wished = seconds_a_step_ > 0.0 ? seconds_a_batch / seconds_a_step_ : device_->first_batch();
+  const int size = static_cast<int>(std::clamp(wished, 1.0, static_cast<double>(Device::most_steps)));
+  return std::min({size, remaining, plan.stop_at_rest ? plan.rest_steps : remaining});
+}
+
+/// New poses and grasps of a call. What is grasped is found here, from one read of the state; steps read nothing.
+void DeviceSolver::begin_tools(const StepPlan& plan) {
+  if (tools_.empty() || !tools_.begin_call(scene(), plan.steps, plan.stop_at_rest)) return;
+  State now;
+  if (tools_.grasps()) device_->read(topology().rest, now);
+  tools_.hold(now.position, frame().fixed, topology().dimension == 2);
+  device_->set_held(tools_);
+}
+
+Solver::Motion DeviceSolver::run_batches(const StepPlan& plan) {
+  begin_tools(plan);
+  const PassTimer::Current timing(device_->timer());
+  Motion motion;
+  motion.steps_at_rest = progress_.steps_at_rest;
+  while (motion.steps < plan.steps) {
+    const int count = batch_size(plan, plan.steps - motion.steps);
+    const auto start = std::chrono::steady_clock::now();
+    queue_batch(plan, count);
+    const bool go_on = settle_batch(plan, count, motion);
+    seconds_a_step_ = seconds_since(start) / count;
+    progress_.steps_at_rest = motion.steps_at_rest;
+    if (!go_on || context_->lost()) break;
+  }
+  return motion;
+}
+
+/// The report of the call before, while the last batch of this one is on its way. run_to_rest() waits for every batch.
+Solver::Motion DeviceSolver::run_late(const StepPlan& plan) {
+  Motion before = std::exchange(untold_, std::nullopt).value_or(Motion{});
+  if (before.lost_volume >= 0) before.lost_volume = volume_row_at(untold_volume_at_);  // rows may be others by now
+  if (before.bad_particle >= 0 || before.lost_volume >= 0 || before.full_needle >= 0) return before;
+  if (plan.stop_at_rest) return run_batches(plan);
+  begin_tools(plan);
+  const PassTimer::Current timing(device_->timer());
+  Motion motion;
+  motion.steps_at_rest = progress_.steps_at_rest;
+  for (int left = plan.steps; left > 0;) {
+    const int count = batch_size(plan, left);
+    const auto start = std::chrono::steady_clock::now();
+    queue_batch(plan, count);
+    left -= count;
+    if (left == 0) {
+      late_ = Late{plan, count, motion};
+      break;
+    }
+    if (!settle_batch(plan, count, motion)) return motion;
+    seconds_a_step_ = seconds_since(start) / count;
+    progress_.steps_at_rest = motion.steps_at_rest;
+  }
+  return before;
+}
+
+void DeviceSolver::queue_batch(const StepPlan& plan, int count) {
+  instants_.assign(1, progress_.time);
+  for (int k = 0; k < count; ++k) instants_.push_back(instants_.back() + plan.dt);
+  const RestThresholds rest =
+      rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest}, progress_.largest_displacement);
+  if (!tools_.empty()) tools_.begin_batch(count, plan.dt);
+  device_->begin_batch({.dt = plan.dt,
+                        .damping_factor = plan.damping_factor,
+                        .largest_acceleration = plan.largest_acceleration,
+                        .runaway_speed = plan.runaway_speed,
+                        .speed_at_rest = rest.speed,
+                        .acceleration_at_rest = rest.acceleration},
+                       instants_, tools_);
+  device_->run(count);
+  device_->request_report();
+}
+
+/// False where the motion ends with this batch: a failure, or rest.
+bool DeviceSolver::settle_batch(const StepPlan& plan, int count, Motion& motion) const {
+  BatchReport report = device_->take_report();
+  while (report.unfinished) {
+    device_->give_more_passes();
+    device_->run(count);
+    report = device_->report();
+  }
+  // A volume that cannot be restored comes before what runs away with it in the same step.
+  const bool loses = report.lost_step > 0 && (report.runaway_step == 0 || report.lost_step <= report.runaway_step);
+  const int went_wrong = loses ? report.lost_step : report.runaway_step;
+  // So does a hole that was left as it was.
+  const bool fills = report.full_step > 0 && (went_wrong == 0 || report.full_step <= went_wrong);
+  const int failed_at = fills ? report.full_step : went_wrong;
+  const int full_needle = report.full_needle;
+  const int lost_volume = report.lost_volume;
+  const Index culprit = report.particle;
+  int good = failed_at > 0 ? failed_at - 1 : count;
+
+  const int until_rest = std::max(plan.rest_steps - motion.steps_at_rest, 1);
+  const int quiet = report.first_unquiet > 0 ? std::min(report.first_unquiet - 1, good) : good;
+  const bool rests = plan.stop_at_rest && quiet >= until_rest;
+  if (rests) good = until_rest;
+  if (good < count) {
+    device_->run(good);
+    if (good > 0) report = device_->report();
+  }
+  if (good > 0) {
+    motion.cut = motion.cut || report.cut;
+    motion.steps_at_rest = report.last_unquiet > 0 ? good - report.last_unquiet : motion.steps_at_rest + good;
+    motion.max_speed = report.max_speed;
+    motion.max_acceleration = report.max_acceleration;
+    motion.max_force = report.max_force;
+    progress_.largest_displacement = report.max_displacement;
+    if (!tools_.empty()) tools_.accept(good, plan.dt, device_->tool_sums());
+  }
+  motion.steps += good;
+  for (int k = 0; k < good; ++k) progress_.time += plan.dt;
+  if (good > 0) progress_.last_dt = plan.dt;
+  if (rests || failed_at == 0) return !rests;
+  if (fills) {
+    motion.full_needle = full_needle;
+    return false;
+  }
+  if (loses) {
+    motion.lost_volume = lost_volume;
+    return false;
+  }
+  // The forces that the step after the last good one began with, which are those of the state that is kept.
+  const BatchReport failed = device_->try_step(good + 1);
+  motion.max_acceleration = failed.max_acceleration;
+  motion.max_force = failed.max_force;
+  motion.bad_particle = culprit;
+  return false;
+}
+
+}  // namespace phymul::gl

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: MIT
+#include "device_solver.h"
+
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "device/base_layout.h"
+#include "device/slice_tables.h"
+#include "gl/compute/compute_device.h"
+#include "gl/context/options.h"
+#include "gl/fragment/fragment_device.h"
+#include "gl/objects/loop_turns.h"
+#include "step_traffic.h"
+
+namespace phymul::gl {
+namespace {
+
+/// Another context sees what was drawn here only once it is done. After a step, whose report was waited for, it is.
+ParticleBuffer finished(const Texture& texture) {
+  glFinish();
+  return {.texture = texture.id(), .width = texture.shape().width, .height = texture.shape().height, .position = {}};
+}
+
+/// What StepReport::particle says of a volume.
+std::vector<Index> particle_of_each(const std::vector<ClosedVolume>& volumes) {
+  std::vector<Index> particles;
+  for (const ClosedVolume& volume : volumes) particles.push_back(volume.triangles.front()[0]);
+  return particles;
+}
+
+}  // namespace
+
+DeviceSolver::DeviceSolver(GlBackend backend, std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in,
+                           const SolverOptions& options_in)
+    : Solver(name_of(backend), std::move(shared), scene_in, options_in),
+      backend_(backend),
+      gl_(with_environment(options_in.gl)),
+      layout_(choose_layout(gl_.layout, topology())),
+      context_(Context::open(gl_, backend)),
+      kept_(rest_state(model())) {
+  instants_.reserve(Device::most_steps + 1);
+  try {
+    build();
+    reset();
+  } catch (...) {
+    drop();
+    throw;
+  }
+}
+
+DeviceSolver::~DeviceSolver() {
+  drop();
+}
+
+void DeviceSolver::build() {
+  FloatTables tables = pack_floats(topology(), layout_);
+  loads_version_ = scene().version();
+  volume_at_ = particle_of_each(scene().volumes());
+  tools_.follow(scene());
+  const ContextInfo& info = context_->info();
+  const ShaderLibrary library(gl_.shader_folder, info.es, !info.es || info.at_least(3, 2));
+  if (backend_ == GlBackend::compute) {
+    const SliceTables slices = pack_slices(std::move(tables), topology());
+    const ComputeForm form = choose_form(gl_.compute, slices, info.software);
+    const bool thesis = topology().options.reaction != Reaction::averaged;  // whose forces every neighbour recomputes
+    require_turns(info, slices.rows.turns, thesis && form == ComputeForm::recompute);
+    const bool counted = form != ComputeForm::recompute;
+    bytes_a_step_ = counted ? gl::bytes_a_step(slices) : std::numeric_limits<double>::quiet_NaN();
+    context_->run([&] { device_ = std::make_unique<ComputeDevice>(slices, scene(), tools_, library, form); });
+  } else {
+    require_turns(info, tables.turns, false);
+    bytes_a_step_ = gl::bytes_a_step(tables);
+    context_->run(
+        [&] { device_ = std::make_unique<FragmentDevice>(tables, scene(), tools_, library, gl_.passes == 4); });
+  }
+  if (profiling()) context_->run([&] { device_->time_passes(context_->info(), *profiling()); });
+  context_->throw_debug_errors();
+}
+
+/// Deleting is harmless in a lost context that can still be made current. Where it cannot, another context may be
+/// current, whose objects must not be touched: ours are then left behind with the context they went with.
+void DeviceSolver::drop() noexcept {
+  if (!device_) return;
+  try {
+    context_->run([this] { device_.reset(); });
+  } catch (...) {
+    static_cast<void>(device_.release());
+  }
+}
+
+void DeviceSolver::rebuild() {
+  drop();
+  context_ = Context::open(gl_, backend_);
+  build();
+}
+
+/// Another context, and the newest state the host has.
+void DeviceSolver::recover() noexcept {
+  try {
+    rebuild();
+    do_reset(State(kept_));
+  } catch (...) {
+    drop();
+    progress_.time = kept_.time;
+  }
+}
+
+template <class Function>
+auto DeviceSolver::on_device(Function&& function) const {
+  if (!device_) throw Error("the device of this solver is lost, and no other could be had; see Solver::reset");
+  struct LostCheck {
+    Context& context;
+    void operator()() const {
+      if (context.lost()) throw Error("the device of this solver was lost; see Solver::reset");
+    }
+  } check{*context_};
+  if constexpr (std::is_void_v<std::invoke_result_t<Function&>>) {
+    context_->run(std::forward<Function>(function));
+    check();
+  } else {
+    auto result = context_->run(std::forward<Function>(function));
+    check();
+    return result;
+  }
+}
+
+void DeviceSolver::do_reset(const State& state) {
+  const double largest = require_state_in_range(topology().rest, state);
+  if (!device_ || context_->lost()) rebuild();
+  follow();
+  context_->run([&] {
+    FloatTools tools = tools_;
+    tools.reset(scene(), state);
+    device_->write_needles(tools);
+    tools_ = std::move(tools);
+    device_->drop_copies();
+    device_->write(topology().rest, state);
+    device_->set_held(tools_);
+  });
+  kept_ = state;
+  late_.reset();
+  untold_.reset();
+  progress_ = {.time = state.time, .last_dt = 0.0, .steps_at_rest = 0, .largest_displacement = largest};
+}
+
+void DeviceSolver::do_scene_changed() {
+  try {
+    settle();
+  } catch (...) {  // do_step() finds out and says so
+  }
+  progress_.steps_at_rest = 0;
+}
+
+/// Takes the scene's loads and tools to the device, where they have changed; all of it or nothing.
+void DeviceSolver::follow() {
+  if (loads_version_ == scene().version()) return;
+  FloatTools tools = tools_;
+  context_->run([&] { device_->read_needles(tools); });
+  tools.follow(scene());
+  context_->run([&] { device_->set_scene(scene(), tools); });
+  tools_ = std::move(tools);
+  loads_version_ = scene().version();
+  volume_at_ = particle_of_each(scene().volumes());
+  seconds_a_step_ = 0.0;
+}
+
+/// Of the scene as it is now; where it keeps no such volume any more, a row of none.
+int DeviceSolver::volume_row_at(Index particle) const {
+  const auto found = std::ranges::find(volume_at_, particle);
+  return found == volume_at_.end() ? std::numeric_limits<int>::max() : static_cast<int>(found - volume_at_.begin());
+}
+
+Solver::Motion DeviceSolver::lost_motion() {
+  Motion motion;
+  motion.lost = true;
+  return motion;
+}
+
+Solver::Motion DeviceSolver::do_step(const StepPlan& plan) {
+  try {
+    if (device_ && !context_->lost()) {
+      settle();  // under the scene it was done in
+      follow();
+      // Where the caller asked for progress a call is many plans, each of which needs its own report.
+      const bool late = gl_.late_report && !options().progress;
+      const Motion motion = context_->run([&] { return late ? run_late(plan) : run_batches(plan); });
+      context_->throw_debug_errors();
+      if (!context_->lost()) return motion;
+    }
+  } catch (const Unreachable&) {  // the device and its state stay, for when the host makes its context current again
+    return lost_motion();
+  } catch (const Error&) {
+    if (!context_->lost() && loads_version_ != scene().version()) throw;  // the changed scene does not fit the device
+  } catch (...) {  // a device that refuses what it did before is lost to us
+  }
+  recover();
+  return lost_motion();
+}
+
+/// Waits for the batch whose report is on its way. Whatever it says is told by the next step().
+void DeviceSolver::settle() const {
+  if (!late_) return;
+  Late late = *late_;
+  on_device([&] {
+    const PassTimer::Current timing(device_->timer());
+    settle_batch(late.plan, late.count, late.motion);
+  });
+  late_.reset();
+  progress_.steps_at_rest = late.motion.steps_at_rest;
+  untold_ = late.motion;
+  if (untold_->lost_volume >= 0) untold_volume_at_ = volume_at_[static_cast<std::size_t>(untold_->lost_volume)];
+}
+
+void DeviceSolver::do_read(State& state) const {
+  try {
+    settle();
+  } catch (const Error&) {
+    if (device_ && !context_->lost()) throw;
+  }
+  if (device_ && !context_->lost()) {
+    State now;
+    context_->run([&] {
+      device_->read(topology().rest, now);
+      device_->read_needles(tools_);
+    });
+    now.time = progress_.time;
+    tools_.read(now);
+    if (!context_->lost()) kept_ = std::move(now);
+  }
+  state = kept_;
+}
+
+/// The device's displacements come and go as they are where rest places are taken to be 0.
+void DeviceSolver::do_snapshot(Snapshot& snapshot) const {
+  do_read(snapshot.state);
+  State displaced;
+  const VecList origin(snapshot.state.position.size(), Vec3::Zero());
+  on_device([&] { device_->read(origin, displaced); });
+  snapshot.displacement = std::move(displaced.position);
+  snapshot.last_dt = progress_.last_dt;
+  snapshot.steps_at_rest = progress_.steps_at_rest;
+}
+
+void DeviceSolver::do_restore(const Snapshot& snapshot) {
+  refuse_parts(snapshot);
+  do_reset(snapshot.state);
+  if (!snapshot.displacement.empty()) {
+    State displaced = snapshot.state;
+    displaced.position = snapshot.displacement;
+    const VecList origin(displaced.position.size(), Vec3::Zero());
+    on_device([&] { device_->write(origin, displaced); });
+  }
+  progress_.last_dt = snapshot.last_dt;
+  progress_.steps_at_rest = snapshot.steps_at_rest;
+}
+
+/// Not counted where there are tools or contacts, as it depends on how much they touch, nor where volumes are kept.
+double DeviceSolver::do_bytes_a_step() const {
+  const bool counted = tools_.empty() && !scene().contacts() && scene().volumes().empty();
+  return counted ? bytes_a_step_ : std::numeric_limits<double>::quiet_NaN();
+}
+
+Energy DeviceSolver::do_energy() const {
+  settle();
+  return on_device([&] { return device_->energy(scene(), progress_.time, progress_.last_dt); });
+}
+
+void DeviceSolver::do_profile() const {
+  if (!device_ || !device_->timer() || context_->lost()) return;
+  context_->run([this] { device_->timer()->finish(); });
+}
+
+Momentum DeviceSolver::do_momentum(const Vec3& about) const {
+  settle();
+  return on_device([&] { return device_->momentum(topology().rest, about); });
+}
+
+void DeviceSolver::do_request_read() {
+  settle();
+  State header;
+  header.time = progress_.time;
+  on_device([&] {
+    device_->read_needles(tools_);
+    tools_.read(header);
+    device_->request_copy(header);
+  });
+}
+
+bool DeviceSolver::do_collect(State& state) {
+  if (!on_device([&] { return device_->collect_copy(topology().rest, state); })) return false;
+  if (state.time >= kept_.time) kept_ = state;
+  return true;
+}
+
+ParticleBuffer DeviceSolver::do_position_buffer() const {
+  if (!device_) return {};
+  settle();
+  return on_device([&] { return finished(device_->displacements()); });
+}
+
+ParticleBuffer DeviceSolver::do_attractor_buffer() const {
+  settle();
+  return on_device([&] { return finished(device_->attractors()); });
+}
+
+std::unique_ptr<Solver> make_device_solver(GlBackend backend, std::shared_ptr<const TopologyTextures> topology,
+                                           const Scene& scene, const SolverOptions& options) {
+  return std::make_unique<DeviceSolver>(backend, std::move(topology), scene, options);
+}
+
+}  // namespace phymul::gl

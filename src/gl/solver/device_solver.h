@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+//
+// The backends "gl" and "gl-compute": state and constants on the device, one small read a call.
+#pragma once
+
+#include <phymul/solver.h>
+
+#include <memory>
+#include <optional>
+
+#include "device.h"
+#include "device/float_tables.h"
+#include "gl/context/context.h"
+#include "gl/context/context_user.h"
+
+namespace phymul::gl {
+
+/// When the context is lost, so is the state. step() then says device_lost, with the time of the newest state the host
+/// has: that of the last reset(), read() or collect(). The solver opens another context, rebuilds itself there from the
+/// topology and goes on from that state at the next call; where it cannot, every step says device_lost until a reset()
+/// finds a device.
+class DeviceSolver final : public Solver, public ContextUser {
+ public:
+  DeviceSolver(GlBackend backend, std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
+               const SolverOptions& options);
+  ~DeviceSolver() override;
+
+  const std::shared_ptr<Context>& context() const override { return context_; }
+  GlContext context_kind() const override { return gl_.context; }
+  bool enumerated() const { return layout_ == FloatLayout::enumerated; }
+
+ private:
+  void do_reset(const State& state) override;
+  void do_scene_changed() override;
+  Motion do_step(const StepPlan& plan) override;
+  void do_read(State& state) const override;
+  Energy do_energy() const override;
+  double do_time() const override { return progress_.time; }
+  void do_snapshot(Snapshot& snapshot) const override;
+  void do_restore(const Snapshot& snapshot) override;
+  void do_request_read() override;
+  bool do_collect(State& state) override;
+  Momentum do_momentum(const Vec3& about) const override;
+  ParticleBuffer do_position_buffer() const override;
+  ParticleBuffer do_attractor_buffer() const override;
+  std::string do_device() const override { return context_->info().device(); }
+  void do_profile() const override;
+  double do_bytes_a_step() const override;
+  const char* do_cannot() const override { return nullptr; }
+  bool do_takes_tools() const override { return true; }
+  const ToolReport& do_tool_report(std::size_t row) const override { return tools_.report(scene().tools()[row]); }
+
+  void build();
+  void drop() noexcept;
+  void rebuild();
+  void recover() noexcept;
+  template <class Function>
+  auto on_device(Function&& function) const;
+  void follow();
+  int volume_row_at(Index particle) const;
+  static Motion lost_motion();
+  void begin_tools(const StepPlan& plan);
+  Motion run_batches(const StepPlan& plan);
+  Motion run_late(const StepPlan& plan);
+  void queue_batch(const StepPlan& plan, int count);
+  bool settle_batch(const StepPlan& plan, int count, Motion& motion) const;
+  void settle() const;
+  int batch_size(const StepPlan& plan, int remaining) const;
+
+  GlBackend backend_;
+  GlOptions gl_;
+  FloatLayout layout_;
+  std::shared_ptr<Context> context_;
+  std::unique_ptr<Device> device_;
+  std::uint64_t loads_version_ = 0;
+  mutable FloatTools tools_{Device::most_steps};  // as far as reports have come
+  mutable State kept_;                            // the newest state the host has
+  /// As far as reports have come: they may be seen late, by whoever looks at the state first.
+  struct Progress {
+    double time = 0.0, last_dt = 0.0;
+    int steps_at_rest = 0;
+    double largest_displacement = 0.0;  // m, when the present batch began
+  };
+  struct Late {  // the last batch of a call, whose report is on its way
+    StepPlan plan;
+    int count = 0;
+    Motion motion;  // of the call's batches before
+  };
+  mutable Progress progress_;
+  mutable std::optional<Late> late_;
+  mutable std::optional<Motion> untold_;  // of a call that was settled, for the next to tell
+  mutable Index untold_volume_at_ = -1;   // a particle of the volume that was lost in it
+  std::vector<Index> volume_at_;          // of each volume of the scene that the device has
+  std::vector<double> instants_;          // of a batch
+  double seconds_a_step_ = 0.0;           // wall clock; 0: not known yet
+  double bytes_a_step_ = 0.0;
+};
+
+std::unique_ptr<Solver> make_device_solver(GlBackend backend, std::shared_ptr<const TopologyTextures> topology,
+                                           const Scene& scene, const SolverOptions& options);
+
+}  // namespace phymul::gl

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+//
+// What a scene does to a body, in rows for a device: vectors per particle, which change with the scene, and a small
+// table of the numbers they are multiplied by, a row per instant of a batch of steps.
+#pragma once
+
+#include <phymul/scene.h>
+
+#include <vector>
+
+#include "device/float_tables.h"
+
+namespace phymul::gl {
+
+/// Which shaders a scene needs: one that holds nothing pays nothing.
+struct LoadKind {
+  bool forces = false, fixed = false;
+  bool any() const { return forces || fixed; }
+  bool operator==(const LoadKind&) const = default;
+};
+
+class LoadTable {
+ public:
+  /// Room for the values of as many instants.
+  LoadTable(const Scene& scene, int instants);
+
+  const LoadKind& kind() const { return kind_; }
+  int mode_count() const { return modes_.count; }
+  int instant_count() const { return static_cast<int>(gravity_.size()); }
+
+  /// Per particle: first and end row of its force parts, first row of its target parts, their number * 8 + fixed axes.
+  std::vector<Int4> index() const;
+  /// Vector, number of the value it is multiplied by.
+  std::vector<Float4> parts() const;
+
+  /// Takes over the values at these instants.
+  void evaluate(const std::vector<double>& instants);
+  /// Of the instants given to evaluate(): [instants][modes]; empty where kind() has nothing.
+  const std::vector<float>& values() const { return values_; }
+  /// [instants] m/s^2: gravity and uniform accelerations.
+  const std::vector<Float4>& gravity() const { return gravity_; }
+
+ private:
+  const Scene* scene_;
+  LoadModes modes_;
+  LoadKind kind_;
+  std::vector<double> row_;  // [modes] at one instant
+  std::vector<float> values_;
+  std::vector<Float4> gravity_;
+};
+
+}  // namespace phymul::gl

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+//
+// The one function that the module shows.
+#include "device_solver.h"
+#include "gl/context/context.h"
+#include "gl/display/display.h"
+#include "solver/gl_module.h"
+
+namespace phymul::gl {
+namespace {
+
+GlDevice probe(GlBackend backend, const GlOptions& options) {
+  const ContextInfo info = Context::open(options, backend)->info();
+  return {info.device(), info.software};
+}
+
+}  // namespace
+}  // namespace phymul::gl
+
+extern "C" __attribute__((visibility("default"))) const phymul::GlModule* phymul_gl_module() {
+  static const phymul::GlModule module{.stamp = {},
+                                       .probe = phymul::gl::probe,
+                                       .make = phymul::gl::make_device_solver,
+                                       .make_display = phymul::gl::make_display};
+  return &module;
+}

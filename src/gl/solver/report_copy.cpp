@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#include "report_copy.h"
+
+#include <phymul/error.h>
+
+#include <cstring>
+
+namespace phymul::gl {
+namespace {
+
+struct Rows {
+  Int4 events;
+  Float4 largest;
+};
+
+}  // namespace
+
+void ReportCopy::bind() {
+  const bool first = buffer_ == 0;
+  if (first) glGenBuffers(1, &buffer_);
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, buffer_);
+  if (first) glBufferData(GL_PIXEL_PACK_BUFFER, bytes(), nullptr, GL_STREAM_READ);
+}
+
+void ReportCopy::carry(std::size_t more_rows) {
+  if (more_rows == more_.size()) return;
+  more_.assign(more_rows, Float4{});
+  glDeleteBuffers(1, &buffer_);
+  buffer_ = 0;
+}
+
+GLsizeiptr ReportCopy::bytes() const {
+  return static_cast<GLsizeiptr>(sizeof(Rows) + more_.size() * sizeof(Float4));
+}
+
+BatchReport ReportCopy::take() {
+  bind();
+  Rows rows{};
+  if (const void* from = glMapBufferRange(GL_PIXEL_PACK_BUFFER, 0, bytes(), GL_MAP_READ_BIT)) {
+    std::memcpy(&rows, from, sizeof rows);
+    if (!more_.empty())
+      std::memcpy(more_.data(), static_cast<const char*>(from) + sizeof rows, more_.size() * sizeof(Float4));
+    glUnmapBuffer(GL_PIXEL_PACK_BUFFER);
+  }
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  return {rows.events, rows.largest};
+}
+
+}  // namespace phymul::gl

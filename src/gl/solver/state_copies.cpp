@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "state_copies.h"
+
+namespace phymul::gl {
+
+void pack_state(const VecList& rest, const State& state, PlaceOf place_of, Float4* displacement, Float4* velocity) {
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const std::size_t row = place_of.empty() ? i : static_cast<std::size_t>(place_of[i]);
+    for (int axis = 0; axis < 3; ++axis) {
+      displacement[row][axis] = static_cast<float>(state.position[i][axis] - rest[i][axis]);
+      velocity[row][axis] = static_cast<float>(state.velocity[i][axis]);
+    }
+  }
+}
+
+void unpack_state(const Float4* displacement, const Float4* velocity, const VecList& rest, PlaceOf place_of,
+                  State& state) {
+  state.position.resize(rest.size());
+  state.velocity.resize(rest.size());
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const std::size_t row = place_of.empty() ? i : static_cast<std::size_t>(place_of[i]);
+    for (int axis = 0; axis < 3; ++axis) {
+      state.position[i][axis] = rest[i][axis] + static_cast<double>(displacement[row][axis]);
+      state.velocity[i][axis] = static_cast<double>(velocity[row][axis]);
+    }
+  }
+}
+
+StateCopies::~StateCopies() {
+  clear();
+  glDeleteBuffers(static_cast<GLsizei>(spare_.size()), spare_.data());
+}
+
+void StateCopies::drop(Copy& copy) {
+  glDeleteSync(copy.fence);
+  spare_.push_back(copy.buffer);
+}
+
+void StateCopies::clear() {
+  for (Copy& copy : on_their_way_) drop(copy);
+  on_their_way_.clear();
+}
+
+void StateCopies::request(std::size_t rows, const State& header, const std::function<void()>& fill) {
+  if (on_their_way_.size() == most) {
+    drop(on_their_way_.back());
+    on_their_way_.pop_back();
+  }
+  Copy copy{.buffer = 0, .fence = nullptr, .rows = rows, .time = header.time, .tools = header.tools};
+  if (spare_.empty()) {
+    glGenBuffers(1, &copy.buffer);
+    glBindBuffer(GL_PIXEL_PACK_BUFFER, copy.buffer);
+    const auto bytes = static_cast<GLsizeiptr>(2 * rows * sizeof(Float4));
+    glBufferData(GL_PIXEL_PACK_BUFFER, bytes, nullptr, GL_STREAM_READ);
+  } else {
+    copy.buffer = spare_.back();
+    spare_.pop_back();
+    glBindBuffer(GL_PIXEL_PACK_BUFFER, copy.buffer);
+  }
+  fill();
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  copy.fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+  glFlush();  // a fence that is never sent never comes
+  on_their_way_.push_back(std::move(copy));
+}
+
+bool StateCopies::collect(const VecList& rest, PlaceOf place_of, State& state) {
+  if (on_their_way_.empty()) return false;
+  Copy& copy = on_their_way_.front();
+  const GLenum answer = glClientWaitSync(copy.fence, 0, 0);
+  if (answer != GL_ALREADY_SIGNALED && answer != GL_CONDITION_SATISFIED) return false;
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, copy.buffer);
+  const auto bytes = static_cast<GLsizeiptr>(2 * copy.rows * sizeof(Float4));
+  const auto* rows = static_cast<const Float4*>(glMapBufferRange(GL_PIXEL_PACK_BUFFER, 0, bytes, GL_MAP_READ_BIT));
+  if (rows) {
+    unpack_state(rows, rows + copy.rows, rest, place_of, state);
+    state.time = copy.time;
+    state.tools = std::move(copy.tools);
+    glUnmapBuffer(GL_PIXEL_PACK_BUFFER);
+  }
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  drop(copy);
+  on_their_way_.pop_front();
+  return rows != nullptr;
+}
+
+}  // namespace phymul::gl

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+//
+// States on their way to and from the device: rows of displacements (m) and velocities (m/s), and a ring of buffers,
+// each with a fence, of copies that nobody waits for.
+#pragma once
+
+#include "gl/context/gl_api.h"
+
+#include <phymul/state.h>
+
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "device/float_tables.h"
+
+namespace phymul::gl {
+
+/// Where the rows of particles are; empty: in the model's order.
+using PlaceOf = std::span<const Index>;
+
+/// Writes position - rest and velocity to the rows; those that are nobody's stay as they are.
+void pack_state(const VecList& rest, const State& state, PlaceOf place_of, Float4* displacement, Float4* velocity);
+/// Position = rest + u. Leaves state.time.
+void unpack_state(const Float4* displacement, const Float4* velocity, const VecList& rest, PlaceOf place_of,
+                  State& state);
+
+class StateCopies {
+ public:
+  static constexpr std::size_t most = 3;
+
+  StateCopies() = default;
+  StateCopies(const StateCopies&) = delete;
+  StateCopies& operator=(const StateCopies&) = delete;
+  ~StateCopies();
+
+  /// Starts a copy of so many rows of displacement, and as many of velocity behind them: `fill` gives the commands that
+  /// write them to the buffer bound to GL_PIXEL_PACK_BUFFER. Takes the place of the newest where `most` are on their
+  /// way. One number of rows for all requests.
+  /// `header` has what else the state is to have: its time, and its tools.
+  void request(std::size_t rows, const State& header, const std::function<void()>& fill);
+  /// True where the oldest has arrived, and is then in `state`.
+  bool collect(const VecList& rest, PlaceOf place_of, State& state);
+  void clear();
+
+ private:
+  struct Copy {
+    GLuint buffer = 0;
+    GLsync fence = nullptr;
+    std::size_t rows = 0;
+    double time = 0.0;
+    std::vector<ToolState> tools;
+  };
+  void drop(Copy& copy);
+
+  std::deque<Copy> on_their_way_;
+  std::vector<GLuint> spare_;  // of equal size
+};
+
+}  // namespace phymul::gl

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+//
+// Scene::contacts, in double precision and in one order whatever the backend and its threads. Every particle of a
+// surface meets the nearest triangle of every other body (and of its own, far enough away at rest): an impulse along
+// the way between the particle and the nearest point of the triangle lets them come no nearer than their skins by the
+// step's end, and one across it of at most `friction` times that acts against their sliding. The triangle's corners
+// take the opposite of what the particle takes, by their share in the point: so momentum is kept, and angular momentum
+// but for what friction does over the thickness of the skins. Bodies of volume cells have an inside: what got in is
+// pushed out. Overlaps (of a start, or of what pushed harder than the rounds could hold) go back little by little,
+// without speed.
+#pragma once
+
+#include <phymul/scene.h>
+
+#include <array>
+#include <optional>
+
+#include "contact_candidates.h"
+#include "contact_surface.h"
+#include "free_step.h"
+
+namespace phymul::cpu {
+
+class BodyContacts {
+ public:
+  BodyContacts() = default;
+  BodyContacts(const BodyContacts&) = delete;  // its candidates point to its surface
+  BodyContacts& operator=(const BodyContacts&) = delete;
+
+  void follow(const Scene& scene);  ///< allocates
+  bool empty() const { return surface_.particles.empty(); }
+
+  void act(TouchedParticles& touched);
+
+ private:
+  struct Contact {
+    std::size_t particle = 0, triangle = 0;  // of the surface
+    std::size_t slot = 0;                    // of the touched particles
+    std::array<std::size_t, 3> corner{};     // likewise
+    Vec3 share{0, 0, 0};                     // of the corners in the nearest point, sum 1
+    Vec3 normal{0, 0, 0};                    // away from the triangle
+    double gap = 0.0;                        // m, at the step's start; negative: overlap
+    double edge = 0.0;                       // m, of the triangle, about
+    double pressed = 0.0;                    // N s, so far
+    Vec3 rubbed{0, 0, 0};                    // N s, so far, across the normal
+  };
+  struct Nearest {
+    std::size_t particle = 0, triangle = 0;
+    double distance = 0.0, rank = 0.0;  // m; of those of a body the one of least rank is met
+    Vec3 share{0, 0, 0}, way{0, 0, 0};  // from the triangle to the particle, m
+    bool inside = false;
+  };
+
+  void find(TouchedParticles& touched);
+  std::optional<Nearest> nearest(const ContactCandidates::List& list, double reach) const;
+  std::optional<Nearest> look(std::size_t particle, std::size_t triangle, double reach) const;
+  void keep(const Nearest& found, double margin);
+  void press(Contact& contact, TouchedParticles& touched) const;
+  static void part(const Contact& contact, TouchedParticles& touched);
+
+  ContactOptions options_;
+  ContactSurface surface_;
+  bool surface_known_ = false;  // and candidates_ of it; it is the model's, whatever else of a scene changes
+  ContactCandidates candidates_;
+  VecList place_, velocity_;  // [particles of the surface] m, m/s
+  std::vector<Contact> contacts_;
+};
+
+}  // namespace phymul::cpu

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+//
+// Which triangles a particle may touch, found with a reach larger than a step needs and kept while that holds. What a
+// step asks of them is in proportion to what is near; what may come near is looked for once in many steps.
+//
+// Why they hold: a particle and a point of a triangle, a mean of its corners, come nearer to each other by no more than
+// their displacements since differ. All displacements lie in one box, so that is no more than the box's diagonal,
+// whatever moves together. A pair counts in a step with `margin` where it is no further apart than
+//   L(margin) = max(margin + its skins, how deep inside is inside).
+// It was no further than L(margin) + diagonal apart then, and what was no further than L(margin then) + slack is kept.
+#pragma once
+
+#include <phymul/scene.h>
+
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "base/box_tree.h"
+#include "contact_surface.h"
+
+namespace phymul::cpu {
+
+class ContactCandidates {
+ public:
+  /// Of one particle those of one body; rows of the surface.
+  struct List {
+    std::size_t particle = 0;
+    std::span<const Index> triangles;  // in no order
+  };
+
+  /// Takes over a surface, which must outlive the calls of each(). Allocates.
+  void follow(const ContactSurface& surface, const ContactOptions& options);
+  /// Other options for the same surface.
+  void change(const ContactOptions& options);
+
+  /// Calls visit(List), in no order, for each particle and body whose gap may be within `margin`, m. What the skin of a
+  /// particle's own body leaves out is in no list; what is not finite touches nothing. `margin` is twice what
+  /// the fastest particle goes in a step: two come nearer to each other by no more. Allocates only while lists grow.
+  template <class Visit>
+  void each(std::span<const Vec3> place, double margin, Visit visit) {
+    if (hold(place, margin)) {
+      for (const Kept& kept : kept_) visit(List{kept.particle, {listed_.data() + kept.first, kept.count}});
+      return;
+    }
+    begin(place, margin);
+    for (const Cluster& cluster : clusters_) {
+      for (std::size_t body = 0; body + 1 < triangles_.groups.size(); ++body) {
+        if (!meet(cluster, body)) continue;
+        for (std::size_t k = cluster.first; k < cluster.end; ++k) {
+          const auto particle = static_cast<std::size_t>(particles_.items[k]);
+          if (gather(particle, place[particle], body)) visit(List{particle, keep(particle)});
+        }
+      }
+    }
+    complete_ = keeps_;  // and not before, as visit and memory may throw
+  }
+
+  std::size_t searches() const { return searches_; }  ///< since follow()
+
+ private:
+  struct Box {  // empty unless something is added
+    Vec3 low = Vec3::Constant(HUGE_VAL), high = Vec3::Constant(-HUGE_VAL);
+  };
+  struct Cluster {                   // particles of a body that are near each other at rest
+    std::size_t first = 0, end = 0;  // items of particles_
+    Index body = -1;
+    double edge = 0.0;  // m, the longest
+    Box box{};
+  };
+  struct Kept {
+    std::size_t particle = 0, first = 0, count = 0;
+  };
+
+  bool hold(std::span<const Vec3> place, double margin) const;
+  void begin(std::span<const Vec3> place, double margin);
+  bool measure(std::span<const Vec3> place);
+  void find_skins();
+  bool meet(const Cluster& cluster, std::size_t body);
+  bool within(const Vec3& x, Index item, double reach) const;
+  bool gather(std::size_t particle, const Vec3& x, std::size_t body);
+  std::span<const Index> keep(std::size_t particle);
+  double reach_of(double edge) const;
+  template <class Visit>
+  void visit_items(const Box& box, std::size_t body, double reach, Visit visit) const;
+
+  const ContactSurface* surface_ = nullptr;
+  ContactOptions options_;
+  double usual_edge_ = 0.0;  // m, that slack is measured by
+  BoxTree particles_, triangles_;
+  std::vector<Cluster> clusters_;
+  std::vector<double> node_edge_;  // [nodes of triangles_] m, the longest
+  std::vector<double> item_edge_;  // [items of triangles_] m
+  /// Of each particle items of its own skin, ascending: most of what is near it. At most `most_skin`; others are asked.
+  std::vector<Index> skin_;
+  std::vector<std::size_t> skin_first_;  // [particles + 1]
+  std::size_t searches_ = 0;
+
+  // Of the last search.
+  bool complete_ = false;              // all that it found is kept, and was finite
+  bool keeps_ = false;                 // so far, while it goes on
+  int tight_searches_ = 0;             // that are still to go without slack, as lists were too long with it
+  bool lost_ = false;                  // a place is so far away that nothing is found
+  double margin_ = 0.0, slack_ = 0.0;  // m
+  VecList then_;                       // [particles] where they were
+  std::vector<Kept> kept_;
+  std::vector<Index> listed_;
+  std::vector<Box> node_box_, item_box_;         // of triangles_; a little more than rounding makes of a distance
+  std::vector<double> node_reach_, item_reach_;  // m, by their edges
+  std::vector<Index> met_;                       // items that the cluster in question meets
+  std::vector<Index> near_;                      // triangles, of the particle in question
+};
+
+}  // namespace phymul::cpu

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "kept_volumes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/enclosed_volume.h"
+
+namespace phymul::cpu {
+
+void KeptVolumes::follow(const Scene& scene) {
+  surfaces_.clear();
+  for (const ClosedVolume& kept : scene.volumes()) {
+    Surface surface;
+    surface.volume = kept.volume;
+    surface.triangles = kept.triangles;
+    for (const auto& t : kept.triangles) surface.particles.insert(surface.particles.end(), t.begin(), t.end());
+    std::sort(surface.particles.begin(), surface.particles.end());
+    surface.particles.erase(std::unique(surface.particles.begin(), surface.particles.end()), surface.particles.end());
+    for (auto& t : surface.triangles) {
+      for (Index& i : t) {
+        const auto at = std::lower_bound(surface.particles.begin(), surface.particles.end(), i);
+        i = static_cast<Index>(at - surface.particles.begin());
+      }
+    }
+    for (VecList* list : {&surface.start, &surface.end, &surface.gradient, &surface.along}) {
+      list->resize(surface.particles.size());
+    }
+    surfaces_.push_back(std::move(surface));
+  }
+}
+
+int KeptVolumes::act(TouchedParticles& touched) {
+  for (std::size_t row = 0; row < surfaces_.size(); ++row) {
+    if (!restore(surfaces_[row], touched)) return static_cast<int>(row);
+  }
+  return -1;
+}
+
+bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
+  for (std::size_t k = 0; k < surface.particles.size(); ++k) {
+    const TouchedParticles::Touched& particle = touched[touched.slot(surface.particles[k])];
+    surface.start[k] = particle.position;
+    surface.end[k] = particle.end(touched.dt()) + particle.shift;
+  }
+  volume_gradient(surface.triangles, surface.start, surface.gradient);
+  for (std::size_t k = 0; k < surface.particles.size(); ++k) {
+    const TouchedParticles::Touched& particle = touched[touched.slot(surface.particles[k])];
+    surface.along[k] = particle.inverse_mass * surface.gradient[k];
+    for (int a = 0; a < 3; ++a) {
+      if (particle.held || (particle.fixed >> a & 1) != 0) surface.along[k][a] = 0.0;
+    }
+  }
+  const double missing = surface.volume - enclosed_volume(surface.triangles, surface.end);
+  const auto s = root_of_cubic(volume_along(surface.triangles, surface.end, surface.along), missing);
+  // Where nothing is free to make up for it, what a backend in single precision rounds is not a loss; nor is what is no
+  // number, whose particle is found out elsewhere.
+  if (!s) return !(std::abs(missing) > rounded_volume_share * surface.volume);
+  for (std::size_t k = 0; k < surface.particles.size(); ++k) {
+    TouchedParticles::Touched& particle = touched[touched.slot(surface.particles[k])];
+    // s d is a way; over dt a velocity, times the mass an impulse.
+    if (!particle.held) TouchedParticles::push(particle, *s / touched.dt() * surface.gradient[k]);
+  }
+  return true;
+}
+
+}  // namespace phymul::cpu

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+//
+// What a needle's nodes are to each other in a step, before any impulse: who rubs over which length, and whom an
+// impulse on one of them moves.
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+#include "needle_path.h"
+#include "needle_shaft.h"
+
+namespace phymul::cpu {
+namespace {
+
+/// By how much a held node counts as softer than it is: two nodes that move as one leave no system singular.
+constexpr double slack = 1e-9;
+
+}  // namespace
+
+/// All nodes but the one ahead of the tip.
+bool NeedlePath::on_shaft(std::size_t node) const {
+  const bool end = node + 1 == state_.hole.size() && !state_.through;
+  return state_.punctured && !end && coupled_[node].along > 0.0;
+}
+
+/// Each node on the shaft rubs over half of the way to the next ones; the first up to the surface, the last to the tip
+/// or to where the shaft comes out.
+void NeedlePath::share_out_length() {
+  double above = -1.0;  // along, of the border to the node before
+  for (std::size_t k = 0; k < state_.hole.size(); ++k) {
+    Coupled& node = coupled_[k];
+    node.length = 0.0;
+    if (!on_shaft(k)) continue;
+    if (above < 0.0) above = node.along;
+    const bool last = k + 1 == state_.hole.size() || !on_shaft(k + 1);
+    const double end = state_.through && k + 1 == state_.hole.size() ? node.along : 0.0;
+    const double below = last ? end : 0.5 * (node.along + coupled_[k + 1].along);
+    node.length = std::max(0.0, above - below);
+    above = below;
+  }
+}
+
+/// Friction acts against the whole sliding, of which a turning shaft has a part around it: what is left lengthwise is
+/// that much smaller.
+void NeedlePath::couple(TouchedParticles& touched, const Line& start, double turned) {
+  const std::size_t count = state_.hole.size();
+  if (coupled_.size() < count) coupled_.resize(2 * count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const NeedleNode& node = state_.hole[k];
+    Coupled& coupled = coupled_[k];
+    coupled.slots.clear();
+    coupled.rubbed = coupled.pushed = 0.0;
+    coupled.sideways.setZero();
+    coupled.slides = node.slides;
+    Vec3 x = Vec3::Zero();
+    for (std::size_t j = 0; j < node.particles.size(); ++j) {
+      coupled.slots.push_back(touched.slot(node.particles[j]));
+      x += node.weights[j] * touched[coupled.slots[j]].position;
+    }
+    coupled.along = start.along(x);
+  }
+  couple_nodes(touched);
+  share_out_length();
+  for (std::size_t k = 0; k < count; ++k) {
+    Coupled& node = coupled_[k];
+    const bool slides = node.slides || turned != 0.0;
+    node.limit = (slides ? needle_.kinetic_friction : needle_.static_friction) * node.length * touched.dt();
+  }
+}
+
+/// Which nodes an impulse on each of them moves. Sweeps then go from node to node, not over the particles of each, of
+/// which there are dozens.
+void NeedlePath::couple_nodes(TouchedParticles& touched) {
+  const std::size_t count = state_.hole.size();
+  share_of_.assign(touched.count(), 0.0);
+  for (std::size_t k = 0; k < count; ++k) {
+    coupled_[k].reached.clear();
+    coupled_[k].inverse_mass = 0.0;
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    Coupled& node = coupled_[k];
+    for (std::size_t j = 0; j < node.slots.size(); ++j) {
+      const TouchedParticles::Touched& particle = touched[node.slots[j]];
+      if (particle.fixed != 7 && !particle.held) {
+        share_of_[node.slots[j]] = state_.hole[k].weights[j] * particle.inverse_mass;
+      }
+    }
+    for (std::size_t l = k; l < count; ++l) {
+      Coupled& other = coupled_[l];
+      Reached reached{.node = l};
+      bool any = false;
+      Vec3 fixed = Vec3::Zero();  // 1/kg along coordinates that are not free
+      for (std::size_t j = 0; j < other.slots.size(); ++j) {
+        const double share = share_of_[other.slots[j]];
+        if (share == 0.0) continue;
+        any = true;
+        const double both = state_.hole[l].weights[j] * share;
+        reached.inverse_mass += both;
+        const std::uint8_t at = touched[other.slots[j]].fixed;
+        for (int a = 0; at != 0 && a < 3; ++a) fixed[a] += (at >> a & 1) != 0 ? both : 0.0;
+      }
+      if (!any) continue;
+      reached.along_axes = Vec3::Constant(reached.inverse_mass) - fixed;
+      node.reached.push_back(reached);
+      reached.node = k;
+      if (l != k) other.reached.push_back(reached);
+      if (l == k) node.inverse_mass = reached.inverse_mass;
+    }
+    for (const std::size_t slot : node.slots) share_of_[slot] = 0.0;
+  }
+}
+
+/// Which nodes a shaft that bends holds, and how each moves under an impulse on each: by the tissue's inertia and by
+/// the shaft giving way. Held are those on the shaft and the one at the tip, but no two closer than half a spread:
+/// closer ones move as one, and forces against each other would only turn the tissue.
+void NeedlePath::couple_sideways(double dt) {
+  held_.clear();
+  for (std::size_t k = 0; k < state_.hole.size(); ++k) {
+    const Coupled& node = coupled_[k];
+    const bool at_tip =
+        k + 1 == state_.hole.size() && !state_.through && (!state_.punctured || !is_ahead_of_tip(needle_, node.along));
+    if (!on_shaft(k) && !at_tip) continue;
+    if (node.inverse_mass == 0.0 && shaft_compliance(needle_, node.along, node.along) == 0.0) continue;
+    if (!held_.empty() && coupled_[held_.back()].along - node.along < 0.5 * spread_) continue;
+    held_.push_back(k);
+  }
+  const auto count = static_cast<Eigen::Index>(held_.size());
+  if (gives_.rows() < count) {  // more than it takes now: it changes from step to step
+    gives_.resize(2 * count, 2 * count);
+    compliance_.resize(2 * count, 2 * count);
+    off_.resize(2 * count, 3);
+  }
+  for (Eigen::Index row = 0; row < count; ++row) {
+    const Coupled& node = coupled_[held_[row]];
+    for (Eigen::Index column = 0; column < count; ++column) {
+      compliance_(row, column) = shaft_compliance(needle_, node.along, coupled_[held_[column]].along);
+      gives_(row, column) = compliance_(row, column) / dt;
+    }
+    for (const Reached& reached : node.reached) {
+      const auto column = std::ranges::lower_bound(held_, reached.node);
+      if (column == held_.end() || *column != reached.node) continue;
+      gives_(row, column - held_.begin()) += dt * reached.inverse_mass;
+    }
+  }
+  auto gives = gives_.topLeftCorner(count, count);
+  gives.diagonal() *= 1.0 + slack;
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> in_place(gives);
+  if (in_place.info() != Eigen::Success) held_.clear();
+}
+
+}  // namespace phymul::cpu

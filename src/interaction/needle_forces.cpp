@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+
+#include "needle_path.h"
+#include "needle_shaft.h"
+#include "scene/needle_measures.h"
+
+namespace phymul::cpu {
+namespace {
+
+/// Sweeps over the nodes of a step: after them, on a straight insertion, nodes lie within some 1e-3 of a step's motion
+/// of where the limits let them be.
+constexpr int sweeps = 12;
+
+}  // namespace
+
+Vec3 NeedlePath::place_at_end(std::size_t k, TouchedParticles& touched) const {
+  Vec3 x = Vec3::Zero();
+  for (std::size_t j = 0; j < coupled_[k].slots.size(); ++j) {
+    x += state_.hole[k].weights[j] * touched[coupled_[k].slots[j]].end(touched.dt());
+  }
+  return x;
+}
+
+void NeedlePath::give(std::size_t k, const Vec3& impulse, double dt) {
+  for (const Reached& reached : coupled_[k].reached) {
+    coupled_[reached.node].end += dt * reached.along_axes.cwiseProduct(impulse);
+  }
+}
+
+/// What nodes have been given, to the particles that they are means of.
+void NeedlePath::hand_over(TouchedParticles& touched, const Line& end) {
+  for (std::size_t k = 0; k < state_.hole.size(); ++k) {
+    const Coupled& node = coupled_[k];
+    const Vec3 impulse = node.sideways + (node.rubbed - node.pushed) * end.axis;
+    if (impulse == Vec3::Zero()) continue;
+    for (std::size_t j = 0; j < node.slots.size(); ++j) {
+      TouchedParticles::Touched& particle = touched[node.slots[j]];
+      if (particle.held) continue;
+      const Vec3 share = state_.hole[k].weights[j] * impulse;
+      TouchedParticles::push(particle, share);
+      given_.emplace_back(node.slots[j], share);
+    }
+  }
+}
+
+/// Onto the axis. The tip on the surface holds it by dry friction only.
+void NeedlePath::hold_sideways(std::size_t k, const Line& end, double dt) {
+  Coupled& node = coupled_[k];
+  Vec3 wanted = node.sideways - end.aside(node.end) / (dt * node.inverse_mass);
+  const double most = friction_ * node.pushed, size = wanted.norm();
+  if (!state_.punctured && size > most) wanted *= most / size;
+  give(k, wanted - node.sideways, dt);
+  node.sideways = wanted;
+}
+
+/// Onto the bent shaft, all nodes at once: where the step ends, the shaft is bent by what it holds the tissue with.
+void NeedlePath::hold_on_bent(const Line& end, double dt) {
+  const auto count = static_cast<Eigen::Index>(held_.size());
+  if (count == 0) return;
+  for (Eigen::Index row = 0; row < count; ++row) {
+    Vec3 off = end.aside(coupled_[held_[row]].end);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      off += compliance_(row, k) / dt * coupled_[held_[k]].sideways;
+    }
+    off_.row(row) = off.transpose();
+  }
+  const auto factor = gives_.topLeftCorner(count, count).triangularView<Eigen::Lower>();
+  auto off = off_.topRows(count);
+  factor.solveInPlace(off);
+  factor.adjoint().solveInPlace(off);
+  for (Eigen::Index row = 0; row < count; ++row) {
+    Coupled& node = coupled_[held_[row]];
+    Vec3 wanted = node.sideways - off.row(row).transpose();
+    const double most = friction_ * node.pushed, size = wanted.norm();
+    if (!state_.punctured && size > most) wanted *= most / size;
+    give(held_[row], wanted - node.sideways, dt);
+    node.sideways = wanted;
+  }
+}
+
+void NeedlePath::rub(std::size_t k, const Line& end, double dt) {
+  Coupled& node = coupled_[k];
+  const double slide = end.along(node.end) - node.along;
+  const double wanted = std::clamp(node.rubbed - slide / (dt * node.inverse_mass), -node.limit, node.limit);
+  give(k, (wanted - node.rubbed) * end.axis, dt);
+  node.rubbed = wanted;
+}
+
+/// The last node stays ahead of the tip, but for what has slipped past, as long as that takes less than the limit.
+void NeedlePath::push_ahead(const Line& end, double dt) {
+  const std::size_t k = state_.hole.size() - 1;
+  Coupled& node = coupled_[k];
+  const double behind = end.along(node.end) - state_.slip;
+  const double most = (state_.punctured ? needle_.cutting : needle_.puncture) * dt;
+  const double wanted = std::clamp(node.pushed + behind / (dt * node.inverse_mass), 0.0, most);
+  give(k, (node.pushed - wanted) * end.axis, dt);
+  node.pushed = wanted;
+}
+
+/// The part of friction around a shaft that turns by `turned` m at its surface: a torque on the particles around the
+/// node.
+void NeedlePath::twist(std::size_t k, TouchedParticles& touched, const Line& end, double turned) {
+  const Coupled& node = coupled_[k];
+  const double slide = end.along(place_at_end(k, touched)) - node.along, all = std::hypot(slide, turned);
+  const double torque = node.limit * needle_.radius * turned / all;
+  double inertia = 0.0;
+  for (std::size_t j = 0; j < node.slots.size(); ++j) {
+    inertia += state_.hole[k].weights[j] * end.aside(touched[node.slots[j]].position).squaredNorm();
+  }
+  if (!(inertia > 0.1 * needle_.radius * needle_.radius)) return;
+  for (std::size_t j = 0; j < node.slots.size(); ++j) {
+    TouchedParticles::Touched& particle = touched[node.slots[j]];
+    const Vec3 around = end.axis.cross(end.aside(particle.position));
+    if (particle.held) continue;
+    given_.emplace_back(node.slots[j],
+                        TouchedParticles::push(particle, torque / inertia * state_.hole[k].weights[j] * around));
+  }
+}
+
+/// Impulses within their limits.
+void NeedlePath::settle(TouchedParticles& touched, const Line& end) {
+  const std::size_t count = state_.hole.size();
+  const bool bends = needle_.bending_stiffness > 0.0;
+  const double dt = touched.dt();
+  for (std::size_t k = 0; k < count; ++k) coupled_[k].end = place_at_end(k, touched);
+  if (bends) couple_sideways(dt);
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    if (!state_.through && coupled_[count - 1].inverse_mass > 0.0) push_ahead(end, dt);
+    if (bends) hold_on_bent(end, dt);
+    for (std::size_t k = 0; k < count; ++k) {
+      if (coupled_[k].inverse_mass == 0.0) continue;
+      // In the tissue the tip holds its node whether it pushes or not: where nothing moves that is a rounding error.
+      const bool at_tip = k + 1 == count && !state_.through &&
+                          (state_.punctured ? !is_ahead_of_tip(needle_, coupled_[k].along) : coupled_[k].pushed > 0.0);
+      if (!bends && (on_shaft(k) || at_tip)) hold_sideways(k, end, dt);
+      if (on_shaft(k)) rub(k, end, dt);
+    }
+  }
+  hand_over(touched, end);
+  if (!bends) return;
+  for (const std::size_t k : held_) {
+    const Vec3 load = -(end.turn.conjugate() * coupled_[k].sideways) / dt;
+    loads_.push_back({.along = coupled_[k].along, .x = load.x(), .y = load.y()});
+  }
+}
+
+void NeedlePath::act(TouchedParticles& touched, const ToolPose& start_pose, const ToolPose& end_pose,
+                     ToolForce& force) {
+  const Line start(start_pose), end(end_pose);
+  follow(touched, start);
+  given_.clear();
+  loads_.clear();
+  if (state_.hole.empty()) return;
+  const double turned = needle_.radius * needle_turn(start_pose, end_pose);
+  couple(touched, start, turned);
+  const std::size_t count = state_.hole.size();
+  for (std::size_t k = 0; k < count && turned != 0.0; ++k) {
+    if (!on_shaft(k) || coupled_[k].limit == 0.0) continue;
+    const double slide = end.along(place_at_end(k, touched)) - coupled_[k].along;
+    twist(k, touched, end, turned);
+    coupled_[k].limit *= std::abs(slide) / std::hypot(slide, turned);
+  }
+  settle(touched, end);
+  for (std::size_t k = 0; k < count; ++k) {
+    coupled_[k].slides = coupled_[k].limit > 0.0 && std::abs(coupled_[k].rubbed) >= coupled_[k].limit;
+  }
+  const ToolFrame frame(end_pose);
+  const int before = force.particles;
+  for (const auto& [slot, impulse] : given_) react(force, frame, touched[slot].position, impulse, touched.dt());
+  force.particles = before;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (on_shaft(k) || coupled_[k].pushed > 0.0) force.particles += static_cast<int>(coupled_[k].slots.size());
+  }
+}
+
+void NeedlePath::accept() {
+  for (std::size_t k = 0; k < state_.hole.size(); ++k) state_.hole[k].slides = coupled_[k].slides;
+  state_.shaft = loads_;
+}
+
+}  // namespace phymul::cpu

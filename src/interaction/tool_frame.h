@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+//
+// A tool's frame at one instant, and the reaction on it.
+#pragma once
+
+#include <phymul/tool.h>
+
+#include "base/vector3.h"
+
+namespace phymul::cpu {
+
+inline Vector3<double> unpacked(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+inline Vec3 packed(const Vector3<double>& v) {
+  return {v.x, v.y, v.z};
+}
+
+struct ToolFrame {
+  explicit ToolFrame(const ToolPose& pose) : turn(pose.orientation.toRotationMatrix()), position(pose.position) {}
+  Vec3 inside(const Vec3& x) const { return turn.transpose() * (x - position); }
+  Vec3 outside(const Vec3& q) const { return position + turn * q; }
+  Mat3 turn;
+  Vec3 position;
+};
+
+/// The particle's impulse, turned round, on the tool. The arm goes to where the particle was at the step's start: with
+/// it Verlet's angular momentum x cross m v changes by exactly what the tool gives.
+inline void react(ToolForce& force, const ToolFrame& end, const Vec3& at, const Vec3& impulse, double dt) {
+  force.force -= impulse / dt;
+  force.torque -= (at - end.position).cross(impulse) / dt;
+  ++force.particles;
+}
+
+}  // namespace phymul::cpu

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+#include "tool_set.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tool_extent.h"
+#include "tool_shape.h"
+
+namespace phymul::cpu {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// The world's box around one in the tool's frame.
+void grow(Region& region, const ToolFrame& frame, const Region& own) {
+  const Vec3 centre = frame.outside(0.5 * (own.low + own.high));
+  const Vec3 half = frame.turn.cwiseAbs() * (0.5 * (own.high - own.low));
+  region.low = region.low.cwiseMin(centre - half);
+  region.high = region.high.cwiseMax(centre + half);
+}
+
+/// Where a shape may meet a particle on the way between two poses. Corners go along arcs: a turn by an angle takes them
+/// off their chords by at most their distance times 1 - cos of half of it.
+Region reach_between(const ShapeIn<double>& shape, const Region& own, const ToolFrame& start, const ToolFrame& end,
+                     double more) {
+  Region region;
+  if (shape.kind == ShapeKind::half_space) {
+    region.low = Vec3::Constant(-infinite);
+    region.high = Vec3::Constant(infinite);
+    region.normal = end.turn.col(2);
+    region.offset = region.normal.dot(end.position) + shape.margin + more;
+    return region;
+  }
+  region.low = Vec3::Constant(infinite);
+  region.high = Vec3::Constant(-infinite);
+  grow(region, start, own);
+  grow(region, end, own);
+  const double cosine = 0.5 * ((start.turn.transpose() * end.turn).trace() - 1.0);
+  const double off = 1.0 - std::sqrt(std::clamp(0.5 * (1.0 + cosine), 0.0, 1.0));
+  const double around = more + off * own.low.cwiseAbs().cwiseMax(own.high.cwiseAbs()).norm();
+  region.low.array() -= around;
+  region.high.array() += around;
+  return region;
+}
+
+}  // namespace
+
+ToolSet::Moving ToolSet::made(const SceneTool& tool, const Scene& scene) {
+  const ToolExtent extent = extent_of(tool.tool);
+  Moving moving{.moved = MovedTool(tool),
+                .shape = shape_of(tool.tool),
+                .law = {.friction = tool.tool.friction, .compliance = tool.tool.compliance},
+                .reach = {.low = extent.low, .high = extent.high}};
+  const auto* grid = std::get_if<std::shared_ptr<const DistanceGrid>>(&tool.tool.shape);
+  if (grid) moving.grid = *grid;
+  const auto* needle = std::get_if<Needle>(&tool.tool.shape);
+  if (needle) moving.needle.emplace(*needle, tool.tool.friction, scene.model());
+  return moving;
+}
+
+void ToolSet::follow(const Scene& scene) {
+  std::vector<Moving> now;
+  for (const SceneTool& tool : scene.tools()) {
+    const auto known = std::ranges::find(tools_, tool.id, [](const Moving& moving) { return moving.moved.id; });
+    now.push_back(known != tools_.end() ? std::move(*known) : made(tool, scene));
+  }
+  tools_ = std::move(now);
+  found_.reserve(tools_.empty() ? 0 : scene.model().rest.size());
+}
+
+void ToolSet::reset(const Scene& scene, const State& state) {
+  for (std::size_t row = 0; row < tools_.size(); ++row) {
+    Moving& tool = tools_[row];
+    const ToolState* const known = tool.moved.reset(scene.tools()[row], state, scene.model().mass, !was_reset_);
+    if (tool.needle) {
+      tool.needle->restore(known ? known->needle : NeedleState{});
+      tool.moved.report.shaft = tool.needle->state().shaft;
+    }
+  }
+  was_reset_ = true;
+}
+
+const ToolReport& ToolSet::report(const SceneTool& wanted) const {
+  const auto known = std::ranges::find(tools_, wanted.id, [](const Moving& moving) { return moving.moved.id; });
+  if (known != tools_.end()) return known->moved.report;
+  unseen_ = {};
+  unseen_.pose = wanted.pose;
+  return unseen_;
+}
+
+void ToolSet::read(State& state) const {
+  state.tools.resize(tools_.size());
+  for (std::size_t row = 0; row < tools_.size(); ++row) {
+    tools_[row].moved.read(state.tools[row]);
+    if (tools_[row].needle) state.tools[row].needle = tools_[row].needle->state();
+  }
+}
+
+void ToolSet::begin_call(const Scene& scene, int steps, bool at_once) {
+  if (steps == 0) return;
+  for (std::size_t row = 0; row < tools_.size(); ++row)
+    tools_[row].moved.begin_call(scene.tools()[row], steps, at_once);
+}
+
+bool ToolSet::held_by_any(Index particle) const {
+  return std::ranges::any_of(tools_,
+                             [&](const Moving& tool) { return std::ranges::count(tool.moved.held, particle) > 0; });
+}
+
+void ToolSet::take_hold(Moving& tool, TouchedParticles& touched) {
+  const ToolFrame start(tool.moved.motion.pose);
+  found_.clear();
+  touched.step().find(reach_between(tool.shape, tool.reach, start, start, tool.moved.grasp_distance), found_);
+  std::ranges::sort(found_);
+  for (const Index i : found_) {
+    const TouchedParticles::Touched& particle = touched[touched.slot(i)];
+    const Vec3 q = start.inside(particle.position);
+    if (particle.fixed == 7 || distance_to(tool.shape, unpacked(q)).phi > tool.moved.grasp_distance) continue;
+    if (held_by_any(i)) continue;
+    tool.moved.take_hold(i, q);
+  }
+  tool.moved.weigh_held(touched.mass());
+}
+
+/// The impulse that takes each held particle to its place in the frame of the step's end.
+void ToolSet::hold(Moving& tool, TouchedParticles& touched) {
+  const ToolFrame end(tool.moved.motion.next_pose);
+  const double dt = touched.dt();
+  for (std::size_t k = 0; k < tool.moved.held.size(); ++k) {
+    TouchedParticles::Touched& particle = touched[touched.slot(tool.moved.held[k])];
+    const Vec3 velocity = (end.outside(tool.moved.held_at[k]) - particle.position) / dt;
+    const Vec3 given = TouchedParticles::push(particle, (velocity - particle.velocity) / particle.inverse_mass);
+    particle.held = true;
+    react(tool.next_force, end, particle.position, given, dt);
+  }
+}
+
+void ToolSet::press(Moving& tool, TouchedParticles& touched) {
+  const ToolFrame start(tool.moved.motion.pose), end(tool.moved.motion.next_pose);
+  const double dt = touched.dt();
+  found_.clear();
+  touched.step().find(reach_between(tool.shape, tool.reach, start, end, 0.0), found_);
+  for (const Index i : found_) {
+    TouchedParticles::Touched& particle = touched[touched.slot(i)];
+    if (particle.held || particle.fixed == 7) continue;
+    const Vec3 q0 = start.inside(particle.position), q1 = end.inside(particle.end(dt));
+    const Touch<double> touch =
+        touch_in_step(tool.shape, tool.law, unpacked(q0), unpacked(q1), unpacked(q1 - q0), particle.inverse_mass, dt);
+    if (!touch.touches) continue;
+    const Vec3 given = TouchedParticles::push(particle, end.turn * packed(touch.impulse));
+    const Vec3 shift = end.turn * packed(touch.shift);
+    for (int a = 0; a < 3; ++a) particle.shift[a] += (particle.fixed >> a & 1) != 0 ? 0.0 : shift[a];
+    react(tool.next_force, end, particle.position, given, dt);
+  }
+}
+
+void ToolSet::act(TouchedParticles& touched) {
+  for (Moving& tool : tools_) {
+    tool.next_force = {};
+    tool.moved.motion.advance(touched.dt());
+    tool.law.placed = tool.moved.motion.placed;
+    if (tool.moved.releases) tool.moved.release();
+  }
+  for (Moving& tool : tools_) {
+    if (tool.moved.grasps) take_hold(tool, touched);
+    tool.moved.grasps = false;
+    hold(tool, touched);
+  }
+  for (Moving& tool : tools_) {
+    const ToolMotion& motion = tool.moved.motion;
+    if (tool.needle) tool.needle->act(touched, motion.pose, motion.next_pose, tool.next_force);
+  }
+  for (Moving& tool : tools_) {
+    if (!tool.needle) press(tool, touched);
+  }
+}
+
+void ToolSet::accept() {
+  for (Moving& tool : tools_) {
+    if (tool.needle) {
+      tool.needle->accept();
+      tool.moved.report.shaft = tool.needle->state().shaft;
+    }
+    tool.moved.accept_pose();
+    tool.moved.tell(tool.next_force, tool.next_force.force, tool.next_force.torque, 1);
+  }
+}
+
+}  // namespace phymul::cpu

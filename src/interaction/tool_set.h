@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+//
+// The tools of a scene as one solver moves them: their poses step by step, what they touch, hold and pierce, and what
+// that does to them. In double precision whatever the backend's own is.
+#pragma once
+
+#include <phymul/scene.h>
+#include <phymul/state.h>
+#include <phymul/topology_textures.h>
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "contact_tool.h"
+#include "free_step.h"
+#include "moved_tool.h"
+#include "needle_path.h"
+#include "tool_frame.h"
+
+namespace phymul::cpu {
+
+class ToolSet {
+ public:
+  /// Takes over the scene's tools after a change; tools that stay keep what they hold. Allocates.
+  void follow(const Scene& scene);
+  bool empty() const { return tools_.empty(); }
+  std::size_t count() const { return tools_.size(); }
+
+  void reset(const Scene& scene, const State& state);
+  void read(State& state) const;
+
+  /// A call of `steps` steps begins: looks for new poses and grasps. `at_once`: poses are reached in the first step.
+  void begin_call(const Scene& scene, int steps, bool at_once);
+  /// Acts on one step; the poses are those of the step's end.
+  void act(TouchedParticles& touched);
+  void accept();  ///< the step counts; without it the next act() does it over
+
+  /// Of a tool of the scene as it is now; where follow() has not seen it yet, no force and the scene's pose. Good until
+  /// the next call of a function of this class.
+  const ToolReport& report(const SceneTool& wanted) const;
+
+ private:
+  struct Moving {
+    MovedTool moved;
+    ShapeIn<double> shape;
+    std::shared_ptr<const DistanceGrid> grid{};  // keeps what shape points to
+    ContactLaw<double> law;
+    Region reach;  // of the shape in its own frame
+    std::optional<NeedlePath> needle{};
+    ToolForce next_force{};  // in the step in question
+  };
+
+  static Moving made(const SceneTool& tool, const Scene& scene);
+  void take_hold(Moving& tool, TouchedParticles& touched);
+  void hold(Moving& tool, TouchedParticles& touched);
+  void press(Moving& tool, TouchedParticles& touched);
+  bool held_by_any(Index particle) const;
+
+  std::vector<Moving> tools_;
+  std::vector<Index> found_;
+  bool was_reset_ = false;     // the first reset is that of a solver being made
+  mutable ToolReport unseen_;  // of a tool that follow() has not seen yet
+};
+
+}  // namespace phymul::cpu

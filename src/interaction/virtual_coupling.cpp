@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/error.h>
+#include <phymul/virtual_coupling.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "base/decimal.h"
+
+namespace phymul {
+namespace {
+
+void require(const char* what, double value, bool zero_too) {
+  if (std::isfinite(value) && (value > 0.0 || (zero_too && value == 0.0))) return;
+  throw Error(std::string("VirtualCoupling: expected a finite ") + what + (zero_too ? ", 0 or more" : " above 0") +
+              "; got " + to_decimal(value));
+}
+
+Vec3 limited(const Vec3& v, double most) {
+  const double size = v.norm();
+  return size > most ? Vec3(most / size * v) : v;
+}
+
+/// The turn from one orientation to another as a vector, the shorter way.
+Vec3 turn_between(const Quaternion& from, const Quaternion& to) {
+  Eigen::Quaterniond turn(to * from.conjugate());
+  if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
+  const Eigen::AngleAxisd angle(turn);
+  return angle.angle() * angle.axis();
+}
+
+bool is_pose(const ToolPose& pose) {
+  return pose.position.allFinite() && pose.orientation.coeffs().allFinite() && pose.orientation.norm() > 0.0 &&
+         pose.velocity.allFinite() && pose.spin.allFinite();
+}
+
+}  // namespace
+
+VirtualCoupling::VirtualCoupling(const CouplingOptions& options, const ToolPose& device) : options_(options) {
+  require("stiffness (N/m)", options.stiffness, true);
+  require("damping (N s/m)", options.damping, true);
+  require("mass (kg)", options.mass, false);
+  require("turning_stiffness (N m/rad)", options.turning_stiffness, true);
+  require("turning_damping (N m s/rad)", options.turning_damping, true);
+  require("inertia (kg m^2)", options.inertia, false);
+  require("largest_force (N)", options.largest_force, false);
+  require("largest_torque (N m)", options.largest_torque, false);
+  reset(device);
+}
+
+void VirtualCoupling::reset(const ToolPose& device) {
+  if (!is_pose(device)) {
+    throw Error("VirtualCoupling: expected a pose of finite numbers and an orientation that is not zero");
+  }
+  tool_ = device;
+  tool_.orientation.normalize();
+  force_ = torque_ = Vec3::Zero();
+  moved_ = {.velocity = tool_.velocity, .spin = tool_.spin};
+}
+
+void VirtualCoupling::Moved::to(const Vec3& next_velocity, const Vec3& next_spin, double over) {
+  if (over > 0.0) {
+    acceleration = (next_velocity - velocity) / over;
+    spin_up = (next_spin - spin) / over;
+    dt = over;
+  }
+  velocity = next_velocity;
+  spin = next_spin;
+}
+
+/// The tool's velocities at the tick's end where it holds what `load` says.
+///
+/// What it holds it moves rigidly, so that of the force F reported of the tick before, -G A is what this cost: A the
+/// tool's accelerations in that tick, G the held mass as a matrix over velocity and spin,
+///
+///   G = [ M 1     -M [c]x ]     M: its mass, c: its centre from the tool's position,
+///       [ M [c]x      J   ]     J: its inertia about that position.
+///
+/// Left in F, it comes a tick late: of the tool by itself, m A+ = -G A, which grows by M / m a tick, with a change of
+/// sign, whatever the tick: a shorter one makes it fail sooner, and the tissue's damping has no part in it. It is the
+/// added mass of partitioned schemes (P. Causin, J.-F. Gerbeau, F. Nobile, "Added-mass effect in the design of
+/// partitioned algorithms for fluid-structure problems", Comput. Methods Appl. Mech. Eng. 194 (2005) 4506-4527).
+/// Therefore it is taken out of F, which leaves what the held tissue weighs and what the rest of the body pulls, and
+/// stands on the left-hand side, at the tick's end:
+///
+///   (diag(mass, inertia) + G) V+ = diag(m, i) V + G U + dt (P + F + G A)
+///
+/// with mass = m + dt b + dt^2 k and P the part of spring and damper that is known, as in follow(). U is how the tool
+/// was moved in the tick before; V, its own velocity, is another one only after a tick that was left out.
+VirtualCoupling::Velocities VirtualCoupling::carrying(const ToolForce& load, const Vec3& pull, const Vec3& twist,
+                                                      double mass, double inertia, double dt) const {
+  using Six = Eigen::Matrix<double, 6, 1>;
+  const Mat3 turn = tool_.orientation.toRotationMatrix();
+  const Vec3 moment = load.held_mass * (turn * load.held_centre);
+  Mat3 cross;
+  cross << 0.0, -moment.z(), moment.y(), moment.z(), 0.0, -moment.x(), -moment.y(), moment.x(), 0.0;
+  Eigen::Matrix<double, 6, 6> held;
+  held << load.held_mass * Mat3::Identity(), -cross, cross, turn * load.held_inertia * turn.transpose();
+  Six known, before;
+  known << options_.mass * tool_.velocity + dt * pull, options_.inertia * tool_.spin + dt * twist;
+  before << moved_.velocity + dt * moved_.acceleration, moved_.spin + dt * moved_.spin_up;
+  known += held * before;
+  held.diagonal().head<3>().array() += mass;
+  held.diagonal().tail<3>().array() += inertia;
+  const Six next = held.llt().solve(known);
+  return {next.head<3>(), next.tail<3>()};
+}
+
+/// The host moves the tool to where it is, or leaves it there: what it holds stands still in this tick.
+const ToolPose& VirtualCoupling::leave_out(double dt) {
+  moved_.to(Vec3::Zero(), Vec3::Zero(), dt > 0.0 && std::isfinite(dt) ? dt : moved_.dt);
+  return tool_;
+}
+
+const ToolPose& VirtualCoupling::follow(const ToolPose& device, const Vec3& force_on_tool, const Vec3& torque_on_tool,
+                                        double dt) {
+  return follow(device, ToolForce{.mean_force = force_on_tool, .mean_torque = torque_on_tool}, dt);
+}
+
+const ToolPose& VirtualCoupling::follow(const ToolPose& device, const ToolForce& on_tool, double dt) {
+  if (!(dt >= 0.0)) return leave_out(dt);
+  // m (v+ - v) / dt = k (x_device - x - dt v+) + b (v_device - v+) + F, solved for v+; the same for turning.
+  const CouplingOptions& o = options_;
+  ToolPose next = tool_;
+  const Vec3 pull = o.stiffness * (device.position - tool_.position) + o.damping * device.velocity + on_tool.mean_force;
+  const Vec3 twist = o.turning_stiffness * turn_between(tool_.orientation, device.orientation) +
+                     o.turning_damping * device.spin + on_tool.mean_torque;
+  const double mass = o.mass + dt * o.damping + dt * dt * o.stiffness;
+  const double inertia = o.inertia + dt * o.turning_damping + dt * dt * o.turning_stiffness;
+  if (on_tool.held_mass != 0.0) {
+    const Velocities both = carrying(on_tool, pull, twist, mass, inertia, dt);
+    next.velocity = both.velocity;
+    next.spin = both.spin;
+  } else {
+    next.velocity = (o.mass * tool_.velocity + dt * pull) / mass;
+    next.spin = (o.inertia * tool_.spin + dt * twist) / inertia;
+  }
+  next.position += dt * next.velocity;
+  const double angle = dt * next.spin.norm();
+  if (angle > 0.0) {
+    const Quaternion turn(Eigen::Quaterniond(Eigen::AngleAxisd(angle, next.spin.normalized())));
+    next.orientation = (turn * tool_.orientation).normalized();
+  }
+  const Vec3 force = o.stiffness * (next.position - device.position) + o.damping * (next.velocity - device.velocity);
+  const Vec3 torque = o.turning_stiffness * turn_between(device.orientation, next.orientation) +
+                      o.turning_damping * (next.spin - device.spin);
+  // Not only what came is looked at: finite numbers can be too large for what is computed from them, and one that is
+  // not finite would stay in the tool's pose for good. The squares of the lengths are what overflows first.
+  const double sizes = force.squaredNorm() + torque.squaredNorm();
+  if (!is_pose(next) || !is_pose(device) || !std::isfinite(sizes)) return leave_out(dt);
+  moved_.to(next.velocity, next.spin, dt);
+  tool_ = next;
+  force_ = limited(force, o.largest_force);
+  torque_ = limited(torque, o.largest_torque);
+  return tool_;
+}
+
+}  // namespace phymul

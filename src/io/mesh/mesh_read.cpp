@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+//
+// Picks the reader by content, and turns what it read into a checked Model.
+#include <phymul/check.h>
+#include <phymul/error.h>
+#include <phymul/mesh.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+
+#include "base/byte_source.h"
+#include "base/decimal.h"
+#include "mesh_parts.h"
+
+namespace phymul {
+namespace {
+
+bool holds_points_only(CellType type) {
+  return type == CellType::atom || type == CellType::poly_vertex;
+}
+
+/// Row in the model of each point, -1 for those that no line, face or volume uses. A point that only vertex cells use
+/// counts as unused: meshers write such for the centres of arcs and other construction points.
+std::vector<Index> number_used_points(const MeshParts& parts, Index& used) {
+  std::vector<Index> row(parts.points.size(), -1);
+  for (const Cell& cell : parts.cells) {
+    if (holds_points_only(cell.type)) continue;
+    for (const Index p : cell.particles) row[p] = 0;
+  }
+  used = 0;
+  for (Index& r : row) {
+    if (r == 0) r = used++;
+  }
+  return row;
+}
+
+void note_dropped_points(MeshParts& parts, const std::vector<Index>& row, Index used) {
+  const std::size_t dropped = row.size() - static_cast<std::size_t>(used);
+  if (dropped == 0) return;
+  std::string listed;
+  std::size_t shown = 0;
+  for (std::size_t p = 0; p < row.size() && shown < 5; ++p) {
+    if (row[p] >= 0) continue;
+    listed +=
+        (shown++ ? ", " : "") + std::to_string(parts.point_tags.empty() ? static_cast<Index>(p) : parts.point_tags[p]);
+  }
+  if (dropped > shown) listed += ", ...";
+  parts.notes.push_back(parts.source + ": " + std::to_string(dropped) + " of " + std::to_string(row.size()) +
+                        " points are in no cell and were dropped (" + listed + ")");
+}
+
+/// Renumbers the cells' points and drops vertex cells over dropped points. Returns the new row of each cell, or -1.
+std::vector<Index> move_cells(MeshParts& parts, const std::vector<Index>& row, std::vector<Cell>& cells) {
+  std::vector<Index> cell_row(parts.cells.size(), -1);
+  for (std::size_t c = 0; c < parts.cells.size(); ++c) {
+    Cell& cell = parts.cells[c];
+    for (Index& p : cell.particles) p = row[p];
+    if (std::find(cell.particles.begin(), cell.particles.end(), -1) != cell.particles.end()) continue;
+    cell_row[c] = static_cast<Index>(cells.size());
+    cells.push_back(std::move(cell));
+  }
+  return cell_row;
+}
+
+std::vector<Index> renumber(const std::vector<Index>& items, const std::vector<Index>& row) {
+  std::vector<Index> result;
+  for (const Index item : items) {
+    if (row[item] >= 0) result.push_back(row[item]);
+  }
+  return result;
+}
+
+void add_components(const MeshParts& parts, const std::vector<Index>& point_row, const std::vector<Index>& cell_row,
+                    Model& model) {
+  Component body;
+  body.name = "Elements";
+  for (std::size_t c = 0; c < model.cells.size(); ++c) body.cells.push_back(static_cast<Index>(c));
+  model.components.push_back(std::move(body));
+  for (const MeshGroup& group : parts.groups) {
+    Component component;
+    component.name = group.name;
+    component.exclusive = false;
+    component.cell_refs = renumber(group.cells, cell_row);
+    component.particles = renumber(group.points, point_row);
+    if (component.cell_refs.empty() && component.particles.empty()) {
+      model.notes.push_back(parts.source + ": group " + cited(group.name) + " has no elements and was left out");
+      continue;
+    }
+    model.components.push_back(std::move(component));
+  }
+}
+
+/// Faces in the plane z = 0 alone make a two-dimensional body.
+bool is_planar(const Model& model) {
+  return std::none_of(model.cells.begin(), model.cells.end(), [](const Cell& cell) { return is_volume(cell.type); }) &&
+         std::all_of(model.rest.begin(), model.rest.end(), [](const Vec3& x) { return x.z() == 0.0; });
+}
+
+std::string lower_extension(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+[[noreturn]] void refuse_content(const std::string& path, std::string_view start) {
+  const std::string extension = lower_extension(path);
+  std::string expected = "$MeshFormat (Gmsh .msh), # vtk DataFile (legacy .vtk) or <VTKFile (.vtu)";
+  if (extension == ".msh") expected = "$MeshFormat, as a Gmsh .msh file has it";
+  if (extension == ".vtk") expected = "# vtk DataFile, as a legacy .vtk file has it";
+  if (extension == ".vtu") expected = "<VTKFile, as a .vtu file has it";
+  throw Error(path + ":1: expected " + expected + ", got " +
+              (start.empty() ? "an empty file" : cited(start.substr(0, start.find_first_of("\r\n")))) +
+              "; export the mesh as .msh 4.1, .vtk or .vtu" +
+              (extension == ".pml" ? ", or read it with read_pml" : ""));
+}
+
+MeshParts read_parts(const std::string& path, std::string_view bytes) {
+  std::string_view start = bytes;
+  if (start.starts_with("\xEF\xBB\xBF")) start.remove_prefix(3);
+  while (!start.empty() && std::isspace(static_cast<unsigned char>(start.front()))) start.remove_prefix(1);
+  if (start.starts_with('$')) return read_gmsh(path, bytes);
+  if (start.starts_with("# vtk DataFile")) return read_vtk_legacy(path, bytes);
+  if (start.starts_with('<') && start.substr(0, 4096).find("<VTKFile") != std::string_view::npos) {
+    return read_vtu(path, bytes);
+  }
+  refuse_content(path, start);
+}
+
+}  // namespace
+
+Model assemble(MeshParts parts, const MeshOptions& options) {
+  Index used = 0;
+  const std::vector<Index> point_row = number_used_points(parts, used);
+  if (used == 0) {
+    throw Error(parts.source +
+                ": expected cells (tetrahedra, hexahedra, wedges, pyramids, faces or lines), got none; " +
+                "mesh the volume before exporting");
+  }
+  note_dropped_points(parts, point_row, used);
+
+  Model model;
+  model.name = std::filesystem::path(parts.source).stem().string();
+  const bool numbered = !parts.point_tags.empty() || used != static_cast<Index>(parts.points.size());
+  for (std::size_t p = 0; p < point_row.size(); ++p) {
+    if (point_row[p] < 0) continue;
+    model.rest.push_back(parts.points[p] * options.length_unit);
+    if (numbered) model.file_index.push_back(parts.point_tags.empty() ? static_cast<Index>(p) : parts.point_tags[p]);
+  }
+  const std::vector<Index> cell_row = move_cells(parts, point_row, model.cells);
+  model.notes = std::move(parts.notes);
+  model.notes.push_back(parts.source + ": a mesh has no masses and no stiffness: " + to_decimal(options.default_mass) +
+                        " kg and " + to_decimal(options.default_stiffness) +
+                        " N/m a particle are assumed (MeshOptions), until set_material gives others");
+  add_components(parts, point_row, cell_row, model);
+  if (is_planar(model)) model.dimension = 2;
+  model.mass.assign(model.rest.size(), options.default_mass);
+  model.stiffness.assign(model.rest.size(), options.default_stiffness);
+  model.neighbours = neighbours_from_cells(model.cells, model.particle_count());
+  validate(model);
+  check_mesh(model, parts.source);
+  return model;
+}
+
+Model mesh_from_bytes(const std::string& source, std::string_view bytes, const MeshOptions& options) {
+  if (!(options.length_unit > 0.0) || !std::isfinite(options.length_unit)) {
+    throw Error("read_mesh: expected a length_unit above 0 (metres per file unit), got " +
+                to_decimal(options.length_unit));
+  }
+  return assemble(read_parts(source, bytes), options);
+}
+
+Model read_mesh(const std::string& path, const MeshOptions& options) {
+  return mesh_from_bytes(path, read_whole_file(path, options.max_bytes), options);
+}
+
+}  // namespace phymul

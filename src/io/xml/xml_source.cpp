@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: MIT
+#include "xml_source.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <new>
+#include <pugixml.hpp>
+
+#include "base/decimal.h"
+
+namespace phymul {
+namespace {
+
+constexpr int max_depth = 256;           // far above any real file: components nest by anatomy, not by data
+constexpr std::size_t max_notes = 1000;  // a wrong file may hold a flaw per atom
+
+/// Names in old files are often in Latin-1, and say so. Converted here, not by the parser, whose offsets would then no
+/// longer be those of the file.
+bool declares_latin1(std::string_view text) {
+  std::string head(text.substr(0, text.substr(0, 200).find('>')));
+  std::transform(head.begin(), head.end(), head.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
+  return head.find("<?xml") != std::string::npos &&
+         (head.find("iso-8859-1") != std::string::npos || head.find("latin1") != std::string::npos);
+}
+
+std::string latin1_to_utf8(std::string_view text) {
+  std::string utf8;
+  utf8.reserve(text.size() + text.size() / 8);
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (code < 0x80) {
+      utf8 += c;
+    } else {
+      utf8 += static_cast<char>(0xC0 | (code >> 6));
+      utf8 += static_cast<char>(0x80 | (code & 0x3F));
+    }
+  }
+  return utf8;
+}
+
+/// Reads to the end and counts, whatever size the system gives: devices and pipes have none.
+void append_all(std::string& text, std::istream& in, const std::string& path, std::size_t max_bytes) {
+  std::vector<char> chunk(1 << 16);
+  while (in.read(chunk.data(), static_cast<std::streamsize>(chunk.size())), in.gcount() > 0) {
+    const auto got = static_cast<std::size_t>(in.gcount());
+    if (got > max_bytes - text.size()) {
+      throw Error(path + ": expected at most " + std::to_string(max_bytes) +
+                  " bytes, got more; raise max_bytes if the file is meant");
+    }
+    text.append(chunk.data(), got);
+  }
+}
+
+}  // namespace
+
+std::string XmlSource::load(const std::string& path, std::size_t max_bytes) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) throw Error(path + ": expected a file, got a folder");
+  errno = 0;
+  std::ifstream in(path, std::ios::binary);
+  if (!in) {
+    throw Error(path + ": cannot be opened" + (errno != 0 ? std::string(" (") + std::strerror(errno) + ')' : "") +
+                "; check the name and the right to read it");
+  }
+  std::string text;
+  in.seekg(0, std::ios::end);
+  const std::streamoff size = in.tellg();
+  in.clear();
+  in.seekg(0);
+  in.clear();
+  const auto expected = size > 0 ? std::min(static_cast<std::size_t>(size), max_bytes) : 0;
+  try {
+    text.reserve(expected);
+    append_all(text, in, path, max_bytes);
+  } catch (const std::bad_alloc&) {
+    throw Error(path + ": not enough memory to read it");
+  }
+  if (in.bad()) throw Error(path + ": cannot be read to its end");
+  return text;
+}
+
+XmlSource::XmlSource(std::string text, std::string name, bool instructions)
+    : name_(std::move(name)), text_(std::move(text)), document_(std::make_unique<pugi::xml_document>()) {
+  if (declares_latin1(text_)) text_ = latin1_to_utf8(text_);
+  const auto lines = static_cast<std::size_t>(std::count(text_.begin(), text_.end(), '\n'));
+  line_end_.reserve(lines);
+  for (std::size_t at = text_.find('\n'); at != std::string::npos; at = text_.find('\n', at + 1)) {
+    line_end_.push_back(at);
+  }
+  const std::size_t zero = text_.find('\0');
+  if (zero != std::string::npos) {
+    throw Error(line_at(zero) + ": expected XML in UTF-8, got a zero byte; binary files and UTF-16 are not read");
+  }
+  parse(instructions);
+  refuse_entities();
+  refuse_depth();
+}
+
+XmlSource::~XmlSource() = default;
+
+void XmlSource::parse(bool instructions) {
+  const unsigned flags = pugi::parse_default | pugi::parse_doctype | (instructions ? pugi::parse_pi : 0u);
+  const auto result = document_->load_buffer_inplace(text_.data(), text_.size(), flags, pugi::encoding_utf8);
+  if (result.status == pugi::status_out_of_memory) throw Error(name_ + ": not enough memory to read it");
+  if (!result) {
+    throw Error(line_at(static_cast<std::size_t>(result.offset)) + ": expected well-formed XML, got \"" +
+                result.description() + "\"; is the file damaged or cut short?");
+  }
+  std::size_t roots = 0;
+  for (const pugi::xml_node node : document_->children()) {
+    if (node.type() == pugi::node_element && ++roots == 2) {
+      fail(node, "expected one root element, got a second one, <" + std::string(node.name()) + '>');
+    }
+  }
+  if (roots == 0) throw Error(name_ + ":1: expected an XML document, got no element");
+}
+
+void XmlSource::refuse_entities() const {
+  for (const pugi::xml_node node : document_->children()) {
+    if (node.type() == pugi::node_doctype && std::strstr(node.value(), "<!ENTITY") != nullptr) {
+      throw Error(line_at(static_cast<std::size_t>(std::max<std::ptrdiff_t>(node.offset_debug(), 0))) +
+                  ": expected a file without entity declarations, got a DOCTYPE with <!ENTITY; write the text itself "
+                  "where &name; stands");
+    }
+  }
+}
+
+void XmlSource::refuse_depth() const {
+  // No recursion: the tree may be as deep as the file is long.
+  const pugi::xml_node top = root();
+  int depth = 1;
+  for (pugi::xml_node node = top; node;) {
+    if (depth > max_depth) {
+      fail(node, "expected elements nested at most " + std::to_string(max_depth) + " deep, got more");
+    }
+    if (node.first_child()) {
+      node = node.first_child();
+      ++depth;
+      continue;
+    }
+    while (node != top && !node.next_sibling()) {
+      node = node.parent();
+      --depth;
+    }
+    if (node == top) break;
+    node = node.next_sibling();
+  }
+}
+
+pugi::xml_node XmlSource::root() const {
+  return document_->document_element();
+}
+
+std::size_t XmlSource::line(pugi::xml_node node) const {
+  const auto offset = std::max<std::ptrdiff_t>(node.offset_debug(), 0);
+  const auto found = std::lower_bound(line_end_.begin(), line_end_.end(), static_cast<std::size_t>(offset));
+  return static_cast<std::size_t>(found - line_end_.begin()) + 1;
+}
+
+std::string XmlSource::line_at(std::size_t offset) const {
+  const auto found = std::lower_bound(line_end_.begin(), line_end_.end(), offset);
+  return name_ + ':' + std::to_string(found - line_end_.begin() + 1);
+}
+
+std::string XmlSource::where(pugi::xml_node node) const {
+  return name_ + ':' + std::to_string(line(node));
+}
+
+void XmlSource::fail(pugi::xml_node node, const std::string& message) const {
+  throw Error(where(node) + ": " + message);
+}
+
+std::string_view XmlSource::text(pugi::xml_node node, const char* attribute) const {
+  const pugi::xml_attribute found = node.attribute(attribute);
+  if (!found) {
+    fail(node, "expected attribute \"" + std::string(attribute) + "\" in <" + node.name() + ">, got none");
+  }
+  return found.value();
+}
+
+double XmlSource::number(pugi::xml_node node, const char* attribute) const {
+  return number(node, attribute, text(node, attribute));
+}
+
+double XmlSource::number(pugi::xml_node node, const char* attribute, std::string_view value) const {
+  const std::optional<double> parsed = parse_decimal(value);
+  if (!parsed) {
+    fail(node, std::string("expected a finite number with a decimal point in ") + attribute + ", got " + cite(value));
+  }
+  return *parsed;
+}
+
+Index XmlSource::index(pugi::xml_node node, const char* attribute) const {
+  return index(node, attribute, text(node, attribute));
+}
+
+Index XmlSource::index(pugi::xml_node node, const char* attribute, std::string_view value) const {
+  const std::optional<std::int64_t> parsed = parse_integer(value);
+  constexpr Index largest = std::numeric_limits<Index>::max();
+  if (!parsed || *parsed < 0 || *parsed > largest) {
+    fail(node, std::string("expected a whole number from 0 to ") + std::to_string(largest) + " in " + attribute +
+                   " of <" + node.name() + ">, got " + cite(value));
+  }
+  return static_cast<Index>(*parsed);
+}
+
+std::vector<Attribute> XmlSource::other_attributes(pugi::xml_node node,
+                                                   std::initializer_list<std::string_view> known) const {
+  std::vector<Attribute> others;
+  std::vector<std::string_view> names;
+  for (const pugi::xml_attribute attribute : node.attributes()) {
+    const std::string_view name = attribute.name();
+    names.push_back(name);
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      others.push_back({std::string(name), attribute.value()});
+    }
+  }
+  std::sort(names.begin(), names.end());
+  const auto twice = std::adjacent_find(names.begin(), names.end());
+  if (twice != names.end()) {
+    fail(node, "expected each attribute once in <" + std::string(node.name()) + ">, got " + cite(*twice) + " twice");
+  }
+  return others;
+}
+
+void XmlSource::skip(pugi::xml_node node) {
+  if (node.type() != pugi::node_element) return;  // stray text carries nothing
+  const std::string what = '<' + std::string(node.name()) + "> in <" + node.parent().name() + '>';
+  if (skipped_.size() >= max_notes && !skipped_.contains(what)) return;
+  const auto [entry, is_new] = skipped_.try_emplace(what);
+  ++entry->second.count;
+  if (!is_new) return;
+  entry->second.note = notes_.size();
+  notes_.push_back(where(node) + ": unknown element " + what + " was skipped");
+}
+
+void XmlSource::note(pugi::xml_node node, const std::string& message) {
+  if (notes_.size() < max_notes) {
+    notes_.push_back(where(node) + ": " + message);
+  } else {
+    ++notes_left_out_;
+  }
+}
+
+std::vector<std::string> XmlSource::take_notes() {
+  for (const auto& [what, skipped] : skipped_) {
+    if (skipped.count > 1) notes_[skipped.note] += ", and " + std::to_string(skipped.count - 1) + " more of its kind";
+  }
+  if (notes_left_out_ > 0) notes_.push_back(name_ + ": " + std::to_string(notes_left_out_) + " further notes left out");
+  return std::move(notes_);
+}
+
+void XmlSource::discard(pugi::xml_node node) {
+  node.parent().remove_child(node);
+}
+
+std::string XmlSource::cite(std::string_view text) {
+  constexpr std::size_t longest = 40;
+  std::string cited = "\"";
+  for (const char c : text.substr(0, longest)) cited += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? '?' : c;
+  return cited + (text.size() > longest ? "...\"" : "\"");
+}
+
+}  // namespace phymul

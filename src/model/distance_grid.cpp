@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/distance_grid.h>
+#include <phymul/error.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/decimal.h"
+#include "closest_triangle.h"
+#include "surface.h"
+
+namespace phymul {
+namespace {
+
+/// 256 MiB of distances; a finer grid than that is a mistake in the units.
+constexpr double most_corners = 64.0 * 1024 * 1024;
+constexpr int cubes_around = 2;
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw Error("distance grid: " + what);
+}
+
+std::vector<Triangle> triangles_of(const Model& model) {
+  const std::vector<char> all(model.rest.size(), 1);
+  std::vector<Triangle> triangles;
+  for (const Facet& facet : surface_facets(model, all)) {
+    for (std::size_t k = 2; k < facet.particles.size(); ++k) {
+      const Triangle t{facet.particles[0], facet.particles[k - 1], facet.particles[k]};
+      const Vec3 area = (model.rest[t[1]] - model.rest[t[0]]).cross(model.rest[t[2]] - model.rest[t[0]]);
+      if (area.isZero(0.0)) {
+        refuse("the triangle of particles " + std::to_string(t[0]) + ", " + std::to_string(t[1]) + " and " +
+               std::to_string(t[2]) + " has no area");
+      }
+      triangles.push_back(area.dot(facet.area) < 0.0 ? Triangle{t[0], t[2], t[1]} : t);
+    }
+  }
+  return triangles;
+}
+
+double volume_within(const Model& model, const std::vector<Triangle>& triangles) {
+  double volume = 0.0;
+  const Vec3& origin = model.rest[triangles.front()[0]];
+  for (const Triangle& t : triangles) {
+    volume += (model.rest[t[0]] - origin).dot((model.rest[t[1]] - origin).cross(model.rest[t[2]] - origin)) / 6.0;
+  }
+  return volume;
+}
+
+}  // namespace
+
+DistanceGrid::DistanceGrid(const Vec3& origin, double spacing, const std::array<int, 3>& count,
+                           std::vector<float> values)
+    : origin_(origin), spacing_(spacing), count_(count), values_(std::move(values)) {
+  if (!origin.allFinite() || !(spacing > 0.0) || !std::isfinite(spacing)) {
+    refuse("expected a finite origin and a spacing above 0 m, got a spacing of " + to_decimal(spacing));
+  }
+  std::size_t corners = 1;
+  for (const int n : count) {
+    if (n < 2) refuse("expected at least 2 corners along each axis, got " + std::to_string(n));
+    if (corners > values_.size() / static_cast<std::size_t>(n)) {
+      refuse("expected a value for each corner of the grid, got " + std::to_string(values_.size()));
+    }
+    corners *= static_cast<std::size_t>(n);
+  }
+  if (values_.size() != corners) {
+    refuse("expected " + std::to_string(corners) + " values, got " + std::to_string(values_.size()));
+  }
+  if (!std::ranges::all_of(values_, [](float v) { return std::isfinite(v); })) refuse("expected finite values");
+  depth_ = -*std::ranges::min_element(values_);
+  if (!(depth_ > 0.0)) refuse("no corner lies inside the shape; expected a spacing smaller than its thinnest part");
+}
+
+std::shared_ptr<const DistanceGrid> make_distance_grid(const Model& surface, double spacing) {
+  validate(surface);
+  if (surface.dimension == 2) refuse("expected a surface in three dimensions");
+  if (!(spacing > 0.0) || !std::isfinite(spacing)) refuse("expected a spacing above 0 m, got " + to_decimal(spacing));
+  std::vector<Triangle> triangles = triangles_of(surface);
+  if (triangles.empty()) refuse("expected triangles, quads or volume cells, got a model without");
+  const auto [a, b] = open_edge(triangles);
+  if (a >= 0) {
+    refuse("the surface is not closed, or not wound one way: the edge from particle " + std::to_string(a) + " to " +
+           std::to_string(b) + " does not have one triangle on each side");
+  }
+  if (volume_within(surface, triangles) < 0.0) {
+    for (Triangle& t : triangles) std::swap(t[1], t[2]);
+  }
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const Triangle& t : triangles) {
+    for (const Index i : t) {
+      low = low.cwiseMin(surface.rest[i]);
+      high = high.cwiseMax(surface.rest[i]);
+    }
+  }
+  const Vec3 cubes = ((high - low) / spacing).array().ceil() + 2.0 * cubes_around;
+  if (!((cubes.array() + 1.0).prod() <= most_corners)) {
+    refuse("a spacing of " + to_decimal(spacing) + " m gives more than 64 million corners; take a larger one");
+  }
+  const std::array<int, 3> count{static_cast<int>(cubes.x()) + 1, static_cast<int>(cubes.y()) + 1,
+                                 static_cast<int>(cubes.z()) + 1};
+  const Vec3 origin = 0.5 * (low + high) - 0.5 * spacing * cubes;
+  const ClosestTriangle closest(surface.rest, triangles);
+  std::vector<float> values;
+  values.reserve(static_cast<std::size_t>(count[0]) * count[1] * count[2]);
+  for (int k = 0; k < count[2]; ++k) {
+    for (int j = 0; j < count[1]; ++j) {
+      for (int i = 0; i < count[0]; ++i) {
+        values.push_back(static_cast<float>(closest.signed_distance(origin + spacing * Vec3(i, j, k))));
+      }
+    }
+  }
+  return std::make_shared<const DistanceGrid>(origin, spacing, count, std::move(values));
+}
+
+}  // namespace phymul

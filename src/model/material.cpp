@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/error.h>
+#include <phymul/model.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/decimal.h"
+#include "cell_geometry.h"
+#include "cell_label.h"
+#include "material_range.h"
+
+namespace phymul {
+namespace {
+
+/// Sums density * volume / vertices over the cells that have a material. A particle in none of them keeps its mass.
+void sum_masses(Model& model) {
+  std::vector<double> mass(model.rest.size(), 0.0);
+  for (std::size_t row = 0; row < model.cells.size(); ++row) {
+    const Cell& cell = model.cells[row];
+    if (cell.material < 0 || !is_solid(model.dimension, cell.type)) continue;
+    const double measure = signed_measure(model.dimension, cell, model.rest);
+    if (!(measure > 0.0)) {
+      throw Error(cell_label(model, row) + ": expected a positive volume to give it a mass, got " +
+                  to_decimal(measure) + "; run check_mesh first, and mend or remove the cells it names");
+    }
+    const double share = model.materials[cell.material].density * measure / static_cast<double>(cell.particles.size());
+    for (const Index i : cell.particles) mass[i] += share;
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < mass.size(); ++i) {
+    if (mass[i] > 0.0) {
+      model.mass[i] = mass[i];
+    } else {
+      ++kept;
+    }
+  }
+  if (kept > 0) {
+    model.notes.push_back("set_material: " + std::to_string(kept) +
+                          " particle(s) are in no cell with a material and keep their mass");
+  }
+}
+
+/// Forgets the materials that no cell has any more, so that setting one again and again does not pile them up.
+void drop_unused_materials(Model& model) {
+  std::vector<Index> new_row(model.materials.size(), -1);
+  std::vector<Material> used;
+  for (Cell& cell : model.cells) {
+    if (cell.material < 0) continue;
+    Index& row = new_row[cell.material];
+    if (row < 0) {
+      row = static_cast<Index>(used.size());
+      used.push_back(model.materials[cell.material]);
+    }
+    cell.material = row;
+  }
+  model.materials = std::move(used);
+}
+
+/// Gives the material to the solid cells that `chosen` accepts; what it throws leaves the model as it was.
+template <class Predicate>
+void assign(Model& model, const Material& material, const std::string& nothing_chosen, Predicate chosen) {
+  validate(model);
+  Model changed = model;
+  const auto known = std::find(changed.materials.begin(), changed.materials.end(), material);
+  const Index row = static_cast<Index>(known - changed.materials.begin());
+  if (known == changed.materials.end()) changed.materials.push_back(material);
+  bool any = false;
+  for (Cell& cell : changed.cells) {
+    if (!is_solid(model.dimension, cell.type) || !chosen(cell)) continue;
+    cell.material = row;
+    any = true;
+  }
+  if (!any) throw Error(nothing_chosen);
+  drop_unused_materials(changed);
+  sum_masses(changed);
+  model = std::move(changed);
+}
+
+std::string solid_cells(const Model& model) {
+  return model.dimension == 3 ? "volume cells (tetrahedra, wedges, pyramids or hexahedra)" : "triangles or quads";
+}
+
+}  // namespace
+
+void require_in_range(const Material& material) {
+  if (!(material.young > 0.0) || !std::isfinite(material.young)) {
+    throw Error("material: expected a positive, finite Young's modulus in Pa, got " + to_decimal(material.young));
+  }
+  if (!(material.poisson > -3.0 / 8.0 && material.poisson < 0.5)) {
+    throw Error("material: expected Poisson's ratio above -3/8 and below 1/2, got " + to_decimal(material.poisson) +
+                "; take 0.49 for a nearly incompressible tissue");
+  }
+  if (!(material.density > 0.0) || !std::isfinite(material.density)) {
+    throw Error("material: expected a positive, finite density in kg/m^3, got " + to_decimal(material.density));
+  }
+}
+
+void set_material(Model& model, const Material& material) {
+  require_in_range(material);
+  assign(model, material,
+         "set_material: expected a model with " + solid_cells(model) +
+             ", got one without; set Model::mass and Model::stiffness instead",
+         [](const Cell&) { return true; });
+}
+
+void set_material(Model& model, const Material& material, std::string_view group_name) {
+  require_in_range(material);
+  std::vector<char> inside(model.rest.size(), 0);
+  for (const Index i : model.group(group_name)) inside[i] = 1;
+  assign(model, material,
+         "set_material: expected group \"" + std::string(group_name) + "\" to hold all particles of some " +
+             solid_cells(model) + ", but it holds none whole",
+         [&](const Cell& cell) {
+           return std::all_of(cell.particles.begin(), cell.particles.end(), [&](Index i) { return inside[i] != 0; });
+         });
+}
+
+}  // namespace phymul

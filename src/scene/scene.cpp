@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/error.h>
+#include <phymul/scene.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "base/decimal.h"
+#include "model/surface.h"
+
+namespace phymul {
+namespace {
+
+constexpr std::uint8_t all_axes = 7;
+
+const char* load_name(LoadType type) {
+  constexpr std::array<const char*, 5> names{"translation", "rotation", "force", "pressure", "acceleration"};
+  return names[static_cast<std::size_t>(type)];
+}
+
+std::string load_label(const Load& load) {
+  const std::string target = load.applied_to.empty() ? "" : " on \"" + load.applied_to + '"';
+  return load_name(load.type) + target + ": ";
+}
+
+bool imposes(LoadType type) {
+  return type == LoadType::translation || type == LoadType::rotation;
+}
+
+/// The components of v that the load drives, the others 0.
+Vec3 driven_part(const Load& load, Vec3 v) {
+  for (int a = 0; a < 3; ++a) {
+    if (load.axes[a] != Axis::driven) v[a] = 0.0;
+  }
+  return v;
+}
+
+bool has_driven_axis(const Load& load) {
+  return std::any_of(load.axes.begin(), load.axes.end(), [](Axis axis) { return axis == Axis::driven; });
+}
+
+bool always_zero(std::span<const ValueEvent> events) {
+  return std::all_of(events.begin(), events.end(), [](const ValueEvent& event) { return event.value == 0.0; });
+}
+
+bool has_direction(const Load& load) {
+  return load.toward >= 0 || !driven_part(load, load.direction).isZero(0.0);
+}
+
+Vec3 normalised(const Vec3& v) {
+  const double length = v.stableNorm();
+  return length > 0.0 ? Vec3(v / length) : Vec3(Vec3::Zero());
+}
+
+/// Of the load and these events.
+void require_events(const Load& load, std::span<const ValueEvent> events) {
+  if (events.empty() && has_driven_axis(load)) {
+    throw Error(load_label(load) + "expected at least one value with its date, got none");
+  }
+  for (const ValueEvent& event : events) {
+    if (std::isfinite(event.date) && std::isfinite(event.value)) continue;
+    throw Error(load_label(load) + "expected finite dates and values, got value " + to_decimal(event.value) +
+                " at date " + to_decimal(event.date) + " s");
+  }
+  if (!has_direction(load) && load.type != LoadType::pressure && has_driven_axis(load) && !always_zero(events)) {
+    throw Error(load_label(load) + "expected a direction that is not zero; set Load::direction or Load::toward");
+  }
+}
+
+bool is_earlier(const ValueEvent& a, const ValueEvent& b) {
+  return a.date < b.date;
+}
+
+/// In the plane z = 0 nothing may push along z, and turning is about z alone.
+void require_in_plane(const Load& load) {
+  const bool turns = load.type == LoadType::rotation;
+  const Vec3 u = driven_part(load, load.direction);
+  if (turns ? load.toward < 0 && u.head<2>().isZero(0.0) : load.toward >= 0 || u.z() == 0.0) return;
+  throw Error(load_label(load) + (turns ? "expected an axis along z" : "expected a direction with z = 0") +
+              " in a two-dimensional model");
+}
+
+}  // namespace
+
+double value_at(std::span<const ValueEvent> events, double date) {
+  const auto next = std::upper_bound(events.begin(), events.end(), date,
+                                     [](double when, const ValueEvent& event) { return when < event.date; });
+  if (next == events.begin()) return 0.0;
+  const ValueEvent& last = *(next - 1);
+  if (next == events.end()) return last.value;
+  const double share = (date - last.date) / (next->date - last.date);
+  return (1.0 - share) * last.value + share * next->value;
+}
+
+Scene::Scene(const Model& model) : model_(&model) {
+  validate(model);
+}
+
+void Scene::require(const Load& load) const {
+  const Index count = model_->particle_count();
+  for (const Index i : load.particles) {
+    if (i >= 0 && i < count) continue;
+    throw Error(load_label(load) + "expected particles from 0 to " + std::to_string(count - 1) + ", got " +
+                std::to_string(i));
+  }
+  if (load.toward < -1 || load.toward >= count) {
+    throw Error(load_label(load) + "expected a particle to point toward from 0 to " + std::to_string(count - 1) +
+                " (or -1 for none), got " + std::to_string(load.toward));
+  }
+  if (load.toward < 0 && !driven_part(load, load.direction).allFinite()) {
+    throw Error(load_label(load) + "expected a finite direction");
+  }
+  require_events(load, load.events);
+  if (load.type == LoadType::rotation && !has_direction(load)) {
+    throw Error(load_label(load) + "expected an axis; set Load::direction");
+  }
+  if (model_->dimension == 2) require_in_plane(load);
+}
+
+/// The load's unit direction as seen from a place; zero where the place is the one it points toward.
+Vec3 Scene::unit_direction(const Load& load, const Vec3& from) const {
+  return normalised(driven_part(load, load.toward < 0 ? load.direction : Vec3(model_->rest[load.toward] - from)));
+}
+
+Scene::Action Scene::prepared(const Load& load) const {
+  Action action;
+  action.particles = load.particles;
+  std::sort(action.particles.begin(), action.particles.end());
+  action.particles.erase(std::unique(action.particles.begin(), action.particles.end()), action.particles.end());
+  if (load.type == LoadType::rotation) return prepared_rotation(load, std::move(action));
+  if (load.type == LoadType::pressure) return prepared_pressure(load, std::move(action));
+  if (load.type == LoadType::acceleration && load.toward < 0 &&
+      action.particles.size() == static_cast<std::size_t>(model_->particle_count())) {
+    action.uniform = true;
+    action.axis = unit_direction(load, Vec3::Zero());
+    return action;
+  }
+  for (const Index i : action.particles) {
+    const double factor = load.type == LoadType::acceleration ? model_->mass[i] : 1.0;
+    action.unit.push_back(factor * unit_direction(load, model_->rest[i]));
+  }
+  if (load.type == LoadType::translation) {
+    for (int a = 0; a < 3; ++a) action.imposed |= static_cast<std::uint8_t>((load.axes[a] != Axis::free) << a);
+  }
+  return action;
+}
+
+/// Throws for a load that makes no sense; else sorts its events.
+Scene::Action Scene::accepted(Load& load) const {
+  require(load);
+  Action action = prepared(load);
+  std::stable_sort(load.events.begin(), load.events.end(), is_earlier);
+  return action;
+}
+
+Scene::Action Scene::prepared_rotation(const Load& load, Action action) const {
+  Vec3 centroid = Vec3::Zero();
+  for (const Index i : action.particles) centroid += model_->rest[i] / static_cast<double>(action.particles.size());
+  for (const Index i : action.particles) action.unit.push_back(model_->rest[i] - centroid);
+  action.axis = unit_direction(load, centroid);
+  action.imposed = all_axes;
+  if (action.axis.isZero(0.0) && !action.particles.empty()) {
+    throw Error(load_label(load) + "expected an axis, but the particle it points toward lies at the centroid");
+  }
+  return action;
+}
+
+Scene::Action Scene::prepared_pressure(const Load& load, Action action) const {
+  if (action.particles.empty()) return action;
+  std::vector<char> chosen(model_->rest.size(), 0);
+  for (const Index i : action.particles) chosen[i] = 1;
+  const std::vector<Facet> facets = surface_facets(*model_, chosen);
+  if (facets.empty()) {
+    throw Error(load_label(load) +
+                "expected particles that span facets of the surface, but no facet has all of its particles among them");
+  }
+  const bool directed = has_direction(load);
+  VecList unit(model_->rest.size(), Vec3::Zero());
+  for (const Facet& facet : facets) {
+    const double shares = static_cast<double>(facet.particles.size());
+    for (const Index i : facet.particles) {
+      unit[i] += directed ? Vec3(facet.area.norm() / shares * unit_direction(load, model_->rest[i]))
+                          : Vec3(-facet.area / shares);
+    }
+  }
+  for (const Index i : action.particles) action.unit.push_back(unit[i]);
+  return action;
+}
+
+Scene& Scene::fix(std::string_view group) {
+  Load load;
+  load.particles = model_->group(group);
+  load.applied_to = group;
+  load.type = LoadType::translation;
+  load.axes.fill(Axis::held);
+  return add(std::move(load));
+}
+
+Scene& Scene::fix(std::span<const Index> particles) {
+  Load load;
+  load.particles.assign(particles.begin(), particles.end());
+  load.type = LoadType::translation;
+  load.axes.fill(Axis::held);
+  return add(std::move(load));
+}
+
+Scene& Scene::gravity(const Vec3& acceleration) {
+  if (!acceleration.allFinite()) throw Error("gravity: expected a finite acceleration in m/s^2");
+  if (model_->dimension == 2 && acceleration.z() != 0.0) {
+    throw Error("gravity: expected z = 0 in a two-dimensional model, got " + to_decimal(acceleration.z()));
+  }
+  gravity_ = acceleration;
+  ++version_;
+  return *this;
+}
+
+Scene& Scene::add(Load load) {
+  std::vector<Load> one;
+  one.push_back(std::move(load));
+  return add(std::move(one));
+}
+
+Scene& Scene::add(std::vector<Load> loads) {
+  std::vector<Action> actions;
+  for (Load& load : loads) actions.push_back(accepted(load));
+  // Room first: what follows cannot fail half-way.
+  loads_.reserve(loads_.size() + loads.size());
+  actions_.reserve(loads_.size() + loads.size());
+  std::move(loads.begin(), loads.end(), std::back_inserter(loads_));
+  std::move(actions.begin(), actions.end(), std::back_inserter(actions_));
+  ++version_;
+  return *this;
+}
+
+Scene& Scene::replace(std::size_t row, Load load) {
+  if (row >= loads_.size()) {
+    throw Error("replace: expected a row of one of " + std::to_string(loads_.size()) + " loads, got " +
+                std::to_string(row));
+  }
+  actions_[row] = accepted(load);
+  loads_[row] = std::move(load);
+  ++version_;
+  return *this;
+}
+
+Scene& Scene::remove(std::size_t row) {
+  if (row >= loads_.size()) {
+    throw Error("remove: expected a row of one of " + std::to_string(loads_.size()) + " loads, got " +
+                std::to_string(row));
+  }
+  loads_.erase(loads_.begin() + static_cast<std::ptrdiff_t>(row));
+  actions_.erase(actions_.begin() + static_cast<std::ptrdiff_t>(row));
+  ++version_;
+  return *this;
+}
+
+Scene& Scene::set_events(std::size_t row, std::span<const ValueEvent> events) {
+  if (row >= loads_.size()) {
+    throw Error("set_events: expected a row of one of " + std::to_string(loads_.size()) + " loads, got " +
+                std::to_string(row));
+  }
+  Load& load = loads_[row];
+  require_events(load, events);
+  load.events.assign(events.begin(), events.end());
+  if (!std::is_sorted(load.events.begin(), load.events.end(), is_earlier)) {
+    std::stable_sort(load.events.begin(), load.events.end(), is_earlier);
+  }
+  ++values_version_;
+  return *this;
+}
+
+Scene& Scene::clear() {
+  loads_.clear();
+  actions_.clear();
+  tools_.clear();
+  gravity_.setZero();
+  volumes_.clear();
+  contacts_.reset();
+  ++version_;
+  return *this;
+}
+
+void Scene::prepare(LoadFrame& frame) const {
+  bool pushes = false, imposed = false;
+  for (std::size_t row = 0; row < loads_.size(); ++row) {
+    if (actions_[row].particles.empty()) continue;
+    imposed |= actions_[row].imposed != 0;
+    pushes |= !imposes(loads_[row].type) && !actions_[row].uniform;
+  }
+  const std::size_t count = model_->rest.size();
+  frame.gravity = gravity_;
+  frame.force.assign(pushes ? count : 0, Vec3::Zero());
+  frame.fixed.assign(imposed ? count : 0, 0);
+  // By range, not by copy: a frame that has the room already takes none anew.
+  frame.target.assign(model_->rest.begin(), imposed ? model_->rest.end() : model_->rest.begin());
+  for (const Action& action : actions_) {
+    if (action.imposed == 0) continue;
+    for (const Index i : action.particles) frame.fixed[i] |= action.imposed;
+  }
+}
+
+void Scene::evaluate(double time, LoadFrame& frame) const {
+  frame.gravity = gravity_;
+  // Only particles that some load pushes ever differ from 0: the cost follows the loads, not the body.
+  for (std::size_t row = 0; row < loads_.size(); ++row) {
+    if (imposes(loads_[row].type) || actions_[row].uniform) continue;
+    for (const Index i : actions_[row].particles) frame.force[i].setZero();
+  }
+  for (std::size_t row = 0; row < loads_.size(); ++row) {
+    const Action& action = actions_[row];
+    assert(action.imposed == 0 || action.particles.empty() || frame.target.size() == model_->rest.size());
+    assert(imposes(loads_[row].type) || action.unit.empty() || frame.force.size() == model_->rest.size());
+    const double value = value_at(loads_[row].events, time);
+    if (action.uniform) {
+      frame.gravity += value * action.axis;
+    } else if (loads_[row].type == LoadType::rotation) {
+      const Mat3 turn = Eigen::AngleAxisd(value, action.axis).toRotationMatrix() - Mat3::Identity();
+      for (std::size_t k = 0; k < action.particles.size(); ++k) {
+        // From the rest place, so that no turn leaves it there to the last digit.
+        frame.target[action.particles[k]] = model_->rest[action.particles[k]] + turn * action.unit[k];
+      }
+    } else if (loads_[row].type == LoadType::translation) {
+      for (std::size_t k = 0; k < action.particles.size(); ++k) {
+        const Index i = action.particles[k];
+        for (int a = 0; a < 3; ++a) {
+          if (action.imposed >> a & 1) frame.target[i][a] = model_->rest[i][a] + value * action.unit[k][a];
+        }
+      }
+    } else {
+      for (std::size_t k = 0; k < action.particles.size(); ++k) {
+        frame.force[action.particles[k]] += value * action.unit[k];
+      }
+    }
+  }
+}
+
+}  // namespace phymul

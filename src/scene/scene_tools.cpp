@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+//
+// The tools of a scene: what is accepted, and the handles that move them.
+#include <phymul/error.h>
+#include <phymul/scene.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/decimal.h"
+#include "needle_measures.h"
+
+namespace phymul {
+namespace {
+
+/// Share of a spacing below which a needle's nodes, one every `spread`, are means of the same particles: hundreds of
+/// them, each pair of which a step couples, for curves that a few give.
+constexpr double least_spread = 0.1;
+
+std::string label(std::string_view tool) {
+  return "tool \"" + std::string(tool) + "\": ";
+}
+
+void require_size(std::string_view tool, const char* what, double size) {
+  if (size > 0.0 && std::isfinite(size)) return;
+  throw Error(label(tool) + "expected a " + what + " above 0 m, got " + to_decimal(size));
+}
+
+void require_not_negative(std::string_view tool, const char* what, double value) {
+  if (value >= 0.0 && std::isfinite(value)) return;
+  throw Error(label(tool) + "expected a finite " + what + ", 0 or more; got " + to_decimal(value));
+}
+
+void require_needle(std::string_view tool, const Needle& needle) {
+  require_size(tool, "length", needle.length);
+  require_size(tool, "radius", needle.radius);
+  require_not_negative(tool, "puncture force (N)", needle.puncture);
+  require_not_negative(tool, "cutting force (N)", needle.cutting);
+  require_not_negative(tool, "static friction (N/m)", needle.static_friction);
+  require_not_negative(tool, "kinetic friction (N/m)", needle.kinetic_friction);
+  require_not_negative(tool, "spread (m)", needle.spread);
+  require_not_negative(tool, "bending stiffness (N m^2)", needle.bending_stiffness);
+  if (needle.bending_stiffness > 0.0 && needle.bending_stiffness < 1e-12) {
+    throw Error(label(tool) + "expected a bending stiffness of 0 (stiff), or at least 1e-12 N m^2, got " +
+                to_decimal(needle.bending_stiffness));
+  }
+  if (needle.cutting > needle.puncture) {
+    throw Error(label(tool) + "expected a cutting force of at most the puncture force " + to_decimal(needle.puncture) +
+                " N, got " + to_decimal(needle.cutting));
+  }
+  if (needle.kinetic_friction > needle.static_friction) {
+    throw Error(label(tool) + "expected a kinetic friction of at most the static friction " +
+                to_decimal(needle.static_friction) + " N/m, got " + to_decimal(needle.kinetic_friction));
+  }
+}
+
+void require_spread(std::string_view tool, double spread, const Model& model) {
+  if (spread == 0.0) return;
+  const double spacing = needle_spacing(model);
+  if (spread >= least_spread * spacing) return;
+  throw Error(label(tool) + "expected a spread of 0 (two spacings), or of 1.7 spacings of this body or more, each " +
+              to_decimal(spacing) + " m; got " + to_decimal(spread) +
+              " m, below a tenth of one. Give a larger spread, or a finer mesh");
+}
+
+struct ShapeCheck {
+  std::string_view tool;
+  void operator()(const Sphere& sphere) const { require_size(tool, "radius", sphere.radius); }
+  void operator()(const Capsule& capsule) const {
+    require_size(tool, "radius", capsule.radius);
+    require_not_negative(tool, "length", capsule.length);
+  }
+  void operator()(const HalfSpace&) const {}
+  void operator()(const Box& box) const {
+    for (int a = 0; a < 3; ++a) require_size(tool, "half size", box.half_size[a]);
+  }
+  void operator()(const std::shared_ptr<const DistanceGrid>& grid) const {
+    if (!grid) throw Error(label(tool) + "expected a distance grid, got none; make_distance_grid makes one");
+  }
+  void operator()(const Needle& needle) const { require_needle(tool, needle); }
+};
+
+ToolPose accepted_pose(std::string_view tool, ToolPose pose) {
+  const double turn = pose.orientation.norm();
+  if (!pose.position.allFinite() || !pose.velocity.allFinite() || !pose.spin.allFinite() || !std::isfinite(turn)) {
+    throw Error(label(tool) + "expected a pose of finite numbers");
+  }
+  if (!(turn > 0.0)) throw Error(label(tool) + "expected an orientation that is not zero; a unit quaternion turns");
+  // Divided only where it must be: a pose that was one keeps its bits.
+  if (std::abs(turn - 1.0) > 1e-15) pose.orientation.coeffs() /= turn;
+  return pose;
+}
+
+}  // namespace
+
+Scene& Scene::add_tool(std::string name, Tool tool) {
+  if (name.empty()) throw Error("add_tool: expected a name, got an empty one");
+  const auto same = [&](const SceneTool& known) { return known.name == name; };
+  if (std::ranges::any_of(tools_, same)) {
+    throw Error(label(name) + "there is one of that name; remove_tool it first, or take another name");
+  }
+  std::visit(ShapeCheck{name}, tool.shape);
+  require_not_negative(name, "friction", tool.friction);
+  require_not_negative(name, "compliance (m/N)", tool.compliance);
+  require_not_negative(name, "margin (m)", tool.margin);
+  if (const auto* const needle = std::get_if<Needle>(&tool.shape)) {
+    if (model_->dimension == 2) {
+      throw Error(label(name) + "expected a body in three dimensions: a needle spreads its forces around its shaft");
+    }
+    require_spread(name, needle->spread, *model_);
+  }
+  SceneTool added;
+  added.pose = tool.pose = accepted_pose(name, tool.pose);
+  added.id = next_tool_;
+  added.name = std::move(name);
+  added.tool = std::move(tool);
+  tools_.push_back(std::move(added));
+  ++next_tool_;
+  ++version_;
+  return *this;
+}
+
+Scene& Scene::remove_tool(std::string_view name) {
+  const std::uint64_t id = tool(name).id_;
+  std::erase_if(tools_, [&](const SceneTool& known) { return known.id == id; });
+  ++version_;
+  return *this;
+}
+
+ToolHandle Scene::tool(std::string_view name) & {
+  for (const SceneTool& known : tools_) {
+    if (known.name == name) return {*this, known.id};
+  }
+  std::string names;
+  for (const SceneTool& known : tools_) names += (names.empty() ? "" : ", ") + known.name;
+  throw Error("the scene has no tool \"" + std::string(name) + "\"; it has: " + (names.empty() ? "none" : names));
+}
+
+SceneTool& ToolHandle::own() const {
+  for (SceneTool& tool : scene_->tools_) {
+    if (tool.id == id_) return tool;
+  }
+  throw Error("the scene no longer has the tool of this handle; Scene::tool gives handles of those it has");
+}
+
+void ToolHandle::pose(const ToolPose& pose) const {
+  SceneTool& tool = own();
+  tool.pose = accepted_pose(tool.name, pose);
+  ++tool.moves;
+}
+
+void ToolHandle::place(const ToolPose& pose) const {
+  SceneTool& tool = own();
+  tool.pose = accepted_pose(tool.name, pose);
+  ++tool.moves;
+  ++tool.places;
+}
+
+const ToolPose& ToolHandle::pose() const {
+  return own().pose;
+}
+
+void ToolHandle::grasp(double distance) const {
+  SceneTool& tool = own();
+  require_not_negative(tool.name, "distance to grasp within (m)", distance);
+  if (std::holds_alternative<Needle>(tool.tool.shape)) throw Error(label(tool.name) + "a needle cannot grasp");
+  tool.grasping = true;
+  tool.grasp_distance = distance;
+  ++tool.grasps;
+}
+
+void ToolHandle::release() const {
+  SceneTool& tool = own();
+  tool.grasping = false;
+  ++tool.grasps;
+}
+
+}  // namespace phymul

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+//
+// What a scene holds besides loads: volumes that are kept, and contacts.
+#include <phymul/error.h>
+#include <phymul/scene.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "base/decimal.h"
+#include "model/enclosed_volume.h"
+#include "model/surface.h"
+
+namespace phymul {
+namespace {
+
+std::string label(const ClosedVolume& surface) {
+  return surface.applied_to.empty() ? "keep_volume: " : "keep_volume on \"" + surface.applied_to + "\": ";
+}
+
+/// The cells all of whose particles are meant: faces between them and others are surface too.
+Model part_of(const Model& model, const std::vector<Index>& particles) {
+  std::vector<char> meant(model.rest.size(), 0);
+  for (const Index i : particles) meant[i] = 1;
+  Model part;
+  part.dimension = model.dimension;
+  part.rest = model.rest;
+  for (const Cell& cell : model.cells) {
+    const auto is_meant = [&](Index i) { return meant[i] != 0; };
+    if (std::all_of(cell.particles.begin(), cell.particles.end(), is_meant)) part.cells.push_back(cell);
+  }
+  return part;
+}
+
+std::vector<std::array<Index, 3>> surface_triangles(const Model& model, const std::vector<Index>& particles) {
+  const Model part = part_of(model, particles);
+  std::vector<std::array<Index, 3>> triangles;
+  for (const Facet& facet : surface_facets(part, std::vector<char>(model.rest.size(), 1))) {
+    std::vector<Index> ring = facet.particles;
+    Vec3 area = Vec3::Zero();
+    for (std::size_t k = 2; k < ring.size(); ++k) {
+      area += (model.rest[ring[k - 1]] - model.rest[ring[0]]).cross(model.rest[ring[k]] - model.rest[ring[0]]);
+    }
+    if (area.dot(facet.area) < 0.0) std::reverse(ring.begin(), ring.end());
+    for (std::size_t k = 2; k < ring.size(); ++k) triangles.push_back({ring[0], ring[k - 1], ring[k]});
+  }
+  return triangles;
+}
+
+/// Each edge is passed as often one way as the other.
+void require_closed(const ClosedVolume& surface, const Model& model) {
+  std::map<std::array<Index, 2>, int> balance;
+  for (const std::array<Index, 3>& t : surface.triangles) {
+    for (int k = 0; k < 3; ++k) {
+      const Index a = t[k], b = t[(k + 1) % 3];
+      balance[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
+    }
+  }
+  for (const auto& [edge, sum] : balance) {
+    if (sum == 0) continue;
+    const auto name = [&](Index i) { return std::to_string(model.file_index.empty() ? i : model.file_index[i]); };
+    throw Error(label(surface) + "expected a closed surface, but its edge from particle " + name(edge[0]) + " to " +
+                name(edge[1]) + " is open (or its two triangles are wound against each other); add the missing facets");
+  }
+}
+
+void require_sound(const ClosedVolume& surface, const Model& model, const std::vector<ClosedVolume>& others) {
+  if (model.dimension != 3) throw Error(label(surface) + "expected a three-dimensional model");
+  if (surface.triangles.empty()) {
+    throw Error(label(surface) + "expected particles whose cells have a surface (volume cells, triangles or quads)");
+  }
+  for (const std::array<Index, 3>& t : surface.triangles) {
+    for (const Index i : t) {
+      if (i >= 0 && i < model.particle_count()) continue;
+      throw Error(label(surface) + "expected particles from 0 to " + std::to_string(model.particle_count() - 1) +
+                  ", got " + std::to_string(i));
+    }
+  }
+  require_closed(surface, model);
+  if (!(surface.volume > 0.0) || !std::isfinite(surface.volume)) {
+    throw Error(label(surface) + "expected a volume above 0, in m^3, and triangles counter-clockwise seen from " +
+                "outside; got " + to_decimal(surface.volume));
+  }
+  std::vector<char> own(model.rest.size(), 0);
+  for (const std::array<Index, 3>& t : surface.triangles) {
+    for (const Index i : t) own[i] = 1;
+  }
+  for (const ClosedVolume& other : others) {
+    for (const std::array<Index, 3>& t : other.triangles) {
+      for (const Index i : t) {
+        if (!own[i]) continue;
+        throw Error(label(surface) + "particle " + std::to_string(i) +
+                    " belongs to another surface whose volume is kept; keep the volume of bodies that share none");
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Scene& Scene::keep_volume() {
+  std::vector<Index> all(model_->rest.size());
+  std::iota(all.begin(), all.end(), 0);
+  ClosedVolume surface{surface_triangles(*model_, all), 0.0, {}};
+  surface.volume = enclosed_volume(surface.triangles, model_->rest);
+  return keep_volume(std::move(surface));
+}
+
+Scene& Scene::keep_volume(std::string_view group) {
+  ClosedVolume surface{surface_triangles(*model_, model_->group(group)), 0.0, std::string(group)};
+  surface.volume = enclosed_volume(surface.triangles, model_->rest);
+  return keep_volume(std::move(surface));
+}
+
+Scene& Scene::keep_volume(ClosedVolume surface) {
+  require_sound(surface, *model_, volumes_);
+  volumes_.push_back(std::move(surface));
+  ++version_;
+  return *this;
+}
+
+Scene& Scene::contacts(const ContactOptions& options) {
+  if (model_->dimension != 3) throw Error("contacts: expected a three-dimensional model");
+  if (!(options.friction >= 0.0) || !std::isfinite(options.friction)) {
+    throw Error("contacts: expected a finite coefficient of friction of 0 or more, got " +
+                to_decimal(options.friction));
+  }
+  if (!(options.skin >= 0.0) || !std::isfinite(options.skin)) {
+    throw Error("contacts: expected a finite skin in m (0: from the spacing), got " + to_decimal(options.skin));
+  }
+  if (options.rounds < 1) throw Error("contacts: expected 1 round or more, got " + std::to_string(options.rounds));
+  contacts_ = options;
+  ++version_;
+  return *this;
+}
+
+Scene& Scene::no_contacts() {
+  contacts_.reset();
+  ++version_;
+  return *this;
+}
+
+}  // namespace phymul

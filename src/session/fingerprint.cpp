@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/state_file.h>
+
+#include "base/fnv.h"
+#include "snapshot_bytes.h"
+
+namespace phymul {
+namespace {
+
+void add_options(Fnv& sum, const TopologyOptions& options) {
+  sum.add(options.law);
+  sum.add(options.reaction);
+  sum.add(options.volume_law);
+  sum.add(options.area_exponent);
+}
+
+void add_terms(Fnv& sum, const TopologyTextures& t) {
+  sum.add(t.springs.size());
+  for (const SpringTexel& spring : t.springs) {
+    sum.add(spring.end);
+    sum.add(spring.rest_length);
+    sum.add(spring.stiffness);
+  }
+  sum.add(t.volumes.size());
+  for (const VolumeTexel& volume : t.volumes) {
+    sum.add(volume.vertex);
+    sum.add(volume.inverse_rest_volume);
+    sum.add(volume.stiffness);
+  }
+  sum.add(t.cells.size());
+  for (const CellTexel& cell : t.cells) {
+    sum.add(cell.vertex);
+    for (const Vec3& gradient : cell.gradient) sum.add(gradient);
+    sum.add(cell.shape_stiffness);
+    sum.add(cell.volume_stiffness);
+  }
+}
+
+}  // namespace
+
+std::uint64_t fingerprint(const TopologyTextures& t) {
+  Fnv sum;
+  add_options(sum, t.options);
+  sum.add(t.dimension);
+  sum.add(t.particle_count);
+  sum.add(t.rest);
+  sum.add(t.mass);
+  sum.add(t.stiffness);
+  // Padding depends on the widest texture allowed, which moves nothing.
+  for (Index i = 0; i < t.particle_count; ++i) {
+    sum.add(t.index[i].neighbour_count);
+    sum.add(t.index[i].base_count);
+  }
+  for (Index row = 0; row < t.neighbour_count; ++row) {
+    sum.add(t.neighbours[row]);
+    sum.add(t.alpha[row]);
+  }
+  for (Index row = 0; row < t.base_count; ++row) {
+    sum.add(t.bases[row].vertex);
+    sum.add(t.bases[row].beta);
+  }
+  sum.add(t.lambda);
+  sum.add(t.weight);
+  sum.add(t.rest_area);
+  add_terms(sum, t);
+  return sum.value();
+}
+
+std::uint64_t fingerprint(const Snapshot& snapshot) {
+  ByteWriter bytes;
+  put_snapshot(bytes, snapshot);
+  Fnv sum;
+  sum.bytes(bytes.bytes());
+  return sum.value();
+}
+
+}  // namespace phymul

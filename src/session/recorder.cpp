@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/error.h>
+#include <phymul/recording.h>
+
+#include <algorithm>
+#include <cctype>
+#include <limits>
+
+#include "base/byte_source.h"
+#include "input_kinds.h"
+#include "scene_bytes.h"
+#include "snapshot_bytes.h"
+#include "tool_bytes.h"
+
+namespace phymul {
+namespace {
+
+std::string step_bytes(int n, double dt) {
+  ByteWriter out;
+  out.index(n);
+  out.real(dt);
+  return out.bytes();
+}
+
+std::string snapshot_bytes(const Snapshot& snapshot) {
+  ByteWriter out;
+  put_snapshot(out, snapshot);
+  return out.bytes();
+}
+
+bool is_word(std::string_view kind) {
+  return kind.size() == 4 && std::all_of(kind.begin(), kind.end(), [](unsigned char c) { return std::isgraph(c); });
+}
+
+/// Grows with every change of the scene, and with every change of a load's values alone.
+std::uint64_t changes_of(const Scene& scene) {
+  return scene.version() + scene.values_version();
+}
+
+}  // namespace
+
+RecordedOptions recorded_options(const Solver& solver) {
+  const SolverOptions& options = solver.options();
+  return {.damping_rate = options.damping.rate,
+          .damping_factor = options.damping.factor,
+          .largest_push = options.largest_push,
+          .rest_tolerance = options.rest_tolerance,
+          .stable_step = solver.stable_step(),
+          .rest_steps = options.rest_steps,
+          .allows_unstable = options.on_unstable == UnstableStep::allow};
+}
+
+Recorder::Recorder(Solver& solver, const Scene& scene) : solver_(solver), scene_(scene) {
+  if (&scene.model() != &solver.model()) throw Error("Recorder: the scene was made for another model");
+  recording_.body = solver.body();
+  recording_.backend = solver.name();
+  recording_.device = solver.device();
+  recording_.options = recorded_options(solver);
+  // A step of none takes the scene over, if it has changed: a solver then forgets how long its body has rested. Poses
+  // and grasps that no step has seen yet are forgotten too, for a recording starts from states.
+  solver_.step(0, std::numeric_limits<double>::min());
+  recording_.start = solver_.snapshot();
+  solver_.restore(recording_.start);
+  recording_.scene = scene_change_bytes(scene_, {}, true);
+  keep_scene();
+}
+
+void Recorder::keep_scene() {
+  const bool starting = !before_;
+  before_ = std::make_unique<SceneBefore>(scene_as_it_is(scene_));
+  scene_version_ = changes_of(scene_);
+  std::map<std::uint64_t, SeenTool> now;
+  for (const SceneTool& tool : scene_.tools()) {
+    const auto known = seen_tools_.find(tool.id);
+    now[tool.id] =
+        known != seen_tools_.end() ? known->second : SeenTool{tool.moves, tool.places, starting ? tool.grasps : 0};
+  }
+  seen_tools_ = std::move(now);
+}
+
+Recorder::~Recorder() = default;
+
+void Recorder::record(std::string_view kind, std::string bytes) {
+  std::vector<Input>& inputs = recording_.inputs;
+  if (!inputs.empty() && kind == input_kind::step && inputs.back().kind == kind && inputs.back().bytes == bytes) {
+    ++inputs.back().times;
+    return;
+  }
+  inputs.push_back({std::string(kind), std::move(bytes), 1});
+}
+
+/// Even a change to the same scene is one: solvers look at the version.
+void Recorder::record_scene() {
+  if (scene_version_ != changes_of(scene_)) {
+    record(input_kind::scene, scene_change_bytes(scene_, *before_, volume_bytes(scene_) != before_->volumes));
+    keep_scene();
+  }
+  for (const SceneTool& tool : scene_.tools()) record_tool(tool);
+}
+
+/// Of several poses between two steps solvers see the last.
+void Recorder::record_tool(const SceneTool& tool) {
+  SeenTool& seen = seen_tools_.at(tool.id);
+  if (seen.moves != tool.moves) {
+    ByteWriter out;
+    out.text(tool.name);
+    out.u8(seen.places != tool.places ? 1 : 0);
+    put_pose(out, tool.pose);
+    record(input_kind::pose, out.bytes());
+  }
+  if (seen.grasps != tool.grasps) {
+    ByteWriter out;
+    out.text(tool.name);
+    out.u8(tool.grasping ? 1 : 0);
+    out.real(tool.grasp_distance);
+    record(input_kind::grasp, out.bytes());
+  }
+  seen = {tool.moves, tool.places, tool.grasps};
+}
+
+StepReport Recorder::step(int n, double dt) {
+  record_scene();
+  const StepReport report = solver_.step(n, dt);
+  record(input_kind::step, step_bytes(report.stopped ? report.steps : n, dt));
+  return report;
+}
+
+StepReport Recorder::run_to_rest(int max_steps, double dt) {
+  record_scene();
+  const StepReport report = solver_.run_to_rest(max_steps, dt);
+  record(input_kind::to_rest, step_bytes(report.stopped ? report.steps : max_steps, dt));
+  return report;
+}
+
+void Recorder::reset() {
+  reset(rest_state(solver_.model()));
+}
+
+void Recorder::reset(const State& state) {
+  solver_.reset(state);  // throws for a state that is none, before it is written down
+  Snapshot plain;
+  plain.state = state;
+  record_scene();
+  record(input_kind::restore, snapshot_bytes(plain));
+}
+
+void Recorder::restore(const Snapshot& snapshot) {
+  solver_.restore(snapshot);
+  record_scene();
+  record(input_kind::restore, snapshot_bytes(snapshot));
+}
+
+void Recorder::note(std::string_view kind, std::string bytes) {
+  if (!is_word(kind) || input_kind::is_own(kind)) {
+    throw Error("Recorder::note: expected a kind of four letters that is not one of the library's, got " + cited(kind));
+  }
+  record_scene();
+  record(kind, std::move(bytes));
+}
+
+void Recorder::checkpoint() {
+  const Snapshot now = solver_.snapshot();
+  ByteWriter out;
+  out.u64(fingerprint(now));
+  out.real(now.state.time);
+  record_scene();
+  record(input_kind::checkpoint, out.bytes());
+}
+
+}  // namespace phymul

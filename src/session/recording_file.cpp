@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/error.h>
+#include <phymul/recording.h>
+
+#include <limits>
+#include <ostream>
+
+#include "base/byte_source.h"
+#include "base/checked_file.h"
+#include "base/replace_file.h"
+#include "snapshot_bytes.h"
+
+namespace phymul {
+namespace {
+
+constexpr FileKind recording_kind{"phymulRe", 3, "a recording"};
+constexpr const char* head_tag = "head";
+constexpr const char* start_tag = "stat";
+constexpr const char* scene_tag = "scne";
+constexpr const char* inputs_tag = "inpt";
+
+void put_head(ByteWriter& out, const Recording& recording) {
+  out.u64(recording.body);
+  out.text(recording.backend);
+  out.text(recording.device);
+  const RecordedOptions& options = recording.options;
+  for (const double value : {options.damping_rate, options.damping_factor, options.largest_push, options.rest_tolerance,
+                             options.stable_step}) {
+    out.real(value);
+  }
+  out.index(options.rest_steps);
+  out.u8(options.allows_unstable ? 1 : 0);
+}
+
+void take_head(ByteReader& in, Recording& recording) {
+  recording.body = in.u64("the body's fingerprint");
+  recording.backend = in.text("a backend's name");
+  recording.device = in.text("a device's name");
+  RecordedOptions& options = recording.options;
+  for (double* const value : {&options.damping_rate, &options.damping_factor, &options.largest_push,
+                              &options.rest_tolerance, &options.stable_step}) {
+    *value = in.real("an option");
+  }
+  options.rest_steps = in.index("a number of steps");
+  options.allows_unstable = in.u8("whether steps beyond the limit are allowed") != 0;
+  in.expect_end("section \"head\"");
+}
+
+void put_inputs(ByteWriter& out, const std::vector<Input>& inputs) {
+  out.u64(inputs.size());
+  for (const Input& input : inputs) {
+    out.raw(input.kind);
+    out.u64(input.times);
+    out.u64(input.bytes.size());
+    out.raw(input.bytes);
+  }
+}
+
+std::vector<Input> take_inputs(ByteReader& in) {
+  std::vector<Input> inputs(in.count(20, "a number of inputs"));
+  for (Input& input : inputs) {
+    input.kind = in.raw(4, "an input's kind");
+    input.times = in.u64("how often an input was made");
+    if (input.times == 0) in.fail("expected 1 or more times, got 0; the file was written by something else");
+    input.bytes = in.raw(in.count(1, "an input's length"), "an input");
+  }
+  in.expect_end("section \"inpt\"");
+  return inputs;
+}
+
+}  // namespace
+
+void save_recording(const Recording& recording, const std::string& path) {
+  ByteWriter head, start, scene, inputs;
+  put_head(head, recording);
+  put_snapshot(start, recording.start);
+  scene.raw(recording.scene);
+  put_inputs(inputs, recording.inputs);
+  SectionWriter file(recording_kind);
+  file.add(head_tag, head);
+  file.add(start_tag, start);
+  file.add(scene_tag, scene);
+  file.add(inputs_tag, inputs);
+  const std::string bytes = file.finish();
+  replace_file(path, [&](std::ostream& out) { out.write(bytes.data(), static_cast<std::streamsize>(bytes.size())); });
+}
+
+Recording read_recording_bytes(std::string_view bytes, const std::string& name) {
+  const std::vector<FileSection> sections = read_sections(name, bytes, recording_kind);
+  const bool known = sections.size() == 4 && sections[0].tag == head_tag && sections[1].tag == start_tag &&
+                     sections[2].tag == scene_tag && sections[3].tag == inputs_tag;
+  if (!known) {
+    throw Error(name + ": expected the sections \"head\", \"stat\", \"scne\" and \"inpt\", got " +
+                std::to_string(sections.size()) + " others; the file was written by something else");
+  }
+  Recording recording;
+  const auto reader = [&](std::size_t k) { return ByteReader(name, sections[k].payload, sections[k].first_byte); };
+  ByteReader head = reader(0), start = reader(1), inputs = reader(3);
+  take_head(head, recording);
+  recording.start = take_snapshot(start);
+  recording.start.body = recording.body;
+  start.expect_end("section \"stat\"");
+  recording.scene = sections[2].payload;
+  recording.inputs = take_inputs(inputs);
+  return recording;
+}
+
+Recording read_recording(const std::string& path) {
+  return read_recording_bytes(read_whole_file(path, std::numeric_limits<std::size_t>::max()), path);
+}
+
+}  // namespace phymul

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/error.h>
+#include <phymul/recording.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "base/decimal.h"
+#include "input_kinds.h"
+#include "scene_bytes.h"
+#include "snapshot_bytes.h"
+#include "tool_bytes.h"
+
+namespace phymul {
+namespace {
+
+bool same_bits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+
+void require_same(const char* what, double recorded, double own) {
+  if (same_bits(recorded, own)) return;
+  throw Error(std::string("Replay: expected a solver with ") + what + " " + to_decimal(recorded) +
+              ", as the recording's, got " + to_decimal(own));
+}
+
+void require_same_options(const RecordedOptions& recorded, const RecordedOptions& own) {
+  require_same("damping.rate", recorded.damping_rate, own.damping_rate);
+  require_same("damping.factor", recorded.damping_factor, own.damping_factor);
+  require_same("largest_push", recorded.largest_push, own.largest_push);
+  require_same("rest_tolerance", recorded.rest_tolerance, own.rest_tolerance);
+  require_same("rest_steps", recorded.rest_steps, own.rest_steps);
+  require_same("on_unstable (1: allow)", recorded.allows_unstable, own.allows_unstable);
+  require_same("stable_step()", recorded.stable_step, own.stable_step);
+}
+
+ByteReader reader(const Input& input) {
+  return {"input \"" + input.kind + '"', input.bytes};
+}
+
+struct StepInput {
+  int n;
+  double dt;
+};
+
+StepInput take_step(const Input& input) {
+  ByteReader in = reader(input);
+  const StepInput step{in.index("a number of steps"), in.real("a step")};
+  in.expect_end("the input");
+  return step;
+}
+
+}  // namespace
+
+Replay::Replay(Recording recording, Solver& solver, Scene& scene)
+    : recording_(std::move(recording)), solver_(solver), scene_(scene) {
+  if (&scene.model() != &solver.model()) throw Error("Replay: the scene was made for another model");
+  if (solver.body() != recording_.body) {
+    throw Error(
+        "Replay: the recording is of another body: other shape, material, order of particles or options of the "
+        "tables; build the one that was recorded");
+  }
+  require_same_options(recording_.options, recorded_options(solver));
+  start_scene();
+  try {
+    solver_.restore(recording_.start);
+  } catch (const Error& error) {
+    throw Error(std::string("Replay: the start: ") + error.what());
+  }
+}
+
+void Replay::start_scene() {
+  try {
+    ByteReader in("scene", recording_.scene);
+    change_scene(scene_, in);
+  } catch (const Error& error) {
+    throw Error(std::string("Replay: the scene at the start: ") + error.what());
+  }
+}
+
+void Replay::follow_checkpoint(const Input& input) const {
+  ByteReader in = reader(input);
+  const std::uint64_t recorded = in.u64("a fingerprint");
+  const double time = in.real("a time");
+  in.expect_end("the input");
+  const Snapshot now = solver_.snapshot();
+  if (fingerprint(now) == recorded) return;
+  throw Error("expected the recorded state at t = " + to_decimal(time) +
+              " s, got another one at t = " + to_decimal(now.state.time) + " s; it was recorded on " +
+              recording_.backend + " (" + recording_.device + "), this is " + std::string(solver_.name()) + " (" +
+              solver_.device() + "): another backend or vector width gives other last bits");
+}
+
+void Replay::move_tool(const Input& input) {
+  ByteReader in = reader(input);
+  const ToolHandle tool = scene_.tool(in.text("a tool's name"));
+  const bool set = in.u8("whether it is placed, or grasps") != 0;
+  if (input.kind == input_kind::pose) {
+    const ToolPose pose = take_pose(in);
+    set ? tool.place(pose) : tool.pose(pose);
+  } else {
+    const double distance = in.real("a distance to grasp within");
+    set ? tool.grasp(distance) : tool.release();
+  }
+  in.expect_end("the input");
+}
+
+void Replay::perform(const Input& input) {
+  if (input.kind == input_kind::step) {
+    const StepInput step = take_step(input);
+    report_ = solver_.step(step.n, step.dt);
+  } else if (input.kind == input_kind::to_rest) {
+    const StepInput step = take_step(input);
+    report_ = solver_.run_to_rest(step.n, step.dt);
+  } else if (input.kind == input_kind::restore) {
+    ByteReader in = reader(input);
+    const Snapshot snapshot = take_snapshot(in);
+    in.expect_end("the input");
+    solver_.restore(snapshot);
+  } else if (input.kind == input_kind::scene) {
+    ByteReader in = reader(input);
+    change_scene(scene_, in);
+  } else if (input.kind == input_kind::pose || input.kind == input_kind::grasp) {
+    move_tool(input);
+  } else if (input.kind == input_kind::checkpoint) {
+    follow_checkpoint(input);
+  } else if (on_note) {
+    on_note(input);
+  }
+}
+
+void Replay::advance() {
+  ++position_;
+  if (++done_ >= recording_.inputs[row_].times) {
+    ++row_;
+    done_ = 0;
+  }
+}
+
+bool Replay::next() {
+  if (row_ >= recording_.inputs.size()) return false;
+  try {
+    perform(recording_.inputs[row_]);
+  } catch (const Error& error) {
+    throw Error("Replay: input " + std::to_string(position_) + ": " + error.what());
+  }
+  advance();
+  return true;
+}
+
+void Replay::run() {
+  while (next()) {
+  }
+}
+
+void Replay::skip_to(std::uint64_t position) {
+  if (position < position_) {
+    start_scene();
+    row_ = 0;
+    done_ = position_ = 0;
+  }
+  while (position_ < position) {
+    if (row_ >= recording_.inputs.size()) {
+      throw Error("Replay: expected a position of " + std::to_string(position_) + " or less, got " +
+                  std::to_string(position));
+    }
+    const Input& input = recording_.inputs[row_];
+    const bool of_scene =
+        input.kind == input_kind::scene || input.kind == input_kind::pose || input.kind == input_kind::grasp;
+    if (of_scene) {
+      perform(input);
+      advance();
+    } else {
+      const std::uint64_t some = std::min(position - position_, input.times - done_);
+      position_ += some - 1;
+      done_ += some - 1;
+      advance();
+    }
+  }
+}
+
+}  // namespace phymul

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+//
+// A scene in bytes, load by load. A change of a scene is: whether it starts from an empty one (u8), gravity, contacts,
+// the number of loads (u64), the changed ones (count, then row and load each), all tools by name, with what they are
+// where they are new, and after an empty scene the kept volumes.
+#pragma once
+
+#include <phymul/scene.h>
+
+#include "base/checked_file.h"
+
+namespace phymul {
+
+std::string load_bytes(const Load& load);
+Load take_load(ByteReader& in);  ///< throws Error for a value that no load has; the scene checks the rest
+
+std::string volume_bytes(const Scene& scene);
+
+/// A scene as it was: what a change is told from.
+struct SceneBefore {
+  std::vector<std::string> loads;    ///< load_bytes of each
+  std::string volumes;               ///< volume_bytes
+  std::vector<std::uint64_t> tools;  ///< SceneTool::id
+};
+SceneBefore scene_as_it_is(const Scene& scene);
+
+/// The change from a scene as it was; `anew`: from an empty one. A kept volume can only be taken back by making the
+/// scene anew.
+std::string scene_change_bytes(const Scene& scene, const SceneBefore& before, bool anew);
+
+/// Makes such a change. Throws Error for bytes that are none, or that the scene refuses.
+void change_scene(Scene& scene, ByteReader& in);
+
+}  // namespace phymul

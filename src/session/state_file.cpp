@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/error.h>
+#include <phymul/state_file.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+#include <ostream>
+
+#include "base/byte_source.h"
+#include "base/checked_file.h"
+#include "base/replace_file.h"
+#include "snapshot_bytes.h"
+
+namespace phymul {
+namespace {
+
+constexpr FileKind state_kind{"phymulSt", 3, "a state file"};
+constexpr const char* body_tag = "body";
+constexpr const char* state_tag = "stat";
+
+std::string hexadecimal(std::uint64_t value) {
+  char text[24];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
+  return text;
+}
+
+std::size_t bytes_of(const Snapshot& snapshot) {
+  std::size_t bytes = sizeof(Snapshot) + sizeof(Vec3) * (snapshot.state.position.size() +
+                                                         snapshot.state.velocity.size() + snapshot.displacement.size());
+  for (const ToolState& tool : snapshot.state.tools) {
+    bytes += sizeof tool + tool.name.size() + tool.held.size() * (sizeof(Index) + sizeof(Vec3));
+    bytes += tool.needle.shaft.size() * sizeof(ShaftLoad);
+    for (const NeedleNode& node : tool.needle.hole) {
+      bytes += sizeof node + node.particles.size() * (sizeof(Index) + sizeof(double));
+    }
+  }
+  for (const Snapshot::Part& part : snapshot.parts) bytes += sizeof part + part.name.size() + part.bytes.size();
+  return bytes;
+}
+
+}  // namespace
+
+void save_state(const Solver& solver, const std::string& path) {
+  save_state({solver.body(), std::string(solver.name()), solver.snapshot()}, path);
+}
+
+void save_state(const SavedState& saved, const std::string& path) {
+  ByteWriter body, state;
+  body.u64(saved.body);
+  body.text(saved.backend);
+  put_snapshot(state, saved.snapshot);
+  SectionWriter file(state_kind);
+  file.add(body_tag, body);
+  file.add(state_tag, state);
+  const std::string bytes = file.finish();
+  replace_file(path, [&](std::ostream& out) { out.write(bytes.data(), static_cast<std::streamsize>(bytes.size())); });
+}
+
+SavedState read_state_bytes(std::string_view bytes, const std::string& name) {
+  const std::vector<FileSection> sections = read_sections(name, bytes, state_kind);
+  if (sections.size() != 2 || sections[0].tag != body_tag || sections[1].tag != state_tag) {
+    throw Error(name + ": expected the sections \"body\" and \"stat\", got " + std::to_string(sections.size()) +
+                " others; the file was written by something else");
+  }
+  SavedState saved;
+  ByteReader body(name, sections[0].payload, sections[0].first_byte);
+  saved.body = body.u64("the body's fingerprint");
+  saved.backend = body.text("a backend's name");
+  body.expect_end("section \"body\"");
+  ByteReader state(name, sections[1].payload, sections[1].first_byte);
+  saved.snapshot = take_snapshot(state);
+  saved.snapshot.body = saved.body;
+  state.expect_end("section \"stat\"");
+  return saved;
+}
+
+SavedState read_state(const std::string& path) {
+  return read_state_bytes(read_whole_file(path, std::numeric_limits<std::size_t>::max()), path);
+}
+
+void load_state(Solver& solver, const std::string& path) {
+  const SavedState saved = read_state(path);
+  const std::size_t count = saved.snapshot.state.position.size();
+  const auto own_count = static_cast<std::size_t>(solver.topology().particle_count);
+  if (count != own_count) {
+    // Magic word, version and the head of a section before the body; its text, a checksum and a head before the state.
+    throw Error(path + ": byte " + std::to_string(24 + 12 + saved.backend.size() + 16) + ": expected a state of " +
+                std::to_string(own_count) + " particles, got one of " + std::to_string(count) +
+                "; load it into a solver of the body it was saved from");
+  }
+  const std::uint64_t own = solver.body();
+  if (saved.body != own) {
+    throw Error(path + ": byte 24: expected a state of the body " + hexadecimal(own) + ", got one of " +
+                hexadecimal(saved.body) +
+                ", which has another shape, material, order of particles or other options; load it into a solver over "
+                "the same tables, or take read_state(...).snapshot.state where only positions are wanted");
+  }
+  try {
+    solver.restore(saved.snapshot);
+  } catch (const Error& error) {
+    throw Error(path + ": " + error.what());
+  }
+}
+
+StateHistory::StateHistory(int every, std::size_t most_bytes) : every_(every), most_bytes_(most_bytes) {
+  if (every < 1 || most_bytes < 1) {
+    throw Error("StateHistory: expected a state every 1 step or more and room for 1 byte or more, got " +
+                std::to_string(every) + " and " + std::to_string(most_bytes));
+  }
+}
+
+void StateHistory::drop_after(double time) {
+  while (!states_.empty() && states_.back().state.time > time) {
+    bytes_ -= bytes_of(states_.back());
+    states_.pop_back();
+  }
+}
+
+void StateHistory::follow(const Solver& solver, const StepReport& report) {
+  if (!states_.empty() && states_.back().body != solver.body()) {
+    throw Error(
+        "StateHistory::follow: expected a solver of the body whose states are kept, got one of another shape, "
+        "material, order of particles or other options of the tables; clear() the history, or keep one for each body");
+  }
+  drop_after(report.time);
+  since_ += report.steps;
+  if (!states_.empty() && since_ < every_) return;
+  Snapshot now = solver.snapshot();
+  bytes_ += bytes_of(now);
+  states_.push_back(std::move(now));
+  since_ = 0;
+  // The newest stays, however large: a history without any would be none.
+  while (bytes_ > most_bytes_ && states_.size() > 1) {
+    bytes_ -= bytes_of(states_.front());
+    states_.pop_front();
+  }
+}
+
+const Snapshot* StateHistory::newest_at(double time) const {
+  const auto after = std::upper_bound(states_.begin(), states_.end(), time,
+                                      [](double when, const Snapshot& state) { return when < state.state.time; });
+  return after == states_.begin() ? nullptr : &*(after - 1);
+}
+
+bool StateHistory::rewind(Solver& solver, double time) {
+  const Snapshot* const found = newest_at(time);
+  if (found == nullptr) return false;
+  solver.restore(*found);
+  drop_after(found->state.time);
+  since_ = 0;
+  return true;
+}
+
+void StateHistory::clear() {
+  states_.clear();
+  bytes_ = 0;
+  since_ = 0;
+}
+
+}  // namespace phymul

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#include "solver_input.h"
+
+#include <phymul/error.h>
+
+#include <cmath>
+#include <string>
+
+#include "base/decimal.h"
+
+namespace phymul {
+namespace {
+
+/// s. Below it dt squared leaves the normal numbers of single precision, and a body on such a backend stands still;
+/// with subnormal ones, double precision too fails. No wave in any body is this short.
+constexpr double smallest_step = 1e-18;
+
+}  // namespace
+
+void require_options(const SolverOptions& options) {
+  const Damping& d = options.damping;
+  if (!(d.rate >= 0.0) || !std::isfinite(d.rate)) {
+    throw Error("SolverOptions::damping.rate must be a finite rate in 1/s, 0 or more; got " + to_decimal(d.rate));
+  }
+  if (!(d.factor >= 0.0 && d.factor <= 1.0)) {
+    throw Error("SolverOptions::damping.factor must be in [0, 1] (1 takes nothing, above 1 a body gains energy); got " +
+                to_decimal(d.factor));
+  }
+  if (!(options.rest_tolerance > 0.0)) {
+    throw Error("SolverOptions::rest_tolerance must be above 0; got " + to_decimal(options.rest_tolerance));
+  }
+  if (!(options.largest_push > 0.0)) {
+    throw Error("SolverOptions::largest_push must be above 0 (infinite: no force is cut); got " +
+                to_decimal(options.largest_push));
+  }
+  if (options.rest_steps < 1) {
+    throw Error("SolverOptions::rest_steps must be 1 or more; got " + std::to_string(options.rest_steps));
+  }
+  if (!(options.progress_seconds >= 0.0) || !std::isfinite(options.progress_seconds)) {
+    throw Error("SolverOptions::progress_seconds must be finite and 0 or more; got " +
+                to_decimal(options.progress_seconds));
+  }
+  if (options.threads < 0) {
+    throw Error("SolverOptions::threads must be 0 (chosen by the solver) or more; got " +
+                std::to_string(options.threads));
+  }
+}
+
+const char* why_no_steps(int n, double dt, bool to_rest, const Damping& damping) {
+  if (n < 0) return "expected 0 steps or more, got a negative number";
+  if (std::isinf(dt) && dt > 0.0) {
+    return "expected a finite step; stable_step() is infinite for a body without stiffness, which sets no step of its "
+           "own: give one in which its loads and tools move little, such as 1e-3 s";
+  }
+  if (!(dt > 0.0) || !std::isfinite(dt)) return "expected a finite step above 0 s";
+  if (dt < smallest_step) return "expected a step of at least 1e-18 s; is a time in the wrong unit?";
+  if (to_rest && damping.rate == 0.0 && damping.factor == 1.0) {
+    return "run_to_rest() expected damping, without which nothing comes to rest; set SolverOptions::damping.rate "
+           "(1/s), or call step()";
+  }
+  return nullptr;
+}
+
+}  // namespace phymul

@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/error.h>
+#include <phymul/topology_textures.h>
+
+#include "base/decimal.h"
+#include "calibrated_bases.h"
+#include "topology_match.h"
+#include "topology_terms.h"
+#include "transpose.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+namespace phymul {
+namespace {
+
+void require(bool holds, const std::string& sentence) {
+  if (!holds) throw Error(sentence);
+}
+
+void check_options(const TopologyOptions& o) {
+  const auto is_not_negative = [](double value) { return std::isfinite(value) && value >= 0.0; };
+  require(o.min_quality >= 0.0 && o.min_quality < 1.0,
+          "min_quality is " + to_decimal(o.min_quality) +
+              "; expected at least 0 and below 1 (a regular triangle has 0.87)");
+  require(o.max_barycentric > 0.0, "max_barycentric is " + to_decimal(o.max_barycentric) + "; expected above 0");
+  require(is_not_negative(o.area_exponent), "area_exponent is " + to_decimal(o.area_exponent) + "; expected 0 or more");
+  require(is_not_negative(o.volume_stiffness),
+          "volume_stiffness is " + to_decimal(o.volume_stiffness) + " Pa; expected 0 or more");
+  require(o.cell_average >= 0.0 && o.cell_average < 1.0,
+          "cell_average is " + to_decimal(o.cell_average) + "; expected at least 0 and below 1 (0.9 is a good value)");
+}
+
+// "particles 3, 7, 9 and 12 more", by the file's numbers where there are some.
+std::string particle_names(const Model& model, const std::vector<Index>& particles) {
+  constexpr std::size_t most = 5;
+  std::string text = particles.size() == 1 ? "particle " : "particles ";
+  for (std::size_t k = 0; k < std::min(particles.size(), most); ++k) {
+    const Index i = particles[k];
+    text += (k > 0 ? ", " : "") + std::to_string(model.file_index.empty() ? i : model.file_index[i]);
+  }
+  if (particles.size() > most) text += " and " + std::to_string(particles.size() - most) + " more";
+  return text;
+}
+
+std::vector<Index> particles_without_base(const BaseTable& table) {
+  std::vector<Index> result;
+  for (Index i = 0; i + 1 < static_cast<Index>(table.offset.size()); ++i) {
+    if (table.size(i) == 0) result.push_back(i);
+  }
+  return result;
+}
+
+std::string how_to_get_bases(const Model& model, BaseSelection bases) {
+  if (bases == BaseSelection::opposite_faces) {
+    return std::string("bases from opposite_faces are faces of ") +
+           (model.dimension == 3 ? "volume cells" : "triangles and quads") +
+           ". Put each particle in a cell that is not flat, use BaseSelection::thresholded, which takes neighbours";
+  }
+  const std::string least =
+      model.dimension == 3 ? "3 neighbours that are not on a line" : "2 neighbours at different places";
+  if (bases == BaseSelection::all) return "one takes " + least + ". Give more neighbours";
+  return "one takes " + least +
+         ", and must pass the thresholds. Give more neighbours, loosen min_quality and max_barycentric";
+}
+
+void treat_sparse(const Model& model, const BaseTable& table, TopologyTextures& topology) {
+  const std::vector<Index> sparse = particles_without_base(table);
+  if (sparse.empty()) return;
+  switch (topology.options.on_sparse) {
+    case SparseParticle::error:
+      throw Error(particle_names(model, sparse) + (sparse.size() == 1 ? " has" : " have") + " no base: " +
+                  how_to_get_bases(model, topology.options.bases) + ", or set on_sparse to springs or free");
+    case SparseParticle::springs:
+      require(model.materials.empty(), particle_names(model, sparse) + (sparse.size() == 1 ? " is" : " are") +
+                                           " in no cell that has a material, and springs would need a stiffness in "
+                                           "N/m. Set on_sparse to free, or remove these particles");
+      topology.springs = springs_around(model, sparse);
+      break;
+    case SparseParticle::free:
+      break;
+  }
+}
+
+// Neighbour rows: the model's own, or the vertices of each particle's bases in increasing order.
+RaggedList neighbour_rows(const Model& model, const BaseTable& table, bool from_bases) {
+  if (!from_bases) return model.neighbours;
+  RaggedList rows;
+  std::vector<Index> row;
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    row.clear();
+    for (std::size_t t = table.offset[i]; t < table.offset[i + 1]; ++t) {
+      for (const Index v : table.base[t].vertex) {
+        if (v >= 0) row.push_back(v);
+      }
+    }
+    std::ranges::sort(row);
+    row.erase(std::ranges::unique(row).begin(), row.end());
+    rows.push_row(row.begin(), row.end());
+  }
+  return rows;
+}
+
+void pack_neighbours(const RaggedList& rows, int limit, TopologyTextures& topology) {
+  topology.neighbour_count = rows.offset.back();
+  topology.neighbour_shape = fit_texture(topology.neighbour_count, limit, "neighbours");
+  topology.neighbours = rows.entry;
+  topology.neighbours.resize(static_cast<std::size_t>(topology.neighbour_shape.texels()), none);
+  topology.alpha.assign(topology.neighbours.size(), 0.0);
+  for (Index i = 0; i < rows.rows(); ++i) {
+    topology.index[i].neighbour_count = rows.size(i);
+    topology.index[i].first_neighbour = rows.offset[i];
+  }
+}
+
+void pack_bases(const BaseTable& table, int limit, TopologyTextures& topology) {
+  topology.base_count = static_cast<Index>(table.base.size());
+  topology.base_shape = fit_texture(topology.base_count, limit, "bases");
+  topology.bases.resize(static_cast<std::size_t>(topology.base_shape.texels()));
+  topology.lambda.reserve(table.base.size());
+  for (std::size_t t = 0; t < table.base.size(); ++t) {
+    const RestBase& base = table.base[t];
+    topology.bases[t] = {base.vertex, base.beta};
+    topology.lambda.push_back(base.lambda);
+    if (topology.options.area_exponent != 0.0) topology.rest_area.push_back(base.area);
+  }
+  topology.weight = table.weight;
+  topology.stiffness = table.stiffness;
+  for (Index i = 0; i < topology.particle_count; ++i) {
+    topology.index[i].base_count = static_cast<Index>(table.size(i));
+    topology.index[i].first_base = static_cast<Index>(table.offset[i]);
+  }
+}
+
+// alpha_ij = sum over t of w_t lambda_t at j.
+void fill_alpha(TopologyTextures& topology) {
+  std::vector<Index> row_of(static_cast<std::size_t>(topology.particle_count), none);
+  for (Index i = 0; i < topology.particle_count; ++i) {
+    const IndexTexel& texel = topology.index[i];
+    for (Index r = texel.first_neighbour; r < texel.first_neighbour + texel.neighbour_count; ++r) {
+      row_of[topology.neighbours[r]] = r;
+    }
+    for (Index t = texel.first_base; t < texel.first_base + texel.base_count; ++t) {
+      for (std::size_t corner = 0; corner < 3; ++corner) {
+        const Index vertex = topology.bases[t].vertex[corner];
+        if (vertex >= 0) topology.alpha[row_of[vertex]] += topology.weight[t] * topology.lambda[t][corner];
+      }
+    }
+  }
+}
+
+// A corner of a transposed list must be a 32-bit number.
+Index checked_rows(std::size_t rows, int corners, const char* table) {
+  const std::size_t most =
+      static_cast<std::size_t>(std::numeric_limits<Index>::max()) / static_cast<std::size_t>(corners);
+  require(rows <= most, "the table of " + std::string(table) + " has " + std::to_string(rows) + " rows; " +
+                            std::to_string(most) + " fit 32-bit numbers. Use fewer particles or cells");
+  return static_cast<Index>(rows);
+}
+
+void fill_transposes(TopologyTextures& topology) {
+  const TopologyOptions& options = topology.options;
+  const Index n = topology.particle_count;
+  if (topology.base_count > 0) {
+    if (options.reaction == Reaction::averaged || options.reaction == Reaction::conservative) {
+      topology.base_of = transpose(n, topology.base_count, 3,
+                                   [&](Index row, Index corner) { return topology.bases[row].vertex[corner]; });
+      topology.base_owner.resize(static_cast<std::size_t>(topology.base_count));
+      for (Index i = 0; i < n; ++i) {
+        std::fill_n(topology.base_owner.begin() + topology.index[i].first_base, topology.index[i].base_count, i);
+      }
+    } else {
+      topology.neighbour_of =
+          transpose(n, topology.neighbour_count, 1, [&](Index row, Index) { return topology.neighbours[row]; });
+      topology.neighbour_owner.resize(static_cast<std::size_t>(topology.neighbour_count));
+      for (Index i = 0; i < n; ++i) {
+        std::fill_n(topology.neighbour_owner.begin() + topology.index[i].first_neighbour,
+                    topology.index[i].neighbour_count, i);
+      }
+    }
+  }
+  if (!topology.springs.empty()) {
+    topology.spring_of = transpose(n, checked_rows(topology.springs.size(), 2, "springs"), 2,
+                                   [&](Index row, Index end) { return topology.springs[row].end[end]; });
+  }
+  if (!topology.volumes.empty()) {
+    topology.volume_of = transpose(n, checked_rows(topology.volumes.size(), 4, "volume terms"), 4,
+                                   [&](Index row, Index corner) { return topology.volumes[row].vertex[corner]; });
+  }
+  if (!topology.cells.empty()) {
+    topology.cell_of = transpose(n, checked_rows(topology.cells.size(), 8, "cell terms"), 8,
+                                 [&](Index row, Index corner) { return topology.cells[row].vertex[corner]; });
+  }
+}
+
+TopologyTextures start(const Model& model, const TopologyOptions& options) {
+  TopologyTextures topology;
+  topology.options = options;
+  topology.dimension = model.dimension;
+  topology.model = model_fingerprint(model);
+  topology.particle_count = model.particle_count();
+  topology.index_shape = fit_texture(topology.particle_count, options.max_texture_size, "particles");
+  topology.index.resize(static_cast<std::size_t>(topology.index_shape.texels()));
+  topology.rest = model.rest;
+  topology.mass = model.mass;
+  return topology;
+}
+
+std::int64_t most_base_rows(const TopologyOptions& options) {
+  const std::int64_t side = options.max_texture_size;
+  return std::min<std::int64_t>(side * side, std::numeric_limits<Index>::max() / 3);
+}
+
+BaseTable no_bases(const Model& model) {
+  BaseTable table;
+  table.offset.assign(model.rest.size() + 1, 0);
+  table.stiffness = model.stiffness;
+  return table;
+}
+
+void check_material_options(const TopologyOptions& options) {
+  require(options.law == Law::shape_memory,
+          "springs take their stiffness in N/m and cannot carry a material; clear Model::materials, or use "
+          "Law::shape_memory");
+  require(options.reaction == Reaction::conservative,
+          "a calibrated material needs Reaction::conservative: the other reactions have no stiffness against uniform "
+          "strain inside a body. Use it, or clear Model::materials and set stiffness in N/m");
+  require(options.volume_stiffness == 0.0,
+          "volume_stiffness is for models without a material; with one it follows from Poisson's ratio. Set it to 0");
+  require(options.area_exponent == 0.0,
+          "area_exponent follows from the material. Set it to 0, and poisson_route to area_exponent where it is to be "
+          "used");
+  require(options.cell_average == 0.0 || options.poisson_route == PoissonRoute::volume_term,
+          "cell_average goes with PoissonRoute::volume_term: a cell's mean deformation has no base area. Set one of "
+          "the two back");
+}
+
+bool has_tetrahedra(const Model& model) {
+  return std::any_of(model.cells.begin(), model.cells.end(),
+                     [](const Cell& cell) { return cell.type == CellType::tetrahedron; });
+}
+
+BaseTable build_calibrated(const Model& model, TopologyTextures& topology) {
+  TopologyOptions& options = topology.options;
+  check_material_options(options);
+  if (options.bases != BaseSelection::fitted) {
+    // Without a volume term tetrahedra have no mean-deformation share to make up for their four directions.
+    const bool fit = options.poisson_route == PoissonRoute::area_exponent && has_tetrahedra(model);
+    options.bases = fit ? BaseSelection::fitted : BaseSelection::opposite_faces;
+  }
+  const std::vector<Calibration> calibration = calibrate_model(model, options.poisson_route);
+  options.area_exponent = calibration.front().exponent;
+  CalibratedBody body = calibrated_body(model, options, calibration, most_base_rows(options));
+  topology.cells = std::move(body.cells);
+  topology.volumes = std::move(body.volumes);
+  return std::move(body.bases);
+}
+
+BaseTable build_plain(const Model& model, TopologyTextures& topology) {
+  const TopologyOptions& options = topology.options;
+  require(options.cell_average == 0.0, "cell_average needs a material: call set_material, or set cell_average to 0");
+  if (options.volume_stiffness > 0.0) topology.volumes = volume_terms(model, options.volume_stiffness);
+  if (options.law == Law::shape_memory) return select_bases(model, options, most_base_rows(options));
+  topology.springs = neighbour_springs(model);
+  return no_bases(model);
+}
+
+}  // namespace
+
+TopologyTextures build_topology(const Model& model, const TopologyOptions& options) {
+  validate(model);
+  check_options(options);
+  TopologyTextures topology = start(model, options);
+  const bool has_material = !model.materials.empty();
+  const BaseTable table = has_material ? build_calibrated(model, topology) : build_plain(model, topology);
+  if (options.law == Law::shape_memory) treat_sparse(model, table, topology);
+  const bool from_bases = options.law == Law::shape_memory && topology.options.bases == BaseSelection::opposite_faces;
+  pack_neighbours(neighbour_rows(model, table, from_bases), options.max_texture_size, topology);
+  pack_bases(table, options.max_texture_size, topology);
+  fill_alpha(topology);
+  fill_transposes(topology);
+  return topology;
+}
+
+}  // namespace phymul

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include "topology_match.h"
+
+#include <phymul/error.h>
+
+#include <string>
+
+#include "base/fnv.h"
+#include "model/cell_geometry.h"
+
+namespace phymul {
+namespace {
+
+std::uint64_t of_cells(const Model& model) {
+  Fnv sum;
+  for (const Cell& cell : model.cells) {
+    if (!is_solid(model.dimension, cell.type)) continue;
+    sum.add(cell.type);
+    sum.add(cell.particles.size());
+    sum.add(cell.particles);
+  }
+  return sum.value();
+}
+
+/// Cell by cell: a row of Model::materials that no cell has moves nothing, nor does their order.
+std::uint64_t of_materials(const Model& model) {
+  Fnv sum;
+  sum.add(model.materials.empty());
+  if (model.materials.empty()) return sum.value();
+  for (const Cell& cell : model.cells) {
+    if (!is_solid(model.dimension, cell.type)) continue;
+    const bool known = cell.material >= 0 && static_cast<std::size_t>(cell.material) < model.materials.size();
+    const Material material = known ? model.materials[static_cast<std::size_t>(cell.material)] : Material{};
+    sum.add(known);
+    sum.add(material.young);
+    sum.add(material.poisson);
+  }
+  return sum.value();
+}
+
+std::uint64_t of_neighbours(const Model& model) {
+  Fnv sum;
+  sum.add(model.neighbours.offset);
+  sum.add(model.neighbours.entry);
+  return sum.value();
+}
+
+std::uint64_t of_stiffness(const Model& model) {
+  Fnv sum;
+  if (model.materials.empty()) sum.add(model.stiffness);
+  return sum.value();
+}
+
+[[noreturn]] void refuse(const std::string& difference) {
+  throw Error("the tables were built for another model, or before this one was changed: " + difference +
+              "; build them anew with build_topology, or undo the change");
+}
+
+void require_same(std::uint64_t built, std::uint64_t own, const char* difference) {
+  if (built != own) refuse(difference);
+}
+
+}  // namespace
+
+ModelFingerprint model_fingerprint(const Model& model) {
+  return {.neighbours = of_neighbours(model),
+          .cells = of_cells(model),
+          .materials = of_materials(model),
+          .stiffness = of_stiffness(model)};
+}
+
+void require_same_body(const TopologyTextures& topology, const Model& model) {
+  if (topology.particle_count != model.particle_count()) {
+    throw Error("the tables were built for " + std::to_string(topology.particle_count) +
+                " particles, the scene's model has " + std::to_string(model.particle_count()) +
+                "; build them anew with build_topology");
+  }
+  if (topology.dimension != model.dimension) {
+    refuse("it had " + std::to_string(topology.dimension) + " dimensions, the scene's has " +
+           std::to_string(model.dimension));
+  }
+  for (Index i = 0; i < topology.particle_count; ++i) {
+    const bool same_place = topology.rest[i] == model.rest[i];
+    if (same_place && topology.mass[i] == model.mass[i]) continue;
+    refuse("particle " + std::to_string(i) + " has another " + (same_place ? "mass" : "rest place") + " there");
+  }
+  if (!topology.model) return;  // not from build_topology
+  const ModelFingerprint own = model_fingerprint(model);
+  require_same(topology.model->cells, own.cells, "its cells were others, or in another order");
+  require_same(topology.model->materials, own.materials,
+               "cells had another Young's modulus or Poisson's ratio, or none");
+  require_same(topology.model->stiffness, own.stiffness, "particles had another stiffness");
+  require_same(topology.model->neighbours, own.neighbours, "particles had other neighbours, or in another order");
+}
+
+}  // namespace phymul

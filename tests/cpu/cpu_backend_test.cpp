@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: MIT
+//
+// The vector backend: forces within the rounding bound for every term and instruction set, the same bits for any number
+// of threads, no allocation in a step.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <iostream>
+#include <string>
+#include <thread>
+
+#include "support/allocation_count.h"
+#include "support/bodies.h"
+#include "support/cpu_forces.h"
+#include "support/message_of.h"
+
+namespace phymul::test {
+namespace {
+
+/// conservative_variants() and the reactions that have no energy.
+std::vector<Variant> all_variants() {
+  std::vector<Variant> all = conservative_variants();
+  for (const auto& [name, reaction] :
+       {std::pair{"full", Reaction::full}, std::pair{"shared", Reaction::shared},
+        std::pair{"barycentric", Reaction::barycentric}, std::pair{"averaged", Reaction::averaged}}) {
+    Variant v;
+    v.name = name;
+    v.options.reaction = reaction;
+    v.options.volume_stiffness = 50.0;
+    all.push_back(v);
+    v.name += " all";
+    v.options.volume_stiffness = 0.0;
+    v.options.bases = BaseSelection::all;
+    all.push_back(v);
+    v.name += " p=1";
+    v.options.area_exponent = 1.0;
+    all.push_back(v);
+  }
+  return all;
+}
+
+/// bodies(), and a lattice of enough cells of one shape, beside others, for the kernel of lattices.
+std::vector<Body> all_bodies() {
+  std::vector<Body> all = bodies();
+  Model lattice = make_block({0.06, 0.05, 0.06}, 6, 5, 6);
+  for (Vec3& p : lattice.rest) p += Vec3(0.3, -0.2, 0.1);
+  all.push_back({"lattice", lattice});
+  lattice.rest[0].x() -= 0.002;
+  all.push_back({"dented lattice", lattice});
+  all.push_back({"uneven lattice", make_block({0.06, 0.08, 0.045}, 6, 5, 6)});
+  return all;
+}
+
+struct Case {
+  std::string name;
+  Model model;
+  std::shared_ptr<const TopologyTextures> tables;
+};
+
+template <class Visit>
+void for_each_case(const Visit& visit) {
+  for (const Body& body : all_bodies()) {
+    for (const Variant& variant : all_variants()) {
+      const bool lattice = body.name.ends_with("lattice");
+      if (!applies(variant, body) || (lattice && !variant.material)) continue;
+      const Model model = prepared(variant, body);
+      visit(Case{body.name + ", " + variant.name, model,
+                 std::make_shared<const TopologyTextures>(build_topology(model, variant.options))});
+    }
+  }
+}
+
+TEST(CpuBackend, ForcesAreWithinTheRoundingBound) {
+  double worst = 0.0;
+  std::string where;
+  for_each_case([&](const Case& body) {
+    const Scene scene(body.model);
+    for (const double amount : {0.001, 0.1, 0.3}) {
+      const VecList u = random_displacements(body.model, amount, 11), x = sum_of(body.tables->rest, u);
+      VecList exact(x.size());
+      elastic_forces(*body.tables, x, exact);
+      const BoundedForces bounded(*body.tables, u);
+      for (const cpu::simd::Kernels* kernels : cpu::simd::usable_kernels()) {
+        const InstructionSet chosen(kernels->name);
+        const VecList found = forces_of(*make_solver("cpu", body.tables, scene, any_step()), x);
+        for (std::size_t i = 0; i < x.size(); ++i) {
+          const double share = share_of_bound(bounded.force(static_cast<Index>(i)), exact[i], found[i]);
+          ASSERT_LE(share, 1.0) << body.name << ", " << kernels->name << ", " << amount << ", particle " << i;
+          if (share > worst) {
+            worst = share;
+            where = body.name + ", " + kernels->name;
+          }
+        }
+      }
+    }
+  });
+  std::cout << "worst error: " << worst << " of the bound (" << where << ")\n";
+  EXPECT_GT(worst, 0.01);  // a bound that nothing comes near would hide mistakes
+}
+
+TEST(CpuBackend, NoForceAtRestOrAfterATranslation) {
+  for_each_case([](const Case& body) {
+    const Scene scene(body.model);
+    VecList moved = body.tables->rest;
+    for (Vec3& p : moved) p += Vec3(1.5, -0.25, body.model.dimension == 2 ? 0.0 : 8.0);
+    for (const cpu::simd::Kernels* kernels : cpu::simd::usable_kernels()) {
+      const InstructionSet chosen(kernels->name);
+      const auto solver = make_solver("cpu", body.tables, scene, any_step());
+      for (const Vec3& f : forces_of(*solver, body.tables->rest)) ASSERT_EQ(f, Vec3(0, 0, 0)) << body.name;
+      for (const Vec3& f : forces_of(*solver, moved)) ASSERT_EQ(f, Vec3(0, 0, 0)) << body.name << ", moved";
+    }
+  });
+}
+
+Scene pulled(const Model& model) {
+  Scene scene(model);
+  Load pull;
+  pull.type = LoadType::translation;
+  pull.particles = model.group("x1");
+  pull.direction = {1, 0, 0};
+  pull.events = {{0.0, 0.0}, {1.0, 0.1}};
+  Load push;
+  push.particles = model.group("y1");
+  push.direction = {0, 1, 0};
+  push.events = {{0.0, 0.01}};
+  scene.fix("x0").gravity({0, 0, -9.81}).add(pull).add(push);
+  return scene;
+}
+
+/// Bodies of several clusters, with the terms of every kernel among them.
+std::vector<Case> large_cases() {
+  const auto make = [](std::string name, Model model, const TopologyOptions& options) {
+    return Case{std::move(name), model, std::make_shared<const TopologyTextures>(build_topology(model, options))};
+  };
+  const auto material = [](Model model) {
+    set_material(model, soft_tissue());
+    return model;
+  };
+  const Model block = make_block({0.14, 0.14, 0.14}, 14, 14, 14, 14);
+  const Model tetrahedra = make_tetrahedral_block({0.14, 0.14, 0.14}, 14, 14, 14, 0.2, 7);
+  return {make("springs", tetrahedra, {.law = Law::springs, .volume_stiffness = 50.0}),
+          make("shared", block, {.reaction = Reaction::shared, .bases = BaseSelection::all}),
+          make("averaged", block, {.reaction = Reaction::averaged, .bases = BaseSelection::all}),
+          make("fitted", tetrahedra, {.area_exponent = 1.0}),
+          make("tetrahedra", material(tetrahedra), {}),
+          make("lattice", material(make_block({0.2, 0.2, 0.2}, 20, 20, 20)), {.cell_average = 0.9})};
+}
+
+TEST(CpuBackend, AnyNumberOfThreadsGivesTheSameBits) {
+  for (const Case& body : large_cases()) {
+    const Scene scene = pulled(body.model);
+    for (const cpu::simd::Kernels* kernels : cpu::simd::usable_kernels()) {
+      const InstructionSet chosen(kernels->name);
+      State first;
+      for (const int threads : {1, 2, 4, 7, 1}) {
+        const auto solver = make_solver("cpu", body.tables, scene, any_step(threads));
+        EXPECT_EQ(solver->device().substr(0, 2), std::to_string(threads) + " ") << body.name;
+        State state = rest_state(body.model);
+        state.position = random_positions(body.model, 0.05, 9);
+        solver->reset(state);
+        const StepReport report = solver->step(5, 1e-5);
+        ASSERT_TRUE(report.ok()) << body.name << ": " << report.message();
+        solver->read(state);
+        if (first.position.empty()) first = state;
+        EXPECT_EQ(state, first) << body.name << ", " << kernels->name << ", " << threads << " threads";
+      }
+    }
+  }
+}
+
+TEST(CpuBackend, ClustersHaveTheForcesOfTheWhole) {
+  for (const Case& body : large_cases()) {
+    const Scene scene(body.model);
+    const VecList u = random_displacements(body.model, 0.1, 4), x = sum_of(body.tables->rest, u);
+    VecList exact(x.size());
+    elastic_forces(*body.tables, x, exact);
+    const VecList found = forces_of(*make_solver("cpu", body.tables, scene, any_step(2)), x);
+    const double scale = largest_norm(exact);
+    for (std::size_t i = 0; i < x.size(); ++i) ASSERT_LE((found[i] - exact[i]).norm(), 2e-6 * scale) << body.name;
+  }
+}
+
+TEST(CpuBackend, MaterialsMeetInALattice) {
+  Model model = make_block({0.12, 0.06, 0.06}, 12, 6, 6);
+  set_material(model, soft_tissue());
+  std::vector<Index> left;
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    if (model.rest[i].x() < 0.065) left.push_back(i);
+  }
+  model.add_group("left", left);
+  set_material(model, {50e3, 0.3, 1000.0}, "left");
+  const auto tables = std::make_shared<const TopologyTextures>(build_topology(model, {.cell_average = 0.9}));
+  const Scene scene(model);
+  for (const double amount : {0.1, 2.0}) {  // bases are flat or turned over in the latter
+    const VecList u = random_displacements(model, amount, 4), x = sum_of(tables->rest, u);
+    VecList exact(x.size());
+    elastic_forces(*tables, x, exact);
+    const VecList found = forces_of(*make_solver("cpu", tables, scene, any_step()), x);
+    const double scale = largest_norm(exact);
+    for (std::size_t i = 0; i < x.size(); ++i) ASSERT_LE((found[i] - exact[i]).norm(), 1e-5 * scale) << amount;
+  }
+}
+
+TEST(CpuBackend, StepsDoNotAllocate) {
+  for (const Case& body : large_cases()) {
+    const Scene scene = pulled(body.model);
+    const auto solver = make_solver("cpu", body.tables, scene, any_step(2));
+    solver->step(1, 1e-5);
+    const std::size_t before = allocation_count();
+    ASSERT_TRUE(solver->step(10, 1e-5).ok());
+    EXPECT_EQ(allocation_count(), before) << body.name;
+  }
+}
+
+TEST(CpuBackend, SmallBodiesRunOnOneThread) {
+  const Model model = cylinder_275();
+  const Scene scene(model);
+  EXPECT_EQ(make_solver("cpu", model, scene)->device().substr(0, 9), "1 thread,");
+}
+
+/// The lightest step of 4,096 particles: some 35 us.
+TEST(CpuBackend, SpringsOnAFewThousandParticlesRunOnTwoThreads) {
+  const Model model = make_tetrahedral_block({0.075, 0.075, 0.075}, 15, 15, 15, 0.2, 7);
+  const Scene scene(model);
+  const auto solver = make_solver("cpu", model, scene, {.law = Law::springs});
+  EXPECT_GE(std::stoul(solver->device()), std::min(2u, std::thread::hardware_concurrency())) << solver->device();
+}
+
+TEST(CpuBackend, RefusesWhatItCannotDo) {
+  const Model model = make_tetrahedron(0.01);
+  const Scene scene(model);
+  {
+    const InstructionSet unknown("mmx");
+    EXPECT_NE(message_of([&] { make_solver("cpu", model, scene); }).find("PHYMUL_CPU_ISA is \"mmx\""),
+              std::string::npos);
+  }
+  EXPECT_NE(message_of([&] { make_solver("cpu", model, scene, {}, any_step(-1)); }).find("threads must be 0"),
+            std::string::npos);
+  const auto solver = make_solver("cpu", model, scene);
+  State far = rest_state(model);
+  far.position[2].x() = 1e39;
+  EXPECT_NE(message_of([&] { solver->reset(far); }).find("beyond single precision"), std::string::npos);
+}
+
+TEST(CpuBackend, BodiesTooSmallForSinglePrecisionAreForTheReference) {
+  const Model model = make_tetrahedron(1e-9);
+  const Scene scene(model);
+  EXPECT_NE(message_of([&] { make_solver("cpu", model, scene); }).find("a base of particle 0 spans"),
+            std::string::npos);
+  const auto solver = make_solver("auto", model, scene);
+  EXPECT_EQ(solver->name(), "reference");
+  EXPECT_NE(solver->choice().find("single precision holds"), std::string::npos) << solver->choice();
+}
+
+/// So many particles without neighbours that whole slices have none: nothing pulls them, and they fall.
+TEST(CpuBackend, ParticlesWithoutNeighboursFall) {
+  Model model = make_block({0.02, 0.02, 0.02}, 4, 4, 4);
+  for (int k = 0; k < 40; ++k) {
+    model.rest.emplace_back(0.1 + 0.01 * k, 0, 0);
+    model.mass.push_back(model.mass.front());
+    model.stiffness.push_back(model.stiffness.front());
+    model.neighbours.offset.push_back(model.neighbours.offset.back());
+  }
+  Scene scene(model);
+  scene.gravity({0, 0, -1});
+  const auto solver =
+      make_solver("cpu", model, scene,
+                  {.reaction = Reaction::shared, .bases = BaseSelection::all, .on_sparse = SparseParticle::free});
+  const double dt = 1e-3;
+  const StepReport report = solver->step(100, dt);
+  ASSERT_TRUE(report.ok()) << report.message();
+  const State state = solver->read();
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    EXPECT_NEAR(state.position[i].z() - model.rest[i].z(), -0.5 * dt * dt * 100 * 101, 1e-7) << i;
+  }
+}
+
+}  // namespace
+}  // namespace phymul::test

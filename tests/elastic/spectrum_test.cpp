@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+//
+// Extreme eigenvalues against those of the dense matrix, and the step that follows from them.
+#include <gtest/gtest.h>
+
+#include <complex>
+#include <limits>
+
+#include "support/bodies.h"
+#include "support/dense_operator.h"
+#include "support/message_of.h"
+
+namespace phymul::test {
+namespace {
+
+void expect_spectrum(const TopologyTextures& topology, const VecList& position,
+                     const std::vector<std::uint8_t>& fixed = {}) {
+  double largest = 0.0, most_negative = 0.0, largest_imaginary = 0.0;
+  const Eigen::VectorXcd values = dense_operator(topology, position, fixed).eigenvalues();
+  for (const std::complex<double>& value : values) {
+    largest = std::max(largest, std::abs(value));
+    most_negative = std::min(most_negative, value.real());
+    largest_imaginary = std::max(largest_imaginary, std::abs(value.imag()));
+  }
+  const Spectrum found = estimate_spectrum(topology, position, fixed);
+  EXPECT_NEAR(found.largest, largest, 2e-3 * largest);
+  // Rigid motions have eigenvalue 0 up to the differences' rounding.
+  EXPECT_NEAR(found.most_negative, most_negative, 2e-3 * largest);
+  EXPECT_NEAR(found.largest_imaginary, largest_imaginary, 2e-3 * largest);
+}
+
+constexpr std::array reactions{Reaction::full, Reaction::shared, Reaction::barycentric, Reaction::averaged,
+                               Reaction::conservative};
+
+/// Small bodies of unequal masses, for which Arnoldi's 80 steps are all there are.
+std::vector<Model> small_bodies() {
+  std::vector<Model> all{make_tetrahedron(0.01), make_block({0.02, 0.01, 0.01}, 2, 1, 1, 26),
+                         make_strip(0.02, 0.01, 2, 1, true)};
+  for (Model& model : all) {
+    for (Index i = 0; i < model.particle_count(); ++i) model.mass[i] = 1.0 + 0.1 * i;
+  }
+  return all;
+}
+
+TEST(Spectrum, IsThatOfTheDenseMatrixForEveryReaction) {
+  for (const Model& model : small_bodies()) {
+    for (const Reaction reaction : reactions) {
+      SCOPED_TRACE(model.name + ", reaction " + std::to_string(static_cast<int>(reaction)));
+      TopologyOptions options;
+      options.reaction = reaction;
+      const TopologyTextures topology = build_topology(model, options);
+      expect_spectrum(topology, model.rest);
+      expect_spectrum(topology, random_positions(model, 0.1, 3));
+    }
+  }
+}
+
+TEST(Spectrum, OfASquashedBodyHasFlutterAndGrowth) {
+  const Model model = make_block({0.02, 0.01, 0.01}, 2, 1, 1, 26);
+  TopologyOptions options;
+  options.reaction = Reaction::full;
+  const Spectrum found = estimate_spectrum(build_topology(model, options), random_positions(model, 0.3, 1));
+  EXPECT_GT(found.largest_imaginary, 1e-3 * found.largest);
+  EXPECT_LT(found.most_negative, -1e-3 * found.largest);
+}
+
+TEST(Spectrum, HeldAxesTakeNoPart) {
+  const Model model = make_block({0.02, 0.01, 0.01}, 2, 1, 1, 26);
+  std::vector<std::uint8_t> fixed(model.rest.size(), 0);
+  for (const Index i : model.group("x0")) fixed[i] = 7;
+  for (const Index i : model.group("x1")) fixed[i] = 3;
+  const TopologyTextures topology = build_topology(model);
+  expect_spectrum(topology, model.rest, fixed);
+  fixed.assign(fixed.size(), 7);
+  fixed[0] = 6;  // one coordinate left
+  expect_spectrum(topology, model.rest, fixed);
+  fixed[0] = 7;
+  EXPECT_EQ(estimate_spectrum(topology, model.rest, fixed).largest, 0.0);
+}
+
+TEST(Spectrum, RigidMotionsCountAsZeroAndNotAsGrowth) {
+  for (const Body& body : bodies()) {
+    EXPECT_EQ(estimate_spectrum(build_topology(body.model), body.model.rest).most_negative, 0.0) << body.name;
+  }
+}
+
+TEST(Spectrum, WithoutStiffnessIsZeroAndAnyStepIsStable) {
+  Model cloud = make_tetrahedron(0.01);
+  cloud.cells.clear();
+  cloud.components.clear();
+  cloud.neighbours.offset.assign(cloud.rest.size() + 1, 0);
+  cloud.neighbours.entry.clear();
+  TopologyOptions options;
+  options.on_sparse = SparseParticle::free;
+  const Spectrum found = estimate_spectrum(build_topology(cloud, options), cloud.rest);
+  EXPECT_EQ(found.largest, 0.0);
+  EXPECT_EQ(found.most_negative, 0.0);
+  EXPECT_EQ(stable_step(found, 1.0), std::numeric_limits<double>::infinity());
+}
+
+TEST(Spectrum, StableStepFollowsTheDamping) {
+  const Spectrum spectrum{16.0, 0.0, 0.0};
+  EXPECT_DOUBLE_EQ(stable_step(spectrum, 1.0), 0.5);
+  EXPECT_DOUBLE_EQ(stable_step(spectrum, 0.0), std::sqrt(2.0) / 4.0);
+}
+
+TEST(Spectrum, OfAPositionThatIsNotFiniteIsRefused) {
+  const Model model = make_tetrahedron(0.01);
+  VecList position = model.rest;
+  position[2].y() = std::nan("");
+  const TopologyTextures topology = build_topology(model);
+  EXPECT_NE(message_of([&] { estimate_spectrum(topology, position); }).find("position of particle 2 is not finite"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace phymul::test

@@ -1,0 +1,396 @@
+// SPDX-License-Identifier: MIT
+//
+// The backend "gl-compute" by itself: its ways of cutting a step, its buffer's rows that are nobody's, the driver's
+// limits, what it tells of its steps and hands out.
+#include "gl/compute/compute_device.h"
+#include "support/gl_twins.h"
+#include "support/message_of.h"
+
+namespace phymul::test {
+namespace {
+
+class GlComputeDevice : public GlTest {
+ protected:
+  void SetUp() override {
+    GlTest::SetUp();
+    if (IsSkipped() || HasFatalFailure()) return;
+    PHYMUL_SKIP_OR_FAIL(why_unavailable("gl-compute"));
+    context_ = gl::Context::open({.debug = true}, GlBackend::compute);
+    context_->run([this] { limits_ = gl::ComputeLimits::of_context(); });
+  }
+  bool same_bits_expected() const { return context_->info().renderer.starts_with("llvmpipe"); }
+
+  std::shared_ptr<gl::Context> context_;
+  gl::ComputeLimits limits_;
+};
+
+constexpr std::array all_forms{GlCompute::store, GlCompute::recompute, GlCompute::workgroup};
+
+SolverOptions options_of(GlCompute form) {
+  SolverOptions options;
+  options.gl.compute = form;
+  options.gl.debug = true;
+  options.damping.factor = 0.99;
+  options.on_unstable = UnstableStep::allow;
+  return options;
+}
+
+Model soft_block() {
+  Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
+  set_material(model, soft_tissue());
+  return model;
+}
+
+TEST_F(GlComputeDevice, EveryFormHasTheBitsOfTheFragmentBackend) {
+  for (const Variant& variant : all_variants()) {
+    for (const Body& body :
+         {Body{"block", make_block({0.03, 0.02, 0.02}, 3, 2, 2, 14)}, Body{"strip", make_strip(0.04, 0.02, 4, 2)}}) {
+      if (!applies(variant, body)) continue;
+      SCOPED_TRACE(body.name + ", " + variant.name);
+      const Model model = prepared(variant, body);
+      Scene scene(model);
+      scene.fix("x0").gravity({0, -9.81, 0});
+      const auto tables = tables_of(model, variant.options);
+      SolverOptions options = options_of(GlCompute::automatic);
+      options.spectrum = estimate_spectrum(*tables, tables->rest);
+      gl::DeviceSolver drawn(GlBackend::fragment, tables, scene, options);
+      const State start = random_state(model, 0.05, 0.0, 3);
+      const double dt = 0.2 * drawn.stable_step();
+      drawn.reset(start);
+      const StepReport expected = drawn.step(20, dt);  // some run away: the quadratic volume law
+      for (const GlCompute form : all_forms) {
+        SCOPED_TRACE(static_cast<int>(form));
+        options.gl.compute = form;
+        gl::DeviceSolver dispatched(GlBackend::compute, tables, scene, options);
+        dispatched.reset(start);
+        const StepReport report = dispatched.step(20, dt);
+        EXPECT_EQ(report.steps, expected.steps);
+        if (same_bits_expected()) {
+          EXPECT_EQ(difference(dispatched.read(), drawn.read()), "");
+          EXPECT_EQ(report.residual, expected.residual);
+        }
+        EXPECT_LE(largest_distance(dispatched.read().position, drawn.read().position), 1e-5 * body_size(model));
+      }
+    }
+  }
+}
+
+/// A device over a body, in a context of the test's own.
+struct OwnDevice {
+  OwnDevice(const Model& model, const Scene& scene, const TopologyOptions& topology, GlCompute form,
+            const gl::ComputeLimits& limits, BaseLayout layout = BaseLayout::table) {
+    const auto tables = tables_of(model, topology);
+    const bool counted = layout == BaseLayout::enumerated;
+    slices = pack_slices(pack_floats(*tables, counted ? FloatLayout::enumerated : FloatLayout::table), *tables);
+    device = std::make_unique<gl::ComputeDevice>(slices, scene, no_tools, gl::ShaderLibrary("", is_es()),
+                                                 gl::choose_form(form, slices, false), limits);
+    dt = 0.2 * stable_step(estimate_spectrum(*tables, tables->rest), 1.0);
+  }
+  static bool is_es() { return gl::read_context_info().es; }
+  void begin(int steps) const {
+    std::vector<double> instants(1, 0.0);
+    for (int k = 0; k < steps; ++k) instants.push_back(instants.back() + dt);
+    device->begin_batch({.dt = dt, .largest_acceleration = 1e30, .runaway_speed = 1e30}, instants, no_tools);
+  }
+  State read(const Model& model) const {
+    State state;
+    device->read(model.rest, state);
+    return state;
+  }
+
+  const FloatTools no_tools{gl::Device::most_steps};
+  SliceTables slices;
+  std::unique_ptr<gl::ComputeDevice> device;
+  double dt = 0.0;
+};
+
+TEST_F(GlComputeDevice, NobodysPlacesAreUntouchedAndUnread) {
+  Variant cells;
+  cells.options.cell_average = 0.9;
+  const Model model = prepared({"", cells.options, true}, {"", make_block({0.03, 0.02, 0.02}, 3, 2, 2)});
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -9.81});
+  for (const GlCompute form : all_forms) {
+    SCOPED_TRACE(static_cast<int>(form));
+    context_->run([&] {
+      const OwnDevice plain(model, scene, cells.options, form, limits_);
+      const OwnDevice spoilt(model, scene, cells.options, form, limits_);
+      const std::int64_t places = spoilt.slices.place_count(), particles = model.particle_count();
+      ASSERT_GT(places, particles) << "no place is nobody's";
+      const State start = random_state(model, 0.05, 0.1, 9);
+      for (const OwnDevice* own : {&plain, &spoilt}) own->device->write(model.rest, start);
+      const std::vector<Float4> sentinels(static_cast<std::size_t>(places - particles), Float4{7e7f, 7e7f, 7e7f, 7e7f});
+      const gl::StorageBuffer& rows = spoilt.device->state().rows();
+      const auto tables_of_places = 2 * gl::ComputeState::pairs;
+      glBindBuffer(GL_COPY_WRITE_BUFFER, rows.id());
+      for (std::int64_t table = 0; table < tables_of_places; ++table) {
+        glBufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(16 * (table * places + particles)),
+                        static_cast<GLsizeiptr>(16 * sentinels.size()), sentinels.data());
+      }
+      glBindBuffer(GL_COPY_WRITE_BUFFER, 0);
+      for (const OwnDevice* own : {&plain, &spoilt}) {
+        own->begin(5);
+        own->device->run(5);
+      }
+      const gl::BatchReport a = plain.device->report(), b = spoilt.device->report();
+      EXPECT_EQ(a.max_speed, b.max_speed);
+      EXPECT_EQ(a.max_displacement, b.max_displacement);
+      EXPECT_LT(b.max_displacement, 1.0);
+      EXPECT_EQ(difference(plain.read(model), spoilt.read(model)), "");
+      std::vector<Float4> found(sentinels.size());
+      for (std::int64_t table = 0; table < tables_of_places; ++table) {
+        rows.read(table * places + particles, places - particles, found.data());
+        EXPECT_EQ(found, sentinels) << "table " << table;
+      }
+    });
+  }
+}
+
+TEST_F(GlComputeDevice, GroupsMayFormARectangle) {
+  const Model model = make_block({0.05, 0.05, 0.05}, 7, 7, 7);
+  Scene scene(model);
+  scene.gravity({0, 0, -9.81});
+  gl::ComputeLimits narrow = limits_;
+  narrow.groups_across = 3;
+  for (const GlCompute form : {GlCompute::store, GlCompute::recompute}) {
+    context_->run([&] {
+      const OwnDevice line(model, scene, {}, form, limits_), rectangle(model, scene, {}, form, narrow);
+      const State start = random_state(model, 0.05, 0.1, 9);
+      for (const OwnDevice* own : {&line, &rectangle}) {
+        own->device->write(model.rest, start);
+        own->begin(3);
+        own->device->run(3);
+      }
+      EXPECT_EQ(difference(line.read(model), rectangle.read(model)), "");
+      EXPECT_GT(largest_distance(line.read(model).position, start.position), 0.0);
+      EXPECT_EQ(line.device->report().max_force, rectangle.device->report().max_force);
+    });
+  }
+  narrow.groups_down = 1;
+  const std::string message =
+      message_of([&] { context_->run([&] { OwnDevice(model, scene, {}, GlCompute::store, narrow); }); });
+  EXPECT_NE(message.find("is more than the 3 x 1 groups that this driver dispatches at a time"), std::string::npos)
+      << message;
+}
+
+/// llvmpipe ends loops after so many turns that 50 of these steps in one dispatch would lack some.
+TEST_F(GlComputeDevice, ManyStepsOfManyBasesAreSoManyDispatches) {
+  const Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2, 18);
+  const Scene scene(model);
+  TopologyOptions all;
+  all.bases = BaseSelection::all;
+  context_->run([&] {
+    const OwnDevice stored(model, scene, all, GlCompute::store, limits_);
+    const OwnDevice dispatched(model, scene, all, GlCompute::workgroup, limits_);
+    const State start = random_state(model, 0.05, 0.1, 9);
+    for (const OwnDevice* own : {&stored, &dispatched}) {
+      own->device->write(model.rest, start);
+      own->begin(200);
+      own->device->run(200);
+    }
+    if (same_bits_expected()) {
+      EXPECT_EQ(difference(stored.read(model), dispatched.read(model)), "");
+    }
+    EXPECT_EQ(stored.device->report().max_speed, dispatched.device->report().max_speed);
+  });
+}
+
+TEST_F(GlComputeDevice, MoreTurnsThanARendererTakesAreRefused) {
+  const Model model = make_block({0.03, 0.02, 0.02}, 5, 4, 4, 26);
+  const Scene scene(model);
+  const gl::ContextInfo& info = context_->info();
+  SolverOptions options;
+  options.gl.compute = GlCompute::recompute;
+  const auto tables = tables_of(model, {.reaction = Reaction::shared, .bases = BaseSelection::all});
+  const auto make = [&] { gl::DeviceSolver(GlBackend::compute, tables, scene, options); };
+  if (info.loop_turns > 100000) {
+    make();
+    return;
+  }
+  const std::string message = message_of(make);
+  EXPECT_NE(message.find("expected at most 65535 turns of the loops of a shader"), std::string::npos) << message;
+}
+
+TEST_F(GlComputeDevice, BuffersBeyondTheDriversLimitAreRefusedWithSizes) {
+  const Model model = make_block({0.05, 0.05, 0.05}, 7, 7, 7);
+  const Scene scene(model);
+  gl::ComputeLimits small = limits_;
+  small.block_bytes = 1 << 16;
+  const std::string message =
+      message_of([&] { context_->run([&] { OwnDevice(model, scene, {}, GlCompute::store, small); }); });
+  EXPECT_NE(message.find("MiB; a shader of this driver sees 1 MiB"), std::string::npos) << message;
+}
+
+TEST_F(GlComputeDevice, FourBuffersDoWhereTheDriverBindsNoMore) {
+  const Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2, 26);
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -9.81});
+  TopologyOptions all;
+  all.reaction = Reaction::shared;
+  all.bases = BaseSelection::all;
+  gl::ComputeLimits few = limits_;
+  few.blocks = 4;
+  context_->run([&] {
+    const auto form = GlCompute::store;
+    const OwnDevice five(model, scene, all, form, limits_, BaseLayout::enumerated);
+    const OwnDevice four(model, scene, all, form, few, BaseLayout::enumerated);
+    const State start = random_state(model, 0.05, 0.0, 9);
+    for (const OwnDevice* own : {&five, &four}) {
+      own->device->write(model.rest, start);
+      own->begin(3);
+      own->device->run(3);
+    }
+    EXPECT_EQ(difference(five.read(model), four.read(model)), "");
+  });
+}
+
+/// What a failure or rest within a batch is answered by.
+TEST_F(GlComputeDevice, StepsAreDoneAgainFromTheCheckpointBitForBit) {
+  const Model model = soft_block();
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -9.81});
+  for (const GlCompute form : all_forms) {
+    SCOPED_TRACE(static_cast<int>(form));
+    context_->run([&] {
+      const OwnDevice own(model, scene, {}, form, limits_);
+      gl::ComputeDevice& device = *own.device;
+      device.write(model.rest, random_state(model, 0.05, 0.1, 9));
+      own.begin(9);
+      device.run(4);
+      const State after_four = own.read(model);
+      const gl::BatchReport four = device.report();
+      device.run(9);
+      EXPECT_NE(difference(own.read(model), after_four), "");
+      device.run(4);
+      EXPECT_EQ(difference(own.read(model), after_four), "");
+      const gl::BatchReport again = device.report();
+      EXPECT_EQ(again.max_force, four.max_force);
+      device.run(3);
+      EXPECT_EQ(device.try_step(4).max_force, four.max_force);
+      device.run(4);
+      EXPECT_EQ(difference(own.read(model), after_four), "") << "try_step() moved the state";
+    });
+  }
+}
+
+TEST_F(GlComputeDevice, TexturesHoldTheModelsOrder) {
+  const Model model = make_block({0.03, 0.02, 0.02}, 5, 4, 3);
+  const Scene scene(model);
+  for (const Reaction reaction : {Reaction::conservative, Reaction::averaged, Reaction::shared}) {
+    for (const GlCompute form : all_forms) {
+      TopologyOptions topology;
+      topology.reaction = reaction;
+      const auto tables = tables_of(model, topology);
+      gl::DeviceSolver solver(GlBackend::compute, tables, scene, options_of(form));
+      const State start = random_state(model, 0.1, 0.0, 8);
+      solver.reset(start);
+      VecList expected(model.rest.size());
+      attractors(*tables, start.position, expected);
+      const auto compare = [&](const ParticleBuffer& buffer, const VecList& place) {
+        ASSERT_NE(buffer.texture, 0u);
+        const std::vector<Float4> texels = texels_of(*solver.context(), buffer);
+        for (std::size_t i = 0; i < place.size(); ++i) {
+          const Vec3 u(texels[i][0], texels[i][1], texels[i][2]);
+          EXPECT_LE((model.rest[i] + u - place[i]).norm(), 1e-6 * body_size(model)) << i;
+        }
+      };
+      compare(solver.position_buffer(), start.position);
+      compare(solver.attractor_buffer(), expected);
+      const StepReport report = solver.step(3, 0.2 * solver.stable_step());
+      EXPECT_TRUE(report.ok()) << report.message();
+      compare(solver.position_buffer(), solver.read().position);
+    }
+  }
+}
+
+TEST_F(GlComputeDevice, CulpritsAreRowsOfTheModel) {
+  const Model model = make_block({0.03, 0.02, 0.02}, 5, 4, 3);
+  const Scene scene(model);
+  for (const Index culprit : {0, 17, 71}) {
+    for (const GlCompute form : all_forms) {
+      gl::DeviceSolver solver(GlBackend::compute, tables_of(model, {}), scene, options_of(form));
+      State start = rest_state(model);
+      start.velocity[culprit] = Vec3(1e30, 0, 0);
+      solver.reset(start);
+      const StepReport report = solver.step(10, 0.2 * solver.stable_step());
+      EXPECT_EQ(report.status, StepStatus::not_finite);
+      EXPECT_EQ(report.particle, culprit);
+    }
+  }
+}
+
+TEST_F(GlComputeDevice, ReportsOfManyGroupsAreThoseOfTheFragmentBackend) {
+  const Model model = make_block({0.05, 0.05, 0.05}, 13, 13, 13);  // 2744 particles: two groups report
+  Scene scene(model);
+  scene.gravity({0, 0, -9.81});
+  TopologyOptions springs;
+  springs.law = Law::springs;
+  const auto tables = tables_of(model, springs);
+  SolverOptions options = options_of(GlCompute::store);
+  options.spectrum = estimate_spectrum(*tables, tables->rest);
+  gl::DeviceSolver a(GlBackend::fragment, tables, scene, options), b(GlBackend::compute, tables, scene, options);
+  State start = random_state(model, 0.1, 0.2, 8);
+  for (const bool fails : {false, true}) {
+    if (fails) start.velocity[2000] = start.velocity[2600] = Vec3(1e30, 0, 0);
+    a.reset(start);
+    b.reset(start);
+    const StepReport x = a.step(5, 0.2 * a.stable_step()), y = b.step(5, 0.2 * a.stable_step());
+    EXPECT_EQ(x.status, fails ? StepStatus::not_finite : StepStatus::ok);
+    EXPECT_EQ(x.status, y.status);
+    EXPECT_EQ(x.particle, y.particle);
+    EXPECT_EQ(x.steps, y.steps);
+    if (!same_bits_expected()) continue;
+    EXPECT_EQ(x.max_speed, y.max_speed);
+    EXPECT_EQ(x.residual, y.residual);
+    EXPECT_EQ(difference(a.read(), b.read()), "");
+  }
+}
+
+TEST_F(GlComputeDevice, SmallBodiesAreMovedByOneGroupOnAGpuOnly) {
+  const auto slices_of = [](const Model& model) {
+    const auto tables = tables_of(model, {});
+    return pack_slices(pack_floats(*tables), *tables);
+  };
+  const SliceTables small = slices_of(soft_block()), large = slices_of(make_block({0.05, 0.05, 0.05}, 13, 13, 13));
+  EXPECT_EQ(gl::choose_form(GlCompute::automatic, small, false), gl::ComputeForm::workgroup);
+  EXPECT_EQ(gl::choose_form(GlCompute::automatic, large, false), gl::ComputeForm::store);
+  EXPECT_EQ(gl::choose_form(GlCompute::automatic, small, true), gl::ComputeForm::store);
+  EXPECT_EQ(gl::choose_form(GlCompute::workgroup, large, true), gl::ComputeForm::workgroup);
+}
+
+TEST_F(GlComputeDevice, EnvironmentChoosesTheForm) {
+  const Model model = soft_block();
+  const Scene scene(model);
+  const auto make = [&] { gl::DeviceSolver(GlBackend::compute, tables_of(model, {}), scene, {}); };
+  for (const char* form : {"auto", "store", "recompute", "workgroup"}) {
+    const Environment wish("PHYMUL_GL_COMPUTE", form);
+    EXPECT_EQ(message_of(make), "(no error)");
+  }
+  const Environment wish("PHYMUL_GL_COMPUTE", "quickly");
+  EXPECT_NE(message_of(make).find("expected auto, store, recompute or workgroup, got \"quickly\""), std::string::npos);
+}
+
+TEST(GlComputeVersion, WhatIsTooOldIsNamedWithAWayOut) {
+  const Environment dialect("PHYMUL_GL_DIALECT", "es"), version("MESA_GLES_VERSION_OVERRIDE", "3.0");
+  const std::string why_not = why_unavailable("gl");
+  if (!why_not.empty()) GTEST_SKIP() << "NOT TESTED: " << why_not;
+  try {
+    const auto context = gl::Context::open({}, GlBackend::compute);
+    GTEST_SKIP() << "NOT TESTED: this driver cannot be made old: " << context->info().device();
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    EXPECT_NE(message.find("no OpenGL 4.3 or OpenGL ES 3.1 context"), std::string::npos) << message;
+    EXPECT_NE(message.find("the backend \"gl\" needs OpenGL 3.3 or OpenGL ES 3.0 only"), std::string::npos) << message;
+  }
+  gl::ContextInfo old;
+  old.major = 4;
+  old.minor = 2;
+  old.renderer = "Old Thing";
+  const std::string message = message_of([&] { gl::require_backend(old, GlBackend::compute); });
+  EXPECT_NE(message.find("got Old Thing, OpenGL 4.2"), std::string::npos) << message;
+  EXPECT_NE(message.find("the backend \"gl\" runs there"), std::string::npos) << message;
+  EXPECT_NO_THROW(gl::require_backend(old, GlBackend::fragment));
+}
+
+}  // namespace
+}  // namespace phymul::test

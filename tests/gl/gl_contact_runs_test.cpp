@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+//
+// Contacts on the GL backends in what batches, devices and scenes do: the same bits at every run, nothing paid by a
+// scene without them.
+#include <cmath>
+
+#include "support/gl_touching_bodies.h"
+
+namespace phymul::test {
+namespace {
+
+class GlContactRuns : public WithContactsOn {};
+
+/// Atomic counts come in any order, results do not.
+TEST_P(GlContactRuns, RunsGiveTheSameBits) {
+  const Model model = stacked(0.0005);
+  std::vector<State> ends;
+  for (const int calls : {1, 1, 6}) {
+    Scene scene(model);
+    scene.gravity({1, 0, -9.81}).fix("low/z0").contacts({});
+    const BesideReference pair(model, scene, damped(5.0), GetParam());
+    for (int k = 0; k < calls; ++k) ASSERT_TRUE(pair.device->step(60 / calls, pair.dt).ok());
+    ends.push_back(pair.device->read());
+    ends.back().time = 0.0;
+  }
+  EXPECT_EQ(difference(ends[0], ends[1]), "");
+  EXPECT_EQ(difference(ends[0], ends[2]), "");
+}
+
+/// A batch that ends before its last step is done again up to there.
+TEST_P(GlContactRuns, BatchesDoneAgainComeToTheSame) {
+  const Model model = stacked(0.0003);
+  Scene scene(model);
+  scene.gravity({0, 0, -1}).fix("low/z0").contacts({.friction = 0.5});
+  SolverOptions options = damped(100.0);
+  options.rest_tolerance = 1e-3;
+  const BesideReference pair(model, scene, options, GetParam());
+  const StepReport report = pair.device->run_to_rest(2000, pair.dt);
+  ASSERT_TRUE(report.at_rest) << report.message();
+  const State rested = pair.device->read();
+  pair.device->reset();
+  ASSERT_TRUE(pair.device->step(report.steps, pair.dt).ok());
+  EXPECT_EQ(difference(pair.device->read(), rested), "");
+  EXPECT_GT(lowest(rested, model.group("high")), 0.0095);
+
+  Scene failing(model);
+  failing.gravity({0, 0, -10}).fix("low/z0").contacts({});
+  SolverOptions beyond = damped(0.0);
+  beyond.on_unstable = UnstableStep::allow;
+  const BesideReference undamped(model, failing, beyond, GetParam());
+  const StepReport failed = undamped.device->step(250, 8.0 * undamped.dt);
+  ASSERT_EQ(failed.status, StepStatus::not_finite);
+  ASSERT_GT(failed.steps, 3);
+  const State kept = undamped.device->read();
+  undamped.device->reset();
+  ASSERT_TRUE(undamped.device->step(failed.steps, 8.0 * undamped.dt).ok());
+  EXPECT_EQ(difference(undamped.device->read(), kept), "");
+}
+
+/// A body alone, bodies far from each other, one without a surface: as without contacts, to the last bit.
+TEST_P(GlContactRuns, WhatTouchesNothingMovesAsItWould) {
+  Model particles = make_block({0.02, 0.02, 0.02}, 4, 4, 4);
+  particles.cells.clear();
+  particles.components.clear();
+  for (const Model& model : {tissue({0, 0, 0}, {3, 2, 2}), stacked(4.0), particles}) {
+    State end[2];
+    for (const bool touching : {false, true}) {
+      Scene scene(model);
+      scene.gravity({0.5, 0, 0});
+      if (touching) scene.contacts({});
+      const BesideReference pair(model, scene, damped(5.0), forms().front());
+      pair.device->reset(random_state(model, 0.02, 0.01, 3));
+      ASSERT_TRUE(pair.device->step(20, pair.dt).ok());
+      end[touching] = pair.device->read();
+    }
+    EXPECT_EQ(difference(end[1], end[0]), "");
+  }
+}
+
+TEST_P(GlContactRuns, ASceneWithoutContactsPaysNothing) {
+  const Model model = stacked(0.001);
+  for (const GlForm& form : forms()) {
+    Scene without(model), with(model);
+    without.fix("low/z0");
+    with.fix("low/z0").contacts({});
+    SolverOptions options = damped(5.0);
+    options.profile = true;
+    const BesideReference plain(model, without, options, form), touching(model, with, options, form);
+    ASSERT_TRUE(plain.device->step(8, plain.dt).ok());
+    ASSERT_TRUE(touching.device->step(8, plain.dt).ok());
+    const auto runs = runs_of(*plain.device), more = runs_of(*touching.device);
+    for (const auto& [name, count] : runs) {
+      EXPECT_EQ(name.find("contact"), std::string::npos) << name;
+      EXPECT_EQ(name.find("free_"), std::string::npos) << name;
+    }
+    const char* const kind = draws() ? "_pass" : "_kernel";
+    for (const char* which : {"free", "contact_search", "contact_part"}) {
+      const std::string pass = std::string(which) + kind;
+      const auto found = std::ranges::find(more, pass, &std::pair<std::string, std::int64_t>::first);
+      ASSERT_NE(found, more.end()) << pass;
+      // Fragments do a batch again whose sweeps took more phases than they were given.
+      EXPECT_GE(found->second, 8) << pass;
+      if (!draws()) {
+        EXPECT_EQ(found->second, 8) << pass;
+      }
+    }
+    EXPECT_EQ(std::isnan(plain.device->bytes_a_step()), form.compute == GlCompute::recompute);  // counts nothing
+    EXPECT_TRUE(std::isnan(touching.device->bytes_a_step()));
+    // The one whose contacts went does what the other does, and gives its bits.
+    with.no_contacts();
+    touching.device->reset();
+    ASSERT_TRUE(touching.device->step(8, plain.dt).ok());
+    touching.device->reset(), plain.device->reset();
+    touching.device->clear_profile(), plain.device->clear_profile();
+    ASSERT_TRUE(touching.device->step(8, plain.dt).ok());
+    ASSERT_TRUE(plain.device->step(8, plain.dt).ok());
+    EXPECT_EQ(runs_of(*touching.device), runs_of(*plain.device));
+    EXPECT_EQ(touching.device->read(), plain.device->read());
+  }
+}
+
+/// Bodies a kilometre apart are beyond the cells that floats tell apart.
+TEST_P(GlContactRuns, BodiesTooFarApartAreRefused) {
+  const Model model = stacked(1000.0);
+  Scene scene(model);
+  scene.contacts({});
+  try {
+    make_solver(name_of(GetParam().backend), model, scene);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("bring the bodies nearer to each other"), std::string::npos)
+        << error.what();
+  }
+}
+
+PHYMUL_ON_BOTH_GL_BACKENDS(GlContactRuns);
+
+}  // namespace
+}  // namespace phymul::test

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT
+//
+// Contexts of one's own: where they are found, what they can do, several at a time.
+#include "gl/context/context.h"
+
+#include <gtest/gtest.h>
+#include <phymul/error.h>
+
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "gl/context/gl_api.h"
+#include "support/gl_fixture.h"
+#include "support/heap_in_use.h"
+#include "support/message_of.h"
+
+namespace phymul::gl {
+namespace {
+
+class GlContextTest : public test::GlTest {};
+
+/// Clears an RGBA32F texture to a value and reads its middle texel back.
+float drawn_and_read(Context& context, float value) {
+  return context.run([&] {
+    GLuint texture = 0, framebuffer = 0;
+    glGenTextures(1, &texture);
+    glBindTexture(GL_TEXTURE_2D, texture);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, 8, 8, 0, GL_RGBA, GL_FLOAT, nullptr);
+    glGenFramebuffers(1, &framebuffer);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
+    const std::array<float, 4> color{value, 0, 0, 0};
+    glClearBufferfv(GL_COLOR, 0, color.data());
+    std::array<float, 4> read{};
+    glReadPixels(4, 4, 1, 1, GL_RGBA, GL_FLOAT, read.data());
+    glDeleteFramebuffers(1, &framebuffer);
+    glDeleteTextures(1, &texture);
+    return read[0];
+  });
+}
+
+TEST_F(GlContextTest, OpensByItselfAndKnowsWhatItIs) {
+  const auto context = Context::open({});
+  const ContextInfo& info = context->info();
+  EXPECT_TRUE(info.es ? info.at_least(3, 0) : info.at_least(3, 3)) << info.version;
+  EXPECT_FALSE(info.renderer.empty());
+  EXPECT_FALSE(info.glsl_version.empty());
+  EXPECT_GE(info.max_texture_size, 2048);
+  EXPECT_GE(info.max_draw_buffers, 4);
+  EXPECT_GE(info.max_color_attachments, 4);
+  EXPECT_NE(info.device().find(info.renderer), std::string::npos);
+  EXPECT_FALSE(context->lost());
+  EXPECT_EQ(drawn_and_read(*context, -2.5f), -2.5f);
+  std::printf("%s, found on %s\n", info.device().c_str(), info.display.c_str());
+}
+
+TEST_F(GlContextTest, NothingIsCurrentBetweenCalls) {
+  const auto context = Context::open({});
+  EXPECT_EQ(eglGetCurrentContext(), EGL_NO_CONTEXT);
+  context->run([] { EXPECT_NE(eglGetCurrentContext(), EGL_NO_CONTEXT); });
+  EXPECT_EQ(eglGetCurrentContext(), EGL_NO_CONTEXT);
+}
+
+TEST_F(GlContextTest, ResultsAndExceptionsComeBack) {
+  for (const GlContext mode : {GlContext::own, GlContext::worker}) {
+    const auto context = Context::open({.context = mode});
+    EXPECT_EQ(context->run([&] { return context->run([] { return 7; }); }), 7);
+    EXPECT_THROW(context->run([] { throw std::out_of_range("x"); }), std::out_of_range);
+    EXPECT_EQ(drawn_and_read(*context, 3.0f), 3.0f);
+    EXPECT_EQ(eglGetCurrentContext(), EGL_NO_CONTEXT);
+  }
+}
+
+TEST_F(GlContextTest, EveryNamedDisplayWorksOrSaysWhyNot) {
+  for (const std::string device : {"surfaceless", "device:0"}) {
+    SCOPED_TRACE(device);
+    const auto context = Context::open({.device = device});
+    EXPECT_TRUE(context->info().display.starts_with(device)) << context->info().display;
+    EXPECT_EQ(drawn_and_read(*context, 1.25f), 1.25f);
+  }
+}
+
+TEST_F(GlContextTest, UnknownDevicesAreRefused) {
+  const auto message = [](const char* device) { return message_of([&] { Context::open({.device = device}); }); };
+  for (const char* device : {"gpu", "device:", "device:-1", "device:0x", "Surfaceless", " "}) {
+    EXPECT_EQ(message(device), "GlOptions::device: expected \"device:N\", \"surfaceless\" or \"default\", got \"" +
+                                   std::string(device) + "\"");
+  }
+  EXPECT_NE(message("device:999").find("the number of devices EGL has here, got \"device:999\""), std::string::npos);
+}
+
+TEST_F(GlContextTest, EnvironmentIsHeardWhereTheOptionIsLeft) {
+  const test::Environment wish("PHYMUL_EGL", "nonsense");
+  EXPECT_EQ(message_of([] { Context::open({}); }),
+            "PHYMUL_EGL: expected \"device:N\", \"surfaceless\" or \"default\", got \"nonsense\"");
+  EXPECT_EQ(Context::open({.device = "surfaceless"})->info().display, "surfaceless");
+  const test::Environment dialect("PHYMUL_GL_DIALECT", "gles");
+  EXPECT_EQ(message_of([] { Context::open({.device = "surfaceless"}); }),
+            "PHYMUL_GL_DIALECT: expected \"desktop\" or \"es\", got \"gles\"");
+}
+
+TEST_F(GlContextTest, WithoutAWindowSystemTheDefaultDisplayIsRefusedWithItsReason) {
+  const test::Environment display("DISPLAY", ":4711"), wayland("WAYLAND_DISPLAY", nullptr),
+      platform("EGL_PLATFORM", nullptr);
+  const std::string message = message_of([] { Context::open({.device = "default"}); });
+  EXPECT_NE(message.find("tried:\n  default: eglInitialize: EGL_NOT_INITIALIZED"), std::string::npos) << message;
+  EXPECT_EQ(drawn_and_read(*Context::open({}), 1.0f), 1.0f);
+}
+
+TEST_F(GlContextTest, BothDialectsOpen) {
+  EXPECT_FALSE(Context::open({.dialect = GlDialect::desktop})->info().es);
+  const auto es = Context::open({.dialect = GlDialect::es});
+  EXPECT_TRUE(es->info().es);
+  EXPECT_EQ(drawn_and_read(*es, -7.0f), -7.0f);
+}
+
+TEST_F(GlContextTest, FourThreadsWithAContextEach) {
+  for (const GlContext mode : {GlContext::own, GlContext::worker}) {
+    std::atomic<int> wrong = 0;
+    const auto work = [&](int number) {
+      const auto context = Context::open({.context = mode});
+      for (int i = 0; i < 50; ++i) {
+        const float value = static_cast<float>(1000 * number + i);
+        if (drawn_and_read(*context, value) != value) ++wrong;
+      }
+    };
+    std::vector<std::thread> threads;
+    for (int number = 0; number < 4; ++number) threads.emplace_back(work, number);
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(wrong, 0);
+  }
+}
+
+TEST_F(GlContextTest, AContextMayMoveBetweenThreads) {
+  const auto context = Context::open({});
+  for (int i = 0; i < 4; ++i) {
+    std::thread([&] { EXPECT_EQ(drawn_and_read(*context, 5.0f), 5.0f); }).join();
+  }
+}
+
+/// What each of a hundred contexts left behind would show: a driver's context weighs hundreds of kilobytes.
+TEST_F(GlContextTest, AHundredContextsLeaveNothingBehind) {
+  for (const GlContext mode : {GlContext::own, GlContext::worker}) {
+    const auto open_and_close = [&](int times) {
+      for (int i = 0; i < times; ++i) EXPECT_EQ(drawn_and_read(*Context::open({.context = mode}), 1.0f), 1.0f);
+    };
+    open_and_close(20);  // the driver's caches fill
+    const double before = test::heap_in_use();
+    open_and_close(100);
+    const double grown = test::heap_in_use() - before;
+    std::printf("[  MEMORY  ] grew by %.0f KiB over 100 contexts\n", grown / 1024.0);
+    EXPECT_LT(grown, 100 * 16384.0);
+  }
+}
+
+TEST_F(GlContextTest, DebugOutputBecomesAnError) {
+  for (const GlContext mode : {GlContext::own, GlContext::worker}) {
+    const auto context = Context::open({.context = mode, .debug = true});
+    if (!context->info().has("GL_KHR_debug")) GTEST_SKIP() << "NOT TESTED: no GL_KHR_debug";
+    EXPECT_NO_THROW(context->throw_debug_errors());
+    context->run([] { glEnable(GL_TEXTURE_2D + 0x7000); });
+    const std::string message = message_of([&] { context->throw_debug_errors(); });
+    EXPECT_TRUE(message.starts_with("GL reports 1 error: ")) << message;
+    EXPECT_NO_THROW(context->throw_debug_errors());
+  }
+}
+
+TEST_F(GlContextTest, WhatIsLostStaysLost) {
+  const auto context = Context::open({});
+  context->mark_lost();
+  EXPECT_TRUE(context->lost());
+  bool called = false;
+  context->discard([&] { called = true; });
+  EXPECT_FALSE(called);
+}
+
+TEST_F(GlContextTest, DiscardSwallowsWhatItThrows) {
+  const auto context = Context::open({});
+  bool called = false;
+  context->discard([&] {
+    called = true;
+    throw Error("x");
+  });
+  EXPECT_TRUE(called);
+}
+
+}  // namespace
+}  // namespace phymul::gl

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: MIT
+//
+// Displays beside a host's context. Display::draw draws into the host's framebuffer, and changes nothing else of it.
+#include <phymul/display.h>
+#include <phymul/shapes.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "gl/context/gl_api.h"
+#include "support/egl_host.h"
+#include "support/gl_fixture.h"
+
+namespace phymul::test {
+namespace {
+
+constexpr int side = 128;
+
+/// What a host may have set, away from the defaults, and may expect to find again.
+std::vector<GLint> host_state() {
+  std::vector<GLint> values;
+  for (const GLenum name : {GL_BLEND_SRC_RGB,
+                            GL_BLEND_DST_RGB,
+                            GL_BLEND_SRC_ALPHA,
+                            GL_BLEND_DST_ALPHA,
+                            GL_BLEND_EQUATION_RGB,
+                            GL_BLEND_EQUATION_ALPHA,
+                            GL_CULL_FACE_MODE,
+                            GL_FRONT_FACE,
+                            GL_DEPTH_FUNC,
+                            GL_DEPTH_WRITEMASK,
+                            GL_BLEND,
+                            GL_DEPTH_TEST,
+                            GL_CULL_FACE,
+                            GL_SCISSOR_TEST,
+                            GL_CURRENT_PROGRAM,
+                            GL_VERTEX_ARRAY_BINDING,
+                            GL_ACTIVE_TEXTURE,
+                            GL_TEXTURE_BINDING_2D,
+                            GL_DRAW_FRAMEBUFFER_BINDING,
+                            GL_READ_FRAMEBUFFER_BINDING,
+                            GL_RENDERBUFFER_BINDING}) {
+    values.push_back(0);
+    glGetIntegerv(name, &values.back());
+  }
+  for (const GLenum name : {GL_SCISSOR_BOX, GL_VIEWPORT}) {
+    std::array<GLint, 4> four{};
+    glGetIntegerv(name, four.data());
+    values.insert(values.end(), four.begin(), four.end());
+  }
+  return values;
+}
+
+/// Largest difference of a channel.
+int difference(const Image& a, const Image& b) {
+  int most = 0;
+  for (std::size_t k = 0; k < a.rgba.size(); ++k) most = std::max(most, std::abs(a.rgba[k] - b.rgba[k]));
+  return most;
+}
+
+class GlDisplayTest : public GlTest {};
+
+TEST_F(GlDisplayTest, DrawsIntoTheHostsFramebufferAndLeavesTheRestAlone) {
+  const auto host = gl::Context::open({});
+  const Model model = make_tetrahedron(0.01);
+  DisplayOptions options;
+  options.surface_opacity = 0.5;
+  options.particles = options.links = options.rest_shape = true;
+  constexpr int x = 16, y = 32, width = 80, height = 64;
+  const Camera camera = framing(model.rest, {0.4, -1, 0.35}, 1.25);
+  const Image image = make_display(model)->render(camera, options, width, height);  // in a context without such a host
+  host->run([&] {
+    GLuint buffers[2], framebuffer = 0, array = 0;
+    glGenRenderbuffers(2, buffers);
+    glBindRenderbuffer(GL_RENDERBUFFER, buffers[0]);
+    glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, side, side);
+    glBindRenderbuffer(GL_RENDERBUFFER, buffers[1]);
+    glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, side, side);
+    glGenFramebuffers(1, &framebuffer);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, buffers[0]);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, buffers[1]);
+    glClearColor(0.0f, 0.0f, 1.0f, 1.0f);
+    glClear(GL_COLOR_BUFFER_BIT);
+    glGenVertexArrays(1, &array);
+    glBindVertexArray(array);
+    glBlendFuncSeparate(GL_ONE, GL_DST_COLOR, GL_ZERO, GL_SRC_ALPHA);
+    glBlendEquationSeparate(GL_FUNC_SUBTRACT, GL_MAX);
+    glEnable(GL_BLEND);
+    glCullFace(GL_FRONT_AND_BACK);
+    glEnable(GL_CULL_FACE);
+    glFrontFace(GL_CW);
+    glDepthFunc(GL_NEVER);
+    glEnable(GL_DEPTH_TEST);
+    glDepthMask(GL_FALSE);
+    glScissor(1, 2, 3, 4);
+    glEnable(GL_SCISSOR_TEST);
+    glViewport(5, 6, 7, 8);
+    glActiveTexture(GL_TEXTURE3);
+    glDepthRangef(1.0f, 0.25f);
+    const gl::ContextInfo& info = host->info();
+    if (info.has(info.es ? "GL_EXT_clip_control" : "GL_ARB_clip_control")) {
+      (info.es ? glClipControlEXT : glClipControl)(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
+    }
+
+    const auto display = make_display(model, {.context = GlContext::current});
+    const std::vector<GLint> before = host_state();
+    display->draw(camera, options, x, y, width, height);
+    EXPECT_EQ(host_state(), before);
+    EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+
+    std::vector<std::uint8_t> rgba(4 * side * side);
+    glReadPixels(0, 0, side, side, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data());
+    const auto pixel = [&](int column, int row) { return &rgba[4 * static_cast<std::size_t>(row * side + column)]; };
+    int body = 0;
+    for (int row = 0; row < side; ++row) {
+      for (int column = 0; column < side; ++column) {
+        const std::uint8_t* p = pixel(column, row);
+        const bool untouched = p[0] == 0 && p[1] == 0 && p[2] == 255;
+        const bool inside = column >= x && column < x + width && row >= y && row < y + height;
+        ASSERT_EQ(untouched, !inside) << column << ' ' << row;
+        body += inside && p[0] < 240;
+      }
+    }
+    EXPECT_GT(body, width * height / 6);
+    // The same as the picture, whose rows run downward, but for its smoothed edges.
+    int different = 0;
+    for (int row = 0; row < height; ++row) {
+      for (int column = 0; column < width; ++column) {
+        const std::uint8_t *drawn = pixel(x + column, y + height - 1 - row), *expected = image.pixel(column, row);
+        for (int c = 0; c < 3; ++c) different += std::abs(drawn[c] - expected[c]) > 60;
+      }
+    }
+    EXPECT_LT(different, width * height / 20);
+    const Image rendered = display->render(camera, options, width, height);
+    EXPECT_LE(difference(rendered, image), 2);
+    EXPECT_EQ(host_state(), before);
+    glDeleteVertexArrays(1, &array);
+    glDeleteFramebuffers(1, &framebuffer);
+    glDeleteRenderbuffers(2, buffers);
+  });
+}
+
+/// A small picture in the solver's own context leaves nothing behind that clips or blends the larger targets of steps.
+TEST_F(GlDisplayTest, StepsAfterAPictureAreThoseWithoutOne) {
+  const Model model = make_block({0.17, 0.17, 0.17}, 17, 17, 17, 6);
+  TopologyOptions springs;
+  springs.law = Law::springs;
+  Scene scene(model);
+  scene.gravity({0, 0, -9.81}).fix("z1");
+  const auto drawn = make_solver("gl", model, scene, springs), plain = make_solver("gl", model, scene, springs);
+  const auto display = make_display(*drawn);
+  const Camera camera = framing(model.rest, {1.0, -1.0, 0.5}, 1.0);
+  DisplayOptions options;
+  options.links = true;
+  for (int k = 0; k < 3; ++k) {
+    ASSERT_EQ(display->render(camera, options, 8, 8).width, 8);
+    ASSERT_TRUE(drawn->step(4, 0.3 * drawn->stable_step()).ok());
+    ASSERT_TRUE(plain->step(4, 0.3 * plain->stable_step()).ok());
+  }
+  EXPECT_TRUE(drawn->read() == plain->read());
+}
+
+TEST_F(GlDisplayTest, ASolverIsDrawnWhateverContextItRunsInAndTheDisplayDrawsIn) {
+  for (const HostKind host_kind : {HostKind::desktop, HostKind::es}) {
+    const EglHost host(host_kind);
+    const EglBindings bindings;
+    const Model model = make_tetrahedron(0.01);
+    Scene scene(model);
+    scene.fix("base");
+    State start = rest_state(model);
+    start.position[3] += Vec3(0.003, 0.002, 0.0);  // swings
+    const Camera camera = framing(model.rest, {0.4, -1, 0.35}, 1.25);
+    DisplayOptions layers;
+    layers.particles = layers.links = true;
+    layers.full_scale = 0.002;
+    const auto given = make_display(model);
+    for (const GlContext kind : {GlContext::own, GlContext::worker, GlContext::current, GlContext::shared}) {
+      SolverOptions options;
+      options.gl.context = kind;
+      if (host.is_es()) options.gl.dialect = GlDialect::es;
+      const auto solver = make_solver("gl", model, scene, {}, options);
+      const auto in_solvers = make_display(*solver), in_hosts = make_display(*solver, {.context = GlContext::current});
+      const bool shares = kind == GlContext::current || kind == GlContext::shared;
+      EXPECT_TRUE(in_solvers->zero_copy());
+      EXPECT_EQ(in_hosts->zero_copy(), shares) << static_cast<int>(kind);
+      solver->reset(start);
+      std::optional<Image> before;
+      for (int frame = 0; frame < 3; ++frame) {
+        ASSERT_TRUE(solver->step(2, 0.3 * solver->stable_step()).ok());
+        // The pictures first: what has been read has arrived, which would hide a missing wait.
+        const Image hosts = in_hosts->render(camera, layers, 100, 80);
+        const Image solvers = in_solvers->render(camera, layers, 100, 80);
+        given->show(solver->read().position);
+        const Image expected = given->render(camera, layers, 100, 80);
+        EXPECT_LE(difference(hosts, expected), 2) << static_cast<int>(kind);
+        EXPECT_LE(difference(solvers, expected), 2) << static_cast<int>(kind);
+        if (before) {
+          EXPECT_GT(difference(expected, *before), 20);
+        }
+        before = expected;
+        EXPECT_EQ(EglBindings(), bindings);
+        EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace phymul::test

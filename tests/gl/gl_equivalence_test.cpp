@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: MIT
+//
+// The backends "gl" and "gl-compute" against their mirror, bit by bit where the renderer allows (llvmpipe), and against
+// the double reference.
+#include <limits>
+#include <thread>
+
+#include "support/bounded_forces.h"
+#include "support/failure_states.h"
+#include "support/gl_twins.h"
+#include "support/sanitized.h"
+
+namespace phymul::test {
+namespace {
+
+/// A backend, and how it cuts a step: what it takes by itself depends on the device.
+struct Form {
+  const char* name;
+  GlBackend backend;
+  GlCompute compute;
+};
+
+class GlEquivalence : public GlTest, public testing::WithParamInterface<Form> {
+ protected:
+  void SetUp() override {
+    GlTest::SetUp();
+    if (IsSkipped() || HasFatalFailure()) return;
+    PHYMUL_SKIP_OR_FAIL(why_unavailable(name_of(GetParam().backend)));
+  }
+  static GlTwins twins_of(std::shared_ptr<const TopologyTextures> tables, const Scene& scene,
+                          SolverOptions options = {}) {
+    options.gl.compute = GetParam().compute;
+    return {std::move(tables), scene, std::move(options), GetParam().backend};
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(, GlEquivalence,
+                         testing::Values(Form{"gl", GlBackend::fragment, GlCompute::automatic},
+                                         Form{"gl_compute", GlBackend::compute, GlCompute::workgroup},
+                                         Form{"gl_compute_store", GlBackend::compute, GlCompute::store}),
+                         [](const auto& form) { return form.param.name; });
+
+/// What a sanitizer watches takes ten times as long, of large bodies most of it.
+int states_of(const TopologyTextures& tables) {
+  if (sanitized) return tables.base_count > 20000 ? 1 : 10;
+  return 100;
+}
+
+TEST_P(GlEquivalence, SingleStepsHaveTheMirrorsBits) {
+  int pairs = 0, compared = 0;
+  for (const Body& body : bodies()) {
+    for (const Variant& variant : all_variants()) {
+      if (!applies(variant, body)) continue;
+      SCOPED_TRACE(body.name + ", " + variant.name);
+      const Model model = prepared(variant, body);
+      const Scene scene(model);
+      const auto tables = tables_of(model, variant.options);
+      const GlTwins twins = twins_of(tables, scene);
+      if (!twins.same_bits_expected()) GTEST_SKIP() << "NOT TESTED: " << twins.gl->device() << " is not llvmpipe";
+      const double dt = 0.3 * std::min(twins.gl->stable_step(), 1.0);
+      const double speed = 0.1 * mean_spacing(model) / dt;
+      ++pairs;
+      for (int k = 0; k < states_of(*tables); ++k) {
+        twins.reset(random_state(model, 0.02 + 0.005 * k, speed, 17 + k));
+        ASSERT_TRUE(twins.gl->step(1, dt).ok());
+        ASSERT_TRUE(twins.mirror->step(1, dt).ok());
+        if (const std::string d = difference(twins.gl->read(), twins.mirror->read()); !d.empty()) {
+          ADD_FAILURE() << "state " << k << ": " << d;
+          break;
+        }
+        ++compared;
+      }
+    }
+  }
+  std::printf("[   BITS   ] %d states of %d pairs of body and variant\n", compared, pairs);
+}
+
+/// Largest error over bound of the velocities that one step from standing still gives; a failure where it is above 1.
+double worst_step_ratio(const gl::DeviceSolver& solver, const State& moved, const VecList& u, double dt) {
+  const TopologyTextures& tables = solver.topology();
+  const BoundedForces forces(tables, u);
+  double worst = 0.0;
+  for (Index i = 0; i < tables.particle_count; ++i) {
+    const Bounded3 force = forces.force(i);
+    const std::array<Bounded, 3> axes{force.x, force.y, force.z};
+    for (int axis = 0; axis < 3; ++axis) {
+      const Bounded v = Bounded() + stored(dt) * (stored(1.0 / tables.mass[i]) * axes[axis]);
+      const double error = std::abs(moved.velocity[i][axis] - v.value);
+      EXPECT_LE(error, v.error) << "particle " << i << ", axis " << axis << ", velocity " << v.value;
+      if (v.error > 0.0) worst = std::max(worst, error / v.error);
+    }
+  }
+  return worst;
+}
+
+TEST_P(GlEquivalence, SingleStepsAreWithinTheRoundingBound) {
+  double worst = 0.0;
+  int left_out = 0;
+  for (const Body& body : bodies()) {
+    for (const Variant& variant : all_variants()) {
+      if (!applies(variant, body)) continue;
+      SCOPED_TRACE(body.name + ", " + variant.name);
+      const Model model = prepared(variant, body);
+      const Scene scene(model);
+      const auto tables = tables_of(model, variant.options);
+      SolverOptions options;
+      options.gl.layout = BaseLayout::table;                           // the bound is that of its rounded edges
+      options.largest_push = std::numeric_limits<double>::infinity();  // and of uncut forces
+      const GlTwins twins = twins_of(tables, scene, options);
+      const bool large = tables->base_count > 20000;
+      if (large && twins.gl->context()->info().software && !twins.same_bits_expected()) {
+        ++left_out;  // a step takes such a renderer minutes
+        continue;
+      }
+      const double dt = 0.3 * std::min(twins.gl->stable_step(), 1.0);
+      for (int k = 0; k < (large ? 1 : 5); ++k) {
+        twins.gl->reset(random_state(model, 0.05 + 0.05 * k, 0.0, 29 + k));
+        State start = twins.gl->read();  // as rounded
+        VecList u = start.position;
+        for (std::size_t i = 0; i < u.size(); ++i) u[i] = (u[i] - model.rest[i]).cast<float>().cast<double>();
+        ASSERT_TRUE(twins.gl->step(1, dt).ok());
+        worst = std::max(worst, worst_step_ratio(*twins.gl, twins.gl->read(), u, dt));
+      }
+    }
+  }
+  std::printf("[   BOUND  ] worst error %.3f of the bound; %d pairs left out as too slow here\n", worst, left_out);
+}
+
+TEST_P(GlEquivalence, LoadsOfAllKindsHaveTheMirrorsBits) {
+  Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
+  set_material(model, soft_tissue());
+  Scene scene(model);
+  scene.fix("x0").gravity({0.3, -0.2, -9.81});
+  const auto add = [&](LoadType type, const char* group, const Vec3& direction, double value) {
+    Load load;
+    load.type = type;
+    load.particles = model.group(group);
+    load.direction = direction;
+    load.events = {{0.0, 0.0}, {0.01, value}, {0.02, 0.3 * value}};
+    scene.add(load);
+  };
+  add(LoadType::rotation, "x1", {1, 0.2, 0.1}, 0.8);
+  add(LoadType::force, "z1", {0.1, 0.5, 1}, 0.002);
+  add(LoadType::force, "y1", {1, 0, 0.3}, -0.001);
+  add(LoadType::pressure, "z0", {0, 0, 0}, 20.0);
+  add(LoadType::acceleration, "y0", {0, 1, 0}, 4.0);
+  add(LoadType::translation, "y1", {0, 1, 0}, 0.002);
+  Load shaken;
+  shaken.type = LoadType::acceleration;
+  for (Index i = 0; i < model.particle_count(); ++i) shaken.particles.push_back(i);
+  shaken.direction = {0, 0, 1};
+  shaken.events = {{0.0, 1.0}, {0.05, -3.0}};
+  scene.add(shaken);
+
+  SolverOptions options;
+  options.damping.rate = 20.0;
+  const GlTwins twins = twins_of(tables_of(model, {}), scene, options);
+  const double dt = 0.3 * twins.gl->stable_step();
+  for (int call = 0; call < 20; ++call) {
+    const StepReport gl = twins.gl->step(37, dt), mirror = twins.mirror->step(37, dt);
+    ASSERT_TRUE(gl.ok()) << gl.message();
+    EXPECT_EQ(gl.time, mirror.time);
+    EXPECT_NEAR(gl.residual, mirror.residual, 1e-5 * mirror.residual);
+    EXPECT_NEAR(gl.max_speed, mirror.max_speed, 1e-5 * mirror.max_speed);
+    const State a = twins.gl->read(), b = twins.mirror->read();
+    twins.expect_same_bits("call " + std::to_string(call));
+    ASSERT_LE(largest_distance(a.position, b.position), 1e-5 * body_size(model));
+    const Energy e = twins.gl->energy(), f = twins.mirror->energy();
+    EXPECT_NEAR(e.elastic, f.elastic, 1e-5 * f.elastic);
+    EXPECT_NEAR(e.kinetic, f.kinetic, 1e-5 * f.kinetic);
+    EXPECT_NEAR(e.gravity, f.gravity, 1e-5 * std::abs(f.gravity));
+  }
+  scene.clear().gravity({0, 0, -1});
+  ASSERT_TRUE(twins.gl->step(50, dt).ok());
+  ASSERT_TRUE(twins.mirror->step(50, dt).ok());
+  twins.expect_same_bits("without loads");
+}
+
+/// Steps of the reference and of gl on end; where they part by more than a millionth of the spacing is printed.
+void follow_reference(const GlTwins& twins, Solver& reference, const Model& model, double dt, const std::string& name) {
+  constexpr int steps = sanitized ? 100 : 2000, at_a_time = 50;
+  int parted = 0;
+  for (int done = 0; done < steps; done += at_a_time) {
+    ASSERT_TRUE(twins.gl->step(at_a_time, dt).ok());
+    ASSERT_TRUE(reference.step(at_a_time, dt).ok());
+    if (parted > 0) continue;
+    const double apart = largest_distance(twins.gl->read().position, reference.read().position);
+    if (apart > 1e-6 * mean_spacing(model)) parted = done + at_a_time;
+  }
+  ASSERT_TRUE(twins.mirror->step(steps, dt).ok());
+  twins.expect_same_bits(name);
+  const double apart = largest_distance(twins.gl->read().position, reference.read().position);
+  EXPECT_LE(apart, 1e-5 * body_size(model));
+  std::printf("[ REFERENCE] %s: %s%d; after %d steps apart by %.2g of the body's size\n", name.c_str(),
+              parted > 0 ? "a millionth of the spacing apart by step " : "never a millionth apart, to step ",
+              parted > 0 ? parted : steps, steps, apart / body_size(model));
+}
+
+TEST_P(GlEquivalence, DampedBodiesComeToTheReferencesRest) {
+  const gl::ContextInfo info = gl::Context::open({})->info();
+  const bool slow = info.software && !info.renderer.starts_with("llvmpipe");
+  for (const Body& body : bodies()) {
+    for (const Variant& variant : all_variants()) {
+      // The full reaction grows without bound; the shared one flutters where heights scale with the area.
+      const bool settles = variant.options.reaction != Reaction::full && variant.name != "shared p=1.5 all";
+      const bool chosen_by_name =
+          variant.name == "conservative" || variant.name == "material" || variant.name == "shared";
+      const bool chosen = body.name == "block18" || body.name == "strip" || chosen_by_name;
+      if (!applies(variant, body) || !settles || !chosen) continue;
+      // Two thousand steps of the larger bodies take a software renderer other than llvmpipe minutes.
+      if (slow && (body.model.particle_count() > 20 || !chosen_by_name)) continue;
+      SCOPED_TRACE(body.name + ", " + variant.name);
+      const Model model = prepared(variant, body);
+      const Scene scene(model);
+      const auto tables = tables_of(model, variant.options);
+      SolverOptions options;
+      options.damping.factor = 0.9;
+      const GlTwins twins = twins_of(tables, scene, options);
+      const auto reference = make_solver("reference", tables, scene, twins.options());
+      const State start = random_state(model, 0.05, 0.0, 5);
+      twins.reset(start);
+      reference->reset(start);
+      follow_reference(twins, *reference, model, 0.3 * reference->stable_step(), body.name + ", " + variant.name);
+    }
+  }
+}
+
+/// Where elastic forces are cut, on the way back from states no tissue is in.
+TEST_P(GlEquivalence, FailureStatesHaveTheMirrorsBits) {
+  constexpr double side = 0.03;
+  Model model = make_block({side, side, side}, 3, 3, 3, 6);
+  set_material(model, soft_tissue());
+  const Scene scene(model);
+  SolverOptions options;
+  options.damping.factor = 0.98;
+  for (const int passes : {2, 4}) {
+    if (passes == 4 && GetParam().backend == GlBackend::compute) continue;  // which has no passes of its own to cut
+    options.gl.passes = passes;
+    const GlTwins twins = twins_of(tables_of(model, {}), scene, options);
+    for (const FailureState& failure : failure_states()) {
+      SCOPED_TRACE(failure.name);
+      std::mt19937 bits(5);
+      State state = rest_state(model);
+      failure.apply(state.position, side, side / 3, bits);
+      twins.reset(state);
+      for (int k = 0; k < 4; ++k) {
+        const StepReport gl = twins.gl->step(50, 0.5 * twins.gl->stable_step());
+        const StepReport mirror = twins.mirror->step(50, 0.5 * twins.gl->stable_step());
+        EXPECT_TRUE(gl.ok()) << gl.message();
+        EXPECT_TRUE(gl.cut || k > 0);
+        EXPECT_TRUE(gl.cut == mirror.cut || !twins.same_bits_expected()) << "call " << k;
+        twins.expect_same_bits("call " + std::to_string(k));
+      }
+    }
+  }
+}
+
+TEST_P(GlEquivalence, FourSolversInFourThreads) {
+  const Model model = jittered_block();
+  const Scene scene(model);
+  const auto tables = tables_of(model, {});
+  SolverOptions options;
+  options.spectrum = estimate_spectrum(*tables, tables->rest);
+  options.gl.compute = GetParam().compute;
+  const auto run = [&] {
+    gl::DeviceSolver solver(GetParam().backend, tables, scene, options);
+    solver.reset(random_state(model, 0.1, 0.0, 3));
+    for (int k = 0; k < 20; ++k) EXPECT_TRUE(solver.step(5, 0.4 * solver.stable_step()).ok());
+    return solver.read();
+  };
+  const State alone = run();
+  std::array<State, 4> states;
+  std::vector<std::thread> threads;
+  for (State& state : states) threads.emplace_back([&] { state = run(); });
+  for (std::thread& thread : threads) thread.join();
+  for (const State& state : states) EXPECT_EQ(difference(state, alone), "");
+}
+
+TEST_P(GlEquivalence, FarFromTheOriginNoDigitIsLost) {
+  Model model = jittered_block();
+  for (Vec3& X : model.rest) X += Vec3(1000.0, -1000.0, 1000.0);
+  set_material(model, soft_tissue());
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -9.81});
+  SolverOptions options;
+  options.damping.rate = 5.0;
+  const GlTwins twins = twins_of(tables_of(model, {}), scene, options);
+  const auto reference = make_solver("reference", model, scene, {}, twins.options());
+  const double dt = 0.4 * reference->stable_step();
+  ASSERT_TRUE(twins.gl->step(3000, dt).ok());
+  ASSERT_TRUE(reference->step(3000, dt).ok());
+  const State far = twins.gl->read(), exact = reference->read();
+  EXPECT_GE(largest_distance(exact.position, model.rest), 0.01 * body_size(model)) << "the body hardly moved";
+  const double error = largest_distance(far.position, exact.position) / body_size(model);
+  std::printf("[  OFFSET  ] error against double after 3,000 steps: %.2g of the body's size\n", error);
+  EXPECT_LE(error, 1e-6);
+}
+
+}  // namespace
+}  // namespace phymul::test

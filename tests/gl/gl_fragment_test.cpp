@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: MIT
+//
+// The backend "gl" by itself: its two ways of cutting a step, its textures' padding, what it tells of its steps, what
+// it hands out, and what becomes of it when its device goes away.
+#include <fstream>
+
+#include "support/gl_twins.h"
+#include "support/message_of.h"
+
+namespace phymul::test {
+namespace {
+
+using GlFragment = GlTest;
+
+Model soft_block() {
+  Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
+  set_material(model, soft_tissue());
+  return model;
+}
+
+std::unique_ptr<gl::DeviceSolver> solver_of(const Model& model, const Scene& scene, const GlOptions& gl = {},
+                                            const TopologyOptions& topology = {}) {
+  SolverOptions options;
+  options.gl = gl;
+  options.damping.factor = 0.99;
+  options.on_unstable = UnstableStep::allow;
+  return std::make_unique<gl::DeviceSolver>(GlBackend::fragment, tables_of(model, topology), scene, options);
+}
+
+TEST_F(GlFragment, FourPassesHaveTheBitsOfTwo) {
+  for (const Variant& variant : all_variants()) {
+    SCOPED_TRACE(variant.name);
+    const Model model = prepared(variant, {"", make_block({0.03, 0.02, 0.02}, 3, 2, 2, 14)});
+    Scene scene(model);
+    scene.fix("x0").gravity({0, 0, -9.81});
+    GlOptions four;
+    four.passes = 4;
+    const auto a = solver_of(model, scene, {}, variant.options), b = solver_of(model, scene, four, variant.options);
+    const State start = random_state(model, 0.05, 0.0, 3);
+    const double dt = 0.2 * a->stable_step();
+    a->reset(start);
+    b->reset(start);
+    EXPECT_EQ(a->step(20, dt).steps, b->step(20, dt).steps);  // some run away: the quadratic volume law
+    EXPECT_EQ(difference(a->read(), b->read()), "");
+  }
+}
+
+TEST_F(GlFragment, EnumeratedBasesMoveAsTheTableOfBasesDoes) {
+  for (const int valence : {6, 26}) {
+    const Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2, valence);
+    const Scene scene(model);
+    TopologyOptions all;
+    all.reaction = Reaction::barycentric;
+    all.bases = BaseSelection::all;
+    GlOptions table;
+    table.layout = BaseLayout::table;
+    const auto a = solver_of(model, scene, {}, all), b = solver_of(model, scene, table, all);
+    EXPECT_TRUE(a->enumerated()) << "it is smaller";
+    EXPECT_FALSE(b->enumerated());
+    const State start = random_state(model, 0.05, 0.0, 3);
+    const double dt = 0.2 * a->stable_step();
+    for (const auto* solver : {&a, &b}) {
+      (*solver)->reset(start);
+      ASSERT_TRUE((*solver)->step(100, dt).ok());
+    }
+    EXPECT_LE(largest_distance(a->read().position, b->read().position), 1e-6 * body_size(model));
+    EXPECT_GE(largest_distance(a->read().position, start.position), 1e-3 * body_size(model));
+    GlOptions enumerated;
+    enumerated.layout = BaseLayout::enumerated;
+    EXPECT_NE(message_of([&] { solver_of(model, scene, enumerated); }).find("bases can be enumerated"),
+              std::string::npos);
+  }
+}
+
+/// Attachments of a framebuffer: all our targets are drawn into through one.
+int attachments_of(GLuint framebuffer) {
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  int count = 0;
+  for (GLint type = GL_TEXTURE; type == GL_TEXTURE; ++count) {
+    glGetFramebufferAttachmentParameteriv(GL_FRAMEBUFFER, static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + count + 1),
+                                          GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE, &type);
+  }
+  return count;
+}
+
+bool holds_integers(int attachment) {
+  GLint type = 0;
+  glGetFramebufferAttachmentParameteriv(GL_FRAMEBUFFER, static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + attachment),
+                                        GL_FRAMEBUFFER_ATTACHMENT_COMPONENT_TYPE, &type);
+  return type == GL_INT;
+}
+
+constexpr GLint sentinel = -77777;
+
+void fill_with_sentinels(GLuint framebuffer) {
+  const int count = attachments_of(framebuffer);
+  for (int k = 0; k < count; ++k) {
+    const std::array<GLint, 4> integers{sentinel, sentinel, sentinel, sentinel};
+    std::array<GLfloat, 4> floats{};
+    floats.fill(static_cast<GLfloat>(sentinel));
+    if (holds_integers(k)) glClearBufferiv(GL_COLOR, k, integers.data());
+    if (!holds_integers(k)) glClearBufferfv(GL_COLOR, k, floats.data());
+  }
+}
+
+/// Number of texels from the first on that are no sentinels; -1 where sentinels and others are mixed.
+int written_rows(int attachment, int width, int height) {
+  glReadBuffer(static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + attachment));
+  std::vector<Int4> texels(static_cast<std::size_t>(width) * height);
+  std::vector<Float4> floats(texels.size());
+  if (holds_integers(attachment)) {
+    glReadPixels(0, 0, width, height, GL_RGBA_INTEGER, GL_INT, texels.data());
+  } else {
+    glReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, floats.data());
+    for (std::size_t i = 0; i < texels.size(); ++i) {
+      const bool untouched = std::all_of(floats[i].begin(), floats[i].end(), [](float f) { return f == sentinel; });
+      texels[i].fill(untouched ? sentinel : 0);
+    }
+  }
+  const auto is_sentinel = [](const Int4& t) { return t == Int4{sentinel, sentinel, sentinel, sentinel}; };
+  const auto first = std::find_if(texels.begin(), texels.end(), is_sentinel);
+  return std::all_of(first, texels.end(), is_sentinel) ? static_cast<int>(first - texels.begin()) : -1;
+}
+
+TEST_F(GlFragment, PaddingOfEveryTargetIsUntouchedAndUnread) {
+  Variant cells;
+  cells.options.cell_average = 0.9;
+  const Model model = prepared({"", cells.options, true}, {"", make_block({0.03, 0.02, 0.02}, 3, 2, 2)});
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -9.81});
+  SolverOptions options;
+  const GlTwins twins(tables_of(model, cells.options), scene, options);
+  const TopologyTextures& tables = twins.gl->topology();
+  std::vector<int> rows{model.particle_count(), tables.base_count, static_cast<int>(tables.volumes.size()),
+                        static_cast<int>(tables.cells.size())};
+  for (int n = model.particle_count(); n > 1; rows.push_back(n)) n = (n + 15) / 16;
+  gl::Context& context = *twins.gl->context();
+  constexpr GLuint most_names = 200;
+  context.run([] {
+    for (GLuint name = 1; name < most_names; ++name) {
+      if (glIsFramebuffer(name)) fill_with_sentinels(name);
+    }
+  });
+  const State start = random_state(model, 0.05, 0.1, 9);
+  twins.reset(start);
+  const double dt = 0.3 * twins.gl->stable_step();
+  for (int k = 0; k < 4; ++k) {
+    ASSERT_TRUE(twins.gl->step(3, dt).ok());
+    ASSERT_TRUE(twins.mirror->step(3, dt).ok());
+  }
+  EXPECT_LE(largest_distance(twins.gl->read().position, twins.mirror->read().position), 1e-6 * body_size(model));
+  twins.expect_same_bits("with sentinels in the padding");
+  int targets = 0, padded = 0;
+  context.run([&] {
+    for (GLuint name = 1; name < most_names; ++name) {
+      if (!glIsFramebuffer(name)) continue;
+      const int count = attachments_of(name);
+      for (int k = 0; k < count; ++k, ++targets) {
+        int found = 0;
+        for (const int n : rows) {
+          // Rectangles that a table of another number of rows has, too, are read as that table; its rows decide.
+          const TextureShape shape = fit_texture(n, 16384, "a target");
+          if (written_rows(k, shape.width, shape.height) != n) continue;
+          found = n;
+          if (shape.texels() > n) ++padded;
+          break;
+        }
+        EXPECT_GT(found, 0) << "framebuffer " << name << ", attachment " << k;
+      }
+    }
+  });
+  EXPECT_GE(targets, 20);
+  EXPECT_GE(padded, 10) << "nothing had padding to be untouched";
+}
+
+TEST_F(GlFragment, TellsOfItsStepsWhatTheMirrorTells) {
+  const Model model = soft_block();
+  Scene scene(model);
+  const GlTwins twins(tables_of(model, {}), scene);
+  for (const double amount : {0.05, 0.2}) {
+    for (const double beyond : {1.5, 3.0, 10.0}) {
+      SCOPED_TRACE(beyond);
+      twins.reset(random_state(model, amount, 0.0, 3));
+      const double dt = beyond * twins.gl->stable_step();
+      const StepReport a = twins.gl->step(100000, dt), b = twins.mirror->step(100000, dt);
+      EXPECT_EQ(a.status, StepStatus::not_finite);
+      EXPECT_EQ(a.steps, b.steps);
+      EXPECT_EQ(a.particle, b.particle);
+      EXPECT_EQ(a.time, b.time);
+      EXPECT_NEAR(a.residual, b.residual, 1e-4 * b.residual);
+      EXPECT_NEAR(a.max_speed, b.max_speed, 1e-4 * b.max_speed);
+      twins.expect_same_bits("the last good state");
+      EXPECT_TRUE(is_finite(twins.gl->read()));
+    }
+  }
+}
+
+TEST_F(GlFragment, RestsAtTheMirrorsStep) {
+  const Model model = soft_block();
+  Scene scene(model);
+  scene.fix("z1").gravity({0, 0, -9.81});
+  for (const int rest_steps : {1, 3, 16, 100}) {
+    SolverOptions options;
+    options.damping.rate = 60.0;
+    options.rest_tolerance = 1e-4;
+    options.rest_steps = rest_steps;
+    const GlTwins twins(tables_of(model, {}), scene, options);
+    const double dt = 0.5 * twins.gl->stable_step();
+    for (int again = 0; again < 2; ++again) {
+      const StepReport a = twins.gl->run_to_rest(20000, dt), b = twins.mirror->run_to_rest(20000, dt);
+      EXPECT_TRUE(a.at_rest);
+      EXPECT_NEAR(a.steps, b.steps, 0.001 * b.steps) << rest_steps;
+      EXPECT_TRUE(a.steps == b.steps || !twins.same_bits_expected()) << rest_steps;
+      twins.expect_same_bits("at rest");
+    }
+  }
+}
+
+TEST_F(GlFragment, PulledCylinderRestsWithinAThousandthOfTheReferencesSteps) {
+  Model model = cylinder_275();
+  set_material(model, soft_tissue());
+  Scene scene(model);
+  scene.fix("bottom");
+  Load pull;
+  pull.type = LoadType::force;
+  pull.particles = model.group("top");
+  pull.direction = {0, 0, 1};
+  pull.events = {{0.0, 0.002}};
+  scene.add(pull);
+  SolverOptions options;
+  options.damping.rate = 60.0;
+  options.rest_tolerance = 1e-6;
+  const GlTwins twins(tables_of(model, {}), scene, options);
+  const auto reference = make_solver("reference", model, scene, {}, twins.options());
+  const double dt = 0.5 * reference->stable_step();
+  const StepReport a = twins.gl->run_to_rest(50000, dt), b = reference->run_to_rest(50000, dt);
+  ASSERT_TRUE(a.at_rest && b.at_rest) << a.message() << "; " << b.message();
+  std::printf("[   REST   ] gl after %d steps, reference after %d\n", a.steps, b.steps);
+  EXPECT_NEAR(a.steps, b.steps, 0.001 * b.steps);
+  EXPECT_LE(largest_distance(twins.gl->read().position, reference->read().position), 1e-5 * body_size(model));
+}
+
+TEST_F(GlFragment, EnergyAndMomentumAreTheReferences) {
+  for (const Variant& variant : all_variants()) {
+    for (const Body& body :
+         {Body{"block", make_block({0.03, 0.02, 0.02}, 3, 2, 2)}, Body{"strip", make_strip(0.04, 0.02, 4, 2)}}) {
+      if (!applies(variant, body)) continue;
+      SCOPED_TRACE(body.name + ", " + variant.name);
+      const Model model = prepared(variant, body);
+      const Scene scene(model);
+      const auto tables = tables_of(model, variant.options);
+      SolverOptions options;
+      options.on_unstable = UnstableStep::allow;
+      const gl::DeviceSolver solver(GlBackend::fragment, tables, scene, options);
+      const auto reference = make_solver("reference", tables, scene, options);
+      const State start = random_state(model, 0.1, 0.3, 4);
+      const_cast<gl::DeviceSolver&>(solver).reset(start);
+      reference->reset(start);
+      const Energy a = solver.energy(), b = reference->energy();
+      EXPECT_NEAR(a.elastic, b.elastic, 1e-5 * b.elastic);
+      EXPECT_NEAR(a.kinetic, b.kinetic, 1e-5 * b.kinetic);
+      const Vec3 about(0.7, -0.4, model.dimension == 2 ? 0.0 : 0.2);
+      const Momentum p = solver.momentum(about), q = reference->momentum(about);
+      EXPECT_LE((p.linear - q.linear).norm(), 1e-5 * q.linear.norm());
+      EXPECT_LE((p.angular - q.angular).norm(), 1e-5 * q.angular.norm());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace phymul::test

@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: MIT
+//
+// Needles on the GL backends in what batches, devices and scenes do: the same bits from every state, in every form and
+// after every guess, nothing paid by a scene without them, room that runs out.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "gl/compute/compute_device.h"
+#include "gl/fragment/fragment_device.h"
+#include "support/gl_forms.h"
+#include "support/gl_needles.h"
+#include "support/message_of.h"
+
+namespace phymul::test {
+namespace {
+
+using GlNeedleRuns = OnBothDevices;
+PHYMUL_ON_BOTH_DEVICES(GlNeedleRuns);
+
+/// In and out again by half, aside and turning: `calls` calls.
+template <class Step>
+void drive(Scene& scene, ToolPose& pose, int calls, Step&& step) {
+  for (int k = 0; k < calls; ++k) {
+    pose.position += Vec3(5e-5, 0, k < 8 ? -2e-3 : 1e-3);
+    pose.orientation = Quaternion(Eigen::AngleAxisd(0.1 * k, Vec3::UnitZ()));
+    scene.tool("needle").pose(pose);
+    step(k);
+  }
+}
+
+TEST_P(GlNeedleRuns, EveryFormHasTheSameBits) {
+  std::vector<State> ends;
+  const bool fragments = GetParam() == GlBackend::fragment;
+  for (const GlCompute form : {GlCompute::store, GlCompute::recompute, GlCompute::workgroup}) {
+    if (fragments && form == GlCompute::workgroup) break;  // of those there are two
+    SolverOptions options = damped(40.0);
+    if (fragments) options.gl.passes = form == GlCompute::store ? 2 : 4;
+    BesideNeedle pair(GetParam(), 5e-3, 3, {0, 0, 0}, form, options);
+    drive(pair.scene, pair.pose, 10, [&](int) { ASSERT_TRUE(pair.device->step(15, pair.dt).ok()); });
+    ends.push_back(pair.device->read());
+    EXPECT_GT(ends.back().tools[0].needle.hole.size(), 2u);
+    if (!fragments && !pair.device->context()->info().renderer.starts_with("llvmpipe"))
+      GTEST_SKIP() << "bits are llvmpipe's";
+  }
+  EXPECT_EQ(difference(ends[0], ends[1]), "");
+  EXPECT_EQ(difference(ends[0], ends.back()), "");
+  EXPECT_EQ(ends[0].tools, ends[1].tools);
+}
+
+/// From a state in the middle: in another solver, after a change of the scene, in another cut of the same steps.
+TEST_P(GlNeedleRuns, GoesOnFromEveryStateWithTheSameBits) {
+  for (const double stiffness : {0.0, 5e-3}) {
+    BesideNeedle pair(GetParam(), stiffness, 3);
+    drive(pair.scene, pair.pose, 5, [&](int) { ASSERT_TRUE(pair.device->step(20, pair.dt).ok()); });
+    const State middle = pair.device->read();
+    ASSERT_TRUE(middle.tools[0].needle.punctured);
+    const VecList shaft = pair.device->needle_points("needle", 4);
+    const auto other = pair.make();
+    other->reset(middle);
+    EXPECT_EQ(other->read().tools, middle.tools);
+    EXPECT_EQ(other->needle_points("needle", 4), shaft);
+    pair.pose.position.z() -= 0.015;
+    pair.scene.tool("needle").pose(pair.pose);
+    for (gl::DeviceSolver* solver : {pair.device.get(), other.get()}) ASSERT_TRUE(solver->step(60, pair.dt).ok());
+    EXPECT_GT(other->read().tools[0].needle.hole.size(), middle.tools[0].needle.hole.size());  // of one host alone
+    pair.scene.gravity({1, 0, 0});  // rows of the scene are made anew, with the hole as it is
+    pair.pose.velocity = {0.01, 0, -0.1};
+    pair.scene.tool("needle").pose(pair.pose);
+    ASSERT_TRUE(pair.device->step(1, pair.dt).ok());
+    ASSERT_TRUE(other->step(1, pair.dt).ok());
+    ASSERT_TRUE(pair.device->step(80, pair.dt).ok());
+    for (int k = 0; k < 8; ++k) ASSERT_TRUE(other->step(10, pair.dt).ok());
+    const State a = pair.device->read(), b = other->read();
+    EXPECT_EQ(difference(a, b), "");
+    EXPECT_EQ(a.tools, b.tools);
+    EXPECT_NE(a.tools[0].needle, middle.tools[0].needle);
+    pair.device->request_read();
+    ASSERT_TRUE(pair.device->step(20, pair.dt).ok());
+    State copy;
+    while (!pair.device->collect(copy)) {
+    }
+    EXPECT_EQ(copy, a);
+    pair.device->context()->mark_lost();
+    EXPECT_EQ(pair.device->step(5, pair.dt).status, StepStatus::device_lost);
+    EXPECT_EQ(pair.device->read(), a);
+  }
+}
+
+/// A batch that ends before its last step is done again up to there, from the hole as it was before.
+TEST_P(GlNeedleRuns, BatchesDoneAgainComeToTheSame) {
+  SolverOptions options = damped(200.0);
+  options.rest_tolerance = 1e-4;
+  BesideNeedle resting(GetParam(), 5e-3, 3, {0, 0, 0}, GlCompute::automatic, options);
+  const auto same = resting.make();
+  resting.pose.position.z() -= 0.013;
+  resting.scene.tool("needle").pose(resting.pose);
+  const StepReport report = resting.device->run_to_rest(5000, resting.dt);
+  ASSERT_TRUE(report.at_rest) << report.message();
+  ASSERT_TRUE(same->step(1, resting.dt).ok());  // in which run_to_rest() goes all the way
+  ASSERT_TRUE(same->step(report.steps - 1, resting.dt).ok());
+  EXPECT_EQ(difference(same->read(), resting.device->read()), "");
+  EXPECT_EQ(same->read().tools, resting.device->read().tools);
+  EXPECT_EQ(same->tool_force("needle").force, resting.device->tool_force("needle").force);
+  EXPECT_TRUE(same->read().tools[0].needle.punctured);
+
+  SolverOptions beyond = damped(0.0);
+  beyond.on_unstable = UnstableStep::allow;
+  BesideNeedle failing(GetParam(), 5e-3, 3, {0, 0, 0}, GlCompute::automatic, beyond);
+  failing.pose.velocity = {0, 0, -0.3};
+  failing.scene.tool("needle").place(failing.pose);
+  const StepReport failed = failing.device->step(250, 6.0 * failing.dt);
+  ASSERT_EQ(failed.status, StepStatus::not_finite) << failed.message();
+  ASSERT_GT(failed.steps, 3);
+  const State kept = failing.device->read();
+  failing.device->reset();
+  failing.scene.tool("needle").place(failing.pose);
+  ASSERT_TRUE(failing.device->step(failed.steps, 6.0 * failing.dt).ok());
+  EXPECT_EQ(difference(failing.device->read(), kept), "");
+  EXPECT_EQ(failing.device->read().tools, kept.tools);
+}
+
+/// A needle that is put 3 cm deep at once, and a device of its own for five steps of it.
+class NeedleAtOnce : public OnBothDevices {
+ protected:
+  void SetUp() override {
+    OnBothDevices::SetUp();
+    if (IsSkipped() || HasFatalFailure()) return;
+    tables_ = tables_of(model_, {});
+    const Tool needle{.shape = thin_needle(), .pose = {.position = {0.0203, 0.0197, side - 0.03}}};
+    scene_.fix("z0").add_tool("needle", needle);
+    SolverOptions options = damped(40.0);
+    options.spectrum = estimate_spectrum(*tables_, tables_->rest);
+    dt_ = 0.4 * stable_step(*options.spectrum, 1.0);
+    solver_ = std::make_unique<gl::DeviceSolver>(GetParam(), tables_, scene_, options);
+  }
+
+  /// `run` takes the device through the five steps.
+  template <class Run>
+  State end_of(gl::Device& device, FloatTools& tools, Run&& run) {
+    State end = rest_state(model_);
+    device.write(tables_->rest, end);
+    std::vector<double> instants;
+    for (int k = 0; k <= 5; ++k) instants.push_back(k * dt_);
+    tools.begin_batch(5, dt_);
+    device.begin_batch({.dt = dt_, .largest_acceleration = 1e30, .runaway_speed = 1e9}, instants, tools);
+    run();
+    device.read(tables_->rest, end);
+    device.read_needles(tools);
+    tools.read(end);
+    return end;
+  }
+  FloatTools tools() const {
+    FloatTools tools(gl::Device::most_steps);
+    tools.follow(scene_);
+    return tools;
+  }
+
+  Model model_ = Insertion::gel(4);
+  Scene scene_{model_};
+  std::shared_ptr<const TopologyTextures> tables_;
+  std::unique_ptr<gl::DeviceSolver> solver_;
+  double dt_ = 0.0;
+};
+class GlComputeNeedle : public NeedleAtOnce {};
+class GlFragmentNeedle : public NeedleAtOnce {};
+INSTANTIATE_TEST_SUITE_P(gl_compute, GlComputeNeedle, testing::Values(GlBackend::compute));
+INSTANTIATE_TEST_SUITE_P(gl, GlFragmentNeedle, testing::Values(GlBackend::fragment));
+
+/// Nodes that one dispatch does not get done the next ones do.
+TEST_P(GlComputeNeedle, WhatOneDispatchLeavesTheNextOnesDo) {
+  const SliceTables slices = pack_slices(pack_floats(*tables_), *tables_);
+  const FloatNeedles packed(scene_);
+  const gl::ShaderLibrary library("", solver_->context()->info().es);
+  std::vector<State> ends;
+  std::vector<int> dispatches;
+  solver_->context()->run([&] {
+    // The last one: a GPU's group, which has other sums over lanes.
+    for (const std::int64_t turns :
+         {std::int64_t{65535}, std::int64_t{5000}, std::numeric_limits<std::int64_t>::max()}) {
+      gl::ComputeLimits limits = gl::ComputeLimits::of_context();
+      limits.loop_turns = turns;
+      FloatTools moved = tools();
+      gl::ComputeDevice device(slices, scene_, moved, library, gl::ComputeForm::store, limits);
+      const gl::ComputeTables constants(slices, limits);
+      dispatches.push_back(gl::ComputeNeedles(packed, moved, constants, limits).follow_dispatches());
+      ends.push_back(end_of(device, moved, [&] {
+        device.run(5);
+        EXPECT_EQ(device.report().full_step, 0);
+      }));
+    }
+  });
+  EXPECT_GT(dispatches[1], 3 * dispatches[0]);
+  EXPECT_EQ(ends[0].tools.at(0).needle.hole.size(), 4u);
+  EXPECT_EQ(difference(ends[0], ends[1]), "");
+  EXPECT_EQ(ends[0].tools, ends[1].tools);
+  EXPECT_EQ(dispatches[2], 1);
+  EXPECT_LE(largest_distance(ends[0].position, ends[2].position), 1e-8);
+  expect_like(ends[0].tools[0].needle, ends[2].tools[0].needle);
+}
+
+/// Steps whose passes do not suffice say so, and come to the same when they are done again with more.
+TEST_P(GlFragmentNeedle, AGuessThatDoesNotSufficeComesToTheSame) {
+  const FloatTables rows = pack_floats(*tables_);
+  const gl::ShaderLibrary library("", solver_->context()->info().es);
+  std::vector<State> ends;
+  solver_->context()->run([&] {
+    for (const int before : {0, 1, 2}) {  // no node a step, one, four
+      FloatTools moved = tools();
+      gl::FragmentDevice device(rows, scene_, moved, library, false);
+      int again = 0;
+      ends.push_back(end_of(device, moved, [&] {
+        for (int k = 0; k < before; ++k) device.give_more_passes();
+        device.run(5);
+        for (gl::BatchReport report = device.report(); report.unfinished; report = device.report()) {
+          device.give_more_passes();
+          device.run(5);
+          ++again;
+        }
+      }));
+      EXPECT_EQ(again, 2 - before);  // four nodes in the first step
+    }
+  });
+  EXPECT_EQ(ends[0].tools.at(0).needle.hole.size(), 4u);
+  for (const State& end : ends) {
+    EXPECT_EQ(difference(end, ends[0]), "");
+    EXPECT_EQ(end.tools, ends[0].tools);
+  }
+  // A call of the solver's own.
+  ASSERT_TRUE(solver_->step(5, dt_).ok());
+  EXPECT_EQ(solver_->read().tools.at(0).needle.hole.size(), 4u);
+}
+
+TEST_P(GlNeedleRuns, LateReportsTellOfTheCallBefore) {
+  BesideNeedle pair(GetParam(), 5e-3, 3);
+  pair.options().gl.late_report = true;
+  const auto late = pair.make();
+  VecList before = pair.device->needle_points("needle", 3);
+  Vec3 force(0, 0, 0);
+  drive(pair.scene, pair.pose, 10, [&](int k) {
+    ASSERT_TRUE(pair.device->step(7, pair.dt).ok());
+    ASSERT_TRUE(late->step(7, pair.dt).ok());
+    EXPECT_EQ(late->needle_points("needle", 3), before) << k;
+    EXPECT_EQ(late->tool_force("needle").force, force) << k;
+    before = pair.device->needle_points("needle", 3);
+    force = pair.device->tool_force("needle").force;
+  });
+  EXPECT_GT(force.norm(), 0.01);
+  EXPECT_EQ(late->read(), pair.device->read());
+  EXPECT_EQ(late->needle_points("needle", 3), before);
+}
+
+TEST_P(GlNeedleRuns, ASceneWithoutNeedlesPaysNothing) {
+  const Model model = Insertion::gel(3);
+  Scene with(model), without(model), alone(model);
+  const Tool ball{.shape = Sphere{0.005}, .pose = {.position = {0.01, 0.01, side + 0.004}}};
+  for (Scene* scene : {&with, &without}) scene->fix("z0").add_tool("ball", ball);
+  alone.fix("z0");
+  const Tool needle{.shape = thin_needle(), .pose = {.position = {0.0203, 0.0197, side + offset}}};
+  with.add_tool("needle", needle);
+  alone.add_tool("needle", needle);
+  SolverOptions options = damped(5.0);
+  options.profile = true;
+  const auto beside = [&](const Scene& scene) {
+    return BesideReference(model, scene, options, GlCompute::automatic, GetParam());
+  };
+  const BesideReference plain = beside(without), both = beside(with), one = beside(alone);
+  const std::string kind = GetParam() == GlBackend::fragment ? "_pass" : "_kernel";
+  const auto runs = [&](const BesideReference& pair, const char* name) {
+    const auto all = runs_of(*pair.device);
+    const auto found = std::ranges::find(all, name + kind, &std::pair<std::string, std::int64_t>::first);
+    return found == all.end() ? -1 : found->second;
+  };
+  for (const BesideReference* pair : {&plain, &both, &one}) ASSERT_TRUE(pair->device->step(8, plain.dt).ok());
+  for (const auto& [name, count] : runs_of(*plain.device)) {
+    EXPECT_EQ(name.find("needle"), std::string::npos) << name;
+    EXPECT_NE(name, "press" + kind);
+    EXPECT_NE(name, "free" + kind);
+  }
+  for (const BesideReference* pair : {&both, &one}) {
+    EXPECT_EQ(runs(*pair, "free"), 8);
+    EXPECT_EQ(runs(*pair, GetParam() == GlBackend::fragment ? "needle_settle" : "needle_force"), 8);
+    EXPECT_GE(runs(*pair, GetParam() == GlBackend::fragment ? "needle_aim" : "needle_follow"), 8);
+  }
+  EXPECT_EQ(runs(both, "press"), 8);
+  EXPECT_EQ(runs(one, "press"), -1);
+  EXPECT_EQ(runs(one, "contact_grid"), -1);
+  // A needle that touches nothing changes no bit; one that went leaves no pass.
+  EXPECT_EQ(both.device->read().position, plain.device->read().position);
+  with.remove_tool("needle");
+  both.device->reset(), plain.device->reset();
+  ASSERT_TRUE(both.device->step(8, plain.dt).ok());
+  both.device->clear_profile(), plain.device->clear_profile();
+  ASSERT_TRUE(plain.device->step(8, plain.dt).ok());
+  both.device->reset(), plain.device->reset();
+  both.device->clear_profile(), plain.device->clear_profile();
+  for (const BesideReference* pair : {&plain, &both}) ASSERT_TRUE(pair->device->step(8, plain.dt).ok());
+  EXPECT_EQ(runs_of(*both.device), runs_of(*plain.device));
+  EXPECT_EQ(difference(both.device->read(), plain.device->read()), "");
+}
+
+/// A shaft of 2 mm that is driven 4 cm deep has more nodes than a hole of its length.
+TEST_P(GlNeedleRuns, AHoleThatIsTooLongIsReportedAndTheStateBeforeKept) {
+  const Model model = Insertion::gel(4);
+  Needle shape = thin_needle();
+  shape.length = 0.002;
+  shape.spread = 0.0025;
+  Scene scene(model);
+  const ToolPose start{.position = {0.0203, 0.0197, side + offset}, .velocity = {0, 0, -0.5}};
+  scene.fix("z0").add_tool("other", {.shape = Sphere{0.001}, .pose = {.position = {0, 0, 1}}});
+  scene.add_tool("needle", {.shape = shape, .pose = start});
+  BesideReference pair(model, scene, damped(40.0), GlCompute::automatic, GetParam());
+  StepReport report;
+  int steps = 0;
+  for (int k = 0; k < 20 && report.ok(); ++k) {
+    report = pair.device->step(50, pair.dt);
+    steps += report.steps;
+  }
+  ASSERT_EQ(report.status, StepStatus::needle_full) << report.message();
+  EXPECT_NE(report.message().find("larger Needle::spread"), std::string::npos) << report.message();
+  const State kept = pair.device->read();
+  EXPECT_NEAR(kept.time, steps * pair.dt, 1e-9);
+  ASSERT_EQ(kept.tools[1].needle.hole.size(), 10u);
+  EXPECT_EQ(pair.device->step(1, pair.dt).status, StepStatus::needle_full);
+  EXPECT_EQ(pair.device->read(), kept);
+  pair.device->reset();
+  ASSERT_TRUE(pair.device->step(steps, pair.dt).ok());
+  EXPECT_EQ(difference(pair.device->read(), kept), "");
+  // Told a call late, and by a call that takes no step.
+  SolverOptions late_options = damped(40.0);
+  late_options.gl.late_report = true;
+  gl::DeviceSolver late(GetParam(), tables_of(model, {}), scene, late_options);
+  StepStatus last = StepStatus::ok;
+  for (int k = 0; k < 40 && last == StepStatus::ok; ++k) last = late.step(50, pair.dt).status;
+  EXPECT_EQ(last, StepStatus::needle_full);
+  EXPECT_EQ(difference(late.read(), kept), "");
+  State longer = kept;
+  longer.tools[1].needle.hole.push_back(longer.tools[1].needle.hole.back());
+  EXPECT_NE(message_of([&] { pair.device->reset(longer); }).find("hole of at most 10 points"), std::string::npos);
+  EXPECT_EQ(difference(pair.device->read(), kept), "");
+}
+
+}  // namespace
+}  // namespace phymul::test

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: MIT
+//
+// Tools on the GL backends: against the float mirror bit by bit where the renderer allows (llvmpipe), against the
+// double reference within bounds, and in all that batches, reports and devices do.
+#include <phymul/distance_grid.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/gl_forms.h"
+
+namespace phymul::test {
+namespace {
+
+class GlTool : public GlBlockTest {};
+
+PHYMUL_IN_ALL_GL_FORMS(GlTool);
+
+/// Distances of a ball of 3 mm, up to 2 mm from it along the axes: a margin of more is beyond the grid.
+std::shared_ptr<const DistanceGrid> ball_grid() {
+  constexpr int n = 11;
+  std::vector<float> values;
+  for (int row = 0; row < n * n * n; ++row) {
+    const Vec3 corner(row % n - 5, row / n % n - 5, row / (n * n) - 5);
+    values.push_back(static_cast<float>(1e-3 * corner.norm() - 3e-3));
+  }
+  return std::make_shared<const DistanceGrid>(Vec3::Constant(-5e-3), 1e-3, std::array<int, 3>{n, n, n}, values);
+}
+
+/// One of each shape, with friction, compliance and margin between them, all of which reach some 5 mm from their
+/// position. The half-space less: where it crushes the body, nobody agrees with anybody for long.
+std::vector<Tool> tools_of_all_kinds() {
+  return {{.shape = Sphere{0.005}, .friction = 0.4},
+          {.shape = Sphere{0.004}, .friction = 0.3, .compliance = 5e-3, .margin = 1e-3},
+          {.shape = Capsule{0.005, 0.01}, .friction = 0.5},
+          {.shape = HalfSpace{}, .friction = 0.6, .margin = 3e-3},
+          {.shape = Box{{0.006, 0.004, 0.005}}, .friction = 0.2},
+          {.shape = Box{{0.006, 0.004, 0.004}}, .compliance = 1e-2, .margin = 1e-3},
+          {.shape = ball_grid(), .friction = 0.4, .margin = 2.5e-3}};
+}
+
+ToolPose above(const Vec3& at, double angle) {
+  return {.position = at, .orientation = Quaternion(Eigen::AngleAxisd(angle, Vec3(0.9, 0.1, -0.2).normalized()))};
+}
+
+/// Down into the body's top, on with a speed and a turn, a jump, and out again: 22 calls of 9 steps.
+template <class Call>
+void drive(const ToolHandle& tool, const Vec3& origin, Call&& call) {
+  const double round = M_PI;
+  for (int k = 0; k < 22; ++k) {
+    if (k == 0) tool.pose(above(origin + Vec3(0.014, 0.011, 0.0235), round + 0.05));
+    if (k == 4) {
+      ToolPose on = above(origin + Vec3(0.015, 0.0105, 0.0228), round + 0.1);
+      on.velocity = {0.05, -0.02, -0.02};
+      on.spin = {3, -2, 20};
+      tool.pose(on);
+    }
+    if (k == 12) tool.place(above(origin + Vec3(0.016, 0.012, 0.0232), round - 0.1));
+    if (k == 18) tool.pose(above(origin + Vec3(0.016, 0.01, 0.04), round));
+    call(k);
+  }
+}
+
+TEST_P(GlTool, EveryShapeHasTheMirrorsBits) {
+  int row = 0;
+  for (Tool tool : tools_of_all_kinds()) {
+    SCOPED_TRACE(row++);
+    tool.pose = above({0.014, 0.011, 0.03}, M_PI);
+    Scene scene(model_);
+    scene.fix("z0").gravity({0, 0, -2}).add_tool("tool", tool);
+    scene.add_tool("jaw", {.shape = Box{{0.03, 0.002, 0.0015}}, .pose = {.position = {0.015, 0.01, 0.021}}});
+    const GlTwins twins = this->twins(scene);
+    int touched = 0;
+    drive(scene.tool("tool"), Vec3::Zero(), [&](int k) {
+      if (k == 2) scene.tool("jaw").grasp(1e-4);
+      if (k == 6) scene.tool("jaw").pose({.position = {0.015, 0.009, 0.0215}, .velocity = {0, 0.01, 0}});
+      if (k == 15) scene.tool("jaw").release();
+      ASSERT_TRUE(twins.gl->step(9, dt_).ok());
+      ASSERT_TRUE(twins.mirror->step(9, dt_).ok());
+      twins.expect_same_bits("call " + std::to_string(k));
+      const ToolForce a = twins.gl->tool_force("tool"), b = twins.mirror->tool_force("tool");
+      EXPECT_LE((a.force - b.force).norm(), 1e-5 * b.force.norm() + 1e-9);
+      EXPECT_LE((a.torque - b.torque).norm(), 1e-5 * b.torque.norm() + 1e-10);
+      EXPECT_LE((a.mean_force - b.mean_force).norm(), 1e-5 * b.mean_force.norm() + 1e-9);
+      EXPECT_EQ(twins.gl->tool_pose("tool"), twins.mirror->tool_pose("tool"));
+      EXPECT_TRUE(a.particles == b.particles || !twins.same_bits_expected()) << a.particles << ", " << b.particles;
+      touched += b.particles;
+      const State held = twins.gl->read();
+      EXPECT_EQ(held.tools.at(1).held.empty(), k < 2 || k >= 15);
+      EXPECT_GE(twins.gl->tool_force("jaw").particles, static_cast<int>(held.tools[1].held.size()));
+      EXPECT_TRUE(held.tools == twins.mirror->read().tools || !twins.same_bits_expected());
+    });
+    EXPECT_GE(touched, 20);
+  }
+}
+
+/// Of every other shape 1.4 km away. Bounds: twelve times the largest of what llvmpipe gave over all shapes, and more:
+/// 6.2e-7 and 8.0e-7.
+TEST_P(GlTool, AgreesWithTheReferenceAlsoFarFromTheOrigin) {
+  double worst_place = 0.0, worst_force = 0.0;
+  bool far = false;
+  for (Tool tool : tools_of_all_kinds()) {
+    const Vec3 origin = far ? Vec3(800, -600, 1000) : Vec3(0, 0, 0);
+    far = !far;
+    Model model = model_;
+    for (Vec3& X : model.rest) X += origin;
+    const auto tables = tables_of(model, {});
+    tool.pose = above(origin + Vec3(0.014, 0.011, 0.03), M_PI);
+    Scene scene(model);
+    scene.fix("z0").add_tool("tool", tool);
+    gl::DeviceSolver gl(GetParam().backend, tables, scene, options_);
+    const auto reference = make_solver("reference", tables, scene, options_);
+    double largest = 0.0, moved = 0.0, off = 0.0, off_force = 0.0;
+    drive(scene.tool("tool"), origin, [&](int) {
+      ASSERT_TRUE(gl.step(9, dt_).ok());
+      ASSERT_TRUE(reference->step(9, dt_).ok());
+      const State a = gl.read(), b = reference->read();
+      off = std::max(off, largest_distance(a.position, b.position));
+      moved = std::max(moved, largest_distance(b.position, model.rest));
+      const Vec3 force = reference->tool_force("tool").mean_force;
+      off_force = std::max(off_force, (gl.tool_force("tool").mean_force - force).norm());
+      largest = std::max(largest, force.norm());
+    });
+    EXPECT_GT(moved, 5e-4);
+    worst_place = std::max(worst_place, off / moved);
+    worst_force = std::max(worst_force, off_force / largest);
+  }
+  std::printf("[  TOOLS  ] off the reference by at most %.2g of the motion, forces by %.2g of the largest\n",
+              worst_place, worst_force);
+  EXPECT_LE(worst_place, 1e-5);
+  EXPECT_LE(worst_force, 1e-5);
+}
+
+/// A batch that ends before its last step is done again up to there, and counts once.
+TEST_P(GlTool, BatchesDoneAgainCountOnce) {
+  Scene scene(model_);
+  scene.fix("z0").add_tool("ball", {.shape = Sphere{0.005}, .pose = {.position = {0.015, 0.01, 0.0249}}});
+  options_.rest_tolerance = 1e-4;
+  options_.damping.rate = 200.0;
+  const GlTwins resting = twins(scene);
+  scene.tool("ball").pose({.position = {0.015, 0.01, 0.0245}});
+  const StepReport a = resting.gl->run_to_rest(20000, dt_), b = resting.mirror->run_to_rest(20000, dt_);
+  ASSERT_TRUE(a.at_rest && b.at_rest);
+  const auto expect_same = [](const GlTwins& twins) {
+    const ToolForce x = twins.gl->tool_force("ball"), y = twins.mirror->tool_force("ball");
+    EXPECT_GT(y.mean_force.norm(), 0.0);
+    EXPECT_LE((x.mean_force - y.mean_force).norm(), 1e-4 * y.mean_force.norm());
+    EXPECT_LE((x.force - y.force).norm(), 1e-4 * y.force.norm());
+    EXPECT_EQ(x.particles, y.particles);
+    EXPECT_EQ(twins.gl->tool_pose("ball"), twins.mirror->tool_pose("ball"));
+  };
+  if (a.steps == b.steps) expect_same(resting);
+  EXPECT_NEAR(a.steps, b.steps, 0.05 * b.steps);
+
+  options_.damping.rate = 0.0;
+  const GlTwins failing = twins(scene);
+  scene.tool("ball").pose({.position = {0.015, 0.01, 0.024}, .velocity = {0, 0, -0.1}});
+  const StepReport failed = failing.gl->step(250, 8.0 * dt_), too = failing.mirror->step(250, 8.0 * dt_);
+  ASSERT_EQ(failed.status, StepStatus::not_finite);
+  ASSERT_GT(failed.steps, 3);
+  if (!failing.same_bits_expected()) return;
+  ASSERT_EQ(failed.steps, too.steps);
+  failing.expect_same_bits("after the failure");
+  expect_same(failing);
+}
+
+TEST_P(GlTool, LateReportsTellOfTheCallBefore) {
+  Scene scene(model_);
+  scene.fix("z0").add_tool("ball",
+                           {.shape = Sphere{0.005}, .pose = {.position = {0.015, 0.01, 0.026}}, .friction = 0.3});
+  const auto at_once = make(scene);
+  options_.gl.late_report = true;
+  const auto late = make(scene);
+  double largest = 0.0;
+  ToolReport before{.pose = scene.tool("ball").pose(), .force = {}};
+  for (int k = 0; k < 12; ++k) {
+    if (k < 8) scene.tool("ball").pose({.position = {0.015, 0.01, 0.026 - 3e-4 * k}});
+    if (k == 8) scene.tool("ball").grasp(5e-4);
+    if (k == 10) scene.tool("ball").release();
+    ASSERT_TRUE(at_once->step(k == 5 ? 300 : 7, dt_).ok());
+    ASSERT_TRUE(late->step(k == 5 ? 300 : 7, dt_).ok());
+    if (k != 5) {  // of the longer call the first batch is known
+      EXPECT_EQ(late->tool_force("ball").force, before.force.force) << k;
+      EXPECT_LE((late->tool_force("ball").mean_force - before.force.mean_force).norm(), 1e-5 * largest) << k;
+      EXPECT_EQ(late->tool_pose("ball"), before.pose) << k;
+    }
+    largest = std::max(largest, at_once->tool_force("ball").mean_force.norm());
+    before = {.pose = at_once->tool_pose("ball"), .force = at_once->tool_force("ball")};
+  }
+  EXPECT_GT(before.force.mean_force.norm(), 0.0);
+  EXPECT_EQ(late->read(), at_once->read());
+  EXPECT_EQ(late->tool_force("ball").force, before.force.force);
+}
+
+TEST_P(GlTool, CopiesAndLostDevicesKnowWhatToolsHold) {
+  Scene scene(model_);
+  scene.add_tool("jaw", {.shape = Box{{0.03, 0.03, 0.001}}, .pose = {.position = {0.015, 0.01, 0.0209}}});
+  scene.tool("jaw").grasp(1e-3);
+  const auto solver = make(scene), untouched = make(scene);
+  scene.tool("jaw").pose({.position = {0.015, 0.01, 0.0212}, .velocity = {0.01, 0, 0.02}});
+  ASSERT_TRUE(solver->step(20, dt_).ok());
+  const State kept = solver->read();
+  ASSERT_EQ(kept.tools.at(0).held.size(), 35u);
+  solver->request_read();
+  ASSERT_TRUE(solver->step(20, dt_).ok());
+  State copy;
+  while (!solver->collect(copy)) {
+  }
+  EXPECT_EQ(copy, kept);
+  solver->context()->mark_lost();
+  EXPECT_EQ(solver->step(5, dt_).status, StepStatus::device_lost);
+  EXPECT_EQ(solver->read(), kept);
+  ASSERT_TRUE(solver->step(20, dt_).ok());
+  ASSERT_TRUE(untouched->step(20, dt_).ok());
+  ASSERT_TRUE(untouched->step(20, dt_).ok());
+  const State once = untouched->read(), again = solver->read();
+  EXPECT_EQ(again.tools, once.tools);
+  EXPECT_LE(largest_distance(again.position, once.position), 1e-9 * body_size(model_));
+}
+
+TEST_P(GlTool, ASceneWithoutToolsPaysNothing) {
+  Scene without(model_), with(model_);
+  without.fix("z0");
+  with.fix("z0").add_tool("ball", {.shape = Sphere{0.005}, .pose = {.position = {0.015, 0.01, 0.0245}}});
+  options_.profile = true;
+  const auto plain = make(without), touched = make(with);
+  ASSERT_TRUE(plain->step(8, dt_).ok());
+  ASSERT_TRUE(touched->step(8, dt_).ok());
+  const auto runs = runs_of(*plain), more = runs_of(*touched);
+  EXPECT_NE(runs, more);
+  for (const auto& [name, count] : runs) EXPECT_EQ(name.find("tool"), std::string::npos) << name;
+  EXPECT_TRUE(std::ranges::any_of(more, [](const auto& pass) { return pass.first.starts_with("tool"); }));
+  EXPECT_FALSE(std::isnan(plain->bytes_a_step()) && GetParam().compute != GlCompute::recompute);
+  EXPECT_TRUE(std::isnan(touched->bytes_a_step()));
+  // The one whose tool went does what the other does, and gives its bits.
+  with.remove_tool("ball");
+  touched->reset();
+  ASSERT_TRUE(touched->step(8, dt_).ok());
+  touched->reset(), plain->reset();
+  touched->clear_profile(), plain->clear_profile();
+  ASSERT_TRUE(touched->step(8, dt_).ok());
+  ASSERT_TRUE(plain->step(8, dt_).ok());
+  EXPECT_EQ(runs_of(*touched), runs_of(*plain));
+  EXPECT_EQ(touched->read(), plain->read());
+}
+
+/// In a plane nothing is pushed out of it, and a tool holds what it holds there.
+TEST_P(GlTool, FlatBodiesStayInTheirPlane) {
+  const Model sheet = make_strip(0.02, 0.02, 6, 6);
+  const auto tables = tables_of(sheet, {});
+  Scene scene(sheet);
+  scene.add_tool("ball", {.shape = Sphere{0.004}, .pose = {.position = {0.01, 0.023, 0.001}}, .friction = 0.3});
+  SolverOptions options = options_;
+  options.spectrum = {};
+  const GlTwins twins(tables, scene, options, GetParam().backend);
+  const double dt = 0.3 * twins.gl->stable_step();
+  scene.tool("ball").pose({.position = {0.01, 0.02, 0.001}});
+  for (int k = 0; k < 5; ++k) {
+    if (k == 2) scene.tool("ball").grasp(1e-4);
+    if (k == 3) scene.tool("ball").pose({.position = {0.012, 0.019, 0.002}});
+    ASSERT_TRUE(twins.gl->step(20, dt).ok());
+    ASSERT_TRUE(twins.mirror->step(20, dt).ok());
+    twins.expect_same_bits("call " + std::to_string(k));
+  }
+  EXPECT_GT(twins.gl->tool_force("ball").particles, 0);
+  for (const Vec3& x : twins.gl->read().position) EXPECT_EQ(x.z(), 0.0);
+}
+
+}  // namespace
+}  // namespace phymul::test

@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: MIT
+//
+// Bodies that touch each other, and themselves.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "interaction/closest_point.h"
+#include "interaction/contact_surface.h"
+#include "support/message_of.h"
+#include "support/run_scenes.h"
+
+namespace phymul {
+namespace {
+
+using namespace test;
+
+TEST(ClosestPoint, IsNoFurtherThanAnyOther) {
+  std::mt19937 bits(6);
+  for (int k = 0; k < 2000; ++k) {
+    const Vec3 a = random_vector(bits, 3), b = random_vector(bits, 3), c = random_vector(bits, 3);
+    const Vec3 p = 2.0 * random_vector(bits, 3), share = cpu::closest_point(p, a, b, c);
+    EXPECT_NEAR(share.sum(), 1.0, 1e-14);
+    EXPECT_GE(share.minCoeff(), 0.0);
+    const double distance = (p - (share[0] * a + share[1] * b + share[2] * c)).norm();
+    for (int m = 0; m < 20; ++m) {
+      Vec3 other = (random_vector(bits, 3) + Vec3(1, 1, 1)) / 2.0;
+      other /= other.sum();
+      EXPECT_LE(distance, (p - (other[0] * a + other[1] * b + other[2] * c)).norm() + 1e-12);
+    }
+  }
+  EXPECT_EQ(cpu::closest_point({1, 1, 1}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}).sum(), 1.0);
+}
+
+Model tissue_block(const Vec3& at, const std::array<int, 3>& cells = {4, 4, 4}) {
+  Model model = make_block(0.005 * Vec3(cells[0], cells[1], cells[2]), cells[0], cells[1], cells[2]);
+  set_material(model, {5e3, 0.3, 1000.0});
+  return moved(std::move(model), at);
+}
+
+/// A cube of 2 cm over the middle of a slab, a gap above it and off its lattice.
+Model stacked(double gap) {
+  const Model low = tissue_block({0, 0, 0}, {12, 12, 4}), high = tissue_block({0.0213, 0.0221, 0.02 + gap});
+  const NamedBody bodies[] = {{"low", &low}, {"high", &high}};
+  return merge_models(bodies);
+}
+
+double lowest(const State& state, const std::vector<Index>& particles) {
+  double z = 1e9;
+  for (const Index i : particles) z = std::min(z, state.position[i].z());
+  return z;
+}
+
+Vec3 mean_place(const State& state, const std::vector<Index>& particles) {
+  Vec3 centre = Vec3::Zero();
+  for (const Index i : particles) centre += state.position[i] / static_cast<double>(particles.size());
+  return centre;
+}
+
+/// Bodies that cannot reach themselves move the same, bit for bit, whether they are looked at for it or left out where
+/// no other body is near.
+TEST(BodyContact, LeavesOutOnlyWhatNothingCanTouch) {
+  const Model model = stacked(0.0002);
+  for (const char* backend : {"reference", "cpu"}) {
+    SolverOptions options;
+    options.damping.rate = 10.0;
+    options.threads = 1;
+    State end[2];
+    for (const bool self : {false, true}) {
+      Scene scene(model);
+      scene.gravity({0.5, 0, -9.81}).fix("low/z0").contacts({.friction = 0.3, .self = self});
+      const auto solver = make_solver(backend, model, scene, {}, options);
+      const double dt = 0.4 * solver->stable_step();
+      ASSERT_TRUE(solver->step(static_cast<int>(0.025 / dt), dt).ok());
+      end[self] = solver->read();
+    }
+    EXPECT_EQ(end[0], end[1]) << backend;
+    EXPECT_GT(lowest(end[0], model.group("high")), 0.0195) << backend;  // m; free it falls to 0.0171
+  }
+}
+
+/// Dropped from 5 cm: never through, never apart, and at rest on the other in the end.
+TEST(BodyContact, ABodyDroppedOnAnotherStaysOnIt) {
+  const Model model = stacked(0.05);
+  for (const BackendCase& backend : cpu_backends) {
+    Scene scene(model);
+    scene.gravity({0, 0, -9.81}).fix("low/z0").contacts({.friction = 0.5});
+    SolverOptions options = options_for(backend, 10.0);
+    const auto solver = make_solver(backend.name, model, scene, {}, options);
+    const double dt = 0.4 * solver->stable_step();
+    const std::vector<Index> high = model.group("high"), low = model.group("low");
+    double deepest = 1e9, fastest = 0.0;
+    const int calls = static_cast<int>(1.2 / (20 * dt));
+    for (int k = 0; k < calls; ++k) {
+      const StepReport report = solver->step(20, dt);
+      ASSERT_TRUE(report.ok()) << report.message();
+      deepest = std::min(deepest, lowest(solver->read(), high));
+      fastest = std::max(fastest, report.max_speed);
+    }
+    const State end = solver->read();
+    EXPECT_GT(deepest, 0.012) << backend.name;  // m: in the slab's upper half at all times
+    EXPECT_LT(fastest, 2.5) << backend.name;    // m/s; it falls at 1
+    EXPECT_GT(mean_place(end, high).z(), mean_place(end, low).z() + 0.01) << backend.name;
+    EXPECT_LT(mean_place(end, high).z(), mean_place(end, low).z() + 0.03) << backend.name;
+    Vec3 speed = Vec3::Zero();
+    for (const Index i : high) speed += end.velocity[i] / static_cast<double>(high.size());
+    EXPECT_LT(speed.norm(), 0.02) << backend.name;
+  }
+}
+
+/// Thrown at each other at 2 m/s without gravity: what one loses the other gains, to rounding, at every step.
+TEST(BodyContact, MomentumIsKeptToRounding) {
+  const Model model = stacked(0.01);
+  for (const double friction : {0.0, 0.6}) {
+    Scene scene(model);
+    scene.contacts({.friction = friction});
+    SolverOptions options;
+    options.largest_push = std::numeric_limits<double>::infinity();
+    const auto solver = make_solver("reference", model, scene, {}, options);
+    State state = rest_state(model);
+    double scale = 0.0;
+    for (const Index i : model.group("high")) state.velocity[i] = Vec3(0.5, 0.2, -2.0);
+    for (Index i = 0; i < model.particle_count(); ++i) scale += model.mass[i] * state.velocity[i].norm();
+    solver->reset(state);
+    const Momentum start = solver->momentum();
+    const double dt = 0.1 * solver->stable_step();
+    double turned = 0.0;
+    for (int k = 0; k < 400; ++k) {
+      const StepReport report = solver->step(1, dt);
+      ASSERT_TRUE(report.ok()) << report.message();
+      const Momentum now = solver->momentum();
+      ASSERT_LT((now.linear - start.linear).norm(), 1e-13 * scale) << k;
+      turned = std::max(turned, (now.angular - start.angular).norm());
+    }
+    double given = 0.0;
+    const State end = solver->read();
+    for (const Index i : model.group("low")) given += model.mass[i] * end.velocity[i].z();
+    EXPECT_LT(given, -0.1 * scale);  // they met
+    // Along the way between a particle and a triangle there is no torque; what is left is the parting of overlaps.
+    if (friction == 0.0) {
+      EXPECT_LT(turned, 1e-3 * scale * 0.02);
+    }
+  }
+}
+
+/// On a body that stays, under gravity that leans: beyond the angle of friction it slides as Coulomb's law says, below
+/// it stays.
+TEST(BodyContact, FrictionHoldsAndSlides) {
+  const Model floor = tissue_block({0, 0, -0.005}, {24, 8, 1}), block = tissue_block({0.0113, 0.0097, 0.001});
+  const NamedBody bodies[] = {{"floor", &floor}, {"block", &block}};
+  const Model model = merge_models(bodies);
+  const std::vector<Index> own = model.group("block");
+  constexpr double g = 9.81, mu = 0.5, rate = 20.0, seconds = 0.2;
+  for (const double slope : {0.25, 0.8}) {
+    Scene scene(model);
+    scene.fix("floor").gravity({0, 0, -g}).contacts({.friction = mu});
+    const auto solver = make_solver("cpu", model, scene, {}, options_for({"cpu", 1}, rate));
+    const double dt = 0.4 * solver->stable_step();
+    ASSERT_TRUE(solver->step(static_cast<int>(0.2 / dt), dt).ok());
+    const double start = mean_place(solver->read(), own).x();
+    scene.gravity({slope * g, 0, -g});
+    ASSERT_TRUE(solver->step(static_cast<int>(seconds / dt), dt).ok());
+    const double way = mean_place(solver->read(), own).x() - start;
+    const double free = (slope - mu) * g / rate * (seconds - (1.0 - std::exp(-rate * seconds)) / rate);
+    if (slope < mu) {
+      EXPECT_LT(std::abs(way), 0.001);  // it shears by itself
+    } else {
+      EXPECT_NEAR(way, free, 0.15 * free);
+    }
+  }
+}
+
+TEST(BodyContact, BitsDoNotDependOnThreads) {
+  const Model model = stacked(0.003);
+  State end[2];
+  for (int threads : {1, 2}) {
+    Scene scene(model);
+    scene.gravity({0, 0, -9.81}).fix("low/z0").contacts({});
+    const auto solver = make_solver("cpu", model, scene, {}, options_for({"cpu", threads}));
+    ASSERT_TRUE(solver->step(400, 0.4 * solver->stable_step()).ok());
+    end[threads - 1] = solver->read();
+  }
+  EXPECT_EQ(end[0], end[1]);
+}
+
+/// A body that meets no other, at rest and bent, has no contact of its own: its skin is no neighbour to itself, nor is
+/// the far side of its surface where a coarser body lets the search reach there.
+TEST(BodyContact, ASingleBodyIsAsWithoutContacts) {
+  Model fine = tissue_block({0, 0, 0}), coarse = moved(make_block({0.06, 0.06, 0.06}, 1, 1, 1), {0, 0, 0.5});
+  set_material(coarse, {5e3, 0.3, 1000.0});
+  const NamedBody bodies[] = {{"fine", &fine}, {"coarse", &coarse}};
+  for (const Model& model : {fine, merge_models(bodies)}) {
+    State end[2];
+    for (const bool touching : {false, true}) {
+      Scene scene(model);
+      scene.gravity({0, 0, -9.81}).fix(model.has_group("x0") ? "x0" : "fine/x0");
+      if (touching) scene.contacts({});
+      const auto solver = make_solver("reference", model, scene, {}, options_for({"reference", 0}));
+      ASSERT_TRUE(solver->step(300, 0.4 * solver->stable_step()).ok());
+      end[touching] = solver->read();
+    }
+    EXPECT_EQ(end[0], end[1]);
+  }
+}
+
+/// A wedge as a hexahedron has corners twice, and so triangles of two corners, which would be pushed as two particles.
+TEST(BodyContact, TrianglesHaveThreeCorners) {
+  Model wedge;
+  wedge.rest = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}};
+  Cell cell;
+  cell.type = CellType::hexahedron;
+  cell.particles = {0, 1, 2, 3, 4, 4, 5, 5};
+  wedge.cells = {cell};
+  const ContactSurface surface = make_contact_surface(wedge);
+  EXPECT_EQ(surface.triangles.size(), 8u);  // of three quads, and two ends
+  for (const ContactSurface::Triangle& triangle : surface.triangles) {
+    EXPECT_EQ(std::set<Index>(triangle.corner.begin(), triangle.corner.end()).size(), 3u);
+  }
+  for (const ContactSurface::Particle& particle : surface.particles) EXPECT_GT(particle.edge, 0.9);
+}
+
+/// A strip of tissue folded over itself: with self the halves stay apart, without they pass through each other.
+TEST(BodyContact, ABodyTouchesItself) {
+  Model model = make_block({0.06, 0.01, 0.005}, 24, 4, 2);
+  set_material(model, {5e3, 0.3, 1000.0});
+  std::vector<Index> middle, first_end, last_end;
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    if (std::abs(model.rest[i].x() - 0.03) < 0.001) middle.push_back(i);
+    if (model.rest[i].x() < 0.012) first_end.push_back(i);
+    if (model.rest[i].x() > 0.048) last_end.push_back(i);
+  }
+  double least[2] = {1e9, 1e9};
+  for (const bool self : {false, true}) {
+    Scene scene(model);
+    scene.fix(middle).contacts({.self = self});
+    const auto push = [&](const std::vector<Index>& end, double sign) {
+      Load load;
+      load.type = LoadType::force;
+      load.particles = end;
+      load.direction = {sign, 0, 0.25};  // up first, then together above the middle
+      load.events = {{0, 0}, {0.1, 0.002}};
+      scene.add(load);
+    };
+    push(first_end, 1.0);
+    push(last_end, -1.0);
+    const auto solver = make_solver("cpu", model, scene, {}, options_for({"cpu", 2}, 10.0));
+    const double dt = 0.4 * solver->stable_step();
+    for (int k = 0; k < static_cast<int>(0.4 / (40 * dt)); ++k) {
+      const StepReport report = solver->step(40, dt);
+      ASSERT_TRUE(report.ok()) << report.message();
+      const State state = solver->read();
+      for (const Index i : first_end) {
+        for (const Index j : last_end) {
+          least[self] = std::min(least[self], (state.position[i] - state.position[j]).norm());
+        }
+      }
+    }
+  }
+  EXPECT_LT(least[0], 0.001);
+  EXPECT_GT(least[1], 0.0004);
+}
+
+/// Skins in each other, and the cube's bottom in the slab. The parting itself gives no speed, but the surfaces that it
+/// pressed in spring back, and without gravity the cube then drifts on.
+TEST(BodyContact, AnOverlapAtTheStartGoesGently) {
+  for (const double gap : {0.0003, -0.001}) {
+    const Model model = stacked(gap);
+    Scene scene(model);
+    scene.fix("low/z0").contacts({.friction = 0.0});
+    const auto solver = make_solver("reference", model, scene, {}, options_for({"reference", 0}, 5.0));
+    const double dt = 0.4 * solver->stable_step();
+    double fastest = 0.0;
+    for (int k = 0; k < 40; ++k) {
+      const StepReport report = solver->step(10, dt);
+      ASSERT_TRUE(report.ok()) << report.message();
+      fastest = std::max(fastest, report.max_speed);
+    }
+    const double z = lowest(solver->read(), model.group("high"));
+    EXPECT_GT(z, 0.0203) << gap;
+    EXPECT_LT(z, 0.032) << gap;
+    EXPECT_LT(fastest, 0.3) << gap;  // m/s
+  }
+}
+
+/// From rest a jaw takes the cube down, past the gap in its first step: the slab is where the cube leaves room.
+TEST(BodyContact, WhatAToolSetsGoingIsSeenInThatStep) {
+  const Model model = stacked(0.002);
+  const Vec3 middle(0.0313, 0.0321, 0.032), end = middle - Vec3(0, 0, 0.003);
+  for (const char* backend : {"reference", "cpu"}) {
+    Scene scene(model);
+    scene.contacts({.friction = 0.0});
+    scene.add_tool("jaw", {.shape = Box{{0.0105, 0.0105, 0.0105}}, .pose = {.position = middle}});
+    scene.tool("jaw").grasp(0.0);
+    const auto solver = make_solver(backend, model, scene, {}, options_for({backend, 1}));
+    scene.tool("jaw").pose({.position = end});
+    const StepReport report = solver->step(1, 0.4 * solver->stable_step());
+    ASSERT_TRUE(report.ok()) << report.message();
+    const State state = solver->read();
+    const double bottom = lowest(state, model.group("high"));
+    EXPECT_NEAR(bottom, 0.019, 1e-6) << backend;
+    for (const Index i : model.group("low/z1")) {
+      const Vec3 off = model.rest[i] - middle;
+      if (std::max(std::abs(off.x()), std::abs(off.y())) < 0.01) {
+        EXPECT_LT(state.position[i].z(), bottom - 0.0009) << backend;  // m; two skins are 1 mm
+      }
+    }
+  }
+}
+
+TEST(BodyContact, RefusesWhatMakesNoSense) {
+  const Model model = make_tetrahedron(0.01);
+  Scene scene(model);
+  EXPECT_NE(message_of([&] { scene.contacts({.friction = -1}); }).find("coefficient of friction of 0 or more"),
+            std::string::npos);
+  EXPECT_NE(message_of([&] { scene.contacts({.skin = -1}); }).find("skin"), std::string::npos);
+  EXPECT_NE(message_of([&] { scene.contacts({.rounds = 0}); }).find("1 round"), std::string::npos);
+  EXPECT_FALSE(scene.contacts());
+}
+
+}  // namespace
+}  // namespace phymul

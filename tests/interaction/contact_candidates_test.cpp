@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: MIT
+//
+// Candidates of contacts that are kept over steps: nothing that counts is missing, and no bit differs from a search at
+// every step.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <new>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "interaction/closest_point.h"
+#include "interaction/contact_candidates.h"
+#include "support/run_scenes.h"
+#include "support/sanitized.h"
+
+namespace phymul {
+namespace {
+
+using namespace test;
+
+Model tissue(const Vec3& at, int cells) {
+  Model model = make_block(Vec3::Constant(0.005 * cells), cells, cells, cells);
+  set_material(model, {5e3, 0.3, 1000.0});
+  return moved(std::move(model), at);
+}
+
+/// A cube over a larger one, a gap above it and off its lattice.
+Model two_cubes(double gap) {
+  const Model low = tissue({0, 0, 0}, 6), high = tissue({0.0063, 0.0071, 0.03 + gap}, 4);
+  const NamedBody bodies[] = {{"low", &low}, {"high", &high}};
+  return merge_models(bodies);
+}
+
+using Pairs = std::set<std::pair<std::size_t, Index>>;
+
+/// Those that a step with this margin may ask for, of all there are.
+Pairs pairs_that_count(const ContactSurface& surface, const VecList& place, const ContactOptions& options,
+                       double margin) {
+  Pairs pairs;
+  for (std::size_t k = 0; k < place.size(); ++k) {
+    const ContactSurface::Particle& own = surface.particles[k];
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+      const ContactSurface::Triangle& triangle = surface.triangles[t];
+      if (own.body == triangle.body && !options.self) continue;
+      const Vec3 &a = place[triangle.corner[0]], &b = place[triangle.corner[1]], &c = place[triangle.corner[2]];
+      const Vec3 share = cpu::closest_point(place[k], a, b, c);
+      const double skins =
+          options.skin > 0.0 ? 2.0 * options.skin : ContactSurface::usual_skin * (triangle.edge + own.edge);
+      const double reach = std::max(margin + skins, ContactSurface::depth_factor * std::max(triangle.edge, own.edge));
+      if (!((place[k] - (share[0] * a + share[1] * b + share[2] * c)).norm() <= reach)) continue;
+      if (!surface.is_own_skin(own, k, triangle)) pairs.insert({k, static_cast<Index>(t)});
+    }
+  }
+  return pairs;
+}
+
+Pairs pairs_listed(cpu::ContactCandidates& candidates, const VecList& place, double margin) {
+  Pairs pairs;
+  candidates.each(place, margin, [&](const cpu::ContactCandidates::List& list) {
+    for (const Index t : list.triangles) EXPECT_TRUE(pairs.insert({list.particle, t}).second);
+  });
+  return pairs;
+}
+
+/// Random affine motions of either body, small ones step by step and a jump now and then, particles shaken besides.
+TEST(ContactCandidates, MissNothingWhileTheyAreKept) {
+  const Model model = two_cubes(0.002);
+  const ContactSurface surface = make_contact_surface(model);
+  std::mt19937 bits(11);
+  for (const ContactOptions& options :
+       {ContactOptions{}, ContactOptions{.skin = 0.002}, ContactOptions{.self = false}}) {
+    cpu::ContactCandidates candidates;
+    candidates.follow(surface, options);
+    std::size_t counting = 0, steps = 0;
+    for (int scene = 0; scene < 6; ++scene) {
+      VecList place = surface.rest;
+      const double shake = scene % 2 == 0 ? 2e-5 : 4e-4, far = scene == 5 ? 1400.0 : 0.0;  // m a step, m
+      Mat3 squeeze[2];
+      for (Mat3& own : squeeze) {
+        for (int a = 0; a < 3; ++a) own.col(a) = 0.003 * random_vector(bits, 3);
+      }
+      const Vec3 fall = 1e-4 * random_vector(bits, 3) + Vec3(0, 0, -1e-4);
+      for (int step = 0; step < 25; ++step, ++steps) {
+        for (std::size_t k = 0; k < place.size(); ++k) {
+          const Index body = surface.particles[k].body;
+          place[k] += squeeze[body] * (surface.rest[k] - Vec3::Constant(0.015)) + shake * random_vector(bits, 3);
+          if (body == 1) place[k] += fall;
+          if (step == 12) place[k].x() += far;
+        }
+        const double margin = (1.0 + uniform(bits)) * 4.0 * shake;
+        const Pairs wanted = pairs_that_count(surface, place, options, margin);
+        const Pairs listed = pairs_listed(candidates, place, margin);
+        counting += wanted.size();
+        for (const auto& pair : wanted) ASSERT_TRUE(listed.contains(pair)) << scene << ", step " << step;
+      }
+    }
+    EXPECT_GT(counting, 3000u);
+    EXPECT_LT(candidates.searches(), steps * 2 / 3);  // kept for some time
+  }
+}
+
+/// What is not finite touches nothing, hides nothing, and is forgotten with the next state.
+TEST(ContactCandidates, PlacesThatAreNoNumbersHideNoOthers) {
+  const Model model = two_cubes(0.0005);
+  const ContactSurface surface = make_contact_surface(model);
+  cpu::ContactCandidates candidates;
+  candidates.follow(surface, {});
+  const Pairs usual = pairs_listed(candidates, surface.rest, 0.0);
+  ASSERT_GT(usual.size(), 100u);
+  VecList broken = surface.rest;
+  broken[3].y() = std::numeric_limits<double>::quiet_NaN();
+  const Pairs wanted = pairs_that_count(surface, broken, {}, 0.0);
+  for (int again = 0; again < 2; ++again) {
+    const Pairs listed = pairs_listed(candidates, broken, 0.0);
+    for (const auto& pair : wanted) EXPECT_TRUE(listed.contains(pair));
+  }
+  EXPECT_EQ(candidates.searches(), 3u);
+  broken[3].y() = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(pairs_listed(candidates, broken, 0.0).empty());
+  EXPECT_EQ(pairs_listed(candidates, surface.rest, 0.0), usual);
+}
+
+/// Memory may end within a step, which is then left: lists that were begun are none.
+TEST(ContactCandidates, ListsThatWereNotFinishedAreForgotten) {
+  const ContactSurface surface = make_contact_surface(two_cubes(0.0005));
+  cpu::ContactCandidates candidates;
+  candidates.follow(surface, {});
+  int seen = 0;
+  EXPECT_THROW(candidates.each(surface.rest, 0.0,
+                               [&](const cpu::ContactCandidates::List&) {
+                                 if (++seen == 10) throw std::bad_alloc();
+                               }),
+               std::bad_alloc);
+  EXPECT_EQ(candidates.searches(), 1u);
+  const Pairs listed = pairs_listed(candidates, surface.rest, 0.0);
+  EXPECT_EQ(candidates.searches(), 2u);
+  const Pairs wanted = pairs_that_count(surface, surface.rest, {}, 0.0);
+  ASSERT_GT(wanted.size(), 100u);
+  for (const auto& pair : wanted) EXPECT_TRUE(listed.contains(pair));
+}
+
+/// Skins of two edges and more, with which every particle has hundreds of triangles near: no slack is added to that,
+/// and all the same nothing is missing, also when the skins are usual ones again.
+TEST(ContactCandidates, ListsTooLongToKeepAreWhole) {
+  const ContactSurface surface = make_contact_surface(two_cubes(0.0005));
+  cpu::ContactCandidates candidates;
+  const ContactOptions wide{.skin = 0.012};
+  candidates.follow(surface, wide);
+  const Pairs wanted = pairs_that_count(surface, surface.rest, wide, 0.0);
+  ASSERT_GT(wanted.size(), 64 * surface.particles.size());
+  for (int step = 0; step < 20; ++step) {
+    const Pairs listed = pairs_listed(candidates, surface.rest, 0.0);
+    EXPECT_TRUE(std::ranges::includes(listed, wanted)) << step;
+  }
+  EXPECT_EQ(candidates.searches(), 20u);
+  candidates.change({});
+  for (int step = 0; step < 5; ++step) {
+    EXPECT_TRUE(std::ranges::includes(pairs_listed(candidates, surface.rest, 0.0),
+                                      pairs_that_count(surface, surface.rest, {}, 0.0)));
+  }
+  EXPECT_EQ(candidates.searches(), 21u);
+}
+
+struct Motion {
+  std::string name;
+  double gap;      // m
+  double speed;    // m/s, of the upper cube, down
+  double gravity;  // m/s2
+  bool self;
+};
+
+/// One solver keeps its candidates, the other is given the same contacts anew before every step. Back to the start
+/// and on from a state of its own in between.
+TEST(ContactCandidates, KeptAndFreshHaveTheSameBits) {
+  const Motion motions[] = {{"resting", 0.0008, 0.0, 9.81, true},
+                            {"crumpling", 0.0008, 0.0, 200.0, true},
+                            {"colliding", 0.003, 1.0, 0.0, true},
+                            {"fast", 0.01, 6.0, 0.0, true},
+                            {"others only", 0.003, 1.0, 9.81, false}};
+  for (const BackendCase& backend : cpu_backends) {
+    for (const Motion& motion : motions) {
+      if (sanitized && motion.name != "colliding") continue;  // minutes each; memory is used alike in all
+      SCOPED_TRACE(std::string(backend.name) + ", " + motion.name);
+      const Model model = two_cubes(motion.gap);
+      const ContactOptions options{.friction = 0.4, .self = motion.self};
+      Scene kept_scene(model), fresh_scene(model), free_scene(model);
+      for (Scene* scene : {&kept_scene, &fresh_scene, &free_scene}) {
+        scene->gravity({1.0, 0, -motion.gravity}).fix("low/z0");
+        if (scene != &free_scene) scene->contacts(options);
+      }
+      const auto kept = make_solver(backend.name, model, kept_scene, {}, options_for(backend));
+      const auto fresh = make_solver(backend.name, model, fresh_scene, {}, options_for(backend));
+      const auto free = make_solver(backend.name, model, free_scene, {}, options_for(backend));
+      State start = rest_state(model);
+      for (const Index i : model.group("high")) start.velocity[i] = {0.1 * motion.speed, 0, -motion.speed};
+      for (Solver* solver : {kept.get(), fresh.get(), free.get()}) solver->reset(start);
+      const double dt = 0.4 * kept->stable_step();
+      State middle;
+      for (int step = 0; step < 80; ++step) {
+        if (step == 30) middle = kept->read();
+        if (step == 45 || step == 65) {
+          for (Solver* solver : {kept.get(), fresh.get()}) solver->reset(step == 45 ? start : middle);
+        }
+        fresh_scene.contacts(options);
+        const StepReport one = kept->step(1, dt), other = fresh->step(1, dt);
+        if (step < 30) free->step(1, dt);
+        ASSERT_EQ(one.ok(), other.ok()) << step;
+        ASSERT_EQ(kept->read(), fresh->read()) << step;
+        if (step == 29) {
+          EXPECT_FALSE(kept->read() == free->read());  // they touch
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace phymul

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: MIT
+//
+// Which triangle of another body a particle meets, and on which side of it the particle is.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "support/run_scenes.h"
+#include "support/tool_backends.h"
+
+namespace phymul {
+namespace {
+
+using namespace test;
+
+Vec3 middle_of(const State& state, const std::vector<Index>& particles) {
+  Vec3 sum = Vec3::Zero();
+  for (const Index i : particles) sum += state.position[i];
+  return sum / static_cast<double>(particles.size());
+}
+
+/// A cube of one cell, inside another body: its low corner, and its edge, m.
+Model small_cube(const Vec3& at, double edge) {
+  return moved(make_block(Vec3::Constant(edge), 1, 1, 1), at);
+}
+
+/// What contacts do to two bodies in a step from rest.
+struct Effect {
+  Vec3 way{0, 0, 0};  // m, of the middle of the small one
+  bool none = false;  // no bit of any particle
+};
+
+/// Beside them is a body with edges of 6 cm, which touches neither.
+Effect effect_of_contacts(const Model& big, const Model& small, const char* backend) {
+  const Model coarse = small_cube({0, 0, 0.5}, 0.06);
+  const NamedBody bodies[] = {{"big", &big}, {"small", &small}, {"coarse", &coarse}};
+  const Model model = merge_models(bodies);
+  Scene scene(model);
+  const auto solver = make_solver(backend, model, scene, {}, options_for({backend, 1}));
+  State end[2];
+  for (const bool touching : {false, true}) {
+    if (touching) scene.contacts({.skin = 1e-4});
+    solver->reset();
+    EXPECT_TRUE(solver->step(1, 0.4 * solver->stable_step()).ok());
+    end[touching] = solver->read();
+  }
+  const std::vector<Index> own = model.group("small");
+  return {middle_of(end[1], own) - middle_of(end[0], own), end[0] == end[1]};
+}
+
+/// Inside is what has got no deeper than the longer edge of the two that meet, however coarse another body is.
+TEST(ContactSearch, InsideIsAsDeepAsTheLongerEdgeOfTheTwo) {
+  struct Case {
+    int cells;           // of 3 cm along each axis
+    double edge, depth;  // m; of the small cube, and of its top below the side
+    bool inside;
+  };
+  const Case cases[] = {
+      {6, 0.002, 0.0055, false}, {6, 0.002, 0.0045, true}, {5, 0.002, 0.0055, true}, {6, 0.006, 0.0055, true}};
+  for (const char* backend : {"reference", "cpu"}) {
+    for (const Case& c : cases) {
+      const Model big = make_block({0.03, 0.03, 0.03}, c.cells, c.cells, c.cells);
+      const double low = 0.015 - 0.5 * c.edge;
+      const Effect effect = effect_of_contacts(big, small_cube({low, low, 0.03 - c.depth - c.edge}, c.edge), backend);
+      SCOPED_TRACE(testing::Message() << backend << ", " << c.cells << " cells, " << c.edge << " m");
+      EXPECT_EQ(effect.none, !c.inside);
+      EXPECT_EQ(effect.way.z() > 1e-7, c.inside) << effect.way.transpose();
+    }
+  }
+}
+
+/// Two cells along x: sides across it have edges of 5 mm, the others of 20 mm.
+TEST(ContactSearch, DeepBelowAFineSideNoCoarseOneLeadsOut) {
+  const Model big = make_block({0.04, 0.02, 0.02}, 2, 4, 4);
+  for (const char* backend : {"reference", "cpu"}) {
+    const auto effect = [&](double below) {
+      return effect_of_contacts(big, small_cube({0.039 - below, 0.011, 0.0095}, 0.001), backend);
+    };
+    EXPECT_GT(effect(0.003).way.x(), 1e-7) << backend;  // it came in there
+    EXPECT_TRUE(effect(0.0065).none) << backend;        // 8 mm below a coarse side
+    EXPECT_GT(effect(0.012).way.y(), 1e-7) << backend;  // the coarse side is the nearest
+  }
+}
+
+/// A strip squashed to two fifths and folded over itself, its upper half on the way down: of its own body the far side
+/// is nearer to each particle than what comes. Beside it is a coarse body.
+TEST(ContactSearch, TheFarSideOfOnesOwnBodyHidesNoFold) {
+  const Model strip = make_block({0.12, 0.01, 0.015}, 24, 2, 3), coarse = small_cube({0, 0, 0.5}, 0.06);
+  const NamedBody bodies[] = {{"strip", &strip}, {"coarse", &coarse}};
+  const Model model = merge_models(bodies);
+  constexpr double squash = 0.4, gap = 0.0075;  // gap: m, between 6 mm of either half
+  std::vector<Index> low, high;                 // particles that face each other, along the middles of the halves
+  State folded = rest_state(model);
+  for (const Index i : model.group("strip")) {
+    const Vec3& X = model.rest[i];
+    Vec3& x = folded.position[i];
+    x.z() = squash * X.z();
+    if (X.x() > 0.0575) x = {0.1163 - X.x(), X.y() + 0.0003, 2.0 * squash * 0.015 + gap - x.z()};
+    const bool facing = X.z() > 0.0149 && std::abs(X.y() - 0.005) < 0.001;
+    if (facing && X.x() < 0.041) low.push_back(i);
+    if (facing && X.x() > 0.079) high.push_back(i);
+  }
+  for (const char* backend : {"reference", "cpu"}) {
+    Scene scene(model);
+    const auto solver = make_solver(backend, model, scene, {}, options_for({backend, 1}));
+    double apart[2] = {0.0, 0.0};
+    for (const bool touching : {false, true}) {
+      if (touching) scene.contacts({.friction = 0.0});
+      const double dt = 0.01 * solver->stable_step();  // short, so that they hardly spring back
+      State state = folded;
+      for (const Index i : model.group("strip")) {
+        if (model.rest[i].x() > 0.0575) state.velocity[i].z() = -(gap + 0.003) / dt;
+      }
+      solver->reset(state);
+      const StepReport report = solver->step(1, dt);
+      EXPECT_TRUE(report.ok()) << backend << ": " << report.message();
+      const State end = solver->read();
+      apart[touching] = middle_of(end, high).z() - middle_of(end, low).z();
+    }
+    EXPECT_LT(apart[0], -0.002) << backend;
+    EXPECT_GT(apart[1], 0.0005) << backend;
+  }
+}
+
+/// A body all in one point, a particle of another one on it: no triangle has a normal, and the point gives no
+/// direction.
+TEST(ContactSearch, TrianglesWithoutAreaGiveNoDirection) {
+  const double size = 0x1p-6;  // m; places are exact in floats too
+  const Model low = small_cube({0, 0, 0}, size), high = small_cube({0, 0, 2 * size}, size);
+  const NamedBody bodies[] = {{"low", &low}, {"high", &high}};
+  const Model model = merge_models(bodies);
+  for (const char* backend : {"reference", "cpu"}) {
+    Scene scene(model);
+    scene.contacts({});
+    const auto solver = make_solver(backend, model, scene, {}, options_for({backend, 1}));
+    State state = rest_state(model);
+    for (const Index i : model.group("high")) state.position[i] = model.rest[model.group("low").front()];
+    solver->reset(state);
+    const StepReport report = solver->step(20, 0.4 * solver->stable_step());
+    EXPECT_TRUE(report.ok()) << backend << ": " << report.message();
+    for (const Vec3& x : solver->read().position) EXPECT_LT(x.norm(), 10 * size) << backend;
+  }
+}
+
+/// A particle above three triangles, each of which is nearest with a corner, by `step` edges further than the one
+/// before and facing the particle more. In any `order` of their rows and sides; they hang on a fourth one far below.
+struct NearTriangles {
+  NearTriangles(double step, const std::array<int, 3>& order) {
+    constexpr double facing[] = {0.3, 0.6, 0.9};
+    Model low;
+    for (int k = 0; k < 3; ++k) {
+      const double around = 2.0 * order[k];  // rad
+      const Vec3 down = Vec3(0.3 * std::cos(around), 0.3 * std::sin(around), -1.0).normalized();
+      const Vec3 across = down.cross(Vec3::UnitZ()).normalized(), aside = across.cross(down);
+      const Vec3 along = std::sqrt(1.0 - facing[k] * facing[k]) * down - facing[k] * aside;
+      const Vec3 corner = place + (distance + k * step * edge) * down;
+      low.rest.insert(low.rest.end(), {corner, corner + edge * (0.8 * along + 0.5 * across),
+                                       corner + edge * (0.8 * along - 0.5 * across)});
+    }
+    for (const int k : order) add(low, CellType::triangle, {3 * k, 3 * k + 1, 3 * k + 2});
+    add(low, CellType::triangle, {1, 4, 7});
+    Model high;
+    high.rest = {place, place + Vec3(0, 0, edge)};
+    add(high, CellType::line, {0, 1});
+    for (Model* part : {&low, &high}) {
+      part->mass.assign(part->rest.size(), 1e-3);
+      part->stiffness.assign(part->rest.size(), 1.0);
+      part->neighbours = neighbours_from_cells(part->cells, part->particle_count());
+    }
+    const NamedBody bodies[] = {{"low", &low}, {"high", &high}};
+    model = merge_models(bodies);
+  }
+
+  static void add(Model& model, CellType type, std::vector<Index> particles) {
+    Cell& cell = model.cells.emplace_back();
+    cell.type = type;
+    cell.particles = std::move(particles);
+  }
+
+  /// Which of the three the particle pushes when it comes down.
+  std::vector<int> pushed(const std::string& backend) const {
+    Scene scene(model);
+    scene.contacts({.friction = 0.0, .rounds = 1});
+    TopologyOptions springs;
+    springs.on_sparse = SparseParticle::springs;
+    const auto solver = make_solver(backend, model, scene, springs, {});
+    State state = rest_state(model);
+    state.velocity[model.group("high").front()] = {0, 0, -1e-3};
+    solver->reset(state);
+    EXPECT_TRUE(solver->step(1, 1e-3 * solver->stable_step()).ok());
+    std::vector<int> who;
+    for (int k = 0; k < 3; ++k) {
+      if (solver->read().velocity[model.group("low")[3 * k]].norm() > 1e-5) who.push_back(k);
+    }
+    return who;
+  }
+
+  static constexpr double edge = 0.01, distance = 0.0005;  // m
+  Vec3 place{0.011, 0.0123, 0.0217};
+  Model model;
+};
+
+/// Distances that are all but the same, one after the other: of those the triangle that faces the particle most says
+/// where it is, whichever comes first. Where they differ the nearest does.
+class NearTrianglesIn : public WithTools {};
+PHYMUL_WITH_TOOLS(NearTrianglesIn);
+
+TEST_P(NearTrianglesIn, WhichIsMetDoesNotDependOnTheirOrder) {
+  std::array<int, 3> order{0, 1, 2};
+  do {
+    SCOPED_TRACE(testing::PrintToString(order));
+    for (const double step : {0.8e-9, 0.8e-6}) {
+      if (step < 1e-8 && GetParam().starts_with("gl")) continue;  // floats do not know it
+      EXPECT_EQ(NearTriangles(step, order).pushed(GetParam()), std::vector<int>{2}) << step;
+    }
+    EXPECT_EQ(NearTriangles(1e-4, order).pushed(GetParam()), std::vector<int>{0});
+  } while (std::next_permutation(order.begin(), order.end()));
+}
+
+/// A particle 4 mm outside of the edge of a wedge of 40 degrees, between the normals of its faces, one of which is far
+/// larger: nearest to both in the edge, it is outside by the face that it sees better, and touches nothing.
+struct BesideAnEdge {
+  BesideAnEdge(double one_side, double other_side) {
+    constexpr double angle = 40.0 * std::numbers::pi / 180.0, high = 0.01, beyond = 0.14;  // rad, m
+    const Vec3 one(one_side, 0, 0), other(other_side * std::cos(angle), other_side * std::sin(angle), 0);
+    Model wedge;
+    for (const double z : {0.0, high}) {
+      for (const Vec3& corner : {Vec3(0, 0, 0), one, other}) wedge.rest.push_back(corner + z * Vec3::UnitZ());
+    }
+    NearTriangles::add(wedge, CellType::wedge, {0, 1, 2, 3, 4, 5});
+    const double at = 0.5 * std::numbers::pi + angle + beyond;
+    place = 0.004 * Vec3(std::cos(at), std::sin(at), 0) + 0.5 * high * Vec3::UnitZ();
+    Model near;
+    near.rest = {place, place + Vec3(-0.007, 0.007, 0)};
+    NearTriangles::add(near, CellType::line, {0, 1});
+    for (Model* part : {&wedge, &near}) {
+      part->mass.assign(part->rest.size(), 1e-3);
+      part->stiffness.assign(part->rest.size(), 1.0);
+      part->neighbours = neighbours_from_cells(part->cells, part->particle_count());
+    }
+    const NamedBody bodies[] = {{"wedge", &wedge}, {"near", &near}};
+    model = merge_models(bodies);
+  }
+
+  Vec3 place;
+  Model model;
+};
+
+TEST_P(NearTrianglesIn, ALargeFaceDoesNotHideASmallOneAtTheirEdge) {
+  for (const auto& [one, other] : {std::pair{0.05, 0.01}, std::pair{0.01, 0.05}}) {
+    const BesideAnEdge beside(one, other);
+    Scene scene(beside.model);
+    scene.contacts({.friction = 0.0, .skin = 1e-4, .rounds = 1});
+    TopologyOptions springs;
+    springs.on_sparse = SparseParticle::springs;
+    const auto solver = make_solver(GetParam(), beside.model, scene, springs, {});
+    EXPECT_TRUE(solver->step(5, 0.05 * solver->stable_step()).ok());
+    EXPECT_EQ((solver->read().position[beside.model.group("near").front()] - beside.place).norm(), 0.0) << one;
+  }
+}
+
+}  // namespace
+}  // namespace phymul

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+//
+// Needles: the force on the hub over a whole insertion, and that neither step nor mesh makes it.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "support/needle_insertion.h"
+
+namespace phymul::test {
+namespace {
+
+using NeedleIn = WithTools;
+PHYMUL_WITH_TOOLS(NeedleIn);
+
+TEST_P(NeedleIn, ForceRisesDropsAtPunctureGrowsWithDepthAndTurnsOnWithdrawal) {
+  Insertion needle(GetParam(), 6, 0.4);
+  const std::vector<double> in = needle.go(0.025, 0.1, 51);  // half a millimetre each
+  EXPECT_EQ(in[0], 0.0);                                     // not there yet
+  EXPECT_LT(in[1], in[2]);
+  const auto peak = std::max_element(in.begin(), in.begin() + 10);
+  EXPECT_NEAR(*peak, 0.4, 0.06);  // a mean over half a millimetre: less than the puncture force itself
+  EXPECT_LE(*peak, 0.4 + 1e-6);
+  EXPECT_LT(*std::min_element(peak, in.begin() + 15), 0.55 * *peak);
+  // Cutting and kinetic friction per metre, of the shaft that is in the tissue as that stands.
+  const double slope = (in[50] - in[30]) / (20 * 0.0005);
+  EXPECT_NEAR(slope, 10.0, 1.0);
+  const State deep = needle.solver->read();
+  ASSERT_TRUE(deep.tools.at(0).needle.punctured);
+  EXPECT_NEAR(in[50], 0.15 + 10.0 * 0.025, 0.1 * 0.4);
+  const std::vector<double> hold = needle.go(0.025, 0.1, 1);
+  EXPECT_GT(hold[0], 0.15);  // it sticks: the tissue stays drawn in
+  const std::vector<double> out = needle.go(-offset, 0.1, 51);
+  EXPECT_NEAR(out[10], -10.0 * 0.020, 0.1 * 0.2 + 0.01);
+  EXPECT_NEAR(out[30], -10.0 * 0.010, 0.1 * 0.1 + 0.01);
+  EXPECT_NEAR(out[50], 0.0, 0.01);
+  EXPECT_TRUE(needle.solver->read().tools[0].needle.hole.empty());
+}
+
+TEST_P(NeedleIn, TakesFromTheTissueWhatTheHubFeels) {
+  Insertion needle(GetParam(), 6, 0.4);
+  needle.scene.clear();  // nothing held, so that the body's momentum is the needle's doing alone
+  needle.scene.add_tool("needle",
+                        {.shape = thin_needle(),
+                         .pose = {.position = needle.pose.position, .velocity = {0, 0, -0.8}, .spin = {0, 0, 9}},
+                         .friction = 0.5});
+  SolverOptions options;
+  options.largest_push = std::numeric_limits<double>::infinity();
+  const auto solver = make(needle.model, needle.scene, options);
+  const double dt = 0.3 * solver->stable_step();
+  double largest = 0.0;
+  for (int k = 0; k < 120; ++k) {
+    const Momentum before = solver->momentum();
+    ASSERT_TRUE(solver->step(1, dt).ok());
+    const double force = solver->tool_force("needle").force.norm();
+    largest = std::max(largest, force);
+    const Imbalance left = imbalance(before, solver->momentum(), *solver, {"needle"}, dt);
+    const double noise = 1e3 * roundoff() * (force + total_mass(needle.model) * 1.0 / dt);
+    EXPECT_LE(left.force.norm(), noise) << k;
+    EXPECT_LE(left.torque.norm(), 0.05 * noise) << k;
+  }
+  EXPECT_GT(largest, 0.2);
+  EXPECT_TRUE(solver->read().tools.at(0).needle.punctured);
+}
+
+std::vector<double> curve(int cells, double share, const Vec3& aside = Vec3::Zero()) {
+  Insertion needle("cpu", cells, share);
+  needle.pose.position += aside;
+  needle.scene.tool("needle").place(needle.pose);
+  std::vector<double> all = needle.go(0.020, 0.1, 20);
+  const std::vector<double> out = needle.go(-offset, 0.1, 20);
+  all.insert(all.end(), out.begin(), out.end());
+  return all;
+}
+
+TEST(NeedleCurve, IsThatOfHalfTheStep) {
+  EXPECT_LE(apart(curve(6, 0.5), curve(6, 0.25)), 0.05);
+}
+
+/// Six cells are 1.8 to the spread, twelve 3.6. Near a particle and away from all.
+TEST(NeedleCurve, IsThatOfFinerMeshes) {
+  const std::vector<double> coarse = curve(6, 0.5), finer = curve(9, 0.5), fine = curve(12, 0.5);
+  EXPECT_LE(apart(coarse, finer), 0.1);
+  EXPECT_LE(apart(finer, fine), 0.1);
+  EXPECT_LE(apart(coarse, fine), 0.1);
+  const Vec3 aside(0.003, -0.0017, 0.0);
+  EXPECT_LE(apart(curve(6, 0.5, aside), curve(12, 0.5, aside)), 0.1);
+}
+
+TEST(NeedleCurve, OfTheFastBackendIsThatOfTheReference) {
+  std::vector<std::vector<double>> both;
+  for (const char* backend : {"reference", "cpu"}) {
+    Insertion needle(backend, 5, 0.5);
+    both.push_back(needle.go(0.015, 0.2, 15));
+  }
+  EXPECT_LE(apart(both[0], both[1]), 0.01);
+}
+
+TEST(NeedleShaft, TurningTakesTheFrictionAlongIt) {
+  Insertion needle("cpu", 6, 0.5);
+  needle.go(0.02, 0.1, 10);
+  const double still = needle.go(0.021, 0.02, 1).front();
+  needle.pose.spin = {0, 0, 300};  // rad/s: 180 mm/s at the shaft's surface, against 20 mm/s along it
+  needle.scene.tool("needle").place(needle.pose);
+  needle.pose.velocity = {0, 0, -0.02};
+  needle.scene.tool("needle").place(needle.pose);
+  ASSERT_TRUE(needle.solver->step(static_cast<int>(0.1 / needle.dt), needle.dt).ok());
+  const ToolForce turning = needle.solver->tool_force("needle");
+  EXPECT_NEAR(still, 0.15 + 10 * 0.021, 0.05);
+  EXPECT_LT(turning.mean_force.z(), 0.15 + 0.3 * 10 * 0.021);
+  // Tissue against the turn: at most kinetic friction times length times radius.
+  const double most = 10.0 * 0.024 * 0.6e-3;
+  EXPECT_LT(turning.mean_torque.z(), -0.3 * most);
+  EXPECT_GT(turning.mean_torque.z(), -1.1 * most);
+}
+
+TEST(NeedleShaft, DrawsTheTissueSideways) {
+  Insertion needle("cpu", 6, 0.5);
+  needle.go(0.02, 0.1, 10);
+  const State before = needle.solver->read();
+  needle.pose.position.x() += 0.003;
+  needle.scene.tool("needle").pose(needle.pose);
+  ASSERT_TRUE(needle.solver->step(static_cast<int>(0.5 / needle.dt), needle.dt).ok());
+  const State after = needle.solver->read();
+  const NeedleNode& skin = after.tools.at(0).needle.hole.at(0);
+  double moved = 0.0;
+  for (std::size_t k = 0; k < skin.particles.size(); ++k) {
+    moved += skin.weights[k] * (after.position[skin.particles[k]] - before.position[skin.particles[k]]).x();
+  }
+  EXPECT_NEAR(moved, 0.003, 2e-4);
+  EXPECT_LT(needle.solver->tool_force("needle").force.x(), -0.05);
+}
+
+/// Over a lattice point the dent is deeper than the mean over particles that the hole begins at, so that the tip is
+/// in front of the facets when the skin gives way; and ways along lines of the mesh meet edges and corners.
+/// Where nothing moves along the shaft the tip cuts and the whole length rubs at their limits. Across, the particles
+/// are free. So slowly that one sweep over the nodes would not reach the limits.
+TEST_P(NeedleIn, FeelsItsLimitsWhereTheTissueCannotGoAlong) {
+  Insertion needle(GetParam(), 6, 0.4);
+  Load held;
+  held.type = LoadType::translation;
+  for (Index i = 0; i < needle.model.particle_count(); ++i) held.particles.push_back(i);
+  held.axes = {Axis::free, Axis::free, Axis::held};
+  needle.scene.add(held);
+  needle.go(0.015, 0.1, 10);
+  const double force = needle.go(0.0151, 5e-3, 2)[1];
+  EXPECT_NEAR(force, 0.15 + 10.0 * 0.015, 0.02 * force);
+}
+
+TEST_P(NeedleIn, IsInTheBodyOnALineOfTheMesh) {
+  Needle pointed = thin_needle();
+  pointed.puncture = 0.8;
+  pointed.spread = 0.0125;
+  for (const double y : {0.5 * side, 0.5 * side + 1e-3}) {
+    Insertion needle(GetParam(), 8, 0.5, pointed);
+    needle.pose.position = {0.5 * side, y, side + offset};
+    needle.scene.tool("needle").place(needle.pose);
+    const std::vector<double> in = needle.go(0.020, 0.2, 21);
+    const State deep = needle.solver->read();
+    EXPECT_TRUE(deep.tools[0].needle.punctured && !deep.tools[0].needle.through) << y;
+    EXPECT_GT(in.back(), 0.5 * pointed.cutting) << y;
+  }
+}
+
+TEST(NeedleShaft, BehindTheBodyTheTipIsFree) {
+  Insertion needle("cpu", 5, 0.5);
+  needle.go(side + 0.02, 0.2, 40);
+  EXPECT_TRUE(needle.solver->read().tools.at(0).needle.through);
+  const std::vector<double> on = needle.go(side + 0.03, 0.2, 5);
+  EXPECT_NEAR(on.back(), 10.0 * side, 0.12 * 10.0 * side);  // friction alone, along the block's whole height
+}
+
+}  // namespace
+}  // namespace phymul::test

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/pml.h>
+#include <phymul/shapes.h>
+
+#include <bit>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "support/pml_text.h"
+
+namespace phymul {
+namespace {
+
+const std::string data = PHYMUL_TEST_DATA;
+
+TEST(PmlRoundTrip, Samples) {
+  for (const char* const name : {"tetrahedron_4", "cube_125", "cylinder_275"}) {
+    const Model model = read_pml(data + "/" + name + ".pml");
+    const Model again = reread(model);
+    EXPECT_EQ(again, model) << name;
+    EXPECT_EQ(written(again), written(model)) << name;
+  }
+}
+
+TEST(PmlRoundTrip, BuiltShapes) {
+  const std::vector<Model> shapes = {make_tetrahedron(0.01),
+                                     make_block({0.03, 0.02, 0.05}, 3, 2, 4),
+                                     make_block({0.03, 0.02, 0.05}, 3, 2, 4, 26),
+                                     make_cylinder(0.01, 0.05, 2, 8, 5),
+                                     make_strip(0.05, 0.01, 6, 2),
+                                     make_tetrahedral_block({0.03, 0.03, 0.03}, 3, 3, 3, 0.2, 7)};
+  for (const Model& shape : shapes) {
+    const Model again = reread(shape);
+    EXPECT_EQ(again, shape) << shape.name;
+    EXPECT_EQ(again.dimension, shape.dimension);
+  }
+}
+
+TEST(PmlRoundTrip, Materials) {
+  Model model = make_block({0.03, 0.02, 0.05}, 3, 2, 4);
+  set_material(model, {3e3, 0.45, 1100});
+  EXPECT_EQ(reread(model), model);
+  std::vector<Index> half;
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    if (model.rest[i].z() > 0.02) half.push_back(i);
+  }
+  model.add_group("half", half);
+  set_material(model, {1e6, 0.3, 1000}, "half");
+  ASSERT_EQ(model.materials.size(), 2u);
+  EXPECT_EQ(reread(model), model);
+  Model sample = read_pml(data + "/cylinder_275.pml");
+  set_material(sample, {1e4 / 3, 0.49, 1049.7});
+  EXPECT_EQ(reread(sample), sample);
+}
+
+TEST(PmlRoundTrip, RandomCoordinatesBitByBit) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> place(-0.2, 0.2);
+  Model model = make_block({0.1, 0.1, 0.1}, 9, 9, 9);
+  for (const double unit : {1e-3, 1e-2, 1.0, 1e-6}) {
+    PmlOptions options;
+    options.length_unit = unit;
+    for (Vec3& x : model.rest) x += 1e-3 * Vec3(place(random), place(random), place(random));
+    const Model again = reread(model, options);
+    ASSERT_EQ(again.particle_count(), model.particle_count());
+    for (Index i = 0; i < model.particle_count(); ++i) {
+      for (int a = 0; a < 3; ++a) {
+        ASSERT_EQ(std::bit_cast<std::uint64_t>(again.rest[i][a]), std::bit_cast<std::uint64_t>(model.rest[i][a]));
+      }
+    }
+    EXPECT_EQ(again, model);
+  }
+}
+
+TEST(PmlRoundTrip, UnknownAttributesNamesAndColours) {
+  std::vector<std::string> atoms = tetrahedron_atoms;
+  atoms[2] =
+      R"(<atom><atomProperties index="2" x="0" y="1" z="0" name="tip &lt;&amp;&quot;&#10;" fixed="1" b="&#9;"/></atom>)";
+  const std::string colour = "<color r=\"0.1\" g=\"0.2\" b=\"0.3\" a=\"0.4\"/>";
+  const std::string neighbourhood =
+      "<structuralComponent name=\"Neighborhoods\" stiffness=\"2\" zeta=\"0.1\">" + colour +
+      cell_text("POLY_VERTEX", {1, 2, 3}, "name=\"Atom #0\" index=\"50\" eta=\"x\"", colour) +
+      cell_text("POLY_VERTEX", {0, 2, 3}, "name=\"Atom #3\" stiffness=\"4\"") +
+      "</structuralComponent>\n</multiComponent></exclusiveComponents>";
+  std::string text =
+      pml_text(atoms, {colour, cell_text("TETRAHEDRON", {0, 1, 2, 3}, "index=\"4\" name=\"c\" odd=\"'\"", colour)}, "",
+               "comment=\"root &gt; all\"");
+  text = replaced(text, "name=\"list\"", "name=\"list\" mode=\"POINTS\"");
+  text = replaced(text, "<multiComponent name=\"Exclusive Components\"",
+                  "<multiComponent name=\"Exclusive Components\" level=\"1\"");
+  text = replaced(text, "name=\"Elements\"", "name=\"Elements\" mode=\"SURFACE\" unit=\"\"");
+  text = replaced(text, "</multiComponent></exclusiveComponents>", neighbourhood);
+  const Model model = read_pml_text(text, "t.pml");
+  EXPECT_EQ(model.extras.attributes, (std::vector<Attribute>{{"comment", "root > all"}}));
+  EXPECT_EQ(model.extras.atom_list.attributes, (std::vector<Attribute>{{"mode", "POINTS"}}));
+  ASSERT_EQ(model.particle_name.size(), 4u);
+  EXPECT_EQ(model.particle_name[2], "tip <&\"\n");
+  EXPECT_EQ(model.particle_fields[2], (std::vector<Attribute>{{"fixed", "1"}, {"b", "\t"}}));
+  EXPECT_EQ(model.components[1].attributes, (std::vector<Attribute>{{"mode", "SURFACE"}, {"unit", ""}}));
+  EXPECT_EQ(model.components[1].colour, (Colour{0.1, 0.2, 0.3, 0.4}));
+  EXPECT_EQ(model.cells[0].attributes, (std::vector<Attribute>{{"odd", "'"}}));
+  EXPECT_EQ(model.stiffness, (std::vector<double>{2, 2, 2, 4}));
+  EXPECT_EQ(model.extras.neighbourhood_index, (std::vector<Index>{50, -1, -1, -1}));
+  ASSERT_EQ(model.extras.neighbourhood_fields.size(), 2u);
+  EXPECT_EQ(model.extras.neighbourhood_fields[1].attributes, (std::vector<Attribute>{{"stiffness", "4"}}));
+  const Model again = reread(model);
+  EXPECT_EQ(again, model);
+  EXPECT_EQ(again.extras, model.extras);
+  EXPECT_EQ(again.components, model.components);
+}
+
+TEST(PmlRoundTrip, RowsInAnotherOrderThanTheFileNeeds) {
+  Model model = make_block({0.03, 0.02, 0.05}, 3, 2, 2);
+  model.components.clear();
+  Component first, second;
+  for (Index i = 0; i < static_cast<Index>(model.cells.size()); ++i) (i % 2 == 0 ? second : first).cells.push_back(i);
+  first.name = "first";
+  second.name = "second";
+  // A group before the body, two roots, a cell in no component, references to cells without an index.
+  model.add_group("group", {1, 5});
+  model.components.push_back(first);
+  model.components.push_back(second);
+  model.components[1].cell_refs = {3, 0};
+  model.components[2].cells.pop_back();
+  model.neighbours = neighbours_from_cells(model.cells, model.particle_count());
+  EXPECT_EQ(reread(model), model);
+  // Neighbours that are not those of the cells, though no component lists them.
+  model.neighbours = {};
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    const Index other[3] = {(i + 1) % model.particle_count(), (i + 7) % model.particle_count(),
+                            (i + 3) % model.particle_count()};
+    model.neighbours.push_row(other, other + 3);
+  }
+  EXPECT_EQ(reread(model), model);
+  EXPECT_EQ(reread(reread(model)), model);
+}
+
+TEST(PmlRoundTrip, OneCellInTwoComponentsBecomesAReference) {
+  Model model = make_tetrahedron(0.01);
+  model.components.clear();
+  Component a, b;
+  a.name = "a";
+  b.name = "b";
+  a.cells = b.cells = {0};
+  model.components = {a, b};
+  const Model again = reread(model);
+  ASSERT_EQ(again.components.size(), 2u);
+  EXPECT_EQ(again.components[1].cell_refs, std::vector<Index>{0});
+  EXPECT_EQ(again.group("b"), model.group("b"));
+}
+
+TEST(PmlRoundTrip, TwoDimensions) {
+  const Model model = make_strip(0.05, 0.01, 6, 2);
+  ASSERT_EQ(model.dimension, 2);
+  const std::string text = written(model);
+  EXPECT_NE(text.find("dimension=\"2\""), std::string::npos);
+  EXPECT_EQ(read_pml_text(text, "t.pml").dimension, 2);
+}
+
+TEST(PmlWrite, RefusesWhatPmlCannotSay) {
+  Model model = read_pml(data + "/tetrahedron_4.pml");
+  Model broken = model;
+  broken.file_index[3] = 0;
+  EXPECT_EQ(message_of([&] { written(broken); }),
+            "particle 3: expected a file index of its own, got 0, which particle 0 has");
+  broken = model;
+  broken.extras.attributes = {{"name", "again"}};
+  EXPECT_NE(message_of([&] { written(broken); }).find("<physicalModel> under other names than its own, got \"name\""),
+            std::string::npos);
+  broken = model;
+  broken.extras.attributes = {{"two words", ""}};
+  EXPECT_NE(message_of([&] { written(broken); }).find("a name that XML allows for an attribute"), std::string::npos);
+  broken = model;
+  broken.name = "bell \a";
+  EXPECT_NE(message_of([&] { written(broken); }).find("control character 7"), std::string::npos);
+  broken = model;
+  broken.components[1].parent = 2;
+  EXPECT_NE(message_of([&] { written(broken); }).find("component 1"), std::string::npos);
+  broken = model;
+  broken.rest[0].x() = std::nan("");
+  EXPECT_NE(message_of([&] { written(broken); }).find("finite coordinates"), std::string::npos);
+  PmlOptions options;
+  options.length_unit = 0;
+  EXPECT_NE(message_of([&] { written(model, options); }).find("positive length_unit"), std::string::npos);
+}
+
+TEST(PmlWrite, ReplacesAFileOnlyByACompleteOne) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "phymul_pml_write";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  const std::string path = (folder / "body.pml").string();
+  Model model = read_pml(data + "/tetrahedron_4.pml");
+  write_pml(model, path);
+  EXPECT_EQ(read_pml(path), model);
+  Model broken = model;
+  broken.particle_fields.assign(4, {});
+  broken.particle_fields[3] = {{"not a name", ""}};
+  EXPECT_EQ(message_of([&] { write_pml(broken, path); }).rfind(path + ": ", 0), 0u);
+  EXPECT_EQ(read_pml(path), model) << "the old file stays";
+  std::size_t files = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder)) ++files;
+  EXPECT_EQ(files, 1u) << "no draft is left behind";
+  const std::string nowhere = (folder / "no" / "body.pml").string();
+  EXPECT_EQ(message_of([&] { write_pml(model, nowhere); }),
+            nowhere + ": cannot be written; check that its folder exists and may be written to");
+  std::filesystem::remove_all(folder);
+}
+
+TEST(PmlWrite, SaysWhenTheStreamFails) {
+  std::ofstream full("/dev/full");
+  if (!full) GTEST_SKIP() << "no /dev/full here";
+  const Model model = read_pml(data + "/cylinder_275.pml");
+  EXPECT_EQ(message_of([&] { write_pml(model, full); }), "the output stream failed; is the disk full?");
+}
+
+}  // namespace
+}  // namespace phymul

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+//
+// Elastic forces of a body in float, gathered particle by particle: what the shaders of a GPU do, term by term and in
+// the same order, as plain loops. Order of a particle's sum: its own force (conservative: its base rows), its
+// reactions, volumes, cells, springs. An attractor's: neighbour rows, then bases.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "base/vector3.h"
+#include "delta_cell.h"
+#include "device/float_tables.h"
+
+namespace phymul::cpu {
+
+using Float3 = Vector3<float>;
+
+class MirrorForces {
+ public:
+  explicit MirrorForces(FloatTables tables);
+
+  const FloatTables& tables() const { return tables_; }
+
+  /// Elastic forces, N, at displacements u, m; both [particles]. Overwrites `force`; does not allocate.
+  void evaluate(std::span<const Float3> u, std::span<Float3> force) const;
+
+  /// J, from float densities summed in double.
+  double energy(std::span<const Float3> u) const;
+
+ private:
+  template <bool scaled>
+  DeltaBase<scaled, float> base_at(Index t, std::span<const Float3> u, Float3& d1, Float3& d2) const;
+  template <bool scaled>
+  Float3 pull_of_base(Index t, std::span<const Float3> u) const;
+  template <bool scaled>
+  Float3 attractor_pull(Index i, std::span<const Float3> u) const;
+  template <bool scaled>
+  void add_enumerated_heights(Index i, std::span<const Float3> u, Float3& sum) const;
+  template <bool scaled>
+  void shape_rows(std::span<const Float3> u) const;
+  template <bool scaled>
+  double shape_energy(std::span<const Float3> u) const;
+  template <bool bounded>
+  void volume_rows(std::span<const Float3> u) const;
+  template <bool bounded>
+  void cell_rows(std::span<const Float3> u) const;
+  template <bool bounded>
+  double volume_energy(std::span<const Float3> u) const;
+  template <bool bounded>
+  double cell_energy_sum(std::span<const Float3> u) const;
+  Columns<float> cell_gradient(Index c, std::span<const Float3> u) const;
+  Float3 gathered(Index i, std::span<const Float3> u) const;
+
+  FloatTables tables_;
+  // What one pass hands to the next, as a shader's textures would.
+  mutable std::vector<Float3> own_;           // [particles] F_i; empty where bases act one by one
+  mutable std::vector<Float3> base_force_;    // [4 bases] on a, b, c and the owner; empty for the thesis' reactions
+  mutable std::vector<Float3> volume_force_;  // [4 volumes]
+  mutable std::vector<Columns<float>> cell_stress_;
+};
+
+}  // namespace phymul::cpu

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+//
+// Trajectories of the float mirror against the double-precision reference.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <iostream>
+
+#include "mirror.h"
+#include "support/bodies.h"
+
+namespace phymul::test {
+namespace {
+
+/// A reference and a mirror of one scene over one set of tables.
+struct Pair {
+  std::unique_ptr<Solver> exact, mirror;
+  double dt = 0.0;
+};
+
+Pair make_pair(const Scene& scene, const TopologyOptions& options, SolverOptions solver_options) {
+  const auto tables = std::make_shared<const TopologyTextures>(build_topology(scene.model(), options));
+  solver_options.spectrum = estimate_spectrum(*tables, tables->rest);
+  Pair pair{make_solver("reference", tables, scene, solver_options),
+            cpu::make_mirror_solver(tables, scene, solver_options)};
+  pair.dt = 0.5 * pair.exact->stable_step();
+  return pair;
+}
+
+double largest_distance(const State& a, const State& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.position.size(); ++i) {
+    largest = std::max(largest, (a.position[i] - b.position[i]).norm());
+  }
+  return largest;
+}
+
+Model calibrated_cylinder(const Vec3& origin = Vec3::Zero()) {
+  Model model = cylinder_275();
+  for (Vec3& p : model.rest) p += origin;
+  set_material(model, soft_tissue());
+  return model;
+}
+
+/// Lower end held, upper end pulled along z, gravity.
+Scene pulled(const Model& model, double amount) {
+  Scene scene(model);
+  Load pull;
+  pull.type = LoadType::translation;
+  pull.particles = model.group("top");
+  pull.direction = {0, 0, 1};
+  pull.events = {{0.0, 0.0}, {0.2, amount}};
+  scene.fix("bottom").gravity({0, 0, -9.81}).add(pull);
+  return scene;
+}
+
+/// What is left out has the kernels of what is left, and thousands of rows more.
+bool takes_seconds(const Variant& variant, const Body& body) {
+  if (body.name == "tetrahedron" || body.name == "strip") return true;
+  if (body.name == "tetrahedra") return variant.material || variant.options.law == Law::springs;
+  return variant.name == "material" && !body.name.starts_with("block");
+}
+
+// Undamped bodies of many particles are chaotic; damped ones come back together.
+TEST(Mirror, TwoThousandDampedStepsEndWhereTheReferenceEnds) {
+  int runs = 0;
+  double last_of_all = 0.0, worst_of_all = 0.0;
+  for (const Body& body : bodies()) {
+    for (const Variant& variant : conservative_variants()) {
+      if (!applies(variant, body) || !takes_seconds(variant, body)) continue;
+      const Model model = prepared(variant, body);
+      Scene scene(model);
+      scene.fix(std::vector<Index>{0, 1, 2});
+      const double rate = 0.02;                           // per step
+      Pair pair = make_pair(scene, variant.options, {});  // for its step
+      SolverOptions options;
+      options.damping.rate = rate / pair.dt;
+      pair = make_pair(scene, variant.options, options);
+      State start = rest_state(model);
+      start.position = random_positions(model, 0.1, 5);
+      for (Index i : {0, 1, 2}) start.position[i] = model.rest[i];
+      pair.exact->reset(start);
+      pair.mirror->reset(start);
+      double first = 0.0, worst = 0.0;
+      ++runs;
+      for (int steps = 0; steps < 2000; steps += 100) {
+        ASSERT_TRUE(pair.exact->step(100, pair.dt).ok()) << body.name << ", " << variant.name;
+        ASSERT_TRUE(pair.mirror->step(100, pair.dt).ok()) << body.name << ", " << variant.name;
+        const double apart = largest_distance(pair.exact->read(), pair.mirror->read());
+        if (steps == 0) first = apart;
+        worst = std::max(worst, apart);
+      }
+      const double size = body_size(model);
+      const double last = largest_distance(pair.exact->read(), pair.mirror->read());
+      EXPECT_LE(last, 1e-5 * size) << body.name << ", " << variant.name << ": " << first / size << " after 100 steps, "
+                                   << worst / size << " at worst";
+      last_of_all = std::max(last_of_all, last / size);
+      worst_of_all = std::max(worst_of_all, worst / size);
+    }
+  }
+  EXPECT_GT(runs, 20);
+  std::cout << runs << " runs, apart by up to " << worst_of_all << " of the body's size, at the end by " << last_of_all
+            << "\n";
+}
+
+TEST(Mirror, FarFromTheOriginNothingIsLost) {
+  const Model model = calibrated_cylinder({1000.0, 0.0, 0.0});
+  const Scene scene = pulled(model, 0.005);
+  SolverOptions options;
+  options.damping.rate = 20.0;
+  const Pair pair = make_pair(scene, {}, options);
+  ASSERT_TRUE(pair.exact->step(3000, pair.dt).ok());
+  ASSERT_TRUE(pair.mirror->step(3000, pair.dt).ok());
+  const double apart = largest_distance(pair.exact->read(), pair.mirror->read()) / body_size(model);
+  std::cout << "apart by " << apart << " of the body's size\n";
+  EXPECT_LE(apart, 1e-6);
+}
+
+TEST(Mirror, RestsAtTheStepOfTheReference) {
+  const Model model = calibrated_cylinder();
+  const Scene scene = pulled(model, 0.005);
+  SolverOptions options;
+  options.damping.rate = 20.0;
+  options.rest_tolerance = 1e-6;
+  const Pair pair = make_pair(scene, {}, options);
+  const int warm = static_cast<int>(std::ceil(0.2 / pair.dt));
+  ASSERT_TRUE(pair.exact->step(warm, pair.dt).ok());
+  ASSERT_TRUE(pair.mirror->step(warm, pair.dt).ok());
+  const StepReport exact = pair.exact->run_to_rest(20000, pair.dt), mirror = pair.mirror->run_to_rest(20000, pair.dt);
+  EXPECT_TRUE(exact.at_rest && mirror.at_rest);
+  std::cout << "steps to rest: reference " << exact.steps << ", mirror " << mirror.steps << "\n";
+  EXPECT_NEAR(exact.steps, mirror.steps, 1e-3 * exact.steps);
+  EXPECT_LE(largest_distance(pair.exact->read(), pair.mirror->read()), 1e-5 * body_size(model));
+}
+
+// The default tolerance is below what a float can tell of a body pulled by its own spacing.
+TEST(Mirror, ComesToRestAtItsOwnNoise) {
+  const Model model = calibrated_cylinder();
+  for (const double amount : {0.0005, 0.005}) {
+    const Scene scene = pulled(model, amount);
+    SolverOptions options;
+    options.damping.rate = 20.0;
+    const Pair pair = make_pair(scene, {}, options);
+    ASSERT_TRUE(pair.mirror->step(static_cast<int>(std::ceil(0.2 / pair.dt)), pair.dt).ok());
+    const StepReport report = pair.mirror->run_to_rest(4000, pair.dt);
+    EXPECT_TRUE(report.at_rest) << amount;
+    std::cout << "pulled by " << amount << " m: " << report.steps << " steps\n";
+  }
+}
+
+TEST(Mirror, ComesToRestTurned) {
+  const Model model = calibrated_cylinder();
+  Scene scene(model);
+  Load turn;
+  turn.type = LoadType::rotation;
+  turn.particles = model.group("bottom");
+  turn.direction = {1, 0, 0};
+  turn.events = {{0.0, 0.0}, {0.5, 2.0}};
+  scene.add(turn);
+  SolverOptions options;
+  options.damping.rate = 40.0;
+  const Pair pair = make_pair(scene, {}, options);
+  ASSERT_TRUE(pair.mirror->step(static_cast<int>(std::ceil(0.5 / pair.dt)), pair.dt).ok());
+  const StepReport report = pair.mirror->run_to_rest(4000, pair.dt);
+  EXPECT_TRUE(report.at_rest);
+  std::cout << "turned by 2 rad: " << report.steps << " steps\n";
+}
+
+TEST(Mirror, EnumeratedBasesMoveTheBodyAlike) {
+  const Model model = jittered_block();
+  const Scene scene(model);
+  TopologyOptions options;
+  options.reaction = Reaction::barycentric;
+  options.bases = BaseSelection::all;
+  const auto tables = std::make_shared<const TopologyTextures>(build_topology(model, options));
+  SolverOptions damped;
+  damped.damping.factor = 0.9;
+  const auto table = cpu::make_mirror_solver(tables, scene, damped),
+             enumerated = cpu::make_mirror_solver(tables, scene, damped, FloatLayout::enumerated);
+  State start = rest_state(model);
+  start.position = random_positions(model, 0.05, 2);
+  table->reset(start);
+  enumerated->reset(start);
+  const double dt = 0.4 * table->stable_step();
+  ASSERT_TRUE(table->step(200, dt).ok());
+  ASSERT_TRUE(enumerated->step(200, dt).ok());
+  EXPECT_LE(largest_distance(table->read(), enumerated->read()), 1e-6 * body_size(model));
+}
+
+}  // namespace
+}  // namespace phymul::test

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+#include <phymul/topology_textures.h>
+
+#include <sstream>
+
+#include "support/message_of.h"
+#include "support/rounding_bound.h"
+#include "support/run_scenes.h"
+
+namespace phymul {
+namespace {
+
+using namespace test;
+
+struct TwoOrgans {
+  Model soft = make_block({0.03, 0.02, 0.02}, 6, 4, 4);
+  Model hard = moved(make_cylinder(0.01, 0.03, 2, 8, 4), {0.1, 0, 0.02});
+  TwoOrgans() {
+    set_material(soft, {3e3, 0.45, 1000.0});
+    set_material(hard, {60e3, 0.3, 1500.0});
+  }
+  Model both() const {
+    const NamedBody bodies[] = {{"soft", &soft}, {"hard", &hard}};
+    return merge_models(bodies);
+  }
+};
+
+/// Pull, gravity and a pressure on each, by the groups of the body with a prefix.
+void act(Scene& scene, const Model& body, const std::string& prefix, const char* held, const char* pulled) {
+  scene.fix(prefix + held);
+  scene.add(pull(body, (prefix + pulled).c_str(), {0.3, 0, 1}, {{0, 0}, {0.01, 0.002}}));
+}
+
+TEST(SeveralBodies, NamesMaterialsAndRowsAreKept) {
+  const TwoOrgans organs;
+  const Model both = organs.both();
+  const Index first = organs.soft.particle_count();
+  EXPECT_EQ(both.particle_count(), first + organs.hard.particle_count());
+  EXPECT_EQ(both.group("soft").size(), organs.soft.rest.size());
+  EXPECT_EQ(both.group("hard").front(), first);
+  std::vector<Index> bottom = organs.hard.group("bottom");
+  for (Index& i : bottom) i += first;
+  EXPECT_EQ(both.group("hard/bottom"), bottom);
+  ASSERT_EQ(both.materials.size(), 2u);
+  EXPECT_EQ(both.materials[both.cells.back().material], organs.hard.materials[0]);
+  const std::vector<ConnectedBody> found = connected_bodies(both);
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].name, "soft");
+  EXPECT_EQ(found[1].name, "hard");
+  EXPECT_EQ(found[1].particles, both.group("hard"));
+}
+
+/// A merged model is a PML file as good as any, and its loads go by the prefixed names.
+TEST(SeveralBodies, PmlAndLmlCarryThem) {
+  const Model both = TwoOrgans().both();
+  std::ostringstream out;
+  write_pml(both, out);
+  const Model again = read_pml_text(out.str(), "both.pml");
+  EXPECT_TRUE(again == both);
+  const std::vector<Load> loads = read_lml_text(
+      "<loads><load type='Force'><appliedTo>hard/bottom,soft/x1</appliedTo><valueEvent date='0' value='1'/>"
+      "<direction x='1' y='0' z='0'/><unit>N</unit></load></loads>",
+      "both.lml", again);
+  EXPECT_EQ(loads[0].particles.size(), again.group("hard/bottom").size() + again.group("soft/x1").size());
+}
+
+std::vector<State> apart_and_together(const char* backend, double* slack = nullptr) {
+  const TwoOrgans organs;
+  const Model both = organs.both();
+  Scene scene(both), soft_scene(organs.soft), hard_scene(organs.hard);
+  scene.gravity({0, 0, -9.81});
+  soft_scene.gravity({0, 0, -9.81});
+  hard_scene.gravity({0, 0, -9.81});
+  act(scene, both, "soft/", "x0", "x1");
+  act(soft_scene, organs.soft, "", "x0", "x1");
+  act(scene, both, "hard/", "bottom", "top");
+  act(hard_scene, organs.hard, "", "bottom", "top");
+  const SolverOptions options = options_for({backend, 1});
+  const auto together = make_solver(backend, both, scene, {}, options);
+  const auto soft = make_solver(backend, organs.soft, soft_scene, {}, options);
+  const auto hard = make_solver(backend, organs.hard, hard_scene, {}, options);
+  const double dt = 0.4 * together->stable_step();
+  for (Solver* solver : {together.get(), soft.get(), hard.get()}) {
+    const StepReport report = solver->step(400, dt);
+    EXPECT_TRUE(report.ok()) << report.message();
+    EXPECT_FALSE(report.cut);
+  }
+  if (slack != nullptr) *slack = mean_spacing(organs.soft);
+  return {together->read(), soft->read(), hard->read()};
+}
+
+TEST(SeveralBodies, EachMovesAsAloneToTheLastBitInTheReference) {
+  const std::vector<State> states = apart_and_together("reference");
+  const std::size_t first = states[1].position.size();
+  for (std::size_t i = 0; i < first; ++i) {
+    ASSERT_EQ(states[0].position[i], states[1].position[i]) << i;
+    ASSERT_EQ(states[0].velocity[i], states[1].velocity[i]) << i;
+  }
+  for (std::size_t i = 0; i < states[2].position.size(); ++i) {
+    ASSERT_EQ(states[0].position[first + i], states[2].position[i]) << i;
+    ASSERT_EQ(states[0].velocity[first + i], states[2].velocity[i]) << i;
+  }
+}
+
+/// In single precision clusters differ, and with them the order of sums.
+TEST(SeveralBodies, EachMovesAsAloneWithinRoundingOnTheProcessor) {
+  double spacing = 0.0;
+  const std::vector<State> states = apart_and_together("cpu", &spacing);
+  const std::size_t first = states[1].position.size();
+  double worst = 0.0;
+  for (std::size_t i = 0; i < first; ++i) {
+    worst = std::max(worst, (states[0].position[i] - states[1].position[i]).norm());
+  }
+  for (std::size_t i = 0; i < states[2].position.size(); ++i) {
+    worst = std::max(worst, (states[0].position[first + i] - states[2].position[i]).norm());
+  }
+  RecordProperty("worst_over_spacing", std::to_string(worst / spacing));
+  EXPECT_LT(worst, 1e-5 * spacing);
+}
+
+/// With a body that does not act on it whatever it does: the other one's fate changes no bit.
+TEST(SeveralBodies, OneBodyDoesNotFeelWhatHappensToTheOther) {
+  const Model both = TwoOrgans().both();
+  for (const BackendCase& backend : cpu_backends) {
+    State end[2];
+    for (int k = 0; k < 2; ++k) {
+      Scene scene(both);
+      scene.gravity({0, 0, -9.81}).fix("soft/x0").fix("hard/bottom");
+      if (k == 1) scene.add(pull(both, "hard/top", {0, 0, 1}, {{0, 0}, {0.01, 0.003}}));
+      const auto solver = make_solver(backend.name, both, scene, {}, options_for(backend));
+      ASSERT_TRUE(solver->step(200, 0.4 * solver->stable_step()).ok());
+      end[k] = solver->read();
+    }
+    const std::vector<Index> soft = both.group("soft");
+    for (const Index i : soft) ASSERT_EQ(end[0].position[i], end[1].position[i]) << backend.name << ' ' << i;
+    EXPECT_NE(end[0].position[both.group("hard/top").front()], end[1].position[both.group("hard/top").front()]);
+  }
+}
+
+TEST(SeveralBodies, TheStableStepIsTheSmallestAndItsBodyIsNamed) {
+  const TwoOrgans organs;
+  const Model both = organs.both();
+  const TopologyTextures topology = build_topology(both);
+  const std::vector<BodyLimit> limits = body_limits(both, topology);
+  ASSERT_EQ(limits.size(), 2u);
+  const auto alone = [](const Model& model) {
+    const TopologyTextures t = build_topology(model);
+    return stable_step(estimate_spectrum(t, t.rest), 1.0);
+  };
+  EXPECT_NEAR(limits[0].stable_step, alone(organs.soft), 2e-3 * limits[0].stable_step);
+  EXPECT_NEAR(limits[1].stable_step, alone(organs.hard), 2e-3 * limits[1].stable_step);
+  EXPECT_LT(limits[1].stable_step, limits[0].stable_step);
+  const double all = stable_step(estimate_spectrum(topology, topology.rest), 1.0);
+  EXPECT_NEAR(all, limits[1].stable_step, 2e-3 * all);
+  const std::string text = describe(limits);
+  EXPECT_EQ(text.rfind("\"hard\" sets the stable step of ", 0), 0u) << text;
+  EXPECT_NE(text.find(", \"soft\" by itself allows "), std::string::npos) << text;
+}
+
+TEST(SeveralBodies, WhatCannotBeMergedIsRefused) {
+  const TwoOrgans organs;
+  const Model bare = make_tetrahedron(0.01), flat = make_strip(0.02, 0.01, 2, 1);
+  const auto refused = [](std::vector<NamedBody> bodies) { return message_of([&] { merge_models(bodies); }); };
+  EXPECT_NE(refused({}).find("one body or more"), std::string::npos);
+  EXPECT_NE(refused({{"a/b", &bare}}).find("without '/'"), std::string::npos);
+  EXPECT_NE(refused({{"a", &bare}, {"a", &bare}}).find("another body has it"), std::string::npos);
+  EXPECT_NE(refused({{"a", &bare}, {"b", &flat}}).find("expected 3 dimensions"), std::string::npos);
+  EXPECT_NE(refused({{"a", &organs.soft}, {"b", &bare}}).find("a material on every body or on none"),
+            std::string::npos);
+  Load load;
+  load.particles = {0, 2};
+  load.toward = -1;
+  EXPECT_EQ(for_merged(load, 7).particles, (std::vector<Index>{7, 9}));
+  EXPECT_EQ(for_merged(load, 7).toward, -1);
+}
+
+}  // namespace
+}  // namespace phymul

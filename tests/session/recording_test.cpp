@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+#include <phymul/phymul.h>
+#include <phymul/topology_textures.h>
+
+#include <cstring>
+#include <fstream>
+#include <random>
+
+#include "base/checked_file.h"
+#include "support/message_of.h"
+#include "support/run_scenes.h"
+
+namespace phymul {
+namespace {
+
+using namespace test;
+
+bool same_bits(const State& a, const State& b) {
+  const auto same = [](const VecList& x, const VecList& y) {
+    return x.size() == y.size() && std::memcmp(x.data(), y.data(), sizeof(Vec3) * x.size()) == 0;
+  };
+  return a.time == b.time && same(a.position, b.position) && same(a.velocity, b.velocity);
+}
+
+/// What a host may do, in many small calls: loads put in, replaced and taken out, gravity, a reset, a rewind, steps of
+/// several lengths, a run to rest. Leaves a state on disk in the middle.
+Recording session(Solver& solver, Scene& scene, const std::string& middle, std::uint64_t* middle_at,
+                  State* end = nullptr) {
+  const Model& model = scene.model();
+  const double dt = 0.4 * solver.stable_step();
+  Recorder recorder(solver, scene);
+  for (int k = 0; k < 20; ++k) recorder.step(1, dt);
+  scene.gravity({0, 0, -9.81}).add(pull(model, "x1", {0, 0, 1}, {{0, 0}, {0.02, 0.004}}));
+  recorder.step(30, 0.7 * dt);
+  const Snapshot early = solver.snapshot();
+  for (int k = 0; k < 10; ++k) {
+    scene.replace(1, pull(model, "x1", {0, 1, 0.1 * k}, {{0, -0.0}, {0.02, 0.003}}));
+    recorder.step(2, dt);
+  }
+  scene.set_events(1, std::vector<ValueEvent>{{0, 0.0}, {0.02, 0.005}});
+  recorder.step(3, dt);
+  recorder.checkpoint();
+  recorder.note("tool", "pose 7");
+  scene.add(pull(model, "y1", {1, 0, 0}, {{0, 0.01}}, LoadType::force)).remove(1);
+  recorder.step(25, dt);
+  save_state(solver, middle);
+  *middle_at = 0;
+  for (const Input& input : recorder.recording().inputs) *middle_at += input.times;
+  recorder.step(5, dt);
+  recorder.restore(early);
+  recorder.step(11, dt);
+  scene.clear();
+  scene.fix("x0").gravity({0, 0, -1});
+  recorder.run_to_rest(60, dt);
+  recorder.checkpoint();
+  if (end != nullptr) *end = solver.read();
+  return recorder.recording();
+}
+
+std::string path_for(const char* name) {
+  return ::testing::TempDir() + "phymul_" + name;
+}
+
+class RecordingTest : public ::testing::Test {
+ protected:
+  RecordingTest()
+      : model_(block_at(Vec3(0, 0, 3))),
+        topology_(std::make_shared<const TopologyTextures>(build_topology(model_))),
+        scene_(model_) {
+    scene_.fix("x0");
+  }
+
+  std::unique_ptr<Solver> solver(const BackendCase& backend, const Scene& scene, double damping = 5.0) {
+    return make_solver(backend.name, topology_, scene, options_for(backend, damping));
+  }
+
+  Model model_;
+  std::shared_ptr<const TopologyTextures> topology_;
+  Scene scene_;
+};
+
+TEST_F(RecordingTest, AReplayIsTheRunBitForBitThroughAFileAndAcrossASavedState) {
+  const std::string middle = path_for("middle.state"), file = path_for("session.rec");
+  for (const BackendCase& backend : cpu_backends) {
+    Scene scene(model_);
+    scene.fix("x0");
+    const auto recorded = solver(backend, scene);
+    State end;
+    std::uint64_t middle_at = 0;
+    const Recording recording = session(*recorded, scene, middle, &middle_at, &end);
+    save_recording(recording, file);
+    ASSERT_EQ(read_recording(file), recording);
+
+    Scene again(model_);
+    again.gravity({1, 2, 3});  // a replay clears what the scene holds
+    const auto replayed = solver(backend, again);
+    Replay replay(read_recording(file), *replayed, again);
+    std::vector<std::string> notes;
+    replay.on_note = [&](const Input& input) { notes.push_back(input.kind + ": " + input.bytes); };
+    replay.run();
+    EXPECT_TRUE(same_bits(replayed->read(), end)) << backend.name << ' ' << backend.threads;
+    EXPECT_EQ(replayed->snapshot(), recorded->snapshot());
+    EXPECT_EQ(notes, std::vector<std::string>{"tool: pose 7"});
+    EXPECT_EQ(again.loads(), scene.loads());
+
+    Scene second_half(model_);
+    const auto resumed = solver(backend, second_half);
+    Replay rest(recording, *resumed, second_half);
+    rest.skip_to(middle_at);
+    EXPECT_EQ(rest.position(), middle_at);
+    load_state(*resumed, middle);
+    rest.run();
+    EXPECT_TRUE(same_bits(resumed->read(), end)) << backend.name << ' ' << backend.threads;
+    EXPECT_EQ(rest.position(), replay.position());
+  }
+}
+
+TEST_F(RecordingTest, ARecordingOfOneThreadReplaysOnTwo) {
+  const std::string middle = path_for("threads.state");
+  const auto one = solver({"cpu", 1}, scene_);
+  State end;
+  std::uint64_t at = 0;
+  const Recording recording = session(*one, scene_, middle, &at, &end);
+  Scene again(model_);
+  const auto two = solver({"cpu", 2}, again);
+  Replay(recording, *two, again).run();
+  EXPECT_TRUE(same_bits(two->read(), end));
+}
+
+/// Poses at every step, placed and grasping tools, one that goes and one that comes: all again, also across a state
+/// saved while a tool holds tissue.
+TEST_F(RecordingTest, ToolsMoveAgainAsTheyDid) {
+  const std::string middle = path_for("tools.state"), file = path_for("tools.rec");
+  for (const BackendCase& backend : cpu_backends) {
+    Scene scene(model_);
+    scene.fix("x0").contacts({}).keep_volume();
+    scene.add_tool("ball", {.shape = Sphere{0.005}, .pose = {.position = {0.06, 0.015, 3.035}}, .friction = 0.3});
+    const auto recorded = solver(backend, scene);
+    const double dt = 0.4 * recorded->stable_step();
+    Recorder recorder(*recorded, scene);
+    const auto lower = [&](int k) {
+      return ToolPose{.position = {0.06 - 1e-4 * k, 0.015, 3.035 - 2e-4 * k}, .velocity = {0, 0, -0.01}};
+    };
+    for (int k = 0; k < 20; ++k) {
+      scene.tool("ball").pose(lower(k));
+      recorder.step(3, dt);
+    }
+    scene.tool("ball").grasp(0.002);
+    recorder.step(1, dt);
+    EXPECT_FALSE(recorded->read().tools[0].held.empty());
+    for (int k = 20; k > 10; --k) {
+      scene.tool("ball").pose(lower(k));
+      recorder.step(3, dt);
+    }
+    save_state(*recorded, middle);
+    std::uint64_t middle_at = 0;
+    for (const Input& input : recorder.recording().inputs) middle_at += input.times;
+    recorder.step(5, dt);
+    scene.tool("ball").release();
+    scene.tool("ball").place({.position = {0.03, 0.015, 3.04}});
+    scene.add_tool("floor", {.shape = HalfSpace{}, .pose = {.position = {0, 0, 2.99}}});
+    recorder.step(5, dt);
+    scene.remove_tool("ball");
+    recorder.step(5, dt);
+    const State end = recorded->read();
+    ASSERT_EQ(end.tools.size(), 1u);
+    save_recording(recorder.recording(), file);
+
+    Scene again(model_);
+    const auto replayed = solver(backend, again);
+    Replay replay(read_recording(file), *replayed, again);
+    replay.run();
+    EXPECT_TRUE(same_bits(replayed->read(), end)) << backend.name << ' ' << backend.threads;
+    EXPECT_EQ(replayed->snapshot(), recorded->snapshot());
+
+    Scene half(model_);
+    const auto resumed = solver(backend, half);
+    Replay rest(read_recording(file), *resumed, half);
+    rest.skip_to(middle_at);
+    load_state(*resumed, middle);
+    EXPECT_FALSE(resumed->read().tools[0].held.empty());
+    rest.run();
+    EXPECT_TRUE(same_bits(resumed->read(), end)) << backend.name << ' ' << backend.threads;
+  }
+}
+
+TEST_F(RecordingTest, EqualStepsAreOneInput) {
+  const auto own = solver({"reference", 0}, scene_);
+  Recorder recorder(*own, scene_);
+  for (int k = 0; k < 100; ++k) recorder.step(1, 1e-5);
+  EXPECT_EQ(recorder.recording().inputs.size(), 1u);
+  EXPECT_EQ(recorder.recording().inputs[0].times, 100u);
+}
+
+TEST_F(RecordingTest, SkippingBackMakesTheSceneAnew) {
+  const std::string middle = path_for("back.state");
+  const auto recorded = solver({"cpu", 1}, scene_);
+  std::uint64_t at = 0;
+  const Recording recording = session(*recorded, scene_, middle, &at);
+  Scene again(model_);
+  const auto own = solver({"cpu", 1}, again);
+  Replay replay(recording, *own, again);
+  replay.run();
+  replay.skip_to(at);
+  load_state(*own, middle);
+  replay.run();  // its checkpoint holds
+  EXPECT_EQ(own->snapshot(), recorded->snapshot());
+  EXPECT_NE(message_of([&] { replay.skip_to(1000000); }).find("expected a position of"), std::string::npos);
+}
+
+TEST_F(RecordingTest, AnotherBackendMissesTheCheckpointAndSaysSo) {
+  const std::string middle = path_for("check.state");
+  const auto recorded = solver({"reference", 0}, scene_);
+  std::uint64_t at = 0;
+  const Recording recording = session(*recorded, scene_, middle, &at);
+  Scene again(model_);
+  const auto own = solver({"cpu", 1}, again);
+  Replay replay(recording, *own, again);
+  const std::string message = message_of([&] { replay.run(); });
+  EXPECT_NE(message.find("expected the recorded state at t = "), std::string::npos) << message;
+  EXPECT_NE(message.find("recorded on reference"), std::string::npos) << message;
+}
+
+TEST_F(RecordingTest, OtherOptionsAndOtherBodiesAreRefused) {
+  const auto recorded = solver({"reference", 0}, scene_);
+  Recorder recorder(*recorded, scene_);
+  recorder.step(3, 1e-5);
+  Scene again(model_);
+  const auto damped = solver({"reference", 0}, again, 6.0);
+  EXPECT_EQ(message_of([&] { Replay(recorder.recording(), *damped, again); }),
+            "Replay: expected a solver with damping.rate 5, as the recording's, got 6");
+  const Model other = make_tetrahedron(0.01);
+  Scene other_scene(other);
+  const auto small = make_solver("reference", other, other_scene);
+  EXPECT_NE(message_of([&] { Replay(recorder.recording(), *small, other_scene); }).find("is of another body"),
+            std::string::npos);
+  EXPECT_NE(message_of([&] { Replay(recorder.recording(), *small, again); }).find("another model"), std::string::npos);
+  EXPECT_NE(message_of([&] { recorder.note("step", ""); }).find("four letters"), std::string::npos);
+}
+
+std::string small_recording() {
+  const Model model = make_tetrahedron(0.01);
+  Scene scene(model);
+  scene.gravity({0, 0, -1});
+  const auto solver = make_solver("cpu", model, scene);
+  Recorder recorder(*solver, scene);
+  Load load;
+  load.particles = {1, 2};
+  load.direction = {1, 0, 0};
+  load.events = {{0, 1e-4}};
+  recorder.step(2, 1e-5);
+  scene.add(load);
+  recorder.step(2, 1e-5);
+  recorder.reset();
+  recorder.note("mine", "abc");
+  recorder.checkpoint();
+  const std::string path = path_for("small.rec");
+  save_recording(recorder.recording(), path);
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(RecordingFile, CutAtEveryByteAndEveryBitTurnedIsRefused) {
+  const std::string good = small_recording();
+  ASSERT_EQ(message_of([&] { read_recording_bytes(good, "r"); }), "(no error)");
+  for (std::size_t length = 0; length < good.size(); ++length) {
+    EXPECT_NE(message_of([&] { read_recording_bytes(good.substr(0, length), "r"); }), "(no error)") << length;
+  }
+  for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
+    std::string bad = good;
+    bad[bit / 8] = static_cast<char>(bad[bit / 8] ^ 1 << bit % 8);
+    EXPECT_NE(message_of([&] { read_recording_bytes(bad, "r"); }), "(no error)") << bit;
+  }
+  EXPECT_NE(message_of([&] { read_state_bytes(good, "r"); }).find("expected a state file"), std::string::npos);
+}
+
+/// Damage behind right checksums: read and replayed (steps aside, which may be any number), or an Error.
+TEST(RecordingFile, MutantsWithRightChecksumsAreHarmless) {
+  const FileKind kind{"phymulRe", 3, "a recording"};
+  const std::string good = small_recording();
+  const std::vector<FileSection> sections = read_sections("r", good, kind);
+  const Model model = make_tetrahedron(0.01);
+  Scene scene(model);
+  const auto solver = make_solver("cpu", model, scene);
+  std::mt19937 bits(5);
+  int replayed = 0, refused = 0;
+  for (int k = 0; k < 4000; ++k) {
+    SectionWriter file(kind);
+    const std::size_t hurt = 1 + bits() % 3;  // start, scene or inputs
+    for (std::size_t s = 0; s < sections.size(); ++s) {
+      std::string bytes(sections[s].payload);
+      for (std::size_t times = s == hurt ? 1 + bits() % 3 : 0; times > 0 && !bytes.empty(); --times) {
+        const std::size_t at = bits() % bytes.size();
+        const unsigned way = bits() % 4;
+        if (way == 0) bytes.erase(at, 1 + bits() % 9);
+        if (way == 1) bytes.insert(at, 1 + bits() % 9, '\xff');
+        if (way > 1) bytes[at] = static_cast<char>(bytes[at] ^ 1 << bits() % 8);
+      }
+      ByteWriter payload;
+      payload.raw(bytes);
+      file.add(sections[s].tag, payload);
+    }
+    try {
+      Recording recording = read_recording_bytes(file.finish(), "r");
+      std::erase_if(recording.inputs, [](const Input& input) { return input.kind == "step" || input.kind == "rest"; });
+      for (Input& input : recording.inputs) input.times = 1;
+      Replay(std::move(recording), *solver, scene).run();
+      ++replayed;
+    } catch (const Error&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(replayed, 100);
+  EXPECT_GT(refused, 1000);
+}
+
+}  // namespace
+}  // namespace phymul

@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+#include <phymul/phymul.h>
+#include <phymul/topology_textures.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "base/checked_file.h"
+#include "support/message_of.h"
+#include "support/run_scenes.h"
+
+namespace phymul {
+namespace {
+
+using namespace test;
+
+std::string path_for(const char* name) {
+  return ::testing::TempDir() + "phymul_" + name;
+}
+
+std::string bytes_of(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Bits, not values: 0 and -0 differ.
+bool same_bits(const VecList& a, const VecList& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), sizeof(Vec3) * a.size()) == 0;
+}
+
+bool same_bits(const State& a, const State& b) {
+  return a.time == b.time && same_bits(a.position, b.position) && same_bits(a.velocity, b.velocity);
+}
+
+std::shared_ptr<const TopologyTextures> tables(const Model& model) {
+  return std::make_shared<const TopologyTextures>(build_topology(model));
+}
+
+/// A saved state read back goes on as if nothing had been, down to the displacements a State rounds away.
+TEST(StateFile, TheTrajectoryGoesOnBitForBit) {
+  const std::string path = path_for("goes_on.state");
+  for (const Vec3& origin : {Vec3(0, 0, 0), Vec3(1000, -2000, 500)}) {
+    const Model model = block_at(origin);
+    const auto topology = tables(model);
+    Scene scene(model);
+    scene.fix("x0").add(
+        pull(model, "x1", {0, 0, 1}, {{0, 0}, {0.01, 1e-9}}));  // m: far below a double's last digit there
+    for (const BackendCase& backend : cpu_backends) {
+      const auto first = make_solver(backend.name, topology, scene, options_for(backend));
+      const double dt = 0.4 * first->stable_step();
+      ASSERT_TRUE(first->step(40, dt).ok());
+      save_state(*first, path);
+      const State saved = first->read();
+      ASSERT_TRUE(first->step(40, dt).ok());
+
+      const auto second = make_solver(backend.name, topology, scene, options_for(backend));
+      load_state(*second, path);
+      EXPECT_TRUE(same_bits(second->read(), saved)) << backend.name;
+      EXPECT_EQ(second->snapshot(), read_state(path).snapshot) << backend.name;
+      ASSERT_TRUE(second->step(40, dt).ok());
+      EXPECT_TRUE(same_bits(second->read(), first->read())) << backend.name << " at " << origin.transpose();
+      EXPECT_EQ(second->snapshot(), first->snapshot()) << backend.name << " at " << origin.transpose();
+      EXPECT_EQ(second->energy().total(), first->energy().total()) << backend.name;
+    }
+  }
+}
+
+/// Why a snapshot has displacements: without them the same run parts at the first step.
+TEST(StateFile, AStateAloneLosesDigitsOfSinglePrecisionFarFromTheOrigin) {
+  const Model model = block_at({1000, -2000, 500});
+  Scene scene(model);
+  scene.fix("x0").add(pull(model, "x1", {0, 0, 1}, {{0, 0}, {0.01, 1e-9}}));
+  const auto solver = make_solver("cpu", model, scene);
+  ASSERT_TRUE(solver->step(40, 0.4 * solver->stable_step()).ok());
+  const Snapshot before = solver->snapshot();
+  solver->reset(before.state);
+  EXPECT_FALSE(same_bits(solver->snapshot().displacement, before.displacement));
+  solver->restore(before);
+  EXPECT_EQ(solver->snapshot(), before);
+}
+
+TEST(StateFile, RestIsFoundAtTheSameStepAfterARestart) {
+  Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
+  set_material(model, soft_tissue());
+  const auto topology = tables(model);
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -1});
+  for (const BackendCase& backend : cpu_backends) {
+    SolverOptions options = options_for(backend, 60.0);
+    options.rest_tolerance = 1e-5;
+    options.rest_steps = 50;
+    const auto whole = make_solver(backend.name, topology, scene, options);
+    const double dt = 0.4 * whole->stable_step();
+    const StepReport at_once = whole->run_to_rest(100000, dt);
+    ASSERT_TRUE(at_once.at_rest) << at_once.message();
+    const auto cut = make_solver(backend.name, topology, scene, options);
+    ASSERT_FALSE(cut->run_to_rest(at_once.steps - 20, dt).at_rest);
+    EXPECT_GT(cut->snapshot().steps_at_rest, 0);
+    const auto rest = make_solver(backend.name, topology, scene, options);
+    rest->restore(cut->snapshot());
+    EXPECT_EQ(rest->run_to_rest(100000, dt).steps, 20) << backend.name;
+    EXPECT_TRUE(same_bits(rest->read(), whole->read())) << backend.name;
+  }
+}
+
+TEST(StateFile, ExtremeNumbersComeBackBitForBit) {
+  SavedState saved;
+  saved.body = 0xfedcba9876543210ull;
+  saved.snapshot.body = saved.body;
+  saved.backend = "any";
+  saved.snapshot.state.time = 5e-324;
+  saved.snapshot.state.position = {{-0.0, 1.7976931348623157e308, 0.1}};
+  saved.snapshot.state.velocity = {{2.2250738585072014e-308, -5e-324, 3}};
+  ToolState tool;
+  tool.name = "probe";
+  tool.pose = {{1, 2, 3}, Quaternion(0.5, -0.5, 0.5, -0.5), {4, 5, 6}, {7, 8, 9}};
+  tool.placed = false;
+  tool.held = {0};
+  tool.held_at = {{1e-3, 0, -0.0}};
+  tool.needle = {{{{0}, {0.25}, true}, {{}, {}, false}}, true, true, 1e-5, {{-1e-3, 0.5, -0.0}}};
+  saved.snapshot.state.tools = {tool, ToolState{}};
+  saved.snapshot.displacement = {{-0.0, 1e-300, 7}};
+  saved.snapshot.last_dt = 1e-9;
+  saved.snapshot.steps_at_rest = 12;
+  saved.snapshot.parts = {{"needle", {0, 255, 10}}, {"", {}}};
+  const std::string path = path_for("extreme.state");
+  save_state(saved, path);
+  const SavedState again = read_state(path);
+  EXPECT_EQ(again, saved);
+  EXPECT_TRUE(same_bits(again.snapshot.state, saved.snapshot.state));
+  EXPECT_TRUE(same_bits(again.snapshot.displacement, saved.snapshot.displacement));
+  // Little-endian whatever the machine: magic, version 3, and the body's fingerprint at byte 24.
+  EXPECT_EQ(bytes_of(path).substr(0, 16), std::string("phymulSt\3\0\0\0body", 16));
+  EXPECT_EQ(bytes_of(path).substr(24, 8), "\x10\x32\x54\x76\x98\xba\xdc\xfe");
+}
+
+TEST(StateFile, OtherBodiesAreRefusedAndTheSolverKeepsItsState) {
+  const std::string path = path_for("other.state");
+  const Model model = block_at(Vec3::Zero());
+  const Scene scene(model);
+  const auto solver = make_solver("reference", model, scene);
+  save_state(*solver, path);
+
+  Model stiffer = model;
+  set_material(stiffer, soft_tissue(0.31));
+  const Scene stiff_scene(stiffer);
+  const auto other = make_solver("reference", stiffer, stiff_scene);
+  ASSERT_TRUE(other->step(3, 0.2 * other->stable_step()).ok());
+  const Snapshot before = other->snapshot();
+  const std::string message = message_of([&] { load_state(*other, path); });
+  EXPECT_NE(message.find(path + ": byte 24: expected a state of the body "), std::string::npos) << message;
+  EXPECT_NE(message.find("load it into a solver over the same tables"), std::string::npos) << message;
+  EXPECT_EQ(other->snapshot(), before);
+
+  const Model small = make_tetrahedron(0.01);
+  const Scene small_scene(small);
+  const auto few = make_solver("cpu", small, small_scene);
+  const std::string counts = message_of([&] { load_state(*few, path); });
+  EXPECT_NE(counts.find("expected a state of 4 particles, got one of " + std::to_string(model.rest.size())),
+            std::string::npos)
+      << counts;
+}
+
+/// A member more than are written would be lost in silence.
+TEST(StateFile, KnowsEveryMemberOfAToolsState) {
+  EXPECT_EQ(sizeof(NeedleNode), 2 * sizeof(std::vector<int>) + 8)
+      << "write the new member in src/session/tool_bytes.cpp";
+  EXPECT_EQ(sizeof(NeedleState), 2 * sizeof(std::vector<int>) + 8 + 8)
+      << "write the new member in src/session/tool_bytes.cpp";
+  EXPECT_EQ(sizeof(ShaftLoad), 3 * sizeof(double)) << "write the new member in src/session/tool_bytes.cpp";
+  EXPECT_EQ(sizeof(Needle), 8 * sizeof(double)) << "write the new member in src/session/tool_bytes.cpp";
+  EXPECT_EQ(sizeof(ToolPose), 13 * sizeof(double)) << "write the new member in src/session/tool_bytes.cpp";
+}
+
+/// Every option and constant that moves a body is in the fingerprint; the widest texture is not.
+TEST(StateFile, FingerprintsTellBodiesApart) {
+  const Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
+  const auto of = [](const Model& m, const TopologyOptions& options = {}) {
+    return fingerprint(build_topology(m, options));
+  };
+  const std::uint64_t own = of(model);
+  EXPECT_EQ(own, of(make_block({0.03, 0.02, 0.02}, 3, 2, 2)));
+  TopologyOptions options;
+  options.max_texture_size = 64;
+  EXPECT_EQ(own, of(model, options));
+  Model changed = model;
+  changed.rest[5].x() = std::nextafter(changed.rest[5].x(), 1.0);
+  EXPECT_NE(own, of(changed));
+  changed = model;
+  changed.mass[5] = std::nextafter(changed.mass[5], 1e9);
+  EXPECT_NE(own, of(changed));
+  changed = model;
+  changed.stiffness[5] = std::nextafter(changed.stiffness[5], 1e9);
+  EXPECT_NE(own, of(changed));
+  for (const Variant& variant : conservative_variants()) {
+    if (variant.name == "conservative" || variant.material) continue;
+    EXPECT_NE(own, of(model, variant.options)) << variant.name;
+  }
+}
+
+std::string a_file() {
+  const Model model = make_tetrahedron(0.01);
+  const Scene scene(model);
+  const auto solver = make_solver("cpu", model, scene);
+  const std::string path = path_for("whole.state");
+  save_state(*solver, path);
+  return bytes_of(path);
+}
+
+TEST(StateFile, DamageIsRefusedWithPlaceAndReason) {
+  const std::string good = a_file();
+  ASSERT_EQ(message_of([&] { read_state_bytes(good, "s"); }), "(no error)");
+  const auto refused = [](const std::string& bytes) { return message_of([&] { read_state_bytes(bytes, "s"); }); };
+  EXPECT_EQ(refused(""),
+            "s: byte 0: expected the magic word (8 bytes), got the end after 0; the file was cut short: take another "
+            "copy, or write it anew");
+  std::string wrong = good;
+  wrong[0] = 'P';
+  EXPECT_EQ(refused(wrong),
+            "s: byte 0: expected a state file, which begins with \"phymulSt\", got \"PhymulSt\"; give a file of that "
+            "kind");
+  wrong = good;
+  wrong[8] = 1;
+  EXPECT_EQ(refused(wrong),
+            "s: byte 8: expected version 3 of a state file, got 1; read it with the version of phymul that wrote it");
+  wrong = good;
+  wrong[100] = static_cast<char>(wrong[100] ^ 4);
+  EXPECT_NE(refused(wrong).find("expected the checksum 0x"), std::string::npos) << refused(wrong);
+  EXPECT_NE(refused(good + "x").find("expected the end of a state file, got 1 bytes more"), std::string::npos);
+}
+
+TEST(StateFile, CutAtEveryByteAndEveryBitTurnedIsRefused) {
+  const std::string good = a_file();
+  for (std::size_t length = 0; length < good.size(); ++length) {
+    EXPECT_NE(message_of([&] { read_state_bytes(good.substr(0, length), "s"); }), "(no error)") << length;
+  }
+  for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
+    std::string bad = good;
+    bad[bit / 8] = static_cast<char>(bad[bit / 8] ^ 1 << bit % 8);
+    EXPECT_NE(message_of([&] { read_state_bytes(bad, "s"); }), "(no error)") << bit;
+  }
+}
+
+/// Damage behind a right checksum, as a program with a mistake would write it: read and restored, or an Error.
+TEST(StateFile, MutantsWithRightChecksumsAreHarmless) {
+  const Model model = make_tetrahedron(0.01);
+  const Scene scene(model);
+  const auto solver = make_solver("cpu", model, scene);
+  const FileKind kind{"phymulSt", 3, "a state file"};
+  const std::string good = a_file();
+  const std::vector<FileSection> sections = read_sections("s", good, kind);
+  const std::string body(sections[0].payload), payload(sections[1].payload);
+  std::mt19937 bits(3);
+  int read = 0, refused = 0;
+  for (int k = 0; k < 3000; ++k) {
+    std::string mutant = payload;
+    for (std::size_t times = 1 + bits() % 3; times > 0; --times) {
+      const std::size_t at = bits() % mutant.size();
+      switch (bits() % 4) {
+        case 0:
+          mutant[at] = static_cast<char>(bits());
+          break;
+        case 1:
+          mutant.erase(at, 1 + bits() % 9);
+          break;
+        case 2:
+          mutant.insert(at, 1 + bits() % 9, '\xff');
+          break;
+        default:
+          mutant[at] = static_cast<char>(mutant[at] ^ 1 << bits() % 8);
+      }
+      if (mutant.empty()) break;
+    }
+    ByteWriter head, tail;
+    head.raw(body);
+    tail.raw(mutant);
+    SectionWriter file(kind);
+    file.add("body", head);
+    file.add("stat", tail);
+    try {
+      solver->restore(read_state_bytes(file.finish(), "s").snapshot);
+      ++read;
+    } catch (const Error&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(read, 100);
+  EXPECT_GT(refused, 1000);
+}
+
+TEST(StateFile, AFileThatCannotBeWrittenLeavesTheOldOne) {
+  const std::string folder = path_for("folder_of_states");
+  std::filesystem::create_directories(folder);
+  EXPECT_NE(message_of([&] { save_state(SavedState{}, folder + "/none/x.state"); }).find(folder + "/none/x.state: "),
+            std::string::npos);
+  EXPECT_NE(message_of([&] { read_state(folder); }).find("expected a file, got a folder"), std::string::npos);
+}
+
+TEST(StateHistory, GoesBackToTheNewestStateAtOrBeforeATime) {
+  const Model model = block_at(Vec3::Zero());
+  const auto topology = tables(model);
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -9.81});
+  for (const BackendCase& backend : cpu_backends) {
+    const auto solver = make_solver(backend.name, topology, scene, options_for(backend));
+    const double dt = 0.4 * solver->stable_step();
+    StateHistory history(10, 1 << 30);
+    history.follow(*solver, solver->step(0, dt));
+    for (int k = 0; k < 100; ++k) history.follow(*solver, solver->step(1, dt));
+    EXPECT_EQ(history.size(), 11u);
+    const State end = solver->read();
+    EXPECT_EQ(history.newest_at(-dt), nullptr);
+    ASSERT_NE(history.newest_at(0.0), nullptr);
+    ASSERT_TRUE(history.rewind(*solver, 34.5 * dt));
+    EXPECT_NEAR(solver->read().time, 30 * dt, 1e-9 * dt);
+    EXPECT_EQ(history.size(), 4u);
+    for (int k = 0; k < 70; ++k) history.follow(*solver, solver->step(1, dt));
+    EXPECT_TRUE(same_bits(solver->read(), end)) << backend.name;
+    EXPECT_EQ(history.size(), 11u);
+    EXPECT_FALSE(history.rewind(*solver, -1.0));
+    EXPECT_TRUE(same_bits(solver->read(), end));
+
+    solver->reset();  // what was later belongs to a run that was left
+    history.follow(*solver, solver->step(1, dt));
+    EXPECT_EQ(history.size(), 1u);
+  }
+}
+
+TEST(StateHistory, HoldsNoMoreThanItsBytes) {
+  const Model model = block_at(Vec3::Zero());
+  const Scene scene(model);
+  const auto solver = make_solver("cpu", model, scene);
+  const std::size_t state = 3 * sizeof(Vec3) * model.rest.size();
+  StateHistory history(2, 5 * state + 5 * sizeof(Snapshot));
+  const double dt = 0.4 * solver->stable_step();
+  for (int k = 0; k < 100; ++k) {
+    history.follow(*solver, solver->step(1, dt));
+    EXPECT_LE(history.bytes(), 5 * (state + sizeof(Snapshot)));
+  }
+  EXPECT_EQ(history.size(), 5u);
+  EXPECT_EQ(history.newest_at(80 * dt), nullptr);
+  StateHistory tiny(1, 1);
+  tiny.follow(*solver, solver->step(1, dt));
+  tiny.follow(*solver, solver->step(1, dt));
+  EXPECT_EQ(tiny.size(), 1u);
+  EXPECT_NE(message_of([] { StateHistory(0, 1); }).find("a state every 1 step or more"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace phymul

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+//
+// Counts allocations of the whole test program, for what promises to make none.
+#include "support/allocation_count.h"
+
+#include <gtest/gtest.h>
+#include <phymul/scene.h>
+#include <phymul/shapes.h>
+#include <phymul/solver.h>
+
+#include <array>
+#include <atomic>
+#include <cstdlib>
+#include <memory>
+#include <new>
+
+namespace {
+
+std::atomic<std::size_t> allocations{0};
+
+void* allocated(std::size_t size, std::size_t alignment) noexcept {
+  ++allocations;
+  const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
+  return std::aligned_alloc(alignment, rounded == 0 ? alignment : rounded);
+}
+
+void* counted(std::size_t size, std::size_t alignment) {
+  void* memory = allocated(size, alignment);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+}  // namespace
+
+// All forms: a sanitizer brings its own of each, and must not free what another one allocated. Not inlined: a compiler
+// that sees new in one place and free in another takes them for a mismatch.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  return counted(size, alignof(std::max_align_t));
+}
+[[gnu::noinline]] void* operator new[](std::size_t size) {
+  return counted(size, alignof(std::max_align_t));
+}
+[[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
+  return counted(size, static_cast<std::size_t>(alignment));
+}
+[[gnu::noinline]] void* operator new[](std::size_t size, std::align_val_t alignment) {
+  return counted(size, static_cast<std::size_t>(alignment));
+}
+[[gnu::noinline]] void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  return allocated(size, alignof(std::max_align_t));
+}
+[[gnu::noinline]] void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
+  return allocated(size, alignof(std::max_align_t));
+}
+[[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment, const std::nothrow_t&) noexcept {
+  return allocated(size, static_cast<std::size_t>(alignment));
+}
+[[gnu::noinline]] void* operator new[](std::size_t size, std::align_val_t alignment, const std::nothrow_t&) noexcept {
+  return allocated(size, static_cast<std::size_t>(alignment));
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete[](void* memory) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete[](void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::align_val_t) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete[](void* memory, std::align_val_t) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, const std::nothrow_t&) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete[](void* memory, const std::nothrow_t&) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::align_val_t, const std::nothrow_t&) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete[](void* memory, std::align_val_t, const std::nothrow_t&) noexcept {
+  std::free(memory);
+}
+
+namespace phymul {
+
+std::size_t allocation_count() {
+  return allocations;
+}
+
+namespace {
+
+TEST(AllocationCount, SeesAllocations) {
+  const std::size_t before = allocation_count();
+  const auto memory = std::make_unique<double[]>(100);
+  ASSERT_NE(memory, nullptr);
+  EXPECT_GT(allocation_count(), before);
+}
+
+TEST(AllocationCount, EvaluatingASceneAllocatesNothing) {
+  const Model model = make_block({1, 1, 1}, 4, 4, 4);
+  Scene scene(model);
+  scene.gravity({0, 0, -9.81}).fix("x0");
+  for (const LoadType type :
+       {LoadType::translation, LoadType::rotation, LoadType::force, LoadType::pressure, LoadType::acceleration}) {
+    Load load;
+    load.type = type;
+    load.particles = model.group("z1");
+    load.direction = Vec3(0, 0, 1);
+    load.events = {{0.0, 0.0}, {0.5, 1.0}, {1.0, -1.0}};
+    scene.add(load);
+  }
+  LoadFrame frame;
+  scene.prepare(frame);
+  const std::size_t before = allocation_count();
+  for (int k = 0; k < 100; ++k) scene.evaluate(0.013 * k, frame);
+  EXPECT_EQ(allocation_count(), before);
+}
+
+TEST(AllocationCount, SteppingAllocatesNothingEvenWhenLoadsAreReplaced) {
+  Model model = make_block({0.02, 0.02, 0.02}, 3, 3, 3);
+  set_material(model, {.young = 1e4, .poisson = 0.3, .density = 1000});
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -9.81});
+  Load pull;
+  pull.type = LoadType::translation;
+  pull.particles = model.group("x1");
+  pull.direction = Vec3(1, 0, 0);
+  pull.events = {{0.0, 0.0}};
+  scene.add(pull);
+  Load push = pull;
+  push.type = LoadType::force;
+  scene.add(push);
+  const auto solver = make_solver("reference", model, scene);
+  const double dt = 0.5 * solver->stable_step();
+  State state = solver->read();
+  ASSERT_TRUE(solver->step(1, dt).ok());
+  for (int k = 0; k < 10; ++k) {
+    pull.events[0].value = 1e-5 * k;
+    scene.replace(1, pull);
+    const std::size_t before = allocation_count();
+    const StepReport report = solver->step(3, dt);
+    solver->read(state);
+    EXPECT_EQ(allocation_count(), before);
+    ASSERT_TRUE(report.ok()) << report.message();
+  }
+}
+
+/// A tool moved along all three axes each millisecond.
+TEST(AllocationCount, DrivingAGroupAllocatesNothing) {
+  Model model = make_block({0.02, 0.02, 0.02}, 12, 12, 12);
+  set_material(model, {.young = 1e4, .poisson = 0.3, .density = 1000});
+  for (const char* backend : {"reference", "cpu"}) {
+    SCOPED_TRACE(backend);
+    Scene scene(model);
+    scene.fix("x0");
+    for (int axis = 0; axis < 3; ++axis) {
+      Load move;
+      move.type = LoadType::translation;
+      move.particles = model.group("x1");
+      move.axes.fill(Axis::free);
+      move.axes[axis] = Axis::driven;
+      move.direction = Vec3::Unit(axis);
+      move.events = {{0.0, 0.0}, {1.0, 0.0}};
+      scene.add(move);
+    }
+    SolverOptions options;
+    options.threads = 2;
+    const auto solver = make_solver(backend, model, scene, {}, options);
+    const double dt = 0.5 * solver->stable_step();
+    ASSERT_TRUE(solver->step(1, dt).ok());
+    State state = solver->read();
+    const std::size_t before = allocation_count();
+    for (int k = 0; k < 10; ++k) {
+      for (std::size_t row = 1; row <= 3; ++row) {
+        const std::array<ValueEvent, 2> events{{{state.time, 1e-6 * k}, {state.time + 4 * dt, 1e-6 * (k + 1)}}};
+        scene.set_events(row, events);
+      }
+      const StepReport report = solver->step(4, dt);
+      solver->read(state);
+      ASSERT_TRUE(report.ok()) << report.message();
+    }
+    EXPECT_EQ(allocation_count(), before);
+  }
+}
+
+}  // namespace
+}  // namespace phymul

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+//
+// Solver::profile: counts are exact, times are those of the steps, and nothing is there unless asked for.
+#include <gtest/gtest.h>
+#include <phymul/phymul.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <type_traits>
+
+#include "support/bodies.h"
+#include "support/gl_needed.h"
+
+namespace phymul::test {
+namespace {
+
+static_assert(std::is_copy_constructible_v<SolverOptions> && std::is_copy_assignable_v<SolverOptions>);
+
+class ProfileTest : public testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override { PHYMUL_SKIP_OR_FAIL(why_unavailable(GetParam())); }
+};
+
+const PassProfile* find(const std::vector<PassProfile>& passes, std::string_view name) {
+  const auto found = std::ranges::find(passes, name, &PassProfile::name);
+  return found == passes.end() ? nullptr : &*found;
+}
+
+/// Of the backends, the pass that ends every step, and one that only bodies with volumes have.
+struct Names {
+  const char *step, *volumes;
+};
+Names names_of(const std::string& backend) {
+  if (backend == "reference") return {"move", "forces"};
+  if (backend == "cpu") return {"move", "volumes"};
+  if (backend == "gl-compute") return {"step_kernel", "terms_kernel"};
+  return {"step_pass", "volumes_pass"};
+}
+
+double total_seconds(const std::vector<PassProfile>& passes) {
+  double sum = 0.0;
+  for (const PassProfile& pass : passes) sum += std::isnan(pass.device_seconds) ? pass.seconds : pass.device_seconds;
+  return sum;
+}
+
+TEST_P(ProfileTest, IsEmptyUnlessAskedFor) {
+  const Model model = cylinder_275();
+  const Scene scene(model);
+  const auto solver = make_solver(GetParam(), model, scene);
+  solver->step(3, 0.5 * solver->stable_step());
+  EXPECT_TRUE(solver->profile().empty());
+  solver->clear_profile();
+}
+
+TEST(CpuProfile, ToolsHaveARowWhereThereAreAny) {
+  const Model model = cylinder_275();
+  Scene scene(model);
+  scene.fix("bottom");
+  SolverOptions options;
+  options.profile = true;
+  const auto solver = make_solver("cpu", model, scene, {}, options);
+  const double dt = 0.5 * solver->stable_step();
+  ASSERT_TRUE(solver->step(5, dt).ok());
+  EXPECT_EQ(find(solver->profile(), "tools"), nullptr);
+  scene.add_tool("floor", {.shape = HalfSpace{}, .pose = {.position = {0, 0, -1}}});
+  ASSERT_TRUE(solver->step(7, dt).ok());
+  const std::vector<PassProfile> passes = solver->profile();
+  const PassProfile* tools = find(passes, "tools");
+  ASSERT_NE(tools, nullptr);
+  EXPECT_EQ(tools->runs, 7);
+  EXPECT_GT(tools->seconds, 0.0);
+}
+
+TEST_P(ProfileTest, CountsEveryStepOnce) {
+  const Model model = cylinder_275();
+  Scene scene(model);
+  scene.fix("bottom");
+  SolverOptions options;
+  options.profile = true;
+  options.gl.compute = GlCompute::store;  // whose passes are one a step
+  const auto solver = make_solver(GetParam(), model, scene, {.law = Law::springs, .volume_stiffness = 50.0}, options);
+  EXPECT_TRUE(solver->profile().empty()) << "making a solver is no step";
+  const double dt = 0.5 * solver->stable_step();
+  int steps = 0;
+  for (const int count : {1, 10, 300}) {
+    ASSERT_EQ(solver->step(count, dt).steps, count);
+    steps += count;
+    const auto passes = solver->profile();
+    for (const char* name : {names_of(GetParam()).step, names_of(GetParam()).volumes}) {
+      const PassProfile* pass = find(passes, name);
+      ASSERT_NE(pass, nullptr) << name;
+      EXPECT_EQ(pass->runs, steps) << name;
+      EXPECT_GT(pass->seconds, 0.0) << name;
+    }
+    EXPECT_EQ(find(passes, "bases"), nullptr) << "springs have none";
+    EXPECT_EQ(find(passes, "bases_pass"), nullptr) << "springs have none";
+  }
+  solver->clear_profile();
+  EXPECT_TRUE(solver->profile().empty());
+  solver->step(7, dt);
+  const auto passes = solver->profile();
+  ASSERT_NE(find(passes, names_of(GetParam()).step), nullptr);
+  EXPECT_EQ(find(passes, names_of(GetParam()).step)->runs, 7);
+}
+
+TEST_P(ProfileTest, BytesOfAStepGrowWithTheBodyAndItsTerms) {
+  const Model small = make_block({0.05, 0.05, 0.05}, 5, 5, 5), large = make_block({0.11, 0.11, 0.11}, 11, 11, 11);
+  const Scene small_scene(small), large_scene(large);
+  const TopologyOptions springs{.law = Law::springs}, with_volumes{.law = Law::springs, .volume_stiffness = 50.0};
+  const double of_small = make_solver(GetParam(), small, small_scene, springs)->bytes_a_step();
+  if (std::isnan(of_small)) {
+    EXPECT_EQ(GetParam(), "reference") << "every other backend counts";
+    return;
+  }
+  const double of_large = make_solver(GetParam(), large, large_scene, springs)->bytes_a_step();
+  EXPECT_GT(of_small, 64.0 * small.particle_count());  // u and v, read and written
+  EXPECT_NEAR(of_large / of_small, 8.0, 1.5);
+  EXPECT_GT(make_solver(GetParam(), small, small_scene, with_volumes)->bytes_a_step(), 1.2 * of_small);
+}
+
+/// Enough work that what lies between passes is little of it. A machine may be busy: it takes from the sum too.
+TEST_P(ProfileTest, TimesAddUpToTheTimeOfTheCall) {
+  Model model = make_block({0.05, 0.05, 0.05}, 10, 10, 10);
+  set_material(model, soft_tissue());
+  const Scene scene(model);
+  SolverOptions options;
+  options.profile = true;
+  options.threads = 1;
+  const auto solver = make_solver(GetParam(), model, scene, {}, options);
+  State start = rest_state(model);
+  start.position = random_positions(model, 0.05, 3);
+  solver->reset(start);
+  const double dt = 0.1 * solver->stable_step();
+  solver->step(5, dt);
+  solver->clear_profile();
+  const auto begin = std::chrono::steady_clock::now();
+  solver->step(GetParam() == "cpu" ? 500 : 20, dt);
+  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const double sum = total_seconds(solver->profile());
+  EXPECT_LE(sum, 1.05 * wall);
+  EXPECT_GE(sum, 0.5 * wall);
+}
+
+TEST_P(ProfileTest, ChangesNoBit) {
+  const Model model = cylinder_275();
+  Scene scene(model);
+  scene.fix("bottom").gravity({0, 0, 9.81});
+  SolverOptions options;
+  const auto plain = make_solver(GetParam(), model, scene, {}, options);
+  options.profile = true;
+  const auto profiled = make_solver(GetParam(), model, scene, {}, options);
+  const double dt = 0.5 * plain->stable_step();
+  plain->step(50, dt);
+  profiled->step(50, dt);
+  EXPECT_EQ(profiled->read(), plain->read());
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ProfileTest, testing::ValuesIn(backend_names()), [](const auto& backend) {
+  std::string name = backend.param;
+  std::ranges::replace(name, '-', '_');
+  return name;
+});
+
+TEST(Profile, EveryKernelOfTheVectorBackendHasItsRow) {
+  const Model lattice = make_block({0.06, 0.06, 0.06}, 6, 6, 6, 6);
+  Model solid = lattice;
+  set_material(solid, soft_tissue());
+  struct Case {
+    const Model& model;
+    TopologyOptions options;
+    const char* row;
+  };
+  const Case cases[] = {
+      {lattice, {.reaction = Reaction::shared, .bases = BaseSelection::all}, "enumerated bases"},
+      {lattice, {.reaction = Reaction::shared, .bases = BaseSelection::opposite_faces}, "bases"},
+      {lattice, {.law = Law::springs}, "springs"},
+      {solid, {.cell_average = 0.9}, "box lattice"},
+  };
+  for (const Case& of : cases) {
+    SCOPED_TRACE(of.row);
+    const Scene scene(of.model);
+    SolverOptions options;
+    options.profile = true;
+    options.on_unstable = UnstableStep::allow;
+    options.threads = 2;
+    const auto solver = make_solver("cpu", of.model, scene, of.options, options);
+    solver->step(3, 0.1 * solver->stable_step());
+    const auto passes = solver->profile();
+    const PassProfile* pass = find(passes, of.row);
+    ASSERT_NE(pass, nullptr);
+    EXPECT_EQ(pass->runs, 3);
+    EXPECT_TRUE(std::isnan(pass->device_seconds));
+  }
+}
+
+}  // namespace
+}  // namespace phymul::test

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+//
+// Bodies come back from states no tissue is in, at half the step limit; and what cannot come back is reported.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "support/failure_states.h"
+
+namespace phymul::test {
+namespace {
+
+constexpr int cells = 2;
+constexpr double side = 0.02;
+
+Model cube(double poisson) {
+  Model model = make_block({side, side, side}, cells, cells, cells, 6);
+  set_material(model, soft_tissue(poisson));
+  return model;
+}
+
+struct Outcome {
+  StepReport report;
+  double energy = 0.0;  // J
+};
+
+Outcome run(const FailureState& failure, double poisson, const TopologyOptions& topology, SolverOptions options) {
+  const Model model = cube(poisson);
+  const Scene scene(model);
+  options.damping.factor = 0.98;
+  const auto solver = make_solver("reference", model, scene, topology, options);
+  std::mt19937 bits(5);
+  State state = rest_state(model);
+  failure.apply(state.position, side, side / cells, bits);
+  solver->reset(state);
+  const StepReport report = solver->step(4000, 0.5 * solver->stable_step());
+  return {report, solver->energy().elastic};
+}
+
+/// The energy of a uniform strain of about 0.5 %: nothing folded is left.
+bool is_back(const Outcome& outcome) {
+  return outcome.report.ok() && outcome.energy < 1e-5 * soft_tissue().young * side * side * side;
+}
+
+TEST(Recovery, FromEveryFailureStateWithEveryVolumeLaw) {
+  TopologyOptions quadratic;
+  quadratic.volume_law = VolumeLaw::quadratic;
+  for (const TopologyOptions& topology : {TopologyOptions{}, quadratic}) {
+    for (const double poisson : {0.3, 0.45}) {
+      for (const FailureState& failure : failure_states()) {
+        const Outcome outcome = run(failure, poisson, topology, {});
+        EXPECT_TRUE(is_back(outcome)) << failure.name << ", nu " << poisson << ": " << outcome.report.message();
+      }
+    }
+  }
+}
+
+TEST(Recovery, WithoutTheCutMostFailureStatesRunAway) {
+  SolverOptions uncut;
+  uncut.largest_push = std::numeric_limits<double>::infinity();
+  TopologyOptions quadratic;
+  quadratic.volume_law = VolumeLaw::quadratic;
+  std::size_t lost = 0;
+  for (const FailureState& failure : failure_states()) {
+    const Outcome outcome = run(failure, 0.3, quadratic, uncut);
+    EXPECT_FALSE(outcome.report.cut);
+    if (is_back(outcome)) continue;
+    ++lost;
+    EXPECT_EQ(outcome.report.status, StepStatus::not_finite) << failure.name;
+  }
+  EXPECT_GE(lost, failure_states().size() / 2);
+}
+
+TEST(Recovery, TheReportSaysThatForcesWereCut) {
+  const Outcome outcome = run(failure_states().front(), 0.3, {}, {});
+  EXPECT_TRUE(outcome.report.cut);
+  EXPECT_NE(outcome.report.message().find("elastic forces were cut"), std::string::npos);
+}
+
+/// A tenth of strain let go at once, and sheared at ten times a second, is no failure.
+TEST(Recovery, OrdinaryMotionIsNotCut) {
+  const Model model = cube(0.3);
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -9.81});
+  SolverOptions uncut;
+  uncut.largest_push = std::numeric_limits<double>::infinity();
+  const auto cut = make_solver("reference", model, scene), plain = make_solver("reference", model, scene, {}, uncut);
+  State state = rest_state(model);
+  for (Vec3& x : state.position) x.x() *= 1.1;
+  for (std::size_t i = 0; i < state.velocity.size(); ++i) state.velocity[i] = {0.0, 0.0, 10.0 * model.rest[i].x()};
+  cut->reset(state);
+  plain->reset(state);
+  const double dt = 0.5 * cut->stable_step();
+  const StepReport report = cut->step(500, dt);
+  EXPECT_FALSE(report.cut) << report.message();
+  ASSERT_TRUE(plain->step(500, dt).ok());
+  EXPECT_TRUE(cut->read() == plain->read());
+}
+
+TEST(Recovery, ABodyInOnePointIsReported) {
+  const Model model = cube(0.3);
+  const Scene scene(model);
+  SolverOptions options;
+  options.damping.rate = 20.0;
+  const auto solver = make_solver("reference", model, scene, {}, options);
+  State state = rest_state(model);
+  for (Vec3& x : state.position) x = Vec3::Constant(side / 2);
+  solver->reset(state);
+  const StepReport report = solver->run_to_rest(1000, 0.5 * solver->stable_step());
+  EXPECT_TRUE(report.at_rest);
+  EXPECT_EQ(report.collapsed, 0);
+  EXPECT_NE(report.message().find("particle 0 has collapsed"), std::string::npos) << report.message();
+  solver->reset();
+  EXPECT_EQ(solver->run_to_rest(1000, 0.5 * solver->stable_step()).collapsed, -1);
+}
+
+/// Cells alone make a body; the spacing that forces are measured by is then that of the particles in its size.
+TEST(Recovery, ABodyWithoutNeighboursIsNotCut) {
+  Model model = cube(0.3);
+  model.neighbours.offset.assign(model.rest.size() + 1, 0);
+  model.neighbours.entry.clear();
+  Scene scene(model);
+  scene.fix("z1").gravity({0, 0, -1});
+  const auto solver = make_solver("reference", model, scene);
+  const StepReport report = solver->step(200, 0.5 * solver->stable_step());
+  EXPECT_TRUE(report.ok()) << report.message();
+  EXPECT_FALSE(report.cut);
+  const Vec3 hung = solver->read().position[model.group("z0")[0]] - model.rest[model.group("z0")[0]];
+  EXPECT_LT(hung.z(), 0.0);
+  EXPECT_GT(hung.z(), -0.1 * side);
+}
+
+/// Beyond the limit, and in models that grow by themselves, a cut would hide what has to be seen.
+TEST(Recovery, GrowthIsNotHidden) {
+  const Model model = cylinder_275();
+  const Scene scene(model);
+  TopologyOptions full;
+  full.reaction = Reaction::full;
+  SolverOptions options;
+  const auto solver = make_solver("reference", model, scene, full, options);
+  State state = rest_state(model);
+  state.position = random_positions(model, 0.01, 3);
+  solver->reset(state);
+  EXPECT_EQ(solver->step(5000, 0.5 * solver->stable_step()).status, StepStatus::not_finite);
+}
+
+TEST(Recovery, TheCutMustBePositive) {
+  const Model model = cube(0.3);
+  const Scene scene(model);
+  SolverOptions options;
+  for (const double push : {0.0, -1.0, std::nan("")}) {
+    options.largest_push = push;
+    EXPECT_THROW(make_solver("reference", model, scene, {}, options), Error) << push;
+  }
+}
+
+}  // namespace
+}  // namespace phymul::test

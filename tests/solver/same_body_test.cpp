@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+//
+// Tables that are not, or no longer, those of a model, and states of other bodies: refused, however alike they are.
+#include <gtest/gtest.h>
+#include <phymul/phymul.h>
+#include <phymul/topology_textures.h>
+
+#include <cmath>
+#include <limits>
+
+#include "support/bodies.h"
+#include "support/message_of.h"
+
+namespace phymul::test {
+namespace {
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+Model block_of(const Material& material) {
+  Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
+  set_material(model, material);
+  return model;
+}
+
+Model plain_block() {
+  Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
+  model.materials.clear();
+  model.stiffness.assign(model.rest.size(), 10.0);
+  return model;
+}
+
+std::shared_ptr<const TopologyTextures> tables(const Model& model, const TopologyOptions& options = {}) {
+  return std::make_shared<const TopologyTextures>(build_topology(model, options));
+}
+
+/// What making a solver over tables of `built` says of a model that `change` has made another one.
+std::string after(const Model& built, const std::function<void(Model&)>& change) {
+  const auto topology = tables(built);
+  Model model = built;
+  change(model);
+  const Scene scene(model);
+  return message_of([&] { make_solver("cpu", topology, scene); });
+}
+
+constexpr Material soft{6e3, 0.3, 1000.0};
+
+TEST(TopologyOfAChangedModel, IsRefusedWithWhatHasChanged) {
+  const Model model = block_of(soft), plain = plain_block();
+  const auto material = [](double young, double poisson) {
+    return [=](Model& m) { set_material(m, {young, poisson, soft.density}); };
+  };
+  EXPECT_TRUE(has(after(model, material(6e4, 0.3)), "another Young's modulus or Poisson's ratio"));
+  EXPECT_TRUE(has(after(model, material(6e3, 0.45)), "another Young's modulus or Poisson's ratio"));
+  EXPECT_TRUE(has(after(model, material(6e3, 0.45)), "build them anew with build_topology"));
+  EXPECT_TRUE(has(after(model,
+                        [](Model& m) {
+                          m.materials.push_back({6e4, 0.3, soft.density});
+                          m.cells.back().material = 1;
+                        }),
+                  "another Young's modulus"));
+  EXPECT_TRUE(has(after(model, [](Model& m) { std::swap(m.cells[0].particles, m.cells[1].particles); }), "its cells"));
+  EXPECT_TRUE(has(after(plain, [](Model& m) { m.stiffness[7] = std::nextafter(10.0, 11.0); }), "another stiffness"));
+  EXPECT_TRUE(
+      has(after(plain, [](Model& m) { std::swap(m.neighbours.entry[0], m.neighbours.entry[1]); }), "other neighbours"));
+  EXPECT_TRUE(has(after(plain, material(6e3, 0.3)), "particle 0 has another mass"));
+}
+
+TEST(TopologyOfAChangedModel, IsTakenForACopyAndWhereNothingThatMovesTheBodyIsOther) {
+  for (const Model& model : {block_of(soft), plain_block()}) {
+    EXPECT_EQ(after(model, [](Model&) {}), "(no error)");
+    EXPECT_EQ(after(model,
+                    [](Model& m) {
+                      m.name = "another";
+                      m.add_group("one more", {0, 1});
+                      m.notes.push_back("read");
+                    }),
+              "(no error)");
+  }
+  EXPECT_EQ(after(block_of(soft), [](Model& m) { m.stiffness.assign(m.rest.size(), 3.0); }), "(no error)")
+      << "a stiffness that materials stand in for";
+}
+
+std::vector<std::string> backends() {
+  std::vector<std::string> all;
+  for (const std::string& name : backend_names()) {
+    if (why_unavailable(name).empty()) all.push_back(name);
+  }
+  return all;
+}
+
+class SnapshotOfAnotherBody : public testing::TestWithParam<std::string> {
+ protected:
+  struct Run {
+    Run(const Model& of, const TopologyOptions& options = {}) : model(of), scene(model) {
+      scene.fix("x0").gravity({0, 0, -9.81});
+      solver = make_solver(GetParam(), model, scene, options);
+      dt = 0.4 * solver->stable_step();
+    }
+    Model model;
+    Scene scene;
+    std::unique_ptr<Solver> solver;
+    double dt = 0.0;
+  };
+  static constexpr const char* refusal = "expected a snapshot of this solver's body";
+};
+
+INSTANTIATE_TEST_SUITE_P(All, SnapshotOfAnotherBody, testing::ValuesIn(backends()), [](const auto& backend) {
+  std::string name = backend.param;
+  std::ranges::replace(name, '-', '_');
+  return name;
+});
+
+TEST_P(SnapshotOfAnotherBody, IsRefusedAndTheSolverIsAsItWas) {
+  Model wide = make_block({0.06, 0.02, 0.02}, 3, 2, 2);
+  set_material(wide, soft);
+  Run own(block_of(soft)), stiffer(block_of({6e4, 0.3, soft.density})), wider(wide);
+  Run twin(block_of(soft));
+  for (Run* run : {&own, &stiffer, &wider, &twin}) ASSERT_TRUE(run->solver->step(5, run->dt).ok());
+  const Snapshot before = own.solver->snapshot();
+  own.solver->request_read();
+  for (const Run* run : {&stiffer, &wider}) {
+    const Snapshot other = run->solver->snapshot();
+    EXPECT_NE(other.body, before.body);
+    EXPECT_TRUE(has(message_of([&] { own.solver->restore(other); }), refusal));
+    EXPECT_EQ(own.solver->snapshot(), before);
+  }
+  Snapshot broken = before;
+  if (!broken.displacement.empty()) {
+    broken.displacement[3].y() = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_TRUE(has(message_of([&] { own.solver->restore(broken); }), "a displacement that is not finite"));
+    EXPECT_EQ(own.solver->snapshot(), before);
+  }
+  State copy;
+  bool arrived = false;  // a dropped copy never does
+  for (int k = 0; k < 100000 && !arrived; ++k) arrived = own.solver->collect(copy);
+  EXPECT_EQ(copy, before.state) << "a copy on its way";
+
+  EXPECT_EQ(before.body, own.solver->body());
+  ASSERT_TRUE(twin.solver->step(3, twin.dt).ok());
+  twin.solver->restore(before);  // over other tables of an equal model
+  EXPECT_EQ(twin.solver->snapshot(), before);
+  wider.solver->reset(before.state);  // as the message says
+  EXPECT_EQ(wider.solver->read().position[0], before.state.position[0]);
+}
+
+TEST_P(SnapshotOfAnotherBody, IsNeitherKeptNorGoneBackToByAHistory) {
+  Run own(block_of(soft)), other(block_of({6e4, 0.3, soft.density}));
+  StateHistory history(1, 1 << 20);
+  history.follow(*own.solver, own.solver->step(0, own.dt));
+  history.follow(*own.solver, own.solver->step(2, own.dt));
+  ASSERT_EQ(history.size(), 2u);
+  const Snapshot before = other.solver->snapshot();
+  EXPECT_TRUE(has(message_of([&] { history.rewind(*other.solver, 0.0); }), refusal));
+  EXPECT_EQ(other.solver->snapshot(), before);
+  EXPECT_TRUE(has(message_of([&] { history.follow(*other.solver, other.solver->step(0, other.dt)); }),
+                  "expected a solver of the body whose states are kept"));
+  EXPECT_EQ(history.size(), 2u);
+  EXPECT_TRUE(history.rewind(*own.solver, 0.0));
+  history.clear();
+  history.follow(*other.solver, other.solver->step(0, other.dt));
+  EXPECT_EQ(history.size(), 1u);
+}
+
+}  // namespace
+}  // namespace phymul::test

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+//
+// The fixture of stability tests that every backend of the build runs.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include "stability_methods.h"
+#include "support/gl_needed.h"
+#include "support/sanitized.h"
+
+namespace phymul::test {
+
+class OnBackend : public testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override { PHYMUL_SKIP_OR_FAIL(why_unavailable(GetParam())); }
+
+  static std::unique_ptr<Solver> make(const Model& model, const Scene& scene, const TopologyOptions& topology = {},
+                                      const SolverOptions& options = {}) {
+    return make_solver(GetParam(), model, scene, topology, options);
+  }
+  static bool is_reference() { return GetParam() == "reference"; }
+  /// Where a software renderer may stand in for a GPU, and where sanitizers are: bodies and runs are cut down.
+  static bool is_slow() { return GetParam().starts_with("gl") || sanitized; }
+};
+
+/// Takes nothing from growth, whatever the step.
+inline SolverOptions any_step_uncut() {
+  SolverOptions options;
+  options.on_unstable = UnstableStep::allow;
+  options.largest_push = std::numeric_limits<double>::infinity();
+  return options;
+}
+
+inline Method method_named(const std::string& name) {
+  for (Method& method : stability_methods()) {
+    if (method.name == name) return method;
+  }
+  throw Error("no method is called " + name);
+}
+
+inline std::string as_test_name(std::string backend) {
+  std::replace(backend.begin(), backend.end(), '-', '_');
+  return backend;
+}
+
+}  // namespace phymul::test
+
+/// Every test of the suite on every backend of this build.
+#define PHYMUL_ON_EVERY_BACKEND(suite)                                               \
+  INSTANTIATE_TEST_SUITE_P(All, suite, testing::ValuesIn(::phymul::backend_names()), \
+                           [](const auto& backend) { return ::phymul::test::as_test_name(backend.param); })

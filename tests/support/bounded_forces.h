@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+//
+// The float kernels of a body run on Bounded: every force, and how far a float backend may be from it.
+#pragma once
+
+#include <phymul/topology_textures.h>
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "mirror/delta_cell.h"
+#include "mirror/delta_spring.h"
+#include "rounding_bound.h"
+
+namespace phymul::test {
+
+using Bounded3 = cpu::Vector3<Bounded>;
+
+class BoundedForces {
+ public:
+  /// `u` [particles]: displacements, m, each exactly a float.
+  BoundedForces(const TopologyTextures& topology, std::span<const Vec3> u) : t_(topology), u_(u), sum_(u.size()) {
+    if (t_.base_count > 0) add_shape();
+    add_springs();
+    for (const VolumeTexel& term : t_.volumes) {
+      t_.options.volume_law == VolumeLaw::bounded ? add_volume<true>(term) : add_volume<false>(term);
+    }
+    for (const CellTexel& cell : t_.cells) {
+      t_.options.volume_law == VolumeLaw::bounded ? add_cell<true>(cell) : add_cell<false>(cell);
+    }
+  }
+
+  Bounded3 force(Index i) const { return sum_[i].total(); }
+  double energy() const { return energy_; }              ///< J
+  double energy_error() const { return energy_error_; }  ///< J, for terms in float and their sum in double
+
+ private:
+  Bounded3 difference(Index a, Index b) const {
+    const auto one = [&](int axis) { return rounded(u_[b][axis] - u_[a][axis], 0.0); };
+    return {one(0), one(1), one(2)};
+  }
+  static Bounded3 stored3(const Vec3& v) { return {stored(v.x()), stored(v.y()), stored(v.z())}; }
+  Bounded3 rest_edge(Index a, Index b) const { return stored3(t_.rest[b] - t_.rest[a]); }
+
+  void add_energy(const Bounded& energy) {
+    energy_ += energy.value;
+    energy_error_ += energy.error;
+  }
+
+  void add_shape() { t_.options.area_exponent != 0.0 ? add_shape<true>() : add_shape<false>(); }
+
+  template <bool scaled>
+  struct BaseNow {
+    cpu::DeltaBase<scaled, Bounded> base;
+    Bounded3 d1, d2;
+    Bounded lambda_b, lambda_c, beta;
+  };
+
+  template <bool scaled>
+  BaseNow<scaled> base_now(Index t) const {
+    const BaseTexel& texel = t_.bases[t];
+    const auto [a, b, c] = texel.vertex;
+    const Bounded p = stored(t_.options.area_exponent);
+    BaseNow<scaled> now;
+    now.beta = stored(texel.beta);
+    now.lambda_b = stored(t_.lambda[t][1]);
+    now.d1 = difference(a, b);
+    if (t_.dimension == 2) {
+      now.base = cpu::delta_base_2d<scaled>(rest_edge(a, b), now.d1, p);
+      return now;
+    }
+    now.lambda_c = stored(t_.lambda[t][2]);
+    now.d2 = difference(a, c);
+    now.base = cpu::delta_base_3d<scaled>(rest_edge(a, b), rest_edge(a, c), now.d1, now.d2, p);
+    return now;
+  }
+
+  /// F_i and what it costs, for all reactions but the conservative one.
+  template <bool scaled>
+  Bounded3 attractor_force(Index i) {
+    const IndexTexel& at = t_.index[i];
+    BoundedSum pull;
+    for (Index r = at.first_neighbour; r < at.first_neighbour + at.neighbour_count; ++r) {
+      pull.add(stored(t_.alpha[r]) * difference(i, t_.neighbours[r]));
+    }
+    for (Index t = at.first_base; t < at.first_base + at.base_count; ++t) {
+      const BaseNow<scaled> now = base_now<scaled>(t);
+      pull.add((stored(t_.weight[t]) * now.beta) * now.base.change);
+    }
+    add_energy(cpu::pull_energy(stored(t_.stiffness[i]), pull.total()));
+    return stored(t_.stiffness[i]) * pull.total();
+  }
+
+  template <bool scaled>
+  void react(Index t, const BaseNow<scaled>& now, const Bounded3& F) {
+    const auto on = t_.dimension == 2 ? cpu::base_reaction_2d(now.base, now.lambda_b, now.beta, F)
+                                      : cpu::base_reaction_3d(now.base, now.lambda_b, now.lambda_c, now.beta, F);
+    for (int corner = 0; corner < t_.dimension; ++corner) sum_[t_.bases[t].vertex[corner]].add(on[corner]);
+  }
+
+  template <bool scaled>
+  void add_shape() {
+    for (Index i = 0; i < t_.particle_count; ++i) {
+      const IndexTexel& at = t_.index[i];
+      if (at.base_count == 0) continue;
+      const bool conservative = t_.options.reaction == Reaction::conservative;
+      Bounded3 F;
+      if (!conservative) {
+        F = attractor_force<scaled>(i);
+        sum_[i].add(F);
+      }
+      if (conservative || t_.options.reaction == Reaction::averaged) {
+        for (Index t = at.first_base; t < at.first_base + at.base_count; ++t) add_base<scaled>(i, t, conservative, F);
+        continue;
+      }
+      for (Index r = at.first_neighbour; r < at.first_neighbour + at.neighbour_count; ++r) {
+        const double share = t_.options.reaction == Reaction::full     ? 1.0
+                             : t_.options.reaction == Reaction::shared ? 1.0 / at.neighbour_count
+                                                                       : t_.alpha[r];
+        sum_[t_.neighbours[r]].add(-(stored(share) * F));
+      }
+    }
+  }
+
+  template <bool scaled>
+  void add_base(Index i, Index t, bool conservative, const Bounded3& owner_force) {
+    const BaseNow<scaled> now = base_now<scaled>(t);
+    if (!conservative) {
+      react(t, now, stored(t_.weight[t]) * owner_force);
+      return;
+    }
+    const Bounded3 pull = cpu::base_pull(now.base, difference(i, t_.bases[t].vertex[0]), now.d1, now.d2, now.lambda_b,
+                                         now.lambda_c, now.beta);
+    const Bounded share = stored(t_.stiffness[i] * t_.weight[t]);
+    add_energy(cpu::pull_energy(share, pull));
+    const Bounded3 F = share * pull;
+    sum_[i].add(F);
+    react(t, now, F);
+  }
+
+  void add_springs() {
+    for (const SpringTexel& spring : t_.springs) {
+      const auto [a, b] = spring.end;
+      const Bounded k = stored(spring.stiffness);
+      const Bounded3 F = cpu::spring_force(rest_edge(a, b), difference(a, b), k);
+      sum_[a].add(F);
+      sum_[b].add(-F);
+      add_energy(cpu::spring_energy(rest_edge(a, b), difference(a, b), k));
+    }
+  }
+
+  template <bool bounded>
+  void add_volume(const VolumeTexel& term) {
+    const auto [a, b, c, d] = term.vertex;
+    const Bounded stiffness = stored(term.stiffness);
+    Bounded change;
+    if (t_.dimension == 2) {
+      const std::array<Bounded3, 2> E{rest_edge(a, b), rest_edge(a, c)}, e{difference(a, b), difference(a, c)};
+      const Bounded inverse = stored(term.inverse_rest_volume / 2.0);
+      const auto on = cpu::triangle_area_forces<bounded>(E, e, inverse, stiffness);
+      for (std::size_t corner = 0; corner < 3; ++corner) sum_[term.vertex[corner]].add(on[corner]);
+      change = cpu::triangle_change(E, e, inverse);
+    } else {
+      const std::array<Bounded3, 3> E{rest_edge(a, b), rest_edge(a, c), rest_edge(a, d)},
+          e{difference(a, b), difference(a, c), difference(a, d)};
+      const Bounded inverse = stored(term.inverse_rest_volume / 6.0);
+      const auto on = cpu::tetrahedron_volume_forces<bounded>(E, e, inverse, stiffness);
+      for (std::size_t corner = 0; corner < 4; ++corner) sum_[term.vertex[corner]].add(on[corner]);
+      change = cpu::tetrahedron_change(E, e, inverse);
+    }
+    add_energy(stiffness * cpu::volume_energy_density<bounded>(change));
+  }
+
+  template <bool bounded>
+  void add_cell(const CellTexel& cell) {
+    cpu::Columns<Bounded> H{};
+    BoundedSum c0, c1, c2;
+    for (std::size_t corner = 1; corner < 8 && cell.vertex[corner] != none; ++corner) {
+      const Bounded3 d = difference(cell.vertex[0], cell.vertex[corner]), g = stored3(cell.gradient[corner]);
+      c0.add(g.x * d);
+      c1.add(g.y * d);
+      c2.add(g.z * d);
+    }
+    H = {c0.total(), c1.total(), c2.total()};
+    const Bounded shape = stored(cell.shape_stiffness), volume = stored(cell.volume_stiffness);
+    const cpu::Columns<Bounded> P = cpu::cell_stress<bounded>(H, shape, volume);
+    for (std::size_t corner = 0; corner < 8 && cell.vertex[corner] != none; ++corner) {
+      sum_[cell.vertex[corner]].add(-cpu::times(P, stored3(cell.gradient[corner])));
+    }
+    add_energy(cpu::cell_energy<bounded>(H, shape, volume));
+  }
+
+  const TopologyTextures& t_;
+  std::span<const Vec3> u_;
+  std::vector<BoundedSum> sum_;
+  double energy_ = 0.0, energy_error_ = 0.0;
+};
+
+}  // namespace phymul::test

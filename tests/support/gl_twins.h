@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+//
+// A GL backend beside its float mirror, over the same tables and scene. On llvmpipe the two give the same bits; on
+// another renderer they need not.
+#pragma once
+
+#include <array>
+#include <cstdio>
+#include <string>
+#include <utility>
+
+#include "bodies.h"
+#include "gl/solver/device_solver.h"
+#include "gl_fixture.h"
+#include "mirror/mirror.h"
+
+namespace phymul::test {
+
+/// Those of the conservative energies, and the older reactions.
+inline std::vector<Variant> all_variants() {
+  std::vector<Variant> all = conservative_variants();
+  const auto add = [&](std::string name, auto&& set) {
+    Variant v;
+    v.name = std::move(name);
+    set(v.options);
+    all.push_back(std::move(v));
+  };
+  for (const auto& [name, reaction] : {std::pair{"full", Reaction::full}, std::pair{"shared", Reaction::shared},
+                                       std::pair{"barycentric", Reaction::barycentric}}) {
+    add(name, [r = reaction](TopologyOptions& o) { o.reaction = r; });
+    add(std::string(name) + " all", [r = reaction](TopologyOptions& o) {
+      o.reaction = r;
+      o.bases = BaseSelection::all;
+    });
+  }
+  add("shared p=1.5 all", [](TopologyOptions& o) {
+    o.reaction = Reaction::shared;
+    o.area_exponent = 1.5;
+    o.bases = BaseSelection::all;
+  });
+  return all;
+}
+
+/// In 2-D a particle of a corner has too few neighbours for a base: it gets springs.
+inline std::shared_ptr<const TopologyTextures> tables_of(const Model& model, TopologyOptions options) {
+  options.on_sparse = SparseParticle::springs;
+  return std::make_shared<const TopologyTextures>(build_topology(model, options));
+}
+
+inline double largest_distance(const VecList& a, const VecList& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double distance = (a[i] - b[i]).norm();
+    if (!(distance <= largest)) largest = distance;  // takes one that is not a number
+  }
+  return largest;
+}
+
+/// Empty where the states are equal; else who differs, and how.
+inline std::string difference(const State& a, const State& b) {
+  if (a == b) return {};
+  if (a.time != b.time) return "times " + std::to_string(a.time) + " and " + std::to_string(b.time);
+  std::size_t differing = 0, first = a.position.size();
+  for (std::size_t i = a.position.size(); i-- > 0;) {
+    if (a.position[i] == b.position[i] && a.velocity[i] == b.velocity[i]) continue;
+    ++differing;
+    first = i;
+  }
+  std::array<char, 200> text{};
+  const Vec3 dv = a.velocity[first] - b.velocity[first];
+  std::snprintf(text.data(), text.size(),
+                "%zu of %zu particles, first %zu: velocity %.9g %.9g %.9g, off by %.3g %.3g %.3g", differing,
+                a.position.size(), first, a.velocity[first].x(), a.velocity[first].y(), a.velocity[first].z(), dv.x(),
+                dv.y(), dv.z());
+  return text.data();
+}
+
+/// Texels of a solver's buffer, row by row.
+inline std::vector<Float4> texels_of(gl::Context& context, const ParticleBuffer& buffer) {
+  std::vector<Float4> texels(static_cast<std::size_t>(buffer.width) * static_cast<std::size_t>(buffer.height));
+  context.run([&] {
+    GLuint framebuffer = 0;
+    glGenFramebuffers(1, &framebuffer);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, buffer.texture, 0);
+    glReadPixels(0, 0, buffer.width, buffer.height, GL_RGBA, GL_FLOAT, texels.data());
+    glDeleteFramebuffers(1, &framebuffer);
+  });
+  return texels;
+}
+
+class GlTwins {
+ public:
+  GlTwins(std::shared_ptr<const TopologyTextures> tables, const Scene& scene, SolverOptions options = {},
+          GlBackend backend = GlBackend::fragment)
+      : options_(std::move(options)) {
+    options_.on_unstable = UnstableStep::allow;
+    if (!options_.spectrum) options_.spectrum = estimate_spectrum(*tables, tables->rest);
+    gl = std::make_unique<gl::DeviceSolver>(backend, tables, scene, options_);
+    mirror = cpu::make_mirror_solver(tables, scene, options_,
+                                     gl->enumerated() ? FloatLayout::enumerated : FloatLayout::table);
+  }
+
+  const SolverOptions& options() const { return options_; }
+  bool same_bits_expected() const { return gl->context()->info().renderer.starts_with("llvmpipe"); }
+
+  void reset(const State& state) const {
+    gl->reset(state);
+    mirror->reset(state);
+  }
+
+  void expect_same_bits(const std::string& where) const {
+    if (!same_bits_expected()) return;
+    EXPECT_EQ(difference(gl->read(), mirror->read()), "") << where;
+  }
+
+  std::unique_ptr<gl::DeviceSolver> gl;
+  std::unique_ptr<Solver> mirror;
+
+ private:
+  SolverOptions options_;
+};
+
+/// A body off its rest place, and moving.
+inline State random_state(const Model& model, double amount, double speed, std::uint32_t seed) {
+  State state = rest_state(model);
+  state.position = random_positions(model, amount, seed);
+  std::mt19937 bits(seed + 1000);
+  for (Vec3& v : state.velocity) v = speed * random_vector(bits, model.dimension);
+  return state;
+}
+
+}  // namespace phymul::test

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+/// The bytes of a file.
+inline std::string text_of(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  EXPECT_TRUE(in.is_open()) << path;
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// A file of the test's own (`name` may have folders), removed with the object. Tests run at the same time, so each has
+/// a folder of its own.
+class TextFile {
+ public:
+  TextFile(const std::string& name, const std::string& bytes) : folder_(own_folder()) {
+    path_ = (folder_ / name).string();
+    std::filesystem::create_directories(std::filesystem::path(path_).parent_path());
+    std::ofstream(path_, std::ios::binary) << bytes;
+  }
+  ~TextFile() {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  TextFile(const TextFile&) = delete;
+  TextFile& operator=(const TextFile&) = delete;
+
+  const std::string& path() const { return path_; }
+
+ private:
+  static std::filesystem::path own_folder() {
+    const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
+    std::string name = std::string("phymul_") + test->test_suite_name() + '_' + test->name();
+    for (char& c : name) c = c == '/' ? '_' : c;
+    return std::filesystem::temp_directory_path() / name;
+  }
+
+  std::filesystem::path folder_;
+  std::string path_;
+};
