@@ -40,7 +40,7 @@ Limit step_limit(const Model& model, const TopologyOptions& topology, double dam
   const Scene scene(model);
   SolverOptions options;
   options.on_unstable = UnstableStep::allow;
-  options.largest_push = std::numeric_limits<double>::infinity();
+  options.max_displacement_per_step = std::numeric_limits<double>::infinity();
   options.damping.factor = damping_factor;
   const auto solver = make_solver("reference", model, scene, topology, options);
   Limit limit{solver->stable_step(), std::numeric_limits<double>::quiet_NaN()};

@@ -75,19 +75,20 @@ struct LoadModes {
   std::vector<Part> acceleration;    ///< m/s^2, on every particle besides: sum of value[mode] * vector
 };
 
-/// A closed surface whose volume every step restores: Scene::keep_volume.
-struct ClosedVolume {
+/// A closed surface whose volume every step restores: Scene::constrain_volume.
+struct VolumeConstraint {
   std::vector<std::array<Index, 3>> triangles;  ///< counter-clockwise seen from outside
   double volume = 0.0;                          ///< m^3, wanted
   std::string applied_to;                       ///< group, for messages; empty: the whole body
-  bool operator==(const ClosedVolume&) const = default;
+  bool operator==(const VolumeConstraint&) const = default;
 };
 
 /// Touching of surfaces, of bodies and of parts of one: Scene::contacts. A particle on a surface and the nearest
-/// triangle of another one come no nearer than their skins, and rub by Coulomb's law; impulses are equal and opposite.
+/// triangle of another one come no nearer than their margins, and rub by Coulomb's law; impulses are equal and
+/// opposite.
 struct ContactOptions {
   double friction = 0.3;  ///< Coulomb's coefficient, >= 0
-  double skin = 0.0;      ///< m, of every surface; two skins touch. 0: a tenth of the mean edge around a particle
+  double margin = 0.0;    ///< m, around every surface; two margins touch. 0: a tenth of the mean edge around a particle
   bool self = true;       ///< parts of one body touch each other too, where they lie apart at rest
   int rounds = 8;         ///< sweeps over all pairs in a step, >= 1; more: pushes travel further through a stack
   bool operator==(const ContactOptions&) const = default;
@@ -103,12 +104,12 @@ class ToolHandle {
   /// Where the tool is at the end of the solver's next step(): over the call's steps it goes there from where it is,
   /// straight and evenly, turning the shorter way. Afterwards it goes on with the pose's velocity and spin. (In
   /// run_to_rest() it is there after the first step.)
-  void pose(const ToolPose& pose) const;
+  void move_to(const ToolPose& pose) const;
   /// The same at once, without having been in between: nothing is pushed along, and no force says so. Particles that it
   /// then covers come out in the next step without gaining speed; against a tool with compliance its spring pushes
   /// them.
-  void place(const ToolPose& pose) const;
-  const ToolPose& pose() const;  ///< the last one asked for
+  void teleport(const ToolPose& pose) const;
+  const ToolPose& target_pose() const;  ///< the last pose asked for
 
   /// From the next step on, free particles within `distance` of the surface (or inside) move with the tool. Imposed
   /// coordinates win (Scene::fix, translations): a particle with all of them imposed is not taken, another one goes
@@ -169,9 +170,9 @@ class Scene {
   /// every free particle of the surface moves along the gradient of the volume over its mass. Linear momentum is kept,
   /// and angular momentum; imposed coordinates stay. Surfaces are those of pressure loads. Throws Error where one is
   /// not closed, with an edge that is open.
-  Scene& keep_volume();
-  Scene& keep_volume(std::string_view group);
-  Scene& keep_volume(ClosedVolume surface);
+  Scene& constrain_volume();
+  Scene& constrain_volume(std::string_view group);
+  Scene& constrain_volume(VolumeConstraint surface);
 
   Scene& contacts(const ContactOptions& options);  ///< bodies, and parts of a body, touch from now on
   Scene& no_contacts();
@@ -182,7 +183,7 @@ class Scene {
   /// a group anywhere.
   Scene& set_events(std::size_t row, std::span<const ValueEvent> events);
   /// Throws Error for a name that is taken, a size or pose that makes no sense. Whether solvers step the scene already
-  /// or not, the first step that sees the tool finds it at its first pose as if by ToolHandle::place().
+  /// or not, the first step that sees the tool finds it at its first pose as if by ToolHandle::teleport().
   Scene& add_tool(std::string name, Tool tool);
   Scene& remove_tool(std::string_view name);
   ToolHandle tool(std::string_view name) &;  ///< throws Error that lists the known names
@@ -190,7 +191,7 @@ class Scene {
 
   const std::vector<Load>& loads() const { return loads_; }
   const Vec3& gravity() const { return gravity_; }
-  const std::vector<ClosedVolume>& volumes() const { return volumes_; }
+  const std::vector<VolumeConstraint>& volume_constraints() const { return volume_constraints_; }
   const std::optional<ContactOptions>& contacts() const { return contacts_; }
 
   /// Grows by one at every change but those of set_events() and of a tool's pose and grasp, which have counters of
@@ -232,7 +233,7 @@ class Scene {
   std::vector<Load> loads_;
   std::vector<Action> actions_;  // per load
   Vec3 gravity_{0, 0, 0};
-  std::vector<ClosedVolume> volumes_;
+  std::vector<VolumeConstraint> volume_constraints_;
   std::optional<ContactOptions> contacts_;
   std::vector<SceneTool> tools_;
   std::uint64_t next_tool_ = 1;

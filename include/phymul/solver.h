@@ -52,12 +52,13 @@ struct SolverOptions {
   /// over tau, the second as much over tau^2: rounding alone shakes a body that rests displaced so far (DESIGN.md).
   double rest_tolerance = 1e-8;
   int rest_steps = 16;
-  /// An elastic force that by itself would move its particle by more than this many mean spacings in one step is cut to
-  /// that; the report says so. Forces of this size belong to states no tissue is in (flattened, mirrored, scattered),
-  /// where an explicit step overshoots: cut, bodies return from them at half the step limit. Momentum and energy are
-  /// not kept while it acts. Off (whatever its value) for steps beyond the limit and for models that are unstable at
-  /// rest or flutter, whose growth it would hide; infinite: always off.
-  double largest_push = 0.1;
+  /// In mean spacings: an elastic force that by itself would move its particle further than this in one step is
+  /// limited to that distance, and StepReport::force_clamped is set. Forces of this size occur only in states that real
+  /// tissue does not reach (flattened, mirrored, scattered). There an explicit step overshoots; with the limit bodies
+  /// return from such states at half the step limit. Momentum and energy are not conserved while the limit acts. It is
+  /// off for steps beyond the step limit and for models that are unstable at rest or flutter, whose growth it would
+  /// hide. Infinite: always off.
+  double max_displacement_per_step = 0.1;
   /// Of these very tables at rest, where it is known: saves estimating it, which takes a hundred force evaluations or
   /// so. A wrong one makes stable_step() and the rest test wrong.
   std::optional<Spectrum> spectrum;
@@ -76,7 +77,7 @@ struct SolverOptions {
 
 /// not_finite: a particle would have left the finite numbers, or run faster than a million spacings times omega_max,
 /// which no body survives; the step was not taken.
-/// volume_lost: an enclosed volume (Scene::keep_volume) could not be restored; the step was not taken.
+/// volume_lost: an enclosed volume (Scene::constrain_volume) could not be restored; the step was not taken.
 /// not_supported: the scene has tools, volumes or contacts that this backend does not take; nothing was done.
 /// needle_full: a needle's hole would be longer, or a point of it a mean of more particles, than a device has room for;
 /// the step was not taken.
@@ -102,8 +103,9 @@ struct StepReport {
   bool at_rest = false;       ///< the rest test held at the end; ok() does not say so
   double residual = 0.0;      ///< largest net force on a free particle at the last step, N
   double max_speed = 0.0;     ///< largest speed, m/s
-  bool cut = false;           ///< an elastic force was cut in some step done: SolverOptions::largest_push
-  bool stopped = false;       ///< SolverOptions::progress ended the call before its last step
+  /// An elastic force was limited in some step of this call: SolverOptions::max_displacement_per_step.
+  bool force_clamped = false;
+  bool stopped = false;  ///< SolverOptions::progress ended the call before its last step
   /// run_to_rest() that came to rest: a particle one of whose bases has collapsed to a line or a point, else -1. Such a
   /// base has no direction; a body all in one point is at rest so and cannot come back by itself.
   Index collapsed = -1;
@@ -175,7 +177,7 @@ class Solver {
   const Model& model() const { return scene_->model(); }
   const TopologyTextures& topology() const { return *topology_; }
   /// fingerprint() of the tables (state_file.h): computed by the first call of it, or of snapshot() or restore().
-  std::uint64_t body() const;
+  std::uint64_t topology_hash() const;
   const SolverOptions& options() const { return options_; }
 
   /// Starts from a state; throws Error when its sizes do not fit, a value is not finite, z is not 0 in a
@@ -190,8 +192,8 @@ class Solver {
   void reset();  ///< the rest shape, no tool holding anything
 
   /// The state with all that further steps depend on, and back to it. restore() throws as reset() does, where the
-  /// snapshot is of another body (Snapshot::body; for its positions alone: reset(snapshot.state)), and where it has
-  /// parts that this solver does not know; the solver is then as it was.
+  /// snapshot is of another body (Snapshot::topology_hash; for its positions alone: reset(snapshot.state)), and where
+  /// it has parts that this solver does not know; the solver is then as it was.
   Snapshot snapshot() const;
   void restore(const Snapshot& snapshot);
   /// reset() to a state whose velocities are those of State::time itself, as a body let go has them: for steps of dt
@@ -232,9 +234,6 @@ class Solver {
   std::vector<PassProfile> profile() const;
   void clear_profile();
 
-  /// What a step reads and writes where nothing stays in a cache from step to step, counted by hand, bytes; not a
-  /// number where the backend does not count. Over the time of a step: the bandwidth it needs.
-  double bytes_a_step() const;
   /// What the particles do to a tool of the scene, and where it is now. Zero, and the scene's pose, before the first
   /// step. Throw Error for an unknown name; allocate nothing.
   const ToolForce& tool_force(std::string_view name) const;
@@ -255,7 +254,8 @@ class Solver {
   bool takes_tools() const { return do_takes_tools(); }
 
   std::string device() const;  ///< what it runs on, for people and result files: a renderer, a kind of processor
-  std::string_view choice() const { return choice_; }  ///< why "auto" took this backend; empty when asked for by name
+  /// Why "auto" chose this backend; empty if the backend was named.
+  std::string_view backend_reason() const { return backend_reason_; }
 
   /// Limit of dt in s for the free body at rest and this damping; holding particles can only raise it. Deformed bodies
   /// have a smaller one: work at half of it. Infinite for a body without any stiffness, for which any finite dt will do
@@ -268,13 +268,13 @@ class Solver {
   Solver(std::string name, std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
          const SolverOptions& options);
 
-  struct Motion {                   ///< what a backend tells of the last of its steps
-    int steps = 0;                  ///< good steps done
-    Index bad_particle = -1;        ///< >= 0: in the step after those this particle ran away; the step was undone
-    bool lost = false;              ///< device lost
-    int lost_volume = -1;           ///< >= 0: row of Scene::volumes() that the step after those could not restore
-    int full_needle = -1;           ///< >= 0: row of Scene::tools() whose hole the step after those has no room for
-    bool cut = false;               ///< an elastic acceleration was above StepPlan::largest_acceleration
+  struct Motion {             ///< what a backend tells of the last of its steps
+    int steps = 0;            ///< good steps done
+    Index bad_particle = -1;  ///< >= 0: in the step after those this particle ran away; the step was undone
+    bool lost = false;        ///< device lost
+    int lost_volume = -1;     ///< >= 0: row of Scene::volume_constraints() that the step after those could not restore
+    int full_needle = -1;     ///< >= 0: row of Scene::tools() whose hole the step after those has no room for
+    bool force_clamped = false;     ///< an elastic acceleration was above StepPlan::largest_acceleration
     double max_acceleration = 0.0;  ///< m/s^2, free coordinates only
     double max_force = 0.0;         ///< N, likewise
     double max_speed = 0.0;         ///< m/s, likewise
@@ -286,7 +286,7 @@ class Solver {
     double damping_factor = 1.0;
     double speed_at_rest = 0.0;         ///< m/s threshold
     double acceleration_at_rest = 0.0;  ///< m/s^2 threshold
-    double largest_acceleration = 0.0;  ///< m/s^2: elastic force over mass beyond this is cut to it; may be infinite
+    double largest_acceleration = 0.0;  ///< m/s^2: elastic force over mass is limited to this; may be infinite
     double runaway_speed = 0.0;         ///< m/s: a faster particle, or one that is not finite, is a failure
     bool stop_at_rest = false;
     int rest_steps = 0;
@@ -324,9 +324,8 @@ class Solver {
   /// that a backend has to add code for.
   virtual const char* do_cannot() const;
   virtual bool do_takes_tools() const { return false; }
-  virtual bool do_takes_volumes() const { return false; }           ///< keeps them: Scene::keep_volume
+  virtual bool do_takes_volumes() const { return false; }           ///< keeps them: Scene::constrain_volume
   virtual const ToolReport& do_tool_report(std::size_t row) const;  ///< of Scene::tools(), of the version last seen
-  virtual double do_bytes_a_step() const { return std::numeric_limits<double>::quiet_NaN(); }
   virtual void do_profile() const {}  ///< brings profiling(), which is not null, up to date
 
   friend std::unique_ptr<Solver> make_solver(std::string_view, std::shared_ptr<const TopologyTextures>, const Scene&,
@@ -341,7 +340,7 @@ class Solver {
   Motion run(const StepPlan& plan, StepReport& report);
   Motion run_with_progress(const StepPlan& plan, StepReport& report);
 
-  std::string name_, choice_;
+  std::string name_, backend_reason_;
   std::vector<State> copies_;          // of do_request_read's plain way
   mutable VecList shown_, attracted_;  // of the plain buffers
   std::shared_ptr<const TopologyTextures> topology_;
@@ -349,7 +348,7 @@ class Solver {
   SolverOptions options_;
   LoadFrame frame_;
   std::uint64_t scene_version_ = 0, values_version_ = 0;
-  mutable std::optional<std::uint64_t> body_;
+  mutable std::optional<std::uint64_t> topology_hash_;
   std::unique_ptr<Profile> profile_;
   int steps_a_slice_ = 1;  // between two looks at the clock, where progress is asked for
   Spectrum spectrum_;
@@ -358,8 +357,8 @@ class Solver {
 };
 
 /// Makes a solver, at rest. "auto" takes "cpu", or where a GPU was measured to be faster "gl-compute" ("gl" on one that
-/// has no compute shaders), or "reference" where single precision cannot hold the body; choice() says why. Throws Error
-/// that lists the known names and, for one not built, how to.
+/// has no compute shaders), or "reference" where single precision cannot hold the body; backend_reason() says why.
+/// Throws Error that lists the known names and, for one not built, how to.
 std::unique_ptr<Solver> make_solver(std::string_view backend, const Model& model, const Scene& scene,
                                     const TopologyOptions& topology = {}, const SolverOptions& options = {});
 std::unique_ptr<Solver> make_solver(std::string_view backend, const Model& model, const Scene&& scene,

@@ -97,7 +97,7 @@ class ReferenceSolver final : public Solver {
       if (!tools_.empty()) tools_.accept();
       last_dt_ = plan.dt;
       ++motion.steps;
-      motion.cut = motion.cut || any_cut;
+      motion.force_clamped = motion.force_clamped || any_cut;
 
       motion.max_speed = max_free_speed();
       const bool quiet = motion.max_speed <= plan.speed_at_rest && motion.max_acceleration <= plan.acceleration_at_rest;

@@ -276,7 +276,7 @@ Scene& Scene::clear() {
   actions_.clear();
   tools_.clear();
   gravity_.setZero();
-  volumes_.clear();
+  volume_constraints_.clear();
   contacts_.reset();
   ++version_;
   return *this;

@@ -143,20 +143,20 @@ SceneTool& ToolHandle::own() const {
   throw Error("the scene no longer has the tool of this handle; Scene::tool gives handles of those it has");
 }
 
-void ToolHandle::pose(const ToolPose& pose) const {
+void ToolHandle::move_to(const ToolPose& pose) const {
   SceneTool& tool = own();
   tool.pose = accepted_pose(tool.name, pose);
   ++tool.moves;
 }
 
-void ToolHandle::place(const ToolPose& pose) const {
+void ToolHandle::teleport(const ToolPose& pose) const {
   SceneTool& tool = own();
   tool.pose = accepted_pose(tool.name, pose);
   ++tool.moves;
   ++tool.places;
 }
 
-const ToolPose& ToolHandle::pose() const {
+const ToolPose& ToolHandle::target_pose() const {
   return own().pose;
 }
 

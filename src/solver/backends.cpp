@@ -202,7 +202,7 @@ std::unique_ptr<Solver> make_solver(std::string_view backend, std::shared_ptr<co
   Choice choice = choose(topology, scene, quiet);
   choice.solver->options_.progress = options.progress;
   choice.solver->clear_profile();
-  choice.solver->choice_ = std::move(choice.reason);
+  choice.solver->backend_reason_ = std::move(choice.reason);
   return std::move(choice.solver);
 }
 

@@ -69,8 +69,4 @@ void Solver::clear_profile() {
   profile_->clear();
 }
 
-double Solver::bytes_a_step() const {
-  return do_bytes_a_step();
-}
-
 }  // namespace phymul

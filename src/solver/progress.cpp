@@ -43,11 +43,11 @@ Solver::Motion Solver::run_with_progress(const StepPlan& plan, StepReport& repor
     // A slice whose first step failed knows nothing of speeds.
     const double speed = done.steps > 0 ? done.max_speed : motion.max_speed;
     const int steps = motion.steps + done.steps;
-    const bool cut = motion.cut || done.cut;
+    const bool cut = motion.force_clamped || done.force_clamped;
     motion = done;
     motion.steps = steps;
     motion.max_speed = speed;
-    motion.cut = cut;
+    motion.force_clamped = cut;
     const bool rests = plan.stop_at_rest && motion.steps_at_rest >= plan.rest_steps;
     if (motion.steps >= plan.steps || done.steps < slice.steps || rests) return motion;
 

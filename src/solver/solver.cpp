@@ -142,15 +142,16 @@ void Solver::reset() {
   reset(rest_state(model()));
 }
 
-std::uint64_t Solver::body() const {
-  if (!body_) body_ = fingerprint(*topology_);
-  return *body_;
+std::uint64_t Solver::topology_hash() const {
+  if (!topology_hash_) topology_hash_ = fingerprint(*topology_);
+  return *topology_hash_;
 }
 
 Snapshot Solver::snapshot() const {
   Snapshot snapshot;
   do_snapshot(snapshot);
-  snapshot.body = body();
+  snapshot.topology_hash = topology_hash();
+  snapshot.backend = name_;
   return snapshot;
 }
 
@@ -165,7 +166,7 @@ void Solver::restore(const Snapshot& snapshot) {
   if (!are_finite(snapshot.displacement)) {
     throw Error("Solver::restore: the snapshot has a displacement that is not finite; the solver keeps its state");
   }
-  if (snapshot.body != 0 && snapshot.body != body()) {
+  if (snapshot.topology_hash != 0 && snapshot.topology_hash != topology_hash()) {
     throw Error(
         "Solver::restore: expected a snapshot of this solver's body, got one of another shape, material, order of "
         "particles or other options of the tables; the solver keeps its state. Restore it into a solver over the same "
@@ -248,7 +249,7 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   plan.acceleration_at_rest = plan.speed_at_rest * omega;
   const bool cuts = spacing_ > 0.0 && !report.beyond_limit && !grows_by_itself(spectrum_);
   plan.largest_acceleration =
-      cuts ? options_.largest_push * spacing_ / (dt * dt) : std::numeric_limits<double>::infinity();
+      cuts ? options_.max_displacement_per_step * spacing_ / (dt * dt) : std::numeric_limits<double>::infinity();
   plan.runaway_speed = omega * spacing_ > 0.0 ? runaway_factor * spacing_ * omega : std::numeric_limits<double>::max();
   plan.stop_at_rest = stop_at_rest;
   plan.rest_steps = options_.rest_steps;
@@ -258,7 +259,7 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   report.time = do_time();
   report.residual = motion.max_force;
   report.max_speed = motion.max_speed;
-  report.cut = motion.cut;
+  report.force_clamped = motion.force_clamped;
   report.at_rest = motion.steps_at_rest >= options_.rest_steps;
   if (stop_at_rest && report.at_rest && !motion.lost) {
     const State state = read();
@@ -270,7 +271,8 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   } else if (motion.lost_volume >= 0) {
     report.status = StepStatus::volume_lost;
     const auto row = static_cast<std::size_t>(motion.lost_volume);  // of none, where it went before a late report
-    if (row < scene_->volumes().size()) report.particle = scene_->volumes()[row].triangles.front()[0];
+    if (row < scene_->volume_constraints().size())
+      report.particle = scene_->volume_constraints()[row].triangles.front()[0];
     report.cause =
         "no small move of its free particles brings it back: all of them are held, or the surface is flat or torn far "
         "out of shape";
@@ -278,7 +280,7 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
     report.status = StepStatus::needle_full;
     report.cause =
         "Give the needle a larger Needle::spread or use the backend \"cpu\"; to go on, take the needle out with "
-        "ToolHandle::place(), or reset()";
+        "ToolHandle::teleport(), or reset()";
   } else if (motion.bad_particle >= 0) {
     report.status = StepStatus::not_finite;
     report.particle = motion.bad_particle;
@@ -359,7 +361,7 @@ void Solver::do_restore(const Snapshot& snapshot) {
 const char* Solver::do_cannot() const {
   if (!scene_->tools().empty() && !takes_tools()) return no_tools;
   if (has_needle(scene_->tools())) return no_needles;
-  if (!scene_->volumes().empty() && !do_takes_volumes()) return no_volumes;
+  if (!scene_->volume_constraints().empty() && !do_takes_volumes()) return no_volumes;
   return scene_->contacts() ? no_contacts : nullptr;
 }
 

@@ -14,7 +14,7 @@ std::string StepReport::message() const {
                              to_rest && !at_rest ? "not at rest after" : "ok:", steps, time, residual, max_speed,
                              at_rest ? ", at rest" : "", stopped ? "; stopped by SolverOptions::progress" : "",
                              beyond_limit ? "; the step is beyond the stable step" : "",
-                             cut ? "; elastic forces were cut, the body was far out of shape" : "");
+                             force_clamped ? "; elastic forces were clamped, the body was far out of shape" : "");
       if (collapsed >= 0) {
         length += std::snprintf(
             text + length, sizeof text - static_cast<std::size_t>(length),

@@ -235,7 +235,7 @@ TEST_P(SolverConformance, ScatteredBodiesComeBackAndTheReportSaysThatForcesWereC
   EXPECT_LE(solver->energy().elastic, 1e-6 * soft_tissue().young * volume(model, model.rest));
   EXPECT_FALSE(solver->step(1, dt).cut);
 
-  options.largest_push = std::numeric_limits<double>::infinity();
+  options.max_displacement_per_step = std::numeric_limits<double>::infinity();
   const auto uncut = make(model, scene, options);
   uncut->reset(scattered);
   EXPECT_FALSE(uncut->step(1, dt).cut);

@@ -41,7 +41,7 @@ class GlLateReport : public GlTest, public testing::WithParamInterface<GlBackend
     EXPECT_EQ(late.time, before.time);
     EXPECT_EQ(late.residual, before.residual);
     EXPECT_EQ(late.max_speed, before.max_speed);
-    EXPECT_EQ(late.cut, before.cut);
+    EXPECT_EQ(late.force_clamped, before.force_clamped);
     EXPECT_EQ(late.particle, before.particle);
   }
 
@@ -69,7 +69,7 @@ TEST_P(GlLateReport, TellsOfTheCallBefore) {
     EXPECT_EQ(late.steps, before.steps);
     EXPECT_EQ(late.residual, before.residual);
     EXPECT_EQ(late.max_speed, before.max_speed);
-    EXPECT_EQ(late.cut, before.cut);
+    EXPECT_EQ(late.force_clamped, before.force_clamped);
     before = now;
   }
   expect_same(late_->step(0, dt_), before);

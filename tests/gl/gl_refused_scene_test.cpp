@@ -168,7 +168,7 @@ TEST_P(GlFragmentRefusedScene, WhatAPassCannotBeGivenChangesNothing) {
     change(other);
     context_->run([&] { expect_to_go_on(scene, other, library, name, name); });
   };
-  offer("kept_facets", false, [](Scene& other) { other.keep_volume("low"); });
+  offer("kept_facets", false, [](Scene& other) { other.constrain_volume("low"); });
   offer("needle_facets", false, [this](Scene& other) { add_needle(other, 0.0); });
   offer("tree_roots", false, [](Scene& other) { other.contacts({}); });
   offer("tree_roots", true, [](Scene& other) { other.contacts({}); });  // after the needle's passes, which both share

@@ -95,7 +95,7 @@ TEST_P(Contact, TakesFromTheBodyWhatTheToolFeels) {
   pose.velocity = {0, 0.1, 0.8};
   scene.add_tool("block", {.shape = Box{{0.008, 0.006, 0.006}}, .pose = pose, .friction = 0.7});
   SolverOptions options;
-  options.largest_push = std::numeric_limits<double>::infinity();  // a cut force has no counterpart
+  options.max_displacement_per_step = std::numeric_limits<double>::infinity();  // a cut force has no counterpart
   const auto solver = make(model, scene, options);
   const double dt = 0.3 * solver->stable_step();
   double largest = 0.0;
@@ -170,8 +170,8 @@ TEST_P(Contact, TenThousandStepsOfRandomToolsDoNoHarm) {
   int touched = 0;
   const int calls = GetParam().starts_with("gl") ? 40 : 200;  // a software renderer takes its time
   for (int k = 0; k < calls; ++k) {
-    scene.tool("ball").pose(random_pose(bits));
-    scene.tool("rod").pose(random_pose(bits));
+    scene.tool("ball").move_to(random_pose(bits));
+    scene.tool("rod").move_to(random_pose(bits));
     const StepReport report = solver->step(50, dt);
     ASSERT_TRUE(report.ok()) << report.message();
     touched += solver->tool_force("ball").particles;
@@ -234,7 +234,7 @@ double force_over_hertz(int cells) {
   options.rest_tolerance = 1e-5;
   const auto solver = make_solver("cpu", body.model, scene, {}, options);
   const double dt = 0.5 * solver->stable_step();
-  scene.tool("ball").pose({.position = {0, 0, radius - indentation}});
+  scene.tool("ball").move_to({.position = {0, 0, radius - indentation}});
   EXPECT_TRUE(solver->step(300, dt).ok());
   const StepReport report = solver->run_to_rest(20000, dt);
   EXPECT_TRUE(report.at_rest) << report.message();

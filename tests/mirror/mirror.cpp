@@ -130,7 +130,7 @@ class MirrorSolver final : public Solver {
       time_ += plan.dt;
       last_dt_ = plan.dt;
       ++motion.steps;
-      motion.cut = motion.cut || cut;
+      motion.force_clamped = motion.force_clamped || cut;
 
       motion.max_speed = max_free_speed();
       const RestThresholds rest =

@@ -32,7 +32,7 @@ class OnBackend : public testing::TestWithParam<std::string> {
 inline SolverOptions any_step_uncut() {
   SolverOptions options;
   options.on_unstable = UnstableStep::allow;
-  options.largest_push = std::numeric_limits<double>::infinity();
+  options.max_displacement_per_step = std::numeric_limits<double>::infinity();
   return options;
 }
 

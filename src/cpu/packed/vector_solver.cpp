@@ -156,7 +156,7 @@ class VectorSolver final : public Solver {
       time_ += plan.dt;
       last_dt_ = plan.dt;
       ++motion.steps;
-      motion.cut = motion.cut || reach.cut;
+      motion.force_clamped = motion.force_clamped || reach.cut;
 
       motion.max_speed = std::sqrt(static_cast<double>(reach.speed));
       const RestThresholds rest = rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest},
@@ -329,7 +329,6 @@ class VectorSolver final : public Solver {
   }
 
   double do_time() const override { return time_; }
-  double do_bytes_a_step() const override { return body_->bytes_a_step(); }
 
   std::string do_device() const override {
     return std::to_string(pool_.parts()) + (pool_.parts() == 1 ? " thread" : " threads") + ", " + kernels_.name +

@@ -125,7 +125,7 @@ bool DeviceSolver::settle_batch(const StepPlan& plan, int count, Motion& motion)
     if (good > 0) report = device_->report();
   }
   if (good > 0) {
-    motion.cut = motion.cut || report.cut;
+    motion.force_clamped = motion.force_clamped || report.cut;
     motion.steps_at_rest = report.last_unquiet > 0 ? good - report.last_unquiet : motion.steps_at_rest + good;
     motion.max_speed = report.max_speed;
     motion.max_acceleration = report.max_acceleration;

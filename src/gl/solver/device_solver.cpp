@@ -14,7 +14,6 @@
 #include "gl/context/options.h"
 #include "gl/fragment/fragment_device.h"
 #include "gl/objects/loop_turns.h"
-#include "step_traffic.h"
 
 namespace phymul::gl {
 namespace {
@@ -26,9 +25,9 @@ ParticleBuffer finished(const Texture& texture) {
 }
 
 /// What StepReport::particle says of a volume.
-std::vector<Index> particle_of_each(const std::vector<ClosedVolume>& volumes) {
+std::vector<Index> particle_of_each(const std::vector<VolumeConstraint>& volumes) {
   std::vector<Index> particles;
-  for (const ClosedVolume& volume : volumes) particles.push_back(volume.triangles.front()[0]);
+  for (const VolumeConstraint& volume : volumes) particles.push_back(volume.triangles.front()[0]);
   return particles;
 }
 
@@ -59,7 +58,7 @@ DeviceSolver::~DeviceSolver() {
 void DeviceSolver::build() {
   FloatTables tables = pack_floats(topology(), layout_);
   loads_version_ = scene().version();
-  volume_at_ = particle_of_each(scene().volumes());
+  volume_at_ = particle_of_each(scene().volume_constraints());
   tools_.follow(scene());
   const ContextInfo& info = context_->info();
   const ShaderLibrary library(gl_.shader_folder, info.es, !info.es || info.at_least(3, 2));
@@ -68,12 +67,9 @@ void DeviceSolver::build() {
     const ComputeForm form = choose_form(gl_.compute, slices, info.software);
     const bool thesis = topology().options.reaction != Reaction::averaged;  // whose forces every neighbour recomputes
     require_turns(info, slices.rows.turns, thesis && form == ComputeForm::recompute);
-    const bool counted = form != ComputeForm::recompute;
-    bytes_a_step_ = counted ? gl::bytes_a_step(slices) : std::numeric_limits<double>::quiet_NaN();
     context_->run([&] { device_ = std::make_unique<ComputeDevice>(slices, scene(), tools_, library, form); });
   } else {
     require_turns(info, tables.turns, false);
-    bytes_a_step_ = gl::bytes_a_step(tables);
     context_->run(
         [&] { device_ = std::make_unique<FragmentDevice>(tables, scene(), tools_, library, gl_.passes == 4); });
   }
@@ -164,7 +160,7 @@ void DeviceSolver::follow() {
   context_->run([&] { device_->set_scene(scene(), tools); });
   tools_ = std::move(tools);
   loads_version_ = scene().version();
-  volume_at_ = particle_of_each(scene().volumes());
+  volume_at_ = particle_of_each(scene().volume_constraints());
   seconds_a_step_ = 0.0;
 }
 
@@ -256,12 +252,6 @@ void DeviceSolver::do_restore(const Snapshot& snapshot) {
   }
   progress_.last_dt = snapshot.last_dt;
   progress_.steps_at_rest = snapshot.steps_at_rest;
-}
-
-/// Not counted where there are tools or contacts, as it depends on how much they touch, nor where volumes are kept.
-double DeviceSolver::do_bytes_a_step() const {
-  const bool counted = tools_.empty() && !scene().contacts() && scene().volumes().empty();
-  return counted ? bytes_a_step_ : std::numeric_limits<double>::quiet_NaN();
 }
 
 Energy DeviceSolver::do_energy() const {

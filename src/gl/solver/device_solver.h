@@ -45,7 +45,6 @@ class DeviceSolver final : public Solver, public ContextUser {
   ParticleBuffer do_attractor_buffer() const override;
   std::string do_device() const override { return context_->info().device(); }
   void do_profile() const override;
-  double do_bytes_a_step() const override;
   const char* do_cannot() const override { return nullptr; }
   bool do_takes_tools() const override { return true; }
   const ToolReport& do_tool_report(std::size_t row) const override { return tools_.report(scene().tools()[row]); }
@@ -93,7 +92,6 @@ class DeviceSolver final : public Solver, public ContextUser {
   std::vector<Index> volume_at_;          // of each volume of the scene that the device has
   std::vector<double> instants_;          // of a batch
   double seconds_a_step_ = 0.0;           // wall clock; 0: not known yet
-  double bytes_a_step_ = 0.0;
 };
 
 std::unique_ptr<Solver> make_device_solver(GlBackend backend, std::shared_ptr<const TopologyTextures> topology,
