@@ -185,6 +185,9 @@ class Scene {
   /// Throws Error for a name that is taken, a size or pose that makes no sense. Whether solvers step the scene already
   /// or not, the first step that sees the tool finds it at its first pose as if by ToolHandle::teleport().
   Scene& add_tool(std::string name, Tool tool);
+  /// The same with a name that the scene makes up ("tool 1"), for tools that their handle is enough for.
+  ToolHandle add_tool(Tool tool) &;
+  ToolHandle add_tool(ToolShape shape) &;
   Scene& remove_tool(std::string_view name);
   ToolHandle tool(std::string_view name) &;  ///< throws Error that lists the known names
   const std::vector<SceneTool>& tools() const { return tools_; }

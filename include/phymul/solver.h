@@ -27,6 +27,7 @@ struct Damping {
   double rate = 0.0;                  ///< 1/s, >= 0: velocity is multiplied by exp(-rate dt) each step
   double factor = 1.0;                ///< raw d per step in [0, 1], on top of the rate; 1 takes nothing
   double factor_at(double dt) const;  ///< both together, for a step of dt
+  bool operator==(const Damping&) const = default;
 };
 
 enum class UnstableStep {
@@ -210,8 +211,11 @@ class Solver {
   /// at_rest: ask at_rest before taking the state for one of rest. Without any damping, under which nothing comes to
   /// rest, it does nothing and says invalid_step.
   StepReport run_to_rest(int max_steps, double dt);
+  /// The same with another damping than the one of the options, for this call.
+  StepReport run_to_rest(int max_steps, double dt, const Damping& damping);
 
-  void read(State& state) const;  ///< copies the state out
+  double time() const { return do_time(); }  ///< s, of the present state
+  void read(State& state) const;             ///< copies the state out
   State read() const;
 
   /// Starts copying the present state out, without waiting for the device. At most three copies are on their way at a
@@ -336,7 +340,7 @@ class Solver {
   std::size_t tool_row(std::string_view name) const;
   std::size_t tool_row(const ToolHandle& tool) const;
   bool any_tool_grasps() const;
-  StepReport advance(int n, double dt, bool stop_at_rest);
+  StepReport advance(int n, double dt, bool stop_at_rest, const Damping& damping);
   Motion run(const StepPlan& plan, StepReport& report);
   Motion run_with_progress(const StepPlan& plan, StepReport& report);
 

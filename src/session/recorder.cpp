@@ -132,6 +132,19 @@ StepReport Recorder::run_to_rest(int max_steps, double dt) {
   return report;
 }
 
+StepReport Recorder::run_to_rest(int max_steps, double dt, const Damping& damping) {
+  if (damping == solver_.options().damping) return run_to_rest(max_steps, dt);
+  record_scene();
+  const StepReport report = solver_.run_to_rest(max_steps, dt, damping);
+  ByteWriter out;
+  out.index(report.stopped ? report.steps : max_steps);
+  out.real(dt);
+  out.real(damping.rate);
+  out.real(damping.factor);
+  record(input_kind::to_rest_damped, out.bytes());
+  return report;
+}
+
 void Recorder::reset() {
   reset(rest_state(solver_.model()));
 }

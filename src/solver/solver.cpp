@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "base/decimal.h"
+#include "half_step.h"
 #include "profile.h"
 #include "scene/tool_state.h"
 #include "solver_input.h"
@@ -184,30 +185,19 @@ void Solver::start(const State& state, double dt) {
   if (!(dt > 0.0) || !std::isfinite(dt))
     throw Error("Solver::start: expected a finite dt above 0 s; got " + to_decimal(dt));
   reset(state);  // which refuses what does not fit before anything is computed from it
-  LoadFrame at_start;
-  scene_->prepare(at_start);
-  scene_->evaluate(state.time, at_start);
-  VecList force(state.position.size());
-  elastic_forces(*topology_, state.position, force);
-  // The scheme steps from v- to v+ = d v- + a dt; the velocity in the middle is to be the given one.
-  const double d = options_.damping.factor_at(dt);
   State earlier = state;
-  for (std::size_t i = 0; i < force.size(); ++i) {
-    if (!at_start.force.empty()) force[i] += at_start.force[i];
-    const Vec3 acceleration = at_start.gravity + force[i] / topology_->mass[i];
-    for (int axis = 0; axis < topology_->dimension; ++axis) {
-      const bool imposed = !at_start.fixed.empty() && (at_start.fixed[i] >> axis & 1);
-      if (!imposed) earlier.velocity[i][axis] = (2.0 * state.velocity[i][axis] - dt * acceleration[axis]) / (1.0 + d);
-    }
-  }
+  to_half_step_before(*topology_, *scene_, {dt, options_.damping.factor_at(dt)}, earlier);
   reset(earlier);
 }
 
 StepReport Solver::step(int n, double dt) {
-  return advance(n, dt, false);
+  return advance(n, dt, false, options_.damping);
 }
 StepReport Solver::run_to_rest(int max_steps, double dt) {
-  return advance(max_steps, dt, true);
+  return advance(max_steps, dt, true, options_.damping);
+}
+StepReport Solver::run_to_rest(int max_steps, double dt, const Damping& damping) {
+  return advance(max_steps, dt, true, damping);
 }
 
 bool Solver::any_tool_grasps() const {
@@ -217,18 +207,18 @@ bool Solver::any_tool_grasps() const {
   return false;
 }
 
-StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
+StepReport Solver::advance(int n, double dt, bool stop_at_rest, const Damping& damping) {
   StepReport report;
   report.time = do_time();
   report.dt = dt;
-  report.stable_step = stable_step_;
+  report.stable_step = phymul::stable_step(spectrum_, damping.factor);
   report.to_rest = stop_at_rest;
-  if (const char* const cause = why_no_steps(n, dt, stop_at_rest, options_.damping)) {
+  if (const char* const cause = why_no_steps(n, dt, stop_at_rest, damping)) {
     report.status = StepStatus::invalid_step;
     report.cause = cause;
     return report;
   }
-  report.beyond_limit = dt > stable_step_ * (1.0 + limit_slack);
+  report.beyond_limit = dt > report.stable_step * (1.0 + limit_slack);
   if (report.beyond_limit && options_.on_unstable == UnstableStep::refuse) {
     report.status = StepStatus::unstable_step;
     return report;
@@ -243,7 +233,7 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   StepPlan plan;
   plan.steps = n;
   plan.dt = dt;
-  plan.damping_factor = options_.damping.factor_at(dt);
+  plan.damping_factor = damping.factor_at(dt);
   const double omega = std::sqrt(spectrum_.largest);
   plan.speed_at_rest = options_.rest_tolerance * spacing_ * omega;
   plan.acceleration_at_rest = plan.speed_at_rest * omega;
@@ -284,7 +274,7 @@ StepReport Solver::advance(int n, double dt, bool stop_at_rest) {
   } else if (motion.bad_particle >= 0) {
     report.status = StepStatus::not_finite;
     report.particle = motion.bad_particle;
-    report.cause = likely_cause(*topology_, spectrum_, dt, stable_step_, any_tool_grasps());
+    report.cause = likely_cause(*topology_, spectrum_, dt, report.stable_step, any_tool_grasps());
   }
   return report;
 }
