@@ -65,7 +65,7 @@ class Recorder {
   ~Recorder();
 
   StepReport step(int n, double dt);
-  StepReport run_to_rest(int max_steps, double dt);
+  RestResult run_to_rest(int max_steps, double dt);
   void reset();
   void reset(const State& state);
   void restore(const Snapshot& snapshot);

@@ -120,6 +120,17 @@ Scene& Scene::add_tool(std::string name, Tool tool) {
   return *this;
 }
 
+ToolHandle Scene::add_tool(Tool tool) & {
+  add_tool("tool " + std::to_string(next_tool_), std::move(tool));
+  return {*this, tools_.back().id};
+}
+
+ToolHandle Scene::add_tool(ToolShape shape) & {
+  Tool tool;
+  tool.shape = std::move(shape);
+  return add_tool(std::move(tool));
+}
+
 Scene& Scene::remove_tool(std::string_view name) {
   const std::uint64_t id = tool(name).id_;
   std::erase_if(tools_, [&](const SceneTool& known) { return known.id == id; });

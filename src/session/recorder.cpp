@@ -125,11 +125,12 @@ StepReport Recorder::step(int n, double dt) {
   return report;
 }
 
-StepReport Recorder::run_to_rest(int max_steps, double dt) {
+RestResult Recorder::run_to_rest(int max_steps, double dt) {
   record_scene();
-  const StepReport report = solver_.run_to_rest(max_steps, dt);
+  const RestResult result = solver_.run_to_rest(max_steps, dt);
+  const StepReport& report = result.report;
   record(input_kind::to_rest, step_bytes(report.stopped ? report.steps : max_steps, dt));
-  return report;
+  return result;
 }
 
 void Recorder::reset() {

@@ -111,7 +111,7 @@ void Replay::perform(const Input& input) {
     report_ = solver_.step(step.n, step.dt);
   } else if (input.kind == input_kind::to_rest) {
     const StepInput step = take_step(input);
-    report_ = solver_.run_to_rest(step.n, step.dt);
+    report_ = solver_.run_to_rest(step.n, step.dt).report;
   } else if (input.kind == input_kind::restore) {
     ByteReader in = reader(input);
     const Snapshot snapshot = take_snapshot(in);

@@ -12,10 +12,10 @@ set(rows
     "4 state_file recording"      # before state
     "4 gl_module"                 # before gl; the door to src/gl
     "0 version types error gl camera"
-    "1 model scene state surface tool needle virtual distance"
+    "1 model load scene state surface tool needle virtual distance"
     "2 shapes pml lml mesh check topology monitor writer"
     "2 xml byte gmsh vtk vtu csv"            # formats, behind the readers
-    "4 elasticity solver display bodies"
+    "4 elasticity solver step backend display bodies"
     "8 phymul")                   # the umbrella, for users only
 set(core_row 4)
 set(cpu_row 5)
