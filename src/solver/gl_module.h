@@ -5,7 +5,6 @@
 #pragma once
 
 #include <phymul/backend.h>
-#include <phymul/display.h>
 #include <phymul/version.h>
 
 #include <array>
@@ -15,6 +14,8 @@
 #include "gl_backend.h"
 
 namespace phymul {
+
+class Display;  // display.h
 
 /// Both sides must have been built from the same headers. Trivial types only: it is read before anything is trusted.
 struct GlModuleStamp {

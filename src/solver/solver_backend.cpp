@@ -5,7 +5,6 @@
 #include <phymul/elasticity.h>
 #include <phymul/error.h>
 #include <phymul/monitor.h>
-#include <phymul/state_file.h>
 
 #include <algorithm>
 #include <cmath>
