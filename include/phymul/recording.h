@@ -65,8 +65,8 @@ class Recorder {
   ~Recorder();
 
   StepReport step(int n, double dt);
-  StepReport run_to_rest(int max_steps, double dt);
-  StepReport run_to_rest(int max_steps, double dt, const Damping& damping);
+  RestResult run_to_rest(int max_steps, double dt);
+  RestResult run_to_rest(int max_steps, double dt, const Damping& damping);
   void reset();
   void reset(const State& state);
   void restore(const Snapshot& snapshot);

@@ -17,21 +17,6 @@
 
 namespace phymul {
 
-enum class RestStatus { converged, step_limit, failed, stopped };
-struct RestResult {
-  RestStatus status = RestStatus::failed;
-  StepReport report;
-  std::string message() const { return report.message(); }
-  bool converged() const { return status == RestStatus::converged; }
-  RestResult() = default;
-  RestResult(const StepReport& r) : report(r) {
-    status = !r.ok()     ? RestStatus::failed
-             : r.stopped ? RestStatus::stopped
-             : r.at_rest ? RestStatus::converged
-                         : RestStatus::step_limit;
-  }
-};
-
 struct GroupMaterial {
   std::string group;  ///< applies to the cells all of whose particles are in it
   Material material{};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "reference_solver.h"
 
+#include <phymul/backend.h>
 #include <phymul/elasticity.h>
 
 #include <algorithm>
@@ -14,11 +15,11 @@
 namespace phymul::cpu {
 namespace {
 
-class ReferenceSolver final : public Solver {
+class ReferenceSolver final : public SolverBackend {
  public:
   ReferenceSolver(std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in,
                   const SolverOptions& options_in)
-      : Solver("reference", std::move(shared), scene_in, options_in),
+      : SolverBackend("reference", std::move(shared), scene_in, options_in),
         force_(topology().particle_count),
         next_position_(topology().particle_count),
         next_velocity_(topology().particle_count) {

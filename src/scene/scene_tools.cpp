@@ -121,14 +121,14 @@ Scene& Scene::add_tool(std::string name, Tool tool) {
 }
 
 ToolHandle Scene::add_tool(Tool tool) & {
-  std::string name = "tool " + std::to_string(next_tool_);
-  while (std::ranges::any_of(tools_, [&](const SceneTool& known) { return known.name == name; })) name += '\'';
-  add_tool(std::move(name), std::move(tool));
+  add_tool("tool " + std::to_string(next_tool_), std::move(tool));
   return {*this, tools_.back().id};
 }
 
 ToolHandle Scene::add_tool(ToolShape shape) & {
-  return add_tool(Tool{.shape = std::move(shape)});
+  Tool tool;
+  tool.shape = std::move(shape);
+  return add_tool(std::move(tool));
 }
 
 Scene& Scene::remove_tool(std::string_view name) {

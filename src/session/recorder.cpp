@@ -125,24 +125,26 @@ StepReport Recorder::step(int n, double dt) {
   return report;
 }
 
-StepReport Recorder::run_to_rest(int max_steps, double dt) {
+RestResult Recorder::run_to_rest(int max_steps, double dt) {
   record_scene();
-  const StepReport report = solver_.run_to_rest(max_steps, dt);
+  const RestResult result = solver_.run_to_rest(max_steps, dt);
+  const StepReport& report = result.report;
   record(input_kind::to_rest, step_bytes(report.stopped ? report.steps : max_steps, dt));
-  return report;
+  return result;
 }
 
-StepReport Recorder::run_to_rest(int max_steps, double dt, const Damping& damping) {
+RestResult Recorder::run_to_rest(int max_steps, double dt, const Damping& damping) {
   if (damping == solver_.options().damping) return run_to_rest(max_steps, dt);
   record_scene();
-  const StepReport report = solver_.run_to_rest(max_steps, dt, damping);
+  const RestResult result = solver_.run_to_rest(max_steps, dt, damping);
+  const StepReport& report = result.report;
   ByteWriter out;
   out.index(report.stopped ? report.steps : max_steps);
   out.real(dt);
   out.real(damping.rate);
   out.real(damping.factor);
   record(input_kind::to_rest_damped, out.bytes());
-  return report;
+  return result;
 }
 
 void Recorder::reset() {

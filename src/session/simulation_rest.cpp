@@ -4,6 +4,7 @@
 // angular frequency. That frequency follows from the motion itself, by Rayleigh's quotient of its change of shape
 // (P. Underwood, "Dynamic relaxation", in Computational Methods for Transient Analysis, North-Holland 1983, 245-265).
 #include <phymul/elasticity.h>
+#include <phymul/load_frame.h>
 #include <phymul/model.h>
 
 #include <algorithm>
@@ -72,7 +73,9 @@ RestResult Simulation::Parts::run_to_rest(int max_steps, double dt) {
     const int some = static_cast<int>(std::clamp(1.0 / (frequency * dt), 1.0 * fewest_steps, 1e6));
     const Damping critical{.rate = 2.0 * frequency};
     progress.steps_before = steps;
+    const bool clamped = result.report.force_clamped;
     result = run_to_rest(std::min(some, max_steps - steps), dt, critical);
+    result.report.force_clamped |= clamped;
     steps += result.report.steps;
     if (result.status != RestStatus::step_limit || steps >= max_steps) break;
     solver().read(to);

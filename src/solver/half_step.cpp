@@ -2,6 +2,7 @@
 #include "half_step.h"
 
 #include <phymul/elasticity.h>
+#include <phymul/load_frame.h>
 
 namespace phymul {
 namespace {

@@ -57,13 +57,13 @@ void Profile::clear() {
   order_ = 0;
 }
 
-std::vector<PassProfile> Solver::profile() const {
+std::vector<PassProfile> SolverBackend::profile() const {
   if (!profile_) return {};
   do_profile();
   return profile_->rows();
 }
 
-void Solver::clear_profile() {
+void SolverBackend::clear_profile() {
   if (!profile_) return;
   do_profile();
   profile_->clear();

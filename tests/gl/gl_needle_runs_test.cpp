@@ -95,10 +95,10 @@ TEST_P(GlNeedleRuns, BatchesDoneAgainComeToTheSame) {
   const auto same = resting.make();
   resting.pose.position.z() -= 0.013;
   resting.scene.tool("needle").move_to(resting.pose);
-  const StepReport report = resting.device->run_to_rest(5000, resting.dt);
-  ASSERT_TRUE(report.at_rest) << report.message();
+  const RestResult rest = resting.device->run_to_rest(5000, resting.dt);
+  ASSERT_TRUE(rest.converged()) << rest.message();
   ASSERT_TRUE(same->step(1, resting.dt).ok());  // in which run_to_rest() goes all the way
-  ASSERT_TRUE(same->step(report.steps - 1, resting.dt).ok());
+  ASSERT_TRUE(same->step(rest.report.steps - 1, resting.dt).ok());
   EXPECT_EQ(difference(same->read(), resting.device->read()), "");
   EXPECT_EQ(same->read().tools, resting.device->read().tools);
   EXPECT_EQ(same->tool_force("needle").force, resting.device->tool_force("needle").force);

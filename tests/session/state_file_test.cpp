@@ -94,14 +94,14 @@ TEST(StateFile, RestIsFoundAtTheSameStepAfterARestart) {
     options.rest_steps = 50;
     const auto whole = make_solver(backend.name, topology, scene, options);
     const double dt = 0.4 * whole->stable_step();
-    const StepReport at_once = whole->run_to_rest(100000, dt);
-    ASSERT_TRUE(at_once.at_rest) << at_once.message();
+    const RestResult at_once = whole->run_to_rest(100000, dt);
+    ASSERT_TRUE(at_once.converged()) << at_once.message();
     const auto cut = make_solver(backend.name, topology, scene, options);
-    ASSERT_FALSE(cut->run_to_rest(at_once.steps - 20, dt).at_rest);
+    ASSERT_FALSE(cut->run_to_rest(at_once.report.steps - 20, dt).converged());
     EXPECT_GT(cut->snapshot().steps_at_rest, 0);
     const auto rest = make_solver(backend.name, topology, scene, options);
     rest->restore(cut->snapshot());
-    EXPECT_EQ(rest->run_to_rest(100000, dt).steps, 20) << backend.name;
+    EXPECT_EQ(rest->run_to_rest(100000, dt).report.steps, 20) << backend.name;
     EXPECT_TRUE(same_bits(rest->read(), whole->read())) << backend.name;
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "vector_solver.h"
 
+#include <phymul/backend.h>
 #include <phymul/elasticity.h>
 
 #include <algorithm>
@@ -58,10 +59,10 @@ char* bytes(Floats& floats) {
   return reinterpret_cast<char*>(floats.data());
 }
 
-class VectorSolver final : public Solver {
+class VectorSolver final : public SolverBackend {
  public:
   VectorSolver(std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in, const SolverOptions& options_in)
-      : Solver("cpu", std::move(shared), scene_in, options_in),
+      : SolverBackend("cpu", std::move(shared), scene_in, options_in),
         kernels_(simd::chosen_kernels()),
         body_(make_vector_body(topology(), kernels_.lanes)),
         loads_(scene(), *body_),

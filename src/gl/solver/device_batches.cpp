@@ -37,7 +37,7 @@ void DeviceSolver::begin_tools(const StepPlan& plan) {
   device_->set_held(tools_);
 }
 
-Solver::Motion DeviceSolver::run_batches(const StepPlan& plan) {
+SolverBackend::Motion DeviceSolver::run_batches(const StepPlan& plan) {
   begin_tools(plan);
   const PassTimer::Current timing(device_->timer());
   Motion motion;
@@ -55,7 +55,7 @@ Solver::Motion DeviceSolver::run_batches(const StepPlan& plan) {
 }
 
 /// The report of the call before, while the last batch of this one is on its way. run_to_rest() waits for every batch.
-Solver::Motion DeviceSolver::run_late(const StepPlan& plan) {
+SolverBackend::Motion DeviceSolver::run_late(const StepPlan& plan) {
   Motion before = std::exchange(untold_, std::nullopt).value_or(Motion{});
   if (before.lost_volume >= 0) before.lost_volume = volume_row_at(untold_volume_at_);  // rows may be others by now
   if (before.bad_particle >= 0 || before.lost_volume >= 0 || before.full_needle >= 0) return before;

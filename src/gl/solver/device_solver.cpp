@@ -35,7 +35,7 @@ std::vector<Index> particle_of_each(const std::vector<VolumeConstraint>& volumes
 
 DeviceSolver::DeviceSolver(GlBackend backend, std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in,
                            const SolverOptions& options_in)
-    : Solver(name_of(backend), std::move(shared), scene_in, options_in),
+    : SolverBackend(name_of(backend), std::move(shared), scene_in, options_in),
       backend_(backend),
       gl_(with_environment(options_in.gl)),
       layout_(choose_layout(gl_.layout, topology())),
@@ -170,13 +170,13 @@ int DeviceSolver::volume_row_at(Index particle) const {
   return found == volume_at_.end() ? std::numeric_limits<int>::max() : static_cast<int>(found - volume_at_.begin());
 }
 
-Solver::Motion DeviceSolver::lost_motion() {
+SolverBackend::Motion DeviceSolver::lost_motion() {
   Motion motion;
   motion.lost = true;
   return motion;
 }
 
-Solver::Motion DeviceSolver::do_step(const StepPlan& plan) {
+SolverBackend::Motion DeviceSolver::do_step(const StepPlan& plan) {
   try {
     if (device_ && !context_->lost()) {
       settle();  // under the scene it was done in

@@ -3,7 +3,7 @@
 // The backends "gl" and "gl-compute": state and constants on the device, one small read a call.
 #pragma once
 
-#include <phymul/solver.h>
+#include <phymul/backend.h>
 
 #include <memory>
 #include <optional>
@@ -19,7 +19,7 @@ namespace phymul::gl {
 /// has: that of the last reset(), read() or collect(). The solver opens another context, rebuilds itself there from the
 /// topology and goes on from that state at the next call; where it cannot, every step says device_lost until a reset()
 /// finds a device.
-class DeviceSolver final : public Solver, public ContextUser {
+class DeviceSolver final : public SolverBackend, public ContextUser {
  public:
   DeviceSolver(GlBackend backend, std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
                const SolverOptions& options);
