@@ -11,12 +11,13 @@ constexpr double flattest = 1e-4;
 
 }  // namespace
 
-NeedleNode spread_weights(const FreeStep& step, std::span<const Index> around, const Vec3& x, double reach) {
+NeedleNode spread_weights(const PredictedStep& step, std::span<const Index> around, const Vec3& x,
+                          double support_radius) {
   NeedleNode node;
   std::vector<Eigen::Vector4d> basis;
   Eigen::Matrix4d moments = Eigen::Matrix4d::Zero();
   for (const Index i : around) {
-    const Vec3 d = (step.position(i) - x) / reach;
+    const Vec3 d = (step.position(i) - x) / support_radius;
     const double inside = 1.0 - d.squaredNorm();
     if (!(inside > 0.0)) continue;
     node.particles.push_back(i);

@@ -6,13 +6,13 @@
 
 #include <phymul/scene.h>
 
-#include "vector_body.h"
+#include "packed_body.h"
 
 namespace phymul::cpu {
 
-class VectorLoads {
+class PackedLoads {
  public:
-  VectorLoads(const Scene& scene, const VectorBody& body);
+  PackedLoads(const Scene& scene, const PackedBody& body);
 
   void act_at(const Scene& scene, double time);     ///< forces and accelerations, at the old time
   void impose_at(const Scene& scene, double time);  ///< positions, at the new time
@@ -26,7 +26,7 @@ class VectorLoads {
   class Sums {
    public:
     Sums() = default;
-    Sums(const std::vector<Index>& offset, const std::vector<LoadModes::Part>& parts, const VectorBody& body);
+    Sums(const std::vector<Index>& offset, const std::vector<LoadModes::Part>& parts, const PackedBody& body);
     bool empty() const { return at_.empty(); }
     const char* data() const { return reinterpret_cast<const char*>(at_.data()); }
     void evaluate(const std::vector<double>& value);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "term_cutter.h"
+#include "term_packer.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -21,7 +21,7 @@ std::vector<Index> lone_bases(const TopologyTextures& t, const Simplices& simpli
 
 }  // namespace
 
-std::vector<Index> TermCutter::work_of(const TopologyTextures& t) {
+std::vector<Index> TermPacker::work_of(const TopologyTextures& t) {
   const Simplices simplices = find_simplices(t);
   const bool enumerable = is_enumerable(t, simd::most_enumerated);
   std::vector<Index> work;
@@ -35,8 +35,8 @@ std::vector<Index> TermCutter::work_of(const TopologyTextures& t) {
   return work;
 }
 
-TermCutter::TermCutter(const TopologyTextures& t, const std::optional<LatticeFrame>& frame, Index size,
-                       std::size_t clusters, VectorBody& body)
+TermPacker::TermPacker(const TopologyTextures& t, const std::optional<LatticeFrame>& frame, Index size,
+                       std::size_t clusters, PackedBody& body)
     : t_(t),
       size_(size),
       body_(body),
@@ -57,7 +57,7 @@ TermCutter::TermCutter(const TopologyTextures& t, const std::optional<LatticeFra
   body_.spring_first.push_back(0);
 }
 
-void TermCutter::cut(int c) {
+void TermPacker::pack(int c) {
   Cluster& cluster = body_.clusters[c];
   const Index own = std::min(size_, t_.particle_count - cluster.first);
   slots_.begin(c, cluster, own);
@@ -66,26 +66,26 @@ void TermCutter::cut(int c) {
                 body_.simplices.size(),      body_.cell_simplices.size()};
   const int slices = cluster.own / body_.lanes;
   if (slices_bases_) {
-    for (int s = 0; s < slices; ++s) cut_base_slice(cluster, s, own);
+    for (int s = 0; s < slices; ++s) pack_base_slice(cluster, s, own);
     cluster.job.bases.count = slices;
   }
-  triples_.cut(c, slots_);
+  triples_.pack(c, slots_);
   if (!t_.springs.empty()) {
-    for (int s = 0; s < slices; ++s) cut_spring_slice(cluster, s, own);
+    for (int s = 0; s < slices; ++s) pack_spring_slice(cluster, s, own);
     cluster.job.springs.count = slices;
   }
-  cluster.job.volumes.count = cut_volumes(c);
-  cluster.job.cells4.count = cut_cells(c, 1, 4, body_.cells4);
-  cluster.job.cells6.count = cut_cells(c, 5, 6, body_.cells6);
-  cluster.job.cells8.count = cut_cells(c, 7, 8, body_.cells8);
-  lattice_.cut(c, slots_);
-  cluster.job.simplices.count = cut_simplices(c, false, body_.simplices);
-  cluster.job.cell_simplices.count = cut_simplices(c, true, body_.cell_simplices);
+  cluster.job.volumes.count = pack_volumes(c);
+  cluster.job.cells4.count = pack_cells(c, 1, 4, body_.cells4);
+  cluster.job.cells6.count = pack_cells(c, 5, 6, body_.cells6);
+  cluster.job.cells8.count = pack_cells(c, 7, 8, body_.cells8);
+  lattice_.pack(c, slots_);
+  cluster.job.simplices.count = pack_simplices(c, false, body_.simplices);
+  cluster.job.cell_simplices.count = pack_simplices(c, true, body_.cell_simplices);
   fill_idle_lanes(c);
   estimate_cost(c);
 }
 
-void TermCutter::cut_base_slice(const Cluster& cluster, int s, Index own) {
+void TermPacker::pack_base_slice(const Cluster& cluster, int s, Index own) {
   LaneRows rows(body_.bases, simd::base_columns, body_.lanes);
   const Index first = cluster.first + s * body_.lanes;
   std::vector<std::vector<Index>> bases;
@@ -104,7 +104,7 @@ void TermCutter::cut_base_slice(const Cluster& cluster, int s, Index own) {
   body_.base_first.push_back(body_.base_first.back() + longest);
 }
 
-void TermCutter::pack_base(Index t, Index owner, LaneRows& rows, Index row, int lane) {
+void TermPacker::pack_base(Index t, Index owner, LaneRows& rows, Index row, int lane) {
   const BaseTexel& base = t_.bases[t];
   const int vertices = body_.plane ? 2 : 3;
   for (int k = 0; k < vertices; ++k)
@@ -123,7 +123,7 @@ void TermCutter::pack_base(Index t, Index owner, LaneRows& rows, Index row, int 
   rows.put(row, 13, lane, share);
 }
 
-void TermCutter::cut_spring_slice(const Cluster& cluster, int s, Index own) {
+void TermPacker::pack_spring_slice(const Cluster& cluster, int s, Index own) {
   LaneRows rows(body_.springs, simd::spring_columns, body_.lanes);
   const Index first = cluster.first + s * body_.lanes;
   Index longest = 0;
@@ -147,7 +147,7 @@ void TermCutter::cut_spring_slice(const Cluster& cluster, int s, Index own) {
   body_.spring_first.push_back(body_.spring_first.back() + longest);
 }
 
-int TermCutter::cut_volumes(int c) {
+int TermPacker::pack_volumes(int c) {
   const SpreadLanes spread(volumes_[c].size(), body_.lanes);
   LaneRows rows(body_.volumes, simd::volume_columns, body_.lanes);
   rows.add(spread.rows(), 4);
@@ -166,7 +166,7 @@ int TermCutter::cut_volumes(int c) {
 }
 
 /// Cells whose number of corners is in [least, corners].
-int TermCutter::cut_cells(int c, int least, int corners, Floats& to) {
+int TermPacker::pack_cells(int c, int least, int corners, Floats& to) {
   std::vector<Index> cells;
   for (const Index t : cells_[c]) {
     const auto& v = t_.cells[t].vertex;
@@ -189,13 +189,13 @@ int TermCutter::cut_cells(int c, int least, int corners, Floats& to) {
   return spread.rows();
 }
 
-std::vector<bool> TermCutter::taken_cells() const {
+std::vector<bool> TermPacker::taken_cells() const {
   std::vector<bool> taken = shared_.cell_taken;
   for (std::size_t c = 0; c < taken.size(); ++c) taken[c] = taken[c] || found_.cell_taken[c];
   return taken;
 }
 
-int TermCutter::cut_simplices(int c, bool with_cell, Floats& to) {
+int TermPacker::pack_simplices(int c, bool with_cell, Floats& to) {
   std::vector<Index> chosen;
   for (const Index s : simplices_[c]) {
     if ((shared_.all[s].cell != none) == with_cell) chosen.push_back(s);
@@ -214,7 +214,7 @@ int TermCutter::cut_simplices(int c, bool with_cell, Floats& to) {
 }
 
 /// Lanes without a term point at the slot that stands for nothing, whose number is known only now.
-void TermCutter::fill_idle_lanes(int c) {
+void TermPacker::fill_idle_lanes(int c) {
   const std::int32_t idle = 16 * (body_.clusters[c].slots() - 1);
   const Start& start = starts_[c];
   const auto from_slice = [&](const Offsets& first, std::size_t slice, int columns) {
@@ -234,7 +234,7 @@ void TermCutter::fill_idle_lanes(int c) {
   fill_idle(body_.cell_simplices, start.cell_simplex, simd::simplex_columns, 4, body_.lanes, idle);
 }
 
-void TermCutter::estimate_cost(int c) {
+void TermPacker::estimate_cost(int c) {
   Cluster& cluster = body_.clusters[c];
   const auto rows_since = [](const Offsets& first, std::size_t start) {
     return static_cast<double>(first.back() - first[start]);
@@ -248,7 +248,7 @@ void TermCutter::estimate_cost(int c) {
                  2.0 * static_cast<double>(cluster.halo.size());
 }
 
-void TermCutter::point_jobs() {
+void TermPacker::point_jobs() {
   for (std::size_t c = 0; c < body_.clusters.size(); ++c) {
     simd::Job& job = body_.clusters[c].job;
     const Start& start = starts_[c];

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "vector_profile.h"
+#include "simd_profile.h"
 
 namespace phymul::cpu {
 
-WorkLaps::WorkLaps(Profile* profile, const VectorBody& body) : profile_(profile) {
+WorkLaps::WorkLaps(Profile* profile, const PackedBody& body) : profile_(profile) {
   if (!profile_) return;
   constexpr std::array<const char*, kinds> names{
       "loads",     "gathering", "bases", "enumerated bases", "springs", "hexahedra", "box lattice",

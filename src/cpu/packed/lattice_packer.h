@@ -3,19 +3,19 @@
 
 #include "box_lattice.h"
 #include "cluster_slots.h"
-#include "grid_cutter.h"
+#include "grid_packer.h"
 #include "hexahedra.h"
 
 namespace phymul::cpu {
 
-/// Packs hexahedra of few shapes, cluster by cluster; TermCutter's calls.
-class LatticeCutter {
+/// Packs hexahedra of few shapes, cluster by cluster; TermPacker's calls.
+class LatticePacker {
  public:
   /// Takes what boxes it finds out of `hexahedra`.
-  LatticeCutter(Hexahedra& hexahedra, const VecList& rest, const std::optional<LatticeFrame>& frame, Index size,
-                std::size_t clusters, VectorBody& body);
+  LatticePacker(Hexahedra& hexahedra, const VecList& rest, const std::optional<LatticeFrame>& frame, Index size,
+                std::size_t clusters, PackedBody& body);
 
-  void cut(int c, Slots& slots);
+  void pack(int c, Slots& slots);
   void fill_idle_lanes(int c, std::int32_t idle);
   void point(int c, simd::Job& job) const;
   double cost(const simd::Job& job) const;  ///< ns a step, rough
@@ -25,13 +25,13 @@ class LatticeCutter {
     std::size_t hexahedron, star, box;
   };
 
-  int cut_cells(const std::vector<Hexahedron>& all, const std::vector<Index>& here, Slots& slots, Floats& to,
-                Offsets& shape_of);
-  int cut_stars(const std::vector<Index>& here, bool whole, Slots& slots);
+  int pack_cells(const std::vector<Hexahedron>& all, const std::vector<Index>& here, Slots& slots, Floats& to,
+                 Offsets& shape_of);
+  int pack_stars(const std::vector<Index>& here, bool whole, Slots& slots);
 
-  VectorBody& body_;
+  PackedBody& body_;
   BoxLattice boxes_;
-  GridCutter grid_;
+  GridPacker grid_;
   std::vector<Hexahedron> hexahedra_;                                       // those that are no boxes
   std::vector<std::vector<Index>> hexahedron_rows_, box_rows_, star_rows_;  // by cluster
   std::vector<Start> starts_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "surface.h"
+#include "surface_facets.h"
 
 #include <algorithm>
 #include <array>

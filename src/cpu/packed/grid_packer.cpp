@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "grid_cutter.h"
+#include "grid_packer.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "vector_rows.h"
+#include "packed_rows.h"
 
 namespace phymul::cpu {
 namespace {
@@ -21,8 +21,8 @@ Index rounded_up(Index value, Index unit) {
 
 }  // namespace
 
-GridCutter::GridCutter(BoxLattice& boxes, const VecList& rest, const std::optional<LatticeFrame>& frame, Index size,
-                       std::size_t clusters, VectorBody& body)
+GridPacker::GridPacker(BoxLattice& boxes, const VecList& rest, const std::optional<LatticeFrame>& frame, Index size,
+                       std::size_t clusters, PackedBody& body)
     : rest_(rest), frame_(frame), body_(body), starts_(clusters) {
   if (!frame_ || boxes.stars.empty()) return;
   find_boxes(boxes);
@@ -55,7 +55,7 @@ GridCutter::GridCutter(BoxLattice& boxes, const VecList& rest, const std::option
   take(boxes);
 }
 
-void GridCutter::find_boxes(const BoxLattice& boxes) {
+void GridPacker::find_boxes(const BoxLattice& boxes) {
   std::map<Index, std::vector<Index>> at;
   for (std::size_t b = 0; b < boxes.boxes.size(); ++b) at[boxes.boxes[b].vertex[0]].push_back(static_cast<Index>(b));
   for (const Star& star : boxes.stars) {
@@ -71,7 +71,7 @@ void GridCutter::find_boxes(const BoxLattice& boxes) {
 }
 
 /// Empty where the star does not stand on the lattice.
-std::vector<GridCutter::Member> GridCutter::members_of(const BoxLattice& boxes, Index s) const {
+std::vector<GridPacker::Member> GridPacker::members_of(const BoxLattice& boxes, Index s) const {
   const Star& star = boxes.stars[s];
   const std::optional<Node> centre = frame_->node_of(rest_[star.centre]);
   if (!centre || ((star.octants & high_octant) != 0 && box_of_[s] == none)) return {};
@@ -91,7 +91,7 @@ std::vector<GridCutter::Member> GridCutter::members_of(const BoxLattice& boxes, 
   return members;
 }
 
-std::map<int, GridCutter::Piece> GridCutter::pieces_of(const BoxLattice& boxes, const std::vector<Index>& stars) const {
+std::map<int, GridPacker::Piece> GridPacker::pieces_of(const BoxLattice& boxes, const std::vector<Index>& stars) const {
   std::map<int, Piece> pieces;
   for (const Index s : stars) {
     const std::vector<Member> members = members_of(boxes, s);
@@ -109,7 +109,7 @@ std::map<int, GridCutter::Piece> GridCutter::pieces_of(const BoxLattice& boxes, 
   return pieces;
 }
 
-void GridCutter::plan(const BoxLattice& boxes, const std::vector<Index>& stars, Plan& to) {
+void GridPacker::plan(const BoxLattice& boxes, const std::vector<Index>& stars, Plan& to) {
   std::map<int, Piece> pieces = pieces_of(boxes, stars);
   const auto [line, side, last] = frame_->axes();
   int line_nodes = 1, side_nodes = 1;
@@ -137,7 +137,7 @@ void GridCutter::plan(const BoxLattice& boxes, const std::vector<Index>& stars, 
 }
 
 /// Whether no other particle stands where the star needs its own.
-bool GridCutter::enter(const BoxLattice& boxes, Index s, const Piece& piece, Plan& to) const {
+bool GridPacker::enter(const BoxLattice& boxes, Index s, const Piece& piece, Plan& to) const {
   const std::vector<Member> members = members_of(boxes, s);
   const auto at = [&](const Member& m) -> Index& {
     std::int32_t node = piece.first;
@@ -151,7 +151,7 @@ bool GridCutter::enter(const BoxLattice& boxes, Index s, const Piece& piece, Pla
   return true;
 }
 
-void GridCutter::add_rows(int shape, const std::map<std::int32_t, Index>& star_at, Plan& to) const {
+void GridPacker::add_rows(int shape, const std::map<std::int32_t, Index>& star_at, Plan& to) const {
   std::int32_t end = -1;
   for (const auto& [node, star] : star_at) {
     if (node >= end) {
@@ -162,11 +162,11 @@ void GridCutter::add_rows(int shape, const std::map<std::int32_t, Index>& star_a
   }
 }
 
-bool GridCutter::is_whole(const BoxLattice& boxes, const Row& row) const {
+bool GridPacker::is_whole(const BoxLattice& boxes, const Row& row) const {
   return std::ranges::all_of(row.star, [&](Index s) { return s != none && boxes.stars[s].octants == all_octants; });
 }
 
-void GridCutter::take(BoxLattice& boxes) const {
+void GridPacker::take(BoxLattice& boxes) const {
   std::vector<bool> box_taken(boxes.boxes.size(), false);
   std::vector<Star> stars;
   for (std::size_t s = 0; s < boxes.stars.size(); ++s) {
@@ -184,7 +184,7 @@ void GridCutter::take(BoxLattice& boxes) const {
   boxes.boxes = std::move(others);
 }
 
-void GridCutter::cut(int c, Slots& slots) {
+void GridPacker::pack(int c, Slots& slots) {
   starts_[c] = {body_.grid_slot.size(), body_.grid_rows.size()};
   if (plans_.empty()) return;
   const Plan& plan = plans_[c];
@@ -206,19 +206,19 @@ void GridCutter::cut(int c, Slots& slots) {
   grid.pitch = grid.nodes + 2 * grid.margin;
 }
 
-void GridCutter::fill_idle_lanes(int c, std::int32_t idle) {
+void GridPacker::fill_idle_lanes(int c, std::int32_t idle) {
   for (std::size_t k = starts_[c].slot; k < body_.grid_slot.size(); ++k) {
     if (body_.grid_slot[k] == unclaimed) body_.grid_slot[k] = idle;
   }
 }
 
-void GridCutter::point(int c, simd::Job& job) const {
+void GridPacker::point(int c, simd::Job& job) const {
   job.grid.slot = body_.grid_slot.data() + starts_[c].slot;
   job.grid.rows = body_.grid_rows.data() + starts_[c].row;
   job.grid.octants = body_.grid_octants.data() + starts_[c].row * static_cast<std::size_t>(body_.lanes);
 }
 
-double GridCutter::cost(const simd::Job& job) const {
+double GridPacker::cost(const simd::Job& job) const {
   return 250.0 * job.grid.count + 10.0 * job.grid.nodes / body_.lanes;
 }
 

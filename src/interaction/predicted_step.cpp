@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "free_step.h"
+#include "predicted_step.h"
 
 namespace phymul {
 
@@ -12,7 +12,7 @@ void TouchedParticles::prepare(std::span<const double> mass, std::span<const std
   touched_.reserve(mass.size());
 }
 
-void TouchedParticles::begin(FreeStep& step, double dt) {
+void TouchedParticles::begin(PredictedStep& step, double dt) {
   step_ = &step;
   dt_ = dt;
 }
@@ -35,7 +35,7 @@ std::size_t TouchedParticles::slot(Index particle) {
     touched.inverse_mass = 1.0 / mass_[particle];
     touched.fixed = static_cast<std::uint8_t>((fixed_.empty() ? 0 : fixed_[particle]) | (plane_ ? 4 : 0));
     touched.position = step_->position(particle);
-    touched.velocity = step_->free_velocity(particle);
+    touched.velocity = step_->predicted_velocity(particle);
   }
   return static_cast<std::size_t>(slot);
 }

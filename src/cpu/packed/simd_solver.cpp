@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "vector_solver.h"
+#include "simd_solver.h"
 
 #include <phymul/elasticity.h>
 
@@ -18,11 +18,11 @@
 #include "cpu/simd/instruction_set.h"
 #include "device/float_tables.h"
 #include "near_displacements.h"
-#include "part_reach.h"
-#include "vector_body.h"
-#include "vector_loads.h"
-#include "vector_profile.h"
-#include "vector_tools.h"
+#include "packed_body.h"
+#include "packed_loads.h"
+#include "packed_tools.h"
+#include "part_summary.h"
+#include "simd_profile.h"
 
 namespace phymul::cpu {
 namespace {
@@ -31,7 +31,7 @@ namespace {
 /// this much each gain most of what they can.
 constexpr double least_cost_a_thread = 10e3;  // ns
 
-int thread_count(int asked, const VectorBody& body) {
+int thread_count(int asked, const PackedBody& body) {
   const auto clusters = static_cast<int>(std::min<std::size_t>(body.clusters.size(), 1024));
   if (asked > 0) return std::max(1, std::min(asked, clusters));
   const int processors = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
@@ -58,17 +58,17 @@ char* bytes(Floats& floats) {
   return reinterpret_cast<char*>(floats.data());
 }
 
-class VectorSolver final : public Solver {
+class SimdSolver final : public Solver {
  public:
-  VectorSolver(std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in, const SolverOptions& options_in)
+  SimdSolver(std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in, const SolverOptions& options_in)
       : Solver("cpu", std::move(shared), scene_in, options_in),
         kernels_(simd::chosen_kernels()),
-        body_(make_vector_body(topology(), kernels_.lanes)),
+        body_(make_packed_body(topology(), kernels_.lanes)),
         loads_(scene(), *body_),
         pool_(thread_count(options().threads, *body_)),
         tools_(*body_, topology(), pool_.parts()),
         claims_(*body_, pool_.parts()),
-        reach_(static_cast<std::size_t>(pool_.parts())),
+        summaries_(static_cast<std::size_t>(pool_.parts())),
         laps_(profiling(), *body_),
         no_laps_(nullptr, *body_),
         rows_far_(body_->bytes_a_step() > near_caches),
@@ -80,8 +80,8 @@ class VectorSolver final : public Solver {
     next_v_ = v_;
     force_.assign(4 * static_cast<std::size_t>(body_->force_rows), 0.0f);
     if (body_->gives()) pull_.assign(quads, 0.0f);
-    near_u_.assign(reach_.size(), Floats(4 * body_->most_slots() + page, 0.0f));
-    grid_.assign(reach_.size(), Floats(body_->most_grid_floats(), 0.0f));
+    near_u_.assign(summaries_.size(), Floats(4 * body_->most_slots() + page, 0.0f));
+    grid_.assign(summaries_.size(), Floats(body_->most_grid_floats(), 0.0f));
     tools_.follow(scene(), frame().fixed);
     reset();
   }
@@ -125,7 +125,7 @@ class VectorSolver final : public Solver {
 
   void do_scene_changed() override {
     steps_at_rest_ = 0;
-    loads_ = VectorLoads(scene(), *body_);
+    loads_ = PackedLoads(scene(), *body_);
     tools_.follow(scene(), frame().fixed);
   }
 
@@ -143,24 +143,24 @@ class VectorSolver final : public Solver {
     while (motion.steps < plan.steps) {
       motion.lost_volume = step_once(plan);
       if (motion.lost_volume >= 0) break;
-      const simd::Reach reach = reach_of_all(reach_);
-      motion.max_acceleration = std::sqrt(static_cast<double>(reach.acceleration));
-      motion.max_force = std::sqrt(static_cast<double>(reach.force));
-      if (reach.runaway) {
+      const simd::MoveSummary summary = summary_of(summaries_);
+      motion.max_acceleration = std::sqrt(static_cast<double>(summary.acceleration));
+      motion.max_force = std::sqrt(static_cast<double>(summary.force));
+      if (summary.runaway) {
         motion.bad_particle = first_runaway(plan.runaway_speed);
         break;
       }
       u_.swap(next_u_);
       v_.swap(next_v_);
-      if (!tools_.empty()) tools_.accept(std::sqrt(static_cast<double>(reach.displacement)));
+      if (!tools_.empty()) tools_.accept(std::sqrt(static_cast<double>(summary.displacement)));
       time_ += plan.dt;
       last_dt_ = plan.dt;
       ++motion.steps;
-      motion.cut = motion.cut || reach.cut;
+      motion.cut = motion.cut || summary.cut;
 
-      motion.max_speed = std::sqrt(static_cast<double>(reach.speed));
+      motion.max_speed = std::sqrt(static_cast<double>(summary.speed));
       const RestThresholds rest = rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest},
-                                                  std::sqrt(static_cast<double>(reach.displacement)));
+                                                  std::sqrt(static_cast<double>(summary.displacement)));
       const bool quiet = motion.max_speed <= rest.speed && motion.max_acceleration <= rest.acceleration;
       steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
       motion.steps_at_rest = steps_at_rest_;
@@ -186,7 +186,7 @@ class VectorSolver final : public Solver {
     run(move);
     if (tools_.empty()) return -1;
     const bool pushed =
-        tools_.act(move, pool_, plan.dt, std::sqrt(static_cast<double>(reach_of_all(reach_).displacement)));
+        tools_.act(move, pool_, plan.dt, std::sqrt(static_cast<double>(summary_of(summaries_).displacement)));
     laps_.end(Work::tools);
     if (pushed) {
       move.load = tools_.loads();
@@ -201,7 +201,7 @@ class VectorSolver final : public Solver {
     pool_.run([&, this](int part, int parts) {
       const DenormalsAreZero guard;
       const auto bound = [&](int k) { return static_cast<int>(std::int64_t{body_->slices()} * k / parts); };
-      kernels_.move(move, bound(part), bound(part + 1), reach_[part].reach);
+      kernels_.move(move, bound(part), bound(part + 1), summaries_[part].summary);
     });
     laps_.end(Work::move);
   }
@@ -361,13 +361,13 @@ class VectorSolver final : public Solver {
   }
 
   const simd::Kernels& kernels_;
-  std::unique_ptr<const VectorBody> body_;
-  VectorLoads loads_;
+  std::unique_ptr<const PackedBody> body_;
+  PackedLoads loads_;
   ThreadPool pool_;
-  VectorTools tools_;
+  PackedTools tools_;
   ClusterClaims claims_;
-  std::vector<PartReach> reach_;    // [parts]
-  Floats u_, v_, next_u_, next_v_;  // u: [places + 1][4] by quad, v: [slices][3][lanes]
+  std::vector<PartSummary> summaries_;  // [parts]
+  Floats u_, v_, next_u_, next_v_;      // u: [places + 1][4] by quad, v: [slices][3][lanes]
   Floats force_, pull_;
   std::vector<Floats> near_u_;  // [parts] displacements of the cluster a part is at
   std::vector<Floats> grid_;    // [parts] Job::grid_memory
@@ -379,9 +379,9 @@ class VectorSolver final : public Solver {
 
 }  // namespace
 
-std::unique_ptr<Solver> make_vector_solver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
-                                           const SolverOptions& options) {
-  return std::make_unique<VectorSolver>(std::move(topology), scene, options);
+std::unique_ptr<Solver> make_simd_solver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
+                                         const SolverOptions& options) {
+  return std::make_unique<SimdSolver>(std::move(topology), scene, options);
 }
 
 }  // namespace phymul::cpu

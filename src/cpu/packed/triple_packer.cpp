@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "triple_cutter.h"
+#include "triple_packer.h"
 
 #include <phymul/error.h>
 
@@ -26,24 +26,24 @@ std::string_view bytes_of(const Floats& floats, std::size_t first, std::size_t c
 
 }  // namespace
 
-TripleCutter::TripleCutter(const TopologyTextures& t, std::size_t clusters, VectorBody& body)
+TriplePacker::TriplePacker(const TopologyTextures& t, std::size_t clusters, PackedBody& body)
     : t_(t), body_(body), enumerates_(is_enumerable(t, simd::most_enumerated)), starts_(clusters) {}
 
-void TripleCutter::cut(int c, Slots& slots) {
+void TriplePacker::pack(int c, Slots& slots) {
   if (!enumerates_) return;
   Cluster& cluster = body_.clusters[c];
   starts_[c] = {body_.enumerated_first.size(), body_.enumerated_offsets.size()};
   const int slices = cluster.own / body_.lanes;
   for (int s = 0; s < slices; ++s) {
     const Index first = cluster.first + s * body_.lanes;
-    cut_slice(first, std::min({first + body_.lanes, cluster.first + slots.own_particles()}), slots);
+    pack_slice(first, std::min({first + body_.lanes, cluster.first + slots.own_particles()}), slots);
   }
   cluster.job.enumerated.count = slices;
 }
 
 /// Particles [first, end). A lane with fewer neighbours than the slice has itself in their place: what stands for
 /// nothing would seem to be torn away where the body moves.
-void TripleCutter::cut_slice(Index first, Index end, Slots& slots) {
+void TriplePacker::pack_slice(Index first, Index end, Slots& slots) {
   std::vector<Triples> triples;
   Index count = 0;
   for (Index i = first; i < end; ++i) {
@@ -98,7 +98,7 @@ void TripleCutter::cut_slice(Index first, Index end, Slots& slots) {
 
 /// Whether small angles between the edges from triples' first neighbours, sin^2 = |w|^2 / (|e1|^2 |e2|^2), round the
 /// sum of all triples much more by lengths (1 / sin^2) than by normals (1 / sin).
-bool TripleCutter::is_thin(const Triples& of) const {
+bool TriplePacker::is_thin(const Triples& of) const {
   const auto n = static_cast<Index>(of.neighbour.size());
   double lengths = 0.0, normals = 0.0;
   for (Index j = 0; j < n; ++j) {
@@ -118,7 +118,7 @@ bool TripleCutter::is_thin(const Triples& of) const {
   return lengths > most_rounding * normals;
 }
 
-void TripleCutter::pack_triple(const Triples& of, Index j, Index k, Index l, LaneRows& rows, Index row,
+void TriplePacker::pack_triple(const Triples& of, Index j, Index k, Index l, LaneRows& rows, Index row,
                                int lane) const {
   const auto n = static_cast<Index>(of.neighbour.size());
   if (l >= n) return;
@@ -139,7 +139,7 @@ void TripleCutter::pack_triple(const Triples& of, Index j, Index k, Index l, Lan
 /// w = x_j x x_k + x_k x x_l - x_j x x_l of every triple: the cross product of a pair has the heights of all its
 /// triples, each as it is rounded there. From numbers as they are packed, so that particles that see the same get the
 /// same to the last bit.
-void TripleCutter::sum_heights(Index count, std::size_t edges, std::size_t pairs, std::size_t triples) {
+void TriplePacker::sum_heights(Index count, std::size_t edges, std::size_t pairs, std::size_t triples) {
   const auto lanes = static_cast<std::size_t>(body_.lanes);
   Floats& rows = body_.enumerated;
   const auto pair = [&](Index k, Index l) { return static_cast<std::size_t>(simd::pairs_of(count, k) + l); };
@@ -176,7 +176,7 @@ void TripleCutter::sum_heights(Index count, std::size_t edges, std::size_t pairs
 }
 
 /// Where the constants from `first` on begin: earlier ones that are the same, or themselves.
-std::size_t TripleCutter::share_constants(std::size_t first) {
+std::size_t TriplePacker::share_constants(std::size_t first) {
   const std::size_t count = body_.enumerated.size() - first;
   const std::string_view bytes = bytes_of(body_.enumerated, first, count);
   const std::size_t hash = std::hash<std::string_view>()(bytes);
@@ -191,13 +191,13 @@ std::size_t TripleCutter::share_constants(std::size_t first) {
   return first;
 }
 
-void TripleCutter::fill_idle_lanes(int c, std::int32_t idle) {
+void TriplePacker::fill_idle_lanes(int c, std::int32_t idle) {
   if (!enumerates_) return;
   Offsets& offsets = body_.enumerated_offsets;
   std::replace(offsets.begin() + static_cast<std::ptrdiff_t>(starts_[c].offset), offsets.end(), unclaimed, idle);
 }
 
-void TripleCutter::point(int c, simd::Job& job) const {
+void TriplePacker::point(int c, simd::Job& job) const {
   if (!enumerates_) return;
   job.enumerated.first = body_.enumerated_first.data() + starts_[c].slice;
   job.enumerated.neighbours = body_.enumerated_neighbours.data() + starts_[c].slice;
@@ -205,7 +205,7 @@ void TripleCutter::point(int c, simd::Job& job) const {
   job.enumerated.rows = body_.enumerated.data();
 }
 
-double TripleCutter::cost(int c) const {
+double TriplePacker::cost(int c) const {
   if (!enumerates_) return 0.0;
   const double a_triple = body_.use == simd::BaseUse::averaged ? 8.0 : 4.0;
   double cost = 0.0;

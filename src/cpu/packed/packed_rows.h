@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "vector_body.h"
+#include "packed_body.h"
 
 namespace phymul::cpu {
 

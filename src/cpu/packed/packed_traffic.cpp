@@ -3,14 +3,14 @@
 // What a step of the vector backend moves between memory and a core, for bodies that outgrow the caches. A cluster's
 // copy of its displacements stays in the first cache and is not counted; a written line counts once, as its line is
 // read (or claimed) before.
-#include "vector_body.h"
+#include "packed_body.h"
 
 namespace phymul::cpu {
 namespace {
 
 constexpr double quad = 16.0, triple = 12.0, word = 4.0;  // bytes
 
-double constants(const VectorBody& b) {
+double constants(const PackedBody& b) {
   double words = 0.0;
   for (const Floats* table :
        {&b.bases, &b.enumerated, &b.springs, &b.volumes, &b.cells4, &b.cells6, &b.cells8, &b.hexahedra, &b.stars,
@@ -30,7 +30,7 @@ double constants(const VectorBody& b) {
 
 }  // namespace
 
-double VectorBody::bytes_a_step() const {
+double PackedBody::bytes_a_step() const {
   double halo_slots = 0.0;
   for (const Cluster& cluster : clusters) halo_slots += static_cast<double>(cluster.halo.size());
   const double state = places * (2.0 * quad + 2.0 * triple);           // u and v, read and written

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "vector_loads.h"
+#include "packed_loads.h"
 
 #include <algorithm>
 #include <limits>
 
 namespace phymul::cpu {
 
-VectorLoads::Sums::Sums(const std::vector<Index>& offset, const std::vector<LoadModes::Part>& parts,
-                        const VectorBody& body)
+PackedLoads::Sums::Sums(const std::vector<Index>& offset, const std::vector<LoadModes::Part>& parts,
+                        const PackedBody& body)
     : parts_(parts), at_(4 * static_cast<std::size_t>(body.places), 0.0f) {
   for (std::size_t place = 0; place < body.order.size(); ++place) {
     const Index i = body.order[place];
@@ -15,7 +15,7 @@ VectorLoads::Sums::Sums(const std::vector<Index>& offset, const std::vector<Load
   }
 }
 
-void VectorLoads::Sums::evaluate(const std::vector<double>& value) {
+void PackedLoads::Sums::evaluate(const std::vector<double>& value) {
   if (value == evaluated_) return;
   evaluated_ = value;  // of the same size but for the first time
   for (const Row& row : rows_) {
@@ -25,7 +25,7 @@ void VectorLoads::Sums::evaluate(const std::vector<double>& value) {
   }
 }
 
-VectorLoads::VectorLoads(const Scene& scene, const VectorBody& body) {
+PackedLoads::PackedLoads(const Scene& scene, const PackedBody& body) {
   LoadModes modes = scene.modes();
   acceleration_ = std::move(modes.acceleration);
   steady_gravity_ = gravity_ = modes.gravity;
@@ -37,7 +37,7 @@ VectorLoads::VectorLoads(const Scene& scene, const VectorBody& body) {
   for (std::size_t place = 0; place < body.order.size(); ++place) fixed_[place] = modes.fixed[body.order[place]];
 }
 
-void VectorLoads::act_at(const Scene& scene, double time) {
+void PackedLoads::act_at(const Scene& scene, double time) {
   if (acceleration_.empty() && force_.empty()) return;
   scene.mode_values(time, value_);
   gravity_ = steady_gravity_;
@@ -45,13 +45,13 @@ void VectorLoads::act_at(const Scene& scene, double time) {
   if (!force_.empty()) force_.evaluate(value_);
 }
 
-void VectorLoads::impose_at(const Scene& scene, double time) {
+void PackedLoads::impose_at(const Scene& scene, double time) {
   if (target_.empty()) return;
   scene.mode_values(time, value_);
   target_.evaluate(value_);
 }
 
-void VectorLoads::point(simd::Move& move) const {
+void PackedLoads::point(simd::Move& move) const {
   move.load = force_.empty() ? nullptr : force_.data();
   move.target = target_.empty() ? nullptr : target_.data();
   move.fixed = target_.empty() ? nullptr : fixed_.data();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "lattice_cutter.h"
+#include "lattice_packer.h"
 
-#include "vector_rows.h"
+#include "packed_rows.h"
 
 namespace phymul::cpu {
 namespace {
@@ -10,8 +10,8 @@ constexpr int all_octants = 0xff;
 
 }  // namespace
 
-LatticeCutter::LatticeCutter(Hexahedra& hexahedra, const VecList& rest, const std::optional<LatticeFrame>& frame,
-                             Index size, std::size_t clusters, VectorBody& body)
+LatticePacker::LatticePacker(Hexahedra& hexahedra, const VecList& rest, const std::optional<LatticeFrame>& frame,
+                             Index size, std::size_t clusters, PackedBody& body)
     : body_(body), boxes_(take_boxes(hexahedra)), grid_(boxes_, rest, frame, size, clusters, body), starts_(clusters) {
   const auto corners = [](const Hexahedron& h) -> auto& {
     return h.vertex;
@@ -29,18 +29,18 @@ LatticeCutter::LatticeCutter(Hexahedra& hexahedra, const VecList& rest, const st
   body_.box_shapes = boxes_.shapes;
 }
 
-void LatticeCutter::cut(int c, Slots& slots) {
+void LatticePacker::pack(int c, Slots& slots) {
   starts_[c] = {body_.hexahedra.size(), body_.stars.size(), body_.boxes.size()};
   simd::Job& job = body_.clusters[c].job;
-  job.hexahedra.count = cut_cells(hexahedra_, hexahedron_rows_[c], slots, body_.hexahedra, body_.hexahedron_shape);
-  job.boxes.count = cut_cells(boxes_.boxes, box_rows_[c], slots, body_.boxes, body_.box_shape);
-  job.stars.count = cut_stars(star_rows_[c], true, slots) + cut_stars(star_rows_[c], false, slots);
-  grid_.cut(c, slots);
+  job.hexahedra.count = pack_cells(hexahedra_, hexahedron_rows_[c], slots, body_.hexahedra, body_.hexahedron_shape);
+  job.boxes.count = pack_cells(boxes_.boxes, box_rows_[c], slots, body_.boxes, body_.box_shape);
+  job.stars.count = pack_stars(star_rows_[c], true, slots) + pack_stars(star_rows_[c], false, slots);
+  grid_.pack(c, slots);
 }
 
 /// Shape after shape, so that a row has one.
-int LatticeCutter::cut_cells(const std::vector<Hexahedron>& all, const std::vector<Index>& here, Slots& slots,
-                             Floats& to, Offsets& shape_of) {
+int LatticePacker::pack_cells(const std::vector<Hexahedron>& all, const std::vector<Index>& here, Slots& slots,
+                              Floats& to, Offsets& shape_of) {
   int count = 0;
   for (int shape = 0; shape < static_cast<int>(boxes_.shapes.size()); ++shape) {
     std::vector<Index> chosen;
@@ -61,7 +61,7 @@ int LatticeCutter::cut_cells(const std::vector<Hexahedron>& all, const std::vect
 }
 
 /// Whole stars apart from those that lack an octant, which cost more.
-int LatticeCutter::cut_stars(const std::vector<Index>& here, bool whole, Slots& slots) {
+int LatticePacker::pack_stars(const std::vector<Index>& here, bool whole, Slots& slots) {
   int count = 0;
   for (int shape = 0; shape < static_cast<int>(boxes_.shapes.size()); ++shape) {
     std::vector<Index> chosen;
@@ -88,14 +88,14 @@ int LatticeCutter::cut_stars(const std::vector<Index>& here, bool whole, Slots& 
   return count;
 }
 
-void LatticeCutter::fill_idle_lanes(int c, std::int32_t idle) {
+void LatticePacker::fill_idle_lanes(int c, std::int32_t idle) {
   fill_idle(body_.hexahedra, starts_[c].hexahedron, 8, 8, body_.lanes, idle);
   fill_idle(body_.boxes, starts_[c].box, 8, 8, body_.lanes, idle);
   fill_idle(body_.stars, starts_[c].star, simd::star_columns, 7, body_.lanes, idle);
   grid_.fill_idle_lanes(c, idle);
 }
 
-void LatticeCutter::point(int c, simd::Job& job) const {
+void LatticePacker::point(int c, simd::Job& job) const {
   const Start& start = starts_[c];
   const auto row = [&](std::size_t at) { return at / (8 * static_cast<std::size_t>(body_.lanes)); };
   job.hexahedra.rows = body_.hexahedra.data() + start.hexahedron;
@@ -109,7 +109,7 @@ void LatticeCutter::point(int c, simd::Job& job) const {
   grid_.point(c, job);
 }
 
-double LatticeCutter::cost(const simd::Job& job) const {
+double LatticePacker::cost(const simd::Job& job) const {
   return 550.0 * job.hexahedra.count + 80.0 * job.boxes.count + 220.0 * job.stars.count + grid_.cost(job);
 }
 

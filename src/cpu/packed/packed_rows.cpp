@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "vector_rows.h"
+#include "packed_rows.h"
 
 #include <phymul/error.h>
 

@@ -2,22 +2,22 @@
 #pragma once
 
 #include "cluster_slots.h"
-#include "lattice_cutter.h"
+#include "lattice_packer.h"
+#include "packed_rows.h"
 #include "simplices.h"
-#include "triple_cutter.h"
-#include "vector_rows.h"
+#include "triple_packer.h"
 
 namespace phymul::cpu {
 
 /// Packs the terms of a body, cluster by cluster, into the rows of simd/job.h.
-class TermCutter {
+class TermPacker {
  public:
   /// `size`: particles of a cluster.
-  TermCutter(const TopologyTextures& topology, const std::optional<LatticeFrame>& frame, Index size,
-             std::size_t clusters, VectorBody& body);
+  TermPacker(const TopologyTextures& topology, const std::optional<LatticeFrame>& frame, Index size,
+             std::size_t clusters, PackedBody& body);
 
-  void cut(int c);    ///< the terms of cluster c, whose own particles are known; clusters in order, each once
-  void point_jobs();  ///< once all are cut: the arrays no longer move
+  void pack(int c);   ///< the terms of cluster c, whose own particles are known; clusters in order, each once
+  void point_jobs();  ///< once all are packed: the arrays no longer move
 
   /// Rows that each particle has in its slice.
   static std::vector<Index> work_of(const TopologyTextures& topology);
@@ -28,23 +28,23 @@ class TermCutter {
   };
 
   std::vector<bool> taken_cells() const;
-  void cut_base_slice(const Cluster& cluster, int s, Index own);
+  void pack_base_slice(const Cluster& cluster, int s, Index own);
   void pack_base(Index t, Index owner, LaneRows& rows, Index row, int lane);
-  void cut_spring_slice(const Cluster& cluster, int s, Index own);
-  int cut_volumes(int c);
-  int cut_cells(int c, int least, int corners, Floats& to);
-  int cut_simplices(int c, bool with_cell, Floats& to);
+  void pack_spring_slice(const Cluster& cluster, int s, Index own);
+  int pack_volumes(int c);
+  int pack_cells(int c, int least, int corners, Floats& to);
+  int pack_simplices(int c, bool with_cell, Floats& to);
   void fill_idle_lanes(int c);
   void estimate_cost(int c);
 
   const TopologyTextures& t_;
   const Index size_;
-  VectorBody& body_;
+  PackedBody& body_;
   Slots slots_;
   const Simplices shared_;
   Hexahedra found_;
-  LatticeCutter lattice_;
-  TripleCutter triples_;
+  LatticePacker lattice_;
+  TriplePacker triples_;
   bool slices_bases_ = false;
   std::vector<std::vector<Index>> volumes_, cells_, simplices_;  // rows by cluster
   std::vector<Start> starts_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What the parts of a moving pass found, and all of them together.
+// The summaries of the moving pass: one per part, and the reduction over all parts.
 #pragma once
 
 #include <algorithm>
@@ -11,12 +11,12 @@
 namespace phymul::cpu {
 
 /// A line of the caches for each part.
-struct alignas(64) PartReach {
-  simd::Reach reach;
+struct alignas(64) PartSummary {
+  simd::MoveSummary summary;
 };
 
-inline simd::Reach reach_of_all(std::span<const PartReach> parts) {
-  simd::Reach all;
+inline simd::MoveSummary summary_of(std::span<const PartSummary> parts) {
+  simd::MoveSummary all;
   for (const auto& [part] : parts) {
     all.acceleration = std::max(all.acceleration, part.acceleration);
     all.force = std::max(all.force, part.force);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "vector_tools.h"
+#include "packed_tools.h"
 
 #include <algorithm>
 #include <cstring>
@@ -25,14 +25,14 @@ constexpr double rounding = 1e-12;
 }  // namespace
 
 /// A step whose prediction is in move.next_u and move.next_v.
-class VectorTools::Step final : public FreeStep {
+class PackedTools::Step final : public PredictedStep {
  public:
-  Step(VectorTools& tools, const simd::Move& move, ThreadPool& pool, double farthest)
+  Step(PackedTools& tools, const simd::Move& move, ThreadPool& pool, double farthest)
       : tools_(tools), move_(move), pool_(pool), farthest_(farthest) {}
 
   Vec3 position(Index i) const override { return place_at(move_.u, static_cast<std::size_t>(tools_.place_of_[i])); }
 
-  Vec3 free_velocity(Index i) const override {
+  Vec3 predicted_velocity(Index i) const override {
     const auto place = static_cast<std::size_t>(tools_.place_of_[i]);
     const float* v = move_.next_v;
     return {v[tools_.velocity_at(place, 0)], v[tools_.velocity_at(place, 1)], v[tools_.velocity_at(place, 2)]};
@@ -103,16 +103,16 @@ class VectorTools::Step final : public FreeStep {
     return tools_.rest_[place] + Vec3(u[0], u[1], u[2]);
   }
 
-  VectorTools& tools_;
+  PackedTools& tools_;
   const simd::Move& move_;
   ThreadPool& pool_;
   const double farthest_;
 };
 
-VectorTools::VectorTools(const VectorBody& body, const TopologyTextures& topology, int parts)
+PackedTools::PackedTools(const PackedBody& body, const TopologyTextures& topology, int parts)
     : body_(body), topology_(topology), found_(static_cast<std::size_t>(parts)) {}
 
-void VectorTools::follow(const Scene& scene, std::span<const std::uint8_t> fixed) {
+void PackedTools::follow(const Scene& scene, std::span<const std::uint8_t> fixed) {
   set_.follow(scene);
   touching_.follow(scene);
   shifts_.clear();
@@ -136,7 +136,7 @@ void VectorTools::follow(const Scene& scene, std::span<const std::uint8_t> fixed
   for (auto& own : found_) own.reserve(count);
 }
 
-VectorTools::Block VectorTools::around(std::size_t block) const {
+PackedTools::Block PackedTools::around(std::size_t block) const {
   Block found{rest_[block * block_size], rest_[block * block_size]};
   const std::size_t end = std::min(rest_.size(), (block + 1) * block_size);
   for (std::size_t place = block * block_size; place < end; ++place) {
@@ -149,16 +149,16 @@ VectorTools::Block VectorTools::around(std::size_t block) const {
   return found;
 }
 
-std::size_t VectorTools::quad_of_particle(Index i) const {
+std::size_t PackedTools::quad_of_particle(Index i) const {
   return body_.quad_of(static_cast<std::size_t>(place_of_[i]));
 }
 
-std::size_t VectorTools::velocity_at(std::size_t place, int axis) const {
+std::size_t PackedTools::velocity_at(std::size_t place, int axis) const {
   const auto lanes = static_cast<std::size_t>(body_.lanes);
   return (3 * (place / lanes) + axis) * lanes + place % lanes;
 }
 
-bool VectorTools::act(const simd::Move& move, ThreadPool& pool, double dt, double farthest) {
+bool PackedTools::act(const simd::Move& move, ThreadPool& pool, double dt, double farthest) {
   if (move.load != nullptr) {
     std::memcpy(load_.data(), move.load, sizeof(float) * load_.size());
   } else {
@@ -174,7 +174,7 @@ bool VectorTools::act(const simd::Move& move, ThreadPool& pool, double dt, doubl
   return !pushed_.empty();
 }
 
-void VectorTools::shift(float* next_u) {
+void PackedTools::shift(float* next_u) {
   farthest_shift_ = 0.0;
   for (const auto& [quad, by] : shifts_) {
     for (int a = 0; a < 3; ++a) next_u[4 * quad + a] += by[a];
@@ -182,12 +182,12 @@ void VectorTools::shift(float* next_u) {
   }
 }
 
-void VectorTools::reset(const Scene& scene, const State& state) {
+void PackedTools::reset(const Scene& scene, const State& state) {
   set_.reset(scene, state);
   farthest_ = std::numeric_limits<double>::infinity();
 }
 
-void VectorTools::accept(double farthest) {
+void PackedTools::accept(double farthest) {
   set_.accept();
   farthest_ = farthest + farthest_shift_;
 }

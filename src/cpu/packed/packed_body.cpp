@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "vector_body.h"
+#include "packed_body.h"
 
 #include <phymul/error.h>
 
@@ -7,11 +7,11 @@
 #include <limits>
 #include <string>
 
-#include "topology/locality_order.h"
 #include "device/float_tables.h"
+#include "packed_rows.h"
 #include "renumbering.h"
-#include "term_cutter.h"
-#include "vector_rows.h"
+#include "term_packer.h"
+#include "topology/locality_order.h"
 
 namespace phymul::cpu {
 namespace {
@@ -26,28 +26,28 @@ constexpr Index least_grid_cluster = 1344, most_grid_cluster = 2048;
 constexpr Index whole_size = 2048;
 constexpr double whole_cost = 40e3;  // ns
 
-class Cutter {
+class BodyPacker {
  public:
-  Cutter(const TopologyTextures& t, const std::optional<LatticeFrame>& frame, Index size, VectorBody& body)
+  BodyPacker(const TopologyTextures& t, const std::optional<LatticeFrame>& frame, Index size, PackedBody& body)
       : t_(t), frame_(frame), size_(size), body_(body) {}
 
-  void cut() {
+  void pack() {
     const auto count = static_cast<std::size_t>((t_.particle_count + size_ - 1) / size_);
     body_.clusters.resize(count);
-    TermCutter terms(t_, frame_, size_, count, body_);
+    TermPacker terms(t_, frame_, size_, count, body_);
     for (std::size_t c = 0; c < count; ++c) {
       Cluster& cluster = body_.clusters[c];
       cluster.first = static_cast<std::int32_t>(c) * size_;
       const Index own = std::min(size_, t_.particle_count - cluster.first);
       cluster.own = (own + body_.lanes - 1) / body_.lanes * body_.lanes;
       cluster.force_first = body_.force_rows;
-      terms.cut(static_cast<int>(c));
+      terms.pack(static_cast<int>(c));
       body_.force_rows += (cluster.slots() + 3) / 4 * 4;  // whole lines of the cache: slices do not cross them
     }
     terms.point_jobs();
-    cut_particles();
-    cut_halo();
-    if (body_.gives()) cut_gifts();
+    pack_particles();
+    pack_halo();
+    if (body_.gives()) pack_gifts();
     if (!body_.pushes()) {
       body_.force_rows = 0;
       for (Offsets* rows : {&body_.own, &body_.halo_first, &body_.halo}) *rows = {};
@@ -55,7 +55,7 @@ class Cutter {
   }
 
  private:
-  void cut_particles() {
+  void pack_particles() {
     body_.places = body_.clusters.empty() ? 0 : body_.clusters.back().first + body_.clusters.back().own;
     const auto places = static_cast<std::size_t>(body_.places);
     body_.stiffness.assign(places, 0.0f);
@@ -70,7 +70,7 @@ class Cutter {
   }
 
   /// Who else has forces for the particles of a slice, in the order of the clusters.
-  void cut_halo() {
+  void pack_halo() {
     std::vector<std::vector<std::int64_t>> rows_of(static_cast<std::size_t>(body_.places));  // by quad
     for (const Cluster& cluster : body_.clusters) {
       for (std::size_t k = 0; k < cluster.halo.size(); ++k) {
@@ -112,7 +112,7 @@ class Cutter {
   }
 
   /// Whose pulls a particle bears, and what share of each.
-  void cut_gifts() {
+  void pack_gifts() {
     LaneRows rows(body_.give, 2, body_.lanes);
     body_.give_first.push_back(0);
     for (int s = 0; s < body_.slices(); ++s) {
@@ -136,7 +136,7 @@ class Cutter {
   const TopologyTextures& t_;
   const std::optional<LatticeFrame>& frame_;
   const Index size_;
-  VectorBody& body_;
+  PackedBody& body_;
 };
 
 /// Equal clusters, a multiple of the lanes.
@@ -155,27 +155,27 @@ double rough_cost(const TopologyTextures& t, int lanes) {
 
 }  // namespace
 
-double VectorBody::cost() const {
+double PackedBody::cost() const {
   double sum = 0.0;
   for (const Cluster& cluster : clusters) sum += cluster.cost;
   return sum;
 }
 
-std::size_t VectorBody::most_slots() const {
+std::size_t PackedBody::most_slots() const {
   std::int32_t most = 0;
   for (const Cluster& cluster : clusters) most = std::max(most, cluster.slots());
   return static_cast<std::size_t>(most);
 }
 
-std::size_t VectorBody::most_grid_floats() const {
+std::size_t PackedBody::most_grid_floats() const {
   int most = 0;
   for (const Cluster& cluster : clusters) most = std::max(most, cluster.job.grid.pitch);
   return static_cast<std::size_t>(simd::grid_fields) * static_cast<std::size_t>(most);
 }
 
-std::unique_ptr<const VectorBody> make_vector_body(const TopologyTextures& topology, int lanes) {
+std::unique_ptr<const PackedBody> make_packed_body(const TopologyTextures& topology, int lanes) {
   require_bases_in_range(topology);
-  auto body = std::make_unique<VectorBody>();
+  auto body = std::make_unique<PackedBody>();
   const bool whole = topology.particle_count <= whole_size && rough_cost(topology, lanes) <= whole_cost;
   const Index all = std::max<Index>(topology.particle_count, 1);
   const Index grid_size = whole ? all : grid_cluster_size(all, lanes);
@@ -183,7 +183,7 @@ std::unique_ptr<const VectorBody> make_vector_body(const TopologyTextures& topol
   const Index size = whole ? all : frame ? grid_size : cluster_size;
   body->lanes = lanes;
   body->order =
-      frame ? frame->order(topology.rest) : locality_order(topology.rest, TermCutter::work_of(topology), size);
+      frame ? frame->order(topology.rest) : locality_order(topology.rest, TermPacker::work_of(topology), size);
   body->plane = topology.dimension == 2;
   body->scaled = !topology.rest_area.empty();
   body->bounded = topology.options.volume_law == VolumeLaw::bounded;
@@ -191,7 +191,7 @@ std::unique_ptr<const VectorBody> make_vector_body(const TopologyTextures& topol
               : topology.options.reaction == Reaction::averaged   ? simd::BaseUse::averaged
                                                                   : simd::BaseUse::attractor;
   const TopologyTextures ordered = renumbered(topology, body->order);
-  Cutter(ordered, frame, size, *body).cut();
+  BodyPacker(ordered, frame, size, *body).pack();
   return body;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// A body cut for the vector kernels: particles renumbered and cut into clusters, terms packed lane by lane
-// (simd/job.h). The cut depends on the body and the lanes alone, never on the number of threads, so that sums keep
+// A body packed for the SIMD kernels: particles renumbered and divided into clusters, terms packed lane by lane
+// (simd/job.h). The division depends on the body and the lanes alone, never on the number of threads, so that sums keep
 // their order.
 #pragma once
 
@@ -11,8 +11,8 @@
 #include <memory>
 #include <vector>
 
+#include "aligned_arrays.h"
 #include "cpu/simd/job.h"
-#include "vector_memory.h"
 
 namespace phymul::cpu {
 
@@ -27,7 +27,7 @@ struct Cluster {
   std::int32_t slots() const { return own + static_cast<std::int32_t>(halo.size()) + 1; }
 };
 
-struct VectorBody {
+struct PackedBody {
   int lanes = 0;
   std::vector<Index> order;     ///< [particles] row of the model
   std::int32_t places = 0;      ///< particles, filled up to whole slices
@@ -68,6 +68,6 @@ struct VectorBody {
 };
 
 /// Throws Error where a constant is not a float or an offset not 32 bits.
-std::unique_ptr<const VectorBody> make_vector_body(const TopologyTextures& topology, int lanes);
+std::unique_ptr<const PackedBody> make_packed_body(const TopologyTextures& topology, int lanes);
 
 }  // namespace phymul::cpu

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "vector_memory.h"
+#include "aligned_arrays.h"
 
 #include <new>
 
@@ -18,7 +18,7 @@ std::align_val_t alignment_of(std::size_t bytes) {
 
 }  // namespace
 
-void* allocate_vectors(std::size_t bytes) {
+void* allocate_aligned(std::size_t bytes) {
   void* memory = ::operator new(bytes, alignment_of(bytes));
 #if defined(__linux__) && defined(MADV_HUGEPAGE)
   // A request; the system may refuse it, and nothing depends on it.
@@ -27,7 +27,7 @@ void* allocate_vectors(std::size_t bytes) {
   return memory;
 }
 
-void free_vectors(void* memory, std::size_t bytes) noexcept {
+void free_aligned(void* memory, std::size_t bytes) noexcept {
   ::operator delete(memory, alignment_of(bytes));
 }
 

@@ -12,13 +12,13 @@
 
 namespace phymul::cpu {
 
-class GridCutter {
+class GridPacker {
  public:
   /// Takes what stands in the order of the lattice out of `boxes`, if enough of it does.
-  GridCutter(BoxLattice& boxes, const VecList& rest, const std::optional<LatticeFrame>& frame, Index size,
-             std::size_t clusters, VectorBody& body);
+  GridPacker(BoxLattice& boxes, const VecList& rest, const std::optional<LatticeFrame>& frame, Index size,
+             std::size_t clusters, PackedBody& body);
 
-  void cut(int c, Slots& slots);
+  void pack(int c, Slots& slots);
   void fill_idle_lanes(int c, std::int32_t idle);
   void point(int c, simd::Job& job) const;
   double cost(const simd::Job& job) const;  ///< ns a step, rough
@@ -61,7 +61,7 @@ class GridCutter {
 
   const VecList& rest_;
   const std::optional<LatticeFrame>& frame_;
-  VectorBody& body_;
+  PackedBody& body_;
   std::vector<Index> box_of_;                       // by star: the box in the octant of its high sides, or none
   std::vector<bool> taken_;                         // by star
   std::vector<Plan> plans_;                         // by cluster; empty: no grid

@@ -9,13 +9,13 @@
 #include "base/thread_pool.h"
 #include "interaction/tool_set.h"
 #include "interaction/touching.h"
-#include "vector_body.h"
+#include "packed_body.h"
 
 namespace phymul::cpu {
 
-class VectorTools {
+class PackedTools {
  public:
-  VectorTools(const VectorBody& body, const TopologyTextures& topology, int parts);
+  PackedTools(const PackedBody& body, const TopologyTextures& topology, int parts);
 
   void follow(const Scene& scene, std::span<const std::uint8_t> fixed);
   bool empty() const { return set_.empty() && touching_.empty(); }
@@ -43,7 +43,7 @@ class VectorTools {
   std::size_t velocity_at(std::size_t place, int axis) const;
   std::size_t quad_of_particle(Index i) const;
 
-  const VectorBody& body_;
+  const PackedBody& body_;
   const TopologyTextures& topology_;
   ToolSet set_;
   Touching touching_;

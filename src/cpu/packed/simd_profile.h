@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// What a profile tells apart in the steps of the vector backend: kinds of kernels, and the work beside them.
+// What a profile tells apart in the steps of the SIMD backend: kinds of kernels, and the work beside them.
 #pragma once
 
 #include <array>
 
+#include "packed_body.h"
 #include "solver/profile.h"
-#include "vector_body.h"
 
 namespace phymul::cpu {
 
@@ -30,7 +30,7 @@ enum class Work {
 /// Laps of the calling thread, whose kernels stand for those of the others. Without a profile it asks no clock.
 class WorkLaps {
  public:
-  WorkLaps(Profile* profile, const VectorBody& body);
+  WorkLaps(Profile* profile, const PackedBody& body);
 
   void begin() { laps_ = Laps(profile_); }
   /// A piece of work of this kind is done; its step is counted by end_step().

@@ -29,21 +29,21 @@ struct Region {
 };
 
 /// What a backend gives of a step. Rows are the model's.
-class FreeStep {
+class PredictedStep {
  public:
-  virtual ~FreeStep() = default;
+  virtual ~PredictedStep() = default;
   virtual Vec3 position(Index i) const = 0;  ///< m, at the step's start
   /// m/s: v* = d v + dt (F / m + g), with which the particle would go to x* = x + dt v*.
-  virtual Vec3 free_velocity(Index i) const = 0;
+  virtual Vec3 predicted_velocity(Index i) const = 0;
   /// Appends, in an order that no number of threads changes, the particles whose way from x to x* may meet the region.
   virtual void find(const Region& region, std::vector<Index>& found) const = 0;
   virtual void add_force(Index i, const Vec3& force) = 0;  ///< N, over this step; at most once a particle
   virtual void shift(Index i, const Vec3& by) = 0;         ///< m, besides, which is no velocity; likewise
 
  protected:
-  FreeStep() = default;
-  FreeStep(const FreeStep&) = default;
-  FreeStep& operator=(const FreeStep&) = default;
+  PredictedStep() = default;
+  PredictedStep(const PredictedStep&) = default;
+  PredictedStep& operator=(const PredictedStep&) = default;
 };
 
 /// The particles of a step that something touches: copies in double precision whose velocities take impulses one after
@@ -64,18 +64,18 @@ class TouchedParticles {
 
   /// `fixed`: LoadFrame::fixed, or empty; `plane`: nothing moves along z.
   void prepare(std::span<const double> mass, std::span<const std::uint8_t> fixed, bool plane);
-  void begin(FreeStep& step, double dt);
+  void begin(PredictedStep& step, double dt);
   void end();  ///< hands the sums to the backend
 
   double dt() const { return dt_; }
-  const FreeStep& step() const { return *step_; }
+  const PredictedStep& step() const { return *step_; }
   std::span<const double> mass() const { return mass_; }  ///< kg, of all particles
   std::size_t count() const { return touched_.size(); }
   Touched& operator[](std::size_t slot) { return touched_[slot]; }
   /// m/s, with the impulses so far.
   Vec3 velocity(Index particle) const {
     const Index slot = slot_of_[particle];
-    return slot < 0 ? step_->free_velocity(particle) : touched_[slot].velocity;
+    return slot < 0 ? step_->predicted_velocity(particle) : touched_[slot].velocity;
   }
   std::size_t slot(Index particle);  ///< fetched at the first call in a step; references before it are no longer good
 
@@ -95,7 +95,7 @@ class TouchedParticles {
   std::span<const double> mass_;
   std::span<const std::uint8_t> fixed_;
   bool plane_ = false;
-  FreeStep* step_ = nullptr;
+  PredictedStep* step_ = nullptr;
   double dt_ = 0.0;
   std::vector<Index> slot_of_;  // [N], -1: not fetched in this step
   std::vector<Touched> touched_;
