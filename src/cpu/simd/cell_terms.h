@@ -1,51 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// Volumes, cells and springs. The formulas are those of delta_volume.h, delta_cell.h and delta_spring.h.
+// The mean deformation of cells. The formula is that of delta_cell.h.
 #pragma once
 
-#include "base_terms.h"
+#include "volume_terms.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
-
-template <bool bounded>
-PHYMUL_INLINE Pack volume_pressure(Pack change) {
-  if constexpr (!bounded) return change;
-  const Pack x = change * 2.5f;
-  return change * inverse_root(1.0f + x * x);
-}
-
-template <bool plane, bool bounded>
-void volume_rows(const simd::Job& job) {
-  for (int r = 0; r < job.volumes.count; ++r) {
-    const float* row = job.volumes.rows + static_cast<std::int64_t>(r) * simd::volume_columns * lanes;
-    if (job.rows_far) prefetch_rows<simd::volume_columns>(row);
-    std::int32_t offset[4 * lanes];
-    __builtin_memcpy(offset, row, sizeof offset);
-    const Pack3 u0 = gather(job.u, offset);
-    const Pack3 d1 = gather(job.u, offset + lanes) - u0, d2 = gather(job.u, offset + 2 * lanes) - u0;
-    const Pack3 E1 = load3(row + 4 * lanes), E2 = load3(row + 7 * lanes);
-    const Pack3 e1 = E1 + d1, e2 = E2 + d2;
-    const Pack inverse = load(row + 13 * lanes), stiffness = load(row + 14 * lanes);
-    if constexpr (plane) {
-      const Pack change = ((d1.x * e2.y - d1.y * e2.x) + (E1.x * d2.y - E1.y * d2.x)) * inverse;
-      const Pack q = -(stiffness * volume_pressure<bounded>(change) * inverse);
-      const Pack3 f1 = q * Pack3{e2.y, -e2.x, Pack{}}, f2 = q * Pack3{-e1.y, e1.x, Pack{}};
-      scatter_add(job.force, offset, -(f1 + f2));
-      scatter_add(job.force, offset + lanes, f1);
-      scatter_add(job.force, offset + 2 * lanes, f2);
-    } else {
-      const Pack3 d3 = gather(job.u, offset + 3 * lanes) - u0, E3 = load3(row + 10 * lanes), e3 = E3 + d3;
-      const Pack3 dw = cross(d1, e2) + cross(E1, d2);
-      const Pack change = (dot(dw, e3) + dot(cross(E1, E2), d3)) * inverse;
-      const Pack q = -(stiffness * volume_pressure<bounded>(change) * inverse);
-      const Pack3 f1 = q * cross(e2, e3), f2 = q * cross(e3, e1), f3 = q * cross(e1, e2);
-      scatter_add(job.force, offset, -(f1 + f2 + f3));
-      scatter_add(job.force, offset + lanes, f1);
-      scatter_add(job.force, offset + 2 * lanes, f2);
-      scatter_add(job.force, offset + 3 * lanes, f3);
-    }
-  }
-}
 
 struct Columns {
   Pack3 c0, c1, c2;
@@ -164,43 +124,6 @@ void cell_rows(const simd::Job& job) {
   if (job.cells4.count > 0) cell_rows_of<4, bounded>(job.cells4, job);
   if (job.cells6.count > 0) cell_rows_of<6, bounded>(job.cells6, job);
   if (job.cells8.count > 0) cell_rows_of<8, bounded>(job.cells8, job);
-}
-
-/// Of the springs of a slice, in rows [first, last); `most` and `near` as in simplex_terms.h.
-template <bool near>
-PHYMUL_INLINE Pack3 spring_forces(const simd::Job& job, int first, int last, Pack3 ui, Pack& most) {
-  Pack3 sum{};
-  for (int i = first; i < last; ++i) {
-    const float* row = job.springs.rows + static_cast<std::int64_t>(i) * simd::spring_columns * lanes;
-    if (job.rows_far) prefetch_rows<simd::spring_columns>(row);
-    std::int32_t offset[lanes];
-    __builtin_memcpy(offset, row, sizeof offset);
-    const Pack3 d = gather(job.u, offset) - ui, R = load3(row + lanes), r = R + d;
-    const Pack rest = load(row + 4 * lanes), k = load(row + 5 * lanes);
-    const Pack a = dot(r, r) * rest, y = dot(d, R + r) * rest;
-    if constexpr (near) most = larger(y, most);
-    const Pack c = select(a > 0.0f, near ? inverse_root_change_near(a, y) : inverse_root_change(a, y), all(-1.0f));
-    sum -= (k * c) * r;
-  }
-  return sum;
-}
-
-[[gnu::noinline]] inline Pack3 far_spring_forces(const simd::Job& job, int first, int last, Pack3 ui) {
-  Pack most{};
-  return spring_forces<false>(job, first, last, ui, most);
-}
-
-/// The force is k (1 - |R| / |r|) r = -k c r, c = |R| / |r| - 1.
-inline void spring_slices(const simd::Job& job) {
-  for (int slice = 0; slice < job.springs.count; ++slice) {
-    const int first = job.springs.first[slice], last = job.springs.first[slice + 1];
-    const Pack3 ui = gather_row(job.u + 16 * lanes * slice);
-    Pack most = all(-1.0f);
-    Pack3 sum = spring_forces<true>(job, first, last, ui, most);
-    if (any_below(all(most_near), most)) [[unlikely]]
-      sum = far_spring_forces(job, first, last, ui);
-    add_row(job.force + 16 * lanes * slice, sum);
-  }
 }
 
 }  // namespace phymul::cpu::PHYMUL_ISA
