@@ -22,6 +22,13 @@ inline std::vector<std::string> tool_backends() {
   return all;
 }
 
+/// Backends that take needles: all of these but "gl".
+inline std::vector<std::string> needle_backends() {
+  std::vector<std::string> all = tool_backends();
+  std::erase(all, "gl");
+  return all;
+}
+
 /// "gl-compute" as a test may be called: gl_compute.
 inline std::string test_name_of(std::string backend) {
   std::ranges::replace(backend, '-', '_');
@@ -66,6 +73,8 @@ inline Imbalance imbalance(const Momentum& before, const Momentum& after, const 
 
 }  // namespace phymul::test
 
-#define PHYMUL_WITH_TOOLS(name)                                                         \
-  INSTANTIATE_TEST_SUITE_P(All, name, testing::ValuesIn(phymul::test::tool_backends()), \
+#define PHYMUL_ON_BACKENDS(name, backends)                         \
+  INSTANTIATE_TEST_SUITE_P(All, name, testing::ValuesIn(backends), \
                            [](const auto& backend) { return phymul::test::test_name_of(backend.param); })
+#define PHYMUL_WITH_TOOLS(name) PHYMUL_ON_BACKENDS(name, phymul::test::tool_backends())
+#define PHYMUL_WITH_NEEDLES(name) PHYMUL_ON_BACKENDS(name, phymul::test::needle_backends())
