@@ -62,7 +62,7 @@ class OnCompute : public GlTest {
   void SetUp() override {
     GlTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_unavailable("gl-compute"));
+    PHYMUL_SKIP_OR_FAIL(why_not_here("gl-compute"));
   }
 };
 
@@ -72,7 +72,7 @@ class OnBothDevices : public GlTest, public testing::WithParamInterface<GlBacken
   void SetUp() override {
     GlTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_unavailable(name_of(GetParam())));
+    PHYMUL_SKIP_OR_FAIL(why_not_here(name_of(GetParam())));
   }
 };
 
