@@ -234,14 +234,12 @@ void FragmentContacts::begin_batch() {
   phases_ = std::max(wanted, phases_ - (phases_ + 3) / 4);
 }
 
-bool FragmentContacts::give_more_phases() {
-  if (!unfinished_) return false;
+void FragmentContacts::give_more_phases() {
   if (phases_ == most_phases_) {
     throw Error("expected the sweeps over contacts to end within " + std::to_string(most_phases_) +
                 " phases, one for each contact and round, got some that did not; use \"gl-compute\" or \"cpu\"");
   }
   phases_ = static_cast<int>(std::min<std::int64_t>(4 * std::int64_t{phases_}, most_phases_));
-  return true;
 }
 
 void FragmentContacts::copy_told(std::size_t offset) const {
@@ -250,9 +248,9 @@ void FragmentContacts::copy_told(std::size_t offset) const {
 
 bool FragmentContacts::see(const Float4& reported, int runaway_step) {
   const int step = static_cast<int>(reported[0]);
-  unfinished_ = step > 0 && (runaway_step == 0 || step <= runaway_step);
-  if (!unfinished_) needed_ = static_cast<int>(reported[1]);
-  return unfinished_;
+  const bool unfinished = step > 0 && (runaway_step == 0 || step <= runaway_step);
+  if (!unfinished) needed_ = static_cast<int>(reported[1]);
+  return unfinished;
 }
 
 }  // namespace phymul::gl

@@ -87,9 +87,9 @@ class FragmentContacts {
   int phases() const { return phases_; }
   /// Before the steps of a batch.
   void begin_batch();
-  /// A batch is to be done again. True, and twice as many from now on, where see() found that phases were too few.
-  /// Throws Error where they are as many as any step may need, which only a device that miscounts gets to.
-  bool give_more_phases();
+  /// See() found that phases were too few: four times as many from now on. Throws Error where they are as many as any
+  /// step may need, which only a device that miscounts gets to.
+  void give_more_phases();
   /// The texel of `told`, to `offset` in the buffer bound to GL_PIXEL_PACK_BUFFER.
   void copy_told(std::size_t offset) const;
   /// That texel on the host; runaway_step: the first in which a particle ran away, 0: none. What comes after it was not
@@ -109,7 +109,6 @@ class FragmentContacts {
   std::array<Sweeps, 2> sweeps_;
   std::size_t turn_ = 0;  // of the newest
   int phases_, most_phases_, needed_ = 0;
-  bool unfinished_ = false;
 };
 
 }  // namespace phymul::gl

@@ -18,8 +18,7 @@ Texture target(std::int64_t rows) {
 
 FragmentTools::FragmentTools(const FloatTools& tools)
     : count_(tools.count()),
-      particles_(static_cast<int>(tools.held().size())),
-      presses_(tools.count() > tools.needle_count()) {
+      particles_(static_cast<int>(tools.held().size())) {
   laws_ = Texture::table(std::span<const Float4>(tools.laws()), "tool_laws");
   rest_ = Texture::table(std::span<const Float4>(tools.rest()), "tool_rest");
   held_ = Texture::table(std::span<const Float4>(tools.held()), "tool_held");

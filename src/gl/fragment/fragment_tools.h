@@ -17,7 +17,6 @@ class FragmentTools {
   explicit FragmentTools(const FloatTools& tools);
 
   int count() const { return count_; }
-  bool presses() const { return presses_; }  ///< not all are needles
   bool any_grid() const { return static_cast<bool>(grid_); }
   void set_held(const FloatTools& tools);
   void set_frames(const FloatTools& tools);
@@ -41,7 +40,6 @@ class FragmentTools {
   };
 
   int count_, particles_;
-  bool presses_;
   Texture laws_, frames_, rest_, held_, grid_;
   std::array<std::array<Texture, 2>, 2> sums_;  // [turn]: forces, torques; a pass reads one and writes the other
   std::array<Texture, 2> last_;

@@ -37,7 +37,6 @@ class Texture {
   /// Writes over the first rows; no more than there are.
   void upload(std::span<const Float4> rows);
   void upload(std::span<const float> rows);
-  void upload(std::span<const Int2> rows);
   /// All rows, of 16 bytes, from a buffer's row `first` on, without the host.
   void upload_from(GLuint buffer, std::int64_t first);
 
