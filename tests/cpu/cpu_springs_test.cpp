@@ -16,7 +16,7 @@ TEST(CpuSprings, AreExactAtLargeDisplacementsOfOneParticle) {
   const auto tables = std::make_shared<const TopologyTextures>(build_topology(model, options));
   const Scene scene(model);
   const double h = mean_spacing(model);
-  for (const double way : {0.4 * h, 1.0 * h, 4.0 * h}) {
+  for (const double way : {0.4 * h, 4.0 * h, 1e4 * h}) {
     for (const Index moved : {0, 24, 171, 342}) {
       VecList u(model.rest.size(), Vec3::Zero());
       u[moved] = (way * Vec3(1.0, -0.5, 0.25)).cast<float>().cast<double>();
