@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Forces and energies in float against those in double: within the rounding bound, and nothing at all at rest.
+// The mirror's forces and energies in float (mirror_forces.h) against those in double: within the rounding bound, and
+// nothing at all at rest. The vector kernels of the backend "cpu" are tested in tests/cpu.
 #include <gtest/gtest.h>
 
 #include <iostream>
@@ -108,7 +109,7 @@ double worst_force_ratio(const Case& body, const cpu::MirrorForces& forces, cons
   return worst;
 }
 
-TEST(FloatKernels, NoForceAtRest) {
+TEST(MirrorKernels, NoForceAtRest) {
   for_each_case([](const Case& body) {
     const cpu::MirrorForces forces(pack_floats(body.topology));
     const std::vector<Float3> u(body.model.rest.size());
@@ -119,7 +120,7 @@ TEST(FloatKernels, NoForceAtRest) {
   });
 }
 
-TEST(FloatKernels, NoForceAfterATranslation) {
+TEST(MirrorKernels, NoForceAfterATranslation) {
   for_each_case([](const Case& body) {
     const cpu::MirrorForces forces(pack_floats(body.topology));
     std::vector<Float3> u(body.model.rest.size(), Float3{1.5f, -0.3f, body.model.dimension == 2 ? 0.0f : 7.7f});
@@ -131,9 +132,9 @@ TEST(FloatKernels, NoForceAfterATranslation) {
 
 constexpr std::uint32_t random_states = sanitized ? 5 : 100;
 
-class FloatKernelsOf : public testing::TestWithParam<std::size_t> {};
+class MirrorKernelsOf : public testing::TestWithParam<std::size_t> {};
 
-TEST_P(FloatKernelsOf, ForcesAreWithinTheRoundingBound) {
+TEST_P(MirrorKernelsOf, ForcesAreWithinTheRoundingBound) {
   double worst = 0.0;
   for_each_variant(bodies()[GetParam()], [&](const Case& body) {
     const cpu::MirrorForces forces(pack_floats(body.topology));
@@ -147,10 +148,10 @@ TEST_P(FloatKernelsOf, ForcesAreWithinTheRoundingBound) {
   std::cout << "worst error over bound " << worst << "\n";
 }
 
-INSTANTIATE_TEST_SUITE_P(Bodies, FloatKernelsOf, testing::Range(std::size_t{0}, bodies().size()),
+INSTANTIATE_TEST_SUITE_P(Bodies, MirrorKernelsOf, testing::Range(std::size_t{0}, bodies().size()),
                          [](const auto& body) { return bodies()[body.param].name; });
 
-TEST(FloatKernels, SmallStrainsKeepTheirDigits) {
+TEST(MirrorKernels, SmallStrainsKeepTheirDigits) {
   double worst = 0.0;
   for_each_case([&](const Case& body) {
     const cpu::MirrorForces forces(pack_floats(body.topology));
@@ -167,7 +168,7 @@ TEST(FloatKernels, SmallStrainsKeepTheirDigits) {
   std::cout << "worst error over bound " << worst << "\n";
 }
 
-TEST(FloatKernels, EnergiesAreWithinTheRoundingBound) {
+TEST(MirrorKernels, EnergiesAreWithinTheRoundingBound) {
   double worst = 0.0;
   for_each_case([&](const Case& body) {
     const cpu::MirrorForces forces(pack_floats(body.topology));
@@ -184,7 +185,7 @@ TEST(FloatKernels, EnergiesAreWithinTheRoundingBound) {
   std::cout << "worst error over bound " << worst << "\n";
 }
 
-TEST(FloatKernels, EnumeratedBasesGiveTheForcesOfTheTable) {
+TEST(MirrorKernels, EnumeratedBasesGiveTheForcesOfTheTable) {
   for (const Body& body : bodies()) {
     for (const Variant& variant : float_variants()) {
       const bool enumerable = variant.name.find(" all") != std::string::npos &&
@@ -203,7 +204,7 @@ TEST(FloatKernels, EnumeratedBasesGiveTheForcesOfTheTable) {
 }
 
 // What delta_height.h promises, and log_one_plus and exp_minus_one of the bound rest on.
-TEST(FloatKernels, PowersAreRightToAFewUnits) {
+TEST(MirrorKernels, PowersAreRightToAFewUnits) {
   double log_error = 0.0, exp_error = 0.0, power_error = 0.0;
   const auto relative = [](double found, double exact) { return std::abs(found - exact) / std::abs(exact) / 0x1p-24; };
   for (double exponent = -40.0; exponent < 60.0; exponent += 1e-3) {
