@@ -14,7 +14,7 @@ foreach(file IN LISTS FILES)
 endforeach()
 file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT [[
 // Made by cmake/embed_shaders.cmake.
-#include "gl/shader_source.h"
+#include "gl/objects/shader_source.h"
 
 namespace phymul::gl {
 

@@ -13,10 +13,6 @@
 
 namespace phymul {
 
-/// A number for the tables: every constant and index of theirs goes into it (FNV-1a, 64 bits). Other materials, rest
-/// shapes, options or orders of particles have other ones.
-std::uint64_t fingerprint(const TopologyTextures& topology);
-
 /// A number for a state's bits: equal for states that are the same to the last one.
 std::uint64_t fingerprint(const Snapshot& snapshot);
 

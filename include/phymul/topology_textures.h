@@ -125,4 +125,8 @@ struct TopologyTextures {
   std::vector<Index> base_owner;       ///< [base_count] particle whose base it is
 };
 
+/// A number for the tables: every constant and index of theirs goes into it (FNV-1a, 64 bits). Other materials, rest
+/// shapes, options or orders of particles have other ones.
+std::uint64_t fingerprint(const TopologyTextures& topology);
+
 }  // namespace phymul

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "base/locality_order.h"
+#include "topology/locality_order.h"
 
 namespace phymul {
 namespace {

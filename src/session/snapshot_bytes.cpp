@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "snapshot_bytes.h"
 
+#include <phymul/state_file.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/fnv.h"
 #include "tool_bytes.h"
 
 namespace phymul {
@@ -75,6 +78,14 @@ Snapshot take_snapshot(ByteReader& in) {
                       std::isfinite(snapshot.last_dt);
   if (!finite) in.fail("expected finite numbers in the state before this byte; it was written by something else");
   return snapshot;
+}
+
+std::uint64_t fingerprint(const Snapshot& snapshot) {
+  ByteWriter bytes;
+  put_snapshot(bytes, snapshot);
+  Fnv sum;
+  sum.bytes(bytes.bytes());
+  return sum.value();
 }
 
 }  // namespace phymul

@@ -4,7 +4,6 @@
 // libGLEW, libEGL or libGL runs everything else.
 #pragma once
 
-#include <phymul/display.h>
 #include <phymul/solver.h>
 #include <phymul/version.h>
 
@@ -15,6 +14,8 @@
 #include "gl_backend.h"
 
 namespace phymul {
+
+class Display;  // display.h
 
 /// Both sides must have been built from the same headers. Trivial types only: it is read before anything is trusted.
 struct GlModuleStamp {

@@ -5,7 +5,6 @@
 #include <phymul/error.h>
 #include <phymul/monitor.h>
 #include <phymul/solver.h>
-#include <phymul/state_file.h>
 
 #include <algorithm>
 #include <cmath>

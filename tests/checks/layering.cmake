@@ -1,70 +1,45 @@
 # SPDX-License-Identifier: MIT
 #
-# The order of includes. A file of a row may include files of its own row and the rows above it; a forward declaration
-# does for the rest (topology.h and TopologyTextures). Public headers, and what shares their names, have fixed rows. Any
-# other private header is as low as the lowest it includes itself, and any other source of src/ belongs to the core.
+# The order of includes is the order of rooms: a file may include files of its own room and of the rooms above it. The
+# room of a private file is its folder below src/; that of a public header is in the table. Also: who may see which
+# library, how many entries src/ has and how many files a folder.
 include(${CMAKE_CURRENT_LIST_DIR}/faults.cmake)
 
-# Name without extension, or its beginning up to an underscore. The first match counts.
-set(rows
-    "7 backends"                  # the table of backends; sees them all, nothing sees what it includes
-    "3 topology_textures"         # before topology
-    "4 state_file recording"      # before state
-    "4 gl_module"                 # before gl; the door to src/gl
-    "0 version types error gl camera"
-    "1 model scene state surface tool needle virtual distance"
-    "2 shapes pml lml mesh check topology monitor writer"
-    "2 xml byte gmsh vtk vtu csv"            # formats, behind the readers
-    "4 elasticity solver display bodies"
-    "8 phymul")                   # the umbrella, for users only
-set(core_row 4)
-set(cpu_row 5)
-set(gl_row 6)
+# Each row: a room, then the public headers it defines.
+set(rooms
+    "base types error version"
+    "model model shapes check surface state monitor distance_grid tool needle"
+    "scene scene load bodies"
+    "io pml lml mesh writer"
+    "topology topology topology_textures"
+    "elastic elasticity"
+    "interaction virtual_coupling"
+    "solver gl solver solver_options step_report backend"
+    "session recording state_file simulation"
+    "device"
+    "view camera display"
+    "cpu"
+    "gl"
+    "users phymul")
+set(sees_all_rooms src/solver/backends.cpp)  # the table of backends
+set(most_entries 15)                         # of src/
+set(most_files 45)                           # of a folder
 
-# Row of a file of include/phymul or src; empty: a public header without one.
-function(row_of file result)
+# Place of a file in the order; empty: a public header that the table does not know.
+function(place_of file result)
   cmake_path(RELATIVE_PATH file BASE_DIRECTORY "${ROOT}" OUTPUT_VARIABLE own)
   cmake_path(GET file STEM stem)
-  set(row "")
-  if(own MATCHES "^src/cpu/")
-    set(row ${cpu_row})
-  elseif(own MATCHES "^src/gl/")
-    set(row ${gl_row})
-  elseif(own MATCHES "^src/topology/topology(_[a-z_]+)?\\.")
-    set(row 3)  # makes what the public topology.h only declares
-  else()
-    foreach(known_row IN LISTS rows)
-      string(REPLACE " " ";" stems "${known_row}")
-      list(POP_FRONT stems number)
-      foreach(known IN LISTS stems)
-        if(row STREQUAL "" AND stem MATCHES "^${known}(_|$)")
-          set(row ${number})
-        endif()
-      endforeach()
-    endforeach()
-  endif()
-  if(row STREQUAL "" AND own MATCHES "^src/.*\\.cpp$")
-    set(row ${core_row})
-  elseif(row STREQUAL "" AND own MATCHES "^src/")
-    lowest_included("${file}" row)
-  endif()
-  set(${result} "${row}" PARENT_SCOPE)
-endfunction()
-
-# The greatest row among the files a file includes; 0 where it includes none of ours.
-function(lowest_included file result)
-  set(lowest 0)
-  read_includes("${file}" includes)
-  foreach(include IN LISTS includes)
-    own_file("${include}" "${file}" included)
-    if(included)
-      row_of("${included}" row)
-      if(row GREATER lowest)
-        set(lowest ${row})
-      endif()
+  set(found "")
+  set(place 0)
+  foreach(row IN LISTS rooms)
+    string(REPLACE " " ";" headers "${row}")
+    list(POP_FRONT headers room)
+    if(own MATCHES "^src/${room}/" OR (own MATCHES "^include/" AND stem IN_LIST headers))
+      set(found ${place})
     endif()
+    math(EXPR place "${place} + 1")
   endforeach()
-  set(${result} ${lowest} PARENT_SCOPE)
+  set(${result} "${found}" PARENT_SCOPE)
 endfunction()
 
 # The file an include means, if it is one of ours; else empty.
@@ -85,15 +60,15 @@ endfunction()
 
 function(check_library_file file)
   cmake_path(RELATIVE_PATH file BASE_DIRECTORY "${ROOT}" OUTPUT_VARIABLE own)
-  row_of("${file}" row)
-  if(row STREQUAL "")
-    fault("${file}" "has no row in the order of includes; give it one in tests/checks/layering.cmake")
+  place_of("${file}" place)
+  if(place STREQUAL "")
+    fault("${file}" "is in no room; rooms are listed in tests/checks/layering.cmake")
     return(PROPAGATE faults)
   endif()
   read_includes("${file}" includes)
   foreach(include IN LISTS includes)
-    if(include STREQUAL "<pugixml.hpp>" AND NOT own MATCHES "^src/(xml|pml|lml|vtu)_[a-z_]*\\.(h|cpp)$")
-      fault("${file}" "includes pugixml; only src/xml_*, pml_*, lml_* and vtu_* may")
+    if(include STREQUAL "<pugixml.hpp>" AND NOT own MATCHES "^src/io/")
+      fault("${file}" "includes pugixml; only src/io may")
     elseif(include MATCHES "^<(GL|EGL|GLES[23]?)/" AND NOT own MATCHES "^src/gl/")
       fault("${file}" "includes ${include}; only src/gl may")
     endif()
@@ -101,12 +76,13 @@ function(check_library_file file)
     if(NOT included)
       continue()
     endif()
-    row_of("${included}" included_row)
-    if(included_row STREQUAL "")
-      continue()  # a fault of that file
-    elseif(included_row GREATER row)
-      fault("${file}" "includes ${include}, which stands below it in the order of includes")
-    elseif(row EQUAL gl_row AND included_row EQUAL cpu_row)
+    cmake_path(RELATIVE_PATH included BASE_DIRECTORY "${ROOT}" OUTPUT_VARIABLE included_own)
+    place_of("${included}" included_place)
+    if(included_place STREQUAL "" OR own STREQUAL sees_all_rooms)
+      continue()
+    elseif(included_place GREATER place)
+      fault("${file}" "includes ${include}, of a room below its own")
+    elseif(own MATCHES "^src/gl/" AND included_own MATCHES "^src/cpu/")
       fault("${file}" "includes ${include}; src/gl and src/cpu know nothing of each other")
     endif()
   endforeach()
@@ -121,7 +97,7 @@ function(check_user_file file)
   read_includes("${file}" includes)
   foreach(include IN LISTS includes)
     string(REGEX REPLACE "^<.*|\"" "" path "${include}")
-    if(path MATCHES "^[a-z_]+\\.h$" AND own MATCHES "^bench/" AND EXISTS "${ROOT}/tests/${path}")
+    if(own MATCHES "^bench/" AND path MATCHES "^(support|stability)/[a-z_]+\\.h$" AND EXISTS "${ROOT}/tests/${path}")
       continue()
     endif()
     if(own MATCHES "^bench/cpu_" AND path MATCHES "^cpu/[a-z_/]+\\.h$" AND EXISTS "${ROOT}/src/${path}")
@@ -146,5 +122,21 @@ foreach(file IN LISTS public private)
 endforeach()
 foreach(file IN LISTS users)
   check_user_file("${file}")
+endforeach()
+
+file(GLOB entries ${ROOT}/src/*)
+list(LENGTH entries count)
+if(count GREATER most_entries)
+  fault("${ROOT}/src" "has ${count} entries, more than ${most_entries}")
+endif()
+file(GLOB_RECURSE all LIST_DIRECTORIES true ${ROOT}/src/* ${ROOT}/glsl/* ${ROOT}/tests/*)
+foreach(folder IN LISTS all)
+  if(IS_DIRECTORY "${folder}")
+    file(GLOB here LIST_DIRECTORIES false "${folder}/*")
+    list(LENGTH here count)
+    if(count GREATER most_files)
+      fault("${folder}" "has ${count} files, more than ${most_files}")
+    endif()
+  endif()
 endforeach()
 report_faults()

@@ -6,7 +6,7 @@
 #include <bit>
 #include <numeric>
 
-#include "base/locality_order.h"
+#include "topology/locality_order.h"
 #include "base/thread_pool.h"
 #include "cpu/packed/box_lattice.h"
 #include "cpu/packed/cluster_claims.h"

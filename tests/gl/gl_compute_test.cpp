@@ -14,7 +14,7 @@ class GlComputeDevice : public GlTest {
   void SetUp() override {
     GlTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_unavailable("gl-compute"));
+    PHYMUL_SKIP_OR_FAIL(why_not_here("gl-compute"));
     context_ = gl::Context::open({.debug = true}, GlBackend::compute);
     context_->run([this] { limits_ = gl::ComputeLimits::of_context(); });
   }

@@ -25,7 +25,7 @@ class GlEquivalence : public GlTest, public testing::WithParamInterface<Form> {
   void SetUp() override {
     GlTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_unavailable(name_of(GetParam().backend)));
+    PHYMUL_SKIP_OR_FAIL(why_not_here(name_of(GetParam().backend)));
   }
   static GlTwins twins_of(std::shared_ptr<const TopologyTextures> tables, const Scene& scene,
                           SolverOptions options = {}) {

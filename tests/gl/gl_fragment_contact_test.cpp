@@ -14,7 +14,7 @@ class GlFragmentContact : public GlTest {
   void SetUp() override {
     GlTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_unavailable("gl"));
+    PHYMUL_SKIP_OR_FAIL(why_not_here("gl"));
   }
 };
 
@@ -64,7 +64,7 @@ void expect_bits_of_compute(const Model& model, Scene& scene, int steps_before, 
 }
 
 TEST_F(GlFragmentContact, BitsAreThoseOfComputeShaders) {
-  PHYMUL_SKIP_OR_FAIL(why_unavailable("gl-compute"));
+  PHYMUL_SKIP_OR_FAIL(why_not_here("gl-compute"));
   Falling falling;
   expect_bits_of_compute(falling.model, falling.scene, 40, "a cube on a slab");
   falling.scene.contacts({.friction = 0.0, .skin = 3e-4, .rounds = 3});
@@ -78,7 +78,7 @@ TEST_F(GlFragmentContact, BitsAreThoseOfComputeShaders) {
 
 /// Particles without a surface meet triangles, and are none's corners.
 TEST_F(GlFragmentContact, BitsAreThoseOfComputeShadersInABodyWithoutTriangles) {
-  PHYMUL_SKIP_OR_FAIL(why_unavailable("gl-compute"));
+  PHYMUL_SKIP_OR_FAIL(why_not_here("gl-compute"));
   Model loose = moved(make_block({0.01, 0.01, 0.01}, 2, 2, 2), {0.0072, 0.0081, 0.0112});
   loose.cells.clear();
   loose.components.clear();
@@ -92,7 +92,7 @@ TEST_F(GlFragmentContact, BitsAreThoseOfComputeShadersInABodyWithoutTriangles) {
 
 /// A strip whose ends are pressed together above its middle.
 TEST_F(GlFragmentContact, BitsAreThoseOfComputeShadersInABodyThatTouchesItself) {
-  PHYMUL_SKIP_OR_FAIL(why_unavailable("gl-compute"));
+  PHYMUL_SKIP_OR_FAIL(why_not_here("gl-compute"));
   Model strip = make_block({0.09, 0.01, 0.005}, 18, 2, 1);
   set_material(strip, {5e3, 0.3, 1000.0});
   Scene scene(strip);

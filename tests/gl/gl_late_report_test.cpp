@@ -22,7 +22,7 @@ class GlLateReport : public GlTest, public testing::WithParamInterface<GlBackend
   void SetUp() override {
     GlTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_unavailable(name_of(GetParam())));
+    PHYMUL_SKIP_OR_FAIL(why_not_here(name_of(GetParam())));
     at_once_ = make(false);
     late_ = make(true);
     dt_ = 0.3 * late_->stable_step();

@@ -59,7 +59,7 @@ TEST(GlModule, AutoSaysWhyItTookWhatItTook) {
 }
 
 TEST(GlModule, ReasonsAreOfTheDriver) {
-  PHYMUL_SKIP_OR_FAIL(why_unavailable("gl"));
+  PHYMUL_SKIP_OR_FAIL(phymul::test::why_not_here("gl"));
   SolverOptions options;
   options.gl.device = "device:999";
   EXPECT_NE(why_unavailable("gl", options).find("expected a device below"), std::string::npos);
@@ -109,7 +109,7 @@ TEST_F(GlModuleFaulty, EverythingElseWorks) {
 /// gl_tests.cmake runs this with a driver held to OpenGL 3.3 and to the desktop dialect.
 TEST(GlModuleOld, ComputingIsRefusedByNameAndDrawingIsNot) {
   if (!std::getenv("PHYMUL_TEST_OLD_GL")) GTEST_SKIP() << "PHYMUL_TEST_OLD_GL is not set; ctest sets it";
-  PHYMUL_SKIP_OR_FAIL(why_unavailable("gl"));
+  PHYMUL_SKIP_OR_FAIL(phymul::test::why_not_here("gl"));
   const std::string why_not = why_unavailable("gl-compute");
   EXPECT_NE(why_not.find("4.3"), std::string::npos) << why_not;
   const Model model = make_tetrahedron(0.01);

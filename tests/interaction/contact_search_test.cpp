@@ -208,7 +208,7 @@ struct NearTriangles {
 /// Distances that are all but the same, one after the other: of those the triangle that faces the particle most says
 /// where it is, whichever comes first. Where they differ the nearest does.
 class NearTrianglesIn : public WithTools {};
-PHYMUL_WITH_TOOLS(NearTrianglesIn);
+PHYMUL_ON_EVERY_BACKEND(NearTrianglesIn);
 
 TEST_P(NearTrianglesIn, WhichIsMetDoesNotDependOnTheirOrder) {
   std::array<int, 3> order{0, 1, 2};

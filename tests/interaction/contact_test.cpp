@@ -14,7 +14,7 @@ namespace {
 constexpr double g = 9.81;  // m/s^2
 
 using Contact = WithTools;
-PHYMUL_WITH_TOOLS(Contact);
+PHYMUL_ON_EVERY_BACKEND(Contact);
 
 /// A block on a half-space, gravity leaning by an angle.
 struct Slope {

@@ -65,17 +65,16 @@ double skin_off_shaft(const Solver& solver, const ToolPose& pose) {
 }
 
 using BendingNeedleIn = WithTools;
-PHYMUL_WITH_TOOLS(BendingNeedleIn);
+PHYMUL_ON_EVERY_BACKEND(BendingNeedleIn);
 
 /// Scenes of a second and more, which passes that are drawn take a processor most of a minute for.
 using LongBendingNeedleIn = WithTools;
 std::vector<std::string> backends_that_take_seconds() {
-  std::vector<std::string> all = tool_backends();
+  std::vector<std::string> all = backend_names();
   std::erase(all, "gl");
   return all;
 }
-INSTANTIATE_TEST_SUITE_P(All, LongBendingNeedleIn, testing::ValuesIn(backends_that_take_seconds()),
-                         [](const auto& backend) { return test_name_of(backend.param); });
+PHYMUL_ON_BACKENDS(LongBendingNeedleIn, backends_that_take_seconds());
 
 /// A block that hangs on the needle alone: its weight is known, and acts in its middle.
 TEST_P(LongBendingNeedleIn, BendsUnderAHangingBlockAsABeamDoes) {

@@ -11,7 +11,7 @@ namespace phymul::test {
 namespace {
 
 using NeedleIn = WithTools;
-PHYMUL_WITH_TOOLS(NeedleIn);
+PHYMUL_ON_EVERY_BACKEND(NeedleIn);
 
 TEST_P(NeedleIn, ForceRisesDropsAtPunctureGrowsWithDepthAndTurnsOnWithdrawal) {
   Insertion needle(GetParam(), 6, 0.4);

@@ -12,7 +12,7 @@ namespace phymul::test {
 namespace {
 
 using ToolFirstPose = WithTools;
-PHYMUL_WITH_TOOLS(ToolFirstPose);
+PHYMUL_ON_EVERY_BACKEND(ToolFirstPose);
 
 struct Covered {
   const char* name;

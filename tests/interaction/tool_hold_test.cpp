@@ -35,7 +35,7 @@ class ToolHold : public WithTools {
   std::unique_ptr<Solver> solver_;
   double dt_ = 0.0;
 };
-PHYMUL_WITH_TOOLS(ToolHold);
+PHYMUL_ON_EVERY_BACKEND(ToolHold);
 
 TEST_P(ToolHold, CanBeAskedForAtAnyTime) {
   make_here();

@@ -73,7 +73,7 @@ void expect_weighed(const ToolForce& force, const ToolState& state, const Model&
 }
 
 using MovingTool = WithTools;
-PHYMUL_WITH_TOOLS(MovingTool);
+PHYMUL_ON_EVERY_BACKEND(MovingTool);
 
 TEST_P(MovingTool, IsAtItsPoseAtTheEndOfTheCallAndGoesOnWithItsVelocity) {
   const Model model = soft_block({0.02, 0.02, 0.02}, 2, 2, 2);

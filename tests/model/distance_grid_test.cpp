@@ -88,7 +88,7 @@ TEST(DistanceGrid, WhatIsNotClosedIsRefusedByItsEdge) {
 }
 
 using GridTool = WithTools;
-PHYMUL_WITH_TOOLS(GridTool);
+PHYMUL_ON_EVERY_BACKEND(GridTool);
 
 /// The distances of a ball's surface at the corners of cubes.
 std::shared_ptr<const DistanceGrid> ball_grid(double radius, double spacing) {

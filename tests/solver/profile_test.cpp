@@ -10,17 +10,14 @@
 #include <type_traits>
 
 #include "support/bodies.h"
-#include "support/gl_needed.h"
+#include "support/every_backend.h"
 
 namespace phymul::test {
 namespace {
 
 static_assert(std::is_copy_constructible_v<SolverOptions> && std::is_copy_assignable_v<SolverOptions>);
 
-class ProfileTest : public testing::TestWithParam<std::string> {
- protected:
-  void SetUp() override { PHYMUL_SKIP_OR_FAIL(why_unavailable(GetParam())); }
-};
+using ProfileTest = OnEveryBackend;
 
 const PassProfile* find(const std::vector<PassProfile>& passes, std::string_view name) {
   const auto found = std::ranges::find(passes, name, &PassProfile::name);
@@ -156,11 +153,7 @@ TEST_P(ProfileTest, ChangesNoBit) {
   EXPECT_EQ(profiled->read(), plain->read());
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ProfileTest, testing::ValuesIn(backend_names()), [](const auto& backend) {
-  std::string name = backend.param;
-  std::ranges::replace(name, '-', '_');
-  return name;
-});
+PHYMUL_ON_EVERY_BACKEND(ProfileTest);
 
 TEST(Profile, EveryKernelOfTheVectorBackendHasItsRow) {
   const Model lattice = make_block({0.06, 0.06, 0.06}, 6, 6, 6, 6);

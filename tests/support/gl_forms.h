@@ -33,7 +33,7 @@ class GlBlockTest : public GlTest, public testing::WithParamInterface<GlForm> {
   void SetUp() override {
     GlTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_unavailable(name_of(GetParam().backend)));
+    PHYMUL_SKIP_OR_FAIL(why_not_here(name_of(GetParam().backend)));
     tables_ = tables_of(model_, {});
     options_.damping.rate = 30.0;
     options_.gl.compute = GetParam().compute;

@@ -29,7 +29,7 @@ class OnBothDevices : public GlTest, public testing::WithParamInterface<GlBacken
   void SetUp() override {
     GlTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_unavailable(name_of(GetParam())));
+    PHYMUL_SKIP_OR_FAIL(why_not_here(name_of(GetParam())));
   }
 };
 

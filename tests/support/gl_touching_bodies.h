@@ -112,7 +112,7 @@ class WithContacts : public GlTest {
   void SetUp() override {
     GlTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_unavailable("gl-compute"));
+    PHYMUL_SKIP_OR_FAIL(why_not_here("gl-compute"));
   }
 };
 
@@ -122,7 +122,7 @@ class WithContactsOn : public GlTest, public testing::WithParamInterface<GlForm>
   void SetUp() override {
     GlTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_unavailable(name_of(GetParam().backend)));
+    PHYMUL_SKIP_OR_FAIL(why_not_here(name_of(GetParam().backend)));
   }
   static bool draws() { return GetParam().backend == GlBackend::fragment; }
   /// In every form that this backend has.

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "base/locality_order.h"
+#include "topology/locality_order.h"
 #include "topology/transpose.h"
 
 namespace phymul::cpu {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "base/locality_order.h"
+#include "topology/locality_order.h"
 #include "device/float_tables.h"
 #include "renumbering.h"
 #include "term_cutter.h"

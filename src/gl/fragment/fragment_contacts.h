@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "base/box_forest.h"
+#include "device/box_forest.h"
 #include "device/float_contacts.h"
 #include "fragment_pushed.h"
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "locality_order.h"
+#include "topology/locality_order.h"
 
 namespace phymul {
 namespace {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include <phymul/state_file.h>
+#include <phymul/topology_textures.h>
 
 #include "base/fnv.h"
-#include "snapshot_bytes.h"
 
 namespace phymul {
 namespace {
@@ -63,14 +62,6 @@ std::uint64_t fingerprint(const TopologyTextures& t) {
   sum.add(t.weight);
   sum.add(t.rest_area);
   add_terms(sum, t);
-  return sum.value();
-}
-
-std::uint64_t fingerprint(const Snapshot& snapshot) {
-  ByteWriter bytes;
-  put_snapshot(bytes, snapshot);
-  Fnv sum;
-  sum.bytes(bytes.bytes());
   return sum.value();
 }
 

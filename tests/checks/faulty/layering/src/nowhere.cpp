@@ -1,2 +1,1 @@
 // SPDX-License-Identifier: MIT
-#include "forces_of.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Trees that a device walks without a stack.
-#include "base/box_forest.h"
+#include "device/box_forest.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "device/float_tables.h"
+#include "float_tables.h"
 
 namespace phymul {
 
