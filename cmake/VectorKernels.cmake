@@ -15,13 +15,15 @@ endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   list(APPEND kernel_options -Wno-maybe-uninitialized -Wno-uninitialized)
 endif()
-set_source_files_properties(src/cpu/simd/kernels_portable.cpp PROPERTIES COMPILE_OPTIONS "${kernel_options}")
+# Their flags are not those of the library's precompiled headers.
+set_source_files_properties(src/cpu/simd/kernels_portable.cpp PROPERTIES COMPILE_OPTIONS "${kernel_options}"
+                            SKIP_PRECOMPILE_HEADERS ON)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
   target_sources(phymul PRIVATE src/cpu/simd/kernels_avx2.cpp src/cpu/simd/kernels_avx512.cpp)
   target_compile_definitions(phymul PRIVATE PHYMUL_X86_KERNELS)
   set_source_files_properties(src/cpu/simd/kernels_avx2.cpp PROPERTIES
-                              COMPILE_OPTIONS "${kernel_options};-mavx2;-mfma")
+                              COMPILE_OPTIONS "${kernel_options};-mavx2;-mfma" SKIP_PRECOMPILE_HEADERS ON)
   set_source_files_properties(
-    src/cpu/simd/kernels_avx512.cpp PROPERTIES
+    src/cpu/simd/kernels_avx512.cpp PROPERTIES SKIP_PRECOMPILE_HEADERS ON
     COMPILE_OPTIONS "${kernel_options};-mavx2;-mfma;-mavx512f;-mavx512dq;-mavx512vl;-mavx512bw")
 endif()
