@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "interaction/grasp.h"
+#include "interaction/shape_kind.h"
 #include "interaction/tool_extent.h"
 #include "scene/needle_measures.h"
 
@@ -52,7 +53,7 @@ void FloatTools::fill_laws() {
     const Tool& tool = moving.tool;
     const ToolExtent extent = extent_of(tool);
     const Eigen::Vector3f size = extent.size.cast<float>();
-    laws_.push_back({size.x(), size.y(), size.z(), static_cast<float>(tool.shape.index())});
+    laws_.push_back({size.x(), size.y(), size.z(), static_cast<float>(kind_of(tool.shape))});
     laws_.push_back(
         {to_float(tool.margin), to_float(extent.thickness), to_float(tool.friction), to_float(tool.compliance)});
     const auto* grid = std::get_if<std::shared_ptr<const DistanceGrid>>(&tool.shape);

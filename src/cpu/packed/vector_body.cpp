@@ -7,10 +7,10 @@
 #include <limits>
 #include <string>
 
-#include "topology/locality_order.h"
-#include "device/float_tables.h"
+#include "device/float_range.h"
 #include "renumbering.h"
 #include "term_cutter.h"
+#include "topology/locality_order.h"
 #include "vector_rows.h"
 
 namespace phymul::cpu {

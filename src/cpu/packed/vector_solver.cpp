@@ -16,7 +16,7 @@
 #include "base/thread_pool.h"
 #include "cluster_claims.h"
 #include "cpu/simd/instruction_set.h"
-#include "device/float_tables.h"
+#include "device/float_range.h"
 #include "near_displacements.h"
 #include "part_reach.h"
 #include "vector_body.h"
