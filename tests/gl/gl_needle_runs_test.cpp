@@ -34,8 +34,7 @@ TEST_F(GlNeedleRuns, EveryFormHasTheSameBits) {
     drive(pair.scene, pair.pose, 10, [&](int) { ASSERT_TRUE(pair.device->step(15, pair.dt).ok()); });
     ends.push_back(pair.device->read());
     EXPECT_GT(ends.back().tools[0].needle.hole.size(), 2u);
-    if (!pair.device->context()->info().renderer.starts_with("llvmpipe"))
-      GTEST_SKIP() << "bits are llvmpipe's";
+    if (!pair.device->context()->info().renderer.starts_with("llvmpipe")) GTEST_SKIP() << "bits are llvmpipe's";
   }
   EXPECT_EQ(difference(ends[0], ends[1]), "");
   EXPECT_EQ(ends[0].tools, ends[1].tools);
@@ -218,13 +217,12 @@ TEST_F(GlNeedleRuns, ASceneWithoutNeedlesPaysNothing) {
   alone.add_tool("needle", needle);
   SolverOptions options = damped(5.0);
   options.profile = true;
-  const auto beside = [&](const Scene& scene) {
-    return BesideReference(model, scene, options);
-  };
+  const auto beside = [&](const Scene& scene) { return BesideReference(model, scene, options); };
   const BesideReference plain = beside(without), both = beside(with), one = beside(alone);
   const auto runs = [&](const BesideReference& pair, const char* name) {
     const auto all = runs_of(*pair.device);
-    const auto found = std::ranges::find(all, std::string(name) + "_kernel", &std::pair<std::string, std::int64_t>::first);
+    const auto found =
+        std::ranges::find(all, std::string(name) + "_kernel", &std::pair<std::string, std::int64_t>::first);
     return found == all.end() ? -1 : found->second;
   };
   for (const BesideReference* pair : {&plain, &both, &one}) ASSERT_TRUE(pair->device->step(8, plain.dt).ok());

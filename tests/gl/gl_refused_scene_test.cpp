@@ -171,7 +171,8 @@ TEST_P(GlFragmentRefusedScene, WhatAPassCannotBeGivenChangesNothing) {
   offer("tree_roots", [](Scene& other) { other.contacts({}); });
 }
 
-/// Passes of contacts are made once; those of needles that bend take the place of others, but not before they are there.
+/// Passes of contacts are made once; those of needles that bend take the place of others, but not before they are
+/// there.
 TEST_P(GlRefusedScene, ShadersThatDoNotCompileChangeNothing) {
   const std::filesystem::path folder = testing::TempDir() + "refused_" + name_of(GetParam());
   std::filesystem::remove_all(folder);

@@ -17,7 +17,7 @@
 #include "base/thread_pool.h"
 #include "cluster_claims.h"
 #include "cpu/simd/instruction_set.h"
-#include "device/float_tables.h"
+#include "device/float_range.h"
 #include "near_displacements.h"
 #include "packed_body.h"
 #include "packed_loads.h"

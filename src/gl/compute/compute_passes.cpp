@@ -177,6 +177,7 @@ Kernel ComputePasses::stepping(const StepKind& step, const ComputeState& state) 
   define(request, "KEPT_VOLUMES", step.volumes);
   if (step.volumes && step.tools && step.pushes()) {  // what tools hold, volumes leave
     append(request, {"tools/tool_tables.glsl"});
+    define_tool_rows(request);
     define(request, "HELD");
   }
   if (step.volumes) append(request, keeping_step_files());

@@ -6,14 +6,16 @@
 namespace phymul::gl {
 namespace {
 
-constexpr int rows_to_one = 16;  // report_pass.glsl
+constexpr int rows_to_one = 16;
 const std::vector<std::string> report_files{"dialect/dialect_fragment.glsl", "step/tables.glsl",
                                             "report/report_events.glsl", "report/report_pass.glsl"};
 
 }  // namespace
 
 FragmentReport::FragmentReport(const ShaderLibrary& library, Index particles)
-    : library_(&library), first_(library, {.files = report_files, .defines = {{"FIRST", 1}}}), particles_(particles) {
+    : library_(&library),
+      first_(library, {.files = report_files, .defines = {{"ROWS_TO_ONE", rows_to_one}, {"FIRST", 1}}}),
+      particles_(particles) {
   int rows = particles;
   do {
     rows = (rows + rows_to_one - 1) / rows_to_one;
@@ -24,7 +26,7 @@ FragmentReport::FragmentReport(const ShaderLibrary& library, Index particles)
     level.target = Framebuffer({{&level.events}, {&level.maxima}});
     levels_.push_back(std::move(level));
   } while (rows > 1);
-  if (levels_.size() > 1) further_ = Pass(library, {.files = report_files, .defines = {}});
+  if (levels_.size() > 1) further_ = Pass(library, {.files = report_files, .defines = {{"ROWS_TO_ONE", rows_to_one}}});
 }
 
 void FragmentReport::request(const Texture& displacement, const Texture& velocity, const Texture& measured,
@@ -52,9 +54,9 @@ void FragmentReport::request(const Texture& displacement, const Texture& velocit
   copy_.carry(4 * tool_rows_ + volume_rows_ + (contacts ? 1 : 0));
   if (tools) {
     if (!tools_added_)
-      tools_added_.emplace(
-          *library_,
-          ShaderRequest{.files = {"dialect/dialect_fragment.glsl", "tools/tool_sums_pass.glsl"}, .defines = {}});
+      tools_added_.emplace(*library_,
+                           ShaderRequest{.files = {"dialect/dialect_fragment.glsl", "tools/tool_sums_pass.glsl"},
+                                         .defines = {{"ROWS_TO_ONE", FragmentTools::rows_to_one}}});
     tools->sum(*tools_added_);
   }
   copy_.request([&] {

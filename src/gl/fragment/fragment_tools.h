@@ -14,6 +14,8 @@ namespace phymul::gl {
 
 class FragmentTools {
  public:
+  static constexpr int rows_to_one = 16;  ///< of sum()
+
   explicit FragmentTools(const FloatTools& tools);
 
   int count() const { return count_; }

@@ -5,11 +5,13 @@
 
 #include "gl/context/gl_api.h"
 
+#include <phymul/topology_textures.h>
+
 #include <cstdint>
 #include <span>
 #include <string>
 
-#include "device/float_tables.h"
+#include "device/table_rows.h"
 
 namespace phymul::gl {
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "device/base_layout.h"
+#include "device/float_range.h"
 #include "device/slice_tables.h"
 #include "gl/compute/compute_device.h"
 #include "gl/context/options.h"
