@@ -162,6 +162,27 @@ TEST(VirtualCoupling, CarriesALoadAsItsOwnMass) {
   }
 }
 
+/// A long load on a tool turned by a quarter: its inertia is told in the tool's frame, and turns with it.
+TEST(VirtualCoupling, CarriesALongLoadOnATurnedTool) {
+  for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(1, 1, 1)}) {
+    const Quaternion quarter(Eigen::AngleAxisd(M_PI / 2, axis.normalized()));
+    const ToolPose hand{.orientation = Quaternion(Eigen::AngleAxisd(0.3, Vec3(0.2, 0.5, 1).normalized())) * quarter};
+    VirtualCoupling coupling({}, {.orientation = quarter});
+    const double own = CouplingOptions{}.inertia;
+    RigidLoad load;
+    load.felt.held_mass = 1e-9;
+    load.felt.held_inertia = Vec3(40.0 * own, 40.0 * own, 0.5 * own).asDiagonal();
+    const Mat3 inertia = load.felt.held_inertia;
+    for (int k = 0; k < 3000; ++k) {
+      const Mat3 turn = coupling.tool().orientation.toRotationMatrix();
+      const ToolPose& tool = coupling.follow(hand, load.felt, 1e-3);
+      load.felt.mean_torque = turn * inertia * turn.transpose() * (load.spin - tool.spin) / 1e-3;
+      load.spin = tool.spin;
+    }
+    EXPECT_LE(coupling.tool().orientation.angularDistance(hand.orientation), 1e-2);  // rad
+  }
+}
+
 /// In a tick that is left out the tool stands still, and its load with it.
 TEST(VirtualCoupling, CarriesALoadThroughATickLeftOut) {
   RigidLoad load;
