@@ -174,12 +174,12 @@ TEST(VirtualCoupling, CarriesALongLoadOnATurnedTool) {
     load.felt.held_inertia = Vec3(40.0 * own, 40.0 * own, 0.5 * own).asDiagonal();
     const Mat3 inertia = load.felt.held_inertia;
     for (int k = 0; k < 3000; ++k) {
-      const Mat3 turn = coupling.tool().orientation.toRotationMatrix();
+      const Mat3 turn = coupling.pose().orientation.toRotationMatrix();
       const ToolPose& tool = coupling.follow(hand, load.felt, 1e-3);
       load.felt.mean_torque = turn * inertia * turn.transpose() * (load.spin - tool.spin) / 1e-3;
       load.spin = tool.spin;
     }
-    EXPECT_LE(coupling.tool().orientation.angularDistance(hand.orientation), 1e-2);  // rad
+    EXPECT_LE(coupling.pose().orientation.angularDistance(hand.orientation), 1e-2);  // rad
   }
 }
 
