@@ -9,7 +9,7 @@ namespace phymul::test {
 namespace {
 
 using NeedleOnSkin = WithTools;
-PHYMUL_ON_EVERY_BACKEND(NeedleOnSkin);
+PHYMUL_WITH_NEEDLES(NeedleOnSkin);
 
 TEST_P(NeedleOnSkin, StaysInItsConeUntilItPunctures) {
   constexpr double friction = 0.5;              // Insertion's
