@@ -74,7 +74,8 @@ class Solver {
   virtual const Scene& scene() const = 0;
   const Model& model() const { return scene().model(); }
   virtual const TopologyTextures& topology() const = 0;
-  /// fingerprint() of the tables (topology_textures.h). The first call of this function, snapshot() or restore() computes it.
+  /// fingerprint() of the tables (topology_textures.h). The first call of this function, snapshot() or restore()
+  /// computes it.
   virtual std::uint64_t topology_hash() const = 0;
   virtual const SolverOptions& options() const = 0;
   virtual bool takes_tools() const = 0;  ///< false: make_solver and step() refuse scenes with tools

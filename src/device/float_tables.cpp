@@ -22,17 +22,19 @@ constexpr double least_square = 1e-32, greatest_square = 1e26;
 
 void require_entries(std::size_t rows, std::size_t entries_a_row, const char* table) {
   if (rows <= most_entries / entries_a_row) return;
-  throw Error("the float table of " + std::string(table) + " has " + std::to_string(rows) + " rows; " +
-              std::to_string(most_entries / entries_a_row) +
-              " fit 32-bit entries. Use fewer particles or a sparser base selection, or the backend \"reference\"");
+  throw Error(ErrorCode::not_supported,
+              "the float table of " + std::string(table) + " has " + std::to_string(rows) + " rows; " +
+                  std::to_string(most_entries / entries_a_row) +
+                  " fit 32-bit entries. Use fewer particles or a sparser base selection, or the backend \"reference\"");
 }
 
 float narrow(double value) {
   const auto result = static_cast<float>(value);
   if (std::isfinite(result)) return result;
-  throw Error("a constant of the body, " + to_decimal(value) +
-              " in SI units, is beyond the range of single precision; expected masses in kg, lengths in m and "
-              "stiffnesses in N/m of a real body. The backend \"reference\" computes in double precision");
+  throw Error(ErrorCode::not_supported,
+              "a constant of the body, " + to_decimal(value) +
+                  " in SI units, is beyond the range of single precision; expected masses in kg, lengths in m and "
+                  "stiffnesses in N/m of a real body. The backend \"reference\" computes in double precision");
 }
 
 std::int32_t narrow_bits(double value) {
@@ -45,10 +47,11 @@ Float4 texel(const Vec3& v, double w) {
 
 void require_square(double square, Index owner) {
   if (square >= least_square && square <= greatest_square) return;
-  throw Error("a base of particle " + std::to_string(owner) + " spans " + to_decimal(std::sqrt(square)) +
-              " in m^2 (m in 2-D); single precision holds " + to_decimal(std::sqrt(least_square)) + " to " +
-              to_decimal(std::sqrt(greatest_square)) +
-              ". Expected a model in metres; the backend \"reference\" computes in double precision");
+  throw Error(ErrorCode::not_supported,
+              "a base of particle " + std::to_string(owner) + " spans " + to_decimal(std::sqrt(square)) +
+                  " in m^2 (m in 2-D); single precision holds " + to_decimal(std::sqrt(least_square)) + " to " +
+                  to_decimal(std::sqrt(greatest_square)) +
+                  ". Expected a model in metres; the backend \"reference\" computes in double precision");
 }
 
 void pack_particles(const TopologyTextures& from, FloatTables& to) {
@@ -103,6 +106,7 @@ void require_enumerable(const TopologyTextures& from) {
       o.reaction == Reaction::full || o.reaction == Reaction::shared || o.reaction == Reaction::barycentric;
   if (from.dimension == 3 && o.law == Law::shape_memory && o.bases == BaseSelection::all && shares) return;
   throw Error(
+      ErrorCode::not_supported,
       "bases can be enumerated from the neighbours only in 3-D with BaseSelection::all and Reaction::full, shared or "
       "barycentric; take BaseLayout::table or automatic, or change the topology's options");
 }
