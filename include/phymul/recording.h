@@ -65,6 +65,7 @@ class Recorder {
 
   StepReport step(int n, double dt);
   RestResult run_to_rest(int max_steps, double dt);
+  RestResult run_to_rest(int max_steps, double dt, const Damping& damping);
   void reset();
   void reset(const State& state);
   void restore(const Snapshot& snapshot);

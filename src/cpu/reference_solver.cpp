@@ -164,11 +164,11 @@ class ReferenceSolver final : public SolverBackend {
   }
 
   /// The step as tools see it: forces are those of force_, to which they add.
-  class Step final : public FreeStep {
+  class Step final : public PredictedStep {
    public:
     explicit Step(ReferenceSolver& solver) : solver_(solver) {}
     Vec3 position(Index i) const override { return solver_.state_.position[i]; }
-    Vec3 free_velocity(Index i) const override { return solver_.next_velocity_[i]; }
+    Vec3 predicted_velocity(Index i) const override { return solver_.next_velocity_[i]; }
     void find(const Region& region, std::vector<Index>& found) const override {
       for (Index i = 0; i < solver_.topology().particle_count; ++i) {
         if (region.meets(solver_.state_.position[i], solver_.next_position_[i])) found.push_back(i);

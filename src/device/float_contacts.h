@@ -8,8 +8,8 @@
 
 #include <vector>
 
-#include "float_tables.h"
 #include "interaction/contact_surface.h"
+#include "table_rows.h"
 
 namespace phymul {
 

@@ -16,7 +16,7 @@
 
 #include <vector>
 
-#include "float_tables.h"
+#include "table_rows.h"
 
 namespace phymul {
 

@@ -7,7 +7,7 @@
 
 #include <phymul/scene.h>
 
-#include "free_step.h"
+#include "predicted_step.h"
 
 namespace phymul::cpu {
 

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "base/decimal.h"
-#include "cell_label.h"
+#include "cell_geometry.h"
 #include "file_extras.h"
-#include "material_range.h"
+#include "material.h"
 
 namespace phymul {
 namespace {
@@ -125,14 +125,6 @@ void validate_components(const Model& model) {
 }
 
 }  // namespace
-
-std::string cell_label(const Model& model, std::size_t row) {
-  const Cell& cell = model.cells[row];
-  std::string label = "cell " + std::to_string(row) + " (" + cell_name(cell.type);
-  const Index number = model.cell_file_index(static_cast<Index>(row));
-  if (number >= 0) label += ", file index " + std::to_string(number);
-  return label + ')' + quoted(cell.name);
-}
 
 void validate(const Model& model) {
   if (model.dimension != 2 && model.dimension != 3) {

@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "base/decimal.h"
-#include "model/surface.h"
+#include "model/surface_facets.h"
 
 namespace phymul {
 namespace {

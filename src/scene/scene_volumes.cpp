@@ -12,7 +12,7 @@
 
 #include "base/decimal.h"
 #include "model/enclosed_volume.h"
-#include "model/surface.h"
+#include "model/surface_facets.h"
 
 namespace phymul {
 namespace {

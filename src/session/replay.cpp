@@ -113,6 +113,12 @@ void Replay::perform(const Input& input) {
   } else if (input.kind == input_kind::to_rest) {
     const StepInput step = take_step(input);
     report_ = solver_.run_to_rest(step.n, step.dt).report;
+  } else if (input.kind == input_kind::to_rest_damped) {
+    ByteReader in = reader(input);
+    const int steps = in.index("a number of steps");
+    const double dt = in.real("a step"), rate = in.real("a damping rate"), factor = in.real("a damping factor");
+    in.expect_end("the input");
+    report_ = solver_.run_to_rest(steps, dt, {.rate = rate, .factor = factor}).report;
   } else if (input.kind == input_kind::restore) {
     ByteReader in = reader(input);
     const Snapshot snapshot = take_snapshot(in);

@@ -7,7 +7,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "wire_codes.h"
+#include "interaction/shape_kind.h"
 
 namespace phymul {
 namespace {
@@ -55,49 +55,41 @@ std::shared_ptr<const DistanceGrid> take_grid(ByteReader& in) {
   return std::make_shared<const DistanceGrid>(origin, spacing, count, std::move(values));
 }
 
-template <class Shape>
-constexpr ShapeCode code_of() {
-  if constexpr (std::is_same_v<Shape, Sphere>) {
-    return ShapeCode::sphere;
-  } else if constexpr (std::is_same_v<Shape, Capsule>) {
-    return ShapeCode::capsule;
-  } else if constexpr (std::is_same_v<Shape, HalfSpace>) {
-    return ShapeCode::half_space;
-  } else if constexpr (std::is_same_v<Shape, Box>) {
-    return ShapeCode::box;
-  } else if constexpr (std::is_same_v<Shape, Needle>) {
-    return ShapeCode::needle;
+/// What a file calls each shape: never another number, whatever ToolShape lists first.
+std::uint8_t code_of(const ToolShape& shape) {
+  switch (kind_of(shape)) {
+    case ShapeKind::sphere:
+      return 0;
+    case ShapeKind::capsule:
+      return 1;
+    case ShapeKind::half_space:
+      return 2;
+    case ShapeKind::box:
+      return 3;
+    case ShapeKind::grid:
+      return 4;
+    case ShapeKind::needle:
+      break;
+  }
+  return 5;
+}
+
+template <std::size_t row = 0>
+ToolShape take_shape(ByteReader& in, std::uint8_t wanted) {
+  if constexpr (row == std::variant_size_v<ToolShape>) {
+    in.fail("expected a tool's shape below " + std::to_string(row) + ", got " + std::to_string(wanted) +
+            "; the file is damaged, or of a newer version of phymul");
   } else {
-    static_assert(std::is_same_v<Shape, std::shared_ptr<const DistanceGrid>>, "a shape without a code");
-    return ShapeCode::distance_grid;
-  }
-}
-
-template <class Shape>
-ToolShape take_members(ByteReader& in) {
-  Shape shape;
-  each_member(shape, [&](double& member) { member = in.real("a size of a tool"); });
-  return shape;
-}
-
-ToolShape take_shape(ByteReader& in) {
-  const std::uint8_t code = in.u8("a tool's shape");
-  switch (static_cast<ShapeCode>(code)) {
-    case ShapeCode::sphere:
-      return take_members<Sphere>(in);
-    case ShapeCode::capsule:
-      return take_members<Capsule>(in);
-    case ShapeCode::half_space:
-      return take_members<HalfSpace>(in);
-    case ShapeCode::box:
-      return take_members<Box>(in);
-    case ShapeCode::needle:
-      return take_members<Needle>(in);
-    case ShapeCode::distance_grid:
+    using Shape = std::variant_alternative_t<row, ToolShape>;
+    if (code_of(Shape{}) != wanted) return take_shape<row + 1>(in, wanted);
+    if constexpr (std::is_same_v<Shape, std::shared_ptr<const DistanceGrid>>) {
       return take_grid(in);
+    } else {
+      Shape shape;
+      each_member(shape, [&](double& member) { member = in.real("a size of a tool"); });
+      return shape;
+    }
   }
-  in.fail("expected a tool's shape, a number below 6, got " + std::to_string(code) +
-          "; the file is damaged, or of a newer version of phymul");
 }
 
 void put_node(ByteWriter& out, const NeedleNode& node) {
@@ -139,11 +131,10 @@ ToolPose take_pose(ByteReader& in) {
 }
 
 void put_tool(ByteWriter& out, const Tool& tool) {
+  out.u8(code_of(tool.shape));
   std::visit(
       [&](const auto& shape) {
-        using Shape = std::decay_t<decltype(shape)>;
-        out.u8(static_cast<std::uint8_t>(code_of<Shape>()));
-        if constexpr (std::is_same_v<Shape, std::shared_ptr<const DistanceGrid>>) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(shape)>, std::shared_ptr<const DistanceGrid>>) {
           put_grid(out, *shape);
         } else {
           each_member(shape, [&](const double& member) { out.real(member); });
@@ -158,7 +149,7 @@ void put_tool(ByteWriter& out, const Tool& tool) {
 
 Tool take_tool(ByteReader& in) {
   Tool tool;
-  tool.shape = take_shape(in);
+  tool.shape = take_shape(in, in.u8("a tool's shape"));
   tool.pose = take_pose(in);
   tool.friction = in.real("a coefficient of friction");
   tool.compliance = in.real("a compliance");

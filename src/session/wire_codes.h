@@ -30,9 +30,6 @@ inline constexpr std::array axis_codes{
     WireCode{Axis::driven, 2},
 };
 
-/// First byte of a tool.
-enum class ShapeCode : std::uint8_t { sphere = 0, capsule = 1, half_space = 2, box = 3, distance_grid = 4, needle = 5 };
-
 template <class Table, class Value>
 void put_code(ByteWriter& out, const Table& table, Value value) {
   for (const auto& row : table) {

@@ -12,7 +12,7 @@
 #include <limits>
 
 #include "base/file_error.h"
-#include "cpu/packed/vector_solver.h"
+#include "cpu/packed/simd_solver.h"
 #include "cpu/reference_solver.h"
 #include "cpu/simd/job.h"
 #include "topology/neighbourhoods.h"
@@ -55,7 +55,7 @@ std::string why_gl_unavailable(const SolverOptions& options) try {
 
 constexpr std::array backends{
     Backend{"reference", cpu::make_reference_solver, always_available},
-    Backend{"cpu", cpu::make_vector_solver, always_available},
+    Backend{"cpu", cpu::make_simd_solver, always_available},
 #ifdef PHYMUL_HAS_GL
     Backend{"gl", make_gl_solver<GlBackend::fragment>, why_gl_unavailable<GlBackend::fragment>},
     Backend{"gl-compute", make_gl_solver<GlBackend::compute>, why_gl_unavailable<GlBackend::compute>},
@@ -167,7 +167,7 @@ Choice choose(const std::shared_ptr<const TopologyTextures>& topology, const Sce
               const SolverOptions& options) {
   std::unique_ptr<Solver> cpu;
   try {
-    cpu = cpu::make_vector_solver(topology, scene, options);
+    cpu = cpu::make_simd_solver(topology, scene, options);
   } catch (const Error& error) {
     // Where the fault is the caller's, the reference backend finds it again.
     return {cpu::make_reference_solver(topology, scene, options), std::string("reference: ") + error.what()};

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/decimal.h"
+#include "half_step.h"
 #include "profile.h"
 #include "scene/tool_state.h"
 #include "solver_input.h"
@@ -148,22 +149,8 @@ void SolverBackend::start(const State& state, double dt) {
   if (!(dt > 0.0) || !std::isfinite(dt))
     throw Error("Solver::start: expected a finite dt above 0 s; got " + to_decimal(dt));
   reset(state);  // which refuses what does not fit before anything is computed from it
-  LoadFrame at_start;
-  scene_->prepare(at_start);
-  scene_->evaluate(state.time, at_start);
-  VecList force(state.position.size());
-  elastic_forces(*topology_, state.position, force);
-  // The scheme steps from v- to v+ = d v- + a dt; the velocity in the middle is to be the given one.
-  const double d = options_.damping.factor_at(dt);
   State earlier = state;
-  for (std::size_t i = 0; i < force.size(); ++i) {
-    if (!at_start.force.empty()) force[i] += at_start.force[i];
-    const Vec3 acceleration = at_start.gravity + force[i] / topology_->mass[i];
-    for (int axis = 0; axis < topology_->dimension; ++axis) {
-      const bool imposed = !at_start.fixed.empty() && (at_start.fixed[i] >> axis & 1);
-      if (!imposed) earlier.velocity[i][axis] = (2.0 * state.velocity[i][axis] - dt * acceleration[axis]) / (1.0 + d);
-    }
-  }
+  to_half_step_before(*topology_, *scene_, {dt, options_.damping.factor_at(dt)}, earlier);
   reset(earlier);
 }
 

@@ -65,19 +65,10 @@ double skin_off_shaft(const Solver& solver, const ToolPose& pose) {
 }
 
 using BendingNeedleIn = WithTools;
-PHYMUL_ON_EVERY_BACKEND(BendingNeedleIn);
-
-/// Scenes of a second and more, which passes that are drawn take a processor most of a minute for.
-using LongBendingNeedleIn = WithTools;
-std::vector<std::string> backends_that_take_seconds() {
-  std::vector<std::string> all = backend_names();
-  std::erase(all, "gl");
-  return all;
-}
-PHYMUL_ON_BACKENDS(LongBendingNeedleIn, backends_that_take_seconds());
+PHYMUL_WITH_NEEDLES(BendingNeedleIn);
 
 /// A block that hangs on the needle alone: its weight is known, and acts in its middle.
-TEST_P(LongBendingNeedleIn, BendsUnderAHangingBlockAsABeamDoes) {
+TEST_P(BendingNeedleIn, BendsUnderAHangingBlockAsABeamDoes) {
   constexpr double edge = 0.01, g = 9.81;
   Model model = make_block({edge, edge, edge}, 4, 4, 4);
   set_material(model, {.young = 20e3, .poisson = 0.45, .density = 1000.0});
@@ -133,7 +124,7 @@ Aside moved_aside(const std::string& backend, const Needle& shape, int cells = 5
   return {needle.solver->tool_force("needle").mean_force, needle.solver->needle_points("needle", 2)[0].x()};
 }
 
-TEST_P(LongBendingNeedleIn, IsTheStiffOneWhereItIsVeryStiffAndFollowsTheTissueWhereItIsSoft) {
+TEST_P(BendingNeedleIn, IsTheStiffOneWhereItIsVeryStiffAndFollowsTheTissueWhereItIsSoft) {
   const Aside stiff = moved_aside(GetParam(), thin_needle()), very = moved_aside(GetParam(), bending(1e3));
   EXPECT_NEAR(very.force.x(), stiff.force.x(), 0.02 * std::abs(stiff.force.x()));
   EXPECT_NEAR(very.tip, stiff.tip, 1e-5);

@@ -11,7 +11,7 @@ namespace phymul::test {
 namespace {
 
 using NeedleIn = WithTools;
-PHYMUL_ON_EVERY_BACKEND(NeedleIn);
+PHYMUL_WITH_NEEDLES(NeedleIn);
 
 TEST_P(NeedleIn, ForceRisesDropsAtPunctureGrowsWithDepthAndTurnsOnWithdrawal) {
   Insertion needle(GetParam(), 6, 0.4);

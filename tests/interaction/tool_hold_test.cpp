@@ -162,7 +162,10 @@ TEST_P(ToolHold, GivesWayToWhatIsFixedBeforeAndAfterwards) {
   for (const Index i : model_.group("z0")) EXPECT_EQ(state.position[i], model_.rest[i]) << i;
 }
 
-TEST_P(ToolHold, OfAnotherShapeIsRefusedAndTheSolverIsAsItWas) {
+class ToolHoldAndNeedle : public ToolHold {};
+PHYMUL_WITH_NEEDLES(ToolHoldAndNeedle);
+
+TEST_P(ToolHoldAndNeedle, OfAnotherShapeIsRefusedAndTheSolverIsAsItWas) {
   scene_.tool("jaw").grasp(near);
   make_here();
   ASSERT_EQ(held_after_a_step("jaw"), face);

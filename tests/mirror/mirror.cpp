@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "device/float_range.h"
 #include "integrate_displacement.h"
 #include "mirror_forces.h"
 #include "mirror_volumes.h"

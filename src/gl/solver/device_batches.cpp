@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "device/float_range.h"
 #include "device_solver.h"
 
 namespace phymul::gl {

@@ -9,11 +9,13 @@
 #include <utility>
 
 #include "device/base_layout.h"
+#include "device/float_range.h"
 #include "device/slice_tables.h"
 #include "gl/compute/compute_device.h"
 #include "gl/context/options.h"
 #include "gl/fragment/fragment_device.h"
 #include "gl/objects/loop_turns.h"
+#include "scene/tool_state.h"
 
 namespace phymul::gl {
 namespace {
@@ -41,6 +43,7 @@ DeviceSolver::DeviceSolver(GlBackend backend, std::shared_ptr<const TopologyText
       layout_(choose_layout(gl_.layout, topology())),
       context_(Context::open(gl_, backend)),
       kept_(rest_state(model())) {
+  if (const char* const cause = DeviceSolver::do_cannot()) throw Error(cause);
   instants_.reserve(Device::most_steps + 1);
   try {
     build();
@@ -55,6 +58,13 @@ DeviceSolver::~DeviceSolver() {
   drop();
 }
 
+/// A needle's hole is followed and settled by lanes that share memory, which fragments have not.
+const char* DeviceSolver::do_cannot() const {
+  if (backend_ == GlBackend::compute || !has_needle(scene().tools())) return nullptr;
+  return "the scene has a needle, which the backend \"gl\" does not take; use \"gl-compute\", \"cpu\" or "
+         "\"reference\"";
+}
+
 void DeviceSolver::build() {
   FloatTables tables = pack_floats(topology(), layout_);
   loads_version_ = scene().version();
@@ -65,11 +75,10 @@ void DeviceSolver::build() {
   if (backend_ == GlBackend::compute) {
     const SliceTables slices = pack_slices(std::move(tables), topology());
     const ComputeForm form = choose_form(gl_.compute, slices, info.software);
-    const bool thesis = topology().options.reaction != Reaction::averaged;  // whose forces every neighbour recomputes
-    require_turns(info, slices.rows.turns, thesis && form == ComputeForm::recompute);
+    require_turns(info, slices.rows.turns);
     context_->run([&] { device_ = std::make_unique<ComputeDevice>(slices, scene(), tools_, library, form); });
   } else {
-    require_turns(info, tables.turns, false);
+    require_turns(info, tables.turns);
     context_->run(
         [&] { device_ = std::make_unique<FragmentDevice>(tables, scene(), tools_, library, gl_.passes == 4); });
   }

@@ -45,7 +45,7 @@ class DeviceSolver final : public SolverBackend, public ContextUser {
   ParticleBuffer do_attractor_buffer() const override;
   std::string do_device() const override { return context_->info().device(); }
   void do_profile() const override;
-  const char* do_cannot() const override { return nullptr; }
+  const char* do_cannot() const override;
   bool do_takes_tools() const override { return true; }
   const ToolReport& do_tool_report(std::size_t row) const override { return tools_.report(scene().tools()[row]); }
 

@@ -9,7 +9,7 @@
 
 #include <vector>
 
-#include "device/float_tables.h"
+#include "device/table_rows.h"
 
 namespace phymul::gl {
 
