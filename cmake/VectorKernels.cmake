@@ -19,7 +19,8 @@ endif()
 function(phymul_kernels name)
   set(sources src/cpu/simd/kernels_${name}.cpp src/cpu/simd/lattice_kernels_${name}.cpp)
   target_sources(phymul PRIVATE ${sources})
-  set_source_files_properties(${sources} PROPERTIES COMPILE_OPTIONS "${kernel_options};${ARGN}")
+  set_source_files_properties(${sources} PROPERTIES COMPILE_OPTIONS "${kernel_options};${ARGN}"
+                              SKIP_PRECOMPILE_HEADERS ON)  # whose flags are others
 endfunction()
 
 phymul_kernels(portable)

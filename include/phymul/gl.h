@@ -33,12 +33,11 @@ enum class BaseLayout {
 enum class GlCompute {
   automatic,  ///< workgroup on a GPU where the body is small enough, else store
   store,      ///< forces of attractors, bases, volumes and cells in one dispatch, their sums and Verlet in another
-  recompute,  ///< one dispatch: a particle computes anew what its neighbours' terms give it, and stores nothing
   workgroup   ///< many steps in a dispatch, by one group of invocations: for small bodies, where launching is the cost
 };
 
 /// The environment overrides what is left at its default: PHYMUL_EGL (device), PHYMUL_GL_DIALECT (desktop, es),
-/// PHYMUL_GL_PASSES (2, 4), PHYMUL_GL_COMPUTE (auto, store, recompute, workgroup), PHYMUL_GL_DEBUG (1), PHYMUL_GLSL
+/// PHYMUL_GL_PASSES (2, 4), PHYMUL_GL_COMPUTE (auto, store, workgroup), PHYMUL_GL_DEBUG (1), PHYMUL_GLSL
 /// (shader_folder).
 struct GlOptions {
   GlContext context = GlContext::own;

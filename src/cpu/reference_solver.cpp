@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "reference_solver.h"
 
+#include <phymul/backend.h>
 #include <phymul/elasticity.h>
 
 #include <algorithm>
@@ -14,11 +15,11 @@
 namespace phymul::cpu {
 namespace {
 
-class ReferenceSolver final : public Solver {
+class ReferenceSolver final : public SolverBackend {
  public:
   ReferenceSolver(std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in,
                   const SolverOptions& options_in)
-      : Solver("reference", std::move(shared), scene_in, options_in),
+      : SolverBackend("reference", std::move(shared), scene_in, options_in),
         force_(topology().particle_count),
         next_position_(topology().particle_count),
         next_velocity_(topology().particle_count) {
@@ -97,7 +98,7 @@ class ReferenceSolver final : public Solver {
       if (!tools_.empty()) tools_.accept();
       last_dt_ = plan.dt;
       ++motion.steps;
-      motion.cut = motion.cut || any_cut;
+      motion.force_clamped = motion.force_clamped || any_cut;
 
       motion.max_speed = max_free_speed();
       const bool quiet = motion.max_speed <= plan.speed_at_rest && motion.max_acceleration <= plan.acceleration_at_rest;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "interaction/shape_kind.h"
 #include "interaction/tool_shape.h"
 #include "scene/needle_measures.h"
 
@@ -51,7 +52,7 @@ void FloatTools::fill_laws() {
     const Tool& tool = moving.tool;
     const ToolExtent extent = extent_of(tool);
     const Eigen::Vector3f size = extent.size.cast<float>();
-    laws_.push_back({size.x(), size.y(), size.z(), static_cast<float>(tool.shape.index())});
+    laws_.push_back({size.x(), size.y(), size.z(), static_cast<float>(kind_of(tool.shape))});
     laws_.push_back(
         {to_float(tool.margin), to_float(extent.thickness), to_float(tool.friction), to_float(tool.compliance)});
     const auto* grid = std::get_if<std::shared_ptr<const DistanceGrid>>(&tool.shape);

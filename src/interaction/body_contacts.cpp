@@ -77,7 +77,7 @@ void BodyContacts::find(TouchedParticles& touched) {
   // Beyond a few edges a step is a failure, which the solver reports: the search must not outgrow the body.
   const double margin = std::min(2.0 * dt * std::sqrt(fastest), 4.0 * surface_.longest_edge);
   // What got into a body is found as far as an edge below its surface.
-  const double skins = options_.skin > 0.0 ? 2.0 * options_.skin : 2.0 * usual_skin * surface_.longest_edge;
+  const double skins = options_.margin > 0.0 ? 2.0 * options_.margin : 2.0 * usual_skin * surface_.longest_edge;
   const double search_distance = std::max(margin + skins, ContactSurface::depth_factor * surface_.longest_edge);
   contacts_.clear();
   candidates_.each(place_, margin, [&](const ContactCandidates::List& list) {
@@ -144,7 +144,7 @@ void BodyContacts::keep(const Nearest& found, double margin) {
   const ContactSurface::Particle& own = surface_.particles[found.particle];
   const ContactSurface::Triangle& triangle = surface_.triangles[found.triangle];
   if (found.inside && is_deep(found.distance, triangle, own)) return;
-  const double skins = options_.skin > 0.0 ? 2.0 * options_.skin : usual_skin * (triangle.edge + own.edge);
+  const double skins = options_.margin > 0.0 ? 2.0 * options_.margin : usual_skin * (triangle.edge + own.edge);
   const double gap = (found.inside ? -found.distance : found.distance) - skins;
   if (gap > margin) return;
   Contact contact;

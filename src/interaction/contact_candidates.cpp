@@ -213,7 +213,7 @@ bool ContactCandidates::measure(std::span<const Vec3> place) {
 
 /// Beyond this, m, what has these edges, on the longer side, touches nothing in any step for which the search holds.
 double ContactCandidates::search_distance(double edge) const {
-  const double skins = options_.skin > 0.0 ? 2.0 * options_.skin : 2.0 * ContactSurface::usual_skin * edge;
+  const double skins = options_.margin > 0.0 ? 2.0 * options_.margin : 2.0 * ContactSurface::usual_skin * edge;
   return (1.0 + of_length) * (std::max(margin_ + skins, ContactSurface::depth_factor * edge) + slack_);
 }
 

@@ -133,7 +133,7 @@ GridValues<double> values_of(const DistanceGrid& grid) {
 
 ShapeIn<double> shape_of(const Tool& tool) {
   const ToolExtent extent = extent_of(tool);
-  ShapeIn<double> shape{.kind = static_cast<ShapeKind>(tool.shape.index()),
+  ShapeIn<double> shape{.kind = kind_of(tool.shape),
                         .size = unpacked(extent.size),
                         .margin = tool.margin,
                         .thickness = extent.thickness};

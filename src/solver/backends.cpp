@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // The table of backends, and what "auto" takes of them.
+#include <phymul/backend.h>
 #include <phymul/error.h>
-#include <phymul/solver.h>
 #include <phymul/topology_textures.h>
 
 #include <algorithm>
@@ -200,9 +200,10 @@ std::unique_ptr<Solver> make_solver(std::string_view backend, std::shared_ptr<co
   SolverOptions quiet = options;
   quiet.progress = {};
   Choice choice = choose(topology, scene, quiet);
-  choice.solver->options_.progress = options.progress;
-  choice.solver->clear_profile();
-  choice.solver->choice_ = std::move(choice.reason);
+  auto& chosen = static_cast<SolverBackend&>(*choice.solver);
+  chosen.options_.progress = options.progress;
+  chosen.clear_profile();
+  chosen.backend_reason_ = std::move(choice.reason);
   return std::move(choice.solver);
 }
 

@@ -11,7 +11,7 @@ std::vector<BackendUnderTest> built_backends() {
     all.push_back({name,
                    [name](const Model& model, const Scene& scene, const TopologyOptions& topology,
                           const SolverOptions& options) { return make_solver(name, model, scene, topology, options); },
-                   name == "reference" ? 0x1p-53 : 0x1p-24, [name] { return why_unavailable(name); }});
+                   name == "reference" ? 0x1p-53 : 0x1p-24, [name] { return why_not_here(name); }});
   }
   return all;
 }
@@ -21,6 +21,11 @@ INSTANTIATE_TEST_SUITE_P(All, SolverConformance, testing::ValuesIn(built_backend
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 });
+
+TEST(Backends, ABuildWithoutGlIsNoneWhereGlIsRequired) {
+  EXPECT_TRUE(!gl_is_required() || std::ranges::count(backend_names(), "gl") == 1)
+      << "PHYMUL_REQUIRE_GL=1, and this build has no GL backend: " << backend_names().size() << " backends";
+}
 
 TEST(Backends, UnknownNameListsTheKnownOnes) {
   const Model model = make_tetrahedron(0.01);

@@ -14,7 +14,7 @@ class GlFragmentContact : public GlTest {
   void SetUp() override {
     GlTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_unavailable("gl"));
+    PHYMUL_SKIP_OR_FAIL(why_not_here("gl"));
   }
 };
 
@@ -64,12 +64,12 @@ void expect_bits_of_compute(const Model& model, Scene& scene, int steps_before, 
 }
 
 TEST_F(GlFragmentContact, BitsAreThoseOfComputeShaders) {
-  PHYMUL_SKIP_OR_FAIL(why_unavailable("gl-compute"));
+  PHYMUL_SKIP_OR_FAIL(why_not_here("gl-compute"));
   Falling falling;
   expect_bits_of_compute(falling.model, falling.scene, 40, "a cube on a slab");
-  falling.scene.contacts({.friction = 0.0, .skin = 3e-4, .rounds = 3});
-  expect_bits_of_compute(falling.model, falling.scene, 40, "without friction, another skin");
-  falling.scene.keep_volume("high");
+  falling.scene.contacts({.friction = 0.0, .margin = 3e-4, .rounds = 3});
+  expect_bits_of_compute(falling.model, falling.scene, 40, "without friction, another margin");
+  falling.scene.constrain_volume("high");
   falling.scene.add_tool("ball", {.shape = Sphere{0.004}, .pose = {.position = {0.0122, 0.0131, 0.0241}}});
   falling.scene.add_tool("jaw", {.shape = Box{{0.001, 0.001, 0.001}}, .pose = {.position = {0.007, 0.008, 0.0205}}});
   falling.scene.tool("jaw").grasp(0.0005);
@@ -78,7 +78,7 @@ TEST_F(GlFragmentContact, BitsAreThoseOfComputeShaders) {
 
 /// Particles without a surface meet triangles, and are none's corners.
 TEST_F(GlFragmentContact, BitsAreThoseOfComputeShadersInABodyWithoutTriangles) {
-  PHYMUL_SKIP_OR_FAIL(why_unavailable("gl-compute"));
+  PHYMUL_SKIP_OR_FAIL(why_not_here("gl-compute"));
   Model loose = moved(make_block({0.01, 0.01, 0.01}, 2, 2, 2), {0.0072, 0.0081, 0.0112});
   loose.cells.clear();
   loose.components.clear();
@@ -92,7 +92,7 @@ TEST_F(GlFragmentContact, BitsAreThoseOfComputeShadersInABodyWithoutTriangles) {
 
 /// A strip whose ends are pressed together above its middle.
 TEST_F(GlFragmentContact, BitsAreThoseOfComputeShadersInABodyThatTouchesItself) {
-  PHYMUL_SKIP_OR_FAIL(why_unavailable("gl-compute"));
+  PHYMUL_SKIP_OR_FAIL(why_not_here("gl-compute"));
   Model strip = make_block({0.09, 0.01, 0.005}, 18, 2, 1);
   set_material(strip, {5e3, 0.3, 1000.0});
   Scene scene(strip);

@@ -170,6 +170,20 @@ TEST(LmlRead, Directions) {
   }
 }
 
+/// What would do something at any of its dates needs to be told where to.
+TEST(LmlRead, ADirectionOfNoLengthIsForLoadsThatAreNeverMeant) {
+  const auto load = [](const std::string& events) {
+    return read_one("Force",
+                    "<appliedTo>1</appliedTo>" + events + "<direction x=\"0\" y=\"0\" z=\"0\"/><unit>N</unit>");
+  };
+  EXPECT_EQ(load("<valueEvent date=\"0\" value=\"0\"/><valueEvent date=\"1\" value=\"0\"/>").events.size(), 2u);
+  for (const char* const values : {"<valueEvent date=\"0\" value=\"0\"/><valueEvent date=\"1\" value=\"2\"/>",
+                                   "<valueEvent date=\"0\" value=\"2\"/><valueEvent date=\"1\" value=\"0\"/>"}) {
+    EXPECT_NE(message_of([&] { load(values); }).find("expected a direction of a length above 0"), std::string::npos)
+        << values;
+  }
+}
+
 TEST(LmlRead, FixityNeedsNoValue) {
   const Load load =
       read_one("Translation", "<appliedTo>1</appliedTo><direction x=\"NULL\" y=\"NULL\" z=\"NULL\"/><unit>mm</unit>");

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "support/bodies.h"
+#include "support/every_backend.h"
 #include "support/message_of.h"
 
 namespace phymul::test {
@@ -82,15 +83,7 @@ TEST(TopologyOfAChangedModel, IsTakenForACopyAndWhereNothingThatMovesTheBodyIsOt
       << "a stiffness that materials stand in for";
 }
 
-std::vector<std::string> backends() {
-  std::vector<std::string> all;
-  for (const std::string& name : backend_names()) {
-    if (why_unavailable(name).empty()) all.push_back(name);
-  }
-  return all;
-}
-
-class SnapshotOfAnotherBody : public testing::TestWithParam<std::string> {
+class SnapshotOfAnotherBody : public OnEveryBackend {
  protected:
   struct Run {
     Run(const Model& of, const TopologyOptions& options = {}) : model(of), scene(model) {
@@ -106,11 +99,7 @@ class SnapshotOfAnotherBody : public testing::TestWithParam<std::string> {
   static constexpr const char* refusal = "expected a snapshot of this solver's body";
 };
 
-INSTANTIATE_TEST_SUITE_P(All, SnapshotOfAnotherBody, testing::ValuesIn(backends()), [](const auto& backend) {
-  std::string name = backend.param;
-  std::ranges::replace(name, '-', '_');
-  return name;
-});
+PHYMUL_ON_EVERY_BACKEND(SnapshotOfAnotherBody);
 
 TEST_P(SnapshotOfAnotherBody, IsRefusedAndTheSolverIsAsItWas) {
   Model wide = make_block({0.06, 0.02, 0.02}, 3, 2, 2);
@@ -122,7 +111,7 @@ TEST_P(SnapshotOfAnotherBody, IsRefusedAndTheSolverIsAsItWas) {
   own.solver->request_read();
   for (const Run* run : {&stiffer, &wider}) {
     const Snapshot other = run->solver->snapshot();
-    EXPECT_NE(other.body, before.body);
+    EXPECT_NE(other.topology_hash, before.topology_hash);
     EXPECT_TRUE(has(message_of([&] { own.solver->restore(other); }), refusal));
     EXPECT_EQ(own.solver->snapshot(), before);
   }
@@ -137,7 +126,7 @@ TEST_P(SnapshotOfAnotherBody, IsRefusedAndTheSolverIsAsItWas) {
   for (int k = 0; k < 100000 && !arrived; ++k) arrived = own.solver->collect(copy);
   EXPECT_EQ(copy, before.state) << "a copy on its way";
 
-  EXPECT_EQ(before.body, own.solver->body());
+  EXPECT_EQ(before.topology_hash, own.solver->topology_hash());
   ASSERT_TRUE(twin.solver->step(3, twin.dt).ok());
   twin.solver->restore(before);  // over other tables of an equal model
   EXPECT_EQ(twin.solver->snapshot(), before);

@@ -3,22 +3,17 @@
 // The fixture of stability tests that every backend of the build runs.
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <limits>
 #include <string>
 
 #include "stability_methods.h"
-#include "support/gl_needed.h"
+#include "support/every_backend.h"
 #include "support/sanitized.h"
 
 namespace phymul::test {
 
-class OnBackend : public testing::TestWithParam<std::string> {
+class OnBackend : public OnEveryBackend {
  protected:
-  void SetUp() override { PHYMUL_SKIP_OR_FAIL(why_unavailable(GetParam())); }
-
   static std::unique_ptr<Solver> make(const Model& model, const Scene& scene, const TopologyOptions& topology = {},
                                       const SolverOptions& options = {}) {
     return make_solver(GetParam(), model, scene, topology, options);
@@ -32,7 +27,7 @@ class OnBackend : public testing::TestWithParam<std::string> {
 inline SolverOptions any_step_uncut() {
   SolverOptions options;
   options.on_unstable = UnstableStep::allow;
-  options.largest_push = std::numeric_limits<double>::infinity();
+  options.max_displacement_per_step = std::numeric_limits<double>::infinity();
   return options;
 }
 
@@ -43,14 +38,4 @@ inline Method method_named(const std::string& name) {
   throw Error("no method is called " + name);
 }
 
-inline std::string as_test_name(std::string backend) {
-  std::replace(backend.begin(), backend.end(), '-', '_');
-  return backend;
-}
-
 }  // namespace phymul::test
-
-/// Every test of the suite on every backend of this build.
-#define PHYMUL_ON_EVERY_BACKEND(suite)                                               \
-  INSTANTIATE_TEST_SUITE_P(All, suite, testing::ValuesIn(::phymul::backend_names()), \
-                           [](const auto& backend) { return ::phymul::test::as_test_name(backend.param); })

@@ -22,8 +22,7 @@ inline auto all_gl_forms() {
   return testing::Values(GlForm{"gl", GlBackend::fragment, GlCompute::automatic, 2},
                          GlForm{"gl_four_passes", GlBackend::fragment, GlCompute::automatic, 4},
                          GlForm{"gl_compute", GlBackend::compute, GlCompute::workgroup, 2},
-                         GlForm{"gl_compute_store", GlBackend::compute, GlCompute::store, 2},
-                         GlForm{"gl_compute_recompute", GlBackend::compute, GlCompute::recompute, 2});
+                         GlForm{"gl_compute_store", GlBackend::compute, GlCompute::store, 2});
 }
 
 /// A block of soft tissue, 3 x 2 x 2 cm.
@@ -33,7 +32,7 @@ class GlBlockTest : public GlTest, public testing::WithParamInterface<GlForm> {
   void SetUp() override {
     GlTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_unavailable(name_of(GetParam().backend)));
+    PHYMUL_SKIP_OR_FAIL(why_not_here(name_of(GetParam().backend)));
     tables_ = tables_of(model_, {});
     options_.damping.rate = 30.0;
     options_.gl.compute = GetParam().compute;

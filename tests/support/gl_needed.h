@@ -5,9 +5,10 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <phymul/error.h>
+#include <phymul/solver.h>
 
 #include <cstdlib>
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -16,6 +17,14 @@ namespace phymul::test {
 inline bool gl_is_required() {
   const char* wish = std::getenv("PHYMUL_REQUIRE_GL");
   return wish && std::string_view(wish) == "1";
+}
+
+/// Why this machine cannot run a backend, a sentence; empty where it can. Asked once a process, because the answer may
+/// take making a context.
+inline const std::string& why_not_here(const std::string& backend) {
+  static std::map<std::string, std::string> known;
+  const auto found = known.find(backend);
+  return found != known.end() ? found->second : known.emplace(backend, why_unavailable(backend)).first->second;
 }
 
 }  // namespace phymul::test

@@ -107,29 +107,19 @@ inline SolverOptions damped(double rate) {
   return options;
 }
 
-class WithContacts : public GlTest {
- protected:
-  void SetUp() override {
-    GlTest::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_unavailable("gl-compute"));
-  }
-};
-
 /// Contacts on one of the GL backends.
 class WithContactsOn : public GlTest, public testing::WithParamInterface<GlForm> {
  protected:
   void SetUp() override {
     GlTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_unavailable(name_of(GetParam().backend)));
+    PHYMUL_SKIP_OR_FAIL(why_not_here(name_of(GetParam().backend)));
   }
   static bool draws() { return GetParam().backend == GlBackend::fragment; }
   /// In every form that this backend has.
   static std::vector<GlForm> forms() {
     if (draws()) return {{"gl", GlBackend::fragment, {}, 2}, {"gl_four_passes", GlBackend::fragment, {}, 4}};
     return {{"store", GlBackend::compute, GlCompute::store, 2},
-            {"recompute", GlBackend::compute, GlCompute::recompute, 2},
             {"workgroup", GlBackend::compute, GlCompute::workgroup, 2}};
   }
 };

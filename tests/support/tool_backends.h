@@ -3,32 +3,19 @@
 // The fixture of tests that every backend runs that takes tools, and what they share.
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include "bodies.h"
+#include "every_backend.h"
 
 namespace phymul::test {
 
-/// Backends whose solvers take tools; "reference" and "cpu" are always among them.
-inline std::vector<std::string> tool_backends() {
-  const Model model = make_tetrahedron(0.01);
-  const Scene scene(model);
-  std::vector<std::string> all;
-  for (const std::string& name : backend_names()) {
-    if (why_unavailable(name).empty() && make_solver(name, model, scene)->takes_tools()) all.push_back(name);
-  }
+/// "gl" takes none.
+inline std::vector<std::string> needle_backends() {
+  std::vector<std::string> all = backend_names();
+  std::erase(all, "gl");
   return all;
 }
 
-/// "gl-compute" as a test may be called: gl_compute.
-inline std::string test_name_of(std::string backend) {
-  std::ranges::replace(backend, '-', '_');
-  return backend;
-}
-
-class WithTools : public testing::TestWithParam<std::string> {
+class WithTools : public OnEveryBackend {
  protected:
   static std::unique_ptr<Solver> make(const Model& model, const Scene& scene, const SolverOptions& options = {}) {
     return make_solver(GetParam(), model, scene, {}, options);
@@ -66,6 +53,4 @@ inline Imbalance imbalance(const Momentum& before, const Momentum& after, const 
 
 }  // namespace phymul::test
 
-#define PHYMUL_WITH_TOOLS(name)                                                         \
-  INSTANTIATE_TEST_SUITE_P(All, name, testing::ValuesIn(phymul::test::tool_backends()), \
-                           [](const auto& backend) { return phymul::test::test_name_of(backend.param); })
+#define PHYMUL_WITH_NEEDLES(suite) PHYMUL_ON_BACKENDS(suite, ::phymul::test::needle_backends())

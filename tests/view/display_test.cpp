@@ -282,7 +282,7 @@ TEST_F(GlPictureTest, ACpuSolverIsFollowed) {
 
 /// The particles drawn from the texture that the solver wrote are those that read() gives.
 TEST_F(GlPictureTest, AGlSolverIsDrawnFromItsOwnTexture) {
-  PHYMUL_SKIP_OR_FAIL(why_unavailable("gl"));
+  PHYMUL_SKIP_OR_FAIL(why_not_here("gl"));
   for (const bool with_attractors : {false, true}) {
     Model model = cylinder_275();
     Scene scene(model);

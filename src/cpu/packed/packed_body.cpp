@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "device/float_tables.h"
+#include "device/float_range.h"
 #include "packed_rows.h"
 #include "renumbering.h"
 #include "term_packer.h"

@@ -63,7 +63,7 @@ struct PackedBody {
   }
   bool gives() const { return use == simd::BaseUse::attractor && !(bases.empty() && enumerated.empty()); }
   double cost() const;  ///< ns per step, rough
-  /// See Solver::bytes_a_step. Loads of a scene, which few particles have, are not among them.
+  /// Bytes that a step reads and writes if nothing stays in a cache between steps, without the scene's loads.
   double bytes_a_step() const;
 };
 

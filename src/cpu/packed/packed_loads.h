@@ -4,6 +4,7 @@
 // no array for them; constant loads are written once.
 #pragma once
 
+#include <phymul/load_frame.h>
 #include <phymul/scene.h>
 
 #include "packed_body.h"

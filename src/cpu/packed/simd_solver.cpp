@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "simd_solver.h"
 
+#include <phymul/backend.h>
 #include <phymul/elasticity.h>
 
 #include <algorithm>
@@ -16,7 +17,7 @@
 #include "base/thread_pool.h"
 #include "cluster_claims.h"
 #include "cpu/simd/instruction_set.h"
-#include "device/float_tables.h"
+#include "device/float_range.h"
 #include "near_displacements.h"
 #include "packed_body.h"
 #include "packed_loads.h"
@@ -58,10 +59,10 @@ char* bytes(Floats& floats) {
   return reinterpret_cast<char*>(floats.data());
 }
 
-class SimdSolver final : public Solver {
+class SimdSolver final : public SolverBackend {
  public:
   SimdSolver(std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in, const SolverOptions& options_in)
-      : Solver("cpu", std::move(shared), scene_in, options_in),
+      : SolverBackend("cpu", std::move(shared), scene_in, options_in),
         kernels_(simd::chosen_kernels()),
         body_(make_packed_body(topology(), kernels_.lanes)),
         loads_(scene(), *body_),
@@ -156,7 +157,7 @@ class SimdSolver final : public Solver {
       time_ += plan.dt;
       last_dt_ = plan.dt;
       ++motion.steps;
-      motion.cut = motion.cut || summary.cut;
+      motion.force_clamped = motion.force_clamped || summary.cut;
 
       motion.max_speed = std::sqrt(static_cast<double>(summary.speed));
       const RestThresholds rest = rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest},
@@ -329,7 +330,6 @@ class SimdSolver final : public Solver {
   }
 
   double do_time() const override { return time_; }
-  double do_bytes_a_step() const override { return body_->bytes_a_step(); }
 
   std::string do_device() const override {
     return std::to_string(pool_.parts()) + (pool_.parts() == 1 ? " thread" : " threads") + ", " + kernels_.name +

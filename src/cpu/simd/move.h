@@ -34,7 +34,7 @@ PHYMUL_INLINE bool any_of(Ints mask) {
   return any != 0;
 }
 
-/// SolverOptions::largest_push. Lanes are cut one by one: it is rare.
+/// SolverOptions::max_displacement_per_step. Lanes are cut one by one: it is rare.
 PHYMUL_INLINE bool cut_force(Pack3& force, Pack inverse_mass, const simd::Move& move) {
   const Pack3 a = inverse_mass * force;
   const Pack q = dot(a, a);

@@ -4,24 +4,101 @@
 #include <phymul/error.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "needle_passes.h"
 
 namespace phymul::gl {
 namespace {
 
-// As glsl/needle/needle_tables.glsl has them.
-constexpr int words_a_law = 20;
-enum HeaderWord { count_word, punctured_word, through_word, slip_word, loads_word, full_word, coupled_word };
+// What the words of a law and of a state's header mean; shaders know them as LAW_STATE ..., HEADER_COUNT ...
+enum LawWord {
+  state_law,
+  coupling_law,
+  stiffness_law,
+  inverse_law,
+  share_law,
+  nodes_law,
+  particles_law,
+  tool_law,
+  length_law,
+  radius_law,
+  puncture_law,
+  cutting_law,
+  static_friction_law,
+  kinetic_friction_law,
+  surface_friction_law,
+  spread_law,
+  reach_law,
+  bending_stiffness_law,
+  law_words_used
+};
+enum HeaderWord {
+  count_word,
+  punctured_word,
+  through_word,
+  slip_word,
+  loads_word,
+  full_word,
+  coupled_word,
+  stage_word,
+  left_word,
+  reach_word,
+  first_word,
+  way_word,
+  header_words_used
+};
+constexpr int words_a_law = (law_words_used + 3) / 4 * 4;
 
 std::int64_t whole_rows(std::int64_t words) {
   return (words + 3) / 4 * 4;
 }
 
+constexpr std::array names{
+    std::pair{"LAW_STATE", int{state_law}},
+    std::pair{"LAW_COUPLING", int{coupling_law}},
+    std::pair{"LAW_STIFFNESS", int{stiffness_law}},
+    std::pair{"LAW_INVERSE", int{inverse_law}},
+    std::pair{"LAW_SHARE", int{share_law}},
+    std::pair{"LAW_NODES", int{nodes_law}},
+    std::pair{"LAW_PARTICLES", int{particles_law}},
+    std::pair{"LAW_TOOL", int{tool_law}},
+    std::pair{"LAW_LENGTH", int{length_law}},
+    std::pair{"LAW_RADIUS", int{radius_law}},
+    std::pair{"LAW_PUNCTURE", int{puncture_law}},
+    std::pair{"LAW_CUTTING", int{cutting_law}},
+    std::pair{"LAW_STATIC_FRICTION", int{static_friction_law}},
+    std::pair{"LAW_KINETIC_FRICTION", int{kinetic_friction_law}},
+    std::pair{"LAW_SURFACE_FRICTION", int{surface_friction_law}},
+    std::pair{"LAW_SPREAD", int{spread_law}},
+    std::pair{"LAW_REACH", int{reach_law}},
+    std::pair{"LAW_BENDING_STIFFNESS", int{bending_stiffness_law}},
+    std::pair{"HEADER_COUNT", int{count_word}},
+    std::pair{"HEADER_PUNCTURED", int{punctured_word}},
+    std::pair{"HEADER_THROUGH", int{through_word}},
+    std::pair{"HEADER_SLIP", int{slip_word}},
+    std::pair{"HEADER_LOADS", int{loads_word}},
+    std::pair{"HEADER_FULL", int{full_word}},
+    std::pair{"HEADER_COUPLED", int{coupled_word}},
+    std::pair{"HEADER_STAGE", int{stage_word}},
+    std::pair{"HEADER_LEFT", int{left_word}},
+    std::pair{"HEADER_REACH", int{reach_word}},
+    std::pair{"HEADER_FIRST", int{first_word}},
+    std::pair{"HEADER_WAY", int{way_word}},
+    std::pair{"LAW_WORDS", words_a_law},
+};
+
 }  // namespace
+
+void ComputeNeedles::define(ShaderRequest& request) {
+  static_assert(header_words_used <= header_words);
+  for (const auto& [name, word] : names) request.defines.emplace_back(name, word);
+  request.defines.emplace_back("HEADER_WORDS", header_words);
+}
 
 std::int64_t ComputeNeedles::Placed::state_words() const {
   return whole_rows(front_words() + std::int64_t{2} * law.nodes * law.particles);
@@ -111,25 +188,31 @@ void ComputeNeedles::require_turns(std::int64_t particles, const ComputeLimits& 
 }
 
 std::vector<std::int32_t> ComputeNeedles::law_words() const {
-  std::vector<std::int32_t> words;
+  std::vector<std::int32_t> words(words_a_law * needles_.size(), 0);
+  std::int32_t* own = words.data();
   for (const Placed& needle : needles_) {
-    const auto whole = [&](std::int64_t value) { words.push_back(static_cast<std::int32_t>(value)); };
-    const auto real = [&](double value) { words.push_back(bits_of(static_cast<float>(value))); };
-    whole(needle.state);
-    whole(needle.coupling);
-    whole(needle.stiffness);
-    whole(needle.inverse);
-    whole(needle.share);
-    whole(needle.law.nodes);
-    whole(needle.law.particles);
-    whole(needle.law.tool);
+    const auto whole = [&](LawWord word, std::int64_t value) { own[word] = static_cast<std::int32_t>(value); };
+    const auto real = [&](LawWord word, double value) { own[word] = bits_of(static_cast<float>(value)); };
+    whole(state_law, needle.state);
+    whole(coupling_law, needle.coupling);
+    whole(stiffness_law, needle.stiffness);
+    whole(inverse_law, needle.inverse);
+    whole(share_law, needle.share);
+    whole(nodes_law, needle.law.nodes);
+    whole(particles_law, needle.law.particles);
+    whole(tool_law, needle.law.tool);
     const Needle& law = needle.law.needle;
-    for (const double value :
-         {law.length, law.radius, law.puncture, law.cutting, law.static_friction, law.kinetic_friction,
-          needle.law.friction, needle.law.spread, needle.law.reach, law.bending_stiffness}) {
-      real(value);
-    }
-    words.resize(words.size() + words_a_law - 18, 0);
+    real(length_law, law.length);
+    real(radius_law, law.radius);
+    real(puncture_law, law.puncture);
+    real(cutting_law, law.cutting);
+    real(static_friction_law, law.static_friction);
+    real(kinetic_friction_law, law.kinetic_friction);
+    real(surface_friction_law, needle.law.friction);
+    real(spread_law, needle.law.spread);
+    real(reach_law, needle.law.reach);
+    real(bending_stiffness_law, law.bending_stiffness);
+    own += words_a_law;
   }
   return words;
 }

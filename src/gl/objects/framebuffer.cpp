@@ -59,12 +59,4 @@ void Framebuffer::read(int k, GLenum layout, GLenum type, void* out) const {
   glReadPixels(0, 0, shape_.width, shape_.height, layout, type, out);
 }
 
-void Framebuffer::copy_to(const Framebuffer& to) const {
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, id_);
-  glReadBuffer(GL_COLOR_ATTACHMENT0);
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to.id_);
-  glBlitFramebuffer(0, 0, shape_.width, shape_.height, 0, 0, shape_.width, shape_.height, GL_COLOR_BUFFER_BIT,
-                    GL_NEAREST);
-}
-
 }  // namespace phymul::gl

@@ -147,11 +147,6 @@ void Texture::upload(std::span<const float> rows) {
   upload_rows(rows.data(), static_cast<std::int64_t>(rows.size()), sizeof(float));
 }
 
-void Texture::upload(std::span<const Int2> rows) {
-  keep_plain_unpacking();
-  upload_rows(rows.data(), static_cast<std::int64_t>(rows.size()), sizeof(Int2));
-}
-
 void Texture::upload_from(GLuint buffer, std::int64_t first) {
   keep_plain_unpacking();
   glBindBuffer(GL_PIXEL_UNPACK_BUFFER, buffer);
