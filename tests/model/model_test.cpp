@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "support/message_of.h"
+#include "support/print.h"
 
 namespace phymul {
 namespace {
