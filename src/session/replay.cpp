@@ -6,6 +6,7 @@
 #include <bit>
 
 #include "base/decimal.h"
+#include "base/file_error.h"
 #include "input_kinds.h"
 #include "scene_bytes.h"
 #include "snapshot_bytes.h"
@@ -65,7 +66,7 @@ Replay::Replay(Recording recording, Solver& solver, Scene& scene)
   try {
     solver_.restore(recording_.start);
   } catch (const Error& error) {
-    throw Error(std::string("Replay: the start: ") + error.what());
+    throw with_prefix("Replay: the start: ", error);
   }
 }
 
@@ -74,7 +75,7 @@ void Replay::start_scene() {
     ByteReader in("scene", recording_.scene);
     change_scene(scene_, in);
   } catch (const Error& error) {
-    throw Error(std::string("Replay: the scene at the start: ") + error.what());
+    throw with_prefix("Replay: the scene at the start: ", error);
   }
 }
 
@@ -148,7 +149,7 @@ bool Replay::next() {
   try {
     perform(recording_.inputs[row_]);
   } catch (const Error& error) {
-    throw Error("Replay: input " + std::to_string(position_) + ": " + error.what());
+    throw with_prefix("Replay: input " + std::to_string(position_) + ": ", error);
   }
   advance();
   return true;

@@ -95,7 +95,8 @@ void SolverBackend::require_fitting(const State& state) const {
 }
 
 void SolverBackend::require_supported() const {
-  if (const char* const cause = do_cannot()) throw Error("backend \"" + name_ + "\": " + cause);
+  if (const char* const cause = do_cannot())
+    throw Error(ErrorCode::not_supported, "backend \"" + name_ + "\": " + cause);
 }
 
 void SolverBackend::reset(const State& state) {
@@ -158,7 +159,7 @@ ParticleBuffer SolverBackend::attractor_buffer() const {
 }
 
 const ToolReport& SolverBackend::do_tool_report(std::size_t) const {
-  throw Error(no_tools);
+  throw Error(ErrorCode::not_supported, no_tools);
 }
 
 void SolverBackend::do_request_read() {
@@ -179,8 +180,9 @@ void SolverBackend::do_snapshot(Snapshot& snapshot) const {
 
 void SolverBackend::refuse_parts(const Snapshot& snapshot) const {
   if (snapshot.parts.empty()) return;
-  throw Error("Solver::restore: the snapshot holds \"" + snapshot.parts.front().name + "\", of which the backend \"" +
-              name_ + "\" knows nothing; restore it in the backend that made it");
+  throw Error(ErrorCode::not_supported, "Solver::restore: the snapshot holds \"" + snapshot.parts.front().name +
+                                            "\", of which the backend \"" + name_ +
+                                            "\" knows nothing; restore it in the backend that made it");
 }
 
 void SolverBackend::do_restore(const Snapshot& snapshot) {
