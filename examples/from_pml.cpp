@@ -21,7 +21,7 @@ int main(int argc, char** argv) try {
 
   phymul::VtkSeries film("from_pml");
   film.write(sim.model(), sim.state());
-  while (sim.time() < seconds) {
+  while (sim.time() < seconds - 1e-9) {                                       // times are sums of steps
     if (const phymul::StepReport report = sim.advance(0.01); !report.ok()) {  // 10 ms between two frames
       std::puts(report.message().c_str());
       return 1;
