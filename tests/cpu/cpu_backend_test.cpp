@@ -124,8 +124,7 @@ Scene pulled(const Model& model) {
   push.particles = model.group("y1");
   push.direction = {0, 1, 0};
   push.events = {{0.0, 0.01}};
-  scene.fix("x0").gravity({0, 0, -9.81}).add(pull).add(push);
-  return scene;
+  return scene.fix("x0").gravity({0, 0, -9.81}).add(pull).add(push);
 }
 
 /// Bodies of several clusters, with the terms of every kernel among them.

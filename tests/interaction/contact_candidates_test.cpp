@@ -172,7 +172,7 @@ TEST(ContactCandidates, ListsTooLongToKeepAreWhole) {
 TEST(ContactCandidates, AreLookedForAnewWhereMotionAndMarginTogetherPassTheSlack) {
   constexpr double edge = 0.005;  // m, of two_cubes()
   const ContactSurface surface = make_contact_surface(two_cubes(1.2 * edge));
-  const ContactOptions options{.skin = 0.6 * edge};  // further out than what is inside: depth_factor
+  const ContactOptions options{.margin = 0.6 * edge};  // further out than what is inside: depth_factor
   for (const double way : {0.05 * edge, 0.15 * edge, 0.24 * edge}) {
     cpu::ContactCandidates candidates;
     candidates.follow(surface, options);

@@ -136,8 +136,8 @@ TEST(KeptVolume, IsExactWhereParticlesWereShifted) {
   const Model model = soft_block();
   for (const char* backend : {"reference", "cpu"}) {
     Scene scene(model), measure(model);
-    scene.keep_volume();
-    measure.keep_volume();
+    scene.constrain_volume();
+    measure.constrain_volume();
     scene.add_tool("probe", {.shape = Sphere{0.008}, .pose = {.position = {0.015, 0.010, 0.024}}});
     const auto solver = make_solver(backend, model, scene);
     const StepReport report = solver->step(1, 0.3 * solver->stable_step());
