@@ -79,7 +79,7 @@ TEST_P(GlLateReport, TellsOfTheCallBefore) {
     EXPECT_TRUE(now.ok());
     EXPECT_NEAR(now.residual, mirror.residual, 1e-3 * mirror.residual);
     EXPECT_NEAR(now.max_speed, mirror.max_speed, 1e-3 * mirror.max_speed);
-    EXPECT_EQ(now.cut, mirror.cut);
+    EXPECT_EQ(now.force_clamped, mirror.force_clamped);
     EXPECT_EQ(late.steps, before.steps);
     EXPECT_EQ(late.residual, before.residual);
     EXPECT_EQ(late.max_speed, before.max_speed);

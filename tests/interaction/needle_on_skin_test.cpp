@@ -9,7 +9,7 @@ namespace phymul::test {
 namespace {
 
 using NeedleOnSkin = WithTools;
-PHYMUL_WITH_TOOLS(NeedleOnSkin);
+PHYMUL_WITH_NEEDLES(NeedleOnSkin);
 
 TEST_P(NeedleOnSkin, StaysInItsConeUntilItPunctures) {
   constexpr double friction = 0.5;              // Insertion's
@@ -23,7 +23,7 @@ TEST_P(NeedleOnSkin, StaysInItsConeUntilItPunctures) {
     double most = 0.0;
     for (int k = 0; k < 20; ++k) {
       needle.pose.position.x() += 0.4e-3;
-      needle.scene.tool("needle").pose(needle.pose);
+      needle.scene.tool("needle").move_to(needle.pose);
       ASSERT_TRUE(needle.solver->step(4, needle.dt).ok());
       const Vec3 force = needle.solver->tool_force("needle").force;
       ASSERT_GT(force.z(), 0.02);

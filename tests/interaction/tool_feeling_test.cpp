@@ -10,7 +10,7 @@ namespace phymul::test {
 namespace {
 
 using ToolFeeling = WithTools;
-PHYMUL_WITH_TOOLS(ToolFeeling);
+PHYMUL_ON_EVERY_BACKEND(ToolFeeling);
 
 /// A ball whose centre is out of the plane pushes a flat body askew, and feels it only in the plane.
 TEST_P(ToolFeeling, NothingOutOfAFlatBodysPlane) {
@@ -20,7 +20,7 @@ TEST_P(ToolFeeling, NothingOutOfAFlatBodysPlane) {
   const auto solver = make(model, scene);
   double most = 0.0;
   for (int k = 1; k <= 20; ++k) {
-    scene.tool("ball").pose({.position = {0.02, 0.0264 - 1e-4 * k, 0.004}});
+    scene.tool("ball").move_to({.position = {0.02, 0.0264 - 1e-4 * k, 0.004}});
     ASSERT_TRUE(solver->step(2, 0.3 * solver->stable_step()).ok());
     const Vec3& force = solver->tool_force("ball").force;
     EXPECT_EQ(force.z(), 0.0) << k;
@@ -47,7 +47,7 @@ TEST_P(ToolFeeling, NothingAlongAnImposedAxis) {
     const auto solver = make(model, scene);
     double most = 0.0;
     for (int k = 1; k <= 10; ++k) {
-      scene.tool("ball").pose({.position = above - Vec3(0, 0, 2e-4 * k)});
+      scene.tool("ball").move_to({.position = above - Vec3(0, 0, 2e-4 * k)});
       ASSERT_TRUE(solver->step(2, 0.3 * solver->stable_step()).ok());
       const Vec3& force = solver->tool_force("ball").force;
       EXPECT_EQ(force[axis], 0.0) << axis << ", " << k;

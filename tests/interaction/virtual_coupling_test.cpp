@@ -28,6 +28,28 @@ TEST(VirtualCoupling, PassesAForceOnToTheHandUpToTheLimit) {
   EXPECT_NEAR(coupling.force().norm(), 5.0, 1e-9);
 }
 
+TEST(VirtualCoupling, PassesATorqueOnToTheHandUpToItsOwnLimit) {
+  const CouplingOptions options{.largest_force = 3.0, .largest_torque = 0.004};
+  VirtualCoupling coupling(options, {});
+  for (int k = 0; k < 3000; ++k) coupling.follow({}, {0, 0, 4.0}, {0, 0.01, 0}, 1e-3);
+  EXPECT_NEAR(coupling.force().norm(), 3.0, 1e-9);
+  EXPECT_NEAR((coupling.torque() - Vec3(0, 0.004, 0)).norm(), 0.0, 1e-6);
+}
+
+/// A quaternion and its negative are one orientation.
+TEST(VirtualCoupling, TurnsTheShorterWay) {
+  const Quaternion turn(Eigen::AngleAxisd(0.4, Vec3(0.2, 1, 0).normalized()));
+  const Quaternion negative(-turn.w(), -turn.x(), -turn.y(), -turn.z());
+  VirtualCoupling one({}, {}), other({}, {});
+  for (int k = 0; k < 500; ++k) {
+    one.follow({.orientation = turn}, ToolForce{}, 1e-3);
+    other.follow({.orientation = negative}, ToolForce{}, 1e-3);
+    ASSERT_LE(other.tool().orientation.angularDistance(one.tool().orientation), 1e-7) << k;
+    ASSERT_LE(other.tool().spin.norm(), one.tool().spin.norm() + 1e-6) << k;
+  }
+  EXPECT_LE(one.tool().orientation.angularDistance(turn), 0.05);
+}
+
 TEST(VirtualCoupling, IsStableHoweverStiff) {
   CouplingOptions stiff;
   stiff.stiffness = 1e9;
@@ -174,12 +196,12 @@ TEST(VirtualCoupling, CarriesALongLoadOnATurnedTool) {
     load.felt.held_inertia = Vec3(40.0 * own, 40.0 * own, 0.5 * own).asDiagonal();
     const Mat3 inertia = load.felt.held_inertia;
     for (int k = 0; k < 3000; ++k) {
-      const Mat3 turn = coupling.tool().orientation.toRotationMatrix();
+      const Mat3 turn = coupling.pose().orientation.toRotationMatrix();
       const ToolPose& tool = coupling.follow(hand, load.felt, 1e-3);
       load.felt.mean_torque = turn * inertia * turn.transpose() * (load.spin - tool.spin) / 1e-3;
       load.spin = tool.spin;
     }
-    EXPECT_LE(coupling.tool().orientation.angularDistance(hand.orientation), 1e-2);  // rad
+    EXPECT_LE(coupling.pose().orientation.angularDistance(hand.orientation), 1e-2);  // rad
   }
 }
 

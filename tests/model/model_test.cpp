@@ -11,6 +11,7 @@
 
 #include "model/file_extras.h"
 #include "support/message_of.h"
+#include "support/print.h"
 
 namespace phymul {
 namespace {

@@ -133,9 +133,9 @@ ComputeNeedles::ComputeNeedles(const FloatNeedles& needles, const FloatTools& to
     needle.share = take(4 * std::int64_t{tables.places()});
   }
   if (end > std::numeric_limits<int>::max()) {
-    throw Error(
-        "the scene's needles take more than the 2147483647 words a shader counts to; use a larger "
-        "Needle::spread, or the backend \"cpu\"");
+    throw Error(ErrorCode::not_supported,
+                "the scene's needles take more than the 2147483647 words a shader counts to; use a larger "
+                "Needle::spread, or the backend \"cpu\"");
   }
   buffer_ = StorageBuffer(end / 4, "the scene's needles", limits);
   const std::vector<std::int32_t> laws = law_words();
@@ -178,10 +178,11 @@ void ComputeNeedles::require_turns(std::int64_t particles, const ComputeLimits& 
   const std::int64_t turns = limits.loop_turns / 2;
   const std::int64_t needed = 6 * nodes + 32;
   if (unit > turns || acting > turns) {
-    throw Error("expected needles that take at most " + std::to_string(turns) +
-                " turns of a shader's loops, half of where this renderer breaks off, got up to " +
-                std::to_string(std::max(unit, acting)) + " for a body of " + std::to_string(particles) +
-                " particles; use the backend \"cpu\"");
+    throw Error(ErrorCode::not_supported,
+                "expected needles that take at most " + std::to_string(turns) +
+                    " turns of a shader's loops, half of where this renderer breaks off, got up to " +
+                    std::to_string(std::max(unit, acting)) + " for a body of " + std::to_string(particles) +
+                    " particles; use the backend \"cpu\"");
   }
   units_ = static_cast<int>(std::min(turns / unit, needed));
   dispatches_ = static_cast<int>((needed + units_ - 1) / units_);
@@ -230,10 +231,11 @@ void ComputeNeedles::require_room(const Placed& needle, const NeedleState& state
   const auto nodes = static_cast<std::size_t>(needle.law.nodes),
              particles = static_cast<std::size_t>(needle.law.particles);
   if (state.hole.size() <= nodes && state.shaft.size() <= nodes && most <= particles) return;
-  throw Error("expected a needle's hole of at most " + std::to_string(nodes) + " points, means of at most " +
-              std::to_string(particles) + " particles, which is what this device has room for, got " +
-              std::to_string(std::max(state.hole.size(), state.shaft.size())) + " of " + std::to_string(most) +
-              "; give the needle a larger Needle::spread, or use the backend \"cpu\"");
+  throw Error(ErrorCode::not_supported,
+              "expected a needle's hole of at most " + std::to_string(nodes) + " points, means of at most " +
+                  std::to_string(particles) + " particles, which is what this device has room for, got " +
+                  std::to_string(std::max(state.hole.size(), state.shaft.size())) + " of " + std::to_string(most) +
+                  "; give the needle a larger Needle::spread, or use the backend \"cpu\"");
 }
 
 std::vector<std::int32_t> ComputeNeedles::state_words(const Placed& needle, const NeedleState& state) const {
