@@ -82,7 +82,7 @@ void run(const ExampleOptions& options) {
   const Model model = cloth(side);
   const double spacing = width / (side - 1);
   phymul::Scene scene(model);
-  scene.gravity({0, 0, -9.81}).contacts({.friction = 0.4, .skin = 0.15 * spacing});
+  scene.gravity({0, 0, -9.81}).contacts({.friction = 0.4, .margin = 0.15 * spacing});
   const double margin = 0.2 * spacing;
   scene.add_tool("ball", {.shape = phymul::Sphere{ball}, .pose = {}, .friction = 0.3, .margin = margin});
   scene.add_tool("floor", {.shape = phymul::HalfSpace{}, .pose = {.position = {0, 0, below}}, .friction = 0.5});

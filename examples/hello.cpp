@@ -14,9 +14,9 @@ int main() try {
   options.damping.rate = 20;  // 1/s
   const auto solver = phymul::make_solver("auto", model, scene, {}, options);
 
-  const phymul::StepReport report = solver->run_to_rest(200'000, 0.5 * solver->stable_step());
-  if (!report.at_rest) {  // a failure, or the steps were used up
-    std::puts(report.message().c_str());
+  const phymul::RestResult rest = solver->run_to_rest(200'000, 0.5 * solver->stable_step());
+  if (!rest.converged()) {  // a failure, or the steps were used up
+    std::puts(rest.message().c_str());
     return 1;
   }
   const phymul::State state = solver->read();

@@ -100,7 +100,7 @@ int run(double seconds) {
   const Model drawn_model = tissue->model;  // the thread that draws has a copy of its own
   tissue->add_gripper({.position = hand_at(0)});
   ToolHandle gripper = tissue->scene->tool("gripper");
-  VirtualCoupling coupling({}, gripper.pose());
+  VirtualCoupling coupling({}, gripper.target_pose());
   StateHistory history(100, 64 << 20);  // a state every 100 steps, 64 MB
   std::future<std::unique_ptr<Tissue>> softer;
 
@@ -123,7 +123,7 @@ int run(double seconds) {
     const double time = k * tick;
     const ToolPose hand{.position = hand_at(time), .velocity = (hand_at(time + tick) - hand_at(time)) / tick};
     const ToolForce& felt = tissue->solver->tool_force(gripper);
-    gripper.pose(coupling.follow(hand, felt, tick));
+    gripper.move_to(coupling.follow(hand, felt, tick));
     if (k == ticks / 3) gripper.grasp(0.003);
     if (k == 5 * ticks / 6) gripper.release();
 

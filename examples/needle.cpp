@@ -69,7 +69,7 @@ class Insertion {
     double lowest = HUGE_VAL;
     std::size_t drawn = 0;
     for (double time = 0.0; time < motion_.all();) {
-      needle.pose(pose_at(time + tick));
+      needle.move_to(pose_at(time + tick));
       time = advance(*solver_, steps_, tick / steps_).time;
       const double force = solver_->tool_force("needle").mean_force.z(), depth = motion_.depth(time);
       curve.add(turns_ > 0.0 ? "turning" : "straight", {time, 1e3 * depth, force});

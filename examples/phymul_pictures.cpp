@@ -38,12 +38,12 @@ VecList attractors_of(const phymul::Solver& solver, const State& state) {
 
 /// Runs the body to rest and says how it came there.
 State come_to_rest(phymul::Solver& solver, std::string& subtitle) {
-  const phymul::StepReport report = solver.run_to_rest(200'000, 0.5 * solver.stable_step());
-  if (!report.ok() || !report.at_rest) throw phymul::Error("the body did not come to rest: " + report.message());
+  const phymul::RestResult rest = solver.run_to_rest(200'000, 0.5 * solver.stable_step());
+  if (!rest.converged()) throw phymul::Error("the body did not come to rest: " + rest.message());
   const State state = solver.read();
   const double nanometres = std::ceil(1e9 * displacement_norms(solver.model(), state).max);
-  subtitle =
-      text("at rest again after %.0f steps, within %.0f nm of its rest shape", report.steps, std::max(nanometres, 1.0));
+  subtitle = text("at rest again after %.0f steps, within %.0f nm of its rest shape", rest.report.steps,
+                  std::max(nanometres, 1.0));
   return state;
 }
 

@@ -78,7 +78,7 @@ class Session {
     const double way = top_ + above - target_z, begin = solver_->read().time, wait = 0.12;
     for (double time = begin; time < begin + way / speed_ + wait;) {
       const double gone = std::min(way, speed_ * (time + tick - begin));
-      scene_.tool(names[k]).pose({.position = outside(k) - gone * Vec3::UnitZ()});
+      scene_.tool(names[k]).move_to({.position = outside(k) - gone * Vec3::UnitZ()});
       time = advance(*solver_, steps_, tick / steps_).time;
       const phymul::State state = solver_->read();
       files.force.add(std::string(order_.name) + ',' + names[k],

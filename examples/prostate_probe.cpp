@@ -62,7 +62,7 @@ void press_with_probe(const Prostate& prostate, const ExampleOptions& options) {
   double largest = 0.0, half_way = 0.0, moved = 0.0, force = 0.0;
   bool drawn = false;
   for (double time = 0.0; time < motion.all();) {
-    scene.tool("probe").pose(pose_at(time + tick));
+    scene.tool("probe").move_to(pose_at(time + tick));
     time = advance(*solver, steps, tick / steps).time;
     force = -solver->tool_force("probe").mean_force.y();
     const double gland = (centre.now(solver->read()) - centre.rest()).y();

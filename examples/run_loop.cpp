@@ -67,7 +67,7 @@ bool RunLoop::advance(double date) {
   const auto steps = static_cast<int>(std::max<long long>(1, std::llround((date - state_.time) / summary_.dt)));
   const auto start = std::chrono::steady_clock::now();
   // Undamped, nothing comes to rest, and run_to_rest() refuses.
-  report_ = is_settling() && options_.damping_rate > 0.0 ? solver_.run_to_rest(steps, summary_.dt)
+  report_ = is_settling() && options_.damping_rate > 0.0 ? solver_.run_to_rest(steps, summary_.dt).report
                                                          : solver_.step(steps, summary_.dt);
   summary_.wall_time += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   summary_.steps += report_.steps;

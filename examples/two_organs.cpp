@@ -99,8 +99,8 @@ void run(const ExampleOptions& options) {
   const int steps = std::max(1, static_cast<int>(std::ceil(tick / (0.5 * solver->stable_step()))));
   double pressed = 0.0, pushed = 0.0, pulled = 0.0, probe = 0.0, along = 0.0;
   for (double time = 0.0; time < plan.end();) {
-    scene.tool("probe").pose(probe_at(time + tick));
-    scene.tool("needle").pose(needle_at(time + tick));
+    scene.tool("probe").move_to(probe_at(time + tick));
+    scene.tool("needle").move_to(needle_at(time + tick));
     time = advance(*solver, steps, tick / steps).time;
     probe = solver->tool_force("probe").mean_force.z();
     along = -solver->tool_force("needle").mean_force.dot(inward);

@@ -28,7 +28,8 @@ struct Input {
 
 /// Figures of a solver on which its trajectory depends besides tables and scene.
 struct RecordedOptions {
-  double damping_rate = 0.0, damping_factor = 1.0, largest_push = 0.0, rest_tolerance = 0.0, stable_step = 0.0;
+  double damping_rate = 0.0, damping_factor = 1.0, max_displacement_per_step = 0.0, rest_tolerance = 0.0,
+         stable_step = 0.0;
   int rest_steps = 0;
   bool allows_unstable = false;
   bool operator==(const RecordedOptions&) const = default;
@@ -36,9 +37,9 @@ struct RecordedOptions {
 RecordedOptions recorded_options(const Solver& solver);
 
 struct Recording {
-  std::uint64_t body = 0;  ///< fingerprint of the tables
-  std::string backend;     ///< Solver::name()
-  std::string device;      ///< Solver::device(), for people
+  std::uint64_t topology_hash = 0;  ///< Solver::topology_hash()
+  std::string backend;              ///< Solver::name()
+  std::string device;               ///< Solver::device(), for people
   RecordedOptions options;
   Snapshot start;
   std::string scene;  ///< at the start, in bytes (src/session/scene_bytes.h)
@@ -64,7 +65,7 @@ class Recorder {
   ~Recorder();
 
   StepReport step(int n, double dt);
-  StepReport run_to_rest(int max_steps, double dt);
+  RestResult run_to_rest(int max_steps, double dt);
   void reset();
   void reset(const State& state);
   void restore(const Snapshot& snapshot);

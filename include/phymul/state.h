@@ -41,9 +41,9 @@ struct Snapshot {
     bool operator==(const Part&) const = default;
   };
   std::vector<Part> parts;
-  /// Fingerprint of the tables it was taken over (Solver::body()); 0: not known, and not asked for by
-  /// Solver::restore().
-  std::uint64_t body = 0;
+  /// Solver::topology_hash() of the solver it was taken from. 0: unknown, and Solver::restore() does not check it.
+  std::uint64_t topology_hash = 0;
+  std::string backend;  ///< Solver::name() of that solver; empty: unknown
 
   bool operator==(const Snapshot&) const = default;
 };

@@ -16,26 +16,18 @@ namespace phymul {
 /// A number for a state's bits: equal for states that are the same to the last one.
 std::uint64_t fingerprint(const Snapshot& snapshot);
 
-/// What Solver::restore takes, with the body it belongs to. Bit for bit.
-struct SavedState {
-  std::uint64_t body = 0;  ///< fingerprint of the tables; what is read has it in Snapshot::body too
-  std::string backend;     ///< Solver::name() of the one that wrote it
-  Snapshot snapshot;
-  bool operator==(const SavedState&) const = default;
-};
-
-/// The solver's present state as a file: magic word, version, checksums (docs/formats.md). `path` holds either the
-/// whole new file or what it held before. Throws Error.
-void save_state(const Solver& solver, const std::string& path);
-void save_state(const SavedState& saved, const std::string& path);
+/// Writes a snapshot as a file, bit for bit, with magic word, version and checksums (docs/formats.md). `path` holds
+/// either the whole new file or what it held before. Throws Error if the file cannot be written.
+void save_state(const Snapshot& snapshot, const std::string& path);
+void save_state(const Solver& solver, const std::string& path);  ///< the solver's present state
 
 /// Back into a solver over the same tables; in the backend that wrote it the trajectory goes on bit for bit, in another
 /// one within that one's precision. Throws Error, with the file, the byte, what was expected, what came and what to do,
 /// where the file is damaged, cut short, of another version or of another body; the solver then keeps its state.
 void load_state(Solver& solver, const std::string& path);
-SavedState read_state(const std::string& path);
+Snapshot read_state(const std::string& path);
 /// The same from memory; `name` stands for the file in messages.
-SavedState read_state_bytes(std::string_view bytes, const std::string& name);
+Snapshot read_state_bytes(std::string_view bytes, const std::string& name);
 
 /// The last states of a run, no more than a number of bytes of them: memory stays the same however long it runs, the
 /// oldest states make room.

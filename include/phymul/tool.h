@@ -50,7 +50,7 @@ struct ToolPose {
 
 struct Tool {
   ToolShape shape = Sphere{};
-  /// Where it is at first, as if by ToolHandle::place(): what it covers there comes out in the first step.
+  /// Where it is at first, as if by ToolHandle::teleport(): what it covers there comes out in the first step.
   ToolPose pose{};
   double friction = 0.0;  ///< Coulomb's coefficient, sticking and sliding alike
   /// m/N: how far a particle enters per newton on it. 0: not at all, a particle ends each step outside. The spring is
@@ -114,8 +114,8 @@ struct SceneTool {
   std::string name{};
   Tool tool;
   ToolPose pose{};           ///< the last one asked for
-  std::uint64_t moves = 0;   ///< calls of pose() and place()
-  std::uint64_t places = 0;  ///< calls of place()
+  std::uint64_t moves = 0;   ///< calls of move_to() and teleport()
+  std::uint64_t places = 0;  ///< calls of teleport()
   std::uint64_t grasps = 0;  ///< calls of grasp() and release()
   bool grasping = false;
   double grasp_distance = 0.0;

@@ -6,9 +6,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "interaction/grasp.h"
 #include "interaction/shape_kind.h"
-#include "interaction/tool_extent.h"
+#include "interaction/tool_shape.h"
 #include "scene/needle_measures.h"
 
 namespace phymul {
@@ -150,7 +149,7 @@ void FloatTools::hold(const VecList& position, std::span<const std::uint8_t> fix
     MovedTool& moved = tool.moved;
     if (!moved.grasps) continue;
     moved.grasps = false;
-    for (const auto& [i, at] : within_reach(tool.tool, moved.motion.pose, moved.grasp_distance, position)) {
+    for (const auto& [i, at] : particles_to_grasp(tool.tool, moved.motion.pose, moved.grasp_distance, position)) {
       const int axes = (fixed.empty() ? 0 : fixed[static_cast<std::size_t>(i)]) | (plane ? 4 : 0);
       if (axes == 7 || held_by_any(i)) continue;
       moved.take_hold(i, at);

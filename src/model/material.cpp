@@ -7,8 +7,7 @@
 
 #include "base/decimal.h"
 #include "cell_geometry.h"
-#include "cell_label.h"
-#include "material_range.h"
+#include "material.h"
 
 namespace phymul {
 namespace {

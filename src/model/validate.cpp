@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "base/decimal.h"
-#include "cell_label.h"
-#include "material_range.h"
+#include "cell_geometry.h"
+#include "material.h"
 
 namespace phymul {
 namespace {
@@ -115,13 +115,6 @@ void validate_components(const Model& model) {
 }
 
 }  // namespace
-
-std::string cell_label(const Model& model, std::size_t row) {
-  const Cell& cell = model.cells[row];
-  std::string label = "cell " + std::to_string(row) + " (" + cell_name(cell.type);
-  if (cell.file_index >= 0) label += ", file index " + std::to_string(cell.file_index);
-  return label + ')' + quoted(cell.name);
-}
 
 void validate(const Model& model) {
   if (model.dimension != 2 && model.dimension != 3) {

@@ -20,12 +20,12 @@ constexpr const char* scene_tag = "scne";
 constexpr const char* inputs_tag = "inpt";
 
 void put_head(ByteWriter& out, const Recording& recording) {
-  out.u64(recording.body);
+  out.u64(recording.topology_hash);
   out.text(recording.backend);
   out.text(recording.device);
   const RecordedOptions& options = recording.options;
-  for (const double value : {options.damping_rate, options.damping_factor, options.largest_push, options.rest_tolerance,
-                             options.stable_step}) {
+  for (const double value : {options.damping_rate, options.damping_factor, options.max_displacement_per_step,
+                             options.rest_tolerance, options.stable_step}) {
     out.real(value);
   }
   out.index(options.rest_steps);
@@ -33,11 +33,11 @@ void put_head(ByteWriter& out, const Recording& recording) {
 }
 
 void take_head(ByteReader& in, Recording& recording) {
-  recording.body = in.u64("the body's fingerprint");
+  recording.topology_hash = in.u64("the topology's hash");
   recording.backend = in.text("a backend's name");
   recording.device = in.text("a device's name");
   RecordedOptions& options = recording.options;
-  for (double* const value : {&options.damping_rate, &options.damping_factor, &options.largest_push,
+  for (double* const value : {&options.damping_rate, &options.damping_factor, &options.max_displacement_per_step,
                               &options.rest_tolerance, &options.stable_step}) {
     *value = in.real("an option");
   }
@@ -98,7 +98,8 @@ Recording read_recording_bytes(std::string_view bytes, const std::string& name) 
   ByteReader head = reader(0), start = reader(1), inputs = reader(3);
   take_head(head, recording);
   recording.start = take_snapshot(start);
-  recording.start.body = recording.body;
+  recording.start.topology_hash = recording.topology_hash;
+  recording.start.backend = recording.backend;
   start.expect_end("section \"stat\"");
   recording.scene = sections[2].payload;
   recording.inputs = take_inputs(inputs);

@@ -26,7 +26,7 @@ void put_contacts(ByteWriter& out, const std::optional<ContactOptions>& contacts
   out.u8(contacts ? 1 : 0);
   if (!contacts) return;
   out.real(contacts->friction);
-  out.real(contacts->skin);
+  out.real(contacts->margin);
   out.u8(contacts->self ? 1 : 0);
   out.index(contacts->rounds);
 }
@@ -38,7 +38,7 @@ void take_contacts(ByteReader& in, Scene& scene) {
   }
   ContactOptions options;
   options.friction = in.real("a coefficient of friction");
-  options.skin = in.real("a skin");
+  options.margin = in.real("a contact margin");
   options.self = enumerator(in, 2, "whether a body touches itself") == 1;
   options.rounds = positive(in, "a number of rounds");
   scene.contacts(options);
@@ -47,14 +47,14 @@ void take_contacts(ByteReader& in, Scene& scene) {
 void take_volumes(ByteReader& in, Scene& scene) {
   const std::size_t count = in.count(20, "a number of kept volumes");
   for (std::size_t k = 0; k < count; ++k) {
-    ClosedVolume surface;
+    VolumeConstraint surface;
     surface.volume = in.real("a volume");
     surface.applied_to = in.text("a group's name");
     surface.triangles.resize(in.count(12, "a number of triangles"));
     for (auto& triangle : surface.triangles) {
       for (Index& i : triangle) i = in.index("a particle");
     }
-    scene.keep_volume(std::move(surface));
+    scene.constrain_volume(std::move(surface));
   }
 }
 
@@ -116,8 +116,8 @@ Load take_load(ByteReader& in) {
 
 std::string volume_bytes(const Scene& scene) {
   ByteWriter out;
-  out.u64(scene.volumes().size());
-  for (const ClosedVolume& surface : scene.volumes()) {
+  out.u64(scene.volume_constraints().size());
+  for (const VolumeConstraint& surface : scene.volume_constraints()) {
     out.real(surface.volume);
     out.text(surface.applied_to);
     out.u64(surface.triangles.size());

@@ -29,9 +29,9 @@ void require_options(const SolverOptions& options) {
   if (!(options.rest_tolerance > 0.0)) {
     throw Error("SolverOptions::rest_tolerance must be above 0; got " + to_decimal(options.rest_tolerance));
   }
-  if (!(options.largest_push > 0.0)) {
-    throw Error("SolverOptions::largest_push must be above 0 (infinite: no force is cut); got " +
-                to_decimal(options.largest_push));
+  if (!(options.max_displacement_per_step > 0.0)) {
+    throw Error("SolverOptions::max_displacement_per_step must be above 0 (infinite: no force is clamped); got " +
+                to_decimal(options.max_displacement_per_step));
   }
   if (options.rest_steps < 1) {
     throw Error("SolverOptions::rest_steps must be 1 or more; got " + std::to_string(options.rest_steps));

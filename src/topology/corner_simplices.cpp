@@ -2,7 +2,6 @@
 #include "corner_simplices.h"
 
 #include "model/cell_geometry.h"
-#include "model/cell_label.h"
 
 #include <phymul/error.h>
 

@@ -9,7 +9,7 @@ include(${CMAKE_CURRENT_LIST_DIR}/faults.cmake)
 set(rooms
     "base types error version"
     "model model shapes check surface state monitor distance_grid tool needle"
-    "scene scene load bodies"
+    "scene scene load load_frame bodies"
     "io pml lml mesh writer"
     "topology topology topology_textures"
     "elastic elasticity"

@@ -250,7 +250,7 @@ TEST(CpuBackend, BodiesTooSmallForSinglePrecisionAreForTheReference) {
             std::string::npos);
   const auto solver = make_solver("auto", model, scene);
   EXPECT_EQ(solver->name(), "reference");
-  EXPECT_NE(solver->choice().find("single precision holds"), std::string::npos) << solver->choice();
+  EXPECT_NE(solver->backend_reason().find("single precision holds"), std::string::npos) << solver->backend_reason();
 }
 
 /// So many particles without neighbours that whole slices have none: nothing pulls them, and they fall.

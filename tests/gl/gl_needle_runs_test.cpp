@@ -22,7 +22,7 @@ void drive(Scene& scene, ToolPose& pose, int calls, Step&& step) {
   for (int k = 0; k < calls; ++k) {
     pose.position += Vec3(5e-5, 0, k < 8 ? -2e-3 : 1e-3);
     pose.orientation = Quaternion(Eigen::AngleAxisd(0.1 * k, Vec3::UnitZ()));
-    scene.tool("needle").pose(pose);
+    scene.tool("needle").move_to(pose);
     step(k);
   }
 }
@@ -53,12 +53,12 @@ TEST_F(GlNeedleRuns, GoesOnFromEveryStateWithTheSameBits) {
     EXPECT_EQ(other->read().tools, middle.tools);
     EXPECT_EQ(other->needle_points("needle", 4), shaft);
     pair.pose.position.z() -= 0.015;
-    pair.scene.tool("needle").pose(pair.pose);
+    pair.scene.tool("needle").move_to(pair.pose);
     for (gl::DeviceSolver* solver : {pair.device.get(), other.get()}) ASSERT_TRUE(solver->step(60, pair.dt).ok());
     EXPECT_GT(other->read().tools[0].needle.hole.size(), middle.tools[0].needle.hole.size());  // of one host alone
     pair.scene.gravity({1, 0, 0});  // rows of the scene are made anew, with the hole as it is
     pair.pose.velocity = {0.01, 0, -0.1};
-    pair.scene.tool("needle").pose(pair.pose);
+    pair.scene.tool("needle").move_to(pair.pose);
     ASSERT_TRUE(pair.device->step(1, pair.dt).ok());
     ASSERT_TRUE(other->step(1, pair.dt).ok());
     ASSERT_TRUE(pair.device->step(80, pair.dt).ok());
@@ -86,11 +86,11 @@ TEST_F(GlNeedleRuns, BatchesDoneAgainComeToTheSame) {
   BesideNeedle resting(5e-3, 3, {0, 0, 0}, GlCompute::automatic, options);
   const auto same = resting.make();
   resting.pose.position.z() -= 0.013;
-  resting.scene.tool("needle").pose(resting.pose);
-  const StepReport report = resting.device->run_to_rest(5000, resting.dt);
-  ASSERT_TRUE(report.at_rest) << report.message();
+  resting.scene.tool("needle").move_to(resting.pose);
+  const RestResult rest = resting.device->run_to_rest(5000, resting.dt);
+  ASSERT_TRUE(rest.converged()) << rest.message();
   ASSERT_TRUE(same->step(1, resting.dt).ok());  // in which run_to_rest() goes all the way
-  ASSERT_TRUE(same->step(report.steps - 1, resting.dt).ok());
+  ASSERT_TRUE(same->step(rest.report.steps - 1, resting.dt).ok());
   EXPECT_EQ(difference(same->read(), resting.device->read()), "");
   EXPECT_EQ(same->read().tools, resting.device->read().tools);
   EXPECT_EQ(same->tool_force("needle").force, resting.device->tool_force("needle").force);
@@ -100,13 +100,13 @@ TEST_F(GlNeedleRuns, BatchesDoneAgainComeToTheSame) {
   beyond.on_unstable = UnstableStep::allow;
   BesideNeedle failing(5e-3, 3, {0, 0, 0}, GlCompute::automatic, beyond);
   failing.pose.velocity = {0, 0, -0.3};
-  failing.scene.tool("needle").place(failing.pose);
+  failing.scene.tool("needle").teleport(failing.pose);
   const StepReport failed = failing.device->step(250, 6.0 * failing.dt);
   ASSERT_EQ(failed.status, StepStatus::not_finite) << failed.message();
   ASSERT_GT(failed.steps, 3);
   const State kept = failing.device->read();
   failing.device->reset();
-  failing.scene.tool("needle").place(failing.pose);
+  failing.scene.tool("needle").teleport(failing.pose);
   ASSERT_TRUE(failing.device->step(failed.steps, 6.0 * failing.dt).ok());
   EXPECT_EQ(difference(failing.device->read(), kept), "");
   EXPECT_EQ(failing.device->read().tools, kept.tools);

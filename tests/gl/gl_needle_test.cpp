@@ -114,7 +114,7 @@ TEST_F(GlNeedle, ManyNodesBendASoftShaftAsOnTheReference) {
   constexpr int calls = 8;
   for (int k = 0; k < calls; ++k) {
     pose.position.x() += 1.6e-3 / calls;
-    scene.tool("needle").pose(pose);
+    scene.tool("needle").move_to(pose);
     pair.off_after(12);
     worst = std::max(worst, largest_distance(pair.device->read().position, pair.reference->read().position));
     const VecList x = pair.device->needle_points("needle", 7), y = pair.reference->needle_points("needle", 7);
@@ -143,18 +143,18 @@ TEST_F(GlNeedle, ActsBetweenWhatHoldsAndWhatPresses) {
   scene.add_tool("first", {.shape = thin_needle(), .pose = first, .friction = 0.5});
   scene.add_tool("jaw", {.shape = Box{{0.012, 0.004, 0.012}}, .pose = {.position = {0.02, 0.0442, 0.02}}});
   scene.add_tool("second", {.shape = bends, .pose = second, .friction = 0.5});
-  scene.keep_volume();
+  scene.constrain_volume();
   BesideReference pair(model, scene, damped(40.0));
   double worst = 0.0, worst_force = 0.0;
   for (int k = 1; k <= 24; ++k) {
     const double in = k <= 16 ? 1e-3 * k : 1e-3 * (32 - k);
     first.position.z() = second.position.z() = side + offset - in;
     second.position.x() += 1e-4;
-    scene.tool("first").pose(first);
-    scene.tool("second").pose(second);
-    scene.tool("ball").pose({.position = {0.03, 0.03 - 2e-4 * k, side + 0.0085 - 1.5e-4 * k}});
+    scene.tool("first").move_to(first);
+    scene.tool("second").move_to(second);
+    scene.tool("ball").move_to({.position = {0.03, 0.03 - 2e-4 * k, side + 0.0085 - 1.5e-4 * k}});
     if (k == 12) scene.tool("jaw").grasp(0.0145);  // nodes of holes among them
-    if (k >= 12) scene.tool("jaw").pose({.position = {0.02 + 1e-4 * (k - 12), 0.0442, 0.02}});
+    if (k >= 12) scene.tool("jaw").move_to({.position = {0.02 + 1e-4 * (k - 12), 0.0442, 0.02}});
     worst = std::max(worst, pair.off_after(12));
     for (const char* tool : {"ball", "first", "jaw", "second"}) {
       const ToolForce a = pair.device->tool_force(tool), b = pair.reference->tool_force(tool);
@@ -196,7 +196,7 @@ TEST_F(GlNeedle, AStateAtAnObliqueExitCanBeGoneOnFrom) {
     double off = 0.0;
     for (int k = 0; k < 45; ++k) {
       pose.position -= 1e-3 * (pose.orientation * Vec3::UnitZ());
-      scene.tool("needle").pose(pose);
+      scene.tool("needle").move_to(pose);
       ASSERT_TRUE(solver->step(12, 0.4 * solver->stable_step()).ok()) << tilt;
       const NeedleState state = solver->read().tools[0].needle;
       through = through || state.through;
@@ -227,7 +227,7 @@ TEST_F(GlNeedle, ActsBeforeContacts) {
   double worst = 0.0;
   for (int k = 0; k < 16; ++k) {
     pose.position.z() -= 1e-3;
-    scene.tool("needle").pose(pose);
+    scene.tool("needle").move_to(pose);
     worst = std::max(worst, pair.off_after(12));
     EXPECT_EQ(pair.device->tool_force("needle").particles, pair.reference->tool_force("needle").particles) << k;
   }
@@ -252,8 +252,8 @@ TEST_F(GlNeedle, AStiffOneBesideOneThatBendsOutlivesAChangeOfTheScene) {
   for (int k = 0; k < 4; ++k) {
     stiff_pose.position.z() -= 2e-3;
     pose.position.z() -= 2e-3;
-    scene.tool("stiff").pose(stiff_pose);
-    scene.tool("bends").pose(pose);
+    scene.tool("stiff").move_to(stiff_pose);
+    scene.tool("bends").move_to(pose);
     if (k == 2) scene.gravity({1, 0, 0});
     EXPECT_LE(pair.off_after(40), 1e-5) << k;
   }
@@ -274,7 +274,7 @@ TEST_F(GlNeedle, MakesNoHoleInABodyWithoutASurface) {
       std::make_shared<const TopologyTextures>(build_topology(model, {.on_sparse = SparseParticle::free}));
   gl::DeviceSolver solver(GlBackend::compute, tables, scene, options);
   pose.position.z() -= 0.01;
-  scene.tool("needle").pose(pose);
+  scene.tool("needle").move_to(pose);
   ASSERT_TRUE(solver.step(10, 1e-4).ok());
   const State state = solver.read();
   EXPECT_TRUE(state.tools[0].needle.hole.empty());

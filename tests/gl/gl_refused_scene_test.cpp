@@ -167,7 +167,7 @@ TEST_P(GlFragmentRefusedScene, WhatAPassCannotBeGivenChangesNothing) {
     change(other);
     context_->run([&] { expect_to_go_on(scene, other, library, name, name); });
   };
-  offer("kept_facets", [](Scene& other) { other.keep_volume("low"); });
+  offer("kept_facets", [](Scene& other) { other.constrain_volume("low"); });
   offer("tree_roots", [](Scene& other) { other.contacts({}); });
 }
 

@@ -9,19 +9,18 @@ add_dependencies(phymul_stability_test phymul_gl)
 # The inside of src/gl, apart from phymul_test, which runs on machines without GL.
 file(GLOB gl_test_sources CONFIGURE_DEPENDS gl/*_test.cpp)
 list(FILTER gl_test_sources EXCLUDE REGEX "gl_(glx|module)_test")
-add_executable(phymul_gl_test ${gl_test_sources} support/host_state.cpp)
+phymul_test_program(phymul_gl_test ${gl_test_sources} support/host_state.cpp)
 target_compile_definitions(phymul_gl_test PRIVATE PHYMUL_GLSL_SOURCES="${PROJECT_SOURCE_DIR}/glsl")
-target_link_libraries(phymul_gl_test PRIVATE phymul_gl_objects phymul_mirror GTest::gtest_main phymul_warnings phymul_sanitizers)
+target_link_libraries(phymul_gl_test PRIVATE phymul_gl_objects phymul_mirror)
 add_dependencies(phymul_gl_test phymul_gl)  # displays come from the module
 phymul_test_suites(phymul_gl_test)
 
 # The door to the module, which must not open where it should not: each in a process of its own, because a module that
 # has been found stays.
-add_executable(phymul_gl_module_test gl/gl_module_test.cpp)
-target_include_directories(phymul_gl_module_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
-target_link_libraries(phymul_gl_module_test PRIVATE phymul GTest::gtest_main phymul_warnings phymul_sanitizers)
+phymul_test_program(phymul_gl_module_test gl/gl_module_test.cpp)
+target_link_libraries(phymul_gl_module_test PRIVATE phymul)
 add_dependencies(phymul_gl_module_test phymul_gl)
-gtest_discover_tests(phymul_gl_module_test DISCOVERY_TIMEOUT 60 TEST_FILTER GlModule.*)
+add_test(NAME gl.module COMMAND phymul_gl_module_test --gtest_filter=GlModule.* --gtest_brief=1)
 
 # Modules that are none, and their reasons.
 add_library(phymul_absent SHARED faulty_modules/absent.cpp)  # nowhere to be found, as GLEW is on a machine without GL

@@ -47,7 +47,7 @@ Pressed press(const Model& model, const Vec3& place, double radius, double margi
   while (at_rest < rest) {
     pose.position.z() = std::max(lowest, pose.position.z() - 1e-3 * speed);
     at_rest += pose.position.z() == lowest ? 1 : 0;
-    rod.pose(pose);
+    rod.move_to(pose);
     const StepReport report = solver->step(steps, 1e-3 / steps);
     EXPECT_TRUE(report.ok()) << report.message();
     if (!report.ok()) break;

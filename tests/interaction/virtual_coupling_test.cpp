@@ -114,7 +114,7 @@ TEST(VirtualCoupling, HandPressingABlockFeelsASteadyForce) {
     hand.velocity = k < 200 ? Vec3(0, 0, -0.025) : Vec3(Vec3::Zero());
     hand.position += 1e-3 * hand.velocity;
     const ToolForce& on_tool = solver->tool_force(probe);
-    probe.pose(coupling.follow(hand, on_tool.mean_force, on_tool.mean_torque, 1e-3));
+    probe.move_to(coupling.follow(hand, on_tool.mean_force, on_tool.mean_torque, 1e-3));
     ASSERT_TRUE(solver->step(steps, 1e-3 / steps).ok());
     const double force = coupling.force().z();
     jump = std::max(jump, std::abs(force - before));
@@ -226,7 +226,7 @@ Hanging hang(const Tool& jaw, double grasp, double ratio, bool turned, double gr
   ToolPose hand = jaw.pose;
   if (turned) hand.orientation = Quaternion(Eigen::AngleAxisd(0.3, Vec3::UnitZ()));
   for (int k = 0; k < 1000; ++k) {
-    tool.pose(coupling.follow(hand, solver->tool_force(tool), 1e-3));
+    tool.move_to(coupling.follow(hand, solver->tool_force(tool), 1e-3));
     const StepReport report = solver->step(steps, 1e-3 / steps);
     EXPECT_TRUE(report.ok()) << report.message();
     if (!report.ok()) return seen;
@@ -282,7 +282,7 @@ TEST(VirtualCoupling, IsCalmWhereItIsHeavierThanTheFaceItPushes) {
     for (int k = 0; k < 1500; ++k) {
       hand.velocity = k < 300 ? Vec3(0, 0, -0.02) : Vec3(Vec3::Zero());
       hand.position += 1e-3 * hand.velocity;
-      plate.pose(coupling.follow(hand, solver->tool_force(plate), 1e-3));
+      plate.move_to(coupling.follow(hand, solver->tool_force(plate), 1e-3));
       EXPECT_TRUE(solver->step(steps, 1e-3 / steps).ok());
       const double force = coupling.force().z();
       if (k >= 1300) jump = std::max(jump, std::abs(force - before));

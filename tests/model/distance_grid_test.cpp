@@ -116,7 +116,7 @@ TEST_P(GridTool, PressesAsTheSameBallDoes) {
     options.damping.rate = 40.0;
     const auto solver = make(model, scene, options);
     pose.position.z() -= 0.003;
-    scene.tool("tool").pose(pose);
+    scene.tool("tool").move_to(pose);
     EXPECT_TRUE(solver->step(300, 0.4 * solver->stable_step()).ok());
     EXPECT_GT(solver->tool_force("tool").particles, 3);
     return solver->tool_force("tool").mean_force;

@@ -334,7 +334,7 @@ TEST(Scene, IsCopiedAndNeitherMovedNorAssigned) {
   scene.fix("x0").gravity({0, 0, -1}).add_tool("ball", {.shape = Sphere{0.1}});
   const ToolHandle ball = scene.tool("ball");
   const Scene other = std::move(scene);
-  ball.pose({.position = {1, 2, 3}});
+  ball.move_to({.position = {1, 2, 3}});
   EXPECT_EQ(scene.loads().size(), 1u);
   EXPECT_EQ(scene.tools().front().pose.position, Vec3(1, 2, 3));
   EXPECT_EQ(other.loads(), scene.loads());

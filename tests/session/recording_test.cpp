@@ -134,7 +134,7 @@ TEST_F(RecordingTest, ToolsMoveAgainAsTheyDid) {
   const std::string middle = path_for("tools.state"), file = path_for("tools.rec");
   for (const BackendCase& backend : cpu_backends) {
     Scene scene(model_);
-    scene.fix("x0").contacts({}).keep_volume();
+    scene.fix("x0").contacts({}).constrain_volume();
     scene.add_tool("ball", {.shape = Sphere{0.005}, .pose = {.position = {0.06, 0.015, 3.035}}, .friction = 0.3});
     const auto recorded = solver(backend, scene);
     const double dt = 0.4 * recorded->stable_step();
@@ -143,14 +143,14 @@ TEST_F(RecordingTest, ToolsMoveAgainAsTheyDid) {
       return ToolPose{.position = {0.06 - 1e-4 * k, 0.015, 3.035 - 2e-4 * k}, .velocity = {0, 0, -0.01}};
     };
     for (int k = 0; k < 20; ++k) {
-      scene.tool("ball").pose(lower(k));
+      scene.tool("ball").move_to(lower(k));
       recorder.step(3, dt);
     }
     scene.tool("ball").grasp(0.002);
     recorder.step(1, dt);
     EXPECT_FALSE(recorded->read().tools[0].held.empty());
     for (int k = 20; k > 10; --k) {
-      scene.tool("ball").pose(lower(k));
+      scene.tool("ball").move_to(lower(k));
       recorder.step(3, dt);
     }
     save_state(*recorded, middle);
@@ -158,7 +158,7 @@ TEST_F(RecordingTest, ToolsMoveAgainAsTheyDid) {
     for (const Input& input : recorder.recording().inputs) middle_at += input.times;
     recorder.step(5, dt);
     scene.tool("ball").release();
-    scene.tool("ball").place({.position = {0.03, 0.015, 3.04}});
+    scene.tool("ball").teleport({.position = {0.03, 0.015, 3.04}});
     scene.add_tool("floor", {.shape = HalfSpace{}, .pose = {.position = {0, 0, 2.99}}});
     recorder.step(5, dt);
     scene.remove_tool("ball");

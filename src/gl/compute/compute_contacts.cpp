@@ -123,7 +123,7 @@ void ComputeContacts::place(Kernel& kernel) const {
   set("rounds", options_.rounds);
   set("touches_itself", options_.self ? 1 : 0);
   set_real("friction", options_.friction);
-  set_real("skin", options_.skin);
+  set_real("skin", options_.margin);
   set_real("facing_share", ContactSurface::facing_share);
   set_real("usual_skin", ContactSurface::usual_skin);
   set_real("skin_factor", ContactSurface::skin_factor);

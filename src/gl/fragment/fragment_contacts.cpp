@@ -216,7 +216,7 @@ void FragmentContacts::place(Pass& pass) const {
   pass.set("rounds", options_.rounds);
   pass.set("touches_itself", options_.self ? 1 : 0);
   set("friction", options_.friction);
-  set("skin", options_.skin);
+  set("skin", options_.margin);
   set("facing_share", ContactSurface::facing_share);
   set("usual_skin", ContactSurface::usual_skin);
   set("skin_factor", ContactSurface::skin_factor);

@@ -16,7 +16,6 @@
 #include "gl/fragment/fragment_device.h"
 #include "gl/objects/loop_turns.h"
 #include "scene/tool_state.h"
-#include "step_traffic.h"
 
 namespace phymul::gl {
 namespace {
@@ -28,9 +27,9 @@ ParticleBuffer finished(const Texture& texture) {
 }
 
 /// What StepReport::particle says of a volume.
-std::vector<Index> particle_of_each(const std::vector<ClosedVolume>& volumes) {
+std::vector<Index> particle_of_each(const std::vector<VolumeConstraint>& volumes) {
   std::vector<Index> particles;
-  for (const ClosedVolume& volume : volumes) particles.push_back(volume.triangles.front()[0]);
+  for (const VolumeConstraint& volume : volumes) particles.push_back(volume.triangles.front()[0]);
   return particles;
 }
 
@@ -38,7 +37,7 @@ std::vector<Index> particle_of_each(const std::vector<ClosedVolume>& volumes) {
 
 DeviceSolver::DeviceSolver(GlBackend backend, std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in,
                            const SolverOptions& options_in)
-    : Solver(name_of(backend), std::move(shared), scene_in, options_in),
+    : SolverBackend(name_of(backend), std::move(shared), scene_in, options_in),
       backend_(backend),
       gl_(with_environment(options_in.gl)),
       layout_(choose_layout(gl_.layout, topology())),
@@ -69,7 +68,7 @@ const char* DeviceSolver::do_cannot() const {
 void DeviceSolver::build() {
   FloatTables tables = pack_floats(topology(), layout_);
   loads_version_ = scene().version();
-  volume_at_ = particle_of_each(scene().volumes());
+  volume_at_ = particle_of_each(scene().volume_constraints());
   tools_.follow(scene());
   const ContextInfo& info = context_->info();
   const ShaderLibrary library(gl_.shader_folder, info.es, !info.es || info.at_least(3, 2));
@@ -77,11 +76,9 @@ void DeviceSolver::build() {
     const SliceTables slices = pack_slices(std::move(tables), topology());
     const ComputeForm form = choose_form(gl_.compute, slices, info.software);
     require_turns(info, slices.rows.turns);
-    bytes_a_step_ = gl::bytes_a_step(slices);
     context_->run([&] { device_ = std::make_unique<ComputeDevice>(slices, scene(), tools_, library, form); });
   } else {
     require_turns(info, tables.turns);
-    bytes_a_step_ = gl::bytes_a_step(tables);
     context_->run(
         [&] { device_ = std::make_unique<FragmentDevice>(tables, scene(), tools_, library, gl_.passes == 4); });
   }
@@ -172,7 +169,7 @@ void DeviceSolver::follow() {
   context_->run([&] { device_->set_scene(scene(), tools); });
   tools_ = std::move(tools);
   loads_version_ = scene().version();
-  volume_at_ = particle_of_each(scene().volumes());
+  volume_at_ = particle_of_each(scene().volume_constraints());
   seconds_a_step_ = 0.0;
 }
 
@@ -182,13 +179,13 @@ int DeviceSolver::volume_row_at(Index particle) const {
   return found == volume_at_.end() ? std::numeric_limits<int>::max() : static_cast<int>(found - volume_at_.begin());
 }
 
-Solver::Motion DeviceSolver::lost_motion() {
+SolverBackend::Motion DeviceSolver::lost_motion() {
   Motion motion;
   motion.lost = true;
   return motion;
 }
 
-Solver::Motion DeviceSolver::do_step(const StepPlan& plan) {
+SolverBackend::Motion DeviceSolver::do_step(const StepPlan& plan) {
   try {
     if (device_ && !context_->lost()) {
       settle();  // under the scene it was done in
@@ -264,12 +261,6 @@ void DeviceSolver::do_restore(const Snapshot& snapshot) {
   }
   progress_.last_dt = snapshot.last_dt;
   progress_.steps_at_rest = snapshot.steps_at_rest;
-}
-
-/// Not counted where there are tools or contacts, as it depends on how much they touch, nor where volumes are kept.
-double DeviceSolver::do_bytes_a_step() const {
-  const bool counted = tools_.empty() && !scene().contacts() && scene().volumes().empty();
-  return counted ? bytes_a_step_ : std::numeric_limits<double>::quiet_NaN();
 }
 
 Energy DeviceSolver::do_energy() const {

@@ -4,6 +4,7 @@
 // table of the numbers they are multiplied by, a row per instant of a batch of steps.
 #pragma once
 
+#include <phymul/load_frame.h>
 #include <phymul/scene.h>
 
 #include <vector>

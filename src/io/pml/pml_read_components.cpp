@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <array>
 
-#include "model/material_range.h"
+#include "model/material.h"
 #include "pml_reader.h"
 
 namespace phymul {
