@@ -37,7 +37,10 @@ for part in "$@"; do
       need_package libgtest-dev
       need_pkg_config=yes
       ;;
-    bench) need_package libbenchmark-dev ;;
+    bench)
+      need_package libbenchmark-dev
+      need_package libmuparser-dev
+      ;;
     charts)  # drawing, and a peer to measure beside
       need_package python3-matplotlib
       need_package libbullet-dev

@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "picture.h"
+#include "scene_picture.h"
 
 namespace {
 
@@ -47,9 +47,10 @@ State come_to_rest(phymul::Solver& solver, std::string& subtitle) {
   return state;
 }
 
-void draw(const phymul::Model& model, const std::vector<Moment>& moments, PictureOptions options,
+void draw(const phymul::Model& model, const std::vector<Moment>& moments, ScenePictureOptions options,
           const std::string& folder, const std::vector<phymul::Index>& driven) {
-  BodyPictures pictures(model, BodyPictures::Way::opengl);
+  const ScenePictures pictures(model);
+  options.frame = model.rest;
   for (const Moment& moment : moments) {
     options.full_scale = std::max(options.full_scale, displacement_norms(model, moment.state).max);
     options.frame.insert(options.frame.end(), moment.state.position.begin(), moment.state.position.end());
@@ -63,7 +64,6 @@ void draw(const phymul::Model& model, const std::vector<Moment>& moments, Pictur
     pictures.draw(moment.state, options, folder + '/' + moment.file);
     std::printf("%s/%s\n", folder.c_str(), moment.file.c_str());
   }
-  std::printf("by %s\n", pictures.drawn_by().c_str());
 }
 
 /// One particle is pulled off its place: each attractor shows where a particle belongs, seen from its neighbours.
@@ -84,10 +84,9 @@ void draw_tetrahedron(const std::string& folder) {
   std::string how;
   const State back = come_to_rest(*solver, how);
 
-  PictureOptions picture;
+  ScenePictureOptions picture;
   picture.inside = true;
-  picture.particle_radius = 0.055 * edge;
-  picture.fixed = model.group("base");
+  picture.held = model.group("base");
   picture.eye = Vec3(0.35, -1.0, 0.35);
   picture.width = 760;
   picture.height = 700;
@@ -125,8 +124,8 @@ void draw_cylinder(const std::string& folder) {
   std::string how;
   const State back = come_to_rest(*solver, how);
 
-  PictureOptions picture;
-  picture.fixed = model.group("bottom");
+  ScenePictureOptions picture;
+  picture.held = model.group("bottom");
   picture.eye = Vec3(0.35, -1.0, 0.35);
   picture.width = 760;
   picture.height = 900;

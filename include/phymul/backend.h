@@ -37,12 +37,14 @@ class SolverBackend : public Solver {
 
   using Solver::read;
   using Solver::reset;
+  using Solver::run_to_rest;
   void reset(const State& state) final;
   Snapshot snapshot() const final;
   void restore(const Snapshot& snapshot) final;
   void start(const State& state, double dt) final;
   StepReport step(int n, double dt) final;
-  RestResult run_to_rest(int max_steps, double dt) final;
+  RestResult run_to_rest(int max_steps, double dt, const Damping& damping) final;
+  double time() const final { return do_time(); }
   void read(State& state) const final { do_read(state); }
   void request_read() final { do_request_read(); }
   bool collect(State& state) final { return do_collect(state); }
@@ -126,8 +128,8 @@ class SolverBackend : public Solver {
   void require_supported() const;
   void follow_scene();
   bool any_tool_grasps() const;
-  StepReport advance(int n, double dt, bool stop_at_rest);
-  StepPlan plan_for(int n, double dt, bool stop_at_rest, bool beyond_limit) const;
+  StepReport advance(int n, double dt, bool stop_at_rest, const Damping& damping);
+  StepPlan plan_for(int n, double dt, const Damping& damping, bool beyond_limit) const;
   void report_failure(const Motion& motion, StepReport& report) const;
   Motion run(const StepPlan& plan, StepReport& report);
   Motion run_with_progress(const StepPlan& plan, StepReport& report);

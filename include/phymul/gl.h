@@ -53,8 +53,8 @@ struct GlOptions {
   BaseLayout layout = BaseLayout::automatic;
   /// step() queues its steps and returns the report of the call before, without waiting for the device; of the first
   /// call after a reset() it has nothing to tell, and steps is 0. A failure is said by the next call, which takes no
-  /// step then. Whoever looks at the state (read(), energy(), buffers) waits for what is on its way; run_to_rest() does.
-  /// States are the same to the last bit.
+  /// step then. Whoever looks at the state (read(), energy(), buffers) waits for what is on its way; run_to_rest()
+  /// does. States are the same to the last bit.
   bool late_report = false;
   bool debug = false;           ///< GL debug output; an error in it becomes an Error, in step() device_lost
   std::string shader_folder{};  ///< shaders are read from here in place of those built in; empty: built in

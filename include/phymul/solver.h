@@ -74,7 +74,8 @@ class Solver {
   virtual const Scene& scene() const = 0;
   const Model& model() const { return scene().model(); }
   virtual const TopologyTextures& topology() const = 0;
-  /// fingerprint() of the tables (topology_textures.h). The first call of this function, snapshot() or restore() computes it.
+  /// fingerprint() of the tables (topology_textures.h). The first call of this function, snapshot() or restore()
+  /// computes it.
   virtual std::uint64_t topology_hash() const = 0;
   virtual const SolverOptions& options() const = 0;
   virtual bool takes_tools() const = 0;  ///< false: make_solver and step() refuse scenes with tools
@@ -110,8 +111,11 @@ class Solver {
   /// Steps until the body is at rest (SolverOptions::rest_tolerance), at most max_steps. Does not wait for load events
   /// in the future: call step() up to the last one first. Without damping a body never comes to rest; the call then
   /// does nothing and its report says invalid_step.
-  virtual RestResult run_to_rest(int max_steps, double dt) = 0;
+  RestResult run_to_rest(int max_steps, double dt);
+  /// The same with another damping than the one of the options.
+  virtual RestResult run_to_rest(int max_steps, double dt, const Damping& damping) = 0;
 
+  virtual double time() const = 0;            ///< s, of the present state
   virtual void read(State& state) const = 0;  ///< copies the state
   State read() const;
 

@@ -18,6 +18,7 @@ struct Damping {
   double rate = 0.0;                  ///< 1/s, >= 0: each step multiplies velocities by exp(-rate dt)
   double factor = 1.0;                ///< d in [0, 1], applied once per step in addition to the rate; 1: no damping
   double factor_at(double dt) const;  ///< both combined, for a step of dt seconds
+  bool operator==(const Damping&) const = default;
 };
 
 enum class UnstableStep {
@@ -36,7 +37,7 @@ struct StepProgress {
 
 /// make_solver throws Error for a value out of its range.
 struct SolverOptions {
-  Damping damping;
+  Damping damping{};
   UnstableStep on_unstable = UnstableStep::refuse;
   /// Rest test, independent of dt and scale. With the mean spacing h and tau = 1 / omega_max, a body is at rest if for
   /// `rest_steps` consecutive steps every free particle has speed * tau <= rest_tolerance * h and
@@ -54,7 +55,7 @@ struct SolverOptions {
   double max_displacement_per_step = 0.1;
   /// Spectrum of the same topology at rest, if known. It saves the estimate, which takes about a hundred force
   /// evaluations. With a wrong spectrum stable_step() and the rest test are wrong; the library cannot detect this.
-  std::optional<Spectrum> spectrum;
+  std::optional<Spectrum> spectrum{};
   /// Backend "cpu": number of threads. 0: as many as the body has work for, at most the number of processors. Results
   /// do not depend on it.
   int threads = 0;
@@ -63,10 +64,10 @@ struct SolverOptions {
   /// then that of the last call. It may read the solver, but must not step or reset it or change its scene. It does not
   /// change trajectories. It is not called if the scene has tools, because a tool moves evenly over all steps of a
   /// call.
-  std::function<bool(const StepProgress&)> progress;
+  std::function<bool(const StepProgress&)> progress{};
   double progress_seconds = 0.5;  ///< 0: after every step
   bool profile = false;           ///< measure passes for Solver::profile(); false: no clock is read
-  GlOptions gl;                   ///< of the GL backends; the other backends ignore it
+  GlOptions gl{};                 ///< of the GL backends; the other backends ignore it
 };
 
 }  // namespace phymul

@@ -20,10 +20,11 @@ constexpr double least_square = 1e-32, greatest_square = 1e26;
 
 void require_base_in_range(double square, Index owner) {
   if (square >= least_square && square <= greatest_square) return;
-  throw Error("a base of particle " + std::to_string(owner) + " spans " + to_decimal(std::sqrt(square)) +
-              " in m^2 (m in 2-D); single precision holds " + to_decimal(std::sqrt(least_square)) + " to " +
-              to_decimal(std::sqrt(greatest_square)) +
-              ". Expected a model in metres; the backend \"reference\" computes in double precision");
+  throw Error(ErrorCode::not_supported,
+              "a base of particle " + std::to_string(owner) + " spans " + to_decimal(std::sqrt(square)) +
+                  " in m^2 (m in 2-D); single precision holds " + to_decimal(std::sqrt(least_square)) + " to " +
+                  to_decimal(std::sqrt(greatest_square)) +
+                  ". Expected a model in metres; the backend \"reference\" computes in double precision");
 }
 
 void require_bases_in_range(const TopologyTextures& topology) {
@@ -46,9 +47,10 @@ double require_state_in_range(const VecList& rest, const State& state) {
     const Eigen::Vector3f u = (state.position[i] - rest[i]).cast<float>(), v = state.velocity[i].cast<float>();
     largest = std::max(largest, u.cast<double>().norm());
     if (u.allFinite() && v.allFinite()) continue;
-    throw Error("Solver::reset: particle " + std::to_string(i) +
-                " has a displacement or velocity beyond single precision; the backend \"reference\" computes in "
-                "double precision");
+    throw Error(ErrorCode::not_supported,
+                "Solver::reset: particle " + std::to_string(i) +
+                    " has a displacement or velocity beyond single precision; the backend \"reference\" computes in "
+                    "double precision");
   }
   return largest;
 }

@@ -19,17 +19,19 @@ constexpr std::size_t most_entries = static_cast<std::size_t>(std::numeric_limit
 
 void require_entries(std::size_t rows, std::size_t entries_a_row, const char* table) {
   if (rows <= most_entries / entries_a_row) return;
-  throw Error("the float table of " + std::string(table) + " has " + std::to_string(rows) + " rows; " +
-              std::to_string(most_entries / entries_a_row) +
-              " fit 32-bit entries. Use fewer particles or a sparser base selection, or the backend \"reference\"");
+  throw Error(ErrorCode::not_supported,
+              "the float table of " + std::string(table) + " has " + std::to_string(rows) + " rows; " +
+                  std::to_string(most_entries / entries_a_row) +
+                  " fit 32-bit entries. Use fewer particles or a sparser base selection, or the backend \"reference\"");
 }
 
 float narrow(double value) {
   const auto result = static_cast<float>(value);
   if (std::isfinite(result)) return result;
-  throw Error("a constant of the body, " + to_decimal(value) +
-              " in SI units, is beyond the range of single precision; expected masses in kg, lengths in m and "
-              "stiffnesses in N/m of a real body. The backend \"reference\" computes in double precision");
+  throw Error(ErrorCode::not_supported,
+              "a constant of the body, " + to_decimal(value) +
+                  " in SI units, is beyond the range of single precision; expected masses in kg, lengths in m and "
+                  "stiffnesses in N/m of a real body. The backend \"reference\" computes in double precision");
 }
 
 std::int32_t narrow_bits(double value) {
@@ -92,6 +94,7 @@ void require_enumerable(const TopologyTextures& from) {
       o.reaction == Reaction::full || o.reaction == Reaction::shared || o.reaction == Reaction::barycentric;
   if (from.dimension == 3 && o.law == Law::shape_memory && o.bases == BaseSelection::all && shares) return;
   throw Error(
+      ErrorCode::not_supported,
       "bases can be enumerated from the neighbours only in 3-D with BaseSelection::all and Reaction::full, shared or "
       "barycentric; take BaseLayout::table or automatic, or change the topology's options");
 }

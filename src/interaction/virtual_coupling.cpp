@@ -23,9 +23,7 @@ Vec3 limited(const Vec3& v, double most) {
 
 /// The turn from one orientation to another as a vector, the shorter way.
 Vec3 turn_between(const Quaternion& from, const Quaternion& to) {
-  Eigen::Quaterniond turn(to * from.conjugate());
-  if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
-  const Eigen::AngleAxisd angle(turn);
+  const Eigen::AngleAxisd angle(Eigen::Quaterniond(to * from.conjugate()));  // of 0 to pi, whatever the sign
   return angle.angle() * angle.axis();
 }
 

@@ -22,11 +22,12 @@ constexpr double smallest_body = 10.0e-6;  // m
 constexpr std::size_t named_at_most = 5;
 
 Index particle_number(const Model& model, Index i) {
-  return model.file_index.empty() ? i : model.file_index[i];
+  return model.file_index(i);
 }
 
 Index cell_number(const Model& model, Index row) {
-  return model.cells[row].file_index >= 0 ? model.cells[row].file_index : row;
+  const Index number = model.cell_file_index(row);
+  return number >= 0 ? number : row;
 }
 
 /// "1 particle has" or "3 particles have", as `one` and `many` say.

@@ -20,8 +20,9 @@ void sum_masses(Model& model) {
     if (cell.material < 0 || !is_solid(model.dimension, cell.type)) continue;
     const double measure = signed_measure(model.dimension, cell, model.rest);
     if (!(measure > 0.0)) {
-      throw Error(cell_label(model, row) + ": expected a positive volume to give it a mass, got " +
-                  to_decimal(measure) + "; run check_mesh first, and mend or remove the cells it names");
+      throw Error(ErrorCode::invalid_model,
+                  cell_label(model, row) + ": expected a positive volume to give it a mass, got " +
+                      to_decimal(measure) + "; run check_mesh first, and mend or remove the cells it names");
     }
     const double share = model.materials[cell.material].density * measure / static_cast<double>(cell.particles.size());
     for (const Index i : cell.particles) mass[i] += share;

@@ -144,14 +144,16 @@ ToolHandle Scene::tool(std::string_view name) & {
   }
   std::string names;
   for (const SceneTool& known : tools_) names += (names.empty() ? "" : ", ") + known.name;
-  throw Error("the scene has no tool \"" + std::string(name) + "\"; it has: " + (names.empty() ? "none" : names));
+  throw Error(ErrorCode::unknown_name,
+              "the scene has no tool \"" + std::string(name) + "\"; it has: " + (names.empty() ? "none" : names));
 }
 
 SceneTool& ToolHandle::own() const {
   for (SceneTool& tool : scene_->tools_) {
     if (tool.id == id_) return tool;
   }
-  throw Error("the scene no longer has the tool of this handle; Scene::tool gives handles of those it has");
+  throw Error(ErrorCode::unknown_name,
+              "the scene no longer has the tool of this handle; Scene::tool gives handles of those it has");
 }
 
 void ToolHandle::move_to(const ToolPose& pose) const {

@@ -61,7 +61,7 @@ void require_closed(const VolumeConstraint& surface, const Model& model) {
   }
   for (const auto& [edge, sum] : balance) {
     if (sum == 0) continue;
-    const auto name = [&](Index i) { return std::to_string(model.file_index.empty() ? i : model.file_index[i]); };
+    const auto name = [&](Index i) { return std::to_string(model.file_index(i)); };
     throw Error(label(surface) + "expected a closed surface, but its edge from particle " + name(edge[0]) + " to " +
                 name(edge[1]) + " is open (or its two triangles are wound against each other); add the missing facets");
   }

@@ -133,6 +133,20 @@ RestResult Recorder::run_to_rest(int max_steps, double dt) {
   return result;
 }
 
+RestResult Recorder::run_to_rest(int max_steps, double dt, const Damping& damping) {
+  if (damping == solver_.options().damping) return run_to_rest(max_steps, dt);
+  record_scene();
+  const RestResult result = solver_.run_to_rest(max_steps, dt, damping);
+  const StepReport& report = result.report;
+  ByteWriter out;
+  out.index(report.stopped ? report.steps : max_steps);
+  out.real(dt);
+  out.real(damping.rate);
+  out.real(damping.factor);
+  record(input_kind::to_rest_damped, out.bytes());
+  return result;
+}
+
 void Recorder::reset() {
   reset(rest_state(solver_.model()));
 }

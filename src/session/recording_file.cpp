@@ -7,6 +7,7 @@
 
 #include "base/byte_source.h"
 #include "base/checked_file.h"
+#include "base/file_error.h"
 #include "base/replace_file.h"
 #include "snapshot_bytes.h"
 
@@ -90,8 +91,9 @@ Recording read_recording_bytes(std::string_view bytes, const std::string& name) 
   const bool known = sections.size() == 4 && sections[0].tag == head_tag && sections[1].tag == start_tag &&
                      sections[2].tag == scene_tag && sections[3].tag == inputs_tag;
   if (!known) {
-    throw Error(name + ": expected the sections \"head\", \"stat\", \"scne\" and \"inpt\", got " +
-                std::to_string(sections.size()) + " others; the file was written by something else");
+    fail_format(name, 0,
+                "expected the sections \"head\", \"stat\", \"scne\" and \"inpt\", got " +
+                    std::to_string(sections.size()) + " others; the file was written by something else");
   }
   Recording recording;
   const auto reader = [&](std::size_t k) { return ByteReader(name, sections[k].payload, sections[k].first_byte); };

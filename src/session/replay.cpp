@@ -6,6 +6,7 @@
 #include <bit>
 
 #include "base/decimal.h"
+#include "base/file_error.h"
 #include "input_kinds.h"
 #include "scene_bytes.h"
 #include "snapshot_bytes.h"
@@ -65,7 +66,7 @@ Replay::Replay(Recording recording, Solver& solver, Scene& scene)
   try {
     solver_.restore(recording_.start);
   } catch (const Error& error) {
-    throw Error(std::string("Replay: the start: ") + error.what());
+    throw with_prefix("Replay: the start: ", error);
   }
 }
 
@@ -74,7 +75,7 @@ void Replay::start_scene() {
     ByteReader in("scene", recording_.scene);
     change_scene(scene_, in);
   } catch (const Error& error) {
-    throw Error(std::string("Replay: the scene at the start: ") + error.what());
+    throw with_prefix("Replay: the scene at the start: ", error);
   }
 }
 
@@ -112,6 +113,12 @@ void Replay::perform(const Input& input) {
   } else if (input.kind == input_kind::to_rest) {
     const StepInput step = take_step(input);
     report_ = solver_.run_to_rest(step.n, step.dt).report;
+  } else if (input.kind == input_kind::to_rest_damped) {
+    ByteReader in = reader(input);
+    const int steps = in.index("a number of steps");
+    const double dt = in.real("a step"), rate = in.real("a damping rate"), factor = in.real("a damping factor");
+    in.expect_end("the input");
+    report_ = solver_.run_to_rest(steps, dt, {.rate = rate, .factor = factor}).report;
   } else if (input.kind == input_kind::restore) {
     ByteReader in = reader(input);
     const Snapshot snapshot = take_snapshot(in);
@@ -142,7 +149,7 @@ bool Replay::next() {
   try {
     perform(recording_.inputs[row_]);
   } catch (const Error& error) {
-    throw Error("Replay: input " + std::to_string(position_) + ": " + error.what());
+    throw with_prefix("Replay: input " + std::to_string(position_) + ": ", error);
   }
   advance();
   return true;

@@ -9,6 +9,7 @@
 
 #include "base/byte_source.h"
 #include "base/checked_file.h"
+#include "base/file_error.h"
 #include "base/replace_file.h"
 #include "snapshot_bytes.h"
 
@@ -60,8 +61,9 @@ void save_state(const Snapshot& snapshot, const std::string& path) {
 Snapshot read_state_bytes(std::string_view bytes, const std::string& name) {
   const std::vector<FileSection> sections = read_sections(name, bytes, state_kind);
   if (sections.size() != 2 || sections[0].tag != body_tag || sections[1].tag != state_tag) {
-    throw Error(name + ": expected the sections \"body\" and \"stat\", got " + std::to_string(sections.size()) +
-                " others; the file was written by something else");
+    fail_format(name, 0,
+                "expected the sections \"body\" and \"stat\", got " + std::to_string(sections.size()) +
+                    " others; the file was written by something else");
   }
   ByteReader body(name, sections[0].payload, sections[0].first_byte);
   const std::uint64_t topology_hash = body.u64("the topology's hash");
@@ -85,21 +87,24 @@ void load_state(Solver& solver, const std::string& path) {
   const auto own_count = static_cast<std::size_t>(solver.topology().particle_count);
   if (count != own_count) {
     // Magic word, version and the head of a section before the body; its text, a checksum and a head before the state.
-    throw Error(path + ": byte " + std::to_string(24 + 12 + snapshot.backend.size() + 16) + ": expected a state of " +
-                std::to_string(own_count) + " particles, got one of " + std::to_string(count) +
-                "; load it into a solver of the body it was saved from");
+    fail_format(path, 0,
+                "byte " + std::to_string(24 + 12 + snapshot.backend.size() + 16) + ": expected a state of " +
+                    std::to_string(own_count) + " particles, got one of " + std::to_string(count) +
+                    "; load it into a solver of the body it was saved from");
   }
   const std::uint64_t own = solver.topology_hash();
   if (snapshot.topology_hash != own) {
-    throw Error(path + ": byte 24: expected a state of the body " + hexadecimal(own) + ", got one of " +
-                hexadecimal(snapshot.topology_hash) +
-                ", which has another shape, material, order of particles or other options; load it into a solver over "
-                "the same tables, or take read_state(...).state where only positions are wanted");
+    fail_format(
+        path, 0,
+        "byte 24: expected a state of the body " + hexadecimal(own) + ", got one of " +
+            hexadecimal(snapshot.topology_hash) +
+            ", which has another shape, material, order of particles or other options; load it into a solver over "
+            "the same tables, or take read_state(...).state where only positions are wanted");
   }
   try {
     solver.restore(snapshot);
   } catch (const Error& error) {
-    throw Error(path + ": " + error.what());
+    throw in_file(path, with_prefix(path + ": ", error));
   }
 }
 

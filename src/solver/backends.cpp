@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "base/file_error.h"
 #include "cpu/packed/simd_solver.h"
 #include "cpu/reference_solver.h"
 #include "cpu/simd/job.h"
@@ -40,7 +41,7 @@ std::unique_ptr<Solver> make_gl_solver(std::shared_ptr<const TopologyTextures> t
                                        const SolverOptions& options) try {
   return load_gl_module().make(backend, std::move(topology), scene, options);
 } catch (const Error& error) {
-  throw Error("backend \"" + std::string(name_of(backend)) + "\": " + error.what());
+  throw with_prefix("backend \"" + std::string(name_of(backend)) + "\": ", error);
 }
 
 template <GlBackend backend>
@@ -67,7 +68,7 @@ const Backend& find_backend(std::string_view name) {
   }
   std::string known = "auto";
   for (const Backend& backend : backends) known += std::string(", ") + backend.name;
-  throw Error("unknown backend \"" + std::string(name) + "\"; this build has: " + known);
+  throw Error(ErrorCode::unknown_name, "unknown backend \"" + std::string(name) + "\"; this build has: " + known);
 }
 
 struct Choice {

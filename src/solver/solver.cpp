@@ -13,6 +13,10 @@ void Solver::reset() {
   reset(rest_state(model()));
 }
 
+RestResult Solver::run_to_rest(int max_steps, double dt) {
+  return run_to_rest(max_steps, dt, options().damping);
+}
+
 State Solver::read() const {
   State state;
   read(state);

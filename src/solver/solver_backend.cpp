@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/decimal.h"
+#include "half_step.h"
 #include "profile.h"
 #include "scene/tool_state.h"
 #include "solver_input.h"
@@ -94,7 +95,8 @@ void SolverBackend::require_fitting(const State& state) const {
 }
 
 void SolverBackend::require_supported() const {
-  if (const char* const cause = do_cannot()) throw Error("backend \"" + name_ + "\": " + cause);
+  if (const char* const cause = do_cannot())
+    throw Error(ErrorCode::not_supported, "backend \"" + name_ + "\": " + cause);
 }
 
 void SolverBackend::reset(const State& state) {
@@ -147,22 +149,8 @@ void SolverBackend::start(const State& state, double dt) {
   if (!(dt > 0.0) || !std::isfinite(dt))
     throw Error("Solver::start: expected a finite dt above 0 s; got " + to_decimal(dt));
   reset(state);  // which refuses what does not fit before anything is computed from it
-  LoadFrame at_start;
-  scene_->prepare(at_start);
-  scene_->evaluate(state.time, at_start);
-  VecList force(state.position.size());
-  elastic_forces(*topology_, state.position, force);
-  // The scheme steps from v- to v+ = d v- + a dt; the velocity in the middle is to be the given one.
-  const double d = options_.damping.factor_at(dt);
   State earlier = state;
-  for (std::size_t i = 0; i < force.size(); ++i) {
-    if (!at_start.force.empty()) force[i] += at_start.force[i];
-    const Vec3 acceleration = at_start.gravity + force[i] / topology_->mass[i];
-    for (int axis = 0; axis < topology_->dimension; ++axis) {
-      const bool imposed = !at_start.fixed.empty() && (at_start.fixed[i] >> axis & 1);
-      if (!imposed) earlier.velocity[i][axis] = (2.0 * state.velocity[i][axis] - dt * acceleration[axis]) / (1.0 + d);
-    }
-  }
+  to_half_step_before(*topology_, *scene_, {dt, options_.damping.factor_at(dt)}, earlier);
   reset(earlier);
 }
 
@@ -171,7 +159,7 @@ ParticleBuffer SolverBackend::attractor_buffer() const {
 }
 
 const ToolReport& SolverBackend::do_tool_report(std::size_t) const {
-  throw Error(no_tools);
+  throw Error(ErrorCode::not_supported, no_tools);
 }
 
 void SolverBackend::do_request_read() {
@@ -192,8 +180,9 @@ void SolverBackend::do_snapshot(Snapshot& snapshot) const {
 
 void SolverBackend::refuse_parts(const Snapshot& snapshot) const {
   if (snapshot.parts.empty()) return;
-  throw Error("Solver::restore: the snapshot holds \"" + snapshot.parts.front().name + "\", of which the backend \"" +
-              name_ + "\" knows nothing; restore it in the backend that made it");
+  throw Error(ErrorCode::not_supported, "Solver::restore: the snapshot holds \"" + snapshot.parts.front().name +
+                                            "\", of which the backend \"" + name_ +
+                                            "\" knows nothing; restore it in the backend that made it");
 }
 
 void SolverBackend::do_restore(const Snapshot& snapshot) {

@@ -54,6 +54,9 @@ const char* why_no_steps(int n, double dt, bool to_rest, const Damping& damping)
   }
   if (!(dt > 0.0) || !std::isfinite(dt)) return "expected a finite step above 0 s";
   if (dt < smallest_step) return "expected a step of at least 1e-18 s; is a time in the wrong unit?";
+  if (!(damping.rate >= 0.0) || !std::isfinite(damping.rate) || !(damping.factor >= 0.0 && damping.factor <= 1.0)) {
+    return "expected a finite damping rate in 1/s, 0 or more, and a factor in [0, 1]";
+  }
   if (to_rest && damping.rate == 0.0 && damping.factor == 1.0) {
     return "run_to_rest() expected damping, without which nothing comes to rest; set SolverOptions::damping.rate "
            "(1/s), or call step()";

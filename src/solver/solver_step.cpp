@@ -48,12 +48,12 @@ double Damping::factor_at(double dt) const {
 }
 
 StepReport SolverBackend::step(int n, double dt) {
-  return advance(n, dt, false);
+  return advance(n, dt, false, options_.damping);
 }
 
-RestResult SolverBackend::run_to_rest(int max_steps, double dt) {
+RestResult SolverBackend::run_to_rest(int max_steps, double dt, const Damping& damping) {
   RestResult result;
-  result.report = advance(max_steps, dt, true);
+  result.report = advance(max_steps, dt, true, damping);
   const StepReport& report = result.report;
   result.status = !report.ok()     ? RestStatus::failed
                   : report.at_rest ? RestStatus::converged
@@ -74,11 +74,11 @@ bool SolverBackend::any_tool_grasps() const {
   return false;
 }
 
-SolverBackend::StepPlan SolverBackend::plan_for(int n, double dt, bool stop_at_rest, bool beyond_limit) const {
+SolverBackend::StepPlan SolverBackend::plan_for(int n, double dt, const Damping& damping, bool beyond_limit) const {
   StepPlan plan;
   plan.steps = n;
   plan.dt = dt;
-  plan.damping_factor = options_.damping.factor_at(dt);
+  plan.damping_factor = damping.factor_at(dt);
   const double omega = std::sqrt(spectrum_.largest);
   plan.speed_at_rest = options_.rest_tolerance * spacing_ * omega;
   plan.acceleration_at_rest = plan.speed_at_rest * omega;
@@ -86,7 +86,6 @@ SolverBackend::StepPlan SolverBackend::plan_for(int n, double dt, bool stop_at_r
   plan.largest_acceleration =
       clamps ? options_.max_displacement_per_step * spacing_ / (dt * dt) : std::numeric_limits<double>::infinity();
   plan.runaway_speed = omega * spacing_ > 0.0 ? runaway_factor * spacing_ * omega : std::numeric_limits<double>::max();
-  plan.stop_at_rest = stop_at_rest;
   plan.rest_steps = options_.rest_steps;
   return plan;
 }
@@ -110,21 +109,21 @@ void SolverBackend::report_failure(const Motion& motion, StepReport& report) con
   } else if (motion.bad_particle >= 0) {
     report.status = StepStatus::not_finite;
     report.particle = motion.bad_particle;
-    report.cause = likely_cause(*topology_, spectrum_, report.dt, stable_step_, any_tool_grasps());
+    report.cause = likely_cause(*topology_, spectrum_, report.dt, report.stable_step, any_tool_grasps());
   }
 }
 
-StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest) {
+StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest, const Damping& damping) {
   StepReport report;
   report.time = do_time();
   report.dt = dt;
-  report.stable_step = stable_step_;
-  if (const char* const cause = why_no_steps(n, dt, stop_at_rest, options_.damping)) {
+  report.stable_step = phymul::stable_step(spectrum_, damping.factor);
+  if (const char* const cause = why_no_steps(n, dt, stop_at_rest, damping)) {
     report.status = StepStatus::invalid_step;
     report.cause = cause;
     return report;
   }
-  report.beyond_limit = dt > stable_step_ * (1.0 + limit_slack);
+  report.beyond_limit = dt > report.stable_step * (1.0 + limit_slack);
   if (report.beyond_limit && options_.on_unstable == UnstableStep::refuse) {
     report.status = StepStatus::unstable_step;
     return report;
@@ -135,7 +134,9 @@ StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest) {
     return report;
   }
   follow_scene();
-  const Motion motion = run(plan_for(n, dt, stop_at_rest, report.beyond_limit), report);
+  StepPlan plan = plan_for(n, dt, damping, report.beyond_limit);
+  plan.stop_at_rest = stop_at_rest;
+  const Motion motion = run(plan, report);
   report.steps = motion.steps;
   report.time = do_time();
   report.residual = motion.max_force;

@@ -125,7 +125,7 @@ Scene pulled(const Model& model) {
   push.direction = {0, 1, 0};
   push.events = {{0.0, 0.01}};
   scene.fix("x0").gravity({0, 0, -9.81}).add(pull).add(push);
-  return scene;
+  return std::as_const(scene);  // a copy: scenes do not move
 }
 
 /// Bodies of several clusters, with the terms of every kernel among them.

@@ -167,6 +167,26 @@ TEST(ContactCandidates, ListsTooLongToKeepAreWhole) {
   EXPECT_EQ(candidates.searches(), 21u);
 }
 
+/// Lists kept without slack to spare: the body has come nearer by almost all of it, and the step may go as far again.
+/// Either alone the lists would bear.
+TEST(ContactCandidates, AreLookedForAnewWhereMotionAndMarginTogetherPassTheSlack) {
+  constexpr double edge = 0.005;  // m, of two_cubes()
+  const ContactSurface surface = make_contact_surface(two_cubes(1.2 * edge));
+  const ContactOptions options{.margin = 0.6 * edge};  // further out than what is inside: depth_factor
+  for (const double way : {0.05 * edge, 0.15 * edge, 0.24 * edge}) {
+    cpu::ContactCandidates candidates;
+    candidates.follow(surface, options);
+    pairs_listed(candidates, surface.rest, 0.0);
+    VecList place = surface.rest;
+    for (std::size_t k = 0; k < place.size(); ++k) {
+      if (surface.particles[k].body == 1) place[k].z() -= way;
+    }
+    const Pairs wanted = pairs_that_count(surface, place, options, way);
+    ASSERT_GT(wanted.size(), 100u);
+    EXPECT_TRUE(std::ranges::includes(pairs_listed(candidates, place, way), wanted)) << way;
+  }
+}
+
 struct Motion {
   std::string name;
   double gap;      // m

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "model/file_extras.h"
 #include "support/pml_text.h"
 
 namespace phymul {
@@ -96,8 +97,9 @@ TEST(LmlRead, AppliedTo) {
 
 TEST(LmlRead, AppliedToMeansFileIndices) {
   Model model = line_model();
-  model.file_index.resize(model.rest.size());
-  for (Index i = 0; i < model.particle_count(); ++i) model.file_index[i] = 100 + 2 * (model.particle_count() - 1 - i);
+  change_extras(model, [&](FileExtras& extras) {
+    for (Index i = model.particle_count() - 1; i >= 0; --i) extras.particle_index.push_back(100 + 2 * i);
+  });
   const auto with = [&](const std::string& text) {
     return read_lml_text(load_text("Force", "<appliedTo>" + text + "</appliedTo>" + event + along_z + "<unit>N</unit>"),
                          "t.lml", model);
@@ -167,6 +169,20 @@ TEST(LmlRead, Directions) {
        {"<direction x=\"NULL\" y=\"NULL\" z=\"NULL\"/>", "<direction x=\"NULL\" z=\"-2.5\"/>",
         "<direction toward=\"4\"/>", "<direction toward=\"4\" y=\"NULL\"/>", "<direction/>"}) {
     EXPECT_EQ(rewritten({load(direction)}, line_model()), std::vector<Load>{load(direction)}) << direction;
+  }
+}
+
+/// What would do something at any of its dates needs to be told where to.
+TEST(LmlRead, ADirectionOfNoLengthIsForLoadsThatAreNeverMeant) {
+  const auto load = [](const std::string& events) {
+    return read_one("Force",
+                    "<appliedTo>1</appliedTo>" + events + "<direction x=\"0\" y=\"0\" z=\"0\"/><unit>N</unit>");
+  };
+  EXPECT_EQ(load("<valueEvent date=\"0\" value=\"0\"/><valueEvent date=\"1\" value=\"0\"/>").events.size(), 2u);
+  for (const char* const values : {"<valueEvent date=\"0\" value=\"0\"/><valueEvent date=\"1\" value=\"2\"/>",
+                                   "<valueEvent date=\"0\" value=\"2\"/><valueEvent date=\"1\" value=\"0\"/>"}) {
+    EXPECT_NE(message_of([&] { load(values); }).find("expected a direction of a length above 0"), std::string::npos)
+        << values;
   }
 }
 

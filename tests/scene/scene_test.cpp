@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "support/message_of.h"
+#include "support/print.h"
 #include "support/scene_parts.h"
 
 namespace phymul {

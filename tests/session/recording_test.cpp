@@ -209,6 +209,22 @@ TEST_F(RecordingTest, SkippingBackMakesTheSceneAnew) {
   EXPECT_NE(message_of([&] { replay.skip_to(1000000); }).find("expected a position of"), std::string::npos);
 }
 
+/// From among steps that are one input: all of them are still to come.
+TEST_F(RecordingTest, SkippingBackForgetsRepetitionsDone) {
+  const auto recorded = solver({"cpu", 1}, scene_);
+  Recorder recorder(*recorded, scene_);
+  for (int k = 0; k < 10; ++k) recorder.step(1, 1e-5);
+  Scene again(model_);
+  const auto own = solver({"cpu", 1}, again);
+  Replay replay(recorder.recording(), *own, again);
+  for (int k = 0; k < 4; ++k) ASSERT_TRUE(replay.next());
+  replay.skip_to(0);
+  own->restore(recorder.recording().start);
+  replay.run();
+  EXPECT_EQ(replay.position(), 10u);
+  EXPECT_EQ(own->snapshot(), recorded->snapshot());
+}
+
 TEST_F(RecordingTest, AnotherBackendMissesTheCheckpointAndSaysSo) {
   const std::string middle = path_for("check.state");
   const auto recorded = solver({"reference", 0}, scene_);

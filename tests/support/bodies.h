@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "print.h"
+
 namespace phymul::test {
 
 struct Body {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "message_of.h"
+#include "print.h"
 
 namespace phymul {
 
