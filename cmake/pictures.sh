@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 #
-# Draws the pictures of docs/pictures.md and the README anew.
+# Draws the pictures of docs/guide/pictures.md and the README anew.
 #   sh cmake/pictures.sh
 set -eu
 cd "$(dirname "$0")/.."

@@ -2,7 +2,7 @@
 //
 // A simulator's host in small: a device's loop moves a tool and steps the tissue once a millisecond, pictures are made
 // from copies in a thread of their own, a region gets softer while all goes on, and the last half second is undone.
-// The hand is a formula here. docs/hosting.md goes through it.
+// The hand is a formula here. docs/guide/hosting.md goes through it.
 //   host [seconds]
 #include <phymul/phymul.h>
 

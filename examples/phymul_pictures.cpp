@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// phymul-pictures [FOLDER]: draws the pictures of docs/pictures.md anew, three moments each of a tetrahedron and of a
+// phymul-pictures [FOLDER]: draws the pictures of docs/guide/pictures.md anew, three moments each of a tetrahedron and of a
 // cylinder, as figures 3.1 to 3.6 of the 2007 thesis show them: at rest, deformed, come back.
 #include <phymul/phymul.h>
 
@@ -145,7 +145,7 @@ void draw_cylinder(const std::string& folder) {
 int main(int argc, char** argv) try {
   const std::string folder = argc > 1 ? argv[1] : "docs/pictures";
   if (folder == "--help" || folder == "-h") {
-    std::puts("phymul-pictures [FOLDER]\nDraws the pictures of docs/pictures.md, to docs/pictures by default.");
+    std::puts("phymul-pictures [FOLDER]\nDraws the pictures of docs/guide/pictures.md, to docs/pictures by default.");
     return 0;
   }
   std::filesystem::create_directories(folder);

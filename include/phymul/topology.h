@@ -78,7 +78,7 @@ struct TopologyOptions {
   /// gamma in [0, 1): least share of a cell's energy that is computed from its mean deformation instead of its bases.
   /// A value above 0 needs a material. Use 0.9 for hexahedra or wedges that bend: with 0 they lock, and a cantilever 4
   /// cells across bends 24 % too little at a Poisson's ratio of 0.3. With 0.9 the error is below 2 %
-  /// (docs/choosing.md). With PoissonRoute::volume_term and opposite_faces, cells whose base normals are not
+  /// (docs/guide/choosing.md). With PoissonRoute::volume_term and opposite_faces, cells whose base normals are not
   /// distributed isotropically (every tetrahedron, flat hexahedra, wedges; not cubes) get a larger share automatically,
   /// up to 0.9. Otherwise irregular tetrahedra would lose 16 % of Young's modulus.
   double cell_average = 0.0;

@@ -123,7 +123,7 @@ TEST(ToolMargin, NoRodPassesUnfelt) {
   EXPECT_GT(through, 5);  // without it, this is what they do
 }
 
-/// The table of docs/tools.md: force on a rod 8 mm deep over that on a body of a sixth of the spacing, by margin.
+/// The table of docs/measurements/tools.md: force on a rod 8 mm deep over that on a body of a sixth of the spacing, by margin.
 TEST(ToolMargin, ForceOverThatOnAFineBody) {
   const Model coarse = slab(1), fine = slab(sanitized ? 2 : 6);  // the table is of the latter
   std::printf("| radius, mm | on the fine body, N | no margin, mm | half | least_margin | with stretch 2 |\n");

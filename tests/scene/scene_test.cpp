@@ -330,11 +330,12 @@ TEST(Scene, TakesNoTemporaryModel) {
 TEST(Scene, IsCopiedAndNeitherMovedNorAssigned) {
   EXPECT_FALSE((std::is_assignable_v<Scene&, Scene>));
   EXPECT_FALSE((std::is_assignable_v<Scene&, const Scene&>));
+  EXPECT_FALSE((std::is_constructible_v<Scene, Scene>));
   const Model model = make_block({1, 1, 1}, 1, 1, 1);
   Scene scene(model);
   scene.fix("x0").gravity({0, 0, -1}).add_tool("ball", {.shape = Sphere{0.1}});
   const ToolHandle ball = scene.tool("ball");
-  const Scene other = std::move(scene);
+  const Scene other = scene;
   ball.move_to({.position = {1, 2, 3}});
   EXPECT_EQ(scene.loads().size(), 1u);
   EXPECT_EQ(scene.tools().front().pose.position, Vec3(1, 2, 3));

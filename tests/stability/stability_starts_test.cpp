@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Starts no tissue is in, method by method and backend by backend: which come back, which do not, and that a body that
-// stays elsewhere is never passed off as one at rest. docs/stability.md has the list of cases.
+// stays elsewhere is never passed off as one at rest. docs/measurements/stability.md has the list of cases.
 #include <functional>
 #include <limits>
 
@@ -100,7 +100,7 @@ TEST_P(StabilityStarts, CalibratedBodiesReturnFromEveryState) {
       EXPECT_EQ(outcome.rest.folded, -1) << what;
       EXPECT_TRUE(outcome.rest.report.force_clamped || failure.name == std::string_view("twisted")) << what;
     }
-    // Small bodies of this one keep themselves hot, or rest with a corner inside out: docs/stability.md.
+    // Small bodies of this one keep themselves hot, or rest with a corner inside out: docs/measurements/stability.md.
     const bool is_small = cells() < 4 && name == std::string_view("cell-averaged, nu 0.45");
     EXPECT_GE(returned, is_small ? tried / 2 : tried) << name;
   }
