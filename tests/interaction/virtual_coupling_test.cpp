@@ -44,10 +44,10 @@ TEST(VirtualCoupling, TurnsTheShorterWay) {
   for (int k = 0; k < 500; ++k) {
     one.follow({.orientation = turn}, ToolForce{}, 1e-3);
     other.follow({.orientation = negative}, ToolForce{}, 1e-3);
-    ASSERT_LE(other.tool().orientation.angularDistance(one.tool().orientation), 1e-7) << k;
-    ASSERT_LE(other.tool().spin.norm(), one.tool().spin.norm() + 1e-6) << k;
+    ASSERT_LE(other.pose().orientation.angularDistance(one.pose().orientation), 1e-7) << k;
+    ASSERT_LE(other.pose().spin.norm(), one.pose().spin.norm() + 1e-6) << k;
   }
-  EXPECT_LE(one.tool().orientation.angularDistance(turn), 0.05);
+  EXPECT_LE(one.pose().orientation.angularDistance(turn), 0.05);
 }
 
 TEST(VirtualCoupling, IsStableHoweverStiff) {
