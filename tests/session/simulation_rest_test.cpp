@@ -13,7 +13,7 @@ namespace {
 constexpr Material beam_material{.young = 10e3, .poisson = 0.3, .density = 1000};
 
 Simulation beam(const std::string& backend, const Damping& damping = {}, const SolverOptions& solver = {}) {
-  Simulation sim(make_block({0.2, 0.05, 0.05}, 16, 4, 4),
+  Simulation sim(make_block({0.2, 0.05, 0.05}, 8, 2, 2),
                  {.material = beam_material, .backend = backend, .damping = damping, .solver = solver});
   sim.scene().fix("x0").gravity({0, 0, -9.81});
   return sim;
