@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 #
-# Makes every chart and table of docs/charts.md and docs/stability.md: builds, measures, draws.
+# Makes every chart and table of docs/measurements/charts.md and docs/measurements/stability.md: builds, measures, draws.
 #   sh bench/charts.sh [--quick] [--out DIR] [--draw-only] [--methods a,b,...] [--backends a,b,...] [--wall-cap SECONDS]
 # Default DIR: out/charts. --quick takes coarse bodies only and under 3 minutes; --draw-only redraws what is in DIR.
 # Measure on a quiet machine: times are wall times.

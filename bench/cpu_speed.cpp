@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-#include "cpu/packed/vector_body.h"
+#include "cpu/packed/packed_body.h"
 #include "cpu/simd/instruction_set.h"
 #include "machine_ceilings.h"
 #include "plain_loop.h"
@@ -150,7 +150,7 @@ void run(const Case& test, int repeats) {
               median(runners[1].rates) * 1e-6, best * 1e-6, median(runners[2].clock_rates) * 1e-6, median(ratios),
               median(gains.all), median(gains.machine), gains.quiet.empty() ? 0.0 : median(gains.quiet),
               static_cast<int>(gains.quiet.size()), n / median(runners[1].rates) * 1e6);
-  const auto body = cpu::make_vector_body(*tables, cpu::simd::chosen_kernels().lanes);
+  const auto body = cpu::make_packed_body(*tables, cpu::simd::chosen_kernels().lanes);
   const double rate = median(runners[1].rates) / n;  // steps a second
   std::printf("%-34s bytes a particle-step %.0f, so %.1f GB/s", "", body->bytes_a_step() / n,
               body->bytes_a_step() * rate * 1e-9);

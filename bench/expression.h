@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Arithmetic of case files: numbers, names, + - * / ^, comparisons and && || ! (1 for true), parentheses, and
-// sin cos tan asin acos atan2 sqrt exp log abs min max if(condition, a, b). `pi` is known.
+// sin cos tan asin acos atan2 sqrt exp log abs min max if(condition, a, b), by muParser. `pi` is known.
 #pragma once
 
 #include <map>

@@ -110,8 +110,8 @@ ToolPose ProbeAndNeedle::needle_at(double time) const {
 }
 
 void ProbeAndNeedle::drive(double date) {
-  scene_.tool("probe").pose(probe_at(date + tick));
-  scene_.tool("needle").pose(needle_at(date + tick));
+  scene_.tool("probe").move_to(probe_at(date + tick));
+  scene_.tool("needle").move_to(needle_at(date + tick));
 }
 
 void ProbeAndNeedle::answer(const Solver& solver, const State& state) {

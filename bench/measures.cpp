@@ -2,6 +2,7 @@
 #include "measures.h"
 
 #include <phymul/elasticity.h>
+#include <phymul/load_frame.h>
 #include <phymul/monitor.h>
 
 #include <Eigen/Geometry>

@@ -196,7 +196,7 @@ Scene Problem::scene(const Model& same_body) const {
   result.gravity(gravity);
   for (const Load& load : loads) result.add(load);
   for (const NamedTool& it : tools) result.add_tool(it.name, it.tool);
-  return result;
+  return std::as_const(result);  // a copy: scenes do not move
 }
 
 bool Problem::has_forces() const {

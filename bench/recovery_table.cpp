@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // From which broken states a body finds back to its rest shape: a cube of 125 particles of soft tissue, 12,000 steps
-// with d = 0.99, with and without the cut of SolverOptions::largest_push. `recovery_table [backend [share of the stable
-// step]]`, default reference and 0.5; takes minutes in the reference backend.
+// with d = 0.99, with and without the cut of SolverOptions::max_displacement_per_step. `recovery_table [backend [share
+// of the stable step]]`, default reference and 0.5; takes minutes in the reference backend.
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
@@ -23,7 +23,7 @@ constexpr int steps = 12000;
 struct Setting {
   std::string backend;
   double share = 0.5;  // of the stable step
-  double largest_push = 0.1;
+  double max_displacement_per_step = 0.1;
 };
 
 void print_row(const char* name, double poisson, const TopologyOptions& topology, const Setting& setting) {
@@ -32,7 +32,7 @@ void print_row(const char* name, double poisson, const TopologyOptions& topology
   const Scene scene(model);
   SolverOptions options;
   options.damping.factor = 0.99;
-  options.largest_push = setting.largest_push;
+  options.max_displacement_per_step = setting.max_displacement_per_step;
   const auto solver = make_solver(setting.backend, model, scene, topology, options);
   int returned = 0;
   std::string lost;
@@ -48,7 +48,7 @@ void print_row(const char* name, double poisson, const TopologyOptions& topology
     if (!rests) lost += std::string(lost.empty() ? "" : ", ") + failure.name + (report.ok() ? "" : " (ran away)");
   }
   std::printf("%-28s nu %.2f  step %.1f of the limit, push %g: %2d of %zu; lost: %s\n", name, poisson, setting.share,
-              setting.largest_push, returned, failure_states().size(), lost.c_str());
+              setting.max_displacement_per_step, returned, failure_states().size(), lost.c_str());
   std::fflush(stdout);
 }
 
@@ -68,8 +68,8 @@ int main(int argc, char** argv) try {
   Setting setting;
   setting.backend = argc > 1 ? argv[1] : "reference";
   if (argc > 2) setting.share = std::atof(argv[2]);
-  for (const double push : {setting.largest_push, std::numeric_limits<double>::infinity()}) {
-    setting.largest_push = push;
+  for (const double push : {setting.max_displacement_per_step, std::numeric_limits<double>::infinity()}) {
+    setting.max_displacement_per_step = push;
     for (const double poisson : {0.3, 0.45}) {
       print_row("bounded volume law", poisson, bounded, setting);
       print_row("quadratic volume law", poisson, quadratic, setting);

@@ -3,6 +3,7 @@
 // Case files of bench/reference: expressions, the bodies and loads they make, and where sample points are.
 #include <gtest/gtest.h>
 #include <phymul/error.h>
+#include <phymul/load_frame.h>
 #include <phymul/phymul.h>
 
 #include <filesystem>

@@ -157,12 +157,12 @@ class Relaxing {
     while (seconds_since(began_) < plan_.wall_cap) {
       const int batch = std::max(8, result_.steps / 16);
       const auto start_of_batch = Clock::now();
-      const StepReport report = damped->run_to_rest(batch, result_.dt);
+      const RestResult rest = damped->run_to_rest(batch, result_.dt);
       const double wall = seconds_since(start_of_batch);
-      if (report.steps > 0) per_step.push_back(wall / report.steps);
-      result_.steps += report.steps;
-      if (failed(report)) break;
-      if (report.at_rest) {
+      if (rest.report.steps > 0) per_step.push_back(wall / rest.report.steps);
+      result_.steps += rest.report.steps;
+      if (failed(rest.report)) break;
+      if (rest.converged()) {
         result_.status = "ok";
         result_.message.clear();
         break;

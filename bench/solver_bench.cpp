@@ -89,8 +89,6 @@ void solver_step(benchmark::State& run, const std::string& backend, const Elasti
   const double steps = static_cast<double>(run.iterations()) * steps_a_batch;
   run.counters["bases_per_second"] =
       benchmark::Counter(steps * solver->topology().base_count, benchmark::Counter::kIsRate);
-  // In every run, as CSV wants its columns; "nan" where the backend does not count.
-  run.counters["bytes_a_particle_step"] = solver->bytes_a_step() / block.model.particle_count();
 }
 
 /// One bench for each backend of this build and each law.

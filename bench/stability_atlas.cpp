@@ -40,7 +40,7 @@ Limit step_limit(const Model& model, const TopologyOptions& topology, double dam
   const Scene scene(model);
   SolverOptions options;
   options.on_unstable = UnstableStep::allow;
-  options.largest_push = std::numeric_limits<double>::infinity();
+  options.max_displacement_per_step = std::numeric_limits<double>::infinity();
   options.damping.factor = damping_factor;
   const auto solver = make_solver("reference", model, scene, topology, options);
   Limit limit{solver->stable_step(), std::numeric_limits<double>::quiet_NaN()};
@@ -125,12 +125,12 @@ class Limits {
   std::vector<double> factors_, ratios_, valences_;
 };
 
-const char* verdict(const StepReport& report, double distance) {
-  if (!report.ok()) return "ran away";
+const char* verdict(const RestResult& rest, double distance) {
+  if (!rest.report.ok()) return "ran away";
   if (distance < 0.01) return "returned";
-  if (report.collapsed >= 0) return "rests collapsed";
-  if (report.folded >= 0) return "rests folded";
-  return report.at_rest ? "rests elsewhere" : "moves";
+  if (rest.collapsed >= 0) return "rests collapsed";
+  if (rest.folded >= 0) return "rests folded";
+  return rest.converged() ? "rests elsewhere" : "moves";
 }
 
 void write_recovery(const std::string& path, const std::vector<std::string>& backends, int cells, int steps,
@@ -152,13 +152,13 @@ void write_recovery(const std::string& path, const std::vector<std::string>& bac
         State state = rest_state(model);
         failure.apply(state.position, side, side / cells, bits);
         solver->reset(state);
-        const StepReport report = solver->run_to_rest(steps, share * solver->stable_step());
+        const RestResult rest = solver->run_to_rest(steps, share * solver->stable_step());
         const double distance = distance_from_rest_shape(model, solver->read().position);
-        const std::string how = verdict(report, distance);
+        const std::string how = verdict(rest, distance);
         returned += how == "returned";
         if (how != "returned") others += std::string(others.empty() ? "" : "; ") + failure.name + ": " + how;
         file.row({method.name, backend, solver->device(), failure.name, field(share), how, field(distance),
-                  std::to_string(report.steps), report.message()});
+                  std::to_string(rest.report.steps), rest.message()});
       }
       std::printf("%-24s %-10s %2d of %zu; %s\n", method.name.c_str(), backend.c_str(), returned, states.size(),
                   others.c_str());

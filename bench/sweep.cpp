@@ -47,8 +47,6 @@ const std::vector<std::string> columns{"variant",
                                        "device_s_per_step",
                                        "particle_steps_per_s",
                                        "bases_per_s",
-                                       "bytes_per_particle_step",
-                                       "bandwidth_share",
                                        "multiply_share",
                                        "operation_share",
                                        "load"};
@@ -76,8 +74,6 @@ std::vector<std::string> fields_of(const SweepRow& row) {
           field(row.device_seconds_a_step),
           field(rate),
           field(rate / n * row.base_count),
-          field(row.bytes_a_step / n),
-          field(row.bandwidth_share),
           field(row.multiply_share),
           field(row.operation_share),
           row.load};

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 #
-# Makes the CSV file and charts of docs/speed.md: builds, measures, draws.
+# Makes the CSV file and charts of docs/measurements/speed.md: builds, measures, draws.
 #   sh bench/sweep.sh [--quick] [--out DIR] [--draw-only] [--sizes a,b] [--variants a,b] [--backends a,b] [--cap SECONDS]
 # Default DIR: out/sweep. --quick takes bodies of up to 512 particles and under a minute once it is built; --draw-only
 # redraws what is in DIR. Measure on a quiet machine.

@@ -16,9 +16,6 @@
 namespace phymul::bench {
 namespace {
 
-/// Bytes a step of bodies that no cache holds; within one, bytes say nothing about memory.
-constexpr double beyond_caches = 64e6;
-
 double median(std::vector<double> values) {
   std::ranges::sort(values);
   return values[values.size() / 2];
@@ -87,7 +84,6 @@ Runner runner(const std::string& backend, int threads, const std::shared_ptr<con
   r.row.backend = backend;
   r.row.threads = threads;
   r.row.device = r.solver->device();
-  r.row.bytes_a_step = r.solver->bytes_a_step();
   return r;
 }
 
@@ -102,10 +98,6 @@ int lanes_of(const std::string& device) {
 /// the body's is.
 void add_shares(SweepRow& row, const TripleWork& work) {
   if (row.threads != 1 || row.backend != "cpu") return;
-  if (row.bytes_a_step > beyond_caches) {
-    const double bandwidth = read_bandwidth(std::min(row.bytes_a_step, 512e6), 0.2);
-    row.bandwidth_share = row.bytes_a_step / row.processor_seconds_a_step / bandwidth;
-  }
   const int lanes = lanes_of(row.device);
   if (work.operations == 0.0 || lanes == 0) return;
   const double most = vector_multiply_adds(0.1) * lanes * row.processor_seconds_a_step;
@@ -167,7 +159,6 @@ void measure_body(const SweepVariant& variant, int size, const SweepLimits& limi
         Runner made = runner(backend, threads, tables, scene, start);
         if (threads > 1 && made.row.device.starts_with("1 thread,")) continue;  // small: it takes no second one
         row.device = made.row.device;
-        row.bytes_a_step = made.row.bytes_a_step;
         row.status = "ok";
         made.row = row;
         made.calibrate(limits.sample_seconds);

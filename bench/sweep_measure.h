@@ -23,9 +23,7 @@ struct SweepRow {
   /// Of all threads of the process, likewise. Of one thread it is what the wall clock says on a quiet machine.
   double processor_seconds_a_step = unknown, processor_least = unknown, processor_greatest = unknown;
   double device_seconds_a_step = unknown;  ///< by the device's timers, over all passes
-  double bytes_a_step = unknown;           ///< Solver::bytes_a_step
-  double bandwidth_share = unknown;  ///< bytes over time, of what one core reads from memory; 1 thread, beyond caches
-  double multiply_share = unknown;   ///< multiplications of the triples over time, of one core's most; 1 thread
+  double multiply_share = unknown;         ///< multiplications of the triples over time, of one core's most; 1 thread
   double operation_share = unknown;  ///< the same of all their operations, where the core does multiply-adds alone
   int repeats = 0;
   std::string load;  ///< of the machine, before

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 #
-# phymul_sanitizers: linked PRIVATE to our own targets; empty unless PHYMUL_SANITIZE says otherwise. See docs/testing.md.
+# phymul_sanitizers: linked PRIVATE to our own targets; empty unless PHYMUL_SANITIZE says otherwise. See docs/guide/testing.md.
 add_library(phymul_sanitizers INTERFACE)
 if(PHYMUL_SANITIZE)
   if(PHYMUL_SANITIZE MATCHES "thread" AND PHYMUL_SANITIZE MATCHES "address")

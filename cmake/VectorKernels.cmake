@@ -15,15 +15,17 @@ endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   list(APPEND kernel_options -Wno-maybe-uninitialized -Wno-uninitialized)
 endif()
-# Their flags are not those of the library's precompiled headers.
-set_source_files_properties(src/cpu/simd/kernels_portable.cpp PROPERTIES COMPILE_OPTIONS "${kernel_options}"
-                            SKIP_PRECOMPILE_HEADERS ON)
+# Marks the kernels of one instruction set, which need these options besides.
+function(phymul_kernels name)
+  set(sources src/cpu/simd/kernels_${name}.cpp src/cpu/simd/lattice_kernels_${name}.cpp)
+  target_sources(phymul PRIVATE ${sources})
+  set_source_files_properties(${sources} PROPERTIES COMPILE_OPTIONS "${kernel_options};${ARGN}"
+                              SKIP_PRECOMPILE_HEADERS ON)  # whose flags are others
+endfunction()
+
+phymul_kernels(portable)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
-  target_sources(phymul PRIVATE src/cpu/simd/kernels_avx2.cpp src/cpu/simd/kernels_avx512.cpp)
+  phymul_kernels(avx2 -mavx2 -mfma)
+  phymul_kernels(avx512 -mavx2 -mfma -mavx512f -mavx512dq -mavx512vl -mavx512bw)
   target_compile_definitions(phymul PRIVATE PHYMUL_X86_KERNELS)
-  set_source_files_properties(src/cpu/simd/kernels_avx2.cpp PROPERTIES
-                              COMPILE_OPTIONS "${kernel_options};-mavx2;-mfma" SKIP_PRECOMPILE_HEADERS ON)
-  set_source_files_properties(
-    src/cpu/simd/kernels_avx512.cpp PROPERTIES SKIP_PRECOMPILE_HEADERS ON
-    COMPILE_OPTIONS "${kernel_options};-mavx2;-mfma;-mavx512f;-mavx512dq;-mavx512vl;-mavx512bw")
 endif()

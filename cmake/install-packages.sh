@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 #
 # Installs what is missing on a Debian machine to build phymul; does nothing, and needs no rights, where nothing is.
-#   sh cmake/install-packages.sh [examples] [tests] [bench] [charts] [gl] [gl-tests]
+#   sh cmake/install-packages.sh [examples] [tests] [bench] [charts] [gl] [gl-tests] [clang]
 # The library's own needs are always among them. A compiler and CMake are taken as there.
 set -eu
 
@@ -37,7 +37,10 @@ for part in "$@"; do
       need_package libgtest-dev
       need_pkg_config=yes
       ;;
-    bench) need_package libbenchmark-dev ;;
+    bench)
+      need_package libbenchmark-dev
+      need_package libmuparser-dev
+      ;;
     charts)  # drawing, and a peer to measure beside
       need_package python3-matplotlib
       need_package libbullet-dev
@@ -57,8 +60,9 @@ for part in "$@"; do
       need_package libx11-dev
       need_package xvfb
       ;;
+    clang) need_command clang++-16 clang-16 ;;
     *)
-      echo "phymul: unknown part \"$part\"; there are: examples tests bench charts gl gl-tests" >&2
+      echo "phymul: unknown part \"$part\"; there are: examples tests bench charts gl gl-tests clang" >&2
       exit 2
       ;;
   esac

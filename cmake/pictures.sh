@@ -1,15 +1,15 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 #
-# Draws the pictures of docs/pictures.md and the README anew, by OpenGL.
+# Draws the pictures of docs/guide/pictures.md and the README anew.
 #   sh cmake/pictures.sh
 set -eu
 cd "$(dirname "$0")/.."
 
-sh cmake/install-packages.sh examples gl
+sh cmake/install-packages.sh examples
 . cmake/generator.sh
 
-cmake -S . -B build/pictures -DCMAKE_BUILD_TYPE=Release -DPHYMUL_BUILD_TESTS=OFF -DPHYMUL_BUILD_BENCH=OFF -DPHYMUL_WITH_GL=ON
+cmake -S . -B build/pictures -DCMAKE_BUILD_TYPE=Release -DPHYMUL_BUILD_TESTS=OFF -DPHYMUL_BUILD_BENCH=OFF -DPHYMUL_WITH_GL=OFF
 cmake --build build/pictures --parallel "$(nproc)"
 build/pictures/examples/phymul-pictures docs/pictures
 out=$(mktemp -d)

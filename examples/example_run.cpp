@@ -48,10 +48,10 @@ std::string text(const char* format, double a, double b, double c) {
   return buffer;
 }
 
-phymul::StepReport advance(phymul::Solver& solver, int steps, double dt) {
-  phymul::StepReport report = solver.step(steps, dt);
+double advance(phymul::Simulation& sim, double seconds) {
+  const phymul::StepReport report = sim.advance(seconds);
   if (!report.ok()) throw phymul::Error(report.message());
-  return report;
+  return report.time;
 }
 
 BodyPoint::BodyPoint(const phymul::Model& model, const phymul::Vec3& rest) : rest_(rest) {

@@ -3,7 +3,7 @@
 // What the examples with tools share: a command line of --out DIR and --quick, curves in CSV files, checked steps.
 #pragma once
 
-#include <phymul/solver.h>
+#include <phymul/simulation.h>
 
 #include <cstdio>
 #include <functional>
@@ -28,8 +28,8 @@ void require(bool holds, const std::string& sentence);
 
 std::string text(const char* format, double a, double b = 0.0, double c = 0.0);
 
-/// Steps and throws phymul::Error where that fails.
-phymul::StepReport advance(phymul::Solver& solver, int steps, double dt);
+/// Advances a simulation; throws phymul::Error if that fails. Returns the time reached, s.
+double advance(phymul::Simulation& sim, double seconds);
 
 /// Where a point of the body at rest is now: the mean of particles near it, moved with them. Chosen once.
 class BodyPoint {

@@ -4,24 +4,14 @@
 #include <cstdio>
 
 int main() try {
-  phymul::Model model = phymul::make_cylinder(0.010, 0.040, 3, 8, 11);  // m; or read_pml("liver.pml"), read_mesh(...)
-  phymul::set_material(model, {.young = 5e3, .poisson = 0.45, .density = 1000});  // Pa, 1, kg/m^3
+  phymul::Simulation sim(phymul::make_block({0.2, 0.05, 0.05}, 16, 4, 4),
+                         {.material = phymul::Material{.young = 10e3, .poisson = 0.3, .density = 1000}});
+  sim.scene().fix("x0").gravity({0, 0, -9.81});
 
-  phymul::Scene scene(model);
-  scene.fix("bottom").gravity({9.81, 0, 0});  // m/s^2: a beam that sags
-
-  phymul::SolverOptions options;
-  options.damping.rate = 20;  // 1/s
-  const auto solver = phymul::make_solver("auto", model, scene, {}, options);
-
-  const phymul::StepReport report = solver->run_to_rest(200'000, 0.5 * solver->stable_step());
-  if (!report.at_rest) {  // a failure, or the steps were used up
-    std::puts(report.message().c_str());
-    return 1;
-  }
-  const phymul::State state = solver->read();
-  std::printf("at rest after %.2f s, sagged %.1f mm\n", state.time, 1e3 * displacement_norms(model, state).max);
-  phymul::write_vtu(model, state, "sagged.vtu");  // for ParaView
+  const phymul::RestResult rest = sim.run_to_rest();
+  std::printf("%s; sags %.1f mm\n", rest.message().c_str(), 1e3 * sim.max_displacement());
+  phymul::write_vtu(sim.model(), sim.state(), "sagged.vtu");  // for ParaView
+  return rest.converged() ? 0 : 1;
 } catch (const phymul::Error& error) {
   std::puts(error.what());
   return 1;

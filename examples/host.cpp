@@ -2,7 +2,7 @@
 //
 // A simulator's host in small: a device's loop moves a tool and steps the tissue once a millisecond, pictures are made
 // from copies in a thread of their own, a region gets softer while all goes on, and the last half second is undone.
-// The hand is a formula here. docs/hosting.md goes through it.
+// The hand is a formula here. docs/guide/hosting.md goes through it.
 //   host [seconds]
 #include <phymul/phymul.h>
 
@@ -14,7 +14,6 @@
 #include <cstdlib>
 #include <future>
 #include <mutex>
-#include <optional>
 #include <thread>
 
 #include "ellipsoid_body.h"
@@ -25,7 +24,6 @@ using namespace phymul;
 using Clock = std::chrono::steady_clock;
 
 constexpr double tick = 1e-3;  // s, of the device
-constexpr int substeps = 4;
 
 /// What pictures are made of. Only positions cross from one thread to the other, and by copy: a solver, its scene and
 /// handles belong to the thread that steps.
@@ -45,36 +43,33 @@ class Frames {
   VecList position_;
 };
 
-/// Model, scene and solver point to one another, so they are made in one place and stay there.
-struct Tissue {
-  Model model;
-  std::optional<Scene> scene;
-  std::unique_ptr<Solver> solver;
+Simulation make_tissue(double tumour_young) {
+  Model model = make_ellipsoid({.semi_axes = {0.08, 0.06, 0.04}, .organ_layers = 3});
+  const auto near = [&](const Vec3& place, double reach) {
+    std::vector<Index> rows;
+    for (Index i = 0; i < model.particle_count(); ++i) {
+      if ((model.rest[i] - place).norm() < reach) rows.push_back(i);
+    }
+    return rows;
+  };
+  model.add_group("ligament", near({-0.08, 0, 0}, 0.03));
+  model.add_group("tumour", near({0.02, 0, 0.02}, 0.02));
+  const Material organ{.young = 6e3, .poisson = 0.45, .density = 1060};
+  const Material tumour{.young = tumour_young, .poisson = 0.45, .density = 1060};
+  Simulation sim(std::move(model), {.material = organ,
+                                    .materials = {{"tumour", tumour}},
+                                    .backend = "cpu",
+                                    .damping = {.rate = 20},  // 1/s
+                                    .topology = {.cell_average = 0.9},
+                                    .solver = {.threads = 1}});
+  sim.scene().fix("ligament");
+  return sim;
+}
 
-  explicit Tissue(double tumour_young) : model(make_ellipsoid({.semi_axes = {0.08, 0.06, 0.04}, .organ_layers = 3})) {
-    const auto near = [this](const Vec3& place, double reach) {
-      std::vector<Index> rows;
-      for (Index i = 0; i < model.particle_count(); ++i) {
-        if ((model.rest[i] - place).norm() < reach) rows.push_back(i);
-      }
-      return rows;
-    };
-    model.add_group("ligament", near({-0.08, 0, 0}, 0.03));
-    model.add_group("tumour", near({0.02, 0, 0.02}, 0.02));
-    set_material(model, {.young = 6e3, .poisson = 0.45, .density = 1060});
-    set_material(model, {.young = tumour_young, .poisson = 0.45, .density = 1060}, "tumour");
-    scene.emplace(model);
-    scene->fix("ligament");
-    SolverOptions options;
-    options.damping.rate = 20;  // 1/s
-    options.threads = 1;
-    solver = make_solver("cpu", model, *scene, {.cell_average = 0.9}, options);
-  }
-
-  void add_gripper(const ToolPose& pose) {
-    scene->add_tool("gripper", {.shape = Sphere{0.008}, .pose = pose, .friction = 0.3});
-  }
-};
+ToolHandle add_gripper(Simulation& sim, const ToolPose& pose) {
+  sim.scene().add_tool("gripper", {.shape = Sphere{0.008}, .pose = pose, .friction = 0.3});
+  return sim.scene().tool("gripper");
+}
 
 /// Goes down on the organ, up with what it holds, and down again.
 Vec3 hand_at(double time) {
@@ -96,13 +91,12 @@ void draw_until(const std::atomic<bool>& over, Frames& frames, const Model& mode
 }
 
 int run(double seconds) {
-  auto tissue = std::make_unique<Tissue>(3e4);
-  const Model drawn_model = tissue->model;  // the thread that draws has a copy of its own
-  tissue->add_gripper({.position = hand_at(0)});
-  ToolHandle gripper = tissue->scene->tool("gripper");
-  VirtualCoupling coupling({}, gripper.pose());
-  StateHistory history(100, 64 << 20);  // a state every 100 steps, 64 MB
-  std::future<std::unique_ptr<Tissue>> softer;
+  Simulation tissue = make_tissue(3e4);
+  const Model drawn_model = tissue.model();  // the thread that draws has a copy of its own
+  ToolHandle gripper = add_gripper(tissue, {.position = hand_at(0)});
+  VirtualCoupling coupling({}, gripper.target_pose());
+  tissue.keep_history(100);  // a state every 100 steps, at most 64 MB of them
+  std::future<Simulation> softer;
 
   Frames frames;
   std::atomic<bool> over{false};
@@ -122,33 +116,30 @@ int run(double seconds) {
   for (int k = 0; k < ticks || changed < 0 || k < changed + 200; ++k) {
     const double time = k * tick;
     const ToolPose hand{.position = hand_at(time), .velocity = (hand_at(time + tick) - hand_at(time)) / tick};
-    const ToolForce& felt = tissue->solver->tool_force(gripper);
-    gripper.pose(coupling.follow(hand, felt, tick));
+    gripper.move_to(coupling.follow(hand, tissue.force_on(gripper), tick));
     if (k == ticks / 3) gripper.grasp(0.003);
     if (k == 5 * ticks / 6) gripper.release();
 
-    const StepReport report = tissue->solver->step(substeps, tick / substeps);
+    const StepReport report = tissue.advance(tick);
     if (!report.ok()) {  // the last good state is kept
       stop();
       std::puts(report.message().c_str());
       return 1;
     }
     largest = std::max(largest, coupling.force().norm());  // which goes to the device
-    history.follow(*tissue->solver, report);
-    tissue->solver->read(state);
+    state = tissue.state();
     frames.give(state.position);
 
     // Another stiffness: a tissue made anew beside, which takes the state over in between two ticks.
     if (k == ticks / 2) {
-      softer = std::async(std::launch::async, [] { return std::make_unique<Tissue>(3e3); });
+      softer = std::async(std::launch::async, [] { return make_tissue(3e3); });
     }
     if (softer.valid() && softer.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
-      std::unique_ptr<Tissue> next = softer.get();
-      next->add_gripper(tissue->solver->tool_pose(gripper));
-      next->solver->reset(state);  // what the gripper holds is in it
-      gripper = next->scene->tool("gripper");
+      Simulation next = softer.get();
+      gripper = add_gripper(next, tissue.pose_of(gripper));
+      next.set_state(state);  // what the gripper holds is in it
       tissue = std::move(next);
-      history.clear();  // states of other tables
+      tissue.keep_history(100);  // the states before were those of another body
       changed = k;
     }
     due += std::chrono::milliseconds(1);
@@ -157,13 +148,12 @@ int run(double seconds) {
   stop();
 
   const double end = state.time;
-  const bool undone = history.rewind(*tissue->solver, end - 0.1);
-  coupling.reset(tissue->solver->tool_pose(gripper));  // or the hand would be pulled to where the tool was
-  tissue->solver->read(state);
-  std::printf("%d particles, %.3f s, %d pictures; at most %.2f N on the hand\n", tissue->model.particle_count(), end,
+  const bool undone = tissue.rewind(end - 0.1);
+  coupling.reset(tissue.pose_of(gripper));  // or the hand would be pulled to where the tool was
+  std::printf("%d particles, %.3f s, %d pictures; at most %.2f N on the hand\n", tissue.model().particle_count(), end,
               drawn, largest);
   std::printf("other stiffness asked for at %.3f s, in force from %.3f s\n", ticks / 2 * tick, changed * tick);
-  std::printf("%s to %.3f s\n", undone ? "gone back" : "could not go back", state.time);
+  std::printf("%s to %.3f s\n", undone ? "gone back" : "could not go back", tissue.time());
   return undone && largest > 0.0 ? 0 : 1;
 }
 

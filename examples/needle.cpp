@@ -48,39 +48,33 @@ class Insertion {
   Insertion(const ExampleOptions& options, bool turning)
       : options_(options),
         turns_(turning ? turns(options) : 0.0),
-        motion_{options.quick ? 0.10 : 0.03, options.quick ? 0.05 : 0.3} {
-    const int n = options.quick ? 8 : 12;
-    model_ = phymul::make_block({width, width, height}, n, n, n - 2);
-    phymul::set_material(model_, {.young = 25e3, .poisson = 0.45, .density = 1000.0});
-    scene_.emplace(model_);
-    scene_->fix("z0");
-    shape_ = {.length = 0.08, .spread = 0.0125};
-    scene_->add_tool("needle", {.shape = shape_, .pose = pose_at(0.0), .friction = 0.3});
-    phymul::SolverOptions solver_options;
-    solver_options.damping.rate = 60.0;
-    solver_options.threads = 1;
-    solver_ = phymul::make_solver("cpu", model_, *scene_, {.cell_average = 0.9}, solver_options);
-    steps_ = std::max(1, static_cast<int>(std::ceil(tick / (0.5 * solver_->stable_step()))));
-  }
+        motion_{options.quick ? 0.10 : 0.03, options.quick ? 0.05 : 0.3},
+        sim_(block(options.quick ? 8 : 12), {.material = {.young = 25e3, .poisson = 0.45, .density = 1000.0},
+                                             .backend = "cpu",
+                                             .damping = {.rate = 60.0},
+                                             .topology = {.cell_average = 0.9},
+                                             .solver = {.threads = 1}}),
+        needle_(sim_.scene().fix("z0").add_tool({.shape = shape_, .pose = pose_at(0.0), .friction = 0.3})) {}
 
   Findings run(Curve& curve, bool draw) {
     Findings found;
-    const phymul::ToolHandle needle = scene_->tool("needle");
     double lowest = HUGE_VAL;
     std::size_t drawn = 0;
     for (double time = 0.0; time < motion_.all();) {
-      needle.pose(pose_at(time + tick));
-      time = advance(*solver_, steps_, tick / steps_).time;
-      const double force = solver_->tool_force("needle").mean_force.z(), depth = motion_.depth(time);
+      needle_.move_to(pose_at(time + tick));
+      time = advance(sim_, tick);
+      const double force = sim_.force_on(needle_).mean_force.z(), depth = motion_.depth(time);
       curve.add(turns_ > 0.0 ? "turning" : "straight", {time, 1e3 * depth, force});
       note(found, lowest, time, depth, force);
       if (draw) picture(drawn, time, force);
     }
-    found.outside = solver_->tool_force("needle").mean_force.z();
+    found.outside = sim_.force_on(needle_).mean_force.z();
     return found;
   }
 
  private:
+  static phymul::Model block(int n) { return phymul::make_block({width, width, height}, n, n, n - 2); }
+
   phymul::ToolPose pose_at(double time) const {
     const double angle = 2.0 * std::numbers::pi * turns_ * time;
     const Eigen::Quaterniond turned(Eigen::AngleAxisd(angle, Vec3::UnitZ()));
@@ -104,7 +98,7 @@ class Insertion {
   /// Each moment once: under the tip before the skin gives way, all the way in, half-way out.
   void picture(std::size_t& drawn, double time, double force) {
     const double out = motion_.down() + motion_.rest;
-    const phymul::State state = solver_->read();
+    const phymul::State state = sim_.state();
     const bool pierced = state.tools.front().needle.punctured;
     const bool pressing = force > 0.85 * shape_.puncture && !pierced;
     const bool moments[] = {pressing, time > out - 0.5 * tick, motion_.depth(time) < 0.8 * deep && time > out};
@@ -119,29 +113,27 @@ class Insertion {
     sheet.subtitle = text(words[drawn], force);
     sheet.full_scale = 0.005;
     sheet.eye = Vec3(0.25, -1.0, 0.35);
-    sheet.held = scene_->model().group("z0");
-    sheet.frame = scene_->model().rest;
+    sheet.held = sim_.model().group("z0");
+    sheet.frame = sim_.model().rest;
     sheet.frame.push_back({0.5 * width, 0.5 * width, height + 0.028});
-    sheet.tools.push_back({shape_, solver_->tool_pose("needle"), needle_colour, "needle, 1.3 mm"});
+    sheet.tools.push_back({shape_, sim_.pose_of(needle_), needle_colour, "needle, 1.3 mm"});
     pictures().draw(state, sheet, options_.file(text("needle_%.0f.png", static_cast<double>(drawn + 1))));
     ++drawn;
   }
 
   /// The half behind the needle.
   const ScenePictures& pictures() {
-    if (!pictures_) pictures_.emplace(model_, cells_beyond(model_, {0.0, 0.5 * width, 0.0}, Vec3::UnitY()));
+    if (!pictures_) pictures_.emplace(sim_.model(), cells_beyond(sim_.model(), {0.0, 0.5 * width, 0.0}, Vec3::UnitY()));
     return *pictures_;
   }
 
   const ExampleOptions& options_;
   const double turns_;  // 1/s
   const Motion motion_;
-  phymul::Model model_;
-  phymul::Needle shape_;
-  std::optional<phymul::Scene> scene_;
-  std::unique_ptr<phymul::Solver> solver_;
+  const phymul::Needle shape_{.length = 0.08, .spread = 0.0125};
+  phymul::Simulation sim_;
+  phymul::ToolHandle needle_;
   std::optional<ScenePictures> pictures_;
-  int steps_ = 1;
 };
 
 void run(const ExampleOptions& options) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// phymul-pictures [FOLDER]: draws the pictures of docs/pictures.md anew, three moments each of a tetrahedron and of a
+// phymul-pictures [FOLDER]: draws the pictures of docs/guide/pictures.md anew, three moments each of a tetrahedron and of a
 // cylinder, as figures 3.1 to 3.6 of the 2007 thesis show them: at rest, deformed, come back.
 #include <phymul/phymul.h>
 
@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "picture.h"
+#include "scene_picture.h"
 
 namespace {
 
@@ -38,18 +38,19 @@ VecList attractors_of(const phymul::Solver& solver, const State& state) {
 
 /// Runs the body to rest and says how it came there.
 State come_to_rest(phymul::Solver& solver, std::string& subtitle) {
-  const phymul::StepReport report = solver.run_to_rest(200'000, 0.5 * solver.stable_step());
-  if (!report.ok() || !report.at_rest) throw phymul::Error("the body did not come to rest: " + report.message());
+  const phymul::RestResult rest = solver.run_to_rest(200'000, 0.5 * solver.stable_step());
+  if (!rest.converged()) throw phymul::Error("the body did not come to rest: " + rest.message());
   const State state = solver.read();
   const double nanometres = std::ceil(1e9 * displacement_norms(solver.model(), state).max);
-  subtitle =
-      text("at rest again after %.0f steps, within %.0f nm of its rest shape", report.steps, std::max(nanometres, 1.0));
+  subtitle = text("at rest again after %.0f steps, within %.0f nm of its rest shape", rest.report.steps,
+                  std::max(nanometres, 1.0));
   return state;
 }
 
-void draw(const phymul::Model& model, const std::vector<Moment>& moments, PictureOptions options,
+void draw(const phymul::Model& model, const std::vector<Moment>& moments, ScenePictureOptions options,
           const std::string& folder, const std::vector<phymul::Index>& driven) {
-  BodyPictures pictures(model, BodyPictures::Way::opengl);
+  const ScenePictures pictures(model);
+  options.frame = model.rest;
   for (const Moment& moment : moments) {
     options.full_scale = std::max(options.full_scale, displacement_norms(model, moment.state).max);
     options.frame.insert(options.frame.end(), moment.state.position.begin(), moment.state.position.end());
@@ -63,7 +64,6 @@ void draw(const phymul::Model& model, const std::vector<Moment>& moments, Pictur
     pictures.draw(moment.state, options, folder + '/' + moment.file);
     std::printf("%s/%s\n", folder.c_str(), moment.file.c_str());
   }
-  std::printf("by %s\n", pictures.drawn_by().c_str());
 }
 
 /// One particle is pulled off its place: each attractor shows where a particle belongs, seen from its neighbours.
@@ -84,10 +84,9 @@ void draw_tetrahedron(const std::string& folder) {
   std::string how;
   const State back = come_to_rest(*solver, how);
 
-  PictureOptions picture;
+  ScenePictureOptions picture;
   picture.inside = true;
-  picture.particle_radius = 0.055 * edge;
-  picture.fixed = model.group("base");
+  picture.held = model.group("base");
   picture.eye = Vec3(0.35, -1.0, 0.35);
   picture.width = 760;
   picture.height = 700;
@@ -125,8 +124,8 @@ void draw_cylinder(const std::string& folder) {
   std::string how;
   const State back = come_to_rest(*solver, how);
 
-  PictureOptions picture;
-  picture.fixed = model.group("bottom");
+  ScenePictureOptions picture;
+  picture.held = model.group("bottom");
   picture.eye = Vec3(0.35, -1.0, 0.35);
   picture.width = 760;
   picture.height = 900;
@@ -146,7 +145,7 @@ void draw_cylinder(const std::string& folder) {
 int main(int argc, char** argv) try {
   const std::string folder = argc > 1 ? argv[1] : "docs/pictures";
   if (folder == "--help" || folder == "-h") {
-    std::puts("phymul-pictures [FOLDER]\nDraws the pictures of docs/pictures.md, to docs/pictures by default.");
+    std::puts("phymul-pictures [FOLDER]\nDraws the pictures of docs/guide/pictures.md, to docs/pictures by default.");
     return 0;
   }
   std::filesystem::create_directories(folder);

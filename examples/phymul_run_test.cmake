@@ -47,12 +47,6 @@ endif()
 run(0 "steps to rest after the last date" ${MESH} --unit 0.01 --fix "fixed side" --gravity 0 0 -9.81 --damping 60
     --frame-interval 0 --out ${OUT}/mesh)
 
-# Without the GL part, or in a build without it, the pictures are there all the same.
-set(ENV{PHYMUL_GL_MODULE} ${OUT}/no_such_module.so)
-run(3 "pictures by cairo: " ${sample} --let-go 0.01 --max-time 0.02 --frame-interval 0 --out ${OUT}/cairo)
-expect_file(cairo/pulled.png)
-unset(ENV{PHYMUL_GL_MODULE})
-
 run(1 "ExistingFile|not exist" no_such_file.pml --out ${OUT})
 run(1 "no_such_group" ${MESH} --fix no_such_group --out ${OUT}/none)
 run(1 "expected averaged.barycentric.*got sideways" ${MESH} --from-file --reaction sideways --out ${OUT}/none)

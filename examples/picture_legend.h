@@ -11,7 +11,7 @@
 
 inline constexpr phymul::Colour held_colour{0.1, 0.1, 0.1, 1.0};
 inline constexpr phymul::Colour driven_colour{0.84, 0.15, 0.16, 1.0};
-inline constexpr phymul::Colour attractor_colour{0.74, 0.16, 0.52, 1.0};  // as Display draws them
+inline constexpr phymul::Colour attractor_colour{0.74, 0.16, 0.52, 1.0};  // that of phymul::Display
 
 void draw_title(cairo_t* c, double x, const std::string& title, const std::string& subtitle);
 

@@ -35,13 +35,11 @@ std::vector<char> Prostate::half(const phymul::Vec3& normal) const {
   return cells_beyond(make_ellipsoid(straight), phymul::Vec3::Zero(), normal);
 }
 
-std::unique_ptr<phymul::Solver> Prostate::solver(const phymul::Scene& scene) const {
-  phymul::SolverOptions options;
-  options.damping.rate = 60.0;  // 1/s: the gland swings out within a tenth of a second
-  options.threads = 1;
-  return phymul::make_solver("cpu", model, scene, {.cell_average = 0.9}, options);
-}
-
-int Prostate::steps_for(const phymul::Solver& solver, double tick) {
-  return std::max(1, static_cast<int>(std::ceil(tick / (0.5 * solver.stable_step()))));
+phymul::Simulation Prostate::simulation() const {
+  phymul::Simulation sim(model, {.backend = "cpu",
+                                 .damping = {.rate = 60.0},  // 1/s: the gland swings out within a tenth of a second
+                                 .topology = {.cell_average = 0.9},
+                                 .solver = {.threads = 1}});
+  sim.scene().fix(held);
+  return sim;
 }

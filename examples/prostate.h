@@ -6,8 +6,6 @@
 
 #include <phymul/phymul.h>
 
-#include <memory>
-
 #include "ellipsoid_body.h"
 #include "example_run.h"
 
@@ -20,10 +18,7 @@ struct Prostate {
 
   /// The cells on one side of a plane of symmetry of the lattice, which the shell's shift bends.
   std::vector<char> half(const phymul::Vec3& normal) const;
-  /// A solver for a scene of this model.
-  std::unique_ptr<phymul::Solver> solver(const phymul::Scene& scene) const;
-  /// Steps a tick is divided into, so that they are stable.
-  static int steps_for(const phymul::Solver& solver, double tick);
+  phymul::Simulation simulation() const;  ///< of this model, held where it is
 };
 
 /// A probe presses on the gland through the tissue behind it and goes back.

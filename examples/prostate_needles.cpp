@@ -43,16 +43,13 @@ struct Outcome {
 class Session {
  public:
   Session(const Prostate& prostate, const ExampleOptions& options, const Order& order)
-      : prostate_(prostate), options_(options), order_(order), scene_(prostate.model) {
-    scene_.fix(prostate.held);
+      : prostate_(prostate), options_(options), order_(order), sim_(prostate.simulation()) {
     top_ = prostate.shape.semi_axes.z() + prostate.shape.shell;
     speed_ = options.quick ? 0.25 : 0.12;
     for (int k = 0; k < count; ++k) {
-      scene_.add_tool(names[k], {.shape = thin, .pose = {.position = outside(k)}, .friction = 0.3});
+      needles_.push_back(sim_.scene().add_tool({.shape = thin, .pose = {.position = outside(k)}, .friction = 0.3}));
       targets_.emplace_back(prostate.model, Vec3(across[k], 0.0, target_z));
     }
-    solver_ = prostate.solver(scene_);
-    steps_ = Prostate::steps_for(*solver_, tick);
   }
 
   Outcome run(Files& files, const ScenePictures& pictures, int number) {
@@ -60,9 +57,9 @@ class Session {
     for (int turn = 0; turn < count; ++turn) {
       const int k = order_.needles[turn];
       insert(k, files);
-      const Vec3 miss = targets_[k].now(solver_->read()) - targets_[k].rest();
+      const Vec3 miss = targets_[k].now(sim_.state()) - targets_[k].rest();
       outcome.miss[k] = miss.norm();
-      if (turn == 0) outcome.first_force = solver_->tool_force(names[k]).mean_force.z();
+      if (turn == 0) outcome.first_force = sim_.force_on(needles_[k]).mean_force.z();
       files.arrivals.add(std::string(order_.name) + ',' + names[k],
                          {turn + 1.0, 1e3 * -miss.z(), 1e3 * std::hypot(miss.x(), miss.y()), 1e3 * miss.norm()});
       if (k == 1) draw(pictures, number, turn, miss.norm());
@@ -75,14 +72,14 @@ class Session {
 
   /// At a steady speed to the place planned, then a moment for the tissue to come to rest.
   void insert(int k, Files& files) {
-    const double way = top_ + above - target_z, begin = solver_->read().time, wait = 0.12;
+    const double way = top_ + above - target_z, begin = sim_.time(), wait = 0.12;
     for (double time = begin; time < begin + way / speed_ + wait;) {
       const double gone = std::min(way, speed_ * (time + tick - begin));
-      scene_.tool(names[k]).pose({.position = outside(k) - gone * Vec3::UnitZ()});
-      time = advance(*solver_, steps_, tick / steps_).time;
-      const phymul::State state = solver_->read();
+      needles_[k].move_to({.position = outside(k) - gone * Vec3::UnitZ()});
+      time = advance(sim_, tick);
+      const phymul::State state = sim_.state();
       files.force.add(std::string(order_.name) + ',' + names[k],
-                      {time, 1e3 * (gone - above), solver_->tool_force(names[k]).mean_force.z()});
+                      {time, 1e3 * (gone - above), sim_.force_on(needles_[k]).mean_force.z()});
       const auto moved = [&](int target) {
         return 1e3 * (targets_[target].now(state) - targets_[target].rest()).norm();
       };
@@ -91,7 +88,7 @@ class Session {
   }
 
   void draw(const ScenePictures& pictures, int number, int turn, double miss) const {
-    const phymul::State state = solver_->read();
+    const phymul::State state = sim_.state();
     ScenePictureOptions sheet;
     constexpr std::array<const char*, count> place{"first", "second", "last"};
     sheet.title = std::to_string(number) + ". The middle needle comes " + place[turn];
@@ -108,7 +105,7 @@ class Session {
                  {KeyEntry::Mark::ball, target_colour, "target now"}};
     bool named = false;
     for (int k = 0; k < count; ++k) {
-      const phymul::ToolPose& pose = solver_->tool_pose(names[k]);
+      const phymul::ToolPose& pose = sim_.pose_of(needles_[k]);
       if (pose.position.z() < top_) {
         sheet.tools.push_back({thin, pose, needle_colour, named ? "" : "needle"});
         named = true;
@@ -122,11 +119,10 @@ class Session {
   const Prostate& prostate_;
   const ExampleOptions& options_;
   const Order& order_;
-  phymul::Scene scene_;
+  phymul::Simulation sim_;
   std::vector<BodyPoint> targets_;
-  std::unique_ptr<phymul::Solver> solver_;
+  std::vector<phymul::ToolHandle> needles_;
   double top_ = 0.0, speed_ = 0.0;
-  int steps_ = 1;
 };
 
 }  // namespace

@@ -33,12 +33,9 @@ void press_with_probe(const Prostate& prostate, const ExampleOptions& options) {
   const auto pose_at = [&](double time) {
     return phymul::ToolPose{.position = Vec3(0.0, skin - radius + motion.depth(time), -0.5 * length)};
   };
-  phymul::Scene scene(prostate.model);
-  scene.fix(prostate.held);
+  phymul::Simulation sim = prostate.simulation();
   const phymul::Capsule shape{radius, length};
-  scene.add_tool("probe", {.shape = shape, .pose = pose_at(0.0), .friction = 0.1, .margin = 0.0005});
-  const auto solver = prostate.solver(scene);
-  const int steps = Prostate::steps_for(*solver, tick);
+  const auto probe = sim.scene().add_tool({.shape = shape, .pose = pose_at(0.0), .friction = 0.1, .margin = 0.0005});
   const BodyPoint centre(prostate.model, Vec3::Zero());
 
   const ScenePictures pictures(prostate.model, prostate.half(-Vec3::UnitX()), prostate.model.group("surface"));
@@ -52,8 +49,8 @@ void press_with_probe(const Prostate& prostate, const ExampleOptions& options) {
   const auto draw = [&](const std::string& title, const std::string& subtitle, const std::string& file) {
     sheet.title = title;
     sheet.subtitle = subtitle;
-    sheet.tools = {{shape, solver->tool_pose("probe"), probe_colour, "probe, 20 mm"}};
-    pictures.draw(solver->read(), sheet, options.file(file));
+    sheet.tools = {{shape, sim.pose_of(probe), probe_colour, "probe, 20 mm"}};
+    pictures.draw(sim.state(), sheet, options.file(file));
   };
   draw("1. Gland of 30 kPa in tissue of 4 kPa", "cut open in the middle; front at the right, probe behind",
        "prostate_probe_1.png");
@@ -62,10 +59,10 @@ void press_with_probe(const Prostate& prostate, const ExampleOptions& options) {
   double largest = 0.0, half_way = 0.0, moved = 0.0, force = 0.0;
   bool drawn = false;
   for (double time = 0.0; time < motion.all();) {
-    scene.tool("probe").pose(pose_at(time + tick));
-    time = advance(*solver, steps, tick / steps).time;
-    force = -solver->tool_force("probe").mean_force.y();
-    const double gland = (centre.now(solver->read()) - centre.rest()).y();
+    probe.move_to(pose_at(time + tick));
+    time = advance(sim, tick);
+    force = -sim.force_on(probe).mean_force.y();
+    const double gland = (centre.now(sim.state()) - centre.rest()).y();
     curve.add({time, 1e3 * motion.depth(time), force, 1e3 * gland});
     largest = std::max(largest, force);
     if (motion.depth(time) < 0.5 * press && time < motion.down()) half_way = force;
@@ -77,7 +74,7 @@ void press_with_probe(const Prostate& prostate, const ExampleOptions& options) {
            "prostate_probe_2.png");
     }
   }
-  const double left = (centre.now(solver->read()) - centre.rest()).norm();
+  const double left = (centre.now(sim.state()) - centre.rest()).norm();
   std::printf("probe: %.2f N at 5 mm, at most %.2f N; the gland moved %.2f mm, and %.3f mm are left after it\n",
               half_way, largest, 1e3 * moved, 1e3 * left);
   require(half_way > 0.0 && largest > 1.5 * half_way, "the force does not rise with the depth");

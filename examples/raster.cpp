@@ -68,10 +68,10 @@ void Raster::fill(const std::array<Point, 3>& points, double opacity, Shade shad
   }
 }
 
-void Raster::triangle(const std::array<Corner, 3>& corners, double shine) {
+void Raster::triangle(const std::array<Corner, 3>& corners, double shine, double opacity) {
   std::array<Point, 3> points;
   for (int k = 0; k < 3; ++k) points[k] = {seen(corners[k].place), corners[k].normal, rgb(corners[k].colour)};
-  fill(points, 1.0, [&](const Vec3& weight) {
+  fill(points, opacity, [&](const Vec3& weight) {
     Vec3 normal = Vec3::Zero(), colour = Vec3::Zero();
     for (int k = 0; k < 3; ++k) {
       normal += weight[k] * points[k].normal;

@@ -21,8 +21,9 @@ class Raster {
     phymul::Vec3 normal;  ///< unit; either way, both sides are lit
     phymul::Colour colour;
   };
-  /// `shine` in [0, 1]: how much of the light it throws back as a mirror.
-  void triangle(const std::array<Corner, 3>& corners, double shine = 0.0);
+  /// `shine` in [0, 1]: share of the light that it reflects as a mirror. A triangle with an opacity below 1 must come
+  /// after everything that shows through it.
+  void triangle(const std::array<Corner, 3>& corners, double shine = 0.0, double opacity = 1.0);
 
   /// `width` in pixels; `nearer`: m by which it is taken to be nearer to the eye, so that it shows on a surface.
   void line(const phymul::Vec3& from, const phymul::Vec3& to, const phymul::Colour& colour, double width,

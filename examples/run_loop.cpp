@@ -67,7 +67,7 @@ bool RunLoop::advance(double date) {
   const auto steps = static_cast<int>(std::max<long long>(1, std::llround((date - state_.time) / summary_.dt)));
   const auto start = std::chrono::steady_clock::now();
   // Undamped, nothing comes to rest, and run_to_rest() refuses.
-  report_ = is_settling() && options_.damping_rate > 0.0 ? solver_.run_to_rest(steps, summary_.dt)
+  report_ = is_settling() && options_.damping_rate > 0.0 ? solver_.run_to_rest(steps, summary_.dt).report
                                                          : solver_.step(steps, summary_.dt);
   summary_.wall_time += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   summary_.steps += report_.steps;
@@ -153,11 +153,8 @@ int RunLoop::finish(bool failed, bool at_rest) {
 
 void RunLoop::draw(const std::string& file, const std::string& title, const phymul::State& state, bool is_let_go) {
   if (!options_.pictures) return;
-  if (!pictures_) {
-    pictures_.emplace(model_);
-    progress_.say("pictures by " + pictures_->drawn_by());
-  }
-  PictureOptions picture;
+  if (!pictures_) pictures_.emplace(model_);
+  ScenePictureOptions picture;
   picture.title = (model_.name.empty() ? "body" : model_.name) + ": " + title;
   char text[160];
   std::snprintf(text, sizeof text, "t = %.4g s, %d particles", state.time, model_.particle_count());
@@ -171,8 +168,15 @@ void RunLoop::draw(const std::string& file, const std::string& title, const phym
                 1e3 * displacement_norms(model_, state).max);
   picture.subtitle += text;
   picture.full_scale = full_scale_;
-  picture.fixed = schedule_.held;
+  picture.held = schedule_.held;
   if (!is_let_go) picture.driven = schedule_.driven;
-  if (pulled_) picture.frame = pulled_->position;
+  picture.width = 900;
+  picture.height = 1000;
+  picture.eye = {0.75, -1.0, 0.45};
+  if (pulled_) {
+    picture.frame = pulled_->position;
+    picture.frame.insert(picture.frame.end(), model_.rest.begin(), model_.rest.end());
+    picture.frame.insert(picture.frame.end(), state.position.begin(), state.position.end());
+  }
   pictures_->draw(state, picture, options_.out + '/' + file);
 }

@@ -8,10 +8,10 @@
 #include <fstream>
 #include <optional>
 
-#include "picture.h"
 #include "run_options.h"
 #include "run_report.h"
 #include "run_schedule.h"
+#include "scene_picture.h"
 
 class RunLoop {
  public:
@@ -59,7 +59,7 @@ class RunLoop {
   Snapshot pulled_shot_;
   std::optional<phymul::VtkSeries> series_;
   std::ofstream energies_;
-  std::optional<BodyPictures> pictures_;
+  std::optional<ScenePictures> pictures_;
   Progress& progress_;
   RunSummary summary_;
 };

@@ -7,7 +7,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cstdio>
 
 #include "canvas.h"
 #include "raster.h"
@@ -37,8 +36,13 @@ Vec3 normal_of(const Face& face, const VecList& x) {
 class Sheet {
  public:
   Sheet(const phymul::Model& model, const BodySurface& surface, const VecList& x, const phymul::Camera& camera,
-        int width, int height)
-      : raster(camera, width, height), model_(model), surface_(surface), x_(x), axes_(axes_of(camera)) {
+        int width, int height, double full_scale)
+      : raster(camera, width, height),
+        model_(model),
+        surface_(surface),
+        x_(x),
+        full_scale_(full_scale),
+        axes_(axes_of(camera)) {
     for (const Face& face : surface.faces) normals_.push_back(normal_of(face, x));
     faces_at_.resize(x.size());
     for (std::size_t f = 0; f < surface.faces.size(); ++f) {
@@ -50,20 +54,37 @@ class Sheet {
 
   Raster raster;
 
-  void add_faces(double full_scale) {
+  void add_faces(double opacity) {
     for (std::size_t f = 0; f < surface_.faces.size(); ++f) {
       const std::vector<Index>& ring = surface_.faces[f].corners;
       for (std::size_t k = 2; k < ring.size(); ++k) {
-        raster.triangle(
-            {corner(ring[0], f, full_scale), corner(ring[k - 1], f, full_scale), corner(ring[k], f, full_scale)});
+        raster.triangle({corner(ring[0], f), corner(ring[k - 1], f), corner(ring[k], f)}, 0.0, opacity);
       }
+    }
+  }
+
+  /// Particles as balls, links as rods, attractors as small balls.
+  void add_inside(const ScenePictureOptions& options) {
+    const double radius = 0.055 * mean_spacing(model_);
+    for (Index i = 0; i < model_.particle_count(); ++i) {
+      const bool held = std::ranges::count(options.held, i) > 0, driven = std::ranges::count(options.driven, i) > 0;
+      const Colour colour = held ? held_colour : driven ? driven_colour : colour_at(moved(i));
+      add_ball(x_[i], (held || driven ? 1.25 : 1.0) * radius, colour);
+      for (const Index* j = model_.neighbours.begin(i); j != model_.neighbours.end(i); ++j) {
+        if (i < *j) add_rod(x_[i], x_[*j], 0.4 * radius, colour_at(0.5 * (moved(i) + moved(*j))));
+      }
+      if (options.attractors.empty()) continue;
+      add_ball(options.attractors[i], 0.6 * radius, attractor_colour);
+      raster.line(x_[i], options.attractors[i], attractor_colour, 2.0, 0.0);
     }
   }
 
   void add_edges(const std::vector<char>& on_outline) {
     for (const auto& [ends, faces] : surface_.edges) {
       const Vec3 &a = x_[ends[0]], &b = x_[ends[1]];
-      if (on_outline[ends[0]] && on_outline[ends[1]]) {
+      if (surface_.faces.empty()) {
+        raster.line(a, b, colour_at(0.5 * (moved(ends[0]) + moved(ends[1]))), 1.2, 0.0);
+      } else if (on_outline[ends[0]] && on_outline[ends[1]]) {
         raster.line(a, b, organ_colour, 2.4, 0.05 * edge_);
       } else {
         raster.line(a, b, edge_colour, 0.7, 0.03 * edge_);
@@ -86,10 +107,11 @@ class Sheet {
     }
   }
 
-  void add_held(const std::vector<Index>& held, const std::vector<char>& on_surface, double metres_a_pixel) {
+  void add_marks(const std::vector<Index>& particles, const std::vector<char>& on_surface, double metres_a_pixel,
+                 const Colour& colour) {
     const Vec3 half = 2.5 * metres_a_pixel * axes_.right;
-    for (const Index i : held) {
-      if (on_surface[i]) raster.line(x_[i] - half, x_[i] + half, held_colour, 5.0, 0.1 * edge_);
+    for (const Index i : particles) {
+      if (on_surface[i]) raster.line(x_[i] - half, x_[i] + half, colour, 5.0, 0.1 * edge_);
     }
   }
 
@@ -102,18 +124,31 @@ class Sheet {
   }
 
  private:
-  Raster::Corner corner(Index i, std::size_t face, double full_scale) const {
+  double moved(Index i) const { return (x_[i] - model_.rest[i]).norm(); }
+  Colour colour_at(double displacement) const {
+    return phymul::displacement_colour(full_scale_ > 0.0 ? std::min(displacement / full_scale_, 1.0) : 0.0);
+  }
+  void add_ball(const Vec3& at, double radius, const Colour& colour) {
+    add_tool({phymul::Sphere{radius}, {.position = at}, colour, ""}, 0.0);
+  }
+  void add_rod(const Vec3& from, const Vec3& to, double radius, const Colour& colour) {
+    const auto turned = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), to - from);
+    const phymul::ToolPose pose{.position = from, .orientation = phymul::Quaternion(turned)};
+    add_tool({phymul::Capsule{.radius = radius, .length = (to - from).norm()}, pose, colour, ""}, 0.0);
+  }
+
+  Raster::Corner corner(Index i, std::size_t face) const {
     Vec3 normal = Vec3::Zero();
     for (const std::size_t other : faces_at_[i]) {
       if (normals_[other].dot(normals_[face]) > smooth) normal += normals_[other];
     }
-    const double share = (x_[i] - model_.rest[i]).norm() / full_scale;
-    return {x_[i], normal.stableNormalized(), phymul::displacement_colour(std::min(share, 1.0))};
+    return {x_[i], normal.stableNormalized(), colour_at(moved(i))};
   }
 
   const phymul::Model& model_;
   const BodySurface& surface_;
   const VecList& x_;
+  const double full_scale_;  // m
   const phymul::CameraAxes axes_;
   std::vector<Vec3> normals_;                       // [faces]
   std::vector<std::vector<std::size_t>> faces_at_;  // [particles]
@@ -145,7 +180,10 @@ std::vector<KeyEntry> key_of(const ScenePictureOptions& options, bool deformed) 
     if (!tool.words.empty()) key.push_back({KeyEntry::Mark::ball, tool.colour, tool.words});
   }
   key.insert(key.end(), options.key.begin(), options.key.end());
-  if (!options.held.empty()) key.push_back({KeyEntry::Mark::square, held_colour, "held"});
+  const KeyEntry::Mark mark = options.inside ? KeyEntry::Mark::ball : KeyEntry::Mark::square;
+  if (!options.held.empty()) key.push_back({mark, held_colour, "held"});
+  if (!options.driven.empty()) key.push_back({mark, driven_colour, "driven"});
+  if (!options.attractors.empty()) key.push_back({mark, attractor_colour, "attractors"});
   if (deformed) key.push_back({KeyEntry::Mark::dashes, rest_colour, "at rest"});
   return key;
 }
@@ -164,6 +202,7 @@ ScenePictures::ScenePictures(const phymul::Model& model, std::vector<char> shown
     }
     surface_ = surface_of(part);
   }
+  if (surface_.faces.empty()) on_surface_.assign(on_surface_.size(), 1);
   for (const Face& face : surface_.faces) {
     for (const Index i : face.corners) on_surface_[i] = 1;
   }
@@ -172,20 +211,33 @@ ScenePictures::ScenePictures(const phymul::Model& model, std::vector<char> shown
 
 void ScenePictures::draw(const phymul::State& state, const ScenePictureOptions& options,
                          const std::string& path) const {
-  if (state.position.size() != model_.rest.size() || !phymul::is_finite(state) || !(options.full_scale > 0.0)) {
-    throw phymul::Error(path + ": expected a state of the model with finite positions, and a scale above 0");
+  if (state.position.size() != model_.rest.size() || !phymul::is_finite(state)) {
+    throw phymul::Error(path + ": expected a state of the model with finite positions");
   }
   const int width = options.width - side_margin - bar_margin, height = options.height - top_margin - bottom_margin;
-  const VecList& frame = options.frame.empty() ? model_.rest : options.frame;
-  const phymul::Camera camera = phymul::framing(frame, options.eye, static_cast<double>(width) / height);
+  VecList frame = options.frame;
+  if (frame.empty()) {
+    frame = model_.rest;
+    frame.insert(frame.end(), state.position.begin(), state.position.end());
+  }
+  const double largest = displacement_norms(model_, state).max;
+  const double full_scale = options.full_scale > 0.0 ? options.full_scale : largest;
+  const bool deformed = largest > 1e-3 * full_scale;
+  const Vec3 eye = model_.dimension == 2 ? Vec3(Vec3::UnitZ()) : options.eye;
+  const phymul::Camera camera = phymul::framing(frame, eye, static_cast<double>(width) / height);
   const double scale = phymul::pixels_per_metre(camera, camera.target, height);
-  const bool deformed = displacement_norms(model_, state).max > 1e-3 * options.full_scale;
 
-  Sheet sheet(model_, surface_, state.position, camera, width, height);
-  sheet.add_faces(options.full_scale);
-  sheet.add_edges(on_outline_);
+  Sheet sheet(model_, surface_, state.position, camera, width, height, full_scale);
+  if (options.inside) {
+    sheet.add_inside(options);
+    sheet.add_faces(0.3);
+  } else {
+    sheet.add_faces(1.0);
+    sheet.add_edges(on_outline_);
+    sheet.add_marks(options.held, on_surface_, 1.0 / scale, held_colour);
+    sheet.add_marks(options.driven, on_surface_, 1.0 / scale, driven_colour);
+  }
   for (const PictureTool& tool : options.tools) sheet.add_tool(tool, 0.8 * body_size(model_));
-  sheet.add_held(options.held, on_surface_, 1.0 / scale);
   if (deformed) sheet.add_rest(on_outline_);
 
   Canvas canvas(options.width, options.height);
@@ -195,12 +247,11 @@ void ScenePictures::draw(const phymul::State& state, const ScenePictureOptions& 
                point);
   }
   draw_title(canvas.cairo(), side_margin, options.title, options.subtitle);
-  draw_colour_bar(canvas.cairo(), options.width - bar_margin + 50.0, top_margin + 40.0, 260.0, options.full_scale);
+  draw_colour_bar(canvas.cairo(), options.width - bar_margin + 50.0, top_margin + 40.0, 260.0, full_scale);
   const double y = options.height - 24.0;
   const double end = draw_length_bar(canvas.cairo(), side_margin, y, 0.2 * options.width, scale);
   draw_key(canvas.cairo(), end + 75.0, y, key_of(options, deformed));
   canvas.save(path);
-  std::printf("%s\n", path.c_str());
 }
 
 std::vector<char> cells_beyond(const phymul::Model& model, const Vec3& point, const Vec3& normal) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Pictures of a scene in PNG files: the body, whole or cut open, and the tools in it, with a title, scales and a key.
-// All on the processor (raster.h), so that they are the same on every machine.
+// Pictures in PNG files: a body, whole, cut open or transparent, and the tools in it, with a title, scales and a key.
+// Drawn by the processor (raster.h), so that they are the same on every machine.
 #pragma once
 
 #include <phymul/model.h>
@@ -35,10 +35,13 @@ struct PicturePoint {
 
 struct ScenePictureOptions {
   std::string title, subtitle;
-  double full_scale = 0.0;  ///< displacement at the end of the colour scale, m
-  phymul::VecList frame{};  ///< what must fit in; with the same one, pictures can be laid over each other
-  phymul::Vec3 eye{0.5, -1.0, 0.4};
-  std::vector<phymul::Index> held{};  ///< particles to mark
+  double full_scale = 0.0;  ///< displacement at the end of the colour scale, m; 0: the largest of the state
+  /// What must fit in; empty: rest shape and state. Pictures with the same frame can be laid over each other.
+  phymul::VecList frame{};
+  phymul::Vec3 eye{0.5, -1.0, 0.4};             ///< direction from the body to the eye; 2-D bodies are seen along -z
+  std::vector<phymul::Index> held{}, driven{};  ///< particles to mark
+  bool inside = false;           ///< a transparent surface; particles are balls, links between neighbours rods
+  phymul::VecList attractors{};  ///< [N] or empty, with `inside` only: the place that each particle is drawn to
   std::vector<PictureTool> tools{};
   std::vector<PicturePoint> points{};
   std::vector<KeyEntry> key{};  ///< what the points and the outline mean
@@ -52,7 +55,7 @@ class ScenePictures {
   explicit ScenePictures(const phymul::Model& model, std::vector<char> shown = {},
                          const std::vector<phymul::Index>& outline = {});
 
-  /// Throws phymul::Error when the file cannot be written. Says the file's name on the standard output.
+  /// Throws phymul::Error if the state is not finite, or if the file cannot be written.
   void draw(const phymul::State& state, const ScenePictureOptions& options, const std::string& path) const;
 
  private:

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 #
-# Makes every picture and force curve of docs/surgery.md: builds, runs the examples with tools, draws the curves.
+# Makes every picture and force curve of docs/measurements/surgery.md: builds, runs the examples with tools, draws the curves.
 #   sh examples/surgery.sh [--out DIR] [--docs]
 # Default DIR: out/surgery. --docs copies pictures and curves to docs/pictures besides.
 set -eu

@@ -36,24 +36,17 @@ struct Plan {
 
 Model flat_organ(bool quick) {
   const int fine = quick ? 1 : 2;
-  Model model = phymul::make_block({0.100, 0.080, bed}, 10 * fine, 8 * fine, 2 * fine);
-  phymul::set_material(model, {.young = 25e3, .poisson = 0.4, .density = 1000.0});
-  return phymul::moved(std::move(model), {-0.050, -0.040, -bed});
+  return phymul::moved(phymul::make_block({0.100, 0.080, bed}, 10 * fine, 8 * fine, 2 * fine), {-0.050, -0.040, -bed});
 }
 
 Model round_organ(bool quick) {
   const EllipsoidShape shape{
       .semi_axes = Vec3(0.032, 0.024, high), .core = quick ? 4 : 6, .organ_layers = quick ? 1 : 2};
-  Model model = make_ellipsoid(shape);
-  phymul::set_material(model, {.young = 12e3, .poisson = 0.4, .density = 1000.0});
-  return phymul::moved(std::move(model), {0.0, 0.0, high + 0.001});
+  return phymul::moved(make_ellipsoid(shape), {0.0, 0.0, high + 0.001});
 }
 
 void run(const ExampleOptions& options) {
   const Plan plan(options.quick);
-  const Model flat = flat_organ(options.quick), round = round_organ(options.quick);
-  const phymul::NamedBody bodies[] = {{"flat", &flat}, {"round", &round}};
-  const Model model = phymul::merge_models(bodies);
   const double top = 2.0 * high - 0.001, gap = 0.003;  // m, of the round organ once it lies
   const auto probe_at = [&](double time) {
     const double depth = (press + gap) * plan.share(time, plan.settle) - gap;
@@ -66,18 +59,19 @@ void run(const ExampleOptions& options) {
                             .orientation = turned};
   };
 
-  phymul::Scene scene(model);
+  phymul::Simulation sim(
+      {{"flat", flat_organ(options.quick), {.young = 25e3, .poisson = 0.4, .density = 1000.0}},
+       {"round", round_organ(options.quick), {.young = 12e3, .poisson = 0.4, .density = 1000.0}}},
+      {.backend = "cpu", .damping = {.rate = 30.0}, .topology = {.cell_average = 0.9}, .solver = {.threads = 1}});
+  const Model& model = sim.model();
   // Neither organ can reach itself.
+  phymul::Scene& scene = sim.scene();
   scene.gravity({0, 0, -9.81}).fix("flat/z0").contacts({.friction = 0.4, .self = false});
   const phymul::Needle needle{.length = 0.08, .puncture = 0.4, .cutting = 0.25, .spread = 0.009};
-  scene.add_tool("probe", {.shape = phymul::Sphere{radius}, .pose = probe_at(0.0), .friction = 0.2});
-  scene.add_tool("needle", {.shape = needle, .pose = needle_at(0.0), .friction = 0.3});
-  phymul::SolverOptions solver_options;
-  solver_options.damping.rate = 30.0;
-  solver_options.threads = 1;
-  const auto solver = phymul::make_solver("cpu", model, scene, {.cell_average = 0.9}, solver_options);
+  const auto ball = scene.add_tool({.shape = phymul::Sphere{radius}, .pose = probe_at(0.0), .friction = 0.2});
+  const auto shaft = scene.add_tool({.shape = needle, .pose = needle_at(0.0), .friction = 0.3});
   std::printf("%d particles; %s\n", model.particle_count(),
-              phymul::describe(phymul::body_limits(model, solver->topology())).c_str());
+              phymul::describe(phymul::body_limits(model, sim.solver().topology())).c_str());
 
   const ScenePictures pictures(model, cells_beyond(model, Vec3::Zero(), Vec3::UnitY()));
   ScenePictureOptions sheet;
@@ -90,20 +84,19 @@ void run(const ExampleOptions& options) {
   const auto draw = [&](const std::string& title, const std::string& subtitle) {
     sheet.title = std::to_string(++drawn) + ". " + title;
     sheet.subtitle = subtitle;
-    sheet.tools = {{phymul::Sphere{radius}, solver->tool_pose("probe"), probe_colour, "probe, 24 mm"},
-                   {needle, solver->tool_pose("needle"), needle_colour, "needle"}};
-    pictures.draw(solver->read(), sheet, options.file("two_organs_" + std::to_string(drawn) + ".png"));
+    sheet.tools = {{phymul::Sphere{radius}, sim.pose_of(ball), probe_colour, "probe, 24 mm"},
+                   {needle, sim.pose_of(shaft), needle_colour, "needle"}};
+    pictures.draw(sim.state(), sheet, options.file("two_organs_" + std::to_string(drawn) + ".png"));
   };
 
   Curve curve(options.file("two_organs.csv"), "time_s,probe_N,needle_N");
-  const int steps = std::max(1, static_cast<int>(std::ceil(tick / (0.5 * solver->stable_step()))));
   double pressed = 0.0, pushed = 0.0, pulled = 0.0, probe = 0.0, along = 0.0;
   for (double time = 0.0; time < plan.end();) {
-    scene.tool("probe").pose(probe_at(time + tick));
-    scene.tool("needle").pose(needle_at(time + tick));
-    time = advance(*solver, steps, tick / steps).time;
-    probe = solver->tool_force("probe").mean_force.z();
-    along = -solver->tool_force("needle").mean_force.dot(inward);
+    ball.move_to(probe_at(time + tick));
+    shaft.move_to(needle_at(time + tick));
+    time = advance(sim, tick);
+    probe = sim.force_on(ball).mean_force.z();
+    along = -sim.force_on(shaft).mean_force.dot(inward);
     curve.add({time, probe, along});
     if (time < plan.back()) pressed = std::max(pressed, probe);
     pushed = std::max(pushed, along);

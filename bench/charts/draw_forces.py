@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Draws the force curves of docs/surgery.md from the CSV files of the examples: draw_forces.py FOLDER. See
+"""Draws the force curves of docs/measurements/surgery.md from the CSV files of the examples: draw_forces.py FOLDER. See
 examples/surgery.sh."""
 import argparse
 import sys
@@ -128,6 +128,6 @@ def main(out):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description="Draws the force curves of docs/surgery.md from the CSV files of a folder; examples/surgery.sh makes them.")
+    parser = argparse.ArgumentParser(description="Draws the force curves of docs/measurements/surgery.md from the CSV files of a folder; examples/surgery.sh makes them.")
     parser.add_argument("folder", help="where the CSV files are, and the charts go")
     main(parser.parse_args().folder)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Draws the charts of docs/speed.md from the CSV file of bench/sweep: draw_sweep.py FILE FOLDER. See bench/sweep.sh."""
+"""Draws the charts of docs/measurements/speed.md from the CSV file of bench/sweep: draw_sweep.py FILE FOLDER. See bench/sweep.sh."""
 import argparse
 import math
 
@@ -97,7 +97,7 @@ def main(file, out):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description="Draws the charts of docs/speed.md; bench/sweep.sh measures them.")
+    parser = argparse.ArgumentParser(description="Draws the charts of docs/measurements/speed.md; bench/sweep.sh measures them.")
     parser.add_argument("file", help="the CSV file of bench/sweep")
     parser.add_argument("folder", help="where the charts go")
     given = parser.parse_args()

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Sixty-four rows to one, until one is left, of what a batch's steps tell of their phases: the first step that was not
+// ROWS_TO_ONE rows to one, until one is left, of what a batch's steps tell of their phases: the first step that was not
 // done (0: none), most phases that a step took. FIRST reads what the last phase left, later passes their own results.
 // Needs contact_sweeps.glsl.
 
@@ -15,8 +15,8 @@ RESULT(0, vec4, phases_told);
 void told_row(int row) {
   float unfinished = 0.0;
   float most = 0.0;
-  int end = min(64 * row + 64, source_count);
-  for (int source = 64 * row; source < end; ++source) {
+  int end = min(ROWS_TO_ONE * (row + 1), source_count);
+  for (int source = ROWS_TO_ONE * row; source < end; ++source) {
 #ifdef FIRST
     ivec4 turn = fetch_ivec4(turns, turns_place, source);
     float step = float(turn.w == 0 && turn.x >= 0 ? last_step : turn.w);

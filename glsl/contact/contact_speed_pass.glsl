@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Sixty-four rows to one, until one is left: the mean of the velocities of surfaces, m/s, or where FASTEST is defined the
+// ROWS_TO_ONE rows to one, until one is left: the mean of the velocities of surfaces, m/s, or where FASTEST is defined the
 // largest square of a speed against it. FIRST reads the velocities, later passes their own results. Needs
 // contact_surfaces.glsl and vector3.glsl.
 
@@ -20,8 +20,8 @@ void speed_row(int row) {
 #if defined(FIRST) && defined(FASTEST)
   vec3 mean = fetch_changing(mean_velocity, mean_velocity_place, 0).xyz;
 #endif
-  int end = min(64 * row + 64, source_count);
-  for (int source = 64 * row; source < end; ++source) {
+  int end = min(ROWS_TO_ONE * (row + 1), source_count);
+  for (int source = ROWS_TO_ONE * row; source < end; ++source) {
 #ifdef FIRST
     vec3 v = fetch_changing(surface_velocity, surface_velocity_place, source).xyz;
 #ifdef FASTEST

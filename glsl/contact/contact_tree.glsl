@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Trees of boxes (src/base/box_forest.h), walked without a stack: whose box is of interest is entered, else skipped. Needs
+// Trees of boxes (src/base/box_tree.h), walked without a stack: whose box is of interest is entered, else skipped. Needs
 // dialect_fragment.glsl.
 
 TABLE_INTS(tree_nodes, tree_nodes_place);  // first and end item, the node to go to when this one is skipped, level from 1

@@ -50,8 +50,6 @@ layout(std430, binding = 4) readonly buffer HeightRows {
 #define STORED(table, place) uniform int place
 #define STORED_LAYERS(table, place) uniform int place
 #define OF_STEP(type, name) type name
-// What the lanes of a group have in common; a fragment has it for itself.
-#define SHARED shared
 #define RESULT(number, type, name) PRECISE type name
 
 #ifndef OWN_BLOCK

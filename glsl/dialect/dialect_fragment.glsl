@@ -22,7 +22,6 @@ uniform int row_count;    // rows of it that mean something
 #define STORED_LAYERS(table, place) uniform sampler2DArray table; uniform int place
 // What differs from step to step.
 #define OF_STEP(type, name) uniform type name
-#define SHARED  // lanes of a group have it in common
 #define RESULT(number, type, name) layout(location = number) out type name; invariant name
 
 ivec2 texel_of(int row, int log2_width) {

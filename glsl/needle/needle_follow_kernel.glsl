@@ -121,13 +121,13 @@ void store(int word, int value) {
 void main() {
   int lane = int(gl_LocalInvocationID.x);
   begin_needle();
-  coupled = state_word(coupled_word);
-  full_step = number == 1 && goes_on == 0 ? 0 : state_word(full_word);
-  stage = state_word(stage_word);
-  left = state_real(left_word);
-  reach = state_real(reach_word);
-  way = state_real(way_word);
-  first = state_word(first_word) != 0;
+  coupled = state_word(HEADER_COUPLED);
+  full_step = number == 1 && goes_on == 0 ? 0 : state_word(HEADER_FULL);
+  stage = state_word(HEADER_STAGE);
+  left = state_real(HEADER_LEFT);
+  reach = state_real(HEADER_REACH);
+  way = state_real(HEADER_WAY);
+  first = state_word(HEADER_FIRST) != 0;
   wait_for_group();
   if (full_step != 0) {
     stage = done;  // what follows is done again from the step before
@@ -140,16 +140,16 @@ void main() {
   }
   if (ends != 0 && stage != done && full_step == 0) full_step = number;
   if (lane > 0) return;
-  store(count_word, node_count);
-  store(punctured_word, punctured ? 1 : 0);
-  store(through_word, through ? 1 : 0);
-  store(slip_word, floatBitsToInt(slip));
-  store(loads_word, shaft_loads);
-  store(full_word, full_step);
-  store(coupled_word, coupled);
-  store(stage_word, stage);
-  store(left_word, floatBitsToInt(left));
-  store(reach_word, floatBitsToInt(reach));
-  store(way_word, floatBitsToInt(way));
-  store(first_word, first ? 1 : 0);
+  store(HEADER_COUNT, node_count);
+  store(HEADER_PUNCTURED, punctured ? 1 : 0);
+  store(HEADER_THROUGH, through ? 1 : 0);
+  store(HEADER_SLIP, floatBitsToInt(slip));
+  store(HEADER_LOADS, shaft_loads);
+  store(HEADER_FULL, full_step);
+  store(HEADER_COUPLED, coupled);
+  store(HEADER_STAGE, stage);
+  store(HEADER_LEFT, floatBitsToInt(left));
+  store(HEADER_REACH, floatBitsToInt(reach));
+  store(HEADER_WAY, floatBitsToInt(way));
+  store(HEADER_FIRST, first ? 1 : 0);
 }

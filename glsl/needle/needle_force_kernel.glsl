@@ -121,6 +121,6 @@ void main() {
     hub_torque = sum_of_lanes(lane, hub_torque);
   }
   if (lane > 0) return;
-  needle_words[state_place + loads_word] = shaft_loads;
+  needle_words[state_place + HEADER_LOADS] = shaft_loads;
   tell(hub_force, hub_torque);
 }

@@ -6,8 +6,8 @@
 // By how much a held node counts as softer than it is: two nodes that move as one leave no system singular.
 const float slack = 1e-9;
 
-SHARED int held_node[MOST_NODES];   // nodes held sideways in this step
-SHARED float held_arm[MOST_NODES];  // m from the hub
+shared int held_node[MOST_NODES];   // nodes held sideways in this step
+shared float held_arm[MOST_NODES];  // m from the hub
 
 int held_count;
 int held_row;  // of the lane's node among them; -1: not held

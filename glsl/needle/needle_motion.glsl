@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
 // How a needle and the nodes of its hole move in one step, and the impulses on one of them within their limits, by the
-// law of NeedlePath of src/cpu. Needs needle_tables.glsl or needle_state.glsl, needle_shaft.glsl, and
-// pushed_tables.glsl.
+// law of NeedlePath of src/cpu. Needs needle_shaft.glsl and pushed_tables.glsl.
 
 uniform float dt, inverse_dt;
 
 vec3 end_axis, gone, gain;  // the axis at the step's end; what tip and axis gain up to there
 float turned;               // m: how far the shaft's surface turns
 
-SHARED vec4 node_place[MOST_NODES];   // at the step's start from the tip; along the axis
-SHARED vec4 node_motion[MOST_NODES];  // m/s, with the impulses so far; 1/kg: of itself
+shared vec4 node_place[MOST_NODES];   // at the step's start from the tip; along the axis
+shared vec4 node_motion[MOST_NODES];  // m/s, with the impulses so far; 1/kg: of itself
 
 // Of the node in hand.
 vec3 own_place, own_motion;

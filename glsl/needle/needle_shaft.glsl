@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Twin of src/interaction/needle_shaft.h. Needs needle_tables.glsl or needle_state.glsl.
+// Twin of src/interaction/needle_shaft.h. Needs needle_tables.glsl.
 
 // m along the shaft from the hub: 0 for places beyond it, the tip's for those ahead of the tip.
 float shaft_arm(float along) {

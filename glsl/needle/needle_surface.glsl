@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Where a line meets a triangle of the body's surface. Needs needle_tables.glsl or needle_state.glsl.
+// Where a line meets a triangle of the body's surface. Needs needle_tables.glsl.
 
 // A way along a line of the mesh must not pass between two triangles by rounding: by this share of a side, and of how
 // far away it is, triangles are taken to be larger.

@@ -3,8 +3,8 @@
 // Needles, as in src/gl/compute/compute_needles.h, and where one is in a step: twin of NeedlePath of src/cpu. Every lane of the
 // group knows its law and its state. Needs pushed_tables.glsl, tool_tables.glsl, vector3.glsl and lone_group.glsl.
 //
-// Words: 20 a needle for its law; the body's facets, three places each; the place of each particle of the model;
-// states. A state is a header of 16 words; along, x, y, 0 for each force on a shaft that bends; for each node of the hole the
+// Words: LAW_WORDS a needle for its law; the body's facets, three places each; the place of each particle of the model;
+// states. A state is a header of HEADER_WORDS words; along, x, y, 0 for each force on a shaft that bends; for each node of the hole the
 // number of its particles and whether it slides; for each node its particles, in the model's order, and their weights.
 
 layout(std430, binding = 0) SEEN_BY_ALL buffer NeedleWords {
@@ -15,12 +15,7 @@ uniform int needle;  // row of it among needles
 uniform int needle_facets, facet_count, needle_order, model_count;
 uniform int pair, number;  // state at the step's start; step of the batch, from 1
 
-const int law_words = 20;
-const int header_words = 16;
-// Of the header: nodes, 1 where punctured, 1 where through, slip, forces on the shaft, the first step of the batch that
-// there was no room for (0: none), nodes whose coupling is known; then what a step goes on with in another dispatch.
-const int count_word = 0, punctured_word = 1, through_word = 2, slip_word = 3, loads_word = 4, full_word = 5;
-const int coupled_word = 6, stage_word = 7, left_word = 8, reach_word = 9, first_word = 10, way_word = 11;
+// Which word of a law or a header is which: LawWord and HeaderWord there, as LAW_... and HEADER_...
 
 int state_place, coupling_place, stiffness_place, inverse_place, share_place;
 int longest, most_around, needle_tool;  // nodes of a hole, particles of a node: room for
@@ -45,39 +40,42 @@ float state_real(int word) {
   return intBitsToFloat(state_word(word));
 }
 
+int law_word(int word) {
+  return needle_words[LAW_WORDS * needle + word];
+}
+
 float law_real(int word) {
-  return intBitsToFloat(needle_words[law_words * needle + word]);
+  return intBitsToFloat(law_word(word));
 }
 
 vec4 frame_row(int at, int row) {
-  return fetch_load_vec4(tool_frames, tool_frames_place, 7 * (at * tool_count + needle_tool) + row);
+  return fetch_load_vec4(tool_frames, tool_frames_place, TOOL_FRAME_ROWS * (at * tool_count + needle_tool) + row);
 }
 
 void begin_needle() {
-  int law = law_words * needle;
-  state_place = needle_words[law];
-  coupling_place = needle_words[law + 1];
-  stiffness_place = needle_words[law + 2];
-  inverse_place = needle_words[law + 3];
-  share_place = needle_words[law + 4];
-  longest = needle_words[law + 5];
-  most_around = needle_words[law + 6];
-  needle_tool = needle_words[law + 7];
-  needle_length = law_real(8);
-  needle_radius = law_real(9);
-  puncture = law_real(10);
-  cutting = law_real(11);
-  static_friction = law_real(12);
-  kinetic_friction = law_real(13);
-  surface_friction = law_real(14);
-  spread = law_real(15);
-  first_reach = law_real(16);
-  bending_stiffness = law_real(17);
-  node_count = state_word(count_word);
-  punctured = state_word(punctured_word) != 0;
-  through = state_word(through_word) != 0;
-  slip = state_real(slip_word);
-  shaft_loads = state_word(loads_word);
+  state_place = law_word(LAW_STATE);
+  coupling_place = law_word(LAW_COUPLING);
+  stiffness_place = law_word(LAW_STIFFNESS);
+  inverse_place = law_word(LAW_INVERSE);
+  share_place = law_word(LAW_SHARE);
+  longest = law_word(LAW_NODES);
+  most_around = law_word(LAW_PARTICLES);
+  needle_tool = law_word(LAW_TOOL);
+  needle_length = law_real(LAW_LENGTH);
+  needle_radius = law_real(LAW_RADIUS);
+  puncture = law_real(LAW_PUNCTURE);
+  cutting = law_real(LAW_CUTTING);
+  static_friction = law_real(LAW_STATIC_FRICTION);
+  kinetic_friction = law_real(LAW_KINETIC_FRICTION);
+  surface_friction = law_real(LAW_SURFACE_FRICTION);
+  spread = law_real(LAW_SPREAD);
+  first_reach = law_real(LAW_REACH);
+  bending_stiffness = law_real(LAW_BENDING_STIFFNESS);
+  node_count = state_word(HEADER_COUNT);
+  punctured = state_word(HEADER_PUNCTURED) != 0;
+  through = state_word(HEADER_THROUGH) != 0;
+  slip = state_real(HEADER_SLIP);
+  shaft_loads = state_word(HEADER_LOADS);
   vec4 x = frame_row(number - 1, 0);
   vec4 y = frame_row(number - 1, 1);
   vec4 z = frame_row(number - 1, 2);
@@ -90,7 +88,7 @@ void begin_needle() {
 }
 
 int load_place(int k) {
-  return state_place + header_words + 4 * k;
+  return state_place + HEADER_WORDS + 4 * k;
 }
 
 // Of a force on the shaft: m along it, N along the tool's x and y.
@@ -105,7 +103,7 @@ ivec3 facet_corners(int t) {
 }
 
 int node_words(int k) {
-  return state_place + header_words + (bending_stiffness > 0.0 ? 4 * longest : 0) + 2 * k;
+  return state_place + HEADER_WORDS + (bending_stiffness > 0.0 ? 4 * longest : 0) + 2 * k;
 }
 
 int around(int k) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Weights of a node of a needle's hole by moving least squares: twin of needle_weights.cpp of src/cpu. Needs
-// needle_tables.glsl or needle_state.glsl, and pushed_tables.glsl.
+// needle_tables.glsl and pushed_tables.glsl.
 
 // Least over largest eigenvalue of the moments below which particles lie in a plane, or all but.
 const float flattest = 1e-4;
@@ -69,7 +69,7 @@ float inside_of(vec4 basis) {
   return max(1.0 - inner_product(basis.yzw, basis.yzw), 0.0);
 }
 
-// Of sums of weight * (b, products of its last three): see add_node() and needle_around_pass.glsl.
+// Of sums of weight * (b, products of its last three): see add_node().
 mat4 moments_of(vec4 m0, vec3 m1, vec3 m2) {
   return mat4(m0, vec4(m0.y, m1), vec4(m0.z, m1.y, m2.xy), vec4(m0.w, m1.z, m2.yz));
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Sixteen rows to one, until one row is left. FIRST reads what step_pass.glsl wrote, later passes their own results.
+// ROWS_TO_ONE rows to one, until one row is left. FIRST reads what step_pass.glsl wrote, later passes their own results.
 // Drawn only; needs tables.glsl and report_events.glsl.
 
 uniform int source_count;
@@ -15,8 +15,8 @@ RESULT(1, vec4, largest);
 void report_row(int row) {
   ivec4 found = ivec4(never, never, never, 0);
   vec4 most = vec4(0.0);
-  int end = min(16 * row + 16, source_count);
-  for (int source = 16 * row; source < end; ++source) {
+  int end = min(ROWS_TO_ONE * (row + 1), source_count);
+  for (int source = ROWS_TO_ONE * row; source < end; ++source) {
 #ifdef FIRST
     vec4 u = fetch_changing(displacement, displacement_place, source);
     merge_events(found, events_of(u, fetch_changing(velocity, velocity_place, source), source));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Sums over rows, two rows a group: of energies (SUM_OF 0: particles, 1: volumes, 2: cells) or of momenta (3: linear and
-// angular). Needs the pass that has the row.
+// Sums over rows, two rows a group: of energies (ENERGY_OF_PARTICLES, ENERGY_OF_VOLUMES, ENERGY_OF_CELLS) or of MOMENTA,
+// linear and angular. Needs the pass that has the row.
 
 layout(local_size_x = GROUP) in;
 
@@ -12,14 +12,14 @@ shared vec4 group_first[GROUP];
 shared vec4 group_second[GROUP];
 
 void add_row(int row, inout vec4 first, inout vec4 second) {
-#if SUM_OF == 3
+#ifdef MOMENTA
   momentum_row(row);
   first += linear;
   second += angular;
 #else
-#if SUM_OF == 0
+#if defined(ENERGY_OF_PARTICLES)
   energy_row(row);
-#elif SUM_OF == 1
+#elif defined(ENERGY_OF_VOLUMES)
   volume_row(row);
 #else
   cell_row(row);
@@ -31,7 +31,7 @@ void add_row(int row, inout vec4 first, inout vec4 second) {
 void main() {
   displacement_place = pair_place(pair);
   velocity_place = displacement_place + place_count;
-#if SUM_OF == 0
+#ifdef ENERGY_OF_PARTICLES
   instant = 0;
   gravity = fetch_load_vec4(gravity, gravity_place, 0).xyz;
 #endif

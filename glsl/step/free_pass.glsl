@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Per particle, where it would go by itself and by the tools that touch it (where NEEDLES is defined: that hold it);
-// nothing moves yet: free_kernel.glsl, drawn. Gathers the net force itself, or with FOUR_PASSES takes what
-// reaction_pass.glsl wrote. Needs free_step.glsl and, where TOOLS is defined, touch_tools.glsl, whose reactions
-// tools_pass.glsl tells.
+// Per particle, where it would go by itself and by the tools that touch it; nothing moves yet: free_kernel.glsl, drawn.
+// Gathers the net force itself, or with FOUR_PASSES takes what reaction_pass.glsl wrote. Needs free_step.glsl and, where
+// TOOLS is defined, touch_tools.glsl, whose reactions tools_pass.glsl tells.
 
 #ifdef FOUR_PASSES
 STORED(net, net_place);
@@ -33,12 +32,7 @@ void free_row(int i) {
 #ifdef TOOLS
   TouchedParticle touched = untouched(i, before, v, fixed_axes(i));
   vec4 held = fetch_load_vec4(tool_held, tool_held_place, i);
-#ifdef NEEDLES  // which come after what holds and before what presses: press_pass.glsl
-  bool touches_now = held.w >= 0.0;
-#else
-  bool touches_now = true;
-#endif
-  for (int tool = 0; tool < tool_count && touches_now; ++tool) touch_tool(tool, held, instant, touched, dt, inverse_dt);
+  for (int tool = 0; tool < tool_count; ++tool) touch_tool(tool, held, instant, touched, dt, inverse_dt);
   force_sum = vec4(force_sum.xyz + inverse_dt * touched.impulse, force_sum.w);
   v = touched.v;
   shift = touched.shift;

@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Twin of src/interaction/distance_to_shape.h. Needs vector3.glsl, and tool_tables.glsl where TOOL_GRIDS is defined.
-
-const int shape_sphere = 0;
-const int shape_capsule = 1;
-const int shape_half_space = 2;
-const int shape_box = 3;
-const int shape_grid = 4;
+// SHAPE_SPHERE ... SHAPE_NEEDLE: ShapeKind of src/interaction.
 
 struct ShapeIn {
   int kind;
@@ -103,14 +98,14 @@ Distance distance_in_grid(vec3 q, ShapeIn shape) {
 
 Distance distance_to(ShapeIn shape, vec3 q) {
   Distance found = Distance(q.z, vec3(0.0, 0.0, 1.0));  // from a half-space
-  if (shape.kind == shape_sphere) {
+  if (shape.kind == SHAPE_SPHERE) {
     found = distance_from_point(q, shape.size.x);
-  } else if (shape.kind == shape_capsule) {
+  } else if (shape.kind == SHAPE_CAPSULE) {
     found = distance_from_point(vec3(q.x, q.y, q.z - at_least(0.0, at_most(q.z, shape.size.y))), shape.size.x);
-  } else if (shape.kind == shape_box) {
+  } else if (shape.kind == SHAPE_BOX) {
     found = distance_from_box(q, shape.size);
 #ifdef TOOL_GRIDS
-  } else if (shape.kind == shape_grid) {
+  } else if (shape.kind == SHAPE_GRID) {
     found = distance_in_grid(q, shape);
 #endif
   }

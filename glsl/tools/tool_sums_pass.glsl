@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Of what tools_pass.glsl wrote, sixteen rows of a tool to one, added. Drawn only; needs dialect_fragment.glsl.
+// Of what tools_pass.glsl wrote, ROWS_TO_ONE rows of a tool to one, added. Drawn only; needs dialect_fragment.glsl.
 
 STORED(forces, forces_place);
 STORED(torques, torques_place);
@@ -15,8 +15,8 @@ RESULT(3, vec4, last_torque);
 
 void sum_row(int row) {
   int tool = row / sum_count;
-  int first = 16 * (row - tool * sum_count);
-  int end = min(first + 16, source_count);
+  int first = ROWS_TO_ONE * (row - tool * sum_count);
+  int end = min(first + ROWS_TO_ONE, source_count);
   force_sum = vec4(0.0);
   torque_sum = vec4(0.0);
   last_force = vec4(0.0);

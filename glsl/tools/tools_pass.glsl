@@ -2,8 +2,7 @@
 //
 // What the particles do to the tools in a step, a row for each tool and particle, added up over the steps of a batch:
 // what step_pass.glsl has in hand when tools have touched a particle, and has no place to tell. Drawn only, after
-// reaction_pass.glsl; needs free_step.glsl and touch_tools.glsl. Where PUSHED is defined, from what needles leave, and
-// needs pushed_tables.glsl.
+// reaction_pass.glsl; needs free_step.glsl and touch_tools.glsl.
 
 STORED(net, net_place);
 STORED(tool_forces, tool_forces_place);    // the sums so far
@@ -26,17 +25,8 @@ void tool_row(int row) {
   free_step(i, acceleration(fetch_changing(net, net_place, i).xyz, inverse_mass, gravity), moved, v);
   TouchedParticle touched = untouched(i, u, v, fixed_axes(i));
   vec4 held = fetch_load_vec4(tool_held, tool_held_place, i);
-#ifdef PUSHED
-  if (held.w < 0.0) touched.v = fetch_load_vec4(free_velocity, free_velocity_place, i).xyz;
-#endif
   Reaction reaction = no_reaction;
-  for (int tool = 0; tool <= told; ++tool) {
-#ifdef NEEDLES
-    reaction = no_reaction;
-    if (is_needle(tool)) continue;
-#endif
-    reaction = touch_tool(tool, held, instant, touched, dt, inverse_dt);
-  }
+  for (int tool = 0; tool <= told; ++tool) reaction = touch_tool(tool, held, instant, touched, dt, inverse_dt);
   last_force = vec4(reaction.force, reaction.touches ? 1.0 : 0.0);
   last_torque = vec4(reaction.torque, 0.0);
   force_sum = last_force;

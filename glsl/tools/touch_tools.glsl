@@ -75,11 +75,11 @@ Reaction press(ShapeIn shape, ContactLaw law, ToolFrame start, ToolFrame end, To
 // What the tables say.
 
 vec4 tool_law(int tool, int row) {
-  return fetch_load_vec4(tool_laws, tool_laws_place, 4 * tool + row);
+  return fetch_load_vec4(tool_laws, tool_laws_place, TOOL_LAW_ROWS * tool + row);
 }
 
 vec4 tool_frame_row(int tool, int at, int row) {
-  return fetch_load_vec4(tool_frames, tool_frames_place, 7 * (at * tool_count + tool) + row);
+  return fetch_load_vec4(tool_frames, tool_frames_place, TOOL_FRAME_ROWS * (at * tool_count + tool) + row);
 }
 
 ToolFrame tool_frame(int tool, int at) {
@@ -102,7 +102,7 @@ ShapeIn tool_shape(int tool) {
 #ifdef TOOL_GRIDS
   vec4 grid = tool_law(tool, 2);
   vec4 count = tool_law(tool, 3);
-  return ShapeIn(int(size.w), size.xyz, law.x, law.y, ivec3(count.xyz), 256 * int(count.w), grid.xyz, grid.w);
+  return ShapeIn(int(size.w), size.xyz, law.x, law.y, ivec3(count.xyz), TOOL_GRID_UNIT * int(count.w), grid.xyz, grid.w);
 #else
   return ShapeIn(int(size.w), size.xyz, law.x, law.y);
 #endif
@@ -110,7 +110,7 @@ ShapeIn tool_shape(int tool) {
 
 // Which touches nothing here: needle_force_kernel.glsl.
 bool is_needle(int tool) {
-  return int(tool_law(tool, 0).w) == 5;
+  return int(tool_law(tool, 0).w) == SHAPE_NEEDLE;
 }
 
 // Axes on which nothing pushes particle i.

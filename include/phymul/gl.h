@@ -33,12 +33,11 @@ enum class BaseLayout {
 enum class GlCompute {
   automatic,  ///< workgroup on a GPU where the body is small enough, else store
   store,      ///< forces of attractors, bases, volumes and cells in one dispatch, their sums and Verlet in another
-  recompute,  ///< one dispatch: a particle computes anew what its neighbours' terms give it, and stores nothing
   workgroup   ///< many steps in a dispatch, by one group of invocations: for small bodies, where launching is the cost
 };
 
 /// The environment overrides what is left at its default: PHYMUL_EGL (device), PHYMUL_GL_DIALECT (desktop, es),
-/// PHYMUL_GL_PASSES (2, 4), PHYMUL_GL_COMPUTE (auto, store, recompute, workgroup), PHYMUL_GL_DEBUG (1), PHYMUL_GLSL
+/// PHYMUL_GL_PASSES (2, 4), PHYMUL_GL_COMPUTE (auto, store, workgroup), PHYMUL_GL_DEBUG (1), PHYMUL_GLSL
 /// (shader_folder).
 struct GlOptions {
   GlContext context = GlContext::own;
@@ -54,8 +53,8 @@ struct GlOptions {
   BaseLayout layout = BaseLayout::automatic;
   /// step() queues its steps and returns the report of the call before, without waiting for the device; of the first
   /// call after a reset() it has nothing to tell, and steps is 0. A failure is said by the next call, which takes no
-  /// step then. Whoever looks at the state (read(), energy(), buffers) waits for what is on its way; run_to_rest() does.
-  /// States are the same to the last bit.
+  /// step then. Whoever looks at the state (read(), energy(), buffers) waits for what is on its way; run_to_rest()
+  /// does. States are the same to the last bit.
   bool late_report = false;
   bool debug = false;           ///< GL debug output; an error in it becomes an Error, in step() device_lost
   std::string shader_folder{};  ///< shaders are read from here in place of those built in; empty: built in

@@ -7,6 +7,7 @@
 #include <phymul/types.h>
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -40,8 +41,7 @@ using Colour = std::array<double, 4>;  ///< red, green, blue, alpha in [0, 1]
 struct Cell {
   CellType type = CellType::tetrahedron;
   std::vector<Index> particles;
-  Index material = -1;    ///< row of Model::materials; -1: none
-  Index file_index = -1;  ///< the index the file gave it; -1: none
+  Index material = -1;  ///< row of Model::materials; -1: none
   std::string name;
   std::vector<Attribute> attributes;
   std::optional<Colour> colour;
@@ -71,22 +71,7 @@ struct Material {
   bool operator==(const Material&) const = default;
 };
 
-/// What a file said of a particle's neighbourhood besides the neighbours themselves.
-struct NeighbourhoodFields {
-  Index particle = -1;
-  std::vector<Attribute> attributes;
-  std::optional<Colour> colour;
-  bool operator==(const NeighbourhoodFields&) const = default;
-};
-
-/// What only a PML file knows and no computation uses, kept for writing back; empty for a built shape.
-struct FileExtras {
-  std::vector<Attribute> attributes;       ///< further attributes of the root element
-  Component atom_list;                     ///< name, attributes and colour of the list of atoms; the rest is unused
-  std::vector<Index> neighbourhood_index;  ///< [N] or empty: index of each particle's neighbourhood cell; -1: none
-  std::vector<NeighbourhoodFields> neighbourhood_fields;  ///< those that have any, by increasing particle
-  bool operator==(const FileExtras&) const = default;
-};
+struct FileExtras;  // src/model/file_extras.h
 
 struct Model {
   std::string name;
@@ -101,13 +86,12 @@ struct Model {
   std::vector<Component> components;
   std::vector<Material> materials;  ///< empty: stiffness holds; else see set_material
 
-  // What only a file knows, kept for writing back; empty for a built shape.
-  std::vector<Index> file_index;                        ///< [N] or empty: PML atom index of each particle
-  std::vector<std::string> particle_name;               ///< [N] or empty
-  std::vector<std::vector<Attribute>> particle_fields;  ///< [N] or empty: further atom attributes
-  FileExtras extras;
+  /// What the file carried beside the model, opaque: numbers and names of particles and cells, further attributes. It
+  /// is needed only to write the file back without loss. Null for a built shape. Set it to null after removing
+  /// particles.
+  std::shared_ptr<const FileExtras> extras;
 
-  /// What reading and checking found or mended, a sentence each ("file:line: ..."). Not part of equality.
+  /// What reading and checking found or corrected, one sentence each ("file:line: ..."). Not part of equality.
   std::vector<std::string> notes;
 
   Index particle_count() const { return static_cast<Index>(rest.size()); }
@@ -120,6 +104,9 @@ struct Model {
 
   /// Adds an informative component that names these particles; returns *this.
   Model& add_group(std::string group_name, std::vector<Index> particles);
+
+  Index file_index(Index particle) const;   ///< number of the particle in its file; its row if it has none
+  Index cell_file_index(Index cell) const;  ///< number of the cell in its file; -1: none
 
   bool operator==(const Model& other) const;  ///< everything but notes
 };

@@ -20,6 +20,7 @@
 #include <phymul/recording.h>
 #include <phymul/scene.h>
 #include <phymul/shapes.h>
+#include <phymul/simulation.h>
 #include <phymul/solver.h>
 #include <phymul/state.h>
 #include <phymul/state_file.h>

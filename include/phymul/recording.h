@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What a host did with a solver between its steps, recorded, and done again: on the backends "reference" and "cpu" the
-// same bits come out, whatever the number of threads.
+// Recorder and Replay: write down what an application does with a solver, and repeat it. On the backends "reference"
+// and "cpu" the result is bit for bit the same, for any number of threads.
 #pragma once
 
 #include <phymul/state_file.h>
@@ -18,17 +18,18 @@ namespace phymul {
 
 struct SceneBefore;  // src/session/scene_bytes.h
 
-/// One thing that a host did: a kind of four letters, and bytes that the kind gives a meaning.
+/// One action of the application: a kind of four letters, and bytes whose meaning depends on the kind.
 struct Input {
   std::string kind;
   std::string bytes;
-  std::uint64_t times = 1;  ///< on end
+  std::uint64_t times = 1;  ///< number of consecutive repetitions
   bool operator==(const Input&) const = default;
 };
 
-/// Figures of a solver on which its trajectory depends besides tables and scene.
+/// Options of a solver that its trajectory depends on in addition to tables and scene.
 struct RecordedOptions {
-  double damping_rate = 0.0, damping_factor = 1.0, largest_push = 0.0, rest_tolerance = 0.0, stable_step = 0.0;
+  double damping_rate = 0.0, damping_factor = 1.0, max_displacement_per_step = 0.0, rest_tolerance = 0.0,
+         stable_step = 0.0;
   int rest_steps = 0;
   bool allows_unstable = false;
   bool operator==(const RecordedOptions&) const = default;
@@ -36,9 +37,9 @@ struct RecordedOptions {
 RecordedOptions recorded_options(const Solver& solver);
 
 struct Recording {
-  std::uint64_t body = 0;  ///< fingerprint of the tables
-  std::string backend;     ///< Solver::name()
-  std::string device;      ///< Solver::device(), for people
+  std::uint64_t topology_hash = 0;  ///< Solver::topology_hash()
+  std::string backend;              ///< Solver::name()
+  std::string device;               ///< Solver::device(), for people
   RecordedOptions options;
   Snapshot start;
   std::string scene;  ///< at the start, in bytes (src/session/scene_bytes.h)
@@ -46,33 +47,33 @@ struct Recording {
   bool operator==(const Recording&) const = default;
 };
 
-/// A file with magic word, version and checksums (docs/formats.md), written whole or not at all. Reading throws Error
+/// A file with magic word, version and checksums (docs/guide/formats.md), written whole or not at all. Reading throws Error
 /// for a damaged file: file, byte, what was expected, what came, what to do.
 void save_recording(const Recording& recording, const std::string& path);
 Recording read_recording(const std::string& path);
 Recording read_recording_bytes(std::string_view bytes, const std::string& name);
 
-/// Stands between the host and a solver: hands on what it is asked for, and writes it down. The host may change the
-/// scene as it likes; what differs is written down at the next step. Keeps references to both, which must outlive it;
-/// what the host does with the solver past the recorder is not recorded. Memory grows with what is done: equal steps on
-/// end are one input.
+/// Forwards calls to a solver and records them. The application may change the scene as it likes; the next step records
+/// the differences. Calls made to the solver directly are not recorded. Keeps references to solver and scene, which
+/// must outlive it. Memory grows with the number of inputs; consecutive equal steps are one input.
 class Recorder {
  public:
-  /// Throws Error where the scene is that of another model. Poses and grasps of tools that no step has seen yet are
-  /// forgotten: ask for them again.
+  /// Throws Error if the scene is of another model. Calls of tool handles since the last step are discarded: repeat
+  /// them.
   Recorder(Solver& solver, const Scene& scene);
   ~Recorder();
 
   StepReport step(int n, double dt);
-  StepReport run_to_rest(int max_steps, double dt);
+  RestResult run_to_rest(int max_steps, double dt);
+  RestResult run_to_rest(int max_steps, double dt, const Damping& damping);
   void reset();
   void reset(const State& state);
   void restore(const Snapshot& snapshot);
 
-  /// An input of the host's own, handed back by Replay::on_note in its place. Throws Error unless `kind` has four
-  /// letters and is not one of the library's.
+  /// Records an input of the application's own, which Replay passes to Replay::on_note. Throws Error unless `kind` has
+  /// four letters and is not one of the library's.
   void note(std::string_view kind, std::string bytes);
-  /// Writes the state's fingerprint down; a replay that comes to another one says so.
+  /// Records a hash of the state. Replay throws Error if its state has another one.
   void checkpoint();
 
   const Recording& recording() const { return recording_; }
@@ -94,16 +95,15 @@ class Recorder {
   std::map<std::uint64_t, SeenTool> seen_tools_;  // by SceneTool::id
 };
 
-/// Does it all again. Keeps references to solver and scene, which must outlive it; nobody else may change them.
+/// Repeats a recording. Keeps references to solver and scene, which must outlive it. Nothing else may change them.
 class Replay {
  public:
-  /// Puts the solver to the start, and clears the scene. Throws Error where the recording is of another body, of other
-  /// options (which, and both values), or the scene of another model. Another backend is allowed, and gives another
-  /// precision.
+  /// Restores the recorded start in the solver and the scene. Throws Error if the recording is of another topology or
+  /// other options, or the scene of another model. Another backend is allowed and gives results of another precision.
   Replay(Recording recording, Solver& solver, Scene& scene);
 
-  /// Does the next input, once. False, and nothing done, at the end. Throws Error, with the input's number, where an
-  /// input makes no sense to the scene or solver, or a checkpoint is missed.
+  /// Repeats the next input, once. Returns false at the end. Throws Error, with the input's number, if an input does
+  /// not fit the scene or solver, or a checkpoint differs.
   bool next();
   void run();  ///< all that is left
 
@@ -111,11 +111,11 @@ class Replay {
   const StepReport& report() const { return report_; }
   /// Number of inputs done, repetitions counted; skip_to(position()) of another Replay leads to the same place.
   std::uint64_t position() const { return position_; }
-  /// Goes on from there without stepping: changes of the scene are made, the state is left alone. The caller then puts
-  /// the solver to a state saved there (load_state). Backwards: the scene is cleared and made anew.
+  /// Continues from there without stepping: the scene's changes are made, the solver's state stays. The caller then
+  /// loads a state saved there (load_state). A position before the present one is allowed.
   void skip_to(std::uint64_t position);
 
-  std::function<void(const Input&)> on_note;  ///< gets the host's own inputs; empty: they are passed over
+  std::function<void(const Input&)> on_note;  ///< receives the application's own inputs; empty: they are skipped
 
  private:
   void perform(const Input& input);

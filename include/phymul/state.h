@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// State: where a body is. Plain data to copy, save and compare.
+// State: positions and velocities of a body. Plain data to copy, save and compare.
 #pragma once
 
 #include <phymul/model.h>
@@ -15,43 +15,44 @@ namespace phymul {
 struct State {
   double time = 0.0;  ///< s
   VecList position;   ///< [N] m
-  /// [N] m/s: (position - previous position) / dt of the step that led here. In Verlet's scheme this is the velocity
-  /// half a step before `time`.
+  /// [N] m/s: (position - previous position) / dt of the last step. In Verlet's scheme this is the velocity half a step
+  /// before `time`.
   VecList velocity;
-  /// Of the scene's tools. Solver::reset() takes those whose names the scene has; a tool without one starts at the
-  /// scene's pose and holds nothing, whatever it was told to grasp before.
+  /// Of the scene's tools, by name. Solver::reset() ignores names that the scene does not have. A tool without an entry
+  /// starts at the scene's pose and holds nothing.
   std::vector<ToolState> tools{};
 
   bool operator==(const State&) const = default;
 };
 
-/// All that a solver's further steps depend on, but for the scene: put back into a solver over the same tables, of the
-/// same backend, it goes on bit for bit. A State alone does in double precision, but for run_to_rest() and energy().
+/// Everything that the further steps of a solver depend on except the scene. Restored in a solver of the same backend
+/// over the same tables, it continues bit for bit. In double precision a State is enough for that, except for
+/// run_to_rest() and energy().
 struct Snapshot {
   State state;
-  double last_dt = 0.0;   ///< s, of the step that led here; 0: none did
-  int steps_at_rest = 0;  ///< steps on end that were within the rest test
-  /// [N] m, or empty: displacements from rest of a backend in single precision. position = rest + displacement is
-  /// rounded, to a few parts in 1e16 of the distance from the origin, and loses what is smaller.
+  double last_dt = 0.0;   ///< s, of the last step; 0: there was none
+  int steps_at_rest = 0;  ///< number of consecutive steps up to the last one that passed the rest test
+  /// [N] m, or empty: displacements from rest of a backend in single precision. rest + displacement, rounded to
+  /// position, would lose bits of it.
   VecList displacement;
-  /// What others of the solver's parts remember, each under a name of its own.
+  /// Further memory of a backend, each with its name.
   struct Part {
     std::string name;
     std::vector<std::uint8_t> bytes;
     bool operator==(const Part&) const = default;
   };
   std::vector<Part> parts;
-  /// Fingerprint of the tables it was taken over (Solver::body()); 0: not known, and not asked for by
-  /// Solver::restore().
-  std::uint64_t body = 0;
+  /// Solver::topology_hash() of the solver it was taken from. 0: unknown, and Solver::restore() does not check it.
+  std::uint64_t topology_hash = 0;
+  std::string backend;  ///< Solver::name() of that solver; empty: unknown
 
   bool operator==(const Snapshot&) const = default;
 };
 
-/// The rest shape, not moving, at time 0.
+/// The rest shape without motion, at time 0.
 State rest_state(const Model& model);
 
-/// True when time and every coordinate is finite.
+/// True if the time and every coordinate are finite.
 bool is_finite(const State& state);
 
 }  // namespace phymul

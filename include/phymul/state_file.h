@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// States on disk, and a ring of past ones in memory to go back to.
+// Snapshots in files, and a history of snapshots in memory.
 #pragma once
 
 #include <phymul/solver.h>
@@ -13,50 +13,39 @@
 
 namespace phymul {
 
-/// A number for a state's bits: equal for states that are the same to the last one.
+/// Hash of all bits of a snapshot except its topology_hash and backend.
 std::uint64_t fingerprint(const Snapshot& snapshot);
 
-/// What Solver::restore takes, with the body it belongs to. Bit for bit.
-struct SavedState {
-  std::uint64_t body = 0;  ///< fingerprint of the tables; what is read has it in Snapshot::body too
-  std::string backend;     ///< Solver::name() of the one that wrote it
-  Snapshot snapshot;
-  bool operator==(const SavedState&) const = default;
-};
+/// Writes a snapshot as a file, bit for bit, with magic word, version and checksums (docs/guide/formats.md). `path` holds
+/// either the whole new file or what it held before. Throws Error if the file cannot be written.
+void save_state(const Snapshot& snapshot, const std::string& path);
+void save_state(const Solver& solver, const std::string& path);  ///< the solver's present state
 
-/// The solver's present state as a file: magic word, version, checksums (docs/formats.md). `path` holds either the
-/// whole new file or what it held before. Throws Error.
-void save_state(const Solver& solver, const std::string& path);
-void save_state(const SavedState& saved, const std::string& path);
-
-/// Back into a solver over the same tables; in the backend that wrote it the trajectory goes on bit for bit, in another
-/// one within that one's precision. Throws Error, with the file, the byte, what was expected, what came and what to do,
-/// where the file is damaged, cut short, of another version or of another body; the solver then keeps its state.
+/// Restores a file in a solver with the same topology_hash(). In the backend that wrote it the trajectory continues bit
+/// for bit. Throws Error if the file is damaged, incomplete, of another version or of another topology; the solver then
+/// keeps its state.
 void load_state(Solver& solver, const std::string& path);
-SavedState read_state(const std::string& path);
-/// The same from memory; `name` stands for the file in messages.
-SavedState read_state_bytes(std::string_view bytes, const std::string& name);
+Snapshot read_state(const std::string& path);
+/// The same from memory. `name`: of the file, for messages.
+Snapshot read_state_bytes(std::string_view bytes, const std::string& name);
 
-/// The last states of a run, no more than a number of bytes of them: memory stays the same however long it runs, the
-/// oldest states make room.
+/// The last states of a run within a limit on memory. New states replace the oldest ones.
 class StateHistory {
  public:
-  /// A state every `every` steps, at most `most_bytes` in all. Throws Error unless both are 1 or more.
+  /// Keeps a state every `every` steps, at most `most_bytes` bytes in all. Throws Error unless both are 1 or more.
   StateHistory(int every, std::size_t most_bytes);
 
-  /// To be called after steps, with what they reported (step(0, dt) does for the start): keeps the solver's state the
-  /// first time, and where `every` steps have gone by since the last one kept. States later than the report's time are
-  /// of a run that was left, and go. Throws Error, and keeps what it has, for a solver of another body than the states
-  /// kept: clear() first.
+  /// Call it after each step() with its report (that of step(0, dt) for the start). Keeps the solver's state the first
+  /// time and after every `every` steps. Removes states later than the report's time. Throws Error, and changes
+  /// nothing, if the solver's topology_hash() differs from that of the kept states: clear() first.
   void follow(const Solver& solver, const StepReport& report);
 
-  /// The newest state at or before a time, s; null where none is so old.
+  /// The newest state at or before a time, s; null if there is none.
   const Snapshot* newest_at(double time) const;
 
-  /// Puts the solver there by Solver::restore(), which throws for a solver of another body, and forgets what came
-  /// after. False, and nothing done, where no state is so old. Tools then hold what that state says until grasp() or
-  /// release() is called anew (Solver::reset); their forces are 0 until the next step: a VirtualCoupling goes on from
-  /// VirtualCoupling::reset(), at the tool's pose now.
+  /// Restores that state in the solver (Solver::restore(), which may throw) and removes later ones. Returns false, and
+  /// does nothing, if there is no such state. Tool forces are 0 until the next step: call VirtualCoupling::reset() with
+  /// the tool's present pose. For what tools hold see Solver::reset().
   bool rewind(Solver& solver, double time);
 
   std::size_t size() const { return states_.size(); }

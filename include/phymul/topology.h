@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: MIT
 //
-// Choices that turn a Model into the constant tables of a simulation (topology_textures.h).
+// How a Model becomes the constant tables of a simulation (topology_textures.h): the elastic law and its options.
 //
 // Notation, used by every kernel:
 //   x_i, X_i    position of particle i now and at rest, m
-//   k_i         shape stiffness, N/m
+//   Nc_i, Bc_i  number of neighbours, number of bases of particle i
+//   k_i         shape stiffness, N/m: Model::stiffness, or computed from the material
 //   t = (a,b,c) a base of i: three particles (two in 2-D) around it
 //   n_t         unit normal of t: (x_b - x_a) x (x_c - x_a), normalised (2-D: left normal of x_b - x_a)
 //   lambda_t    barycentric coordinates in t of the projection of X_i on its plane, rest shape, sum 1
 //   beta_t      signed height of X_i over t, m, rest shape
-//   w_t         weight of t among the bases of i, sum 1 (1 / Bc_i where none is wanted)
+//   A_t, A_t0   area of t now and at rest
+//   w_t         weight of t among the bases of i, sum 1; 1 / Bc_i unless the model has a material
 //   alpha_ij    sum over t of w_t lambda_t at vertex j, rest shape, sum over j = 1
-//   P*_i        attractor: sum_j alpha_ij x_j + sum_t w_t beta_t n_t
+//   P*_t        position that base t predicts for i: sum_v lambda_tv x_v + beta_t n_t
+//   P*_i        attractor, their mean: sum_t w_t P*_t = sum_j alpha_ij x_j + sum_t w_t beta_t n_t
+// "The thesis" is the one of 2007 that introduced this model (README).
 #pragma once
 
 #include <phymul/model.h>
@@ -22,21 +26,21 @@ namespace phymul {
 
 enum class Law { springs, shape_memory };
 
-/// How the force F_i = k_i (P*_i - x_i) on a particle is given back to its neighbours.
+/// How the reaction to the force F_i = k_i (P*_i - x_i) on a particle is distributed to its neighbours.
 enum class Reaction {
-  full,         ///< -F_i to each neighbour: the thesis, literally. Grows without bound on all but the smallest bodies.
-  shared,       ///< -F_i / Nc_i to each: keeps linear momentum; flutters undamped
-  barycentric,  ///< -alpha_ij F_i to each: keeps linear momentum; flutters undamped
-  averaged,     ///< exact -dE/dx of sum_i k_i/2 |P*_i - x_i|^2: keeps both momenta and energy; no bulk stiffness
-  conservative  ///< exact -dE/dx of sum_i k_i/2 sum_t w_t |P*_t - x_i|^2: keeps both momenta and energy
+  full,         ///< -F_i to each neighbour: as in the thesis. Diverges on all but the smallest bodies.
+  shared,       ///< -F_i / Nc_i to each: conserves linear momentum; oscillations grow without damping
+  barycentric,  ///< -alpha_ij F_i to each: conserves linear momentum; oscillations grow without damping
+  averaged,     ///< exact -dE/dx of sum_i k_i/2 |P*_i - x_i|^2: conserves both momenta and energy; no bulk stiffness
+  conservative  ///< exact -dE/dx of sum_i k_i/2 sum_t w_t |P*_t - x_i|^2: conserves both momenta and energy
 };
 
 /// Which triples of neighbours (pairs in 2-D) become bases.
 enum class BaseSelection {
   all,             ///< every triple that has a plane
   thresholded,     ///< those above min_quality and within max_barycentric
-  opposite_faces,  ///< faces of the incident cells' corner tetrahedra, opposite to the particle; neighbours follow
-  fitted           ///< the sparse non-negative least-squares subset of `thresholded` nearest to elastic isotropy
+  opposite_faces,  ///< faces opposite to the particle in the corner tetrahedra of its cells; sets the neighbours too
+  fitted           ///< few of `thresholded`, chosen and weighted by non-negative least squares to be nearly isotropic
 };
 
 /// The energy of a volume ratio J, per unit rest volume; U(1) = U'(1) = 0, U''(1) = kappa for all.
@@ -45,16 +49,17 @@ enum class VolumeLaw {
   bounded     ///< kappa s^2 (sqrt(1 + ((J-1)/s)^2) - 1), s = 0.4: U' stays below kappa s however far from rest
 };
 
-/// How the material's Poisson's ratio is met.
+/// How the body gets the material's Poisson's ratio.
 enum class PoissonRoute {
-  volume_term,   ///< a volume energy per tetrahedron: any ratio in (-3/8, 1/2)
-  area_exponent  ///< beta_t [2/(1+(A_t/A_t0)^2)]^p with p from the ratio: -0.375 to 0.42 (p = 2); no extra
-                 ///< term. E exact on lattices of cubes, 3-5 % low on unstructured tetrahedra
+  volume_term,  ///< a volume energy per tetrahedron: any ratio in (-3/8, 1/2)
+  /// beta_t [2/(1+(A_t/A_t0)^2)]^p in place of beta_t, with p from the ratio, which must be in (-0.375, 0.42]. No extra
+  /// term. Young's modulus is exact on lattices of cubes and 3-5 % too low on unstructured tetrahedra.
+  area_exponent
 };
 
-/// What to do with a particle that has no base.
+/// What build_topology does with a particle that has no base.
 enum class SparseParticle {
-  error,    ///< throw, naming particles
+  error,    ///< throws Error with the particles
   springs,  ///< springs to its neighbours, of stiffness k_i
   free      ///< no elastic force of its own
 };
@@ -70,37 +75,40 @@ struct TopologyOptions {
   VolumeLaw volume_law = VolumeLaw::bounded;
   /// Volume stiffness kappa in Pa where the model has no material (springs, or stiffness in N/m); 0: no volume term.
   double volume_stiffness = 0.0;
-  /// Least share gamma in [0, 1) of a cell's energy that is taken from its mean deformation; > 0 needs a material and
-  /// cures bending of hexahedra and wedges from locking; 0.9 is a good value. With PoissonRoute::volume_term and bases
-  /// from opposite_faces, cells whose base normals are far from isotropic take more by themselves, up to 0.9: every
-  /// tetrahedron, flat hexahedra, wedges; not cubes. Without that, jittered tetrahedra lose 16 % of Young's modulus.
-  /// 0 is the model per base, the default. Hexahedra or wedges with a material that may bend want 0.9: without it they
-  /// lock, and a cantilever of 4 cells across bends 24 % too little at nu 0.3, 30 % at 0.45; with it within 2 %
-  /// (docs/choosing.md, docs/accuracy.md).
+  /// gamma in [0, 1): least share of a cell's energy that is computed from its mean deformation instead of its bases.
+  /// A value above 0 needs a material. Use 0.9 for hexahedra or wedges that bend: with 0 they lock, and a cantilever 4
+  /// cells across bends 24 % too little at a Poisson's ratio of 0.3. With 0.9 the error is below 2 %
+  /// (docs/guide/choosing.md). With PoissonRoute::volume_term and opposite_faces, cells whose base normals are not
+  /// distributed isotropically (every tetrahedron, flat hexahedra, wedges; not cubes) get a larger share automatically,
+  /// up to 0.9. Otherwise irregular tetrahedra would lose 16 % of Young's modulus.
   double cell_average = 0.0;
   SparseParticle on_sparse = SparseParticle::error;
-  int max_texture_size = 16384;  ///< widest and highest table a device takes, texels
+  int max_texture_size = 16384;  ///< texels: limit of a GPU on the sides of a table
 };
 
 struct TopologyTextures;
 
-/// Builds the tables. Where the model has a material, k_i, w_t and the volume term follow from it for
-/// Law::shape_memory with Reaction::conservative (any other reaction cannot carry a calibrated material: Error).
-/// A model with a material must be three-dimensional (in 2-D clear Model::materials; the masses stay), and takes its
-/// bases from opposite_faces; from `fitted` where that is asked for, or where a body
-/// of tetrahedra is to meet Poisson's ratio by the area exponent. Throws Error, also when a
-/// table outgrows max_texture_size squared (with the sizes).
+/// Builds the tables. For a model with a material:
+/// - k_i, w_t and the volume term are computed from it.
+/// - It must be three-dimensional, and the law shape_memory with Reaction::conservative. (In 2-D clear
+///   Model::materials; masses stay.)
+/// - TopologyOptions::bases is ignored unless it is `fitted`. Bases are `fitted` then, and for a body of tetrahedra
+/// with
+///   PoissonRoute::area_exponent; otherwise opposite_faces.
+/// Throws Error for options that contradict each other or the model, and if a table is larger than max_texture_size
+/// squared.
 TopologyTextures build_topology(const Model& model, const TopologyOptions& options = {});
 
-/// The calibration by itself, isotropic theory of small strains: energy density c/2 |F n0 - n(F)|^2 averaged over all
-/// directions, plus kappa/2 (J-1)^2, has the Lame constants mu = 7/15 c and lambda = kappa - c/5.
+/// Isotropic theory of small strains. A body with deformation gradient F has the energy density c/2 |F n0 - n(F)|^2,
+/// averaged over all rest normals n0, with n(F) the deformed unit normal, plus kappa/2 (J-1)^2 with J = det F. Its Lame
+/// constants are mu = 7/15 c and lambda = kappa - c/5.
 struct Calibration {
   double c = 0.0;         ///< Pa
   double kappa = 0.0;     ///< Pa; 0 for the area exponent
   double exponent = 0.0;  ///< p; 0 for the volume term
 };
 
-/// Throws Error when the ratio is out of the route's range.
+/// Throws Error if Poisson's ratio is out of the route's range.
 Calibration calibrate(const Material& material, PoissonRoute route);
 
 }  // namespace phymul

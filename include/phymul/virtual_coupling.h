@@ -36,7 +36,7 @@ class VirtualCoupling {
   /// tick before, which was one call of step(). Its means over the call are what counts, and what the tool holds moves
   /// with the tool in this very tick: stable however stiff the spring, and however heavy what is held. Does not throw:
   /// where a number given is not finite, or so large that a result is not, dt is negative, or the device's orientation
-  /// is zero, this tick is left out, and tool(), force() and torque() are those of the tick before.
+  /// is zero, this tick is left out, and pose(), force() and torque() are those of the tick before.
   const ToolPose& follow(const ToolPose& device, const ToolForce& on_tool, double dt);
   /// The same of a force alone, as that of a tool that holds nothing. One that holds more than CouplingOptions::mass
   /// grows unstable under it.
@@ -47,7 +47,7 @@ class VirtualCoupling {
 
   const Vec3& force() const { return force_; }    ///< N, on the device
   const Vec3& torque() const { return torque_; }  ///< N m, on the device
-  const ToolPose& tool() const { return tool_; }
+  const ToolPose& pose() const { return tool_; }  ///< of the tool: for ToolHandle::move_to()
 
  private:
   /// How the tool was moved in the tick before, along and around: m/s, rad/s, and what they grew by, a second.

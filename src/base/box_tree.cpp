@@ -3,39 +3,43 @@
 
 #include <algorithm>
 
-namespace phymul::cpu {
+namespace phymul {
 
-BoxTree::BoxTree(const VecList& places, const std::vector<Index>& group, Index count) {
+BoxTree::BoxTree(const VecList& places, const std::vector<Index>& group, Index count, const Shape& shape) {
   std::vector<std::vector<Index>> own(static_cast<std::size_t>(count));
   for (std::size_t k = 0; k < places.size(); ++k) own[group[k]].push_back(static_cast<Index>(k));
   groups.push_back(0);
   for (const std::vector<Index>& rows : own) {
     const auto first = static_cast<Index>(items.size());
     items.insert(items.end(), rows.begin(), rows.end());
-    if (!rows.empty()) add(places, first, static_cast<Index>(items.size()));
+    if (!rows.empty()) add(places, shape, first, static_cast<Index>(items.size()));
     groups.push_back(static_cast<Index>(nodes.size()));
   }
 }
 
-void BoxTree::add(const VecList& places, Index first, Index end) {
+void BoxTree::add(const VecList& places, const Shape& shape, Index first, Index end) {
   const std::size_t own = nodes.size();
-  nodes.push_back({first, end, 0, end - first <= leaf_size});
-  if (!nodes[own].is_leaf) {
-    Vec3 low = places[items[first]], high = low;
-    for (Index k = first + 1; k < end; ++k) {
-      low = low.cwiseMin(places[items[k]]);
-      high = high.cwiseMax(places[items[k]]);
-    }
-    int axis = 0;
-    (high - low).maxCoeff(&axis);
-    const Index middle = first + (end - first) / 2;
-    std::nth_element(items.begin() + first, items.begin() + middle, items.begin() + end, [&](Index a, Index b) {
-      return places[a][axis] != places[b][axis] ? places[a][axis] < places[b][axis] : a < b;
-    });
-    add(places, first, middle);
-    add(places, middle, end);
-  }
+  nodes.push_back({first, end, 0, end - first <= shape.leaf_size});
+  if (!nodes[own].is_leaf) halve(places, shape, first, end, shape.halvings);
   nodes[own].next = static_cast<Index>(nodes.size());
 }
 
-}  // namespace phymul::cpu
+/// Adds nodes for the parts, which are more than a leaf until they have been halved often enough.
+void BoxTree::halve(const VecList& places, const Shape& shape, Index first, Index end, int halvings) {
+  if (halvings == 0 || end - first <= shape.leaf_size) return add(places, shape, first, end);
+  Vec3 low = places[items[first]], high = low;
+  for (Index k = first + 1; k < end; ++k) {
+    low = low.cwiseMin(places[items[k]]);
+    high = high.cwiseMax(places[items[k]]);
+  }
+  int axis = 0;
+  (high - low).maxCoeff(&axis);
+  const Index middle = first + (end - first) / 2;
+  std::nth_element(items.begin() + first, items.begin() + middle, items.begin() + end, [&](Index a, Index b) {
+    return places[a][axis] != places[b][axis] ? places[a][axis] < places[b][axis] : a < b;
+  });
+  halve(places, shape, first, middle, halvings - 1);
+  halve(places, shape, middle, end, halvings - 1);
+}
+
+}  // namespace phymul

@@ -12,6 +12,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "file_error.h"
+
 namespace phymul {
 namespace {
 
@@ -52,23 +54,23 @@ bool is_real(NumberType type) {
 
 std::string read_whole_file(const std::string& path, std::size_t max_bytes) {
   std::error_code problem;
-  if (std::filesystem::is_directory(path, problem)) throw Error(path + ": expected a file, got a folder");
+  if (std::filesystem::is_directory(path, problem)) fail_access(path, "expected a file, got a folder");
   errno = 0;
   std::ifstream in(path, std::ios::binary | std::ios::ate);
   if (!in) {
-    throw Error(path + ": cannot be opened" + (errno != 0 ? std::string(" (") + std::strerror(errno) + ')' : "") +
-                "; check the name and the right to read it");
+    fail_access(path, "cannot be opened" + (errno != 0 ? std::string(" (") + std::strerror(errno) + ')' : "") +
+                          "; check the name and the right to read it");
   }
   const auto size = static_cast<std::streamoff>(in.tellg());
-  if (size < 0) throw Error(path + ": expected a file of known size, got a pipe or device");
+  if (size < 0) fail_access(path, "expected a file of known size, got a pipe or device");
   if (static_cast<std::uintmax_t>(size) > max_bytes) {
-    throw Error(path + ": expected at most " + std::to_string(max_bytes) + " bytes, got " + std::to_string(size) +
-                "; raise max_bytes if the file is meant");
+    fail_access(path, "expected at most " + std::to_string(max_bytes) + " bytes, got " + std::to_string(size) +
+                          "; raise max_bytes if the file is meant");
   }
   std::string bytes(static_cast<std::size_t>(size), '\0');
   in.seekg(0);
   in.read(bytes.data(), size);
-  if (!in) throw Error(path + ": could not be read to its end");
+  if (!in) fail_access(path, "could not be read to its end");
   return bytes;
 }
 
@@ -244,15 +246,21 @@ void ByteSource::skip_numbers(std::size_t n, NumberType type) {
   for (std::size_t i = 0; i < n; ++i) number_word("more numbers");
 }
 
+std::size_t ByteSource::line_number() const {
+  if (decoded_ || binary_) return 0;
+  const auto lines = std::count(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(mark_), '\n');
+  return first_line_ + static_cast<std::size_t>(lines);
+}
+
 std::string ByteSource::where() const {
   if (decoded_) return source_;
-  if (binary_) return source_ + ": byte " + std::to_string(mark_);
-  const auto lines = std::count(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(mark_), '\n');
-  return source_ + ':' + std::to_string(first_line_ + static_cast<std::size_t>(lines));
+  return binary_ ? source_ + ": byte " + std::to_string(mark_) : source_ + ':' + std::to_string(line_number());
 }
 
 void ByteSource::fail(const std::string& problem) const {
-  throw Error(where() + ": " + problem);
+  // The source of decoded bytes is a place in a file, which the reader of the file knows.
+  throw Error(ErrorCode::file_format, where() + ": " + problem, decoded_ ? std::string() : source_,
+              static_cast<int>(line_number()));
 }
 
 void ByteSource::fail_short(const char* what) const {

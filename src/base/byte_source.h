@@ -59,7 +59,8 @@ class ByteSource {
   /// Skips `n` numbers. Throws when the file ends before.
   void skip_numbers(std::size_t n, NumberType type);
 
-  std::string where() const;  ///< "file:line" or "file: byte N" of what was read last
+  std::size_t line_number() const;  ///< of what was read last; 0 in binary and decoded bytes
+  std::string where() const;        ///< "file:line" or "file: byte N" of what was read last
   [[noreturn]] void fail(const std::string& problem) const;
 
  private:

@@ -9,6 +9,7 @@
 #include <cstdio>
 
 #include "byte_source.h"
+#include "file_error.h"
 
 namespace phymul {
 namespace {
@@ -69,7 +70,7 @@ ByteReader::ByteReader(std::string file, std::string_view bytes, std::size_t fir
     : file_(std::move(file)), bytes_(bytes), first_byte_(first_byte) {}
 
 void ByteReader::fail(const std::string& problem) const {
-  throw Error(file_ + ": byte " + std::to_string(first_byte_ + mark_) + ": " + problem);
+  fail_format(file_, 0, "byte " + std::to_string(first_byte_ + mark_) + ": " + problem);
 }
 
 std::string_view ByteReader::raw(std::size_t count, const char* what) {
@@ -136,8 +137,9 @@ std::vector<Index> ByteReader::indices(const char* what) {
 
 void ByteReader::expect_end(const char* what) const {
   if (remaining() == 0) return;
-  throw Error(file_ + ": byte " + std::to_string(first_byte_ + position_) + ": expected the end of " + what + ", got " +
-              std::to_string(remaining()) + " bytes more; the file is damaged: take another copy");
+  fail_format(file_, 0,
+              "byte " + std::to_string(first_byte_ + position_) + ": expected the end of " + what + ", got " +
+                  std::to_string(remaining()) + " bytes more; the file is damaged: take another copy");
 }
 
 SectionWriter::SectionWriter(const FileKind& kind) {

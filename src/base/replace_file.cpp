@@ -15,12 +15,13 @@ namespace fs = std::filesystem;
 
 void close(std::ofstream& out) {
   out.close();
-  if (!out) throw Error("cannot be written to its end; is the disk full?");
+  if (!out) throw Error(ErrorCode::file_access, "cannot be written to its end; is the disk full?");
 }
 
 std::ofstream opened(const std::string& path) {
   std::ofstream out(path, std::ios::binary);
-  if (!out) throw Error("cannot be written; check that its folder exists and may be written to");
+  if (!out)
+    throw Error(ErrorCode::file_access, "cannot be written; check that its folder exists and may be written to");
   return out;
 }
 
@@ -50,7 +51,7 @@ void replace_plain_file(const std::string& path, const std::function<void(std::o
     write(out);
     close(out);
     fs::rename(draft, path, problem);
-    if (problem) throw Error("cannot be replaced (" + problem.message() + ')');
+    if (problem) throw Error(ErrorCode::file_access, "cannot be replaced (" + problem.message() + ')');
   } catch (...) {
     fs::remove(draft, problem);
     throw;
@@ -69,7 +70,7 @@ void replace_file(const std::string& path, const std::function<void(std::ostream
     write(out);
     close(out);
   } catch (const Error& error) {
-    throw Error(path + ": " + error.what());
+    throw Error(error.code(), path + ": " + error.what(), path);
   }
 }
 

@@ -14,7 +14,7 @@ struct Moved {
   Vec<S> position, velocity;
 };
 
-/// An elastic acceleration, cut to `largest`: phymul::SolverOptions::largest_push.
+/// An elastic acceleration, cut to `largest`: phymul::SolverOptions::max_displacement_per_step.
 template <class S>
 Vec<S> cut(const Vec<S>& elastic, S largest) {
   const S size = elastic.norm();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "reference_solver.h"
 
+#include <phymul/backend.h>
 #include <phymul/elasticity.h>
 
 #include <algorithm>
@@ -14,11 +15,11 @@
 namespace phymul::cpu {
 namespace {
 
-class ReferenceSolver final : public Solver {
+class ReferenceSolver final : public SolverBackend {
  public:
   ReferenceSolver(std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in,
                   const SolverOptions& options_in)
-      : Solver("reference", std::move(shared), scene_in, options_in),
+      : SolverBackend("reference", std::move(shared), scene_in, options_in),
         force_(topology().particle_count),
         next_position_(topology().particle_count),
         next_velocity_(topology().particle_count) {
@@ -97,7 +98,7 @@ class ReferenceSolver final : public Solver {
       if (!tools_.empty()) tools_.accept();
       last_dt_ = plan.dt;
       ++motion.steps;
-      motion.cut = motion.cut || any_cut;
+      motion.force_clamped = motion.force_clamped || any_cut;
 
       motion.max_speed = max_free_speed();
       const bool quiet = motion.max_speed <= plan.speed_at_rest && motion.max_acceleration <= plan.acceleration_at_rest;
@@ -163,11 +164,11 @@ class ReferenceSolver final : public Solver {
   }
 
   /// The step as tools see it: forces are those of force_, to which they add.
-  class Step final : public FreeStep {
+  class Step final : public PredictedStep {
    public:
     explicit Step(ReferenceSolver& solver) : solver_(solver) {}
     Vec3 position(Index i) const override { return solver_.state_.position[i]; }
-    Vec3 free_velocity(Index i) const override { return solver_.next_velocity_[i]; }
+    Vec3 predicted_velocity(Index i) const override { return solver_.next_velocity_[i]; }
     void find(const Region& region, std::vector<Index>& found) const override {
       for (Index i = 0; i < solver_.topology().particle_count; ++i) {
         if (region.meets(solver_.state_.position[i], solver_.next_position_[i])) found.push_back(i);

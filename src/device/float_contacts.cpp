@@ -31,10 +31,11 @@ FloatContacts::FloatContacts(const Scene& scene) : options(*scene.contacts()) {
         {own.row, number == solid.end() ? -1 : number->second, bits_of(static_cast<float>(own.edge)), 0});
     const Vec3 X = surface.rest[k] - middle;
     if (X.cwiseAbs().maxCoeff() > furthest * longest_edge) {
-      throw Error("contacts in single precision: expected surfaces within 65536 of their longest edges (" +
-                  std::to_string(longest_edge) + " m) of the middle of all particles, got particle " +
-                  std::to_string(own.row) + " at " + std::to_string(X.norm()) +
-                  " m; bring the bodies nearer to each other, or use the backend \"cpu\"");
+      throw Error(ErrorCode::not_supported,
+                  "contacts in single precision: expected surfaces within 65536 of their longest edges (" +
+                      std::to_string(longest_edge) + " m) of the middle of all particles, got particle " +
+                      std::to_string(own.row) + " at " + std::to_string(X.norm()) +
+                      " m; bring the bodies nearer to each other, or use the backend \"cpu\"");
     }
     const Eigen::Vector3f high = X.cast<float>(), low = (X - high.cast<double>()).cast<float>();
     rest.push_back({high.x(), high.y(), high.z(), 0.0f});

@@ -8,8 +8,8 @@
 
 #include <vector>
 
-#include "float_tables.h"
 #include "interaction/contact_surface.h"
+#include "table_rows.h"
 
 namespace phymul {
 
@@ -30,7 +30,7 @@ struct FloatContacts {
   bool empty() const { return triangle.empty(); }  ///< nothing can touch anything
   /// Of two that meet, together, m.
   double largest_skins() const {
-    return 2.0 * (options.skin > 0.0 ? options.skin : ContactSurface::usual_skin * longest_edge);
+    return 2.0 * (options.margin > 0.0 ? options.margin : ContactSurface::usual_skin * longest_edge);
   }
 };
 

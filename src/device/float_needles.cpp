@@ -43,7 +43,7 @@ FloatNeedles::FloatNeedles(const Scene& scene) {
     if (!needle) continue;
     One one{.tool = static_cast<int>(row), .needle = *needle, .friction = tool.friction};
     one.spread = needle_spread(*needle, model);
-    one.reach = needle_reach(one.spread, model);
+    one.reach = needle_support_radius(one.spread, model);
     const double inside = std::min(needle->length, body_size(model));
     one.nodes = static_cast<int>(std::min(8.0 + 2.0 * std::ceil(inside / one.spread), double{most_nodes}));
     one.particles = most_within(std::max(one.reach, widest * needle_spacing(model)), model);

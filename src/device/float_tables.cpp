@@ -10,29 +10,28 @@
 #include <string>
 
 #include "base/decimal.h"
+#include "float_range.h"
 
 namespace phymul {
 namespace {
 
 constexpr std::size_t most_entries = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
 
-/// |w0|^2 of a base must be a normal float with room for what multiplies it: edges of a nanometre to a thousand
-/// kilometres or so.
-constexpr double least_square = 1e-32, greatest_square = 1e26;
-
 void require_entries(std::size_t rows, std::size_t entries_a_row, const char* table) {
   if (rows <= most_entries / entries_a_row) return;
-  throw Error("the float table of " + std::string(table) + " has " + std::to_string(rows) + " rows; " +
-              std::to_string(most_entries / entries_a_row) +
-              " fit 32-bit entries. Use fewer particles or a sparser base selection, or the backend \"reference\"");
+  throw Error(ErrorCode::not_supported,
+              "the float table of " + std::string(table) + " has " + std::to_string(rows) + " rows; " +
+                  std::to_string(most_entries / entries_a_row) +
+                  " fit 32-bit entries. Use fewer particles or a sparser base selection, or the backend \"reference\"");
 }
 
 float narrow(double value) {
   const auto result = static_cast<float>(value);
   if (std::isfinite(result)) return result;
-  throw Error("a constant of the body, " + to_decimal(value) +
-              " in SI units, is beyond the range of single precision; expected masses in kg, lengths in m and "
-              "stiffnesses in N/m of a real body. The backend \"reference\" computes in double precision");
+  throw Error(ErrorCode::not_supported,
+              "a constant of the body, " + to_decimal(value) +
+                  " in SI units, is beyond the range of single precision; expected masses in kg, lengths in m and "
+                  "stiffnesses in N/m of a real body. The backend \"reference\" computes in double precision");
 }
 
 std::int32_t narrow_bits(double value) {
@@ -41,14 +40,6 @@ std::int32_t narrow_bits(double value) {
 
 Float4 texel(const Vec3& v, double w) {
   return {narrow(v.x()), narrow(v.y()), narrow(v.z()), narrow(w)};
-}
-
-void require_square(double square, Index owner) {
-  if (square >= least_square && square <= greatest_square) return;
-  throw Error("a base of particle " + std::to_string(owner) + " spans " + to_decimal(std::sqrt(square)) +
-              " in m^2 (m in 2-D); single precision holds " + to_decimal(std::sqrt(least_square)) + " to " +
-              to_decimal(std::sqrt(greatest_square)) +
-              ". Expected a model in metres; the backend \"reference\" computes in double precision");
 }
 
 void pack_particles(const TopologyTextures& from, FloatTables& to) {
@@ -66,7 +57,7 @@ void pack_base(const TopologyTextures& from, Index owner, Index t, FloatTables& 
   const Vec3& at = from.rest[base.vertex[0]];
   const Vec3 E1 = from.rest[base.vertex[1]] - at;
   const Vec3 E2 = plane ? Vec3(Vec3::Zero()) : Vec3(from.rest[base.vertex[2]] - at);
-  require_square(plane ? E1.squaredNorm() : E1.cross(E2).squaredNorm(), owner);
+  require_base_in_range(plane ? E1.squaredNorm() : E1.cross(E2).squaredNorm(), owner);
   const bool conservative = from.options.reaction == Reaction::conservative;
   to.base.push_back({base.vertex[0], base.vertex[1], base.vertex[2], narrow_bits(base.beta)});
   to.base_e1.push_back(texel(E1, from.lambda[t][1]));
@@ -103,6 +94,7 @@ void require_enumerable(const TopologyTextures& from) {
       o.reaction == Reaction::full || o.reaction == Reaction::shared || o.reaction == Reaction::barycentric;
   if (from.dimension == 3 && o.law == Law::shape_memory && o.bases == BaseSelection::all && shares) return;
   throw Error(
+      ErrorCode::not_supported,
       "bases can be enumerated from the neighbours only in 3-D with BaseSelection::all and Reaction::full, shared or "
       "barycentric; take BaseLayout::table or automatic, or change the topology's options");
 }
@@ -122,7 +114,7 @@ void pack_heights_of(const TopologyTextures& from, Index i, FloatTables& to) {
         const bool is_base = t < end && from.bases[t].vertex == std::array<Index, 3>{n[j], n[k], n[l]};
         if (is_base) {
           const Vec3 E1 = from.rest[n[k]] - from.rest[n[j]], E2 = from.rest[n[l]] - from.rest[n[j]];
-          require_square(E1.cross(E2).squaredNorm(), i);
+          require_base_in_range(E1.cross(E2).squaredNorm(), i);
           to.height.back()[filled % 4] = narrow(from.weight[t] * from.bases[t].beta);
           ++t;
         }
@@ -218,32 +210,6 @@ LoopTurns count_turns(const TopologyTextures& from, FloatLayout layout) {
 }
 
 }  // namespace
-
-void require_bases_in_range(const TopologyTextures& topology) {
-  for (Index i = 0; i < topology.particle_count; ++i) {
-    const IndexTexel& at = topology.index[i];
-    for (Index t = at.first_base; t < at.first_base + at.base_count; ++t) {
-      const auto& v = topology.bases[t].vertex;
-      const Vec3 E1 = topology.rest[v[1]] - topology.rest[v[0]];
-      require_square(topology.dimension == 2 ? E1.squaredNorm()
-                                             : E1.cross(Vec3(topology.rest[v[2]] - topology.rest[v[0]])).squaredNorm(),
-                     i);
-    }
-  }
-}
-
-double require_state_in_range(const VecList& rest, const State& state) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < rest.size(); ++i) {
-    const Eigen::Vector3f u = (state.position[i] - rest[i]).cast<float>(), v = state.velocity[i].cast<float>();
-    largest = std::max(largest, u.cast<double>().norm());
-    if (u.allFinite() && v.allFinite()) continue;
-    throw Error("Solver::reset: particle " + std::to_string(i) +
-                " has a displacement or velocity beyond single precision; the backend \"reference\" computes in "
-                "double precision");
-  }
-  return largest;
-}
 
 FloatTables pack_floats(const TopologyTextures& topology, FloatLayout layout) {
   FloatTables tables;

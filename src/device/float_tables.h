@@ -13,25 +13,13 @@
 //   cell c     first Piola stress, three columns; entry c * 8 + corner, where the force is -P gradient
 #pragma once
 
-#include <phymul/state.h>
 #include <phymul/topology_textures.h>
 
-#include <algorithm>
-#include <array>
-#include <bit>
-#include <cstdint>
 #include <vector>
 
+#include "table_rows.h"
+
 namespace phymul {
-
-using Int4 = std::array<std::int32_t, 4>;
-using Int2 = std::array<std::int32_t, 2>;
-using Float4 = std::array<float, 4>;
-using Float2 = std::array<float, 2>;
-
-inline std::int32_t bits_of(float value) {
-  return std::bit_cast<std::int32_t>(value);
-}
 
 enum class FloatLayout { table, enumerated };
 
@@ -90,31 +78,6 @@ struct FloatTables {
 
   bool has_attractors() const { return !neighbour.empty() && options.reaction != Reaction::conservative; }
 };
-
-/// What a float backend can tell from rest. A displacement u is rounded by up to 2^-24 |u|, which pushes its particle
-/// with accelerations of up to a few times omega_max^2 2^-24 |u|: a body's noise at rest was measured at 2 to 3.6 of
-/// these units, in speed times omega_max too. Below `rest_noise` of them the rest test would wait for ever.
-inline constexpr double rest_noise = 8.0 * 0x1p-24;
-
-struct RestThresholds {
-  double speed = 0.0;         ///< m/s
-  double acceleration = 0.0;  ///< m/s^2
-};
-
-/// The thresholds asked for, or the noise where that is more; `largest` is the largest displacement of the body, m.
-inline RestThresholds rest_thresholds(RestThresholds asked, double largest) {
-  if (!(asked.speed > 0.0)) return asked;
-  const double omega_max = asked.acceleration / asked.speed;
-  const double speed = rest_noise * largest * omega_max;
-  return {std::max(asked.speed, speed), std::max(asked.acceleration, speed * omega_max)};
-}
-
-/// Throws Error where a displacement or velocity is beyond single precision. Returns the largest displacement as it is
-/// stored, m.
-double require_state_in_range(const VecList& rest, const State& state);
-
-/// Throws Error where a base's squared area would leave what single precision can hold.
-void require_bases_in_range(const TopologyTextures& topology);
 
 /// Rows of `share` (thesis' reactions) or `reaction` are bounded by lists[i][0]. Throws Error where an entry would not
 /// fit 32 bits or a constant not a float, and for `enumerated` where the options do not allow it.

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "interaction/grasp.h"
-#include "interaction/tool_extent.h"
+#include "interaction/shape_kind.h"
+#include "interaction/tool_shape.h"
 #include "scene/needle_measures.h"
 
 namespace phymul {
@@ -52,7 +52,7 @@ void FloatTools::fill_laws() {
     const Tool& tool = moving.tool;
     const ToolExtent extent = extent_of(tool);
     const Eigen::Vector3f size = extent.size.cast<float>();
-    laws_.push_back({size.x(), size.y(), size.z(), static_cast<float>(tool.shape.index())});
+    laws_.push_back({size.x(), size.y(), size.z(), static_cast<float>(kind_of(tool.shape))});
     laws_.push_back(
         {to_float(tool.margin), to_float(extent.thickness), to_float(tool.friction), to_float(tool.compliance)});
     const auto* grid = std::get_if<std::shared_ptr<const DistanceGrid>>(&tool.shape);
@@ -149,7 +149,7 @@ void FloatTools::hold(const VecList& position, std::span<const std::uint8_t> fix
     MovedTool& moved = tool.moved;
     if (!moved.grasps) continue;
     moved.grasps = false;
-    for (const auto& [i, at] : within_reach(tool.tool, moved.motion.pose, moved.grasp_distance, position)) {
+    for (const auto& [i, at] : particles_to_grasp(tool.tool, moved.motion.pose, moved.grasp_distance, position)) {
       const int axes = (fixed.empty() ? 0 : fixed[static_cast<std::size_t>(i)]) | (plane ? 4 : 0);
       if (axes == 7 || held_by_any(i)) continue;
       moved.take_hold(i, at);

@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "float_tables.h"
 #include "interaction/moved_tool.h"
+#include "table_rows.h"
 
 namespace phymul {
 

@@ -20,7 +20,7 @@ double unit_of(double volume) {
   return std::ldexp(1.0, static_cast<int>(std::lround(std::log2(volume) / 3.0)));
 }
 
-double mean_mass(const ClosedVolume& kept, const std::vector<double>& mass) {
+double mean_mass(const VolumeConstraint& kept, const std::vector<double>& mass) {
   double sum = 0.0;
   for (const auto& t : kept.triangles) {
     for (const Index i : t) sum += mass[static_cast<std::size_t>(i)];
@@ -28,7 +28,7 @@ double mean_mass(const ClosedVolume& kept, const std::vector<double>& mass) {
   return sum / static_cast<double>(3 * kept.triangles.size());
 }
 
-void add_volume(const ClosedVolume& kept, const Model& model, FloatVolumes& tables) {
+void add_volume(const VolumeConstraint& kept, const Model& model, FloatVolumes& tables) {
   const int volume = tables.count();
   const double unit = unit_of(kept.volume), cube = unit * unit * unit;
   const double at_rest = enclosed_volume(kept.triangles, model.rest);
@@ -93,10 +93,10 @@ void fill_sums(std::vector<Int2> rows, FloatVolumes& tables) {
 
 FloatVolumes pack_volumes(const Scene& scene) {
   FloatVolumes tables;
-  if (scene.volumes().empty()) return tables;
+  if (scene.volume_constraints().empty()) return tables;
   tables.ranges.assign(scene.model().rest.size(), {0, 0, -1, 0});
   std::vector<Int2> rows;
-  for (const ClosedVolume& kept : scene.volumes()) {
+  for (const VolumeConstraint& kept : scene.volume_constraints()) {
     const auto first = static_cast<std::int32_t>(tables.facets.size());
     add_volume(kept, scene.model(), tables);
     rows.push_back({first, static_cast<std::int32_t>(tables.facets.size())});

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// FloatVolumes: the volumes that a scene keeps (Scene::keep_volume), for backends that compute in float. Packed once
-// from the scene; what a GPU is given, bit for bit, and what its mirror on the CPU reads.
+// FloatVolumes: the volumes that a scene keeps (Scene::constrain_volume), for backends that compute in float. Packed
+// once from the scene; what a GPU is given, bit for bit, and what its mirror on the CPU reads.
 //
 // What a surface encloses is a difference from rest: the sum over facets a, b, c of what the tetrahedron o, a, b, c has
 // gained, o a particle of the surface, with edges at rest that were differenced in double precision. So it is 0 to the
@@ -16,7 +16,7 @@
 
 #include <vector>
 
-#include "float_tables.h"
+#include "table_rows.h"
 
 namespace phymul {
 

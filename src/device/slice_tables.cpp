@@ -96,10 +96,11 @@ class Interleaving {
  private:
   void require(const char* name, std::int64_t rows, std::int64_t entries) const {
     if (rows <= (most_rows - slice_) / entries) return;
-    throw Error("the sliced table of " + std::string(name) + " has " + std::to_string(rows) +
-                " rows or more with slices of " + std::to_string(slice_) + " lanes; " +
-                std::to_string((most_rows - slice_) / entries) +
-                " fit 32-bit entries. Use fewer particles or a sparser base selection, or the backend \"reference\"");
+    throw Error(
+        ErrorCode::not_supported,
+        "the sliced table of " + std::string(name) + " has " + std::to_string(rows) + " rows or more with slices of " +
+            std::to_string(slice_) + " lanes; " + std::to_string((most_rows - slice_) / entries) +
+            " fit 32-bit entries. Use fewer particles or a sparser base selection, or the backend \"reference\"");
   }
 
   std::int32_t slice_;
@@ -114,8 +115,9 @@ void assign_places(const TopologyTextures& topology, SliceTables& to) {
   const RowsOf rows_of(to.rows);
   const Index n = to.rows.particle_count;
   if (std::int64_t{n} + to.slice > most_rows) {
-    throw Error(std::to_string(n) + " particles in slices of " + std::to_string(to.slice) + " do not fit " +
-                std::to_string(most_rows) + " places. Use fewer particles");
+    throw Error(ErrorCode::not_supported, std::to_string(n) + " particles in slices of " + std::to_string(to.slice) +
+                                              " do not fit " + std::to_string(most_rows) +
+                                              " places. Use fewer particles");
   }
   std::vector<Index> own, gathered;
   for (Index i = 0; i < n; ++i) {

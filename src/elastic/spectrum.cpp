@@ -6,9 +6,10 @@
 #include <phymul/elasticity.h>
 #include <phymul/error.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <future>
 #include <limits>
 #include <random>
@@ -158,6 +159,33 @@ Spectrum lanczos(ScaledStiffness& A, Vector q) {
   return found;
 }
 
+/// Of an upper Hessenberg matrix. Eigen::EigenSolver would reduce it to that form first, and takes far longer to
+/// compile.
+Spectrum spectrum_of(const Eigen::MatrixXd& hessenberg) {
+  Spectrum found;
+  const double scale = hessenberg.cwiseAbs().maxCoeff();
+  if (scale == 0.0) return found;
+  const Eigen::Index size = hessenberg.rows();
+  const Eigen::MatrixXd scaled = hessenberg / scale;
+  Eigen::RealSchur<Eigen::MatrixXd> schur(size);
+  schur.computeFromHessenberg(scaled, scaled, false);
+  const Eigen::MatrixXd T = schur.matrixT() * scale;
+  for (Eigen::Index i = 0; i < size; ++i) {
+    std::complex<double> value = T(i, i);
+    if (i + 1 < size && T(i + 1, i) != 0.0) {  // a block of two rows on the diagonal: a conjugate pair
+      const double half = 0.5 * (T(i, i) - T(i + 1, i + 1));
+      const double most = std::max({std::abs(half), std::abs(T(i + 1, i)), std::abs(T(i, i + 1))});
+      const double h = half / most;
+      value = {T(i + 1, i + 1) + half, most * std::sqrt(std::abs(h * h + T(i + 1, i) / most * (T(i, i + 1) / most)))};
+      ++i;
+    }
+    found.largest = std::max(found.largest, std::abs(value));
+    found.most_negative = std::min(found.most_negative, value.real());
+    found.largest_imaginary = std::max(found.largest_imaginary, std::abs(value.imag()));
+  }
+  return found;
+}
+
 Spectrum arnoldi(ScaledStiffness& A, Vector q) {
   const double vector_bytes = 8.0 * static_cast<double>(q.size());
   const auto steps = std::min<Eigen::Index>(
@@ -182,15 +210,7 @@ Spectrum arnoldi(ScaledStiffness& A, Vector q) {
     }
     basis.col(step + 1) = image / beta;
   }
-  const Eigen::VectorXcd values =
-      Eigen::EigenSolver<Eigen::MatrixXd>(hessenberg.topLeftCorner(used, used), false).eigenvalues();
-  Spectrum found;
-  for (const std::complex<double>& value : values) {
-    found.largest = std::max(found.largest, std::abs(value));
-    found.most_negative = std::min(found.most_negative, value.real());
-    found.largest_imaginary = std::max(found.largest_imaginary, std::abs(value.imag()));
-  }
-  return found;
+  return spectrum_of(hessenberg.topLeftCorner(used, used));
 }
 
 }  // namespace

@@ -77,11 +77,11 @@ void BodyContacts::find(TouchedParticles& touched) {
   // Beyond a few edges a step is a failure, which the solver reports: the search must not outgrow the body.
   const double margin = std::min(2.0 * dt * std::sqrt(fastest), 4.0 * surface_.longest_edge);
   // What got into a body is found as far as an edge below its surface.
-  const double skins = options_.skin > 0.0 ? 2.0 * options_.skin : 2.0 * usual_skin * surface_.longest_edge;
-  const double reach = std::max(margin + skins, ContactSurface::depth_factor * surface_.longest_edge);
+  const double skins = options_.margin > 0.0 ? 2.0 * options_.margin : 2.0 * usual_skin * surface_.longest_edge;
+  const double search_distance = std::max(margin + skins, ContactSurface::depth_factor * surface_.longest_edge);
   contacts_.clear();
   candidates_.each(place_, margin, [&](const ContactCandidates::List& list) {
-    if (const auto found = nearest(list, reach)) keep(*found, margin);
+    if (const auto found = nearest(list, search_distance)) keep(*found, margin);
   });
   // Not in the lists' order, which depends on when they were made.
   std::ranges::sort(contacts_, {}, [&](const Contact& contact) {
@@ -97,10 +97,11 @@ void BodyContacts::find(TouchedParticles& touched) {
 /// The triangle of a body that ranks first: by distance, and on an edge that two share, by how much it faces the
 /// particle, as that says on which side the particle is. A number of each triangle's own, so that the order they come
 /// in does not matter.
-std::optional<BodyContacts::Nearest> BodyContacts::nearest(const ContactCandidates::List& list, double reach) const {
+std::optional<BodyContacts::Nearest> BodyContacts::nearest(const ContactCandidates::List& list,
+                                                           double search_distance) const {
   std::optional<Nearest> best;
   for (const Index t : list.triangles) {
-    const auto found = look(list.particle, static_cast<std::size_t>(t), reach);
+    const auto found = look(list.particle, static_cast<std::size_t>(t), search_distance);
     if (!found) continue;
     if (!best || found->rank < best->rank || (found->rank == best->rank && found->triangle < best->triangle)) {
       best = found;
@@ -109,8 +110,9 @@ std::optional<BodyContacts::Nearest> BodyContacts::nearest(const ContactCandidat
   return best;
 }
 
-/// Nothing where the triangle is further than `reach`, m, away, or leads nowhere.
-std::optional<BodyContacts::Nearest> BodyContacts::look(std::size_t particle, std::size_t t, double reach) const {
+/// Nothing where the triangle is further than `search_distance`, m, away, or leads nowhere.
+std::optional<BodyContacts::Nearest> BodyContacts::look(std::size_t particle, std::size_t t,
+                                                        double search_distance) const {
   const ContactSurface::Particle& own = surface_.particles[particle];
   const ContactSurface::Triangle& triangle = surface_.triangles[t];
   const Vec3 &a = place_[triangle.corner[0]], &b = place_[triangle.corner[1]], &c = place_[triangle.corner[2]];
@@ -120,7 +122,7 @@ std::optional<BodyContacts::Nearest> BodyContacts::look(std::size_t particle, st
   found.share = closest_point(place_[particle], a, b, c);
   found.way = place_[particle] - (found.share[0] * a + found.share[1] * b + found.share[2] * c);
   found.distance = found.way.norm();
-  if (!(found.distance <= reach)) return {};
+  if (!(found.distance <= search_distance)) return {};
   const Vec3 area = (b - a).cross(c - a);
   const double across =
       area.norm() > 0.0 && found.distance > 0.0 ? area.dot(found.way) / (area.norm() * found.distance) : 0.0;
@@ -142,7 +144,7 @@ void BodyContacts::keep(const Nearest& found, double margin) {
   const ContactSurface::Particle& own = surface_.particles[found.particle];
   const ContactSurface::Triangle& triangle = surface_.triangles[found.triangle];
   if (found.inside && is_deep(found.distance, triangle, own)) return;
-  const double skins = options_.skin > 0.0 ? 2.0 * options_.skin : usual_skin * (triangle.edge + own.edge);
+  const double skins = options_.margin > 0.0 ? 2.0 * options_.margin : usual_skin * (triangle.edge + own.edge);
   const double gap = (found.inside ? -found.distance : found.distance) - skins;
   if (gap > margin) return;
   Contact contact;

@@ -17,7 +17,7 @@
 
 #include "contact_candidates.h"
 #include "contact_surface.h"
-#include "free_step.h"
+#include "predicted_step.h"
 
 namespace phymul::cpu {
 
@@ -52,8 +52,8 @@ class BodyContacts {
   };
 
   void find(TouchedParticles& touched);
-  std::optional<Nearest> nearest(const ContactCandidates::List& list, double reach) const;
-  std::optional<Nearest> look(std::size_t particle, std::size_t triangle, double reach) const;
+  std::optional<Nearest> nearest(const ContactCandidates::List& list, double search_distance) const;
+  std::optional<Nearest> look(std::size_t particle, std::size_t triangle, double search_distance) const;
   void keep(const Nearest& found, double margin);
   void press(Contact& contact, TouchedParticles& touched) const;
   static void part(const Contact& contact, TouchedParticles& touched);

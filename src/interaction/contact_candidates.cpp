@@ -110,8 +110,8 @@ void ContactCandidates::follow(const ContactSurface& surface, const ContactOptio
   }
   item_box_.resize(triangles_.items.size());
   node_box_.resize(triangles_.nodes.size());
-  item_reach_.resize(item_box_.size());
-  node_reach_.resize(node_box_.size());
+  item_search_.resize(item_box_.size());
+  node_search_.resize(node_box_.size());
   met_.reserve(triangles_.items.size());
   near_.reserve(triangles_.items.size());
   then_.reserve(surface.particles.size());
@@ -127,8 +127,8 @@ void ContactCandidates::change(const ContactOptions& options) {
 
 void ContactCandidates::find_skins() {
   measure(surface_->rest);
-  for (std::size_t k = 0; k < item_edge_.size(); ++k) item_reach_[k] = ContactSurface::skin_factor * item_edge_[k];
-  for (std::size_t k = 0; k < node_edge_.size(); ++k) node_reach_[k] = ContactSurface::skin_factor * node_edge_[k];
+  for (std::size_t k = 0; k < item_edge_.size(); ++k) item_search_[k] = ContactSurface::skin_factor * item_edge_[k];
+  for (std::size_t k = 0; k < node_edge_.size(); ++k) node_search_[k] = ContactSurface::skin_factor * node_edge_[k];
   skin_.clear();
   skin_first_.assign(1, 0);
   for (std::size_t k = 0; k < surface_->particles.size(); ++k) {
@@ -168,8 +168,8 @@ void ContactCandidates::begin(std::span<const Vec3> place, double margin) {
   slack_ = std::clamp(wanted_steps * margin, least_slack * usual_edge_, most_slack * usual_edge_);
   if (slack_ < least_steps * margin || tight_searches_ > 0) slack_ = 0.0;
   if (tight_searches_ > 0) --tight_searches_;
-  for (std::size_t k = 0; k < item_edge_.size(); ++k) item_reach_[k] = reach_of(item_edge_[k]);
-  for (std::size_t k = 0; k < node_edge_.size(); ++k) node_reach_[k] = reach_of(node_edge_[k]);
+  for (std::size_t k = 0; k < item_edge_.size(); ++k) item_search_[k] = search_distance(item_edge_[k]);
+  for (std::size_t k = 0; k < node_edge_.size(); ++k) node_search_[k] = search_distance(node_edge_[k]);
   then_.assign(place.begin(), place.end());
   kept_.clear();
   listed_.clear();
@@ -212,28 +212,29 @@ bool ContactCandidates::measure(std::span<const Vec3> place) {
 }
 
 /// Beyond this, m, what has these edges, on the longer side, touches nothing in any step for which the search holds.
-double ContactCandidates::reach_of(double edge) const {
-  const double skins = options_.skin > 0.0 ? 2.0 * options_.skin : 2.0 * ContactSurface::usual_skin * edge;
+double ContactCandidates::search_distance(double edge) const {
+  const double skins = options_.margin > 0.0 ? 2.0 * options_.margin : 2.0 * ContactSurface::usual_skin * edge;
   return (1.0 + of_length) * (std::max(margin_ + skins, ContactSurface::depth_factor * edge) + slack_);
 }
 
-/// Calls visit(item) for the triangles of a body that are within `reach` of a box, or what their own edges say.
+/// Calls visit(item) for the triangles of a body that are within `distance_limit` of a box, or what their own edges
+/// say.
 template <class Visit>
-void ContactCandidates::visit_items(const Box& box, std::size_t body, double reach, Visit visit) const {
+void ContactCandidates::visit_items(const Box& box, std::size_t body, double distance_limit, Visit visit) const {
   const auto near = [&](const Box& other, double own) {
-    const double far = std::max(reach, own);
+    const double far = std::max(distance_limit, own);
     return !(distance(box, other) > far * far);
   };
   const Index end = triangles_.groups[body + 1];
   for (Index at = triangles_.groups[body]; at < end;) {
     const BoxTree::Node& node = triangles_.nodes[at];
-    if (!near(node_box_[at], node_reach_[at])) {
+    if (!near(node_box_[at], node_search_[at])) {
       at = node.next;
       continue;
     }
     if (node.is_leaf) {
       for (Index item = node.first; item < node.end; ++item) {
-        if (near(item_box_[item], item_reach_[item])) visit(item);
+        if (near(item_box_[item], item_search_[item])) visit(item);
       }
     }
     ++at;
@@ -243,20 +244,20 @@ void ContactCandidates::visit_items(const Box& box, std::size_t body, double rea
 bool ContactCandidates::meet(const Cluster& cluster, std::size_t body) {
   met_.clear();
   if (lost_ || (!options_.self && cluster.body == static_cast<Index>(body))) return false;
-  visit_items(cluster.box, body, reach_of(cluster.edge), [&](Index item) { met_.push_back(item); });
+  visit_items(cluster.box, body, search_distance(cluster.edge), [&](Index item) { met_.push_back(item); });
   return !met_.empty();
 }
 
-/// Whether a triangle may be within reach. Its box alone says so where the triangle is so thin that rounding may put
-/// the nearest point anywhere on it.
-bool ContactCandidates::within(const Vec3& x, Index item, double reach) const {
-  if (distance(Box{x, x}, item_box_[item]) > reach * reach) return false;
+/// Whether a triangle may be within `distance_limit`, m. Its box alone says so where the triangle is so thin that
+/// rounding may put the nearest point anywhere on it.
+bool ContactCandidates::within(const Vec3& x, Index item, double distance_limit) const {
+  if (distance(Box{x, x}, item_box_[item]) > distance_limit * distance_limit) return false;
   const auto& corner = surface_->triangles[triangles_.items[item]].corner;
   const Vec3 &a = then_[corner[0]], &b = then_[corner[1]], &c = then_[corner[2]];
   const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
   if (!((b - a).cross(c - a).squaredNorm() > thin * longest * longest)) return true;
   const Vec3 share = closest_point(x, a, b, c);
-  return !((x - (share[0] * a + share[1] * b + share[2] * c)).norm() > (1.0 + of_nearest) * reach);
+  return !((x - (share[0] * a + share[1] * b + share[2] * c)).norm() > (1.0 + of_nearest) * distance_limit);
 }
 
 /// Nothing where all triangles are too far away by their own edges. Else those too that may rank before one that is
@@ -264,7 +265,7 @@ bool ContactCandidates::within(const Vec3& x, Index item, double reach) const {
 bool ContactCandidates::gather(std::size_t particle, const Vec3& x, std::size_t body) {
   const ContactSurface::Particle& own = surface_->particles[particle];
   const Box here{x, x};
-  const double usual = reach_of(own.edge);
+  const double usual = search_distance(own.edge);
   const bool itself = own.body == static_cast<Index>(body);
   const Index* const end = skin_.data() + (itself ? skin_first_[particle + 1] : 0);
   const Index* skin = skin_.data() + (itself ? skin_first_[particle] : 0);
@@ -278,9 +279,9 @@ bool ContactCandidates::gather(std::size_t particle, const Vec3& x, std::size_t 
   double furthest = 0.0;
   for (const Index item : met_) {
     if (is_skin(item)) continue;
-    const double reach = std::max(item_reach_[item], usual);
-    if (reach <= furthest || !within(x, item, reach)) continue;
-    if (!surface_->is_own_skin(own, particle, triangle_of(item))) furthest = reach;
+    const double distance_limit = std::max(item_search_[item], usual);
+    if (distance_limit <= furthest || !within(x, item, distance_limit)) continue;
+    if (!surface_->is_own_skin(own, particle, triangle_of(item))) furthest = distance_limit;
   }
   if (furthest == 0.0) return false;
   furthest += (1.0 + of_length) * ContactSurface::facing_share * surface_->longest_edge;

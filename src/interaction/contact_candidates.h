@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Which triangles a particle may touch, found with a reach larger than a step needs and kept while that holds. What a
-// step asks of them is in proportion to what is near; what may come near is looked for once in many steps.
+// Which triangles a particle may touch, found with a larger search distance than a step needs and kept while that
+// holds. What a step asks of them is in proportion to what is near; what may come near is looked for once in many
+// steps.
 //
 // Why they hold: a particle and a point of a triangle, a mean of its corners, come nearer to each other by no more than
 // their displacements since differ. All displacements lie in one box, so that is no more than the box's diagonal,
@@ -77,12 +78,12 @@ class ContactCandidates {
   bool measure(std::span<const Vec3> place);
   void find_skins();
   bool meet(const Cluster& cluster, std::size_t body);
-  bool within(const Vec3& x, Index item, double reach) const;
+  bool within(const Vec3& x, Index item, double distance_limit) const;
   bool gather(std::size_t particle, const Vec3& x, std::size_t body);
   std::span<const Index> keep(std::size_t particle);
-  double reach_of(double edge) const;
+  double search_distance(double edge) const;
   template <class Visit>
-  void visit_items(const Box& box, std::size_t body, double reach, Visit visit) const;
+  void visit_items(const Box& box, std::size_t body, double distance_limit, Visit visit) const;
 
   const ContactSurface* surface_ = nullptr;
   ContactOptions options_;
@@ -105,10 +106,10 @@ class ContactCandidates {
   VecList then_;                       // [particles] where they were
   std::vector<Kept> kept_;
   std::vector<Index> listed_;
-  std::vector<Box> node_box_, item_box_;         // of triangles_; a little more than rounding makes of a distance
-  std::vector<double> node_reach_, item_reach_;  // m, by their edges
-  std::vector<Index> met_;                       // items that the cluster in question meets
-  std::vector<Index> near_;                      // triangles, of the particle in question
+  std::vector<Box> node_box_, item_box_;           // of triangles_; a little more than rounding makes of a distance
+  std::vector<double> node_search_, item_search_;  // m, by their edges
+  std::vector<Index> met_;                         // items that the cluster in question meets
+  std::vector<Index> near_;                        // triangles, of the particle in question
 };
 
 }  // namespace phymul::cpu

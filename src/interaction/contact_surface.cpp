@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <map>
 
-#include "model/surface.h"
+#include "model/surface_facets.h"
 
 namespace phymul {
 namespace {

@@ -5,10 +5,9 @@
 #pragma once
 
 #include "base/vector3.h"
+#include "shape_kind.h"
 
 namespace phymul::cpu {
-
-enum class ShapeKind { sphere, capsule, half_space, box, grid };
 
 /// Distances at the corners of cubes, x fastest; linear in between.
 template <class S>
@@ -119,6 +118,8 @@ Distance<S> distance_to(const ShapeIn<S>& shape, const Vector3<S>& q) {
       break;
     case ShapeKind::grid:
       distance = distance_in_grid(q, shape.grid);
+      break;
+    case ShapeKind::needle:  // has no inside: needle_path.h
       break;
   }
   distance.phi = distance.phi - shape.margin;

@@ -10,7 +10,7 @@ namespace phymul::cpu {
 
 void KeptVolumes::follow(const Scene& scene) {
   surfaces_.clear();
-  for (const ClosedVolume& kept : scene.volumes()) {
+  for (const VolumeConstraint& kept : scene.volume_constraints()) {
     Surface surface;
     surface.volume = kept.volume;
     surface.triangles = kept.triangles;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
-// Scene::keep_volume, in double precision whatever the backend's own is. Along the gradient of the volume at the step's
-// start, over the masses, the particles of the surface go as far as brings the volume at the step's end to the wanted
-// one (the scheme of constraints in Verlet's method, which keeps angular momentum too).
+// Scene::constrain_volume, in double precision whatever the backend's own is. Along the gradient of the volume at the
+// step's start, over the masses, the particles of the surface go as far as brings the volume at the step's end to the
+// wanted one (the scheme of constraints in Verlet's method, which keeps angular momentum too).
 #pragma once
 
 #include <phymul/scene.h>
 
-#include "free_step.h"
+#include "predicted_step.h"
 
 namespace phymul::cpu {
 

@@ -28,7 +28,7 @@ double way_to(const std::array<Vec3, 3>& t, const Vec3& from, const Vec3& direct
   return e2.dot(q) / determinant;
 }
 
-std::array<Vec3, 3> corners(const std::array<Index, 3>& t, const FreeStep& step) {
+std::array<Vec3, 3> corners(const std::array<Index, 3>& t, const PredictedStep& step) {
   return {step.position(t[0]), step.position(t[1]), step.position(t[2])};
 }
 
@@ -38,7 +38,7 @@ NeedlePath::NeedlePath(const Needle& needle, double friction, const Model& model
     : needle_(needle),
       friction_(friction),
       spread_(needle_spread(needle, model)),
-      reach_(needle_reach(spread_, model)),
+      support_radius_(needle_support_radius(spread_, model)),
       facets_(needle_facets(model)) {
   found_.reserve(model.rest.size());
   sides_.resize(model.rest.size());
@@ -47,29 +47,29 @@ NeedlePath::NeedlePath(const Needle& needle, double friction, const Model& model
   surface_.erase(std::ranges::unique(surface_).begin(), surface_.end());
 }
 
-Vec3 NeedlePath::place(const NeedleNode& node, const FreeStep& step) {
+Vec3 NeedlePath::place(const NeedleNode& node, const PredictedStep& step) {
   Vec3 x = Vec3::Zero();
   for (std::size_t k = 0; k < node.particles.size(); ++k) x += node.weights[k] * step.position(node.particles[k]);
   return x;
 }
 
-NeedleNode NeedlePath::node_at(const FreeStep& step, const Vec3& x) {
+NeedleNode NeedlePath::node_at(const PredictedStep& step, const Vec3& x) {
   NeedleNode node;
   if (!x.allFinite()) return node;
-  double reach = reach_;
+  double support_radius = support_radius_;
   do {
     found_.clear();
-    step.find({.low = x - Vec3::Constant(reach), .high = x + Vec3::Constant(reach)}, found_);
+    step.find({.low = x - Vec3::Constant(support_radius), .high = x + Vec3::Constant(support_radius)}, found_);
     std::ranges::sort(found_);
-    node = spread_weights(step, found_, x, reach);
-    reach *= 1.5;
+    node = spread_weights(step, found_, x, support_radius);
+    support_radius *= 1.5;
   } while (node.particles.empty() && found_.size() < found_.capacity());
   return node;
 }
 
 /// On which sides of the box around the shaft each particle of the surface is: what is on one side with all its corners
 /// does not meet the shaft (D. Cohen and I. Sutherland's outcodes). Most of a surface is away from it.
-void NeedlePath::look_around_shaft(const FreeStep& step, const Line& line) {
+void NeedlePath::look_around_shaft(const PredictedStep& step, const Line& line) {
   const Vec3 hub = line.tip + needle_.length * line.axis;
   const double more = 1e-6 * needle_.length;  // than rounding and `overlap`
   const Vec3 low = line.tip.cwiseMin(hub).array() - more, high = line.tip.cwiseMax(hub).array() + more;
@@ -82,7 +82,7 @@ void NeedlePath::look_around_shaft(const FreeStep& step, const Line& line) {
 }
 
 /// True where the shaft has come through the surface: the hole begins there.
-bool NeedlePath::enter(const FreeStep& step, const Line& line) {
+bool NeedlePath::enter(const PredictedStep& step, const Line& line) {
   look_around_shaft(step, line);
   double farthest = -1.0;  // from the tip
   for (const auto& t : facets_) {
@@ -100,7 +100,8 @@ bool NeedlePath::enter(const FreeStep& step, const Line& line) {
   return true;
 }
 
-NeedlePath::Crossing NeedlePath::nearest_surface(const FreeStep& step, const Vec3& x, const Vec3& direction) const {
+NeedlePath::Crossing NeedlePath::nearest_surface(const PredictedStep& step, const Vec3& x,
+                                                 const Vec3& direction) const {
   Crossing nearest;
   for (const auto& t : facets_) {
     double facing = 0.0;
@@ -117,7 +118,7 @@ Vec3 NeedlePath::shaft_at(const Line& line, double along) const {
 }
 
 /// New nodes on the way that the tip has made since the last one.
-void NeedlePath::lengthen(const FreeStep& step, const Line& line) {
+void NeedlePath::lengthen(const PredictedStep& step, const Line& line) {
   const bool first = state_.hole.size() == 1;
   const auto add = [&](const Vec3& x) {
     NeedleNode node = node_at(step, x);
@@ -141,7 +142,7 @@ void NeedlePath::lengthen(const FreeStep& step, const Line& line) {
 }
 
 void NeedlePath::follow(const TouchedParticles& touched, const Line& line) {
-  const FreeStep& step = touched.step();
+  const PredictedStep& step = touched.step();
   if (state_.hole.empty() && !enter(step, line)) return;
   // Out again: as far as the skin gave way, so that rounding does not part them.
   if (is_ahead_of_tip(needle_, line.along(place(state_.hole.front(), step)))) {

@@ -13,7 +13,7 @@
 #include <array>
 #include <cstdint>
 
-#include "free_step.h"
+#include "predicted_step.h"
 #include "tool_frame.h"
 
 namespace phymul::cpu {
@@ -61,16 +61,16 @@ class NeedlePath {
 
   // Where the hole goes, by the positions at the step's start: needle_path.cpp.
   void follow(const TouchedParticles& touched, const Line& line);
-  bool enter(const FreeStep& step, const Line& line);
-  void look_around_shaft(const FreeStep& step, const Line& line);
-  void lengthen(const FreeStep& step, const Line& line);
+  bool enter(const PredictedStep& step, const Line& line);
+  void look_around_shaft(const PredictedStep& step, const Line& line);
+  void lengthen(const PredictedStep& step, const Line& line);
   struct Crossing {
     double way = -1.0;     // m to the surface; negative: none
     bool outward = false;  // goes out there
   };
-  Crossing nearest_surface(const FreeStep& step, const Vec3& x, const Vec3& direction) const;
-  NeedleNode node_at(const FreeStep& step, const Vec3& x);
-  static Vec3 place(const NeedleNode& node, const FreeStep& step);
+  Crossing nearest_surface(const PredictedStep& step, const Vec3& x, const Vec3& direction) const;
+  NeedleNode node_at(const PredictedStep& step, const Vec3& x);
+  static Vec3 place(const NeedleNode& node, const PredictedStep& step);
   Vec3 shaft_at(const Line& line, double along) const;
 
   // What acts on it: needle_coupling.cpp, needle_forces.cpp.
@@ -91,7 +91,7 @@ class NeedlePath {
 
   Needle needle_;
   double friction_ = 0.0, spread_ = 0.0;
-  double reach_ = 0.0;                        // m: of the weights that spread a force so far
+  double support_radius_ = 0.0;               // m: of the weights that spread a force so far
   std::vector<std::array<Index, 3>> facets_;  // outward
   std::vector<Index> surface_;                // their particles
   std::vector<std::uint8_t> sides_;           // [N] of look_around_shaft()

@@ -5,13 +5,14 @@
 
 #include <span>
 
-#include "free_step.h"
+#include "predicted_step.h"
 
 namespace phymul::cpu {
 
-/// Weights of the particles within `reach` of a point, whose sum is 1 and whose weighted mean place is the point
-/// itself: moving least squares with a linear basis, (1 - (r / reach)^2)^2 as weight function. So a force given to a
-/// point has the sum and the torque it has there. Empty where the particles around do not span space.
-NeedleNode spread_weights(const FreeStep& step, std::span<const Index> around, const Vec3& x, double reach);
+/// Weights of the particles within `support_radius` of a point, whose sum is 1 and whose weighted mean place is the
+/// point itself: moving least squares with a linear basis, (1 - (r / support_radius)^2)^2 as weight function. So a
+/// force given to a point has the sum and the torque it has there. Empty where the particles around do not span space.
+NeedleNode spread_weights(const PredictedStep& step, std::span<const Index> around, const Vec3& x,
+                          double support_radius);
 
 }  // namespace phymul::cpu

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "tool_extent.h"
 #include "tool_shape.h"
 
 namespace phymul::cpu {
@@ -23,8 +22,8 @@ void grow(Region& region, const ToolFrame& frame, const Region& own) {
 
 /// Where a shape may meet a particle on the way between two poses. Corners go along arcs: a turn by an angle takes them
 /// off their chords by at most their distance times 1 - cos of half of it.
-Region reach_between(const ShapeIn<double>& shape, const Region& own, const ToolFrame& start, const ToolFrame& end,
-                     double more) {
+Region swept_bounds(const ShapeIn<double>& shape, const Region& own, const ToolFrame& start, const ToolFrame& end,
+                    double more) {
   Region region;
   if (shape.kind == ShapeKind::half_space) {
     region.low = Vec3::Constant(-infinite);
@@ -52,7 +51,7 @@ ToolSet::Moving ToolSet::made(const SceneTool& tool, const Scene& scene) {
   Moving moving{.moved = MovedTool(tool),
                 .shape = shape_of(tool.tool),
                 .law = {.friction = tool.tool.friction, .compliance = tool.tool.compliance},
-                .reach = {.low = extent.low, .high = extent.high}};
+                .bounds = {.low = extent.low, .high = extent.high}};
   const auto* grid = std::get_if<std::shared_ptr<const DistanceGrid>>(&tool.tool.shape);
   if (grid) moving.grid = *grid;
   const auto* needle = std::get_if<Needle>(&tool.tool.shape);
@@ -112,7 +111,7 @@ bool ToolSet::held_by_any(Index particle) const {
 void ToolSet::take_hold(Moving& tool, TouchedParticles& touched) {
   const ToolFrame start(tool.moved.motion.pose);
   found_.clear();
-  touched.step().find(reach_between(tool.shape, tool.reach, start, start, tool.moved.grasp_distance), found_);
+  touched.step().find(swept_bounds(tool.shape, tool.bounds, start, start, tool.moved.grasp_distance), found_);
   std::ranges::sort(found_);
   for (const Index i : found_) {
     const TouchedParticles::Touched& particle = touched[touched.slot(i)];
@@ -141,7 +140,7 @@ void ToolSet::press(Moving& tool, TouchedParticles& touched) {
   const ToolFrame start(tool.moved.motion.pose), end(tool.moved.motion.next_pose);
   const double dt = touched.dt();
   found_.clear();
-  touched.step().find(reach_between(tool.shape, tool.reach, start, end, 0.0), found_);
+  touched.step().find(swept_bounds(tool.shape, tool.bounds, start, end, 0.0), found_);
   for (const Index i : found_) {
     TouchedParticles::Touched& particle = touched[touched.slot(i)];
     if (particle.held || particle.fixed == 7) continue;

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "contact_tool.h"
-#include "free_step.h"
 #include "moved_tool.h"
 #include "needle_path.h"
+#include "predicted_step.h"
 #include "tool_frame.h"
 
 namespace phymul::cpu {
@@ -46,7 +46,7 @@ class ToolSet {
     ShapeIn<double> shape;
     std::shared_ptr<const DistanceGrid> grid{};  // keeps what shape points to
     ContactLaw<double> law;
-    Region reach;  // of the shape in its own frame
+    Region bounds;  // of the shape in its own frame
     std::optional<NeedlePath> needle{};
     ToolForce next_force{};  // in the step in question
   };

@@ -2,23 +2,123 @@
 #include "tool_shape.h"
 
 #include <phymul/distance_grid.h>
+#include <phymul/error.h>
+#include <phymul/surface.h>
 
-#include "grasp.h"
-#include "tool_extent.h"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "base/decimal.h"
 #include "tool_frame.h"
 
 namespace phymul {
+namespace {
 
-std::vector<WithinReach> within_reach(const Tool& tool, const ToolPose& pose, double distance,
-                                      const VecList& position) {
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+ToolExtent extent(const Sphere& sphere) {
+  const double r = sphere.radius;
+  return {.size = {r, 0, 0}, .thickness = r, .low = {-r, -r, -r}, .high = {r, r, r}};
+}
+ToolExtent extent(const Capsule& capsule) {
+  const double r = capsule.radius;
+  return {.size = {r, capsule.length, 0}, .thickness = r, .low = {-r, -r, -r}, .high = {r, r, capsule.length + r}};
+}
+ToolExtent extent(const HalfSpace&) {
+  return {.thickness = infinite, .low = Vec3::Constant(-infinite), .high = Vec3::Constant(infinite)};
+}
+ToolExtent extent(const Box& box) {
+  return {.size = box.half_size, .thickness = box.half_size.minCoeff(), .low = -box.half_size, .high = box.half_size};
+}
+ToolExtent extent(const std::shared_ptr<const DistanceGrid>& grid) {
+  const auto [nx, ny, nz] = grid->count();
+  return {.thickness = std::min(grid->depth(), grid->spacing()),
+          .low = grid->origin(),
+          .high = grid->origin() + grid->spacing() * Vec3(nx - 1, ny - 1, nz - 1)};
+}
+ToolExtent extent(const Needle&) {
+  return {};
+}
+
+/// m: how far a point of the triangle can be from its nearest corner. Where no angle is obtuse that point is the centre
+/// of the circle through the corners; else that lies outside, and the point is where the upright over the middle of a
+/// short side meets the longest one: of the two such points the one farther off.
+double covering_radius(const Vec3& a, const Vec3& b, const Vec3& c) {
+  std::array<double, 3> squares{(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()};
+  std::ranges::sort(squares);
+  const auto& [s0, s1, s2] = squares;
+  if (!(s2 > 0.0)) return 0.0;
+  if (s2 < s0 + s1) {
+    const double twice_area = (b - a).cross(c - a).norm();
+    return std::sqrt(s0 * s1 * s2) / (2.0 * twice_area);
+  }
+  // Along the longest side, from the end where the side of square s meets it: half of s over that side's cosine.
+  const double longest = std::sqrt(s2);
+  const auto along = [&](double s, double other) { return s * longest / (s2 + s - other); };
+  return std::max(along(s0, s1), along(s1, s0));
+}
+
+/// m: a ball of this radius goes wherever the shape goes through a surface; none: the shape needs no margin.
+std::optional<double> least_radius(const Sphere& sphere) {
+  return sphere.radius;
+}
+std::optional<double> least_radius(const Capsule& capsule) {
+  return capsule.radius;
+}
+std::optional<double> least_radius(const Box& box) {
+  return box.half_size.minCoeff();
+}
+std::optional<double> least_radius(const std::shared_ptr<const DistanceGrid>&) {
+  return 0.0;
+}
+std::optional<double> least_radius(const HalfSpace&) {
+  return {};
+}
+std::optional<double> least_radius(const Needle&) {
+  return {};
+}
+
+}  // namespace
+
+ToolExtent extent_of(const Tool& tool) {
+  ToolExtent own = std::visit([](const auto& shape) { return extent(shape); }, tool.shape);
+  own.thickness += tool.margin;
+  own.low.array() -= tool.margin;
+  own.high.array() += tool.margin;
+  return own;
+}
+
+std::vector<GraspedParticle> particles_to_grasp(const Tool& tool, const ToolPose& pose, double distance,
+                                                const VecList& position) {
   const cpu::ShapeIn<double> shape = cpu::shape_of(tool);
   const cpu::ToolFrame frame(pose);
-  std::vector<WithinReach> found;
+  std::vector<GraspedParticle> found;
   for (std::size_t i = 0; i < position.size(); ++i) {
     const Vec3 q = frame.inside(position[i]);
     if (cpu::distance_to(shape, cpu::unpacked(q)).phi <= distance) found.push_back({static_cast<Index>(i), q});
   }
   return found;
+}
+
+double least_margin(const Model& model, const ToolShape& shape, double stretch) {
+  if (!(stretch > 0.0) || !std::isfinite(stretch)) {
+    throw Error("least_margin: expected a finite stretch above 0; got " + to_decimal(stretch));
+  }
+  const auto triangles = surface_triangles(model);
+  if (triangles.empty()) {
+    throw Error(
+        "least_margin: expected a body with a surface; the model has neither volume cells nor triangles and quads");
+  }
+  const std::optional<double> radius = std::visit([](const auto& own) { return least_radius(own); }, shape);
+  if (!radius) return 0.0;
+  double largest = 0.0;
+  for (const auto& [a, b, c] : triangles) {
+    largest = std::max(largest, covering_radius(model.rest[a], model.rest[b], model.rest[c]));
+  }
+  return std::max(0.0, stretch * largest - *radius);
 }
 
 namespace cpu {
@@ -33,7 +133,7 @@ GridValues<double> values_of(const DistanceGrid& grid) {
 
 ShapeIn<double> shape_of(const Tool& tool) {
   const ToolExtent extent = extent_of(tool);
-  ShapeIn<double> shape{.kind = static_cast<ShapeKind>(tool.shape.index()),
+  ShapeIn<double> shape{.kind = kind_of(tool.shape),
                         .size = unpacked(extent.size),
                         .margin = tool.margin,
                         .thickness = extent.thickness};

@@ -1,13 +1,40 @@
 // SPDX-License-Identifier: MIT
+//
+// The shape of a tool: its bounds, its distance function, the particles that it can grasp. least_margin() of
+// <phymul/tool.h> is defined here as well.
 #pragma once
 
 #include <phymul/tool.h>
 
+#include <vector>
+
 #include "distance_to_shape.h"
 
-namespace phymul::cpu {
+namespace phymul {
+
+/// A tool's shape in numbers, in its own frame; nothing of a needle.
+struct ToolExtent {
+  Vec3 size{0, 0, 0};                // m; sphere: radius; capsule: radius, length; box: half sizes
+  double thickness = 0.0;            // m: a way shorter than half of it cannot pass through
+  Vec3 low{0, 0, 0}, high{0, 0, 0};  // m: around it and its margin
+};
+
+ToolExtent extent_of(const Tool& tool);
+
+struct GraspedParticle {
+  Index particle = 0;
+  Vec3 at{0, 0, 0};  ///< in the tool's frame, m
+};
+
+/// The particles whose position is inside the tool or within `distance`, m, of its surface, in order. The tool must not
+/// be a needle. For backends whose positions are on a device.
+std::vector<GraspedParticle> particles_to_grasp(const Tool& tool, const ToolPose& pose, double distance,
+                                                const VecList& position);
+
+namespace cpu {
 
 /// As distance_to() takes it; points to the values of a grid, which must outlive it. Nothing of a needle.
 ShapeIn<double> shape_of(const Tool& tool);
 
-}  // namespace phymul::cpu
+}  // namespace cpu
+}  // namespace phymul

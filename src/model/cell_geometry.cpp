@@ -148,4 +148,14 @@ double signed_measure(int dimension, const Cell& cell, std::span<const Vec3> pos
                         : area_vector(cell.particles, position).z();
 }
 
+std::string cell_label(const Model& model, std::size_t row) {
+  const Cell& cell = model.cells[row];
+  std::string label = "cell " + std::to_string(row) + " (" + cell_name(cell.type);
+  const Index number = model.cell_file_index(static_cast<Index>(row));
+  if (number >= 0) label += ", file index " + std::to_string(number);
+  label += ')';
+  if (!cell.name.empty()) label += " \"" + cell.name + '"';
+  return label;
+}
+
 }  // namespace phymul

@@ -7,7 +7,9 @@
 #include <phymul/model.h>
 
 #include <array>
+#include <cstddef>
 #include <span>
+#include <string>
 
 namespace phymul {
 
@@ -43,5 +45,8 @@ double signed_measure(int dimension, const Cell& cell, std::span<const Vec3> pos
 
 /// True for the cells that signed_measure measures.
 bool is_solid(int dimension, CellType type);
+
+/// Names a cell in messages: "cell 2 (HEXAHEDRON, file index 7) \"name\"", by its row.
+std::string cell_label(const Model& model, std::size_t row);
 
 }  // namespace phymul

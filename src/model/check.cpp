@@ -21,12 +21,13 @@ constexpr double largest_body = 10.0;      // m
 constexpr double smallest_body = 10.0e-6;  // m
 constexpr std::size_t named_at_most = 5;
 
-Index particle_label(const Model& model, Index i) {
-  return model.file_index.empty() ? i : model.file_index[i];
+Index particle_number(const Model& model, Index i) {
+  return model.file_index(i);
 }
 
-Index cell_label(const Model& model, Index row) {
-  return model.cells[row].file_index >= 0 ? model.cells[row].file_index : row;
+Index cell_number(const Model& model, Index row) {
+  const Index number = model.cell_file_index(row);
+  return number >= 0 ? number : row;
 }
 
 /// "1 particle has" or "3 particles have", as `one` and `many` say.
@@ -44,11 +45,11 @@ std::string first_few(const Items& items, Name name) {
 }
 
 std::string particles_named(const Model& model, const std::vector<Index>& items) {
-  return first_few(items, [&](Index i) { return std::to_string(particle_label(model, i)); });
+  return first_few(items, [&](Index i) { return std::to_string(particle_number(model, i)); });
 }
 
 std::string cells_named(const Model& model, const std::vector<Index>& items) {
-  return first_few(items, [&](Index row) { return std::to_string(cell_label(model, row)); });
+  return first_few(items, [&](Index row) { return std::to_string(cell_number(model, row)); });
 }
 
 double longest_edge(const Model& model, const Cell& cell) {
@@ -121,8 +122,8 @@ void look_for_repeats(const Model& model, std::vector<Finding>& findings) {
   const Repeats cells = repeated_cells(model.cells);
   if (!cells.empty()) {
     const std::string named = first_few(cells, [&](const std::pair<Index, Index>& pair) {
-      return std::to_string(cell_label(model, pair.first)) + " repeats " +
-             std::to_string(cell_label(model, pair.second));
+      return std::to_string(cell_number(model, pair.first)) + " repeats " +
+             std::to_string(cell_number(model, pair.second));
     });
     findings.push_back({Flaw::duplicate_cell, rows_of(cells), false,
                         counted(cells.size(), "cell stands", "cells stand") + " over the particles of another: " +
@@ -131,8 +132,8 @@ void look_for_repeats(const Model& model, std::vector<Finding>& findings) {
   const Repeats points = repeated_points(model.rest, same_point_ratio * body_size(model));
   if (!points.empty()) {
     const std::string named = first_few(points, [&](const std::pair<Index, Index>& pair) {
-      return std::to_string(particle_label(model, pair.first)) + " on " +
-             std::to_string(particle_label(model, pair.second));
+      return std::to_string(particle_number(model, pair.first)) + " on " +
+             std::to_string(particle_number(model, pair.second));
     });
     findings.push_back({Flaw::duplicate_point, rows_of(points), false,
                         counted(points.size(), "particle lies", "particles lie") + " on the place of another: " +

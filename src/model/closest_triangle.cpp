@@ -11,7 +11,14 @@
 namespace phymul {
 namespace {
 
-constexpr int leaf_size = 4;
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr BoxTree::Shape by_fours{.leaf_size = 4};
+
+VecList middles(std::span<const Vec3> place, std::span<const Triangle> triangles) {
+  VecList all;
+  for (const auto& [a, b, c] : triangles) all.push_back((place[a] + place[b] + place[c]) / 3.0);
+  return all;
+}
 
 double squared_distance(const Vec3& x, const Vec3& low, const Vec3& high) {
   return (x - x.cwiseMax(low).cwiseMin(high)).squaredNorm();
@@ -33,10 +40,18 @@ std::array<Index, 2> open_edge(std::span<const Triangle> triangles) {
 
 ClosestTriangle::ClosestTriangle(std::span<const Vec3> place, std::span<const Triangle> triangles)
     : place_(place.begin(), place.end()),
-      triangle_(triangles.begin(), triangles.end()),
-      corner_normal_(place.size(), Vec3::Zero()) {
-  boxes_.reserve(2 * triangle_.size());
-  build(0, static_cast<int>(triangle_.size()));  // puts the triangles in order
+      corner_normal_(place.size(), Vec3::Zero()),
+      tree_(middles(place, triangles), std::vector<Index>(triangles.size(), 0), 1, by_fours) {
+  for (const Index row : tree_.items) triangle_.push_back(triangles[row]);
+  for (const BoxTree::Node& node : tree_.nodes) {
+    Box& box = boxes_.emplace_back(Box{Vec3::Constant(infinite), Vec3::Constant(-infinite)});
+    for (Index item = node.first; item < node.end; ++item) {
+      for (const Index p : triangle_[item]) {
+        box.low = box.low.cwiseMin(place_[p]);
+        box.high = box.high.cwiseMax(place_[p]);
+      }
+    }
+  }
   std::map<std::pair<Index, Index>, Vec3> across;
   for (const Triangle& t : triangle_) {
     const Vec3 normal = (place_[t[1]] - place_[t[0]]).cross(place_[t[2]] - place_[t[0]]).normalized();
@@ -55,32 +70,8 @@ ClosestTriangle::ClosestTriangle(std::span<const Vec3> place, std::span<const Tr
   }
 }
 
-int ClosestTriangle::build(int first, int last) {
-  Box box{Vec3::Constant(std::numeric_limits<double>::infinity()),
-          Vec3::Constant(-std::numeric_limits<double>::infinity()), first, last};
-  for (int i = first; i < last; ++i) {
-    for (const Index p : triangle_[i]) {
-      box.low = box.low.cwiseMin(place_[p]);
-      box.high = box.high.cwiseMax(place_[p]);
-    }
-  }
-  const auto own = static_cast<int>(boxes_.size());
-  boxes_.push_back(box);
-  if (last - first <= leaf_size) return own;
-  int axis = 0;
-  (box.high - box.low).maxCoeff(&axis);
-  const int middle = (first + last) / 2;
-  const auto centre = [&](const Triangle& t) { return place_[t[0]][axis] + place_[t[1]][axis] + place_[t[2]][axis]; };
-  std::nth_element(triangle_.begin() + first, triangle_.begin() + middle, triangle_.begin() + last,
-                   [&](const Triangle& a, const Triangle& b) { return centre(a) < centre(b); });
-  const int left = build(first, middle), right = build(middle, last);
-  boxes_[own].left = left;
-  boxes_[own].right = right;
-  return own;
-}
-
 /// By the regions of C. Ericson, "Real-Time Collision Detection", Morgan Kaufmann 2005, section 5.1.5.
-void ClosestTriangle::look_at(int triangle, const Vec3& x, Nearest& nearest) const {
+void ClosestTriangle::look_at(Index triangle, const Vec3& x, Nearest& nearest) const {
   const Triangle& t = triangle_[triangle];
   const Vec3 &a = place_[t[0]], &b = place_[t[1]], &c = place_[t[2]];
   const auto take = [&](const Vec3& at, const Vec3& normal) {
@@ -101,21 +92,22 @@ void ClosestTriangle::look_at(int triangle, const Vec3& x, Nearest& nearest) con
   take(a + (vb * ab + vc * ac) / (va + vb + vc), face_normal_[triangle]);
 }
 
-void ClosestTriangle::visit(int number, const Vec3& x, Nearest& nearest) const {
-  const Box& box = boxes_[number];
-  if (squared_distance(x, box.low, box.high) >= nearest.squared) return;
-  if (box.left < 0) {
-    for (int i = box.first; i < box.last; ++i) look_at(i, x, nearest);
+void ClosestTriangle::visit(Index own, const Vec3& x, Nearest& nearest) const {
+  const auto distance = [&](Index node) { return squared_distance(x, boxes_[node].low, boxes_[node].high); };
+  if (distance(own) >= nearest.squared) return;
+  const BoxTree::Node& node = tree_.nodes[own];
+  if (node.is_leaf) {
+    for (Index item = node.first; item < node.end; ++item) look_at(item, x, nearest);
     return;
   }
-  const auto distance = [&](int k) { return squared_distance(x, boxes_[k].low, boxes_[k].high); };
-  const bool left_first = distance(box.left) <= distance(box.right);
-  visit(left_first ? box.left : box.right, x, nearest);
-  visit(left_first ? box.right : box.left, x, nearest);
+  const Index left = own + 1, right = tree_.nodes[left].next;
+  const bool left_first = distance(left) <= distance(right);
+  visit(left_first ? left : right, x, nearest);
+  visit(left_first ? right : left, x, nearest);
 }
 
 double ClosestTriangle::signed_distance(const Vec3& x) const {
-  Nearest nearest{std::numeric_limits<double>::infinity(), Vec3::Zero(), Vec3::Zero()};
+  Nearest nearest{infinite, Vec3::Zero(), Vec3::Zero()};
   visit(0, x, nearest);
   const double distance = std::sqrt(nearest.squared);
   return nearest.way.dot(nearest.normal) < 0.0 ? -distance : distance;

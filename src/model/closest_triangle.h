@@ -9,6 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "base/box_tree.h"
+
 namespace phymul {
 
 using Triangle = std::array<Index, 3>;
@@ -23,26 +25,24 @@ class ClosestTriangle {
   double signed_distance(const Vec3& x) const;  ///< m, negative inside
 
  private:
-  struct Box {  // a node of a binary tree over the triangles
+  struct Box {
     Vec3 low, high;
-    int first, last;            // triangles
-    int left = -1, right = -1;  // boxes; -1: none
   };
   struct Nearest {
     double squared;
     Vec3 way;     // from the nearest point to x
     Vec3 normal;  // there, of any length
   };
-  int build(int first, int last);
-  void visit(int box, const Vec3& x, Nearest& nearest) const;
-  void look_at(int triangle, const Vec3& x, Nearest& nearest) const;
+  void visit(Index node, const Vec3& x, Nearest& nearest) const;
+  void look_at(Index triangle, const Vec3& x, Nearest& nearest) const;
 
   VecList place_;
-  std::vector<Triangle> triangle_;
+  std::vector<Triangle> triangle_;                // in the order of the tree's items
   VecList face_normal_;                           // [triangles] unit
   std::vector<std::array<Vec3, 3>> edge_normal_;  // [triangles] of edges k, k + 1
   VecList corner_normal_;                         // [places]
-  std::vector<Box> boxes_;
+  BoxTree tree_;                                  // over the triangles' middles
+  std::vector<Box> boxes_;                        // [nodes]
 };
 
 /// An edge that two triangles do not share in opposite directions, as its two places; {-1, -1} where the surface is

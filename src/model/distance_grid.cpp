@@ -9,7 +9,7 @@
 
 #include "base/decimal.h"
 #include "closest_triangle.h"
-#include "surface.h"
+#include "surface_facets.h"
 
 namespace phymul {
 namespace {

@@ -7,8 +7,7 @@
 
 #include "base/decimal.h"
 #include "cell_geometry.h"
-#include "cell_label.h"
-#include "material_range.h"
+#include "material.h"
 
 namespace phymul {
 namespace {
@@ -21,8 +20,9 @@ void sum_masses(Model& model) {
     if (cell.material < 0 || !is_solid(model.dimension, cell.type)) continue;
     const double measure = signed_measure(model.dimension, cell, model.rest);
     if (!(measure > 0.0)) {
-      throw Error(cell_label(model, row) + ": expected a positive volume to give it a mass, got " +
-                  to_decimal(measure) + "; run check_mesh first, and mend or remove the cells it names");
+      throw Error(ErrorCode::invalid_model,
+                  cell_label(model, row) + ": expected a positive volume to give it a mass, got " +
+                      to_decimal(measure) + "; run check_mesh first, and mend or remove the cells it names");
     }
     const double share = model.materials[cell.material].density * measure / static_cast<double>(cell.particles.size());
     for (const Index i : cell.particles) mass[i] += share;
@@ -99,7 +99,7 @@ void require_in_range(const Material& material) {
 void set_material(Model& model, const Material& material) {
   require_in_range(material);
   assign(model, material,
-         "set_material: expected a model with " + solid_cells(model) +
+         std::string("set_material: expected a model with ").append(solid_cells(model)) +
              ", got one without; set Model::mass and Model::stiffness instead",
          [](const Cell&) { return true; });
 }

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "cell_geometry.h"
+#include "file_extras.h"
 
 namespace phymul {
 namespace {
@@ -71,7 +72,8 @@ bool Model::has_group(std::string_view group_name) const {
 
 std::vector<Index> Model::group(std::string_view group_name) const {
   if (!has_group(group_name)) {
-    throw Error("expected the name of a group, got \"" + std::string(group_name) + "\": " + known_groups(*this));
+    throw Error(ErrorCode::unknown_name,
+                "expected the name of a group, got \"" + std::string(group_name) + "\": " + known_groups(*this));
   }
   // Parents stand before children, so one pass takes a named component with all that it contains.
   std::vector<char> named(components.size(), 0);
@@ -116,8 +118,8 @@ Model& Model::add_group(std::string group_name, std::vector<Index> particles) {
 bool Model::operator==(const Model& other) const {
   return name == other.name && dimension == other.dimension && rest == other.rest && mass == other.mass &&
          stiffness == other.stiffness && neighbours == other.neighbours && cells == other.cells &&
-         components == other.components && materials == other.materials && file_index == other.file_index &&
-         particle_name == other.particle_name && particle_fields == other.particle_fields && extras == other.extras;
+         components == other.components && materials == other.materials &&
+         (extras == other.extras || extras_of(*this) == extras_of(other));
 }
 
 double cell_volume(const Model& model, const Cell& cell) {

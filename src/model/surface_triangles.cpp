@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "surface.h"
+#include "surface_facets.h"
 
 namespace phymul {
 namespace {

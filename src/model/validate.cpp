@@ -5,8 +5,9 @@
 #include <cmath>
 
 #include "base/decimal.h"
-#include "cell_label.h"
-#include "material_range.h"
+#include "cell_geometry.h"
+#include "file_extras.h"
+#include "material.h"
 
 namespace phymul {
 namespace {
@@ -22,38 +23,43 @@ std::string shown(const Vec3& v) {
 /// "particle 7 (file index 12)"
 std::string particle_label(const Model& model, std::size_t i) {
   std::string label = "particle " + std::to_string(i);
-  if (i < model.file_index.size()) label += " (file index " + std::to_string(model.file_index[i]) + ')';
+  const std::vector<Index>& number = extras_of(model).particle_index;
+  if (i < number.size()) label += " (file index " + std::to_string(number[i]) + ')';
   return label;
 }
 
-void require_rows(const Model& model, const char* what, std::size_t size, bool optional) {
-  if (size == model.rest.size() || (optional && size == 0)) return;
-  throw Error(std::string("model: expected ") + std::to_string(model.rest.size()) + " rows in " + what +
-              (optional ? " (or none)" : "") + ", one per particle, got " + std::to_string(size));
+void require_rows(const Model& model, const char* what, std::size_t size) {
+  if (size == model.rest.size()) return;
+  throw Error(ErrorCode::invalid_model, std::string("model: expected ") + std::to_string(model.rest.size()) +
+                                            " rows in " + what + ", one per particle, got " + std::to_string(size));
 }
 
 void require_index(Index index, std::size_t count, const std::string& where, const char* what) {
   if (index >= 0 && static_cast<std::size_t>(index) < count) return;
-  throw Error(where + ": expected " + what + " from 0 to " + std::to_string(static_cast<long long>(count) - 1) +
-              ", got " + std::to_string(index));
+  throw Error(ErrorCode::invalid_model, where + ": expected " + what + " from 0 to " +
+                                            std::to_string(static_cast<long long>(count) - 1) + ", got " +
+                                            std::to_string(index));
 }
 
 void validate_particles(const Model& model) {
   for (std::size_t i = 0; i < model.rest.size(); ++i) {
     if (!model.rest[i].allFinite()) {
-      throw Error(particle_label(model, i) + ": expected finite coordinates, got " + shown(model.rest[i]));
+      throw Error(ErrorCode::invalid_model,
+                  particle_label(model, i) + ": expected finite coordinates, got " + shown(model.rest[i]));
     }
     if (model.dimension == 2 && model.rest[i].z() != 0.0) {
-      throw Error(particle_label(model, i) + ": expected z = 0 in a two-dimensional model, got " +
-                  to_decimal(model.rest[i].z()) + " m");
+      throw Error(ErrorCode::invalid_model, particle_label(model, i) +
+                                                ": expected z = 0 in a two-dimensional model, got " +
+                                                to_decimal(model.rest[i].z()) + " m");
     }
     if (!(model.mass[i] > 0.0) || !std::isfinite(model.mass[i])) {
-      throw Error(particle_label(model, i) + ": expected a positive, finite mass, got " + to_decimal(model.mass[i]) +
-                  " kg");
+      throw Error(ErrorCode::invalid_model, particle_label(model, i) + ": expected a positive, finite mass, got " +
+                                                to_decimal(model.mass[i]) + " kg");
     }
     if (!(model.stiffness[i] >= 0.0) || !std::isfinite(model.stiffness[i])) {
-      throw Error(particle_label(model, i) + ": expected a finite stiffness of 0 or more, got " +
-                  to_decimal(model.stiffness[i]) + " N/m");
+      throw Error(ErrorCode::invalid_model, particle_label(model, i) +
+                                                ": expected a finite stiffness of 0 or more, got " +
+                                                to_decimal(model.stiffness[i]) + " N/m");
     }
   }
 }
@@ -61,15 +67,17 @@ void validate_particles(const Model& model) {
 void validate_neighbours(const Model& model) {
   const RaggedList& list = model.neighbours;
   if (list.offset.empty() || list.offset.front() != 0) {
-    throw Error("model: expected the neighbour offsets to start with 0; build the list with RaggedList::push_row");
+    throw Error(ErrorCode::invalid_model,
+                "model: expected the neighbour offsets to start with 0; build the list with RaggedList::push_row");
   }
-  require_rows(model, "neighbours", list.offset.size() - 1, false);
+  require_rows(model, "neighbours", list.offset.size() - 1);
   for (std::size_t i = 0; i < model.rest.size(); ++i) {
     const Index from = list.offset[i], to = list.offset[i + 1];
     if (to < from || static_cast<std::size_t>(to) > list.entry.size()) {
-      throw Error(particle_label(model, i) + ": expected neighbour offsets that never decrease and end at " +
-                  std::to_string(list.entry.size()) + ", got a row from " + std::to_string(from) + " to " +
-                  std::to_string(to));
+      throw Error(ErrorCode::invalid_model, particle_label(model, i) +
+                                                ": expected neighbour offsets that never decrease and end at " +
+                                                std::to_string(list.entry.size()) + ", got a row from " +
+                                                std::to_string(from) + " to " + std::to_string(to));
     }
     for (Index k = from; k < to; ++k) {
       const Index j = list.entry[k];
@@ -79,8 +87,9 @@ void validate_neighbours(const Model& model) {
     }
   }
   if (static_cast<std::size_t>(list.offset.back()) != list.entry.size()) {
-    throw Error("model: expected the last neighbour offset to be " + std::to_string(list.entry.size()) + ", got " +
-                std::to_string(list.offset.back()));
+    throw Error(ErrorCode::invalid_model, "model: expected the last neighbour offset to be " +
+                                              std::to_string(list.entry.size()) + ", got " +
+                                              std::to_string(list.offset.back()));
   }
 }
 
@@ -89,8 +98,8 @@ void validate_cells(const Model& model) {
     const Cell& cell = model.cells[row];
     const int size = cell_size(cell.type);
     if (size > 0 && cell.particles.size() != static_cast<std::size_t>(size)) {
-      throw Error(cell_label(model, row) + ": expected " + std::to_string(size) + " particles, got " +
-                  std::to_string(cell.particles.size()));
+      throw Error(ErrorCode::invalid_model, cell_label(model, row) + ": expected " + std::to_string(size) +
+                                                " particles, got " + std::to_string(cell.particles.size()));
     }
     for (const Index i : cell.particles) {
       if (i < 0 || i >= model.particle_count()) {
@@ -106,7 +115,8 @@ void validate_components(const Model& model) {
     const Component& component = model.components[row];
     const std::string where = "component " + std::to_string(row) + quoted(component.name);
     if (component.parent != -1 && (component.parent < 0 || static_cast<std::size_t>(component.parent) >= row)) {
-      throw Error(where + ": expected a parent that stands before it, or -1, got " + std::to_string(component.parent));
+      throw Error(ErrorCode::invalid_model,
+                  where + ": expected a parent that stands before it, or -1, got " + std::to_string(component.parent));
     }
     for (const Index cell : component.cells) require_index(cell, model.cells.size(), where, "cells");
     for (const Index cell : component.cell_refs) require_index(cell, model.cells.size(), where, "references to cells");
@@ -116,23 +126,21 @@ void validate_components(const Model& model) {
 
 }  // namespace
 
-std::string cell_label(const Model& model, std::size_t row) {
-  const Cell& cell = model.cells[row];
-  std::string label = "cell " + std::to_string(row) + " (" + cell_name(cell.type);
-  if (cell.file_index >= 0) label += ", file index " + std::to_string(cell.file_index);
-  return label + ')' + quoted(cell.name);
-}
-
 void validate(const Model& model) {
   if (model.dimension != 2 && model.dimension != 3) {
-    throw Error("model: expected dimension 2 or 3, got " + std::to_string(model.dimension));
+    throw Error(ErrorCode::invalid_model, "model: expected dimension 2 or 3, got " + std::to_string(model.dimension));
   }
-  if (model.rest.empty()) throw Error("model: expected at least one particle, got none");
-  require_rows(model, "mass", model.mass.size(), false);
-  require_rows(model, "stiffness", model.stiffness.size(), false);
-  require_rows(model, "file_index", model.file_index.size(), true);
-  require_rows(model, "particle_name", model.particle_name.size(), true);
-  require_rows(model, "particle_fields", model.particle_fields.size(), true);
+  if (model.rest.empty()) throw Error(ErrorCode::invalid_model, "model: expected at least one particle, got none");
+  require_rows(model, "mass", model.mass.size());
+  require_rows(model, "stiffness", model.stiffness.size());
+  const FileExtras& extras = extras_of(model);
+  for (const std::size_t rows : {extras.particle_index.size(), extras.particle_name.size(),
+                                 extras.particle_fields.size(), extras.neighbourhood_index.size()}) {
+    if (rows == 0 || rows == model.rest.size()) continue;
+    throw Error(ErrorCode::invalid_model, "model: expected extras of " + std::to_string(model.rest.size()) +
+                                              " particles, as the model has, got those of " + std::to_string(rows) +
+                                              "; set Model::extras to null after removing or adding particles");
+  }
   validate_particles(model);
   validate_neighbours(model);
   for (const Material& material : model.materials) require_in_range(material);

@@ -7,6 +7,9 @@
 #include <numeric>
 #include <set>
 
+#include "base/file_error.h"
+#include "model/file_extras.h"
+
 namespace phymul {
 namespace {
 
@@ -32,7 +35,7 @@ void require_joinable(std::span<const NamedBody> bodies) {
     try {
       validate(*body.model);
     } catch (const Error& error) {
-      throw Error(label + error.what());
+      throw with_prefix(label, error);
     }
   }
 }
@@ -45,6 +48,15 @@ void shift(std::vector<Index>& rows, Index by) {
   for (Index& row : rows) row += by;
 }
 
+/// Rows of [N] or empty lists; `first`: row of the first new particle, `count`: N with them.
+template <class Rows>
+void append_rows(Rows& all, const Rows& added, Index first, std::size_t count) {
+  if (added.empty() && all.empty()) return;
+  all.resize(static_cast<std::size_t>(first));
+  all.insert(all.end(), added.begin(), added.end());
+  all.resize(count);
+}
+
 void append_particles(Model& all, const Model& body, Index first) {
   all.rest.insert(all.rest.end(), body.rest.begin(), body.rest.end());
   all.mass.insert(all.mass.end(), body.mass.begin(), body.mass.end());
@@ -55,16 +67,10 @@ void append_particles(Model& all, const Model& body, Index first) {
     shift(row, first);
     all.neighbours.push_row(row.begin(), row.end());
   }
-  if (!body.particle_name.empty() || !all.particle_name.empty()) {
-    all.particle_name.resize(static_cast<std::size_t>(first));
-    all.particle_name.insert(all.particle_name.end(), body.particle_name.begin(), body.particle_name.end());
-    all.particle_name.resize(all.rest.size());
-  }
-  if (!body.particle_fields.empty() || !all.particle_fields.empty()) {
-    all.particle_fields.resize(static_cast<std::size_t>(first));
-    all.particle_fields.insert(all.particle_fields.end(), body.particle_fields.begin(), body.particle_fields.end());
-    all.particle_fields.resize(all.rest.size());
-  }
+  change_extras(all, [&](FileExtras& extras) {
+    append_rows(extras.particle_name, extras_of(body).particle_name, first, all.rest.size());
+    append_rows(extras.particle_fields, extras_of(body).particle_fields, first, all.rest.size());
+  });
 }
 
 /// Equal materials are one row, as set_material leaves them.
@@ -78,7 +84,6 @@ void append_cells(Model& all, const Model& body, Index first) {
   for (Cell cell : body.cells) {
     shift(cell.particles, first);
     if (cell.material >= 0) cell.material = material_row[cell.material];
-    cell.file_index = -1;
     all.cells.push_back(std::move(cell));
   }
 }

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "model/surface.h"
+#include "model/surface_facets.h"
 
 namespace phymul {
 
@@ -21,7 +21,7 @@ double needle_spread(const Needle& needle, const Model& model) {
 /// A force on a particle is one on its cell already, spread evenly over the spacing h, which has the variance h^2 / 12
 /// along each axis. The weights, whose own over a surface is reach^2 / 8, add what is missing; below 1.5 spacings they
 /// would find too few particles.
-double needle_reach(double spread, const Model& model) {
+double needle_support_radius(double spread, const Model& model) {
   const double spacing = needle_spacing(model);
   const double left = spread * spread - 8.0 / 12.0 * spacing * spacing;
   return std::max(std::sqrt(std::max(left, 0.0)), std::min(spread, 1.5 * spacing));

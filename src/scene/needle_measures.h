@@ -16,7 +16,7 @@ double needle_spacing(const Model& model);
 /// m: Needle::spread, or two spacings of the body.
 double needle_spread(const Needle& needle, const Model& model);
 /// m: of the weights at which a force spreads as far on every mesh.
-double needle_reach(double spread, const Model& model);
+double needle_support_radius(double spread, const Model& model);
 /// Triangles of the body's surface at rest, outward.
 std::vector<std::array<Index, 3>> needle_facets(const Model& model);
 

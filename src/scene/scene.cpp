@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <phymul/error.h>
+#include <phymul/load_frame.h>
 #include <phymul/scene.h>
 
 #include <Eigen/Geometry>
@@ -8,7 +9,7 @@
 #include <cmath>
 
 #include "base/decimal.h"
-#include "model/surface.h"
+#include "model/surface_facets.h"
 
 namespace phymul {
 namespace {
@@ -96,6 +97,11 @@ double value_at(std::span<const ValueEvent> events, double date) {
 
 Scene::Scene(const Model& model) : model_(&model) {
   validate(model);
+}
+
+Scene::Scene(std::shared_ptr<const Model> model) : owned_(std::move(model)), model_(owned_.get()) {
+  if (!model_) throw Error("Scene: expected a model, got null");
+  validate(*model_);
 }
 
 void Scene::require(const Load& load) const {
@@ -276,7 +282,7 @@ Scene& Scene::clear() {
   actions_.clear();
   tools_.clear();
   gravity_.setZero();
-  volumes_.clear();
+  volume_constraints_.clear();
   contacts_.reset();
   ++version_;
   return *this;

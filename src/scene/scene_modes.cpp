@@ -2,6 +2,7 @@
 //
 // A scene taken apart: vectors that stay, numbers that change with time. Load row r owns the numbers 2 r and 2 r + 1:
 // its value (the sine of a rotation) and, of a rotation alone, 1 - cosine.
+#include <phymul/load_frame.h>
 #include <phymul/scene.h>
 
 #include <Eigen/Geometry>

@@ -120,6 +120,17 @@ Scene& Scene::add_tool(std::string name, Tool tool) {
   return *this;
 }
 
+ToolHandle Scene::add_tool(Tool tool) & {
+  add_tool("tool " + std::to_string(next_tool_), std::move(tool));
+  return {*this, tools_.back().id};
+}
+
+ToolHandle Scene::add_tool(ToolShape shape) & {
+  Tool tool;
+  tool.shape = std::move(shape);
+  return add_tool(std::move(tool));
+}
+
 Scene& Scene::remove_tool(std::string_view name) {
   const std::uint64_t id = tool(name).id_;
   std::erase_if(tools_, [&](const SceneTool& known) { return known.id == id; });
@@ -133,30 +144,32 @@ ToolHandle Scene::tool(std::string_view name) & {
   }
   std::string names;
   for (const SceneTool& known : tools_) names += (names.empty() ? "" : ", ") + known.name;
-  throw Error("the scene has no tool \"" + std::string(name) + "\"; it has: " + (names.empty() ? "none" : names));
+  throw Error(ErrorCode::unknown_name,
+              "the scene has no tool \"" + std::string(name) + "\"; it has: " + (names.empty() ? "none" : names));
 }
 
 SceneTool& ToolHandle::own() const {
   for (SceneTool& tool : scene_->tools_) {
     if (tool.id == id_) return tool;
   }
-  throw Error("the scene no longer has the tool of this handle; Scene::tool gives handles of those it has");
+  throw Error(ErrorCode::unknown_name,
+              "the scene no longer has the tool of this handle; Scene::tool gives handles of those it has");
 }
 
-void ToolHandle::pose(const ToolPose& pose) const {
+void ToolHandle::move_to(const ToolPose& pose) const {
   SceneTool& tool = own();
   tool.pose = accepted_pose(tool.name, pose);
   ++tool.moves;
 }
 
-void ToolHandle::place(const ToolPose& pose) const {
+void ToolHandle::teleport(const ToolPose& pose) const {
   SceneTool& tool = own();
   tool.pose = accepted_pose(tool.name, pose);
   ++tool.moves;
   ++tool.places;
 }
 
-const ToolPose& ToolHandle::pose() const {
+const ToolPose& ToolHandle::target_pose() const {
   return own().pose;
 }
 

@@ -12,13 +12,13 @@
 
 #include "base/decimal.h"
 #include "model/enclosed_volume.h"
-#include "model/surface.h"
+#include "model/surface_facets.h"
 
 namespace phymul {
 namespace {
 
-std::string label(const ClosedVolume& surface) {
-  return surface.applied_to.empty() ? "keep_volume: " : "keep_volume on \"" + surface.applied_to + "\": ";
+std::string label(const VolumeConstraint& surface) {
+  return surface.applied_to.empty() ? "constrain_volume: " : "constrain_volume on \"" + surface.applied_to + "\": ";
 }
 
 /// The cells all of whose particles are meant: faces between them and others are surface too.
@@ -51,7 +51,7 @@ std::vector<std::array<Index, 3>> surface_triangles(const Model& model, const st
 }
 
 /// Each edge is passed as often one way as the other.
-void require_closed(const ClosedVolume& surface, const Model& model) {
+void require_closed(const VolumeConstraint& surface, const Model& model) {
   std::map<std::array<Index, 2>, int> balance;
   for (const std::array<Index, 3>& t : surface.triangles) {
     for (int k = 0; k < 3; ++k) {
@@ -61,13 +61,13 @@ void require_closed(const ClosedVolume& surface, const Model& model) {
   }
   for (const auto& [edge, sum] : balance) {
     if (sum == 0) continue;
-    const auto name = [&](Index i) { return std::to_string(model.file_index.empty() ? i : model.file_index[i]); };
+    const auto name = [&](Index i) { return std::to_string(model.file_index(i)); };
     throw Error(label(surface) + "expected a closed surface, but its edge from particle " + name(edge[0]) + " to " +
                 name(edge[1]) + " is open (or its two triangles are wound against each other); add the missing facets");
   }
 }
 
-void require_sound(const ClosedVolume& surface, const Model& model, const std::vector<ClosedVolume>& others) {
+void require_sound(const VolumeConstraint& surface, const Model& model, const std::vector<VolumeConstraint>& others) {
   if (model.dimension != 3) throw Error(label(surface) + "expected a three-dimensional model");
   if (surface.triangles.empty()) {
     throw Error(label(surface) + "expected particles whose cells have a surface (volume cells, triangles or quads)");
@@ -88,7 +88,7 @@ void require_sound(const ClosedVolume& surface, const Model& model, const std::v
   for (const std::array<Index, 3>& t : surface.triangles) {
     for (const Index i : t) own[i] = 1;
   }
-  for (const ClosedVolume& other : others) {
+  for (const VolumeConstraint& other : others) {
     for (const std::array<Index, 3>& t : other.triangles) {
       for (const Index i : t) {
         if (!own[i]) continue;
@@ -101,23 +101,23 @@ void require_sound(const ClosedVolume& surface, const Model& model, const std::v
 
 }  // namespace
 
-Scene& Scene::keep_volume() {
+Scene& Scene::constrain_volume() {
   std::vector<Index> all(model_->rest.size());
   std::iota(all.begin(), all.end(), 0);
-  ClosedVolume surface{surface_triangles(*model_, all), 0.0, {}};
+  VolumeConstraint surface{surface_triangles(*model_, all), 0.0, {}};
   surface.volume = enclosed_volume(surface.triangles, model_->rest);
-  return keep_volume(std::move(surface));
+  return constrain_volume(std::move(surface));
 }
 
-Scene& Scene::keep_volume(std::string_view group) {
-  ClosedVolume surface{surface_triangles(*model_, model_->group(group)), 0.0, std::string(group)};
+Scene& Scene::constrain_volume(std::string_view group) {
+  VolumeConstraint surface{surface_triangles(*model_, model_->group(group)), 0.0, std::string(group)};
   surface.volume = enclosed_volume(surface.triangles, model_->rest);
-  return keep_volume(std::move(surface));
+  return constrain_volume(std::move(surface));
 }
 
-Scene& Scene::keep_volume(ClosedVolume surface) {
-  require_sound(surface, *model_, volumes_);
-  volumes_.push_back(std::move(surface));
+Scene& Scene::constrain_volume(VolumeConstraint surface) {
+  require_sound(surface, *model_, volume_constraints_);
+  volume_constraints_.push_back(std::move(surface));
   ++version_;
   return *this;
 }
@@ -128,8 +128,8 @@ Scene& Scene::contacts(const ContactOptions& options) {
     throw Error("contacts: expected a finite coefficient of friction of 0 or more, got " +
                 to_decimal(options.friction));
   }
-  if (!(options.skin >= 0.0) || !std::isfinite(options.skin)) {
-    throw Error("contacts: expected a finite skin in m (0: from the spacing), got " + to_decimal(options.skin));
+  if (!(options.margin >= 0.0) || !std::isfinite(options.margin)) {
+    throw Error("contacts: expected a finite margin in m (0: from the spacing), got " + to_decimal(options.margin));
   }
   if (options.rounds < 1) throw Error("contacts: expected 1 round or more, got " + std::to_string(options.rounds));
   contacts_ = options;

@@ -43,7 +43,7 @@ RecordedOptions recorded_options(const Solver& solver) {
   const SolverOptions& options = solver.options();
   return {.damping_rate = options.damping.rate,
           .damping_factor = options.damping.factor,
-          .largest_push = options.largest_push,
+          .max_displacement_per_step = options.max_displacement_per_step,
           .rest_tolerance = options.rest_tolerance,
           .stable_step = solver.stable_step(),
           .rest_steps = options.rest_steps,
@@ -52,7 +52,7 @@ RecordedOptions recorded_options(const Solver& solver) {
 
 Recorder::Recorder(Solver& solver, const Scene& scene) : solver_(solver), scene_(scene) {
   if (&scene.model() != &solver.model()) throw Error("Recorder: the scene was made for another model");
-  recording_.body = solver.body();
+  recording_.topology_hash = solver.topology_hash();
   recording_.backend = solver.name();
   recording_.device = solver.device();
   recording_.options = recorded_options(solver);
@@ -125,11 +125,26 @@ StepReport Recorder::step(int n, double dt) {
   return report;
 }
 
-StepReport Recorder::run_to_rest(int max_steps, double dt) {
+RestResult Recorder::run_to_rest(int max_steps, double dt) {
   record_scene();
-  const StepReport report = solver_.run_to_rest(max_steps, dt);
+  const RestResult result = solver_.run_to_rest(max_steps, dt);
+  const StepReport& report = result.report;
   record(input_kind::to_rest, step_bytes(report.stopped ? report.steps : max_steps, dt));
-  return report;
+  return result;
+}
+
+RestResult Recorder::run_to_rest(int max_steps, double dt, const Damping& damping) {
+  if (damping == solver_.options().damping) return run_to_rest(max_steps, dt);
+  record_scene();
+  const RestResult result = solver_.run_to_rest(max_steps, dt, damping);
+  const StepReport& report = result.report;
+  ByteWriter out;
+  out.index(report.stopped ? report.steps : max_steps);
+  out.real(dt);
+  out.real(damping.rate);
+  out.real(damping.factor);
+  record(input_kind::to_rest_damped, out.bytes());
+  return result;
 }
 
 void Recorder::reset() {

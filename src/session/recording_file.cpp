@@ -7,6 +7,7 @@
 
 #include "base/byte_source.h"
 #include "base/checked_file.h"
+#include "base/file_error.h"
 #include "base/replace_file.h"
 #include "snapshot_bytes.h"
 
@@ -20,12 +21,12 @@ constexpr const char* scene_tag = "scne";
 constexpr const char* inputs_tag = "inpt";
 
 void put_head(ByteWriter& out, const Recording& recording) {
-  out.u64(recording.body);
+  out.u64(recording.topology_hash);
   out.text(recording.backend);
   out.text(recording.device);
   const RecordedOptions& options = recording.options;
-  for (const double value : {options.damping_rate, options.damping_factor, options.largest_push, options.rest_tolerance,
-                             options.stable_step}) {
+  for (const double value : {options.damping_rate, options.damping_factor, options.max_displacement_per_step,
+                             options.rest_tolerance, options.stable_step}) {
     out.real(value);
   }
   out.index(options.rest_steps);
@@ -33,11 +34,11 @@ void put_head(ByteWriter& out, const Recording& recording) {
 }
 
 void take_head(ByteReader& in, Recording& recording) {
-  recording.body = in.u64("the body's fingerprint");
+  recording.topology_hash = in.u64("the topology's hash");
   recording.backend = in.text("a backend's name");
   recording.device = in.text("a device's name");
   RecordedOptions& options = recording.options;
-  for (double* const value : {&options.damping_rate, &options.damping_factor, &options.largest_push,
+  for (double* const value : {&options.damping_rate, &options.damping_factor, &options.max_displacement_per_step,
                               &options.rest_tolerance, &options.stable_step}) {
     *value = in.real("an option");
   }
@@ -90,15 +91,17 @@ Recording read_recording_bytes(std::string_view bytes, const std::string& name) 
   const bool known = sections.size() == 4 && sections[0].tag == head_tag && sections[1].tag == start_tag &&
                      sections[2].tag == scene_tag && sections[3].tag == inputs_tag;
   if (!known) {
-    throw Error(name + ": expected the sections \"head\", \"stat\", \"scne\" and \"inpt\", got " +
-                std::to_string(sections.size()) + " others; the file was written by something else");
+    fail_format(name, 0,
+                "expected the sections \"head\", \"stat\", \"scne\" and \"inpt\", got " +
+                    std::to_string(sections.size()) + " others; the file was written by something else");
   }
   Recording recording;
   const auto reader = [&](std::size_t k) { return ByteReader(name, sections[k].payload, sections[k].first_byte); };
   ByteReader head = reader(0), start = reader(1), inputs = reader(3);
   take_head(head, recording);
   recording.start = take_snapshot(start);
-  recording.start.body = recording.body;
+  recording.start.topology_hash = recording.topology_hash;
+  recording.start.backend = recording.backend;
   start.expect_end("section \"stat\"");
   recording.scene = sections[2].payload;
   recording.inputs = take_inputs(inputs);

@@ -6,6 +6,7 @@
 #include <bit>
 
 #include "base/decimal.h"
+#include "base/file_error.h"
 #include "input_kinds.h"
 #include "scene_bytes.h"
 #include "snapshot_bytes.h"
@@ -27,7 +28,7 @@ void require_same(const char* what, double recorded, double own) {
 void require_same_options(const RecordedOptions& recorded, const RecordedOptions& own) {
   require_same("damping.rate", recorded.damping_rate, own.damping_rate);
   require_same("damping.factor", recorded.damping_factor, own.damping_factor);
-  require_same("largest_push", recorded.largest_push, own.largest_push);
+  require_same("max_displacement_per_step", recorded.max_displacement_per_step, own.max_displacement_per_step);
   require_same("rest_tolerance", recorded.rest_tolerance, own.rest_tolerance);
   require_same("rest_steps", recorded.rest_steps, own.rest_steps);
   require_same("on_unstable (1: allow)", recorded.allows_unstable, own.allows_unstable);
@@ -55,7 +56,7 @@ StepInput take_step(const Input& input) {
 Replay::Replay(Recording recording, Solver& solver, Scene& scene)
     : recording_(std::move(recording)), solver_(solver), scene_(scene) {
   if (&scene.model() != &solver.model()) throw Error("Replay: the scene was made for another model");
-  if (solver.body() != recording_.body) {
+  if (solver.topology_hash() != recording_.topology_hash) {
     throw Error(
         "Replay: the recording is of another body: other shape, material, order of particles or options of the "
         "tables; build the one that was recorded");
@@ -65,7 +66,7 @@ Replay::Replay(Recording recording, Solver& solver, Scene& scene)
   try {
     solver_.restore(recording_.start);
   } catch (const Error& error) {
-    throw Error(std::string("Replay: the start: ") + error.what());
+    throw with_prefix("Replay: the start: ", error);
   }
 }
 
@@ -74,7 +75,7 @@ void Replay::start_scene() {
     ByteReader in("scene", recording_.scene);
     change_scene(scene_, in);
   } catch (const Error& error) {
-    throw Error(std::string("Replay: the scene at the start: ") + error.what());
+    throw with_prefix("Replay: the scene at the start: ", error);
   }
 }
 
@@ -97,7 +98,7 @@ void Replay::move_tool(const Input& input) {
   const bool set = in.u8("whether it is placed, or grasps") != 0;
   if (input.kind == input_kind::pose) {
     const ToolPose pose = take_pose(in);
-    set ? tool.place(pose) : tool.pose(pose);
+    set ? tool.teleport(pose) : tool.move_to(pose);
   } else {
     const double distance = in.real("a distance to grasp within");
     set ? tool.grasp(distance) : tool.release();
@@ -111,7 +112,13 @@ void Replay::perform(const Input& input) {
     report_ = solver_.step(step.n, step.dt);
   } else if (input.kind == input_kind::to_rest) {
     const StepInput step = take_step(input);
-    report_ = solver_.run_to_rest(step.n, step.dt);
+    report_ = solver_.run_to_rest(step.n, step.dt).report;
+  } else if (input.kind == input_kind::to_rest_damped) {
+    ByteReader in = reader(input);
+    const int steps = in.index("a number of steps");
+    const double dt = in.real("a step"), rate = in.real("a damping rate"), factor = in.real("a damping factor");
+    in.expect_end("the input");
+    report_ = solver_.run_to_rest(steps, dt, {.rate = rate, .factor = factor}).report;
   } else if (input.kind == input_kind::restore) {
     ByteReader in = reader(input);
     const Snapshot snapshot = take_snapshot(in);
@@ -142,7 +149,7 @@ bool Replay::next() {
   try {
     perform(recording_.inputs[row_]);
   } catch (const Error& error) {
-    throw Error("Replay: input " + std::to_string(position_) + ": " + error.what());
+    throw with_prefix("Replay: input " + std::to_string(position_) + ": ", error);
   }
   advance();
   return true;

@@ -4,16 +4,15 @@
 #include <algorithm>
 
 #include "tool_bytes.h"
+#include "wire_codes.h"
 
 namespace phymul {
 namespace {
 
-std::uint8_t enumerator(ByteReader& in, int count, const char* what) {
+bool yes(ByteReader& in, const char* what) {
   const std::uint8_t value = in.u8(what);
-  if (value >= count) {
-    in.fail(std::string("expected ") + what + " below " + std::to_string(count) + ", got " + std::to_string(value));
-  }
-  return value;
+  if (value > 1) in.fail(std::string("expected ") + what + " (0 or 1), got " + std::to_string(value));
+  return value == 1;
 }
 
 int positive(ByteReader& in, const char* what) {
@@ -26,20 +25,20 @@ void put_contacts(ByteWriter& out, const std::optional<ContactOptions>& contacts
   out.u8(contacts ? 1 : 0);
   if (!contacts) return;
   out.real(contacts->friction);
-  out.real(contacts->skin);
+  out.real(contacts->margin);
   out.u8(contacts->self ? 1 : 0);
   out.index(contacts->rounds);
 }
 
 void take_contacts(ByteReader& in, Scene& scene) {
-  if (enumerator(in, 2, "whether there are contacts") == 0) {
+  if (!yes(in, "whether there are contacts")) {
     if (scene.contacts()) scene.no_contacts();
     return;
   }
   ContactOptions options;
   options.friction = in.real("a coefficient of friction");
-  options.skin = in.real("a skin");
-  options.self = enumerator(in, 2, "whether a body touches itself") == 1;
+  options.margin = in.real("a contact margin");
+  options.self = yes(in, "whether a body touches itself");
   options.rounds = positive(in, "a number of rounds");
   scene.contacts(options);
 }
@@ -47,14 +46,14 @@ void take_contacts(ByteReader& in, Scene& scene) {
 void take_volumes(ByteReader& in, Scene& scene) {
   const std::size_t count = in.count(20, "a number of kept volumes");
   for (std::size_t k = 0; k < count; ++k) {
-    ClosedVolume surface;
+    VolumeConstraint surface;
     surface.volume = in.real("a volume");
     surface.applied_to = in.text("a group's name");
     surface.triangles.resize(in.count(12, "a number of triangles"));
     for (auto& triangle : surface.triangles) {
       for (Index& i : triangle) i = in.index("a particle");
     }
-    scene.keep_volume(std::move(surface));
+    scene.constrain_volume(std::move(surface));
   }
 }
 
@@ -65,7 +64,7 @@ void take_tools(ByteReader& in, Scene& scene) {
   std::vector<std::string> kept;
   for (std::size_t k = 0; k < count; ++k) {
     std::string name = in.text("a tool's name");
-    if (enumerator(in, 2, "whether a tool is new") == 1) {
+    if (yes(in, "whether a tool is new")) {
       added.emplace_back(std::move(name), take_tool(in));
     } else {
       kept.push_back(std::move(name));
@@ -84,14 +83,14 @@ void take_tools(ByteReader& in, Scene& scene) {
 
 std::string load_bytes(const Load& load) {
   ByteWriter out;
-  out.u8(static_cast<std::uint8_t>(load.type));
+  put_code(out, load_type_codes, load.type);
   out.indices(load.particles);
   out.u64(load.events.size());
   for (const ValueEvent& event : load.events) {
     out.real(event.date);
     out.real(event.value);
   }
-  for (const Axis axis : load.axes) out.u8(static_cast<std::uint8_t>(axis));
+  for (const Axis axis : load.axes) put_code(out, axis_codes, axis);
   out.vector(load.direction);
   out.index(load.toward);
   out.text(load.applied_to);
@@ -100,14 +99,14 @@ std::string load_bytes(const Load& load) {
 
 Load take_load(ByteReader& in) {
   Load load;
-  load.type = static_cast<LoadType>(enumerator(in, 5, "a type of load"));
+  load.type = take_code(in, load_type_codes, "a type of load");
   load.particles = in.indices("particles");
   load.events.resize(in.count(16, "a number of values"));
   for (ValueEvent& event : load.events) {
     event.date = in.real("a date");
     event.value = in.real("a value");
   }
-  for (Axis& axis : load.axes) axis = static_cast<Axis>(enumerator(in, 3, "an axis"));
+  for (Axis& axis : load.axes) axis = take_code(in, axis_codes, "an axis");
   load.direction = in.vector("a direction");
   load.toward = in.index("a particle to point toward");
   load.applied_to = in.text("a target");
@@ -116,8 +115,8 @@ Load take_load(ByteReader& in) {
 
 std::string volume_bytes(const Scene& scene) {
   ByteWriter out;
-  out.u64(scene.volumes().size());
-  for (const ClosedVolume& surface : scene.volumes()) {
+  out.u64(scene.volume_constraints().size());
+  for (const VolumeConstraint& surface : scene.volume_constraints()) {
     out.real(surface.volume);
     out.text(surface.applied_to);
     out.u64(surface.triangles.size());
@@ -168,7 +167,7 @@ std::string scene_change_bytes(const Scene& scene, const SceneBefore& before, bo
 }
 
 void change_scene(Scene& scene, ByteReader& in) {
-  const bool anew = enumerator(in, 2, "whether the scene is made anew") == 1;
+  const bool anew = yes(in, "whether the scene is made anew");
   if (anew) scene.clear();
   scene.gravity(in.vector("a gravity"));
   take_contacts(in, scene);

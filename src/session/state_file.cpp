@@ -9,6 +9,7 @@
 
 #include "base/byte_source.h"
 #include "base/checked_file.h"
+#include "base/file_error.h"
 #include "base/replace_file.h"
 #include "snapshot_bytes.h"
 
@@ -42,14 +43,14 @@ std::size_t bytes_of(const Snapshot& snapshot) {
 }  // namespace
 
 void save_state(const Solver& solver, const std::string& path) {
-  save_state({solver.body(), std::string(solver.name()), solver.snapshot()}, path);
+  save_state(solver.snapshot(), path);
 }
 
-void save_state(const SavedState& saved, const std::string& path) {
+void save_state(const Snapshot& snapshot, const std::string& path) {
   ByteWriter body, state;
-  body.u64(saved.body);
-  body.text(saved.backend);
-  put_snapshot(state, saved.snapshot);
+  body.u64(snapshot.topology_hash);
+  body.text(snapshot.backend);
+  put_snapshot(state, snapshot);
   SectionWriter file(state_kind);
   file.add(body_tag, body);
   file.add(state_tag, state);
@@ -57,49 +58,53 @@ void save_state(const SavedState& saved, const std::string& path) {
   replace_file(path, [&](std::ostream& out) { out.write(bytes.data(), static_cast<std::streamsize>(bytes.size())); });
 }
 
-SavedState read_state_bytes(std::string_view bytes, const std::string& name) {
+Snapshot read_state_bytes(std::string_view bytes, const std::string& name) {
   const std::vector<FileSection> sections = read_sections(name, bytes, state_kind);
   if (sections.size() != 2 || sections[0].tag != body_tag || sections[1].tag != state_tag) {
-    throw Error(name + ": expected the sections \"body\" and \"stat\", got " + std::to_string(sections.size()) +
-                " others; the file was written by something else");
+    fail_format(name, 0,
+                "expected the sections \"body\" and \"stat\", got " + std::to_string(sections.size()) +
+                    " others; the file was written by something else");
   }
-  SavedState saved;
   ByteReader body(name, sections[0].payload, sections[0].first_byte);
-  saved.body = body.u64("the body's fingerprint");
-  saved.backend = body.text("a backend's name");
+  const std::uint64_t topology_hash = body.u64("the topology's hash");
+  std::string backend = body.text("a backend's name");
   body.expect_end("section \"body\"");
   ByteReader state(name, sections[1].payload, sections[1].first_byte);
-  saved.snapshot = take_snapshot(state);
-  saved.snapshot.body = saved.body;
+  Snapshot snapshot = take_snapshot(state);
+  snapshot.topology_hash = topology_hash;
+  snapshot.backend = std::move(backend);
   state.expect_end("section \"stat\"");
-  return saved;
+  return snapshot;
 }
 
-SavedState read_state(const std::string& path) {
+Snapshot read_state(const std::string& path) {
   return read_state_bytes(read_whole_file(path, std::numeric_limits<std::size_t>::max()), path);
 }
 
 void load_state(Solver& solver, const std::string& path) {
-  const SavedState saved = read_state(path);
-  const std::size_t count = saved.snapshot.state.position.size();
+  const Snapshot snapshot = read_state(path);
+  const std::size_t count = snapshot.state.position.size();
   const auto own_count = static_cast<std::size_t>(solver.topology().particle_count);
   if (count != own_count) {
     // Magic word, version and the head of a section before the body; its text, a checksum and a head before the state.
-    throw Error(path + ": byte " + std::to_string(24 + 12 + saved.backend.size() + 16) + ": expected a state of " +
-                std::to_string(own_count) + " particles, got one of " + std::to_string(count) +
-                "; load it into a solver of the body it was saved from");
+    fail_format(path, 0,
+                "byte " + std::to_string(24 + 12 + snapshot.backend.size() + 16) + ": expected a state of " +
+                    std::to_string(own_count) + " particles, got one of " + std::to_string(count) +
+                    "; load it into a solver of the body it was saved from");
   }
-  const std::uint64_t own = solver.body();
-  if (saved.body != own) {
-    throw Error(path + ": byte 24: expected a state of the body " + hexadecimal(own) + ", got one of " +
-                hexadecimal(saved.body) +
-                ", which has another shape, material, order of particles or other options; load it into a solver over "
-                "the same tables, or take read_state(...).snapshot.state where only positions are wanted");
+  const std::uint64_t own = solver.topology_hash();
+  if (snapshot.topology_hash != own) {
+    fail_format(
+        path, 0,
+        "byte 24: expected a state of the body " + hexadecimal(own) + ", got one of " +
+            hexadecimal(snapshot.topology_hash) +
+            ", which has another shape, material, order of particles or other options; load it into a solver over "
+            "the same tables, or take read_state(...).state where only positions are wanted");
   }
   try {
-    solver.restore(saved.snapshot);
+    solver.restore(snapshot);
   } catch (const Error& error) {
-    throw Error(path + ": " + error.what());
+    throw in_file(path, with_prefix(path + ": ", error));
   }
 }
 
@@ -118,7 +123,7 @@ void StateHistory::drop_after(double time) {
 }
 
 void StateHistory::follow(const Solver& solver, const StepReport& report) {
-  if (!states_.empty() && states_.back().body != solver.body()) {
+  if (!states_.empty() && states_.back().topology_hash != solver.topology_hash()) {
     throw Error(
         "StateHistory::follow: expected a solver of the body whose states are kept, got one of another shape, "
         "material, order of particles or other options of the tables; clear() the history, or keep one for each body");

@@ -7,6 +7,8 @@
 #include <limits>
 #include <type_traits>
 
+#include "interaction/shape_kind.h"
+
 namespace phymul {
 namespace {
 
@@ -53,14 +55,33 @@ std::shared_ptr<const DistanceGrid> take_grid(ByteReader& in) {
   return std::make_shared<const DistanceGrid>(origin, spacing, count, std::move(values));
 }
 
+/// What a file calls each shape: never another number, whatever ToolShape lists first.
+std::uint8_t code_of(const ToolShape& shape) {
+  switch (kind_of(shape)) {
+    case ShapeKind::sphere:
+      return 0;
+    case ShapeKind::capsule:
+      return 1;
+    case ShapeKind::half_space:
+      return 2;
+    case ShapeKind::box:
+      return 3;
+    case ShapeKind::grid:
+      return 4;
+    case ShapeKind::needle:
+      break;
+  }
+  return 5;
+}
+
 template <std::size_t row = 0>
 ToolShape take_shape(ByteReader& in, std::uint8_t wanted) {
   if constexpr (row == std::variant_size_v<ToolShape>) {
     in.fail("expected a tool's shape below " + std::to_string(row) + ", got " + std::to_string(wanted) +
             "; the file is damaged, or of a newer version of phymul");
   } else {
-    if (row != wanted) return take_shape<row + 1>(in, wanted);
     using Shape = std::variant_alternative_t<row, ToolShape>;
+    if (code_of(Shape{}) != wanted) return take_shape<row + 1>(in, wanted);
     if constexpr (std::is_same_v<Shape, std::shared_ptr<const DistanceGrid>>) {
       return take_grid(in);
     } else {
@@ -110,7 +131,7 @@ ToolPose take_pose(ByteReader& in) {
 }
 
 void put_tool(ByteWriter& out, const Tool& tool) {
-  out.u8(static_cast<std::uint8_t>(tool.shape.index()));
+  out.u8(code_of(tool.shape));
   std::visit(
       [&](const auto& shape) {
         if constexpr (std::is_same_v<std::decay_t<decltype(shape)>, std::shared_ptr<const DistanceGrid>>) {

@@ -12,7 +12,7 @@ namespace phymul {
 void put_pose(ByteWriter& out, const ToolPose& pose);
 ToolPose take_pose(ByteReader& in);
 
-/// Shapes by their row in ToolShape (u8), then their members.
+/// The shape's code (u8), then the members of the shape, pose and coefficients.
 void put_tool(ByteWriter& out, const Tool& tool);
 Tool take_tool(ByteReader& in);  ///< throws Error for a shape there is none of; the scene checks the rest
 

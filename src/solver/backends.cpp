@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // The table of backends, and what "auto" takes of them.
+#include <phymul/backend.h>
 #include <phymul/error.h>
-#include <phymul/solver.h>
 #include <phymul/topology_textures.h>
 
 #include <algorithm>
@@ -11,7 +11,8 @@
 #include <cstdio>
 #include <limits>
 
-#include "cpu/packed/vector_solver.h"
+#include "base/file_error.h"
+#include "cpu/packed/simd_solver.h"
 #include "cpu/reference_solver.h"
 #include "cpu/simd/job.h"
 #include "topology/neighbourhoods.h"
@@ -40,7 +41,7 @@ std::unique_ptr<Solver> make_gl_solver(std::shared_ptr<const TopologyTextures> t
                                        const SolverOptions& options) try {
   return load_gl_module().make(backend, std::move(topology), scene, options);
 } catch (const Error& error) {
-  throw Error("backend \"" + std::string(name_of(backend)) + "\": " + error.what());
+  throw with_prefix("backend \"" + std::string(name_of(backend)) + "\": ", error);
 }
 
 template <GlBackend backend>
@@ -54,7 +55,7 @@ std::string why_gl_unavailable(const SolverOptions& options) try {
 
 constexpr std::array backends{
     Backend{"reference", cpu::make_reference_solver, always_available},
-    Backend{"cpu", cpu::make_vector_solver, always_available},
+    Backend{"cpu", cpu::make_simd_solver, always_available},
 #ifdef PHYMUL_HAS_GL
     Backend{"gl", make_gl_solver<GlBackend::fragment>, why_gl_unavailable<GlBackend::fragment>},
     Backend{"gl-compute", make_gl_solver<GlBackend::compute>, why_gl_unavailable<GlBackend::compute>},
@@ -67,7 +68,7 @@ const Backend& find_backend(std::string_view name) {
   }
   std::string known = "auto";
   for (const Backend& backend : backends) known += std::string(", ") + backend.name;
-  throw Error("unknown backend \"" + std::string(name) + "\"; this build has: " + known);
+  throw Error(ErrorCode::unknown_name, "unknown backend \"" + std::string(name) + "\"; this build has: " + known);
 }
 
 struct Choice {
@@ -166,7 +167,7 @@ Choice choose(const std::shared_ptr<const TopologyTextures>& topology, const Sce
               const SolverOptions& options) {
   std::unique_ptr<Solver> cpu;
   try {
-    cpu = cpu::make_vector_solver(topology, scene, options);
+    cpu = cpu::make_simd_solver(topology, scene, options);
   } catch (const Error& error) {
     // Where the fault is the caller's, the reference backend finds it again.
     return {cpu::make_reference_solver(topology, scene, options), std::string("reference: ") + error.what()};
@@ -200,9 +201,10 @@ std::unique_ptr<Solver> make_solver(std::string_view backend, std::shared_ptr<co
   SolverOptions quiet = options;
   quiet.progress = {};
   Choice choice = choose(topology, scene, quiet);
-  choice.solver->options_.progress = options.progress;
-  choice.solver->clear_profile();
-  choice.solver->choice_ = std::move(choice.reason);
+  auto& chosen = static_cast<SolverBackend&>(*choice.solver);
+  chosen.options_.progress = options.progress;
+  chosen.clear_profile();
+  chosen.backend_reason_ = std::move(choice.reason);
   return std::move(choice.solver);
 }
 

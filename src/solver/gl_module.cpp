@@ -43,14 +43,17 @@ void require_same_build(const GlModule& module, const fs::path& place) {
   const GlModuleStamp here;
   if (module.stamp == here) return;
   const bool same_version = std::string_view(module.stamp.version) == here.version;
-  throw Error(place.string() + " belongs to phymul " + module.stamp.version + ", this program to " + here.version +
-              (same_version ? ", and was built with other headers or flags" : "") +
-              "; install both from one build, or set PHYMUL_GL_MODULE to the full path of the right one");
+  throw Error(ErrorCode::device,
+              place.string() + " belongs to phymul " + module.stamp.version + ", this program to " + here.version +
+                  (same_version ? ", and was built with other headers or flags" : "") +
+                  "; install both from one build, or set PHYMUL_GL_MODULE to the full path of the right one");
 }
 
 const GlModule* entry_of(void* library, const fs::path& place) {
   const auto entry = reinterpret_cast<GlModuleEntry>(dlsym(library, gl_module_entry));
-  if (!entry) throw Error(place.string() + " is no GL module of phymul: it has no function " + gl_module_entry);
+  if (!entry)
+    throw Error(ErrorCode::device,
+                place.string() + " is no GL module of phymul: it has no function " + gl_module_entry);
   const GlModule* module = entry();
   require_same_build(*module, place);
   return module;
@@ -64,9 +67,10 @@ const GlModule* find_module() {
     failures += "\n  " + std::string(reason ? reason : place.c_str());
   }
   throw Error(
+      ErrorCode::device,
       "the GL part of phymul could not be loaded. It needs the libraries GLEW, EGL and GL (Debian: libglew2.2 libegl1 "
       "libgl1), and PHYMUL_GL_MODULE may name its full path; tried:" +
-      failures);
+          failures);
 }
 
 }  // namespace

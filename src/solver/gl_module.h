@@ -4,7 +4,7 @@
 // libGLEW, libEGL or libGL runs everything else.
 #pragma once
 
-#include <phymul/solver.h>
+#include <phymul/backend.h>
 #include <phymul/version.h>
 
 #include <array>
@@ -20,8 +20,8 @@ class Display;  // display.h
 /// Both sides must have been built from the same headers. Trivial types only: it is read before anything is trusted.
 struct GlModuleStamp {
   char version[16] = PHYMUL_VERSION;
-  std::array<std::size_t, 8> sizes{sizeof(Solver),    sizeof(SolverOptions),    sizeof(GlOptions), sizeof(Scene),
-                                   sizeof(LoadFrame), sizeof(TopologyTextures), sizeof(Model),     sizeof(State)};
+  std::array<std::size_t, 8> sizes{sizeof(SolverBackend), sizeof(SolverOptions),    sizeof(GlOptions), sizeof(Scene),
+                                   sizeof(LoadFrame),     sizeof(TopologyTextures), sizeof(Model),     sizeof(State)};
   bool operator==(const GlModuleStamp& other) const {
     return std::string_view(version) == other.version && sizes == other.sizes;
   }

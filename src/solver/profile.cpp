@@ -57,20 +57,16 @@ void Profile::clear() {
   order_ = 0;
 }
 
-std::vector<PassProfile> Solver::profile() const {
+std::vector<PassProfile> SolverBackend::profile() const {
   if (!profile_) return {};
   do_profile();
   return profile_->rows();
 }
 
-void Solver::clear_profile() {
+void SolverBackend::clear_profile() {
   if (!profile_) return;
   do_profile();
   profile_->clear();
-}
-
-double Solver::bytes_a_step() const {
-  return do_bytes_a_step();
 }
 
 }  // namespace phymul

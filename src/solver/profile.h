@@ -4,7 +4,7 @@
 // what takes a pointer to one then asks no clock.
 #pragma once
 
-#include <phymul/solver.h>
+#include <phymul/backend.h>
 
 #include <chrono>
 #include <string_view>

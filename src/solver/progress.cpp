@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Long calls that tell how far they are: the plan of a call, cut into slices between which the clock is looked at. A
-// backend keeps its count of steps at rest from one do_step() to the next, so the cuts change nothing.
-#include <phymul/solver.h>
+// Progress of long calls: the plan of a call is divided into slices, and the clock is read between them. A backend
+// keeps its count of steps at rest from one do_step() to the next, so the slices change nothing.
+#include <phymul/backend.h>
 
 #include <algorithm>
 #include <chrono>
@@ -26,13 +26,13 @@ int next_slice(int steps, double seconds, double wanted) {
 
 }  // namespace
 
-Solver::Motion Solver::run(const StepPlan& plan, StepReport& report) {
+SolverBackend::Motion SolverBackend::run(const StepPlan& plan, StepReport& report) {
   // A tool goes its way evenly over the steps of one do_step(): slices would make it jump.
   const bool in_slices = options_.progress && scene_->tools().empty();
   return in_slices ? run_with_progress(plan, report) : do_step(plan);
 }
 
-Solver::Motion Solver::run_with_progress(const StepPlan& plan, StepReport& report) {
+SolverBackend::Motion SolverBackend::run_with_progress(const StepPlan& plan, StepReport& report) {
   Motion motion;
   Clock::time_point last_call = Clock::now(), slice_began = last_call;
   while (true) {
@@ -43,11 +43,11 @@ Solver::Motion Solver::run_with_progress(const StepPlan& plan, StepReport& repor
     // A slice whose first step failed knows nothing of speeds.
     const double speed = done.steps > 0 ? done.max_speed : motion.max_speed;
     const int steps = motion.steps + done.steps;
-    const bool cut = motion.cut || done.cut;
+    const bool clamped = motion.force_clamped || done.force_clamped;
     motion = done;
     motion.steps = steps;
     motion.max_speed = speed;
-    motion.cut = cut;
+    motion.force_clamped = clamped;
     const bool rests = plan.stop_at_rest && motion.steps_at_rest >= plan.rest_steps;
     if (motion.steps >= plan.steps || done.steps < slice.steps || rests) return motion;
 

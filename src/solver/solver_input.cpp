@@ -29,9 +29,9 @@ void require_options(const SolverOptions& options) {
   if (!(options.rest_tolerance > 0.0)) {
     throw Error("SolverOptions::rest_tolerance must be above 0; got " + to_decimal(options.rest_tolerance));
   }
-  if (!(options.largest_push > 0.0)) {
-    throw Error("SolverOptions::largest_push must be above 0 (infinite: no force is cut); got " +
-                to_decimal(options.largest_push));
+  if (!(options.max_displacement_per_step > 0.0)) {
+    throw Error("SolverOptions::max_displacement_per_step must be above 0 (infinite: no force is clamped); got " +
+                to_decimal(options.max_displacement_per_step));
   }
   if (options.rest_steps < 1) {
     throw Error("SolverOptions::rest_steps must be 1 or more; got " + std::to_string(options.rest_steps));
@@ -54,6 +54,9 @@ const char* why_no_steps(int n, double dt, bool to_rest, const Damping& damping)
   }
   if (!(dt > 0.0) || !std::isfinite(dt)) return "expected a finite step above 0 s";
   if (dt < smallest_step) return "expected a step of at least 1e-18 s; is a time in the wrong unit?";
+  if (!(damping.rate >= 0.0) || !std::isfinite(damping.rate) || !(damping.factor >= 0.0 && damping.factor <= 1.0)) {
+    return "expected a finite damping rate in 1/s, 0 or more, and a factor in [0, 1]";
+  }
   if (to_rest && damping.rate == 0.0 && damping.factor == 1.0) {
     return "run_to_rest() expected damping, without which nothing comes to rest; set SolverOptions::damping.rate "
            "(1/s), or call step()";

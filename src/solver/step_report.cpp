@@ -1,32 +1,30 @@
 // SPDX-License-Identifier: MIT
-#include <phymul/solver.h>
+#include <phymul/step_report.h>
 
 #include <cstdio>
 
 namespace phymul {
 
+namespace {
+
+/// `verdict`: "ok:" or "not at rest after".
+std::string good_message(const StepReport& r, const char* verdict) {
+  char text[512];
+  std::snprintf(text, sizeof text, "%s %d steps to t = %.6g s, residual %.3g N, speed %.3g m/s%s%s%s%s", verdict,
+                r.steps, r.time, r.residual, r.max_speed, r.at_rest ? ", at rest" : "",
+                r.stopped ? "; stopped by SolverOptions::progress" : "",
+                r.beyond_limit ? "; the step is beyond the stable step" : "",
+                r.force_clamped ? "; elastic forces were clamped, the body was far out of shape" : "");
+  return text;
+}
+
+}  // namespace
+
 std::string StepReport::message() const {
   char text[1024];
-  int length = 0;
   switch (status) {
     case StepStatus::ok:
-      length = std::snprintf(text, sizeof text, "%s %d steps to t = %.6g s, residual %.3g N, speed %.3g m/s%s%s%s%s",
-                             to_rest && !at_rest ? "not at rest after" : "ok:", steps, time, residual, max_speed,
-                             at_rest ? ", at rest" : "", stopped ? "; stopped by SolverOptions::progress" : "",
-                             beyond_limit ? "; the step is beyond the stable step" : "",
-                             cut ? "; elastic forces were cut, the body was far out of shape" : "");
-      if (collapsed >= 0) {
-        length += std::snprintf(
-            text + length, sizeof text - static_cast<std::size_t>(length),
-            "; a base of particle %d has collapsed and has no direction: move some of its particles apart",
-            static_cast<int>(collapsed));
-      }
-      if (folded >= 0) {
-        std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
-                      "; cell %d is flat or inside out: the body rests folded, which is not its rest shape",
-                      static_cast<int>(folded));
-      }
-      break;
+      return good_message(*this, "ok:");
     case StepStatus::invalid_step:
       std::snprintf(text, sizeof text, "invalid_step: dt = %g s: %s; nothing was done", dt, cause);
       break;
@@ -39,7 +37,8 @@ std::string StepReport::message() const {
       break;
     case StepStatus::not_finite:
       std::snprintf(text, sizeof text,
-                    "not_finite: particle %d ran away (a million times the wave speed, or not a number) after t = %.6g "
+                    "not_finite: particle %d diverged (its speed is above a million times the wave speed, or not "
+                    "finite) after t = %.6g "
                     "s (step %d of this call, "
                     "dt = %.6g s, stable step at rest %.6g s); the state at that time is kept. Likely cause: %s",
                     static_cast<int>(particle), time, steps + 1, dt, stable_step, cause);
@@ -48,7 +47,7 @@ std::string StepReport::message() const {
       std::snprintf(text, sizeof text, "not_supported: %s; nothing was done", cause);
       break;
     case StepStatus::device_lost:
-      std::snprintf(text, sizeof text, "device_lost: the device went away after t = %.6g s", time);
+      std::snprintf(text, sizeof text, "device_lost: the device failed after t = %.6g s", time);
       break;
     case StepStatus::needle_full:
       std::snprintf(text, sizeof text,
@@ -62,6 +61,20 @@ std::string StepReport::message() const {
                     "s (step %d of this call); the state at that time is kept. Likely cause: %s",
                     static_cast<int>(particle), time, steps + 1, cause);
       break;
+  }
+  return text;
+}
+
+std::string RestResult::message() const {
+  if (status == RestStatus::failed) return report.message();
+  std::string text = good_message(report, converged() ? "ok:" : "not at rest after");
+  if (collapsed >= 0) {
+    text += "; a base of particle " + std::to_string(collapsed) +
+            " has collapsed and has no direction: move some of its particles apart";
+  }
+  if (folded >= 0) {
+    text += "; cell " + std::to_string(folded) +
+            " is flat or inside out: the body rests folded, which is not its rest shape";
   }
   return text;
 }

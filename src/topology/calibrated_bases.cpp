@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "calibrated_bases.h"
-#include "model/cell_label.h"
+#include "model/cell_geometry.h"
 
 #include <phymul/error.h>
 

@@ -2,7 +2,6 @@
 #include "corner_simplices.h"
 
 #include "model/cell_geometry.h"
-#include "model/cell_label.h"
 
 #include <phymul/error.h>
 
@@ -50,9 +49,10 @@ bool wound_clockwise(const Model& model, const Cell& cell) {
 
 [[noreturn]] void fail_inside_out(const Model& model, Index cell) {
   throw Error(
+      ErrorCode::invalid_model,
       cell_label(model, cell) +
-      " is inside out at rest, as a whole or at one of its corners: its volume is not positive. Run check_mesh, "
-      "which turns wrongly wound cells, or mend the mesh");
+          " is inside out at rest, as a whole or at one of its corners: its volume is not positive. Run check_mesh, "
+          "which turns wrongly wound cells, or mend the mesh");
 }
 
 }  // namespace

@@ -6,10 +6,35 @@
 namespace phymul {
 namespace {
 
+// Files hold fingerprints: the numbers of enumerators never change, whatever their order.
+std::int32_t number_of(Law law) {
+  return law == Law::springs ? 0 : 1;
+}
+
+std::int32_t number_of(VolumeLaw law) {
+  return law == VolumeLaw::quadratic ? 0 : 1;
+}
+
+std::int32_t number_of(Reaction reaction) {
+  switch (reaction) {
+    case Reaction::full:
+      return 0;
+    case Reaction::shared:
+      return 1;
+    case Reaction::barycentric:
+      return 2;
+    case Reaction::averaged:
+      return 3;
+    case Reaction::conservative:
+      break;
+  }
+  return 4;
+}
+
 void add_options(Fnv& sum, const TopologyOptions& options) {
-  sum.add(options.law);
-  sum.add(options.reaction);
-  sum.add(options.volume_law);
+  sum.add(number_of(options.law));
+  sum.add(number_of(options.reaction));
+  sum.add(number_of(options.volume_law));
   sum.add(options.area_exponent);
 }
 

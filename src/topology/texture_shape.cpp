@@ -18,10 +18,12 @@ TextureShape fit_texture(std::int64_t rows, int limit, const char* table) {
   while (width < widest && width * width < wanted) width *= 2;
   const std::int64_t height = (wanted + width - 1) / width;
   if (height > limit) {
-    throw Error("the table of " + std::string(table) + " needs " + std::to_string(rows) + " rows; textures of up to " +
-                std::to_string(limit) + " texels a side hold " + std::to_string(widest * limit) +
-                " (widths are powers of two). Use fewer particles or neighbours, a sparser base selection, or raise "
-                "max_texture_size if the device allows");
+    throw Error(
+        ErrorCode::not_supported,
+        "the table of " + std::string(table) + " needs " + std::to_string(rows) + " rows; textures of up to " +
+            std::to_string(limit) + " texels a side hold " + std::to_string(widest * limit) +
+            " (widths are powers of two). Use fewer particles or neighbours, a sparser base selection, or raise "
+            "max_texture_size if the device allows");
   }
   return {static_cast<int>(width), static_cast<int>(height)};
 }

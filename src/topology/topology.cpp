@@ -40,7 +40,7 @@ std::string particle_names(const Model& model, const std::vector<Index>& particl
   std::string text = particles.size() == 1 ? "particle " : "particles ";
   for (std::size_t k = 0; k < std::min(particles.size(), most); ++k) {
     const Index i = particles[k];
-    text += (k > 0 ? ", " : "") + std::to_string(model.file_index.empty() ? i : model.file_index[i]);
+    text += (k > 0 ? ", " : "") + std::to_string(model.file_index(i));
   }
   if (particles.size() > most) text += " and " + std::to_string(particles.size() - most) + " more";
   return text;
@@ -72,8 +72,9 @@ void treat_sparse(const Model& model, const BaseTable& table, TopologyTextures& 
   if (sparse.empty()) return;
   switch (topology.options.on_sparse) {
     case SparseParticle::error:
-      throw Error(particle_names(model, sparse) + (sparse.size() == 1 ? " has" : " have") + " no base: " +
-                  how_to_get_bases(model, topology.options.bases) + ", or set on_sparse to springs or free");
+      throw Error(ErrorCode::invalid_model, particle_names(model, sparse) + (sparse.size() == 1 ? " has" : " have") +
+                                                " no base: " + how_to_get_bases(model, topology.options.bases) +
+                                                ", or set on_sparse to springs or free");
     case SparseParticle::springs:
       require(model.materials.empty(), particle_names(model, sparse) + (sparse.size() == 1 ? " is" : " are") +
                                            " in no cell that has a material, and springs would need a stiffness in "

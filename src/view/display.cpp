@@ -13,7 +13,7 @@ std::unique_ptr<Display> make(const Model& model, const Solver* solver, const Gl
   return load_gl_module().make_display(model, solver, gl);
 #else
   (void)solver, (void)gl;
-  throw Error("this build of phymul draws nothing: it was made without GL (PHYMUL_WITH_GL)");
+  throw Error(ErrorCode::not_supported, "this build of phymul draws nothing: it was made without GL (PHYMUL_WITH_GL)");
 #endif
 }
 

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "model/surface.h"
+#include "model/surface_facets.h"
 
 namespace phymul {
 namespace {

@@ -31,7 +31,9 @@ foreach(program IN LISTS PROGRAMS)
   read_names(${stem} "${listing}")
 endforeach()
 
-file(GLOB documents "${ROOT}/*.md" "${ROOT}/docs/*.md")
+file(GLOB documents "${ROOT}/*.md")
+file(GLOB_RECURSE pages "${ROOT}/docs/*.md")
+list(APPEND documents ${pages})
 foreach(document IN LISTS documents)
   file(READ "${document}" text)
   # Square brackets and semicolons mean something in CMake's lists.

@@ -101,9 +101,9 @@ TEST_P(SolverConformance, HangsToRestUnderGravityAndBearsItsWeight) {
   SolverOptions options;
   options.damping.rate = 60.0;
   const auto solver = make(model, scene, options);
-  const StepReport report = solver->run_to_rest(200000, 0.5 * solver->stable_step());
-  ASSERT_TRUE(report.ok()) << report.message();
-  EXPECT_TRUE(report.at_rest);
+  const RestResult rest = solver->run_to_rest(200000, 0.5 * solver->stable_step());
+  ASSERT_TRUE(rest.report.ok()) << rest.message();
+  EXPECT_TRUE(rest.converged());
   VecList force(model.rest.size());
   elastic_forces(solver->topology(), solver->read().position, force);
   double held = 0.0, hanging = 0.0;
@@ -269,23 +269,25 @@ TEST_P(SolverConformance, RunToRestSaysWhetherItRests) {
   SolverOptions options;
   const auto undamped = make(model, scene, options);
   const double dt = 0.5 * undamped->stable_step();
-  StepReport report = undamped->run_to_rest(200000, dt);
-  EXPECT_EQ(report.status, StepStatus::invalid_step);
-  EXPECT_EQ(report.steps, 0);
-  EXPECT_NE(report.message().find("expected damping"), std::string::npos) << report.message();
+  RestResult rest = undamped->run_to_rest(200000, dt);
+  EXPECT_EQ(rest.status, RestStatus::failed);
+  EXPECT_EQ(rest.report.status, StepStatus::invalid_step);
+  EXPECT_EQ(rest.report.steps, 0);
+  EXPECT_NE(rest.message().find("expected damping"), std::string::npos) << rest.message();
   EXPECT_EQ(undamped->read().time, 0.0);
 
   options.damping.rate = 60.0;
   const auto damped = make(model, scene, options);
-  report = damped->run_to_rest(10, dt);
-  EXPECT_TRUE(report.ok());
-  EXPECT_FALSE(report.at_rest);
-  EXPECT_EQ(report.message().find("not at rest after 10 steps"), 0u) << report.message();
+  rest = damped->run_to_rest(10, dt);
+  EXPECT_TRUE(rest.report.ok());
+  EXPECT_EQ(rest.status, RestStatus::step_limit);
+  EXPECT_FALSE(rest.converged());
+  EXPECT_EQ(rest.message().find("not at rest after 10 steps"), 0u) << rest.message();
   EXPECT_EQ(damped->step(10, dt).message().find("ok: 10 steps"), 0u);
   options.rest_tolerance = 1e-3;
-  report = make(model, scene, options)->run_to_rest(20000, dt);
-  EXPECT_TRUE(report.at_rest);
-  EXPECT_EQ(report.message().find("ok: "), 0u) << report.message();
+  rest = make(model, scene, options)->run_to_rest(20000, dt);
+  EXPECT_TRUE(rest.converged());
+  EXPECT_EQ(rest.message().find("ok: "), 0u) << rest.message();
 }
 
 TEST_P(SolverConformance, StopsBeforeNaNAndKeepsTheLastGoodState) {

@@ -124,8 +124,7 @@ Scene pulled(const Model& model) {
   push.particles = model.group("y1");
   push.direction = {0, 1, 0};
   push.events = {{0.0, 0.01}};
-  scene.fix("x0").gravity({0, 0, -9.81}).add(pull).add(push);
-  return scene;
+  return scene.fix("x0").gravity({0, 0, -9.81}).add(pull).add(push);
 }
 
 /// Bodies of several clusters, with the terms of every kernel among them.
@@ -250,7 +249,7 @@ TEST(CpuBackend, BodiesTooSmallForSinglePrecisionAreForTheReference) {
             std::string::npos);
   const auto solver = make_solver("auto", model, scene);
   EXPECT_EQ(solver->name(), "reference");
-  EXPECT_NE(solver->choice().find("single precision holds"), std::string::npos) << solver->choice();
+  EXPECT_NE(solver->backend_reason().find("single precision holds"), std::string::npos) << solver->backend_reason();
 }
 
 /// So many particles without neighbours that whole slices have none: nothing pulls them, and they fall.

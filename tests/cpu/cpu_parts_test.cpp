@@ -6,15 +6,15 @@
 #include <bit>
 #include <numeric>
 
-#include "topology/locality_order.h"
 #include "base/thread_pool.h"
 #include "cpu/packed/box_lattice.h"
 #include "cpu/packed/cluster_claims.h"
 #include "cpu/packed/hexahedra.h"
+#include "cpu/packed/packed_body.h"
 #include "cpu/packed/renumbering.h"
 #include "cpu/packed/simplices.h"
-#include "cpu/packed/vector_body.h"
 #include "support/bodies.h"
+#include "topology/locality_order.h"
 #include "topology/neighbourhoods.h"
 
 namespace phymul::test {
@@ -160,7 +160,7 @@ struct GridShare {
 GridShare grid_share(Model model) {
   set_material(model, soft_tissue());
   const TopologyTextures tables = build_topology(model, {.cell_average = 0.9});
-  const auto body = cpu::make_vector_body(tables, 8);
+  const auto body = cpu::make_packed_body(tables, 8);
   GridShare share;
   for (const cpu::Cluster& cluster : body->clusters) {
     const cpu::simd::Grid& grid = cluster.job.grid;
@@ -226,8 +226,8 @@ TEST(ThreadPool, RunsEveryPartOnceEachTime) {
 }
 
 /// Clusters of a body that costs so much each.
-cpu::VectorBody body_of_clusters(const std::vector<double>& costs) {
-  cpu::VectorBody body;
+cpu::PackedBody body_of_clusters(const std::vector<double>& costs) {
+  cpu::PackedBody body;
   body.clusters.resize(costs.size());
   for (std::size_t c = 0; c < costs.size(); ++c) body.clusters[c].cost = costs[c];
   return body;

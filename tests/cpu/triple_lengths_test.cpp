@@ -6,7 +6,7 @@
 
 #include <iostream>
 
-#include "cpu/packed/vector_body.h"
+#include "cpu/packed/packed_body.h"
 #include "support/cpu_forces.h"
 #include "support/failure_states.h"
 
@@ -103,7 +103,7 @@ TEST(TripleLengths, FarFromRestForcesAreWithinTheRoundingBound) {
 TEST(TripleLengths, ParticlesThatSeeTheSameShareConstants) {
   const auto bytes_a_particle = [](const Model& model) {
     const TopologyTextures tables = build_topology(model, {.reaction = Reaction::shared, .bases = BaseSelection::all});
-    return cpu::make_vector_body(tables, 8)->bytes_a_step() / model.particle_count();
+    return cpu::make_packed_body(tables, 8)->bytes_a_step() / model.particle_count();
   };
   Model lattice = make_block({0.15, 0.15, 0.15}, 15, 15, 15, 14);
   const double shared = bytes_a_particle(lattice);

@@ -3,6 +3,8 @@
 // Packing of the constants for float backends.
 #include "device/float_tables.h"
 
+#include "device/float_range.h"
+
 #include <gtest/gtest.h>
 
 #include "support/bodies.h"

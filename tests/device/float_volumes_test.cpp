@@ -32,11 +32,11 @@ struct TwoBlocks {
 TEST(FloatVolumes, SumsTakeEveryFacetOnceAndEndInOneOfEachVolume) {
   const TwoBlocks two;
   Scene scene(two.model);
-  scene.keep_volume("large").keep_volume("small");
+  scene.constrain_volume("large").constrain_volume("small");
   const FloatVolumes tables = pack_volumes(scene);
   ASSERT_EQ(tables.count(), 2);
-  const std::size_t of_large = scene.volumes()[0].triangles.size();
-  ASSERT_EQ(tables.facets.size(), of_large + scene.volumes()[1].triangles.size());
+  const std::size_t of_large = scene.volume_constraints()[0].triangles.size();
+  ASSERT_EQ(tables.facets.size(), of_large + scene.volume_constraints()[1].triangles.size());
   ASSERT_EQ(tables.levels.size(), 3u);  // 416 facets: 26, 2, 1
   // Of each level, what the nodes of a volume add, added up: the facets of that volume.
   std::vector<std::vector<std::int32_t>> under(tables.nodes.size());
@@ -68,7 +68,7 @@ TEST(FloatVolumes, SumsTakeEveryFacetOnceAndEndInOneOfEachVolume) {
 TEST(FloatVolumes, ParticlesGatherTheFacetsTheyAreCornersOf) {
   const TwoBlocks two;
   Scene scene(two.model);
-  scene.keep_volume("small");
+  scene.constrain_volume("small");
   const FloatVolumes tables = pack_volumes(scene);
   std::size_t gathered = 0;
   for (std::size_t i = 0; i < tables.ranges.size(); ++i) {
@@ -125,7 +125,7 @@ TEST(FloatVolumes, TheMirrorComesToRestWithItsVolume) {
   for (double& k : model.stiffness) k = 5.0;
   for (double& m : model.mass) m = 1e-4;
   Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81}).keep_volume();
+  scene.fix("x0").gravity({0, 0, -9.81}).constrain_volume();
   SolverOptions options;
   options.damping.rate = 30.0;
   options.rest_tolerance = 1e-5;
@@ -133,9 +133,9 @@ TEST(FloatVolumes, TheMirrorComesToRestWithItsVolume) {
   const auto mirror = cpu::make_mirror_solver(tables, scene, options);
   const auto reference = make_solver("reference", tables, scene, options);
   const double dt = 0.4 * reference->stable_step();
-  const StepReport a = mirror->run_to_rest(100000, dt), b = reference->run_to_rest(100000, dt);
-  EXPECT_TRUE(a.at_rest && b.at_rest) << a.message();
-  EXPECT_NEAR(a.steps, b.steps, 0.02 * b.steps);
+  const RestResult a = mirror->run_to_rest(100000, dt), b = reference->run_to_rest(100000, dt);
+  EXPECT_TRUE(a.converged() && b.converged()) << a.message();
+  EXPECT_NEAR(a.report.steps, b.report.steps, 0.02 * b.report.steps);
   const State x = mirror->read(), y = reference->read();
   double moved = 0.0, off = 0.0;
   for (std::size_t i = 0; i < model.rest.size(); ++i) {
@@ -144,7 +144,7 @@ TEST(FloatVolumes, TheMirrorComesToRestWithItsVolume) {
   }
   EXPECT_GT(moved, 1e-3);
   EXPECT_LT(off, 1e-4 * moved);
-  const ClosedVolume& kept = scene.volumes()[0];
+  const VolumeConstraint& kept = scene.volume_constraints()[0];
   EXPECT_NEAR(enclosed_volume(kept.triangles, x.position) / kept.volume, 1.0, 1e-6);
 }
 

@@ -50,7 +50,7 @@ TEST_P(GlBodyContact, MomentumIsKeptToRounding) {
     Scene scene(model);
     scene.contacts({.friction = friction});
     SolverOptions options;
-    options.largest_push = std::numeric_limits<double>::infinity();
+    options.max_displacement_per_step = std::numeric_limits<double>::infinity();
     BesideReference pair(model, scene, options, GetParam());
     State state = rest_state(model);
     double scale = 0.0;
@@ -184,7 +184,7 @@ TEST_P(GlBodyContact, ALongChainOfContactsIsPressedToItsEnd) {
   set_material(sheet, {5e3, 0.3, 1000.0});
   const Model model = joined_bodies(floor, moved(sheet, {0.005, 0.0045, 0.0306}));
   Scene scene(model);
-  scene.fix("low/z0").contacts({.friction = 0.3, .skin = 0.0004});
+  scene.fix("low/z0").contacts({.friction = 0.3, .margin = 0.0004});
   BesideReference pair(model, scene, damped(5.0), GetParam());
   State falling = rest_state(model);
   for (const Index i : model.group("high")) falling.velocity[i] = Vec3(0.02, 0.01, -0.05);
@@ -209,7 +209,7 @@ TEST_P(GlBodyContact, WhatAToolSetsGoingIsSeenInThatStep) {
   scene.add_tool("jaw", {.shape = Box{{0.0055, 0.0055, 0.0055}}, .pose = {.position = middle}});
   scene.tool("jaw").grasp(0.0);
   BesideReference pair(model, scene, damped(5.0), GetParam());
-  scene.tool("jaw").pose({.position = middle - Vec3(0, 0, 0.003)});
+  scene.tool("jaw").move_to({.position = middle - Vec3(0, 0, 0.003)});
   EXPECT_LE(pair.off_after(1), 1e-5);
   double deepest = 0.0;
   const State end = pair.device->read();
@@ -224,7 +224,7 @@ TEST_P(GlBodyContact, InsideIsAsDeepAsTheLongerEdgeOfTheTwo) {
     const Model small = moved(make_block({0.001, 0.001, 0.001}, 1, 1, 1), {0.039 - below, 0.011, 0.0095});
     const Model model = joined_bodies(big, small);
     Scene scene(model);
-    scene.contacts({.skin = 1e-4});
+    scene.contacts({.margin = 1e-4});
     BesideReference pair(model, scene, damped(5.0), GetParam());
     if (below == 0.0065) {
       ASSERT_TRUE(pair.device->step(1, pair.dt).ok());
@@ -249,8 +249,8 @@ TEST_P(GlBodyContact, ToolsAndContactsActInOneStep) {
   BesideReference pair(model, scene, damped(10.0), GetParam());
   double worst = 0.0, deepest = 0.0;
   for (int k = 0; k < 8; ++k) {
-    scene.tool("jaw").pose({.position = {0.0122, 0.0131, 0.0222 - 2e-4 * k}});
-    scene.tool("ball").pose({.position = {-0.0045 + 2e-4 * k, 0.01, 0.005}});
+    scene.tool("jaw").move_to({.position = {0.0122, 0.0131, 0.0222 - 2e-4 * k}});
+    scene.tool("ball").move_to({.position = {-0.0045 + 2e-4 * k, 0.01, 0.005}});
     const double off = pair.off_after(12);
     if (k > 0) worst = std::max(worst, off);  // in the first call nothing moves
     const ToolForce a = pair.device->tool_force("jaw"), b = pair.reference->tool_force("jaw");
@@ -272,17 +272,17 @@ TEST_P(GlBodyContact, ToolsAndContactsActInOneStep) {
 TEST_P(GlBodyContact, VolumesAreKeptAfterContacts) {
   const Model model = stacked(0.0012);
   Scene scene(model);
-  scene.fix("low/z0").contacts({.friction = 0.3}).keep_volume("low").keep_volume("high");
+  scene.fix("low/z0").contacts({.friction = 0.3}).constrain_volume("low").constrain_volume("high");
   scene.add_tool("jaw", {.shape = Box{{0.006, 0.006, 0.001}}, .pose = {.position = {0.0122, 0.0131, 0.0222}}});
   scene.tool("jaw").grasp(0.006);
   BesideReference pair(model, scene, damped(10.0), GetParam());
   double worst = 0.0;
   for (int k = 0; k < 8; ++k) {
-    scene.tool("jaw").pose({.position = {0.0122, 0.0131, 0.0222 - 2e-4 * k}});
+    scene.tool("jaw").move_to({.position = {0.0122, 0.0131, 0.0222 - 2e-4 * k}});
     const double off = pair.off_after(12);
     if (k > 0) worst = std::max(worst, off);
     const State state = pair.device->read();
-    for (const ClosedVolume& kept : scene.volumes()) {
+    for (const VolumeConstraint& kept : scene.volume_constraints()) {
       EXPECT_NEAR(enclosed_volume(kept.triangles, state.position) / kept.volume, 1.0, 1e-6) << kept.applied_to;
     }
   }

@@ -3,6 +3,7 @@
 // The backend "gl-compute" by itself: its ways of cutting a step, its buffer's rows that are nobody's, the driver's
 // limits, what it tells of its steps and hands out.
 #include "gl/compute/compute_device.h"
+#include "gl/objects/loop_turns.h"
 #include "support/gl_twins.h"
 #include "support/message_of.h"
 
@@ -24,7 +25,7 @@ class GlComputeDevice : public GlTest {
   gl::ComputeLimits limits_;
 };
 
-constexpr std::array all_forms{GlCompute::store, GlCompute::recompute, GlCompute::workgroup};
+constexpr std::array all_forms{GlCompute::store, GlCompute::workgroup};
 
 SolverOptions options_of(GlCompute form) {
   SolverOptions options;
@@ -152,20 +153,19 @@ TEST_F(GlComputeDevice, GroupsMayFormARectangle) {
   scene.gravity({0, 0, -9.81});
   gl::ComputeLimits narrow = limits_;
   narrow.groups_across = 3;
-  for (const GlCompute form : {GlCompute::store, GlCompute::recompute}) {
-    context_->run([&] {
-      const OwnDevice line(model, scene, {}, form, limits_), rectangle(model, scene, {}, form, narrow);
-      const State start = random_state(model, 0.05, 0.1, 9);
-      for (const OwnDevice* own : {&line, &rectangle}) {
-        own->device->write(model.rest, start);
-        own->begin(3);
-        own->device->run(3);
-      }
-      EXPECT_EQ(difference(line.read(model), rectangle.read(model)), "");
-      EXPECT_GT(largest_distance(line.read(model).position, start.position), 0.0);
-      EXPECT_EQ(line.device->report().max_force, rectangle.device->report().max_force);
-    });
-  }
+  context_->run([&] {
+    const OwnDevice line(model, scene, {}, GlCompute::store, limits_);
+    const OwnDevice rectangle(model, scene, {}, GlCompute::store, narrow);
+    const State start = random_state(model, 0.05, 0.1, 9);
+    for (const OwnDevice* own : {&line, &rectangle}) {
+      own->device->write(model.rest, start);
+      own->begin(3);
+      own->device->run(3);
+    }
+    EXPECT_EQ(difference(line.read(model), rectangle.read(model)), "");
+    EXPECT_GT(largest_distance(line.read(model).position, start.position), 0.0);
+    EXPECT_EQ(line.device->report().max_force, rectangle.device->report().max_force);
+  });
   narrow.groups_down = 1;
   const std::string message =
       message_of([&] { context_->run([&] { OwnDevice(model, scene, {}, GlCompute::store, narrow); }); });
@@ -197,18 +197,15 @@ TEST_F(GlComputeDevice, ManyStepsOfManyBasesAreSoManyDispatches) {
 
 TEST_F(GlComputeDevice, MoreTurnsThanARendererTakesAreRefused) {
   const Model model = make_block({0.03, 0.02, 0.02}, 5, 4, 4, 26);
-  const Scene scene(model);
-  const gl::ContextInfo& info = context_->info();
-  SolverOptions options;
-  options.gl.compute = GlCompute::recompute;
   const auto tables = tables_of(model, {.reaction = Reaction::shared, .bases = BaseSelection::all});
-  const auto make = [&] { gl::DeviceSolver(GlBackend::compute, tables, scene, options); };
-  if (info.loop_turns > 100000) {
-    make();
-    return;
-  }
-  const std::string message = message_of(make);
-  EXPECT_NE(message.find("expected at most 65535 turns of the loops of a shader"), std::string::npos) << message;
+  const LoopTurns turns = pack_floats(*tables).turns;
+  gl::ContextInfo info = context_->info();
+  EXPECT_NO_THROW(gl::require_turns(info, turns));
+  info.loop_turns = turns.own + turns.gathered - 1;
+  const std::string message = message_of([&] { gl::require_turns(info, turns); });
+  EXPECT_NE(message.find("expected at most " + std::to_string(info.loop_turns) + " turns of the loops of a shader"),
+            std::string::npos)
+      << message;
 }
 
 TEST_F(GlComputeDevice, BuffersBeyondTheDriversLimitAreRefusedWithSizes) {
@@ -362,12 +359,12 @@ TEST_F(GlComputeDevice, EnvironmentChoosesTheForm) {
   const Model model = soft_block();
   const Scene scene(model);
   const auto make = [&] { gl::DeviceSolver(GlBackend::compute, tables_of(model, {}), scene, {}); };
-  for (const char* form : {"auto", "store", "recompute", "workgroup"}) {
+  for (const char* form : {"auto", "store", "workgroup"}) {
     const Environment wish("PHYMUL_GL_COMPUTE", form);
     EXPECT_EQ(message_of(make), "(no error)");
   }
   const Environment wish("PHYMUL_GL_COMPUTE", "quickly");
-  EXPECT_NE(message_of(make).find("expected auto, store, recompute or workgroup, got \"quickly\""), std::string::npos);
+  EXPECT_NE(message_of(make).find("expected auto, store or workgroup, got \"quickly\""), std::string::npos);
 }
 
 TEST(GlComputeVersion, WhatIsTooOldIsNamedWithAWayOut) {

@@ -67,9 +67,9 @@ TEST_F(GlFragmentContact, BitsAreThoseOfComputeShaders) {
   PHYMUL_SKIP_OR_FAIL(why_not_here("gl-compute"));
   Falling falling;
   expect_bits_of_compute(falling.model, falling.scene, 40, "a cube on a slab");
-  falling.scene.contacts({.friction = 0.0, .skin = 3e-4, .rounds = 3});
-  expect_bits_of_compute(falling.model, falling.scene, 40, "without friction, another skin");
-  falling.scene.keep_volume("high");
+  falling.scene.contacts({.friction = 0.0, .margin = 3e-4, .rounds = 3});
+  expect_bits_of_compute(falling.model, falling.scene, 40, "without friction, another margin");
+  falling.scene.constrain_volume("high");
   falling.scene.add_tool("ball", {.shape = Sphere{0.004}, .pose = {.position = {0.0122, 0.0131, 0.0241}}});
   falling.scene.add_tool("jaw", {.shape = Box{{0.001, 0.001, 0.001}}, .pose = {.position = {0.007, 0.008, 0.0205}}});
   falling.scene.tool("jaw").grasp(0.0005);

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// Needles on the GL backends in what batches, devices and scenes do: the same bits from every state, in every form and
-// after every guess, nothing paid by a scene without them, room that runs out.
+// Needles on "gl-compute" in what batches, devices and scenes do: the same bits from every state and in every form,
+// nothing paid by a scene without them, room that runs out.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "gl/compute/compute_device.h"
-#include "gl/fragment/fragment_device.h"
 #include "support/gl_forms.h"
 #include "support/gl_needles.h"
 #include "support/message_of.h"
@@ -15,8 +14,7 @@
 namespace phymul::test {
 namespace {
 
-using GlNeedleRuns = OnBothDevices;
-PHYMUL_ON_BOTH_DEVICES(GlNeedleRuns);
+using GlNeedleRuns = OnCompute;
 
 /// In and out again by half, aside and turning: `calls` calls.
 template <class Step>
@@ -24,34 +22,28 @@ void drive(Scene& scene, ToolPose& pose, int calls, Step&& step) {
   for (int k = 0; k < calls; ++k) {
     pose.position += Vec3(5e-5, 0, k < 8 ? -2e-3 : 1e-3);
     pose.orientation = Quaternion(Eigen::AngleAxisd(0.1 * k, Vec3::UnitZ()));
-    scene.tool("needle").pose(pose);
+    scene.tool("needle").move_to(pose);
     step(k);
   }
 }
 
-TEST_P(GlNeedleRuns, EveryFormHasTheSameBits) {
+TEST_F(GlNeedleRuns, EveryFormHasTheSameBits) {
   std::vector<State> ends;
-  const bool fragments = GetParam() == GlBackend::fragment;
-  for (const GlCompute form : {GlCompute::store, GlCompute::recompute, GlCompute::workgroup}) {
-    if (fragments && form == GlCompute::workgroup) break;  // of those there are two
-    SolverOptions options = damped(40.0);
-    if (fragments) options.gl.passes = form == GlCompute::store ? 2 : 4;
-    BesideNeedle pair(GetParam(), 5e-3, 3, {0, 0, 0}, form, options);
+  for (const GlCompute form : {GlCompute::store, GlCompute::workgroup}) {
+    BesideNeedle pair(5e-3, 3, {0, 0, 0}, form);
     drive(pair.scene, pair.pose, 10, [&](int) { ASSERT_TRUE(pair.device->step(15, pair.dt).ok()); });
     ends.push_back(pair.device->read());
     EXPECT_GT(ends.back().tools[0].needle.hole.size(), 2u);
-    if (!fragments && !pair.device->context()->info().renderer.starts_with("llvmpipe"))
-      GTEST_SKIP() << "bits are llvmpipe's";
+    if (!pair.device->context()->info().renderer.starts_with("llvmpipe")) GTEST_SKIP() << "bits are llvmpipe's";
   }
   EXPECT_EQ(difference(ends[0], ends[1]), "");
-  EXPECT_EQ(difference(ends[0], ends.back()), "");
   EXPECT_EQ(ends[0].tools, ends[1].tools);
 }
 
 /// From a state in the middle: in another solver, after a change of the scene, in another cut of the same steps.
-TEST_P(GlNeedleRuns, GoesOnFromEveryStateWithTheSameBits) {
+TEST_F(GlNeedleRuns, GoesOnFromEveryStateWithTheSameBits) {
   for (const double stiffness : {0.0, 5e-3}) {
-    BesideNeedle pair(GetParam(), stiffness, 3);
+    BesideNeedle pair(stiffness, 3);
     drive(pair.scene, pair.pose, 5, [&](int) { ASSERT_TRUE(pair.device->step(20, pair.dt).ok()); });
     const State middle = pair.device->read();
     ASSERT_TRUE(middle.tools[0].needle.punctured);
@@ -61,12 +53,12 @@ TEST_P(GlNeedleRuns, GoesOnFromEveryStateWithTheSameBits) {
     EXPECT_EQ(other->read().tools, middle.tools);
     EXPECT_EQ(other->needle_points("needle", 4), shaft);
     pair.pose.position.z() -= 0.015;
-    pair.scene.tool("needle").pose(pair.pose);
+    pair.scene.tool("needle").move_to(pair.pose);
     for (gl::DeviceSolver* solver : {pair.device.get(), other.get()}) ASSERT_TRUE(solver->step(60, pair.dt).ok());
     EXPECT_GT(other->read().tools[0].needle.hole.size(), middle.tools[0].needle.hole.size());  // of one host alone
     pair.scene.gravity({1, 0, 0});  // rows of the scene are made anew, with the hole as it is
     pair.pose.velocity = {0.01, 0, -0.1};
-    pair.scene.tool("needle").pose(pair.pose);
+    pair.scene.tool("needle").move_to(pair.pose);
     ASSERT_TRUE(pair.device->step(1, pair.dt).ok());
     ASSERT_TRUE(other->step(1, pair.dt).ok());
     ASSERT_TRUE(pair.device->step(80, pair.dt).ok());
@@ -88,17 +80,17 @@ TEST_P(GlNeedleRuns, GoesOnFromEveryStateWithTheSameBits) {
 }
 
 /// A batch that ends before its last step is done again up to there, from the hole as it was before.
-TEST_P(GlNeedleRuns, BatchesDoneAgainComeToTheSame) {
+TEST_F(GlNeedleRuns, BatchesDoneAgainComeToTheSame) {
   SolverOptions options = damped(200.0);
   options.rest_tolerance = 1e-4;
-  BesideNeedle resting(GetParam(), 5e-3, 3, {0, 0, 0}, GlCompute::automatic, options);
+  BesideNeedle resting(5e-3, 3, {0, 0, 0}, GlCompute::automatic, options);
   const auto same = resting.make();
   resting.pose.position.z() -= 0.013;
-  resting.scene.tool("needle").pose(resting.pose);
-  const StepReport report = resting.device->run_to_rest(5000, resting.dt);
-  ASSERT_TRUE(report.at_rest) << report.message();
+  resting.scene.tool("needle").move_to(resting.pose);
+  const RestResult rest = resting.device->run_to_rest(5000, resting.dt);
+  ASSERT_TRUE(rest.converged()) << rest.message();
   ASSERT_TRUE(same->step(1, resting.dt).ok());  // in which run_to_rest() goes all the way
-  ASSERT_TRUE(same->step(report.steps - 1, resting.dt).ok());
+  ASSERT_TRUE(same->step(rest.report.steps - 1, resting.dt).ok());
   EXPECT_EQ(difference(same->read(), resting.device->read()), "");
   EXPECT_EQ(same->read().tools, resting.device->read().tools);
   EXPECT_EQ(same->tool_force("needle").force, resting.device->tool_force("needle").force);
@@ -106,25 +98,25 @@ TEST_P(GlNeedleRuns, BatchesDoneAgainComeToTheSame) {
 
   SolverOptions beyond = damped(0.0);
   beyond.on_unstable = UnstableStep::allow;
-  BesideNeedle failing(GetParam(), 5e-3, 3, {0, 0, 0}, GlCompute::automatic, beyond);
+  BesideNeedle failing(5e-3, 3, {0, 0, 0}, GlCompute::automatic, beyond);
   failing.pose.velocity = {0, 0, -0.3};
-  failing.scene.tool("needle").place(failing.pose);
+  failing.scene.tool("needle").teleport(failing.pose);
   const StepReport failed = failing.device->step(250, 6.0 * failing.dt);
   ASSERT_EQ(failed.status, StepStatus::not_finite) << failed.message();
   ASSERT_GT(failed.steps, 3);
   const State kept = failing.device->read();
   failing.device->reset();
-  failing.scene.tool("needle").place(failing.pose);
+  failing.scene.tool("needle").teleport(failing.pose);
   ASSERT_TRUE(failing.device->step(failed.steps, 6.0 * failing.dt).ok());
   EXPECT_EQ(difference(failing.device->read(), kept), "");
   EXPECT_EQ(failing.device->read().tools, kept.tools);
 }
 
 /// A needle that is put 3 cm deep at once, and a device of its own for five steps of it.
-class NeedleAtOnce : public OnBothDevices {
+class GlComputeNeedle : public OnCompute {
  protected:
   void SetUp() override {
-    OnBothDevices::SetUp();
+    OnCompute::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
     tables_ = tables_of(model_, {});
     const Tool needle{.shape = thin_needle(), .pose = {.position = {0.0203, 0.0197, side - 0.03}}};
@@ -132,7 +124,7 @@ class NeedleAtOnce : public OnBothDevices {
     SolverOptions options = damped(40.0);
     options.spectrum = estimate_spectrum(*tables_, tables_->rest);
     dt_ = 0.4 * stable_step(*options.spectrum, 1.0);
-    solver_ = std::make_unique<gl::DeviceSolver>(GetParam(), tables_, scene_, options);
+    solver_ = std::make_unique<gl::DeviceSolver>(GlBackend::compute, tables_, scene_, options);
   }
 
   /// `run` takes the device through the five steps.
@@ -162,13 +154,9 @@ class NeedleAtOnce : public OnBothDevices {
   std::unique_ptr<gl::DeviceSolver> solver_;
   double dt_ = 0.0;
 };
-class GlComputeNeedle : public NeedleAtOnce {};
-class GlFragmentNeedle : public NeedleAtOnce {};
-INSTANTIATE_TEST_SUITE_P(gl_compute, GlComputeNeedle, testing::Values(GlBackend::compute));
-INSTANTIATE_TEST_SUITE_P(gl, GlFragmentNeedle, testing::Values(GlBackend::fragment));
 
 /// Nodes that one dispatch does not get done the next ones do.
-TEST_P(GlComputeNeedle, WhatOneDispatchLeavesTheNextOnesDo) {
+TEST_F(GlComputeNeedle, WhatOneDispatchLeavesTheNextOnesDo) {
   const SliceTables slices = pack_slices(pack_floats(*tables_), *tables_);
   const FloatNeedles packed(scene_);
   const gl::ShaderLibrary library("", solver_->context()->info().es);
@@ -199,40 +187,8 @@ TEST_P(GlComputeNeedle, WhatOneDispatchLeavesTheNextOnesDo) {
   expect_like(ends[0].tools[0].needle, ends[2].tools[0].needle);
 }
 
-/// Steps whose passes do not suffice say so, and come to the same when they are done again with more.
-TEST_P(GlFragmentNeedle, AGuessThatDoesNotSufficeComesToTheSame) {
-  const FloatTables rows = pack_floats(*tables_);
-  const gl::ShaderLibrary library("", solver_->context()->info().es);
-  std::vector<State> ends;
-  solver_->context()->run([&] {
-    for (const int before : {0, 1, 2}) {  // no node a step, one, four
-      FloatTools moved = tools();
-      gl::FragmentDevice device(rows, scene_, moved, library, false);
-      int again = 0;
-      ends.push_back(end_of(device, moved, [&] {
-        for (int k = 0; k < before; ++k) device.give_more_passes();
-        device.run(5);
-        for (gl::BatchReport report = device.report(); report.unfinished; report = device.report()) {
-          device.give_more_passes();
-          device.run(5);
-          ++again;
-        }
-      }));
-      EXPECT_EQ(again, 2 - before);  // four nodes in the first step
-    }
-  });
-  EXPECT_EQ(ends[0].tools.at(0).needle.hole.size(), 4u);
-  for (const State& end : ends) {
-    EXPECT_EQ(difference(end, ends[0]), "");
-    EXPECT_EQ(end.tools, ends[0].tools);
-  }
-  // A call of the solver's own.
-  ASSERT_TRUE(solver_->step(5, dt_).ok());
-  EXPECT_EQ(solver_->read().tools.at(0).needle.hole.size(), 4u);
-}
-
-TEST_P(GlNeedleRuns, LateReportsTellOfTheCallBefore) {
-  BesideNeedle pair(GetParam(), 5e-3, 3);
+TEST_F(GlNeedleRuns, LateReportsTellOfTheCallBefore) {
+  BesideNeedle pair(5e-3, 3);
   pair.options().gl.late_report = true;
   const auto late = pair.make();
   VecList before = pair.device->needle_points("needle", 3);
@@ -250,7 +206,7 @@ TEST_P(GlNeedleRuns, LateReportsTellOfTheCallBefore) {
   EXPECT_EQ(late->needle_points("needle", 3), before);
 }
 
-TEST_P(GlNeedleRuns, ASceneWithoutNeedlesPaysNothing) {
+TEST_F(GlNeedleRuns, ASceneWithoutNeedlesPaysNothing) {
   const Model model = Insertion::gel(3);
   Scene with(model), without(model), alone(model);
   const Tool ball{.shape = Sphere{0.005}, .pose = {.position = {0.01, 0.01, side + 0.004}}};
@@ -261,26 +217,24 @@ TEST_P(GlNeedleRuns, ASceneWithoutNeedlesPaysNothing) {
   alone.add_tool("needle", needle);
   SolverOptions options = damped(5.0);
   options.profile = true;
-  const auto beside = [&](const Scene& scene) {
-    return BesideReference(model, scene, options, GlCompute::automatic, GetParam());
-  };
+  const auto beside = [&](const Scene& scene) { return BesideReference(model, scene, options); };
   const BesideReference plain = beside(without), both = beside(with), one = beside(alone);
-  const std::string kind = GetParam() == GlBackend::fragment ? "_pass" : "_kernel";
   const auto runs = [&](const BesideReference& pair, const char* name) {
     const auto all = runs_of(*pair.device);
-    const auto found = std::ranges::find(all, name + kind, &std::pair<std::string, std::int64_t>::first);
+    const auto found =
+        std::ranges::find(all, std::string(name) + "_kernel", &std::pair<std::string, std::int64_t>::first);
     return found == all.end() ? -1 : found->second;
   };
   for (const BesideReference* pair : {&plain, &both, &one}) ASSERT_TRUE(pair->device->step(8, plain.dt).ok());
   for (const auto& [name, count] : runs_of(*plain.device)) {
     EXPECT_EQ(name.find("needle"), std::string::npos) << name;
-    EXPECT_NE(name, "press" + kind);
-    EXPECT_NE(name, "free" + kind);
+    EXPECT_NE(name, "press_kernel");
+    EXPECT_NE(name, "free_kernel");
   }
   for (const BesideReference* pair : {&both, &one}) {
     EXPECT_EQ(runs(*pair, "free"), 8);
-    EXPECT_EQ(runs(*pair, GetParam() == GlBackend::fragment ? "needle_settle" : "needle_force"), 8);
-    EXPECT_GE(runs(*pair, GetParam() == GlBackend::fragment ? "needle_aim" : "needle_follow"), 8);
+    EXPECT_EQ(runs(*pair, "needle_force"), 8);
+    EXPECT_GE(runs(*pair, "needle_follow"), 8);
   }
   EXPECT_EQ(runs(both, "press"), 8);
   EXPECT_EQ(runs(one, "press"), -1);
@@ -300,7 +254,7 @@ TEST_P(GlNeedleRuns, ASceneWithoutNeedlesPaysNothing) {
 }
 
 /// A shaft of 2 mm that is driven 4 cm deep has more nodes than a hole of its length.
-TEST_P(GlNeedleRuns, AHoleThatIsTooLongIsReportedAndTheStateBeforeKept) {
+TEST_F(GlNeedleRuns, AHoleThatIsTooLongIsReportedAndTheStateBeforeKept) {
   const Model model = Insertion::gel(4);
   Needle shape = thin_needle();
   shape.length = 0.002;
@@ -309,7 +263,7 @@ TEST_P(GlNeedleRuns, AHoleThatIsTooLongIsReportedAndTheStateBeforeKept) {
   const ToolPose start{.position = {0.0203, 0.0197, side + offset}, .velocity = {0, 0, -0.5}};
   scene.fix("z0").add_tool("other", {.shape = Sphere{0.001}, .pose = {.position = {0, 0, 1}}});
   scene.add_tool("needle", {.shape = shape, .pose = start});
-  BesideReference pair(model, scene, damped(40.0), GlCompute::automatic, GetParam());
+  BesideReference pair(model, scene, damped(40.0));
   StepReport report;
   int steps = 0;
   for (int k = 0; k < 20 && report.ok(); ++k) {
@@ -329,7 +283,7 @@ TEST_P(GlNeedleRuns, AHoleThatIsTooLongIsReportedAndTheStateBeforeKept) {
   // Told a call late, and by a call that takes no step.
   SolverOptions late_options = damped(40.0);
   late_options.gl.late_report = true;
-  gl::DeviceSolver late(GetParam(), tables_of(model, {}), scene, late_options);
+  gl::DeviceSolver late(GlBackend::compute, tables_of(model, {}), scene, late_options);
   StepStatus last = StepStatus::ok;
   for (int k = 0; k < 40 && last == StepStatus::ok; ++k) last = late.step(50, pair.dt).status;
   EXPECT_EQ(last, StepStatus::needle_full);

@@ -79,8 +79,7 @@ class RefusedScene : public OnBothDevices {
   Scene pressed() const {
     Scene scene(model_);
     scene.fix("low/z0").gravity({0, 0, -9.81});
-    scene.add_tool("ball", {.shape = Sphere{0.004}, .pose = {.position = {0.0123, 0.0131, 0.0242}}});
-    return scene;
+    return scene.add_tool("ball", {.shape = Sphere{0.004}, .pose = {.position = {0.0123, 0.0131, 0.0242}}});
   }
   void add_needle(Scene& scene, double stiffness) const {
     Needle needle = thin_needle();
@@ -161,30 +160,32 @@ INSTANTIATE_TEST_SUITE_P(gl, GlFragmentRefusedScene, testing::Values(GlBackend::
 
 TEST_P(GlFragmentRefusedScene, WhatAPassCannotBeGivenChangesNothing) {
   const gl::ShaderLibrary library("", context_->info().es);
-  const auto offer = [&](const char* name, bool pierced, auto&& change) {
+  const auto offer = [&](const char* name, auto&& change) {
     SCOPED_TRACE(name);
     Scene scene = pressed(), other = pressed();
-    if (pierced) add_needle(scene, 0.0), add_needle(other, 0.0);
     change(other);
     context_->run([&] { expect_to_go_on(scene, other, library, name, name); });
   };
-  offer("kept_facets", false, [](Scene& other) { other.keep_volume("low"); });
-  offer("needle_facets", false, [this](Scene& other) { add_needle(other, 0.0); });
-  offer("tree_roots", false, [](Scene& other) { other.contacts({}); });
-  offer("tree_roots", true, [](Scene& other) { other.contacts({}); });  // after the needle's passes, which both share
+  offer("kept_facets", [](Scene& other) { other.constrain_volume("low"); });
+  offer("tree_roots", [](Scene& other) { other.contacts({}); });
 }
 
-/// Passes of needles that bend take the place of others, but not before they are there.
+/// Passes of contacts are made once; those of needles that bend take the place of others, but not before they are
+/// there.
 TEST_P(GlRefusedScene, ShadersThatDoNotCompileChangeNothing) {
   const std::filesystem::path folder = testing::TempDir() + "refused_" + name_of(GetParam());
   std::filesystem::remove_all(folder);
   std::filesystem::copy(PHYMUL_GLSL_SOURCES, folder, std::filesystem::copy_options::recursive);
   const bool draws = GetParam() == GlBackend::fragment;
-  std::ofstream(folder / (draws ? "needle/needle_bent.glsl" : "needle/needle_bend.glsl"))
+  std::ofstream(folder / (draws ? "contact/contact_phase_pass.glsl" : "needle/needle_bend.glsl"))
       << "float broken() { return; }\n";
   Scene scene = pressed(), other = pressed();
-  add_needle(scene, 0.0);
-  add_needle(other, 5e-3);
+  if (draws) {
+    other.contacts({});
+  } else {
+    add_needle(scene, 0.0);
+    add_needle(other, 5e-3);
+  }
   const gl::ShaderLibrary library(folder.string(), context_->info().es);
   context_->run([&] { expect_to_go_on(scene, other, library, "does not compile", ""); });
   std::filesystem::remove_all(folder);
@@ -193,7 +194,7 @@ TEST_P(GlRefusedScene, ShadersThatDoNotCompileChangeNothing) {
 /// Sweeps over more contacts and rounds than either backend counts.
 TEST_P(GlRefusedScene, ContactsThatAreTooManyAreRefusedBeforeAnythingIsMade) {
   Scene other = pressed();
-  add_needle(other, 0.0);
+  if (GetParam() == GlBackend::compute) add_needle(other, 0.0);
   other.contacts({.rounds = 100'000'000});
   const gl::ShaderLibrary library("", context_->info().es);
   context_->run([&] {
@@ -223,6 +224,39 @@ TEST_P(GlRefusedScene, ASolverGoesOnOnceTheSceneFitsAgain) {
   ASSERT_TRUE(solver.step(20, dt_).ok());
   ASSERT_TRUE(alone.step(20, dt_).ok());
   EXPECT_EQ(difference(solver.read(), alone.read()), "");
+}
+
+using GlRefusedNeedle = GlTest;
+
+/// Of gl alone. The scene before is left as it was, and goes on once the needle is gone.
+TEST_F(GlRefusedNeedle, IsNamedAndTheSceneBeforeGoesOn) {
+  Model model = make_block({0.02, 0.02, 0.02}, 3, 3, 3);
+  set_material(model, soft_tissue());
+  Scene scene(model), alone(model);
+  const Tool ball{.shape = Sphere{0.005}, .pose = {.position = {0.01, 0.01, 0.024}}};
+  for (Scene* one : {&scene, &alone}) one->fix("z0").gravity({0, 0, -9.81}).add_tool("ball", ball);
+  const auto solver = make_solver("gl", model, scene), plain = make_solver("gl", model, alone);
+  const double dt = 0.1 * solver->stable_step();
+  ASSERT_TRUE(solver->step(20, dt).ok());
+  ASSERT_TRUE(plain->step(20, dt).ok());
+  const State before = solver->read();
+  scene.add_tool("needle", {.shape = Needle{}, .pose = {.position = {0.01, 0.01, 0.03}}});
+  const StepReport refused = solver->step(1, dt);
+  EXPECT_EQ(refused.status, StepStatus::not_supported);
+  for (const std::string& message : {refused.message(), message_of([&] { make_solver("gl", model, scene); }),
+                                     message_of([&] { solver->reset(); })}) {
+    for (const char* part : {"needle", "\"gl\"", "\"gl-compute\"", "\"cpu\"", "\"reference\""}) {
+      EXPECT_NE(message.find(part), std::string::npos) << message;
+    }
+  }
+  EXPECT_EQ(solver->read(), before);
+  scene.remove_tool("needle");
+  ASSERT_TRUE(solver->step(20, dt).ok());
+  ASSERT_TRUE(plain->step(20, dt).ok());
+  EXPECT_EQ(solver->read(), plain->read());
+  EXPECT_EQ(solver->tool_force("ball").mean_force, plain->tool_force("ball").mean_force);
+  scene.add_tool("needle", {.shape = Needle{}, .pose = {.position = {0.01, 0.01, 0.03}}});
+  EXPECT_NE(make_solver("auto", model, scene)->name(), "gl");
 }
 
 }  // namespace

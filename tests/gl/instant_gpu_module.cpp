@@ -19,11 +19,11 @@ bool is_set(const char* name) {
   return value && std::string_view(value) == "1";
 }
 
-class InstantSolver final : public Solver {
+class InstantSolver final : public SolverBackend {
  public:
   InstantSolver(GlBackend backend, std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
                 const SolverOptions& options)
-      : Solver(name_of(backend), std::move(topology), scene, options), state_(rest_state(model())) {
+      : SolverBackend(name_of(backend), std::move(topology), scene, options), state_(rest_state(model())) {
     reset();
   }
 

@@ -117,7 +117,7 @@ TEST(BodyContact, MomentumIsKeptToRounding) {
     Scene scene(model);
     scene.contacts({.friction = friction});
     SolverOptions options;
-    options.largest_push = std::numeric_limits<double>::infinity();
+    options.max_displacement_per_step = std::numeric_limits<double>::infinity();
     const auto solver = make_solver("reference", model, scene, {}, options);
     State state = rest_state(model);
     double scale = 0.0;
@@ -326,7 +326,7 @@ TEST(BodyContact, WhatAToolSetsGoingIsSeenInThatStep) {
     scene.add_tool("jaw", {.shape = Box{{0.0105, 0.0105, 0.0105}}, .pose = {.position = middle}});
     scene.tool("jaw").grasp(0.0);
     const auto solver = make_solver(backend, model, scene, {}, options_for({backend, 1}));
-    scene.tool("jaw").pose({.position = end});
+    scene.tool("jaw").move_to({.position = end});
     const StepReport report = solver->step(1, 0.4 * solver->stable_step());
     ASSERT_TRUE(report.ok()) << report.message();
     const State state = solver->read();
@@ -346,7 +346,7 @@ TEST(BodyContact, RefusesWhatMakesNoSense) {
   Scene scene(model);
   EXPECT_NE(message_of([&] { scene.contacts({.friction = -1}); }).find("coefficient of friction of 0 or more"),
             std::string::npos);
-  EXPECT_NE(message_of([&] { scene.contacts({.skin = -1}); }).find("skin"), std::string::npos);
+  EXPECT_NE(message_of([&] { scene.contacts({.margin = -1}); }).find("margin"), std::string::npos);
   EXPECT_NE(message_of([&] { scene.contacts({.rounds = 0}); }).find("1 round"), std::string::npos);
   EXPECT_FALSE(scene.contacts());
 }

@@ -51,7 +51,7 @@ Pairs pairs_that_count(const ContactSurface& surface, const VecList& place, cons
       const Vec3 &a = place[triangle.corner[0]], &b = place[triangle.corner[1]], &c = place[triangle.corner[2]];
       const Vec3 share = cpu::closest_point(place[k], a, b, c);
       const double skins =
-          options.skin > 0.0 ? 2.0 * options.skin : ContactSurface::usual_skin * (triangle.edge + own.edge);
+          options.margin > 0.0 ? 2.0 * options.margin : ContactSurface::usual_skin * (triangle.edge + own.edge);
       const double reach = std::max(margin + skins, ContactSurface::depth_factor * std::max(triangle.edge, own.edge));
       if (!((place[k] - (share[0] * a + share[1] * b + share[2] * c)).norm() <= reach)) continue;
       if (!surface.is_own_skin(own, k, triangle)) pairs.insert({k, static_cast<Index>(t)});
@@ -74,7 +74,7 @@ TEST(ContactCandidates, MissNothingWhileTheyAreKept) {
   const ContactSurface surface = make_contact_surface(model);
   std::mt19937 bits(11);
   for (const ContactOptions& options :
-       {ContactOptions{}, ContactOptions{.skin = 0.002}, ContactOptions{.self = false}}) {
+       {ContactOptions{}, ContactOptions{.margin = 0.002}, ContactOptions{.self = false}}) {
     cpu::ContactCandidates candidates;
     candidates.follow(surface, options);
     std::size_t counting = 0, steps = 0;
@@ -150,7 +150,7 @@ TEST(ContactCandidates, ListsThatWereNotFinishedAreForgotten) {
 TEST(ContactCandidates, ListsTooLongToKeepAreWhole) {
   const ContactSurface surface = make_contact_surface(two_cubes(0.0005));
   cpu::ContactCandidates candidates;
-  const ContactOptions wide{.skin = 0.012};
+  const ContactOptions wide{.margin = 0.012};
   candidates.follow(surface, wide);
   const Pairs wanted = pairs_that_count(surface, surface.rest, wide, 0.0);
   ASSERT_GT(wanted.size(), 64 * surface.particles.size());
@@ -172,7 +172,7 @@ TEST(ContactCandidates, ListsTooLongToKeepAreWhole) {
 TEST(ContactCandidates, AreLookedForAnewWhereMotionAndMarginTogetherPassTheSlack) {
   constexpr double edge = 0.005;  // m, of two_cubes()
   const ContactSurface surface = make_contact_surface(two_cubes(1.2 * edge));
-  const ContactOptions options{.skin = 0.6 * edge};  // further out than what is inside: depth_factor
+  const ContactOptions options{.margin = 0.6 * edge};  // further out than what is inside: depth_factor
   for (const double way : {0.05 * edge, 0.15 * edge, 0.24 * edge}) {
     cpu::ContactCandidates candidates;
     candidates.follow(surface, options);

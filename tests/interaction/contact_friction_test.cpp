@@ -30,7 +30,7 @@ TEST(ContactFriction, OfAReleasedContactIsTakenBack) {
   const Model model = merge_models(bodies);
   for (const char* backend : {"reference", "cpu"}) {
     Scene scene(model);
-    scene.contacts({.friction = mu, .skin = skin});
+    scene.contacts({.friction = mu, .margin = skin});
     SolverOptions options;
     options.on_unstable = UnstableStep::allow;
     const auto solver = make_solver(backend, model, scene, {}, options);

@@ -44,7 +44,7 @@ Effect effect_of_contacts(const Model& big, const Model& small, const char* back
   const auto solver = make_solver(backend, model, scene, {}, options_for({backend, 1}));
   State end[2];
   for (const bool touching : {false, true}) {
-    if (touching) scene.contacts({.skin = 1e-4});
+    if (touching) scene.contacts({.margin = 1e-4});
     solver->reset();
     EXPECT_TRUE(solver->step(1, 0.4 * solver->stable_step()).ok());
     end[touching] = solver->read();
@@ -255,7 +255,7 @@ TEST_P(NearTrianglesIn, ALargeFaceDoesNotHideASmallOneAtTheirEdge) {
   for (const auto& [one, other] : {std::pair{0.05, 0.01}, std::pair{0.01, 0.05}}) {
     const BesideAnEdge beside(one, other);
     Scene scene(beside.model);
-    scene.contacts({.friction = 0.0, .skin = 1e-4, .rounds = 1});
+    scene.contacts({.friction = 0.0, .margin = 1e-4, .rounds = 1});
     TopologyOptions springs;
     springs.on_sparse = SparseParticle::springs;
     const auto solver = make_solver(GetParam(), beside.model, scene, springs, {});

@@ -35,12 +35,12 @@ TEST_P(Contact, BlockLiesStillBelowTheFrictionAngle) {
     options.damping.rate = 200.0;
     const auto solver = make(slope.model, slope.scene, options);
     const double dt = 0.25 * solver->stable_step(), weight = total_mass(slope.model) * g;
-    const StepReport report = solver->run_to_rest(20000, dt);
-    ASSERT_TRUE(report.ok() && report.at_rest) << report.message();
+    const RestResult rest = solver->run_to_rest(20000, dt);
+    ASSERT_TRUE(rest.converged()) << rest.message();
     const Vec3 force = solver->tool_force("floor").force;
     const Vec3 expected = weight * Vec3(std::sin(slope.angle), 0, -std::cos(slope.angle));
     EXPECT_LE((force - expected).norm(), 1e-4 * weight) << force.transpose();
-    EXPECT_LE(report.residual, 1e-4 * weight);
+    EXPECT_LE(rest.report.residual, 1e-4 * weight);
     // It stays there: no creep.
     const State before = solver->read();
     ASSERT_TRUE(solver->step(2000, dt).ok());
@@ -77,7 +77,7 @@ TEST_P(Contact, ComplianceLetsParticlesInByForceTimesCompliance) {
   options.damping.rate = 200.0;
   level.scene.remove_tool("floor").add_tool("floor", {.shape = HalfSpace{}, .compliance = 1e-3});
   const auto solver = make(level.model, level.scene, options);
-  ASSERT_TRUE(solver->run_to_rest(20000, 0.25 * solver->stable_step()).at_rest);
+  ASSERT_TRUE(solver->run_to_rest(20000, 0.25 * solver->stable_step()).converged());
   const State state = solver->read();
   double pushed = 0.0;
   for (const Index i : level.model.group("z0")) pushed += std::max(0.0, -state.position[i].z() / 1e-3);
@@ -95,7 +95,7 @@ TEST_P(Contact, TakesFromTheBodyWhatTheToolFeels) {
   pose.velocity = {0, 0.1, 0.8};
   scene.add_tool("block", {.shape = Box{{0.008, 0.006, 0.006}}, .pose = pose, .friction = 0.7});
   SolverOptions options;
-  options.largest_push = std::numeric_limits<double>::infinity();  // a cut force has no counterpart
+  options.max_displacement_per_step = std::numeric_limits<double>::infinity();  // a cut force has no counterpart
   const auto solver = make(model, scene, options);
   const double dt = 0.3 * solver->stable_step();
   double largest = 0.0;
@@ -170,8 +170,8 @@ TEST_P(Contact, TenThousandStepsOfRandomToolsDoNoHarm) {
   int touched = 0;
   const int calls = GetParam().starts_with("gl") ? 40 : 200;  // a software renderer takes its time
   for (int k = 0; k < calls; ++k) {
-    scene.tool("ball").pose(random_pose(bits));
-    scene.tool("rod").pose(random_pose(bits));
+    scene.tool("ball").move_to(random_pose(bits));
+    scene.tool("rod").move_to(random_pose(bits));
     const StepReport report = solver->step(50, dt);
     ASSERT_TRUE(report.ok()) << report.message();
     touched += solver->tool_force("ball").particles;
@@ -179,7 +179,7 @@ TEST_P(Contact, TenThousandStepsOfRandomToolsDoNoHarm) {
   }
   EXPECT_GT(touched, calls / 6);
   scene.remove_tool("ball").remove_tool("rod");
-  EXPECT_TRUE(solver->run_to_rest(40000, dt).at_rest);
+  EXPECT_TRUE(solver->run_to_rest(40000, dt).converged());
   EXPECT_LE(displacement_norms(model, solver->read()).max, 0.1);
 }
 
@@ -234,10 +234,10 @@ double force_over_hertz(int cells) {
   options.rest_tolerance = 1e-5;
   const auto solver = make_solver("cpu", body.model, scene, {}, options);
   const double dt = 0.5 * solver->stable_step();
-  scene.tool("ball").pose({.position = {0, 0, radius - indentation}});
+  scene.tool("ball").move_to({.position = {0, 0, radius - indentation}});
   EXPECT_TRUE(solver->step(300, dt).ok());
-  const StepReport report = solver->run_to_rest(20000, dt);
-  EXPECT_TRUE(report.at_rest) << report.message();
+  const RestResult rest = solver->run_to_rest(20000, dt);
+  EXPECT_TRUE(rest.converged()) << rest.message();
   const double nu = 0.3, alpha = -(1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1.0 - nu), chi = contact / body.depth;
   const double layer = 1.0 - 2.0 * alpha / M_PI * chi + std::pow(2.0 * alpha / M_PI * chi, 2);
   const double hertz = 4.0 / 3.0 * 10e3 / (1.0 - nu * nu) * std::sqrt(radius) * std::pow(indentation, 1.5) / 4.0;

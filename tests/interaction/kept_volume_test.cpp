@@ -90,19 +90,19 @@ Model soft_block() {
 }
 
 double relative_volume_error(const Scene& scene, const State& state) {
-  const ClosedVolume& kept = scene.volumes().front();
+  const VolumeConstraint& kept = scene.volume_constraints().front();
   return std::abs(enclosed_volume(kept.triangles, state.position) / kept.volume - 1.0);
 }
 
 TEST(KeptVolume, IsThatOfTheCells) {
   const Model block = soft_block();
   Scene scene(block);
-  scene.keep_volume();
-  EXPECT_NEAR(scene.volumes()[0].volume, 0.03 * 0.02 * 0.02, 1e-18);
+  scene.constrain_volume();
+  EXPECT_NEAR(scene.volume_constraints()[0].volume, 0.03 * 0.02 * 0.02, 1e-18);
   const Model ball = make_cylinder(0.01, 0.04, 3, 8, 10);
   Scene other(ball);
-  other.keep_volume();
-  EXPECT_NEAR(other.volumes()[0].volume, volume(ball, ball.rest), 1e-3 * volume(ball, ball.rest));
+  other.constrain_volume();
+  EXPECT_NEAR(other.volume_constraints()[0].volume, volume(ball, ball.rest), 1e-3 * volume(ball, ball.rest));
 }
 
 /// Squeezed to two thirds between moving ends, under gravity: exact at every step, where the body alone loses a good
@@ -113,9 +113,9 @@ TEST(KeptVolume, IsExactInASqueezedBodyUnderGravity) {
     double worst[2] = {0, 0};
     for (const bool kept : {false, true}) {
       Scene scene(model), measure(model);
-      measure.keep_volume();
+      measure.constrain_volume();
       scene.gravity({0, 0, -9.81}).fix("x0");
-      if (kept) scene.keep_volume();
+      if (kept) scene.constrain_volume();
       const auto solver = make_solver(backend.name, model, scene, {}, options_for(backend, 20.0));
       const double dt = 0.3 * solver->stable_step();
       scene.add(pull(model, "x1", {-1, 0, 0}, {{0, 0}, {1500 * dt, 0.01}}));
@@ -136,8 +136,8 @@ TEST(KeptVolume, IsExactWhereParticlesWereShifted) {
   const Model model = soft_block();
   for (const char* backend : {"reference", "cpu"}) {
     Scene scene(model), measure(model);
-    scene.keep_volume();
-    measure.keep_volume();
+    scene.constrain_volume();
+    measure.constrain_volume();
     scene.add_tool("probe", {.shape = Sphere{0.008}, .pose = {.position = {0.015, 0.010, 0.024}}});
     const auto solver = make_solver(backend, model, scene);
     const StepReport report = solver->step(1, 0.3 * solver->stable_step());
@@ -156,9 +156,9 @@ TEST(KeptVolume, IsExactWhereTheLocalTermIsNot) {
   double worst[2] = {0, 0};
   for (const bool kept : {false, true}) {
     Scene scene(model), measure(model);
-    measure.keep_volume();
+    measure.constrain_volume();
     scene.fix("x0");
-    if (kept) scene.keep_volume();
+    if (kept) scene.constrain_volume();
     const auto solver = make_solver("reference", model, scene, {}, options_for({"reference", 0}, 20.0));
     const double dt = 0.3 * solver->stable_step();
     scene.add(pull(model, "x1", {-1, 0, 0}, {{0, 0}, {800 * dt, 0.006}}));
@@ -176,7 +176,7 @@ TEST(KeptVolume, IsExactWhereTheLocalTermIsNot) {
 TEST(KeptVolume, KeepsLinearAndAngularMomentumOfAFreeBody) {
   const Model model = soft_block();
   Scene scene(model);
-  scene.keep_volume();
+  scene.constrain_volume();
   const auto solver = make_solver("reference", model, scene);
   State state = rest_state(model);
   std::mt19937 bits(9);
@@ -201,12 +201,12 @@ TEST(KeptVolume, LeavesHeldParticlesAndComesToRest) {
   const Model model = soft_block();
   for (const BackendCase& backend : cpu_backends) {
     Scene scene(model);
-    scene.fix("x0").gravity({0, 0, -9.81}).keep_volume();
+    scene.fix("x0").gravity({0, 0, -9.81}).constrain_volume();
     SolverOptions options = options_for(backend, 30.0);
     options.rest_tolerance = 1e-6;
     const auto solver = make_solver(backend.name, model, scene, {}, options);
-    const StepReport report = solver->run_to_rest(100000, 0.4 * solver->stable_step());
-    EXPECT_TRUE(report.at_rest) << backend.name << ": " << report.message();
+    const RestResult rest = solver->run_to_rest(100000, 0.4 * solver->stable_step());
+    EXPECT_TRUE(rest.converged()) << backend.name << ": " << rest.message();
     const State state = solver->read();
     for (const Index i : model.group("x0")) EXPECT_EQ(state.position[i], model.rest[i]);
     EXPECT_LT(relative_volume_error(scene, state), backend.threads == 0 ? 1e-12 : 1e-6);
@@ -218,7 +218,7 @@ TEST(KeptVolume, BitsDoNotDependOnThreads) {
   State end[2];
   for (int threads : {1, 2}) {
     Scene scene(model);
-    scene.fix("x0").gravity({0, 0, -9.81}).keep_volume();
+    scene.fix("x0").gravity({0, 0, -9.81}).constrain_volume();
     const auto solver = make_solver("cpu", model, scene, {}, options_for({"cpu", threads}));
     ASSERT_TRUE(solver->step(100, 0.4 * solver->stable_step()).ok());
     end[threads - 1] = solver->read();
@@ -231,14 +231,14 @@ TEST(KeptVolume, OfBodiesByName) {
   const NamedBody bodies[] = {{"one", &one}, {"two", &two}};
   const Model both = merge_models(bodies);
   Scene scene(both);
-  scene.gravity({0, 0, -9.81}).fix("one/x0").fix("two/x0").keep_volume("two");
+  scene.gravity({0, 0, -9.81}).fix("one/x0").fix("two/x0").constrain_volume("two");
   const auto solver = make_solver("reference", both, scene);
   ASSERT_TRUE(solver->step(400, 0.3 * solver->stable_step()).ok());
   EXPECT_LT(relative_volume_error(scene, solver->read()), 1e-12);
   Scene measure(both);
-  measure.keep_volume("one");
+  measure.constrain_volume("one");
   EXPECT_GT(relative_volume_error(measure, solver->read()), 1e-6);
-  EXPECT_NE(message_of([&] { scene.keep_volume(); }).find("belongs to another surface"), std::string::npos);
+  EXPECT_NE(message_of([&] { scene.constrain_volume(); }).find("belongs to another surface"), std::string::npos);
 }
 
 /// Parting two bodies moves nothing that is imposed: a body held whole keeps its volume without any help.
@@ -248,7 +248,7 @@ TEST(KeptVolume, OfAHeldBodyIsNotLostWhereAnotherLiesInIt) {
   const Model both = merge_models(bodies);
   for (const char* backend : {"reference", "cpu"}) {
     Scene scene(both);
-    scene.fix("held").keep_volume("held").contacts({});
+    scene.fix("held").constrain_volume("held").contacts({});
     const auto solver = make_solver(backend, both, scene);
     const StepReport report = solver->step(5, 0.3 * solver->stable_step());
     EXPECT_TRUE(report.ok()) << report.message();
@@ -269,18 +269,18 @@ TEST(KeptVolume, OpenSurfacesAreRefusedWithTheirEdge) {
   triangle({1, 2, 3});
   triangle({2, 0, 3});
   Scene scene(cup);
-  EXPECT_EQ(
-      message_of([&] { scene.keep_volume(); }),
-      "keep_volume: expected a closed surface, but its edge from particle 0 to 1 is open (or its two triangles are "
-      "wound against each other); add the missing facets");
-  EXPECT_TRUE(scene.volumes().empty());
+  EXPECT_EQ(message_of([&] { scene.constrain_volume(); }),
+            "constrain_volume: expected a closed surface, but its edge from particle 0 to 1 is open (or its two "
+            "triangles are "
+            "wound against each other); add the missing facets");
+  EXPECT_TRUE(scene.volume_constraints().empty());
   const Model flat = make_strip(0.02, 0.01, 2, 1);
   Scene plane(flat);
-  EXPECT_NE(message_of([&] { plane.keep_volume(); }).find("three-dimensional"), std::string::npos);
-  ClosedVolume wrong{{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}, -1.0, {}};
-  EXPECT_NE(message_of([&] { scene.keep_volume(wrong); }).find("a volume above 0"), std::string::npos);
+  EXPECT_NE(message_of([&] { plane.constrain_volume(); }).find("three-dimensional"), std::string::npos);
+  VolumeConstraint wrong{{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}, -1.0, {}};
+  EXPECT_NE(message_of([&] { scene.constrain_volume(wrong); }).find("a volume above 0"), std::string::npos);
   wrong.triangles[0][0] = 77;
-  EXPECT_NE(message_of([&] { scene.keep_volume(wrong); }).find("got 77"), std::string::npos);
+  EXPECT_NE(message_of([&] { scene.constrain_volume(wrong); }).find("got 77"), std::string::npos);
 }
 
 TEST(KeptVolume, ThatCannotBeRestoredIsReported) {
@@ -289,7 +289,7 @@ TEST(KeptVolume, ThatCannotBeRestoredIsReported) {
     Scene scene(model);
     std::vector<Index> all(model.rest.size());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Index>(i);
-    scene.fix(all).keep_volume();
+    scene.fix(all).constrain_volume();
     const auto solver = make_solver(backend.name, model, scene);
     const double dt = 0.3 * solver->stable_step();
     EXPECT_TRUE(solver->step(3, dt).ok());  // nothing is missing
@@ -312,10 +312,10 @@ TEST(KeptVolume, OfWhatIsHeldWholeIsLostOnlyWhereItChanges) {
   for (const BackendCase& backend : cpu_backends) {
     for (const bool by_tools : {false, true}) {
       Scene scene(model);
-      scene.keep_volume();
+      scene.constrain_volume();
       const auto to = [&](const char* end, const Vec3& way) {
         const double x = end[1] == '0' ? 0.0 : size;
-        if (by_tools) return scene.tool(end).pose({.position = Vec3(x, 0.5 * size, 0.5 * size) + way});
+        if (by_tools) return scene.tool(end).move_to({.position = Vec3(x, 0.5 * size, 0.5 * size) + way});
         scene.replace(x > 0.0, pull(model, end, way, {{0, way.norm()}}));
       };
       for (const char* end : {"x0", "x1"}) {

@@ -10,7 +10,7 @@ namespace phymul::test {
 namespace {
 
 using NeedleOnSkin = WithTools;
-PHYMUL_ON_EVERY_BACKEND(NeedleOnSkin);
+PHYMUL_WITH_NEEDLES(NeedleOnSkin);
 
 TEST_P(NeedleOnSkin, StaysInItsConeUntilItPunctures) {
   constexpr double friction = 0.5;              // Insertion's
@@ -24,7 +24,7 @@ TEST_P(NeedleOnSkin, StaysInItsConeUntilItPunctures) {
     double most = 0.0;
     for (int k = 0; k < 20; ++k) {
       needle.pose.position.x() += 0.4e-3;
-      needle.scene.tool("needle").pose(needle.pose);
+      needle.scene.tool("needle").move_to(needle.pose);
       ASSERT_TRUE(needle.solver->step(4, needle.dt).ok());
       const Vec3 force = needle.solver->tool_force("needle").force;
       ASSERT_GT(force.z(), 0.02);
@@ -62,7 +62,7 @@ TEST(NeedleShaft, TurningOnTheSpotIsRubbedByKineticFriction) {
     Insertion needle(backend, 5, 0.5, sticky);
     needle.go(0.02, 0.2, 10);
     needle.pose.spin = {0, 0, 300};
-    needle.scene.tool("needle").place(needle.pose);
+    needle.scene.tool("needle").teleport(needle.pose);
     ASSERT_TRUE(needle.solver->step(static_cast<int>(0.1 / needle.dt), needle.dt).ok());
     const State state = needle.solver->read();
     const NeedleNode& skin = state.tools.at(0).needle.hole.at(0);
@@ -81,7 +81,7 @@ TEST(NeedleShaft, ThatComesOutOfTheBodyMakesNoHole) {
   stub.length = 0.02;
   Insertion needle("cpu", 4, 0.5, stub);
   needle.pose.position.z() = -0.005;
-  needle.scene.tool("needle").place(needle.pose);
+  needle.scene.tool("needle").teleport(needle.pose);
   ASSERT_TRUE(needle.solver->step(3, needle.dt).ok());
   EXPECT_TRUE(needle.solver->read().tools.at(0).needle.hole.empty());
 }

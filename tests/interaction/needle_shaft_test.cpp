@@ -65,19 +65,10 @@ double skin_off_shaft(const Solver& solver, const ToolPose& pose) {
 }
 
 using BendingNeedleIn = WithTools;
-PHYMUL_ON_EVERY_BACKEND(BendingNeedleIn);
-
-/// Scenes of a second and more, which passes that are drawn take a processor most of a minute for.
-using LongBendingNeedleIn = WithTools;
-std::vector<std::string> backends_that_take_seconds() {
-  std::vector<std::string> all = backend_names();
-  std::erase(all, "gl");
-  return all;
-}
-PHYMUL_ON_BACKENDS(LongBendingNeedleIn, backends_that_take_seconds());
+PHYMUL_WITH_NEEDLES(BendingNeedleIn);
 
 /// A block that hangs on the needle alone: its weight is known, and acts in its middle.
-TEST_P(LongBendingNeedleIn, BendsUnderAHangingBlockAsABeamDoes) {
+TEST_P(BendingNeedleIn, BendsUnderAHangingBlockAsABeamDoes) {
   constexpr double edge = 0.01, g = 9.81;
   Model model = make_block({edge, edge, edge}, 4, 4, 4);
   set_material(model, {.young = 20e3, .poisson = 0.45, .density = 1000.0});
@@ -92,7 +83,7 @@ TEST_P(LongBendingNeedleIn, BendsUnderAHangingBlockAsABeamDoes) {
   const double dt = 0.4 * solver->stable_step();
   const double depth = 0.008;
   pose.position.z() = edge - depth;
-  scene.tool("needle").pose(pose);
+  scene.tool("needle").move_to(pose);
   ASSERT_TRUE(solver->step(static_cast<int>(0.1 / dt), dt).ok());
   ASSERT_TRUE(solver->read().tools[0].needle.punctured);
   scene.remove(0);
@@ -127,13 +118,13 @@ Aside moved_aside(const std::string& backend, const Needle& shape, int cells = 5
   Insertion needle(backend, cells, share, shape);
   needle.go(0.02, 0.1, 10);
   needle.pose.position.x() += 0.003;
-  needle.scene.tool("needle").pose(needle.pose);
+  needle.scene.tool("needle").move_to(needle.pose);
   EXPECT_TRUE(needle.solver->step(static_cast<int>(0.25 / needle.dt), needle.dt).ok());
   EXPECT_TRUE(needle.solver->step(50, needle.dt).ok());
   return {needle.solver->tool_force("needle").mean_force, needle.solver->needle_points("needle", 2)[0].x()};
 }
 
-TEST_P(LongBendingNeedleIn, IsTheStiffOneWhereItIsVeryStiffAndFollowsTheTissueWhereItIsSoft) {
+TEST_P(BendingNeedleIn, IsTheStiffOneWhereItIsVeryStiffAndFollowsTheTissueWhereItIsSoft) {
   const Aside stiff = moved_aside(GetParam(), thin_needle()), very = moved_aside(GetParam(), bending(1e3));
   EXPECT_NEAR(very.force.x(), stiff.force.x(), 0.02 * std::abs(stiff.force.x()));
   EXPECT_NEAR(very.tip, stiff.tip, 1e-5);
@@ -171,7 +162,7 @@ TEST(BendingNeedle, IsPushedAsideByTissueThatAProbePressesFromTheSide) {
     Insertion needle("cpu", 6, 0.5, bending(stiffness));
     needle.scene.add_tool("probe", {.shape = Sphere{0.012}, .pose = {.position = {-0.013, 0.02, 0.025}}});
     needle.go(0.025, 0.1, 10);
-    needle.scene.tool("probe").pose({.position = {-0.003, 0.02, 0.025}});
+    needle.scene.tool("probe").move_to({.position = {-0.003, 0.02, 0.025}});
     EXPECT_TRUE(needle.solver->step(static_cast<int>(0.4 / needle.dt), needle.dt).ok());
     const VecList points = needle.solver->needle_points("needle", 41);
     EXPECT_EQ(points.back(), needle.pose.position + Vec3(0, 0, thin_needle().length));
@@ -191,7 +182,7 @@ TEST_P(BendingNeedleIn, TakesFromTheTissueWhatTheHubFeels) {
                          .pose = {.position = needle.pose.position, .velocity = {0.3, -0.1, -0.8}, .spin = {1, 2, 0}},
                          .friction = 0.5});
   SolverOptions options;
-  options.largest_push = std::numeric_limits<double>::infinity();
+  options.max_displacement_per_step = std::numeric_limits<double>::infinity();
   const auto solver = make(needle.model, needle.scene, options);
   const double dt = 0.3 * solver->stable_step();
   double bent = 0.0;
@@ -226,7 +217,7 @@ bool shaken(Insertion& needle, int calls, std::uint32_t seed) {
         Vec3(0.0203, 0.0197, side - 0.015) + Vec3(0.004 * uniform(bits), 0.004 * uniform(bits), 0.012 * uniform(bits));
     const Vec3 turn = 0.1 * random_vector(bits, 3);
     needle.pose.orientation = Quaternion(1.0, turn.x(), turn.y(), turn.z()).normalized();
-    needle.scene.tool("needle").pose(needle.pose);
+    needle.scene.tool("needle").move_to(needle.pose);
     const StepReport report = needle.solver->step(100, needle.dt);
     EXPECT_TRUE(report.ok()) << report.message();
     if (!report.ok() || report.max_speed > 25.0) return false;
@@ -264,7 +255,7 @@ VecList ends_from(const std::string& backend, double stiffness, double way) {
   solver->reset(start);
   for (int k = 0; k < 4; ++k) {
     pose.position.x() += 4e-4;
-    scene.tool("needle").pose(pose);
+    scene.tool("needle").move_to(pose);
     EXPECT_TRUE(solver->step(25, 0.4 * solver->stable_step()).ok());
   }
   return solver->read().position;
@@ -330,7 +321,7 @@ TEST_P(BendingNeedleIn, AllocatesNothingAtADepthThatItHasReached) {
   for (int k = 0; k < 20; ++k) {
     needle.pose.position.x() += 1e-4;
     needle.pose.position.z() += k % 2 == 0 ? 5e-4 : -5e-4;  // nodes come and go from the shaft
-    needle.scene.tool("needle").pose(needle.pose);
+    needle.scene.tool("needle").move_to(needle.pose);
     ok = ok && needle.solver->step(3, needle.dt).ok();
   }
   EXPECT_EQ(allocation_count(), before);

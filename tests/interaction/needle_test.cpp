@@ -11,7 +11,7 @@ namespace phymul::test {
 namespace {
 
 using NeedleIn = WithTools;
-PHYMUL_ON_EVERY_BACKEND(NeedleIn);
+PHYMUL_WITH_NEEDLES(NeedleIn);
 
 TEST_P(NeedleIn, ForceRisesDropsAtPunctureGrowsWithDepthAndTurnsOnWithdrawal) {
   Insertion needle(GetParam(), 6, 0.4);
@@ -45,7 +45,7 @@ TEST_P(NeedleIn, TakesFromTheTissueWhatTheHubFeels) {
                          .pose = {.position = needle.pose.position, .velocity = {0, 0, -0.8}, .spin = {0, 0, 9}},
                          .friction = 0.5});
   SolverOptions options;
-  options.largest_push = std::numeric_limits<double>::infinity();
+  options.max_displacement_per_step = std::numeric_limits<double>::infinity();
   const auto solver = make(needle.model, needle.scene, options);
   const double dt = 0.3 * solver->stable_step();
   double largest = 0.0;
@@ -66,7 +66,7 @@ TEST_P(NeedleIn, TakesFromTheTissueWhatTheHubFeels) {
 std::vector<double> curve(int cells, double share, const Vec3& aside = Vec3::Zero()) {
   Insertion needle("cpu", cells, share);
   needle.pose.position += aside;
-  needle.scene.tool("needle").place(needle.pose);
+  needle.scene.tool("needle").teleport(needle.pose);
   std::vector<double> all = needle.go(0.020, 0.1, 20);
   const std::vector<double> out = needle.go(-offset, 0.1, 20);
   all.insert(all.end(), out.begin(), out.end());
@@ -101,9 +101,9 @@ TEST(NeedleShaft, TurningTakesTheFrictionAlongIt) {
   needle.go(0.02, 0.1, 10);
   const double still = needle.go(0.021, 0.02, 1).front();
   needle.pose.spin = {0, 0, 300};  // rad/s: 180 mm/s at the shaft's surface, against 20 mm/s along it
-  needle.scene.tool("needle").place(needle.pose);
+  needle.scene.tool("needle").teleport(needle.pose);
   needle.pose.velocity = {0, 0, -0.02};
-  needle.scene.tool("needle").place(needle.pose);
+  needle.scene.tool("needle").teleport(needle.pose);
   ASSERT_TRUE(needle.solver->step(static_cast<int>(0.1 / needle.dt), needle.dt).ok());
   const ToolForce turning = needle.solver->tool_force("needle");
   EXPECT_NEAR(still, 0.15 + 10 * 0.021, 0.05);
@@ -119,7 +119,7 @@ TEST(NeedleShaft, DrawsTheTissueSideways) {
   needle.go(0.02, 0.1, 10);
   const State before = needle.solver->read();
   needle.pose.position.x() += 0.003;
-  needle.scene.tool("needle").pose(needle.pose);
+  needle.scene.tool("needle").move_to(needle.pose);
   ASSERT_TRUE(needle.solver->step(static_cast<int>(0.5 / needle.dt), needle.dt).ok());
   const State after = needle.solver->read();
   const NeedleNode& skin = after.tools.at(0).needle.hole.at(0);
@@ -154,7 +154,7 @@ TEST_P(NeedleIn, IsInTheBodyOnALineOfTheMesh) {
   for (const double y : {0.5 * side, 0.5 * side + 1e-3}) {
     Insertion needle(GetParam(), 8, 0.5, pointed);
     needle.pose.position = {0.5 * side, y, side + offset};
-    needle.scene.tool("needle").place(needle.pose);
+    needle.scene.tool("needle").teleport(needle.pose);
     const std::vector<double> in = needle.go(0.020, 0.2, 21);
     const State deep = needle.solver->read();
     EXPECT_TRUE(deep.tools[0].needle.punctured && !deep.tools[0].needle.through) << y;

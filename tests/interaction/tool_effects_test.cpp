@@ -20,7 +20,7 @@ TEST_P(ToolEffects, NothingOutOfAFlatBodysPlane) {
   const auto solver = make(model, scene);
   double most = 0.0;
   for (int k = 1; k <= 20; ++k) {
-    scene.tool("ball").pose({.position = {0.02, 0.0264 - 1e-4 * k, 0.004}});
+    scene.tool("ball").move_to({.position = {0.02, 0.0264 - 1e-4 * k, 0.004}});
     ASSERT_TRUE(solver->step(2, 0.3 * solver->stable_step()).ok());
     const Vec3& force = solver->tool_force("ball").force;
     EXPECT_EQ(force.z(), 0.0) << k;
@@ -47,7 +47,7 @@ TEST_P(ToolEffects, NothingAlongAnImposedAxis) {
     const auto solver = make(model, scene);
     double most = 0.0;
     for (int k = 1; k <= 10; ++k) {
-      scene.tool("ball").pose({.position = above - Vec3(0, 0, 2e-4 * k)});
+      scene.tool("ball").move_to({.position = above - Vec3(0, 0, 2e-4 * k)});
       ASSERT_TRUE(solver->step(2, 0.3 * solver->stable_step()).ok());
       const Vec3& force = solver->tool_force("ball").force;
       EXPECT_EQ(force[axis], 0.0) << axis << ", " << k;
@@ -84,7 +84,7 @@ TEST_P(ToolEffects, GoesOnFromWhereItWasPlaced) {
   scene.add_tool("ball", {.shape = Sphere{0.001}, .pose = {.position = {0.1, 0, 0}}});
   const auto solver = make(model, scene);
   const double dt = 0.3 * solver->stable_step();
-  scene.tool("ball").place({.position = {0.2, 0, 0}, .velocity = {0, 0, 3.0}});
+  scene.tool("ball").teleport({.position = {0.2, 0, 0}, .velocity = {0, 0, 3.0}});
   for (const int steps : {2, 3, 5}) ASSERT_TRUE(solver->step(steps, dt).ok());
   EXPECT_NEAR((solver->tool_pose("ball").position - Vec3(0.2, 0, 30 * dt)).norm(), 0.0, 1e-9);
 }
@@ -122,7 +122,7 @@ TEST(ToolSwing, MeetsWhatIsBeyondTheChord) {
     Scene scene(model);
     scene.add_tool("rod", {.shape = Capsule{5e-4, length}, .pose = {.orientation = turned(M_PI / 6)}});
     const auto solver = make_solver(backend, model, scene);
-    scene.tool("rod").pose({.orientation = turned(-M_PI / 6)});
+    scene.tool("rod").move_to({.orientation = turned(-M_PI / 6)});
     ASSERT_TRUE(solver->step(1, 0.3 * solver->stable_step()).ok());
     EXPECT_GT(solver->tool_force("rod").particles, 0) << backend;
   }

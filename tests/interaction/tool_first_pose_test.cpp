@@ -56,7 +56,7 @@ State placed(const std::string& backend, const Tool& tool) {
   Tool away = tool;
   away.pose.position += tool.pose.orientation * Vec3(0, 0, -1.0);
   Start start(backend, away);
-  start.scene.tool("it").place(tool.pose);
+  start.scene.tool("it").teleport(tool.pose);
   return start.stepped();
 }
 

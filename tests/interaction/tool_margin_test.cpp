@@ -47,7 +47,7 @@ Pressed press(const Model& model, const Vec3& place, double radius, double margi
   while (at_rest < rest) {
     pose.position.z() = std::max(lowest, pose.position.z() - 1e-3 * speed);
     at_rest += pose.position.z() == lowest ? 1 : 0;
-    rod.pose(pose);
+    rod.move_to(pose);
     const StepReport report = solver->step(steps, 1e-3 / steps);
     EXPECT_TRUE(report.ok()) << report.message();
     if (!report.ok()) break;
@@ -123,7 +123,7 @@ TEST(ToolMargin, NoRodPassesUnfelt) {
   EXPECT_GT(through, 5);  // without it, this is what they do
 }
 
-/// The table of docs/tools.md: force on a rod 8 mm deep over that on a body of a sixth of the spacing, by margin.
+/// The table of docs/measurements/tools.md: force on a rod 8 mm deep over that on a body of a sixth of the spacing, by margin.
 TEST(ToolMargin, ForceOverThatOnAFineBody) {
   const Model coarse = slab(1), fine = slab(sanitized ? 2 : 6);  // the table is of the latter
   std::printf("| radius, mm | on the fine body, N | no margin, mm | half | least_margin | with stretch 2 |\n");

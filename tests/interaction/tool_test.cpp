@@ -37,7 +37,7 @@ TEST(Tool, WhatMakesNoSenseIsRefusedByName) {
   EXPECT_EQ(scene.tools().size(), 1u);
   const ToolHandle handle = scene.tool("probe");
   scene.remove_tool("probe");
-  EXPECT_TRUE(has(message_of([&] { handle.pose({}); }), "no longer has the tool"));
+  EXPECT_TRUE(has(message_of([&] { handle.move_to({}); }), "no longer has the tool"));
 }
 
 TEST(Tool, PosesDoNotMakeTheSceneNew) {
@@ -47,10 +47,10 @@ TEST(Tool, PosesDoNotMakeTheSceneNew) {
   scene.add_tool("probe", {.shape = Sphere{0.002}});
   const std::uint64_t version = scene.version();
   EXPECT_NE(version, empty);
-  scene.tool("probe").pose({.position = {1, 2, 3}});
+  scene.tool("probe").move_to({.position = {1, 2, 3}});
   scene.tool("probe").grasp(0.001);
   EXPECT_EQ(scene.version(), version);
-  EXPECT_EQ(scene.tool("probe").pose().position, Vec3(1, 2, 3));
+  EXPECT_EQ(scene.tool("probe").target_pose().position, Vec3(1, 2, 3));
   scene.remove_tool("probe");
   EXPECT_NE(scene.version(), version);
 }
@@ -84,14 +84,14 @@ TEST_P(MovingTool, IsAtItsPoseAtTheEndOfTheCallAndGoesOnWithItsVelocity) {
   EXPECT_EQ(solver->tool_pose("probe").position, Vec3(0.1, 0, 0));
   const Quaternion quarter(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitZ()));
   const ToolPose to{.position = {0.2, 0.1, 0}, .orientation = quarter, .velocity = {0, 0, 3.0}, .spin = {0, 0, 2.0}};
-  scene.tool("probe").pose(to);
+  scene.tool("probe").move_to(to);
   ASSERT_TRUE(solver->step(10, dt).ok());
   EXPECT_EQ(solver->tool_pose("probe"), to);
   ASSERT_TRUE(solver->step(20, dt).ok());
   const ToolPose& gone_on = solver->tool_pose("probe");
   EXPECT_NEAR((gone_on.position - Vec3(0.2, 0.1, 60 * dt)).norm(), 0.0, 1e-12);
   EXPECT_NEAR(Eigen::AngleAxisd(gone_on.orientation.toRotationMatrix()).angle(), M_PI / 2 + 40 * dt, 1e-9);
-  scene.tool("probe").place({.position = {0.3, 0, 0}});
+  scene.tool("probe").teleport({.position = {0.3, 0, 0}});
   ASSERT_TRUE(solver->step(1, dt).ok());
   EXPECT_EQ(solver->tool_pose("probe").position, Vec3(0.3, 0, 0));
 }
@@ -101,7 +101,7 @@ TEST_P(MovingTool, PlacedOverParticlesLetsThemOutWithoutSpeed) {
   Scene scene(model);
   scene.add_tool("ball", {.shape = Sphere{0.008}, .pose = {.position = {0.01, 0.01, 0.5}}});
   const auto solver = make(model, scene);
-  scene.tool("ball").place({.position = {0.01, 0.01, 0.0251}});
+  scene.tool("ball").teleport({.position = {0.01, 0.01, 0.0251}});
   const StepReport report = solver->step(1, 0.3 * solver->stable_step());
   ASSERT_TRUE(report.ok());
   EXPECT_LE(report.max_speed, 1e-9);
@@ -127,7 +127,7 @@ TEST_P(MovingTool, HoldsWhatItGraspedAndFeelsItsInertia) {
   const double dt = 0.4 * solver->stable_step();
   scene.tool("jaw").grasp(0.0006);
   ASSERT_TRUE(solver->step(1, dt).ok());
-  ASSERT_TRUE(solver->run_to_rest(40000, dt).at_rest);
+  ASSERT_TRUE(solver->run_to_rest(40000, dt).converged());
   const double weight = total_mass(model) * 9.81;
   EXPECT_NEAR(solver->tool_force("jaw").force.z(), -weight, 1e-3 * weight);
   EXPECT_EQ(solver->tool_force("jaw").particles, 9);
@@ -137,7 +137,7 @@ TEST_P(MovingTool, HoldsWhatItGraspedAndFeelsItsInertia) {
 
   const ToolPose turned{.position = {0.05, 0.0, 0.03},
                         .orientation = Quaternion(Eigen::AngleAxisd(0.5, Vec3(1, 2, 3).normalized()))};
-  scene.tool("jaw").pose(turned);
+  scene.tool("jaw").move_to(turned);
   ASSERT_TRUE(solver->step(500, dt).ok());
   const State moved = solver->read();
   for (std::size_t k = 0; k < 9; ++k) {
@@ -164,7 +164,7 @@ TEST_P(MovingTool, ThatHoldsFeelsAJumpAsItsLoadsInertia) {
   const double dt = 0.3 * solver->stable_step(), seconds = 5 * dt;
   scene.tool("jaw").grasp(0.0);
   ASSERT_TRUE(solver->step(5, dt).ok());
-  scene.tool("jaw").pose({.position = {0.11, 0.01, 0.01}});
+  scene.tool("jaw").move_to({.position = {0.11, 0.01, 0.01}});
   ASSERT_TRUE(solver->step(5, dt).ok());
   const double inertia = total_mass(model) * 0.1 / (seconds * seconds);
   EXPECT_NEAR(solver->tool_force("jaw").mean_force.x(), -inertia, 1e-3 * inertia);
@@ -179,7 +179,7 @@ TEST_P(MovingTool, AFailureNamesAToolThatHolds) {
   for (const bool grasps : {false, true}) {
     if (grasps) scene.tool("jaw").grasp(0.001);
     ASSERT_TRUE(solver->step(1, dt).ok());
-    scene.tool("jaw").pose({.position = {grasps ? 1e7 : 0.01, 0.01, 0.01}});
+    scene.tool("jaw").move_to({.position = {grasps ? 1e7 : 0.01, 0.01, 0.01}});
     if (!grasps) scene.gravity({0, 0, -1e16});
     const StepReport report = solver->step(10, dt);
     ASSERT_EQ(report.status, StepStatus::not_finite);
@@ -193,7 +193,7 @@ TEST_P(MovingTool, FixedParticlesAreNotMoved) {
   Scene scene(model);
   scene.fix("z1").add_tool("ball", {.shape = Sphere{0.008}, .pose = {.position = {0.01, 0.01, 0.03}}});
   const auto solver = make(model, scene);
-  scene.tool("ball").pose({.position = {0.01, 0.01, 0.024}});
+  scene.tool("ball").move_to({.position = {0.01, 0.01, 0.024}});
   scene.tool("ball").grasp(0.01);
   ASSERT_TRUE(solver->step(20, 0.3 * solver->stable_step()).ok());
   const State state = solver->read();
@@ -234,7 +234,7 @@ TEST_P(MovingTool, GoesBackWithItsState) {
   scene.tool("jaw").grasp(1e-4);
   const auto solver = make(model, scene);
   const double dt = 0.4 * solver->stable_step();
-  scene.tool("ball").pose({.position = {0.011, 0.01, 0.026}, .velocity = {0.02, 0, -0.05}});
+  scene.tool("ball").move_to({.position = {0.011, 0.01, 0.026}, .velocity = {0.02, 0, -0.05}});
   ASSERT_TRUE(solver->step(50, dt).ok());
   const Snapshot then = solver->snapshot();
   EXPECT_FALSE(then.state.tools.at(1).held.empty());
@@ -253,7 +253,7 @@ TEST_P(MovingTool, ReportsAreOfTheToolAskedFor) {
   scene.add_tool("ball", {.shape = Sphere{0.008}, .pose = {.position = {0.01, 0.01, 0.03}}});
   const auto solver = make(model, scene);
   const ToolHandle ball = scene.tool("ball"), far = scene.tool("far");
-  ball.pose({.position = {0.01, 0.01, 0.026}});
+  ball.move_to({.position = {0.01, 0.01, 0.026}});
   ASSERT_TRUE(solver->step(50, 0.3 * solver->stable_step()).ok());
   const Vec3 pushed = solver->tool_force("ball").force;
   EXPECT_GT(pushed.norm(), 0.0);
@@ -298,7 +298,7 @@ TEST_P(MovingTool, PosingEveryMillisecondAllocatesNothing) {
   const std::size_t before = allocation_count();
   int touched = 0;
   for (int k = 0; k < 50; ++k) {
-    ball.pose({.position = {0.01, 0.01, 0.028 - 1e-4 * k}});
+    ball.move_to({.position = {0.01, 0.01, 0.028 - 1e-4 * k}});
     if (!solver->step(3, dt).ok()) break;
     touched += solver->tool_force("ball").particles;
   }
@@ -353,7 +353,7 @@ TEST(ToolOfTheFastBackend, AgreesWithTheReference) {
   EXPECT_LE((forces[0].mean_force - forces[1].mean_force).norm(), 1e-3 * forces[0].mean_force.norm());
 }
 
-TEST(ToolOfOtherBackends, NeedlesAreTakenByAll) {
+TEST(ToolOfOtherBackends, NeedlesAreTakenByAllButFragments) {
   const Model model = make_tetrahedron(0.01);
   for (const std::string& name : backend_names()) {
     Scene scene(model);
@@ -361,7 +361,8 @@ TEST(ToolOfOtherBackends, NeedlesAreTakenByAll) {
     const auto solver = make_solver(name, model, scene);
     EXPECT_TRUE(solver->takes_tools()) << name;
     scene.add_tool("needle", {.shape = Needle{}, .pose = {.position = {0, 0, 1}}});
-    EXPECT_TRUE(solver->step(1, 0.1 * solver->stable_step()).ok()) << name;
+    const StepReport report = solver->step(1, 0.1 * solver->stable_step());
+    EXPECT_EQ(report.status, name == "gl" ? StepStatus::not_supported : StepStatus::ok) << name;
   }
 }
 

@@ -12,8 +12,8 @@ TEST(VirtualCoupling, FollowsTheHandWhereNothingIsInTheWay) {
   const ToolPose hand{.position = {0.1, -0.05, 0.02},
                       .orientation = Quaternion(Eigen::AngleAxisd(1.0, Vec3(1, 1, 0).normalized()))};
   for (int k = 0; k < 2000; ++k) coupling.follow(hand, Vec3::Zero(), Vec3::Zero(), 1e-3);
-  EXPECT_LE((coupling.tool().position - hand.position).norm(), 1e-9);
-  EXPECT_LE(coupling.tool().orientation.angularDistance(hand.orientation), 1e-7);
+  EXPECT_LE((coupling.pose().position - hand.position).norm(), 1e-9);
+  EXPECT_LE(coupling.pose().orientation.angularDistance(hand.orientation), 1e-7);
   EXPECT_LE(coupling.force().norm(), 1e-6);
 }
 
@@ -23,7 +23,7 @@ TEST(VirtualCoupling, PassesAForceOnToTheHandUpToTheLimit) {
   for (int k = 0; k < 3000; ++k) coupling.follow({}, push, twist, 1e-3);
   EXPECT_NEAR((coupling.force() - push).norm(), 0.0, 1e-6);
   EXPECT_NEAR((coupling.torque() - twist).norm(), 0.0, 1e-6);
-  EXPECT_NEAR(coupling.tool().position.z(), 2.0 / 500.0, 1e-8);
+  EXPECT_NEAR(coupling.pose().position.z(), 2.0 / 500.0, 1e-8);
   for (int k = 0; k < 3000; ++k) coupling.follow({}, 10.0 * push, twist, 1e-3);
   EXPECT_NEAR(coupling.force().norm(), 5.0, 1e-9);
 }
@@ -44,10 +44,10 @@ TEST(VirtualCoupling, TurnsTheShorterWay) {
   for (int k = 0; k < 500; ++k) {
     one.follow({.orientation = turn}, ToolForce{}, 1e-3);
     other.follow({.orientation = negative}, ToolForce{}, 1e-3);
-    ASSERT_LE(other.tool().orientation.angularDistance(one.tool().orientation), 1e-7) << k;
-    ASSERT_LE(other.tool().spin.norm(), one.tool().spin.norm() + 1e-6) << k;
+    ASSERT_LE(other.pose().orientation.angularDistance(one.pose().orientation), 1e-7) << k;
+    ASSERT_LE(other.pose().spin.norm(), one.pose().spin.norm() + 1e-6) << k;
   }
-  EXPECT_LE(one.tool().orientation.angularDistance(turn), 0.05);
+  EXPECT_LE(one.pose().orientation.angularDistance(turn), 0.05);
 }
 
 TEST(VirtualCoupling, IsStableHoweverStiff) {
@@ -58,9 +58,9 @@ TEST(VirtualCoupling, IsStableHoweverStiff) {
   const ToolPose hand{.position = {0.1, 0, 0}};
   for (int k = 0; k < 100; ++k) {
     coupling.follow(hand, Vec3::Zero(), Vec3::Zero(), 1e-3);
-    ASSERT_LE(coupling.tool().position.norm(), 0.1 * (1 + 1e-4));
+    ASSERT_LE(coupling.pose().position.norm(), 0.1 * (1 + 1e-4));
   }
-  EXPECT_NEAR(coupling.tool().position.x(), 0.1, 1e-6);
+  EXPECT_NEAR(coupling.pose().position.x(), 0.1, 1e-6);
 }
 
 TEST(VirtualCoupling, RefusesWhatMakesNoSense) {
@@ -74,7 +74,7 @@ TEST(VirtualCoupling, LeavesOutATickThatIsNotFinite) {
   const ToolPose hand{.position = {0.01, 0, 0}, .velocity = {0.1, 0, 0}};
   VirtualCoupling coupling({}, {});
   for (int k = 0; k < 10; ++k) coupling.follow(hand, {0, 0, 1}, Vec3::Zero(), 1e-3);
-  const ToolPose before = coupling.tool();
+  const ToolPose before = coupling.pose();
   const Vec3 force = coupling.force(), torque = coupling.torque();
   const double no_number = std::nan("");
   const auto follows = [&](const ToolPose& device, const Vec3& push, const Vec3& twist, double dt) {
@@ -94,8 +94,8 @@ TEST(VirtualCoupling, LeavesOutATickThatIsNotFinite) {
   for (const double dt : {no_number, double{INFINITY}, -1e-3}) follows(hand, none, none, dt);
   follows({.position = {1e300, 0, 0}}, none, none, 1e-3);  // finite, but not its square
   for (int k = 0; k < 3000; ++k) coupling.follow(hand, none, none, 1e-3);
-  EXPECT_TRUE(coupling.tool().position.allFinite());
-  EXPECT_NEAR(coupling.tool().position.x(), hand.position.x() + 5.0 * 0.1 / 500.0, 1e-6);  // spring against damper
+  EXPECT_TRUE(coupling.pose().position.allFinite());
+  EXPECT_NEAR(coupling.pose().position.x(), hand.position.x() + 5.0 * 0.1 / 500.0, 1e-6);  // spring against damper
 }
 
 TEST(VirtualCoupling, StartsAnewWhereTheDeviceIs) {
@@ -104,19 +104,19 @@ TEST(VirtualCoupling, StartsAnewWhereTheDeviceIs) {
   ASSERT_GT(coupling.force().norm(), 1.0);
   const ToolPose place{.position = {0, 0.2, 0}, .orientation = Quaternion(0, 2, 0, 0)};
   coupling.reset(place);
-  EXPECT_EQ(coupling.tool().position, place.position);
-  EXPECT_EQ(coupling.tool().orientation, Quaternion(0, 1, 0, 0));
+  EXPECT_EQ(coupling.pose().position, place.position);
+  EXPECT_EQ(coupling.pose().orientation, Quaternion(0, 1, 0, 0));
   EXPECT_EQ(coupling.force(), Vec3(Vec3::Zero()));
   EXPECT_EQ(coupling.torque(), Vec3(Vec3::Zero()));
   coupling.follow(place, Vec3::Zero(), Vec3::Zero(), 1e-3);
-  EXPECT_LE((coupling.tool().position - place.position).norm(), 1e-15);
+  EXPECT_LE((coupling.pose().position - place.position).norm(), 1e-15);
   const ToolPose nowhere{.position = {std::nan(""), 0, 0}};
   const ToolPose unturned{.orientation = Quaternion(0, 0, 0, 0)};
   for (const ToolPose& pose : {nowhere, unturned}) {
     EXPECT_NE(message_of([&] { coupling.reset(pose); }).find("expected a pose of finite numbers"), std::string::npos);
     EXPECT_NE(message_of([&] { VirtualCoupling({}, pose); }).find("expected a pose of finite"), std::string::npos);
   }
-  EXPECT_EQ(coupling.tool().position, place.position);
+  EXPECT_EQ(coupling.pose().position, place.position);
 }
 
 /// The loop of a haptic program at 1 kHz: a hand goes 4 mm into a block and rests there.
@@ -136,7 +136,7 @@ TEST(VirtualCoupling, HandPressingABlockFeelsASteadyForce) {
     hand.velocity = k < 200 ? Vec3(0, 0, -0.025) : Vec3(Vec3::Zero());
     hand.position += 1e-3 * hand.velocity;
     const ToolForce& on_tool = solver->tool_force(probe);
-    probe.pose(coupling.follow(hand, on_tool.mean_force, on_tool.mean_torque, 1e-3));
+    probe.move_to(coupling.follow(hand, on_tool.mean_force, on_tool.mean_torque, 1e-3));
     ASSERT_TRUE(solver->step(steps, 1e-3 / steps).ok());
     const double force = coupling.force().z();
     jump = std::max(jump, std::abs(force - before));
@@ -178,8 +178,8 @@ TEST(VirtualCoupling, CarriesALoadAsItsOwnMass) {
                           .orientation = Quaternion(Eigen::AngleAxisd(0.3 * std::cos(0.013 * k), Vec3::UnitX()))};
       load.move(light.follow(hand, load.felt, dt), dt);
       const ToolPose& expected = heavy.follow(hand, Vec3::Zero(), Vec3::Zero(), dt);
-      ASSERT_LE((light.tool().position - expected.position).norm(), 1e-9) << ratio << ' ' << k;
-      ASSERT_LE(light.tool().orientation.angularDistance(expected.orientation), 1e-7) << ratio << ' ' << k;
+      ASSERT_LE((light.pose().position - expected.position).norm(), 1e-9) << ratio << ' ' << k;
+      ASSERT_LE(light.pose().orientation.angularDistance(expected.orientation), 1e-7) << ratio << ' ' << k;
     }
   }
 }
@@ -196,12 +196,12 @@ TEST(VirtualCoupling, CarriesALongLoadOnATurnedTool) {
     load.felt.held_inertia = Vec3(40.0 * own, 40.0 * own, 0.5 * own).asDiagonal();
     const Mat3 inertia = load.felt.held_inertia;
     for (int k = 0; k < 3000; ++k) {
-      const Mat3 turn = coupling.tool().orientation.toRotationMatrix();
+      const Mat3 turn = coupling.pose().orientation.toRotationMatrix();
       const ToolPose& tool = coupling.follow(hand, load.felt, 1e-3);
       load.felt.mean_torque = turn * inertia * turn.transpose() * (load.spin - tool.spin) / 1e-3;
       load.spin = tool.spin;
     }
-    EXPECT_LE(coupling.tool().orientation.angularDistance(hand.orientation), 1e-2);  // rad
+    EXPECT_LE(coupling.pose().orientation.angularDistance(hand.orientation), 1e-2);  // rad
   }
 }
 
@@ -212,12 +212,12 @@ TEST(VirtualCoupling, CarriesALoadThroughATickLeftOut) {
   VirtualCoupling coupling({}, {});
   const ToolPose hand{.position = {0.02, 0, 0}};
   for (int k = 0; k < 50; ++k) load.move(coupling.follow(hand, load.felt, 1e-3), 1e-3);
-  const double speed = coupling.tool().velocity.norm();
+  const double speed = coupling.pose().velocity.norm();
   coupling.follow({.orientation = {0, 0, 0, 0}}, load.felt, 1e-3);
   load.move({}, 1e-3);
   load.move(coupling.follow(hand, load.felt, 1e-3), 1e-3);
   // The hand has stopped the load and left the light tool its momentum; a push by the load's would give 40 times that.
-  EXPECT_LE(coupling.tool().velocity.norm(), 0.1 * speed);
+  EXPECT_LE(coupling.pose().velocity.norm(), 0.1 * speed);
 }
 
 /// To the bit, so that programs whose tools hold nothing go on as they were.
@@ -269,14 +269,14 @@ Hanging hang(const Tool& jaw, double grasp, double ratio, bool turned, double gr
   ToolPose hand = jaw.pose;
   if (turned) hand.orientation = Quaternion(Eigen::AngleAxisd(0.3, Vec3::UnitZ()));
   for (int k = 0; k < 1000; ++k) {
-    tool.pose(coupling.follow(hand, solver->tool_force(tool), 1e-3));
+    tool.move_to(coupling.follow(hand, solver->tool_force(tool), 1e-3));
     const StepReport report = solver->step(steps, 1e-3 / steps);
     EXPECT_TRUE(report.ok()) << report.message();
     if (!report.ok()) return seen;
     if (k < 800) continue;
     seen.least = std::min(seen.least, -coupling.force().z());
     seen.most = std::max(seen.most, -coupling.force().z());
-    seen.off = std::max(seen.off, coupling.tool().orientation.angularDistance(hand.orientation));
+    seen.off = std::max(seen.off, coupling.pose().orientation.angularDistance(hand.orientation));
     seen.twist = std::max(seen.twist, coupling.torque().norm());
   }
   return seen;
@@ -325,7 +325,7 @@ TEST(VirtualCoupling, IsCalmWhereItIsHeavierThanTheFaceItPushes) {
     for (int k = 0; k < 1500; ++k) {
       hand.velocity = k < 300 ? Vec3(0, 0, -0.02) : Vec3(Vec3::Zero());
       hand.position += 1e-3 * hand.velocity;
-      plate.pose(coupling.follow(hand, solver->tool_force(plate), 1e-3));
+      plate.move_to(coupling.follow(hand, solver->tool_force(plate), 1e-3));
       EXPECT_TRUE(solver->step(steps, 1e-3 / steps).ok());
       const double force = coupling.force().z();
       if (k >= 1300) jump = std::max(jump, std::abs(force - before));
@@ -350,7 +350,7 @@ TEST(VirtualCoupling, LagsBehindAHandWhoseVelocityIsLeftOut) {
       hand.velocity.x() = told ? 0.1 : 0.0;
       coupling.follow(hand, ToolForce{}, 1e-3);
     }
-    const double lag = hand.position.x() - coupling.tool().position.x();
+    const double lag = hand.position.x() - coupling.pose().position.x();
     EXPECT_NEAR(lag, told ? 0.0 : 0.1 * o.damping / o.stiffness, 1e-6);
   }
 }

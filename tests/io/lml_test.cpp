@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "model/file_extras.h"
 #include "support/pml_text.h"
 
 namespace phymul {
@@ -96,8 +97,9 @@ TEST(LmlRead, AppliedTo) {
 
 TEST(LmlRead, AppliedToMeansFileIndices) {
   Model model = line_model();
-  model.file_index.resize(model.rest.size());
-  for (Index i = 0; i < model.particle_count(); ++i) model.file_index[i] = 100 + 2 * (model.particle_count() - 1 - i);
+  change_extras(model, [&](FileExtras& extras) {
+    for (Index i = model.particle_count() - 1; i >= 0; --i) extras.particle_index.push_back(100 + 2 * i);
+  });
   const auto with = [&](const std::string& text) {
     return read_lml_text(load_text("Force", "<appliedTo>" + text + "</appliedTo>" + event + along_z + "<unit>N</unit>"),
                          "t.lml", model);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "io/mesh/mesh_parts.h"
+#include "model/file_extras.h"
 #include "support/text_file.h"
 
 namespace {
@@ -105,7 +106,7 @@ INSTANTIATE_TEST_SUITE_P(AllVersions, GmshVariant, testing::ValuesIn(variants, v
 
 TEST(MeshRead, DropsUnusedPointsAndKeepsTheFilesNumbers) {
   const Model model = phymul::read_mesh(data("mixed_41.msh"));
-  EXPECT_EQ(model.file_index, (std::vector<Index>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 21, 22}));
+  EXPECT_EQ(extras_of(model).particle_index, (std::vector<Index>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 21, 22}));
   ASSERT_FALSE(model.notes.empty());
   EXPECT_NE(model.notes.front().find("1 of 13 points are in no cell and were dropped (30)"), std::string::npos)
       << model.notes.front();

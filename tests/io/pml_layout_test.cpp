@@ -5,6 +5,7 @@
 #include <phymul/shapes.h>
 
 #include "base/index_table.h"
+#include "model/file_extras.h"
 #include "support/pml_text.h"
 
 namespace phymul {
@@ -50,13 +51,15 @@ TEST(PmlLayout, CountsAreTrue) {
 
 TEST(PmlLayout, NewCellNumbersAreNobodyElses) {
   Model model = body();
-  model.cells[0].file_index = 5;
+  change_extras(model, [](FileExtras& extras) { extras.cell_index = {5}; });
   model.add_group("front", {});
   model.components.back().cell_refs = {1};
   EXPECT_EQ(reread(model), model);
   EXPECT_NE(written(model).find("<cellRef index=\"6\"/>"), std::string::npos);
-  model.extras.neighbourhood_index.assign(model.rest.size(), -1);
-  model.extras.neighbourhood_index[2] = 50;
+  change_extras(model, [&](FileExtras& extras) {
+    extras.neighbourhood_index.assign(model.rest.size(), -1);
+    extras.neighbourhood_index[2] = 50;
+  });
   EXPECT_NE(written(model).find("<cellRef index=\"51\"/>"), std::string::npos);
 }
 

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <random>
 
+#include "model/file_extras.h"
 #include "support/pml_text.h"
 
 namespace phymul {
@@ -92,21 +93,22 @@ TEST(PmlRoundTrip, UnknownAttributesNamesAndColours) {
   text = replaced(text, "name=\"Elements\"", "name=\"Elements\" mode=\"SURFACE\" unit=\"\"");
   text = replaced(text, "</multiComponent></exclusiveComponents>", neighbourhood);
   const Model model = read_pml_text(text, "t.pml");
-  EXPECT_EQ(model.extras.attributes, (std::vector<Attribute>{{"comment", "root > all"}}));
-  EXPECT_EQ(model.extras.atom_list.attributes, (std::vector<Attribute>{{"mode", "POINTS"}}));
-  ASSERT_EQ(model.particle_name.size(), 4u);
-  EXPECT_EQ(model.particle_name[2], "tip <&\"\n");
-  EXPECT_EQ(model.particle_fields[2], (std::vector<Attribute>{{"fixed", "1"}, {"b", "\t"}}));
+  const FileExtras& extras = extras_of(model);
+  EXPECT_EQ(extras.attributes, (std::vector<Attribute>{{"comment", "root > all"}}));
+  EXPECT_EQ(extras.atom_list.attributes, (std::vector<Attribute>{{"mode", "POINTS"}}));
+  ASSERT_EQ(extras.particle_name.size(), 4u);
+  EXPECT_EQ(extras.particle_name[2], "tip <&\"\n");
+  EXPECT_EQ(extras.particle_fields[2], (std::vector<Attribute>{{"fixed", "1"}, {"b", "\t"}}));
   EXPECT_EQ(model.components[1].attributes, (std::vector<Attribute>{{"mode", "SURFACE"}, {"unit", ""}}));
   EXPECT_EQ(model.components[1].colour, (Colour{0.1, 0.2, 0.3, 0.4}));
   EXPECT_EQ(model.cells[0].attributes, (std::vector<Attribute>{{"odd", "'"}}));
   EXPECT_EQ(model.stiffness, (std::vector<double>{2, 2, 2, 4}));
-  EXPECT_EQ(model.extras.neighbourhood_index, (std::vector<Index>{50, -1, -1, -1}));
-  ASSERT_EQ(model.extras.neighbourhood_fields.size(), 2u);
-  EXPECT_EQ(model.extras.neighbourhood_fields[1].attributes, (std::vector<Attribute>{{"stiffness", "4"}}));
+  EXPECT_EQ(extras.neighbourhood_index, (std::vector<Index>{50, -1, -1, -1}));
+  ASSERT_EQ(extras.neighbourhood_fields.size(), 2u);
+  EXPECT_EQ(extras.neighbourhood_fields[1].attributes, (std::vector<Attribute>{{"stiffness", "4"}}));
   const Model again = reread(model);
   EXPECT_EQ(again, model);
-  EXPECT_EQ(again.extras, model.extras);
+  EXPECT_EQ(extras_of(again), extras);
   EXPECT_EQ(again.components, model.components);
 }
 
@@ -161,15 +163,15 @@ TEST(PmlRoundTrip, TwoDimensions) {
 TEST(PmlWrite, RefusesWhatPmlCannotSay) {
   Model model = read_pml(data + "/tetrahedron_4.pml");
   Model broken = model;
-  broken.file_index[3] = 0;
+  change_extras(broken, [](FileExtras& e) { e.particle_index[3] = 0; });
   EXPECT_EQ(message_of([&] { written(broken); }),
             "particle 3: expected a file index of its own, got 0, which particle 0 has");
   broken = model;
-  broken.extras.attributes = {{"name", "again"}};
+  change_extras(broken, [](FileExtras& e) { e.attributes = {{"name", "again"}}; });
   EXPECT_NE(message_of([&] { written(broken); }).find("<physicalModel> under other names than its own, got \"name\""),
             std::string::npos);
   broken = model;
-  broken.extras.attributes = {{"two words", ""}};
+  change_extras(broken, [](FileExtras& e) { e.attributes = {{"two words", ""}}; });
   EXPECT_NE(message_of([&] { written(broken); }).find("a name that XML allows for an attribute"), std::string::npos);
   broken = model;
   broken.name = "bell \a";
@@ -194,8 +196,10 @@ TEST(PmlWrite, ReplacesAFileOnlyByACompleteOne) {
   write_pml(model, path);
   EXPECT_EQ(read_pml(path), model);
   Model broken = model;
-  broken.particle_fields.assign(4, {});
-  broken.particle_fields[3] = {{"not a name", ""}};
+  change_extras(broken, [](FileExtras& e) {
+    e.particle_fields.assign(4, {});
+    e.particle_fields[3] = {{"not a name", ""}};
+  });
   EXPECT_EQ(message_of([&] { write_pml(broken, path); }).rfind(path + ": ", 0), 0u);
   EXPECT_EQ(read_pml(path), model) << "the old file stays";
   std::size_t files = 0;

@@ -7,6 +7,7 @@
 #include <clocale>
 #include <locale>
 
+#include "model/file_extras.h"
 #include "support/pml_text.h"
 
 namespace phymul {
@@ -27,11 +28,11 @@ TEST(PmlRead, Tetrahedron) {
   EXPECT_EQ(model.rest[3], Vec3(0.5e-3, 0.000288675135, 0.000816496581));
   EXPECT_EQ(model.mass, std::vector<double>(4, 1.0));
   EXPECT_EQ(model.stiffness, std::vector<double>(4, 1.0));
-  EXPECT_EQ(model.file_index, (std::vector<Index>{0, 1, 2, 3}));
+  EXPECT_EQ(extras_of(model).particle_index, (std::vector<Index>{0, 1, 2, 3}));
   EXPECT_EQ(row(model.neighbours, 2), (std::vector<Index>{0, 1, 3}));
   ASSERT_EQ(model.cells.size(), 1u);
   EXPECT_EQ(model.cells[0].type, CellType::tetrahedron);
-  EXPECT_EQ(model.cells[0].file_index, 0);
+  EXPECT_EQ(model.cell_file_index(0), 0);
   ASSERT_EQ(model.components.size(), 5u);
   EXPECT_EQ(model.components[0].name, "Exclusive Components");
   EXPECT_FALSE(model.components[0].structural);
@@ -41,8 +42,8 @@ TEST(PmlRead, Tetrahedron) {
   EXPECT_TRUE(model.components[2].cells.empty());
   EXPECT_EQ(model.components[4].parent, 3);
   EXPECT_FALSE(model.components[4].exclusive);
-  EXPECT_TRUE(model.particle_name.empty());
-  EXPECT_TRUE(model.particle_fields.empty());
+  EXPECT_TRUE(extras_of(model).particle_name.empty());
+  EXPECT_TRUE(extras_of(model).particle_fields.empty());
 }
 
 TEST(PmlRead, Cylinder) {
@@ -145,7 +146,7 @@ TEST(PmlRead, IndicesAreLookedUpNotCounted) {
   atoms[1] = replaced(atoms[1], "index=\"1\"", "index=\"7\"");
   const Model model =
       read_pml_text(pml_text(atoms, {cell_text("TETRAHEDRON", {100, 7, 2, 3}, "index=\"40\"")}), "t.pml");
-  EXPECT_EQ(model.file_index, (std::vector<Index>{100, 7, 2, 3}));
+  EXPECT_EQ(extras_of(model).particle_index, (std::vector<Index>{100, 7, 2, 3}));
   EXPECT_EQ(model.cells[0].particles, (std::vector<Index>{0, 1, 2, 3}));
   EXPECT_EQ(reread(model), model);
 }
@@ -191,7 +192,7 @@ TEST(PmlRead, CountsAreHintsOnly) {
                              "<atom>", "<nrOfStructures value=\"1000000000\"/><atom>"),
                     "t.pml");
   EXPECT_EQ(model.particle_count(), 4);
-  EXPECT_TRUE(model.extras.attributes.empty());
+  EXPECT_TRUE(extras_of(model).attributes.empty());
 }
 
 TEST(PmlRead, AcceptsSignsAndBlanksAroundNumbers) {

@@ -14,7 +14,7 @@ Vector3<S> acceleration(const Vector3<S>& force, const S& inverse_mass, const Ve
   return inverse_mass * force + gravity;
 }
 
-/// An elastic force, cut to `largest`: SolverOptions::largest_push.
+/// An elastic force, cut to `largest`: SolverOptions::max_displacement_per_step.
 template <class S>
 Vector3<S> cut_force(const Vector3<S>& force, const S& largest) {
   const S q = inner_product(force, force);

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "mirror.h"
 
+#include <phymul/backend.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "device/float_range.h"
 #include "integrate_displacement.h"
 #include "mirror_forces.h"
 #include "mirror_volumes.h"
@@ -71,11 +74,11 @@ class FloatLoads {
   std::vector<Float3> target_, force_;
 };
 
-class MirrorSolver final : public Solver {
+class MirrorSolver final : public SolverBackend {
  public:
   MirrorSolver(std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in, const SolverOptions& options_in,
                FloatLayout layout)
-      : Solver("mirror", std::move(shared), scene_in, options_in),
+      : SolverBackend("mirror", std::move(shared), scene_in, options_in),
         forces_(pack_floats(topology(), layout)),
         loads_(scene()),
         u_(topology().rest.size()),
@@ -130,7 +133,7 @@ class MirrorSolver final : public Solver {
       time_ += plan.dt;
       last_dt_ = plan.dt;
       ++motion.steps;
-      motion.cut = motion.cut || cut;
+      motion.force_clamped = motion.force_clamped || cut;
 
       motion.max_speed = max_free_speed();
       const RestThresholds rest =

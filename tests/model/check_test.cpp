@@ -11,6 +11,7 @@
 
 #include "model/cell_geometry.h"
 #include "model/duplicates.h"
+#include "model/file_extras.h"
 
 namespace phymul {
 namespace {
@@ -133,7 +134,7 @@ TEST(CheckMesh, TurnsQuadsRoundInThePlaneOnly) {
 TEST(CheckMesh, FindFlawsChangesNothingAndSaysWhatWouldBeDone) {
   Model model = make_block({1, 1, 1}, 2, 2, 2);
   mirror(model.cells[3]);
-  model.cells[3].file_index = 40;
+  change_extras(model, [](FileExtras& extras) { extras.cell_index = {-1, -1, -1, 40}; });
   const Model before = model;
   const Finding finding = only(find_flaws(model), Flaw::winding);
   EXPECT_FALSE(finding.mended);
@@ -226,8 +227,9 @@ TEST(CheckMesh, DuplicateCells) {
 TEST(CheckMesh, DuplicatePointsAtAnyScaleAndPlace) {
   for (const double scale : {1e-5, 1e-3, 1.0}) {
     Model model = make_block({scale, scale, scale}, 4, 4, 4);
-    model.file_index.resize(model.rest.size());
-    for (Index i = 0; i < model.particle_count(); ++i) model.file_index[i] = i + 1000;
+    change_extras(model, [&](FileExtras& extras) {
+      for (Index i = 0; i < model.particle_count(); ++i) extras.particle_index.push_back(i + 1000);
+    });
     model.rest[60] = model.rest[5] + Vec3(0.5e-9, -0.5e-9, 0) * scale;
     model.rest[80] = model.rest[6] + Vec3(1.1e-9, 0, 0) * scale;
     const Finding finding = only(find_flaws(model), Flaw::duplicate_point);

@@ -40,7 +40,7 @@ Model spiked() {
   model.mass.assign(6, 1.0);
   model.stiffness.assign(6, 1.0);
   const auto face = [&](Index a, Index b, Index c) {
-    model.cells.push_back({CellType::triangle, {a, b, c}, -1, -1, {}, {}, {}});
+    model.cells.push_back({.type = CellType::triangle, .particles = {a, b, c}});
   };
   for (Index k = 0; k < 4; ++k) {
     face(0, 2 + k, 2 + (k + 1) % 4);
@@ -116,7 +116,7 @@ TEST_P(GridTool, PressesAsTheSameBallDoes) {
     options.damping.rate = 40.0;
     const auto solver = make(model, scene, options);
     pose.position.z() -= 0.003;
-    scene.tool("tool").pose(pose);
+    scene.tool("tool").move_to(pose);
     EXPECT_TRUE(solver->step(300, 0.4 * solver->stable_step()).ok());
     EXPECT_GT(solver->tool_force("tool").particles, 3);
     return solver->tool_force("tool").mean_force;

@@ -9,6 +9,7 @@
 #include <limits>
 #include <numeric>
 
+#include "model/file_extras.h"
 #include "support/message_of.h"
 #include "support/print.h"
 
@@ -91,10 +92,11 @@ TEST(Model, EqualityLooksAtEverythingButNotes) {
         m.components[0].colour = Colour{1, 0, 0, 1};
       },
       [](Model& m) { m.materials.push_back(soft); },
-      [](Model& m) { m.file_index.assign(m.rest.size(), 1); },
-      [](Model& m) { m.particle_name.resize(m.rest.size()); },
-      [](Model& m) { m.particle_fields.resize(m.rest.size()); },
-      [](Model& m) { m.extras.atom_list.name = "list"; }};
+      [](Model& m) { change_extras(m, [&](FileExtras& e) { e.particle_index.assign(m.rest.size(), 1); }); },
+      [](Model& m) { change_extras(m, [&](FileExtras& e) { e.particle_name.resize(m.rest.size()); }); },
+      [](Model& m) { change_extras(m, [&](FileExtras& e) { e.particle_fields.resize(m.rest.size()); }); },
+      [](Model& m) { change_extras(m, [](FileExtras& e) { e.cell_index = {4}; }); },
+      [](Model& m) { change_extras(m, [](FileExtras& e) { e.atom_list.name = "list"; }); }};
   for (std::size_t k = 0; k < changes.size(); ++k) {
     other = model;
     changes[k](other);
@@ -195,9 +197,10 @@ TEST(Validate, NamesTheFirstOffender) {
       {[](Model& m) { m = Model{}; }, "expected at least one particle"},
       {[](Model& m) { m.mass.pop_back(); }, "expected 8 rows in mass, one per particle, got 7"},
       {[](Model& m) { m.stiffness.push_back(1); }, "expected 8 rows in stiffness, one per particle, got 9"},
-      {[](Model& m) { m.file_index.resize(3); }, "expected 8 rows in file_index (or none)"},
-      {[](Model& m) { m.particle_name.resize(3); }, "rows in particle_name"},
-      {[](Model& m) { m.particle_fields.resize(3); }, "rows in particle_fields"},
+      {[](Model& m) { change_extras(m, [](FileExtras& e) { e.particle_index.resize(3); }); },
+       "expected extras of 8 particles, as the model has, got those of 3; set Model::extras to null"},
+      {[](Model& m) { change_extras(m, [](FileExtras& e) { e.particle_name.resize(3); }); }, "expected extras of 8"},
+      {[](Model& m) { change_extras(m, [](FileExtras& e) { e.particle_fields.resize(3); }); }, "expected extras of 8"},
       {[](Model& m) { m.rest[5].y() = not_a_number; }, "particle 5: expected finite coordinates"},
       {[](Model& m) { m.mass[2] = m.mass[6] = 0.0; }, "particle 2: expected a positive, finite mass"},
       {[](Model& m) { m.mass[2] = INFINITY; }, "particle 2: expected a positive, finite mass"},
@@ -230,11 +233,13 @@ TEST(Validate, NamesTheFirstOffender) {
 
 TEST(Validate, SpeaksOfFileIndices) {
   Model model = make_tetrahedron(1.0);
-  model.file_index = {10, 20, 30, 40};
+  change_extras(model, [](FileExtras& extras) {
+    extras.particle_index = {10, 20, 30, 40};
+    extras.cell_index = {77};
+  });
   model.mass[2] = -1.0;
   EXPECT_NE(message_of([&] { validate(model); }).find("particle 2 (file index 30)"), std::string::npos);
   model.mass[2] = 1.0;
-  model.cells[0].file_index = 77;
   model.cells[0].particles.resize(3);
   EXPECT_NE(message_of([&] { validate(model); }).find("cell 0 (TETRAHEDRON, file index 77)"), std::string::npos);
 }

@@ -2,6 +2,7 @@
 //
 // Scene::modes says the same as Scene::evaluate.
 #include <gtest/gtest.h>
+#include <phymul/load_frame.h>
 
 #include "support/bodies.h"
 

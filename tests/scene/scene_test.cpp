@@ -10,7 +10,6 @@
 #include <type_traits>
 
 #include "support/message_of.h"
-#include "support/print.h"
 #include "support/scene_parts.h"
 
 namespace phymul {
@@ -326,20 +325,50 @@ TEST(Scene, TakesNoTemporaryModel) {
   EXPECT_FALSE((std::is_constructible_v<Scene, Model>));
 }
 
-/// A scene that solvers and handles point to can be emptied, not taken away.
-TEST(Scene, IsCopiedAndNeitherMovedNorAssigned) {
-  EXPECT_FALSE((std::is_assignable_v<Scene&, Scene>));
-  EXPECT_FALSE((std::is_assignable_v<Scene&, const Scene&>));
+// What owns a scene and its solver must not compile as something to move.
+static_assert(!std::is_move_constructible_v<Scene> && std::is_constructible_v<Scene, const Scene&>);
+static_assert(!std::is_assignable_v<Scene&, Scene> && !std::is_assignable_v<Scene&, const Scene&>);
+struct SceneAndSolver {
+  Scene scene;
+  std::unique_ptr<int> solver;
+};
+static_assert(!std::is_move_constructible_v<SceneAndSolver>);
+
+TEST(Scene, CopiesAreIndependent) {
   const Model model = make_block({1, 1, 1}, 1, 1, 1);
   Scene scene(model);
   scene.fix("x0").gravity({0, 0, -1}).add_tool("ball", {.shape = Sphere{0.1}});
   const ToolHandle ball = scene.tool("ball");
-  const Scene other = std::move(scene);
-  ball.pose({.position = {1, 2, 3}});
+  const Scene other = scene;
+  ball.move_to({.position = {1, 2, 3}});
   EXPECT_EQ(scene.loads().size(), 1u);
   EXPECT_EQ(scene.tools().front().pose.position, Vec3(1, 2, 3));
   EXPECT_EQ(other.loads(), scene.loads());
   EXPECT_EQ(other.tools().front().pose.position, Vec3(0, 0, 0));
+}
+
+TEST(Scene, SharesOwnershipOfItsModel) {
+  auto model = std::make_shared<const Model>(make_block({1, 1, 1}, 1, 1, 1));
+  const std::weak_ptr<const Model> watched = model;
+  auto scene = std::make_unique<Scene>(std::move(model));
+  const Scene copy = *scene;
+  scene.reset();
+  ASSERT_FALSE(watched.expired());
+  EXPECT_EQ(copy.model().particle_count(), 8);
+  EXPECT_NE(message_of([] { Scene(std::shared_ptr<const Model>()); }).find("got null"), std::string::npos);
+}
+
+TEST(Scene, GivesToolsNamesAndHandles) {
+  const Model model = make_block({1, 1, 1}, 1, 1, 1);
+  Scene scene(model);
+  const ToolHandle ball = scene.add_tool(Sphere{0.1});
+  const ToolHandle rod = scene.add_tool({.shape = Capsule{0.1, 0.2}, .friction = 0.5});
+  rod.move_to({.position = {1, 2, 3}});
+  EXPECT_EQ(scene.tools().at(0).name, "tool 1");
+  EXPECT_EQ(scene.tools().at(1).name, "tool 2");
+  EXPECT_EQ(scene.tool("tool 2").target_pose().position, Vec3(1, 2, 3));
+  EXPECT_NE(ball.id(), rod.id());
+  EXPECT_TRUE(ball.is_of(scene));
 }
 
 TEST(Scene, RefusesAModelThatIsNotOne) {

@@ -84,7 +84,7 @@ std::vector<State> apart_and_together(const char* backend, double* slack = nullp
   for (Solver* solver : {together.get(), soft.get(), hard.get()}) {
     const StepReport report = solver->step(400, dt);
     EXPECT_TRUE(report.ok()) << report.message();
-    EXPECT_FALSE(report.cut);
+    EXPECT_FALSE(report.force_clamped);
   }
   if (slack != nullptr) *slack = mean_spacing(organs.soft);
   return {together->read(), soft->read(), hard->read()};

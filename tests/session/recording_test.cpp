@@ -8,6 +8,8 @@
 #include <random>
 
 #include "base/checked_file.h"
+#include "session/scene_bytes.h"
+#include "session/tool_bytes.h"
 #include "support/message_of.h"
 #include "support/run_scenes.h"
 
@@ -134,7 +136,7 @@ TEST_F(RecordingTest, ToolsMoveAgainAsTheyDid) {
   const std::string middle = path_for("tools.state"), file = path_for("tools.rec");
   for (const BackendCase& backend : cpu_backends) {
     Scene scene(model_);
-    scene.fix("x0").contacts({}).keep_volume();
+    scene.fix("x0").contacts({}).constrain_volume();
     scene.add_tool("ball", {.shape = Sphere{0.005}, .pose = {.position = {0.06, 0.015, 3.035}}, .friction = 0.3});
     const auto recorded = solver(backend, scene);
     const double dt = 0.4 * recorded->stable_step();
@@ -143,14 +145,14 @@ TEST_F(RecordingTest, ToolsMoveAgainAsTheyDid) {
       return ToolPose{.position = {0.06 - 1e-4 * k, 0.015, 3.035 - 2e-4 * k}, .velocity = {0, 0, -0.01}};
     };
     for (int k = 0; k < 20; ++k) {
-      scene.tool("ball").pose(lower(k));
+      scene.tool("ball").move_to(lower(k));
       recorder.step(3, dt);
     }
     scene.tool("ball").grasp(0.002);
     recorder.step(1, dt);
     EXPECT_FALSE(recorded->read().tools[0].held.empty());
     for (int k = 20; k > 10; --k) {
-      scene.tool("ball").pose(lower(k));
+      scene.tool("ball").move_to(lower(k));
       recorder.step(3, dt);
     }
     save_state(*recorded, middle);
@@ -158,7 +160,7 @@ TEST_F(RecordingTest, ToolsMoveAgainAsTheyDid) {
     for (const Input& input : recorder.recording().inputs) middle_at += input.times;
     recorder.step(5, dt);
     scene.tool("ball").release();
-    scene.tool("ball").place({.position = {0.03, 0.015, 3.04}});
+    scene.tool("ball").teleport({.position = {0.03, 0.015, 3.04}});
     scene.add_tool("floor", {.shape = HalfSpace{}, .pose = {.position = {0, 0, 2.99}}});
     recorder.step(5, dt);
     scene.remove_tool("ball");
@@ -212,7 +214,7 @@ TEST_F(RecordingTest, ACallThatWasStoppedIsRecordedAsFarAsItWent) {
   Recorder recorder(*recorded, scene_);
   const double dt = 0.4 * recorded->stable_step();
   EXPECT_EQ(recorder.step(9, dt).steps, 3);
-  EXPECT_EQ(recorder.run_to_rest(9, dt).steps, 3);
+  EXPECT_EQ(recorder.run_to_rest(9, dt).report.steps, 3);
   recorder.checkpoint();
   Scene again(model_);
   const auto own = solver({"reference", 0}, again, 30.0);
@@ -311,6 +313,36 @@ std::string small_recording() {
   save_recording(recorder.recording(), path);
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Files made before must stay readable, whatever the order of enumerators and of the shapes of tools.
+TEST(RecordingFile, NumbersInFilesNeverChange) {
+  const auto first_byte = [](const std::string& bytes) {
+    return static_cast<int>(static_cast<unsigned char>(bytes[0]));
+  };
+  int code = 0;
+  for (const LoadType type :
+       {LoadType::translation, LoadType::rotation, LoadType::force, LoadType::pressure, LoadType::acceleration}) {
+    Load load;
+    load.type = type;
+    load.axes = {Axis::driven, Axis::free, Axis::held};
+    const std::string bytes = load_bytes(load);
+    EXPECT_EQ(first_byte(bytes), code++);
+    EXPECT_EQ(bytes.substr(17, 3), std::string("\2\0\1", 3));  // after the type and two empty lists
+    ByteReader in("load", bytes);
+    EXPECT_EQ(take_load(in), load);
+  }
+  const auto grid =
+      std::make_shared<const DistanceGrid>(Vec3::Zero(), 1.0, std::array{2, 2, 2}, std::vector<float>(8, -1.0f));
+  code = 0;
+  for (const ToolShape& shape : {ToolShape(Sphere{1}), ToolShape(Capsule{1, 2}), ToolShape(HalfSpace{}),
+                                 ToolShape(Box{{1, 1, 1}}), ToolShape(grid), ToolShape(Needle{})}) {
+    ByteWriter out;
+    put_tool(out, {.shape = shape});
+    EXPECT_EQ(first_byte(out.bytes()), code++);
+    ByteReader in("tool", out.bytes());
+    EXPECT_EQ(take_tool(in).shape.index(), shape.index());
+  }
 }
 
 TEST(RecordingFile, CutAtEveryByteAndEveryBitTurnedIsRefused) {

@@ -59,7 +59,7 @@ TEST(StateFile, TheTrajectoryGoesOnBitForBit) {
       const auto second = make_solver(backend.name, topology, scene, options_for(backend));
       load_state(*second, path);
       EXPECT_TRUE(same_bits(second->read(), saved)) << backend.name;
-      EXPECT_EQ(second->snapshot(), read_state(path).snapshot) << backend.name;
+      EXPECT_EQ(second->snapshot(), read_state(path)) << backend.name;
       ASSERT_TRUE(second->step(40, dt).ok());
       EXPECT_TRUE(same_bits(second->read(), first->read())) << backend.name << " at " << origin.transpose();
       EXPECT_EQ(second->snapshot(), first->snapshot()) << backend.name << " at " << origin.transpose();
@@ -94,26 +94,25 @@ TEST(StateFile, RestIsFoundAtTheSameStepAfterARestart) {
     options.rest_steps = 50;
     const auto whole = make_solver(backend.name, topology, scene, options);
     const double dt = 0.4 * whole->stable_step();
-    const StepReport at_once = whole->run_to_rest(100000, dt);
-    ASSERT_TRUE(at_once.at_rest) << at_once.message();
+    const RestResult at_once = whole->run_to_rest(100000, dt);
+    ASSERT_TRUE(at_once.converged()) << at_once.message();
     const auto cut = make_solver(backend.name, topology, scene, options);
-    ASSERT_FALSE(cut->run_to_rest(at_once.steps - 20, dt).at_rest);
+    ASSERT_FALSE(cut->run_to_rest(at_once.report.steps - 20, dt).converged());
     EXPECT_GT(cut->snapshot().steps_at_rest, 0);
     const auto rest = make_solver(backend.name, topology, scene, options);
     rest->restore(cut->snapshot());
-    EXPECT_EQ(rest->run_to_rest(100000, dt).steps, 20) << backend.name;
+    EXPECT_EQ(rest->run_to_rest(100000, dt).report.steps, 20) << backend.name;
     EXPECT_TRUE(same_bits(rest->read(), whole->read())) << backend.name;
   }
 }
 
 TEST(StateFile, ExtremeNumbersComeBackBitForBit) {
-  SavedState saved;
-  saved.body = 0xfedcba9876543210ull;
-  saved.snapshot.body = saved.body;
+  Snapshot saved;
+  saved.topology_hash = 0xfedcba9876543210ull;
   saved.backend = "any";
-  saved.snapshot.state.time = 5e-324;
-  saved.snapshot.state.position = {{-0.0, 1.7976931348623157e308, 0.1}};
-  saved.snapshot.state.velocity = {{2.2250738585072014e-308, -5e-324, 3}};
+  saved.state.time = 5e-324;
+  saved.state.position = {{-0.0, 1.7976931348623157e308, 0.1}};
+  saved.state.velocity = {{2.2250738585072014e-308, -5e-324, 3}};
   ToolState tool;
   tool.name = "probe";
   tool.pose = {{1, 2, 3}, Quaternion(0.5, -0.5, 0.5, -0.5), {4, 5, 6}, {7, 8, 9}};
@@ -121,17 +120,17 @@ TEST(StateFile, ExtremeNumbersComeBackBitForBit) {
   tool.held = {0};
   tool.held_at = {{1e-3, 0, -0.0}};
   tool.needle = {{{{0}, {0.25}, true}, {{}, {}, false}}, true, true, 1e-5, {{-1e-3, 0.5, -0.0}}};
-  saved.snapshot.state.tools = {tool, ToolState{}};
-  saved.snapshot.displacement = {{-0.0, 1e-300, 7}};
-  saved.snapshot.last_dt = 1e-9;
-  saved.snapshot.steps_at_rest = 12;
-  saved.snapshot.parts = {{"needle", {0, 255, 10}}, {"", {}}};
+  saved.state.tools = {tool, ToolState{}};
+  saved.displacement = {{-0.0, 1e-300, 7}};
+  saved.last_dt = 1e-9;
+  saved.steps_at_rest = 12;
+  saved.parts = {{"needle", {0, 255, 10}}, {"", {}}};
   const std::string path = path_for("extreme.state");
   save_state(saved, path);
-  const SavedState again = read_state(path);
+  const Snapshot again = read_state(path);
   EXPECT_EQ(again, saved);
-  EXPECT_TRUE(same_bits(again.snapshot.state, saved.snapshot.state));
-  EXPECT_TRUE(same_bits(again.snapshot.displacement, saved.snapshot.displacement));
+  EXPECT_TRUE(same_bits(again.state, saved.state));
+  EXPECT_TRUE(same_bits(again.displacement, saved.displacement));
   // Little-endian whatever the machine: magic, version 3, and the body's fingerprint at byte 24.
   EXPECT_EQ(bytes_of(path).substr(0, 16), std::string("phymulSt\3\0\0\0body", 16));
   EXPECT_EQ(bytes_of(path).substr(24, 8), "\x10\x32\x54\x76\x98\xba\xdc\xfe");
@@ -281,7 +280,7 @@ TEST(StateFile, MutantsWithRightChecksumsAreHarmless) {
     file.add("body", head);
     file.add("stat", tail);
     try {
-      solver->restore(read_state_bytes(file.finish(), "s").snapshot);
+      solver->restore(read_state_bytes(file.finish(), "s"));
       ++read;
     } catch (const Error&) {
       ++refused;
@@ -294,7 +293,7 @@ TEST(StateFile, MutantsWithRightChecksumsAreHarmless) {
 TEST(StateFile, AFileThatCannotBeWrittenLeavesTheOldOne) {
   const std::string folder = path_for("folder_of_states");
   std::filesystem::create_directories(folder);
-  EXPECT_NE(message_of([&] { save_state(SavedState{}, folder + "/none/x.state"); }).find(folder + "/none/x.state: "),
+  EXPECT_NE(message_of([&] { save_state(Snapshot{}, folder + "/none/x.state"); }).find(folder + "/none/x.state: "),
             std::string::npos);
   EXPECT_NE(message_of([&] { read_state(folder); }).find("expected a file, got a folder"), std::string::npos);
 }

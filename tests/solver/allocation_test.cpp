@@ -4,6 +4,7 @@
 #include "support/allocation_count.h"
 
 #include <gtest/gtest.h>
+#include <phymul/load_frame.h>
 #include <phymul/scene.h>
 #include <phymul/shapes.h>
 #include <phymul/solver.h>

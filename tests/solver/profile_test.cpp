@@ -101,21 +101,6 @@ TEST_P(ProfileTest, CountsEveryStepOnce) {
   EXPECT_EQ(find(passes, names_of(GetParam()).step)->runs, 7);
 }
 
-TEST_P(ProfileTest, BytesOfAStepGrowWithTheBodyAndItsTerms) {
-  const Model small = make_block({0.05, 0.05, 0.05}, 5, 5, 5), large = make_block({0.11, 0.11, 0.11}, 11, 11, 11);
-  const Scene small_scene(small), large_scene(large);
-  const TopologyOptions springs{.law = Law::springs}, with_volumes{.law = Law::springs, .volume_stiffness = 50.0};
-  const double of_small = make_solver(GetParam(), small, small_scene, springs)->bytes_a_step();
-  if (std::isnan(of_small)) {
-    EXPECT_EQ(GetParam(), "reference") << "every other backend counts";
-    return;
-  }
-  const double of_large = make_solver(GetParam(), large, large_scene, springs)->bytes_a_step();
-  EXPECT_GT(of_small, 64.0 * small.particle_count());  // u and v, read and written
-  EXPECT_NEAR(of_large / of_small, 8.0, 1.5);
-  EXPECT_GT(make_solver(GetParam(), small, small_scene, with_volumes)->bytes_a_step(), 1.2 * of_small);
-}
-
 /// Enough work that what lies between passes is little of it. A machine may be busy: it takes from the sum too.
 TEST_P(ProfileTest, TimesAddUpToTheTimeOfTheCall) {
   Model model = make_block({0.05, 0.05, 0.05}, 10, 10, 10);

@@ -27,7 +27,7 @@ class OnBackend : public OnEveryBackend {
 inline SolverOptions any_step_uncut() {
   SolverOptions options;
   options.on_unstable = UnstableStep::allow;
-  options.largest_push = std::numeric_limits<double>::infinity();
+  options.max_displacement_per_step = std::numeric_limits<double>::infinity();
   return options;
 }
 

@@ -34,7 +34,7 @@ Depth pressed(double poisson, double cell_average, double friction) {
   Depth depth;
   for (int mm = 1; mm <= deepest; ++mm) {
     for (int k = 1; k <= 10; ++k) {
-      scene.tool("ball").pose(held_at(1e-3 * (mm - 1) + 1e-4 * k));
+      scene.tool("ball").move_to(held_at(1e-3 * (mm - 1) + 1e-4 * k));
       EXPECT_TRUE(solver->step(tenth, dt).ok());
     }
     // Some settle late.
@@ -45,7 +45,7 @@ Depth pressed(double poisson, double cell_average, double friction) {
       if (report.max_speed <= 1e-3) break;
     }
     if (report.max_speed > 1e-3) {
-      depth.said = report.cut;
+      depth.said = report.force_clamped;
       return depth;
     }
     depth.rests = mm;

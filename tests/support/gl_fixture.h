@@ -4,6 +4,8 @@
 #pragma once
 
 #include <dlfcn.h>
+#include <phymul/solver.h>
+
 #include <cstdlib>
 #include <optional>
 
@@ -54,4 +56,29 @@ class GlTest : public testing::Test {
   }
 };
 
+/// On "gl-compute" alone.
+class OnCompute : public GlTest {
+ protected:
+  void SetUp() override {
+    GlTest::SetUp();
+    if (IsSkipped() || HasFatalFailure()) return;
+    PHYMUL_SKIP_OR_FAIL(why_not_here("gl-compute"));
+  }
+};
+
+/// On both backends; the test's name ends in gl or gl_compute.
+class OnBothDevices : public GlTest, public testing::WithParamInterface<GlBackend> {
+ protected:
+  void SetUp() override {
+    GlTest::SetUp();
+    if (IsSkipped() || HasFatalFailure()) return;
+    PHYMUL_SKIP_OR_FAIL(why_not_here(name_of(GetParam())));
+  }
+};
+
 }  // namespace phymul::test
+
+#define PHYMUL_ON_BOTH_DEVICES(suite)                                       \
+  INSTANTIATE_TEST_SUITE_P(                                                 \
+      All, suite, testing::Values(GlBackend::fragment, GlBackend::compute), \
+      [](const auto& backend) { return std::string(backend.param == GlBackend::fragment ? "gl" : "gl_compute"); })

@@ -22,8 +22,7 @@ inline auto all_gl_forms() {
   return testing::Values(GlForm{"gl", GlBackend::fragment, GlCompute::automatic, 2},
                          GlForm{"gl_four_passes", GlBackend::fragment, GlCompute::automatic, 4},
                          GlForm{"gl_compute", GlBackend::compute, GlCompute::workgroup, 2},
-                         GlForm{"gl_compute_store", GlBackend::compute, GlCompute::store, 2},
-                         GlForm{"gl_compute_recompute", GlBackend::compute, GlCompute::recompute, 2});
+                         GlForm{"gl_compute_store", GlBackend::compute, GlCompute::store, 2});
 }
 
 /// A block of soft tissue, 3 x 2 x 2 cm.

@@ -23,21 +23,11 @@ inline void expect_like(const NeedleState& a, const NeedleState& b) {
   EXPECT_EQ(a.shaft.size(), b.shaft.size());
 }
 
-/// On both backends; the test's name ends in gl or gl_compute.
-class OnBothDevices : public GlTest, public testing::WithParamInterface<GlBackend> {
- protected:
-  void SetUp() override {
-    GlTest::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_not_here(name_of(GetParam())));
-  }
-};
-
 class BesideNeedle {
  public:
-  explicit BesideNeedle(GlBackend backend, double stiffness, int cells = 4, const Vec3& origin = {0, 0, 0},
+  explicit BesideNeedle(double stiffness, int cells = 4, const Vec3& origin = {0, 0, 0},
                         GlCompute form = GlCompute::automatic, SolverOptions options = damped(40.0))
-      : model(moved(Insertion::gel(cells), origin)), scene(model), backend_(backend), tables_(tables_of(model, {})) {
+      : model(moved(Insertion::gel(cells), origin)), scene(model), tables_(tables_of(model, {})) {
     Needle shape = thin_needle();
     shape.bending_stiffness = stiffness;
     pose.position = origin + Vec3(0.0203, 0.0197, side + offset);
@@ -53,13 +43,13 @@ class BesideNeedle {
 
   /// Another solver of the scene on the device.
   std::unique_ptr<gl::DeviceSolver> make() const {
-    return std::make_unique<gl::DeviceSolver>(backend_, tables_, scene, options_);
+    return std::make_unique<gl::DeviceSolver>(GlBackend::compute, tables_, scene, options_);
   }
   SolverOptions& options() { return options_; }
 
   /// Both to `pose`.
   void go(double seconds) {
-    scene.tool("needle").pose(pose);
+    scene.tool("needle").move_to(pose);
     const int steps = std::max(1, static_cast<int>(std::lround(seconds / dt)));
     ASSERT_TRUE(device->step(steps, dt).ok());
     ASSERT_TRUE(reference->step(steps, dt).ok());
@@ -73,14 +63,8 @@ class BesideNeedle {
   double dt = 0.0;
 
  private:
-  GlBackend backend_;
   std::shared_ptr<const TopologyTextures> tables_;
   SolverOptions options_;
 };
 
 }  // namespace phymul::test
-
-#define PHYMUL_ON_BOTH_DEVICES(suite)                                       \
-  INSTANTIATE_TEST_SUITE_P(                                                 \
-      All, suite, testing::Values(GlBackend::fragment, GlBackend::compute), \
-      [](const auto& backend) { return std::string(backend.param == GlBackend::fragment ? "gl" : "gl_compute"); })

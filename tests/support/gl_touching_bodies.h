@@ -107,15 +107,6 @@ inline SolverOptions damped(double rate) {
   return options;
 }
 
-class WithContacts : public GlTest {
- protected:
-  void SetUp() override {
-    GlTest::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_not_here("gl-compute"));
-  }
-};
-
 /// Contacts on one of the GL backends.
 class WithContactsOn : public GlTest, public testing::WithParamInterface<GlForm> {
  protected:
@@ -129,7 +120,6 @@ class WithContactsOn : public GlTest, public testing::WithParamInterface<GlForm>
   static std::vector<GlForm> forms() {
     if (draws()) return {{"gl", GlBackend::fragment, {}, 2}, {"gl_four_passes", GlBackend::fragment, {}, 4}};
     return {{"store", GlBackend::compute, GlCompute::store, 2},
-            {"recompute", GlBackend::compute, GlCompute::recompute, 2},
             {"workgroup", GlBackend::compute, GlCompute::workgroup, 2}};
   }
 };

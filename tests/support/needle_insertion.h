@@ -50,7 +50,7 @@ struct Insertion {
     std::vector<double> force;
     for (int k = 1; k <= parts; ++k) {
       pose.position.z() = from + (to - from) * k / parts;
-      scene.tool("needle").pose(pose);
+      scene.tool("needle").move_to(pose);
       const double seconds = std::abs(to - from) / parts / speed;
       const StepReport report = solver->step(std::max(1, static_cast<int>(std::lround(seconds / dt))), dt);
       EXPECT_TRUE(report.ok()) << report.message();

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <phymul/load_frame.h>
 #include <phymul/scene.h>
 
 #include <utility>

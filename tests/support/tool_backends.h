@@ -8,6 +8,13 @@
 
 namespace phymul::test {
 
+/// "gl" takes none.
+inline std::vector<std::string> needle_backends() {
+  std::vector<std::string> all = backend_names();
+  std::erase(all, "gl");
+  return all;
+}
+
 class WithTools : public OnEveryBackend {
  protected:
   static std::unique_ptr<Solver> make(const Model& model, const Scene& scene, const SolverOptions& options = {}) {
@@ -45,3 +52,5 @@ inline Imbalance imbalance(const Momentum& before, const Momentum& after, const 
 }
 
 }  // namespace phymul::test
+
+#define PHYMUL_WITH_NEEDLES(suite) PHYMUL_ON_BACKENDS(suite, ::phymul::test::needle_backends())

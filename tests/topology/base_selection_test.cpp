@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "topology/base_selection.h"
+#include "model/file_extras.h"
 
 #include <gtest/gtest.h>
 
@@ -146,7 +147,7 @@ TEST(CornerSimplices, MirroredCellIsNamed) {
                    block.cells[1].particles.begin() + 4);
   const std::string text = message_of([&] { corner_simplices(block); });
   EXPECT_NE(text.find("cell 1 (HEXAHEDRON) is inside out"), std::string::npos) << text;
-  block.cells[1].file_index = 77;
+  change_extras(block, [](FileExtras& extras) { extras.cell_index = {-1, 77}; });
   EXPECT_NE(message_of([&] { corner_simplices(block); }).find("cell 1 (HEXAHEDRON, file index 77)"), std::string::npos);
 }
 

@@ -3,6 +3,7 @@
 // From Young's modulus and Poisson's ratio to stiffness, and what may stand in the way.
 #include <gtest/gtest.h>
 
+#include "model/file_extras.h"
 #include "support/bodies.h"
 #include "support/message_of.h"
 #include "topology/cell_terms.h"
@@ -194,7 +195,7 @@ TEST(Calibration, WhatCannotCarryAMaterialSaysSo) {
                    "cell_average goes with PoissonRoute::volume_term"));
   Model holed = block;
   holed.cells[3].material = -1;
-  holed.cells[3].file_index = 12;
+  change_extras(holed, [](FileExtras& extras) { extras.cell_index = {-1, -1, -1, 12}; });
   EXPECT_TRUE(says(refuse(holed, [](TopologyOptions&) {}), "cell 3 (HEXAHEDRON, file index 12) has no material"));
   Model two = block;
   two.materials.push_back(soft_tissue(0.1));

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "model/file_extras.h"
 #include "support/bodies.h"
 #include "support/message_of.h"
 
@@ -192,8 +193,10 @@ TEST(Topology, SparseParticlesAreNamedBoundOrFree) {
   const std::string text = message_of([&] { build_topology(model, options); });
   EXPECT_TRUE(says(text, "particle 27 has no base: one takes 3 neighbours")) << text;
   EXPECT_TRUE(says(text, "on_sparse")) << text;
-  model.file_index.resize(28);
-  std::iota(model.file_index.begin(), model.file_index.end(), 1000);
+  change_extras(model, [](FileExtras& extras) {
+    extras.particle_index.resize(28);
+    std::iota(extras.particle_index.begin(), extras.particle_index.end(), 1000);
+  });
   EXPECT_TRUE(says(message_of([&] { build_topology(model, options); }), "particle 1027 has"));
 
   options.on_sparse = SparseParticle::free;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "vector_rows.h"
+#include "packed_rows.h"
 
 namespace phymul::cpu {
 namespace {

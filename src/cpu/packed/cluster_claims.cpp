@@ -24,7 +24,7 @@ int size_of(std::uint64_t run) {
 }
 
 /// Clusters [result[part], result[part + 1]) of about equal cost for each part.
-std::vector<int> shared_out(const VectorBody& body, int parts) {
+std::vector<int> shared_out(const PackedBody& body, int parts) {
   std::vector<int> first{0};
   double done = 0.0;
   const double all = body.cost();
@@ -41,7 +41,7 @@ std::vector<int> shared_out(const VectorBody& body, int parts) {
 
 }  // namespace
 
-ClusterClaims::ClusterClaims(const VectorBody& body, int parts) : runs_(static_cast<std::size_t>(parts)) {
+ClusterClaims::ClusterClaims(const PackedBody& body, int parts) : runs_(static_cast<std::size_t>(parts)) {
   const std::vector<int> first = shared_out(body, parts);
   for (std::size_t part = 0; part < runs_.size(); ++part) {
     runs_[part].all = run_of(static_cast<std::uint64_t>(first[part]), static_cast<std::uint64_t>(first[part + 1]));

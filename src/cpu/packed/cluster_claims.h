@@ -9,13 +9,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "vector_body.h"
+#include "packed_body.h"
 
 namespace phymul::cpu {
 
 class ClusterClaims {
  public:
-  ClusterClaims(const VectorBody& body, int parts);
+  ClusterClaims(const PackedBody& body, int parts);
 
   /// Makes all clusters to be had again. To be called while no part takes any.
   void begin();

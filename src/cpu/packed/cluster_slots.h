@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "vector_body.h"
+#include "packed_body.h"
 
 namespace phymul::cpu {
 

@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-#include "vector_body.h"
+#include "packed_body.h"
 
 namespace phymul::cpu {
 

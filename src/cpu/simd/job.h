@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What the vector kernels are given: plain arrays, cut for one instruction set. A cluster is a run of particles near
+// The input of the SIMD kernels: plain arrays, packed for one instruction set. A cluster is a run of particles near
 // each other, with the terms that belong to them; its slots are its own particles in order, then those of other
 // clusters that its terms touch, then one slot that stands for nothing, where idle lanes point.
 //
@@ -166,7 +166,7 @@ struct Move {
 };
 
 /// Largest squares, but for the displacement's over free coordinates, and whether a particle ran away.
-struct Reach {
+struct MoveSummary {
   float acceleration = 0, force = 0, speed = 0, displacement = 0;
   bool runaway = false;
   bool cut = false;  ///< some elastic force was
@@ -186,7 +186,7 @@ struct Kernels {
   void (*hexahedra[2])(const Job&);  ///< [bounded]
   void (*lattices[2])(const Job&);   ///< [bounded]: stars, boxes, grid
   void (*simplices[2])(const Job&);  ///< [bounded]
-  void (*move)(const Move&, int slice, int end, Reach&);
+  void (*move)(const Move&, int slice, int end, MoveSummary&);
 };
 
 extern const Kernels portable_kernels, avx2_kernels, avx512_kernels;

@@ -34,7 +34,7 @@ PHYMUL_INLINE bool any_of(Ints mask) {
   return any != 0;
 }
 
-/// SolverOptions::largest_push. Lanes are cut one by one: it is rare.
+/// SolverOptions::max_displacement_per_step. Lanes are cut one by one: it is rare.
 PHYMUL_INLINE bool cut_force(Pack3& force, Pack inverse_mass, const simd::Move& move) {
   const Pack3 a = inverse_mass * force;
   const Pack q = dot(a, a);
@@ -87,7 +87,7 @@ PHYMUL_INLINE void ask_ahead(const simd::Move& move, int slice) {
 }
 
 template <bool imposed>
-PHYMUL_INLINE void move_slices_of(const simd::Move& move, int slice, int end, simd::Reach& reach) {
+PHYMUL_INLINE void move_slices_of(const simd::Move& move, int slice, int end, simd::MoveSummary& summary) {
   constexpr float largest_float = 3.4028234e38f;
   const Pack3 gravity{all(move.gravity[0]), all(move.gravity[1]), all(move.gravity[2])};
   const Pack dt = all(move.dt), damping = all(move.damping), runaway = all(move.runaway_squared);
@@ -132,19 +132,19 @@ PHYMUL_INLINE void move_slices_of(const simd::Move& move, int slice, int end, si
     store(move.next_v + 3 * at + lanes, next_v.y);
     store(move.next_v + 3 * at + 2 * lanes, next_v.z);
   }
-  reach.acceleration = largest_of(acceleration);
-  reach.force = largest_of(push);
-  reach.speed = largest_of(speed);
-  reach.displacement = largest_of(displacement);
-  reach.runaway = any_of(ran);
-  reach.cut = cut;
+  summary.acceleration = largest_of(acceleration);
+  summary.force = largest_of(push);
+  summary.speed = largest_of(speed);
+  summary.displacement = largest_of(displacement);
+  summary.runaway = any_of(ran);
+  summary.cut = cut;
 }
 
-inline void move_slices(const simd::Move& move, int slice, int end, simd::Reach& reach) {
+inline void move_slices(const simd::Move& move, int slice, int end, simd::MoveSummary& summary) {
   if (move.target != nullptr) {
-    move_slices_of<true>(move, slice, end, reach);
+    move_slices_of<true>(move, slice, end, summary);
   } else {
-    move_slices_of<false>(move, slice, end, reach);
+    move_slices_of<false>(move, slice, end, summary);
   }
 }
 

@@ -6,7 +6,7 @@
 // An energy with derivatives A_k by c_k pushes the first corner with -(A2 x e3 + e2 x A3), the others in turn.
 #pragma once
 
-#include "other_terms.h"
+#include "cell_terms.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
 

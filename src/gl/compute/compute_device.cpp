@@ -16,7 +16,7 @@ ComputeDevice::ComputeDevice(const SliceTables& slices, const Scene& scene, cons
       limits_(limits),
       tables_(slices, limits_),
       passes_(tables_, library_, form, limits_),
-      state_(tables_, passes_.stores_forces(), passes_.stores_terms(), limits_),
+      state_(tables_, limits_),
       report_(library_, passes_, state_, limits_),
       sums_(library_, passes_, limits_) {
   set_scene(scene, tools);

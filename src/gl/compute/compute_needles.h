@@ -19,6 +19,9 @@ class ComputeNeedles {
   ComputeNeedles(const FloatNeedles& needles, const FloatTools& tools, const ComputeTables& tables,
                  const ComputeLimits& limits);
 
+  /// What needle_tables.glsl reads words by.
+  static void define(ShaderRequest& request);
+
   int count() const { return static_cast<int>(needles_.size()); }
   bool any_bends() const;
 

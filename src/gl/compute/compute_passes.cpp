@@ -39,8 +39,6 @@ ComputeForm choose_form(GlCompute wish, const SliceTables& slices, bool software
   switch (wish) {
     case GlCompute::store:
       return ComputeForm::store;
-    case GlCompute::recompute:
-      return ComputeForm::recompute;
     case GlCompute::workgroup:
       return ComputeForm::workgroup;
     case GlCompute::automatic:
@@ -63,8 +61,6 @@ ShaderRequest ComputePasses::evaluating(bool attractors, bool bases, bool volume
   ShaderRequest request{.files = common, .defines = {}};
   tables_->define(request);
   define(request, "AREA_EXPONENT", kind.options.area_exponent != 0.0);
-  define(request, "RECOMPUTE", !stores_terms());
-  define(request, "RECOMPUTE_FORCES", !stores_forces());
   define(request, "AVERAGED", kind.base_terms && !kind.conservative());
   define(request, "ATTRACTOR_ROWS", attractors);
   define(request, "BASE_ROWS", bases);
@@ -113,8 +109,8 @@ void ComputePasses::compile_terms(const ComputeState& state) {
   const BodyKind& kind = tables_->kind();
   const bool apart = kind.attractors && kind.base_terms;
   terms_.clear();  // of an attempt that failed half-way
-  add_terms(kind.attractors && stores_forces(), kind.base_terms && !apart && stores_terms(), stores_terms(), state);
-  if (apart && stores_terms()) add_terms(false, true, false, state);
+  add_terms(kind.attractors, kind.base_terms && !apart, true, state);
+  if (apart) add_terms(false, true, false, state);
   terms_compiled_ = true;
 }
 
@@ -128,9 +124,8 @@ void ComputePasses::evaluate(const ComputeState& state) {
 
 ShaderRequest ComputePasses::gathering(const LoadKind& loads, bool with_passes) const {
   const BodyKind& kind = tables_->kind();
-  const bool forces = with_passes || !stores_forces(), terms = with_passes || !stores_terms();
-  ShaderRequest request = evaluating(forces && kind.attractors, terms && kind.base_terms, terms && kind.volumes > 0,
-                                     terms && kind.cells > 0);
+  ShaderRequest request = evaluating(with_passes && kind.attractors, with_passes && kind.base_terms,
+                                     with_passes && kind.volumes > 0, with_passes && kind.cells > 0);
   define_gathering(kind, loads, request);
   append(request, {"kernels/delta_spring.glsl", "kernels/integrate_displacement.glsl", "step/terms_of.glsl",
                    "step/net_force.glsl"});
@@ -182,6 +177,7 @@ Kernel ComputePasses::stepping(const StepKind& step, const ComputeState& state) 
   define(request, "KEPT_VOLUMES", step.volumes);
   if (step.volumes && step.tools && step.pushes()) {  // what tools hold, volumes leave
     append(request, {"tools/tool_tables.glsl"});
+    define_tool_rows(request);
     define(request, "HELD");
   }
   if (step.volumes) append(request, keeping_step_files());
@@ -238,9 +234,10 @@ void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& sta
   const bool touching = loads.contacts() != nullptr, piercing = loads.needles() != nullptr;
   const std::int64_t turns = turns_a_step(tools ? tools->count() : 0, loads.volumes());
   if (by_one_group(touching || piercing) && turns > limits_.loop_turns) {
-    throw Error("expected a step of one group to take at most " + std::to_string(limits_.loop_turns) +
-                " turns of loops, which is where this renderer breaks off, got " + std::to_string(turns) +
-                "; use GlCompute::store (PHYMUL_GL_COMPUTE=store)");
+    throw Error(ErrorCode::not_supported,
+                "expected a step of one group to take at most " + std::to_string(limits_.loop_turns) +
+                    " turns of loops, which is where this renderer breaks off, got " + std::to_string(turns) +
+                    "; use GlCompute::store (PHYMUL_GL_COMPUTE=store)");
   }
   const StepKind kind{.loads = loads.kind(),
                       .tools = tools != nullptr,

@@ -3,8 +3,6 @@
 // The passes of a step, dispatched. By form:
 //   store      forces of attractors, terms of bases, volumes and cells in one dispatch (bases of the averaged reaction,
 //              which read forces, in a second); net force and Verlet in another
-//   recompute  net force and Verlet in one dispatch, where each particle computes what the others would have stored
-//              (forces of the averaged reaction's attractors are stored still, by a dispatch before)
 //   workgroup  as store, many steps in one dispatch by one group; where bodies touch or needles are, as store
 // There another dispatch before the last one finds where each particle would go by itself, then come the passes of
 // needle_passes.h, of other tools where there are needles, and of contact_passes.h, and the last one ends what those
@@ -24,7 +22,7 @@
 
 namespace phymul::gl {
 
-enum class ComputeForm { store, recompute, workgroup };
+enum class ComputeForm { store, workgroup };
 
 /// What `wish` means for a body; `software`: on a processor that plays GPU, where launches cost nothing.
 ComputeForm choose_form(GlCompute wish, const SliceTables& slices, bool software);
@@ -36,10 +34,6 @@ class ComputePasses {
 
   const ComputeTables& tables() const { return *tables_; }
   ComputeForm form() const { return form_; }
-  bool stores_terms() const { return form_ != ComputeForm::recompute; }
-  /// Bases of the averaged reaction read the force of their owner, which is stored in any case: recomputed for each
-  /// corner of each base it would cost more than everything else.
-  bool stores_forces() const { return stores_terms() || tables_->kind().base_terms; }
 
   /// Compiles what these loads need, where it is not there yet.
   void set_loads(const ComputeLoads& loads, const ComputeState& state);
@@ -52,10 +46,9 @@ class ComputePasses {
   /// Step `number` from the current state to the free pair; measures, and does not advance.
   void try_step(const ComputeState& state, int number);
 
-  /// What other kernels read: forces and terms of the current state, where they do not recompute them.
+  /// What other kernels read: forces and terms of the current state.
   void evaluate(const ComputeState& state);
-  /// Files up to and with net_force.glsl, and what they need defined; `with_passes`: those before the step too, which
-  /// kernels that recompute have in any case.
+  /// Files up to and with net_force.glsl, and what they need defined; `with_passes`: those before the step too.
   ShaderRequest gathering(const LoadKind& loads, bool with_passes = false) const;
   /// The kernels and passes of some rows alone.
   ShaderRequest evaluating(bool attractors, bool bases, bool volumes, bool cells) const;

@@ -9,27 +9,24 @@
 
 namespace phymul::gl {
 
-ComputeState::ComputeState(const ComputeTables& tables, bool stores_forces, bool stores_terms,
-                           const ComputeLimits& limits)
-    : tables_(&tables) {
+ComputeState::ComputeState(const ComputeTables& tables, const ComputeLimits& limits) : tables_(&tables) {
   const BodyKind& kind = tables.kind();
   std::int64_t rows = pair_row(pairs);
   const auto take = [&rows](std::int64_t count) {
     const std::int64_t first = rows;
     rows += count;
     if (rows > std::numeric_limits<int>::max()) {
-      throw Error("the forces and terms of the body take more than the 2147483647 rows a shader counts to; use fewer " +
-                  std::string("particles or bases"));
+      throw Error(ErrorCode::not_supported,
+                  "the forces and terms of the body take more than the 2147483647 rows a shader counts to; use fewer " +
+                      std::string("particles or bases"));
     }
     return static_cast<int>(first);
   };
   measured_row_ = take(tables.places());
-  if (stores_forces) force_row_ = take(kind.attractors ? tables.places() : 0);
-  if (stores_terms) {
-    base_row_ = take(kind.base_terms ? std::int64_t{4} * kind.bases : 0);
-    volume_row_ = take(std::int64_t{4} * kind.volumes);
-    cell_row_ = take(std::int64_t{4} * kind.cells);
-  }
+  force_row_ = take(kind.attractors ? tables.places() : 0);
+  base_row_ = take(kind.base_terms ? std::int64_t{4} * kind.bases : 0);
+  volume_row_ = take(std::int64_t{4} * kind.volumes);
+  cell_row_ = take(std::int64_t{4} * kind.cells);
   report_row_ = take(2 * most_report_groups + 2);
   rows_ = StorageBuffer(rows, "the state and the forces", limits);
   const std::vector<Int4> zeros(1 << 16, Int4{});  // forces of particles without an attractor, and nobody's places

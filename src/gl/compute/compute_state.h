@@ -15,8 +15,7 @@ class ComputeState {
   static constexpr int pairs = 3;
   static constexpr int most_report_groups = 256;
 
-  /// What passes write for others to read: forces of attractors, terms of bases, volumes and cells.
-  ComputeState(const ComputeTables& tables, bool stores_forces, bool stores_terms, const ComputeLimits& limits);
+  ComputeState(const ComputeTables& tables, const ComputeLimits& limits);
 
   int current() const { return current_; }
   int checkpoint() const { return checkpoint_; }

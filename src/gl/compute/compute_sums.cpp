@@ -13,9 +13,10 @@ constexpr int largest_group = 256, most_groups = 256;
 
 }  // namespace
 
-Kernel ComputeSums::compiled(ShaderRequest request, const char* pass, Summed what, const ComputeState& state) const {
+Kernel ComputeSums::compiled(ShaderRequest request, const char* pass, const char* what,
+                             const ComputeState& state) const {
   request.files.insert(request.files.end(), {pass, "report/sum_kernel.glsl"});
-  request.defines.emplace_back("SUM_OF", what);
+  request.defines.emplace_back(what, 1);
   const auto group = std::bit_floor(static_cast<unsigned>(std::min(limits_.invocations, largest_group)));
   return passes_->placed(std::move(request), static_cast<int>(group), state);
 }
@@ -24,7 +25,8 @@ Kernel& ComputeSums::energy_of_particles(const LoadKind& loads, const ComputeSta
   for (ParticleEnergy& energy : energies_) {
     if (energy.loads == loads) return energy.kernel;
   }
-  energies_.push_back({loads, compiled(passes_->gathering(loads), "report/energy_pass.glsl", particle_energy, state)});
+  energies_.push_back(
+      {loads, compiled(passes_->gathering(loads), "report/energy_pass.glsl", "ENERGY_OF_PARTICLES", state)});
   return energies_.back().kernel;
 }
 
@@ -53,7 +55,7 @@ Energy ComputeSums::energy(const ComputeState& state, const ComputeLoads& loads,
   const auto sum = total(own, kind.particles, state)[0];
   Energy energy{.elastic = sum[0], .kinetic = sum[1], .gravity = sum[2]};
   // Of terms that particles share, and which no particle's row can hold.
-  const auto add = [&](Kernel& kernel, int rows, const ShaderFiles& files, const char* pass, Summed what) {
+  const auto add = [&](Kernel& kernel, int rows, const ShaderFiles& files, const char* pass, const char* what) {
     if (rows == 0) return;
     if (!kernel) {
       ShaderRequest request{
@@ -64,8 +66,9 @@ Energy ComputeSums::energy(const ComputeState& state, const ComputeLoads& loads,
     }
     energy.elastic += total(kernel, rows, state)[0][0];
   };
-  add(volumes_, kind.volumes, volume_kernel(), "step/volumes_pass.glsl", volume_energy);
-  add(cells_, kind.cells, joined({{"kernels/delta_base.glsl"}, cell_kernel()}), "step/cells_pass.glsl", cell_energy);
+  add(volumes_, kind.volumes, volume_kernel(), "step/volumes_pass.glsl", "ENERGY_OF_VOLUMES");
+  add(cells_, kind.cells, joined({{"kernels/delta_base.glsl"}, cell_kernel()}), "step/cells_pass.glsl",
+      "ENERGY_OF_CELLS");
   return energy;
 }
 
@@ -83,7 +86,7 @@ void ComputeSums::compile_momenta(const VecList& rest, const ComputeState& state
   ShaderRequest request{.files = {"dialect/dialect_compute.glsl", "step/tables.glsl", "dialect/vector3.glsl"},
                         .defines = {}};
   passes_->tables().define(request);
-  momenta_ = compiled(std::move(request), "report/momentum_pass.glsl", momenta, state);
+  momenta_ = compiled(std::move(request), "report/momentum_pass.glsl", "MOMENTA", state);
 }
 
 Momentum ComputeSums::momentum(const ComputeState& state, const VecList& rest, const Vec3& about) {

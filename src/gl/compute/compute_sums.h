@@ -25,12 +25,11 @@ class ComputeSums {
 
  private:
   using Sums = std::array<std::array<double, 4>, 2>;
-  enum Summed { particle_energy, volume_energy, cell_energy, momenta };  // sum_kernel.glsl
   struct ParticleEnergy {
     LoadKind loads;
     Kernel kernel;
   };
-  Kernel compiled(ShaderRequest request, const char* pass, Summed what, const ComputeState& state) const;
+  Kernel compiled(ShaderRequest request, const char* pass, const char* what, const ComputeState& state) const;
   Kernel& energy_of_particles(const LoadKind& loads, const ComputeState& state);
   Sums total(Kernel& kernel, int rows, const ComputeState& state) const;
   void compile_momenta(const VecList& rest, const ComputeState& state);

@@ -40,6 +40,8 @@ Kernel NeedlePasses::compiled(const ShaderLibrary& library, ShaderFiles files, i
                   {"MOST_NODES", FloatNeedles::most_nodes},
                   {"TEAM", team}}};
   if (bending_) request.defines.emplace_back("BENDING", 1);
+  ComputeNeedles::define(request);
+  define_tool_rows(request);
   tables_->define(request);
   return Kernel(library, std::move(request), group, limits_);
 }

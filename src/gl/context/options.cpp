@@ -19,12 +19,11 @@ std::string_view environment(const char* name) {
 
 GlCompute compute_of(std::string_view name) {
   constexpr std::array names{std::pair{"auto", GlCompute::automatic}, std::pair{"store", GlCompute::store},
-                             std::pair{"recompute", GlCompute::recompute},
                              std::pair{"workgroup", GlCompute::workgroup}};
   for (const auto& [known, value] : names) {
     if (name == known) return value;
   }
-  throw Error("PHYMUL_GL_COMPUTE: expected auto, store, recompute or workgroup, got \"" + std::string(name) + "\"");
+  throw Error("PHYMUL_GL_COMPUTE: expected auto, store or workgroup, got \"" + std::string(name) + "\"");
 }
 
 }  // namespace

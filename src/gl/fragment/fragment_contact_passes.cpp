@@ -14,10 +14,11 @@ FragmentContactPasses::FragmentContactPasses(const ShaderLibrary& library) {
     return Pass(library, {.files = joined({common, std::move(files)}), .defines = std::move(defines)});
   };
   surfaces_ = compiled({"tools/pushed_tables.glsl", "contact/contact_surface_pass.glsl"});
-  mean_first_ = compiled({"contact/contact_speed_pass.glsl"}, {{"FIRST", 1}});
-  mean_ = compiled({"contact/contact_speed_pass.glsl"});
-  fastest_first_ = compiled({"contact/contact_speed_pass.glsl"}, {{"FIRST", 1}, {"FASTEST", 1}});
-  fastest_ = compiled({"contact/contact_speed_pass.glsl"}, {{"FASTEST", 1}});
+  const std::pair<std::string, int> branch{"ROWS_TO_ONE", FragmentReduction::branch};
+  mean_first_ = compiled({"contact/contact_speed_pass.glsl"}, {branch, {"FIRST", 1}});
+  mean_ = compiled({"contact/contact_speed_pass.glsl"}, {branch});
+  fastest_first_ = compiled({"contact/contact_speed_pass.glsl"}, {branch, {"FIRST", 1}, {"FASTEST", 1}});
+  fastest_ = compiled({"contact/contact_speed_pass.glsl"}, {branch, {"FASTEST", 1}});
   triangle_boxes_ = compiled({"contact/contact_tree.glsl", "contact/contact_box_pass.glsl"});
   search_ = compiled({"tools/closest_point.glsl", "contact/contact_tree.glsl", "contact/contact_range.glsl",
                       "contact/contact_nearest.glsl", "contact/contact_search_pass.glsl"});
@@ -28,8 +29,8 @@ FragmentContactPasses::FragmentContactPasses(const ShaderLibrary& library) {
   phase_ = compiled({"contact/contact_sweeps.glsl", "contact/contact_law.glsl", "contact/contact_phase_pass.glsl"});
   part_ = compiled({"tools/pushed_tables.glsl", "contact/contact_sweeps.glsl", "contact/contact_law.glsl",
                     "contact/contact_part_pass.glsl"});
-  told_first_ = compiled({"contact/contact_sweeps.glsl", "contact/contact_report_pass.glsl"}, {{"FIRST", 1}});
-  told_ = compiled({"contact/contact_sweeps.glsl", "contact/contact_report_pass.glsl"});
+  told_first_ = compiled({"contact/contact_sweeps.glsl", "contact/contact_report_pass.glsl"}, {branch, {"FIRST", 1}});
+  told_ = compiled({"contact/contact_sweeps.glsl", "contact/contact_report_pass.glsl"}, {branch});
 }
 
 void FragmentContactPasses::set_contacts(FragmentContacts& contacts) {

@@ -13,7 +13,6 @@
 namespace phymul::gl {
 namespace {
 
-constexpr int rows_to_one = 64;            // contact_speed_pass.glsl, contact_report_pass.glsl
 constexpr int first_phases = 8;            // of a scene that has told nothing yet
 constexpr std::int64_t counted = 1 << 24;  // what shaders count in floats
 
@@ -21,7 +20,10 @@ Texture floats(std::int64_t rows, const char* name) {
   return Texture::target(rows, TexelFormat::rgba32f, name);
 }
 
-BoxForest triangle_forest(const FloatContacts& contacts) {
+/// Few levels, as each is a draw; small leaves, as fragments look at all items of one.
+constexpr BoxTree::Shape shallow{.leaf_size = 2, .halvings = 3};
+
+BoxTree triangle_tree(const FloatContacts& contacts) {
   VecList middles;
   std::vector<Index> body;
   for (const Int4& own : contacts.triangle) {
@@ -33,11 +35,11 @@ BoxForest triangle_forest(const FloatContacts& contacts) {
     middles.push_back(middle);
     body.push_back(own[3] >> 1);
   }
-  return {middles, body, contacts.bodies};
+  return {middles, body, contacts.bodies, shallow};
 }
 
 /// Bodies without triangles are a group of their own: their particles meet others.
-BoxForest particle_forest(const FloatContacts& contacts) {
+BoxTree particle_tree(const FloatContacts& contacts) {
   VecList places;
   std::vector<Index> body;
   for (std::size_t k = 0; k < contacts.particle.size(); ++k) {
@@ -45,7 +47,30 @@ BoxForest particle_forest(const FloatContacts& contacts) {
     places.push_back({X[0], X[1], X[2]});
     body.push_back(contacts.particle[k][1] + 1);
   }
-  return {places, body, contacts.bodies + 1};
+  return {places, body, contacts.bodies + 1, shallow};
+}
+
+/// As contact_tree.glsl has them; level 1 are leaves, others one above their highest child.
+std::vector<Int4> node_rows(const BoxTree& tree) {
+  std::vector<Int4> rows(tree.nodes.size());
+  for (std::size_t own = rows.size(); own-- > 0;) {  // children stand behind their parents
+    const BoxTree::Node& node = tree.nodes[own];
+    rows[own] = {node.first, node.end, node.next, 1};
+    if (node.is_leaf) continue;
+    for (auto child = static_cast<Index>(own) + 1; child < node.next; child = tree.nodes[child].next) {
+      rows[own][3] = std::max(rows[own][3], rows[static_cast<std::size_t>(child)][3] + 1);
+    }
+  }
+  return rows;
+}
+
+/// First node and end of each group's.
+std::vector<Int2> root_rows(const BoxTree& tree) {
+  std::vector<Int2> rows;
+  for (std::size_t group = 0; group + 1 < tree.groups.size(); ++group) {
+    rows.push_back({tree.groups[group], tree.groups[group + 1]});
+  }
+  return rows;
 }
 
 /// Renderers that break off a shader's loops: half of the turns are left to what is not counted, the last look of every
@@ -56,50 +81,53 @@ void require_turns(const PlannedContacts& planned, std::int64_t loop_turns) {
   const auto triangles = static_cast<std::int64_t>(contacts.triangle.size() + 2 * planned.triangles.nodes.size()),
              particles = static_cast<std::int64_t>(contacts.particle.size() + 2 * planned.corners.nodes.size());
   const std::int64_t turns =
-      std::max(triangles, particles + contacts.bodies + BoxForest::items_a_leaf * (contacts.bodies + 1));
+      std::max(triangles, particles + contacts.bodies + shallow.leaf_size * (contacts.bodies + 1));
   if (turns <= loop_turns / 2) return;
-  throw Error("expected contacts that take at most " + std::to_string(loop_turns / 2) +
-              " turns of a shader's loops, half of where this renderer breaks off, got up to " + std::to_string(turns) +
-              " for surfaces of " + std::to_string(contacts.particle.size()) + " particles and " +
-              std::to_string(contacts.triangle.size()) + " triangles; use the backend \"cpu\"");
+  throw Error(ErrorCode::not_supported,
+              "expected contacts that take at most " + std::to_string(loop_turns / 2) +
+                  " turns of a shader's loops, half of where this renderer breaks off, got up to " +
+                  std::to_string(turns) + " for surfaces of " + std::to_string(contacts.particle.size()) +
+                  " particles and " + std::to_string(contacts.triangle.size()) + " triangles; use the backend \"cpu\"");
 }
 
 /// Each phase presses at least one contact, so that no step takes more.
 int phases_that_suffice(const FloatContacts& contacts) {
   const std::int64_t meetings = static_cast<std::int64_t>(contacts.particle.size()) * contacts.bodies;
   if (meetings * contacts.options.rounds < counted) return static_cast<int>(meetings * contacts.options.rounds);
-  throw Error("expected contacts times rounds of less than " + std::to_string(counted) + ", got up to " +
-              std::to_string(meetings) + " contacts in " + std::to_string(contacts.options.rounds) +
-              " rounds; use fewer rounds, \"gl-compute\" or \"cpu\"");
+  throw Error(ErrorCode::not_supported, "expected contacts times rounds of less than " + std::to_string(counted) +
+                                            ", got up to " + std::to_string(meetings) + " contacts in " +
+                                            std::to_string(contacts.options.rounds) +
+                                            " rounds; use fewer rounds, \"gl-compute\" or \"cpu\"");
 }
 
 }  // namespace
 
-FragmentForest::FragmentForest(const BoxForest& forest, const char* name)
-    : size(static_cast<int>(forest.nodes.size())),
-      levels(forest.levels),
-      nodes(Texture::table(std::span<const Int4>(forest.nodes), name)),
-      items(Texture::table(std::span<const std::int32_t>(forest.items), name)),
-      roots(Texture::table(std::span<const Int2>(forest.roots), name)) {
+FragmentTree::FragmentTree(const BoxTree& tree, const char* name)
+    : size(static_cast<int>(tree.nodes.size())),
+      items(Texture::table(std::span<const std::int32_t>(tree.items), name)),
+      roots(Texture::table(std::span<const Int2>(root_rows(tree)), name)) {
+  const std::vector<Int4> rows = node_rows(tree);
+  for (const Int4& node : rows) levels = std::max(levels, node[3]);
+  nodes = Texture::table(std::span<const Int4>(rows), name);
   for (std::size_t k = 0; k < boxes.size(); ++k) {
     for (Texture& side : boxes[k]) side = floats(size, name);
     targets[k] = Framebuffer({{&boxes[k][0]}, {&boxes[k][1]}});
   }
 }
 
-void FragmentForest::bind_tables(Pass& pass) const {
+void FragmentTree::bind_tables(Pass& pass) const {
   pass.input("tree_nodes", nodes);
   pass.input("tree_items", items);
   pass.input("tree_roots", roots);
   pass.set("tree_size", size);
 }
 
-void FragmentForest::bind_boxes(Pass& pass) const {
+void FragmentTree::bind_boxes(Pass& pass) const {
   pass.input("tree_low", boxes[turn][0]);
   pass.input("tree_high", boxes[turn][1]);
 }
 
-void FragmentForest::measure(Pass& pass) {
+void FragmentTree::measure(Pass& pass) {
   pass.set_rows(boxes[0][0], size);
   for (int level = 1; level <= levels; ++level) {
     bind_boxes(pass);
@@ -112,7 +140,7 @@ void FragmentForest::measure(Pass& pass) {
 FragmentReduction::FragmentReduction(std::int64_t source, const char* name) : source_rows(static_cast<int>(source)) {
   int rows = source_rows;
   do {
-    rows = (rows + rows_to_one - 1) / rows_to_one;
+    rows = (rows + branch - 1) / branch;
     Level& level = levels.emplace_back();
     level.count = rows;
     level.rows = floats(rows, name);
@@ -133,7 +161,7 @@ void FragmentReduction::draw(Pass& first, Pass& further, const char* input) {
 }
 
 PlannedContacts::PlannedContacts(const Scene& scene)
-    : contacts(scene), triangles(triangle_forest(contacts)), corners(particle_forest(contacts)) {
+    : contacts(scene), triangles(triangle_tree(contacts)), corners(particle_tree(contacts)) {
   if (contacts.empty()) return;
   most_phases = phases_that_suffice(contacts);
   require_turns(*this, read_context_info().loop_turns);
@@ -190,7 +218,7 @@ void FragmentContacts::place(Pass& pass) const {
   pass.set("rounds", options_.rounds);
   pass.set("touches_itself", options_.self ? 1 : 0);
   set("friction", options_.friction);
-  set("skin", options_.skin);
+  set("skin", options_.margin);
   set("facing_share", ContactSurface::facing_share);
   set("usual_skin", ContactSurface::usual_skin);
   set("skin_factor", ContactSurface::skin_factor);
@@ -234,14 +262,13 @@ void FragmentContacts::begin_batch() {
   phases_ = std::max(wanted, phases_ - (phases_ + 3) / 4);
 }
 
-bool FragmentContacts::give_more_phases() {
-  if (!unfinished_) return false;
+void FragmentContacts::give_more_phases() {
   if (phases_ == most_phases_) {
-    throw Error("expected the sweeps over contacts to end within " + std::to_string(most_phases_) +
-                " phases, one for each contact and round, got some that did not; use \"gl-compute\" or \"cpu\"");
+    throw Error(ErrorCode::not_supported,
+                "expected the sweeps over contacts to end within " + std::to_string(most_phases_) +
+                    " phases, one for each contact and round, got some that did not; use \"gl-compute\" or \"cpu\"");
   }
   phases_ = static_cast<int>(std::min<std::int64_t>(4 * std::int64_t{phases_}, most_phases_));
-  return true;
 }
 
 void FragmentContacts::copy_told(std::size_t offset) const {
@@ -250,9 +277,9 @@ void FragmentContacts::copy_told(std::size_t offset) const {
 
 bool FragmentContacts::see(const Float4& reported, int runaway_step) {
   const int step = static_cast<int>(reported[0]);
-  unfinished_ = step > 0 && (runaway_step == 0 || step <= runaway_step);
-  if (!unfinished_) needed_ = static_cast<int>(reported[1]);
-  return unfinished_;
+  const bool unfinished = step > 0 && (runaway_step == 0 || step <= runaway_step);
+  if (!unfinished) needed_ = static_cast<int>(reported[1]);
+  return unfinished;
 }
 
 }  // namespace phymul::gl

@@ -8,29 +8,31 @@
 #include <span>
 #include <vector>
 
-#include "device/box_forest.h"
+#include "base/box_tree.h"
 #include "device/float_contacts.h"
 #include "fragment_pushed.h"
 
 namespace phymul::gl {
 
-/// Boxes of a forest, drawn level by level from one pair of textures to the other.
-struct FragmentForest {
-  FragmentForest(const BoxForest& forest, const char* name);
+/// A BoxTree and its boxes, drawn level by level from one pair of textures to the other.
+struct FragmentTree {
+  FragmentTree(const BoxTree& tree, const char* name);
 
   void bind_tables(Pass& pass) const;
   void bind_boxes(Pass& pass) const;
   void measure(Pass& boxes);
 
-  int size, levels;
+  int size, levels = 0;
   Texture nodes, items, roots;
   std::array<std::array<Texture, 2>, 2> boxes;  // [turn]: low, high
   std::array<Framebuffer, 2> targets;
   std::size_t turn = 0;  // of the newest
 };
 
-/// Rows brought down to one, sixty-four to one a draw.
+/// Rows brought down to one, `branch` to one a draw.
 struct FragmentReduction {
+  static constexpr int branch = 64;
+
   FragmentReduction(std::int64_t source_rows, const char* name);
 
   /// The first pass with what it reads in place; later ones read their own results as `input`.
@@ -52,8 +54,8 @@ struct PlannedContacts {
   explicit PlannedContacts(const Scene& scene);
 
   FloatContacts contacts;
-  BoxForest triangles, corners;  ///< over triangles; over particles
-  int most_phases = 0;           ///< of sweeps: as many as any step may need
+  BoxTree triangles, corners;  ///< over triangles; over particles
+  int most_phases = 0;         ///< of sweeps: as many as any step may need
 };
 
 class FragmentContacts {
@@ -72,7 +74,7 @@ class FragmentContacts {
   // What passes draw into, in their order.
   Texture moved, velocity;
   FragmentReduction mean, fastest;
-  FragmentForest triangles, corners;
+  FragmentTree triangles, corners;
   Texture who, nearest, normal, next_entries;
   Framebuffer surface_target, meeting_target, next_target;
   /// The other one than bind_sweeps() binds; becomes that.
@@ -87,9 +89,9 @@ class FragmentContacts {
   int phases() const { return phases_; }
   /// Before the steps of a batch.
   void begin_batch();
-  /// A batch is to be done again. True, and twice as many from now on, where see() found that phases were too few.
-  /// Throws Error where they are as many as any step may need, which only a device that miscounts gets to.
-  bool give_more_phases();
+  /// See() found that phases were too few: four times as many from now on. Throws Error where they are as many as any
+  /// step may need, which only a device that miscounts gets to.
+  void give_more_phases();
   /// The texel of `told`, to `offset` in the buffer bound to GL_PIXEL_PACK_BUFFER.
   void copy_told(std::size_t offset) const;
   /// That texel on the host; runaway_step: the first in which a particle ran away, 0: none. What comes after it was not
@@ -109,7 +111,6 @@ class FragmentContacts {
   std::array<Sweeps, 2> sweeps_;
   std::size_t turn_ = 0;  // of the newest
   int phases_, most_phases_, needed_ = 0;
-  bool unfinished_ = false;
 };
 
 }  // namespace phymul::gl

@@ -18,7 +18,6 @@ FragmentDevice::FragmentDevice(const FloatTables& tables, const Scene& scene, co
   const VecList origin(static_cast<std::size_t>(tables.particle_count), Vec3::Zero());
   state_.write(origin, {.time = 0.0, .position = origin, .velocity = origin});
   begin_batch({.dt = 1.0}, {0.0, 1.0}, tools);
-  give_more_passes();
   try_step(1);
 }
 
@@ -32,28 +31,15 @@ void FragmentDevice::set_scene(const Scene& scene, const FloatTools& tools) {
   auto new_contacts = touching && !touching->contacts.empty()
                           ? std::make_unique<FragmentContacts>(*touching, static_cast<Index>(scene.model().rest.size()))
                           : nullptr;
-  auto new_needles = tools.needle_count() > 0
-                         ? std::make_unique<FragmentNeedles>(FloatNeedles(scene), tools, read_context_info().loop_turns)
-                         : nullptr;
-  passes_.set_loads(*new_loads, new_tools.get(), new_volumes.get(), new_contacts.get(), new_needles.get());
+  passes_.set_loads(*new_loads, new_tools.get(), new_volumes.get(), new_contacts.get());
   loads_ = std::move(new_loads);
   tools_ = std::move(new_tools);
   volumes_ = std::move(new_volumes);
   contacts_ = std::move(new_contacts);
-  needles_ = std::move(new_needles);
 }
 
 void FragmentDevice::set_held(const FloatTools& tools) {
   if (tools_) tools_->set_held(tools);
-  if (needles_) needles_->uncouple();
-}
-
-void FragmentDevice::write_needles(const FloatTools& tools) {
-  if (needles_) needles_->write(tools);
-}
-
-void FragmentDevice::read_needles(FloatTools& tools) {
-  if (needles_) needles_->read(tools);
 }
 
 void FragmentDevice::begin_batch(const StepConstants& constants, const std::vector<double>& instants,
@@ -63,24 +49,15 @@ void FragmentDevice::begin_batch(const StepConstants& constants, const std::vect
   if (contacts_) contacts_->begin_batch();
   passes_.set_constants(constants);
   state_.set_checkpoint();
-  batch_was_run_ = false;
-  if (!needles_) return;
-  needles_->set_frames(tools);
-  needles_->begin_batch();
-  needles_->set_checkpoint();
 }
 
-/// Needles that wait for contacts have nothing to tell yet.
 void FragmentDevice::give_more_passes() {
-  if (contacts_ && contacts_->give_more_phases()) return;
-  if (needles_) needles_->give_more();
+  if (contacts_) contacts_->give_more_phases();
 }
 
 void FragmentDevice::run(int count) {
   vertices_.bind();
   state_.go_back();
-  if (needles_ && batch_was_run_) needles_->go_back();
-  batch_was_run_ = true;
   for (int step = 1; step <= count; ++step) {
     passes_.step(state_, step, step == count);
     state_.advance();
@@ -90,10 +67,8 @@ void FragmentDevice::run(int count) {
 
 BatchReport FragmentDevice::try_step(int number) {
   vertices_.bind();
-  if (needles_) needles_->begin_trial();
   passes_.step(state_, number, true);
   request_report(state_.next_displacement(), state_.next_velocity(), number);
-  if (needles_) needles_->end_trial();
   return report_.take();
 }
 
@@ -104,8 +79,7 @@ void FragmentDevice::request_report() {
 
 void FragmentDevice::request_report(const Texture& displacement, const Texture& velocity, int last_step) {
   if (contacts_) passes_.sum_contacts(last_step);
-  report_.request(displacement, velocity, state_.measured(), tools_.get(), volumes_.get(), contacts_.get(),
-                  needles_.get());
+  report_.request(displacement, velocity, state_.measured(), tools_.get(), volumes_.get(), contacts_.get());
 }
 
 Energy FragmentDevice::energy(const Scene& scene, double time, double dt) {

@@ -21,8 +21,6 @@ class FragmentDevice final : public Device {
 
   void set_scene(const Scene& scene, const FloatTools& tools) override;
   void set_held(const FloatTools& tools) override;
-  void write_needles(const FloatTools& tools) override;
-  void read_needles(FloatTools& tools) override;
   void write(const VecList& rest, const State& state) override { state_.write(rest, state); }
   void read(const VecList& rest, State& state) override { state_.read(rest, state); }
   void begin_batch(const StepConstants& constants, const std::vector<double>& instants,
@@ -54,8 +52,6 @@ class FragmentDevice final : public Device {
   std::unique_ptr<FragmentTools> tools_;        // null where there are none
   std::unique_ptr<FragmentVolumes> volumes_;    // likewise
   std::unique_ptr<FragmentContacts> contacts_;  // likewise
-  std::unique_ptr<FragmentNeedles> needles_;    // likewise
-  bool batch_was_run_ = false;                  // since begin_batch()
   FragmentPasses passes_;
   FragmentReport report_;
   FragmentSums sums_;

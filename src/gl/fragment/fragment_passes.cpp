@@ -99,12 +99,10 @@ Pass FragmentPasses::compiled(const StepKind& kind, const ShaderFiles& passes) c
   }
   const bool apart = four_ || kind.tools;
   if (apart) request.defines.emplace_back("FOUR_PASSES", 1);
-  // Tools tell before contacts, and after needles.
-  const bool pushed = kind.needles || (kind.contacts && passes.back() == "step/step_pass.glsl");
+  const bool pushed = kind.contacts && passes.back() == "step/step_pass.glsl";
   const bool keeps =
       std::ranges::count(passes, "volume/kept_tables.glsl") > 0;  // which has names of its own for the like
   if (pushed) request.defines.emplace_back("PUSHED", 1);
-  if (kind.needles) request.defines.emplace_back("NEEDLES", 1);
   if (pushed && !keeps) request.files.emplace_back("tools/pushed_tables.glsl");
   if (kind.volumes) request.defines.emplace_back("KEPT_VOLUMES", 1);
   request.files.insert(request.files.end(), passes.begin(), passes.end());
@@ -126,8 +124,7 @@ FragmentPasses::Stepping FragmentPasses::compiled(const StepKind& kind) const {
     bind_terms(stepping.reaction);
   }
   if (kind.tools) stepping.tools = compiled(kind, {"tools/tools_pass.glsl"});
-  if (kind.pushes()) stepping.free = compiled(kind, {"step/free_pass.glsl"});
-  if (kind.needles) stepping.press = compiled(kind, {"tools/press_pass.glsl"});
+  if (kind.contacts) stepping.free = compiled(kind, {"step/free_pass.glsl"});
   stepping.step = compiled(kind, {"report/measure_step.glsl", "step/step_pass.glsl"});
   if (kind.volumes) compile_keeping(stepping);
   return stepping;
@@ -152,42 +149,33 @@ void FragmentPasses::compile_keeping(Stepping& stepping) const {
 }
 
 void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes,
-                               FragmentContacts* contacts, FragmentNeedles* needles) {
-  const auto before = std::tuple(now_, loads_, tools_, volumes_, contacts_, needles_);
+                               FragmentContacts* contacts) {
+  const auto before = std::tuple(now_, loads_, tools_, volumes_, contacts_);
   const std::size_t known = stepping_.size();
-  std::optional<FragmentNeedlePasses> replaced;
-  std::tie(loads_, tools_, volumes_, contacts_, needles_) = std::tuple(&loads, tools, volumes, contacts, needles);
+  std::tie(loads_, tools_, volumes_, contacts_) = std::tuple(&loads, tools, volumes, contacts);
   try {
-    const StepKind kind{.loads = loads.kind(),
-                        .tools = tools != nullptr,
-                        .grids = tools && tools->any_grid(),
-                        .volumes = volumes != nullptr,
-                        .contacts = contacts != nullptr,
-                        .needles = needles != nullptr};
-    make_passes(kind, replaced);
+    make_passes({.loads = loads.kind(),
+                 .tools = tools != nullptr,
+                 .grids = tools && tools->any_grid(),
+                 .volumes = volumes != nullptr,
+                 .contacts = contacts != nullptr});
     bind_scene();
   } catch (...) {
-    std::tie(now_, loads_, tools_, volumes_, contacts_, needles_) = before;
+    std::tie(now_, loads_, tools_, volumes_, contacts_) = before;
     while (stepping_.size() > known) stepping_.pop_back();
-    if (replaced) piercing_ = std::move(replaced);
     if (now_) bind_scene();  // what passes know already they look up no more, so that nothing can fail
     throw;
   }
 }
 
-/// `replaced`: passes of needles in whose place others came.
-void FragmentPasses::make_passes(const StepKind& kind, std::optional<FragmentNeedlePasses>& replaced) {
+void FragmentPasses::make_passes(const StepKind& kind) {
   if (reaction_apart() && !net_) {
     Texture net = Texture::target(tables_->kind().particles, TexelFormat::rgba32f, "net forces");
     net_target_ = Framebuffer({{&net}});
     net_ = std::move(net);
   }
-  if (kind.needles && (!piercing_ || piercing_->bending() != needles_->any_bends())) {
-    FragmentNeedlePasses made(*library_, tables_->kind(), read_context_info().loop_turns, needles_->any_bends());
-    replaced = std::exchange(piercing_, std::move(made));
-  }
   if (kind.contacts && !touching_) touching_.emplace(*library_);
-  if (kind.pushes() && !pushed_) pushed_.emplace(tables_->kind().particles);
+  if (kind.contacts && !pushed_) pushed_.emplace(tables_->kind().particles);
   auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
   if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), compiled(kind));
   now_ = &*found;
@@ -202,18 +190,12 @@ void FragmentPasses::bind_scene() {
     tools_->bind(now_->step);
   }
   if (volumes_) bind_volumes();
-  if (now_->kind.pushes()) bind_pushing();
+  if (contacts_) bind_contacts();
 }
 
-void FragmentPasses::bind_pushing() {
+void FragmentPasses::bind_contacts() {
   loads_->bind(now_->free);
   if (tools_) tools_->bind(now_->free);
-  if (needles_) {
-    loads_->bind(now_->press);
-    tools_->bind(now_->press);
-    piercing_->set_needles(*needles_, *tools_);
-  }
-  if (!contacts_) return;
   now_->step.input("pushed_force", contacts_->pushed_force);
   now_->step.input("pushed_shift", contacts_->pushed_shift);
   touching_->set_contacts(*contacts_);
@@ -227,8 +209,7 @@ void FragmentPasses::bind_volumes() {
 
 void FragmentPasses::set_constants(const StepConstants& constants) {
   const auto finite = [](double value) { return std::min(value, double{std::numeric_limits<float>::max()}); };
-  const bool pushes = now_->kind.pushes();
-  Pass& cutting = reaction_apart() ? now_->reaction : pushes ? now_->free : now_->step;
+  Pass& cutting = reaction_apart() ? now_->reaction : contacts_ ? now_->free : now_->step;
   cutting.set("largest_acceleration", static_cast<float>(finite(constants.largest_acceleration)));
   const auto set_motion = [&](Pass& pass) {
     pass.set("dt", static_cast<float>(constants.dt));
@@ -238,11 +219,9 @@ void FragmentPasses::set_constants(const StepConstants& constants) {
   set_motion(now_->step);
   if (tools_) set_motion(now_->tools);
   if (volumes_) set_motion(now_->end);
-  if (pushes) set_motion(now_->free);
-  if (contacts_) touching_->set_step(constants.dt);
-  if (needles_) {
-    set_motion(now_->press);
-    piercing_->set_step(constants.dt);
+  if (contacts_) {
+    set_motion(now_->free);
+    touching_->set_step(constants.dt);
   }
   Pass& end = volumes_ ? now_->end : now_->step;
   const auto set = [&](const char* name, double value) { end.set(name, static_cast<float>(value)); };
@@ -275,11 +254,11 @@ void FragmentPasses::step(const FragmentState& state, int batch_step, bool measu
     reaction.set("instant", batch_step - 1);
     reaction.draw(net_target_);
   }
-  if (tools_ && !needles_) {
+  if (tools_) {
     prepare(now_->tools, state, batch_step);
     tools_->tell(now_->tools);
   }
-  if (now_->kind.pushes()) act_on_free(state, batch_step);
+  if (contacts_) touch(state, batch_step);
   Pass& step = now_->step;
   prepare(step, state, batch_step);
   step.set_rows(state.displacement(), tables_->kind().particles);
@@ -287,26 +266,11 @@ void FragmentPasses::step(const FragmentState& state, int batch_step, bool measu
   if (volumes_) keep(state, batch_step, measuring);
 }
 
-/// What pushes particles between forces and motion, in the order of ToolSet::act and Touching of src/cpu.
-void FragmentPasses::act_on_free(const FragmentState& state, int batch_step) {
+/// Contacts push between forces and motion, as Touching of src/interaction does.
+void FragmentPasses::touch(const FragmentState& state, int batch_step) {
   prepare(now_->free, state, batch_step);
   pushed_->begin(now_->free);
-  if (needles_) pierce(state, batch_step);
-  if (contacts_) {
-    touching_->act(*pushed_, state.displacement(), batch_step);
-  } else {
-    pushed_->bind(now_->step);
-  }
-}
-
-void FragmentPasses::pierce(const FragmentState& state, int batch_step) {
-  piercing_->act(state, batch_step, *pushed_);
-  if (!presses()) return;
-  pushed_->bind(now_->tools);
-  prepare(now_->tools, state, batch_step);
-  tools_->tell(now_->tools);
-  prepare(now_->press, state, batch_step);
-  pushed_->press(now_->press);
+  touching_->act(*pushed_, state.displacement(), batch_step);
 }
 
 void FragmentPasses::keep(const FragmentState& state, int batch_step, bool measuring) {

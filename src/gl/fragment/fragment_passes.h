@@ -8,9 +8,9 @@
 //   step       net force and Verlet
 // With four passes as in the 2007 thesis the first is two (attractor, force) and the last is two (reaction, Verlet);
 // the bits are the same. With tools the last is two in any case, as what they feel is a pass between them. Where bodies
-// touch or needles are, the step opens with a pass of its own, free; then come those of fragment_needle_passes.h, what
-// presses after needles, those of fragment_contact_passes.h, and the step's end. Where the scene keeps volumes, that is
-// drawn aside, and passes follow it: which way their particles go, sums over facets, how far, and the end of the step.
+// touch, the step opens with a pass of its own, free; then come those of fragment_contact_passes.h, and the step's end.
+// Where the scene keeps volumes, that is drawn aside, and passes follow it: which way their particles go, sums over
+// facets, how far, and the end of the step.
 #pragma once
 
 #include <deque>
@@ -18,7 +18,6 @@
 
 #include "fragment_contact_passes.h"
 #include "fragment_loads.h"
-#include "fragment_needle_passes.h"
 #include "fragment_state.h"
 #include "fragment_tables.h"
 #include "fragment_tools.h"
@@ -36,8 +35,8 @@ class FragmentPasses {
 
   /// Compiles what these loads need, where it is not there yet. Pointers: null for none. Where it throws, steps go on
   /// with those of before.
-  void set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes, FragmentContacts* contacts,
-                 FragmentNeedles* needles);
+  void set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes,
+                 FragmentContacts* contacts);
 
   /// Before steps of a call.
   void set_constants(const StepConstants& constants);
@@ -67,16 +66,14 @@ class FragmentPasses {
   };
   struct StepKind {
     LoadKind loads;
-    bool tools = false, grids = false, volumes = false, contacts = false, needles = false;
-    bool pushes() const { return contacts || needles; }
+    bool tools = false, grids = false, volumes = false, contacts = false;
     bool operator==(const StepKind&) const = default;
   };
   struct Stepping {
     StepKind kind;
     Pass reaction, tools, step;            // reaction: four passes, or tools; tools: only with them
     Pass along, facets, sums, roots, end;  // only where volumes are kept
-    Pass free;                             // where bodies touch or needles are: up to what pushes
-    Pass press;                            // with needles: what other tools push
+    Pass free;                             // where bodies touch: up to what they push
   };
   void add(ShaderRequest request, const std::vector<Attachment>& targets, int rows);
   void add_attractors();
@@ -85,13 +82,11 @@ class FragmentPasses {
   Stepping compiled(const StepKind& kind) const;
   Pass compiled(const StepKind& kind, const ShaderFiles& passes) const;
   void compile_keeping(Stepping& stepping) const;
-  void make_passes(const StepKind& kind, std::optional<FragmentNeedlePasses>& replaced);
+  void make_passes(const StepKind& kind);
   void bind_scene();
   void bind_volumes();
-  void bind_pushing();
-  bool presses() const { return tools_ && tools_->presses(); }
-  void act_on_free(const FragmentState& state, int batch_step);
-  void pierce(const FragmentState& state, int batch_step);
+  void bind_contacts();
+  void touch(const FragmentState& state, int batch_step);
   void keep(const FragmentState& state, int batch_step, bool measuring);
   bool reaction_apart() const { return four_ || tools_ != nullptr; }
   void prepare(Pass& pass, const FragmentState& state, int batch_step) const;
@@ -109,10 +104,8 @@ class FragmentPasses {
   FragmentTools* tools_ = nullptr;
   FragmentVolumes* volumes_ = nullptr;
   FragmentContacts* contacts_ = nullptr;
-  FragmentNeedles* needles_ = nullptr;
-  std::optional<FragmentPushed> pushed_;           // once something pushed
-  std::optional<FragmentContactPasses> touching_;  // once bodies touched
-  std::optional<FragmentNeedlePasses> piercing_;   // once there were needles
+  std::optional<FragmentPushed> pushed_;           // once bodies touched
+  std::optional<FragmentContactPasses> touching_;  // likewise
 };
 
 }  // namespace phymul::gl

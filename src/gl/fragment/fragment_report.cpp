@@ -6,14 +6,16 @@
 namespace phymul::gl {
 namespace {
 
-constexpr int rows_to_one = 16;  // report_pass.glsl
+constexpr int rows_to_one = 16;
 const std::vector<std::string> report_files{"dialect/dialect_fragment.glsl", "step/tables.glsl",
                                             "report/report_events.glsl", "report/report_pass.glsl"};
 
 }  // namespace
 
 FragmentReport::FragmentReport(const ShaderLibrary& library, Index particles)
-    : library_(&library), first_(library, {.files = report_files, .defines = {{"FIRST", 1}}}), particles_(particles) {
+    : library_(&library),
+      first_(library, {.files = report_files, .defines = {{"ROWS_TO_ONE", rows_to_one}, {"FIRST", 1}}}),
+      particles_(particles) {
   int rows = particles;
   do {
     rows = (rows + rows_to_one - 1) / rows_to_one;
@@ -24,12 +26,11 @@ FragmentReport::FragmentReport(const ShaderLibrary& library, Index particles)
     level.target = Framebuffer({{&level.events}, {&level.maxima}});
     levels_.push_back(std::move(level));
   } while (rows > 1);
-  if (levels_.size() > 1) further_ = Pass(library, {.files = report_files, .defines = {}});
+  if (levels_.size() > 1) further_ = Pass(library, {.files = report_files, .defines = {{"ROWS_TO_ONE", rows_to_one}}});
 }
 
 void FragmentReport::request(const Texture& displacement, const Texture& velocity, const Texture& measured,
-                             FragmentTools* tools, const FragmentVolumes* volumes, FragmentContacts* contacts,
-                             FragmentNeedles* needles) {
+                             FragmentTools* tools, const FragmentVolumes* volumes, FragmentContacts* contacts) {
   first_.input("displacement", displacement);
   first_.input("velocity", velocity);
   first_.input("measured", measured);
@@ -46,27 +47,24 @@ void FragmentReport::request(const Texture& displacement, const Texture& velocit
     source_rows = levels_[k].rows;
   }
   tool_sums_.resize(tools ? static_cast<std::size_t>(tools->count()) : 0);
-  const bool presses = tools && tools->presses();
-  tool_rows_ = presses ? tools->texels() : 0;
+  tool_rows_ = tools ? tools->texels() : 0;
   volumes_ = volumes ? static_cast<std::size_t>(volumes->count()) : 0;
   volume_rows_ = volumes ? volumes->texels() : 0;
   contacts_ = contacts;
-  needles_ = needles;
-  copy_.carry(4 * tool_rows_ + volume_rows_ + (needles ? needles->told_texels() : 0) + (contacts ? 1 : 0));
-  if (presses) {
+  copy_.carry(4 * tool_rows_ + volume_rows_ + (contacts ? 1 : 0));
+  if (tools) {
     if (!tools_added_)
-      tools_added_.emplace(
-          *library_,
-          ShaderRequest{.files = {"dialect/dialect_fragment.glsl", "tools/tool_sums_pass.glsl"}, .defines = {}});
+      tools_added_.emplace(*library_,
+                           ShaderRequest{.files = {"dialect/dialect_fragment.glsl", "tools/tool_sums_pass.glsl"},
+                                         .defines = {{"ROWS_TO_ONE", FragmentTools::rows_to_one}}});
     tools->sum(*tools_added_);
   }
   copy_.request([&] {
     levels_.back().target.read(0, GL_RGBA_INTEGER, GL_INT, nullptr);
     levels_.back().target.read(1, GL_RGBA, GL_FLOAT, reinterpret_cast<void*>(sizeof(Int4)));  // an offset in the buffer
     const std::size_t behind = sizeof(Int4) + sizeof(Float4);
-    if (presses) tools->copy(behind);
+    if (tools) tools->copy(behind);
     if (volumes) volumes->copy(behind + 4 * tool_rows_ * sizeof(Float4));
-    if (needles) needles->copy_told(behind + (4 * tool_rows_ + volume_rows_) * sizeof(Float4));
     if (contacts) contacts->copy_told(behind + (copy_.more().size() - 1) * sizeof(Float4));
   });
 }
@@ -79,7 +77,6 @@ BatchReport FragmentReport::take() {
   }
   const std::span<const Float4> more(copy_.more());
   report.see_volumes(more.subspan(4 * tool_rows_, volumes_));
-  if (needles_) needles_->take(more.subspan(4 * tool_rows_ + volume_rows_), tool_sums_, report);
   if (contacts_ && contacts_->see(more.back(), report.runaway_step)) report.unfinished = true;
   return report;
 }

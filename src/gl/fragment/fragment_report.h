@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "fragment_contacts.h"
-#include "fragment_needles.h"
 #include "fragment_state.h"
 #include "fragment_tools.h"
 #include "fragment_volumes.h"
@@ -22,10 +21,10 @@ class FragmentReport {
  public:
   FragmentReport(const ShaderLibrary& library, Index particles);
 
-  /// Of the state a batch has reached, and of what its steps told of tools, kept volumes, contacts and needles; null:
-  /// there are none.
+  /// Of the state a batch has reached, and of what its steps told of tools, kept volumes and contacts; null: there are
+  /// none.
   void request(const Texture& displacement, const Texture& velocity, const Texture& measured, FragmentTools* tools,
-               const FragmentVolumes* volumes, FragmentContacts* contacts, FragmentNeedles* needles);
+               const FragmentVolumes* volumes, FragmentContacts* contacts);
   BatchReport take();
   std::span<const ToolSums> tool_sums() const { return tool_sums_; }
 
@@ -43,10 +42,9 @@ class FragmentReport {
   std::vector<Level> levels_;
   ReportCopy copy_;
   std::vector<ToolSums> tool_sums_;
-  std::size_t tool_rows_ = 0;  // of which four are behind the report; then volumes, needles, one texel of contacts
+  std::size_t tool_rows_ = 0;  // of which four are behind the report; then volumes, one texel of contacts
   std::size_t volumes_ = 0, volume_rows_ = 0;
   FragmentContacts* contacts_ = nullptr;  // of what was requested last
-  FragmentNeedles* needles_ = nullptr;    // likewise
 };
 
 }  // namespace phymul::gl

@@ -7,7 +7,7 @@
 namespace phymul::gl {
 namespace {
 
-constexpr int rows_to_one = 16;  // sum_pass.glsl
+constexpr int rows_to_one = 16;
 
 }  // namespace
 
@@ -21,8 +21,8 @@ FragmentSums::Terms::Terms(Pass writing, int row_count, int targets) : pass(std:
 
 FragmentSums::Sum FragmentSums::total(const Texture& terms, int rows) {
   if (!added_)
-    added_.emplace(*library_,
-                   ShaderRequest{.files = {"dialect/dialect_fragment.glsl", "report/sum_pass.glsl"}, .defines = {}});
+    added_.emplace(*library_, ShaderRequest{.files = {"dialect/dialect_fragment.glsl", "report/sum_pass.glsl"},
+                                            .defines = {{"ROWS_TO_ONE", rows_to_one}}});
   // Deleted below: sums are rare, and a driver keeps what a queued draw still needs.
   std::vector<Texture> levels;
   Framebuffer target;

@@ -7,7 +7,6 @@
 namespace phymul::gl {
 namespace {
 
-constexpr int rows_to_one = 16;  // tool_sums_pass.glsl
 constexpr std::array<const char*, 4> sum_inputs{"forces", "torques", "last_forces", "last_torques"};
 
 Texture target(std::int64_t rows) {
@@ -17,9 +16,7 @@ Texture target(std::int64_t rows) {
 }  // namespace
 
 FragmentTools::FragmentTools(const FloatTools& tools)
-    : count_(tools.count()),
-      particles_(static_cast<int>(tools.held().size())),
-      presses_(tools.count() > tools.needle_count()) {
+    : count_(tools.count()), particles_(static_cast<int>(tools.held().size())) {
   laws_ = Texture::table(std::span<const Float4>(tools.laws()), "tool_laws");
   rest_ = Texture::table(std::span<const Float4>(tools.rest()), "tool_rest");
   held_ = Texture::table(std::span<const Float4>(tools.held()), "tool_held");

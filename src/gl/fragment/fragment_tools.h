@@ -14,10 +14,11 @@ namespace phymul::gl {
 
 class FragmentTools {
  public:
+  static constexpr int rows_to_one = 16;  ///< of sum()
+
   explicit FragmentTools(const FloatTools& tools);
 
   int count() const { return count_; }
-  bool presses() const { return presses_; }  ///< not all are needles
   bool any_grid() const { return static_cast<bool>(grid_); }
   void set_held(const FloatTools& tools);
   void set_frames(const FloatTools& tools);
@@ -41,7 +42,6 @@ class FragmentTools {
   };
 
   int count_, particles_;
-  bool presses_;
   Texture laws_, frames_, rest_, held_, grid_;
   std::array<std::array<Texture, 2>, 2> sums_;  // [turn]: forces, torques; a pass reads one and writes the other
   std::array<Texture, 2> last_;

@@ -30,9 +30,10 @@ Framebuffer::Framebuffer(const std::vector<Attachment>& attachments) {
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
   if (status == GL_FRAMEBUFFER_COMPLETE) return;
   glDeleteFramebuffers(1, &id_);
-  throw Error("this driver cannot draw into the textures of " + names + " (framebuffer status " +
-              std::to_string(status) + "); it needs float and integer textures of 32 bits as colour targets, which " +
-              "GL 3.3 and OpenGL ES 3.0 with GL_EXT_color_buffer_float have");
+  throw Error(ErrorCode::device, "this driver cannot draw into the textures of " + names + " (framebuffer status " +
+                                     std::to_string(status) +
+                                     "); it needs float and integer textures of 32 bits as colour targets, which " +
+                                     "GL 3.3 and OpenGL ES 3.0 with GL_EXT_color_buffer_float have");
 }
 
 Framebuffer::Framebuffer(Framebuffer&& other) noexcept {
@@ -57,14 +58,6 @@ void Framebuffer::read(int k, GLenum layout, GLenum type, void* out) const {
   glPixelStorei(GL_PACK_SKIP_ROWS, 0);
   glPixelStorei(GL_PACK_SKIP_PIXELS, 0);
   glReadPixels(0, 0, shape_.width, shape_.height, layout, type, out);
-}
-
-void Framebuffer::copy_to(const Framebuffer& to) const {
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, id_);
-  glReadBuffer(GL_COLOR_ATTACHMENT0);
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to.id_);
-  glBlitFramebuffer(0, 0, shape_.width, shape_.height, 0, 0, shape_.width, shape_.height, GL_COLOR_BUFFER_BIT,
-                    GL_NEAREST);
 }
 
 }  // namespace phymul::gl

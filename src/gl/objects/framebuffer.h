@@ -33,9 +33,6 @@ class Framebuffer {
   /// has room for shape().texels(). Waits for the device unless `out` is an offset in a bound GL_PIXEL_PACK_BUFFER.
   void read(int k, GLenum layout, GLenum type, void* out) const;
 
-  /// On the device: attachment 0 to that of `to`, which has the same format and shape, and no other attachment.
-  void copy_to(const Framebuffer& to) const;
-
  private:
   GLuint id_ = 0;
   TextureShape shape_;

@@ -9,7 +9,6 @@
 namespace phymul::gl {
 
 /// Throws Error where a particle would take more turns than ContextInfo::loop_turns: forces would be missing.
-/// `recomputes`: what a particle gathers is evaluated anew for it, loops and all.
-void require_turns(const ContextInfo& info, LoopTurns turns, bool recomputes);
+void require_turns(const ContextInfo& info, LoopTurns turns);
 
 }  // namespace phymul::gl

@@ -5,11 +5,13 @@
 
 #include "gl/context/gl_api.h"
 
+#include <phymul/topology_textures.h>
+
 #include <cstdint>
 #include <span>
 #include <string>
 
-#include "device/float_tables.h"
+#include "device/table_rows.h"
 
 namespace phymul::gl {
 
@@ -37,7 +39,6 @@ class Texture {
   /// Writes over the first rows; no more than there are.
   void upload(std::span<const Float4> rows);
   void upload(std::span<const float> rows);
-  void upload(std::span<const Int2> rows);
   /// All rows, of 16 bytes, from a buffer's row `first` on, without the host.
   void upload_from(GLuint buffer, std::int64_t first);
 

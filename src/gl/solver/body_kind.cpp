@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "body_kind.h"
 
+#include <array>
+
+#include "device/float_tools.h"
+#include "interaction/shape_kind.h"
+
 namespace phymul::gl {
 
 BodyKind::BodyKind(const FloatTables& tables)
@@ -69,9 +74,20 @@ void define_gathering(const BodyKind& kind, const LoadKind& loads, ShaderRequest
   define("FIXED", loads.fixed);
 }
 
+void define_tool_rows(ShaderRequest& request) {
+  request.defines.emplace_back("TOOL_LAW_ROWS", static_cast<int>(FloatTools::law_rows));
+  request.defines.emplace_back("TOOL_FRAME_ROWS", static_cast<int>(FloatTools::frame_rows));
+  request.defines.emplace_back("TOOL_GRID_UNIT", static_cast<int>(FloatTools::grid_unit));
+}
+
 void define_tools(bool grids, ShaderRequest& request) {
+  constexpr std::array shapes{std::pair{"SHAPE_SPHERE", ShapeKind::sphere},
+                              std::pair{"SHAPE_CAPSULE", ShapeKind::capsule}, std::pair{"SHAPE_BOX", ShapeKind::box},
+                              std::pair{"SHAPE_GRID", ShapeKind::grid}, std::pair{"SHAPE_NEEDLE", ShapeKind::needle}};
   request.defines.emplace_back("TOOLS", 1);
   if (grids) request.defines.emplace_back("TOOL_GRIDS", 1);
+  for (const auto& [name, kind] : shapes) request.defines.emplace_back(name, static_cast<int>(kind));
+  define_tool_rows(request);
 }
 
 }  // namespace phymul::gl

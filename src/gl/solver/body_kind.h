@@ -41,6 +41,8 @@ const ShaderFiles& tool_files();   ///< up to touch_tools.glsl; needs net_force.
 void define_kernels(const BodyKind& kind, ShaderRequest& request);
 /// What the body and the loads need of net_force.glsl.
 void define_gathering(const BodyKind& kind, const LoadKind& loads, ShaderRequest& request);
+/// What tool_tables.glsl is read by.
+void define_tool_rows(ShaderRequest& request);
 /// What a pass that tools act in is asked for; `grids`: some are distance grids.
 void define_tools(bool grids, ShaderRequest& request);
 

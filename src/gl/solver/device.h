@@ -73,7 +73,7 @@ class Device {
                            const FloatTools& tools) = 0;
   /// Steps 1 ... count of the batch from the checkpoint; the last one measures.
   virtual void run(int count) = 0;
-  /// After an unfinished report: the next run() gives its steps more passes, and in the end as many as any may need.
+  /// After an unfinished report: the next run() gives its steps more passes, in the end as many as any may need.
   virtual void give_more_passes() {}
   /// Steps of a batch before it is known how long one takes.
   virtual int first_batch() const { return 8; }

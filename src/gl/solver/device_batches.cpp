@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "device/float_range.h"
 #include "device_solver.h"
 
 namespace phymul::gl {
@@ -37,7 +38,7 @@ void DeviceSolver::begin_tools(const StepPlan& plan) {
   device_->set_held(tools_);
 }
 
-Solver::Motion DeviceSolver::run_batches(const StepPlan& plan) {
+SolverBackend::Motion DeviceSolver::run_batches(const StepPlan& plan) {
   begin_tools(plan);
   const PassTimer::Current timing(device_->timer());
   Motion motion;
@@ -55,7 +56,7 @@ Solver::Motion DeviceSolver::run_batches(const StepPlan& plan) {
 }
 
 /// The report of the call before, while the last batch of this one is on its way. run_to_rest() waits for every batch.
-Solver::Motion DeviceSolver::run_late(const StepPlan& plan) {
+SolverBackend::Motion DeviceSolver::run_late(const StepPlan& plan) {
   Motion before = std::exchange(untold_, std::nullopt).value_or(Motion{});
   if (before.lost_volume >= 0) before.lost_volume = volume_row_at(untold_volume_at_);  // rows may be others by now
   if (before.bad_particle >= 0 || before.lost_volume >= 0 || before.full_needle >= 0) return before;
@@ -125,7 +126,7 @@ bool DeviceSolver::settle_batch(const StepPlan& plan, int count, Motion& motion)
     if (good > 0) report = device_->report();
   }
   if (good > 0) {
-    motion.cut = motion.cut || report.cut;
+    motion.force_clamped = motion.force_clamped || report.cut;
     motion.steps_at_rest = report.last_unquiet > 0 ? good - report.last_unquiet : motion.steps_at_rest + good;
     motion.max_speed = report.max_speed;
     motion.max_acceleration = report.max_acceleration;

@@ -9,12 +9,13 @@
 #include <utility>
 
 #include "device/base_layout.h"
+#include "device/float_range.h"
 #include "device/slice_tables.h"
 #include "gl/compute/compute_device.h"
 #include "gl/context/options.h"
 #include "gl/fragment/fragment_device.h"
 #include "gl/objects/loop_turns.h"
-#include "step_traffic.h"
+#include "scene/tool_state.h"
 
 namespace phymul::gl {
 namespace {
@@ -26,9 +27,9 @@ ParticleBuffer finished(const Texture& texture) {
 }
 
 /// What StepReport::particle says of a volume.
-std::vector<Index> particle_of_each(const std::vector<ClosedVolume>& volumes) {
+std::vector<Index> particle_of_each(const std::vector<VolumeConstraint>& volumes) {
   std::vector<Index> particles;
-  for (const ClosedVolume& volume : volumes) particles.push_back(volume.triangles.front()[0]);
+  for (const VolumeConstraint& volume : volumes) particles.push_back(volume.triangles.front()[0]);
   return particles;
 }
 
@@ -36,12 +37,13 @@ std::vector<Index> particle_of_each(const std::vector<ClosedVolume>& volumes) {
 
 DeviceSolver::DeviceSolver(GlBackend backend, std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in,
                            const SolverOptions& options_in)
-    : Solver(name_of(backend), std::move(shared), scene_in, options_in),
+    : SolverBackend(name_of(backend), std::move(shared), scene_in, options_in),
       backend_(backend),
       gl_(with_environment(options_in.gl)),
       layout_(choose_layout(gl_.layout, topology())),
       context_(Context::open(gl_, backend)),
       kept_(rest_state(model())) {
+  if (const char* const cause = DeviceSolver::do_cannot()) throw Error(ErrorCode::not_supported, cause);
   instants_.reserve(Device::most_steps + 1);
   try {
     build();
@@ -56,24 +58,27 @@ DeviceSolver::~DeviceSolver() {
   drop();
 }
 
+/// A needle's hole is followed and settled by lanes that share memory, which fragments have not.
+const char* DeviceSolver::do_cannot() const {
+  if (backend_ == GlBackend::compute || !has_needle(scene().tools())) return nullptr;
+  return "the scene has a needle, which the backend \"gl\" does not take; use \"gl-compute\", \"cpu\" or "
+         "\"reference\"";
+}
+
 void DeviceSolver::build() {
   FloatTables tables = pack_floats(topology(), layout_);
   loads_version_ = scene().version();
-  volume_at_ = particle_of_each(scene().volumes());
+  volume_at_ = particle_of_each(scene().volume_constraints());
   tools_.follow(scene());
   const ContextInfo& info = context_->info();
   const ShaderLibrary library(gl_.shader_folder, info.es, !info.es || info.at_least(3, 2));
   if (backend_ == GlBackend::compute) {
     const SliceTables slices = pack_slices(std::move(tables), topology());
     const ComputeForm form = choose_form(gl_.compute, slices, info.software);
-    const bool thesis = topology().options.reaction != Reaction::averaged;  // whose forces every neighbour recomputes
-    require_turns(info, slices.rows.turns, thesis && form == ComputeForm::recompute);
-    const bool counted = form != ComputeForm::recompute;
-    bytes_a_step_ = counted ? gl::bytes_a_step(slices) : std::numeric_limits<double>::quiet_NaN();
+    require_turns(info, slices.rows.turns);
     context_->run([&] { device_ = std::make_unique<ComputeDevice>(slices, scene(), tools_, library, form); });
   } else {
-    require_turns(info, tables.turns, false);
-    bytes_a_step_ = gl::bytes_a_step(tables);
+    require_turns(info, tables.turns);
     context_->run(
         [&] { device_ = std::make_unique<FragmentDevice>(tables, scene(), tools_, library, gl_.passes == 4); });
   }
@@ -111,11 +116,12 @@ void DeviceSolver::recover() noexcept {
 
 template <class Function>
 auto DeviceSolver::on_device(Function&& function) const {
-  if (!device_) throw Error("the device of this solver is lost, and no other could be had; see Solver::reset");
+  if (!device_)
+    throw Error(ErrorCode::device, "the device of this solver is lost, and no other could be had; see Solver::reset");
   struct LostCheck {
     Context& context;
     void operator()() const {
-      if (context.lost()) throw Error("the device of this solver was lost; see Solver::reset");
+      if (context.lost()) throw Error(ErrorCode::device, "the device of this solver was lost; see Solver::reset");
     }
   } check{*context_};
   if constexpr (std::is_void_v<std::invoke_result_t<Function&>>) {
@@ -164,7 +170,7 @@ void DeviceSolver::follow() {
   context_->run([&] { device_->set_scene(scene(), tools); });
   tools_ = std::move(tools);
   loads_version_ = scene().version();
-  volume_at_ = particle_of_each(scene().volumes());
+  volume_at_ = particle_of_each(scene().volume_constraints());
   seconds_a_step_ = 0.0;
 }
 
@@ -174,13 +180,13 @@ int DeviceSolver::volume_row_at(Index particle) const {
   return found == volume_at_.end() ? std::numeric_limits<int>::max() : static_cast<int>(found - volume_at_.begin());
 }
 
-Solver::Motion DeviceSolver::lost_motion() {
+SolverBackend::Motion DeviceSolver::lost_motion() {
   Motion motion;
   motion.lost = true;
   return motion;
 }
 
-Solver::Motion DeviceSolver::do_step(const StepPlan& plan) {
+SolverBackend::Motion DeviceSolver::do_step(const StepPlan& plan) {
   try {
     if (device_ && !context_->lost()) {
       settle();  // under the scene it was done in
@@ -256,12 +262,6 @@ void DeviceSolver::do_restore(const Snapshot& snapshot) {
   }
   progress_.last_dt = snapshot.last_dt;
   progress_.steps_at_rest = snapshot.steps_at_rest;
-}
-
-/// Not counted where there are tools or contacts, as it depends on how much they touch, nor where volumes are kept.
-double DeviceSolver::do_bytes_a_step() const {
-  const bool counted = tools_.empty() && !scene().contacts() && scene().volumes().empty();
-  return counted ? bytes_a_step_ : std::numeric_limits<double>::quiet_NaN();
 }
 
 Energy DeviceSolver::do_energy() const {

@@ -3,7 +3,7 @@
 // The backends "gl" and "gl-compute": state and constants on the device, one small read a call.
 #pragma once
 
-#include <phymul/solver.h>
+#include <phymul/backend.h>
 
 #include <memory>
 #include <optional>
@@ -19,7 +19,7 @@ namespace phymul::gl {
 /// has: that of the last reset(), read() or collect(). The solver opens another context, rebuilds itself there from the
 /// topology and goes on from that state at the next call; where it cannot, every step says device_lost until a reset()
 /// finds a device.
-class DeviceSolver final : public Solver, public ContextUser {
+class DeviceSolver final : public SolverBackend, public ContextUser {
  public:
   DeviceSolver(GlBackend backend, std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
                const SolverOptions& options);
@@ -45,8 +45,7 @@ class DeviceSolver final : public Solver, public ContextUser {
   ParticleBuffer do_attractor_buffer() const override;
   std::string do_device() const override { return context_->info().device(); }
   void do_profile() const override;
-  double do_bytes_a_step() const override;
-  const char* do_cannot() const override { return nullptr; }
+  const char* do_cannot() const override;
   bool do_takes_tools() const override { return true; }
   const ToolReport& do_tool_report(std::size_t row) const override { return tools_.report(scene().tools()[row]); }
 
@@ -93,7 +92,6 @@ class DeviceSolver final : public Solver, public ContextUser {
   std::vector<Index> volume_at_;          // of each volume of the scene that the device has
   std::vector<double> instants_;          // of a batch
   double seconds_a_step_ = 0.0;           // wall clock; 0: not known yet
-  double bytes_a_step_ = 0.0;
 };
 
 std::unique_ptr<Solver> make_device_solver(GlBackend backend, std::shared_ptr<const TopologyTextures> topology,

@@ -4,11 +4,12 @@
 // table of the numbers they are multiplied by, a row per instant of a batch of steps.
 #pragma once
 
+#include <phymul/load_frame.h>
 #include <phymul/scene.h>
 
 #include <vector>
 
-#include "device/float_tables.h"
+#include "device/table_rows.h"
 
 namespace phymul::gl {
 

@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-#include "device/float_tables.h"
+#include "device/table_rows.h"
 
 namespace phymul::gl {
 

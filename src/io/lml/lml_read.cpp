@@ -7,6 +7,7 @@
 #include <pugixml.hpp>
 
 #include "base/decimal.h"
+#include "base/file_error.h"
 #include "io/xml/xml_source.h"
 #include "lml_targets.h"
 #include "lml_units.h"
@@ -225,7 +226,7 @@ std::vector<Load> read_lml_text(std::string text, const std::string& source, con
   try {
     return LmlReader(std::move(text), source, model).read(notes);
   } catch (const std::bad_alloc&) {
-    throw Error(source + ": not enough memory to read it");
+    fail_memory(source);
   }
 }
 

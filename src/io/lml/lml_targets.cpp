@@ -7,6 +7,7 @@
 
 #include "base/decimal.h"
 #include "io/xml/xml_source.h"
+#include "model/file_extras.h"
 
 namespace phymul {
 namespace {
@@ -20,10 +21,11 @@ std::vector<Index> all_rows(const Model& model) {
 }  // namespace
 
 LmlTargets::LmlTargets(const Model& model)
-    : model_(model), table_(model.file_index.empty() ? all_rows(model) : model.file_index) {}
+    : model_(model),
+      table_(extras_of(model).particle_index.empty() ? all_rows(model) : extras_of(model).particle_index) {}
 
 std::int64_t LmlTargets::number(Index particle) const {
-  return model_.file_index.empty() ? particle : model_.file_index[particle];
+  return model_.file_index(particle);
 }
 
 Index LmlTargets::particle(std::int64_t wanted) const {

@@ -235,7 +235,6 @@ class GmshReader {
   Cell read_cell(CellType type, std::int64_t tag) {
     Cell cell;
     cell.type = type;
-    if (tag >= 0 && tag <= std::numeric_limits<Index>::max()) cell.file_index = static_cast<Index>(tag);
     const int corners = cell_size(type);
     cell.particles.reserve(static_cast<std::size_t>(corners));
     for (int k = 0; k < corners; ++k) {
@@ -263,11 +262,17 @@ class GmshReader {
       for (std::size_t i = 0; i < n; ++i) {
         const std::int64_t tag = in_.integer(size_type, "an element tag");
         const auto row = static_cast<Index>(parts_.cells.size());
-        parts_.cells.push_back(read_cell(type.cell, tag));
+        add_cell(read_cell(type.cell, tag), tag);
         if (groups == entity_groups_.end()) continue;
         for (const std::int64_t physical : groups->second) group_cells_[{type.dimension, physical}].push_back(row);
       }
     }
+  }
+
+  void add_cell(Cell cell, std::int64_t tag) {
+    const bool fits = tag >= 0 && tag <= std::numeric_limits<Index>::max();
+    parts_.cells.push_back(std::move(cell));
+    parts_.cell_tags.push_back(fits ? static_cast<Index>(tag) : -1);
   }
 
   void read_elements_2() {
@@ -299,7 +304,7 @@ class GmshReader {
     Cell cell = read_cell(type.cell, number);
     const auto [known, is_new] =
         cell_row_.emplace(std::pair(type.cell, cell.particles), static_cast<Index>(parts_.cells.size()));
-    if (is_new) parts_.cells.push_back(std::move(cell));
+    if (is_new) add_cell(std::move(cell), number);
     if (physical == 0) return;
     std::vector<Index>& members = group_cells_[{type.dimension, physical}];
     if (members.empty() || members.back() != known->second) members.push_back(known->second);

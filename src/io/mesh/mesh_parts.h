@@ -24,6 +24,7 @@ struct MeshParts {
   VecList points;                 ///< [P] file units
   std::vector<Index> point_tags;  ///< [P] the file's own numbers of the points; empty: they are the rows
   std::vector<Cell> cells;        ///< particles are rows of points, checked to be in range
+  std::vector<Index> cell_tags;   ///< [cells] or empty: the file's own numbers of the cells; -1: none
   std::vector<MeshGroup> groups;
   std::vector<std::string> notes;
 };

@@ -12,7 +12,9 @@
 
 #include "base/byte_source.h"
 #include "base/decimal.h"
+#include "base/file_error.h"
 #include "mesh_parts.h"
+#include "model/file_extras.h"
 
 namespace phymul {
 namespace {
@@ -110,10 +112,11 @@ std::string lower_extension(const std::string& path) {
   if (extension == ".msh") expected = "$MeshFormat, as a Gmsh .msh file has it";
   if (extension == ".vtk") expected = "# vtk DataFile, as a legacy .vtk file has it";
   if (extension == ".vtu") expected = "<VTKFile, as a .vtu file has it";
-  throw Error(path + ":1: expected " + expected + ", got " +
-              (start.empty() ? "an empty file" : cited(start.substr(0, start.find_first_of("\r\n")))) +
-              "; export the mesh as .msh 4.1, .vtk or .vtu" +
-              (extension == ".pml" ? ", or read it with read_pml" : ""));
+  fail_format(path, 1,
+              "expected " + expected + ", got " +
+                  (start.empty() ? "an empty file" : cited(start.substr(0, start.find_first_of("\r\n")))) +
+                  "; export the mesh as .msh 4.1, .vtk or .vtu" +
+                  (extension == ".pml" ? ", or read it with read_pml" : ""));
 }
 
 MeshParts read_parts(const std::string& path, std::string_view bytes) {
@@ -134,21 +137,27 @@ Model assemble(MeshParts parts, const MeshOptions& options) {
   Index used = 0;
   const std::vector<Index> point_row = number_used_points(parts, used);
   if (used == 0) {
-    throw Error(parts.source +
-                ": expected cells (tetrahedra, hexahedra, wedges, pyramids, faces or lines), got none; " +
-                "mesh the volume before exporting");
+    fail_format(parts.source, 0,
+                "expected cells (tetrahedra, hexahedra, wedges, pyramids, faces or lines), got none; mesh the volume "
+                "before exporting");
   }
   note_dropped_points(parts, point_row, used);
 
   Model model;
+  FileExtras extras;
   model.name = std::filesystem::path(parts.source).stem().string();
   const bool numbered = !parts.point_tags.empty() || used != static_cast<Index>(parts.points.size());
   for (std::size_t p = 0; p < point_row.size(); ++p) {
     if (point_row[p] < 0) continue;
     model.rest.push_back(parts.points[p] * options.length_unit);
-    if (numbered) model.file_index.push_back(parts.point_tags.empty() ? static_cast<Index>(p) : parts.point_tags[p]);
+    if (numbered)
+      extras.particle_index.push_back(parts.point_tags.empty() ? static_cast<Index>(p) : parts.point_tags[p]);
   }
   const std::vector<Index> cell_row = move_cells(parts, point_row, model.cells);
+  for (std::size_t c = 0; c < parts.cell_tags.size(); ++c) {
+    if (cell_row[c] >= 0) extras.cell_index.push_back(parts.cell_tags[c]);
+  }
+  model.extras = std::move(extras).share();
   model.notes = std::move(parts.notes);
   model.notes.push_back(parts.source + ": a mesh has no masses and no stiffness: " + to_decimal(options.default_mass) +
                         " kg and " + to_decimal(options.default_stiffness) +
@@ -168,7 +177,7 @@ Model mesh_from_bytes(const std::string& source, std::string_view bytes, const M
     throw Error("read_mesh: expected a length_unit above 0 (metres per file unit), got " +
                 to_decimal(options.length_unit));
   }
-  return assemble(read_parts(source, bytes), options);
+  return reading(source, [&] { return assemble(read_parts(source, bytes), options); });
 }
 
 Model read_mesh(const std::string& path, const MeshOptions& options) {

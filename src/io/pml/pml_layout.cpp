@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "base/index_table.h"
+#include "model/file_extras.h"
 
 namespace phymul {
 namespace {
@@ -39,14 +40,15 @@ PmlLayout::PmlLayout(const Model& model) : model_(model) {
 }
 
 void PmlLayout::require_atom_numbers() const {
-  for (const Index number : model_.file_index) {
+  const std::vector<Index>& numbers = extras_of(model_).particle_index;
+  for (const Index number : numbers) {
     if (number < 0) throw Error("expected file indices of 0 or more, got " + std::to_string(number));
   }
-  const IndexTable table(model_.file_index);
+  const IndexTable table(numbers);
   if (table.repeats().empty()) return;
   const auto [again, first] = table.repeats().front();
   throw Error("particle " + std::to_string(again) + ": expected a file index of its own, got " +
-              std::to_string(model_.file_index[again]) + ", which particle " + std::to_string(first) + " has");
+              std::to_string(numbers[again]) + ", which particle " + std::to_string(first) + " has");
 }
 
 void PmlLayout::sort_components() {
@@ -119,11 +121,11 @@ void PmlLayout::require_writable(Index row, bool exclusive) const {
 /// Cells keep the index of their file. Without one, a cell gets a new one where something refers to it.
 void PmlLayout::number_cells() {
   std::int64_t next = 0;
-  for (const Index number : model_.extras.neighbourhood_index) next = std::max(next, std::int64_t{number} + 1);
+  for (const Index number : extras_of(model_).neighbourhood_index) next = std::max(next, std::int64_t{number} + 1);
   std::vector<Index> in_file_order;
-  for (const Cell& cell : model_.cells) {
-    cell_number.push_back(cell.file_index);
-    next = std::max(next, std::int64_t{cell.file_index} + 1);
+  for (std::size_t row = 0; row < model_.cells.size(); ++row) {
+    cell_number.push_back(model_.cell_file_index(static_cast<Index>(row)));
+    next = std::max(next, std::int64_t{cell_number.back()} + 1);
   }
   for (const Index row : cell_order_) in_file_order.push_back(cell_number[row]);
   const IndexTable table(in_file_order);
@@ -133,9 +135,9 @@ void PmlLayout::number_cells() {
       if (number < 0) {
         if (next > std::numeric_limits<Index>::max()) throw Error("expected cell indices below 2^31 - 1");
         number = static_cast<Index>(next++);
-      } else if (model_.cells[row].file_index >= 0 && cell_order_[table.find(number)] != row) {
+      } else if (model_.cell_file_index(row) >= 0 && cell_order_[table.find(number)] != row) {
         throw Error("cell " + std::to_string(row) +
-                    ": expected a file_index of its own, since a component refers to it, got " +
+                    ": expected a file index of its own, since a component refers to it, got " +
                     std::to_string(number) + ", which another cell has");
       }
     }

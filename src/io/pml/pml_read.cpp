@@ -6,6 +6,7 @@
 #include <new>
 #include <stdexcept>
 
+#include "base/file_error.h"
 #include "pml_reader.h"
 
 namespace phymul {
@@ -70,6 +71,7 @@ Model PmlReader::read() {
   order_materials();
   finish_neighbourhoods();
   finish_particles();
+  model_.extras = std::move(extras_).share();
   model_.notes = xml_.take_notes();
   return std::move(model_);
 }
@@ -84,7 +86,7 @@ void PmlReader::read_root(pugi::xml_node root) {
     }
   }
   // The counts are hints, often wrong: never used, written anew.
-  model_.extras.attributes = xml_.other_attributes(
+  extras_.attributes = xml_.other_attributes(
       root, {"name", "dimension", "nrOfAtoms", "nrOfExclusiveComponents", "nrOfInformativeComponents", "nrOfCells"});
 }
 
@@ -105,7 +107,7 @@ void PmlReader::read_atoms(pugi::xml_node atoms) {
 }
 
 void PmlReader::read_atom_list(pugi::xml_node list, bool first) {
-  Component& kept = model_.extras.atom_list;
+  Component& kept = extras_.atom_list;
   if (first) {
     kept.name = list.attribute("name").value();
     kept.attributes = xml_.other_attributes(list, {"name", pml_mark_attribute});
@@ -121,7 +123,7 @@ void PmlReader::read_atom_list(pugi::xml_node list, bool first) {
   model_.rest.reserve(total);
   model_.mass.reserve(total);
   model_.stiffness.reserve(total);
-  model_.file_index.reserve(total);
+  extras_.particle_index.reserve(total);
   for (const pugi::xml_node child : list.children()) {
     const std::string_view kind = child.name();
     if (kind == "atom") {
@@ -183,22 +185,22 @@ void PmlReader::read_atom(pugi::xml_node atom) {
   model_.rest.push_back(place);
   model_.mass.push_back(mass);
   model_.stiffness.push_back(stiffness);
-  model_.file_index.push_back(number);
+  extras_.particle_index.push_back(number);
   // Most files name no atom: these lists start with the first that has something.
-  if (!name.empty() || !model_.particle_name.empty()) {
-    model_.particle_name.resize(row);
-    model_.particle_name.emplace_back(name);
+  if (!name.empty() || !extras_.particle_name.empty()) {
+    extras_.particle_name.resize(row);
+    extras_.particle_name.emplace_back(name);
   }
   std::vector<Attribute> fields = xml_.other_attributes(node, {"index", "x", "y", "z", "mass", "stiffness", "name"});
-  if (others || !model_.particle_fields.empty()) {
-    model_.particle_fields.resize(row);
-    model_.particle_fields.push_back(std::move(fields));
+  if (others || !extras_.particle_fields.empty()) {
+    extras_.particle_fields.resize(row);
+    extras_.particle_fields.push_back(std::move(fields));
   }
 }
 
 void PmlReader::number_atoms(pugi::xml_node atoms) {
-  atoms_ = IndexTable(model_.file_index);
-  if (!atoms_.repeats().empty()) fail_repeated_atom(atoms, model_.file_index[atoms_.repeats().front().first]);
+  atoms_ = IndexTable(extras_.particle_index);
+  if (!atoms_.repeats().empty()) fail_repeated_atom(atoms, extras_.particle_index[atoms_.repeats().front().first]);
 }
 
 void PmlReader::fail_repeated_atom(pugi::xml_node atoms, Index number) const {
@@ -220,9 +222,9 @@ void PmlReader::fail_repeated_atom(pugi::xml_node atoms, Index number) const {
 void PmlReader::drop_row_numbers() {
   if (!unnumbered_) return;
   for (Index row = 0; row < model_.particle_count(); ++row) {
-    if (model_.file_index[row] != row) return;
+    if (extras_.particle_index[row] != row) return;
   }
-  model_.file_index = {};
+  extras_.particle_index = {};
 }
 
 double PmlReader::positive(pugi::xml_node node, const char* attribute, std::string_view value,
@@ -260,19 +262,21 @@ std::optional<Colour> PmlReader::colour(pugi::xml_node node) {
 Model read_pml_text(std::string text, const std::string& source, const PmlOptions& options) {
   require_usable(options);
   if (text.size() > options.max_bytes) {
-    throw Error(source + ": expected at most " + std::to_string(options.max_bytes) + " bytes, got " +
-                std::to_string(text.size()) + "; raise max_bytes if the file is meant");
+    fail_access(source, "expected at most " + std::to_string(options.max_bytes) + " bytes, got " +
+                            std::to_string(text.size()) + "; raise max_bytes if the file is meant");
   }
   try {
     // The text and its tree are gone before the mesh is checked.
-    Model model = PmlReader(std::move(text), source, options).read();
-    validate(model);
-    check_mesh(model, source);
-    return model;
+    return reading(source, [&] {
+      Model model = PmlReader(std::move(text), source, options).read();
+      validate(model);
+      check_mesh(model, source);
+      return model;
+    });
   } catch (const std::bad_alloc&) {
-    throw Error(source + ": not enough memory to read it");
+    fail_memory(source);
   } catch (const std::length_error&) {
-    throw Error(source + ": not enough memory to read it");
+    fail_memory(source);
   }
 }
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <array>
 
-#include "model/material_range.h"
+#include "model/material.h"
 #include "pml_reader.h"
 
 namespace phymul {
@@ -134,7 +134,6 @@ void PmlReader::read_cell(pugi::xml_node node, Index component, Index material) 
   CellHead head = read_cell_head(node);
   Cell cell;
   cell.type = head.type;
-  cell.file_index = head.marks.unnumbered ? -1 : head.index;
   cell.name = head.name;
   cell.attributes = std::move(head.others);
   cell.material = take_material(head.node, cell.attributes);
@@ -153,6 +152,7 @@ void PmlReader::read_cell(pugi::xml_node node, Index component, Index material) 
   model_.cells.push_back(std::move(cell));
   cell_rows_.push_back(head.marks.row.value_or(-1));
   cell_numbers_.push_back(head.index);
+  extras_.cell_index.push_back(head.marks.unnumbered ? -1 : head.index);
   cell_nodes_.push_back(node);
 }
 
@@ -210,7 +210,7 @@ void PmlReader::resolve_cell_references() {
   const IndexTable cells(cell_numbers_);
   note_repeated_cells(cells);
   if (cell_references_.empty()) return;
-  const IndexTable neighbourhoods(model_.extras.neighbourhood_index);
+  const IndexTable neighbourhoods(extras_.neighbourhood_index);
   for (const CellReference& reference : cell_references_) {
     const Index row = cells.find(reference.index);
     if (row >= 0) {
@@ -235,6 +235,9 @@ void PmlReader::note_repeated_cells(const IndexTable& cells) {
 void PmlReader::restore_cell_rows() {
   if (!any_given(cell_rows_)) return;
   const std::vector<Index> row = permute(model_.cells, cell_rows_, [this] { fail_rows("cell"); });
+  std::vector<Index> index(row.size());
+  for (std::size_t i = 0; i < row.size(); ++i) index[row[i]] = extras_.cell_index[i];
+  extras_.cell_index = std::move(index);
   for (Component& component : model_.components) {
     for (Index& cell : component.cells) cell = row[cell];
     for (Index& cell : component.cell_refs) cell = row[cell];

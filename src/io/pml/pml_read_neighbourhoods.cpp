@@ -36,8 +36,8 @@ void PmlReader::read_neighbourhood(pugi::xml_node cell, const CellHead& head) {
   }
   neighbourhood_cell_[row] = cell;
   if (head.index >= 0) {
-    if (model_.extras.neighbourhood_index.empty()) model_.extras.neighbourhood_index.assign(model_.rest.size(), -1);
-    model_.extras.neighbourhood_index[row] = head.index;
+    if (extras_.neighbourhood_index.empty()) extras_.neighbourhood_index.assign(model_.rest.size(), -1);
+    extras_.neighbourhood_index[row] = head.index;
   }
   // Read even where the atom has its own: a wrong number is an error wherever it stands.
   if (head.mass.data() != nullptr) {
@@ -83,7 +83,7 @@ void PmlReader::keep_neighbourhood_fields(pugi::xml_node cell, Index row) {
       xml_.other_attributes(cell.child("cellProperties"), {"index", "name", "type", pml_mark_attribute});
   if (const pugi::xml_node node = cell.child("color")) fields.colour = colour(node);
   if (!fields.attributes.empty() || fields.colour) {
-    model_.extras.neighbourhood_fields.push_back(std::move(fields));
+    extras_.neighbourhood_fields.push_back(std::move(fields));
   }
 }
 
@@ -92,7 +92,7 @@ void PmlReader::note_missing(const std::vector<Index>& rows) {
   std::string list;
   for (std::size_t i = 0; i < rows.size() && i < shown; ++i) {
     const Index row = rows[i];
-    list += (i == 0 ? "" : ", ") + std::to_string(model_.file_index.empty() ? row : model_.file_index[row]);
+    list += (i == 0 ? "" : ", ") + std::to_string(extras_.particle_index.empty() ? row : extras_.particle_index[row]);
   }
   if (rows.size() > shown) list += ", ...";
   xml_.note(neighbourhoods_,

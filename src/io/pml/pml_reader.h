@@ -17,6 +17,7 @@
 #include "base/decimal.h"
 #include "base/index_table.h"
 #include "io/xml/xml_source.h"
+#include "model/file_extras.h"
 #include "pml_marks.h"
 
 namespace phymul {
@@ -91,6 +92,7 @@ class PmlReader {
   PmlOptions options_;
   DecimalUnit length_;
   Model model_;
+  FileExtras extras_;
   IndexTable atoms_;
   bool unnumbered_ = false;
 

@@ -8,6 +8,7 @@
 #include "base/decimal.h"
 #include "base/replace_file.h"
 #include "io/xml/xml_writer.h"
+#include "model/file_extras.h"
 #include "pml_layout.h"
 #include "pml_marks.h"
 
@@ -37,9 +38,8 @@ class PmlWriter {
   void write_mark(const std::string& words);
   Index common_material(const Component& component, const std::vector<Index>& cells) const;
 
-  Index atom_number(Index particle) const { return model_.file_index.empty() ? particle : model_.file_index[particle]; }
-
   const Model& model_;
+  const FileExtras& extras_ = extras_of(model_);
   XmlWriter xml_;
   DecimalUnit length_;
 
@@ -61,7 +61,7 @@ void PmlWriter::write() {
   if (model_.dimension != 3) xml_.attribute("dimension", Index{model_.dimension});
   write_counts();
   write_attributes(
-      model_.extras.attributes,
+      extras_.attributes,
       {"name", "dimension", "nrOfAtoms", "nrOfExclusiveComponents", "nrOfInformativeComponents", "nrOfCells"},
       "physicalModel");
   write_atoms();
@@ -82,11 +82,11 @@ void PmlWriter::write_counts() {
 }
 
 void PmlWriter::write_atoms() {
-  const Component& list = model_.extras.atom_list;
+  const Component& list = extras_.atom_list;
   xml_.open("atoms");
   xml_.open("structuralComponent");
   if (!list.name.empty()) xml_.attribute("name", list.name);
-  if (model_.file_index.empty()) write_mark("unnumbered");
+  if (extras_.particle_index.empty()) write_mark("unnumbered");
   write_attributes(list.attributes, {"name", pml_mark_attribute}, "structuralComponent");
   write_colour(list.colour);
   xml_.leaf("nrOfStructures", "value", model_.rest.size());
@@ -95,7 +95,7 @@ void PmlWriter::write_atoms() {
   for (Index row = 0; row < model_.particle_count(); ++row) {
     xml_.open("atom");
     xml_.open("atomProperties");
-    xml_.attribute("index", atom_number(row));
+    xml_.attribute("index", model_.file_index(row));
     for (int axis = 0; axis < 3; ++axis) {
       number.clear();
       length_.append(number, model_.rest[row][axis]);
@@ -103,11 +103,11 @@ void PmlWriter::write_atoms() {
     }
     xml_.attribute("mass", model_.mass[row]);
     xml_.attribute("stiffness", model_.stiffness[row]);
-    if (!model_.particle_name.empty() && !model_.particle_name[row].empty()) {
-      xml_.attribute("name", model_.particle_name[row]);
+    if (!extras_.particle_name.empty() && !extras_.particle_name[row].empty()) {
+      xml_.attribute("name", extras_.particle_name[row]);
     }
-    if (!model_.particle_fields.empty()) {
-      write_attributes(model_.particle_fields[row], {"index", "x", "y", "z", "mass", "stiffness", "name"},
+    if (!extras_.particle_fields.empty()) {
+      write_attributes(extras_.particle_fields[row], {"index", "x", "y", "z", "mass", "stiffness", "name"},
                        "atomProperties");
     }
     xml_.close();
@@ -163,7 +163,7 @@ void PmlWriter::write_component(Index row) {
     for (const Index cell : layout_.references[row])
       xml_.leaf("cellRef", "index", static_cast<std::size_t>(layout_.cell_number[cell]));
     for (const Index particle : component.particles) {
-      xml_.leaf("atomRef", "index", static_cast<std::size_t>(atom_number(particle)));
+      xml_.leaf("atomRef", "index", static_cast<std::size_t>(model_.file_index(particle)));
     }
     if (neighbourhoods) write_neighbourhoods();
   }
@@ -190,7 +190,7 @@ void PmlWriter::write_cell(Index row, bool material_known) {
   if (!cell.name.empty()) xml_.attribute("name", cell.name);
   const bool has_material = cell.material >= 0 && !material_known;
   if (has_material) write_material(model_.materials[cell.material]);
-  std::string marks = number >= 0 && cell.file_index < 0 ? "unnumbered" : "";
+  std::string marks = number >= 0 && model_.cell_file_index(row) < 0 ? "unnumbered" : "";
   if (!layout_.cells_in_order) marks += (marks.empty() ? "row=" : " row=") + std::to_string(row);
   if (!marks.empty()) write_mark(marks);
   for (const Attribute& attribute : cell.attributes) {
@@ -203,7 +203,7 @@ void PmlWriter::write_cell(Index row, bool material_known) {
   write_colour(cell.colour);
   xml_.leaf("nrOfStructures", "value", cell.particles.size());
   for (const Index particle : cell.particles) {
-    xml_.leaf("atomRef", "index", static_cast<std::size_t>(atom_number(particle)));
+    xml_.leaf("atomRef", "index", static_cast<std::size_t>(model_.file_index(particle)));
   }
   xml_.close();
 }
@@ -218,24 +218,23 @@ void PmlWriter::write_loose_cells() {
 }
 
 void PmlWriter::write_neighbourhoods() {
-  const FileExtras& extras = model_.extras;
-  auto fields = extras.neighbourhood_fields.begin();
+  auto fields = extras_.neighbourhood_fields.begin();
   for (Index row = 0; row < model_.particle_count(); ++row) {
     xml_.open("cell");
     xml_.open("cellProperties");
-    if (!extras.neighbourhood_index.empty() && extras.neighbourhood_index[row] >= 0) {
-      xml_.attribute("index", extras.neighbourhood_index[row]);
+    if (!extras_.neighbourhood_index.empty() && extras_.neighbourhood_index[row] >= 0) {
+      xml_.attribute("index", extras_.neighbourhood_index[row]);
     }
     xml_.attribute("type", std::string_view("POLY_VERTEX"));
-    xml_.attribute("name", "Atom #" + std::to_string(atom_number(row)));
-    const bool has_fields = fields != extras.neighbourhood_fields.end() && fields->particle == row;
+    xml_.attribute("name", "Atom #" + std::to_string(model_.file_index(row)));
+    const bool has_fields = fields != extras_.neighbourhood_fields.end() && fields->particle == row;
     if (has_fields)
       write_attributes(fields->attributes, {"index", "type", "name", pml_mark_attribute}, "cellProperties");
     xml_.close();
     if (has_fields) write_colour((fields++)->colour);
     xml_.leaf("nrOfStructures", "value", static_cast<std::size_t>(model_.neighbours.size(row)));
     for (const Index* other = model_.neighbours.begin(row); other != model_.neighbours.end(row); ++other) {
-      xml_.leaf("atomRef", "index", static_cast<std::size_t>(atom_number(*other)));
+      xml_.leaf("atomRef", "index", static_cast<std::size_t>(model_.file_index(*other)));
     }
     xml_.close();
   }

@@ -12,6 +12,7 @@
 #include <pugixml.hpp>
 
 #include "base/byte_source.h"
+#include "base/file_error.h"
 #include "io/mesh/mesh_parts.h"
 #include "vtk_cells.h"
 #include "vtu_array.h"
@@ -165,7 +166,7 @@ class VtuReader {
   /// Calls use(source, type) with a source of tuples * components numbers. `name` is for messages.
   template <class Use>
   void read_array(pugi::xml_node array, const std::string& name, int components, std::size_t tuples, Use use) {
-    if (!array) throw Error(path_ + ": expected a <DataArray> of " + name + ", got none; export the file again");
+    if (!array) fail_format(path_, 0, "expected a <DataArray> of " + name + ", got none; export the file again");
     if (array.attribute("NumberOfComponents").as_int(1) != components) {
       fail(array, "expected " + std::to_string(components) + " components in " + cited(name) + ", got " +
                       cited(array.attribute("NumberOfComponents").value()));
@@ -255,7 +256,7 @@ class VtuReader {
   std::string place(pugi::xml_node node) const { return path_ + ':' + std::to_string(line_of(offset_of(node))); }
 
   [[noreturn]] void fail(std::size_t offset, const std::string& problem) const {
-    throw Error(path_ + ':' + std::to_string(line_of(offset)) + ": " + problem);
+    fail_format(path_, line_of(offset), problem);
   }
   [[noreturn]] void fail(std::ptrdiff_t offset, const std::string& problem) const {
     fail(static_cast<std::size_t>(std::max<std::ptrdiff_t>(offset, 0)), problem);

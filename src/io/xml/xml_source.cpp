@@ -11,6 +11,7 @@
 #include <pugixml.hpp>
 
 #include "base/decimal.h"
+#include "base/file_error.h"
 
 namespace phymul {
 namespace {
@@ -49,8 +50,8 @@ void append_all(std::string& text, std::istream& in, const std::string& path, st
   while (in.read(chunk.data(), static_cast<std::streamsize>(chunk.size())), in.gcount() > 0) {
     const auto got = static_cast<std::size_t>(in.gcount());
     if (got > max_bytes - text.size()) {
-      throw Error(path + ": expected at most " + std::to_string(max_bytes) +
-                  " bytes, got more; raise max_bytes if the file is meant");
+      fail_access(path, "expected at most " + std::to_string(max_bytes) +
+                            " bytes, got more; raise max_bytes if the file is meant");
     }
     text.append(chunk.data(), got);
   }
@@ -60,12 +61,12 @@ void append_all(std::string& text, std::istream& in, const std::string& path, st
 
 std::string XmlSource::load(const std::string& path, std::size_t max_bytes) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) throw Error(path + ": expected a file, got a folder");
+  if (std::filesystem::is_directory(path, ignored)) fail_access(path, "expected a file, got a folder");
   errno = 0;
   std::ifstream in(path, std::ios::binary);
   if (!in) {
-    throw Error(path + ": cannot be opened" + (errno != 0 ? std::string(" (") + std::strerror(errno) + ')' : "") +
-                "; check the name and the right to read it");
+    fail_access(path, "cannot be opened" + (errno != 0 ? std::string(" (") + std::strerror(errno) + ')' : "") +
+                          "; check the name and the right to read it");
   }
   std::string text;
   in.seekg(0, std::ios::end);
@@ -78,9 +79,9 @@ std::string XmlSource::load(const std::string& path, std::size_t max_bytes) {
     text.reserve(expected);
     append_all(text, in, path, max_bytes);
   } catch (const std::bad_alloc&) {
-    throw Error(path + ": not enough memory to read it");
+    fail_memory(path);
   }
-  if (in.bad()) throw Error(path + ": cannot be read to its end");
+  if (in.bad()) fail_access(path, "cannot be read to its end");
   return text;
 }
 
@@ -94,7 +95,7 @@ XmlSource::XmlSource(std::string text, std::string name, bool instructions)
   }
   const std::size_t zero = text_.find('\0');
   if (zero != std::string::npos) {
-    throw Error(line_at(zero) + ": expected XML in UTF-8, got a zero byte; binary files and UTF-16 are not read");
+    fail_format(name_, line_at(zero), "expected XML in UTF-8, got a zero byte; binary files and UTF-16 are not read");
   }
   parse(instructions);
   refuse_entities();
@@ -106,10 +107,11 @@ XmlSource::~XmlSource() = default;
 void XmlSource::parse(bool instructions) {
   const unsigned flags = pugi::parse_default | pugi::parse_doctype | (instructions ? pugi::parse_pi : 0u);
   const auto result = document_->load_buffer_inplace(text_.data(), text_.size(), flags, pugi::encoding_utf8);
-  if (result.status == pugi::status_out_of_memory) throw Error(name_ + ": not enough memory to read it");
+  if (result.status == pugi::status_out_of_memory) fail_memory(name_);
   if (!result) {
-    throw Error(line_at(static_cast<std::size_t>(result.offset)) + ": expected well-formed XML, got \"" +
-                result.description() + "\"; is the file damaged or cut short?");
+    fail_format(name_, line_at(static_cast<std::size_t>(result.offset)),
+                std::string("expected well-formed XML, got \"") + result.description() +
+                    "\"; is the file damaged or cut short?");
   }
   std::size_t roots = 0;
   for (const pugi::xml_node node : document_->children()) {
@@ -117,14 +119,14 @@ void XmlSource::parse(bool instructions) {
       fail(node, "expected one root element, got a second one, <" + std::string(node.name()) + '>');
     }
   }
-  if (roots == 0) throw Error(name_ + ":1: expected an XML document, got no element");
+  if (roots == 0) fail_format(name_, 1, "expected an XML document, got no element");
 }
 
 void XmlSource::refuse_entities() const {
   for (const pugi::xml_node node : document_->children()) {
     if (node.type() == pugi::node_doctype && std::strstr(node.value(), "<!ENTITY") != nullptr) {
-      throw Error(line_at(static_cast<std::size_t>(std::max<std::ptrdiff_t>(node.offset_debug(), 0))) +
-                  ": expected a file without entity declarations, got a DOCTYPE with <!ENTITY; write the text itself "
+      fail_format(name_, line(node),
+                  "expected a file without entity declarations, got a DOCTYPE with <!ENTITY; write the text itself "
                   "where &name; stands");
     }
   }
@@ -156,15 +158,13 @@ pugi::xml_node XmlSource::root() const {
   return document_->document_element();
 }
 
-std::size_t XmlSource::line(pugi::xml_node node) const {
-  const auto offset = std::max<std::ptrdiff_t>(node.offset_debug(), 0);
-  const auto found = std::lower_bound(line_end_.begin(), line_end_.end(), static_cast<std::size_t>(offset));
+std::size_t XmlSource::line_at(std::size_t offset) const {
+  const auto found = std::lower_bound(line_end_.begin(), line_end_.end(), offset);
   return static_cast<std::size_t>(found - line_end_.begin()) + 1;
 }
 
-std::string XmlSource::line_at(std::size_t offset) const {
-  const auto found = std::lower_bound(line_end_.begin(), line_end_.end(), offset);
-  return name_ + ':' + std::to_string(found - line_end_.begin() + 1);
+std::size_t XmlSource::line(pugi::xml_node node) const {
+  return line_at(static_cast<std::size_t>(std::max<std::ptrdiff_t>(node.offset_debug(), 0)));
 }
 
 std::string XmlSource::where(pugi::xml_node node) const {
@@ -172,7 +172,7 @@ std::string XmlSource::where(pugi::xml_node node) const {
 }
 
 void XmlSource::fail(pugi::xml_node node, const std::string& message) const {
-  throw Error(where(node) + ": " + message);
+  fail_format(name_, line(node), message);
 }
 
 std::string_view XmlSource::text(pugi::xml_node node, const char* attribute) const {

@@ -66,7 +66,7 @@ class XmlSource {
   static std::string cite(std::string_view text);
 
  private:
-  std::string line_at(std::size_t offset) const;  // "file:line"
+  std::size_t line_at(std::size_t offset) const;
   void parse(bool instructions);
   void refuse_entities() const;
   void refuse_depth() const;

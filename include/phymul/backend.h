@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+//
+// SolverBackend: base class of all backends. Only authors of backends need this header.
+#pragma once
+
+#include <phymul/load_frame.h>
+#include <phymul/solver.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace phymul {
+
+class Profile;  // src/solver/profile.h
+
+/// Does once for all backends what does not depend on them: checks of arguments and states, the step limit, failure
+/// policy, rest test, progress calls, and the default of every optional function. A backend overrides the private
+/// functions do_*(). It must do at least do_reset, do_scene_changed, do_step, do_read, do_energy, do_time and
+/// do_device.
+class SolverBackend : public Solver {
+ public:
+  ~SolverBackend() override;
+
+  std::string_view name() const final { return name_; }
+  std::string device() const final { return do_device(); }
+  std::string_view backend_reason() const final { return backend_reason_; }
+  const Scene& scene() const final { return *scene_; }
+  const TopologyTextures& topology() const final { return *topology_; }
+  std::uint64_t topology_hash() const final;
+  const SolverOptions& options() const final { return options_; }
+  bool takes_tools() const final { return do_takes_tools(); }
+  double stable_step() const final { return stable_step_; }
+
+  using Solver::read;
+  using Solver::reset;
+  using Solver::run_to_rest;
+  void reset(const State& state) final;
+  Snapshot snapshot() const final;
+  void restore(const Snapshot& snapshot) final;
+  void start(const State& state, double dt) final;
+  StepReport step(int n, double dt) final;
+  RestResult run_to_rest(int max_steps, double dt, const Damping& damping) final;
+  double time() const final { return do_time(); }
+  void read(State& state) const final { do_read(state); }
+  void request_read() final { do_request_read(); }
+  bool collect(State& state) final { return do_collect(state); }
+  Energy energy() const final { return do_energy(); }
+  Momentum momentum(const Vec3& about = Vec3::Zero()) const final { return do_momentum(about); }
+  ParticleBuffer position_buffer() const final { return do_position_buffer(); }
+  ParticleBuffer attractor_buffer() const final;
+  std::vector<PassProfile> profile() const final;
+  void clear_profile() final;
+
+ protected:
+  /// Checks the options, and that the tables are those of the scene's model; throws Error. The constructor of a backend
+  /// must end with reset().
+  SolverBackend(std::string name, std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
+                const SolverOptions& options);
+
+  /// Result of do_step(). Maxima are of the last good step and of free coordinates only.
+  struct Motion {
+    int steps = 0;                  ///< number of good steps
+    Index bad_particle = -1;        ///< >= 0: this particle diverged in the step after them, which was undone
+    bool lost = false;              ///< the device failed
+    int lost_volume = -1;           ///< >= 0: row of Scene::volume_constraints() that the step after them violates
+    int full_needle = -1;           ///< >= 0: row of Scene::tools() whose hole had no room in the step after them
+    bool force_clamped = false;     ///< some elastic acceleration was above StepPlan::largest_acceleration
+    double max_acceleration = 0.0;  ///< m/s^2
+    double max_force = 0.0;         ///< N
+    double max_speed = 0.0;         ///< m/s
+    int steps_at_rest = 0;          ///< number of consecutive steps up to the last one within the thresholds
+  };
+  /// Argument of do_step().
+  struct StepPlan {
+    int steps = 0;
+    double dt = 0.0;                    ///< s
+    double damping_factor = 1.0;        ///< Damping::factor_at(dt)
+    double speed_at_rest = 0.0;         ///< m/s, threshold of the rest test
+    double acceleration_at_rest = 0.0;  ///< m/s^2, threshold of the rest test
+    double largest_acceleration = 0.0;  ///< m/s^2: elastic force over mass is limited to this; may be infinite
+    double runaway_speed = 0.0;         ///< m/s: a faster particle, or one that is not finite, has diverged
+    bool stop_at_rest = false;          ///< end as soon as steps_at_rest reaches rest_steps
+    int rest_steps = 0;
+  };
+
+  /// Throws Error if the snapshot has parts; for backends that have none.
+  void refuse_parts(const Snapshot& snapshot) const;
+
+  LoadFrame& frame() { return frame_; }                  ///< prepared; a backend evaluates it at the time of each step
+  const LoadFrame& frame() const { return frame_; }      ///< of the scene as the last step or reset saw it
+  Profile* profiling() const { return profile_.get(); }  ///< null unless SolverOptions::profile
+
+ private:
+  virtual void do_reset(const State& state) = 0;
+  virtual void do_scene_changed() = 0;  ///< frame() has new sizes; may allocate
+  /// Only Scene::mode_values() has changed, not the modes. Must not allocate. Sets the count of steps at rest to 0.
+  virtual void do_values_changed() { do_scene_changed(); }
+  virtual Motion do_step(const StepPlan& plan) = 0;
+  virtual void do_read(State& state) const = 0;
+  virtual Energy do_energy() const = 0;
+  virtual double do_time() const = 0;
+  virtual std::string do_device() const = 0;
+  // Faster than by way of read(): without waiting, or without a copy.
+  virtual void do_request_read();
+  virtual bool do_collect(State& state);
+  virtual Momentum do_momentum(const Vec3& about) const;
+  virtual ParticleBuffer do_position_buffer() const;
+  virtual ParticleBuffer do_attractor_buffer() const;
+  // For backends whose state is more than a State, or more exact.
+  virtual void do_snapshot(Snapshot& snapshot) const;
+  virtual void do_restore(const Snapshot& snapshot);
+  /// What the scene holds that this backend does not support, one sentence of static text; null: nothing. The default
+  /// refuses needles and contacts always, tools and volume constraints unless the two functions below return true.
+  virtual const char* do_cannot() const;
+  virtual bool do_takes_tools() const { return false; }
+  virtual bool do_takes_volumes() const { return false; }           ///< Scene::constrain_volume
+  virtual const ToolReport& do_tool_report(std::size_t row) const;  ///< of Scene::tools(), as of the last step
+  virtual void do_profile() const {}                                ///< brings profiling(), not null, up to date
+
+  friend std::unique_ptr<Solver> make_solver(std::string_view, std::shared_ptr<const TopologyTextures>, const Scene&,
+                                             const SolverOptions&);
+  const ToolReport& tool_report(std::size_t row) const final { return do_tool_report(row); }
+  void require_fitting(const State& state) const;
+  void require_supported() const;
+  void follow_scene();
+  bool any_tool_grasps() const;
+  StepReport advance(int n, double dt, bool stop_at_rest, const Damping& damping);
+  StepPlan plan_for(int n, double dt, const Damping& damping, bool beyond_limit) const;
+  void report_failure(const Motion& motion, StepReport& report) const;
+  Motion run(const StepPlan& plan, StepReport& report);
+  Motion run_with_progress(const StepPlan& plan, StepReport& report);
+
+  std::string name_, backend_reason_;
+  std::vector<State> copies_;          // of the default do_request_read()
+  mutable VecList shown_, attracted_;  // of the default buffers
+  std::shared_ptr<const TopologyTextures> topology_;
+  const Scene* scene_;
+  SolverOptions options_;
+  LoadFrame frame_;
+  std::uint64_t scene_version_ = 0, values_version_ = 0;
+  mutable std::optional<std::uint64_t> topology_hash_;
+  std::unique_ptr<Profile> profile_;
+  int steps_a_slice_ = 1;  // between two looks at the clock, if progress is asked for
+  Spectrum spectrum_;
+  double stable_step_ = 0.0;
+  double spacing_ = 0.0;
+};
+
+}  // namespace phymul

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+//
+// Simulation: one object that owns a model, its scene and its solver.
+#pragma once
+
+#include <phymul/recording.h>
+#include <phymul/scene.h>
+#include <phymul/solver.h>
+#include <phymul/state_file.h>
+#include <phymul/topology.h>
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace phymul {
+
+struct GroupMaterial {
+  std::string group;  ///< for the cells all of whose particles are in it
+  Material material{};
+};
+
+/// Makes the solver of a Simulation instead of make_solver(); for a backend of one's own (backend.h).
+using SolverFactory = std::function<std::unique_ptr<Solver>(std::shared_ptr<const TopologyTextures> topology,
+                                                            const Scene& scene, const SolverOptions& options)>;
+
+struct SimulationOptions {
+  Material material{};                     ///< of all cells; left out: the model keeps its materials
+  std::vector<GroupMaterial> materials{};  ///< of groups, set after `material` in this order
+  std::string backend = "auto";            ///< a name that make_solver() accepts
+  Damping damping{};                       ///< replaces solver.damping, unless it is left out
+  double step = 0.5;                       ///< largest step of advance(), as a multiple of stable_step(), > 0
+  TopologyOptions topology{};
+  SolverOptions solver{};
+  SolverFactory make_solver{};  ///< empty: phymul::make_solver() makes the solver
+};
+
+/// One of several bodies of a Simulation. Its groups are named "<name>/<group>", as by merge_models().
+struct SimulationBody {
+  std::string name;
+  Model model;
+  Material material{};  ///< left out: SimulationOptions::material
+};
+
+/// Owns a model, its scene and its solver. It can be moved, not copied; references to the three and tool handles stay
+/// valid when it is moved. Threads: as for Solver.
+///
+/// The first function that needs the solver makes it, so that "auto" can choose by the scene: fill the scene before.
+/// These functions throw Error if the solver cannot be made. Otherwise advance() and run_to_rest() do not throw; their
+/// results report failures.
+class Simulation {
+ public:
+  /// Sets the materials and builds the tables. Throws Error as set_material(), Scene and build_topology() do.
+  explicit Simulation(Model model, SimulationOptions options = {});
+  /// Several bodies in one model. They touch each other if Scene::contacts() is called. Throws Error also as
+  /// merge_models() does.
+  explicit Simulation(std::vector<SimulationBody> bodies, SimulationOptions options = {});
+  ~Simulation();
+  Simulation(Simulation&& other) noexcept;
+  Simulation& operator=(Simulation&& other) noexcept;
+
+  const Model& model() const;
+  Scene& scene();
+  const Scene& scene() const;
+  Solver& solver();  ///< direct calls of it are neither recorded nor kept in the history
+  const Solver& solver() const;
+
+  /// Simulates `seconds` in n = ceil(seconds / step_limit()) equal steps. 0 seconds: only applies changes of the scene.
+  /// Returns the report of Solver::step().
+  StepReport advance(double seconds);
+
+  /// Steps of step_limit() until the body is at rest, at most `max_steps`. Uses the damping of the options. If they
+  /// have none, the call chooses it: near the critical damping of the slowest vibration, which it estimates from the
+  /// motion. The state's time advances as in every step.
+  RestResult run_to_rest(int max_steps = 200'000);
+
+  double step_limit() const;  ///< s: SimulationOptions::step * Solver::stable_step(); 1e-3 if that is infinite
+  double time() const;        ///< s, of the present state
+
+  /// The present state with velocities at State::time. (Solver::read() returns those half a step earlier.) Second order
+  /// in the step for elastic forces and loads. Forces of tools and contacts are left out of the half step; velocities
+  /// of imposed coordinates are the mean ones of the last step.
+  State state() const;
+  /// Starts from a state with velocities at State::time. Throws Error as Solver::start() does.
+  void set_state(const State& state);
+
+  double max_displacement() const;  ///< m, largest distance of a particle from its rest position
+  Energy energy() const;            ///< as Solver::energy()
+  const ToolForce& force_on(const ToolHandle& tool) const;  ///< force of the particles on the tool
+  const ToolPose& pose_of(const ToolHandle& tool) const;    ///< present pose of the tool
+
+  /// The state with everything that further steps depend on except the scene, in memory or in a file. Throw Error as
+  /// Solver::restore(), save_state() and load_state() do.
+  Snapshot snapshot() const;
+  void restore(const Snapshot& snapshot);
+  void save(const std::string& path) const;
+  void load(const std::string& path);
+
+  /// Keeps a snapshot every `every` steps from now on, at most `most_bytes` in all; the oldest are dropped. Throws
+  /// Error unless both are at least 1.
+  void keep_history(int every, std::size_t most_bytes = 64 << 20);
+  /// Goes back to the newest kept snapshot at or before `time`, s. Returns false, and changes nothing, if there is
+  /// none.
+  bool rewind(double time);
+
+  /// Records from now on what is done with this object: steps, changes of the state and of the scene. Memory grows with
+  /// it. Poses and grasps that no step has applied yet are dropped.
+  void record();
+  const Recording& recording() const;  ///< throws Error unless record() was called
+  /// Clears the scene and repeats a recording to its end. Throws Error as Replay does. Ends record().
+  void replay(Recording recording);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace phymul

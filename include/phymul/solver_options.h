@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+//
+// SolverOptions: how a solver moves a body. Everything has a default.
+#pragma once
+
+#include <phymul/elasticity.h>
+#include <phymul/gl.h>
+
+#include <functional>
+#include <optional>
+
+namespace phymul {
+
+/// Velocity damping. A rate has the same effect for every step size; the factor is the d of the 2007 thesis. Damping
+/// acts on the motion relative to the world, not to the body: a free body under gravity g falls no faster than g /
+/// rate.
+struct Damping {
+  double rate = 0.0;                  ///< 1/s, >= 0: each step multiplies velocities by exp(-rate dt)
+  double factor = 1.0;                ///< d in [0, 1], applied once per step in addition to the rate; 1: no damping
+  double factor_at(double dt) const;  ///< both combined, for a step of dt seconds
+  bool operator==(const Damping&) const = default;
+};
+
+enum class UnstableStep {
+  refuse,  ///< step() does nothing and returns StepStatus::unstable_step
+  allow    ///< step() runs and sets StepReport::beyond_limit
+};
+
+/// Passed to SolverOptions::progress.
+struct StepProgress {
+  int steps = 0;           ///< done by this call so far
+  int of = 0;              ///< requested; for run_to_rest() the maximum
+  double time = 0.0;       ///< s, of the present state
+  double residual = 0.0;   ///< N, as StepReport::residual
+  double max_speed = 0.0;  ///< m/s
+};
+
+/// make_solver throws Error for a value out of its range.
+struct SolverOptions {
+  Damping damping{};
+  UnstableStep on_unstable = UnstableStep::refuse;
+  /// Rest test, independent of dt and scale. With the mean spacing h and tau = 1 / omega_max, a body is at rest if for
+  /// `rest_steps` consecutive steps every free particle has speed * tau <= rest_tolerance * h and
+  /// net force / mass * tau^2 <= rest_tolerance * h. In single precision ("cpu", GL) rounding alone moves a body that
+  /// rests displaced by u. The right-hand sides are therefore at least 8 * 2^-24 * u there, with the body's largest u
+  /// (DESIGN.md).
+  double rest_tolerance = 1e-8;
+  int rest_steps = 16;
+  /// In mean spacings: an elastic force that by itself would move its particle further than this in one step is
+  /// limited to that distance, and StepReport::force_clamped is set. Forces of this size occur only in states that real
+  /// tissue does not reach (flattened, mirrored, scattered). There an explicit step overshoots; with the limit bodies
+  /// return from such states at half the step limit. Momentum and energy are not conserved while the limit acts. It is
+  /// off for steps beyond the step limit and for models that are unstable at rest or flutter, whose growth it would
+  /// hide. Infinite: always off.
+  double max_displacement_per_step = 0.1;
+  /// Spectrum of the same topology at rest, if known. It saves the estimate, which takes about a hundred force
+  /// evaluations. With a wrong spectrum stable_step() and the rest test are wrong; the library cannot detect this.
+  std::optional<Spectrum> spectrum{};
+  /// Backend "cpu": number of threads. 0: as many as the body has work for, at most the number of processors. Results
+  /// do not depend on it.
+  int threads = 0;
+  /// Called by step() and run_to_rest() between two steps, at most every `progress_seconds` and never after the last
+  /// step. If it returns false, the call ends there with StepReport::stopped. Exceptions pass through; the state is
+  /// then that of the last call. It may read the solver, but must not step or reset it or change its scene. It does not
+  /// change trajectories. It is not called if the scene has tools, because a tool moves evenly over all steps of a
+  /// call.
+  std::function<bool(const StepProgress&)> progress{};
+  double progress_seconds = 0.5;  ///< 0: after every step
+  bool profile = false;           ///< measure passes for Solver::profile(); false: no clock is read
+  GlOptions gl{};                 ///< of the GL backends; the other backends ignore it
+};
+
+}  // namespace phymul

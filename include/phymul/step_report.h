@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+//
+// What Solver::step() and Solver::run_to_rest() return.
+#pragma once
+
+#include <phymul/types.h>
+
+#include <string>
+
+namespace phymul {
+
+enum class StepStatus {
+  ok,
+  invalid_step,   ///< the arguments make no sense; nothing was done
+  unstable_step,  ///< dt is above the step limit and UnstableStep::refuse is set; nothing was done
+  /// A particle got a position that is not finite or a speed above a million mean spacings times omega_max. The step
+  /// was undone.
+  not_finite,
+  device_lost,    ///< the GPU or its context failed
+  volume_lost,    ///< a volume constraint (Scene::constrain_volume) could not be satisfied; the step was undone
+  not_supported,  ///< the backend does not support the scene's tools, volume constraints or contacts; nothing was done
+  /// A needle's hole needs more nodes, or a node more particles, than the GPU has reserved. The step was undone.
+  needle_full
+};
+
+struct StepReport {
+  StepStatus status = StepStatus::ok;
+  int steps = 0;              ///< number of steps that this call has completed
+  double time = 0.0;          ///< s, of the state reached; after a failure that of the last good state
+  double dt = 0.0;            ///< s, as passed
+  double stable_step = 0.0;   ///< s, Solver::stable_step()
+  bool beyond_limit = false;  ///< dt was above it, and SolverOptions::on_unstable allows that
+  bool at_rest = false;       ///< the rest test (SolverOptions::rest_tolerance) holds at the end; not part of ok()
+  double residual = 0.0;      ///< N, largest net force on a free particle in the last step
+  double max_speed = 0.0;     ///< m/s, largest speed
+  /// An elastic force was limited in some step of this call: SolverOptions::max_displacement_per_step.
+  bool force_clamped = false;
+  bool stopped = false;    ///< SolverOptions::progress ended the call before its last step
+  Index particle = -1;     ///< row of the model: where a failure happened; -1: unknown
+  const char* cause = "";  ///< likely cause of a failure; static text
+
+  bool ok() const { return status == StepStatus::ok; }
+  std::string message() const;  ///< one sentence for people; allocates
+};
+
+enum class RestStatus {
+  converged,   ///< the body is at rest
+  step_limit,  ///< max_steps were done and the body is not at rest
+  failed,      ///< a step failed: see RestResult::report
+  stopped      ///< SolverOptions::progress ended the call
+};
+
+/// Result of Solver::run_to_rest().
+struct RestResult {
+  RestStatus status = RestStatus::failed;
+  StepReport report;  ///< of all steps of the call
+  /// If converged: a particle one of whose bases has collapsed to a line or a point, else -1. Such a base has no
+  /// direction. A body that is in one point is at rest and cannot return by itself.
+  Index collapsed = -1;
+  /// If converged: a cell that is flat or turned inside out, else -1. Springs can keep such states. For a body that
+  /// moves, call first_folded_cell() (monitor.h) and first_collapsed() (elasticity.h).
+  Index folded = -1;
+
+  bool converged() const { return status == RestStatus::converged; }
+  std::string message() const;  ///< one sentence for people; allocates
+};
+
+}  // namespace phymul

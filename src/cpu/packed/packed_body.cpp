@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+#include "packed_body.h"
+
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include "device/float_range.h"
+#include "packed_rows.h"
+#include "renumbering.h"
+#include "term_packer.h"
+#include "topology/locality_order.h"
+
+namespace phymul::cpu {
+namespace {
+
+/// Particles of a cluster: few enough that its displacements and forces stay in a core's first cache, many enough that
+/// most of a cluster's terms touch its own particles alone.
+constexpr Index cluster_size = 512;
+/// The same where grids (simd::Grid) are to take most terms: they read in order, so that the second cache does, and of
+/// larger clusters less is surface. Large bodies have clusters enough for threads, small ones need them.
+constexpr Index least_grid_cluster = 1344, most_grid_cluster = 2048;
+/// A body of fewer particles and less work than these stays in one piece: it is not worth a second thread.
+constexpr Index whole_size = 2048;
+constexpr double whole_cost = 40e3;  // ns
+
+class BodyPacker {
+ public:
+  BodyPacker(const TopologyTextures& t, const std::optional<LatticeFrame>& frame, Index size, PackedBody& body)
+      : t_(t), frame_(frame), size_(size), body_(body) {}
+
+  void pack() {
+    const auto count = static_cast<std::size_t>((t_.particle_count + size_ - 1) / size_);
+    body_.clusters.resize(count);
+    TermPacker terms(t_, frame_, size_, count, body_);
+    for (std::size_t c = 0; c < count; ++c) {
+      Cluster& cluster = body_.clusters[c];
+      cluster.first = static_cast<std::int32_t>(c) * size_;
+      const Index own = std::min(size_, t_.particle_count - cluster.first);
+      cluster.own = (own + body_.lanes - 1) / body_.lanes * body_.lanes;
+      cluster.force_first = body_.force_rows;
+      terms.pack(static_cast<int>(c));
+      body_.force_rows += (cluster.slots() + 3) / 4 * 4;  // whole lines of the cache: slices do not cross them
+    }
+    terms.point_jobs();
+    pack_particles();
+    pack_halo();
+    if (body_.gives()) pack_gifts();
+    if (!body_.pushes()) {
+      body_.force_rows = 0;
+      for (Offsets* rows : {&body_.own, &body_.halo_first, &body_.halo}) *rows = {};
+    }
+  }
+
+ private:
+  void pack_particles() {
+    body_.places = body_.clusters.empty() ? 0 : body_.clusters.back().first + body_.clusters.back().own;
+    const auto places = static_cast<std::size_t>(body_.places);
+    body_.stiffness.assign(places, 0.0f);
+    body_.mass.assign(places, 0.0f);
+    body_.inverse_mass.assign(places, 0.0f);
+    for (Index i = 0; i < t_.particle_count; ++i) {
+      body_.stiffness[i] = t_.stiffness.empty() ? 0.0f : narrowed(t_.stiffness[i]);
+      body_.mass[i] = narrowed(t_.mass[i]);
+      body_.inverse_mass[i] = narrowed(1.0 / t_.mass[i]);
+    }
+    for (Cluster& cluster : body_.clusters) cluster.job.stiffness = body_.stiffness.data() + cluster.first;
+  }
+
+  /// Who else has forces for the particles of a slice, in the order of the clusters.
+  void pack_halo() {
+    std::vector<std::vector<std::int64_t>> rows_of(static_cast<std::size_t>(body_.places));  // by quad
+    for (const Cluster& cluster : body_.clusters) {
+      for (std::size_t k = 0; k < cluster.halo.size(); ++k) {
+        if (!cluster.pushed[k]) continue;
+        rows_of[cluster.halo[k]].push_back(cluster.force_first + cluster.own + static_cast<std::int64_t>(k));
+      }
+    }
+    const std::int64_t zero = body_.force_rows++;
+    if (body_.force_rows * 16 > std::numeric_limits<std::int32_t>::max()) {
+      throw Error("the body has " + std::to_string(t_.particle_count) +
+                  " particles, too many for 32-bit offsets; the backend \"reference\" has no such limit");
+    }
+    body_.halo_first.push_back(0);
+    for (int s = 0; s < body_.slices(); ++s) {
+      const Cluster& cluster = body_.clusters[s * body_.lanes / size_];
+      body_.own.push_back(static_cast<std::int32_t>(16 * (cluster.force_first + s * body_.lanes - cluster.first)));
+      std::size_t longest = 0;
+      for (int lane = 0; lane < body_.lanes; ++lane)
+        longest = std::max(longest, rows_of[body_.quad_of(s * body_.lanes + lane)].size());
+      for (std::size_t k = 0; k < longest; ++k) {
+        for (int lane = 0; lane < body_.lanes; ++lane) {
+          const auto& rows = rows_of[body_.quad_of(s * body_.lanes + lane)];
+          body_.halo.push_back(static_cast<std::int32_t>(16 * (k < rows.size() ? rows[k] : zero)));
+        }
+      }
+      body_.halo_first.push_back(body_.halo_first.back() + static_cast<std::int32_t>(longest));
+    }
+  }
+
+  double share_of(Index row) const {
+    switch (t_.options.reaction) {
+      case Reaction::full:
+        return 1.0;
+      case Reaction::shared:
+        return 1.0 / t_.index[t_.neighbour_owner[row]].neighbour_count;
+      default:
+        return t_.alpha[row];
+    }
+  }
+
+  /// Whose pulls a particle bears, and what share of each.
+  void pack_gifts() {
+    LaneRows rows(body_.give, 2, body_.lanes);
+    body_.give_first.push_back(0);
+    for (int s = 0; s < body_.slices(); ++s) {
+      const Index first = s * body_.lanes, last = std::min<Index>(first + body_.lanes, t_.particle_count);
+      Index longest = 0;
+      for (Index i = first; i < last; ++i) longest = std::max(longest, t_.neighbour_of.size(i));
+      rows.add(longest, 1);
+      for (Index i = first; i < last; ++i) {
+        Index row = 0;
+        for (const Index* r = t_.neighbour_of.begin(i); r != t_.neighbour_of.end(i); ++r, ++row) {
+          if (t_.index[t_.neighbour_owner[*r]].base_count == 0) continue;
+          rows.offset(row, 0, i - first, 16 * simd::quad_of(t_.neighbour_owner[*r], body_.lanes));
+          rows.put(row, 1, i - first, share_of(*r));
+        }
+      }
+      body_.give_first.push_back(body_.give_first.back() + longest);
+    }
+    fill_idle(body_.give, 0, 2, 1, body_.lanes, 16 * body_.places);
+  }
+
+  const TopologyTextures& t_;
+  const std::optional<LatticeFrame>& frame_;
+  const Index size_;
+  PackedBody& body_;
+};
+
+/// Equal clusters, a multiple of the lanes.
+Index grid_cluster_size(Index particles, int lanes) {
+  const Index size = std::clamp<Index>(particles / 16, least_grid_cluster, most_grid_cluster);
+  const Index clusters = (particles + size - 1) / size;
+  return (particles + clusters * lanes - 1) / (clusters * lanes) * lanes;
+}
+
+double rough_cost(const TopologyTextures& t, int lanes) {
+  const double base = t.options.reaction == Reaction::averaged ? 80.0 : 50.0;
+  return (base * t.base_count + 16.0 * static_cast<double>(t.springs.size()) +
+          40.0 * static_cast<double>(t.volumes.size()) + 100.0 * static_cast<double>(t.cells.size())) /
+         lanes;
+}
+
+}  // namespace
+
+double PackedBody::cost() const {
+  double sum = 0.0;
+  for (const Cluster& cluster : clusters) sum += cluster.cost;
+  return sum;
+}
+
+std::size_t PackedBody::most_slots() const {
+  std::int32_t most = 0;
+  for (const Cluster& cluster : clusters) most = std::max(most, cluster.slots());
+  return static_cast<std::size_t>(most);
+}
+
+std::size_t PackedBody::most_grid_floats() const {
+  int most = 0;
+  for (const Cluster& cluster : clusters) most = std::max(most, cluster.job.grid.pitch);
+  return static_cast<std::size_t>(simd::grid_fields) * static_cast<std::size_t>(most);
+}
+
+std::unique_ptr<const PackedBody> make_packed_body(const TopologyTextures& topology, int lanes) {
+  require_bases_in_range(topology);
+  auto body = std::make_unique<PackedBody>();
+  const bool whole = topology.particle_count <= whole_size && rough_cost(topology, lanes) <= whole_cost;
+  const Index all = std::max<Index>(topology.particle_count, 1);
+  const Index grid_size = whole ? all : grid_cluster_size(all, lanes);
+  const std::optional<LatticeFrame> frame = LatticeFrame::of(topology, grid_size);
+  const Index size = whole ? all : frame ? grid_size : cluster_size;
+  body->lanes = lanes;
+  body->order =
+      frame ? frame->order(topology.rest) : locality_order(topology.rest, TermPacker::work_of(topology), size);
+  body->plane = topology.dimension == 2;
+  body->scaled = !topology.rest_area.empty();
+  body->bounded = topology.options.volume_law == VolumeLaw::bounded;
+  body->use = topology.options.reaction == Reaction::conservative ? simd::BaseUse::conservative
+              : topology.options.reaction == Reaction::averaged   ? simd::BaseUse::averaged
+                                                                  : simd::BaseUse::attractor;
+  const TopologyTextures ordered = renumbered(topology, body->order);
+  BodyPacker(ordered, frame, size, *body).pack();
+  return body;
+}
+
+}  // namespace phymul::cpu

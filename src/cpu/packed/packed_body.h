@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+//
+// A body packed for the SIMD kernels: particles renumbered and divided into clusters, terms packed lane by lane
+// (simd/job.h). The division depends on the body and the lanes alone, never on the number of threads, so that sums keep
+// their order.
+#pragma once
+
+#include <phymul/topology_textures.h>
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "aligned_arrays.h"
+#include "cpu/simd/job.h"
+
+namespace phymul::cpu {
+
+struct Cluster {
+  simd::Job job;                   ///< without u and force, which belong to a step
+  std::int32_t first = 0;          ///< particle of slot 0
+  std::int32_t own = 0;            ///< slots of own particles, a multiple of the lanes
+  std::vector<bool> pushed;        ///< of the halo: whether the cluster's terms have forces for it
+  std::vector<std::int32_t> halo;  ///< quads of the particles of the slots after those
+  std::int64_t force_first = 0;    ///< quad of slot 0 among the forces of all clusters, a multiple of 4
+  double cost = 0.0;               ///< rough, ns per step
+  std::int32_t slots() const { return own + static_cast<std::int32_t>(halo.size()) + 1; }
+};
+
+struct PackedBody {
+  int lanes = 0;
+  std::vector<Index> order;     ///< [particles] row of the model
+  std::int32_t places = 0;      ///< particles, filled up to whole slices
+  std::int64_t force_rows = 0;  ///< of all clusters, the last one always zero; none where nothing pushes()
+  std::vector<Cluster> clusters;
+  simd::BaseUse use = simd::BaseUse::conservative;
+  bool plane = false, scaled = false, bounded = false;
+
+  // Arrays of the jobs and of simd::Move.
+  Offsets base_first, spring_first, enumerated_first, enumerated_neighbours, enumerated_offsets, own, halo_first, halo,
+      give_first;
+  Offsets hexahedron_shape, star_shape, box_shape;
+  Floats hexahedra, hexahedron_shapes, stars, boxes;
+  std::vector<simd::BoxShape> box_shapes;
+  Offsets grid_slot, grid_octants;
+  std::vector<simd::GridRow> grid_rows;
+  Floats bases, enumerated, springs, volumes, cells4, cells6, cells8, simplices, cell_simplices, stiffness,
+      inverse_mass, mass, give;
+
+  std::size_t most_slots() const;        ///< of a cluster
+  std::size_t most_grid_floats() const;  ///< that a cluster's grid needs beside it
+  int slices() const { return places / lanes; }
+  /// Of a place of `order`, in displacements, pulls and loads.
+  std::size_t quad_of(std::size_t place) const {
+    return static_cast<std::size_t>(simd::quad_of(static_cast<std::int32_t>(place), lanes));
+  }
+  /// Whether terms have forces of their own for particles, and not only pulls that the move gathers.
+  bool pushes() const {
+    return use != simd::BaseUse::attractor ||
+           !(springs.empty() && volumes.empty() && cells4.empty() && cells6.empty() && cells8.empty() &&
+             simplices.empty() && cell_simplices.empty() && hexahedra.empty() && stars.empty() && boxes.empty() &&
+             grid_rows.empty());
+  }
+  bool gives() const { return use == simd::BaseUse::attractor && !(bases.empty() && enumerated.empty()); }
+  double cost() const;  ///< ns per step, rough
+  /// Bytes that a step reads and writes if nothing stays in a cache between steps, without the scene's loads.
+  double bytes_a_step() const;
+};
+
+/// Throws Error where a constant is not a float or an offset not 32 bits.
+std::unique_ptr<const PackedBody> make_packed_body(const TopologyTextures& topology, int lanes);
+
+}  // namespace phymul::cpu

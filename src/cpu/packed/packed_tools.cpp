@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT
+#include "packed_tools.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include "base/denormals.h"
+
+namespace phymul::cpu {
+namespace {
+
+/// Particles from which on looking for those near a tool takes longer than waking another thread for it, some 10 us.
+constexpr std::size_t worth_threads = 32768;
+
+/// Places in a block. They follow a curve through space, so that a block is small and a tool meets few.
+constexpr std::size_t block_size = 32;
+
+/// More than rounding in floats makes of a length and its square.
+constexpr double of_floats = 1e-5;
+
+/// Of the coordinates: what rounds where places and regions are compared.
+constexpr double rounding = 1e-12;
+
+}  // namespace
+
+/// A step whose prediction is in move.next_u and move.next_v.
+class PackedTools::Step final : public PredictedStep {
+ public:
+  Step(PackedTools& tools, const simd::Move& move, ThreadPool& pool, double farthest)
+      : tools_(tools), move_(move), pool_(pool), farthest_(farthest) {}
+
+  Vec3 position(Index i) const override { return place_at(move_.u, static_cast<std::size_t>(tools_.place_of_[i])); }
+
+  Vec3 predicted_velocity(Index i) const override {
+    const auto place = static_cast<std::size_t>(tools_.place_of_[i]);
+    const float* v = move_.next_v;
+    return {v[tools_.velocity_at(place, 0)], v[tools_.velocity_at(place, 1)], v[tools_.velocity_at(place, 2)]};
+  }
+
+  void find(const Region& region, std::vector<Index>& found) const override {
+    if (tools_.rest_.size() < worth_threads) {
+      find_among(0, tools_.blocks_.size(), region, found);
+      return;
+    }
+    pool_.run([&](int part, int parts) {
+      const DenormalsAreZero guard;
+      const auto bound = [&](int k) { return tools_.blocks_.size() * static_cast<std::size_t>(k) / parts; };
+      tools_.found_[part].clear();
+      find_among(bound(part), bound(part + 1), region, tools_.found_[part]);
+    });
+    for (int part = 0; part < pool_.parts(); ++part) {
+      found.insert(found.end(), tools_.found_[part].begin(), tools_.found_[part].end());
+    }
+  }
+
+  void add_force(Index i, const Vec3& force) override {
+    const std::size_t quad = tools_.quad_of_particle(i);
+    tools_.pushed_.push_back(quad);
+    for (int a = 0; a < 3; ++a) tools_.load_[4 * quad + a] += static_cast<float>(force[a]);
+  }
+
+  void shift(Index i, const Vec3& by) override {
+    tools_.shifts_.push_back({tools_.quad_of_particle(i),
+                              {static_cast<float>(by.x()), static_cast<float>(by.y()), static_cast<float>(by.z())}});
+  }
+
+ private:
+  void find_among(std::size_t first, std::size_t last, const Region& region, std::vector<Index>& found) const {
+    for (std::size_t block = first; block < last; ++block) {
+      if (misses(tools_.blocks_[block], region)) continue;
+      const std::size_t end = std::min(tools_.rest_.size(), (block + 1) * block_size);
+      for (std::size_t place = block * block_size; place < end; ++place) {
+        if (misses(place, region) || !region.meets(place_at(move_.u, place), place_at(move_.next_u, place))) continue;
+        found.push_back(tools_.body_.order[place]);
+      }
+    }
+  }
+
+  /// Wherever its particles went.
+  bool misses(const Block& block, const Region& region) const {
+    const bool apart = ((block.low.array() - farthest_) > region.high.array()).any() ||
+                       ((block.high.array() + farthest_) < region.low.array()).any();
+    if (apart || region.normal == Vec3::Zero()) return apart;
+    const Vec3 nearest = (region.normal.array() > 0.0).select(block.low, block.high);
+    return region.normal.dot(nearest) - farthest_ * region.normal.norm() > region.offset;
+  }
+
+  /// Axis by axis: most particles are far along the first one already, and this looks at all of them.
+  bool misses(std::size_t place, const Region& region) const {
+    const std::size_t quad = tools_.body_.quad_of(place);
+    const float* u = reinterpret_cast<const float*>(move_.u) + 4 * quad;
+    const float* next_u = reinterpret_cast<const float*>(move_.next_u) + 4 * quad;
+    for (int a = 0; a < 3; ++a) {
+      const double rest = tools_.rest_[place][a], from = rest + u[a], to = rest + next_u[a];
+      if (std::min(from, to) > region.high[a] || std::max(from, to) < region.low[a]) return true;
+    }
+    return false;
+  }
+
+  Vec3 place_at(const char* displacements, std::size_t place) const {
+    const float* u = reinterpret_cast<const float*>(displacements) + 4 * tools_.body_.quad_of(place);
+    return tools_.rest_[place] + Vec3(u[0], u[1], u[2]);
+  }
+
+  PackedTools& tools_;
+  const simd::Move& move_;
+  ThreadPool& pool_;
+  const double farthest_;
+};
+
+PackedTools::PackedTools(const PackedBody& body, const TopologyTextures& topology, int parts)
+    : body_(body), topology_(topology), found_(static_cast<std::size_t>(parts)) {}
+
+void PackedTools::follow(const Scene& scene, std::span<const std::uint8_t> fixed) {
+  set_.follow(scene);
+  touching_.follow(scene);
+  shifts_.clear();
+  pushed_.clear();
+  load_.clear();
+  farthest_ = std::numeric_limits<double>::infinity();
+  if (empty()) return;
+  const std::size_t count = body_.order.size();
+  touched_.prepare(topology_.mass, fixed, topology_.dimension == 2);
+  place_of_.resize(count);
+  rest_.resize(count);
+  for (std::size_t place = 0; place < count; ++place) {
+    place_of_[body_.order[place]] = static_cast<Index>(place);
+    rest_[place] = topology_.rest[body_.order[place]];
+  }
+  blocks_.assign((count + block_size - 1) / block_size, {});
+  for (std::size_t block = 0; block < blocks_.size(); ++block) blocks_[block] = around(block);
+  load_.assign(4 * static_cast<std::size_t>(body_.places), 0.0f);
+  pushed_.reserve(count);
+  shifts_.reserve(count);
+  for (auto& own : found_) own.reserve(count);
+}
+
+PackedTools::Block PackedTools::around(std::size_t block) const {
+  Block found{rest_[block * block_size], rest_[block * block_size]};
+  const std::size_t end = std::min(rest_.size(), (block + 1) * block_size);
+  for (std::size_t place = block * block_size; place < end; ++place) {
+    found.low = found.low.cwiseMin(rest_[place]);
+    found.high = found.high.cwiseMax(rest_[place]);
+  }
+  const double more = rounding * found.low.cwiseAbs().cwiseMax(found.high.cwiseAbs()).maxCoeff();
+  found.low.array() -= more;
+  found.high.array() += more;
+  return found;
+}
+
+std::size_t PackedTools::quad_of_particle(Index i) const {
+  return body_.quad_of(static_cast<std::size_t>(place_of_[i]));
+}
+
+std::size_t PackedTools::velocity_at(std::size_t place, int axis) const {
+  const auto lanes = static_cast<std::size_t>(body_.lanes);
+  return (3 * (place / lanes) + axis) * lanes + place % lanes;
+}
+
+bool PackedTools::act(const simd::Move& move, ThreadPool& pool, double dt, double farthest) {
+  if (move.load != nullptr) {
+    std::memcpy(load_.data(), move.load, sizeof(float) * load_.size());
+  } else {
+    for (const std::size_t quad : pushed_) std::memset(&load_[4 * quad], 0, 4 * sizeof(float));
+  }
+  pushed_.clear();
+  shifts_.clear();
+  Step step(*this, move, pool, (1.0 + of_floats) * std::max(farthest, farthest_));
+  touched_.begin(step, dt);
+  set_.act(touched_);
+  lost_volume_ = touching_.act(touched_);
+  touched_.end();
+  return !pushed_.empty();
+}
+
+void PackedTools::shift(float* next_u) {
+  farthest_shift_ = 0.0;
+  for (const auto& [quad, by] : shifts_) {
+    for (int a = 0; a < 3; ++a) next_u[4 * quad + a] += by[a];
+    farthest_shift_ = std::max(farthest_shift_, Vec3(by[0], by[1], by[2]).norm());
+  }
+}
+
+void PackedTools::reset(const Scene& scene, const State& state) {
+  set_.reset(scene, state);
+  farthest_ = std::numeric_limits<double>::infinity();
+}
+
+void PackedTools::accept(double farthest) {
+  set_.accept();
+  farthest_ = farthest + farthest_shift_;
+}
+
+}  // namespace phymul::cpu

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+//
+// What a step of the vector backend moves between memory and a core, for bodies that outgrow the caches. A cluster's
+// copy of its displacements stays in the first cache and is not counted; a written line counts once, as its line is
+// read (or claimed) before.
+#include "packed_body.h"
+
+namespace phymul::cpu {
+namespace {
+
+constexpr double quad = 16.0, triple = 12.0, word = 4.0;  // bytes
+
+double constants(const PackedBody& b) {
+  double words = 0.0;
+  for (const Floats* table :
+       {&b.bases, &b.enumerated, &b.springs, &b.volumes, &b.cells4, &b.cells6, &b.cells8, &b.hexahedra, &b.stars,
+        &b.boxes, &b.simplices, &b.cell_simplices, &b.give, &b.inverse_mass, &b.mass}) {
+    words += static_cast<double>(table->size());
+  }
+  for (const Offsets* table : {&b.base_first, &b.spring_first, &b.enumerated_first, &b.enumerated_neighbours,
+                               &b.enumerated_offsets, &b.own, &b.halo_first, &b.halo, &b.give_first,
+                               &b.hexahedron_shape, &b.star_shape, &b.box_shape, &b.grid_slot, &b.grid_octants}) {
+    words += static_cast<double>(table->size());
+  }
+  words += static_cast<double>(b.grid_rows.size() * sizeof(simd::GridRow)) / word;
+  const bool attracts = !(b.bases.empty() && b.enumerated.empty()) && b.use != simd::BaseUse::conservative;
+  if (attracts) words += static_cast<double>(b.stiffness.size());
+  return word * words;
+}
+
+}  // namespace
+
+double PackedBody::bytes_a_step() const {
+  double halo_slots = 0.0;
+  for (const Cluster& cluster : clusters) halo_slots += static_cast<double>(cluster.halo.size());
+  const double state = places * (2.0 * quad + 2.0 * triple);           // u and v, read and written
+  const double gathered = places * quad + halo_slots * (quad + word);  // u once more, with that of other clusters
+  const double forces = static_cast<double>(force_rows) * 2.0 * quad;  // written by clusters, read by the move
+  const double pulls = gives() ? places * 2.0 * quad : 0.0;            // likewise
+  return constants(*this) + state + gathered + forces + pulls;
+}
+
+}  // namespace phymul::cpu

@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: MIT
+#include "simd_solver.h"
+
+#include <phymul/backend.h>
+#include <phymul/elasticity.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "base/denormals.h"
+#include "base/thread_pool.h"
+#include "cluster_claims.h"
+#include "cpu/simd/instruction_set.h"
+#include "device/float_range.h"
+#include "near_displacements.h"
+#include "packed_body.h"
+#include "packed_loads.h"
+#include "packed_tools.h"
+#include "part_summary.h"
+#include "simd_profile.h"
+
+namespace phymul::cpu {
+namespace {
+
+/// Work of a step worth a thread. Handing two passes over and back costs a step about 0.5 us, so that two threads with
+/// this much each gain most of what they can.
+constexpr double least_cost_a_thread = 10e3;  // ns
+
+int thread_count(int asked, const PackedBody& body) {
+  const auto clusters = static_cast<int>(std::min<std::size_t>(body.clusters.size(), 1024));
+  if (asked > 0) return std::max(1, std::min(asked, clusters));
+  const int processors = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  const double worth = std::min(body.cost() / least_cost_a_thread, 1024.0);
+  return std::max(1, std::min({processors, clusters, static_cast<int>(worth)}));
+}
+
+constexpr std::size_t page = 4096;
+
+/// Bytes a step above which the next step finds hardly anything in a core's own caches.
+constexpr double caches = 16e6;
+/// And above which rows that a kernel reads once come from so far that it gains by asking for them ahead.
+constexpr double near_caches = 8e6;
+
+/// The first place from `near` on that is half a page from `other`, whole pages aside. Processors take a load for one
+/// of a recent store where the two agree in their last twelve bits: a slot's displacement must not stand there relative
+/// to its force, or the kernels run at half their pace.
+char* half_a_page_from(const char* other, char* near) {
+  const auto distance = reinterpret_cast<std::uintptr_t>(other) + page / 2 - reinterpret_cast<std::uintptr_t>(near);
+  return near + distance % page;
+}
+
+char* bytes(Floats& floats) {
+  return reinterpret_cast<char*>(floats.data());
+}
+
+class SimdSolver final : public SolverBackend {
+ public:
+  SimdSolver(std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in, const SolverOptions& options_in)
+      : SolverBackend("cpu", std::move(shared), scene_in, options_in),
+        kernels_(simd::chosen_kernels()),
+        body_(make_packed_body(topology(), kernels_.lanes)),
+        loads_(scene(), *body_),
+        pool_(thread_count(options().threads, *body_)),
+        tools_(*body_, topology(), pool_.parts()),
+        claims_(*body_, pool_.parts()),
+        summaries_(static_cast<std::size_t>(pool_.parts())),
+        laps_(profiling(), *body_),
+        no_laps_(nullptr, *body_),
+        rows_far_(body_->bytes_a_step() > near_caches),
+        far_(body_->bytes_a_step() > caches) {
+    const auto quads = 4 * (static_cast<std::size_t>(body_->places) + 1);
+    u_.assign(quads, 0.0f);
+    next_u_ = u_;
+    v_.assign(3 * static_cast<std::size_t>(body_->places), 0.0f);
+    next_v_ = v_;
+    force_.assign(4 * static_cast<std::size_t>(body_->force_rows), 0.0f);
+    if (body_->gives()) pull_.assign(quads, 0.0f);
+    near_u_.assign(summaries_.size(), Floats(4 * body_->most_slots() + page, 0.0f));
+    grid_.assign(summaries_.size(), Floats(body_->most_grid_floats(), 0.0f));
+    tools_.follow(scene(), frame().fixed);
+    reset();
+  }
+
+ private:
+  void do_reset(const State& state) override { take(state, {}); }
+
+  void do_snapshot(Snapshot& snapshot) const override {
+    do_read(snapshot.state);
+    snapshot.displacement.resize(body_->order.size());
+    for (std::size_t place = 0; place < body_->order.size(); ++place) {
+      snapshot.displacement[body_->order[place]] = displacement(u_, place);
+    }
+    snapshot.last_dt = last_dt_;
+    snapshot.steps_at_rest = steps_at_rest_;
+  }
+
+  void do_restore(const Snapshot& snapshot) override {
+    refuse_parts(snapshot);
+    take(snapshot.state, snapshot.displacement);
+    last_dt_ = snapshot.last_dt;
+    steps_at_rest_ = snapshot.steps_at_rest;
+  }
+
+  /// Displacements are those of the state where none are given.
+  void take(const State& state, const VecList& given) {
+    require_state_in_range(topology().rest, state);
+    for (std::size_t place = 0; place < body_->order.size(); ++place) {
+      const Index i = body_->order[place];
+      const Vec3 u = given.empty() ? Vec3(state.position[i] - topology().rest[i]) : given[i];
+      for (int a = 0; a < 3; ++a) {
+        u_[4 * body_->quad_of(place) + a] = static_cast<float>(u[a]);
+        v_[velocity_at(place, a)] = static_cast<float>(state.velocity[i][a]);
+      }
+    }
+    tools_.reset(scene(), state);
+    time_ = state.time;
+    last_dt_ = 0.0;
+    steps_at_rest_ = 0;
+  }
+
+  void do_scene_changed() override {
+    steps_at_rest_ = 0;
+    loads_ = PackedLoads(scene(), *body_);
+    tools_.follow(scene(), frame().fixed);
+  }
+
+  void do_values_changed() override { steps_at_rest_ = 0; }
+  bool do_takes_tools() const override { return true; }
+  const char* do_cannot() const override { return nullptr; }
+  const ToolReport& do_tool_report(std::size_t row) const override { return tools_.set().report(scene().tools()[row]); }
+
+  Motion do_step(const StepPlan& plan) override {
+    const DenormalsAreZero guard;
+    Motion motion;
+    motion.steps_at_rest = steps_at_rest_;
+    laps_.begin();
+    if (!tools_.empty()) tools_.set().begin_call(scene(), plan.steps, plan.stop_at_rest);
+    while (motion.steps < plan.steps) {
+      motion.lost_volume = step_once(plan);
+      if (motion.lost_volume >= 0) break;
+      const simd::MoveSummary summary = summary_of(summaries_);
+      motion.max_acceleration = std::sqrt(static_cast<double>(summary.acceleration));
+      motion.max_force = std::sqrt(static_cast<double>(summary.force));
+      if (summary.runaway) {
+        motion.bad_particle = first_runaway(plan.runaway_speed);
+        break;
+      }
+      u_.swap(next_u_);
+      v_.swap(next_v_);
+      if (!tools_.empty()) tools_.accept(std::sqrt(static_cast<double>(summary.displacement)));
+      time_ += plan.dt;
+      last_dt_ = plan.dt;
+      ++motion.steps;
+      motion.force_clamped = motion.force_clamped || summary.cut;
+
+      motion.max_speed = std::sqrt(static_cast<double>(summary.speed));
+      const RestThresholds rest = rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest},
+                                                  std::sqrt(static_cast<double>(summary.displacement)));
+      const bool quiet = motion.max_speed <= rest.speed && motion.max_acceleration <= rest.acceleration;
+      steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
+      motion.steps_at_rest = steps_at_rest_;
+      laps_.end(Work::checks);
+      laps_.end_step(!tools_.empty());
+      if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;
+    }
+    return motion;
+  }
+
+  /// The row of a volume that cannot be restored; -1: none.
+  int step_once(const StepPlan& plan) {
+    loads_.act_at(scene(), time_);
+    loads_.impose_at(scene(), time_ + plan.dt);
+    simd::Move move = move_of(plan);
+    laps_.end(Work::loads);
+    claims_.begin();
+    pool_.run([this](int part, int) {
+      const DenormalsAreZero guard;
+      for (int c = claims_.take(part); c >= 0; c = claims_.take(part)) elastic_forces_of(c, part);
+    });
+    laps_.end(Work::waiting);
+    run(move);
+    if (tools_.empty()) return -1;
+    const bool pushed =
+        tools_.act(move, pool_, plan.dt, std::sqrt(static_cast<double>(summary_of(summaries_).displacement)));
+    laps_.end(Work::tools);
+    if (pushed) {
+      move.load = tools_.loads();
+      run(move);
+    }
+    tools_.shift(next_u_.data());
+    laps_.end(Work::tools);
+    return tools_.lost_volume();
+  }
+
+  void run(const simd::Move& move) {
+    pool_.run([&, this](int part, int parts) {
+      const DenormalsAreZero guard;
+      const auto bound = [&](int k) { return static_cast<int>(std::int64_t{body_->slices()} * k / parts); };
+      kernels_.move(move, bound(part), bound(part + 1), summaries_[part].summary);
+    });
+    laps_.end(Work::move);
+  }
+
+  void elastic_forces_of(int c, int part) {
+    WorkLaps& laps = part == 0 ? laps_ : no_laps_;  // part 0 is the calling thread; the others write nothing
+    const Cluster& cluster = body_->clusters[c];
+    simd::Job job = cluster.job;
+    if (body_->gives()) job.pull = bytes(pull_) + 16 * static_cast<std::size_t>(cluster.first);
+    if (!force_.empty()) {
+      job.force = bytes(force_) + 16 * cluster.force_first;
+      std::memset(job.force, 0, 16 * static_cast<std::size_t>(cluster.slots()));
+    }
+    job.grid_memory = grid_[part].data();
+    job.rows_far = rows_far_;
+    job.far = far_;
+    job.u = near_displacements(cluster, bytes(u_),
+                               half_a_page_from(job.force ? job.force : job.pull, bytes(near_u_[part])));
+    if (far_ && c + 1 < static_cast<int>(body_->clusters.size())) {
+      ask_for_displacements(body_->clusters[c + 1], bytes(u_));
+    }
+    laps.end(Work::gathering);
+    if (job.bases.count > 0) {
+      kernels_.bases[static_cast<int>(body_->use)][body_->plane][body_->scaled](job);
+      laps.end(Work::bases);
+    }
+    if (job.enumerated.count > 0) {
+      kernels_.enumerated[body_->use == simd::BaseUse::averaged](job);
+      laps.end(Work::enumerated_bases);
+    }
+    if (job.springs.count > 0) {
+      kernels_.springs(job);
+      laps.end(Work::springs);
+    }
+    if (job.hexahedra.count > 0) {
+      kernels_.hexahedra[body_->bounded](job);
+      laps.end(Work::hexahedra);
+    }
+    if (job.stars.count + job.boxes.count + job.grid.count > 0) {
+      kernels_.lattices[body_->bounded](job);
+      laps.end(Work::box_lattice);
+    }
+    if (job.simplices.count + job.cell_simplices.count > 0) {
+      kernels_.simplices[body_->bounded](job);
+      laps.end(Work::simplices);
+    }
+    if (job.volumes.count > 0) {
+      kernels_.volumes[body_->plane][body_->bounded](job);
+      laps.end(Work::volumes);
+    }
+    if (job.cells4.count + job.cells6.count + job.cells8.count > 0) {
+      kernels_.cells[body_->bounded](job);
+      laps.end(Work::cells);
+    }
+  }
+
+  simd::Move move_of(const StepPlan& plan) {
+    simd::Move move;
+    move.force = force_.empty() ? nullptr : bytes(force_);
+    move.own = body_->own.data();
+    if (body_->clusters.size() > 1 && !force_.empty()) {
+      move.halo_first = body_->halo_first.data();
+      move.halo = body_->halo.data();
+    }
+    if (body_->gives()) {
+      move.pull = bytes(pull_);
+      move.give_first = body_->give_first.data();
+      move.give = body_->give.data();
+    }
+    loads_.point(move);
+    move.inverse_mass = body_->inverse_mass.data();
+    move.mass = body_->mass.data();
+    move.u = bytes(u_);
+    move.far = far_;
+    move.slices = body_->slices();
+    move.v = v_.data();
+    move.next_u = bytes(next_u_);
+    move.next_v = next_v_.data();
+    move.dt = static_cast<float>(plan.dt);
+    move.inverse_dt = static_cast<float>(1.0 / plan.dt);
+    move.damping = static_cast<float>(plan.damping_factor);
+    constexpr double largest = std::numeric_limits<float>::max();
+    move.runaway_squared = static_cast<float>(std::min(plan.runaway_speed * plan.runaway_speed, largest));
+    move.largest_acceleration = static_cast<float>(std::min(plan.largest_acceleration, largest));
+    move.largest_acceleration_squared =
+        static_cast<float>(std::min(plan.largest_acceleration * plan.largest_acceleration, largest));
+    return move;
+  }
+
+  /// The kernel knows that there is one; it is sought here, in the model's order.
+  Index first_runaway(double speed) const {
+    Index first = std::numeric_limits<Index>::max();
+    const double greatest = std::min(speed, std::sqrt(static_cast<double>(std::numeric_limits<float>::max())));
+    for (std::size_t place = 0; place < body_->order.size(); ++place) {
+      const Vec3 u = displacement(next_u_, place), v = velocity(next_v_, place);
+      const bool reached = u.allFinite() && u.squaredNorm() <= std::numeric_limits<float>::max();
+      // A little less than the bound: the kernel rounds its squares.
+      if (!reached || !(v.norm() <= greatest * (1.0 - 1e-6))) first = std::min(first, body_->order[place]);
+    }
+    return first;
+  }
+
+  std::size_t velocity_at(std::size_t place, int axis) const {
+    const auto lanes = static_cast<std::size_t>(body_->lanes);
+    return (3 * (place / lanes) + axis) * lanes + place % lanes;
+  }
+  Vec3 displacement(const Floats& u, std::size_t place) const {
+    const float* at = &u[4 * body_->quad_of(place)];
+    return {at[0], at[1], at[2]};
+  }
+  Vec3 velocity(const Floats& v, std::size_t place) const {
+    return {v[velocity_at(place, 0)], v[velocity_at(place, 1)], v[velocity_at(place, 2)]};
+  }
+
+  void do_read(State& state) const override {
+    state.time = time_;
+    state.position.resize(body_->order.size());
+    state.velocity.resize(body_->order.size());
+    tools_.set().read(state);
+    for (std::size_t place = 0; place < body_->order.size(); ++place) {
+      const Index i = body_->order[place];
+      state.position[i] = topology().rest[i] + displacement(u_, place);
+      state.velocity[i] = velocity(v_, place);
+    }
+  }
+
+  double do_time() const override { return time_; }
+
+  std::string do_device() const override {
+    return std::to_string(pool_.parts()) + (pool_.parts() == 1 ? " thread" : " threads") + ", " + kernels_.name +
+           " vectors, single precision";
+  }
+
+  /// In double precision: the state is a float's, what follows from it need not lose more.
+  Energy do_energy() const override {
+    LoadFrame now;
+    scene().prepare(now);
+    scene().evaluate(time_, now);
+    State state;
+    do_read(state);
+    VecList force(state.position.size());
+    elastic_forces(topology(), state.position, force);
+    Energy energy;
+    energy.elastic = elastic_energy(topology(), state.position);
+    for (Index i = 0; i < topology().particle_count; ++i) {
+      const double m = topology().mass[i];
+      Vec3 a = force[i] / m + now.gravity;
+      if (!now.force.empty()) a += now.force[i] / m;
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!now.fixed.empty() && (now.fixed[i] >> axis & 1) != 0) a[axis] = 0.0;
+      }
+      energy.kinetic += 0.5 * m * state.velocity[i].dot(state.velocity[i] + last_dt_ * a);
+      energy.gravity -= m * now.gravity.dot(state.position[i] - topology().rest[i]);
+    }
+    return energy;
+  }
+
+  const simd::Kernels& kernels_;
+  std::unique_ptr<const PackedBody> body_;
+  PackedLoads loads_;
+  ThreadPool pool_;
+  PackedTools tools_;
+  ClusterClaims claims_;
+  std::vector<PartSummary> summaries_;  // [parts]
+  Floats u_, v_, next_u_, next_v_;      // u: [places + 1][4] by quad, v: [slices][3][lanes]
+  Floats force_, pull_;
+  std::vector<Floats> near_u_;  // [parts] displacements of the cluster a part is at
+  std::vector<Floats> grid_;    // [parts] Job::grid_memory
+  double time_ = 0.0, last_dt_ = 0.0;
+  int steps_at_rest_ = 0;
+  WorkLaps laps_, no_laps_;
+  const bool rows_far_, far_;
+};
+
+}  // namespace
+
+std::unique_ptr<Solver> make_simd_solver(std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
+                                         const SolverOptions& options) {
+  return std::make_unique<SimdSolver>(std::move(topology), scene, options);
+}
+
+}  // namespace phymul::cpu

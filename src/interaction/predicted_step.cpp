@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#include "predicted_step.h"
+
+namespace phymul {
+
+void TouchedParticles::prepare(std::span<const double> mass, std::span<const std::uint8_t> fixed, bool plane) {
+  mass_ = mass;
+  fixed_ = fixed;
+  plane_ = plane;
+  slot_of_.assign(mass.size(), -1);
+  touched_.clear();
+  touched_.reserve(mass.size());
+}
+
+void TouchedParticles::begin(PredictedStep& step, double dt) {
+  step_ = &step;
+  dt_ = dt;
+}
+
+void TouchedParticles::end() {
+  for (const Touched& touched : touched_) {
+    slot_of_[touched.particle] = -1;
+    if (touched.impulse != Vec3::Zero()) step_->add_force(touched.particle, touched.impulse / dt_);
+    if (touched.shift != Vec3::Zero()) step_->shift(touched.particle, touched.shift);
+  }
+  touched_.clear();
+}
+
+std::size_t TouchedParticles::slot(Index particle) {
+  Index& slot = slot_of_[particle];
+  if (slot < 0) {
+    slot = static_cast<Index>(touched_.size());
+    Touched& touched = touched_.emplace_back();
+    touched.particle = particle;
+    touched.inverse_mass = 1.0 / mass_[particle];
+    touched.fixed = static_cast<std::uint8_t>((fixed_.empty() ? 0 : fixed_[particle]) | (plane_ ? 4 : 0));
+    touched.position = step_->position(particle);
+    touched.velocity = step_->predicted_velocity(particle);
+  }
+  return static_cast<std::size_t>(slot);
+}
+
+}  // namespace phymul

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+//
+// A step between its forces and its motion: where what touches a body (tools, other bodies) acts. It sees where each
+// particle would go by itself and adds impulses to that; whatever integrates then moves, measures and imposes as
+// always. So resting in contact is rest, and a step without contacts has nothing of this.
+#pragma once
+
+#include <phymul/types.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace phymul {
+
+/// Where a step looks for particles: a box, and in it the places with normal . x <= offset (all of them where the
+/// normal is zero and the offset is not negative).
+struct Region {
+  Vec3 low{0, 0, 0}, high{0, 0, 0};  // m
+  Vec3 normal{0, 0, 0};
+  double offset = 0.0;
+
+  /// Whether the straight way from a to b may meet it.
+  bool meets(const Vec3& a, const Vec3& b) const {
+    return (a.cwiseMin(b).array() <= high.array()).all() && (a.cwiseMax(b).array() >= low.array()).all() &&
+           std::min(normal.dot(a), normal.dot(b)) <= offset;
+  }
+};
+
+/// What a backend gives of a step. Rows are the model's.
+class PredictedStep {
+ public:
+  virtual ~PredictedStep() = default;
+  virtual Vec3 position(Index i) const = 0;  ///< m, at the step's start
+  /// m/s: v* = d v + dt (F / m + g), with which the particle would go to x* = x + dt v*.
+  virtual Vec3 predicted_velocity(Index i) const = 0;
+  /// Appends, in an order that no number of threads changes, the particles whose way from x to x* may meet the region.
+  virtual void find(const Region& region, std::vector<Index>& found) const = 0;
+  virtual void add_force(Index i, const Vec3& force) = 0;  ///< N, over this step; at most once a particle
+  virtual void shift(Index i, const Vec3& by) = 0;         ///< m, besides, which is no velocity; likewise
+
+ protected:
+  PredictedStep() = default;
+  PredictedStep(const PredictedStep&) = default;
+  PredictedStep& operator=(const PredictedStep&) = default;
+};
+
+/// The particles of a step that something touches: copies in double precision whose velocities take impulses one after
+/// the other; the backend gets each sum once. Between begin() and end(); only prepare() allocates.
+class TouchedParticles {
+ public:
+  struct Touched {
+    Index particle = -1;
+    double inverse_mass = 0.0;  // 1/kg
+    std::uint8_t fixed = 0;     // bit a: coordinate a is imposed and takes no impulse
+    Vec3 position{0, 0, 0};     // m, at the step's start
+    Vec3 velocity{0, 0, 0};     // m/s, with the impulses so far
+    Vec3 impulse{0, 0, 0};      // N s, sum of them
+    Vec3 shift{0, 0, 0};        // m
+    bool held = false;          // by a tool: nothing else pushes it
+    Vec3 end(double dt) const { return position + dt * velocity; }
+  };
+
+  /// `fixed`: LoadFrame::fixed, or empty; `plane`: nothing moves along z.
+  void prepare(std::span<const double> mass, std::span<const std::uint8_t> fixed, bool plane);
+  void begin(PredictedStep& step, double dt);
+  void end();  ///< hands the sums to the backend
+
+  double dt() const { return dt_; }
+  const PredictedStep& step() const { return *step_; }
+  std::span<const double> mass() const { return mass_; }  ///< kg, of all particles
+  std::size_t count() const { return touched_.size(); }
+  Touched& operator[](std::size_t slot) { return touched_[slot]; }
+  /// m/s, with the impulses so far.
+  Vec3 velocity(Index particle) const {
+    const Index slot = slot_of_[particle];
+    return slot < 0 ? step_->predicted_velocity(particle) : touched_[slot].velocity;
+  }
+  std::size_t slot(Index particle);  ///< fetched at the first call in a step; references before it are no longer good
+
+  /// Adds what of an impulse the free coordinates take, and returns that. Here, because needles and contacts call it
+  /// thousands of times a step.
+  static Vec3 push(Touched& touched, const Vec3& impulse) {
+    Vec3 taken = impulse;
+    for (int a = 0; a < 3; ++a) {
+      if (touched.fixed >> a & 1) taken[a] = 0.0;
+    }
+    touched.impulse += taken;
+    touched.velocity += touched.inverse_mass * taken;
+    return taken;
+  }
+
+ private:
+  std::span<const double> mass_;
+  std::span<const std::uint8_t> fixed_;
+  bool plane_ = false;
+  PredictedStep* step_ = nullptr;
+  double dt_ = 0.0;
+  std::vector<Index> slot_of_;  // [N], -1: not fetched in this step
+  std::vector<Touched> touched_;
+};
+
+}  // namespace phymul

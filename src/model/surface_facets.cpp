@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "surface_facets.h"
+
+#include <algorithm>
+#include <array>
+
+#include "cell_geometry.h"
+
+namespace phymul {
+namespace {
+
+struct Candidate {
+  std::array<Index, 4> key;   // sorted particles, -1 in front where there are fewer
+  std::array<Index, 4> ring;  // in order, -1 at the end where there are fewer
+  bool inside_out;            // the cell it belongs to has negative volume
+};
+
+Candidate candidate(std::array<Index, 4> ring, bool inside_out) {
+  Candidate made{ring, ring, inside_out};
+  std::sort(made.key.begin(), made.key.end());
+  return made;
+}
+
+bool all_chosen(const std::array<Index, 4>& ring, std::span<const char> chosen) {
+  return std::all_of(ring.begin(), ring.end(), [&](Index i) { return i < 0 || chosen[i]; });
+}
+
+/// Calls visit(ring of particles, -1 at its end) for every face of a solid cell: faces in 3-D, edges in 2-D.
+template <class Visit>
+void each_face(int dimension, const Cell& cell, Visit visit) {
+  if (dimension == 3) {
+    for (const CellFace& face : cell_faces(cell.type)) {
+      const Index last = face[3] < 0 ? -1 : cell.particles[face[3]];
+      visit({cell.particles[face[0]], cell.particles[face[1]], cell.particles[face[2]], last});
+    }
+  } else {
+    for (const CellEdge& edge : cell_edges(cell.type)) {
+      visit({cell.particles[edge[0]], cell.particles[edge[1]], -1, -1});
+    }
+  }
+}
+
+Facet made_facet(const Model& model, const std::array<Index, 4>& ring, bool inside_out) {
+  Facet facet;
+  std::copy_if(ring.begin(), ring.end(), std::back_inserter(facet.particles), [](Index i) { return i >= 0; });
+  if (facet.particles.size() == 2) {
+    // A counter-clockwise boundary has the outside on its right.
+    const Vec3 along = model.rest[ring[1]] - model.rest[ring[0]];
+    facet.area = Vec3(along.y(), -along.x(), 0.0);
+  } else {
+    facet.area = area_vector(facet.particles, model.rest);
+  }
+  if (inside_out) facet.area = -facet.area;
+  return facet;
+}
+
+std::vector<Facet> explicit_facets(const Model& model, std::span<const char> chosen) {
+  std::vector<Facet> facets;
+  for (const Cell& cell : model.cells) {
+    const bool facet_type = model.dimension == 2 ? cell.type == CellType::line
+                                                 : cell.type == CellType::triangle || cell.type == CellType::quad;
+    if (!facet_type) continue;
+    std::array<Index, 4> ring{-1, -1, -1, -1};
+    std::copy(cell.particles.begin(), cell.particles.end(), ring.begin());
+    if (all_chosen(ring, chosen)) facets.push_back(made_facet(model, ring, false));
+  }
+  return facets;
+}
+
+}  // namespace
+
+std::vector<Facet> surface_facets(const Model& model, std::span<const char> chosen) {
+  bool made_of_cells = false;
+  std::vector<Candidate> faces;
+  for (const Cell& cell : model.cells) {
+    if (!is_solid(model.dimension, cell.type)) continue;
+    made_of_cells = true;
+    const bool inside_out = signed_measure(model.dimension, cell, model.rest) < 0.0;
+    // Both cells at an inner face have it chosen, so leaving out the others first does not bare inner faces.
+    each_face(model.dimension, cell, [&](const std::array<Index, 4>& ring) {
+      if (all_chosen(ring, chosen)) faces.push_back(candidate(ring, inside_out));
+    });
+  }
+  if (!made_of_cells) return explicit_facets(model, chosen);
+  std::stable_sort(faces.begin(), faces.end(), [](const Candidate& a, const Candidate& b) { return a.key < b.key; });
+  std::vector<Facet> facets;
+  for (std::size_t from = 0, to = 0; from < faces.size(); from = to) {
+    for (to = from + 1; to < faces.size() && faces[to].key == faces[from].key;) ++to;
+    if (to == from + 1) facets.push_back(made_facet(model, faces[from].ring, faces[from].inside_out));
+  }
+  return facets;
+}
+
+}  // namespace phymul

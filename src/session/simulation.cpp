@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/bodies.h>
+#include <phymul/error.h>
+#include <phymul/monitor.h>
+#include <phymul/simulation.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/decimal.h"
+#include "simulation_parts.h"
+#include "solver/half_step.h"
+
+namespace phymul {
+namespace {
+
+/// s, of a body that has no stiffness and so no step limit of its own.
+constexpr double step_without_stiffness = 1e-3;
+/// Share of a step that is rounding of the quotient of two times.
+constexpr double rounding = 1e-9;
+
+bool is_given(const Material& material) {
+  return material != Material{};
+}
+
+Model with_materials(Model model, const SimulationOptions& options) {
+  if (is_given(options.material)) set_material(model, options.material);
+  for (const auto& [group, material] : options.materials) set_material(model, material, group);
+  return model;
+}
+
+/// Each body gets its own material, or else the one of the options.
+Model merged(std::vector<SimulationBody> bodies, SimulationOptions& options) {
+  std::vector<NamedBody> named;
+  for (SimulationBody& body : bodies) {
+    const Material& material = is_given(body.material) ? body.material : options.material;
+    if (is_given(material)) set_material(body.model, material);
+    named.push_back({body.name, &body.model});
+  }
+  options.material = {};
+  return merge_models(named);
+}
+
+}  // namespace
+
+Simulation::Parts::Parts(Model model_in, SimulationOptions options_in)
+    : options(std::move(options_in)), model(with_materials(std::move(model_in), options)), scene(model) {
+  if (!(options.step > 0.0) || !std::isfinite(options.step)) {
+    throw Error("SimulationOptions::step must be finite and above 0; got " + to_decimal(options.step));
+  }
+  if (options.damping.rate != 0.0 || options.damping.factor != 1.0) options.solver.damping = options.damping;
+  if (options.solver.progress) {
+    progress.tell =
+        std::exchange(options.solver.progress, [this](const StepProgress& at) { return progress.pass_on(at); });
+    progress.seconds = options.solver.progress_seconds;
+  }
+  topology = std::make_shared<const TopologyTextures>(build_topology(model, options.topology));
+}
+
+Solver& Simulation::Parts::solver() {
+  if (!made) {
+    made = options.make_solver ? options.make_solver(topology, scene, options.solver)
+                               : phymul::make_solver(options.backend, topology, scene, options.solver);
+    if (!made) throw Error("SimulationOptions::make_solver returned no solver");
+    // Nothing is converted yet: the solver is at rest, and its first steps are not known.
+    started = Start{.wanted = made->read(), .taken = made->read()};
+  }
+  return *made;
+}
+
+double Simulation::Parts::step_limit() {
+  const double limit = options.step * solver().stable_step();
+  return std::isfinite(limit) ? limit : step_without_stiffness;
+}
+
+bool Simulation::Parts::is_at_start() {
+  if (!started) return false;
+  const Snapshot now = solver().snapshot();
+  const State& taken = started->taken;
+  return now.last_dt == 0.0 && now.state.time == taken.time && now.state.position == taken.position &&
+         now.state.velocity == taken.velocity;
+}
+
+void Simulation::Parts::start(const State& state) {
+  const double dt = step_limit();
+  solver().start(state, dt);
+  started = Start{.wanted = state, .taken = solver().read(), .dt = dt};
+  state_changed();
+}
+
+void Simulation::Parts::begin(double dt) {
+  solver();
+  if (!started) return;
+  // Solver::start() would undo what tools were told since.
+  const bool converts = started->dt != dt && scene.tools().empty() && is_at_start();
+  if (converts) {
+    solver().start(started->wanted, dt);
+    state_changed();
+  }
+  started.reset();
+}
+
+void Simulation::Parts::state_changed() {
+  if (recorder) recorder->restore(solver().snapshot());
+}
+
+StepReport Simulation::Parts::step(int n, double dt) {
+  const StepReport report = recorder ? recorder->step(n, dt) : solver().step(n, dt);
+  if (history) history->follow(solver(), report);
+  return report;
+}
+
+RestResult Simulation::Parts::run_to_rest(int max_steps, double dt, const Damping& damping) {
+  const RestResult result =
+      recorder ? recorder->run_to_rest(max_steps, dt, damping) : solver().run_to_rest(max_steps, dt, damping);
+  if (history) history->follow(solver(), result.report);
+  return result;
+}
+
+Simulation::Simulation(Model model, SimulationOptions options)
+    : parts_(std::make_unique<Parts>(std::move(model), std::move(options))) {}
+
+Simulation::Simulation(std::vector<SimulationBody> bodies, SimulationOptions options) {
+  Model model = merged(std::move(bodies), options);
+  parts_ = std::make_unique<Parts>(std::move(model), std::move(options));
+}
+
+Simulation::~Simulation() = default;
+Simulation::Simulation(Simulation&&) noexcept = default;
+Simulation& Simulation::operator=(Simulation&&) noexcept = default;
+
+const Model& Simulation::model() const {
+  return parts_->model;
+}
+Scene& Simulation::scene() {
+  return parts_->scene;
+}
+const Scene& Simulation::scene() const {
+  return parts_->scene;
+}
+Solver& Simulation::solver() {
+  return parts_->solver();
+}
+const Solver& Simulation::solver() const {
+  return parts_->solver();
+}
+
+double Simulation::step_limit() const {
+  return parts_->step_limit();
+}
+
+StepReport Simulation::advance(double seconds) {
+  const double limit = step_limit();
+  if (seconds == 0.0) return parts_->step(0, limit);
+  const double steps = std::max(1.0, std::ceil(seconds / limit - rounding));
+  // One step of a length that makes no sense: the solver refuses it and says why.
+  if (!(seconds > 0.0) || !(steps <= std::numeric_limits<int>::max())) return parts_->step(1, seconds);
+  const double dt = seconds / steps;
+  parts_->begin(dt);
+  return parts_->step(static_cast<int>(steps), dt);
+}
+
+RestResult Simulation::run_to_rest(int max_steps) {
+  const double dt = step_limit();
+  parts_->begin(dt);
+  const Damping& damping = solver().options().damping;
+  if (damping.rate > 0.0 || damping.factor < 1.0) return parts_->run_to_rest(max_steps, dt, damping);
+  return parts_->run_to_rest(max_steps, dt);
+}
+
+double Simulation::time() const {
+  return solver().time();
+}
+
+State Simulation::state() const {
+  Snapshot now = solver().snapshot();
+  State& state = now.state;
+  if (parts_->is_at_start()) {
+    state.velocity = parts_->started->wanted.velocity;
+  } else if (now.last_dt > 0.0) {
+    const double d = solver().options().damping.factor_at(now.last_dt);
+    to_own_time(*parts_->topology, parts_->scene, {now.last_dt, d}, state);
+  }
+  return std::move(state);
+}
+
+void Simulation::set_state(const State& state) {
+  parts_->start(state);
+}
+
+double Simulation::max_displacement() const {
+  return displacement_norms(model(), solver().read()).max;
+}
+
+Energy Simulation::energy() const {
+  return solver().energy();
+}
+
+const ToolForce& Simulation::force_on(const ToolHandle& tool) const {
+  return solver().tool_force(tool);
+}
+
+const ToolPose& Simulation::pose_of(const ToolHandle& tool) const {
+  return solver().tool_pose(tool);
+}
+
+Snapshot Simulation::snapshot() const {
+  return solver().snapshot();
+}
+
+void Simulation::restore(const Snapshot& snapshot) {
+  solver().restore(snapshot);
+  parts_->state_changed();
+}
+
+void Simulation::save(const std::string& path) const {
+  save_state(solver(), path);
+}
+
+void Simulation::load(const std::string& path) {
+  load_state(solver(), path);
+  parts_->state_changed();
+}
+
+void Simulation::keep_history(int every, std::size_t most_bytes) {
+  parts_->history.emplace(every, most_bytes);
+  parts_->step(0, step_limit());
+}
+
+bool Simulation::rewind(double time) {
+  const bool found = parts_->history && parts_->history->rewind(solver(), time);
+  if (found) parts_->state_changed();
+  return found;
+}
+
+void Simulation::record() {
+  parts_->recorder.reset();
+  parts_->recorder.emplace(solver(), scene());
+}
+
+const Recording& Simulation::recording() const {
+  if (!parts_->recorder) throw Error("Simulation::recording: expected a call of record() before");
+  return parts_->recorder->recording();
+}
+
+void Simulation::replay(Recording recording) {
+  parts_->recorder.reset();
+  Replay(std::move(recording), solver(), scene()).run();
+}
+
+}  // namespace phymul

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+//
+// What a Simulation keeps on the heap, where scene and solver can point to it.
+#pragma once
+
+#include <phymul/simulation.h>
+
+#include <chrono>
+#include <optional>
+
+namespace phymul {
+
+struct Simulation::Parts {
+  Parts(Model model_in, SimulationOptions options_in);
+
+  Solver& solver();  ///< made by the first call
+  double step_limit();
+
+  /// To be called before steps of dt: converts the velocities of a state that was set for just these steps.
+  void begin(double dt);
+  /// Starts from a state whose velocities are those of its own time.
+  void start(const State& state);
+  bool is_at_start();    ///< no step was taken since start(), and the solver was given no other state
+  void state_changed();  ///< by something that the recorder does not see
+
+  StepReport step(int n, double dt);
+  RestResult run_to_rest(int max_steps, double dt, const Damping& damping);
+  RestResult run_to_rest(int max_steps, double dt);  ///< with a damping that it chooses
+
+  SimulationOptions options;
+  Model model;
+  Scene scene;
+  std::shared_ptr<const TopologyTextures> topology;
+
+  struct Start {
+    State wanted, taken;  ///< as given; as the solver has it
+    double dt = 0.0;      ///< s, that its velocities were converted for
+  };
+  std::optional<Start> started;
+  std::optional<StateHistory> history;
+
+  /// SolverOptions::progress of the user, for calls that are made of several calls of the solver.
+  struct Progress {
+    std::function<bool(const StepProgress&)> tell;
+    double seconds = 0.0;
+    int steps_before = 0, of = 0;  ///< of the whole call; of 0: the solver's own call is the whole
+    std::chrono::steady_clock::time_point told;
+
+    bool pass_on(StepProgress progress);
+    bool is_due() const;
+  } progress;
+
+  std::unique_ptr<Solver> made;      ///< ask solver() for it
+  std::optional<Recorder> recorder;  ///< refers to it
+};
+
+}  // namespace phymul

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+//
+// Verlet's scheme keeps the velocity v- of half a step before the state's time and steps to v+ = d v- + a dt. The
+// velocity of the state's own time is their mean, v = ((1 + d) v- + a dt) / 2.
+#pragma once
+
+#include <phymul/scene.h>
+#include <phymul/state.h>
+#include <phymul/topology_textures.h>
+
+namespace phymul {
+
+/// A step of dt, s, that multiplies velocities by d.
+struct HalfStep {
+  double dt = 0.0, d = 1.0;
+};
+
+// Both take the acceleration of elastic forces and loads at the state, in double precision, and leave velocities of
+// imposed coordinates as they are.
+void to_own_time(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state);
+void to_half_step_before(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state);
+
+}  // namespace phymul

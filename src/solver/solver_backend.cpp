@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: MIT
+//
+// What every backend shares: checks of options and states, snapshots, and the defaults of optional functions.
+#include <phymul/backend.h>
+#include <phymul/elasticity.h>
+#include <phymul/error.h>
+#include <phymul/monitor.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/decimal.h"
+#include "half_step.h"
+#include "profile.h"
+#include "scene/tool_state.h"
+#include "solver_input.h"
+#include "topology/topology_match.h"
+
+namespace phymul {
+namespace {
+
+/// Of request_read.
+constexpr std::size_t most_copies = 3;
+
+bool are_finite(const VecList& list) {
+  return std::all_of(list.begin(), list.end(), [](const Vec3& v) { return v.allFinite(); });
+}
+
+bool is_in_plane(const State& state) {
+  const auto flat = [](const Vec3& v) { return v.z() == 0.0; };
+  return std::all_of(state.position.begin(), state.position.end(), flat) &&
+         std::all_of(state.velocity.begin(), state.velocity.end(), flat);
+}
+
+constexpr const char* no_tools =
+    "the scene has tools, which this backend does not take; use \"cpu\", \"gl-compute\" or \"reference\"";
+constexpr const char* no_needles =
+    "the scene has a needle, which this backend does not take; use \"gl-compute\", \"cpu\" or \"reference\"";
+constexpr const char* no_volumes =
+    "the scene keeps volumes, which this backend does not do; use \"cpu\", \"gl-compute\" or \"reference\"";
+constexpr const char* no_contacts =
+    "the scene has contacts, which this backend does not take; use \"cpu\", \"gl-compute\" or \"reference\"";
+
+}  // namespace
+
+SolverBackend::SolverBackend(std::string name, std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
+                             const SolverOptions& options)
+    : name_(std::move(name)), topology_(std::move(topology)), scene_(&scene), options_(options) {
+  require_options(options_);
+  require_same_body(*topology_, model());
+  spectrum_ = options_.spectrum ? *options_.spectrum : estimate_spectrum(*topology_, topology_->rest);
+  if (!std::isfinite(spectrum_.largest)) {
+    throw Error(
+        "the body's stiffness over its mass is beyond the range of numbers; expected masses in kg and stiffnesses in "
+        "N/m (or a material in Pa) of a real body");
+  }
+  stable_step_ = phymul::stable_step(spectrum_, options_.damping.factor);
+  spacing_ = mean_spacing(model());
+  // Cells alone make a body, without neighbours to take a spacing from.
+  if (!(spacing_ > 0.0)) spacing_ = body_size(model()) / std::cbrt(static_cast<double>(topology_->particle_count));
+  scene_->prepare(frame_);
+  scene_version_ = scene_->version();
+  values_version_ = scene_->values_version();
+  if (options_.profile) profile_ = std::make_unique<Profile>();
+}
+
+SolverBackend::~SolverBackend() = default;
+
+void SolverBackend::follow_scene() {
+  if (scene_version_ != scene_->version()) {
+    scene_->prepare(frame_);
+    do_scene_changed();
+  } else if (values_version_ != scene_->values_version()) {
+    do_values_changed();
+  }
+  scene_version_ = scene_->version();
+  values_version_ = scene_->values_version();
+}
+
+void SolverBackend::require_fitting(const State& state) const {
+  const auto n = static_cast<std::size_t>(topology_->particle_count);
+  if (state.position.size() != n || state.velocity.size() != n) {
+    throw Error("Solver::reset: expected " + std::to_string(n) + " positions and velocities, got " +
+                std::to_string(state.position.size()) + " and " + std::to_string(state.velocity.size()));
+  }
+  if (!is_finite(state)) {
+    throw Error(
+        "Solver::reset: the state has a time, position or velocity that is not finite; the solver keeps its own");
+  }
+  if (topology_->dimension == 2 && !is_in_plane(state)) {
+    throw Error("Solver::reset: expected z = 0 in all positions and velocities of a two-dimensional model");
+  }
+  require_tool_states(state, topology_->particle_count, scene_->tools());
+}
+
+void SolverBackend::require_supported() const {
+  if (const char* const cause = do_cannot())
+    throw Error(ErrorCode::not_supported, "backend \"" + name_ + "\": " + cause);
+}
+
+void SolverBackend::reset(const State& state) {
+  require_fitting(state);
+  require_supported();
+  follow_scene();
+  copies_.clear();
+  do_reset(state);
+}
+
+std::uint64_t SolverBackend::topology_hash() const {
+  if (!topology_hash_) topology_hash_ = fingerprint(*topology_);
+  return *topology_hash_;
+}
+
+Snapshot SolverBackend::snapshot() const {
+  Snapshot snapshot;
+  do_snapshot(snapshot);
+  snapshot.topology_hash = topology_hash();
+  snapshot.backend = name_;
+  return snapshot;
+}
+
+void SolverBackend::restore(const Snapshot& snapshot) {
+  require_fitting(snapshot.state);
+  require_supported();
+  if (!snapshot.displacement.empty() && snapshot.displacement.size() != snapshot.state.position.size()) {
+    throw Error("Solver::restore: expected as many displacements as positions (" +
+                std::to_string(snapshot.state.position.size()) + "), or none; got " +
+                std::to_string(snapshot.displacement.size()));
+  }
+  if (!are_finite(snapshot.displacement)) {
+    throw Error("Solver::restore: the snapshot has a displacement that is not finite; the solver keeps its state");
+  }
+  if (snapshot.topology_hash != 0 && snapshot.topology_hash != topology_hash()) {
+    throw Error(
+        "Solver::restore: expected a snapshot of this solver's body, got one of another shape, material, order of "
+        "particles or other options of the tables; the solver keeps its state. Restore it into a solver over the same "
+        "tables, or reset() to the snapshot's state where only positions are wanted");
+  }
+  if (!(snapshot.last_dt >= 0.0) || !std::isfinite(snapshot.last_dt) || snapshot.steps_at_rest < 0) {
+    throw Error("Solver::restore: expected a finite last step of 0 s or more and no negative count of steps at rest");
+  }
+  follow_scene();
+  do_restore(snapshot);
+  copies_.clear();
+}
+
+void SolverBackend::start(const State& state, double dt) {
+  if (!(dt > 0.0) || !std::isfinite(dt))
+    throw Error("Solver::start: expected a finite dt above 0 s; got " + to_decimal(dt));
+  reset(state);  // which refuses what does not fit before anything is computed from it
+  State earlier = state;
+  to_half_step_before(*topology_, *scene_, {dt, options_.damping.factor_at(dt)}, earlier);
+  reset(earlier);
+}
+
+ParticleBuffer SolverBackend::attractor_buffer() const {
+  return topology_->base_count > 0 ? do_attractor_buffer() : ParticleBuffer{};
+}
+
+const ToolReport& SolverBackend::do_tool_report(std::size_t) const {
+  throw Error(ErrorCode::not_supported, no_tools);
+}
+
+void SolverBackend::do_request_read() {
+  if (copies_.size() == most_copies) copies_.pop_back();
+  copies_.push_back(read());
+}
+
+bool SolverBackend::do_collect(State& state) {
+  if (copies_.empty()) return false;
+  state = std::move(copies_.front());
+  copies_.erase(copies_.begin());
+  return true;
+}
+
+void SolverBackend::do_snapshot(Snapshot& snapshot) const {
+  do_read(snapshot.state);
+}
+
+void SolverBackend::refuse_parts(const Snapshot& snapshot) const {
+  if (snapshot.parts.empty()) return;
+  throw Error(ErrorCode::not_supported, "Solver::restore: the snapshot holds \"" + snapshot.parts.front().name +
+                                            "\", of which the backend \"" + name_ +
+                                            "\" knows nothing; restore it in the backend that made it");
+}
+
+void SolverBackend::do_restore(const Snapshot& snapshot) {
+  refuse_parts(snapshot);
+  do_reset(snapshot.state);
+}
+
+const char* SolverBackend::do_cannot() const {
+  if (!scene_->tools().empty() && !takes_tools()) return no_tools;
+  if (has_needle(scene_->tools())) return no_needles;
+  if (!scene_->volume_constraints().empty() && !do_takes_volumes()) return no_volumes;
+  return scene_->contacts() ? no_contacts : nullptr;
+}
+
+Momentum SolverBackend::do_momentum(const Vec3& about) const {
+  const State state = read();
+  return {linear_momentum(model(), state), angular_momentum(model(), state, about)};
+}
+
+ParticleBuffer SolverBackend::do_position_buffer() const {
+  State state = read();
+  shown_ = std::move(state.position);
+  return {.position = shown_};
+}
+
+ParticleBuffer SolverBackend::do_attractor_buffer() const {
+  const State state = read();
+  attracted_.resize(state.position.size());
+  attractors(*topology_, state.position, attracted_);
+  return {.position = attracted_};
+}
+
+}  // namespace phymul

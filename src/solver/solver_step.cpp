@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+//
+// A call of step() or run_to_rest(): step limit, thresholds, failures and the rest test, once for all backends.
+#include <phymul/backend.h>
+#include <phymul/elasticity.h>
+#include <phymul/monitor.h>
+
+#include <cmath>
+#include <limits>
+
+#include "solver_input.h"
+
+namespace phymul {
+namespace {
+
+/// A step this much beyond the limit still counts as at it: the limit itself was rounded.
+constexpr double limit_slack = 1e-9;
+/// Speeds beyond this many times spacing times omega_max (twice the wave speed or so) are a failure, not a motion.
+constexpr double runaway_factor = 1e6;
+
+/// A model whose motion grows by itself shows that; a cut would hide it.
+bool grows_by_itself(const Spectrum& spectrum) {
+  return spectrum.most_negative < 0.0 || spectrum.largest_imaginary > 0.0;
+}
+
+const char* likely_cause(const TopologyTextures& topology, const Spectrum& spectrum, double dt, double limit,
+                         bool grasps) {
+  if (dt > limit) return "the step is beyond the stable step at rest; make dt smaller";
+  if (spectrum.most_negative < 0.0 && topology.options.reaction == Reaction::full && topology.base_count > 0) {
+    return "the full reaction gives back more force than it takes and grows without bound at any step; use "
+           "Reaction::conservative";
+  }
+  if (spectrum.most_negative < 0.0) return "this model is unstable at rest at any step; use Reaction::conservative";
+  if (grasps) {
+    return "a tool holds particles and was moved too fast for them. Where its poses come from its forces, what it "
+           "holds belongs to that loop, which grows by itself unless it is told of it: VirtualCoupling::follow with "
+           "the whole ToolForce; a smaller dt or more damping does not help. Else the deformation raised the body's "
+           "stiffness, or a load is extreme: halve dt or raise damping";
+  }
+  return "the deformation raised the body's stiffness until dt passed its stable step, or a load is extreme; halve dt "
+         "or raise damping";
+}
+
+}  // namespace
+
+double Damping::factor_at(double dt) const {
+  return factor * std::exp(-rate * dt);
+}
+
+StepReport SolverBackend::step(int n, double dt) {
+  return advance(n, dt, false, options_.damping);
+}
+
+RestResult SolverBackend::run_to_rest(int max_steps, double dt, const Damping& damping) {
+  RestResult result;
+  result.report = advance(max_steps, dt, true, damping);
+  const StepReport& report = result.report;
+  result.status = !report.ok()     ? RestStatus::failed
+                  : report.at_rest ? RestStatus::converged
+                  : report.stopped ? RestStatus::stopped
+                                   : RestStatus::step_limit;
+  if (result.converged()) {
+    const State state = read();
+    result.collapsed = first_collapsed(*topology_, state.position);
+    result.folded = first_folded_cell(model(), state.position);
+  }
+  return result;
+}
+
+bool SolverBackend::any_tool_grasps() const {
+  for (std::size_t row = 0; row < scene_->tools().size(); ++row) {
+    if (do_tool_report(row).force.held_mass > 0.0) return true;
+  }
+  return false;
+}
+
+SolverBackend::StepPlan SolverBackend::plan_for(int n, double dt, const Damping& damping, bool beyond_limit) const {
+  StepPlan plan;
+  plan.steps = n;
+  plan.dt = dt;
+  plan.damping_factor = damping.factor_at(dt);
+  const double omega = std::sqrt(spectrum_.largest);
+  plan.speed_at_rest = options_.rest_tolerance * spacing_ * omega;
+  plan.acceleration_at_rest = plan.speed_at_rest * omega;
+  const bool clamps = spacing_ > 0.0 && !beyond_limit && !grows_by_itself(spectrum_);
+  plan.largest_acceleration =
+      clamps ? options_.max_displacement_per_step * spacing_ / (dt * dt) : std::numeric_limits<double>::infinity();
+  plan.runaway_speed = omega * spacing_ > 0.0 ? runaway_factor * spacing_ * omega : std::numeric_limits<double>::max();
+  plan.rest_steps = options_.rest_steps;
+  return plan;
+}
+
+void SolverBackend::report_failure(const Motion& motion, StepReport& report) const {
+  if (motion.lost) {
+    report.status = StepStatus::device_lost;
+  } else if (motion.lost_volume >= 0) {
+    report.status = StepStatus::volume_lost;
+    const auto row = static_cast<std::size_t>(motion.lost_volume);  // may be gone if a late report tells of it
+    const std::vector<VolumeConstraint>& constraints = scene_->volume_constraints();
+    if (row < constraints.size()) report.particle = constraints[row].triangles.front()[0];
+    report.cause =
+        "no small displacement of its free particles restores it: all of them are held, or the surface is flat or "
+        "strongly deformed";
+  } else if (motion.full_needle >= 0) {
+    report.status = StepStatus::needle_full;
+    report.cause =
+        "Give the needle a larger Needle::spread or use the backend \"cpu\". To continue, take the needle out with "
+        "ToolHandle::teleport(), or call reset()";
+  } else if (motion.bad_particle >= 0) {
+    report.status = StepStatus::not_finite;
+    report.particle = motion.bad_particle;
+    report.cause = likely_cause(*topology_, spectrum_, report.dt, report.stable_step, any_tool_grasps());
+  }
+}
+
+StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest, const Damping& damping) {
+  StepReport report;
+  report.time = do_time();
+  report.dt = dt;
+  report.stable_step = phymul::stable_step(spectrum_, damping.factor);
+  if (const char* const cause = why_no_steps(n, dt, stop_at_rest, damping)) {
+    report.status = StepStatus::invalid_step;
+    report.cause = cause;
+    return report;
+  }
+  report.beyond_limit = dt > report.stable_step * (1.0 + limit_slack);
+  if (report.beyond_limit && options_.on_unstable == UnstableStep::refuse) {
+    report.status = StepStatus::unstable_step;
+    return report;
+  }
+  if (do_cannot() != nullptr) {
+    report.status = StepStatus::not_supported;
+    report.cause = do_cannot();
+    return report;
+  }
+  follow_scene();
+  StepPlan plan = plan_for(n, dt, damping, report.beyond_limit);
+  plan.stop_at_rest = stop_at_rest;
+  const Motion motion = run(plan, report);
+  report.steps = motion.steps;
+  report.time = do_time();
+  report.residual = motion.max_force;
+  report.max_speed = motion.max_speed;
+  report.force_clamped = motion.force_clamped;
+  report.at_rest = motion.steps_at_rest >= options_.rest_steps;
+  report_failure(motion, report);
+  return report;
+}
+
+}  // namespace phymul

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+//
+// Simulation::run_to_rest: the damping it chooses, and that it leads where a damping given by the user does.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/bodies.h"
+
+namespace phymul::test {
+namespace {
+
+constexpr Material beam_material{.young = 10e3, .poisson = 0.3, .density = 1000};
+
+Simulation beam(const std::string& backend, const Damping& damping = {}, const SolverOptions& solver = {}) {
+  Simulation sim(make_block({0.2, 0.05, 0.05}, 8, 2, 2),
+                 {.material = beam_material, .backend = backend, .damping = damping, .solver = solver});
+  sim.scene().fix("x0").gravity({0, 0, -9.81});
+  return sim;
+}
+
+/// m: how far a body may be from equilibrium that passes the rest test. A net force per mass of
+/// tolerance h omega_max^2 shifts a mode of frequency omega by tolerance h (omega_max / omega)^2.
+double shift_at_rest(Simulation& sim, double tolerance, double slowest) {
+  const double omega_max = 2.0 / sim.solver().stable_step();
+  return tolerance * mean_spacing(sim.model()) * std::pow(omega_max / slowest, 2);
+}
+
+TEST(SimulationRest, SagsAsWithADampingOfTheUser) {
+  Simulation own = beam("reference"), given = beam("reference", {.rate = 20});
+  const RestResult rest = own.run_to_rest(), expected = given.run_to_rest();
+  ASSERT_TRUE(rest.converged()) << rest.message();
+  ASSERT_TRUE(expected.converged()) << expected.message();
+  EXPECT_LT(rest.report.steps, expected.report.steps);
+  EXPECT_LT(rest.report.time, 5.0);  // s; the beam swings with a period of 0.75 s
+  EXPECT_NEAR(own.max_displacement(), given.max_displacement(), 2.0 * shift_at_rest(own, 1e-8, 8.3));
+}
+
+TEST(SimulationRest, AgreesInSinglePrecision) {
+  Simulation single = beam("cpu"), exact = beam("reference");
+  ASSERT_TRUE(single.run_to_rest().converged());
+  ASSERT_TRUE(exact.run_to_rest().converged());
+  // Of the largest displacement, as SolverOptions::rest_tolerance says; one beam rests this much short of it.
+  EXPECT_NEAR(single.max_displacement(), exact.max_displacement(), 5e-4 * exact.max_displacement());
+}
+
+/// Stiffness, shape and load change the slowest vibration from 11 to 57 rad/s.
+TEST(SimulationRest, FindsTheDampingOfAnyBody) {
+  struct Case {
+    const char* name;
+    Model model;
+    Material material;
+    const char* held;
+  };
+  const std::vector<Case> cases{
+      {"slender", make_block({0.3, 0.02, 0.02}, 30, 2, 2), {.young = 1e6, .poisson = 0.3, .density = 1000}, "x0"},
+      {"stiff", make_block({0.2, 0.05, 0.05}, 8, 2, 2), {.young = 1e6, .poisson = 0.3, .density = 1000}, "x0"},
+      {"cylinder", cylinder_275(), {.young = 5e3, .poisson = 0.45, .density = 1000}, "bottom"},
+      {"cube", make_block({0.1, 0.1, 0.1}, 6, 6, 6), {.young = 10e3, .poisson = 0.45, .density = 1000}, "z0"},
+  };
+  for (const Case& c : cases) {
+    Simulation sim(c.model, {.material = c.material, .backend = "cpu"});
+    sim.scene().fix(c.held).gravity({0, 0, -9.81});
+    const RestResult rest = sim.run_to_rest(20'000);
+    EXPECT_TRUE(rest.converged()) << c.name << ": " << rest.message();
+    EXPECT_EQ(rest.report.steps, std::lround(rest.report.time / sim.step_limit())) << c.name;
+  }
+}
+
+TEST(SimulationRest, FallsOnAFloorAndRestsThere) {
+  Simulation sim(make_block({0.04, 0.04, 0.04}, 4, 4, 4), {.material = beam_material, .backend = "cpu"});
+  sim.scene().gravity({0, 0, -9.81});
+  const ToolHandle floor = sim.scene().add_tool({.shape = HalfSpace{}, .pose = {.position = {0, 0, -0.01}}});
+  const RestResult rest = sim.run_to_rest();
+  EXPECT_TRUE(rest.converged()) << rest.message();
+  const double weight = 0.04 * 0.04 * 0.04 * 1000 * 9.81;
+  EXPECT_NEAR(sim.force_on(floor).force.z(), -weight, 0.02 * weight);
+}
+
+TEST(SimulationRest, SaysWhereItDidNotCome) {
+  Simulation sim = beam("cpu");
+  const RestResult few = sim.run_to_rest(100);
+  EXPECT_FALSE(few.converged());
+  EXPECT_EQ(few.status, RestStatus::step_limit);
+  EXPECT_EQ(few.report.steps, 100);
+  EXPECT_EQ(sim.run_to_rest(0).status, RestStatus::step_limit);
+  EXPECT_EQ(sim.run_to_rest(-1).status, RestStatus::failed);
+
+  Simulation falling(make_block({0.04, 0.04, 0.04}, 4, 4, 4), {.material = beam_material, .backend = "cpu"});
+  falling.scene().gravity({0, 0, -9.81});
+  EXPECT_EQ(falling.run_to_rest(2000).status, RestStatus::step_limit);
+}
+
+TEST(SimulationRest, TellsItsProgressAsOneCall) {
+  int calls = 0, last = 0;
+  bool in_order = true, whole = true;
+  SolverOptions options;
+  options.progress_seconds = 0.0;
+  options.progress = [&](const StepProgress& progress) {
+    ++calls;
+    in_order = in_order && progress.steps == last + 1;
+    whole = whole && progress.of == 400;
+    last = progress.steps;
+    return progress.steps < 300;
+  };
+  Simulation sim = beam("cpu", {}, options);
+  const RestResult rest = sim.run_to_rest(400);
+  EXPECT_EQ(rest.status, RestStatus::stopped);
+  EXPECT_EQ(rest.report.steps, 300);
+  EXPECT_EQ(calls, 300);
+  EXPECT_TRUE(in_order && whole);
+}
+
+}  // namespace
+}  // namespace phymul::test
