@@ -154,7 +154,7 @@ void write_recovery(const std::string& path, const std::vector<std::string>& bac
         solver->reset(state);
         const RestResult rest = solver->run_to_rest(steps, share * solver->stable_step());
         const double distance = distance_from_rest_shape(model, solver->read().position);
-        const std::string how = verdict(report, distance);
+        const std::string how = verdict(rest, distance);
         returned += how == "returned";
         if (how != "returned") others += std::string(others.empty() ? "" : "; ") + failure.name + ": " + how;
         file.row({method.name, backend, solver->device(), failure.name, field(share), how, field(distance),

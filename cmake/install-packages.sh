@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 #
 # Installs what is missing on a Debian machine to build phymul; does nothing, and needs no rights, where nothing is.
-#   sh cmake/install-packages.sh [examples] [tests] [bench] [charts] [gl] [gl-tests]
+#   sh cmake/install-packages.sh [examples] [tests] [bench] [charts] [gl] [gl-tests] [clang]
 # The library's own needs are always among them. A compiler and CMake are taken as there.
 set -eu
 
@@ -60,8 +60,9 @@ for part in "$@"; do
       need_package libx11-dev
       need_package xvfb
       ;;
+    clang) need_command clang++-16 clang-16 ;;
     *)
-      echo "phymul: unknown part \"$part\"; there are: examples tests bench charts gl gl-tests" >&2
+      echo "phymul: unknown part \"$part\"; there are: examples tests bench charts gl gl-tests clang" >&2
       exit 2
       ;;
   esac

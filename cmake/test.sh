@@ -1,22 +1,43 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 #
-# Builds phymul and runs all its tests on a machine that has only a compiler and CMake.
-#   sh cmake/test.sh [preset [ctest's options]]     presets: ci (default), dev, release, asan-ubsan, tsan, no-gl
+# Builds phymul and runs its tests on a machine that has only a compiler and CMake.
+#   sh cmake/test.sh [preset [ctest's options]]   what every landing must pass; presets: ci (default), dev, release, clang,
+#                                                 asan-ubsan, tsan, no-gl
+#   sh cmake/test.sh full                         everything: long tests, the other dialects and renderers of GL, and all
+#                                                 that the sanitizers can run; takes hours
 set -eu
 cd "$(dirname "$0")/.."
-preset=${1:-ci}
-if [ $# -gt 0 ]; then
+
+run() {  # preset, ctest's options
+  preset=$1
   shift
-fi
+  case $preset in
+    asan-ubsan | tsan) parts="tests" ;;
+    no-gl) parts="tests bench examples charts" ;;
+    clang) parts="tests bench examples charts gl gl-tests clang" ;;
+    *) parts="tests bench examples charts gl gl-tests" ;;
+  esac
+  # $parts is a list of words.
+  sh cmake/install-packages.sh $parts
+  cmake --preset "$preset"
+  cmake --build --preset "$preset" --parallel "$(nproc)"
+  ctest --preset "$preset" --output-on-failure --parallel 2 "$@"
+}
 
-if [ "$preset" = no-gl ]; then
-  sh cmake/install-packages.sh tests bench examples charts
-else
-  sh cmake/install-packages.sh tests bench examples charts gl gl-tests
-fi
 . cmake/generator.sh
-
-cmake --preset "$preset"
-cmake --build --preset "$preset" --parallel "$(nproc)"
-ctest --preset "$preset" --output-on-failure --parallel 2 "$@"
+if [ "${1:-}" = full ]; then
+  failed=""
+  for preset in ci asan-ubsan tsan; do
+    run "$preset" || failed="$failed $preset"
+    require=0
+    [ "$preset" != ci ] || require=1
+    PHYMUL_REQUIRE_GL=$require LP_NUM_THREADS=0 ctest --test-dir "build/$preset" --output-on-failure --parallel 2 \
+      -L '^full$' --no-tests=error || failed="$failed $preset-full"
+  done
+  [ -z "$failed" ] || { echo "FAILED:$failed" >&2; exit 1; }
+elif [ $# -gt 0 ]; then
+  run "$@"
+else
+  run ci
+fi

@@ -100,7 +100,7 @@ void run(const ExampleOptions& options) {
   sheet.tools = {{phymul::Sphere{ball}, {}, ball_colour, "ball, 12 cm"},
                  {phymul::HalfSpace{}, {.position = {0, 0, below - 0.001}}, floor_colour, ""}};
   Curve curve(options.file("cloth_on_sphere.csv"), "time_s,lowest_mm,highest_mm,ball_N,floor_N");
-  const double moments[] = {0.09, 0.22, options.quick ? 0.8 : 1.6};
+  const double moments[] = {0.09, 0.22, options.quick ? 1.2 : 1.6};
   const char* titles[] = {"1. It meets the ball", "2. It hangs over it", "3. It lies on ball and floor"};
   for (int k = 0; k < 3; ++k) {
     for (double time = sim.time(); time < moments[k];) {

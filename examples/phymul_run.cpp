@@ -57,8 +57,8 @@ phymul::Scene make_scene(const RunOptions& options, const phymul::Model& model) 
     print_notes(notes);
   }
   for (const std::string& group : options.fixed_groups) scene.fix(group);
-  if (!options.gravity.empty()) scene.gravity({options.gravity[0], options.gravity[1], options.gravity[2]});
-  return scene;
+  const std::vector<double> gravity = options.gravity.empty() ? std::vector<double>(3, 0.0) : options.gravity;
+  return scene.gravity({gravity[0], gravity[1], gravity[2]});
 }
 
 void make_folder(const std::string& path) {

@@ -12,20 +12,15 @@ namespace {
 constexpr double longest_frame = 1.0 / 40.0;  // s; a slower one takes fewer steps
 constexpr double frame = 1.0 / 60.0;          // s
 
-phymul::Scene make_scene(const phymul::Model& model, const ViewOptions& options) {
-  phymul::Scene scene(model);
-  if (!options.loads.empty()) scene.add(phymul::read_lml(options.loads, model));
-  for (const std::string& group : options.fixed_groups) scene.fix(group);
-  return scene;
-}
-
 }  // namespace
 
 Simulation::Simulation(const phymul::Model& model, const ViewOptions& options)
     : model_(model),
       options_(options),
-      scene_(make_scene(model, options)),
+      scene_(model),
       topology_(std::make_shared<const phymul::TopologyTextures>(build_topology(model))) {
+  if (!options.loads.empty()) scene_.add(phymul::read_lml(options.loads, model));
+  for (const std::string& group : options.fixed_groups) scene_.fix(group);
   spectrum_ = estimate_spectrum(*topology_, topology_->rest);
   use(options.backend);
 }

@@ -49,7 +49,7 @@ class SolverBackend : public Solver {
   void request_read() final { do_request_read(); }
   bool collect(State& state) final { return do_collect(state); }
   Energy energy() const final { return do_energy(); }
-  Momentum momentum(const Vec3& about) const final { return do_momentum(about); }
+  Momentum momentum(const Vec3& about = Vec3::Zero()) const final { return do_momentum(about); }
   ParticleBuffer position_buffer() const final { return do_position_buffer(); }
   ParticleBuffer attractor_buffer() const final;
   std::vector<PassProfile> profile() const final;

@@ -26,7 +26,7 @@ bool is_volume(CellType type);
 /// Upper-case PML spelling ("HEXAHEDRON").
 const char* cell_name(CellType type);
 
-/// A named value that a file carried and phymul does not interpret; kept so that writing loses nothing.
+/// A named value of a file that phymul does not interpret, kept for writing it back.
 struct Attribute {
   std::string name;
   std::string value;
@@ -35,9 +35,12 @@ struct Attribute {
 
 using Colour = std::array<double, 4>;  ///< red, green, blue, alpha in [0, 1]
 
-/// A geometric cell over particles. Vertex order, as PML has it (VTK's too, but for the wedge): tetrahedron (a,b,c,d)
-/// has d on the side that (b-a) x (c-a) points to; hexahedron is the ring 0-1-2-3, then 4-5-6-7 above it; wedge is the
-/// triangle 0-1-2, then 3-4-5 above it; pyramid is the ring 0-1-2-3, then the apex 4.
+/// A geometric cell over particles. The order of vertices is that of PML (and of VTK, except for the wedge):
+/// - tetrahedron (a, b, c, d): d is on the side to which (b-a) x (c-a) points.
+/// - hexahedron: the ring 0-1-2-3, then 4-5-6-7 above it. Above: on the side of the ring's normal by the right-hand
+/// rule.
+/// - wedge: the triangle 0-1-2, then 3-4-5 above it.
+/// - pyramid: the ring 0-1-2-3, then the apex 4 above it.
 struct Cell {
   CellType type = CellType::tetrahedron;
   std::vector<Index> particles;
@@ -48,12 +51,12 @@ struct Cell {
   bool operator==(const Cell&) const = default;
 };
 
-/// A node of the tree of named parts (PML multiComponent and structuralComponent), flattened: a parent
-/// always stands before its children.
+/// A node of the tree of named parts (PML multiComponent and structuralComponent). In Model::components a parent comes
+/// before its children.
 struct Component {
   std::string name;
   Index parent = -1;             ///< row of Model::components; -1: a root
-  bool exclusive = true;         ///< true: part of the body's own partition; false: an overlapping group
+  bool exclusive = true;         ///< true: one part of a partition of the body; false: a group that may overlap others
   bool structural = true;        ///< true: holds cells and particles; false: holds components only
   std::vector<Index> cells;      ///< cells defined here, rows of Model::cells
   std::vector<Index> cell_refs;  ///< cells defined elsewhere and referred to here
@@ -79,12 +82,12 @@ struct Model {
 
   VecList rest;                   ///< [N] rest positions, m
   std::vector<double> mass;       ///< [N] kg, > 0; overwritten by set_material
-  std::vector<double> stiffness;  ///< [N] shape stiffness k_i, N/m; unused where a material is set
-  RaggedList neighbours;          ///< [N rows] ordered neighbours of each particle, itself not among them
+  std::vector<double> stiffness;  ///< [N] shape stiffness k_i, N/m; unused if there are materials
+  RaggedList neighbours;          ///< [N rows] neighbours of each particle, in order, without itself
 
   std::vector<Cell> cells;
   std::vector<Component> components;
-  std::vector<Material> materials;  ///< empty: stiffness holds; else see set_material
+  std::vector<Material> materials;  ///< if empty, stiffness is used; set_material adds them
 
   /// What the file carried beside the model, opaque: numbers and names of particles and cells, further attributes. It
   /// is needed only to write the file back without loss. Null for a built shape. Set it to null after removing
@@ -96,13 +99,13 @@ struct Model {
 
   Index particle_count() const { return static_cast<Index>(rest.size()); }
 
-  /// Particles of the component(s) of that name and of the components in them: referred to directly or through cells,
-  /// sorted, unique.
-  /// Throws Error that lists the known names.
+  /// Particles of all components of this name and of the components in them, listed directly or by cells; sorted, each
+  /// once. Throws Error, with the known names, for an unknown name.
   std::vector<Index> group(std::string_view group_name) const;
   bool has_group(std::string_view group_name) const;
 
-  /// Adds an informative component that names these particles; returns *this.
+  /// Adds an informative component with these particles; returns *this. Throws Error for an empty name or a particle
+  /// out of range.
   Model& add_group(std::string group_name, std::vector<Index> particles);
 
   Index file_index(Index particle) const;   ///< number of the particle in its file; its row if it has none
@@ -111,34 +114,34 @@ struct Model {
   bool operator==(const Model& other) const;  ///< everything but notes
 };
 
-/// Gives every volume cell the material and every particle the mass density * (its share of the volume of the
-/// cells around it). A share is the cell's volume divided evenly over its vertices; in 2-D triangles and quads stand
-/// for a metre of thickness. A particle in no such cell keeps its mass, which is noted. Throws Error, and changes
-/// nothing, when the model is not valid or has no volume cells, one of them has no positive volume, or a constant is
-/// out of its range.
+/// Gives every volume cell the material, and every particle the mass density * (its share of the volume of its cells).
+/// A cell's volume is divided evenly among its vertices. In 2-D the cells are triangles and quads, one metre thick. A
+/// particle without such a cell keeps its mass, and Model::notes says so. Throws Error, and changes nothing, if the
+/// model is not valid, has no volume cells or one without positive volume, or if a constant is out of its range.
 void set_material(Model& model, const Material& material);
 
-/// The same for the cells all of whose particles are in the named group; masses are summed anew from all cells
-/// that have a material.
+/// The same for the cells whose particles are all in the group. Masses are then computed from all cells with a
+/// material.
 void set_material(Model& model, const Material& material, std::string_view group_name);
 
-/// Rest volume of a volume cell in m^3 (positive when wound as above); 0 for other cells. Hexahedra, wedges and
-/// pyramids by their trilinear map.
+/// Rest volume of a volume cell, m^3, by its trilinear map; negative if its vertices are in the opposite order. 0 for
+/// other cells.
 double cell_volume(const Model& model, const Cell& cell);
 
-/// Mean rest distance between a particle and its neighbours, m: the "spacing" h that relative tolerances use.
+/// Mean rest distance between a particle and its neighbours, m: the "spacing" of which relative tolerances are
+/// multiples.
 double mean_spacing(const Model& model);
 
 /// Largest side of the bounding box of the rest shape, m.
 double body_size(const Model& model);
 
-/// Throws Error, naming the first offender, unless there is a particle, the arrays agree in size, every index is in
-/// range, masses are positive and finite, coordinates finite (z = 0 in 2-D), stiffness not negative. Called by every
-/// reader, builder and make_solver.
+/// Throws Error for the first fault. A valid model has a particle, arrays of equal sizes, indices in range, positive
+/// finite masses, finite coordinates (z = 0 in 2-D) and no negative stiffness. All readers, builders and make_solver
+/// call it.
 void validate(const Model& model);
 
-/// Neighbours from cells: the edges of lines, triangles, quads, hexahedra, wedges and pyramids, all pairs of a
-/// tetrahedron. Rows in increasing order. Throws Error when a cell has too few particles, or one out of range.
+/// Neighbours along the edges of cells, in increasing order. Throws Error if a cell has too few particles or one out of
+/// range.
 RaggedList neighbours_from_cells(const std::vector<Cell>& cells, Index particle_count);
 
 }  // namespace phymul

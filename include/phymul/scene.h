@@ -95,10 +95,10 @@ class Scene {
 
   const Model& model() const { return *model_; }
 
-  Scene& fix(std::string_view group);            ///< holds the group at its rest position, also against tools
+  Scene& fix(std::string_view group);            ///< adds a load that holds the group at its rest position
   Scene& fix(std::span<const Index> particles);  ///< the same for listed particles
   Scene& gravity(const Vec3& acceleration);      ///< m/s^2
-  Scene& add(Load load);                         ///< appends a load
+  Scene& add(Load load);                         ///< appends a load, as row loads().size() - 1
   Scene& add(std::vector<Load> loads);           ///< appends loads, as read_lml returns them
   Scene& replace(std::size_t row, Load load);    ///< replaces loads()[row]
   Scene& remove(std::size_t row);                ///< removes loads()[row]; later rows move up
@@ -113,7 +113,8 @@ class Scene {
   Scene& constrain_volume(std::string_view group);
   Scene& constrain_volume(VolumeConstraint surface);
 
-  Scene& contacts(const ContactOptions& options);  ///< bodies, and parts of a body, touch from now on
+  /// From now on bodies touch each other: parts of the model that no cell and no neighbourhood connects (bodies.h).
+  Scene& contacts(const ContactOptions& options);
   Scene& no_contacts();
 
   /// Replaces the events of loads()[row]. It is cheap for any size of body: solvers prepare nothing, and nothing is

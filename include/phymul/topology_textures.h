@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// TopologyTextures: the constants of an elastic body, in the tables every backend reads. Const once built.
+// TopologyTextures: the constants of an elastic body, in the tables that every backend reads. They do not change once
+// built. Notation: topology.h.
 //
 // The first four are those of the 2007 thesis:
 //   index       per particle: Nc, X, Bc, X' = number of neighbours, row of the first in `neighbours`,
@@ -8,7 +9,8 @@
 //   neighbours  per row: particle number                                (rows X ... X + Nc - 1 belong to one particle)
 //   bases       per row: particles a, b, c and the height beta          (rows X' ... X' + Bc - 1)
 //   alpha       per row of `neighbours`: alpha_ij
-// The rest is there only where the options ask for it. Integers are integers: a float holds them only to 2^24.
+// Other tables are empty unless the options need them. Integers are stored as integers: a float holds them only to
+// 2^24.
 //
 // Each table is padded to a rectangle of texels (TextureShape), filled with `none` (-1) and zeros; the first
 // `..._count` rows are real. A device uploads the rows in order: row r is texel (r mod width, r / width).
@@ -35,8 +37,8 @@ struct TextureShape {
   bool operator==(const TextureShape&) const = default;
 };
 
-/// Smallest such rectangle for `rows` rows with sides up to `limit`; at least 1 x 1. Throws Error, naming `table`, the
-/// rows and the limit, when none is large enough.
+/// Smallest such rectangle for `rows` rows with sides up to `limit`; at least 1 x 1. Throws Error if none is large
+/// enough. `table`: name for the message.
 TextureShape fit_texture(std::int64_t rows, int limit, const char* table);
 
 struct IndexTexel {
@@ -74,20 +76,20 @@ struct CellTexel {
   double volume_stiffness = 0.0;   ///< J: gamma kappa V
 };
 
-/// Numbers (FNV-1a, 64 bits) for what was read of a model, part by part, so that a solver can say what has changed
-/// since.
+/// Hashes (FNV-1a, 64 bits) of the parts of a model that the tables were built from. By them a solver can say what has
+/// changed since.
 struct ModelFingerprint {
   std::uint64_t neighbours = 0, cells = 0;
   std::uint64_t materials = 0;  ///< Young's modulus and Poisson's ratio, cell by cell
-  std::uint64_t stiffness = 0;  ///< of particles, where there are no materials
+  std::uint64_t stiffness = 0;  ///< of particles, if there are no materials
   bool operator==(const ModelFingerprint&) const = default;
 };
 
 struct TopologyTextures {
-  TopologyOptions options;  ///< as built; area_exponent is the one in force
+  TopologyOptions options;  ///< as built; area_exponent as computed from the material
   int dimension = 3;
-  /// Of the model as it was. Empty in tables that build_topology() did not make: of those solvers compare rest places
-  /// and masses alone.
+  /// Of the model that the tables were built from. Empty in tables that build_topology() did not make; solvers then
+  /// compare only rest positions and masses.
   std::optional<ModelFingerprint> model;
 
   Index particle_count = 0;
@@ -110,7 +112,7 @@ struct TopologyTextures {
   std::vector<double> weight;     ///< w_t
   std::vector<double> rest_area;  ///< |w| = twice the area (2-D: the length) at rest; only where area_exponent != 0
 
-  // Further terms of the energy, empty where the options ask for none.
+  // Further terms of the energy, empty unless the options need them.
   std::vector<SpringTexel> springs;
   std::vector<VolumeTexel> volumes;
   std::vector<CellTexel> cells;
@@ -125,8 +127,8 @@ struct TopologyTextures {
   std::vector<Index> base_owner;       ///< [base_count] particle whose base it is
 };
 
-/// A number for the tables: every constant and index of theirs goes into it (FNV-1a, 64 bits). Other materials, rest
-/// shapes, options or orders of particles have other ones.
+/// Hash (FNV-1a, 64 bits) of all constants and indices of the tables. It depends on material, rest shape, options and
+/// order of the particles, and not on max_texture_size. The same in all versions: files hold it.
 std::uint64_t fingerprint(const TopologyTextures& topology);
 
 }  // namespace phymul

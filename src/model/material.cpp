@@ -99,7 +99,7 @@ void require_in_range(const Material& material) {
 void set_material(Model& model, const Material& material) {
   require_in_range(material);
   assign(model, material,
-         "set_material: expected a model with " + solid_cells(model) +
+         std::string("set_material: expected a model with ").append(solid_cells(model)) +
              ", got one without; set Model::mass and Model::stiffness instead",
          [](const Cell&) { return true; });
 }

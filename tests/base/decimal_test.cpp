@@ -33,7 +33,7 @@ TEST(Decimal, ShiftsTheExponentInsteadOfRounding) {
   EXPECT_EQ(millimetre.parse("1.1"), 0.0011);
   EXPECT_EQ(millimetre.parse(" +3e+1 "), 0.03);
   EXPECT_EQ(millimetre.parse("2E-1"), 0.0002);
-  EXPECT_EQ(millimetre.parse(std::string(200, '0') + "1"), 0.001);
+  EXPECT_EQ(millimetre.parse(std::string(200, '0').append("1")), 0.001);
   for (const char* const wrong :
        {"1e 3", "1 e3", "1e3 3", "1e+-3", "1e99999999999999999999", "1e9999999", "1e-9223372036854775808"}) {
     EXPECT_FALSE(millimetre.parse(wrong)) << wrong;

@@ -58,12 +58,12 @@ function(gl_tests_under name without)
   set(backend_tests "*/gl:*/gl_compute*:*Gl*")  # the backend's instances of what every backend runs, and its own tests
   add_test(NAME gl.${name}.phymul_test COMMAND phymul_test "--gtest_filter=${backend_tests}-${without}" --gtest_brief=1)
   add_test(NAME gl.${name}.phymul_gl_test COMMAND phymul_gl_test "--gtest_filter=*-${without}" --gtest_brief=1)
-  set_tests_properties(gl.${name}.phymul_test gl.${name}.phymul_gl_test PROPERTIES ENVIRONMENT "${ARGN}" TIMEOUT 1500)
+  set_tests_properties(gl.${name}.phymul_test gl.${name}.phymul_gl_test PROPERTIES ENVIRONMENT "${ARGN}" TIMEOUT 1500 LABELS full)
 endfunction()
 
 # Compute shaders are asked for where a driver has them: not in OpenGL ES 3.0 nor on softpipe. Where the desktop GL is
 # too old for them they run under OpenGL ES.
-set(computing "*/gl_compute*:GlComputeDevice.*:GlFragmentContact.Bits*:*GlComputeNeedle.*:*HostsContextIsLeftAsItWasByComputing*")
+set(computing "*/gl_compute*:GlComputeDevice.*:GlFragmentContact.Bits*:GlNeedle*:GlComputeNeedle.*:*HostsContextIsLeftAsItWasByComputing*")
 
 # A minute each, of all bodies and variants: under desktop GL every form of the GL backends shows its bits, under the
 # oldest of each dialect single steps of the fragment backend, and 2,000 damped ones under the oldest OpenGL ES.
@@ -76,7 +76,7 @@ set(long_in_33 "*GlEquivalence.SingleSteps*/gl_compute*:${damped}")
 # which small bodies only wait for. (Where desktop GL is 3.3 compute shaders run under OpenGL ES, as in the next.)
 set(gl_33 MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330 LP_NUM_THREADS=0)
 set(compute_in_es "*GlTool*/gl_compute*:*GlVolume*/gl_compute*:*NeedleIn.*/gl_compute")
-set(compute_in_es "${compute_in_es}:*Gl*Contact*/gl_compute:*GlNeedle*/gl_compute:*GlComputeNeedle.*")
+set(compute_in_es "${compute_in_es}:*Gl*Contact*/gl_compute:GlNeedle*:GlComputeNeedle.*")
 # What fragments do about contacts in seconds each; the rest they do under every GL.
 set(long_contacts "*GlBodyContact.M*/gl:*GlBodyContact.ALong*/gl:*GlContactRuns.Batches*/gl:*GlContactRuns.Runs*/gl")
 set(long_contacts "${long_contacts}:GlFragmentContact.Bits*")
@@ -84,14 +84,13 @@ gl_tests_under(33 "${long_in_33}:${compute_in_es}:${long_contacts}" ${gl_33})
 set(long_in_es "${long}:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolumeOf*")
 set(long_in_es "${long_in_es}:*GlContactMotion*:*GlBodyContact.Momentum*:${long_contacts}")
 set(long_needles "*NeedleIn.BendsUnder*/gl_compute:*NeedleIn.IsTheStiff*/gl_compute:*NeedleIn.GoesOn*/gl_compute")
-set(long_needles "${long_needles}:*NeedleIn.*/gl")
 gl_tests_under(es "${long_in_es}:${long_needles}" PHYMUL_GL_DIALECT=es LP_NUM_THREADS=0)
-gl_tests_under(es30 "*AHundred*:*NeedleIn.*/gl:${computing}:${long_contacts}" PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.0 LP_NUM_THREADS=0)
+gl_tests_under(es30 "*AHundred*:${computing}:${long_contacts}" PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.0 LP_NUM_THREADS=0)
 # The oldest OpenGL ES that computes. It has no `precise`, so that a compiler may order sums as it likes: what every
 # backend must do is asked of it, not the mirror's bits.
 add_test(NAME gl.es31.phymul_test COMMAND phymul_test "--gtest_filter=*/gl_compute-${long_needles}" --gtest_brief=1)
 set(es31 PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.1 LP_NUM_THREADS=0)
-set_tests_properties(gl.es31.phymul_test PROPERTIES ENVIRONMENT "${es31}" TIMEOUT 1500)
+set_tests_properties(gl.es31.phymul_test PROPERTIES ENVIRONMENT "${es31}" TIMEOUT 1500 LABELS full)
 # A desktop GL that does not.
 add_test(NAME gl.33.no_compute COMMAND phymul_gl_module_test --gtest_filter=GlModuleOld.* --gtest_brief=1)
 set(old_gl MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330 PHYMUL_GL_DIALECT=desktop PHYMUL_TEST_OLD_GL=1)
@@ -104,8 +103,8 @@ set(long_with_tools "*GlTool.Every*:*GlTool.Agrees*:*GlTool.Batches*:*GlTool.Lat
 set(long_with_tools "${long_with_tools}:*Contact.Block*:*Contact.Compliance*:*Contact.TenThousand*:*GridTool*")
 set(long_with_volumes "*GlVolume.IsKept*:*GlVolume.Several*:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolumeOf*:*GlVolume*/gl_four_passes")
 set(with_contacts "GlFragmentContact.*:*GlBodyContact.A*:*GlBodyContact.Tools*:*GlBodyContact.V*:*GlContactRuns.AScene*")
-set(long_with_needles "*RefusedScene.Sh*:*RefusedScene.W*:*NeedleIn.*/gl:*GlNeedle.*/gl:*GlNeedleRuns.Every*/gl:*GlNeedleRuns.GoesOn*/gl:*GlNeedleRuns.AHole*/gl")
-gl_tests_under(softpipe "${long_with_needles}:${minutes}:${with_contacts}:${long_contacts}:${long_with_tools}:*GlTool*/gl_four_passes:${long_with_volumes}:${computing}" GALLIUM_DRIVER=softpipe)
+set(refused "*RefusedScene.Sh*:*RefusedScene.W*")
+gl_tests_under(softpipe "${refused}:${minutes}:${with_contacts}:${long_contacts}:${long_with_tools}:*GlTool*/gl_four_passes:${long_with_volumes}:${computing}" GALLIUM_DRIVER=softpipe)
 
 # A host that uses GLX, on an X server of its own.
 find_package(X11 QUIET)

@@ -3,6 +3,7 @@
 // Bodies that touch each other, and themselves.
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <set>
 
@@ -237,6 +238,19 @@ TEST(BodyContact, TrianglesHaveThreeCorners) {
     EXPECT_EQ(std::set<Index>(triangle.corner.begin(), triangle.corner.end()).size(), 3u);
   }
   for (const ContactSurface::Particle& particle : surface.particles) EXPECT_GT(particle.edge, 0.9);
+}
+
+/// Cells that are listed inside out have their inside where they are all the same.
+TEST(BodyContact, TrianglesOfMirroredCellsFaceOutward) {
+  Model mirrored = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
+  for (Vec3& x : mirrored.rest) x.x() = -x.x();
+  const ContactSurface surface = make_contact_surface(mirrored);
+  EXPECT_EQ(surface.triangles.size(), 48u);
+  for (const ContactSurface::Triangle& triangle : surface.triangles) {
+    const Vec3 &a = surface.rest[triangle.corner[0]], &b = surface.rest[triangle.corner[1]],
+               &c = surface.rest[triangle.corner[2]];
+    EXPECT_GT((b - a).cross(c - a).dot((a + b + c) / 3.0 - Vec3(-0.01, 0.01, 0.01)), 0.0);
+  }
 }
 
 /// A strip of tissue folded over itself: with self the halves stay apart, without they pass through each other.

@@ -241,6 +241,21 @@ TEST(KeptVolume, OfBodiesByName) {
   EXPECT_NE(message_of([&] { scene.constrain_volume(); }).find("belongs to another surface"), std::string::npos);
 }
 
+/// Parting two bodies moves nothing that is imposed: a body held whole keeps its volume without any help.
+TEST(KeptVolume, OfAHeldBodyIsNotLostWhereAnotherLiesInIt) {
+  const Model held = soft_block(), free = moved(soft_block(), {0.0013, 0.0011, 0.0195});
+  const NamedBody bodies[] = {{"held", &held}, {"free", &free}};
+  const Model both = merge_models(bodies);
+  for (const char* backend : {"reference", "cpu"}) {
+    Scene scene(both);
+    scene.fix("held").constrain_volume("held").contacts({});
+    const auto solver = make_solver(backend, both, scene);
+    const StepReport report = solver->step(5, 0.3 * solver->stable_step());
+    EXPECT_TRUE(report.ok()) << report.message();
+    EXPECT_GT(solver->read().position.back().z(), both.rest.back().z());  // parted
+  }
+}
+
 TEST(KeptVolume, OpenSurfacesAreRefusedWithTheirEdge) {
   Model cup = make_tetrahedron(0.01);
   cup.cells.clear();

@@ -19,7 +19,7 @@ namespace phymul {
 namespace {
 
 std::string sample(const std::string& name) {
-  return text_of(std::string(PHYMUL_TEST_DATA) + "/mesh/" + name);
+  return text_of(PHYMUL_TEST_DATA "/mesh/" + name);
 }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {

@@ -50,8 +50,7 @@ Scene pulled(const Model& model, double amount) {
   pull.particles = model.group("top");
   pull.direction = {0, 0, 1};
   pull.events = {{0.0, 0.0}, {0.2, amount}};
-  scene.fix("bottom").gravity({0, 0, -9.81}).add(pull);
-  return std::as_const(scene);  // a copy: scenes do not move
+  return scene.fix("bottom").gravity({0, 0, -9.81}).add(pull);
 }
 
 /// What is left out has the kernels of what is left, and thousands of rows more.

@@ -72,8 +72,7 @@ Model pyramids() {
     model.cells.push_back(pyramid);
   }
   model.components.clear();
-  model.mass.assign(9, 1.0);
-  model.stiffness.assign(9, 1.0);
+  model.mass = model.stiffness = std::vector<double>(9, 1.0);
   model.neighbours = neighbours_from_cells(model.cells, 9);
   validate(model);
   return model;

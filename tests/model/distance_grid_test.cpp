@@ -40,7 +40,10 @@ Model spiked() {
   model.mass.assign(6, 1.0);
   model.stiffness.assign(6, 1.0);
   const auto face = [&](Index a, Index b, Index c) {
-    model.cells.push_back({CellType::triangle, {a, b, c}, -1, -1, {}, {}, {}});
+    Cell cell;
+    cell.type = CellType::triangle;
+    cell.particles = {a, b, c};
+    model.cells.push_back(cell);
   };
   for (Index k = 0; k < 4; ++k) {
     face(0, 2 + k, 2 + (k + 1) % 4);

@@ -10,7 +10,6 @@
 #include <type_traits>
 
 #include "support/message_of.h"
-#include "support/print.h"
 #include "support/scene_parts.h"
 
 namespace phymul {
@@ -326,11 +325,16 @@ TEST(Scene, TakesNoTemporaryModel) {
   EXPECT_FALSE((std::is_constructible_v<Scene, Model>));
 }
 
-/// A scene that solvers and handles point to can be emptied, not taken away.
-TEST(Scene, IsCopiedAndNeitherMovedNorAssigned) {
-  EXPECT_FALSE((std::is_assignable_v<Scene&, Scene>));
-  EXPECT_FALSE((std::is_assignable_v<Scene&, const Scene&>));
-  EXPECT_FALSE((std::is_constructible_v<Scene, Scene>));
+// What owns a scene and its solver must not compile as something to move.
+static_assert(!std::is_move_constructible_v<Scene> && std::is_constructible_v<Scene, const Scene&>);
+static_assert(!std::is_assignable_v<Scene&, Scene> && !std::is_assignable_v<Scene&, const Scene&>);
+struct SceneAndSolver {
+  Scene scene;
+  std::unique_ptr<int> solver;
+};
+static_assert(!std::is_move_constructible_v<SceneAndSolver>);
+
+TEST(Scene, CopiesAreIndependent) {
   const Model model = make_block({1, 1, 1}, 1, 1, 1);
   Scene scene(model);
   scene.fix("x0").gravity({0, 0, -1}).add_tool("ball", {.shape = Sphere{0.1}});

@@ -185,6 +185,42 @@ TEST_F(RecordingTest, ToolsMoveAgainAsTheyDid) {
   }
 }
 
+TEST_F(RecordingTest, AToolThatComesLaterAndGraspsAtOnceGraspsAgain) {
+  const auto recorded = solver({"cpu", 1}, scene_);
+  Recorder recorder(*recorded, scene_);
+  const double dt = 0.4 * recorded->stable_step();
+  recorder.step(2, dt);
+  const Vec3 end(0.06, 0.015, 3.015);  // of block_at(0, 0, 3)
+  scene_.add_tool("jaw", {.shape = Sphere{0.006}, .pose = {.position = end}});
+  scene_.tool("jaw").grasp(0.0);
+  recorder.step(2, dt);
+  ASSERT_FALSE(recorded->read().tools.at(0).held.empty());
+  Scene again(model_);
+  const auto own = solver({"cpu", 1}, again);
+  Replay replay(recorder.recording(), *own, again);
+  replay.run();
+  EXPECT_EQ(own->snapshot(), recorded->snapshot());
+}
+
+/// What replays has nobody to stop it: a call counts as far as it went.
+TEST_F(RecordingTest, ACallThatWasStoppedIsRecordedAsFarAsItWent) {
+  SolverOptions options = options_for({"reference", 0}, 30.0);
+  options.progress = [](const StepProgress& progress) { return progress.steps < 3; };
+  options.progress_seconds = 0.0;
+  scene_.gravity({0, 0, -9.81});
+  const auto recorded = make_solver("reference", topology_, scene_, options);
+  Recorder recorder(*recorded, scene_);
+  const double dt = 0.4 * recorded->stable_step();
+  EXPECT_EQ(recorder.step(9, dt).steps, 3);
+  EXPECT_EQ(recorder.run_to_rest(9, dt).report.steps, 3);
+  recorder.checkpoint();
+  Scene again(model_);
+  const auto own = solver({"reference", 0}, again, 30.0);
+  Replay replay(recorder.recording(), *own, again);
+  replay.run();
+  EXPECT_EQ(own->snapshot(), recorded->snapshot());
+}
+
 TEST_F(RecordingTest, EqualStepsAreOneInput) {
   const auto own = solver({"reference", 0}, scene_);
   Recorder recorder(*own, scene_);

@@ -341,6 +341,10 @@ TEST(StateHistory, HoldsNoMoreThanItsBytes) {
   }
   EXPECT_EQ(history.size(), 5u);
   EXPECT_EQ(history.newest_at(80 * dt), nullptr);
+  const std::size_t of_five = history.bytes();
+  ASSERT_TRUE(history.rewind(*solver, 95 * dt));
+  EXPECT_EQ(history.bytes() * 5, of_five * history.size());  // states that went take no room
+  EXPECT_LT(history.size(), 5u);
   StateHistory tiny(1, 1);
   tiny.follow(*solver, solver->step(1, dt));
   tiny.follow(*solver, solver->step(1, dt));

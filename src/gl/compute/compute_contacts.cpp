@@ -19,10 +19,11 @@ void require_turns(std::int64_t particles, std::int64_t triangles, std::int64_t 
   // A lane may look at every triangle, be in every contact, and see some of either again where buckets coincide.
   const std::int64_t turns = std::max(2 * triangles, meetings);
   if (turns <= limits.loop_turns / 2) return;
-  throw Error("expected contacts that take at most " + std::to_string(limits.loop_turns / 2) +
-              " turns of a shader's loops, half of where this renderer breaks off, got up to " + std::to_string(turns) +
-              " for surfaces of " + std::to_string(particles) + " particles and " + std::to_string(triangles) +
-              " triangles; use the backend \"cpu\"");
+  throw Error(ErrorCode::not_supported,
+              "expected contacts that take at most " + std::to_string(limits.loop_turns / 2) +
+                  " turns of a shader's loops, half of where this renderer breaks off, got up to " +
+                  std::to_string(turns) + " for surfaces of " + std::to_string(particles) + " particles and " +
+                  std::to_string(triangles) + " triangles; use the backend \"cpu\"");
 }
 
 }  // namespace
@@ -40,8 +41,9 @@ ComputeContacts::ComputeContacts(const FloatContacts& contacts, const PushedRows
       end_(first) {
   require_turns(particles_, triangles_, meetings(), limits);
   if (meetings() * options_.rounds > std::numeric_limits<int>::max()) {
-    throw Error("expected contacts times rounds of at most 2147483647, got up to " + std::to_string(meetings()) +
-                " contacts in " + std::to_string(options_.rounds) + " rounds; use fewer rounds");
+    throw Error(ErrorCode::not_supported, "expected contacts times rounds of at most 2147483647, got up to " +
+                                              std::to_string(meetings()) + " contacts in " +
+                                              std::to_string(options_.rounds) + " rounds; use fewer rounds");
   }
   while (buckets_ < 2 * triangles_) buckets_ *= 2;
   const auto take = [this](std::int64_t rows) {
@@ -74,9 +76,10 @@ ComputeContacts::ComputeContacts(const FloatContacts& contacts, const PushedRows
   turn_ = take_words(particles_);
   ticket_ = take_words(4 * meetings());
   if (4 * end_ > std::numeric_limits<int>::max()) {
-    throw Error("contacts of " + std::to_string(particles_) + " particles of the surfaces of " +
-                std::to_string(bodies_) + " bodies take more than the 2147483647 words a shader counts to; use " +
-                "fewer of them, or the backend \"cpu\"");
+    throw Error(ErrorCode::not_supported, "contacts of " + std::to_string(particles_) +
+                                              " particles of the surfaces of " + std::to_string(bodies_) +
+                                              " bodies take more than the 2147483647 words a shader counts to; use " +
+                                              "fewer of them, or the backend \"cpu\"");
   }
 }
 

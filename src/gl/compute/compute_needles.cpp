@@ -4,101 +4,20 @@
 #include <phymul/error.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <limits>
 #include <string>
-#include <utility>
 
 #include "needle_passes.h"
+#include "needle_words.h"
 
 namespace phymul::gl {
 namespace {
-
-// What the words of a law and of a state's header mean; shaders know them as LAW_STATE ..., HEADER_COUNT ...
-enum LawWord {
-  state_law,
-  coupling_law,
-  stiffness_law,
-  inverse_law,
-  share_law,
-  nodes_law,
-  particles_law,
-  tool_law,
-  length_law,
-  radius_law,
-  puncture_law,
-  cutting_law,
-  static_friction_law,
-  kinetic_friction_law,
-  surface_friction_law,
-  spread_law,
-  reach_law,
-  bending_stiffness_law,
-  law_words_used
-};
-enum HeaderWord {
-  count_word,
-  punctured_word,
-  through_word,
-  slip_word,
-  loads_word,
-  full_word,
-  coupled_word,
-  stage_word,
-  left_word,
-  reach_word,
-  first_word,
-  way_word,
-  header_words_used
-};
-constexpr int words_a_law = (law_words_used + 3) / 4 * 4;
 
 std::int64_t whole_rows(std::int64_t words) {
   return (words + 3) / 4 * 4;
 }
 
-constexpr std::array names{
-    std::pair{"LAW_STATE", int{state_law}},
-    std::pair{"LAW_COUPLING", int{coupling_law}},
-    std::pair{"LAW_STIFFNESS", int{stiffness_law}},
-    std::pair{"LAW_INVERSE", int{inverse_law}},
-    std::pair{"LAW_SHARE", int{share_law}},
-    std::pair{"LAW_NODES", int{nodes_law}},
-    std::pair{"LAW_PARTICLES", int{particles_law}},
-    std::pair{"LAW_TOOL", int{tool_law}},
-    std::pair{"LAW_LENGTH", int{length_law}},
-    std::pair{"LAW_RADIUS", int{radius_law}},
-    std::pair{"LAW_PUNCTURE", int{puncture_law}},
-    std::pair{"LAW_CUTTING", int{cutting_law}},
-    std::pair{"LAW_STATIC_FRICTION", int{static_friction_law}},
-    std::pair{"LAW_KINETIC_FRICTION", int{kinetic_friction_law}},
-    std::pair{"LAW_SURFACE_FRICTION", int{surface_friction_law}},
-    std::pair{"LAW_SPREAD", int{spread_law}},
-    std::pair{"LAW_REACH", int{reach_law}},
-    std::pair{"LAW_BENDING_STIFFNESS", int{bending_stiffness_law}},
-    std::pair{"HEADER_COUNT", int{count_word}},
-    std::pair{"HEADER_PUNCTURED", int{punctured_word}},
-    std::pair{"HEADER_THROUGH", int{through_word}},
-    std::pair{"HEADER_SLIP", int{slip_word}},
-    std::pair{"HEADER_LOADS", int{loads_word}},
-    std::pair{"HEADER_FULL", int{full_word}},
-    std::pair{"HEADER_COUPLED", int{coupled_word}},
-    std::pair{"HEADER_STAGE", int{stage_word}},
-    std::pair{"HEADER_LEFT", int{left_word}},
-    std::pair{"HEADER_REACH", int{reach_word}},
-    std::pair{"HEADER_FIRST", int{first_word}},
-    std::pair{"HEADER_WAY", int{way_word}},
-    std::pair{"LAW_WORDS", words_a_law},
-};
-
 }  // namespace
-
-void ComputeNeedles::define(ShaderRequest& request) {
-  static_assert(header_words_used <= header_words);
-  for (const auto& [name, word] : names) request.defines.emplace_back(name, word);
-  request.defines.emplace_back("HEADER_WORDS", header_words);
-}
 
 std::int64_t ComputeNeedles::Placed::state_words() const {
   return whole_rows(front_words() + std::int64_t{2} * law.nodes * law.particles);
@@ -133,9 +52,9 @@ ComputeNeedles::ComputeNeedles(const FloatNeedles& needles, const FloatTools& to
     needle.share = take(4 * std::int64_t{tables.places()});
   }
   if (end > std::numeric_limits<int>::max()) {
-    throw Error(
-        "the scene's needles take more than the 2147483647 words a shader counts to; use a larger "
-        "Needle::spread, or the backend \"cpu\"");
+    throw Error(ErrorCode::not_supported,
+                "the scene's needles take more than the 2147483647 words a shader counts to; use a larger "
+                "Needle::spread, or the backend \"cpu\"");
   }
   buffer_ = StorageBuffer(end / 4, "the scene's needles", limits);
   const std::vector<std::int32_t> laws = law_words();
@@ -178,43 +97,14 @@ void ComputeNeedles::require_turns(std::int64_t particles, const ComputeLimits& 
   const std::int64_t turns = limits.loop_turns / 2;
   const std::int64_t needed = 6 * nodes + 32;
   if (unit > turns || acting > turns) {
-    throw Error("expected needles that take at most " + std::to_string(turns) +
-                " turns of a shader's loops, half of where this renderer breaks off, got up to " +
-                std::to_string(std::max(unit, acting)) + " for a body of " + std::to_string(particles) +
-                " particles; use the backend \"cpu\"");
+    throw Error(ErrorCode::not_supported,
+                "expected needles that take at most " + std::to_string(turns) +
+                    " turns of a shader's loops, half of where this renderer breaks off, got up to " +
+                    std::to_string(std::max(unit, acting)) + " for a body of " + std::to_string(particles) +
+                    " particles; use the backend \"cpu\"");
   }
   units_ = static_cast<int>(std::min(turns / unit, needed));
   dispatches_ = static_cast<int>((needed + units_ - 1) / units_);
-}
-
-std::vector<std::int32_t> ComputeNeedles::law_words() const {
-  std::vector<std::int32_t> words(words_a_law * needles_.size(), 0);
-  std::int32_t* own = words.data();
-  for (const Placed& needle : needles_) {
-    const auto whole = [&](LawWord word, std::int64_t value) { own[word] = static_cast<std::int32_t>(value); };
-    const auto real = [&](LawWord word, double value) { own[word] = bits_of(static_cast<float>(value)); };
-    whole(state_law, needle.state);
-    whole(coupling_law, needle.coupling);
-    whole(stiffness_law, needle.stiffness);
-    whole(inverse_law, needle.inverse);
-    whole(share_law, needle.share);
-    whole(nodes_law, needle.law.nodes);
-    whole(particles_law, needle.law.particles);
-    whole(tool_law, needle.law.tool);
-    const Needle& law = needle.law.needle;
-    real(length_law, law.length);
-    real(radius_law, law.radius);
-    real(puncture_law, law.puncture);
-    real(cutting_law, law.cutting);
-    real(static_friction_law, law.static_friction);
-    real(kinetic_friction_law, law.kinetic_friction);
-    real(surface_friction_law, needle.law.friction);
-    real(spread_law, needle.law.spread);
-    real(reach_law, needle.law.reach);
-    real(bending_stiffness_law, law.bending_stiffness);
-    own += words_a_law;
-  }
-  return words;
 }
 
 void ComputeNeedles::place(Kernel& kernel) const {
@@ -230,68 +120,11 @@ void ComputeNeedles::require_room(const Placed& needle, const NeedleState& state
   const auto nodes = static_cast<std::size_t>(needle.law.nodes),
              particles = static_cast<std::size_t>(needle.law.particles);
   if (state.hole.size() <= nodes && state.shaft.size() <= nodes && most <= particles) return;
-  throw Error("expected a needle's hole of at most " + std::to_string(nodes) + " points, means of at most " +
-              std::to_string(particles) + " particles, which is what this device has room for, got " +
-              std::to_string(std::max(state.hole.size(), state.shaft.size())) + " of " + std::to_string(most) +
-              "; give the needle a larger Needle::spread, or use the backend \"cpu\"");
-}
-
-std::vector<std::int32_t> ComputeNeedles::state_words(const Placed& needle, const NeedleState& state) const {
-  const auto most = static_cast<std::size_t>(needle.law.particles);
-  const auto front = static_cast<std::size_t>(needle.front_words());
-  std::vector<std::int32_t> words(front + 2 * most * state.hole.size(), 0);
-  const auto real = [](double value) { return bits_of(static_cast<float>(value)); };
-  words[count_word] = static_cast<std::int32_t>(state.hole.size());
-  words[punctured_word] = state.punctured ? 1 : 0;
-  words[through_word] = state.through ? 1 : 0;
-  words[slip_word] = real(state.slip);
-  if (needle.law.bends()) {
-    words[loads_word] = static_cast<std::int32_t>(state.shaft.size());
-    for (std::size_t k = 0; k < state.shaft.size(); ++k) {
-      std::int32_t* const load = &words[header_words + 4 * k];
-      load[0] = real(state.shaft[k].along);
-      load[1] = real(state.shaft[k].x);
-      load[2] = real(state.shaft[k].y);
-    }
-  }
-  for (std::size_t k = 0; k < state.hole.size(); ++k) {
-    const NeedleNode& node = state.hole[k];
-    std::int32_t* const own = &words[front - 2 * static_cast<std::size_t>(needle.law.nodes) + 2 * k];
-    own[0] = static_cast<std::int32_t>(node.particles.size());
-    own[1] = node.slides ? 1 : 0;
-    std::int32_t* const list = &words[front + 2 * most * k];
-    for (std::size_t j = 0; j < node.particles.size(); ++j) {
-      list[j] = tables_->place_of()[static_cast<std::size_t>(node.particles[j])];
-      list[most + j] = real(node.weights[j]);
-    }
-  }
-  return words;
-}
-
-NeedleState ComputeNeedles::state_of(const Placed& needle, const std::vector<std::int32_t>& words) const {
-  const auto real = [](std::int32_t bits) { return static_cast<double>(std::bit_cast<float>(bits)); };
-  const auto most = static_cast<std::size_t>(needle.law.particles);
-  const auto front = static_cast<std::size_t>(needle.front_words());
-  NeedleState state;
-  state.punctured = words[punctured_word] != 0;
-  state.through = words[through_word] != 0;
-  state.slip = real(words[slip_word]);
-  for (std::int32_t k = 0; k < words[loads_word]; ++k) {
-    const std::int32_t* const load = &words[static_cast<std::size_t>(header_words + 4 * k)];
-    state.shaft.push_back({.along = real(load[0]), .x = real(load[1]), .y = real(load[2])});
-  }
-  state.hole.resize(static_cast<std::size_t>(words[count_word]));
-  for (std::size_t k = 0; k < state.hole.size(); ++k) {
-    NeedleNode& node = state.hole[k];
-    const std::int32_t* const own = &words[front - 2 * static_cast<std::size_t>(needle.law.nodes) + 2 * k];
-    const std::int32_t* const list = &words[front + 2 * most * k];
-    for (std::size_t j = 0; j < static_cast<std::size_t>(own[0]); ++j) {
-      node.particles.push_back(particle_at_[static_cast<std::size_t>(list[j])]);
-      node.weights.push_back(real(list[most + j]));
-    }
-    node.slides = own[1] != 0;
-  }
-  return state;
+  throw Error(ErrorCode::not_supported,
+              "expected a needle's hole of at most " + std::to_string(nodes) + " points, means of at most " +
+                  std::to_string(particles) + " particles, which is what this device has room for, got " +
+                  std::to_string(std::max(state.hole.size(), state.shaft.size())) + " of " + std::to_string(most) +
+                  "; give the needle a larger Needle::spread, or use the backend \"cpu\"");
 }
 
 void ComputeNeedles::write(const FloatTools& tools) {

@@ -234,9 +234,10 @@ void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& sta
   const bool touching = loads.contacts() != nullptr, piercing = loads.needles() != nullptr;
   const std::int64_t turns = turns_a_step(tools ? tools->count() : 0, loads.volumes());
   if (by_one_group(touching || piercing) && turns > limits_.loop_turns) {
-    throw Error("expected a step of one group to take at most " + std::to_string(limits_.loop_turns) +
-                " turns of loops, which is where this renderer breaks off, got " + std::to_string(turns) +
-                "; use GlCompute::store (PHYMUL_GL_COMPUTE=store)");
+    throw Error(ErrorCode::not_supported,
+                "expected a step of one group to take at most " + std::to_string(limits_.loop_turns) +
+                    " turns of loops, which is where this renderer breaks off, got " + std::to_string(turns) +
+                    "; use GlCompute::store (PHYMUL_GL_COMPUTE=store)");
   }
   const StepKind kind{.loads = loads.kind(),
                       .tools = tools != nullptr,

@@ -16,8 +16,9 @@ ComputeState::ComputeState(const ComputeTables& tables, const ComputeLimits& lim
     const std::int64_t first = rows;
     rows += count;
     if (rows > std::numeric_limits<int>::max()) {
-      throw Error("the forces and terms of the body take more than the 2147483647 rows a shader counts to; use fewer " +
-                  std::string("particles or bases"));
+      throw Error(ErrorCode::not_supported,
+                  "the forces and terms of the body take more than the 2147483647 rows a shader counts to; use fewer " +
+                      std::string("particles or bases"));
     }
     return static_cast<int>(first);
   };

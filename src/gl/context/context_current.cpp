@@ -35,6 +35,7 @@ void* current_handle() {
 CurrentContext::CurrentContext(GlBackend backend) : handle_(current_handle()) {
   if (!handle_) {
     throw Error(
+        ErrorCode::device,
         "GlContext::current: no context of EGL or GLX is current on this thread; make the host's current first");
   }
   load_functions();

@@ -45,7 +45,8 @@ void DebugLog::throw_errors() {
     count = std::exchange(count_, 0);
   }
   if (count == 0) return;
-  throw Error("GL reports " + std::to_string(count) + (count == 1 ? " error: " : " errors: ") + messages);
+  throw Error(ErrorCode::device,
+              "GL reports " + std::to_string(count) + (count == 1 ? " error: " : " errors: ") + messages);
 }
 
 }  // namespace phymul::gl

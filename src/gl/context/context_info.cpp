@@ -44,7 +44,7 @@ void read_version(ContextInfo& info) {
 
 void require_version(const ContextInfo& info) {
   if (info.es ? info.at_least(3, 0) : info.at_least(3, 3)) return;
-  throw Error("expected OpenGL 3.3 or OpenGL ES 3.0, or later, got " + info.device());
+  throw Error(ErrorCode::device, "expected OpenGL 3.3 or OpenGL ES 3.0, or later, got " + info.device());
 }
 
 bool can_report_reset(const ContextInfo& info) {
@@ -81,7 +81,7 @@ ContextInfo read_context_info() {
   info.glsl_version = text_of(GL_SHADING_LANGUAGE_VERSION);
   info.extensions = gl_extensions();
   if (info.es && !info.has("GL_EXT_color_buffer_float")) {
-    throw Error(info.device() + " cannot draw into float textures (EXT_color_buffer_float)");
+    throw Error(ErrorCode::device, info.device() + " cannot draw into float textures (EXT_color_buffer_float)");
   }
   info.max_texture_size = integer_of(GL_MAX_TEXTURE_SIZE);
   info.max_color_attachments = integer_of(GL_MAX_COLOR_ATTACHMENTS);
@@ -96,8 +96,8 @@ ContextInfo read_context_info() {
 
 void require_backend(const ContextInfo& info, GlBackend backend) {
   if (backend == GlBackend::fragment || info.computes()) return;
-  throw Error("expected OpenGL 4.3 or OpenGL ES 3.1, or later, for compute shaders, got " + info.device() +
-              "; the backend \"gl\" runs there, by fragment shaders");
+  throw Error(ErrorCode::device, "expected OpenGL 4.3 or OpenGL ES 3.1, or later, for compute shaders, got " +
+                                     info.device() + "; the backend \"gl\" runs there, by fragment shaders");
 }
 
 bool was_reset(const ContextInfo& info) {

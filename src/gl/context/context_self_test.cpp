@@ -78,7 +78,7 @@ void require_linked(const ContextInfo& info, GLuint program) {
   if (linked) return;
   std::array<char, 1024> log{};
   glGetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
-  throw Error(info.device() + " does not take the shader of the self-test: " + log.data());
+  throw Error(ErrorCode::device, info.device() + " does not take the shader of the self-test: " + log.data());
 }
 
 }  // namespace
@@ -87,8 +87,9 @@ void self_test(const ContextInfo& info) {
   const Texel texel(info);
   const GLenum complete = glCheckFramebufferStatus(GL_FRAMEBUFFER);
   if (complete != GL_FRAMEBUFFER_COMPLETE) {
-    throw Error(info.device() + " cannot draw into an RGBA32F texture: the framebuffer is incomplete, status " +
-                std::to_string(complete));
+    throw Error(ErrorCode::device, info.device() +
+                                       " cannot draw into an RGBA32F texture: the framebuffer is incomplete, status " +
+                                       std::to_string(complete));
   }
   require_linked(info, texel.program);
   glUseProgram(texel.program);
@@ -99,10 +100,12 @@ void self_test(const ContextInfo& info) {
   glReadPixels(0, 0, 1, 1, GL_RGBA, GL_FLOAT, read.data());
   const GLenum error = glGetError();
   if (error != GL_NO_ERROR) {
-    throw Error(info.device() + " failed the self-test, one texel drawn and read: " + gl_error_name(error));
+    throw Error(ErrorCode::device,
+                info.device() + " failed the self-test, one texel drawn and read: " + gl_error_name(error));
   }
   if (read != written) {
-    throw Error(info.device() + " failed the self-test: an RGBA32F texel reads otherwise than it was drawn");
+    throw Error(ErrorCode::device,
+                info.device() + " failed the self-test: an RGBA32F texel reads otherwise than it was drawn");
   }
 }
 

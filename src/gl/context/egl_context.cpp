@@ -63,6 +63,7 @@ Host host_of(const GlOptions& options) {
   if (options.host_context) {
     if (!options.host_display) {
       throw Error(
+          ErrorCode::device,
           "GlOptions::host_context is set, host_display is not; expected both, or neither and a current context");
     }
     return {options.host_display, options.host_context};
@@ -117,7 +118,7 @@ class EglContextMaker {
     std::unique_ptr<EglContext> made(new EglContext);
     made->display_ = display_;
     made->api_ = request.es ? EGL_OPENGL_ES_API : EGL_OPENGL_API;
-    if (!eglBindAPI(made->api_)) throw Error("eglBindAPI: " + egl_error_name(eglGetError()));
+    if (!eglBindAPI(made->api_)) throw Error(ErrorCode::device, "eglBindAPI: " + egl_error_name(eglGetError()));
     create(request, *made);
     made->make_current();
     load_functions();
@@ -138,7 +139,7 @@ class EglContextMaker {
       if (!has_egl_extension(display_, "EGL_KHR_surfaceless_context")) made.surface_ = one_pixel(request);
       return;
     }
-    throw Error("eglCreateContext: " + egl_error_name(error));
+    throw Error(ErrorCode::device, "eglCreateContext: " + egl_error_name(error));
   }
 
   /// A host may have lost-context notification on or off, and shares with its like only; an old driver knows neither
@@ -200,14 +201,15 @@ class EglContextMaker {
       if (const EGLConfig config = chosen_config({EGL_CONFIG_ID, id, EGL_NONE})) all.push_back(config);
     }
     if (const EGLConfig config = pbuffer_config(request)) all.push_back(config);
-    if (all.empty()) throw Error("no EGL configuration draws " + request.name());
+    if (all.empty()) throw Error(ErrorCode::device, "no EGL configuration draws " + request.name());
     return all;
   }
 
   EGLSurface one_pixel(const Request& request) const {
     constexpr std::array<EGLint, 5> size{EGL_WIDTH, 1, EGL_HEIGHT, 1, EGL_NONE};
     const EGLSurface surface = eglCreatePbufferSurface(display_, pbuffer_config(request), size.data());
-    if (surface == EGL_NO_SURFACE) throw Error("eglCreatePbufferSurface: " + egl_error_name(eglGetError()));
+    if (surface == EGL_NO_SURFACE)
+      throw Error(ErrorCode::device, "eglCreatePbufferSurface: " + egl_error_name(eglGetError()));
     return surface;
   }
 
@@ -243,11 +245,13 @@ std::unique_ptr<EglContext> EglContext::open(const GlOptions& options, GlBackend
   }
   if (backend == GlBackend::compute) {
     throw Error(
+        ErrorCode::device,
         "no OpenGL 4.3 or OpenGL ES 3.1 context without a window could be made, which compute shaders need; the "
         "backend \"gl\" needs OpenGL 3.3 or OpenGL ES 3.0 only; tried:" +
-        failures);
+            failures);
   }
-  throw Error("no OpenGL 3.3 or OpenGL ES 3.0 context without a window could be made; tried:" + failures);
+  throw Error(ErrorCode::device,
+              "no OpenGL 3.3 or OpenGL ES 3.0 context without a window could be made; tried:" + failures);
 }
 
 EglContext::~EglContext() {
@@ -274,7 +278,7 @@ void EglContext::make_current() {
         "its own, or GlContext::current, which works in the host's context";
     throw Unreachable(reason);
   }
-  throw Error(reason);
+  throw Error(ErrorCode::device, reason);
 }
 
 }  // namespace phymul::gl

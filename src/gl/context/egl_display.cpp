@@ -104,8 +104,9 @@ std::vector<DisplayChoice> display_choices(const std::string& device) {
 }
 
 void initialise(EGLDisplay display) {
-  if (display == EGL_NO_DISPLAY) throw Error("EGL has no such display here");
-  if (!eglInitialize(display, nullptr, nullptr)) throw Error("eglInitialize: " + egl_error_name(eglGetError()));
+  if (display == EGL_NO_DISPLAY) throw Error(ErrorCode::device, "EGL has no such display here");
+  if (!eglInitialize(display, nullptr, nullptr))
+    throw Error(ErrorCode::device, "eglInitialize: " + egl_error_name(eglGetError()));
 }
 
 bool has_extension(const char* list, std::string_view name) {

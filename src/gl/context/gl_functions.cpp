@@ -93,8 +93,8 @@ void load_functions() {
   const GLenum result = glewInit();
   // Under EGL glewInit loads GL's functions, then finds no GLX display and says so: no matter.
   if (result != GLEW_OK && result != GLEW_ERROR_NO_GLX_DISPLAY) {
-    throw Error("GLEW could not load the functions of OpenGL: " +
-                std::string(reinterpret_cast<const char*>(glewGetErrorString(result))));
+    throw Error(ErrorCode::device, "GLEW could not load the functions of OpenGL: " +
+                                       std::string(reinterpret_cast<const char*>(glewGetErrorString(result))));
   }
   fill_gaps();
   for (int tries = 0; tries < 16 && glGetError() != GL_NO_ERROR; ++tries) {  // a lost context may report for ever

@@ -51,8 +51,9 @@ PictureTarget::PictureTarget(int width, int height)
   const GLenum error = glGetError();
   if (error == GL_NO_ERROR && glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE) return;
   release();
-  throw Error("Display: the driver has no room for a picture of " + std::to_string(width * factor_) + " x " +
-              std::to_string(height * factor_) + " pixels, 8 bytes each; ask for a smaller one");
+  throw Error(ErrorCode::out_of_memory, "Display: the driver has no room for a picture of " +
+                                            std::to_string(width * factor_) + " x " + std::to_string(height * factor_) +
+                                            " pixels, 8 bytes each; ask for a smaller one");
 }
 
 PictureTarget::~PictureTarget() {

@@ -83,19 +83,21 @@ void require_turns(const PlannedContacts& planned, std::int64_t loop_turns) {
   const std::int64_t turns =
       std::max(triangles, particles + contacts.bodies + shallow.leaf_size * (contacts.bodies + 1));
   if (turns <= loop_turns / 2) return;
-  throw Error("expected contacts that take at most " + std::to_string(loop_turns / 2) +
-              " turns of a shader's loops, half of where this renderer breaks off, got up to " + std::to_string(turns) +
-              " for surfaces of " + std::to_string(contacts.particle.size()) + " particles and " +
-              std::to_string(contacts.triangle.size()) + " triangles; use the backend \"cpu\"");
+  throw Error(ErrorCode::not_supported,
+              "expected contacts that take at most " + std::to_string(loop_turns / 2) +
+                  " turns of a shader's loops, half of where this renderer breaks off, got up to " +
+                  std::to_string(turns) + " for surfaces of " + std::to_string(contacts.particle.size()) +
+                  " particles and " + std::to_string(contacts.triangle.size()) + " triangles; use the backend \"cpu\"");
 }
 
 /// Each phase presses at least one contact, so that no step takes more.
 int phases_that_suffice(const FloatContacts& contacts) {
   const std::int64_t meetings = static_cast<std::int64_t>(contacts.particle.size()) * contacts.bodies;
   if (meetings * contacts.options.rounds < counted) return static_cast<int>(meetings * contacts.options.rounds);
-  throw Error("expected contacts times rounds of less than " + std::to_string(counted) + ", got up to " +
-              std::to_string(meetings) + " contacts in " + std::to_string(contacts.options.rounds) +
-              " rounds; use fewer rounds, \"gl-compute\" or \"cpu\"");
+  throw Error(ErrorCode::not_supported, "expected contacts times rounds of less than " + std::to_string(counted) +
+                                            ", got up to " + std::to_string(meetings) + " contacts in " +
+                                            std::to_string(contacts.options.rounds) +
+                                            " rounds; use fewer rounds, \"gl-compute\" or \"cpu\"");
 }
 
 }  // namespace
@@ -262,8 +264,9 @@ void FragmentContacts::begin_batch() {
 
 void FragmentContacts::give_more_phases() {
   if (phases_ == most_phases_) {
-    throw Error("expected the sweeps over contacts to end within " + std::to_string(most_phases_) +
-                " phases, one for each contact and round, got some that did not; use \"gl-compute\" or \"cpu\"");
+    throw Error(ErrorCode::not_supported,
+                "expected the sweeps over contacts to end within " + std::to_string(most_phases_) +
+                    " phases, one for each contact and round, got some that did not; use \"gl-compute\" or \"cpu\"");
   }
   phases_ = static_cast<int>(std::min<std::int64_t>(4 * std::int64_t{phases_}, most_phases_));
 }

@@ -40,8 +40,8 @@ FragmentTables::FragmentTables(const FloatTables& tables) : kind_(tables) {
     const std::size_t start = entries.size();
     entries.insert(entries.end(), list.begin(), list.end());
     if (entries.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
-      throw Error("the lists of who meets which term have " + std::to_string(entries.size()) +
-                  " rows together; a shader counts to 2147483647");
+      throw Error(ErrorCode::not_supported, "the lists of who meets which term have " + std::to_string(entries.size()) +
+                                                " rows together; a shader counts to 2147483647");
     }
     return static_cast<int>(start);
   };

@@ -30,9 +30,10 @@ Framebuffer::Framebuffer(const std::vector<Attachment>& attachments) {
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
   if (status == GL_FRAMEBUFFER_COMPLETE) return;
   glDeleteFramebuffers(1, &id_);
-  throw Error("this driver cannot draw into the textures of " + names + " (framebuffer status " +
-              std::to_string(status) + "); it needs float and integer textures of 32 bits as colour targets, which " +
-              "GL 3.3 and OpenGL ES 3.0 with GL_EXT_color_buffer_float have");
+  throw Error(ErrorCode::device, "this driver cannot draw into the textures of " + names + " (framebuffer status " +
+                                     std::to_string(status) +
+                                     "); it needs float and integer textures of 32 bits as colour targets, which " +
+                                     "GL 3.3 and OpenGL ES 3.0 with GL_EXT_color_buffer_float have");
 }
 
 Framebuffer::Framebuffer(Framebuffer&& other) noexcept {

@@ -57,10 +57,11 @@ void Kernel::dispatch(int groups) {
   const std::int64_t across = std::min<std::int64_t>(groups, limits_.groups_across);
   const std::int64_t down = (groups + across - 1) / across;
   if (down > limits_.groups_down) {
-    throw Error("a pass of " + std::to_string(groups) + " groups of " + std::to_string(group_) +
-                " rows is more than the " + std::to_string(limits_.groups_across) + " x " +
-                std::to_string(limits_.groups_down) +
-                " groups that this driver dispatches at a time; use fewer particles or bases");
+    throw Error(ErrorCode::not_supported,
+                "a pass of " + std::to_string(groups) + " groups of " + std::to_string(group_) +
+                    " rows is more than the " + std::to_string(limits_.groups_across) + " x " +
+                    std::to_string(limits_.groups_down) +
+                    " groups that this driver dispatches at a time; use fewer particles or bases");
   }
   glUseProgram(program_.id());
   const PassTimer::Timed timed(name_, PassTimer::Work::dispatch);

@@ -32,7 +32,8 @@ void Pass::input(const char* name, const Texture& texture) {
   GLint units = 0;
   glGetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &units);
   if (static_cast<GLint>(inputs_.size()) >= units) {
-    throw Error("a pass reads more textures than the " + std::to_string(units) + " this driver binds at a time");
+    throw Error(ErrorCode::not_supported,
+                "a pass reads more textures than the " + std::to_string(units) + " this driver binds at a time");
   }
   const GLint place_location = program_.uniform((std::string(name) + "_place").c_str());
   glUseProgram(program_.id());

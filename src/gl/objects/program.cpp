@@ -35,8 +35,8 @@ class Shader {
     log = log.c_str();
     glDeleteShader(id_);
     const char* kind = stage == GL_VERTEX_SHADER ? "vertex" : stage == GL_COMPUTE_SHADER ? "compute" : "fragment";
-    throw Error(std::string(kind) + " shader " + name_of_last(request) + " does not compile on " + renderer() + ":\n" +
-                ShaderLibrary::readable(log, request));
+    throw Error(ErrorCode::device, std::string(kind) + " shader " + name_of_last(request) + " does not compile on " +
+                                       renderer() + ":\n" + ShaderLibrary::readable(log, request));
   }
   Shader(const Shader&) = delete;
   Shader& operator=(const Shader&) = delete;
@@ -60,8 +60,8 @@ void Program::link(const ShaderRequest& named) {
   log = log.c_str();
   glDeleteProgram(id_);
   id_ = 0;
-  throw Error("the program of " + name_of_last(named) + " does not link on " + renderer() + ":\n" +
-              ShaderLibrary::readable(log, named));
+  throw Error(ErrorCode::device, "the program of " + name_of_last(named) + " does not link on " + renderer() + ":\n" +
+                                     ShaderLibrary::readable(log, named));
 }
 
 Program::Program(const ShaderLibrary& library, const ShaderRequest& vertex, const ShaderRequest& fragment) {

@@ -46,8 +46,9 @@ std::string ShaderLibrary::file(const std::string& name) const {
     std::ifstream in(path, std::ios::binary);
     std::ostringstream text;
     if (!in || !(text << in.rdbuf())) {
-      throw Error("the shader " + path + " could not be read; GlOptions::shader_folder or PHYMUL_GLSL names the " +
-                  "folder, which must hold every file of glsl/");
+      throw Error(ErrorCode::file_access, "the shader " + path +
+                                              " could not be read; GlOptions::shader_folder or PHYMUL_GLSL names the " +
+                                              "folder, which must hold every file of glsl/");
     }
     return text.str();
   }

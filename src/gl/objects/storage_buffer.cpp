@@ -23,9 +23,9 @@ StorageBuffer::StorageBuffer(std::int64_t rows, const char* name, const ComputeL
     : rows_(std::max<std::int64_t>(rows, 1)) {
   const std::int64_t bytes = rows_ * row_bytes;
   if (bytes > limits.block_bytes) {
-    throw Error("the buffer of " + std::string(name) + " takes " + megabytes(bytes) +
-                "; a shader of this driver sees " + megabytes(limits.block_bytes) +
-                ". Use fewer particles or bases, or the backend \"cpu\"");
+    throw Error(ErrorCode::out_of_memory, "the buffer of " + std::string(name) + " takes " + megabytes(bytes) +
+                                              "; a shader of this driver sees " + megabytes(limits.block_bytes) +
+                                              ". Use fewer particles or bases, or the backend \"cpu\"");
   }
   for (int k = 0; k < 16 && glGetError() != GL_NO_ERROR;
        ++k) {  // the driver's answer to the allocation is glGetError's
@@ -37,9 +37,10 @@ StorageBuffer::StorageBuffer(std::int64_t rows, const char* name, const ComputeL
   const GLenum error = glGetError();
   if (error == GL_NO_ERROR) return;
   glDeleteBuffers(1, &id_);
-  throw Error("the buffer of " + std::string(name) + ", " + megabytes(bytes) + ", could not be made; the driver says " +
-              (error == GL_OUT_OF_MEMORY ? std::string("out of memory") : "GL error " + std::to_string(error)) +
-              ". Use fewer particles or bases, or a device with more memory");
+  throw Error(ErrorCode::out_of_memory,
+              "the buffer of " + std::string(name) + ", " + megabytes(bytes) + ", could not be made; the driver says " +
+                  (error == GL_OUT_OF_MEMORY ? std::string("out of memory") : "GL error " + std::to_string(error)) +
+                  ". Use fewer particles or bases, or a device with more memory");
 }
 
 StorageBuffer::StorageBuffer(StorageBuffer&& other) noexcept {
@@ -81,7 +82,7 @@ void StorageBuffer::read(std::int64_t first_row, std::int64_t rows, void* out) c
   glBindBuffer(GL_COPY_READ_BUFFER, 0);
   glBindBuffer(GL_COPY_WRITE_BUFFER, 0);
   glDeleteBuffers(1, &staging);
-  if (!from) throw Error("the device gave no copy of its rows");
+  if (!from) throw Error(ErrorCode::device, "the device gave no copy of its rows");
 }
 
 }  // namespace phymul::gl

@@ -38,12 +38,13 @@ void require_allocated(const char* name, const TextureShape& shape, int layers, 
   const GLenum error = glGetError();
   if (error == GL_NO_ERROR) return;
   const std::int64_t texels = shape.texels() * std::max(layers, 1);
-  throw Error("the texture of " + std::string(name) + " could not be made: " + std::to_string(shape.width) + " x " +
-              std::to_string(shape.height) + (layers > 0 ? " x " + std::to_string(layers) : std::string()) +
-              " texels, " + std::to_string(texels * bytes) + " bytes; the driver says " +
-              (error == GL_OUT_OF_MEMORY ? std::string("out of memory") : "GL error " + std::to_string(error)) +
-              ". Its largest texture has " + std::to_string(largest_side()) +
-              " texels a side. Use fewer particles or bases, or a device with more memory");
+  throw Error(ErrorCode::device,
+              "the texture of " + std::string(name) + " could not be made: " + std::to_string(shape.width) + " x " +
+                  std::to_string(shape.height) + (layers > 0 ? " x " + std::to_string(layers) : std::string()) +
+                  " texels, " + std::to_string(texels * bytes) + " bytes; the driver says " +
+                  (error == GL_OUT_OF_MEMORY ? std::string("out of memory") : "GL error " + std::to_string(error)) +
+                  ". Its largest texture has " + std::to_string(largest_side()) +
+                  " texels a side. Use fewer particles or bases, or a device with more memory");
 }
 
 /// Rows of integers are padded by `none`, others by 0.

@@ -10,7 +10,7 @@ namespace phymul::gl {
 BatchReport::BatchReport(const Int4& events, const Float4& largest)
     : max_speed(largest[0]), max_acceleration(largest[1]), max_force(largest[2]), max_displacement(largest[3]) {
   constexpr std::int32_t never = std::numeric_limits<std::int32_t>::max();
-  if (events[0] < 1) throw Error("the device gave no report of its steps");
+  if (events[0] < 1) throw Error(ErrorCode::device, "the device gave no report of its steps");
   cut = events[0] == never - 1;
   if (events[0] < never - 1) {
     runaway_step = events[0];

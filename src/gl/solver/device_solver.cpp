@@ -43,7 +43,7 @@ DeviceSolver::DeviceSolver(GlBackend backend, std::shared_ptr<const TopologyText
       layout_(choose_layout(gl_.layout, topology())),
       context_(Context::open(gl_, backend)),
       kept_(rest_state(model())) {
-  if (const char* const cause = DeviceSolver::do_cannot()) throw Error(cause);
+  if (const char* const cause = DeviceSolver::do_cannot()) throw Error(ErrorCode::not_supported, cause);
   instants_.reserve(Device::most_steps + 1);
   try {
     build();
@@ -116,11 +116,12 @@ void DeviceSolver::recover() noexcept {
 
 template <class Function>
 auto DeviceSolver::on_device(Function&& function) const {
-  if (!device_) throw Error("the device of this solver is lost, and no other could be had; see Solver::reset");
+  if (!device_)
+    throw Error(ErrorCode::device, "the device of this solver is lost, and no other could be had; see Solver::reset");
   struct LostCheck {
     Context& context;
     void operator()() const {
-      if (context.lost()) throw Error("the device of this solver was lost; see Solver::reset");
+      if (context.lost()) throw Error(ErrorCode::device, "the device of this solver was lost; see Solver::reset");
     }
   } check{*context_};
   if constexpr (std::is_void_v<std::invoke_result_t<Function&>>) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Springs of the vector backend where one of a particle's is stretched far and the others are not: the rows of a slice
-// go by the widest ratio among them.
+// The vector backend where one particle is far away and all others are at rest: rows of a slice, and faces of a
+// simplex, go by the widest ratio among them.
 #include <gtest/gtest.h>
 
 #include "support/cpu_forces.h"
@@ -9,17 +9,15 @@
 namespace phymul::test {
 namespace {
 
-TEST(CpuSprings, AreExactAtLargeDisplacementsOfOneParticle) {
-  Model model = make_block({0.06, 0.06, 0.06}, 6, 6, 6, 26);
-  TopologyOptions options;
-  options.law = Law::springs;
+/// Forces of every instruction set within the rounding bound, with some particle or other moved by so many spacings.
+void expect_exact(const Model& model, const TopologyOptions& options, std::initializer_list<double> spacings) {
   const auto tables = std::make_shared<const TopologyTextures>(build_topology(model, options));
   const Scene scene(model);
   const double h = mean_spacing(model);
-  for (const double way : {0.4 * h, 4.0 * h, 1e4 * h}) {
-    for (const Index moved : {0, 24, 171, 342}) {
+  for (const double way : spacings) {
+    for (const Index moved : {0, model.particle_count() / 3, model.particle_count() / 2, model.particle_count() - 1}) {
       VecList u(model.rest.size(), Vec3::Zero());
-      u[moved] = (way * Vec3(1.0, -0.5, 0.25)).cast<float>().cast<double>();
+      u[moved] = (way * h * Vec3(1.0, -0.5, 0.25)).cast<float>().cast<double>();
       const VecList x = sum_of(model.rest, u);
       VecList exact(x.size());
       elastic_forces(*tables, x, exact);
@@ -34,6 +32,12 @@ TEST(CpuSprings, AreExactAtLargeDisplacementsOfOneParticle) {
       }
     }
   }
+}
+
+TEST(CpuFarParticle, SpringsAreExact) {
+  TopologyOptions options;
+  options.law = Law::springs;
+  expect_exact(make_block({0.06, 0.06, 0.06}, 6, 6, 6, 26), options, {0.4, 4.0, 1e4});
 }
 
 }  // namespace

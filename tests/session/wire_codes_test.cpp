@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#include "session/wire_codes.h"
+
+#include <gtest/gtest.h>
+#include <phymul/distance_grid.h>
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "session/scene_bytes.h"
+#include "session/tool_bytes.h"
+
+namespace phymul {
+namespace {
+
+/// Files made before must stay readable, whatever the order of enumerators and of the shapes of tools.
+TEST(WireCodes, NeverChange) {
+  const auto first_byte = [](const std::string& bytes) {
+    return static_cast<int>(static_cast<unsigned char>(bytes[0]));
+  };
+  int code = 0;
+  for (const LoadType type :
+       {LoadType::translation, LoadType::rotation, LoadType::force, LoadType::pressure, LoadType::acceleration}) {
+    Load load;
+    load.type = type;
+    load.axes = {Axis::driven, Axis::free, Axis::held};
+    const std::string bytes = load_bytes(load);
+    EXPECT_EQ(first_byte(bytes), code++);
+    EXPECT_EQ(bytes.substr(17, 3), std::string("\2\0\1", 3));  // after the type and two empty lists
+    ByteReader in("load", bytes);
+    EXPECT_EQ(take_load(in), load);
+  }
+  const auto grid =
+      std::make_shared<const DistanceGrid>(Vec3::Zero(), 1.0, std::array{2, 2, 2}, std::vector<float>(8, -1.0f));
+  code = 0;
+  for (const ToolShape& shape : {ToolShape(Sphere{1}), ToolShape(Capsule{1, 2}), ToolShape(HalfSpace{}),
+                                 ToolShape(Box{{1, 1, 1}}), ToolShape(grid), ToolShape(Needle{})}) {
+    ByteWriter out;
+    put_tool(out, {.shape = shape});
+    EXPECT_EQ(first_byte(out.bytes()), code++);
+    ByteReader in("tool", out.bytes());
+    EXPECT_EQ(take_tool(in).shape.index(), shape.index());
+  }
+}
+
+}  // namespace
+}  // namespace phymul
