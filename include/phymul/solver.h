@@ -58,10 +58,10 @@ struct ParticleBuffer {
 /// stay at their address, and the model must not change. Simulation (simulation.h) owns all three and has no such rule.
 /// Threads: one thread at a time may call a solver, const functions included, and no other thread may then use its
 /// scene. Two solvers are independent, even if they share tables or a scene that nobody changes.
-/// Exceptions and memory: step() throws only std::bad_alloc and what SolverOptions::progress throws. It allocates only
-/// in the first step after a change of the scene (Scene::set_events and tool poses excluded; "reference" also at its
-/// first force and first imposed position) and when more surfaces than ever before are near each other. Only read() and
-/// functions that say so wait for a device.
+/// Exceptions and memory: step() throws only std::bad_alloc and what SolverOptions::progress throws. It allocates in
+/// two cases only: in the first step after a change of the scene, and when more surfaces are near each other than ever
+/// before. Scene::set_events and new tool poses are not such changes. "reference" also allocates at its first force and
+/// at its first imposed position. Only read() and functions that say so wait for a device.
 class Solver {
  public:
   virtual ~Solver();
@@ -88,9 +88,10 @@ class Solver {
   /// Starts from a state. Throws Error, and changes nothing, if the state's sizes do not fit, a value is not finite, z
   /// is not 0 in a two-dimensional model, or State::tools has particles held by a needle or a hole of another shape.
   ///
-  /// After reset(), restore(), start() and StateHistory::rewind() each tool holds what the state says until the next
-  /// ToolHandle::grasp() or release(). Earlier calls of these two have no effect any more, except those made before the
-  /// solver: its first step carries them out unless one of the four functions is called first.
+  /// After reset(), restore(), start() and StateHistory::rewind() each tool holds what the state says, until the next
+  /// ToolHandle::grasp() or release(). Calls of grasp() and release() made before that are forgotten. A grasp() made
+  /// before the solver existed is carried out in the solver's first step, unless one of the four functions is called
+  /// before this step.
   virtual void reset(const State& state) = 0;
   void reset();  ///< to the rest shape; no tool holds anything
 

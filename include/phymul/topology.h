@@ -15,7 +15,7 @@
 //   alpha_ij    sum over t of w_t lambda_t at vertex j, rest shape, sum over j = 1
 //   P*_t        position that base t predicts for i: sum_v lambda_tv x_v + beta_t n_t
 //   P*_i        attractor, their mean: sum_t w_t P*_t = sum_j alpha_ij x_j + sum_t w_t beta_t n_t
-// "The thesis" is the one of 2007 that introduced this model (README).
+// "The thesis" is the one of 2007 that introduced this model (docs/README.md).
 #pragma once
 
 #include <phymul/model.h>
@@ -92,9 +92,9 @@ struct TopologyTextures;
 /// - k_i, w_t and the volume term are computed from it.
 /// - It must be three-dimensional, and the law shape_memory with Reaction::conservative. (In 2-D clear
 ///   Model::materials; masses stay.)
-/// - TopologyOptions::bases is ignored unless it is `fitted`. Bases are `fitted` then, and for a body of tetrahedra
-/// with
-///   PoissonRoute::area_exponent; otherwise opposite_faces.
+/// - TopologyOptions::bases has an effect only if it is `fitted`. The bases are `fitted` in two cases: if that was
+///   chosen, or if the body consists of tetrahedra and the route is PoissonRoute::area_exponent. In all other cases
+///   they are opposite_faces.
 /// Throws Error for options that contradict each other or the model, and if a table is larger than max_texture_size
 /// squared.
 TopologyTextures build_topology(const Model& model, const TopologyOptions& options = {});
