@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// phymul-pictures [FOLDER]: draws the pictures of docs/guide/pictures.md anew, three moments each of a tetrahedron and of a
-// cylinder, as figures 3.1 to 3.6 of the 2007 thesis show them: at rest, deformed, come back.
+// phymul-pictures [FOLDER]: draws the pictures of docs/guide/pictures.md anew, three moments each of a tetrahedron and
+// of a cylinder, as figures 3.1 to 3.6 of the 2007 thesis show them: at rest, deformed, come back.
 #include <phymul/phymul.h>
 
 #include <algorithm>

@@ -47,8 +47,8 @@ struct Recording {
   bool operator==(const Recording&) const = default;
 };
 
-/// A file with magic word, version and checksums (docs/guide/formats.md), written whole or not at all. Reading throws Error
-/// for a damaged file: file, byte, what was expected, what came, what to do.
+/// A file with magic word, version and checksums (docs/guide/formats.md), written whole or not at all. Reading throws
+/// Error for a damaged file: file, byte, what was expected, what came, what to do.
 void save_recording(const Recording& recording, const std::string& path);
 Recording read_recording(const std::string& path);
 Recording read_recording_bytes(std::string_view bytes, const std::string& name);

@@ -16,8 +16,8 @@ namespace phymul {
 /// Hash of all bits of a snapshot except its topology_hash and backend.
 std::uint64_t fingerprint(const Snapshot& snapshot);
 
-/// Writes a snapshot as a file, bit for bit, with magic word, version and checksums (docs/guide/formats.md). `path` holds
-/// either the whole new file or what it held before. Throws Error if the file cannot be written.
+/// Writes a snapshot as a file, bit for bit, with magic word, version and checksums (docs/guide/formats.md). `path`
+/// holds either the whole new file or what it held before. Throws Error if the file cannot be written.
 void save_state(const Snapshot& snapshot, const std::string& path);
 void save_state(const Solver& solver, const std::string& path);  ///< the solver's present state
 

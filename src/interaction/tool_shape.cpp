@@ -133,10 +133,8 @@ GridValues<double> values_of(const DistanceGrid& grid) {
 
 ShapeIn<double> shape_of(const Tool& tool) {
   const ToolExtent extent = extent_of(tool);
-  ShapeIn<double> shape{.kind = kind_of(tool.shape),
-                        .size = unpacked(extent.size),
-                        .margin = tool.margin,
-                        .thickness = extent.thickness};
+  ShapeIn<double> shape{
+      .kind = kind_of(tool.shape), .size = unpacked(extent.size), .margin = tool.margin, .thickness = extent.thickness};
   const auto* grid = std::get_if<std::shared_ptr<const DistanceGrid>>(&tool.shape);
   if (grid) shape.grid = values_of(**grid);
   return shape;

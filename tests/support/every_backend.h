@@ -28,7 +28,7 @@ inline std::string test_name_of(std::string backend) {
 
 }  // namespace phymul::test
 
-#define PHYMUL_ON_BACKENDS(suite, names)                 \
+#define PHYMUL_ON_BACKENDS(suite, names)                         \
   INSTANTIATE_TEST_SUITE_P(All, suite, testing::ValuesIn(names), \
                            [](const auto& backend) { return ::phymul::test::test_name_of(backend.param); })
 #define PHYMUL_ON_EVERY_BACKEND(suite) PHYMUL_ON_BACKENDS(suite, ::phymul::backend_names())
