@@ -46,6 +46,7 @@ std::vector<Method> make_methods() {
   material("cell_averaged", "calibrated, cell-averaged").cell_average = 0.9;
   material("area_exponent", "calibrated, area exponent").poisson_route = PoissonRoute::area_exponent;
   material("fitted", "calibrated, fitted bases").bases = BaseSelection::fitted;
+  material("particle_averaged", "calibrated, particle-averaged").law = Law::particle_averaged;
   return all;
 }
 

@@ -21,10 +21,22 @@
 #include <phymul/model.h>
 
 #include <cstdint>
+#include <optional>
 
 namespace phymul {
 
-enum class Law { springs, shape_memory };
+enum class Law {
+  springs,
+  shape_memory,
+  /// One deformation gradient per particle, the mean over its neighbourhood. Needs cells and a material. With shape
+  /// functions N_i of the cells and displacements u:
+  ///   V_i = integral of N_i,  C_ij = integral of N_i grad N_j,  F_i = I + 1/V_i sum_j (u_j - u_i) C_ij^T
+  ///   E = sum_i V_i psi(F_i) + s/2 (integral of mu |F|^2 - sum_i mu_i V_i |F_i|^2)
+  /// psi is the energy of Calibration at F_i, averaged over seven directions instead of all, with VolumeLaw. The second
+  /// term, of weight s (TopologyOptions::stabiliser), is what the means leave out. A particle where materials meet has a
+  /// mean and an energy for each. In 2-D strain is plane.
+  particle_averaged
+};
 
 /// How the reaction to the force F_i = k_i (P*_i - x_i) on a particle is distributed to its neighbours.
 enum class Reaction {
@@ -82,6 +94,9 @@ struct TopologyOptions {
   /// distributed isotropically (every tetrahedron, flat hexahedra, wedges; not cubes) get a larger share automatically,
   /// up to 0.9. Otherwise irregular tetrahedra would lose 16 % of Young's modulus.
   double cell_average = 0.0;
+  /// s of Law::particle_averaged. Without a value it is calibrated so that pure bending of the body costs what it should
+  /// (0.1 to 0.7; one value for each type of cell), and build_topology writes the mean over the volume here.
+  std::optional<double> stabiliser;
   SparseParticle on_sparse = SparseParticle::error;
   int max_texture_size = 16384;  ///< texels: limit of a GPU on the sides of a table
 };
@@ -90,8 +105,8 @@ struct TopologyTextures;
 
 /// Builds the tables. For a model with a material:
 /// - k_i, w_t and the volume term are computed from it.
-/// - It must be three-dimensional, and the law shape_memory with Reaction::conservative. (In 2-D clear
-///   Model::materials; masses stay.)
+/// - The law must be particle_averaged, or shape_memory with Reaction::conservative in three dimensions. (For the other
+///   laws clear Model::materials; masses stay.)
 /// - TopologyOptions::bases has an effect only if it is `fitted`. The bases are `fitted` in two cases: if that was
 ///   chosen, or if the body consists of tetrahedra and the route is PoissonRoute::area_exponent. In all other cases
 ///   they are opposite_faces.

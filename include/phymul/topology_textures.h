@@ -76,6 +76,29 @@ struct CellTexel {
   double volume_stiffness = 0.0;   ///< J: gamma kappa V
 };
 
+/// Law::particle_averaged: the neighbourhood of a particle, or where materials meet its part of one material.
+struct DomainTexel {
+  Index particle = none;
+  double inverse_volume = 0.0;    ///< 1/V_d, 1/m^3
+  double shape_stiffness = 0.0;   ///< c, Pa (Calibration)
+  double volume_stiffness = 0.0;  ///< kappa, Pa
+  double spread_stiffness = 0.0;  ///< s mu, Pa: the stabiliser times the shear modulus
+};
+
+/// What domain e is to domain d. Read from e to d the area changes its sign and the stiffness is the same.
+struct LinkTexel {
+  Index domain = none;           ///< e
+  Vec3 area = Vec3::Zero();      ///< half the integral of N_d grad N_e - N_e grad N_d, m^2
+  double stiffness = 0.0;        ///< -integral of s mu grad N_d . grad N_e, N/m
+};
+
+/// The rest of the integral of N_d grad N_e, where it is not zero: on the surface of the body or of a material, d and e
+/// themselves (e = d) included. The same from both sides.
+struct SurfaceLinkTexel {
+  Index domain = none;       ///< e
+  Vec3 area = Vec3::Zero();  ///< half the integral over the surface of N_d N_e times the outward normal, m^2
+};
+
 /// Hashes (FNV-1a, 64 bits) of the parts of a model that the tables were built from. By them a solver can say what has
 /// changed since.
 struct ModelFingerprint {
@@ -116,6 +139,15 @@ struct TopologyTextures {
   std::vector<SpringTexel> springs;
   std::vector<VolumeTexel> volumes;
   std::vector<CellTexel> cells;
+
+  // Law::particle_averaged: domains in order of their particles. Domain d has the links first_link[d] ...
+  // first_link[d + 1] - 1, and likewise surface links.
+  std::vector<DomainTexel> domains;
+  std::vector<Index> first_domain;           ///< [N + 1]
+  std::vector<LinkTexel> links;
+  std::vector<Index> first_link{0};          ///< [domains + 1]
+  std::vector<SurfaceLinkTexel> surface_links;
+  std::vector<Index> first_surface_link{0};  ///< [domains + 1]
 
   // Transposed lists, because a shader can gather but not scatter. An entry is (row of the term) * corners + corner.
   RaggedList neighbour_of;             ///< per particle j: rows r of `neighbours` with neighbours[r] = j (corners = 1)

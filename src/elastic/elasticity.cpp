@@ -174,6 +174,68 @@ void cell_forces(const TopologyTextures& topology, std::span<const Vec3> x, std:
   }
 }
 
+/// H_d, the mean displacement gradient of a domain.
+Mat3 mean_gradient(const TopologyTextures& t, Index d, std::span<const Vec3> x) {
+  const auto displacement = [&](Index e) {
+    const Index i = t.domains[e].particle;
+    return Vec3(x[i] - t.rest[i]);
+  };
+  const Vec3 own = displacement(d);
+  Mat3 H = Mat3::Zero();
+  for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
+    H += (displacement(t.links[r].domain) - own) * t.links[r].area.transpose();
+  }
+  for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
+    H += (displacement(t.surface_links[r].domain) - own) * t.surface_links[r].area.transpose();
+  }
+  return t.domains[d].inverse_volume * H;
+}
+
+/// dE/dF_d per volume, the stabiliser's part of it included.
+Mat3 mean_stress(const TopologyTextures& t, Index d, std::span<const Vec3> x) {
+  const DomainTexel& domain = t.domains[d];
+  const Mat3 H = mean_gradient(t, d, x);
+  Mat3 P;
+  cpu::cell_energy<double>(Mat3::Identity() + H, domain.shape_stiffness, domain.volume_stiffness, t.options.volume_law,
+                           &P);
+  return P - domain.spread_stiffness * H;
+}
+
+void domain_forces(const TopologyTextures& t, std::span<const Vec3> x, std::span<Vec3> force) {
+  for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
+    const Mat3 Q = mean_stress(t, d, x);
+    const Index i = t.domains[d].particle;
+    for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
+      const LinkTexel& link = t.links[r];
+      const Index j = t.domains[link.domain].particle;
+      force[j] -= Q * link.area;
+      force[i] += Q * link.area + link.stiffness * ((x[j] - t.rest[j]) - (x[i] - t.rest[i]));
+    }
+    for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
+      const SurfaceLinkTexel& link = t.surface_links[r];
+      force[t.domains[link.domain].particle] -= Q * link.area;
+      force[i] += Q * link.area;
+    }
+  }
+}
+
+double domain_energy(const TopologyTextures& t, std::span<const Vec3> x) {
+  double energy = 0.0;
+  for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
+    const DomainTexel& domain = t.domains[d];
+    const Mat3 H = mean_gradient(t, d, x);
+    const double density = cpu::cell_energy<double>(Mat3::Identity() + H, domain.shape_stiffness,
+                                                    domain.volume_stiffness, t.options.volume_law, nullptr);
+    energy += (density - 0.5 * domain.spread_stiffness * H.squaredNorm()) / domain.inverse_volume;
+    const Vec3 own = x[domain.particle] - t.rest[domain.particle];
+    for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {  // each from both sides
+      const Index j = t.domains[t.links[r].domain].particle;
+      energy += 0.25 * t.links[r].stiffness * (x[j] - t.rest[j] - own).squaredNorm();
+    }
+  }
+  return energy;
+}
+
 void require_sizes(const TopologyTextures& topology, const char* caller, std::size_t positions, std::size_t results) {
   const auto count = static_cast<std::size_t>(topology.particle_count);
   if (positions == count && results == count) return;
@@ -204,6 +266,7 @@ void elastic_forces(const TopologyTextures& topology, std::span<const Vec3> posi
   }
   volume_forces(topology, position, force);
   cell_forces(topology, position, force);
+  domain_forces(topology, position, force);
 }
 
 Index first_collapsed(const TopologyTextures& topology, std::span<const Vec3> position) {
@@ -229,7 +292,7 @@ double elastic_energy(const TopologyTextures& topology, std::span<const Vec3> po
     energy += cpu::cell_energy<double>(mean_gradient(cell, position), cell.shape_stiffness, cell.volume_stiffness,
                                        topology.options.volume_law, nullptr);
   }
-  return energy;
+  return energy + domain_energy(topology, position);
 }
 
 }  // namespace phymul

@@ -8,7 +8,7 @@ namespace {
 
 // Files hold fingerprints: the numbers of enumerators never change, whatever their order.
 std::int32_t number_of(Law law) {
-  return law == Law::springs ? 0 : 1;
+  return law == Law::springs ? 0 : law == Law::shape_memory ? 1 : 2;
 }
 
 std::int32_t number_of(VolumeLaw law) {
@@ -60,6 +60,28 @@ void add_terms(Fnv& sum, const TopologyTextures& t) {
   }
 }
 
+void add_averaged(Fnv& sum, const TopologyTextures& t) {
+  if (t.domains.empty()) return;
+  for (const DomainTexel& domain : t.domains) {
+    sum.add(domain.particle);
+    sum.add(domain.inverse_volume);
+    sum.add(domain.shape_stiffness);
+    sum.add(domain.volume_stiffness);
+    sum.add(domain.spread_stiffness);
+  }
+  sum.add(t.first_link);
+  for (const LinkTexel& link : t.links) {
+    sum.add(link.domain);
+    sum.add(link.area);
+    sum.add(link.stiffness);
+  }
+  sum.add(t.first_surface_link);
+  for (const SurfaceLinkTexel& link : t.surface_links) {
+    sum.add(link.domain);
+    sum.add(link.area);
+  }
+}
+
 }  // namespace
 
 std::uint64_t fingerprint(const TopologyTextures& t) {
@@ -87,6 +109,7 @@ std::uint64_t fingerprint(const TopologyTextures& t) {
   sum.add(t.weight);
   sum.add(t.rest_area);
   add_terms(sum, t);
+  add_averaged(sum, t);
   return sum.value();
 }
 

@@ -2,6 +2,7 @@
 #include <phymul/error.h>
 #include <phymul/topology_textures.h>
 
+#include "averaged_body.h"
 #include "base/decimal.h"
 #include "calibrated_bases.h"
 #include "topology_match.h"
@@ -32,6 +33,10 @@ void check_options(const TopologyOptions& o) {
           "volume_stiffness is " + to_decimal(o.volume_stiffness) + " Pa; expected 0 or more");
   require(o.cell_average >= 0.0 && o.cell_average < 1.0,
           "cell_average is " + to_decimal(o.cell_average) + "; expected at least 0 and below 1 (0.9 is a good value)");
+  if (o.stabiliser) {
+    require(is_not_negative(*o.stabiliser), "stabiliser is " + to_decimal(*o.stabiliser) +
+                                                "; expected 0 or more, or none, so that it is calibrated");
+  }
 }
 
 // "particles 3, 7, 9 and 12 more", by the file's numbers where there are some.
@@ -260,6 +265,16 @@ BaseTable build_calibrated(const Model& model, TopologyTextures& topology) {
   return std::move(body.bases);
 }
 
+void build_averaged(const Model& model, TopologyTextures& topology) {
+  const TopologyOptions& options = topology.options;
+  require(!model.materials.empty(), "Law::particle_averaged needs a material: call set_material, or use another law");
+  require(options.reaction == Reaction::conservative,
+          "Law::particle_averaged is conservative by itself; leave Reaction::conservative");
+  require(options.volume_stiffness == 0.0 && options.area_exponent == 0.0 && options.cell_average == 0.0,
+          "volume_stiffness, area_exponent and cell_average are for other laws than particle_averaged. Set them to 0");
+  add_averaged_terms(model, topology);
+}
+
 BaseTable build_plain(const Model& model, TopologyTextures& topology) {
   const TopologyOptions& options = topology.options;
   require(options.cell_average == 0.0, "cell_average needs a material: call set_material, or set cell_average to 0");
@@ -276,7 +291,11 @@ TopologyTextures build_topology(const Model& model, const TopologyOptions& optio
   check_options(options);
   TopologyTextures topology = start(model, options);
   const bool has_material = !model.materials.empty();
-  const BaseTable table = has_material ? build_calibrated(model, topology) : build_plain(model, topology);
+  const bool averaged = options.law == Law::particle_averaged;
+  if (averaged) build_averaged(model, topology);
+  const BaseTable table = averaged       ? no_bases(model)
+                          : has_material ? build_calibrated(model, topology)
+                                         : build_plain(model, topology);
   if (options.law == Law::shape_memory) treat_sparse(model, table, topology);
   const bool from_bases = options.law == Law::shape_memory && topology.options.bases == BaseSelection::opposite_faces;
   pack_neighbours(neighbour_rows(model, table, from_bases), options.max_texture_size, topology);
