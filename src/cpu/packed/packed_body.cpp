@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <string>
 
 #include "device/float_range.h"
@@ -26,10 +27,22 @@ constexpr Index least_grid_cluster = 1344, most_grid_cluster = 2048;
 constexpr Index whole_size = 2048;
 constexpr double whole_cost = 40e3;  // ns
 
+/// Particles of Law::particle_averaged that are put in order of their links together.
+constexpr Index averaged_window = 256;
+
 class BodyPacker {
  public:
   BodyPacker(const TopologyTextures& t, const std::optional<LatticeFrame>& frame, Index size, PackedBody& body)
       : t_(t), frame_(frame), size_(size), body_(body) {}
+
+  /// A body of Law::particle_averaged: no clusters, and its forces stand as its particles do.
+  void pack_averaged() {
+    body_.places = (t_.particle_count + body_.lanes - 1) / body_.lanes * body_.lanes;
+    body_.averages = pack_averages(t_, body_.order, body_.places, body_.lanes);
+    body_.force_rows = body_.averages.slots;
+    for (std::int32_t s = 0; s < body_.slices(); ++s) body_.own.push_back(16 * s * body_.lanes);
+    pack_masses(body_.order);
+  }
 
   void pack() {
     const auto count = static_cast<std::size_t>((t_.particle_count + size_ - 1) / size_);
@@ -57,16 +70,22 @@ class BodyPacker {
  private:
   void pack_particles() {
     body_.places = body_.clusters.empty() ? 0 : body_.clusters.back().first + body_.clusters.back().own;
-    const auto places = static_cast<std::size_t>(body_.places);
-    body_.stiffness.assign(places, 0.0f);
-    body_.mass.assign(places, 0.0f);
-    body_.inverse_mass.assign(places, 0.0f);
-    for (Index i = 0; i < t_.particle_count; ++i) {
-      body_.stiffness[i] = t_.stiffness.empty() ? 0.0f : narrowed(t_.stiffness[i]);
-      body_.mass[i] = narrowed(t_.mass[i]);
-      body_.inverse_mass[i] = narrowed(1.0 / t_.mass[i]);
-    }
+    std::vector<Index> order(static_cast<std::size_t>(t_.particle_count));
+    std::iota(order.begin(), order.end(), 0);
+    pack_masses(order);
+    body_.stiffness.assign(static_cast<std::size_t>(body_.places), 0.0f);
+    for (std::size_t i = 0; i < t_.stiffness.size(); ++i) body_.stiffness[i] = narrowed(t_.stiffness[i]);
     for (Cluster& cluster : body_.clusters) cluster.job.stiffness = body_.stiffness.data() + cluster.first;
+  }
+
+  /// `order`: row of t_ at each place.
+  void pack_masses(const std::vector<Index>& order) {
+    body_.mass.assign(static_cast<std::size_t>(body_.places), 0.0f);
+    body_.inverse_mass = body_.mass;
+    for (std::size_t place = 0; place < order.size(); ++place) {
+      body_.mass[place] = narrowed(t_.mass[order[place]]);
+      body_.inverse_mass[place] = narrowed(1.0 / t_.mass[order[place]]);
+    }
   }
 
   /// Who else has forces for the particles of a slice, in the order of the clusters.
@@ -146,6 +165,16 @@ Index grid_cluster_size(Index particles, int lanes) {
   return (particles + clusters * lanes - 1) / (clusters * lanes) * lanes;
 }
 
+/// Links of each particle. Loops of equal length side by side are foreseen by a processor, others cost it a wrong
+/// guess.
+std::vector<Index> links_of(const TopologyTextures& t) {
+  std::vector<Index> links(static_cast<std::size_t>(t.particle_count), 0);
+  for (Index i = 0; i < t.particle_count; ++i) {
+    for (Index d = t.first_domain[i]; d < t.first_domain[i + 1]; ++d) links[i] += t.first_link[d + 1] - t.first_link[d];
+  }
+  return links;
+}
+
 double rough_cost(const TopologyTextures& t, int lanes) {
   const double base = t.options.reaction == Reaction::averaged ? 80.0 : 50.0;
   return (base * t.base_count + 16.0 * static_cast<double>(t.springs.size()) +
@@ -156,7 +185,7 @@ double rough_cost(const TopologyTextures& t, int lanes) {
 }  // namespace
 
 double PackedBody::cost() const {
-  double sum = 0.0;
+  double sum = averages.cost();
   for (const Cluster& cluster : clusters) sum += cluster.cost;
   return sum;
 }
@@ -176,17 +205,22 @@ std::size_t PackedBody::most_grid_floats() const {
 std::unique_ptr<const PackedBody> make_packed_body(const TopologyTextures& topology, int lanes) {
   require_bases_in_range(topology);
   auto body = std::make_unique<PackedBody>();
+  body->lanes = lanes;
+  body->bounded = topology.options.volume_law == VolumeLaw::bounded;
+  if (!topology.domains.empty()) {
+    body->order = locality_order(topology.rest, links_of(topology), averaged_window);
+    BodyPacker(topology, {}, 0, *body).pack_averaged();
+    return body;
+  }
   const bool whole = topology.particle_count <= whole_size && rough_cost(topology, lanes) <= whole_cost;
   const Index all = std::max<Index>(topology.particle_count, 1);
   const Index grid_size = whole ? all : grid_cluster_size(all, lanes);
   const std::optional<LatticeFrame> frame = LatticeFrame::of(topology, grid_size);
   const Index size = whole ? all : frame ? grid_size : cluster_size;
-  body->lanes = lanes;
   body->order =
       frame ? frame->order(topology.rest) : locality_order(topology.rest, TermPacker::work_of(topology), size);
   body->plane = topology.dimension == 2;
   body->scaled = !topology.rest_area.empty();
-  body->bounded = topology.options.volume_law == VolumeLaw::bounded;
   body->use = topology.options.reaction == Reaction::conservative ? simd::BaseUse::conservative
               : topology.options.reaction == Reaction::averaged   ? simd::BaseUse::averaged
                                                                   : simd::BaseUse::attractor;

@@ -13,6 +13,7 @@
 
 #include "aligned_arrays.h"
 #include "cpu/simd/job.h"
+#include "packed_averages.h"
 
 namespace phymul::cpu {
 
@@ -47,6 +48,8 @@ struct PackedBody {
   Floats bases, enumerated, springs, volumes, cells4, cells6, cells8, simplices, cell_simplices, stiffness,
       inverse_mass, mass, give;
 
+  PackedAverages averages;  ///< of Law::particle_averaged, whose bodies have no clusters
+
   std::size_t most_slots() const;        ///< of a cluster
   std::size_t most_grid_floats() const;  ///< that a cluster's grid needs beside it
   int slices() const { return places / lanes; }
@@ -62,6 +65,7 @@ struct PackedBody {
              grid_rows.empty());
   }
   bool gives() const { return use == simd::BaseUse::attractor && !(bases.empty() && enumerated.empty()); }
+  bool averaged() const { return averages.slots > 0; }
   double cost() const;  ///< ns per step, rough
   /// Bytes that a step reads and writes if nothing stays in a cache between steps, without the scene's loads.
   double bytes_a_step() const;

@@ -37,7 +37,7 @@ double PackedBody::bytes_a_step() const {
   const double gathered = places * quad + halo_slots * (quad + word);  // u once more, with that of other clusters
   const double forces = static_cast<double>(force_rows) * 2.0 * quad;  // written by clusters, read by the move
   const double pulls = gives() ? places * 2.0 * quad : 0.0;            // likewise
-  return constants(*this) + state + gathered + forces + pulls;
+  return constants(*this) + state + gathered + forces + pulls + averages.bytes();
 }
 
 }  // namespace phymul::cpu

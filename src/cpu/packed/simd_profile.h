@@ -21,6 +21,8 @@ enum class Work {
   simplices,
   volumes,
   cells,
+  averaged_stresses,
+  averaged_forces,
   waiting,
   move,
   tools,
@@ -41,7 +43,7 @@ class WorkLaps {
   void end_step(bool tools);
 
  private:
-  static constexpr int kinds = 14;
+  static constexpr int kinds = 16;
   int row_of(Work work) const { return rows_[static_cast<std::size_t>(work)]; }
 
   Profile* profile_;

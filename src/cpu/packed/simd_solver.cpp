@@ -34,10 +34,11 @@ constexpr double least_cost_a_thread = 10e3;  // ns
 
 int thread_count(int asked, const PackedBody& body) {
   const auto clusters = static_cast<int>(std::min<std::size_t>(body.clusters.size(), 1024));
-  if (asked > 0) return std::max(1, std::min(asked, clusters));
+  const int pieces = body.averaged() ? std::min(body.averages.slices(), 1024) : clusters;
+  if (asked > 0) return std::max(1, std::min(asked, pieces));
   const int processors = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   const double worth = std::min(body.cost() / least_cost_a_thread, 1024.0);
-  return std::max(1, std::min({processors, clusters, static_cast<int>(worth)}));
+  return std::max(1, std::min({processors, pieces, static_cast<int>(worth)}));
 }
 
 constexpr std::size_t page = 4096;
@@ -74,12 +75,16 @@ class SimdSolver final : public SolverBackend {
         no_laps_(nullptr, *body_),
         rows_far_(body_->bytes_a_step() > near_caches),
         far_(body_->bytes_a_step() > caches) {
-    const auto quads = 4 * (static_cast<std::size_t>(body_->places) + 1);
+    const auto quads = 4 * (static_cast<std::size_t>(std::max(body_->places, body_->averages.slots)) + 1);
     u_.assign(quads, 0.0f);
     next_u_ = u_;
     v_.assign(3 * static_cast<std::size_t>(body_->places), 0.0f);
     next_v_ = v_;
     force_.assign(4 * static_cast<std::size_t>(body_->force_rows), 0.0f);
+    if (body_->averaged()) {
+      stress_.assign(16 * static_cast<std::size_t>(body_->averages.slots), 0.0f);
+      averaged_part_ = body_->averages.shared_out(pool_.parts());
+    }
     if (body_->gives()) pull_.assign(quads, 0.0f);
     near_u_.assign(summaries_.size(), Floats(4 * body_->most_slots() + page, 0.0f));
     grid_.assign(summaries_.size(), Floats(body_->most_grid_floats(), 0.0f));
@@ -178,12 +183,11 @@ class SimdSolver final : public SolverBackend {
     loads_.impose_at(scene(), time_ + plan.dt);
     simd::Move move = move_of(plan);
     laps_.end(Work::loads);
-    claims_.begin();
-    pool_.run([this](int part, int) {
-      const DenormalsAreZero guard;
-      for (int c = claims_.take(part); c >= 0; c = claims_.take(part)) elastic_forces_of(c, part);
-    });
-    laps_.end(Work::waiting);
+    if (body_->averaged()) {
+      averaged_forces();
+    } else {
+      clustered_forces();
+    }
     run(move);
     if (tools_.empty()) return -1;
     const bool pushed =
@@ -205,6 +209,31 @@ class SimdSolver final : public SolverBackend {
       kernels_.move(move, bound(part), bound(part + 1), summaries_[part].summary);
     });
     laps_.end(Work::move);
+  }
+
+  void averaged_forces() {
+    body_->averages.copy_displacements(bytes(u_));
+    const simd::Averaged job = body_->averages.job(bytes(u_), bytes(stress_), bytes(force_));
+    pool_.run([&, this](int part, int) {
+      const DenormalsAreZero guard;
+      kernels_.averaged_stresses[body_->bounded](job, averaged_part_[part], averaged_part_[part + 1]);
+    });
+    laps_.end(Work::averaged_stresses);
+    pool_.run([&, this](int part, int) {
+      const DenormalsAreZero guard;
+      kernels_.averaged_forces(job, averaged_part_[part], averaged_part_[part + 1]);
+    });
+    body_->averages.gather_forces(bytes(force_));
+    laps_.end(Work::averaged_forces);
+  }
+
+  void clustered_forces() {
+    claims_.begin();
+    pool_.run([this](int part, int) {
+      const DenormalsAreZero guard;
+      for (int c = claims_.take(part); c >= 0; c = claims_.take(part)) elastic_forces_of(c, part);
+    });
+    laps_.end(Work::waiting);
   }
 
   void elastic_forces_of(int c, int part) {
@@ -368,9 +397,10 @@ class SimdSolver final : public SolverBackend {
   ClusterClaims claims_;
   std::vector<PartSummary> summaries_;  // [parts]
   Floats u_, v_, next_u_, next_v_;      // u: [places + 1][4] by quad, v: [slices][3][lanes]
-  Floats force_, pull_;
-  std::vector<Floats> near_u_;  // [parts] displacements of the cluster a part is at
-  std::vector<Floats> grid_;    // [parts] Job::grid_memory
+  Floats force_, pull_, stress_;
+  std::vector<int> averaged_part_;  // [parts + 1] slice
+  std::vector<Floats> near_u_;      // [parts] displacements of the cluster a part is at
+  std::vector<Floats> grid_;        // [parts] Job::grid_memory
   double time_ = 0.0, last_dt_ = 0.0;
   int steps_at_rest_ = 0;
   WorkLaps laps_, no_laps_;

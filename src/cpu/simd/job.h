@@ -139,6 +139,21 @@ struct Job {
   Rows simplices, cell_simplices;  ///< without and with a cell term
 };
 
+/// Law::particle_averaged. A slot is a domain: the first of a particle is at the particle's quad, further ones follow
+/// those of all particles. Slots of one slice stand in the order of quad_of(), and so do their constants' rows.
+struct Averaged {
+  const char* u = nullptr;                   ///< [slots] m, displacements; of further slots, copies
+  char* stress = nullptr;                    ///< [slots][4] quads: columns of Q, Pa, and zeros
+  char* force = nullptr;                     ///< [slots] N
+  const float* constants = nullptr;          ///< [slices][4][lanes] 1/V, c, kappa, s mu
+  const std::int32_t* first_link = nullptr;  ///< [slots + 1] of `link`; even numbers of each slot
+  const std::int32_t* link = nullptr;        ///< byte offset of the other slot in `u`
+  /// [slots] row of the first link in `links`, for either pass: C_de, m^2, and k, N/m; -C_ed and k. Inside a body these
+  /// are the same, and equal ones are there once.
+  const std::int32_t *stress_row = nullptr, *force_row = nullptr;
+  const float* links = nullptr;  ///< [rows][4]
+};
+
 /// Particles [first, first + lanes * slices) of the body.
 struct Move {
   const char* force = nullptr;               ///< rows of all clusters; null: no term has any
@@ -183,9 +198,11 @@ struct Kernels {
   void (*volumes[2][2])(const Job&);   ///< [plane][bounded]
   void (*cells[2])(const Job&);        ///< [bounded]
   void (*springs)(const Job&);
-  void (*hexahedra[2])(const Job&);  ///< [bounded]
-  void (*lattices[2])(const Job&);   ///< [bounded]: stars, boxes, grid
-  void (*simplices[2])(const Job&);  ///< [bounded]
+  void (*hexahedra[2])(const Job&);                                   ///< [bounded]
+  void (*lattices[2])(const Job&);                                    ///< [bounded]: stars, boxes, grid
+  void (*simplices[2])(const Job&);                                   ///< [bounded]
+  void (*averaged_stresses[2])(const Averaged&, int slice, int end);  ///< [bounded]
+  void (*averaged_forces)(const Averaged&, int slice, int end);
   void (*move)(const Move&, int slice, int end, MoveSummary&);
 };
 

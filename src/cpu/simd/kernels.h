@@ -4,6 +4,7 @@
 // own compiles, since each half takes a compiler long.
 #pragma once
 
+#include "averaged_terms.h"
 #include "base_terms.h"
 #include "cell_terms.h"
 #include "enumerated_terms.h"
@@ -37,6 +38,8 @@ constexpr simd::Kernels all_kernels(const char* name) {
           {hexahedron_rows<false>, hexahedron_rows<true>},
           {lattice_terms<false>, lattice_terms<true>},
           {simplex_rows<false>, simplex_rows<true>},
+          {averaged_stresses<false>, averaged_stresses<true>},
+          averaged_forces,
           move_slices};
 }
 

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+#include "packed_averages.h"
+
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <string>
+
+#include "packed_rows.h"
+
+namespace phymul::cpu {
+namespace {
+
+using LinkRow = std::array<float, 4>;
+
+class AveragesPacker {
+ public:
+  AveragesPacker(const TopologyTextures& t, const std::vector<Index>& order, std::int32_t places, int lanes,
+                 PackedAverages& to)
+      : t_(t), order_(order), places_(places), lanes_(lanes), to_(to), quad_of_domain_(t.domains.size()) {}
+
+  void pack() {
+    to_.lanes = lanes_;
+    place_domains();
+    to_.first_link.push_back(0);
+    for (const Index d : domain_of_quad_) {
+      if (d != none) {
+        add_links(d);
+      } else {
+        to_.stress_row.push_back(0);
+        to_.force_row.push_back(0);
+      }
+      to_.first_link.push_back(static_cast<std::int32_t>(to_.link.size()));
+    }
+    add_constants();
+  }
+
+ private:
+  void place_domains() {
+    std::vector<Index> places(static_cast<std::size_t>(places_), none);  // domain
+    std::vector<std::pair<std::int32_t, std::int32_t>> further;          // places
+    for (std::size_t place = 0; place < order_.size(); ++place) {
+      const Index i = order_[place];
+      for (Index d = t_.first_domain[i]; d < t_.first_domain[i + 1]; ++d) {
+        if (d == t_.first_domain[i]) {
+          places[place] = d;
+        } else {
+          further.emplace_back(static_cast<std::int32_t>(place), static_cast<std::int32_t>(places.size()));
+          places.push_back(d);
+        }
+      }
+    }
+    const auto whole = static_cast<std::size_t>(lanes_);
+    places.resize((places.size() + whole - 1) / whole * whole, none);
+    if (places.size() > std::numeric_limits<std::int32_t>::max() / 16 ||
+        t_.links.size() > std::numeric_limits<std::int32_t>::max() / 4) {
+      throw Error("the body has " + std::to_string(t_.particle_count) +
+                  " particles, too many for 32-bit offsets; the backend \"reference\" has no such limit");
+    }
+    to_.slots = static_cast<std::int32_t>(places.size());
+    domain_of_quad_.assign(places.size(), none);
+    for (std::size_t place = 0; place < places.size(); ++place) {
+      const std::int32_t quad = simd::quad_of(static_cast<std::int32_t>(place), lanes_);
+      domain_of_quad_[quad] = places[place];
+      if (places[place] != none) quad_of_domain_[places[place]] = quad;
+    }
+    for (const auto& [own, other] : further) {
+      to_.further.emplace_back(simd::quad_of(own, lanes_), simd::quad_of(other, lanes_));
+    }
+  }
+
+  /// Domains that d is linked with, with C_de and C_ed; where that is not zero also d itself.
+  struct Link {
+    Index domain;
+    Vec3 there, back;
+    double stiffness;
+  };
+
+  void add_links(Index d) {
+    all_.clear();
+    for (Index r = t_.first_link[d]; r < t_.first_link[d + 1]; ++r) {
+      const LinkTexel& link = t_.links[r];
+      all_.push_back({link.domain, link.area, -link.area, link.stiffness});
+    }
+    for (Index r = t_.first_surface_link[d]; r < t_.first_surface_link[d + 1]; ++r) {
+      const SurfaceLinkTexel& surface = t_.surface_links[r];
+      auto known = std::ranges::find(all_, surface.domain, &Link::domain);
+      if (known == all_.end()) known = all_.insert(known, {surface.domain, Vec3::Zero(), Vec3::Zero(), 0.0});
+      known->there += surface.area;
+      known->back += surface.area;
+    }
+    if (all_.size() % 2 == 1) all_.push_back({d, Vec3::Zero(), Vec3::Zero(), 0.0});
+    std::vector<LinkRow> stress, force;
+    for (const Link& link : all_) {
+      to_.link.push_back(16 * quad_of_domain_[link.domain]);
+      stress.push_back(row_of(link.there, link.stiffness));
+      force.push_back(row_of(-link.back, link.stiffness));
+    }
+    to_.stress_row.push_back(first_row_of(stress));
+    to_.force_row.push_back(first_row_of(force));
+  }
+
+  static LinkRow row_of(const Vec3& area, double stiffness) {
+    return {narrowed(area.x()), narrowed(area.y()), narrowed(area.z()), narrowed(stiffness)};
+  }
+
+  std::int32_t first_row_of(const std::vector<LinkRow>& rows) {
+    const auto [known, is_new] = rows_.try_emplace(rows, static_cast<std::int32_t>(to_.links.size() / 4));
+    if (is_new) {
+      for (const LinkRow& row : rows) to_.links.insert(to_.links.end(), row.begin(), row.end());
+    }
+    return known->second;
+  }
+
+  void add_constants() {
+    to_.constants.assign(4 * static_cast<std::size_t>(to_.slots), 0.0f);
+    for (std::int32_t place = 0; place < to_.slots; ++place) {
+      const Index d = domain_of_quad_[simd::quad_of(place, lanes_)];
+      if (d == none) continue;
+      const DomainTexel& domain = t_.domains[d];
+      const std::array values{domain.inverse_volume, domain.shape_stiffness, domain.volume_stiffness,
+                              domain.spread_stiffness};
+      const std::int32_t slice = place / lanes_, lane = place % lanes_;
+      for (std::int32_t k = 0; k < 4; ++k) {
+        to_.constants[static_cast<std::size_t>((slice * 4 + k) * lanes_ + lane)] = narrowed(values[k]);
+      }
+    }
+  }
+
+  const TopologyTextures& t_;
+  const std::vector<Index>& order_;
+  const std::int32_t places_;
+  const int lanes_;
+  PackedAverages& to_;
+  std::vector<std::int32_t> quad_of_domain_;
+  std::vector<Index> domain_of_quad_;
+  std::vector<Link> all_;                              // of the domain at hand
+  std::map<std::vector<LinkRow>, std::int32_t> rows_;  // first row of equal links
+};
+
+}  // namespace
+
+simd::Averaged PackedAverages::job(char* u, char* stress, char* force) const {
+  return {.u = u,
+          .stress = stress,
+          .force = force,
+          .constants = constants.data(),
+          .first_link = first_link.data(),
+          .link = link.data(),
+          .stress_row = stress_row.data(),
+          .force_row = force_row.data(),
+          .links = links.data()};
+}
+
+void PackedAverages::copy_displacements(char* u) const {
+  for (const auto& [own, other] : further) {
+    std::memcpy(u + 16 * std::ptrdiff_t{other}, u + 16 * std::ptrdiff_t{own}, 16);
+  }
+}
+
+void PackedAverages::gather_forces(char* force) const {
+  for (const auto& [own, other] : further) {
+    float sum[4], part[4];
+    std::memcpy(sum, force + 16 * std::ptrdiff_t{own}, sizeof sum);
+    std::memcpy(part, force + 16 * std::ptrdiff_t{other}, sizeof part);
+    for (int a = 0; a < 3; ++a) sum[a] += part[a];
+    std::memcpy(force + 16 * std::ptrdiff_t{own}, sum, sizeof sum);
+  }
+}
+
+double PackedAverages::cost() const {
+  return 10.0 * slots + 2.0 * static_cast<double>(link.size());
+}
+
+double PackedAverages::bytes() const {
+  const double passes = 2.0;
+  const auto words = static_cast<double>(first_link.size() + link.size() + stress_row.size() + links.size());
+  const double stress = 64.0, force = 16.0;  // both written and read
+  return 4.0 * (passes * words + static_cast<double>(constants.size())) + 2.0 * slots * (stress + force);
+}
+
+std::vector<int> PackedAverages::shared_out(int parts) const {
+  std::vector<int> first{0};
+  const auto work = [&](int slice) {
+    return static_cast<double>(first_link[static_cast<std::size_t>(slice) * lanes]) + 5.0 * slice * lanes;
+  };
+  for (int slice = 0; slice < slices(); ++slice) {
+    while (static_cast<int>(first.size()) < parts &&
+           work(slice) >= work(slices()) * static_cast<double>(first.size()) / parts) {
+      first.push_back(slice);
+    }
+  }
+  first.resize(static_cast<std::size_t>(parts) + 1, slices());
+  return first;
+}
+
+PackedAverages pack_averages(const TopologyTextures& topology, const std::vector<Index>& order, std::int32_t places,
+                             int lanes) {
+  PackedAverages packed;
+  AveragesPacker(topology, order, places, lanes, packed).pack();
+  return packed;
+}
+
+}  // namespace phymul::cpu

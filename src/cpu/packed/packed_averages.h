@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+//
+// A body of Law::particle_averaged packed for the kernels (simd::Averaged).
+#pragma once
+
+#include <phymul/topology_textures.h>
+
+#include <utility>
+#include <vector>
+
+#include "aligned_arrays.h"
+#include "cpu/simd/job.h"
+
+namespace phymul::cpu {
+
+struct PackedAverages {
+  int lanes = 0;
+  std::int32_t slots = 0;  ///< a multiple of the lanes; none: a body of another law
+  /// Quads of further domains of a particle: (its own, the domain's). Each step copies displacements there, and adds
+  /// forces from there.
+  std::vector<std::pair<std::int32_t, std::int32_t>> further;
+  Offsets first_link, link, stress_row, force_row;
+  Floats constants, links;
+
+  int slices() const { return lanes > 0 ? slots / lanes : 0; }
+  simd::Averaged job(char* u, char* stress, char* force) const;
+  void copy_displacements(char* u) const;
+  void gather_forces(char* force) const;
+  double cost() const;   ///< ns per step, rough
+  double bytes() const;  ///< that a step reads and writes, beside displacements
+
+  /// Slices at which `parts` threads begin, [parts + 1], about as many links each.
+  std::vector<int> shared_out(int parts) const;
+};
+
+/// `order`: row of the model at each place; `places`: those, filled up to whole slices. Throws Error where a constant
+/// is not a float or an offset not 32 bits.
+PackedAverages pack_averages(const TopologyTextures& topology, const std::vector<Index>& order, std::int32_t places,
+                             int lanes);
+
+}  // namespace phymul::cpu

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+//
+// Law::particle_averaged, in two passes over the domains: the stress of each from the displacements around it, then its
+// force from the stresses around it. A link costs a load of what is gathered, one of its constants, and one product of
+// sixteen floats: four copies of a vector of displacement, times x, y, z and the stiffness of the link, or the three
+// columns of a stress times x, y and z.
+#pragma once
+
+#include "cell_terms.h"
+
+namespace phymul::cpu::PHYMUL_ISA {
+
+/// Four vectors of four floats.
+#if PHYMUL_LANES == 16
+struct Wide {
+  __m512 all;
+};
+PHYMUL_INLINE Wide zero_wide() {
+  return {_mm512_setzero_ps()};
+}
+PHYMUL_INLINE Wide load_wide(const char* from) {
+  return {_mm512_load_ps(reinterpret_cast<const float*>(from))};
+}
+PHYMUL_INLINE Wide four_times(Quad q) {
+  return {_mm512_broadcast_f32x4((__m128)q)};
+}
+/// x, x, x, x, y, y, y, y, z, ...
+PHYMUL_INLINE Wide each_four_times(const float* from) {
+  const __m512 q = _mm512_broadcast_f32x4(_mm_load_ps(from));
+  return {_mm512_permutevar_ps(q, _mm512_set_epi32(3, 3, 3, 3, 2, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0))};
+}
+PHYMUL_INLINE Wide plus_product(Wide sum, Wide a, Wide b) {
+  return {_mm512_fmadd_ps(a.all, b.all, sum.all)};
+}
+PHYMUL_INLINE Wide plus(Wide a, Wide b) {
+  return {_mm512_add_ps(a.all, b.all)};
+}
+PHYMUL_INLINE void split(Wide w, Quad to[4]) {
+  split_quads((Pack)w.all, to);
+}
+#elif PHYMUL_LANES == 8
+struct Wide {
+  __m256 low, high;
+};
+PHYMUL_INLINE Wide zero_wide() {
+  return {_mm256_setzero_ps(), _mm256_setzero_ps()};
+}
+PHYMUL_INLINE Wide load_wide(const char* from) {
+  const float* at = reinterpret_cast<const float*>(from);
+  return {_mm256_load_ps(at), _mm256_load_ps(at + 8)};
+}
+PHYMUL_INLINE Wide four_times(Quad q) {
+  const __m256 twice = _mm256_set_m128((__m128)q, (__m128)q);
+  return {twice, twice};
+}
+/// x, x, x, x, y, y, y, y, z, ...
+PHYMUL_INLINE Wide each_four_times(const float* from) {
+  const __m256 q = _mm256_broadcast_ps(reinterpret_cast<const __m128*>(from));
+  return {_mm256_permutevar_ps(q, _mm256_set_epi32(1, 1, 1, 1, 0, 0, 0, 0)),
+          _mm256_permutevar_ps(q, _mm256_set_epi32(3, 3, 3, 3, 2, 2, 2, 2))};
+}
+PHYMUL_INLINE Wide plus_product(Wide sum, Wide a, Wide b) {
+  return {_mm256_fmadd_ps(a.low, b.low, sum.low), _mm256_fmadd_ps(a.high, b.high, sum.high)};
+}
+PHYMUL_INLINE Wide plus(Wide a, Wide b) {
+  return {_mm256_add_ps(a.low, b.low), _mm256_add_ps(a.high, b.high)};
+}
+PHYMUL_INLINE void split(Wide w, Quad to[4]) {
+  split_quads((Pack)w.low, to);
+  split_quads((Pack)w.high, to + 2);
+}
+#else
+struct Wide {
+  Quad q[4];
+};
+PHYMUL_INLINE Wide zero_wide() {
+  return {};
+}
+PHYMUL_INLINE Wide load_wide(const char* from) {
+  return {{load_quad(from), load_quad(from + 16), load_quad(from + 32), load_quad(from + 48)}};
+}
+PHYMUL_INLINE Wide four_times(Quad q) {
+  return {{q, q, q, q}};
+}
+/// x, x, x, x, y, y, y, y, z, ...
+PHYMUL_INLINE Wide each_four_times(const float* from) {
+  return {{Quad{} + from[0], Quad{} + from[1], Quad{} + from[2], Quad{} + from[3]}};
+}
+PHYMUL_INLINE Wide plus_product(Wide sum, Wide a, Wide b) {
+  for (int k = 0; k < 4; ++k) sum.q[k] += a.q[k] * b.q[k];
+  return sum;
+}
+PHYMUL_INLINE Wide plus(Wide a, Wide b) {
+  for (int k = 0; k < 4; ++k) a.q[k] += b.q[k];
+  return a;
+}
+PHYMUL_INLINE void split(Wide w, Quad to[4]) {
+  for (int k = 0; k < 4; ++k) to[k] = w.q[k];
+}
+#endif
+
+/// Sum over the links of slot q, of which there is an even number: two sums, whose products need not wait for each
+/// other. `gathered`: of a byte offset in Averaged::u.
+template <class Gathered>
+PHYMUL_INLINE Wide link_sum(const simd::Averaged& body, std::int64_t q, const std::int32_t* rows,
+                            const Gathered& gathered) {
+  Wide even = zero_wide(), odd = zero_wide();
+  const float* constants = body.links + 4 * static_cast<std::int64_t>(rows[q]);
+  const std::int32_t *link = body.link + body.first_link[q], *last = body.link + body.first_link[q + 1];
+  for (; link < last; link += 2, constants += 8) {
+    even = plus_product(even, gathered(link[0]), each_four_times(constants));
+    odd = plus_product(odd, gathered(link[1]), each_four_times(constants + 4));
+  }
+  return plus(even, odd);
+}
+
+PHYMUL_INLINE Pack3 minus_scaled(Pack3 from, Pack scale, Pack3 a) {
+  return {from.x - scale * a.x, from.y - scale * a.y, from.z - scale * a.z};
+}
+
+/// Stresses and springs of slices [slice, end). Displacements around a slot, each less its own, are summed with the
+/// areas (three columns) and with the stiffnesses (the fourth).
+template <bool bounded>
+void averaged_stresses(const simd::Averaged& body, int slice, int end) {
+  alignas(64) float columns[3][4 * lanes];
+  for (; slice < end; ++slice) {
+    const std::int64_t first = static_cast<std::int64_t>(slice) * lanes;
+    for (int k = 0; k < lanes; ++k) {
+      const Quad own = load_quad(body.u + 16 * (first + k));
+      Quad sum[4];
+      split(link_sum(
+                body, first + k, body.stress_row,
+                [&](std::int32_t offset)
+                    __attribute__((always_inline)) { return four_times(load_quad(body.u + offset) - own); }),
+            sum);
+      for (int c = 0; c < 3; ++c) store_quad(reinterpret_cast<char*>(columns[c]) + 16 * k, sum[c]);
+      store_quad(body.force + 16 * (first + k), sum[3]);
+    }
+    const float* constants = body.constants + 4 * first;
+    const Pack inverse_volume = load(constants), spread = load(constants + 3 * lanes);
+    const Columns H{inverse_volume * gather_row(reinterpret_cast<const char*>(columns[0])),
+                    inverse_volume * gather_row(reinterpret_cast<const char*>(columns[1])),
+                    inverse_volume * gather_row(reinterpret_cast<const char*>(columns[2]))};
+    const Columns P = cell_stress<bounded>(H, load(constants + lanes), load(constants + 2 * lanes));
+    const Pack3 Q[3] = {minus_scaled(P.c0, spread, H.c0), minus_scaled(P.c1, spread, H.c1),
+                        minus_scaled(P.c2, spread, H.c2)};
+    for (int c = 0; c < 3; ++c) {
+      char* to = body.stress + 64 * first + 16 * c;
+      for_each_quad(
+          Q[c], [&](int lane, Quad q)
+                    __attribute__((always_inline)) { store_quad(to + 64 * simd::quad_of(lane, lanes), q); });
+    }
+  }
+}
+
+/// Forces of slices [slice, end), added to the springs'.
+inline void averaged_forces(const simd::Averaged& body, int slice, int end) {
+  const std::int64_t last = static_cast<std::int64_t>(end) * lanes;
+  for (std::int64_t q = static_cast<std::int64_t>(slice) * lanes; q < last; ++q) {
+    Quad part[4];
+    split(link_sum(
+              body, q, body.force_row,
+              [&](std::int32_t offset) __attribute__((always_inline)) {
+                return load_wide(body.stress + 4 * static_cast<std::int64_t>(offset));
+              }),
+          part);
+    char* at = body.force + 16 * q;
+    store_quad(at, load_quad(at) + ((part[0] + part[1]) + part[2]));
+  }
+}
+
+}  // namespace phymul::cpu::PHYMUL_ISA
