@@ -85,11 +85,14 @@ void add_elasticity_options(CLI::App& app, RunOptions& options) {
                            "which bases [thresholded; opposite_faces with a material]");
   auto* springs = app.add_flag_callback(
       "--springs", [&options] { options.topology.law = phymul::Law::springs; }, "springs instead of shape memory");
+  auto* averaged = app.add_flag_callback(
+      "--particle-averaged", [&options] { options.topology.law = phymul::Law::particle_averaged; },
+      "one mean deformation for each particle; best where tetrahedra bend");
   auto* volume = app.add_option("--volume-stiffness", options.topology.volume_stiffness,
                                 "kappa of a volume term without a material, Pa");
   auto* average = app.add_option("--cell-average", options.topology.cell_average,
                                  "share of the energy from a hexahedron's mean deformation; 0.9 cures locking");
-  for (CLI::Option* option : {young, poisson, density, from_file, reaction, bases, springs, volume, average}) {
+  for (CLI::Option* option : {young, poisson, density, from_file, reaction, bases, springs, averaged, volume, average}) {
     option->group(group);
   }
   for (CLI::Option* option : {young, poisson, density}) from_file->excludes(option);
@@ -97,6 +100,8 @@ void add_elasticity_options(CLI::App& app, RunOptions& options) {
   springs->needs(from_file);
   volume->needs(from_file);
   average->excludes(from_file);
+  averaged->excludes(from_file);
+  averaged->excludes(average);
 }
 
 void add_run_options(CLI::App& app, RunOptions& options) {

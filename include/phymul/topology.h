@@ -96,7 +96,7 @@ struct TopologyOptions {
   double cell_average = 0.0;
   /// s of Law::particle_averaged. Without a value it is calibrated so that pure bending of the body costs what it should
   /// (0.1 to 0.7; one value for each type of cell), and build_topology writes the mean over the volume here.
-  std::optional<double> stabiliser;
+  std::optional<double> stabiliser = std::nullopt;
   SparseParticle on_sparse = SparseParticle::error;
   int max_texture_size = 16384;  ///< texels: limit of a GPU on the sides of a table
 };

@@ -128,6 +128,19 @@ Scene pulled(const Model& model) {
   return scene.fix("x0").gravity({0, 0, -9.81}).add(pull).add(push);
 }
 
+/// A lattice whose one half is five times stiffer.
+Model two_materials() {
+  Model model = make_block({0.12, 0.06, 0.06}, 12, 6, 6);
+  set_material(model, soft_tissue());
+  std::vector<Index> left;
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    if (model.rest[i].x() < 0.065) left.push_back(i);
+  }
+  model.add_group("left", left);
+  set_material(model, {50e3, 0.3, 1000.0}, "left");
+  return model;
+}
+
 /// Bodies of several clusters, with the terms of every kernel among them.
 std::vector<Case> large_cases() {
   const auto make = [](std::string name, Model model, const TopologyOptions& options) {
@@ -144,7 +157,9 @@ std::vector<Case> large_cases() {
           make("averaged", block, {.reaction = Reaction::averaged, .bases = BaseSelection::all}),
           make("fitted", tetrahedra, {.area_exponent = 1.0}),
           make("tetrahedra", material(tetrahedra), {}),
-          make("lattice", material(make_block({0.2, 0.2, 0.2}, 20, 20, 20)), {.cell_average = 0.9})};
+          make("lattice", material(make_block({0.2, 0.2, 0.2}, 20, 20, 20)), {.cell_average = 0.9}),
+          make("particle-averaged", material(tetrahedra), {.law = Law::particle_averaged}),
+          make("particle-averaged materials", two_materials(), {.law = Law::particle_averaged})};
 }
 
 TEST(CpuBackend, AnyNumberOfThreadsGivesTheSameBits) {
@@ -184,14 +199,7 @@ TEST(CpuBackend, ClustersHaveTheForcesOfTheWhole) {
 }
 
 TEST(CpuBackend, MaterialsMeetInALattice) {
-  Model model = make_block({0.12, 0.06, 0.06}, 12, 6, 6);
-  set_material(model, soft_tissue());
-  std::vector<Index> left;
-  for (Index i = 0; i < model.particle_count(); ++i) {
-    if (model.rest[i].x() < 0.065) left.push_back(i);
-  }
-  model.add_group("left", left);
-  set_material(model, {50e3, 0.3, 1000.0}, "left");
+  const Model model = two_materials();
   const auto tables = std::make_shared<const TopologyTextures>(build_topology(model, {.cell_average = 0.9}));
   const Scene scene(model);
   for (const double amount : {0.1, 2.0}) {  // bases are flat or turned over in the latter

@@ -22,7 +22,7 @@ namespace {
 
 TEST(Renumbering, PermutesForcesAndEnergy) {
   for (const Body& body : bodies()) {
-    for (const Variant& variant : conservative_variants()) {
+    for (const Variant& variant : clustered_variants()) {
       if (!applies(variant, body)) continue;
       const Model model = prepared(variant, body);
       const TopologyTextures tables = build_topology(model, variant.options);

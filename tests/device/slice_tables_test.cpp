@@ -39,7 +39,7 @@ void add(std::vector<Packed>& all, const std::string& name, const Model& model, 
 std::vector<Packed> every_variant() {
   std::vector<Packed> all;
   for (const Body& body : bodies()) {
-    for (const Variant& variant : conservative_variants()) {
+    for (const Variant& variant : clustered_variants()) {
       if (!applies(variant, body)) continue;
       add(all, body.name + ", " + variant.name, prepared(variant, body), variant.options);
     }

@@ -113,8 +113,17 @@ inline Material soft_tissue(double poisson = 0.3) {
   return {10e3, poisson, 1000.0};
 }
 
-/// Every energy the library has that is exactly conservative.
-inline std::vector<Variant> conservative_variants() {
+/// Law::particle_averaged.
+inline std::vector<Variant> averaged_variants() {
+  const TopologyOptions law{.law = Law::particle_averaged},
+      quadratic{.law = Law::particle_averaged, .volume_law = VolumeLaw::quadratic};
+  return {{"particle-averaged", law, true},
+          {"particle-averaged nu 0.45", law, true, 0.45},
+          {"particle-averaged quadratic volume", quadratic, true}};
+}
+
+/// Every other energy the library has that is exactly conservative.
+inline std::vector<Variant> clustered_variants() {
   std::vector<Variant> all;
   const auto add = [&](std::string name, bool material, auto&& set) {
     Variant v;
@@ -150,9 +159,16 @@ inline std::vector<Variant> conservative_variants() {
   return all;
 }
 
-/// True where the body can carry the variant at all: calibrated materials are three-dimensional.
+/// Every energy the library has that is exactly conservative.
+inline std::vector<Variant> conservative_variants() {
+  std::vector<Variant> all = clustered_variants();
+  for (Variant& variant : averaged_variants()) all.push_back(std::move(variant));
+  return all;
+}
+
+/// True where the body can carry the variant at all: most calibrated materials are three-dimensional.
 inline bool applies(const Variant& variant, const Body& body) {
-  return !(variant.material && body.model.dimension == 2);
+  return !variant.material || body.model.dimension == 3 || variant.options.law == Law::particle_averaged;
 }
 
 inline Model prepared(const Variant& variant, const Body& body) {

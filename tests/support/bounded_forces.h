@@ -29,6 +29,9 @@ class BoundedForces {
     for (const CellTexel& cell : t_.cells) {
       t_.options.volume_law == VolumeLaw::bounded ? add_cell<true>(cell) : add_cell<false>(cell);
     }
+    for (Index d = 0; d < static_cast<Index>(t_.domains.size()); ++d) {
+      t_.options.volume_law == VolumeLaw::bounded ? add_domain<true>(d) : add_domain<false>(d);
+    }
   }
 
   Bounded3 force(Index i) const { return sum_[i].total(); }
@@ -189,6 +192,46 @@ class BoundedForces {
       sum_[cell.vertex[corner]].add(-cpu::times(P, stored3(cell.gradient[corner])));
     }
     add_energy(cpu::cell_energy<bounded>(H, shape, volume));
+  }
+
+  Bounded3 difference_of_domains(Index d, Index e) const {
+    return difference(t_.domains[d].particle, t_.domains[e].particle);
+  }
+
+  /// 1/V times the sum over the links, as columns; whether a backend adds the two areas of a surface link first or the
+  /// products afterwards is left open.
+  cpu::Columns<Bounded> mean_gradient(Index d) const {
+    BoundedSum c0, c1, c2;
+    const auto add = [&](Index e, const Vec3& area) {
+      const Bounded3 u = difference_of_domains(d, e), A = stored3(area);
+      c0.add(A.x * u);
+      c1.add(A.y * u);
+      c2.add(A.z * u);
+    };
+    for (Index r = t_.first_link[d]; r < t_.first_link[d + 1]; ++r) add(t_.links[r].domain, t_.links[r].area);
+    for (Index r = t_.first_surface_link[d]; r < t_.first_surface_link[d + 1]; ++r) {
+      add(t_.surface_links[r].domain, t_.surface_links[r].area);
+    }
+    const Bounded inverse = stored(t_.domains[d].inverse_volume);
+    return {inverse * c0.total(), inverse * c1.total(), inverse * c2.total()};
+  }
+
+  template <bool bounded>
+  void add_domain(Index d) {
+    const DomainTexel& domain = t_.domains[d];
+    const cpu::Columns<Bounded> H = mean_gradient(d);
+    const Bounded shape = stored(domain.shape_stiffness), volume = stored(domain.volume_stiffness),
+                  spread = stored(domain.spread_stiffness);
+    cpu::Columns<Bounded> Q = cpu::cell_stress<bounded>(H, shape, volume);
+    Q = {Q.c0 - spread * H.c0, Q.c1 - spread * H.c1, Q.c2 - spread * H.c2};
+    for (Index r = t_.first_link[d]; r < t_.first_link[d + 1]; ++r) {
+      const LinkTexel& link = t_.links[r];
+      sum_[t_.domains[link.domain].particle].add(-cpu::times(Q, stored3(link.area)));
+      sum_[domain.particle].add(stored(link.stiffness) * difference_of_domains(d, link.domain));
+    }
+    for (Index r = t_.first_surface_link[d]; r < t_.first_surface_link[d + 1]; ++r) {
+      sum_[t_.domains[t_.surface_links[r].domain].particle].add(-cpu::times(Q, stored3(t_.surface_links[r].area)));
+    }
   }
 
   const TopologyTextures& t_;
