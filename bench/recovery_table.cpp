@@ -61,10 +61,11 @@ int main(int argc, char** argv) try {
                           "ratio; takes minutes in the reference backend, with cpu less.")) {
     return 0;
   }
-  TopologyOptions bounded, quadratic, averaged, exponent;
+  TopologyOptions bounded, quadratic, averaged, exponent, per_particle;
   quadratic.volume_law = VolumeLaw::quadratic;
   averaged.cell_average = 0.9;
   exponent.poisson_route = PoissonRoute::area_exponent;
+  per_particle.law = Law::particle_averaged;
   Setting setting;
   setting.backend = argc > 1 ? argv[1] : "reference";
   if (argc > 2) setting.share = std::atof(argv[2]);
@@ -74,6 +75,7 @@ int main(int argc, char** argv) try {
       print_row("bounded volume law", poisson, bounded, setting);
       print_row("quadratic volume law", poisson, quadratic, setting);
       print_row("bounded, cell-averaged", poisson, averaged, setting);
+      print_row("bounded, particle-averaged", poisson, per_particle, setting);
     }
     print_row("area exponent", 0.3, exponent, setting);
   }

@@ -198,7 +198,9 @@ Mat3 mean_stress(const TopologyTextures& t, Index d, std::span<const Vec3> x) {
   Mat3 P;
   cpu::cell_energy<double>(Mat3::Identity() + H, domain.shape_stiffness, domain.volume_stiffness, t.options.volume_law,
                            &P);
-  return P - domain.spread_stiffness * H;
+  P -= domain.spread_stiffness * H;
+  if (t.dimension == 2) P.row(2).setZero();  // nothing but rounding, which would leave the plane
+  return P;
 }
 
 void domain_forces(const TopologyTextures& t, std::span<const Vec3> x, std::span<Vec3> force) {

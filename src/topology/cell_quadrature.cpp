@@ -107,8 +107,14 @@ void cell_points(const Model& model, Index row, std::vector<CellPoint>& points) 
   const bool plane = model.dimension == 2;
   const double winding = plane && signed_measure(2, cell, model.rest) < 0.0 ? -1.0 : 1.0;
   const Vec3& origin = model.rest[cell.particles[0]];
+  const bool linear = cell.type == CellType::triangle || cell.type == CellType::tetrahedron;
   points.clear();
   for (const ReferencePoint& at : rule_of(cell.type)) {
+    if (linear && !points.empty()) {  // the same map everywhere
+      points.push_back(points.front());
+      points.back().value = at.value;
+      continue;
+    }
     Mat3 map = plane ? Mat3(Vec3(0.0, 0.0, 1.0).asDiagonal()) : Mat3(Mat3::Zero());
     for (std::size_t v = 1; v < cell.particles.size(); ++v) {
       map += (model.rest[cell.particles[v]] - origin) * at.slope[v].transpose();

@@ -55,6 +55,31 @@ TEST(Recovery, FromEveryFailureStateWithEveryVolumeLaw) {
   }
 }
 
+TEST(Recovery, ParticleAveragedBodiesReturnFromEveryStateWhateverTheirSizeAndCells) {
+  for (const int across : {2, 3, 4}) {
+    for (Model model : {make_block({side, side, side}, across, across, across),
+                        make_tetrahedral_block({side, side, side}, across, across, across, 0.2, 3)}) {
+      for (const double poisson : {0.3, 0.45}) {
+        set_material(model, soft_tissue(poisson));
+        const Scene scene(model);
+        SolverOptions options;
+        options.damping.factor = 0.99;
+        const auto solver = make_solver("cpu", model, scene, {.law = Law::particle_averaged}, options);
+        for (const FailureState& failure : failure_states()) {
+          std::mt19937 bits(5);
+          State state = rest_state(model);
+          failure.apply(state.position, side, side / across, bits);
+          solver->reset(state);
+          const StepReport report = solver->step(12000, 0.5 * solver->stable_step());
+          EXPECT_TRUE(is_back({report, solver->energy().elastic}))
+              << failure.name << ", nu " << poisson << ", " << model.cells.front().particles.size() << " corners, "
+              << across << " across: " << report.message();
+        }
+      }
+    }
+  }
+}
+
 TEST(Recovery, WithoutTheCutMostFailureStatesRunAway) {
   SolverOptions uncut;
   uncut.max_displacement_per_step = std::numeric_limits<double>::infinity();

@@ -52,6 +52,8 @@ inline std::vector<Method> stability_methods() {
     const std::string nu = poisson == 0.3 ? ", nu 0.3" : ", nu 0.45";
     add("per base" + nu, [&](Method& m) { m.material = true, m.poisson = poisson; });
     add("cell-averaged" + nu, [&](Method& m) { m.material = true, m.poisson = poisson, m.options.cell_average = 0.9; });
+    add("particle-averaged" + nu,
+        [&](Method& m) { m.material = true, m.poisson = poisson, m.options.law = Law::particle_averaged; });
   }
   add("area exponent, nu 0.3",
       [](Method& m) { m.material = true, m.options.poisson_route = PoissonRoute::area_exponent; });

@@ -113,7 +113,7 @@ TEST_P(StabilityStarts, ABodyInOnePointIsReportedOrReturns) {
     Cube cube(method);
     const VecList point(cube.model.rest.size(), Vec3::Constant(side / 2));
     const Outcome outcome = cube.from(point);
-    if (!is_reference()) {
+    if (!is_reference() || method.options.law == Law::particle_averaged) {  // whose means are noise enough
       // What the averaged energy may do instead is the subject of a test below.
       if (method.name != "averaged") expect_no_silent_nonsense(outcome, method.name);
       continue;

@@ -25,6 +25,7 @@ class AveragesPacker {
 
   void pack() {
     to_.lanes = lanes_;
+    to_.plane = t_.dimension == 2;
     place_domains();
     to_.first_link.push_back(0);
     for (const Index d : domain_of_quad_) {
@@ -153,7 +154,8 @@ simd::Averaged PackedAverages::job(char* u, char* stress, char* force) const {
           .link = link.data(),
           .stress_row = stress_row.data(),
           .force_row = force_row.data(),
-          .links = links.data()};
+          .links = links.data(),
+          .plane = plane};
 }
 
 void PackedAverages::copy_displacements(char* u) const {

@@ -15,6 +15,7 @@ namespace phymul::cpu {
 
 struct PackedAverages {
   int lanes = 0;
+  bool plane = false;
   std::int32_t slots = 0;  ///< a multiple of the lanes; none: a body of another law
   /// Quads of further domains of a particle: (its own, the domain's). Each step copies displacements there, and adds
   /// forces from there.

@@ -142,9 +142,9 @@ void averaged_stresses(const simd::Averaged& body, int slice, int end) {
                     inverse_volume * gather_row(reinterpret_cast<const char*>(columns[1])),
                     inverse_volume * gather_row(reinterpret_cast<const char*>(columns[2]))};
     const Columns P = cell_stress<bounded>(H, load(constants + lanes), load(constants + 2 * lanes));
-    const Pack3 Q[3] = {minus_scaled(P.c0, spread, H.c0), minus_scaled(P.c1, spread, H.c1),
-                        minus_scaled(P.c2, spread, H.c2)};
+    Pack3 Q[3] = {minus_scaled(P.c0, spread, H.c0), minus_scaled(P.c1, spread, H.c1), minus_scaled(P.c2, spread, H.c2)};
     for (int c = 0; c < 3; ++c) {
+      if (body.plane) Q[c].z = Pack{};  // nothing but rounding, which would leave the plane
       char* to = body.stress + 64 * first + 16 * c;
       for_each_quad(
           Q[c], [&](int lane, Quad q)

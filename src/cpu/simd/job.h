@@ -152,6 +152,7 @@ struct Averaged {
   /// are the same, and equal ones are there once.
   const std::int32_t *stress_row = nullptr, *force_row = nullptr;
   const float* links = nullptr;  ///< [rows][4]
+  bool plane = false;
 };
 
 /// Particles [first, first + lanes * slices) of the body.
