@@ -7,6 +7,7 @@
 
 #include "support/bounded_forces.h"
 #include "support/gl_forms.h"
+#include "support/gl_touching_bodies.h"
 #include "support/message_of.h"
 #include "support/sanitized.h"
 
@@ -217,6 +218,36 @@ TEST_P(GlAveraged, BodiesGoWhereTheReferenceGoes) {
     EXPECT_NEAR(a.elastic, b.elastic, 1e-5 * b.elastic);
     EXPECT_GE(largest_distance(start.position, reference->read().position), 1e-3 * body_size(body.model));
   }
+}
+
+/// Where the passes of a step are others: a ball is pressed into a slab under a cube whose volume is kept.
+TEST_P(GlAveraged, ToolsContactsAndVolumesActOnIt) {
+  Model model = stacked(1e-4);
+  model.add_group("corner", model.cells[0].particles);
+  set_material(model, {20e3, 0.4, 1200.0}, "corner");
+  Scene scene(model);
+  scene.fix("low/z0").gravity({0, 0, -9.81}).contacts({}).constrain_volume("high");
+  scene.add_tool("ball", {.shape = Sphere{0.004}, .pose = {.position = Vec3(0.005, 0.005, 0.0142)}, .friction = 0.3});
+  SolverOptions damped = options();
+  damped.damping.rate = 30.0;
+  const auto tables = averaged_tables(model);
+  damped.spectrum = estimate_spectrum(*tables, tables->rest);
+  gl::DeviceSolver solver(GetParam().backend, tables, scene, damped);
+  const auto reference = make_solver("reference", tables, scene, damped);
+  const double dt = 0.4 * reference->stable_step();
+  double moved = 0.0, off = 0.0;
+  for (int k = 0; k < 10; ++k) {
+    scene.tool("ball").move_to({.position = Vec3(0.005, 0.005, 0.0142 - 2e-4 * k)});
+    ASSERT_TRUE(solver.step(20, dt).ok());
+    ASSERT_TRUE(reference->step(20, dt).ok());
+    const State exact = reference->read();
+    moved = std::max(moved, largest_distance(exact.position, model.rest));
+    off = std::max(off, largest_distance(solver.read().position, exact.position));
+  }
+  EXPECT_GT(solver.tool_force("ball").force.norm(), 0.0);
+  std::printf("[ REFERENCE] off by at most %.2g of the motion\n", off / moved);
+  EXPECT_GT(moved, 5e-4);
+  EXPECT_LE(off, 1e-5 * moved);
 }
 
 TEST_P(GlAveraged, EnergyIsTheReferences) {
