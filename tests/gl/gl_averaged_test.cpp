@@ -90,59 +90,6 @@ TEST_P(GlAveraged, SingleStepsHaveTheMirrorsBits) {
   }
 }
 
-/// The formulas of the law on numbers that carry their rounding errors.
-class BoundedDomains {
- public:
-  /// `u` [particles]: displacements, m, each exactly a float.
-  BoundedDomains(const TopologyTextures& topology, std::span<const Vec3> u) : t_(topology), u_(u), sum_(u.size()) {
-    const auto domains = static_cast<Index>(t_.domains.size());
-    std::vector<cpu::Columns<Bounded>> stress;
-    for (Index d = 0; d < domains; ++d) stress.push_back(stress_of(d));
-    for (Index d = 0; d < domains; ++d) {
-      BoundedSum& sum = sum_[t_.domains[d].particle];
-      for (Index r = t_.first_link[d]; r < t_.first_link[d + 1]; ++r) {
-        const LinkTexel& link = t_.links[r];
-        sum.add(stored(link.stiffness) * apart(d, link.domain));
-        sum.add(cpu::times(stress[link.domain], stored3(link.area)));
-      }
-      for (Index r = t_.first_surface_link[d]; r < t_.first_surface_link[d + 1]; ++r) {
-        const SurfaceLinkTexel& link = t_.surface_links[r];
-        sum.add(-cpu::times(stress[link.domain], stored3(link.area)));
-      }
-    }
-  }
-  Bounded3 force(Index i) const { return sum_[i].total(); }
-
- private:
-  static Bounded3 stored3(const Vec3& v) { return {stored(v.x()), stored(v.y()), stored(v.z())}; }
-  Bounded3 apart(Index d, Index e) const {
-    const Vec3 difference = u_[t_.domains[e].particle] - u_[t_.domains[d].particle];
-    return {rounded(difference.x(), 0.0), rounded(difference.y(), 0.0), rounded(difference.z(), 0.0)};
-  }
-  cpu::Columns<Bounded> stress_of(Index d) const {
-    const DomainTexel& domain = t_.domains[d];
-    std::array<BoundedSum, 3> columns;
-    const auto add = [&](Index e, const Vec3& area) {
-      for (int k = 0; k < 3; ++k) columns[static_cast<std::size_t>(k)].add(stored(area[k]) * apart(d, e));
-    };
-    for (Index r = t_.first_link[d]; r < t_.first_link[d + 1]; ++r) add(t_.links[r].domain, t_.links[r].area);
-    for (Index r = t_.first_surface_link[d]; r < t_.first_surface_link[d + 1]; ++r) {
-      add(t_.surface_links[r].domain, t_.surface_links[r].area);
-    }
-    const Bounded scale = stored(domain.inverse_volume), spread = stored(domain.spread_stiffness);
-    const cpu::Columns<Bounded> H{scale * columns[0].total(), scale * columns[1].total(), scale * columns[2].total()};
-    const Bounded shape = stored(domain.shape_stiffness), volume = stored(domain.volume_stiffness);
-    const cpu::Columns<Bounded> P = t_.options.volume_law == VolumeLaw::bounded
-                                        ? cpu::cell_stress<true>(H, shape, volume)
-                                        : cpu::cell_stress<false>(H, shape, volume);
-    return {P.c0 - spread * H.c0, P.c1 - spread * H.c1, P.c2 - spread * H.c2};
-  }
-
-  const TopologyTextures& t_;
-  std::span<const Vec3> u_;
-  std::vector<BoundedSum> sum_;
-};
-
 /// Of a step from standing still, as GlEquivalence does for other laws: velocities are dt / m times the forces, whose
 /// bound follows from the formulas; nothing in it is fitted. It is wide (llvmpipe uses 0.011 of it), so forces are held
 /// to ten times the largest error measured there too: 2.8e-7 of the body's largest force (llvmpipe 15, 2026-11-23).
@@ -165,7 +112,7 @@ TEST_P(GlAveraged, SingleStepsAreWithinTheRoundingBound) {
       elastic_forces(*tables, start.position, exact);
       ASSERT_TRUE(twins.gl->step(1, dt).ok());
       const State moved = twins.gl->read();
-      const BoundedDomains forces(*tables, u);
+      const BoundedForces forces(*tables, u);
       const double largest = largest_norm(exact);
       for (Index i = 0; i < model.particle_count(); ++i) {
         const Bounded3 force = forces.force(i);
