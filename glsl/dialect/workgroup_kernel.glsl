@@ -35,6 +35,9 @@ void main() {
 #ifdef CELL_ROWS
     for (int row = lane; row < cell_count; row += GROUP) store_cell(row);
 #endif
+#ifdef DOMAIN_ROWS
+    for (int d = lane; d < domain_count; d += GROUP) store_domain(d);
+#endif
 #ifdef STORED_TERMS
     wait_for_all();
 #endif

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Everything that pulls at one particle, in a fixed order: its own attractor or bases, what reactions give back,
-// volumes, cells, springs, loads. Needs tables.glsl, terms_of.glsl; force_of.glsl where ATTRACTORS is defined;
+// volumes, cells, domains, springs, loads. Needs tables.glsl, terms_of.glsl; force_of.glsl where ATTRACTORS is defined;
 // delta_spring.glsl where SPRINGS is; integrate_displacement.glsl where CUT is.
 
 #ifdef CUT
@@ -50,6 +50,13 @@ vec3 elastic_force(int i) {
     int entry = fetch_int(entries, entries_place, cell_start + row);
     F = F - cell_term(entry >> 3, fetch_vec4(cell_gradient, cell_gradient_place, entry).xyz);
   }
+#endif
+#ifdef DOMAINS
+  int next;
+  F = F + domain_force(i, next);
+#ifdef SEVERAL_DOMAINS
+  for (int d = next; d >= 0; d = next) F = F + domain_force(d, next);
+#endif
 #endif
 #ifdef SPRINGS
   vec3 u_i = displaced(i);

@@ -2,7 +2,7 @@
 //
 // Rows of the passes before the step, computed and stored. Dispatched only; needs tables.glsl and the passes asked for.
 
-uniform int base_rows_count, volume_count, cell_count;
+uniform int base_rows_count, volume_count, cell_count, domain_count;
 
 #ifdef ATTRACTOR_ROWS
 void store_attractor(int i) {
@@ -43,5 +43,16 @@ void store_cell(int row) {
   changing_rows[at] = floatBitsToInt(cell_column_0);
   changing_rows[at + 1] = floatBitsToInt(cell_column_1);
   changing_rows[at + 2] = floatBitsToInt(cell_column_2);
+}
+#endif
+
+#ifdef DOMAIN_ROWS
+void store_domain(int d) {
+  if (fetch_ivec4(domain_range, domain_range_place, d).x < 0) return;  // fills up a slice
+  domain_row(d);
+  int at = domain_terms_place + 4 * d;
+  changing_rows[at] = floatBitsToInt(domain_column_0);
+  changing_rows[at + 1] = floatBitsToInt(domain_column_1);
+  changing_rows[at + 2] = floatBitsToInt(domain_column_2);
 }
 #endif

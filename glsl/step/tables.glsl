@@ -21,6 +21,11 @@ TABLE_INTS(cell_vertex, cell_vertex_place);      // two rows a cell: corners 0-3
 TABLE_FLOATS(cell_gradient, cell_gradient_place);    // eight rows a cell
 TABLE_FLOATS(cell_stiffness, cell_stiffness_place);  // shape, volume
 TABLE_FLOATS(spring, spring_place);              // X_other - X_i, stiffness
+TABLE_INTS(domain_range, domain_range_place);    // first link, first surface link, end; next domain of its particle
+TABLE_FLOATS(domain_law, domain_law_place);      // 1/V, c, kappa, s mu
+TABLE_INTS(domain_owner, domain_owner_place);    // particle; only with SEVERAL_DOMAINS
+TABLE_INTS(link_domain, link_domain_place);      // e
+TABLE_FLOATS(link, link_place);                  // area, stiffness
 TABLE_FLOATS(rest, rest_place);                  // X_i from the middle, m
 uniform int volume_start, cell_start, spring_start;  // first rows of their entries
 uniform float area_exponent;
@@ -32,6 +37,7 @@ STORED(force, force_place);                    // F_i, N
 STORED_LAYERS(base_terms, base_terms_place);   // forces on a, b, c, owner
 STORED_LAYERS(volume_terms, volume_terms_place);  // forces on a, b, c, d
 STORED_LAYERS(cell_terms, cell_terms_place);   // columns of the stress
+STORED_LAYERS(domain_terms, domain_terms_place);  // likewise; w: the force of the spread
 
 TABLE_INTS(load_index, load_index_place);    // first and end row of force parts, first row of target parts, their number * 8 + fixed
 TABLE_FLOATS(load_parts, load_parts_place);  // vector, number of the value it is multiplied by
@@ -100,4 +106,13 @@ ivec2 spring_rows(int i) {
 
 vec3 displaced(int i) {
   return fetch_changing(displacement, displacement_place, i).xyz;
+}
+
+// The particle of domain d.
+int owner_of(int d) {
+#ifdef SEVERAL_DOMAINS
+  return fetch_int(domain_owner, domain_owner_place, d);
+#else
+  return d;
+#endif
 }

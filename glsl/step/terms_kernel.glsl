@@ -6,7 +6,7 @@
 layout(local_size_x = GROUP) in;
 
 uniform int pair;
-uniform int attractor_groups, base_groups, volume_groups;  // the rest are of cells
+uniform int attractor_groups, base_groups, volume_groups, cell_groups;  // the rest are of domains
 
 void main() {
   displacement_place = pair_place(pair);
@@ -37,7 +37,15 @@ void main() {
   group -= volume_groups;
 #endif
 #ifdef CELL_ROWS
-  int row = group * GROUP + lane;
-  if (row < cell_count) store_cell(row);
+  if (group < cell_groups) {
+    int row = group * GROUP + lane;
+    if (row < cell_count) store_cell(row);
+    return;
+  }
+  group -= cell_groups;
+#endif
+#ifdef DOMAIN_ROWS
+  int d = group * GROUP + lane;
+  if (d < domain_count) store_domain(d);
 #endif
 }

@@ -18,6 +18,15 @@ constexpr double least_square = 1e-32, greatest_square = 1e26;
 
 }  // namespace
 
+float narrow(double value) {
+  const auto result = static_cast<float>(value);
+  if (std::isfinite(result)) return result;
+  throw Error(ErrorCode::not_supported,
+              "a constant of the body, " + to_decimal(value) +
+                  " in SI units, is beyond the range of single precision; expected masses in kg, lengths in m and "
+                  "stiffnesses in N/m of a real body. The backend \"reference\" computes in double precision");
+}
+
 void require_base_in_range(double square, Index owner) {
   if (square >= least_square && square <= greatest_square) return;
   throw Error(ErrorCode::not_supported,

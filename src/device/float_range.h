@@ -8,6 +8,8 @@
 
 #include <algorithm>
 
+#include "table_rows.h"
+
 namespace phymul {
 
 /// What a float backend can tell from rest. A displacement u is rounded by up to 2^-24 |u|, which pushes its particle
@@ -26,6 +28,12 @@ inline RestThresholds rest_thresholds(RestThresholds asked, double largest) {
   const double omega_max = asked.acceleration / asked.speed;
   const double speed = rest_noise * largest * omega_max;
   return {std::max(asked.speed, speed), std::max(asked.acceleration, speed * omega_max)};
+}
+
+/// A constant of a body in single precision. Throws Error if it is beyond its range.
+float narrow(double value);
+inline Float4 texel(const Vec3& v, double w) {
+  return {narrow(v.x()), narrow(v.y()), narrow(v.z()), narrow(w)};
 }
 
 /// Throws Error where a displacement or velocity is beyond single precision. Returns the largest displacement as it is

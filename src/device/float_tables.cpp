@@ -9,7 +9,6 @@
 #include <limits>
 #include <string>
 
-#include "base/decimal.h"
 #include "float_range.h"
 
 namespace phymul {
@@ -25,21 +24,8 @@ void require_entries(std::size_t rows, std::size_t entries_a_row, const char* ta
                   " fit 32-bit entries. Use fewer particles or a sparser base selection, or the backend \"reference\"");
 }
 
-float narrow(double value) {
-  const auto result = static_cast<float>(value);
-  if (std::isfinite(result)) return result;
-  throw Error(ErrorCode::not_supported,
-              "a constant of the body, " + to_decimal(value) +
-                  " in SI units, is beyond the range of single precision; expected masses in kg, lengths in m and "
-                  "stiffnesses in N/m of a real body. The backend \"reference\" computes in double precision");
-}
-
 std::int32_t narrow_bits(double value) {
   return bits_of(narrow(value));
-}
-
-Float4 texel(const Vec3& v, double w) {
-  return {narrow(v.x()), narrow(v.y()), narrow(v.z()), narrow(w)};
 }
 
 void pack_particles(const TopologyTextures& from, FloatTables& to) {
@@ -190,6 +176,20 @@ void pack_lists(const TopologyTextures& from, FloatTables& to) {
   }
 }
 
+/// Adds those of Law::particle_averaged: the links of a domain and its seven directions, and what is gathered from
+/// them.
+void count_domain_turns(const FloatDomains& domains, Index particles, LoopTurns& most) {
+  for (Index i = 0; i < std::min(particles, domains.count()); ++i) {
+    std::int64_t gathered = 0;
+    for (Index d = i; d != none; d = domains.range[d][3]) {
+      const std::int64_t links = domains.range[d][2] - domains.range[d][0];
+      most.own = std::max(most.own, links + 7);
+      gathered += links + 1;
+    }
+    most.gathered = std::max(most.gathered, gathered);
+  }
+}
+
 /// Upper bounds: of triples that three nested loops count, all turns of all three.
 LoopTurns count_turns(const TopologyTextures& from, FloatLayout layout) {
   LoopTurns most;
@@ -228,8 +228,10 @@ FloatTables pack_floats(const TopologyTextures& topology, FloatLayout layout) {
   pack_volumes(topology, tables);
   pack_cells(topology, tables);
   pack_springs(topology, tables);
+  tables.domains = pack_domains(topology);
   pack_lists(topology, tables);
   tables.turns = count_turns(topology, layout);
+  count_domain_turns(tables.domains, tables.particle_count, tables.turns);
   return tables;
 }
 

@@ -11,20 +11,22 @@
 //   base t     force on its vertices a, b, c and on its owner, at 0, 1, 2, 3 of "terms": entry t * 4 + corner
 //   volume v   force on its vertices: entry v * 4 + corner
 //   cell c     first Piola stress, three columns; entry c * 8 + corner, where the force is -P gradient
+//   domain d   first Piola stress and a force; float_domains.h
 #pragma once
 
 #include <phymul/topology_textures.h>
 
 #include <vector>
 
+#include "float_domains.h"
 #include "table_rows.h"
 
 namespace phymul {
 
 enum class FloatLayout { table, enumerated };
 
-/// The most turns that a shader's loops take for one particle: over its own neighbours and bases, and over the forces
-/// it gathers.
+/// The most turns that a shader's loops take for one particle: over its own neighbours, bases and links, and over the
+/// forces it gathers.
 struct LoopTurns {
   std::int64_t own = 0, gathered = 0;
 };
@@ -75,6 +77,7 @@ struct FloatTables {
   std::vector<std::int32_t> cell_entry;
   std::vector<std::int32_t> spring_other;  ///< per end: the other particle
   std::vector<Float4> spring;              ///< per end: X_other - X_self, stiffness, N/m
+  FloatDomains domains;
 
   bool has_attractors() const { return !neighbour.empty() && options.reaction != Reaction::conservative; }
 };

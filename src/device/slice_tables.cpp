@@ -40,7 +40,14 @@ class RowsOf {
   }
   Rows list(Index i, std::size_t kind) const { return {t_.lists[i][kind], t_.lists[i + 1][kind] - t_.lists[i][kind]}; }
 
-  Index own(Index i) const { return bases(i).count + heights(i).count + list(i, 3).count; }
+  Index links(Index i) const {
+    Index count = 0;
+    if (t_.domains.range.empty()) return count;
+    for (Index d = i; d != none; d = t_.domains.range[d][3]) count += t_.domains.range[d][2] - t_.domains.range[d][0];
+    return count;
+  }
+
+  Index own(Index i) const { return bases(i).count + heights(i).count + list(i, 3).count + links(i); }
   Index gathered(Index i) const { return list(i, 0).count + list(i, 1).count + list(i, 2).count; }
 
  private:
@@ -53,13 +60,19 @@ class Interleaving {
   /// rows_of(i): the list of particle i in the tables as they come; `entries` of a row are numbered in 32 bits.
   template <class RowsOfParticle>
   Interleaving(const SliceTables& to, const char* name, std::int64_t entries, const RowsOfParticle& rows_of)
-      : slice_(to.slice) {
-    first_.reserve(to.order.size());
-    range_.reserve(to.order.size());
-    for (std::size_t place = 0; place < to.order.size(); place += static_cast<std::size_t>(slice_)) {
+      : Interleaving(to.order, to.slice, name, entries, rows_of) {}
+
+  /// Of something else than particles; order: as SliceTables::order.
+  template <class RowsOfOne>
+  Interleaving(const std::vector<Index>& order, int slice, const char* name, std::int64_t entries,
+               const RowsOfOne& rows_of)
+      : slice_(slice) {
+    first_.reserve(order.size());
+    range_.reserve(order.size());
+    for (std::size_t place = 0; place < order.size(); place += static_cast<std::size_t>(slice_)) {
       Index longest = 0;
       for (Index lane = 0; lane < slice_; ++lane) {
-        const Index i = to.order[place + static_cast<std::size_t>(lane)];
+        const Index i = order[place + static_cast<std::size_t>(lane)];
         const Rows rows = i == none ? Rows{} : rows_of(i);
         const std::int64_t end = rows_ + lane + std::int64_t{rows.count} * slice_;
         longest = std::max(longest, rows.count);
@@ -254,6 +267,50 @@ void move_springs(SliceTables& to) {
   to.springs = lanes.take_ranges();
 }
 
+/// Old number of each new one.
+std::vector<Index> order_of_domains(const SliceTables& to) {
+  const FloatDomains& domains = to.rows.domains;
+  std::vector<Index> order = to.order;
+  for (const Index i : to.order) {
+    if (i == none) continue;
+    for (Index d = domains.range[i][3]; d != none; d = domains.range[d][3]) order.push_back(d);
+  }
+  const auto slice = static_cast<std::size_t>(to.slice);
+  order.resize((order.size() + slice - 1) / slice * slice, none);
+  return order;
+}
+
+void move_domains(SliceTables& to) {
+  FloatDomains& t = to.rows.domains;
+  if (t.range.empty()) return;
+  const std::vector<Index> order = order_of_domains(to);
+  std::vector<Index> number_of(t.range.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (order[k] != none) number_of[order[k]] = static_cast<Index>(k);
+  }
+  Interleaving lanes(order, to.slice, "links", 1, [&](Index d) {
+    return Rows{t.range[d][0], t.range[d][2] - t.range[d][0]};
+  });
+  for (Index& e : t.neighbour) e = number_of[e];
+  lanes.move(t.neighbour, none);
+  lanes.move(t.link, no_floats);
+  const std::vector<Int2> rows = lanes.take_ranges();
+  FloatDomains moved;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const Index d = order[k];
+    moved.range.push_back({none, none, none, none});
+    moved.law.push_back(d == none ? no_floats : t.law[d]);
+    if (!t.owner.empty()) moved.owner.push_back(d == none ? none : to.place_of[t.owner[d]]);
+    if (d == none) continue;
+    const Int4& range = t.range[d];
+    const Index next = range[3] == none ? none : number_of[range[3]];
+    moved.range.back() = {rows[k][0], rows[k][0] + (range[1] - range[0]) * to.slice, rows[k][1], next};
+  }
+  t.range = std::move(moved.range);
+  t.law = std::move(moved.law);
+  t.owner = std::move(moved.owner);
+}
+
 }  // namespace
 
 SliceTables pack_slices(FloatTables tables, const TopologyTextures& topology, int slice) {
@@ -271,6 +328,7 @@ SliceTables pack_slices(FloatTables tables, const TopologyTextures& topology, in
   move_entries(to, "volumes", 1, move_volumes(to), 4, t.volume_entry, to.volumes);
   move_entries(to, "cells", 2, move_cells(to), 8, t.cell_entry, to.cells);
   move_springs(to);
+  move_domains(to);
   for (auto* spent : {&t.index, &t.lists}) std::vector<Int4>().swap(*spent);
   std::vector<std::int32_t>().swap(t.first_height);
   return to;

@@ -32,6 +32,8 @@ struct SliceTables {
   ///   - `particle` has a texel per place; rows per neighbour, per base and of the lists are padded, and base_count
   ///     counts padded rows; particle_count is N. Volumes and cells are not padded, and stand in the order of their
   ///     first place.
+  ///   - domains are numbered by place, and further ones of a particle follow behind the last place, by place again;
+  ///     their links are interleaved as other lists are, and their ranges count with that stride
   FloatTables rows;
 
   // Ranges, [places] each, empty where the list is.

@@ -106,16 +106,16 @@ struct OwnDevice {
 };
 
 TEST_F(GlComputeDevice, NobodysPlacesAreUntouchedAndUnread) {
-  Variant cells;
-  cells.options.cell_average = 0.9;
-  const Model model = prepared({"", cells.options, true}, {"", make_block({0.03, 0.02, 0.02}, 3, 2, 2)});
+  const Model model = soft_block();
   Scene scene(model);
   scene.fix("x0").gravity({0, 0, -9.81});
-  for (const GlCompute form : all_forms) {
-    SCOPED_TRACE(static_cast<int>(form));
+  TopologyOptions cells, averaged;
+  cells.cell_average = 0.9;
+  averaged.law = Law::particle_averaged;
+  const auto compare = [&](const TopologyOptions& topology, GlCompute form) {
     context_->run([&] {
-      const OwnDevice plain(model, scene, cells.options, form, limits_);
-      const OwnDevice spoilt(model, scene, cells.options, form, limits_);
+      const OwnDevice plain(model, scene, topology, form, limits_);
+      const OwnDevice spoilt(model, scene, topology, form, limits_);
       const std::int64_t places = spoilt.slices.place_count(), particles = model.particle_count();
       ASSERT_GT(places, particles) << "no place is nobody's";
       const State start = random_state(model, 0.05, 0.1, 9);
@@ -144,6 +144,11 @@ TEST_F(GlComputeDevice, NobodysPlacesAreUntouchedAndUnread) {
         EXPECT_EQ(found, sentinels) << "table " << table;
       }
     });
+  };
+  for (const GlCompute form : all_forms) {
+    SCOPED_TRACE(static_cast<int>(form));
+    compare(cells, form);
+    compare(averaged, form);
   }
 }
 

@@ -68,7 +68,7 @@ set(computing "*/gl_compute*:GlComputeDevice.*:GlFragmentContact.Bits*:GlNeedle*
 # A minute each, of all bodies and variants: under desktop GL every form of the GL backends shows its bits, under the
 # oldest of each dialect single steps of the fragment backend, and 2,000 damped ones under the oldest OpenGL ES.
 # Compute shaders under OpenGL ES: a body of each kind (GlCompute*).
-set(damped "*GlEquivalence.DampedBodies*:*AHundred*")
+set(damped "*GlEquivalence.DampedBodies*:*AHundred*:*GlAveraged.BodiesGo*")
 set(long "*GlEquivalence.SingleSteps*:${damped}")
 set(long_in_33 "*GlEquivalence.SingleSteps*/gl_compute*:${damped}")
 
@@ -98,7 +98,7 @@ set_tests_properties(gl.33.no_compute PROPERTIES ENVIRONMENT "${old_gl}")
 # Another renderer, which interprets shaders: 200 steps of every model variant would take it minutes. Its arithmetic has
 # not the bits of the float mirror, but is within the rounding bound. It does what takes it seconds: a cylinder pulled and
 # let go takes it three minutes, tools that agree with the reference as on llvmpipe (GlTool.Agrees*) more than one.
-set(minutes "*RestStaysAtRest*:*PulledCylinder*:*EnumeratedBasesMove*:*AHundred*")
+set(minutes "*RestStaysAtRest*:*PulledCylinder*:*EnumeratedBasesMove*:*AHundred*:*GlAveraged.BodiesGo*")
 set(long_with_tools "*GlTool.Every*:*GlTool.Agrees*:*GlTool.Batches*:*GlTool.Late*:*MovingTool.GoesBack*:*MovingTool.Holds*")
 set(long_with_tools "${long_with_tools}:*Contact.Block*:*Contact.Compliance*:*Contact.TenThousand*:*GridTool*")
 set(long_with_volumes "*GlVolume.IsKept*:*GlVolume.Several*:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolumeOf*:*GlVolume*/gl_four_passes")

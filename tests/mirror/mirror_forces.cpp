@@ -30,7 +30,9 @@ MirrorForces::MirrorForces(FloatTables tables)
       own_(tables_.has_attractors() ? tables_.particle.size() : 0),
       base_force_(reacts_by_bases(tables_) ? 4 * tables_.base.size() : 0),
       volume_force_(4 * tables_.volume.size()),
-      cell_stress_(tables_.cell_stiffness.size()) {}
+      cell_stress_(tables_.cell_stiffness.size()),
+      domain_stress_(tables_.domains.range.size()),
+      spread_force_(tables_.domains.range.size()) {}
 
 template <bool scaled>
 DeltaBase<scaled, float> MirrorForces::base_at(Index t, std::span<const Float3> u, Float3& d1, Float3& d2) const {
@@ -160,6 +162,44 @@ void MirrorForces::cell_rows(std::span<const Float3> u) const {
   }
 }
 
+/// H of a domain.
+Columns<float> MirrorForces::domain_gradient(Index d, std::span<const Float3> u) const {
+  const FloatDomains& t = tables_.domains;
+  Columns<float> H{};
+  for (Index r = t.range[d][0]; r < t.range[d][2]; ++r) {
+    add_outer(H, u[owner_of(t.neighbour[r])] - u[owner_of(d)], xyz(t.link[r]));
+  }
+  const float scale = t.law[d][0];
+  return {scale * H.c0, scale * H.c1, scale * H.c2};
+}
+
+template <bool bounded>
+void MirrorForces::domain_rows(std::span<const Float3> u) const {
+  const FloatDomains& t = tables_.domains;
+  for (Index d = 0; d < t.count(); ++d) {
+    Float3 spread;
+    for (Index r = t.range[d][0]; r < t.range[d][2]; ++r) {
+      spread += t.link[r][3] * (u[owner_of(t.neighbour[r])] - u[owner_of(d)]);
+    }
+    spread_force_[d] = spread;
+    const auto [inverse_volume, shape, volume, stabiliser] = t.law[d];
+    const Columns<float> H = domain_gradient(d, u);
+    Columns<float> P = cell_stress<bounded>(H, shape, volume);
+    if (tables_.dimension == 2) P.c0.z = P.c1.z = 0.0f;
+    domain_stress_[d] = {P.c0 - stabiliser * H.c0, P.c1 - stabiliser * H.c1, P.c2 - stabiliser * H.c2};
+  }
+}
+
+Float3 MirrorForces::domain_force(Index d) const {
+  const FloatDomains& t = tables_.domains;
+  Float3 F = spread_force_[d];
+  for (Index r = t.range[d][0]; r < t.range[d][2]; ++r) {
+    const Float3 area = xyz(t.link[r]);
+    F += times(domain_stress_[t.neighbour[r]], r < t.range[d][1] ? area : -area);
+  }
+  return F;
+}
+
 Float3 MirrorForces::gathered(Index i, std::span<const Float3> u) const {
   const FloatTables& t = tables_;
   const auto &first = t.lists[i], &last = t.lists[i + 1];
@@ -180,6 +220,9 @@ Float3 MirrorForces::gathered(Index i, std::span<const Float3> u) const {
     const Index entry = t.cell_entry[r];
     f -= times(cell_stress_[entry / 8], xyz(t.cell_gradient[entry]));
   }
+  if (!t.domains.range.empty()) {
+    for (Index d = i; d != none; d = t.domains.range[d][3]) f += domain_force(d);
+  }
   for (Index r = first[3]; r < last[3]; ++r) {
     f += spring_force(xyz(t.spring[r]), u[t.spring_other[r]] - u[i], t.spring[r][3]);
   }
@@ -195,9 +238,11 @@ void MirrorForces::evaluate(std::span<const Float3> u, std::span<Float3> force) 
   if (tables_.options.volume_law == VolumeLaw::bounded) {
     volume_rows<true>(u);
     cell_rows<true>(u);
+    domain_rows<true>(u);
   } else {
     volume_rows<false>(u);
     cell_rows<false>(u);
+    domain_rows<false>(u);
   }
   for (Index i = 0; i < tables_.particle_count; ++i) force[i] = gathered(i, u);
 }
@@ -245,12 +290,30 @@ double MirrorForces::cell_energy_sum(std::span<const Float3> u) const {
   return sum;
 }
 
+template <bool bounded>
+double MirrorForces::domain_energy(std::span<const Float3> u) const {
+  const FloatDomains& t = tables_.domains;
+  double sum = 0.0;
+  for (Index d = 0; d < t.count(); ++d) {
+    const auto [inverse_volume, shape, volume, stabiliser] = t.law[d];
+    if (inverse_volume == 0.0f) continue;
+    const Columns<float> H = domain_gradient(d, u);
+    const float squares = inner_product(H.c0, H.c0) + inner_product(H.c1, H.c1) + inner_product(H.c2, H.c2);
+    sum += (cell_energy<bounded>(H, shape, volume) - 0.5f * stabiliser * squares) / inverse_volume;
+    for (Index r = t.range[d][0]; r < t.range[d][2]; ++r) {
+      const Float3 apart = u[owner_of(t.neighbour[r])] - u[owner_of(d)];
+      sum += 0.25f * t.link[r][3] * inner_product(apart, apart);
+    }
+  }
+  return sum;
+}
+
 double MirrorForces::energy(std::span<const Float3> u) const {
   double sum = tables_.options.area_exponent != 0.0 ? shape_energy<true>(u) : shape_energy<false>(u);
   if (tables_.options.volume_law == VolumeLaw::bounded) {
-    sum += volume_energy<true>(u) + cell_energy_sum<true>(u);
+    sum += volume_energy<true>(u) + cell_energy_sum<true>(u) + domain_energy<true>(u);
   } else {
-    sum += volume_energy<false>(u) + cell_energy_sum<false>(u);
+    sum += volume_energy<false>(u) + cell_energy_sum<false>(u) + domain_energy<false>(u);
   }
   for (Index i = 0; i < tables_.particle_count; ++i) {
     for (Index r = tables_.lists[i][3]; r < tables_.lists[i + 1][3]; ++r) {

@@ -2,7 +2,7 @@
 //
 // Elastic forces of a body in float, gathered particle by particle: what the shaders of a GPU do, term by term and in
 // the same order, as plain loops. Order of a particle's sum: its own force (conservative: its base rows), its
-// reactions, volumes, cells, springs. An attractor's: neighbour rows, then bases.
+// reactions, volumes, cells, domains, springs. An attractor's: neighbour rows, then bases.
 #pragma once
 
 #include <span>
@@ -45,6 +45,13 @@ class MirrorForces {
   void volume_rows(std::span<const Float3> u) const;
   template <bool bounded>
   void cell_rows(std::span<const Float3> u) const;
+  Index owner_of(Index domain) const { return tables_.domains.owner.empty() ? domain : tables_.domains.owner[domain]; }
+  Columns<float> domain_gradient(Index d, std::span<const Float3> u) const;
+  template <bool bounded>
+  void domain_rows(std::span<const Float3> u) const;
+  Float3 domain_force(Index d) const;
+  template <bool bounded>
+  double domain_energy(std::span<const Float3> u) const;
   template <bool bounded>
   double volume_energy(std::span<const Float3> u) const;
   template <bool bounded>
@@ -58,6 +65,8 @@ class MirrorForces {
   mutable std::vector<Float3> base_force_;    // [4 bases] on a, b, c and the owner; empty for the thesis' reactions
   mutable std::vector<Float3> volume_force_;  // [4 volumes]
   mutable std::vector<Columns<float>> cell_stress_;
+  mutable std::vector<Columns<float>> domain_stress_;
+  mutable std::vector<Float3> spread_force_;  // [domains]
 };
 
 }  // namespace phymul::cpu

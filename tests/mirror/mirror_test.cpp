@@ -65,7 +65,7 @@ TEST(Mirror, TwoThousandDampedStepsEndWhereTheReferenceEnds) {
   int runs = 0;
   double last_of_all = 0.0, worst_of_all = 0.0;
   for (const Body& body : bodies()) {
-    for (const Variant& variant : clustered_variants()) {
+    for (const Variant& variant : conservative_variants()) {
       if (!applies(variant, body) || !takes_seconds(variant, body)) continue;
       const Model model = prepared(variant, body);
       Scene scene(model);

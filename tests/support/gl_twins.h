@@ -18,7 +18,7 @@ namespace phymul::test {
 
 /// Those of the conservative energies, and the older reactions.
 inline std::vector<Variant> all_variants() {
-  std::vector<Variant> all = clustered_variants();
+  std::vector<Variant> all = conservative_variants();
   const auto add = [&](std::string name, auto&& set) {
     Variant v;
     v.name = std::move(name);

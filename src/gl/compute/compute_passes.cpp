@@ -47,7 +47,9 @@ ComputeForm choose_form(GlCompute wish, const SliceTables& slices, bool software
   const FloatTables& rows = slices.rows;
   const double bases = static_cast<double>(rows.base_count) + 4.0 * static_cast<double>(rows.height.size());
   const double others = static_cast<double>(rows.volume_count) + 7.0 * static_cast<double>(rows.cell_count) +
-                        static_cast<double>(rows.spring.size()) + static_cast<double>(rows.particle_count);
+                        7.0 * static_cast<double>(rows.domains.count()) +
+                        static_cast<double>(rows.domains.link.size()) + static_cast<double>(rows.spring.size()) +
+                        static_cast<double>(rows.particle_count);
   return !software && bases + others <= workgroup_bases ? ComputeForm::workgroup : ComputeForm::store;
 }
 
@@ -56,22 +58,24 @@ ComputePasses::ComputePasses(const ComputeTables& tables, const ShaderLibrary& l
     : tables_(&tables), library_(&library), form_(form), limits_(limits) {}
 
 /// The passes before the step that are asked for, and what they need.
-ShaderRequest ComputePasses::evaluating(bool attractors, bool bases, bool volumes, bool cells) const {
+ShaderRequest ComputePasses::evaluating(const TermRows& rows) const {
   const BodyKind& kind = tables_->kind();
   ShaderRequest request{.files = common, .defines = {}};
   tables_->define(request);
   define(request, "AREA_EXPONENT", kind.options.area_exponent != 0.0);
   define(request, "AVERAGED", kind.base_terms && !kind.conservative());
-  define(request, "ATTRACTOR_ROWS", attractors);
-  define(request, "BASE_ROWS", bases);
-  define(request, "VOLUME_ROWS", volumes);
-  define(request, "CELL_ROWS", cells);
-  if (attractors || bases) append(request, base_kernel(kind));
-  if (attractors) append(request, attractor_files(kind));
+  define(request, "ATTRACTOR_ROWS", rows.attractors);
+  define(request, "BASE_ROWS", rows.bases);
+  define(request, "VOLUME_ROWS", rows.volumes);
+  define(request, "CELL_ROWS", rows.cells);
+  define(request, "DOMAIN_ROWS", rows.domains);
+  if (rows.attractors || rows.bases) append(request, base_kernel(kind));
+  if (rows.attractors) append(request, attractor_files(kind));
   if (kind.attractors) append(request, {"step/force_of.glsl"});
-  if (bases) append(request, {"step/bases_pass.glsl"});
-  if (volumes) append(request, joined({volume_kernel(), {"step/volumes_pass.glsl"}}));
-  if (cells) append(request, joined({base_kernel(kind), cell_kernel(), {"step/cells_pass.glsl"}}));
+  if (rows.bases) append(request, {"step/bases_pass.glsl"});
+  if (rows.volumes) append(request, joined({volume_kernel(), {"step/volumes_pass.glsl"}}));
+  if (rows.cells) append(request, joined({base_kernel(kind), cell_kernel(), {"step/cells_pass.glsl"}}));
+  if (rows.domains) append(request, joined({base_kernel(kind), cell_kernel(), {"step/domains_pass.glsl"}}));
   return request;
 }
 
@@ -83,34 +87,46 @@ Kernel ComputePasses::placed(ShaderRequest request, int group, const ComputeStat
   kernel.set("base_rows_count", kind.bases);
   kernel.set("volume_count", kind.volumes);
   kernel.set("cell_count", kind.cells);
+  kernel.set("domain_count", kind.domains);
   return kernel;
 }
 
-void ComputePasses::add_terms(bool attractors, bool bases, bool others, const ComputeState& state) {
+ComputePasses::TermRows ComputePasses::all_terms() const {
   const BodyKind& kind = tables_->kind();
-  const bool volumes = others && kind.volumes > 0, cells = others && kind.cells > 0;
-  if (!attractors && !bases && !volumes && !cells) return;
-  ShaderRequest request = evaluating(attractors, bases, volumes, cells);
+  return {.attractors = kind.attractors,
+          .bases = kind.base_terms,
+          .volumes = kind.volumes > 0,
+          .cells = kind.cells > 0,
+          .domains = kind.domains > 0};
+}
+
+void ComputePasses::add_terms(const TermRows& rows, const ComputeState& state) {
+  if (!rows.any()) return;
+  const BodyKind& kind = tables_->kind();
+  ShaderRequest request = evaluating(rows);
   append(request, {"step/store_terms.glsl", "step/terms_kernel.glsl"});
   Terms terms;
   terms.kernel = placed(std::move(request), lanes, state);
-  if (attractors) terms.attractor_groups = terms.kernel.groups_for(kind.particles);
-  if (bases) terms.base_groups = terms.kernel.groups_for(kind.bases);
-  if (volumes) terms.volume_groups = terms.kernel.groups_for(kind.volumes);
-  if (cells) terms.cell_groups = terms.kernel.groups_for(kind.cells);
+  if (rows.attractors) terms.attractor_groups = terms.kernel.groups_for(kind.particles);
+  if (rows.bases) terms.base_groups = terms.kernel.groups_for(kind.bases);
+  if (rows.volumes) terms.volume_groups = terms.kernel.groups_for(kind.volumes);
+  if (rows.cells) terms.cell_groups = terms.kernel.groups_for(kind.cells);
+  if (rows.domains) terms.domain_groups = terms.kernel.groups_for(kind.domains);
   terms.kernel.set("attractor_groups", terms.attractor_groups);
   terms.kernel.set("base_groups", terms.base_groups);
   terms.kernel.set("volume_groups", terms.volume_groups);
+  terms.kernel.set("cell_groups", terms.cell_groups);
   terms_.push_back(std::move(terms));
 }
 
 /// With the averaged reaction bases read forces that must be there.
 void ComputePasses::compile_terms(const ComputeState& state) {
-  const BodyKind& kind = tables_->kind();
-  const bool apart = kind.attractors && kind.base_terms;
+  TermRows rows = all_terms();
+  const bool apart = rows.attractors && rows.bases;
+  if (apart) rows.bases = false;
   terms_.clear();  // of an attempt that failed half-way
-  add_terms(kind.attractors, kind.base_terms && !apart, true, state);
-  if (apart) add_terms(false, true, false, state);
+  add_terms(rows, state);
+  if (apart) add_terms({.bases = true}, state);
   terms_compiled_ = true;
 }
 
@@ -124,8 +140,7 @@ void ComputePasses::evaluate(const ComputeState& state) {
 
 ShaderRequest ComputePasses::gathering(const LoadKind& loads, bool with_passes) const {
   const BodyKind& kind = tables_->kind();
-  ShaderRequest request = evaluating(with_passes && kind.attractors, with_passes && kind.base_terms,
-                                     with_passes && kind.volumes > 0, with_passes && kind.cells > 0);
+  ShaderRequest request = evaluating(with_passes ? all_terms() : TermRows{});
   define_gathering(kind, loads, request);
   append(request, {"kernels/delta_spring.glsl", "kernels/integrate_displacement.glsl", "step/terms_of.glsl",
                    "step/net_force.glsl"});
@@ -134,7 +149,7 @@ ShaderRequest ComputePasses::gathering(const LoadKind& loads, bool with_passes) 
 
 int ComputePasses::workgroup() const {
   const BodyKind& kind = tables_->kind();
-  const int rows = std::max({kind.particles, kind.base_terms ? kind.bases : 0, kind.volumes, kind.cells});
+  const int rows = std::max({kind.particles, kind.base_terms ? kind.bases : 0, kind.volumes, kind.cells, kind.domains});
   const int most = std::min(limits_.invocations, 1024);
   return std::min((rows + 31) / 32 * 32, most / 32 * 32);
 }
@@ -144,7 +159,8 @@ std::int64_t ComputePasses::turns_a_step(std::int64_t tools, const ComputeVolume
   const BodyKind& kind = tables_->kind();
   const auto rounds = [group = workgroup()](std::int64_t rows) { return (rows + group - 1) / group; };
   return 1 + (volumes ? volumes->turns(workgroup()) : 0) +
-         rounds(kind.particles) * (2 + kind.turns.own + kind.turns.gathered + turns_a_tool * tools) +
+         rounds(std::max(kind.particles, kind.domains)) *
+             (2 + kind.turns.own + kind.turns.gathered + turns_a_tool * tools) +
          rounds(kind.bases) + rounds(kind.volumes) + turns_a_cell * rounds(kind.cells);
 }
 
@@ -186,9 +202,8 @@ Kernel ComputePasses::stepping(const StepKind& step, const ComputeState& state) 
     append(request, {"step/step_kernel.glsl"});
     return placed(std::move(request), lanes, state);
   }
-  const BodyKind& kind = tables_->kind();
   define(request, "ONE_WORKGROUP");
-  define(request, "STORED_TERMS", kind.attractors || kind.base_terms || kind.volumes > 0 || kind.cells > 0);
+  define(request, "STORED_TERMS", all_terms().any());
   append(request, {"step/store_terms.glsl", "dialect/wait_for_all.glsl"});
   if (step.volumes) append(request, joined({keeping_sums_files(), keeping_end_files()}));
   append(request, {"dialect/workgroup_kernel.glsl"});

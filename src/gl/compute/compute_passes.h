@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // The passes of a step, dispatched. By form:
-//   store      forces of attractors, terms of bases, volumes and cells in one dispatch (bases of the averaged reaction,
+//   store      forces of attractors, terms of bases, volumes, cells and domains in one dispatch (bases of the averaged
+//   reaction,
 //              which read forces, in a second); net force and Verlet in another
 //   workgroup  as store, many steps in one dispatch by one group; where bodies touch or needles are, as store
 // There another dispatch before the last one finds where each particle would go by itself, then come the passes of
@@ -50,8 +51,12 @@ class ComputePasses {
   void evaluate(const ComputeState& state);
   /// Files up to and with net_force.glsl, and what they need defined; `with_passes`: those before the step too.
   ShaderRequest gathering(const LoadKind& loads, bool with_passes = false) const;
+  struct TermRows {
+    bool attractors = false, bases = false, volumes = false, cells = false, domains = false;
+    bool any() const { return attractors || bases || volumes || cells || domains; }
+  };
   /// The kernels and passes of some rows alone.
-  ShaderRequest evaluating(bool attractors, bool bases, bool volumes, bool cells) const;
+  ShaderRequest evaluating(const TermRows& rows) const;
   /// A kernel that knows where everything is.
   Kernel placed(ShaderRequest request, int group, const ComputeState& state) const;
 
@@ -72,11 +77,12 @@ class ComputePasses {
   };
   struct Terms {
     Kernel kernel;
-    int attractor_groups = 0, base_groups = 0, volume_groups = 0, cell_groups = 0;
-    int groups() const { return attractor_groups + base_groups + volume_groups + cell_groups; }
+    int attractor_groups = 0, base_groups = 0, volume_groups = 0, cell_groups = 0, domain_groups = 0;
+    int groups() const { return attractor_groups + base_groups + volume_groups + cell_groups + domain_groups; }
   };
   void compile_terms(const ComputeState& state);
-  void add_terms(bool attractors, bool bases, bool others, const ComputeState& state);
+  TermRows all_terms() const;
+  void add_terms(const TermRows& rows, const ComputeState& state);
   void add_tools(const StepKind& step, ShaderRequest& request) const;
   Kernel stepping(const StepKind& step, const ComputeState& state) const;
   Kernel freeing(const StepKind& step, const ComputeState& state) const;

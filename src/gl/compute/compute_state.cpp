@@ -27,6 +27,7 @@ ComputeState::ComputeState(const ComputeTables& tables, const ComputeLimits& lim
   base_row_ = take(kind.base_terms ? std::int64_t{4} * kind.bases : 0);
   volume_row_ = take(std::int64_t{4} * kind.volumes);
   cell_row_ = take(std::int64_t{4} * kind.cells);
+  domain_row_ = take(std::int64_t{4} * kind.domains);
   report_row_ = take(2 * most_report_groups + 2);
   rows_ = StorageBuffer(rows, "the state and the forces", limits);
   const std::vector<Int4> zeros(1 << 16, Int4{});  // forces of particles without an attractor, and nobody's places
@@ -47,6 +48,7 @@ void ComputeState::place(Kernel& kernel) const {
   kernel.set("base_terms_place", base_row_);
   kernel.set("volume_terms_place", volume_row_);
   kernel.set("cell_terms_place", cell_row_);
+  kernel.set("domain_terms_place", domain_row_);
 }
 
 void ComputeState::write(const VecList& rest, const State& state) {

@@ -69,6 +69,8 @@ Energy ComputeSums::energy(const ComputeState& state, const ComputeLoads& loads,
   add(volumes_, kind.volumes, volume_kernel(), "step/volumes_pass.glsl", "ENERGY_OF_VOLUMES");
   add(cells_, kind.cells, joined({{"kernels/delta_base.glsl"}, cell_kernel()}), "step/cells_pass.glsl",
       "ENERGY_OF_CELLS");
+  add(domains_, kind.domains, joined({{"kernels/delta_base.glsl"}, cell_kernel()}), "step/domains_pass.glsl",
+      "ENERGY_OF_DOMAINS");
   return energy;
 }
 

@@ -58,6 +58,11 @@ void ComputeTables::add_all(const SliceTables& slices) {
   add("cell_gradient_place", rows.cell_gradient);
   add("cell_stiffness_place", rows.cell_stiffness);
   add("spring_place", rows.spring);
+  add("domain_range_place", rows.domains.range);
+  add("domain_law_place", rows.domains.law);
+  add("domain_owner_place", rows.domains.owner);
+  add("link_domain_place", rows.domains.neighbour);
+  add("link_place", rows.domains.link);
 }
 
 ComputeTables::ComputeTables(const SliceTables& slices, const ComputeLimits& limits)

@@ -18,6 +18,7 @@ FragmentPasses::FragmentPasses(const FragmentTables& tables, const ShaderLibrary
   if (tables.kind().attractors) add_attractors();
   if (tables.kind().base_terms) add_bases();
   add_volumes_and_cells();
+  if (tables.kind().domains > 0) add_domains();
 }
 
 void FragmentPasses::add(ShaderRequest request, const std::vector<Attachment>& targets, int rows) {
@@ -70,6 +71,14 @@ void FragmentPasses::add_volumes_and_cells() {
   }
 }
 
+void FragmentPasses::add_domains() {
+  const int domains = tables_->kind().domains;
+  domain_terms_ = Texture::target(domains, TexelFormat::rgba32f, "stresses of domains", 3);
+  add({.files = joined({common, {"kernels/delta_base.glsl"}, cell_kernel(), {"step/domains_pass.glsl"}}),
+       .defines = {}},
+      {{&domain_terms_, 0}, {&domain_terms_, 1}, {&domain_terms_, 2}}, domains);
+}
+
 ShaderRequest FragmentPasses::gathering(const LoadKind& loads, const char* pass) const {
   const BodyKind& kind = tables_->kind();
   ShaderRequest request{.files = joined({common,
@@ -87,6 +96,7 @@ void FragmentPasses::bind_terms(Pass& pass) const {
   if (base_terms_) pass.input("base_terms", base_terms_);
   if (volume_terms_) pass.input("volume_terms", volume_terms_);
   if (cell_terms_) pass.input("cell_terms", cell_terms_);
+  if (domain_terms_) pass.input("domain_terms", domain_terms_);
 }
 
 /// Of those that move particles, or tell where they would go.

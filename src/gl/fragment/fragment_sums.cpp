@@ -71,6 +71,9 @@ void FragmentSums::compile_shared_terms() {
   };
   if (kind.volumes > 0) add(joined({volume_kernel(), {"step/volumes_pass.glsl"}}), kind.volumes);
   if (kind.cells > 0) add(joined({{"kernels/delta_base.glsl"}, cell_kernel(), {"step/cells_pass.glsl"}}), kind.cells);
+  if (kind.domains > 0) {
+    add(joined({{"kernels/delta_base.glsl"}, cell_kernel(), {"step/domains_pass.glsl"}}), kind.domains);
+  }
 }
 
 Energy FragmentSums::energy(const FragmentState& state, const FragmentLoads& loads, double dt) {

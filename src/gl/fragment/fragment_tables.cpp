@@ -34,6 +34,11 @@ FragmentTables::FragmentTables(const FloatTables& tables) : kind_(tables) {
   add("cell_gradient", tables.cell_gradient);
   add("cell_stiffness", tables.cell_stiffness);
   add("spring", tables.spring);
+  add("domain_range", tables.domains.range);
+  add("domain_law", tables.domains.law);
+  add("domain_owner", tables.domains.owner);
+  add("link_domain", tables.domains.neighbour);
+  add("link", tables.domains.link);
 
   std::vector<std::int32_t> entries = tables.reaction;
   const auto append = [&](const std::vector<std::int32_t>& list) {

@@ -15,11 +15,13 @@ BodyKind::BodyKind(const FloatTables& tables)
       bases(tables.base_count),
       volumes(tables.volume_count),
       cells(tables.cell_count),
+      domains(tables.domains.count()),
       turns(tables.turns),
       attractors(tables.has_attractors()),
       base_terms(!tables.base.empty() &&
                  (tables.options.reaction == Reaction::averaged || tables.options.reaction == Reaction::conservative)),
       springs(!tables.spring.empty()),
+      several_domains(!tables.domains.owner.empty()),
       enumerated(tables.layout == FloatLayout::enumerated) {}
 
 ShaderFiles joined(std::initializer_list<ShaderFiles> parts) {
@@ -57,6 +59,7 @@ const ShaderFiles& tool_files() {
 void define_kernels(const BodyKind& kind, ShaderRequest& request) {
   request.defines.emplace_back("DIMENSION", kind.dimension);
   if (kind.options.volume_law == VolumeLaw::bounded) request.defines.emplace_back("BOUNDED_VOLUME", 1);
+  if (kind.several_domains) request.defines.emplace_back("SEVERAL_DOMAINS", 1);
 }
 
 void define_gathering(const BodyKind& kind, const LoadKind& loads, ShaderRequest& request) {
@@ -69,6 +72,7 @@ void define_gathering(const BodyKind& kind, const LoadKind& loads, ShaderRequest
   define("CONSERVATIVE", kind.conservative());
   define("VOLUMES", kind.volumes > 0);
   define("CELLS", kind.cells > 0);
+  define("DOMAINS", kind.domains > 0);
   define("SPRINGS", kind.springs);
   define("FORCES", loads.forces);
   define("FIXED", loads.fixed);

@@ -16,11 +16,12 @@ namespace phymul::gl {
 struct BodyKind {
   TopologyOptions options;
   int dimension = 3;
-  Index particles = 0, bases = 0, volumes = 0, cells = 0;
+  Index particles = 0, bases = 0, volumes = 0, cells = 0, domains = 0;
   LoopTurns turns;
   bool attractors = false;  ///< particles have a force F_i of their own: any reaction but the conservative
   bool base_terms = false;  ///< bases are evaluated a row each: averaged, conservative
   bool springs = false;
+  bool several_domains = false;  ///< some particles have more than one
   bool enumerated = false;
 
   explicit BodyKind(const FloatTables& tables);

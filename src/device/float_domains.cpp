@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#include "float_domains.h"
+
+#include "float_range.h"
+
+namespace phymul {
+namespace {
+
+/// By number: the domain of TopologyTextures, or `none`.
+std::vector<Index> number_domains(const TopologyTextures& from) {
+  std::vector<Index> order, further;
+  for (Index i = 0; i < from.particle_count; ++i) {
+    const Index first = from.first_domain[i], end = from.first_domain[i + 1];
+    order.push_back(first < end ? first : none);
+    for (Index d = first + 1; d < end; ++d) further.push_back(d);
+  }
+  order.insert(order.end(), further.begin(), further.end());
+  return order;
+}
+
+void pack_links(const TopologyTextures& from, Index d, const std::vector<Index>& number_of, FloatDomains& to) {
+  Int4& range = to.range.back();
+  const auto rows = [&to] { return static_cast<std::int32_t>(to.link.size()); };
+  range[0] = rows();
+  for (Index r = from.first_link[d]; r < from.first_link[d + 1]; ++r) {
+    to.neighbour.push_back(number_of[from.links[r].domain]);
+    to.link.push_back(texel(from.links[r].area, from.links[r].stiffness));
+  }
+  range[1] = rows();
+  for (Index r = from.first_surface_link[d]; r < from.first_surface_link[d + 1]; ++r) {
+    to.neighbour.push_back(number_of[from.surface_links[r].domain]);
+    to.link.push_back(texel(from.surface_links[r].area, 0.0));
+  }
+  range[2] = rows();
+}
+
+/// Fills the owners, and the last column of the ranges.
+void chain_domains(const TopologyTextures& from, const std::vector<Index>& order, FloatDomains& to) {
+  if (to.count() == from.particle_count) return;
+  std::vector<Index> last;  // of each particle, so far
+  for (Index number = 0; number < to.count(); ++number) {
+    const Index i = number < from.particle_count ? number : from.domains[order[number]].particle;
+    to.owner.push_back(i);
+    if (number < from.particle_count) {
+      last.push_back(number);
+    } else {
+      to.range[last[i]][3] = number;
+      last[i] = number;
+    }
+  }
+}
+
+}  // namespace
+
+FloatDomains pack_domains(const TopologyTextures& topology) {
+  FloatDomains to;
+  if (topology.domains.empty()) return to;
+  const std::vector<Index> order = number_domains(topology);
+  std::vector<Index> number_of(topology.domains.size());
+  for (std::size_t number = 0; number < order.size(); ++number) {
+    if (order[number] != none) number_of[order[number]] = static_cast<Index>(number);
+  }
+  for (const Index d : order) {
+    to.range.push_back({0, 0, 0, none});
+    to.law.push_back({0.0f, 0.0f, 0.0f, 0.0f});
+    if (d == none) continue;
+    const DomainTexel& domain = topology.domains[d];
+    to.law.back() = {narrow(domain.inverse_volume), narrow(domain.shape_stiffness), narrow(domain.volume_stiffness),
+                     narrow(domain.spread_stiffness)};
+    pack_links(topology, d, number_of, to);
+  }
+  chain_domains(topology, order, to);
+  return to;
+}
+
+}  // namespace phymul

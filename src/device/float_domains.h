@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+//
+// FloatDomains: the tables of Law::particle_averaged in single precision.
+//
+// Domain i is the first domain of particle i; it has no links if the particle is in no cell. Further domains, of
+// particles where materials meet, follow in order of their particles. So where a body has one material, the number of a
+// domain is that of its particle, and no table of owners is needed.
+#pragma once
+
+#include <phymul/topology_textures.h>
+
+#include <vector>
+
+#include "table_rows.h"
+
+namespace phymul {
+
+/// Vectors are empty where the body has another law.
+struct FloatDomains {
+  /// Per domain: first row of its links, first row of its surface links (which follow them), end row; the next domain
+  /// of the same particle, or `none`.
+  std::vector<Int4> range;
+  std::vector<Float4> law;          ///< per domain: 1/V_d (1/m^3), c, kappa, s mu (Pa); 0 for a domain without links
+  std::vector<std::int32_t> owner;  ///< per domain: its particle; empty if no particle has several domains
+  std::vector<std::int32_t> neighbour;  ///< per row: e
+  std::vector<Float4> link;             ///< per row: area (m^2), stiffness (N/m; of a surface link 0)
+
+  Index count() const { return static_cast<Index>(range.size()); }
+};
+
+/// Throws Error if a constant is beyond single precision.
+FloatDomains pack_domains(const TopologyTextures& topology);
+
+}  // namespace phymul

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: MIT
+//
+// Law::particle_averaged on the GL backends, in every form: against the float mirror bit by bit where the renderer
+// allows (llvmpipe), and against the double reference.
+#include <algorithm>
+#include <limits>
+
+#include "support/bounded_forces.h"
+#include "support/gl_forms.h"
+#include "support/gl_touching_bodies.h"
+#include "support/message_of.h"
+#include "support/sanitized.h"
+
+namespace phymul::test {
+namespace {
+
+class GlAveraged : public GlTest, public testing::WithParamInterface<GlForm> {
+ protected:
+  void SetUp() override {
+    GlTest::SetUp();
+    if (IsSkipped() || HasFatalFailure()) return;
+    PHYMUL_SKIP_OR_FAIL(why_not_here(name_of(GetParam().backend)));
+  }
+  static SolverOptions options() {
+    SolverOptions options;
+    options.gl.compute = GetParam().compute;
+    options.gl.passes = GetParam().passes;
+    return options;
+  }
+  static GlTwins twins_of(std::shared_ptr<const TopologyTextures> tables, const Scene& scene, SolverOptions options) {
+    return {std::move(tables), scene, std::move(options), GetParam().backend};
+  }
+};
+
+PHYMUL_IN_ALL_GL_FORMS(GlAveraged);
+
+std::shared_ptr<const TopologyTextures> averaged_tables(const Model& model) {
+  TopologyOptions options;
+  options.law = Law::particle_averaged;
+  return tables_of(model, options);
+}
+
+/// The half where x is least is harder.
+Model two_materials(Model model) {
+  std::vector<Index> half;
+  const double middle = 0.5 * (model.rest[model.group("x0").front()] + model.rest[model.group("x1").front()]).x();
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    if (model.rest[i].x() <= middle) half.push_back(i);
+  }
+  model.add_group("half", half);
+  set_material(model, soft_tissue(0.45));
+  set_material(model, {50e3, 0.2, 1500.0}, "half");
+  return model;
+}
+
+std::vector<Body> averaged_bodies() {
+  std::vector<Body> all;
+  const auto add = [&](std::string name, Model model) {
+    set_material(model, soft_tissue());
+    all.push_back({std::move(name), std::move(model)});
+  };
+  const Model tetrahedra = make_tetrahedral_block({0.03, 0.02, 0.02}, 4, 2, 3, 0.2, 5);
+  const Model hexahedra = make_block({0.03, 0.02, 0.02}, 4, 3, 2);
+  add("one tetrahedron", make_tetrahedron(0.01));
+  add("tetrahedra", tetrahedra);
+  add("hexahedra", hexahedra);
+  add("jittered hexahedra", jittered_block());
+  add("hexahedra and wedges", cylinder_275());
+  add("strip", make_strip(0.04, 0.02, 6, 3));
+  all.push_back({"tetrahedra of two materials", two_materials(tetrahedra)});
+  all.push_back({"hexahedra of two materials", two_materials(hexahedra)});
+  return all;
+}
+
+TEST_P(GlAveraged, SingleStepsHaveTheMirrorsBits) {
+  for (const Body& body : averaged_bodies()) {
+    SCOPED_TRACE(body.name);
+    const Scene scene(body.model);
+    const auto tables = averaged_tables(body.model);
+    const GlTwins twins = twins_of(tables, scene, options());
+    if (!twins.same_bits_expected()) GTEST_SKIP() << "NOT TESTED: " << twins.gl->device() << " is not llvmpipe";
+    const double dt = 0.3 * twins.gl->stable_step();
+    const double speed = 0.1 * mean_spacing(body.model) / dt;
+    for (int k = 0; k < (sanitized ? 3 : 30); ++k) {
+      twins.reset(random_state(body.model, 0.02 + 0.015 * k, speed, 17 + k));
+      ASSERT_TRUE(twins.gl->step(1, dt).ok());
+      ASSERT_TRUE(twins.mirror->step(1, dt).ok());
+      ASSERT_EQ(difference(twins.gl->read(), twins.mirror->read()), "") << "state " << k;
+    }
+  }
+}
+
+/// Of a step from standing still, as GlEquivalence does for other laws: velocities are dt / m times the forces, whose
+/// bound follows from the formulas; nothing in it is fitted. It is wide (llvmpipe uses 0.011 of it), so forces are held
+/// to ten times the largest error measured there too: 2.8e-7 of the body's largest force (llvmpipe 15, 2026-11-23).
+TEST_P(GlAveraged, SingleStepsAreWithinTheRoundingBound) {
+  double worst = 0.0, worst_force = 0.0;
+  for (const Body& body : averaged_bodies()) {
+    SCOPED_TRACE(body.name);
+    const Model& model = body.model;
+    const Scene scene(model);
+    const auto tables = averaged_tables(model);
+    SolverOptions uncut = options();
+    uncut.max_displacement_per_step = std::numeric_limits<double>::infinity();
+    const GlTwins twins = twins_of(tables, scene, uncut);
+    const double dt = 0.3 * twins.gl->stable_step();
+    for (int k = 0; k < 5; ++k) {
+      twins.gl->reset(random_state(model, 0.05 + 0.05 * k, 0.0, 29 + k));
+      const State start = twins.gl->read();  // as rounded
+      VecList u = start.position, exact(u.size());
+      for (std::size_t i = 0; i < u.size(); ++i) u[i] = (u[i] - model.rest[i]).cast<float>().cast<double>();
+      elastic_forces(*tables, start.position, exact);
+      ASSERT_TRUE(twins.gl->step(1, dt).ok());
+      const State moved = twins.gl->read();
+      const BoundedForces forces(*tables, u);
+      const double largest = largest_norm(exact);
+      for (Index i = 0; i < model.particle_count(); ++i) {
+        const Bounded3 force = forces.force(i);
+        const std::array<Bounded, 3> axes{force.x, force.y, force.z};
+        for (int axis = 0; axis < 3; ++axis) {
+          const Bounded v =
+              Bounded() + stored(dt) * (stored(1.0 / tables->mass[i]) * axes[static_cast<std::size_t>(axis)]);
+          const double error = std::abs(moved.velocity[i][axis] - v.value);
+          ASSERT_LE(error, v.error) << "particle " << i << ", axis " << axis << ", velocity " << v.value;
+          if (v.error > 0.0) worst = std::max(worst, error / v.error);
+        }
+        const Vec3 felt = tables->mass[i] / dt * moved.velocity[i];
+        worst_force = std::max(worst_force, (felt - exact[i]).norm() / largest);
+      }
+    }
+  }
+  std::printf("[   BOUND  ] worst error %.3f of the bound, %.2g of the largest force\n", worst, worst_force);
+  EXPECT_LE(worst_force, 3e-6);
+}
+
+/// Damped, under gravity; the limit is that of GlEquivalence for other laws.
+TEST_P(GlAveraged, BodiesGoWhereTheReferenceGoes) {
+  const int steps = sanitized ? 100 : 600;
+  for (const Body& body : averaged_bodies()) {
+    SCOPED_TRACE(body.name);
+    Scene scene(body.model);
+    scene.fix(body.name == "one tetrahedron" ? "base" : body.name == "hexahedra and wedges" ? "bottom" : "x0");
+    scene.gravity({0, -9.81, 0});
+    SolverOptions damped = options();
+    damped.damping.factor = 0.99;
+    const auto tables = averaged_tables(body.model);
+    const GlTwins twins = twins_of(tables, scene, damped);
+    const auto reference = make_solver("reference", tables, scene, twins.options());
+    const State start = random_state(body.model, 0.05, 0.0, 5);
+    twins.reset(start);
+    reference->reset(start);
+    const double dt = 0.3 * reference->stable_step();
+    for (int done = 0; done < steps; done += 100) {
+      ASSERT_TRUE(twins.gl->step(100, dt).ok());
+      ASSERT_TRUE(twins.mirror->step(100, dt).ok());
+      ASSERT_TRUE(reference->step(100, dt).ok());
+      const double apart = largest_distance(twins.gl->read().position, reference->read().position);
+      ASSERT_LE(apart, 1e-5 * body_size(body.model)) << "step " << done + 100;
+    }
+    twins.expect_same_bits("after the last step");
+    const double apart = largest_distance(twins.gl->read().position, reference->read().position);
+    std::printf("[ REFERENCE] %s: after %d steps apart by %.2g of the body's size\n", body.name.c_str(), steps,
+                apart / body_size(body.model));
+    const Energy a = twins.gl->energy(), b = reference->energy();
+    EXPECT_NEAR(a.elastic, b.elastic, 1e-5 * b.elastic);
+    EXPECT_GE(largest_distance(start.position, reference->read().position), 1e-3 * body_size(body.model));
+  }
+}
+
+/// Where the passes of a step are others: a ball is pressed into a slab under a cube whose volume is kept.
+TEST_P(GlAveraged, ToolsContactsAndVolumesActOnIt) {
+  Model model = stacked(1e-4);
+  model.add_group("corner", model.cells[0].particles);
+  set_material(model, {20e3, 0.4, 1200.0}, "corner");
+  Scene scene(model);
+  scene.fix("low/z0").gravity({0, 0, -9.81}).contacts({}).constrain_volume("high");
+  scene.add_tool("ball", {.shape = Sphere{0.004}, .pose = {.position = Vec3(0.005, 0.005, 0.0142)}, .friction = 0.3});
+  SolverOptions damped = options();
+  damped.damping.rate = 30.0;
+  const auto tables = averaged_tables(model);
+  damped.spectrum = estimate_spectrum(*tables, tables->rest);
+  gl::DeviceSolver solver(GetParam().backend, tables, scene, damped);
+  const auto reference = make_solver("reference", tables, scene, damped);
+  const double dt = 0.4 * reference->stable_step();
+  double moved = 0.0, off = 0.0;
+  for (int k = 0; k < 10; ++k) {
+    scene.tool("ball").move_to({.position = Vec3(0.005, 0.005, 0.0142 - 2e-4 * k)});
+    ASSERT_TRUE(solver.step(20, dt).ok());
+    ASSERT_TRUE(reference->step(20, dt).ok());
+    const State exact = reference->read();
+    moved = std::max(moved, largest_distance(exact.position, model.rest));
+    off = std::max(off, largest_distance(solver.read().position, exact.position));
+  }
+  EXPECT_GT(solver.tool_force("ball").force.norm(), 0.0);
+  std::printf("[ REFERENCE] off by at most %.2g of the motion\n", off / moved);
+  EXPECT_GT(moved, 5e-4);
+  EXPECT_LE(off, 1e-5 * moved);
+}
+
+TEST_P(GlAveraged, EnergyIsTheReferences) {
+  for (const Body& body : averaged_bodies()) {
+    SCOPED_TRACE(body.name);
+    const Scene scene(body.model);
+    const auto tables = averaged_tables(body.model);
+    const GlTwins twins = twins_of(tables, scene, options());
+    const State start = random_state(body.model, 0.1, 0.0, 5);
+    twins.gl->reset(start);
+    const double exact = elastic_energy(*tables, twins.gl->read().position);
+    EXPECT_GT(exact, 0.0);
+    EXPECT_NEAR(twins.gl->energy().elastic, exact, 1e-5 * exact);
+  }
+}
+
+TEST_P(GlAveraged, RestIsAFixedPointToTheLastBit) {
+  for (const Body& body : averaged_bodies()) {
+    SCOPED_TRACE(body.name);
+    const Scene scene(body.model);
+    const GlTwins twins = twins_of(averaged_tables(body.model), scene, options());
+    for (const Vec3& shift : {Vec3(0, 0, 0), Vec3(0.125, -0.25, 0)}) {
+      State start = rest_state(body.model);
+      for (Vec3& x : start.position) x += shift;
+      twins.gl->reset(start);
+      start = twins.gl->read();
+      ASSERT_TRUE(twins.gl->step(50, 0.3 * twins.gl->stable_step()).ok());
+      State end = twins.gl->read();
+      end.time = start.time;
+      EXPECT_EQ(difference(end, start), "");
+      EXPECT_EQ(twins.gl->energy().elastic, 0.0);
+    }
+  }
+}
+
+/// In 2-D no rounding leads out of the plane.
+TEST_P(GlAveraged, AStripStaysInItsPlane) {
+  Model model = make_strip(0.04, 0.02, 6, 3);
+  set_material(model, soft_tissue(0.45));
+  const Scene scene(model);
+  const GlTwins twins = twins_of(averaged_tables(model), scene, options());
+  twins.gl->reset(random_state(model, 0.2, 0.0, 5));
+  ASSERT_TRUE(twins.gl->step(100, 0.3 * twins.gl->stable_step()).ok());
+  for (const Vec3& x : twins.gl->read().position) EXPECT_EQ(x.z(), 0.0);
+}
+
+TEST_P(GlAveraged, OnlyThisLawPaysForIt) {
+  Model model = make_block({0.03, 0.02, 0.02}, 4, 3, 2);
+  set_material(model, soft_tissue());
+  const Scene scene(model);
+  for (const Law law : {Law::shape_memory, Law::particle_averaged}) {
+    TopologyOptions topology;
+    topology.law = law;
+    SolverOptions profiled = options();
+    profiled.profile = true;
+    const GlTwins twins = twins_of(tables_of(model, topology), scene, profiled);
+    twins.gl->clear_profile();
+    ASSERT_TRUE(twins.gl->step(10, 0.3 * twins.gl->stable_step()).ok());
+    std::vector<std::string> passes;
+    for (const auto& [name, runs] : runs_of(*twins.gl)) {
+      if (runs == 10) passes.push_back(name);
+    }
+    const bool averaged = law == Law::particle_averaged;
+    EXPECT_TRUE(averaged || std::ranges::count(passes, "domains_pass") == 0);
+    if (!averaged) continue;
+    if (GetParam().backend == GlBackend::fragment) {
+      std::vector<std::string> expected{"domains_pass"};
+      if (GetParam().passes == 4) expected.emplace_back("reaction_pass");
+      expected.emplace_back("step_pass");
+      EXPECT_EQ(passes, expected);
+    } else if (GetParam().compute == GlCompute::store) {
+      EXPECT_EQ(passes, (std::vector<std::string>{"terms_kernel", "step_kernel"}));
+    }
+  }
+}
+
+TEST_P(GlAveraged, ConstantsBeyondSinglePrecisionAreRefused) {
+  Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
+  set_material(model, {1e40, 0.3, 1e36});
+  const Scene scene(model);
+  SolverOptions any = options();
+  any.spectrum = Spectrum{};
+  const std::string message =
+      message_of([&] { gl::DeviceSolver(GetParam().backend, averaged_tables(model), scene, any); });
+  EXPECT_NE(message.find("is beyond the range of single precision"), std::string::npos) << message;
+}
+
+}  // namespace
+}  // namespace phymul::test
