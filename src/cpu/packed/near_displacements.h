@@ -3,6 +3,7 @@
 // A cluster's displacements side by side, as its kernels read them.
 #pragma once
 
+#include <cstdint>
 #include <cstring>
 
 #include "packed_body.h"
@@ -21,6 +22,16 @@ inline const char* near_displacements(const Cluster& cluster, const char* u, cha
   }
   std::memset(to, 0, 16);
   return near;
+}
+
+inline constexpr std::size_t page = 4096;
+
+/// The first place from `near` on that is half a page from `other`, whole pages aside. Processors take a load for one
+/// of a recent store where the two agree in their last twelve bits: a slot's displacement must not stand there relative
+/// to its force, or the kernels run at half their pace.
+inline char* half_a_page_from(const char* other, char* near) {
+  const auto distance = reinterpret_cast<std::uintptr_t>(other) + page / 2 - reinterpret_cast<std::uintptr_t>(near);
+  return near + distance % page;
 }
 
 /// Asks for them ahead, into the second cache: a halo lies scattered in memory, where no processor foresees it.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 #include <string>
+#include <thread>
 
 #include "device/float_range.h"
 #include "packed_rows.h"
@@ -29,6 +30,10 @@ constexpr double whole_cost = 40e3;  // ns
 
 /// Particles of Law::particle_averaged that are put in order of their links together.
 constexpr Index averaged_window = 256;
+
+/// Work of a step worth a thread. Handing two passes over and back costs a step about 0.5 us, so that two threads with
+/// this much each gain most of what they can.
+constexpr double least_cost_a_thread = 10e3;  // ns
 
 class BodyPacker {
  public:
@@ -188,6 +193,15 @@ double PackedBody::cost() const {
   double sum = averages.cost();
   for (const Cluster& cluster : clusters) sum += cluster.cost;
   return sum;
+}
+
+int PackedBody::threads_for(int asked) const {
+  const std::size_t pieces = averaged() ? static_cast<std::size_t>(averages.slices()) : clusters.size();
+  const int most = static_cast<int>(std::clamp<std::size_t>(pieces, 1, 1024));
+  if (asked > 0) return std::min(asked, most);
+  const int processors = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  const int worth = static_cast<int>(std::clamp(cost() / least_cost_a_thread, 1.0, 1024.0));
+  return std::min({processors, most, worth});
 }
 
 std::size_t PackedBody::most_slots() const {

@@ -67,6 +67,8 @@ struct PackedBody {
   bool gives() const { return use == simd::BaseUse::attractor && !(bases.empty() && enumerated.empty()); }
   bool averaged() const { return averages.slots > 0; }
   double cost() const;  ///< ns per step, rough
+  /// Threads for a step: as many as asked for, or for 0 as the machine has and the work is worth.
+  int threads_for(int asked) const;
   /// Bytes that a step reads and writes if nothing stays in a cache between steps, without the scene's loads.
   double bytes_a_step() const;
 };

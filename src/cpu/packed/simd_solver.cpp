@@ -6,11 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <cstring>
 #include <limits>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include "base/denormals.h"
@@ -28,33 +26,10 @@
 namespace phymul::cpu {
 namespace {
 
-/// Work of a step worth a thread. Handing two passes over and back costs a step about 0.5 us, so that two threads with
-/// this much each gain most of what they can.
-constexpr double least_cost_a_thread = 10e3;  // ns
-
-int thread_count(int asked, const PackedBody& body) {
-  const auto clusters = static_cast<int>(std::min<std::size_t>(body.clusters.size(), 1024));
-  const int pieces = body.averaged() ? std::min(body.averages.slices(), 1024) : clusters;
-  if (asked > 0) return std::max(1, std::min(asked, pieces));
-  const int processors = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  const double worth = std::min(body.cost() / least_cost_a_thread, 1024.0);
-  return std::max(1, std::min({processors, pieces, static_cast<int>(worth)}));
-}
-
-constexpr std::size_t page = 4096;
-
 /// Bytes a step above which the next step finds hardly anything in a core's own caches.
 constexpr double caches = 16e6;
 /// And above which rows that a kernel reads once come from so far that it gains by asking for them ahead.
 constexpr double near_caches = 8e6;
-
-/// The first place from `near` on that is half a page from `other`, whole pages aside. Processors take a load for one
-/// of a recent store where the two agree in their last twelve bits: a slot's displacement must not stand there relative
-/// to its force, or the kernels run at half their pace.
-char* half_a_page_from(const char* other, char* near) {
-  const auto distance = reinterpret_cast<std::uintptr_t>(other) + page / 2 - reinterpret_cast<std::uintptr_t>(near);
-  return near + distance % page;
-}
 
 char* bytes(Floats& floats) {
   return reinterpret_cast<char*>(floats.data());
@@ -67,7 +42,7 @@ class SimdSolver final : public SolverBackend {
         kernels_(simd::chosen_kernels()),
         body_(make_packed_body(topology(), kernels_.lanes)),
         loads_(scene(), *body_),
-        pool_(thread_count(options().threads, *body_)),
+        pool_(body_->threads_for(options().threads)),
         tools_(*body_, topology(), pool_.parts()),
         claims_(*body_, pool_.parts()),
         summaries_(static_cast<std::size_t>(pool_.parts())),
