@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 #include "canvas.h"
 #include "raster.h"
@@ -30,6 +31,15 @@ Vec3 normal_of(const Face& face, const VecList& x) {
     sum += x[face.corners[k]].cross(x[face.corners[(k + 1) % face.corners.size()]]);
   }
   return sum.stableNormalized();
+}
+
+/// The shortest turn from the z axis to a direction. Eigen's FromTwoVectors looks for the axis of half a turn by a
+/// singular value decomposition, which takes longer to compile than the rest of this file.
+phymul::Quaternion turn_from_z(const Vec3& direction) {
+  const Vec3 d = direction.normalized();
+  if (d.z() < -1.0 + 1e-12) return {0.0, -1.0, 0.0, 0.0};
+  const double s = std::sqrt(2.0 * (1.0 + d.z()));
+  return {0.5 * s, -d.y() / s, d.x() / s, 0.0};
 }
 
 /// One picture: what is drawn into the raster.
@@ -132,8 +142,7 @@ class Sheet {
     add_tool({phymul::Sphere{radius}, {.position = at}, colour, ""}, 0.0);
   }
   void add_rod(const Vec3& from, const Vec3& to, double radius, const Colour& colour) {
-    const auto turned = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), to - from);
-    const phymul::ToolPose pose{.position = from, .orientation = phymul::Quaternion(turned)};
+    const phymul::ToolPose pose{.position = from, .orientation = turn_from_z(to - from)};
     add_tool({phymul::Capsule{.radius = radius, .length = (to - from).norm()}, pose, colour, ""}, 0.0);
   }
 

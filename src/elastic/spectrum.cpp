@@ -186,7 +186,7 @@ Spectrum spectrum_of(const Eigen::MatrixXd& hessenberg) {
   return found;
 }
 
-Spectrum arnoldi(ScaledStiffness& A, Vector q) {
+Spectrum arnoldi(ScaledStiffness& A, const Vector& q) {
   const double vector_bytes = 8.0 * static_cast<double>(q.size());
   const auto steps = std::min<Eigen::Index>(
       q.size(), std::clamp<Eigen::Index>(static_cast<Eigen::Index>(arnoldi_bytes / vector_bytes), 12, 80));

@@ -112,7 +112,7 @@ NeedlePath::Crossing NeedlePath::nearest_surface(const PredictedStep& step, cons
 }
 
 Vec3 NeedlePath::shaft_at(const Line& line, double along) const {
-  const Vec3 straight = line.tip + along * line.axis;
+  Vec3 straight = line.tip + along * line.axis;
   if (state_.shaft.empty()) return straight;
   return straight + line.turn * shaft_deflection(needle_, state_.shaft, along);
 }

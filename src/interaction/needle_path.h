@@ -73,20 +73,20 @@ class NeedlePath {
   static Vec3 place(const NeedleNode& node, const PredictedStep& step);
   Vec3 shaft_at(const Line& line, double along) const;
 
-  // What acts on it: needle_coupling.cpp, needle_forces.cpp.
+  // What acts on it: needle_coupling.cpp, needle_forces.cpp. k: row of a node.
   void couple(TouchedParticles& touched, const Line& start, double turned);
   void couple_nodes(TouchedParticles& touched);
   void share_out_length();
-  void hold_sideways(std::size_t node, const Line& end, double dt);
+  void hold_sideways(std::size_t k, const Line& end, double dt);
   void couple_sideways(double dt);
   void hold_on_bent(const Line& end, double dt);
-  void rub(std::size_t node, const Line& end, double dt);
+  void rub(std::size_t k, const Line& end, double dt);
   void push_ahead(const Line& end, double dt);
-  void twist(std::size_t node, TouchedParticles& touched, const Line& end, double turned);
+  void twist(std::size_t k, TouchedParticles& touched, const Line& end, double turned);
   void settle(TouchedParticles& touched, const Line& end);
-  void give(std::size_t node, const Vec3& impulse, double dt);
+  void give(std::size_t k, const Vec3& impulse, double dt);
   void hand_over(TouchedParticles& touched, const Line& end);
-  Vec3 place_at_end(std::size_t node, TouchedParticles& touched) const;
+  Vec3 place_at_end(std::size_t k, TouchedParticles& touched) const;
   bool on_shaft(std::size_t node) const;
 
   Needle needle_;

@@ -46,7 +46,7 @@ struct Simulation::Parts {
     int steps_before = 0, of = 0;  ///< of the whole call; of 0: the solver's own call is the whole
     std::chrono::steady_clock::time_point told;
 
-    bool pass_on(StepProgress progress);
+    bool pass_on(StepProgress part);
     bool is_due() const;
   } progress;
 

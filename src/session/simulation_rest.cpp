@@ -54,10 +54,10 @@ bool Simulation::Parts::Progress::is_due() const {
   return tell && std::chrono::duration<double>(Clock::now() - told).count() >= seconds;
 }
 
-bool Simulation::Parts::Progress::pass_on(StepProgress progress) {
-  progress.steps += steps_before;
-  if (of > 0) progress.of = of;
-  const bool goes_on = tell(progress);
+bool Simulation::Parts::Progress::pass_on(StepProgress part) {
+  part.steps += steps_before;
+  if (of > 0) part.of = of;
+  const bool goes_on = tell(part);
   told = Clock::now();
   return goes_on;
 }

@@ -18,6 +18,9 @@ struct WireCode {
   Value value;
   std::uint8_t code;
 };
+// Clang deduces this by itself from version 17 on.
+template <class Value>
+WireCode(Value, int) -> WireCode<Value>;
 
 inline constexpr std::array load_type_codes{
     WireCode{LoadType::translation, 0}, WireCode{LoadType::rotation, 1},     WireCode{LoadType::force, 2},

@@ -16,7 +16,7 @@ namespace {
 void expect_spectrum(const TopologyTextures& topology, const VecList& position,
                      const std::vector<std::uint8_t>& fixed = {}) {
   double largest = 0.0, most_negative = 0.0, largest_imaginary = 0.0;
-  const Eigen::VectorXcd values = dense_operator(topology, position, fixed).eigenvalues();
+  const Eigen::VectorXcd values = dense_eigenvalues(topology, position, fixed);
   for (const std::complex<double>& value : values) {
     largest = std::max(largest, std::abs(value));
     most_negative = std::min(most_negative, value.real());

@@ -150,7 +150,8 @@ TEST_P(Contact, FastParticlesDoNotPassThroughAThinTool) {
 ToolPose random_pose(std::mt19937& bits) {
   ToolPose pose;
   pose.position = Vec3(0.01, 0.01, 0.01) + 0.016 * random_vector(bits, 3);
-  pose.orientation = Quaternion(uniform(bits), uniform(bits), uniform(bits), uniform(bits) + 1e-3).normalized();
+  const double z = uniform(bits) + 1e-3, y = uniform(bits), x = uniform(bits), w = uniform(bits);
+  pose.orientation = Quaternion(w, x, y, z).normalized();
   return pose;
 }
 

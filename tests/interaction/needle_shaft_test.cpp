@@ -213,8 +213,8 @@ TEST_P(BendingNeedleIn, TakesFromTheTissueWhatTheHubFeels) {
 bool shaken(Insertion& needle, int calls, std::uint32_t seed) {
   std::mt19937 bits(seed);
   for (int k = 0; k < calls; ++k) {
-    needle.pose.position =
-        Vec3(0.0203, 0.0197, side - 0.015) + Vec3(0.004 * uniform(bits), 0.004 * uniform(bits), 0.012 * uniform(bits));
+    const double z = 0.012 * uniform(bits), y = 0.004 * uniform(bits), x = 0.004 * uniform(bits);
+    needle.pose.position = Vec3(0.0203, 0.0197, side - 0.015) + Vec3(x, y, z);
     const Vec3 turn = 0.1 * random_vector(bits, 3);
     needle.pose.orientation = Quaternion(1.0, turn.x(), turn.y(), turn.z()).normalized();
     needle.scene.tool("needle").move_to(needle.pose);

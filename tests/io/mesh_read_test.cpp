@@ -296,8 +296,10 @@ TEST(MeshRead, SurvivesMutation) {
           case 2:
             mutated.erase(place, 1 + random() % 20);
             break;
-          default:
-            mutated.insert(place, mutated.substr(random() % mutated.size(), random() % 20));
+          default: {
+            const auto length = random() % 20, from = random() % mutated.size();
+            mutated.insert(place, mutated.substr(from, length));
+          }
         }
         if (mutated.empty()) mutated = "$";
       }

@@ -11,8 +11,8 @@
 namespace phymul::test {
 namespace {
 
-constexpr double ball = 0.010, spacing = 0.005;  // m
-constexpr int deepest = 15;                      // mm
+constexpr double ball = 0.010;  // m
+constexpr int deepest = 15;     // mm
 
 struct Depth {
   int rests = 0;      ///< mm, the last one at which the body came to rest

@@ -44,15 +44,15 @@ inline std::vector<Body> bodies() {
   return all;
 }
 
-/// Uniform in [-1, 1), from the generator's bits alone: the same on every machine.
+/// Uniform in [-1, 1), from the generator's bits alone: the same on every machine. Draw one a statement or a
+/// declarator: in which order a call's arguments are evaluated is each compiler's own choice.
 inline double uniform(std::mt19937& bits) {
   return static_cast<double>(bits()) / 2147483648.0 - 1.0;
 }
 
 inline Vec3 random_vector(std::mt19937& bits, int dimension) {
-  Vec3 v(uniform(bits), uniform(bits), uniform(bits));
-  if (dimension == 2) v.z() = 0.0;
-  return v;
+  const double z = uniform(bits), y = uniform(bits), x = uniform(bits);
+  return {x, y, dimension == 2 ? 0.0 : z};
 }
 
 /// The rest shape with every particle off its place by up to `amount` mean spacings along each axis.

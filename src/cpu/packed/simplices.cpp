@@ -89,7 +89,7 @@ bool fits(const std::vector<Member>& members, std::size_t first, std::size_t las
 
 /// Of the base over the face opposite vertex k, whose normal by the vertices' order is W; others: the face's vertices
 /// but 0.
-void add_base(const TopologyTextures& t, const Simplex& simplex, int k, const Vec3& W, std::vector<int> others,
+void add_base(const TopologyTextures& t, const Simplex& simplex, int k, const Vec3& W, const std::vector<int>& others,
               double*& to) {
   const Index row = simplex.base[k];
   const double length = W.norm();

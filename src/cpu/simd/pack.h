@@ -189,12 +189,13 @@ PHYMUL_INLINE void split_quads(Pack p, Quad to[1]) {
 
 // Unpacks within groups of four lanes.
 #if PHYMUL_LANES == 16
-#define PHYMUL_GROUPS(a, b, c, d) \
-  a, b, c, d, a + 4, b + 4, c + 4, d + 4, a + 8, b + 8, c + 8, d + 8, a + 12, b + 12, c + 12, d + 12
+#define PHYMUL_GROUPS(a, b, c, d)                                                                                 \
+  (a), (b), (c), (d), (a) + 4, (b) + 4, (c) + 4, (d) + 4, (a) + 8, (b) + 8, (c) + 8, (d) + 8, (a) + 12, (b) + 12, \
+      (c) + 12, (d) + 12
 #elif PHYMUL_LANES == 8
-#define PHYMUL_GROUPS(a, b, c, d) a, b, c, d, a + 4, b + 4, c + 4, d + 4
+#define PHYMUL_GROUPS(a, b, c, d) (a), (b), (c), (d), (a) + 4, (b) + 4, (c) + 4, (d) + 4
 #else
-#define PHYMUL_GROUPS(a, b, c, d) a, b, c, d
+#define PHYMUL_GROUPS(a, b, c, d) (a), (b), (c), (d)
 #endif
 #define PHYMUL_SHUFFLE(p, q, a, b, c, d) __builtin_shufflevector(p, q, PHYMUL_GROUPS(a, b, c, d))
 

@@ -18,7 +18,7 @@ ComputeDevice::ComputeDevice(const SliceTables& slices, const Scene& scene, cons
       passes_(tables_, library_, form, limits_),
       state_(tables_, limits_),
       report_(library_, passes_, state_, limits_),
-      sums_(library_, passes_, limits_) {
+      sums_(passes_, limits_) {
   set_scene(scene, tools);
   begin_batch({.dt = 1.0}, {0.0, 1.0}, tools);
   try_step(1);

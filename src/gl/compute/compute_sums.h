@@ -13,8 +13,7 @@ namespace phymul::gl {
 
 class ComputeSums {
  public:
-  ComputeSums(const ShaderLibrary& library, ComputePasses& passes, const ComputeLimits& limits)
-      : library_(&library), passes_(&passes), limits_(limits) {}
+  ComputeSums(ComputePasses& passes, const ComputeLimits& limits) : passes_(&passes), limits_(limits) {}
 
   /// `loads` with one instant evaluated, the state's; dt: of the last step, or 0. Overwrites what passes.evaluate()
   /// writes.
@@ -34,7 +33,6 @@ class ComputeSums {
   Sums total(Kernel& kernel, int rows, const ComputeState& state) const;
   void compile_momenta(const VecList& rest, const ComputeState& state);
 
-  const ShaderLibrary* library_;
   ComputePasses* passes_;
   ComputeLimits limits_;
   std::deque<ParticleEnergy> energies_;

@@ -33,7 +33,7 @@ class BodyDrawing {
  private:
   struct Eye;  ///< matrices and lengths of one call
   Eye eye_of(const Camera& camera, const DisplayOptions& options, const Viewport& viewport) const;
-  Drawing& begin(Drawing& drawing, const char* vertex, const char* fragment);
+  Drawing& begin(Drawing& drawing, const char* name, const char* fragment);
   void set_body(Drawing& drawing, const TextureView& displacement, const Eye& eye, const Colour& colour,
                 bool by_displacement);
   void set_line(Drawing& drawing, const Eye& eye, double half_width, double opacity) const;

@@ -20,7 +20,7 @@ struct FragmentTree {
 
   void bind_tables(Pass& pass) const;
   void bind_boxes(Pass& pass) const;
-  void measure(Pass& boxes);
+  void measure(Pass& pass);
 
   int size, levels = 0;
   Texture nodes, items, roots;

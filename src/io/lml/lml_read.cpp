@@ -41,7 +41,7 @@ class LmlReader {
   Load read_load(pugi::xml_node node);
   LoadParts parts_of(pugi::xml_node load);
   LoadType type_of(pugi::xml_node load) const;
-  const LmlUnit& unit_of(pugi::xml_node load, LoadType type, pugi::xml_node unit);
+  const LmlUnit& unit_of(pugi::xml_node load, LoadType type, pugi::xml_node node);
   void read_target(const LoadParts& parts, Load& load);
   void read_events(const LoadParts& parts, Load& load, const DecimalUnit& unit) const;
   void read_direction(pugi::xml_node node, Load& load) const;

@@ -20,7 +20,7 @@ class LmlTargets {
   std::vector<Index> resolve(std::string_view text) const;
 
   /// Row of the particle with that index. Throws Error where there is none.
-  Index particle(std::int64_t number) const;
+  Index particle(std::int64_t wanted) const;
 
   /// Shortest text of indices and ranges that resolves to these particles.
   std::string spell(const std::vector<Index>& particles) const;

@@ -62,9 +62,9 @@ class PmlReader {
   // pml_read_components.cpp: the tree of components and its cells
   void read_section(pugi::xml_node section, bool exclusive);
   void read_component(pugi::xml_node node, Index parent, bool exclusive);
-  Index add_component(pugi::xml_node node, const PmlMarks& marks, Index parent, bool exclusive, bool structural);
+  Index add_component(pugi::xml_node node, const PmlMarks& own, Index parent, bool exclusive, bool structural);
   void read_structures(pugi::xml_node node, Index component, bool neighbourhoods);
-  void read_cell(pugi::xml_node cell, Index component, Index material);
+  void read_cell(pugi::xml_node node, Index component, Index material);
   CellHead read_cell_head(pugi::xml_node cell);
   void read_cell_parts(pugi::xml_node cell, std::vector<Index>& particles);
   Index atom_row(pugi::xml_node atom_ref) const;
