@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "support/failure_states.h"
+#include "support/sanitized.h"
 
 namespace phymul::test {
 namespace {
@@ -56,7 +57,7 @@ TEST(Recovery, FromEveryFailureStateWithEveryVolumeLaw) {
 }
 
 TEST(Recovery, ParticleAveragedBodiesReturnFromEveryStateWhateverTheirSizeAndCells) {
-  for (const int across : {2, 3, 4}) {
+  for (const int across : sanitized ? std::vector<int>{2} : std::vector<int>{2, 3, 4}) {
     for (Model model : {make_block({side, side, side}, across, across, across),
                         make_tetrahedral_block({side, side, side}, across, across, across, 0.2, 3)}) {
       for (const double poisson : {0.3, 0.45}) {
