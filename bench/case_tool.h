@@ -17,6 +17,6 @@ ReferenceCase::PlacedTool read_tool(const std::vector<std::string>& words);
 
 /// Frictionless, and without compliance: no particle is in it after a step, so that no stiffness of the contact is
 /// measured. It is where its displacement has taken it. Throws Error.
-Tool make_tool(const ReferenceCase::PlacedTool& tool, const Variables& variables);
+Tool make_tool(const ReferenceCase::PlacedTool& it, const Variables& variables);
 
 }  // namespace phymul::bench

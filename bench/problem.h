@@ -51,6 +51,6 @@ struct Problem {
 
 /// Throws Error. `displacement` is the null model: the prescribed displacement spread harmonically through the body (on
 /// the graph of cell edges), which between two plates is the linear ramp. It is the start of a relaxation, too.
-Problem make_problem(const ReferenceCase& reference_case, const std::string& level, int n);
+Problem make_problem(const ReferenceCase& it, const std::string& level, int n);
 
 }  // namespace phymul::bench

@@ -152,7 +152,8 @@ int run(double seconds) {
   coupling.reset(tissue.pose_of(gripper));  // or the hand would be pulled to where the tool was
   std::printf("%d particles, %.3f s, %d pictures; at most %.2f N on the hand\n", tissue.model().particle_count(), end,
               drawn, largest);
-  std::printf("other stiffness asked for at %.3f s, in force from %.3f s\n", ticks / 2 * tick, changed * tick);
+  const int half = ticks / 2;
+  std::printf("other stiffness asked for at %.3f s, in force from %.3f s\n", half * tick, changed * tick);
   std::printf("%s to %.3f s\n", undone ? "gone back" : "could not go back", tissue.time());
   return undone && largest > 0.0 ? 0 : 1;
 }

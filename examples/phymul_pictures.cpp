@@ -40,7 +40,7 @@ VecList attractors_of(const phymul::Solver& solver, const State& state) {
 State come_to_rest(phymul::Solver& solver, std::string& subtitle) {
   const phymul::RestResult rest = solver.run_to_rest(200'000, 0.5 * solver.stable_step());
   if (!rest.converged()) throw phymul::Error("the body did not come to rest: " + rest.message());
-  const State state = solver.read();
+  State state = solver.read();
   const double nanometres = std::ceil(1e9 * displacement_norms(solver.model(), state).max);
   subtitle = text("at rest again after %.0f steps, within %.0f nm of its rest shape", rest.report.steps,
                   std::max(nanometres, 1.0));

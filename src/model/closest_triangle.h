@@ -33,7 +33,7 @@ class ClosestTriangle {
     Vec3 way;     // from the nearest point to x
     Vec3 normal;  // there, of any length
   };
-  void visit(Index node, const Vec3& x, Nearest& nearest) const;
+  void visit(Index own, const Vec3& x, Nearest& nearest) const;
   void look_at(Index triangle, const Vec3& x, Nearest& nearest) const;
 
   VecList place_;

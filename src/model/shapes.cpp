@@ -106,7 +106,7 @@ Vec3 Random::in_ball(int dimension) {
   while (true) {
     // y first: bodies of a seed stay as GCC made them when a call's arguments, in an order of its choice, drew both.
     const double y = 2.0 * unit() - 1.0, x = 2.0 * unit() - 1.0;
-    const Vec3 v(x, y, dimension == 3 ? 2.0 * unit() - 1.0 : 0.0);
+    Vec3 v(x, y, dimension == 3 ? 2.0 * unit() - 1.0 : 0.0);
     if (v.squaredNorm() <= 1.0) return v;
   }
 }

@@ -15,7 +15,7 @@ struct Triples {
 };
 /// Place of j < k < l among the triples of n neighbours.
 Index triple_row(Index n, Index j, Index k, Index l);
-Triples triples_of(const TopologyTextures& topology, Index particle);
+Triples triples_of(const TopologyTextures& t, Index i);
 
 /// True where nearly all triples of neighbours are bases, none has more than `most` neighbours and no base has other
 /// vertices: the body's attractors can be enumerated.

@@ -33,7 +33,7 @@ Error error_of(const std::function<void()>& action) {
 }
 
 std::string file_with(const std::string& name, const std::string& text) {
-  const std::string path = testing::TempDir() + "/phymul_error_" + name;
+  std::string path = testing::TempDir() + "/phymul_error_" + name;
   std::ofstream(path, std::ios::binary) << text;
   return path;
 }

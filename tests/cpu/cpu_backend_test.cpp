@@ -143,7 +143,7 @@ Model two_materials() {
 
 /// Bodies of several clusters, with the terms of every kernel among them.
 std::vector<Case> large_cases() {
-  const auto make = [](std::string name, Model model, const TopologyOptions& options) {
+  const auto make = [](std::string name, const Model& model, const TopologyOptions& options) {
     return Case{std::move(name), model, std::make_shared<const TopologyTextures>(build_topology(model, options))};
   };
   const auto material = [](Model model) {

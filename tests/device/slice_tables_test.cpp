@@ -64,7 +64,7 @@ std::vector<Index> walked(const SliceTables& s, const std::vector<Int2>& ranges,
 
 template <class Row>
 bool same_bits(const Row& a, const Row& b) {
-  return std::memcmp(&a, &b, sizeof(Row)) == 0;
+  return std::memcmp(&a, &b, sizeof(Row)) == 0;  // NOLINT(bugprone-suspicious-memory-comparison): -0 is not 0 here
 }
 
 /// Goes through the lists of all particles side by side, in both tables.

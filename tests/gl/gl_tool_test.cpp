@@ -21,7 +21,8 @@ std::shared_ptr<const DistanceGrid> ball_grid() {
   constexpr int n = 11;
   std::vector<float> values;
   for (int row = 0; row < n * n * n; ++row) {
-    const Vec3 corner(row % n - 5, row / n % n - 5, row / (n * n) - 5);
+    const int i = row % n - 5, j = row / n % n - 5, k = row / (n * n) - 5;
+    const Vec3 corner(i, j, k);
     values.push_back(static_cast<float>(1e-3 * corner.norm() - 3e-3));
   }
   return std::make_shared<const DistanceGrid>(Vec3::Constant(-5e-3), 1e-3, std::array<int, 3>{n, n, n}, values);

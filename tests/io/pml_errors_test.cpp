@@ -154,7 +154,7 @@ TEST(PmlErrors, NotXml) {
             "t.pml:1: expected well-formed XML, got \"No document element found\"; is the file damaged or cut short?");
   EXPECT_EQ(refusal("<physicalModel>\n<atoms>\n</physicalModel>"),
             "t.pml:3: expected well-formed XML, got \"Start-end tags mismatch\"; is the file damaged or cut short?");
-  EXPECT_EQ(refusal(std::string("<physicalModel>\n\0</physicalModel>", 34)),
+  EXPECT_EQ(refusal(std::string("<physicalModel>\n\0</physicalModel>", 33)),
             "t.pml:2: expected XML in UTF-8, got a zero byte; binary files and UTF-16 are not read");
 }
 

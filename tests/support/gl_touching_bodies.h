@@ -53,8 +53,8 @@ inline std::string name_of_form(const testing::TestParamInfo<GlForm>& form) {
 /// A scene on the device and on the reference.
 class BesideReference {
  public:
-  BesideReference(const Model& model, const Scene& scene, SolverOptions options, GlCompute form = GlCompute::automatic,
-                  GlBackend backend = GlBackend::compute)
+  BesideReference(const Model& model, const Scene& scene, const SolverOptions& options,
+                  GlCompute form = GlCompute::automatic, GlBackend backend = GlBackend::compute)
       : BesideReference(model, scene, options, GlForm{"", backend, form, 2}) {}
   BesideReference(const Model& model, const Scene& scene, SolverOptions options, const GlForm& form)
       : tables_(tables_of(model, {})) {

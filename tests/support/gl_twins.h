@@ -91,7 +91,7 @@ inline std::vector<Float4> texels_of(gl::Context& context, const ParticleBuffer&
 
 class GlTwins {
  public:
-  GlTwins(std::shared_ptr<const TopologyTextures> tables, const Scene& scene, SolverOptions options = {},
+  GlTwins(const std::shared_ptr<const TopologyTextures>& tables, const Scene& scene, SolverOptions options = {},
           GlBackend backend = GlBackend::fragment)
       : options_(std::move(options)) {
     options_.on_unstable = UnstableStep::allow;

@@ -13,7 +13,7 @@ struct Named {
   const char* name;
   int count = 1;  ///< numbers that glGet gives
 };
-#define N(x) GL_##x, #x
+#define N(x) GL_##x, #x  // NOLINT(readability-identifier-naming): of this table alone
 
 const std::vector<Named> numbers{{N(CURRENT_PROGRAM)},
                                  {N(VERTEX_ARRAY_BINDING)},

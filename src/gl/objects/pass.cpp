@@ -11,7 +11,8 @@
 
 namespace phymul::gl {
 
-Pass::Pass(const ShaderLibrary& library, ShaderRequest request) : name_(request.name()), program_(library, request) {}
+Pass::Pass(const ShaderLibrary& library, const ShaderRequest& request)
+    : name_(request.name()), program_(library, request) {}
 
 void Pass::input(const char* name, const Texture& texture) {
   for (Input& input : inputs_) {

@@ -14,7 +14,7 @@ namespace phymul::gl {
 class Pass {
  public:
   Pass() = default;
-  Pass(const ShaderLibrary& library, ShaderRequest request);
+  Pass(const ShaderLibrary& library, const ShaderRequest& request);
 
   /// The texture behind sampler `name`, and the uniform `name`_place that finds a row in it. Stays until the next call;
   /// one the shader does not use is passed over.

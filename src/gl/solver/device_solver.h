@@ -21,8 +21,8 @@ namespace phymul::gl {
 /// finds a device.
 class DeviceSolver final : public SolverBackend, public ContextUser {
  public:
-  DeviceSolver(GlBackend backend, std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
-               const SolverOptions& options);
+  DeviceSolver(GlBackend backend, std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in,
+               const SolverOptions& options_in);
   ~DeviceSolver() override;
 
   const std::shared_ptr<Context>& context() const override { return context_; }
