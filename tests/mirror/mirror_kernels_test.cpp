@@ -18,7 +18,7 @@ using cpu::Float3;
 
 /// The thesis' reactions beside the conservative energies.
 std::vector<Variant> float_variants() {
-  std::vector<Variant> all = clustered_variants();
+  std::vector<Variant> all = conservative_variants();
   for (const auto& [name, reaction] : {std::pair{"full", Reaction::full}, std::pair{"shared", Reaction::shared},
                                        std::pair{"barycentric", Reaction::barycentric}}) {
     Variant v;

@@ -223,11 +223,16 @@ class BoundedForces {
     const Bounded shape = stored(domain.shape_stiffness), volume = stored(domain.volume_stiffness),
                   spread = stored(domain.spread_stiffness);
     cpu::Columns<Bounded> Q = cpu::cell_stress<bounded>(H, shape, volume);
+    const Bounded squares = inner_product(H.c0, H.c0) + inner_product(H.c1, H.c1) + inner_product(H.c2, H.c2);
+    add_energy((cpu::cell_energy<bounded>(H, shape, volume) - (Bounded(0.5f) * spread) * squares) /
+               stored(domain.inverse_volume));
     Q = {Q.c0 - spread * H.c0, Q.c1 - spread * H.c1, Q.c2 - spread * H.c2};
     for (Index r = t_.first_link[d]; r < t_.first_link[d + 1]; ++r) {
       const LinkTexel& link = t_.links[r];
       sum_[t_.domains[link.domain].particle].add(-cpu::times(Q, stored3(link.area)));
-      sum_[domain.particle].add(stored(link.stiffness) * difference_of_domains(d, link.domain));
+      const Bounded3 apart = difference_of_domains(d, link.domain);
+      sum_[domain.particle].add(stored(link.stiffness) * apart);
+      add_energy((Bounded(0.25f) * stored(link.stiffness)) * inner_product(apart, apart));
     }
     for (Index r = t_.first_surface_link[d]; r < t_.first_surface_link[d + 1]; ++r) {
       sum_[t_.domains[t_.surface_links[r].domain].particle].add(-cpu::times(Q, stored3(t_.surface_links[r].area)));
