@@ -39,51 +39,37 @@ Rule simplex_rule(int dimension) {
   return rule;
 }
 
-struct Gauss {
-  std::vector<double> place, weight;
-};
-
-Gauss gauss(int points) {
-  if (points == 1) return {{0.0}, {2.0}};
-  if (points == 2) return {{-std::sqrt(1.0 / 3.0), std::sqrt(1.0 / 3.0)}, {1.0, 1.0}};
-  return {{-std::sqrt(0.6), 0.0, std::sqrt(0.6)}, {5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0}};
-}
-
 /// Corners of the hexahedron [-1, 1]^3 in PML's order; the first four, in the plane, are those of a quad.
 constexpr std::array<std::array<double, 3>, 8> corner{
     {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}}};
 
-/// `vertex_of`: the cell's vertex at each corner; several corners may share one.
-Rule hexahedron_rule(int dimension, std::span<const int> vertex_of, int upward_points) {
-  const Gauss across = gauss(2), upward = dimension == 2 ? Gauss{{0.0}, {1.0}} : gauss(upward_points);
+/// Two Gauss points along each axis. `vertex_of`: the cell's vertex at each corner; several corners may share one.
+Rule hexahedron_rule(int dimension, std::span<const int> vertex_of) {
+  const double place = std::sqrt(1.0 / 3.0);
+  const bool plane = dimension == 2;
   Rule rule;
-  for (std::size_t k = 0; k < upward.place.size(); ++k) {
-    for (int j = 0; j < 2; ++j) {
-      for (int i = 0; i < 2; ++i) {
-        ReferencePoint point;
-        point.slope.fill(Vec3::Zero());
-        point.weight = across.weight[i] * across.weight[j] * upward.weight[k];
-        for (std::size_t c = 0; c < vertex_of.size(); ++c) {
-          const auto& at = corner[c];
-          const double x = 0.5 * (1.0 + at[0] * across.place[i]), y = 0.5 * (1.0 + at[1] * across.place[j]);
-          const double z = dimension == 2 ? 1.0 : 0.5 * (1.0 + at[2] * upward.place[k]);
-          point.value[vertex_of[c]] += x * y * z;
-          point.slope[vertex_of[c]] += 0.5 * Vec3(at[0] * y * z, at[1] * x * z, dimension == 2 ? 0.0 : at[2] * x * y);
-        }
-        rule.push_back(point);
-      }
+  for (std::size_t k = 0; k < vertex_of.size(); ++k) {
+    ReferencePoint point;
+    point.slope.fill(Vec3::Zero());
+    point.weight = 1.0;
+    for (std::size_t c = 0; c < vertex_of.size(); ++c) {
+      const auto& at = corner[c];
+      const double x = 0.5 * (1.0 + at[0] * corner[k][0] * place), y = 0.5 * (1.0 + at[1] * corner[k][1] * place);
+      const double z = plane ? 1.0 : 0.5 * (1.0 + at[2] * corner[k][2] * place);
+      point.value[vertex_of[c]] += x * y * z;
+      point.slope[vertex_of[c]] += 0.5 * Vec3(at[0] * y * z, at[1] * x * z, plane ? 0.0 : at[2] * x * y);
     }
+    rule.push_back(point);
   }
   return rule;
 }
 
 const Rule& rule_of(CellType type) {
   static const Rule triangle = simplex_rule(2), tetrahedron = simplex_rule(3);
-  static const Rule quad = hexahedron_rule(2, std::array{0, 1, 2, 3}, 1);
-  static const Rule hexahedron = hexahedron_rule(3, std::array{0, 1, 2, 3, 4, 5, 6, 7}, 2);
-  static const Rule wedge = hexahedron_rule(3, std::array{0, 1, 2, 2, 3, 4, 5, 5}, 2);
-  // Towards the apex the volume falls as a square: a third point keeps the rule exact.
-  static const Rule pyramid = hexahedron_rule(3, std::array{0, 1, 2, 3, 4, 4, 4, 4}, 3);
+  static const Rule quad = hexahedron_rule(2, std::array{0, 1, 2, 3});
+  static const Rule hexahedron = hexahedron_rule(3, std::array{0, 1, 2, 3, 4, 5, 6, 7});
+  static const Rule wedge = hexahedron_rule(3, std::array{0, 1, 2, 2, 3, 4, 5, 5});
+  static const Rule pyramid = hexahedron_rule(3, std::array{0, 1, 2, 3, 4, 4, 4, 4});
   switch (type) {
     case CellType::triangle:
       return triangle;

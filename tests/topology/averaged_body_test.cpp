@@ -309,6 +309,21 @@ TEST(AveragedBody, CantileversOfAnyCellsBendAsTheyShould) {
   }
 }
 
+/// The energy knows three dimensions; what rounding leaves of the third must not push a plane body out of its plane.
+TEST(AveragedBody, PlaneBodiesStayInTheirPlane) {
+  const Model model = with_material(triangles());
+  const Scene scene(model);
+  for (const char* backend : {"reference", "cpu"}) {
+    const auto solver = make_solver(backend, model, scene, {.law = law});
+    State state = solver->read();
+    state.position = random_positions(model, 0.2, 4);
+    solver->reset(state);
+    ASSERT_TRUE(solver->step(200, 0.4 * solver->stable_step()).ok()) << backend;
+    solver->read(state);
+    for (const Vec3& p : state.position) ASSERT_EQ(p.z(), 0.0) << backend;
+  }
+}
+
 TEST(AveragedBody, NonsenseIsRefusedWithWhatToDo) {
   const auto refused = [](Model model, TopologyOptions options = {}) {
     options.law = law;
