@@ -5,7 +5,6 @@
 
 # For parts of the library: what changes with no work on phymul.
 function(phymul_precompile_library target)
-  return()
   target_precompile_headers(${target} PRIVATE <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath> <cstdint>
                             <functional> <limits> <map> <memory> <optional> <span> <string> <string_view> <vector>)
 endfunction()
@@ -13,9 +12,6 @@ endfunction()
 # For programs that use the library. All of one kind ("program", "test") share one file, which is made with the flags of
 # the first: they must be compiled alike.
 function(phymul_precompile_users kind target)
-  if(kind STREQUAL "program")
-    return()
-  endif()
   if(NOT TARGET phymul_${kind}_headers)
     file(WRITE ${PROJECT_BINARY_DIR}/headers/${kind}.cpp "// Carries the precompiled headers of one kind of program.\n")
     add_library(phymul_${kind}_headers OBJECT ${PROJECT_BINARY_DIR}/headers/${kind}.cpp)
