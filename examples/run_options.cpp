@@ -92,7 +92,8 @@ void add_elasticity_options(CLI::App& app, RunOptions& options) {
                                 "kappa of a volume term without a material, Pa");
   auto* average = app.add_option("--cell-average", options.topology.cell_average,
                                  "share of the energy from a hexahedron's mean deformation; 0.9 cures locking");
-  for (CLI::Option* option : {young, poisson, density, from_file, reaction, bases, springs, averaged, volume, average}) {
+  for (CLI::Option* option :
+       {young, poisson, density, from_file, reaction, bases, springs, averaged, volume, average}) {
     option->group(group);
   }
   for (CLI::Option* option : {young, poisson, density}) from_file->excludes(option);

@@ -33,8 +33,8 @@ enum class Law {
   ///   V_i = integral of N_i,  C_ij = integral of N_i grad N_j,  F_i = I + 1/V_i sum_j (u_j - u_i) C_ij^T
   ///   E = sum_i V_i psi(F_i) + s/2 (integral of mu |F|^2 - sum_i mu_i V_i |F_i|^2)
   /// psi is the energy of Calibration at F_i, averaged over seven directions instead of all, with VolumeLaw. The second
-  /// term, of weight s (TopologyOptions::stabiliser), is what the means leave out. A particle where materials meet has a
-  /// mean and an energy for each. In 2-D strain is plane.
+  /// term, of weight s (TopologyOptions::stabiliser), is what the means leave out. A particle where materials meet has
+  /// a mean and an energy for each. In 2-D strain is plane.
   particle_averaged
 };
 
@@ -94,8 +94,8 @@ struct TopologyOptions {
   /// distributed isotropically (every tetrahedron, flat hexahedra, wedges; not cubes) get a larger share automatically,
   /// up to 0.9. Otherwise irregular tetrahedra would lose 16 % of Young's modulus.
   double cell_average = 0.0;
-  /// s of Law::particle_averaged. Without a value it is calibrated so that pure bending of the body costs what it should
-  /// (0.1 to 0.7; one value for each type of cell), and build_topology writes the mean over the volume here.
+  /// s of Law::particle_averaged. Without a value it is calibrated so that pure bending of the body costs what it
+  /// should (0.1 to 0.7; one value for each type of cell), and build_topology writes the mean over the volume here.
   std::optional<double> stabiliser = std::nullopt;
   SparseParticle on_sparse = SparseParticle::error;
   int max_texture_size = 16384;  ///< texels: limit of a GPU on the sides of a table

@@ -87,9 +87,9 @@ struct DomainTexel {
 
 /// What domain e is to domain d. Read from e to d the area changes its sign and the stiffness is the same.
 struct LinkTexel {
-  Index domain = none;           ///< e
-  Vec3 area = Vec3::Zero();      ///< half the integral of N_d grad N_e - N_e grad N_d, m^2
-  double stiffness = 0.0;        ///< -integral of s mu grad N_d . grad N_e, N/m
+  Index domain = none;       ///< e
+  Vec3 area = Vec3::Zero();  ///< half the integral of N_d grad N_e - N_e grad N_d, m^2
+  double stiffness = 0.0;    ///< -integral of s mu grad N_d . grad N_e, N/m
 };
 
 /// The rest of the integral of N_d grad N_e, where it is not zero: on the surface of the body or of a material, d and e
@@ -143,9 +143,9 @@ struct TopologyTextures {
   // Law::particle_averaged: domains in order of their particles. Domain d has the links first_link[d] ...
   // first_link[d + 1] - 1, and likewise surface links.
   std::vector<DomainTexel> domains;
-  std::vector<Index> first_domain;           ///< [N + 1]
+  std::vector<Index> first_domain;  ///< [N + 1]
   std::vector<LinkTexel> links;
-  std::vector<Index> first_link{0};          ///< [domains + 1]
+  std::vector<Index> first_link{0};  ///< [domains + 1]
   std::vector<SurfaceLinkTexel> surface_links;
   std::vector<Index> first_surface_link{0};  ///< [domains + 1]
 

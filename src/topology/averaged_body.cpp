@@ -23,6 +23,17 @@ bool solid(const Model& model, Index row) {
   return is_solid(model.dimension, model.cells[row].type);
 }
 
+/// Calls with (domains of its vertices, their number, its points) of every solid cell.
+template <class Visit>
+void for_each_cell(const Model& model, const Domains& domains, const Visit& visit) {
+  std::vector<CellPoint> points;
+  for (Index row = 0; row < domains.of_cell.rows(); ++row) {
+    if (domains.of_cell.size(row) == 0) continue;
+    cell_points(model, row, points);
+    visit(domains.of_cell.begin(row), domains.of_cell.size(row), points);
+  }
+}
+
 /// Domain numbers: one for each particle and each material around it.
 void number_domains(const Model& model, Domains& domains) {
   std::vector<std::pair<Index, Index>> keys;  // particle, material
@@ -85,12 +96,7 @@ void pair_domains(Domains& domains) {
 /// k_de = -integral of s mu grad N_d . grad N_e, s mu averaged over the domains, per row of pairs.
 std::vector<double> pair_stiffness(const Model& model, const Domains& domains, const std::vector<double>& spread) {
   std::vector<double> stiffness(domains.pairs.size(), 0.0);
-  std::vector<CellPoint> points;
-  for (Index row = 0; row < domains.of_cell.rows(); ++row) {
-    const Index* domain = domains.of_cell.begin(row);
-    const Index vertices = domains.of_cell.size(row);
-    if (vertices == 0) continue;
-    cell_points(model, row, points);
+  for_each_cell(model, domains, [&](const Index* domain, Index vertices, const std::vector<CellPoint>& points) {
     for (Index a = 0; a < vertices; ++a) {
       for (Index b = 0; b < vertices; ++b) {
         if (a == b) continue;
@@ -103,7 +109,7 @@ std::vector<double> pair_stiffness(const Model& model, const Domains& domains, c
         stiffness[domains.pair(domain[a], domain[b])] -= sum;
       }
     }
-  }
+  });
   return stiffness;
 }
 
@@ -167,12 +173,7 @@ Domains domains_of(const Model& model) {
   number_domains(model, domains);
   pair_domains(domains);
   domains.volume.assign(domains.particle.size(), 0.0);
-  std::vector<CellPoint> points;
-  for (Index row = 0; row < domains.of_cell.rows(); ++row) {
-    const Index* domain = domains.of_cell.begin(row);
-    const Index vertices = domains.of_cell.size(row);
-    if (vertices == 0) continue;
-    cell_points(model, row, points);
+  for_each_cell(model, domains, [&](const Index* domain, Index vertices, const std::vector<CellPoint>& points) {
     for (Index a = 0; a < vertices; ++a) {
       for (const CellPoint& point : points) domains.volume[domain[a]] += point.volume * point.value[a];
       for (Index b = 0; b < vertices; ++b) {
@@ -181,7 +182,7 @@ Domains domains_of(const Model& model) {
         domains.pairs[domains.pair(domain[a], domain[b])].area += area;
       }
     }
-  }
+  });
   return domains;
 }
 

@@ -34,8 +34,8 @@ void check_options(const TopologyOptions& o) {
   require(o.cell_average >= 0.0 && o.cell_average < 1.0,
           "cell_average is " + to_decimal(o.cell_average) + "; expected at least 0 and below 1 (0.9 is a good value)");
   if (o.stabiliser) {
-    require(is_not_negative(*o.stabiliser), "stabiliser is " + to_decimal(*o.stabiliser) +
-                                                "; expected 0 or more, or none, so that it is calibrated");
+    require(is_not_negative(*o.stabiliser),
+            "stabiliser is " + to_decimal(*o.stabiliser) + "; expected 0 or more, or none, so that it is calibrated");
   }
 }
 
@@ -59,6 +59,14 @@ std::vector<Index> particles_without_base(const BaseTable& table) {
   return result;
 }
 
+std::vector<Index> particles_without_domain(const TopologyTextures& topology) {
+  std::vector<Index> result;
+  for (Index i = 0; i < topology.particle_count; ++i) {
+    if (topology.first_domain[i] == topology.first_domain[i + 1]) result.push_back(i);
+  }
+  return result;
+}
+
 std::string how_to_get_bases(const Model& model, BaseSelection bases) {
   if (bases == BaseSelection::opposite_faces) {
     return std::string("bases from opposite_faces are faces of ") +
@@ -72,14 +80,16 @@ std::string how_to_get_bases(const Model& model, BaseSelection bases) {
          ", and must pass the thresholds. Give more neighbours, loosen min_quality and max_barycentric";
 }
 
-void treat_sparse(const Model& model, const BaseTable& table, TopologyTextures& topology) {
-  const std::vector<Index> sparse = particles_without_base(table);
+void treat_sparse(const Model& model, const std::vector<Index>& sparse, TopologyTextures& topology) {
   if (sparse.empty()) return;
+  const bool averaged = topology.options.law == Law::particle_averaged;
   switch (topology.options.on_sparse) {
     case SparseParticle::error:
-      throw Error(ErrorCode::invalid_model, particle_names(model, sparse) + (sparse.size() == 1 ? " has" : " have") +
-                                                " no base: " + how_to_get_bases(model, topology.options.bases) +
-                                                ", or set on_sparse to springs or free");
+      throw Error(ErrorCode::invalid_model,
+                  particle_names(model, sparse) + (sparse.size() == 1 ? " has" : " have") +
+                      (averaged ? " no volume: put each in a cell, or set on_sparse to free"
+                                : " no base: " + how_to_get_bases(model, topology.options.bases) +
+                                      ", or set on_sparse to springs or free"));
     case SparseParticle::springs:
       require(model.materials.empty(), particle_names(model, sparse) + (sparse.size() == 1 ? " is" : " are") +
                                            " in no cell that has a material, and springs would need a stiffness in "
@@ -296,7 +306,8 @@ TopologyTextures build_topology(const Model& model, const TopologyOptions& optio
   const BaseTable table = averaged       ? no_bases(model)
                           : has_material ? build_calibrated(model, topology)
                                          : build_plain(model, topology);
-  if (options.law == Law::shape_memory) treat_sparse(model, table, topology);
+  if (averaged) treat_sparse(model, particles_without_domain(topology), topology);
+  if (options.law == Law::shape_memory) treat_sparse(model, particles_without_base(table), topology);
   const bool from_bases = options.law == Law::shape_memory && topology.options.bases == BaseSelection::opposite_faces;
   pack_neighbours(neighbour_rows(model, table, from_bases), options.max_texture_size, topology);
   pack_bases(table, options.max_texture_size, topology);

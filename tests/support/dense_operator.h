@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // The linearised motion of small bodies by dense matrices: what Lanczos and Arnoldi iteration are held against, and how
-// fast a body that is not stable grows. In a library of its own, dense_operator.cmake: dense eigenvalues take a compiler
-// longer than most tests.
+// fast a body that is not stable grows. In a library of its own, dense_operator.cmake: dense eigenvalues take a
+// compiler longer than most tests.
 #pragma once
 
 #include <phymul/elasticity.h>

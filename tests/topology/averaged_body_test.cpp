@@ -140,10 +140,8 @@ TEST(AveragedBody, UniformStrainIsExactOnEveryMesh) {
         << body.name;
     elastic_forces(tables, x, force);
     const double scale = largest_norm(force);
-    Vec3 low = tables.rest[0], high = low;
-    for (const Vec3& p : tables.rest) low = low.cwiseMin(p), high = high.cwiseMax(p);
     for (Index i = 0; i < tables.particle_count; ++i) {
-      // Surface particles are those with a surface link of their own.
+      // Surface particles are those with a surface link; of one material, a particle's number is its domain's.
       if (tables.first_surface_link[i] < tables.first_surface_link[i + 1]) continue;
       EXPECT_LE(force[i].norm(), 1e-10 * scale) << body.name << ", particle " << i;
       worst = std::max(worst, force[i].norm() / scale);
@@ -213,7 +211,7 @@ TEST(AveragedBody, PureBendingCostsWhatItShould) {
     Vec3 centre = Vec3::Zero();
     for (const DomainTexel& d : tables.domains) centre += tables.rest[d.particle] / d.inverse_volume;
     centre /= measure(body.model);
-    // Moments of area by a fine rule of points in the block of 0.04 x 0.03 x 0.03 m: length^2 / 12 each.
+    // The integral of x_b^2 over a box is its volume times length^2 / 12.
     const Vec3 size(0.04, 0.03, 0.03);
     double excess = 0.0;
     for (int a = 0; a < 3; ++a) {
@@ -284,15 +282,19 @@ TEST(AveragedBody, MaterialsDoNotSmear) {
 }
 
 /// Tip of a cantilever of 425 particles under its weight, over that of a beam with shear (Timoshenko): linear
-/// tetrahedra, and the calibrated bases, are 16 to 26 % off on the unstructured ones.
+/// tetrahedra, and the calibrated bases, are 16 to 26 % off on the unstructured ones. Two meshes that no stabiliser
+/// cures show the limit: cells four times as long as thick, and one layer of hexahedra.
 TEST(AveragedBody, CantileversOfAnyCellsBendAsTheyShould) {
   const double L = 0.2, H = 0.05, g = 0.1, nu = 0.3, E = 10e3;
   const double area = H * H, inertia = area * area / 12.0, mu = E / 2.0 / (1.0 + nu), q = 1000.0 * g * area;
   const double shear = 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu);
   const double tip = q * std::pow(L, 4) / (8.0 * E * inertia) + q * L * L / (2.0 * shear * mu * area);
-  for (const auto& [name, model, most] :
-       {std::tuple{"tetrahedra", with_material(make_tetrahedral_block({L, H, H}, 16, 4, 4, 0.2, 1)), 0.03},
-        std::tuple{"hexahedra", with_material(make_block({L, H, H}, 16, 4, 4)), 0.03}}) {
+  for (const auto& [name, model, expected] :
+       {std::tuple{"tetrahedra", with_material(make_tetrahedral_block({L, H, H}, 16, 4, 4, 0.2, 1)), 1.0},
+        std::tuple{"hexahedra", with_material(make_block({L, H, H}, 16, 4, 4)), 1.0},
+        std::tuple{"tetrahedra, 4 : 1", with_material(make_tetrahedral_block({L, H, H}, 4, 4, 4, 0.2, 1)), 0.62},
+        std::tuple{"hexahedra, 4 : 1", with_material(make_block({L, H, H}, 4, 4, 4)), 0.57},
+        std::tuple{"hexahedra, one layer", with_material(make_block({L, H, H}, 16, 4, 1)), 1.48}}) {
     Scene scene(model);
     scene.fix("x0").gravity({0, 0, -g});
     SolverOptions options;
@@ -305,7 +307,7 @@ TEST(AveragedBody, CantileversOfAnyCellsBendAsTheyShould) {
     for (const Index i : end) sum += model.rest[i].z() - state.position[i].z();
     const double found = sum / static_cast<double>(end.size());
     std::printf("%s: tip at %.4f of the beam's\n", name, found / tip);
-    EXPECT_NEAR(found / tip, 1.0, most) << name;
+    EXPECT_NEAR(found / tip, expected, 0.03) << name;
   }
 }
 
@@ -338,6 +340,14 @@ TEST(AveragedBody, NonsenseIsRefusedWithWhatToDo) {
   Model folded = with_material(block);
   folded.rest[13] = folded.rest[26] + Vec3(0.001, 0.001, 0.001);  // the middle, beyond a corner
   EXPECT_TRUE(says(refused(folded), "is folded or inside out at rest")) << refused(folded);
+  Model loose = with_material(block);
+  loose.rest.push_back({0.1, 0.1, 0.1});
+  loose.mass.push_back(1.0);
+  loose.stiffness.push_back(1.0);
+  loose.neighbours.offset.push_back(loose.neighbours.offset.back());
+  EXPECT_TRUE(says(refused(loose), "particle 27 has no volume: put each in a cell")) << refused(loose);
+  EXPECT_TRUE(says(refused(loose, {.on_sparse = SparseParticle::springs}), "in no cell that has a material"));
+  EXPECT_EQ(refused(loose, {.on_sparse = SparseParticle::free}), "(no error)");
   Model half = with_material(block);
   for (Cell& cell : half.cells) {
     if (cell.type == CellType::hexahedron) {

@@ -94,28 +94,28 @@ simd::BoxShape box_shape(const Corner& c, double shape_stiffness, double volume_
   simd::BoxShape box;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double area = product / h[axis], height = h[axis] / area;
-    box.h[axis] = narrowed(h[axis]);
-    box.leg[axis] = {narrowed(area),
-                     narrowed(2.0 * area),
-                     narrowed(1.0 / (area * area)),
-                     narrowed(c.share[axis]),
-                     narrowed(c.share[axis] * height),
-                     narrowed(2.0 * c.share[axis] * height),
-                     narrowed(height)};
-    box.lambda[axis] = narrowed(c.apex_lambda[axis]);
-    box.share_lambda[axis] = narrowed(c.apex_share * c.apex_lambda[axis]);
-    box.gradient[axis] = narrowed(0.25 / h[axis]);
+    box.h[axis] = narrow(h[axis]);
+    box.leg[axis] = {narrow(area),
+                     narrow(2.0 * area),
+                     narrow(1.0 / (area * area)),
+                     narrow(c.share[axis]),
+                     narrow(c.share[axis] * height),
+                     narrow(2.0 * c.share[axis] * height),
+                     narrow(height)};
+    box.lambda[axis] = narrow(c.apex_lambda[axis]);
+    box.share_lambda[axis] = narrow(c.apex_share * c.apex_lambda[axis]);
+    box.gradient[axis] = narrow(0.25 / h[axis]);
   }
   const double height = 1.0 / (product * inverse_squares);
-  box.apex_rest = narrowed(1.0 / (product * product * inverse_squares));
-  box.apex_share_height = narrowed(c.apex_share * height);
-  box.apex_height = narrowed(height);
-  box.inverse_volume = narrowed(1.0 / product);
-  box.corner_volume = narrowed(c.volume_stiffness / product);
-  box.shape_stiffness = narrowed(shape_stiffness);
-  box.volume_stiffness = narrowed(volume_stiffness);
+  box.apex_rest = narrow(1.0 / (product * product * inverse_squares));
+  box.apex_share_height = narrow(c.apex_share * height);
+  box.apex_height = narrow(height);
+  box.inverse_volume = narrow(1.0 / product);
+  box.corner_volume = narrow(c.volume_stiffness / product);
+  box.shape_stiffness = narrow(shape_stiffness);
+  box.volume_stiffness = narrow(volume_stiffness);
   const double least = std::min({h[0], h[1], h[2]});
-  box.tame = narrowed(1e4 * least * least);
+  box.tame = narrow(1e4 * least * least);
   return box;
 }
 

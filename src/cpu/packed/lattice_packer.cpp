@@ -24,7 +24,7 @@ LatticePacker::LatticePacker(Hexahedra& hexahedra, const VecList& rest, const st
     star_rows_[boxes_.stars[s].centre / size].push_back(static_cast<Index>(s));
   }
   for (const auto& shape : hexahedra.shapes) {
-    for (const double value : shape) body_.hexahedron_shapes.push_back(narrowed(value));
+    for (const double value : shape) body_.hexahedron_shapes.push_back(narrow(value));
   }
   body_.box_shapes = boxes_.shapes;
 }

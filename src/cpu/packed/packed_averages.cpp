@@ -106,7 +106,7 @@ class AveragesPacker {
   }
 
   static LinkRow row_of(const Vec3& area, double stiffness) {
-    return {narrowed(area.x()), narrowed(area.y()), narrowed(area.z()), narrowed(stiffness)};
+    return {narrow(area.x()), narrow(area.y()), narrow(area.z()), narrow(stiffness)};
   }
 
   std::int32_t first_row_of(const std::vector<LinkRow>& rows) {
@@ -127,7 +127,7 @@ class AveragesPacker {
                               domain.spread_stiffness};
       const std::int32_t slice = place / lanes_, lane = place % lanes_;
       for (std::int32_t k = 0; k < 4; ++k) {
-        to_.constants[static_cast<std::size_t>((slice * 4 + k) * lanes_ + lane)] = narrowed(values[k]);
+        to_.constants[static_cast<std::size_t>((slice * 4 + k) * lanes_ + lane)] = narrow(values[k]);
       }
     }
   }

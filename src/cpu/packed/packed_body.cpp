@@ -79,7 +79,7 @@ class BodyPacker {
     std::iota(order.begin(), order.end(), 0);
     pack_masses(order);
     body_.stiffness.assign(static_cast<std::size_t>(body_.places), 0.0f);
-    for (std::size_t i = 0; i < t_.stiffness.size(); ++i) body_.stiffness[i] = narrowed(t_.stiffness[i]);
+    for (std::size_t i = 0; i < t_.stiffness.size(); ++i) body_.stiffness[i] = narrow(t_.stiffness[i]);
     for (Cluster& cluster : body_.clusters) cluster.job.stiffness = body_.stiffness.data() + cluster.first;
   }
 
@@ -88,8 +88,8 @@ class BodyPacker {
     body_.mass.assign(static_cast<std::size_t>(body_.places), 0.0f);
     body_.inverse_mass = body_.mass;
     for (std::size_t place = 0; place < order.size(); ++place) {
-      body_.mass[place] = narrowed(t_.mass[order[place]]);
-      body_.inverse_mass[place] = narrowed(1.0 / t_.mass[order[place]]);
+      body_.mass[place] = narrow(t_.mass[order[place]]);
+      body_.inverse_mass[place] = narrow(1.0 / t_.mass[order[place]]);
     }
   }
 

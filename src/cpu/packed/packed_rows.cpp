@@ -1,23 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "packed_rows.h"
 
-#include <phymul/error.h>
-
 #include <algorithm>
 #include <bit>
-#include <cmath>
-#include <limits>
 
 namespace phymul::cpu {
-
-float narrowed(double value) {
-  if (!(std::abs(value) <= std::numeric_limits<float>::max())) {
-    throw Error(
-        "a constant of the body is beyond single precision; check its units (m, kg, N/m), or take the backend "
-        "\"reference\", which computes in double precision");
-  }
-  return static_cast<float>(value);
-}
 
 void LaneRows::add(Index rows, int offset_columns) {
   first_ = to_.size();

@@ -8,12 +8,10 @@
 #include <cstdint>
 #include <utility>
 
+#include "device/float_range.h"
 #include "packed_body.h"
 
 namespace phymul::cpu {
-
-/// Throws Error where the value is beyond single precision.
-float narrowed(double value);
 
 /// Offsets of lanes that nothing has claimed.
 inline constexpr std::int32_t unclaimed = -1;
@@ -25,7 +23,7 @@ class LaneRows {
 
   /// Appends rows of zeros whose offsets are unclaimed; put() and offset() then mean these.
   void add(Index rows, int offset_columns);
-  void put(Index row, int column, int lane, double value) { at(row, column, lane) = narrowed(value); }
+  void put(Index row, int column, int lane, double value) { at(row, column, lane) = narrow(value); }
   void put(Index row, int column, int lane, const Vec3& v);  ///< this column and the two after it
   void offset(Index row, int column, int lane, std::int32_t value);
 

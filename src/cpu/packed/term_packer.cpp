@@ -252,7 +252,7 @@ void TermPacker::point_jobs() {
   for (std::size_t c = 0; c < body_.clusters.size(); ++c) {
     simd::Job& job = body_.clusters[c].job;
     const Start& start = starts_[c];
-    job.exponent = narrowed(t_.options.area_exponent);
+    job.exponent = narrow(t_.options.area_exponent);
     job.bases.first = body_.base_first.data() + start.base_slice;
     job.bases.rows = body_.bases.data();
     triples_.point(static_cast<int>(c), job);

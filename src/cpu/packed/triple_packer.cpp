@@ -166,11 +166,11 @@ void TriplePacker::sum_heights(Index count, std::size_t edges, std::size_t pairs
         const double height = 2.0 * sum[p];
         tilt[k] += height * Vec3(edge(l, 0), edge(l, 1), edge(l, 2));
         tilt[l] -= height * Vec3(edge(k, 0), edge(k, 1), edge(k, 2));
-        rows[pairs + p * lanes + lane] = narrowed(2.0 * height);
+        rows[pairs + p * lanes + lane] = narrow(2.0 * height);
       }
     }
     for (Index k = 0; k < count; ++k) {
-      for (int axis = 0; axis < 3; ++axis) edge(k, 4 + static_cast<std::size_t>(axis)) = narrowed(tilt[k][axis]);
+      for (int axis = 0; axis < 3; ++axis) edge(k, 4 + static_cast<std::size_t>(axis)) = narrow(tilt[k][axis]);
     }
   }
 }

@@ -2,8 +2,7 @@
 //
 // The passes of a step, dispatched. By form:
 //   store      forces of attractors, terms of bases, volumes, cells and domains in one dispatch (bases of the averaged
-//   reaction,
-//              which read forces, in a second); net force and Verlet in another
+//              reaction, which read forces, in a second); net force and Verlet in another
 //   workgroup  as store, many steps in one dispatch by one group; where bodies touch or needles are, as store
 // There another dispatch before the last one finds where each particle would go by itself, then come the passes of
 // needle_passes.h, of other tools where there are needles, and of contact_passes.h, and the last one ends what those
