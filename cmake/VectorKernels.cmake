@@ -17,7 +17,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 endif()
 # Marks the kernels of one instruction set, which need these options besides.
 function(phymul_kernels name)
-  set(sources src/cpu/simd/kernels_${name}.cpp src/cpu/simd/lattice_kernels_${name}.cpp)
+  set(sources src/cpu/simd/kernels_${name}.cpp)
   target_sources(phymul PRIVATE ${sources})
   set_source_files_properties(${sources} PROPERTIES COMPILE_OPTIONS "${kernel_options};${ARGN}"
                               SKIP_PRECOMPILE_HEADERS ON)  # whose flags are others

@@ -3,7 +3,7 @@
 // By one group: particles of surfaces as they would move, how far ahead to look, balls around triangles, and these in
 // the cells of a uniform grid, hashed into buckets by counting. Their order in a bucket is no order yet:
 // contact_order_kernel.glsl. Needs pushed_tables.glsl, contact_tables.glsl, contact_group.glsl, contact_range.glsl and
-// vector3.glsl.
+// kernel_language.glsl.
 
 layout(local_size_x = GROUP) in;
 

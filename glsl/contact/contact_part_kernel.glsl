@@ -2,7 +2,7 @@
 //
 // What contacts come to, a lane for each particle of a surface: its impulses as a force over the step, and the little
 // way by which overlaps part in a step (BodyContacts::part of src/cpu), gathered over its contacts in ascending order.
-// Needs pushed_tables.glsl, contact_tables.glsl, vector3.glsl and contact_law.glsl.
+// Needs pushed_tables.glsl, contact_tables.glsl, kernel_language.glsl and contact_law.glsl.
 
 layout(local_size_x = GROUP) in;
 

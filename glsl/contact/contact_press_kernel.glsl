@@ -5,7 +5,7 @@
 // particle's list, which is counted in turns: its ticket. Of those whose turn it is no two share a particle. Contacts far
 // from each other are pressed at the same time, those of the next sweep too, and no result depends on which lane came
 // first. Every phase presses at least one; what a dispatch leaves the next one does.
-// Needs contact_tables.glsl, contact_group.glsl, vector3.glsl and contact_law.glsl.
+// Needs contact_tables.glsl, contact_group.glsl, kernel_language.glsl and contact_law.glsl.
 
 layout(local_size_x = GROUP) in;
 

@@ -2,7 +2,7 @@
 //
 // ROWS_TO_ONE rows to one, until one is left: the mean of the velocities of surfaces, m/s, or where FASTEST is defined the
 // largest square of a speed against it. FIRST reads the velocities, later passes their own results. Needs
-// contact_surfaces.glsl and vector3.glsl.
+// contact_surfaces.glsl and kernel_language.glsl.
 
 uniform int source_count;
 #ifdef FIRST

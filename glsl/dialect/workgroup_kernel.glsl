@@ -32,9 +32,6 @@ void main() {
 #ifdef VOLUME_ROWS
     for (int row = lane; row < volume_count; row += GROUP) store_volume(row);
 #endif
-#ifdef CELL_ROWS
-    for (int row = lane; row < cell_count; row += GROUP) store_cell(row);
-#endif
 #ifdef DOMAIN_ROWS
     for (int d = lane; d < domain_count; d += GROUP) store_domain(d);
 #endif

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// P*_i - x_i = sum_j alpha_ij (u_j - u_i) + sum_t w_t beta_t (g n_t - n0_t), with the thesis' tables.
-// Needs tables.glsl and delta_base.glsl.
+// P*_i - x_i = sum_j alpha_ij (u_j - u_i) + sum_t w_t beta_t (n_t - n0_t), with the thesis' tables.
+// Needs tables.glsl and base.glsl.
 
 vec3 base_change(int t) {
   ivec4 base = fetch_ivec4(bases, bases_place, t);
@@ -9,10 +9,10 @@ vec3 base_change(int t) {
   vec3 d1 = displaced(base.y) - u_a;
   vec3 E1 = fetch_vec4(base_e1, base_e1_place, t).xyz;
 #if DIMENSION == 2
-  return delta_base_2d(E1, d1, area_exponent).change;
+  return delta_base_2d(E1, d1).dn;
 #else
   vec3 E2 = fetch_vec4(base_e2, base_e2_place, t).xyz;
-  return delta_base_3d(E1, E2, d1, displaced(base.z) - u_a, area_exponent).change;
+  return delta_base_3d(E1, E2, d1, displaced(base.z) - u_a).dn;
 #endif
 }
 

@@ -2,7 +2,7 @@
 //
 // P*_i - x_i as in attractor_pull.glsl, without a bases table: every triple j < k < l of the neighbour rows is a base,
 // in the order in which three loops count them, and only w_t beta_t is stored, four a row; 0 where the triple is no
-// base. Needs tables.glsl and delta_base.glsl.
+// base. Needs tables.glsl and base.glsl.
 
 vec3 neighbour_displaced(int r) {
   return displaced(fetch_int(neighbours, neighbours_place, r));
@@ -37,7 +37,7 @@ vec3 attractor_pull(int i, vec3 u_i) {
         if (weighted == 0.0) continue;
         vec3 E2 = neighbour_edge(l) - X_j;
         vec3 d2 = neighbour_displaced(l) - u_j;
-        pull = pull + weighted * delta_base_3d(E1, E2, d1, d2, area_exponent).change;
+        pull = pull + weighted * delta_base_3d(E1, E2, d1, d2).dn;
       }
     }
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Needles, as in src/gl/compute/compute_needles.h, and where one is in a step: twin of NeedlePath of src/cpu. Every lane of the
-// group knows its law and its state. Needs pushed_tables.glsl, tool_tables.glsl, vector3.glsl and lone_group.glsl.
+// group knows its law and its state. Needs pushed_tables.glsl, tool_tables.glsl, kernel_language.glsl and lone_group.glsl.
 //
 // Words: LAW_WORDS a needle for its law; the body's facets, three places each; the place of each particle of the model;
 // states. A state is a header of HEADER_WORDS words; along, x, y, 0 for each force on a shaft that bends; for each node of the hole the

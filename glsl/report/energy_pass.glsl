@@ -2,7 +2,7 @@
 //
 // Per particle, J: elastic energy of its own attractor or bases and half of its springs'; kinetic energy 1/2 m v- . v+
 // with the velocities half a step before and after; energy in the scene's gravity. Needs net_force.glsl and
-// integrate_displacement.glsl; the forces are those of the present state.
+// integrate.glsl; the forces are those of the present state.
 
 OF_STEP(vec3, gravity);  // m/s^2, with uniform accelerations
 uniform float dt;        // of the last step

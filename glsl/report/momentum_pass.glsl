@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Per particle, linear momentum, kg m/s, and angular momentum about the rest shape's middle, kg m^2/s. Needs tables.glsl
-// and vector3.glsl.
+// and kernel_language.glsl.
 
 RESULT(0, vec4, linear);
 RESULT(1, vec4, angular);

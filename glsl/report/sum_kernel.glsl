@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Sums over rows, two rows a group: of energies (ENERGY_OF_PARTICLES, ENERGY_OF_VOLUMES, ENERGY_OF_CELLS,
+// Sums over rows, two rows a group: of energies (ENERGY_OF_PARTICLES, ENERGY_OF_VOLUMES,
 // ENERGY_OF_DOMAINS) or of MOMENTA, linear and angular. Needs the pass that has the row.
 
 layout(local_size_x = GROUP) in;
@@ -21,11 +21,9 @@ void add_row(int row, inout vec4 first, inout vec4 second) {
   energy_row(row);
 #elif defined(ENERGY_OF_VOLUMES)
   volume_row(row);
-#elif defined(ENERGY_OF_DOMAINS)
+#else
   if (fetch_ivec4(domain_range, domain_range_place, row).x < 0) return;  // fills up a slice
   domain_row(row);
-#else
-  cell_row(row);
 #endif
   first += energy;
 #endif

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Per base row, the forces on its vertices a, b, c and, with the conservative reaction, on its owner, because a shader
-// cannot add to particles; they gather. Needs tables.glsl and delta_base.glsl, with AVERAGED force_of.glsl.
+// cannot add to particles; they gather. Needs tables.glsl and base.glsl, with AVERAGED force_of.glsl.
 
 RESULT(0, vec4, base_on_a);
 RESULT(1, vec4, base_on_b);
@@ -21,12 +21,12 @@ void base_row(int t) {
 #if DIMENSION == 2
   float lambda_c = 0.0;
   vec3 d2 = vec3(0.0);
-  DeltaBase now = delta_base_2d(e1.xyz, d1, area_exponent);
+  DeltaBase now = delta_base_2d(e1.xyz, d1);
 #else
   vec4 e2 = fetch_vec4(base_e2, base_e2_place, t);
   float lambda_c = e2.w;
   vec3 d2 = displaced(base.z) - u_a;
-  DeltaBase now = delta_base_3d(e1.xyz, e2.xyz, d1, d2, area_exponent);
+  DeltaBase now = delta_base_3d(e1.xyz, e2.xyz, d1, d2);
 #endif
 #ifdef AVERAGED
   vec3 F = k * force_of(given.x);

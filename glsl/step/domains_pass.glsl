@@ -2,7 +2,7 @@
 //
 // Per domain of the particle-averaged law: the first Piola stress of its mean deformation, less the stabiliser's part,
 // Pa, by columns. The fourth components are the force of its spread on its particle, N. With ENERGY the domain's energy,
-// J, in place of them. Needs tables.glsl and delta_cell.glsl.
+// J, in place of them. Needs tables.glsl and an energy of kernels/.
 
 #ifdef ENERGY
 RESULT(0, vec4, energy);
@@ -16,32 +16,31 @@ void domain_row(int d) {
   ivec4 rows = fetch_ivec4(domain_range, domain_range_place, d);
   vec4 law = fetch_vec4(domain_law, domain_law_place, d);
   vec3 u_d = displaced(owner_of(d));
-  Columns H = Columns(vec3(0.0), vec3(0.0), vec3(0.0));  // F - 1
+  Columns H = Columns(vec3(0.0), vec3(0.0), vec3(0.0));  // F - I
   vec3 spread = vec3(0.0);
   float spread_energy = 0.0;
   for (int row = rows.x; row < rows.z; row += ROW_STRIDE) {
     vec4 to_neighbour = fetch_vec4(link, link_place, row);
     vec3 apart = displaced(owner_of(fetch_int(link_domain, link_domain_place, row))) - u_d;
-    add_outer(H, apart, to_neighbour.xyz);
+    H = plus_outer(H, apart, to_neighbour.xyz);
     spread = spread + to_neighbour.w * apart;
 #ifdef ENERGY
     spread_energy = spread_energy + 0.25 * to_neighbour.w * inner_product(apart, apart);  // half a link, from this side
 #endif
   }
-  H = Columns(law.x * H.c0, law.x * H.c1, law.x * H.c2);
+  H = scaled(law.x, H);
 #ifdef ENERGY
-  float squares = inner_product(H.c0, H.c0) + inner_product(H.c1, H.c1) + inner_product(H.c2, H.c2);
-  float density = cell_energy(H, law.y, law.z) - 0.5 * law.w * squares;
+  float density = energy_density(H, law.y, law.z) - 0.5 * law.w * squared_norm(H);
   energy = vec4(law.x > 0.0 ? density / law.x + spread_energy : 0.0, 0.0, 0.0, 0.0);
 #else
-  Columns P = cell_stress(H, law.y, law.z);
+  Columns Q = minus(energy_stress(H, law.y, law.z), scaled(law.w, H));
 #if DIMENSION == 2  // nothing leaves the plane, not even by rounding
-  P.c0.z = 0.0;
-  P.c1.z = 0.0;
+  Q.c0.z = 0.0;
+  Q.c1.z = 0.0;
 #endif
-  domain_column_0 = vec4(P.c0 - law.w * H.c0, spread.x);
-  domain_column_1 = vec4(P.c1 - law.w * H.c1, spread.y);
-  domain_column_2 = vec4(P.c2 - law.w * H.c2, spread.z);
+  domain_column_0 = vec4(Q.c0, spread.x);
+  domain_column_1 = vec4(Q.c1, spread.y);
+  domain_column_2 = vec4(Q.c2, spread.z);
 #endif
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Where a particle goes with an acceleration: Verlet's step, then what is imposed on it. Needs net_force.glsl and
-// integrate_displacement.glsl.
+// integrate.glsl.
 
 OF_STEP(vec3, gravity);  // m/s^2
 uniform float dt, inverse_dt, damping_factor;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Everything that pulls at one particle, in a fixed order: its own attractor or bases, what reactions give back,
-// volumes, cells, domains, springs, loads. Needs tables.glsl, terms_of.glsl; force_of.glsl where ATTRACTORS is defined;
-// delta_spring.glsl where SPRINGS is; integrate_displacement.glsl where CUT is.
+// volumes, domains, springs, loads. Needs tables.glsl, terms_of.glsl; force_of.glsl where ATTRACTORS is defined;
+// spring.glsl where SPRINGS is; integrate.glsl where CUT is.
 
 #ifdef CUT
 uniform float largest_acceleration;  // m/s^2: elastic force over mass is cut to it
@@ -42,13 +42,6 @@ vec3 elastic_force(int i) {
   for (int row = volumes.x; row < volumes.y; row += ROW_STRIDE) {
     int entry = fetch_int(entries, entries_place, volume_start + row);
     F = F + volume_term(entry >> 2, entry & 3);
-  }
-#endif
-#ifdef CELLS
-  ivec2 cells = cell_rows(i);
-  for (int row = cells.x; row < cells.y; row += ROW_STRIDE) {
-    int entry = fetch_int(entries, entries_place, cell_start + row);
-    F = F - cell_term(entry >> 3, fetch_vec4(cell_gradient, cell_gradient_place, entry).xyz);
   }
 #endif
 #ifdef DOMAINS

@@ -2,7 +2,7 @@
 //
 // Rows of the passes before the step, computed and stored. Dispatched only; needs tables.glsl and the passes asked for.
 
-uniform int base_rows_count, volume_count, cell_count, domain_count;
+uniform int base_rows_count, volume_count, domain_count;
 
 #ifdef ATTRACTOR_ROWS
 void store_attractor(int i) {
@@ -33,16 +33,6 @@ void store_volume(int row) {
   changing_rows[at + 1] = floatBitsToInt(volume_on_b);
   changing_rows[at + 2] = floatBitsToInt(volume_on_c);
   changing_rows[at + 3] = floatBitsToInt(volume_on_d);
-}
-#endif
-
-#ifdef CELL_ROWS
-void store_cell(int row) {
-  cell_row(row);
-  int at = cell_terms_place + 4 * row;
-  changing_rows[at] = floatBitsToInt(cell_column_0);
-  changing_rows[at + 1] = floatBitsToInt(cell_column_1);
-  changing_rows[at + 2] = floatBitsToInt(cell_column_2);
 }
 #endif
 

@@ -12,14 +12,11 @@ TABLE_FLOATS(base_e1, base_e1_place);            // X_b - X_a, lambda_b
 TABLE_FLOATS(base_e2, base_e2_place);            // X_c - X_a, lambda_c
 TABLE_INTS(base_share, base_share_place);        // owner, bits of k_i w_t (conservative) or of w_t (the others)
 TABLE_INTS(share, share_place);                  // owner j, bits of the share of -F_j
-TABLE_INTS(entries, entries_place);              // reaction, volume entries, cell entries, spring ends, one after another
+TABLE_INTS(entries, entries_place);              // reaction, volume entries, spring ends, one after another
 TABLE_INTS(volume, volume_place);                // a, b, c, d
 TABLE_FLOATS(volume_e1, volume_e1_place);        // X_b - X_a, 1 / (6 V) (2-D: 1 / (2 A))
 TABLE_FLOATS(volume_e2, volume_e2_place);        // X_c - X_a, stiffness
 TABLE_FLOATS(volume_e3, volume_e3_place);        // X_d - X_a
-TABLE_INTS(cell_vertex, cell_vertex_place);      // two rows a cell: corners 0-3, 4-7
-TABLE_FLOATS(cell_gradient, cell_gradient_place);    // eight rows a cell
-TABLE_FLOATS(cell_stiffness, cell_stiffness_place);  // shape, volume
 TABLE_FLOATS(spring, spring_place);              // X_other - X_i, stiffness
 TABLE_INTS(domain_range, domain_range_place);    // first link, first surface link, end; next domain of its particle
 TABLE_FLOATS(domain_law, domain_law_place);      // 1/V, c, kappa, s mu
@@ -27,8 +24,7 @@ TABLE_INTS(domain_owner, domain_owner_place);    // particle; only with SEVERAL_
 TABLE_INTS(link_domain, link_domain_place);      // e
 TABLE_FLOATS(link, link_place);                  // area, stiffness
 TABLE_FLOATS(rest, rest_place);                  // X_i from the middle, m
-uniform int volume_start, cell_start, spring_start;  // first rows of their entries
-uniform float area_exponent;
+uniform int volume_start, spring_start;  // first rows of their entries
 
 CHANGING(displacement, displacement_place);      // u_i = x_i - X_i, m
 CHANGING(velocity, velocity_place);              // m/s
@@ -36,8 +32,7 @@ STORED(measured, measured_place);              // what step_pass.glsl tells
 STORED(force, force_place);                    // F_i, N
 STORED_LAYERS(base_terms, base_terms_place);   // forces on a, b, c, owner
 STORED_LAYERS(volume_terms, volume_terms_place);  // forces on a, b, c, d
-STORED_LAYERS(cell_terms, cell_terms_place);   // columns of the stress
-STORED_LAYERS(domain_terms, domain_terms_place);  // likewise; w: the force of the spread
+STORED_LAYERS(domain_terms, domain_terms_place);  // columns of the stress; w: the force of the spread
 
 TABLE_INTS(load_index, load_index_place);    // first and end row of force parts, first row of target parts, their number * 8 + fixed
 TABLE_FLOATS(load_parts, load_parts_place);  // vector, number of the value it is multiplied by
@@ -50,7 +45,6 @@ TABLE_INTS(neighbour_ranges, neighbour_ranges_place);
 TABLE_INTS(base_ranges, base_ranges_place);  // of `height` where ENUMERATED
 TABLE_INTS(reaction_ranges, reaction_ranges_place);
 TABLE_INTS(volume_ranges, volume_ranges_place);
-TABLE_INTS(cell_ranges, cell_ranges_place);
 TABLE_INTS(spring_ranges, spring_ranges_place);
 
 ivec2 neighbour_rows(int i) {
@@ -68,15 +62,12 @@ ivec2 reaction_rows(int i) {
 ivec2 volume_rows(int i) {
   return fetch_ivec2(volume_ranges, volume_ranges_place, i);
 }
-ivec2 cell_rows(int i) {
-  return fetch_ivec2(cell_ranges, cell_ranges_place, i);
-}
 ivec2 spring_rows(int i) {
   return fetch_ivec2(spring_ranges, spring_ranges_place, i);
 }
 #else
 TABLE_INTS(index, index_place);  // Nc, X, Bc, X'
-TABLE_INTS(lists, lists_place);  // first rows of: reaction or share, volume entries, cell entries, springs
+TABLE_INTS(lists, lists_place);  // first rows of: reaction or share, volume entries, springs
 TABLE_INTS(first_height, first_height_place);
 
 ivec2 neighbour_rows(int i) {
@@ -96,11 +87,8 @@ ivec2 reaction_rows(int i) {
 ivec2 volume_rows(int i) {
   return ivec2(fetch_ivec4(lists, lists_place, i).y, fetch_ivec4(lists, lists_place, i + 1).y);
 }
-ivec2 cell_rows(int i) {
-  return ivec2(fetch_ivec4(lists, lists_place, i).z, fetch_ivec4(lists, lists_place, i + 1).z);
-}
 ivec2 spring_rows(int i) {
-  return ivec2(fetch_ivec4(lists, lists_place, i).w, fetch_ivec4(lists, lists_place, i + 1).w);
+  return ivec2(fetch_ivec4(lists, lists_place, i).z, fetch_ivec4(lists, lists_place, i + 1).z);
 }
 #endif
 

@@ -6,7 +6,7 @@
 layout(local_size_x = GROUP) in;
 
 uniform int pair;
-uniform int attractor_groups, base_groups, volume_groups, cell_groups;  // the rest are of domains
+uniform int attractor_groups, base_groups, volume_groups;  // the rest are of domains
 
 void main() {
   displacement_place = pair_place(pair);
@@ -35,14 +35,6 @@ void main() {
     return;
   }
   group -= volume_groups;
-#endif
-#ifdef CELL_ROWS
-  if (group < cell_groups) {
-    int row = group * GROUP + lane;
-    if (row < cell_count) store_cell(row);
-    return;
-  }
-  group -= cell_groups;
 #endif
 #ifdef DOMAIN_ROWS
   int d = group * GROUP + lane;

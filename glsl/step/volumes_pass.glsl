@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Per volume row (2-D: area), the forces on its vertices. With ENERGY its energy, J, in place of them.
-// Needs tables.glsl and delta_volume.glsl.
+// Needs tables.glsl and volume.glsl.
 
 #ifdef ENERGY
 RESULT(0, vec4, energy);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Twin of src/interaction/closest_point.h, for p = 0: shares of a, b, c in their triangle's point nearest to the origin. Needs
-// vector3.glsl.
+// kernel_language.glsl.
 
 vec3 closest_point(vec3 a, vec3 b, vec3 c) {
   vec3 ab = b - a;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Twin of src/interaction/distance_to_shape.h. Needs vector3.glsl, and tool_tables.glsl where TOOL_GRIDS is defined.
+// Twin of src/interaction/distance_to_shape.h. Needs kernel_language.glsl, and tool_tables.glsl where TOOL_GRIDS is defined.
 // SHAPE_SPHERE ... SHAPE_NEEDLE: ShapeKind of src/interaction.
 
 struct ShapeIn {

@@ -26,8 +26,8 @@
 namespace phymul {
 
 enum class Law {
-  springs,
-  shape_memory,
+  springs,       ///< stiffness in N/m
+  shape_memory,  ///< the thesis' model: bases, stiffness in N/m
   /// One deformation gradient per particle, the mean over its neighbourhood. Needs cells and a material. With shape
   /// functions N_i of the cells and displacements u:
   ///   V_i = integral of N_i,  C_ij = integral of N_i grad N_j,  F_i = I + 1/V_i sum_j (u_j - u_i) C_ij^T
@@ -49,24 +49,14 @@ enum class Reaction {
 
 /// Which triples of neighbours (pairs in 2-D) become bases.
 enum class BaseSelection {
-  all,             ///< every triple that has a plane
-  thresholded,     ///< those above min_quality and within max_barycentric
-  opposite_faces,  ///< faces opposite to the particle in the corner tetrahedra of its cells; sets the neighbours too
-  fitted           ///< few of `thresholded`, chosen and weighted by non-negative least squares to be nearly isotropic
+  all,         ///< every triple that has a plane
+  thresholded  ///< those above min_quality and within max_barycentric
 };
 
 /// The energy of a volume ratio J, per unit rest volume; U(1) = U'(1) = 0, U''(1) = kappa for all.
 enum class VolumeLaw {
   quadratic,  ///< kappa/2 (J-1)^2
   bounded     ///< kappa s^2 (sqrt(1 + ((J-1)/s)^2) - 1), s = 0.4: U' stays below kappa s however far from rest
-};
-
-/// How the body gets the material's Poisson's ratio.
-enum class PoissonRoute {
-  volume_term,  ///< a volume energy per tetrahedron: any ratio in (-3/8, 1/2)
-  /// beta_t [2/(1+(A_t/A_t0)^2)]^p in place of beta_t, with p from the ratio, which must be in (-0.375, 0.42]. No extra
-  /// term. Young's modulus is exact on lattices of cubes and 3-5 % too low on unstructured tetrahedra.
-  area_exponent
 };
 
 /// What build_topology does with a particle that has no base.
@@ -77,23 +67,16 @@ enum class SparseParticle {
 };
 
 struct TopologyOptions {
-  Law law = Law::shape_memory;
+  /// Without a value particle_averaged for a model with a material, shape_memory for any other; build_topology writes
+  /// it here.
+  std::optional<Law> law = std::nullopt;
   Reaction reaction = Reaction::conservative;
   BaseSelection bases = BaseSelection::thresholded;
-  double min_quality = 0.05;  ///< thresholded, fitted: 2 A / L^2 of a base (A its area, L its longest edge) above this
-  double max_barycentric = 1.25;  ///< thresholded, fitted: |lambda| within this
-  double area_exponent = 0.0;     ///< p; overwritten by the material where poisson_route is area_exponent
-  PoissonRoute poisson_route = PoissonRoute::volume_term;
+  double min_quality = 0.05;      ///< thresholded: 2 A / L^2 of a base (A its area, L its longest edge) above this
+  double max_barycentric = 1.25;  ///< thresholded: |lambda| within this
   VolumeLaw volume_law = VolumeLaw::bounded;
   /// Volume stiffness kappa in Pa where the model has no material (springs, or stiffness in N/m); 0: no volume term.
   double volume_stiffness = 0.0;
-  /// gamma in [0, 1): least share of a cell's energy that is computed from its mean deformation instead of its bases.
-  /// A value above 0 needs a material. Use 0.9 for hexahedra or wedges that bend: with 0 they lock, and a cantilever 4
-  /// cells across bends 24 % too little at a Poisson's ratio of 0.3. With 0.9 the error is below 2 %
-  /// (docs/guide/choosing.md). With PoissonRoute::volume_term and opposite_faces, cells whose base normals are not
-  /// distributed isotropically (every tetrahedron, flat hexahedra, wedges; not cubes) get a larger share automatically,
-  /// up to 0.9. Otherwise irregular tetrahedra would lose 16 % of Young's modulus.
-  double cell_average = 0.0;
   /// s of Law::particle_averaged. Without a value it is calibrated so that pure bending of the body costs what it
   /// should (0.1 to 0.7; one value for each type of cell), and build_topology writes the mean over the volume here.
   std::optional<double> stabiliser = std::nullopt;
@@ -103,27 +86,20 @@ struct TopologyOptions {
 
 struct TopologyTextures;
 
-/// Builds the tables. For a model with a material:
-/// - k_i, w_t and the volume term are computed from it.
-/// - The law must be particle_averaged, or shape_memory with Reaction::conservative in three dimensions. (For the other
-///   laws clear Model::materials; masses stay.)
-/// - TopologyOptions::bases has an effect only if it is `fitted`. The bases are `fitted` in two cases: if that was
-///   chosen, or if the body consists of tetrahedra and the route is PoissonRoute::area_exponent. In all other cases
-///   they are opposite_faces.
-/// Throws Error for options that contradict each other or the model, and if a table is larger than max_texture_size
-/// squared.
+/// Builds the tables. A model with a material takes Law::particle_averaged and no other (clear Model::materials to use
+/// one; masses stay). Throws Error for options that contradict each other or the model, and if a table is larger than
+/// max_texture_size squared.
 TopologyTextures build_topology(const Model& model, const TopologyOptions& options = {});
 
 /// Isotropic theory of small strains. A body with deformation gradient F has the energy density c/2 |F n0 - n(F)|^2,
 /// averaged over all rest normals n0, with n(F) the deformed unit normal, plus kappa/2 (J-1)^2 with J = det F. Its Lame
 /// constants are mu = 7/15 c and lambda = kappa - c/5.
 struct Calibration {
-  double c = 0.0;         ///< Pa
-  double kappa = 0.0;     ///< Pa; 0 for the area exponent
-  double exponent = 0.0;  ///< p; 0 for the volume term
+  double c = 0.0;      ///< Pa
+  double kappa = 0.0;  ///< Pa
 };
 
-/// Throws Error if Poisson's ratio is out of the route's range.
-Calibration calibrate(const Material& material, PoissonRoute route);
+/// Throws Error if Young's modulus is not positive or Poisson's ratio is outside [-3/8, 1/2).
+Calibration calibrate(const Material& material);
 
 }  // namespace phymul

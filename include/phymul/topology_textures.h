@@ -68,14 +68,6 @@ struct VolumeTexel {
   double stiffness = 0.0;            ///< J: kappa times the rest volume this term stands for
 };
 
-/// Energy of a cell's mean deformation gradient F = sum_v x_v (x) gradient_v.
-struct CellTexel {
-  std::array<Index, 8> vertex{none, none, none, none, none, none, none, none};
-  std::array<Vec3, 8> gradient{};  ///< 1/m
-  double shape_stiffness = 0.0;    ///< J: gamma c V
-  double volume_stiffness = 0.0;   ///< J: gamma kappa V
-};
-
 /// Law::particle_averaged: the neighbourhood of a particle, or where materials meet its part of one material.
 struct DomainTexel {
   Index particle = none;
@@ -109,7 +101,7 @@ struct ModelFingerprint {
 };
 
 struct TopologyTextures {
-  TopologyOptions options;  ///< as built; area_exponent as computed from the material
+  TopologyOptions options;  ///< as built, law and stabiliser included
   int dimension = 3;
   /// Of the model that the tables were built from. Empty in tables that build_topology() did not make; solvers then
   /// compare only rest positions and masses.
@@ -132,13 +124,11 @@ struct TopologyTextures {
 
   // Per base, unpadded.
   std::vector<std::array<double, 3>> lambda;
-  std::vector<double> weight;     ///< w_t
-  std::vector<double> rest_area;  ///< |w| = twice the area (2-D: the length) at rest; only where area_exponent != 0
+  std::vector<double> weight;  ///< w_t
 
   // Further terms of the energy, empty unless the options need them.
   std::vector<SpringTexel> springs;
   std::vector<VolumeTexel> volumes;
-  std::vector<CellTexel> cells;
 
   // Law::particle_averaged: domains in order of their particles. Domain d has the links first_link[d] ...
   // first_link[d + 1] - 1, and likewise surface links.
@@ -154,7 +144,6 @@ struct TopologyTextures {
   RaggedList base_of;                  ///< per particle: base row * 3 + corner (2-D too)
   RaggedList spring_of;                ///< spring row * 2 + end
   RaggedList volume_of;                ///< volume row * 4 + corner
-  RaggedList cell_of;                  ///< cell row * 8 + corner
   std::vector<Index> neighbour_owner;  ///< [neighbour_count] particle whose neighbour row it is
   std::vector<Index> base_owner;       ///< [base_count] particle whose base it is
 };

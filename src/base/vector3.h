@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Three numbers of type S, a float or a pack of floats, with every operation in a fixed order: the same as in
-// glsl/dialect/vector3.glsl, so that a shader without contraction and this code give the same bits.
+// glsl/dialect/kernel_language.glsl, so that a shader without contraction and this code give the same bits.
 #pragma once
 
 #include <cmath>

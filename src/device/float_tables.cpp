@@ -146,18 +146,6 @@ void pack_volumes(const TopologyTextures& from, FloatTables& to) {
   to.volume_entry = from.volume_of.entry;
 }
 
-void pack_cells(const TopologyTextures& from, FloatTables& to) {
-  to.cell_count = static_cast<Index>(from.cells.size());
-  for (const CellTexel& cell : from.cells) {
-    const auto& v = cell.vertex;
-    to.cell_vertex.push_back({v[0], v[1], v[2], v[3]});
-    to.cell_vertex.push_back({v[4], v[5], v[6], v[7]});
-    for (const Vec3& gradient : cell.gradient) to.cell_gradient.push_back(texel(gradient, 0.0));
-    to.cell_stiffness.push_back({narrow(cell.shape_stiffness), narrow(cell.volume_stiffness)});
-  }
-  to.cell_entry = from.cell_of.entry;
-}
-
 void pack_springs(const TopologyTextures& from, FloatTables& to) {
   for (const Index entry : from.spring_of.entry) {
     const SpringTexel& spring = from.springs[static_cast<std::size_t>(entry / 2)];
@@ -172,7 +160,7 @@ void pack_lists(const TopologyTextures& from, FloatTables& to) {
   const auto row = [](const RaggedList& list, Index i) { return list.entry.empty() ? 0 : list.offset[i]; };
   const RaggedList& reaction = from.neighbour_of.entry.empty() ? from.base_of : from.neighbour_of;
   for (Index i = 0; i <= from.particle_count; ++i) {
-    to.lists.push_back({row(reaction, i), row(from.volume_of, i), row(from.cell_of, i), row(from.spring_of, i)});
+    to.lists.push_back({row(reaction, i), row(from.volume_of, i), row(from.spring_of, i), 0});
   }
 }
 
@@ -203,7 +191,7 @@ LoopTurns count_turns(const TopologyTextures& from, FloatLayout layout) {
     const std::int64_t attractor = layout == FloatLayout::enumerated ? 2 * n + n * n / 2 + triples : n + bases;
     const std::int64_t own = conservative ? 0 : attractor;
     const std::int64_t gathered = (conservative ? bases : 0) + length(from.neighbour_of, i) + length(from.base_of, i) +
-                                  length(from.volume_of, i) + length(from.cell_of, i) + length(from.spring_of, i);
+                                  length(from.volume_of, i) + length(from.spring_of, i);
     most = {std::max(most.own, own), std::max(most.gathered, gathered)};
   }
   return most;
@@ -226,7 +214,6 @@ FloatTables pack_floats(const TopologyTextures& topology, FloatLayout layout) {
   }
   pack_shares(topology, tables);
   pack_volumes(topology, tables);
-  pack_cells(topology, tables);
   pack_springs(topology, tables);
   tables.domains = pack_domains(topology);
   pack_lists(topology, tables);

@@ -10,7 +10,6 @@
 // Rows that a device gathers:
 //   base t     force on its vertices a, b, c and on its owner, at 0, 1, 2, 3 of "terms": entry t * 4 + corner
 //   volume v   force on its vertices: entry v * 4 + corner
-//   cell c     first Piola stress, three columns; entry c * 8 + corner, where the force is -P gradient
 //   domain d   first Piola stress and a force; float_domains.h
 #pragma once
 
@@ -37,13 +36,13 @@ struct FloatTables {
   FloatLayout layout = FloatLayout::table;
   int dimension = 3;
   Index particle_count = 0;
-  Index base_count = 0, volume_count = 0, cell_count = 0;
+  Index base_count = 0, volume_count = 0;
   LoopTurns turns;
 
   // Per particle.
   std::vector<Float4> particle;  ///< 1/m (1/kg), k_i (N/m), m (kg), 0
   std::vector<Int4> index;       ///< Nc, X, Bc, X': as TopologyTextures::index
-  /// [N + 1] row i and i + 1 bound particle i's entries in `reaction`, `volume_entry`, `cell_entry` and `spring`.
+  /// [N + 1] row i and i + 1 bound particle i's entries in `reaction`, `volume_entry` and `spring`; 0.
   std::vector<Int4> lists;
 
   // Attractor of the reactions full, shared, barycentric and averaged. Rows as TopologyTextures::neighbours.
@@ -71,10 +70,6 @@ struct FloatTables {
   std::vector<Float4> volume_e2;       ///< X_c - X_a, stiffness, J
   std::vector<Float4> volume_e3;       ///< X_d - X_a (2-D: 0), 0
   std::vector<std::int32_t> volume_entry;
-  std::vector<Int4> cell_vertex;       ///< [2 cells] corners 0-3, 4-7; `none` where there is no such corner
-  std::vector<Float4> cell_gradient;   ///< [8 cells] gradient, 0
-  std::vector<Float2> cell_stiffness;  ///< shape, volume; J
-  std::vector<std::int32_t> cell_entry;
   std::vector<std::int32_t> spring_other;  ///< per end: the other particle
   std::vector<Float4> spring;              ///< per end: X_other - X_self, stiffness, N/m
   FloatDomains domains;

@@ -225,20 +225,6 @@ std::vector<Index> move_volumes(SliceTables& to) {
   return inverse(order);
 }
 
-std::vector<Index> move_cells(SliceTables& to) {
-  FloatTables& t = to.rows;
-  for (Int4& half : t.cell_vertex) {
-    for (Index& v : half) rename(v, to);
-  }
-  const std::vector<Index> order = order_by_least_vertex(t.cell_count, 8, [&](Index row, Index corner) {
-    return t.cell_vertex[2 * row + corner / 4][static_cast<std::size_t>(corner % 4)];
-  });
-  permute(t.cell_vertex, order, 2);
-  permute(t.cell_gradient, order, 8);
-  permute(t.cell_stiffness, order);
-  return inverse(order);
-}
-
 /// Lists of entries row * corners + corner. `kind`: which of FloatTables::lists bounds them.
 void move_entries(SliceTables& to, const char* name, std::size_t kind, const std::vector<Index>& row_of, Index corners,
                   std::vector<std::int32_t>& entries, std::vector<Int2>& ranges) {
@@ -260,7 +246,7 @@ void move_shares(SliceTables& to) {
 void move_springs(SliceTables& to) {
   FloatTables& t = to.rows;
   if (t.spring.empty()) return;
-  Interleaving lanes(to, "springs", 1, [rows_of = RowsOf(t)](Index i) { return rows_of.list(i, 3); });
+  Interleaving lanes(to, "springs", 1, [rows_of = RowsOf(t)](Index i) { return rows_of.list(i, 2); });
   for (Index& other : t.spring_other) rename(other, to);
   lanes.move(t.spring_other, none);
   lanes.move(t.spring, no_floats);
@@ -326,7 +312,6 @@ SliceTables pack_slices(FloatTables tables, const TopologyTextures& topology, in
   move_entries(to, "reactions", 0, move_bases(to), 4, t.reaction, to.reactions);
   move_shares(to);
   move_entries(to, "volumes", 1, move_volumes(to), 4, t.volume_entry, to.volumes);
-  move_entries(to, "cells", 2, move_cells(to), 8, t.cell_entry, to.cells);
   move_springs(to);
   move_domains(to);
   for (auto* spent : {&t.index, &t.lists}) std::vector<Int4>().swap(*spent);

@@ -30,7 +30,7 @@ struct SliceTables {
   ///   - `index`, `lists` and `first_height` are empty; the ranges below say where a particle's rows are
   ///   - particle numbers are places; entries (t * 4 + corner and so on) name the rows here
   ///   - `particle` has a texel per place; rows per neighbour, per base and of the lists are padded, and base_count
-  ///     counts padded rows; particle_count is N. Volumes and cells are not padded, and stand in the order of their
+  ///     counts padded rows; particle_count is N. Volumes are not padded, and stand in the order of their
   ///     first place.
   ///   - domains are numbered by place, and further ones of a particle follow behind the last place, by place again;
   ///     their links are interleaved as other lists are, and their ranges count with that stride
@@ -42,7 +42,6 @@ struct SliceTables {
   std::vector<Int2> bases;       ///< of base, base_e1, base_e2, base_share: the particle's own
   std::vector<Int2> reactions;   ///< of share or reaction
   std::vector<Int2> volumes;     ///< of volume_entry
-  std::vector<Int2> cells;       ///< of cell_entry
   std::vector<Int2> springs;     ///< of spring_other, spring
 
   std::vector<Index> order;     ///< [places] row of the model; `none` where the place is nobody's

@@ -5,7 +5,7 @@
 
 #include <phymul/error.h>
 
-#include "force_cell.h"
+#include "energy_density.h"
 #include "force_shape.h"
 #include "force_spring.h"
 #include "force_volume.h"
@@ -14,12 +14,10 @@ namespace phymul {
 namespace {
 
 using cpu::BaseFrame;
-using cpu::HeightScale;
 
-/// A base as it stands: its frame, the scale of its height, and P*_t - x_i.
+/// A base as it stands: its frame, and P*_t - x_i.
 struct BaseNow {
   BaseFrame<double> frame;
-  HeightScale<double> height;
   Vec3 pull;
 };
 
@@ -28,21 +26,11 @@ BaseFrame<double> frame_of(const TopologyTextures& topology, const BaseTexel& ba
   return topology.dimension == 2 ? cpu::base_frame_2d(xa, xb) : cpu::base_frame_3d(xa, xb, x[base.vertex[2]]);
 }
 
-double rest_length(const TopologyTextures& topology, Index t) {
-  return topology.rest_area.empty() ? 1.0 : topology.rest_area[t];
-}
-
-HeightScale<double> height_of(const TopologyTextures& topology, Index t, const BaseFrame<double>& frame) {
-  if (topology.rest_area.empty()) return {};
-  return cpu::height_scale(frame.length / topology.rest_area[t], topology.options.area_exponent);
-}
-
 BaseNow base_now(const TopologyTextures& topology, Index t, Index i, std::span<const Vec3> x) {
   const BaseTexel& base = topology.bases[t];
   BaseNow now;
   now.frame = frame_of(topology, base, x);
-  now.height = height_of(topology, t, now.frame);
-  now.pull = base.beta * now.height.value * now.frame.n;
+  now.pull = base.beta * now.frame.n;
   // From differences to x_i: lambda sums to 1, and a body far from the origin loses no digits.
   for (int corner = 0; corner < topology.dimension; ++corner) {
     now.pull += topology.lambda[t][corner] * (x[base.vertex[corner]] - x[i]);
@@ -58,9 +46,7 @@ Vec3 attractor_pull(const TopologyTextures& topology, Index i, std::span<const V
     pull += topology.alpha[r] * (x[topology.neighbours[r]] - x[i]);
   }
   for (Index t = at.first_base; t < at.first_base + at.base_count; ++t) {
-    const BaseFrame<double> frame = frame_of(topology, topology.bases[t], x);
-    const HeightScale<double> height = height_of(topology, t, frame);
-    pull += topology.weight[t] * topology.bases[t].beta * height.value * frame.n;
+    pull += topology.weight[t] * topology.bases[t].beta * frame_of(topology, topology.bases[t], x).n;
   }
   return pull;
 }
@@ -70,8 +56,8 @@ void react(const TopologyTextures& topology, Index t, const BaseNow& now, const 
   const BaseTexel& base = topology.bases[t];
   const auto on =
       topology.dimension == 2
-          ? cpu::base_reaction_2d(now.frame, topology.lambda[t], base.beta, now.height, rest_length(topology, t), F)
-          : cpu::base_reaction_3d(now.frame, topology.lambda[t], base.beta, now.height, rest_length(topology, t), F);
+          ? cpu::base_reaction_2d(now.frame, topology.lambda[t], base.beta, F)
+          : cpu::base_reaction_3d(now.frame, topology.lambda[t], base.beta, F);
   for (int corner = 0; corner < topology.dimension; ++corner) force[base.vertex[corner]] += on[corner];
 }
 
@@ -154,26 +140,6 @@ double volume_energy(const TopologyTextures& topology, std::span<const Vec3> x) 
   return energy;
 }
 
-/// Mean deformation gradient of a cell. Differences to the first vertex: the gradients sum to zero.
-Mat3 mean_gradient(const CellTexel& cell, std::span<const Vec3> x) {
-  Mat3 F = Mat3::Zero();
-  for (int corner = 1; corner < 8 && cell.vertex[corner] != none; ++corner) {
-    F += (x[cell.vertex[corner]] - x[cell.vertex[0]]) * cell.gradient[corner].transpose();
-  }
-  return F;
-}
-
-void cell_forces(const TopologyTextures& topology, std::span<const Vec3> x, std::span<Vec3> force) {
-  for (const CellTexel& cell : topology.cells) {
-    Mat3 P;
-    cpu::cell_energy(mean_gradient(cell, x), cell.shape_stiffness, cell.volume_stiffness, topology.options.volume_law,
-                     &P);
-    for (int corner = 0; corner < 8 && cell.vertex[corner] != none; ++corner) {
-      force[cell.vertex[corner]] -= P * cell.gradient[corner];
-    }
-  }
-}
-
 /// H_d, the mean displacement gradient of a domain.
 Mat3 mean_gradient(const TopologyTextures& t, Index d, std::span<const Vec3> x) {
   const auto displacement = [&](Index e) {
@@ -196,7 +162,7 @@ Mat3 mean_stress(const TopologyTextures& t, Index d, std::span<const Vec3> x) {
   const DomainTexel& domain = t.domains[d];
   const Mat3 H = mean_gradient(t, d, x);
   Mat3 P;
-  cpu::cell_energy<double>(Mat3::Identity() + H, domain.shape_stiffness, domain.volume_stiffness, t.options.volume_law,
+  cpu::energy_density<double>(Mat3::Identity() + H, domain.shape_stiffness, domain.volume_stiffness, t.options.volume_law,
                            &P);
   P -= domain.spread_stiffness * H;
   if (t.dimension == 2) P.row(2).setZero();  // nothing but rounding, which would leave the plane
@@ -226,7 +192,7 @@ double domain_energy(const TopologyTextures& t, std::span<const Vec3> x) {
   for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
     const DomainTexel& domain = t.domains[d];
     const Mat3 H = mean_gradient(t, d, x);
-    const double density = cpu::cell_energy<double>(Mat3::Identity() + H, domain.shape_stiffness,
+    const double density = cpu::energy_density<double>(Mat3::Identity() + H, domain.shape_stiffness,
                                                     domain.volume_stiffness, t.options.volume_law, nullptr);
     energy += (density - 0.5 * domain.spread_stiffness * H.squaredNorm()) / domain.inverse_volume;
     const Vec3 own = x[domain.particle] - t.rest[domain.particle];
@@ -267,7 +233,6 @@ void elastic_forces(const TopologyTextures& topology, std::span<const Vec3> posi
     force[spring.end[1]] -= F;
   }
   volume_forces(topology, position, force);
-  cell_forces(topology, position, force);
   domain_forces(topology, position, force);
 }
 
@@ -290,10 +255,6 @@ double elastic_energy(const TopologyTextures& topology, std::span<const Vec3> po
                                          spring.stiffness);
   }
   energy += volume_energy(topology, position);
-  for (const CellTexel& cell : topology.cells) {
-    energy += cpu::cell_energy<double>(mean_gradient(cell, position), cell.shape_stiffness, cell.volume_stiffness,
-                                       topology.options.volume_law, nullptr);
-  }
   return energy + domain_energy(topology, position);
 }
 

@@ -2,9 +2,8 @@
 //
 // The shape-memory model: where a base wants its particle, and what its pull gives back to the base.
 // Notation of phymul/topology.h. With e1 = x_b - x_a, e2 = x_c - x_a:
-//   w = e1 x e2  (2-D: e1 turned left by a right angle),  n = w / |w|,  s = |w| / |w at rest|
-//   P*_t = lambda_a x_a + lambda_b x_b + lambda_c x_c + beta g(s) n,   g(s) = [2 / (1 + s^2)]^p
-// p = 0 (g = 1) is the attractor of the 2007 thesis; p > 0 lets the height shrink as the base grows.
+//   w = e1 x e2  (2-D: e1 turned left by a right angle),  n = w / |w|
+//   P*_t = lambda_a x_a + lambda_b x_b + lambda_c x_c + beta n
 #pragma once
 
 #include <Eigen/Core>
@@ -53,38 +52,19 @@ BaseFrame<S> base_frame_2d(const Vec<S>& xa, const Vec<S>& xb) {
   return f;
 }
 
-/// g(s) and g'(s).
+/// Derivative by w of an energy whose change is F . d(beta n): G = beta / |w| (F - n (n.F)).
 template <class S>
-struct HeightScale {
-  S value = 1;
-  S slope = 0;
-};
-
-template <class S>
-HeightScale<S> height_scale(S s, S p) {
-  if (p == S(0)) return {};
-  const S q = S(1) + s * s;
-  const S g = std::pow(S(2) / q, p);
-  return {g, -p * S(2) * s / q * g};
-}
-
-/// Derivative by w of an energy whose change is F . d(beta g n):
-///   G = beta [ g/|w| (F - n (n.F)) + g'/|w_rest| n (n.F) ]
-template <class S>
-Vec<S> height_slope(const BaseFrame<S>& f, S beta, const HeightScale<S>& g, S rest_length, const Vec<S>& force) {
+Vec<S> height_slope(const BaseFrame<S>& f, S beta, const Vec<S>& force) {
   if (f.n == Vec<S>::Zero()) return Vec<S>::Zero();
-  const S along = f.n.dot(force);
-  Vec<S> G = (beta * g.value / f.length) * (force - along * f.n);
-  if (g.slope != S(0)) G += (beta * g.slope / rest_length * along) * f.n;
-  return G;
+  return (beta / f.length) * (force - f.n.dot(force) * f.n);
 }
 
 /// Forces on the vertices of a base whose owner feels F, as -dE/dx of an energy with dE = F . d(P*_t - x_i):
 ///   on b: -lambda_b F - e2 x G,  on c: -lambda_c F - G x e1,  on a: what makes the four forces sum to zero.
 template <class S>
 std::array<Vec<S>, 3> base_reaction_3d(const BaseFrame<S>& f, const std::array<S, 3>& lambda, S beta,
-                                       const HeightScale<S>& g, S rest_length, const Vec<S>& force) {
-  const Vec<S> G = height_slope(f, beta, g, rest_length, force);
+                                       const Vec<S>& force) {
+  const Vec<S> G = height_slope(f, beta, force);
   const Vec<S> on_b = -lambda[1] * force - f.e2.cross(G);
   const Vec<S> on_c = -lambda[2] * force - G.cross(f.e1);
   return {-(force + on_b + on_c), on_b, on_c};
@@ -93,8 +73,8 @@ std::array<Vec<S>, 3> base_reaction_3d(const BaseFrame<S>& f, const std::array<S
 /// The same in 2-D, where w is e1 turned left: on b: -lambda_b F - G turned right.
 template <class S>
 std::array<Vec<S>, 3> base_reaction_2d(const BaseFrame<S>& f, const std::array<S, 3>& lambda, S beta,
-                                       const HeightScale<S>& g, S rest_length, const Vec<S>& force) {
-  const Vec<S> G = height_slope(f, beta, g, rest_length, force);
+                                       const Vec<S>& force) {
+  const Vec<S> G = height_slope(f, beta, force);
   const Vec<S> on_b = -lambda[1] * force - Vec<S>(G.y(), -G.x(), S(0));
   return {-(force + on_b), on_b, Vec<S>::Zero()};
 }

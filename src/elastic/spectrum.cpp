@@ -47,7 +47,6 @@ double rest_spacing(const TopologyTextures& topology) {
   }
   for (const SpringTexel& spring : topology.springs) add(spring.end[0], spring.end[1]);
   for (const VolumeTexel& term : topology.volumes) add(term.vertex[0], term.vertex[1]);
-  for (const CellTexel& cell : topology.cells) add(cell.vertex[0], cell.vertex[1]);
   return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 

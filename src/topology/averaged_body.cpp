@@ -196,7 +196,7 @@ void add_averaged_terms(const Model& model, TopologyTextures& topology) {
   std::vector<double> spread = stabiliser_of_domains(model, domains, topology.options);
   for (Index d = 0; d < domains.count(); ++d) {
     const Material& material = model.materials[domains.material[d]];
-    const Calibration energy = calibrate(material, PoissonRoute::volume_term);
+    const Calibration energy = calibrate(material);
     spread[d] *= 0.5 * material.young / (1.0 + material.poisson);
     topology.domains.push_back({domains.particle[d], 1.0 / domains.volume[d], energy.c, energy.kappa, spread[d]});
   }

@@ -27,24 +27,10 @@ struct BaseTable {
 /// ask for all; in lexicographic order of their places in the neighbour row.
 std::vector<RestBase> neighbour_bases(const Model& model, Index owner, const TopologyOptions& options);
 
-/// Faces of the corner simplices of the cells around each particle that lie opposite to it, each once.
-/// Shape [N] lists, in order of cells.
-std::vector<std::vector<RestBase>> opposite_bases(const Model& model);
-
-struct FittedBase {
-  RestBase base;
-  double weight = 0.0;  ///< u_t > 0, sum 1: the share of direction n_t in the particle's elasticity
-};
-
-/// The sparse subset of `neighbour_bases` whose normals are nearest to isotropic (isotropic_fit.h). Bases too low for
-/// their width are left out, because their stiffness goes with 1 / beta^2.
-std::vector<FittedBase> fitted_bases(const Model& model, Index owner, const TopologyOptions& options);
-
 /// Throws Error when the table of bases has more than `most` rows.
 void require_base_rows(std::size_t rows, std::int64_t most);
 
-/// The bases of a model whose stiffness is in N/m: k_i as the model has it, weights 1 / Bc_i, or for fitted
-/// u_t / beta_t^2 over their sum. Throws Error as soon as there are more than `most_rows`.
+/// The bases of a model whose stiffness is in N/m: k_i as the model has it, weights 1 / Bc_i. Throws Error as soon as there are more than `most_rows`.
 BaseTable select_bases(const Model& model, const TopologyOptions& options, std::int64_t most_rows);
 
 }  // namespace phymul

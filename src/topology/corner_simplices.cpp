@@ -92,13 +92,4 @@ std::vector<CornerSimplex> corner_simplices(const Model& model) {
   return result;
 }
 
-std::vector<OppositeFace> opposite_faces(const CornerSimplex& simplex) {
-  const auto& [v, volume, share, cell] = simplex;
-  if (v[3] < 0) return {{v[0], {v[1], v[2], -1}}, {v[1], {v[2], v[0], -1}}, {v[2], {v[0], v[1], -1}}};
-  std::vector<OppositeFace> faces{
-      {v[0], {v[1], v[3], v[2]}}, {v[1], {v[0], v[2], v[3]}}, {v[2], {v[0], v[3], v[1]}}, {v[3], {v[0], v[1], v[2]}}};
-  for (OppositeFace& face : faces) std::ranges::rotate(face.vertex, std::ranges::min_element(face.vertex));
-  return faces;
-}
-
 }  // namespace phymul

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Cells cut into the tetrahedra (2-D: triangles) at their corners: the samples of the deformation gradient that
-// calibrated bases and volume terms are built on.
+// Cells cut into the tetrahedra (2-D: triangles) at their corners, for volume terms.
 #pragma once
 
 #include <phymul/model.h>
@@ -27,14 +26,5 @@ std::vector<CornerSimplex> corner_simplices(const Model& model, Index cell);
 
 /// Those of all cells, in order of cells.
 std::vector<CornerSimplex> corner_simplices(const Model& model);
-
-/// One vertex of a simplex and the face it looks at, turned so that its beta is positive.
-struct OppositeFace {
-  Index owner = -1;
-  std::array<Index, 3> vertex{-1, -1, -1};  ///< smallest number first; in 2-D a pair and -1
-};
-
-/// The four (2-D: three) of them; owner k is vertex k of the simplex.
-std::vector<OppositeFace> opposite_faces(const CornerSimplex& simplex);
 
 }  // namespace phymul

@@ -32,10 +32,9 @@ std::int32_t number_of(Reaction reaction) {
 }
 
 void add_options(Fnv& sum, const TopologyOptions& options) {
-  sum.add(number_of(options.law));
+  sum.add(number_of(options.law.value_or(Law::shape_memory)));
   sum.add(number_of(options.reaction));
   sum.add(number_of(options.volume_law));
-  sum.add(options.area_exponent);
 }
 
 void add_terms(Fnv& sum, const TopologyTextures& t) {
@@ -50,13 +49,6 @@ void add_terms(Fnv& sum, const TopologyTextures& t) {
     sum.add(volume.vertex);
     sum.add(volume.inverse_rest_volume);
     sum.add(volume.stiffness);
-  }
-  sum.add(t.cells.size());
-  for (const CellTexel& cell : t.cells) {
-    sum.add(cell.vertex);
-    for (const Vec3& gradient : cell.gradient) sum.add(gradient);
-    sum.add(cell.shape_stiffness);
-    sum.add(cell.volume_stiffness);
   }
 }
 
@@ -107,7 +99,6 @@ std::uint64_t fingerprint(const TopologyTextures& t) {
   }
   sum.add(t.lambda);
   sum.add(t.weight);
-  sum.add(t.rest_area);
   add_terms(sum, t);
   add_averaged(sum, t);
   return sum.value();

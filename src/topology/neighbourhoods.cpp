@@ -42,7 +42,7 @@ Triples triples_of(const TopologyTextures& t, Index i) {
 }
 
 bool is_enumerable(const TopologyTextures& t, Index most) {
-  const bool plain = t.dimension == 3 && t.rest_area.empty() && t.options.reaction != Reaction::conservative;
+  const bool plain = t.dimension == 3 && t.options.reaction != Reaction::conservative;
   if (!plain || t.base_count == 0) return false;
   std::int64_t triples = 0;
   for (Index i = 0; i < t.particle_count; ++i) {

@@ -4,7 +4,7 @@
 
 #include "averaged_body.h"
 #include "base/decimal.h"
-#include "calibrated_bases.h"
+#include "base_selection.h"
 #include "topology_match.h"
 #include "topology_terms.h"
 #include "transpose.h"
@@ -13,7 +13,6 @@
 #include <cmath>
 #include <limits>
 #include <string>
-#include <utility>
 
 namespace phymul {
 namespace {
@@ -28,11 +27,8 @@ void check_options(const TopologyOptions& o) {
           "min_quality is " + to_decimal(o.min_quality) +
               "; expected at least 0 and below 1 (a regular triangle has 0.87)");
   require(o.max_barycentric > 0.0, "max_barycentric is " + to_decimal(o.max_barycentric) + "; expected above 0");
-  require(is_not_negative(o.area_exponent), "area_exponent is " + to_decimal(o.area_exponent) + "; expected 0 or more");
   require(is_not_negative(o.volume_stiffness),
           "volume_stiffness is " + to_decimal(o.volume_stiffness) + " Pa; expected 0 or more");
-  require(o.cell_average >= 0.0 && o.cell_average < 1.0,
-          "cell_average is " + to_decimal(o.cell_average) + "; expected at least 0 and below 1 (0.9 is a good value)");
   if (o.stabiliser) {
     require(is_not_negative(*o.stabiliser),
             "stabiliser is " + to_decimal(*o.stabiliser) + "; expected 0 or more, or none, so that it is calibrated");
@@ -68,11 +64,6 @@ std::vector<Index> particles_without_domain(const TopologyTextures& topology) {
 }
 
 std::string how_to_get_bases(const Model& model, BaseSelection bases) {
-  if (bases == BaseSelection::opposite_faces) {
-    return std::string("bases from opposite_faces are faces of ") +
-           (model.dimension == 3 ? "volume cells" : "triangles and quads") +
-           ". Put each particle in a cell that is not flat, use BaseSelection::thresholded, which takes neighbours";
-  }
   const std::string least =
       model.dimension == 3 ? "3 neighbours that are not on a line" : "2 neighbours at different places";
   if (bases == BaseSelection::all) return "one takes " + least + ". Give more neighbours";
@@ -91,33 +82,14 @@ void treat_sparse(const Model& model, const std::vector<Index>& sparse, Topology
                                 : " no base: " + how_to_get_bases(model, topology.options.bases) +
                                       ", or set on_sparse to springs or free"));
     case SparseParticle::springs:
-      require(model.materials.empty(), particle_names(model, sparse) + (sparse.size() == 1 ? " is" : " are") +
-                                           " in no cell that has a material, and springs would need a stiffness in "
-                                           "N/m. Set on_sparse to free, or remove these particles");
+      require(!averaged, particle_names(model, sparse) + (sparse.size() == 1 ? " is" : " are") +
+                             " in no cell that has a material, and springs would need a stiffness in N/m. Set "
+                             "on_sparse to free, or remove these particles");
       topology.springs = springs_around(model, sparse);
       break;
     case SparseParticle::free:
       break;
   }
-}
-
-// Neighbour rows: the model's own, or the vertices of each particle's bases in increasing order.
-RaggedList neighbour_rows(const Model& model, const BaseTable& table, bool from_bases) {
-  if (!from_bases) return model.neighbours;
-  RaggedList rows;
-  std::vector<Index> row;
-  for (Index i = 0; i < model.particle_count(); ++i) {
-    row.clear();
-    for (std::size_t t = table.offset[i]; t < table.offset[i + 1]; ++t) {
-      for (const Index v : table.base[t].vertex) {
-        if (v >= 0) row.push_back(v);
-      }
-    }
-    std::ranges::sort(row);
-    row.erase(std::ranges::unique(row).begin(), row.end());
-    rows.push_row(row.begin(), row.end());
-  }
-  return rows;
 }
 
 void pack_neighbours(const RaggedList& rows, int limit, TopologyTextures& topology) {
@@ -141,7 +113,6 @@ void pack_bases(const BaseTable& table, int limit, TopologyTextures& topology) {
     const RestBase& base = table.base[t];
     topology.bases[t] = {base.vertex, base.beta};
     topology.lambda.push_back(base.lambda);
-    if (topology.options.area_exponent != 0.0) topology.rest_area.push_back(base.area);
   }
   topology.weight = table.weight;
   topology.stiffness = table.stiffness;
@@ -206,15 +177,12 @@ void fill_transposes(TopologyTextures& topology) {
     topology.volume_of = transpose(n, checked_rows(topology.volumes.size(), 4, "volume terms"), 4,
                                    [&](Index row, Index corner) { return topology.volumes[row].vertex[corner]; });
   }
-  if (!topology.cells.empty()) {
-    topology.cell_of = transpose(n, checked_rows(topology.cells.size(), 8, "cell terms"), 8,
-                                 [&](Index row, Index corner) { return topology.cells[row].vertex[corner]; });
-  }
 }
 
 TopologyTextures start(const Model& model, const TopologyOptions& options) {
   TopologyTextures topology;
   topology.options = options;
+  if (!options.law) topology.options.law = model.materials.empty() ? Law::shape_memory : Law::particle_averaged;
   topology.dimension = model.dimension;
   topology.model = model_fingerprint(model);
   topology.particle_count = model.particle_count();
@@ -237,61 +205,31 @@ BaseTable no_bases(const Model& model) {
   return table;
 }
 
-void check_material_options(const TopologyOptions& options) {
-  require(options.law == Law::shape_memory,
-          "springs take their stiffness in N/m and cannot carry a material; clear Model::materials, or use "
-          "Law::shape_memory");
-  require(options.reaction == Reaction::conservative,
-          "a calibrated material needs Reaction::conservative: the other reactions have no stiffness against uniform "
-          "strain inside a body. Use it, or clear Model::materials and set stiffness in N/m");
-  require(options.volume_stiffness == 0.0,
-          "volume_stiffness is for models without a material; with one it follows from Poisson's ratio. Set it to 0");
-  require(options.area_exponent == 0.0,
-          "area_exponent follows from the material. Set it to 0, and poisson_route to area_exponent where it is to be "
-          "used");
-  require(options.cell_average == 0.0 || options.poisson_route == PoissonRoute::volume_term,
-          "cell_average goes with PoissonRoute::volume_term: a cell's mean deformation has no base area. Set one of "
-          "the two back");
-}
-
-bool has_tetrahedra(const Model& model) {
-  return std::any_of(model.cells.begin(), model.cells.end(),
-                     [](const Cell& cell) { return cell.type == CellType::tetrahedron; });
-}
-
-BaseTable build_calibrated(const Model& model, TopologyTextures& topology) {
-  TopologyOptions& options = topology.options;
-  check_material_options(options);
-  if (options.bases != BaseSelection::fitted) {
-    // Without a volume term tetrahedra have no mean-deformation share to make up for their four directions.
-    const bool fit = options.poisson_route == PoissonRoute::area_exponent && has_tetrahedra(model);
-    options.bases = fit ? BaseSelection::fitted : BaseSelection::opposite_faces;
-  }
-  const std::vector<Calibration> calibration = calibrate_model(model, options.poisson_route);
-  options.area_exponent = calibration.front().exponent;
-  CalibratedBody body = calibrated_body(model, options, calibration, most_base_rows(options));
-  topology.cells = std::move(body.cells);
-  topology.volumes = std::move(body.volumes);
-  return std::move(body.bases);
-}
-
 void build_averaged(const Model& model, TopologyTextures& topology) {
   const TopologyOptions& options = topology.options;
   require(!model.materials.empty(), "Law::particle_averaged needs a material: call set_material, or use another law");
   require(options.reaction == Reaction::conservative,
-          "Law::particle_averaged is conservative by itself; leave Reaction::conservative");
-  require(options.volume_stiffness == 0.0 && options.area_exponent == 0.0 && options.cell_average == 0.0,
-          "volume_stiffness, area_exponent and cell_average are for other laws than particle_averaged. Set them to 0");
+          "a material needs Reaction::conservative: the other reactions have no stiffness against uniform strain inside "
+          "a body. Use it, or clear Model::materials and set stiffness in N/m");
+  require(options.volume_stiffness == 0.0,
+          "volume_stiffness is for models without a material; with one it follows from Poisson's ratio. Set it to 0");
   add_averaged_terms(model, topology);
+  treat_sparse(model, particles_without_domain(topology), topology);
 }
 
 BaseTable build_plain(const Model& model, TopologyTextures& topology) {
   const TopologyOptions& options = topology.options;
-  require(options.cell_average == 0.0, "cell_average needs a material: call set_material, or set cell_average to 0");
+  require(model.materials.empty(),
+          "springs and bases take their stiffness in N/m and cannot carry a material; clear Model::materials, or use "
+          "Law::particle_averaged");
   if (options.volume_stiffness > 0.0) topology.volumes = volume_terms(model, options.volume_stiffness);
-  if (options.law == Law::shape_memory) return select_bases(model, options, most_base_rows(options));
-  topology.springs = neighbour_springs(model);
-  return no_bases(model);
+  if (options.law == Law::springs) {
+    topology.springs = neighbour_springs(model);
+    return no_bases(model);
+  }
+  BaseTable table = select_bases(model, options, most_base_rows(options));
+  treat_sparse(model, particles_without_base(table), topology);
+  return table;
 }
 
 }  // namespace
@@ -300,16 +238,13 @@ TopologyTextures build_topology(const Model& model, const TopologyOptions& optio
   validate(model);
   check_options(options);
   TopologyTextures topology = start(model, options);
-  const bool has_material = !model.materials.empty();
-  const bool averaged = options.law == Law::particle_averaged;
-  if (averaged) build_averaged(model, topology);
-  const BaseTable table = averaged       ? no_bases(model)
-                          : has_material ? build_calibrated(model, topology)
-                                         : build_plain(model, topology);
-  if (averaged) treat_sparse(model, particles_without_domain(topology), topology);
-  if (options.law == Law::shape_memory) treat_sparse(model, particles_without_base(table), topology);
-  const bool from_bases = options.law == Law::shape_memory && topology.options.bases == BaseSelection::opposite_faces;
-  pack_neighbours(neighbour_rows(model, table, from_bases), options.max_texture_size, topology);
+  BaseTable table = no_bases(model);
+  if (topology.options.law == Law::particle_averaged) {
+    build_averaged(model, topology);
+  } else {
+    table = build_plain(model, topology);
+  }
+  pack_neighbours(model.neighbours, options.max_texture_size, topology);
   pack_bases(table, options.max_texture_size, topology);
   fill_alpha(topology);
   fill_transposes(topology);

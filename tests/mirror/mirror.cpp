@@ -8,13 +8,15 @@
 #include <utility>
 
 #include "device/float_range.h"
-#include "integrate_displacement.h"
+#include "kernels.h"
 #include "mirror_forces.h"
 #include "mirror_volumes.h"
 #include "touch_tools.h"
 
 namespace phymul::cpu {
 namespace {
+
+using Step = Kernels<float>;
 
 Float3 narrowed(const Vec3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
@@ -179,7 +181,7 @@ class MirrorSolver final : public SolverBackend {
 
   Float3 acceleration_of(Index i, const Float3& elastic, const FloatLoads& loads) const {
     const Float3 force = loads.pushes() ? elastic + loads.force(i) : elastic;
-    return acceleration(force, forces_.tables().particle[i][0], loads.gravity);
+    return Step::acceleration(force, forces_.tables().particle[i][0], loads.gravity);
   }
 
   /// Forces act at the old time, imposed positions hold at the new one. True where an elastic force was cut.
@@ -191,14 +193,14 @@ class MirrorSolver final : public SolverBackend {
     tool_sums_.assign(static_cast<std::size_t>(tools_.count()), ToolSums{});
     motion.max_acceleration = motion.max_force = 0.0;
     for (Index i = 0; i < topology().particle_count; ++i) {
-      Displaced<float> moved = free_step(plan, i, gravity);
+      Displaced moved = free_step(plan, i, gravity);
       if (!tools_.empty()) moved = touched_step(plan, i, gravity, moved.v);
       next_u_[i] = moved.u;
       next_v_[i] = moved.v;
     }
     if (!volumes_.empty()) motion.lost_volume = find_ways();
     for (Index i = 0; i < topology().particle_count; ++i) {
-      Float3 a = acceleration(force_[i], forces_.tables().particle[i][0], gravity);
+      Float3 a = Step::acceleration(force_[i], forces_.tables().particle[i][0], gravity);
       if (volumes_.moves(i)) go_along(i, static_cast<float>(1.0 / plan.dt), a);
       const double free = widened(loads_.free_part(i, a)).norm();
       motion.max_acceleration = std::max(motion.max_acceleration, free);
@@ -236,26 +238,30 @@ class MirrorSolver final : public SolverBackend {
     loads_.evaluate(scene(), time_);
     bool any_cut = false;
     for (Index i = 0; i < topology().particle_count; ++i) {
-      const Float3 cut = cut_force(force_[i], forces_.tables().particle[i][2] * largest_acceleration);
+      const Float3 cut = Step::cut_force(force_[i], forces_.tables().particle[i][2] * largest_acceleration);
       any_cut = any_cut || cut != force_[i];
       force_[i] = loads_.pushes() ? cut + loads_.force(i) : cut;
     }
     return any_cut;
   }
 
-  Displaced<float> free_step(const StepPlan& plan, Index i, const Float3& gravity) const {
-    const Float3 a = acceleration(force_[i], forces_.tables().particle[i][0], gravity);
-    Displaced<float> moved =
-        integrate_displacement(u_[i], v_[i], a, static_cast<float>(plan.dt), static_cast<float>(plan.damping_factor));
+  struct Displaced {
+    Float3 u, v;
+  };
+
+  Displaced free_step(const StepPlan& plan, Index i, const Float3& gravity) const {
+    const Float3 a = Step::acceleration(force_[i], forces_.tables().particle[i][0], gravity);
+    Displaced moved{u_[i], v_[i]};
+    Step::integrate_displacement(moved.u, moved.v, a, static_cast<float>(plan.dt),
+                                 static_cast<float>(plan.damping_factor));
     if (loads_.imposes()) {
-      impose(moved, loads_.fixed(i, 0), loads_.fixed(i, 1), loads_.fixed(i, 2), loads_.target(i), u_[i],
-             static_cast<float>(1.0 / plan.dt));
+      Step::impose(moved.u, moved.v, fixed_axes(i), loads_.target(i), u_[i], static_cast<float>(1.0 / plan.dt));
     }
     return moved;
   }
 
   /// Adds to force_ what tools do to a particle that would go on with velocity v.
-  Displaced<float> touched_step(const StepPlan& plan, Index i, const Float3& gravity, const Float3& v) {
+  Displaced touched_step(const StepPlan& plan, Index i, const Float3& gravity, const Float3& v) {
     const auto dt = static_cast<float>(plan.dt), inverse_dt = static_cast<float>(1.0 / plan.dt);
     const ToolRows rows(tools_);
     const int fixed_at = fixed_axes(i) | (topology().dimension == 2 ? 4 : 0);
@@ -264,7 +270,7 @@ class MirrorSolver final : public SolverBackend {
       add(rows.touch(tool, i, particle, dt, inverse_dt), tool_sums_[static_cast<std::size_t>(tool)]);
     }
     force_[i] += inverse_dt * particle.impulse;
-    Displaced<float> moved = free_step(plan, i, gravity);
+    Displaced moved = free_step(plan, i, gravity);
     moved.u += particle.shift;
     return moved;
   }

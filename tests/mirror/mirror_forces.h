@@ -2,15 +2,14 @@
 //
 // Elastic forces of a body in float, gathered particle by particle: what the shaders of a GPU do, term by term and in
 // the same order, as plain loops. Order of a particle's sum: its own force (conservative: its base rows), its
-// reactions, volumes, cells, domains, springs. An attractor's: neighbour rows, then bases.
+// reactions, volumes, domains, springs. An attractor's: neighbour rows, then bases.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "base/vector3.h"
-#include "delta_cell.h"
 #include "device/float_tables.h"
+#include "kernels.h"
 
 namespace phymul::cpu {
 
@@ -29,22 +28,14 @@ class MirrorForces {
   double energy(std::span<const Float3> u) const;
 
  private:
-  template <bool scaled>
-  DeltaBase<scaled, float> base_at(Index t, std::span<const Float3> u, Float3& d1, Float3& d2) const;
-  template <bool scaled>
+  Kernels<float>::DeltaBase base_at(Index t, std::span<const Float3> u, Float3& d1, Float3& d2) const;
   Float3 pull_of_base(Index t, std::span<const Float3> u) const;
-  template <bool scaled>
   Float3 attractor_pull(Index i, std::span<const Float3> u) const;
-  template <bool scaled>
   void add_enumerated_heights(Index i, std::span<const Float3> u, Float3& sum) const;
-  template <bool scaled>
   void shape_rows(std::span<const Float3> u) const;
-  template <bool scaled>
   double shape_energy(std::span<const Float3> u) const;
   template <bool bounded>
   void volume_rows(std::span<const Float3> u) const;
-  template <bool bounded>
-  void cell_rows(std::span<const Float3> u) const;
   Index owner_of(Index domain) const { return tables_.domains.owner.empty() ? domain : tables_.domains.owner[domain]; }
   Columns<float> domain_gradient(Index d, std::span<const Float3> u) const;
   template <bool bounded>
@@ -54,9 +45,6 @@ class MirrorForces {
   double domain_energy(std::span<const Float3> u) const;
   template <bool bounded>
   double volume_energy(std::span<const Float3> u) const;
-  template <bool bounded>
-  double cell_energy_sum(std::span<const Float3> u) const;
-  Columns<float> cell_gradient(Index c, std::span<const Float3> u) const;
   Float3 gathered(Index i, std::span<const Float3> u) const;
 
   FloatTables tables_;
@@ -64,7 +52,6 @@ class MirrorForces {
   mutable std::vector<Float3> own_;           // [particles] F_i; empty where bases act one by one
   mutable std::vector<Float3> base_force_;    // [4 bases] on a, b, c and the owner; empty for the thesis' reactions
   mutable std::vector<Float3> volume_force_;  // [4 volumes]
-  mutable std::vector<Columns<float>> cell_stress_;
   mutable std::vector<Columns<float>> domain_stress_;
   mutable std::vector<Float3> spread_force_;  // [domains]
 };

@@ -6,16 +6,17 @@
 #include <phymul/topology_textures.h>
 
 #include <Eigen/Core>
+#include <array>
 #include <span>
 #include <vector>
 
-#include "mirror/delta_cell.h"
-#include "mirror/delta_spring.h"
+#include "mirror/kernels.h"
 #include "rounding_bound.h"
 
 namespace phymul::test {
 
 using Bounded3 = cpu::Vector3<Bounded>;
+using BoundedKernels = cpu::Kernels<Bounded>;  // where the volume law does not matter
 
 class BoundedForces {
  public:
@@ -25,9 +26,6 @@ class BoundedForces {
     add_springs();
     for (const VolumeTexel& term : t_.volumes) {
       t_.options.volume_law == VolumeLaw::bounded ? add_volume<true>(term) : add_volume<false>(term);
-    }
-    for (const CellTexel& cell : t_.cells) {
-      t_.options.volume_law == VolumeLaw::bounded ? add_cell<true>(cell) : add_cell<false>(cell);
     }
     for (Index d = 0; d < static_cast<Index>(t_.domains.size()); ++d) {
       t_.options.volume_law == VolumeLaw::bounded ? add_domain<true>(d) : add_domain<false>(d);
@@ -51,36 +49,30 @@ class BoundedForces {
     energy_error_ += energy.error;
   }
 
-  void add_shape() { t_.options.area_exponent != 0.0 ? add_shape<true>() : add_shape<false>(); }
-
-  template <bool scaled>
   struct BaseNow {
-    cpu::DeltaBase<scaled, Bounded> base;
+    BoundedKernels::DeltaBase base;
     Bounded3 d1, d2;
     Bounded lambda_b, lambda_c, beta;
   };
 
-  template <bool scaled>
-  BaseNow<scaled> base_now(Index t) const {
+  BaseNow base_now(Index t) const {
     const BaseTexel& texel = t_.bases[t];
     const auto [a, b, c] = texel.vertex;
-    const Bounded p = stored(t_.options.area_exponent);
-    BaseNow<scaled> now;
+    BaseNow now;
     now.beta = stored(texel.beta);
     now.lambda_b = stored(t_.lambda[t][1]);
     now.d1 = difference(a, b);
     if (t_.dimension == 2) {
-      now.base = cpu::delta_base_2d<scaled>(rest_edge(a, b), now.d1, p);
+      now.base = BoundedKernels::delta_base_2d(rest_edge(a, b), now.d1);
       return now;
     }
     now.lambda_c = stored(t_.lambda[t][2]);
     now.d2 = difference(a, c);
-    now.base = cpu::delta_base_3d<scaled>(rest_edge(a, b), rest_edge(a, c), now.d1, now.d2, p);
+    now.base = BoundedKernels::delta_base_3d(rest_edge(a, b), rest_edge(a, c), now.d1, now.d2);
     return now;
   }
 
   /// F_i and what it costs, for all reactions but the conservative one.
-  template <bool scaled>
   Bounded3 attractor_force(Index i) {
     const IndexTexel& at = t_.index[i];
     BoundedSum pull;
@@ -88,21 +80,25 @@ class BoundedForces {
       pull.add(stored(t_.alpha[r]) * difference(i, t_.neighbours[r]));
     }
     for (Index t = at.first_base; t < at.first_base + at.base_count; ++t) {
-      const BaseNow<scaled> now = base_now<scaled>(t);
-      pull.add((stored(t_.weight[t]) * now.beta) * now.base.change);
+      const BaseNow now = base_now(t);
+      pull.add((stored(t_.weight[t]) * now.beta) * now.base.dn);
     }
-    add_energy(cpu::pull_energy(stored(t_.stiffness[i]), pull.total()));
+    add_energy(BoundedKernels::pull_energy(stored(t_.stiffness[i]), pull.total()));
     return stored(t_.stiffness[i]) * pull.total();
   }
 
-  template <bool scaled>
-  void react(Index t, const BaseNow<scaled>& now, const Bounded3& F) {
-    const auto on = t_.dimension == 2 ? cpu::base_reaction_2d(now.base, now.lambda_b, now.beta, F)
-                                      : cpu::base_reaction_3d(now.base, now.lambda_b, now.lambda_c, now.beta, F);
-    for (int corner = 0; corner < t_.dimension; ++corner) sum_[t_.bases[t].vertex[corner]].add(on[corner]);
+  void react(Index t, const BaseNow& now, const Bounded3& F) {
+    std::array<Bounded3, 3> on;
+    if (t_.dimension == 2) {
+      BoundedKernels::base_reaction_2d(now.base, now.lambda_b, now.beta, F, on[0], on[1]);
+    } else {
+      BoundedKernels::base_reaction_3d(now.base, now.lambda_b, now.lambda_c, now.beta, F, on[0], on[1], on[2]);
+    }
+    for (std::size_t corner = 0; corner < static_cast<std::size_t>(t_.dimension); ++corner) {
+      sum_[t_.bases[t].vertex[corner]].add(on[corner]);
+    }
   }
 
-  template <bool scaled>
   void add_shape() {
     for (Index i = 0; i < t_.particle_count; ++i) {
       const IndexTexel& at = t_.index[i];
@@ -110,11 +106,11 @@ class BoundedForces {
       const bool conservative = t_.options.reaction == Reaction::conservative;
       Bounded3 F;
       if (!conservative) {
-        F = attractor_force<scaled>(i);
+        F = attractor_force(i);
         sum_[i].add(F);
       }
       if (conservative || t_.options.reaction == Reaction::averaged) {
-        for (Index t = at.first_base; t < at.first_base + at.base_count; ++t) add_base<scaled>(i, t, conservative, F);
+        for (Index t = at.first_base; t < at.first_base + at.base_count; ++t) add_base(i, t, conservative, F);
         continue;
       }
       for (Index r = at.first_neighbour; r < at.first_neighbour + at.neighbour_count; ++r) {
@@ -126,17 +122,16 @@ class BoundedForces {
     }
   }
 
-  template <bool scaled>
   void add_base(Index i, Index t, bool conservative, const Bounded3& owner_force) {
-    const BaseNow<scaled> now = base_now<scaled>(t);
+    const BaseNow now = base_now(t);
     if (!conservative) {
       react(t, now, stored(t_.weight[t]) * owner_force);
       return;
     }
-    const Bounded3 pull = cpu::base_pull(now.base, difference(i, t_.bases[t].vertex[0]), now.d1, now.d2, now.lambda_b,
+    const Bounded3 pull = BoundedKernels::base_pull(now.base, difference(i, t_.bases[t].vertex[0]), now.d1, now.d2, now.lambda_b,
                                          now.lambda_c, now.beta);
     const Bounded share = stored(t_.stiffness[i] * t_.weight[t]);
-    add_energy(cpu::pull_energy(share, pull));
+    add_energy(BoundedKernels::pull_energy(share, pull));
     const Bounded3 F = share * pull;
     sum_[i].add(F);
     react(t, now, F);
@@ -146,10 +141,10 @@ class BoundedForces {
     for (const SpringTexel& spring : t_.springs) {
       const auto [a, b] = spring.end;
       const Bounded k = stored(spring.stiffness);
-      const Bounded3 F = cpu::spring_force(rest_edge(a, b), difference(a, b), k);
+      const Bounded3 F = BoundedKernels::spring_force(rest_edge(a, b), difference(a, b), k);
       sum_[a].add(F);
       sum_[b].add(-F);
-      add_energy(cpu::spring_energy(rest_edge(a, b), difference(a, b), k));
+      add_energy(BoundedKernels::spring_energy(rest_edge(a, b), difference(a, b), k));
     }
   }
 
@@ -161,37 +156,22 @@ class BoundedForces {
     if (t_.dimension == 2) {
       const std::array<Bounded3, 2> E{rest_edge(a, b), rest_edge(a, c)}, e{difference(a, b), difference(a, c)};
       const Bounded inverse = stored(term.inverse_rest_volume / 2.0);
-      const auto on = cpu::triangle_area_forces<bounded>(E, e, inverse, stiffness);
+      std::array<Bounded3, 3> on;
+      cpu::Kernels<Bounded, bounded>::triangle_area_forces(E[0], E[1], e[0], e[1], inverse, stiffness, on[0], on[1],
+                                                           on[2]);
       for (std::size_t corner = 0; corner < 3; ++corner) sum_[term.vertex[corner]].add(on[corner]);
-      change = cpu::triangle_change(E, e, inverse);
+      change = BoundedKernels::triangle_change(E[0], E[1], e[0], e[1], inverse);
     } else {
       const std::array<Bounded3, 3> E{rest_edge(a, b), rest_edge(a, c), rest_edge(a, d)},
           e{difference(a, b), difference(a, c), difference(a, d)};
       const Bounded inverse = stored(term.inverse_rest_volume / 6.0);
-      const auto on = cpu::tetrahedron_volume_forces<bounded>(E, e, inverse, stiffness);
+      std::array<Bounded3, 4> on;
+      cpu::Kernels<Bounded, bounded>::tetrahedron_volume_forces(E[0], E[1], E[2], e[0], e[1], e[2], inverse, stiffness,
+                                                                on[0], on[1], on[2], on[3]);
       for (std::size_t corner = 0; corner < 4; ++corner) sum_[term.vertex[corner]].add(on[corner]);
-      change = cpu::tetrahedron_change(E, e, inverse);
+      change = BoundedKernels::tetrahedron_change(E[0], E[1], E[2], e[0], e[1], e[2], inverse);
     }
-    add_energy(stiffness * cpu::volume_energy_density<bounded>(change));
-  }
-
-  template <bool bounded>
-  void add_cell(const CellTexel& cell) {
-    cpu::Columns<Bounded> H{};
-    BoundedSum c0, c1, c2;
-    for (std::size_t corner = 1; corner < 8 && cell.vertex[corner] != none; ++corner) {
-      const Bounded3 d = difference(cell.vertex[0], cell.vertex[corner]), g = stored3(cell.gradient[corner]);
-      c0.add(g.x * d);
-      c1.add(g.y * d);
-      c2.add(g.z * d);
-    }
-    H = {c0.total(), c1.total(), c2.total()};
-    const Bounded shape = stored(cell.shape_stiffness), volume = stored(cell.volume_stiffness);
-    const cpu::Columns<Bounded> P = cpu::cell_stress<bounded>(H, shape, volume);
-    for (std::size_t corner = 0; corner < 8 && cell.vertex[corner] != none; ++corner) {
-      sum_[cell.vertex[corner]].add(-cpu::times(P, stored3(cell.gradient[corner])));
-    }
-    add_energy(cpu::cell_energy<bounded>(H, shape, volume));
+    add_energy(stiffness * cpu::Kernels<Bounded, bounded>::volume_energy_density(change));
   }
 
   Bounded3 difference_of_domains(Index d, Index e) const {
@@ -222,20 +202,19 @@ class BoundedForces {
     const cpu::Columns<Bounded> H = mean_gradient(d);
     const Bounded shape = stored(domain.shape_stiffness), volume = stored(domain.volume_stiffness),
                   spread = stored(domain.spread_stiffness);
-    cpu::Columns<Bounded> Q = cpu::cell_stress<bounded>(H, shape, volume);
-    const Bounded squares = inner_product(H.c0, H.c0) + inner_product(H.c1, H.c1) + inner_product(H.c2, H.c2);
-    add_energy((cpu::cell_energy<bounded>(H, shape, volume) - (Bounded(0.5f) * spread) * squares) /
+    using Energy = cpu::Kernels<Bounded, bounded>;
+    add_energy((Energy::energy_density(H, shape, volume) - (Bounded(0.5f) * spread) * Energy::squared_norm(H)) /
                stored(domain.inverse_volume));
-    Q = {Q.c0 - spread * H.c0, Q.c1 - spread * H.c1, Q.c2 - spread * H.c2};
+    const cpu::Columns<Bounded> Q = Energy::minus(Energy::energy_stress(H, shape, volume), Energy::scaled(spread, H));
     for (Index r = t_.first_link[d]; r < t_.first_link[d + 1]; ++r) {
       const LinkTexel& link = t_.links[r];
-      sum_[t_.domains[link.domain].particle].add(-cpu::times(Q, stored3(link.area)));
+      sum_[t_.domains[link.domain].particle].add(-BoundedKernels::times(Q, stored3(link.area)));
       const Bounded3 apart = difference_of_domains(d, link.domain);
       sum_[domain.particle].add(stored(link.stiffness) * apart);
       add_energy((Bounded(0.25f) * stored(link.stiffness)) * inner_product(apart, apart));
     }
     for (Index r = t_.first_surface_link[d]; r < t_.first_surface_link[d + 1]; ++r) {
-      sum_[t_.domains[t_.surface_links[r].domain].particle].add(-cpu::times(Q, stored3(t_.surface_links[r].area)));
+      sum_[t_.domains[t_.surface_links[r].domain].particle].add(-BoundedKernels::times(Q, stored3(t_.surface_links[r].area)));
     }
   }
 

@@ -94,15 +94,11 @@ inline Bounded select(const Outcome& outcome, const Bounded& a, const Bounded& b
   return {taken.value, std::max(taken.error, left.error + std::abs(left.value - taken.value))};
 }
 
-/// The two halves of the height's power, with the errors their own test finds, doubled for other roundings.
-inline Bounded log_one_plus(const Bounded& y) {
-  const double value = std::log1p(y.value);
-  const double least = 1.0 + y.value - y.error;
-  return {value, y.error / least + 8.0 * unit * std::abs(value)};
-}
-inline Bounded exp_minus_one(const Bounded& z) {
-  const double value = std::expm1(z.value), inherited = std::exp(z.value) * std::expm1(z.error);
-  return {value, inherited + 4.0 * unit * (std::abs(value) + inherited)};
+/// Of 1 / sqrt(a) - 1 from y = a - 1. The vector kernels' has a few units of the result and of 1e-10 besides.
+inline Bounded inverse_root_change(const Bounded& a, const Bounded& y) {
+  const Bounded root = square_root(a);
+  const Bounded change = -y / (root * (Bounded(1.0f) + root));
+  return {change.value, change.error + 4.0 * unit * std::abs(change.value) + 1e-10};
 }
 
 /// A sum of vectors in any order.

@@ -43,14 +43,13 @@ class Slots {
   Index own_particles_ = 0;
 };
 
-/// Rows of `terms`, but for those taken, that belong to each cluster: to the one that has most of its vertices, the
+/// Rows of `terms` that belong to each cluster: to the one that has most of its vertices, the
 /// first of those.
 template <class Term, class Vertices>
 std::vector<std::vector<Index>> by_cluster(const std::vector<Term>& terms, Index size, std::size_t clusters,
-                                           const Vertices& vertices, const std::vector<bool>& taken) {
+                                           const Vertices& vertices) {
   std::vector<std::vector<Index>> rows(clusters);
   for (std::size_t t = 0; t < terms.size(); ++t) {
-    if (!taken.empty() && taken[t]) continue;
     Index best = 0;
     long most = 0;
     const auto& v = vertices(terms[t]);

@@ -21,9 +21,6 @@ namespace {
 /// Particles of a cluster: few enough that its displacements and forces stay in a core's first cache, many enough that
 /// most of a cluster's terms touch its own particles alone.
 constexpr Index cluster_size = 512;
-/// The same where grids (simd::Grid) are to take most terms: they read in order, so that the second cache does, and of
-/// larger clusters less is surface. Large bodies have clusters enough for threads, small ones need them.
-constexpr Index least_grid_cluster = 1344, most_grid_cluster = 2048;
 /// A body of fewer particles and less work than these stays in one piece: it is not worth a second thread.
 constexpr Index whole_size = 2048;
 constexpr double whole_cost = 40e3;  // ns
@@ -37,8 +34,7 @@ constexpr double least_cost_a_thread = 10e3;  // ns
 
 class BodyPacker {
  public:
-  BodyPacker(const TopologyTextures& t, const std::optional<LatticeFrame>& frame, Index size, PackedBody& body)
-      : t_(t), frame_(frame), size_(size), body_(body) {}
+  BodyPacker(const TopologyTextures& t, Index size, PackedBody& body) : t_(t), size_(size), body_(body) {}
 
   /// A body of Law::particle_averaged: no clusters, and its forces stand as its particles do.
   void pack_averaged() {
@@ -52,7 +48,7 @@ class BodyPacker {
   void pack() {
     const auto count = static_cast<std::size_t>((t_.particle_count + size_ - 1) / size_);
     body_.clusters.resize(count);
-    TermPacker terms(t_, frame_, size_, count, body_);
+    TermPacker terms(t_, size_, count, body_);
     for (std::size_t c = 0; c < count; ++c) {
       Cluster& cluster = body_.clusters[c];
       cluster.first = static_cast<std::int32_t>(c) * size_;
@@ -158,17 +154,9 @@ class BodyPacker {
   }
 
   const TopologyTextures& t_;
-  const std::optional<LatticeFrame>& frame_;
   const Index size_;
   PackedBody& body_;
 };
-
-/// Equal clusters, a multiple of the lanes.
-Index grid_cluster_size(Index particles, int lanes) {
-  const Index size = std::clamp<Index>(particles / 16, least_grid_cluster, most_grid_cluster);
-  const Index clusters = (particles + size - 1) / size;
-  return (particles + clusters * lanes - 1) / (clusters * lanes) * lanes;
-}
 
 /// Links of each particle. Loops of equal length side by side are foreseen by a processor, others cost it a wrong
 /// guess.
@@ -183,7 +171,7 @@ std::vector<Index> links_of(const TopologyTextures& t) {
 double rough_cost(const TopologyTextures& t, int lanes) {
   const double base = t.options.reaction == Reaction::averaged ? 80.0 : 50.0;
   return (base * t.base_count + 16.0 * static_cast<double>(t.springs.size()) +
-          40.0 * static_cast<double>(t.volumes.size()) + 100.0 * static_cast<double>(t.cells.size())) /
+          40.0 * static_cast<double>(t.volumes.size())) /
          lanes;
 }
 
@@ -210,12 +198,6 @@ std::size_t PackedBody::most_slots() const {
   return static_cast<std::size_t>(most);
 }
 
-std::size_t PackedBody::most_grid_floats() const {
-  int most = 0;
-  for (const Cluster& cluster : clusters) most = std::max(most, cluster.job.grid.pitch);
-  return static_cast<std::size_t>(simd::grid_fields) * static_cast<std::size_t>(most);
-}
-
 std::unique_ptr<const PackedBody> make_packed_body(const TopologyTextures& topology, int lanes) {
   require_bases_in_range(topology);
   auto body = std::make_unique<PackedBody>();
@@ -223,23 +205,19 @@ std::unique_ptr<const PackedBody> make_packed_body(const TopologyTextures& topol
   body->bounded = topology.options.volume_law == VolumeLaw::bounded;
   if (!topology.domains.empty()) {
     body->order = locality_order(topology.rest, links_of(topology), averaged_window);
-    BodyPacker(topology, {}, 0, *body).pack_averaged();
+    BodyPacker(topology, 0, *body).pack_averaged();
     return body;
   }
   const bool whole = topology.particle_count <= whole_size && rough_cost(topology, lanes) <= whole_cost;
   const Index all = std::max<Index>(topology.particle_count, 1);
-  const Index grid_size = whole ? all : grid_cluster_size(all, lanes);
-  const std::optional<LatticeFrame> frame = LatticeFrame::of(topology, grid_size);
-  const Index size = whole ? all : frame ? grid_size : cluster_size;
-  body->order =
-      frame ? frame->order(topology.rest) : locality_order(topology.rest, TermPacker::work_of(topology), size);
+  const Index size = whole ? all : cluster_size;
+  body->order = locality_order(topology.rest, TermPacker::work_of(topology), size);
   body->plane = topology.dimension == 2;
-  body->scaled = !topology.rest_area.empty();
   body->use = topology.options.reaction == Reaction::conservative ? simd::BaseUse::conservative
               : topology.options.reaction == Reaction::averaged   ? simd::BaseUse::averaged
                                                                   : simd::BaseUse::attractor;
   const TopologyTextures ordered = renumbered(topology, body->order);
-  BodyPacker(ordered, frame, size, *body).pack();
+  BodyPacker(ordered, size, *body).pack();
   return body;
 }
 

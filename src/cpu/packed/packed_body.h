@@ -35,23 +35,16 @@ struct PackedBody {
   std::int64_t force_rows = 0;  ///< of all clusters, the last one always zero; none where nothing pushes()
   std::vector<Cluster> clusters;
   simd::BaseUse use = simd::BaseUse::conservative;
-  bool plane = false, scaled = false, bounded = false;
+  bool plane = false, bounded = false;
 
   // Arrays of the jobs and of simd::Move.
   Offsets base_first, spring_first, enumerated_first, enumerated_neighbours, enumerated_offsets, own, halo_first, halo,
       give_first;
-  Offsets hexahedron_shape, star_shape, box_shape;
-  Floats hexahedra, hexahedron_shapes, stars, boxes;
-  std::vector<simd::BoxShape> box_shapes;
-  Offsets grid_slot, grid_octants;
-  std::vector<simd::GridRow> grid_rows;
-  Floats bases, enumerated, springs, volumes, cells4, cells6, cells8, simplices, cell_simplices, stiffness,
-      inverse_mass, mass, give;
+  Floats bases, enumerated, springs, volumes, stiffness, inverse_mass, mass, give;
 
   PackedAverages averages;  ///< of Law::particle_averaged, whose bodies have no clusters
 
-  std::size_t most_slots() const;        ///< of a cluster
-  std::size_t most_grid_floats() const;  ///< that a cluster's grid needs beside it
+  std::size_t most_slots() const;  ///< of a cluster
   int slices() const { return places / lanes; }
   /// Of a place of `order`, in displacements, pulls and loads.
   std::size_t quad_of(std::size_t place) const {
@@ -59,10 +52,7 @@ struct PackedBody {
   }
   /// Whether terms have forces of their own for particles, and not only pulls that the move gathers.
   bool pushes() const {
-    return use != simd::BaseUse::attractor ||
-           !(springs.empty() && volumes.empty() && cells4.empty() && cells6.empty() && cells8.empty() &&
-             simplices.empty() && cell_simplices.empty() && hexahedra.empty() && stars.empty() && boxes.empty() &&
-             grid_rows.empty());
+    return use != simd::BaseUse::attractor || !(springs.empty() && volumes.empty());
   }
   bool gives() const { return use == simd::BaseUse::attractor && !(bases.empty() && enumerated.empty()); }
   bool averaged() const { return averages.slots > 0; }

@@ -13,16 +13,13 @@ constexpr double quad = 16.0, triple = 12.0, word = 4.0;  // bytes
 double constants(const PackedBody& b) {
   double words = 0.0;
   for (const Floats* table :
-       {&b.bases, &b.enumerated, &b.springs, &b.volumes, &b.cells4, &b.cells6, &b.cells8, &b.hexahedra, &b.stars,
-        &b.boxes, &b.simplices, &b.cell_simplices, &b.give, &b.inverse_mass, &b.mass}) {
+       {&b.bases, &b.enumerated, &b.springs, &b.volumes, &b.give, &b.inverse_mass, &b.mass}) {
     words += static_cast<double>(table->size());
   }
   for (const Offsets* table : {&b.base_first, &b.spring_first, &b.enumerated_first, &b.enumerated_neighbours,
-                               &b.enumerated_offsets, &b.own, &b.halo_first, &b.halo, &b.give_first,
-                               &b.hexahedron_shape, &b.star_shape, &b.box_shape, &b.grid_slot, &b.grid_octants}) {
+                               &b.enumerated_offsets, &b.own, &b.halo_first, &b.halo, &b.give_first}) {
     words += static_cast<double>(table->size());
   }
-  words += static_cast<double>(b.grid_rows.size() * sizeof(simd::GridRow)) / word;
   const bool attracts = !(b.bases.empty() && b.enumerated.empty()) && b.use != simd::BaseUse::conservative;
   if (attracts) words += static_cast<double>(b.stiffness.size());
   return word * words;

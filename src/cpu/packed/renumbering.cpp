@@ -47,7 +47,6 @@ void copy_rows(const TopologyTextures& from, const std::vector<Index>& order, co
       result.bases.push_back(base);
       result.lambda.push_back(from.lambda[t]);
       result.weight.push_back(from.weight[t]);
-      if (!from.rest_area.empty()) result.rest_area.push_back(from.rest_area[t]);
     }
     result.rest.push_back(from.rest[old]);
     result.mass.push_back(from.mass[old]);
@@ -77,7 +76,6 @@ void transpose_lists(const TopologyTextures& from, TopologyTextures& result) {
   };
   result.spring_of = of(result.springs, 2, [&](Index r, Index c) { return result.springs[r].end[c]; });
   result.volume_of = of(result.volumes, 4, [&](Index r, Index c) { return result.volumes[r].vertex[c]; });
-  result.cell_of = of(result.cells, 8, [&](Index r, Index c) { return result.cells[r].vertex[c]; });
 }
 
 }  // namespace
@@ -96,8 +94,6 @@ TopologyTextures renumbered(const TopologyTextures& topology, const std::vector<
       topology.springs, to, [](SpringTexel & s) -> auto& { return s.end; });
   result.volumes = renamed(
       topology.volumes, to, [](VolumeTexel & v) -> auto& { return v.vertex; });
-  result.cells = renamed(
-      topology.cells, to, [](CellTexel & c) -> auto& { return c.vertex; });
   transpose_lists(topology, result);
   return result;
 }

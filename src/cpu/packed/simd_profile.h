@@ -16,11 +16,7 @@ enum class Work {
   bases,
   enumerated_bases,
   springs,
-  hexahedra,
-  box_lattice,
-  simplices,
   volumes,
-  cells,
   averaged_stresses,
   averaged_forces,
   waiting,
@@ -43,7 +39,7 @@ class WorkLaps {
   void end_step(bool tools);
 
  private:
-  static constexpr int kinds = 16;
+  static constexpr int kinds = 12;
   int row_of(Work work) const { return rows_[static_cast<std::size_t>(work)]; }
 
   Profile* profile_;

@@ -62,7 +62,6 @@ class SimdSolver final : public SolverBackend {
     }
     if (body_->gives()) pull_.assign(quads, 0.0f);
     near_u_.assign(summaries_.size(), Floats(4 * body_->most_slots() + page, 0.0f));
-    grid_.assign(summaries_.size(), Floats(body_->most_grid_floats(), 0.0f));
     tools_.follow(scene(), frame().fixed);
     reset();
   }
@@ -220,7 +219,6 @@ class SimdSolver final : public SolverBackend {
       job.force = bytes(force_) + 16 * cluster.force_first;
       std::memset(job.force, 0, 16 * static_cast<std::size_t>(cluster.slots()));
     }
-    job.grid_memory = grid_[part].data();
     job.rows_far = rows_far_;
     job.far = far_;
     job.u = near_displacements(cluster, bytes(u_),
@@ -230,7 +228,7 @@ class SimdSolver final : public SolverBackend {
     }
     laps.end(Work::gathering);
     if (job.bases.count > 0) {
-      kernels_.bases[static_cast<int>(body_->use)][body_->plane][body_->scaled](job);
+      kernels_.bases[static_cast<int>(body_->use)][body_->plane](job);
       laps.end(Work::bases);
     }
     if (job.enumerated.count > 0) {
@@ -241,25 +239,9 @@ class SimdSolver final : public SolverBackend {
       kernels_.springs(job);
       laps.end(Work::springs);
     }
-    if (job.hexahedra.count > 0) {
-      kernels_.hexahedra[body_->bounded](job);
-      laps.end(Work::hexahedra);
-    }
-    if (job.stars.count + job.boxes.count + job.grid.count > 0) {
-      kernels_.lattices[body_->bounded](job);
-      laps.end(Work::box_lattice);
-    }
-    if (job.simplices.count + job.cell_simplices.count > 0) {
-      kernels_.simplices[body_->bounded](job);
-      laps.end(Work::simplices);
-    }
     if (job.volumes.count > 0) {
       kernels_.volumes[body_->plane][body_->bounded](job);
       laps.end(Work::volumes);
-    }
-    if (job.cells4.count + job.cells6.count + job.cells8.count > 0) {
-      kernels_.cells[body_->bounded](job);
-      laps.end(Work::cells);
     }
   }
 
@@ -375,7 +357,6 @@ class SimdSolver final : public SolverBackend {
   Floats force_, pull_, stress_;
   std::vector<int> averaged_part_;  // [parts + 1] slice
   std::vector<Floats> near_u_;      // [parts] displacements of the cluster a part is at
-  std::vector<Floats> grid_;        // [parts] Job::grid_memory
   double time_ = 0.0, last_dt_ = 0.0;
   int steps_at_rest_ = 0;
   WorkLaps laps_, no_laps_;

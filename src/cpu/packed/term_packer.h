@@ -2,9 +2,7 @@
 #pragma once
 
 #include "cluster_slots.h"
-#include "lattice_packer.h"
 #include "packed_rows.h"
-#include "simplices.h"
 #include "triple_packer.h"
 
 namespace phymul::cpu {
@@ -13,8 +11,7 @@ namespace phymul::cpu {
 class TermPacker {
  public:
   /// `size`: particles of a cluster.
-  TermPacker(const TopologyTextures& topology, const std::optional<LatticeFrame>& frame, Index size,
-             std::size_t clusters, PackedBody& body);
+  TermPacker(const TopologyTextures& topology, Index size, std::size_t clusters, PackedBody& body);
 
   void pack(int c);   ///< the terms of cluster c, whose own particles are known; clusters in order, each once
   void point_jobs();  ///< once all are packed: the arrays no longer move
@@ -24,16 +21,13 @@ class TermPacker {
 
  private:
   struct Start {  // where a cluster's rows begin in the arrays of the body
-    std::size_t base_slice, spring_slice, volume, cell4, cell6, cell8, simplex, cell_simplex;
+    std::size_t base_slice, spring_slice, volume;
   };
 
-  std::vector<bool> taken_cells() const;
   void pack_base_slice(const Cluster& cluster, int s, Index own);
   void pack_base(Index t, Index owner, LaneRows& rows, Index row, int lane);
   void pack_spring_slice(const Cluster& cluster, int s, Index own);
   int pack_volumes(int c);
-  int pack_cells(int c, int least, int corners, Floats& to);
-  int pack_simplices(int c, bool with_cell, Floats& to);
   void fill_idle_lanes(int c);
   void estimate_cost(int c);
 
@@ -41,12 +35,9 @@ class TermPacker {
   const Index size_;
   PackedBody& body_;
   Slots slots_;
-  const Simplices shared_;
-  Hexahedra found_;
-  LatticePacker lattice_;
   TriplePacker triples_;
   bool slices_bases_ = false;
-  std::vector<std::vector<Index>> volumes_, cells_, simplices_;  // rows by cluster
+  std::vector<std::vector<Index>> volumes_;  // rows by cluster
   std::vector<Start> starts_;
 };
 

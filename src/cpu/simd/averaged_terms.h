@@ -6,7 +6,8 @@
 // columns of a stress times x, y and z.
 #pragma once
 
-#include "cell_terms.h"
+#include "job.h"
+#include "kernel_text.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
 
@@ -114,10 +115,6 @@ PHYMUL_INLINE Wide link_sum(const simd::Averaged& body, std::int64_t q, const st
   return plus(even, odd);
 }
 
-PHYMUL_INLINE Pack3 minus_scaled(Pack3 from, Pack scale, Pack3 a) {
-  return {from.x - scale * a.x, from.y - scale * a.y, from.z - scale * a.z};
-}
-
 /// Stresses and springs of slices [slice, end). Displacements around a slot, each less its own, are summed with the
 /// areas (three columns) and with the stiffnesses (the fourth).
 template <bool bounded>
@@ -138,11 +135,13 @@ void averaged_stresses(const simd::Averaged& body, int slice, int end) {
     }
     const float* constants = body.constants + 4 * first;
     const Pack inverse_volume = load(constants), spread = load(constants + 3 * lanes);
-    const Columns H{inverse_volume * gather_row(reinterpret_cast<const char*>(columns[0])),
-                    inverse_volume * gather_row(reinterpret_cast<const char*>(columns[1])),
-                    inverse_volume * gather_row(reinterpret_cast<const char*>(columns[2]))};
-    const Columns P = cell_stress<bounded>(H, load(constants + lanes), load(constants + 2 * lanes));
-    Pack3 Q[3] = {minus_scaled(P.c0, spread, H.c0), minus_scaled(P.c1, spread, H.c1), minus_scaled(P.c2, spread, H.c2)};
+    using Kernels = Kernels<bounded>;
+    const Columns sums{gather_row(reinterpret_cast<const char*>(columns[0])),
+                       gather_row(reinterpret_cast<const char*>(columns[1])),
+                       gather_row(reinterpret_cast<const char*>(columns[2]))};
+    const Columns H = Kernels::scaled(inverse_volume, sums);
+    const Columns P = Kernels::energy_stress(H, load(constants + lanes), load(constants + 2 * lanes));
+    Pack3 Q[3] = {P.c0 - spread * H.c0, P.c1 - spread * H.c1, P.c2 - spread * H.c2};
     for (int c = 0; c < 3; ++c) {
       if (body.plane) Q[c].z = Pack{};  // nothing but rounding, which would leave the plane
       char* to = body.stress + 64 * first + 16 * c;

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// Bases, a slice of particles at a time. delta_base.h has the formulas; here with
+// Bases, a slice of particles at a time. glsl/kernels/base.glsl has the formulas; here with
 //   a = |w|^2 / |w0|^2,  y = a - 1 (from dw, not from a),  c = 1 / sqrt(a) - 1
 //   n - n0 = (dw + c w) / |w0|,   1 / |w| = (1 + c) / |w0|
 // A collapsed base has c = -1: no normal, n - n0 = -n0.
 #pragma once
 
-#include "height.h"
+#include "job.h"
+#include "pack.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
 
-/// See collapsed_sine_squared in delta_base.h.
+/// See turned_base() there.
 inline constexpr float collapsed = 1e-12f;
 
 struct BaseRow {
@@ -23,17 +24,15 @@ PHYMUL_INLINE BaseRow load_base(const float* row) {
           load(row + 11 * lanes), load(row + 12 * lanes), load(row + 13 * lanes)};
 }
 
-template <bool scaled>
 struct BaseNow {
   Pack3 d1, d2, e1, e2, w;
-  Pack3 change;   // |w0| (g n - n0)
-  Pack rho;       // |w0| / |w|
-  Height height;  // scaled only
+  Pack3 change;  // |w0| (n - n0)
+  Pack rho;      // |w0| / |w|
 };
 
-template <bool plane, bool scaled>
-PHYMUL_INLINE BaseNow<scaled> base_now(const BaseRow& row, Pack3 ua, Pack3 ub, Pack3 uc, Pack p) {
-  BaseNow<scaled> now;
+template <bool plane>
+PHYMUL_INLINE BaseNow base_now(const BaseRow& row, Pack3 ua, Pack3 ub, Pack3 uc) {
+  BaseNow now;
   now.d1 = ub - ua;
   now.e1 = row.E1 + now.d1;
   Pack3 dw;
@@ -56,27 +55,17 @@ PHYMUL_INLINE BaseNow<scaled> base_now(const BaseRow& row, Pack3 ua, Pack3 ub, P
   const Pack c = select(q > edges, inverse_root_change(a, y), all(-1.0f));
   now.rho = c + 1.0f;
   now.change = dw + c * now.w;
-  if constexpr (scaled) {
-    now.height = height_of(y, a * now.rho, p);
-    now.change = now.height.value * now.change + now.height.excess * (now.w - dw);
-  }
   return now;
 }
 
-template <bool scaled>
-PHYMUL_INLINE Pack3 height_slope(const BaseNow<scaled>& now, const BaseRow& row, Pack3 F) {
+PHYMUL_INLINE Pack3 height_slope(const BaseNow& now, const BaseRow& row, Pack3 F) {
   const Pack along = row.rest * now.rho * now.rho * dot(now.w, F);
-  const Pack3 across = F - along * now.w;
-  if constexpr (scaled) {
-    return (row.height * now.height.value * now.rho) * across + (row.height * now.height.slope * along) * now.w;
-  } else {
-    return (row.height * now.rho) * across;
-  }
+  return (row.height * now.rho) * (F - along * now.w);
 }
 
 /// Gives what the owner's force F costs the base to its vertices.
-template <bool plane, bool scaled>
-PHYMUL_INLINE void give_back(const BaseNow<scaled>& now, const BaseRow& row, Pack3 F, const std::int32_t* offset,
+template <bool plane>
+PHYMUL_INLINE void give_back(const BaseNow& now, const BaseRow& row, Pack3 F, const std::int32_t* offset,
                              char* force) {
   const Pack3 G = height_slope(now, row, F);
   if constexpr (plane) {
@@ -91,9 +80,8 @@ PHYMUL_INLINE void give_back(const BaseNow<scaled>& now, const BaseRow& row, Pac
   }
 }
 
-template <simd::BaseUse use, bool plane, bool scaled>
+template <simd::BaseUse use, bool plane>
 void base_slices(const simd::Job& job) {
-  const Pack p = all(job.exponent);
   for (int slice = 0; slice < job.bases.count; ++slice) {
     const int first = job.bases.first[slice], last = job.bases.first[slice + 1];
     const Pack3 ui = gather_row(job.u + 16 * lanes * slice);
@@ -107,14 +95,14 @@ void base_slices(const simd::Job& job) {
       ua = gather(job.u, offset);
       const Pack3 ub = gather(job.u, offset + lanes);
       const Pack3 uc = plane ? Pack3{} : gather(job.u, offset + 2 * lanes);
-      return base_now<plane, scaled>(base, ua, ub, uc, p);
+      return base_now<plane>(base, ua, ub, uc);
     };
     for (int r = first; r < last; ++r) {
       std::int32_t offset[3 * lanes];
       Pack3 ua;
       if (job.rows_far) prefetch_rows<simd::base_columns>(row_at(r));
       const BaseRow base = load_base(row_at(r));
-      const BaseNow<scaled> now = now_of(row_at(r), base, offset, ua);
+      const BaseNow now = now_of(row_at(r), base, offset, ua);
       Pack3 pull = (ua - ui) + base.lambda_b * now.d1 + base.height * now.change;
       if constexpr (!plane) pull += base.lambda_c * now.d2;
       const Pack3 F = base.share * pull;
@@ -135,7 +123,7 @@ void base_slices(const simd::Job& job) {
       std::int32_t offset[3 * lanes];
       Pack3 ua;
       const BaseRow base = load_base(row_at(r));
-      const BaseNow<scaled> now = now_of(row_at(r), base, offset, ua);
+      const BaseNow now = now_of(row_at(r), base, offset, ua);
       give_back<plane>(now, base, base.share * F, offset, job.force);
     }
   }

@@ -9,15 +9,9 @@
 // columns, offsets first (as the bits of a float):
 //   base     a, b, c; E1, E2 (3 each), lambda_b, lambda_c, beta / |w0|, 1 / |w0|^2, share    13 + 1 columns
 //   volume   a, b, c, d; E1, E2, E3, 1 / (6 V) (2-D: 1 / (2 A)), stiffness                    15
-//   cell     n corners; gradients of corners 1 to n - 1, stiffness of shape, of volume        4 n - 1
-//   simplex  a, b, c, d; constants as simplices.h has them                                    38
 //   enumerated, per neighbour i: E, alpha, A = sum over the others l of +- H_il E_l (+ where i < l); then per pair of
 //            them 2 H, H = 2 sum of +- w beta / |w0|;
 //            then per triple w beta / |w0|, 2 / |w0|^2; offsets apart                         7, 1 and 2
-//   hexahedron eight corners; constants of its shape stand apart                              8
-//   box      eight corners, that at (x, y, z) of {0, 1} as number x + 2 y + 4 z               8
-//   star     centre, neighbours at -x, +x, -y, +y, -z, +z (the centre where there is none);
-//            then bits: octant x + 2 y + 4 z is there                                         8
 //   spring   other end; R, 1 / |R|^2 (0 for a spring without length), stiffness                6
 // Bases and springs stand in slices: lane k of slice s belongs to particle s * lanes + k of the cluster.
 #pragma once
@@ -29,17 +23,6 @@ namespace phymul::cpu::simd {
 inline constexpr int base_columns = 14;
 inline constexpr int volume_columns = 15;
 inline constexpr int spring_columns = 6;
-inline constexpr int simplex_columns = 38;
-inline constexpr int simplex_constants = 34;
-inline constexpr int star_columns = 8;
-inline constexpr int hexahedron_constants = 8 * simplex_constants + 23;
-/// Corners that an edge joins to each corner of a hexahedron.
-inline constexpr int hexahedron_edges[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
-                                               {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
-constexpr int cell_columns(int corners) {
-  return 4 * corners - 1;
-}
-
 /// Where the vector of slot or particle `place` stands: in its slice lane 4 g + k is number k * lanes / 4 + g, so that
 /// whole packs from memory are what a transposition of 4 x 4 blocks takes and gives. `lanes`: 4, 8 or 16.
 constexpr std::int32_t quad_of(std::int32_t place, int lanes) {
@@ -78,65 +61,16 @@ inline constexpr std::int32_t known_constants = 1 << 30, thin_triples = 1 << 29;
 inline constexpr std::int32_t neighbour_count = thin_triples - 1;  ///< mask
 inline constexpr int most_enumerated_triples = most_enumerated * (most_enumerated - 1) * (most_enumerated - 2) / 6;
 
-/// A hexahedron whose edges lie along the axes, with equal bases at its corners: those over the triangles of two edges
-/// ("legs", by the axis of their owner's edge), and over those of the three far ends of a corner's edges ("apex").
-struct BoxShape {
-  float h[3] = {0, 0, 0};  ///< m, edges
-  struct Leg {
-    float area = 0, twice_area = 0, rest = 0;  ///< |w0| (m^2), 2 |w0|, 1 / |w0|^2
-    float share = 0, share_height = 0, twice_share_height = 0,
-          height = 0;  ///< k w (N/m), times height; height: beta / |w0|
-  };
-  Leg leg[3];
-  float lambda[3] = {0, 0, 0}, share_lambda[3] = {0, 0, 0};  ///< of the apex
-  float apex_rest = 0, apex_share_height = 0, apex_height = 0;
-  float inverse_volume = 0, corner_volume = 0;      ///< 1/m^3, N/m^2: 1 / (6 V) of a corner's simplex, times stiffness
-  float gradient[3] = {0, 0, 0};                    ///< 1/m, of a corner on the + side
-  float shape_stiffness = 0, volume_stiffness = 0;  ///< N m, of the mean deformation
-  float tame = 0;  ///< m^2: sum of squared displacements of a star's spokes below which no |w| is small but by y
-};
-/// A row of a grid: `lanes` nodes from `node` on, of one shape.
-struct GridRow {
-  std::int32_t node = 0, shape = 0;
-  bool boxes = false;  ///< some lane has the octant of its high sides, and so a box there
-};
-
-/// A cluster's stars and boxes of which the particles stand in the order of a lattice: a neighbour along an axis is
-/// `stride` of it nodes further, along one of them 1. A margin before and behind the nodes may be read and written.
-struct Grid {
-  const std::int32_t* slot = nullptr;  ///< [nodes] byte offset
-  const GridRow* rows = nullptr;
-  const std::int32_t* octants = nullptr;  ///< [count][lanes] bits as of a star; 0 where a lane has none
-  int nodes = 0;                          ///< a multiple of the lanes, as margin and pitch
-  int stride[3] = {0, 0, 0};
-  int margin = 0, pitch = 0;  ///< pitch: nodes and both margins
-  int count = 0, whole = 0;   ///< rows; those of whole stars stand first
-};
-inline constexpr int grid_fields = 12;  ///< of `pitch` floats
-
-/// Beside the number of a star's shape: some lane lacks an octant.
-inline constexpr std::int32_t cut_star = 1 << 30;
-
 struct Job {
   const char* u = nullptr;           ///< [slots] m, displacements
   char* force = nullptr;             ///< [slots] N, added to
   char* pull = nullptr;              ///< [own] N, written: F of the own particles, where other particles gather it
   const float* stiffness = nullptr;  ///< [own] k_i, N/m
-  float exponent = 0.0f;             ///< p
   bool rows_far = false;             ///< rows are in no cache near a core: asked for ahead
   bool far = false;                  ///< constants are in no cache
   Slices bases, springs;
   Enumerated enumerated;
-  Rows volumes, cells4, cells6, cells8;
-  Rows hexahedra;
-  const std::int32_t* hexahedron_shape = nullptr;  ///< [hexahedra.count]
-  const float* hexahedron_shapes = nullptr;        ///< [shapes][hexahedron_constants]
-  Rows stars, boxes;
-  const std::int32_t *star_shape = nullptr, *box_shape = nullptr;  ///< [stars.count], [boxes.count]
-  const BoxShape* box_shapes = nullptr;
-  Grid grid;
-  float* grid_memory = nullptr;    ///< [grid_fields][grid.pitch], the displacements of its margins finite
-  Rows simplices, cell_simplices;  ///< without and with a cell term
+  Rows volumes;
 };
 
 /// Law::particle_averaged. A slot is a domain: the first of a particle is at the particle's quad, further ones follow
@@ -194,14 +128,10 @@ enum class BaseUse { conservative, averaged, attractor };
 struct Kernels {
   const char* name;
   int lanes;
-  void (*bases[3][2][2])(const Job&);  ///< [BaseUse][plane][area exponent]
-  void (*enumerated[2])(const Job&);   ///< [averaged]
-  void (*volumes[2][2])(const Job&);   ///< [plane][bounded]
-  void (*cells[2])(const Job&);        ///< [bounded]
+  void (*bases[3][2])(const Job&);    ///< [BaseUse][plane]
+  void (*enumerated[2])(const Job&);  ///< [averaged]
+  void (*volumes[2][2])(const Job&);  ///< [plane][bounded]
   void (*springs)(const Job&);
-  void (*hexahedra[2])(const Job&);                                   ///< [bounded]
-  void (*lattices[2])(const Job&);                                    ///< [bounded]: stars, boxes, grid
-  void (*simplices[2])(const Job&);                                   ///< [bounded]
   void (*averaged_stresses[2])(const Averaged&, int slice, int end);  ///< [bounded]
   void (*averaged_forces)(const Averaged&, int slice, int end);
   void (*move)(const Move&, int slice, int end, MoveSummary&);

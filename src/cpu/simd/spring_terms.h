@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// Springs. The formula is that of delta_spring.h.
+// Springs (glsl/kernels/spring.glsl).
 #pragma once
 
 #include "base_terms.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
 
-/// Of the springs of a slice, in rows [first, last); `most` and `near` as in simplex_terms.h.
+/// Of the springs of a slice, in rows [first, last); `most`: the largest y, above most_near
+/// of which the rows are to be done again with near = false.
 template <bool near>
 PHYMUL_INLINE Pack3 spring_forces(const simd::Job& job, int first, int last, Pack3 ui, Pack& most) {
   Pack3 sum{};

@@ -14,14 +14,13 @@ namespace {
 constexpr int lanes = 64;  // of a group where groups are many
 
 /// Beyond, one group of invocations takes longer than dispatches of many, which cost some 5 to 8 us a step to launch:
-/// reckoned from a GPU whose multiprocessor evaluates a base in each of 128 lanes in 50 cycles. A cell counts for the
-/// seven directions it is evaluated in.
+/// reckoned from a GPU whose multiprocessor evaluates a base in each of 128 lanes in 50 cycles. A domain counts for
+/// the seven directions it is evaluated in.
 constexpr double workgroup_bases = 16384.0;
 
 constexpr std::int64_t turns_a_tool = 66;  // of loops, for one particle: contact_tool.glsl looks along its way in 64
-constexpr std::int64_t turns_a_cell = 15;
 
-const ShaderFiles common{"dialect/dialect_compute.glsl", "step/tables.glsl", "dialect/vector3.glsl"};
+const ShaderFiles common{"dialect/dialect_compute.glsl", "step/tables.glsl", "dialect/kernel_language.glsl"};
 
 void append(ShaderRequest& request, const ShaderFiles& files) {
   for (const std::string& file : files) {
@@ -46,8 +45,7 @@ ComputeForm choose_form(GlCompute wish, const SliceTables& slices, bool software
   }
   const FloatTables& rows = slices.rows;
   const double bases = static_cast<double>(rows.base_count) + 4.0 * static_cast<double>(rows.height.size());
-  const double others = static_cast<double>(rows.volume_count) + 7.0 * static_cast<double>(rows.cell_count) +
-                        7.0 * static_cast<double>(rows.domains.count()) +
+  const double others = static_cast<double>(rows.volume_count) + 7.0 * static_cast<double>(rows.domains.count()) +
                         static_cast<double>(rows.domains.link.size()) + static_cast<double>(rows.spring.size()) +
                         static_cast<double>(rows.particle_count);
   return !software && bases + others <= workgroup_bases ? ComputeForm::workgroup : ComputeForm::store;
@@ -62,20 +60,17 @@ ShaderRequest ComputePasses::evaluating(const TermRows& rows) const {
   const BodyKind& kind = tables_->kind();
   ShaderRequest request{.files = common, .defines = {}};
   tables_->define(request);
-  define(request, "AREA_EXPONENT", kind.options.area_exponent != 0.0);
   define(request, "AVERAGED", kind.base_terms && !kind.conservative());
   define(request, "ATTRACTOR_ROWS", rows.attractors);
   define(request, "BASE_ROWS", rows.bases);
   define(request, "VOLUME_ROWS", rows.volumes);
-  define(request, "CELL_ROWS", rows.cells);
   define(request, "DOMAIN_ROWS", rows.domains);
-  if (rows.attractors || rows.bases) append(request, base_kernel(kind));
+  if (rows.attractors || rows.bases) append(request, base_kernel());
   if (rows.attractors) append(request, attractor_files(kind));
   if (kind.attractors) append(request, {"step/force_of.glsl"});
   if (rows.bases) append(request, {"step/bases_pass.glsl"});
   if (rows.volumes) append(request, joined({volume_kernel(), {"step/volumes_pass.glsl"}}));
-  if (rows.cells) append(request, joined({base_kernel(kind), cell_kernel(), {"step/cells_pass.glsl"}}));
-  if (rows.domains) append(request, joined({base_kernel(kind), cell_kernel(), {"step/domains_pass.glsl"}}));
+  if (rows.domains) append(request, joined({stress_kernel(), {"step/domains_pass.glsl"}}));
   return request;
 }
 
@@ -86,7 +81,6 @@ Kernel ComputePasses::placed(ShaderRequest request, int group, const ComputeStat
   const BodyKind& kind = tables_->kind();
   kernel.set("base_rows_count", kind.bases);
   kernel.set("volume_count", kind.volumes);
-  kernel.set("cell_count", kind.cells);
   kernel.set("domain_count", kind.domains);
   return kernel;
 }
@@ -96,7 +90,6 @@ ComputePasses::TermRows ComputePasses::all_terms() const {
   return {.attractors = kind.attractors,
           .bases = kind.base_terms,
           .volumes = kind.volumes > 0,
-          .cells = kind.cells > 0,
           .domains = kind.domains > 0};
 }
 
@@ -110,12 +103,10 @@ void ComputePasses::add_terms(const TermRows& rows, const ComputeState& state) {
   if (rows.attractors) terms.attractor_groups = terms.kernel.groups_for(kind.particles);
   if (rows.bases) terms.base_groups = terms.kernel.groups_for(kind.bases);
   if (rows.volumes) terms.volume_groups = terms.kernel.groups_for(kind.volumes);
-  if (rows.cells) terms.cell_groups = terms.kernel.groups_for(kind.cells);
   if (rows.domains) terms.domain_groups = terms.kernel.groups_for(kind.domains);
   terms.kernel.set("attractor_groups", terms.attractor_groups);
   terms.kernel.set("base_groups", terms.base_groups);
   terms.kernel.set("volume_groups", terms.volume_groups);
-  terms.kernel.set("cell_groups", terms.cell_groups);
   terms_.push_back(std::move(terms));
 }
 
@@ -142,14 +133,14 @@ ShaderRequest ComputePasses::gathering(const LoadKind& loads, bool with_passes) 
   const BodyKind& kind = tables_->kind();
   ShaderRequest request = evaluating(with_passes ? all_terms() : TermRows{});
   define_gathering(kind, loads, request);
-  append(request, {"kernels/delta_spring.glsl", "kernels/integrate_displacement.glsl", "step/terms_of.glsl",
+  append(request, {"kernels/spring.glsl", "kernels/integrate.glsl", "step/terms_of.glsl",
                    "step/net_force.glsl"});
   return request;
 }
 
 int ComputePasses::workgroup() const {
   const BodyKind& kind = tables_->kind();
-  const int rows = std::max({kind.particles, kind.base_terms ? kind.bases : 0, kind.volumes, kind.cells, kind.domains});
+  const int rows = std::max({kind.particles, kind.base_terms ? kind.bases : 0, kind.volumes, kind.domains});
   const int most = std::min(limits_.invocations, 1024);
   return std::min((rows + 31) / 32 * 32, most / 32 * 32);
 }
@@ -161,7 +152,7 @@ std::int64_t ComputePasses::turns_a_step(std::int64_t tools, const ComputeVolume
   return 1 + (volumes ? volumes->turns(workgroup()) : 0) +
          rounds(std::max(kind.particles, kind.domains)) *
              (2 + kind.turns.own + kind.turns.gathered + turns_a_tool * tools) +
-         rounds(kind.bases) + rounds(kind.volumes) + turns_a_cell * rounds(kind.cells);
+         rounds(kind.bases) + rounds(kind.volumes);
 }
 
 /// As many as the driver's shaders have turns for; half of those are left to what is not counted (loads).

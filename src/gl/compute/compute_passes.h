@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // The passes of a step, dispatched. By form:
-//   store      forces of attractors, terms of bases, volumes, cells and domains in one dispatch (bases of the averaged
+//   store      forces of attractors, terms of bases, volumes and domains in one dispatch (bases of the averaged
 //              reaction, which read forces, in a second); net force and Verlet in another
 //   workgroup  as store, many steps in one dispatch by one group; where bodies touch or needles are, as store
 // There another dispatch before the last one finds where each particle would go by itself, then come the passes of
@@ -51,8 +51,8 @@ class ComputePasses {
   /// Files up to and with net_force.glsl, and what they need defined; `with_passes`: those before the step too.
   ShaderRequest gathering(const LoadKind& loads, bool with_passes = false) const;
   struct TermRows {
-    bool attractors = false, bases = false, volumes = false, cells = false, domains = false;
-    bool any() const { return attractors || bases || volumes || cells || domains; }
+    bool attractors = false, bases = false, volumes = false, domains = false;
+    bool any() const { return attractors || bases || volumes || domains; }
   };
   /// The kernels and passes of some rows alone.
   ShaderRequest evaluating(const TermRows& rows) const;
@@ -76,8 +76,8 @@ class ComputePasses {
   };
   struct Terms {
     Kernel kernel;
-    int attractor_groups = 0, base_groups = 0, volume_groups = 0, cell_groups = 0, domain_groups = 0;
-    int groups() const { return attractor_groups + base_groups + volume_groups + cell_groups + domain_groups; }
+    int attractor_groups = 0, base_groups = 0, volume_groups = 0, domain_groups = 0;
+    int groups() const { return attractor_groups + base_groups + volume_groups + domain_groups; }
   };
   void compile_terms(const ComputeState& state);
   TermRows all_terms() const;

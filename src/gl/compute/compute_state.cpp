@@ -26,7 +26,6 @@ ComputeState::ComputeState(const ComputeTables& tables, const ComputeLimits& lim
   force_row_ = take(kind.attractors ? tables.places() : 0);
   base_row_ = take(kind.base_terms ? std::int64_t{4} * kind.bases : 0);
   volume_row_ = take(std::int64_t{4} * kind.volumes);
-  cell_row_ = take(std::int64_t{4} * kind.cells);
   domain_row_ = take(std::int64_t{4} * kind.domains);
   report_row_ = take(2 * most_report_groups + 2);
   rows_ = StorageBuffer(rows, "the state and the forces", limits);
@@ -47,7 +46,6 @@ void ComputeState::place(Kernel& kernel) const {
   kernel.set("force_place", force_row_);
   kernel.set("base_terms_place", base_row_);
   kernel.set("volume_terms_place", volume_row_);
-  kernel.set("cell_terms_place", cell_row_);
   kernel.set("domain_terms_place", domain_row_);
 }
 

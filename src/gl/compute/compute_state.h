@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // What changes, on the device, in one storage buffer: three pairs of displacement (m) and velocity (m/s) by place; what
-// the last step measured; forces of attractors, terms of bases, volumes, cells and domains, four rows each; rows of a
+// the last step measured; forces of attractors, terms of bases, volumes and domains, four rows each; rows of a
 // report. A step reads one pair and writes another; the third holds the state before the present batch.
 #pragma once
 
@@ -41,7 +41,7 @@ class ComputeState {
   std::int64_t pair_row(int pair) const { return std::int64_t{2} * pair * tables_->places(); }
 
   const ComputeTables* tables_;
-  int measured_row_ = 0, force_row_ = 0, base_row_ = 0, volume_row_ = 0, cell_row_ = 0;
+  int measured_row_ = 0, force_row_ = 0, base_row_ = 0, volume_row_ = 0;
   int domain_row_ = 0, report_row_ = 0;
   StorageBuffer rows_;
   int current_ = 0, checkpoint_ = 0;

@@ -59,7 +59,7 @@ Energy ComputeSums::energy(const ComputeState& state, const ComputeLoads& loads,
     if (rows == 0) return;
     if (!kernel) {
       ShaderRequest request{
-          .files = joined({{"dialect/dialect_compute.glsl", "step/tables.glsl", "dialect/vector3.glsl"}, files}),
+          .files = joined({{"dialect/dialect_compute.glsl", "step/tables.glsl", "dialect/kernel_language.glsl"}, files}),
           .defines = {{"ENERGY", 1}}};
       passes_->tables().define(request);
       kernel = compiled(std::move(request), pass, what, state);
@@ -67,9 +67,7 @@ Energy ComputeSums::energy(const ComputeState& state, const ComputeLoads& loads,
     energy.elastic += total(kernel, rows, state)[0][0];
   };
   add(volumes_, kind.volumes, volume_kernel(), "step/volumes_pass.glsl", "ENERGY_OF_VOLUMES");
-  add(cells_, kind.cells, joined({{"kernels/delta_base.glsl"}, cell_kernel()}), "step/cells_pass.glsl",
-      "ENERGY_OF_CELLS");
-  add(domains_, kind.domains, joined({{"kernels/delta_base.glsl"}, cell_kernel()}), "step/domains_pass.glsl",
+  add(domains_, kind.domains, stress_kernel(), "step/domains_pass.glsl",
       "ENERGY_OF_DOMAINS");
   return energy;
 }
@@ -85,7 +83,7 @@ void ComputeSums::compile_momenta(const VecList& rest, const ComputeState& state
   }
   rest_ = StorageBuffer(static_cast<std::int64_t>(from_middle.size()), "the rest places", limits_);
   rest_.write(0, from_middle.data(), static_cast<std::int64_t>(16 * from_middle.size()));
-  ShaderRequest request{.files = {"dialect/dialect_compute.glsl", "step/tables.glsl", "dialect/vector3.glsl"},
+  ShaderRequest request{.files = {"dialect/dialect_compute.glsl", "step/tables.glsl", "dialect/kernel_language.glsl"},
                         .defines = {}};
   passes_->tables().define(request);
   momenta_ = compiled(std::move(request), "report/momentum_pass.glsl", "MOMENTA", state);

@@ -36,7 +36,7 @@ class ComputeSums {
   ComputePasses* passes_;
   ComputeLimits limits_;
   std::deque<ParticleEnergy> energies_;
-  Kernel volumes_, cells_, domains_, momenta_;
+  Kernel volumes_, domains_, momenta_;
   StorageBuffer rest_;
   Vec3 middle_{0, 0, 0};
 };

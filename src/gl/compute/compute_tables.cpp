@@ -25,7 +25,6 @@ void ComputeTables::add_entries(const FloatTables& rows) {
   };
   append(rows.reaction);
   volume_start_ = append(rows.volume_entry);
-  cell_start_ = append(rows.cell_entry);
   spring_start_ = append(rows.spring_other);
   add("entries_place", entries_);
 }
@@ -38,7 +37,6 @@ void ComputeTables::add_all(const SliceTables& slices) {
   add("base_ranges_place", kind_.enumerated ? slices.heights : slices.bases);
   add("reaction_ranges_place", slices.reactions);
   add("volume_ranges_place", slices.volumes);
-  add("cell_ranges_place", slices.cells);
   add("spring_ranges_place", slices.springs);
   add("neighbours_place", rows.neighbour);
   add("alpha_place", rows.alpha);
@@ -54,9 +52,6 @@ void ComputeTables::add_all(const SliceTables& slices) {
   add("volume_e1_place", rows.volume_e1);
   add("volume_e2_place", rows.volume_e2);
   add("volume_e3_place", rows.volume_e3);
-  add("cell_vertex_place", rows.cell_vertex);
-  add("cell_gradient_place", rows.cell_gradient);
-  add("cell_stiffness_place", rows.cell_stiffness);
   add("spring_place", rows.spring);
   add("domain_range_place", rows.domains.range);
   add("domain_law_place", rows.domains.law);
@@ -103,9 +98,7 @@ void ComputeTables::place(Kernel& kernel) const {
   kernel.set("particle_count", kind_.particles);
   kernel.set("place_count", places_);
   kernel.set("volume_start", volume_start_);
-  kernel.set("cell_start", cell_start_);
   kernel.set("spring_start", spring_start_);
-  kernel.set("area_exponent", static_cast<float>(kind_.options.area_exponent));
 }
 
 }  // namespace phymul::gl

@@ -54,7 +54,7 @@ class ComputeTables {
   std::vector<Table> tables_;
   std::int64_t bytes_ = 0;
   std::vector<std::int32_t> entries_;  // while the tables are sent
-  int volume_start_ = 0, cell_start_ = 0, spring_start_ = 0;
+  int volume_start_ = 0, spring_start_ = 0;
   StorageBuffer constants_, heights_;
 };
 

@@ -25,7 +25,7 @@ ContactPasses::ContactPasses(const ShaderLibrary& library, const ComputeTables& 
       limits_(limits),
       group_(lone_group(limits)),
       most_turns_(static_cast<int>(std::min<std::int64_t>(limits.loop_turns / 2, std::numeric_limits<int>::max()))) {
-  const ShaderFiles common{"dialect/dialect_compute.glsl", "dialect/vector3.glsl", "tools/pushed_tables.glsl",
+  const ShaderFiles common{"dialect/dialect_compute.glsl", "dialect/kernel_language.glsl", "tools/pushed_tables.glsl",
                            "contact/contact_tables.glsl"};
   const auto request = [&](ShaderFiles files, bool alone) {
     ShaderRequest wanted{.files = joined({common, std::move(files)}), .defines = {{"PUSHES", 1}, {"OWN_BLOCK", 1}}};

@@ -30,7 +30,7 @@ NeedlePasses::NeedlePasses(const ShaderLibrary& library, const ComputeTables& ta
 
 Kernel NeedlePasses::compiled(const ShaderLibrary& library, ShaderFiles files, int group) const {
   ShaderRequest request{
-      .files = joined({{"dialect/dialect_compute.glsl", "dialect/vector3.glsl", "tools/pushed_tables.glsl",
+      .files = joined({{"dialect/dialect_compute.glsl", "dialect/kernel_language.glsl", "tools/pushed_tables.glsl",
                         "tools/tool_tables.glsl", "dialect/lone_group.glsl", "needle/needle_tables.glsl",
                         "needle/needle_shaft.glsl"},
                        std::move(files)}),

@@ -9,7 +9,7 @@
 namespace phymul::gl {
 namespace {
 
-const ShaderFiles common{"dialect/dialect_fragment.glsl", "step/tables.glsl", "dialect/vector3.glsl"};
+const ShaderFiles common{"dialect/dialect_fragment.glsl", "step/tables.glsl", "dialect/kernel_language.glsl"};
 
 }  // namespace
 
@@ -17,7 +17,7 @@ FragmentPasses::FragmentPasses(const FragmentTables& tables, const ShaderLibrary
     : tables_(&tables), library_(&library), four_(four) {
   if (tables.kind().attractors) add_attractors();
   if (tables.kind().base_terms) add_bases();
-  add_volumes_and_cells();
+  add_volumes();
   if (tables.kind().domains > 0) add_domains();
 }
 
@@ -32,8 +32,7 @@ void FragmentPasses::add(ShaderRequest request, const std::vector<Attachment>& t
 void FragmentPasses::add_attractors() {
   const BodyKind& kind = tables_->kind();
   force_ = Texture::target(kind.particles, TexelFormat::rgba32f, "forces of attractors");
-  ShaderRequest request{.files = joined({common, base_kernel(kind), attractor_files(kind)}), .defines = {}};
-  if (kind.options.area_exponent != 0.0) request.defines.emplace_back("AREA_EXPONENT", 1);
+  ShaderRequest request{.files = joined({common, base_kernel(), attractor_files(kind)}), .defines = {}};
   if (!four_) return add(std::move(request), {{&force_}}, kind.particles);
   request.defines.emplace_back("FOUR_PASSES", 1);
   pull_ = Texture::target(kind.particles, TexelFormat::rgba32f, "pulls of attractors");
@@ -46,9 +45,8 @@ void FragmentPasses::add_bases() {
   const BodyKind& kind = tables_->kind();
   const int corners = kind.conservative() ? 4 : 3;
   base_terms_ = Texture::target(kind.bases, TexelFormat::rgba32f, "forces of bases", corners);
-  ShaderRequest request{.files = joined({common, base_kernel(kind), {"step/force_of.glsl", "step/bases_pass.glsl"}}),
+  ShaderRequest request{.files = joined({common, base_kernel(), {"step/force_of.glsl", "step/bases_pass.glsl"}}),
                         .defines = {}};
-  if (kind.options.area_exponent != 0.0) request.defines.emplace_back("AREA_EXPONENT", 1);
   if (!kind.conservative()) request.defines.emplace_back("AVERAGED", 1);
   std::vector<Attachment> layers;
   for (int corner = 0; corner < corners; ++corner) layers.push_back({&base_terms_, corner});
@@ -56,25 +54,19 @@ void FragmentPasses::add_bases() {
   if (force_) before_.back().pass.input("force", force_);
 }
 
-void FragmentPasses::add_volumes_and_cells() {
+void FragmentPasses::add_volumes() {
   const BodyKind& kind = tables_->kind();
   if (kind.volumes > 0) {
     volume_terms_ = Texture::target(kind.volumes, TexelFormat::rgba32f, "forces of volumes", 4);
     add({.files = joined({common, volume_kernel(), {"step/volumes_pass.glsl"}}), .defines = {}},
         {{&volume_terms_, 0}, {&volume_terms_, 1}, {&volume_terms_, 2}, {&volume_terms_, 3}}, kind.volumes);
   }
-  if (kind.cells > 0) {
-    cell_terms_ = Texture::target(kind.cells, TexelFormat::rgba32f, "stresses of cells", 3);
-    add({.files = joined({common, {"kernels/delta_base.glsl"}, cell_kernel(), {"step/cells_pass.glsl"}}),
-         .defines = {}},
-        {{&cell_terms_, 0}, {&cell_terms_, 1}, {&cell_terms_, 2}}, kind.cells);
-  }
 }
 
 void FragmentPasses::add_domains() {
   const int domains = tables_->kind().domains;
   domain_terms_ = Texture::target(domains, TexelFormat::rgba32f, "stresses of domains", 3);
-  add({.files = joined({common, {"kernels/delta_base.glsl"}, cell_kernel(), {"step/domains_pass.glsl"}}),
+  add({.files = joined({common, stress_kernel(), {"step/domains_pass.glsl"}}),
        .defines = {}},
       {{&domain_terms_, 0}, {&domain_terms_, 1}, {&domain_terms_, 2}}, domains);
 }
@@ -82,7 +74,7 @@ void FragmentPasses::add_domains() {
 ShaderRequest FragmentPasses::gathering(const LoadKind& loads, const char* pass) const {
   const BodyKind& kind = tables_->kind();
   ShaderRequest request{.files = joined({common,
-                                         {"kernels/delta_spring.glsl", "kernels/integrate_displacement.glsl",
+                                         {"kernels/spring.glsl", "kernels/integrate.glsl",
                                           "step/force_of.glsl", "step/terms_of.glsl", "step/net_force.glsl"}}),
                         .defines = {}};
   request.files.emplace_back(pass);
@@ -95,7 +87,6 @@ void FragmentPasses::bind_terms(Pass& pass) const {
   if (force_) pass.input("force", force_);
   if (base_terms_) pass.input("base_terms", base_terms_);
   if (volume_terms_) pass.input("volume_terms", volume_terms_);
-  if (cell_terms_) pass.input("cell_terms", cell_terms_);
   if (domain_terms_) pass.input("domain_terms", domain_terms_);
 }
 

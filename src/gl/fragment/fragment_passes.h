@@ -4,7 +4,6 @@
 //   attractor  F_i of every particle                        reactions full, shared, barycentric, averaged
 //   bases      forces of a base on a, b, c and its owner    averaged, conservative
 //   volumes    forces of a volume on its vertices           bodies with a volume energy
-//   cells      stress of a cell                             bodies with cell-averaged terms
 //   domains    stress of a neighbourhood                    the particle-averaged law
 //   step       net force and Verlet
 // With four passes as in the 2007 thesis the first is two (attractor, force) and the last is two (reaction, Verlet);
@@ -49,7 +48,7 @@ class FragmentPasses {
   /// Brings down what the contacts of a batch told, up to this step of it; only where there are contacts.
   void sum_contacts(int last_step) { touching_->sum(last_step); }
 
-  /// Forces of attractors, bases, volumes, cells and domains at the current state, into the textures that bind_terms()
+  /// Forces of attractors, bases, volumes and domains at the current state, into the textures that bind_terms()
   /// gives.
   void evaluate(const FragmentState& state);
   void bind_terms(Pass& pass) const;
@@ -80,7 +79,7 @@ class FragmentPasses {
   void add(ShaderRequest request, const std::vector<Attachment>& targets, int rows);
   void add_attractors();
   void add_bases();
-  void add_volumes_and_cells();
+  void add_volumes();
   void add_domains();
   Stepping compiled(const StepKind& kind) const;
   Pass compiled(const StepKind& kind, const ShaderFiles& passes) const;
@@ -97,7 +96,7 @@ class FragmentPasses {
   const FragmentTables* tables_;
   const ShaderLibrary* library_;
   bool four_;
-  Texture pull_, force_, net_, base_terms_, volume_terms_, cell_terms_, domain_terms_, shown_;
+  Texture pull_, force_, net_, base_terms_, volume_terms_, domain_terms_, shown_;
   std::vector<Drawing> before_;  // drawn in order before the step
   Framebuffer net_target_, shown_target_;
   std::optional<Pass> showing_;

@@ -61,7 +61,7 @@ void FragmentSums::compile_shared_terms() {
   const BodyKind& kind = passes_->tables().kind();
   shared_.clear();  // of an attempt that failed half-way
   const auto add = [&](std::vector<std::string> files, int rows) {
-    ShaderRequest request{.files = {"dialect/dialect_fragment.glsl", "step/tables.glsl", "dialect/vector3.glsl"},
+    ShaderRequest request{.files = {"dialect/dialect_fragment.glsl", "step/tables.glsl", "dialect/kernel_language.glsl"},
                           .defines = {{"ENERGY", 1}}};
     request.files.insert(request.files.end(), files.begin(), files.end());
     define_kernels(kind, request);
@@ -70,9 +70,8 @@ void FragmentSums::compile_shared_terms() {
     shared_.emplace_back(std::move(pass), rows, 1);
   };
   if (kind.volumes > 0) add(joined({volume_kernel(), {"step/volumes_pass.glsl"}}), kind.volumes);
-  if (kind.cells > 0) add(joined({{"kernels/delta_base.glsl"}, cell_kernel(), {"step/cells_pass.glsl"}}), kind.cells);
   if (kind.domains > 0) {
-    add(joined({{"kernels/delta_base.glsl"}, cell_kernel(), {"step/domains_pass.glsl"}}), kind.domains);
+    add(joined({stress_kernel(), {"step/domains_pass.glsl"}}), kind.domains);
   }
 }
 
@@ -106,7 +105,7 @@ Momentum FragmentSums::momentum(const FragmentState& state, const VecList& rest,
       from_middle.push_back({r.x(), r.y(), r.z(), 0.0f});
     }
     rest_ = Texture::table(std::span<const Float4>(from_middle), "rest places");
-    Pass pass(*library_, {.files = {"dialect/dialect_fragment.glsl", "step/tables.glsl", "dialect/vector3.glsl",
+    Pass pass(*library_, {.files = {"dialect/dialect_fragment.glsl", "step/tables.glsl", "dialect/kernel_language.glsl",
                                     "report/momentum_pass.glsl"},
                           .defines = {}});
     passes_->tables().bind(pass);

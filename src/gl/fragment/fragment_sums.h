@@ -47,7 +47,7 @@ class FragmentSums {
   FragmentPasses* passes_;
   std::optional<Pass> added_;
   std::deque<ParticleEnergy> particle_energies_;
-  std::deque<Terms> shared_;  // volumes, cells, domains
+  std::deque<Terms> shared_;  // volumes, domains
   std::optional<Terms> momentum_;
   Texture rest_;
   Vec3 middle_{0, 0, 0};

@@ -30,9 +30,6 @@ FragmentTables::FragmentTables(const FloatTables& tables) : kind_(tables) {
   add("volume_e1", tables.volume_e1);
   add("volume_e2", tables.volume_e2);
   add("volume_e3", tables.volume_e3);
-  add("cell_vertex", tables.cell_vertex);
-  add("cell_gradient", tables.cell_gradient);
-  add("cell_stiffness", tables.cell_stiffness);
   add("spring", tables.spring);
   add("domain_range", tables.domains.range);
   add("domain_law", tables.domains.law);
@@ -51,7 +48,6 @@ FragmentTables::FragmentTables(const FloatTables& tables) : kind_(tables) {
     return static_cast<int>(start);
   };
   volume_start_ = append(tables.volume_entry);
-  cell_start_ = append(tables.cell_entry);
   spring_start_ = append(tables.spring_other);
   add("entries", entries);
 }
@@ -59,9 +55,7 @@ FragmentTables::FragmentTables(const FloatTables& tables) : kind_(tables) {
 void FragmentTables::bind(Pass& pass) const {
   for (const Entry& entry : textures_) pass.input(entry.name, entry.texture);
   pass.set("volume_start", volume_start_);
-  pass.set("cell_start", cell_start_);
   pass.set("spring_start", spring_start_);
-  pass.set("area_exponent", static_cast<float>(kind_.options.area_exponent));
 }
 
 }  // namespace phymul::gl

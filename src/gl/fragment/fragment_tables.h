@@ -30,7 +30,7 @@ class FragmentTables {
   BodyKind kind_;
   std::vector<Entry> textures_;
   // Four lists share one texture, because a pass reads no more than sixteen; they start at these rows.
-  int volume_start_ = 0, cell_start_ = 0, spring_start_ = 0;
+  int volume_start_ = 0, spring_start_ = 0;
 };
 
 }  // namespace phymul::gl

@@ -14,7 +14,6 @@ BodyKind::BodyKind(const FloatTables& tables)
       particles(tables.particle_count),
       bases(tables.base_count),
       volumes(tables.volume_count),
-      cells(tables.cell_count),
       domains(tables.domains.count()),
       turns(tables.turns),
       attractors(tables.has_attractors()),
@@ -30,9 +29,9 @@ ShaderFiles joined(std::initializer_list<ShaderFiles> parts) {
   return all;
 }
 
-ShaderFiles base_kernel(const BodyKind& kind) {
-  if (kind.options.area_exponent != 0.0) return {"kernels/delta_height.glsl", "kernels/delta_base.glsl"};
-  return {"kernels/delta_base.glsl"};
+const ShaderFiles& base_kernel() {
+  static const ShaderFiles files{"kernels/base.glsl"};
+  return files;
 }
 
 ShaderFiles attractor_files(const BodyKind& kind) {
@@ -41,12 +40,12 @@ ShaderFiles attractor_files(const BodyKind& kind) {
 }
 
 const ShaderFiles& volume_kernel() {
-  static const ShaderFiles files{"kernels/delta_volume.glsl"};
+  static const ShaderFiles files{"kernels/volume.glsl"};
   return files;
 }
 
-const ShaderFiles& cell_kernel() {
-  static const ShaderFiles files{"kernels/delta_volume.glsl", "kernels/delta_cell.glsl"};
+const ShaderFiles& stress_kernel() {
+  static const ShaderFiles files{"kernels/columns.glsl", "kernels/volume.glsl", "kernels/energy_shape.glsl"};
   return files;
 }
 
@@ -71,7 +70,6 @@ void define_gathering(const BodyKind& kind, const LoadKind& loads, ShaderRequest
   define("BASE_TERMS", kind.base_terms);
   define("CONSERVATIVE", kind.conservative());
   define("VOLUMES", kind.volumes > 0);
-  define("CELLS", kind.cells > 0);
   define("DOMAINS", kind.domains > 0);
   define("SPRINGS", kind.springs);
   define("FORCES", loads.forces);

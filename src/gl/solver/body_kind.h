@@ -16,7 +16,7 @@ namespace phymul::gl {
 struct BodyKind {
   TopologyOptions options;
   int dimension = 3;
-  Index particles = 0, bases = 0, volumes = 0, cells = 0, domains = 0;
+  Index particles = 0, bases = 0, volumes = 0, domains = 0;
   LoopTurns turns;
   bool attractors = false;  ///< particles have a force F_i of their own: any reaction but the conservative
   bool base_terms = false;  ///< bases are evaluated a row each: averaged, conservative
@@ -32,10 +32,10 @@ using ShaderFiles = std::vector<std::string>;
 ShaderFiles joined(std::initializer_list<ShaderFiles> parts);
 
 // Kernels and passes, in the order in which they need each other.
-ShaderFiles base_kernel(const BodyKind& kind);
+const ShaderFiles& base_kernel();
 ShaderFiles attractor_files(const BodyKind& kind);
 const ShaderFiles& volume_kernel();
-const ShaderFiles& cell_kernel();  ///< with the volume kernel it needs
+const ShaderFiles& stress_kernel();  ///< with the kernels it needs
 const ShaderFiles& tool_files();   ///< up to touch_tools.glsl; needs net_force.glsl
 
 /// The kernels' macros.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Cell-averaged shape memory: the energy of a base, written for a deformation gradient F instead of three vertices,
-// charged once per cell at the cell's mean F and averaged over an isotropic set of base normals m:
+// The energy of a material per rest volume, as a function of the deformation gradient F. That of a base, charged at F
+// and averaged over an isotropic set of base normals m:
 //   W(F) = sum_m q_m 1/2 |n_m(F) - F m|^2,   n_m(F) = cof(F) m / |cof(F) m|
 // The set is the four diagonals of a cube (0.15 each) and its three axes (2/15 each): its second and fourth moments are
 // those of the sphere, so that small strains see exactly mu = 7/15, lambda = -1/5 per unit of stiffness.
@@ -17,15 +17,15 @@ template <class S>
 using Mat = Eigen::Matrix<S, 3, 3>;
 
 template <class S>
-struct CellDirection {
+struct ShapeDirection {
   Vec<S> m, t1, t2;  ///< right-handed orthonormal: t1 x t2 = m
   S weight;
 };
 
 template <class S>
-const std::array<CellDirection<S>, 7>& cell_directions() {
-  static const std::array<CellDirection<S>, 7> directions = [] {
-    std::array<CellDirection<S>, 7> d;
+const std::array<ShapeDirection<S>, 7>& shape_directions() {
+  static const std::array<ShapeDirection<S>, 7> directions = [] {
+    std::array<ShapeDirection<S>, 7> d;
     const S r = S(1) / std::sqrt(S(3));
     const std::array<Vec<S>, 7> normals{Vec<S>(r, r, r), Vec<S>(-r, r, r), Vec<S>(r, -r, r), Vec<S>(r, r, -r),
                                         Vec<S>(1, 0, 0), Vec<S>(0, 1, 0),  Vec<S>(0, 0, 1)};
@@ -41,9 +41,9 @@ const std::array<CellDirection<S>, 7>& cell_directions() {
 
 /// W(F) and, where asked for, dW/dF.
 template <class S>
-S cell_shape_energy(const Mat<S>& F, Mat<S>* gradient) {
+S shape_energy(const Mat<S>& F, Mat<S>* gradient) {
   S energy = 0;
-  for (const CellDirection<S>& d : cell_directions<S>()) {
+  for (const ShapeDirection<S>& d : shape_directions<S>()) {
     const Vec<S> f1 = F * d.t1, f2 = F * d.t2, fm = F * d.m;
     const BaseFrame<S> base = base_frame_3d<S>(Vec<S>::Zero(), f1, f2);
     const Vec<S> r = base.n - fm;
@@ -57,11 +57,11 @@ S cell_shape_energy(const Mat<S>& F, Mat<S>* gradient) {
   return energy;
 }
 
-/// Energy of a cell at mean deformation gradient F, and dE/dF where asked for.
+/// c W(F) + kappa U(det F), Pa, and its derivative by F where asked for.
 template <class S>
-S cell_energy(const Mat<S>& F, S shape_stiffness, S volume_stiffness, VolumeLaw law, Mat<S>* gradient) {
+S energy_density(const Mat<S>& F, S shape_stiffness, S volume_stiffness, VolumeLaw law, Mat<S>* gradient) {
   if (gradient) gradient->setZero();
-  S energy = shape_stiffness * cell_shape_energy(F, gradient);
+  S energy = shape_stiffness * shape_energy(F, gradient);
   if (gradient) *gradient *= shape_stiffness;
   if (volume_stiffness == S(0)) return energy;
   const S J = F.determinant();
