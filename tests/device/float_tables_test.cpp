@@ -47,28 +47,20 @@ TEST(FloatTables, BasesAreEdgesRoundedOnce) {
   }
 }
 
-// Every corner of every base, volume and cell is in the list of its particle, once.
+// Every corner of every base and volume is in the list of its particle, once.
 TEST(FloatTables, ListsNameEveryRow) {
-  Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
-  set_material(model, soft_tissue());
-  TopologyOptions options;
-  options.cell_average = 0.5;
-  const TopologyTextures t = build_topology(model, options);
+  const Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2, 18);
+  const TopologyTextures t = build_topology(model, {.volume_stiffness = 50.0});
   const FloatTables f = pack_floats(t);
-  ASSERT_FALSE(f.volume.empty() || f.cell_stiffness.empty());
+  ASSERT_FALSE(f.volume.empty());
   EXPECT_EQ(f.reaction.size(), 3 * f.base.size());
   EXPECT_EQ(f.volume_entry.size(), 4 * f.volume.size());
-  EXPECT_EQ(f.cell_entry.size(), 8 * f.cell_stiffness.size());
   ASSERT_EQ(f.lists.size(), f.particle.size() + 1);
   for (Index i = 0; i < f.particle_count; ++i) {
     const Int4 &first = f.lists[i], &last = f.lists[i + 1];
     for (Index r = first[0]; r < last[0]; ++r) EXPECT_EQ(f.base[f.reaction[r] / 4][f.reaction[r] % 4], i);
     for (Index r = first[1]; r < last[1]; ++r) EXPECT_EQ(f.volume[f.volume_entry[r] / 4][f.volume_entry[r] % 4], i);
-    for (Index r = first[2]; r < last[2]; ++r) {
-      const Index entry = f.cell_entry[r];
-      EXPECT_EQ(f.cell_vertex[2 * (entry / 8) + entry % 8 / 4][entry % 4], i);
-    }
-    EXPECT_EQ(first[3], last[3]);
+    EXPECT_EQ(first[2], last[2]);
   }
   for (Index v = 0; v < f.volume_count; ++v) {
     const double six_volumes =

@@ -40,7 +40,6 @@ std::vector<Packed> every_variant() {
   std::vector<Packed> all;
   for (const Body& body : bodies()) {
     for (const Variant& variant : clustered_variants()) {
-      if (!applies(variant, body)) continue;
       add(all, body.name + ", " + variant.name, prepared(variant, body), variant.options);
     }
     for (const Reaction reaction : {Reaction::full, Reaction::shared, Reaction::barycentric}) {
@@ -137,7 +136,7 @@ class Walk {
       if (f.share.empty()) return s.rows.reaction[b] == base_row[f.reaction[a] / 4] * 4 + f.reaction[a] % 4;
       return f.share[a] == Int2{model_row(s.rows.share[b][0]), s.rows.share[b][1]};
     });
-    lists(s.springs, f.spring.size(), list(3), [&](Index a, Index b) {
+    lists(s.springs, f.spring.size(), list(2), [&](Index a, Index b) {
       return f.spring_other[a] == model_row(s.rows.spring_other[b]) && same_bits(f.spring[a], s.rows.spring[b]);
     });
   }
@@ -150,22 +149,6 @@ class Walk {
       return there % 4 == here % 4 && f.volume[v] == renamed(s.rows.volume[w], 4) &&
              same_bits(f.volume_e1[v], s.rows.volume_e1[w]) && same_bits(f.volume_e2[v], s.rows.volume_e2[w]) &&
              same_bits(f.volume_e3[v], s.rows.volume_e3[w]);
-    });
-  }
-
-  void cells() {
-    ASSERT_EQ(s.rows.cell_stiffness.size(), f.cell_stiffness.size());
-    lists(s.cells, f.cell_entry.size(), list(2), [&](Index a, Index b) {
-      const Index there = f.cell_entry[a], here = s.rows.cell_entry[b];
-      const Index c = there / 8, d = here / 8;
-      bool same = there % 8 == here % 8 && same_bits(f.cell_stiffness[c], s.rows.cell_stiffness[d]);
-      for (Index half = 0; half < 2; ++half) {
-        same = same && f.cell_vertex[2 * c + half] == renamed(s.rows.cell_vertex[2 * d + half], 4);
-      }
-      for (Index corner = 0; corner < 8; ++corner) {
-        same = same && same_bits(f.cell_gradient[8 * c + corner], s.rows.cell_gradient[8 * d + corner]);
-      }
-      return same;
     });
   }
 
@@ -184,7 +167,6 @@ TEST(SliceTables, WalkingThemGivesTheRowsInTheirOrder) {
       walk.bases();
       walk.reactions();
       walk.volumes();
-      walk.cells();
       EXPECT_EQ(s.rows.particle_count, packed.plain.particle_count);
       EXPECT_EQ(s.rows.base_count, static_cast<Index>(s.rows.base.size()));
       EXPECT_TRUE(s.rows.index.empty() && s.rows.lists.empty() && s.rows.first_height.empty());
@@ -250,7 +232,6 @@ TEST(SliceTables, PaddingNamesNobodyAndWeighsNothing) {
     each(s.reactions, t.share.size(), [&](Index r) { return t.share[r] == Int2{none, 0}; });
     each(s.reactions, t.reaction.size(), [&](Index r) { return t.reaction[r] == none; });
     each(s.volumes, t.volume_entry.size(), [&](Index r) { return t.volume_entry[r] == none; });
-    each(s.cells, t.cell_entry.size(), [&](Index r) { return t.cell_entry[r] == none; });
     each(s.springs, t.spring.size(), [&](Index r) { return t.spring_other[r] == none && t.spring[r] == Float4{}; });
   }
   EXPECT_GT(padded, 1000u);
@@ -285,7 +266,6 @@ double padding_share(const SliceTables& s) {
   add_list(s.bases, t.base.size());
   add_list(s.reactions, t.share.size() + t.reaction.size());
   add_list(s.volumes, t.volume_entry.size());
-  add_list(s.cells, t.cell_entry.size());
   add_list(s.springs, t.spring.size());
   return static_cast<double>(sum.rows) / static_cast<double>(sum.held);
 }

@@ -37,7 +37,7 @@ Pressed press(const Model& model, const Vec3& place, double radius, double margi
   scene.fix("z0").add_tool("rod", {.shape = Capsule{radius, 0.1}, .pose = pose, .friction = 0.1, .margin = margin});
   SolverOptions options;
   options.damping.rate = 50.0;
-  const auto solver = make_solver("cpu", model, scene, {.cell_average = 0.9}, options);
+  const auto solver = make_solver("cpu", model, scene, {}, options);
   const int steps = static_cast<int>(std::ceil(1e-3 / (0.4 * solver->stable_step())));
   const ToolHandle rod = scene.tool("rod");
   // The lower end of the rod itself goes to the depth, not that of its margin.

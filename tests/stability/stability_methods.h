@@ -16,7 +16,7 @@ namespace phymul::test {
 struct Method {
   std::string name;
   TopologyOptions options;
-  bool material = false;  ///< calibrated; else k = E h
+  bool material = false;  ///< else k = E h
   double poisson = 0.3;
   int valence = 6;
 };
@@ -48,16 +48,8 @@ inline std::vector<Method> stability_methods() {
         std::pair{"barycentric", Reaction::barycentric}, std::pair{"averaged", Reaction::averaged}}) {
     add(name, [r = reaction](Method& m) { m.options.reaction = r; });
   }
-  for (const double poisson : {0.3, 0.45}) {
-    const std::string nu = poisson == 0.3 ? ", nu 0.3" : ", nu 0.45";
-    add("per base" + nu, [&](Method& m) { m.material = true, m.poisson = poisson; });
-    add("cell-averaged" + nu, [&](Method& m) { m.material = true, m.poisson = poisson, m.options.cell_average = 0.9; });
-    add("particle-averaged" + nu,
-        [&](Method& m) { m.material = true, m.poisson = poisson, m.options.law = Law::particle_averaged; });
-  }
-  add("area exponent, nu 0.3",
-      [](Method& m) { m.material = true, m.options.poisson_route = PoissonRoute::area_exponent; });
-  add("fitted, nu 0.3", [](Method& m) { m.material = true, m.options.bases = BaseSelection::fitted; });
+  add("material, nu 0.3", [](Method& m) { m.material = true; });
+  add("material, nu 0.45", [](Method& m) { m.material = true, m.poisson = 0.45; });
   return all;
 }
 

@@ -19,7 +19,7 @@ struct Depth {
   bool said = false;  ///< that of the first one at which it did not, by a cut force
 };
 
-Depth pressed(double poisson, const TopologyOptions& topology, double friction) {
+Depth pressed(double poisson, double friction) {
   Model model = make_block({0.06, 0.06, 0.05}, 12, 12, 10);
   set_material(model, {.young = 25e3, .poisson = poisson, .density = 1000});
   Scene scene(model);
@@ -28,7 +28,7 @@ Depth pressed(double poisson, const TopologyOptions& topology, double friction) 
   scene.add_tool("ball", {.shape = Sphere{ball}, .pose = held_at(0.0), .friction = friction});
   SolverOptions options;
   options.damping.rate = 50.0;
-  const auto solver = make_solver("cpu", model, scene, topology, options);
+  const auto solver = make_solver("cpu", model, scene, {}, options);
   const double dt = 0.5 * solver->stable_step();
   const int tenth = static_cast<int>(std::ceil(1e-3 / dt));  // of a millimetre, at 0.1 m/s
   Depth depth;
@@ -56,7 +56,6 @@ Depth pressed(double poisson, const TopologyOptions& topology, double friction) 
 
 struct Pressed {
   double poisson;
-  TopologyOptions topology;
   double friction;
   int at_least;  ///< mm
 };
@@ -64,31 +63,16 @@ struct Pressed {
 class StabilityPressed : public testing::TestWithParam<Pressed> {};
 
 TEST_P(StabilityPressed, RestsDownToADepthAndSaysWhereNot) {
-  const auto& [poisson, topology, friction, at_least] = GetParam();
-  const bool of_particles = topology.law == Law::particle_averaged;
-  if (sanitized && !of_particles && topology.cell_average < 0.9)
-    GTEST_SKIP() << "NOT TESTED: sanitized programs press the averaged blocks alone";
-  const Depth depth = pressed(poisson, topology, friction);
-  std::printf("nu %.2f, %s %.1f, friction %.1f: rests down to %d mm\n", poisson,
-              of_particles ? "particle-averaged" : "cell_average", topology.cell_average, friction, depth.rests);
+  const auto& [poisson, friction, at_least] = GetParam();
+  const Depth depth = pressed(poisson, friction);
+  std::printf("nu %.2f, friction %.1f: rests down to %d mm\n", poisson, friction, depth.rests);
   EXPECT_GE(depth.rests, at_least);
   EXPECT_TRUE(depth.said);
 }
 
-const TopologyOptions per_base, per_particle{.law = Law::particle_averaged};
-TopologyOptions averaged_by(double share) {
-  return {.cell_average = share};
-}
-
 /// Bounds one to four millimetres below what was seen: where a cell folds, the last bit decides when.
 INSTANTIATE_TEST_SUITE_P(All, StabilityPressed,
-                         testing::Values(Pressed{0.3, per_base, 0.0, 11}, Pressed{0.3, averaged_by(0.6), 0.0, 7},
-                                         Pressed{0.3, averaged_by(0.9), 0.0, 4},
-                                         Pressed{0.3, averaged_by(0.9), 0.1, 12}, Pressed{0.45, per_base, 0.0, 10},
-                                         Pressed{0.45, averaged_by(0.6), 0.0, 9},
-                                         Pressed{0.45, averaged_by(0.9), 0.0, 4},
-                                         Pressed{0.45, averaged_by(0.9), 0.1, 10}, Pressed{0.3, per_particle, 0.0, 3},
-                                         Pressed{0.3, per_particle, 0.1, 8}, Pressed{0.45, per_particle, 0.1, 8}));
+                         testing::Values(Pressed{0.3, 0.0, 3}, Pressed{0.3, 0.1, 8}, Pressed{0.45, 0.1, 8}));
 
 }  // namespace
 }  // namespace phymul::test

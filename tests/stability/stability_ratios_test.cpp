@@ -72,16 +72,11 @@ TEST(StabilityRatios, LimitIsRightForEveryContrastOfStiffnessAndMass) {
 }
 
 TEST(StabilityRatios, LimitIsRightForNearlyIncompressibleAndForAnyStiffness) {
-  Method method = method_named("per base, nu 0.3");
-  for (const double gamma : {0.0, 0.9}) {
-    method.options.cell_average = gamma;
-    for (const double poisson : {0.0, 0.45, 0.49, 0.499}) {
-      for (const double young : {10.0, 10e3, 1e9}) {
-        Model model = make_block({side, side, side}, 2, 2, 2);
-        set_material(model, {young, poisson, 1000.0});
-        expect_limit_within_two_percent(model, method.options,
-                                        "nu " + std::to_string(poisson) + ", E " + std::to_string(young));
-      }
+  for (const double poisson : {0.0, 0.45, 0.49, 0.499}) {
+    for (const double young : {10.0, 10e3, 1e9}) {
+      Model model = make_block({side, side, side}, 2, 2, 2);
+      set_material(model, {young, poisson, 1000.0});
+      expect_limit_within_two_percent(model, {}, "nu " + std::to_string(poisson) + ", E " + std::to_string(young));
     }
   }
 }
@@ -101,7 +96,7 @@ class StabilityContrasts : public OnBackend {};
 
 /// Sharp contrasts at half the limit: bounded, and momentum kept to the backend's rounding.
 TEST_P(StabilityContrasts, RunsStayBoundedAndKeepMomentum) {
-  for (const char* name : {"springs 18", "per base, nu 0.45", "cell-averaged, nu 0.3"}) {
+  for (const char* name : {"springs 18", "material, nu 0.3", "material, nu 0.45"}) {
     const Method method = method_named(name);
     for (const double ratio : {1e-4, 1e4}) {
       const Model model = with_masses(with_stiff_part(method, 1e4), ratio);

@@ -115,48 +115,23 @@ inline Material soft_tissue(double poisson = 0.3) {
 
 /// Law::particle_averaged.
 inline std::vector<Variant> averaged_variants() {
-  const TopologyOptions law{.law = Law::particle_averaged},
-      quadratic{.law = Law::particle_averaged, .volume_law = VolumeLaw::quadratic};
-  return {{"particle-averaged", law, true},
-          {"particle-averaged nu 0.45", law, true, 0.45},
-          {"particle-averaged quadratic volume", quadratic, true}};
+  return {{"material", {}, true},
+          {"material nu 0.45", {}, true, 0.45},
+          {"material quadratic volume", {.volume_law = VolumeLaw::quadratic}, true}};
 }
 
 /// Every other energy the library has that is exactly conservative.
 inline std::vector<Variant> clustered_variants() {
-  std::vector<Variant> all;
-  const auto add = [&](std::string name, bool material, auto&& set) {
-    Variant v;
-    v.name = std::move(name);
-    v.material = material;
-    set(v);
-    all.push_back(std::move(v));
-  };
-  add("springs", false, [](Variant& v) { v.options.law = Law::springs; });
-  add("springs+volume", false, [](Variant& v) {
-    v.options.law = Law::springs;
-    v.options.volume_stiffness = 50.0;
-    v.options.volume_law = VolumeLaw::quadratic;
-  });
-  add("averaged", false, [](Variant& v) { v.options.reaction = Reaction::averaged; });
-  add("conservative", false, [](Variant&) {});
-  add("conservative p=1", false, [](Variant& v) { v.options.area_exponent = 1.0; });
-  add("conservative p=1.5 all", false, [](Variant& v) {
-    v.options.area_exponent = 1.5;
-    v.options.bases = BaseSelection::all;
-  });
-  add("averaged p=1", false, [](Variant& v) {
-    v.options.reaction = Reaction::averaged;
-    v.options.area_exponent = 1.0;
-  });
-  add("conservative+volume", false, [](Variant& v) { v.options.volume_stiffness = 50.0; });
-  add("material", true, [](Variant&) {});
-  add("material quadratic volume", true, [](Variant& v) { v.options.volume_law = VolumeLaw::quadratic; });
-  add("material nu 0.45", true, [](Variant& v) { v.poisson = 0.45; });
-  add("material fitted", true, [](Variant& v) { v.options.bases = BaseSelection::fitted; });
-  add("material area exponent", true, [](Variant& v) { v.options.poisson_route = PoissonRoute::area_exponent; });
-  add("material cell-averaged", true, [](Variant& v) { v.options.cell_average = 0.9; });
-  return all;
+  const TopologyOptions springs{.law = Law::springs};
+  TopologyOptions swollen = springs;
+  swollen.volume_stiffness = 50.0;
+  swollen.volume_law = VolumeLaw::quadratic;
+  return {{"springs", springs},
+          {"springs+volume", swollen},
+          {"averaged", {.reaction = Reaction::averaged}},
+          {"conservative", {}},
+          {"conservative all", {.bases = BaseSelection::all}},
+          {"conservative+volume", {.volume_stiffness = 50.0}}};
 }
 
 /// Every energy the library has that is exactly conservative.
@@ -164,11 +139,6 @@ inline std::vector<Variant> conservative_variants() {
   std::vector<Variant> all = clustered_variants();
   for (Variant& variant : averaged_variants()) all.push_back(std::move(variant));
   return all;
-}
-
-/// True where the body can carry the variant at all: most calibrated materials are three-dimensional.
-inline bool applies(const Variant& variant, const Body& body) {
-  return !variant.material || body.model.dimension == 3 || variant.options.law == Law::particle_averaged;
 }
 
 inline Model prepared(const Variant& variant, const Body& body) {

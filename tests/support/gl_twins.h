@@ -33,11 +33,6 @@ inline std::vector<Variant> all_variants() {
       o.bases = BaseSelection::all;
     });
   }
-  add("shared p=1.5 all", [](TopologyOptions& o) {
-    o.reaction = Reaction::shared;
-    o.area_exponent = 1.5;
-    o.bases = BaseSelection::all;
-  });
   return all;
 }
 

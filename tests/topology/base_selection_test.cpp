@@ -9,7 +9,6 @@
 #include "support/bodies.h"
 #include "support/message_of.h"
 #include "topology/corner_simplices.h"
-#include "topology/isotropic_fit.h"
 
 namespace phymul::test {
 namespace {
@@ -114,21 +113,6 @@ TEST(BaseSelection, EqualNeighbourhoodsKeepEqualSets) {
   EXPECT_EQ(counts.size(), 1u);
 }
 
-TEST(OppositeFaces, LookAtTheirOwnerAndTileTheCell) {
-  for (const Body& body : bodies()) {
-    for (const CornerSimplex& simplex : corner_simplices(body.model)) {
-      const std::vector<OppositeFace> faces = opposite_faces(simplex);
-      ASSERT_EQ(faces.size(), body.model.dimension == 2 ? 3u : 4u);
-      for (std::size_t k = 0; k < faces.size(); ++k) {
-        EXPECT_EQ(faces[k].owner, simplex.vertex[k]);
-        const RestBase base = rest_base(body.model.rest, faces[k].owner, faces[k].vertex);
-        const double measure = base.area * base.beta / (body.model.dimension == 2 ? 2.0 : 6.0);
-        EXPECT_NEAR(measure, simplex.volume, 1e-12 * simplex.volume);
-      }
-    }
-  }
-}
-
 TEST(CornerSimplices, SharesSumToTheCell) {
   for (const Body& body : bodies()) {
     if (body.model.dimension == 2) continue;
@@ -149,77 +133,6 @@ TEST(CornerSimplices, MirroredCellIsNamed) {
   EXPECT_NE(text.find("cell 1 (HEXAHEDRON) is inside out"), std::string::npos) << text;
   change_extras(block, [](FileExtras& extras) { extras.cell_index = {-1, 77}; });
   EXPECT_NE(message_of([&] { corner_simplices(block); }).find("cell 1 (HEXAHEDRON, file index 77)"), std::string::npos);
-}
-
-FourthMoment moment_of(const std::vector<FittedBase>& bases) {
-  FourthMoment moment = FourthMoment::Zero();
-  for (const FittedBase& fitted : bases) moment += fitted.weight * fourth_moment(fitted.base.normal);
-  return moment;
-}
-
-TEST(Isotropy, CubeDiagonalsAndAxes) {
-  const double r = 1.0 / std::sqrt(3.0);
-  FourthMoment moment = FourthMoment::Zero();
-  for (const Vec3& n : {Vec3(r, r, r), Vec3(-r, r, r), Vec3(r, -r, r), Vec3(r, r, -r)}) {
-    moment += 0.15 * fourth_moment(n);
-  }
-  for (const Vec3& n : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}) moment += 2.0 / 15.0 * fourth_moment(n);
-  EXPECT_LT((moment - isotropic_moment(3)).norm(), 1e-15);
-}
-
-TEST(Isotropy, NormIsThatOfTheTensor) {
-  const Vec3 n = Vec3(1, 2, 3).normalized(), m = Vec3(-1, 0.5, 2).normalized();
-  EXPECT_NEAR(fourth_moment(n).dot(fourth_moment(m)), std::pow(n.dot(m), 4), 1e-14);
-  EXPECT_NEAR(fourth_moment(n).dot(isotropic_moment(3)), 0.2, 1e-14);  // the same for every direction
-  EXPECT_NEAR(fourth_moment({0.6, 0.8, 0}).dot(isotropic_moment(2)), 3.0 / 8.0, 1e-14);
-}
-
-TEST(FittedBases, AreIsotropicSparseAndBalancedInsideALattice) {
-  for (int valence : {18, 26}) {
-    const Model block = make_block({4, 4, 4}, 4, 4, 4, valence);
-    const std::vector<FittedBase> bases = fitted_bases(block, inner_particle(block), selecting(BaseSelection::fitted));
-    EXPECT_LT((moment_of(bases) - isotropic_moment(3)).norm(), 1e-6) << valence;
-    EXPECT_LE(bases.size(), 19u);
-    Vec3 centre = Vec3::Zero();
-    double sum = 0.0;
-    for (const FittedBase& it : bases) {
-      for (Index v : it.base.vertex) centre += it.weight / 3 * (block.rest[v] - block.rest[inner_particle(block)]);
-      sum += it.weight;
-      EXPECT_GT(it.weight, 0.0);
-    }
-    EXPECT_LT(centre.norm(), 1e-3);
-    EXPECT_NEAR(sum, 1.0, 1e-14);
-  }
-}
-
-TEST(FittedBases, OfSixNeighboursAreTheDiagonalsTheyCanBe) {
-  const Model block = make_block({4, 4, 4}, 4, 4, 4, 6);
-  const std::vector<FittedBase> bases = fitted_bases(block, inner_particle(block), selecting(BaseSelection::fitted));
-  FourthMoment diagonals = FourthMoment::Zero();
-  for (int sign = 0; sign < 4; ++sign) {
-    diagonals += 0.25 * fourth_moment(Vec3(sign == 1 ? -1 : 1, sign == 2 ? -1 : 1, sign == 3 ? -1 : 1).normalized());
-  }
-  EXPECT_LT((moment_of(bases) - diagonals).norm(), 1e-6);
-}
-
-TEST(FittedBases, InThePlaneTheyFollowTheCircle) {
-  const Model strip = make_strip(4, 4, 4, 4, true);
-  const Index centre = inner_particle(strip);
-  const std::vector<FittedBase> bases = fitted_bases(strip, centre, selecting(BaseSelection::fitted));
-  EXPECT_LT((moment_of(bases) - isotropic_moment(2)).norm(), 1e-6);
-}
-
-TEST(FittedBases, LowOnesAreLeftOut) {
-  const Model body = jittered_block();
-  for (Index i = 0; i < body.particle_count(); ++i) {
-    double spacing = 0.0;
-    for (const Index* j = body.neighbours.begin(i); j != body.neighbours.end(i); ++j) {
-      spacing += (body.rest[*j] - body.rest[i]).norm() / body.neighbours.size(i);
-    }
-    for (const FittedBase& it : fitted_bases(body, i, selecting(BaseSelection::fitted))) {
-      EXPECT_GE(std::abs(it.base.beta), 0.2 * spacing * (1 - 1e-12));
-    }
-  }
 }
 
 }  // namespace

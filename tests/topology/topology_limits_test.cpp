@@ -24,23 +24,20 @@ Model with_first_cell_twice() {
   return model;
 }
 
-TEST(TopologyLimits, ARepeatedCellAddsStiffnessButNoBase) {
-  const Model twice = with_first_cell_twice();
-  Model once = twice;
+TEST(TopologyLimits, ARepeatedCellAddsVolume) {
+  const auto domains = [](Model model) {
+    set_material(model, soft_tissue());
+    return build_topology(model).domains;
+  };
+  Model once = with_first_cell_twice();
+  const std::vector<Index> cell = once.cells.front().particles;
+  const std::vector<DomainTexel> t = domains(once);
   once.cells.pop_back();
-  TopologyOptions options;
-  options.bases = BaseSelection::opposite_faces;
-  EXPECT_EQ(build_topology(twice, options).base_count, build_topology(once, options).base_count);
-
-  Model tissue = twice, single = once;
-  set_material(tissue, soft_tissue());
-  set_material(single, soft_tissue());
-  const TopologyTextures t = build_topology(tissue), s = build_topology(single);
-  ASSERT_EQ(t.base_count, s.base_count);
-  for (Index i = 0; i < t.particle_count; ++i) {
-    const auto& cell = tissue.cells.front().particles;
-    const bool in_it = std::find(cell.begin(), cell.end(), i) != cell.end();
-    EXPECT_EQ(t.stiffness[i] > 1.001 * s.stiffness[i], in_it) << "particle " << i;
+  const std::vector<DomainTexel> s = domains(once);
+  ASSERT_EQ(t.size(), s.size());
+  for (std::size_t d = 0; d < t.size(); ++d) {
+    const bool in_it = std::ranges::find(cell, t[d].particle) != cell.end();
+    EXPECT_EQ(t[d].inverse_volume < 0.999 * s[d].inverse_volume, in_it) << "particle " << t[d].particle;
   }
 }
 
@@ -68,41 +65,15 @@ TEST(TopologyLimits, ParticlesOutsideTheMaterialTakeNoSprings) {
   EXPECT_TRUE(build_topology(model, options).springs.empty());
 }
 
-TEST(TopologyLimits, AMaterialNeedsThreeDimensions) {
-  Model strip = make_strip(0.02, 0.02, 2, 2);
-  set_material(strip, soft_tissue());
-  EXPECT_TRUE(says(message_of([&] { build_topology(strip); }), "a material needs a three-dimensional model"));
-}
-
 TEST(TopologyLimits, CalibrationTakesFiniteConstantsAndGivesNoNegativeOnes) {
   const double infinity = std::numeric_limits<double>::infinity();
   EXPECT_TRUE(says(message_of([&] {
-                     calibrate({infinity, 0.3, 1000}, PoissonRoute::volume_term);
+                     calibrate({infinity, 0.3, 1000});
                    }),
                    "Young's modulus is inf"));
   for (double young = 1.0; young < 1e6; young *= 1.01) {
-    EXPECT_GE(calibrate({young, -0.375, 1000}, PoissonRoute::volume_term).kappa, 0.0) << young;
+    EXPECT_GE(calibrate({young, -0.375, 1000}).kappa, 0.0) << young;
   }
-}
-
-TEST(TopologyLimits, TetrahedraHaveOneVolumeTermEach) {
-  Model mesh = make_tetrahedral_block({0.02, 0.02, 0.02}, 2, 2, 2, 0.1, 1);
-  set_material(mesh, soft_tissue());
-  TopologyOptions options;
-  options.cell_average = 0.9;
-  const TopologyTextures t = build_topology(mesh, options);
-  EXPECT_EQ(t.cells.size(), mesh.cells.size());
-  EXPECT_TRUE(t.volumes.empty());
-}
-
-TEST(TopologyLimits, TetrahedraWithTheAreaExponentTakeFittedBases) {
-  Model mesh = make_tetrahedral_block({0.02, 0.02, 0.02}, 2, 2, 2, 0.1, 1), block = make_block({1, 1, 1}, 2, 2, 2);
-  set_material(mesh, soft_tissue());
-  set_material(block, soft_tissue());
-  TopologyOptions options;
-  options.poisson_route = PoissonRoute::area_exponent;
-  EXPECT_EQ(build_topology(mesh, options).options.bases, BaseSelection::fitted);
-  EXPECT_EQ(build_topology(block, options).options.bases, BaseSelection::opposite_faces);
 }
 
 TEST(CornerSimplices, FlatCornersAreLeftOutAndInsideOutOnesRefused) {

@@ -138,14 +138,6 @@ TEST(Textures, TransposedListsAreExactInverses) {
     expect_transpose(t.spring_of, t.particle_count, 2 * t.springs.size(),
                      [&](Index e) { return t.springs[e / 2].end[e % 2]; });
   }
-  Model block = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
-  set_material(block, soft_tissue());
-  TopologyOptions averaged;
-  averaged.cell_average = 0.5;
-  const TopologyTextures t = build_topology(block, averaged);
-  ASSERT_EQ(t.cells.size(), 8u);
-  expect_transpose(t.cell_of, t.particle_count, 8 * t.cells.size(),
-                   [&](Index e) { return t.cells[e / 8].vertex[e % 8]; });
 }
 
 TEST(Textures, OnlyWhatTheReactionNeedsIsFilled) {
@@ -162,11 +154,8 @@ TEST(Textures, OnlyWhatTheReactionNeedsIsFilled) {
     const TopologyTextures t = build_topology(block, options);
     EXPECT_EQ(t.base_of.entry.size(), 3 * static_cast<std::size_t>(t.base_count));
     EXPECT_TRUE(t.neighbour_of.entry.empty() && t.neighbour_owner.empty());
-    EXPECT_TRUE(t.rest_area.empty() && t.springs.empty() && t.volumes.empty() && t.cells.empty());
+    EXPECT_TRUE(t.springs.empty() && t.volumes.empty() && t.domains.empty());
   }
-  options.area_exponent = 1.0;
-  EXPECT_EQ(build_topology(block, options).rest_area.size(),
-            static_cast<std::size_t>(build_topology(block, options).base_count));
 }
 
 }  // namespace
