@@ -202,19 +202,17 @@ std::vector<std::function<Case()>> cases() {
         return Case{"n6 full conservative 4k", block(16, 6), conservative_all};
       },
       [=] {
+        return Case{
+            "n6 full conservative+volume 4k", block(16, 6), {.bases = BaseSelection::all, .volume_stiffness = 50.0}};
+      },
+      [=] {
         return Case{"n14 full shared 4k", block(16, 14), shared_all};
       },
       [=] {
         return Case{"n14 full averaged 4k", block(16, 14), averaged_all};
       },
       [=] {
-        return Case{"corner faces, thesis 4k",
-                    block(16, 6),
-                    {.reaction = Reaction::shared, .bases = BaseSelection::opposite_faces}};
-      },
-      [=] {
-        return Case{
-            "n14 pruned shared 1k", block(10, 14), {.reaction = Reaction::shared, .bases = BaseSelection::fitted}};
+        return Case{"n14 thresholded shared 1k", block(10, 14), {.reaction = Reaction::shared}};
       },
       [=] {
         return Case{"springs 1k", tetrahedra(10), springs};
@@ -244,25 +242,16 @@ std::vector<std::function<Case()>> cases() {
         return Case{"tetrahedra material 4k", with_material(tetrahedra(16)), {}};
       },
       [=] {
-        return Case{"tetrahedra faces+volume 4k",
-                    tetrahedra(16),
-                    {.bases = BaseSelection::opposite_faces, .volume_stiffness = 50.0}};
+        return Case{"lattice material 2673", with_material(make_block({0.04, 0.04, 0.16}, 8, 8, 32)), {}};
       },
       [=] {
-        return Case{"lattice cell-averaged 2673",
-                    with_material(make_block({0.04, 0.04, 0.16}, 8, 8, 32)),
-                    {.cell_average = 0.9}};
-      },
-      [=] {
-        return Case{"hexahedra cell-averaged 2673",
-                    with_material(bent(make_block({0.04, 0.04, 0.16}, 8, 8, 32))),
-                    {.cell_average = 0.9}};
-      },
-      [=] {
-        return Case{"lattice cell-averaged 32k", with_material(block(32, 6)), {.cell_average = 0.9}};
+        return Case{"hexahedra material 2673", with_material(bent(make_block({0.04, 0.04, 0.16}, 8, 8, 32))), {}};
       },
       [=] {
         return Case{"lattice material 4k", with_material(block(16, 6)), {}};
+      },
+      [=] {
+        return Case{"lattice material 32k", with_material(block(32, 6)), {}};
       },
       [=] {
         return Case{"cylinder averaged 275", make_cylinder(0.010, 0.040, 3, 8, 11), {.reaction = Reaction::averaged}};

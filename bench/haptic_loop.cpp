@@ -159,11 +159,11 @@ void run(const Wish& wish) {
   phymul::SolverOptions options;
   options.threads = wish.threads;
   options.damping.rate = 20.0;
-  const auto solver = phymul::make_solver("cpu", haptic->model(), haptic->scene(), {.cell_average = 0.9}, options);
+  const auto solver = phymul::make_solver("cpu", haptic->model(), haptic->scene(), {}, options);
   refuse_unstable(*solver, wish.steps);
   for (const auto& [what, value] : machine_facts()) std::printf("%s: %s\n", what.c_str(), value.c_str());
-  std::printf("%d particles, cell-averaged %s, %s; %s; %d steps a tick of %.3g us, stable up to %.3g us\n",
-              haptic->model().particle_count(), warped ? "hexahedra" : "lattice", solver->device().c_str(),
+  std::printf("%d particles, %s, %s; %s; %d steps a tick of %.3g us, stable up to %.3g us\n",
+              haptic->model().particle_count(), warped ? "warped hexahedra" : "equal cubes", solver->device().c_str(),
               haptic->what().c_str(), wish.steps, 1e6 * tick / wish.steps, 1e6 * solver->stable_step());
   Loop loop(*solver, *haptic, wish.steps);
   const auto drive = [&](double date) { haptic->drive(date); };

@@ -37,16 +37,8 @@ std::vector<Method> make_methods() {
   reaction("shared", "shape memory, shared reaction", Reaction::shared);
   reaction("barycentric", "shape memory, barycentric reaction", Reaction::barycentric);
   reaction("averaged", "shape memory, averaged", Reaction::averaged);
-  const auto material = [&](std::string name, std::string label) -> TopologyOptions& {
-    Method& it = all.emplace_back();
-    it.name = std::move(name), it.label = std::move(label);
-    return it.options;
-  };
-  material("per_base", "calibrated, per base");
-  material("cell_averaged", "calibrated, cell-averaged").cell_average = 0.9;
-  material("area_exponent", "calibrated, area exponent").poisson_route = PoissonRoute::area_exponent;
-  material("fitted", "calibrated, fitted bases").bases = BaseSelection::fitted;
-  material("particle_averaged", "calibrated, particle-averaged").law = Law::particle_averaged;
+  Method& material = all.emplace_back();
+  material.name = "particle_averaged", material.label = "calibrated material";
   return all;
 }
 

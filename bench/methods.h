@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The models that are compared: springs, shape memory with each reaction, the calibrated material in its variants. Each
-// takes its stiffness from E and nu by a rule of its own, never from the error that is charted.
+// The models that are compared: springs, shape memory with each reaction, the calibrated material. Each takes its
+// stiffness from E and nu by a rule of its own, never from the error that is charted.
 #pragma once
 
 #include <phymul/phymul.h>

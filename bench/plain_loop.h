@@ -15,7 +15,7 @@ namespace phymul::bench {
 
 class PlainLoop {
  public:
-  /// Whether it has all terms of the body: bases without area exponent, springs; 3-D.
+  /// Whether it has all terms of the body: bases and springs, 3-D.
   static bool covers(const TopologyTextures& topology);
 
   PlainLoop(const TopologyTextures& topology, const State& start);

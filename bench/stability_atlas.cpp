@@ -2,8 +2,7 @@
 //
 // Where methods stop being stable, as CSV files for the charts: the step limit, predicted and found, over what may
 // lower it (--limits); what becomes of a body that starts broken (--recovery); how fast reactions that have no energy
-// grow
-// (--rates).
+// grow (--rates).
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -74,7 +73,7 @@ class Limits {
       for (std::size_t i = 0; i < model.mass.size(); i += 2) model.mass[i] *= ratio;
       row("mass", method, ratio, model, 1.0);
     }
-    if (method.material) return;  // whose bases are those of its cells
+    if (method.material) return;  // whose forces come from its cells
     for (const double valence : valences_) {
       Method other = method;
       other.valence = static_cast<int>(valence);

@@ -20,15 +20,10 @@ const std::vector<SweepVariant>& sweep_variants() {
   static const std::vector<SweepVariant> all{
       {"springs", "none", 0, false, {.law = Law::springs}},
       {"shared_6_all", "all", 6, false, with(Reaction::shared, BaseSelection::all)},
-      {"shared_6_faces", "corner faces", 6, false, with(Reaction::shared, BaseSelection::opposite_faces)},
       {"shared_14_all", "all", 14, false, with(Reaction::shared, BaseSelection::all)},
       {"averaged_6", "above the threshold", 6, false, with(Reaction::averaged, BaseSelection::thresholded)},
-      {"conservative_volume",
-       "corner faces",
-       0,
-       false,
-       {.bases = BaseSelection::opposite_faces, .volume_stiffness = 50.0}},
-      {"cell_averaged", "corner faces", 6, true, {.cell_average = 0.9}},
+      {"material_lattice", "none", 6, true, {}},
+      {"material_tetrahedra", "none", 0, true, {}},
   };
   return all;
 }
@@ -40,7 +35,7 @@ const std::vector<int>& sweep_sizes() {
 
 bool has_body(const SweepVariant& variant, int size) {
   if (size == 4) return variant.valence == 0 || variant.name == "averaged_6";
-  return size != 275 || variant.valence != 14;
+  return size != 275 || (variant.valence != 14 && variant.name != "material_tetrahedra");
 }
 
 Model sweep_body(const SweepVariant& variant, int size) {

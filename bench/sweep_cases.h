@@ -23,7 +23,8 @@ const std::vector<SweepVariant>& sweep_variants();
 /// 4 (a tetrahedron), 275 (the 2007 thesis' cylinder), then cubes of 8^3 to 256^3.
 const std::vector<int>& sweep_sizes();
 
-/// Has the variant a body of that size? A tetrahedron has no lattice, so what needs one begins at 275.
+/// Has the variant a body of that size? A tetrahedron is no lattice, so what needs one begins at 275. The cylinder has
+/// no 14 neighbours, and with a material it is run as material_lattice only.
 bool has_body(const SweepVariant& variant, int size);
 Model sweep_body(const SweepVariant& variant, int size);
 

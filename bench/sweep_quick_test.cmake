@@ -11,7 +11,7 @@ function(run_program)
   endif()
 endfunction()
 
-run_program(${SWEEP} --quick 1 --repeats 5 --variants springs,shared_6_all,cell_averaged --out ${OUT}/sweep.csv)
+run_program(${SWEEP} --quick 1 --repeats 5 --variants springs,shared_6_all,material_lattice --out ${OUT}/sweep.csv)
 file(STRINGS ${OUT}/sweep.csv rows REGEX "^[a-z_0-9]+,[^,]*,[0-9]+,")
 list(LENGTH rows count)
 if(count LESS 16)

@@ -26,7 +26,7 @@ constexpr double step_share = 0.2;  // of the stable step at rest
 constexpr double damping = 0.99;
 constexpr int repeats = 5;
 
-/// What is computed: the thesis' own model in its stable form, and what this library takes by default.
+/// What is computed: the thesis' own model in its stable form, and what a body without a material takes by default.
 struct Law {
   const char* name;
   phymul::TopologyOptions options;

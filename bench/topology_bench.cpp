@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Building the tables of a body, by size and by choice of bases. Items are particles.
+// Building the tables of a body, by size, from bases or a material. Items are particles.
 #include <benchmark/benchmark.h>
 #include <phymul/phymul.h>
 #include <phymul/topology_textures.h>
@@ -23,28 +23,26 @@ phymul::Model tetrahedral_block(int particles_a_side) {
   return model;
 }
 
-void build(benchmark::State& run, const phymul::Model& model, const phymul::TopologyOptions& options) {
-  phymul::Index bases = 0;
+void build(benchmark::State& run, const phymul::Model& model) {
+  double bases = 0, links = 0;
   for (auto _ : run) {
-    const phymul::TopologyTextures topology = phymul::build_topology(model, options);
+    const phymul::TopologyTextures topology = phymul::build_topology(model);
     bases = topology.base_count;
-    benchmark::DoNotOptimize(topology.bases.data());
+    links = static_cast<double>(topology.links.size());
+    benchmark::DoNotOptimize(&topology);
   }
   run.SetItemsProcessed(run.iterations() * model.particle_count());
   run.counters["particles"] = model.particle_count();
   run.counters["bases"] = bases;
+  run.counters["links"] = links;
 }
 
 void topology_thresholded(benchmark::State& run) {
-  build(run, block(static_cast<int>(run.range(0))), {.bases = phymul::BaseSelection::thresholded});
+  build(run, block(static_cast<int>(run.range(0))));
 }
 
-void topology_fitted(benchmark::State& run) {
-  build(run, block(static_cast<int>(run.range(0))), {.bases = phymul::BaseSelection::fitted});
-}
-
-void topology_opposite_faces(benchmark::State& run) {
-  build(run, tetrahedral_block(static_cast<int>(run.range(0))), {.bases = phymul::BaseSelection::opposite_faces});
+void topology_material(benchmark::State& run) {
+  build(run, tetrahedral_block(static_cast<int>(run.range(0))));
 }
 
 void sizes(benchmark::internal::Benchmark* bench) {
@@ -52,7 +50,6 @@ void sizes(benchmark::internal::Benchmark* bench) {
 }
 
 BENCHMARK(topology_thresholded)->Apply(sizes);
-BENCHMARK(topology_fitted)->Apply(sizes);
-BENCHMARK(topology_opposite_faces)->Apply(sizes);
+BENCHMARK(topology_material)->Apply(sizes);
 
 }  // namespace

@@ -119,7 +119,7 @@ void equivalence(CsvFile& file, const std::vector<std::string>& backends, const 
 int main(int argc, char** argv) try {
   const KnownArguments known{{"order", "order_in_time.csv"},
                              {"equivalence", "equivalence.csv"},
-                             {"methods", "springs_18,per_base,cell_averaged,area_exponent"},
+                             {"methods", "springs_18,particle_averaged"},
                              {"backends", ""},
                              {"finest", "64"},
                              {"most-steps", "16384"}};

@@ -60,7 +60,6 @@ Simulation make_tissue(double tumour_young) {
                                     .materials = {{"tumour", tumour}},
                                     .backend = "cpu",
                                     .damping = {.rate = 20},  // 1/s
-                                    .topology = {.cell_average = 0.9},
                                     .solver = {.threads = 1}});
   sim.scene().fix("ligament");
   return sim;

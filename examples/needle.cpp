@@ -52,7 +52,6 @@ class Insertion {
         sim_(block(options.quick ? 8 : 12), {.material = {.young = 25e3, .poisson = 0.45, .density = 1000.0},
                                              .backend = "cpu",
                                              .damping = {.rate = 60.0},
-                                             .topology = {.cell_average = 0.9},
                                              .solver = {.threads = 1}}),
         needle_(sim_.scene().fix("z0").add_tool({.shape = shape_, .pose = pose_at(0.0), .friction = 0.3})) {}
 

@@ -38,7 +38,6 @@ std::vector<char> Prostate::half(const phymul::Vec3& normal) const {
 phymul::Simulation Prostate::simulation() const {
   phymul::Simulation sim(model, {.backend = "cpu",
                                  .damping = {.rate = 60.0},  // 1/s: the gland swings out within a tenth of a second
-                                 .topology = {.cell_average = 0.9},
                                  .solver = {.threads = 1}});
   sim.scene().fix(held);
   return sim;

@@ -16,9 +16,7 @@ const std::map<std::string, phymul::Reaction> reactions{{"full", phymul::Reactio
                                                         {"conservative", phymul::Reaction::conservative}};
 
 const std::map<std::string, phymul::BaseSelection> selections{{"all", phymul::BaseSelection::all},
-                                                              {"thresholded", phymul::BaseSelection::thresholded},
-                                                              {"opposite_faces", phymul::BaseSelection::opposite_faces},
-                                                              {"fitted", phymul::BaseSelection::fitted}};
+                                                              {"thresholded", phymul::BaseSelection::thresholded}};
 
 /// An option that takes one of the words of a table, and names them all where it gets another.
 template <class Value>
@@ -81,28 +79,16 @@ void add_elasticity_options(CLI::App& app, RunOptions& options) {
   auto* from_file = app.add_flag("--from-file", options.from_file, "masses and stiffnesses of the file, no material");
   auto* reaction =
       add_choice(app, "--reaction", options.topology.reaction, reactions, "how forces are given back [conservative]");
-  auto* bases = add_choice(app, "--bases", options.topology.bases, selections,
-                           "which bases [thresholded; opposite_faces with a material]");
+  auto* bases = add_choice(app, "--bases", options.topology.bases, selections, "which bases [thresholded]");
   auto* springs = app.add_flag_callback(
       "--springs", [&options] { options.topology.law = phymul::Law::springs; }, "springs instead of shape memory");
-  auto* averaged = app.add_flag_callback(
-      "--particle-averaged", [&options] { options.topology.law = phymul::Law::particle_averaged; },
-      "one mean deformation for each particle; best where tetrahedra bend");
   auto* volume = app.add_option("--volume-stiffness", options.topology.volume_stiffness,
                                 "kappa of a volume term without a material, Pa");
-  auto* average = app.add_option("--cell-average", options.topology.cell_average,
-                                 "share of the energy from a hexahedron's mean deformation; 0.9 cures locking");
-  for (CLI::Option* option :
-       {young, poisson, density, from_file, reaction, bases, springs, averaged, volume, average}) {
+  for (CLI::Option* option : {young, poisson, density, from_file, reaction, bases, springs, volume}) {
     option->group(group);
   }
   for (CLI::Option* option : {young, poisson, density}) from_file->excludes(option);
-  reaction->needs(from_file);
-  springs->needs(from_file);
-  volume->needs(from_file);
-  average->excludes(from_file);
-  averaged->excludes(from_file);
-  averaged->excludes(average);
+  for (CLI::Option* option : {reaction, bases, springs, volume}) option->needs(from_file);
 }
 
 void add_run_options(CLI::App& app, RunOptions& options) {

@@ -129,7 +129,7 @@ void print_table(const phymul::Solver& solver, const RunSummary& summary) {
   std::printf("  %-34s%16d\n", "bases", topology.base_count);
   std::printf("  %-34s%16zu\n", "springs", topology.springs.size());
   std::printf("  %-34s%16zu\n", "volume terms", topology.volumes.size());
-  std::printf("  %-34s%16zu\n", "cell terms", topology.cells.size());
+  std::printf("  %-34s%16zu\n", "mean deformations", topology.domains.size());
   std::printf("  %-34s%16s\n", "backend", std::string(solver.name()).c_str());
   std::printf("  %-34s%16.4e\n", "step, s", summary.dt);
   std::printf("  %-34s%16.4e\n", "stable step at rest, s", solver.stable_step());

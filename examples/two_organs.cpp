@@ -59,10 +59,9 @@ void run(const ExampleOptions& options) {
                             .orientation = turned};
   };
 
-  phymul::Simulation sim(
-      {{"flat", flat_organ(options.quick), {.young = 25e3, .poisson = 0.4, .density = 1000.0}},
-       {"round", round_organ(options.quick), {.young = 12e3, .poisson = 0.4, .density = 1000.0}}},
-      {.backend = "cpu", .damping = {.rate = 30.0}, .topology = {.cell_average = 0.9}, .solver = {.threads = 1}});
+  phymul::Simulation sim({{"flat", flat_organ(options.quick), {.young = 25e3, .poisson = 0.4, .density = 1000.0}},
+                          {"round", round_organ(options.quick), {.young = 12e3, .poisson = 0.4, .density = 1000.0}}},
+                         {.backend = "cpu", .damping = {.rate = 30.0}, .solver = {.threads = 1}});
   const Model& model = sim.model();
   // Neither organ can reach itself.
   phymul::Scene& scene = sim.scene();

@@ -15,7 +15,7 @@ constexpr const char* keys =
     "  right drag     shift the view;  wheel: zoom;  f: whole body\n"
     "  space          pause;  n: one step;  r: back to the rest shape\n"
     "  b              next backend\n"
-    "  s e l p a o    surface, edges, links, particles, attractors, outline of the rest shape\n"
+    "  s e l p a o    surface, edges, links, particles, attractors (without a material), outline of the rest shape\n"
     "  t              surface lets through;  c: colours by displacement;  + -: their scale\n"
     "  q, escape      end";
 

@@ -26,11 +26,10 @@ STABILITY_METHODS = {
 SWEEP_VARIANTS = {
     "springs": "Springs along the edges of tetrahedra",
     "shared_6_all": "Shared reaction, 6 neighbours, all 20 bases",
-    "shared_6_faces": "Shared reaction, 6 neighbours, 8 bases",
     "shared_14_all": "Shared reaction, 14 neighbours, all bases",
     "averaged_6": "Averaged reaction, 6 neighbours",
-    "conservative_volume": "Energy of bases and volume, tetrahedra",
-    "cell_averaged": "Material on a lattice, cell-averaged",
+    "material_lattice": "Material on a lattice",
+    "material_tetrahedra": "Material on tetrahedra",
 }
 
 
@@ -61,8 +60,7 @@ def panel_title(row, width=46):
 
 
 def stability_text(method):
-    """ "shared" or "per base, nu 0.45" written out."""
+    """ "shared" or "material, nu 0.45" written out."""
     if ", nu " in method:
-        name, nu = method.split(", nu ")
-        return f"calibrated, {name}, Poisson's ratio {float(nu):.2f}"
+        return f"calibrated material, Poisson's ratio {float(method.split(', nu ')[1]):.2f}"
     return STABILITY_METHODS.get(method, method)

@@ -76,7 +76,7 @@ def convergence(out, rows, samples, about):
     """Distance from the reference against spacing; the order is that towards the method's own limit, because a finite
     strain has a floor where the two material laws differ."""
     solutions = data.sample_solutions(samples)
-    wanted = ["per_base", "cell_averaged", "area_exponent", "springs_18"]
+    wanted = ["particle_averaged", "springs_18"]
     labels = {row["method"]: row["label"] for row in rows}
     resolved = [r for r in rows if r["status"] == "ok" and r["method"] in wanted and r["error"]]
     panels = {key: of_panel for key, of_panel in data.groups(resolved, "case", "level").items()
@@ -100,7 +100,7 @@ def convergence(out, rows, samples, about):
                 floor = float(np.linalg.norm(limit - reference) / np.linalg.norm(reference))
                 orders[(case, level, method)] = (order, floor, data.fitted_slope(h, [number(r, "error") for r in line]))
                 text = ": at its limit" if math.isinf(order) else f": order {order:.1f}" if order > 0.32 else ": saturates"
-            short = labels[method].replace("calibrated, ", "").replace(" neighbours", "")
+            short = labels[method].replace(" neighbours", "")
             axes.plot(h, [number(r, "error") for r in line], label=short + text, **style.style_of(method))
         axes.set(xscale="log", yscale="log")
         low, high = axes.get_ylim()
@@ -168,7 +168,7 @@ def equivalence(out):
 def cost(out, rows, about):
     """Time a step against particles, by backend."""
     figure, axes = plt.subplots(figsize=(6.5, 4.4))
-    wanted = {"springs_18": "springs, 18", "per_base": "per base", "cell_averaged": "cell-averaged"}
+    wanted = {"springs_18": "springs, 18", "particle_averaged": "calibrated material"}
     timed = [r for r in rows if r["method"] in wanted and number(r, "wall_step") > 0]
     backends = list(dict.fromkeys(r["backend"] for r in timed))
     for (backend, method), line in data.groups(timed, "backend", "method").items():

@@ -22,9 +22,8 @@ VERDICTS = {"returned": ("o", True), "rests collapsed": ("s", False), "rests fol
 
 
 def key_of(method):
-    """The name that chart_style knows, of "per base, nu 0.45" and the like."""
-    name = method.split(", nu")[0].replace(", ", "_").replace(" ", "_").replace("-", "_")
-    return name
+    """The name that chart_style knows, of "springs 18, volume" or "material, nu 0.45"."""
+    return "particle_averaged" if ", nu" in method else method.replace(", ", "_").replace(" ", "_")
 
 
 def limits(out, rows, about):

