@@ -43,6 +43,11 @@ struct Change {
   real trace, minors, determinant;  // of H; det(F) - 1 is their sum
 };
 
+// det(F) - 1
+KERNEL real volume_change(Change change) {
+  return change.trace + change.minors + change.determinant;
+}
+
 KERNEL Change change_of(Columns H) {
   Columns C = cofactor(H);
   real trace = H.c0.x + H.c1.y + H.c2.z;

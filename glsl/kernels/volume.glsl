@@ -3,7 +3,7 @@
 // Volume energies, as a function of J - 1, and those of a tetrahedron (triangle in 2-D). E are edges at rest, d
 // differences of displacements to the first vertex, e = E + d:
 //   e1 x e2 . e3 - E1 x E2 . E3 = (d1 x e2 + E1 x d2) . e3 + (E1 x E2) . d3
-// so that J - 1 is exactly 0 at rest. `bounded_volume`: VolumeLaw::bounded.
+// so that J - 1 is exactly 0 at rest. `bounded_volume`: VolumeLaw::bounded. Needs columns.glsl.
 
 // U'(J)
 KERNEL real volume_pressure(real change) {
@@ -17,6 +17,11 @@ KERNEL real volume_energy_density(real change) {
   if (!bounded_volume) return literal(0.5f) * change * change;
   real x = change * literal(2.5f);
   return change * change * (literal(1.0f) / (literal(1.0f) + square_root(literal(1.0f) + x * x)));
+}
+
+// The derivative of stiffness * U(det F) by F.
+KERNEL Columns volume_stress(Change change, real stiffness) {
+  return scaled(stiffness * volume_pressure(volume_change(change)), plus_identity(change.cof));
 }
 
 // J - 1; inverse_rest: 1 / (6 V)

@@ -14,7 +14,11 @@ RESULT(2, vec4, domain_column_2);
 
 void domain_row(int d) {
   ivec4 rows = fetch_ivec4(domain_range, domain_range_place, d);
-  vec4 law = fetch_vec4(domain_law, domain_law_place, d);
+  vec4 law = fetch_vec4(domain_law, domain_law_place, LAW_TEXELS * d);
+  float p[energy_constants];
+  for (int k = 0; k < energy_constants; ++k) {
+    p[k] = fetch_vec4(domain_law, domain_law_place, LAW_TEXELS * d + (k + 2) / 4)[(k + 2) % 4];
+  }
   vec3 u_d = displaced(owner_of(d));
   Columns H = Columns(vec3(0.0), vec3(0.0), vec3(0.0));  // F - I
   vec3 spread = vec3(0.0);
@@ -30,10 +34,10 @@ void domain_row(int d) {
   }
   H = scaled(law.x, H);
 #ifdef ENERGY
-  float density = energy_density(H, law.y, law.z) - 0.5 * law.w * squared_norm(H);
+  float density = energy_density(H, p) - 0.5 * law.y * squared_norm(H);
   energy = vec4(law.x > 0.0 ? density / law.x + spread_energy : 0.0, 0.0, 0.0, 0.0);
 #else
-  Columns Q = minus(energy_stress(H, law.y, law.z), scaled(law.w, H));
+  Columns Q = minus(energy_stress(H, p), scaled(law.y, H));
 #if DIMENSION == 2  // nothing leaves the plane, not even by rounding
   Q.c0.z = 0.0;
   Q.c1.z = 0.0;

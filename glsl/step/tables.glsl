@@ -19,7 +19,7 @@ TABLE_FLOATS(volume_e2, volume_e2_place);        // X_c - X_a, stiffness
 TABLE_FLOATS(volume_e3, volume_e3_place);        // X_d - X_a
 TABLE_FLOATS(spring, spring_place);              // X_other - X_i, stiffness
 TABLE_INTS(domain_range, domain_range_place);    // first link, first surface link, end; next domain of its particle
-TABLE_FLOATS(domain_law, domain_law_place);      // 1/V, c, kappa, s mu
+TABLE_FLOATS(domain_law, domain_law_place);      // LAW_TEXELS a domain: 1/V, s mu, constants of the energy
 TABLE_INTS(domain_owner, domain_owner_place);    // particle; only with SEVERAL_DOMAINS
 TABLE_INTS(link_domain, link_domain_place);      // e
 TABLE_FLOATS(link, link_place);                  // area, stiffness

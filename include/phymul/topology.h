@@ -32,9 +32,8 @@ enum class Law {
   /// functions N_i of the cells and displacements u:
   ///   V_i = integral of N_i,  C_ij = integral of N_i grad N_j,  F_i = I + 1/V_i sum_j (u_j - u_i) C_ij^T
   ///   E = sum_i V_i psi(F_i) + s/2 (integral of mu |F|^2 - sum_i mu_i V_i |F_i|^2)
-  /// psi is the energy of Calibration at F_i, averaged over seven directions instead of all, with VolumeLaw. The second
-  /// term, of weight s (TopologyOptions::stabiliser), is what the means leave out. A particle where materials meet has
-  /// a mean and an energy for each. In 2-D strain is plane.
+  /// psi is TopologyOptions::strain_energy. The second term, of weight s (TopologyOptions::stabiliser), is what the
+  /// means leave out. A particle where materials meet has a mean and an energy for each. In 2-D strain is plane.
   particle_averaged
 };
 
@@ -59,6 +58,16 @@ enum class VolumeLaw {
   bounded     ///< kappa s^2 (sqrt(1 + ((J-1)/s)^2) - 1), s = 0.4: U' stays below kappa s however far from rest
 };
 
+/// Energy density psi of a material at a deformation gradient F, J = det F. mu, lambda and K are the shear modulus,
+/// Lame's first constant and the bulk modulus; U is VolumeLaw. All are the same for small strains.
+enum class StrainEnergy {
+  /// c/2 |F n0 - n(F)|^2, averaged over seven directions n0 that are isotropic together (Calibration), plus kappa U(J)
+  shape_memory,
+  /// mu/2 (J^(-2/3) tr(F^T F) - 3) + K U(J). Below J = 1/2, J^(-2/3) goes on along its tangent, so that collapsed and
+  /// inverted bodies recover.
+  neo_hookean
+};
+
 /// What build_topology does with a particle that has no base.
 enum class SparseParticle {
   error,    ///< throws Error with the particles
@@ -74,11 +83,13 @@ struct TopologyOptions {
   BaseSelection bases = BaseSelection::thresholded;
   double min_quality = 0.05;      ///< thresholded: 2 A / L^2 of a base (A its area, L its longest edge) above this
   double max_barycentric = 1.25;  ///< thresholded: |lambda| within this
+  StrainEnergy strain_energy = StrainEnergy::shape_memory;  ///< of Law::particle_averaged
   VolumeLaw volume_law = VolumeLaw::bounded;
   /// Volume stiffness kappa in Pa where the model has no material (springs, or stiffness in N/m); 0: no volume term.
   double volume_stiffness = 0.0;
   /// s of Law::particle_averaged. Without a value it is calibrated so that pure bending of the body costs what it
-  /// should (0.1 to 0.7; one value for each type of cell), and build_topology writes the mean over the volume here.
+  /// should (0.1 to 0.7, neo_hookean 0.25 to 0.7; one value for each type of cell), and build_topology writes the mean
+  /// over the volume here.
   std::optional<double> stabiliser = std::nullopt;
   SparseParticle on_sparse = SparseParticle::error;
   int max_texture_size = 16384;  ///< texels: limit of a GPU on the sides of a table

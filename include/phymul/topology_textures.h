@@ -68,13 +68,15 @@ struct VolumeTexel {
   double stiffness = 0.0;            ///< J: kappa times the rest volume this term stands for
 };
 
+inline constexpr std::size_t most_energy_constants = 6;
+
 /// Law::particle_averaged: the neighbourhood of a particle, or where materials meet its part of one material.
 struct DomainTexel {
   Index particle = none;
   double inverse_volume = 0.0;    ///< 1/V_d, 1/m^3
-  double shape_stiffness = 0.0;   ///< c, Pa (Calibration)
-  double volume_stiffness = 0.0;  ///< kappa, Pa
   double spread_stiffness = 0.0;  ///< s mu, Pa: the stabiliser times the shear modulus
+  /// Constants of TopologyOptions::strain_energy, Pa, then zeros. shape_memory: c, kappa; neo_hookean: mu, K.
+  std::array<double, most_energy_constants> energy{};
 };
 
 /// What domain e is to domain d. Read from e to d the area changes its sign and the stiffness is the same.

@@ -2,6 +2,7 @@
 #include "float_domains.h"
 
 #include "float_range.h"
+#include "topology/energies.h"
 
 namespace phymul {
 namespace {
@@ -60,13 +61,17 @@ FloatDomains pack_domains(const TopologyTextures& topology) {
   for (std::size_t number = 0; number < order.size(); ++number) {
     if (order[number] != none) number_of[order[number]] = static_cast<Index>(number);
   }
+  const std::size_t constants = kind_of(topology.options.strain_energy).constants, texels = (constants + 5) / 4;
+  to.law_texels = static_cast<int>(texels);
   for (const Index d : order) {
     to.range.push_back({0, 0, 0, none});
-    to.law.push_back({0.0f, 0.0f, 0.0f, 0.0f});
+    to.law.resize(to.law.size() + texels, Float4{});
     if (d == none) continue;
     const DomainTexel& domain = topology.domains[d];
-    to.law.back() = {narrow(domain.inverse_volume), narrow(domain.shape_stiffness), narrow(domain.volume_stiffness),
-                     narrow(domain.spread_stiffness)};
+    Float4* law = &to.law[to.law.size() - texels];
+    law[0][0] = narrow(domain.inverse_volume);
+    law[0][1] = narrow(domain.spread_stiffness);
+    for (std::size_t k = 0; k < constants; ++k) law[(k + 2) / 4][(k + 2) % 4] = narrow(domain.energy[k]);
     pack_links(topology, d, number_of, to);
   }
   chain_domains(topology, order, to);

@@ -285,7 +285,9 @@ void move_domains(SliceTables& to) {
   for (std::size_t k = 0; k < order.size(); ++k) {
     const Index d = order[k];
     moved.range.push_back({none, none, none, none});
-    moved.law.push_back(d == none ? no_floats : t.law[d]);
+    for (Index row = 0; row < t.law_texels; ++row) {
+      moved.law.push_back(d == none ? no_floats : t.law[t.law_texels * d + row]);
+    }
     if (!t.owner.empty()) moved.owner.push_back(d == none ? none : to.place_of[t.owner[d]]);
     if (d == none) continue;
     const Int4& range = t.range[d];

@@ -54,10 +54,8 @@ Vec3 attractor_pull(const TopologyTextures& topology, Index i, std::span<const V
 /// Gives to the vertices of base t what its owner's force F costs them.
 void react(const TopologyTextures& topology, Index t, const BaseNow& now, const Vec3& F, std::span<Vec3> force) {
   const BaseTexel& base = topology.bases[t];
-  const auto on =
-      topology.dimension == 2
-          ? cpu::base_reaction_2d(now.frame, topology.lambda[t], base.beta, F)
-          : cpu::base_reaction_3d(now.frame, topology.lambda[t], base.beta, F);
+  const auto on = topology.dimension == 2 ? cpu::base_reaction_2d(now.frame, topology.lambda[t], base.beta, F)
+                                          : cpu::base_reaction_3d(now.frame, topology.lambda[t], base.beta, F);
   for (int corner = 0; corner < topology.dimension; ++corner) force[base.vertex[corner]] += on[corner];
 }
 
@@ -162,8 +160,7 @@ Mat3 mean_stress(const TopologyTextures& t, Index d, std::span<const Vec3> x) {
   const DomainTexel& domain = t.domains[d];
   const Mat3 H = mean_gradient(t, d, x);
   Mat3 P;
-  cpu::energy_density<double>(Mat3::Identity() + H, domain.shape_stiffness, domain.volume_stiffness, t.options.volume_law,
-                           &P);
+  cpu::energy_density<double>(t.options, domain.energy, Mat3::Identity() + H, &P);
   P -= domain.spread_stiffness * H;
   if (t.dimension == 2) P.row(2).setZero();  // nothing but rounding, which would leave the plane
   return P;
@@ -192,8 +189,7 @@ double domain_energy(const TopologyTextures& t, std::span<const Vec3> x) {
   for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
     const DomainTexel& domain = t.domains[d];
     const Mat3 H = mean_gradient(t, d, x);
-    const double density = cpu::energy_density<double>(Mat3::Identity() + H, domain.shape_stiffness,
-                                                    domain.volume_stiffness, t.options.volume_law, nullptr);
+    const double density = cpu::energy_density<double>(t.options, domain.energy, Mat3::Identity() + H, nullptr);
     energy += (density - 0.5 * domain.spread_stiffness * H.squaredNorm()) / domain.inverse_volume;
     const Vec3 own = x[domain.particle] - t.rest[domain.particle];
     for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {  // each from both sides

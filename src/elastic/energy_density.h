@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// The energy of a material per rest volume, as a function of the deformation gradient F. That of a base, charged at F
-// and averaged over an isotropic set of base normals m:
+// The energies of a material per rest volume, as functions of the deformation gradient F (StrainEnergy in topology.h).
+// That of shape memory is the energy of a base, charged at F and averaged over an isotropic set of base normals m:
 //   W(F) = sum_m q_m 1/2 |n_m(F) - F m|^2,   n_m(F) = cof(F) m / |cof(F) m|
 // The set is the four diagonals of a cube (0.15 each) and its three axes (2/15 each): its second and fourth moments are
 // those of the sphere, so that small strains see exactly mu = 7/15, lambda = -1/5 per unit of stiffness.
 #pragma once
 
+#include <phymul/topology_textures.h>
+
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 
 #include "force_volume.h"
 
@@ -15,6 +19,13 @@ namespace phymul::cpu {
 
 template <class S>
 using Mat = Eigen::Matrix<S, 3, 3>;
+
+template <class S>
+Mat<S> cofactor(const Mat<S>& F) {
+  Mat<S> C;
+  C << F.col(1).cross(F.col(2)), F.col(2).cross(F.col(0)), F.col(0).cross(F.col(1));
+  return C;
+}
 
 template <class S>
 struct ShapeDirection {
@@ -57,22 +68,39 @@ S shape_energy(const Mat<S>& F, Mat<S>* gradient) {
   return energy;
 }
 
-/// c W(F) + kappa U(det F), Pa, and its derivative by F where asked for.
+/// stiffness * U(det F), and its derivative by F added to *gradient.
 template <class S>
-S energy_density(const Mat<S>& F, S shape_stiffness, S volume_stiffness, VolumeLaw law, Mat<S>* gradient) {
-  if (gradient) gradient->setZero();
-  S energy = shape_stiffness * shape_energy(F, gradient);
-  if (gradient) *gradient *= shape_stiffness;
-  if (volume_stiffness == S(0)) return energy;
+S volume_energy(const Mat<S>& F, S stiffness, VolumeLaw law, Mat<S>* gradient) {
   const S J = F.determinant();
-  energy += volume_stiffness * volume_energy_density(law, J);
-  if (gradient) {
-    const S q = volume_stiffness * volume_pressure(law, J);
-    gradient->col(0) += q * F.col(1).cross(F.col(2));
-    gradient->col(1) += q * F.col(2).cross(F.col(0));
-    gradient->col(2) += q * F.col(0).cross(F.col(1));
+  if (gradient) *gradient += stiffness * volume_pressure(law, J) * cofactor(F);
+  return stiffness * volume_energy_density(law, J);
+}
+
+/// mu/2 (g(J) tr(F^T F) - 3) with g = J^(-2/3), below J = 1/2 its tangent there.
+template <class S>
+S neo_hookean_energy(const Mat<S>& F, S mu, Mat<S>* gradient) {
+  const S J = F.determinant(), kink = std::max(J, S(0.5)), at_kink = std::pow(kink, S(-2) / S(3));
+  const S slope = S(-2) / S(3) * at_kink / kink, g = at_kink + slope * (J - kink);
+  if (gradient) *gradient = mu * (g * F + S(0.5) * slope * F.squaredNorm() * cofactor(F));
+  return S(0.5) * mu * (g * F.squaredNorm() - S(3));
+}
+
+/// psi(F), Pa, of the constants `p` (DomainTexel::energy), and where asked for its derivative by F.
+template <class S>
+S energy_density(const TopologyOptions& options, const std::array<S, most_energy_constants>& p, const Mat<S>& F,
+                 Mat<S>* gradient) {
+  if (gradient) gradient->setZero();
+  S energy = 0;
+  switch (options.strain_energy) {
+    case StrainEnergy::shape_memory:
+      energy = p[0] * shape_energy(F, gradient);
+      if (gradient) *gradient *= p[0];
+      break;
+    case StrainEnergy::neo_hookean:
+      energy = neo_hookean_energy(F, p[0], gradient);
+      break;
   }
-  return energy;
+  return energy + volume_energy(F, p[1], options.volume_law, gradient);
 }
 
 }  // namespace phymul::cpu

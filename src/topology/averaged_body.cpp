@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "cell_quadrature.h"
+#include "energies.h"
 #include "model/cell_geometry.h"
 #include "stabiliser.h"
 #include "transpose.h"
@@ -119,9 +120,9 @@ std::vector<double> stabiliser_of_domains(const Model& model, const Domains& dom
   const std::vector<CalibratedStabiliser> calibrated = calibrated_stabilisers(model, domains);
   std::vector<double> sum(domains.particle.size(), 0.0), weight(sum);
   for (Index row = 0; row < domains.of_cell.rows(); ++row) {
-    double s = least_stabiliser;
+    double s = kind_of(options.strain_energy).least_stabiliser;
     for (const CalibratedStabiliser& it : calibrated) {
-      if (it.type == model.cells[row].type) s = it.value;
+      if (it.type == model.cells[row].type) s = std::max(s, it.value);
     }
     const double volume = std::abs(signed_measure(model.dimension, model.cells[row], model.rest));
     for (const Index* d = domains.of_cell.begin(row); d != domains.of_cell.end(row); ++d) {
@@ -196,9 +197,9 @@ void add_averaged_terms(const Model& model, TopologyTextures& topology) {
   std::vector<double> spread = stabiliser_of_domains(model, domains, topology.options);
   for (Index d = 0; d < domains.count(); ++d) {
     const Material& material = model.materials[domains.material[d]];
-    const Calibration energy = calibrate(material);
     spread[d] *= 0.5 * material.young / (1.0 + material.poisson);
-    topology.domains.push_back({domains.particle[d], 1.0 / domains.volume[d], energy.c, energy.kappa, spread[d]});
+    topology.domains.push_back({domains.particle[d], 1.0 / domains.volume[d], spread[d],
+                                energy_constants(topology.options.strain_energy, material)});
   }
   topology.first_domain.assign(model.rest.size() + 1, 0);
   for (const Index i : domains.particle) ++topology.first_domain[i + 1];

@@ -15,6 +15,10 @@ std::int32_t number_of(VolumeLaw law) {
   return law == VolumeLaw::quadratic ? 0 : 1;
 }
 
+std::int32_t number_of(StrainEnergy energy) {
+  return energy == StrainEnergy::shape_memory ? 0 : 1;
+}
+
 std::int32_t number_of(Reaction reaction) {
   switch (reaction) {
     case Reaction::full:
@@ -35,6 +39,7 @@ void add_options(Fnv& sum, const TopologyOptions& options) {
   sum.add(number_of(options.law.value_or(Law::shape_memory)));
   sum.add(number_of(options.reaction));
   sum.add(number_of(options.volume_law));
+  sum.add(number_of(options.strain_energy));
 }
 
 void add_terms(Fnv& sum, const TopologyTextures& t) {
@@ -57,9 +62,8 @@ void add_averaged(Fnv& sum, const TopologyTextures& t) {
   for (const DomainTexel& domain : t.domains) {
     sum.add(domain.particle);
     sum.add(domain.inverse_volume);
-    sum.add(domain.shape_stiffness);
-    sum.add(domain.volume_stiffness);
     sum.add(domain.spread_stiffness);
+    for (const double constant : domain.energy) sum.add(constant);
   }
   sum.add(t.first_link);
   for (const LinkTexel& link : t.links) {

@@ -58,7 +58,7 @@ void expect_the_rows_of(const TopologyTextures& t, const Numbered& n) {
     ASSERT_NE(at, none);
     EXPECT_EQ(n.owner(at), t.domains[d].particle);
     EXPECT_EQ(f.law[at][0], static_cast<float>(t.domains[d].inverse_volume));
-    EXPECT_EQ(f.law[at][3], static_cast<float>(t.domains[d].spread_stiffness));
+    EXPECT_EQ(f.law[at][1], static_cast<float>(t.domains[d].spread_stiffness));
     Index row = f.range[at][0];
     const auto expect_row = [&](Index e, const Vec3& area, double stiffness) {
       EXPECT_EQ(f.neighbour[row], number_of[e]);

@@ -47,7 +47,8 @@ Float3 MirrorForces::pull_of_base(Index t, std::span<const Float3> u) const {
   Float3 d1, d2;
   const Forces::DeltaBase base = base_at(t, u, d1, d2);
   const Float3 to_a = u[tables_.base[t][0]] - u[tables_.base_share[t][0]];
-  return Forces::base_pull(base, to_a, d1, d2, tables_.base_e1[t][3], tables_.base_e2[t][3], as_float(tables_.base[t][3]));
+  return Forces::base_pull(base, to_a, d1, d2, tables_.base_e1[t][3], tables_.base_e2[t][3],
+                           as_float(tables_.base[t][3]));
 }
 
 /// Adds w_t beta_t (n - n0) of the triples of i's neighbours, from the rest edges at i.
@@ -105,7 +106,8 @@ void MirrorForces::shape_rows(std::span<const Float3> u) const {
     const float lambda_b = tables_.base_e1[t][3], lambda_c = tables_.base_e2[t][3];
     const Index owner = tables_.base_share[t][0];
     const Float3 to_a = u[tables_.base[t][0]] - u[owner];
-    const Float3 F = share * (conservative ? Forces::base_pull(base, to_a, d1, d2, lambda_b, lambda_c, beta) : own_[owner]);
+    const Float3 F =
+        share * (conservative ? Forces::base_pull(base, to_a, d1, d2, lambda_b, lambda_c, beta) : own_[owner]);
     Float3* on = &base_force_[4 * static_cast<std::size_t>(t)];
     if (tables_.dimension == 2) {
       Forces::base_reaction_2d(base, lambda_b, beta, F, on[0], on[1]);
@@ -126,10 +128,20 @@ void MirrorForces::volume_rows(std::span<const Float3> u) const {
     if (tables_.dimension == 2) {
       Kernels<float, bounded>::triangle_area_forces(E1, E2, d1, d2, e1[3], e2[3], on[0], on[1], on[2]);
     } else {
-      Kernels<float, bounded>::tetrahedron_volume_forces(E1, E2, xyz(tables_.volume_e3[v]), d1, d2,
-                                                         u[at[3]] - u[at[0]], e1[3], e2[3], on[0], on[1], on[2], on[3]);
+      Kernels<float, bounded>::tetrahedron_volume_forces(E1, E2, xyz(tables_.volume_e3[v]), d1, d2, u[at[3]] - u[at[0]],
+                                                         e1[3], e2[3], on[0], on[1], on[2], on[3]);
     }
   }
+}
+
+/// DomainTexel::energy.
+std::array<float, most_energy_constants> MirrorForces::energy_constants(Index d) const {
+  const Float4* law = &tables_.domains.law[tables_.domains.law_texels * d];
+  std::array<float, most_energy_constants> p{};
+  for (std::size_t k = 0; (k + 2) / 4 < static_cast<std::size_t>(tables_.domains.law_texels); ++k) {
+    p[k] = law[(k + 2) / 4][(k + 2) % 4];
+  }
+  return p;
 }
 
 /// H of a domain.
@@ -139,10 +151,9 @@ Columns<float> MirrorForces::domain_gradient(Index d, std::span<const Float3> u)
   for (Index r = t.range[d][0]; r < t.range[d][2]; ++r) {
     H = Forces::plus_outer(H, u[owner_of(t.neighbour[r])] - u[owner_of(d)], xyz(t.link[r]));
   }
-  return Forces::scaled(t.law[d][0], H);
+  return Forces::scaled(law_of(d)[0], H);
 }
 
-template <bool bounded>
 void MirrorForces::domain_rows(std::span<const Float3> u) const {
   const FloatDomains& t = tables_.domains;
   for (Index d = 0; d < t.count(); ++d) {
@@ -151,10 +162,11 @@ void MirrorForces::domain_rows(std::span<const Float3> u) const {
       spread += t.link[r][3] * (u[owner_of(t.neighbour[r])] - u[owner_of(d)]);
     }
     spread_force_[d] = spread;
-    const auto [inverse_volume, shape, volume, stabiliser] = t.law[d];
     const Columns<float> H = domain_gradient(d, u);
     Columns<float>& Q = domain_stress_[d];
-    Q = Forces::minus(Kernels<float, bounded>::energy_stress(H, shape, volume), Forces::scaled(stabiliser, H));
+    std::array<float, most_energy_constants> p = energy_constants(d);
+    with_energy<float>(tables_.options, [&](auto energy) { Q = energy.energy_stress(H, p.data()); });
+    Q = Forces::minus(Q, Forces::scaled(law_of(d)[1], H));
     if (tables_.dimension == 2) Q.c0.z = Q.c1.z = 0.0f;
   }
 }
@@ -198,11 +210,10 @@ void MirrorForces::evaluate(std::span<const Float3> u, std::span<Float3> force) 
   shape_rows(u);
   if (tables_.options.volume_law == VolumeLaw::bounded) {
     volume_rows<true>(u);
-    domain_rows<true>(u);
   } else {
     volume_rows<false>(u);
-    domain_rows<false>(u);
   }
+  domain_rows(u);
   for (Index i = 0; i < tables_.particle_count; ++i) force[i] = gathered(i, u);
 }
 
@@ -238,15 +249,16 @@ double MirrorForces::volume_energy(std::span<const Float3> u) const {
   return sum;
 }
 
-template <bool bounded>
 double MirrorForces::domain_energy(std::span<const Float3> u) const {
   const FloatDomains& t = tables_.domains;
   double sum = 0.0;
   for (Index d = 0; d < t.count(); ++d) {
-    const auto [inverse_volume, shape, volume, stabiliser] = t.law[d];
+    const float inverse_volume = law_of(d)[0], stabiliser = law_of(d)[1];
     if (inverse_volume == 0.0f) continue;
     const Columns<float> H = domain_gradient(d, u);
-    const float density = Kernels<float, bounded>::energy_density(H, shape, volume);
+    std::array<float, most_energy_constants> p = energy_constants(d);
+    float density = 0.0f;
+    with_energy<float>(tables_.options, [&](auto energy) { density = energy.energy_density(H, p.data()); });
     sum += (density - 0.5f * stabiliser * Forces::squared_norm(H)) / inverse_volume;
     for (Index r = t.range[d][0]; r < t.range[d][2]; ++r) {
       const Float3 apart = u[owner_of(t.neighbour[r])] - u[owner_of(d)];
@@ -259,10 +271,11 @@ double MirrorForces::domain_energy(std::span<const Float3> u) const {
 double MirrorForces::energy(std::span<const Float3> u) const {
   double sum = shape_energy(u);
   if (tables_.options.volume_law == VolumeLaw::bounded) {
-    sum += volume_energy<true>(u) + domain_energy<true>(u);
+    sum += volume_energy<true>(u);
   } else {
-    sum += volume_energy<false>(u) + domain_energy<false>(u);
+    sum += volume_energy<false>(u);
   }
+  sum += domain_energy(u);
   for (Index i = 0; i < tables_.particle_count; ++i) {
     for (Index r = tables_.lists[i][2]; r < tables_.lists[i + 1][2]; ++r) {
       // Each spring stands in the lists of both its ends.

@@ -38,10 +38,10 @@ class MirrorForces {
   void volume_rows(std::span<const Float3> u) const;
   Index owner_of(Index domain) const { return tables_.domains.owner.empty() ? domain : tables_.domains.owner[domain]; }
   Columns<float> domain_gradient(Index d, std::span<const Float3> u) const;
-  template <bool bounded>
+  const Float4& law_of(Index domain) const { return tables_.domains.law[tables_.domains.law_texels * domain]; }
+  std::array<float, most_energy_constants> energy_constants(Index d) const;
   void domain_rows(std::span<const Float3> u) const;
   Float3 domain_force(Index d) const;
-  template <bool bounded>
   double domain_energy(std::span<const Float3> u) const;
   template <bool bounded>
   double volume_energy(std::span<const Float3> u) const;

@@ -117,7 +117,8 @@ inline Material soft_tissue(double poisson = 0.3) {
 inline std::vector<Variant> averaged_variants() {
   return {{"material", {}, true},
           {"material nu 0.45", {}, true, 0.45},
-          {"material quadratic volume", {.volume_law = VolumeLaw::quadratic}, true}};
+          {"material quadratic volume", {.volume_law = VolumeLaw::quadratic}, true},
+          {"neo-Hookean", {.strain_energy = StrainEnergy::neo_hookean}, true}};
 }
 
 /// Every other energy the library has that is exactly conservative.

@@ -27,9 +27,9 @@ class BoundedForces {
     for (const VolumeTexel& term : t_.volumes) {
       t_.options.volume_law == VolumeLaw::bounded ? add_volume<true>(term) : add_volume<false>(term);
     }
-    for (Index d = 0; d < static_cast<Index>(t_.domains.size()); ++d) {
-      t_.options.volume_law == VolumeLaw::bounded ? add_domain<true>(d) : add_domain<false>(d);
-    }
+    cpu::with_energy<Bounded>(t_.options, [this](auto energy) {
+      for (Index d = 0; d < static_cast<Index>(t_.domains.size()); ++d) add_domain<decltype(energy)>(d);
+    });
   }
 
   Bounded3 force(Index i) const { return sum_[i].total(); }
@@ -128,8 +128,8 @@ class BoundedForces {
       react(t, now, stored(t_.weight[t]) * owner_force);
       return;
     }
-    const Bounded3 pull = BoundedKernels::base_pull(now.base, difference(i, t_.bases[t].vertex[0]), now.d1, now.d2, now.lambda_b,
-                                         now.lambda_c, now.beta);
+    const Bounded3 pull = BoundedKernels::base_pull(now.base, difference(i, t_.bases[t].vertex[0]), now.d1, now.d2,
+                                                    now.lambda_b, now.lambda_c, now.beta);
     const Bounded share = stored(t_.stiffness[i] * t_.weight[t]);
     add_energy(BoundedKernels::pull_energy(share, pull));
     const Bounded3 F = share * pull;
@@ -196,16 +196,16 @@ class BoundedForces {
     return {inverse * c0.total(), inverse * c1.total(), inverse * c2.total()};
   }
 
-  template <bool bounded>
+  template <class Energy>
   void add_domain(Index d) {
     const DomainTexel& domain = t_.domains[d];
     const cpu::Columns<Bounded> H = mean_gradient(d);
-    const Bounded shape = stored(domain.shape_stiffness), volume = stored(domain.volume_stiffness),
-                  spread = stored(domain.spread_stiffness);
-    using Energy = cpu::Kernels<Bounded, bounded>;
-    add_energy((Energy::energy_density(H, shape, volume) - (Bounded(0.5f) * spread) * Energy::squared_norm(H)) /
+    const Bounded spread = stored(domain.spread_stiffness);
+    std::array<Bounded, most_energy_constants> p;
+    for (std::size_t k = 0; k < p.size(); ++k) p[k] = stored(domain.energy[k]);
+    add_energy((Energy::energy_density(H, p.data()) - (Bounded(0.5f) * spread) * Energy::squared_norm(H)) /
                stored(domain.inverse_volume));
-    const cpu::Columns<Bounded> Q = Energy::minus(Energy::energy_stress(H, shape, volume), Energy::scaled(spread, H));
+    const cpu::Columns<Bounded> Q = Energy::minus(Energy::energy_stress(H, p.data()), Energy::scaled(spread, H));
     for (Index r = t_.first_link[d]; r < t_.first_link[d + 1]; ++r) {
       const LinkTexel& link = t_.links[r];
       sum_[t_.domains[link.domain].particle].add(-BoundedKernels::times(Q, stored3(link.area)));
@@ -214,7 +214,8 @@ class BoundedForces {
       add_energy((Bounded(0.25f) * stored(link.stiffness)) * inner_product(apart, apart));
     }
     for (Index r = t_.first_surface_link[d]; r < t_.first_surface_link[d + 1]; ++r) {
-      sum_[t_.domains[t_.surface_links[r].domain].particle].add(-BoundedKernels::times(Q, stored3(t_.surface_links[r].area)));
+      sum_[t_.domains[t_.surface_links[r].domain].particle].add(
+          -BoundedKernels::times(Q, stored3(t_.surface_links[r].area)));
     }
   }
 

@@ -208,8 +208,8 @@ inline Model cantilever(int n, const Material& material) {
   return model;
 }
 
-/// Tables with the energy of the averaged attractor and the stiffness the calibration would give: a body that has no
-/// bulk stiffness where neighbourhoods are symmetric.
+/// Tables with the energy of the averaged attractor and a stiffness of E times the spacing: a body that has no bulk
+/// stiffness where neighbourhoods are symmetric.
 inline TopologyTextures averaged_tables(Model model) {
   model.stiffness.assign(model.rest.size(), model.materials.front().young * mean_spacing(model));
   model.materials.clear();

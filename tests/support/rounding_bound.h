@@ -101,6 +101,13 @@ inline Bounded inverse_root_change(const Bounded& a, const Bounded& y) {
   return {change.value, change.error + 4.0 * unit * std::abs(change.value) + 1e-10};
 }
 
+/// a^(-1/3); three steps of Newton's method leave two units.
+inline Bounded inverse_cube_root(const Bounded& a) {
+  const double value = 1.0 / std::cbrt(a.value), least = std::max(a.value - a.error, 0.0);
+  const double inherited = least > 0.0 ? 1.0 / std::cbrt(least) - value : std::numeric_limits<double>::infinity();
+  return {value, inherited + 4.0 * unit * (value + inherited)};
+}
+
 /// A sum of vectors in any order.
 class BoundedSum {
  public:

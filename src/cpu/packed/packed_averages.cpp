@@ -11,6 +11,7 @@
 #include <string>
 
 #include "packed_rows.h"
+#include "topology/energies.h"
 
 namespace phymul::cpu {
 namespace {
@@ -118,17 +119,19 @@ class AveragesPacker {
   }
 
   void add_constants() {
-    to_.constants.assign(4 * static_cast<std::size_t>(to_.slots), 0.0f);
+    const std::size_t constants = kind_of(t_.options.strain_energy).constants, columns = 2 + constants;
+    to_.constants.assign(columns * static_cast<std::size_t>(to_.slots), 0.0f);
     for (std::int32_t place = 0; place < to_.slots; ++place) {
       const Index d = domain_of_quad_[simd::quad_of(place, lanes_)];
       if (d == none) continue;
       const DomainTexel& domain = t_.domains[d];
-      const std::array values{domain.inverse_volume, domain.shape_stiffness, domain.volume_stiffness,
-                              domain.spread_stiffness};
-      const std::int32_t slice = place / lanes_, lane = place % lanes_;
-      for (std::int32_t k = 0; k < 4; ++k) {
-        to_.constants[static_cast<std::size_t>((slice * 4 + k) * lanes_ + lane)] = narrow(values[k]);
-      }
+      const auto slice = static_cast<std::size_t>(place / lanes_), lane = static_cast<std::size_t>(place % lanes_);
+      const auto put = [&](std::size_t column, double value) {
+        to_.constants[(slice * columns + column) * static_cast<std::size_t>(lanes_) + lane] = narrow(value);
+      };
+      put(0, domain.inverse_volume);
+      put(1, domain.spread_stiffness);
+      for (std::size_t k = 0; k < constants; ++k) put(2 + k, domain.energy[k]);
     }
   }
 

@@ -190,7 +190,8 @@ class SimdSolver final : public SolverBackend {
     const simd::Averaged job = body_->averages.job(bytes(u_), bytes(stress_), bytes(force_));
     pool_.run([&, this](int part, int) {
       const DenormalsAreZero guard;
-      kernels_.averaged_stresses[body_->bounded](job, averaged_part_[part], averaged_part_[part + 1]);
+      kernels_.averaged_stresses[static_cast<int>(topology().options.strain_energy)][body_->bounded](
+          job, averaged_part_[part], averaged_part_[part + 1]);
     });
     laps_.end(Work::averaged_stresses);
     pool_.run([&, this](int part, int) {

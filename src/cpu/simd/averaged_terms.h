@@ -117,7 +117,7 @@ PHYMUL_INLINE Wide link_sum(const simd::Averaged& body, std::int64_t q, const st
 
 /// Stresses and springs of slices [slice, end). Displacements around a slot, each less its own, are summed with the
 /// areas (three columns) and with the stiffnesses (the fourth).
-template <bool bounded>
+template <class Energy>
 void averaged_stresses(const simd::Averaged& body, int slice, int end) {
   alignas(64) float columns[3][4 * lanes];
   for (; slice < end; ++slice) {
@@ -133,14 +133,15 @@ void averaged_stresses(const simd::Averaged& body, int slice, int end) {
       for (int c = 0; c < 3; ++c) store_quad(reinterpret_cast<char*>(columns[c]) + 16 * k, sum[c]);
       store_quad(body.force + 16 * (first + k), sum[3]);
     }
-    const float* constants = body.constants + 4 * first;
-    const Pack inverse_volume = load(constants), spread = load(constants + 3 * lanes);
-    using Kernels = Kernels<bounded>;
+    const float* constants = body.constants + (2 + Energy::energy_constants) * first;
+    const Pack inverse_volume = load(constants), spread = load(constants + lanes);
+    Pack p[Energy::energy_constants];
+    for (int k = 0; k < Energy::energy_constants; ++k) p[k] = load(constants + (2 + k) * lanes);
     const Columns sums{gather_row(reinterpret_cast<const char*>(columns[0])),
                        gather_row(reinterpret_cast<const char*>(columns[1])),
                        gather_row(reinterpret_cast<const char*>(columns[2]))};
-    const Columns H = Kernels::scaled(inverse_volume, sums);
-    const Columns P = Kernels::energy_stress(H, load(constants + lanes), load(constants + 2 * lanes));
+    const Columns H = Energy::scaled(inverse_volume, sums);
+    const Columns P = Energy::energy_stress(H, p);
     Pack3 Q[3] = {P.c0 - spread * H.c0, P.c1 - spread * H.c1, P.c2 - spread * H.c2};
     for (int c = 0; c < 3; ++c) {
       if (body.plane) Q[c].z = Pack{};  // nothing but rounding, which would leave the plane

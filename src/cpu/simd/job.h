@@ -79,7 +79,7 @@ struct Averaged {
   const char* u = nullptr;                   ///< [slots] m, displacements; of further slots, copies
   char* stress = nullptr;                    ///< [slots][4] quads: columns of Q, Pa, and zeros
   char* force = nullptr;                     ///< [slots] N
-  const float* constants = nullptr;          ///< [slices][4][lanes] 1/V, c, kappa, s mu
+  const float* constants = nullptr;          ///< [slices][2 + constants][lanes] 1/V, s mu, those of the energy
   const std::int32_t* first_link = nullptr;  ///< [slots + 1] of `link`; even numbers of each slot
   const std::int32_t* link = nullptr;        ///< byte offset of the other slot in `u`
   /// [slots] row of the first link in `links`, for either pass: C_de, m^2, and k, N/m; -C_ed and k. Inside a body these
@@ -132,7 +132,7 @@ struct Kernels {
   void (*enumerated[2])(const Job&);  ///< [averaged]
   void (*volumes[2][2])(const Job&);  ///< [plane][bounded]
   void (*springs)(const Job&);
-  void (*averaged_stresses[2])(const Averaged&, int slice, int end);  ///< [bounded]
+  void (*averaged_stresses[2][2])(const Averaged&, int slice, int end);  ///< [StrainEnergy][bounded]
   void (*averaged_forces)(const Averaged&, int slice, int end);
   void (*move)(const Move&, int slice, int end, MoveSummary&);
 };

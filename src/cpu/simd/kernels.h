@@ -22,7 +22,8 @@ constexpr simd::Kernels all_kernels(const char* name) {
           {enumerated_slices<false>, enumerated_slices<true>},
           {{volume_rows<false, false>, volume_rows<false, true>}, {volume_rows<true, false>, volume_rows<true, true>}},
           spring_slices,
-          {averaged_stresses<false>, averaged_stresses<true>},
+          {{averaged_stresses<ShapeMemory<false>>, averaged_stresses<ShapeMemory<true>>},
+           {averaged_stresses<NeoHookean<false>>, averaged_stresses<NeoHookean<true>>}},
           averaged_forces,
           move_slices};
 }

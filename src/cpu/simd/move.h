@@ -116,17 +116,17 @@ PHYMUL_INLINE void move_slices_of(const simd::Move& move, int slice, int end, si
       next_v = {select(x, w.x, next_v.x), select(y, w.y, next_v.y), select(z, w.z, next_v.z)};
       next_u = {select(x, target.x, next_u.x), select(y, target.y, next_u.y), select(z, target.z, next_u.z)};
     }
-    const Ints real = mass > 0.0f;
-    const Pack a_squared = select(real, dot(a, a), Pack{});
+    const Ints there = mass > 0.0f;
+    const Pack a_squared = select(there, dot(a, a), Pack{});
     acceleration = larger(a_squared, acceleration);
     const Pack3 net = mass * a;
-    push = larger(select(real, dot(net, net), Pack{}), push);
-    speed = larger(select(real, dot(free_v, free_v), Pack{}), speed);
+    push = larger(select(there, dot(net, net), Pack{}), push);
+    speed = larger(select(there, dot(free_v, free_v), Pack{}), speed);
     const Pack reached = dot(next_u, next_u);
-    displacement = larger(select(real, reached, Pack{}), displacement);
-    ran |= real & ~((dot(next_v, next_v) <= runaway) & (reached <= largest_float));
+    displacement = larger(select(there, reached, Pack{}), displacement);
+    ran |= there & ~((dot(next_v, next_v) <= runaway) & (reached <= largest_float));
     // Slots that stand for nothing stay at 0, whatever gravity does.
-    next_u = {select(real, next_u.x, Pack{}), select(real, next_u.y, Pack{}), select(real, next_u.z, Pack{})};
+    next_u = {select(there, next_u.x, Pack{}), select(there, next_u.y, Pack{}), select(there, next_u.z, Pack{})};
     store_row(move.next_u + 16 * at, next_u);
     store(move.next_v + 3 * at, next_v.x);
     store(move.next_v + 3 * at + lanes, next_v.y);

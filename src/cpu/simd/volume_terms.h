@@ -21,11 +21,11 @@ void volume_rows(const simd::Job& job) {
     const Pack inverse = load(row + 13 * lanes), stiffness = load(row + 14 * lanes);
     Pack3 a, b, c;
     if constexpr (plane) {
-      Kernels<bounded>::triangle_area_forces(E1, E2, d1, d2, inverse, stiffness, a, b, c);
+      VolumeKernels<bounded>::triangle_area_forces(E1, E2, d1, d2, inverse, stiffness, a, b, c);
     } else {
       const Pack3 d3 = gather(job.u, offset + 3 * lanes) - u0, E3 = load3(row + 10 * lanes);
       Pack3 d;
-      Kernels<bounded>::tetrahedron_volume_forces(E1, E2, E3, d1, d2, d3, inverse, stiffness, a, b, c, d);
+      VolumeKernels<bounded>::tetrahedron_volume_forces(E1, E2, E3, d1, d2, d3, inverse, stiffness, a, b, c, d);
       scatter_add(job.force, offset + 3 * lanes, d);
     }
     scatter_add(job.force, offset, a);

@@ -70,7 +70,7 @@ ShaderRequest ComputePasses::evaluating(const TermRows& rows) const {
   if (kind.attractors) append(request, {"step/force_of.glsl"});
   if (rows.bases) append(request, {"step/bases_pass.glsl"});
   if (rows.volumes) append(request, joined({volume_kernel(), {"step/volumes_pass.glsl"}}));
-  if (rows.domains) append(request, joined({stress_kernel(), {"step/domains_pass.glsl"}}));
+  if (rows.domains) append(request, joined({energy_kernel(kind), {"step/domains_pass.glsl"}}));
   return request;
 }
 
@@ -133,8 +133,7 @@ ShaderRequest ComputePasses::gathering(const LoadKind& loads, bool with_passes) 
   const BodyKind& kind = tables_->kind();
   ShaderRequest request = evaluating(with_passes ? all_terms() : TermRows{});
   define_gathering(kind, loads, request);
-  append(request, {"kernels/spring.glsl", "kernels/integrate.glsl", "step/terms_of.glsl",
-                   "step/net_force.glsl"});
+  append(request, {"kernels/spring.glsl", "kernels/integrate.glsl", "step/terms_of.glsl", "step/net_force.glsl"});
   return request;
 }
 

@@ -59,7 +59,8 @@ Energy ComputeSums::energy(const ComputeState& state, const ComputeLoads& loads,
     if (rows == 0) return;
     if (!kernel) {
       ShaderRequest request{
-          .files = joined({{"dialect/dialect_compute.glsl", "step/tables.glsl", "dialect/kernel_language.glsl"}, files}),
+          .files =
+              joined({{"dialect/dialect_compute.glsl", "step/tables.glsl", "dialect/kernel_language.glsl"}, files}),
           .defines = {{"ENERGY", 1}}};
       passes_->tables().define(request);
       kernel = compiled(std::move(request), pass, what, state);
@@ -67,8 +68,7 @@ Energy ComputeSums::energy(const ComputeState& state, const ComputeLoads& loads,
     energy.elastic += total(kernel, rows, state)[0][0];
   };
   add(volumes_, kind.volumes, volume_kernel(), "step/volumes_pass.glsl", "ENERGY_OF_VOLUMES");
-  add(domains_, kind.domains, stress_kernel(), "step/domains_pass.glsl",
-      "ENERGY_OF_DOMAINS");
+  add(domains_, kind.domains, energy_kernel(kind), "step/domains_pass.glsl", "ENERGY_OF_DOMAINS");
   return energy;
 }
 

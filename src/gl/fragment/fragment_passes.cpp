@@ -64,18 +64,17 @@ void FragmentPasses::add_volumes() {
 }
 
 void FragmentPasses::add_domains() {
-  const int domains = tables_->kind().domains;
-  domain_terms_ = Texture::target(domains, TexelFormat::rgba32f, "stresses of domains", 3);
-  add({.files = joined({common, stress_kernel(), {"step/domains_pass.glsl"}}),
-       .defines = {}},
-      {{&domain_terms_, 0}, {&domain_terms_, 1}, {&domain_terms_, 2}}, domains);
+  const BodyKind& kind = tables_->kind();
+  domain_terms_ = Texture::target(kind.domains, TexelFormat::rgba32f, "stresses of domains", 3);
+  add({.files = joined({common, energy_kernel(kind), {"step/domains_pass.glsl"}}), .defines = {}},
+      {{&domain_terms_, 0}, {&domain_terms_, 1}, {&domain_terms_, 2}}, kind.domains);
 }
 
 ShaderRequest FragmentPasses::gathering(const LoadKind& loads, const char* pass) const {
   const BodyKind& kind = tables_->kind();
   ShaderRequest request{.files = joined({common,
-                                         {"kernels/spring.glsl", "kernels/integrate.glsl",
-                                          "step/force_of.glsl", "step/terms_of.glsl", "step/net_force.glsl"}}),
+                                         {"kernels/spring.glsl", "kernels/integrate.glsl", "step/force_of.glsl",
+                                          "step/terms_of.glsl", "step/net_force.glsl"}}),
                         .defines = {}};
   request.files.emplace_back(pass);
   define_kernels(kind, request);

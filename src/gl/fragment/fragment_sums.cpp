@@ -61,8 +61,9 @@ void FragmentSums::compile_shared_terms() {
   const BodyKind& kind = passes_->tables().kind();
   shared_.clear();  // of an attempt that failed half-way
   const auto add = [&](std::vector<std::string> files, int rows) {
-    ShaderRequest request{.files = {"dialect/dialect_fragment.glsl", "step/tables.glsl", "dialect/kernel_language.glsl"},
-                          .defines = {{"ENERGY", 1}}};
+    ShaderRequest request{
+        .files = {"dialect/dialect_fragment.glsl", "step/tables.glsl", "dialect/kernel_language.glsl"},
+        .defines = {{"ENERGY", 1}}};
     request.files.insert(request.files.end(), files.begin(), files.end());
     define_kernels(kind, request);
     Pass pass(*library_, std::move(request));
@@ -71,7 +72,7 @@ void FragmentSums::compile_shared_terms() {
   };
   if (kind.volumes > 0) add(joined({volume_kernel(), {"step/volumes_pass.glsl"}}), kind.volumes);
   if (kind.domains > 0) {
-    add(joined({stress_kernel(), {"step/domains_pass.glsl"}}), kind.domains);
+    add(joined({energy_kernel(kind), {"step/domains_pass.glsl"}}), kind.domains);
   }
 }
 

@@ -5,12 +5,14 @@
 
 #include "device/float_tools.h"
 #include "interaction/shape_kind.h"
+#include "topology/energies.h"
 
 namespace phymul::gl {
 
 BodyKind::BodyKind(const FloatTables& tables)
     : options(tables.options),
       dimension(tables.dimension),
+      law_texels(tables.domains.law_texels),
       particles(tables.particle_count),
       bases(tables.base_count),
       volumes(tables.volume_count),
@@ -40,13 +42,13 @@ ShaderFiles attractor_files(const BodyKind& kind) {
 }
 
 const ShaderFiles& volume_kernel() {
-  static const ShaderFiles files{"kernels/volume.glsl"};
+  static const ShaderFiles files{"kernels/columns.glsl", "kernels/volume.glsl"};
   return files;
 }
 
-const ShaderFiles& stress_kernel() {
-  static const ShaderFiles files{"kernels/columns.glsl", "kernels/volume.glsl", "kernels/energy_shape.glsl"};
-  return files;
+ShaderFiles energy_kernel(const BodyKind& kind) {
+  return {"kernels/columns.glsl", "kernels/volume.glsl", "kernels/shape_memory.glsl",
+          std::string("kernels/energy_") + kind_of(kind.options.strain_energy).name + ".glsl"};
 }
 
 const ShaderFiles& tool_files() {
@@ -58,6 +60,7 @@ const ShaderFiles& tool_files() {
 void define_kernels(const BodyKind& kind, ShaderRequest& request) {
   request.defines.emplace_back("DIMENSION", kind.dimension);
   if (kind.options.volume_law == VolumeLaw::bounded) request.defines.emplace_back("BOUNDED_VOLUME", 1);
+  request.defines.emplace_back("LAW_TEXELS", kind.law_texels);
   if (kind.several_domains) request.defines.emplace_back("SEVERAL_DOMAINS", 1);
 }
 

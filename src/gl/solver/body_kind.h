@@ -16,6 +16,7 @@ namespace phymul::gl {
 struct BodyKind {
   TopologyOptions options;
   int dimension = 3;
+  int law_texels = 1;
   Index particles = 0, bases = 0, volumes = 0, domains = 0;
   LoopTurns turns;
   bool attractors = false;  ///< particles have a force F_i of their own: any reaction but the conservative
@@ -35,8 +36,8 @@ ShaderFiles joined(std::initializer_list<ShaderFiles> parts);
 const ShaderFiles& base_kernel();
 ShaderFiles attractor_files(const BodyKind& kind);
 const ShaderFiles& volume_kernel();
-const ShaderFiles& stress_kernel();  ///< with the kernels it needs
-const ShaderFiles& tool_files();   ///< up to touch_tools.glsl; needs net_force.glsl
+ShaderFiles energy_kernel(const BodyKind& kind);  ///< of domains, with the kernels it needs
+const ShaderFiles& tool_files();                  ///< up to touch_tools.glsl; needs net_force.glsl
 
 /// The kernels' macros.
 void define_kernels(const BodyKind& kind, ShaderRequest& request);

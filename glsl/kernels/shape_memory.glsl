@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// The energy density of the shape-memory model at F = I + H: c W(F) + kappa U(det F), Pa, with
+// The energy density of the shape-memory model at F = I + H: c W(F), Pa, with
 //   W = 1/2 sum of weight |n_m(F) - F m|^2 over seven unit vectors m,  n_m(F) = cof(F) m / |cof(F) m|
-// (src/elastic/energy_density.h), and its derivative by F. Exactly 0 at H = 0. Needs columns.glsl, volume.glsl.
+// (src/elastic/energy_density.h), and its derivative by F. Exactly 0 at H = 0. Needs columns.glsl.
 
 // Of a direction m, which need not be a unit vector; norm = 1 / |m|^2.
 struct Direction {
@@ -57,8 +57,7 @@ KERNEL Columns weighted_sum(real3 a, real3 b, real3 c, real3 d, real3 x, real3 y
                  diagonal * ((a - d) + (b + c)) + axis * z);
 }
 
-KERNEL Columns energy_stress(Columns H, real c, real kappa) {
-  Change change = change_of(H);
+KERNEL Columns shape_stress(Columns H, Change change, real c) {
   Columns F = plus_identity(H);
   Directions d = directions(H, change.cof);
   Columns R = weighted_sum(d.a.r, d.b.r, d.c.r, d.d.r, d.x.r, d.y.r, d.z.r);
@@ -67,16 +66,13 @@ KERNEL Columns energy_stress(Columns H, real c, real kappa) {
   Columns P = Columns(cross_product(A.c1, F.c2) + cross_product(F.c1, A.c2),
                       cross_product(A.c2, F.c0) + cross_product(F.c2, A.c0),
                       cross_product(A.c0, F.c1) + cross_product(F.c0, A.c1));
-  real q = kappa * volume_pressure(change.trace + change.minors + change.determinant);
-  return plus(scaled(c, minus(P, R)), scaled(q, plus_identity(change.cof)));
+  return scaled(c, minus(P, R));
 }
 
-KERNEL real energy_density(Columns H, real c, real kappa) {
-  Change change = change_of(H);
+KERNEL real shape_density(Columns H, Change change, real c) {
   Directions d = directions(H, change.cof);
   real diagonals = inner_product(d.a.r, d.a.r) + inner_product(d.b.r, d.b.r) + inner_product(d.c.r, d.c.r) +
                    inner_product(d.d.r, d.d.r);
   real axes = inner_product(d.x.r, d.x.r) + inner_product(d.y.r, d.y.r) + inner_product(d.z.r, d.z.r);
-  return c * (literal(0.025f) * diagonals + literal(0.06666667f) * axes) +
-         kappa * volume_energy_density(change.trace + change.minors + change.determinant);
+  return c * (literal(0.025f) * diagonals + literal(0.06666667f) * axes);
 }
