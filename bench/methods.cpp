@@ -37,8 +37,11 @@ std::vector<Method> make_methods() {
   reaction("shared", "shape memory, shared reaction", Reaction::shared);
   reaction("barycentric", "shape memory, barycentric reaction", Reaction::barycentric);
   reaction("averaged", "shape memory, averaged", Reaction::averaged);
-  Method& material = all.emplace_back();
-  material.name = "particle_averaged", material.label = "calibrated material";
+  Method& shape_memory = all.emplace_back();
+  shape_memory.name = "particle_averaged", shape_memory.label = "calibrated material";
+  Method& neo_hookean = all.emplace_back();
+  neo_hookean.name = "neo_hookean", neo_hookean.label = "calibrated material, neo-Hookean";
+  neo_hookean.options.strain_energy = StrainEnergy::neo_hookean;
   return all;
 }
 
