@@ -63,8 +63,8 @@ enum class VolumeLaw {
 enum class StrainEnergy {
   /// c/2 |F n0 - n(F)|^2, averaged over seven directions n0 that are isotropic together (Calibration), plus kappa U(J)
   shape_memory,
-  /// mu/2 (J^(-2/3) tr(F^T F) - 3) + K U(J). Below J = 1/2, J^(-2/3) goes on along its tangent, so that collapsed and
-  /// inverted bodies recover.
+  /// mu/2 (J^(-2/3) tr(F^T F) - 3) + K U(J). Below J = 1/2, J^(-2/3) goes on along its tangent, and 6 mu (1/2 - J)^2 is
+  /// added, so that flat and inverted bodies return. One collapsed to a line or a point stays there.
   neo_hookean
 };
 

@@ -76,13 +76,15 @@ S volume_energy(const Mat<S>& F, S stiffness, VolumeLaw law, Mat<S>* gradient) {
   return stiffness * volume_energy_density(law, J);
 }
 
-/// mu/2 (g(J) tr(F^T F) - 3) with g = J^(-2/3), below J = 1/2 its tangent there.
+/// mu/2 (g(J) tr(F^T F) - 3) with g = J^(-2/3), below J = 1/2 its tangent there. That alone would let a body gain energy
+/// by shrinking to a point, so that 6 mu (1/2 - J)^2 is added there, which makes up for it.
 template <class S>
 S neo_hookean_energy(const Mat<S>& F, S mu, Mat<S>* gradient) {
   const S J = F.determinant(), kink = std::max(J, S(0.5)), at_kink = std::pow(kink, S(-2) / S(3));
   const S slope = S(-2) / S(3) * at_kink / kink, g = at_kink + slope * (J - kink);
-  if (gradient) *gradient = mu * (g * F + S(0.5) * slope * F.squaredNorm() * cofactor(F));
-  return S(0.5) * mu * (g * F.squaredNorm() - S(3));
+  const S below = kink - J;
+  if (gradient) *gradient = mu * (g * F + (S(0.5) * slope * F.squaredNorm() - S(12) * below) * cofactor(F));
+  return mu * (S(0.5) * (g * F.squaredNorm() - S(3)) + S(6) * below * below);
 }
 
 /// psi(F), Pa, of the constants `p` (DomainTexel::energy), and where asked for its derivative by F.
