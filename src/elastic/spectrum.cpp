@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Extreme eigenvalues of M^-1 K, K = -df/dx by central differences of the elastic forces along a direction. Lanczos
-// works on the symmetric M^-1/2 K M^-1/2, Arnoldi on the same similarity transform of an unsymmetric K.
-// Source: Golub & Van Loan, Matrix Computations, ch. 10.
+// Extreme eigenvalues of M^-1 K, K = -df/dx by central differences of the elastic forces along a direction, or, at
+// rest, from the tables of Law::particle_averaged. Lanczos works on the symmetric M^-1/2 K M^-1/2, Arnoldi on the same
+// similarity transform of an unsymmetric K. Source: Golub & Van Loan, Matrix Computations, ch. 10.
 #include <phymul/elasticity.h>
 #include <phymul/error.h>
 
@@ -12,8 +12,11 @@
 #include <complex>
 #include <future>
 #include <limits>
+#include <optional>
 #include <random>
 #include <thread>
+
+#include "averaged_stiffness.h"
 
 namespace phymul {
 namespace {
@@ -30,8 +33,8 @@ constexpr int lanczos_steps = 400;
 constexpr Spectrum out_of_range{.largest = std::numeric_limits<double>::infinity()};
 /// Arnoldi keeps every vector: as many as fit in this many bytes, within [12, 80].
 constexpr double arnoldi_bytes = 4e8;
-/// From so many particles on, forces on both sides of a difference are found side by side: far more work than starting
-/// a thread.
+/// From so many particles on, forces on both sides of a difference, or on both halves of a body, are found side by
+/// side: far more work than starting a thread.
 constexpr Index worth_a_thread = 500;
 
 double rest_spacing(const TopologyTextures& topology) {
@@ -59,9 +62,13 @@ class ScaledStiffness {
         position_(position),
         spacing_(rest_spacing(topology)),
         scale_(Vector::Zero(3 * topology.particle_count)),
-        plus_(position),
-        minus_(position),
         side_by_side_(topology.particle_count >= worth_a_thread && std::thread::hardware_concurrency() > 1) {
+    if (AveragedStiffness::is_all_of(topology) && std::ranges::equal(position, topology.rest)) {
+      at_rest_.emplace(topology, side_by_side_);
+    } else {
+      plus_.resize(position.size());
+      minus_.resize(position.size());
+    }
     for (Index i = 0; i < topology.particle_count; ++i) {
       for (int axis = 0; axis < topology.dimension; ++axis) {
         const bool free = fixed.empty() || (fixed[i] >> axis & 1) == 0;
@@ -79,6 +86,24 @@ class ScaledStiffness {
     const double largest = direction.cwiseAbs().maxCoeff();
     result.setZero(q.size());
     if (largest == 0.0) return;
+    if (at_rest_) {
+      at_rest_->apply(direction, result);
+      result.array() *= scale_.array();
+    } else {
+      apply_differences(direction, largest, result);
+    }
+  }
+
+ private:
+  struct Side {
+    VecList moved, force;
+    void resize(std::size_t count) {
+      moved.resize(count);
+      force.resize(count);
+    }
+  };
+
+  void apply_differences(const Vector& direction, double largest, Vector& result) {
     // Truncation falls as step^2, rounding grows as 1/step: 1e-4 of the spacing keeps both near 1e-8.
     const double step = 1e-4 * spacing_ / largest;
     if (side_by_side_) {
@@ -95,12 +120,6 @@ class ScaledStiffness {
     }
   }
 
- private:
-  struct Side {
-    explicit Side(std::span<const Vec3> position) : moved(position.begin(), position.end()), force(position.size()) {}
-    VecList moved, force;
-  };
-
   void force_at(const Vector& direction, double step, Side& side) const {
     for (Index i = 0; i < topology_.particle_count; ++i) {
       side.moved[i] = position_[i] + step * direction.segment<3>(3 * i);
@@ -112,8 +131,9 @@ class ScaledStiffness {
   std::span<const Vec3> position_;
   double spacing_;
   Vector scale_;
-  Side plus_, minus_;
   bool side_by_side_;
+  std::optional<AveragedStiffness> at_rest_;
+  Side plus_, minus_;  // empty where at_rest_ serves
 };
 
 /// Fixed, and from the generator's bits alone: the same on every machine.

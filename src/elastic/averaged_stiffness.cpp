@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#include "averaged_stiffness.h"
+
+#include <future>
+
+namespace phymul {
+
+bool AveragedStiffness::is_all_of(const TopologyTextures& t) {
+  return !t.domains.empty() && t.base_count == 0 && t.springs.empty() && t.volumes.empty() && t.cells.empty();
+}
+
+AveragedStiffness::AveragedStiffness(const TopologyTextures& topology, bool side_by_side)
+    : topology_(topology), side_by_side_(side_by_side) {}
+
+void AveragedStiffness::apply(const Eigen::VectorXd& u, Eigen::VectorXd& result) {
+  const auto all = static_cast<Index>(topology_.domains.size());
+  const Index half = all / 2;
+  const auto second = [&] { apply(half, all, u, other_); };
+  if (side_by_side_) {
+    auto other = std::async(std::launch::async | std::launch::deferred, second);
+    apply(0, half, u, result);
+    other.get();
+  } else {
+    apply(0, half, u, result);
+    second();
+  }
+  result += other_;
+}
+
+/// The change of mean_stress (elasticity.cpp) with u: at F = I the seven directions are isotropic together, with the
+/// Lame constants of Calibration (topology.h).
+Mat3 AveragedStiffness::stress(Index d, const Eigen::VectorXd& u) const {
+  const TopologyTextures& t = topology_;
+  const DomainTexel& domain = t.domains[d];
+  const auto displacement = [&](Index e) { return Vec3(u.segment<3>(3 * t.domains[e].particle)); };
+  const Vec3 own = displacement(d);
+  Mat3 H = Mat3::Zero();
+  for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
+    H += (displacement(t.links[r].domain) - own) * t.links[r].area.transpose();
+  }
+  for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
+    H += (displacement(t.surface_links[r].domain) - own) * t.surface_links[r].area.transpose();
+  }
+  H *= domain.inverse_volume;
+  const double mu = 7.0 / 15.0 * domain.shape_stiffness;
+  const double lambda = domain.volume_stiffness - domain.shape_stiffness / 5.0;
+  Mat3 P = mu * (H + H.transpose()) - domain.spread_stiffness * H;
+  P.diagonal().array() += lambda * H.trace();
+  return P;
+}
+
+void AveragedStiffness::apply(Index first, Index last, const Eigen::VectorXd& u, Eigen::VectorXd& result) const {
+  const TopologyTextures& t = topology_;
+  result.setZero(u.size());
+  for (Index d = first; d < last; ++d) {
+    const Mat3 Q = stress(d, u);
+    const Index i = t.domains[d].particle;
+    const Vec3 own = u.segment<3>(3 * i);
+    Vec3 sum = Vec3::Zero();
+    for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
+      const LinkTexel& link = t.links[r];
+      const Index j = t.domains[link.domain].particle;
+      const Vec3 pull = Q * link.area;
+      result.segment<3>(3 * j) += pull;
+      sum += pull + link.stiffness * (u.segment<3>(3 * j) - own);
+    }
+    for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
+      const SurfaceLinkTexel& link = t.surface_links[r];
+      const Vec3 pull = Q * link.area;
+      result.segment<3>(3 * t.domains[link.domain].particle) += pull;
+      sum += pull;
+    }
+    result.segment<3>(3 * i) -= sum;
+  }
+}
+
+}  // namespace phymul
