@@ -32,14 +32,16 @@ void AveragedStiffness::apply(const Eigen::VectorXd& u, Eigen::VectorXd& result)
 Mat3 AveragedStiffness::stress(Index d, const Eigen::VectorXd& u) const {
   const TopologyTextures& t = topology_;
   const DomainTexel& domain = t.domains[d];
-  const auto displacement = [&](Index e) { return Vec3(u.segment<3>(3 * t.domains[e].particle)); };
-  const Vec3 own = displacement(d);
+  const Vec3 own = u.segment<3>(3 * domain.particle);
   Mat3 H = Mat3::Zero();
-  for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
-    H += (displacement(t.links[r].domain) - own) * t.links[r].area.transpose();
-  }
+  const auto add = [&](Index e, const Vec3& area) {
+    const Vec3 difference = u.segment<3>(3 * t.domains[e].particle) - own;
+    for (int axis = 0; axis < 3; ++axis)
+      H.col(axis) += difference * area[axis];  // an outer product takes twice as long
+  };
+  for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) add(t.links[r].domain, t.links[r].area);
   for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
-    H += (displacement(t.surface_links[r].domain) - own) * t.surface_links[r].area.transpose();
+    add(t.surface_links[r].domain, t.surface_links[r].area);
   }
   H *= domain.inverse_volume;
   const double mu = 7.0 / 15.0 * domain.shape_stiffness;
