@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "cell_quadrature.h"
+#include "halves.h"
 #include "model/cell_geometry.h"
 #include "stabiliser.h"
 #include "transpose.h"
@@ -25,15 +26,21 @@ bool solid(const Model& model, Index row) {
   return is_solid(model.dimension, model.cells[row].type);
 }
 
-/// Calls visit(domains of its vertices, its points) for every solid cell.
+/// Calls visit(domains of its vertices, its points, is_own) for every solid cell, from two threads, each with one half
+/// of the domains for its own and the cells around them. Who visits writes rows of its own domains only; these see the
+/// cells in their order.
 template <class Visit>
 void for_each_cell(const Model& model, const Domains& domains, const Visit& visit) {
-  std::vector<CellPoint> points;
-  for (Index row = 0; row < domains.of_cell.rows(); ++row) {
-    if (domains.of_cell.size(row) == 0) continue;
-    cell_points(model, row, points);
-    visit(std::span(domains.of_cell.begin(row), domains.of_cell.end(row)), points);
-  }
+  in_halves(domains.count(), [&](int, Index first, Index last) {
+    const auto is_own = [&](Index d) { return first <= d && d < last; };
+    std::vector<CellPoint> points;
+    for (Index row = 0; row < domains.of_cell.rows(); ++row) {
+      const std::span<const Index> vertices(domains.of_cell.begin(row), domains.of_cell.end(row));
+      if (std::ranges::none_of(vertices, is_own)) continue;
+      cell_points(model, row, points);
+      visit(vertices, points, is_own);
+    }
+  });
 }
 
 /// Domain numbers: one for each particle and each material around it.
@@ -78,25 +85,62 @@ void number_domains(const Model& model, Domains& domains) {
   }
 }
 
-/// Rows of the domains that share a cell.
-void pair_domains(Domains& domains) {
-  const RaggedList& of_cell = domains.of_cell;
-  constexpr Index most = 8;  // vertices of a cell
-  const RaggedList cells = transpose(domains.count(), of_cell.rows(), most, [&](Index row, Index vertex) {
-    return vertex < of_cell.size(row) ? of_cell.begin(row)[vertex] : none;
-  });
-  std::vector<Index> row, seen(domains.particle.size(), none);  // the last row that has it
-  for (Index d = 0; d < domains.count(); ++d) {
+constexpr Index most_vertices = 8;  // of a cell
+
+/// Rows of Domains::pairs for the domains first ... last - 1. cells: per domain the entries cell * most_vertices +
+/// vertex.
+RaggedList pair_rows(const RaggedList& of_cell, const RaggedList& cells, Index first, Index last) {
+  RaggedList rows;
+  std::vector<Index> row;
+  std::vector<Index> seen(static_cast<std::size_t>(cells.rows()), none);  // the last row that has it
+  for (Index d = first; d < last; ++d) {
     row.clear();
     for (const Index* entry = cells.begin(d); entry != cells.end(d); ++entry) {
-      const Index cell = *entry / most;
+      const Index cell = *entry / most_vertices;
       for (const Index* e = of_cell.begin(cell); e != of_cell.end(cell); ++e) {
         if (std::exchange(seen[*e], d) != d) row.push_back(*e);
       }
     }
     std::ranges::sort(row);
-    domains.pairs.push_row(row.begin(), row.end());
+    rows.push_row(row.begin(), row.end());
   }
+  return rows;
+}
+
+void pair_domains(Domains& domains) {
+  const RaggedList& of_cell = domains.of_cell;
+  const RaggedList cells = transpose(domains.count(), of_cell.rows(), most_vertices, [&](Index row, Index vertex) {
+    return vertex < of_cell.size(row) ? of_cell.begin(row)[vertex] : none;
+  });
+  std::array<RaggedList, 2> rows;
+  in_halves(domains.count(),
+            [&](int part, Index first, Index last) { rows[part] = pair_rows(of_cell, cells, first, last); });
+  domains.pairs = std::move(rows[0]);
+  for (Index d = 0; d < rows[1].rows(); ++d) domains.pairs.push_row(rows[1].begin(d), rows[1].end(d));
+}
+
+/// -integral of s mu grad N_d . grad N_e for every pair, s mu (`spread`) averaged over the domains.
+std::vector<double> pair_stiffness(const Model& model, const Domains& domains, const std::vector<double>& spread) {
+  std::vector<double> stiffness(domains.pairs.entry.size(), 0.0);
+  for_each_cell(model, domains, [&](std::span<const Index> domain, std::span<const CellPoint> points, auto is_own) {
+    std::array<double, 8> weight{};  // of each point
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      double s_mu = 0.0;
+      for (std::size_t v = 0; v < domain.size(); ++v) s_mu += points[k].value[v] * spread[domain[v]];
+      weight[k] = points[k].volume * s_mu;
+    }
+    for (std::size_t a = 0; a < domain.size(); ++a) {
+      for (std::size_t b = 0; b < a; ++b) {
+        double sum = 0.0;
+        for (std::size_t k = 0; k < points.size(); ++k) {
+          sum += weight[k] * points[k].gradient[a].dot(points[k].gradient[b]);
+        }
+        if (is_own(domain[a])) stiffness[domains.pair(domain[a], domain[b])] -= sum;
+        if (is_own(domain[b])) stiffness[domains.pair(domain[b], domain[a])] -= sum;
+      }
+    }
+  });
+  return stiffness;
 }
 
 bool all_solid_cells_are(const Model& model, CellType type) {
@@ -134,8 +178,7 @@ std::vector<double> stabiliser_of_domains(const Model& model, const Domains& dom
   return sum;
 }
 
-/// Links without their stiffness.
-void add_links(const Domains& domains, TopologyTextures& topology) {
+void add_links(const Domains& domains, const std::vector<double>& stiffness, TopologyTextures& topology) {
   const RaggedList& pairs = domains.pairs;
   topology.links.reserve(pairs.entry.size() - domains.particle.size());
   // Where row e has d: both rows are in increasing order, so that it is where the row has been read to.
@@ -154,37 +197,12 @@ void add_links(const Domains& domains, TopologyTextures& topology) {
       const Vec3& back = domains.area[next[e]++];
       const Vec3 surface = cleaned(0.5 * (there + back));
       if (surface != Vec3::Zero()) topology.surface_links.push_back({e, surface});
-      if (e != d) topology.links.push_back({e, cleaned(0.5 * (there - back)), 0.0});
+      if (e != d) topology.links.push_back({e, cleaned(0.5 * (there - back)), stiffness[r]});
     }
     topology.first_link.push_back(static_cast<Index>(topology.links.size()));
     topology.first_surface_link.push_back(static_cast<Index>(topology.surface_links.size()));
   }
   topology.surface_links.shrink_to_fit();
-}
-
-/// Adds -integral of s mu grad N_d . grad N_e to every link, s mu (`spread`) averaged over the domains.
-void add_stiffness(const Model& model, const Domains& domains, const std::vector<double>& spread,
-                   std::vector<LinkTexel>& links) {
-  // Links are the pairs without those of a domain with itself.
-  const auto link = [&](Index d, Index e) -> LinkTexel& { return links[domains.pair(d, e) - d - (e > d ? 1 : 0)]; };
-  for_each_cell(model, domains, [&](std::span<const Index> domain, std::span<const CellPoint> points) {
-    std::array<double, 8> weight{};  // of each point
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      double s_mu = 0.0;
-      for (std::size_t v = 0; v < domain.size(); ++v) s_mu += points[k].value[v] * spread[domain[v]];
-      weight[k] = points[k].volume * s_mu;
-    }
-    for (std::size_t a = 0; a < domain.size(); ++a) {
-      for (std::size_t b = 0; b < a; ++b) {
-        double sum = 0.0;
-        for (std::size_t k = 0; k < points.size(); ++k) {
-          sum += weight[k] * points[k].gradient[a].dot(points[k].gradient[b]);
-        }
-        link(domain[a], domain[b]).stiffness -= sum;
-        link(domain[b], domain[a]).stiffness -= sum;
-      }
-    }
-  });
 }
 
 }  // namespace
@@ -202,8 +220,9 @@ Domains domains_of(const Model& model) {
   pair_domains(domains);
   domains.volume.assign(domains.particle.size(), 0.0);
   domains.area.assign(domains.pairs.entry.size(), Vec3::Zero());
-  for_each_cell(model, domains, [&](std::span<const Index> domain, std::span<const CellPoint> points) {
+  for_each_cell(model, domains, [&](std::span<const Index> domain, std::span<const CellPoint> points, auto is_own) {
     for (std::size_t a = 0; a < domain.size(); ++a) {
+      if (!is_own(domain[a])) continue;
       for (const CellPoint& point : points) domains.volume[domain[a]] += point.volume * point.value[a];
       for (std::size_t b = 0; b < domain.size(); ++b) {
         Vec3 area = Vec3::Zero();
@@ -216,7 +235,7 @@ Domains domains_of(const Model& model) {
 }
 
 void add_averaged_terms(const Model& model, TopologyTextures& topology) {
-  Domains domains = domains_of(model);
+  const Domains domains = domains_of(model);
   if (domains.count() == 0) {
     throw Error(ErrorCode::invalid_model,
                 "Law::particle_averaged needs cells with a volume (in 2-D: triangles or "
@@ -233,9 +252,7 @@ void add_averaged_terms(const Model& model, TopologyTextures& topology) {
   topology.first_domain.assign(model.rest.size() + 1, 0);
   for (const Index i : domains.particle) ++topology.first_domain[i + 1];
   std::partial_sum(topology.first_domain.begin(), topology.first_domain.end(), topology.first_domain.begin());
-  add_links(domains, topology);
-  domains.area = {};  // links have taken it over
-  add_stiffness(model, domains, spread, topology.links);
+  add_links(domains, pair_stiffness(model, domains, spread), topology);
 }
 
 }  // namespace phymul

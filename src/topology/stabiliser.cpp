@@ -7,6 +7,7 @@
 #include <span>
 
 #include "cell_quadrature.h"
+#include "halves.h"
 
 namespace phymul {
 namespace {
@@ -52,6 +53,11 @@ Products products(const Vec3& x) {
   return {x.x() * x.x(), x.y() * x.y(), x.z() * x.z(), x.x() * x.y(), x.y() * x.z(), x.z() * x.x()};
 }
 
+/// Adds gradient * product, column by column: an outer product takes twice as long.
+void add(const Vec3& gradient, const Products& product, Gradients& sum) {
+  for (int k = 0; k < 6; ++k) sum.col(k) += gradient * product[k];
+}
+
 /// Displacement gradient of a bending. In 2-D products with x_c are zero.
 Mat3 bent(const Gradients& of, const Bending& way, double nu) {
   const auto gradient = [&](int a, int b) { return of.col(place[a][b]).transpose(); };
@@ -75,37 +81,55 @@ Vec3 centroid(const Model& model, const Domains& domains) {
 /// Energies by type of cell: exact, of the means, and of the spread at s = 1.
 struct Energies {
   std::array<double, cell_types> exact{}, means{}, spread{};
+
+  void operator+=(const Energies& other) {
+    for (std::size_t type = 0; type < cell_types; ++type) {
+      exact[type] += other.exact[type];
+      means[type] += other.means[type];
+      spread[type] += other.spread[type];
+    }
+  }
 };
 
 class BendingTest {
  public:
   BendingTest(const Model& model, const Domains& domains)
-      : model_(model),
-        domains_(domains),
-        centre_(centroid(model, domains)),
-        ways_(bendings(model.dimension)),
-        sums_(ways_.size()) {
+      : model_(model), domains_(domains), centre_(centroid(model, domains)), ways_(bendings(model.dimension)) {
     for (const Material& material : model.materials) elastic_.emplace_back(material, model.dimension);
+    for (Sums& half : halves_) half.of.resize(ways_.size());
   }
 
   /// Of each bending.
   std::vector<Energies> energies() {
-    for (Index row = 0; row < domains_.of_cell.rows(); ++row) {
-      if (domains_.of_cell.size(row) > 0) add_cell(row);
-    }
-    for (Index d = 0; d < domains_.count(); ++d) add_mean(d);
-    return sums_;
+    in_halves(domains_.of_cell.rows(), [&](int part, Index first, Index last) {
+      std::vector<CellPoint> points;
+      for (Index row = first; row < last; ++row) {
+        if (domains_.of_cell.size(row) > 0) add_cell(row, points, halves_[part]);
+      }
+    });
+    in_halves(domains_.count(), [&](int part, Index first, Index last) {
+      for (Index d = first; d < last; ++d) add_mean(d, halves_[part].of);
+    });
+    std::vector<Energies> sum = halves_[0].of;
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += halves_[1].of[k];
+    return sum;
   }
 
  private:
+  /// Of one half of the body.
+  struct Sums {
+    std::vector<Energies> of;                            // each bending
+    std::array<std::vector<double>, cell_types> volume;  // [D] of a domain in cells of a type; empty without any
+  };
+
   Vec3 from_centre(Index particle) const { return model_.rest[particle] - centre_; }
 
-  void add_cell(Index row) {
+  void add_cell(Index row, std::vector<CellPoint>& points, Sums& sums) const {
     const Cell& cell = model_.cells[row];
     const Elastic& elastic = elastic_[cell.material];
     const auto type = static_cast<std::size_t>(cell.type);
     const std::size_t vertices = cell.particles.size();
-    cell_points(model_, row, points_);
+    cell_points(model_, row, points);
     std::array<std::array<double, 8>, 3> height;  // along each axis
     std::array<Products, 8> product;
     for (std::size_t v = 0; v < vertices; ++v) {
@@ -115,41 +139,43 @@ class BendingTest {
     }
     std::array<double, 3> square;
     for (int axis = 0; axis < 3; ++axis) {
-      square[axis] = integral_of_square(cell.type, points_, std::span(height[axis]).first(vertices));
+      square[axis] = integral_of_square(cell.type, points, std::span(height[axis]).first(vertices));
     }
-    for (std::size_t k = 0; k < ways_.size(); ++k) sums_[k].exact[type] += 0.5 * elastic.young * square[ways_[k].b];
-    std::vector<double>& volume = volume_[type];
+    for (std::size_t k = 0; k < ways_.size(); ++k) sums.of[k].exact[type] += 0.5 * elastic.young * square[ways_[k].b];
+    std::vector<double>& volume = sums.volume[type];
     volume.resize(domains_.particle.size(), 0.0);
-    for (const CellPoint& point : points_) {
+    for (const CellPoint& point : points) {
       Gradients gradients = Gradients::Zero();
       for (std::size_t v = 0; v < vertices; ++v) {
-        gradients += point.gradient[v] * product[v];
+        add(point.gradient[v], product[v], gradients);
         volume[domains_.of_cell.begin(row)[v]] += point.volume * point.value[v];
       }
       for (std::size_t k = 0; k < ways_.size(); ++k) {
         const double squares = bent(gradients, ways_[k], elastic.poisson).squaredNorm();
-        sums_[k].spread[type] += point.volume * 0.5 * elastic.mu * squares;
+        sums.of[k].spread[type] += point.volume * 0.5 * elastic.mu * squares;
       }
     }
   }
 
   /// What the mean of a domain has, and what the stabiliser takes off for it at s = 1, to the types of its cells.
-  void add_mean(Index d) {
+  void add_mean(Index d, std::vector<Energies>& sums) const {
     const Elastic& elastic = elastic_[domains_.material[d]];
     const Products own = products(from_centre(domains_.particle[d]));
     Gradients gradients = Gradients::Zero();
     for (Index r = domains_.pairs.offset[d]; r < domains_.pairs.offset[d + 1]; ++r) {
       const Products other = products(from_centre(domains_.particle[domains_.pairs.entry[r]]));
-      gradients += domains_.area[r] * (other - own);
+      add(domains_.area[r], other - own, gradients);
     }
     gradients /= domains_.volume[d];
     for (std::size_t k = 0; k < ways_.size(); ++k) {
       const Mat3 H = bent(gradients, ways_[k], elastic.poisson);
       const double energy = elastic.energy(H), off = 0.5 * elastic.mu * H.squaredNorm();
-      for (std::size_t type = 0; type < cell_types; ++type) {
-        if (volume_[type].empty()) continue;
-        sums_[k].means[type] += volume_[type][d] * energy;
-        sums_[k].spread[type] -= volume_[type][d] * off;
+      for (const Sums& half : halves_) {
+        for (std::size_t type = 0; type < cell_types; ++type) {
+          if (half.volume[type].empty()) continue;
+          sums[k].means[type] += half.volume[type][d] * energy;
+          sums[k].spread[type] -= half.volume[type][d] * off;
+        }
       }
     }
   }
@@ -158,10 +184,8 @@ class BendingTest {
   const Domains& domains_;
   Vec3 centre_;
   std::vector<Bending> ways_;
-  std::vector<Energies> sums_;
   std::vector<Elastic> elastic_;
-  std::array<std::vector<double>, cell_types> volume_;  // [D] of the domains in cells of a type; empty without any
-  std::vector<CellPoint> points_;
+  std::array<Sums, 2> halves_;
 };
 
 }  // namespace
