@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "averaged_stiffness.h"
 
-#include <future>
+#include "topology/halves.h"
 
 namespace phymul {
 
@@ -9,21 +9,11 @@ bool AveragedStiffness::is_all_of(const TopologyTextures& t) {
   return !t.domains.empty() && t.base_count == 0 && t.springs.empty() && t.volumes.empty() && t.cells.empty();
 }
 
-AveragedStiffness::AveragedStiffness(const TopologyTextures& topology, bool side_by_side)
-    : topology_(topology), side_by_side_(side_by_side) {}
+AveragedStiffness::AveragedStiffness(const TopologyTextures& topology) : topology_(topology) {}
 
 void AveragedStiffness::apply(const Eigen::VectorXd& u, Eigen::VectorXd& result) {
-  const auto all = static_cast<Index>(topology_.domains.size());
-  const Index half = all / 2;
-  const auto second = [&] { apply(half, all, u, other_); };
-  if (side_by_side_) {
-    auto other = std::async(std::launch::async | std::launch::deferred, second);
-    apply(0, half, u, result);
-    other.get();
-  } else {
-    apply(0, half, u, result);
-    second();
-  }
+  in_halves(static_cast<Index>(topology_.domains.size()),
+            [&](int part, Index first, Index last) { apply(first, last, u, part == 0 ? result : other_); });
   result += other_;
 }
 

@@ -15,8 +15,7 @@ class AveragedStiffness {
   /// True if the body has domains and no other elastic term.
   static bool is_all_of(const TopologyTextures& topology);
 
-  /// side_by_side: take two threads. Results do not depend on it.
-  AveragedStiffness(const TopologyTextures& topology, bool side_by_side);
+  explicit AveragedStiffness(const TopologyTextures& topology);
 
   /// result = K u. Shapes [3 N], m and N; u has no z in 2-D.
   void apply(const Eigen::VectorXd& u, Eigen::VectorXd& result);
@@ -26,7 +25,6 @@ class AveragedStiffness {
   void apply(Index first, Index last, const Eigen::VectorXd& u, Eigen::VectorXd& result) const;
 
   const TopologyTextures& topology_;
-  bool side_by_side_;
   Eigen::VectorXd other_;  // what the second half of the domains adds
 };
 

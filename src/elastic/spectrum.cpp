@@ -33,8 +33,8 @@ constexpr int lanczos_steps = 400;
 constexpr Spectrum out_of_range{.largest = std::numeric_limits<double>::infinity()};
 /// Arnoldi keeps every vector: as many as fit in this many bytes, within [12, 80].
 constexpr double arnoldi_bytes = 4e8;
-/// From so many particles on, forces on both sides of a difference, or on both halves of a body, are found side by
-/// side: far more work than starting a thread.
+/// From so many particles on, forces on both sides of a difference are found side by side: far more work than starting
+/// a thread.
 constexpr Index worth_a_thread = 500;
 
 double rest_spacing(const TopologyTextures& topology) {
@@ -64,7 +64,7 @@ class ScaledStiffness {
         scale_(Vector::Zero(3 * topology.particle_count)),
         side_by_side_(topology.particle_count >= worth_a_thread && std::thread::hardware_concurrency() > 1) {
     if (AveragedStiffness::is_all_of(topology) && std::ranges::equal(position, topology.rest)) {
-      at_rest_.emplace(topology, side_by_side_);
+      at_rest_.emplace(topology);
     } else {
       plus_.resize(position.size());
       minus_.resize(position.size());
