@@ -119,7 +119,8 @@ void pair_domains(Domains& domains) {
   for (Index d = 0; d < rows[1].rows(); ++d) domains.pairs.push_row(rows[1].begin(d), rows[1].end(d));
 }
 
-/// -integral of s mu grad N_d . grad N_e for every pair, s mu (`spread`) averaged over the domains.
+/// -integral of s mu grad N_d . grad N_e for every pair with e < d, s mu (`spread`) averaged over the domains; of the
+/// other pairs, where it is the same, 0.
 std::vector<double> pair_stiffness(const Model& model, const Domains& domains, const std::vector<double>& spread) {
   std::vector<double> stiffness(domains.pairs.entry.size(), 0.0);
   for_each_cell(model, domains, [&](std::span<const Index> domain, std::span<const CellPoint> points, auto is_own) {
@@ -135,8 +136,8 @@ std::vector<double> pair_stiffness(const Model& model, const Domains& domains, c
         for (std::size_t k = 0; k < points.size(); ++k) {
           sum += weight[k] * points[k].gradient[a].dot(points[k].gradient[b]);
         }
-        if (is_own(domain[a])) stiffness[domains.pair(domain[a], domain[b])] -= sum;
-        if (is_own(domain[b])) stiffness[domains.pair(domain[b], domain[a])] -= sum;
+        const auto [e, d] = std::minmax(domain[a], domain[b]);
+        if (is_own(d)) stiffness[domains.pair(d, e)] -= sum;
       }
     }
   });
@@ -194,10 +195,11 @@ void add_links(const Domains& domains, const std::vector<double>& stiffness, Top
     for (Index r = pairs.offset[d]; r < pairs.offset[d + 1]; ++r) {
       const Index e = pairs.entry[r];
       const Vec3& there = domains.area[r];
-      const Vec3& back = domains.area[next[e]++];
+      const Index reverse = next[e]++;
+      const Vec3& back = domains.area[reverse];
       const Vec3 surface = cleaned(0.5 * (there + back));
       if (surface != Vec3::Zero()) topology.surface_links.push_back({e, surface});
-      if (e != d) topology.links.push_back({e, cleaned(0.5 * (there - back)), stiffness[r]});
+      if (e != d) topology.links.push_back({e, cleaned(0.5 * (there - back)), stiffness[e < d ? r : reverse]});
     }
     topology.first_link.push_back(static_cast<Index>(topology.links.size()));
     topology.first_surface_link.push_back(static_cast<Index>(topology.surface_links.size()));
