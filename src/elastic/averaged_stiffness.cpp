@@ -9,7 +9,10 @@ bool AveragedStiffness::is_all_of(const TopologyTextures& t) {
   return !t.domains.empty() && t.base_count == 0 && t.springs.empty() && t.volumes.empty() && t.cells.empty();
 }
 
-AveragedStiffness::AveragedStiffness(const TopologyTextures& topology) : topology_(topology) {}
+AveragedStiffness::AveragedStiffness(const TopologyTextures& topology) : topology_(topology) {
+  particle_.reserve(topology.domains.size());
+  for (const DomainTexel& domain : topology.domains) particle_.push_back(domain.particle);
+}
 
 void AveragedStiffness::apply(const Eigen::VectorXd& u, Eigen::VectorXd& result) {
   in_halves(static_cast<Index>(topology_.domains.size()),
@@ -25,9 +28,9 @@ Mat3 AveragedStiffness::stress(Index d, const Eigen::VectorXd& u) const {
   const Vec3 own = u.segment<3>(3 * domain.particle);
   Mat3 H = Mat3::Zero();
   const auto add = [&](Index e, const Vec3& area) {
-    const Vec3 difference = u.segment<3>(3 * t.domains[e].particle) - own;
-    for (int axis = 0; axis < 3; ++axis)
-      H.col(axis) += difference * area[axis];  // an outer product takes twice as long
+    const Vec3 difference = u.segment<3>(3 * particle_[e]) - own;
+    // An outer product takes twice as long.
+    for (int axis = 0; axis < 3; ++axis) H.col(axis) += difference * area[axis];
   };
   for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) add(t.links[r].domain, t.links[r].area);
   for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
@@ -46,12 +49,12 @@ void AveragedStiffness::apply(Index first, Index last, const Eigen::VectorXd& u,
   result.setZero(u.size());
   for (Index d = first; d < last; ++d) {
     const Mat3 Q = stress(d, u);
-    const Index i = t.domains[d].particle;
+    const Index i = particle_[d];
     const Vec3 own = u.segment<3>(3 * i);
     Vec3 sum = Vec3::Zero();
     for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
       const LinkTexel& link = t.links[r];
-      const Index j = t.domains[link.domain].particle;
+      const Index j = particle_[link.domain];
       const Vec3 pull = Q * link.area;
       result.segment<3>(3 * j) += pull;
       sum += pull + link.stiffness * (u.segment<3>(3 * j) - own);
@@ -59,7 +62,7 @@ void AveragedStiffness::apply(Index first, Index last, const Eigen::VectorXd& u,
     for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
       const SurfaceLinkTexel& link = t.surface_links[r];
       const Vec3 pull = Q * link.area;
-      result.segment<3>(3 * t.domains[link.domain].particle) += pull;
+      result.segment<3>(3 * particle_[link.domain]) += pull;
       sum += pull;
     }
     result.segment<3>(3 * i) -= sum;

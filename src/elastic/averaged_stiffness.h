@@ -6,6 +6,7 @@
 #include <phymul/topology_textures.h>
 
 #include <Eigen/Core>
+#include <vector>
 
 namespace phymul {
 
@@ -25,7 +26,8 @@ class AveragedStiffness {
   void apply(Index first, Index last, const Eigen::VectorXd& u, Eigen::VectorXd& result) const;
 
   const TopologyTextures& topology_;
-  Eigen::VectorXd other_;  // what the second half of the domains adds
+  std::vector<Index> particle_;  // [D], nearer together than in the tables
+  Eigen::VectorXd other_;        // what the second half of the domains adds
 };
 
 }  // namespace phymul

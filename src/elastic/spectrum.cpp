@@ -83,14 +83,11 @@ class ScaledStiffness {
 
   void apply(const Vector& q, Vector& result) {
     const Vector direction = scale_.cwiseProduct(q);
-    const double largest = direction.cwiseAbs().maxCoeff();
-    result.setZero(q.size());
-    if (largest == 0.0) return;
     if (at_rest_) {
       at_rest_->apply(direction, result);
       result.array() *= scale_.array();
     } else {
-      apply_differences(direction, largest, result);
+      apply_differences(direction, result);
     }
   }
 
@@ -103,7 +100,10 @@ class ScaledStiffness {
     }
   };
 
-  void apply_differences(const Vector& direction, double largest, Vector& result) {
+  void apply_differences(const Vector& direction, Vector& result) {
+    const double largest = direction.cwiseAbs().maxCoeff();
+    result.setZero(direction.size());
+    if (largest == 0.0) return;
     // Truncation falls as step^2, rounding grows as 1/step: 1e-4 of the spacing keeps both near 1e-8.
     const double step = 1e-4 * spacing_ / largest;
     if (side_by_side_) {

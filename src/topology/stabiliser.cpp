@@ -78,14 +78,17 @@ Vec3 centroid(const Model& model, const Domains& domains) {
   return sum / volume;
 }
 
-/// Energies by type of cell: exact, of the means, and of the spread at s = 1.
+/// Energies by type of cell. Means and spread are summed as what they differ by, cell by cell: of a fine mesh that is
+/// too little to be the difference of two sums.
 struct Energies {
-  std::array<double, cell_types> exact{}, means{}, spread{};
+  std::array<double, cell_types> exact{};
+  std::array<double, cell_types> lacking{};  ///< exact less those of the means
+  std::array<double, cell_types> spread{};   ///< at s = 1
 
   void operator+=(const Energies& other) {
     for (std::size_t type = 0; type < cell_types; ++type) {
       exact[type] += other.exact[type];
-      means[type] += other.means[type];
+      lacking[type] += other.lacking[type];
       spread[type] += other.spread[type];
     }
   }
@@ -94,71 +97,40 @@ struct Energies {
 class BendingTest {
  public:
   BendingTest(const Model& model, const Domains& domains)
-      : model_(model), domains_(domains), centre_(centroid(model, domains)), ways_(bendings(model.dimension)) {
+      : model_(model),
+        domains_(domains),
+        centre_(centroid(model, domains)),
+        ways_(bendings(model.dimension)),
+        mean_(domains.particle.size()) {
     for (const Material& material : model.materials) elastic_.emplace_back(material, model.dimension);
-    for (Sums& half : halves_) half.of.resize(ways_.size());
   }
 
   /// Of each bending.
   std::vector<Energies> energies() {
+    in_halves(domains_.count(), [&](int, Index first, Index last) {
+      for (Index d = first; d < last; ++d) find_mean(d);
+    });
+    std::array<std::vector<Energies>, 2> sums;
     in_halves(domains_.of_cell.rows(), [&](int part, Index first, Index last) {
+      sums[part].resize(ways_.size());
       std::vector<CellPoint> points;
       for (Index row = first; row < last; ++row) {
-        if (domains_.of_cell.size(row) > 0) add_cell(row, points, halves_[part]);
+        if (domains_.of_cell.size(row) > 0) add_cell(row, points, sums[part]);
       }
     });
-    in_halves(domains_.count(), [&](int part, Index first, Index last) {
-      for (Index d = first; d < last; ++d) add_mean(d, halves_[part].of);
-    });
-    std::vector<Energies> sum = halves_[0].of;
-    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += halves_[1].of[k];
-    return sum;
+    for (std::size_t k = 0; k < ways_.size(); ++k) sums[0][k] += sums[1][k];
+    return sums[0];
   }
 
  private:
-  /// Of one half of the body.
-  struct Sums {
-    std::vector<Energies> of;                            // each bending
-    std::array<std::vector<double>, cell_types> volume;  // [D] of a domain in cells of a type; empty without any
+  /// Energy densities at a domain's mean gradient: of the material, and what the stabiliser takes off at s = 1.
+  struct Mean {
+    double energy = 0.0, stabiliser = 0.0;
   };
 
   Vec3 from_centre(Index particle) const { return model_.rest[particle] - centre_; }
 
-  void add_cell(Index row, std::vector<CellPoint>& points, Sums& sums) const {
-    const Cell& cell = model_.cells[row];
-    const Elastic& elastic = elastic_[cell.material];
-    const auto type = static_cast<std::size_t>(cell.type);
-    const std::size_t vertices = cell.particles.size();
-    cell_points(model_, row, points);
-    std::array<std::array<double, 8>, 3> height;  // along each axis
-    std::array<Products, 8> product;
-    for (std::size_t v = 0; v < vertices; ++v) {
-      const Vec3 x = from_centre(cell.particles[v]);
-      for (int axis = 0; axis < 3; ++axis) height[axis][v] = x[axis];
-      product[v] = products(x);
-    }
-    std::array<double, 3> square;
-    for (int axis = 0; axis < 3; ++axis) {
-      square[axis] = integral_of_square(cell.type, points, std::span(height[axis]).first(vertices));
-    }
-    for (std::size_t k = 0; k < ways_.size(); ++k) sums.of[k].exact[type] += 0.5 * elastic.young * square[ways_[k].b];
-    std::vector<double>& volume = sums.volume[type];
-    volume.resize(domains_.particle.size(), 0.0);
-    for (const CellPoint& point : points) {
-      Gradients gradients = Gradients::Zero();
-      for (std::size_t v = 0; v < vertices; ++v) {
-        add(point.gradient[v], product[v], gradients);
-        volume[domains_.of_cell.begin(row)[v]] += point.volume * point.value[v];
-      }
-      for (std::size_t k = 0; k < ways_.size(); ++k) {
-        const double squares = bent(gradients, ways_[k], elastic.poisson).squaredNorm();
-        sums.of[k].spread[type] += point.volume * 0.5 * elastic.mu * squares;
-      }
-    }
-  }
-
-  /// What the mean of a domain has, and what the stabiliser takes off for it at s = 1, to the types of its cells.
-  void add_mean(Index d, std::vector<Energies>& sums) const {
+  void find_mean(Index d) {
     const Elastic& elastic = elastic_[domains_.material[d]];
     const Products own = products(from_centre(domains_.particle[d]));
     Gradients gradients = Gradients::Zero();
@@ -169,14 +141,49 @@ class BendingTest {
     gradients /= domains_.volume[d];
     for (std::size_t k = 0; k < ways_.size(); ++k) {
       const Mat3 H = bent(gradients, ways_[k], elastic.poisson);
-      const double energy = elastic.energy(H), off = 0.5 * elastic.mu * H.squaredNorm();
-      for (const Sums& half : halves_) {
-        for (std::size_t type = 0; type < cell_types; ++type) {
-          if (half.volume[type].empty()) continue;
-          sums[k].means[type] += half.volume[type][d] * energy;
-          sums[k].spread[type] -= half.volume[type][d] * off;
+      mean_[d][k] = {elastic.energy(H), 0.5 * elastic.mu * H.squaredNorm()};
+    }
+  }
+
+  void add_cell(Index row, std::vector<CellPoint>& points, std::vector<Energies>& sums) const {
+    const Cell& cell = model_.cells[row];
+    const Elastic& elastic = elastic_[cell.material];
+    const auto type = static_cast<std::size_t>(cell.type);
+    const std::span<const Index> domain(domains_.of_cell.begin(row), domains_.of_cell.end(row));
+    cell_points(model_, row, points);
+    std::array<std::array<double, 8>, 3> height;  // along each axis
+    std::array<Products, 8> product;
+    for (std::size_t v = 0; v < domain.size(); ++v) {
+      const Vec3 x = from_centre(cell.particles[v]);
+      for (int axis = 0; axis < 3; ++axis) height[axis][v] = x[axis];
+      product[v] = products(x);
+    }
+    std::array<double, 3> square;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      square[axis] = integral_of_square(cell.type, points, std::span(height[axis]).first(domain.size()));
+    }
+    std::array<double, 6> lacking{}, spread{};  // of each bending
+    for (std::size_t k = 0; k < ways_.size(); ++k) {
+      lacking[k] = 0.5 * elastic.young * square[ways_[k].b];
+      sums[k].exact[type] += lacking[k];
+    }
+    for (const CellPoint& point : points) {
+      Gradients gradients = Gradients::Zero();
+      for (std::size_t v = 0; v < domain.size(); ++v) add(point.gradient[v], product[v], gradients);
+      for (std::size_t k = 0; k < ways_.size(); ++k) {
+        spread[k] += point.volume * 0.5 * elastic.mu * bent(gradients, ways_[k], elastic.poisson).squaredNorm();
+      }
+      for (std::size_t v = 0; v < domain.size(); ++v) {
+        const double part = point.volume * point.value[v];
+        for (std::size_t k = 0; k < ways_.size(); ++k) {
+          lacking[k] -= part * mean_[domain[v]][k].energy;
+          spread[k] -= part * mean_[domain[v]][k].stabiliser;
         }
       }
+    }
+    for (std::size_t k = 0; k < ways_.size(); ++k) {
+      sums[k].lacking[type] += lacking[k];
+      sums[k].spread[type] += spread[k];
     }
   }
 
@@ -185,7 +192,7 @@ class BendingTest {
   Vec3 centre_;
   std::vector<Bending> ways_;
   std::vector<Elastic> elastic_;
-  std::array<Sums, 2> halves_;
+  std::vector<std::array<Mean, 6>> mean_;  // [D], by bending
 };
 
 }  // namespace
@@ -200,7 +207,7 @@ std::vector<CalibratedStabiliser> calibrated_stabilisers(const Model& model, con
     for (std::size_t type = 0; type < cell_types; ++type) {
       // A body of one cell, say, has no spread to speak of: nothing to calibrate by.
       if (!(energy.spread[type] > 1e-9 * energy.exact[type])) continue;
-      const double s = (energy.exact[type] - energy.means[type]) / energy.spread[type];
+      const double s = energy.lacking[type] / energy.spread[type];
       sum[type] += s;
       lowest[type] = std::min(lowest[type], s);
       highest[type] = std::max(highest[type], s);
