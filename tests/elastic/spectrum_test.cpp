@@ -79,6 +79,18 @@ TEST(Spectrum, OfParticleAverages) {
   }
 }
 
+TEST(Spectrum, OfParticleAveragesNeedsNoNeighbours) {
+  Model model = make_block({0.02, 0.01, 0.01}, 2, 1, 1);
+  set_material(model, {10e3, 0.3, 1000.0});
+  const TopologyOptions options{.law = Law::particle_averaged};
+  const double largest = estimate_spectrum(build_topology(model, options), model.rest).largest;
+  model.neighbours.offset.assign(model.rest.size() + 1, 0);
+  model.neighbours.entry.clear();
+  const TopologyTextures bare = build_topology(model, options);
+  EXPECT_EQ(estimate_spectrum(bare, model.rest).largest, largest);
+  expect_spectrum(bare, random_positions(model, 0.05, 3));
+}
+
 TEST(Spectrum, OfASquashedBodyHasFlutterAndGrowth) {
   const Model model = make_block({0.02, 0.01, 0.01}, 2, 1, 1, 26);
   TopologyOptions options;
