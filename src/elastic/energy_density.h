@@ -87,6 +87,15 @@ S neo_hookean_energy(const Mat<S>& F, S mu, Mat<S>* gradient) {
   return mu * (S(0.5) * (g * F.squaredNorm() - S(3)) + S(6) * below * below);
 }
 
+/// The change of dpsi/dF with F = I + H at H = 0: 2 mu sym(H) + lambda tr(H) I with Lame's constants.
+template <class S>
+Mat<S> stress_near_rest(StrainEnergy energy, const std::array<S, most_energy_constants>& p, const Mat<S>& H) {
+  const bool of_directions = energy == StrainEnergy::shape_memory;  // Calibration in topology.h
+  const S mu = of_directions ? S(7) / S(15) * p[0] : p[0];
+  const S lambda = of_directions ? p[1] - p[0] / S(5) : p[1] - S(2) / S(3) * p[0];
+  return mu * (H + H.transpose()) + lambda * H.trace() * Mat<S>::Identity();
+}
+
 /// psi(F), Pa, of the constants `p` (DomainTexel::energy), and where asked for its derivative by F.
 template <class S>
 S energy_density(const TopologyOptions& options, const std::array<S, most_energy_constants>& p, const Mat<S>& F,

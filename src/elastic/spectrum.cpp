@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Extreme eigenvalues of M^-1 K, K = -df/dx by central differences of the elastic forces along a direction. Lanczos
-// works on the symmetric M^-1/2 K M^-1/2, Arnoldi on the same similarity transform of an unsymmetric K.
-// Source: Golub & Van Loan, Matrix Computations, ch. 10.
+// Extreme eigenvalues of M^-1 K, K = -df/dx by central differences of the elastic forces along a direction, or, at
+// rest, from the tables of Law::particle_averaged. Lanczos works on the symmetric M^-1/2 K M^-1/2, Arnoldi on the same
+// similarity transform of an unsymmetric K. Source: Golub & Van Loan, Matrix Computations, ch. 10.
 #include <phymul/elasticity.h>
 #include <phymul/error.h>
 
@@ -12,8 +12,11 @@
 #include <complex>
 #include <future>
 #include <limits>
+#include <optional>
 #include <random>
 #include <thread>
+
+#include "averaged_stiffness.h"
 
 namespace phymul {
 namespace {
@@ -47,6 +50,13 @@ double rest_spacing(const TopologyTextures& topology) {
   }
   for (const SpringTexel& spring : topology.springs) add(spring.end[0], spring.end[1]);
   for (const VolumeTexel& term : topology.volumes) add(term.vertex[0], term.vertex[1]);
+  if (count > 0) return sum / static_cast<double>(count);
+  // Law::particle_averaged needs no neighbours: its cells make the body.
+  for (std::size_t d = 0; d < topology.domains.size(); ++d) {
+    for (Index r = topology.first_link[d]; r < topology.first_link[d + 1]; ++r) {
+      add(topology.domains[d].particle, topology.domains[topology.links[r].domain].particle);
+    }
+  }
   return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 
@@ -58,9 +68,13 @@ class ScaledStiffness {
         position_(position),
         spacing_(rest_spacing(topology)),
         scale_(Vector::Zero(3 * topology.particle_count)),
-        plus_(position),
-        minus_(position),
         side_by_side_(topology.particle_count >= worth_a_thread && std::thread::hardware_concurrency() > 1) {
+    if (AveragedStiffness::is_all_of(topology) && std::ranges::equal(position, topology.rest)) {
+      at_rest_.emplace(topology);
+    } else {
+      plus_.resize(position.size());
+      minus_.resize(position.size());
+    }
     for (Index i = 0; i < topology.particle_count; ++i) {
       for (int axis = 0; axis < topology.dimension; ++axis) {
         const bool free = fixed.empty() || (fixed[i] >> axis & 1) == 0;
@@ -75,8 +89,26 @@ class ScaledStiffness {
 
   void apply(const Vector& q, Vector& result) {
     const Vector direction = scale_.cwiseProduct(q);
+    if (at_rest_) {
+      at_rest_->apply(direction, result);
+      result.array() *= scale_.array();
+    } else {
+      apply_differences(direction, result);
+    }
+  }
+
+ private:
+  struct Side {
+    VecList moved, force;
+    void resize(std::size_t count) {
+      moved.resize(count);
+      force.resize(count);
+    }
+  };
+
+  void apply_differences(const Vector& direction, Vector& result) {
     const double largest = direction.cwiseAbs().maxCoeff();
-    result.setZero(q.size());
+    result.setZero(direction.size());
     if (largest == 0.0) return;
     // Truncation falls as step^2, rounding grows as 1/step: 1e-4 of the spacing keeps both near 1e-8.
     const double step = 1e-4 * spacing_ / largest;
@@ -94,12 +126,6 @@ class ScaledStiffness {
     }
   }
 
- private:
-  struct Side {
-    explicit Side(std::span<const Vec3> position) : moved(position.begin(), position.end()), force(position.size()) {}
-    VecList moved, force;
-  };
-
   void force_at(const Vector& direction, double step, Side& side) const {
     for (Index i = 0; i < topology_.particle_count; ++i) {
       side.moved[i] = position_[i] + step * direction.segment<3>(3 * i);
@@ -111,8 +137,9 @@ class ScaledStiffness {
   std::span<const Vec3> position_;
   double spacing_;
   Vector scale_;
-  Side plus_, minus_;
   bool side_by_side_;
+  std::optional<AveragedStiffness> at_rest_;
+  Side plus_, minus_;  // empty where at_rest_ serves
 };
 
 /// Fixed, and from the generator's bits alone: the same on every machine.

@@ -4,12 +4,15 @@
 #include <phymul/error.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "cell_quadrature.h"
 #include "energies.h"
+#include "halves.h"
 #include "model/cell_geometry.h"
 #include "stabiliser.h"
 #include "transpose.h"
@@ -24,20 +27,29 @@ bool solid(const Model& model, Index row) {
   return is_solid(model.dimension, model.cells[row].type);
 }
 
-/// Calls with (domains of its vertices, their number, its points) of every solid cell.
+/// Calls visit(domains of its vertices, its points, is_own) for every solid cell, from two threads, each with one half
+/// of the domains for its own and the cells around them. Who visits writes rows of its own domains only; these see the
+/// cells in their order.
 template <class Visit>
 void for_each_cell(const Model& model, const Domains& domains, const Visit& visit) {
-  std::vector<CellPoint> points;
-  for (Index row = 0; row < domains.of_cell.rows(); ++row) {
-    if (domains.of_cell.size(row) == 0) continue;
-    cell_points(model, row, points);
-    visit(domains.of_cell.begin(row), domains.of_cell.size(row), points);
-  }
+  in_halves(domains.count(), [&](int, Index first, Index last) {
+    const auto is_own = [&](Index d) { return first <= d && d < last; };
+    std::vector<CellPoint> points;
+    for (Index row = 0; row < domains.of_cell.rows(); ++row) {
+      const std::span<const Index> vertices(domains.of_cell.begin(row), domains.of_cell.end(row));
+      if (std::ranges::none_of(vertices, is_own)) continue;
+      cell_points(model, row, points);
+      visit(vertices, points, is_own);
+    }
+  });
 }
 
 /// Domain numbers: one for each particle and each material around it.
 void number_domains(const Model& model, Domains& domains) {
   std::vector<std::pair<Index, Index>> keys;  // particle, material
+  keys.reserve(model.rest.size());
+  std::size_t vertices = 0;
+  std::vector<Index> last(model.rest.size(), none);  // material that a particle was last seen with
   for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
     const Cell& cell = model.cells[row];
     if (!solid(model, row)) continue;
@@ -45,7 +57,10 @@ void number_domains(const Model& model, Domains& domains) {
       throw Error(cell_label(model, static_cast<std::size_t>(row)) +
                   " has no material although others have; give every solid cell one with set_material");
     }
-    for (const Index i : cell.particles) keys.emplace_back(i, cell.material);
+    vertices += cell.particles.size();
+    for (const Index i : cell.particles) {
+      if (std::exchange(last[i], cell.material) != cell.material) keys.emplace_back(i, cell.material);
+    }
   }
   std::ranges::sort(keys);
   keys.erase(std::ranges::unique(keys).begin(), keys.end());
@@ -56,68 +71,93 @@ void number_domains(const Model& model, Domains& domains) {
     ++first[particle + 1];
   }
   std::partial_sum(first.begin(), first.end(), first.begin());
-  std::vector<Index> of_vertex;
+  domains.of_cell.offset.reserve(model.cells.size() + 1);
+  domains.of_cell.entry.reserve(vertices);
   for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
     const Cell& cell = model.cells[row];
-    of_vertex.clear();
     if (solid(model, row)) {
       for (const Index i : cell.particles) {
         Index d = first[i];
         while (domains.material[d] != cell.material) ++d;
-        of_vertex.push_back(d);
+        domains.of_cell.entry.push_back(d);
       }
     }
-    domains.of_cell.push_row(of_vertex.begin(), of_vertex.end());
+    domains.of_cell.offset.push_back(static_cast<Index>(domains.of_cell.entry.size()));
   }
 }
 
-/// Rows of the domains that share a cell, with zeros for weights.
-void pair_domains(Domains& domains) {
-  const Index count = domains.count();
-  std::vector<Index> owner(domains.of_cell.entry.size());
-  for (Index row = 0; row < domains.of_cell.rows(); ++row) {
-    std::fill(owner.begin() + domains.of_cell.offset[row], owner.begin() + domains.of_cell.offset[row + 1], row);
-  }
-  const RaggedList cells = transpose(count, static_cast<Index>(owner.size()), 1,
-                                     [&](Index entry, Index) { return domains.of_cell.entry[entry]; });
+constexpr Index most_vertices = 8;  // of a cell
+
+/// Rows of Domains::pairs for the domains first ... last - 1. cells: per domain the entries cell * most_vertices +
+/// vertex.
+RaggedList pair_rows(const RaggedList& of_cell, const RaggedList& cells, Index first, Index last) {
+  RaggedList rows;
   std::vector<Index> row;
-  for (Index d = 0; d < count; ++d) {
+  std::vector<Index> seen(static_cast<std::size_t>(cells.rows()), none);  // the last row that has it
+  for (Index d = first; d < last; ++d) {
     row.clear();
     for (const Index* entry = cells.begin(d); entry != cells.end(d); ++entry) {
-      const Index cell = owner[*entry];
-      row.insert(row.end(), domains.of_cell.begin(cell), domains.of_cell.end(cell));
+      const Index cell = *entry / most_vertices;
+      for (const Index* e = of_cell.begin(cell); e != of_cell.end(cell); ++e) {
+        if (std::exchange(seen[*e], d) != d) row.push_back(*e);
+      }
     }
     std::ranges::sort(row);
-    row.erase(std::ranges::unique(row).begin(), row.end());
-    for (const Index e : row) domains.pairs.push_back({e, Vec3::Zero()});
-    domains.first_pair.push_back(static_cast<Index>(domains.pairs.size()));
+    rows.push_row(row.begin(), row.end());
   }
+  return rows;
 }
 
-/// k_de = -integral of s mu grad N_d . grad N_e, s mu averaged over the domains, per row of pairs.
+void pair_domains(Domains& domains) {
+  const RaggedList& of_cell = domains.of_cell;
+  const RaggedList cells = transpose(domains.count(), of_cell.rows(), most_vertices, [&](Index row, Index vertex) {
+    return vertex < of_cell.size(row) ? of_cell.begin(row)[vertex] : none;
+  });
+  std::array<RaggedList, 2> rows;
+  in_halves(domains.count(),
+            [&](int part, Index first, Index last) { rows[part] = pair_rows(of_cell, cells, first, last); });
+  domains.pairs = std::move(rows[0]);
+  for (Index d = 0; d < rows[1].rows(); ++d) domains.pairs.push_row(rows[1].begin(d), rows[1].end(d));
+}
+
+/// -integral of s mu grad N_d . grad N_e for every pair with e < d, s mu (`spread`) averaged over the domains; of the
+/// other pairs, where it is the same, 0.
 std::vector<double> pair_stiffness(const Model& model, const Domains& domains, const std::vector<double>& spread) {
-  std::vector<double> stiffness(domains.pairs.size(), 0.0);
-  for_each_cell(model, domains, [&](const Index* domain, Index vertices, const std::vector<CellPoint>& points) {
-    for (Index a = 0; a < vertices; ++a) {
-      for (Index b = 0; b < vertices; ++b) {
-        if (a == b) continue;
+  std::vector<double> stiffness(domains.pairs.entry.size(), 0.0);
+  for_each_cell(model, domains, [&](std::span<const Index> domain, std::span<const CellPoint> points, auto is_own) {
+    std::array<double, 8> weight{};  // of each point
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      double s_mu = 0.0;
+      for (std::size_t v = 0; v < domain.size(); ++v) s_mu += points[k].value[v] * spread[domain[v]];
+      weight[k] = points[k].volume * s_mu;
+    }
+    for (std::size_t a = 0; a < domain.size(); ++a) {
+      for (std::size_t b = 0; b < a; ++b) {
         double sum = 0.0;
-        for (const CellPoint& point : points) {
-          double s_mu = 0.0;
-          for (Index v = 0; v < vertices; ++v) s_mu += point.value[v] * spread[domain[v]];
-          sum += point.volume * s_mu * point.gradient[a].dot(point.gradient[b]);
+        for (std::size_t k = 0; k < points.size(); ++k) {
+          sum += weight[k] * points[k].gradient[a].dot(points[k].gradient[b]);
         }
-        stiffness[domains.pair(domain[a], domain[b])] -= sum;
+        const auto [e, d] = std::minmax(domain[a], domain[b]);
+        if (is_own(d)) stiffness[domains.pair(d, e)] -= sum;
       }
     }
   });
   return stiffness;
 }
 
+bool all_solid_cells_are(const Model& model, CellType type) {
+  return std::ranges::all_of(
+      model.cells, [&](const Cell& cell) { return cell.type == type || !is_solid(model.dimension, cell.type); });
+}
+
 /// s of each domain: the mean over its cells of their types' values.
 std::vector<double> stabiliser_of_domains(const Model& model, const Domains& domains, TopologyOptions& options) {
   if (options.stabiliser) return std::vector<double>(domains.particle.size(), *options.stabiliser);
   const std::vector<CalibratedStabiliser> calibrated = calibrated_stabilisers(model, domains);
+  if (calibrated.size() == 1 && all_solid_cells_are(model, calibrated.front().type)) {
+    options.stabiliser = calibrated.front().value;
+    return std::vector<double>(domains.particle.size(), *options.stabiliser);
+  }
   std::vector<double> sum(domains.particle.size(), 0.0), weight(sum);
   for (Index row = 0; row < domains.of_cell.rows(); ++row) {
     double s = kind_of(options.strain_energy).least_stabiliser;
@@ -141,32 +181,40 @@ std::vector<double> stabiliser_of_domains(const Model& model, const Domains& dom
 }
 
 void add_links(const Domains& domains, const std::vector<double>& stiffness, TopologyTextures& topology) {
+  const RaggedList& pairs = domains.pairs;
+  topology.links.reserve(pairs.entry.size() - domains.particle.size());
+  // Where row e has d: both rows are in increasing order, so that it is where the row has been read to.
+  std::vector<Index> next(pairs.offset.begin(), pairs.offset.end() - 1);
   for (Index d = 0; d < domains.count(); ++d) {
     double largest = 0.0;
-    for (Index r = domains.first_pair[d]; r < domains.first_pair[d + 1]; ++r) {
-      largest = std::max(largest, domains.pairs[r].area.cwiseAbs().maxCoeff());
+    for (Index r = pairs.offset[d]; r < pairs.offset[d + 1]; ++r) {
+      largest = std::max(largest, domains.area[r].cwiseAbs().maxCoeff());
     }
     const auto cleaned = [&](const Vec3& area) {
       return Vec3((area.array().abs() > rounding * largest).select(area, 0.0));
     };
-    for (Index r = domains.first_pair[d]; r < domains.first_pair[d + 1]; ++r) {
-      const Index e = domains.pairs[r].domain;
-      const Vec3& there = domains.pairs[r].area;
-      const Vec3& back = domains.pairs[domains.pair(e, d)].area;
+    for (Index r = pairs.offset[d]; r < pairs.offset[d + 1]; ++r) {
+      const Index e = pairs.entry[r];
+      const Vec3& there = domains.area[r];
+      const Index reverse = next[e]++;
+      const Vec3& back = domains.area[reverse];
       const Vec3 surface = cleaned(0.5 * (there + back));
       if (surface != Vec3::Zero()) topology.surface_links.push_back({e, surface});
-      if (e != d) topology.links.push_back({e, cleaned(0.5 * (there - back)), stiffness[r]});
+      if (e != d) topology.links.push_back({e, cleaned(0.5 * (there - back)), stiffness[e < d ? r : reverse]});
     }
     topology.first_link.push_back(static_cast<Index>(topology.links.size()));
     topology.first_surface_link.push_back(static_cast<Index>(topology.surface_links.size()));
   }
+  topology.surface_links.shrink_to_fit();
 }
 
 }  // namespace
 
 Index Domains::pair(Index d, Index e) const {
-  const auto first = pairs.begin() + first_pair[d], last = pairs.begin() + first_pair[d + 1];
-  return static_cast<Index>(std::ranges::lower_bound(first, last, e, {}, &DomainPair::domain) - pairs.begin());
+  // Rows have some 15 or 27 entries: counting, which does not branch, beats a search.
+  Index before = 0;
+  for (const Index* at = pairs.begin(d); at != pairs.end(d); ++at) before += *at < e ? 1 : 0;
+  return pairs.offset[d] + before;
 }
 
 Domains domains_of(const Model& model) {
@@ -174,13 +222,15 @@ Domains domains_of(const Model& model) {
   number_domains(model, domains);
   pair_domains(domains);
   domains.volume.assign(domains.particle.size(), 0.0);
-  for_each_cell(model, domains, [&](const Index* domain, Index vertices, const std::vector<CellPoint>& points) {
-    for (Index a = 0; a < vertices; ++a) {
+  domains.area.assign(domains.pairs.entry.size(), Vec3::Zero());
+  for_each_cell(model, domains, [&](std::span<const Index> domain, std::span<const CellPoint> points, auto is_own) {
+    for (std::size_t a = 0; a < domain.size(); ++a) {
+      if (!is_own(domain[a])) continue;
       for (const CellPoint& point : points) domains.volume[domain[a]] += point.volume * point.value[a];
-      for (Index b = 0; b < vertices; ++b) {
+      for (std::size_t b = 0; b < domain.size(); ++b) {
         Vec3 area = Vec3::Zero();
         for (const CellPoint& point : points) area += point.volume * point.value[a] * point.gradient[b];
-        domains.pairs[domains.pair(domain[a], domain[b])].area += area;
+        domains.area[domains.pair(domain[a], domain[b])] += area;
       }
     }
   });
@@ -195,6 +245,7 @@ void add_averaged_terms(const Model& model, TopologyTextures& topology) {
                 "quads); the model has none. Add cells, or use another law");
   }
   std::vector<double> spread = stabiliser_of_domains(model, domains, topology.options);
+  topology.domains.reserve(domains.particle.size());
   for (Index d = 0; d < domains.count(); ++d) {
     const Material& material = model.materials[domains.material[d]];
     spread[d] *= 0.5 * material.young / (1.0 + material.poisson);

@@ -9,23 +9,16 @@
 
 namespace phymul {
 
-/// What links two domains of one material, d and e, before the stabiliser has its value.
-struct DomainPair {
-  Index domain;  ///< e
-  Vec3 area;     ///< C_de = integral of N_d grad N_e, m^2
-};
-
-/// Domains in order of particles, those of one particle in order of materials; rows of pairs in order of e, with d
-/// itself.
+/// Domains in order of particles, those of one particle in order of materials.
 struct Domains {
   std::vector<Index> particle, material;  ///< [D]
   std::vector<double> volume;             ///< [D] integral of N_d, m^3
-  std::vector<Index> first_pair{0};       ///< [D + 1]
-  std::vector<DomainPair> pairs;
+  RaggedList pairs;    ///< per domain d: the domains e that share a cell with it, d itself too, in increasing order
+  VecList area;        ///< per entry of pairs: C_de = integral of N_d grad N_e, m^2
   RaggedList of_cell;  ///< per row of Model::cells: the domains of its vertices; empty for cells that are not solid
 
   Index count() const { return static_cast<Index>(particle.size()); }
-  /// Row of the pair (d, e); precondition: there is one.
+  /// Entry of the pair (d, e); precondition: there is one.
   Index pair(Index d, Index e) const;
 };
 

@@ -3,6 +3,7 @@
 
 #include <phymul/error.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
 
@@ -18,26 +19,6 @@ struct ReferencePoint {
   std::array<Vec3, 8> slope;
 };
 using Rule = std::vector<ReferencePoint>;
-
-/// Triangle and tetrahedron of unit edges along the axes: as many points as vertices, degree 2.
-/// Source: Stroud, Approximate Calculation of Multiple Integrals, 1971 (T2: 2-1, T3: 2-1).
-Rule simplex_rule(int dimension) {
-  const int vertices = dimension + 1;
-  const double near = dimension == 2 ? 2.0 / 3.0 : 0.25 + 0.15 * std::sqrt(5.0);
-  const double far = (1.0 - near) / dimension;
-  Rule rule;
-  for (int at = 0; at < vertices; ++at) {
-    ReferencePoint point;
-    point.slope.fill(Vec3::Zero());
-    point.weight = (dimension == 2 ? 0.5 : 1.0 / 6.0) / vertices;
-    for (int v = 0; v < vertices; ++v) {
-      point.value[v] = v == at ? near : far;
-      point.slope[v] = v == 0 ? Vec3(-1.0, -1.0, dimension == 2 ? 0.0 : -1.0) : Vec3(Vec3::Unit(v - 1));
-    }
-    rule.push_back(point);
-  }
-  return rule;
-}
 
 /// Corners of the hexahedron [-1, 1]^3 in PML's order; the first four, in the plane, are those of a quad.
 constexpr std::array<std::array<double, 3>, 8> corner{
@@ -65,18 +46,13 @@ Rule hexahedron_rule(int dimension, std::span<const int> vertex_of) {
 }
 
 const Rule& rule_of(CellType type) {
-  static const Rule triangle = simplex_rule(2), tetrahedron = simplex_rule(3);
   static const Rule quad = hexahedron_rule(2, std::array{0, 1, 2, 3});
   static const Rule hexahedron = hexahedron_rule(3, std::array{0, 1, 2, 3, 4, 5, 6, 7});
   static const Rule wedge = hexahedron_rule(3, std::array{0, 1, 2, 2, 3, 4, 5, 5});
   static const Rule pyramid = hexahedron_rule(3, std::array{0, 1, 2, 3, 4, 4, 4, 4});
   switch (type) {
-    case CellType::triangle:
-      return triangle;
     case CellType::quad:
       return quad;
-    case CellType::tetrahedron:
-      return tetrahedron;
     case CellType::wedge:
       return wedge;
     case CellType::pyramid:
@@ -86,39 +62,79 @@ const Rule& rule_of(CellType type) {
   }
 }
 
+bool is_linear(CellType type) {
+  return type == CellType::triangle || type == CellType::tetrahedron;
+}
+
+void require_not_folded(double determinant, const Model& model, Index row) {
+  if (determinant > 0.0) return;
+  throw Error(ErrorCode::invalid_model,
+              cell_label(model, static_cast<std::size_t>(row)) +
+                  " is folded or inside out at rest: its volume is not positive everywhere. Run check_mesh, which "
+                  "turns wrongly wound cells, or mend the mesh");
+}
+
+/// Triangle or tetrahedron: grad N_v of the vertices but the first are the rows of the inverse of the edges from there.
+void linear_point(const Model& model, Index row, CellPoint& point) {
+  const std::vector<Index>& vertex = model.cells[row].particles;
+  const Vec3& origin = model.rest[vertex[0]];
+  const bool plane = model.dimension == 2;
+  const Vec3 a = model.rest[vertex[1]] - origin, b = model.rest[vertex[2]] - origin;
+  const Vec3 c = plane ? Vec3(Vec3::UnitZ()) : Vec3(model.rest[vertex[3]] - origin);
+  const Vec3 across = b.cross(c);
+  const double determinant = a.dot(across);
+  require_not_folded(plane ? std::abs(determinant) : determinant, model, row);
+  point.gradient[1] = across / determinant;
+  point.gradient[2] = c.cross(a) / determinant;
+  point.gradient[3] = plane ? Vec3(Vec3::Zero()) : Vec3(a.cross(b) / determinant);
+  point.gradient[0] = -(point.gradient[1] + point.gradient[2] + point.gradient[3]);
+  point.volume = std::abs(determinant) / (plane ? 2.0 : 6.0);
+  point.value.fill(plane ? 1.0 / 3.0 : 0.25);
+}
+
+/// A point of another cell.
+void mapped_point(const Model& model, Index row, double winding, const ReferencePoint& at, CellPoint& point) {
+  const std::vector<Index>& vertex = model.cells[row].particles;
+  const Vec3& origin = model.rest[vertex[0]];
+  Mat3 map = model.dimension == 2 ? Mat3(Vec3::UnitZ().asDiagonal()) : Mat3(Mat3::Zero());
+  for (std::size_t v = 1; v < vertex.size(); ++v) map += (model.rest[vertex[v]] - origin) * at.slope[v].transpose();
+  const double determinant = winding * map.determinant();
+  require_not_folded(determinant, model, row);
+  const Mat3 pull = map.inverse().transpose();
+  point.volume = at.weight * determinant;
+  point.value = at.value;
+  for (std::size_t v = 0; v < vertex.size(); ++v) point.gradient[v] = pull * at.slope[v];
+}
+
 }  // namespace
 
 void cell_points(const Model& model, Index row, std::vector<CellPoint>& points) {
   const Cell& cell = model.cells[row];
-  const bool plane = model.dimension == 2;
-  const double winding = plane && signed_measure(2, cell, model.rest) < 0.0 ? -1.0 : 1.0;
-  const Vec3& origin = model.rest[cell.particles[0]];
-  const bool linear = cell.type == CellType::triangle || cell.type == CellType::tetrahedron;
-  points.clear();
-  for (const ReferencePoint& at : rule_of(cell.type)) {
-    if (linear && !points.empty()) {  // the same map everywhere
-      points.push_back(points.front());
-      points.back().value = at.value;
-      continue;
-    }
-    Mat3 map = plane ? Mat3(Vec3(0.0, 0.0, 1.0).asDiagonal()) : Mat3(Mat3::Zero());
-    for (std::size_t v = 1; v < cell.particles.size(); ++v) {
-      map += (model.rest[cell.particles[v]] - origin) * at.slope[v].transpose();
-    }
-    const double determinant = winding * map.determinant();
-    if (!(determinant > 0.0)) {
-      throw Error(ErrorCode::invalid_model,
-                  cell_label(model, static_cast<std::size_t>(row)) +
-                      " is folded or inside out at rest: its volume is not positive everywhere. Run check_mesh, which "
-                      "turns wrongly wound cells, or mend the mesh");
-    }
-    const Mat3 pull = map.inverse().transpose();
-    CellPoint point;
-    point.volume = at.weight * determinant;
-    point.value = at.value;
-    for (std::size_t v = 0; v < 8; ++v) point.gradient[v] = pull * at.slope[v];
-    points.push_back(point);
+  if (is_linear(cell.type)) {
+    points.resize(1);
+    linear_point(model, row, points.front());
+    return;
   }
+  const double winding = model.dimension == 2 && signed_measure(2, cell, model.rest) < 0.0 ? -1.0 : 1.0;
+  const Rule& rule = rule_of(cell.type);
+  points.resize(rule.size());
+  for (std::size_t k = 0; k < rule.size(); ++k) mapped_point(model, row, winding, rule[k], points[k]);
+}
+
+double integral_of_square(CellType type, std::span<const CellPoint> points, std::span<const double> at_vertex) {
+  double sum = 0.0;
+  for (const CellPoint& point : points) {
+    double value = 0.0;
+    for (std::size_t v = 0; v < at_vertex.size(); ++v) value += point.value[v] * at_vertex[v];
+    sum += point.volume * value * value;
+    if (!is_linear(type)) continue;
+    // n vertices: the mean of f^2 is that of f squared plus sum (f_v - mean)^2 / (n (n + 1)).
+    double spread = 0.0;
+    for (const double f : at_vertex) spread += (f - value) * (f - value);
+    const auto n = static_cast<double>(at_vertex.size());
+    sum += point.volume * spread / (n * (n + 1.0));
+  }
+  return sum;
 }
 
 }  // namespace phymul

@@ -2,10 +2,12 @@
 #include "stabiliser.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <span>
 
 #include "cell_quadrature.h"
-#include "model/cell_geometry.h"
+#include "halves.h"
 
 namespace phymul {
 namespace {
@@ -42,13 +44,28 @@ struct Elastic {
   }
 };
 
-Vec3 bent(const Vec3& x, const Bending& way, double nu, int dimension) {
-  const double across = dimension == 2 ? 0.0 : x[way.c];
-  Vec3 u = Vec3::Zero();
-  u[way.a] = x[way.a] * x[way.b];
-  u[way.b] = -0.5 * (x[way.a] * x[way.a] + nu * (x[way.b] * x[way.b] - across * across));
-  if (dimension == 3) u[way.c] = -nu * x[way.b] * across;
-  return u;
+/// Products x_a x_b of coordinates, from which every bending is made, at place[a][b]; a column of Gradients each.
+using Products = Eigen::Matrix<double, 1, 6>;
+using Gradients = Eigen::Matrix<double, 3, 6>;
+constexpr std::array<std::array<int, 3>, 3> place{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}}};
+
+Products products(const Vec3& x) {
+  return {x.x() * x.x(), x.y() * x.y(), x.z() * x.z(), x.x() * x.y(), x.y() * x.z(), x.z() * x.x()};
+}
+
+/// Adds gradient * product, column by column: an outer product takes twice as long.
+void add(const Vec3& gradient, const Products& product, Gradients& sum) {
+  for (int k = 0; k < 6; ++k) sum.col(k) += gradient * product[k];
+}
+
+/// Displacement gradient of a bending. In 2-D products with x_c are zero.
+Mat3 bent(const Gradients& of, const Bending& way, double nu) {
+  const auto gradient = [&](int a, int b) { return of.col(place[a][b]).transpose(); };
+  Mat3 H;
+  H.row(way.a) = gradient(way.a, way.b);
+  H.row(way.b) = -0.5 * (gradient(way.a, way.a) + nu * (gradient(way.b, way.b) - gradient(way.c, way.c)));
+  H.row(way.c) = -nu * gradient(way.b, way.c);
+  return H;
 }
 
 Vec3 centroid(const Model& model, const Domains& domains) {
@@ -61,33 +78,48 @@ Vec3 centroid(const Model& model, const Domains& domains) {
   return sum / volume;
 }
 
-/// Energies by type of cell: exact, of the means, and of the spread at s = 1.
+/// Energies by type of cell. Means and spread are summed as what they differ by, cell by cell: of a fine mesh that is
+/// too little to be the difference of two sums.
 struct Energies {
-  std::array<double, cell_types> exact{}, means{}, spread{};
+  std::array<double, cell_types> exact{};
+  std::array<double, cell_types> lacking{};  ///< exact less those of the means
+  std::array<double, cell_types> spread{};   ///< at s = 1
+
+  void operator+=(const Energies& other) {
+    for (std::size_t type = 0; type < cell_types; ++type) {
+      exact[type] += other.exact[type];
+      lacking[type] += other.lacking[type];
+      spread[type] += other.spread[type];
+    }
+  }
 };
 
 class BendingTest {
  public:
   BendingTest(const Model& model, const Domains& domains)
-      : model_(model), domains_(domains), centre_(centroid(model, domains)), mean_(domains.particle.size()) {
+      : model_(model),
+        domains_(domains),
+        centre_(centroid(model, domains)),
+        ways_(bendings(model.dimension)),
+        mean_(domains.particle.size()) {
     for (const Material& material : model.materials) elastic_.emplace_back(material, model.dimension);
   }
 
-  std::vector<Energies> energies(const std::vector<Bending>& ways) {
-    for (Index d = 0; d < domains_.count(); ++d) {
-      const Elastic& elastic = elastic_[domains_.material[d]];
-      for (std::size_t k = 0; k < ways.size(); ++k) {
-        const Mat3 H = mean_gradient(d, ways[k]);
-        mean_[d][k] = {elastic.energy(H), 0.5 * elastic.mu * H.squaredNorm()};
+  /// Of each bending.
+  std::vector<Energies> energies() {
+    in_halves(domains_.count(), [&](int, Index first, Index last) {
+      for (Index d = first; d < last; ++d) find_mean(d);
+    });
+    std::array<std::vector<Energies>, 2> sums;
+    in_halves(domains_.of_cell.rows(), [&](int part, Index first, Index last) {
+      sums[part].resize(ways_.size());
+      std::vector<CellPoint> points;
+      for (Index row = first; row < last; ++row) {
+        if (domains_.of_cell.size(row) > 0) add_cell(row, points, sums[part]);
       }
-    }
-    std::vector<Energies> sums(ways.size());
-    for (Index row = 0; row < static_cast<Index>(model_.cells.size()); ++row) {
-      if (!is_solid(model_.dimension, model_.cells[row].type)) continue;
-      cell_points(model_, row, points_);
-      for (std::size_t k = 0; k < ways.size(); ++k) add_cell(row, ways[k], k, sums[k]);
-    }
-    return sums;
+    });
+    for (std::size_t k = 0; k < ways_.size(); ++k) sums[0][k] += sums[1][k];
+    return sums[0];
   }
 
  private:
@@ -98,52 +130,69 @@ class BendingTest {
 
   Vec3 from_centre(Index particle) const { return model_.rest[particle] - centre_; }
 
-  Mat3 mean_gradient(Index d, const Bending& way) const {
-    const double nu = elastic_[domains_.material[d]].poisson;
-    const Vec3 own = bent(from_centre(domains_.particle[d]), way, nu, model_.dimension);
-    Mat3 H = Mat3::Zero();
-    for (Index r = domains_.first_pair[d]; r < domains_.first_pair[d + 1]; ++r) {
-      const DomainPair& pair = domains_.pairs[r];
-      const Vec3 other = bent(from_centre(domains_.particle[pair.domain]), way, nu, model_.dimension);
-      H += (other - own) * pair.area.transpose();
+  void find_mean(Index d) {
+    const Elastic& elastic = elastic_[domains_.material[d]];
+    const Products own = products(from_centre(domains_.particle[d]));
+    Gradients gradients = Gradients::Zero();
+    for (Index r = domains_.pairs.offset[d]; r < domains_.pairs.offset[d + 1]; ++r) {
+      const Products other = products(from_centre(domains_.particle[domains_.pairs.entry[r]]));
+      add(domains_.area[r], other - own, gradients);
     }
-    return H / domains_.volume[d];
+    gradients /= domains_.volume[d];
+    for (std::size_t k = 0; k < ways_.size(); ++k) {
+      const Mat3 H = bent(gradients, ways_[k], elastic.poisson);
+      mean_[d][k] = {elastic.energy(H), 0.5 * elastic.mu * H.squaredNorm()};
+    }
   }
 
-  void add_cell(Index row, const Bending& way, std::size_t k, Energies& sum) const {
+  void add_cell(Index row, std::vector<CellPoint>& points, std::vector<Energies>& sums) const {
     const Cell& cell = model_.cells[row];
     const Elastic& elastic = elastic_[cell.material];
     const auto type = static_cast<std::size_t>(cell.type);
-    const std::size_t vertices = cell.particles.size();
-    std::array<Vec3, 8> x, u;
-    for (std::size_t v = 0; v < vertices; ++v) {
-      x[v] = from_centre(cell.particles[v]);
-      u[v] = bent(x[v], way, elastic.poisson, model_.dimension);
+    const std::span<const Index> domain(domains_.of_cell.begin(row), domains_.of_cell.end(row));
+    cell_points(model_, row, points);
+    std::array<std::array<double, 8>, 3> height;  // along each axis
+    std::array<Products, 8> product;
+    for (std::size_t v = 0; v < domain.size(); ++v) {
+      const Vec3 x = from_centre(cell.particles[v]);
+      for (int axis = 0; axis < 3; ++axis) height[axis][v] = x[axis];
+      product[v] = products(x);
     }
-    for (const CellPoint& point : points_) {
-      double height = 0.0;
-      Mat3 H = Mat3::Zero();
-      for (std::size_t v = 0; v < vertices; ++v) {
-        height += point.value[v] * x[v][way.b];
-        H += u[v] * point.gradient[v].transpose();
+    std::array<double, 3> square;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      square[axis] = integral_of_square(cell.type, points, std::span(height[axis]).first(domain.size()));
+    }
+    std::array<double, 6> lacking{}, spread{};  // of each bending
+    for (std::size_t k = 0; k < ways_.size(); ++k) {
+      lacking[k] = 0.5 * elastic.young * square[ways_[k].b];
+      sums[k].exact[type] += lacking[k];
+    }
+    for (const CellPoint& point : points) {
+      Gradients gradients = Gradients::Zero();
+      for (std::size_t v = 0; v < domain.size(); ++v) add(point.gradient[v], product[v], gradients);
+      for (std::size_t k = 0; k < ways_.size(); ++k) {
+        spread[k] += point.volume * 0.5 * elastic.mu * bent(gradients, ways_[k], elastic.poisson).squaredNorm();
       }
-      sum.exact[type] += point.volume * 0.5 * elastic.young * height * height;
-      sum.spread[type] += point.volume * 0.5 * elastic.mu * H.squaredNorm();
-      for (std::size_t v = 0; v < vertices; ++v) {
-        const Mean& mean = mean_[domains_.of_cell.begin(row)[v]][k];
+      for (std::size_t v = 0; v < domain.size(); ++v) {
         const double part = point.volume * point.value[v];
-        sum.means[type] += part * mean.energy;
-        sum.spread[type] -= part * mean.stabiliser;
+        for (std::size_t k = 0; k < ways_.size(); ++k) {
+          lacking[k] -= part * mean_[domain[v]][k].energy;
+          spread[k] -= part * mean_[domain[v]][k].stabiliser;
+        }
       }
+    }
+    for (std::size_t k = 0; k < ways_.size(); ++k) {
+      sums[k].lacking[type] += lacking[k];
+      sums[k].spread[type] += spread[k];
     }
   }
 
   const Model& model_;
   const Domains& domains_;
   Vec3 centre_;
+  std::vector<Bending> ways_;
   std::vector<Elastic> elastic_;
   std::vector<std::array<Mean, 6>> mean_;  // [D], by bending
-  std::vector<CellPoint> points_;
 };
 
 }  // namespace
@@ -154,11 +203,11 @@ std::vector<CalibratedStabiliser> calibrated_stabilisers(const Model& model, con
   lowest.fill(std::numeric_limits<double>::infinity());
   highest.fill(-std::numeric_limits<double>::infinity());
   std::array<int, cell_types> found{};
-  for (const Energies& energy : test.energies(bendings(model.dimension))) {
+  for (const Energies& energy : test.energies()) {
     for (std::size_t type = 0; type < cell_types; ++type) {
       // A body of one cell, say, has no spread to speak of: nothing to calibrate by.
       if (!(energy.spread[type] > 1e-9 * energy.exact[type])) continue;
-      const double s = (energy.exact[type] - energy.means[type]) / energy.spread[type];
+      const double s = energy.lacking[type] / energy.spread[type];
       sum[type] += s;
       lowest[type] = std::min(lowest[type], s);
       highest[type] = std::max(highest[type], s);

@@ -55,6 +55,42 @@ TEST(Spectrum, IsThatOfTheDenseMatrixForEveryReaction) {
   }
 }
 
+/// At rest that law's stiffness is taken from its tables, elsewhere from differences of forces.
+TEST(Spectrum, OfParticleAverages) {
+  std::vector<Model> all{make_block({0.02, 0.01, 0.01}, 2, 1, 1),
+                         make_tetrahedral_block({0.02, 0.02, 0.01}, 2, 2, 1, 0.2, 1), make_strip(0.03, 0.02, 3, 2)};
+  for (Model& model : all) {
+    set_material(model, {10e3, 0.45, 1000.0});
+    std::vector<Index> left;
+    for (Index i = 0; i < model.particle_count(); ++i) {
+      if (model.rest[i].x() < 0.0101) left.push_back(i);
+    }
+    model.add_group("left", left);
+    set_material(model, {30e3, 0.3, 1200.0}, "left");
+    SCOPED_TRACE(model.name);
+    const TopologyTextures topology = build_topology(model, {.law = Law::particle_averaged});
+    EXPECT_GT(topology.domains.size(), topology.rest.size());  // materials meet
+    expect_spectrum(topology, model.rest);
+    expect_spectrum(topology, random_positions(model, 0.05, 3));
+    std::vector<std::uint8_t> fixed(model.rest.size(), 0);
+    for (const Index i : model.group("x0")) fixed[i] = 5;
+    expect_spectrum(topology, model.rest, fixed);
+    EXPECT_EQ(estimate_spectrum(topology, model.rest).most_negative, 0.0);
+  }
+}
+
+TEST(Spectrum, OfParticleAveragesNeedsNoNeighbours) {
+  Model model = make_block({0.02, 0.01, 0.01}, 2, 1, 1);
+  set_material(model, {10e3, 0.3, 1000.0});
+  const TopologyOptions options{.law = Law::particle_averaged};
+  const double largest = estimate_spectrum(build_topology(model, options), model.rest).largest;
+  model.neighbours.offset.assign(model.rest.size() + 1, 0);
+  model.neighbours.entry.clear();
+  const TopologyTextures bare = build_topology(model, options);
+  EXPECT_EQ(estimate_spectrum(bare, model.rest).largest, largest);
+  expect_spectrum(bare, random_positions(model, 0.05, 3));
+}
+
 TEST(Spectrum, OfASquashedBodyHasFlutterAndGrowth) {
   const Model model = make_block({0.02, 0.01, 0.01}, 2, 1, 1, 26);
   TopologyOptions options;

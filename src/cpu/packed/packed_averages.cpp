@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <functional>
 #include <limits>
-#include <map>
 #include <string>
+#include <string_view>
+#include <unordered_map>
 
 #include "packed_rows.h"
 #include "topology/energies.h"
@@ -96,26 +98,33 @@ class AveragesPacker {
       known->back += surface.area;
     }
     if (all_.size() % 2 == 1) all_.push_back({d, Vec3::Zero(), Vec3::Zero(), 0.0});
-    std::vector<LinkRow> stress, force;
+    stress_.clear();
+    force_.clear();
     for (const Link& link : all_) {
       to_.link.push_back(16 * quad_of_domain_[link.domain]);
-      stress.push_back(row_of(link.there, link.stiffness));
-      force.push_back(row_of(-link.back, link.stiffness));
+      stress_.push_back(row_of(link.there, link.stiffness));
+      force_.push_back(row_of(-link.back, link.stiffness));
     }
-    to_.stress_row.push_back(first_row_of(stress));
-    to_.force_row.push_back(first_row_of(force));
+    to_.stress_row.push_back(first_row_of(stress_));
+    to_.force_row.push_back(first_row_of(force_));
   }
 
   static LinkRow row_of(const Vec3& area, double stiffness) {
-    return {narrow(area.x()), narrow(area.y()), narrow(area.z()), narrow(stiffness)};
+    // Equal rows must have equal bytes: + 0 turns -0 into 0.
+    return {narrow(area.x()) + 0.0f, narrow(area.y()) + 0.0f, narrow(area.z()) + 0.0f, narrow(stiffness)};
   }
 
   std::int32_t first_row_of(const std::vector<LinkRow>& rows) {
-    const auto [known, is_new] = rows_.try_emplace(rows, static_cast<std::int32_t>(to_.links.size() / 4));
-    if (is_new) {
-      for (const LinkRow& row : rows) to_.links.insert(to_.links.end(), row.begin(), row.end());
+    const std::string_view bytes(reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(LinkRow));
+    const auto next = static_cast<std::int32_t>(to_.links.size() / 4);
+    const auto [known, is_new] = rows_.try_emplace(std::hash<std::string_view>()(bytes), next);
+    const std::int32_t first = known->second;
+    if (!is_new && next - first >= static_cast<std::int32_t>(rows.size()) &&
+        std::memcmp(&to_.links[4 * static_cast<std::size_t>(first)], bytes.data(), bytes.size()) == 0) {
+      return first;
     }
-    return known->second;
+    for (const LinkRow& row : rows) to_.links.insert(to_.links.end(), row.begin(), row.end());
+    return next;
   }
 
   void add_constants() {
@@ -142,8 +151,9 @@ class AveragesPacker {
   PackedAverages& to_;
   std::vector<std::int32_t> quad_of_domain_;
   std::vector<Index> domain_of_quad_;
-  std::vector<Link> all_;                              // of the domain at hand
-  std::map<std::vector<LinkRow>, std::int32_t> rows_;  // first row of equal links
+  std::vector<Link> all_;                               // of the domain at hand
+  std::vector<LinkRow> stress_, force_;                 // its rows
+  std::unordered_map<std::size_t, std::int32_t> rows_;  // by hash: the first row of the links that came first with it
 };
 
 }  // namespace

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "averaged_stiffness.h"
+
+#include "energy_density.h"
+#include "topology/halves.h"
+
+namespace phymul {
+
+bool AveragedStiffness::is_all_of(const TopologyTextures& t) {
+  return !t.domains.empty() && t.base_count == 0 && t.springs.empty() && t.volumes.empty();
+}
+
+AveragedStiffness::AveragedStiffness(const TopologyTextures& topology) : topology_(topology) {
+  particle_.reserve(topology.domains.size());
+  for (const DomainTexel& domain : topology.domains) particle_.push_back(domain.particle);
+}
+
+void AveragedStiffness::apply(const Eigen::VectorXd& u, Eigen::VectorXd& result) {
+  in_halves(static_cast<Index>(topology_.domains.size()),
+            [&](int part, Index first, Index last) { apply(first, last, u, part == 0 ? result : other_); });
+  result += other_;
+}
+
+/// The change of mean_stress (elasticity.cpp) with u.
+Mat3 AveragedStiffness::stress(Index d, const Eigen::VectorXd& u) const {
+  const TopologyTextures& t = topology_;
+  const DomainTexel& domain = t.domains[d];
+  const Vec3 own = u.segment<3>(3 * domain.particle);
+  Mat3 H = Mat3::Zero();
+  const auto add = [&](Index e, const Vec3& area) {
+    const Vec3 difference = u.segment<3>(3 * particle_[e]) - own;
+    // An outer product takes twice as long.
+    for (int axis = 0; axis < 3; ++axis) H.col(axis) += difference * area[axis];
+  };
+  for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) add(t.links[r].domain, t.links[r].area);
+  for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
+    add(t.surface_links[r].domain, t.surface_links[r].area);
+  }
+  H *= domain.inverse_volume;
+  const Mat3 P = cpu::stress_near_rest<double>(t.options.strain_energy, domain.energy, H) - domain.spread_stiffness * H;
+  return P;
+}
+
+void AveragedStiffness::apply(Index first, Index last, const Eigen::VectorXd& u, Eigen::VectorXd& result) const {
+  const TopologyTextures& t = topology_;
+  result.setZero(u.size());
+  for (Index d = first; d < last; ++d) {
+    const Mat3 Q = stress(d, u);
+    const Index i = particle_[d];
+    const Vec3 own = u.segment<3>(3 * i);
+    Vec3 sum = Vec3::Zero();
+    for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
+      const LinkTexel& link = t.links[r];
+      const Index j = particle_[link.domain];
+      const Vec3 pull = Q * link.area;
+      result.segment<3>(3 * j) += pull;
+      sum += pull + link.stiffness * (u.segment<3>(3 * j) - own);
+    }
+    for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
+      const SurfaceLinkTexel& link = t.surface_links[r];
+      const Vec3 pull = Q * link.area;
+      result.segment<3>(3 * particle_[link.domain]) += pull;
+      sum += pull;
+    }
+    result.segment<3>(3 * i) -= sum;
+  }
+}
+
+}  // namespace phymul
