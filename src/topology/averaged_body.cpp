@@ -10,6 +10,8 @@
 
 #include "cell_quadrature.h"
 #include "model/cell_geometry.h"
+#include "model/point_cells.h"
+#include "point_domains.h"
 #include "stabiliser.h"
 #include "transpose.h"
 
@@ -187,12 +189,11 @@ Domains domains_of(const Model& model) {
 }
 
 void add_averaged_terms(const Model& model, TopologyTextures& topology) {
-  const Domains domains = domains_of(model);
-  if (domains.count() == 0) {
-    throw Error(ErrorCode::invalid_model,
-                "Law::particle_averaged needs cells with a volume (in 2-D: triangles or "
-                "quads); the model has none. Add cells, or use another law");
-  }
+  const bool points = is_body_of_points(model);
+  PointDomains body;
+  if (points) body = point_domains(model);
+  const Domains domains = points ? std::move(body.domains) : domains_of(model);
+  if (points && !topology.options.stabiliser) topology.options.stabiliser = body.stabiliser;
   std::vector<double> spread = stabiliser_of_domains(model, domains, topology.options);
   for (Index d = 0; d < domains.count(); ++d) {
     const Material& material = model.materials[domains.material[d]];
@@ -203,7 +204,12 @@ void add_averaged_terms(const Model& model, TopologyTextures& topology) {
   topology.first_domain.assign(model.rest.size() + 1, 0);
   for (const Index i : domains.particle) ++topology.first_domain[i + 1];
   std::partial_sum(topology.first_domain.begin(), topology.first_domain.end(), topology.first_domain.begin());
-  add_links(domains, pair_stiffness(model, domains, spread), topology);
+  if (points) {
+    for (double& stiffness : body.stiffness) stiffness *= spread.front();  // one material
+    add_links(domains, body.stiffness, topology);
+  } else {
+    add_links(domains, pair_stiffness(model, domains, spread), topology);
+  }
 }
 
 }  // namespace phymul

@@ -359,7 +359,7 @@ TEST(AveragedBody, NonsenseIsRefusedWithWhatToDo) {
   Model bare = with_material(block);
   std::erase_if(bare.cells, [](const Cell& cell) { return cell.type == CellType::hexahedron; });
   for (Component& c : bare.components) c.cells.clear(), c.cell_refs.clear();
-  EXPECT_TRUE(says(refused(bare), "needs cells with a volume")) << refused(bare);
+  EXPECT_EQ(refused(bare), "(no error)");  // a body of points: point_body_test.cpp
 }
 
 TEST(AveragedBody, AGivenStabiliserIsTaken) {
