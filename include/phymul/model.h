@@ -118,9 +118,9 @@ struct Model {
 /// A cell's volume is divided evenly among its vertices. In 2-D the cells are triangles and quads, one metre thick. A
 /// particle without such a cell keeps its mass, and Model::notes says so.
 /// A body of points, without any such cell, has the material in all particles, and of the space that its particles span
-/// each has what is nearer to it than to its neighbours. If it has no neighbours it gets nearest_neighbours(rest, 20).
-/// Throws Error, and changes nothing, if the model is not valid, has a volume cell without positive volume or a
-/// particle in one plane with its neighbours, or if a constant is out of its range.
+/// each has what is nearer to it than to its neighbours; Model::notes says the sum. If it has no neighbours it gets
+/// nearest_neighbours(rest, 20). Throws Error, and changes nothing, if the model is not valid, has a volume cell
+/// without positive volume or a particle in one plane with its neighbours, or if a constant is out of its range.
 void set_material(Model& model, const Material& material);
 
 /// The same for the cells whose particles are all in the group. Masses are then computed from all cells with a

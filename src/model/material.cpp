@@ -90,6 +90,7 @@ void set_material_of_points(Model& model, const Material& material) {
   }
   const std::vector<PointCell> cells = point_cells(changed, point_neighbours(changed));
   const double least = 1e-9 * std::pow(mean_spacing(changed), model.dimension);  // rounding of none
+  double volume = 0.0;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (!(cells[i].volume > least)) {
       throw Error(ErrorCode::invalid_model,
@@ -99,7 +100,10 @@ void set_material_of_points(Model& model, const Material& material) {
                       " are; give it more, or set Model::mass and Model::stiffness instead");
     }
     changed.mass[i] = material.density * cells[i].volume;
+    volume += cells[i].volume;
   }
+  changed.notes.push_back("set_material: no cell fills space; the particles are taken for a body of points, of " +
+                          to_decimal(volume) + (model.dimension == 3 ? " m^3" : " m^2"));
   changed.materials = {material};
   model = std::move(changed);
 }

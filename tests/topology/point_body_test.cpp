@@ -49,6 +49,8 @@ TEST(PointBody, VolumesAddUpToWhatThePointsSpan) {
     } else {
       EXPECT_NEAR(part, 1.0, 0.002) << body.name;
     }
+    ASSERT_EQ(body.model.notes.size(), 1u);
+    EXPECT_TRUE(body.model.notes[0].starts_with("set_material: no cell fills space; the particles are taken for a"));
   }
 }
 
