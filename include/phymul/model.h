@@ -116,8 +116,11 @@ struct Model {
 
 /// Gives every volume cell the material, and every particle the mass density * (its share of the volume of its cells).
 /// A cell's volume is divided evenly among its vertices. In 2-D the cells are triangles and quads, one metre thick. A
-/// particle without such a cell keeps its mass, and Model::notes says so. Throws Error, and changes nothing, if the
-/// model is not valid, has no volume cells or one without positive volume, or if a constant is out of its range.
+/// particle without such a cell keeps its mass, and Model::notes says so.
+/// A body of points, without any such cell, has the material in all particles, and of the space that its particles span
+/// each has what is nearer to it than to its neighbours; Model::notes says the sum. If it has no neighbours it gets
+/// nearest_neighbours(rest, 20). Throws Error, and changes nothing, if the model is not valid, has a volume cell
+/// without positive volume or a particle in one plane with its neighbours, or if a constant is out of its range.
 void set_material(Model& model, const Material& material);
 
 /// The same for the cells whose particles are all in the group. Masses are then computed from all cells with a
@@ -143,5 +146,10 @@ void validate(const Model& model);
 /// Neighbours along the edges of cells, in increasing order. Throws Error if a cell has too few particles or one out of
 /// range.
 RaggedList neighbours_from_cells(const std::vector<Cell>& cells, Index particle_count);
+
+/// Neighbours for particles without cells, in increasing order: the `count` nearest particles of each one and those as
+/// near as the last of them, and the particles that it is among the nearest of. Throws Error unless there are more than
+/// `count` particles.
+RaggedList nearest_neighbours(const VecList& rest, int count);
 
 }  // namespace phymul

@@ -79,7 +79,8 @@ struct DomainTexel {
   std::array<double, most_energy_constants> energy{};
 };
 
-/// What domain e is to domain d. Read from e to d the area changes its sign and the stiffness is the same.
+/// What domain e is to domain d. Read from e to d the area changes its sign and the stiffness is the same. In a body of
+/// points (Law::particle_averaged) sums of w X_pq and of s mu w take the place of the integrals.
 struct LinkTexel {
   Index domain = none;       ///< e
   Vec3 area = Vec3::Zero();  ///< half the integral of N_d grad N_e - N_e grad N_d, m^2
@@ -87,7 +88,7 @@ struct LinkTexel {
 };
 
 /// The rest of the integral of N_d grad N_e, where it is not zero: on the surface of the body or of a material, d and e
-/// themselves (e = d) included. The same from both sides.
+/// themselves (e = d) included. The same from both sides. In a body of points it is zero nowhere.
 struct SurfaceLinkTexel {
   Index domain = none;       ///< e
   Vec3 area = Vec3::Zero();  ///< half the integral over the surface of N_d N_e times the outward normal, m^2
@@ -97,7 +98,7 @@ struct SurfaceLinkTexel {
 /// changed since.
 struct ModelFingerprint {
   std::uint64_t neighbours = 0, cells = 0;
-  std::uint64_t materials = 0;  ///< Young's modulus and Poisson's ratio, cell by cell
+  std::uint64_t materials = 0;  ///< Young's modulus and Poisson's ratio, cell by cell; of a body of points, of all
   std::uint64_t stiffness = 0;  ///< of particles, if there are no materials
   bool operator==(const ModelFingerprint&) const = default;
 };

@@ -8,9 +8,13 @@
 #include "base/decimal.h"
 #include "cell_geometry.h"
 #include "material.h"
+#include "point_cells.h"
 
 namespace phymul {
 namespace {
+
+/// Of a body of points that brings none: of jittered lattices those within some 1.8 spacings.
+constexpr Index usual_neighbours = 20;
 
 /// Sums density * volume / vertices over the cells that have a material. A particle in none of them keeps its mass.
 void sum_masses(Model& model) {
@@ -77,6 +81,33 @@ void assign(Model& model, const Material& material, const std::string& nothing_c
   model = std::move(changed);
 }
 
+/// Particles without cells: the same for all of them. Masses from their share of space, which takes neighbours.
+void set_material_of_points(Model& model, const Material& material) {
+  validate(model);
+  Model changed = model;
+  if (changed.neighbours.entry.empty() && changed.particle_count() > 1) {
+    changed.neighbours = nearest_neighbours(changed.rest, std::min(usual_neighbours, changed.particle_count() - 1));
+  }
+  const std::vector<PointCell> cells = point_cells(changed, point_neighbours(changed));
+  const double least = 1e-9 * std::pow(mean_spacing(changed), model.dimension);  // rounding of none
+  double volume = 0.0;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (!(cells[i].volume > least)) {
+      throw Error(ErrorCode::invalid_model,
+                  "set_material: expected each particle to have neighbours around it that are not in one " +
+                      std::string(model.dimension == 3 ? "plane" : "line") + ", but those of particle " +
+                      std::to_string(model.file_index(static_cast<Index>(i))) +
+                      " are; give it more, or set Model::mass and Model::stiffness instead");
+    }
+    changed.mass[i] = material.density * cells[i].volume;
+    volume += cells[i].volume;
+  }
+  changed.notes.push_back("set_material: no cell fills space; the particles are taken for a body of points, of " +
+                          to_decimal(volume) + (model.dimension == 3 ? " m^3" : " m^2"));
+  changed.materials = {material};
+  model = std::move(changed);
+}
+
 std::string solid_cells(const Model& model) {
   return model.dimension == 3 ? "volume cells (tetrahedra, wedges, pyramids or hexahedra)" : "triangles or quads";
 }
@@ -98,10 +129,8 @@ void require_in_range(const Material& material) {
 
 void set_material(Model& model, const Material& material) {
   require_in_range(material);
-  assign(model, material,
-         std::string("set_material: expected a model with ").append(solid_cells(model)) +
-             ", got one without; set Model::mass and Model::stiffness instead",
-         [](const Cell&) { return true; });
+  if (is_body_of_points(model)) return set_material_of_points(model, material);
+  assign(model, material, "set_material: no cell", [](const Cell&) { return true; });
 }
 
 void set_material(Model& model, const Material& material, std::string_view group_name) {

@@ -14,6 +14,8 @@
 #include "energies.h"
 #include "halves.h"
 #include "model/cell_geometry.h"
+#include "model/point_cells.h"
+#include "point_domains.h"
 #include "stabiliser.h"
 #include "transpose.h"
 
@@ -145,28 +147,17 @@ std::vector<double> pair_stiffness(const Model& model, const Domains& domains, c
   return stiffness;
 }
 
-bool all_solid_cells_are(const Model& model, CellType type) {
-  return std::ranges::all_of(
-      model.cells, [&](const Cell& cell) { return cell.type == type || !is_solid(model.dimension, cell.type); });
-}
-
-/// s of each domain: the mean over its cells of their types' values.
+/// s of each domain: the mean over its cells, by volume.
 std::vector<double> stabiliser_of_domains(const Model& model, const Domains& domains, TopologyOptions& options) {
   if (options.stabiliser) return std::vector<double>(domains.particle.size(), *options.stabiliser);
-  const std::vector<CalibratedStabiliser> calibrated = calibrated_stabilisers(model, domains);
-  if (calibrated.size() == 1 && all_solid_cells_are(model, calibrated.front().type)) {
-    options.stabiliser = calibrated.front().value;
-    return std::vector<double>(domains.particle.size(), *options.stabiliser);
-  }
+  const std::vector<double> of_cell = calibrated_stabilisers(model, domains)
+                                          .of_cells(model, domains, kind_of(options.strain_energy).least_stabiliser);
   std::vector<double> sum(domains.particle.size(), 0.0), weight(sum);
   for (Index row = 0; row < domains.of_cell.rows(); ++row) {
-    double s = kind_of(options.strain_energy).least_stabiliser;
-    for (const CalibratedStabiliser& it : calibrated) {
-      if (it.type == model.cells[row].type) s = std::max(s, it.value);
-    }
+    if (domains.of_cell.size(row) == 0) continue;
     const double volume = std::abs(signed_measure(model.dimension, model.cells[row], model.rest));
     for (const Index* d = domains.of_cell.begin(row); d != domains.of_cell.end(row); ++d) {
-      sum[*d] += volume * s;
+      sum[*d] += volume * of_cell[row];
       weight[*d] += volume;
     }
   }
@@ -238,11 +229,12 @@ Domains domains_of(const Model& model) {
 }
 
 void add_averaged_terms(const Model& model, TopologyTextures& topology) {
-  const Domains domains = domains_of(model);
-  if (domains.count() == 0) {
-    throw Error(ErrorCode::invalid_model,
-                "Law::particle_averaged needs cells with a volume (in 2-D: triangles or "
-                "quads); the model has none. Add cells, or use another law");
+  const bool points = is_body_of_points(model);
+  PointDomains body;
+  if (points) body = point_domains(model);
+  const Domains domains = points ? std::move(body.domains) : domains_of(model);
+  if (points && !topology.options.stabiliser) {
+    topology.options.stabiliser = std::max(body.stabiliser, kind_of(topology.options.strain_energy).least_stabiliser);
   }
   std::vector<double> spread = stabiliser_of_domains(model, domains, topology.options);
   topology.domains.reserve(domains.particle.size());
@@ -255,7 +247,12 @@ void add_averaged_terms(const Model& model, TopologyTextures& topology) {
   topology.first_domain.assign(model.rest.size() + 1, 0);
   for (const Index i : domains.particle) ++topology.first_domain[i + 1];
   std::partial_sum(topology.first_domain.begin(), topology.first_domain.end(), topology.first_domain.begin());
-  add_links(domains, pair_stiffness(model, domains, spread), topology);
+  if (points) {
+    for (double& stiffness : body.stiffness) stiffness *= spread.front();  // one material
+    add_links(domains, body.stiffness, topology);
+  } else {
+    add_links(domains, pair_stiffness(model, domains, spread), topology);
+  }
 }
 
 }  // namespace phymul

@@ -6,6 +6,8 @@
 #include <limits>
 #include <span>
 
+#include "bending.h"
+#include "body_frames.h"
 #include "cell_quadrature.h"
 #include "halves.h"
 
@@ -13,36 +15,6 @@ namespace phymul {
 namespace {
 
 constexpr std::size_t cell_types = 10;  // of CellType
-
-/// Bending along axis a about the plane x_b = 0.
-struct Bending {
-  int a, b, c;
-};
-
-std::vector<Bending> bendings(int dimension) {
-  if (dimension == 2) return {{0, 1, 2}, {1, 0, 2}};
-  return {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
-}
-
-/// Constants per unit of Young's modulus.
-struct Elastic {
-  double mu, lambda;
-  double poisson, young;  ///< of the bending field: those of plane strain in 2-D
-
-  Elastic(const Material& material, int dimension) {
-    const double nu = material.poisson;
-    mu = 0.5 / (1.0 + nu);
-    lambda = nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
-    poisson = dimension == 2 ? nu / (1.0 - nu) : nu;
-    young = dimension == 2 ? 1.0 / (1.0 - nu * nu) : 1.0;
-  }
-
-  /// Energy density of the strain in a displacement gradient.
-  double energy(const Mat3& H) const {
-    const Mat3 strain = 0.5 * (H + H.transpose());
-    return mu * strain.squaredNorm() + 0.5 * lambda * strain.trace() * strain.trace();
-  }
-};
 
 /// Products x_a x_b of coordinates, from which every bending is made, at place[a][b]; a column of Gradients each.
 using Products = Eigen::Matrix<double, 1, 6>;
@@ -68,17 +40,20 @@ Mat3 bent(const Gradients& of, const Bending& way, double nu) {
   return H;
 }
 
-Vec3 centroid(const Model& model, const Domains& domains) {
-  Vec3 sum = Vec3::Zero();
-  double volume = 0.0;
+BodyFrames frames_of(const Model& model, const Domains& domains) {
+  std::vector<double> volume(model.rest.size(), 0.0);
+  for (Index d = 0; d < domains.count(); ++d) volume[domains.particle[d]] += domains.volume[d];
+  std::vector<std::array<Index, 2>> pairs;
   for (Index d = 0; d < domains.count(); ++d) {
-    sum += domains.volume[d] * model.rest[domains.particle[d]];
-    volume += domains.volume[d];
+    for (const Index* e = domains.pairs.begin(d); e != domains.pairs.end(d); ++e) {
+      const Index i = domains.particle[d], j = domains.particle[*e];
+      if (i < j) pairs.push_back({i, j});
+    }
   }
-  return sum / volume;
+  return BodyFrames(model, volume, pairs);
 }
 
-/// Energies by type of cell. Means and spread are summed as what they differ by, cell by cell: of a fine mesh that is
+/// Energies of one part of the body, by type of cell. Means and spread are summed as what they differ by, cell by cell: of a fine mesh that is
 /// too little to be the difference of two sums.
 struct Energies {
   std::array<double, cell_types> exact{};
@@ -99,26 +74,31 @@ class BendingTest {
   BendingTest(const Model& model, const Domains& domains)
       : model_(model),
         domains_(domains),
-        centre_(centroid(model, domains)),
+        frames_(frames_of(model, domains)),
         ways_(bendings(model.dimension)),
         mean_(domains.particle.size()) {
     for (const Material& material : model.materials) elastic_.emplace_back(material, model.dimension);
   }
 
-  /// Of each bending.
-  std::vector<Energies> energies() {
+  const BodyFrames& frames() const { return frames_; }
+
+  /// [parts][bendings]
+  std::vector<std::vector<Energies>> energies() {
     in_halves(domains_.count(), [&](int, Index first, Index last) {
       for (Index d = first; d < last; ++d) find_mean(d);
     });
-    std::array<std::vector<Energies>, 2> sums;
-    in_halves(domains_.of_cell.rows(), [&](int part, Index first, Index last) {
-      sums[part].resize(ways_.size());
+    std::array<std::vector<std::vector<Energies>>, 2> sums;
+    in_halves(domains_.of_cell.rows(), [&](int half, Index first, Index last) {
+      sums[half].assign(static_cast<std::size_t>(frames_.parts()), std::vector<Energies>(ways_.size()));
       std::vector<CellPoint> points;
       for (Index row = first; row < last; ++row) {
-        if (domains_.of_cell.size(row) > 0) add_cell(row, points, sums[part]);
+        if (domains_.of_cell.size(row) == 0) continue;
+        add_cell(row, points, sums[half][frames_.part(model_.cells[row].particles.front())]);
       }
     });
-    for (std::size_t k = 0; k < ways_.size(); ++k) sums[0][k] += sums[1][k];
+    for (std::size_t part = 0; part < sums[0].size(); ++part) {
+      for (std::size_t k = 0; k < ways_.size(); ++k) sums[0][part][k] += sums[1][part][k];
+    }
     return sums[0];
   }
 
@@ -128,15 +108,14 @@ class BendingTest {
     double energy = 0.0, stabiliser = 0.0;
   };
 
-  Vec3 from_centre(Index particle) const { return model_.rest[particle] - centre_; }
-
   void find_mean(Index d) {
     const Elastic& elastic = elastic_[domains_.material[d]];
-    const Products own = products(from_centre(domains_.particle[d]));
+    const Products own = products(frames_.local(domains_.particle[d]));
+    const Mat3 to_frame = frames_.of_part(frames_.part(domains_.particle[d])).axes.transpose();
     Gradients gradients = Gradients::Zero();
     for (Index r = domains_.pairs.offset[d]; r < domains_.pairs.offset[d + 1]; ++r) {
-      const Products other = products(from_centre(domains_.particle[domains_.pairs.entry[r]]));
-      add(domains_.area[r], other - own, gradients);
+      const Products other = products(frames_.local(domains_.particle[domains_.pairs.entry[r]]));
+      add(to_frame * domains_.area[r], other - own, gradients);
     }
     gradients /= domains_.volume[d];
     for (std::size_t k = 0; k < ways_.size(); ++k) {
@@ -151,10 +130,11 @@ class BendingTest {
     const auto type = static_cast<std::size_t>(cell.type);
     const std::span<const Index> domain(domains_.of_cell.begin(row), domains_.of_cell.end(row));
     cell_points(model_, row, points);
+    const Mat3 to_frame = frames_.of_part(frames_.part(cell.particles.front())).axes.transpose();
     std::array<std::array<double, 8>, 3> height;  // along each axis
     std::array<Products, 8> product;
     for (std::size_t v = 0; v < domain.size(); ++v) {
-      const Vec3 x = from_centre(cell.particles[v]);
+      const Vec3 x = frames_.local(cell.particles[v]);
       for (int axis = 0; axis < 3; ++axis) height[axis][v] = x[axis];
       product[v] = products(x);
     }
@@ -169,7 +149,7 @@ class BendingTest {
     }
     for (const CellPoint& point : points) {
       Gradients gradients = Gradients::Zero();
-      for (std::size_t v = 0; v < domain.size(); ++v) add(point.gradient[v], product[v], gradients);
+      for (std::size_t v = 0; v < domain.size(); ++v) add(to_frame * point.gradient[v], product[v], gradients);
       for (std::size_t k = 0; k < ways_.size(); ++k) {
         spread[k] += point.volume * 0.5 * elastic.mu * bent(gradients, ways_[k], elastic.poisson).squaredNorm();
       }
@@ -189,7 +169,7 @@ class BendingTest {
 
   const Model& model_;
   const Domains& domains_;
-  Vec3 centre_;
+  BodyFrames frames_;
   std::vector<Bending> ways_;
   std::vector<Elastic> elastic_;
   std::vector<std::array<Mean, 6>> mean_;  // [D], by bending
@@ -197,15 +177,17 @@ class BendingTest {
 
 }  // namespace
 
-std::vector<CalibratedStabiliser> calibrated_stabilisers(const Model& model, const Domains& domains) {
-  BendingTest test(model, domains);
+namespace {
+
+/// Of one part of the body, from its energies in each bending.
+std::vector<CalibratedStabiliser> calibrated(Index part, const std::vector<Energies>& energies) {
   std::array<double, cell_types> sum{}, lowest, highest;
   lowest.fill(std::numeric_limits<double>::infinity());
   highest.fill(-std::numeric_limits<double>::infinity());
   std::array<int, cell_types> found{};
-  for (const Energies& energy : test.energies()) {
+  for (const Energies& energy : energies) {
     for (std::size_t type = 0; type < cell_types; ++type) {
-      // A body of one cell, say, has no spread to speak of: nothing to calibrate by.
+      // A part of one cell, say, has no spread to speak of: nothing to calibrate by.
       if (!(energy.spread[type] > 1e-9 * energy.exact[type])) continue;
       const double s = energy.lacking[type] / energy.spread[type];
       sum[type] += s;
@@ -217,9 +199,35 @@ std::vector<CalibratedStabiliser> calibrated_stabilisers(const Model& model, con
   std::vector<CalibratedStabiliser> result;
   for (std::size_t type = 0; type < cell_types; ++type) {
     if (found[type] == 0) continue;
-    result.push_back({static_cast<CellType>(type), std::max(sum[type] / found[type], least_stabiliser), lowest[type],
-                      highest[type]});
+    result.push_back({part, static_cast<CellType>(type), sum[type] / found[type], lowest[type], highest[type]});
   }
+  return result;
+}
+
+}  // namespace
+
+std::vector<double> CalibratedStabilisers::of_cells(const Model& model, const Domains& domains, double least) const {
+  std::vector<double> values(model.cells.size(), 0.0);
+  for (Index row = 0; row < domains.of_cell.rows(); ++row) {
+    if (domains.of_cell.size(row) == 0) continue;
+    const Cell& cell = model.cells[row];
+    values[row] = least;
+    for (const CalibratedStabiliser& it : all) {
+      if (it.part == part[cell.particles.front()] && it.type == cell.type) values[row] = std::max(least, it.value);
+    }
+  }
+  return values;
+}
+
+CalibratedStabilisers calibrated_stabilisers(const Model& model, const Domains& domains) {
+  BendingTest test(model, domains);
+  CalibratedStabilisers result;
+  const std::vector<std::vector<Energies>> energies = test.energies();
+  for (Index part = 0; part < test.frames().parts(); ++part) {
+    const std::vector<CalibratedStabiliser> of_part = calibrated(part, energies[part]);
+    result.all.insert(result.all.end(), of_part.begin(), of_part.end());
+  }
+  for (Index i = 0; i < model.particle_count(); ++i) result.part.push_back(test.frames().part(i));
   return result;
 }
 

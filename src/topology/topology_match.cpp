@@ -7,6 +7,7 @@
 
 #include "base/fnv.h"
 #include "model/cell_geometry.h"
+#include "model/point_cells.h"
 
 namespace phymul {
 namespace {
@@ -27,6 +28,14 @@ std::uint64_t of_materials(const Model& model) {
   Fnv sum;
   sum.add(model.materials.empty());
   if (model.materials.empty()) return sum.value();
+  if (is_body_of_points(model)) {
+    for (const Material& material : model.materials) {
+      sum.add(material.young);
+      sum.add(material.poisson);
+      sum.add(material.density);  // by which masses are volumes
+    }
+    return sum.value();
+  }
   for (const Cell& cell : model.cells) {
     if (!is_solid(model.dimension, cell.type)) continue;
     const bool known = cell.material >= 0 && static_cast<std::size_t>(cell.material) < model.materials.size();

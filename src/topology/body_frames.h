@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+//
+// Where each part of a body is and how it lies, so that what is calibrated on it does not depend on how it is turned.
+#pragma once
+
+#include <phymul/model.h>
+
+#include <array>
+#include <vector>
+
+namespace phymul {
+
+struct BodyFrame {
+  Vec3 centre = Vec3::Zero();
+  Mat3 axes = Mat3::Identity();  ///< columns
+};
+
+/// Frames of the parts that no pair joins.
+class BodyFrames {
+ public:
+  /// `volume` [N]: of each particle; those of none count nowhere. `pairs`: particles that belong together, each once.
+  /// The axes are the principal ones of the volume. Where a part is about as long along two of them, these lie as the
+  /// pairs do: along the edges of a lattice, not between them.
+  BodyFrames(const Model& model, const std::vector<double>& volume, const std::vector<std::array<Index, 2>>& pairs);
+
+  Index part(Index particle) const { return part_[particle]; }
+  const BodyFrame& of_part(Index part) const { return frames_[part]; }
+  /// Place of a particle in the frame of its part.
+  Vec3 local(Index particle) const {
+    const BodyFrame& frame = frames_[part_[particle]];
+    return frame.axes.transpose() * (model_.rest[particle] - frame.centre);
+  }
+  Index parts() const { return static_cast<Index>(frames_.size()); }
+
+ private:
+  const Model& model_;
+  std::vector<Index> part_;  // [N]
+  std::vector<BodyFrame> frames_;
+};
+
+}  // namespace phymul
