@@ -47,8 +47,8 @@ class RowsOf {
     return count;
   }
 
-  Index own(Index i) const { return bases(i).count + heights(i).count + list(i, 3).count + links(i); }
-  Index gathered(Index i) const { return list(i, 0).count + list(i, 1).count + list(i, 2).count; }
+  Index own(Index i) const { return bases(i).count + heights(i).count + list(i, 2).count + links(i); }
+  Index gathered(Index i) const { return list(i, 0).count + list(i, 1).count; }
 
  private:
   const FloatTables& t_;

@@ -2,6 +2,7 @@
 #include <phymul/topology_textures.h>
 
 #include "base/fnv.h"
+#include "energies.h"
 
 namespace phymul {
 namespace {
@@ -13,10 +14,6 @@ std::int32_t number_of(Law law) {
 
 std::int32_t number_of(VolumeLaw law) {
   return law == VolumeLaw::quadratic ? 0 : 1;
-}
-
-std::int32_t number_of(StrainEnergy energy) {
-  return energy == StrainEnergy::shape_memory ? 0 : 1;
 }
 
 std::int32_t number_of(Reaction reaction) {
@@ -39,7 +36,7 @@ void add_options(Fnv& sum, const TopologyOptions& options) {
   sum.add(number_of(options.law.value_or(Law::shape_memory)));
   sum.add(number_of(options.reaction));
   sum.add(number_of(options.volume_law));
-  sum.add(number_of(options.strain_energy));
+  sum.add(kind_of(options.strain_energy).number);
 }
 
 void add_terms(Fnv& sum, const TopologyTextures& t) {

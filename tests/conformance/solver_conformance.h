@@ -58,7 +58,9 @@ TEST_P(SolverConformance, RigidMotionOfTheSceneMovesTheResult) {
   Scene scene(model), moved_scene(moved);
   scene.fix("x0").gravity(g);
   moved_scene.fix("x0").gravity(turn * g);
-  const auto solver = make(model, scene), moved_solver = make(moved, moved_scene);
+  // The one energy that is isotropic in large strain too; of the other the directions do not turn with the body.
+  const TopologyOptions isotropic{.strain_energy = StrainEnergy::neo_hookean};
+  const auto solver = make(model, scene, {}, isotropic), moved_solver = make(moved, moved_scene, {}, isotropic);
   const double dt = 0.4 * solver->stable_step();
   ASSERT_TRUE(solver->step(500, dt).ok());
   ASSERT_TRUE(moved_solver->step(500, dt).ok());

@@ -267,6 +267,10 @@ double padding_share(const SliceTables& s) {
   add_list(s.reactions, t.share.size() + t.reaction.size());
   add_list(s.volumes, t.volume_entry.size());
   add_list(s.springs, t.spring.size());
+  for (const Int4& range : t.domains.range) {
+    sum.held += static_cast<std::size_t>((range[2] - range[0]) / s.slice);
+  }
+  sum.rows += t.domains.link.size();
   return static_cast<double>(sum.rows) / static_cast<double>(sum.held);
 }
 

@@ -71,7 +71,7 @@ PHYMUL_WITH_NEEDLES(BendingNeedleIn);
 TEST_P(BendingNeedleIn, BendsUnderAHangingBlockAsABeamDoes) {
   constexpr double edge = 0.01, g = 9.81;
   Model model = make_block({edge, edge, edge}, 4, 4, 4);
-  set_material(model, {.young = 20e3, .poisson = 0.45, .density = 1000.0});
+  set_material(model, {.young = 40e3, .poisson = 0.45, .density = 1000.0});
   Needle needle = bending(1.6e-3);
   needle.spread = 0.004;
   Scene scene(model);

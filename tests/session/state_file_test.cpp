@@ -195,7 +195,8 @@ TEST(StateFile, FingerprintsTellBodiesApart) {
   changed.stiffness[5] = std::nextafter(changed.stiffness[5], 1e9);
   EXPECT_NE(own, of(changed));
   for (const Variant& variant : conservative_variants()) {
-    if (variant.name == "conservative" || variant.material) continue;
+    // Of six neighbours all triples pass the thresholds.
+    if (variant.name == "conservative" || variant.name == "conservative all" || variant.material) continue;
     EXPECT_NE(own, of(model, variant.options)) << variant.name;
   }
 }

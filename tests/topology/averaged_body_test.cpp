@@ -265,8 +265,8 @@ TEST(AveragedBody, TheStabiliserIsTheBodysOwn) {
     EXPECT_NEAR(*build_topology(turned).options.stabiliser, alone, 1e-6 * alone);
     Model other = with_material(make_block({0.03, 0.01, 0.02}, 9, 2, 5));
     if (shape.dimension == 2) continue;
-    const Bodies both = make_bodies({{"one", &model}, {"other", &other}});
-    const TopologyTextures tables = build_topology(both.model);
+    const std::vector<NamedBody> both{{"one", &model}, {"other", &other}};
+    const TopologyTextures tables = build_topology(merge_models(both));
     const TopologyTextures own = build_topology(model);
     for (std::size_t d = 0; d < own.domains.size(); ++d) {
       ASSERT_NEAR(tables.domains[d].spread_stiffness, own.domains[d].spread_stiffness,

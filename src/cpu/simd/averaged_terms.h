@@ -153,6 +153,15 @@ void averaged_stresses(const simd::Averaged& body, int slice, int end) {
   }
 }
 
+template <template <bool bounded_volume> class... Each>
+constexpr void set_stresses(simd::Kernels& kernels, EnergyList<Each...>) {
+  static_assert(sizeof...(Each) <= simd::most_energies);
+  int row = 0;
+  ((kernels.averaged_stresses[row][0] = averaged_stresses<Each<false>>,
+    kernels.averaged_stresses[row++][1] = averaged_stresses<Each<true>>),
+   ...);
+}
+
 /// Forces of slices [slice, end), added to the springs'.
 inline void averaged_forces(const simd::Averaged& body, int slice, int end) {
   const std::int64_t last = static_cast<std::int64_t>(end) * lanes;

@@ -124,6 +124,8 @@ struct MoveSummary {
 
 enum class BaseUse { conservative, averaged, attractor };
 
+inline constexpr int most_energies = 8;
+
 /// The kernels of one instruction set.
 struct Kernels {
   const char* name;
@@ -132,7 +134,7 @@ struct Kernels {
   void (*enumerated[2])(const Job&);  ///< [averaged]
   void (*volumes[2][2])(const Job&);  ///< [plane][bounded]
   void (*springs)(const Job&);
-  void (*averaged_stresses[2][2])(const Averaged&, int slice, int end);  ///< [StrainEnergy][bounded]
+  void (*averaged_stresses[most_energies][2])(const Averaged&, int slice, int end);  ///< [StrainEnergy][bounded]
   void (*averaged_forces)(const Averaged&, int slice, int end);
   void (*move)(const Move&, int slice, int end, MoveSummary&);
 };

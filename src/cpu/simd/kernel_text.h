@@ -62,6 +62,11 @@ struct NeoHookean {
 #include "kernels/volume.glsl"
 };
 
+/// In the order of StrainEnergy.
+template <template <bool bounded_volume> class... Energies>
+struct EnergyList {};
+using Energies = EnergyList<ShapeMemory, NeoHookean>;
+
 #undef KERNEL
 #undef KERNEL_CONSTANT
 #undef OUT

@@ -14,18 +14,20 @@ namespace phymul::cpu::PHYMUL_ISA {
 
 constexpr simd::Kernels all_kernels(const char* name) {
   using enum simd::BaseUse;
-  return {name,
-          lanes,
-          {{base_slices<conservative, false>, base_slices<conservative, true>},
-           {base_slices<averaged, false>, base_slices<averaged, true>},
-           {base_slices<attractor, false>, base_slices<attractor, true>}},
-          {enumerated_slices<false>, enumerated_slices<true>},
-          {{volume_rows<false, false>, volume_rows<false, true>}, {volume_rows<true, false>, volume_rows<true, true>}},
-          spring_slices,
-          {{averaged_stresses<ShapeMemory<false>>, averaged_stresses<ShapeMemory<true>>},
-           {averaged_stresses<NeoHookean<false>>, averaged_stresses<NeoHookean<true>>}},
-          averaged_forces,
-          move_slices};
+  simd::Kernels kernels{
+      name,
+      lanes,
+      {{base_slices<conservative, false>, base_slices<conservative, true>},
+       {base_slices<averaged, false>, base_slices<averaged, true>},
+       {base_slices<attractor, false>, base_slices<attractor, true>}},
+      {enumerated_slices<false>, enumerated_slices<true>},
+      {{volume_rows<false, false>, volume_rows<false, true>}, {volume_rows<true, false>, volume_rows<true, true>}},
+      spring_slices,
+      {},
+      averaged_forces,
+      move_slices};
+  set_stresses(kernels, Energies{});
+  return kernels;
 }
 
 }  // namespace phymul::cpu::PHYMUL_ISA
