@@ -75,7 +75,7 @@ struct DomainTexel {
   Index particle = none;
   double inverse_volume = 0.0;    ///< 1/V_d, 1/m^3
   double spread_stiffness = 0.0;  ///< s mu, Pa: the stabiliser times the shear modulus
-  /// Constants of TopologyOptions::strain_energy, Pa, then zeros. shape_memory: c, kappa; neo_hookean: mu, K.
+  /// Constants of TopologyOptions::strain_energy, in the order in which StrainEnergy names them, then zeros.
   std::array<double, most_energy_constants> energy{};
 };
 
