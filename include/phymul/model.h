@@ -44,7 +44,8 @@ using Colour = std::array<double, 4>;  ///< red, green, blue, alpha in [0, 1]
 struct Cell {
   CellType type = CellType::tetrahedron;
   std::vector<Index> particles;
-  Index material = -1;  ///< row of Model::materials; -1: none
+  Index material = -1;        ///< row of Model::materials; -1: none
+  Vec3 fibre = Vec3::Zero();  ///< direction of its fibres at rest, of any length; used where Material::fibre_ratio > 1
   std::string name;
   std::vector<Attribute> attributes;
   std::optional<Colour> colour;
@@ -66,11 +67,13 @@ struct Component {
   bool operator==(const Component&) const = default;
 };
 
-/// Isotropic elastic material; small-strain meaning of the constants.
+/// Elastic material; small-strain meaning of the constants.
 struct Material {
   double young = 0.0;    ///< Young's modulus, Pa, > 0
   double poisson = 0.0;  ///< Poisson's ratio, in (-3/8, 1/2)
   double density = 0.0;  ///< kg/m^3, > 0
+  /// Young's modulus along the fibres (Cell::fibre) over that across them, `young`; at least 1, which means none.
+  double fibre_ratio = 1.0;
   bool operator==(const Material&) const = default;
 };
 

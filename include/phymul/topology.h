@@ -36,7 +36,8 @@ enum class Law {
   /// means leave out. A particle where materials meet has a mean and an energy for each. In 2-D strain is plane.
   /// A body of points, without cells that fill space, has one material and V_i = mass / density. For edges e = pq
   /// between neighbours or from i, with weights w > 0 such that sum_e w_e X_pq X_pq^T = V_i I, and H = F_i - I:
-  ///   F_i = I + 1/V_i sum_e w_e (u_q - u_p) X_pq^T,  E = sum_i V_i psi(F_i) + s/2 mu_i sum_e w_e |u_q - u_p - H X_pq|^2
+  ///   F_i = I + 1/V_i sum_e w_e (u_q - u_p) X_pq^T,  E = sum_i V_i psi(F_i) + s/2 mu_i sum_e w_e |u_q - u_p - H
+  ///   X_pq|^2
   /// set_material gives such a body its masses. 14 neighbours are enough (2-D: 8); where there are fewer, theirs are
   /// taken too.
   particle_averaged
@@ -70,7 +71,10 @@ enum class StrainEnergy {
   shape_memory,
   /// mu/2 (J^(-2/3) tr(F^T F) - 3) + K U(J). Below J = 1/2, J^(-2/3) goes on along its tangent, and 6 mu (1/2 - J)^2 is
   /// added, so that flat and inverted bodies return. One collapsed to a line or a point stays there.
-  neo_hookean
+  neo_hookean,
+  /// shape_memory, plus k/8 (|F a|^2 - 1)^2 along fibres a, k = (fibre_ratio - 1) E (the standard reinforcing energy:
+  /// Qiu and Pence 1997). build_topology takes it for shape_memory where a material has fibres.
+  fibres
 };
 
 /// What build_topology does with a particle that has no base.

@@ -68,6 +68,15 @@ S shape_energy(const Mat<S>& F, Mat<S>* gradient) {
   return energy;
 }
 
+/// k/8 (|F a|^2 - 1)^2, and its derivative by F added to *gradient.
+template <class S>
+S fibre_energy(const Mat<S>& F, S k, const Vec<S>& a, Mat<S>* gradient) {
+  const Vec<S> now = F * a;
+  const S e = now.squaredNorm() - a.squaredNorm();
+  if (gradient) *gradient += S(0.5) * k * e * now * a.transpose();
+  return S(0.125) * k * e * e;
+}
+
 /// stiffness * U(det F), and its derivative by F added to *gradient.
 template <class S>
 S volume_energy(const Mat<S>& F, S stiffness, VolumeLaw law, Mat<S>* gradient) {
@@ -76,8 +85,8 @@ S volume_energy(const Mat<S>& F, S stiffness, VolumeLaw law, Mat<S>* gradient) {
   return stiffness * volume_energy_density(law, J);
 }
 
-/// mu/2 (g(J) tr(F^T F) - 3) with g = J^(-2/3), below J = 1/2 its tangent there. That alone would let a body gain energy
-/// by shrinking to a point, so that 6 mu (1/2 - J)^2 is added there, which makes up for it.
+/// mu/2 (g(J) tr(F^T F) - 3) with g = J^(-2/3), below J = 1/2 its tangent there. That alone would let a body gain
+/// energy by shrinking to a point, so that 6 mu (1/2 - J)^2 is added there, which makes up for it.
 template <class S>
 S neo_hookean_energy(const Mat<S>& F, S mu, Mat<S>* gradient) {
   const S J = F.determinant(), kink = std::max(J, S(0.5)), at_kink = std::pow(kink, S(-2) / S(3));
@@ -87,13 +96,17 @@ S neo_hookean_energy(const Mat<S>& F, S mu, Mat<S>* gradient) {
   return mu * (S(0.5) * (g * F.squaredNorm() - S(3)) + S(6) * below * below);
 }
 
-/// The change of dpsi/dF with F = I + H at H = 0: 2 mu sym(H) + lambda tr(H) I with Lame's constants.
+/// The change of dpsi/dF with F = I + H at H = 0: 2 mu sym(H) + lambda tr(H) I with Lame's constants, and
+/// k (a . H a) a a^T along fibres.
 template <class S>
 Mat<S> stress_near_rest(StrainEnergy energy, const std::array<S, most_energy_constants>& p, const Mat<S>& H) {
-  const bool of_directions = energy == StrainEnergy::shape_memory;  // Calibration in topology.h
+  const bool of_directions = energy != StrainEnergy::neo_hookean;  // Calibration in topology.h
   const S mu = of_directions ? S(7) / S(15) * p[0] : p[0];
   const S lambda = of_directions ? p[1] - p[0] / S(5) : p[1] - S(2) / S(3) * p[0];
-  return mu * (H + H.transpose()) + lambda * H.trace() * Mat<S>::Identity();
+  Mat<S> P = mu * (H + H.transpose()) + lambda * H.trace() * Mat<S>::Identity();
+  if (energy != StrainEnergy::fibres) return P;
+  const Vec<S> a(p[3], p[4], p[5]);
+  return P + p[2] * a.dot(H * a) * a * a.transpose();
 }
 
 /// psi(F), Pa, of the constants `p` (DomainTexel::energy), and where asked for its derivative by F.
@@ -106,6 +119,11 @@ S energy_density(const TopologyOptions& options, const std::array<S, most_energy
     case StrainEnergy::shape_memory:
       energy = p[0] * shape_energy(F, gradient);
       if (gradient) *gradient *= p[0];
+      break;
+    case StrainEnergy::fibres:
+      energy = p[0] * shape_energy(F, gradient);
+      if (gradient) *gradient *= p[0];
+      energy += fibre_energy(F, p[2], Vec<S>(p[3], p[4], p[5]), gradient);
       break;
     case StrainEnergy::neo_hookean:
       energy = neo_hookean_energy(F, p[0], gradient);

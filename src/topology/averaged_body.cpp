@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "base/decimal.h"
 #include "cell_quadrature.h"
 #include "energies.h"
 #include "halves.h"
@@ -150,8 +151,8 @@ std::vector<double> pair_stiffness(const Model& model, const Domains& domains, c
 /// s of each domain: the mean over its cells, by volume.
 std::vector<double> stabiliser_of_domains(const Model& model, const Domains& domains, TopologyOptions& options) {
   if (options.stabiliser) return std::vector<double>(domains.particle.size(), *options.stabiliser);
-  const std::vector<double> of_cell = calibrated_stabilisers(model, domains)
-                                          .of_cells(model, domains, kind_of(options.strain_energy).least_stabiliser);
+  const std::vector<double> of_cell =
+      calibrated_stabilisers(model, domains).of_cells(model, domains, kind_of(options.strain_energy).least_stabiliser);
   std::vector<double> sum(domains.particle.size(), 0.0), weight(sum);
   for (Index row = 0; row < domains.of_cell.rows(); ++row) {
     if (domains.of_cell.size(row) == 0) continue;
@@ -228,7 +229,52 @@ Domains domains_of(const Model& model) {
   return domains;
 }
 
+namespace {
+
+bool has_fibres(const Model& model) {
+  return std::ranges::any_of(model.materials, [](const Material& material) { return material.fibre_ratio > 1.0; });
+}
+
+void choose_energy(const Model& model, StrainEnergy& energy) {
+  for (const Material& material : model.materials) {
+    if (!(material.fibre_ratio >= 1.0) || !std::isfinite(material.fibre_ratio)) {
+      throw Error("fibre_ratio is " + to_decimal(material.fibre_ratio) + "; expected 1, for no fibres, or more");
+    }
+  }
+  if (!has_fibres(model)) return;
+  if (energy == StrainEnergy::neo_hookean) {
+    throw Error(
+        "StrainEnergy::neo_hookean has no fibres, and a material has a fibre_ratio above 1. Set it to 1, or leave "
+        "StrainEnergy::shape_memory");
+  }
+  energy = StrainEnergy::fibres;
+}
+
+/// Unit vectors along the fibres of each domain: the mean over its cells. A fibre has no sign: each is turned to the
+/// one before.
+VecList fibres_of(const Model& model, const Domains& domains) {
+  VecList sum(domains.particle.size(), Vec3::Zero());
+  if (!has_fibres(model)) return sum;
+  for (Index row = 0; row < domains.of_cell.rows(); ++row) {
+    const Cell& cell = model.cells[row];
+    if (domains.of_cell.size(row) == 0 || !(model.materials[cell.material].fibre_ratio > 1.0)) continue;
+    if (!(cell.fibre.norm() > 0.0) || !cell.fibre.allFinite()) {
+      throw Error(ErrorCode::invalid_model, cell_label(model, static_cast<std::size_t>(row)) +
+                                                " has a material with fibres but no direction: set Cell::fibre");
+    }
+    const Vec3 along = std::abs(signed_measure(model.dimension, cell, model.rest)) * cell.fibre.normalized();
+    for (const Index* d = domains.of_cell.begin(row); d != domains.of_cell.end(row); ++d) {
+      sum[*d] += sum[*d].dot(along) < 0.0 ? Vec3(-along) : along;
+    }
+  }
+  for (Vec3& along : sum) along.normalize();
+  return sum;
+}
+
+}  // namespace
+
 void add_averaged_terms(const Model& model, TopologyTextures& topology) {
+  choose_energy(model, topology.options.strain_energy);
   const bool points = is_body_of_points(model);
   PointDomains body;
   if (points) body = point_domains(model);
@@ -237,12 +283,13 @@ void add_averaged_terms(const Model& model, TopologyTextures& topology) {
     topology.options.stabiliser = std::max(body.stabiliser, kind_of(topology.options.strain_energy).least_stabiliser);
   }
   std::vector<double> spread = stabiliser_of_domains(model, domains, topology.options);
+  const VecList fibres = fibres_of(model, domains);
   topology.domains.reserve(domains.particle.size());
   for (Index d = 0; d < domains.count(); ++d) {
     const Material& material = model.materials[domains.material[d]];
     spread[d] *= 0.5 * material.young / (1.0 + material.poisson);
     topology.domains.push_back({domains.particle[d], 1.0 / domains.volume[d], spread[d],
-                                energy_constants(topology.options.strain_energy, material)});
+                                energy_constants(topology.options.strain_energy, material, fibres[d])});
   }
   topology.first_domain.assign(model.rest.size() + 1, 0);
   for (const Index i : domains.particle) ++topology.first_domain[i + 1];

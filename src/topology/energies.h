@@ -22,19 +22,23 @@ struct EnergyKind {
 
 /// In the order of the enumerators.
 inline constexpr std::array energy_kinds{EnergyKind{StrainEnergy::shape_memory, "shape_memory", 0, 2, 0.1},
-                                         EnergyKind{StrainEnergy::neo_hookean, "neo_hookean", 1, 2, 0.25}};
+                                         EnergyKind{StrainEnergy::neo_hookean, "neo_hookean", 1, 2, 0.25},
+                                         EnergyKind{StrainEnergy::fibres, "fibres", 2, 6, 0.1}};
 
 constexpr const EnergyKind& kind_of(StrainEnergy energy) {
   return energy_kinds[static_cast<std::size_t>(energy)];
 }
 
-/// DomainTexel::energy.
-inline std::array<double, most_energy_constants> energy_constants(StrainEnergy energy, const Material& material) {
+/// DomainTexel::energy; `fibre`: the unit vector along the domain's fibres, or zero.
+inline std::array<double, most_energy_constants> energy_constants(StrainEnergy energy, const Material& material,
+                                                                  const Vec3& fibre) {
+  const Calibration of_directions = calibrate(material);
   switch (energy) {
-    case StrainEnergy::shape_memory: {
-      const Calibration of_directions = calibrate(material);
+    case StrainEnergy::shape_memory:
       return {of_directions.c, of_directions.kappa};
-    }
+    case StrainEnergy::fibres:
+      return {of_directions.c, of_directions.kappa, (material.fibre_ratio - 1.0) * material.young,
+              fibre.x(),       fibre.y(),           fibre.z()};
     case StrainEnergy::neo_hookean:
       break;
   }

@@ -43,6 +43,8 @@ std::uint64_t of_materials(const Model& model) {
     sum.add(known);
     sum.add(material.young);
     sum.add(material.poisson);
+    sum.add(material.fibre_ratio);
+    if (material.fibre_ratio > 1.0) sum.add(cell.fibre);
   }
   return sum.value();
 }

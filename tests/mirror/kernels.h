@@ -73,6 +73,15 @@ struct NeoHookean {
 #include "kernels/volume.glsl"
 };
 
+template <class S, bool bounded_volume = true>
+struct Fibres {
+  PHYMUL_KERNEL_WORDS
+#include "kernels/columns.glsl"
+#include "kernels/energy_fibres.glsl"
+#include "kernels/shape_memory.glsl"
+#include "kernels/volume.glsl"
+};
+
 /// Calls with an object of the energy's kernels.
 template <class S, class Call>
 void with_energy(const TopologyOptions& options, const Call& call) {
@@ -82,6 +91,8 @@ void with_energy(const TopologyOptions& options, const Call& call) {
       return bounded ? call(ShapeMemory<S, true>{}) : call(ShapeMemory<S, false>{});
     case StrainEnergy::neo_hookean:
       return bounded ? call(NeoHookean<S, true>{}) : call(NeoHookean<S, false>{});
+    case StrainEnergy::fibres:
+      return bounded ? call(Fibres<S, true>{}) : call(Fibres<S, false>{});
   }
 }
 

@@ -107,6 +107,7 @@ struct Variant {
   TopologyOptions options;
   bool material = false;  ///< gives the body soft_tissue first
   double poisson = 0.3;
+  double fibre_ratio = 1.0;
 };
 
 inline Material soft_tissue(double poisson = 0.3) {
@@ -118,7 +119,8 @@ inline std::vector<Variant> averaged_variants() {
   return {{"material", {}, true},
           {"material nu 0.45", {}, true, 0.45},
           {"material quadratic volume", {.volume_law = VolumeLaw::quadratic}, true},
-          {"neo-Hookean", {.strain_energy = StrainEnergy::neo_hookean}, true}};
+          {"neo-Hookean", {.strain_energy = StrainEnergy::neo_hookean}, true},
+          {"fibres", {}, true, 0.3, 4.0}};
 }
 
 /// Every other energy the library has that is exactly conservative.
@@ -144,7 +146,14 @@ inline std::vector<Variant> conservative_variants() {
 
 inline Model prepared(const Variant& variant, const Body& body) {
   Model model = body.model;
-  if (variant.material) set_material(model, soft_tissue(variant.poisson));
+  if (!variant.material) return model;
+  Material tissue = soft_tissue(variant.poisson);
+  tissue.fibre_ratio = variant.fibre_ratio;
+  set_material(model, tissue);
+  for (std::size_t c = 0; c < model.cells.size(); ++c) {  // another direction in each cell
+    const auto angle = static_cast<double>(c);
+    model.cells[c].fibre = {std::cos(angle), std::sin(angle), model.dimension == 2 ? 0.0 : 0.7};
+  }
   return model;
 }
 

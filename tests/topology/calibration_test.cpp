@@ -73,9 +73,7 @@ TEST(Calibration, ConstantsOfAMaterial) {
 }
 
 TEST(Calibration, ConstantsOutOfRangeAreRefused) {
-  const auto refuse = [](double young, double nu) {
-    return message_of([&] { calibrate({young, nu, 1000}); });
-  };
+  const auto refuse = [](double young, double nu) { return message_of([&] { calibrate({young, nu, 1000}); }); };
   EXPECT_TRUE(says(refuse(1e4, 0.5), "Poisson's ratio is 0.5; expected -0.375 to 0.5"));
   EXPECT_TRUE(says(refuse(1e4, -0.4), "Poisson's ratio is -0.4"));
   EXPECT_TRUE(says(refuse(0.0, 0.3), "Young's modulus is 0 Pa"));

@@ -67,10 +67,7 @@ TEST(TopologyLimits, ParticlesOutsideTheMaterialTakeNoSprings) {
 
 TEST(TopologyLimits, CalibrationTakesFiniteConstantsAndGivesNoNegativeOnes) {
   const double infinity = std::numeric_limits<double>::infinity();
-  EXPECT_TRUE(says(message_of([&] {
-                     calibrate({infinity, 0.3, 1000});
-                   }),
-                   "Young's modulus is inf"));
+  EXPECT_TRUE(says(message_of([&] { calibrate({infinity, 0.3, 1000}); }), "Young's modulus is inf"));
   for (double young = 1.0; young < 1e6; young *= 1.01) {
     EXPECT_GE(calibrate({young, -0.375, 1000}).kappa, 0.0) << young;
   }

@@ -62,10 +62,18 @@ struct NeoHookean {
 #include "kernels/volume.glsl"
 };
 
+template <bool bounded_volume>
+struct Fibres {
+#include "kernels/columns.glsl"
+#include "kernels/energy_fibres.glsl"
+#include "kernels/shape_memory.glsl"
+#include "kernels/volume.glsl"
+};
+
 /// In the order of StrainEnergy.
 template <template <bool bounded_volume> class... Energies>
 struct EnergyList {};
-using Energies = EnergyList<ShapeMemory, NeoHookean>;
+using Energies = EnergyList<ShapeMemory, NeoHookean, Fibres>;
 
 #undef KERNEL
 #undef KERNEL_CONSTANT

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+//
+// StrainEnergy::fibres at F = I + H, of c, kappa, k and the direction a: shape memory, and k/8 (|F a|^2 - 1)^2, where
+// |F a|^2 - 1 = 2 a . H a + |H a|^2. Needs columns.glsl, volume.glsl, shape_memory.glsl.
+
+KERNEL_CONSTANT int energy_constants = 6;
+
+KERNEL real fibre_strain(real3 a, real3 stretched) {
+  return literal(2.0f) * inner_product(a, stretched) + inner_product(stretched, stretched);
+}
+
+KERNEL Columns energy_stress(Columns H, real p[energy_constants]) {
+  Change change = change_of(H);
+  real3 a = real3(p[3], p[4], p[5]);
+  real3 stretched = times(H, a);
+  real tension = literal(0.5f) * p[2] * fibre_strain(a, stretched);
+  Columns P = plus(shape_stress(H, change, p[0]), volume_stress(change, p[1]));
+  return plus_outer(P, tension * (a + stretched), a);
+}
+
+KERNEL real energy_density(Columns H, real p[energy_constants]) {
+  Change change = change_of(H);
+  real3 a = real3(p[3], p[4], p[5]);
+  real e = fibre_strain(a, times(H, a));
+  return shape_density(H, change, p[0]) + p[1] * volume_energy_density(volume_change(change)) +
+         literal(0.125f) * p[2] * e * e;
+}

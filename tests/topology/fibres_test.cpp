@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+//
+// Materials with fibres: StrainEnergy::fibres.
+#include <gtest/gtest.h>
+
+#include "support/bodies.h"
+#include "support/mechanics.h"
+#include "support/message_of.h"
+
+namespace phymul::test {
+namespace {
+
+/// Along its fibres a body has the Young's modulus asked for, across them that of the tissue between.
+TEST(Fibres, MakeABodyStifferAlongThemAlone) {
+  for (Model model :
+       {make_block({0.04, 0.02, 0.02}, 4, 2, 2), make_tetrahedral_block({0.04, 0.02, 0.02}, 4, 2, 2, 0.2, 3)}) {
+    Material tissue = soft_tissue(0.3);
+    tissue.fibre_ratio = 5.0;
+    set_material(model, tissue);
+    for (const Vec3& along : {Vec3(2, 0, 0), Vec3(0, 0, 1)}) {
+      for (std::size_t c = 0; c < model.cells.size(); ++c) model.cells[c].fibre = c % 2 == 0 ? along : Vec3(-along);
+      const TopologyTextures tables = build_topology(model);
+      EXPECT_EQ(tables.options.strain_energy, StrainEnergy::fibres);
+      const Moduli found = stretch_block(model, tables, 1e-4);
+      const double wanted = along.x() > 0.0 ? 5.0 * tissue.young : tissue.young;
+      EXPECT_NEAR(found.young, wanted, 2e-3 * wanted);
+    }
+  }
+}
+
+TEST(Fibres, WithoutADirectionAreRefused) {
+  Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
+  Material tissue = soft_tissue(0.3);
+  tissue.fibre_ratio = 2.0;
+  set_material(model, tissue);
+  const auto refused = [&](const TopologyOptions& options) {
+    return message_of([&] { build_topology(model, options); });
+  };
+  EXPECT_NE(refused({}).find("cell 0 (HEXAHEDRON) has a material with fibres but no direction"), std::string::npos);
+  EXPECT_NE(refused({.strain_energy = StrainEnergy::neo_hookean}).find("has no fibres"), std::string::npos);
+  model.materials[0].fibre_ratio = 0.5;
+  EXPECT_NE(refused({}).find("fibre_ratio is 0.5; expected 1"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace phymul::test
