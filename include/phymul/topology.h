@@ -64,13 +64,13 @@ enum class VolumeLaw {
   bounded     ///< kappa s^2 (sqrt(1 + ((J-1)/s)^2) - 1), s = 0.4: U' stays below kappa s however far from rest
 };
 
-/// Energy density psi of a material at a deformation gradient F, J = det F. mu, lambda and K are the shear modulus,
-/// Lame's first constant and the bulk modulus; U is VolumeLaw. All are the same for small strains.
+/// Energy density psi of a material at a deformation gradient F, J = det F. mu and K are the shear modulus and the bulk
+/// modulus; U is VolumeLaw. All are the same for small strains, but for the fibres.
 enum class StrainEnergy {
   /// c/2 |F n0 - n(F)|^2, averaged over seven directions n0 that are isotropic together (Calibration), plus kappa U(J)
   shape_memory,
   /// mu/2 (J^(-2/3) tr(F^T F) - 3) + K U(J). Below J = 1/2, J^(-2/3) goes on along its tangent, and 6 mu (1/2 - J)^2 is
-  /// added, so that flat and inverted bodies return. One collapsed to a line or a point stays there.
+  /// added, so that a body gains nothing by shrinking. From broken states it returns less often than shape_memory does.
   neo_hookean,
   /// shape_memory, plus k/8 (|F a|^2 - 1)^2 along fibres a, k = (fibre_ratio - 1) E (the standard reinforcing energy:
   /// Qiu and Pence 1997). build_topology takes it for shape_memory where a material has fibres.
