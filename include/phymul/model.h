@@ -72,7 +72,8 @@ struct Material {
   double young = 0.0;    ///< Young's modulus, Pa, > 0
   double poisson = 0.0;  ///< Poisson's ratio, in (-3/8, 1/2)
   double density = 0.0;  ///< kg/m^3, > 0
-  /// Young's modulus along the fibres (Cell::fibre) over that across them, `young`; at least 1, which means none.
+  /// Young's modulus along the fibres (Cell::fibre) over `young`, that of the tissue between them; at least 1, which
+  /// means none. Across them it is young / (1 - poisson^2 (1 - 1 / fibre_ratio)).
   double fibre_ratio = 1.0;
   bool operator==(const Material&) const = default;
 };

@@ -52,7 +52,7 @@ struct SolverOptions {
   /// return from such states at half the step limit. Momentum and energy are not conserved while the limit acts. It is
   /// off for steps beyond the step limit and for models that are unstable at rest or flutter, whose growth it would
   /// hide. Infinite: always off.
-  double max_displacement_per_step = 0.3;
+  double max_displacement_per_step = 0.15;
   /// Spectrum of the same topology at rest, if known. It saves the estimate, which takes about a hundred force
   /// evaluations. With a wrong spectrum stable_step() and the rest test are wrong; the library cannot detect this.
   std::optional<Spectrum> spectrum{};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <span>
 
@@ -53,8 +54,8 @@ BodyFrames frames_of(const Model& model, const Domains& domains) {
   return BodyFrames(model, volume, pairs);
 }
 
-/// Energies of one part of the body, by type of cell. Means and spread are summed as what they differ by, cell by cell: of a fine mesh that is
-/// too little to be the difference of two sums.
+/// Energies of one part of the body, by type of cell. Means and spread are summed as what they differ by, cell by cell:
+/// of a fine mesh that is too little to be the difference of two sums.
 struct Energies {
   std::array<double, cell_types> exact{};
   std::array<double, cell_types> lacking{};  ///< exact less those of the means
@@ -199,7 +200,9 @@ std::vector<CalibratedStabiliser> calibrated(Index part, const std::vector<Energ
   std::vector<CalibratedStabiliser> result;
   for (std::size_t type = 0; type < cell_types; ++type) {
     if (found[type] == 0) continue;
-    result.push_back({part, static_cast<CellType>(type), sum[type] / found[type], lowest[type], highest[type]});
+    // Rounded, so that a body beside others, whose sums are cut elsewhere, has the very same value.
+    const double value = std::round(sum[type] / found[type] * 1e6) / 1e6;
+    result.push_back({part, static_cast<CellType>(type), value, lowest[type], highest[type]});
   }
   return result;
 }

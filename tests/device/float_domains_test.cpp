@@ -123,9 +123,7 @@ TEST(FloatDomains, AParticleOfNoCellHasAnEmptyDomain) {
 }
 
 TEST(FloatDomains, OtherLawsHaveNone) {
-  Model model = block();
-  model.materials.clear();
-  const FloatTables tables = pack_floats(build_topology(model));
+  const FloatTables tables = pack_floats(build_topology(make_block({0.03, 0.02, 0.02}, 3, 2, 2)));
   EXPECT_EQ(tables.domains.count(), 0);
   EXPECT_TRUE(tables.domains.link.empty());
 }
