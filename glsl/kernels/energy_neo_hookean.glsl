@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// StrainEnergy::neo_hookean at F = I + H, of mu and K. Needs columns.glsl, volume.glsl. With g(J) = J^(-2/3), b = max(J, 1/2),
-// d = b - J, which is 0 but for what is squashed to less than half, and I1 = tr(F^T F):
-//   P = mu g(b) [H - (cof(F) - I) + (1 - I1 / (3 b)) cof(F) + 2/3 d/b F] + (K U'(J) - 12 mu d) cof(F)
+// StrainEnergy::neo_hookean at F = I + H, of mu and K. Needs columns.glsl, volume.glsl. With g(J) = J^(-2/3), b = max(J, 0.7),
+// d = b - J, which is 0 but for what is squashed to less than that, and I1 = tr(F^T F):
+//   P = mu g(b) [H - (cof(F) - I) + (1 - I1 / (3 b)) cof(F) + 2/3 d/b F] + (K U'(J) - 6.2 mu d) cof(F)
 // and 3 b - I1 = 3 d + tr(H) + 3 (minors + det) - |H|^2, so that nothing is lost near rest.
 
 KERNEL_CONSTANT int energy_constants = 2;
@@ -16,10 +16,10 @@ struct Dilatation {
 
 KERNEL Dilatation dilatation(Change change) {
   real e = volume_change(change);
-  real half_of = literal(0.5f);
+  real least = literal(0.7f);
   real J = literal(1.0f) + e;
-  real base = select(J > half_of, J, half_of);
-  return Dilatation(e, base, select(J > half_of, literal(0.0f), half_of - J), inverse_cube_root(base));
+  real base = select(J > least, J, least);
+  return Dilatation(e, base, select(J > least, literal(0.0f), least - J), inverse_cube_root(base));
 }
 
 KERNEL Columns energy_stress(Columns H, real p[energy_constants]) {
@@ -31,7 +31,7 @@ KERNEL Columns energy_stress(Columns H, real p[energy_constants]) {
   real excess = three * (of.below + change.minors + change.determinant) + (change.trace - squared_norm(H));
   Columns P = plus(minus(H, change.cof), scaled(literal(0.33333334f) * excess * share, cof));
   P = plus(P, scaled(literal(0.6666667f) * of.below * share, plus_identity(H)));
-  return plus(scaled(p[0] * (of.root * of.root), P), scaled(p[1] * volume_pressure(of.change) - literal(12.0f) * p[0] * of.below, cof));
+  return plus(scaled(p[0] * (of.root * of.root), P), scaled(p[1] * volume_pressure(of.change) - literal(6.2f) * p[0] * of.below, cof));
 }
 
 KERNEL real energy_density(Columns H, real p[energy_constants]) {
@@ -44,6 +44,6 @@ KERNEL real energy_density(Columns H, real p[energy_constants]) {
   real below = literal(0.6666667f) * (g + one) * of.below / of.base;
   real I1 = literal(2.0f) * change.trace + squared_norm(H);  // - 3
   real three = literal(3.0f);
-  real isochoric = literal(0.5f) * (I1 + (g + below) * (three + I1)) + literal(6.0f) * of.below * of.below;
+  real isochoric = literal(0.5f) * (I1 + (g + below) * (three + I1)) + literal(3.1f) * of.below * of.below;
   return p[0] * isochoric + p[1] * volume_energy_density(of.change);
 }

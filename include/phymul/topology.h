@@ -69,8 +69,8 @@ enum class VolumeLaw {
 enum class StrainEnergy {
   /// c/2 |F n0 - n(F)|^2, averaged over seven directions n0 that are isotropic together (Calibration), plus kappa U(J)
   shape_memory,
-  /// mu/2 (J^(-2/3) tr(F^T F) - 3) + K U(J). Below J = 1/2, J^(-2/3) goes on along its tangent, and 6 mu (1/2 - J)^2 is
-  /// added, so that a body gains nothing by shrinking. From broken states it returns less often than shape_memory does.
+  /// mu/2 (J^(-2/3) tr(F^T F) - 3) + K U(J). Below J = 0.7, J^(-2/3) goes on along its tangent, and 3.1 mu (0.7 - J)^2
+  /// is added, so that a body gains nothing by shrinking. From broken states it returns less often than shape_memory.
   neo_hookean,
   /// shape_memory, plus k/8 (|F a|^2 - 1)^2 along fibres a, k = (fibre_ratio - 1) E (the standard reinforcing energy:
   /// Qiu and Pence 1997). build_topology takes it for shape_memory where a material has fibres.

@@ -85,15 +85,16 @@ S volume_energy(const Mat<S>& F, S stiffness, VolumeLaw law, Mat<S>* gradient) {
   return stiffness * volume_energy_density(law, J);
 }
 
-/// mu/2 (g(J) tr(F^T F) - 3) with g = J^(-2/3), below J = 1/2 its tangent there. That alone would let a body gain
-/// energy by shrinking to a point, so that 6 mu (1/2 - J)^2 is added there, which makes up for it.
+/// mu/2 (g(J) tr(F^T F) - 3) with g = J^(-2/3), below J = 0.7 its tangent there: squashed further, the true energy is so
+/// stiff that steps of half the limit would not be stable. The tangent alone would let a body gain energy by shrinking to
+/// a point; 3.1 mu (0.7 - J)^2, added there, makes up for it.
 template <class S>
 S neo_hookean_energy(const Mat<S>& F, S mu, Mat<S>* gradient) {
-  const S J = F.determinant(), kink = std::max(J, S(0.5)), at_kink = std::pow(kink, S(-2) / S(3));
+  const S J = F.determinant(), kink = std::max(J, S(0.7)), at_kink = std::pow(kink, S(-2) / S(3));
   const S slope = S(-2) / S(3) * at_kink / kink, g = at_kink + slope * (J - kink);
   const S below = kink - J;
-  if (gradient) *gradient = mu * (g * F + (S(0.5) * slope * F.squaredNorm() - S(12) * below) * cofactor(F));
-  return mu * (S(0.5) * (g * F.squaredNorm() - S(3)) + S(6) * below * below);
+  if (gradient) *gradient = mu * (g * F + (S(0.5) * slope * F.squaredNorm() - S(6.2) * below) * cofactor(F));
+  return mu * (S(0.5) * (g * F.squaredNorm() - S(3)) + S(3.1) * below * below);
 }
 
 /// The change of dpsi/dF with F = I + H at H = 0: 2 mu sym(H) + lambda tr(H) I with Lame's constants, and

@@ -67,8 +67,8 @@ TEST_P(GlVolume, IsKeptUnderLoadWithTheMirrorsBits) {
   for (int k = 0; k < 12; ++k) {
     const StepReport a = twins.gl->step(25, dt_), b = twins.mirror->step(25, dt_);
     ASSERT_TRUE(a.ok() && b.ok());
-    EXPECT_NEAR(a.residual, b.residual, 1e-5 * b.residual);
-    EXPECT_NEAR(a.max_speed, b.max_speed, 1e-5 * b.max_speed);
+    EXPECT_NEAR(a.residual, b.residual, 1e-4 * b.residual);  // of a GPU that divides to 2.5 units
+    EXPECT_NEAR(a.max_speed, b.max_speed, 1e-4 * b.max_speed);
     ASSERT_TRUE(reference->step(25, dt_).ok());
     ASSERT_TRUE(alone->step(25, dt_).ok());
     twins.expect_same_bits("call " + std::to_string(k));

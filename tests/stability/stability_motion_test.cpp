@@ -230,7 +230,8 @@ TEST_P(StabilityMotion, ASuddenLoadIsBornOrReported) {
         EXPECT_FALSE(is_conservative(method)) << method.name << ": " << report.message();
         continue;
       }
-      if (!method.material) continue;
+      // A neo-Hookean body grows stiff where it is squashed: its step limit with it.
+      if (!method.material || method.options.strain_energy == StrainEnergy::neo_hookean) continue;
       if (gravity > 1000.0) {
         EXPECT_TRUE(report.force_clamped) << method.name << ": " << report.message();
         continue;
