@@ -36,8 +36,8 @@ enum class Law {
   /// means leave out. A particle where materials meet has a mean and an energy for each. In 2-D strain is plane.
   /// A body of points, without cells that fill space, has one material and V_i = mass / density. For edges e = pq
   /// between neighbours or from i, with weights w > 0 such that sum_e w_e X_pq X_pq^T = V_i I, and H = F_i - I:
-  ///   F_i = I + 1/V_i sum_e w_e (u_q - u_p) X_pq^T,  E = sum_i V_i psi(F_i) + s/2 mu_i sum_e w_e |u_q - u_p - H
-  ///   X_pq|^2
+  ///   F_i = I + 1/V_i sum_e w_e (u_q - u_p) X_pq^T
+  ///   E = sum_i V_i psi(F_i) + s/2 mu_i sum_e w_e |u_q - u_p - H X_pq|^2
   /// set_material gives such a body its masses. 14 neighbours are enough (2-D: 8); where there are fewer, theirs are
   /// taken too.
   particle_averaged
