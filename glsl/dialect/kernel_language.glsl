@@ -45,8 +45,9 @@ float inverse_cube_root(float a) {
   return x;
 }
 
-// 1 / sqrt(a) - 1 for a > 0 and y = a - 1, which is known better than by subtraction.
+// 1 / sqrt(a) - 1 for a > 0 and y = a - 1, which is known better than by subtraction. A driver may multiply by an inverse
+// where the text divides: so the text does.
 float inverse_root_change(float a, float y) {
   float root = sqrt(a);
-  return -y / (root * (1.0 + root));
+  return -y * (1.0 / (root * (1.0 + root)));
 }

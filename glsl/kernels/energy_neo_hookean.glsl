@@ -40,8 +40,8 @@ KERNEL real energy_density(Columns H, real p[energy_constants]) {
   real one = literal(1.0f);
   real r = of.root;
   // g(b) - 1 = r^2 - 1, from r^3 b = 1.
-  real g = -(r * r * r * (of.change + of.below)) * (one + r) / (one + r + r * r);
-  real below = literal(0.6666667f) * (g + one) * of.below / of.base;
+  real g = -(r * r * r * (of.change + of.below)) * (one + r) * (one / (one + r + r * r));
+  real below = literal(0.6666667f) * (g + one) * of.below * (one / of.base);
   real I1 = literal(2.0f) * change.trace + squared_norm(H);  // - 3
   real three = literal(3.0f);
   real isochoric = literal(0.5f) * (I1 + (g + below) * (three + I1)) + literal(3.1f) * of.below * of.below;

@@ -21,7 +21,7 @@ struct Columns {
 
 inline float inverse_root_change(float a, float y) {
   const float root = square_root(a);
-  return -y / (root * (1.0f + root));
+  return -y * (1.0f / (root * (1.0f + root)));
 }
 
 inline float inverse_cube_root(float a) {

@@ -97,7 +97,7 @@ inline Bounded select(const Outcome& outcome, const Bounded& a, const Bounded& b
 /// Of 1 / sqrt(a) - 1 from y = a - 1. The vector kernels' has a few units of the result and of 1e-10 besides.
 inline Bounded inverse_root_change(const Bounded& a, const Bounded& y) {
   const Bounded root = square_root(a);
-  const Bounded change = -y / (root * (Bounded(1.0f) + root));
+  const Bounded change = -y * (Bounded(1.0f) / (root * (Bounded(1.0f) + root)));
   return {change.value, change.error + 4.0 * unit * std::abs(change.value) + 1e-10};
 }
 
