@@ -3,7 +3,7 @@
 // The kernels of the instruction set that is being compiled.
 #pragma once
 
-#include "averaged_terms.h"
+#include "averaged_runs.h"
 #include "base_terms.h"
 #include "enumerated_terms.h"
 #include "move.h"
@@ -22,9 +22,12 @@ constexpr simd::Kernels all_kernels(const char* name) {
           {enumerated_slices<false>, enumerated_slices<true>},
           {{volume_rows<false, false>, volume_rows<false, true>}, {volume_rows<true, false>, volume_rows<true, true>}},
           spring_slices,
-          {{averaged_stresses<ShapeMemory<false>>, averaged_stresses<ShapeMemory<true>>},
-           {averaged_stresses<NeoHookean<false>>, averaged_stresses<NeoHookean<true>>}},
-          averaged_forces,
+          spread_displacements,
+          {{{averaged_stresses<ShapeMemory<false>>, averaged_stresses<ShapeMemory<true>>},
+            {averaged_stresses<NeoHookean<false>>, averaged_stresses<NeoHookean<true>>}},
+           {{run_stresses<ShapeMemory<false>>, run_stresses<ShapeMemory<true>>},
+            {run_stresses<NeoHookean<false>>, run_stresses<NeoHookean<true>>}}},
+          {averaged_forces, run_forces},
           move_slices};
 }
 
