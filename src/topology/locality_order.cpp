@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <tuple>
 
 namespace phymul {
 namespace {
@@ -59,23 +60,28 @@ std::vector<Index> locality_order(const VecList& rest, const std::vector<Index>&
 
 namespace {
 
-/// Per particle the number of its coordinate along an axis among all that there are, counted as one where they are less
-/// than `equal` apart. Returns how many.
-Index number_levels(const VecList& rest, int axis, double equal, std::vector<Index>& level) {
-  std::vector<double> at;
-  at.reserve(rest.size());
-  for (const Vec3& x : rest) at.push_back(x[axis]);
-  std::ranges::sort(at);
-  std::size_t count = 0;
-  for (std::size_t k = 0; k < at.size(); ++k) {
-    if (k == 0 || at[k] - at[k - 1] > equal) at[count++] = at[k];
+/// Coordinates along an axis at which several particles stand, in order.
+std::vector<double> levels_of(const VecList& rest, int axis, double equal) {
+  constexpr std::size_t several = 3;
+  std::vector<double> all;
+  all.reserve(rest.size());
+  for (const Vec3& x : rest) all.push_back(x[axis]);
+  std::ranges::sort(all);
+  std::vector<double> levels;
+  for (std::size_t first = 0, k = 1; k <= all.size(); ++k) {
+    if (k < all.size() && all[k] - all[k - 1] <= equal) continue;
+    if (k - first >= several) levels.push_back(all[first]);
+    first = k;
   }
-  at.resize(count);
-  level.reserve(rest.size());
-  for (const Vec3& x : rest) {
-    level.push_back(static_cast<Index>(std::ranges::upper_bound(at, x[axis]) - at.begin()) - 1);
-  }
-  return static_cast<Index>(count);
+  return levels;
+}
+
+/// The number of the nearest one.
+Index nearest(const std::vector<double>& levels, double x) {
+  const auto above = std::ranges::lower_bound(levels, x);
+  const auto k = static_cast<Index>(above - levels.begin());
+  const bool below = above == levels.end() || (k > 0 && x - levels[k - 1] < *above - x);
+  return below ? k - 1 : k;
 }
 
 }  // namespace
@@ -90,19 +96,23 @@ std::vector<Index> line_order(const VecList& rest) {
     low = low.cwiseMin(x);
     high = high.cwiseMax(x);
   }
-  std::array<std::vector<Index>, 3> level;
-  std::array<Index, 3> levels{};
-  for (int a = 0; a < 3; ++a) levels[a] = number_levels(rest, a, 1e-7 * (high - low).maxCoeff(), level[a]);
-  std::array<int, 3> axes{0, 1, 2};  // along a line, across layers, across tiles
-  std::ranges::stable_sort(axes, [&](int a, int b) { return levels[a] > levels[b]; });
-  const auto [along, layers, across] = axes;
-  if (static_cast<double>(levels[layers]) * levels[across] * least_line > particles) return {};
-  const auto tiles = static_cast<std::int64_t>(std::ceil(particles / levels[layers] / most_in_layer));
-  std::vector<std::array<Index, 4>> key;
+  const double equal = 1e-7 * (high - low).maxCoeff();
+  const std::array<std::vector<double>, 3> levels{levels_of(rest, 0, equal), levels_of(rest, 1, equal),
+                                                  levels_of(rest, 2, equal)};
+  std::array<int, 3> axes{0, 1, 2};
+  std::ranges::stable_sort(axes, [&](int a, int b) { return levels[a].size() > levels[b].size(); });
+  const int along = axes[0];
+  const std::vector<double>&layers = levels[axes[1]], &across = levels[axes[2]];
+  const auto lines = static_cast<double>(layers.size() * across.size());
+  if (lines == 0.0 || lines * least_line > particles) return {};
+  const auto tiles =
+      static_cast<std::int64_t>(std::ceil(particles / static_cast<double>(layers.size()) / most_in_layer));
+  using Key = std::tuple<std::int64_t, Index, Index, double>;
+  std::vector<Key> key;
   key.reserve(rest.size());
-  for (std::size_t i = 0; i < rest.size(); ++i) {
-    const auto tile = static_cast<Index>(level[across][i] * tiles / levels[across]);
-    key.push_back({tile, level[layers][i], level[across][i], level[along][i]});
+  for (const Vec3& x : rest) {
+    const Index layer = nearest(layers, x[axes[1]]), line = nearest(across, x[axes[2]]);
+    key.emplace_back(line * tiles / static_cast<std::int64_t>(across.size()), layer, line, x[along]);
   }
   std::vector<Index> order(rest.size());
   std::iota(order.begin(), order.end(), 0);

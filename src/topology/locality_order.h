@@ -18,7 +18,7 @@ namespace phymul {
 std::vector<Index> locality_order(const VecList& rest, const std::vector<Index>& work, Index window);
 
 /// Particles of a lattice line after line, along its longest axis, lines layer after layer, in tiles of a few hundred
-/// particles per layer. Empty for a body whose particles do not stand in lines.
+/// particles per layer. Particles off the lattice stand with the nearest line. Empty for a body without such lines.
 std::vector<Index> line_order(const VecList& rest);
 
 /// Sorts each `window` particles of an order by decreasing `work`, ties as they stood.

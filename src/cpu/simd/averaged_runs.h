@@ -53,7 +53,7 @@ PHYMUL_INLINE void for_each_run(const simd::Averaged& body, int slice, int end, 
 
 /// The sums of averaged_stresses().
 struct RunSums {
-  Pack3 column[3], spring;
+  Pack3 x, y, z, spring;
 };
 template <int axes>
 PHYMUL_INLINE void add_displacements(const simd::Runs& runs, const simd::Stencil& stencil, const float* at,
@@ -62,28 +62,29 @@ PHYMUL_INLINE void add_displacements(const simd::Runs& runs, const simd::Stencil
   for (std::int32_t k = stencil.first[axes]; k < stencil.first[axes + 1]; ++k) {
     const simd::RunLink& link = runs.links[k];
     const Pack3 u = load_components(runs, own + link.shift) - load_components(runs, own);
-    for (int c = 0; c < 3; ++c) {
-      if ((axes >> c & 1) != 0) to.column[c] += all(link.there[c]) * u;
-    }
+    if constexpr ((axes & 1) != 0) to.x += all(link.there[0]) * u;
+    if constexpr ((axes & 2) != 0) to.y += all(link.there[1]) * u;
+    if constexpr ((axes & 4) != 0) to.z += all(link.there[2]) * u;
     to.spring += all(link.stiffness) * u;
   }
 }
-/// A sum for each column: products need not wait for each other.
+/// Adds a column of stresses times an axis of areas.
+PHYMUL_INLINE void add_column(const simd::Runs& runs, const simd::RunLink& link, const float* at, int axis, Pack3& to) {
+  to += all(link.back[axis]) * load_components(runs, at + (simd::run_stress + 3 * axis) * runs.stride + link.shift);
+}
+/// A sum for each axis: products need not wait for each other.
 template <int axes>
-PHYMUL_INLINE void add_stresses(const simd::Runs& runs, const simd::Stencil& stencil, const float* at, Pack3 to[3]) {
+PHYMUL_INLINE void add_stresses(const simd::Runs& runs, const simd::Stencil& stencil, const float* at, Columns& to) {
   for (std::int32_t k = stencil.first[axes]; k < stencil.first[axes + 1]; ++k) {
-    const simd::RunLink& link = runs.links[k];
-    for (int c = 0; c < 3; ++c) {
-      if ((axes >> c & 1) == 0) continue;
-      to[c] += all(link.back[c]) * load_components(runs, at + (simd::run_stress + 3 * c) * runs.stride + link.shift);
-    }
+    if constexpr ((axes & 1) != 0) add_column(runs, runs.links[k], at, 0, to.c0);
+    if constexpr ((axes & 2) != 0) add_column(runs, runs.links[k], at, 1, to.c1);
+    if constexpr ((axes & 4) != 0) add_column(runs, runs.links[k], at, 2, to.c2);
   }
 }
 
 template <class Energy>
 void run_stresses(const simd::Averaged& body, int slice, int end) {
   const simd::Runs& runs = body.runs;
-  float* const stress = runs.components + simd::run_stress * runs.stride;
   for_each_run(
       body, slice, end,
       [&](const simd::Stencil& stencil, float* at, std::int64_t count) __attribute__((always_inline)) {
@@ -96,13 +97,14 @@ void run_stresses(const simd::Averaged& body, int slice, int end) {
         add_displacements<5>(runs, stencil, at, sums);
         add_displacements<6>(runs, stencil, at, sums);
         add_displacements<7>(runs, stencil, at, sums);
-        for (int c = 0; c < 3; ++c) {
-          store_components(runs, at + (simd::run_stress + 3 * c) * runs.stride, sums.column[c], count);
-        }
+        float* const stress = at + simd::run_stress * runs.stride;
+        store_components(runs, stress, sums.x, count);
+        store_components(runs, stress + 3 * runs.stride, sums.y, count);
+        store_components(runs, stress + 6 * runs.stride, sums.z, count);
         store_components(runs, at + simd::run_spring * runs.stride, sums.spring, count);
       },
       [&](int complete) __attribute__((always_inline)) {
-        float* at = stress + static_cast<std::int64_t>(complete) * lanes;
+        float* at = runs.components + simd::run_stress * runs.stride + static_cast<std::int64_t>(complete) * lanes;
         const Columns Q =
             averaged_stress<Energy>(body, complete,
                                     {load_components(runs, at), load_components(runs, at + 3 * runs.stride),
@@ -118,7 +120,7 @@ inline void run_forces(const simd::Averaged& body, int slice, int end) {
   for_each_run(
       body, slice, end,
       [&](const simd::Stencil& stencil, float* at, std::int64_t count) __attribute__((always_inline)) {
-        Pack3 sums[3] = {};
+        Columns sums{};
         add_stresses<1>(runs, stencil, at, sums);
         add_stresses<2>(runs, stencil, at, sums);
         add_stresses<3>(runs, stencil, at, sums);
@@ -126,7 +128,7 @@ inline void run_forces(const simd::Averaged& body, int slice, int end) {
         add_stresses<5>(runs, stencil, at, sums);
         add_stresses<6>(runs, stencil, at, sums);
         add_stresses<7>(runs, stencil, at, sums);
-        store_components(runs, at + simd::run_force * runs.stride, sums[0] + sums[1] + sums[2], count);
+        store_components(runs, at + simd::run_force * runs.stride, sums.c0 + sums.c1 + sums.c2, count);
       },
       [&](int complete) __attribute__((always_inline)) {
         const std::int64_t first = static_cast<std::int64_t>(complete) * lanes;
