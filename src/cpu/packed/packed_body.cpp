@@ -170,6 +170,18 @@ std::vector<Index> links_of(const TopologyTextures& t) {
   return links;
 }
 
+/// Whether domains are alike, as in a lattice: by a sample of their volumes, because most bodies need no closer look.
+bool domains_recur(const TopologyTextures& t) {
+  const std::size_t count = std::min<std::size_t>(t.domains.size(), 256);
+  std::vector<float> volumes;
+  for (std::size_t k = 0; k < count; ++k) {
+    volumes.push_back(narrow(t.domains[t.domains.size() * k / count].inverse_volume));
+  }
+  std::ranges::sort(volumes);
+  const auto repeated = std::ranges::unique(volumes);
+  return 2 * repeated.size() >= count;
+}
+
 double rough_cost(const TopologyTextures& t, int lanes) {
   const double base = t.options.reaction == Reaction::averaged ? 80.0 : 50.0;
   return (base * t.base_count + 16.0 * static_cast<double>(t.springs.size()) +
@@ -207,7 +219,7 @@ std::unique_ptr<const PackedBody> make_packed_body(const TopologyTextures& topol
   body->bounded = topology.options.volume_law == VolumeLaw::bounded;
   if (!topology.domains.empty()) {
     BodyPacker packer(topology, 0, *body);
-    body->order = line_order(topology.rest);
+    if (domains_recur(topology)) body->order = line_order(topology.rest);
     if (!body->order.empty() && packer.pack_averaged(AveragedLinks::runs)) return body;
     body->order = locality_order(topology.rest, links_of(topology), averaged_window);
     packer.pack_averaged(AveragedLinks::by_slot);
