@@ -91,7 +91,7 @@ class AveragesPacker {
     double stiffness;
   };
 
-  /// Whether that is worth it.
+  /// Whether runs are worth it.
   bool pack_runs() {
     constexpr std::int32_t trial = 1024;  // slots, after each of which a body that is no lattice may be given up
     RunPacker packer(lanes_, to_.runs);
@@ -235,7 +235,7 @@ std::size_t PackedAverages::stress_floats() const {
 }
 
 double PackedAverages::cost() const {
-  return 10.0 * slots + (runs.empty() ? 2.0 * static_cast<double>(link.size()) : 3.0 * runs.run_links);
+  return 10.0 * slots + (runs.empty() ? 2.0 * static_cast<double>(link.size()) : 4.0 * runs.run_links);
 }
 
 double PackedAverages::bytes() const {

@@ -10,8 +10,10 @@
 namespace phymul::cpu {
 namespace {
 
-/// Links of `lanes` slots take as long as so many of one slot on the way that goes slot by slot.
-constexpr double wide_link = 1.6;
+/// Links of `lanes` slots at once take as long as so many of one slot, which goes by packs of four components.
+constexpr double links_for(int lanes) {
+  return lanes > 4 ? 3.0 : 2.0;
+}
 
 int axes_of(const simd::RunLink& link) {
   int axes = 0;
@@ -68,8 +70,8 @@ void RunPacker::end_run() {
   to_.run_links += static_cast<double>(first[8] - first[0]) * ((length + lanes_ - 1) / lanes_);
 }
 
-bool RunPacker::worthwhile() {
-  return wide_link * to_.run_links < to_.slot_links;
+bool RunPacker::worthwhile() const {
+  return links_for(lanes_) * to_.run_links < to_.slot_links;
 }
 
 void RunPacker::finish() {

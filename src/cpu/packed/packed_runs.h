@@ -32,7 +32,7 @@ class RunPacker {
   /// The links of the next slot; reordered.
   void add(std::vector<simd::RunLink>& links);
   /// Whether runs are so long, so far, that going by them is faster than slot by slot.
-  bool worthwhile();
+  bool worthwhile() const;
   void finish();
 
  private:
