@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "locality_order.h"
 
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <tuple>
 
 namespace phymul {
 namespace {
@@ -53,6 +55,68 @@ std::vector<Index> locality_order(const VecList& rest, const std::vector<Index>&
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return codes[a] < codes[b]; });
   sort_windows(order, work, window);
+  return order;
+}
+
+namespace {
+
+/// Coordinates along an axis at which several particles stand, in order.
+std::vector<double> levels_of(const VecList& rest, int axis, double equal) {
+  constexpr std::size_t several = 3;
+  std::vector<double> all;
+  all.reserve(rest.size());
+  for (const Vec3& x : rest) all.push_back(x[axis]);
+  std::ranges::sort(all);
+  std::vector<double> levels;
+  for (std::size_t first = 0, k = 1; k <= all.size(); ++k) {
+    if (k < all.size() && all[k] - all[k - 1] <= equal) continue;
+    if (k - first >= several) levels.push_back(all[first]);
+    first = k;
+  }
+  return levels;
+}
+
+/// The number of the nearest one.
+Index nearest(const std::vector<double>& levels, double x) {
+  const auto above = std::ranges::lower_bound(levels, x);
+  const auto k = static_cast<Index>(above - levels.begin());
+  const bool below = above == levels.end() || (k > 0 && x - levels[k - 1] < *above - x);
+  return below ? k - 1 : k;
+}
+
+}  // namespace
+
+std::vector<Index> line_order(const VecList& rest) {
+  constexpr double least_line = 2.0;     // particles, on average
+  constexpr double most_in_layer = 512;  // whose stresses and those of both layers beside them stay in near caches
+  const auto particles = static_cast<double>(rest.size());
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+  if (!rest.empty()) low = high = rest.front();
+  for (const Vec3& x : rest) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  const double equal = 1e-7 * (high - low).maxCoeff();
+  const std::array<std::vector<double>, 3> levels{levels_of(rest, 0, equal), levels_of(rest, 1, equal),
+                                                  levels_of(rest, 2, equal)};
+  std::array<int, 3> axes{0, 1, 2};
+  std::ranges::stable_sort(axes, [&](int a, int b) { return levels[a].size() > levels[b].size(); });
+  const int along = axes[0];
+  const std::vector<double>&layers = levels[axes[1]], &across = levels[axes[2]];
+  const auto lines = static_cast<double>(layers.size() * across.size());
+  if (lines == 0.0 || lines * least_line > particles) return {};
+  const auto tiles =
+      static_cast<std::int64_t>(std::ceil(particles / static_cast<double>(layers.size()) / most_in_layer));
+  using Key = std::tuple<std::int64_t, Index, Index, double>;
+  std::vector<Key> key;
+  key.reserve(rest.size());
+  for (const Vec3& x : rest) {
+    const Index layer = nearest(layers, x[axes[1]]), line = nearest(across, x[axes[2]]);
+    key.emplace_back(line * tiles / static_cast<std::int64_t>(across.size()), layer, line, x[along]);
+  }
+  std::vector<Index> order(rest.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, [&](Index a, Index b) { return key[a] < key[b]; });
   return order;
 }
 

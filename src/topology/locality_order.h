@@ -17,6 +17,10 @@ namespace phymul {
 /// count per particle), ties in curve order. Result: old number of each new one, shape [N].
 std::vector<Index> locality_order(const VecList& rest, const std::vector<Index>& work, Index window);
 
+/// Particles of a lattice line after line, along its longest axis, lines layer after layer, in tiles of a few hundred
+/// particles per layer. Particles off the lattice stand with the nearest line. Empty for a body without such lines.
+std::vector<Index> line_order(const VecList& rest);
+
 /// Sorts each `window` particles of an order by decreasing `work`, ties as they stood.
 void sort_windows(std::vector<Index>& order, const std::vector<Index>& work, Index window);
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <functional>
 #include <limits>
@@ -24,12 +25,20 @@ class AveragesPacker {
  public:
   AveragesPacker(const TopologyTextures& t, const std::vector<Index>& order, std::int32_t places, int lanes,
                  PackedAverages& to)
-      : t_(t), order_(order), places_(places), lanes_(lanes), to_(to), quad_of_domain_(t.domains.size()) {}
+      : t_(t), order_(order), places_(places), lanes_(lanes), to_(to), place_of_domain_(t.domains.size()) {}
 
-  void pack() {
+  bool pack(AveragedLinks links) {
     to_.lanes = lanes_;
     to_.plane = t_.dimension == 2;
     place_domains();
+    if (links == AveragedLinks::runs && !pack_runs()) return false;
+    if (links == AveragedLinks::by_slot) pack_by_slot();
+    add_constants();
+    return true;
+  }
+
+ private:
+  void pack_by_slot() {
     to_.first_link.push_back(0);
     for (const Index d : domain_of_quad_) {
       if (d != none) {
@@ -40,10 +49,8 @@ class AveragesPacker {
       }
       to_.first_link.push_back(static_cast<std::int32_t>(to_.link.size()));
     }
-    add_constants();
   }
 
- private:
   void place_domains() {
     std::vector<Index> places(static_cast<std::size_t>(places_), none);  // domain
     std::vector<std::pair<std::int32_t, std::int32_t>> further;          // places
@@ -68,9 +75,9 @@ class AveragesPacker {
     to_.slots = static_cast<std::int32_t>(places.size());
     domain_of_quad_.assign(places.size(), none);
     for (std::size_t place = 0; place < places.size(); ++place) {
-      const std::int32_t quad = simd::quad_of(static_cast<std::int32_t>(place), lanes_);
-      domain_of_quad_[quad] = places[place];
-      if (places[place] != none) quad_of_domain_[places[place]] = quad;
+      const auto slot = static_cast<std::int32_t>(place);
+      domain_of_quad_[simd::quad_of(slot, lanes_)] = places[place];
+      if (places[place] != none) place_of_domain_[places[place]] = slot;
     }
     for (const auto& [own, other] : further) {
       to_.further.emplace_back(simd::quad_of(own, lanes_), simd::quad_of(other, lanes_));
@@ -84,11 +91,42 @@ class AveragesPacker {
     double stiffness;
   };
 
-  void add_links(Index d) {
+  /// Whether runs are worth it.
+  bool pack_runs() {
+    constexpr std::int32_t trial = 1024;  // slots, after each of which a body that is no lattice may be given up
+    RunPacker packer(lanes_, to_.runs);
+    std::vector<simd::RunLink> links;
+    for (std::int32_t place = 0; place < to_.slots; ++place) {
+      if (place % trial == trial - 1 && !packer.worthwhile()) return false;
+      const Index d = domain_of_quad_[simd::quad_of(place, lanes_)];
+      links.clear();
+      if (d != none) {
+        find_links(d);
+        for (const Link& link : all_) {
+          const LinkRow there = row_of(link.there, link.stiffness), back = row_of(-link.back, 0.0);
+          links.push_back({{there[0], there[1], there[2]},
+                           there[3],
+                           {back[0], back[1], back[2]},
+                           place_of_domain_[link.domain] - place});
+        }
+      }
+      packer.add(links);
+    }
+    packer.finish();
+    return packer.worthwhile();
+  }
+
+  void find_links(Index d) {
+    constexpr double rounding = 1e-11;  // of a stiffness that is zero by symmetry, as along the edges of cubes
     all_.clear();
+    double stiffest = 0.0;
+    for (Index r = t_.first_link[d]; r < t_.first_link[d + 1]; ++r) {
+      stiffest = std::max(stiffest, std::abs(t_.links[r].stiffness));
+    }
     for (Index r = t_.first_link[d]; r < t_.first_link[d + 1]; ++r) {
       const LinkTexel& link = t_.links[r];
-      all_.push_back({link.domain, link.area, -link.area, link.stiffness});
+      const double stiffness = std::abs(link.stiffness) > rounding * stiffest ? link.stiffness : 0.0;
+      all_.push_back({link.domain, link.area, -link.area, stiffness});
     }
     for (Index r = t_.first_surface_link[d]; r < t_.first_surface_link[d + 1]; ++r) {
       const SurfaceLinkTexel& surface = t_.surface_links[r];
@@ -97,11 +135,15 @@ class AveragesPacker {
       known->there += surface.area;
       known->back += surface.area;
     }
+  }
+
+  void add_links(Index d) {
+    find_links(d);
     if (all_.size() % 2 == 1) all_.push_back({d, Vec3::Zero(), Vec3::Zero(), 0.0});
     stress_.clear();
     force_.clear();
     for (const Link& link : all_) {
-      to_.link.push_back(16 * quad_of_domain_[link.domain]);
+      to_.link.push_back(16 * simd::quad_of(place_of_domain_[link.domain], lanes_));
       stress_.push_back(row_of(link.there, link.stiffness));
       force_.push_back(row_of(-link.back, link.stiffness));
     }
@@ -149,7 +191,7 @@ class AveragesPacker {
   const std::int32_t places_;
   const int lanes_;
   PackedAverages& to_;
-  std::vector<std::int32_t> quad_of_domain_;
+  std::vector<std::int32_t> place_of_domain_;
   std::vector<Index> domain_of_quad_;
   std::vector<Link> all_;                               // of the domain at hand
   std::vector<LinkRow> stress_, force_;                 // its rows
@@ -168,6 +210,7 @@ simd::Averaged PackedAverages::job(char* u, char* stress, char* force) const {
           .stress_row = stress_row.data(),
           .force_row = force_row.data(),
           .links = links.data(),
+          .runs = runs.job(reinterpret_cast<float*>(stress)),
           .plane = plane};
 }
 
@@ -187,21 +230,27 @@ void PackedAverages::gather_forces(char* force) const {
   }
 }
 
+std::size_t PackedAverages::stress_floats() const {
+  return runs.empty() ? 16 * static_cast<std::size_t>(slots) : runs.component_floats();
+}
+
 double PackedAverages::cost() const {
-  return 10.0 * slots + 2.0 * static_cast<double>(link.size());
+  return 10.0 * slots + (runs.empty() ? 2.0 * static_cast<double>(link.size()) : 4.0 * runs.run_links);
 }
 
 double PackedAverages::bytes() const {
   const double passes = 2.0;
   const auto words = static_cast<double>(first_link.size() + link.size() + stress_row.size() + links.size());
-  const double stress = 64.0, force = 16.0;  // both written and read
-  return 4.0 * (passes * words + static_cast<double>(constants.size())) + 2.0 * slots * (stress + force);
+  const double force = 16.0;  // it and stresses or components are both written and read
+  return 4.0 * (passes * words + static_cast<double>(constants.size()) + 2.0 * static_cast<double>(stress_floats())) +
+         2.0 * slots * force;
 }
 
 std::vector<int> PackedAverages::shared_out(int parts) const {
   std::vector<int> first{0};
   const auto work = [&](int slice) {
-    return static_cast<double>(first_link[static_cast<std::size_t>(slice) * lanes]) + 5.0 * slice * lanes;
+    const std::int64_t slot = static_cast<std::int64_t>(slice) * lanes;
+    return runs.empty() ? static_cast<double>(first_link[slot]) + 5.0 * static_cast<double>(slot) : slice;
   };
   for (int slice = 0; slice < slices(); ++slice) {
     while (static_cast<int>(first.size()) < parts &&
@@ -214,10 +263,10 @@ std::vector<int> PackedAverages::shared_out(int parts) const {
 }
 
 PackedAverages pack_averages(const TopologyTextures& topology, const std::vector<Index>& order, std::int32_t places,
-                             int lanes) {
+                             int lanes, AveragedLinks links) {
   PackedAverages packed;
-  AveragesPacker(topology, order, places, lanes, packed).pack();
-  return packed;
+  const bool packed_all = AveragesPacker(topology, order, places, lanes, packed).pack(links);
+  return packed_all ? packed : PackedAverages{};
 }
 
 }  // namespace phymul::cpu

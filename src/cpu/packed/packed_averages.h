@@ -10,6 +10,7 @@
 
 #include "aligned_arrays.h"
 #include "cpu/simd/job.h"
+#include "packed_runs.h"
 
 namespace phymul::cpu {
 
@@ -22,7 +23,9 @@ struct PackedAverages {
   std::vector<std::pair<std::int32_t, std::int32_t>> further;
   Offsets first_link, link, stress_row, force_row;
   Floats constants, links;
+  PackedRuns runs;  ///< in place of links
 
+  std::size_t stress_floats() const;  ///< of what job() takes for stresses
   int slices() const { return lanes > 0 ? slots / lanes : 0; }
   simd::Averaged job(char* u, char* stress, char* force) const;
   void copy_displacements(char* u) const;
@@ -34,9 +37,12 @@ struct PackedAverages {
   std::vector<int> shared_out(int parts) const;
 };
 
-/// `order`: row of the model at each place; `places`: those, filled up to whole slices. Throws Error where a constant
-/// is not a float or an offset not 32 bits.
+/// Runs are for bodies whose `order` has long ones.
+enum class AveragedLinks { by_slot, runs };
+
+/// `order`: row of the model at each place; `places`: those, filled up to whole slices. Nothing, without slots, where
+/// runs are too short to gain. Throws Error where a constant is not a float or an offset not 32 bits.
 PackedAverages pack_averages(const TopologyTextures& topology, const std::vector<Index>& order, std::int32_t places,
-                             int lanes);
+                             int lanes, AveragedLinks links);
 
 }  // namespace phymul::cpu

@@ -36,13 +36,15 @@ class BodyPacker {
  public:
   BodyPacker(const TopologyTextures& t, Index size, PackedBody& body) : t_(t), size_(size), body_(body) {}
 
-  /// A body of Law::particle_averaged: no clusters, and its forces stand as its particles do.
-  void pack_averaged() {
+  /// A body of Law::particle_averaged: no clusters, and its forces stand as its particles do. Whether it was worth it.
+  bool pack_averaged(AveragedLinks links) {
     body_.places = (t_.particle_count + body_.lanes - 1) / body_.lanes * body_.lanes;
-    body_.averages = pack_averages(t_, body_.order, body_.places, body_.lanes);
+    body_.averages = pack_averages(t_, body_.order, body_.places, body_.lanes, links);
+    if (!body_.averaged()) return false;
     body_.force_rows = body_.averages.slots;
     for (std::int32_t s = 0; s < body_.slices(); ++s) body_.own.push_back(16 * s * body_.lanes);
     pack_masses(body_.order);
+    return true;
   }
 
   void pack() {
@@ -168,6 +170,18 @@ std::vector<Index> links_of(const TopologyTextures& t) {
   return links;
 }
 
+/// Whether domains are alike, as in a lattice: by a sample of their volumes, because most bodies need no closer look.
+bool domains_recur(const TopologyTextures& t) {
+  const std::size_t count = std::min<std::size_t>(t.domains.size(), 256);
+  std::vector<float> volumes;
+  for (std::size_t k = 0; k < count; ++k) {
+    volumes.push_back(narrow(t.domains[t.domains.size() * k / count].inverse_volume));
+  }
+  std::ranges::sort(volumes);
+  const auto repeated = std::ranges::unique(volumes);
+  return 2 * repeated.size() >= count;
+}
+
 double rough_cost(const TopologyTextures& t, int lanes) {
   const double base = t.options.reaction == Reaction::averaged ? 80.0 : 50.0;
   return (base * t.base_count + 16.0 * static_cast<double>(t.springs.size()) +
@@ -204,8 +218,11 @@ std::unique_ptr<const PackedBody> make_packed_body(const TopologyTextures& topol
   body->lanes = lanes;
   body->bounded = topology.options.volume_law == VolumeLaw::bounded;
   if (!topology.domains.empty()) {
+    BodyPacker packer(topology, 0, *body);
+    if (domains_recur(topology)) body->order = line_order(topology.rest);
+    if (!body->order.empty() && packer.pack_averaged(AveragedLinks::runs)) return body;
     body->order = locality_order(topology.rest, links_of(topology), averaged_window);
-    BodyPacker(topology, 0, *body).pack_averaged();
+    packer.pack_averaged(AveragedLinks::by_slot);
     return body;
   }
   const bool whole = topology.particle_count <= whole_size && rough_cost(topology, lanes) <= whole_cost;

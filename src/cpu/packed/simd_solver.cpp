@@ -57,7 +57,7 @@ class SimdSolver final : public SolverBackend {
     next_v_ = v_;
     force_.assign(4 * static_cast<std::size_t>(body_->force_rows), 0.0f);
     if (body_->averaged()) {
-      stress_.assign(16 * static_cast<std::size_t>(body_->averages.slots), 0.0f);
+      stress_.assign(body_->averages.stress_floats(), 0.0f);
       averaged_part_ = body_->averages.shared_out(pool_.parts());
     }
     if (body_->gives()) pull_.assign(quads, 0.0f);
@@ -188,16 +188,18 @@ class SimdSolver final : public SolverBackend {
   void averaged_forces() {
     body_->averages.copy_displacements(bytes(u_));
     const simd::Averaged job = body_->averages.job(bytes(u_), bytes(stress_), bytes(force_));
-    pool_.run([&, this](int part, int) {
-      const DenormalsAreZero guard;
-      kernels_.averaged_stresses[static_cast<int>(topology().options.strain_energy)][body_->bounded](
-          job, averaged_part_[part], averaged_part_[part + 1]);
-    });
-    laps_.end(Work::averaged_stresses);
-    pool_.run([&, this](int part, int) {
-      const DenormalsAreZero guard;
-      kernels_.averaged_forces(job, averaged_part_[part], averaged_part_[part + 1]);
-    });
+    const bool runs = !body_->averages.runs.empty();
+    const auto pass = [&, this](auto kernel, Work work) {
+      pool_.run([&, this](int part, int) {
+        const DenormalsAreZero guard;
+        kernel(job, averaged_part_[part], averaged_part_[part + 1]);
+      });
+      laps_.end(work);
+    };
+    if (runs) pass(kernels_.spread_displacements, Work::gathering);
+    const auto energy = static_cast<int>(topology().options.strain_energy);
+    pass(kernels_.averaged_stresses[runs][energy][body_->bounded], Work::averaged_stresses);
+    pass(kernels_.averaged_forces[runs], Work::averaged_forces);
     body_->averages.gather_forces(bytes(force_));
     laps_.end(Work::averaged_forces);
   }

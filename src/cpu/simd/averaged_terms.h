@@ -115,6 +115,20 @@ PHYMUL_INLINE Wide link_sum(const simd::Averaged& body, std::int64_t q, const st
   return plus(even, odd);
 }
 
+/// Stresses of slice `slice` from its sums of displacements times areas, without what is left of z in a plane.
+template <class Energy>
+PHYMUL_INLINE Columns averaged_stress(const simd::Averaged& body, int slice, const Columns& sums) {
+  const float* constants = body.constants + static_cast<std::int64_t>(slice) * (2 + Energy::energy_constants) * lanes;
+  const Pack inverse_volume = load(constants), spread = load(constants + lanes);
+  Pack p[Energy::energy_constants];
+  for (int k = 0; k < Energy::energy_constants; ++k) p[k] = load(constants + (2 + k) * lanes);
+  const Columns H = Energy::scaled(inverse_volume, sums);
+  const Columns P = Energy::energy_stress(H, p);
+  Columns Q{P.c0 - spread * H.c0, P.c1 - spread * H.c1, P.c2 - spread * H.c2};
+  if (body.plane) Q.c0.z = Q.c1.z = Q.c2.z = Pack{};  // nothing but rounding, which would leave the plane
+  return Q;
+}
+
 /// Stresses and springs of slices [slice, end). Displacements around a slot, each less its own, are summed with the
 /// areas (three columns) and with the stiffnesses (the fourth).
 template <class Energy>
@@ -133,33 +147,18 @@ void averaged_stresses(const simd::Averaged& body, int slice, int end) {
       for (int c = 0; c < 3; ++c) store_quad(reinterpret_cast<char*>(columns[c]) + 16 * k, sum[c]);
       store_quad(body.force + 16 * (first + k), sum[3]);
     }
-    const float* constants = body.constants + (2 + Energy::energy_constants) * first;
-    const Pack inverse_volume = load(constants), spread = load(constants + lanes);
-    Pack p[Energy::energy_constants];
-    for (int k = 0; k < Energy::energy_constants; ++k) p[k] = load(constants + (2 + k) * lanes);
-    const Columns sums{gather_row(reinterpret_cast<const char*>(columns[0])),
-                       gather_row(reinterpret_cast<const char*>(columns[1])),
-                       gather_row(reinterpret_cast<const char*>(columns[2]))};
-    const Columns H = Energy::scaled(inverse_volume, sums);
-    const Columns P = Energy::energy_stress(H, p);
-    Pack3 Q[3] = {P.c0 - spread * H.c0, P.c1 - spread * H.c1, P.c2 - spread * H.c2};
+    const Columns Q = averaged_stress<Energy>(
+        body, slice,
+        {gather_row(reinterpret_cast<const char*>(columns[0])), gather_row(reinterpret_cast<const char*>(columns[1])),
+         gather_row(reinterpret_cast<const char*>(columns[2]))});
+    const Pack3 column[3] = {Q.c0, Q.c1, Q.c2};
     for (int c = 0; c < 3; ++c) {
-      if (body.plane) Q[c].z = Pack{};  // nothing but rounding, which would leave the plane
       char* to = body.stress + 64 * first + 16 * c;
       for_each_quad(
-          Q[c], [&](int lane, Quad q)
-                    __attribute__((always_inline)) { store_quad(to + 64 * simd::quad_of(lane, lanes), q); });
+          column[c], [&](int lane, Quad q)
+                         __attribute__((always_inline)) { store_quad(to + 64 * simd::quad_of(lane, lanes), q); });
     }
   }
-}
-
-template <template <bool bounded_volume> class... Each>
-constexpr void set_stresses(simd::Kernels& kernels, EnergyList<Each...>) {
-  static_assert(sizeof...(Each) <= simd::most_energies);
-  int row = 0;
-  ((kernels.averaged_stresses[row][0] = averaged_stresses<Each<false>>,
-    kernels.averaged_stresses[row++][1] = averaged_stresses<Each<true>>),
-   ...);
 }
 
 /// Forces of slices [slice, end), added to the springs'.

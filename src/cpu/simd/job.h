@@ -73,6 +73,38 @@ struct Job {
   Rows volumes;
 };
 
+/// A link of a run: 32 bytes without a gap, by which equal ones are found.
+struct RunLink {
+  float there[3] = {0, 0, 0};  ///< C_de, m^2
+  float stiffness = 0;         ///< N/m
+  float back[3] = {0, 0, 0};   ///< -C_ed, m^2
+  std::int32_t shift = 0;      ///< from a slot to the other
+};
+
+/// Links by the axes that their areas have: those of the axes in mask m are first[m] ... first[m + 1] - 1.
+struct Stencil {
+  std::int32_t first[9];
+};
+
+/// Slots side by side with the same stencil, up to the next run.
+struct Run {
+  std::int32_t first = 0, stencil = 0;
+};
+
+/// Slots of a lattice in the order of its lines, so that a lane is a slot and what a run gathers stands side by side.
+/// Vectors and matrices stand apart by their components, `stride` floats each; at least `lanes` of each stand for
+/// nothing, because lanes beyond a short run read what comes after.
+struct Runs {
+  const Run* runs = nullptr;                ///< [count + 1]; null: links go slot by slot
+  const std::int32_t* first_run = nullptr;  ///< [slices + 1] the run of each slice's first slot
+  const Stencil* stencils = nullptr;
+  const RunLink* links = nullptr;
+  float* components = nullptr;  ///< [run_components][stride]
+  std::int64_t stride = 0;
+};
+/// Where among them: columns of Q, springs' forces, forces of stresses, displacements.
+inline constexpr int run_stress = 0, run_spring = 9, run_force = 12, run_u = 15, run_components = 18;
+
 /// Law::particle_averaged. A slot is a domain: the first of a particle is at the particle's quad, further ones follow
 /// those of all particles. Slots of one slice stand in the order of quad_of(), and so do their constants' rows.
 struct Averaged {
@@ -86,6 +118,7 @@ struct Averaged {
   /// are the same, and equal ones are there once.
   const std::int32_t *stress_row = nullptr, *force_row = nullptr;
   const float* links = nullptr;  ///< [rows][4]
+  Runs runs;                     ///< in place of stress, links and their rows
   bool plane = false;
 };
 
@@ -134,8 +167,10 @@ struct Kernels {
   void (*enumerated[2])(const Job&);  ///< [averaged]
   void (*volumes[2][2])(const Job&);  ///< [plane][bounded]
   void (*springs)(const Job&);
-  void (*averaged_stresses[most_energies][2])(const Averaged&, int slice, int end);  ///< [StrainEnergy][bounded]
-  void (*averaged_forces)(const Averaged&, int slice, int end);
+  void (*spread_displacements)(const Averaged&, int slice, int end);  ///< to components, for runs
+  /// [of runs][StrainEnergy][bounded]
+  void (*averaged_stresses[2][most_energies][2])(const Averaged&, int slice, int end);
+  void (*averaged_forces[2])(const Averaged&, int slice, int end);  ///< [of runs]
   void (*move)(const Move&, int slice, int end, MoveSummary&);
 };
 

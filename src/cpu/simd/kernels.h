@@ -3,7 +3,7 @@
 // The kernels of the instruction set that is being compiled.
 #pragma once
 
-#include "averaged_terms.h"
+#include "averaged_runs.h"
 #include "base_terms.h"
 #include "enumerated_terms.h"
 #include "move.h"
@@ -11,6 +11,17 @@
 #include "volume_terms.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
+
+template <template <bool bounded_volume> class... Each>
+constexpr void set_stresses(simd::Kernels& kernels, EnergyList<Each...>) {
+  static_assert(sizeof...(Each) <= simd::most_energies);
+  int row = 0;
+  ((kernels.averaged_stresses[0][row][0] = averaged_stresses<Each<false>>,
+    kernels.averaged_stresses[0][row][1] = averaged_stresses<Each<true>>,
+    kernels.averaged_stresses[1][row][0] = run_stresses<Each<false>>,
+    kernels.averaged_stresses[1][row++][1] = run_stresses<Each<true>>),
+   ...);
+}
 
 constexpr simd::Kernels all_kernels(const char* name) {
   using enum simd::BaseUse;
@@ -23,8 +34,9 @@ constexpr simd::Kernels all_kernels(const char* name) {
       {enumerated_slices<false>, enumerated_slices<true>},
       {{volume_rows<false, false>, volume_rows<false, true>}, {volume_rows<true, false>, volume_rows<true, true>}},
       spring_slices,
+      spread_displacements,
       {},
-      averaged_forces,
+      {averaged_forces, run_forces},
       move_slices};
   set_stresses(kernels, Energies{});
   return kernels;
