@@ -48,11 +48,14 @@ KERNEL real volume_change(Change change) {
   return change.trace + change.minors + change.determinant;
 }
 
+// Sums that a compiler could shorten ((a + b + c) - a) are written out: not all of them keep to the text inside
+// functions.
 KERNEL Change change_of(Columns H) {
   Columns C = cofactor(H);
-  real trace = H.c0.x + H.c1.y + H.c2.z;
+  real xy = H.c0.x + H.c1.y;
+  real trace = xy + H.c2.z;
   real minors = C.c0.x + C.c1.y + C.c2.z;
-  return Change(Columns(C.c0 + real3(trace - H.c0.x, -H.c1.x, -H.c2.x), C.c1 + real3(-H.c0.y, trace - H.c1.y, -H.c2.y),
-                        C.c2 + real3(-H.c0.z, -H.c1.z, trace - H.c2.z)),
+  return Change(Columns(C.c0 + real3(H.c1.y + H.c2.z, -H.c1.x, -H.c2.x), C.c1 + real3(-H.c0.y, H.c0.x + H.c2.z, -H.c2.y),
+                        C.c2 + real3(-H.c0.z, -H.c1.z, xy)),
                 trace, minors, inner_product(H.c0, C.c0));
 }

@@ -19,7 +19,7 @@ KERNEL Dilatation dilatation(Change change) {
   real least = literal(0.7f);
   real J = literal(1.0f) + e;
   real base = select(J > least, J, least);
-  return Dilatation(e, base, select(J > least, literal(0.0f), least - J), inverse_cube_root(base));
+  return Dilatation(e, base, select(J > least, literal(0.0f), literal(-0.3f) - e), inverse_cube_root(base));
 }
 
 KERNEL Columns energy_stress(Columns H, real p[energy_constants]) {
