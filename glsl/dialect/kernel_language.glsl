@@ -5,7 +5,8 @@
 // of their rounding, and for packs. So a formula of the energy is written once, and once more in double precision
 // (src/elastic/), which is the independent reference.
 //
-// Products and sums are written out, because the order in which dot() and length() add is the driver's.
+// Products and sums are written out, because the order in which dot() and length() add is the driver's. Inside functions
+// Mesa turns a product of four into one of two products: kernels write it so.
 
 #define KERNEL
 #define KERNEL_CONSTANT const
@@ -41,7 +42,7 @@ vec3 cross_product(vec3 a, vec3 b) {
 // a > 0. Three steps of Newton's method, from a guess that is 4 % off.
 float inverse_cube_root(float a) {
   float x = intBitsToFloat(0x54a2fa8d - floatBitsToInt(a) / 3);
-  for (int k = 0; k < 3; ++k) x = x + (0.33333334 * x) * (1.0 - a * x * x * x);
+  for (int k = 0; k < 3; ++k) x = x + (0.33333334 * x) * (1.0 - (a * x) * (x * x));
   return x;
 }
 

@@ -18,7 +18,8 @@ KERNEL Direction direction(real3 m, real3 dw, real3 Hm, real least, real norm) {
   real c = select(q > least, inverse_root_change(q, y), literal(-1.0f));
   real3 r = dw + c * w - Hm;
   real rho = c + literal(1.0f);
-  return Direction(r, rho * (r - (norm * rho * rho * inner_product(w, r)) * w));
+  real along = (norm * rho) * (rho * inner_product(w, r));
+  return Direction(r, rho * (r - along * w));
 }
 
 // The diagonals (1, 1, 1), (-1, 1, 1), (1, -1, 1), (1, 1, -1) of a cube, and its axes.

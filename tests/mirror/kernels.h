@@ -26,7 +26,7 @@ inline float inverse_root_change(float a, float y) {
 
 inline float inverse_cube_root(float a) {
   float x = std::bit_cast<float>(0x54a2fa8d - std::bit_cast<std::int32_t>(a) / 3);
-  for (int k = 0; k < 3; ++k) x = x + (0.33333334f * x) * (1.0f - a * x * x * x);
+  for (int k = 0; k < 3; ++k) x = x + (0.33333334f * x) * (1.0f - (a * x) * (x * x));
   return x;
 }
 
