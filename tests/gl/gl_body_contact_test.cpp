@@ -137,7 +137,7 @@ TEST_P(GlContactMotion, ABodyTouchesItself) {
     }
     BesideReference pair(model, scene, damped(10.0), GetParam());
     for (int k = 0; k < 14; ++k) {
-      ASSERT_TRUE(pair.device->step(20, pair.dt).ok());
+      ASSERT_TRUE(pair.device->step(14, pair.dt).ok());
       if (self) off = std::max(off, pair.one_step().off);
     }
     const State end = pair.device->read();

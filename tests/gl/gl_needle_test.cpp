@@ -145,7 +145,7 @@ TEST_F(GlNeedle, ActsBetweenWhatHoldsAndWhatPresses) {
   scene.add_tool("second", {.shape = bends, .pose = second, .friction = 0.5});
   scene.constrain_volume();
   BesideReference pair(model, scene, damped(40.0));
-  double worst = 0.0, worst_force = 0.0;
+  double worst = 0.0, worst_force = 0.0, largest_on_ball = 0.0;
   for (int k = 1; k <= 24; ++k) {
     const double in = k <= 16 ? 1e-3 * k : 1e-3 * (32 - k);
     first.position.z() = second.position.z() = side + offset - in;
@@ -161,12 +161,13 @@ TEST_F(GlNeedle, ActsBetweenWhatHoldsAndWhatPresses) {
       worst_force = std::max(worst_force, (a.mean_force - b.mean_force).norm());
       EXPECT_EQ(a.particles, b.particles) << tool << k;
     }
+    largest_on_ball = std::max(largest_on_ball, pair.reference->tool_force("ball").mean_force.norm());
   }
   const State end = pair.device->read();
   EXPECT_TRUE(end.tools[1].needle.punctured && end.tools[3].needle.punctured);
   const std::vector<Index>& skin = end.tools[1].needle.hole.front().particles;
   EXPECT_TRUE(std::ranges::any_of(skin, [&](Index i) { return std::ranges::count(end.tools[2].held, i) > 0; }));
-  EXPECT_GT(pair.reference->tool_force("ball").mean_force.norm(), 0.05);
+  EXPECT_GT(largest_on_ball, 0.02);
   std::printf("[ NEEDLES ] with tools and a volume: off by %.2g of the motion, forces by %.2g N\n", worst, worst_force);
   EXPECT_LE(worst, 2e-5);
   EXPECT_LE(worst_force, 5e-5);
