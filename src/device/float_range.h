@@ -13,9 +13,9 @@
 namespace phymul {
 
 /// What a float backend can tell from rest. A displacement u is rounded by up to 2^-24 |u|, which pushes its particle
-/// with accelerations of several times omega_max^2 2^-24 |u|: a body's noise at rest was measured at 2 to 20 of
+/// with accelerations of up to a few times omega_max^2 2^-24 |u|: a body's noise at rest was measured at 2 to 3.6 of
 /// these units, in speed times omega_max too. Below `rest_noise` of them the rest test would wait for ever.
-inline constexpr double rest_noise = 32.0 * 0x1p-24;
+inline constexpr double rest_noise = 8.0 * 0x1p-24;
 
 struct RestThresholds {
   double speed = 0.0;         ///< m/s

@@ -85,9 +85,9 @@ S volume_energy(const Mat<S>& F, S stiffness, VolumeLaw law, Mat<S>* gradient) {
   return stiffness * volume_energy_density(law, J);
 }
 
-/// mu/2 (g(J) tr(F^T F) - 3) with g = J^(-2/3), below J = 0.7 its tangent there: squashed further, the true energy is so
-/// stiff that steps of half the limit would not be stable. The tangent alone would let a body gain energy by shrinking to
-/// a point; 3.1 mu (0.7 - J)^2, added there, makes up for it.
+/// mu/2 (g(J) tr(F^T F) - 3) with g = J^(-2/3), below J = 0.7 its tangent there: squashed further, the true energy is
+/// so stiff that steps of half the limit would not be stable. The tangent alone would let a body gain energy by
+/// shrinking to a point; 3.1 mu (0.7 - J)^2, added there, makes up for it.
 template <class S>
 S neo_hookean_energy(const Mat<S>& F, S mu, Mat<S>* gradient) {
   const S J = F.determinant(), kink = std::max(J, S(0.7)), at_kink = std::pow(kink, S(-2) / S(3));
