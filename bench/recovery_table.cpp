@@ -23,7 +23,7 @@ constexpr int steps = 12000;
 struct Setting {
   std::string backend;
   double share = 0.5;  // of the stable step
-  double max_displacement_per_step = 0.1;
+  double max_displacement_per_step = SolverOptions{}.max_displacement_per_step;
 };
 
 void print_row(const char* name, double poisson, const TopologyOptions& topology, const Setting& setting) {
