@@ -10,14 +10,14 @@ namespace {
 
 constexpr std::array energies{StrainEnergy::shape_memory, StrainEnergy::neo_hookean};
 
-/// A beam of tetrahedra dropped under half of gravity swings for 100,000 steps. Single precision; the total is 0 at
-/// first, so that its change is told against the largest kinetic energy.
+/// A beam of tetrahedra under a twentieth of gravity, from rest, swings for 100,000 steps. Single precision; the total
+/// is 0 at first, so that its change is told against the largest kinetic energy.
 TEST(StabilityAveraged, EnergyIsKeptForLongCloseToTheLimit) {
   for (const StrainEnergy energy : energies) {
     Model model = make_tetrahedral_block({0.2, 0.05, 0.05}, 16, 4, 4, 0.2, 1);
     set_material(model, {.young = 10e3, .poisson = 0.3, .density = 1000.0});
     Scene scene(model);
-    scene.fix("x0").gravity({0, 0, -5});
+    scene.fix("x0").gravity({0, 0, -0.5});
     const auto solver = make_solver("cpu", model, scene, {.strain_energy = energy});
     double kinetic = 0.0, drift = 0.0;
     for (int k = 0; k < (sanitized ? 20 : 1000); ++k) {
