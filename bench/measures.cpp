@@ -14,13 +14,13 @@ namespace phymul::bench {
 namespace {
 
 std::optional<PositionError> sample_error(const Problem& problem, std::span<const Vec3> displacement) {
-  if (problem.places.empty()) return std::nullopt;
+  if (!problem.samples) return std::nullopt;
   Model samples;
   samples.rest = problem.sample_point;
-  VecList found, wanted;
-  for (std::size_t s = 0; s < problem.places.size(); ++s) {
-    found.push_back(problem.sample_point[s] + problem.places[s].interpolate(displacement));
-    wanted.push_back(problem.sample_point[s] + problem.reference[s]);
+  VecList found = problem.samples->deform(displacement), wanted = problem.reference;
+  for (std::size_t s = 0; s < found.size(); ++s) {
+    found[s] += problem.sample_point[s];
+    wanted[s] += problem.sample_point[s];
   }
   return position_error(samples, found, wanted);
 }

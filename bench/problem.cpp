@@ -151,22 +151,23 @@ Samples samples_of(const ReferenceCase& it, const std::string& level, const Vari
 
 /// A sample is prescribed where every particle it is interpolated from is, along all axes.
 void take_samples(const Samples& samples, Problem& problem) {
-  const std::vector<PlaceInCell> places = locate(problem.model, samples.point);
-  for (std::size_t s = 0; s < places.size(); ++s) {
+  if (samples.point.empty()) return;
+  constexpr double most_outside = 0.5;  // cells; facets cut a rounding off
+  const Skin all(problem.model, samples.point, most_outside);
+  for (std::size_t s = 0; s < all.size(); ++s) {
     bool prescribed = true;
-    for (int v = 0; v < places[s].count; ++v) {
-      if (std::abs(places[s].weight[v]) > 1e-6 && problem.imposed[places[s].particle[v]] != 7) prescribed = false;
+    for (std::size_t v = 0; v < all.particles(s).size(); ++v) {
+      if (std::abs(all.weights(s)[v]) > 1e-6 && problem.imposed[all.particles(s)[v]] != 7) prescribed = false;
     }
     if (prescribed) {
       ++problem.prescribed_samples;
       continue;
     }
-    problem.places.push_back(places[s]);
     problem.sample_point.push_back(samples.point[s]);
     problem.reference.push_back(samples.displacement[s]);
   }
-  if (problem.places.empty() && !samples.point.empty())
-    throw Error("every sample point is prescribed; nothing is left to compare");
+  if (problem.sample_point.empty()) throw Error("every sample point is prescribed; nothing is left to compare");
+  problem.samples.emplace(problem.model, problem.sample_point, most_outside);
 }
 
 std::array<std::optional<double>, 3> known_part(const Triple& texts, const Variables& variables) {

@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "cell_interpolation.h"
 #include "reference_case.h"
 
 namespace phymul::bench {
@@ -37,7 +36,7 @@ struct Problem {
   std::vector<NamedTool> tools;       ///< where they have come to; the null model does not know them
   std::vector<std::uint8_t> imposed;  ///< [N] bit a set: coordinate a is imposed
   VecList displacement;               ///< [N] m: imposed coordinates as loads say, the others harmonic (see below)
-  std::vector<PlaceInCell> places;    ///< of the sample points that are not prescribed; empty: forces alone are known
+  std::optional<Skin> samples;        ///< the sample points that are not prescribed; none: forces alone are known
   VecList sample_point;               ///< their rest places, m
   VecList reference;                  ///< their displacement, m
   int prescribed_samples = 0;         ///< left out

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Case files of bench/reference: expressions, the bodies and loads they make, and where sample points are.
+// Case files of bench/reference: expressions, and the bodies and loads they make.
 #include <gtest/gtest.h>
 #include <phymul/error.h>
 #include <phymul/load_frame.h>
@@ -10,7 +10,6 @@
 #include <fstream>
 #include <limits>
 
-#include "cell_interpolation.h"
 #include "expression.h"
 #include "measures.h"
 #include "methods.h"
@@ -37,34 +36,6 @@ TEST(Expression, ErrorsQuoteTheText) {
   for (const char* wrong : {"", "1+", "2*(3", "y", "foo(1)", "1/0", "3 4", "sin(1,2)"}) {
     EXPECT_THROW(evaluate(wrong, {}), Error) << wrong;
   }
-}
-
-/// Every cell type gives back a linear field exactly, inside and beyond its facets.
-TEST(CellInterpolation, LinearFieldsAreExact) {
-  Mat3 slope;
-  slope << 1, 2, 3, -4, 5, 6, 7, -8, 9;
-  Model block = make_block({0.1, 0.06, 0.04}, 4, 3, 2);
-  jitter(block, 0.1, 3);
-  for (const Model& model :
-       {block, make_tetrahedral_block({0.1, 0.06, 0.04}, 4, 3, 2, 0.2, 1), make_cylinder(0.03, 0.08, 2, 8, 5)}) {
-    const bool round = model.has_group("bottom");
-    const VecList points = round ? VecList{{0.001, 0.002, 0.01}, {0.0277, 0.0115, 0.05}, {-0.02, 0.01, 0.08}}
-                                 : VecList{{0.03, 0.02, 0.01}, {0.055, 0.031, 0.022}, {0.08, 0.05, 0.03}};
-    VecList field = model.rest;
-    for (Vec3& p : field) p = slope * p;
-    for (const PlaceInCell& place : locate(model, points)) {
-      const Vec3 at = place.interpolate(model.rest);
-      EXPECT_LT((place.interpolate(field) - slope * at).norm(), 1e-14);
-    }
-    for (std::size_t s = 0; s < points.size(); ++s) {
-      EXPECT_LT((locate(model, points)[s].interpolate(model.rest) - points[s]).norm(), 1e-12);
-    }
-  }
-}
-
-TEST(CellInterpolation, RefusesPointsFarOutside) {
-  const VecList far{{0.2, 0, 0}};
-  EXPECT_THROW(locate(make_block({0.1, 0.1, 0.1}, 2, 2, 2), far), Error);
 }
 
 class CaseFile : public testing::Test {
@@ -251,7 +222,7 @@ TEST(ReferenceCases, EveryFileMakesItsCoarsestProblem) {
   for (const ReferenceCase& it : read_cases(PHYMUL_REFERENCE_CASES)) {
     for (const std::string& level : it.levels_to_draw()) {
       const Problem problem = make_problem(it, level, it.resolutions.front());
-      EXPECT_GE(problem.places.size(), 4u) << it.name;
+      EXPECT_GE(problem.sample_point.size(), 4u) << it.name;
       EXPECT_GT(problem.floor, 0.0) << it.name;
     }
   }

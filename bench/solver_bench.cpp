@@ -6,6 +6,7 @@
 #include <phymul/phymul.h>
 #include <phymul/topology_textures.h>
 
+#include <map>
 #include <string>
 
 namespace {
@@ -53,7 +54,7 @@ struct StretchedBlock {
 
 /// The block near its balance: stretched evenly, then let settle under strong damping. Always by the conservative law,
 /// because the older reactions have no balance to settle in.
-phymul::State settled(const StretchedBlock& block) {
+phymul::State settle(const StretchedBlock& block) {
   phymul::SolverOptions options;
   options.damping.factor = 0.9;
   const auto solver = phymul::make_solver("reference", block.model, block.scene, {}, options);
@@ -67,9 +68,17 @@ phymul::State settled(const StretchedBlock& block) {
   return state;
 }
 
+/// A bench function is called several times for one figure.
+const phymul::State& settled(const StretchedBlock& block) {
+  static std::map<phymul::Index, phymul::State> known;  // by particles
+  const auto [row, is_new] = known.try_emplace(block.model.particle_count());
+  if (is_new) row->second = settle(block);
+  return row->second;
+}
+
 void solver_step(benchmark::State& run, const std::string& backend, const Elasticity& elasticity) {
   const StretchedBlock block(static_cast<int>(run.range(0)));
-  const phymul::State start = settled(block);
+  const phymul::State& start = settled(block);
   phymul::SolverOptions options;
   options.damping.factor = 0.99;
   options.on_unstable = phymul::UnstableStep::allow;

@@ -156,8 +156,10 @@ class Run {
   }
 
   void write_samples(const Method& method, const RelaxationPlan& plan, const State& state, const Problem& problem) {
-    for (std::size_t s = 0; s < problem.places.size(); ++s) {
-      const Vec3 u = problem.places[s].interpolate(state.position) - problem.sample_point[s];
+    if (!problem.samples) return;
+    const VecList found = problem.samples->deform(state.position);
+    for (std::size_t s = 0; s < found.size(); ++s) {
+      const Vec3 u = found[s] - problem.sample_point[s];
       const Vec3& r = problem.reference[s];
       samples_->row({common_["case"], common_["level"], method.name, plan.backend, common_["n"], common_["spacing"],
                      field(plan.step_share), std::to_string(s), field(u.x()), field(u.y()), field(u.z()), field(r.x()),

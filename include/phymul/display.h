@@ -7,8 +7,10 @@
 
 #include <phymul/camera.h>
 #include <phymul/gl.h>
+#include <phymul/skin.h>
 #include <phymul/solver.h>
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -80,6 +82,13 @@ class Display {
 /// context of a GL solver, and in one of its own otherwise. With GlContext::current it draws in the caller's, and
 /// without a copy where the solver runs in that one or shares objects with it. Throws Error where GL is missing.
 std::unique_ptr<Display> make_display(const Solver& solver, const GlOptions& gl = {});
+
+/// A display of a skin instead of the body itself: of these triangles of the skin's points (counter-clockwise seen from
+/// outside), which the vertex shader moves with the solver's particles. What DisplayOptions says of particles is then
+/// meant of the points; links are edges of triangles, and there are no attractors. The skin is copied. Throws Error for
+/// a triangle of a point that there is not and for a skin of another body.
+std::unique_ptr<Display> make_display(const Solver& solver, const Skin& skin,
+                                      std::span<const std::array<Index, 3>> triangles, const GlOptions& gl = {});
 
 /// A display of positions given by show(); the rest shape at first. The model must outlive it.
 std::unique_ptr<Display> make_display(const Model& model, const GlOptions& gl = {});

@@ -21,6 +21,7 @@
 #include <phymul/scene.h>
 #include <phymul/shapes.h>
 #include <phymul/simulation.h>
+#include <phymul/skin.h>
 #include <phymul/solver.h>
 #include <phymul/state.h>
 #include <phymul/state_file.h>

@@ -34,7 +34,8 @@ struct SimulationOptions {
   double step = 0.5;                       ///< largest step of advance(), as a multiple of stable_step(), > 0
   TopologyOptions topology{};
   SolverOptions solver{};
-  SolverFactory make_solver{};  ///< empty: phymul::make_solver() makes the solver
+  SolverFactory make_solver{};                    ///< empty: phymul::make_solver() makes the solver
+  std::function<void(const std::string&)> log{};  ///< told each of Simulation::warnings() once; must not throw
 };
 
 /// One of several bodies of a Simulation. Its groups are named "<name>/<group>", as by merge_models().
@@ -75,6 +76,11 @@ class Simulation {
   /// have none, the call chooses it: near the critical damping of the slowest vibration, which it estimates from the
   /// motion. The state's time advances as in every step.
   RestResult run_to_rest(int max_steps = 200'000);
+
+  /// What is probably not meant, a sentence each: a body without material, sizes and constants that suggest other units
+  /// than SI, a part that nothing holds; of the model, and of the scene as it was when the solver was made. Makes the
+  /// solver.
+  const std::vector<std::string>& warnings() const;
 
   double step_limit() const;  ///< s: SimulationOptions::step * Solver::stable_step(); 1e-3 if that is infinite
   double time() const;        ///< s, of the present state

@@ -12,6 +12,7 @@
 #include "base/decimal.h"
 #include "simulation_parts.h"
 #include "solver/half_step.h"
+#include "warnings.h"
 
 namespace phymul {
 namespace {
@@ -66,6 +67,8 @@ Solver& Simulation::Parts::solver() {
     if (!made) throw Error("SimulationOptions::make_solver returned no solver");
     // Nothing is converted yet: the solver is at rest, and its first steps are not known.
     started = Start{.wanted = made->read(), .taken = made->read()};
+    warnings = warnings_of(model, scene);
+    if (options.log) std::ranges::for_each(warnings, options.log);
   }
   return *made;
 }
@@ -145,6 +148,11 @@ Solver& Simulation::solver() {
 }
 const Solver& Simulation::solver() const {
   return parts_->solver();
+}
+
+const std::vector<std::string>& Simulation::warnings() const {
+  parts_->solver();
+  return parts_->warnings;
 }
 
 double Simulation::step_limit() const {

@@ -50,8 +50,9 @@ struct Simulation::Parts {
     bool is_due() const;
   } progress;
 
-  std::unique_ptr<Solver> made;      ///< ask solver() for it
-  std::optional<Recorder> recorder;  ///< refers to it
+  std::unique_ptr<Solver> made;       ///< ask solver() for it
+  std::vector<std::string> warnings;  ///< of when it was made
+  std::optional<Recorder> recorder;   ///< refers to it
 };
 
 }  // namespace phymul

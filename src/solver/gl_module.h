@@ -15,7 +15,8 @@
 
 namespace phymul {
 
-class Display;  // display.h
+class Display;       // display.h
+struct VisibleSkin;  // view/visible_skin.h
 
 /// Both sides must have been built from the same headers. Trivial types only: it is read before anything is trusted.
 struct GlModuleStamp {
@@ -38,9 +39,10 @@ struct GlModule {
   GlDevice (*probe)(GlBackend backend, const GlOptions& options) = nullptr;
   std::unique_ptr<Solver> (*make)(GlBackend, std::shared_ptr<const TopologyTextures>, const Scene&,
                                   const SolverOptions&) = nullptr;
-  /// Of the solver, or where it is null of what Display::show is given.
+  /// Of the solver, or where it is null of what Display::show is given; a skin, where there is one, in place of the
+  /// body.
   std::unique_ptr<Display> (*make_display)(const Model& model, const Solver* solver,
-                                           const GlOptions& options) = nullptr;
+                                           std::shared_ptr<const VisibleSkin> skin, const GlOptions& options) = nullptr;
 };
 
 /// Name and type of the module's one function.

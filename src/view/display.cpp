@@ -2,17 +2,22 @@
 #include <phymul/display.h>
 #include <phymul/error.h>
 
+#include <string>
+#include <utility>
+
 #include "solver/gl_module.h"
+#include "visible_skin.h"
 
 namespace phymul {
 namespace {
 
-std::unique_ptr<Display> make(const Model& model, const Solver* solver, const GlOptions& gl) {
+std::unique_ptr<Display> make(const Model& model, const Solver* solver, std::shared_ptr<const VisibleSkin> skin,
+                              const GlOptions& gl) {
   validate(model);
 #ifdef PHYMUL_HAS_GL
-  return load_gl_module().make_display(model, solver, gl);
+  return load_gl_module().make_display(model, solver, std::move(skin), gl);
 #else
-  (void)solver, (void)gl;
+  (void)solver, (void)skin, (void)gl;
   throw Error(ErrorCode::not_supported, "this build of phymul draws nothing: it was made without GL (PHYMUL_WITH_GL)");
 #endif
 }
@@ -20,11 +25,29 @@ std::unique_ptr<Display> make(const Model& model, const Solver* solver, const Gl
 }  // namespace
 
 std::unique_ptr<Display> make_display(const Solver& solver, const GlOptions& gl) {
-  return make(solver.model(), &solver, gl);
+  return make(solver.model(), &solver, nullptr, gl);
+}
+
+std::unique_ptr<Display> make_display(const Solver& solver, const Skin& skin,
+                                      std::span<const std::array<Index, 3>> triangles, const GlOptions& gl) {
+  Model surface;
+  surface.rest = skin.deform(solver.model().rest);
+  for (const std::array<Index, 3>& triangle : triangles) {
+    for (const Index point : triangle) {
+      if (point >= 0 && point < surface.particle_count()) continue;
+      throw Error(ErrorCode::invalid_argument, "make_display: a triangle of point " + std::to_string(point) +
+                                                   " of a skin of " + std::to_string(skin.size()) + " points");
+    }
+    Cell& cell = surface.cells.emplace_back();
+    cell.type = CellType::triangle;
+    cell.particles.assign(triangle.begin(), triangle.end());
+  }
+  surface.neighbours = neighbours_from_cells(surface.cells, surface.particle_count());
+  return make(solver.model(), &solver, std::make_shared<VisibleSkin>(skin, std::move(surface)), gl);
 }
 
 std::unique_ptr<Display> make_display(const Model& model, const GlOptions& gl) {
-  return make(model, nullptr, gl);
+  return make(model, nullptr, nullptr, gl);
 }
 
 }  // namespace phymul

@@ -78,7 +78,7 @@ struct BodyDrawing::Eye {
   float displacement_scale = 0.0f;
 };
 
-BodyDrawing::BodyDrawing(const Model& model, const ShaderLibrary& library)
+BodyDrawing::BodyDrawing(const Model& model, const ShaderLibrary& library, const Skin* skin)
     : model_(model), library_(library), centre_(middle_of(model.rest)), spacing_(mean_spacing(model)) {
   std::vector<Float4> rest;
   for (const Vec3& x : model.rest) {
@@ -90,6 +90,7 @@ BodyDrawing::BodyDrawing(const Model& model, const ShaderLibrary& library)
   rest_ = Texture::table(rest, "rest");
   still_ = Texture::table(std::vector<Float4>(model.rest.size(), Float4{}), "displacement at rest");
   no_list_ = Texture::table(std::vector<std::int32_t>{-1}, "no list");
+  if (skin) carry(*skin);
 
   const DisplayLists lists = display_lists(model);
   face_count_ = lists.faces.size();
@@ -107,6 +108,19 @@ BodyDrawing::BodyDrawing(const Model& model, const ShaderLibrary& library)
   }
   edges_ = Texture::table(ends, "edges");
   edge_normals_ = Texture::table(normals, "normals");
+}
+
+void BodyDrawing::carry(const Skin& skin) {
+  std::vector<Int4> particles(2 * skin.size(), Int4{0, 0, 0, 0});
+  std::vector<Float4> weights(2 * skin.size(), Float4{});
+  for (std::size_t k = 0; k < skin.size(); ++k) {
+    for (std::size_t e = 0; e < skin.particles(k).size(); ++e) {
+      particles[2 * k + e / 4][e % 4] = skin.particles(k)[e];
+      weights[2 * k + e / 4][e % 4] = static_cast<float>(skin.weights(k)[e]);
+    }
+  }
+  carriers_ = Texture::table(particles, "particles of a skin");
+  shares_ = Texture::table(weights, "weights of a skin");
 }
 
 BodyDrawing::Eye BodyDrawing::eye_of(const Camera& camera, const DisplayOptions& options,
@@ -145,6 +159,7 @@ BodyDrawing::Eye BodyDrawing::eye_of(const Camera& camera, const DisplayOptions&
 Drawing& BodyDrawing::begin(Drawing& drawing, const char* name, const char* fragment) {
   if (!drawing) {
     ShaderRequest vertex{.files = {"display/display_body.glsl"}, .defines = {}};
+    if (carriers_) vertex.defines.emplace_back("SKIN", 1);
     if (std::string_view(fragment) == "display/display_line.frag")
       vertex.files.emplace_back("display/display_line.glsl");
     vertex.files.emplace_back(name);
@@ -161,6 +176,10 @@ void BodyDrawing::set_body(Drawing& drawing, const TextureView& displacement, co
                            bool by_displacement) {
   drawing.input("rest", view_of(rest_));
   drawing.input("displacement", displacement);
+  if (carriers_) {
+    drawing.input("carriers", view_of(carriers_));
+    drawing.input("shares", view_of(shares_));
+  }
   drawing.set("view", eye.view);
   drawing.set("projection", eye.projection);
   drawing.set("parallel_rays", eye.parallel ? 1 : 0);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <phymul/display.h>
+#include <phymul/skin.h>
 
 #include "drawing.h"
 #include "view/display_lists.h"
@@ -24,8 +25,8 @@ struct Viewport {
 
 class BodyDrawing {
  public:
-  /// The model must outlive it.
-  BodyDrawing(const Model& model, const ShaderLibrary& library);
+  /// The model must outlive it. With a skin the model is its surface, and Placement is of the body that carries it.
+  BodyDrawing(const Model& model, const ShaderLibrary& library, const Skin* skin = nullptr);
 
   /// Clears the rectangle and draws. Changes program, textures, viewport, scissor, depth, blending and culling.
   void draw(const Placement& placement, const Camera& camera, const DisplayOptions& options, const Viewport& viewport);
@@ -33,6 +34,7 @@ class BodyDrawing {
  private:
   struct Eye;  ///< matrices and lengths of one call
   Eye eye_of(const Camera& camera, const DisplayOptions& options, const Viewport& viewport) const;
+  void carry(const Skin& skin);
   Drawing& begin(Drawing& drawing, const char* name, const char* fragment);
   void set_body(Drawing& drawing, const TextureView& displacement, const Eye& eye, const Colour& colour,
                 bool by_displacement);
@@ -56,7 +58,8 @@ class BodyDrawing {
   double edge_length_ = 0.0;  // mean, of the surface's edges, m
   std::size_t face_count_ = 0, edge_count_ = 0, link_count_ = 0;
   Texture rest_, faces_, edges_, edge_normals_, links_;
-  Texture still_;    // displacements of the rest shape
+  Texture carriers_, shares_;  // of a skin: two texels a point, particles and their weights
+  Texture still_;              // displacements of the rest shape
   Texture no_list_;  // stands in for a list that a shader does not look at: each sampler needs a texture of its kind
   Drawing surface_, pair_, contour_, ball_;
 };

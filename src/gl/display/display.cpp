@@ -66,7 +66,8 @@ int log2_of(int width) {
 
 /// What lives in the context.
 struct Objects {
-  Objects(const Model& model, const ShaderLibrary& library) : body(model, library) {}
+  Objects(const Model& model, const ShaderLibrary& library, const VisibleSkin* skin)
+      : body(skin ? skin->surface : model, library, skin ? &skin->skin : nullptr) {}
 
   EmptyVertexArray vertices;
   BodyDrawing body;
@@ -75,9 +76,10 @@ struct Objects {
 
 class GlDisplay final : public Display {
  public:
-  GlDisplay(const Model& model, const Solver* solver, const GlOptions& options)
+  GlDisplay(const Model& model, const Solver* solver, std::shared_ptr<const VisibleSkin> skin, const GlOptions& options)
       : model_(model),
         solver_(solver),
+        skin_(std::move(skin)),
         user_(dynamic_cast<const ContextUser*>(solver)),
         options_(with_environment(options)) {
     open();
@@ -145,7 +147,8 @@ class GlDisplay final : public Display {
       if (kind == GlContext::shared) writer_ = user_->context();
     }
     context_->run([&] {
-      objects_ = std::make_unique<Objects>(model_, ShaderLibrary(options_.shader_folder, context_->info().es));
+      objects_ =
+          std::make_unique<Objects>(model_, ShaderLibrary(options_.shader_folder, context_->info().es), skin_.get());
     });
   }
 
@@ -205,6 +208,7 @@ class GlDisplay final : public Display {
   /// Calls draw(placement) in the context, between the solver's commands before and after.
   template <class Draw>
   std::invoke_result_t<Draw&, const Placement&> with_placement(bool attractors, Draw&& draw) {
+    attractors = attractors && !skin_;
     follow_context();
     auto result = context_->run([&] {
       const BlendGuard guard;
@@ -226,8 +230,9 @@ class GlDisplay final : public Display {
   }
 
   const Model& model_;
-  const Solver* solver_;     // null: show() gives the positions
-  const ContextUser* user_;  // the same, where it is one of src/gl
+  const Solver* solver_;                           // null: show() gives the positions
+  const std::shared_ptr<const VisibleSkin> skin_;  // null: the body itself is drawn
+  const ContextUser* user_;                        // the same, where it is one of src/gl
   const GlOptions options_;
   std::shared_ptr<Context> context_;
   std::shared_ptr<Context> writer_;  // the solver's, where it is another one of our share group
@@ -238,8 +243,9 @@ class GlDisplay final : public Display {
 
 }  // namespace
 
-std::unique_ptr<Display> make_display(const Model& model, const Solver* solver, const GlOptions& options) {
-  return std::make_unique<GlDisplay>(model, solver, options);
+std::unique_ptr<Display> make_display(const Model& model, const Solver* solver, std::shared_ptr<const VisibleSkin> skin,
+                                      const GlOptions& options) {
+  return std::make_unique<GlDisplay>(model, solver, std::move(skin), options);
 }
 
 }  // namespace phymul::gl

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/error.h>
+#include <phymul/skin.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "base/box_tree.h"
+#include "base/decimal.h"
+#include "cell_geometry.h"
+
+namespace phymul {
+namespace {
+
+using Weights = std::array<double, 8>;
+
+/// Shape functions at local coordinates: hexahedra [-1, 1]^3; wedges r, s >= 0, r + s <= 1, t in [-1, 1]; tetrahedra
+/// r, s, t >= 0, r + s + t <= 1; pyramids r, s in [-1, 1], t in [0, 1] with the apex at t = 1.
+Weights shape_functions(CellType type, const Vec3& local) {
+  const double r = local.x(), s = local.y(), t = local.z();
+  Weights w{};
+  const auto ring = [&](std::size_t first, double share) {
+    w[first] = share * (1 - r) * (1 - s) / 4;
+    w[first + 1] = share * (1 + r) * (1 - s) / 4;
+    w[first + 2] = share * (1 + r) * (1 + s) / 4;
+    w[first + 3] = share * (1 - r) * (1 + s) / 4;
+  };
+  switch (type) {
+    case CellType::hexahedron:
+      ring(0, (1 - t) / 2);
+      ring(4, (1 + t) / 2);
+      break;
+    case CellType::wedge:
+      for (std::size_t k : {0u, 3u}) {
+        const double share = k == 0 ? (1 - t) / 2 : (1 + t) / 2;
+        w[k] = share * (1 - r - s), w[k + 1] = share * r, w[k + 2] = share * s;
+      }
+      break;
+    case CellType::tetrahedron:
+      w[0] = 1 - r - s - t, w[1] = r, w[2] = s, w[3] = t;
+      break;
+    default:
+      ring(0, 1 - t);
+      w[4] = t;
+  }
+  return w;
+}
+
+double outside(CellType type, const Vec3& p) {
+  const double r = p.x(), s = p.y(), t = p.z();
+  switch (type) {
+    case CellType::hexahedron:
+      return (p.cwiseAbs().maxCoeff() - 1) / 2;
+    case CellType::wedge:
+      return std::max({-r, -s, r + s - 1, (std::abs(t) - 1) / 2});
+    case CellType::tetrahedron:
+      return std::max({-r, -s, -t, r + s + t - 1});
+    default:
+      return std::max({(std::abs(r) - 1) / 2, (std::abs(s) - 1) / 2, -t, t - 1});
+  }
+}
+
+struct Place {
+  Index cell = -1;
+  Weights weight{};
+  double outside = std::numeric_limits<double>::infinity();  ///< of the cell, in sizes of it
+};
+
+struct Box {
+  Vec3 low, high;
+
+  void take_in(const Box& other) {
+    low = low.cwiseMin(other.low);
+    high = high.cwiseMax(other.high);
+  }
+  /// Whether the point is in the box, or no more than `margin` times the box's size off along each axis.
+  bool is_near(const Vec3& point, double margin) const {
+    const Vec3 around = margin * (high - low);
+    return ((point - low + around).array() >= 0.0).all() && ((high + around - point).array() >= 0.0).all();
+  }
+};
+
+/// The volume cells of a body at rest, and where a point is in them.
+class CellSearch {
+ public:
+  explicit CellSearch(const Model& model) : model_(model) {
+    VecList middle;
+    for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
+      if (!is_volume(model.cells[row].type)) continue;
+      cells_.push_back(row);
+      boxes_.push_back(box_of(model.cells[row]));
+      middle.push_back(0.5 * (boxes_.back().low + boxes_.back().high));
+    }
+    if (cells_.empty()) {
+      throw Error(ErrorCode::invalid_model,
+                  "Skin: the body has no volume cells, between whose particles a point could move");
+    }
+    tree_ = BoxTree(middle, std::vector<Index>(cells_.size(), 0), 1);
+    node_boxes_.resize(tree_.nodes.size());
+    for (std::size_t n = tree_.nodes.size(); n-- > 0;) {
+      const BoxTree::Node& node = tree_.nodes[n];
+      node_boxes_[n] = boxes_[tree_.items[node.first]];
+      for (Index k = node.first; k < node.end; ++k) node_boxes_[n].take_in(boxes_[tree_.items[k]]);
+    }
+    for (const Box& box : boxes_) largest_ = largest_.cwiseMax(box.high - box.low);
+  }
+
+  /// The cell that the point is in, or within `most_outside` least outside of.
+  Place find(const Vec3& point, double most_outside) const {
+    Place best = best_within(point, 1e-6);
+    if (best.outside > 0.0) best = best_within(point, std::max(most_outside, 0.5));
+    return best;
+  }
+
+ private:
+  Box box_of(const Cell& cell) const {
+    Box box{model_.rest[cell.particles[0]], model_.rest[cell.particles[0]]};
+    for (const Index i : cell.particles) box.take_in({model_.rest[i], model_.rest[i]});
+    return box;
+  }
+
+  Place best_within(const Vec3& point, double margin) const {
+    Place best;
+    for (Index n = 0; n < static_cast<Index>(tree_.nodes.size()) && best.outside > 0.0;) {
+      const BoxTree::Node& node = tree_.nodes[n];
+      const Box around{node_boxes_[n].low - margin * largest_, node_boxes_[n].high + margin * largest_};
+      if (!around.is_near(point, 0.0)) {
+        n = node.next;
+        continue;
+      }
+      for (Index k = node.first; node.is_leaf && k < node.end; ++k) {
+        const Index item = tree_.items[k];
+        if (!boxes_[item].is_near(point, margin)) continue;
+        const Place place = place_in(cells_[item], boxes_[item], point);
+        if (place.outside < best.outside) best = place;
+      }
+      ++n;
+    }
+    return best;
+  }
+
+  /// Newton's method; the map is linear in each coordinate, so that a central difference of any length is exact.
+  Place place_in(Index row, const Box& box, const Vec3& point) const {
+    const Cell& cell = model_.cells[row];
+    const auto at = [&](const Vec3& local) {
+      const Weights w = shape_functions(cell.type, local);
+      Vec3 sum = Vec3::Zero();
+      for (std::size_t v = 0; v < cell.particles.size(); ++v) sum += w[v] * model_.rest[cell.particles[v]];
+      return sum;
+    };
+    Vec3 local = cell.type == CellType::hexahedron ? Vec3(0, 0, 0) : Vec3(0.25, 0.25, 0.25);
+    for (int step = 0; step < 30; ++step) {
+      Mat3 slope;
+      for (int axis = 0; axis < 3; ++axis) {
+        const Vec3 half = 0.25 * Vec3::Unit(axis);
+        slope.col(axis) = 2.0 * (at(local + half) - at(local - half));
+      }
+      const Vec3 move = slope.partialPivLu().solve(point - at(local));
+      if (!move.allFinite()) break;
+      local += move.cwiseMax(-1.0).cwiseMin(1.0);
+      if (move.norm() < 1e-13) break;
+    }
+    // Far outside of a warped cell the map may have no such point.
+    if (!((at(local) - point).norm() < 1e-9 * (box.high - box.low).norm())) return {};
+    return {row, shape_functions(cell.type, local), outside(cell.type, local)};
+  }
+
+  const Model& model_;
+  std::vector<Index> cells_;  // rows of Model::cells
+  std::vector<Box> boxes_;    // of each
+  BoxTree tree_;
+  std::vector<Box> node_boxes_;
+  Vec3 largest_{0, 0, 0};  // sides of the largest box
+};
+
+}  // namespace
+
+Skin::Skin(const Model& model, std::span<const Vec3> points, double most_outside) : particle_count_(model.rest.size()) {
+  const CellSearch search(model);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Vec3& point = points[k];
+    const Place place = point.allFinite() ? search.find(point, most_outside) : Place{};
+    if (!(place.outside <= most_outside)) {
+      throw Error(ErrorCode::invalid_argument,
+                  "Skin: point " + std::to_string(k) + " at (" + to_decimal(point.x()) + ", " + to_decimal(point.y()) +
+                      ", " + to_decimal(point.z()) + ") m is not within " + to_decimal(most_outside) +
+                      " cells of the body; expected points in the frame and units (m) of Model::rest");
+    }
+    const std::vector<Index>& vertices = model.cells[place.cell].particles;
+    particle_.insert(particle_.end(), vertices.begin(), vertices.end());
+    weight_.insert(weight_.end(), place.weight.begin(), place.weight.begin() + vertices.size());
+    first_.push_back(particle_.size());
+    farthest_outside_ = std::max(farthest_outside_, place.outside);
+  }
+}
+
+void Skin::deform(std::span<const Vec3> position, VecList& points) const {
+  if (position.size() != particle_count_) {
+    throw Error(ErrorCode::invalid_argument, "Skin::deform: expected the positions of " +
+                                                 std::to_string(particle_count_) + " particles, got " +
+                                                 std::to_string(position.size()));
+  }
+  points.resize(size());
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t e = first_[k]; e < first_[k + 1]; ++e) sum += weight_[e] * position[particle_[e]];
+    points[k] = sum;
+  }
+}
+
+VecList Skin::deform(std::span<const Vec3> position) const {
+  VecList points;
+  deform(position, points);
+  return points;
+}
+
+}  // namespace phymul

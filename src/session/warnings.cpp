@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#include "warnings.h"
+
+#include <phymul/bodies.h>
+
+#include <algorithm>
+
+#include "base/decimal.h"
+
+namespace phymul {
+namespace {
+
+struct Range {
+  double least, greatest;
+  bool has(double value) const { return value >= least && value <= greatest; }
+};
+
+// Beyond these another unit is likelier than such a body.
+constexpr Range sizes{1e-3, 5.0};            // m, from a gland to a person
+constexpr Range moduli{50.0, 1e11};          // Pa, from mucus to bone and steel
+constexpr Range densities{50.0, 25e3};       // kg/m^3, from lung filled with air to metal
+constexpr Range accelerations{0.0, 1000.0};  // m/s^2
+
+void look_at_units(const Model& model, const Scene& scene, std::vector<std::string>& found) {
+  const double size = body_size(model);
+  if (size > 0.0 && !sizes.has(size)) {
+    found.emplace_back("the body is " + to_decimal(size) + " m large: expected lengths in m; were they in " +
+                       (size > sizes.greatest ? "mm?" : "km?"));
+  }
+  for (const Material& material : model.materials) {
+    if (!moduli.has(material.young)) {
+      found.emplace_back("Young's modulus is " + to_decimal(material.young) + " Pa: expected Pa; was it in " +
+                         (material.young < moduli.least ? "kPa or MPa?" : "mPa?"));
+    }
+    if (!densities.has(material.density)) {
+      found.emplace_back("the density is " + to_decimal(material.density) + " kg/m^3: expected kg/m^3; was it in " +
+                         (material.density < densities.least ? "g/cm^3 (water: 1)?" : "g/m^3?"));
+    }
+  }
+  if (!accelerations.has(scene.gravity().norm())) {
+    found.emplace_back("gravity is " + to_decimal(scene.gravity().norm()) +
+                       " m/s^2: expected m/s^2 (on Earth 9.81); was it in mm/s^2?");
+  }
+}
+
+std::string place_of(const ConnectedBody& part, const Model& model) {
+  const Vec3& x = model.rest[part.particles.front()];
+  std::string text = part.name.empty() ? "a part of " : "\"" + part.name + "\", ";
+  text += std::to_string(part.particles.size()) + (part.particles.size() == 1 ? " particle" : " particles");
+  return text + " at (" + to_decimal(x.x()) + ", " + to_decimal(x.y()) + ", " + to_decimal(x.z()) + ") m";
+}
+
+/// Tools and contacts may hold what nothing imposes: then there is nothing to say.
+void look_for_what_is_loose(const Model& model, const Scene& scene, std::vector<std::string>& found) {
+  if (scene.contacts() || !scene.tools().empty()) return;
+  std::vector<char> is_held(model.rest.size(), 0);
+  bool is_pushed = scene.gravity() != Vec3::Zero();
+  for (const Load& load : scene.loads()) {
+    is_pushed = is_pushed || load.type != LoadType::translation;
+    if (load.type != LoadType::translation) continue;
+    for (const Index i : load.particles) is_held[i] = 1;
+  }
+  const bool any_held = std::ranges::find(is_held, 1) != is_held.end();
+  if (!any_held) {
+    if (is_pushed) found.emplace_back("nothing holds the body: it moves away; Scene::fix() holds a group of particles");
+    return;
+  }
+  std::vector<ConnectedBody> loose = connected_bodies(model);
+  std::erase_if(loose, [&](const ConnectedBody& part) {
+    return std::ranges::any_of(part.particles, [&](Index i) { return is_held[i] != 0; });
+  });
+  if (loose.empty()) return;
+  found.emplace_back(place_of(loose.front(), model) +
+                     (loose.size() == 1 ? " is" : " and " + std::to_string(loose.size() - 1) + " more are") +
+                     " joined to nothing that is held; hold " + (loose.size() == 1 ? "it" : "them") +
+                     " too, join the meshes, or use Scene::contacts()");
+}
+
+}  // namespace
+
+std::vector<std::string> warnings_of(const Model& model, const Scene& scene) {
+  std::vector<std::string> found;
+  if (model.materials.empty()) {
+    found.emplace_back(
+        "the body has no material: Model::stiffness, N/m, pulls its particles, and means something else on every mesh; "
+        "give SimulationOptions::material for a Young's modulus");
+  }
+  look_at_units(model, scene, found);
+  look_for_what_is_loose(model, scene, found);
+  return found;
+}
+
+}  // namespace phymul

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+//
+// Skins: points that move with the cells they lie in.
+#include <gtest/gtest.h>
+#include <phymul/phymul.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "support/bodies.h"
+#include "support/message_of.h"
+
+namespace phymul {
+namespace {
+
+/// A cube of six pyramids, their common apex off its middle.
+Model pyramids() {
+  Model model = make_block({0.02, 0.02, 0.02}, 1, 1, 1);
+  std::vector<Index> corner = model.cells.front().particles;
+  const auto apex = static_cast<Index>(model.rest.size());
+  model.rest.emplace_back(0.011, 0.009, 0.0105);
+  model.cells.clear();
+  for (const std::array<int, 4>& face : std::vector<std::array<int, 4>>{
+           {0, 1, 2, 3}, {7, 6, 5, 4}, {0, 4, 5, 1}, {1, 5, 6, 2}, {2, 6, 7, 3}, {3, 7, 4, 0}}) {
+    Cell cell;
+    cell.type = CellType::pyramid;
+    for (const int v : face) cell.particles.push_back(corner[v]);
+    cell.particles.push_back(apex);
+    model.cells.push_back(cell);
+  }
+  return model;
+}
+
+Model jittered_block() {
+  Model block = make_block({0.1, 0.06, 0.04}, 4, 3, 2);
+  jitter(block, 0.1, 3);
+  return block;
+}
+
+std::vector<Model> one_of_each_cell() {
+  return {jittered_block(), make_tetrahedral_block({0.1, 0.06, 0.04}, 4, 3, 2, 0.2, 1),
+          make_cylinder(0.03, 0.08, 2, 8, 5), pyramids()};
+}
+
+/// Places in the box of the body, some of them outside of a round one.
+VecList places_in_the_box(const Model& model, int count, std::uint32_t seed) {
+  Vec3 low = model.rest.front(), high = low;
+  for (const Vec3& p : model.rest) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  std::mt19937 bits(seed);
+  VecList places;
+  for (int k = 0; k < count; ++k) {
+    places.push_back(0.5 * (low + high) + 0.5 * (high - low).cwiseProduct(test::random_vector(bits, 3)));
+  }
+  return places;
+}
+
+TEST(Skin, StartsWhereItWasBoundAndFollowsEvenStrainExactly) {
+  Mat3 slope;
+  slope << 1.2, 0.2, 0.3, -0.4, 0.8, 0.1, 0.2, -0.3, 1.1;
+  for (const Model& model : one_of_each_cell()) {
+    const VecList places = places_in_the_box(model, 200, 5);
+    const Skin skin(model, places);
+    ASSERT_EQ(skin.size(), places.size());
+    VecList strained = model.rest;
+    for (Vec3& p : strained) p = slope * p + Vec3(0.01, 0.02, 0.03);
+    const VecList at_rest = skin.deform(model.rest), moved = skin.deform(strained);
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      EXPECT_LT((at_rest[k] - places[k]).norm(), 1e-13) << k;
+      EXPECT_LT((moved[k] - slope * places[k] - Vec3(0.01, 0.02, 0.03)).norm(), 1e-13) << k;
+    }
+  }
+}
+
+/// The cell's own vertices carry a point inside it: all weights between 0 and 1.
+TEST(Skin, PointsInsideAreMeansOfTheCellTheyAreIn) {
+  for (const Model& model : one_of_each_cell()) {
+    VecList middles;
+    for (const Cell& cell : model.cells) {
+      Vec3 sum = Vec3::Zero();
+      for (const Index i : cell.particles) sum += model.rest[i] / static_cast<double>(cell.particles.size());
+      middles.push_back(sum);
+    }
+    const Skin skin(model, middles);
+    EXPECT_EQ(skin.farthest_outside(), 0.0);
+    for (std::size_t c = 0; c < middles.size(); ++c) {
+      std::vector<Index> found(skin.particles(c).begin(), skin.particles(c).end());
+      EXPECT_EQ(found, model.cells[c].particles);
+      double sum = 0.0;
+      for (const double weight : skin.weights(c)) {
+        EXPECT_GT(weight, 0.0);
+        sum += weight;
+      }
+      EXPECT_NEAR(sum, 1.0, 1e-14);
+    }
+  }
+}
+
+/// A visible surface is rarely inside its body: points a little outside keep their distance from it.
+TEST(Skin, PointsOutsideMoveWithTheNearestCell) {
+  const Model block = make_block({0.1, 0.1, 0.1}, 10, 10, 10);
+  const Skin skin(block, VecList{{0.1025, 0.042, 0.057}});
+  EXPECT_NEAR(skin.farthest_outside(), 0.25, 1e-12);
+  VecList raised = block.rest;
+  for (Vec3& p : raised) {
+    if (p.x() > 0.085 && p.y() < 0.051) p.z() += 0.003;
+  }
+  EXPECT_NEAR((skin.deform(raised)[0] - Vec3(0.1025, 0.042, 0.060)).norm(), 0.0, 1e-15);
+}
+
+TEST(Skin, RefusesWhatDoesNotBelongToTheBody) {
+  const Model block = make_block({0.1, 0.1, 0.1}, 2, 2, 2);
+  const auto refusal = [&](const Model& model, const Vec3& point) {
+    return message_of([&] { Skin(model, VecList{{0.05, 0.05, 0.05}, point}, 0.5); });
+  };
+  EXPECT_EQ(refusal(block, {0.1249, 0.05, 0.05}), "(no error)");
+  EXPECT_EQ(refusal(block, {0.1251, 0.05, 0.05}),
+            "Skin: point 1 at (0.1251, 0.05, 0.05) m is not within 0.5 cells of the body; expected points in the frame "
+            "and units (m) of Model::rest");
+  EXPECT_NE(refusal(block, {100, 50, 50}), "(no error)");
+  EXPECT_NE(refusal(block, {0, std::numeric_limits<double>::quiet_NaN(), 0}), "(no error)");
+  EXPECT_EQ(refusal(make_strip(0.1, 0.1, 2, 2), {0, 0, 0}),
+            "Skin: the body has no volume cells, between whose particles a point could move");
+  const Skin skin(block, VecList{{0.05, 0.05, 0.05}});
+  EXPECT_EQ(message_of([&] { skin.deform(VecList(26, Vec3::Zero())); }),
+            "Skin::deform: expected the positions of 27 particles, got 26");
+}
+
+}  // namespace
+}  // namespace phymul

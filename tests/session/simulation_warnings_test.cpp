@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+//
+// Simulation::warnings(): what is probably not meant is said before the first step, and only that.
+#include <gtest/gtest.h>
+#include <phymul/phymul.h>
+
+#include <functional>
+
+namespace phymul {
+namespace {
+
+constexpr Material soft{.young = 10e3, .poisson = 0.3, .density = 1000};
+
+using Change = std::function<void(Scene&)>;
+
+void hold_and_pull(Scene& scene) {
+  scene.fix("x0").gravity({0, 0, -9.81});
+}
+
+std::vector<std::string> warnings(const Model& model, const Material& material, const Change& change) {
+  std::vector<std::string> logged;
+  Simulation sim(model,
+                 {.material = material, .backend = "cpu", .log = [&](const std::string& it) { logged.push_back(it); }});
+  change(sim.scene());
+  EXPECT_TRUE(logged.empty());
+  sim.advance(0.0);
+  EXPECT_EQ(sim.warnings(), logged);
+  sim.advance(0.0);
+  EXPECT_EQ(sim.warnings().size(), logged.size());  // once
+  return logged;
+}
+
+Model block() {
+  return make_block({0.04, 0.02, 0.02}, 4, 2, 2);
+}
+
+TEST(SimulationWarnings, NothingIsSaidOfWhatIsUsual) {
+  EXPECT_TRUE(warnings(block(), soft, hold_and_pull).empty());
+  EXPECT_TRUE(warnings(block(), soft, [](Scene&) {}).empty());  // floats, and nothing pushes it
+  EXPECT_TRUE(warnings(block(), soft, [](Scene& scene) {
+                scene.gravity({0, 0, -9.81});
+                scene.add_tool(HalfSpace{});
+              }).empty());
+}
+
+TEST(SimulationWarnings, ABodyWithoutMaterial) {
+  const auto found = warnings(block(), {}, hold_and_pull);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(found[0].starts_with("the body has no material: Model::stiffness, N/m, pulls its particles")) << found[0];
+}
+
+TEST(SimulationWarnings, OtherUnits) {
+  Model large = block();
+  for (Vec3& p : large.rest) p *= 1000.0;
+  EXPECT_EQ(warnings(large, soft, hold_and_pull),
+            std::vector<std::string>{"the body is 40 m large: expected lengths in m; were they in mm?"});
+  EXPECT_EQ(warnings(block(), {.young = 10, .poisson = 0.3, .density = 1}, hold_and_pull),
+            (std::vector<std::string>{"Young's modulus is 10 Pa: expected Pa; was it in kPa or MPa?",
+                                      "the density is 1 kg/m^3: expected kg/m^3; was it in g/cm^3 (water: 1)?"}));
+  EXPECT_EQ(warnings(block(), soft,
+                     [](Scene& scene) {
+                       scene.fix("x0").gravity({0, 0, -9810});
+                     }),
+            std::vector<std::string>{"gravity is 9810 m/s^2: expected m/s^2 (on Earth 9.81); was it in mm/s^2?"});
+}
+
+TEST(SimulationWarnings, WhatNothingHolds) {
+  EXPECT_EQ(warnings(block(), soft,
+                     [](Scene& scene) {
+                       scene.gravity({0, 0, -9.81});
+                     }),
+            std::vector<std::string>{"nothing holds the body: it moves away; Scene::fix() holds a group of particles"});
+  const Model one = block(), other = moved(block(), {0.1, 0, 0}), third = moved(block(), {0.2, 0, 0});
+  const Model two = merge_models(std::vector<NamedBody>{{"liver", &one}, {"gall bladder", &other}});
+  const auto hold_liver = [](Scene& scene) { scene.fix("liver/x0").gravity({0, 0, -9.81}); };
+  EXPECT_EQ(
+      warnings(two, soft, hold_liver),
+      std::vector<std::string>{"\"gall bladder\", 45 particles at (0.1, 0, 0) m is joined to nothing that is held; "
+                               "hold it too, join the meshes, or use Scene::contacts()"});
+  const Model three = merge_models(std::vector<NamedBody>{{"liver", &one}, {"a", &other}, {"b", &third}});
+  ASSERT_EQ(warnings(three, soft, hold_liver).size(), 1u);
+  EXPECT_NE(warnings(three, soft, hold_liver)[0].find(" and 1 more are joined to nothing"), std::string::npos);
+  EXPECT_TRUE(warnings(two, soft, [&](Scene& scene) {
+                hold_liver(scene);
+                scene.contacts({});
+              }).empty());
+}
+
+}  // namespace
+}  // namespace phymul
