@@ -12,6 +12,7 @@ namespace phymul {
 
 enum class Flaw {
   winding,          ///< cell with negative volume; turned round
+  tangled,          ///< cell with negative volume among rightly wound ones: a vertex lies beyond its neighbours; refused
   degenerate_cell,  ///< volume (area) below 1e-6 of its longest edge cubed (squared), or a vertex repeated
   duplicate_cell,   ///< two cells over the same particles
   duplicate_point,  ///< two particles closer than 1e-9 of the body size
@@ -35,7 +36,8 @@ struct Finding {
 std::vector<Finding> find_flaws(const Model& model);
 
 /// Turns wrongly wound cells, removes self-neighbours; returns all findings and appends their messages to
-/// model.notes, each after `source` and ": " where a source is given.
+/// model.notes, each after `source` and ": " where a source is given. Throws Error, and changes nothing, for tangled
+/// cells: no order of their vertices makes them lie beside their neighbours.
 std::vector<Finding> check_mesh(Model& model, const std::string& source = {});
 
 }  // namespace phymul

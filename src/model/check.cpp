@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include <phymul/check.h>
+#include <phymul/error.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <numeric>
 
+#include "base/decimal.h"
 #include "cell_geometry.h"
 #include "duplicates.h"
 
@@ -84,6 +87,54 @@ bool is_degenerate(const Model& model, const Cell& cell) {
   return !(area >= degenerate_ratio * edge * edge) || area == 0.0;
 }
 
+/// Facets of a solid cell as lists of particles, outward (in 2-D: edges, counter-clockwise) if its measure is positive.
+std::vector<std::vector<Index>> facets_of(int dimension, const Cell& cell) {
+  std::vector<std::vector<Index>> facets;
+  const std::size_t n = cell.particles.size();
+  for (std::size_t k = 0; dimension == 2 && k < n; ++k) {
+    facets.push_back({cell.particles[k], cell.particles[(k + 1) % n]});
+  }
+  for (const CellFace& face : dimension == 3 ? cell_faces(cell.type) : std::span<const CellFace>{}) {
+    std::vector<Index>& facet = facets.emplace_back();
+    for (const int place : face) {
+      if (place >= 0) facet.push_back(cell.particles[place]);
+    }
+  }
+  return facets;
+}
+
+/// Of the cells of negative volume those that overlap a cell they share a facet with, however they are wound: with all
+/// volumes made positive, both cells see the facet from the same side.
+std::vector<Index> tangled_cells(const Model& model, const std::vector<Index>& negative) {
+  if (negative.empty()) return {};
+  std::vector<char> is_negative(model.cells.size(), 0);
+  for (const Index row : negative) is_negative[row] = 1;
+  struct Side {
+    Index cell;
+    bool ascends;
+  };
+  std::map<std::vector<Index>, std::vector<Side>> sides;  // by the sorted particles of a facet
+  for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
+    if (!is_solid(model.dimension, model.cells[row].type) || is_degenerate(model, model.cells[row])) continue;
+    for (std::vector<Index>& facet : facets_of(model.dimension, model.cells[row])) {
+      if (facet.size() > 2) std::ranges::rotate(facet, std::ranges::min_element(facet));
+      const bool ascends = facet[facet.size() > 2 ? 1 : 0] < facet.back();
+      std::ranges::sort(facet);
+      sides[facet].push_back({row, ascends != (is_negative[row] != 0)});
+    }
+  }
+  std::vector<Index> tangled;
+  for (const auto& [facet, both] : sides) {
+    if (both.size() != 2 || both[0].ascends != both[1].ascends) continue;
+    for (const Side& side : both) {
+      if (is_negative[side.cell]) tangled.push_back(side.cell);
+    }
+  }
+  std::ranges::sort(tangled);
+  tangled.erase(std::unique(tangled.begin(), tangled.end()), tangled.end());
+  return tangled;
+}
+
 void look_at_cells(const Model& model, bool mending, std::vector<Finding>& findings) {
   Finding winding{Flaw::winding, {}, mending, {}}, degenerate{Flaw::degenerate_cell, {}, false, {}};
   for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
@@ -94,7 +145,15 @@ void look_at_cells(const Model& model, bool mending, std::vector<Finding>& findi
       winding.items.push_back(row);
     }
   }
-  if (!winding.items.empty()) {
+  if (std::vector<Index> tangled = tangled_cells(model, winding.items); !tangled.empty()) {
+    const Vec3& at = model.rest[model.cells[tangled.front()].particles.front()];
+    const std::string message = counted(tangled.size(), "cell overlaps its", "cells overlap their") +
+                                " neighbours, whatever the order of the vertices: " + cells_named(model, tangled) +
+                                ", near (" + to_decimal(at.x()) + ", " + to_decimal(at.y()) + ", " +
+                                to_decimal(at.z()) +
+                                ") m; a vertex lies beyond the faces around it: move it back, or mesh the body again";
+    findings.push_back({Flaw::tangled, std::move(tangled), false, message});
+  } else if (!winding.items.empty()) {
     winding.message = counted(winding.items.size(), "cell is wound", "cells are wound") +
                       " the wrong way, with negative " + (model.dimension == 3 ? "volume: " : "area: ") +
                       cells_named(model, winding.items) + (mending ? "; turned round" : "; check_mesh mends this");
@@ -268,6 +327,10 @@ std::vector<Finding> find_flaws(const Model& model) {
 
 std::vector<Finding> check_mesh(Model& model, const std::string& source) {
   std::vector<Finding> findings = look(model, true);
+  const auto tangled = std::ranges::find(findings, Flaw::tangled, &Finding::flaw);
+  if (tangled != findings.end()) {
+    throw Error(ErrorCode::invalid_model, (source.empty() ? "" : source + ": ") + tangled->message);
+  }
   for (const Finding& finding : findings) {
     if (finding.flaw == Flaw::winding) {
       for (const Index row : finding.items) turn_round(model.cells[row]);
