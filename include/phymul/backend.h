@@ -6,6 +6,7 @@
 #include <phymul/load_frame.h>
 #include <phymul/solver.h>
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -135,6 +136,7 @@ class SolverBackend : public Solver {
   Motion run_with_progress(const StepPlan& plan, StepReport& report);
 
   std::string name_, backend_reason_;
+  std::atomic_flag is_stepping_;
   std::vector<State> copies_;          // of the default do_request_read()
   mutable VecList shown_, attracted_;  // of the default buffers
   std::shared_ptr<const TopologyTextures> topology_;

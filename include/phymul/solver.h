@@ -106,7 +106,7 @@ class Solver {
 
   /// Does n steps of dt seconds; dt must be finite and at least 1e-18 s. Applies changes of the scene first. After a
   /// failure the last good state is kept. n = 0 only applies the changes; the report's residual, max_speed and at_rest
-  /// then have no meaning.
+  /// then have no meaning. Refused (StepStatus::invalid_step) while another call of it or of run_to_rest() runs.
   virtual StepReport step(int n, double dt) = 0;
 
   /// Steps until the body is at rest (SolverOptions::rest_tolerance), at most max_steps. Does not wait for load events

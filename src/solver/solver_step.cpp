@@ -5,6 +5,7 @@
 #include <phymul/elasticity.h>
 #include <phymul/monitor.h>
 
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -40,6 +41,17 @@ const char* likely_cause(const TopologyTextures& topology, const Spectrum& spect
   return "the deformation raised the body's stiffness until dt passed its stable step, or a load is extreme; halve dt "
          "or raise damping";
 }
+
+class AtReturn {
+ public:
+  explicit AtReturn(std::atomic_flag& flag) : flag_(flag) {}
+  AtReturn(const AtReturn&) = delete;
+  AtReturn& operator=(const AtReturn&) = delete;
+  ~AtReturn() { flag_.clear(); }
+
+ private:
+  std::atomic_flag& flag_;
+};
 
 }  // namespace
 
@@ -115,8 +127,16 @@ void SolverBackend::report_failure(const Motion& motion, StepReport& report) con
 
 StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest, const Damping& damping) {
   StepReport report;
-  report.time = do_time();
   report.dt = dt;
+  if (is_stepping_.test_and_set()) {
+    report.status = StepStatus::invalid_step;
+    report.cause =
+        "another call of step() or run_to_rest() of this solver has not returned yet: one thread steps it, and nothing "
+        "that it calls meanwhile (SolverOptions::progress) may";
+    return report;
+  }
+  const AtReturn done(is_stepping_);
+  report.time = do_time();
   report.stable_step = phymul::stable_step(spectrum_, damping.factor);
   if (const char* const cause = why_no_steps(n, dt, stop_at_rest, damping)) {
     report.status = StepStatus::invalid_step;
