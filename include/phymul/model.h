@@ -7,6 +7,7 @@
 #include <phymul/types.h>
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -78,6 +79,9 @@ struct Material {
   bool operator==(const Material&) const = default;
 };
 
+/// Whether a place in the rest shape, m, is in a region of the body.
+using Contains = std::function<bool(const Vec3&)>;
+
 struct FileExtras;  // src/model/file_extras.h
 
 struct Model {
@@ -108,6 +112,8 @@ struct Model {
   std::vector<Index> group(std::string_view group_name) const;
   bool has_group(std::string_view group_name) const;
 
+  std::vector<Index> particles_in(const Contains& contains) const;  ///< those at places that it accepts, sorted
+
   /// Adds an informative component with these particles; returns *this. Throws Error for an empty name or a particle
   /// out of range.
   Model& add_group(std::string group_name, std::vector<Index> particles);
@@ -130,6 +136,12 @@ void set_material(Model& model, const Material& material);
 /// The same for the cells whose particles are all in the group. Masses are then computed from all cells with a
 /// material.
 void set_material(Model& model, const Material& material, std::string_view group_name);
+
+/// The same for the cells whose centre (mean of their vertices) it accepts, so that the volume is right to within
+/// rounding at the region's edge: a group holds only the cells that are wholly in it. Returns the volume of these
+/// cells, m^3 (2-D: m^3 per metre of thickness), to compare with what was asked for. Throws Error also if there is
+/// none.
+double set_material(Model& model, const Material& material, const Contains& contains);
 
 /// Rest volume of a volume cell, m^3, by its trilinear map; negative if its vertices are in the opposite order. 0 for
 /// other cells.

@@ -145,4 +145,19 @@ void set_material(Model& model, const Material& material, std::string_view group
          });
 }
 
+double set_material(Model& model, const Material& material, const Contains& contains) {
+  require_in_range(material);
+  double volume = 0.0;
+  assign(model, material,
+         "set_material: expected the centres of some " + solid_cells(model) + " in the region, but there are none",
+         [&](const Cell& cell) {
+           Vec3 centre = Vec3::Zero();
+           for (const Index i : cell.particles) centre += model.rest[i] / static_cast<double>(cell.particles.size());
+           if (!contains(centre)) return false;
+           volume += signed_measure(model.dimension, cell, model.rest);
+           return true;
+         });
+  return volume;
+}
+
 }  // namespace phymul

@@ -88,6 +88,14 @@ std::vector<Index> Model::group(std::string_view group_name) const {
   return particles;
 }
 
+std::vector<Index> Model::particles_in(const Contains& contains) const {
+  std::vector<Index> particles;
+  for (Index i = 0; i < particle_count(); ++i) {
+    if (contains(rest[i])) particles.push_back(i);
+  }
+  return particles;
+}
+
 Model& Model::add_group(std::string group_name, std::vector<Index> particles) {
   if (group_name.empty()) throw Error("expected a name for the group, got an empty one");
   for (const Index particle : particles) {

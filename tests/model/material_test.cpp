@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <numbers>
 
 #include "support/bodies.h"
 #include "support/mechanics.h"
+#include "support/message_of.h"
 
 namespace phymul::test {
 namespace {
@@ -29,6 +31,33 @@ TEST(Material, UniformStretchIsExactOnEveryMesh) {
       EXPECT_NEAR(found.poisson, poisson, 1e-3) << name;
     }
   }
+}
+
+/// A ball of 4.19 ml in a block: by centres its volume is met, by particles only the cells wholly in it are.
+TEST(Material, RegionsReachTheirVolume) {
+  const double radius = 0.01, asked = 4.0 / 3.0 * std::numbers::pi * std::pow(radius, 3);
+  const auto ball = [&](const Vec3& at) { return (at - Vec3(0.031, 0.03, 0.029)).norm() < radius; };
+  for (const Model& block :
+       {make_tetrahedral_block({0.06, 0.06, 0.06}, 10, 10, 10, 0.2, 1), make_block({0.06, 0.06, 0.06}, 20, 20, 20)}) {
+    Model by_centre = block, by_group = block;
+    set_material(by_centre, soft_tissue());
+    const Material hard{50e3, 0.45, 1000};
+    const double reached = set_material(by_centre, hard, ball);
+    double volume = 0.0, whole = 0.0;
+    by_group.add_group("ball", by_group.particles_in(ball));
+    set_material(by_group, soft_tissue());
+    set_material(by_group, hard, "ball");
+    for (const Cell& cell : by_centre.cells) volume += cell.material == 1 ? cell_volume(block, cell) : 0.0;
+    for (const Cell& cell : by_group.cells) whole += cell.material == 1 ? cell_volume(block, cell) : 0.0;
+    std::printf("ball of %.2f ml: %.2f ml by centres, %.2f ml wholly in it\n", 1e6 * asked, 1e6 * reached, 1e6 * whole);
+    EXPECT_NEAR(reached, volume, 1e-12 * volume);
+    EXPECT_NEAR(reached, asked, 0.06 * asked);
+    EXPECT_LT(whole, 0.8 * asked);
+  }
+  Model strip = make_strip(0.04, 0.04, 4, 4);
+  EXPECT_DOUBLE_EQ(set_material(strip, soft_tissue(), [](const Vec3& at) { return at.x() < 0.02; }), 8e-4);
+  EXPECT_EQ(message_of([&] { set_material(strip, soft_tissue(), [](const Vec3&) { return false; }); }),
+            "set_material: expected the centres of some triangles or quads in the region, but there are none");
 }
 
 TEST(Material, CantileverAgreesWithTimoshenko) {
