@@ -252,9 +252,9 @@ def main():
             return "%.1e" % (np.linalg.norm(u - finest[k]) / np.linalg.norm(finest[k]))
         kept = np.array([r[4:] for r in rows if r[0] == level[0]], float)
         worst = max(worst, float(off(kept)) if len(kept) else 0.0)
+        size = np.linalg.norm(forces[k]) or 1.0
         print(level[0], "force", " ".join("%.6g" % f for f in forces[k]), "| off the finest mesh:",
-              *(off(u[k]) for u, _ in found[:-1]), "force",
-              *("%.1e" % (np.linalg.norm(f[k] / np.linalg.norm(forces[k])) - 1) for _, f in found[:-1]),
+              *("%s (force %.1e)" % (off(u[k]), np.linalg.norm(f[k] - forces[k]) / size) for u, f in found[:-1]),
               "| the samples kept:", off(kept) if len(kept) else "none")
     if given.write:
         named = [level[0] for level in levels]
