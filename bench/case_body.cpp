@@ -57,7 +57,8 @@ Model built(const ReferenceCase& it, const Variables& variables) {
   if (it.body == "tetrahedra") {
     require(4);
     const auto seed = static_cast<std::uint32_t>(a.size() > 4 ? a[4] : 1.0);
-    return make_tetrahedral_block({a[0], a[1], a[2]}, nx, ny, nz, a[3], seed);
+    const double least = a.size() > 5 ? a[5] : 0.1;
+    return make_tetrahedral_block({a[0], a[1], a[2]}, nx, ny, nz, a[3], seed, least);
   }
   if (it.body == "cylinder") {
     require(2);

@@ -75,7 +75,7 @@ void read_line(const Words& w, ReferenceCase& it) {
   } else if (key == "main") {
     it.main_levels.assign(w.begin() + 1, w.end());
   } else if (key == "body") {
-    require_count(w, 2, 6, "block|tetrahedra|cylinder|file arguments");
+    require_count(w, 2, 7, "block|tetrahedra|cylinder|file arguments");
     it.body = w[1];
     it.body_args.assign(w.begin() + 2, w.end());
   } else if (key == "cells") {

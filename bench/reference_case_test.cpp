@@ -218,12 +218,13 @@ TEST_F(CaseFile, AToolFeelsTheForceOfTheClosedForm) {
   }
 }
 
-TEST(ReferenceCases, EveryFileMakesItsCoarsestProblem) {
+/// Every level has sample points, and says how exact they are.
+TEST(ReferenceCases, EveryLevelMakesItsCoarsestProblem) {
   for (const ReferenceCase& it : read_cases(PHYMUL_REFERENCE_CASES)) {
-    for (const std::string& level : it.levels_to_draw()) {
-      const Problem problem = make_problem(it, level, it.resolutions.front());
-      EXPECT_GE(problem.sample_point.size(), 4u) << it.name;
-      EXPECT_GT(problem.floor, 0.0) << it.name;
+    for (const ReferenceCase::Level& level : it.levels) {
+      const Problem problem = make_problem(it, level.name, it.resolutions.front());
+      EXPECT_GE(problem.sample_point.size(), 4u) << it.name << ' ' << level.name;
+      EXPECT_GT(problem.floor, 0.0) << it.name << ' ' << level.name;
     }
   }
 }

@@ -33,6 +33,7 @@ const std::vector<std::string> sample_columns{"case",   "level", "method", "back
 struct Choice {
   std::vector<std::string> methods, backends;
   std::vector<double> step_shares;
+  double stabiliser_share = 1.0;
   double most_particles = 0.0, wall_cap = 0.0, rest_accuracy = 0.0;
   std::size_t most_resolutions = 0;
   double most_particles_in_reference = 0.0;  // where the build has another backend, too
@@ -40,6 +41,11 @@ struct Choice {
 
 bool wanted(const std::vector<std::string>& list, const std::string& name) {
   return list.empty() || std::find(list.begin(), list.end(), name) != list.end();
+}
+
+void scale_stabiliser(MethodBody& body, double share) {
+  const std::optional<double> calibrated = build_topology(body.model, body.options).options.stabiliser;
+  if (calibrated) body.options.stabiliser = share * *calibrated;
 }
 
 /// One method on one problem: tables built and stiffness found once for all steps and backends.
@@ -98,6 +104,7 @@ class Run {
     prepared.method = &method;
     try {
       prepared.body = body_for(method, problem);
+      if (choice_.stabiliser_share != 1.0) scale_stabiliser(prepared.body, choice_.stabiliser_share);
       prepared.stiffness = stiffness(method, problem, prepared.body, plan);
       if (method.rule != StiffnessRule::material) set_stiffness(prepared.body, prepared.stiffness);
       prepared.topology =
@@ -227,12 +234,14 @@ int main(int argc, char** argv) try {
                              {"most-resolutions", "99"},
                              {"wall-cap", "20"},
                              {"rest-accuracy", "1e-4"},
+                             {"stabiliser", "1"},
                              {"samples", ""},
                              {"out", "work_precision.csv"}};
   if (prints_usage(argc, argv, "work_precision",
                    "Error against time of every reference case, model, resolution and backend. Lists are separated\n"
                    "by commas. cases: files or folders; levels: main, all, or names; steps: in shares of the stable\n"
-                   "one; wall-cap: seconds for a run; samples: a CSV file for displacements.",
+                   "one; wall-cap: seconds for a run; stabiliser: in shares of the calibrated one; samples: a CSV file "
+                   "for displacements.",
                    known)) {
     return 0;
   }
@@ -241,6 +250,7 @@ int main(int argc, char** argv) try {
   choice.methods = arguments.list("methods");
   choice.backends = arguments.list("backends");
   choice.step_shares = arguments.numbers("steps");
+  choice.stabiliser_share = arguments.number("stabiliser");
   choice.most_particles = arguments.number("most-particles");
   choice.most_particles_in_reference = arguments.number("most-particles-in-reference");
   choice.most_resolutions = static_cast<std::size_t>(arguments.number("most-resolutions"));

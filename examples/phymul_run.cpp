@@ -81,6 +81,7 @@ int run(const RunOptions& options) {
     return true;
   };
   const auto solver = phymul::make_solver(options.backend, model, scene, options.topology, solver_options);
+  print_notes(solver->topology().notes);
 
   // A step that the solver refuses is wrong input, told before anything is computed or written.
   if (options.dt) {

@@ -21,6 +21,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace phymul {
@@ -109,6 +110,8 @@ struct TopologyTextures {
   /// Of the model that the tables were built from. Empty in tables that build_topology() did not make; solvers then
   /// compare only rest positions and masses.
   std::optional<ModelFingerprint> model;
+  /// What build_topology found of the mesh that the law is wrong on; a sentence for a person each.
+  std::vector<std::string> notes;
 
   Index particle_count = 0;
   Index neighbour_count = 0;  ///< real rows of neighbours and alpha

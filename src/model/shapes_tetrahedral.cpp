@@ -57,12 +57,12 @@ VecList random_moves(const Lattice& lattice, const Vec3& spacing, double jitter,
   return moves;
 }
 
-/// Adds the moves to the rest places; where a tetrahedron would lose more than nine tenths of its volume, its
-/// particles' moves are halved until none does. Ends because the lattice itself is a solution.
-void move_particles(Model& model, VecList moves) {
+/// Adds the moves to the rest places; where a tetrahedron would keep less than `share` of its volume, its particles'
+/// moves are halved until none does. Ends because the lattice itself is a solution.
+void move_particles(Model& model, VecList moves, double share) {
   const VecList lattice = model.rest;
   const auto volume_of = [&](const Cell& cell) { return signed_volume(cell.type, cell.particles, model.rest); };
-  const double least = 0.1 * volume_of(model.cells.front());
+  const double least = share * volume_of(model.cells.front());
   for (bool thin = true; thin;) {
     for (std::size_t i = 0; i < moves.size(); ++i) model.rest[i] = lattice[i] + moves[i];
     std::vector<char> halve(moves.size(), 0);
@@ -80,11 +80,15 @@ void move_particles(Model& model, VecList moves) {
 
 }  // namespace
 
-Model make_tetrahedral_block(const Vec3& size, int nx, int ny, int nz, double jitter, std::uint32_t seed) {
+Model make_tetrahedral_block(const Vec3& size, int nx, int ny, int nz, double jitter, std::uint32_t seed,
+                             double least) {
   constexpr const char* what = "make_tetrahedral_block";
   if (nz < 1) throw Error(std::string(what) + ": expected nz of at least 1, got " + std::to_string(nz));
   if (!(jitter >= 0.0 && jitter < 0.5)) {
     throw Error(std::string(what) + ": expected a jitter from 0 to below 0.5 spacings, got " + to_decimal(jitter));
+  }
+  if (!(least > 0.0 && least <= 0.5)) {
+    throw Error(std::string(what) + ": expected a least volume above 0 and up to 0.5, got " + to_decimal(least));
   }
   const Lattice lattice = make_lattice(what, size, nx, ny, nz, 26);
   Model model = named_model("tetrahedral block");
@@ -97,7 +101,7 @@ Model make_tetrahedral_block(const Vec3& size, int nx, int ny, int nz, double ji
     }
   }
   const Vec3 spacing(size.x() / nx, size.y() / ny, size.z() / nz);
-  move_particles(model, random_moves(lattice, spacing, jitter, random));
+  move_particles(model, random_moves(lattice, spacing, jitter, random), least);
   add_side_groups(model, lattice);
   return finished(std::move(model));
 }

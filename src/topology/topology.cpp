@@ -5,6 +5,7 @@
 #include "averaged_body.h"
 #include "base/decimal.h"
 #include "base_selection.h"
+#include "stretched_cells.h"
 #include "topology_match.h"
 #include "topology_terms.h"
 #include "transpose.h"
@@ -215,6 +216,7 @@ void build_averaged(const Model& model, TopologyTextures& topology) {
           "volume_stiffness is for models without a material; with one it follows from Poisson's ratio. Set it to 0");
   add_averaged_terms(model, topology);
   treat_sparse(model, particles_without_domain(topology), topology);
+  topology.notes = notes_on_stretched_cells(model);
 }
 
 BaseTable build_plain(const Model& model, TopologyTextures& topology) {
