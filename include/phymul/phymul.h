@@ -4,6 +4,7 @@
 #pragma once
 
 #include <phymul/bodies.h>
+#include <phymul/body.h>
 #include <phymul/camera.h>
 #include <phymul/check.h>
 #include <phymul/display.h>

@@ -10,6 +10,7 @@ cmake_policy(SET CMP0140 NEW)  # return(PROPAGATE)
 set(rooms
     "base types error version"
     "model model shapes check surface state monitor distance_grid tool needle"
+    "body body"
     "scene scene load load_frame bodies"
     "io pml lml mesh writer"
     "topology topology topology_textures"
