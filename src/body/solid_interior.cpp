@@ -4,6 +4,7 @@
 #include <phymul/error.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "place_text.h"
 
@@ -50,13 +51,16 @@ double SolidInterior::volume(const CentredLattice& lattice) const {
   constexpr int parts = 4;
   const auto& n = lattice.count;
   const double step = lattice.edge / parts;
+  // Lines in rows and columns would see the sides of a box as steps: each row is shifted, and each column.
+  const auto shift = [](int row) { return std::fmod(row * std::numbers::phi, 1.0); };
   double length = 0.0;  // of all lines inside, in steps
   for (int k = 0; k < parts * n[2]; ++k) {
     for (int j = 0; j < parts * n[1]; ++j) {
-      Vec3 last = lattice.origin + step * Vec3(-0.5, j + 0.5, k + 0.5);
+      const Vec3 start(-0.5, j + shift(k), k + shift(j));
+      Vec3 last = lattice.origin + step * start;
       bool was_inside = false;  // the first and last points lie outside the solid's box
       for (int i = 0; i < parts * n[0]; ++i) {
-        const Vec3 x = lattice.origin + step * Vec3(i + 0.5, j + 0.5, k + 0.5);
+        const Vec3 x = lattice.origin + step * (start + (i + 1) * Vec3::UnitX());
         const bool is_inside = at(x) < 0.0;
         if (is_inside && was_inside) length += 1.0;
         if (is_inside != was_inside) length += is_inside ? exit(x, last) : exit(last, x);
