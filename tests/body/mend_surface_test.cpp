@@ -73,9 +73,10 @@ TEST(MendSurface, SaysWhereItIsOpen) {
 }
 
 TEST(MendSurface, SaysWhereItCrossesItself) {
-  const Surface two = both(box(), box_surface({0.012, 0.005, 0.002}, {0.018, 0.03, 0.008}));
-  const std::string message = refusal(two);
-  EXPECT_NE(message.find("cross each other at (0.01"), std::string::npos) << message;
+  const Surface other = box_surface({0.012, 0.005, 0.002}, {0.018, 0.03, 0.008});
+  for (const Surface& two : {both(box(), other), both(other, box())}) {
+    EXPECT_NE(refusal(two).find("cross each other at (0.01"), std::string::npos) << refusal(two);
+  }
   // Touching along a face is no crossing.
   EXPECT_EQ(refusal(both(box(), box_surface({0.004, 0.02, 0.002}, {0.018, 0.03, 0.008}))), "(no error)");
 }
