@@ -53,7 +53,11 @@ class Mending {
     bool is_along(const Side& other) const { return low == other.low && high == other.high; }
   };
 
-  void note(const std::string& what) { surface_.notes.push_back("surface: " + what); }
+  /// What a surface that was mended before says already is not said again.
+  void note(const std::string& what) {
+    const auto is_same = [&](const std::string& said) { return said.ends_with("surface: " + what); };
+    if (std::ranges::none_of(surface_.notes, is_same)) surface_.notes.push_back("surface: " + what);
+  }
   std::string of_all(std::size_t count) const {
     return std::to_string(count) + " of " + std::to_string(surface_.triangles.size()) + " triangles";
   }
@@ -214,13 +218,17 @@ class Mending {
   void turn_outward() {
     std::vector<std::vector<Triangle>> shells(static_cast<std::size_t>(shells_));
     for (std::size_t i = 0; i < surface_.triangles.size(); ++i) shells[shell_[i]].push_back(surface_.triangles[i]);
+    std::vector<Eigen::AlignedBox3d> boxes(shells.size());
+    for (std::size_t i = 0; i < surface_.triangles.size(); ++i) {
+      for (const Index p : surface_.triangles[i]) boxes[shell_[i]].extend(surface_.vertices[p]);
+    }
     std::vector<char> inward(shells.size());
     for (std::size_t own = 0; own < shells.size(); ++own) {
       const Triangle& t = shells[own].front();
       const Vec3 place = (surface_.vertices[t[0]] + surface_.vertices[t[1]] + surface_.vertices[t[2]]) / 3.0;
       bool is_cavity = false;
       for (std::size_t other = 0; other < shells.size(); ++other) {
-        if (other != own) is_cavity ^= is_within(place, shells[other]);
+        if (other != own && boxes[other].contains(place)) is_cavity ^= is_within(place, shells[other]);
       }
       inward[own] = (enclosed_volume(shells[own], surface_.vertices) < 0.0) != is_cavity;
     }

@@ -108,6 +108,8 @@ TEST(MendSurface, SaysASizeThatIsNoOrgans) {
   EXPECT_NE(note(120.0).find("120 m, and no organ's is; if the file is in millimetres, read it with 0.001"),
             std::string::npos);
   EXPECT_NE(note(1e-4).find("check the metres per unit"), std::string::npos);
+  const Surface twice = mended(mended(box_surface(Vec3::Zero(), {120, 1, 1})));
+  EXPECT_EQ(twice.notes.size(), 1u);
   EXPECT_TRUE(mended(box_surface(Vec3::Zero(), {0.9, 0.1, 0.1})).notes.empty());
 }
 
