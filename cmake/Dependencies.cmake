@@ -26,6 +26,21 @@ endif()
 
 find_package(Threads REQUIRED)
 
+# phymul_has_assimp: are surfaces read from files?
+set(phymul_has_assimp OFF)
+if(PHYMUL_WITH_ASSIMP)
+  find_package(assimp QUIET)
+  if(TARGET assimp::assimp)
+    set(phymul_has_assimp ON)
+  elseif(PHYMUL_WITH_ASSIMP STREQUAL "AUTO")
+    message(STATUS "phymul: read_surface reads no files, because CMake did not find Assimp; on Debian or Ubuntu: "
+                   "apt-get install libassimp-dev")
+  else()
+    phymul_missing("Reading surfaces (PHYMUL_WITH_ASSIMP=${PHYMUL_WITH_ASSIMP}) needs Assimp" libassimp-dev
+                   "Without it: -DPHYMUL_WITH_ASSIMP=OFF.")
+  endif()
+endif()
+
 if(PHYMUL_BUILD_TESTS)
   find_package(GTest QUIET)
   if(NOT GTest_FOUND)

@@ -15,6 +15,9 @@ get_target_property(type phymul TYPE)
 if(type STREQUAL "STATIC_LIBRARY")
   set(PHYMUL_IS_STATIC ON)
   set(PHYMUL_PC_PUBLIC "eigen3, pugixml, zlib")
+  if(phymul_has_assimp)
+    string(APPEND PHYMUL_PC_PUBLIC ", assimp")
+  endif()
   if(phymul_has_gl)
     # The GL module's folder, for the dynamic loader: a program with a static phymul stands anywhere. pkg-config puts
     # in where the tree is when the program is linked.

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: MIT
 //
 // phymul-run BODY [LOADS]: pulls a body as its loads say, lets it go, runs until it rests, and reports.
+#include <phymul/body.h>
 #include <phymul/error.h>
 #include <phymul/lml.h>
 #include <phymul/mesh.h>
 #include <phymul/pml.h>
+#include <phymul/surface_file.h>
 #include <phymul/topology_textures.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 
 #include "run_loop.h"
 #include "run_options.h"
@@ -28,16 +32,38 @@ bool is_pml(const std::string& path) {
   return std::filesystem::path(path).extension() == ".pml";
 }
 
+bool is_surface(const std::string& path) {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  return std::ranges::any_of(std::array{".stl", ".STL", ".obj", ".ply", ".gltf", ".glb"},
+                             [&](const char* known) { return extension == known; });
+}
+
 /// A mesh file is in metres unless told otherwise, a PML file in millimetres, as the readers have it.
 double length_unit(const RunOptions& options) {
   if (options.length_unit > 0.0) return options.length_unit;
   return is_pml(options.body) ? phymul::PmlOptions{}.length_unit : phymul::MeshOptions{}.length_unit;
 }
 
-phymul::Model read_body(const RunOptions& options) {
+phymul::Model filled_surface(const RunOptions& options) {
+  if (options.spacing == 0.0) throw phymul::Error(options.body + ": a surface is filled; give --spacing, m");
+  phymul::BodyReport report;
+  phymul::Model model = phymul::make_body(phymul::read_surface(options.body, length_unit(options)),
+                                          {.spacing = options.spacing}, &report);
+  model.notes.push_back(options.body + ": filled with " + std::to_string(report.particles) + " particles in " +
+                        std::to_string(report.cells) + " tetrahedra");
+  return model;
+}
+
+phymul::Model read_file(const RunOptions& options) {
+  if (is_surface(options.body)) return filled_surface(options);
+  if (options.spacing != 0.0) throw phymul::Error("--spacing: " + options.body + " is no surface to be filled");
   const double unit = length_unit(options);
-  phymul::Model model = is_pml(options.body) ? phymul::read_pml(options.body, {.length_unit = unit})
-                                             : phymul::read_mesh(options.body, {.length_unit = unit});
+  return is_pml(options.body) ? phymul::read_pml(options.body, {.length_unit = unit})
+                              : phymul::read_mesh(options.body, {.length_unit = unit});
+}
+
+phymul::Model read_body(const RunOptions& options) {
+  phymul::Model model = read_file(options);
   if (options.from_file) return model;
   if (std::none_of(model.cells.begin(), model.cells.end(),
                    [](const phymul::Cell& cell) { return phymul::is_volume(cell.type); })) {
@@ -49,6 +75,22 @@ phymul::Model read_body(const RunOptions& options) {
   return model;
 }
 
+/// Particles in the ball of x, y, z and radius, which stand at `ball`.
+std::vector<phymul::Index> particles_in(const phymul::Model& model, const double* ball) {
+  const phymul::Vec3 centre(ball[0], ball[1], ball[2]);
+  std::vector<phymul::Index> found;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (phymul::Index i = 0; i < model.particle_count(); ++i) {
+    const double distance = (model.rest[i] - centre).norm();
+    nearest = std::min(nearest, distance);
+    if (distance <= ball[3]) found.push_back(i);
+  }
+  if (found.empty()) {
+    throw phymul::Error("--fix-near: no particle is so near; the nearest is " + std::to_string(nearest) + " m away");
+  }
+  return found;
+}
+
 phymul::Scene make_scene(const RunOptions& options, const phymul::Model& model) {
   phymul::Scene scene(model);
   if (!options.loads.empty()) {
@@ -57,6 +99,9 @@ phymul::Scene make_scene(const RunOptions& options, const phymul::Model& model) 
     print_notes(notes);
   }
   for (const std::string& group : options.fixed_groups) scene.fix(group);
+  for (std::size_t k = 0; k < options.fixed_balls.size(); k += 4) {
+    scene.fix(particles_in(model, &options.fixed_balls[k]));
+  }
   const std::vector<double> gravity = options.gravity.empty() ? std::vector<double>(3, 0.0) : options.gravity;
   return scene.gravity({gravity[0], gravity[1], gravity[2]});
 }

@@ -47,6 +47,16 @@ endif()
 run(0 "steps to rest after the last date" ${MESH} --unit 0.01 --fix "fixed side" --gravity 0 0 -9.81 --damping 60
     --frame-interval 0 --out ${OUT}/mesh)
 
+# A surface in millimetres is filled, held at a place, and comes to rest.
+set(bean ${DATA}/bean.stl --unit 0.001 --gravity 0 0 -9.81 --frame-interval 0 --no-pictures)
+if(ASSIMP)
+  run(0 "steps to rest.*filled with [0-9]+ particles" ${bean} --spacing 0.012 --fix-near 0 0 -0.03 0.02
+      --fix-near 0.05 0.02 0 0.02 --out ${OUT}/bean)
+  run(1 "the nearest is 0.9[0-9]+ m away" ${bean} --spacing 0.012 --fix-near 1 0 0 0.02 --out ${OUT}/none)
+  run(1 "bean.stl: a surface is filled; give --spacing" ${bean} --out ${OUT}/none)
+endif()
+run(1 "mixed_41.msh is no surface" ${MESH} --spacing 0.01 --out ${OUT}/none)
+
 run(1 "ExistingFile|not exist" no_such_file.pml --out ${OUT})
 run(1 "no_such_group" ${MESH} --fix no_such_group --out ${OUT}/none)
 run(1 "expected averaged.barycentric.*got sideways" ${MESH} --from-file --reaction sideways --out ${OUT}/none)

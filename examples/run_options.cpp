@@ -59,14 +59,21 @@ CLI::Validator not_negative() {
 }
 
 void add_body_options(CLI::App& app, RunOptions& options) {
-  app.add_option("body", options.body, "the body: .pml, .msh (Gmsh), .vtk or .vtu")
+  app.add_option("body", options.body,
+                 "the body: .pml, .msh (Gmsh), .vtk or .vtu, or a surface: .stl, .obj, .ply, .gltf, .glb")
       ->required()
       ->check(CLI::ExistingFile);
   app.add_option("loads", options.loads, "what acts on it: .lml")->check(CLI::ExistingFile);
   app.add_option("--unit", options.length_unit, "metres per length unit of the body's file [1e-3 for .pml, else 1]")
       ->check(positive());
+  app.add_option("--spacing", options.spacing, "mean distance between the particles that fill a surface, m")
+      ->check(positive());
   app.add_option("--fix", options.fixed_groups, "hold this group of particles; may be given several times")
       ->option_text("GROUP")
+      ->allow_extra_args(false);
+  app.add_option("--fix-near", options.fixed_balls, "hold the particles in a ball, m; may be given several times")
+      ->option_text("X Y Z RADIUS")
+      ->type_size(4)
       ->allow_extra_args(false);
   app.add_option("--gravity", options.gravity, "acceleration on everything, m/s^2: x y z")->expected(3);
 }

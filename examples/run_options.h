@@ -11,17 +11,19 @@
 #include <vector>
 
 struct RunOptions {
-  std::string body;   ///< .pml, .msh, .vtk or .vtu
+  std::string body;   ///< .pml, .msh, .vtk or .vtu, or a surface
   std::string loads;  ///< .lml; empty: none
   std::string out = "out";
 
   double length_unit = 0.0;  ///< m per unit of the body's file; 0: mm for .pml, m for meshes
+  double spacing = 0.0;      ///< m, of the particles that fill a surface; 0: none was given
   bool from_file = false;    ///< masses and stiffnesses of the file instead of the material
   phymul::Material material{.young = 10e3, .poisson = 0.3, .density = 1000.0};
   phymul::TopologyOptions topology;
 
   std::vector<std::string> fixed_groups;
-  std::vector<double> gravity;  ///< m/s^2, three or none
+  std::vector<double> fixed_balls;  ///< m, each x y z radius
+  std::vector<double> gravity;      ///< m/s^2, three or none
 
   std::string backend = "auto";
   double damping_rate = 20.0;      ///< 1/s

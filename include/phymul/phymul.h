@@ -4,6 +4,7 @@
 #pragma once
 
 #include <phymul/bodies.h>
+#include <phymul/body.h>
 #include <phymul/camera.h>
 #include <phymul/check.h>
 #include <phymul/display.h>
@@ -26,6 +27,7 @@
 #include <phymul/state.h>
 #include <phymul/state_file.h>
 #include <phymul/surface.h>
+#include <phymul/surface_file.h>
 #include <phymul/tool.h>
 #include <phymul/topology.h>
 #include <phymul/types.h>

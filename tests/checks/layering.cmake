@@ -10,8 +10,9 @@ cmake_policy(SET CMP0140 NEW)  # return(PROPAGATE)
 set(rooms
     "base types error version"
     "model model shapes check surface skin state monitor distance_grid tool needle"
+    "body body"
     "scene scene load load_frame bodies"
-    "io pml lml mesh writer"
+    "io pml lml mesh surface_file writer"
     "topology topology topology_textures"
     "elastic elasticity"
     "interaction virtual_coupling"
@@ -70,6 +71,8 @@ function(check_library_file file)
   foreach(include IN LISTS includes)
     if(include STREQUAL "<pugixml.hpp>" AND NOT own MATCHES "^src/io/")
       fault("${file}" "includes pugixml; only src/io may")
+    elseif(include MATCHES "^<assimp/" AND NOT own MATCHES "^src/io/")
+      fault("${file}" "includes ${include}; only src/io may")
     elseif(include MATCHES "^<(GL|EGL|GLES[23]?)/" AND NOT own MATCHES "^src/gl/")
       fault("${file}" "includes ${include}; only src/gl may")
     endif()

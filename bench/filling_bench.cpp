@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+//
+// Filling a ball's surface of 10,080 triangles with tetrahedra, by spacing. Items are particles.
+#include <benchmark/benchmark.h>
+#include <phymul/phymul.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace {
+
+phymul::Surface ball(double radius, int around, int rings) {
+  phymul::Surface surface;
+  surface.vertices = {{0, 0, -radius}, {0, 0, radius}};
+  const auto vertex = [&](int ring, int k) { return static_cast<phymul::Index>(2 + ring * around + k % around); };
+  for (int ring = 0; ring < rings; ++ring) {
+    const double polar = std::numbers::pi * (ring + 1) / (rings + 1);
+    for (int k = 0; k < around; ++k) {
+      const double turn = 2.0 * std::numbers::pi * k / around;
+      surface.vertices.push_back(
+          radius * phymul::Vec3(std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), -std::cos(polar)));
+    }
+  }
+  for (int k = 0; k < around; ++k) {
+    surface.triangles.push_back({0, vertex(0, k + 1), vertex(0, k)});
+    surface.triangles.push_back({1, vertex(rings - 1, k), vertex(rings - 1, k + 1)});
+    for (int ring = 0; ring + 1 < rings; ++ring) {
+      surface.triangles.push_back({vertex(ring, k), vertex(ring, k + 1), vertex(ring + 1, k + 1)});
+      surface.triangles.push_back({vertex(ring, k), vertex(ring + 1, k + 1), vertex(ring + 1, k)});
+    }
+  }
+  return surface;
+}
+
+void make_body(benchmark::State& run) {
+  const phymul::Surface surface = ball(0.05, 72, 70);
+  phymul::BodyReport report;
+  for (auto _ : run) {
+    phymul::make_body(surface, {.spacing = 1e-6 * static_cast<double>(run.range(0))}, &report);
+  }
+  run.SetItemsProcessed(run.iterations() * report.particles);
+  run.counters["triangles"] = static_cast<double>(surface.triangles.size());
+  run.counters["particles"] = report.particles;
+  run.counters["volume_error"] = report.volume / report.wanted_volume - 1.0;
+  run.counters["smallest_angle"] = report.smallest_angle;
+}
+
+BENCHMARK(make_body)->ArgName("spacing_um")->Arg(6050)->Arg(2095)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+}  // namespace

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+//
+// Bodies of tetrahedra from a closed surface, as segmentation gives it, or from a solid that a function describes.
+#pragma once
+
+#include <phymul/model.h>
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace phymul {
+
+/// A surface of triangles. Closed and wound one way it bounds a body.
+struct Surface {
+  VecList vertices;                             ///< m
+  std::vector<std::array<Index, 3>> triangles;  ///< rows of vertices, counter-clockwise seen from outside
+  std::vector<std::string> notes;               ///< what reading and checking found or mended, one sentence each
+};
+
+/// Makes the surface one that bounds a body: merges vertices closer than a millionth of its size, drops triangles with
+/// a repeated corner and vertices without a triangle, turns triangles until all are counter-clockwise seen from outside
+/// (a cavity's, seen from within it). Several shells may lie apart, touch or lie in each other. Surface::notes says
+/// what was changed, and where the size is not between 1 mm and 1 m. Throws Error, and changes nothing, if a coordinate
+/// is not finite, an edge is open, the surface has one side only or triangles cross.
+void mend_surface(Surface& surface);
+
+/// A solid that a function describes: `distance` is negative inside, positive outside and continuous. It need not be a
+/// true distance.
+struct Solid {
+  std::function<double(const Vec3&)> distance;  ///< at a place, m
+  Vec3 low{0, 0, 0}, high{0, 0, 0};             ///< m, opposite corners of a box that the solid lies in
+};
+
+/// Balls, ellipsoids, capsules (within `radius` of the segment from a to b) and boxes; lengths in m. Throw Error for a
+/// size that is not above 0 and finite.
+Solid solid_ball(const Vec3& centre, double radius);
+Solid solid_ellipsoid(const Vec3& centre, const Vec3& semi_axes);
+Solid solid_capsule(const Vec3& a, const Vec3& b, double radius);
+Solid solid_box(const Vec3& low, const Vec3& high);
+/// All that lies in one of them (in all of them; in the first but not in the second). Throws Error for an empty list.
+Solid solid_union(std::vector<Solid> solids);
+Solid solid_intersection(std::vector<Solid> solids);
+Solid solid_difference(Solid solid, Solid hole);
+
+struct BodyOptions {
+  double spacing = 0.0;              ///< m, > 0: mean distance between neighbours inside the body
+  double most_volume_error = 0.05;   ///< share of the volume asked for; a body that is further off is an Error
+  Index most_particles = 1'000'000;  ///< a spacing that needs more is an Error
+};
+
+/// What make_body() made.
+struct BodyReport {
+  Index particles = 0, cells = 0;
+  int parts = 0;                ///< connected parts of the body
+  double volume = 0.0;          ///< m^3, of the body
+  double wanted_volume = 0.0;   ///< m^3, inside the surface or solid
+  double moved = 0.0;           ///< m, outward, by which the surface was moved to meet the volume
+  double smallest_angle = 0.0;  ///< degrees, of the dihedral angles of all cells
+  double largest_angle = 0.0;   ///< degrees
+};
+
+/// Fills the inside with tetrahedra by isosurface stuffing (F. Labelle, J. R. Shewchuk, 2007): a body-centred cubic
+/// lattice, whose points near the surface move onto it, and whose tetrahedra are cut where it still crosses them.
+/// Particles inside have the lattice's 14 neighbours; the others those that they share a tetrahedron with. Dihedral
+/// angles stay between about 10 and 165 degrees. Because flat triangles cut off what is round, the surface is then moved
+/// outward, everywhere alike and by at most 5 % of the spacing, until the volume is met. Edges and parts thinner than the spacing are rounded off. Mass and
+/// stiffness are 1 until set_material; the group "surface" holds the particles on the surface.
+///
+/// The surface is first mended as by mend_surface(). Model::notes has its notes, and says if the body has several
+/// parts. Throws Error as mend_surface() does, for an option out of range, for a distance that is not a number and if
+/// the volume is missed by more than the options allow: the shape is thinner than the spacing.
+Model make_body(const Surface& surface, const BodyOptions& options, BodyReport* report = nullptr);
+Model make_body(const Solid& solid, const BodyOptions& options, BodyReport* report = nullptr);
+
+}  // namespace phymul

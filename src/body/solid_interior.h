@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <phymul/body.h>
+
+#include "interior.h"
+
+namespace phymul {
+
+/// Of a shape that a function describes. Keeps a reference.
+class SolidInterior : public Interior {
+ public:
+  explicit SolidInterior(const Solid& solid) : solid_(solid) {}
+  /// Throws Error where the function is not a number.
+  std::vector<char> inside(const CentredLattice& lattice) const override;
+  double exit(const Vec3& in, const Vec3& out) const override;
+  /// m^3, of lines along x, 16 through each cube.
+  double volume(const CentredLattice& lattice) const;
+
+ private:
+  double at(const Vec3& x) const;
+  const Solid& solid_;
+};
+
+}  // namespace phymul

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+//
+// Solids in closed form, and what is made of them.
+#include <phymul/body.h>
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "place_text.h"
+
+namespace phymul {
+namespace {
+
+void require_finite(const char* what, const Vec3& x) {
+  if (!x.allFinite()) throw Error(std::string(what) + ": expected finite coordinates, got " + place_text(x));
+}
+
+void require_above_0(const char* what, const char* name, double value) {
+  if (value > 0.0 && std::isfinite(value)) return;
+  throw Error(std::string(what) + ": expected a " + name + " above 0 m, got " + length_text(value));
+}
+
+using Distances = std::vector<Solid>;
+
+/// Of several solids the smallest distance or the largest.
+template <class Better>
+Solid joined(const char* what, Distances solids, Better better) {
+  if (solids.empty()) throw Error(std::string(what) + ": expected at least one solid, got none");
+  for (const Solid& solid : solids) {
+    if (!solid.distance) throw Error(std::string(what) + ": a solid has no distance function");
+  }
+  Solid all;
+  all.low = solids.front().low;
+  all.high = solids.front().high;
+  const auto shared = std::make_shared<const Distances>(std::move(solids));
+  all.distance = [shared, better](const Vec3& x) {
+    double value = shared->front().distance(x);
+    for (std::size_t k = 1; k < shared->size(); ++k) value = better(value, (*shared)[k].distance(x));
+    return value;
+  };
+  return all;
+}
+
+}  // namespace
+
+Solid solid_ball(const Vec3& centre, double radius) {
+  return solid_capsule(centre, centre, radius);
+}
+
+Solid solid_ellipsoid(const Vec3& centre, const Vec3& semi_axes) {
+  require_finite("solid_ellipsoid", centre);
+  for (const double axis : semi_axes) require_above_0("solid_ellipsoid", "semi-axis", axis);
+  const double least = semi_axes.minCoeff();
+  return {[=](const Vec3& x) { return least * ((x - centre).cwiseQuotient(semi_axes).norm() - 1.0); },
+          centre - semi_axes, centre + semi_axes};
+}
+
+Solid solid_capsule(const Vec3& a, const Vec3& b, double radius) {
+  require_finite("solid_capsule", a);
+  require_finite("solid_capsule", b);
+  require_above_0("solid_capsule", "radius", radius);
+  const Vec3 along = b - a;
+  const double squared = along.squaredNorm();
+  const auto distance = [=](const Vec3& x) {
+    const double share = squared > 0.0 ? std::clamp((x - a).dot(along) / squared, 0.0, 1.0) : 0.0;
+    return (x - a - share * along).norm() - radius;
+  };
+  return {distance, a.cwiseMin(b) - Vec3::Constant(radius), a.cwiseMax(b) + Vec3::Constant(radius)};
+}
+
+Solid solid_box(const Vec3& low, const Vec3& high) {
+  require_finite("solid_box", low);
+  require_finite("solid_box", high);
+  for (int k = 0; k < 3; ++k) require_above_0("solid_box", "side", high[k] - low[k]);
+  const Vec3 middle = 0.5 * (low + high), half = 0.5 * (high - low);
+  return {[=](const Vec3& x) {
+            const Vec3 out = (x - middle).cwiseAbs() - half;
+            return out.cwiseMax(0.0).norm() + std::min(out.maxCoeff(), 0.0);
+          },
+          low, high};
+}
+
+Solid solid_union(std::vector<Solid> solids) {
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+  if (!solids.empty()) {
+    low = solids.front().low;
+    high = solids.front().high;
+  }
+  for (const Solid& solid : solids) {
+    low = low.cwiseMin(solid.low);
+    high = high.cwiseMax(solid.high);
+  }
+  Solid all = joined("solid_union", std::move(solids), [](double a, double b) { return std::min(a, b); });
+  all.low = low;
+  all.high = high;
+  return all;
+}
+
+Solid solid_intersection(std::vector<Solid> solids) {
+  // The box of any of them holds it; the smallest costs least.
+  const auto least = std::ranges::min_element(
+      solids, {}, [](const Solid& solid) { return (solid.high - solid.low).cwiseMax(0.0).prod(); });
+  if (least != solids.end()) std::iter_swap(solids.begin(), least);
+  return joined("solid_intersection", std::move(solids), [](double a, double b) { return std::max(a, b); });
+}
+
+Solid solid_difference(Solid solid, Solid hole) {
+  const auto outside = [inside = std::move(hole.distance)](const Vec3& x) { return -inside(x); };
+  const Vec3 low = solid.low, high = solid.high;
+  return joined("solid_difference", {std::move(solid), {outside, low, high}},
+                [](double a, double b) { return std::max(a, b); });
+}
+
+}  // namespace phymul

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: MIT
+#include "stuffing.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace phymul {
+namespace {
+
+// A point this near to the surface, as a share of the edge along which it is near, moves onto it. With these two the
+// paper proves dihedral angles between 10.7 and 164.8 degrees.
+constexpr double near_along_short = 0.35900, near_along_long = 0.21509;
+
+enum Side : char { outside = -1, on_surface = 0, inside = 1 };
+
+/// Where an edge of the lattice leaves the shape.
+struct Crossing {
+  Index in, out;  // points of the lattice
+  double share;   // of the way from `in`
+  bool is_short;
+  bool is_there = true;  // until one of its ends moves onto the surface
+  Index particle = -1;
+
+  /// Of its edge, from one of its ends.
+  double share_from(Index end) const { return end == in ? share : 1.0 - share; }
+  bool is_near(Index end) const { return share_from(end) < (is_short ? near_along_short : near_along_long); }
+  double length_from(Index end) const { return share_from(end) * (is_short ? CentredLattice::short_length : 1.0); }
+};
+
+class Filling {
+ public:
+  Filling(const Interior& interior, const CentredLattice& lattice) : lattice_(lattice) {
+    find_sides(interior);
+    find_crossings(interior);
+    move_points();
+    cut_cells();
+  }
+
+  Stuffing take() { return std::move(result_); }
+
+ private:
+  void find_sides(const Interior& interior) {
+    const std::vector<char> in = interior.inside(lattice_);
+    side_.resize(in.size());
+    std::ranges::transform(in, side_.begin(), [](char yes) { return yes ? inside : outside; });
+    particle_.assign(in.size(), -1);
+    moved_.assign(in.size(), -1);
+  }
+
+  void find_crossings(const Interior& interior) {
+    const std::array<std::array<Index, 14>, 2> steps{lattice_.steps(false), lattice_.steps(true)};
+    for (Index point = 0; point < static_cast<Index>(side_.size()); ++point) {
+      if (side_[point] != inside) continue;
+      const auto& own = steps[CentredLattice::is_middle(point) ? 1 : 0];
+      for (std::size_t k = 0; k < own.size(); ++k) {
+        const Index other = point + own[k];
+        if (side_[other] == inside) continue;
+        const double share = interior.exit(lattice_.place(point), lattice_.place(other));
+        crossings_.push_back({point, other, share, k < 8});
+      }
+    }
+    // Crossings of each point, so that those of an edge are found from either end.
+    of_point_.assign(side_.size() + 1, 0);
+    for (const Crossing& c : crossings_) {
+      ++of_point_[c.in + 1];
+      ++of_point_[c.out + 1];
+    }
+    for (std::size_t i = 1; i < of_point_.size(); ++i) of_point_[i] += of_point_[i - 1];
+    rows_.resize(2 * crossings_.size());
+    std::vector<Index> next(of_point_.begin(), of_point_.end() - 1);
+    for (Index row = 0; row < static_cast<Index>(crossings_.size()); ++row) {
+      rows_[next[crossings_[row].in]++] = row;
+      rows_[next[crossings_[row].out]++] = row;
+    }
+  }
+
+  /// Each point that a crossing is near to moves to the nearest one, in the lattice's order.
+  void move_points() {
+    for (Index point = 0; point < static_cast<Index>(side_.size()); ++point) {
+      Index nearest = -1;
+      for (Index k = of_point_[point]; k < of_point_[point + 1]; ++k) {
+        const Crossing& c = crossings_[rows_[k]];
+        if (!c.is_there || !c.is_near(point)) continue;
+        if (nearest < 0 || c.length_from(point) < crossings_[nearest].length_from(point)) nearest = rows_[k];
+      }
+      if (nearest < 0) continue;
+      side_[point] = on_surface;
+      moved_[point] = nearest;
+      for (Index k = of_point_[point]; k < of_point_[point + 1]; ++k) crossings_[rows_[k]].is_there = false;
+    }
+  }
+
+  Vec3 place_of(const Crossing& c) const {
+    const Vec3 from = lattice_.place(c.in);
+    return from + c.share * (lattice_.place(c.out) - from);
+  }
+
+  // A corner of what is cut out of a tetrahedron of the lattice: one of its points, or where two of them, the first
+  // inside and the second outside, have the surface between them.
+  struct Corner {
+    int in = 0, out = -1;  // of 0 ... 3
+  };
+
+  Index crossing_of(Index in, Index out) const {
+    Index k = of_point_[in];
+    while (crossings_[rows_[k]].out != out) ++k;
+    assert(k < of_point_[in + 1]);
+    return rows_[k];
+  }
+
+  Index particle_of(const Tetrahedron& t, const Corner& corner) {
+    const Index in = t[corner.in];
+    const bool at_surface = corner.out >= 0 || moved_[in] >= 0;
+    Index& own = corner.out < 0 ? particle_[in] : crossings_[crossing_of(in, t[corner.out])].particle;
+    if (own < 0) {
+      own = static_cast<Index>(result_.place.size());
+      result_.place.push_back(place_of(t, corner));
+      result_.at_surface.push_back(at_surface);
+    }
+    return own;
+  }
+
+  Vec3 place_of(const Tetrahedron& t, const Corner& corner) const {
+    if (corner.out >= 0) return place_of(crossings_[crossing_of(t[corner.in], t[corner.out])]);
+    const Index in = t[corner.in];
+    return moved_[in] < 0 ? lattice_.place(in) : place_of(crossings_[moved_[in]]);
+  }
+
+  /// Orders the corners by where they lie in the lattice's own tetrahedron, cut edges halved: no rounding decides.
+  void add_cell(const Tetrahedron& t, std::array<Corner, 4> corners) {
+    Eigen::Matrix4d share = Eigen::Matrix4d::Zero();
+    for (int k = 0; k < 4; ++k) {
+      share(corners[k].in, k) += 1.0;
+      if (corners[k].out >= 0) share(corners[k].out, k) += 1.0;
+    }
+    if (share.determinant() < 0.0) std::swap(corners[2], corners[3]);
+    Tetrahedron cell{};
+    for (int k = 0; k < 4; ++k) cell[k] = particle_of(t, corners[k]);
+    result_.cells.push_back(cell);
+  }
+
+  /// The face of points a, b inside and c outside is cut to a quadrilateral a, b, bc, ac: true where its diagonal
+  /// starts in a, and not in b. Depends on the face alone, because two tetrahedra share it.
+  bool diagonal_from_first(const Tetrahedron& t, int a, int b, int c) const {
+    const bool same_kind = CentredLattice::is_middle(t[a]) == CentredLattice::is_middle(t[b]);
+    if (!same_kind) return CentredLattice::is_middle(t[a]) != CentredLattice::is_middle(t[c]);
+    return from_first(t, {{{a}, {b}, {b, c}, {a, c}}});
+  }
+
+  /// Of the two diagonals of a quadrilateral the shorter; where they are alike, that from the smaller point.
+  bool from_first(const Tetrahedron& t, const std::array<Corner, 4>& q) const {
+    const double longer =
+        (place_of(t, q[2]) - place_of(t, q[0])).squaredNorm() - (place_of(t, q[3]) - place_of(t, q[1])).squaredNorm();
+    if (std::abs(longer) > 1e-9 * lattice_.edge * lattice_.edge) return longer < 0.0;
+    return t[q[0].in] < t[q[1].in];
+  }
+
+  /// A prism between the triangles 0, 1, 2 and 0', 1', 2'. first[k], of the sides 01, 02, 12: their diagonal starts in
+  /// the lower number of the first triangle. They must not run around the prism.
+  void add_prism(const Tetrahedron& t, const std::array<Corner, 3>& low, const std::array<Corner, 3>& high,
+                 const std::array<bool, 3>& first) {
+    std::array<int, 3> diagonals{first[0] + first[1], !first[0] + first[2], !first[1] + !first[2]};
+    std::array<int, 3> order{};  // by the number of diagonals that start in each
+    for (int k = 0; k < 3; ++k) order[2 - diagonals[k]] = k;
+    const auto [a, b, c] = order;
+    add_cell(t, {low[a], low[b], low[c], high[c]});
+    add_cell(t, {low[a], low[b], high[b], high[c]});
+    add_cell(t, {low[a], high[a], high[b], high[c]});
+  }
+
+  void cut_cell(const Tetrahedron& t) {
+    std::array<int, 4> in{}, on{}, out{};
+    int ins = 0, ons = 0, outs = 0;
+    for (int k = 0; k < 4; ++k) {
+      const char side = side_[t[k]];
+      if (side == inside) in[ins++] = k;
+      if (side == on_surface) on[ons++] = k;
+      if (side == outside) out[outs++] = k;
+    }
+    if (ins == 0) return;
+    if (outs == 0) return add_cell(t, {{{0}, {1}, {2}, {3}}});
+    if (ins == 1) {
+      std::array<Corner, 4> corners{};
+      for (int k = 0; k < 4; ++k) corners[k] = side_[t[k]] == outside ? Corner{in[0], k} : Corner{k};
+      return add_cell(t, corners);
+    }
+    const int a = in[0], b = in[1], c = in[2];
+    if (ins == 2 && outs == 1) {
+      const int o = out[0];
+      const bool first = diagonal_from_first(t, a, b, o);
+      const Corner apex{on[0]};
+      add_cell(t, {{first ? Corner{b, o} : Corner{a, o}, {a}, {b}, apex}});
+      add_cell(t, {{first ? Corner{a} : Corner{b}, {b, o}, {a, o}, apex}});
+    } else if (ins == 2) {
+      const int o = out[0], p = out[1];
+      const bool ab = diagonal_from_first(t, a, b, o), ap = diagonal_from_first(t, a, b, p);
+      // The side that the surface cuts out is free, but for a diagonal that would run around.
+      const bool op = ab == ap ? from_first(t, {{{a, o}, {a, p}, {b, p}, {b, o}}}) : ap;
+      add_prism(t, {{{a}, {a, o}, {a, p}}}, {{{b}, {b, o}, {b, p}}}, {ab, ap, op});
+    } else {
+      const int o = out[0];
+      add_prism(t, {{{a}, {b}, {c}}}, {{{a, o}, {b, o}, {c, o}}},
+                {diagonal_from_first(t, a, b, o), diagonal_from_first(t, a, c, o), diagonal_from_first(t, b, c, o)});
+    }
+  }
+
+  /// Around each edge between neighbouring middles lie four tetrahedra, one at each edge of the square between them.
+  void cut_cells() {
+    const auto& n = lattice_.count;
+    for (int k = 0; k + 1 < n[2]; ++k) {
+      for (int j = 0; j + 1 < n[1]; ++j) {
+        for (int i = 0; i + 1 < n[0]; ++i) {
+          const auto corner = [&](int x, int y, int z) { return lattice_.corner(i + x, j + y, k + z); };
+          const auto around = [&](Index other, const std::array<Index, 4>& square) {
+            for (int e = 0; e < 4; ++e) cut_cell({lattice_.middle(i, j, k), other, square[e], square[(e + 1) % 4]});
+          };
+          around(lattice_.middle(i + 1, j, k), {corner(1, 0, 0), corner(1, 1, 0), corner(1, 1, 1), corner(1, 0, 1)});
+          around(lattice_.middle(i, j + 1, k), {corner(0, 1, 0), corner(0, 1, 1), corner(1, 1, 1), corner(1, 1, 0)});
+          around(lattice_.middle(i, j, k + 1), {corner(0, 0, 1), corner(1, 0, 1), corner(1, 1, 1), corner(0, 1, 1)});
+        }
+      }
+    }
+  }
+
+  const CentredLattice& lattice_;
+  std::vector<char> side_;  // [points] Side
+  std::vector<Crossing> crossings_;
+  std::vector<Index> of_point_;  // [points + 1] first of each point in rows_
+  std::vector<Index> rows_;      // of crossings_
+  std::vector<Index> moved_;     // [points] crossing that it moved to; -1: none
+  std::vector<Index> particle_;  // [points] -1: none yet
+  Stuffing result_;
+};
+
+}  // namespace
+
+Stuffing stuffed(const Interior& interior, const CentredLattice& lattice) {
+  return Filling(interior, lattice).take();
+}
+
+}  // namespace phymul

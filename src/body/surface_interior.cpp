@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+#include "surface_interior.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace phymul {
+namespace {
+
+struct Box {
+  Vec3 low, high;
+};
+
+Box box_of(const std::array<Vec3, 3>& t) {
+  return {t[0].cwiseMin(t[1]).cwiseMin(t[2]), t[0].cwiseMax(t[1]).cwiseMax(t[2])};
+}
+
+std::array<Vec3, 3> corners_of(const Surface& surface, Index triangle) {
+  const auto& [a, b, c] = surface.triangles[triangle];
+  return {surface.vertices[a], surface.vertices[b], surface.vertices[c]};
+}
+
+/// Seen along x, does the edge p, q lie beside (y, z) on the side of larger y? The ends in one order for all triangles.
+bool is_beside(const Vec3& p, const Vec3& q, double y, double z) {
+  if ((p.z() > z) == (q.z() > z)) return false;
+  return y < p.y() + (z - p.z()) / (q.z() - p.z()) * (q.y() - p.y());
+}
+
+/// A row of the lattice along x crosses the surface here.
+struct RowCrossing {
+  Index row;
+  double x;
+};
+
+}  // namespace
+
+SurfaceInterior::SurfaceInterior(const Surface& surface, const CentredLattice& lattice)
+    : surface_(surface), lattice_(lattice) {
+  sort_into_cubes();
+}
+
+std::array<int, 3> SurfaceInterior::cube_at(const Vec3& x) const {
+  const Vec3 at = (x - lattice_.origin) / lattice_.edge;
+  std::array<int, 3> cube{};
+  for (int k = 0; k < 3; ++k) cube[k] = std::clamp(static_cast<int>(std::floor(at[k])), 0, lattice_.count[k] - 1);
+  return cube;
+}
+
+std::size_t SurfaceInterior::row_of(int i, int j, int k) const {
+  return (static_cast<std::size_t>(k) * lattice_.count[1] + j) * lattice_.count[0] + i;
+}
+
+void SurfaceInterior::sort_into_cubes() {
+  struct Entry {
+    std::size_t cube;
+    Index triangle;
+  };
+  std::vector<Entry> entries;
+  const Vec3 rim = Vec3::Constant(1e-6 * lattice_.edge);
+  for (Index row = 0; row < static_cast<Index>(surface_.triangles.size()); ++row) {
+    const auto t = corners_of(surface_, row);
+    const Box box = box_of(t);
+    const std::array<int, 3> low = cube_at(box.low - rim), high = cube_at(box.high + rim);
+    const Vec3 normal = (t[1] - t[0]).cross(t[2] - t[0]).normalized();  // zero if it has no area
+    const double reach = (0.5 + 1e-6) * lattice_.edge * normal.lpNorm<1>();
+    for (int k = low[2]; k <= high[2]; ++k) {
+      for (int j = low[1]; j <= high[1]; ++j) {
+        for (int i = low[0]; i <= high[0]; ++i) {
+          const Vec3 middle = lattice_.origin + lattice_.edge * Vec3(i + 0.5, j + 0.5, k + 0.5);
+          if (std::abs(normal.dot(middle - t[0])) <= reach) entries.push_back({row_of(i, j, k), row});
+        }
+      }
+    }
+  }
+  of_cube_.assign(lattice_.points() / 2 + 1, 0);
+  for (const Entry& e : entries) ++of_cube_[e.cube + 1];
+  for (std::size_t i = 1; i < of_cube_.size(); ++i) of_cube_[i] += of_cube_[i - 1];
+  triangles_.resize(entries.size());
+  std::vector<Index> next(of_cube_.begin(), of_cube_.end() - 1);
+  for (const Entry& e : entries) triangles_[next[e.cube]++] = e.triangle;
+}
+
+std::vector<char> SurfaceInterior::inside(const CentredLattice& lattice) const {
+  const auto& n = lattice.count;
+  std::vector<char> in(lattice.points(), 0);
+  for (const bool middles : {false, true}) {
+    const double half = middles ? 0.5 : 0.0;
+    const auto at = [&](int axis, int i) { return lattice.origin[axis] + lattice.edge * (i + half); };
+    const auto row_near = [&](int axis, double x) {
+      return std::clamp(static_cast<int>(std::floor((x - lattice.origin[axis]) / lattice.edge - half)), -1, n[axis]);
+    };
+    std::vector<RowCrossing> crossings;
+    for (Index triangle = 0; triangle < static_cast<Index>(surface_.triangles.size()); ++triangle) {
+      const auto t = corners_of(surface_, triangle);
+      const std::array<Index, 3>& name = surface_.triangles[triangle];
+      const Box box = box_of(t);
+      const Vec3 normal = (t[1] - t[0]).cross(t[2] - t[0]);
+      const int first_j = std::max(row_near(1, box.low.y()), 0),
+                last_j = std::min(row_near(1, box.high.y()) + 1, n[1] - 1);
+      const int first_k = std::max(row_near(2, box.low.z()), 0),
+                last_k = std::min(row_near(2, box.high.z()) + 1, n[2] - 1);
+      for (int k = first_k; k <= last_k; ++k) {
+        const double z = at(2, k);
+        for (int j = first_j; j <= last_j; ++j) {
+          const double y = at(1, j);
+          bool met = false;
+          for (int e = 0; e < 3; ++e) {
+            const int f = (e + 1) % 3;
+            met ^= name[e] < name[f] ? is_beside(t[e], t[f], y, z) : is_beside(t[f], t[e], y, z);
+          }
+          if (!met) continue;
+          const double up = normal.y() * (y - t[0].y()) + normal.z() * (z - t[0].z());
+          const double x = normal.x() != 0.0 ? t[0].x() - up / normal.x() : 0.5 * (box.low.x() + box.high.x());
+          crossings.push_back({static_cast<Index>(k) * n[1] + j, std::clamp(x, box.low.x(), box.high.x())});
+        }
+      }
+    }
+    std::ranges::sort(crossings, [](const RowCrossing& a, const RowCrossing& b) {
+      return a.row != b.row ? a.row < b.row : a.x < b.x;
+    });
+    for (std::size_t c = 0; c < crossings.size(); c += 2) {  // an even number in each row
+      const int j = crossings[c].row % n[1], k = crossings[c].row / n[1];
+      for (int i = std::max(row_near(0, crossings[c].x), 0); i < n[0] && at(0, i) < crossings[c + 1].x; ++i) {
+        if (at(0, i) >= crossings[c].x) in[middles ? lattice.middle(i, j, k) : lattice.corner(i, j, k)] = 1;
+      }
+    }
+  }
+  return in;
+}
+
+/// The sides on which the line passes a triangle's edges are triple products, alike for both triangles of an edge. If
+/// rounding at one of the ends hides the crossing, the triangle that is missed least counts.
+double SurfaceInterior::exit(const Vec3& in, const Vec3& out) const {
+  const Vec3 way = out - in;
+  double first = std::numeric_limits<double>::infinity(), least_miss = first, at_least_miss = 0.5;
+  const std::array<int, 3> low = cube_at(in.cwiseMin(out)), high = cube_at(in.cwiseMax(out));
+  for (int k = low[2]; k <= high[2]; ++k) {
+    for (int j = low[1]; j <= high[1]; ++j) {
+      for (int i = low[0]; i <= high[0]; ++i) {
+        const std::size_t cube = row_of(i, j, k);
+        for (Index item = of_cube_[cube]; item < of_cube_[cube + 1]; ++item) {
+          const auto t = corners_of(surface_, triangles_[item]);
+          const Vec3 a = t[0] - in, b = t[1] - in, c = t[2] - in;
+          const std::array<double, 3> side{way.dot(b.cross(c)), way.dot(c.cross(a)), way.dot(a.cross(b))};
+          const double sum = side[0] + side[1] + side[2];
+          if (sum == 0.0) continue;
+          const double share = (side[0] * a + side[1] * b + side[2] * c).dot(way) / (sum * way.squaredNorm());
+          const double past = std::max(-share, share - 1.0);
+          const double beside = -std::min({side[0] / sum, side[1] / sum, side[2] / sum});
+          const double miss = std::max({past, beside, 0.0});
+          if (miss == 0.0) {
+            first = std::min(first, share);
+          } else if (miss < least_miss) {
+            least_miss = miss;
+            at_least_miss = share;
+          }
+        }
+      }
+    }
+  }
+  return std::clamp(std::isfinite(first) ? first : at_least_miss, 0.0, 1.0);
+}
+
+}  // namespace phymul

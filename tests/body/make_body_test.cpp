@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT
+//
+// Filling: shape of the cells, volume, what is refused, and a body that comes to rest.
+#include <phymul/phymul.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "body_shapes.h"
+#include "model/enclosed_volume.h"
+#include "support/message_of.h"
+
+namespace phymul::test {
+namespace {
+
+/// No cell inverted, angles bounded, faces that fit to each other.
+void expect_sound(const Model& model, const BodyReport& report) {
+  EXPECT_GT(report.smallest_angle, 10.0);
+  EXPECT_LT(report.largest_angle, 165.0);
+  EXPECT_EQ(report.particles, model.particle_count());
+  EXPECT_EQ(report.cells, static_cast<Index>(model.cells.size()));
+  double volume = 0.0;
+  for (const Cell& cell : model.cells) {
+    ASSERT_GT(cell_volume(model, cell), 0.0);
+    volume += cell_volume(model, cell);
+  }
+  EXPECT_NEAR(volume, report.volume, 1e-12 * volume);
+  // A face between two cells that do not fit would leave four triangles there that no other closes.
+  Surface skin{model.rest, surface_triangles(model), {}};
+  const double enclosed = enclosed_volume(skin.triangles, skin.vertices);
+  EXPECT_NEAR(enclosed, volume, 1e-9 * volume);
+  EXPECT_NO_THROW(mend_surface(skin));
+  EXPECT_TRUE(skin.notes.empty()) << skin.notes.front();
+}
+
+TEST(MakeBody, TenShapesHaveGoodCellsAndTheirVolume) {
+  for (const FilledShape& shape : filled_shapes()) {
+    SCOPED_TRACE(shape.name);
+    BodyReport report;
+    const Model model = make_body(shape.solid, {.spacing = shape.spacing}, &report);
+    expect_sound(model, report);
+    EXPECT_GT(report.particles, 1700);
+    EXPECT_LT(report.particles, 3200);
+    EXPECT_NEAR(report.volume, report.wanted_volume, 1e-3 * report.wanted_volume);
+    EXPECT_LE(std::abs(report.moved), 0.05 * shape.spacing);
+    if (shape.volume > 0.0) {
+      EXPECT_NEAR(report.volume / shape.volume, 1.0, 0.005);
+    }
+    EXPECT_EQ(report.parts, 1);
+  }
+}
+
+TEST(MakeBody, RandomSmoothShapesHaveGoodCells) {
+  for (std::uint32_t seed = 0; seed < 30; ++seed) {
+    SCOPED_TRACE(seed);
+    BodyReport report;
+    const Model model = make_body(random_solid(seed), {.spacing = 0.009}, &report);
+    expect_sound(model, report);
+  }
+}
+
+TEST(MakeBodyOfManyShapes, NoCellIsInverted) {
+  double smallest = 180.0, largest = 0.0;
+  for (std::uint32_t seed = 100; seed < 1100; ++seed) {
+    SCOPED_TRACE(seed);
+    BodyReport report;
+    const Model model = make_body(random_solid(seed), {.spacing = 0.008 + 0.004 * (seed % 10) / 10.0}, &report);
+    expect_sound(model, report);
+    smallest = std::min(smallest, report.smallest_angle);
+    largest = std::max(largest, report.largest_angle);
+  }
+  RecordProperty("smallest_angle", std::to_string(smallest));
+  RecordProperty("largest_angle", std::to_string(largest));
+}
+
+TEST(MakeBody, InnerParticlesShareALattice) {
+  BodyReport report;
+  const Model model = make_body(solid_ball({0, 0, 0}, 0.05), {.spacing = 0.006}, &report);
+  std::vector<char> at_surface(model.rest.size(), 0);
+  for (const Index i : model.group("surface")) {
+    at_surface[i] = 1;
+    EXPECT_NEAR(model.rest[i].norm(), 0.05, 0.03 * 0.006);
+  }
+  int inner = 0;
+  double sum = 0.0;
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    const Index *begin = model.neighbours.begin(i), *end = model.neighbours.end(i);
+    if (at_surface[i] || std::any_of(begin, end, [&](Index j) { return at_surface[j] != 0; })) continue;
+    ASSERT_EQ(end - begin, 14);
+    for (const Index* j = begin; j < end; ++j) sum += (model.rest[*j] - model.rest[i]).norm() / 14.0;
+    ++inner;
+  }
+  ASSERT_GT(inner, 1000);
+  EXPECT_NEAR(sum / inner, 0.006, 1e-9);
+}
+
+TEST(MakeBody, SurfacesFillAsTheSolidsDo) {
+  BodyReport of_surface, of_solid;
+  const Model model = make_body(ball_surface(0.05, 40), {.spacing = 0.0075}, &of_surface);
+  make_body(solid_ball({0, 0, 0}, 0.05), {.spacing = 0.0075}, &of_solid);
+  expect_sound(model, of_surface);
+  EXPECT_NEAR(of_surface.particles, of_solid.particles, 0.01 * of_solid.particles);
+  EXPECT_NEAR(of_surface.volume / ball_volume(0.05), 1.0, 0.005);
+  EXPECT_NEAR(of_surface.volume, of_surface.wanted_volume, 1e-6 * of_surface.wanted_volume);
+}
+
+/// Lattice points on faces, edges and corners of the surface: every tie there is.
+TEST(MakeBody, LatticePointsOnTheSurfaceDoNoHarm) {
+  const double edge = 0.01, spacing = edge * (8.0 * std::sqrt(0.75) + 6.0) / 14.0;
+  for (const Vec3& sides : {Vec3(6, 5.5, 4.5), Vec3(6, 6, 6), Vec3(5.5, 5.5, 5.5)}) {
+    for (const double shift : {0.0, 0.25, 1.0 / 3.0, 0.5, 0.75}) {
+      SCOPED_TRACE(shift);
+      const Vec3 low = shift * edge * Vec3::Ones();
+      BodyReport report;
+      const Model model = make_body(box_surface(low, low + edge * sides), {.spacing = spacing}, &report);
+      expect_sound(model, report);
+      EXPECT_EQ(report.parts, 1);
+    }
+  }
+}
+
+TEST(MakeBody, ShellsOfASurface) {
+  // A cavity, whose triangles run the wrong way round: mended.
+  BodyReport report;
+  const Surface shell = both(ball_surface(0.05, 20), ball_surface(0.02, 12));
+  const Model hollow = make_body(shell, {.spacing = 0.006}, &report);
+  expect_sound(hollow, report);
+  EXPECT_NEAR(report.volume / (ball_volume(0.05) - ball_volume(0.02)), 1.0, 0.01);
+  EXPECT_NE(hollow.notes.front().find("1728 of 6528 triangles were clockwise"), std::string::npos)
+      << hollow.notes.front();
+  // Two balls apart, and two that touch in one vertex.
+  const Model apart =
+      make_body(both(ball_surface(0.02, 12), ball_surface(0.02, 12, {0.05, 0, 0})), {.spacing = 0.004}, &report);
+  expect_sound(apart, report);
+  EXPECT_EQ(report.parts, 2);
+  EXPECT_NE(apart.notes.back().find("2 parts"), std::string::npos);
+  const Model touching =
+      make_body(both(ball_surface(0.02, 12), ball_surface(0.02, 12, {0.04, 0, 0})), {.spacing = 0.004}, &report);
+  EXPECT_GT(report.smallest_angle, 10.0);
+  EXPECT_NEAR(report.volume / (2.0 * ball_volume(0.02)), 1.0, 0.02);
+}
+
+TEST(MakeBody, RefusesWhatCannotBeFilled) {
+  const Solid ball = solid_ball({0, 0, 0}, 0.05);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto filling = [](const auto& shape, double spacing) {
+    return message_of([&] { make_body(shape, {.spacing = spacing}); });
+  };
+  for (const double spacing : {0.0, -0.01, nan}) {
+    EXPECT_NE(filling(ball, spacing).find("expected a spacing above 0 m, got"), std::string::npos);
+  }
+  EXPECT_NE(filling(ball, 1e-5).find("take a larger spacing, or check the unit"), std::string::npos);
+  EXPECT_NE(message_of([&] { make_body(ball, {.spacing = 0.006, .most_particles = 4000}); }).find("needs 5"),
+            std::string::npos);
+  EXPECT_NE(filling(ball, 0.3).find("no point of a lattice"), std::string::npos) << filling(ball, 0.3);
+  // A sheet of 1 mm beside a ball: the lattice of 8 mm misses it.
+  const Surface sheet = box_surface({0.06, -0.1, -0.1}, {0.061, 0.1, 0.1});
+  const std::string thin = filling(both(ball_surface(0.05, 10), sheet), 0.008);
+  EXPECT_NE(thin.find("thinner than the spacing of 0.008 m"), std::string::npos) << thin;
+  Solid broken = ball;
+  broken.distance = [=](const Vec3& x) { return x.x() > 0.02 ? nan : x.norm() - 0.05; };
+  EXPECT_NE(filling(broken, 0.01).find("not a number at (0.02"), std::string::npos) << filling(broken, 0.01);
+  EXPECT_NE(filling(Solid{}, 0.01).find("no distance function"), std::string::npos);
+  Solid boxless = ball;
+  boxless.high = boxless.low;
+  EXPECT_NE(filling(boxless, 0.01).find("low below high"), std::string::npos);
+  EXPECT_NE(message_of([] { solid_ball({0, 0, 0}, 0.0); }).find("radius above 0"), std::string::npos);
+  EXPECT_NE(message_of([] { solid_union({}); }).find("at least one"), std::string::npos);
+}
+
+TEST(MakeBody, ABallHeldAtAPatchComesToRest) {
+  Model model = make_body(ball_surface(0.05, 16), {.spacing = 0.012});
+  std::vector<Index> top;
+  for (const Index i : model.group("surface")) {
+    if (model.rest[i].z() > 0.035) top.push_back(i);
+  }
+  ASSERT_GT(top.size(), 10u);
+  model.add_group("top", top);
+  Simulation sim(model, {.material = {.young = 5e3, .poisson = 0.45, .density = 1000}, .backend = "cpu"});
+  sim.scene().fix("top").gravity({0, 0, -9.81});
+  const RestResult rest = sim.run_to_rest();
+  EXPECT_TRUE(rest.converged()) << rest.message();
+  EXPECT_LT(rest.folded, 0) << rest.message();
+  // Its weight on a rod of its height and middle section would stretch it by rho g L^2 / 2 E.
+  const double rod = 1000 * 9.81 * 0.1 * 0.1 / (2 * 5e3);
+  EXPECT_GT(sim.max_displacement(), 0.2 * rod);
+  EXPECT_LT(sim.max_displacement(), 2.0 * rod);
+}
+
+}  // namespace
+}  // namespace phymul::test

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+//
+// Surfaces: what is mended and said, and what is refused with its place.
+#include <phymul/body.h>
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "body_shapes.h"
+#include "model/enclosed_volume.h"
+#include "support/message_of.h"
+
+namespace phymul::test {
+namespace {
+
+Surface mended(Surface surface) {
+  mend_surface(surface);
+  return surface;
+}
+
+std::string refusal(const Surface& surface) {
+  return message_of([&] { mended(surface); });
+}
+
+Surface box() {
+  return box_surface({0, 0, 0}, {0.03, 0.02, 0.01});
+}
+
+TEST(MendSurface, LeavesASoundOneAlone) {
+  const Surface surface = mended(box());
+  EXPECT_EQ(surface.vertices.size(), 8u);  // of 24
+  EXPECT_EQ(surface.triangles.size(), 12u);
+  EXPECT_TRUE(surface.notes.empty()) << surface.notes.front();
+  const Surface again = mended(surface);
+  EXPECT_EQ(again.triangles, surface.triangles);
+  EXPECT_EQ(again.vertices, surface.vertices);
+}
+
+TEST(MendSurface, TurnsWhatIsWoundTheWrongWay) {
+  const Surface out = mended(inside_out(box()));
+  EXPECT_NEAR(enclosed_volume(out.triangles, out.vertices), 6e-6, 1e-18);
+  ASSERT_EQ(out.notes.size(), 1u);
+  EXPECT_EQ(out.notes[0], "surface: it was inside out; all triangles were turned");
+  Surface some = box();
+  for (const int row : {0, 5, 6}) std::swap(some.triangles[row][0], some.triangles[row][1]);
+  some = mended(some);
+  EXPECT_NEAR(enclosed_volume(some.triangles, some.vertices), 6e-6, 1e-18);
+  ASSERT_EQ(some.notes.size(), 1u);
+  EXPECT_NE(some.notes[0].find("3 of 12 triangles were clockwise"), std::string::npos) << some.notes[0];
+  // A ball in a cavity of a ball.
+  const Surface nested = mended(both(both(ball_surface(0.05, 8), ball_surface(0.04, 8)), ball_surface(0.01, 8)));
+  EXPECT_NE(nested.notes.at(0).find("768 of 2304"), std::string::npos);
+}
+
+TEST(MendSurface, DropsTrianglesWithTwoCornersInOnePlace) {
+  Surface surface = box();
+  surface.vertices.push_back(surface.vertices[0] + Vec3(1e-9, 0, 0));
+  surface.triangles.push_back({0, 24, 1});
+  surface = mended(surface);
+  EXPECT_EQ(surface.triangles.size(), 12u);
+  EXPECT_NE(surface.notes.at(0).find("1 of 13 triangles had two corners in one place"), std::string::npos);
+}
+
+TEST(MendSurface, SaysWhereItIsOpen) {
+  Surface open = box();
+  open.triangles.pop_back();
+  const std::string message = refusal(open);
+  EXPECT_NE(message.find("expected a closed surface, got 3 open edges, the first from (0, 0, 0"), std::string::npos)
+      << message;
+  // Nothing was changed.
+  EXPECT_EQ(open.vertices.size(), 24u);
+}
+
+TEST(MendSurface, SaysWhereItCrossesItself) {
+  const Surface other = box_surface({0.012, 0.005, 0.002}, {0.018, 0.03, 0.008});
+  for (const Surface& two : {both(box(), other), both(other, box())}) {
+    EXPECT_NE(refusal(two).find("cross each other at (0.01"), std::string::npos) << refusal(two);
+  }
+  // Touching along a face is no crossing.
+  EXPECT_EQ(refusal(both(box(), box_surface({0.004, 0.02, 0.002}, {0.018, 0.03, 0.008}))), "(no error)");
+}
+
+TEST(MendSurface, RefusesWhatBoundsNothing) {
+  EXPECT_NE(refusal({}).find("expected triangles, got none"), std::string::npos);
+  Surface nan = box();
+  nan.vertices[7].y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(refusal(nan).find("at vertex 7"), std::string::npos);
+  Surface beyond = box();
+  beyond.triangles[3][1] = 99;
+  EXPECT_NE(refusal(beyond).find("triangle 3 has vertex 99 of 24"), std::string::npos);
+  // The projective plane of six vertices: closed, and with one side.
+  Surface plane;
+  std::mt19937 bits(1);
+  for (int k = 0; k < 6; ++k) plane.vertices.push_back(0.1 * random_vector(bits, 3));
+  plane.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}, {0, 5, 1},
+                     {1, 2, 4}, {2, 3, 5}, {3, 4, 1}, {4, 5, 2}, {5, 1, 3}};
+  EXPECT_NE(refusal(plane).find("on its other side"), std::string::npos) << refusal(plane);
+  // A wall inside.
+  Surface walled = box();
+  walled.triangles.push_back(walled.triangles[0]);
+  walled.triangles.push_back(walled.triangles[0]);
+  EXPECT_NE(refusal(walled).find("triangles meet at the edge from"), std::string::npos) << refusal(walled);
+}
+
+TEST(MendSurface, SaysASizeThatIsNoOrgans) {
+  const auto note = [](double scale) { return mended(box_surface(Vec3::Zero(), scale * Vec3(1, 1, 1))).notes.at(0); };
+  EXPECT_NE(note(120.0).find("120 m, and no organ's is; if the file is in millimetres, read it with 0.001"),
+            std::string::npos);
+  EXPECT_NE(note(1e-4).find("check the metres per unit"), std::string::npos);
+  const Surface twice = mended(mended(box_surface(Vec3::Zero(), {120, 1, 1})));
+  EXPECT_EQ(twice.notes.size(), 1u);
+  EXPECT_TRUE(mended(box_surface(Vec3::Zero(), {0.9, 0.1, 0.1})).notes.empty());
+}
+
+}  // namespace
+}  // namespace phymul::test
