@@ -68,6 +68,7 @@ Solver& Simulation::Parts::solver() {
     // Nothing is converted yet: the solver is at rest, and its first steps are not known.
     started = Start{.wanted = made->read(), .taken = made->read()};
     warnings = warnings_of(model, scene);
+    warnings.insert(warnings.end(), topology->notes.begin(), topology->notes.end());
     if (options.log) std::ranges::for_each(warnings, options.log);
   }
   return *made;

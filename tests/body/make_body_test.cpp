@@ -53,6 +53,14 @@ TEST(MakeBody, TenShapesHaveGoodCellsAndTheirVolume) {
   }
 }
 
+/// The surface that an organ was filled from shows it: no vertex is far outside of the coarser body.
+TEST(MakeBody, AFinerSurfaceIsASkinOfIt) {
+  const Model fine = make_body(bean(), {.spacing = 0.005}), organ = make_body(bean(), {.spacing = 0.012});
+  const Skin skin(organ, fine.rest);
+  EXPECT_GT(skin.farthest_outside(), 0.0);
+  EXPECT_LT(skin.farthest_outside(), 0.6);
+}
+
 TEST(MakeBody, RandomSmoothShapesHaveGoodCells) {
   for (std::uint32_t seed = 0; seed < 30; ++seed) {
     SCOPED_TRACE(seed);
