@@ -7,14 +7,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "support/gl_forms.h"
+#include "support/gl_block.h"
 
 namespace phymul::test {
 namespace {
 
 class GlTool : public GlBlockTest {};
 
-PHYMUL_IN_ALL_GL_FORMS(GlTool);
+PHYMUL_ON_BOTH_DEVICES(GlTool);
 
 /// Distances of a ball of 3 mm, up to 2 mm from it along the axes: a margin of more is beyond the grid.
 std::shared_ptr<const DistanceGrid> ball_grid() {
@@ -109,7 +109,7 @@ TEST_P(GlTool, AgreesWithTheReferenceAlsoFarFromTheOrigin) {
     tool.pose = above(origin + Vec3(0.014, 0.011, 0.03), M_PI);
     Scene scene(model);
     scene.fix("z0").add_tool("tool", tool);
-    gl::DeviceSolver gl(GetParam().backend, tables, scene, options_);
+    gl::DeviceSolver gl(GetParam(), tables, scene, options_);
     const auto reference = make_solver("reference", tables, scene, options_);
     double largest = 0.0, moved = 0.0, off = 0.0, off_force = 0.0;
     drive(scene.tool("tool"), origin, [&](int) {
@@ -163,34 +163,6 @@ TEST_P(GlTool, BatchesDoneAgainCountOnce) {
   ASSERT_EQ(failed.steps, too.steps);
   failing.expect_same_bits("after the failure");
   expect_same(failing);
-}
-
-TEST_P(GlTool, LateReportsTellOfTheCallBefore) {
-  Scene scene(model_);
-  scene.fix("z0").add_tool("ball",
-                           {.shape = Sphere{0.005}, .pose = {.position = {0.015, 0.01, 0.026}}, .friction = 0.3});
-  const auto at_once = make(scene);
-  options_.gl.late_report = true;
-  const auto late = make(scene);
-  double largest = 0.0;
-  ToolReport before{.pose = scene.tool("ball").target_pose(), .force = {}};
-  for (int k = 0; k < 12; ++k) {
-    if (k < 8) scene.tool("ball").move_to({.position = {0.015, 0.01, 0.026 - 3e-4 * k}});
-    if (k == 8) scene.tool("ball").grasp(5e-4);
-    if (k == 10) scene.tool("ball").release();
-    ASSERT_TRUE(at_once->step(k == 5 ? 300 : 7, dt_).ok());
-    ASSERT_TRUE(late->step(k == 5 ? 300 : 7, dt_).ok());
-    if (k != 5) {  // of the longer call the first batch is known
-      EXPECT_EQ(late->tool_force("ball").force, before.force.force) << k;
-      EXPECT_LE((late->tool_force("ball").mean_force - before.force.mean_force).norm(), 1e-5 * largest) << k;
-      EXPECT_EQ(late->tool_pose("ball"), before.pose) << k;
-    }
-    largest = std::max(largest, at_once->tool_force("ball").mean_force.norm());
-    before = {.pose = at_once->tool_pose("ball"), .force = at_once->tool_force("ball")};
-  }
-  EXPECT_GT(before.force.mean_force.norm(), 0.0);
-  EXPECT_EQ(late->read(), at_once->read());
-  EXPECT_EQ(late->tool_force("ball").force, before.force.force);
 }
 
 TEST_P(GlTool, CopiesAndLostDevicesKnowWhatToolsHold) {
@@ -251,7 +223,7 @@ TEST_P(GlTool, FlatBodiesStayInTheirPlane) {
   scene.add_tool("ball", {.shape = Sphere{0.004}, .pose = {.position = {0.01, 0.023, 0.001}}, .friction = 0.3});
   SolverOptions options = options_;
   options.spectrum = {};
-  const GlTwins twins(tables, scene, options, GetParam().backend);
+  const GlTwins twins(tables, scene, options, GetParam());
   const double dt = 0.3 * twins.gl->stable_step();
   scene.tool("ball").move_to({.position = {0.01, 0.02, 0.001}});
   for (int k = 0; k < 5; ++k) {
