@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Law::particle_averaged on the GL backends: against the float mirror bit by bit where the renderer
-// allows (llvmpipe), and against the double reference.
+// Law::particle_averaged on the GL backends: against the float mirror bit by bit where the renderer allows (llvmpipe),
+// and against the double reference.
 #include <algorithm>
 #include <limits>
 
@@ -14,13 +14,7 @@
 namespace phymul::test {
 namespace {
 
-class GlAveraged : public OnBothDevices {
- protected:
-  static GlTwins twins_of(std::shared_ptr<const TopologyTextures> tables, const Scene& scene,
-                          SolverOptions options = {}) {
-    return {std::move(tables), scene, std::move(options), GetParam()};
-  }
-};
+class GlAveraged : public TwinsOnBothDevices {};
 
 PHYMUL_ON_BOTH_DEVICES(GlAveraged);
 

@@ -10,12 +10,11 @@
 namespace phymul::test {
 namespace {
 
-class GlComputeDevice : public GlTest {
+class GlComputeDevice : public OnCompute {
  protected:
   void SetUp() override {
-    GlTest::SetUp();
+    OnCompute::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_not_here("gl-compute"));
     context_ = gl::Context::open({.debug = true}, GlBackend::compute);
     context_->run([this] { limits_ = gl::ComputeLimits::of_context(); });
   }

@@ -13,13 +13,7 @@
 namespace phymul::test {
 namespace {
 
-class GlEquivalence : public OnBothDevices {
- protected:
-  static GlTwins twins_of(std::shared_ptr<const TopologyTextures> tables, const Scene& scene,
-                          SolverOptions options = {}) {
-    return {std::move(tables), scene, std::move(options), GetParam()};
-  }
-};
+class GlEquivalence : public TwinsOnBothDevices {};
 
 PHYMUL_ON_BOTH_DEVICES(GlEquivalence);
 

@@ -29,6 +29,26 @@ class GlBlockTest : public OnBothDevices {
     return std::make_unique<gl::DeviceSolver>(GetParam(), tables_, scene, options_);
   }
 
+  /// Copies arrive as the state was; a lost device costs what came after the newest. `untouched`: another solver of the
+  /// same scene. Returns the copy.
+  State copy_and_lose(gl::DeviceSolver& solver, Solver& untouched) const {
+    EXPECT_TRUE(solver.step(20, dt_).ok());
+    const State kept = solver.read();
+    solver.request_read();
+    EXPECT_TRUE(solver.step(20, dt_).ok());
+    State copy;
+    while (!solver.collect(copy)) {
+    }
+    EXPECT_EQ(copy, kept);
+    solver.context()->mark_lost();
+    EXPECT_EQ(solver.step(5, dt_).status, StepStatus::device_lost);
+    EXPECT_EQ(solver.read(), kept);
+    EXPECT_TRUE(solver.step(20, dt_).ok());
+    for (int k = 0; k < 2; ++k) EXPECT_TRUE(untouched.step(20, dt_).ok());
+    EXPECT_LE(largest_distance(solver.read().position, untouched.read().position), 1e-9 * body_size(model_));
+    return copy;
+  }
+
   Model model_;
   std::shared_ptr<const TopologyTextures> tables_;
   SolverOptions options_;

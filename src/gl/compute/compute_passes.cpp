@@ -8,8 +8,8 @@
 namespace phymul::gl {
 namespace {
 
-constexpr int lanes = 64;        // of a group where groups are many
-constexpr int sums_a_lane = 4;   // of facets, before they are worth a dispatch of many groups
+constexpr int lanes = 64;       // of a group where groups are many
+constexpr int sums_a_lane = 4;  // of facets, before they are worth a dispatch of many groups
 constexpr int keeping_group = 256;
 
 const ShaderFiles common{"dialect/dialect_compute.glsl", "step/tables.glsl", "dialect/kernel_language.glsl"};

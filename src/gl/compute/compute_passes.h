@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
 // The passes of a step, dispatched: forces of attractors, terms of bases, volumes and domains in one dispatch (bases of
-// the averaged reaction, which read forces, in a second), net force and Verlet in another. Where bodies touch or needles
-// are, another one before it finds where each particle would go by itself, then come the passes of needle_passes.h, of
-// other tools where there are needles, and of contact_passes.h, and the last one ends what those began. Where the scene
-// keeps volumes, sums over their facets and the end of the step are two dispatches more behind it, or three.
+// the averaged reaction, which read forces, in a second), net force and Verlet in another. Where bodies touch or
+// needles are, another one before it finds where each particle would go by itself, then come the passes of
+// needle_passes.h, of other tools where there are needles, and of contact_passes.h, and the last one ends what those
+// began. Where the scene keeps volumes, sums over their facets and the end of the step are two dispatches more behind
+// it, or three.
 #pragma once
 
 #include <deque>
@@ -31,8 +32,8 @@ class ComputePasses {
   /// Before steps of a call.
   void set_constants(const StepConstants& constants);
 
-  /// Step `number` of a batch from the current state to the free pair; `measuring`: what a report tells of the last one.
-  /// Does not advance the state.
+  /// Step `number` of a batch from the current state to the free pair; `measuring`: what a report tells of the last
+  /// one. Does not advance the state.
   void step(const ComputeState& state, int number, bool measuring);
 
   /// A kernel over the body's tables, that knows where everything is.

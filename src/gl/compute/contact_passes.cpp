@@ -34,7 +34,8 @@ ContactPasses::ContactPasses(const ShaderLibrary& library, const ComputeTables& 
     return Kernel(library, std::move(request), group, limits);
   };
   const auto alone = [&](ShaderFiles files) {
-    return compiled(joined({{"dialect/lone_group.glsl", "contact/contact_group.glsl"}, std::move(files)}), group_, true);
+    return compiled(joined({{"dialect/lone_group.glsl", "contact/contact_group.glsl"}, std::move(files)}), group_,
+                    true);
   };
   grid_ = alone({"contact/contact_range.glsl", "contact/contact_grid_kernel.glsl"});
   order_ = compiled({"contact/contact_order_kernel.glsl"}, lanes);

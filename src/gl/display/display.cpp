@@ -61,10 +61,7 @@ struct Objects {
 class GlDisplay final : public Display {
  public:
   GlDisplay(const Model& model, const Solver* solver, const GlOptions& options)
-      : model_(model),
-        solver_(solver),
-        user_(dynamic_cast<const DeviceSolver*>(solver)),
-        options_(options) {
+      : model_(model), solver_(solver), user_(dynamic_cast<const DeviceSolver*>(solver)), options_(options) {
     open();
     try {
       if (!solver) show(model.rest, {});
@@ -89,7 +86,8 @@ class GlDisplay final : public Display {
   void draw(const Camera& camera, const DisplayOptions& options, int x, int y, int width, int height) override {
     if (options_.context != GlContext::current) {
       throw Error(
-          "Display::draw: draws into the caller's framebuffer, so the display must be made with GlContext::current; this "
+          "Display::draw: draws into the caller's framebuffer, so the display must be made with GlContext::current; "
+          "this "
           "one has a context of its own, where render() makes pictures");
     }
     with_placement(options.attractors, [&](const Placement& placement) {
@@ -197,7 +195,7 @@ class GlDisplay final : public Display {
   }
 
   const Model& model_;
-  const Solver* solver_;     // null: show() gives the positions
+  const Solver* solver_;      // null: show() gives the positions
   const DeviceSolver* user_;  // the same, where it is one of src/gl
   const GlOptions options_;
   std::shared_ptr<Context> context_;

@@ -9,7 +9,8 @@ namespace phymul::gl {
 
 FragmentContactPasses::FragmentContactPasses(const ShaderLibrary& library) {
   using Defines = std::vector<std::pair<std::string, int>>;
-  const ShaderFiles common{"dialect/dialect_fragment.glsl", "dialect/kernel_language.glsl", "contact/contact_surfaces.glsl"};
+  const ShaderFiles common{"dialect/dialect_fragment.glsl", "dialect/kernel_language.glsl",
+                           "contact/contact_surfaces.glsl"};
   const auto compiled = [&](ShaderFiles files, Defines defines = {}) {
     return Pass(library, {.files = joined({common, std::move(files)}), .defines = std::move(defines)});
   };

@@ -6,9 +6,10 @@
 //   volumes    forces of a volume on its vertices           bodies with a volume energy
 //   domains    stress of a neighbourhood                    the particle-averaged law
 //   step       net force and Verlet
-// With tools the last is two (reaction, Verlet), as what they feel is a pass between them. Where bodies touch, the step opens with a pass of its own, free; then come those of fragment_contact_passes.h, and the step's end.
-// Where the scene keeps volumes, that is drawn aside, and passes follow it: which way their particles go, sums over
-// facets, how far, and the end of the step.
+// With tools the last is two (reaction, Verlet), as what they feel is a pass between them. Where bodies touch, the step
+// opens with a pass of its own, free; then come those of fragment_contact_passes.h, and the step's end. Where the scene
+// keeps volumes, that is drawn aside, and passes follow it: which way their particles go, sums over facets, how far,
+// and the end of the step.
 #pragma once
 
 #include <deque>

@@ -40,7 +40,7 @@ class FragmentTools {
   std::array<std::array<Texture, 2>, 2> sums_;  // [turn]: forces, torques; a pass reads one and writes the other
   std::array<Texture, 2> last_;
   std::array<Framebuffer, 2> targets_;
-  int turn_ = 0;  // of the newest
+  int turn_ = 0;     // of the newest
   Reduction added_;  // forces, torques, and both of the last step
 };
 

@@ -36,7 +36,7 @@ struct ContactConstants {
   }
 
   ContactOptions options;
-  int particles, bodies;  ///< of the surfaces; with triangles
+  int particles, bodies;               ///< of the surfaces; with triangles
   double longest_edge, largest_skins;  // m
 };
 
