@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The mirror's forces and energies in float (mirror_forces.h) against those in double: within the rounding bound, and
-// nothing at all at rest. The vector kernels of the backend "cpu" are tested in tests/cpu.
+// The mirror's forces in float (mirror_forces.h) against those in double: within the rounding bound, and nothing at all
+// at rest. The vector kernels of the backend "cpu" are tested in tests/cpu.
 #include <gtest/gtest.h>
 
 #include <iostream>
