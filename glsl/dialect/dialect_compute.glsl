@@ -15,9 +15,7 @@
 #define SEEN_BY_ALL
 #endif
 
-#ifdef OWN_BLOCK  // reads no constants, and has a block of its own: OpenGL ES 3.1 promises four
-#undef HEIGHTS_APART
-#else
+#ifndef OWN_BLOCK  // else it reads no constants, and has a block of its own: OpenGL ES 3.1 promises four
 layout(std430, binding = 0) readonly buffer ConstantRows {
   ivec4 constant_rows[];
 };
@@ -38,11 +36,6 @@ layout(std430, binding = 2) SEEN_BY_ALL buffer ChangingRows {
 layout(std430, binding = 3) LOAD_ACCESS buffer LoadRows {
   ivec4 load_rows[];
 };
-#ifdef HEIGHTS_APART
-layout(std430, binding = 4) readonly buffer HeightRows {
-  ivec4 height_rows[];
-};
-#endif
 
 #define TABLE_FLOATS(table, place) uniform int place
 #define TABLE_INTS(table, place) uniform int place
@@ -64,11 +57,6 @@ ivec2 word_pair(int first) {
 #define fetch_ivec4(table, place, row) constant_rows[place + (row)]
 #define fetch_ivec2(table, place, row) word_pair(place + 2 * (row))
 #define fetch_int(table, place, row) constant_words[place + (row)]
-#ifdef HEIGHTS_APART
-#define fetch_height(table, place, row) intBitsToFloat(height_rows[row])
-#else
-#define fetch_height(table, place, row) fetch_vec4(table, place, row)
-#endif
 #define fetch_changing(table, place, row) intBitsToFloat(changing_rows[place + (row)])
 #define fetch_layer(table, place, row, layer) intBitsToFloat(changing_rows[place + 4 * (row) + (layer)])
 #define fetch_load_vec4(table, place, row) intBitsToFloat(load_rows[place + (row)])

@@ -34,7 +34,6 @@ ivec2 texel_of(int row, int log2_width) {
 #define fetch_ivec4(table, place, row) texelFetch(table, texel_of(row, place), 0)
 #define fetch_ivec2(table, place, row) texelFetch(table, texel_of(row, place), 0).xy
 #define fetch_int(table, place, row) texelFetch(table, texel_of(row, place), 0).x
-#define fetch_height(table, place, row) fetch_vec4(table, place, row)
 #define fetch_changing(table, place, row) fetch_vec4(table, place, row)
 #define fetch_layer(table, place, row, layer) texelFetch(table, ivec3(texel_of(row, place), layer), 0)
 #define fetch_load_vec4(table, place, row) fetch_vec4(table, place, row)

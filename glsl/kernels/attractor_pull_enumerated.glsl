@@ -30,7 +30,7 @@ vec3 attractor_pull(int i, vec3 u_i) {
       vec3 d1 = neighbour_displaced(k) - u_j;
       vec3 E1 = neighbour_edge(k) - X_j;
       for (int l = k + ROW_STRIDE; l < near.y; l += ROW_STRIDE) {
-        if (lane == 0) heights = fetch_height(height, height_place, row);
+        if (lane == 0) heights = fetch_vec4(height, height_place, row);
         float weighted = lane == 0 ? heights.x : lane == 1 ? heights.y : lane == 2 ? heights.z : heights.w;
         row += lane == 3 ? ROW_STRIDE : 0;
         lane = (lane + 1) & 3;

@@ -71,8 +71,3 @@ KERNEL void base_reaction_2d(DeltaBase base, real lambda_b, real beta, real3 F, 
   on_b = -(lambda_b * F + real3(G.y, -G.x, literal(0.0f)));
   on_a = -(F + on_b);
 }
-
-// J, of a pull of stiffness k
-KERNEL real pull_energy(real k, real3 pull) {
-  return literal(0.5f) * k * inner_product(pull, pull);
-}

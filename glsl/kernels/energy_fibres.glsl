@@ -17,11 +17,3 @@ KERNEL Columns energy_stress(Columns H, real p[energy_constants]) {
   Columns P = plus(shape_stress(H, change, p[0]), volume_stress(change, p[1]));
   return plus_outer(P, tension * (a + stretched), a);
 }
-
-KERNEL real energy_density(Columns H, real p[energy_constants]) {
-  Change change = change_of(H);
-  real3 a = real3(p[3], p[4], p[5]);
-  real e = fibre_strain(a, times(H, a));
-  return shape_density(H, change, p[0]) + p[1] * volume_energy_density(volume_change(change)) +
-         literal(0.125f) * p[2] * e * e;
-}

@@ -33,17 +33,3 @@ KERNEL Columns energy_stress(Columns H, real p[energy_constants]) {
   P = plus(P, scaled(literal(0.6666667f) * of.below * share, plus_identity(H)));
   return plus(scaled(p[0] * (of.root * of.root), P), scaled(p[1] * volume_pressure(of.change) - literal(6.2f) * p[0] * of.below, cof));
 }
-
-KERNEL real energy_density(Columns H, real p[energy_constants]) {
-  Change change = change_of(H);
-  Dilatation of = dilatation(change);
-  real one = literal(1.0f);
-  real r = of.root;
-  // g(b) - 1 = r^2 - 1, from r^3 b = 1.
-  real g = -(r * r * r * (of.change + of.below)) * (one + r) * (one / (one + r + r * r));
-  real below = literal(0.6666667f) * (g + one) * of.below * (one / of.base);
-  real I1 = literal(2.0f) * change.trace + squared_norm(H);  // - 3
-  real three = literal(3.0f);
-  real isochoric = literal(0.5f) * (I1 + (g + below) * (three + I1)) + literal(3.1f) * of.below * of.below;
-  return p[0] * isochoric + p[1] * volume_energy_density(of.change);
-}

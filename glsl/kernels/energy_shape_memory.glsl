@@ -8,8 +8,3 @@ KERNEL Columns energy_stress(Columns H, real p[energy_constants]) {
   Change change = change_of(H);
   return plus(shape_stress(H, change, p[0]), volume_stress(change, p[1]));
 }
-
-KERNEL real energy_density(Columns H, real p[energy_constants]) {
-  Change change = change_of(H);
-  return shape_density(H, change, p[0]) + p[1] * volume_energy_density(volume_change(change));
-}

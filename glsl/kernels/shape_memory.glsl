@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// The energy density of the shape-memory model at F = I + H: c W(F), Pa, with
+// The shape-memory model at F = I + H, of energy density c W(F), Pa, with
 //   W = 1/2 sum of weight |n_m(F) - F m|^2 over seven unit vectors m,  n_m(F) = cof(F) m / |cof(F) m|
-// (src/elastic/energy_density.h), and its derivative by F. Exactly 0 at H = 0. Needs columns.glsl.
+// (src/elastic/energy_density.h): its derivative by F. Exactly 0 at H = 0. Needs columns.glsl.
 
 // Of a direction m, which need not be a unit vector; norm = 1 / |m|^2.
 struct Direction {
@@ -68,12 +68,4 @@ KERNEL Columns shape_stress(Columns H, Change change, real c) {
                       cross_product(A.c2, F.c0) + cross_product(F.c2, A.c0),
                       cross_product(A.c0, F.c1) + cross_product(F.c0, A.c1));
   return scaled(c, minus(P, R));
-}
-
-KERNEL real shape_density(Columns H, Change change, real c) {
-  Directions d = directions(H, change.cof);
-  real diagonals = inner_product(d.a.r, d.a.r) + inner_product(d.b.r, d.b.r) + inner_product(d.c.r, d.c.r) +
-                   inner_product(d.d.r, d.d.r);
-  real axes = inner_product(d.x.r, d.x.r) + inner_product(d.y.r, d.y.r) + inner_product(d.z.r, d.z.r);
-  return c * (literal(0.025f) * diagonals + literal(0.06666667f) * axes);
 }

@@ -17,10 +17,3 @@ KERNEL real3 spring_force(real3 R, real3 d, real k) {
   real zero = literal(0.0f);
   return select(length_now > literal(0.0f), tension * r, real3(zero, zero, zero));
 }
-
-// J
-KERNEL real spring_energy(real3 R, real3 d, real k) {
-  real3 r = R + d;
-  real stretch = spring_stretch(R, d, r, square_root(inner_product(r, r)));
-  return literal(0.5f) * k * stretch * stretch;
-}

@@ -12,13 +12,6 @@ KERNEL real volume_pressure(real change) {
   return change * inverse_root(literal(1.0f) + x * x);
 }
 
-// U(J)
-KERNEL real volume_energy_density(real change) {
-  if (!bounded_volume) return literal(0.5f) * change * change;
-  real x = change * literal(2.5f);
-  return change * change * (literal(1.0f) / (literal(1.0f) + square_root(literal(1.0f) + x * x)));
-}
-
 // The derivative of stiffness * U(det F) by F.
 KERNEL Columns volume_stress(Change change, real stiffness) {
   return scaled(stiffness * volume_pressure(volume_change(change)), plus_identity(change.cof));

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
 // Per domain of the particle-averaged law: the first Piola stress of its mean deformation, less the stabiliser's part,
-// Pa, by columns. The fourth components are the force of its spread on its particle, N. With ENERGY the domain's energy,
-// J, in place of them. Needs tables.glsl and an energy of kernels/.
+// Pa, by columns. The fourth components are the force of its spread on its particle, N. Needs tables.glsl and an energy
+// of kernels/.
 
-#ifdef ENERGY
-RESULT(0, vec4, energy);
-#else
 RESULT(0, vec4, domain_column_0);
 RESULT(1, vec4, domain_column_1);
 RESULT(2, vec4, domain_column_2);
-#endif
 
 void domain_row(int d) {
   ivec4 rows = fetch_ivec4(domain_range, domain_range_place, d);
@@ -22,21 +18,13 @@ void domain_row(int d) {
   vec3 u_d = displaced(owner_of(d));
   Columns H = Columns(vec3(0.0), vec3(0.0), vec3(0.0));  // F - I
   vec3 spread = vec3(0.0);
-  float spread_energy = 0.0;
   for (int row = rows.x; row < rows.z; row += ROW_STRIDE) {
     vec4 to_neighbour = fetch_vec4(link, link_place, row);
     vec3 apart = displaced(owner_of(fetch_int(link_domain, link_domain_place, row))) - u_d;
     H = plus_outer(H, apart, to_neighbour.xyz);
     spread = spread + to_neighbour.w * apart;
-#ifdef ENERGY
-    spread_energy = spread_energy + 0.25 * to_neighbour.w * inner_product(apart, apart);  // half a link, from this side
-#endif
   }
   H = scaled(law.x, H);
-#ifdef ENERGY
-  float density = energy_density(H, p) - 0.5 * law.y * squared_norm(H);
-  energy = vec4(law.x > 0.0 ? density / law.x + spread_energy : 0.0, 0.0, 0.0, 0.0);
-#else
   Columns Q = minus(energy_stress(H, p), scaled(law.y, H));
 #if DIMENSION == 2  // nothing leaves the plane, not even by rounding
   Q.c0.z = 0.0;
@@ -45,7 +33,6 @@ void domain_row(int d) {
   domain_column_0 = vec4(Q.c0, spread.x);
   domain_column_1 = vec4(Q.c1, spread.y);
   domain_column_2 = vec4(Q.c2, spread.z);
-#endif
 }
 
 PASS_MAIN(domain_row)

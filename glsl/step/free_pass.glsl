@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
 // Per particle, where it would go by itself and by the tools that touch it; nothing moves yet: free_kernel.glsl, drawn.
-// Gathers the net force itself, or with FOUR_PASSES takes what reaction_pass.glsl wrote. Needs free_step.glsl and, where
+// Gathers the net force itself, or with NET_APART takes what reaction_pass.glsl wrote. Needs free_step.glsl and, where
 // TOOLS is defined, touch_tools.glsl, whose reactions tools_pass.glsl tells.
 
-#ifdef FOUR_PASSES
+#ifdef NET_APART
 STORED(net, net_place);
 #endif
 
@@ -18,7 +18,7 @@ void free_row(int i) {
   vec3 before = displaced(i);
   vec3 u = before;
   vec3 v = fetch_changing(velocity, velocity_place, i).xyz;
-#ifdef FOUR_PASSES
+#ifdef NET_APART
   force_sum = fetch_changing(net, net_place, i);
 #else
   force_sum = net_force(i);

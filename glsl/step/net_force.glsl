@@ -9,7 +9,7 @@ uniform float largest_acceleration;  // m/s^2: elastic force over mass is cut to
 #endif
 OF_STEP(int, instant);  // whose values act on the step: of its old time; the next are of its new time
 
-vec3 own_force(int i) {
+vec3 elastic_force(int i) {
   vec3 F = vec3(0.0);
 #ifdef ATTRACTORS
   F = force_of(i);
@@ -18,11 +18,6 @@ vec3 own_force(int i) {
   ivec2 own = base_rows(i);
   for (int t = own.x; t < own.y; t += ROW_STRIDE) F = F + base_term(t, 3);
 #endif
-  return F;
-}
-
-vec3 elastic_force(int i) {
-  vec3 F = own_force(i);
 #ifdef SHARES
   ivec2 giving = reaction_rows(i);
   for (int row = giving.x; row < giving.y; row += ROW_STRIDE) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Per particle, the net force, N: the third of the thesis' four passes. Needs net_force.glsl.
+// Per particle, the net force, N, where several passes need it. Needs net_force.glsl.
 
 RESULT(0, vec4, net_result);
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// Per particle, Verlet's step. Gathers the net force itself, or with FOUR_PASSES takes what reaction_pass.glsl wrote.
+// Per particle, Verlet's step. Gathers the net force itself, or with NET_APART takes what reaction_pass.glsl wrote.
 // Needs net_force.glsl, free_step.glsl, measure_step.glsl and, where TOOLS is defined, touch_tools.glsl. Where PUSHED is
 // defined it ends what free_kernel.glsl or free_pass.glsl began, tools included, and needs pushed_tables.glsl. Where
 // KEPT_VOLUMES is defined it leaves what kept_step_pass.glsl ends: displacement, 1 where a force was cut; velocity; acceleration.
 
-#ifdef FOUR_PASSES
+#ifdef NET_APART
 STORED(net, net_place);
 #endif
 
@@ -15,7 +15,7 @@ void step_row(int i) {
   vec4 inertia = fetch_vec4(particle, particle_place, i);
 #ifdef PUSHED
   vec4 F = fetch_load_vec4(pushed_force, pushed_force_place, i);
-#elif defined(FOUR_PASSES)
+#elif defined(NET_APART)
   vec4 F = fetch_changing(net, net_place, i);
 #else
   vec4 F = net_force(i);

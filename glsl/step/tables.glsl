@@ -23,7 +23,6 @@ TABLE_FLOATS(domain_law, domain_law_place);      // LAW_TEXELS a domain: 1/V, s 
 TABLE_INTS(domain_owner, domain_owner_place);    // particle; only with SEVERAL_DOMAINS
 TABLE_INTS(link_domain, link_domain_place);      // e
 TABLE_FLOATS(link, link_place);                  // area, stiffness
-TABLE_FLOATS(rest, rest_place);                  // X_i from the middle, m
 uniform int volume_start, spring_start;  // first rows of their entries
 
 CHANGING(displacement, displacement_place);      // u_i = x_i - X_i, m

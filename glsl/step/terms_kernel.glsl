@@ -1,43 +1,84 @@
 // SPDX-License-Identifier: MIT
 //
 // One dispatch over the rows of all passes before the step that do not need each other, whole groups each. Needs
-// store_terms.glsl.
+// tables.glsl and the passes asked for.
 
 layout(local_size_x = GROUP) in;
 
 uniform int pair;
 uniform int attractor_groups, base_groups, volume_groups;  // the rest are of domains
+uniform int base_rows_count, volume_count, domain_count;
+
+#ifdef ATTRACTOR_ROWS
+void store_attractor(int i) {
+  if (i >= particle_count) return;
+  attractor_row(i);
+  changing_rows[force_place + i] = floatBitsToInt(attractor_result);
+}
+#endif
+
+#ifdef BASE_ROWS
+void store_base(int t) {
+  if (t >= base_rows_count || fetch_ivec4(bases, bases_place, t).x < 0) return;  // fills up a slice
+  base_row(t);
+  int at = base_terms_place + 4 * t;
+  changing_rows[at] = floatBitsToInt(base_on_a);
+  changing_rows[at + 1] = floatBitsToInt(base_on_b);
+  changing_rows[at + 2] = floatBitsToInt(base_on_c);
+#ifndef AVERAGED
+  changing_rows[at + 3] = floatBitsToInt(base_on_owner);
+#endif
+}
+#endif
+
+#ifdef VOLUME_ROWS
+void store_volume(int row) {
+  if (row >= volume_count) return;
+  volume_row(row);
+  int at = volume_terms_place + 4 * row;
+  changing_rows[at] = floatBitsToInt(volume_on_a);
+  changing_rows[at + 1] = floatBitsToInt(volume_on_b);
+  changing_rows[at + 2] = floatBitsToInt(volume_on_c);
+  changing_rows[at + 3] = floatBitsToInt(volume_on_d);
+}
+#endif
+
+#ifdef DOMAIN_ROWS
+void store_domain(int d) {
+  if (d >= domain_count || fetch_ivec4(domain_range, domain_range_place, d).x < 0) return;  // fills up a slice
+  domain_row(d);
+  int at = domain_terms_place + 4 * d;
+  changing_rows[at] = floatBitsToInt(domain_column_0);
+  changing_rows[at + 1] = floatBitsToInt(domain_column_1);
+  changing_rows[at + 2] = floatBitsToInt(domain_column_2);
+}
+#endif
 
 void main() {
   displacement_place = pair_place(pair);
-  int group = own_group();
-  int lane = int(gl_LocalInvocationID.x);
+  int row = own_group() * GROUP + int(gl_LocalInvocationID.x);
 #ifdef ATTRACTOR_ROWS
-  if (group < attractor_groups) {
-    int i = group * GROUP + lane;
-    if (i < particle_count) store_attractor(i);
+  if (row < attractor_groups * GROUP) {
+    store_attractor(row);
     return;
   }
-  group -= attractor_groups;
+  row -= attractor_groups * GROUP;
 #endif
 #ifdef BASE_ROWS
-  if (group < base_groups) {
-    int t = group * GROUP + lane;
-    if (t < base_rows_count) store_base(t);
+  if (row < base_groups * GROUP) {
+    store_base(row);
     return;
   }
-  group -= base_groups;
+  row -= base_groups * GROUP;
 #endif
 #ifdef VOLUME_ROWS
-  if (group < volume_groups) {
-    int row = group * GROUP + lane;
-    if (row < volume_count) store_volume(row);
+  if (row < volume_groups * GROUP) {
+    store_volume(row);
     return;
   }
-  group -= volume_groups;
+  row -= volume_groups * GROUP;
 #endif
 #ifdef DOMAIN_ROWS
-  int d = group * GROUP + lane;
-  if (d < domain_count) store_domain(d);
+  store_domain(row);
 #endif
 }

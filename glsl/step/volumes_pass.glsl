@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// Per volume row (2-D: area), the forces on its vertices. With ENERGY its energy, J, in place of them.
-// Needs tables.glsl and volume.glsl.
+// Per volume row (2-D: area), the forces on its vertices. Needs tables.glsl and volume.glsl.
 
-#ifdef ENERGY
-RESULT(0, vec4, energy);
-#else
 RESULT(0, vec4, volume_on_a);
 RESULT(1, vec4, volume_on_b);
 RESULT(2, vec4, volume_on_c);
 RESULT(3, vec4, volume_on_d);
-#endif
 
 void volume_row(int row) {
   ivec4 vertex = fetch_ivec4(volume, volume_place, row);
@@ -23,14 +18,6 @@ void volume_row(int row) {
   vec3 E3 = fetch_vec4(volume_e3, volume_e3_place, row).xyz;
   vec3 d3 = displaced(vertex.w) - u_a;
 #endif
-#ifdef ENERGY
-#if DIMENSION == 2
-  float change = triangle_change(e1.xyz, e2.xyz, d1, d2, e1.w);
-#else
-  float change = tetrahedron_change(e1.xyz, e2.xyz, E3, d1, d2, d3, e1.w);
-#endif
-  energy = vec4(e2.w * volume_energy_density(change), 0.0, 0.0, 0.0);
-#else
   vec3 a, b, c, d;
 #if DIMENSION == 2
   triangle_area_forces(e1.xyz, e2.xyz, d1, d2, e1.w, e2.w, a, b, c);
@@ -42,7 +29,6 @@ void volume_row(int row) {
   volume_on_b = vec4(b, 0.0);
   volume_on_c = vec4(c, 0.0);
   volume_on_d = vec4(d, 0.0);
-#endif
 }
 
 PASS_MAIN(volume_row)

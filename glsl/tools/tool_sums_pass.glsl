@@ -6,7 +6,7 @@ STORED(forces, forces_place);
 STORED(torques, torques_place);
 STORED(last_forces, last_forces_place);
 STORED(last_torques, last_torques_place);
-uniform int source_count, sum_count;  // rows a tool: of these, and of what is drawn
+uniform int source_count, result_count;  // rows a tool: of these, and of what is drawn
 
 RESULT(0, vec4, force_sum);
 RESULT(1, vec4, torque_sum);
@@ -14,8 +14,8 @@ RESULT(2, vec4, last_force);
 RESULT(3, vec4, last_torque);
 
 void sum_row(int row) {
-  int tool = row / sum_count;
-  int first = ROWS_TO_ONE * (row - tool * sum_count);
+  int tool = row / result_count;
+  int first = ROWS_TO_ONE * (row - tool * result_count);
   int end = min(first + ROWS_TO_ONE, source_count);
   force_sum = vec4(0.0);
   torque_sum = vec4(0.0);

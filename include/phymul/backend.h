@@ -91,6 +91,10 @@ class SolverBackend : public Solver {
   /// Throws Error if the snapshot has parts; for backends that have none.
   void refuse_parts(const Snapshot& snapshot) const;
 
+  /// Energy of a state under the scene as it is now, in double precision. Its velocities are those of half a step
+  /// before; last_dt, s: of the step it came by, 0: none.
+  Energy energy_of(const State& state, double last_dt) const;
+
   LoadFrame& frame() { return frame_; }                  ///< prepared; a backend evaluates it at the time of each step
   const LoadFrame& frame() const { return frame_; }      ///< of the scene as the last step or reset saw it
   Profile* profiling() const { return profile_.get(); }  ///< null unless SolverOptions::profile

@@ -121,26 +121,7 @@ class ReferenceSolver final : public SolverBackend {
   std::string do_device() const override { return "one processor core, double precision"; }
   ParticleBuffer do_position_buffer() const override { return {.position = state_.position}; }
 
-  Energy do_energy() const override {
-    LoadFrame now;  // not frame(): the scene may have changed since the last step
-    scene().prepare(now);
-    scene().evaluate(state_.time, now);
-    Energy energy;
-    energy.elastic = elastic_energy(topology(), state_.position);
-    VecList force(state_.position.size());
-    elastic_forces(topology(), state_.position, force);
-    for (Index i = 0; i < topology().particle_count; ++i) {
-      const double m = topology().mass[i];
-      const Vec3& before = state_.velocity[i];
-      Vec3 after = before + last_dt_ * acceleration(i, force[i], now);
-      for (int axis = 0; axis < 3; ++axis) {
-        if (fixed(i, axis, now)) after[axis] = before[axis];
-      }
-      energy.kinetic += 0.5 * m * before.dot(after);
-      energy.gravity -= m * now.gravity.dot(state_.position[i] - topology().rest[i]);
-    }
-    return energy;
-  }
+  Energy do_energy() const override { return energy_of(state_, last_dt_); }
 
   static bool fixed(Index i, int axis, const LoadFrame& loads) {
     return !loads.fixed.empty() && (loads.fixed[i] >> axis & 1) != 0;

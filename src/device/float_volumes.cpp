@@ -57,7 +57,6 @@ void fill_around(FloatVolumes& tables) {
   for (std::size_t i = 0; i < count.size(); ++i) {
     tables.ranges[i][0] = tables.ranges[i][1] = first;
     first += count[i];
-    tables.most_around = std::max(tables.most_around, count[i]);
   }
   tables.around.resize(static_cast<std::size_t>(first));
   for (std::size_t row = 0; row < tables.facets.size(); ++row) {

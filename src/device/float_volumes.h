@@ -35,7 +35,6 @@ struct FloatVolumes {
   /// level before; the last level has one for each volume.
   std::vector<Int4> nodes;
   std::vector<Int4> levels;  ///< first and end node, 0, 0
-  Index most_around = 0;     ///< facets at a particle
 
   bool empty() const { return laws.empty(); }
   int count() const { return static_cast<int>(laws.size() / law_rows); }

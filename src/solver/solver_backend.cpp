@@ -197,6 +197,27 @@ const char* SolverBackend::do_cannot() const {
   return scene_->contacts() ? no_contacts : nullptr;
 }
 
+Energy SolverBackend::energy_of(const State& state, double last_dt) const {
+  LoadFrame now;  // not frame_: the scene may have changed since the last step
+  scene_->prepare(now);
+  scene_->evaluate(state.time, now);
+  VecList force(state.position.size());
+  elastic_forces(*topology_, state.position, force);
+  Energy energy;
+  energy.elastic = elastic_energy(*topology_, state.position);
+  for (Index i = 0; i < topology_->particle_count; ++i) {
+    const double m = topology_->mass[i];
+    if (!now.force.empty()) force[i] += now.force[i];
+    Vec3 a = force[i] / m + now.gravity;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!now.fixed.empty() && (now.fixed[i] >> axis & 1) != 0) a[axis] = 0.0;
+    }
+    energy.kinetic += 0.5 * m * state.velocity[i].dot(state.velocity[i] + last_dt * a);
+    energy.gravity -= m * now.gravity.dot(state.position[i] - topology_->rest[i]);
+  }
+  return energy;
+}
+
 Momentum SolverBackend::do_momentum(const Vec3& about) const {
   const State state = read();
   return {linear_momentum(model(), state), angular_momentum(model(), state, about)};

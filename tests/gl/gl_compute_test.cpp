@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The backend "gl-compute" by itself: its ways of cutting a step, its buffer's rows that are nobody's, the driver's
-// limits, what it tells of its steps and hands out.
+// The backend "gl-compute" by itself: its buffer's rows that are nobody's, the driver's limits, what it
+// tells of its steps and hands out.
 #include "gl/compute/compute_device.h"
 #include "gl/objects/loop_turns.h"
 #include "support/gl_twins.h"
@@ -10,12 +10,11 @@
 namespace phymul::test {
 namespace {
 
-class GlComputeDevice : public GlTest {
+class GlComputeDevice : public OnCompute {
  protected:
   void SetUp() override {
-    GlTest::SetUp();
+    OnCompute::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_not_here("gl-compute"));
     context_ = gl::Context::open({.debug = true}, GlBackend::compute);
     context_->run([this] { limits_ = gl::ComputeLimits::of_context(); });
   }
@@ -25,11 +24,8 @@ class GlComputeDevice : public GlTest {
   gl::ComputeLimits limits_;
 };
 
-constexpr std::array all_forms{GlCompute::store, GlCompute::workgroup};
-
-SolverOptions options_of(GlCompute form) {
+SolverOptions options_of_tests() {
   SolverOptions options;
-  options.gl.compute = form;
   options.gl.debug = true;
   options.damping.factor = 0.99;
   options.on_unstable = UnstableStep::allow;
@@ -42,7 +38,7 @@ Model soft_block() {
   return model;
 }
 
-TEST_F(GlComputeDevice, EveryFormHasTheBitsOfTheFragmentBackend) {
+TEST_F(GlComputeDevice, HasTheBitsOfTheFragmentBackend) {
   for (const Variant& variant : all_variants()) {
     for (const Body& body :
          {Body{"block", make_block({0.03, 0.02, 0.02}, 3, 2, 2, 14)}, Body{"strip", make_strip(0.04, 0.02, 4, 2)}}) {
@@ -51,39 +47,32 @@ TEST_F(GlComputeDevice, EveryFormHasTheBitsOfTheFragmentBackend) {
       Scene scene(model);
       scene.fix("x0").gravity({0, -9.81, 0});
       const auto tables = tables_of(model, variant.options);
-      SolverOptions options = options_of(GlCompute::automatic);
+      SolverOptions options = options_of_tests();
       options.spectrum = estimate_spectrum(*tables, tables->rest);
       gl::DeviceSolver drawn(GlBackend::fragment, tables, scene, options);
       const State start = random_state(model, 0.05, 0.0, 3);
       const double dt = 0.2 * drawn.stable_step();
       drawn.reset(start);
       const StepReport expected = drawn.step(20, dt);  // some run away: the quadratic volume law
-      for (const GlCompute form : all_forms) {
-        SCOPED_TRACE(static_cast<int>(form));
-        options.gl.compute = form;
-        gl::DeviceSolver dispatched(GlBackend::compute, tables, scene, options);
-        dispatched.reset(start);
-        const StepReport report = dispatched.step(20, dt);
-        EXPECT_EQ(report.steps, expected.steps);
-        if (same_bits_expected()) {
-          EXPECT_EQ(difference(dispatched.read(), drawn.read()), "");
-          EXPECT_EQ(report.residual, expected.residual);
-        }
-        EXPECT_LE(largest_distance(dispatched.read().position, drawn.read().position), 1e-5 * body_size(model));
+      gl::DeviceSolver dispatched(GlBackend::compute, tables, scene, options);
+      dispatched.reset(start);
+      const StepReport report = dispatched.step(20, dt);
+      EXPECT_EQ(report.steps, expected.steps);
+      if (same_bits_expected()) {
+        EXPECT_EQ(difference(dispatched.read(), drawn.read()), "");
+        EXPECT_EQ(report.residual, expected.residual);
       }
+      EXPECT_LE(largest_distance(dispatched.read().position, drawn.read().position), 1e-5 * body_size(model));
     }
   }
 }
 
 /// A device over a body, in a context of the test's own.
 struct OwnDevice {
-  OwnDevice(const Model& model, const Scene& scene, const TopologyOptions& topology, GlCompute form,
-            const gl::ComputeLimits& limits, BaseLayout layout = BaseLayout::table) {
+  OwnDevice(const Model& model, const Scene& scene, const TopologyOptions& topology, const gl::ComputeLimits& limits) {
     const auto tables = tables_of(model, topology);
-    const bool counted = layout == BaseLayout::enumerated;
-    slices = pack_slices(pack_floats(*tables, counted ? FloatLayout::enumerated : FloatLayout::table), *tables);
-    device = std::make_unique<gl::ComputeDevice>(slices, scene, no_tools, gl::ShaderLibrary("", is_es()),
-                                                 gl::choose_form(form, slices, false), limits);
+    slices = pack_slices(pack_floats(*tables), *tables);
+    device = std::make_unique<gl::ComputeDevice>(slices, scene, no_tools, gl::ShaderLibrary("", is_es()), limits);
     dt = 0.2 * stable_step(estimate_spectrum(*tables, tables->rest), 1.0);
   }
   static bool is_es() { return gl::read_context_info().es; }
@@ -105,12 +94,12 @@ struct OwnDevice {
 };
 
 TEST_F(GlComputeDevice, NobodysPlacesAreUntouchedAndUnread) {
-  const auto compare = [&](const Model& model, const TopologyOptions& topology, GlCompute form) {
+  const auto compare = [&](const Model& model, const TopologyOptions& topology) {
     Scene scene(model);
     scene.fix("x0").gravity({0, 0, -9.81});
     context_->run([&] {
-      const OwnDevice plain(model, scene, topology, form, limits_);
-      const OwnDevice spoilt(model, scene, topology, form, limits_);
+      const OwnDevice plain(model, scene, topology, limits_);
+      const OwnDevice spoilt(model, scene, topology, limits_);
       const std::int64_t places = spoilt.slices.place_count(), particles = model.particle_count();
       ASSERT_GT(places, particles) << "no place is nobody's";
       const State start = random_state(model, 0.05, 0.1, 9);
@@ -140,11 +129,8 @@ TEST_F(GlComputeDevice, NobodysPlacesAreUntouchedAndUnread) {
       }
     });
   };
-  for (const GlCompute form : all_forms) {
-    SCOPED_TRACE(static_cast<int>(form));
-    compare(soft_block(), {}, form);
-    compare(jittered_block(), {.volume_stiffness = 50.0}, form);
-  }
+  compare(soft_block(), {});
+  compare(jittered_block(), {.volume_stiffness = 50.0});
 }
 
 TEST_F(GlComputeDevice, GroupsMayFormARectangle) {
@@ -154,8 +140,8 @@ TEST_F(GlComputeDevice, GroupsMayFormARectangle) {
   gl::ComputeLimits narrow = limits_;
   narrow.groups_across = 3;
   context_->run([&] {
-    const OwnDevice line(model, scene, {}, GlCompute::store, limits_);
-    const OwnDevice rectangle(model, scene, {}, GlCompute::store, narrow);
+    const OwnDevice line(model, scene, {}, limits_);
+    const OwnDevice rectangle(model, scene, {}, narrow);
     const State start = random_state(model, 0.05, 0.1, 9);
     for (const OwnDevice* own : {&line, &rectangle}) {
       own->device->write(model.rest, start);
@@ -167,32 +153,9 @@ TEST_F(GlComputeDevice, GroupsMayFormARectangle) {
     EXPECT_EQ(line.device->report().max_force, rectangle.device->report().max_force);
   });
   narrow.groups_down = 1;
-  const std::string message =
-      message_of([&] { context_->run([&] { OwnDevice(model, scene, {}, GlCompute::store, narrow); }); });
+  const std::string message = message_of([&] { context_->run([&] { OwnDevice(model, scene, {}, narrow); }); });
   EXPECT_NE(message.find("is more than the 3 x 1 groups that this driver dispatches at a time"), std::string::npos)
       << message;
-}
-
-/// llvmpipe ends loops after so many turns that 50 of these steps in one dispatch would lack some.
-TEST_F(GlComputeDevice, ManyStepsOfManyBasesAreSoManyDispatches) {
-  const Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2, 18);
-  const Scene scene(model);
-  TopologyOptions all;
-  all.bases = BaseSelection::all;
-  context_->run([&] {
-    const OwnDevice stored(model, scene, all, GlCompute::store, limits_);
-    const OwnDevice dispatched(model, scene, all, GlCompute::workgroup, limits_);
-    const State start = random_state(model, 0.05, 0.1, 9);
-    for (const OwnDevice* own : {&stored, &dispatched}) {
-      own->device->write(model.rest, start);
-      own->begin(200);
-      own->device->run(200);
-    }
-    if (same_bits_expected()) {
-      EXPECT_EQ(difference(stored.read(model), dispatched.read(model)), "");
-    }
-    EXPECT_EQ(stored.device->report().max_speed, dispatched.device->report().max_speed);
-  });
 }
 
 TEST_F(GlComputeDevice, MoreTurnsThanARendererTakesAreRefused) {
@@ -213,32 +176,8 @@ TEST_F(GlComputeDevice, BuffersBeyondTheDriversLimitAreRefusedWithSizes) {
   const Scene scene(model);
   gl::ComputeLimits small = limits_;
   small.block_bytes = 1 << 16;
-  const std::string message =
-      message_of([&] { context_->run([&] { OwnDevice(model, scene, {}, GlCompute::store, small); }); });
+  const std::string message = message_of([&] { context_->run([&] { OwnDevice(model, scene, {}, small); }); });
   EXPECT_NE(message.find("MiB; a shader of this driver sees 1 MiB"), std::string::npos) << message;
-}
-
-TEST_F(GlComputeDevice, FourBuffersDoWhereTheDriverBindsNoMore) {
-  const Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2, 26);
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
-  TopologyOptions all;
-  all.reaction = Reaction::shared;
-  all.bases = BaseSelection::all;
-  gl::ComputeLimits few = limits_;
-  few.blocks = 4;
-  context_->run([&] {
-    const auto form = GlCompute::store;
-    const OwnDevice five(model, scene, all, form, limits_, BaseLayout::enumerated);
-    const OwnDevice four(model, scene, all, form, few, BaseLayout::enumerated);
-    const State start = random_state(model, 0.05, 0.0, 9);
-    for (const OwnDevice* own : {&five, &four}) {
-      own->device->write(model.rest, start);
-      own->begin(3);
-      own->device->run(3);
-    }
-    EXPECT_EQ(difference(five.read(model), four.read(model)), "");
-  });
 }
 
 /// What a failure or rest within a batch is answered by.
@@ -246,73 +185,57 @@ TEST_F(GlComputeDevice, StepsAreDoneAgainFromTheCheckpointBitForBit) {
   const Model model = soft_block();
   Scene scene(model);
   scene.fix("x0").gravity({0, 0, -9.81});
-  for (const GlCompute form : all_forms) {
-    SCOPED_TRACE(static_cast<int>(form));
-    context_->run([&] {
-      const OwnDevice own(model, scene, {}, form, limits_);
-      gl::ComputeDevice& device = *own.device;
-      device.write(model.rest, random_state(model, 0.05, 0.1, 9));
-      own.begin(9);
-      device.run(4);
-      const State after_four = own.read(model);
-      const gl::BatchReport four = device.report();
-      device.run(9);
-      EXPECT_NE(difference(own.read(model), after_four), "");
-      device.run(4);
-      EXPECT_EQ(difference(own.read(model), after_four), "");
-      const gl::BatchReport again = device.report();
-      EXPECT_EQ(again.max_force, four.max_force);
-      device.run(3);
-      EXPECT_EQ(device.try_step(4).max_force, four.max_force);
-      device.run(4);
-      EXPECT_EQ(difference(own.read(model), after_four), "") << "try_step() moved the state";
-    });
-  }
+  context_->run([&] {
+    const OwnDevice own(model, scene, {}, limits_);
+    gl::ComputeDevice& device = *own.device;
+    device.write(model.rest, random_state(model, 0.05, 0.1, 9));
+    own.begin(9);
+    device.run(4);
+    const State after_four = own.read(model);
+    const gl::BatchReport four = device.report();
+    device.run(9);
+    EXPECT_NE(difference(own.read(model), after_four), "");
+    device.run(4);
+    EXPECT_EQ(difference(own.read(model), after_four), "");
+    const gl::BatchReport again = device.report();
+    EXPECT_EQ(again.max_force, four.max_force);
+    device.run(3);
+    EXPECT_EQ(device.try_step(4).max_force, four.max_force);
+    device.run(4);
+    EXPECT_EQ(difference(own.read(model), after_four), "") << "try_step() moved the state";
+  });
 }
 
 TEST_F(GlComputeDevice, TexturesHoldTheModelsOrder) {
   const Model model = make_block({0.03, 0.02, 0.02}, 5, 4, 3);
   const Scene scene(model);
-  for (const Reaction reaction : {Reaction::conservative, Reaction::averaged, Reaction::shared}) {
-    for (const GlCompute form : all_forms) {
-      TopologyOptions topology;
-      topology.reaction = reaction;
-      const auto tables = tables_of(model, topology);
-      gl::DeviceSolver solver(GlBackend::compute, tables, scene, options_of(form));
-      const State start = random_state(model, 0.1, 0.0, 8);
-      solver.reset(start);
-      VecList expected(model.rest.size());
-      attractors(*tables, start.position, expected);
-      const auto compare = [&](const ParticleBuffer& buffer, const VecList& place) {
-        ASSERT_NE(buffer.texture, 0u);
-        const std::vector<Float4> texels = texels_of(*solver.context(), buffer);
-        for (std::size_t i = 0; i < place.size(); ++i) {
-          const Vec3 u(texels[i][0], texels[i][1], texels[i][2]);
-          EXPECT_LE((model.rest[i] + u - place[i]).norm(), 1e-6 * body_size(model)) << i;
-        }
-      };
-      compare(solver.position_buffer(), start.position);
-      compare(solver.attractor_buffer(), expected);
-      const StepReport report = solver.step(3, 0.2 * solver.stable_step());
-      EXPECT_TRUE(report.ok()) << report.message();
-      compare(solver.position_buffer(), solver.read().position);
+  gl::DeviceSolver solver(GlBackend::compute, tables_of(model, {}), scene, options_of_tests());
+  const auto compare = [&](const VecList& place) {
+    const std::vector<Float4> texels = texels_of(*solver.context(), solver.position_buffer());
+    for (std::size_t i = 0; i < place.size(); ++i) {
+      const Vec3 u(texels[i][0], texels[i][1], texels[i][2]);
+      EXPECT_LE((model.rest[i] + u - place[i]).norm(), 1e-6 * body_size(model)) << i;
     }
-  }
+  };
+  const State start = random_state(model, 0.1, 0.0, 8);
+  solver.reset(start);
+  compare(start.position);
+  const StepReport report = solver.step(3, 0.2 * solver.stable_step());
+  EXPECT_TRUE(report.ok()) << report.message();
+  compare(solver.read().position);
 }
 
 TEST_F(GlComputeDevice, CulpritsAreRowsOfTheModel) {
   const Model model = make_block({0.03, 0.02, 0.02}, 5, 4, 3);
   const Scene scene(model);
+  gl::DeviceSolver solver(GlBackend::compute, tables_of(model, {}), scene, options_of_tests());
   for (const Index culprit : {0, 17, 71}) {
-    for (const GlCompute form : all_forms) {
-      gl::DeviceSolver solver(GlBackend::compute, tables_of(model, {}), scene, options_of(form));
-      State start = rest_state(model);
-      start.velocity[culprit] = Vec3(1e30, 0, 0);
-      solver.reset(start);
-      const StepReport report = solver.step(10, 0.2 * solver.stable_step());
-      EXPECT_EQ(report.status, StepStatus::not_finite);
-      EXPECT_EQ(report.particle, culprit);
-    }
+    State start = rest_state(model);
+    start.velocity[culprit] = Vec3(1e30, 0, 0);
+    solver.reset(start);
+    const StepReport report = solver.step(10, 0.2 * solver.stable_step());
+    EXPECT_EQ(report.status, StepStatus::not_finite);
+    EXPECT_EQ(report.particle, culprit);
   }
 }
 
@@ -323,7 +246,7 @@ TEST_F(GlComputeDevice, ReportsOfManyGroupsAreThoseOfTheFragmentBackend) {
   TopologyOptions springs;
   springs.law = Law::springs;
   const auto tables = tables_of(model, springs);
-  SolverOptions options = options_of(GlCompute::store);
+  SolverOptions options = options_of_tests();
   options.spectrum = estimate_spectrum(*tables, tables->rest);
   gl::DeviceSolver a(GlBackend::fragment, tables, scene, options), b(GlBackend::compute, tables, scene, options);
   State start = random_state(model, 0.1, 0.2, 8);
@@ -341,30 +264,6 @@ TEST_F(GlComputeDevice, ReportsOfManyGroupsAreThoseOfTheFragmentBackend) {
     EXPECT_EQ(x.residual, y.residual);
     EXPECT_EQ(difference(a.read(), b.read()), "");
   }
-}
-
-TEST_F(GlComputeDevice, SmallBodiesAreMovedByOneGroupOnAGpuOnly) {
-  const auto slices_of = [](const Model& model) {
-    const auto tables = tables_of(model, {});
-    return pack_slices(pack_floats(*tables), *tables);
-  };
-  const SliceTables small = slices_of(soft_block()), large = slices_of(make_block({0.05, 0.05, 0.05}, 13, 13, 13));
-  EXPECT_EQ(gl::choose_form(GlCompute::automatic, small, false), gl::ComputeForm::workgroup);
-  EXPECT_EQ(gl::choose_form(GlCompute::automatic, large, false), gl::ComputeForm::store);
-  EXPECT_EQ(gl::choose_form(GlCompute::automatic, small, true), gl::ComputeForm::store);
-  EXPECT_EQ(gl::choose_form(GlCompute::workgroup, large, true), gl::ComputeForm::workgroup);
-}
-
-TEST_F(GlComputeDevice, EnvironmentChoosesTheForm) {
-  const Model model = soft_block();
-  const Scene scene(model);
-  const auto make = [&] { gl::DeviceSolver(GlBackend::compute, tables_of(model, {}), scene, {}); };
-  for (const char* form : {"auto", "store", "workgroup"}) {
-    const Environment wish("PHYMUL_GL_COMPUTE", form);
-    EXPECT_EQ(message_of(make), "(no error)");
-  }
-  const Environment wish("PHYMUL_GL_COMPUTE", "quickly");
-  EXPECT_NE(message_of(make).find("expected auto, store or workgroup, got \"quickly\""), std::string::npos);
 }
 
 TEST(GlComputeVersion, WhatIsTooOldIsNamedWithAWayOut) {

@@ -4,12 +4,15 @@
 // scene without them.
 #include <cmath>
 
+#include "support/gl_block.h"
 #include "support/gl_touching_bodies.h"
 
 namespace phymul::test {
 namespace {
 
-class GlContactRuns : public WithContactsOn {};
+class GlContactRuns : public OnBothDevices {};
+
+PHYMUL_ON_BOTH_DEVICES(GlContactRuns);
 
 /// Atomic counts come in any order, results do not.
 TEST_P(GlContactRuns, RunsGiveTheSameBits) {
@@ -68,7 +71,7 @@ TEST_P(GlContactRuns, WhatTouchesNothingMovesAsItWould) {
       Scene scene(model);
       scene.gravity({0.5, 0, 0});
       if (touching) scene.contacts({});
-      const BesideReference pair(model, scene, damped(5.0), forms().front());
+      const BesideReference pair(model, scene, damped(5.0), GetParam());
       pair.device->reset(random_state(model, 0.02, 0.01, 3));
       ASSERT_TRUE(pair.device->step(20, pair.dt).ok());
       end[touching] = pair.device->read();
@@ -79,42 +82,40 @@ TEST_P(GlContactRuns, WhatTouchesNothingMovesAsItWould) {
 
 TEST_P(GlContactRuns, ASceneWithoutContactsPaysNothing) {
   const Model model = stacked(0.001);
-  for (const GlForm& form : forms()) {
-    Scene without(model), with(model);
-    without.fix("low/z0");
-    with.fix("low/z0").contacts({});
-    SolverOptions options = damped(5.0);
-    options.profile = true;
-    const BesideReference plain(model, without, options, form), touching(model, with, options, form);
-    ASSERT_TRUE(plain.device->step(8, plain.dt).ok());
-    ASSERT_TRUE(touching.device->step(8, plain.dt).ok());
-    const auto runs = runs_of(*plain.device), more = runs_of(*touching.device);
-    for (const auto& [name, count] : runs) {
-      EXPECT_EQ(name.find("contact"), std::string::npos) << name;
-      EXPECT_EQ(name.find("free_"), std::string::npos) << name;
-    }
-    const char* const kind = draws() ? "_pass" : "_kernel";
-    for (const char* which : {"free", "contact_search", "contact_part"}) {
-      const std::string pass = std::string(which) + kind;
-      const auto found = std::ranges::find(more, pass, &std::pair<std::string, std::int64_t>::first);
-      ASSERT_NE(found, more.end()) << pass;
-      // Fragments do a batch again whose sweeps took more phases than they were given.
-      EXPECT_GE(found->second, 8) << pass;
-      if (!draws()) {
-        EXPECT_EQ(found->second, 8) << pass;
-      }
-    }
-    // The one whose contacts went does what the other does, and gives its bits.
-    with.no_contacts();
-    touching.device->reset();
-    ASSERT_TRUE(touching.device->step(8, plain.dt).ok());
-    touching.device->reset(), plain.device->reset();
-    touching.device->clear_profile(), plain.device->clear_profile();
-    ASSERT_TRUE(touching.device->step(8, plain.dt).ok());
-    ASSERT_TRUE(plain.device->step(8, plain.dt).ok());
-    EXPECT_EQ(runs_of(*touching.device), runs_of(*plain.device));
-    EXPECT_EQ(touching.device->read(), plain.device->read());
+  Scene without(model), with(model);
+  without.fix("low/z0");
+  with.fix("low/z0").contacts({});
+  SolverOptions options = damped(5.0);
+  options.profile = true;
+  const BesideReference plain(model, without, options, GetParam()), touching(model, with, options, GetParam());
+  ASSERT_TRUE(plain.device->step(8, plain.dt).ok());
+  ASSERT_TRUE(touching.device->step(8, plain.dt).ok());
+  const auto runs = runs_of(*plain.device), more = runs_of(*touching.device);
+  for (const auto& [name, count] : runs) {
+    EXPECT_EQ(name.find("contact"), std::string::npos) << name;
+    EXPECT_EQ(name.find("free_"), std::string::npos) << name;
   }
+  const bool draws = GetParam() == GlBackend::fragment;
+  for (const char* which : {"free", "contact_search", "contact_part"}) {
+    const std::string pass = which + std::string(draws ? "_pass" : "_kernel");
+    const auto found = std::ranges::find(more, pass, &std::pair<std::string, std::int64_t>::first);
+    ASSERT_NE(found, more.end()) << pass;
+    // Fragments do a batch again whose sweeps took more phases than they were given.
+    EXPECT_GE(found->second, 8) << pass;
+    if (!draws) {
+      EXPECT_EQ(found->second, 8) << pass;
+    }
+  }
+  // The one whose contacts went does what the other does, and gives its bits.
+  with.no_contacts();
+  touching.device->reset();
+  ASSERT_TRUE(touching.device->step(8, plain.dt).ok());
+  touching.device->reset(), plain.device->reset();
+  touching.device->clear_profile(), plain.device->clear_profile();
+  ASSERT_TRUE(touching.device->step(8, plain.dt).ok());
+  ASSERT_TRUE(plain.device->step(8, plain.dt).ok());
+  EXPECT_EQ(runs_of(*touching.device), runs_of(*plain.device));
+  EXPECT_EQ(touching.device->read(), plain.device->read());
 }
 
 /// Bodies a kilometre apart are beyond the cells that floats tell apart.
@@ -123,15 +124,13 @@ TEST_P(GlContactRuns, BodiesTooFarApartAreRefused) {
   Scene scene(model);
   scene.contacts({});
   try {
-    make_solver(name_of(GetParam().backend), model, scene);
+    make_solver(name_of(GetParam()), model, scene);
     FAIL();
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("bring the bodies nearer to each other"), std::string::npos)
         << error.what();
   }
 }
-
-PHYMUL_ON_BOTH_GL_BACKENDS(GlContactRuns);
 
 }  // namespace
 }  // namespace phymul::test

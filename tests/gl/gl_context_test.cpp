@@ -66,13 +66,11 @@ TEST_F(GlContextTest, NothingIsCurrentBetweenCalls) {
 }
 
 TEST_F(GlContextTest, ResultsAndExceptionsComeBack) {
-  for (const GlContext mode : {GlContext::own, GlContext::worker}) {
-    const auto context = Context::open({.context = mode});
-    EXPECT_EQ(context->run([&] { return context->run([] { return 7; }); }), 7);
-    EXPECT_THROW(context->run([] { throw std::out_of_range("x"); }), std::out_of_range);
-    EXPECT_EQ(drawn_and_read(*context, 3.0f), 3.0f);
-    EXPECT_EQ(eglGetCurrentContext(), EGL_NO_CONTEXT);
-  }
+  const auto context = Context::open({});
+  EXPECT_EQ(context->run([&] { return context->run([] { return 7; }); }), 7);
+  EXPECT_THROW(context->run([] { throw std::out_of_range("x"); }), std::out_of_range);
+  EXPECT_EQ(drawn_and_read(*context, 3.0f), 3.0f);
+  EXPECT_EQ(eglGetCurrentContext(), EGL_NO_CONTEXT);
 }
 
 TEST_F(GlContextTest, EveryNamedDisplayWorksOrSaysWhyNot) {
@@ -122,20 +120,18 @@ TEST_F(GlContextTest, BothDialectsOpen) {
 }
 
 TEST_F(GlContextTest, FourThreadsWithAContextEach) {
-  for (const GlContext mode : {GlContext::own, GlContext::worker}) {
-    std::atomic<int> wrong = 0;
-    const auto work = [&](int number) {
-      const auto context = Context::open({.context = mode});
-      for (int i = 0; i < 50; ++i) {
-        const float value = static_cast<float>(1000 * number + i);
-        if (drawn_and_read(*context, value) != value) ++wrong;
-      }
-    };
-    std::vector<std::thread> threads;
-    for (int number = 0; number < 4; ++number) threads.emplace_back(work, number);
-    for (std::thread& thread : threads) thread.join();
-    EXPECT_EQ(wrong, 0);
-  }
+  std::atomic<int> wrong = 0;
+  const auto work = [&](int number) {
+    const auto context = Context::open({});
+    for (int i = 0; i < 50; ++i) {
+      const float value = static_cast<float>(1000 * number + i);
+      if (drawn_and_read(*context, value) != value) ++wrong;
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int number = 0; number < 4; ++number) threads.emplace_back(work, number);
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(wrong, 0);
 }
 
 TEST_F(GlContextTest, AContextMayMoveBetweenThreads) {
@@ -147,29 +143,25 @@ TEST_F(GlContextTest, AContextMayMoveBetweenThreads) {
 
 /// What each of a hundred contexts left behind would show: a driver's context weighs hundreds of kilobytes.
 TEST_F(GlContextTest, AHundredContextsLeaveNothingBehind) {
-  for (const GlContext mode : {GlContext::own, GlContext::worker}) {
-    const auto open_and_close = [&](int times) {
-      for (int i = 0; i < times; ++i) EXPECT_EQ(drawn_and_read(*Context::open({.context = mode}), 1.0f), 1.0f);
-    };
-    open_and_close(20);  // the driver's caches fill
-    const double before = test::heap_in_use();
-    open_and_close(100);
-    const double grown = test::heap_in_use() - before;
-    std::printf("[  MEMORY  ] grew by %.0f KiB over 100 contexts\n", grown / 1024.0);
-    EXPECT_LT(grown, 100 * 16384.0);
-  }
+  const auto open_and_close = [&](int times) {
+    for (int i = 0; i < times; ++i) EXPECT_EQ(drawn_and_read(*Context::open({}), 1.0f), 1.0f);
+  };
+  open_and_close(20);  // the driver's caches fill
+  const double before = test::heap_in_use();
+  open_and_close(100);
+  const double grown = test::heap_in_use() - before;
+  std::printf("[  MEMORY  ] grew by %.0f KiB over 100 contexts\n", grown / 1024.0);
+  EXPECT_LT(grown, 100 * 16384.0);
 }
 
 TEST_F(GlContextTest, DebugOutputBecomesAnError) {
-  for (const GlContext mode : {GlContext::own, GlContext::worker}) {
-    const auto context = Context::open({.context = mode, .debug = true});
-    if (!context->info().has("GL_KHR_debug")) GTEST_SKIP() << "NOT TESTED: no GL_KHR_debug";
-    EXPECT_NO_THROW(context->throw_debug_errors());
-    context->run([] { glEnable(GL_TEXTURE_2D + 0x7000); });
-    const std::string message = message_of([&] { context->throw_debug_errors(); });
-    EXPECT_TRUE(message.starts_with("GL reports 1 error: ")) << message;
-    EXPECT_NO_THROW(context->throw_debug_errors());
-  }
+  const auto context = Context::open({.debug = true});
+  if (!context->info().has("GL_KHR_debug")) GTEST_SKIP() << "NOT TESTED: no GL_KHR_debug";
+  EXPECT_NO_THROW(context->throw_debug_errors());
+  context->run([] { glEnable(GL_TEXTURE_2D + 0x7000); });
+  const std::string message = message_of([&] { context->throw_debug_errors(); });
+  EXPECT_TRUE(message.starts_with("GL reports 1 error: ")) << message;
+  EXPECT_NO_THROW(context->throw_debug_errors());
 }
 
 TEST_F(GlContextTest, WhatIsLostStaysLost) {

@@ -13,32 +13,9 @@
 namespace phymul::test {
 namespace {
 
-/// A backend, and how it cuts a step: what it takes by itself depends on the device.
-struct Form {
-  const char* name;
-  GlBackend backend;
-  GlCompute compute;
-};
+class GlEquivalence : public TwinsOnBothDevices {};
 
-class GlEquivalence : public GlTest, public testing::WithParamInterface<Form> {
- protected:
-  void SetUp() override {
-    GlTest::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_not_here(name_of(GetParam().backend)));
-  }
-  static GlTwins twins_of(std::shared_ptr<const TopologyTextures> tables, const Scene& scene,
-                          SolverOptions options = {}) {
-    options.gl.compute = GetParam().compute;
-    return {std::move(tables), scene, std::move(options), GetParam().backend};
-  }
-};
-
-INSTANTIATE_TEST_SUITE_P(, GlEquivalence,
-                         testing::Values(Form{"gl", GlBackend::fragment, GlCompute::automatic},
-                                         Form{"gl_compute", GlBackend::compute, GlCompute::workgroup},
-                                         Form{"gl_compute_store", GlBackend::compute, GlCompute::store}),
-                         [](const auto& form) { return form.param.name; });
+PHYMUL_ON_BOTH_DEVICES(GlEquivalence);
 
 /// What a sanitizer watches takes ten times as long, of large bodies most of it.
 int states_of(const TopologyTextures& tables) {
@@ -230,26 +207,39 @@ TEST_P(GlEquivalence, FailureStatesHaveTheMirrorsBits) {
   const Scene scene(model);
   SolverOptions options;
   options.damping.factor = 0.98;
-  for (const int passes : {2, 4}) {
-    if (passes == 4 && GetParam().backend == GlBackend::compute) continue;  // which has no passes of its own to cut
-    options.gl.passes = passes;
-    const GlTwins twins = twins_of(tables_of(model, {}), scene, options);
-    for (const FailureState& failure : failure_states()) {
-      SCOPED_TRACE(failure.name);
-      std::mt19937 bits(5);
-      State state = rest_state(model);
-      failure.apply(state.position, side, side / 3, bits);
-      twins.reset(state);
-      for (int k = 0; k < 4; ++k) {
-        const StepReport gl = twins.gl->step(50, 0.5 * twins.gl->stable_step());
-        const StepReport mirror = twins.mirror->step(50, 0.5 * twins.gl->stable_step());
-        EXPECT_TRUE(gl.ok()) << gl.message();
-        EXPECT_TRUE(gl.force_clamped || k > 0);
-        EXPECT_TRUE(gl.force_clamped == mirror.force_clamped || !twins.same_bits_expected()) << "call " << k;
-        twins.expect_same_bits("call " + std::to_string(k));
-      }
+  const GlTwins twins = twins_of(tables_of(model, {}), scene, options);
+  for (const FailureState& failure : failure_states()) {
+    SCOPED_TRACE(failure.name);
+    std::mt19937 bits(5);
+    State state = rest_state(model);
+    failure.apply(state.position, side, side / 3, bits);
+    twins.reset(state);
+    for (int k = 0; k < 4; ++k) {
+      const StepReport gl = twins.gl->step(50, 0.5 * twins.gl->stable_step());
+      const StepReport mirror = twins.mirror->step(50, 0.5 * twins.gl->stable_step());
+      EXPECT_TRUE(gl.ok()) << gl.message();
+      EXPECT_TRUE(gl.force_clamped || k > 0);
+      EXPECT_TRUE(gl.force_clamped == mirror.force_clamped || !twins.same_bits_expected()) << "call " << k;
+      twins.expect_same_bits("call " + std::to_string(k));
     }
   }
+}
+
+/// Far from the origin, where positions alone would lose the last bits of displacements.
+TEST_P(GlEquivalence, SnapshotsGoOnBitForBit) {
+  const Model model = moved(jittered_block(), {1000.0, -2000.0, 500.0});
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -9.81});
+  gl::DeviceSolver solver(GetParam(), tables_of(model, {}), scene, {});
+  const double dt = 0.4 * solver.stable_step();
+  solver.step(37, dt);
+  const Snapshot snapshot = solver.snapshot();
+  solver.step(20, dt);
+  const Snapshot there = solver.snapshot();
+  solver.restore(snapshot);
+  EXPECT_EQ(solver.snapshot(), snapshot);
+  solver.step(20, dt);
+  EXPECT_EQ(solver.snapshot(), there);
 }
 
 TEST_P(GlEquivalence, FourSolversInFourThreads) {
@@ -258,9 +248,8 @@ TEST_P(GlEquivalence, FourSolversInFourThreads) {
   const auto tables = tables_of(model, {});
   SolverOptions options;
   options.spectrum = estimate_spectrum(*tables, tables->rest);
-  options.gl.compute = GetParam().compute;
   const auto run = [&] {
-    gl::DeviceSolver solver(GetParam().backend, tables, scene, options);
+    gl::DeviceSolver solver(GetParam(), tables, scene, options);
     solver.reset(random_state(model, 0.1, 0.0, 3));
     for (int k = 0; k < 20; ++k) EXPECT_TRUE(solver.step(5, 0.4 * solver.stable_step()).ok());
     return solver.read();

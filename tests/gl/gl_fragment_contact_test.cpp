@@ -113,12 +113,11 @@ TEST_F(GlFragmentContact, BitsAreThoseOfComputeShadersInABodyThatTouchesItself) 
   expect_bits_of_compute(strip, scene, 280, "a strip");
 }
 
-/// A batch whose steps take more phases than the first guess is done again, late reports or not; who knows how many
-/// there are takes each step once. Both come to the same.
+/// A batch whose steps take more phases than the first guess is done again; who knows how many there are
+/// takes each step once. Both come to the same.
 TEST_F(GlFragmentContact, AGuessThatFallsShortGivesTheSameBits) {
   const Falling falling;
-  SolverOptions options = damped(10.0);
-  const auto knowing = solver_of(falling.model, falling.scene, options);
+  const auto knowing = solver_of(falling.model, falling.scene, damped(10.0));
   const double dt = 0.4 * knowing->stable_step();
   knowing->reset(falling.state);
   ASSERT_TRUE(knowing->step(24, dt).ok());
@@ -129,14 +128,11 @@ TEST_F(GlFragmentContact, AGuessThatFallsShortGivesTheSameBits) {
   ASSERT_TRUE(knowing->step(6, dt).ok());
   EXPECT_EQ(runs_of(*knowing, "contact_start_pass"), 6);
   const State end = knowing->read();
-  for (const bool late : {false, true}) {
-    options.gl.late_report = late;
-    const auto fresh = solver_of(falling.model, falling.scene, options);
-    fresh->reset(start);
-    ASSERT_TRUE(fresh->step(6, dt).ok());
-    EXPECT_EQ(difference(fresh->read(), end), "") << late;
-    EXPECT_GT(runs_of(*fresh, "contact_start_pass"), 6 + 1);  // and one when it was made
-  }
+  const auto fresh = solver_of(falling.model, falling.scene, damped(10.0));
+  fresh->reset(start);
+  ASSERT_TRUE(fresh->step(6, dt).ok());
+  EXPECT_EQ(difference(fresh->read(), end), "");
+  EXPECT_GT(runs_of(*fresh, "contact_start_pass"), 6 + 1);  // and one when it was made
 }
 
 /// As many as contacts are pressed one after another, not many more; a few where nothing touches.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The backend "gl" by itself: its two ways of cutting a step, its textures' padding, what it tells of its steps, what
-// it hands out, and what becomes of it when its device goes away.
+// The backend "gl" by itself: its textures' padding, what it tells of its steps, and what
+// it hands out.
 #include <fstream>
 
 #include "support/gl_twins.h"
@@ -25,24 +25,6 @@ std::unique_ptr<gl::DeviceSolver> solver_of(const Model& model, const Scene& sce
   options.damping.factor = 0.99;
   options.on_unstable = UnstableStep::allow;
   return std::make_unique<gl::DeviceSolver>(GlBackend::fragment, tables_of(model, topology), scene, options);
-}
-
-TEST_F(GlFragment, FourPassesHaveTheBitsOfTwo) {
-  for (const Variant& variant : all_variants()) {
-    SCOPED_TRACE(variant.name);
-    const Model model = prepared(variant, {"", make_block({0.03, 0.02, 0.02}, 3, 2, 2, 14)});
-    Scene scene(model);
-    scene.fix("x0").gravity({0, 0, -9.81});
-    GlOptions four;
-    four.passes = 4;
-    const auto a = solver_of(model, scene, {}, variant.options), b = solver_of(model, scene, four, variant.options);
-    const State start = random_state(model, 0.05, 0.0, 3);
-    const double dt = 0.2 * a->stable_step();
-    a->reset(start);
-    b->reset(start);
-    EXPECT_EQ(a->step(20, dt).steps, b->step(20, dt).steps);  // some run away: the quadratic volume law
-    EXPECT_EQ(difference(a->read(), b->read()), "");
-  }
 }
 
 TEST_F(GlFragment, EnumeratedBasesMoveAsTheTableOfBasesDoes) {
@@ -235,32 +217,6 @@ TEST_F(GlFragment, PulledCylinderRestsWithinAThousandthOfTheReferencesSteps) {
   std::printf("[   REST   ] gl after %d steps, reference after %d\n", a.report.steps, b.report.steps);
   EXPECT_NEAR(a.report.steps, b.report.steps, 0.001 * b.report.steps);
   EXPECT_LE(largest_distance(twins.gl->read().position, reference->read().position), 1e-5 * body_size(model));
-}
-
-TEST_F(GlFragment, EnergyAndMomentumAreTheReferences) {
-  for (const Variant& variant : all_variants()) {
-    for (const Body& body :
-         {Body{"block", make_block({0.03, 0.02, 0.02}, 3, 2, 2)}, Body{"strip", make_strip(0.04, 0.02, 4, 2)}}) {
-      SCOPED_TRACE(body.name + ", " + variant.name);
-      const Model model = prepared(variant, body);
-      const Scene scene(model);
-      const auto tables = tables_of(model, variant.options);
-      SolverOptions options;
-      options.on_unstable = UnstableStep::allow;
-      const gl::DeviceSolver solver(GlBackend::fragment, tables, scene, options);
-      const auto reference = make_solver("reference", tables, scene, options);
-      const State start = random_state(model, 0.1, 0.3, 4);
-      const_cast<gl::DeviceSolver&>(solver).reset(start);
-      reference->reset(start);
-      const Energy a = solver.energy(), b = reference->energy();
-      EXPECT_NEAR(a.elastic, b.elastic, 1e-5 * b.elastic);
-      EXPECT_NEAR(a.kinetic, b.kinetic, 1e-5 * b.kinetic);
-      const Vec3 about(0.7, -0.4, model.dimension == 2 ? 0.0 : 0.2);
-      const Momentum p = solver.momentum(about), q = reference->momentum(about);
-      EXPECT_LE((p.linear - q.linear).norm(), 1e-5 * q.linear.norm());
-      EXPECT_LE((p.angular - q.angular).norm(), 1e-5 * q.angular.norm());
-    }
-  }
 }
 
 }  // namespace

@@ -107,7 +107,6 @@ TEST_P(GlGlx, OwnContextWorksOrIsRefusedWithAWayOut) {
   const bool mesa = info().version.find("Mesa") != std::string::npos;  // refuses
   if (mesa || message != "(no error)") {
     EXPECT_NE(message.find("EGL_BAD_ACCESS"), std::string::npos) << message;
-    EXPECT_NE(message.find("GlContext::worker"), std::string::npos) << message;
     EXPECT_NE(message.find("GlContext::current"), std::string::npos) << message;
   }
   EXPECT_EQ(GlxBindings(), before);
@@ -115,33 +114,20 @@ TEST_P(GlGlx, OwnContextWorksOrIsRefusedWithAWayOut) {
   EXPECT_NO_THROW(Context::open({}));
 }
 
-TEST_P(GlGlx, SharedIsRefusedWithAWayOut) {
-  const std::string message = message_of([] { Context::open({.context = GlContext::shared}); });
-  EXPECT_NE(message.find("A context of GLX cannot be shared with"), std::string::npos) << message;
-}
-
-void expect_host_untouched(GlContext mode, const ContextInfo& info) {
-  const test::HostileHost hostile(info);
+TEST_P(GlGlx, HostsContextIsLeftAsItWas) {
+  const test::HostileHost hostile(info());
   const GlxBindings bindings;
-  const test::HostState before = test::host_state(info);
-  auto context = Context::open({.context = mode});
+  const test::HostState before = test::host_state(info());
+  auto context = Context::open({.context = GlContext::current});
   for (int i = 0; i < 3; ++i) {
     EXPECT_TRUE(context->run([&] { return test::draws_well(context->info()); }));
     if (i == 2) context->run(test::leave_a_mess);
     EXPECT_EQ(GlxBindings(), bindings);
-    EXPECT_EQ(test::differences(before, test::host_state(info)), "");
+    EXPECT_EQ(test::differences(before, test::host_state(info())), "");
   }
   context.reset();
   EXPECT_EQ(GlxBindings(), bindings);
-  EXPECT_EQ(test::differences(before, test::host_state(info)), "");
-}
-
-TEST_P(GlGlx, WorkerLeavesTheHostAsItWas) {
-  expect_host_untouched(GlContext::worker, info());
-}
-
-TEST_P(GlGlx, HostsContextIsLeftAsItWas) {
-  expect_host_untouched(GlContext::current, info());
+  EXPECT_EQ(test::differences(before, test::host_state(info())), "");
 }
 
 TEST_P(GlGlx, CurrentMeansTheSameContextAtEveryCall) {

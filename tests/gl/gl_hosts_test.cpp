@@ -91,14 +91,6 @@ TEST_P(GlHosts, OwnContextLeavesTheHostAsItWas) {
   }
 }
 
-TEST_P(GlHosts, WorkerLeavesTheHostAsItWas) {
-  expect_host_untouched({.context = GlContext::worker}, host_info());
-}
-
-TEST_P(GlHosts, SharedContextLeavesTheHostAsItWas) {
-  expect_host_untouched({.context = GlContext::shared}, host_info());
-}
-
 TEST_P(GlHosts, HostsContextIsLeftAsItWas) {
   expect_host_untouched({.context = GlContext::current}, host_info());
 }
@@ -123,11 +115,7 @@ TEST_P(GlHosts, HostsContextIsLeftAsItWasByComputing) {
   EXPECT_TRUE(report.ok()) << report.message();
   EXPECT_GT(report.max_speed, 0.0);
   expect_as_before("steps");
-  EXPECT_GT(solver->energy().total(), -1.0);
-  EXPECT_TRUE(solver->momentum(Vec3::Zero()).linear.allFinite());
-  expect_as_before("sums");
   EXPECT_NE(solver->position_buffer().texture, 0u);
-  solver->attractor_buffer();
   expect_as_before("buffers");
   State state = solver->read();
   solver->request_read();
@@ -141,7 +129,7 @@ TEST_P(GlHosts, HostsContextIsLeftAsItWasByComputing) {
 TEST_P(GlHosts, HostileStateIsHostile) {
   const test::HostileHost hostile(host_info());
   const HostState before = test::host_state(host_info());
-  EXPECT_THROW(test::draws_well(host_info()), Error);
+  EXPECT_FALSE(test::draws_well(host_info()));
   test::leave_a_mess();
   EXPECT_NE(test::differences(before, test::host_state(host_info())), "");
 }
@@ -161,69 +149,11 @@ TEST_P(GlHosts, CurrentMeansTheSameContextAtEveryCall) {
   EXPECT_EQ(message(), "(no error)");
 }
 
-/// The host draws what is in a texture made in our context.
-void expect_texture_seen(EglHost& host, const GlOptions& options) {
-  const auto context = Context::open(options);
-  const GLuint texture = context->run([] {
-    GLuint name = 0;
-    glGenTextures(1, &name);
-    glBindTexture(GL_TEXTURE_2D, name);
-    const std::array<float, 4> texel{1e9f, -2.0f, 0.5f, 4.0f};
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, 1, 1, 0, GL_RGBA, GL_FLOAT, texel.data());
-    glFinish();
-    return name;
-  });
-  host.make_current();
-  EXPECT_TRUE(glIsTexture(texture));
-  GLuint framebuffer = 0;
-  glGenFramebuffers(1, &framebuffer);
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
-  std::array<float, 4> read{};
-  glReadPixels(0, 0, 1, 1, GL_RGBA, GL_FLOAT, read.data());
-  EXPECT_EQ(read[0], 1e9f);
-  EXPECT_EQ(read[1], -2.0f);
-  glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  glDeleteFramebuffers(1, &framebuffer);
-  context->discard([&] { glDeleteTextures(1, &texture); });
-  EXPECT_FALSE(glIsTexture(texture));
-}
-
-TEST_P(GlHosts, SharedTexturesAreSeenByTheHost) {
-  expect_texture_seen(host(), {.context = GlContext::shared});
-  host().put_away();
-  expect_texture_seen(
-      host(), {.context = GlContext::shared, .host_display = host().display(), .host_context = host().context()});
-}
-
-TEST_P(GlHosts, OwnTexturesAreNot) {
-  const auto context = Context::open({});
-  std::array<GLuint, 64> names{};
-  context->run([&] {
-    glGenTextures(64, names.data());
-    glBindTexture(GL_TEXTURE_2D, names[63]);
-  });
-  EXPECT_FALSE(glIsTexture(names[63]));
-}
-
-TEST_P(GlHosts, SharedTakesTheHostsDialect) {
-  EXPECT_EQ(Context::open({.context = GlContext::shared})->info().es, host().is_es());
-  const GlDialect other = host().is_es() ? GlDialect::desktop : GlDialect::es;
-  const std::string message = message_of([&] { Context::open({.context = GlContext::shared, .dialect = other}); });
-  EXPECT_NE(message.find("leave GlOptions::dialect automatic"), std::string::npos) << message;
-}
-
 class GlNoHost : public test::GlTest {};
 
-TEST_F(GlNoHost, SharedAndCurrentSayThatThereIsNone) {
-  const std::string shared = message_of([] { Context::open({.context = GlContext::shared}); });
-  EXPECT_TRUE(shared.starts_with("GlContext::shared: no EGL context is current on this thread")) << shared;
-  const std::string current = message_of([] { Context::open({.context = GlContext::current}); });
-  EXPECT_TRUE(current.starts_with("GlContext::current: no context of EGL or GLX is current")) << current;
-  int no_context = 0;
-  const std::string half =
-      message_of([&] { Context::open({.context = GlContext::shared, .host_context = &no_context}); });
-  EXPECT_NE(half.find("expected both, or neither"), std::string::npos) << half;
+TEST_F(GlNoHost, CurrentSaysThatThereIsNone) {
+  const std::string message = message_of([] { Context::open({.context = GlContext::current}); });
+  EXPECT_TRUE(message.starts_with("GlContext::current: no context of EGL or GLX is current")) << message;
 }
 
 TEST_F(GlNoHost, ContextThatIsCurrentElsewhereIsRefusedWithAWayOut) {

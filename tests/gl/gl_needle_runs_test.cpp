@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
-// Needles on "gl-compute" in what batches, devices and scenes do: the same bits from every state and in every form,
-// nothing paid by a scene without them, room that runs out.
+// Needles on "gl-compute" in what batches, devices and scenes do: the same bits from every state, nothing
+// paid by a scene without them, room that runs out.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "gl/compute/compute_device.h"
-#include "support/gl_forms.h"
+#include "support/gl_block.h"
 #include "support/gl_needles.h"
 #include "support/message_of.h"
 
@@ -25,19 +25,6 @@ void drive(Scene& scene, ToolPose& pose, int calls, Step&& step) {
     scene.tool("needle").move_to(pose);
     step(k);
   }
-}
-
-TEST_F(GlNeedleRuns, EveryFormHasTheSameBits) {
-  std::vector<State> ends;
-  for (const GlCompute form : {GlCompute::store, GlCompute::workgroup}) {
-    BesideNeedle pair(5e-3, 3, {0, 0, 0}, form);
-    drive(pair.scene, pair.pose, 10, [&](int) { ASSERT_TRUE(pair.device->step(15, pair.dt).ok()); });
-    ends.push_back(pair.device->read());
-    EXPECT_GT(ends.back().tools[0].needle.hole.size(), 2u);
-    if (!pair.device->context()->info().renderer.starts_with("llvmpipe")) GTEST_SKIP() << "bits are llvmpipe's";
-  }
-  EXPECT_EQ(difference(ends[0], ends[1]), "");
-  EXPECT_EQ(ends[0].tools, ends[1].tools);
 }
 
 /// From a state in the middle: in another solver, after a change of the scene, in another cut of the same steps.
@@ -83,7 +70,7 @@ TEST_F(GlNeedleRuns, GoesOnFromEveryStateWithTheSameBits) {
 TEST_F(GlNeedleRuns, BatchesDoneAgainComeToTheSame) {
   SolverOptions options = damped(200.0);
   options.rest_tolerance = 1e-4;
-  BesideNeedle resting(5e-3, 3, {0, 0, 0}, GlCompute::automatic, options);
+  BesideNeedle resting(5e-3, 3, {0, 0, 0}, options);
   const auto same = resting.make();
   resting.pose.position.z() -= 0.013;
   resting.scene.tool("needle").move_to(resting.pose);
@@ -98,7 +85,7 @@ TEST_F(GlNeedleRuns, BatchesDoneAgainComeToTheSame) {
 
   SolverOptions beyond = damped(0.0);
   beyond.on_unstable = UnstableStep::allow;
-  BesideNeedle failing(5e-3, 3, {0, 0, 0}, GlCompute::automatic, beyond);
+  BesideNeedle failing(5e-3, 3, {0, 0, 0}, beyond);
   failing.pose.velocity = {0, 0, -0.3};
   failing.scene.tool("needle").teleport(failing.pose);
   const StepReport failed = failing.device->step(250, 6.0 * failing.dt);
@@ -169,7 +156,7 @@ TEST_F(GlComputeNeedle, WhatOneDispatchLeavesTheNextOnesDo) {
       gl::ComputeLimits limits = gl::ComputeLimits::of_context();
       limits.loop_turns = turns;
       FloatTools moved = tools();
-      gl::ComputeDevice device(slices, scene_, moved, library, gl::ComputeForm::store, limits);
+      gl::ComputeDevice device(slices, scene_, moved, library, limits);
       const gl::ComputeTables constants(slices, limits);
       dispatches.push_back(gl::ComputeNeedles(packed, moved, constants, limits).follow_dispatches());
       ends.push_back(end_of(device, moved, [&] {
@@ -185,25 +172,6 @@ TEST_F(GlComputeNeedle, WhatOneDispatchLeavesTheNextOnesDo) {
   EXPECT_EQ(dispatches[2], 1);
   EXPECT_LE(largest_distance(ends[0].position, ends[2].position), 1e-8);
   expect_like(ends[0].tools[0].needle, ends[2].tools[0].needle);
-}
-
-TEST_F(GlNeedleRuns, LateReportsTellOfTheCallBefore) {
-  BesideNeedle pair(5e-3, 3);
-  pair.options().gl.late_report = true;
-  const auto late = pair.make();
-  VecList before = pair.device->needle_points("needle", 3);
-  Vec3 force(0, 0, 0);
-  drive(pair.scene, pair.pose, 10, [&](int k) {
-    ASSERT_TRUE(pair.device->step(7, pair.dt).ok());
-    ASSERT_TRUE(late->step(7, pair.dt).ok());
-    EXPECT_EQ(late->needle_points("needle", 3), before) << k;
-    EXPECT_EQ(late->tool_force("needle").force, force) << k;
-    before = pair.device->needle_points("needle", 3);
-    force = pair.device->tool_force("needle").force;
-  });
-  EXPECT_GT(force.norm(), 0.01);
-  EXPECT_EQ(late->read(), pair.device->read());
-  EXPECT_EQ(late->needle_points("needle", 3), before);
 }
 
 TEST_F(GlNeedleRuns, ASceneWithoutNeedlesPaysNothing) {
@@ -280,14 +248,6 @@ TEST_F(GlNeedleRuns, AHoleThatIsTooLongIsReportedAndTheStateBeforeKept) {
   pair.device->reset();
   ASSERT_TRUE(pair.device->step(steps, pair.dt).ok());
   EXPECT_EQ(difference(pair.device->read(), kept), "");
-  // Told a call late, and by a call that takes no step.
-  SolverOptions late_options = damped(40.0);
-  late_options.gl.late_report = true;
-  gl::DeviceSolver late(GlBackend::compute, tables_of(model, {}), scene, late_options);
-  StepStatus last = StepStatus::ok;
-  for (int k = 0; k < 40 && last == StepStatus::ok; ++k) last = late.step(50, pair.dt).status;
-  EXPECT_EQ(last, StepStatus::needle_full);
-  EXPECT_EQ(difference(late.read(), kept), "");
   State longer = kept;
   longer.tools[1].needle.hole.push_back(longer.tools[1].needle.hole.back());
   EXPECT_NE(message_of([&] { pair.device->reset(longer); }).find("hole of at most 10 points"), std::string::npos);

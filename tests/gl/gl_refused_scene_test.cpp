@@ -95,10 +95,10 @@ class RefusedScene : public OnBothDevices {
   std::unique_ptr<gl::Device> make(const Scene& scene, const gl::ShaderLibrary& library) const {
     std::unique_ptr<gl::Device> device;
     if (GetParam() == GlBackend::fragment) {
-      device = std::make_unique<gl::FragmentDevice>(pack_floats(*tables_), scene, tools_of(scene), library, false);
+      device = std::make_unique<gl::FragmentDevice>(pack_floats(*tables_), scene, tools_of(scene), library);
     } else {
       device = std::make_unique<gl::ComputeDevice>(pack_slices(pack_floats(*tables_), *tables_), scene, tools_of(scene),
-                                                   library, gl::ComputeForm::store, gl::ComputeLimits::of_context());
+                                                   library, gl::ComputeLimits::of_context());
     }
     device->write(tables_->rest, rest_state(model_));
     return device;

@@ -7,14 +7,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "support/gl_forms.h"
+#include "support/gl_block.h"
 
 namespace phymul::test {
 namespace {
 
 class GlTool : public GlBlockTest {};
 
-PHYMUL_IN_ALL_GL_FORMS(GlTool);
+PHYMUL_ON_BOTH_DEVICES(GlTool);
 
 /// Distances of a ball of 3 mm, up to 2 mm from it along the axes: a margin of more is beyond the grid.
 std::shared_ptr<const DistanceGrid> ball_grid() {
@@ -109,7 +109,7 @@ TEST_P(GlTool, AgreesWithTheReferenceAlsoFarFromTheOrigin) {
     tool.pose = above(origin + Vec3(0.014, 0.011, 0.03), M_PI);
     Scene scene(model);
     scene.fix("z0").add_tool("tool", tool);
-    gl::DeviceSolver gl(GetParam().backend, tables, scene, options_);
+    gl::DeviceSolver gl(GetParam(), tables, scene, options_);
     const auto reference = make_solver("reference", tables, scene, options_);
     double largest = 0.0, moved = 0.0, off = 0.0, off_force = 0.0;
     drive(scene.tool("tool"), origin, [&](int) {
@@ -165,58 +165,14 @@ TEST_P(GlTool, BatchesDoneAgainCountOnce) {
   expect_same(failing);
 }
 
-TEST_P(GlTool, LateReportsTellOfTheCallBefore) {
-  Scene scene(model_);
-  scene.fix("z0").add_tool("ball",
-                           {.shape = Sphere{0.005}, .pose = {.position = {0.015, 0.01, 0.026}}, .friction = 0.3});
-  const auto at_once = make(scene);
-  options_.gl.late_report = true;
-  const auto late = make(scene);
-  double largest = 0.0;
-  ToolReport before{.pose = scene.tool("ball").target_pose(), .force = {}};
-  for (int k = 0; k < 12; ++k) {
-    if (k < 8) scene.tool("ball").move_to({.position = {0.015, 0.01, 0.026 - 3e-4 * k}});
-    if (k == 8) scene.tool("ball").grasp(5e-4);
-    if (k == 10) scene.tool("ball").release();
-    ASSERT_TRUE(at_once->step(k == 5 ? 300 : 7, dt_).ok());
-    ASSERT_TRUE(late->step(k == 5 ? 300 : 7, dt_).ok());
-    if (k != 5) {  // of the longer call the first batch is known
-      EXPECT_EQ(late->tool_force("ball").force, before.force.force) << k;
-      EXPECT_LE((late->tool_force("ball").mean_force - before.force.mean_force).norm(), 1e-5 * largest) << k;
-      EXPECT_EQ(late->tool_pose("ball"), before.pose) << k;
-    }
-    largest = std::max(largest, at_once->tool_force("ball").mean_force.norm());
-    before = {.pose = at_once->tool_pose("ball"), .force = at_once->tool_force("ball")};
-  }
-  EXPECT_GT(before.force.mean_force.norm(), 0.0);
-  EXPECT_EQ(late->read(), at_once->read());
-  EXPECT_EQ(late->tool_force("ball").force, before.force.force);
-}
-
 TEST_P(GlTool, CopiesAndLostDevicesKnowWhatToolsHold) {
   Scene scene(model_);
   scene.add_tool("jaw", {.shape = Box{{0.03, 0.03, 0.001}}, .pose = {.position = {0.015, 0.01, 0.0209}}});
   scene.tool("jaw").grasp(1e-3);
   const auto solver = make(scene), untouched = make(scene);
   scene.tool("jaw").move_to({.position = {0.015, 0.01, 0.0212}, .velocity = {0.01, 0, 0.02}});
-  ASSERT_TRUE(solver->step(20, dt_).ok());
-  const State kept = solver->read();
-  ASSERT_EQ(kept.tools.at(0).held.size(), 35u);
-  solver->request_read();
-  ASSERT_TRUE(solver->step(20, dt_).ok());
-  State copy;
-  while (!solver->collect(copy)) {
-  }
-  EXPECT_EQ(copy, kept);
-  solver->context()->mark_lost();
-  EXPECT_EQ(solver->step(5, dt_).status, StepStatus::device_lost);
-  EXPECT_EQ(solver->read(), kept);
-  ASSERT_TRUE(solver->step(20, dt_).ok());
-  ASSERT_TRUE(untouched->step(20, dt_).ok());
-  ASSERT_TRUE(untouched->step(20, dt_).ok());
-  const State once = untouched->read(), again = solver->read();
-  EXPECT_EQ(again.tools, once.tools);
-  EXPECT_LE(largest_distance(again.position, once.position), 1e-9 * body_size(model_));
+  EXPECT_EQ(copy_and_lose(*solver, *untouched).tools.at(0).held.size(), 35u);
+  EXPECT_EQ(solver->read().tools, untouched->read().tools);
 }
 
 TEST_P(GlTool, ASceneWithoutToolsPaysNothing) {
@@ -251,7 +207,7 @@ TEST_P(GlTool, FlatBodiesStayInTheirPlane) {
   scene.add_tool("ball", {.shape = Sphere{0.004}, .pose = {.position = {0.01, 0.023, 0.001}}, .friction = 0.3});
   SolverOptions options = options_;
   options.spectrum = {};
-  const GlTwins twins(tables, scene, options, GetParam().backend);
+  const GlTwins twins(tables, scene, options, GetParam());
   const double dt = 0.3 * twins.gl->stable_step();
   scene.tool("ball").move_to({.position = {0.01, 0.02, 0.001}});
   for (int k = 0; k < 5; ++k) {

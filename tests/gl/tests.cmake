@@ -63,9 +63,9 @@ endfunction()
 
 # Compute shaders are asked for where a driver has them: not in OpenGL ES 3.0 nor on softpipe. Where the desktop GL is
 # too old for them they run under OpenGL ES.
-set(computing "*/gl_compute*:GlComputeDevice.*:GlFragmentContact.Bits*:GlNeedle*:GlComputeNeedle.*:*HostsContextIsLeftAsItWasByComputing*")
+set(computing "*/gl_compute*:GlComputeDevice.*:GlContactMotion.*:GlFragmentContact.Bits*:GlNeedle*:GlComputeNeedle.*:*HostsContextIsLeftAsItWasByComputing*")
 
-# A minute each, of all bodies and variants: under desktop GL every form of the GL backends shows its bits, under the
+# A minute each, of all bodies and variants: under desktop GL both backends show their bits, under the
 # oldest of each dialect single steps of the fragment backend, and 2,000 damped ones under the oldest OpenGL ES.
 # Compute shaders under OpenGL ES: a body of each kind (GlCompute*).
 set(damped "*GlEquivalence.DampedBodies*:*AHundred*:*GlAveraged.BodiesGo*")
@@ -76,12 +76,12 @@ set(long_in_33 "*GlEquivalence.SingleSteps*/gl_compute*:${damped}")
 # which small bodies only wait for. (Where desktop GL is 3.3 compute shaders run under OpenGL ES, as in the next.)
 set(gl_33 MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330 LP_NUM_THREADS=0)
 set(compute_in_es "*GlTool*/gl_compute*:*GlVolume*/gl_compute*:*NeedleIn.*/gl_compute")
-set(compute_in_es "${compute_in_es}:*Gl*Contact*/gl_compute:GlNeedle*:GlComputeNeedle.*")
+set(compute_in_es "${compute_in_es}:*Gl*Contact*/gl_compute:GlContactMotion.*:GlNeedle*:GlComputeNeedle.*")
 # What fragments do about contacts in seconds each; the rest they do under every GL.
 set(long_contacts "*GlBodyContact.M*/gl:*GlBodyContact.ALong*/gl:*GlContactRuns.Batches*/gl:*GlContactRuns.Runs*/gl")
 set(long_contacts "${long_contacts}:GlFragmentContact.Bits*")
 gl_tests_under(33 "${long_in_33}:${compute_in_es}:${long_contacts}" ${gl_33})
-set(long_in_es "${long}:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolumeOf*")
+set(long_in_es "${long}:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolume.ManyFacets*")
 set(long_in_es "${long_in_es}:*GlContactMotion*:*GlBodyContact.Momentum*:${long_contacts}")
 set(long_needles "*NeedleIn.BendsUnder*/gl_compute:*NeedleIn.IsTheStiff*/gl_compute:*NeedleIn.GoesOn*/gl_compute")
 gl_tests_under(es "${long_in_es}:${long_needles}" PHYMUL_GL_DIALECT=es LP_NUM_THREADS=0)
@@ -99,12 +99,12 @@ set_tests_properties(gl.33.no_compute PROPERTIES ENVIRONMENT "${old_gl}")
 # not the bits of the float mirror, but is within the rounding bound. It does what takes it seconds: a cylinder pulled and
 # let go takes it three minutes, tools that agree with the reference as on llvmpipe (GlTool.Agrees*) more than one.
 set(minutes "*RestStaysAtRest*:*PulledCylinder*:*EnumeratedBasesMove*:*AHundred*:*GlAveraged.BodiesGo*")
-set(long_with_tools "*GlTool.Every*:*GlTool.Agrees*:*GlTool.Batches*:*GlTool.Late*:*MovingTool.GoesBack*:*MovingTool.Holds*")
+set(long_with_tools "*GlTool.Every*:*GlTool.Agrees*:*GlTool.Batches*:*MovingTool.GoesBack*:*MovingTool.Holds*")
 set(long_with_tools "${long_with_tools}:*Contact.Block*:*Contact.Compliance*:*Contact.TenThousand*:*GridTool*")
-set(long_with_volumes "*GlVolume.IsKept*:*GlVolume.Several*:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolumeOf*:*GlVolume*/gl_four_passes")
+set(long_with_volumes "*GlVolume.IsKept*:*GlVolume.Several*:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolume.ManyFacets*")
 set(with_contacts "GlFragmentContact.*:*GlBodyContact.A*:*GlBodyContact.Tools*:*GlBodyContact.V*:*GlContactRuns.AScene*")
 set(refused "*RefusedScene.Sh*:*RefusedScene.W*")
-gl_tests_under(softpipe "${refused}:${minutes}:${with_contacts}:${long_contacts}:${long_with_tools}:*GlTool*/gl_four_passes:${long_with_volumes}:${computing}" GALLIUM_DRIVER=softpipe)
+gl_tests_under(softpipe "${refused}:${minutes}:${with_contacts}:${long_contacts}:${long_with_tools}:${long_with_volumes}:${computing}" GALLIUM_DRIVER=softpipe)
 
 # A host that uses GLX, on an X server of its own.
 find_package(X11 QUIET)

@@ -162,27 +162,7 @@ class MirrorSolver final : public SolverBackend {
   double do_time() const override { return time_; }
   std::string do_device() const override { return "one processor core, single precision"; }
 
-  Energy do_energy() const override {
-    FloatLoads now(scene());  // not loads_: the scene may have changed since the last step
-    now.evaluate(scene(), time_);
-    std::vector<Float3> force(u_.size());
-    forces_.evaluate(u_, force);
-    const auto dt = static_cast<float>(last_dt_);
-    Energy energy;
-    energy.elastic = forces_.energy(u_);
-    for (Index i = 0; i < topology().particle_count; ++i) {
-      const float m = forces_.tables().particle[i][2];
-      const Float3 after = v_[i] + dt * now.free_part(i, acceleration_of(i, force[i], now));
-      energy.kinetic += 0.5f * m * inner_product(v_[i], after);
-      energy.gravity -= m * inner_product(now.gravity, u_[i]);
-    }
-    return energy;
-  }
-
-  Float3 acceleration_of(Index i, const Float3& elastic, const FloatLoads& loads) const {
-    const Float3 force = loads.pushes() ? elastic + loads.force(i) : elastic;
-    return Step::acceleration(force, forces_.tables().particle[i][0], loads.gravity);
-  }
+  Energy do_energy() const override { return energy_of(read(), last_dt_); }
 
   /// Forces act at the old time, imposed positions hold at the new one. True where an elastic force was cut.
   bool move(const StepPlan& plan, Motion& motion) {

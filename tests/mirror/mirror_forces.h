@@ -24,16 +24,12 @@ class MirrorForces {
   /// Elastic forces, N, at displacements u, m; both [particles]. Overwrites `force`; does not allocate.
   void evaluate(std::span<const Float3> u, std::span<Float3> force) const;
 
-  /// J, from float densities summed in double.
-  double energy(std::span<const Float3> u) const;
-
  private:
   Kernels<float>::DeltaBase base_at(Index t, std::span<const Float3> u, Float3& d1, Float3& d2) const;
   Float3 pull_of_base(Index t, std::span<const Float3> u) const;
   Float3 attractor_pull(Index i, std::span<const Float3> u) const;
   void add_enumerated_heights(Index i, std::span<const Float3> u, Float3& sum) const;
   void shape_rows(std::span<const Float3> u) const;
-  double shape_energy(std::span<const Float3> u) const;
   template <bool bounded>
   void volume_rows(std::span<const Float3> u) const;
   Index owner_of(Index domain) const { return tables_.domains.owner.empty() ? domain : tables_.domains.owner[domain]; }
@@ -42,9 +38,6 @@ class MirrorForces {
   std::array<float, most_energy_constants> energy_constants(Index d) const;
   void domain_rows(std::span<const Float3> u) const;
   Float3 domain_force(Index d) const;
-  double domain_energy(std::span<const Float3> u) const;
-  template <bool bounded>
-  double volume_energy(std::span<const Float3> u) const;
   Float3 gathered(Index i, std::span<const Float3> u) const;
 
   FloatTables tables_;

@@ -75,7 +75,6 @@ TEST_P(ProfileTest, CountsEveryStepOnce) {
   scene.fix("bottom");
   SolverOptions options;
   options.profile = true;
-  options.gl.compute = GlCompute::store;  // whose passes are one a step
   const auto solver = make_solver(GetParam(), model, scene, {.law = Law::springs, .volume_stiffness = 50.0}, options);
   EXPECT_TRUE(solver->profile().empty()) << "making a solver is no step";
   const double dt = 0.5 * solver->stable_step();

@@ -33,8 +33,6 @@ class BoundedForces {
   }
 
   Bounded3 force(Index i) const { return sum_[i].total(); }
-  double energy() const { return energy_; }              ///< J
-  double energy_error() const { return energy_error_; }  ///< J, for terms in float and their sum in double
 
  private:
   Bounded3 difference(Index a, Index b) const {
@@ -43,11 +41,6 @@ class BoundedForces {
   }
   static Bounded3 stored3(const Vec3& v) { return {stored(v.x()), stored(v.y()), stored(v.z())}; }
   Bounded3 rest_edge(Index a, Index b) const { return stored3(t_.rest[b] - t_.rest[a]); }
-
-  void add_energy(const Bounded& energy) {
-    energy_ += energy.value;
-    energy_error_ += energy.error;
-  }
 
   struct BaseNow {
     BoundedKernels::DeltaBase base;
@@ -72,7 +65,7 @@ class BoundedForces {
     return now;
   }
 
-  /// F_i and what it costs, for all reactions but the conservative one.
+  /// F_i, for all reactions but the conservative one.
   Bounded3 attractor_force(Index i) {
     const IndexTexel& at = t_.index[i];
     BoundedSum pull;
@@ -83,7 +76,6 @@ class BoundedForces {
       const BaseNow now = base_now(t);
       pull.add((stored(t_.weight[t]) * now.beta) * now.base.dn);
     }
-    add_energy(BoundedKernels::pull_energy(stored(t_.stiffness[i]), pull.total()));
     return stored(t_.stiffness[i]) * pull.total();
   }
 
@@ -131,7 +123,6 @@ class BoundedForces {
     const Bounded3 pull = BoundedKernels::base_pull(now.base, difference(i, t_.bases[t].vertex[0]), now.d1, now.d2,
                                                     now.lambda_b, now.lambda_c, now.beta);
     const Bounded share = stored(t_.stiffness[i] * t_.weight[t]);
-    add_energy(BoundedKernels::pull_energy(share, pull));
     const Bounded3 F = share * pull;
     sum_[i].add(F);
     react(t, now, F);
@@ -144,7 +135,6 @@ class BoundedForces {
       const Bounded3 F = BoundedKernels::spring_force(rest_edge(a, b), difference(a, b), k);
       sum_[a].add(F);
       sum_[b].add(-F);
-      add_energy(BoundedKernels::spring_energy(rest_edge(a, b), difference(a, b), k));
     }
   }
 
@@ -152,7 +142,6 @@ class BoundedForces {
   void add_volume(const VolumeTexel& term) {
     const auto [a, b, c, d] = term.vertex;
     const Bounded stiffness = stored(term.stiffness);
-    Bounded change;
     if (t_.dimension == 2) {
       const std::array<Bounded3, 2> E{rest_edge(a, b), rest_edge(a, c)}, e{difference(a, b), difference(a, c)};
       const Bounded inverse = stored(term.inverse_rest_volume / 2.0);
@@ -160,7 +149,6 @@ class BoundedForces {
       cpu::Kernels<Bounded, bounded>::triangle_area_forces(E[0], E[1], e[0], e[1], inverse, stiffness, on[0], on[1],
                                                            on[2]);
       for (std::size_t corner = 0; corner < 3; ++corner) sum_[term.vertex[corner]].add(on[corner]);
-      change = BoundedKernels::triangle_change(E[0], E[1], e[0], e[1], inverse);
     } else {
       const std::array<Bounded3, 3> E{rest_edge(a, b), rest_edge(a, c), rest_edge(a, d)},
           e{difference(a, b), difference(a, c), difference(a, d)};
@@ -169,9 +157,7 @@ class BoundedForces {
       cpu::Kernels<Bounded, bounded>::tetrahedron_volume_forces(E[0], E[1], E[2], e[0], e[1], e[2], inverse, stiffness,
                                                                 on[0], on[1], on[2], on[3]);
       for (std::size_t corner = 0; corner < 4; ++corner) sum_[term.vertex[corner]].add(on[corner]);
-      change = BoundedKernels::tetrahedron_change(E[0], E[1], E[2], e[0], e[1], e[2], inverse);
     }
-    add_energy(stiffness * cpu::Kernels<Bounded, bounded>::volume_energy_density(change));
   }
 
   Bounded3 difference_of_domains(Index d, Index e) const {
@@ -203,15 +189,11 @@ class BoundedForces {
     const Bounded spread = stored(domain.spread_stiffness);
     std::array<Bounded, most_energy_constants> p;
     for (std::size_t k = 0; k < p.size(); ++k) p[k] = stored(domain.energy[k]);
-    add_energy((Energy::energy_density(H, p.data()) - (Bounded(0.5f) * spread) * Energy::squared_norm(H)) /
-               stored(domain.inverse_volume));
     const cpu::Columns<Bounded> Q = Energy::minus(Energy::energy_stress(H, p.data()), Energy::scaled(spread, H));
     for (Index r = t_.first_link[d]; r < t_.first_link[d + 1]; ++r) {
       const LinkTexel& link = t_.links[r];
       sum_[t_.domains[link.domain].particle].add(-BoundedKernels::times(Q, stored3(link.area)));
-      const Bounded3 apart = difference_of_domains(d, link.domain);
-      sum_[domain.particle].add(stored(link.stiffness) * apart);
-      add_energy((Bounded(0.25f) * stored(link.stiffness)) * inner_product(apart, apart));
+      sum_[domain.particle].add(stored(link.stiffness) * difference_of_domains(d, link.domain));
     }
     for (Index r = t_.first_surface_link[d]; r < t_.first_surface_link[d + 1]; ++r) {
       sum_[t_.domains[t_.surface_links[r].domain].particle].add(
@@ -222,7 +204,6 @@ class BoundedForces {
   const TopologyTextures& t_;
   std::span<const Vec3> u_;
   std::vector<BoundedSum> sum_;
-  double energy_ = 0.0, energy_error_ = 0.0;
 };
 
 }  // namespace phymul::test

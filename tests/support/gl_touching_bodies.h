@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-#include "gl_forms.h"
 #include "gl_twins.h"
 
 namespace phymul::test {
@@ -40,30 +39,15 @@ inline Vec3 mean_place(const State& state, const std::vector<Index>& particles) 
   return centre;
 }
 
-inline GlForm fragment_form() {
-  return {"gl", GlBackend::fragment, GlCompute::automatic, 2};
-}
-inline GlForm compute_form() {
-  return {"gl_compute", GlBackend::compute, GlCompute::automatic, 2};
-}
-inline std::string name_of_form(const testing::TestParamInfo<GlForm>& form) {
-  return form.param.name;
-}
-
 /// A scene on the device and on the reference.
 class BesideReference {
  public:
-  BesideReference(const Model& model, const Scene& scene, const SolverOptions& options,
-                  GlCompute form = GlCompute::automatic, GlBackend backend = GlBackend::compute)
-      : BesideReference(model, scene, options, GlForm{"", backend, form, 2}) {}
-  BesideReference(const Model& model, const Scene& scene, SolverOptions options, const GlForm& form)
+  BesideReference(const Model& model, const Scene& scene, SolverOptions options, GlBackend backend = GlBackend::compute)
       : tables_(tables_of(model, {})) {
-    options.gl.compute = form.compute;
-    options.gl.passes = form.passes;
     options.gl.debug = true;
     if (!options.spectrum) options.spectrum = estimate_spectrum(*tables_, tables_->rest);
     dt = 0.4 * stable_step(*options.spectrum, 1.0);
-    device = std::make_unique<gl::DeviceSolver>(form.backend, tables_, scene, options);
+    device = std::make_unique<gl::DeviceSolver>(backend, tables_, scene, options);
     reference = make_solver("reference", tables_, scene, options);
   }
 
@@ -107,24 +91,4 @@ inline SolverOptions damped(double rate) {
   return options;
 }
 
-/// Contacts on one of the GL backends.
-class WithContactsOn : public GlTest, public testing::WithParamInterface<GlForm> {
- protected:
-  void SetUp() override {
-    GlTest::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_not_here(name_of(GetParam().backend)));
-  }
-  static bool draws() { return GetParam().backend == GlBackend::fragment; }
-  /// In every form that this backend has.
-  static std::vector<GlForm> forms() {
-    if (draws()) return {{"gl", GlBackend::fragment, {}, 2}, {"gl_four_passes", GlBackend::fragment, {}, 4}};
-    return {{"store", GlBackend::compute, GlCompute::store, 2},
-            {"workgroup", GlBackend::compute, GlCompute::workgroup, 2}};
-  }
-};
-
 }  // namespace phymul::test
-
-#define PHYMUL_ON_BOTH_GL_BACKENDS(suite) \
-  INSTANTIATE_TEST_SUITE_P(All, suite, testing::Values(fragment_form(), compute_form()), name_of_form)

@@ -116,6 +116,14 @@ class GlTwins {
   SolverOptions options_;
 };
 
+class TwinsOnBothDevices : public OnBothDevices {
+ protected:
+  static GlTwins twins_of(std::shared_ptr<const TopologyTextures> tables, const Scene& scene,
+                          SolverOptions options = {}) {
+    return {std::move(tables), scene, std::move(options), GetParam()};
+  }
+};
+
 /// A body off its rest place, and moving.
 inline State random_state(const Model& model, double amount, double speed, std::uint32_t seed) {
   State state = rest_state(model);

@@ -41,8 +41,7 @@ class HostileHost {
 /// What a careless step would leave behind.
 void leave_a_mess();
 
-/// Draws a texel (throws Error where it fails), sends a texture of 4 x 2 x 2 and reads it back; true where it is the
-/// same.
+/// Sends a texture of 4 x 2 x 2, draws over its second layer and reads both back; true where they are as they should.
 bool draws_well(const gl::ContextInfo& info);
 
 }  // namespace phymul::test

@@ -325,29 +325,7 @@ class SimdSolver final : public SolverBackend {
            " vectors, single precision";
   }
 
-  /// In double precision: the state is a float's, what follows from it need not lose more.
-  Energy do_energy() const override {
-    LoadFrame now;
-    scene().prepare(now);
-    scene().evaluate(time_, now);
-    State state;
-    do_read(state);
-    VecList force(state.position.size());
-    elastic_forces(topology(), state.position, force);
-    Energy energy;
-    energy.elastic = elastic_energy(topology(), state.position);
-    for (Index i = 0; i < topology().particle_count; ++i) {
-      const double m = topology().mass[i];
-      Vec3 a = force[i] / m + now.gravity;
-      if (!now.force.empty()) a += now.force[i] / m;
-      for (int axis = 0; axis < 3; ++axis) {
-        if (!now.fixed.empty() && (now.fixed[i] >> axis & 1) != 0) a[axis] = 0.0;
-      }
-      energy.kinetic += 0.5 * m * state.velocity[i].dot(state.velocity[i] + last_dt_ * a);
-      energy.gravity -= m * now.gravity.dot(state.position[i] - topology().rest[i]);
-    }
-    return energy;
-  }
+  Energy do_energy() const override { return energy_of(read(), last_dt_); }
 
   const simd::Kernels& kernels_;
   std::unique_ptr<const PackedBody> body_;

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// The passes of a step, dispatched. By form:
-//   store      forces of attractors, terms of bases, volumes and domains in one dispatch (bases of the averaged
-//              reaction, which read forces, in a second); net force and Verlet in another
-//   workgroup  as store, many steps in one dispatch by one group; where bodies touch or needles are, as store
-// There another dispatch before the last one finds where each particle would go by itself, then come the passes of
+// The passes of a step, dispatched: forces of attractors, terms of bases, volumes and domains in one dispatch (bases of
+// the averaged reaction, which read forces, in a second), net force and Verlet in another. Where bodies touch or
+// needles are, another one before it finds where each particle would go by itself, then come the passes of
 // needle_passes.h, of other tools where there are needles, and of contact_passes.h, and the last one ends what those
 // began. Where the scene keeps volumes, sums over their facets and the end of the step are two dispatches more behind
-// it, or three; the workgroup waits for itself.
+// it, or three.
 #pragma once
 
 #include <deque>
@@ -22,42 +20,24 @@
 
 namespace phymul::gl {
 
-enum class ComputeForm { store, workgroup };
-
-/// What `wish` means for a body; `software`: on a processor that plays GPU, where launches cost nothing.
-ComputeForm choose_form(GlCompute wish, const SliceTables& slices, bool software);
-
 class ComputePasses {
  public:
-  ComputePasses(const ComputeTables& tables, const ShaderLibrary& library, ComputeForm form,
-                const ComputeLimits& limits);
+  ComputePasses(const ComputeTables& tables, const ShaderLibrary& library, const ComputeLimits& limits)
+      : tables_(&tables), library_(&library), limits_(limits) {}
 
   const ComputeTables& tables() const { return *tables_; }
-  ComputeForm form() const { return form_; }
 
   /// Compiles what these loads need, where it is not there yet.
   void set_loads(const ComputeLoads& loads, const ComputeState& state);
   /// Before steps of a call.
   void set_constants(const StepConstants& constants);
 
-  /// Steps first ... first + count - 1 of a batch from the current state, each to the next free pair; the last one
-  /// measures. Advances the state.
-  void steps(ComputeState& state, int first, int count);
-  /// Step `number` from the current state to the free pair; measures, and does not advance.
-  void try_step(const ComputeState& state, int number);
+  /// Step `number` of a batch from the current state to the free pair; `measuring`: what a report tells of the last
+  /// one. Does not advance the state.
+  void step(const ComputeState& state, int number, bool measuring);
 
-  /// What other kernels read: forces and terms of the current state.
-  void evaluate(const ComputeState& state);
-  /// Files up to and with net_force.glsl, and what they need defined; `with_passes`: those before the step too.
-  ShaderRequest gathering(const LoadKind& loads, bool with_passes = false) const;
-  struct TermRows {
-    bool attractors = false, bases = false, volumes = false, domains = false;
-    bool any() const { return attractors || bases || volumes || domains; }
-  };
-  /// The kernels and passes of some rows alone.
-  ShaderRequest evaluating(const TermRows& rows) const;
-  /// A kernel that knows where everything is.
-  Kernel placed(ShaderRequest request, int group, const ComputeState& state) const;
+  /// A kernel over the body's tables, that knows where everything is.
+  Kernel compiled(ShaderRequest request, int group, const ComputeState& state) const;
 
  private:
   struct StepKind {
@@ -69,45 +49,49 @@ class ComputePasses {
   };
   struct Stepping {
     StepKind kind;
-    Kernel kernel;
-    Kernel free;             // where there are contacts or needles: up to what pushes, which `kernel` goes on from
-    Kernel press;            // where there are needles and other tools: what these push
-    KeepingKernels keeping;  // where volumes are kept, behind it; not of one group
+    Kernel step;
+    Kernel free;                 // where there are contacts or needles: up to what pushes, which `step` goes on from
+    Kernel press;                // where there are needles and other tools: what these push
+    Kernel keep_sums, keep_end;  // where volumes are kept, behind it
+    /// Of those that there are.
+    template <class Function>
+    void for_each(Function&& function) {
+      for (Kernel* const kernel : {&step, &free, &press, &keep_sums, &keep_end}) {
+        if (*kernel) function(*kernel);
+      }
+    }
   };
   struct Terms {
     Kernel kernel;
-    int attractor_groups = 0, base_groups = 0, volume_groups = 0, domain_groups = 0;
-    int groups() const { return attractor_groups + base_groups + volume_groups + domain_groups; }
+    int groups = 0;
+  };
+  struct TermRows {
+    bool attractors = false, bases = false, volumes = false, domains = false;
+    bool any() const { return attractors || bases || volumes || domains; }
   };
   void compile_terms(const ComputeState& state);
-  TermRows all_terms() const;
   void add_terms(const TermRows& rows, const ComputeState& state);
+  ShaderRequest gathering(const StepKind& step) const;
   void add_tools(const StepKind& step, ShaderRequest& request) const;
+  Stepping compiled(const StepKind& kind, const ComputeState& state) const;
   Kernel stepping(const StepKind& step, const ComputeState& state) const;
   Kernel freeing(const StepKind& step, const ComputeState& state) const;
   Kernel pressing(const StepKind& step, const ComputeState& state) const;
-  KeepingKernels keeping(const StepKind& step, const ComputeState& state) const;
-  bool by_one_group(bool pushes) const { return form_ == ComputeForm::workgroup && !pushes; }
-  void act_on_free(const ComputeState& state, int number, bool measuring);
-  void run(Kernel& kernel, const ComputeState& state, int number, bool measuring);
-  void step(const ComputeState& state, int number, bool measuring);
-  void dispatch_workgroup(const ComputeState& state, int number, int steps);
-  std::int64_t turns_a_step(std::int64_t tools, const ComputeVolumes* volumes) const;
-  int steps_a_dispatch() const;
-  int workgroup() const;
+  Kernel keep_summing(const ComputeState& state) const;
+  Kernel keep_ending(const StepKind& step, const ComputeState& state) const;
+  void run(Kernel& kernel, const ComputeState& state, int number, bool measuring) const;
+  void keep(const ComputeState& state, int number) const;
 
   const ComputeTables* tables_;
   const ShaderLibrary* library_;
-  ComputeForm form_;
   ComputeLimits limits_;
   std::vector<Terms> terms_;  // dispatched in order before a step
   bool terms_compiled_ = false;
   std::deque<Stepping> stepping_;  // whose addresses stay
   Stepping* now_ = nullptr;
-  std::int64_t turns_ = 0;                   // of loops, of a step of now_ by one group
-  const StorageBuffer* touching_ = nullptr;  // the loads that now_ is for, where they have contacts
-  std::optional<ContactPasses> contacts_;    // once there were some
-  std::optional<NeedlePasses> needles_;      // likewise
+  const ComputeLoads* loads_ = nullptr;    // that now_ is for
+  std::optional<ContactPasses> contacts_;  // once there were some
+  std::optional<NeedlePasses> needles_;    // likewise
 };
 
 }  // namespace phymul::gl

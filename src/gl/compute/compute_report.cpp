@@ -19,13 +19,10 @@ ComputeReport::ComputeReport(const ShaderLibrary& library, const ComputePasses& 
     : library_(&library), passes_(&passes), limits_(limits), particles_(passes.tables().kind().particles) {
   const int group =
       static_cast<int>(std::bit_floor(static_cast<unsigned>(std::min(limits.invocations, largest_group))));
-  ShaderRequest request{.files = {"dialect/dialect_compute.glsl", "step/tables.glsl", "report/report_events.glsl",
-                                  "report/report_kernel.glsl"},
-                        .defines = {}};
-  passes.tables().define(request);
-  kernel_ = Kernel(library, std::move(request), group, limits);
-  passes.tables().place(kernel_);
-  state.place(kernel_);
+  kernel_ = passes.compiled({.files = {"dialect/dialect_compute.glsl", "step/tables.glsl", "report/report_events.glsl",
+                                       "report/report_kernel.glsl"},
+                             .defines = {}},
+                            group, state);
   groups_ = std::clamp(particles_ / (group * rows_a_lane), 1, ComputeState::most_report_groups);
 }
 
@@ -51,33 +48,10 @@ void ComputeReport::sum_tools(const ComputeTools& tools) {
   sum(tools.parts_row(), parts, parts, 1, tools.total_row());
 }
 
-BatchReport ComputeReport::take() {
-  BatchReport report = copy_.take();
-  for (std::size_t tool = 0; tool < tool_sums_.size(); ++tool) {
-    const Float4* const rows = &copy_.more()[4 * tool];
-    tool_sums_[tool].force = rows[0];
-    tool_sums_[tool].torque = rows[1];
-    tool_sums_[tool].last_force = rows[2];
-    tool_sums_[tool].last_torque = rows[3];
-  }
-  const std::span<const Float4> more(copy_.more());
-  report.see_volumes(more.subspan(4 * tool_sums_.size(), volumes_));
-  if (needles_) {
-    const ComputeNeedles::Told told = needles_->take(more.subspan(4 * tool_sums_.size() + volumes_), tool_sums_);
-    report.full_step = told.full_step;
-    report.full_needle = told.tool;
-  }
-  return report;
-}
-
-void ComputeReport::request(const ComputeState& state, int pair, const ComputeLoads& loads) {
+BatchReport ComputeReport::read(const ComputeState& state, int pair, const ComputeLoads& loads) {
   const ComputeTools* const tools = loads.tools();
-  tool_sums_.resize(tools ? static_cast<std::size_t>(tools->count()) : 0);
   const ComputeVolumes* const volumes = loads.volumes();
-  volumes_ = volumes ? static_cast<std::size_t>(volumes->count()) : 0;
-  needles_ = loads.needles();
-  const auto needle_rows = static_cast<std::size_t>(needles_ ? needles_->told_rows() : 0);
-  copy_.carry(4 * tool_sums_.size() + volumes_ + needle_rows);
+  const ComputeNeedles* const needles = loads.needles();
   if (tools) sum_tools(*tools);
   const int last = state.report_row() + 2 * ComputeState::most_report_groups;
   const int partial = groups_ > 1 ? state.report_row() : last;
@@ -92,23 +66,38 @@ void ComputeReport::request(const ComputeState& state, int pair, const ComputeLo
     kernel_.set("report_place", last);
     kernel_.dispatch(1);
   }
-  copy_.request([&] {
+  const std::int64_t tool_rows = tools ? 4 * tools->count() : 0, volume_rows = volumes ? volumes->count() : 0;
+  BatchReport report = copy_.read(tool_rows + volume_rows + (needles ? needles->told_rows() : 0), [&] {
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    glBindBuffer(GL_COPY_READ_BUFFER, state.rows().id());
-    glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_PIXEL_PACK_BUFFER, static_cast<GLintptr>(16) * last, 0, 32);
-    glBindBuffer(GL_COPY_READ_BUFFER, loads.rows().id());
-    const auto tool_bytes = static_cast<GLsizeiptr>(64 * tool_sums_.size());
-    if (tools) {
-      glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_PIXEL_PACK_BUFFER, static_cast<GLintptr>(16 * tools->total_row()), 32,
-                          tool_bytes);
-    }
-    if (volumes) {
-      glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_PIXEL_PACK_BUFFER, static_cast<GLintptr>(16 * volumes->roots_row()),
-                          32 + tool_bytes, static_cast<GLsizeiptr>(16 * volumes_));
-    }
-    if (needles_) needles_->copy_told(32 + tool_bytes + static_cast<GLintptr>(16 * volumes_));
+    std::int64_t to = 0;
+    const auto copy = [&to](const StorageBuffer& from, std::int64_t row, std::int64_t rows) {
+      glBindBuffer(GL_COPY_READ_BUFFER, from.id());
+      glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_PIXEL_PACK_BUFFER, static_cast<GLintptr>(16 * row),
+                          static_cast<GLintptr>(16 * to), static_cast<GLsizeiptr>(16 * rows));
+      to += rows;
+    };
+    copy(state.rows(), last, 2);
+    if (tools) copy(loads.rows(), tools->total_row(), tool_rows);
+    if (volumes) copy(loads.rows(), volumes->roots_row(), volume_rows);
+    if (needles) needles->copy_told(static_cast<GLintptr>(16 * to));
     glBindBuffer(GL_COPY_READ_BUFFER, 0);
   });
+  const std::span<const Float4> more(copy_.more());
+  tool_sums_.resize(static_cast<std::size_t>(tool_rows / 4));
+  for (std::size_t tool = 0; tool < tool_sums_.size(); ++tool) {
+    const Float4* const rows = &more[4 * tool];
+    tool_sums_[tool].force = rows[0];
+    tool_sums_[tool].torque = rows[1];
+    tool_sums_[tool].last_force = rows[2];
+    tool_sums_[tool].last_torque = rows[3];
+  }
+  report.see_volumes(more.subspan(static_cast<std::size_t>(tool_rows), static_cast<std::size_t>(volume_rows)));
+  if (needles) {
+    const auto told = needles->take(more.subspan(static_cast<std::size_t>(tool_rows + volume_rows)), tool_sums_);
+    report.full_step = told.full_step;
+    report.full_needle = told.tool;
+  }
+  return report;
 }
 
 }  // namespace phymul::gl

@@ -15,9 +15,8 @@ class ComputeReport {
                 const ComputeLimits& limits);
 
   /// Of the state in a pair, which the last step wrote and measured, and of what steps told of the tools and volumes
-  /// among `loads`.
-  void request(const ComputeState& state, int pair, const ComputeLoads& loads);
-  BatchReport take();
+  /// among `loads`. Waits for the device.
+  BatchReport read(const ComputeState& state, int pair, const ComputeLoads& loads);
   std::span<const ToolSums> tool_sums() const { return tool_sums_; }
 
  private:
@@ -31,8 +30,6 @@ class ComputeReport {
   int groups_;
   ReportCopy copy_;
   std::vector<ToolSums> tool_sums_;
-  std::size_t volumes_ = 0;
-  const ComputeNeedles* needles_ = nullptr;  // of what was requested last
 };
 
 }  // namespace phymul::gl

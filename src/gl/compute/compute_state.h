@@ -18,32 +18,31 @@ class ComputeState {
   ComputeState(const ComputeTables& tables, const ComputeLimits& limits);
 
   int current() const { return current_; }
-  int checkpoint() const { return checkpoint_; }
   int free_pair() const;  ///< where the next step goes
   void advance() { current_ = free_pair(); }
   void set_checkpoint() { checkpoint_ = current_; }
   void go_back() { current_ = checkpoint_; }
 
-  void bind() const { rows_.bind(changing_binding); }
-  void place(Kernel& kernel) const;
+  void bind() const { buffer_.bind(changing_binding); }
+  void place(Kernel& kernel) const { rows_.place(kernel); }
 
   void write(const VecList& rest, const State& state);
   void read(const VecList& rest, State& state) const;
   void request_copy(StateCopies& copies, const State& header) const;
   PlaceOf place_of() const { return tables_->place_of(); }
 
-  /// What the last step measured has been reported by then: rows for whoever shows or sums something.
-  int spare_row() const { return measured_row_; }
-  int report_row() const { return report_row_; }
-  const StorageBuffer& rows() const { return rows_; }
+  /// What the last step measured has been reported by then: rows for whoever shows something.
+  int spare_row() const { return static_cast<int>(measured_row_); }
+  int report_row() const { return static_cast<int>(report_row_); }
+  const StorageBuffer& rows() const { return buffer_; }
 
  private:
   std::int64_t pair_row(int pair) const { return std::int64_t{2} * pair * tables_->places(); }
 
   const ComputeTables* tables_;
-  int measured_row_ = 0, force_row_ = 0, base_row_ = 0, volume_row_ = 0;
-  int domain_row_ = 0, report_row_ = 0;
-  StorageBuffer rows_;
+  StorageRows rows_;
+  std::int64_t measured_row_ = 0, report_row_ = 0;
+  StorageBuffer buffer_;
   int current_ = 0, checkpoint_ = 0;
 };
 

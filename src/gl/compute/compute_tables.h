@@ -1,25 +1,18 @@
 // SPDX-License-Identifier: MIT
 //
-// The constants of a body in storage buffers: SliceTables one after another in one buffer, under the names of
-// tables.glsl, and the heights, the largest table, in a buffer of their own where the driver binds enough.
+// The constants of a body in a storage buffer: SliceTables one after another, under the names of tables.glsl.
 #pragma once
 
 #include <vector>
 
 #include "device/slice_tables.h"
-#include "gl/objects/storage_buffer.h"
+#include "gl/objects/storage_rows.h"
 #include "gl/solver/body_kind.h"
 
 namespace phymul::gl {
 
 /// As dialect_compute.glsl has them.
-enum StorageBinding : GLuint {
-  constant_rows_binding,
-  constant_words_binding,
-  changing_binding,
-  loads_binding,
-  heights_binding
-};
+enum StorageBinding : GLuint { constant_rows_binding, constant_words_binding, changing_binding, loads_binding };
 
 class ComputeTables {
  public:
@@ -29,33 +22,31 @@ class ComputeTables {
   int places() const { return places_; }  ///< rows of a table by place
   const std::vector<Index>& place_of() const { return place_of_; }
 
+  /// A table by particles of the model, so many rows each, in the order of places; `nobody`: rows of no particle.
+  template <class Row>
+  std::vector<Row> by_place(const std::vector<Row>& by_particle, std::size_t rows_each = 1, Row nobody = {}) const {
+    std::vector<Row> rows(rows_each * static_cast<std::size_t>(places_), nobody);
+    for (std::size_t k = 0; k < by_particle.size(); ++k) {
+      rows[rows_each * static_cast<std::size_t>(place_of_[k / rows_each]) + k % rows_each] = by_particle[k];
+    }
+    return rows;
+  }
+
   void bind() const;
   /// What every shader of this body finds defined.
   void define(ShaderRequest& request) const;
   /// Tells a kernel where the tables are.
-  void place(Kernel& kernel) const;
+  void place(Kernel& kernel) const { rows_.place(kernel); }
 
  private:
-  struct Table {
-    const char* name;  ///< of the uniform
-    const void* data;
-    std::int64_t bytes, first_byte;
-    bool by_words;
-  };
-  template <class Row>
-  void add(const char* name, const std::vector<Row>& rows);
   void add_entries(const FloatTables& rows);
   void add_all(const SliceTables& slices);
 
   BodyKind kind_;
   int places_, slice_;
   std::vector<Index> place_of_;
-  bool heights_apart_;
-  std::vector<Table> tables_;
-  std::int64_t bytes_ = 0;
-  std::vector<std::int32_t> entries_;  // while the tables are sent
-  int volume_start_ = 0, spring_start_ = 0;
-  StorageBuffer constants_, heights_;
+  StorageRows rows_;
+  StorageBuffer constants_;
 };
 
 }  // namespace phymul::gl

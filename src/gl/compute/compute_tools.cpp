@@ -1,80 +1,35 @@
 // SPDX-License-Identifier: MIT
 #include "compute_tools.h"
 
-#include <algorithm>
-
 namespace phymul::gl {
-namespace {
 
-std::int64_t size_of(const auto& rows) {
-  return static_cast<std::int64_t>(rows.size());
-}
-
-}  // namespace
-
-ComputeTools::ComputeTools(const FloatTools& tools, std::int64_t first, const ComputeTables& tables)
+ComputeTools::ComputeTools(const FloatTools& tools, const ComputeTables& tables, StorageRows& rows)
     : tables_(&tables),
       count_(tools.count()),
       needle_count_(tools.needle_count()),
       any_grid_(tools.any_grid()),
-      end_(first) {
-  const auto take = [this](std::int64_t rows) {
-    const std::int64_t row = end_;
-    end_ += rows;
-    return row;
-  };
-  const std::int64_t places = tables.places(), count = count_;
-  laws_row_ = take(size_of(tools.laws()));
-  frames_row_ = take(static_cast<std::int64_t>(tools.most_frames()));
-  rest_row_ = take(static_cast<std::int64_t>(FloatTools::rest_rows) * places);
-  held_row_ = take(places);
-  grid_row_ = take((size_of(tools.grid_values()) + 3) / 4);
-  sums_row_ = take(4 * places * count);
-  parts_row_ = take(4 * most_parts * count);
-  total_row_ = take(4 * count);
+      frames_row_(rows.take("tool_frames_place", static_cast<std::int64_t>(tools.most_frames()))),
+      held_row_(rows.add("tool_held_place", tables.by_place(tools.held()))) {
+  rows.add("tool_laws_place", tools.laws());
+  rows.add("tool_rest_place", tables.by_place(tools.rest(), FloatTools::rest_rows));
+  rows.add("tool_grid_place", tools.grid_values());
+  rows.note("tool_count", count_);
+  // A needle tells of itself in the rows of the first place, and of the others nobody.
+  const std::int64_t sums = std::int64_t{4} * tables.places() * count_;
+  sums_row_ = needle_count_ == 0
+                  ? rows.take("tool_sums_place", sums)
+                  : rows.add("tool_sums_place", std::vector<Float4>(static_cast<std::size_t>(sums), Float4{}));
+  parts_row_ = rows.take(nullptr, std::int64_t{4} * most_parts * count_);
+  total_row_ = rows.take(nullptr, std::int64_t{4} * count_);
 }
 
-std::vector<Float4> ComputeTools::by_place(const std::vector<Float4>& by_particle, std::size_t rows_each) const {
-  std::vector<Float4> rows(rows_each * static_cast<std::size_t>(tables_->places()), Float4{});
-  for (std::size_t i = 0; i < by_particle.size() / rows_each; ++i) {
-    const auto place = static_cast<std::size_t>(tables_->place_of()[i]);
-    std::copy_n(by_particle.begin() + static_cast<std::ptrdiff_t>(rows_each * i), rows_each,
-                rows.begin() + static_cast<std::ptrdiff_t>(rows_each * place));
-  }
-  return rows;
+void ComputeTools::write_held(const FloatTools& tools, StorageBuffer& buffer) const {
+  const std::vector<Float4> held = tables_->by_place(tools.held());
+  buffer.write(16 * held_row_, held.data(), static_cast<std::int64_t>(16 * held.size()));
 }
 
-void ComputeTools::write(const FloatTools& tools, StorageBuffer& rows) const {
-  rows.write(16 * laws_row_, tools.laws().data(), 16 * size_of(tools.laws()));
-  const std::vector<Float4> rest = by_place(tools.rest(), FloatTools::rest_rows);
-  rows.write(16 * rest_row_, rest.data(), 16 * size_of(rest));
-  rows.write(16 * grid_row_, tools.grid_values().data(), 4 * size_of(tools.grid_values()));
-  write_held(tools, rows);
-  const std::vector<Float4> zeros(needle_count_ > 0 ? static_cast<std::size_t>(4 * tables_->places()) : 0, Float4{});
-  for (int tool = 0; tool < count_; ++tool) {  // a needle tells of itself in the rows of the first place
-    if (!tools.is_needle(tool)) continue;
-    rows.write(16 * (sums_row_ + std::int64_t{4} * tables_->places() * tool), zeros.data(), 16 * size_of(zeros));
-  }
-}
-
-void ComputeTools::write_held(const FloatTools& tools, StorageBuffer& rows) const {
-  const std::vector<Float4> held = by_place(tools.held(), 1);
-  rows.write(16 * held_row_, held.data(), 16 * size_of(held));
-}
-
-void ComputeTools::write_frames(const FloatTools& tools, StorageBuffer& rows) const {
-  rows.write(16 * frames_row_, tools.frames().data(), 16 * size_of(tools.frames()));
-}
-
-void ComputeTools::place(Kernel& kernel) const {
-  const auto set = [&](const char* name, std::int64_t row) { kernel.set(name, static_cast<int>(row)); };
-  set("tool_laws_place", laws_row_);
-  set("tool_frames_place", frames_row_);
-  set("tool_rest_place", rest_row_);
-  set("tool_held_place", held_row_);
-  set("tool_grid_place", grid_row_);
-  set("tool_sums_place", sums_row_);
-  set("tool_count", count_);
+void ComputeTools::write_frames(const FloatTools& tools, StorageBuffer& buffer) const {
+  buffer.write(16 * frames_row_, tools.frames().data(), static_cast<std::int64_t>(16 * tools.frames().size()));
 }
 
 }  // namespace phymul::gl

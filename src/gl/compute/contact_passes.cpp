@@ -22,48 +22,35 @@ int lone_group(const ComputeLimits& limits) {
 
 ContactPasses::ContactPasses(const ShaderLibrary& library, const ComputeTables& tables, const ComputeLimits& limits)
     : tables_(&tables),
-      limits_(limits),
       group_(lone_group(limits)),
       most_turns_(static_cast<int>(std::min<std::int64_t>(limits.loop_turns / 2, std::numeric_limits<int>::max()))) {
-  const ShaderFiles common{"dialect/dialect_compute.glsl", "dialect/kernel_language.glsl", "tools/pushed_tables.glsl",
-                           "contact/contact_tables.glsl"};
-  const auto request = [&](ShaderFiles files, bool alone) {
-    ShaderRequest wanted{.files = joined({common, std::move(files)}), .defines = {{"PUSHES", 1}, {"OWN_BLOCK", 1}}};
-    if (alone) wanted.defines.emplace_back("ONE_WORKGROUP", 1);
-    return wanted;
+  const auto compiled = [&](ShaderFiles files, int group, bool is_alone = false) {
+    ShaderRequest request{.files = {"dialect/dialect_compute.glsl", "dialect/kernel_language.glsl",
+                                    "tools/pushed_tables.glsl", "contact/contact_tables.glsl"},
+                          .defines = {{"PUSHES", 1}, {"OWN_BLOCK", 1}}};
+    request.files.insert(request.files.end(), files.begin(), files.end());
+    if (is_alone) request.defines.emplace_back("ONE_WORKGROUP", 1);
+    tables.define(request);
+    return Kernel(library, std::move(request), group, limits);
   };
-  grid_ = compiled(library,
-                   request({"dialect/lone_group.glsl", "contact/contact_group.glsl", "contact/contact_range.glsl",
-                            "contact/contact_grid_kernel.glsl"},
-                           true),
-                   group_);
-  order_ = compiled(library, request({"contact/contact_order_kernel.glsl"}, false), lanes);
-  search_ = compiled(library,
-                     request({"tools/closest_point.glsl", "contact/contact_range.glsl", "contact/contact_nearest.glsl",
-                              "contact/contact_search_kernel.glsl"},
-                             false),
+  const auto alone = [&](ShaderFiles files) {
+    return compiled(joined({{"dialect/lone_group.glsl", "contact/contact_group.glsl"}, std::move(files)}), group_,
+                    true);
+  };
+  grid_ = alone({"contact/contact_range.glsl", "contact/contact_grid_kernel.glsl"});
+  order_ = compiled({"contact/contact_order_kernel.glsl"}, lanes);
+  search_ = compiled({"tools/closest_point.glsl", "contact/contact_range.glsl", "contact/contact_nearest.glsl",
+                      "contact/contact_search_kernel.glsl"},
                      lanes);
-  queue_ = compiled(
-      library,
-      request({"dialect/lone_group.glsl", "contact/contact_group.glsl", "contact/contact_queue_kernel.glsl"}, true),
-      group_);
-  press_ = compiled(library,
-                    request({"dialect/lone_group.glsl", "contact/contact_group.glsl", "contact/contact_law.glsl",
-                             "contact/contact_press_kernel.glsl"},
-                            true),
-                    group_);
-  part_ = compiled(library, request({"contact/contact_law.glsl", "contact/contact_part_kernel.glsl"}, false), lanes);
+  queue_ = alone({"contact/contact_queue_kernel.glsl"});
+  press_ = alone({"contact/contact_law.glsl", "contact/contact_press_kernel.glsl"});
+  part_ = compiled({"contact/contact_law.glsl", "contact/contact_part_kernel.glsl"}, lanes);
 }
 
-Kernel ContactPasses::compiled(const ShaderLibrary& library, ShaderRequest request, int group) const {
-  tables_->define(request);
-  return Kernel(library, std::move(request), group, limits_);
-}
-
-void ContactPasses::set_contacts(const ComputeContacts& contacts) {
-  for (Kernel* kernel : {&grid_, &order_, &search_, &queue_, &press_, &part_}) contacts.place(*kernel);
+void ContactPasses::set_contacts(const ComputeLoads& loads) {
+  for (Kernel* kernel : {&grid_, &order_, &search_, &queue_, &press_, &part_}) loads.place(*kernel);
   press_.set("most_turns", most_turns_);
-  contacts_ = &contacts;
+  loads_ = &loads;
 }
 
 void ContactPasses::set_step(double dt) {
@@ -86,22 +73,23 @@ void ContactPasses::order(const ComputeContacts::Lists& lists, std::int64_t most
 /// As many as finish the sweeps however contacts depend on each other: each phase of a dispatch presses at least one.
 /// One where turns are not limited; those after the last one needed find nothing to do.
 int ContactPasses::press_dispatches() const {
-  const std::int64_t contacts = contacts_->meetings();
+  const std::int64_t contacts = loads_->contacts()->meetings();
   const std::int64_t phases = most_turns_ / (3 + 3 * ((contacts + group_ - 1) / group_));
-  const std::int64_t needed = contacts * contacts_->options().rounds;
+  const std::int64_t needed = contacts * loads_->contacts()->rounds();
   return static_cast<int>((needed + phases - 1) / phases);
 }
 
-void ContactPasses::act(const StorageBuffer& rows, int pair) {
-  rows.bind(constant_words_binding);  // in place of constants, which these passes do not read
+void ContactPasses::act(int pair) {
+  const ComputeContacts& contacts = *loads_->contacts();
+  loads_->rows().bind(constant_words_binding);  // in place of constants, which these passes do not read
   grid_.set("pair", pair);
   grid_.dispatch(1);
-  order(contacts_->bucket_lists(), contacts_->triangles());
-  search_.dispatch(search_.groups_for(contacts_->particles()));
+  order(contacts.bucket_lists(), contacts.triangles());
+  search_.dispatch(search_.groups_for(contacts.particles()));
   queue_.dispatch(1);
-  order(contacts_->queue_lists(), 4 * contacts_->meetings());
+  order(contacts.queue_lists(), 4 * contacts.meetings());
   for (int k = press_dispatches(); k > 0; --k) press_.dispatch(1);
-  part_.dispatch(part_.groups_for(contacts_->particles()));
+  part_.dispatch(part_.groups_for(contacts.particles()));
   tables_->bind();
 }
 

@@ -4,7 +4,7 @@
 // order in which contacts are pressed, their sweeps, and what they come to. Made where a scene has contacts.
 #pragma once
 
-#include "compute_contacts.h"
+#include "compute_loads.h"
 
 namespace phymul::gl {
 
@@ -13,22 +13,20 @@ class ContactPasses {
   /// Compiles.
   ContactPasses(const ShaderLibrary& library, const ComputeTables& tables, const ComputeLimits& limits);
 
-  void set_contacts(const ComputeContacts& contacts);
+  void set_contacts(const ComputeLoads& loads);
   void set_step(double dt);
 
-  /// Of the state in a pair; `rows`: of the loads, which the free pass has written.
-  void act(const StorageBuffer& rows, int pair);
+  /// Of the state in a pair, once the free pass has written its rows of the loads.
+  void act(int pair);
 
  private:
-  Kernel compiled(const ShaderLibrary& library, ShaderRequest request, int group) const;
   void order(const ComputeContacts::Lists& lists, std::int64_t most);
   int press_dispatches() const;
 
   const ComputeTables* tables_;
-  ComputeLimits limits_;
   int group_, most_turns_;
   Kernel grid_, order_, search_, queue_, press_, part_;
-  const ComputeContacts* contacts_ = nullptr;
+  const ComputeLoads* loads_ = nullptr;
 };
 
 }  // namespace phymul::gl

@@ -46,15 +46,14 @@ Kernel NeedlePasses::compiled(const ShaderLibrary& library, ShaderFiles files, i
   return Kernel(library, std::move(request), group, limits_);
 }
 
-void NeedlePasses::set_needles(const ComputeNeedles& needles, const ComputeTools& tools, const PushedRows& pushed) {
+void NeedlePasses::set_needles(const ComputeLoads& loads) {
+  needles_ = loads.needles();
   for (Kernel* kernel : {&follow_, &force_}) {
-    needles.place(*kernel);
-    tools.place(*kernel);
-    pushed.place(*kernel);
+    needles_->place(*kernel);
+    loads.place(*kernel);
   }
-  follow_.set("most_units", needles.follow_units());
+  follow_.set("most_units", needles_->follow_units());
   force_.set("kept_bits", 0);
-  needles_ = &needles;
 }
 
 void NeedlePasses::set_step(double dt) {

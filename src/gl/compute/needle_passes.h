@@ -4,9 +4,7 @@
 // hole as it goes on, then its forces, by one group. Made where a scene has needles.
 #pragma once
 
-#include "compute_needles.h"
-#include "compute_tools.h"
-#include "gl/solver/pushed_rows.h"
+#include "compute_loads.h"
 
 namespace phymul::gl {
 
@@ -19,7 +17,7 @@ class NeedlePasses {
   NeedlePasses(const ShaderLibrary& library, const ComputeTables& tables, const ComputeLimits& limits, bool bending);
 
   bool bending() const { return bending_; }
-  void set_needles(const ComputeNeedles& needles, const ComputeTools& tools, const PushedRows& pushed);
+  void set_needles(const ComputeLoads& loads);
   void set_step(double dt);
 
   /// Step `number` of a batch, from the state in a pair.

@@ -1,26 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "context.h"
 
-#include <phymul/error.h>
-
 #include "context_current.h"
 #include "context_own.h"
-#include "context_worker.h"
 
 namespace phymul::gl {
 
 std::shared_ptr<Context> Context::open(const GlOptions& options, GlBackend backend) {
-  switch (options.context) {
-    case GlContext::own:
-    case GlContext::shared:
-      return std::make_shared<OwnContext>(options, backend);
-    case GlContext::worker:
-      return std::make_shared<WorkerContext>(options, backend);
-    case GlContext::current:
-      return std::make_shared<CurrentContext>(backend);
-  }
-  throw Error("GlOptions::context: expected own, shared, worker or current, got " +
-              std::to_string(static_cast<int>(options.context)));
+  if (options.context == GlContext::current) return std::make_shared<CurrentContext>(backend);
+  return OwnContext::open(options, backend);
 }
 
 bool Context::lost() noexcept {

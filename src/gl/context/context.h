@@ -28,9 +28,8 @@ class Context {
   Context& operator=(const Context&) = delete;
 
   /// Calls f with the context current, and leaves the caller's thread as it was: what EGL had bound there, and with
-  /// GlContext::current the state of the caller's context (see StateGuard). With GlContext::worker f runs on the
-  /// context's own thread. Returns what f returns (a value), and throws what it throws; Error where the context cannot
-  /// be made current. A run() inside f costs nothing.
+  /// GlContext::current the state of the caller's context (see StateGuard). Returns what f returns (a value), and
+  /// throws what it throws; Error where the context cannot be made current. A run() inside f costs nothing.
   template <class Function>
   std::invoke_result_t<Function&> run(Function&& function);
 

@@ -49,10 +49,6 @@ void require_backend(const ContextInfo& info, GlBackend backend);
 /// (Mesa's LP_MAX_TGSI_LOOP_ITERATIONS).
 std::int64_t loop_turns_of(std::string_view renderer);
 
-/// Draws one texel into an RGBA32F texture and reads it back; throws Error where another value arrives. Leaves no
-/// objects, but bindings as they fall.
-void self_test(const ContextInfo& info);
-
 /// Has the device been reset? Of the current context.
 bool was_reset(const ContextInfo& info);
 

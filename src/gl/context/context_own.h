@@ -2,20 +2,33 @@
 #pragma once
 
 #include "context.h"
-#include "egl_context.h"
+#include "context_debug.h"
+#include "gl_api.h"
 
 namespace phymul::gl {
 
-/// GlContext::own and shared: current on the caller's thread, for the time of a call.
+/// GlContext::own: made through EGL without a window, current on the caller's thread for the time of a call.
 class OwnContext : public Context {
  public:
-  OwnContext(const GlOptions& options, GlBackend backend);
-  void throw_debug_errors() override { egl_->debug_log().throw_errors(); }
+  /// On the first display that gives one. What was current still is when this returns. Throws Error that lists what was
+  /// tried, each with its reason.
+  static std::shared_ptr<OwnContext> open(const GlOptions& options, GlBackend backend);
+
+  ~OwnContext() override;
+  void throw_debug_errors() override { log_.throw_errors(); }
 
  private:
+  friend class OwnContextMaker;
+  OwnContext() = default;
   void call(Task task, void* argument) override;
+  bool is_current() const;
+  void make_current();  ///< on this thread; throws Error
 
-  std::unique_ptr<EglContext> egl_;
+  EGLDisplay display_ = EGL_NO_DISPLAY;
+  EGLContext context_ = EGL_NO_CONTEXT;
+  EGLSurface surface_ = EGL_NO_SURFACE;  ///< a pbuffer of one pixel where EGL wants a surface
+  EGLenum api_ = EGL_OPENGL_API;
+  DebugLog log_;
 };
 
 }  // namespace phymul::gl

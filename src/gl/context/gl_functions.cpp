@@ -7,7 +7,6 @@
 #include <array>
 #include <cstdio>
 #include <mutex>
-#include <span>
 #include <utility>
 
 #include "gl_api.h"
@@ -24,63 +23,22 @@ void fill(Function& pointer, const char* name) {
 /// for everything (glewExperimental): its version flags, which a host may read, would then be wrong.
 void fill_gaps() {
 #define PHYMUL_FILL(name) fill(__glew##name, "gl" #name)
-  // OpenGL 3.1
-  PHYMUL_FILL(DrawArraysInstanced);
-  PHYMUL_FILL(DrawElementsInstanced);
-  PHYMUL_FILL(CopyBufferSubData);
-  PHYMUL_FILL(GetUniformBlockIndex);
-  PHYMUL_FILL(GetUniformIndices);
-  PHYMUL_FILL(GetActiveUniformBlockiv);
-  PHYMUL_FILL(GetActiveUniformsiv);
-  PHYMUL_FILL(UniformBlockBinding);
-  // 3.2
-  PHYMUL_FILL(FenceSync);
+  PHYMUL_FILL(CopyBufferSubData);  // OpenGL 3.1
+  PHYMUL_FILL(FenceSync);          // 3.2
   PHYMUL_FILL(ClientWaitSync);
-  PHYMUL_FILL(WaitSync);
   PHYMUL_FILL(DeleteSync);
-  PHYMUL_FILL(IsSync);
-  PHYMUL_FILL(GetSynciv);
   PHYMUL_FILL(GetInteger64v);
   PHYMUL_FILL(GetInteger64i_v);
-  PHYMUL_FILL(GetBufferParameteri64v);
-  // 3.3
-  PHYMUL_FILL(GenSamplers);
+  PHYMUL_FILL(GenSamplers);  // 3.3
   PHYMUL_FILL(DeleteSamplers);
   PHYMUL_FILL(BindSampler);
-  PHYMUL_FILL(IsSampler);
-  PHYMUL_FILL(SamplerParameteri);
-  PHYMUL_FILL(GetSamplerParameteriv);
-  PHYMUL_FILL(VertexAttribDivisor);
-  PHYMUL_FILL(QueryCounter);
-  PHYMUL_FILL(GetQueryObjecti64v);
-  PHYMUL_FILL(GetQueryObjectui64v);
-  // later on the desktop, in OpenGL ES from 3.0
-  PHYMUL_FILL(ClearDepthf);
+  PHYMUL_FILL(ClearDepthf);  // 4.1; OpenGL ES 3.0
   PHYMUL_FILL(DepthRangef);
-  PHYMUL_FILL(GetShaderPrecisionFormat);
-  PHYMUL_FILL(GetProgramBinary);
-  PHYMUL_FILL(ProgramBinary);
-  PHYMUL_FILL(ProgramParameteri);
-  PHYMUL_FILL(TexStorage2D);
-  PHYMUL_FILL(TexStorage3D);
-  PHYMUL_FILL(InvalidateFramebuffer);
-  PHYMUL_FILL(InvalidateSubFramebuffer);
-  PHYMUL_FILL(GetInternalformativ);
-  // OpenGL 4.5, and an extension of OpenGL ES
-  PHYMUL_FILL(ClipControl);
-  PHYMUL_FILL(ClipControlEXT);
-  // OpenGL 4.2, 4.3; OpenGL ES 3.1
-  PHYMUL_FILL(DispatchCompute);
+  PHYMUL_FILL(DispatchCompute);  // 4.3; OpenGL ES 3.1
   PHYMUL_FILL(MemoryBarrier);
+  PHYMUL_FILL(ClipControl);  // 4.5; an extension of OpenGL ES
+  PHYMUL_FILL(ClipControlEXT);
 #undef PHYMUL_FILL
-}
-
-std::string name_in(std::span<const std::pair<int, const char*>> names, int error) {
-  const auto found = std::find_if(names.begin(), names.end(), [&](const auto& row) { return row.first == error; });
-  char text[64];
-  std::snprintf(text, sizeof text, "%s (0x%x)", found == names.end() ? "unknown error" : found->second,
-                static_cast<unsigned>(error));
-  return text;
 }
 
 }  // namespace
@@ -119,19 +77,6 @@ bool contains(const std::vector<std::string>& sorted, std::string_view name) {
   return std::binary_search(sorted.begin(), sorted.end(), name);
 }
 
-std::string gl_error_name(unsigned error) {
-  static constexpr std::array<std::pair<int, const char*>, 8> names{
-      {{GL_NO_ERROR, "GL_NO_ERROR"},
-       {GL_INVALID_ENUM, "GL_INVALID_ENUM"},
-       {GL_INVALID_VALUE, "GL_INVALID_VALUE"},
-       {GL_INVALID_OPERATION, "GL_INVALID_OPERATION"},
-       {GL_STACK_OVERFLOW, "GL_STACK_OVERFLOW"},
-       {GL_OUT_OF_MEMORY, "GL_OUT_OF_MEMORY"},
-       {GL_INVALID_FRAMEBUFFER_OPERATION, "GL_INVALID_FRAMEBUFFER_OPERATION"},
-       {GL_CONTEXT_LOST, "GL_CONTEXT_LOST"}}};
-  return name_in(names, static_cast<int>(error));
-}
-
 std::string egl_error_name(int error) {
   static constexpr std::array<std::pair<int, const char*>, 15> names{
       {{EGL_SUCCESS, "EGL_SUCCESS"},
@@ -149,7 +94,11 @@ std::string egl_error_name(int error) {
        {EGL_BAD_SURFACE, "EGL_BAD_SURFACE"},
        {EGL_BAD_DEVICE_EXT, "EGL_BAD_DEVICE_EXT"},
        {EGL_CONTEXT_LOST, "EGL_CONTEXT_LOST"}}};
-  return name_in(names, error);
+  const auto found = std::ranges::find(names, error, &std::pair<int, const char*>::first);
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%s (0x%x)", found == names.end() ? "unknown error" : found->second,
+                static_cast<unsigned>(error));
+  return text.data();
 }
 
 }  // namespace phymul::gl

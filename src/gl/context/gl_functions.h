@@ -9,18 +9,15 @@
 
 namespace phymul::gl {
 
-/// Loads GL functions through GLEW, once in a process; needs a current context. Afterwards every function that OpenGL
-/// 3.3 and OpenGL ES 3.0 have in common is there, and glTexStorage2D, 3D, glInvalidateFramebuffer, glDispatchCompute,
-/// glMemoryBarrier. A pointer that is not null says nothing about the context: ask for its version and its extensions.
-/// Throws Error.
+/// Loads GL functions through GLEW, once in a process; needs a current context. Afterwards every function that phymul
+/// calls is there, as far as the driver has it. A pointer that is not null says nothing about the context: ask for its
+/// version and its extensions. Throws Error.
 void load_functions();
 
 /// Extensions of the current context, sorted.
 std::vector<std::string> gl_extensions();
 bool contains(const std::vector<std::string>& sorted, std::string_view name);
 
-/// "GL_INVALID_ENUM (0x500)".
-std::string gl_error_name(unsigned error);
 /// "EGL_BAD_MATCH (0x3009)".
 std::string egl_error_name(int error);
 

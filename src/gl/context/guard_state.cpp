@@ -2,7 +2,9 @@
 #include "guard_state.h"
 
 #include <algorithm>
+#include <array>
 #include <initializer_list>
+#include <utility>
 
 namespace phymul::gl {
 namespace {
@@ -14,19 +16,7 @@ GLint integer_of(GLenum name) {
 }
 
 void set(GLenum name, bool on) {
-  if (on) {
-    glEnable(name);
-  } else {
-    glDisable(name);
-  }
-}
-
-void set_indexed(GLenum name, GLuint index, bool on) {
-  if (on) {
-    glEnablei(name, index);
-  } else {
-    glDisablei(name, index);
-  }
+  on ? glEnable(name) : glDisable(name);
 }
 
 constexpr std::initializer_list<std::pair<GLenum, GLenum>> buffer_targets{
@@ -72,220 +62,176 @@ bool has_clip_control(const ContextInfo& info) {
   return info.es ? info.has("GL_EXT_clip_control") : info.at_least(4, 5) || info.has("GL_ARB_clip_control");
 }
 
-void set_clip_control(const ContextInfo& info, GLenum origin, GLenum depth) {
-  if (!has_clip_control(info)) return;
-  if (info.es) {
-    glClipControlEXT(origin, depth);
-  } else {
-    glClipControl(origin, depth);
-  }
+/// OpenGL 3.3 has these two by numbers of double precision only.
+void set_depth_range(bool es, GLfloat near, GLfloat far) {
+  es ? glDepthRangef(near, far) : glDepthRange(static_cast<GLdouble>(near), static_cast<GLdouble>(far));
 }
-
-void set_depth_range(const ContextInfo& info, GLfloat near, GLfloat far) {
-  if (info.es) {
-    glDepthRangef(near, far);
-  } else {
-    glDepthRange(static_cast<GLdouble>(near), static_cast<GLdouble>(far));
-  }
+void set_clear_depth(bool es, GLfloat depth) {
+  es ? glClearDepthf(depth) : glClearDepth(static_cast<GLdouble>(depth));
 }
 
 }  // namespace
 
 StateGuard::StateGuard(const ContextInfo& info) : info_(info) {
-  save_objects();
-  save_units();
-  save_indexed_buffers();
-  save_draw_buffers();
-  save_switches();
-  save_pixels();
-  set_defaults();
+  keep_bindings();  // comes back last: indexed bindings change those of their targets
+  keep_units();
+  keep_indexed_buffers(GL_UNIFORM_BUFFER, GL_UNIFORM_BUFFER_BINDING, GL_UNIFORM_BUFFER_START, GL_UNIFORM_BUFFER_SIZE,
+                       uniform_buffers);
+  if (info_.computes()) {
+    const GLint bindings = integer_of(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS);
+    keep_indexed_buffers(GL_SHADER_STORAGE_BUFFER, GL_SHADER_STORAGE_BUFFER_BINDING, GL_SHADER_STORAGE_BUFFER_START,
+                         GL_SHADER_STORAGE_BUFFER_SIZE, std::clamp(bindings, 0, storage_buffers));
+  }
+  keep_numbers();
+  if (has_clip_control(info_)) keep_clip_control();
+  if (!info_.es) keep_desktop_numbers();
+  keep_draw_buffers();
+  keep_switches();
+  keep_pixel_stores();
 }
 
 StateGuard::~StateGuard() {
-  restore_units();
-  restore_indexed_buffers();
-  restore_objects();
-  for (const auto& [name, on] : switches_) set(name, on);
-  restore_draw_buffers();
-  restore_pixels();
+  for (auto restore = restore_.rbegin(); restore != restore_.rend(); ++restore) (*restore)();
 }
 
-bool StateGuard::has_indexed_switches() const {
-  return !info_.es || info_.at_least(3, 2);
+template <class Set>
+void StateGuard::keep(GLenum name, Set set) {
+  later([set, value = integer_of(name)] { set(static_cast<GLuint>(value)); });
 }
 
-void StateGuard::save_objects() {
-  program_ = integer_of(GL_CURRENT_PROGRAM);
-  vertex_array_ = integer_of(GL_VERTEX_ARRAY_BINDING);
-  draw_framebuffer_ = integer_of(GL_DRAW_FRAMEBUFFER_BINDING);
-  read_framebuffer_ = integer_of(GL_READ_FRAMEBUFFER_BINDING);
-  renderbuffer_ = integer_of(GL_RENDERBUFFER_BINDING);
-  for (const auto& [target, binding] : buffer_targets) buffers_.emplace_back(target, integer_of(binding));
-  glGetIntegerv(GL_VIEWPORT, viewport_.data());
-  glGetIntegerv(GL_SCISSOR_BOX, scissor_.data());
-  glGetFloatv(GL_COLOR_CLEAR_VALUE, clear_color_.data());
-  glGetFloatv(GL_DEPTH_CLEAR_VALUE, &clear_depth_);
-  glGetBooleanv(GL_DEPTH_WRITEMASK, &depth_mask_);
-  depth_function_ = integer_of(GL_DEPTH_FUNC);
-  glGetFloatv(GL_DEPTH_RANGE, depth_range_.data());
-  if (has_clip_control(info_)) {
-    clip_origin_ = integer_of(GL_CLIP_ORIGIN);
-    clip_depth_ = integer_of(GL_CLIP_DEPTH_MODE);
-  }
-  if (info_.es) return;
-  glGetIntegerv(GL_POLYGON_MODE, polygon_mode_.data());
-  clamp_read_ = integer_of(GL_CLAMP_READ_COLOR);
-  if (!info_.core_profile) clamp_fragment_ = integer_of(GL_CLAMP_FRAGMENT_COLOR);
-}
-
-void StateGuard::save_units() {
-  active_unit_ = integer_of(GL_ACTIVE_TEXTURE);
-  units_.resize(static_cast<std::size_t>(std::min(texture_units, info_.max_texture_units)));
-  for (std::size_t i = 0; i < units_.size(); ++i) {
-    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(i));
-    units_[i] = {integer_of(GL_TEXTURE_BINDING_2D), integer_of(GL_TEXTURE_BINDING_2D_ARRAY),
-                 integer_of(GL_SAMPLER_BINDING)};
-  }
-}
-
-void StateGuard::save_indexed_buffers() {
-  const auto save = [](GLenum binding, GLenum start, GLenum size, std::vector<IndexedBuffer>& buffers) {
-    for (std::size_t i = 0; i < buffers.size(); ++i) {
-      const GLuint index = static_cast<GLuint>(i);
-      glGetIntegeri_v(binding, index, &buffers[i].name);
-      glGetInteger64i_v(start, index, &buffers[i].start);
-      glGetInteger64i_v(size, index, &buffers[i].size);
-    }
-  };
-  uniform_buffers_.resize(uniform_buffers);
-  save(GL_UNIFORM_BUFFER_BINDING, GL_UNIFORM_BUFFER_START, GL_UNIFORM_BUFFER_SIZE, uniform_buffers_);
-  if (!info_.computes()) return;
-  buffers_.emplace_back(GL_SHADER_STORAGE_BUFFER, integer_of(GL_SHADER_STORAGE_BUFFER_BINDING));
-  const GLint bindings = integer_of(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS);
-  storage_buffers_.resize(static_cast<std::size_t>(std::clamp(bindings, 0, storage_buffers)));
-  save(GL_SHADER_STORAGE_BUFFER_BINDING, GL_SHADER_STORAGE_BUFFER_START, GL_SHADER_STORAGE_BUFFER_SIZE,
-       storage_buffers_);
-}
-
-void StateGuard::save_draw_buffers() {
-  draw_buffers_.resize(has_indexed_switches() ? static_cast<std::size_t>(info_.max_draw_buffers) : 1);
-  if (!has_indexed_switches()) {
-    glGetBooleanv(GL_COLOR_WRITEMASK, draw_buffers_[0].mask.data());
-    draw_buffers_[0].blend = glIsEnabled(GL_BLEND);
-    return;
-  }
-  for (std::size_t i = 0; i < draw_buffers_.size(); ++i) {
-    glGetBooleani_v(GL_COLOR_WRITEMASK, static_cast<GLuint>(i), draw_buffers_[i].mask.data());
-    draw_buffers_[i].blend = glIsEnabledi(GL_BLEND, static_cast<GLuint>(i));
-  }
-}
-
-void StateGuard::save_switches() {
-  for (const GLenum name : switches_of(info_)) switches_.emplace_back(name, glIsEnabled(name));
-}
-
-void StateGuard::save_pixels() {
-  for (const PixelStore& store : pixel_stores) {
-    if (store.in_es || !info_.es) pixels_.emplace_back(store.name, integer_of(store.name));
-  }
-}
-
-void StateGuard::set_defaults() {
+void StateGuard::keep_bindings() {
+  keep(GL_CURRENT_PROGRAM, [](GLuint name) { glUseProgram(name); });
+  keep(GL_VERTEX_ARRAY_BINDING, [](GLuint name) { glBindVertexArray(name); });
+  keep(GL_DRAW_FRAMEBUFFER_BINDING, [](GLuint name) { glBindFramebuffer(GL_DRAW_FRAMEBUFFER, name); });
+  keep(GL_READ_FRAMEBUFFER_BINDING, [](GLuint name) { glBindFramebuffer(GL_READ_FRAMEBUFFER, name); });
+  keep(GL_RENDERBUFFER_BINDING, [](GLuint name) { glBindRenderbuffer(GL_RENDERBUFFER, name); });
   glUseProgram(0);
-  for (const auto& [target, name] : buffers_) glBindBuffer(target, 0);
-  for (std::size_t i = 0; i < units_.size(); ++i) glBindSampler(static_cast<GLuint>(i), 0);
+  const auto keep_buffer = [this](GLenum target, GLenum binding) {
+    keep(binding, [target](GLuint name) { glBindBuffer(target, name); });
+    glBindBuffer(target, 0);
+  };
+  for (const auto& [target, binding] : buffer_targets) keep_buffer(target, binding);
+  if (info_.computes()) keep_buffer(GL_SHADER_STORAGE_BUFFER, GL_SHADER_STORAGE_BUFFER_BINDING);
+}
+
+void StateGuard::keep_units() {
+  keep(GL_ACTIVE_TEXTURE, [](GLuint unit) { glActiveTexture(unit); });
+  for (int k = 0; k < std::min(texture_units, info_.max_texture_units); ++k) {
+    const auto unit = static_cast<GLuint>(k);
+    glActiveTexture(GL_TEXTURE0 + unit);
+    keep(GL_TEXTURE_BINDING_2D, [](GLuint name) { glBindTexture(GL_TEXTURE_2D, name); });
+    keep(GL_TEXTURE_BINDING_2D_ARRAY, [](GLuint name) { glBindTexture(GL_TEXTURE_2D_ARRAY, name); });
+    keep(GL_SAMPLER_BINDING, [unit](GLuint name) { glBindSampler(unit, name); });
+    later([unit] { glActiveTexture(GL_TEXTURE0 + unit); });
+    glBindSampler(unit, 0);
+  }
   glActiveTexture(GL_TEXTURE0);
-  for (const auto& [name, on] : switches_) set(name, false);
-  glDisable(GL_BLEND);
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+void StateGuard::keep_indexed_buffers(GLenum target, GLenum binding, GLenum start, GLenum size, GLint count) {
+  for (GLuint index = 0; index < static_cast<GLuint>(count); ++index) {
+    GLint name = 0;
+    GLint64 first = 0, bytes = 0;
+    glGetIntegeri_v(binding, index, &name);
+    glGetInteger64i_v(start, index, &first);
+    glGetInteger64i_v(size, index, &bytes);
+    later([=] {
+      if (bytes > 0) {
+        glBindBufferRange(target, index, static_cast<GLuint>(name), static_cast<GLintptr>(first),
+                          static_cast<GLsizeiptr>(bytes));
+      } else {
+        glBindBufferBase(target, index, static_cast<GLuint>(name));
+      }
+    });
+  }
+}
+
+void StateGuard::keep_numbers() {
+  std::array<GLint, 4> viewport{}, scissor{};
+  std::array<GLfloat, 4> clear{};
+  std::array<GLfloat, 2> range{};
+  GLfloat clear_depth = 1.0f;
+  GLboolean depth_mask = GL_TRUE;
+  glGetIntegerv(GL_VIEWPORT, viewport.data());
+  glGetIntegerv(GL_SCISSOR_BOX, scissor.data());
+  glGetFloatv(GL_COLOR_CLEAR_VALUE, clear.data());
+  glGetFloatv(GL_DEPTH_CLEAR_VALUE, &clear_depth);
+  glGetBooleanv(GL_DEPTH_WRITEMASK, &depth_mask);
+  glGetFloatv(GL_DEPTH_RANGE, range.data());
+  keep(GL_DEPTH_FUNC, [](GLuint function) { glDepthFunc(function); });
+  later([=, es = info_.es] {
+    glViewport(viewport[0], viewport[1], viewport[2], viewport[3]);
+    glScissor(scissor[0], scissor[1], scissor[2], scissor[3]);
+    glClearColor(clear[0], clear[1], clear[2], clear[3]);
+    set_clear_depth(es, clear_depth);
+    glDepthMask(depth_mask);
+    set_depth_range(es, range[0], range[1]);
+  });
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_LESS);
-  set_depth_range(info_, 0.0f, 1.0f);
-  set_clip_control(info_, GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
-  for (const PixelStore& store : pixel_stores) {
-    if (store.in_es || !info_.es) glPixelStorei(store.name, store.fresh);
-  }
-  if (info_.es) return;
+  set_depth_range(info_.es, 0.0f, 1.0f);
+}
+
+void StateGuard::keep_clip_control() {
+  const auto set = info_.es ? glClipControlEXT : glClipControl;
+  const auto origin = static_cast<GLenum>(integer_of(GL_CLIP_ORIGIN)),
+             depth = static_cast<GLenum>(integer_of(GL_CLIP_DEPTH_MODE));
+  later([=] { set(origin, depth); });
+  set(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+}
+
+void StateGuard::keep_desktop_numbers() {
+  std::array<GLint, 2> mode{GL_FILL, GL_FILL};
+  glGetIntegerv(GL_POLYGON_MODE, mode.data());
+  later([mode] {
+    glPolygonMode(GL_FRONT_AND_BACK, static_cast<GLenum>(mode[0]));
+    if (mode[0] == mode[1]) return;  // as in a core profile
+    glPolygonMode(GL_FRONT, static_cast<GLenum>(mode[0]));
+    glPolygonMode(GL_BACK, static_cast<GLenum>(mode[1]));
+  });
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  keep(GL_CLAMP_READ_COLOR, [](GLuint value) { glClampColor(GL_CLAMP_READ_COLOR, value); });
   glClampColor(GL_CLAMP_READ_COLOR, GL_FIXED_ONLY);
-  if (!info_.core_profile) glClampColor(GL_CLAMP_FRAGMENT_COLOR, GL_FIXED_ONLY);
+  if (info_.core_profile) return;
+  keep(GL_CLAMP_FRAGMENT_COLOR, [](GLuint value) { glClampColor(GL_CLAMP_FRAGMENT_COLOR, value); });
+  glClampColor(GL_CLAMP_FRAGMENT_COLOR, GL_FIXED_ONLY);
 }
 
-void StateGuard::restore_objects() const {
-  glUseProgram(static_cast<GLuint>(program_));
-  glBindVertexArray(static_cast<GLuint>(vertex_array_));
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(draw_framebuffer_));
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(read_framebuffer_));
-  glBindRenderbuffer(GL_RENDERBUFFER, static_cast<GLuint>(renderbuffer_));
-  for (const auto& [target, name] : buffers_) glBindBuffer(target, static_cast<GLuint>(name));
-  glViewport(viewport_[0], viewport_[1], viewport_[2], viewport_[3]);
-  glScissor(scissor_[0], scissor_[1], scissor_[2], scissor_[3]);
-  glClearColor(clear_color_[0], clear_color_[1], clear_color_[2], clear_color_[3]);
-  if (info_.es) {
-    glClearDepthf(clear_depth_);
-  } else {
-    glClearDepth(static_cast<GLdouble>(clear_depth_));
-  }
-  glDepthMask(depth_mask_);
-  glDepthFunc(static_cast<GLenum>(depth_function_));
-  set_depth_range(info_, depth_range_[0], depth_range_[1]);
-  set_clip_control(info_, static_cast<GLenum>(clip_origin_), static_cast<GLenum>(clip_depth_));
-  if (info_.es) return;
-  glPolygonMode(GL_FRONT_AND_BACK, static_cast<GLenum>(polygon_mode_[0]));
-  glClampColor(GL_CLAMP_READ_COLOR, static_cast<GLenum>(clamp_read_));
-  if (!info_.core_profile) {
-    if (polygon_mode_[0] != polygon_mode_[1]) {
-      glPolygonMode(GL_FRONT, static_cast<GLenum>(polygon_mode_[0]));
-      glPolygonMode(GL_BACK, static_cast<GLenum>(polygon_mode_[1]));
+void StateGuard::keep_draw_buffers() {
+  const bool indexed = !info_.es || info_.at_least(3, 2);
+  std::array<GLboolean, 4> mask{};
+  for (GLuint index = 0; index < (indexed ? static_cast<GLuint>(info_.max_draw_buffers) : 1); ++index) {
+    if (!indexed) {
+      glGetBooleanv(GL_COLOR_WRITEMASK, mask.data());
+      later([mask, blend = glIsEnabled(GL_BLEND)] {
+        glColorMask(mask[0], mask[1], mask[2], mask[3]);
+        set(GL_BLEND, blend);
+      });
+      continue;
     }
-    glClampColor(GL_CLAMP_FRAGMENT_COLOR, static_cast<GLenum>(clamp_fragment_));
+    glGetBooleani_v(GL_COLOR_WRITEMASK, index, mask.data());
+    later([mask, index, blend = glIsEnabledi(GL_BLEND, index)] {
+      glColorMaski(index, mask[0], mask[1], mask[2], mask[3]);
+      (blend ? glEnablei : glDisablei)(GL_BLEND, index);
+    });
+  }
+  glDisable(GL_BLEND);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+void StateGuard::keep_switches() {
+  for (const GLenum name : switches_of(info_)) {
+    later([name, on = glIsEnabled(name)] { set(name, on); });
+    glDisable(name);
   }
 }
 
-void StateGuard::restore_units() const {
-  for (std::size_t i = 0; i < units_.size(); ++i) {
-    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(i));
-    glBindTexture(GL_TEXTURE_2D, static_cast<GLuint>(units_[i].texture_2d));
-    glBindTexture(GL_TEXTURE_2D_ARRAY, static_cast<GLuint>(units_[i].texture_2d_array));
-    glBindSampler(static_cast<GLuint>(i), static_cast<GLuint>(units_[i].sampler));
+void StateGuard::keep_pixel_stores() {
+  for (const PixelStore& store : pixel_stores) {
+    if (info_.es && !store.in_es) continue;
+    keep(store.name, [name = store.name](GLuint value) { glPixelStorei(name, static_cast<GLint>(value)); });
+    glPixelStorei(store.name, store.fresh);
   }
-  glActiveTexture(static_cast<GLenum>(active_unit_));
-}
-
-void StateGuard::restore_indexed_buffers() const {
-  const auto restore = [](GLenum target, const std::vector<IndexedBuffer>& buffers) {
-    for (std::size_t i = 0; i < buffers.size(); ++i) {
-      const IndexedBuffer& buffer = buffers[i];
-      const GLuint index = static_cast<GLuint>(i), name = static_cast<GLuint>(buffer.name);
-      if (buffer.size > 0) {
-        glBindBufferRange(target, index, name, static_cast<GLintptr>(buffer.start),
-                          static_cast<GLsizeiptr>(buffer.size));
-      } else {
-        glBindBufferBase(target, index, name);
-      }
-    }
-  };
-  restore(GL_UNIFORM_BUFFER, uniform_buffers_);
-  restore(GL_SHADER_STORAGE_BUFFER, storage_buffers_);
-}
-
-void StateGuard::restore_draw_buffers() const {
-  const auto& first = draw_buffers_[0];
-  if (!has_indexed_switches()) {
-    glColorMask(first.mask[0], first.mask[1], first.mask[2], first.mask[3]);
-    set(GL_BLEND, first.blend);
-    return;
-  }
-  for (std::size_t i = 0; i < draw_buffers_.size(); ++i) {
-    const DrawBuffer& buffer = draw_buffers_[i];
-    const GLuint index = static_cast<GLuint>(i);
-    glColorMaski(index, buffer.mask[0], buffer.mask[1], buffer.mask[2], buffer.mask[3]);
-    set_indexed(GL_BLEND, index, buffer.blend);
-  }
-}
-
-void StateGuard::restore_pixels() const {
-  for (const auto& [name, value] : pixels_) glPixelStorei(name, value);
 }
 
 }  // namespace phymul::gl

@@ -10,9 +10,8 @@
 
 #include "body_drawing.h"
 #include "gl/context/context.h"
-#include "gl/context/context_user.h"
-#include "gl/context/options.h"
 #include "gl/objects/pass.h"
+#include "gl/solver/device_solver.h"
 #include "picture_target.h"
 
 namespace phymul::gl {
@@ -44,20 +43,6 @@ class BlendGuard {
   std::array<GLint, 8> value_{};
 };
 
-/// Makes one context's commands wait, on the device, for another's up to now.
-void order(Context& first, Context& then) {
-  if (&first == &then) return;
-  const GLsync fence = first.run([] {
-    const GLsync made = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
-    glFlush();  // or the fence might never reach the device
-    return made;
-  });
-  then.run([fence] {
-    glWaitSync(fence, 0, GL_TIMEOUT_IGNORED);
-    glDeleteSync(fence);
-  });
-}
-
 int log2_of(int width) {
   int log2 = 0;
   while ((1 << log2) < width) ++log2;
@@ -80,8 +65,8 @@ class GlDisplay final : public Display {
       : model_(model),
         solver_(solver),
         skin_(std::move(skin)),
-        user_(dynamic_cast<const ContextUser*>(solver)),
-        options_(with_environment(options)) {
+        user_(dynamic_cast<const DeviceSolver*>(solver)),
+        options_(options) {
     open();
     try {
       if (!solver) show(model.rest, {});
@@ -141,11 +126,7 @@ class GlDisplay final : public Display {
     } else {
       context_ = Context::open(options_);
     }
-    if (user_ && options_.context == GlContext::current) {
-      const GlContext kind = user_->context_kind();
-      sees_solver_ = kind == GlContext::current || kind == GlContext::shared;
-      if (kind == GlContext::shared) writer_ = user_->context();
-    }
+    if (user_ && options_.context == GlContext::current) sees_solver_ = user_->context_kind() == GlContext::current;
     context_->run([&] {
       objects_ =
           std::make_unique<Objects>(model_, ShaderLibrary(options_.shader_folder, context_->info().es), skin_.get());
@@ -161,8 +142,7 @@ class GlDisplay final : public Display {
   void follow_context() {
     if (!objects_) return open();  // an earlier opening failed
     if (!sees_solver_) return;
-    const std::shared_ptr<Context>& now = user_->context();
-    if (now == (writer_ ? writer_ : context_) || (options_.context == GlContext::current && !writer_)) return;
+    if (options_.context == GlContext::current || user_->context() == context_) return;
     drop();
     open();
   }
@@ -197,15 +177,7 @@ class GlDisplay final : public Display {
     return view_of_buffer({.position = state.position}, objects_->position, "positions");
   }
 
-  TextureView solver_attractors() {
-    if (!user_ || sees_solver_) return view_of_buffer(solver_->attractor_buffer(), objects_->attractor, "attractors");
-    if (solver_->topology().base_count == 0) return {};
-    VecList place(model_.rest.size());
-    attractors(solver_->topology(), solver_->read().position, place);
-    return view_of_buffer({.position = place}, objects_->attractor, "attractors");
-  }
-
-  /// Calls draw(placement) in the context, between the solver's commands before and after.
+  /// Calls draw(placement) in the context.
   template <class Draw>
   std::invoke_result_t<Draw&, const Placement&> with_placement(bool attractors, Draw&& draw) {
     attractors = attractors && !skin_;
@@ -215,8 +187,9 @@ class GlDisplay final : public Display {
       Placement placement;
       if (solver_) {
         placement.displacement = solver_positions();
-        if (attractors) placement.attractor = solver_attractors();
-        if (writer_) order(*writer_, *context_);
+        if (attractors) {
+          placement.attractor = view_of_buffer(solver_->attractor_buffer(), objects_->attractor, "attractors");
+        }
       } else {
         placement.displacement = view_of(objects_->position);
         if (attractors && has_attractors_) placement.attractor = view_of(objects_->attractor);
@@ -224,7 +197,6 @@ class GlDisplay final : public Display {
       objects_->vertices.bind();
       return draw(placement);
     });
-    if (writer_) order(*context_, *writer_);
     context_->throw_debug_errors();
     return result;
   }
@@ -232,10 +204,9 @@ class GlDisplay final : public Display {
   const Model& model_;
   const Solver* solver_;                           // null: show() gives the positions
   const std::shared_ptr<const VisibleSkin> skin_;  // null: the body itself is drawn
-  const ContextUser* user_;                        // the same, where it is one of src/gl
+  const DeviceSolver* user_;                       // the same as solver_, where it is one of src/gl
   const GlOptions options_;
   std::shared_ptr<Context> context_;
-  std::shared_ptr<Context> writer_;  // the solver's, where it is another one of our share group
   bool sees_solver_ = false;
   bool has_attractors_ = false;
   std::unique_ptr<Objects> objects_;

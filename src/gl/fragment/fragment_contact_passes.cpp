@@ -9,12 +9,13 @@ namespace phymul::gl {
 
 FragmentContactPasses::FragmentContactPasses(const ShaderLibrary& library) {
   using Defines = std::vector<std::pair<std::string, int>>;
-  const ShaderFiles common{"dialect/dialect_fragment.glsl", "dialect/kernel_language.glsl", "contact/contact_surfaces.glsl"};
+  const ShaderFiles common{"dialect/dialect_fragment.glsl", "dialect/kernel_language.glsl",
+                           "contact/contact_surfaces.glsl"};
   const auto compiled = [&](ShaderFiles files, Defines defines = {}) {
     return Pass(library, {.files = joined({common, std::move(files)}), .defines = std::move(defines)});
   };
   surfaces_ = compiled({"tools/pushed_tables.glsl", "contact/contact_surface_pass.glsl"});
-  const std::pair<std::string, int> branch{"ROWS_TO_ONE", FragmentReduction::branch};
+  const std::pair<std::string, int> branch{"ROWS_TO_ONE", FragmentContacts::branch};
   mean_first_ = compiled({"contact/contact_speed_pass.glsl"}, {branch, {"FIRST", 1}});
   mean_ = compiled({"contact/contact_speed_pass.glsl"}, {branch});
   fastest_first_ = compiled({"contact/contact_speed_pass.glsl"}, {branch, {"FIRST", 1}, {"FASTEST", 1}});
@@ -37,12 +38,13 @@ void FragmentContactPasses::set_contacts(FragmentContacts& contacts) {
   contacts_ = &contacts;
   for (Pass* const pass : {&surfaces_, &mean_first_, &mean_, &fastest_first_, &fastest_, &triangle_boxes_, &search_,
                            &corner_boxes_, &next_, &start_, &phase_, &part_}) {
-    contacts.place(*pass);
+    contacts.constants.for_each([pass](const char* name, auto value) { pass->set(name, value); });
     contacts.bind_surfaces(*pass);
   }
   for (Pass* const pass : {&corner_boxes_, &next_, &start_, &phase_, &part_}) contacts.bind_meetings(*pass);
   for (Pass* const pass : {&triangle_boxes_, &search_}) contacts.triangles.bind_tables(*pass);
   for (Pass* const pass : {&corner_boxes_, &next_, &start_}) contacts.corners.bind_tables(*pass);
+  for (Pass* const pass : {&surfaces_, &part_}) contacts.bind_free(*pass);
   fastest_first_.input("mean_velocity", contacts.mean.result());
   search_.input("fastest", contacts.fastest.result());
   part_.input("surface_rows", contacts.surface_rows());
@@ -59,12 +61,11 @@ void FragmentContactPasses::set_step(double dt) {
   for (Pass* const pass : {&phase_, &part_}) pass->set("inverse_dt", static_cast<float>(1.0 / dt));
 }
 
-void FragmentContactPasses::act(const FragmentPushed& pushed, const Texture& displacement, int batch_step) {
-  pushed.bind(surfaces_);
+void FragmentContactPasses::act(const Texture& displacement, int batch_step) {
   surfaces_.input("displacement", displacement);
   surfaces_.draw(contacts_->surface_target);
-  contacts_->mean.draw(mean_first_, mean_, "speeds");
-  contacts_->fastest.draw(fastest_first_, fastest_, "speeds");
+  contacts_->mean.draw(mean_first_, mean_);
+  contacts_->fastest.draw(fastest_first_, fastest_);
   contacts_->triangles.measure(triangle_boxes_);
   contacts_->triangles.bind_boxes(search_);
   search_.draw(contacts_->meeting_target);
@@ -72,7 +73,6 @@ void FragmentContactPasses::act(const FragmentPushed& pushed, const Texture& dis
   for (Pass* const pass : {&next_, &start_}) contacts_->corners.bind_boxes(*pass);
   next_.draw(contacts_->next_target);
   press(batch_step);
-  pushed.bind(part_);
   contacts_->bind_sweeps(part_);
   part_.draw(contacts_->pushed_target);
 }
@@ -91,7 +91,7 @@ void FragmentContactPasses::press(int batch_step) {
 void FragmentContactPasses::sum(int last_step) {
   contacts_->bind_sweeps(told_first_);
   told_first_.set("last_step", last_step);
-  contacts_->told.draw(told_first_, told_, "told");
+  contacts_->told.draw(told_first_, told_);
 }
 
 }  // namespace phymul::gl

@@ -17,9 +17,9 @@ class FragmentContactPasses {
   void set_contacts(FragmentContacts& contacts);
   void set_step(double dt);
 
-  /// Of a step from places `displacement`, whose forces and tools have acted. What it comes to is in
-  /// FragmentContacts::pushed_force and pushed_shift.
-  void act(const FragmentPushed& pushed, const Texture& displacement, int batch_step);
+  /// Of a step from places `displacement`, which has been opened in FragmentContacts::free_target. What it comes to is
+  /// in pushed_force and pushed_shift there.
+  void act(const Texture& displacement, int batch_step);
   /// Brings down what the steps of a batch told, up to this one.
   void sum(int last_step);
 

@@ -137,29 +137,6 @@ void FragmentTree::measure(Pass& pass) {
   }
 }
 
-FragmentReduction::FragmentReduction(std::int64_t source, const char* name) : source_rows(static_cast<int>(source)) {
-  int rows = source_rows;
-  do {
-    rows = (rows + branch - 1) / branch;
-    Level& level = levels.emplace_back();
-    level.count = rows;
-    level.rows = floats(rows, name);
-    level.target = Framebuffer({{&level.rows}});
-  } while (rows > 1);
-}
-
-void FragmentReduction::draw(Pass& first, Pass& further, const char* input) {
-  int source = source_rows;
-  for (std::size_t k = 0; k < levels.size(); ++k) {
-    Pass& pass = k == 0 ? first : further;
-    if (k > 0) pass.input(input, levels[k - 1].rows);
-    pass.set("source_count", source);
-    pass.set_rows(levels[k].rows, levels[k].count);
-    pass.draw(levels[k].target);
-    source = levels[k].count;
-  }
-}
-
 PlannedContacts::PlannedContacts(const Scene& scene)
     : contacts(scene), triangles(triangle_tree(contacts)), corners(particle_tree(contacts)) {
   if (contacts.empty()) return;
@@ -171,18 +148,18 @@ PlannedContacts::PlannedContacts(const Scene& scene)
 }
 
 FragmentContacts::FragmentContacts(const PlannedContacts& planned, Index model_rows)
-    : moved(floats(static_cast<std::int64_t>(planned.contacts.particle.size()), "places of surfaces")),
+    : constants(planned.contacts),
+      free_force(floats(model_rows, "forces before a step's motion")),
+      free_velocity(floats(model_rows, "velocities before a step's motion")),
+      free_shift(floats(model_rows, "shifts before a step's motion")),
+      free_target({{&free_force}, {&free_velocity}, {&free_shift}}),
+      moved(floats(static_cast<std::int64_t>(planned.contacts.particle.size()), "places of surfaces")),
       velocity(floats(moved.rows(), "velocities of surfaces")),
-      mean(moved.rows(), "mean velocity of surfaces"),
-      fastest(moved.rows(), "largest speed of surfaces"),
+      mean(static_cast<int>(moved.rows()), branch, {{"speeds"}}, "mean velocity of surfaces"),
+      fastest(static_cast<int>(moved.rows()), branch, {{"speeds"}}, "largest speed of surfaces"),
       triangles(planned.triangles, "trees of triangles"),
       corners(planned.corners, "trees of contacts"),
-      told(moved.rows(), "phases of sweeps"),
-      options_(planned.contacts.options),
-      longest_edge_(planned.contacts.longest_edge),
-      largest_skins_(planned.contacts.largest_skins()),
-      particles_(static_cast<int>(planned.contacts.particle.size())),
-      bodies_(planned.contacts.bodies),
+      told(static_cast<int>(moved.rows()), branch, {{"told"}}, "phases of sweeps"),
       surface_(Texture::table(std::span<const Int4>(planned.contacts.particle), "surface")),
       rest_(Texture::table(std::span<const Float4>(planned.contacts.rest), "surface_rest")),
       triangle_(Texture::table(std::span<const Int4>(planned.contacts.triangle), "triangle")),
@@ -190,7 +167,7 @@ FragmentContacts::FragmentContacts(const PlannedContacts& planned, Index model_r
       most_phases_(planned.most_phases) {
   phases_ = std::min(first_phases, most_phases_);
   std::vector<std::int32_t> rows(static_cast<std::size_t>(model_rows), -1);
-  for (int k = 0; k < particles_; ++k) rows[static_cast<std::size_t>(planned.contacts.particle[k][0])] = k;
+  for (int k = 0; k < particles(); ++k) rows[static_cast<std::size_t>(planned.contacts.particle[k][0])] = k;
   surface_rows_ = Texture::table(std::span<const std::int32_t>(rows), "surface_rows");
   surface_target = Framebuffer({{&moved}, {&velocity}});
   const std::int64_t most = meetings();
@@ -201,9 +178,9 @@ FragmentContacts::FragmentContacts(const PlannedContacts& planned, Index model_r
   next_entries = Texture::target(4 * most, TexelFormat::r32i, "lists of contacts");
   next_target = Framebuffer({{&next_entries}});
   for (Sweeps& sweeps : sweeps_) {
-    sweeps.pressing = floats(particles_ + most, "velocities in sweeps");
-    sweeps.pushing = floats(particles_ + most, "impulses of sweeps");
-    sweeps.turns = Texture::target(particles_ + most, TexelFormat::rgba32i, "turns of sweeps");
+    sweeps.pressing = floats(particles() + most, "velocities in sweeps");
+    sweeps.pushing = floats(particles() + most, "impulses of sweeps");
+    sweeps.turns = Texture::target(particles() + most, TexelFormat::rgba32i, "turns of sweeps");
     sweeps.target = Framebuffer({{&sweeps.pressing}, {&sweeps.pushing}, {&sweeps.turns}});
   }
   pushed_force = floats(model_rows, "forces with contacts");
@@ -211,22 +188,10 @@ FragmentContacts::FragmentContacts(const PlannedContacts& planned, Index model_r
   pushed_target = Framebuffer({{&pushed_force}, {&pushed_shift}});
 }
 
-void FragmentContacts::place(Pass& pass) const {
-  const auto set = [&](const char* name, double value) { pass.set(name, static_cast<float>(value)); };
-  pass.set("surface_count", particles_);
-  pass.set("body_count", bodies_);
-  pass.set("rounds", options_.rounds);
-  pass.set("touches_itself", options_.self ? 1 : 0);
-  set("friction", options_.friction);
-  set("skin", options_.margin);
-  set("facing_share", ContactSurface::facing_share);
-  set("usual_skin", ContactSurface::usual_skin);
-  set("skin_factor", ContactSurface::skin_factor);
-  set("depth_factor", ContactSurface::depth_factor);
-  set("parted_share", ContactSurface::parted_share);
-  set("largest_parting", ContactSurface::largest_parting);
-  set("longest_edge", longest_edge_);
-  set("largest_skins", largest_skins_);
+void FragmentContacts::bind_free(Pass& pass) const {
+  pass.input("pushed_force", free_force);
+  pass.input("free_velocity", free_velocity);
+  pass.input("pushed_shift", free_shift);
 }
 
 void FragmentContacts::bind_surfaces(Pass& pass) const {
@@ -272,7 +237,7 @@ void FragmentContacts::give_more_phases() {
 }
 
 void FragmentContacts::copy_told(std::size_t offset) const {
-  told.levels.back().target.read(0, GL_RGBA, GL_FLOAT, reinterpret_cast<void*>(offset));  // an offset in the buffer
+  told.target().read(0, GL_RGBA, GL_FLOAT, reinterpret_cast<void*>(offset));  // an offset in the buffer
 }
 
 bool FragmentContacts::see(const Float4& reported, int runaway_step) {

@@ -10,7 +10,8 @@
 
 #include "base/box_tree.h"
 #include "device/float_contacts.h"
-#include "fragment_pushed.h"
+#include "gl/solver/contact_constants.h"
+#include "reduction.h"
 
 namespace phymul::gl {
 
@@ -29,25 +30,6 @@ struct FragmentTree {
   std::size_t turn = 0;  // of the newest
 };
 
-/// Rows brought down to one, `branch` to one a draw.
-struct FragmentReduction {
-  static constexpr int branch = 64;
-
-  FragmentReduction(std::int64_t source_rows, const char* name);
-
-  /// The first pass with what it reads in place; later ones read their own results as `input`.
-  void draw(Pass& first, Pass& further, const char* input);
-  const Texture& result() const { return levels.back().rows; }
-
-  struct Level {
-    Texture rows;
-    Framebuffer target;
-    int count = 0;
-  };
-  int source_rows;
-  std::vector<Level> levels;
-};
-
 /// What of a scene with contacts touches, known to fit before anything of it is made on the device.
 struct PlannedContacts {
   /// Throws Error where shaders have too few turns of loops, or textures no room. Needs a context.
@@ -62,18 +44,21 @@ class FragmentContacts {
  public:
   FragmentContacts(const PlannedContacts& planned, Index model_rows);
 
-  int particles() const { return particles_; }
-  int meetings() const { return particles_ * bodies_; }  ///< most contacts that a step can have
+  int particles() const { return constants.particles; }
+  int meetings() const { return constants.particles * constants.bodies; }  ///< most contacts that a step can have
 
-  /// Constants for any of the passes.
-  void place(Pass& pass) const;
+  const ContactConstants constants;
+  void bind_free(Pass& pass) const;
   void bind_surfaces(Pass& pass) const;
   void bind_meetings(Pass& pass) const;
   void bind_sweeps(Pass& pass) const;
 
   // What passes draw into, in their order.
+  Texture free_force, free_velocity, free_shift;  ///< the step opens: pushed_tables.glsl
+  Framebuffer free_target;
   Texture moved, velocity;
-  FragmentReduction mean, fastest;
+  static constexpr int branch = 64;  ///< of reductions
+  Reduction mean, fastest;
   FragmentTree triangles, corners;
   Texture who, nearest, normal, next_entries;
   Framebuffer surface_target, meeting_target, next_target;
@@ -81,7 +66,7 @@ class FragmentContacts {
   const Framebuffer& next_sweeps();
   const Texture& sweep_rows() const { return sweeps_[0].pressing; }
   const Texture& surface_rows() const { return surface_rows_; }
-  FragmentReduction told;
+  Reduction told;
   /// Force and shift with what contacts push.
   Texture pushed_force, pushed_shift;
   Framebuffer pushed_target;
@@ -104,9 +89,6 @@ class FragmentContacts {
     Framebuffer target;
   };
 
-  ContactOptions options_;
-  double longest_edge_, largest_skins_;
-  int particles_, bodies_;
   Texture surface_, rest_, triangle_, law_, surface_rows_;
   std::array<Sweeps, 2> sweeps_;
   std::size_t turn_ = 0;  // of the newest

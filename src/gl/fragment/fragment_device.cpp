@@ -7,13 +7,12 @@
 namespace phymul::gl {
 
 FragmentDevice::FragmentDevice(const FloatTables& tables, const Scene& scene, const FloatTools& tools,
-                               const ShaderLibrary& library, bool four_passes)
+                               const ShaderLibrary& library)
     : library_(library),
       tables_(tables),
       state_(tables.particle_count),
-      passes_(tables_, library_, four_passes),
-      report_(library_, tables.particle_count),
-      sums_(library_, passes_) {
+      passes_(tables_, library_),
+      report_(library_, tables.particle_count) {
   set_scene(scene, tools);
   const VecList origin(static_cast<std::size_t>(tables.particle_count), Vec3::Zero());
   state_.write(origin, {.time = 0.0, .position = origin, .velocity = origin});
@@ -68,35 +67,13 @@ void FragmentDevice::run(int count) {
 BatchReport FragmentDevice::try_step(int number) {
   vertices_.bind();
   passes_.step(state_, number, true);
-  request_report(state_.next_displacement(), state_.next_velocity(), number);
-  return report_.take();
+  return report(state_.next_displacement(), state_.next_velocity(), number);
 }
 
-void FragmentDevice::request_report() {
+BatchReport FragmentDevice::report(const Texture& displacement, const Texture& velocity, int last_step) {
   vertices_.bind();
-  request_report(state_.displacement(), state_.velocity(), steps_);
-}
-
-void FragmentDevice::request_report(const Texture& displacement, const Texture& velocity, int last_step) {
   if (contacts_) passes_.sum_contacts(last_step);
-  report_.request(displacement, velocity, state_.measured(), tools_.get(), volumes_.get(), contacts_.get());
-}
-
-Energy FragmentDevice::energy(const Scene& scene, double time, double dt) {
-  vertices_.bind();
-  FragmentLoads loads(scene, 1);  // the scene may have changed since the last step
-  loads.evaluate({time});
-  return sums_.energy(state_, loads, dt);
-}
-
-Momentum FragmentDevice::momentum(const VecList& rest, const Vec3& about) {
-  vertices_.bind();
-  return sums_.momentum(state_, rest, about);
-}
-
-const Texture& FragmentDevice::attractors() {
-  vertices_.bind();
-  return passes_.attractors(state_);
+  return report_.read(displacement, velocity, state_.measured(), tools_.get(), volumes_.get(), contacts_.get());
 }
 
 }  // namespace phymul::gl

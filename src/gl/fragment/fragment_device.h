@@ -7,7 +7,6 @@
 
 #include "fragment_passes.h"
 #include "fragment_report.h"
-#include "fragment_sums.h"
 #include "gl/objects/pass_timer.h"
 #include "gl/solver/device.h"
 
@@ -16,8 +15,7 @@ namespace phymul::gl {
 class FragmentDevice final : public Device {
  public:
   /// Compiles, uploads, and draws every pass of a step once: drivers compile at the first draw, not when they are told.
-  FragmentDevice(const FloatTables& tables, const Scene& scene, const FloatTools& tools, const ShaderLibrary& library,
-                 bool four_passes);
+  FragmentDevice(const FloatTables& tables, const Scene& scene, const FloatTools& tools, const ShaderLibrary& library);
 
   void set_scene(const Scene& scene, const FloatTools& tools) override;
   void set_held(const FloatTools& tools) override;
@@ -30,19 +28,15 @@ class FragmentDevice final : public Device {
   /// One where it is not known how many phases a step needs: a batch may have to be done several times.
   int first_batch() const override { return contacts_ ? 1 : Device::first_batch(); }
   BatchReport try_step(int number) override;
-  void request_report() override;
-  BatchReport take_report() override { return report_.take(); }
+  BatchReport report() override { return report(state_.displacement(), state_.velocity(), steps_); }
   std::span<const ToolSums> tool_sums() const override { return report_.tool_sums(); }
-  Energy energy(const Scene& scene, double time, double dt) override;
-  Momentum momentum(const VecList& rest, const Vec3& about) override;
   void request_copy(const State& header) override { state_.request_copy(copies_, header); }
   bool collect_copy(const VecList& rest, State& state) override { return copies_.collect(rest, {}, state); }
   void drop_copies() override { copies_.clear(); }
   const Texture& displacements() override { return state_.displacement(); }
-  const Texture& attractors() override;
 
  private:
-  void request_report(const Texture& displacement, const Texture& velocity, int last_step);
+  BatchReport report(const Texture& displacement, const Texture& velocity, int last_step);
 
   EmptyVertexArray vertices_;
   ShaderLibrary library_;
@@ -54,7 +48,6 @@ class FragmentDevice final : public Device {
   std::unique_ptr<FragmentContacts> contacts_;  // likewise
   FragmentPasses passes_;
   FragmentReport report_;
-  FragmentSums sums_;
   StateCopies copies_;
   int steps_ = 0;  // of the batch, that run() has done
 };

@@ -13,8 +13,8 @@ const ShaderFiles common{"dialect/dialect_fragment.glsl", "step/tables.glsl", "d
 
 }  // namespace
 
-FragmentPasses::FragmentPasses(const FragmentTables& tables, const ShaderLibrary& library, bool four)
-    : tables_(&tables), library_(&library), four_(four) {
+FragmentPasses::FragmentPasses(const FragmentTables& tables, const ShaderLibrary& library)
+    : tables_(&tables), library_(&library) {
   if (tables.kind().attractors) add_attractors();
   if (tables.kind().base_terms) add_bases();
   add_volumes();
@@ -32,13 +32,7 @@ void FragmentPasses::add(ShaderRequest request, const std::vector<Attachment>& t
 void FragmentPasses::add_attractors() {
   const BodyKind& kind = tables_->kind();
   force_ = Texture::target(kind.particles, TexelFormat::rgba32f, "forces of attractors");
-  ShaderRequest request{.files = joined({common, base_kernel(), attractor_files(kind)}), .defines = {}};
-  if (!four_) return add(std::move(request), {{&force_}}, kind.particles);
-  request.defines.emplace_back("FOUR_PASSES", 1);
-  pull_ = Texture::target(kind.particles, TexelFormat::rgba32f, "pulls of attractors");
-  add(std::move(request), {{&pull_}}, kind.particles);
-  add({.files = joined({common, {"step/force_pass.glsl"}}), .defines = {}}, {{&force_}}, kind.particles);
-  before_.back().pass.input("pull", pull_);
+  add({.files = joined({common, base_kernel(), attractor_files(kind)}), .defines = {}}, {{&force_}}, kind.particles);
 }
 
 void FragmentPasses::add_bases() {
@@ -70,15 +64,10 @@ void FragmentPasses::add_domains() {
       {{&domain_terms_, 0}, {&domain_terms_, 1}, {&domain_terms_, 2}}, kind.domains);
 }
 
-ShaderRequest FragmentPasses::gathering(const LoadKind& loads, const char* pass) const {
-  const BodyKind& kind = tables_->kind();
-  ShaderRequest request{.files = joined({common,
-                                         {"kernels/spring.glsl", "kernels/integrate.glsl", "step/force_of.glsl",
-                                          "step/terms_of.glsl", "step/net_force.glsl"}}),
-                        .defines = {}};
-  request.files.emplace_back(pass);
-  define_kernels(kind, request);
-  define_gathering(kind, loads, request);
+ShaderRequest FragmentPasses::gathering(const LoadKind& loads) const {
+  ShaderRequest request{.files = joined({common, gathering_files()}), .defines = {{"CUT", 1}}};
+  define_kernels(tables_->kind(), request);
+  define_gathering(tables_->kind(), loads, request);
   return request;
 }
 
@@ -91,39 +80,37 @@ void FragmentPasses::bind_terms(Pass& pass) const {
 
 /// Of those that move particles, or tell where they would go.
 Pass FragmentPasses::compiled(const StepKind& kind, const ShaderFiles& passes) const {
-  ShaderRequest request = gathering(kind.loads, "step/free_step.glsl");
-  request.defines.emplace_back("CUT", 1);
+  ShaderRequest request = gathering(kind.loads);
+  request.files.emplace_back("step/free_step.glsl");
   if (kind.tools) {
     define_tools(kind.grids, request);
     request.files.insert(request.files.end(), tool_files().begin(), tool_files().end());
+    request.defines.emplace_back("NET_APART", 1);
   }
-  const bool apart = four_ || kind.tools;
-  if (apart) request.defines.emplace_back("FOUR_PASSES", 1);
-  const bool pushed = kind.contacts && passes.back() == "step/step_pass.glsl";
-  const bool keeps =
-      std::ranges::count(passes, "volume/kept_tables.glsl") > 0;  // which has names of its own for the like
-  if (pushed) request.defines.emplace_back("PUSHED", 1);
-  if (pushed && !keeps) request.files.emplace_back("tools/pushed_tables.glsl");
+  if (kind.contacts && passes.back() == "step/step_pass.glsl") {
+    request.defines.emplace_back("PUSHED", 1);
+    request.files.emplace_back("tools/pushed_tables.glsl");
+  }
   if (kind.volumes) request.defines.emplace_back("KEPT_VOLUMES", 1);
   request.files.insert(request.files.end(), passes.begin(), passes.end());
   Pass moving(*library_, std::move(request));
   tables_->bind(moving);
   bind_terms(moving);
-  if (apart) moving.input("net", net_);
+  if (kind.tools) moving.input("net", net_);
   return moving;
 }
 
 FragmentPasses::Stepping FragmentPasses::compiled(const StepKind& kind) const {
   Stepping stepping;
   stepping.kind = kind;
-  if (reaction_apart()) {
-    ShaderRequest reaction = gathering(kind.loads, "step/reaction_pass.glsl");
-    reaction.defines.emplace_back("CUT", 1);
+  if (kind.tools) {
+    ShaderRequest reaction = gathering(kind.loads);
+    reaction.files.emplace_back("step/reaction_pass.glsl");
     stepping.reaction = Pass(*library_, std::move(reaction));
     tables_->bind(stepping.reaction);
     bind_terms(stepping.reaction);
+    stepping.tools = compiled(kind, {"tools/tools_pass.glsl"});
   }
-  if (kind.tools) stepping.tools = compiled(kind, {"tools/tools_pass.glsl"});
   if (kind.contacts) stepping.free = compiled(kind, {"step/free_pass.glsl"});
   stepping.step = compiled(kind, {"report/measure_step.glsl", "step/step_pass.glsl"});
   if (kind.volumes) compile_keeping(stepping);
@@ -169,13 +156,12 @@ void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools,
 }
 
 void FragmentPasses::make_passes(const StepKind& kind) {
-  if (reaction_apart() && !net_) {
+  if (kind.tools && !net_) {
     Texture net = Texture::target(tables_->kind().particles, TexelFormat::rgba32f, "net forces");
     net_target_ = Framebuffer({{&net}});
     net_ = std::move(net);
   }
   if (kind.contacts && !touching_) touching_.emplace(*library_);
-  if (kind.contacts && !pushed_) pushed_.emplace(tables_->kind().particles);
   auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
   if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), compiled(kind));
   now_ = &*found;
@@ -183,8 +169,8 @@ void FragmentPasses::make_passes(const StepKind& kind) {
 
 void FragmentPasses::bind_scene() {
   loads_->bind(now_->step);
-  if (reaction_apart()) loads_->bind(now_->reaction);
   if (tools_) {
+    loads_->bind(now_->reaction);
     loads_->bind(now_->tools);
     tools_->bind(now_->tools);
     tools_->bind(now_->step);
@@ -209,7 +195,7 @@ void FragmentPasses::bind_volumes() {
 
 void FragmentPasses::set_constants(const StepConstants& constants) {
   const auto finite = [](double value) { return std::min(value, double{std::numeric_limits<float>::max()}); };
-  Pass& cutting = reaction_apart() ? now_->reaction : contacts_ ? now_->free : now_->step;
+  Pass& cutting = tools_ ? now_->reaction : contacts_ ? now_->free : now_->step;
   cutting.set("largest_acceleration", static_cast<float>(finite(constants.largest_acceleration)));
   const auto set_motion = [&](Pass& pass) {
     pass.set("dt", static_cast<float>(constants.dt));
@@ -230,13 +216,6 @@ void FragmentPasses::set_constants(const StepConstants& constants) {
   set("acceleration_at_rest", constants.acceleration_at_rest);
 }
 
-void FragmentPasses::evaluate(const FragmentState& state) {
-  for (Drawing& drawing : before_) {
-    drawing.pass.input("displacement", state.displacement());
-    drawing.pass.draw(drawing.target);
-  }
-}
-
 void FragmentPasses::prepare(Pass& pass, const FragmentState& state, int batch_step) const {
   pass.input("displacement", state.displacement());
   pass.input("velocity", state.velocity());
@@ -246,15 +225,16 @@ void FragmentPasses::prepare(Pass& pass, const FragmentState& state, int batch_s
 }
 
 void FragmentPasses::step(const FragmentState& state, int batch_step, bool measuring) {
-  evaluate(state);
-  if (reaction_apart()) {
+  for (Drawing& drawing : before_) {
+    drawing.pass.input("displacement", state.displacement());
+    drawing.pass.draw(drawing.target);
+  }
+  if (tools_) {
     Pass& reaction = now_->reaction;
     reaction.input("displacement", state.displacement());
     reaction.set_rows(net_, tables_->kind().particles);
     reaction.set("instant", batch_step - 1);
     reaction.draw(net_target_);
-  }
-  if (tools_) {
     prepare(now_->tools, state, batch_step);
     tools_->tell(now_->tools);
   }
@@ -269,8 +249,9 @@ void FragmentPasses::step(const FragmentState& state, int batch_step, bool measu
 /// Contacts push between forces and motion, as Touching of src/interaction does.
 void FragmentPasses::touch(const FragmentState& state, int batch_step) {
   prepare(now_->free, state, batch_step);
-  pushed_->begin(now_->free);
-  touching_->act(*pushed_, state.displacement(), batch_step);
+  now_->free.set_rows(contacts_->free_force, tables_->kind().particles);
+  now_->free.draw(contacts_->free_target);
+  touching_->act(state.displacement(), batch_step);
 }
 
 void FragmentPasses::keep(const FragmentState& state, int batch_step, bool measuring) {
@@ -282,21 +263,6 @@ void FragmentPasses::keep(const FragmentState& state, int batch_step, bool measu
   prepare(now_->end, state, batch_step);
   now_->end.set_rows(state.displacement(), tables_->kind().particles);
   now_->end.draw(state.next(measuring));
-}
-
-const Texture& FragmentPasses::attractors(const FragmentState& state) {
-  if (!showing_) {
-    shown_ = Texture::target(tables_->kind().particles, TexelFormat::rgba32f, "attractors");
-    shown_target_ = Framebuffer({{&shown_}});
-    showing_.emplace(*library_, gathering({}, "display/shown_attractor_pass.glsl"));
-    tables_->bind(*showing_);
-    bind_terms(*showing_);
-    showing_->set_rows(shown_, tables_->kind().particles);
-  }
-  evaluate(state);
-  showing_->input("displacement", state.displacement());
-  showing_->draw(shown_target_);
-  return shown_;
 }
 
 }  // namespace phymul::gl

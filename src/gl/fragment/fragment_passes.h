@@ -6,11 +6,10 @@
 //   volumes    forces of a volume on its vertices           bodies with a volume energy
 //   domains    stress of a neighbourhood                    the particle-averaged law
 //   step       net force and Verlet
-// With four passes as in the 2007 thesis the first is two (attractor, force) and the last is two (reaction, Verlet);
-// the bits are the same. With tools the last is two in any case, as what they feel is a pass between them. Where bodies
-// touch, the step opens with a pass of its own, free; then come those of fragment_contact_passes.h, and the step's end.
-// Where the scene keeps volumes, that is drawn aside, and passes follow it: which way their particles go, sums over
-// facets, how far, and the end of the step.
+// With tools the last is two (reaction, Verlet), as what they feel is a pass between them. Where bodies touch, the step
+// opens with a pass of its own, free; then come those of fragment_contact_passes.h, and the step's end. Where the scene
+// keeps volumes, that is drawn aside, and passes follow it: which way their particles go, sums over facets, how far,
+// and the end of the step.
 #pragma once
 
 #include <deque>
@@ -28,10 +27,7 @@ namespace phymul::gl {
 
 class FragmentPasses {
  public:
-  /// `four`: as the thesis had them.
-  FragmentPasses(const FragmentTables& tables, const ShaderLibrary& library, bool four);
-
-  const FragmentTables& tables() const { return *tables_; }
+  FragmentPasses(const FragmentTables& tables, const ShaderLibrary& library);
 
   /// Compiles what these loads need, where it is not there yet. Pointers: null for none. Where it throws, steps go on
   /// with those of before.
@@ -48,17 +44,6 @@ class FragmentPasses {
   /// Brings down what the contacts of a batch told, up to this step of it; only where there are contacts.
   void sum_contacts(int last_step) { touching_->sum(last_step); }
 
-  /// Forces of attractors, bases, volumes and domains at the current state, into the textures that bind_terms()
-  /// gives.
-  void evaluate(const FragmentState& state);
-  void bind_terms(Pass& pass) const;
-
-  /// What the body and the loads need of the shaders that include net_force.glsl.
-  ShaderRequest gathering(const LoadKind& loads, const char* pass) const;
-
-  /// P*_i - X_i of every particle, m; compiled at the first call. Only where the body has attractors or bases.
-  const Texture& attractors(const FragmentState& state);
-
  private:
   struct Drawing {
     Pass pass;
@@ -72,7 +57,8 @@ class FragmentPasses {
   };
   struct Stepping {
     StepKind kind;
-    Pass reaction, tools, step;            // reaction: four passes, or tools; tools: only with them
+    Pass step;
+    Pass reaction, tools;                  // only with tools
     Pass along, facets, sums, roots, end;  // only where volumes are kept
     Pass free;                             // where bodies touch: up to what they push
   };
@@ -81,6 +67,8 @@ class FragmentPasses {
   void add_bases();
   void add_volumes();
   void add_domains();
+  void bind_terms(Pass& pass) const;
+  ShaderRequest gathering(const LoadKind& loads) const;
   Stepping compiled(const StepKind& kind) const;
   Pass compiled(const StepKind& kind, const ShaderFiles& passes) const;
   void compile_keeping(Stepping& stepping) const;
@@ -90,24 +78,20 @@ class FragmentPasses {
   void bind_contacts();
   void touch(const FragmentState& state, int batch_step);
   void keep(const FragmentState& state, int batch_step, bool measuring);
-  bool reaction_apart() const { return four_ || tools_ != nullptr; }
   void prepare(Pass& pass, const FragmentState& state, int batch_step) const;
 
   const FragmentTables* tables_;
   const ShaderLibrary* library_;
-  bool four_;
-  Texture pull_, force_, net_, base_terms_, volume_terms_, domain_terms_, shown_;
+  Texture force_, net_, base_terms_, volume_terms_, domain_terms_;
   std::vector<Drawing> before_;  // drawn in order before the step
-  Framebuffer net_target_, shown_target_;
-  std::optional<Pass> showing_;
+  Framebuffer net_target_;
   std::deque<Stepping> stepping_;  // whose addresses stay
   Stepping* now_ = nullptr;
   const FragmentLoads* loads_ = nullptr;
   FragmentTools* tools_ = nullptr;
   FragmentVolumes* volumes_ = nullptr;
   FragmentContacts* contacts_ = nullptr;
-  std::optional<FragmentPushed> pushed_;           // once bodies touched
-  std::optional<FragmentContactPasses> touching_;  // likewise
+  std::optional<FragmentContactPasses> touching_;  // once bodies touched
 };
 
 }  // namespace phymul::gl

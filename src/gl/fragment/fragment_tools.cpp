@@ -16,7 +16,10 @@ Texture target(std::int64_t rows) {
 }  // namespace
 
 FragmentTools::FragmentTools(const FloatTools& tools)
-    : count_(tools.count()), particles_(static_cast<int>(tools.held().size())) {
+    : count_(tools.count()),
+      particles_(static_cast<int>(tools.held().size())),
+      added_(particles_, rows_to_one, {{sum_inputs[0]}, {sum_inputs[1]}, {sum_inputs[2]}, {sum_inputs[3]}},
+             "forces on tools", count_) {
   laws_ = Texture::table(std::span<const Float4>(tools.laws()), "tool_laws");
   rest_ = Texture::table(std::span<const Float4>(tools.rest()), "tool_rest");
   held_ = Texture::table(std::span<const Float4>(tools.held()), "tool_held");
@@ -28,18 +31,6 @@ FragmentTools::FragmentTools(const FloatTools& tools)
     for (Texture& texture : sums_[turn]) texture = target(rows);
     targets_[turn] = Framebuffer({{&sums_[turn][0]}, {&sums_[turn][1]}, {&last_[0]}, {&last_[1]}});
   }
-  int left = particles_;
-  do {
-    left = (left + rows_to_one - 1) / rows_to_one;
-    Level& level = levels_.emplace_back();
-    level.rows_a_tool = left;
-    std::vector<Attachment> attachments;
-    for (Texture& texture : level.rows) {
-      texture = target(std::int64_t{count_} * left);
-      attachments.push_back({&texture});
-    }
-    level.target = Framebuffer(attachments);
-  } while (left > 1);
 }
 
 void FragmentTools::set_held(const FloatTools& tools) {
@@ -70,23 +61,15 @@ void FragmentTools::tell(Pass& pass) {
 
 void FragmentTools::sum(Pass& added) {
   const auto& newest = sums_[static_cast<std::size_t>(turn_)];
-  std::array<const Texture*, 4> source{&newest[0], &newest[1], &last_[0], &last_[1]};
-  int rows = particles_;
-  for (const Level& level : levels_) {
-    for (std::size_t k = 0; k < source.size(); ++k) added.input(sum_inputs[k], *source[k]);
-    added.set("source_count", rows);
-    added.set("sum_count", level.rows_a_tool);
-    added.set_rows(level.rows[0], count_ * level.rows_a_tool);
-    added.draw(level.target);
-    for (std::size_t k = 0; k < source.size(); ++k) source[k] = &level.rows[k];
-    rows = level.rows_a_tool;
-  }
+  const std::array<const Texture*, 4> source{&newest[0], &newest[1], &last_[0], &last_[1]};
+  for (std::size_t k = 0; k < source.size(); ++k) added.input(sum_inputs[k], *source[k]);
+  added_.draw(added);
 }
 
 void FragmentTools::copy(std::size_t offset) const {
   for (int k = 0; k < 4; ++k) {
     const std::size_t at = offset + static_cast<std::size_t>(k) * texels() * sizeof(Float4);
-    levels_.back().target.read(k, GL_RGBA, GL_FLOAT, reinterpret_cast<void*>(at));  // an offset in the buffer
+    added_.target().read(k, GL_RGBA, GL_FLOAT, reinterpret_cast<void*>(at));  // an offset in the buffer
   }
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "device/float_tools.h"
-#include "gl/objects/pass.h"
+#include "reduction.h"
 
 namespace phymul::gl {
 
@@ -31,23 +31,17 @@ class FragmentTools {
   void sum(Pass& added);
   /// After sum(): the texels of a row of them, of which there are four; where they go from `offset` on in the buffer
   /// bound to GL_PIXEL_PACK_BUFFER.
-  std::size_t texels() const { return static_cast<std::size_t>(levels_.back().target.shape().texels()); }
+  std::size_t texels() const { return static_cast<std::size_t>(added_.target().shape().texels()); }
   void copy(std::size_t offset) const;
 
  private:
-  struct Level {
-    std::array<Texture, 4> rows;  // forces, torques, and both of the last step
-    Framebuffer target;
-    int rows_a_tool = 0;
-  };
-
   int count_, particles_;
   Texture laws_, frames_, rest_, held_, grid_;
   std::array<std::array<Texture, 2>, 2> sums_;  // [turn]: forces, torques; a pass reads one and writes the other
   std::array<Texture, 2> last_;
   std::array<Framebuffer, 2> targets_;
-  int turn_ = 0;  // of the newest
-  std::vector<Level> levels_;
+  int turn_ = 0;     // of the newest
+  Reduction added_;  // forces, torques, and both of the last step
 };
 
 }  // namespace phymul::gl

@@ -34,7 +34,6 @@ ShaderRequest with_group(ShaderRequest request, int group) {
 ComputeLimits ComputeLimits::of_context() {
   const auto* const renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));  // null in a lost context
   return {.block_bytes = limit(GL_MAX_SHADER_STORAGE_BLOCK_SIZE),
-          .blocks = static_cast<int>(limit(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS)),
           .groups_across = groups_along(0),
           .groups_down = groups_along(1),
           .invocations = static_cast<int>(limit(GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS)),

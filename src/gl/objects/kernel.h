@@ -13,7 +13,6 @@ namespace phymul::gl {
 
 struct ComputeLimits {
   std::int64_t block_bytes = 0;  ///< of a storage buffer that a shader sees
-  int blocks = 0;                ///< of those at a time
   std::int64_t groups_across = 0, groups_down = 0;
   int invocations = 0;                                                 ///< of a group
   std::int64_t loop_turns = std::numeric_limits<std::int64_t>::max();  ///< ContextInfo::loop_turns

@@ -40,6 +40,12 @@ constexpr int lines_a_file = 10000;
 
 }  // namespace
 
+ShaderLibrary::ShaderLibrary(std::string folder, bool es, bool has_precise)
+    : folder_(std::move(folder)), es_(es), has_precise_(has_precise) {
+  const char* const wish = std::getenv("PHYMUL_GLSL");
+  if (folder_.empty() && wish) folder_ = wish;
+}
+
 std::string ShaderLibrary::file(const std::string& name) const {
   if (!folder_.empty()) {
     const std::string path = folder_ + "/" + name;

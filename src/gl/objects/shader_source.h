@@ -30,10 +30,9 @@ enum class Stage { drawing, compute };
 
 class ShaderLibrary {
  public:
-  /// `folder`: files are read from there; empty: those built in. `es`: OpenGL ES, else desktop GL. What is drawn is of
-  /// GL 3.3 or ES 3.0; what is computed of GL 4.3 or, where it `has_precise`, ES 3.2, else 3.1.
-  ShaderLibrary(std::string folder, bool es, bool has_precise = true)
-      : folder_(std::move(folder)), es_(es), has_precise_(has_precise) {}
+  /// `folder`: files are read from there; empty: from PHYMUL_GLSL, or those built in. `es`: OpenGL ES, else desktop GL.
+  /// What is drawn is of GL 3.3 or ES 3.0; what is computed of GL 4.3 or, where it `has_precise`, ES 3.2, else 3.1.
+  ShaderLibrary(std::string folder, bool es, bool has_precise = true);
 
   /// Throws Error when a file does not exist.
   std::string text(const ShaderRequest& request, Stage stage = Stage::drawing) const;

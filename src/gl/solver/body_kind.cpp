@@ -17,7 +17,6 @@ BodyKind::BodyKind(const FloatTables& tables)
       bases(tables.base_count),
       volumes(tables.volume_count),
       domains(tables.domains.count()),
-      turns(tables.turns),
       attractors(tables.has_attractors()),
       base_terms(!tables.base.empty() &&
                  (tables.options.reaction == Reaction::averaged || tables.options.reaction == Reaction::conservative)),
@@ -49,6 +48,12 @@ const ShaderFiles& volume_kernel() {
 ShaderFiles energy_kernel(const BodyKind& kind) {
   return {"kernels/columns.glsl", "kernels/volume.glsl", "kernels/shape_memory.glsl",
           std::string("kernels/energy_") + kind_of(kind.options.strain_energy).name + ".glsl"};
+}
+
+const ShaderFiles& gathering_files() {
+  static const ShaderFiles files{"kernels/spring.glsl", "kernels/integrate.glsl", "step/force_of.glsl",
+                                 "step/terms_of.glsl", "step/net_force.glsl"};
+  return files;
 }
 
 const ShaderFiles& tool_files() {

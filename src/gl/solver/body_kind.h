@@ -18,7 +18,6 @@ struct BodyKind {
   int dimension = 3;
   int law_texels = 1;
   Index particles = 0, bases = 0, volumes = 0, domains = 0;
-  LoopTurns turns;
   bool attractors = false;  ///< particles have a force F_i of their own: any reaction but the conservative
   bool base_terms = false;  ///< bases are evaluated a row each: averaged, conservative
   bool springs = false;
@@ -37,6 +36,7 @@ const ShaderFiles& base_kernel();
 ShaderFiles attractor_files(const BodyKind& kind);
 const ShaderFiles& volume_kernel();
 ShaderFiles energy_kernel(const BodyKind& kind);  ///< of domains, with the kernels it needs
+const ShaderFiles& gathering_files();             ///< up to net_force.glsl
 const ShaderFiles& tool_files();                  ///< up to touch_tools.glsl; needs net_force.glsl
 
 /// The kernels' macros.

@@ -80,18 +80,9 @@ class Device {
   /// Step `number` from the present state, which stays as it is; only what it measures is kept.
   virtual BatchReport try_step(int number) = 0;
   /// Of the steps since begin_batch(), or since the last run() did. Waits for the device.
-  BatchReport report() {
-    request_report();
-    return take_report();
-  }
-  /// Sends the report on its way, and waits for it: one at a time, nothing else of the device between the two.
-  virtual void request_report() = 0;
-  virtual BatchReport take_report() = 0;
+  virtual BatchReport report() = 0;
   /// What the steps of that report, of run(), did to each tool.
   virtual std::span<const ToolSums> tool_sums() const = 0;
-
-  virtual Energy energy(const Scene& scene, double time, double dt) = 0;
-  virtual Momentum momentum(const VecList& rest, const Vec3& about) = 0;
 
   /// Starts a copy of the present state to the host; what `header` has besides places and velocities comes with it.
   virtual void request_copy(const State& header) = 0;
@@ -99,9 +90,8 @@ class Device {
   virtual bool collect_copy(const VecList& rest, State& state) = 0;
   virtual void drop_copies() = 0;
 
-  /// Displacements of the particles, and of their attractors, in the model's order.
+  /// Displacements of the particles in the model's order.
   virtual const Texture& displacements() = 0;
-  virtual const Texture& attractors() = 0;
 
  private:
   std::unique_ptr<PassTimer> timer_;

@@ -3,8 +3,6 @@
 // The steps of DeviceSolver: batch by batch, each with a report at its end.
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <utility>
 
 #include "device/float_range.h"
 #include "device_solver.h"
@@ -46,8 +44,7 @@ SolverBackend::Motion DeviceSolver::run_batches(const StepPlan& plan) {
   while (motion.steps < plan.steps) {
     const int count = batch_size(plan, plan.steps - motion.steps);
     const auto start = std::chrono::steady_clock::now();
-    queue_batch(plan, count);
-    const bool go_on = settle_batch(plan, count, motion);
+    const bool go_on = run_batch(plan, count, motion);
     seconds_a_step_ = seconds_since(start) / count;
     progress_.steps_at_rest = motion.steps_at_rest;
     if (!go_on || context_->lost()) break;
@@ -55,33 +52,8 @@ SolverBackend::Motion DeviceSolver::run_batches(const StepPlan& plan) {
   return motion;
 }
 
-/// The report of the call before, while the last batch of this one is on its way. run_to_rest() waits for every batch.
-SolverBackend::Motion DeviceSolver::run_late(const StepPlan& plan) {
-  Motion before = std::exchange(untold_, std::nullopt).value_or(Motion{});
-  if (before.lost_volume >= 0) before.lost_volume = volume_row_at(untold_volume_at_);  // rows may be others by now
-  if (before.bad_particle >= 0 || before.lost_volume >= 0 || before.full_needle >= 0) return before;
-  if (plan.stop_at_rest) return run_batches(plan);
-  begin_tools(plan);
-  const PassTimer::Current timing(device_->timer());
-  Motion motion;
-  motion.steps_at_rest = progress_.steps_at_rest;
-  for (int left = plan.steps; left > 0;) {
-    const int count = batch_size(plan, left);
-    const auto start = std::chrono::steady_clock::now();
-    queue_batch(plan, count);
-    left -= count;
-    if (left == 0) {
-      late_ = Late{plan, count, motion};
-      break;
-    }
-    if (!settle_batch(plan, count, motion)) return motion;
-    seconds_a_step_ = seconds_since(start) / count;
-    progress_.steps_at_rest = motion.steps_at_rest;
-  }
-  return before;
-}
-
-void DeviceSolver::queue_batch(const StepPlan& plan, int count) {
+/// False where the motion ends with this batch: a failure, or rest.
+bool DeviceSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
   instants_.assign(1, progress_.time);
   for (int k = 0; k < count; ++k) instants_.push_back(instants_.back() + plan.dt);
   const RestThresholds rest =
@@ -95,30 +67,23 @@ void DeviceSolver::queue_batch(const StepPlan& plan, int count) {
                         .acceleration_at_rest = rest.acceleration},
                        instants_, tools_);
   device_->run(count);
-  device_->request_report();
-}
-
-/// False where the motion ends with this batch: a failure, or rest.
-bool DeviceSolver::settle_batch(const StepPlan& plan, int count, Motion& motion) const {
-  BatchReport report = device_->take_report();
+  BatchReport report = device_->report();
   while (report.unfinished) {
     device_->give_more_passes();
     device_->run(count);
     report = device_->report();
   }
+  const BatchReport first = report;
   // A volume that cannot be restored comes before what runs away with it in the same step.
-  const bool loses = report.lost_step > 0 && (report.runaway_step == 0 || report.lost_step <= report.runaway_step);
-  const int went_wrong = loses ? report.lost_step : report.runaway_step;
+  const bool loses = first.lost_step > 0 && (first.runaway_step == 0 || first.lost_step <= first.runaway_step);
+  const int went_wrong = loses ? first.lost_step : first.runaway_step;
   // So does a hole that was left as it was.
-  const bool fills = report.full_step > 0 && (went_wrong == 0 || report.full_step <= went_wrong);
-  const int failed_at = fills ? report.full_step : went_wrong;
-  const int full_needle = report.full_needle;
-  const int lost_volume = report.lost_volume;
-  const Index culprit = report.particle;
+  const bool fills = first.full_step > 0 && (went_wrong == 0 || first.full_step <= went_wrong);
+  const int failed_at = fills ? first.full_step : went_wrong;
   int good = failed_at > 0 ? failed_at - 1 : count;
 
   const int until_rest = std::max(plan.rest_steps - motion.steps_at_rest, 1);
-  const int quiet = report.first_unquiet > 0 ? std::min(report.first_unquiet - 1, good) : good;
+  const int quiet = first.first_unquiet > 0 ? std::min(first.first_unquiet - 1, good) : good;
   const bool rests = plan.stop_at_rest && quiet >= until_rest;
   if (rests) good = until_rest;
   if (good < count) {
@@ -139,18 +104,18 @@ bool DeviceSolver::settle_batch(const StepPlan& plan, int count, Motion& motion)
   if (good > 0) progress_.last_dt = plan.dt;
   if (rests || failed_at == 0) return !rests;
   if (fills) {
-    motion.full_needle = full_needle;
+    motion.full_needle = first.full_needle;
     return false;
   }
   if (loses) {
-    motion.lost_volume = lost_volume;
+    motion.lost_volume = first.lost_volume;
     return false;
   }
   // The forces that the step after the last good one began with, which are those of the state that is kept.
   const BatchReport failed = device_->try_step(good + 1);
   motion.max_acceleration = failed.max_acceleration;
   motion.max_force = failed.max_force;
-  motion.bad_particle = culprit;
+  motion.bad_particle = first.particle;
   return false;
 }
 

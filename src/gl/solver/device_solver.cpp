@@ -5,14 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "device/base_layout.h"
 #include "device/float_range.h"
 #include "device/slice_tables.h"
 #include "gl/compute/compute_device.h"
-#include "gl/context/options.h"
 #include "gl/fragment/fragment_device.h"
 #include "gl/objects/loop_turns.h"
 #include "scene/tool_state.h"
@@ -26,20 +24,13 @@ ParticleBuffer finished(const Texture& texture) {
   return {.texture = texture.id(), .width = texture.shape().width, .height = texture.shape().height, .position = {}};
 }
 
-/// What StepReport::particle says of a volume.
-std::vector<Index> particle_of_each(const std::vector<VolumeConstraint>& volumes) {
-  std::vector<Index> particles;
-  for (const VolumeConstraint& volume : volumes) particles.push_back(volume.triangles.front()[0]);
-  return particles;
-}
-
 }  // namespace
 
 DeviceSolver::DeviceSolver(GlBackend backend, std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in,
                            const SolverOptions& options_in)
     : SolverBackend(name_of(backend), std::move(shared), scene_in, options_in),
       backend_(backend),
-      gl_(with_environment(options_in.gl)),
+      gl_(options_in.gl),
       layout_(choose_layout(gl_.layout, topology())),
       context_(Context::open(gl_, backend)),
       kept_(rest_state(model())) {
@@ -68,19 +59,15 @@ const char* DeviceSolver::do_cannot() const {
 void DeviceSolver::build() {
   FloatTables tables = pack_floats(topology(), layout_);
   loads_version_ = scene().version();
-  volume_at_ = particle_of_each(scene().volume_constraints());
   tools_.follow(scene());
   const ContextInfo& info = context_->info();
+  require_turns(info, tables.turns);
   const ShaderLibrary library(gl_.shader_folder, info.es, !info.es || info.at_least(3, 2));
   if (backend_ == GlBackend::compute) {
     const SliceTables slices = pack_slices(std::move(tables), topology());
-    const ComputeForm form = choose_form(gl_.compute, slices, info.software);
-    require_turns(info, slices.rows.turns);
-    context_->run([&] { device_ = std::make_unique<ComputeDevice>(slices, scene(), tools_, library, form); });
+    context_->run([&] { device_ = std::make_unique<ComputeDevice>(slices, scene(), tools_, library); });
   } else {
-    require_turns(info, tables.turns);
-    context_->run(
-        [&] { device_ = std::make_unique<FragmentDevice>(tables, scene(), tools_, library, gl_.passes == 4); });
+    context_->run([&] { device_ = std::make_unique<FragmentDevice>(tables, scene(), tools_, library); });
   }
   if (profiling()) context_->run([&] { device_->time_passes(context_->info(), *profiling()); });
   context_->throw_debug_errors();
@@ -148,17 +135,7 @@ void DeviceSolver::do_reset(const State& state) {
     device_->set_held(tools_);
   });
   kept_ = state;
-  late_.reset();
-  untold_.reset();
   progress_ = {.time = state.time, .last_dt = 0.0, .steps_at_rest = 0, .largest_displacement = largest};
-}
-
-void DeviceSolver::do_scene_changed() {
-  try {
-    settle();
-  } catch (...) {  // do_step() finds out and says so
-  }
-  progress_.steps_at_rest = 0;
 }
 
 /// Takes the scene's loads and tools to the device, where they have changed; all of it or nothing.
@@ -170,14 +147,7 @@ void DeviceSolver::follow() {
   context_->run([&] { device_->set_scene(scene(), tools); });
   tools_ = std::move(tools);
   loads_version_ = scene().version();
-  volume_at_ = particle_of_each(scene().volume_constraints());
   seconds_a_step_ = 0.0;
-}
-
-/// Of the scene as it is now; where it keeps no such volume any more, a row of none.
-int DeviceSolver::volume_row_at(Index particle) const {
-  const auto found = std::ranges::find(volume_at_, particle);
-  return found == volume_at_.end() ? std::numeric_limits<int>::max() : static_cast<int>(found - volume_at_.begin());
 }
 
 SolverBackend::Motion DeviceSolver::lost_motion() {
@@ -189,11 +159,8 @@ SolverBackend::Motion DeviceSolver::lost_motion() {
 SolverBackend::Motion DeviceSolver::do_step(const StepPlan& plan) {
   try {
     if (device_ && !context_->lost()) {
-      settle();  // under the scene it was done in
       follow();
-      // Where the caller asked for progress a call is many plans, each of which needs its own report.
-      const bool late = gl_.late_report && !options().progress;
-      const Motion motion = context_->run([&] { return late ? run_late(plan) : run_batches(plan); });
+      const Motion motion = context_->run([&] { return run_batches(plan); });
       context_->throw_debug_errors();
       if (!context_->lost()) return motion;
     }
@@ -207,26 +174,7 @@ SolverBackend::Motion DeviceSolver::do_step(const StepPlan& plan) {
   return lost_motion();
 }
 
-/// Waits for the batch whose report is on its way. Whatever it says is told by the next step().
-void DeviceSolver::settle() const {
-  if (!late_) return;
-  Late late = *late_;
-  on_device([&] {
-    const PassTimer::Current timing(device_->timer());
-    settle_batch(late.plan, late.count, late.motion);
-  });
-  late_.reset();
-  progress_.steps_at_rest = late.motion.steps_at_rest;
-  untold_ = late.motion;
-  if (untold_->lost_volume >= 0) untold_volume_at_ = volume_at_[static_cast<std::size_t>(untold_->lost_volume)];
-}
-
 void DeviceSolver::do_read(State& state) const {
-  try {
-    settle();
-  } catch (const Error&) {
-    if (device_ && !context_->lost()) throw;
-  }
   if (device_ && !context_->lost()) {
     State now;
     context_->run([&] {
@@ -264,23 +212,12 @@ void DeviceSolver::do_restore(const Snapshot& snapshot) {
   progress_.steps_at_rest = snapshot.steps_at_rest;
 }
 
-Energy DeviceSolver::do_energy() const {
-  settle();
-  return on_device([&] { return device_->energy(scene(), progress_.time, progress_.last_dt); });
-}
-
 void DeviceSolver::do_profile() const {
   if (!device_ || !device_->timer() || context_->lost()) return;
   context_->run([this] { device_->timer()->finish(); });
 }
 
-Momentum DeviceSolver::do_momentum(const Vec3& about) const {
-  settle();
-  return on_device([&] { return device_->momentum(topology().rest, about); });
-}
-
 void DeviceSolver::do_request_read() {
-  settle();
   State header;
   header.time = progress_.time;
   on_device([&] {
@@ -298,13 +235,7 @@ bool DeviceSolver::do_collect(State& state) {
 
 ParticleBuffer DeviceSolver::do_position_buffer() const {
   if (!device_) return {};
-  settle();
   return on_device([&] { return finished(device_->displacements()); });
-}
-
-ParticleBuffer DeviceSolver::do_attractor_buffer() const {
-  settle();
-  return on_device([&] { return finished(device_->attractors()); });
 }
 
 std::unique_ptr<Solver> make_device_solver(GlBackend backend, std::shared_ptr<const TopologyTextures> topology,

@@ -6,12 +6,10 @@
 #include <phymul/backend.h>
 
 #include <memory>
-#include <optional>
 
 #include "device.h"
 #include "device/float_tables.h"
 #include "gl/context/context.h"
-#include "gl/context/context_user.h"
 
 namespace phymul::gl {
 
@@ -19,30 +17,28 @@ namespace phymul::gl {
 /// has: that of the last reset(), read() or collect(). The solver opens another context, rebuilds itself there from the
 /// topology and goes on from that state at the next call; where it cannot, every step says device_lost until a reset()
 /// finds a device.
-class DeviceSolver final : public SolverBackend, public ContextUser {
+class DeviceSolver final : public SolverBackend {
  public:
   DeviceSolver(GlBackend backend, std::shared_ptr<const TopologyTextures> shared, const Scene& scene_in,
                const SolverOptions& options_in);
   ~DeviceSolver() override;
 
-  const std::shared_ptr<Context>& context() const override { return context_; }
-  GlContext context_kind() const override { return gl_.context; }
+  const std::shared_ptr<Context>& context() const { return context_; }  ///< another one after a loss
+  GlContext context_kind() const { return gl_.context; }
   bool enumerated() const { return layout_ == FloatLayout::enumerated; }
 
  private:
   void do_reset(const State& state) override;
-  void do_scene_changed() override;
+  void do_scene_changed() override { progress_.steps_at_rest = 0; }
   Motion do_step(const StepPlan& plan) override;
   void do_read(State& state) const override;
-  Energy do_energy() const override;
+  Energy do_energy() const override { return energy_of(read(), progress_.last_dt); }
   double do_time() const override { return progress_.time; }
   void do_snapshot(Snapshot& snapshot) const override;
   void do_restore(const Snapshot& snapshot) override;
   void do_request_read() override;
   bool do_collect(State& state) override;
-  Momentum do_momentum(const Vec3& about) const override;
   ParticleBuffer do_position_buffer() const override;
-  ParticleBuffer do_attractor_buffer() const override;
   std::string do_device() const override { return context_->info().device(); }
   void do_profile() const override;
   const char* do_cannot() const override;
@@ -56,14 +52,10 @@ class DeviceSolver final : public SolverBackend, public ContextUser {
   template <class Function>
   auto on_device(Function&& function) const;
   void follow();
-  int volume_row_at(Index particle) const;
   static Motion lost_motion();
   void begin_tools(const StepPlan& plan);
   Motion run_batches(const StepPlan& plan);
-  Motion run_late(const StepPlan& plan);
-  void queue_batch(const StepPlan& plan, int count);
-  bool settle_batch(const StepPlan& plan, int count, Motion& motion) const;
-  void settle() const;
+  bool run_batch(const StepPlan& plan, int count, Motion& motion);
   int batch_size(const StepPlan& plan, int remaining) const;
 
   GlBackend backend_;
@@ -72,26 +64,15 @@ class DeviceSolver final : public SolverBackend, public ContextUser {
   std::shared_ptr<Context> context_;
   std::unique_ptr<Device> device_;
   std::uint64_t loads_version_ = 0;
-  mutable FloatTools tools_{Device::most_steps};  // as far as reports have come
-  mutable State kept_;                            // the newest state the host has
-  /// As far as reports have come: they may be seen late, by whoever looks at the state first.
+  mutable FloatTools tools_{Device::most_steps};
+  mutable State kept_;  // the newest state the host has
   struct Progress {
     double time = 0.0, last_dt = 0.0;
     int steps_at_rest = 0;
     double largest_displacement = 0.0;  // m, when the present batch began
-  };
-  struct Late {  // the last batch of a call, whose report is on its way
-    StepPlan plan;
-    int count = 0;
-    Motion motion;  // of the call's batches before
-  };
-  mutable Progress progress_;
-  mutable std::optional<Late> late_;
-  mutable std::optional<Motion> untold_;  // of a call that was settled, for the next to tell
-  mutable Index untold_volume_at_ = -1;   // a particle of the volume that was lost in it
-  std::vector<Index> volume_at_;          // of each volume of the scene that the device has
-  std::vector<double> instants_;          // of a batch
-  double seconds_a_step_ = 0.0;           // wall clock; 0: not known yet
+  } progress_;
+  std::vector<double> instants_;  // of a batch
+  double seconds_a_step_ = 0.0;   // wall clock; 0: not known yet
 };
 
 std::unique_ptr<Solver> make_device_solver(GlBackend backend, std::shared_ptr<const TopologyTextures> topology,

@@ -27,7 +27,6 @@ class LoadTable {
 
   const LoadKind& kind() const { return kind_; }
   int mode_count() const { return modes_.count; }
-  int instant_count() const { return static_cast<int>(gravity_.size()); }
 
   /// Per particle: first and end row of its force parts, first row of its target parts, their number * 8 + fixed axes.
   std::vector<Int4> index() const;

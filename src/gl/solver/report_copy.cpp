@@ -15,26 +15,19 @@ struct Rows {
 
 }  // namespace
 
-void ReportCopy::bind() {
-  const bool first = buffer_ == 0;
-  if (first) glGenBuffers(1, &buffer_);
+void ReportCopy::begin(std::size_t more_rows) {
+  const bool fits = buffer_ != 0 && more_rows == more_.size();
+  more_.resize(more_rows);
+  if (buffer_ == 0) glGenBuffers(1, &buffer_);
   glBindBuffer(GL_PIXEL_PACK_BUFFER, buffer_);
-  if (first) glBufferData(GL_PIXEL_PACK_BUFFER, bytes(), nullptr, GL_STREAM_READ);
-}
-
-void ReportCopy::carry(std::size_t more_rows) {
-  if (more_rows == more_.size()) return;
-  more_.assign(more_rows, Float4{});
-  glDeleteBuffers(1, &buffer_);
-  buffer_ = 0;
+  if (!fits) glBufferData(GL_PIXEL_PACK_BUFFER, bytes(), nullptr, GL_STREAM_READ);
 }
 
 GLsizeiptr ReportCopy::bytes() const {
   return static_cast<GLsizeiptr>(sizeof(Rows) + more_.size() * sizeof(Float4));
 }
 
-BatchReport ReportCopy::take() {
-  bind();
+BatchReport ReportCopy::end() {
   Rows rows{};
   if (const void* from = glMapBufferRange(GL_PIXEL_PACK_BUFFER, 0, bytes(), GL_MAP_READ_BIT)) {
     std::memcpy(&rows, from, sizeof rows);

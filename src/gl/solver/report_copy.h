@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// ReportCopy: the two rows of a report on their way to the host, and behind them what tools have felt, which volumes
-// were lost, how needles are and how many phases contacts took.
+// ReportCopy: the two rows of a report, and behind them what tools have felt, which volumes were lost, how needles are
+// and how many phases contacts took, read from the device at a time.
 #pragma once
 
 #include "gl/context/gl_api.h"
 
+#include <cstdint>
 #include <vector>
 
 #include "device.h"
@@ -19,26 +20,20 @@ class ReportCopy {
   ReportCopy& operator=(const ReportCopy&) = delete;
   ~ReportCopy() { glDeleteBuffers(1, &buffer_); }
 
-  /// `fill` gives the commands that write events and largest, 16 bytes each, to the buffer bound to
-  /// GL_PIXEL_PACK_BUFFER. Does not wait.
+  /// `fill` gives the commands that write events, largest and so many rows more, 16 bytes each, to the buffer bound to
+  /// GL_PIXEL_PACK_BUFFER. Waits for them.
   template <class Fill>
-  void request(Fill&& fill) {
-    bind();
+  BatchReport read(std::int64_t more_rows, Fill&& fill) {
+    begin(static_cast<std::size_t>(more_rows));
     fill();
-    glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-    glFlush();
+    return end();
   }
-
-  /// From the next request on `fill` writes so many rows behind the two.
-  void carry(std::size_t more_rows);
-
-  /// Waits for what was requested last.
-  BatchReport take();
-  /// The rows behind, of the report last taken.
+  /// The rows behind, of the report last read.
   const std::vector<Float4>& more() const { return more_; }
 
  private:
-  void bind();
+  void begin(std::size_t more_rows);
+  BatchReport end();
   GLsizeiptr bytes() const;
 
   GLuint buffer_ = 0;
