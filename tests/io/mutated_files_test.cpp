@@ -6,26 +6,17 @@
 
 #include <array>
 #include <ctime>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <random>
 
 #include "support/pml_text.h"
+#include "support/text_file.h"
 
 namespace phymul {
 namespace {
 
-const std::string data = PHYMUL_TEST_DATA;
-
 constexpr int mutants = 1000;
 constexpr double seconds_each = 2.0;  // of processor time; two thousand times what a sample takes in a release build
-
-std::string file_text(const std::string& name) {
-  std::ifstream in(data + "/" + name, std::ios::binary);
-  EXPECT_TRUE(in) << name;
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// A small body with everything that the reader knows.
 std::string rich_pml() {
@@ -206,7 +197,7 @@ TEST(MutatedFiles, TheStartReads) {
 }
 
 TEST(MutatedFiles, SmallPml) {
-  expect_pml_holds(file_text("tetrahedron_4.pml"), 1);
+  expect_pml_holds(text_of(PHYMUL_TEST_DATA "/tetrahedron_4.pml"), 1);
 }
 
 TEST(MutatedFiles, RichPml) {
@@ -230,7 +221,8 @@ void expect_lml_holds(const std::string& text, const Model& model, std::uint32_t
 }
 
 TEST(MutatedFiles, SampleLml) {
-  expect_lml_holds(file_text("cylinder_275_pull.lml"), read_pml(data + "/cylinder_275.pml"), 4);
+  expect_lml_holds(text_of(PHYMUL_SAMPLE_DATA "/cylinder_275_pull.lml"),
+                   read_pml(PHYMUL_SAMPLE_DATA "/cylinder_275.pml"), 4);
 }
 
 TEST(MutatedFiles, RichLml) {

@@ -9,7 +9,6 @@
 #include <map>
 #include <numbers>
 #include <set>
-#include <sstream>
 
 #include "model/cell_geometry.h"
 #include "support/message_of.h"
@@ -119,7 +118,7 @@ TEST(Shapes, RefuseSenselessArguments) {
 
 TEST(Cylinder, IsLaidOutAsTheSampleBody) {
   const Model model = make_cylinder(0.010, 0.040, 3, 8, 11);
-  const Model sample = read_pml(PHYMUL_TEST_DATA "/cylinder_275.pml");
+  const Model sample = read_pml(PHYMUL_SAMPLE_DATA "/cylinder_275.pml");
   ASSERT_EQ(model.particle_count(), 275);
   ASSERT_EQ(sample.particle_count(), 275);
   for (Index i = 0; i < 275; ++i) EXPECT_NEAR((model.rest[i] - sample.rest[i]).norm(), 0.0, 1e-9 * 0.040);
@@ -133,26 +132,6 @@ TEST(Cylinder, IsLaidOutAsTheSampleBody) {
     const std::set<Index> ours(model.neighbours.begin(i), model.neighbours.end(i));
     const std::set<Index> theirs(sample.neighbours.begin(i), sample.neighbours.end(i));
     EXPECT_EQ(ours, theirs) << "particle " << i;
-  }
-}
-
-TEST(Shapes, SurviveARoundTripThroughPml) {
-  // Without indices in the model the reader numbers particles and cells as the file does; the shape is what counts.
-  for (const Model& model :
-       {make_tetrahedron(0.01), make_block({0.01, 0.02, 0.03}, 2, 3, 4, 26), make_cylinder(0.010, 0.040, 2, 6, 4),
-        make_tetrahedral_block({0.1, 0.1, 0.1}, 2, 2, 2, 0.2, 1)}) {
-    std::ostringstream out;
-    write_pml(model, out);
-    const Model read = read_pml_text(out.str(), model.name);
-    EXPECT_EQ(read.rest, model.rest);
-    EXPECT_EQ(read.neighbours, model.neighbours);
-    EXPECT_EQ(read.components.size(), model.components.size());
-    ASSERT_EQ(read.cells.size(), model.cells.size());
-    for (std::size_t row = 0; row < model.cells.size(); ++row) {
-      EXPECT_EQ(read.cells[row].particles, model.cells[row].particles);
-    }
-    for (const Component& component : model.components)
-      EXPECT_EQ(read.group(component.name), model.group(component.name));
   }
 }
 

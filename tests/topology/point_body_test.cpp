@@ -278,7 +278,7 @@ TEST(PointBody, BrokenStatesHeal) {
 
 /// The particles and neighbourhoods of a file, its cells left out.
 TEST(PointBody, NeighbourhoodsOfAFileMakeABody) {
-  Model file = read_pml(PHYMUL_TEST_DATA "/cylinder_275.pml");
+  Model file = read_pml(PHYMUL_SAMPLE_DATA "/cylinder_275.pml");
   Model whole = file, points = file;
   points.cells.clear();
   for (Component& component : points.components) component.cells.clear(), component.cell_refs.clear();
