@@ -9,6 +9,7 @@
 #include "solver_conformance_fixture.h"
 #include "solver_conformance_progress.h"
 #include "solver_conformance_reports.h"
+#include "support/message_of.h"
 
 namespace phymul::test {
 
@@ -243,7 +244,7 @@ TEST_P(SolverConformance, StepBeyondTheLimitIsRefusedAndNothingMoves) {
   EXPECT_EQ(report.status, StepStatus::unstable_step);
   EXPECT_EQ(report.steps, 0);
   EXPECT_EQ(solver->read(), before);
-  EXPECT_NE(report.message().find("is above the stable step"), std::string::npos) << report.message();
+  EXPECT_TRUE(says(report.message(), "is above the stable step"));
   EXPECT_EQ(solver->step(1, 1.001 * solver->stable_step()).status, StepStatus::unstable_step);
   EXPECT_TRUE(solver->step(1, solver->stable_step()).ok());
 }
@@ -256,7 +257,7 @@ TEST_P(SolverConformance, InvalidStepsAreRefused) {
     EXPECT_EQ(report.status, StepStatus::invalid_step);
     EXPECT_FALSE(report.ok());
     EXPECT_EQ(report.steps, 0);
-    EXPECT_NE(report.message().find(why), std::string::npos) << report.message();
+    EXPECT_TRUE(says(report.message(), why));
   };
   for (double dt : {0.0, -1e-3, std::nan(""), -HUGE_VAL})
     refused(solver->step(1, dt), "expected a finite step above 0");
@@ -277,7 +278,7 @@ TEST_P(SolverConformance, RunToRestSaysWhetherItRests) {
   EXPECT_EQ(rest.status, RestStatus::failed);
   EXPECT_EQ(rest.report.status, StepStatus::invalid_step);
   EXPECT_EQ(rest.report.steps, 0);
-  EXPECT_NE(rest.message().find("expected damping"), std::string::npos) << rest.message();
+  EXPECT_TRUE(says(rest.message(), "expected damping"));
   EXPECT_EQ(undamped->read().time, 0.0);
 
   options.damping.rate = 60.0;
@@ -310,7 +311,7 @@ TEST_P(SolverConformance, StopsBeforeNaNAndKeepsTheLastGoodState) {
   const State state = solver->read();
   EXPECT_TRUE(is_finite(state));
   EXPECT_EQ(state.time, report.time);
-  EXPECT_NE(report.message().find("the step is beyond the stable step at rest"), std::string::npos) << report.message();
+  EXPECT_TRUE(says(report.message(), "the step is beyond the stable step at rest"));
   solver->reset();
   EXPECT_TRUE(solver->step(10, 0.5 * solver->stable_step()).ok());
 }
@@ -330,12 +331,7 @@ TEST_P(SolverConformance, BadStatesAndOptionsAreRefused) {
   const auto refuses = [&](auto&& set, const char* text) {
     SolverOptions options;
     set(options);
-    try {
-      make(model, scene, options);
-      ADD_FAILURE() << "accepted: " << text;
-    } catch (const Error& error) {
-      EXPECT_NE(std::string(error.what()).find(text), std::string::npos) << error.what();
-    }
+    EXPECT_TRUE(refuses([&] { make(model, scene, options); }, text));
   };
   refuses([](SolverOptions& o) { o.damping.factor = 1.01; }, "damping.factor must be in [0, 1]");
   refuses([](SolverOptions& o) { o.damping.rate = -1.0; }, "damping.rate must be a finite rate");

@@ -127,20 +127,18 @@ TEST(FloatTables, EnumerationIsRefusedWhereTheTableIsNeeded) {
     return message_of([&] { pack_floats(t, FloatLayout::enumerated); });
   };
   const std::string text = "bases can be enumerated from the neighbours only in 3-D";
-  EXPECT_NE(message(built(block, Reaction::shared)).find(text), std::string::npos);
-  EXPECT_NE(message(built(block, Reaction::conservative, BaseSelection::all)).find(text), std::string::npos);
-  EXPECT_NE(message(built(block, Reaction::averaged, BaseSelection::all)).find(text), std::string::npos);
-  EXPECT_NE(message(built(strip, Reaction::shared, BaseSelection::all)).find(text), std::string::npos);
+  EXPECT_TRUE(says(message(built(block, Reaction::shared)), text));
+  EXPECT_TRUE(says(message(built(block, Reaction::conservative, BaseSelection::all)), text));
+  EXPECT_TRUE(says(message(built(block, Reaction::averaged, BaseSelection::all)), text));
+  EXPECT_TRUE(says(message(built(strip, Reaction::shared, BaseSelection::all)), text));
 }
 
 TEST(FloatTables, WhatNoFloatHoldsIsRefused) {
   Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
   model.mass[0] = 1e-50;
-  EXPECT_NE(message_of([&] { pack_floats(built(model, Reaction::conservative)); }).find("beyond the range of single"),
-            std::string::npos);
+  EXPECT_TRUE(refuses([&] { pack_floats(built(model, Reaction::conservative)); }, "beyond the range of single"));
   const Model tiny = make_block({2e-10, 2e-10, 2e-10}, 2, 2, 2);
-  EXPECT_NE(message_of([&] { pack_floats(built(tiny, Reaction::conservative)); }).find("Expected a model in metres"),
-            std::string::npos);
+  EXPECT_TRUE(refuses([&] { pack_floats(built(tiny, Reaction::conservative)); }, "Expected a model in metres"));
 }
 
 TEST(FloatTables, RestThresholdsFollowTheDisplacement) {

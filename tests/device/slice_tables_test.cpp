@@ -318,14 +318,13 @@ TEST(SliceTables, WhatDoesNotFitIsRefused) {
   const TopologyTextures topology = build_topology(model);
   const FloatTables tables = pack_floats(topology);
   for (const int slice : {0, -32, 1025}) {
-    EXPECT_NE(message_of([&] { pack_slices(tables, topology, slice); }).find("1 to 1024 lanes, not"),
-              std::string::npos);
+    EXPECT_TRUE(refuses([&] { pack_slices(tables, topology, slice); }, "1 to 1024 lanes, not"));
   }
   FloatTables huge = tables;
   huge.index[3][2] = std::numeric_limits<std::int32_t>::max() / 64;  // of one lane: its slice is as long
   const std::string message = message_of([&] { pack_slices(huge, topology); });
-  EXPECT_NE(message.find("the sliced table of bases has"), std::string::npos) << message;
-  EXPECT_NE(message.find("slices of 32 lanes; 536870903 fit"), std::string::npos) << message;
+  EXPECT_TRUE(says(message, "the sliced table of bases has"));
+  EXPECT_TRUE(says(message, "slices of 32 lanes; 536870903 fit"));
 }
 
 }  // namespace

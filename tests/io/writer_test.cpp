@@ -15,6 +15,7 @@
 
 #include "base/replace_file.h"
 #include "io/vtk/vtu_array.h"
+#include "support/message_of.h"
 #include "support/text_file.h"
 
 namespace {
@@ -95,7 +96,7 @@ TEST(Writer, VtuHoldsTheFieldsExactly) {
     EXPECT_EQ(Vec3(displacement[3 * i], displacement[3 * i + 1], displacement[3 * i + 2]),
               Vec3(state.position[i] - model.rest[i]));
   }
-  EXPECT_NE(text.find(">0.3333333333333333<"), std::string::npos);  // TimeValue
+  EXPECT_TRUE(says(text, ">0.3333333333333333<"));  // TimeValue
 }
 
 TEST(Writer, VtuOfABodyWithoutCellsHasVertices) {
@@ -104,7 +105,7 @@ TEST(Writer, VtuOfABodyWithoutCellsHasVertices) {
   model.components.clear();
   const TextFile file("cloud.vtu", "");
   phymul::write_vtu(model, phymul::rest_state(model), file.path());
-  EXPECT_NE(text_of(file.path()).find("NumberOfPoints=\"8\" NumberOfCells=\"8\""), std::string::npos);
+  EXPECT_TRUE(says(text_of(file.path()), "NumberOfPoints=\"8\" NumberOfCells=\"8\""));
 }
 
 TEST(Writer, VtuNamesAreXmlWhateverTheyHold) {
@@ -113,7 +114,7 @@ TEST(Writer, VtuNamesAreXmlWhateverTheyHold) {
   const TextFile file("names.vtu", "");
   phymul::write_vtu(model, phymul::rest_state(model), file.path());
   const std::string text = text_of(file.path());
-  EXPECT_NE(text.find("Name=\"group:&lt;a&gt;?&amp;&quot;b&quot;\""), std::string::npos);
+  EXPECT_TRUE(says(text, "Name=\"group:&lt;a&gt;?&amp;&quot;b&quot;\""));
   EXPECT_EQ(text.find("group:Elements"), std::string::npos) << "all particles are no group";
   EXPECT_EQ(phymul::read_mesh(file.path()).group("<a>?&\"b\""), (std::vector<Index>{1, 2}));
 }
@@ -142,13 +143,12 @@ TEST(Writer, SeriesIsCompleteAfterEveryFrame) {
     series.write(model, state);
     EXPECT_EQ(series.frames(), frame);
     const std::string list = text_of(stem + ".pvd");
-    EXPECT_NE(list.find("</VTKFile>"), std::string::npos);
+    EXPECT_TRUE(says(list, "</VTKFile>"));
     std::size_t listed = 0;
     for (std::size_t at = list.find("<DataSet"); at != std::string::npos; at = list.find("<DataSet", at + 1)) ++listed;
     EXPECT_EQ(listed, frame);
   }
-  EXPECT_NE(text_of(stem + ".pvd").find("timestep=\"0.30000000000000004\" part=\"0\" file=\"run_000002.vtu\""),
-            std::string::npos);
+  EXPECT_TRUE(says(text_of(stem + ".pvd"), "timestep=\"0.30000000000000004\" part=\"0\" file=\"run_000002.vtu\""));
   EXPECT_EQ(phymul::read_mesh(stem + "_000001.vtu").rest, model.rest);
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
+//
+// What an Error says.
 #pragma once
 
+#include <gtest/gtest.h>
 #include <phymul/error.h>
 
 #include <string>
@@ -16,6 +19,18 @@ std::string message_of(Action action) {
     return error.what();
   }
   return "(no error)";
+}
+
+/// That a text has this part; the text, where it has not.
+inline testing::AssertionResult says(const std::string& text, const std::string& part) {
+  if (text.find(part) != std::string::npos) return testing::AssertionSuccess();
+  return testing::AssertionFailure() << "no \"" << part << "\" in: " << text;
+}
+
+/// That `action` throws an Error whose text has this part.
+template <class Action>
+testing::AssertionResult refuses(Action action, const std::string& part) {
+  return says(message_of(action), part);
 }
 
 }  // namespace phymul

@@ -12,10 +12,6 @@ namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-bool says(const std::string& text, const char* part) {
-  return text.find(part) != std::string::npos;
-}
-
 // Unit strains xx, yy, zz, yz, xz, xy (engineering shear 1).
 Mat3 unit_strain(int k) {
   Mat3 e = Mat3::Zero();
