@@ -87,9 +87,9 @@ TEST_P(MovingTool, IsAtItsPoseAtTheEndOfTheCallAndGoesOnWithItsVelocity) {
   const ToolPose& gone_on = solver->tool_pose("probe");
   EXPECT_NEAR((gone_on.position - Vec3(0.2, 0.1, 60 * dt)).norm(), 0.0, 1e-12);
   EXPECT_NEAR(Eigen::AngleAxisd(gone_on.orientation.toRotationMatrix()).angle(), M_PI / 2 + 40 * dt, 1e-9);
-  scene.tool("probe").teleport({.position = {0.3, 0, 0}});
-  ASSERT_TRUE(solver->step(1, dt).ok());
-  EXPECT_EQ(solver->tool_pose("probe").position, Vec3(0.3, 0, 0));
+  scene.tool("probe").teleport({.position = {0.3, 0, 0}, .velocity = {0, 0, 3.0}});
+  for (const int steps : {2, 3, 5}) ASSERT_TRUE(solver->step(steps, dt).ok());
+  EXPECT_NEAR((solver->tool_pose("probe").position - Vec3(0.3, 0, 30 * dt)).norm(), 0.0, 1e-9);
 }
 
 TEST_P(MovingTool, PlacedOverParticlesLetsThemOutWithoutSpeed) {
@@ -194,6 +194,9 @@ TEST_P(MovingTool, FixedParticlesAreNotMoved) {
   ASSERT_TRUE(solver->step(20, 0.3 * solver->stable_step()).ok());
   const State state = solver->read();
   for (const Index i : model.group("z1")) EXPECT_LE((state.position[i] - model.rest[i]).norm(), 1e-9);
+  // Nor counted: the ball reaches no others.
+  EXPECT_EQ(solver->tool_force("ball").particles, 0);
+  EXPECT_EQ(solver->tool_force("ball").force, Vec3(0, 0, 0));
 }
 
 /// A block flies past a ball, twice its own size away from where its rest shape is, and is taken back to before.
@@ -322,31 +325,6 @@ TEST(ToolOfTheFastBackend, GivesTheSameBitsForAnyNumberOfThreads) {
   const auto one = run(1), three = run(3);
   EXPECT_EQ(one.first, three.first);
   EXPECT_EQ(one.second, three.second);
-}
-
-TEST(ToolOfTheFastBackend, AgreesWithTheReference) {
-  const Model model = soft_block({0.03, 0.03, 0.015}, 6, 6, 3);
-  std::vector<State> states;
-  std::vector<ToolForce> forces;
-  for (const char* backend : {"reference", "cpu"}) {
-    Scene scene(model);
-    scene.fix("z0");
-    scene.add_tool("ball", {.shape = Sphere{0.01},
-                            .pose = {.position = {0.015, 0.014, 0.0251}, .velocity = {0.01, 0, -0.04}},
-                            .friction = 0.4});
-    SolverOptions options;
-    options.damping.rate = 30.0;
-    const auto solver = make_solver(backend, model, scene, {}, options);
-    ASSERT_TRUE(solver->step(200, 0.4 * solver->stable_step()).ok());
-    states.push_back(solver->read());
-    forces.push_back(solver->tool_force("ball"));
-  }
-  const double moved = displacement_norms(model, states[0]).max;
-  EXPECT_GT(moved, 1e-3);
-  for (Index i = 0; i < model.particle_count(); ++i) {
-    EXPECT_LE((states[0].position[i] - states[1].position[i]).norm(), 1e-4 * moved);
-  }
-  EXPECT_LE((forces[0].mean_force - forces[1].mean_force).norm(), 1e-3 * forces[0].mean_force.norm());
 }
 
 TEST(ToolOfOtherBackends, NeedlesAreTakenByAllButFragments) {

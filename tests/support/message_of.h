@@ -7,6 +7,7 @@
 #include <phymul/error.h>
 
 #include <string>
+#include <string_view>
 
 namespace phymul {
 
@@ -22,14 +23,14 @@ std::string message_of(Action action) {
 }
 
 /// That a text has this part; the text, where it has not.
-inline testing::AssertionResult says(const std::string& text, const std::string& part) {
-  if (text.find(part) != std::string::npos) return testing::AssertionSuccess();
+inline testing::AssertionResult says(std::string_view text, std::string_view part) {
+  if (text.find(part) != std::string_view::npos) return testing::AssertionSuccess();
   return testing::AssertionFailure() << "no \"" << part << "\" in: " << text;
 }
 
 /// That `action` throws an Error whose text has this part.
 template <class Action>
-testing::AssertionResult refuses(Action action, const std::string& part) {
+testing::AssertionResult refuses(Action action, std::string_view part) {
   return says(message_of(action), part);
 }
 
