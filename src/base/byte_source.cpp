@@ -11,7 +11,11 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <new>
+#include <optional>
+#include <vector>
 
+#include "decimal.h"
 #include "file_error.h"
 
 namespace phymul {
@@ -29,49 +33,35 @@ std::string_view without_plus(std::string_view word) {
 }  // namespace
 
 std::size_t size_of(NumberType type) {
-  switch (type) {
-    case NumberType::int8:
-    case NumberType::uint8:
-      return 1;
-    case NumberType::int16:
-    case NumberType::uint16:
-      return 2;
-    case NumberType::int32:
-    case NumberType::uint32:
-    case NumberType::float32:
-      return 4;
-    case NumberType::int64:
-    case NumberType::uint64:
-    case NumberType::float64:
-      return 8;
-  }
-  return 8;
+  constexpr std::array<std::size_t, 10> sizes{1, 1, 2, 2, 4, 4, 8, 8, 4, 8};  // in the order of NumberType
+  return sizes[static_cast<std::size_t>(type)];
 }
 
-bool is_real(NumberType type) {
-  return type == NumberType::float32 || type == NumberType::float64;
-}
-
-std::string read_whole_file(const std::string& path, std::size_t max_bytes) {
-  std::error_code problem;
-  if (std::filesystem::is_directory(path, problem)) fail_access(path, "expected a file, got a folder");
+std::string read_whole_file(const std::string& path, std::size_t max_bytes) try {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) fail_access(path, "expected a file, got a folder");
   errno = 0;
-  std::ifstream in(path, std::ios::binary | std::ios::ate);
+  std::ifstream in(path, std::ios::binary);
   if (!in) {
     fail_access(path, "cannot be opened" + (errno != 0 ? std::string(" (") + std::strerror(errno) + ')' : "") +
                           "; check the name and the right to read it");
   }
-  const auto size = static_cast<std::streamoff>(in.tellg());
-  if (size < 0) fail_access(path, "expected a file of known size, got a pipe or device");
-  if (static_cast<std::uintmax_t>(size) > max_bytes) {
-    fail_access(path, "expected at most " + std::to_string(max_bytes) + " bytes, got " + std::to_string(size) +
-                          "; raise max_bytes if the file is meant");
+  std::string text;
+  const std::uintmax_t expected = std::filesystem::file_size(path, ignored);  // of devices and pipes: none, or 0
+  if (!ignored) text.reserve(static_cast<std::size_t>(std::min<std::uintmax_t>(expected, max_bytes)));
+  std::vector<char> chunk(1 << 16);
+  while (in.read(chunk.data(), static_cast<std::streamsize>(chunk.size())), in.gcount() > 0) {
+    const auto got = static_cast<std::size_t>(in.gcount());
+    if (got > max_bytes - text.size()) {
+      fail_access(path, "expected at most " + std::to_string(max_bytes) +
+                            " bytes, got more; raise max_bytes if the file is meant");
+    }
+    text.append(chunk.data(), got);
   }
-  std::string bytes(static_cast<std::size_t>(size), '\0');
-  in.seekg(0);
-  in.read(bytes.data(), size);
-  if (!in) fail_access(path, "could not be read to its end");
-  return bytes;
+  if (in.bad()) fail_access(path, "cannot be read to its end");
+  return text;
+} catch (const std::bad_alloc&) {
+  fail_memory(path);
 }
 
 std::string cited(std::string_view text) {
@@ -152,46 +142,30 @@ T ByteSource::take(const char* what) {
 
 std::int64_t ByteSource::integer(NumberType type, const char* what) {
   if (binary_) {
-    switch (type) {
-      case NumberType::int8:
-        return take<std::int8_t>(what);
-      case NumberType::uint8:
-        return take<std::uint8_t>(what);
-      case NumberType::int16:
-        return take<std::int16_t>(what);
-      case NumberType::uint16:
-        return take<std::uint16_t>(what);
-      case NumberType::int32:
-        return take<std::int32_t>(what);
-      case NumberType::uint32:
-        return take<std::uint32_t>(what);
-      case NumberType::int64:
-        return take<std::int64_t>(what);
-      case NumberType::uint64: {
-        const auto value = take<std::uint64_t>(what);
-        if (value > static_cast<std::uint64_t>(INT64_MAX)) {
-          fail(std::string("expected ") + what + ", got " + std::to_string(value) + "; the file is damaged");
-        }
-        return static_cast<std::int64_t>(value);
-      }
-      case NumberType::float32:
-      case NumberType::float64:
-        break;
+    if (type == NumberType::int8) return take<std::int8_t>(what);
+    if (type == NumberType::uint8) return take<std::uint8_t>(what);
+    if (type == NumberType::int16) return take<std::int16_t>(what);
+    if (type == NumberType::uint16) return take<std::uint16_t>(what);
+    if (type == NumberType::int32) return take<std::int32_t>(what);
+    if (type == NumberType::uint32) return take<std::uint32_t>(what);
+    if (type == NumberType::int64) return take<std::int64_t>(what);
+    if (type == NumberType::uint64) {
+      const auto value = take<std::uint64_t>(what);
+      if (value <= static_cast<std::uint64_t>(INT64_MAX)) return static_cast<std::int64_t>(value);
+      fail(std::string("expected ") + what + ", got " + std::to_string(value) + "; the file is damaged");
     }
     fail(std::string("expected ") + what + " as whole numbers, got an array of reals");
   }
   const std::string_view text = number_word(what);
-  const std::string_view digits = without_plus(text);
-  std::int64_t value = 0;
-  const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (problem != std::errc() || end != digits.data() + digits.size()) {
+  const std::optional<std::int64_t> value = parse_integer(text);
+  if (!value) {
     fail(std::string("expected ") + what + " (a whole number), got " + cited(text) +
          "; correct it, or export the file again");
   }
-  if (type == NumberType::int32 && value != static_cast<std::int32_t>(value)) {
-    fail(std::string("expected ") + what + " of 32 bits, got " + std::to_string(value) + "; the file is damaged");
+  if (type == NumberType::int32 && *value != static_cast<std::int32_t>(*value)) {
+    fail(std::string("expected ") + what + " of 32 bits, got " + std::to_string(*value) + "; the file is damaged");
   }
-  return value;
+  return *value;
 }
 
 double ByteSource::real(NumberType type, const char* what) {
@@ -221,6 +195,12 @@ double ByteSource::real(NumberType type, const char* what) {
          "; mend the mesh and export it again");
   }
   return value;
+}
+
+Vec3 ByteSource::point(NumberType type) {
+  Vec3 place;
+  for (int axis = 0; axis < 3; ++axis) place[axis] = real(type, "a coordinate");
+  return place;
 }
 
 std::size_t ByteSource::count(NumberType type, std::size_t bytes_each, const char* what) {

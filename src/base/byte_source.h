@@ -8,15 +8,16 @@
 #include <string>
 #include <string_view>
 
+#include <phymul/types.h>
+
 namespace phymul {
 
 enum class NumberType { int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64 };
 
 /// Bytes of one number of that type in a binary file.
 std::size_t size_of(NumberType type);
-bool is_real(NumberType type);
 
-/// Throws Error when the file cannot be read or is larger than max_bytes.
+/// Also of a pipe or a device. Throws Error when it cannot be read or has more than max_bytes.
 std::string read_whole_file(const std::string& path, std::size_t max_bytes);
 
 /// `"..."` with what could upset a terminal or is overlong taken out: for citing file contents in messages.
@@ -48,6 +49,7 @@ class ByteSource {
   /// The next number; `what` says in a message what it should be ("a node tag").
   std::int64_t integer(NumberType type, const char* what);
   double real(NumberType type, const char* what);  ///< refuses infinities and NaN
+  Vec3 point(NumberType type);                     ///< three coordinates
 
   /// The next number as a count of things of at least `bytes_each` bytes: an Error when the rest of the file is too
   /// short for them, so that a damaged count allocates nothing.

@@ -135,6 +135,14 @@ std::vector<Index> ByteReader::indices(const char* what) {
   return list;
 }
 
+void ByteReader::field(bool& value, const char* what) {
+  const std::uint8_t byte = u8(what);
+  if (byte > 1) {
+    fail(std::string("expected ") + what + " (0 or 1), got " + std::to_string(byte) + "; the file is damaged");
+  }
+  value = byte == 1;
+}
+
 void ByteReader::expect_end(const char* what) const {
   if (remaining() == 0) return;
   fail_format(file_, 0,

@@ -30,6 +30,20 @@ class ByteWriter {
   void raw(std::string_view bytes) { bytes_.append(bytes); }
   const std::string& bytes() const { return bytes_; }
 
+  // What ByteReader has under the same names: one function then says what a thing is made of, for writing and reading.
+  void field(bool value, const char*) { u8(value ? 1 : 0); }
+  void field(Index value, const char*) { index(value); }
+  void field(std::uint64_t value, const char*) { u64(value); }
+  void field(double value, const char*) { real(value); }
+  void field(const Vec3& value, const char*) { vector(value); }
+  void field(const std::string& value, const char*) { text(value); }
+  void field(const std::vector<Index>& value, const char*) { indices(value); }
+  template <class List, class Each>
+  void list(const List& items, std::size_t, const char*, const Each& each) {
+    u64(items.size());
+    for (const auto& item : items) each(item);
+  }
+
  private:
   void put(std::uint64_t value, int count);
   std::string bytes_;
@@ -53,6 +67,20 @@ class ByteReader {
   /// one allocates nothing.
   std::size_t count(std::size_t bytes_each, const char* what);
   std::string_view raw(std::size_t count, const char* what);
+
+  void field(bool& value, const char* what);  ///< refuses all but 0 and 1
+  void field(Index& value, const char* what) { value = index(what); }
+  void field(std::uint64_t& value, const char* what) { value = u64(what); }
+  void field(double& value, const char* what) { value = real(what); }
+  void field(Vec3& value, const char* what) { value = vector(what); }
+  void field(std::string& value, const char* what) { value = text(what); }
+  void field(std::vector<Index>& value, const char* what) { value = indices(what); }
+  /// A count as above, then each item by each(item).
+  template <class List, class Each>
+  void list(List& items, std::size_t bytes_each, const char* what, const Each& each) {
+    items.resize(count(bytes_each, what));
+    for (auto& item : items) each(item);
+  }
 
   std::size_t remaining() const { return bytes_.size() - position_; }
   void expect_end(const char* what) const;  ///< throws where bytes are left over

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "model/surface_facets.h"
 #include "scene/needle_measures.h"
 
 namespace phymul {
@@ -49,7 +50,7 @@ FloatNeedles::FloatNeedles(const Scene& scene) {
     one.particles = most_within(std::max(one.reach, widest * needle_spacing(model)), model);
     needles.push_back(one);
   }
-  if (!needles.empty()) facets = needle_facets(model);
+  if (!needles.empty()) facets = outward_triangles(model);
 }
 
 }  // namespace phymul

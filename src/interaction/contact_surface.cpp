@@ -63,11 +63,7 @@ class SurfaceBuilder {
       const Index next = ring[(k + 1) % ring.size()];
       if (next != ring[k]) longest = std::max(longest, add_edge(ring[k], next, body));
     }
-    Vec3 area = Vec3::Zero();
-    for (std::size_t k = 2; k < ring.size(); ++k) {
-      area += (model_.rest[ring[k - 1]] - model_.rest[ring[0]]).cross(model_.rest[ring[k]] - model_.rest[ring[0]]);
-    }
-    if (area.dot(facet.area) < 0.0) std::reverse(ring.begin(), ring.end());
+    if (ring_area(ring, model_.rest).dot(facet.area) < 0.0) std::reverse(ring.begin(), ring.end());
     surface_.longest_edge = std::max(surface_.longest_edge, longest);
     for (std::size_t k = 2; k < ring.size(); ++k) {
       // Of cells with a corner twice: no area, and a contact would push one particle as two.

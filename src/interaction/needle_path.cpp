@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/surface_facets.h"
 #include "needle_shaft.h"
 #include "needle_weights.h"
 #include "scene/needle_measures.h"
@@ -39,7 +40,7 @@ NeedlePath::NeedlePath(const Needle& needle, double friction, const Model& model
       friction_(friction),
       spread_(needle_spread(needle, model)),
       support_radius_(needle_support_radius(spread_, model)),
-      facets_(needle_facets(model)) {
+      facets_(outward_triangles(model)) {
   found_.reserve(model.rest.size());
   sides_.resize(model.rest.size());
   for (const auto& t : facets_) surface_.insert(surface_.end(), t.begin(), t.end());

@@ -35,6 +35,27 @@ constexpr int wedge_reversal[] = {3, 4, 5, 0, 1, 2};
 constexpr int pyramid_reversal[] = {0, 3, 2, 1, 4};
 constexpr int hexahedron_reversal[] = {4, 5, 6, 7, 0, 1, 2, 3};
 
+struct CellTables {
+  std::span<const CellEdge> edges{};
+  std::span<const CellFace> faces{};
+  std::span<const CellCorner> corners{};
+  std::span<const int> reversal{};
+};
+
+/// Rows in the order of CellType.
+constexpr CellTables tables[] = {
+    {},
+    {.edges = line_edges},
+    {.edges = triangle_edges, .reversal = triangle_reversal},
+    {.edges = quad_edges, .reversal = quad_reversal},
+    {tetrahedron_edges, tetrahedron_faces, tetrahedron_corners, tetrahedron_reversal},
+    {wedge_edges, wedge_faces, wedge_corners, wedge_reversal},
+    {pyramid_edges, pyramid_faces, pyramid_corners, pyramid_reversal},
+    {hexahedron_edges, hexahedron_faces, hexahedron_corners, hexahedron_reversal},
+    {},
+    {},
+};
+
 double six_volumes(const Vec3& a, const Vec3& b, const Vec3& c) {
   return a.dot(b.cross(c));
 }
@@ -42,73 +63,19 @@ double six_volumes(const Vec3& a, const Vec3& b, const Vec3& c) {
 }  // namespace
 
 std::span<const CellEdge> cell_edges(CellType type) {
-  switch (type) {
-    case CellType::line:
-      return line_edges;
-    case CellType::triangle:
-      return triangle_edges;
-    case CellType::quad:
-      return quad_edges;
-    case CellType::tetrahedron:
-      return tetrahedron_edges;
-    case CellType::wedge:
-      return wedge_edges;
-    case CellType::pyramid:
-      return pyramid_edges;
-    case CellType::hexahedron:
-      return hexahedron_edges;
-    default:
-      return {};
-  }
+  return tables[static_cast<int>(type)].edges;
 }
 
 std::span<const CellFace> cell_faces(CellType type) {
-  switch (type) {
-    case CellType::tetrahedron:
-      return tetrahedron_faces;
-    case CellType::wedge:
-      return wedge_faces;
-    case CellType::pyramid:
-      return pyramid_faces;
-    case CellType::hexahedron:
-      return hexahedron_faces;
-    default:
-      return {};
-  }
+  return tables[static_cast<int>(type)].faces;
 }
 
 std::span<const CellCorner> cell_corners(CellType type) {
-  switch (type) {
-    case CellType::tetrahedron:
-      return tetrahedron_corners;
-    case CellType::wedge:
-      return wedge_corners;
-    case CellType::pyramid:
-      return pyramid_corners;
-    case CellType::hexahedron:
-      return hexahedron_corners;
-    default:
-      return {};
-  }
+  return tables[static_cast<int>(type)].corners;
 }
 
 std::span<const int> cell_reversal(CellType type) {
-  switch (type) {
-    case CellType::triangle:
-      return triangle_reversal;
-    case CellType::quad:
-      return quad_reversal;
-    case CellType::tetrahedron:
-      return tetrahedron_reversal;
-    case CellType::wedge:
-      return wedge_reversal;
-    case CellType::pyramid:
-      return pyramid_reversal;
-    case CellType::hexahedron:
-      return hexahedron_reversal;
-    default:
-      return {};
-  }
+  return tables[static_cast<int>(type)].reversal;
 }
 
 double signed_volume(CellType type, std::span<const Index> particles, std::span<const Vec3> position) {

@@ -24,10 +24,6 @@ constexpr double largest_body = 10.0;      // m
 constexpr double smallest_body = 10.0e-6;  // m
 constexpr std::size_t named_at_most = 5;
 
-Index particle_number(const Model& model, Index i) {
-  return model.file_index(i);
-}
-
 Index cell_number(const Model& model, Index row) {
   const Index number = model.cell_file_index(row);
   return number >= 0 ? number : row;
@@ -48,7 +44,7 @@ std::string first_few(const Items& items, Name name) {
 }
 
 std::string particles_named(const Model& model, const std::vector<Index>& items) {
-  return first_few(items, [&](Index i) { return std::to_string(particle_number(model, i)); });
+  return first_few(items, [&](Index i) { return std::to_string(model.file_index(i)); });
 }
 
 std::string cells_named(const Model& model, const std::vector<Index>& items) {
@@ -135,37 +131,43 @@ std::vector<Index> tangled_cells(const Model& model, const std::vector<Index>& n
   return tangled;
 }
 
+/// Tells of some items, where there are any.
+void tell(Flaw flaw, std::vector<Index> items, bool mended, const std::string& message,
+          std::vector<Finding>& findings) {
+  if (!items.empty()) findings.push_back({flaw, std::move(items), mended, message});
+}
+
 void look_at_cells(const Model& model, bool mending, std::vector<Finding>& findings) {
-  Finding winding{Flaw::winding, {}, mending, {}}, degenerate{Flaw::degenerate_cell, {}, false, {}};
+  std::vector<Index> wound, flat;
   for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
     const Cell& cell = model.cells[row];
     if (is_degenerate(model, cell)) {
-      degenerate.items.push_back(row);
+      flat.push_back(row);
     } else if (signed_measure(model.dimension, cell, model.rest) < 0.0) {
-      winding.items.push_back(row);
+      wound.push_back(row);
     }
   }
-  if (std::vector<Index> tangled = tangled_cells(model, winding.items); !tangled.empty()) {
+  const std::vector<Index> tangled = tangled_cells(model, wound);
+  if (!tangled.empty()) {
     const Vec3& at = model.rest[model.cells[tangled.front()].particles.front()];
-    const std::string message = counted(tangled.size(), "cell overlaps its", "cells overlap their") +
-                                " neighbours, whatever the order of the vertices: " + cells_named(model, tangled) +
-                                ", near (" + to_decimal(at.x()) + ", " + to_decimal(at.y()) + ", " +
-                                to_decimal(at.z()) +
-                                ") m; a vertex lies beyond the faces around it: move it back, or mesh the body again";
-    findings.push_back({Flaw::tangled, std::move(tangled), false, message});
-  } else if (!winding.items.empty()) {
-    winding.message = counted(winding.items.size(), "cell is wound", "cells are wound") +
-                      " the wrong way, with negative " + (model.dimension == 3 ? "volume: " : "area: ") +
-                      cells_named(model, winding.items) + (mending ? "; turned round" : "; check_mesh mends this");
-    findings.push_back(std::move(winding));
+    tell(Flaw::tangled, tangled, false,
+         counted(tangled.size(), "cell overlaps its", "cells overlap their") +
+             " neighbours, whatever the order of the vertices: " + cells_named(model, tangled) + ", near (" +
+             to_decimal(at.x()) + ", " + to_decimal(at.y()) + ", " + to_decimal(at.z()) +
+             ") m; a vertex lies beyond the faces around it: move it back, or mesh the body again",
+         findings);
+    wound.clear();
   }
-  if (!degenerate.items.empty()) {
-    degenerate.message = counted(degenerate.items.size(), "cell is", "cells are") +
-                         " degenerate, with no volume or area for the length of the edges or a vertex repeated: " +
-                         cells_named(model, degenerate.items) +
-                         "; remove such cells, or mend the order of the vertices";
-    findings.push_back(std::move(degenerate));
-  }
+  tell(Flaw::winding, wound, mending,
+       counted(wound.size(), "cell is wound", "cells are wound") + " the wrong way, with negative " +
+           (model.dimension == 3 ? "volume: " : "area: ") + cells_named(model, wound) +
+           (mending ? "; turned round" : "; check_mesh mends this"),
+       findings);
+  tell(Flaw::degenerate_cell, flat, false,
+       counted(flat.size(), "cell is", "cells are") +
+           " degenerate, with no volume or area for the length of the edges or a vertex repeated: " +
+           cells_named(model, flat) + "; remove such cells, or mend the order of the vertices",
+       findings);
 }
 
 /// All rows in the pairs, each once, sorted.
@@ -179,25 +181,22 @@ std::vector<Index> rows_of(const Repeats& repeats) {
 
 void look_for_repeats(const Model& model, std::vector<Finding>& findings) {
   const Repeats cells = repeated_cells(model.cells);
-  if (!cells.empty()) {
-    const std::string named = first_few(cells, [&](const std::pair<Index, Index>& pair) {
-      return std::to_string(cell_number(model, pair.first)) + " repeats " +
-             std::to_string(cell_number(model, pair.second));
-    });
-    findings.push_back({Flaw::duplicate_cell, rows_of(cells), false,
-                        counted(cells.size(), "cell stands", "cells stand") + " over the particles of another: " +
-                            named + "; keep one of each, or their volume counts twice"});
-  }
+  const std::string cell_names = first_few(cells, [&](const std::pair<Index, Index>& pair) {
+    return std::to_string(cell_number(model, pair.first)) + " repeats " +
+           std::to_string(cell_number(model, pair.second));
+  });
+  tell(Flaw::duplicate_cell, rows_of(cells), false,
+       counted(cells.size(), "cell stands", "cells stand") + " over the particles of another: " + cell_names +
+           "; keep one of each, or their volume counts twice",
+       findings);
   const Repeats points = repeated_points(model.rest, same_point_ratio * body_size(model));
-  if (!points.empty()) {
-    const std::string named = first_few(points, [&](const std::pair<Index, Index>& pair) {
-      return std::to_string(particle_number(model, pair.first)) + " on " +
-             std::to_string(particle_number(model, pair.second));
-    });
-    findings.push_back({Flaw::duplicate_point, rows_of(points), false,
-                        counted(points.size(), "particle lies", "particles lie") + " on the place of another: " +
-                            named + "; merge such pairs, unless the body is meant to be cut there"});
-  }
+  const std::string point_names = first_few(points, [&](const std::pair<Index, Index>& pair) {
+    return std::to_string(model.file_index(pair.first)) + " on " + std::to_string(model.file_index(pair.second));
+  });
+  tell(Flaw::duplicate_point, rows_of(points), false,
+       counted(points.size(), "particle lies", "particles lie") + " on the place of another: " + point_names +
+           "; merge such pairs, unless the body is meant to be cut there",
+       findings);
 }
 
 void look_at_masses(const Model& model, std::vector<Finding>& findings) {
@@ -207,11 +206,10 @@ void look_at_masses(const Model& model, std::vector<Finding>& findings) {
   for (Index i = 0; i < model.particle_count(); ++i) {
     if (model.mass[i] < least) items.push_back(i);
   }
-  if (items.empty()) return;
-  std::string message = counted(items.size(), "particle has", "particles have") +
-                        " next to no mass beside the mean: " + particles_named(model, items) +
-                        "; give more, or the stable step becomes tiny";
-  findings.push_back({Flaw::massless, std::move(items), false, std::move(message)});
+  tell(Flaw::massless, items, false,
+       counted(items.size(), "particle has", "particles have") + " next to no mass beside the mean: " +
+           particles_named(model, items) + "; give more, or the stable step becomes tiny",
+       findings);
 }
 
 /// Neighbours of a particle other than itself, each once.
@@ -249,38 +247,30 @@ std::vector<char> outside_the_cells(const Model& model) {
 void look_at_neighbours(const Model& model, bool mending, std::vector<Finding>& findings) {
   const std::size_t needed = model.dimension == 3 ? 3 : 2;
   const std::vector<char> outside = outside_the_cells(model);
-  Finding isolated{Flaw::isolated, {}, false, {}}, few{Flaw::few_neighbours, {}, false, {}},
-      own{Flaw::self_neighbour, {}, mending, {}};
-  std::vector<Index> others;
+  std::vector<Index> isolated, few, own, others;
   for (Index i = 0; i < model.particle_count(); ++i) {
     gather_neighbours(model, i, others);
-    if (others.empty() || outside[i]) isolated.items.push_back(i);
+    if (others.empty() || outside[i]) isolated.push_back(i);
     // Two points always lie on a line, which in the plane is all that a base needs.
-    if (others.size() < needed || (model.dimension == 3 && on_one_line(model, others))) few.items.push_back(i);
+    if (others.size() < needed || (model.dimension == 3 && on_one_line(model, others))) few.push_back(i);
     if (std::find(model.neighbours.begin(i), model.neighbours.end(i), i) != model.neighbours.end(i)) {
-      own.items.push_back(i);
+      own.push_back(i);
     }
   }
-  if (!isolated.items.empty()) {
-    isolated.message = counted(isolated.items.size(), "particle has", "particles have") +
-                       " no neighbours or no cell around: " + particles_named(model, isolated.items) +
-                       "; nothing elastic holds such a particle: remove it, or add it to the mesh";
-    findings.push_back(std::move(isolated));
-  }
-  if (!few.items.empty()) {
-    few.message = counted(few.items.size(), "particle has", "particles have") + " fewer than " +
-                  std::to_string(needed) + " neighbours" +
-                  (model.dimension == 3 ? " or all of them on one line: " : ": ") + particles_named(model, few.items) +
-                  "; add neighbours, or choose what becomes of sparse particles";
-    findings.push_back(std::move(few));
-  }
-  if (!own.items.empty()) {
-    own.message = counted(own.items.size(),
-                          "particle is among its own neighbours: ", "particles are among their own neighbours: ") +
-                  particles_named(model, own.items) +
-                  (mending ? "; removed from the lists" : "; check_mesh mends this");
-    findings.push_back(std::move(own));
-  }
+  tell(Flaw::isolated, isolated, false,
+       counted(isolated.size(), "particle has", "particles have") +
+           " no neighbours or no cell around: " + particles_named(model, isolated) +
+           "; nothing elastic holds such a particle: remove it, or add it to the mesh",
+       findings);
+  tell(Flaw::few_neighbours, few, false,
+       counted(few.size(), "particle has", "particles have") + " fewer than " + std::to_string(needed) + " neighbours" +
+           (model.dimension == 3 ? " or all of them on one line: " : ": ") + particles_named(model, few) +
+           "; add neighbours, or choose what becomes of sparse particles",
+       findings);
+  tell(Flaw::self_neighbour, own, mending,
+       counted(own.size(), "particle is among its own neighbours: ", "particles are among their own neighbours: ") +
+           particles_named(model, own) + (mending ? "; removed from the lists" : "; check_mesh mends this"),
+       findings);
 }
 
 void look_at_units(const Model& model, std::vector<Finding>& findings) {

@@ -9,6 +9,7 @@
 
 #include "base/decimal.h"
 #include "closest_triangle.h"
+#include "enclosed_volume.h"
 #include "surface_facets.h"
 
 namespace phymul {
@@ -23,29 +24,13 @@ constexpr int cubes_around = 2;
 }
 
 std::vector<Triangle> triangles_of(const Model& model) {
-  const std::vector<char> all(model.rest.size(), 1);
-  std::vector<Triangle> triangles;
-  for (const Facet& facet : surface_facets(model, all)) {
-    for (std::size_t k = 2; k < facet.particles.size(); ++k) {
-      const Triangle t{facet.particles[0], facet.particles[k - 1], facet.particles[k]};
-      const Vec3 area = (model.rest[t[1]] - model.rest[t[0]]).cross(model.rest[t[2]] - model.rest[t[0]]);
-      if (area.isZero(0.0)) {
-        refuse("the triangle of particles " + std::to_string(t[0]) + ", " + std::to_string(t[1]) + " and " +
-               std::to_string(t[2]) + " has no area");
-      }
-      triangles.push_back(area.dot(facet.area) < 0.0 ? Triangle{t[0], t[2], t[1]} : t);
-    }
+  std::vector<Triangle> triangles = outward_triangles(model);
+  for (const Triangle& t : triangles) {
+    if (!(model.rest[t[1]] - model.rest[t[0]]).cross(model.rest[t[2]] - model.rest[t[0]]).isZero(0.0)) continue;
+    refuse("the triangle of particles " + std::to_string(t[0]) + ", " + std::to_string(t[1]) + " and " +
+           std::to_string(t[2]) + " has no area");
   }
   return triangles;
-}
-
-double volume_within(const Model& model, const std::vector<Triangle>& triangles) {
-  double volume = 0.0;
-  const Vec3& origin = model.rest[triangles.front()[0]];
-  for (const Triangle& t : triangles) {
-    volume += (model.rest[t[0]] - origin).dot((model.rest[t[1]] - origin).cross(model.rest[t[2]] - origin)) / 6.0;
-  }
-  return volume;
 }
 
 }  // namespace
@@ -83,7 +68,7 @@ std::shared_ptr<const DistanceGrid> make_distance_grid(const Model& surface, dou
     refuse("the surface is not closed, or not wound one way: the edge from particle " + std::to_string(a) + " to " +
            std::to_string(b) + " does not have one triangle on each side");
   }
-  if (volume_within(surface, triangles) < 0.0) {
+  if (enclosed_volume(triangles, surface.rest) < 0.0) {
     for (Triangle& t : triangles) std::swap(t[1], t[2]);
   }
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;

@@ -45,22 +45,6 @@ void sum_masses(Model& model) {
   }
 }
 
-/// Forgets the materials that no cell has any more, so that setting one again and again does not pile them up.
-void drop_unused_materials(Model& model) {
-  std::vector<Index> new_row(model.materials.size(), -1);
-  std::vector<Material> used;
-  for (Cell& cell : model.cells) {
-    if (cell.material < 0) continue;
-    Index& row = new_row[cell.material];
-    if (row < 0) {
-      row = static_cast<Index>(used.size());
-      used.push_back(model.materials[cell.material]);
-    }
-    cell.material = row;
-  }
-  model.materials = std::move(used);
-}
-
 /// Gives the material to the solid cells that `chosen` accepts; what it throws leaves the model as it was.
 template <class Predicate>
 void assign(Model& model, const Material& material, const std::string& nothing_chosen, Predicate chosen) {
@@ -113,6 +97,21 @@ std::string solid_cells(const Model& model) {
 }
 
 }  // namespace
+
+void drop_unused_materials(Model& model) {
+  std::vector<Index> new_row(model.materials.size(), -1);
+  std::vector<Material> used;
+  for (Cell& cell : model.cells) {
+    if (cell.material < 0) continue;
+    Index& row = new_row[cell.material];
+    if (row < 0) {
+      row = static_cast<Index>(used.size());
+      used.push_back(model.materials[cell.material]);
+    }
+    cell.material = row;
+  }
+  model.materials = std::move(used);
+}
 
 void require_in_range(const Material& material) {
   if (!(material.young > 0.0) || !std::isfinite(material.young)) {

@@ -5,6 +5,7 @@
 
 #include <phymul/model.h>
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -19,5 +20,12 @@ struct Facet {
 /// volume cell has; in a model without volume cells its triangles and quads as they are wound. In 2-D: the edges of
 /// exactly one triangle or quad, else the lines.
 std::vector<Facet> surface_facets(const Model& model, std::span<const char> chosen);
+
+/// All facets as triangles, counter-clockwise seen from outside whatever the winding of their cells: of a ring of four
+/// particles two.
+std::vector<std::array<Index, 3>> outward_triangles(const Model& model);
+
+/// Of a ring of three or four particles: its area vector, and its triangles.
+Vec3 ring_area(std::span<const Index> ring, std::span<const Vec3> position);
 
 }  // namespace phymul

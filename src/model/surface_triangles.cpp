@@ -38,20 +38,25 @@ std::vector<std::array<Index, 3>> plane_triangles(const Model& model) {
 
 }  // namespace
 
-std::vector<std::array<Index, 3>> surface_triangles(const Model& model) {
-  validate(model);
-  if (model.dimension == 2) return plane_triangles(model);
+Vec3 ring_area(std::span<const Index> ring, std::span<const Vec3> position) {
+  Vec3 area = Vec3::Zero();
+  for (std::size_t k = 2; k < ring.size(); ++k) area += area_of({ring[0], ring[k - 1], ring[k]}, position);
+  return area;
+}
+
+std::vector<std::array<Index, 3>> outward_triangles(const Model& model) {
   std::vector<std::array<Index, 3>> triangles;
   for (Facet& facet : surface_facets(model, std::vector<char>(model.rest.size(), 1))) {
     // A facet has the winding of its cell, which may be inside out, and an area that points outward all the same.
-    Vec3 area = Vec3::Zero();
-    for (std::size_t k = 2; k < facet.particles.size(); ++k) {
-      area += area_of({facet.particles[0], facet.particles[k - 1], facet.particles[k]}, model.rest);
-    }
-    if (area.dot(facet.area) < 0.0) std::reverse(facet.particles.begin(), facet.particles.end());
+    if (ring_area(facet.particles, model.rest).dot(facet.area) < 0.0) std::ranges::reverse(facet.particles);
     append_ring(facet.particles, triangles);
   }
   return triangles;
+}
+
+std::vector<std::array<Index, 3>> surface_triangles(const Model& model) {
+  validate(model);
+  return model.dimension == 2 ? plane_triangles(model) : outward_triangles(model);
 }
 
 void surface_normals(std::span<const std::array<Index, 3>> triangles, std::span<const Vec3> position, VecList& normal) {

@@ -3,9 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
-
-#include "model/surface_facets.h"
 
 namespace phymul {
 
@@ -25,20 +22,6 @@ double needle_support_radius(double spread, const Model& model) {
   const double spacing = needle_spacing(model);
   const double left = spread * spread - 8.0 / 12.0 * spacing * spacing;
   return std::max(std::sqrt(std::max(left, 0.0)), std::min(spread, 1.5 * spacing));
-}
-
-std::vector<std::array<Index, 3>> needle_facets(const Model& model) {
-  const std::vector<char> all(model.rest.size(), 1);
-  std::vector<std::array<Index, 3>> triangles;
-  for (const Facet& facet : surface_facets(model, all)) {
-    for (std::size_t k = 2; k < facet.particles.size(); ++k) {
-      std::array<Index, 3> t{facet.particles[0], facet.particles[k - 1], facet.particles[k]};
-      const Vec3 area = (model.rest[t[1]] - model.rest[t[0]]).cross(model.rest[t[2]] - model.rest[t[0]]);
-      if (area.dot(facet.area) < 0.0) std::swap(t[1], t[2]);
-      triangles.push_back(t);
-    }
-  }
-  return triangles;
 }
 
 double needle_turn(const ToolPose& start, const ToolPose& end) {

@@ -6,9 +6,6 @@
 #include <phymul/model.h>
 #include <phymul/tool.h>
 
-#include <array>
-#include <vector>
-
 namespace phymul {
 
 /// m: between particles; of cells alone, which have no neighbours to take it from, from the size of the body.
@@ -17,9 +14,6 @@ double needle_spacing(const Model& model);
 double needle_spread(const Needle& needle, const Model& model);
 /// m: of the weights at which a force spreads as far on every mesh.
 double needle_support_radius(double spread, const Model& model);
-/// Triangles of the body's surface at rest, outward.
-std::vector<std::array<Index, 3>> needle_facets(const Model& model);
-
 /// rad, about the needle's axis: by how much it turns between two poses. Orientations on the way between two equal ones
 /// differ by rounding, which is no turning.
 double needle_turn(const ToolPose& start, const ToolPose& end);

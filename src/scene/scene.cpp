@@ -74,6 +74,20 @@ bool is_earlier(const ValueEvent& a, const ValueEvent& b) {
   return a.date < b.date;
 }
 
+Load held(std::vector<Index> particles) {
+  Load load;
+  load.particles = std::move(particles);
+  load.type = LoadType::translation;
+  load.axes.fill(Axis::held);
+  return load;
+}
+
+void require_row(const char* caller, std::size_t row, std::size_t loads) {
+  if (row < loads) return;
+  throw Error(std::string(caller) + ": expected a row of one of " + std::to_string(loads) + " loads, got " +
+              std::to_string(row));
+}
+
 /// In the plane z = 0 nothing may push along z, and turning is about z alone.
 void require_in_plane(const Load& load) {
   const bool turns = load.type == LoadType::rotation;
@@ -196,20 +210,13 @@ Scene::Action Scene::prepared_pressure(const Load& load, Action action) const {
 }
 
 Scene& Scene::fix(std::string_view group) {
-  Load load;
-  load.particles = model_->group(group);
+  Load load = held(model_->group(group));
   load.applied_to = group;
-  load.type = LoadType::translation;
-  load.axes.fill(Axis::held);
   return add(std::move(load));
 }
 
 Scene& Scene::fix(std::span<const Index> particles) {
-  Load load;
-  load.particles.assign(particles.begin(), particles.end());
-  load.type = LoadType::translation;
-  load.axes.fill(Axis::held);
-  return add(std::move(load));
+  return add(held({particles.begin(), particles.end()}));
 }
 
 Scene& Scene::gravity(const Vec3& acceleration) {
@@ -241,10 +248,7 @@ Scene& Scene::add(std::vector<Load> loads) {
 }
 
 Scene& Scene::replace(std::size_t row, Load load) {
-  if (row >= loads_.size()) {
-    throw Error("replace: expected a row of one of " + std::to_string(loads_.size()) + " loads, got " +
-                std::to_string(row));
-  }
+  require_row("replace", row, loads_.size());
   actions_[row] = accepted(load);
   loads_[row] = std::move(load);
   ++version_;
@@ -252,10 +256,7 @@ Scene& Scene::replace(std::size_t row, Load load) {
 }
 
 Scene& Scene::remove(std::size_t row) {
-  if (row >= loads_.size()) {
-    throw Error("remove: expected a row of one of " + std::to_string(loads_.size()) + " loads, got " +
-                std::to_string(row));
-  }
+  require_row("remove", row, loads_.size());
   loads_.erase(loads_.begin() + static_cast<std::ptrdiff_t>(row));
   actions_.erase(actions_.begin() + static_cast<std::ptrdiff_t>(row));
   ++version_;
@@ -263,10 +264,7 @@ Scene& Scene::remove(std::size_t row) {
 }
 
 Scene& Scene::set_events(std::size_t row, std::span<const ValueEvent> events) {
-  if (row >= loads_.size()) {
-    throw Error("set_events: expected a row of one of " + std::to_string(loads_.size()) + " loads, got " +
-                std::to_string(row));
-  }
+  require_row("set_events", row, loads_.size());
   Load& load = loads_[row];
   require_events(load, events);
   load.events.assign(events.begin(), events.end());

@@ -35,21 +35,6 @@ Model part_of(const Model& model, const std::vector<Index>& particles) {
   return part;
 }
 
-std::vector<std::array<Index, 3>> surface_triangles(const Model& model, const std::vector<Index>& particles) {
-  const Model part = part_of(model, particles);
-  std::vector<std::array<Index, 3>> triangles;
-  for (const Facet& facet : surface_facets(part, std::vector<char>(model.rest.size(), 1))) {
-    std::vector<Index> ring = facet.particles;
-    Vec3 area = Vec3::Zero();
-    for (std::size_t k = 2; k < ring.size(); ++k) {
-      area += (model.rest[ring[k - 1]] - model.rest[ring[0]]).cross(model.rest[ring[k]] - model.rest[ring[0]]);
-    }
-    if (area.dot(facet.area) < 0.0) std::reverse(ring.begin(), ring.end());
-    for (std::size_t k = 2; k < ring.size(); ++k) triangles.push_back({ring[0], ring[k - 1], ring[k]});
-  }
-  return triangles;
-}
-
 /// Each edge is passed as often one way as the other.
 void require_closed(const VolumeConstraint& surface, const Model& model) {
   std::map<std::array<Index, 2>, int> balance;
@@ -104,13 +89,13 @@ void require_sound(const VolumeConstraint& surface, const Model& model, const st
 Scene& Scene::constrain_volume() {
   std::vector<Index> all(model_->rest.size());
   std::iota(all.begin(), all.end(), 0);
-  VolumeConstraint surface{surface_triangles(*model_, all), 0.0, {}};
+  VolumeConstraint surface{outward_triangles(part_of(*model_, all)), 0.0, {}};
   surface.volume = enclosed_volume(surface.triangles, model_->rest);
   return constrain_volume(std::move(surface));
 }
 
 Scene& Scene::constrain_volume(std::string_view group) {
-  VolumeConstraint surface{surface_triangles(*model_, model_->group(group)), 0.0, std::string(group)};
+  VolumeConstraint surface{outward_triangles(part_of(*model_, model_->group(group))), 0.0, std::string(group)};
   surface.volume = enclosed_volume(surface.triangles, model_->rest);
   return constrain_volume(std::move(surface));
 }

@@ -20,31 +20,19 @@ constexpr const char* start_tag = "stat";
 constexpr const char* scene_tag = "scne";
 constexpr const char* inputs_tag = "inpt";
 
-void put_head(ByteWriter& out, const Recording& recording) {
-  out.u64(recording.topology_hash);
-  out.text(recording.backend);
-  out.text(recording.device);
-  const RecordedOptions& options = recording.options;
-  for (const double value : {options.damping_rate, options.damping_factor, options.max_displacement_per_step,
-                             options.rest_tolerance, options.stable_step}) {
-    out.real(value);
+/// For a ByteWriter and a recording that is const, or a ByteReader and one that is not.
+template <class Bytes, class Any>
+void head_fields(Bytes& bytes, Any& recording) {
+  bytes.field(recording.topology_hash, "the topology's hash");
+  bytes.field(recording.backend, "a backend's name");
+  bytes.field(recording.device, "a device's name");
+  auto& options = recording.options;
+  for (auto* value : {&options.damping_rate, &options.damping_factor, &options.max_displacement_per_step,
+                      &options.rest_tolerance, &options.stable_step}) {
+    bytes.field(*value, "an option");
   }
-  out.index(options.rest_steps);
-  out.u8(options.allows_unstable ? 1 : 0);
-}
-
-void take_head(ByteReader& in, Recording& recording) {
-  recording.topology_hash = in.u64("the topology's hash");
-  recording.backend = in.text("a backend's name");
-  recording.device = in.text("a device's name");
-  RecordedOptions& options = recording.options;
-  for (double* const value : {&options.damping_rate, &options.damping_factor, &options.max_displacement_per_step,
-                              &options.rest_tolerance, &options.stable_step}) {
-    *value = in.real("an option");
-  }
-  options.rest_steps = in.index("a number of steps");
-  options.allows_unstable = in.u8("whether steps beyond the limit are allowed") != 0;
-  in.expect_end("section \"head\"");
+  bytes.field(options.rest_steps, "a number of steps");
+  bytes.field(options.allows_unstable, "whether steps beyond the limit are allowed");
 }
 
 void put_inputs(ByteWriter& out, const std::vector<Input>& inputs) {
@@ -73,7 +61,7 @@ std::vector<Input> take_inputs(ByteReader& in) {
 
 void save_recording(const Recording& recording, const std::string& path) {
   ByteWriter head, start, scene, inputs;
-  put_head(head, recording);
+  head_fields(head, recording);
   put_snapshot(start, recording.start);
   scene.raw(recording.scene);
   put_inputs(inputs, recording.inputs);
@@ -98,7 +86,8 @@ Recording read_recording_bytes(std::string_view bytes, const std::string& name) 
   Recording recording;
   const auto reader = [&](std::size_t k) { return ByteReader(name, sections[k].payload, sections[k].first_byte); };
   ByteReader head = reader(0), start = reader(1), inputs = reader(3);
-  take_head(head, recording);
+  head_fields(head, recording);
+  head.expect_end("section \"head\"");
   recording.start = take_snapshot(start);
   recording.start.topology_hash = recording.topology_hash;
   recording.start.backend = recording.backend;

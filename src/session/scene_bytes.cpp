@@ -9,25 +9,45 @@
 namespace phymul {
 namespace {
 
+// What a thing is made of, for a ByteWriter and a thing that is const, or a ByteReader and one that is not.
+
+template <class Bytes, class Contacts>
+void contact_fields(Bytes& bytes, Contacts& contacts) {
+  bytes.field(contacts.friction, "a coefficient of friction");
+  bytes.field(contacts.margin, "a contact margin");
+  bytes.field(contacts.self, "whether a body touches itself");
+  bytes.field(contacts.rounds, "a number of rounds");
+}
+
+template <class Bytes, class Kept>
+void volume_fields(Bytes& bytes, Kept& all) {
+  bytes.list(all, 20, "a number of kept volumes", [&](auto& surface) {
+    bytes.field(surface.volume, "a volume");
+    bytes.field(surface.applied_to, "a group's name");
+    bytes.list(surface.triangles, 12, "a number of triangles", [&](auto& triangle) {
+      for (auto& i : triangle) bytes.field(i, "a particle");
+    });
+  });
+}
+
+template <class Bytes, class Any>
+void load_fields(Bytes& bytes, Any& load) {
+  code(bytes, load.type, "a type of load");
+  bytes.field(load.particles, "particles");
+  bytes.list(load.events, 16, "a number of values", [&](auto& event) {
+    bytes.field(event.date, "a date");
+    bytes.field(event.value, "a value");
+  });
+  for (auto& axis : load.axes) code(bytes, axis, "an axis");
+  bytes.field(load.direction, "a direction");
+  bytes.field(load.toward, "a particle to point toward");
+  bytes.field(load.applied_to, "a target");
+}
+
 bool yes(ByteReader& in, const char* what) {
-  const std::uint8_t value = in.u8(what);
-  if (value > 1) in.fail(std::string("expected ") + what + " (0 or 1), got " + std::to_string(value));
-  return value == 1;
-}
-
-int positive(ByteReader& in, const char* what) {
-  const Index value = in.index(what);
-  if (value < 0) in.fail(std::string("expected ") + what + " of 0 or more, got " + std::to_string(value));
+  bool value = false;
+  in.field(value, what);
   return value;
-}
-
-void put_contacts(ByteWriter& out, const std::optional<ContactOptions>& contacts) {
-  out.u8(contacts ? 1 : 0);
-  if (!contacts) return;
-  out.real(contacts->friction);
-  out.real(contacts->margin);
-  out.u8(contacts->self ? 1 : 0);
-  out.index(contacts->rounds);
 }
 
 void take_contacts(ByteReader& in, Scene& scene) {
@@ -36,25 +56,8 @@ void take_contacts(ByteReader& in, Scene& scene) {
     return;
   }
   ContactOptions options;
-  options.friction = in.real("a coefficient of friction");
-  options.margin = in.real("a contact margin");
-  options.self = yes(in, "whether a body touches itself");
-  options.rounds = positive(in, "a number of rounds");
+  contact_fields(in, options);
   scene.contacts(options);
-}
-
-void take_volumes(ByteReader& in, Scene& scene) {
-  const std::size_t count = in.count(20, "a number of kept volumes");
-  for (std::size_t k = 0; k < count; ++k) {
-    VolumeConstraint surface;
-    surface.volume = in.real("a volume");
-    surface.applied_to = in.text("a group's name");
-    surface.triangles.resize(in.count(12, "a number of triangles"));
-    for (auto& triangle : surface.triangles) {
-      for (Index& i : triangle) i = in.index("a particle");
-    }
-    scene.constrain_volume(std::move(surface));
-  }
 }
 
 /// Tools keep their order where some go: new ones stand after those that stay.
@@ -83,47 +86,19 @@ void take_tools(ByteReader& in, Scene& scene) {
 
 std::string load_bytes(const Load& load) {
   ByteWriter out;
-  put_code(out, load_type_codes, load.type);
-  out.indices(load.particles);
-  out.u64(load.events.size());
-  for (const ValueEvent& event : load.events) {
-    out.real(event.date);
-    out.real(event.value);
-  }
-  for (const Axis axis : load.axes) put_code(out, axis_codes, axis);
-  out.vector(load.direction);
-  out.index(load.toward);
-  out.text(load.applied_to);
+  load_fields(out, load);
   return out.bytes();
 }
 
 Load take_load(ByteReader& in) {
   Load load;
-  load.type = take_code(in, load_type_codes, "a type of load");
-  load.particles = in.indices("particles");
-  load.events.resize(in.count(16, "a number of values"));
-  for (ValueEvent& event : load.events) {
-    event.date = in.real("a date");
-    event.value = in.real("a value");
-  }
-  for (Axis& axis : load.axes) axis = take_code(in, axis_codes, "an axis");
-  load.direction = in.vector("a direction");
-  load.toward = in.index("a particle to point toward");
-  load.applied_to = in.text("a target");
+  load_fields(in, load);
   return load;
 }
 
 std::string volume_bytes(const Scene& scene) {
   ByteWriter out;
-  out.u64(scene.volume_constraints().size());
-  for (const VolumeConstraint& surface : scene.volume_constraints()) {
-    out.real(surface.volume);
-    out.text(surface.applied_to);
-    out.u64(surface.triangles.size());
-    for (const auto& triangle : surface.triangles) {
-      for (const Index i : triangle) out.index(i);
-    }
-  }
+  volume_fields(out, scene.volume_constraints());
   return out.bytes();
 }
 
@@ -139,7 +114,8 @@ std::string scene_change_bytes(const Scene& scene, const SceneBefore& before, bo
   ByteWriter out;
   out.u8(anew ? 1 : 0);
   out.vector(scene.gravity());
-  put_contacts(out, scene.contacts());
+  out.field(scene.contacts().has_value(), "");
+  if (scene.contacts()) contact_fields(out, *scene.contacts());
   out.u64(scene.loads().size());
   ByteWriter changed;
   std::uint64_t changes = 0;
@@ -188,7 +164,11 @@ void change_scene(Scene& scene, ByteReader& in) {
   if (scene.loads().size() < count) in.fail("expected " + std::to_string(count) + " loads, got fewer");
   while (scene.loads().size() > count) scene.remove(scene.loads().size() - 1);
   take_tools(in, scene);
-  if (anew) take_volumes(in, scene);
+  if (anew) {
+    std::vector<VolumeConstraint> kept;
+    volume_fields(in, kept);
+    for (VolumeConstraint& surface : kept) scene.constrain_volume(std::move(surface));
+  }
   in.expect_end("a change of the scene");
 }
 

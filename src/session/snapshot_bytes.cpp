@@ -32,7 +32,7 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot) {
   out.u32(static_cast<std::uint32_t>(snapshot.steps_at_rest));
   out.vectors(snapshot.state.position);
   out.vectors(snapshot.state.velocity);
-  out.u8(snapshot.displacement.empty() ? 0 : 1);
+  out.field(!snapshot.displacement.empty(), "");
   out.vectors(snapshot.displacement);
   out.u64(snapshot.state.tools.size());
   for (const ToolState& tool : snapshot.state.tools) put_tool_state(out, tool);
@@ -55,9 +55,9 @@ Snapshot take_snapshot(ByteReader& in) {
   snapshot.steps_at_rest = static_cast<int>(rested);
   snapshot.state.position = in.vectors(count, "positions");
   snapshot.state.velocity = in.vectors(count, "velocities");
-  const std::uint8_t displaced = in.u8("whether there are displacements");
-  if (displaced > 1) in.fail("expected 0 or 1, got " + std::to_string(displaced) + "; the file is damaged");
-  if (displaced == 1) snapshot.displacement = in.vectors(count, "displacements");
+  bool displaced = false;
+  in.field(displaced, "whether there are displacements");
+  if (displaced) snapshot.displacement = in.vectors(count, "displacements");
   const std::size_t tools = in.count(40, "a number of tools");
   for (std::size_t k = 0; k < tools; ++k) {
     snapshot.state.tools.push_back(take_tool_state(in));

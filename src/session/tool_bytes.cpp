@@ -7,7 +7,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "interaction/shape_kind.h"
+#include "wire_codes.h"
 
 namespace phymul {
 namespace {
@@ -55,83 +55,83 @@ std::shared_ptr<const DistanceGrid> take_grid(ByteReader& in) {
   return std::make_shared<const DistanceGrid>(origin, spacing, count, std::move(values));
 }
 
-/// What a file calls each shape: never another number, whatever ToolShape lists first.
-std::uint8_t code_of(const ToolShape& shape) {
-  switch (kind_of(shape)) {
-    case ShapeKind::sphere:
-      return 0;
-    case ShapeKind::capsule:
-      return 1;
-    case ShapeKind::half_space:
-      return 2;
-    case ShapeKind::box:
-      return 3;
-    case ShapeKind::grid:
-      return 4;
-    case ShapeKind::needle:
-      break;
-  }
-  return 5;
-}
-
 template <std::size_t row = 0>
-ToolShape take_shape(ByteReader& in, std::uint8_t wanted) {
-  if constexpr (row == std::variant_size_v<ToolShape>) {
-    in.fail("expected a tool's shape below " + std::to_string(row) + ", got " + std::to_string(wanted) +
-            "; the file is damaged, or of a newer version of phymul");
+ToolShape take_shape(ByteReader& in, ShapeKind wanted) {
+  using Shape = std::variant_alternative_t<row, ToolShape>;
+  if (kind_of(Shape{}) != wanted) {
+    if constexpr (row + 1 < std::variant_size_v<ToolShape>) return take_shape<row + 1>(in, wanted);
+  }
+  if constexpr (std::is_same_v<Shape, std::shared_ptr<const DistanceGrid>>) {
+    return take_grid(in);
   } else {
-    using Shape = std::variant_alternative_t<row, ToolShape>;
-    if (code_of(Shape{}) != wanted) return take_shape<row + 1>(in, wanted);
-    if constexpr (std::is_same_v<Shape, std::shared_ptr<const DistanceGrid>>) {
-      return take_grid(in);
-    } else {
-      Shape shape;
-      each_member(shape, [&](double& member) { member = in.real("a size of a tool"); });
-      return shape;
-    }
+    Shape shape;
+    each_member(shape, [&](double& member) { member = in.real("a size of a tool"); });
+    return shape;
   }
 }
 
-void put_node(ByteWriter& out, const NeedleNode& node) {
-  out.indices(node.particles);
-  out.u64(node.weights.size());
-  for (const double weight : node.weights) out.real(weight);
-  out.u8(node.slides ? 1 : 0);
+// From here on: what a thing is made of, for a ByteWriter and a thing that is const, or a ByteReader and one that is
+// not.
+
+template <class Bytes, class Pose>
+void pose_fields(Bytes& bytes, Pose& pose) {
+  bytes.field(pose.position, "a tool's position");
+  for (int k = 0; k < 4; ++k) bytes.field(pose.orientation.coeffs()[k], "a tool's orientation");  // x, y, z, w
+  bytes.field(pose.velocity, "a tool's velocity");
+  bytes.field(pose.spin, "a tool's spin");
 }
 
-NeedleNode take_node(ByteReader& in) {
-  NeedleNode node;
-  node.particles = in.indices("particles");
-  node.weights.resize(in.count(8, "a number of weights"));
-  if (node.weights.size() != node.particles.size()) {
-    in.fail("expected a weight for each of " + std::to_string(node.particles.size()) + " particles, got " +
-            std::to_string(node.weights.size()));
-  }
-  for (double& weight : node.weights) weight = in.real("a weight");
-  node.slides = in.u8("whether it slides") != 0;
-  return node;
+template <class Bytes, class Any>
+void law_fields(Bytes& bytes, Any& tool) {
+  pose_fields(bytes, tool.pose);
+  bytes.field(tool.friction, "a coefficient of friction");
+  bytes.field(tool.compliance, "a compliance");
+  bytes.field(tool.margin, "a margin");
+}
+
+template <class Bytes, class Node>
+void node_fields(Bytes& bytes, Node& node) {
+  bytes.field(node.particles, "particles");
+  bytes.list(node.weights, 8, "a number of weights", [&](auto& weight) { bytes.field(weight, "a weight"); });
+  bytes.field(node.slides, "whether it slides");
+}
+
+template <class Bytes, class State>
+void state_fields(Bytes& bytes, State& state) {
+  bytes.field(state.name, "a tool's name");
+  pose_fields(bytes, state.pose);
+  bytes.field(state.placed, "whether it was placed");
+  bytes.field(state.held, "held particles");
+  bytes.list(state.held_at, 24, "a number of held places", [&](auto& at) { bytes.field(at, "a held place"); });
+  bytes.list(state.needle.hole, 17, "a number of points of a hole", [&](auto& node) { node_fields(bytes, node); });
+  bytes.field(state.needle.punctured, "whether it has punctured");
+  bytes.field(state.needle.through, "whether it came out again");
+  bytes.field(state.needle.slip, "a slip");
+  bytes.list(state.needle.shaft, 24, "a number of forces on a shaft", [&](auto& load) {
+    for (auto* value : {&load.along, &load.x, &load.y}) bytes.field(*value, "a force on a shaft");
+  });
+}
+
+void require_one_each(const ByteReader& in, std::size_t items, std::size_t particles, const char* what) {
+  if (items == particles) return;
+  in.fail(std::string("expected a ") + what + " for each of " + std::to_string(particles) + " particles, got " +
+          std::to_string(items) + ", before this byte");
 }
 
 }  // namespace
 
 void put_pose(ByteWriter& out, const ToolPose& pose) {
-  out.vector(pose.position);
-  for (int k = 0; k < 4; ++k) out.real(pose.orientation.coeffs()[k]);  // x, y, z, w
-  out.vector(pose.velocity);
-  out.vector(pose.spin);
+  pose_fields(out, pose);
 }
 
 ToolPose take_pose(ByteReader& in) {
   ToolPose pose;
-  pose.position = in.vector("a tool's position");
-  for (int k = 0; k < 4; ++k) pose.orientation.coeffs()[k] = in.real("a tool's orientation");
-  pose.velocity = in.vector("a tool's velocity");
-  pose.spin = in.vector("a tool's spin");
+  pose_fields(in, pose);
   return pose;
 }
 
 void put_tool(ByteWriter& out, const Tool& tool) {
-  out.u8(code_of(tool.shape));
+  code(out, kind_of(tool.shape), "");
   std::visit(
       [&](const auto& shape) {
         if constexpr (std::is_same_v<std::decay_t<decltype(shape)>, std::shared_ptr<const DistanceGrid>>) {
@@ -141,60 +141,28 @@ void put_tool(ByteWriter& out, const Tool& tool) {
         }
       },
       tool.shape);
-  put_pose(out, tool.pose);
-  out.real(tool.friction);
-  out.real(tool.compliance);
-  out.real(tool.margin);
+  law_fields(out, tool);
 }
 
 Tool take_tool(ByteReader& in) {
+  ShapeKind kind{};
+  code(in, kind, "a tool's shape");
   Tool tool;
-  tool.shape = take_shape(in, in.u8("a tool's shape"));
-  tool.pose = take_pose(in);
-  tool.friction = in.real("a coefficient of friction");
-  tool.compliance = in.real("a compliance");
-  tool.margin = in.real("a margin");
+  tool.shape = take_shape(in, kind);
+  law_fields(in, tool);
   return tool;
 }
 
 void put_tool_state(ByteWriter& out, const ToolState& state) {
-  out.text(state.name);
-  put_pose(out, state.pose);
-  out.u8(state.placed ? 1 : 0);
-  out.indices(state.held);
-  out.u64(state.held_at.size());
-  out.vectors(state.held_at);
-  out.u64(state.needle.hole.size());
-  for (const NeedleNode& node : state.needle.hole) put_node(out, node);
-  out.u8(state.needle.punctured ? 1 : 0);
-  out.u8(state.needle.through ? 1 : 0);
-  out.real(state.needle.slip);
-  out.u64(state.needle.shaft.size());
-  for (const ShaftLoad& load : state.needle.shaft) {
-    for (const double value : {load.along, load.x, load.y}) out.real(value);
-  }
+  state_fields(out, state);
 }
 
 ToolState take_tool_state(ByteReader& in) {
   ToolState state;
-  state.name = in.text("a tool's name");
-  state.pose = take_pose(in);
-  state.placed = in.u8("whether it was placed") != 0;
-  state.held = in.indices("held particles");
-  const std::size_t count = in.count(24, "a number of held places");
-  if (count != state.held.size()) {
-    in.fail("expected a place for each of " + std::to_string(state.held.size()) + " held particles, got " +
-            std::to_string(count));
-  }
-  state.held_at = in.vectors(count, "held places");
-  const std::size_t nodes = in.count(17, "a number of points of a hole");
-  for (std::size_t k = 0; k < nodes; ++k) state.needle.hole.push_back(take_node(in));
-  state.needle.punctured = in.u8("whether it has punctured") != 0;
-  state.needle.through = in.u8("whether it came out again") != 0;
-  state.needle.slip = in.real("a slip");
-  state.needle.shaft.resize(in.count(24, "a number of forces on a shaft"));
-  for (ShaftLoad& load : state.needle.shaft) {
-    for (double* value : {&load.along, &load.x, &load.y}) *value = in.real("a force on a shaft");
+  state_fields(in, state);
+  require_one_each(in, state.held_at.size(), state.held.size(), "place");
+  for (const NeedleNode& node : state.needle.hole) {
+    require_one_each(in, node.weights.size(), node.particles.size(), "weight");
   }
   return state;
 }

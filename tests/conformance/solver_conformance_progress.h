@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "solver_conformance_fixture.h"
+#include "support/message_of.h"
 
 namespace phymul::test {
 
@@ -63,7 +64,7 @@ TEST_P(SolverConformance, ProgressEndsACallBetweenSteps) {
   const StepReport report = stopping->step(100, dt);
   EXPECT_TRUE(report.ok());
   EXPECT_TRUE(report.stopped);
-  EXPECT_NE(report.message().find("stopped"), std::string::npos) << report.message();
+  EXPECT_TRUE(says(report.message(), "stopped"));
   EXPECT_EQ(report.steps, 5);
   EXPECT_FALSE(plain->step(5, dt).stopped);
   EXPECT_EQ(stopping->read(), plain->read());

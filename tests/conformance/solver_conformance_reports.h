@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "solver_conformance_fixture.h"
+#include "support/message_of.h"
 
 namespace phymul::test {
 
@@ -211,11 +212,6 @@ TEST_P(SolverConformance, PlaneBodiesKeepTheirPlane) {
   solver->reset(start);
   ASSERT_TRUE(solver->step(50, 0.4 * solver->stable_step()).ok());
   for (const Vec3& p : solver->read().position) EXPECT_EQ(p.z(), 0.0);
-  start.position[3].z() = 1e-3;
-  EXPECT_THROW(solver->reset(start), Error);
-  start.position[3].z() = 0.0;
-  start.velocity[2].z() = 1e-3;
-  EXPECT_THROW(solver->reset(start), Error);
 }
 
 TEST_P(SolverConformance, ScatteredBodiesComeBackAndTheReportSaysThatForcesWereCut) {
@@ -232,6 +228,7 @@ TEST_P(SolverConformance, ScatteredBodiesComeBackAndTheReportSaysThatForcesWereC
   const StepReport report = solver->step(4000, dt);
   ASSERT_TRUE(report.ok()) << report.message();
   EXPECT_TRUE(report.force_clamped);
+  EXPECT_TRUE(says(report.message(), "elastic forces were clamped"));
   EXPECT_LE(solver->energy().elastic, 1e-6 * soft_tissue().young * volume(model, model.rest));
   EXPECT_FALSE(solver->step(1, dt).force_clamped);
 

@@ -75,40 +75,12 @@ TEST(CpuRuns, EqualConstantsAreThereOnce) {
 }
 
 TEST(CpuRuns, ForcesAreWithinTheRoundingBound) {
+  ShareOfBound shares;
   for (const Lattice& body : lattices()) {
     const auto tables = std::make_shared<const TopologyTextures>(build_topology(body.model, {}));
     const Scene scene(body.model);
     for (const double amount : {0.001, 0.2}) {
-      const VecList u = random_displacements(body.model, amount, 11), x = sum_of(tables->rest, u);
-      VecList exact(x.size());
-      elastic_forces(*tables, x, exact);
-      const BoundedForces bounded(*tables, u);
-      for (const cpu::simd::Kernels* kernels : cpu::simd::usable_kernels()) {
-        const InstructionSet chosen(kernels->name);
-        for (const int threads : {1, 3}) {
-          const VecList found = forces_of(*make_solver("cpu", tables, scene, any_step(threads)), x);
-          for (std::size_t i = 0; i < x.size(); ++i) {
-            ASSERT_LE(share_of_bound(bounded.force(static_cast<Index>(i)), exact[i], found[i]), 1.0)
-                << body.name << ", " << kernels->name << ", " << amount << ", particle " << i;
-          }
-        }
-      }
-    }
-  }
-}
-
-TEST(CpuRuns, AnyNumberOfThreadsGivesTheSameBits) {
-  for (const Lattice& body : lattices()) {
-    const auto tables = std::make_shared<const TopologyTextures>(build_topology(body.model, {}));
-    const Scene scene(body.model);
-    const VecList x = sum_of(tables->rest, random_displacements(body.model, 0.1, 3));
-    for (const cpu::simd::Kernels* kernels : cpu::simd::usable_kernels()) {
-      const InstructionSet chosen(kernels->name);
-      const VecList one = forces_of(*make_solver("cpu", tables, scene, any_step(1)), x);
-      for (const int threads : {2, 5}) {
-        EXPECT_EQ(forces_of(*make_solver("cpu", tables, scene, any_step(threads)), x), one)
-            << body.name << ", " << kernels->name << ", " << threads << " threads";
-      }
+      shares.look(tables, scene, random_displacements(body.model, amount, 11), body.name, {1, 3});
     }
   }
 }

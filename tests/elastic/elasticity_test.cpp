@@ -156,29 +156,6 @@ TEST(Elasticity, FurtherTermsKeepBothMomenta) {
   });
 }
 
-TEST(Elasticity, TransposedListsGatherWhatTheLoopsScatter) {
-  for (const Body& body : bodies()) {
-    SCOPED_TRACE(body.name);
-    TopologyOptions options;
-    options.reaction = Reaction::barycentric;
-    options.on_sparse = SparseParticle::free;
-    const TopologyTextures topology = build_topology(body.model, options);
-    const VecList x = random_positions(body.model, 0.2, 9);
-    VecList scattered(x.size()), attractor(x.size());
-    elastic_forces(topology, x, scattered);
-    attractors(topology, x, attractor);
-    for (Index j = 0; j < topology.particle_count; ++j) {
-      Vec3 gathered = topology.stiffness[j] * (attractor[j] - x[j]);
-      for (const Index* r = topology.neighbour_of.begin(j); r != topology.neighbour_of.end(j); ++r) {
-        const Index i = topology.neighbour_owner[*r];
-        if (topology.index[i].base_count == 0) continue;
-        gathered -= topology.alpha[*r] * topology.stiffness[i] * (attractor[i] - x[i]);
-      }
-      EXPECT_LE((gathered - scattered[j]).norm(), 1e-12 * largest_norm(scattered));
-    }
-  }
-}
-
 TEST(Elasticity, WrongSizesAreRefused) {
   const Model model = make_tetrahedron(0.01);
   const TopologyTextures topology = build_topology(model);

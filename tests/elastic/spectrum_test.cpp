@@ -145,8 +145,7 @@ TEST(Spectrum, OfAPositionThatIsNotFiniteIsRefused) {
   VecList position = model.rest;
   position[2].y() = std::nan("");
   const TopologyTextures topology = build_topology(model);
-  EXPECT_NE(message_of([&] { estimate_spectrum(topology, position); }).find("position of particle 2 is not finite"),
-            std::string::npos);
+  EXPECT_TRUE(refuses([&] { estimate_spectrum(topology, position); }, "position of particle 2 is not finite"));
 }
 
 }  // namespace

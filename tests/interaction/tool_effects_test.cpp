@@ -77,18 +77,6 @@ TEST_P(ToolEffects, NothingOfWhatLeavesByItself) {
   for (const Index i : model.group("z0")) EXPECT_NEAR(end.position[i].z(), deep, 1e3 * roundoff() * 0.01);
 }
 
-/// A tool put somewhere goes on from there by its velocity, in later calls too.
-TEST_P(ToolEffects, GoesOnFromWhereItWasPlaced) {
-  const Model model = make_block({0.01, 0.01, 0.01}, 1, 1, 1);
-  Scene scene(model);
-  scene.add_tool("ball", {.shape = Sphere{0.001}, .pose = {.position = {0.1, 0, 0}}});
-  const auto solver = make(model, scene);
-  const double dt = 0.3 * solver->stable_step();
-  scene.tool("ball").teleport({.position = {0.2, 0, 0}, .velocity = {0, 0, 3.0}});
-  for (const int steps : {2, 3, 5}) ASSERT_TRUE(solver->step(steps, dt).ok());
-  EXPECT_NEAR((solver->tool_pose("ball").position - Vec3(0.2, 0, 30 * dt)).norm(), 0.0, 1e-9);
-}
-
 /// Head first: with the cap that is further along its axis.
 TEST_P(ToolEffects, ARodTouchesWithItsFarCap) {
   const Model model = soft_block({0.02, 0.02, 0.02}, 4, 4, 4);
@@ -100,17 +88,6 @@ TEST_P(ToolEffects, ARodTouchesWithItsFarCap) {
   ASSERT_TRUE(solver->step(2, 0.3 * solver->stable_step()).ok());
   EXPECT_EQ(solver->tool_force("rod").particles, 1);
   EXPECT_GT(solver->tool_force("rod").force.z(), 0.0);
-}
-
-/// What is held whole is not pushed, and so is none of those that are.
-TEST_P(ToolEffects, WhatIsImposedWholeIsNotCounted) {
-  const Model model = soft_block({0.02, 0.02, 0.02}, 4, 4, 4);
-  Scene scene(model);
-  scene.fix("z1").add_tool("ball", {.shape = Sphere{0.01}, .pose = {.position = {0.01, 0.01, 0.027}}});
-  const auto solver = make(model, scene);
-  ASSERT_TRUE(solver->step(2, 0.3 * solver->stable_step()).ok());
-  EXPECT_EQ(solver->tool_force("ball").particles, 0);
-  EXPECT_EQ(solver->tool_force("ball").force, Vec3(0, 0, 0));
 }
 
 /// A rod that turns by 60 degrees in one step reaches further out on its way than where it begins and ends.

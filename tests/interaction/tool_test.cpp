@@ -11,10 +11,6 @@
 namespace phymul::test {
 namespace {
 
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 TEST(Tool, WhatMakesNoSenseIsRefusedByName) {
   const Model model = make_tetrahedron(0.01);
   Scene scene(model);
@@ -22,22 +18,22 @@ TEST(Tool, WhatMakesNoSenseIsRefusedByName) {
   const auto message = [&](const std::string& name, const Tool& tool) {
     return message_of([&] { scene.add_tool(name, tool); });
   };
-  EXPECT_TRUE(has(message("probe", {.shape = Sphere{1.0}}), "tool \"probe\": there is one of that name"));
-  EXPECT_TRUE(has(message("", {.shape = Sphere{1.0}}), "expected a name"));
-  EXPECT_TRUE(has(message("a", {.shape = Sphere{0.0}}), "expected a radius above 0 m, got 0"));
-  EXPECT_TRUE(has(message("a", {.shape = Box{{1, -1, 1}}}), "half size above 0 m, got -1"));
-  EXPECT_TRUE(has(message("a", {.shape = HalfSpace{}, .friction = -0.5}), "friction, 0 or more; got -0.5"));
+  EXPECT_TRUE(says(message("probe", {.shape = Sphere{1.0}}), "tool \"probe\": there is one of that name"));
+  EXPECT_TRUE(says(message("", {.shape = Sphere{1.0}}), "expected a name"));
+  EXPECT_TRUE(says(message("a", {.shape = Sphere{0.0}}), "expected a radius above 0 m, got 0"));
+  EXPECT_TRUE(says(message("a", {.shape = Box{{1, -1, 1}}}), "half size above 0 m, got -1"));
+  EXPECT_TRUE(says(message("a", {.shape = HalfSpace{}, .friction = -0.5}), "friction, 0 or more; got -0.5"));
   EXPECT_TRUE(
-      has(message("a", {.shape = std::shared_ptr<const DistanceGrid>{}}), "expected a distance grid, got none"));
-  EXPECT_TRUE(has(message("a", {.shape = Sphere{1.0}, .pose = {.position = {NAN, 0, 0}}}), "pose of finite numbers"));
-  EXPECT_TRUE(has(message("a", {.shape = Sphere{1.0}, .pose = {.orientation = {0, 0, 0, 0}}}), "not zero"));
-  EXPECT_TRUE(has(message("a", {.shape = Needle{.puncture = 1.0, .cutting = 2.0}}), "at most the puncture force 1 N"));
-  EXPECT_TRUE(has(message("a", {.shape = Needle{.spread = 0.9e-3}}), "m, below a tenth of one"));
-  EXPECT_TRUE(has(message_of([&] { scene.tool("needle"); }), "no tool \"needle\"; it has: probe"));
+      says(message("a", {.shape = std::shared_ptr<const DistanceGrid>{}}), "expected a distance grid, got none"));
+  EXPECT_TRUE(says(message("a", {.shape = Sphere{1.0}, .pose = {.position = {NAN, 0, 0}}}), "pose of finite numbers"));
+  EXPECT_TRUE(says(message("a", {.shape = Sphere{1.0}, .pose = {.orientation = {0, 0, 0, 0}}}), "not zero"));
+  EXPECT_TRUE(says(message("a", {.shape = Needle{.puncture = 1.0, .cutting = 2.0}}), "at most the puncture force 1 N"));
+  EXPECT_TRUE(says(message("a", {.shape = Needle{.spread = 0.9e-3}}), "m, below a tenth of one"));
+  EXPECT_TRUE(refuses([&] { scene.tool("needle"); }, "no tool \"needle\"; it has: probe"));
   EXPECT_EQ(scene.tools().size(), 1u);
   const ToolHandle handle = scene.tool("probe");
   scene.remove_tool("probe");
-  EXPECT_TRUE(has(message_of([&] { handle.move_to({}); }), "no longer has the tool"));
+  EXPECT_TRUE(refuses([&] { handle.move_to({}); }, "no longer has the tool"));
 }
 
 TEST(Tool, PosesDoNotMakeTheSceneNew) {
@@ -91,9 +87,9 @@ TEST_P(MovingTool, IsAtItsPoseAtTheEndOfTheCallAndGoesOnWithItsVelocity) {
   const ToolPose& gone_on = solver->tool_pose("probe");
   EXPECT_NEAR((gone_on.position - Vec3(0.2, 0.1, 60 * dt)).norm(), 0.0, 1e-12);
   EXPECT_NEAR(Eigen::AngleAxisd(gone_on.orientation.toRotationMatrix()).angle(), M_PI / 2 + 40 * dt, 1e-9);
-  scene.tool("probe").teleport({.position = {0.3, 0, 0}});
-  ASSERT_TRUE(solver->step(1, dt).ok());
-  EXPECT_EQ(solver->tool_pose("probe").position, Vec3(0.3, 0, 0));
+  scene.tool("probe").teleport({.position = {0.3, 0, 0}, .velocity = {0, 0, 3.0}});
+  for (const int steps : {2, 3, 5}) ASSERT_TRUE(solver->step(steps, dt).ok());
+  EXPECT_NEAR((solver->tool_pose("probe").position - Vec3(0.3, 0, 30 * dt)).norm(), 0.0, 1e-9);
 }
 
 TEST_P(MovingTool, PlacedOverParticlesLetsThemOutWithoutSpeed) {
@@ -183,7 +179,7 @@ TEST_P(MovingTool, AFailureNamesAToolThatHolds) {
     if (!grasps) scene.gravity({0, 0, -1e16});
     const StepReport report = solver->step(10, dt);
     ASSERT_EQ(report.status, StepStatus::not_finite);
-    EXPECT_EQ(has(report.message(), "VirtualCoupling::follow"), grasps) << report.message();
+    EXPECT_EQ(bool(says(report.message(), "VirtualCoupling::follow")), grasps);
     scene.gravity({0, 0, 0});
   }
 }
@@ -198,6 +194,9 @@ TEST_P(MovingTool, FixedParticlesAreNotMoved) {
   ASSERT_TRUE(solver->step(20, 0.3 * solver->stable_step()).ok());
   const State state = solver->read();
   for (const Index i : model.group("z1")) EXPECT_LE((state.position[i] - model.rest[i]).norm(), 1e-9);
+  // Nor counted: the ball reaches no others.
+  EXPECT_EQ(solver->tool_force("ball").particles, 0);
+  EXPECT_EQ(solver->tool_force("ball").force, Vec3(0, 0, 0));
 }
 
 /// A block flies past a ball, twice its own size away from where its rest shape is, and is taken back to before.
@@ -264,9 +263,9 @@ TEST_P(MovingTool, ReportsAreOfTheToolAskedFor) {
   scene.add_tool("new", {.shape = Sphere{0.001}, .pose = {.position = {0, 0, 2}}});
   EXPECT_EQ(solver->tool_force("new").force, Vec3(0, 0, 0));
   EXPECT_EQ(solver->tool_pose("new").position, Vec3(0, 0, 2));
-  EXPECT_TRUE(has(message_of([&] { solver->tool_force(far); }), "no longer has the tool of this handle"));
+  EXPECT_TRUE(refuses([&] { solver->tool_force(far); }, "no longer has the tool of this handle"));
   Scene same(scene);
-  EXPECT_TRUE(has(message_of([&] { solver->tool_pose(same.tool("ball")); }), "of a tool of another scene"));
+  EXPECT_TRUE(refuses([&] { solver->tool_pose(same.tool("ball")); }, "of a tool of another scene"));
 }
 
 TEST_P(MovingTool, StatesThatDoNotFitAreRefused) {
@@ -279,9 +278,9 @@ TEST_P(MovingTool, StatesThatDoNotFitAreRefused) {
     state.tools.push_back(tool);
     return message_of([&] { solver->reset(state); });
   };
-  EXPECT_TRUE(has(message({.name = "jaw", .held = {27}, .held_at = {Vec3::Zero()}}), "tool \"jaw\" has particles"));
-  EXPECT_TRUE(has(message({.name = "jaw", .held = {2}}), "unlike lengths"));
-  EXPECT_TRUE(has(message({.name = "jaw", .needle = {.hole = {{.particles = {0}}}}}), "unlike lengths"));
+  EXPECT_TRUE(says(message({.name = "jaw", .held = {27}, .held_at = {Vec3::Zero()}}), "tool \"jaw\" has particles"));
+  EXPECT_TRUE(says(message({.name = "jaw", .held = {2}}), "unlike lengths"));
+  EXPECT_TRUE(says(message({.name = "jaw", .needle = {.hole = {{.particles = {0}}}}}), "unlike lengths"));
   EXPECT_EQ(message({.name = "jaw", .held = {2}, .held_at = {Vec3::Zero()}}), "(no error)");
 }
 
@@ -326,31 +325,6 @@ TEST(ToolOfTheFastBackend, GivesTheSameBitsForAnyNumberOfThreads) {
   const auto one = run(1), three = run(3);
   EXPECT_EQ(one.first, three.first);
   EXPECT_EQ(one.second, three.second);
-}
-
-TEST(ToolOfTheFastBackend, AgreesWithTheReference) {
-  const Model model = soft_block({0.03, 0.03, 0.015}, 6, 6, 3);
-  std::vector<State> states;
-  std::vector<ToolForce> forces;
-  for (const char* backend : {"reference", "cpu"}) {
-    Scene scene(model);
-    scene.fix("z0");
-    scene.add_tool("ball", {.shape = Sphere{0.01},
-                            .pose = {.position = {0.015, 0.014, 0.0251}, .velocity = {0.01, 0, -0.04}},
-                            .friction = 0.4});
-    SolverOptions options;
-    options.damping.rate = 30.0;
-    const auto solver = make_solver(backend, model, scene, {}, options);
-    ASSERT_TRUE(solver->step(200, 0.4 * solver->stable_step()).ok());
-    states.push_back(solver->read());
-    forces.push_back(solver->tool_force("ball"));
-  }
-  const double moved = displacement_norms(model, states[0]).max;
-  EXPECT_GT(moved, 1e-3);
-  for (Index i = 0; i < model.particle_count(); ++i) {
-    EXPECT_LE((states[0].position[i] - states[1].position[i]).norm(), 1e-4 * moved);
-  }
-  EXPECT_LE((forces[0].mean_force - forces[1].mean_force).norm(), 1e-3 * forces[0].mean_force.norm());
 }
 
 TEST(ToolOfOtherBackends, NeedlesAreTakenByAllButFragments) {

@@ -6,26 +6,19 @@
 
 #include <array>
 #include <ctime>
-#include <fstream>
+#include <filesystem>
 #include <functional>
-#include <iterator>
 #include <random>
 
+#include "io/mesh/mesh_parts.h"
 #include "support/pml_text.h"
+#include "support/text_file.h"
 
 namespace phymul {
 namespace {
 
-const std::string data = PHYMUL_TEST_DATA;
-
 constexpr int mutants = 1000;
 constexpr double seconds_each = 2.0;  // of processor time; two thousand times what a sample takes in a release build
-
-std::string file_text(const std::string& name) {
-  std::ifstream in(data + "/" + name, std::ios::binary);
-  EXPECT_TRUE(in) << name;
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// A small body with everything that the reader knows.
 std::string rich_pml() {
@@ -165,11 +158,12 @@ struct Outcome {
   int refused = 0;
 };
 
-/// Reads mutants of a text. Anything but an Error escapes and fails the test.
-Outcome read_mutants(const std::string& text, std::uint32_t seed, const std::function<void(const std::string&)>& read) {
+/// Reads mutants of a file's bytes. Anything but an Error that names the file escapes or fails the test.
+Outcome read_mutants(const std::string& name, const std::string& text, std::uint32_t seed, int count,
+                     const std::function<void(const std::string&)>& read) {
   Outcome outcome;
   Mutator mutator(seed);
-  for (int i = 0; i < mutants; ++i) {
+  for (int i = 0; i < count; ++i) {
     const std::string mutant = mutator.mutate(text);
     const std::clock_t start = std::clock();
     try {
@@ -177,7 +171,7 @@ Outcome read_mutants(const std::string& text, std::uint32_t seed, const std::fun
       ++outcome.read;
     } catch (const Error& error) {
       ++outcome.refused;
-      EXPECT_EQ(std::string(error.what()).rfind("m.xml:", 0), 0u) << error.what();
+      EXPECT_TRUE(std::string(error.what()).starts_with(name + ":")) << error.what();
     }
     EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, seconds_each) << mutant;
   }
@@ -186,7 +180,7 @@ Outcome read_mutants(const std::string& text, std::uint32_t seed, const std::fun
 
 void expect_pml_holds(const std::string& text, std::uint32_t seed) {
   int unequal = 0;
-  const Outcome outcome = read_mutants(text, seed, [&](const std::string& mutant) {
+  const Outcome outcome = read_mutants("m.xml", text, seed, mutants, [&](const std::string& mutant) {
     const Model model = read_pml_text(mutant, "m.xml");
     EXPECT_EQ(message_of([&] { validate(model); }), "(no error)") << mutant;
     // A reference to a control character is read but cannot be written; all else comes back.
@@ -206,7 +200,7 @@ TEST(MutatedFiles, TheStartReads) {
 }
 
 TEST(MutatedFiles, SmallPml) {
-  expect_pml_holds(file_text("tetrahedron_4.pml"), 1);
+  expect_pml_holds(text_of(PHYMUL_TEST_DATA "/tetrahedron_4.pml"), 1);
 }
 
 TEST(MutatedFiles, RichPml) {
@@ -218,7 +212,7 @@ TEST(MutatedFiles, WrittenPml) {
 }
 
 void expect_lml_holds(const std::string& text, const Model& model, std::uint32_t seed) {
-  const Outcome outcome = read_mutants(text, seed, [&](const std::string& mutant) {
+  const Outcome outcome = read_mutants("m.xml", text, seed, mutants, [&](const std::string& mutant) {
     const std::vector<Load> loads = read_lml_text(mutant, "m.xml", model);
     std::ostringstream out;
     if (message_of([&] { write_lml(loads, model, out); }) == "(no error)") {
@@ -230,13 +224,28 @@ void expect_lml_holds(const std::string& text, const Model& model, std::uint32_t
 }
 
 TEST(MutatedFiles, SampleLml) {
-  expect_lml_holds(file_text("cylinder_275_pull.lml"), read_pml(data + "/cylinder_275.pml"), 4);
+  expect_lml_holds(text_of(PHYMUL_SAMPLE_DATA "/cylinder_275_pull.lml"),
+                   read_pml(PHYMUL_SAMPLE_DATA "/cylinder_275.pml"), 4);
 }
 
 TEST(MutatedFiles, RichLml) {
   Model model = make_block({0.04, 0.01, 0.01}, 4, 1, 1);
   model.add_group("Tip", {3, 1});
   expect_lml_holds(rich_lml, model, 5);
+}
+
+TEST(MutatedFiles, Meshes) {
+  Outcome all;
+  for (const auto& file : std::filesystem::directory_iterator(PHYMUL_TEST_DATA "/mesh")) {
+    const std::string name = "m" + file.path().extension().string();
+    const Outcome one = read_mutants(name, text_of(file.path()), 6, mutants / 4, [&](const std::string& mutant) {
+      EXPECT_EQ(message_of([model = mesh_from_bytes(name, mutant, {})] { validate(model); }), "(no error)");
+    });
+    all.read += one.read;
+    all.refused += one.refused;
+  }
+  EXPECT_GT(all.read, mutants / 5);
+  EXPECT_GT(all.refused, mutants);
 }
 
 }  // namespace

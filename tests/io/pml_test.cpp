@@ -13,7 +13,7 @@
 namespace phymul {
 namespace {
 
-const std::string data = PHYMUL_TEST_DATA;
+const std::string data = PHYMUL_TEST_DATA, samples = PHYMUL_SAMPLE_DATA;
 
 std::vector<Index> row(const RaggedList& list, Index i) {
   return {list.begin(i), list.end(i)};
@@ -47,7 +47,7 @@ TEST(PmlRead, Tetrahedron) {
 }
 
 TEST(PmlRead, Cylinder) {
-  const Model model = read_pml(data + "/cylinder_275.pml");
+  const Model model = read_pml(samples + "/cylinder_275.pml");
   EXPECT_EQ(model.particle_count(), 275);
   EXPECT_EQ(model.cells.size(), 240u);
   EXPECT_EQ(model.neighbours.rows(), 275);
@@ -132,7 +132,7 @@ TEST(PmlRead, FewNeighboursAreNamedAndLoad) {
   EXPECT_EQ(few->items, std::vector<Index>{1});
   EXPECT_TRUE(has_note(model.notes, "t.pml: " + few->message));
   // What becomes of the particle is the caller's choice.
-  EXPECT_NE(message_of([&] { build_topology(model); }).find("on_sparse"), std::string::npos);
+  EXPECT_TRUE(refuses([&] { build_topology(model); }, "on_sparse"));
   for (const SparseParticle choice : {SparseParticle::springs, SparseParticle::free}) {
     TopologyOptions options;
     options.on_sparse = choice;
@@ -163,7 +163,7 @@ TEST(PmlRead, CellReferenceBeforeItsCell) {
   EXPECT_EQ(model.components[3].cell_refs, std::vector<Index>{0});
   EXPECT_EQ(model.components[3].particles, std::vector<Index>{0});
   EXPECT_EQ(model.group("G"), (std::vector<Index>{0, 1, 2, 3}));
-  EXPECT_NE(written(model).find("<cellRef index=\"9\"/>"), std::string::npos);
+  EXPECT_TRUE(says(written(model), "<cellRef index=\"9\"/>"));
   EXPECT_EQ(reread(model), model);
 }
 
@@ -207,13 +207,13 @@ TEST(PmlRead, DecimalPointWhateverTheLocale) {
     char do_thousands_sep() const override { return '.'; }
     std::string do_grouping() const override { return "\3"; }
   };
-  const Model plain = read_pml(data + "/cylinder_275.pml");
+  const Model plain = read_pml(samples + "/cylinder_275.pml");
   const std::string text = written(plain);
   const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
   for (const char* const name : {"de_DE.UTF-8", "fr_FR.UTF-8"}) {
     if (std::setlocale(LC_NUMERIC, name) != nullptr) break;
   }
-  EXPECT_EQ(read_pml(data + "/cylinder_275.pml"), plain);
+  EXPECT_EQ(read_pml(samples + "/cylinder_275.pml"), plain);
   EXPECT_EQ(written(plain), text);
   std::locale::global(before);
   std::setlocale(LC_NUMERIC, "C");

@@ -15,18 +15,15 @@
 
 #include "base/replace_file.h"
 #include "io/vtk/vtu_array.h"
+#include "support/message_of.h"
 #include "support/text_file.h"
 
+namespace phymul {
 namespace {
-
-using phymul::Index;
-using phymul::Model;
-using phymul::State;
-using phymul::Vec3;
 
 /// A smooth deformation with velocities: every number has all its digits.
 State bent(const Model& model) {
-  State state = phymul::rest_state(model);
+  State state = rest_state(model);
   state.time = 1.0 / 3.0;
   for (Index i = 0; i < model.particle_count(); ++i) {
     const Vec3& rest = model.rest[i];
@@ -43,21 +40,19 @@ std::vector<double> appended(const std::string& file, const std::string& name, s
   if (element == std::string::npos) return {};
   const std::size_t offset = std::stoul(file.substr(file.find("offset=\"", element) + 8));
   const std::string_view data = std::string_view(file).substr(file.find("\n_", file.find("<AppendedData")) + 2);
-  const std::string bytes =
-      phymul::decode_vtu_array(data.substr(offset), {.header_type = phymul::NumberType::uint64}, 8 * count, name);
+  const std::string bytes = decode_vtu_array(data.substr(offset), {.header_type = NumberType::uint64}, 8 * count, name);
   std::vector<double> values(count);
   std::memcpy(values.data(), bytes.data(), bytes.size());
   return values;
 }
 
 TEST(Writer, VtuComesBackAsItWas) {
-  for (const Model& model :
-       {phymul::make_cylinder(0.01, 0.04, 2, 6, 5), phymul::make_block({0.03, 0.02, 0.01}, 3, 2, 1),
-        phymul::make_tetrahedral_block({0.03, 0.02, 0.01}, 3, 2, 2, 0.2, 5)}) {
+  for (const Model& model : {make_cylinder(0.01, 0.04, 2, 6, 5), make_block({0.03, 0.02, 0.01}, 3, 2, 1),
+                             make_tetrahedral_block({0.03, 0.02, 0.01}, 3, 2, 2, 0.2, 5)}) {
     const State state = bent(model);
     const TextFile file("frame.vtu", "");
-    phymul::write_vtu(model, state, file.path());
-    const Model back = phymul::read_mesh(file.path());
+    write_vtu(model, state, file.path());
+    const Model back = read_mesh(file.path());
 
     EXPECT_EQ(back.rest, state.position);
     ASSERT_EQ(back.cells.size(), model.cells.size());
@@ -66,7 +61,7 @@ TEST(Writer, VtuComesBackAsItWas) {
       EXPECT_EQ(back.cells[c].particles, model.cells[c].particles);
     }
     std::size_t groups = 0;
-    for (const phymul::Component& component : model.components) {
+    for (const Component& component : model.components) {
       const std::vector<Index> members = model.group(component.name);
       if (members.empty() || members.size() == model.rest.size()) continue;
       EXPECT_EQ(back.group(component.name), members) << component.name;
@@ -77,13 +72,13 @@ TEST(Writer, VtuComesBackAsItWas) {
 }
 
 TEST(Writer, VtuHoldsTheFieldsExactly) {
-  const Model model = phymul::make_block({0.03, 0.02, 0.01}, 3, 2, 1);
+  const Model model = make_block({0.03, 0.02, 0.01}, 3, 2, 1);
   const State state = bent(model);
   const std::size_t n = model.rest.size();
-  phymul::Field field{"heat & \"cold\"", std::vector<double>(n)};
+  Field field{"heat & \"cold\"", std::vector<double>(n)};
   for (std::size_t i = 0; i < n; ++i) field.values[i] = 1.0 / static_cast<double>(i + 3);
   const TextFile file("frame.vtu", "");
-  phymul::write_vtu(model, state, file.path(), {field});
+  write_vtu(model, state, file.path(), {field});
 
   const std::string text = text_of(file.path());
   EXPECT_EQ(appended(text, "heat &amp; &quot;cold&quot;", n), field.values);
@@ -95,36 +90,36 @@ TEST(Writer, VtuHoldsTheFieldsExactly) {
     EXPECT_EQ(Vec3(displacement[3 * i], displacement[3 * i + 1], displacement[3 * i + 2]),
               Vec3(state.position[i] - model.rest[i]));
   }
-  EXPECT_NE(text.find(">0.3333333333333333<"), std::string::npos);  // TimeValue
+  EXPECT_TRUE(says(text, ">0.3333333333333333<"));  // TimeValue
 }
 
 TEST(Writer, VtuOfABodyWithoutCellsHasVertices) {
-  Model model = phymul::make_block({1, 1, 1}, 1, 1, 1);
+  Model model = make_block({1, 1, 1}, 1, 1, 1);
   model.cells.clear();
   model.components.clear();
   const TextFile file("cloud.vtu", "");
-  phymul::write_vtu(model, phymul::rest_state(model), file.path());
-  EXPECT_NE(text_of(file.path()).find("NumberOfPoints=\"8\" NumberOfCells=\"8\""), std::string::npos);
+  write_vtu(model, rest_state(model), file.path());
+  EXPECT_TRUE(says(text_of(file.path()), "NumberOfPoints=\"8\" NumberOfCells=\"8\""));
 }
 
 TEST(Writer, VtuNamesAreXmlWhateverTheyHold) {
-  Model model = phymul::make_block({1, 1, 1}, 1, 1, 1);
+  Model model = make_block({1, 1, 1}, 1, 1, 1);
   model.add_group("<a>\a&\"b\"", {1, 2});
   const TextFile file("names.vtu", "");
-  phymul::write_vtu(model, phymul::rest_state(model), file.path());
+  write_vtu(model, rest_state(model), file.path());
   const std::string text = text_of(file.path());
-  EXPECT_NE(text.find("Name=\"group:&lt;a&gt;?&amp;&quot;b&quot;\""), std::string::npos);
+  EXPECT_TRUE(says(text, "Name=\"group:&lt;a&gt;?&amp;&quot;b&quot;\""));
   EXPECT_EQ(text.find("group:Elements"), std::string::npos) << "all particles are no group";
-  EXPECT_EQ(phymul::read_mesh(file.path()).group("<a>?&\"b\""), (std::vector<Index>{1, 2}));
+  EXPECT_EQ(read_mesh(file.path()).group("<a>?&\"b\""), (std::vector<Index>{1, 2}));
 }
 
 TEST(Writer, DraftsGoWhateverStopsTheWriting) {
   const TextFile file("kept.txt", "as it was");
-  EXPECT_THROW(phymul::replace_file(file.path(),
-                                    [](std::ostream& out) {
-                                      out << "half";
-                                      throw std::runtime_error("no more");
-                                    }),
+  EXPECT_THROW(replace_file(file.path(),
+                            [](std::ostream& out) {
+                              out << "half";
+                              throw std::runtime_error("no more");
+                            }),
                std::runtime_error);
   EXPECT_EQ(text_of(file.path()), "as it was");
   const std::filesystem::directory_iterator files(std::filesystem::path(file.path()).parent_path());
@@ -132,31 +127,30 @@ TEST(Writer, DraftsGoWhateverStopsTheWriting) {
 }
 
 TEST(Writer, SeriesIsCompleteAfterEveryFrame) {
-  const Model model = phymul::make_block({0.03, 0.02, 0.01}, 1, 1, 1);
+  const Model model = make_block({0.03, 0.02, 0.01}, 1, 1, 1);
   const TextFile marker("marker", "");
   const std::string stem = std::filesystem::path(marker.path()).replace_filename("run").string();
-  phymul::VtkSeries series(stem);
-  State state = phymul::rest_state(model);
+  VtkSeries series(stem);
+  State state = rest_state(model);
   for (std::size_t frame = 1; frame <= 3; ++frame) {
     state.time += 0.1;
     series.write(model, state);
     EXPECT_EQ(series.frames(), frame);
     const std::string list = text_of(stem + ".pvd");
-    EXPECT_NE(list.find("</VTKFile>"), std::string::npos);
+    EXPECT_TRUE(says(list, "</VTKFile>"));
     std::size_t listed = 0;
     for (std::size_t at = list.find("<DataSet"); at != std::string::npos; at = list.find("<DataSet", at + 1)) ++listed;
     EXPECT_EQ(listed, frame);
   }
-  EXPECT_NE(text_of(stem + ".pvd").find("timestep=\"0.30000000000000004\" part=\"0\" file=\"run_000002.vtu\""),
-            std::string::npos);
-  EXPECT_EQ(phymul::read_mesh(stem + "_000001.vtu").rest, model.rest);
+  EXPECT_TRUE(says(text_of(stem + ".pvd"), "timestep=\"0.30000000000000004\" part=\"0\" file=\"run_000002.vtu\""));
+  EXPECT_EQ(read_mesh(stem + "_000001.vtu").rest, model.rest);
 }
 
 TEST(Writer, CsvHoldsEveryNumberExactly) {
-  const Model model = phymul::make_block({0.03, 0.02, 0.01}, 2, 1, 1);
+  const Model model = make_block({0.03, 0.02, 0.01}, 2, 1, 1);
   const State state = bent(model);
   const TextFile file("state.csv", "");
-  phymul::write_csv(model, state, file.path());
+  write_csv(model, state, file.path());
 
   std::istringstream in(text_of(file.path()));
   std::string line;
@@ -185,65 +179,65 @@ class CommaNumbers : public std::numpunct<char> {
 };
 
 TEST(Writer, WritesTheSameInEveryLocale) {
-  const Model model = phymul::make_block({0.03, 0.02, 0.01}, 11, 9, 9);
+  const Model model = make_block({0.03, 0.02, 0.01}, 11, 9, 9);
   const State state = bent(model);
   const TextFile here("here.vtu", "");
   const std::string csv = std::filesystem::path(here.path()).replace_filename("here.csv").string();
-  phymul::write_vtu(model, state, here.path());
-  phymul::write_csv(model, state, csv);
+  write_vtu(model, state, here.path());
+  write_csv(model, state, csv);
   const std::locale before = std::locale::global(std::locale(std::locale::classic(), new CommaNumbers));
-  phymul::write_vtu(model, state, here.path() + "2");
-  phymul::write_csv(model, state, csv + "2");
+  write_vtu(model, state, here.path() + "2");
+  write_csv(model, state, csv + "2");
   std::locale::global(before);
   EXPECT_EQ(text_of(here.path()), text_of(here.path() + "2"));
   EXPECT_EQ(text_of(csv), text_of(csv + "2"));
 }
 
 TEST(Writer, DeformedModelHasTheStateAsItsRestShape) {
-  const Model model = phymul::make_block({0.03, 0.02, 0.01}, 2, 1, 1);
+  const Model model = make_block({0.03, 0.02, 0.01}, 2, 1, 1);
   const State state = bent(model);
-  const Model deformed = phymul::deformed_model(model, state);
+  const Model deformed = deformed_model(model, state);
   EXPECT_EQ(deformed.rest, state.position);
   EXPECT_EQ(deformed.cells, model.cells);
   EXPECT_EQ(deformed.neighbours, model.neighbours);
 }
 
 TEST(Writer, RefusesAStateOfAnotherModel) {
-  const Model model = phymul::make_block({0.03, 0.02, 0.01}, 2, 1, 1);
-  const State other = phymul::rest_state(phymul::make_block({0.03, 0.02, 0.01}, 1, 1, 1));
+  const Model model = make_block({0.03, 0.02, 0.01}, 2, 1, 1);
+  const State other = rest_state(make_block({0.03, 0.02, 0.01}, 1, 1, 1));
   const TextFile file("kept.vtu", "as it was");
-  EXPECT_THROW(phymul::write_vtu(model, other, file.path()), phymul::Error);
-  EXPECT_THROW(phymul::write_csv(model, other, file.path()), phymul::Error);
-  EXPECT_THROW(phymul::deformed_model(model, other), phymul::Error);
-  EXPECT_THROW(phymul::write_vtu(model, phymul::rest_state(model), file.path(), {{"short", {1.0}}}), phymul::Error);
+  EXPECT_THROW(write_vtu(model, other, file.path()), Error);
+  EXPECT_THROW(write_csv(model, other, file.path()), Error);
+  EXPECT_THROW(deformed_model(model, other), Error);
+  EXPECT_THROW(write_vtu(model, rest_state(model), file.path(), {{"short", {1.0}}}), Error);
   EXPECT_EQ(text_of(file.path()), "as it was");
 }
 
 TEST(Writer, RefusesFieldsWithoutANameOfTheirOwn) {
-  const Model model = phymul::make_block({0.03, 0.02, 0.01}, 1, 1, 1);
+  const Model model = make_block({0.03, 0.02, 0.01}, 1, 1, 1);
   const TextFile file("fields.vtu", "as it was");
   const std::vector<double> values(8, 1.0);
   const std::vector<std::vector<phymul::Field>> bad{{{"", values}}, {{"mass", values}}, {{"a", values}, {"a", values}}};
   for (const std::vector<phymul::Field>& fields : bad) {
-    EXPECT_THROW(phymul::write_vtu(model, phymul::rest_state(model), file.path(), fields), phymul::Error);
+    EXPECT_THROW(write_vtu(model, rest_state(model), file.path(), fields), Error);
   }
   EXPECT_EQ(text_of(file.path()), "as it was");
 }
 
 TEST(Writer, WritesThroughALinkAndIntoADevice) {
-  const Model model = phymul::make_block({0.03, 0.02, 0.01}, 1, 1, 1);
-  const State state = phymul::rest_state(model);
+  const Model model = make_block({0.03, 0.02, 0.01}, 1, 1, 1);
+  const State state = rest_state(model);
   const TextFile file("behind.csv", "");
   const std::string link = file.path() + ".link";
   std::filesystem::create_symlink(file.path(), link);
-  phymul::write_csv(model, state, link);
+  write_csv(model, state, link);
   EXPECT_TRUE(std::filesystem::is_symlink(link));
   EXPECT_FALSE(text_of(file.path()).empty());
   // Through a link of our own: where this fails, it is not the machine's device that is lost.
   const std::string device = file.path() + ".device";
   std::filesystem::create_symlink("/dev/full", device);
   if (std::filesystem::is_character_file(device)) {
-    EXPECT_THROW(phymul::write_csv(model, state, device), phymul::Error);
+    EXPECT_THROW(write_csv(model, state, device), Error);
     EXPECT_TRUE(std::filesystem::is_symlink(device));
   }
   std::filesystem::remove(link);
@@ -251,14 +245,15 @@ TEST(Writer, WritesThroughALinkAndIntoADevice) {
 }
 
 TEST(Writer, LeavesNothingBehindWhereItCannotWrite) {
-  const Model model = phymul::make_block({0.03, 0.02, 0.01}, 1, 1, 1);
+  const Model model = make_block({0.03, 0.02, 0.01}, 1, 1, 1);
   const TextFile file("folder_in_the_way", "");
   const std::string folder = std::filesystem::path(file.path()).replace_filename("frame.vtu").string();
   std::filesystem::create_directory(folder);
-  EXPECT_THROW(phymul::write_vtu(model, phymul::rest_state(model), folder), phymul::Error);
+  EXPECT_THROW(write_vtu(model, rest_state(model), folder), Error);
   const std::filesystem::directory_iterator files(std::filesystem::path(folder).parent_path());
   EXPECT_EQ(std::distance(begin(files), end(files)), 2) << "the file in the way and the folder";
-  EXPECT_THROW(phymul::write_csv(model, phymul::rest_state(model), folder + "_none/a.csv"), phymul::Error);
+  EXPECT_THROW(write_csv(model, rest_state(model), folder + "_none/a.csv"), Error);
 }
 
 }  // namespace
+}  // namespace phymul

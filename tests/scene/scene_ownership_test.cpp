@@ -18,7 +18,7 @@ TEST(SceneOwnership, SharesOwnershipOfItsModel) {
   scene.reset();
   ASSERT_FALSE(watched.expired());
   EXPECT_EQ(copy.model().particle_count(), 8);
-  EXPECT_NE(message_of([] { Scene(std::shared_ptr<const Model>()); }).find("got null"), std::string::npos);
+  EXPECT_TRUE(refuses([] { Scene(std::shared_ptr<const Model>()); }, "got null"));
 }
 
 TEST(SceneOwnership, GivesToolsNamesAndHandles) {

@@ -232,14 +232,10 @@ TEST(Scene, NewEventsLeaveTheRestAsItWas) {
   EXPECT_EQ(scene.values_version(), values + 1);
   expect_near(at(scene, 0.5).force[0], Vec3(3, 0, 0));
   const std::vector<Load> before = scene.loads();
-  EXPECT_NE(message_of([&] { scene.set_events(2, before[0].events); }).find("row of one of 2 loads, got 2"),
-            std::string::npos);
-  EXPECT_NE(message_of([&] { scene.set_events(0, {}); }).find("at least one value"), std::string::npos);
+  EXPECT_TRUE(refuses([&] { scene.set_events(2, before[0].events); }, "row of one of 2 loads, got 2"));
+  EXPECT_TRUE(refuses([&] { scene.set_events(0, {}); }, "at least one value"));
   EXPECT_THROW(scene.set_events(0, std::vector<ValueEvent>{{0.0, INFINITY}}), Error);
-  EXPECT_NE(message_of([&] {
-              scene.set_events(1, std::vector<ValueEvent>{{0.0, 1.0}});
-            }).find("not zero"),
-            std::string::npos);
+  EXPECT_TRUE(refuses([&] { scene.set_events(1, std::vector<ValueEvent>{{0.0, 1.0}}); }, "not zero"));
   EXPECT_EQ(scene.loads(), before);
   EXPECT_EQ(scene.values_version(), values + 1);
 }
@@ -256,8 +252,7 @@ TEST(Scene, RefusesWhatMakesNoSenseAndStaysAsItWas) {
     Load load = good;
     load.applied_to = "needle";
     change(load);
-    const std::string message = message_of([&] { scene.add(std::vector<Load>{good, load}); });
-    EXPECT_NE(message.find(text), std::string::npos) << "expected: " << text << "\ngot: " << message;
+    EXPECT_TRUE(refuses([&] { scene.add(std::vector<Load>{good, load}); }, text));
     EXPECT_THROW(scene.replace(0, load), Error) << text;
   };
   refused("force on \"needle\": expected particles from 0 to 26, got 27", [](Load& l) { l.particles = {3, 27}; });
@@ -284,10 +279,10 @@ TEST(Scene, RefusesWhatMakesNoSenseAndStaysAsItWas) {
     l.type = LoadType::pressure;
     l.particles = {0, 1, 3};
   });
-  EXPECT_NE(message_of([&] { scene.fix("liver"); }).find("\"x0\""), std::string::npos);
+  EXPECT_TRUE(refuses([&] { scene.fix("liver"); }, "\"x0\""));
   EXPECT_THROW(scene.fix(std::vector<Index>{99}), Error);
   EXPECT_THROW(scene.gravity({0, nan, 0}), Error);
-  EXPECT_NE(message_of([&] { scene.remove(1); }).find("row of one of 1 loads, got 1"), std::string::npos);
+  EXPECT_TRUE(refuses([&] { scene.remove(1); }, "row of one of 1 loads, got 1"));
   EXPECT_THROW(scene.replace(1, good), Error);
   EXPECT_EQ(scene.version(), version);
   EXPECT_EQ(scene.loads(), loads);
@@ -306,15 +301,9 @@ TEST(Scene, ZeroDirectionIsAllowedWhereNothingMoves) {
 TEST(Scene, StaysInThePlaneOfATwoDimensionalModel) {
   const Model strip = make_strip(2, 1, 2, 2);
   Scene scene(strip);
-  EXPECT_NE(message_of([&] { scene.gravity({0, 0, -9.81}); }).find("two-dimensional"), std::string::npos);
-  EXPECT_NE(message_of([&] {
-              scene.add(made(LoadType::force, {0}, {0, 1, 1}, 1.0));
-            }).find("direction with z = 0"),
-            std::string::npos);
-  EXPECT_NE(message_of([&] {
-              scene.add(made(LoadType::rotation, {0, 1}, {1, 0, 0}, 1.0));
-            }).find("an axis along z"),
-            std::string::npos);
+  EXPECT_TRUE(refuses([&] { scene.gravity({0, 0, -9.81}); }, "two-dimensional"));
+  EXPECT_TRUE(refuses([&] { scene.add(made(LoadType::force, {0}, {0, 1, 1}, 1.0)); }, "direction with z = 0"));
+  EXPECT_TRUE(refuses([&] { scene.add(made(LoadType::rotation, {0, 1}, {1, 0, 0}, 1.0)); }, "an axis along z"));
   scene.gravity({0, -9.81, 0}).add(made(LoadType::rotation, strip.group("x1"), {0, 0, 1}, pi / 2)).fix("x0");
   const LoadFrame frame = at(scene, 0.0);
   expect_near(frame.target[2], Vec3(2.5, 0.5, 0));

@@ -155,19 +155,18 @@ TEST(SeveralBodies, TheStableStepIsTheSmallestAndItsBodyIsNamed) {
   EXPECT_NEAR(all, limits[1].stable_step, 2e-3 * all);
   const std::string text = describe(limits);
   EXPECT_EQ(text.rfind("\"hard\" sets the stable step of ", 0), 0u) << text;
-  EXPECT_NE(text.find(", \"soft\" by itself allows "), std::string::npos) << text;
+  EXPECT_TRUE(says(text, ", \"soft\" by itself allows "));
 }
 
 TEST(SeveralBodies, WhatCannotBeMergedIsRefused) {
   const TwoOrgans organs;
   const Model bare = make_tetrahedron(0.01), flat = make_strip(0.02, 0.01, 2, 1);
   const auto refused = [](std::vector<NamedBody> bodies) { return message_of([&] { merge_models(bodies); }); };
-  EXPECT_NE(refused({}).find("one body or more"), std::string::npos);
-  EXPECT_NE(refused({{"a/b", &bare}}).find("without '/'"), std::string::npos);
-  EXPECT_NE(refused({{"a", &bare}, {"a", &bare}}).find("another body has it"), std::string::npos);
-  EXPECT_NE(refused({{"a", &bare}, {"b", &flat}}).find("expected 3 dimensions"), std::string::npos);
-  EXPECT_NE(refused({{"a", &organs.soft}, {"b", &bare}}).find("a material on every body or on none"),
-            std::string::npos);
+  EXPECT_TRUE(says(refused({}), "one body or more"));
+  EXPECT_TRUE(says(refused({{"a/b", &bare}}), "without '/'"));
+  EXPECT_TRUE(says(refused({{"a", &bare}, {"a", &bare}}), "another body has it"));
+  EXPECT_TRUE(says(refused({{"a", &bare}, {"b", &flat}}), "expected 3 dimensions"));
+  EXPECT_TRUE(says(refused({{"a", &organs.soft}, {"b", &bare}}), "a material on every body or on none"));
   Load load;
   load.particles = {0, 2};
   load.toward = -1;

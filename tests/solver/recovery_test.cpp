@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "support/failure_states.h"
+#include "support/message_of.h"
 #include "support/sanitized.h"
 
 namespace phymul::test {
@@ -97,12 +98,6 @@ TEST(Recovery, WithoutTheCutMostFailureStatesRunAway) {
   EXPECT_GE(lost, failure_states().size() / 2);
 }
 
-TEST(Recovery, TheReportSaysThatForcesWereCut) {
-  const Outcome outcome = run(failure_states().front(), 0.3, {}, {});
-  EXPECT_TRUE(outcome.report.force_clamped);
-  EXPECT_NE(outcome.report.message().find("elastic forces were clamped"), std::string::npos);
-}
-
 /// A twentieth of strain let go at once, and sheared at five times a second, is no failure.
 TEST(Recovery, OrdinaryMotionIsNotCut) {
   const Model model = cube(0.3);
@@ -135,7 +130,7 @@ TEST(Recovery, ABodyInOnePointIsReported) {
   const RestResult rest = solver->run_to_rest(1000, 0.5 * solver->stable_step());
   EXPECT_TRUE(rest.converged());
   EXPECT_EQ(rest.collapsed, 0);
-  EXPECT_NE(rest.message().find("particle 0 has collapsed"), std::string::npos) << rest.message();
+  EXPECT_TRUE(says(rest.message(), "particle 0 has collapsed"));
   solver->reset();
   EXPECT_EQ(solver->run_to_rest(1000, 0.5 * solver->stable_step()).collapsed, -1);
 }
@@ -168,16 +163,6 @@ TEST(Recovery, GrowthIsNotHidden) {
   state.position = random_positions(model, 0.01, 3);
   solver->reset(state);
   EXPECT_EQ(solver->step(5000, 0.5 * solver->stable_step()).status, StepStatus::not_finite);
-}
-
-TEST(Recovery, TheCutMustBePositive) {
-  const Model model = cube(0.3);
-  const Scene scene(model);
-  SolverOptions options;
-  for (const double push : {0.0, -1.0, std::nan("")}) {
-    options.max_displacement_per_step = push;
-    EXPECT_THROW(make_solver("reference", model, scene, {}, options), Error) << push;
-  }
 }
 
 }  // namespace

@@ -35,20 +35,6 @@ TopologyOptions springs() {
   return options;
 }
 
-/// Two particles pushed onto each other: no direction, no force between them, and the others' forces stay finite.
-TEST_P(StabilityBases, ASpringOfNoLengthHasNoForce) {
-  const Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2, 18);
-  const TopologyTextures topology = build_topology(model, springs());
-  State state = rest_state(model);
-  const Index a = 0, b = *model.neighbours.begin(0);
-  state.position[b] = state.position[a];
-  VecList force(model.rest.size());
-  elastic_forces(topology, state.position, force);
-  for (const Vec3& f : force) EXPECT_TRUE(f.allFinite());
-  EXPECT_LE(sum(force).norm(), 1e-12 * norm(force));
-  stepped(model, springs(), state, 500);
-}
-
 /// At rest they coincide: `check` names them; a spring between them has rest length 0 and pulls them together.
 TEST_P(StabilityBases, CoincidentParticlesAreNamedAndStayFinite) {
   Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2, 18);
@@ -62,22 +48,6 @@ TEST_P(StabilityBases, CoincidentParticlesAreNamedAndStayFinite) {
   state.position[1] += Vec3::Constant(1e-3);
   const State end = stepped(model, springs(), state, 2000);
   EXPECT_LT((end.position[1] - end.position[0]).norm(), 1e-3);
-}
-
-/// Three neighbours on a line at rest are no base; a particle left without any is named.
-TEST_P(StabilityBases, BasesOnALineAtRestAreLeftOutOrNamed) {
-  Model model = make_tetrahedron(0.01);
-  model.cells.clear();
-  model.components.clear();
-  for (int k = 0; k < 4; ++k) model.rest[k] = Vec3(0.01 * k, 0, 0);
-  const auto message = message_of([&] { build_topology(model); });
-  EXPECT_NE(message.find("particle"), std::string::npos) << message;
-  TopologyOptions options;
-  options.on_sparse = SparseParticle::springs;
-  EXPECT_EQ(build_topology(model, options).base_count, 0);
-  State state = rest_state(model);
-  state.position[3].x() += 0.001;
-  stepped(model, options, state, 200);
 }
 
 /// A base whose corners pass through a line while it moves: no NaN on the way, and back to rest.
@@ -118,44 +88,6 @@ TEST(StabilityThinBases, ThresholdsKeepTheStepLimit) {
   std::printf("largest eigenvalue of a jittered lattice over the clean one: thresholded %.2f, all triples %.2f\n",
               without / clean, with_thin / clean);
   EXPECT_LT(without, 3.0 * clean);
-}
-
-/// Particles with 0, 1, 2 and 3 coplanar neighbours: named, bound by springs, or free, as the caller says.
-TEST(StabilitySparse, TooFewNeighboursAreNamedAndTheCallersChoice) {
-  for (int count = 0; count <= 3; ++count) {
-    Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
-    model.cells.clear();
-    model.components.clear();
-    std::vector<std::vector<Index>> rows(model.rest.size());
-    for (Index i = 0; i < model.particle_count(); ++i)
-      rows[i].assign(model.neighbours.begin(i), model.neighbours.end(i));
-    // Of the corner: neighbours that lie with it in one plane.
-    rows[0] = {};
-    const std::vector<Index> in_plane{1, 3, 4};
-    rows[0].assign(in_plane.begin(), in_plane.begin() + count);
-    model.neighbours = {};
-    for (const auto& row : rows) model.neighbours.push_row(row.begin(), row.end());
-    TopologyOptions options;
-    const bool coplanar_base = count == 3;
-    if (!coplanar_base) {
-      EXPECT_NE(message_of([&] { build_topology(model, options); }).find("particle 0"), std::string::npos) << count;
-      bool named = false;
-      for (const Finding& f : find_flaws(model)) {
-        named = named || ((f.flaw == Flaw::few_neighbours || f.flaw == Flaw::isolated) && f.items.front() == 0);
-      }
-      EXPECT_TRUE(named) << count;
-    }
-    for (const SparseParticle choice : {SparseParticle::springs, SparseParticle::free}) {
-      options.on_sparse = choice;
-      const Scene scene(model);
-      const auto solver = make_solver("reference", model, scene, options);
-      State state = rest_state(model);
-      state.position = random_positions(model, 0.05, 3);
-      solver->reset(state);
-      EXPECT_TRUE(solver->step(500, 0.5 * solver->stable_step()).ok());
-      EXPECT_TRUE(is_finite(solver->read()));
-    }
-  }
 }
 
 /// A cut: tables built anew from the rest shape without some neighbours. Nothing jumps at rest, the step limit hardly

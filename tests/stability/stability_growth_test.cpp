@@ -57,13 +57,6 @@ TEST(StabilityGrowth, RatesAreThoseOfTheEigenvalues) {
   }
 }
 
-TEST(StabilityGrowth, TheFullReactionIsStableOnTheTetrahedronOnly) {
-  for (const Body& body : small_bodies()) {
-    const Spectrum spectrum = estimate_spectrum(*tables_of(body, Reaction::full), body.model.rest);
-    EXPECT_EQ(spectrum.most_negative == 0.0, body.name == "tetrahedron") << body.name;
-  }
-}
-
 /// Noise of a ten-thousandth of a spacing after 20,000 steps at half the limit.
 double noise_after(const Body& body, Reaction reaction, double damping_factor) {
   const Scene scene(body.model);

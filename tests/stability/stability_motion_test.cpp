@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <thread>
 
 #include "stability_fixture.h"
 #include "support/dense_operator.h"
@@ -16,46 +17,6 @@ Model tissue_block(double young = 10e3, double poisson = 0.3) {
   Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
   set_material(model, {young, poisson, 1000.0});
   return model;
-}
-
-/// Slightly and smoothly bent and stretched, free of the step limit's own dependence on deformation.
-State slightly_bent(const Model& model, double amount) {
-  State state = rest_state(model);
-  const double size = body_size(model);
-  for (Vec3& p : state.position) {
-    const double s = p.x() / size;
-    p += amount * size * Vec3(0.3 * s, s * s, model.dimension == 3 ? 0.5 * s * s : 0.0);
-  }
-  return state;
-}
-
-/// Undamped at shares of the limit: energy stays below it, grows above it, and the report says which.
-TEST(StabilityShares, EnergyIsKeptUpToTheLimitByEveryEnergy) {
-  for (const Variant& variant : conservative_variants()) {
-    const Model model = prepared(variant, {"block", make_block({0.02, 0.01, 0.01}, 2, 1, 1)});
-    const Scene scene(model);
-    TopologyOptions topology = variant.options;
-    topology.on_sparse = SparseParticle::springs;
-    const auto solver = make_solver("reference", model, scene, topology, any_step_uncut());
-    for (const double share : {0.5, 0.9, 0.99, 1.01}) {
-      solver->reset(slightly_bent(model, 1e-5));
-      const double dt = share * solver->stable_step();
-      const StepReport first = solver->step(1, dt);
-      EXPECT_EQ(first.beyond_limit, share > 1.0);
-      EXPECT_EQ(first.message().find("beyond the stable step") != std::string::npos, share > 1.0);
-      const double before = solver->energy().total();
-      double drift = 0.0;
-      bool blew_up = false;
-      for (int k = 0; k < 50 && !blew_up; ++k) {
-        blew_up = !solver->step(sanitized ? 10 : 200, dt).ok();
-        drift = std::max(drift, std::abs(solver->energy().total() / before - 1.0));
-        blew_up = blew_up || drift > 100.0;
-      }
-      EXPECT_EQ(blew_up, share > 1.0) << variant.name << " at " << share << ", drift " << drift;
-      if (share > 1.0) continue;
-      EXPECT_LT(drift, 0.01) << variant.name << " at " << share;
-    }
-  }
 }
 
 class StabilityMotion : public OnBackend {
@@ -340,6 +301,27 @@ TEST_P(StabilityMotion, PushedAndPulledParticlesComeBack) {
     ASSERT_TRUE(report.ok()) << report.message();
     EXPECT_LT(distance_from_rest_shape(model, solver->read().position), 0.01) << length;
   }
+}
+
+TEST_P(StabilityMotion, TwoSolversAtOnceAreIndependent) {
+  if (GetParam().starts_with("gl")) GTEST_SKIP() << "GlEquivalence.FourSolversInFourThreads does this";
+  const Model model = tissue_block();
+  const Scene scene(model);
+  const auto run = [&](int count) {
+    const auto solver = make(model, scene);
+    State start = rest_state(model);
+    start.position = random_positions(model, 0.05, 2);
+    solver->reset(start);
+    EXPECT_TRUE(solver->step(count, 0.4 * solver->stable_step()).ok());
+    return solver->read();
+  };
+  const State short_run = run(100), long_run = run(150);
+  State first, second;
+  std::thread one([&] { first = run(100); }), two([&] { second = run(150); });
+  one.join();
+  two.join();
+  EXPECT_EQ(first, short_run);
+  EXPECT_EQ(second, long_run);
 }
 
 PHYMUL_ON_EVERY_BACKEND(StabilityMotion);

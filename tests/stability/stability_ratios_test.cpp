@@ -117,17 +117,6 @@ TEST_P(StabilityContrasts, RunsStayBoundedAndKeepMomentum) {
   }
 }
 
-/// A body read in metres that was meant in millimetres: `check` names it, and the step limit is that of such a body.
-TEST(StabilityRatios, UnitsMistakenAreNamed) {
-  Model model = make_block({30, 30, 30}, 2, 2, 2);
-  const std::vector<Finding> findings = find_flaws(model);
-  ASSERT_EQ(findings.size(), 1u);
-  EXPECT_EQ(findings[0].flaw, Flaw::suspect_units);
-  set_material(model, soft_tissue());
-  expect_limit_within_two_percent(model, {}, "30 m");
-  EXPECT_TRUE(find_flaws(make_block({0.03, 0.03, 0.03}, 2, 2, 2)).empty());
-}
-
 PHYMUL_ON_EVERY_BACKEND(StabilityContrasts);
 
 }  // namespace

@@ -6,8 +6,11 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <initializer_list>
+#include <iostream>
 #include <limits>
 #include <memory>
+#include <string>
 
 #include "bodies.h"
 #include "bounded_forces.h"
@@ -73,5 +76,40 @@ inline double share_of_bound(const Bounded3& bound, const Vec3& exact, const Vec
   }
   return share;
 }
+
+/// Holds forces to the rounding bound, and keeps the largest share of it that any was off.
+class ShareOfBound {
+ public:
+  /// At displacements u, each exactly a float; by every instruction set, with every number of threads.
+  void look(const std::shared_ptr<const TopologyTextures>& tables, const Scene& scene, const VecList& u,
+            const std::string& what, std::initializer_list<int> threads = {1}) {
+    const VecList x = sum_of(tables->rest, u);
+    VecList exact(x.size());
+    elastic_forces(*tables, x, exact);
+    const BoundedForces bounded(*tables, u);
+    for (const cpu::simd::Kernels* kernels : cpu::simd::usable_kernels()) {
+      const InstructionSet chosen(kernels->name);
+      for (const int count : threads) {
+        const VecList found = forces_of(*make_solver("cpu", tables, scene, any_step(count)), x);
+        for (std::size_t i = 0; i < x.size(); ++i) {
+          const double share = share_of_bound(bounded.force(static_cast<Index>(i)), exact[i], found[i]);
+          ASSERT_LE(share, 1.0) << what << ", " << kernels->name << ", " << count << " threads, particle " << i;
+          if (share <= worst_) continue;
+          worst_ = share;
+          where_ = what + ", " + kernels->name;
+        }
+      }
+    }
+  }
+  /// A bound that nothing comes near would hide mistakes.
+  void expect_some() const {
+    std::cout << "worst error: " << worst_ << " of the bound (" << where_ << ")\n";
+    EXPECT_GT(worst_, 0.01);
+  }
+
+ private:
+  double worst_ = 0.0;
+  std::string where_;
+};
 
 }  // namespace phymul::test

@@ -83,34 +83,4 @@ inline void PrintTo(const StepReport& report, std::ostream* out) {
        << report.max_speed << (report.at_rest ? ", at rest" : "") << '}';
 }
 
-inline void PrintTo(const ValueEvent& event, std::ostream* out) {
-  *out << std::setprecision(17) << event.value << " at " << event.date;
-}
-
-inline void PrintTo(const Load& load, std::ostream* out) {
-  *out << std::setprecision(17) << "load of type " << static_cast<int>(load.type) << " on " << load.particles.size()
-       << " particles (\"" << load.applied_to << "\") along (" << load.direction.transpose() << "), axes";
-  for (const Axis axis : load.axes) *out << ' ' << static_cast<int>(axis);
-  *out << ", toward " << load.toward << ", values";
-  for (const ValueEvent& event : load.events) {
-    *out << ' ';
-    PrintTo(event, out);
-  }
-}
-
-inline void PrintTo(const Model& model, std::ostream* out) {
-  *out << "model \"" << model.name << "\", rest " << test::brief(model.rest) << ", " << model.cells.size() << " cells, "
-       << model.components.size() << " components, " << model.materials.size() << " materials";
-}
-
-inline void PrintTo(const Input& input, std::ostream* out) {
-  *out << input.kind << " [" << input.bytes.size() << "] x " << input.times;
-}
-
-inline void PrintTo(const Recording& recording, std::ostream* out) {
-  *out << "recording by " << recording.backend << " on " << recording.device << ", scene [" << recording.scene.size()
-       << "], inputs [" << recording.inputs.size() << "], from ";
-  PrintTo(recording.start, out);
-}
-
 }  // namespace phymul

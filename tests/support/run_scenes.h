@@ -3,9 +3,15 @@
 // Runs that tests of saved states and recordings share.
 #pragma once
 
+#include <gtest/gtest.h>
 #include <phymul/phymul.h>
 
+#include <cstring>
+#include <functional>
+#include <random>
+
 #include "bodies.h"
+#include "message_of.h"
 
 namespace phymul::test {
 
@@ -39,6 +45,42 @@ inline SolverOptions options_for(const BackendCase& backend, double damping = 5.
   options.threads = backend.threads;
   options.damping.rate = damping;
   return options;
+}
+
+inline std::string path_for(const char* name) {
+  return testing::TempDir() + "phymul_" + name;
+}
+
+/// Bits, not values: 0 and -0 differ.
+inline bool same_bits(const VecList& a, const VecList& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), sizeof(Vec3) * a.size()) == 0;
+}
+inline bool same_bits(const State& a, const State& b) {
+  return a.time == b.time && same_bits(a.position, b.position) && same_bits(a.velocity, b.velocity);
+}
+
+/// A file's bytes are read as they are, but not cut at any byte nor with any bit turned.
+inline void expect_damage_is_refused(const std::string& good, const std::function<void(const std::string&)>& read) {
+  ASSERT_EQ(message_of([&] { read(good); }), "(no error)");
+  for (std::size_t length = 0; length < good.size(); ++length) {
+    EXPECT_NE(message_of([&] { read(good.substr(0, length)); }), "(no error)") << length;
+  }
+  for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
+    std::string bad = good;
+    bad[bit / 8] = static_cast<char>(bad[bit / 8] ^ 1 << bit % 8);
+    EXPECT_NE(message_of([&] { read(bad); }), "(no error)") << bit;
+  }
+}
+
+/// Erases, inserts or turns a few of some bytes, as a program with a mistake would write them.
+inline void hurt(std::string& bytes, std::mt19937& bits) {
+  for (std::size_t times = 1 + bits() % 3; times > 0 && !bytes.empty(); --times) {
+    const std::size_t at = bits() % bytes.size();
+    const unsigned way = bits() % 4;
+    if (way == 0) bytes.erase(at, 1 + bits() % 9);
+    if (way == 1) bytes.insert(at, 1 + bits() % 9, '\xff');
+    if (way > 1) bytes[at] = static_cast<char>(bytes[at] ^ 1 << bits() % 8);
+  }
 }
 
 }  // namespace phymul::test

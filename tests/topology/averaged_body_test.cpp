@@ -150,7 +150,8 @@ TEST(AveragedBody, UniformStrainIsExactOnEveryMesh) {
   std::printf("inner particles of the patch test feel at most %.2g of the largest surface force\n", worst);
 }
 
-/// Small strains along each axis, free to shrink across it: E and nu by the energy and its slopes.
+/// Small strains along each axis, free to shrink across it, and shear: E, nu and the isotropy of both by the energy and
+/// its slopes.
 TEST(AveragedBody, MaterialConstantsAreExact) {
   const double e = 1e-6;
   for (const double nu : {0.0, 0.3, 0.45, 0.49}) {
@@ -166,6 +167,15 @@ TEST(AveragedBody, MaterialConstantsAreExact) {
         return elastic_energy(tables, x) / volume;
       };
       for (int axis = 0; axis < body.model.dimension; ++axis) {
+        const int next = (axis + 1) % body.model.dimension;
+        double sheared = 0.0;
+        for (const double sign : {0.5, -0.5}) {
+          VecList x = tables.rest;
+          for (Vec3& p : x) p += sign * e * (p[next] * Vec3::Unit(axis) + p[axis] * Vec3::Unit(next));
+          sheared += 0.5 * elastic_energy(tables, x) / volume;
+        }
+        const double mu = 10e3 / (2.0 * (1.0 + nu));
+        EXPECT_NEAR(sheared, 0.5 * mu * e * e, 1e-6 * mu * e * e) << body.name << ", nu " << nu << ", axis " << axis;
         Vec3 strain = Vec3::Constant(-across * e);
         strain[axis] = e;
         if (plane) strain.z() = 0.0;
@@ -173,10 +183,9 @@ TEST(AveragedBody, MaterialConstantsAreExact) {
         EXPECT_NEAR(0.5 * (energy(strain) + energy(-strain)), 0.5 * young * e * e, 1e-6 * young * e * e)
             << body.name << ", nu " << nu << ", axis " << axis;
         // Shrinking across is what costs least.
-        const int other = (axis + 1) % body.model.dimension;
         Vec3 more = strain, less = strain;
-        more[other] += 1e-3 * e;
-        less[other] -= 1e-3 * e;
+        more[next] += 1e-3 * e;
+        less[next] -= 1e-3 * e;
         EXPECT_GT(energy(more), energy(strain));
         EXPECT_GT(energy(less), energy(strain));
       }
@@ -332,30 +341,20 @@ TEST(AveragedBody, NonsenseIsRefusedWithWhatToDo) {
     options.law = law;
     return message_of([&] { build_topology(model, options); });
   };
-  const auto says = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
   const Model block = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
   EXPECT_TRUE(says(refused(block), "needs a material: call set_material"));
   EXPECT_TRUE(says(refused(with_material(block), {.stabiliser = -1.0}), "stabiliser is -1; expected 0 or more"));
-  EXPECT_TRUE(says(refused(with_material(block), {.reaction = Reaction::shared}), "needs Reaction::conservative"));
   Model folded = with_material(block);
   folded.rest[13] = folded.rest[26] + Vec3(0.001, 0.001, 0.001);  // the middle, beyond a corner
-  EXPECT_TRUE(says(refused(folded), "is folded or inside out at rest")) << refused(folded);
+  EXPECT_TRUE(says(refused(folded), "is folded or inside out at rest"));
   Model loose = with_material(block);
   loose.rest.push_back({0.1, 0.1, 0.1});
   loose.mass.push_back(1.0);
   loose.stiffness.push_back(1.0);
   loose.neighbours.offset.push_back(loose.neighbours.offset.back());
-  EXPECT_TRUE(says(refused(loose), "particle 27 has no volume: put each in a cell")) << refused(loose);
+  EXPECT_TRUE(says(refused(loose), "particle 27 has no volume: put each in a cell"));
   EXPECT_TRUE(says(refused(loose, {.on_sparse = SparseParticle::springs}), "in no cell that has a material"));
   EXPECT_EQ(refused(loose, {.on_sparse = SparseParticle::free}), "(no error)");
-  Model half = with_material(block);
-  for (Cell& cell : half.cells) {
-    if (cell.type == CellType::hexahedron) {
-      cell.material = -1;
-      break;
-    }
-  }
-  EXPECT_TRUE(says(refused(half), "has no material although others have")) << refused(half);
   Model bare = with_material(block);
   std::erase_if(bare.cells, [](const Cell& cell) { return cell.type == CellType::hexahedron; });
   for (Component& c : bare.components) c.cells.clear(), c.cell_refs.clear();

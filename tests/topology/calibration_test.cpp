@@ -10,61 +10,6 @@
 namespace phymul::test {
 namespace {
 
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-
-bool says(const std::string& text, const char* part) {
-  return text.find(part) != std::string::npos;
-}
-
-// Unit strains xx, yy, zz, yz, xz, xy (engineering shear 1).
-Mat3 unit_strain(int k) {
-  Mat3 e = Mat3::Zero();
-  if (k < 3) {
-    e(k, k) = 1.0;
-  } else {
-    const int a = k == 3 ? 1 : 0, b = k == 5 ? 1 : 2;
-    e(a, b) = e(b, a) = 0.5;
-  }
-  return e;
-}
-
-// Elasticity of a body under affine strain, Pa: second differences of its energy, which is 0 at rest.
-Matrix6 affine_elasticity(const TopologyTextures& t, double volume) {
-  const double step = 1e-4;
-  const auto energy = [&](const Mat3& strain) {
-    double sum = 0.0;
-    for (double sign : {-1.0, 1.0}) {
-      VecList x = t.rest;
-      for (Vec3& p : x) p += sign * step * strain * p;
-      sum += elastic_energy(t, x) / (step * step);  // the two signs together: C e e
-    }
-    return sum / volume;
-  };
-  Matrix6 c;
-  for (int i = 0; i < 6; ++i) {
-    for (int j = 0; j < 6; ++j) {
-      const Mat3 a = unit_strain(i), b = unit_strain(j);
-      c(i, j) = (energy(a + b) - energy(a - b)) / 4.0;
-    }
-  }
-  return c;
-}
-
-Matrix6 isotropic_elasticity(const Material& m) {
-  const double mu = m.young / (2 * (1 + m.poisson));
-  const double lambda = 2 * mu * m.poisson / (1 - 2 * m.poisson);
-  Matrix6 c = Matrix6::Zero();
-  c.topLeftCorner<3, 3>().setConstant(lambda);
-  c.diagonal() << lambda + 2 * mu, lambda + 2 * mu, lambda + 2 * mu, mu, mu, mu;
-  return c;
-}
-
-double volume_of(const Model& model) {
-  double sum = 0.0;
-  for (const Cell& cell : model.cells) sum += cell_volume(model, cell);
-  return sum;
-}
-
 TEST(Calibration, ConstantsOfAMaterial) {
   const Calibration c = calibrate({10e3, 0.25, 1000});  // mu = lambda = 4 kPa
   EXPECT_NEAR(c.c, 15.0 / 7.0 * 4e3, 1e-9);
@@ -73,25 +18,16 @@ TEST(Calibration, ConstantsOfAMaterial) {
 }
 
 TEST(Calibration, ConstantsOutOfRangeAreRefused) {
-  const auto refuse = [](double young, double nu) { return message_of([&] { calibrate({young, nu, 1000}); }); };
-  EXPECT_TRUE(says(refuse(1e4, 0.5), "Poisson's ratio is 0.5; expected -0.375 to 0.5"));
-  EXPECT_TRUE(says(refuse(1e4, -0.4), "Poisson's ratio is -0.4"));
-  EXPECT_TRUE(says(refuse(0.0, 0.3), "Young's modulus is 0 Pa"));
-  EXPECT_TRUE(says(refuse(NAN, 0.3), "Young's modulus is nan"));
-  EXPECT_TRUE(says(refuse(1e4, NAN), "Poisson's ratio is nan"));
-}
-
-TEST(Calibration, EveryBodyIsExactlyIsotropicUnderUniformStrain) {
-  for (const Body& body : bodies()) {
-    if (body.model.dimension == 2) continue;
-    for (double nu : {0.0, 0.3, 0.45}) {
-      Model model = body.model;
-      set_material(model, soft_tissue(nu));
-      const Matrix6 c = affine_elasticity(build_topology(model), volume_of(model));
-      const Matrix6 wanted = isotropic_elasticity(soft_tissue(nu));
-      EXPECT_LT((c - wanted).norm(), 1e-6 * wanted.norm()) << body.name << " nu " << nu;
-    }
-  }
+  const auto expect_refused = [](double young, double nu, const char* text) {
+    EXPECT_TRUE(refuses([&] { calibrate({young, nu, 1000}); }, text));
+  };
+  expect_refused(1e4, 0.5, "Poisson's ratio is 0.5; expected -0.375 to 0.5");
+  expect_refused(1e4, -0.4, "Poisson's ratio is -0.4");
+  expect_refused(0.0, 0.3, "Young's modulus is 0 Pa");
+  expect_refused(NAN, 0.3, "Young's modulus is nan");
+  expect_refused(INFINITY, 0.3, "Young's modulus is inf");
+  expect_refused(1e4, NAN, "Poisson's ratio is nan");
+  for (double young = 1.0; young < 1e6; young *= 1.01) EXPECT_GE(calibrate({young, -0.375, 1000}).kappa, 0.0) << young;
 }
 
 TEST(Calibration, StiffnessIsWhatTheMaterialSaysNotWhatTheModelHeld) {

@@ -14,10 +14,6 @@
 namespace phymul::test {
 namespace {
 
-bool says(const std::string& text, const char* part) {
-  return text.find(part) != std::string::npos;
-}
-
 Model with_first_cell_twice() {
   Model model = make_tetrahedral_block({0.02, 0.02, 0.02}, 2, 2, 2, 0.1, 1);
   model.cells.push_back(model.cells.front());
@@ -59,18 +55,10 @@ TEST(TopologyLimits, ParticlesOutsideTheMaterialTakeNoSprings) {
   set_material(model, soft_tissue());
   TopologyOptions options;
   options.on_sparse = SparseParticle::springs;
-  EXPECT_TRUE(says(message_of([&] { build_topology(model, options); }),
-                   "particle 27 is in no cell that has a material, and springs would need a stiffness"));
+  EXPECT_TRUE(refuses([&] { build_topology(model, options); },
+                      "particle 27 is in no cell that has a material, and springs would need a stiffness"));
   options.on_sparse = SparseParticle::free;
   EXPECT_TRUE(build_topology(model, options).springs.empty());
-}
-
-TEST(TopologyLimits, CalibrationTakesFiniteConstantsAndGivesNoNegativeOnes) {
-  const double infinity = std::numeric_limits<double>::infinity();
-  EXPECT_TRUE(says(message_of([&] { calibrate({infinity, 0.3, 1000}); }), "Young's modulus is inf"));
-  for (double young = 1.0; young < 1e6; young *= 1.01) {
-    EXPECT_GE(calibrate({young, -0.375, 1000}).kappa, 0.0) << young;
-  }
 }
 
 TEST(CornerSimplices, FlatCornersAreLeftOutAndInsideOutOnesRefused) {
@@ -87,13 +75,13 @@ TEST(CornerSimplices, FlatCornersAreLeftOutAndInsideOutOnesRefused) {
   // Past that line the corner looks inward while the cell as a whole does not.
   flat.rest[ring[1]] += 0.1 * (flat.rest[ring[3]] - flat.rest[ring[1]]);
   ASSERT_GT(cell_volume(flat, flat.cells[0]), 0.0);
-  EXPECT_TRUE(says(message_of([&] { corner_simplices(flat, 0); }), "is inside out at rest"));
+  EXPECT_TRUE(refuses([&] { corner_simplices(flat, 0); }, "is inside out at rest"));
 }
 
 TEST(CornerSimplices, ACellWithoutVolumeIsRefused) {
   Model flat = make_tetrahedron(1.0);
   flat.rest[3] = flat.rest[0];
-  EXPECT_TRUE(says(message_of([&] { corner_simplices(flat, 0); }), "is inside out at rest"));
+  EXPECT_TRUE(refuses([&] { corner_simplices(flat, 0); }, "is inside out at rest"));
 }
 
 }  // namespace

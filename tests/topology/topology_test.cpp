@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
-#include <map>
 #include <numeric>
-#include <tuple>
 
 #include "model/file_extras.h"
 #include "support/bodies.h"
@@ -13,65 +11,6 @@ namespace phymul::test {
 namespace {
 
 constexpr std::array selections{BaseSelection::all, BaseSelection::thresholded};
-
-bool says(const std::string& text, const char* part) {
-  return text.find(part) != std::string::npos;
-}
-
-// P*_i from the tables alone; once by alpha, once base by base.
-Vec3 attractor_by_alpha(const TopologyTextures& t, const VecList& x, Index i) {
-  const IndexTexel& texel = t.index[i];
-  Vec3 p = Vec3::Zero();
-  for (Index r = texel.first_neighbour; r < texel.first_neighbour + texel.neighbour_count; ++r) {
-    p += t.alpha[r] * x[t.neighbours[r]];
-  }
-  for (Index r = texel.first_base; r < texel.first_base + texel.base_count; ++r) {
-    const auto& [a, b, c] = t.bases[r].vertex;
-    const Vec3 ab = x[b] - x[a];
-    const Vec3 w = c == none ? Vec3(-ab.y(), ab.x(), 0) : Vec3(ab.cross(x[c] - x[a]));
-    p += t.weight[r] * t.bases[r].beta * w.normalized();
-  }
-  return p;
-}
-
-TEST(Topology, AttractorOfTheRestShapeIsTheRestShape) {
-  for (const Body& body : bodies()) {
-    for (BaseSelection bases : selections) {
-      TopologyOptions options;
-      options.bases = bases;
-      options.on_sparse = SparseParticle::free;
-      const TopologyTextures t = build_topology(body.model, options);
-      Index seen = 0;
-      for (Index i = 0; i < t.particle_count; ++i) {
-        if (t.index[i].base_count == 0) continue;
-        ++seen;
-        EXPECT_LT((attractor_by_alpha(t, t.rest, i) - t.rest[i]).norm(), 1e-12 * body_size(body.model))
-            << body.name << " particle " << i << " selection " << static_cast<int>(bases);
-      }
-      EXPECT_GT(seen, 0) << body.name;
-    }
-  }
-}
-
-TEST(Topology, AlphaAndWeightsSumToOneAndLambdaToo) {
-  for (const Body& body : bodies()) {
-    for (BaseSelection bases : selections) {
-      TopologyOptions options;
-      options.bases = bases;
-      options.on_sparse = SparseParticle::free;
-      const TopologyTextures t = build_topology(body.model, options);
-      for (Index i = 0; i < t.particle_count; ++i) {
-        const IndexTexel& texel = t.index[i];
-        if (texel.base_count == 0) continue;
-        const double* alpha = t.alpha.data() + texel.first_neighbour;
-        const double* weight = t.weight.data() + texel.first_base;
-        EXPECT_NEAR(std::accumulate(alpha, alpha + texel.neighbour_count, 0.0), 1.0, 1e-12);
-        EXPECT_NEAR(std::accumulate(weight, weight + texel.base_count, 0.0), 1.0, 1e-12);
-      }
-      for (const auto& lambda : t.lambda) EXPECT_NEAR(lambda[0] + lambda[1] + lambda[2], 1.0, 1e-12);
-    }
-  }
-}
 
 TEST(Topology, NeighboursAreTheModels) {
   const Model block = make_block({3, 2, 2}, 3, 2, 2, 26);
@@ -86,54 +25,6 @@ TEST(Topology, StiffnessInNewtonsPerMetreIsTheModels) {
     TopologyOptions options;
     options.bases = bases;
     EXPECT_EQ(build_topology(block, options).stiffness, block.stiffness);
-  }
-}
-
-// The tables as sets of rows that do not know particle numbers, only places: for comparing renumbered bodies.
-using PlacedBase = std::tuple<double, double, double, double, double>;
-std::multimap<PlacedBase, double> placed_alpha(const TopologyTextures& t, const std::vector<Index>& original) {
-  std::multimap<PlacedBase, double> rows;
-  for (Index i = 0; i < t.particle_count; ++i) {
-    const IndexTexel& texel = t.index[i];
-    for (Index r = texel.first_neighbour; r < texel.first_neighbour + texel.neighbour_count; ++r) {
-      rows.emplace(PlacedBase{original[i], original[t.neighbours[r]], t.stiffness[i], t.mass[i], texel.base_count},
-                   t.alpha[r]);
-    }
-  }
-  return rows;
-}
-
-TEST(Topology, RenumberingParticlesRenumbersTheTables) {
-  const Model model = jittered_block();
-  const Index n = model.particle_count();
-  std::vector<Index> original(static_cast<std::size_t>(n)), renumbered(original.size());
-  for (Index i = 0; i < n; ++i) original[i] = (i * 29) % n;  // 29 and n share no factor
-  for (Index i = 0; i < n; ++i) renumbered[original[i]] = i;
-  Model turned = model;
-  turned.neighbours = {};
-  for (Index i = 0; i < n; ++i) {
-    turned.rest[i] = model.rest[original[i]];
-    std::vector<Index> row;
-    for (const Index* j = model.neighbours.begin(original[i]); j != model.neighbours.end(original[i]); ++j) {
-      row.push_back(renumbered[*j]);
-    }
-    turned.neighbours.push_row(row.begin(), row.end());
-  }
-  for (Cell& cell : turned.cells) {
-    for (Index& p : cell.particles) p = renumbered[p];
-  }
-  std::vector<Index> identity(original.size());
-  std::iota(identity.begin(), identity.end(), 0);
-  for (BaseSelection bases : selections) {
-    TopologyOptions options;
-    options.bases = bases;
-    const auto before = placed_alpha(build_topology(model, options), identity);
-    const auto after = placed_alpha(build_topology(turned, options), original);
-    ASSERT_EQ(before.size(), after.size());
-    for (auto a = before.begin(), b = after.begin(); a != before.end(); ++a, ++b) {
-      EXPECT_EQ(a->first, b->first);
-      EXPECT_NEAR(a->second, b->second, 1e-10);
-    }
   }
 }
 
@@ -177,13 +68,13 @@ TEST(Topology, SparseParticlesAreNamedBoundOrFree) {
   model.neighbours.push_row(two.begin(), two.end());
   TopologyOptions options;
   const std::string text = message_of([&] { build_topology(model, options); });
-  EXPECT_TRUE(says(text, "particle 27 has no base: one takes 3 neighbours")) << text;
-  EXPECT_TRUE(says(text, "on_sparse")) << text;
+  EXPECT_TRUE(says(text, "particle 27 has no base: one takes 3 neighbours"));
+  EXPECT_TRUE(says(text, "on_sparse"));
   change_extras(model, [](FileExtras& extras) {
     extras.particle_index.resize(28);
     std::iota(extras.particle_index.begin(), extras.particle_index.end(), 1000);
   });
-  EXPECT_TRUE(says(message_of([&] { build_topology(model, options); }), "particle 1027 has"));
+  EXPECT_TRUE(refuses([&] { build_topology(model, options); }, "particle 1027 has"));
 
   options.on_sparse = SparseParticle::free;
   EXPECT_TRUE(build_topology(model, options).springs.empty());
@@ -198,8 +89,8 @@ TEST(Topology, SparseParticlesAreNamedBoundOrFree) {
   for (double& mass : model.mass) mass = 1.0;
   for (Vec3& p : model.rest) p.y() = p.z() = 0.0;  // all on one line
   options.on_sparse = SparseParticle::error;
-  const std::string all = message_of([&] { build_topology(model, options); });
-  EXPECT_TRUE(says(all, "particles 1000, 1001, 1002, 1003, 1004 and 23 more have no base")) << all;
+  EXPECT_TRUE(refuses([&] { build_topology(model, options); },
+                      "particles 1000, 1001, 1002, 1003, 1004 and 23 more have no base"));
 }
 
 TEST(Topology, VolumeTermsStandForTheWholeBody) {
@@ -255,7 +146,7 @@ TEST(Topology, OptionsOutOfRangeAreRefusedByName) {
   wire.components.clear();
   TopologyOptions options;
   options.volume_stiffness = 1.0;
-  EXPECT_TRUE(says(message_of([&] { build_topology(wire, options); }), "a volume term needs tetrahedra"));
+  EXPECT_TRUE(refuses([&] { build_topology(wire, options); }, "a volume term needs tetrahedra"));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <new>
 #include <pugixml.hpp>
 
+#include "base/byte_source.h"
 #include "base/decimal.h"
 #include "base/file_error.h"
 #include "io/xml/xml_source.h"
@@ -231,7 +232,7 @@ std::vector<Load> read_lml_text(std::string text, const std::string& source, con
 }
 
 std::vector<Load> read_lml(const std::string& path, const Model& model, std::vector<std::string>* notes) {
-  return read_lml_text(XmlSource::load(path, max_bytes), path, model, notes);
+  return read_lml_text(read_whole_file(path, max_bytes), path, model, notes);
 }
 
 }  // namespace phymul

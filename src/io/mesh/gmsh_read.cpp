@@ -156,13 +156,6 @@ class GmshReader {
     parts_.point_tags.push_back(static_cast<Index>(tag));
   }
 
-  void add_point() {
-    const double x = in_.real(real_type, "a coordinate");
-    const double y = in_.real(real_type, "a coordinate");
-    const double z = in_.real(real_type, "a coordinate");
-    parts_.points.emplace_back(x, y, z);
-  }
-
   /// A count that stands on a line of its own in text even where the section is binary (version 2).
   std::size_t text_count(std::size_t bytes_each, const char* what) {
     const bool binary = in_.is_binary();
@@ -179,7 +172,7 @@ class GmshReader {
     const std::size_t n = text_count(in_.least_bytes(int_type) + 3 * in_.least_bytes(real_type), "a number of nodes");
     for (std::size_t i = 0; i < n; ++i) {
       add_node(in_.integer(int_type, "a node number"));
-      add_point();
+      parts_.points.push_back(in_.point(real_type));
     }
   }
 
@@ -195,7 +188,7 @@ class GmshReader {
           in_.count(size_type, in_.least_bytes(size_type) + 3 * in_.least_bytes(real_type), "a number of nodes");
       for (std::size_t i = 0; i < n; ++i) add_node(in_.integer(size_type, "a node tag"));
       for (std::size_t i = 0; i < n; ++i) {
-        add_point();
+        parts_.points.push_back(in_.point(real_type));
         if (parametric) in_.skip_numbers(static_cast<std::size_t>(dimension), real_type);
       }
     }
@@ -207,25 +200,13 @@ class GmshReader {
   };
 
   ElementType element_type(std::int64_t number) {
-    switch (number) {
-      case 1:
-        return {CellType::line, 1};
-      case 2:
-        return {CellType::triangle, 2};
-      case 3:
-        return {CellType::quad, 2};
-      case 4:
-        return {CellType::tetrahedron, 3};
-      case 5:
-        return {CellType::hexahedron, 3};
-      case 6:
-        return {CellType::wedge, 3};
-      case 7:
-        return {CellType::pyramid, 3};
-      case 15:
-        return {CellType::atom, 0};
-      default:
-        break;
+    static constexpr std::pair<int, ElementType> known[] = {
+        {1, {CellType::line, 1}},        {2, {CellType::triangle, 2}},   {3, {CellType::quad, 2}},
+        {4, {CellType::tetrahedron, 3}}, {5, {CellType::hexahedron, 3}}, {6, {CellType::wedge, 3}},
+        {7, {CellType::pyramid, 3}},     {15, {CellType::atom, 0}},
+    };
+    for (const auto& [row, type] : known) {
+      if (row == number) return type;
     }
     in_.fail("expected first-order elements (types 1 to 7 and 15), got type " + std::to_string(number) +
              (number > 7 && number < 140 ? ", of second or higher order" : "") +

@@ -6,7 +6,9 @@
 #include <new>
 #include <stdexcept>
 
+#include "base/byte_source.h"
 #include "base/file_error.h"
+#include "model/material.h"
 #include "pml_reader.h"
 
 namespace phymul {
@@ -68,7 +70,7 @@ Model PmlReader::read() {
   resolve_cell_references();
   restore_cell_rows();
   restore_component_rows();
-  order_materials();
+  drop_unused_materials(model_);
   finish_neighbourhoods();
   finish_particles();
   model_.extras = std::move(extras_).share();
@@ -282,7 +284,7 @@ Model read_pml_text(std::string text, const std::string& source, const PmlOption
 
 Model read_pml(const std::string& path, const PmlOptions& options) {
   require_usable(options);
-  return read_pml_text(XmlSource::load(path, options.max_bytes), path, options);
+  return read_pml_text(read_whole_file(path, options.max_bytes), path, options);
 }
 
 }  // namespace phymul

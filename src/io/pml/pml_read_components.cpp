@@ -261,19 +261,4 @@ void PmlReader::fail_rows(const char* what) const {
                              pml_mark_attribute + "\" to read the file in its own order");
 }
 
-void PmlReader::order_materials() {
-  std::vector<Index> new_row(model_.materials.size(), -1);
-  std::vector<Material> ordered;
-  for (Cell& cell : model_.cells) {
-    if (cell.material < 0) continue;
-    Index& row = new_row[cell.material];
-    if (row < 0) {
-      row = static_cast<Index>(ordered.size());
-      ordered.push_back(model_.materials[cell.material]);
-    }
-    cell.material = row;
-  }
-  model_.materials = std::move(ordered);
-}
-
 }  // namespace phymul

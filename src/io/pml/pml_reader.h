@@ -74,7 +74,6 @@ class PmlReader {
   [[noreturn]] void fail_rows(const char* what) const;
   void restore_component_rows();
   void restore_cell_rows();
-  void order_materials();
 
   // pml_read_neighbourhoods.cpp
   void open_neighbourhoods(pugi::xml_node component);

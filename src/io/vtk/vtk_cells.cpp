@@ -4,7 +4,8 @@
 #include <phymul/error.h>
 
 #include <Eigen/Geometry>
-#include <array>
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace phymul {
@@ -17,7 +18,6 @@ enum VtkType : std::int64_t {
   vtk_line = 3,
   vtk_poly_line = 4,
   vtk_triangle = 5,
-  vtk_triangle_strip = 6,
   vtk_polygon = 7,
   vtk_pixel = 8,
   vtk_quad = 9,
@@ -48,38 +48,37 @@ struct Place {
   throw Error(message);
 }
 
+struct TypeRow {
+  std::int64_t vtk;
+  CellType type;
+};
+
+/// Of several numbers of one type the first is written.
+constexpr TypeRow types[] = {
+    {vtk_vertex, CellType::atom},
+    {vtk_poly_vertex, CellType::poly_vertex},
+    {vtk_line, CellType::line},
+    {vtk_poly_line, CellType::poly_line},
+    {vtk_triangle, CellType::triangle},
+    {vtk_quad, CellType::quad},
+    {vtk_pixel, CellType::quad},
+    {vtk_tetra, CellType::tetrahedron},
+    {vtk_hexahedron, CellType::hexahedron},
+    {vtk_voxel, CellType::hexahedron},
+    {vtk_wedge, CellType::wedge},
+    {vtk_pyramid, CellType::pyramid},
+};
+
 CellType our_type(std::int64_t type, std::size_t corners, const Place& place) {
-  switch (type) {
-    case vtk_vertex:
-      return CellType::atom;
-    case vtk_poly_vertex:
-      return CellType::poly_vertex;
-    case vtk_line:
-      return CellType::line;
-    case vtk_poly_line:
-      return CellType::poly_line;
-    case vtk_triangle:
-      return CellType::triangle;
-    case vtk_pixel:
-    case vtk_quad:
-      return CellType::quad;
-    case vtk_tetra:
-      return CellType::tetrahedron;
-    case vtk_voxel:
-    case vtk_hexahedron:
-      return CellType::hexahedron;
-    case vtk_wedge:
-      return CellType::wedge;
-    case vtk_pyramid:
-      return CellType::pyramid;
-    case vtk_polygon:
-      if (corners == 3) return CellType::triangle;
-      if (corners == 4) return CellType::quad;
-      throw Error(place.words() + "expected polygons of 3 or 4 corners, got one of " + std::to_string(corners) +
-                  "; triangulate the mesh and export it again");
-    default:
-      refuse_type(type, place);
+  if (type == vtk_polygon) {
+    if (corners == 3) return CellType::triangle;
+    if (corners == 4) return CellType::quad;
+    throw Error(place.words() + "expected polygons of 3 or 4 corners, got one of " + std::to_string(corners) +
+                "; triangulate the mesh and export it again");
   }
+  const auto* const row = std::ranges::find(types, type, &TypeRow::vtk);
+  if (row == std::end(types)) refuse_type(type, place);
+  return row->type;
 }
 
 /// VTK's documentation has a wedge's first triangle look outward; many writers have it look inward, as Model has it.
@@ -121,29 +120,7 @@ void append_vtk_cells(const VtkCells& vtk, Index first_point, const std::string&
 }
 
 std::uint8_t vtk_type(CellType type) {
-  switch (type) {
-    case CellType::atom:
-      return vtk_vertex;
-    case CellType::line:
-      return vtk_line;
-    case CellType::triangle:
-      return vtk_triangle;
-    case CellType::quad:
-      return vtk_quad;
-    case CellType::tetrahedron:
-      return vtk_tetra;
-    case CellType::wedge:
-      return vtk_wedge;
-    case CellType::pyramid:
-      return vtk_pyramid;
-    case CellType::hexahedron:
-      return vtk_hexahedron;
-    case CellType::poly_line:
-      return vtk_poly_line;
-    case CellType::poly_vertex:
-      return vtk_poly_vertex;
-  }
-  return vtk_empty;
+  return static_cast<std::uint8_t>(std::ranges::find(types, type, &TypeRow::type)->vtk);
 }
 
 std::vector<Index> vtk_order(const Cell& cell) {

@@ -111,12 +111,7 @@ class VtkLegacyReader {
     begin_numbers();
     require_room(n, 3 * body_bytes(type), "points");
     parts_.points.reserve(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      const double x = in_.real(type, "a coordinate");
-      const double y = in_.real(type, "a coordinate");
-      const double z = in_.real(type, "a coordinate");
-      parts_.points.emplace_back(x, y, z);
-    }
+    for (std::size_t i = 0; i < n; ++i) parts_.points.push_back(in_.point(type));
     in_.use_text();
   }
 

@@ -15,32 +15,18 @@
 
 #include "base/decimal.h"
 #include "base/replace_file.h"
+#include "io/xml/xml_writer.h"
 #include "vtk_cells.h"
 
 namespace phymul {
 namespace {
 
 /// Text as an XML attribute's value. Control characters, which XML 1.0 cannot hold, become '?'.
-std::string escaped(const std::string& text) {
+std::string escaped(std::string text) {
+  std::ranges::replace_if(
+      text, [](char c) { return static_cast<unsigned char>(c) < ' '; }, '?');
   std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += static_cast<unsigned char>(c) < ' ' ? '?' : c;
-    }
-  }
+  append_xml_text(result, text);
   return result;
 }
 

@@ -106,12 +106,7 @@ class VtuReader {
     }
     if (points == 0) return;  // writers leave empty pieces for processors without a share
     read_array(piece.child("Points").child("DataArray"), "Points", 3, points, [&](ByteSource& in, NumberType type) {
-      for (std::size_t i = 0; i < points; ++i) {
-        const double x = in.real(type, "a coordinate");
-        const double y = in.real(type, "a coordinate");
-        const double z = in.real(type, "a coordinate");
-        parts_.points.emplace_back(x, y, z);
-      }
+      for (std::size_t i = 0; i < points; ++i) parts_.points.push_back(in.point(type));
     });
     const pugi::xml_node arrays = piece.child("Cells");
     append_vtk_cells(read_cells(arrays, points, cells), static_cast<Index>(first_point), place(arrays), parts_);

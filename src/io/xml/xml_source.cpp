@@ -2,12 +2,8 @@
 #include "xml_source.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <limits>
-#include <new>
 #include <pugixml.hpp>
 
 #include "base/decimal.h"
@@ -44,46 +40,7 @@ std::string latin1_to_utf8(std::string_view text) {
   return utf8;
 }
 
-/// Reads to the end and counts, whatever size the system gives: devices and pipes have none.
-void append_all(std::string& text, std::istream& in, const std::string& path, std::size_t max_bytes) {
-  std::vector<char> chunk(1 << 16);
-  while (in.read(chunk.data(), static_cast<std::streamsize>(chunk.size())), in.gcount() > 0) {
-    const auto got = static_cast<std::size_t>(in.gcount());
-    if (got > max_bytes - text.size()) {
-      fail_access(path, "expected at most " + std::to_string(max_bytes) +
-                            " bytes, got more; raise max_bytes if the file is meant");
-    }
-    text.append(chunk.data(), got);
-  }
-}
-
 }  // namespace
-
-std::string XmlSource::load(const std::string& path, std::size_t max_bytes) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) fail_access(path, "expected a file, got a folder");
-  errno = 0;
-  std::ifstream in(path, std::ios::binary);
-  if (!in) {
-    fail_access(path, "cannot be opened" + (errno != 0 ? std::string(" (") + std::strerror(errno) + ')' : "") +
-                          "; check the name and the right to read it");
-  }
-  std::string text;
-  in.seekg(0, std::ios::end);
-  const std::streamoff size = in.tellg();
-  in.clear();
-  in.seekg(0);
-  in.clear();
-  const auto expected = size > 0 ? std::min(static_cast<std::size_t>(size), max_bytes) : 0;
-  try {
-    text.reserve(expected);
-    append_all(text, in, path, max_bytes);
-  } catch (const std::bad_alloc&) {
-    fail_memory(path);
-  }
-  if (in.bad()) fail_access(path, "cannot be read to its end");
-  return text;
-}
 
 XmlSource::XmlSource(std::string text, std::string name, bool instructions)
     : name_(std::move(name)), text_(std::move(text)), document_(std::make_unique<pugi::xml_document>()) {

@@ -30,9 +30,6 @@ class XmlSource {
   XmlSource(const XmlSource&) = delete;
   XmlSource& operator=(const XmlSource&) = delete;
 
-  /// The bytes of a file. Throws Error where it cannot be read or has more than max_bytes.
-  static std::string load(const std::string& path, std::size_t max_bytes);
-
   pugi::xml_node root() const;
   const std::string& name() const { return name_; }
 

@@ -25,6 +25,29 @@ bool is_name(std::string_view name) {
 
 }  // namespace
 
+void append_xml_text(std::string& out, std::string_view text) {
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (c == '&') {
+      out += "&amp;";
+    } else if (c == '<') {
+      out += "&lt;";
+    } else if (c == '>') {
+      out += "&gt;";
+    } else if (c == '"') {
+      out += "&quot;";
+    } else if (c == '\n' || c == '\r' || c == '\t') {
+      // As references: a reader turns the characters themselves into blanks.
+      out.append("&#").append(std::to_string(code)).append(";");
+    } else if (code < 0x20) {
+      throw Error("expected text that XML can hold, got the control character " + std::to_string(code) + " in \"" +
+                  std::string(text.substr(0, 40)) + '"');
+    } else {
+      out += c;
+    }
+  }
+}
+
 XmlWriter::XmlWriter(std::ostream& out) : out_(out) {
   buffer_.reserve(piece + piece / 4);
   buffer_ += "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
@@ -45,7 +68,7 @@ void XmlWriter::end_start_tag() {
 void XmlWriter::attribute(std::string_view name, std::string_view value) {
   if (!is_name(name)) throw Error("expected a name that XML allows for an attribute, got \"" + std::string(name) + '"');
   buffer_.append(" ").append(name).append("=\"");
-  append_escaped(value);
+  append_xml_text(buffer_, value);
   buffer_ += '"';
 }
 
@@ -68,7 +91,7 @@ void XmlWriter::raw_attribute(std::string_view name, std::string_view value) {
 void XmlWriter::text(std::string_view text) {
   if (in_start_tag_) buffer_ += '>';
   in_start_tag_ = false;
-  append_escaped(text);
+  append_xml_text(buffer_, text);
 }
 
 void XmlWriter::instruction(const char* content) {
@@ -96,29 +119,6 @@ void XmlWriter::leaf(const char* element, const char* name, std::size_t value) {
   end_start_tag();
   buffer_.append("<").append(element).append(" ").append(name).append("=\"");
   buffer_.append(std::to_string(value)).append("\"/>\n");
-}
-
-void XmlWriter::append_escaped(std::string_view text) {
-  for (const char c : text) {
-    const auto code = static_cast<unsigned char>(c);
-    if (c == '&') {
-      buffer_ += "&amp;";
-    } else if (c == '<') {
-      buffer_ += "&lt;";
-    } else if (c == '>') {
-      buffer_ += "&gt;";
-    } else if (c == '"') {
-      buffer_ += "&quot;";
-    } else if (c == '\n' || c == '\r' || c == '\t') {
-      // As references: a reader turns the characters themselves into blanks.
-      buffer_.append("&#").append(std::to_string(code)).append(";");
-    } else if (code < 0x20) {
-      throw Error("expected text that XML can hold, got the control character " + std::to_string(code) + " in \"" +
-                  std::string(text.substr(0, 40)) + '"');
-    } else {
-      buffer_ += c;
-    }
-  }
 }
 
 void XmlWriter::finish() {

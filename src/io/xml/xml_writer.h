@@ -10,6 +10,9 @@
 
 namespace phymul {
 
+/// Appends text as an attribute or element holds it. Throws Error for control characters, which XML cannot hold.
+void append_xml_text(std::string& out, std::string_view text);
+
 /// Writes XML to a stream in large pieces, independent of the stream's locale and format flags. Calls follow the
 /// document: open, attributes, then text or children, close. Throws Error for what XML cannot hold.
 class XmlWriter {
@@ -35,7 +38,6 @@ class XmlWriter {
 
  private:
   void end_start_tag();
-  void append_escaped(std::string_view text);
 
   std::ostream& out_;
   std::string buffer_;
