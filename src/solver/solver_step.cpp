@@ -107,9 +107,8 @@ void SolverBackend::report_failure(const Motion& motion, StepReport& report) con
     report.status = StepStatus::device_lost;
   } else if (motion.lost_volume >= 0) {
     report.status = StepStatus::volume_lost;
-    const auto row = static_cast<std::size_t>(motion.lost_volume);  // may be gone if a late report tells of it
-    const std::vector<VolumeConstraint>& constraints = scene_->volume_constraints();
-    if (row < constraints.size()) report.particle = constraints[row].triangles.front()[0];
+    const auto row = static_cast<std::size_t>(motion.lost_volume);
+    report.particle = scene_->volume_constraints()[row].triangles.front()[0];
     report.cause =
         "no small displacement of its free particles restores it: all of them are held, or the surface is flat or "
         "strongly deformed";
