@@ -64,9 +64,10 @@ struct BodyReport {
 /// Fills the inside with tetrahedra by isosurface stuffing (F. Labelle, J. R. Shewchuk, 2007): a body-centred cubic
 /// lattice, whose points near the surface move onto it, and whose tetrahedra are cut where it still crosses them.
 /// Particles inside have the lattice's 14 neighbours; the others those that they share a tetrahedron with. Dihedral
-/// angles stay between about 10 and 165 degrees. Because flat triangles cut off what is round, the surface is then moved
-/// outward, everywhere alike and by at most 5 % of the spacing, until the volume is met. Edges and parts thinner than the spacing are rounded off. Mass and
-/// stiffness are 1 until set_material; the group "surface" holds the particles on the surface.
+/// angles stay between about 10 and 165 degrees. Because flat triangles cut off what is round, the surface is then
+/// moved outward, everywhere alike and by at most 5 % of the spacing, until the volume is met. Edges and parts thinner
+/// than the spacing are rounded off. Mass and stiffness are 1 until set_material; the group "surface" holds the
+/// particles on the surface.
 ///
 /// The surface is first mended as by mend_surface(). Model::notes has its notes, and says if the body has several
 /// parts. Throws Error as mend_surface() does, for an option out of range, for a distance that is not a number and if
