@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
 // phymul-run BODY [LOADS]: pulls a body as its loads say, lets it go, runs until it rests, and reports.
-#include <phymul/body.h>
 #include <phymul/error.h>
 #include <phymul/lml.h>
 #include <phymul/mesh.h>
 #include <phymul/pml.h>
-#include <phymul/surface_file.h>
 #include <phymul/topology_textures.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
@@ -19,6 +16,7 @@
 #include "run_options.h"
 #include "run_report.h"
 #include "run_schedule.h"
+#include "surface_body.h"
 
 namespace {
 
@@ -32,30 +30,14 @@ bool is_pml(const std::string& path) {
   return std::filesystem::path(path).extension() == ".pml";
 }
 
-bool is_surface(const std::string& path) {
-  const std::string extension = std::filesystem::path(path).extension().string();
-  return std::ranges::any_of(std::array{".stl", ".STL", ".obj", ".ply", ".gltf", ".glb"},
-                             [&](const char* known) { return extension == known; });
-}
-
 /// A mesh file is in metres unless told otherwise, a PML file in millimetres, as the readers have it.
 double length_unit(const RunOptions& options) {
   if (options.length_unit > 0.0) return options.length_unit;
   return is_pml(options.body) ? phymul::PmlOptions{}.length_unit : phymul::MeshOptions{}.length_unit;
 }
 
-phymul::Model filled_surface(const RunOptions& options) {
-  if (options.spacing == 0.0) throw phymul::Error(options.body + ": a surface is filled; give --spacing, m");
-  phymul::BodyReport report;
-  phymul::Model model = phymul::make_body(phymul::read_surface(options.body, length_unit(options)),
-                                          {.spacing = options.spacing}, &report);
-  model.notes.push_back(options.body + ": filled with " + std::to_string(report.particles) + " particles in " +
-                        std::to_string(report.cells) + " tetrahedra");
-  return model;
-}
-
 phymul::Model read_file(const RunOptions& options) {
-  if (is_surface(options.body)) return filled_surface(options);
+  if (is_surface(options.body)) return fill_surface(options.body, length_unit(options), options.spacing).model;
   if (options.spacing != 0.0) throw phymul::Error("--spacing: " + options.body + " is no surface to be filled");
   const double unit = length_unit(options);
   return is_pml(options.body) ? phymul::read_pml(options.body, {.length_unit = unit})
@@ -78,13 +60,11 @@ phymul::Model read_body(const RunOptions& options) {
 /// Particles in the ball of x, y, z and radius, which stand at `ball`.
 std::vector<phymul::Index> particles_in(const phymul::Model& model, const double* ball) {
   const phymul::Vec3 centre(ball[0], ball[1], ball[2]);
-  std::vector<phymul::Index> found;
   double nearest = std::numeric_limits<double>::infinity();
-  for (phymul::Index i = 0; i < model.particle_count(); ++i) {
-    const double distance = (model.rest[i] - centre).norm();
-    nearest = std::min(nearest, distance);
-    if (distance <= ball[3]) found.push_back(i);
-  }
+  const std::vector<phymul::Index> found = model.particles_in([&](const phymul::Vec3& at) {
+    nearest = std::min(nearest, (at - centre).norm());
+    return (at - centre).norm() <= ball[3];
+  });
   if (found.empty()) {
     throw phymul::Error("--fix-near: no particle is so near; the nearest is " + std::to_string(nearest) + " m away");
   }

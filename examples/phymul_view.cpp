@@ -35,10 +35,10 @@ void play(ViewInput& input, const ViewOptions& options, int frame) {
 }
 
 int run(const ViewOptions& options) {
-  const phymul::Model model = make_view_body(options);
-  for (const std::string& note : model.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
+  const ViewBody body = make_view_body(options);
+  for (const std::string& note : body.model.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
   ViewWindow window(options.width, options.height, options.hidden);
-  Simulation simulation(model, options);
+  Simulation simulation(body, options);
   ViewInput input(simulation, window);
   window.listen(input);
 

@@ -54,6 +54,9 @@ void ViewInput::key(int key) {
       drag_.release();
       simulation_.reset();
       break;
+    case GLFW_KEY_K:
+      simulation_.change_skin();
+      break;
     case GLFW_KEY_B:
       try {
         simulation_.next_backend();

@@ -6,6 +6,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <utility>
+
+#include "surface_body.h"
 
 namespace {
 
@@ -16,32 +19,37 @@ constexpr const char* keys =
     "  space          pause;  n: one step;  r: back to the rest shape\n"
     "  b              next backend\n"
     "  s e l p a o    surface, edges, links, particles, attractors (without a material), outline of the rest shape\n"
+    "  k              the file's own surface, or the body that fills it\n"
     "  t              surface lets through;  c: colours by displacement;  + -: their scale\n"
     "  q, escape      end";
 
-phymul::Model read_file(const std::string& path) {
+phymul::Model read_mesh_file(const std::string& path) {
   if (!std::filesystem::exists(path)) {
     throw phymul::Error(path + ": expected a file, or one of tetrahedron, cylinder, block, strip");
   }
   return std::filesystem::path(path).extension() == ".pml" ? phymul::read_pml(path) : phymul::read_mesh(path);
 }
 
-phymul::Model shape_or_file(const std::string& name) {
-  if (name == "tetrahedron") return phymul::make_tetrahedron(0.01);
-  if (name == "cylinder") return phymul::make_cylinder(0.010, 0.040, 3, 8, 11);
-  if (name == "block") return phymul::make_block({0.04, 0.03, 0.02}, 12, 9, 6);
-  if (name == "strip") return phymul::make_strip(0.04, 0.02, 12, 6, true);
-  return read_file(name);
+ViewBody shape_or_file(const ViewOptions& options) {
+  const std::string& name = options.body;
+  if (name == "tetrahedron") return {phymul::make_tetrahedron(0.01), {}};
+  if (name == "cylinder") return {phymul::make_cylinder(0.010, 0.040, 3, 8, 11), {}};
+  if (name == "block") return {phymul::make_block({0.04, 0.03, 0.02}, 12, 9, 6), {}};
+  if (name == "strip") return {phymul::make_strip(0.04, 0.02, 12, 6, true), {}};
+  if (!is_surface(name)) return {read_mesh_file(name), {}};
+  SurfaceBody filled = fill_surface(name, options.length_unit, options.spacing);
+  return {std::move(filled.model), std::move(filled.surface)};
 }
 
 }  // namespace
 
-phymul::Model make_view_body(const ViewOptions& options) {
-  phymul::Model model = shape_or_file(options.body);
+ViewBody make_view_body(const ViewOptions& options) {
+  ViewBody body = shape_or_file(options);
+  phymul::Model& model = body.model;
   const bool has_volume = std::any_of(model.cells.begin(), model.cells.end(),
                                       [](const phymul::Cell& cell) { return phymul::is_volume(cell.type); });
   if (!options.from_file && model.dimension == 3 && has_volume) phymul::set_material(model, options.material);
-  return model;
+  return body;
 }
 
 std::optional<ViewOptions> read_view_options(int argc, char** argv, int& exit_code) {
@@ -50,8 +58,13 @@ std::optional<ViewOptions> read_view_options(int argc, char** argv, int& exit_co
   app.name("phymul-view");
   app.set_version_flag("--version", PHYMUL_VERSION);
   app.footer(keys);
-  app.add_option("body", options.body, "a .pml, .msh, .vtk or .vtu file, or tetrahedron, cylinder, block, strip")
+  app.add_option(
+         "body", options.body,
+         "a .pml, .msh, .vtk or .vtu file, a surface (.stl, .obj, .ply, .gltf, .glb), or tetrahedron, cylinder, "
+         "block, strip")
       ->capture_default_str();
+  app.add_option("--unit", options.length_unit, "metres per length unit of a surface's file")->capture_default_str();
+  app.add_option("--spacing", options.spacing, "mean distance between the particles that fill a surface, m");
   app.add_option("loads", options.loads, "what acts on it: .lml")->check(CLI::ExistingFile);
   app.add_option("--fix", options.fixed_groups, "hold this group of particles; may be given several times")
       ->allow_extra_args(false);

@@ -3,7 +3,7 @@
 // What phymul-view is asked to show.
 #pragma once
 
-#include <phymul/model.h>
+#include <phymul/body.h>
 
 #include <optional>
 #include <string>
@@ -11,6 +11,8 @@
 
 struct ViewOptions {
   std::string body = "cylinder";  ///< a file, or a shape: tetrahedron, cylinder, block, strip
+  double length_unit = 1.0;       ///< m, of a surface's file
+  double spacing = 0.0;           ///< m, of the particles that fill a surface; 0: none was given
   std::string loads;              ///< .lml; empty: none
   std::vector<std::string> fixed_groups;
   std::string backend = "auto";
@@ -31,5 +33,10 @@ struct ViewOptions {
 /// None where the program should end now, with `exit_code`.
 std::optional<ViewOptions> read_view_options(int argc, char** argv, int& exit_code);
 
+struct ViewBody {
+  phymul::Model model;
+  std::optional<phymul::Surface> surface;  ///< that the body fills
+};
+
 /// Throws phymul::Error where there is no such body.
-phymul::Model make_view_body(const ViewOptions& options);
+ViewBody make_view_body(const ViewOptions& options);

@@ -14,12 +14,14 @@ constexpr double frame = 1.0 / 60.0;          // s
 
 }  // namespace
 
-Simulation::Simulation(const phymul::Model& model, const ViewOptions& options)
-    : model_(model),
+Simulation::Simulation(const ViewBody& body, const ViewOptions& options)
+    : body_(body),
+      model_(body.model),
       options_(options),
-      scene_(model),
-      topology_(std::make_shared<const phymul::TopologyTextures>(build_topology(model))) {
-  if (!options.loads.empty()) scene_.add(phymul::read_lml(options.loads, model));
+      scene_(model_),
+      topology_(std::make_shared<const phymul::TopologyTextures>(build_topology(model_))) {
+  if (body.surface) skin_.emplace(model_, body.surface->vertices);
+  if (!options.loads.empty()) scene_.add(phymul::read_lml(options.loads, model_));
   for (const std::string& group : options.fixed_groups) scene_.fix(group);
   spectrum_ = estimate_spectrum(*topology_, topology_->rest);
   use(options.backend);
@@ -36,10 +38,21 @@ void Simulation::use(const std::string& backend) {
   if (state) solver->reset(*state);
   display_ = nullptr;  // it looks at the solver that goes
   solver_ = std::move(solver);
-  display_ = phymul::make_display(*solver_, {.context = phymul::GlContext::current});
+  show();
   dt_ = options_.step_share * std::min(solver_->stable_step(), 1.0);
   steps_a_frame_ = 1;
   rate_ = 0.0;
+}
+
+void Simulation::show() {
+  const phymul::GlOptions gl{.context = phymul::GlContext::current};
+  display_ = skin_ && shows_skin_ ? phymul::make_display(*solver_, *skin_, body_.surface->triangles, gl)
+                                  : phymul::make_display(*solver_, gl);
+}
+
+void Simulation::change_skin() {
+  shows_skin_ = !shows_skin_;
+  show();
 }
 
 void Simulation::next_backend() {

@@ -5,6 +5,7 @@
 
 #include <phymul/display.h>
 #include <phymul/scene.h>
+#include <phymul/skin.h>
 #include <phymul/solver.h>
 
 #include <memory>
@@ -18,7 +19,7 @@
 /// drawn from.
 class Simulation {
  public:
-  Simulation(const phymul::Model& model, const ViewOptions& options);
+  Simulation(const ViewBody& body, const ViewOptions& options);
 
   phymul::Scene& scene() { return scene_; }
   const phymul::Model& model() const { return model_; }
@@ -32,6 +33,7 @@ class Simulation {
   void step(int n);
   void reset();
   void next_backend();
+  void change_skin();  ///< shows the surface that the body fills, or the body itself
 
   std::string status() const;  ///< backend, device, rate
   /// Why it stands still, if a step failed; empty otherwise.
@@ -39,7 +41,9 @@ class Simulation {
 
  private:
   void use(const std::string& backend);
+  void show();
 
+  const ViewBody& body_;
   const phymul::Model& model_;
   const ViewOptions& options_;
   phymul::Scene scene_;
@@ -47,6 +51,8 @@ class Simulation {
   std::shared_ptr<const phymul::TopologyTextures> topology_;
   std::unique_ptr<phymul::Solver> solver_;
   std::unique_ptr<phymul::Display> display_;
+  std::optional<phymul::Skin> skin_;
+  bool shows_skin_ = true;
   std::string failure_;
   double time_ = 0.0;
   double dt_ = 0.0;

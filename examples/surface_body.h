@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+//
+// Bodies of the tools that fill a surface from a file.
+#pragma once
+
+#include <phymul/body.h>
+
+#include <string>
+
+struct SurfaceBody {
+  phymul::Surface surface;
+  phymul::Model model;  ///< its inside; a note says what it became
+};
+
+/// By the file's ending: whether read_surface() reads it.
+bool is_surface(const std::string& path);
+
+/// Throws phymul::Error as read_surface() and make_body() do, and where the spacing is 0: none was given.
+SurfaceBody fill_surface(const std::string& path, double metres_per_unit, double spacing);
