@@ -101,14 +101,13 @@ struct TopologyOptions {
   /// over the volume here.
   std::optional<double> stabiliser = std::nullopt;
   SparseParticle on_sparse = SparseParticle::error;
-  int max_texture_size = 16384;  ///< texels: limit of a GPU on the sides of a table
 };
 
 struct TopologyTextures;
 
 /// Builds the tables. A model with a material takes Law::particle_averaged and no other (clear Model::materials to use
-/// one; masses stay). Throws Error for options that contradict each other or the model, and if a table is larger than
-/// max_texture_size squared.
+/// one; masses stay). Throws Error for options that contradict each other or the model, and if a table has more rows
+/// than 32-bit numbers count.
 TopologyTextures build_topology(const Model& model, const TopologyOptions& options = {});
 
 /// Isotropic theory of small strains. A body with deformation gradient F has the energy density c/2 |F n0 - n(F)|^2,

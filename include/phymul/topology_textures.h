@@ -11,9 +11,6 @@
 //   alpha       per row of `neighbours`: alpha_ij
 // Other tables are empty unless the options need them. Integers are stored as integers: a float holds them only to
 // 2^24.
-//
-// Each table is padded to a rectangle of texels (TextureShape), filled with `none` (-1) and zeros; the first
-// `..._count` rows are real. A device uploads the rows in order: row r is texel (r mod width, r / width).
 #pragma once
 
 #include <phymul/topology.h>
@@ -28,7 +25,7 @@ namespace phymul {
 
 inline constexpr Index none = -1;
 
-/// Rectangle that holds a table: row-major, near-square, width a power of two.
+/// Rectangle of texels that holds a table on a device: row-major, near-square, width a power of two.
 struct TextureShape {
   int width = 0;
   int height = 0;
@@ -114,21 +111,20 @@ struct TopologyTextures {
   std::vector<std::string> notes;
 
   Index particle_count = 0;
-  Index neighbour_count = 0;  ///< real rows of neighbours and alpha
-  Index base_count = 0;       ///< real rows of bases, lambda, weight
+  Index neighbour_count = 0;  ///< rows of neighbours and alpha
+  Index base_count = 0;       ///< rows of bases, lambda, weight
 
-  TextureShape index_shape, neighbour_shape, base_shape;
   std::vector<IndexTexel> index;
   std::vector<Index> neighbours;
   std::vector<BaseTexel> bases;
   std::vector<double> alpha;
 
-  // Per particle, unpadded.
+  // Per particle.
   VecList rest;                   ///< m
   std::vector<double> mass;       ///< kg
   std::vector<double> stiffness;  ///< k_i, N/m
 
-  // Per base, unpadded.
+  // Per base.
   std::vector<std::array<double, 3>> lambda;
   std::vector<double> weight;  ///< w_t
 
@@ -155,7 +151,7 @@ struct TopologyTextures {
 };
 
 /// Hash (FNV-1a, 64 bits) of all constants and indices of the tables. It depends on material, rest shape, options and
-/// order of the particles, and not on max_texture_size. The same in all versions: files hold it.
+/// order of the particles. The same in all versions: files hold it.
 std::uint64_t fingerprint(const TopologyTextures& topology);
 
 }  // namespace phymul

@@ -171,7 +171,8 @@ std::string SectionWriter::finish() {
   return std::move(file_);
 }
 
-std::vector<FileSection> read_sections(const std::string& file, std::string_view bytes, const FileKind& kind) {
+std::vector<FileSection> read_sections(const std::string& file, std::string_view bytes, const FileKind& kind,
+                                       std::initializer_list<std::string_view> tags) {
   ByteReader in(file, bytes);
   const std::string_view magic = in.raw(8, "the magic word");
   if (magic != kind.magic) {
@@ -199,6 +200,13 @@ std::vector<FileSection> read_sections(const std::string& file, std::string_view
     sections.push_back({tag, payload, start + 12});
   }
   in.expect_end(kind.name);
+  if (!std::ranges::equal(sections, tags, {}, &FileSection::tag)) {
+    std::string expected;
+    for (const std::string_view tag : tags) expected += (expected.empty() ? "" : ", ") + cited(tag);
+    fail_format(file, 0,
+                "expected the sections " + expected + ", got " + std::to_string(sections.size()) +
+                    " others; the file was written by something else");
+  }
   return sections;
 }
 

@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -121,8 +122,9 @@ class SectionWriter {
   std::string file_;
 };
 
-/// Sections but for the last; throws Error unless magic, version and checksums are right and nothing is missing or left
-/// over.
-std::vector<FileSection> read_sections(const std::string& file, std::string_view bytes, const FileKind& kind);
+/// Sections but for the last; throws Error unless magic, version and checksums are right, the tags are these and
+/// nothing is missing or left over.
+std::vector<FileSection> read_sections(const std::string& file, std::string_view bytes, const FileKind& kind,
+                                       std::initializer_list<std::string_view> tags);
 
 }  // namespace phymul

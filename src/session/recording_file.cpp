@@ -75,14 +75,8 @@ void save_recording(const Recording& recording, const std::string& path) {
 }
 
 Recording read_recording_bytes(std::string_view bytes, const std::string& name) {
-  const std::vector<FileSection> sections = read_sections(name, bytes, recording_kind);
-  const bool known = sections.size() == 4 && sections[0].tag == head_tag && sections[1].tag == start_tag &&
-                     sections[2].tag == scene_tag && sections[3].tag == inputs_tag;
-  if (!known) {
-    fail_format(name, 0,
-                "expected the sections \"head\", \"stat\", \"scne\" and \"inpt\", got " +
-                    std::to_string(sections.size()) + " others; the file was written by something else");
-  }
+  const std::vector<FileSection> sections =
+      read_sections(name, bytes, recording_kind, {head_tag, start_tag, scene_tag, inputs_tag});
   Recording recording;
   const auto reader = [&](std::size_t k) { return ByteReader(name, sections[k].payload, sections[k].first_byte); };
   ByteReader head = reader(0), start = reader(1), inputs = reader(3);

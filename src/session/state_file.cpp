@@ -59,12 +59,7 @@ void save_state(const Snapshot& snapshot, const std::string& path) {
 }
 
 Snapshot read_state_bytes(std::string_view bytes, const std::string& name) {
-  const std::vector<FileSection> sections = read_sections(name, bytes, state_kind);
-  if (sections.size() != 2 || sections[0].tag != body_tag || sections[1].tag != state_tag) {
-    fail_format(name, 0,
-                "expected the sections \"body\" and \"stat\", got " + std::to_string(sections.size()) +
-                    " others; the file was written by something else");
-  }
+  const std::vector<FileSection> sections = read_sections(name, bytes, state_kind, {body_tag, state_tag});
   ByteReader body(name, sections[0].payload, sections[0].first_byte);
   const std::uint64_t topology_hash = body.u64("the topology's hash");
   std::string backend = body.text("a backend's name");

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 namespace phymul {
@@ -22,8 +23,12 @@ bool passes(const RestBase& base, const TopologyOptions& options) {
   });
 }
 
-void append_row(const std::vector<RestBase>& row, std::int64_t most_rows, BaseTable& table) {
-  require_base_rows(table.base.size() + row.size(), most_rows);
+void append_row(const std::vector<RestBase>& row, BaseTable& table) {
+  constexpr std::size_t most = std::numeric_limits<Index>::max() / 3;
+  if (table.base.size() + row.size() > most) {
+    throw Error("the table of bases needs more than " + std::to_string(most) +
+                " rows, which is all that 32-bit numbers allow. Use fewer neighbours or a sparser base selection");
+  }
   table.base.insert(table.base.end(), row.begin(), row.end());
   table.weight.insert(table.weight.end(), row.size(), row.empty() ? 0.0 : 1.0 / static_cast<double>(row.size()));
   table.offset.push_back(table.base.size());
@@ -48,19 +53,10 @@ std::vector<RestBase> neighbour_bases(const Model& model, Index owner, const Top
   return result;
 }
 
-void require_base_rows(std::size_t rows, std::int64_t most) {
-  if (static_cast<std::int64_t>(rows) <= most) return;
-  throw Error("the table of bases needs more than " + std::to_string(most) +
-              " rows, which is all that max_texture_size or 32-bit numbers allow. Use fewer neighbours or a sparser "
-              "base selection");
-}
-
-BaseTable select_bases(const Model& model, const TopologyOptions& options, std::int64_t most_rows) {
+BaseTable select_bases(const Model& model, const TopologyOptions& options) {
   BaseTable table;
   table.stiffness = model.stiffness;
-  for (Index i = 0; i < model.particle_count(); ++i) {
-    append_row(neighbour_bases(model, i, options), most_rows, table);
-  }
+  for (Index i = 0; i < model.particle_count(); ++i) append_row(neighbour_bases(model, i, options), table);
   return table;
 }
 

@@ -27,10 +27,8 @@ struct BaseTable {
 /// ask for all; in lexicographic order of their places in the neighbour row.
 std::vector<RestBase> neighbour_bases(const Model& model, Index owner, const TopologyOptions& options);
 
-/// Throws Error when the table of bases has more than `most` rows.
-void require_base_rows(std::size_t rows, std::int64_t most);
-
-/// The bases of a model whose stiffness is in N/m: k_i as the model has it, weights 1 / Bc_i. Throws Error as soon as there are more than `most_rows`.
-BaseTable select_bases(const Model& model, const TopologyOptions& options, std::int64_t most_rows);
+/// The bases of a model whose stiffness is in N/m: k_i as the model has it, weights 1 / Bc_i. Throws Error as soon as
+/// there are more than 32-bit numbers count three entries each of.
+BaseTable select_bases(const Model& model, const TopologyOptions& options);
 
 }  // namespace phymul

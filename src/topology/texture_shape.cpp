@@ -10,7 +10,7 @@ namespace phymul {
 
 TextureShape fit_texture(std::int64_t rows, int limit, const char* table) {
   if (limit < 1) {
-    throw Error("max_texture_size is " + std::to_string(limit) + "; a texture has at least 1 x 1 texels");
+    throw Error("the longest side of a texture is " + std::to_string(limit) + "; one has at least 1 x 1 texels");
   }
   const std::int64_t wanted = std::max<std::int64_t>(rows, 1);
   const std::int64_t widest = static_cast<std::int64_t>(std::bit_floor(static_cast<std::uint64_t>(limit)));
@@ -18,12 +18,10 @@ TextureShape fit_texture(std::int64_t rows, int limit, const char* table) {
   while (width < widest && width * width < wanted) width *= 2;
   const std::int64_t height = (wanted + width - 1) / width;
   if (height > limit) {
-    throw Error(
-        ErrorCode::not_supported,
-        "the table of " + std::string(table) + " needs " + std::to_string(rows) + " rows; textures of up to " +
-            std::to_string(limit) + " texels a side hold " + std::to_string(widest * limit) +
-            " (widths are powers of two). Use fewer particles or neighbours, a sparser base selection, or raise "
-            "max_texture_size if the device allows");
+    throw Error(ErrorCode::not_supported,
+                "the table of " + std::string(table) + " needs " + std::to_string(rows) + " rows; textures of up to " +
+                    std::to_string(limit) + " texels a side hold " + std::to_string(widest * limit) +
+                    " (widths are powers of two). Use fewer particles or neighbours, or a sparser base selection");
   }
   return {static_cast<int>(width), static_cast<int>(height)};
 }

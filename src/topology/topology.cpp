@@ -93,11 +93,9 @@ void treat_sparse(const Model& model, const std::vector<Index>& sparse, Topology
   }
 }
 
-void pack_neighbours(const RaggedList& rows, int limit, TopologyTextures& topology) {
+void pack_neighbours(const RaggedList& rows, TopologyTextures& topology) {
   topology.neighbour_count = rows.offset.back();
-  topology.neighbour_shape = fit_texture(topology.neighbour_count, limit, "neighbours");
   topology.neighbours = rows.entry;
-  topology.neighbours.resize(static_cast<std::size_t>(topology.neighbour_shape.texels()), none);
   topology.alpha.assign(topology.neighbours.size(), 0.0);
   for (Index i = 0; i < rows.rows(); ++i) {
     topology.index[i].neighbour_count = rows.size(i);
@@ -105,14 +103,12 @@ void pack_neighbours(const RaggedList& rows, int limit, TopologyTextures& topolo
   }
 }
 
-void pack_bases(const BaseTable& table, int limit, TopologyTextures& topology) {
+void pack_bases(const BaseTable& table, TopologyTextures& topology) {
   topology.base_count = static_cast<Index>(table.base.size());
-  topology.base_shape = fit_texture(topology.base_count, limit, "bases");
-  topology.bases.resize(static_cast<std::size_t>(topology.base_shape.texels()));
+  topology.bases.reserve(table.base.size());
   topology.lambda.reserve(table.base.size());
-  for (std::size_t t = 0; t < table.base.size(); ++t) {
-    const RestBase& base = table.base[t];
-    topology.bases[t] = {base.vertex, base.beta};
+  for (const RestBase& base : table.base) {
+    topology.bases.push_back({base.vertex, base.beta});
     topology.lambda.push_back(base.lambda);
   }
   topology.weight = table.weight;
@@ -187,16 +183,10 @@ TopologyTextures start(const Model& model, const TopologyOptions& options) {
   topology.dimension = model.dimension;
   topology.model = model_fingerprint(model);
   topology.particle_count = model.particle_count();
-  topology.index_shape = fit_texture(topology.particle_count, options.max_texture_size, "particles");
-  topology.index.resize(static_cast<std::size_t>(topology.index_shape.texels()));
+  topology.index.resize(model.rest.size());
   topology.rest = model.rest;
   topology.mass = model.mass;
   return topology;
-}
-
-std::int64_t most_base_rows(const TopologyOptions& options) {
-  const std::int64_t side = options.max_texture_size;
-  return std::min<std::int64_t>(side * side, std::numeric_limits<Index>::max() / 3);
 }
 
 BaseTable no_bases(const Model& model) {
@@ -209,9 +199,10 @@ BaseTable no_bases(const Model& model) {
 void build_averaged(const Model& model, TopologyTextures& topology) {
   const TopologyOptions& options = topology.options;
   require(!model.materials.empty(), "Law::particle_averaged needs a material: call set_material, or use another law");
-  require(options.reaction == Reaction::conservative,
-          "a material needs Reaction::conservative: the other reactions have no stiffness against uniform strain inside "
-          "a body. Use it, or clear Model::materials and set stiffness in N/m");
+  require(
+      options.reaction == Reaction::conservative,
+      "a material needs Reaction::conservative: the other reactions have no stiffness against uniform strain inside "
+      "a body. Use it, or clear Model::materials and set stiffness in N/m");
   require(options.volume_stiffness == 0.0,
           "volume_stiffness is for models without a material; with one it follows from Poisson's ratio. Set it to 0");
   add_averaged_terms(model, topology);
@@ -229,7 +220,7 @@ BaseTable build_plain(const Model& model, TopologyTextures& topology) {
     topology.springs = neighbour_springs(model);
     return no_bases(model);
   }
-  BaseTable table = select_bases(model, options, most_base_rows(options));
+  BaseTable table = select_bases(model, options);
   treat_sparse(model, particles_without_base(table), topology);
   return table;
 }
@@ -246,8 +237,8 @@ TopologyTextures build_topology(const Model& model, const TopologyOptions& optio
   } else {
     table = build_plain(model, topology);
   }
-  pack_neighbours(model.neighbours, options.max_texture_size, topology);
-  pack_bases(table, options.max_texture_size, topology);
+  pack_neighbours(model.neighbours, topology);
+  pack_bases(table, topology);
   fill_alpha(topology);
   fill_transposes(topology);
   return topology;

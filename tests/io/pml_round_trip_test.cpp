@@ -2,10 +2,8 @@
 #include <phymul/pml.h>
 #include <phymul/shapes.h>
 
-#include <bit>
 #include <filesystem>
 #include <fstream>
-#include <random>
 
 #include "model/file_extras.h"
 #include "support/pml_text.h"
@@ -53,25 +51,6 @@ TEST(PmlRoundTrip, Materials) {
   Model sample = read_pml(samples + "/cylinder_275.pml");
   set_material(sample, {1e4 / 3, 0.49, 1049.7});
   EXPECT_EQ(reread(sample), sample);
-}
-
-TEST(PmlRoundTrip, RandomCoordinatesBitByBit) {
-  std::mt19937_64 random(3);
-  std::uniform_real_distribution<double> place(-0.2, 0.2);
-  Model model = make_block({0.1, 0.1, 0.1}, 9, 9, 9);
-  for (const double unit : {1e-3, 1e-2, 1.0, 1e-6}) {
-    PmlOptions options;
-    options.length_unit = unit;
-    for (Vec3& x : model.rest) x += 1e-3 * Vec3(place(random), place(random), place(random));
-    const Model again = reread(model, options);
-    ASSERT_EQ(again.particle_count(), model.particle_count());
-    for (Index i = 0; i < model.particle_count(); ++i) {
-      for (int a = 0; a < 3; ++a) {
-        ASSERT_EQ(std::bit_cast<std::uint64_t>(again.rest[i][a]), std::bit_cast<std::uint64_t>(model.rest[i][a]));
-      }
-    }
-    EXPECT_EQ(again, model);
-  }
 }
 
 TEST(PmlRoundTrip, UnknownAttributesNamesAndColours) {
@@ -150,14 +129,6 @@ TEST(PmlRoundTrip, OneCellInTwoComponentsBecomesAReference) {
   ASSERT_EQ(again.components.size(), 2u);
   EXPECT_EQ(again.components[1].cell_refs, std::vector<Index>{0});
   EXPECT_EQ(again.group("b"), model.group("b"));
-}
-
-TEST(PmlRoundTrip, TwoDimensions) {
-  const Model model = make_strip(0.05, 0.01, 6, 2);
-  ASSERT_EQ(model.dimension, 2);
-  const std::string text = written(model);
-  EXPECT_TRUE(says(text, "dimension=\"2\""));
-  EXPECT_EQ(read_pml_text(text, "t.pml").dimension, 2);
 }
 
 TEST(PmlWrite, RefusesWhatPmlCannotSay) {

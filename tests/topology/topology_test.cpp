@@ -140,7 +140,6 @@ TEST(Topology, OptionsOutOfRangeAreRefusedByName) {
   EXPECT_TRUE(says(refuse([](TopologyOptions& o) { o.min_quality = 1.5; }), "min_quality is 1.5"));
   EXPECT_TRUE(says(refuse([](TopologyOptions& o) { o.max_barycentric = 0; }), "max_barycentric is 0"));
   EXPECT_TRUE(says(refuse([](TopologyOptions& o) { o.volume_stiffness = NAN; }), "volume_stiffness is nan"));
-  EXPECT_TRUE(says(refuse([](TopologyOptions& o) { o.max_texture_size = 0; }), "max_texture_size is 0"));
   Model wire = make_tetrahedron(1.0);
   wire.cells.clear();
   wire.components.clear();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Packing: rectangles of texels, padding, transposed lists.
+// Packing: rectangles of texels, transposed lists.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,57 +37,7 @@ TEST(FitTexture, SaysWhichTableAndWhichSizes) {
   const std::string text = message_of([] { fit_texture(257, 16, "neighbours"); });
   EXPECT_TRUE(says(text, "table of neighbours needs 257 rows"));
   EXPECT_TRUE(says(text, "up to 16 texels a side hold 256"));
-  EXPECT_TRUE(refuses([] { fit_texture(1, 0, "x"); }, "max_texture_size is 0"));
-}
-
-TEST(Textures, PaddingHoldsSentinelsOnly) {
-  for (const Body& body : bodies()) {
-    const TopologyTextures t = build_topology(body.model);
-    ASSERT_EQ(static_cast<std::int64_t>(t.index.size()), t.index_shape.texels());
-    ASSERT_EQ(static_cast<std::int64_t>(t.neighbours.size()), t.neighbour_shape.texels());
-    ASSERT_EQ(static_cast<std::int64_t>(t.alpha.size()), t.neighbour_shape.texels());
-    ASSERT_EQ(static_cast<std::int64_t>(t.bases.size()), t.base_shape.texels());
-    ASSERT_GT(t.base_count, 0) << body.name;
-    for (std::size_t i = static_cast<std::size_t>(t.particle_count); i < t.index.size(); ++i) {
-      EXPECT_EQ(t.index[i], IndexTexel{});
-    }
-    for (std::size_t r = static_cast<std::size_t>(t.neighbour_count); r < t.neighbours.size(); ++r) {
-      EXPECT_EQ(t.neighbours[r], none);
-      EXPECT_EQ(t.alpha[r], 0.0);
-    }
-    for (std::size_t r = 0; r < t.bases.size(); ++r) {
-      if (r >= static_cast<std::size_t>(t.base_count)) {
-        EXPECT_EQ(t.bases[r], BaseTexel{});
-      } else {
-        EXPECT_GE(t.bases[r].vertex[0], 0);
-      }
-    }
-  }
-}
-
-TEST(Textures, RowsOfAParticleFollowOneAnother) {
-  for (const Body& body : bodies()) {
-    const TopologyTextures t = build_topology(body.model);
-    Index neighbour = 0;
-    Index base = 0;
-    for (Index i = 0; i < t.particle_count; ++i) {
-      EXPECT_EQ(t.index[i].first_neighbour, neighbour);
-      EXPECT_EQ(t.index[i].first_base, base);
-      neighbour += t.index[i].neighbour_count;
-      base += t.index[i].base_count;
-    }
-    EXPECT_EQ(neighbour, t.neighbour_count);
-    EXPECT_EQ(base, t.base_count);
-  }
-}
-
-TEST(Textures, TableTooLargeForTheDeviceIsRefused) {
-  TopologyOptions options;
-  options.max_texture_size = 8;  // 64 rows
-  const Model block = make_block({1, 1, 1}, 3, 3, 3, 6);
-  EXPECT_TRUE(refuses([&] { build_topology(block, options); }, "table of bases"));
-  options.max_texture_size = 4;
-  EXPECT_TRUE(refuses([&] { build_topology(block, options); }, "table of particles needs 64 rows"));
+  EXPECT_TRUE(refuses([] { fit_texture(1, 0, "x"); }, "side of a texture is 0"));
 }
 
 // Every entry of `list` points back at its particle, and every place of `vertex` is listed once, in increasing order.
