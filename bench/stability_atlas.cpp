@@ -127,9 +127,9 @@ class Limits {
 const char* verdict(const RestResult& rest, double distance) {
   if (!rest.report.ok()) return "ran away";
   if (distance < 0.01) return "returned";
+  if (!rest.converged()) return "moves";
   if (rest.collapsed >= 0) return "rests collapsed";
-  if (rest.folded >= 0) return "rests folded";
-  return rest.converged() ? "rests elsewhere" : "moves";
+  return rest.folded >= 0 ? "rests folded" : "rests elsewhere";
 }
 
 void write_recovery(const std::string& path, const std::vector<std::string>& backends, int cells, int steps,

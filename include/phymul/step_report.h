@@ -54,12 +54,14 @@ enum class RestStatus {
 struct RestResult {
   RestStatus status = RestStatus::failed;
   StepReport report;  ///< of all steps of the call
-  /// If converged: a particle one of whose bases has collapsed to a line or a point, else -1. Such a base has no
-  /// direction. A body that is in one point is at rest and cannot return by itself.
+  /// If converged, or not after max_steps: a particle one of whose bases has collapsed to a line or a point, else -1.
+  /// Such a base has no direction. A body that is in one point is at rest and cannot return by itself.
   Index collapsed = -1;
-  /// If converged: a cell that is flat or turned inside out, else -1. Springs can keep such states. For a body that
-  /// moves, call first_folded_cell() (monitor.h) and first_collapsed() (elasticity.h).
+  /// If converged, or not after max_steps: a cell that is flat or turned inside out, else -1. Springs can keep such
+  /// states; at the rim of a clamp one can keep its particles moving. For a body that moves, call first_folded_cell()
+  /// (monitor.h) and first_collapsed() (elasticity.h).
   Index folded = -1;
+  Vec3 folded_at{0, 0, 0};  ///< m, mean of that cell's vertices at rest
 
   bool converged() const { return status == RestStatus::converged; }
   std::string message() const;  ///< one sentence for people; allocates

@@ -71,10 +71,14 @@ RestResult SolverBackend::run_to_rest(int max_steps, double dt, const Damping& d
                   : report.at_rest ? RestStatus::converged
                   : report.stopped ? RestStatus::stopped
                                    : RestStatus::step_limit;
-  if (result.converged()) {
+  if (result.converged() || result.status == RestStatus::step_limit) {
     const State state = read();
     result.collapsed = first_collapsed(*topology_, state.position);
     result.folded = first_folded_cell(model(), state.position);
+  }
+  if (result.folded >= 0) {
+    const std::vector<Index>& vertices = model().cells[result.folded].particles;
+    for (const Index i : vertices) result.folded_at += model().rest[i] / static_cast<double>(vertices.size());
   }
   return result;
 }

@@ -73,8 +73,14 @@ std::string RestResult::message() const {
             " has collapsed and has no direction: move some of its particles apart";
   }
   if (folded >= 0) {
-    text += "; cell " + std::to_string(folded) +
-            " is flat or inside out: the body rests folded, which is not its rest shape";
+    char place[96];
+    std::snprintf(place, sizeof place,
+                  "; cell %d, at (%.4g, %.4g, %.4g) m at rest, is flat or inside out: ", static_cast<int>(folded),
+                  folded_at.x(), folded_at.y(), folded_at.z());
+    text += place;
+    text += converged() ? "the body rests folded, which is not its rest shape"
+                        : "it can keep its particles moving; hold less abruptly there, refine the mesh, or take "
+                          "StrainEnergy::neo_hookean";
   }
   return text;
 }
