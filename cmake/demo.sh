@@ -6,7 +6,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 
-sh cmake/install-packages.sh examples
+sh cmake/install-packages.sh examples surfaces
 . cmake/generator.sh
 
 cmake -S . -B build/demo -DCMAKE_BUILD_TYPE=Release -DPHYMUL_BUILD_TESTS=OFF -DPHYMUL_BUILD_BENCH=OFF -DPHYMUL_WITH_GL=OFF

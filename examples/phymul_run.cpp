@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <limits>
 
 #include "run_loop.h"
 #include "run_options.h"
@@ -57,20 +56,6 @@ phymul::Model read_body(const RunOptions& options) {
   return model;
 }
 
-/// Particles in the ball of x, y, z and radius, which stand at `ball`.
-std::vector<phymul::Index> particles_in(const phymul::Model& model, const double* ball) {
-  const phymul::Vec3 centre(ball[0], ball[1], ball[2]);
-  double nearest = std::numeric_limits<double>::infinity();
-  const std::vector<phymul::Index> found = model.particles_in([&](const phymul::Vec3& at) {
-    nearest = std::min(nearest, (at - centre).norm());
-    return (at - centre).norm() <= ball[3];
-  });
-  if (found.empty()) {
-    throw phymul::Error("--fix-near: no particle is so near; the nearest is " + std::to_string(nearest) + " m away");
-  }
-  return found;
-}
-
 phymul::Scene make_scene(const RunOptions& options, const phymul::Model& model) {
   phymul::Scene scene(model);
   if (!options.loads.empty()) {
@@ -80,7 +65,7 @@ phymul::Scene make_scene(const RunOptions& options, const phymul::Model& model) 
   }
   for (const std::string& group : options.fixed_groups) scene.fix(group);
   for (std::size_t k = 0; k < options.fixed_balls.size(); k += 4) {
-    scene.fix(particles_in(model, &options.fixed_balls[k]));
+    scene.fix(particles_in_ball(model, &options.fixed_balls[k]));
   }
   const std::vector<double> gravity = options.gravity.empty() ? std::vector<double>(3, 0.0) : options.gravity;
   return scene.gravity({gravity[0], gravity[1], gravity[2]});

@@ -6,6 +6,7 @@
 #include <phymul/body.h>
 
 #include <string>
+#include <vector>
 
 struct SurfaceBody {
   phymul::Surface surface;
@@ -14,6 +15,9 @@ struct SurfaceBody {
 
 /// By the file's ending: whether read_surface() reads it.
 bool is_surface(const std::string& path);
+
+/// Particles in the ball of x, y, z and radius, m, which stand at `ball`. Throws phymul::Error if there are none.
+std::vector<phymul::Index> particles_in_ball(const phymul::Model& model, const double* ball);
 
 /// Throws phymul::Error as read_surface() and make_body() do, and where the spacing is 0: none was given.
 SurfaceBody fill_surface(const std::string& path, double metres_per_unit, double spacing);

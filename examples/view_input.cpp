@@ -56,6 +56,7 @@ void ViewInput::key(int key) {
       break;
     case GLFW_KEY_K:
       simulation_.change_skin();
+      mark_dragged();
       break;
     case GLFW_KEY_B:
       try {
@@ -105,7 +106,8 @@ void ViewInput::button(int button, bool pressed) {
 
 void ViewInput::mark_dragged() {
   layers_.marks.clear();
-  if (drag_.holds()) layers_.marks = {{{drag_.particle()}, {0.84, 0.15, 0.16, 1.0}}};
+  // A skin's points have other numbers.
+  if (drag_.holds() && !simulation_.shows_skin()) layers_.marks = {{{drag_.particle()}, {0.84, 0.15, 0.16, 1.0}}};
 }
 
 void ViewInput::cursor(double x, double y) {

@@ -23,11 +23,25 @@ constexpr const char* keys =
     "  t              surface lets through;  c: colours by displacement;  + -: their scale\n"
     "  q, escape      end";
 
-phymul::Model read_mesh_file(const std::string& path) {
+bool is_pml(const std::string& path) {
+  return std::filesystem::path(path).extension() == ".pml";
+}
+
+/// A mesh file is in metres unless told otherwise, a PML file in millimetres, as the readers have it.
+ViewBody read_file(const ViewOptions& options) {
+  const std::string& path = options.body;
   if (!std::filesystem::exists(path)) {
     throw phymul::Error(path + ": expected a file, or one of tetrahedron, cylinder, block, strip");
   }
-  return std::filesystem::path(path).extension() == ".pml" ? phymul::read_pml(path) : phymul::read_mesh(path);
+  const double usual = is_pml(path) ? phymul::PmlOptions{}.length_unit : phymul::MeshOptions{}.length_unit;
+  const double unit = options.length_unit > 0.0 ? options.length_unit : usual;
+  if (is_surface(path)) {
+    SurfaceBody filled = fill_surface(path, unit, options.spacing);
+    return {std::move(filled.model), std::move(filled.surface)};
+  }
+  if (options.spacing != 0.0) throw phymul::Error("--spacing: " + path + " is no surface to be filled");
+  return {is_pml(path) ? phymul::read_pml(path, {.length_unit = unit}) : phymul::read_mesh(path, {.length_unit = unit}),
+          {}};
 }
 
 ViewBody shape_or_file(const ViewOptions& options) {
@@ -36,9 +50,7 @@ ViewBody shape_or_file(const ViewOptions& options) {
   if (name == "cylinder") return {phymul::make_cylinder(0.010, 0.040, 3, 8, 11), {}};
   if (name == "block") return {phymul::make_block({0.04, 0.03, 0.02}, 12, 9, 6), {}};
   if (name == "strip") return {phymul::make_strip(0.04, 0.02, 12, 6, true), {}};
-  if (!is_surface(name)) return {read_mesh_file(name), {}};
-  SurfaceBody filled = fill_surface(name, options.length_unit, options.spacing);
-  return {std::move(filled.model), std::move(filled.surface)};
+  return read_file(options);
 }
 
 }  // namespace
@@ -63,17 +75,25 @@ std::optional<ViewOptions> read_view_options(int argc, char** argv, int& exit_co
          "a .pml, .msh, .vtk or .vtu file, a surface (.stl, .obj, .ply, .gltf, .glb), or tetrahedron, cylinder, "
          "block, strip")
       ->capture_default_str();
-  app.add_option("--unit", options.length_unit, "metres per length unit of a surface's file")->capture_default_str();
-  app.add_option("--spacing", options.spacing, "mean distance between the particles that fill a surface, m");
+  app.add_option("--unit", options.length_unit, "metres per length unit of the body's file [1e-3 for .pml, else 1]")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--spacing", options.spacing, "mean distance between the particles that fill a surface, m")
+      ->check(CLI::PositiveNumber);
   app.add_option("loads", options.loads, "what acts on it: .lml")->check(CLI::ExistingFile);
   app.add_option("--fix", options.fixed_groups, "hold this group of particles; may be given several times")
+      ->allow_extra_args(false);
+  app.add_option("--fix-near", options.fixed_balls, "hold the particles in a ball, m; may be given several times")
+      ->option_text("X Y Z RADIUS")
+      ->type_size(4)
       ->allow_extra_args(false);
   app.add_option("--backend", options.backend, "solver by name")->capture_default_str();
   app.add_flag("--from-file", options.from_file, "masses and stiffnesses of the file, no material");
   app.add_option("--young", options.material.young, "Young's modulus, Pa")->capture_default_str();
   app.add_option("--poisson", options.material.poisson, "Poisson's ratio")->capture_default_str();
   app.add_option("--damping", options.damping_rate, "rate of loss of velocity, 1/s")->capture_default_str();
-  app.add_option("--step", options.step_share, "step, as a share of the stable one")->capture_default_str();
+  app.add_option("--step", options.step_share, "step, as a share of the stable one")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   app.add_option("--width", options.width, "pixels")->capture_default_str();
   app.add_option("--height", options.height, "pixels")->capture_default_str();
   app.add_option("--frames", options.frames, "end after so many")->group("Scripts");

@@ -11,10 +11,11 @@
 
 struct ViewOptions {
   std::string body = "cylinder";  ///< a file, or a shape: tetrahedron, cylinder, block, strip
-  double length_unit = 1.0;       ///< m, of a surface's file
+  double length_unit = 0.0;       ///< m, of the body's file; 0: the reader's own
   double spacing = 0.0;           ///< m, of the particles that fill a surface; 0: none was given
   std::string loads;              ///< .lml; empty: none
   std::vector<std::string> fixed_groups;
+  std::vector<double> fixed_balls;  ///< m, each x y z radius
   std::string backend = "auto";
   bool from_file = false;  ///< masses and stiffnesses of the file instead of the material
   phymul::Material material{.young = 10e3, .poisson = 0.3, .density = 1000.0};

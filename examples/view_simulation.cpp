@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "view_simulation.h"
 
+#include "surface_body.h"
+
 #include <phymul/phymul.h>
 #include <phymul/topology_textures.h>
 
@@ -23,6 +25,9 @@ Simulation::Simulation(const ViewBody& body, const ViewOptions& options)
   if (body.surface) skin_.emplace(model_, body.surface->vertices);
   if (!options.loads.empty()) scene_.add(phymul::read_lml(options.loads, model_));
   for (const std::string& group : options.fixed_groups) scene_.fix(group);
+  for (std::size_t k = 0; k < options.fixed_balls.size(); k += 4) {
+    scene_.fix(particles_in_ball(model_, &options.fixed_balls[k]));
+  }
   spectrum_ = estimate_spectrum(*topology_, topology_->rest);
   use(options.backend);
 }
@@ -46,8 +51,8 @@ void Simulation::use(const std::string& backend) {
 
 void Simulation::show() {
   const phymul::GlOptions gl{.context = phymul::GlContext::current};
-  display_ = skin_ && shows_skin_ ? phymul::make_display(*solver_, *skin_, body_.surface->triangles, gl)
-                                  : phymul::make_display(*solver_, gl);
+  display_ = shows_skin() ? phymul::make_display(*solver_, *skin_, body_.surface->triangles, gl)
+                          : phymul::make_display(*solver_, gl);
 }
 
 void Simulation::change_skin() {

@@ -33,6 +33,7 @@ class Simulation {
   void step(int n);
   void reset();
   void next_backend();
+  bool shows_skin() const { return skin_ && shows_skin_; }
   void change_skin();  ///< shows the surface that the body fills, or the body itself
 
   std::string status() const;  ///< backend, device, rate

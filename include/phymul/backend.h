@@ -131,6 +131,7 @@ class SolverBackend : public Solver {
   const ToolReport& tool_report(std::size_t row) const final { return do_tool_report(row); }
   void require_fitting(const State& state) const;
   void require_supported() const;
+  void require_idle(const char* what) const;
   void follow_scene();
   bool any_tool_grasps() const;
   StepReport advance(int n, double dt, bool stop_at_rest, const Damping& damping);

@@ -30,7 +30,7 @@ void mend_surface(Surface& surface);
 /// true distance.
 struct Solid {
   std::function<double(const Vec3&)> distance;  ///< at a place, m
-  Vec3 low{0, 0, 0}, high{0, 0, 0};             ///< m, opposite corners of a box that the solid lies in
+  Vec3 low{0, 0, 0}, high{0, 0, 0};             ///< m, opposite corners of its box: what lies out of it is cut off
 };
 
 /// Balls, ellipsoids, capsules (within `radius` of the segment from a to b) and boxes; lengths in m. Throw Error for a

@@ -78,8 +78,8 @@ class Simulation {
   RestResult run_to_rest(int max_steps = 200'000);
 
   /// What is probably not meant, a sentence each: a body without material, sizes and constants that suggest other units
-  /// than SI, a part that nothing holds, cells too stretched for their spacing; of the model, and of the scene as it was when the solver was made. Makes the
-  /// solver.
+  /// than SI, a part that nothing holds, cells too stretched for their spacing; of the model, and of the scene as it
+  /// was when the solver was made. Makes the solver.
   const std::vector<std::string>& warnings() const;
 
   double step_limit() const;  ///< s: SimulationOptions::step * Solver::stable_step(); 1e-3 if that is infinite

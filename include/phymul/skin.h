@@ -15,9 +15,10 @@ namespace phymul {
 /// the body goes by the cell that it is least outside of. The skin does not refer to the model afterwards.
 class Skin {
  public:
-  /// Binds points [M], m, in the frame of Model::rest. Throws Error for a body without volume cells, and with the first
-  /// such point for one that is not finite or is further outside than `most_outside` times the size of the nearest
-  /// cell: body and skin in other frames or units, most often.
+  /// Binds points [M], m, in the frame of Model::rest. Throws Error for a body without volume cells. Throws Error,
+  /// which names the first such point, if a point is not finite or lies outside its cell by more than `most_outside`: 1
+  /// is the height of a tetrahedron, the side of a hexahedron. Body and skin are then in other frames or units, most
+  /// often.
   Skin(const Model& model, std::span<const Vec3> points, double most_outside = 1.0);
 
   std::size_t size() const { return first_.size() - 1; }

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -44,6 +45,11 @@ CentredLattice lattice_over(const Vec3& low, const Vec3& high, const BodyOptions
            length_text(sides.y()) + " x " + length_text(sides.z()) + " m needs a lattice of " +
            length_text(2.0 * cubes.prod()) + " points, for at most " + std::to_string(options.most_particles) +
            " particles (BodyOptions::most_particles); take a larger spacing, or check the unit of length");
+  }
+  if (2.0 * cubes.prod() > std::numeric_limits<Index>::max()) {
+    refuse("a spacing of " + length_text(options.spacing) + " m needs a lattice of " + length_text(2.0 * cubes.prod()) +
+           " points, more than " + std::to_string(std::numeric_limits<Index>::max()) +
+           ", the most that can be counted; take a larger spacing");
   }
   for (int k = 0; k < 3; ++k) lattice.count[k] = static_cast<int>(cubes[k]);
   lattice.origin = 0.5 * (low + high) - 0.5 * lattice.edge * (cubes - Vec3::Constant(0.5));
@@ -177,6 +183,9 @@ Model body_of(const Interior& interior, const CentredLattice& lattice, double wa
   if (body.cells.empty()) {
     refuse("no point of a lattice with a spacing of " + length_text(options.spacing) +
            " m lies inside the shape; take a smaller spacing, or check the unit of length");
+  }
+  if (!(wanted_volume > 0.0)) {
+    refuse("expected a shape with a volume above 0, got " + length_text(1e6 * wanted_volume) + " ml");
   }
   const double moved = meet_volume(body, wanted_volume, most_moved * options.spacing);
   BodyReport own = report_of(body, wanted_volume);

@@ -14,6 +14,7 @@
 #include "model/enclosed_volume.h"
 #include "place_text.h"
 #include "surface_crossings.h"
+#include "surface_interior.h"
 
 namespace phymul {
 namespace {
@@ -204,12 +205,9 @@ class Mending {
   /// Is x inside the shell? By the triangles that a line along x passes.
   bool is_within(const Vec3& x, const std::vector<Triangle>& shell) const {
     bool within = false;
-    for (const auto& [a, b, c] : shell) {
-      const Vec3 u = surface_.vertices[a] - x, v = surface_.vertices[b] - x, w = surface_.vertices[c] - x;
-      const auto turn = [](const Vec3& p, const Vec3& q) { return p.y() * q.z() - p.z() * q.y() > 0.0; };
-      if (turn(u, v) != turn(v, w) || turn(v, w) != turn(w, u)) continue;
-      const Vec3 normal = (v - u).cross(w - u);
-      within ^= normal.x() != 0.0 && normal.dot(u) / normal.x() > 0.0;
+    for (const Triangle& t : shell) {
+      const auto met = passage(surface_.vertices, t, x.y(), x.z());
+      within ^= met && met->x > x.x();
     }
     return within;
   }

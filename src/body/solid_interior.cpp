@@ -11,7 +11,7 @@
 namespace phymul {
 
 double SolidInterior::at(const Vec3& x) const {
-  const double value = solid_.distance(x);
+  const double value = clipped_distance(solid_, x);
   if (std::isnan(value)) throw Error("make_body: the solid's distance is not a number at " + place_text(x));
   return value;
 }

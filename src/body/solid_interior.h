@@ -3,9 +3,16 @@
 
 #include <phymul/body.h>
 
+#include <algorithm>
+
 #include "interior.h"
 
 namespace phymul {
+
+/// Its function, but outside its box positive whatever the function says. Not a number where the function is not.
+inline double clipped_distance(const Solid& solid, const Vec3& x) {
+  return std::max(solid.distance(x), (solid.low - x).cwiseMax(x - solid.high).maxCoeff());
+}
 
 /// Of a shape that a function describes. Keeps a reference.
 class SolidInterior : public Interior {

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "place_text.h"
+#include "solid_interior.h"
 
 namespace phymul {
 namespace {
@@ -22,22 +23,27 @@ void require_above_0(const char* what, const char* name, double value) {
   throw Error(std::string(what) + ": expected a " + name + " above 0 m, got " + length_text(value));
 }
 
+void require_solid(const char* what, const Solid& solid) {
+  if (!solid.distance) throw Error(std::string(what) + ": a solid has no distance function");
+  if ((solid.low.array() < solid.high.array()).all()) return;
+  throw Error(std::string(what) + ": expected a box with low below high, got " + place_text(solid.low) + " to " +
+              place_text(solid.high));
+}
+
 using Distances = std::vector<Solid>;
 
 /// Of several solids the smallest distance or the largest.
 template <class Better>
 Solid joined(const char* what, Distances solids, Better better) {
   if (solids.empty()) throw Error(std::string(what) + ": expected at least one solid, got none");
-  for (const Solid& solid : solids) {
-    if (!solid.distance) throw Error(std::string(what) + ": a solid has no distance function");
-  }
+  for (const Solid& solid : solids) require_solid(what, solid);
   Solid all;
   all.low = solids.front().low;
   all.high = solids.front().high;
   const auto shared = std::make_shared<const Distances>(std::move(solids));
   all.distance = [shared, better](const Vec3& x) {
-    double value = shared->front().distance(x);
-    for (std::size_t k = 1; k < shared->size(); ++k) value = better(value, (*shared)[k].distance(x));
+    double value = clipped_distance(shared->front(), x);
+    for (std::size_t k = 1; k < shared->size(); ++k) value = better(value, clipped_distance((*shared)[k], x));
     return value;
   };
   return all;
@@ -107,7 +113,8 @@ Solid solid_intersection(std::vector<Solid> solids) {
 }
 
 Solid solid_difference(Solid solid, Solid hole) {
-  const auto outside = [inside = std::move(hole.distance)](const Vec3& x) { return -inside(x); };
+  require_solid("solid_difference", hole);
+  const auto outside = [hole = std::move(hole)](const Vec3& x) { return -clipped_distance(hole, x); };
   const Vec3 low = solid.low, high = solid.high;
   return joined("solid_difference", {std::move(solid), {outside, low, high}},
                 [](double a, double b) { return std::max(a, b); });

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "surface_interior.h"
 
+#include <phymul/error.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "place_text.h"
 
 namespace phymul {
 namespace {
@@ -32,9 +36,33 @@ bool is_beside(const Vec3& p, const Vec3& q, double y, double z) {
 struct RowCrossing {
   Index row;
   double x;
+  int enter;
+  bool is_sharp;  // rounding cannot have moved it far
 };
 
+[[noreturn]] void refuse_overlap(const Vec3& place) {
+  throw Error(ErrorCode::invalid_model,
+              "surface: shells overlap at " + place_text(place) +
+                  "; expected a surface that does not cross itself: remesh it, or join its shells by a boolean union");
+}
+
 }  // namespace
+
+std::optional<Passage> passage(const VecList& vertices, const std::array<Index, 3>& triangle, double y, double z) {
+  int enter = 0;
+  for (int e = 0; e < 3; ++e) {
+    const Index from = triangle[e], to = triangle[(e + 1) % 3];
+    const Vec3 &low = vertices[std::min(from, to)], &high = vertices[std::max(from, to)];
+    if (is_beside(low, high, y, z)) enter += vertices[from].z() > z ? 1 : -1;
+  }
+  if (enter == 0) return {};
+  const Vec3 &a = vertices[triangle[0]], &b = vertices[triangle[1]], &c = vertices[triangle[2]];
+  const Vec3 normal = (b - a).cross(c - a);
+  const double low = std::min({a.x(), b.x(), c.x()}), high = std::max({a.x(), b.x(), c.x()});
+  const double up = normal.y() * (y - a.y()) + normal.z() * (z - a.z());
+  const double x = normal.x() != 0.0 ? a.x() - up / normal.x() : 0.5 * (low + high);
+  return Passage{std::clamp(x, low, high), enter};
+}
 
 SurfaceInterior::SurfaceInterior(const Surface& surface, const CentredLattice& lattice)
     : surface_(surface), lattice_(lattice) {
@@ -94,9 +122,9 @@ std::vector<char> SurfaceInterior::inside(const CentredLattice& lattice) const {
     std::vector<RowCrossing> crossings;
     for (Index triangle = 0; triangle < static_cast<Index>(surface_.triangles.size()); ++triangle) {
       const auto t = corners_of(surface_, triangle);
-      const std::array<Index, 3>& name = surface_.triangles[triangle];
       const Box box = box_of(t);
       const Vec3 normal = (t[1] - t[0]).cross(t[2] - t[0]);
+      const bool is_sharp = std::abs(normal.x()) > 1e-3 * normal.norm();
       const int first_j = std::max(row_near(1, box.low.y()), 0),
                 last_j = std::min(row_near(1, box.high.y()) + 1, n[1] - 1);
       const int first_k = std::max(row_near(2, box.low.z()), 0),
@@ -104,26 +132,31 @@ std::vector<char> SurfaceInterior::inside(const CentredLattice& lattice) const {
       for (int k = first_k; k <= last_k; ++k) {
         const double z = at(2, k);
         for (int j = first_j; j <= last_j; ++j) {
-          const double y = at(1, j);
-          bool met = false;
-          for (int e = 0; e < 3; ++e) {
-            const int f = (e + 1) % 3;
-            met ^= name[e] < name[f] ? is_beside(t[e], t[f], y, z) : is_beside(t[f], t[e], y, z);
-          }
-          if (!met) continue;
-          const double up = normal.y() * (y - t[0].y()) + normal.z() * (z - t[0].z());
-          const double x = normal.x() != 0.0 ? t[0].x() - up / normal.x() : 0.5 * (box.low.x() + box.high.x());
-          crossings.push_back({static_cast<Index>(k) * n[1] + j, std::clamp(x, box.low.x(), box.high.x())});
+          const auto met = passage(surface_.vertices, surface_.triangles[triangle], at(1, j), z);
+          if (met) crossings.push_back({static_cast<Index>(k) * n[1] + j, met->x, met->enter, is_sharp});
         }
       }
     }
     std::ranges::sort(crossings, [](const RowCrossing& a, const RowCrossing& b) {
       return a.row != b.row ? a.row < b.row : a.x < b.x;
     });
-    for (std::size_t c = 0; c < crossings.size(); c += 2) {  // an even number in each row
-      const int j = crossings[c].row % n[1], k = crossings[c].row / n[1];
-      for (int i = std::max(row_near(0, crossings[c].x), 0); i < n[0] && at(0, i) < crossings[c + 1].x; ++i) {
-        if (at(0, i) >= crossings[c].x) in[middles ? lattice.middle(i, j, k) : lattice.corner(i, j, k)] = 1;
+    for (std::size_t from = 0, to = 0; from < crossings.size(); from = to) {
+      const Index row = crossings[from].row;
+      bool is_sharp = true;
+      for (; to < crossings.size() && crossings[to].row == row; ++to) is_sharp = is_sharp && crossings[to].is_sharp;
+      const int j = row % n[1], k = row / n[1];
+      int times = 0;  // inside
+      for (std::size_t c = from; c + 1 < to; ++c) {
+        times += crossings[c].enter;
+        if (times == 0) continue;
+        const double first = crossings[c].x, last = crossings[c + 1].x;
+        // Shells that touch may overlap by rounding.
+        if (times != 1 && is_sharp && last - first > 0.01 * lattice.edge) {
+          refuse_overlap({0.5 * (first + last), at(1, j), at(2, k)});
+        }
+        for (int i = std::max(row_near(0, first), 0); i < n[0] && at(0, i) < last; ++i) {
+          if (at(0, i) >= first) in[middles ? lattice.middle(i, j, k) : lattice.corner(i, j, k)] = 1;
+        }
       }
     }
   }

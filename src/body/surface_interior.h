@@ -3,18 +3,32 @@
 
 #include <phymul/body.h>
 
+#include <optional>
+
 #include "interior.h"
 
 namespace phymul {
 
+/// Where a line along x passes a triangle.
+struct Passage {
+  double x;   ///< m
+  int enter;  ///< 1: into what the triangle bounds; -1: out of it
+};
+
+/// Of the line at (y, z); none if it misses the triangle. On which side the line passes an edge is computed in the same
+/// way for all triangles of the edge, so that no line slips between two of them or meets both: rounding moves x, but a
+/// line comes out of a closed surface as often as it goes in.
+std::optional<Passage> passage(const VecList& vertices, const std::array<Index, 3>& triangle, double y, double z);
+
 /// Of a mended surface. Keeps references to it and to the lattice.
 ///
-/// Inside is what a line along x from a point leaves through an odd number of triangles. Whether a line passes an edge
-/// on one side or the other is computed in the same way for both triangles of the edge, so that no line slips between
-/// them or meets both: rounding moves a crossing, but changes no parity.
+/// Inside is where a line along x has gone in through the surface more often than out. More than once is where shells
+/// overlap, which find_crossing() does not see if they do so along common faces only: refused, because the surface's
+/// volume counts it twice.
 class SurfaceInterior : public Interior {
  public:
   SurfaceInterior(const Surface& surface, const CentredLattice& lattice);
+  /// Throws Error where the surface overlaps itself.
   std::vector<char> inside(const CentredLattice& lattice) const override;
   double exit(const Vec3& in, const Vec3& out) const override;
 

@@ -99,8 +99,8 @@ std::vector<std::vector<Index>> facets_of(int dimension, const Cell& cell) {
   return facets;
 }
 
-/// Of the cells of negative volume those that overlap a cell they share a facet with, however they are wound: with all
-/// volumes made positive, both cells see the facet from the same side.
+/// Cells that overlap one they share a facet with, however they are wound: with all volumes made positive, both cells
+/// see the facet from the same side. `negative`: cells of negative volume; none, none overlap so.
 std::vector<Index> tangled_cells(const Model& model, const std::vector<Index>& negative) {
   if (negative.empty()) return {};
   std::vector<char> is_negative(model.cells.size(), 0);
@@ -119,12 +119,25 @@ std::vector<Index> tangled_cells(const Model& model, const std::vector<Index>& n
       sides[facet].push_back({row, ascends != (is_negative[row] != 0)});
     }
   }
-  std::vector<Index> tangled;
+  std::vector<std::array<Index, 2>> overlapping;
+  std::vector<int> times(model.cells.size(), 0);
+  const auto particles_of = [&](Index cell) {
+    std::vector<Index> particles = model.cells[cell].particles;
+    std::ranges::sort(particles);
+    return particles;
+  };
   for (const auto& [facet, both] : sides) {
     if (both.size() != 2 || both[0].ascends != both[1].ascends) continue;
-    for (const Side& side : both) {
-      if (is_negative[side.cell]) tangled.push_back(side.cell);
-    }
+    if (particles_of(both[0].cell) == particles_of(both[1].cell)) continue;  // the same cell twice
+    overlapping.push_back({both[0].cell, both[1].cell});
+    for (const Side& side : both) ++times[side.cell];
+  }
+  // Of two cells that overlap the one that lies wrong overlaps others, too, or is wound as few are.
+  const bool few_are_negative = 2 * negative.size() <= model.cells.size();
+  std::vector<Index> tangled;
+  for (const auto& [a, b] : overlapping) {
+    tangled.push_back(times[a] > times[b] || (times[a] == times[b] && (is_negative[a] != 0) == few_are_negative) ? a
+                                                                                                                 : b);
   }
   std::ranges::sort(tangled);
   tangled.erase(std::unique(tangled.begin(), tangled.end()), tangled.end());

@@ -101,18 +101,23 @@ class CellSearch {
     }
     tree_ = BoxTree(middle, std::vector<Index>(cells_.size(), 0), 1);
     node_boxes_.resize(tree_.nodes.size());
+    node_sides_.assign(tree_.nodes.size(), Vec3::Zero());
     for (std::size_t n = tree_.nodes.size(); n-- > 0;) {
       const BoxTree::Node& node = tree_.nodes[n];
       node_boxes_[n] = boxes_[tree_.items[node.first]];
-      for (Index k = node.first; k < node.end; ++k) node_boxes_[n].take_in(boxes_[tree_.items[k]]);
+      for (Index k = node.first; k < node.end; ++k) {
+        const Box& box = boxes_[tree_.items[k]];
+        node_boxes_[n].take_in(box);
+        node_sides_[n] = node_sides_[n].cwiseMax(box.high - box.low);
+      }
     }
-    for (const Box& box : boxes_) largest_ = largest_.cwiseMax(box.high - box.low);
   }
 
   /// The cell that the point is in, or within `most_outside` least outside of.
   Place find(const Vec3& point, double most_outside) const {
     Place best = best_within(point, 1e-6);
-    if (best.outside > 0.0) best = best_within(point, std::max(most_outside, 0.5));
+    // Beyond a corner of a tetrahedron, whose sizes are its heights, its box is three times as near.
+    if (best.outside > 0.0) best = best_within(point, 3.0 * std::max(most_outside, 0.5));
     return best;
   }
 
@@ -127,7 +132,7 @@ class CellSearch {
     Place best;
     for (Index n = 0; n < static_cast<Index>(tree_.nodes.size()) && best.outside > 0.0;) {
       const BoxTree::Node& node = tree_.nodes[n];
-      const Box around{node_boxes_[n].low - margin * largest_, node_boxes_[n].high + margin * largest_};
+      const Box around{node_boxes_[n].low - margin * node_sides_[n], node_boxes_[n].high + margin * node_sides_[n]};
       if (!around.is_near(point, 0.0)) {
         n = node.next;
         continue;
@@ -174,7 +179,7 @@ class CellSearch {
   std::vector<Box> boxes_;    // of each
   BoxTree tree_;
   std::vector<Box> node_boxes_;
-  Vec3 largest_{0, 0, 0};  // sides of the largest box
+  VecList node_sides_;  // of the largest box in each
 };
 
 }  // namespace
@@ -188,7 +193,8 @@ Skin::Skin(const Model& model, std::span<const Vec3> points, double most_outside
       throw Error(ErrorCode::invalid_argument,
                   "Skin: point " + std::to_string(k) + " at (" + to_decimal(point.x()) + ", " + to_decimal(point.y()) +
                       ", " + to_decimal(point.z()) + ") m is not within " + to_decimal(most_outside) +
-                      " cells of the body; expected points in the frame and units (m) of Model::rest");
+                      " cells of the body; expected points in the frame and units (m) of Model::rest. Where the body "
+                      "lacks a thin part, take a smaller spacing or a larger most_outside");
     }
     const std::vector<Index>& vertices = model.cells[place.cell].particles;
     particle_.insert(particle_.end(), vertices.begin(), vertices.end());

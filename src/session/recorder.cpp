@@ -121,6 +121,7 @@ void Recorder::record_tool(const SceneTool& tool) {
 StepReport Recorder::step(int n, double dt) {
   record_scene();
   const StepReport report = solver_.step(n, dt);
+  if (report.status == StepStatus::invalid_step) return report;  // nothing was done
   record(input_kind::step, step_bytes(report.stopped ? report.steps : n, dt));
   return report;
 }
@@ -128,6 +129,7 @@ StepReport Recorder::step(int n, double dt) {
 RestResult Recorder::run_to_rest(int max_steps, double dt) {
   record_scene();
   const RestResult result = solver_.run_to_rest(max_steps, dt);
+  if (result.report.status == StepStatus::invalid_step) return result;
   const StepReport& report = result.report;
   record(input_kind::to_rest, step_bytes(report.stopped ? report.steps : max_steps, dt));
   return result;
@@ -137,6 +139,7 @@ RestResult Recorder::run_to_rest(int max_steps, double dt, const Damping& dampin
   if (damping == solver_.options().damping) return run_to_rest(max_steps, dt);
   record_scene();
   const RestResult result = solver_.run_to_rest(max_steps, dt, damping);
+  if (result.report.status == StepStatus::invalid_step) return result;
   const StepReport& report = result.report;
   ByteWriter out;
   out.index(report.stopped ? report.steps : max_steps);

@@ -67,7 +67,7 @@ Solver& Simulation::Parts::solver() {
     if (!made) throw Error("SimulationOptions::make_solver returned no solver");
     // Nothing is converted yet: the solver is at rest, and its first steps are not known.
     started = Start{.wanted = made->read(), .taken = made->read()};
-    warnings = warnings_of(model, scene);
+    warnings = warnings_of(model, scene, topology->options.law != Law::springs);
     warnings.insert(warnings.end(), topology->notes.begin(), topology->notes.end());
     if (options.log) std::ranges::for_each(warnings, options.log);
   }

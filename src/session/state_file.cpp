@@ -123,6 +123,7 @@ void StateHistory::follow(const Solver& solver, const StepReport& report) {
         "StateHistory::follow: expected a solver of the body whose states are kept, got one of another shape, "
         "material, order of particles or other options of the tables; clear() the history, or keep one for each body");
   }
+  if (report.status == StepStatus::invalid_step) return;  // nothing was done
   drop_after(report.time);
   since_ += report.steps;
   if (!states_.empty() && since_ < every_) return;

@@ -17,7 +17,7 @@ struct Range {
 
 // Beyond these another unit is likelier than such a body.
 constexpr Range sizes{1e-3, 5.0};            // m, from a gland to a person
-constexpr Range moduli{50.0, 1e11};          // Pa, from mucus to bone and steel
+constexpr Range moduli{50.0, 1e12};          // Pa, from mucus to bone and steel
 constexpr Range densities{50.0, 25e3};       // kg/m^3, from lung filled with air to metal
 constexpr Range accelerations{0.0, 1000.0};  // m/s^2
 
@@ -25,7 +25,7 @@ void look_at_units(const Model& model, const Scene& scene, std::vector<std::stri
   const double size = body_size(model);
   if (size > 0.0 && !sizes.has(size)) {
     found.emplace_back("the body is " + to_decimal(size) + " m large: expected lengths in m; were they in " +
-                       (size > sizes.greatest ? "mm?" : "km?"));
+                       (size > sizes.greatest ? "mm?" : "km, or is a factor of 0.001 in them twice?"));
   }
   for (const Material& material : model.materials) {
     if (!moduli.has(material.young)) {
@@ -78,9 +78,9 @@ void look_for_what_is_loose(const Model& model, const Scene& scene, std::vector<
 
 }  // namespace
 
-std::vector<std::string> warnings_of(const Model& model, const Scene& scene) {
+std::vector<std::string> warnings_of(const Model& model, const Scene& scene, bool takes_material) {
   std::vector<std::string> found;
-  if (model.materials.empty()) {
+  if (model.materials.empty() && takes_material) {
     found.emplace_back(
         "the body has no material: Model::stiffness, N/m, pulls its particles, and means something else on every mesh; "
         "give SimulationOptions::material for a Young's modulus");

@@ -9,7 +9,7 @@
 namespace phymul {
 
 /// What a user has probably not meant, a sentence each: no material, quantities in other units than SI, parts that
-/// nothing holds.
-std::vector<std::string> warnings_of(const Model& model, const Scene& scene);
+/// nothing holds. `takes_material`: the law of the body can use one.
+std::vector<std::string> warnings_of(const Model& model, const Scene& scene, bool takes_material);
 
 }  // namespace phymul

@@ -99,7 +99,13 @@ void SolverBackend::require_supported() const {
     throw Error(ErrorCode::not_supported, "backend \"" + name_ + "\": " + cause);
 }
 
+void SolverBackend::require_idle(const char* what) const {
+  if (!is_stepping_.test()) return;
+  throw Error(std::string(what) + ": a step of this solver has not returned yet; call it after the step");
+}
+
 void SolverBackend::reset(const State& state) {
+  require_idle("Solver::reset");
   require_fitting(state);
   require_supported();
   follow_scene();
@@ -121,6 +127,7 @@ Snapshot SolverBackend::snapshot() const {
 }
 
 void SolverBackend::restore(const Snapshot& snapshot) {
+  require_idle("Solver::restore");
   require_fitting(snapshot.state);
   require_supported();
   if (!snapshot.displacement.empty() && snapshot.displacement.size() != snapshot.state.position.size()) {

@@ -30,6 +30,7 @@ std::unique_ptr<Display> make_display(const Solver& solver, const GlOptions& gl)
 
 std::unique_ptr<Display> make_display(const Solver& solver, const Skin& skin,
                                       std::span<const std::array<Index, 3>> triangles, const GlOptions& gl) {
+  if (skin.size() == 0) throw Error(ErrorCode::invalid_argument, "make_display: expected a skin with points, got none");
   Model surface;
   surface.rest = skin.deform(solver.model().rest);
   for (const std::array<Index, 3>& triangle : triangles) {

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 
+#include "body/lattice.h"
 #include "body_shapes.h"
 #include "model/enclosed_volume.h"
 #include "support/message_of.h"
@@ -151,6 +152,41 @@ TEST(MakeBody, ShellsOfASurface) {
   EXPECT_NEAR(report.volume / (2.0 * ball_volume(0.02)), 1.0, 0.02);
 }
 
+/// Shells of one section that overlap along their length: no edge of one passes through a triangle of the other.
+TEST(MakeBody, RefusesShellsThatOverlap) {
+  const Surface left = box_surface({0, 0, 0}, {0.1, 0.05, 0.05}),
+                right = box_surface({0.096, 0, 0}, {0.196, 0.05, 0.05});
+  const auto filling = [](const Surface& surface) {
+    return message_of([&] { make_body(surface, {.spacing = 0.003}); });
+  };
+  EXPECT_NE(filling(both(left, right)).find("shells overlap at (0.098, "), std::string::npos)
+      << filling(both(left, right));
+  // The triangle that says whether the second lies in the first does lie in it.
+  Surface from_end = right;
+  std::swap(from_end.triangles[0], from_end.triangles[6]);
+  EXPECT_NE(filling(both(left, from_end)).find("shells overlap at ("), std::string::npos);
+  // Those that touch along a whole face do not overlap.
+  BodyReport report;
+  make_body(both(left, box_surface({0.1, 0, 0}, {0.196, 0.05, 0.05})), {.spacing = 0.003}, &report);
+  EXPECT_EQ(report.parts, 1);
+  EXPECT_NEAR(report.volume / (0.196 * 0.05 * 0.05), 1.0, 0.01);
+}
+
+TEST(MakeBody, ASolidEndsAtItsBox) {
+  const Vec3 low(-0.05, -0.05, -0.05), high(0.05, 0.05, 0.05);
+  const Solid below{[](const Vec3&x) { return x.z(); }, low, high}, all{[](const Vec3&) { return -1.0; }, low, high};
+  BodyReport report;
+  expect_sound(make_body(below, {.spacing = 0.01}, &report), report);
+  EXPECT_NEAR(report.wanted_volume, 0.5e-3, 0.005e-3);
+  EXPECT_NEAR(report.volume, 0.5e-3, 0.005e-3);
+  // As a part of others too.
+  const Solid wide = solid_box({-0.1, -0.05, -0.05}, {0.1, 0.05, 0.05});
+  make_body(solid_union({below, solid_ball({0.1, 0, 0}, 0.03)}), {.spacing = 0.01}, &report);
+  EXPECT_NEAR(report.wanted_volume, 0.5e-3 + ball_volume(0.03), 0.006e-3);
+  make_body(solid_difference(wide, all), {.spacing = 0.01}, &report);
+  EXPECT_NEAR(report.wanted_volume, 1e-3, 0.01e-3);
+}
+
 TEST(MakeBody, RefusesWhatCannotBeFilled) {
   const Solid ball = solid_ball({0, 0, 0}, 0.05);
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -175,8 +211,41 @@ TEST(MakeBody, RefusesWhatCannotBeFilled) {
   Solid boxless = ball;
   boxless.high = boxless.low;
   EXPECT_NE(filling(boxless, 0.01).find("low below high"), std::string::npos);
+  EXPECT_NE(message_of([&] { solid_union({ball, boxless}); }).find("solid_union: expected a box"), std::string::npos);
+  EXPECT_NE(message_of([&] { solid_difference(ball, Solid{}); }).find("solid_difference: a solid has no distance"),
+            std::string::npos);
+  EXPECT_NE(message_of([&] { solid_difference(Solid{}, ball); }).find("solid_difference: a solid has no distance"),
+            std::string::npos);
   EXPECT_NE(message_of([] { solid_ball({0, 0, 0}, 0.0); }).find("radius above 0"), std::string::npos);
   EXPECT_NE(message_of([] { solid_union({}); }).find("at least one"), std::string::npos);
+}
+
+/// However many particles are allowed. Refused before the solid is asked anything.
+TEST(MakeBody, RefusesALatticeBeyondItsNumbers) {
+  Solid ball = solid_ball({0, 0, 0}, 0.05);
+  ball.distance = [](const Vec3&) -> double { throw Error("asked"); };
+  const auto filling = [&](double spacing) {
+    return message_of(
+        [&] { make_body(ball, {.spacing = spacing, .most_particles = std::numeric_limits<Index>::max()}); });
+  };
+  EXPECT_NE(filling(5e-5).find("the most that can be counted"), std::string::npos) << filling(5e-5);
+  EXPECT_EQ(filling(5e-3), "asked");
+}
+
+/// Spikes from a point of the lattice towards its neighbours, between the lines that the volume is measured along.
+TEST(MakeBody, RefusesAVolumeOfNothing) {
+  const double edge = 0.01, spacing = edge * CentredLattice::mean_length;
+  const Vec3 point = Vec3::Constant(-0.25 * edge);
+  std::vector<Solid> spikes;
+  for (const Vec3& way :
+       {Vec3(2, 0, 0), Vec3(0, 2, 0), Vec3(0, 0, 2), Vec3(1, 1, 1), Vec3(-1, 1, 1), Vec3(1, -1, 1), Vec3(1, 1, -1)}) {
+    spikes.push_back(solid_capsule(point - 0.25 * edge * way, point + 0.25 * edge * way, 1e-6));
+  }
+  Solid star = solid_union(spikes);
+  star.low = Vec3::Constant(-0.048);
+  star.high = Vec3::Constant(0.048);
+  const std::string message = message_of([&] { make_body(star, {.spacing = spacing}); });
+  EXPECT_NE(message.find("expected a shape with a volume above 0, got 0 ml"), std::string::npos) << message;
 }
 
 TEST(MakeBody, ABallHeldAtAPatchComesToRest) {

@@ -53,6 +53,31 @@ TEST(MendSurface, TurnsWhatIsWoundTheWrongWay) {
   EXPECT_NE(nested.notes.at(0).find("768 of 2304"), std::string::npos);
 }
 
+/// The line that says whether one shell lies in the other meets an edge of the outer one, and its ends do not.
+TEST(MendSurface, FindsACavityBehindAnEdge) {
+  const double unit = 1.0 / 128.0;
+  Surface outer = box_surface(Vec3::Zero(), Vec3::Constant(9 * unit)),
+          inner = box_surface(Vec3::Constant(3 * unit), Vec3::Constant(6 * unit));
+  const auto at = [&](Surface& surface, double x, double y, double z) {
+    for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
+      if (surface.vertices[i] == unit * Vec3(x, y, z)) return static_cast<Index>(i);
+    }
+    throw Error("no such vertex");
+  };
+  // Triangles 4 and 5 are the side of largest x.
+  const Index a = at(outer, 9, 0, 0), b = at(outer, 9, 9, 0), c = at(outer, 9, 9, 9), d = at(outer, 9, 0, 9);
+  outer.triangles[4] = {a, b, d};
+  outer.triangles[5] = {b, c, d};
+  const Index e = at(inner, 6, 3, 3), f = at(inner, 6, 6, 3), g = at(inner, 6, 6, 6), h = at(inner, 6, 3, 6);
+  inner.triangles[4] = inner.triangles[0];
+  inner.triangles[5] = inner.triangles[1];
+  inner.triangles[0] = {e, f, g};
+  inner.triangles[1] = {e, g, h};
+  const Surface hollow = mended(both(outer, inner));
+  const double volume = enclosed_volume(hollow.triangles, hollow.vertices);
+  EXPECT_NEAR(volume, (729 - 27) * unit * unit * unit, 1e-12);
+}
+
 TEST(MendSurface, DropsTrianglesWithTwoCornersInOnePlace) {
   Surface surface = box();
   surface.vertices.push_back(surface.vertices[0] + Vec3(1e-9, 0, 0));

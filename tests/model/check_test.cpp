@@ -12,7 +12,6 @@
 #include "model/cell_geometry.h"
 #include "model/duplicates.h"
 #include "model/file_extras.h"
-#include "support/message_of.h"
 
 namespace phymul {
 namespace {
@@ -129,37 +128,6 @@ TEST(CheckMesh, TurnsQuadsRoundInThePlaneOnly) {
   strip.dimension = 3;
   mirror(strip.cells[1]);
   EXPECT_FALSE(has(find_flaws(strip), Flaw::winding));
-}
-
-/// A vertex pushed through its neighbours is no matter of winding: turned round, cells would lie one in the other.
-TEST(CheckMesh, TangledCellsAreRefused) {
-  const Model whole = make_tetrahedral_block({0.04, 0.04, 0.04}, 4, 4, 4, 0.1, 3);
-  const Model flat = make_strip(0.04, 0.04, 4, 4);
-  for (const Model& model : {whole, flat}) {
-    Model tangled = model;
-    const auto inner = std::ranges::min_element(tangled.rest, {}, [&](const Vec3& p) {
-      return (p - Vec3(0.02, 0.02, model.dimension == 3 ? 0.02 : 0.0)).norm();
-    });
-    inner->x() += 0.026;
-    const std::vector<Finding> findings = find_flaws(tangled);
-    EXPECT_TRUE(has(findings, Flaw::tangled));
-    EXPECT_FALSE(has(findings, Flaw::winding));
-    const Model before = tangled;
-    const std::string message = message_of([&] { check_mesh(tangled, "liver.msh"); });
-    EXPECT_TRUE(message.starts_with("liver.msh: ")) << message;
-    EXPECT_NE(message.find("whatever the order of the vertices"), std::string::npos) << message;
-    EXPECT_TRUE(tangled == before);
-    // The same cells listed mirrored, in part or all, are only wound the wrong way.
-    for (const std::size_t every : {1, 3}) {
-      Model mirrored = model;
-      for (std::size_t row = 0; row < mirrored.cells.size(); row += every) {
-        mirror(mirrored.cells[row]);
-      }
-      EXPECT_TRUE(has(find_flaws(mirrored), Flaw::winding)) << every;
-      check_mesh(mirrored);
-      EXPECT_TRUE(find_flaws(mirrored).empty()) << every;
-    }
-  }
 }
 
 TEST(CheckMesh, FindFlawsChangesNothingAndSaysWhatWouldBeDone) {

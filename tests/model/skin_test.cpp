@@ -115,7 +115,10 @@ TEST(Skin, RefusesWhatDoesNotBelongToTheBody) {
   EXPECT_EQ(refusal(block, {0.1249, 0.05, 0.05}), "(no error)");
   EXPECT_EQ(refusal(block, {0.1251, 0.05, 0.05}),
             "Skin: point 1 at (0.1251, 0.05, 0.05) m is not within 0.5 cells of the body; expected points in the frame "
-            "and units (m) of Model::rest");
+            "and units (m) of Model::rest. Where the body lacks a thin part, take a smaller spacing or a larger "
+            "most_outside");
+  const Skin beyond_a_corner(make_tetrahedron(1.0), VecList{});
+  EXPECT_EQ(beyond_a_corner.size(), 0u);
   EXPECT_NE(refusal(block, {100, 50, 50}), "(no error)");
   EXPECT_NE(refusal(block, {0, std::numeric_limits<double>::quiet_NaN(), 0}), "(no error)");
   EXPECT_EQ(refusal(make_strip(0.1, 0.1, 2, 2), {0, 0, 0}),

@@ -43,5 +43,36 @@ TEST(TwoThreads, AStepWithinAStepIsRefused) {
   }
 }
 
+/// What is refused is neither recorded nor taken for a step by the history.
+TEST(TwoThreads, ARefusedStepLeavesNoTrace) {
+  Simulation* inner = nullptr;
+  int refused = 0;
+  SolverOptions options;
+  options.progress_seconds = 0.0;
+  options.progress = [&](const StepProgress&) {
+    refused += inner->advance(1e-3).ok() ? 0 : 1;
+    EXPECT_THROW(inner->solver().reset(), Error);
+    return true;
+  };
+  Simulation sim(make_block({0.04, 0.02, 0.02}, 4, 2, 2),
+                 {.material = {.young = 10e3, .poisson = 0.3, .density = 1000}, .backend = "cpu", .solver = options});
+  inner = &sim;
+  sim.scene().fix("x0").gravity({0, 0, -9.81});
+  sim.keep_history(1);
+  sim.record();
+  ASSERT_TRUE(sim.advance(0.01).ok());
+  const double middle = sim.time();
+  ASSERT_TRUE(sim.advance(0.01).ok());
+  EXPECT_GT(refused, 0);
+  const State end = sim.solver().read();
+  EXPECT_TRUE(sim.rewind(middle));
+  EXPECT_DOUBLE_EQ(sim.time(), middle);
+  SolverOptions plain;
+  Simulation again(make_block({0.04, 0.02, 0.02}, 4, 2, 2),
+                   {.material = {.young = 10e3, .poisson = 0.3, .density = 1000}, .backend = "cpu", .solver = plain});
+  ASSERT_TRUE((again.scene().fix("x0").gravity({0, 0, -9.81}), again.advance(0.01).ok() && again.advance(0.01).ok()));
+  EXPECT_TRUE(again.solver().read() == end);
+}
+
 }  // namespace
 }  // namespace phymul
