@@ -101,6 +101,46 @@ class Mending {
     }
   }
 
+  /// Of triangles with the same corners one stays, or none where as many are wound one way as the other: that is a wall
+  /// between shells that touch.
+  void drop_repeats() {
+    struct Named {
+      Triangle corners;  // in ascending order
+      Index triangle;
+      int way;  // 1 or -1
+    };
+    std::vector<Named> all;
+    for (std::size_t i = 0; i < surface_.triangles.size(); ++i) {
+      Triangle t = surface_.triangles[i];
+      std::ranges::rotate(t, std::ranges::min_element(t));
+      const int way = t[1] < t[2] ? 1 : -1;
+      std::ranges::sort(t);
+      all.push_back({t, static_cast<Index>(i), way});
+    }
+    std::ranges::sort(all, [](const Named& a, const Named& b) {
+      return std::tie(a.corners, a.triangle) < std::tie(b.corners, b.triangle);
+    });
+    std::vector<char> stays(all.size(), 1);
+    for (std::size_t from = 0, to = 0; from < all.size(); from = to) {
+      int sum = 0;
+      for (; to < all.size() && all[to].corners == all[from].corners; ++to) sum += all[to].way;
+      for (std::size_t k = from; k < to; ++k) {
+        const bool is_right = all[k].way * sum > 0;
+        stays[all[k].triangle] = is_right;
+        if (is_right) sum = 0;  // the others go
+      }
+    }
+    std::vector<Triangle> left;
+    for (std::size_t i = 0; i < stays.size(); ++i) {
+      if (stays[i]) left.push_back(surface_.triangles[i]);
+    }
+    if (left.size() == stays.size()) return;
+    if (left.empty())
+      refuse("all of its " + std::to_string(stays.size()) + " triangles cover each other, back to back");
+    note(of_all(stays.size() - left.size()) + " repeated another, or lay back to back with it, and were dropped");
+    surface_.triangles = std::move(left);
+  }
+
   void drop_triangles() {
     const std::size_t before = surface_.triangles.size();
     std::erase_if(surface_.triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
@@ -109,6 +149,7 @@ class Mending {
     if (dropped > 0)
       note(std::to_string(dropped) + " of " + std::to_string(before) +
            " triangles had two corners in one place and were dropped");
+    drop_repeats();
     std::vector<Index> row(surface_.vertices.size(), -1);
     VecList used;
     for (Triangle& t : surface_.triangles) {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "body_shapes.h"
@@ -87,6 +88,23 @@ TEST(MendSurface, DropsTrianglesWithTwoCornersInOnePlace) {
   EXPECT_NE(surface.notes.at(0).find("1 of 13 triangles had two corners in one place"), std::string::npos);
 }
 
+TEST(MendSurface, DropsTrianglesThatRepeatOthers) {
+  const Surface twice = mended(both(box(), box()));
+  EXPECT_EQ(twice.triangles, mended(box()).triangles);
+  EXPECT_NE(twice.notes.at(0).find("12 of 24 triangles repeated another"), std::string::npos) << twice.notes[0];
+  // Two boxes with a common side become one, whichever way they are turned.
+  for (const double angle : {0.0, 0.3, 0.7, 1.9, 2.6}) {
+    Surface two = both(box(), box_surface({0.03, 0, 0}, {0.05, 0.02, 0.01}));
+    const Eigen::AngleAxisd turn(angle, Vec3(1, 2, 3).normalized());
+    for (Vec3& x : two.vertices) x = turn * x;
+    two = mended(two);
+    EXPECT_EQ(two.triangles.size(), 20u);
+    EXPECT_NEAR(enclosed_volume(two.triangles, two.vertices), 1e-5, 1e-15);
+    EXPECT_NE(two.notes.at(0).find("4 of 24"), std::string::npos) << two.notes[0];
+  }
+  EXPECT_NE(refusal(both(box(), inside_out(box()))).find("back to back"), std::string::npos);
+}
+
 TEST(MendSurface, SaysWhereItIsOpen) {
   Surface open = box();
   open.triangles.pop_back();
@@ -121,10 +139,13 @@ TEST(MendSurface, RefusesWhatBoundsNothing) {
   plane.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}, {0, 5, 1},
                      {1, 2, 4}, {2, 3, 5}, {3, 4, 1}, {4, 5, 2}, {5, 1, 3}};
   EXPECT_NE(refusal(plane).find("on its other side"), std::string::npos) << refusal(plane);
-  // A wall inside.
-  Surface walled = box();
-  walled.triangles.push_back(walled.triangles[0]);
-  walled.triangles.push_back(walled.triangles[0]);
+  // A wall inside, from edge to edge and of two layers.
+  Surface walled = mended(box_surface(Vec3::Zero(), Vec3::Constant(0.125)));
+  const auto at = [&](double x, double y, double z) {
+    return static_cast<Index>(std::ranges::find(walled.vertices, 0.125 * Vec3(x, y, z)) - walled.vertices.begin());
+  };
+  const Index p = at(0, 0, 0), q = at(1, 1, 0), r = at(1, 1, 1), s = at(0, 0, 1);
+  walled.triangles.insert(walled.triangles.end(), {{p, q, r}, {p, r, s}, {q, r, s}, {q, s, p}});
   EXPECT_NE(refusal(walled).find("triangles meet at the edge from"), std::string::npos) << refusal(walled);
 }
 
