@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What a surface must be to bound a body, and what of it has one right answer.
+// Checks that a surface bounds a body, and mends what has one right answer.
 #include <phymul/body.h>
 #include <phymul/error.h>
 

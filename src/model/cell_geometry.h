@@ -46,6 +46,21 @@ double signed_measure(int dimension, const Cell& cell, std::span<const Vec3> pos
 /// True for the cells that signed_measure measures.
 bool is_solid(int dimension, CellType type);
 
+/// Calls visit(ring of particles, -1 at its end) for every face of a solid cell: faces in 3-D, edges in 2-D.
+template <class Visit>
+void each_face(int dimension, const Cell& cell, Visit visit) {
+  if (dimension == 3) {
+    for (const CellFace& face : cell_faces(cell.type)) {
+      const Index last = face[3] < 0 ? -1 : cell.particles[face[3]];
+      visit({cell.particles[face[0]], cell.particles[face[1]], cell.particles[face[2]], last});
+    }
+  } else {
+    for (const CellEdge& edge : cell_edges(cell.type)) {
+      visit({cell.particles[edge[0]], cell.particles[edge[1]], -1, -1});
+    }
+  }
+}
+
 /// Names a cell in messages: "cell 2 (HEXAHEDRON, file index 7) \"name\"", by its row.
 std::string cell_label(const Model& model, std::size_t row);
 

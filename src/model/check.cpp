@@ -83,24 +83,8 @@ bool is_degenerate(const Model& model, const Cell& cell) {
   return !(area >= degenerate_ratio * edge * edge) || area == 0.0;
 }
 
-/// Facets of a solid cell as lists of particles, outward (in 2-D: edges, counter-clockwise) if its measure is positive.
-std::vector<std::vector<Index>> facets_of(int dimension, const Cell& cell) {
-  std::vector<std::vector<Index>> facets;
-  const std::size_t n = cell.particles.size();
-  for (std::size_t k = 0; dimension == 2 && k < n; ++k) {
-    facets.push_back({cell.particles[k], cell.particles[(k + 1) % n]});
-  }
-  for (const CellFace& face : dimension == 3 ? cell_faces(cell.type) : std::span<const CellFace>{}) {
-    std::vector<Index>& facet = facets.emplace_back();
-    for (const int place : face) {
-      if (place >= 0) facet.push_back(cell.particles[place]);
-    }
-  }
-  return facets;
-}
-
-/// Cells that overlap one they share a facet with, however they are wound: with all volumes made positive, both cells
-/// see the facet from the same side. `negative`: cells of negative volume; none, none overlap so.
+/// Cells that overlap one they share a face with, however they are wound: with all volumes made positive, both cells
+/// see the face from the same side. `negative`: cells of negative volume; none, none overlap so.
 std::vector<Index> tangled_cells(const Model& model, const std::vector<Index>& negative) {
   if (negative.empty()) return {};
   std::vector<char> is_negative(model.cells.size(), 0);
@@ -109,15 +93,17 @@ std::vector<Index> tangled_cells(const Model& model, const std::vector<Index>& n
     Index cell;
     bool ascends;
   };
-  std::map<std::vector<Index>, std::vector<Side>> sides;  // by the sorted particles of a facet
+  std::map<std::array<Index, 4>, std::vector<Side>> sides;  // by the sorted particles of a face, -1 in front
   for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
     if (!is_solid(model.dimension, model.cells[row].type) || is_degenerate(model, model.cells[row])) continue;
-    for (std::vector<Index>& facet : facets_of(model.dimension, model.cells[row])) {
-      if (facet.size() > 2) std::ranges::rotate(facet, std::ranges::min_element(facet));
-      const bool ascends = facet[facet.size() > 2 ? 1 : 0] < facet.back();
-      std::ranges::sort(facet);
-      sides[facet].push_back({row, ascends != (is_negative[row] != 0)});
-    }
+    each_face(model.dimension, model.cells[row], [&](std::array<Index, 4> ring) {
+      const auto end = std::ranges::find(ring, -1);
+      const bool is_edge = end - ring.begin() == 2;
+      if (!is_edge) std::rotate(ring.begin(), std::min_element(ring.begin(), end), end);
+      const bool ascends = ring[is_edge ? 0 : 1] < *std::prev(end);
+      std::ranges::sort(ring);
+      sides[ring].push_back({row, ascends != (is_negative[row] != 0)});
+    });
   }
   std::vector<std::array<Index, 2>> overlapping;
   std::vector<int> times(model.cells.size(), 0);
@@ -126,7 +112,7 @@ std::vector<Index> tangled_cells(const Model& model, const std::vector<Index>& n
     std::ranges::sort(particles);
     return particles;
   };
-  for (const auto& [facet, both] : sides) {
+  for (const auto& [face, both] : sides) {
     if (both.size() != 2 || both[0].ascends != both[1].ascends) continue;
     if (particles_of(both[0].cell) == particles_of(both[1].cell)) continue;  // the same cell twice
     overlapping.push_back({both[0].cell, both[1].cell});

@@ -25,21 +25,6 @@ bool all_chosen(const std::array<Index, 4>& ring, std::span<const char> chosen) 
   return std::all_of(ring.begin(), ring.end(), [&](Index i) { return i < 0 || chosen[i]; });
 }
 
-/// Calls visit(ring of particles, -1 at its end) for every face of a solid cell: faces in 3-D, edges in 2-D.
-template <class Visit>
-void each_face(int dimension, const Cell& cell, Visit visit) {
-  if (dimension == 3) {
-    for (const CellFace& face : cell_faces(cell.type)) {
-      const Index last = face[3] < 0 ? -1 : cell.particles[face[3]];
-      visit({cell.particles[face[0]], cell.particles[face[1]], cell.particles[face[2]], last});
-    }
-  } else {
-    for (const CellEdge& edge : cell_edges(cell.type)) {
-      visit({cell.particles[edge[0]], cell.particles[edge[1]], -1, -1});
-    }
-  }
-}
-
 Facet made_facet(const Model& model, const std::array<Index, 4>& ring, bool inside_out) {
   Facet facet;
   std::copy_if(ring.begin(), ring.end(), std::back_inserter(facet.particles), [](Index i) { return i >= 0; });

@@ -50,7 +50,7 @@ class ComputePasses {
   struct Stepping {
     StepKind kind;
     Kernel step;
-    Kernel free;                 // where there are contacts or needles: up to what pushes, which `step` goes on from
+    Kernel free;                 // with contacts or needles: the step before their impulses; `step` then does the rest
     Kernel press;                // where there are needles and other tools: what these push
     Kernel keep_sums, keep_end;  // where volumes are kept, behind it
     /// Of those that there are.
