@@ -11,8 +11,8 @@
 namespace phymul {
 
 enum class Flaw {
-  winding,  ///< cell with negative volume; turned round
-  tangled,  ///< cell with negative volume among rightly wound ones: a vertex lies beyond its neighbours; refused
+  winding,          ///< cell with negative volume; turned round
+  tangled,          ///< cell that overlaps a neighbour, however both are wound; refused
   degenerate_cell,  ///< volume (area) below 1e-6 of its longest edge cubed (squared), or a vertex repeated
   duplicate_cell,   ///< two cells over the same particles
   duplicate_point,  ///< two particles closer than 1e-9 of the body size

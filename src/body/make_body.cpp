@@ -11,9 +11,9 @@
 #include <numbers>
 #include <numeric>
 
+#include "base/place_text.h"
 #include "model/enclosed_volume.h"
 #include "model/shape_builder.h"
-#include "place_text.h"
 #include "solid_interior.h"
 #include "stuffing.h"
 #include "surface_interior.h"

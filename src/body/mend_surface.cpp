@@ -10,9 +10,9 @@
 #include <numeric>
 #include <tuple>
 
+#include "base/place_text.h"
 #include "model/duplicates.h"
 #include "model/enclosed_volume.h"
-#include "place_text.h"
 #include "surface_crossings.h"
 #include "surface_interior.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "place_text.h"
+#include "base/place_text.h"
 
 namespace phymul {
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <memory>
 
-#include "place_text.h"
+#include "base/place_text.h"
 #include "solid_interior.h"
 
 namespace phymul {

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "place_text.h"
+#include "base/place_text.h"
 
 namespace phymul {
 namespace {

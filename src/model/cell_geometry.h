@@ -61,6 +61,13 @@ void each_face(int dimension, const Cell& cell, Visit visit) {
   }
 }
 
+/// Mean of its vertices, m.
+inline Vec3 cell_centre(const Cell& cell, std::span<const Vec3> position) {
+  Vec3 sum = Vec3::Zero();
+  for (const Index i : cell.particles) sum += position[i];
+  return sum / static_cast<double>(cell.particles.size());
+}
+
 /// Names a cell in messages: "cell 2 (HEXAHEDRON, file index 7) \"name\"", by its row.
 std::string cell_label(const Model& model, std::size_t row);
 

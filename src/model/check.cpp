@@ -9,7 +9,7 @@
 #include <map>
 #include <numeric>
 
-#include "base/decimal.h"
+#include "base/place_text.h"
 #include "cell_geometry.h"
 #include "duplicates.h"
 
@@ -151,9 +151,8 @@ void look_at_cells(const Model& model, bool mending, std::vector<Finding>& findi
     const Vec3& at = model.rest[model.cells[tangled.front()].particles.front()];
     tell(Flaw::tangled, tangled, false,
          counted(tangled.size(), "cell overlaps its", "cells overlap their") +
-             " neighbours, whatever the order of the vertices: " + cells_named(model, tangled) + ", near (" +
-             to_decimal(at.x()) + ", " + to_decimal(at.y()) + ", " + to_decimal(at.z()) +
-             ") m; a vertex lies beyond the faces around it: move it back, or mesh the body again",
+             " neighbours, whatever the order of the vertices: " + cells_named(model, tangled) + ", near " +
+             place_text(at) + "; a vertex lies beyond the faces around it: move it back, or mesh the body again",
          findings);
     wound.clear();
   }

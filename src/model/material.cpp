@@ -150,9 +150,7 @@ double set_material(Model& model, const Material& material, const Contains& cont
   assign(model, material,
          "set_material: expected the centres of some " + solid_cells(model) + " in the region, but there are none",
          [&](const Cell& cell) {
-           Vec3 centre = Vec3::Zero();
-           for (const Index i : cell.particles) centre += model.rest[i] / static_cast<double>(cell.particles.size());
-           if (!contains(centre)) return false;
+           if (!contains(cell_centre(cell, model.rest))) return false;
            volume += signed_measure(model.dimension, cell, model.rest);
            return true;
          });

@@ -11,6 +11,7 @@
 
 #include "base/box_tree.h"
 #include "base/decimal.h"
+#include "base/place_text.h"
 #include "cell_geometry.h"
 
 namespace phymul {
@@ -191,8 +192,8 @@ Skin::Skin(const Model& model, std::span<const Vec3> points, double most_outside
     const Place place = point.allFinite() ? search.find(point, most_outside) : Place{};
     if (!(place.outside <= most_outside)) {
       throw Error(ErrorCode::invalid_argument,
-                  "Skin: point " + std::to_string(k) + " at (" + to_decimal(point.x()) + ", " + to_decimal(point.y()) +
-                      ", " + to_decimal(point.z()) + ") m is not within " + to_decimal(most_outside) +
+                  "Skin: point " + std::to_string(k) + " at " + place_text(point) + " is not within " +
+                      to_decimal(most_outside) +
                       " cells of the body; expected points in the frame and units (m) of Model::rest. Where the body "
                       "lacks a thin part, take a smaller spacing or a larger most_outside");
     }

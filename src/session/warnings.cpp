@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "base/decimal.h"
+#include "base/place_text.h"
 
 namespace phymul {
 namespace {
@@ -47,7 +48,7 @@ std::string place_of(const ConnectedBody& part, const Model& model) {
   const Vec3& x = model.rest[part.particles.front()];
   std::string text = part.name.empty() ? "a part of " : "\"" + part.name + "\", ";
   text += std::to_string(part.particles.size()) + (part.particles.size() == 1 ? " particle" : " particles");
-  return text + " at (" + to_decimal(x.x()) + ", " + to_decimal(x.y()) + ", " + to_decimal(x.z()) + ") m";
+  return text + " at " + place_text(x);
 }
 
 /// Tools and contacts may hold what nothing imposes: then there is nothing to say.

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 
+#include "model/cell_geometry.h"
 #include "solver_input.h"
 
 namespace phymul {
@@ -76,10 +77,7 @@ RestResult SolverBackend::run_to_rest(int max_steps, double dt, const Damping& d
     result.collapsed = first_collapsed(*topology_, state.position);
     result.folded = first_folded_cell(model(), state.position);
   }
-  if (result.folded >= 0) {
-    const std::vector<Index>& vertices = model().cells[result.folded].particles;
-    for (const Index i : vertices) result.folded_at += model().rest[i] / static_cast<double>(vertices.size());
-  }
+  if (result.folded >= 0) result.folded_at = cell_centre(model().cells[result.folded], model().rest);
   return result;
 }
 

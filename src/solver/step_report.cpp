@@ -3,6 +3,8 @@
 
 #include <cstdio>
 
+#include "base/place_text.h"
+
 namespace phymul {
 
 namespace {
@@ -73,11 +75,7 @@ std::string RestResult::message() const {
             " has collapsed and has no direction: move some of its particles apart";
   }
   if (folded >= 0) {
-    char place[96];
-    std::snprintf(place, sizeof place,
-                  "; cell %d, at (%.4g, %.4g, %.4g) m at rest, is flat or inside out: ", static_cast<int>(folded),
-                  folded_at.x(), folded_at.y(), folded_at.z());
-    text += place;
+    text += "; cell " + std::to_string(folded) + ", at " + place_text(folded_at) + " at rest, is flat or inside out: ";
     text += converged() ? "the body rests folded, which is not its rest shape"
                         : "it can keep its particles moving; hold less abruptly there, refine the mesh, or take "
                           "StrainEnergy::neo_hookean";
