@@ -21,7 +21,7 @@ namespace {
 
 using Triangle = std::array<Index, 3>;
 
-[[noreturn]] void refuse(const std::string& what) {
+[[noreturn]] void refuse_surface(const std::string& what) {
   throw Error(ErrorCode::invalid_model, "surface: " + what);
 }
 
@@ -36,9 +36,10 @@ class Mending {
     turn_outward();
     check_balance();
     if (const auto crossing = find_crossing(surface_)) {
-      refuse("triangles " + std::to_string(crossing->triangles[0]) + " and " + std::to_string(crossing->triangles[1]) +
-             " cross each other at " + place_text(crossing->place) +
-             "; expected a surface that does not cross itself: remesh it, or join its shells by a boolean union");
+      refuse_surface(
+          "triangles " + std::to_string(crossing->triangles[0]) + " and " + std::to_string(crossing->triangles[1]) +
+          " cross each other at " + place_text(crossing->place) +
+          "; expected a surface that does not cross itself: remesh it, or join its shells by a boolean union");
     }
     note_size();
   }
@@ -64,18 +65,19 @@ class Mending {
   }
 
   void check_numbers() const {
-    if (surface_.triangles.empty()) refuse("expected triangles, got none");
+    if (surface_.triangles.empty()) refuse_surface("expected triangles, got none");
     for (std::size_t i = 0; i < surface_.vertices.size(); ++i) {
       if (!surface_.vertices[i].allFinite()) {
-        refuse("expected finite coordinates, got " + place_text(surface_.vertices[i]) + " at vertex " +
-               std::to_string(i));
+        refuse_surface("expected finite coordinates, got " + place_text(surface_.vertices[i]) + " at vertex " +
+                       std::to_string(i));
       }
     }
     const auto count = static_cast<Index>(surface_.vertices.size());
     for (std::size_t i = 0; i < surface_.triangles.size(); ++i) {
       for (const Index p : surface_.triangles[i]) {
         if (p >= 0 && p < count) continue;
-        refuse("triangle " + std::to_string(i) + " has vertex " + std::to_string(p) + " of " + std::to_string(count));
+        refuse_surface("triangle " + std::to_string(i) + " has vertex " + std::to_string(p) + " of " +
+                       std::to_string(count));
       }
     }
   }
@@ -136,7 +138,7 @@ class Mending {
     }
     if (left.size() == stays.size()) return;
     if (left.empty())
-      refuse("all of its " + std::to_string(stays.size()) + " triangles cover each other, back to back");
+      refuse_surface("all of its " + std::to_string(stays.size()) + " triangles cover each other, back to back");
     note(of_all(stays.size() - left.size()) + " repeated another, or lay back to back with it, and were dropped");
     surface_.triangles = std::move(left);
   }
@@ -145,7 +147,8 @@ class Mending {
     const std::size_t before = surface_.triangles.size();
     std::erase_if(surface_.triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
     const std::size_t dropped = before - surface_.triangles.size();
-    if (surface_.triangles.empty()) refuse("all of its " + std::to_string(before) + " triangles are without area");
+    if (surface_.triangles.empty())
+      refuse_surface("all of its " + std::to_string(before) + " triangles are without area");
     if (dropped > 0)
       note(std::to_string(dropped) + " of " + std::to_string(before) +
            " triangles had two corners in one place and were dropped");
@@ -182,8 +185,8 @@ class Mending {
       if (open++ == 0) first = sides_[from];
     });
     if (open == 0) return;
-    refuse("expected a closed surface, got " + std::to_string(open) + " open edge" + (open > 1 ? "s" : "") +
-           ", the first from " + edge_text(first) + "; close the holes, for example with a mesh editor");
+    refuse_surface("expected a closed surface, got " + std::to_string(open) + " open edge" + (open > 1 ? "s" : "") +
+                   ", the first from " + edge_text(first) + "; close the holes, for example with a mesh editor");
   }
 
   std::string edge_text(const Side& side) const {
@@ -231,8 +234,9 @@ class Mending {
             turned_[link.triangle] = turned;
             next.push_back(link.triangle);
           } else if (turned_[link.triangle] != turned) {
-            refuse("expected a surface with an inside and an outside, got one that comes back to the edge from " +
-                   edge_text(sides_[link.side]) + " on its other side");
+            refuse_surface(
+                "expected a surface with an inside and an outside, got one that comes back to the edge from " +
+                edge_text(sides_[link.side]) + " on its other side");
           }
         }
       }
@@ -293,8 +297,8 @@ class Mending {
       for (std::size_t k = from; k < to; ++k)
         forward += sides_[k].forward != (turned_[sides_[k].triangle] != 0) ? 1 : -1;
       if (forward == 0) return;
-      refuse(std::to_string(to - from) + " triangles meet at the edge from " + edge_text(sides_[from]) +
-             " and do not bound an inside there; expected two triangles at each edge: remove inner walls");
+      refuse_surface(std::to_string(to - from) + " triangles meet at the edge from " + edge_text(sides_[from]) +
+                     " and do not bound an inside there; expected two triangles at each edge: remove inner walls");
     });
   }
 

@@ -13,19 +13,6 @@ namespace {
 
 using Triangle = std::array<Index, 3>;
 
-struct Box {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high = -low;
-
-  void add(const Vec3& x) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  bool meets(const Box& other) const {
-    return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
-  }
-};
-
 double triple(const Vec3& a, const Vec3& b, const Vec3& c) {
   return a.dot(b.cross(c));
 }
@@ -36,18 +23,18 @@ class Search {
     boxes_.resize(tree_.nodes.size());
     for (std::size_t n = 0; n < boxes_.size(); ++n) {
       for (Index item = tree_.nodes[n].first; item < tree_.nodes[n].end; ++item) {
-        for (const Index p : triangle(tree_.items[item])) boxes_[n].add(surface_.vertices[p]);
+        for (const Index p : triangle(tree_.items[item])) boxes_[n].extend(surface_.vertices[p]);
       }
     }
   }
 
   std::optional<SurfaceCrossing> find() const {
     for (Index own = 0; own < static_cast<Index>(surface_.triangles.size()); ++own) {
-      Box box;
-      for (const Index p : triangle(own)) box.add(surface_.vertices[p]);
+      Eigen::AlignedBox3d box;
+      for (const Index p : triangle(own)) box.extend(surface_.vertices[p]);
       for (std::size_t n = 0; n < tree_.nodes.size();) {
         const BoxTree::Node& node = tree_.nodes[n];
-        if (!boxes_[n].meets(box)) {
+        if (!boxes_[n].intersects(box)) {
           n = static_cast<std::size_t>(node.next);
           continue;
         }
@@ -104,7 +91,7 @@ class Search {
 
   const Surface& surface_;
   BoxTree tree_;
-  std::vector<Box> boxes_;  // [nodes]
+  std::vector<Eigen::AlignedBox3d> boxes_;  // [nodes]
 };
 
 }  // namespace

@@ -13,12 +13,8 @@
 namespace phymul {
 namespace {
 
-struct Box {
-  Vec3 low, high;
-};
-
-Box box_of(const std::array<Vec3, 3>& t) {
-  return {t[0].cwiseMin(t[1]).cwiseMin(t[2]), t[0].cwiseMax(t[1]).cwiseMax(t[2])};
+Eigen::AlignedBox3d box_of(const std::array<Vec3, 3>& t) {
+  return Eigen::AlignedBox3d(t[0]).extend(t[1]).extend(t[2]);
 }
 
 std::array<Vec3, 3> corners_of(const Surface& surface, Index triangle) {
@@ -89,8 +85,8 @@ void SurfaceInterior::sort_into_cubes() {
   const Vec3 rim = Vec3::Constant(1e-6 * lattice_.edge);
   for (Index row = 0; row < static_cast<Index>(surface_.triangles.size()); ++row) {
     const auto t = corners_of(surface_, row);
-    const Box box = box_of(t);
-    const std::array<int, 3> low = cube_at(box.low - rim), high = cube_at(box.high + rim);
+    const Eigen::AlignedBox3d box = box_of(t);
+    const std::array<int, 3> low = cube_at(box.min() - rim), high = cube_at(box.max() + rim);
     const Vec3 normal = (t[1] - t[0]).cross(t[2] - t[0]).normalized();  // zero if it has no area
     const double reach = (0.5 + 1e-6) * lattice_.edge * normal.lpNorm<1>();
     for (int k = low[2]; k <= high[2]; ++k) {
@@ -122,13 +118,13 @@ std::vector<char> SurfaceInterior::inside(const CentredLattice& lattice) const {
     std::vector<RowCrossing> crossings;
     for (Index triangle = 0; triangle < static_cast<Index>(surface_.triangles.size()); ++triangle) {
       const auto t = corners_of(surface_, triangle);
-      const Box box = box_of(t);
+      const Eigen::AlignedBox3d box = box_of(t);
       const Vec3 normal = (t[1] - t[0]).cross(t[2] - t[0]);
       const bool is_sharp = std::abs(normal.x()) > 1e-3 * normal.norm();
-      const int first_j = std::max(row_near(1, box.low.y()), 0),
-                last_j = std::min(row_near(1, box.high.y()) + 1, n[1] - 1);
-      const int first_k = std::max(row_near(2, box.low.z()), 0),
-                last_k = std::min(row_near(2, box.high.z()) + 1, n[2] - 1);
+      const int first_j = std::max(row_near(1, box.min().y()), 0),
+                last_j = std::min(row_near(1, box.max().y()) + 1, n[1] - 1);
+      const int first_k = std::max(row_near(2, box.min().z()), 0),
+                last_k = std::min(row_near(2, box.max().z()) + 1, n[2] - 1);
       for (int k = first_k; k <= last_k; ++k) {
         const double z = at(2, k);
         for (int j = first_j; j <= last_j; ++j) {

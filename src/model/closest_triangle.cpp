@@ -11,17 +11,12 @@
 namespace phymul {
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr BoxTree::Shape by_fours{.leaf_size = 4};
 
 VecList middles(std::span<const Vec3> place, std::span<const Triangle> triangles) {
   VecList all;
   for (const auto& [a, b, c] : triangles) all.push_back((place[a] + place[b] + place[c]) / 3.0);
   return all;
-}
-
-double squared_distance(const Vec3& x, const Vec3& low, const Vec3& high) {
-  return (x - x.cwiseMax(low).cwiseMin(high)).squaredNorm();
 }
 
 }  // namespace
@@ -44,12 +39,9 @@ ClosestTriangle::ClosestTriangle(std::span<const Vec3> place, std::span<const Tr
       tree_(middles(place, triangles), std::vector<Index>(triangles.size(), 0), 1, by_fours) {
   for (const Index row : tree_.items) triangle_.push_back(triangles[row]);
   for (const BoxTree::Node& node : tree_.nodes) {
-    Box& box = boxes_.emplace_back(Box{Vec3::Constant(infinite), Vec3::Constant(-infinite)});
+    Eigen::AlignedBox3d& box = boxes_.emplace_back();
     for (Index item = node.first; item < node.end; ++item) {
-      for (const Index p : triangle_[item]) {
-        box.low = box.low.cwiseMin(place_[p]);
-        box.high = box.high.cwiseMax(place_[p]);
-      }
+      for (const Index p : triangle_[item]) box.extend(place_[p]);
     }
   }
   std::map<std::pair<Index, Index>, Vec3> across;
@@ -93,7 +85,7 @@ void ClosestTriangle::look_at(Index triangle, const Vec3& x, Nearest& nearest) c
 }
 
 void ClosestTriangle::visit(Index own, const Vec3& x, Nearest& nearest) const {
-  const auto distance = [&](Index node) { return squared_distance(x, boxes_[node].low, boxes_[node].high); };
+  const auto distance = [&](Index node) { return boxes_[node].squaredExteriorDistance(x); };
   if (distance(own) >= nearest.squared) return;
   const BoxTree::Node& node = tree_.nodes[own];
   if (node.is_leaf) {
@@ -107,7 +99,7 @@ void ClosestTriangle::visit(Index own, const Vec3& x, Nearest& nearest) const {
 }
 
 double ClosestTriangle::signed_distance(const Vec3& x) const {
-  Nearest nearest{infinite, Vec3::Zero(), Vec3::Zero()};
+  Nearest nearest{std::numeric_limits<double>::infinity(), Vec3::Zero(), Vec3::Zero()};
   visit(0, x, nearest);
   const double distance = std::sqrt(nearest.squared);
   return nearest.way.dot(nearest.normal) < 0.0 ? -distance : distance;

@@ -5,6 +5,7 @@
 
 #include <phymul/types.h>
 
+#include <Eigen/Geometry>
 #include <array>
 #include <span>
 #include <vector>
@@ -25,9 +26,6 @@ class ClosestTriangle {
   double signed_distance(const Vec3& x) const;  ///< m, negative inside
 
  private:
-  struct Box {
-    Vec3 low, high;
-  };
   struct Nearest {
     double squared;
     Vec3 way;     // from the nearest point to x
@@ -42,7 +40,7 @@ class ClosestTriangle {
   std::vector<std::array<Vec3, 3>> edge_normal_;  // [triangles] of edges k, k + 1
   VecList corner_normal_;                         // [places]
   BoxTree tree_;                                  // over the triangles' middles
-  std::vector<Box> boxes_;                        // [nodes]
+  std::vector<Eigen::AlignedBox3d> boxes_;        // [nodes]
 };
 
 /// An edge that two triangles do not share in opposite directions, as its two places; {-1, -1} where the surface is

@@ -15,7 +15,7 @@ namespace {
 constexpr double flat = 1e-9;  // what rounding leaves of a height, over the neighbourhood's size
 
 /// The side normal . r <= distance of a cell; distance >= 0, so that the particle is in it.
-struct HalfSpace {
+struct Side {
   Vec3 normal;  // not of unit length
   double distance;
 };
@@ -35,7 +35,7 @@ std::vector<Vec3> even_directions(int dimension) {
 }
 
 /// Adds the plane through the particle (0) or neighbours with this normal where all neighbours are on one side of it.
-void add_side(const VecList& r, const Vec3& on, const Vec3& normal, double size, std::vector<HalfSpace>& cell) {
+void add_side(const VecList& r, const Vec3& on, const Vec3& normal, double size, std::vector<Side>& cell) {
   const double length = normal.norm(), height = normal.dot(on), slack = flat * size * length;
   if (!(length > 0.0)) return;
   const double sign = height >= -slack ? 1.0 : -1.0;  // so that 0 is inside
@@ -49,7 +49,7 @@ void add_side(const VecList& r, const Vec3& on, const Vec3& normal, double size,
 }
 
 /// Sides of the convex hull of 0 and the neighbours.
-void add_hull(const VecList& r, int dimension, double size, std::vector<HalfSpace>& cell) {
+void add_hull(const VecList& r, int dimension, double size, std::vector<Side>& cell) {
   for (std::size_t j = 0; j < r.size(); ++j) {
     if (dimension == 2) add_side(r, r[j], r[j].cross(Vec3::UnitZ()), size, cell);
     for (std::size_t k = j + 1; k < r.size(); ++k) {
@@ -67,11 +67,11 @@ void add_hull(const VecList& r, int dimension, double size, std::vector<HalfSpac
   }
 }
 
-PointCell moments(const std::vector<HalfSpace>& cell, const std::vector<Vec3>& directions, int dimension) {
+PointCell moments(const std::vector<Side>& cell, const std::vector<Vec3>& directions, int dimension) {
   PointCell sum;
   for (const Vec3& n : directions) {
     double reach = std::numeric_limits<double>::infinity();
-    for (const HalfSpace& side : cell) {
+    for (const Side& side : cell) {
       const double rate = side.normal.dot(n);
       if (rate * reach > side.distance) reach = side.distance / rate;
     }
@@ -110,7 +110,7 @@ std::vector<PointCell> point_cells(const Model& model, const RaggedList& neighbo
   const std::vector<Vec3> directions = even_directions(model.dimension);
   std::vector<PointCell> all;
   VecList r;
-  std::vector<HalfSpace> cell;
+  std::vector<Side> cell;
   for (Index i = 0; i < model.particle_count(); ++i) {
     r.clear();
     cell.clear();

@@ -71,19 +71,11 @@ struct Place {
   double outside = std::numeric_limits<double>::infinity();  ///< of the cell, in sizes of it
 };
 
-struct Box {
-  Vec3 low, high;
-
-  void take_in(const Box& other) {
-    low = low.cwiseMin(other.low);
-    high = high.cwiseMax(other.high);
-  }
-  /// Whether the point is in the box, or no more than `margin` times the box's size off along each axis.
-  bool is_near(const Vec3& point, double margin) const {
-    const Vec3 around = margin * (high - low);
-    return ((point - low + around).array() >= 0.0).all() && ((high + around - point).array() >= 0.0).all();
-  }
-};
+/// Whether the point is in the box, or no more than `margin` times the box's size off along each axis.
+bool is_near(const Eigen::AlignedBox3d& box, const Vec3& point, double margin) {
+  const Vec3 around = margin * box.sizes();
+  return ((point - box.min() + around).array() >= 0.0).all() && ((box.max() + around - point).array() >= 0.0).all();
+}
 
 /// The volume cells of a body at rest, and where a point is in them.
 class CellSearch {
@@ -94,7 +86,7 @@ class CellSearch {
       if (!is_volume(model.cells[row].type)) continue;
       cells_.push_back(row);
       boxes_.push_back(box_of(model.cells[row]));
-      middle.push_back(0.5 * (boxes_.back().low + boxes_.back().high));
+      middle.push_back(boxes_.back().center());
     }
     if (cells_.empty()) {
       throw Error(ErrorCode::invalid_model,
@@ -107,9 +99,9 @@ class CellSearch {
       const BoxTree::Node& node = tree_.nodes[n];
       node_boxes_[n] = boxes_[tree_.items[node.first]];
       for (Index k = node.first; k < node.end; ++k) {
-        const Box& box = boxes_[tree_.items[k]];
-        node_boxes_[n].take_in(box);
-        node_sides_[n] = node_sides_[n].cwiseMax(box.high - box.low);
+        const Eigen::AlignedBox3d& box = boxes_[tree_.items[k]];
+        node_boxes_[n].extend(box);
+        node_sides_[n] = node_sides_[n].cwiseMax(box.sizes());
       }
     }
   }
@@ -123,9 +115,9 @@ class CellSearch {
   }
 
  private:
-  Box box_of(const Cell& cell) const {
-    Box box{model_.rest[cell.particles[0]], model_.rest[cell.particles[0]]};
-    for (const Index i : cell.particles) box.take_in({model_.rest[i], model_.rest[i]});
+  Eigen::AlignedBox3d box_of(const Cell& cell) const {
+    Eigen::AlignedBox3d box;
+    for (const Index i : cell.particles) box.extend(model_.rest[i]);
     return box;
   }
 
@@ -133,14 +125,15 @@ class CellSearch {
     Place best;
     for (Index n = 0; n < static_cast<Index>(tree_.nodes.size()) && best.outside > 0.0;) {
       const BoxTree::Node& node = tree_.nodes[n];
-      const Box around{node_boxes_[n].low - margin * node_sides_[n], node_boxes_[n].high + margin * node_sides_[n]};
-      if (!around.is_near(point, 0.0)) {
+      const Eigen::AlignedBox3d around(node_boxes_[n].min() - margin * node_sides_[n],
+                                       node_boxes_[n].max() + margin * node_sides_[n]);
+      if (!around.contains(point)) {
         n = node.next;
         continue;
       }
       for (Index k = node.first; node.is_leaf && k < node.end; ++k) {
         const Index item = tree_.items[k];
-        if (!boxes_[item].is_near(point, margin)) continue;
+        if (!is_near(boxes_[item], point, margin)) continue;
         const Place place = place_in(cells_[item], boxes_[item], point);
         if (place.outside < best.outside) best = place;
       }
@@ -150,7 +143,7 @@ class CellSearch {
   }
 
   /// Newton's method; the map is linear in each coordinate, so that a central difference of any length is exact.
-  Place place_in(Index row, const Box& box, const Vec3& point) const {
+  Place place_in(Index row, const Eigen::AlignedBox3d& box, const Vec3& point) const {
     const Cell& cell = model_.cells[row];
     const auto at = [&](const Vec3& local) {
       const Weights w = shape_functions(cell.type, local);
@@ -171,15 +164,15 @@ class CellSearch {
       if (move.norm() < 1e-13) break;
     }
     // Far outside of a warped cell the map may have no such point.
-    if (!((at(local) - point).norm() < 1e-9 * (box.high - box.low).norm())) return {};
+    if (!((at(local) - point).norm() < 1e-9 * box.diagonal().norm())) return {};
     return {row, shape_functions(cell.type, local), outside(cell.type, local)};
   }
 
   const Model& model_;
-  std::vector<Index> cells_;  // rows of Model::cells
-  std::vector<Box> boxes_;    // of each
+  std::vector<Index> cells_;                // rows of Model::cells
+  std::vector<Eigen::AlignedBox3d> boxes_;  // of each
   BoxTree tree_;
-  std::vector<Box> node_boxes_;
+  std::vector<Eigen::AlignedBox3d> node_boxes_;
   VecList node_sides_;  // of the largest box in each
 };
 

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "base/decimal.h"
+#include "load_types.h"
 #include "model/surface_facets.h"
 
 namespace phymul {
@@ -24,10 +25,6 @@ const char* load_name(LoadType type) {
 std::string load_label(const Load& load) {
   const std::string target = load.applied_to.empty() ? "" : " on \"" + load.applied_to + '"';
   return load_name(load.type) + target + ": ";
-}
-
-bool imposes(LoadType type) {
-  return type == LoadType::translation || type == LoadType::rotation;
 }
 
 /// The components of v that the load drives, the others 0.

@@ -10,12 +10,10 @@
 #include <cassert>
 #include <cmath>
 
+#include "load_types.h"
+
 namespace phymul {
 namespace {
-
-bool imposes(LoadType type) {
-  return type == LoadType::translation || type == LoadType::rotation;
-}
 
 /// Parts per particle, then one after another.
 void flatten(const std::vector<std::vector<LoadModes::Part>>& rows, std::vector<Index>& offset,

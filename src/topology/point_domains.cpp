@@ -97,7 +97,7 @@ std::vector<std::array<Index, 2>> neighbour_pairs(const Model& model) {
 }
 
 /// Energies of a bending: exact, of the means, and of the spread at s = 1.
-struct Energies {
+struct PointEnergies {
   double exact = 0.0, means = 0.0, spread = 0.0;
 };
 
@@ -118,7 +118,7 @@ class BendingOfPoints {
     double sum = 0.0;
     int found = 0;
     for (const Bending& way : bendings(model_.dimension)) {
-      const Energies energy = energies(way);
+      const PointEnergies energy = energies(way);
       if (!(energy.spread > 1e-9 * energy.exact)) continue;  // nothing to calibrate by
       sum += (energy.exact - energy.means) / energy.spread;
       ++found;
@@ -127,14 +127,14 @@ class BendingOfPoints {
   }
 
  private:
-  Energies energies(const Bending& way) const {
-    Energies sum;
+  PointEnergies energies(const Bending& way) const {
+    PointEnergies sum;
     for (Index i = 0; i < model_.particle_count(); ++i) {
       const PointCell& cell = cells_[i];
       const Vec3 across = frames_.of_part(frames_.part(i)).axes.col(way.b);
       const double height = frames_.local(i)[way.b];
-      const double square = cell.volume * height * height + 2.0 * height * cell.first.dot(across) +
-                            across.dot(cell.second * across);
+      const double square =
+          cell.volume * height * height + 2.0 * height * cell.first.dot(across) + across.dot(cell.second * across);
       sum.exact += 0.5 * elastic_.young * volume_[i] / cell.volume * square;
       Mat3 H = Mat3::Zero();
       double squares = 0.0;
