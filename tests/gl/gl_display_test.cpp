@@ -18,7 +18,7 @@
 namespace phymul::test {
 namespace {
 
-constexpr int side = 128;
+constexpr int pixels = 128;
 
 /// What a host may have set, away from the defaults, and may expect to find again.
 std::vector<GLint> host_state() {
@@ -56,7 +56,7 @@ std::vector<GLint> host_state() {
 }
 
 /// Largest difference of a channel.
-int difference(const Image& a, const Image& b) {
+int largest_difference(const Image& a, const Image& b) {
   int most = 0;
   for (std::size_t k = 0; k < a.rgba.size(); ++k) most = std::max(most, std::abs(a.rgba[k] - b.rgba[k]));
   return most;
@@ -77,9 +77,9 @@ TEST_F(GlDisplayTest, DrawsIntoTheHostsFramebufferAndLeavesTheRestAlone) {
     GLuint buffers[2], framebuffer = 0, array = 0;
     glGenRenderbuffers(2, buffers);
     glBindRenderbuffer(GL_RENDERBUFFER, buffers[0]);
-    glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, side, side);
+    glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, pixels, pixels);
     glBindRenderbuffer(GL_RENDERBUFFER, buffers[1]);
-    glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, side, side);
+    glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, pixels, pixels);
     glGenFramebuffers(1, &framebuffer);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, buffers[0]);
@@ -113,12 +113,12 @@ TEST_F(GlDisplayTest, DrawsIntoTheHostsFramebufferAndLeavesTheRestAlone) {
     EXPECT_EQ(host_state(), before);
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
 
-    std::vector<std::uint8_t> rgba(4 * side * side);
-    glReadPixels(0, 0, side, side, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data());
-    const auto pixel = [&](int column, int row) { return &rgba[4 * static_cast<std::size_t>(row * side + column)]; };
+    std::vector<std::uint8_t> rgba(4 * pixels * pixels);
+    glReadPixels(0, 0, pixels, pixels, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data());
+    const auto pixel = [&](int column, int row) { return &rgba[4 * static_cast<std::size_t>(row * pixels + column)]; };
     int body = 0;
-    for (int row = 0; row < side; ++row) {
-      for (int column = 0; column < side; ++column) {
+    for (int row = 0; row < pixels; ++row) {
+      for (int column = 0; column < pixels; ++column) {
         const std::uint8_t* p = pixel(column, row);
         const bool untouched = p[0] == 0 && p[1] == 0 && p[2] == 255;
         const bool inside = column >= x && column < x + width && row >= y && row < y + height;
@@ -137,7 +137,7 @@ TEST_F(GlDisplayTest, DrawsIntoTheHostsFramebufferAndLeavesTheRestAlone) {
     }
     EXPECT_LT(different, width * height / 20);
     const Image rendered = display->render(camera, options, width, height);
-    EXPECT_LE(difference(rendered, image), 2);
+    EXPECT_LE(largest_difference(rendered, image), 2);
     EXPECT_EQ(host_state(), before);
     glDeleteVertexArrays(1, &array);
     glDeleteFramebuffers(1, &framebuffer);
@@ -198,7 +198,7 @@ TEST_F(GlDisplayTest, ASkinIsDrawnWhereItsBodyCarriesIt) {
     int different = 0;
     for (std::size_t k = 0; k < moved.rgba.size(); ++k) different += std::abs(moved.rgba[k] - drawn.rgba[k]) > 2;
     EXPECT_LT(different, 20) << backend;  // rounding moves an edge over a pixel
-    EXPECT_GT(difference(at_rest, moved), 100);
+    EXPECT_GT(largest_difference(at_rest, moved), 100);
   }
   EXPECT_EQ(message_of([&] {
               make_display(*make_solver("cpu", model, scene, {}), skin,
@@ -239,10 +239,10 @@ TEST_F(GlDisplayTest, ASolverIsDrawnWhateverContextItRunsInAndTheDisplayDrawsIn)
         const Image solvers = in_solvers->render(camera, layers, 100, 80);
         given->show(solver->read().position);
         const Image expected = given->render(camera, layers, 100, 80);
-        EXPECT_LE(difference(hosts, expected), 2) << static_cast<int>(kind);
-        EXPECT_LE(difference(solvers, expected), 2) << static_cast<int>(kind);
+        EXPECT_LE(largest_difference(hosts, expected), 2) << static_cast<int>(kind);
+        EXPECT_LE(largest_difference(solvers, expected), 2) << static_cast<int>(kind);
         if (before) {
-          EXPECT_GT(difference(expected, *before), 20);
+          EXPECT_GT(largest_difference(expected, *before), 20);
         }
         before = expected;
         EXPECT_EQ(EglBindings(), bindings);

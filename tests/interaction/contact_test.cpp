@@ -11,7 +11,7 @@
 namespace phymul::test {
 namespace {
 
-constexpr double g = 9.81;  // m/s^2
+constexpr double free_fall = 9.81;  // m/s^2
 
 using Contact = WithTools;
 PHYMUL_ON_EVERY_BACKEND(Contact);
@@ -22,7 +22,7 @@ struct Slope {
   Scene scene{model};
   double angle;
   explicit Slope(double degrees, double friction) : angle(degrees * M_PI / 180.0) {
-    scene.gravity({g * std::sin(angle), 0, -g * std::cos(angle)});
+    scene.gravity({free_fall * std::sin(angle), 0, -free_fall * std::cos(angle)});
     scene.add_tool("floor", {.shape = HalfSpace{}, .friction = friction});
   }
 };
@@ -34,7 +34,7 @@ TEST_P(Contact, BlockLiesStillBelowTheFrictionAngle) {
     SolverOptions options;
     options.damping.rate = 200.0;
     const auto solver = make(slope.model, slope.scene, options);
-    const double dt = 0.25 * solver->stable_step(), weight = total_mass(slope.model) * g;
+    const double dt = 0.25 * solver->stable_step(), weight = total_mass(slope.model) * free_fall;
     const RestResult rest = solver->run_to_rest(20000, dt);
     ASSERT_TRUE(rest.converged()) << rest.message();
     const Vec3 force = solver->tool_force("floor").force;
@@ -55,7 +55,7 @@ TEST_P(Contact, BlockSlidesBeyondTheFrictionAngleAsACoulombBlockDoes) {
   for (const double degrees : {27.0, 35.0}) {
     SCOPED_TRACE(degrees);
     Slope slope(degrees, 0.5);
-    const double expected = g * (std::sin(slope.angle) - 0.5 * std::cos(slope.angle));
+    const double expected = free_fall * (std::sin(slope.angle) - 0.5 * std::cos(slope.angle));
     SolverOptions options;
     options.damping.rate = 200.0;  // settles, at a terminal speed
     const auto settling = make(slope.model, slope.scene, options), solver = make(slope.model, slope.scene);
@@ -65,7 +65,7 @@ TEST_P(Contact, BlockSlidesBeyondTheFrictionAngleAsACoulombBlockDoes) {
     const double before = solver->momentum().linear.x();
     ASSERT_TRUE(solver->step(300, dt).ok());
     const double acceleration = (solver->momentum().linear.x() - before) / (300 * dt) / total_mass(slope.model);
-    EXPECT_NEAR(acceleration, expected, 1e-3 * g);
+    EXPECT_NEAR(acceleration, expected, 1e-3 * free_fall);
     const ToolForce force = solver->tool_force("floor");
     EXPECT_NEAR(force.mean_force.x() / -force.mean_force.z(), 0.5, 1e-4);
   }
@@ -81,7 +81,7 @@ TEST_P(Contact, ComplianceLetsParticlesInByForceTimesCompliance) {
   const State state = solver->read();
   double pushed = 0.0;
   for (const Index i : level.model.group("z0")) pushed += std::max(0.0, -state.position[i].z() / 1e-3);
-  const double weight = total_mass(level.model) * g;
+  const double weight = total_mass(level.model) * free_fall;
   EXPECT_NEAR(pushed, weight, 1e-4 * weight);
   EXPECT_NEAR(-solver->tool_force("floor").force.z(), weight, 1e-4 * weight);
 }

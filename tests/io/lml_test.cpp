@@ -11,8 +11,6 @@
 namespace phymul {
 namespace {
 
-const std::string samples = PHYMUL_SAMPLE_DATA;
-
 /// Twenty atoms without file indices, and a group.
 Model line_model() {
   Model model = make_block({0.04, 0.01, 0.01}, 4, 1, 1);
@@ -52,9 +50,9 @@ std::vector<Load> rewritten(const std::vector<Load>& loads, const Model& model) 
 }
 
 TEST(LmlRead, Sample) {
-  const Model model = read_pml(samples + "/cylinder_275.pml");
+  const Model model = read_pml(sample_data + "/cylinder_275.pml");
   std::vector<std::string> notes;
-  const std::vector<Load> loads = read_lml(samples + "/cylinder_275_pull.lml", model, &notes);
+  const std::vector<Load> loads = read_lml(sample_data + "/cylinder_275_pull.lml", model, &notes);
   EXPECT_TRUE(notes.empty());
   ASSERT_EQ(loads.size(), 3u);
   EXPECT_EQ(loads[0].type, LoadType::translation);

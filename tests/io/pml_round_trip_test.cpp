@@ -11,10 +11,8 @@
 namespace phymul {
 namespace {
 
-const std::string data = PHYMUL_TEST_DATA, samples = PHYMUL_SAMPLE_DATA;
-
 TEST(PmlRoundTrip, Samples) {
-  for (const std::string& path : {data + "/tetrahedron_4.pml", samples + "/cylinder_275.pml"}) {
+  for (const std::string& path : {test_data + "/tetrahedron_4.pml", sample_data + "/cylinder_275.pml"}) {
     const Model model = read_pml(path);
     const Model again = reread(model);
     EXPECT_EQ(again, model) << path;
@@ -48,7 +46,7 @@ TEST(PmlRoundTrip, Materials) {
   set_material(model, {1e6, 0.3, 1000}, "half");
   ASSERT_EQ(model.materials.size(), 2u);
   EXPECT_EQ(reread(model), model);
-  Model sample = read_pml(samples + "/cylinder_275.pml");
+  Model sample = read_pml(sample_data + "/cylinder_275.pml");
   set_material(sample, {1e4 / 3, 0.49, 1049.7});
   EXPECT_EQ(reread(sample), sample);
 }
@@ -132,7 +130,7 @@ TEST(PmlRoundTrip, OneCellInTwoComponentsBecomesAReference) {
 }
 
 TEST(PmlWrite, RefusesWhatPmlCannotSay) {
-  Model model = read_pml(data + "/tetrahedron_4.pml");
+  Model model = read_pml(test_data + "/tetrahedron_4.pml");
   Model broken = model;
   change_extras(broken, [](FileExtras& e) { e.particle_index[3] = 0; });
   EXPECT_EQ(message_of([&] { written(broken); }),
@@ -162,7 +160,7 @@ TEST(PmlWrite, ReplacesAFileOnlyByACompleteOne) {
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   const std::string path = (folder / "body.pml").string();
-  Model model = read_pml(data + "/tetrahedron_4.pml");
+  Model model = read_pml(test_data + "/tetrahedron_4.pml");
   write_pml(model, path);
   EXPECT_EQ(read_pml(path), model);
   Model broken = model;
@@ -184,7 +182,7 @@ TEST(PmlWrite, ReplacesAFileOnlyByACompleteOne) {
 TEST(PmlWrite, SaysWhenTheStreamFails) {
   std::ofstream full("/dev/full");
   if (!full) GTEST_SKIP() << "no /dev/full here";
-  const Model model = read_pml(samples + "/cylinder_275.pml");
+  const Model model = read_pml(sample_data + "/cylinder_275.pml");
   EXPECT_EQ(message_of([&] { write_pml(model, full); }), "the output stream failed; is the disk full?");
 }
 

@@ -13,14 +13,12 @@
 namespace phymul {
 namespace {
 
-const std::string data = PHYMUL_TEST_DATA, samples = PHYMUL_SAMPLE_DATA;
-
 std::vector<Index> row(const RaggedList& list, Index i) {
   return {list.begin(i), list.end(i)};
 }
 
 TEST(PmlRead, Tetrahedron) {
-  const Model model = read_pml(data + "/tetrahedron_4.pml");
+  const Model model = read_pml(test_data + "/tetrahedron_4.pml");
   EXPECT_EQ(model.name, "tetrahedron");
   EXPECT_EQ(model.dimension, 3);
   ASSERT_EQ(model.particle_count(), 4);
@@ -47,7 +45,7 @@ TEST(PmlRead, Tetrahedron) {
 }
 
 TEST(PmlRead, Cylinder) {
-  const Model model = read_pml(samples + "/cylinder_275.pml");
+  const Model model = read_pml(sample_data + "/cylinder_275.pml");
   EXPECT_EQ(model.particle_count(), 275);
   EXPECT_EQ(model.cells.size(), 240u);
   EXPECT_EQ(model.neighbours.rows(), 275);
@@ -61,7 +59,7 @@ TEST(PmlRead, Cylinder) {
 TEST(PmlRead, LengthUnit) {
   PmlOptions metres;
   metres.length_unit = 1.0;
-  EXPECT_EQ(read_pml(data + "/tetrahedron_4.pml", metres).rest[1], Vec3(1, 0, 0));
+  EXPECT_EQ(read_pml(test_data + "/tetrahedron_4.pml", metres).rest[1], Vec3(1, 0, 0));
 }
 
 TEST(PmlRead, MassAndStiffnessAtomThenCellThenComponentThenDefault) {
@@ -207,13 +205,13 @@ TEST(PmlRead, DecimalPointWhateverTheLocale) {
     char do_thousands_sep() const override { return '.'; }
     std::string do_grouping() const override { return "\3"; }
   };
-  const Model plain = read_pml(samples + "/cylinder_275.pml");
+  const Model plain = read_pml(sample_data + "/cylinder_275.pml");
   const std::string text = written(plain);
   const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
   for (const char* const name : {"de_DE.UTF-8", "fr_FR.UTF-8"}) {
     if (std::setlocale(LC_NUMERIC, name) != nullptr) break;
   }
-  EXPECT_EQ(read_pml(samples + "/cylinder_275.pml"), plain);
+  EXPECT_EQ(read_pml(sample_data + "/cylinder_275.pml"), plain);
   EXPECT_EQ(written(plain), text);
   std::locale::global(before);
   std::setlocale(LC_NUMERIC, "C");

@@ -13,7 +13,7 @@
 namespace phymul::test {
 namespace {
 
-constexpr double side = 0.03;
+constexpr double cube_side = 0.03;
 
 struct Outcome {
   RestResult rest;
@@ -25,11 +25,11 @@ class StabilityStarts : public OnBackend {
  protected:
   /// The vector backend has time for the body of recovery_table, sanitized too.
   static int cells() { return GetParam() == "cpu" ? 4 : is_slow() ? 2 : 3; }
-  static double spacing() { return side / cells(); }
+  static double spacing() { return cube_side / cells(); }
 
   class Cube {
    public:
-    explicit Cube(const Method& method) : model(tissue_cube(method, side, cells())), scene(model) {
+    explicit Cube(const Method& method) : model(tissue_cube(method, cube_side, cells())), scene(model) {
       SolverOptions options;
       options.damping.factor = 0.99;
       solver = make(model, scene, method.options, options);
@@ -49,7 +49,7 @@ class StabilityStarts : public OnBackend {
     Outcome from(const FailureState& failure) {
       std::mt19937 bits(5);
       VecList position = model.rest;
-      failure.apply(position, side, spacing(), bits);
+      failure.apply(position, cube_side, spacing(), bits);
       return from(position);
     }
 
@@ -110,7 +110,7 @@ TEST_P(StabilityStarts, ABodyInOnePointIsReportedOrReturns) {
   for (const Method& method : stability_methods()) {
     if (!is_conservative(method)) continue;
     Cube cube(method);
-    const VecList point(cube.model.rest.size(), Vec3::Constant(side / 2));
+    const VecList point(cube.model.rest.size(), Vec3::Constant(cube_side / 2));
     const Outcome outcome = cube.from(point);
     if (!is_reference() || method.material) {  // whose means are noise enough
       // What the averaged energy may do instead is the subject of a test below.
@@ -160,7 +160,7 @@ TEST_P(StabilityStarts, OtherMethodsReturnFromSomeStatesAndNameTheRest) {
         // Springs know lengths alone: mirrored, they have no energy at all.
         EXPECT_TRUE(outcome.rest.converged());
         EXPECT_GT(outcome.distance, 0.5);
-        EXPECT_LE(cube.solver->energy().elastic, 1e-9 * soft_tissue().young * side * side * side);
+        EXPECT_LE(cube.solver->energy().elastic, 1e-9 * soft_tissue().young * cube_side * cube_side * cube_side);
       }
     }
     const auto tried = static_cast<double>(states().size());
@@ -177,7 +177,8 @@ TEST_P(StabilityStarts, TheAveragedEnergyRestsWhereItIsNearlyZero) {
     EXPECT_TRUE(outcome.finite && outcome.rest.report.ok()) << failure.name << ": " << told(outcome);
     if (!outcome.rest.converged() || outcome.rest.collapsed >= 0 || outcome.rest.folded >= 0) continue;
     // That of a strain of about 1 %, however far the shape is from the rest shape.
-    EXPECT_LE(cube.solver->energy().elastic, 1e-4 * soft_tissue().young * side * side * side) << failure.name;
+    EXPECT_LE(cube.solver->energy().elastic, 1e-4 * soft_tissue().young * cube_side * cube_side * cube_side)
+        << failure.name;
   }
 }
 
@@ -207,7 +208,7 @@ TEST_P(StabilityStarts, FurtherStatesReturnToo) {
 TEST_P(StabilityStarts, AStretchedBodySnapsBackNoFasterThanItsWaves) {
   Cube cube(method_named("material, nu 0.3"));
   State state = rest_state(cube.model);
-  map_unit_cube(state.position, side, [](const Vec3& p) { return Vec3(p.x(), p.y(), 10 * p.z()); });
+  map_unit_cube(state.position, cube_side, [](const Vec3& p) { return Vec3(p.x(), p.y(), 10 * p.z()); });
   cube.solver->reset(state);
   double fastest = 0.0;
   for (int k = 0; k < 400; ++k) {

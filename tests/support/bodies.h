@@ -114,6 +114,11 @@ inline Material soft_tissue(double poisson = 0.3) {
   return {10e3, poisson, 1000.0};
 }
 
+inline Model with_material(Model model, double poisson = 0.3) {
+  set_material(model, soft_tissue(poisson));
+  return model;
+}
+
 /// Law::particle_averaged.
 inline std::vector<Variant> averaged_variants() {
   return {{"material", {}, true},

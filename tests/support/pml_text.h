@@ -16,6 +16,8 @@
 
 namespace phymul {
 
+inline const std::string test_data = PHYMUL_TEST_DATA, sample_data = PHYMUL_SAMPLE_DATA;  // folders
+
 /// Corners of a unit tetrahedron in mm, on lines 4 to 7 of the file.
 inline const std::vector<std::string> tetrahedron_atoms = {
     R"(<atom><atomProperties index="0" x="0" y="0" z="0"/></atom>)",

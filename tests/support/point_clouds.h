@@ -112,11 +112,6 @@ inline Model without_cells(Model model) {
   return model;
 }
 
-inline Model with_material(Model model, double poisson = 0.3) {
-  set_material(model, soft_tissue(poisson));
-  return model;
-}
-
 /// All of beam size or near it.
 inline std::vector<Body> clouds() {
   std::vector<Body> all{{"lattice", jittered_lattice(beam, 4, 0.0)},

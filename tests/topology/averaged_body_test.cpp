@@ -16,11 +16,6 @@ namespace {
 
 constexpr Law law = Law::particle_averaged;
 
-Model with_material(Model model, double poisson = 0.3) {
-  set_material(model, soft_tissue(poisson));
-  return model;
-}
-
 /// A box of pyramids: every hexahedron of a jittered block cut into six, around a particle in its middle.
 Model pyramids() {
   Model model = jittered_block();

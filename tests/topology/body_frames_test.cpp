@@ -9,11 +9,6 @@
 namespace phymul::test {
 namespace {
 
-Model with_material(Model model) {
-  set_material(model, soft_tissue());
-  return model;
-}
-
 /// However a body is turned, and beside whatever other.
 TEST(BodyFrames, TheStabiliserIsTheBodysOwn) {
   const Mat3 turn = Eigen::AngleAxisd(1.1, Vec3(1, 2, 3).normalized()).toRotationMatrix();

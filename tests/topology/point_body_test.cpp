@@ -16,7 +16,7 @@
 namespace phymul::test {
 namespace {
 
-constexpr TopologyOptions law{.law = Law::particle_averaged};
+constexpr TopologyOptions averaged{.law = Law::particle_averaged};
 
 double volume(const Model& model) {
   double sum = 0.0;
@@ -26,7 +26,7 @@ double volume(const Model& model) {
 
 double energy_of_cells(const Mat3& F, double poisson) {
   const Model one = with_material(make_block({0.01, 0.01, 0.01}, 1, 1, 1), poisson);
-  const TopologyTextures tables = build_topology(one, law);
+  const TopologyTextures tables = build_topology(one, averaged);
   VecList x = tables.rest;
   for (Vec3& p : x) p = F * p;
   return elastic_energy(tables, x) / volume(one);
@@ -61,7 +61,7 @@ TEST(PointBody, UniformStrainIsExactOnEveryCloud) {
   for (Body body : clouds()) {
     set_material(body.model, soft_tissue(nu));
     for (const double s : {0.0, 1.0}) {
-      const TopologyTextures tables = build_topology(body.model, {.law = law.law, .stabiliser = s});
+      const TopologyTextures tables = build_topology(body.model, {.law = averaged.law, .stabiliser = s});
       VecList x = tables.rest;
       for (Vec3& p : x) p = F * p;
       const double expected = density * volume(body.model);
@@ -73,8 +73,8 @@ TEST(PointBody, UniformStrainIsExactOnEveryCloud) {
 /// Nothing is gained by any motion, and uniform strain alone costs nothing of it (the test above).
 TEST(PointBody, TheStabiliserIsNeverNegative) {
   for (const Body& body : clouds()) {
-    const TopologyTextures without = build_topology(body.model, {.law = law.law, .stabiliser = 0.0});
-    const TopologyTextures with = build_topology(body.model, {.law = law.law, .stabiliser = 1.0});
+    const TopologyTextures without = build_topology(body.model, {.law = averaged.law, .stabiliser = 0.0});
+    const TopologyTextures with = build_topology(body.model, {.law = averaged.law, .stabiliser = 1.0});
     double least = std::numeric_limits<double>::infinity();
     const auto look = [&](const VecList& x) {
       least = std::min(least, elastic_energy(with, x) - elastic_energy(without, x));
@@ -91,7 +91,7 @@ TEST(PointBody, TheStabiliserIsNeverNegative) {
 
 TEST(PointBody, MomentumIsKeptAndForcesAreTheSlopeOfTheEnergy) {
   for (const Body& body : clouds()) {
-    const TopologyTextures tables = build_topology(body.model, law);
+    const TopologyTextures tables = build_topology(body.model, averaged);
     VecList force(body.model.rest.size());
     const VecList x = random_positions(body.model, 0.1, 2);
     elastic_forces(tables, x, force);
@@ -120,7 +120,7 @@ TEST(PointBody, StretchBetweenPlatesHasTheMaterialsConstants) {
     for (const Body& body : clouds()) {
       if (!body.model.has_group("x0")) continue;  // no points on the plates
       const Model model = with_material(body.model, nu);
-      const Moduli found = stretch_block(model, build_topology(model, law), 1e-3);
+      const Moduli found = stretch_block(model, build_topology(model, averaged), 1e-3);
       std::printf("%s, nu %.2f: E %.4f of the material's, nu %.4f\n", body.name.c_str(), nu, found.young / 10e3,
                   found.poisson);
       EXPECT_NEAR(found.young, 10e3, 0.05 * 10e3) << body.name;
@@ -134,7 +134,7 @@ TEST(PointBody, CantileversBendAsTheyShould) {
     for (const Body& body : clouds()) {
       if (!body.model.has_group("x0")) continue;
       const Model model = with_material(body.model, nu);
-      const TopologyTextures tables = build_topology(model, law);
+      const TopologyTextures tables = build_topology(model, averaged);
       const double ratio = cantilever_ratio(model, tables, soft_tissue(nu), Root::clamped);
       std::printf("%s, nu %.2f: s %.3f, tip at %.4f of the beam's\n", body.name.c_str(), nu, *tables.options.stabiliser,
                   ratio);
@@ -175,7 +175,7 @@ TEST(PointBody, RandomCloudsBendAsTheBodyTheySpan) {
       fixed[i] = 7;
       x[i].z() -= drop(model.rest[i].x());
     }
-    const TopologyTextures tables = build_topology(model, law);
+    const TopologyTextures tables = build_topology(model, averaged);
     const VecList u = StaticSolve(tables, fixed, load).linear(x);
     double found = 0.0, expected = 0.0;
     for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -193,7 +193,7 @@ TEST(PointBody, StepsNearTheLimitDoNotGrow) {
   for (const Body& body : clouds()) {
     const Scene scene(body.model);
     for (const char* backend : {"reference", "cpu"}) {
-      const auto solver = make_solver(backend, body.model, scene, law);
+      const auto solver = make_solver(backend, body.model, scene, averaged);
       const double dt = 0.9 * solver->stable_step();
       State state = rest_state(body.model);
       state.position = random_positions(body.model, 1e-3, 4);
@@ -209,8 +209,8 @@ TEST(PointBody, StepsNearTheLimitDoNotGrow) {
 TEST(PointBody, BackendsAgree) {
   for (const Body& body : clouds()) {
     const Scene scene(body.model);
-    const auto reference = make_solver("reference", body.model, scene, law);
-    const auto cpu = make_solver("cpu", body.model, scene, law);
+    const auto reference = make_solver("reference", body.model, scene, averaged);
+    const auto cpu = make_solver("cpu", body.model, scene, averaged);
     State state = rest_state(body.model);
     state.position = random_positions(body.model, 0.1, 4);
     const double dt = 0.5 * reference->stable_step();
@@ -235,7 +235,7 @@ TEST(PointBody, BrokenStatesHeal) {
       const Scene scene(model);
       SolverOptions options;
       options.damping.factor = 0.99;
-      const auto solver = make_solver("cpu", model, scene, law, options);
+      const auto solver = make_solver("cpu", model, scene, averaged, options);
       for (const FailureState& failure : failure_states()) {
         std::mt19937 bits(5);
         State state = rest_state(model);
@@ -269,7 +269,7 @@ TEST(PointBody, NeighbourhoodsOfAFileMakeABody) {
   double low = 1.0, high = 0.0;
   for (const Vec3& p : file.rest) low = std::min(low, p.z()), high = std::max(high, p.z());
   const auto drop = [&](const Model& model, double& s) {
-    const TopologyTextures tables = build_topology(model, law);
+    const TopologyTextures tables = build_topology(model, averaged);
     s = *tables.options.stabiliser;
     std::vector<std::uint8_t> fixed(model.rest.size(), 0);
     VecList load(model.rest.size());
@@ -303,7 +303,7 @@ TEST(PointBody, PlaneBodiesOfPoints) {
   strip.neighbours = nearest_neighbours(strip.rest, 8);
   set_material(strip, soft_tissue());
   EXPECT_NEAR(volume(strip), 0.2 * 0.05, 0.002 * 0.2 * 0.05);
-  const TopologyTextures tables = build_topology(strip, law);
+  const TopologyTextures tables = build_topology(strip, averaged);
   Mat3 F = Mat3::Identity();
   F.topLeftCorner<2, 2>() << 1.1, 0.07, -0.05, 0.93;
   VecList x = tables.rest;
@@ -314,7 +314,7 @@ TEST(PointBody, PlaneBodiesOfPoints) {
 }
 
 TEST(PointBody, NonsenseIsRefusedWithWhatToDo) {
-  const auto refused = [](const Model& model) { return message_of([&] { build_topology(model, law); }); };
+  const auto refused = [](const Model& model) { return message_of([&] { build_topology(model, averaged); }); };
   const Model good = with_material(jittered_lattice({0.03, 0.03, 0.03}, 3, 0.2));
   EXPECT_EQ(refused(good), "(no error)");
   Model lonely = good;
@@ -339,7 +339,7 @@ TEST(PointBody, NonsenseIsRefusedWithWhatToDo) {
 
 TEST(PointBody, TablesOfAnotherMaterialAreNoticed) {
   Model model = with_material(jittered_lattice({0.03, 0.03, 0.03}, 3, 0.2));
-  const auto tables = std::make_shared<const TopologyTextures>(build_topology(model, law));
+  const auto tables = std::make_shared<const TopologyTextures>(build_topology(model, averaged));
   model.materials.front().young *= 2.0;
   const Scene scene(model);
   EXPECT_NE(message_of([&] { make_solver("cpu", tables, scene); }), "(no error)");

@@ -4,12 +4,6 @@
 #include <utility>
 
 namespace phymul::gl {
-namespace {
-
-constexpr int lanes = 64;
-
-}  // namespace
-
 ComputeDevice::ComputeDevice(const SliceTables& slices, const Scene& scene, const FloatTools& tools,
                              const ShaderLibrary& library, const ComputeLimits& limits)
     : library_(library),

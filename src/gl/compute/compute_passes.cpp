@@ -8,7 +8,6 @@
 namespace phymul::gl {
 namespace {
 
-constexpr int lanes = 64;       // of a group where groups are many
 constexpr int sums_a_lane = 4;  // of facets, before they are worth a dispatch of many groups
 constexpr int keeping_group = 256;
 

@@ -11,6 +11,8 @@
 
 namespace phymul::gl {
 
+constexpr int lanes = 64;  ///< of a group of invocations, where groups are many
+
 /// As dialect_compute.glsl has them.
 enum StorageBinding : GLuint { constant_rows_binding, constant_words_binding, changing_binding, loads_binding };
 

@@ -9,8 +9,6 @@
 namespace phymul::gl {
 namespace {
 
-constexpr int lanes = 64;  // of a group where groups are many
-
 /// Of a group that works alone. A processor that plays GPU takes up its lanes one after another at every wait, so fewer
 /// of them wait less; that is where turns are limited.
 int lone_group(const ComputeLimits& limits) {

@@ -17,12 +17,6 @@ std::string text_of(GLenum name) {
   return text ? reinterpret_cast<const char*>(text) : "";
 }
 
-GLint integer_of(GLenum name) {
-  GLint value = 0;
-  glGetIntegerv(name, &value);
-  return value;
-}
-
 bool is_software_renderer(const std::string& renderer) {
   static constexpr std::array names{"llvmpipe", "softpipe", "swrast", "Software Rasterizer", "SwiftShader", "lavapipe"};
   return std::any_of(names.begin(), names.end(),

@@ -9,3 +9,14 @@
 #define EGL_NO_X11
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
+
+namespace phymul::gl {
+
+/// glGetIntegerv of what is one number, in the current context.
+inline GLint integer_of(GLenum name) {
+  GLint value = 0;
+  glGetIntegerv(name, &value);
+  return value;
+}
+
+}  // namespace phymul::gl

@@ -9,12 +9,6 @@
 namespace phymul::gl {
 namespace {
 
-GLint integer_of(GLenum name) {
-  GLint value = 0;
-  glGetIntegerv(name, &value);
-  return value;
-}
-
 void set(GLenum name, bool on) {
   on ? glEnable(name) : glDisable(name);
 }
