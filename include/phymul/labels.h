@@ -46,9 +46,9 @@ struct LabelBodyOptions {
 /// The labels are smoothed by a cubic B-spline (M. Unser, A. Aldroubi, M. Eden, "B-spline signal processing", IEEE
 /// Trans. Signal Process. 41, 1993): a place has of each label a share between 0 and 1. The body is where the regions
 /// have more than a half, and is then moved outward or inward to the volume of their voxels. Inside it, the region with
-/// the largest share at a cell's centre has the cell. Particles nearest to the boundary between two regions move onto
-/// it if all cells there keep dihedral angles between 15 and 155 degrees, or as good as before. A sheet of one voxel is
-/// smoothed to 0.7 voxels; a line of one voxel is lost.
+/// the largest share at a cell's centre has the cell. Particles near the boundary between two regions move onto it, and
+/// edges that still cross it are cut there, if all cells keep dihedral angles between 15 and 155 degrees, or angles as
+/// good as before. A sheet of one voxel is smoothed to 0.7 voxels; a line of one voxel is lost.
 ///
 /// Model::notes has the notes of the image and names the regions that have no cell: they are thinner than the spacing.
 /// BodyReport::regions compares volumes. Throws Error as make_body() does, for an image whose sizes do not fit or whose
