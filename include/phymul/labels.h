@@ -29,14 +29,14 @@ struct LabelImage {
 
 struct LabelRegion {
   std::uint16_t label = 0;
-  std::string name;  ///< labels with one name are one region
+  std::string name{};  ///< labels with one name are one region
 };
 
 struct LabelBodyOptions {
-  double spacing = 0.0;              ///< m, > 0: mean distance between neighbours inside the body
-  std::vector<LabelRegion> regions;  ///< what to fill; empty: every label but 0, by its name or as "label 7"
-  double most_volume_error = 0.05;   ///< as in BodyOptions, of all regions together
-  Index most_particles = 1'000'000;  ///< as in BodyOptions
+  double spacing = 0.0;                ///< m, > 0: mean distance between neighbours inside the body
+  std::vector<LabelRegion> regions{};  ///< what to fill; empty: every label but 0, by its name or as "label 7"
+  double most_volume_error = 0.05;     ///< as in BodyOptions, of all regions together
+  Index most_particles = 1'000'000;    ///< as in BodyOptions
 };
 
 /// Fills the regions with tetrahedra as make_body() does for a Solid (body.h). Each region is a group of cells, so that
