@@ -45,15 +45,15 @@ struct LabelBodyOptions {
 ///
 /// The labels are smoothed by a cubic B-spline (M. Unser, A. Aldroubi, M. Eden, "B-spline signal processing", IEEE
 /// Trans. Signal Process. 41, 1993): a place has of each label a share between 0 and 1. The body is where the regions
-/// have more than a half, and is then moved outward or inward to the volume of their voxels. Inside it, the region with
-/// the largest share at a cell's centre has the cell. Particles near the boundary between two regions move onto it, and
-/// edges that still cross it are cut there, if all cells keep dihedral angles between 15 and 155 degrees, or angles as
+/// together have more than a half; its surface is then moved until the volume is that of their voxels. A cell belongs
+/// to the region with the largest share at its centre. Particles near the boundary between two regions move onto it,
+/// and edges that still cross it are cut there, where all cells keep dihedral angles between 15 and 155 degrees or as
 /// good as before. A sheet of one voxel is smoothed to 0.7 voxels; a line of one voxel is lost.
 ///
 /// Model::notes has the notes of the image and names the regions that have no cell: they are thinner than the spacing.
-/// BodyReport::regions compares volumes. Throws Error as make_body() does, for an image whose sizes do not fit or whose
-/// frame is singular, for a label that no voxel has, a label given twice, and an empty name or one that is taken
-/// ("surface").
+/// BodyReport::regions compares volumes. Throws Error as make_body() does for a Solid; for an image whose sizes do not
+/// fit or whose frame is singular; for a label that no voxel has or that is given twice; for an empty name, and for
+/// "surface", which is taken.
 Model make_body(const LabelImage& image, const LabelBodyOptions& options, BodyReport* report = nullptr);
 
 }  // namespace phymul

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 
+#include "base/decimal.h"
 #include "base/file_error.h"
 
 namespace phymul {
@@ -66,52 +67,80 @@ void set_frame(const nifti_image& file, double unit, LabelImage& image) {
   }
 }
 
+NumberType type_of(const std::string& path, const nifti_1_header& header) {
+  const std::optional<NumberType> type = integer_type(header.datatype);
+  if (!type) {
+    fail_format(path, 0,
+                std::string("expected integers as labels, got ") + nifti_datatype_string(header.datatype) +
+                    "; save it anew as an image of 8 or 16 bit integers");
+  }
+  if (header.scl_slope != 0.0f && !(header.scl_slope == 1.0f && header.scl_inter == 0.0f)) {
+    fail_format(path, 0,
+                "expected labels as they are, got values to be scaled by " + to_decimal(header.scl_slope) +
+                    " and shifted by " + to_decimal(header.scl_inter) + " (scl_slope, scl_inter)");
+  }
+  return *type;
+}
+
+std::vector<std::int64_t> sizes_of(const std::string& path, const nifti_1_header& header) {
+  std::vector<std::int64_t> sizes(header.dim + 1, header.dim + 1 + header.dim[0]);
+  while (sizes.size() > 3 && sizes.back() == 1) sizes.pop_back();
+  if (sizes.size() == 3) return sizes;
+  fail_format(
+      path, 0,
+      "expected an image of three dimensions, got " + std::to_string(sizes.size()) + "; save one label image of it");
+}
+
+/// Not by nifti_image_load, which fills up with zeros what a file lacks.
+std::vector<std::uint16_t> read_voxels(const std::string& path, const nifti_1_header& header, bool is_swapped,
+                                       std::size_t count, NumberType type) {
+  const std::size_t each = size_of(type), bytes = count * each;
+  const std::uint64_t file_bytes = std::filesystem::file_size(path);
+  const auto fail_short = [&] {
+    fail_format(path, 0,
+                "expected " + std::to_string(count) + " voxels of " + std::to_string(each) +
+                    " bytes, but the file of " + std::to_string(file_bytes) + " bytes ends before");
+  };
+  if (bytes / most_inflation > file_bytes) fail_short();
+  const float offset = header.vox_offset;
+  if (!(offset >= 348.0f && offset < 0x1p30f)) {
+    fail_format(path, 0, "expected voxels behind the header of 348 bytes, got vox_offset " + to_decimal(offset));
+  }
+  znzFile file = znzopen(path.c_str(), "rb", nifti_is_gzfile(path.c_str()));
+  if (!file) fail_access(path, "the file cannot be opened");
+  std::vector<char> voxels(bytes);
+  const bool is_whole =
+      znzseek(file, static_cast<long>(offset), SEEK_SET) >= 0 && znzread(voxels.data(), 1, bytes, file) == bytes;
+  znzclose(file);
+  if (!is_whole) fail_short();
+  if (is_swapped && each > 1) nifti_swap_Nbytes(count, static_cast<int>(each), voxels.data());
+  return labels_of(path, voxels.data(), count, type);
+}
+
 }  // namespace
 
 LabelImage read_nifti(const std::string& path) {
   nifti_set_debug_level(0);  // it would print to stderr
-  std::unique_ptr<nifti_1_header, void (*)(void*)> header(nifti_read_header(path.c_str(), nullptr, 1), std::free);
-  if (!header) fail_format(path, 0, "expected a NIfTI-1 header of 348 bytes, got something else");
-  const int dimensions = header->dim[0];
-  std::vector<std::int64_t> sizes(header->dim + 1, header->dim + 1 + dimensions);
-  while (sizes.size() > 3 && sizes.back() == 1) sizes.pop_back();
-  if (sizes.size() != 3) {
-    fail_format(
-        path, 0,
-        "expected an image of three dimensions, got " + std::to_string(sizes.size()) + "; save one label image of it");
+  int is_swapped = 0;
+  const std::unique_ptr<nifti_1_header, void (*)(void*)> header(nifti_read_header(path.c_str(), &is_swapped, 0),
+                                                                std::free);
+  if (!header || !nifti_hdr_looks_good(header.get()) || !NIFTI_ONEFILE(*header)) {
+    fail_format(path, 0, "expected a header of NIfTI-1 with its voxels in the same file (magic \"n+1\"), got another");
   }
-  const std::optional<NumberType> type = integer_type(header->datatype);
-  if (!type) {
-    fail_format(path, 0,
-                std::string("expected integers as labels, got ") + nifti_datatype_string(header->datatype) +
-                    "; save it anew as an image of 8 or 16 bit integers");
-  }
-  if (header->scl_slope != 0.0f && !(header->scl_slope == 1.0f && header->scl_inter == 0.0f)) {
-    fail_format(path, 0,
-                "expected labels as they are, got values to be scaled by " + std::to_string(header->scl_slope) +
-                    " and shifted by " + std::to_string(header->scl_inter) + " (scl_slope, scl_inter)");
-  }
-  const std::size_t count = voxel_count(path, sizes, *type);
-  const std::uint64_t bytes = std::filesystem::file_size(path);
-  const auto fail_short = [&] {
-    fail_format(path, 0,
-                "expected " + std::to_string(count) + " voxels of " + std::to_string(size_of(*type)) +
-                    " bytes, but the file of " + std::to_string(bytes) + " bytes ends before");
-  };
-  if (count * size_of(*type) / most_inflation > bytes) fail_short();
+  const NumberType type = type_of(path, *header);
+  const std::vector<std::int64_t> sizes = sizes_of(path, *header);
+  const std::size_t count = voxel_count(path, sizes, type);
 
-  std::unique_ptr<nifti_image, void (*)(nifti_image*)> file(nifti_image_read(path.c_str(), 0), nifti_image_free);
-  if (!file) fail_format(path, 0, "expected a NIfTI-1 image, got a header that makes none");
-  if (file->nvox != count) fail_format(path, 0, "expected " + std::to_string(count) + " voxels, got other sizes");
-  if (nifti_image_load(file.get()) != 0 || !file->data) fail_short();
-
+  const std::unique_ptr<nifti_image, void (*)(nifti_image*)> file(nifti_convert_nhdr2nim(*header, path.c_str()),
+                                                                  nifti_image_free);
+  if (!file) fail_format(path, 0, "expected a header that makes an image of NIfTI-1");
   LabelImage image;
   image.size = {static_cast<Index>(sizes[0]), static_cast<Index>(sizes[1]), static_cast<Index>(sizes[2])};
-  image.label = labels_of(path, file->data, count, *type);
   set_frame(*file, unit_of(path, file->xyz_units), image);
   if (file->sform_code <= 0 && file->qform_code <= 0) {
     image.notes.push_back(path + ": says nothing about its frame; taken to begin at 0, along x, y and z");
   }
+  image.label = read_voxels(path, *header, is_swapped != 0, count, type);
   return image;
 }
 
