@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "base/decimal.h"
 #include "cell_geometry.h"
@@ -40,10 +41,10 @@ void sum_masses(Model& model) {
       ++kept;
     }
   }
-  if (kept > 0) {
-    model.notes.push_back("set_material: " + std::to_string(kept) +
-                          " particle(s) are in no cell with a material and keep their mass");
-  }
+  // Only the last call knows: materials are given one region after another.
+  constexpr std::string_view without = " particle(s) are in no cell with a material and keep their mass";
+  std::erase_if(model.notes, [&](const std::string& note) { return note.ends_with(without); });
+  if (kept > 0) model.notes.push_back("set_material: " + std::to_string(kept) + std::string(without));
 }
 
 /// Gives the material to the solid cells whose rows `chosen` accepts; what it throws leaves the model as it was.

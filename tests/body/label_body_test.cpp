@@ -186,7 +186,9 @@ TEST(LabelBody, MaterialsOfRegionsInSeries) {
   BodyReport report;
   Model model = make_body(image, {.spacing = 0.0075, .regions = {{1, "soft"}, {2, "stiff"}}}, &report);
   set_material(model, {10e3, 0.0, 1000.0}, "soft");
+  EXPECT_EQ(model.notes.size(), 1u);  // the other half has none yet
   set_material(model, {40e3, 0.0, 1200.0}, "stiff");
+  EXPECT_TRUE(model.notes.empty());
   double mass = 0.0;
   for (const double m : model.mass) mass += m;
   EXPECT_NEAR(mass, 1000.0 * report.regions[0].volume + 1200.0 * report.regions[1].volume, 1e-9 * mass);
