@@ -59,11 +59,10 @@ if(PHYMUL_WITH_LABELS)
   if(phymul_teem_headers AND phymul_teem_library)
     set(phymul_has_teem ON)
   endif()
-  if(phymul_has_nifti AND phymul_has_teem)
-  elseif(PHYMUL_WITH_LABELS STREQUAL "AUTO")
-    message(STATUS "phymul: read_labels reads not all formats, because CMake did not find nifticlib or teem; on Debian "
-                   "or Ubuntu: apt-get install libnifti-dev libteem-dev")
-  else()
+  if(PHYMUL_WITH_LABELS STREQUAL "AUTO" AND NOT (phymul_has_nifti AND phymul_has_teem))
+    message(STATUS "phymul: read_labels does not read all formats, because CMake did not find nifticlib or teem; on "
+                   "Debian or Ubuntu: apt-get install libnifti-dev libteem-dev")
+  elseif(NOT (phymul_has_nifti AND phymul_has_teem))
     phymul_missing("Reading labelled images (PHYMUL_WITH_LABELS=${PHYMUL_WITH_LABELS}) needs nifticlib and teem"
                    "libnifti-dev libteem-dev" "Without them: -DPHYMUL_WITH_LABELS=OFF.")
   endif()

@@ -210,6 +210,16 @@ TEST(LabelBody, MaterialsOfRegionsInSeries) {
   EXPECT_LT(inside, 0.002 * stress * 0.0075 * 0.0075);
 }
 
+/// Nothing is around it: the body ends with the outermost voxels.
+TEST(LabelBody, AnImageFilledToItsBorder) {
+  const LabelImage image = painted(24, [](const Vec3&) { return 65535; });
+  BodyReport report;
+  const Model model = make_body(image, {.spacing = 0.012}, &report);
+  expect_sound(model, report);
+  EXPECT_NEAR(report.volume, 0.12 * 0.12 * 0.12, 0.005 * 0.12 * 0.12 * 0.12);
+  for (const Vec3& x : model.rest) EXPECT_LT(x.cwiseAbs().maxCoeff(), 0.0605);
+}
+
 TEST(LabelBody, RegionsByNameAndByDefault) {
   LabelImage image = ball_in_ball(40, 0.03);
   image.names = {{2, "gland"}, {5, "not there"}};
