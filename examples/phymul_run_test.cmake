@@ -68,7 +68,7 @@ file(WRITE ${image} "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 20 20 12\nspace
                     "${empty_layer}${empty_layer}${layers}${empty_layer}${empty_layer}")
 set(regions ${image} --gravity 0 0 -9.81 --frame-interval 0 --no-pictures)
 if(TEEM)
-  run(0 "filled with [0-9]+ particles.*; \"label 1\": 65.[0-9]+ of 65.54 ml; \"label 2\": 65.*steps to rest" ${regions}
+  run(0 "steps to rest.*filled with [0-9]+ particles.*; \"label 1\": 6[0-9.]+ of 65.54 ml; \"label 2\": 6" ${regions}
       --spacing 0.012 --fix-near 0.038 0.038 0.006 0.03 --material "label 1=10000,0.3" --material "label 2=40e3,0.3"
       --out ${OUT}/regions)
   run(1 "the name of a group, got \"label 3\"" ${regions} --spacing 0.012 --material "label 3=1e4,0.3" --out ${OUT}/none)

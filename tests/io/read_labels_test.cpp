@@ -130,7 +130,7 @@ TEST(ReadLabels, Nifti) {
 TEST(ReadLabels, NiftiByQuaternionOrSizesAlone) {
   PHYMUL_SKIP_UNLESS_READ("a.nii");
   Nifti file;
-  for (const int axis : {0, 1, 2}) file.set(80 + 4 * axis, 1.0f + axis);
+  for (const int axis : {0, 1, 2}) file.set(80 + 4 * axis, 1.0f + static_cast<float>(axis));
   LabelImage image = read_back("a.nii", file.bytes());
   expect_counted(image);
   expect_frame(image, {0, 0, 0}, {Vec3(1e-3, 0, 0), Vec3(0, 2e-3, 0), Vec3(0, 0, 3e-3)});
