@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <set>
 
@@ -172,11 +173,32 @@ void expect_good(std::uint32_t seed, double spacing) {
 }
 
 TEST(LabelBody, RandomImagesHaveGoodCells) {
-  for (std::uint32_t seed = 0; seed < 30; ++seed) expect_good(seed, 0.01);
+  for (std::uint32_t seed = 0; seed < 30; ++seed) expect_good(seed, 0.011);
 }
 
 TEST(LabelBodyOfManyImages, NoCellIsInverted) {
   for (std::uint32_t seed = 100; seed < 500; ++seed) expect_good(seed, 0.007 + 0.0004 * (seed % 10));
+}
+
+/// Against the same body as one region, of one material.
+TEST(LabelBody, RegionsShortenTheStepALittle) {
+  const auto step_of = [](const LabelImage& image, const LabelBodyOptions& options) {
+    Model model = make_body(image, options);
+    set_material(model, soft_tissue(0.45));
+    const Scene scene(model);
+    return make_solver("reference", model, scene)->stable_step();
+  };
+  for (std::uint32_t seed = 0; seed < 6; ++seed) {
+    const LabelImage image = random_labels(seed);
+    LabelBodyOptions whole{.spacing = 0.01};
+    for (std::uint16_t label = 1; label <= 2 + seed % 5; ++label) {
+      if (std::ranges::count(image.label, label) > 0) whole.regions.push_back({label, "whole"});
+    }
+    const double ratio = step_of(image, {.spacing = 0.01}) / step_of(image, whole);
+    std::printf("%u regions: step %.2f of that of one region\n", 2 + seed % 5, ratio);
+    EXPECT_GT(ratio, 0.6);
+    EXPECT_LT(ratio, 1.02);
+  }
 }
 
 /// Two materials of one Poisson's ratio in series, pulled along the normal of the plane between them: each takes the
