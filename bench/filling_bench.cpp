@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Filling a ball's surface of 10,080 triangles with tetrahedra, by spacing. Items are particles.
+// Filling a ball's surface of 10,080 triangles with tetrahedra, and three regions of an image of 256^3 voxels, by
+// spacing. Items are particles.
 #include <benchmark/benchmark.h>
 #include <phymul/phymul.h>
 
@@ -45,6 +46,45 @@ void make_body(benchmark::State& run) {
   run.counters["smallest_angle"] = report.smallest_angle;
 }
 
+/// Voxels of 1 mm: two ellipsoids, and a vessel in one of them.
+phymul::LabelImage organs() {
+  phymul::LabelImage image;
+  image.size = {256, 256, 256};
+  image.label.reserve(std::size_t{256} * 256 * 256);
+  for (int k = 0; k < 256; ++k) {
+    for (int j = 0; j < 256; ++j) {
+      for (int i = 0; i < 256; ++i) {
+        const double x = i - 78.0, y = j - 128.0, z = k - 128.0;
+        const bool first = std::hypot(x / 50, y / 80, z / 70) < 1,
+                   second = std::hypot((x - 110) / 60, y / 50, z / 70) < 1;
+        const bool vessel = first && std::hypot(x + 10, y - 20) < 8;
+        image.label.push_back(vessel ? 3 : first ? 1 : second ? 2 : 0);
+      }
+    }
+  }
+  return image;
+}
+
+void make_body_of_labels(benchmark::State& run) {
+  const phymul::LabelImage image = organs();
+  phymul::BodyReport report;
+  const phymul::LabelBodyOptions options{.spacing = 1e-6 * static_cast<double>(run.range(0)),
+                                         .regions = {{1, "first"}, {2, "second"}, {3, "vessel"}}};
+  for (auto _ : run) phymul::make_body(image, options, &report);
+  run.SetItemsProcessed(run.iterations() * report.particles);
+  run.counters["particles"] = report.particles;
+  run.counters["smallest_angle"] = report.smallest_angle;
+  for (const phymul::RegionReport& region : report.regions) {
+    run.counters[region.name + "_volume_error"] = region.volume / region.wanted_volume - 1.0;
+  }
+}
+
 BENCHMARK(make_body)->ArgName("spacing_um")->Arg(6050)->Arg(2095)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(make_body_of_labels)
+    ->ArgName("spacing_um")
+    ->Arg(6000)
+    ->Arg(3000)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 }  // namespace

@@ -41,6 +41,33 @@ if(PHYMUL_WITH_ASSIMP)
   endif()
 endif()
 
+# phymul_has_nifti, phymul_has_teem: are labelled images read from files? Looked for by file: the one package has no
+# description for CMake, and that of the other asks for programs that another Debian package brings.
+set(phymul_has_nifti OFF)
+set(phymul_has_teem OFF)
+if(PHYMUL_WITH_LABELS)
+  find_path(phymul_nifti_headers nifti1_io.h PATH_SUFFIXES nifti)
+  find_library(phymul_nifti_library niftiio)
+  find_library(phymul_znz_library znz)
+  find_path(phymul_teem_headers teem/nrrd.h)
+  find_library(phymul_teem_library teem)
+  mark_as_advanced(phymul_nifti_headers phymul_nifti_library phymul_znz_library phymul_teem_headers phymul_teem_library)
+  if(phymul_nifti_headers AND phymul_nifti_library AND phymul_znz_library)
+    set(phymul_has_nifti ON)
+    set(phymul_nifti_libraries ${phymul_nifti_library} ${phymul_znz_library})
+  endif()
+  if(phymul_teem_headers AND phymul_teem_library)
+    set(phymul_has_teem ON)
+  endif()
+  if(PHYMUL_WITH_LABELS STREQUAL "AUTO" AND NOT (phymul_has_nifti AND phymul_has_teem))
+    message(STATUS "phymul: read_labels does not read all formats, because CMake did not find nifticlib or teem; on "
+                   "Debian or Ubuntu: apt-get install libnifti-dev libteem-dev")
+  elseif(NOT (phymul_has_nifti AND phymul_has_teem))
+    phymul_missing("Reading labelled images (PHYMUL_WITH_LABELS=${PHYMUL_WITH_LABELS}) needs nifticlib and teem"
+                   "libnifti-dev libteem-dev" "Without them: -DPHYMUL_WITH_LABELS=OFF.")
+  endif()
+endif()
+
 if(PHYMUL_BUILD_TESTS)
   find_package(GTest QUIET)
   if(NOT GTest_FOUND)

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 #
 # Installs what is missing on a Debian machine to build phymul; does nothing, and needs no rights, where nothing is.
-#   sh cmake/install-packages.sh [examples] [tests] [bench] [charts] [gl] [surfaces] [gl-tests] [clang]
+#   sh cmake/install-packages.sh [examples] [tests] [bench] [charts] [gl] [surfaces] [labels] [gl-tests] [clang]
 # The library's own needs are always among them. A compiler and CMake are taken as there.
 set -eu
 
@@ -56,6 +56,10 @@ for part in "$@"; do
       need_package libgl1-mesa-dri
       ;;
     surfaces) need_package libassimp-dev ;;
+    labels)  # NIfTI and NRRD
+      need_package libnifti-dev
+      need_package libteem-dev
+      ;;
     gl-tests)  # a host on an X server
       need_package libgl-dev
       need_package libx11-dev
@@ -63,7 +67,7 @@ for part in "$@"; do
       ;;
     clang) need_command clang++-16 clang-16 ;;
     *)
-      echo "phymul: unknown part \"$part\"; there are: examples tests bench charts gl surfaces gl-tests clang" >&2
+      echo "phymul: unknown part \"$part\"; there are: examples tests bench charts gl surfaces labels gl-tests clang" >&2
       exit 2
       ;;
   esac

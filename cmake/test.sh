@@ -15,8 +15,8 @@ run() {  # preset, ctest's options
   case $preset in
     asan-ubsan | tsan) parts="tests" ;;
     no-gl) parts="tests bench examples charts" ;;
-    clang) parts="tests bench examples charts gl gl-tests surfaces clang" ;;
-    *) parts="tests bench examples charts gl gl-tests surfaces" ;;
+    clang) parts="tests bench examples charts gl gl-tests surfaces labels clang" ;;
+    *) parts="tests bench examples charts gl gl-tests surfaces labels" ;;
   esac
   # $parts is a list of words.
   sh cmake/install-packages.sh $parts

@@ -37,7 +37,13 @@ double length_unit(const RunOptions& options) {
 
 phymul::Model read_file(const RunOptions& options) {
   if (is_surface(options.body)) return fill_surface(options.body, length_unit(options), options.spacing).model;
-  if (options.spacing != 0.0) throw phymul::Error("--spacing: " + options.body + " is no surface to be filled");
+  if (is_label_image(options.body)) {
+    if (options.length_unit > 0.0) throw phymul::Error("--unit: " + options.body + " says its unit itself");
+    return fill_labels(options.body, options.spacing);
+  }
+  if (options.spacing != 0.0) {
+    throw phymul::Error("--spacing: " + options.body + " is neither a surface nor a labelled image to be filled");
+  }
   const double unit = length_unit(options);
   return is_pml(options.body) ? phymul::read_pml(options.body, {.length_unit = unit})
                               : phymul::read_mesh(options.body, {.length_unit = unit});
@@ -53,6 +59,10 @@ phymul::Model read_body(const RunOptions& options) {
                         "run it with the file's own masses and stiffnesses");
   }
   phymul::set_material(model, options.material);
+  for (auto [group, material] : options.materials) {
+    material.density = options.material.density;
+    phymul::set_material(model, material, group);
+  }
   return model;
 }
 

@@ -55,7 +55,29 @@ if(ASSIMP)
   run(1 "the nearest is 0.9[0-9]+ m away" ${bean} --spacing 0.012 --fix-near 1 0 0 0.02 --out ${OUT}/none)
   run(1 "bean.stl: a surface is filled; give --spacing" ${bean} --out ${OUT}/none)
 endif()
-run(1 "mixed_41.msh is no surface" ${MESH} --spacing 0.01 --out ${OUT}/none)
+# Two regions of an image, in millimetres, each with its material.
+string(REPEAT "0 " 20 none)
+string(REPEAT "1 " 8 soft)
+string(REPEAT "2 " 8 stiff)
+string(REPEAT "${none}\n" 20 empty_layer)
+string(REPEAT "0 0 ${soft}${stiff}0 0\n" 16 rows)
+set(image ${OUT}/two_regions.nrrd)
+string(REPEAT "${none}\n${none}\n${rows}${none}\n${none}\n" 8 layers)
+file(WRITE ${image} "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 20 20 12\nspace: RAS\n"
+                    "space directions: (4,0,0) (0,4,0) (0,0,4)\nspace origin: (0,0,0)\nencoding: ascii\n\n"
+                    "${empty_layer}${empty_layer}${layers}${empty_layer}${empty_layer}")
+set(regions ${image} --gravity 0 0 -9.81 --frame-interval 0 --no-pictures)
+if(TEEM)
+  run(0 "steps to rest.*filled with [0-9]+ particles.*; \"label 1\": 6[0-9.]+ of 65.54 ml; \"label 2\": 6" ${regions}
+      --spacing 0.012 --fix-near 0.038 0.038 0.006 0.03 --material "label 1=10000,0.3" --material "label 2=40e3,0.3"
+      --out ${OUT}/regions)
+  run(1 "the name of a group, got \"label 3\"" ${regions} --spacing 0.012 --material "label 3=1e4,0.3" --out ${OUT}/none)
+  run(1 "a labelled image is filled; give --spacing" ${regions} --out ${OUT}/none)
+  run(1 "says its unit itself" ${regions} --unit 0.001 --spacing 0.012 --out ${OUT}/none)
+endif()
+run(1 "expected GROUP=YOUNG,POISSON, as in liver=4000,0.45, got label 1=1e4" ${regions} --spacing 0.012
+    --material "label 1=1e4" --out ${OUT}/none)
+run(1 "mixed_41.msh is neither a surface nor" ${MESH} --spacing 0.01 --out ${OUT}/none)
 
 run(1 "ExistingFile|not exist" no_such_file.pml --out ${OUT})
 run(1 "no_such_group" ${MESH} --fix no_such_group --out ${OUT}/none)

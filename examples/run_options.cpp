@@ -58,15 +58,29 @@ CLI::Validator not_negative() {
   return number_above(true);
 }
 
+/// "liver=4000,0.45".
+phymul::GroupMaterial group_material(const std::string& word) {
+  const std::size_t equals = word.rfind('='), comma = word.rfind(',');
+  phymul::GroupMaterial result;
+  if (equals == std::string::npos || equals == 0 || comma == std::string::npos || comma < equals ||
+      !CLI::detail::lexical_cast(word.substr(equals + 1, comma - equals - 1), result.material.young) ||
+      !CLI::detail::lexical_cast(word.substr(comma + 1), result.material.poisson)) {
+    throw CLI::ValidationError("--material", "expected GROUP=YOUNG,POISSON, as in liver=4000,0.45, got " + word);
+  }
+  result.group = word.substr(0, equals);
+  return result;
+}
+
 void add_body_options(CLI::App& app, RunOptions& options) {
   app.add_option("body", options.body,
-                 "the body: .pml, .msh (Gmsh), .vtk or .vtu, or a surface: .stl, .obj, .ply, .gltf, .glb")
+                 "the body: .pml, .msh (Gmsh), .vtk or .vtu; a surface: .stl, .obj, .ply, .gltf, .glb; or a labelled "
+                 "image: .nii, .nii.gz, .nrrd, .nhdr")
       ->required()
       ->check(CLI::ExistingFile);
   app.add_option("loads", options.loads, "what acts on it: .lml")->check(CLI::ExistingFile);
   app.add_option("--unit", options.length_unit, "metres per length unit of the body's file [1e-3 for .pml, else 1]")
       ->check(positive());
-  app.add_option("--spacing", options.spacing, "mean distance between the particles that fill a surface, m")
+  app.add_option("--spacing", options.spacing, "mean distance between the particles that fill a surface or image, m")
       ->check(positive());
   app.add_option("--fix", options.fixed_groups, "hold this group of particles; may be given several times")
       ->option_text("GROUP")
@@ -83,6 +97,13 @@ void add_elasticity_options(CLI::App& app, RunOptions& options) {
   auto* young = app.add_option("--young", options.material.young, "Young's modulus, Pa")->capture_default_str();
   auto* poisson = app.add_option("--poisson", options.material.poisson, "Poisson's ratio")->capture_default_str();
   auto* density = app.add_option("--density", options.material.density, "kg/m^3")->capture_default_str();
+  auto* of_groups = app.add_option_function<std::vector<std::string>>(
+      "--material",
+      [&options](const std::vector<std::string>& words) {
+        for (const std::string& word : words) options.materials.push_back(group_material(word));
+      },
+      "modulus (Pa) and ratio of a group, as a region of an image; may be given several times");
+  of_groups->option_text("GROUP=YOUNG,POISSON")->allow_extra_args(false);
   auto* from_file = app.add_flag("--from-file", options.from_file, "masses and stiffnesses of the file, no material");
   auto* reaction =
       add_choice(app, "--reaction", options.topology.reaction, reactions, "how forces are given back [conservative]");
@@ -91,10 +112,10 @@ void add_elasticity_options(CLI::App& app, RunOptions& options) {
       "--springs", [&options] { options.topology.law = phymul::Law::springs; }, "springs instead of shape memory");
   auto* volume = app.add_option("--volume-stiffness", options.topology.volume_stiffness,
                                 "kappa of a volume term without a material, Pa");
-  for (CLI::Option* option : {young, poisson, density, from_file, reaction, bases, springs, volume}) {
+  for (CLI::Option* option : {young, poisson, density, of_groups, from_file, reaction, bases, springs, volume}) {
     option->group(group);
   }
-  for (CLI::Option* option : {young, poisson, density}) from_file->excludes(option);
+  for (CLI::Option* option : {young, poisson, density, of_groups}) from_file->excludes(option);
   for (CLI::Option* option : {reaction, bases, springs, volume}) option->needs(from_file);
 }
 

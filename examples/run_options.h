@@ -3,6 +3,7 @@
 // What phymul-run is asked to do.
 #pragma once
 
+#include <phymul/simulation.h>
 #include <phymul/solver.h>
 #include <phymul/topology.h>
 
@@ -11,14 +12,15 @@
 #include <vector>
 
 struct RunOptions {
-  std::string body;   ///< .pml, .msh, .vtk or .vtu, or a surface
+  std::string body;   ///< .pml, .msh, .vtk or .vtu, a surface, or a labelled image
   std::string loads;  ///< .lml; empty: none
   std::string out = "out";
 
   double length_unit = 0.0;  ///< m per unit of the body's file; 0: mm for .pml, m for meshes
-  double spacing = 0.0;      ///< m, of the particles that fill a surface; 0: none was given
+  double spacing = 0.0;      ///< m, of the particles that fill a surface or image; 0: none was given
   bool from_file = false;    ///< masses and stiffnesses of the file instead of the material
   phymul::Material material{.young = 10e3, .poisson = 0.3, .density = 1000.0};
+  std::vector<phymul::GroupMaterial> materials;  ///< without density, which is that of `material`
   phymul::TopologyOptions topology;
 
   std::vector<std::string> fixed_groups;

@@ -2,19 +2,37 @@
 #include "surface_body.h"
 
 #include <phymul/error.h>
+#include <phymul/label_file.h>
 #include <phymul/surface_file.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <filesystem>
+#include <cstdio>
+#include <initializer_list>
 #include <limits>
+#include <string_view>
+
+namespace {
+
+bool ends_in_one_of(const std::string& path, std::initializer_list<std::string_view> endings) {
+  std::string lower = path;
+  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  return std::ranges::any_of(endings, [&](std::string_view known) { return lower.ends_with(known); });
+}
+
+std::string filled_text(const std::string& path, const phymul::BodyReport& report) {
+  return path + ": filled with " + std::to_string(report.particles) + " particles in " + std::to_string(report.cells) +
+         " tetrahedra";
+}
+
+}  // namespace
 
 bool is_surface(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
-  return std::ranges::any_of(std::array{".stl", ".obj", ".ply", ".gltf", ".glb"},
-                             [&](const char* known) { return extension == known; });
+  return ends_in_one_of(path, {".stl", ".obj", ".ply", ".gltf", ".glb"});
+}
+
+bool is_label_image(const std::string& path) {
+  return ends_in_one_of(path, {".nii", ".nii.gz", ".nrrd", ".nhdr"});
 }
 
 SurfaceBody fill_surface(const std::string& path, double metres_per_unit, double spacing) {
@@ -23,9 +41,22 @@ SurfaceBody fill_surface(const std::string& path, double metres_per_unit, double
   body.surface = phymul::read_surface(path, metres_per_unit);
   phymul::BodyReport report;
   body.model = phymul::make_body(body.surface, {.spacing = spacing}, &report);
-  body.model.notes.push_back(path + ": filled with " + std::to_string(report.particles) + " particles in " +
-                             std::to_string(report.cells) + " tetrahedra");
+  body.model.notes.push_back(filled_text(path, report));
   return body;
+}
+
+phymul::Model fill_labels(const std::string& path, double spacing) {
+  if (spacing == 0.0) throw phymul::Error(path + ": a labelled image is filled; give --spacing, m");
+  phymul::BodyReport report;
+  phymul::Model model = phymul::make_body(phymul::read_labels(path), {.spacing = spacing}, &report);
+  std::string note = filled_text(path, report);
+  for (const phymul::RegionReport& region : report.regions) {
+    char text[64];
+    std::snprintf(text, sizeof text, "\": %.4g of %.4g ml", 1e6 * region.volume, 1e6 * region.wanted_volume);
+    note += "; \"" + region.name + text;
+  }
+  model.notes.push_back(std::move(note));
+  return model;
 }
 
 std::vector<phymul::Index> particles_in_ball(const phymul::Model& model, const double* ball) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Bodies of the tools that fill a surface from a file.
+// Bodies of the tools that fill a surface or a labelled image from a file.
 #pragma once
 
 #include <phymul/body.h>
@@ -16,8 +16,15 @@ struct SurfaceBody {
 /// By the file's ending: whether read_surface() reads it.
 bool is_surface(const std::string& path);
 
+/// By the file's ending: whether read_labels() reads it.
+bool is_label_image(const std::string& path);
+
 /// Particles in the ball of x, y, z and radius, m, which stand at `ball`. Throws phymul::Error if there are none.
 std::vector<phymul::Index> particles_in_ball(const phymul::Model& model, const double* ball);
 
 /// Throws phymul::Error as read_surface() and make_body() do, and where the spacing is 0: none was given.
 SurfaceBody fill_surface(const std::string& path, double metres_per_unit, double spacing);
+
+/// The regions of a labelled image, each a group of its name; a note compares their volumes. Throws phymul::Error as
+/// read_labels() and make_body() do, and where the spacing is 0: none was given.
+phymul::Model fill_labels(const std::string& path, double spacing);

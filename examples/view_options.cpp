@@ -39,7 +39,10 @@ ViewBody read_file(const ViewOptions& options) {
     SurfaceBody filled = fill_surface(path, unit, options.spacing);
     return {std::move(filled.model), std::move(filled.surface)};
   }
-  if (options.spacing != 0.0) throw phymul::Error("--spacing: " + path + " is no surface to be filled");
+  if (is_label_image(path)) return {fill_labels(path, options.spacing), {}};
+  if (options.spacing != 0.0) {
+    throw phymul::Error("--spacing: " + path + " is neither a surface nor a labelled image to be filled");
+  }
   return {is_pml(path) ? phymul::read_pml(path, {.length_unit = unit}) : phymul::read_mesh(path, {.length_unit = unit}),
           {}};
 }
@@ -72,12 +75,12 @@ std::optional<ViewOptions> read_view_options(int argc, char** argv, int& exit_co
   app.footer(keys);
   app.add_option(
          "body", options.body,
-         "a .pml, .msh, .vtk or .vtu file, a surface (.stl, .obj, .ply, .gltf, .glb), or tetrahedron, cylinder, "
-         "block, strip")
+         "a .pml, .msh, .vtk or .vtu file, a surface (.stl, .obj, .ply, .gltf, .glb), a labelled image (.nii, .nii.gz, "
+         ".nrrd, .nhdr), or tetrahedron, cylinder, block, strip")
       ->capture_default_str();
   app.add_option("--unit", options.length_unit, "metres per length unit of the body's file [1e-3 for .pml, else 1]")
       ->check(CLI::PositiveNumber);
-  app.add_option("--spacing", options.spacing, "mean distance between the particles that fill a surface, m")
+  app.add_option("--spacing", options.spacing, "mean distance between the particles that fill a surface or image, m")
       ->check(CLI::PositiveNumber);
   app.add_option("loads", options.loads, "what acts on it: .lml")->check(CLI::ExistingFile);
   app.add_option("--fix", options.fixed_groups, "hold this group of particles; may be given several times")

@@ -12,7 +12,7 @@
 struct ViewOptions {
   std::string body = "cylinder";  ///< a file, or a shape: tetrahedron, cylinder, block, strip
   double length_unit = 0.0;       ///< m, of the body's file; 0: the reader's own
-  double spacing = 0.0;           ///< m, of the particles that fill a surface; 0: none was given
+  double spacing = 0.0;           ///< m, of the particles that fill a surface or image; 0: none was given
   std::string loads;              ///< .lml; empty: none
   std::vector<std::string> fixed_groups;
   std::vector<double> fixed_balls;  ///< m, each x y z radius

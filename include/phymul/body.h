@@ -50,15 +50,25 @@ struct BodyOptions {
   Index most_particles = 1'000'000;  ///< a spacing that needs more is an Error
 };
 
+/// What make_body() made of one region of a labelled image (labels.h).
+struct RegionReport {
+  std::string name;
+  double wanted_volume = 0.0;  ///< m^3, of its voxels
+  double volume = 0.0;         ///< m^3, of its cells
+  Index cells = 0;
+  Index particles = 0;  ///< of its cells: those between two regions count in both
+};
+
 /// What make_body() made.
 struct BodyReport {
   Index particles = 0, cells = 0;
-  int parts = 0;                ///< connected parts of the body
-  double volume = 0.0;          ///< m^3, of the body
-  double wanted_volume = 0.0;   ///< m^3, inside the surface or solid
-  double moved = 0.0;           ///< m, outward, by which the surface was moved to meet the volume
-  double smallest_angle = 0.0;  ///< degrees, of the dihedral angles of all cells
-  double largest_angle = 0.0;   ///< degrees
+  int parts = 0;                      ///< connected parts of the body
+  double volume = 0.0;                ///< m^3, of the body
+  double wanted_volume = 0.0;         ///< m^3, inside the surface or solid
+  double moved = 0.0;                 ///< m, outward, by which the surface was moved to meet the volume
+  double smallest_angle = 0.0;        ///< degrees, of the dihedral angles of all cells
+  double largest_angle = 0.0;         ///< degrees
+  std::vector<RegionReport> regions;  ///< of a labelled image, in the order of the options; else empty
 };
 
 /// Fills the inside with tetrahedra by isosurface stuffing (F. Labelle, J. R. Shewchuk, 2007): a body-centred cubic

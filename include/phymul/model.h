@@ -133,8 +133,9 @@ struct Model {
 /// without positive volume or a particle in one plane with its neighbours, or if a constant is out of its range.
 void set_material(Model& model, const Material& material);
 
-/// The same for the cells whose particles are all in the group. Masses are then computed from all cells with a
-/// material.
+/// The same for the cells of the group. A component that lists volume cells (2-D: triangles, quads) means these:
+/// regions of a labelled image, physical groups of Gmsh. One that lists none means the cells whose particles are all in
+/// it. Masses are then computed from all cells with a material.
 void set_material(Model& model, const Material& material, std::string_view group_name);
 
 /// The same for the cells whose centre (mean of their vertices) it accepts, so that the volume is right to within

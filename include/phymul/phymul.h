@@ -12,6 +12,8 @@
 #include <phymul/elasticity.h>
 #include <phymul/error.h>
 #include <phymul/gl.h>
+#include <phymul/label_file.h>
+#include <phymul/labels.h>
 #include <phymul/lml.h>
 #include <phymul/mesh.h>
 #include <phymul/model.h>

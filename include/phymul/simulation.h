@@ -18,7 +18,7 @@
 namespace phymul {
 
 struct GroupMaterial {
-  std::string group;  ///< for the cells all of whose particles are in it
+  std::string group;  ///< for its cells, as set_material() finds them
   Material material{};
 };
 

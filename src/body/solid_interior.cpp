@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/place_text.h"
+#include "root_between.h"
 
 namespace phymul {
 
@@ -22,29 +23,8 @@ std::vector<char> SolidInterior::inside(const CentredLattice& lattice) const {
   return in;
 }
 
-/// Halves the way until its end is exact to a millionth of it, faster where the function is smooth: the secant of the
-/// two ends, one of them weighed down where the other moves twice in a row (the Illinois rule).
 double SolidInterior::exit(const Vec3& in, const Vec3& out) const {
-  double a = 0.0, b = 1.0, at_a = at(in), at_b = at(out);
-  int moved = 0;
-  for (int turn = 0; turn < 60 && b - a > 1e-6; ++turn) {
-    double middle = turn % 4 == 3 ? 0.5 * (a + b) : (a * at_b - b * at_a) / (at_b - at_a);
-    if (!(middle > a && middle < b)) middle = 0.5 * (a + b);
-    const double value = at(in + middle * (out - in));
-    if (value == 0.0) return middle;
-    if (value < 0.0) {
-      a = middle;
-      at_a = value;
-      if (moved == -1) at_b *= 0.5;
-      moved = -1;
-    } else {
-      b = middle;
-      at_b = value;
-      if (moved == 1) at_a *= 0.5;
-      moved = 1;
-    }
-  }
-  return 0.5 * (a + b);
+  return root_between([&](double share) { return at(share == 1.0 ? out : Vec3(in + share * (out - in))); });
 }
 
 double SolidInterior::volume(const CentredLattice& lattice) const {

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "base/decimal.h"
 #include "cell_geometry.h"
+#include "group.h"
 #include "material.h"
 #include "point_cells.h"
 
@@ -39,13 +41,13 @@ void sum_masses(Model& model) {
       ++kept;
     }
   }
-  if (kept > 0) {
-    model.notes.push_back("set_material: " + std::to_string(kept) +
-                          " particle(s) are in no cell with a material and keep their mass");
-  }
+  // Only the last call knows: materials are given one region after another.
+  constexpr std::string_view without = " particle(s) are in no cell with a material and keep their mass";
+  std::erase_if(model.notes, [&](const std::string& note) { return note.ends_with(without); });
+  if (kept > 0) model.notes.push_back("set_material: " + std::to_string(kept) + std::string(without));
 }
 
-/// Gives the material to the solid cells that `chosen` accepts; what it throws leaves the model as it was.
+/// Gives the material to the solid cells whose rows `chosen` accepts; what it throws leaves the model as it was.
 template <class Predicate>
 void assign(Model& model, const Material& material, const std::string& nothing_chosen, Predicate chosen) {
   validate(model);
@@ -54,9 +56,9 @@ void assign(Model& model, const Material& material, const std::string& nothing_c
   const Index row = static_cast<Index>(known - changed.materials.begin());
   if (known == changed.materials.end()) changed.materials.push_back(material);
   bool any = false;
-  for (Cell& cell : changed.cells) {
-    if (!is_solid(model.dimension, cell.type) || !chosen(cell)) continue;
-    cell.material = row;
+  for (std::size_t c = 0; c < changed.cells.size(); ++c) {
+    if (!is_solid(model.dimension, changed.cells[c].type) || !chosen(c)) continue;
+    changed.cells[c].material = row;
     any = true;
   }
   if (!any) throw Error(nothing_chosen);
@@ -129,19 +131,16 @@ void require_in_range(const Material& material) {
 void set_material(Model& model, const Material& material) {
   require_in_range(material);
   if (is_body_of_points(model)) return set_material_of_points(model, material);
-  assign(model, material, "set_material: no cell", [](const Cell&) { return true; });
+  assign(model, material, "set_material: no cell", [](std::size_t) { return true; });
 }
 
 void set_material(Model& model, const Material& material, std::string_view group_name) {
   require_in_range(material);
-  std::vector<char> inside(model.rest.size(), 0);
-  for (const Index i : model.group(group_name)) inside[i] = 1;
+  const std::vector<char> chosen = cells_of_group(model, group_name);
   assign(model, material,
          "set_material: expected group \"" + std::string(group_name) + "\" to hold all particles of some " +
              solid_cells(model) + ", but it holds none whole",
-         [&](const Cell& cell) {
-           return std::all_of(cell.particles.begin(), cell.particles.end(), [&](Index i) { return inside[i] != 0; });
-         });
+         [&](std::size_t cell) { return chosen[cell] != 0; });
 }
 
 double set_material(Model& model, const Material& material, const Contains& contains) {
@@ -149,7 +148,8 @@ double set_material(Model& model, const Material& material, const Contains& cont
   double volume = 0.0;
   assign(model, material,
          "set_material: expected the centres of some " + solid_cells(model) + " in the region, but there are none",
-         [&](const Cell& cell) {
+         [&](std::size_t row) {
+           const Cell& cell = model.cells[row];
            if (!contains(cell_centre(cell, model.rest))) return false;
            volume += signed_measure(model.dimension, cell, model.rest);
            return true;

@@ -3,7 +3,6 @@
 #include <phymul/model.h>
 
 #include <algorithm>
-#include <set>
 
 #include "cell_geometry.h"
 #include "file_extras.h"
@@ -21,33 +20,12 @@ constexpr CellTypeRow cell_types[] = {{1, "ATOM"},        {2, "LINE"},       {3,
                                       {4, "TETRAHEDRON"}, {6, "WEDGE"},      {5, "PYRAMID"},  {8, "HEXAHEDRON"},
                                       {0, "POLY_LINE"},   {0, "POLY_VERTEX"}};
 
-std::string known_groups(const Model& model) {
-  std::set<std::string> names;
-  for (const Component& component : model.components) {
-    if (!component.name.empty()) names.insert(component.name);
-  }
-  if (names.empty()) return "the model has no named groups; add one with Model::add_group";
-  std::string text = "known groups are";
-  for (const std::string& known : names) text += (text.ends_with("are") ? " \"" : ", \"") + known + '"';
-  return text;
-}
-
 /// What is yet to be validated may have cells of any size.
 void require_whole(const Cell& cell) {
   const int size = cell_size(cell.type);
   if (size == 0 || cell.particles.size() == static_cast<std::size_t>(size)) return;
   throw Error(std::string("expected a ") + cell_name(cell.type) + " of " + std::to_string(size) + " particles, got " +
               std::to_string(cell.particles.size()));
-}
-
-void append(std::vector<Index>& particles, const Model& model, const Component& component) {
-  particles.insert(particles.end(), component.particles.begin(), component.particles.end());
-  for (const std::vector<Index>* rows : {&component.cells, &component.cell_refs}) {
-    for (const Index row : *rows) {
-      const std::vector<Index>& of_cell = model.cells[row].particles;
-      particles.insert(particles.end(), of_cell.begin(), of_cell.end());
-    }
-  }
 }
 
 }  // namespace
@@ -63,64 +41,6 @@ bool is_volume(CellType type) {
 
 const char* cell_name(CellType type) {
   return cell_types[static_cast<int>(type)].name;
-}
-
-bool Model::has_group(std::string_view group_name) const {
-  return std::any_of(components.begin(), components.end(),
-                     [&](const Component& component) { return component.name == group_name; });
-}
-
-std::vector<Index> Model::group(std::string_view group_name) const {
-  if (!has_group(group_name)) {
-    throw Error(ErrorCode::unknown_name,
-                "expected the name of a group, got \"" + std::string(group_name) + "\": " + known_groups(*this));
-  }
-  // Parents stand before children, so one pass takes a named component with all that it contains.
-  std::vector<char> named(components.size(), 0);
-  std::vector<Index> particles;
-  for (std::size_t row = 0; row < components.size(); ++row) {
-    const Component& component = components[row];
-    named[row] = component.name == group_name || (component.parent >= 0 && named[component.parent]);
-    if (named[row]) append(particles, *this, component);
-  }
-  std::sort(particles.begin(), particles.end());
-  particles.erase(std::unique(particles.begin(), particles.end()), particles.end());
-  return particles;
-}
-
-std::vector<Index> Model::particles_in(const Contains& contains) const {
-  std::vector<Index> particles;
-  for (Index i = 0; i < particle_count(); ++i) {
-    if (contains(rest[i])) particles.push_back(i);
-  }
-  return particles;
-}
-
-Model& Model::add_group(std::string group_name, std::vector<Index> particles) {
-  if (group_name.empty()) throw Error("expected a name for the group, got an empty one");
-  for (const Index particle : particles) {
-    if (particle < 0 || particle >= particle_count()) {
-      throw Error("group \"" + group_name + "\": expected particles from 0 to " + std::to_string(particle_count() - 1) +
-                  ", got " + std::to_string(particle));
-    }
-  }
-  const auto root = std::find_if(components.begin(), components.end(), [](const Component& component) {
-    return component.parent < 0 && !component.exclusive && !component.structural;
-  });
-  Component added;
-  added.name = std::move(group_name);
-  added.exclusive = false;
-  added.particles = std::move(particles);
-  added.parent = static_cast<Index>(root - components.begin());
-  if (root == components.end()) {
-    Component parent;
-    parent.name = "Informative Components";
-    parent.exclusive = false;
-    parent.structural = false;
-    components.push_back(std::move(parent));
-  }
-  components.push_back(std::move(added));
-  return *this;
 }
 
 bool Model::operator==(const Model& other) const {

@@ -10,9 +10,9 @@ cmake_policy(SET CMP0140 NEW)  # return(PROPAGATE)
 set(rooms
     "base types error version"
     "model model shapes check surface skin state monitor distance_grid tool needle"
-    "body body"
+    "body body labels"
     "scene scene load load_frame bodies"
-    "io pml lml mesh surface_file writer"
+    "io pml lml mesh surface_file label_file writer"
     "topology topology topology_textures"
     "elastic elasticity"
     "interaction virtual_coupling"
@@ -71,7 +71,7 @@ function(check_library_file file)
   foreach(include IN LISTS includes)
     if(include STREQUAL "<pugixml.hpp>" AND NOT own MATCHES "^src/io/")
       fault("${file}" "includes pugixml; only src/io may")
-    elseif(include MATCHES "^<assimp/" AND NOT own MATCHES "^src/io/")
+    elseif(include MATCHES "^<(assimp|nifti|teem)/" AND NOT own MATCHES "^src/io/")
       fault("${file}" "includes ${include}; only src/io may")
     elseif(include MATCHES "^<(GL|EGL|GLES[23]?)/" AND NOT own MATCHES "^src/gl/")
       fault("${file}" "includes ${include}; only src/gl may")

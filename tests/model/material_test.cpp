@@ -60,6 +60,43 @@ TEST(Material, RegionsReachTheirVolume) {
             "set_material: expected the centres of some triangles or quads in the region, but there are none");
 }
 
+/// A group that lists cells means these, not all cells between their particles; one that lists faces, and one that
+/// lists particles, mean the cells wholly among them.
+TEST(Material, GroupsOfCells) {
+  Model model = make_tetrahedral_block({0.06, 0.06, 0.06}, 3, 3, 3, 0.2, 1);
+  const auto count = static_cast<Index>(model.cells.size());
+  const auto add = [&](const char* name, std::vector<Index> cells) {
+    model.add_group(name, {});
+    model.components.back().cell_refs = std::move(cells);
+  };
+  std::vector<Index> all_but_one;
+  for (Index cell = 1; cell < count; ++cell) all_but_one.push_back(cell);
+  add("all but one", all_but_one);
+  ASSERT_EQ(model.group("all but one").size(), model.rest.size());
+  const std::vector<Index> first = model.cells[0].particles;
+  Cell face, other;
+  face.type = other.type = CellType::triangle;
+  face.particles = {first[0], first[1], first[2]};
+  other.particles = {first[1], first[2], first[3]};
+  model.cells.push_back(face);
+  model.cells.push_back(other);
+  add("faces of one", {count, count + 1});
+  const Material hard{50e3, 0.45, 1000}, harder{90e3, 0.45, 1000};
+  set_material(model, soft_tissue());
+  set_material(model, hard, "all but one");
+  EXPECT_EQ(model.materials[model.cells[0].material], soft_tissue());
+  for (Index cell = 1; cell < count; ++cell) ASSERT_EQ(model.materials[model.cells[cell].material], hard);
+  set_material(model, harder, "faces of one");
+  EXPECT_EQ(model.materials[model.cells[0].material], harder);
+  EXPECT_EQ(model.materials[model.cells[1].material], hard);
+  // A group within a group.
+  add("inner", {0, 1});
+  model.components.back().parent = static_cast<Index>(model.components.size()) - 2;
+  set_material(model, soft_tissue(), "faces of one");
+  EXPECT_EQ(model.materials[model.cells[1].material], soft_tissue());
+  EXPECT_EQ(model.materials[model.cells[2].material], hard);
+}
+
 TEST(Material, CantileverAgreesWithTimoshenko) {
   for (double poisson : {0.0, 0.3, 0.45}) {
     const Material tissue = soft_tissue(poisson);

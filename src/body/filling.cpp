@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+#include "filling.h"
+
+#include <phymul/error.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+#include "base/place_text.h"
+#include "dihedral_angles.h"
+#include "model/enclosed_volume.h"
+#include "model/shape_builder.h"
+
+namespace phymul {
+namespace {
+
+constexpr double most_moved = 0.05;  // spacings, of the surface to meet the volume
+
+/// Degrees, smallest and largest.
+void measure_angles(const Stuffing& body, BodyReport& report) {
+  Angles all;
+  for (const Tetrahedron& cell : body.cells) {
+    const Angles own = dihedral_angles(corners_of(cell, body.place));
+    all = {std::min(all.smallest, own.smallest), std::max(all.largest, own.largest)};
+  }
+  report.smallest_angle = all.smallest * 180.0 / std::numbers::pi;
+  report.largest_angle = all.largest * 180.0 / std::numbers::pi;
+}
+
+int count_parts(const Stuffing& body) {
+  std::vector<Index> root(body.place.size());
+  std::iota(root.begin(), root.end(), 0);
+  const auto root_of = [&](Index i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
+    return i;
+  };
+  auto parts = static_cast<int>(root.size());
+  for (const Tetrahedron& cell : body.cells) {
+    for (int k = 1; k < 4; ++k) {
+      const Index a = root_of(cell[0]), b = root_of(cell[k]);
+      if (a == b) continue;
+      root[b] = a;
+      --parts;
+    }
+  }
+  return parts;
+}
+
+/// Faces that one cell has, counter-clockwise seen from outside.
+std::vector<std::array<Index, 3>> outer_faces(const Stuffing& body) {
+  struct Face {
+    std::array<Index, 3> sorted, wound;
+  };
+  std::vector<Face> faces;
+  faces.reserve(4 * body.cells.size());
+  for (const auto& [a, b, c, d] : body.cells) {
+    for (const std::array<Index, 3>& wound : {std::array{a, c, b}, {a, b, d}, {b, c, d}, {a, d, c}}) {
+      const auto [low, high] = std::minmax({wound[0], wound[1], wound[2]});
+      faces.push_back({{low, wound[0] + wound[1] + wound[2] - low - high, high}, wound});
+    }
+  }
+  std::ranges::sort(faces, {}, &Face::sorted);
+  std::vector<std::array<Index, 3>> outer;
+  for (std::size_t from = 0, to = 0; from < faces.size(); from = to) {
+    for (to = from + 1; to < faces.size() && faces[to].sorted == faces[from].sorted;) ++to;
+    if (to - from == 1) outer.push_back(faces[from].wound);
+  }
+  return outer;
+}
+
+/// Moves the surface along its normals by one length, which is returned.
+double meet_volume(Stuffing& body, double wanted, double most) {
+  const auto faces = outer_faces(body);
+  VecList along(body.place.size());
+  volume_gradient(faces, body.place, along);
+  for (Vec3& normal : along) normal.normalize();
+  const auto root = root_of_cubic(volume_along(faces, body.place, along), wanted - enclosed_volume(faces, body.place));
+  const double length = std::clamp(root.value_or(0.0), -most, most);
+  for (std::size_t i = 0; i < along.size(); ++i) body.place[i] += length * along[i];
+  return length;
+}
+
+BodyReport report_of(const Stuffing& body, double wanted_volume) {
+  BodyReport report;
+  report.particles = static_cast<Index>(body.place.size());
+  report.cells = static_cast<Index>(body.cells.size());
+  report.wanted_volume = wanted_volume;
+  for (const auto& [a, b, c, d] : body.cells) {
+    const Vec3& from = body.place[a];
+    report.volume += (body.place[d] - from).dot((body.place[b] - from).cross(body.place[c] - from)) / 6.0;
+  }
+  measure_angles(body, report);
+  report.parts = count_parts(body);
+  return report;
+}
+
+void require_met(const BodyReport& report, const BodyOptions& options) {
+  if (report.particles > options.most_particles) {
+    refuse_body("a spacing of " + length_text(options.spacing) + " m needs " + std::to_string(report.particles) +
+                " particles, more than " + std::to_string(options.most_particles) +
+                " (BodyOptions::most_particles); take a larger spacing");
+  }
+  const double error = report.volume / report.wanted_volume - 1.0;
+  if (std::abs(error) <= options.most_volume_error) return;
+  refuse_body("the body has " + length_text(1e6 * report.volume) + " ml, " + length_text(100.0 * std::abs(error)) +
+              " % " + (error < 0.0 ? "less" : "more") + " than the " + length_text(1e6 * report.wanted_volume) +
+              " ml asked for: parts of the shape are thinner than the spacing of " + length_text(options.spacing) +
+              " m; take a smaller one, or allow more by BodyOptions::most_volume_error");
+}
+
+Model model_of(Stuffing body, const BodyReport& report) {
+  Model model = named_model("body");
+  std::vector<Index> at_surface;
+  for (std::size_t i = 0; i < body.at_surface.size(); ++i) {
+    if (body.at_surface[i]) at_surface.push_back(static_cast<Index>(i));
+  }
+  model.rest = std::move(body.place);
+  model.cells.reserve(body.cells.size());
+  for (const auto& [a, b, c, d] : body.cells) add_cell(model, CellType::tetrahedron, {a, b, c, d});
+  model.add_group("surface", std::move(at_surface));
+  if (report.parts > 1) {
+    model.notes.push_back("make_body: the body has " + std::to_string(report.parts) +
+                          " parts that no tetrahedron connects");
+  }
+  return finished(std::move(model));
+}
+
+}  // namespace
+
+void refuse_body(const std::string& what) {
+  throw Error("make_body: " + what);
+}
+
+CentredLattice lattice_over(const Vec3& low, const Vec3& high, const BodyOptions& options) {
+  if (!(options.spacing > 0.0) || !std::isfinite(options.spacing)) {
+    refuse_body("expected a spacing above 0 m, got " + length_text(options.spacing) +
+                "; a tenth of the body is coarse");
+  }
+  if (!(options.most_volume_error > 0.0)) {
+    refuse_body("expected most_volume_error above 0, got " + length_text(options.most_volume_error));
+  }
+  CentredLattice lattice;
+  lattice.edge = options.spacing / CentredLattice::mean_length;
+  const Vec3 cubes = ((high - low) / lattice.edge).array().ceil() + 3.0;
+  // An organ fills a third of its box or so; a thin one a twentieth.
+  if (!(2.0 * cubes.prod() <= 20.0 * options.most_particles)) {
+    const Vec3 sides = high - low;
+    refuse_body("a spacing of " + length_text(options.spacing) + " m over a box of " + length_text(sides.x()) + " x " +
+                length_text(sides.y()) + " x " + length_text(sides.z()) + " m needs a lattice of " +
+                length_text(2.0 * cubes.prod()) + " points, for at most " + std::to_string(options.most_particles) +
+                " particles (BodyOptions::most_particles); take a larger spacing, or check the unit of length");
+  }
+  if (2.0 * cubes.prod() > std::numeric_limits<Index>::max()) {
+    refuse_body("a spacing of " + length_text(options.spacing) + " m needs a lattice of " +
+                length_text(2.0 * cubes.prod()) + " points, more than " +
+                std::to_string(std::numeric_limits<Index>::max()) +
+                ", the most that can be counted; take a larger spacing");
+  }
+  for (int k = 0; k < 3; ++k) lattice.count[k] = static_cast<int>(cubes[k]);
+  lattice.origin = 0.5 * (low + high) - 0.5 * lattice.edge * (cubes - Vec3::Constant(0.5));
+  return lattice;
+}
+
+Model filled_body(const Interior& interior, const CentredLattice& lattice, double wanted_volume,
+                  const BodyOptions& options, BodyReport* report, const std::function<void(Stuffing&)>& adjust) {
+  Stuffing body = stuffed(interior, lattice);
+  if (body.cells.empty()) {
+    refuse_body("no point of a lattice with a spacing of " + length_text(options.spacing) +
+                " m lies inside the shape; take a smaller spacing, or check the unit of length");
+  }
+  if (!(wanted_volume > 0.0)) {
+    refuse_body("expected a shape with a volume above 0, got " + length_text(1e6 * wanted_volume) + " ml");
+  }
+  if (adjust) adjust(body);
+  const double moved = meet_volume(body, wanted_volume, most_moved * options.spacing);
+  BodyReport own = report_of(body, wanted_volume);
+  own.moved = moved;
+  require_met(own, options);
+  if (report) *report = own;
+  return model_of(std::move(body), own);
+}
+
+}  // namespace phymul

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/error.h>
+#include <phymul/label_file.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <new>
+#include <string_view>
+
+#include "base/file_error.h"
+#include "base/place_text.h"
+#include "voxels.h"
+
+namespace phymul {
+namespace {
+
+constexpr std::uint64_t most_bytes = std::uint64_t{1} << 31;
+
+template <class Number>
+std::vector<std::uint16_t> narrowed(const std::string& path, const void* numbers, std::size_t count) {
+  std::vector<std::uint16_t> labels(count);
+  const char* bytes = static_cast<const char*>(numbers);
+  for (std::size_t i = 0; i < count; ++i) {
+    Number value;
+    std::memcpy(&value, bytes + i * sizeof value, sizeof value);
+    labels[i] = static_cast<std::uint16_t>(value);
+    // A number that 16 bits do not hold comes back as another; a negative one of 16 bits does too.
+    if (static_cast<Number>(labels[i]) != value || value < Number{0}) {
+      fail_format(path, 0,
+                  "expected labels from 0 to 65535, got " + std::to_string(value) + " in voxel " + std::to_string(i));
+    }
+  }
+  return labels;
+}
+
+}  // namespace
+
+std::size_t voxel_count(const std::string& path, const std::vector<std::int64_t>& sizes, NumberType type) {
+  std::string text;
+  std::uint64_t count = 1;
+  bool fits = true;
+  for (const std::int64_t size : sizes) {
+    text += (text.empty() ? "" : " x ") + std::to_string(size);
+    fits = fits && size >= 1 && static_cast<std::uint64_t>(size) <= most_bytes / count;
+    if (fits) count *= static_cast<std::uint64_t>(size);
+  }
+  if (!fits || count > most_bytes / size_of(type)) {
+    fail_format(path, 0,
+                "expected at least one voxel along each axis and 2^31 bytes in all at most, got " + text +
+                    " voxels of " + std::to_string(size_of(type)) + " bytes");
+  }
+  return count;
+}
+
+std::vector<std::uint16_t> labels_of(const std::string& path, const void* numbers, std::size_t count, NumberType type) {
+  switch (type) {
+    case NumberType::int8:
+      return narrowed<std::int8_t>(path, numbers, count);
+    case NumberType::uint8:
+      return narrowed<std::uint8_t>(path, numbers, count);
+    case NumberType::int16:
+      return narrowed<std::int16_t>(path, numbers, count);
+    case NumberType::uint16:
+      return narrowed<std::uint16_t>(path, numbers, count);
+    case NumberType::int32:
+      return narrowed<std::int32_t>(path, numbers, count);
+    case NumberType::uint32:
+      return narrowed<std::uint32_t>(path, numbers, count);
+    case NumberType::int64:
+      return narrowed<std::int64_t>(path, numbers, count);
+    case NumberType::uint64:
+      return narrowed<std::uint64_t>(path, numbers, count);
+    default:
+      fail_format(path, 0, "expected integers as labels, got numbers with a fraction");
+  }
+}
+
+void require_frame(const std::string& path, const LabelImage& image) {
+  const auto& [a, b, c] = image.step;
+  const double lengths = a.norm() * b.norm() * c.norm();
+  if (image.origin.allFinite() && std::isfinite(lengths) && std::abs(a.dot(b.cross(c))) > 1e-6 * lengths) return;
+  fail_format(path, 0,
+              "expected a frame with voxels along three directions, got steps of " + place_text(a) + ", " +
+                  place_text(b) + " and " + place_text(c) + " from " + place_text(image.origin));
+}
+
+void fail_without(const std::string& path, const std::string& what, const std::string& package) {
+  throw Error(ErrorCode::not_supported,
+              path + ": phymul was built without " + what + ", which reads this format; install it (Debian: " +
+                  package + ") and build phymul again, or fill a LabelImage from a reader of your own",
+              path);
+}
+
+LabelImage read_labels(const std::string& path) {
+  std::string name = path;
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+  const auto ends_in = [&](std::string_view ending) { return std::string_view(name).ends_with(ending); };
+  const bool is_nifti = ends_in(".nii") || ends_in(".nii.gz"), is_nrrd = ends_in(".nrrd") || ends_in(".nhdr");
+  if (!is_nifti && !is_nrrd) {
+    fail_format(path, 0, "expected a labelled image in a .nii, .nii.gz, .nrrd or .nhdr file");
+  }
+  if (!std::ifstream(path)) fail_access(path, "the file cannot be opened");
+  try {
+    LabelImage image = is_nifti ? read_nifti(path) : read_nrrd(path);
+    require_frame(path, image);
+    return image;
+  } catch (const std::bad_alloc&) {
+    fail_memory(path);
+  }
+}
+
+}  // namespace phymul

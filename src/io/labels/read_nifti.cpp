@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "voxels.h"
+
+#ifdef PHYMUL_HAS_NIFTI
+#include <nifti1_io.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "base/decimal.h"
+#include "base/file_error.h"
+
+namespace phymul {
+namespace {
+
+/// The most that deflate makes of a byte.
+constexpr std::uint64_t most_inflation = 1032;
+
+std::optional<NumberType> integer_type(int datatype) {
+  switch (datatype) {
+    case DT_INT8:
+      return NumberType::int8;
+    case DT_UINT8:
+      return NumberType::uint8;
+    case DT_INT16:
+      return NumberType::int16;
+    case DT_UINT16:
+      return NumberType::uint16;
+    case DT_INT32:
+      return NumberType::int32;
+    case DT_UINT32:
+      return NumberType::uint32;
+    case DT_INT64:
+      return NumberType::int64;
+    case DT_UINT64:
+      return NumberType::uint64;
+    default:
+      return {};
+  }
+}
+
+/// Metres.
+double unit_of(const std::string& path, int xyz_units) {
+  switch (xyz_units) {
+    case NIFTI_UNITS_UNKNOWN:
+      return 1e-3;
+    case NIFTI_UNITS_METER:
+      return 1.0;
+    case NIFTI_UNITS_MM:
+      return 1e-3;
+    case NIFTI_UNITS_MICRON:
+      return 1e-6;
+    default:
+      fail_format(
+          path, 0,
+          "expected lengths in metres, millimetres or micrometres (xyzt_units), got unit " + std::to_string(xyz_units));
+  }
+}
+
+void set_frame(const nifti_image& file, double unit, LabelImage& image) {
+  const mat44& frame = file.sform_code > 0 ? file.sto_xyz : file.qto_xyz;
+  for (int row = 0; row < 3; ++row) {
+    for (int axis = 0; axis < 3; ++axis) image.step[axis][row] = unit * frame.m[row][axis];
+    image.origin[row] = unit * frame.m[row][3];
+  }
+}
+
+NumberType type_of(const std::string& path, const nifti_1_header& header) {
+  const std::optional<NumberType> type = integer_type(header.datatype);
+  if (!type) {
+    fail_format(path, 0,
+                std::string("expected integers as labels, got ") + nifti_datatype_string(header.datatype) +
+                    "; save it anew as an image of 8 or 16 bit integers");
+  }
+  if (header.scl_slope != 0.0f && !(header.scl_slope == 1.0f && header.scl_inter == 0.0f)) {
+    fail_format(path, 0,
+                "expected labels as they are, got values to be scaled by " + to_decimal(header.scl_slope) +
+                    " and shifted by " + to_decimal(header.scl_inter) + " (scl_slope, scl_inter)");
+  }
+  return *type;
+}
+
+std::vector<std::int64_t> sizes_of(const std::string& path, const nifti_1_header& header) {
+  std::vector<std::int64_t> sizes(header.dim + 1, header.dim + 1 + header.dim[0]);
+  while (sizes.size() > 3 && sizes.back() == 1) sizes.pop_back();
+  if (sizes.size() == 3) return sizes;
+  fail_format(
+      path, 0,
+      "expected an image of three dimensions, got " + std::to_string(sizes.size()) + "; save one label image of it");
+}
+
+/// Not by nifti_image_load, which fills up with zeros what a file lacks.
+std::vector<std::uint16_t> read_voxels(const std::string& path, const nifti_1_header& header, bool is_swapped,
+                                       std::size_t count, NumberType type) {
+  const std::size_t each = size_of(type), bytes = count * each;
+  const std::uint64_t file_bytes = std::filesystem::file_size(path);
+  const auto fail_short = [&] {
+    fail_format(path, 0,
+                "expected " + std::to_string(count) + " voxels of " + std::to_string(each) +
+                    " bytes, but the file of " + std::to_string(file_bytes) + " bytes ends before");
+  };
+  if (bytes / most_inflation > file_bytes) fail_short();
+  const float offset = header.vox_offset;
+  if (!(offset >= 348.0f && offset < 0x1p30f)) {
+    fail_format(path, 0, "expected voxels behind the header of 348 bytes, got vox_offset " + to_decimal(offset));
+  }
+  znzFile file = znzopen(path.c_str(), "rb", nifti_is_gzfile(path.c_str()));
+  if (!file) fail_access(path, "the file cannot be opened");
+  std::vector<char> voxels(bytes);
+  const bool is_whole =
+      znzseek(file, static_cast<long>(offset), SEEK_SET) >= 0 && znzread(voxels.data(), 1, bytes, file) == bytes;
+  znzclose(file);
+  if (!is_whole) fail_short();
+  if (is_swapped && each > 1) nifti_swap_Nbytes(count, static_cast<int>(each), voxels.data());
+  return labels_of(path, voxels.data(), count, type);
+}
+
+}  // namespace
+
+LabelImage read_nifti(const std::string& path) {
+  nifti_set_debug_level(0);  // it would print to stderr
+  int is_swapped = 0;
+  const std::unique_ptr<nifti_1_header, void (*)(void*)> header(nifti_read_header(path.c_str(), &is_swapped, 0),
+                                                                std::free);
+  if (!header || !nifti_hdr_looks_good(header.get()) || !NIFTI_ONEFILE(*header)) {
+    fail_format(path, 0, "expected a header of NIfTI-1 with its voxels in the same file (magic \"n+1\"), got another");
+  }
+  const NumberType type = type_of(path, *header);
+  const std::vector<std::int64_t> sizes = sizes_of(path, *header);
+  const std::size_t count = voxel_count(path, sizes, type);
+
+  const std::unique_ptr<nifti_image, void (*)(nifti_image*)> file(nifti_convert_nhdr2nim(*header, path.c_str()),
+                                                                  nifti_image_free);
+  if (!file) fail_format(path, 0, "expected a header that makes an image of NIfTI-1");
+  LabelImage image;
+  image.size = {static_cast<Index>(sizes[0]), static_cast<Index>(sizes[1]), static_cast<Index>(sizes[2])};
+  set_frame(*file, unit_of(path, file->xyz_units), image);
+  if (file->sform_code <= 0 && file->qform_code <= 0) {
+    image.notes.push_back(path + ": says nothing about its frame; taken to begin at 0, along x, y and z");
+  }
+  image.label = read_voxels(path, *header, is_swapped != 0, count, type);
+  return image;
+}
+
+}  // namespace phymul
+
+#else
+
+namespace phymul {
+
+LabelImage read_nifti(const std::string& path) {
+  fail_without(path, "nifticlib", "libnifti-dev");
+}
+
+}  // namespace phymul
+
+#endif

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+#include "voxels.h"
+
+#ifdef PHYMUL_HAS_TEEM
+#include <teem/nrrd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "base/decimal.h"
+#include "base/file_error.h"
+
+namespace phymul {
+namespace {
+
+using File = std::unique_ptr<Nrrd, Nrrd* (*)(Nrrd*)>;
+
+std::optional<NumberType> integer_type(int type) {
+  switch (type) {
+    case nrrdTypeChar:
+      return NumberType::int8;
+    case nrrdTypeUChar:
+      return NumberType::uint8;
+    case nrrdTypeShort:
+      return NumberType::int16;
+    case nrrdTypeUShort:
+      return NumberType::uint16;
+    case nrrdTypeInt:
+      return NumberType::int32;
+    case nrrdTypeUInt:
+      return NumberType::uint32;
+    case nrrdTypeLLong:
+      return NumberType::int64;
+    case nrrdTypeULLong:
+      return NumberType::uint64;
+    default:
+      return {};
+  }
+}
+
+/// The header alone, or all.
+File load(const std::string& path, bool header_alone) {
+  File file(nrrdNew(), nrrdNuke);
+  std::unique_ptr<NrrdIoState, NrrdIoState* (*)(NrrdIoState*)> io(nrrdIoStateNew(), nrrdIoStateNix);
+  if (!file || !io) throw std::bad_alloc();
+  nrrdIoStateSet(io.get(), nrrdIoStateSkipData, header_alone ? AIR_TRUE : AIR_FALSE);
+  if (nrrdLoad(file.get(), path.c_str(), io.get()) == 0) return file;
+  std::unique_ptr<char, void (*)(void*)> reasons(biffGetDone(NRRD), std::free);
+  std::string last = reasons ? reasons.get() : "";
+  // One reason a line, the innermost last.
+  last = std::string(trim(last));
+  last = std::string(trim(std::string_view(last).substr(last.rfind('\n') + 1)));
+  fail_format(path, 0, "expected an image in NRRD, which teem cannot read: " + last);
+}
+
+/// Metres.
+double unit_of(const std::string& path, const Nrrd& file) {
+  std::optional<std::string> unit;
+  for (int axis = 0; axis < 3; ++axis) {
+    const char* own = file.spaceDim > 0 ? file.spaceUnits[axis] : file.axis[axis].units;
+    const std::string text = own ? own : "";
+    if (unit && *unit != text)
+      fail_format(path, 0, "expected one unit of length, got \"" + *unit + "\" and \"" + text + "\"");
+    unit = text;
+  }
+  if (unit->empty() || *unit == "mm" || *unit == "millimeter" || *unit == "millimetre") return 1e-3;
+  if (*unit == "m" || *unit == "meter" || *unit == "metre") return 1.0;
+  if (*unit == "cm") return 1e-2;
+  if (*unit == "um" || *unit == "micron" || *unit == "\xc2\xb5m") return 1e-6;
+  fail_format(path, 0, "expected a length in m, cm, mm or um, got \"" + *unit + "\"");
+}
+
+/// Signs that turn a place of the file's space into one of RAS.
+Vec3 turn_to_ras(const std::string& path, int space, LabelImage& image) {
+  switch (space) {
+    case nrrdSpaceRightAnteriorSuperior:
+      return {1, 1, 1};
+    case nrrdSpaceLeftAnteriorSuperior:
+      return {-1, 1, 1};
+    case nrrdSpaceLeftPosteriorSuperior:
+      return {-1, -1, 1};
+    default:
+      image.notes.push_back(path + ": does not say what its axes are to a patient (space); taken for RAS");
+      return {1, 1, 1};
+  }
+}
+
+void set_frame(const std::string& path, const Nrrd& file, LabelImage& image) {
+  const double unit = unit_of(path, file);
+  if (file.spaceDim == 0) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double length = std::isfinite(file.axis[axis].spacing) ? file.axis[axis].spacing : 1.0;
+      image.step[axis] = unit * length * Vec3::Unit(axis);
+    }
+    image.notes.push_back(path + ": says nothing about its frame; taken to begin at 0, along x, y and z");
+    return;
+  }
+  if (file.spaceDim != 3) {
+    fail_format(path, 0, "expected a space of three dimensions, got " + std::to_string(file.spaceDim));
+  }
+  const Vec3 turn = unit * turn_to_ras(path, file.space, image);
+  for (int row = 0; row < 3; ++row) {
+    for (int axis = 0; axis < 3; ++axis) image.step[axis][row] = turn[row] * file.axis[axis].spaceDirection[row];
+    const double origin = file.spaceOrigin[row];
+    image.origin[row] = std::isfinite(origin) ? turn[row] * origin : 0.0;
+  }
+}
+
+/// 3D Slicer's keys.
+void set_names(const Nrrd& file, LabelImage& image) {
+  const auto value = [&](const std::string& key) {
+    std::unique_ptr<char, void (*)(void*)> text(nrrdKeyValueGet(&file, key.c_str()), std::free);
+    return std::string(text ? text.get() : "");
+  };
+  for (int segment = 0;; ++segment) {
+    const std::string key = "Segment" + std::to_string(segment) + "_";
+    const std::string name = value(key + "Name");
+    if (name.empty()) return;
+    const std::optional<std::int64_t> label = parse_integer(value(key + "LabelValue"));
+    if (label && *label > 0 && *label <= 65535) image.names[static_cast<std::uint16_t>(*label)] = name;
+  }
+}
+
+}  // namespace
+
+LabelImage read_nrrd(const std::string& path) {
+  static std::mutex one_at_a_time;  // teem collects its reasons in one place
+  const std::scoped_lock lock(one_at_a_time);
+  const File header = load(path, true);
+  if (header->dim != 3) {
+    fail_format(path, 0,
+                "expected an image of three dimensions, got " + std::to_string(header->dim) +
+                    "; save one label image of it (3D Slicer: export the segments to a label map)");
+  }
+  const std::optional<NumberType> type = integer_type(header->type);
+  if (!type) {
+    fail_format(path, 0,
+                std::string("expected integers as labels, got ") + airEnumStr(nrrdType, header->type) +
+                    "; save it anew as an image of 8 or 16 bit integers");
+  }
+  std::vector<std::int64_t> sizes;
+  for (int axis = 0; axis < 3; ++axis) sizes.push_back(static_cast<std::int64_t>(header->axis[axis].size));
+  const std::size_t count = voxel_count(path, sizes, *type);
+
+  const File file = load(path, false);
+  LabelImage image;
+  image.size = {static_cast<Index>(sizes[0]), static_cast<Index>(sizes[1]), static_cast<Index>(sizes[2])};
+  image.label = labels_of(path, file->data, count, *type);
+  set_frame(path, *file, image);
+  set_names(*file, image);
+  return image;
+}
+
+}  // namespace phymul
+
+#else
+
+namespace phymul {
+
+LabelImage read_nrrd(const std::string& path) {
+  fail_without(path, "teem", "libteem-dev");
+}
+
+}  // namespace phymul
+
+#endif

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+//
+// What the readers of labelled images share.
+#pragma once
+
+#include <phymul/labels.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/byte_source.h"
+
+namespace phymul {
+
+/// Numbers of these sizes that an image holds. Throws Error for a size below 1, and for more than 2^31 bytes.
+std::size_t voxel_count(const std::string& path, const std::vector<std::int64_t>& sizes, NumberType type);
+
+/// The numbers as labels; they need no alignment. Throws Error for one that is not from 0 to 65,535.
+std::vector<std::uint16_t> labels_of(const std::string& path, const void* numbers, std::size_t count, NumberType type);
+
+/// Throws Error unless the steps are finite and span space.
+void require_frame(const std::string& path, const LabelImage& image);
+
+/// Throws Error: `what` reads the format, and phymul was built without it.
+[[noreturn]] void fail_without(const std::string& path, const std::string& what, const std::string& package);
+
+LabelImage read_nifti(const std::string& path);
+LabelImage read_nrrd(const std::string& path);
+
+}  // namespace phymul

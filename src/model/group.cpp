@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+//
+// Groups of particles and of cells: named components.
+#include "group.h"
+
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <set>
+
+#include "cell_geometry.h"
+
+namespace phymul {
+namespace {
+
+std::string known_groups(const Model& model) {
+  std::set<std::string> names;
+  for (const Component& component : model.components) {
+    if (!component.name.empty()) names.insert(component.name);
+  }
+  if (names.empty()) return "the model has no named groups; add one with Model::add_group";
+  std::string text = "known groups are";
+  for (const std::string& known : names) text += (text.ends_with("are") ? " \"" : ", \"") + known + '"';
+  return text;
+}
+
+void append(std::vector<Index>& particles, const Model& model, const Component& component) {
+  particles.insert(particles.end(), component.particles.begin(), component.particles.end());
+  for (const std::vector<Index>* rows : {&component.cells, &component.cell_refs}) {
+    for (const Index row : *rows) {
+      const std::vector<Index>& of_cell = model.cells[row].particles;
+      particles.insert(particles.end(), of_cell.begin(), of_cell.end());
+    }
+  }
+}
+
+/// [components] 1: it has the name, or is in one that has it. Throws Error for an unknown name.
+std::vector<char> components_named(const Model& model, std::string_view group_name) {
+  if (!model.has_group(group_name)) {
+    throw Error(ErrorCode::unknown_name,
+                "expected the name of a group, got \"" + std::string(group_name) + "\": " + known_groups(model));
+  }
+  // Parents stand before children, so one pass finds all.
+  std::vector<char> named;
+  for (const Component& component : model.components) {
+    named.push_back(component.name == group_name || (component.parent >= 0 && named[component.parent]));
+  }
+  return named;
+}
+
+void sort_once(std::vector<Index>& rows) {
+  std::sort(rows.begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+}
+
+}  // namespace
+
+std::vector<char> cells_of_group(const Model& model, std::string_view group_name) {
+  const std::vector<char> named = components_named(model, group_name);
+  std::vector<char> chosen(model.cells.size(), 0);
+  std::vector<Index> loose;  // particles of components that list no solid cell
+  for (std::size_t row = 0; row < named.size(); ++row) {
+    if (!named[row]) continue;
+    const Component& component = model.components[row];
+    bool lists_solid = false;
+    for (const std::vector<Index>* cells : {&component.cells, &component.cell_refs}) {
+      for (const Index cell : *cells) {
+        if (!is_solid(model.dimension, model.cells[cell].type)) continue;
+        chosen[cell] = 1;
+        lists_solid = true;
+      }
+    }
+    if (!lists_solid) append(loose, model, component);
+  }
+  std::vector<char> is_loose(model.rest.size(), 0);
+  for (const Index i : loose) is_loose[i] = 1;
+  for (std::size_t row = 0; row < chosen.size(); ++row) {
+    const Cell& cell = model.cells[row];
+    if (is_solid(model.dimension, cell.type) &&
+        std::ranges::all_of(cell.particles, [&](Index i) { return is_loose[i] != 0; })) {
+      chosen[row] = 1;
+    }
+  }
+  return chosen;
+}
+
+void add_cell_group(Model& model, std::string group_name, std::vector<Index> cells) {
+  model.add_group(std::move(group_name), {});
+  model.components.back().cell_refs = std::move(cells);
+}
+
+bool Model::has_group(std::string_view group_name) const {
+  return std::any_of(components.begin(), components.end(),
+                     [&](const Component& component) { return component.name == group_name; });
+}
+
+std::vector<Index> Model::group(std::string_view group_name) const {
+  const std::vector<char> named = components_named(*this, group_name);
+  std::vector<Index> particles;
+  for (std::size_t row = 0; row < components.size(); ++row) {
+    if (named[row]) append(particles, *this, components[row]);
+  }
+  sort_once(particles);
+  return particles;
+}
+
+std::vector<Index> Model::particles_in(const Contains& contains) const {
+  std::vector<Index> particles;
+  for (Index i = 0; i < particle_count(); ++i) {
+    if (contains(rest[i])) particles.push_back(i);
+  }
+  return particles;
+}
+
+Model& Model::add_group(std::string group_name, std::vector<Index> particles) {
+  if (group_name.empty()) throw Error("expected a name for the group, got an empty one");
+  for (const Index particle : particles) {
+    if (particle < 0 || particle >= particle_count()) {
+      throw Error("group \"" + group_name + "\": expected particles from 0 to " + std::to_string(particle_count() - 1) +
+                  ", got " + std::to_string(particle));
+    }
+  }
+  const auto root = std::find_if(components.begin(), components.end(), [](const Component& component) {
+    return component.parent < 0 && !component.exclusive && !component.structural;
+  });
+  Component added;
+  added.name = std::move(group_name);
+  added.exclusive = false;
+  added.particles = std::move(particles);
+  added.parent = static_cast<Index>(root - components.begin());
+  if (root == components.end()) {
+    Component parent;
+    parent.name = "Informative Components";
+    parent.exclusive = false;
+    parent.structural = false;
+    components.push_back(std::move(parent));
+  }
+  components.push_back(std::move(added));
+  return *this;
+}
+
+}  // namespace phymul

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <phymul/model.h>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace phymul {
+
+/// [cells] 1: a cell that set_material(model, material, group_name) means. Throws Error for an unknown name.
+std::vector<char> cells_of_group(const Model& model, std::string_view group_name);
+
+/// Adds an informative component with these cells. Throws Error for an empty name.
+void add_cell_group(Model& model, std::string group_name, std::vector<Index> cells);
+
+}  // namespace phymul

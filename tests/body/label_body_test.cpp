@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: MIT
+//
+// Bodies of several regions from labelled images: volumes, places, the boundaries between regions, materials.
+#include <phymul/phymul.h>
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <set>
+
+#include "label_images.h"
+#include "sound_body.h"
+#include "support/message_of.h"
+
+namespace phymul::test {
+namespace {
+
+/// Particles of both groups.
+std::vector<Index> between(const Model& model, const std::string& a, const std::string& b) {
+  const std::vector<Index> of_a = model.group(a), of_b = model.group(b);
+  std::vector<Index> both;
+  std::ranges::set_intersection(of_a, of_b, std::back_inserter(both));
+  return both;
+}
+
+/// Every cell is in one region.
+void expect_partition(const Model& model, const BodyReport& report) {
+  Index cells = 0;
+  double volume = 0.0;
+  for (const RegionReport& region : report.regions) {
+    cells += region.cells;
+    volume += region.volume;
+    if (region.cells > 0) {
+      EXPECT_EQ(static_cast<Index>(model.group(region.name).size()), region.particles);
+    }
+  }
+  EXPECT_EQ(cells, report.cells);
+  EXPECT_NEAR(volume, report.volume, 1e-12 * report.volume);
+}
+
+TEST(LabelBody, ABallInABall) {
+  const double spacing = 0.0075, radius = 0.03;
+  BodyReport report;
+  const Model model =
+      make_body(ball_in_ball(80, radius), {.spacing = spacing, .regions = {{1, "fat"}, {2, "gland"}}}, &report);
+  expect_sound(model, report);
+  expect_partition(model, report);
+  EXPECT_GT(report.particles, 2600);
+  EXPECT_LT(report.particles, 3000);
+  EXPECT_NEAR(report.volume / ball_volume(0.05), 1.0, 0.005);
+  ASSERT_EQ(report.regions.size(), 2u);
+  EXPECT_EQ(report.regions[1].name, "gland");
+  EXPECT_NEAR(report.regions[1].wanted_volume / ball_volume(radius), 1.0, 0.005);
+  EXPECT_NEAR(report.regions[1].volume / ball_volume(radius), 1.0, 0.03);
+  EXPECT_NEAR(report.regions[0].volume / (ball_volume(0.05) - ball_volume(radius)), 1.0, 0.01);
+  const std::vector<Index> boundary = between(model, "fat", "gland");
+  EXPECT_GT(boundary.size(), 200u);
+  for (const Index i : boundary) EXPECT_NEAR(model.rest[i].norm(), radius, 0.06 * spacing);
+}
+
+/// A plane oblique to voxels and lattice, out to the body's surface.
+TEST(LabelBody, AnObliquePlaneBetweenTwoRegions) {
+  const double spacing = 0.0075;
+  const Vec3 normal = Vec3(1, 0.3, 0.1).normalized();
+  for (const double offset : {0.0, 0.001, 0.002, 0.003}) {
+    SCOPED_TRACE(offset);
+    BodyReport report;
+    const LabelImage image = painted(80, [&](const Vec3& x) {
+      return x.norm() > 0.05 ? 0 : normal.dot(x) < offset ? 7 : 9;
+    });
+    const Model model = make_body(image, {.spacing = spacing}, &report);
+    expect_sound(model, report);
+    expect_partition(model, report);
+    for (const RegionReport& region : report.regions) {
+      EXPECT_NEAR(region.volume / region.wanted_volume, 1.0, 0.002) << region.name;
+    }
+    double squares = 0.0;
+    const std::vector<Index> boundary = between(model, "label 7", "label 9");
+    for (const Index i : boundary) squares += std::pow((normal.dot(model.rest[i]) - offset) / spacing, 2);
+    EXPECT_LT(std::sqrt(squares / static_cast<double>(boundary.size())), 0.06);
+  }
+}
+
+TEST(LabelBody, TwoBallsThatTouch) {
+  const auto ball = [](const Vec3& x, double at) { return (x - Vec3(at, 0, 0)).norm() < 0.025; };
+  const LabelImage image = painted(80, [&](const Vec3& x) { return ball(x, -0.025) ? 1 : ball(x, 0.025) ? 2 : 0; });
+  BodyReport report;
+  const Model model = make_body(image, {.spacing = 0.005, .regions = {{1, "left"}, {2, "right"}}}, &report);
+  expect_sound(model, report);
+  expect_partition(model, report);
+  for (const RegionReport& region : report.regions) EXPECT_NEAR(region.volume / ball_volume(0.025), 1.0, 0.01);
+  for (const Index i : model.group("left")) EXPECT_LT(model.rest[i].x(), 0.5 * 0.005);
+}
+
+/// Thinner than the spacing, and wider than a voxel: it appears where centres of cells are in it.
+TEST(LabelBody, AThinShell) {
+  const auto image = painted(120, [](const Vec3& x) {
+    const double r = x.norm();
+    return r > 0.05 ? 0 : r > 0.03 && r < 0.033 ? 2 : 1;
+  });
+  BodyReport report;
+  const Model model = make_body(image, {.spacing = 0.0075}, &report);
+  expect_sound(model, report);
+  EXPECT_NEAR(report.regions[1].volume / report.regions[1].wanted_volume, 1.0, 0.15);
+  for (const Index i : model.group("label 2")) EXPECT_NEAR(model.rest[i].norm(), 0.0315, 0.0075);
+}
+
+TEST(LabelBody, ARegionWithoutCellsIsNamed) {
+  LabelImage image = ball_in_ball(60, 0.02);
+  image.label[(30 * 60 + 30) * 60 + 45] = 3;  // one voxel in the outer ball
+  image.notes.emplace_back("from a test");
+  BodyReport report;
+  const Model model = make_body(image, {.spacing = 0.01}, &report);
+  ASSERT_EQ(report.regions.size(), 3u);
+  EXPECT_EQ(report.regions[2].cells, 0);
+  EXPECT_NEAR(report.regions[2].wanted_volume, 8e-9, 1e-15);
+  EXPECT_FALSE(model.has_group("label 3"));
+  ASSERT_EQ(model.notes.size(), 2u);
+  EXPECT_EQ(model.notes[0], "from a test");
+  EXPECT_TRUE(says(model.notes[1], "region \"label 3\" of 0.008 ml has no cell and no group")) << model.notes[1];
+}
+
+/// A box of voxels in frames that are turned, anisotropic, left-handed and far from the origin.
+TEST(LabelBody, FramesPutItInItsPlace) {
+  const std::array<Index, 3> count{40, 30, 16}, first{5, 4, 3}, last{34, 25, 12};
+  const Eigen::AngleAxisd turn(0.7, Vec3(1, 2, 3).normalized());
+  for (const double hand : {1.0, -1.0}) {
+    LabelImage image;
+    image.size = count;
+    image.origin = {0.3, -0.2, 1.5};
+    image.step = {turn * Vec3(1e-3, 0, 0), turn * Vec3(0, 1.5e-3, 0), turn * Vec3(0, 0, hand * 2.5e-3)};
+    for (Index k = 0; k < count[2]; ++k) {
+      for (Index j = 0; j < count[1]; ++j) {
+        for (Index i = 0; i < count[0]; ++i) {
+          const bool in =
+              i >= first[0] && i <= last[0] && j >= first[1] && j <= last[1] && k >= first[2] && k <= last[2];
+          image.label.push_back(in ? i < 20 ? 1 : 2 : 0);
+        }
+      }
+    }
+    BodyReport report;
+    const Model model = make_body(image, {.spacing = 0.0025}, &report);
+    expect_sound(model, report);
+    EXPECT_NEAR(report.wanted_volume, 0.03 * 0.033 * 0.025, 1e-12);
+    EXPECT_NEAR(report.volume / report.wanted_volume, 1.0, 0.005);
+    EXPECT_NEAR(report.regions[0].volume / (0.015 * 0.033 * 0.025), 1.0, 0.01);
+    Vec3 low = Vec3::Constant(1e9), high = -low;
+    for (const Vec3& x : model.rest) {
+      const Vec3 at = turn.inverse() * (x - image.origin);
+      const Vec3 own(at.x(), at.y(), hand * at.z());
+      low = low.cwiseMin(own);
+      high = high.cwiseMax(own);
+    }
+    EXPECT_LT((low - Vec3(4.5e-3, 3.5 * 1.5e-3, 2.5 * 2.5e-3)).cwiseAbs().maxCoeff(), 0.0003) << low.transpose();
+    EXPECT_LT((high - Vec3(34.5e-3, 25.5 * 1.5e-3, 12.5 * 2.5e-3)).cwiseAbs().maxCoeff(), 0.0003) << high.transpose();
+    for (const Index i : between(model, "label 1", "label 2")) {
+      EXPECT_NEAR((turn.inverse() * (model.rest[i] - image.origin)).x(), 19.5e-3, 0.4 * 0.0025);
+    }
+  }
+}
+
+void expect_good(std::uint32_t seed, double spacing) {
+  SCOPED_TRACE(seed);
+  BodyReport report;
+  const Model model = make_body(random_labels(seed), {.spacing = spacing}, &report);
+  expect_sound(model, report);
+  expect_partition(model, report);
+  EXPECT_NEAR(report.volume, report.wanted_volume, 1e-3 * report.wanted_volume);
+}
+
+TEST(LabelBody, RandomImagesHaveGoodCells) {
+  for (std::uint32_t seed = 0; seed < 30; ++seed) expect_good(seed, 0.011);
+}
+
+TEST(LabelBodyOfManyImages, NoCellIsInverted) {
+  for (std::uint32_t seed = 100; seed < 500; ++seed) expect_good(seed, 0.007 + 0.0004 * (seed % 10));
+}
+
+/// Against the same body as one region, of one material.
+TEST(LabelBody, RegionsShortenTheStepALittle) {
+  const auto step_of = [](const LabelImage& image, const LabelBodyOptions& options) {
+    Model model = make_body(image, options);
+    set_material(model, soft_tissue(0.45));
+    const Scene scene(model);
+    return make_solver("reference", model, scene)->stable_step();
+  };
+  for (std::uint32_t seed = 0; seed < 6; ++seed) {
+    const LabelImage image = random_labels(seed);
+    LabelBodyOptions whole{.spacing = 0.01};
+    for (std::uint16_t label = 1; label <= 2 + seed % 5; ++label) {
+      if (std::ranges::count(image.label, label) > 0) whole.regions.push_back({label, "whole"});
+    }
+    const double ratio = step_of(image, {.spacing = 0.01}) / step_of(image, whole);
+    std::printf("%u regions: step %.2f of that of one region\n", 2 + seed % 5, ratio);
+    EXPECT_GT(ratio, 0.6);
+    EXPECT_LT(ratio, 1.02);
+  }
+}
+
+/// Two materials of one Poisson's ratio in series, pulled along the normal of the plane between them: each takes the
+/// strain that its stiffness gives it. Inside the body the forces are zero.
+TEST(LabelBody, MaterialsOfRegionsInSeries) {
+  const LabelImage image = painted(60, [](const Vec3& x) { return x.norm() > 0.05 ? 0 : x.x() < 0.0 ? 1 : 2; });
+  BodyReport report;
+  Model model = make_body(image, {.spacing = 0.0075, .regions = {{1, "soft"}, {2, "stiff"}}}, &report);
+  set_material(model, {10e3, 0.0, 1000.0}, "soft");
+  EXPECT_EQ(model.notes.size(), 1u);  // the other half has none yet
+  set_material(model, {40e3, 0.0, 1200.0}, "stiff");
+  EXPECT_TRUE(model.notes.empty());
+  double mass = 0.0;
+  for (const double m : model.mass) mass += m;
+  EXPECT_NEAR(mass, 1000.0 * report.regions[0].volume + 1200.0 * report.regions[1].volume, 1e-9 * mass);
+  const TopologyTextures tables = build_topology(model);
+  const double e = 1e-6, stress = 10e3 * e;
+  VecList x = tables.rest, force(x.size());
+  for (Vec3& p : x) p.x() += p.x() < 0.0 ? e * p.x() : 0.25 * e * p.x();
+  elastic_forces(tables, x, force);
+  std::vector<char> at_surface(x.size(), 0);
+  for (const Index i : model.group("surface")) at_surface[i] = 1;
+  double inside = 0.0, pulled = 0.0;  // N, largest on a particle inside the body; on what is beyond the plane
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    if (!at_surface[i]) inside = std::max(inside, force[i].norm());
+    if (model.rest[i].x() > 0.001) pulled -= force[i].x();
+  }
+  const double wanted = 0.5 * stress * stress * (report.regions[0].volume / 10e3 + report.regions[1].volume / 40e3);
+  EXPECT_NEAR(elastic_energy(tables, x), wanted, 1e-3 * wanted);
+  EXPECT_NEAR(pulled, stress * std::numbers::pi * 0.05 * 0.05, 0.005 * pulled);
+  EXPECT_LT(inside, 0.002 * stress * 0.0075 * 0.0075);
+}
+
+/// Nothing is around it: the body ends with the outermost voxels.
+TEST(LabelBody, AnImageFilledToItsBorder) {
+  const LabelImage image = painted(24, [](const Vec3&) { return 65535; });
+  BodyReport report;
+  const Model model = make_body(image, {.spacing = 0.012}, &report);
+  expect_sound(model, report);
+  EXPECT_NEAR(report.volume, 0.12 * 0.12 * 0.12, 0.005 * 0.12 * 0.12 * 0.12);
+  for (const Vec3& x : model.rest) EXPECT_LT(x.cwiseAbs().maxCoeff(), 0.0605);
+}
+
+TEST(LabelBody, RegionsByNameAndByDefault) {
+  LabelImage image = ball_in_ball(40, 0.03);
+  image.names = {{2, "gland"}, {5, "not there"}};
+  BodyReport report;
+  const BodyReport one = (make_body(image, {.spacing = 0.012, .regions = {{2, "gland"}}}, &report), report);
+  ASSERT_EQ(one.regions.size(), 1u);
+  EXPECT_NEAR(one.volume / ball_volume(0.03), 1.0, 0.02);
+  make_body(image, {.spacing = 0.012}, &report);
+  ASSERT_EQ(report.regions.size(), 2u);
+  EXPECT_EQ(report.regions[0].name, "label 1");
+  EXPECT_EQ(report.regions[1].name, "gland");
+  // Two labels with one name; in the order of the options.
+  const Model joined = make_body(image, {.spacing = 0.012, .regions = {{2, "all"}, {1, "all"}}}, &report);
+  ASSERT_EQ(report.regions.size(), 1u);
+  EXPECT_EQ(report.regions[0].cells, report.cells);
+  EXPECT_EQ(joined.group("all").size(), joined.rest.size());
+}
+
+TEST(LabelBody, RefusesWhatMakesNoBody) {
+  const LabelImage image = ball_in_ball(20, 0.03);
+  const auto filling = [](const LabelImage& from, const LabelBodyOptions& options) {
+    return message_of([&] { make_body(from, options); });
+  };
+  const auto changed = [&](auto change) {
+    LabelImage other = image;
+    change(other);
+    return filling(other, {.spacing = 0.02});
+  };
+  EXPECT_EQ(filling(image, {.spacing = 0.02}), "(no error)");
+  EXPECT_TRUE(says(filling(image, {}), "expected a spacing above 0 m, got 0"));
+  EXPECT_TRUE(says(filling(image, {.spacing = 1e-5}), "take a larger spacing, or check the unit of length"));
+  EXPECT_TRUE(says(filling(image, {.spacing = 0.5}), "no point of a lattice"));
+  EXPECT_TRUE(says(filling(image, {.spacing = 0.02, .regions = {{4, "x"}}}), "label 4 (\"x\") in the image, but no"));
+  EXPECT_TRUE(says(filling(image, {.spacing = 0.02, .regions = {{1, "x"}, {1, "y"}}}),
+                   "expected each label once, got label 1 for \"x\" and for \"y\""));
+  EXPECT_TRUE(says(filling(image, {.spacing = 0.02, .regions = {{1, ""}}}), "a name for the region of label 1"));
+  EXPECT_TRUE(says(filling(image, {.spacing = 0.02, .regions = {{1, "surface"}}}), "another name than \"surface\""));
+  EXPECT_TRUE(says(changed([](LabelImage& i) { i.label.pop_back(); }), "expected 8000 labels for an image of 20 x 20"));
+  EXPECT_TRUE(says(changed([](LabelImage& i) { i.size = {0, 20, 20}; }), "at least 1 x 1 x 1 voxels"));
+  EXPECT_TRUE(says(changed([](LabelImage& i) { i.size = {1 << 21, 1 << 21, 1 << 20}; }), "each side below 2^21"));
+  EXPECT_TRUE(says(changed([](LabelImage& i) { i.step[2] = i.step[0] + i.step[1]; }), "which lie in one plane"));
+  EXPECT_TRUE(says(changed([](LabelImage& i) { i.origin.x() = std::nan(""); }), "expected a finite frame"));
+  EXPECT_TRUE(says(changed([](LabelImage& i) { i.label.assign(i.label.size(), 0); }), "one with label 0 alone"));
+  // A sheet of two voxels beside the ball, thinner than the spacing.
+  const LabelImage sheet = painted(60, [](const Vec3& x) {
+    return std::abs(x.x() + 0.055) < 0.0021 ? 1 : (x - Vec3(0.02, 0, 0)).norm() < 0.035 ? 2 : 0;
+  });
+  EXPECT_TRUE(says(filling(sheet, {.spacing = 0.02}), "thinner than the spacing of 0.02 m"));
+}
+
+}  // namespace
+}  // namespace phymul::test

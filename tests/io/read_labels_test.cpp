@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: MIT
+//
+// Labelled images from files written here, byte by byte: labels, frames and units come back, and what is wrong is said
+// by file.
+#include <phymul/label_file.h>
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <vector>
+
+#include "support/message_of.h"
+#include "support/text_file.h"
+
+namespace phymul::test {
+namespace {
+
+template <class Number>
+std::string bytes_of(const std::vector<Number>& numbers) {
+  return {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(Number)};
+}
+
+/// As gzip writes it.
+std::string zipped(const std::string& bytes) {
+  z_stream stream{};
+  EXPECT_EQ(deflateInit2(&stream, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
+  std::string out(deflateBound(&stream, bytes.size()) + 64, '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
+  out.resize(stream.total_out);
+  deflateEnd(&stream);
+  return out;
+}
+
+/// 4 x 3 x 2 labels, each once.
+std::vector<std::int16_t> counted() {
+  std::vector<std::int16_t> labels(24);
+  for (int i = 0; i < 24; ++i) labels[i] = static_cast<std::int16_t>(i);
+  return labels;
+}
+
+/// The file of a NIfTI-1 image: a header of 348 bytes, 4 that say that no extension follows, the voxels.
+class Nifti {
+ public:
+  Nifti() {
+    set<std::int32_t>(0, 348);
+    dimensions({3, 4, 3, 2, 1, 1, 1, 1});
+    set<std::int16_t>(70, 4);  // datatype: int16
+    set<std::int16_t>(72, 16);
+    for (const int axis : {0, 1, 2, 3, 4}) set(76 + 4 * axis, 1.0f);  // pixdim
+    set(108, 352.0f);                                                 // vox_offset
+    set<char>(123, 2);                                                // mm
+    std::memcpy(&header_[344], "n+1", 4);
+  }
+  void dimensions(const std::vector<std::int16_t>& dim) {
+    for (std::size_t k = 0; k < dim.size(); ++k) set(40 + 2 * k, dim[k]);
+  }
+  template <class Number>
+  void set(std::size_t at, Number value) {
+    std::memcpy(&header_[at], &value, sizeof value);
+  }
+  void sform(const std::vector<float>& rows) {
+    set<std::int16_t>(254, 1);
+    for (std::size_t k = 0; k < rows.size(); ++k) set(280 + 4 * k, rows[k]);
+  }
+  std::string voxels = bytes_of(counted());
+  std::string bytes() const { return header_ + voxels; }
+
+ private:
+  std::string header_ = std::string(352, '\0');
+};
+
+std::string reading(const std::string& name, const std::string& bytes) {
+  const TextFile file(name, bytes);
+  return message_of([&] { read_labels(file.path()); });
+}
+
+LabelImage read_back(const std::string& name, const std::string& bytes) {
+  const TextFile file(name, bytes);
+  return read_labels(file.path());
+}
+
+void expect_counted(const LabelImage& image) {
+  EXPECT_EQ(image.size, (std::array<Index, 3>{4, 3, 2}));
+  ASSERT_EQ(image.label.size(), 24u);
+  for (int i = 0; i < 24; ++i) EXPECT_EQ(image.label[i], i);
+}
+
+void expect_frame(const LabelImage& image, const Vec3& origin, const std::array<Vec3, 3>& step) {
+  EXPECT_LT((image.origin - origin).norm(), 1e-8) << image.origin.transpose();
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_LT((image.step[axis] - step[axis]).norm(), 1e-8) << image.step[axis].transpose();
+  }
+}
+
+/// Whether this build reads the format: without the library the Error says so.
+bool reads(const std::string& name) {
+  return reading(name, "").find("phymul was built without") == std::string::npos;
+}
+
+#define PHYMUL_SKIP_UNLESS_READ(name) \
+  if (!reads(name)) GTEST_SKIP() << reading(name, "")
+
+TEST(ReadLabels, Nifti) {
+  PHYMUL_SKIP_UNLESS_READ("a.nii");
+  Nifti file;
+  file.sform({0.5f, 0.1f, 0, -10, 0, 0.75f, 0, 20, 0, 0, 2.0f, 30});
+  const std::array<Vec3, 3> step{Vec3(0.5e-3, 0, 0), Vec3(0.1e-3, 0.75e-3, 0), Vec3(0, 0, 2e-3)};
+  for (const bool is_zipped : {false, true}) {
+    const LabelImage image = is_zipped ? read_back("a.nii.gz", zipped(file.bytes())) : read_back("a.NII", file.bytes());
+    expect_counted(image);
+    expect_frame(image, {-0.01, 0.02, 0.03}, step);
+    EXPECT_TRUE(image.notes.empty());
+  }
+  file.set<char>(123, 3);  // micrometres
+  expect_frame(read_back("a.nii", file.bytes()), {-1e-5, 2e-5, 3e-5}, {1e-3 * step[0], 1e-3 * step[1], 1e-3 * step[2]});
+  file.set<char>(123, 0);  // no unit: millimetres
+  expect_frame(read_back("a.nii", file.bytes()), {-0.01, 0.02, 0.03}, step);
+  file.dimensions({4, 4, 3, 2, 1});
+  expect_counted(read_back("a.nii", file.bytes()));
+}
+
+TEST(ReadLabels, NiftiByQuaternionOrSizesAlone) {
+  PHYMUL_SKIP_UNLESS_READ("a.nii");
+  Nifti file;
+  for (const int axis : {0, 1, 2}) file.set(80 + 4 * axis, 1.0f + static_cast<float>(axis));
+  LabelImage image = read_back("a.nii", file.bytes());
+  expect_counted(image);
+  expect_frame(image, {0, 0, 0}, {Vec3(1e-3, 0, 0), Vec3(0, 2e-3, 0), Vec3(0, 0, 3e-3)});
+  ASSERT_EQ(image.notes.size(), 1u);
+  EXPECT_TRUE(says(image.notes[0], "says nothing about its frame"));
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.8, Vec3(1, -2, 0.5).normalized()));
+  file.set<std::int16_t>(252, 1);
+  file.set(76, -1.0f);  // qfac: the third axis the other way
+  file.set(256, static_cast<float>(turn.x()));
+  file.set(260, static_cast<float>(turn.y()));
+  file.set(264, static_cast<float>(turn.z()));
+  file.set(268, 5.0f);
+  image = read_back("a.nii", file.bytes());
+  expect_frame(image, {0.005, 0, 0}, {turn * Vec3(1e-3, 0, 0), turn * Vec3(0, 2e-3, 0), turn * Vec3(0, 0, -3e-3)});
+  EXPECT_TRUE(image.notes.empty());
+}
+
+/// Of a machine with the other order of bytes.
+TEST(ReadLabels, NiftiTheOtherWayRound) {
+  PHYMUL_SKIP_UNLESS_READ("a.nii");
+  Nifti file;
+  file.sform({0.5f, 0, 0, -10, 0, 0.75f, 0, 20, 0, 0, 2.0f, 30});
+  const auto turn = [&](std::string& bytes, std::size_t from, std::size_t each, std::size_t count) {
+    for (std::size_t k = 0; k < count; ++k) std::reverse(&bytes[from + each * k], &bytes[from + each * k] + each);
+  };
+  std::string bytes = file.bytes();
+  turn(bytes, 0, 4, 1);
+  turn(bytes, 40, 2, 8);
+  turn(bytes, 68, 2, 4);
+  turn(bytes, 76, 4, 11);
+  turn(bytes, 252, 2, 2);
+  turn(bytes, 256, 4, 18);
+  turn(bytes, 352, 2, 24);
+  const LabelImage image = read_back("a.nii", bytes);
+  expect_counted(image);
+  expect_frame(image, {-0.01, 0.02, 0.03}, {Vec3(0.5e-3, 0, 0), Vec3(0, 0.75e-3, 0), Vec3(0, 0, 2e-3)});
+}
+
+TEST(ReadLabels, NiftiTypes) {
+  PHYMUL_SKIP_UNLESS_READ("a.nii");
+  Nifti file;
+  const auto put = [&](std::int16_t type, std::int16_t bits, const auto& numbers) {
+    file.set(70, type);
+    file.set(72, bits);
+    file.voxels = bytes_of(numbers);
+  };
+  put(2, 8, std::vector<std::uint8_t>(24, 200));
+  EXPECT_EQ(read_back("a.nii", file.bytes()).label, std::vector<std::uint16_t>(24, 200));
+  put(512, 16, std::vector<std::uint16_t>(24, 65535));
+  EXPECT_EQ(read_back("a.nii", file.bytes()).label, std::vector<std::uint16_t>(24, 65535));
+  put(1024, 64, std::vector<std::int64_t>(24, 7));
+  EXPECT_EQ(read_back("a.nii", file.bytes()).label, std::vector<std::uint16_t>(24, 7));
+  put(8, 32, std::vector<std::int32_t>(24, 65536));
+  EXPECT_TRUE(says(reading("a.nii", file.bytes()), "expected labels from 0 to 65535, got 65536 in voxel 0"));
+  put(4, 16, std::vector<std::int16_t>(24, -1));
+  EXPECT_TRUE(says(reading("a.nii", file.bytes()), "expected labels from 0 to 65535, got -1 in voxel 0"));
+  put(16, 32, std::vector<float>(24, 1.0f));
+  EXPECT_TRUE(says(reading("a.nii", file.bytes()), "expected integers as labels, got FLOAT32"));
+}
+
+TEST(ReadLabels, RefusesBadNifti) {
+  PHYMUL_SKIP_UNLESS_READ("a.nii");
+  const auto changed = [](auto change, const std::string& name = "bad.nii") {
+    Nifti file;
+    change(file);
+    return reading(name, file.bytes());
+  };
+  EXPECT_TRUE(says(reading("bad.nii", "nothing of it"), "bad.nii: expected a header of NIfTI-1"));
+  EXPECT_TRUE(
+      says(changed([](Nifti& f) { f.voxels.resize(20); }), "expected 24 voxels of 2 bytes, but the file of 372"));
+  EXPECT_TRUE(says(changed([](Nifti& f) { f.dimensions({4, 4, 3, 2, 5}); }), "of three dimensions, got 4"));
+  EXPECT_TRUE(says(changed([](Nifti& f) { f.dimensions({2, 6, 4, 1}); }), "of three dimensions, got 2"));
+  EXPECT_TRUE(says(changed([](Nifti& f) { f.dimensions({3, 30000, 30000, 30000}); }), "2^31 bytes in all at most"));
+  EXPECT_TRUE(says(changed([](Nifti& f) { f.dimensions({3, 1000, 1000, 1000}); }), "ends before"));
+  EXPECT_TRUE(says(changed([](Nifti& f) { f.dimensions({3, 4, -3, 2}); }), "bad.nii: expected"));
+  EXPECT_TRUE(says(changed([](Nifti& f) { f.set(112, 2.0f); }), "got values to be scaled by 2"));
+  EXPECT_TRUE(says(changed([](Nifti& f) { f.set(108, -4.0f); }), "got vox_offset -4"));
+  EXPECT_TRUE(says(changed([](Nifti& f) { f.set<char>(345, 'i'); }), "with its voxels in the same file"));
+  EXPECT_TRUE(says(changed([](Nifti& f) { f.set<char>(123, 5); }), "got unit 5"));
+  EXPECT_TRUE(says(changed([](Nifti& f) { f.sform({1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0}); }), "expected a frame"));
+  EXPECT_TRUE(says(changed([](Nifti& f) { f.sform({1, 0, 0, NAN, 0, 1, 0, 0, 0, 0, 1, 0}); }), "expected a frame"));
+  std::string half = zipped(Nifti().bytes());
+  EXPECT_EQ(reading("a.nii.gz", half), "(no error)");
+  half.resize(half.size() / 2);
+  EXPECT_TRUE(says(reading("half.nii.gz", half), "half.nii.gz: expected"));
+}
+
+/// Cut at every byte: an Error, or what was read is whole.
+TEST(ReadLabels, NiftiCutAnywhere) {
+  PHYMUL_SKIP_UNLESS_READ("a.nii");
+  const std::string whole = Nifti().bytes();
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    EXPECT_TRUE(says(reading("cut.nii", whole.substr(0, size)), "cut.nii: ")) << size;
+  }
+}
+
+std::string nrrd(const std::string& fields, const std::string& voxels = bytes_of(counted())) {
+  return "NRRD0004\n" + fields + "\n" + voxels;
+}
+
+const std::string plain = "type: short\ndimension: 3\nsizes: 4 3 2\nendian: little\n";
+const std::string raw = "encoding: raw\n";
+const std::string directions = "space directions: (1,0,0) (0,2,0) (0,0,3)\nspace origin: (10,20,30)\n";
+
+TEST(ReadLabels, Nrrd) {
+  PHYMUL_SKIP_UNLESS_READ("a.nrrd");
+  const std::array<Vec3, 3> step{Vec3(1e-3, 0, 0), Vec3(0, 2e-3, 0), Vec3(0, 0, 3e-3)};
+  LabelImage image = read_back("a.nrrd", nrrd(plain + "space: right-anterior-superior\n" + directions + raw));
+  expect_counted(image);
+  expect_frame(image, {0.01, 0.02, 0.03}, step);
+  EXPECT_TRUE(image.notes.empty());
+  // What 3D Slicer and ITK write.
+  image = read_back("a.nrrd", nrrd(plain + "space: left-posterior-superior\n" + directions + "encoding: gzip\n" +
+                                       "Segment0_Name:=liver\nSegment0_LabelValue:=3\n",
+                                   zipped(bytes_of(counted()))));
+  expect_counted(image);
+  expect_frame(image, {-0.01, -0.02, 0.03}, {-step[0], -step[1], step[2]});
+  EXPECT_EQ(image.names, (std::map<std::uint16_t, std::string>{{3, "liver"}}));
+  image = read_back("a.nrrd", nrrd(plain + "space: LAS\nspace units: \"m\" \"m\" \"m\"\n" + directions + raw));
+  expect_frame(image, {-10, 20, 30}, {-1e3 * step[0], 1e3 * step[1], 1e3 * step[2]});
+  image = read_back("a.nrrd", nrrd(plain + "spacings: 1 2 3\n" + raw));
+  expect_frame(image, {0, 0, 0}, step);
+  ASSERT_EQ(image.notes.size(), 1u);
+  EXPECT_TRUE(says(image.notes[0], "says nothing about its frame"));
+  image = read_back("a.nrrd", nrrd(plain + "space dimension: 3\n" + directions + raw));
+  EXPECT_TRUE(says(image.notes.at(0), "taken for RAS"));
+}
+
+TEST(ReadLabels, NrrdWithItsVoxelsInAnotherFile) {
+  PHYMUL_SKIP_UNLESS_READ("a.nhdr");
+  const TextFile header("a.nhdr", "NRRD0004\n" + plain + "spacings: 1 1 1\n" + raw + "data file: a.raw\n");
+  EXPECT_TRUE(says(message_of([&] { read_labels(header.path()); }), "a.nhdr: expected an image in NRRD"));
+  std::ofstream(std::filesystem::path(header.path()).parent_path() / "a.raw", std::ios::binary) << bytes_of(counted());
+  expect_counted(read_labels(header.path()));
+}
+
+TEST(ReadLabels, RefusesBadNrrd) {
+  PHYMUL_SKIP_UNLESS_READ("a.nrrd");
+  const std::string end = "spacings: 1 1 1\n" + raw;
+  const auto with = [&](const std::string& fields, const std::string& voxels = bytes_of(counted())) {
+    return reading("bad.nrrd", nrrd(fields + raw, voxels));
+  };
+  EXPECT_TRUE(says(reading("bad.nrrd", "nothing of it"), "bad.nrrd: expected an image in NRRD"));
+  EXPECT_TRUE(says(with(plain, "short"), "bad.nrrd: expected an image in NRRD"));
+#ifndef __SANITIZE_ADDRESS__  // teem loses its buffers there
+  EXPECT_TRUE(says(reading("bad.nrrd", nrrd(plain + "encoding: gzip\n", zipped(bytes_of(counted())).substr(0, 30))),
+                   "bad.nrrd: expected an image in NRRD"));
+#endif
+  EXPECT_TRUE(says(with("type: float\ndimension: 3\nsizes: 3 2 2\nendian: little\n"), "as labels, got float"));
+  EXPECT_TRUE(says(with("type: short\ndimension: 4\nsizes: 2 2 3 2\nendian: little\n"), "of three dimensions, got 4"));
+  EXPECT_TRUE(says(with("type: short\ndimension: 3\nsizes: 99999 99999 99999\nendian: little\n"), "2^31 bytes"));
+  EXPECT_TRUE(says(with(plain + "space: RAS\nspace directions: (1,0,0) (0,1,0) (1,1,0)\n"), "expected a frame"));
+  EXPECT_TRUE(says(with(plain + "space: RAS\nspace units: \"s\" \"s\" \"s\"\n" + directions), "got \"s\""));
+  EXPECT_TRUE(says(with(plain, bytes_of(std::vector<std::int16_t>(24, -5))), "got -5 in voxel 0"));
+}
+
+/// Bytes changed at random: an Error that names the file, or an image.
+TEST(ReadLabels, DamagedFiles) {
+  std::mt19937 random(1);
+  const auto damaged = [&](const std::string& name, std::string bytes, std::size_t header) {
+    for (int byte = 0; byte < 3; ++byte) bytes[random() % header] = static_cast<char>(random() % 256);
+    const std::string message = reading(name, bytes);
+    EXPECT_TRUE(message == "(no error)" || message.find(name) != std::string::npos) << message;
+  };
+  const std::string text = nrrd(plain + "space: LPS\n" + directions + raw);
+  for (int turn = 0; turn < 400; ++turn) {
+    damaged("damaged.nii", Nifti().bytes(), 352);
+    damaged("damaged.nrrd", text, text.size() - 48);
+  }
+}
+
+TEST(ReadLabels, RefusesOtherFiles) {
+  EXPECT_TRUE(says(reading("a.png", "x"), "a.png: expected a labelled image in a .nii, .nii.gz, .nrrd or .nhdr file"));
+  EXPECT_TRUE(says(message_of([] { read_labels("/nowhere/a.nii"); }), "/nowhere/a.nii: the file cannot be opened"));
+}
+
+}  // namespace
+}  // namespace phymul::test
