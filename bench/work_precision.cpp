@@ -36,6 +36,7 @@ struct Choice {
   double stabiliser_share = 1.0;
   double most_particles = 0.0, wall_cap = 0.0, rest_accuracy = 0.0;
   std::size_t most_resolutions = 0;
+  ToolContact contact = ToolContact::particles;
   double most_particles_in_reference = 0.0;  // where the build has another backend, too
 };
 
@@ -71,7 +72,8 @@ class Run {
     std::size_t done = 0;
     for (const int n : reference_case.resolutions) {
       if (done++ == choice_.most_resolutions) break;
-      const Problem problem = make_problem(reference_case, level, n);
+      Problem problem = make_problem(reference_case, level, n);
+      for (Problem::NamedTool& named : problem.tools) named.tool.contact = choice_.contact;
       if (problem.model.particle_count() > choice_.most_particles) break;
       begin(reference_case, level, n, problem);
       for (const Method& method : all_methods()) {
@@ -235,14 +237,16 @@ int main(int argc, char** argv) try {
                              {"wall-cap", "20"},
                              {"rest-accuracy", "1e-4"},
                              {"stabiliser", "1"},
+                             {"contact", "particles"},
                              {"samples", ""},
                              {"out", "work_precision.csv"}};
-  if (prints_usage(argc, argv, "work_precision",
-                   "Error against time of every reference case, model, resolution and backend. Lists are separated\n"
-                   "by commas. cases: files or folders; levels: main, all, or names; steps: in shares of the stable\n"
-                   "one; wall-cap: seconds for a run; stabiliser: in shares of the calibrated one; samples: a CSV file "
-                   "for displacements.",
-                   known)) {
+  if (prints_usage(
+          argc, argv, "work_precision",
+          "Error against time of every reference case, model, resolution and backend. Lists are separated\n"
+          "by commas. cases: files or folders; levels: main, all, or names; steps: in shares of the stable\n"
+          "one; wall-cap: seconds for a run; stabiliser: in shares of the calibrated one; contact: what tools\n"
+          "touch, particles or surface; samples: a CSV file for displacements.",
+          known)) {
     return 0;
   }
   const Arguments arguments(argc, argv, known);
@@ -254,6 +258,11 @@ int main(int argc, char** argv) try {
   choice.most_particles = arguments.number("most-particles");
   choice.most_particles_in_reference = arguments.number("most-particles-in-reference");
   choice.most_resolutions = static_cast<std::size_t>(arguments.number("most-resolutions"));
+  const std::string& contact = arguments.text("contact");
+  if (contact != "particles" && contact != "surface") {
+    throw Error("--contact: expected particles or surface, got \"" + contact + "\"");
+  }
+  choice.contact = contact == "surface" ? ToolContact::surface : ToolContact::particles;
   choice.wall_cap = arguments.number("wall-cap");
   choice.rest_accuracy = arguments.number("rest-accuracy");
   CsvFile file(arguments.text("out"), columns);

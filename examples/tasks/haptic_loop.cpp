@@ -31,8 +31,9 @@ int main() try {
   Device device;
   phymul::VirtualCoupling coupling({}, device.pose());
 
-  const auto probe =
-      sim.scene().add_tool({.shape = phymul::Capsule{.radius = 8e-3, .length = 0.1}, .pose = device.pose()});
+  const auto probe = sim.scene().add_tool({.shape = phymul::Capsule{.radius = 8e-3, .length = 0.1},
+                                           .pose = device.pose(),
+                                           .contact = phymul::ToolContact::surface});
   while (device.time < 0.5) {
     coupling.follow(device.pose(), sim.force_on(probe), 1e-3);
     probe.move_to(coupling.pose());

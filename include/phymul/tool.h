@@ -47,6 +47,16 @@ struct ToolPose {
   bool operator==(const ToolPose&) const = default;
 };
 
+/// What of a body a tool touches.
+enum class ToolContact {
+  /// All particles. A tool thinner than the spacing can pass between them, and its force depends on the place.
+  particles,
+  /// The triangles of the surface, at points that are fixed to them. The force on a point acts on the particles of its
+  /// triangle by barycentric weights. A body without triangles (points, springs, 2-D) is touched at its particles. Only
+  /// the backends `reference` and `cpu` have it.
+  surface
+};
+
 struct Tool {
   ToolShape shape = Sphere{};
   ToolPose pose{};        ///< first pose, as set by ToolHandle::teleport()
@@ -54,18 +64,20 @@ struct Tool {
   /// m/N, >= 0: how far a particle enters the tool per newton of force on this particle. 0: each step ends with all
   /// particles outside. The spring is integrated implicitly, so that no value limits the step.
   double compliance = 0.0;
-  /// m, >= 0, added around the shape. A tool touches particles, not the faces between them: a tool thinner than the
-  /// spacing passes through without force unless it has a margin, see least_margin().
+  /// m, >= 0, added around the shape. With ToolContact::particles a tool thinner than the spacing passes through
+  /// without force unless it has a margin, see least_margin().
   double margin = 0.0;
+  /// A Needle must have the default: it finds the surface's triangles itself.
+  ToolContact contact = ToolContact::particles;
 };
 
 /// Smallest Tool::margin, m, with which no tool of this shape passes between the particles of the model's surface
-/// without touching one. It is stretch * r - t, but at least 0: r is the largest covering radius of the surface's
-/// triangles, the distance from the farthest point of a triangle to its nearest corner. t is the least radius of the
-/// shape: the radius of a Sphere or Capsule, the least half size of a Box, 0 for a DistanceGrid. The result is 0 for a
-/// HalfSpace, and for a Needle, which finds the surface's triangles itself. `stretch` > 0: factor by which edges of the
-/// surface grow, in particular where the tool parts them; 1 is for the rest shape. Throws Error for a model without a
-/// surface and for a stretch that is not above 0.
+/// without touching one; ToolContact::surface needs none. It is stretch * r - t, but at least 0: r is the largest
+/// covering radius of the surface's triangles, the distance from the farthest point of a triangle to its nearest
+/// corner. t is the least radius of the shape: the radius of a Sphere or Capsule, the least half size of a Box, 0 for a
+/// DistanceGrid. The result is 0 for a HalfSpace, and for a Needle, which finds the surface's triangles itself.
+/// `stretch` > 0: factor by which edges of the surface grow, in particular where the tool parts them; 1 is for the rest
+/// shape. Throws Error for a model without a surface and for a stretch that is not above 0.
 double least_margin(const Model& model, const ToolShape& shape, double stretch = 1.25);
 
 /// Force, N, and torque about the tool's position, N m, of the particles on a tool, as a hand that holds it feels them.

@@ -56,6 +56,10 @@ ToolSet::Moving ToolSet::made(const SceneTool& tool, const Scene& scene) {
   if (grid) moving.grid = *grid;
   const auto* needle = std::get_if<Needle>(&tool.tool.shape);
   if (needle) moving.needle.emplace(*needle, tool.tool.friction, scene.model());
+  if (tool.tool.contact == ToolContact::surface) {
+    const std::optional<double> radius = least_radius(tool.tool.shape);
+    moving.surface.emplace(scene.model(), radius ? *radius + tool.tool.margin : infinite);
+  }
   return moving;
 }
 
@@ -138,9 +142,13 @@ void ToolSet::hold(Moving& tool, TouchedParticles& touched) {
 
 void ToolSet::press(Moving& tool, TouchedParticles& touched) {
   const ToolFrame start(tool.moved.motion.pose), end(tool.moved.motion.next_pose);
-  const double dt = touched.dt();
+  const double dt = touched.dt(), reach = tool.surface ? tool.surface->reach() : 0.0;
   found_.clear();
-  touched.step().find(swept_bounds(tool.shape, tool.bounds, start, end, 0.0), found_);
+  touched.step().find(swept_bounds(tool.shape, tool.bounds, start, end, reach), found_);
+  if (tool.surface) {
+    tool.surface->act(tool.shape, tool.law, start, end, found_, touched, tool.next_force);
+    return;
+  }
   for (const Index i : found_) {
     TouchedParticles::Touched& particle = touched[touched.slot(i)];
     if (particle.held || particle.fixed == 7) continue;

@@ -16,6 +16,7 @@
 #include "moved_tool.h"
 #include "needle_path.h"
 #include "predicted_step.h"
+#include "surface_press.h"
 #include "tool_frame.h"
 
 namespace phymul::cpu {
@@ -48,7 +49,8 @@ class ToolSet {
     ContactLaw<double> law;
     Region bounds;  // of the shape in its own frame
     std::optional<NeedlePath> needle{};
-    ToolForce next_force{};  // in the step in question
+    std::optional<SurfacePress> surface{};  // of ToolContact::surface
+    ToolForce next_force{};                 // in the step in question
   };
 
   static Moving made(const SceneTool& tool, const Scene& scene);

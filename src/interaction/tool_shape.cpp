@@ -61,26 +61,6 @@ double covering_radius(const Vec3& a, const Vec3& b, const Vec3& c) {
   return std::max(along(s0, s1), along(s1, s0));
 }
 
-/// m: a ball of this radius goes wherever the shape goes through a surface; none: the shape needs no margin.
-std::optional<double> least_radius(const Sphere& sphere) {
-  return sphere.radius;
-}
-std::optional<double> least_radius(const Capsule& capsule) {
-  return capsule.radius;
-}
-std::optional<double> least_radius(const Box& box) {
-  return box.half_size.minCoeff();
-}
-std::optional<double> least_radius(const std::shared_ptr<const DistanceGrid>&) {
-  return 0.0;
-}
-std::optional<double> least_radius(const HalfSpace&) {
-  return {};
-}
-std::optional<double> least_radius(const Needle&) {
-  return {};
-}
-
 }  // namespace
 
 ToolExtent extent_of(const Tool& tool) {
@@ -103,6 +83,18 @@ std::vector<GraspedParticle> particles_to_grasp(const Tool& tool, const ToolPose
   return found;
 }
 
+std::optional<double> least_radius(const ToolShape& shape) {
+  struct Radius {
+    std::optional<double> operator()(const Sphere& sphere) const { return sphere.radius; }
+    std::optional<double> operator()(const Capsule& capsule) const { return capsule.radius; }
+    std::optional<double> operator()(const Box& box) const { return box.half_size.minCoeff(); }
+    std::optional<double> operator()(const std::shared_ptr<const DistanceGrid>&) const { return 0.0; }
+    std::optional<double> operator()(const HalfSpace&) const { return {}; }
+    std::optional<double> operator()(const Needle&) const { return {}; }
+  };
+  return std::visit(Radius{}, shape);
+}
+
 double least_margin(const Model& model, const ToolShape& shape, double stretch) {
   if (!(stretch > 0.0) || !std::isfinite(stretch)) {
     throw Error("least_margin: expected a finite stretch above 0; got " + to_decimal(stretch));
@@ -112,7 +104,7 @@ double least_margin(const Model& model, const ToolShape& shape, double stretch) 
     throw Error(
         "least_margin: expected a body with a surface; the model has neither volume cells nor triangles and quads");
   }
-  const std::optional<double> radius = std::visit([](const auto& own) { return least_radius(own); }, shape);
+  const std::optional<double> radius = least_radius(shape);
   if (!radius) return 0.0;
   double largest = 0.0;
   for (const auto& [a, b, c] : triangles) {

@@ -6,6 +6,7 @@
 
 #include <phymul/tool.h>
 
+#include <optional>
 #include <vector>
 
 #include "distance_to_shape.h"
@@ -20,6 +21,10 @@ struct ToolExtent {
 };
 
 ToolExtent extent_of(const Tool& tool);
+
+/// m: a ball of this radius goes wherever the shape goes through a surface, 0 for a DistanceGrid; empty for a HalfSpace
+/// and a Needle, which do not go through.
+std::optional<double> least_radius(const ToolShape& shape);
 
 struct GraspedParticle {
   Index particle = 0;

@@ -104,6 +104,9 @@ Scene& Scene::add_tool(std::string name, Tool tool) {
   require_not_negative(name, "compliance (m/N)", tool.compliance);
   require_not_negative(name, "margin (m)", tool.margin);
   if (const auto* const needle = std::get_if<Needle>(&tool.shape)) {
+    if (tool.contact != ToolContact::particles) {
+      throw Error(label(name) + "expected ToolContact::particles, got surface: a needle finds the surface by itself");
+    }
     if (model_->dimension == 2) {
       throw Error(label(name) + "expected a body in three dimensions: a needle spreads its forces around its shaft");
     }

@@ -67,6 +67,10 @@ bool has_needle(const std::vector<SceneTool>& tools) {
   return std::ranges::any_of(tools, is_needle);
 }
 
+bool touches_surface(const std::vector<SceneTool>& tools) {
+  return std::ranges::any_of(tools, [](const SceneTool& tool) { return tool.tool.contact == ToolContact::surface; });
+}
+
 void require_tool_states(const State& state, Index particle_count, const std::vector<SceneTool>& tools) {
   for (const ToolState& tool : state.tools) {
     if (!fits(tool, particle_count)) {

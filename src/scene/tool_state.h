@@ -9,6 +9,8 @@ namespace phymul {
 
 /// Which fewer backends take than rigid tools.
 bool has_needle(const std::vector<SceneTool>& tools);
+/// Whether a tool has ToolContact::surface.
+bool touches_surface(const std::vector<SceneTool>& tools);
 
 /// Throws Error where a tool's part of a state does not fit a model of so many particles, or is one that the shape of
 /// the scene's tool of that name cannot have.

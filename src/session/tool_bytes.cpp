@@ -87,6 +87,7 @@ void law_fields(Bytes& bytes, Any& tool) {
   bytes.field(tool.friction, "a coefficient of friction");
   bytes.field(tool.compliance, "a compliance");
   bytes.field(tool.margin, "a margin");
+  code(bytes, tool.contact, "a tool's contact");
 }
 
 template <class Bytes, class Node>

@@ -22,6 +22,9 @@ constexpr int codes_of(Axis) {
 constexpr int codes_of(ShapeKind) {
   return static_cast<int>(ShapeKind::needle) + 1;
 }
+constexpr int codes_of(ToolContact) {
+  return static_cast<int>(ToolContact::surface) + 1;
+}
 
 template <class Enum>
 void code(ByteWriter& out, Enum value, const char*) {

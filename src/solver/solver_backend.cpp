@@ -37,6 +37,8 @@ constexpr const char* no_tools =
     "the scene has tools, which this backend does not take; use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_needles =
     "the scene has a needle, which this backend does not take; use \"gl-compute\", \"cpu\" or \"reference\"";
+constexpr const char* no_surface_contact =
+    "the scene has a tool with ToolContact::surface, which this backend does not take; use \"cpu\" or \"reference\"";
 constexpr const char* no_volumes =
     "the scene keeps volumes, which this backend does not do; use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_contacts =
@@ -200,6 +202,7 @@ void SolverBackend::do_restore(const Snapshot& snapshot) {
 const char* SolverBackend::do_cannot() const {
   if (!scene_->tools().empty() && !takes_tools()) return no_tools;
   if (has_needle(scene_->tools())) return no_needles;
+  if (touches_surface(scene_->tools())) return no_surface_contact;
   if (!scene_->volume_constraints().empty() && !do_takes_volumes()) return no_volumes;
   return scene_->contacts() ? no_contacts : nullptr;
 }

@@ -288,7 +288,11 @@ TEST_P(MovingTool, PosingEveryMillisecondAllocatesNothing) {
   const Model model = soft_block({0.02, 0.02, 0.02}, 4, 4, 4);
   Scene scene(model);
   scene.fix("z0").gravity({0, 0, -1.0});
-  scene.add_tool("ball", {.shape = Sphere{0.008}, .pose = {.position = {0.01, 0.01, 0.028}}, .friction = 0.3});
+  const bool takes_surface = GetParam() == "reference" || GetParam() == "cpu";
+  scene.add_tool("ball", {.shape = Sphere{0.008},
+                          .pose = {.position = {0.01, 0.01, 0.028}},
+                          .friction = 0.3,
+                          .contact = takes_surface ? ToolContact::surface : ToolContact::particles});
   const auto solver = make(model, scene);
   const double dt = 0.4 * solver->stable_step();
   const ToolHandle ball = scene.tool("ball");
@@ -307,12 +311,13 @@ TEST_P(MovingTool, PosingEveryMillisecondAllocatesNothing) {
 
 TEST(ToolOfTheFastBackend, GivesTheSameBitsForAnyNumberOfThreads) {
   const Model model = soft_block({0.03, 0.03, 0.03}, 15, 15, 15);  // 4,096 particles: several clusters
-  const auto run = [&](int threads) {
+  const auto run = [&](int threads, ToolContact contact) {
     Scene scene(model);
     scene.fix("z0");
     scene.add_tool("ball", {.shape = Sphere{0.01},
                             .pose = {.position = {0.015, 0.016, 0.041}, .velocity = {0.1, 0, -0.5}},
-                            .friction = 0.4});
+                            .friction = 0.4,
+                            .contact = contact});
     SolverOptions options;
     options.threads = threads;
     options.spectrum = Spectrum{};
@@ -322,9 +327,11 @@ TEST(ToolOfTheFastBackend, GivesTheSameBitsForAnyNumberOfThreads) {
     EXPECT_GT(solver->tool_force("ball").particles, 5);
     return std::pair(solver->read(), solver->tool_force("ball").force);
   };
-  const auto one = run(1), three = run(3);
-  EXPECT_EQ(one.first, three.first);
-  EXPECT_EQ(one.second, three.second);
+  for (const ToolContact contact : {ToolContact::particles, ToolContact::surface}) {
+    const auto one = run(1, contact), three = run(3, contact);
+    EXPECT_EQ(one.first, three.first);
+    EXPECT_EQ(one.second, three.second);
+  }
 }
 
 TEST(ToolOfOtherBackends, NeedlesAreTakenByAllButFragments) {
@@ -337,6 +344,22 @@ TEST(ToolOfOtherBackends, NeedlesAreTakenByAllButFragments) {
     scene.add_tool("needle", {.shape = Needle{}, .pose = {.position = {0, 0, 1}}});
     const StepReport report = solver->step(1, 0.1 * solver->stable_step());
     EXPECT_EQ(report.status, name == "gl" ? StepStatus::not_supported : StepStatus::ok) << name;
+  }
+}
+
+TEST(ToolOfOtherBackends, SurfacesAreTouchedOnProcessors) {
+  const Model model = make_tetrahedron(0.01);
+  for (const std::string& name : backend_names()) {
+    Scene scene(model);
+    if (!why_unavailable(name).empty()) continue;
+    const auto solver = make_solver(name, model, scene);
+    scene.add_tool("ball", {.shape = Sphere{0.001}, .pose = {.position = {0, 0, 1}}, .contact = ToolContact::surface});
+    const bool takes = name == "reference" || name == "cpu";
+    const StepReport report = solver->step(1, 0.1 * solver->stable_step());
+    EXPECT_EQ(report.status, takes ? StepStatus::ok : StepStatus::not_supported) << name;
+    if (takes) continue;
+    EXPECT_TRUE(says(report.message(), "ToolContact::surface, which the backends \"gl\" and \"gl-compute\" do not"));
+    EXPECT_TRUE(refuses([&] { make_solver(name, model, scene); }, "use \"cpu\" or \"reference\"")) << name;
   }
 }
 

@@ -124,6 +124,10 @@ TEST_F(RecordingTest, ToolsMoveAgainAsTheyDid) {
     Scene scene(model_);
     scene.fix("x0").contacts({}).constrain_volume();
     scene.add_tool("ball", {.shape = Sphere{0.005}, .pose = {.position = {0.06, 0.015, 3.035}}, .friction = 0.3});
+    scene.add_tool("rod", {.shape = Capsule{0.003, 0.1},
+                           .pose = {.position = {0.04, 0.014, 3.034}, .velocity = {0.02, 0, -0.2}},
+                           .friction = 0.2,
+                           .contact = ToolContact::surface});
     const auto recorded = solver(backend, scene);
     const double dt = 0.4 * recorded->stable_step();
     Recorder recorder(*recorded, scene);
@@ -152,7 +156,8 @@ TEST_F(RecordingTest, ToolsMoveAgainAsTheyDid) {
     scene.remove_tool("ball");
     recorder.step(5, dt);
     const State end = recorded->read();
-    ASSERT_EQ(end.tools.size(), 1u);
+    ASSERT_EQ(end.tools.size(), 2u);
+    EXPECT_GT(recorded->tool_force("rod").particles, 0);
     save_recording(recorder.recording(), file);
 
     Scene again(model_);
@@ -307,7 +312,7 @@ TEST(RecordingFile, CutAtEveryByteAndEveryBitTurnedIsRefused) {
 
 /// Damage behind right checksums: read and replayed (steps aside, which may be any number), or an Error.
 TEST(RecordingFile, MutantsWithRightChecksumsAreHarmless) {
-  const FileKind kind{"phymulRe", 3, "a recording"};
+  const FileKind kind{"phymulRe", 4, "a recording"};
   const std::string good = small_recording();
   const std::vector<FileSection> sections = read_sections("r", good, kind, {"head", "stat", "scne", "inpt"});
   const Model model = make_tetrahedron(0.01);

@@ -11,6 +11,7 @@
 
 #include "session/scene_bytes.h"
 #include "session/tool_bytes.h"
+#include "support/message_of.h"
 
 namespace phymul {
 namespace {
@@ -43,6 +44,23 @@ TEST(WireCodes, NeverChange) {
     ByteReader in("tool", out.bytes());
     EXPECT_EQ(take_tool(in).shape.index(), shape.index());
   }
+  code = 0;
+  for (const ToolContact contact : {ToolContact::particles, ToolContact::surface}) {
+    ByteWriter out;
+    put_tool(out, {.shape = Sphere{1}, .contact = contact});
+    EXPECT_EQ(out.bytes().back(), code++);
+    ByteReader in("tool", out.bytes());
+    EXPECT_EQ(take_tool(in).contact, contact);
+  }
+  std::string unknown;
+  {
+    ByteWriter out;
+    put_tool(out, {.shape = Sphere{1}});
+    unknown = out.bytes();
+  }
+  unknown.back() = 2;
+  ByteReader in("tool", unknown);
+  EXPECT_TRUE(refuses([&] { take_tool(in); }, "expected a tool's contact, a number below 2, got 2"));
 }
 
 }  // namespace

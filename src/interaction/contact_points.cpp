@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "contact_points.h"
+
+#include <phymul/bodies.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "contact_surface.h"
+
+namespace phymul::cpu {
+namespace {
+
+/// Along an edge of a triangle: the fewest, where the tool's radius is not known, and the most.
+constexpr int fewest_parts = 3, usual_parts = 6, most_parts = 12;
+
+/// The centres of the k^2 like parts of a triangle.
+std::vector<ContactPoints::Shares> centres(int k) {
+  std::vector<ContactPoints::Shares> made;
+  const auto add = [&](int a, int b, int c) { made.push_back({a / (3.0 * k), b / (3.0 * k), c / (3.0 * k)}); };
+  for (int i = 0; i < k; ++i) {
+    for (int j = 0; i + j < k; ++j) {
+      add(3 * (k - i - j) - 2, 3 * i + 1, 3 * j + 1);
+      if (i + j + 1 < k) add(3 * (k - i - j) - 4, 3 * i + 2, 3 * j + 2);
+    }
+  }
+  return made;
+}
+
+const std::vector<ContactPoints::Shares>& points_of_triangle(int k) {
+  static const std::array<std::vector<ContactPoints::Shares>, most_parts + 1> all = [] {
+    std::array<std::vector<ContactPoints::Shares>, most_parts + 1> made;
+    for (int parts = fewest_parts; parts <= most_parts; ++parts) made[parts] = centres(parts);
+    return made;
+  }();
+  return all[k];
+}
+
+const std::vector<ContactPoints::Shares>& point_of_particle() {
+  static const std::vector<ContactPoints::Shares> one{{1.0, 0.0, 0.0}};
+  return one;
+}
+
+/// What follows from the patches.
+void index_particles(ContactPoints& points, std::size_t particles) {
+  points.patch_first.assign(particles + 1, 0);
+  const auto each = [&](auto visit) {
+    for (std::size_t p = 0; p < points.patches.size(); ++p) {
+      const auto& corner = points.patches[p].corner;
+      for (int c = 0; c < (corner[0] == corner[1] ? 1 : 3); ++c) visit(p, corner[c]);
+    }
+  };
+  each([&](std::size_t, Index row) { ++points.patch_first[row + 1]; });
+  std::partial_sum(points.patch_first.begin(), points.patch_first.end(), points.patch_first.begin());
+  points.patch_of.resize(points.patch_first.back());
+  std::vector<std::size_t> at(points.patch_first.begin(), points.patch_first.end() - 1);
+  each([&](std::size_t p, Index row) { points.patch_of[at[row]++] = static_cast<Index>(p); });
+}
+
+}  // namespace
+
+ContactPoints make_contact_points(const Model& model, double least_radius) {
+  const ContactSurface surface = make_contact_surface(model);
+  const std::vector<ConnectedBody> bodies = connected_bodies(model);
+  ContactPoints made;
+  std::vector<char> has_triangles(bodies.size(), 0);
+  for (const ContactSurface::Triangle& triangle : surface.triangles) {
+    has_triangles[triangle.body] = 1;
+    std::array<Index, 3> corner{};
+    for (int c = 0; c < 3; ++c) corner[c] = surface.particles[triangle.corner[c]].row;
+    const Vec3 &a = model.rest[corner[0]], &b = model.rest[corner[1]], &c = model.rest[corner[2]];
+    const double area = 0.5 * (b - a).cross(c - a).norm();
+    if (!(area > 0.0)) continue;
+    const double wanted = least_radius > 0.0 ? std::ceil(3.0 * triangle.edge / least_radius) : double{usual_parts};
+    const auto& points = points_of_triangle(static_cast<int>(std::clamp<double>(wanted, fewest_parts, most_parts)));
+    made.patches.push_back({corner, &points, area / static_cast<double>(points.size())});
+    made.longest_edge = std::max(made.longest_edge, triangle.edge);
+  }
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (has_triangles[b]) continue;
+    for (const Index row : bodies[b].particles) made.patches.push_back({{row, row, row}, &point_of_particle(), 1.0});
+  }
+  for (const ContactPoints::Patch& patch : made.patches) made.most_points += patch.points->size();
+  index_particles(made, model.rest.size());
+  return made;
+}
+
+}  // namespace phymul::cpu

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+//
+// Where tools with ToolContact::surface touch bodies: at points that are fixed to the triangles of a surface, each a
+// mean of three particles. Bodies without triangles are touched at their particles.
+#pragma once
+
+#include <phymul/model.h>
+
+#include <array>
+#include <vector>
+
+namespace phymul::cpu {
+
+struct ContactPoints {
+  using Shares = std::array<double, 3>;  // of a patch's corners in a point, sum 1
+
+  struct Patch {                    // a triangle, or a particle: its first corner, three times
+    std::array<Index, 3> corner{};  // rows of the model
+    const std::vector<Shares>* points = nullptr;
+    double area = 0.0;  // m^2 of the rest surface that each of its points stands for; a particle's is 1
+  };
+  std::vector<Patch> patches;
+  std::vector<std::size_t> patch_first;  // [N + 1] of a particle in patch_of
+  std::vector<Index> patch_of;           // rows of the patches that have it, ascending
+  std::size_t most_points = 0;           // sum over all patches
+  double longest_edge = 0.0;             // m, at rest
+};
+
+/// Points of a triangle are the centres of its k^2 like parts, k from 3 to 12: their distance, about the longest edge
+/// over k, is to be at most a third of `least_radius`, m, so that a tool of that radius does not pass between them
+/// where they are drawn apart. `least_radius` may be infinite; 0: not known, k is 6.
+ContactPoints make_contact_points(const Model& model, double least_radius);
+
+}  // namespace phymul::cpu

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+//
+// A tool with ToolContact::surface against the points of a body's surface, in one step.
+//
+// A point s moves as the mean of its particles i by shares w_si, and an impulse J_s on it gives w_si J_s to each.
+// Several rounds follow each other. In a round every point that touches is pressed as a particle is (touch_in_step),
+// all from the same state, with the inverse mass
+//   a_s = sum_i w_si L_i / (L_s m_i),   L_i = sum_s w_si L_s,   L_s = area that the point stands for times its depth.
+// Particles are so split among the points that share them (R. Tonge, F. Benevolenti, A. Voroshilov, Mass Splitting for
+// Jitter-Free Parallel Rigid Body Simulation, 2012). With the loads L as weights, Gershgorin's theorem says that no
+// eigenvalue of the matrix that takes the depths before a round to those after it is negative or above 1, whatever the
+// number of points and the triangles' shape. So a round does not overshoot, its result does not depend on the order of
+// points, and what lies evenly deep comes out in one round. Because a point that begins to touch has no load, the force
+// is continuous as a tool slides. The next step starts from what the last round leaves.
+#pragma once
+
+#include <phymul/state.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "contact_points.h"
+#include "contact_tool.h"
+#include "predicted_step.h"
+#include "tool_frame.h"
+
+namespace phymul::cpu {
+
+class SurfacePress {
+ public:
+  /// `least_radius`: as for make_contact_points(). Allocates; act() does not.
+  SurfacePress(const Model& model, double least_radius);
+
+  /// m: a tool may touch a triangle whose corners are all this far away from it.
+  double reach() const { return reach_; }
+
+  /// `near`: particles within reach of the tool, in any order that no number of threads changes. Impulses go to
+  /// `touched`, and what they took to `force`.
+  void act(const ShapeIn<double>& shape, const ContactLaw<double>& law, const ToolFrame& start, const ToolFrame& end,
+           const std::vector<Index>& near, TouchedParticles& touched, ToolForce& force);
+
+ private:
+  struct Corner {  // a particle, in the tool's frame
+    std::size_t slot = 0;
+    Vec3 from{0, 0, 0}, to{0, 0, 0};        // m, of its way in this step, with the impulses of past rounds
+    double inverse_mass = 0.0;              // 1/kg, 0 where it is imposed or held
+    double load = 0.0;                      // m^3: sum over the points that touch of share times load
+    Vec3 impulse{0, 0, 0}, shift{0, 0, 0};  // N s and kg m, of this round
+    Vec3 given{0, 0, 0};                    // N s, of all rounds, in the world
+  };
+  struct Near {  // a patch
+    Index patch = -1;
+    std::array<std::size_t, 3> corner{};  // of corners_
+  };
+  struct Pressed {           // a point that touches in the first round
+    Index near = -1;         // row of near_
+    std::int32_t point = 0;  // of its patch
+    double load = 0.0;       // m^3: its area times its depth
+  };
+  struct Way {  // of a point, m, in the tool's frame
+    Vector3<double> from, to;
+  };
+
+  void gather(const ToolFrame& start, const ToolFrame& end, const std::vector<Index>& near, TouchedParticles& touched);
+  std::size_t corner(Index row, const ToolFrame& start, const ToolFrame& end, TouchedParticles& touched);
+  bool may_touch(const ShapeIn<double>& shape, const Near& near) const;
+  Way way_of(Index row, std::int32_t point) const;
+  void find_pressed(const ShapeIn<double>& shape);
+  void press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt);
+  void hand_over(const ToolFrame& end, TouchedParticles& touched);
+
+  ContactPoints points_;
+  double reach_ = 0.0;
+  std::vector<Index> corner_of_;  // [N] of corners_, -1: not in this step
+  std::vector<char> is_near_;     // [patches]
+  std::vector<Corner> corners_;
+  std::vector<Near> near_;
+  std::vector<Pressed> pressed_;
+};
+
+}  // namespace phymul::cpu

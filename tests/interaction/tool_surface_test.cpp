@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: MIT
+//
+// Tools with ToolContact::surface: what they feel does not depend on where particles are.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "support/message_of.h"
+#include "support/tool_backends.h"
+
+namespace phymul::test {
+namespace {
+
+constexpr double cell = 5e-3;  // m
+constexpr int across = 10, high = 6;
+const Vec3 middle(0.5 * across * cell, 0.5 * across * cell, high* cell);  // of the upper face: a particle
+
+Model slab() {
+  Model model = make_block({across * cell, across * cell, high * cell}, across, across, high);
+  set_material(model, {.young = 10e3, .poisson = 0.3, .density = 1000});
+  return model;
+}
+
+/// A tool that a hand moves by ticks of 1 ms.
+class Pressed {
+ public:
+  Pressed(const Model& model, const Tool& tool) : scene_(model) {
+    scene_.fix("z0").add_tool("tool", tool);
+    SolverOptions options;
+    options.damping.rate = 100.0;
+    solver_ = make_solver("cpu", model, scene_, {}, options);
+    steps_ = static_cast<int>(std::ceil(1e-3 / (0.5 * solver_->stable_step())));
+  }
+
+  const ToolForce& tick(const Vec3& position) {
+    scene_.tool("tool").move_to({.position = position});
+    const StepReport report = solver_->step(steps_, 1e-3 / steps_);
+    EXPECT_TRUE(report.ok()) << report.message();
+    return solver_->tool_force("tool");
+  }
+  /// Comes down on a place in 1 mm per 10 ticks, and rests there.
+  const ToolForce& press(const Vec3& from, double depth) {
+    const int ticks = static_cast<int>(std::ceil(1e4 * depth));
+    for (int k = 1; k <= ticks; ++k) tick(from - Vec3(0, 0, depth * k / ticks));
+    for (int k = 0; k < 100; ++k) tick(from - Vec3(0, 0, depth));
+    return solver_->tool_force("tool");
+  }
+
+ private:
+  Scene scene_;
+  std::unique_ptr<Solver> solver_;
+  int steps_ = 0;
+};
+
+Tool ball_of(double radius, ToolContact contact, double friction = 0.1) {
+  return {.shape = Sphere{radius},
+          .pose = {.position = middle + Vec3(0, 0, radius + 1e-3)},
+          .friction = friction,
+          .contact = contact};
+}
+
+/// Over a particle, an edge, a diagonal of a cell and in a triangle.
+const std::array<Vec3, 4> places{Vec3(0, 0, 0), Vec3(0.5, 0, 0), Vec3(0.5, 0.5, 0), Vec3(0.7, 0.2, 0)};
+
+/// Least and largest force over the places.
+std::pair<double, double> range_of_forces(double radius, double depth, ToolContact contact) {
+  const Model model = slab();
+  double least = INFINITY, most = 0.0;
+  for (const Vec3& place : places) {
+    Pressed pressed(model, ball_of(radius, contact));
+    const double force = pressed.press(middle + cell * place + Vec3(0, 0, radius), depth).mean_force.z();
+    least = std::min(least, force);
+    most = std::max(most, force);
+  }
+  return {least, most};
+}
+
+/// Contact radius: 1.2 cells. With the correction for a layer of finite depth that contact_test.cpp cites.
+TEST(ToolSurface, ForceOfABallIsThatOfHertzAtEveryPlace) {
+  const double radius = 0.012, depth = 3e-3, nu = 0.3;
+  const auto [least, most] = range_of_forces(radius, depth, ToolContact::surface);
+  const double hertz = 4.0 / 3.0 * 10e3 / (1.0 - nu * nu) * std::sqrt(radius) * std::pow(depth, 1.5);
+  const double alpha = -(1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1.0 - nu);
+  const double chi = std::sqrt(radius * depth) / (high * cell);
+  const double layer = 1.0 - 2.0 * alpha / M_PI * chi + std::pow(2.0 * alpha / M_PI * chi, 2);
+  RecordProperty("least", std::to_string(least / (hertz * layer)));
+  RecordProperty("most", std::to_string(most / (hertz * layer)));
+  EXPECT_GT(least, 0.8 * hertz * layer);
+  EXPECT_LT(most, 1.2 * hertz * layer);
+  EXPECT_LT(most, 1.06 * least);
+}
+
+/// As wide as a cell, pressed in by its radius.
+TEST(ToolSurface, ForceOfASmallBallDependsLessOnThePlaceThanAtParticles) {
+  const auto at_particles = range_of_forces(cell, cell, ToolContact::particles);
+  const auto at_surface = range_of_forces(cell, cell, ToolContact::surface);
+  RecordProperty("particles", std::to_string(at_particles.second / at_particles.first));
+  RecordProperty("surface", std::to_string(at_surface.second / at_surface.first));
+  EXPECT_LT(at_surface.second, 1.15 * at_surface.first);
+  EXPECT_GT(at_particles.second, 1.3 * at_particles.first);
+}
+
+/// A rod of a fifth of a cell, in the middle of a triangle.
+TEST(ToolSurface, AThinRodBetweenParticlesIsFelt) {
+  const Model model = slab();
+  const double radius = 0.2 * cell;
+  const Vec3 from = middle + cell * Vec3(0.7, 0.3, 0) + Vec3(0, 0, radius);
+  for (const ToolContact contact : {ToolContact::particles, ToolContact::surface}) {
+    Pressed pressed(model, {.shape = Capsule{radius, 0.1}, .pose = {.position = from}, .contact = contact});
+    int felt = 0;
+    for (int k = 1; k <= 40; ++k) felt += pressed.tick(from - Vec3(0, 0, 1e-4 * k)).mean_force.z() > 0.0 ? 1 : 0;
+    EXPECT_EQ(felt, contact == ToolContact::surface ? 40 : 0);
+  }
+}
+
+/// Largest change of the force in a tick, of itself, of a ball that slides over two cells at 5 cm/s.
+double largest_jump(ToolContact contact) {
+  const Model model = slab();
+  const double radius = 0.8 * cell, depth = 0.6 * cell;
+  Pressed pressed(model, ball_of(radius, contact));
+  const Vec3 from = middle - cell * Vec3(1, 0.2, 0) + Vec3(0, 0, radius);
+  double before = pressed.press(from, depth).mean_force.norm(), jump = 0.0;
+  for (int k = 1; k <= 200; ++k) {
+    const double now = pressed.tick(from + Vec3(5e-5 * k, 1e-5 * k, -depth)).mean_force.norm();
+    if (k > 20) jump = std::max(jump, std::abs(now - before) / before);  // it first has to begin to slide
+    before = now;
+  }
+  return jump;
+}
+
+TEST(ToolSurface, ForceIsContinuousAsABallSlidesOverTriangles) {
+  const double at_particles = largest_jump(ToolContact::particles), at_surface = largest_jump(ToolContact::surface);
+  RecordProperty("particles", std::to_string(at_particles));
+  RecordProperty("surface", std::to_string(at_surface));
+  EXPECT_LT(at_surface, 0.02);
+  EXPECT_GT(at_particles, 0.04);
+}
+
+/// A plate over the whole face, all of whose normals are one: the sum is in the cone that each point's force is in.
+TEST(ToolSurface, FrictionStaysInCoulombsConeAndReachesIt) {
+  const Model model = slab();
+  const double half = 0.01;
+  const Vec3 from = middle + Vec3(0, 0, half);
+  Pressed pressed(model, {.shape = Box{{across * cell, across * cell, half}},
+                          .pose = {.position = from},
+                          .friction = 0.3,
+                          .contact = ToolContact::surface});
+  pressed.press(from, 1e-3);
+  double share = 0.0;
+  for (int k = 1; k <= 100; ++k) {
+    const Vec3 force = pressed.tick(from + Vec3(1e-4 * k, 0, -1e-3)).force;
+    share = -force.x() / force.z();
+    ASSERT_LT(std::hypot(force.x(), force.y()), 0.3 * force.z() * (1.0 + 1e-9)) << k;
+    ASSERT_GT(share, 0.0) << k;
+  }
+  EXPECT_NEAR(share, 0.3, 0.01);
+}
+
+TEST(ToolSurface, NeedlesAndOtherBackendsAreRefused) {
+  const Model model = slab();
+  Scene scene(model);
+  EXPECT_TRUE(
+      refuses([&] { scene.add_tool("n", {.shape = Needle{}, .contact = ToolContact::surface}); },
+              "tool \"n\": expected ToolContact::particles, got surface: a needle finds the surface by itself"));
+  scene.add_tool("ball", ball_of(cell, ToolContact::surface));
+  EXPECT_EQ(make_solver("auto", model, scene)->name(), "cpu");
+}
+
+class ToolSurfaceOn : public testing::TestWithParam<const char*> {
+ protected:
+  static std::unique_ptr<Solver> make(const Model& model, const Scene& scene, const SolverOptions& options = {}) {
+    return make_solver(GetParam(), model, scene, {}, options);
+  }
+  static double roundoff() { return std::string_view(GetParam()) == "reference" ? 0x1p-53 : 0x1p-24; }
+};
+INSTANTIATE_TEST_SUITE_P(, ToolSurfaceOn, testing::Values("reference", "cpu"),
+                         [](const auto& backend) { return std::string(backend.param); });
+
+TEST_P(ToolSurfaceOn, TakesFromTheBodyWhatTheToolFeels) {
+  const Model model = soft_block({0.03, 0.02, 0.02}, 6, 4, 4);
+  Scene scene(model);
+  ToolPose pose{.position = {0.012, 0.011, 0.029}, .velocity = {0.3, -0.2, -1.0}, .spin = {5, -3, 20}};
+  scene.add_tool(
+      "ball",
+      {.shape = Sphere{0.01}, .pose = pose, .friction = 0.4, .compliance = 1e-3, .contact = ToolContact::surface});
+  pose.position = {0.015, 0.01, -0.008};
+  pose.velocity = {0, 0.1, 0.8};
+  scene.add_tool("block",
+                 {.shape = Box{{0.008, 0.006, 0.006}}, .pose = pose, .friction = 0.7, .contact = ToolContact::surface});
+  SolverOptions options;
+  options.max_displacement_per_step = std::numeric_limits<double>::infinity();  // a cut force has no counterpart
+  const auto solver = make(model, scene, options);
+  const double dt = 0.3 * solver->stable_step();
+  double largest = 0.0;
+  for (int k = 0; k < 60; ++k) {
+    const Momentum before = solver->momentum();
+    ASSERT_TRUE(solver->step(1, dt).ok());
+    const double force = solver->tool_force("ball").force.norm() + solver->tool_force("block").force.norm();
+    largest = std::max(largest, force);
+    const Imbalance left = imbalance(before, solver->momentum(), *solver, {"ball", "block"}, dt);
+    const double noise = 1e3 * roundoff() * (force + total_mass(model) * 1.0 / dt);  // as of tools at particles
+    EXPECT_LE(left.force.norm(), noise) << k;
+    EXPECT_LE(left.torque.norm(), 0.05 * noise) << k;
+  }
+  EXPECT_GT(largest, 0.1);  // N: they did meet
+}
+
+TEST_P(ToolSurfaceOn, PlacedOverASurfaceLetsItOutWithoutSpeed) {
+  const Model model = soft_block({0.02, 0.02, 0.02}, 4, 4, 4);
+  const Vec3 over(0.0115, 0.0108, 0.0251);
+  const double radius = 0.008;
+  Scene scene(model);
+  scene.add_tool("ball",
+                 {.shape = Sphere{radius}, .pose = {.position = {0.01, 0.01, 0.5}}, .contact = ToolContact::surface});
+  const auto solver = make(model, scene);
+  scene.tool("ball").teleport({.position = over});
+  const StepReport report = solver->step(1, 0.3 * solver->stable_step());
+  ASSERT_TRUE(report.ok());
+  EXPECT_LE(report.max_speed, 1e-9);
+  EXPECT_LE(solver->tool_force("ball").force.norm(), 1e-6);
+  const State state = solver->read();
+  double deepest = 0.0, moved_by = 0.0;  // m
+  for (const auto& [a, b, c] : surface_triangles(model)) {
+    const Vec3 centre = (state.position[a] + state.position[b] + state.position[c]) / 3.0;
+    deepest = std::max(deepest, radius - (centre - over).norm());
+  }
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    moved_by = std::max(moved_by, (state.position[i] - model.rest[i]).norm());
+  }
+  EXPECT_GT(moved_by, 1e-3);
+  EXPECT_LT(deepest, 0.01 * moved_by);  // was moved_by
+}
+
+/// Bodies without triangles, and those that loads impose: as with ToolContact::particles.
+TEST_P(ToolSurfaceOn, TouchesParticlesWhereThereAreNoTriangles) {
+  const Model model = make_strip(0.04, 0.02, 8, 4);
+  std::array<State, 2> end;
+  std::array<Vec3, 2> force;
+  for (const ToolContact contact : {ToolContact::particles, ToolContact::surface}) {
+    Scene scene(model);
+    scene.fix("y0").add_tool(
+        "ball",
+        {.shape = Sphere{0.008}, .pose = {.position = {0.021, 0.0264, 0}}, .friction = 0.2, .contact = contact});
+    const auto solver = make(model, scene);
+    for (int k = 1; k <= 20; ++k) {
+      scene.tool("ball").move_to({.position = {0.021, 0.0264 - 1e-4 * k, 0}});
+      ASSERT_TRUE(solver->step(2, 0.3 * solver->stable_step()).ok());
+    }
+    const auto run = static_cast<std::size_t>(contact);
+    end[run] = solver->read();
+    force[run] = solver->tool_force("ball").force;
+  }
+  EXPECT_GT(force[0].norm(), 1e-6);
+  EXPECT_LE((force[1] - force[0]).norm(), 1e4 * roundoff() * force[0].norm());
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    EXPECT_LE((end[1].position[i] - end[0].position[i]).norm(), 1e3 * roundoff() * 0.04);
+  }
+}
+
+/// The tool does not move what loads impose, and does not feel it.
+TEST_P(ToolSurfaceOn, WhatIsImposedStays) {
+  const Model model = soft_block({0.02, 0.02, 0.02}, 4, 4, 4);
+  Scene scene(model);
+  scene.fix("z1").fix("z0");
+  scene.add_tool("ball", {.shape = Sphere{0.004},
+                          .pose = {.position = {0.01, 0.01, 0.0245}},
+                          .friction = 0.5,
+                          .contact = ToolContact::surface});
+  const auto solver = make(model, scene);
+  for (int k = 1; k <= 10; ++k) {
+    scene.tool("ball").move_to({.position = {0.01, 0.01, 0.0245 - 2e-4 * k}});
+    ASSERT_TRUE(solver->step(2, 0.3 * solver->stable_step()).ok());
+    EXPECT_EQ(solver->tool_force("ball").force, Vec3(0, 0, 0));
+    EXPECT_EQ(solver->tool_force("ball").particles, 0);
+  }
+}
+
+}  // namespace
+}  // namespace phymul::test
