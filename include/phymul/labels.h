@@ -47,8 +47,9 @@ struct LabelBodyOptions {
 /// Trans. Signal Process. 41, 1993): a place has of each label a share between 0 and 1. The body is where the regions
 /// together have more than a half; its surface is then moved until the volume is that of their voxels. A cell belongs
 /// to the region with the largest share at its centre. Particles near the boundary between two regions move onto it,
-/// and edges that still cross it are cut there, where all cells keep dihedral angles between 15 and 155 degrees or as
-/// good as before. A sheet of one voxel is smoothed to 0.7 voxels; a line of one voxel is lost.
+/// and edges that still cross it are cut there, where all cells keep dihedral angles between 15 and 155 degrees, or as
+/// good as before, and heights above 0.15 of the lattice's edge. A sheet of one voxel is smoothed to 0.7 voxels; a line
+/// of one voxel is lost.
 ///
 /// Model::notes has the notes of the image and names the regions that have no cell: they are thinner than the spacing.
 /// BodyReport::regions compares volumes. Throws Error as make_body() does for a Solid; for an image whose sizes do not

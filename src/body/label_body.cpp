@@ -63,7 +63,7 @@ Model make_body(const LabelImage& image, const LabelBodyOptions& options, BodyRe
   for (const double volume : field.volumes()) wanted_volume += volume;
   BodyReport own;
   Model model = filled_body(LabelInterior(field), lattice, wanted_volume, filling, &own,
-                            [&](Stuffing& body) { meet_interfaces(body, field); });
+                            [&](Stuffing& body) { meet_interfaces(body, field, lattice.edge); });
   own.regions = add_regions(model, field, options.spacing);
   model.notes.insert(model.notes.begin(), image.notes.begin(), image.notes.end());
   if (report) *report = std::move(own);

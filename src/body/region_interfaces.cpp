@@ -17,15 +17,28 @@ namespace {
 constexpr double degree = std::numbers::pi / 180.0;
 constexpr Angles good_angles{15.0 * degree, 155.0 * degree};
 
+// In edges of the lattice, of the corners of a cell over the faces opposite them: lower cells shorten the stable step.
+constexpr double good_height = 0.15;
+
 // A particle of the surface moves by this share of an edge at most: further ones would leave the surface where it
 // bends.
 constexpr double most_along_surface = 0.35;
 
 using Edge = std::array<Index, 2>;
 
+/// Of a tetrahedron, m; negative if it is inside out.
+double least_height(const std::array<Vec3, 4>& corner) {
+  double most = 0.0;  // twice the largest face
+  for (int k = 0; k < 4; ++k) {
+    const Vec3 &a = corner[(k + 1) % 4], &b = corner[(k + 2) % 4], &c = corner[(k + 3) % 4];
+    most = std::max(most, (b - a).cross(c - a).norm());
+  }
+  return (corner[1] - corner[0]).cross(corner[2] - corner[0]).dot(corner[3] - corner[0]) / most;
+}
+
 class Meeting {
  public:
-  Meeting(Stuffing& body, const LabelField& field) : body_(body), field_(field) {
+  Meeting(Stuffing& body, const LabelField& field, double edge) : body_(body), field_(field), edge_(edge) {
     region_.reserve(body.place.size());
     for (const Vec3& x : body.place) region_.push_back(region_at(x));
     moved_.assign(body.place.size(), 0);
@@ -140,8 +153,8 @@ class Meeting {
 
   bool is_open(Index edge) const { return !moved_[edges_[edge][0]] && !moved_[edges_[edge][1]]; }
 
-  static bool is_sound(const std::array<Vec3, 4>& corner, const Angles& before) {
-    if (!((corner[1] - corner[0]).cross(corner[2] - corner[0]).dot(corner[3] - corner[0]) > 0.0)) return false;
+  bool is_sound(const std::array<Vec3, 4>& corner, const Angles& before) const {
+    if (!(least_height(corner) > good_height * edge_)) return false;
     const Angles now = dihedral_angles(corner);
     return now.smallest >= std::min(before.smallest, good_angles.smallest) &&
            now.largest <= std::max(before.largest, good_angles.largest);
@@ -216,6 +229,7 @@ class Meeting {
 
   Stuffing& body_;
   const LabelField& field_;
+  double edge_;                            // m, of the lattice
   std::vector<int> region_;                // [particles] before any moved
   std::vector<char> moved_;                // [particles] 1: on a boundary
   std::vector<Edge> edges_;                // that join two regions
@@ -226,8 +240,8 @@ class Meeting {
 
 }  // namespace
 
-void meet_interfaces(Stuffing& body, const LabelField& field) {
-  Meeting(body, field);
+void meet_interfaces(Stuffing& body, const LabelField& field, double edge) {
+  Meeting(body, field, edge);
 }
 
 }  // namespace phymul

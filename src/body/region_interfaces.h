@@ -11,7 +11,8 @@ namespace phymul {
 
 /// Where an edge of a cell joins two regions, the end that is nearer to their boundary moves onto it, the nearest ones
 /// first. Particles on the body's surface move along its edges. Edges of which no end moved are cut at the boundary, by
-/// a new particle. What would spoil the angles of a cell is left out: such edges still cross the boundary.
-void meet_interfaces(Stuffing& body, const LabelField& field);
+/// a new particle. What would spoil the angles of a cell, or make it lower than a share of `edge` (m, of the lattice),
+/// is left out: such edges still cross the boundary.
+void meet_interfaces(Stuffing& body, const LabelField& field, double edge);
 
 }  // namespace phymul
