@@ -112,7 +112,6 @@ Multigrid::Multigrid(const TopologyTextures& topology, std::span<const std::uint
   for (double& value : strongest_)
     value = static_cast<double>(bits = bits * 1664525u + 1013904223u) / 4294967296.0 - 0.5;
   strongest_.array() *= free_.array();
-  turn({});
 }
 
 void Multigrid::turn(std::span<const Mat3> gradients) {

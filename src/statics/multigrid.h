@@ -21,7 +21,8 @@ class Multigrid {
   /// Of the free coordinates. `fixed` [N]: as LoadFrame::fixed, or empty. Keeps references to the arguments.
   Multigrid(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, Tangent& tangent);
 
-  /// Follows the tangent to another state: `gradients` as Tangent::linearise. Without it: at rest.
+  /// Follows the tangent to another state: `gradients` as Tangent::linearise. To be called before
+  /// solve().
   void turn(std::span<const Mat3> gradients);
 
   /// Looks for the largest eigenvalue of the scaled K, which the smoothing needs, by `steps` steps of the power
