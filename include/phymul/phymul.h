@@ -28,6 +28,7 @@
 #include <phymul/solver.h>
 #include <phymul/state.h>
 #include <phymul/state_file.h>
+#include <phymul/statics.h>
 #include <phymul/surface.h>
 #include <phymul/surface_file.h>
 #include <phymul/tool.h>

@@ -7,6 +7,7 @@
 #include <phymul/scene.h>
 #include <phymul/solver.h>
 #include <phymul/state_file.h>
+#include <phymul/statics.h>
 #include <phymul/topology.h>
 
 #include <cstddef>
@@ -50,7 +51,7 @@ struct SimulationBody {
 ///
 /// The first function that needs the solver makes it, so that "auto" can choose by the scene: fill the scene before.
 /// These functions throw Error if the solver cannot be made. Otherwise advance() and run_to_rest() do not throw; their
-/// results report failures.
+/// results report failures. solve_static() throws for what it does not support.
 class Simulation {
  public:
   /// Sets the materials and builds the tables. Throws Error as set_material(), Scene and build_topology() do.
@@ -76,6 +77,15 @@ class Simulation {
   /// have none, the call chooses it: near the critical damping of the slowest vibration, which it estimates from the
   /// motion. The state's time advances as in every step.
   RestResult run_to_rest(int max_steps = 200'000);
+
+  /// Finds the rest shape under the loads of the present time, without steps: Newton's method on the energy, whose
+  /// linear systems are solved by conjugate gradients with multigrid (docs/theory/physics.md). The number of
+  /// evaluations hardly grows with the body. Begins at the present state or at the rest shape, whichever has less
+  /// energy. If it converges, the solver is in the rest state without motion, at the same time; else its state is what
+  /// it was. A body that nothing holds, and whose loads are not in balance, is a result that says so.
+  /// Throws Error (not_supported) for a body without a material or in two dimensions, for tools, contacts and volume
+  /// constraints, and for loads with events after the present time; (invalid_argument) for options out of their range.
+  StaticResult solve_static(const StaticOptions& options = {});
 
   /// What is probably not meant, a sentence each: a body without material, sizes and constants that suggest other units
   /// than SI, a part that nothing holds, cells too stretched for their spacing; of the model, and of the scene as it

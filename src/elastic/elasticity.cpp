@@ -9,6 +9,7 @@
 #include "force_shape.h"
 #include "force_spring.h"
 #include "force_volume.h"
+#include "mean_gradient.h"
 
 namespace phymul {
 namespace {
@@ -136,23 +137,6 @@ double volume_energy(const TopologyTextures& topology, std::span<const Vec3> x) 
     energy += term.stiffness * cpu::volume_energy_density(topology.options.volume_law, J);
   }
   return energy;
-}
-
-/// H_d, the mean displacement gradient of a domain.
-Mat3 mean_gradient(const TopologyTextures& t, Index d, std::span<const Vec3> x) {
-  const auto displacement = [&](Index e) {
-    const Index i = t.domains[e].particle;
-    return Vec3(x[i] - t.rest[i]);
-  };
-  const Vec3 own = displacement(d);
-  Mat3 H = Mat3::Zero();
-  for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
-    H += (displacement(t.links[r].domain) - own) * t.links[r].area.transpose();
-  }
-  for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
-    H += (displacement(t.surface_links[r].domain) - own) * t.surface_links[r].area.transpose();
-  }
-  return t.domains[d].inverse_volume * H;
 }
 
 /// dE/dF_d per volume, the stabiliser's part of it included.

@@ -17,6 +17,7 @@ set(rooms
     "elastic elasticity"
     "interaction virtual_coupling"
     "solver gl solver solver_options step_report backend"
+    "statics statics"
     "session recording state_file simulation"
     "device"
     "view camera display"

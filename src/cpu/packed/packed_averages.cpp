@@ -74,6 +74,7 @@ class AveragesPacker {
     }
     to_.slots = static_cast<std::int32_t>(places.size());
     domain_of_quad_.assign(places.size(), none);
+    to_.domain_of_place = places;
     for (std::size_t place = 0; place < places.size(); ++place) {
       const auto slot = static_cast<std::int32_t>(place);
       domain_of_quad_[simd::quad_of(slot, lanes_)] = places[place];

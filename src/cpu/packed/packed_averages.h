@@ -23,7 +23,8 @@ struct PackedAverages {
   std::vector<std::pair<std::int32_t, std::int32_t>> further;
   Offsets first_link, link, stress_row, force_row;
   Floats constants, links;
-  PackedRuns runs;  ///< in place of links
+  PackedRuns runs;                     ///< in place of links
+  std::vector<Index> domain_of_place;  ///< [slots] row of TopologyTextures::domains, none where there is no domain
 
   std::size_t stress_floats() const;  ///< of what job() takes for stresses
   int slices() const { return lanes > 0 ? slots / lanes : 0; }

@@ -170,6 +170,8 @@ struct Kernels {
   void (*spread_displacements)(const Averaged&, int slice, int end);  ///< to components, for runs
   /// [of runs][StrainEnergy][bounded]
   void (*averaged_stresses[2][most_energies][2])(const Averaged&, int slice, int end);
+  /// The same for small changes of displacements `u`; Averaged::constants as TangentOf (kernel_text.h) says.
+  void (*averaged_tangents[2][most_energies][2])(const Averaged&, int slice, int end);
   void (*averaged_forces[2])(const Averaged&, int slice, int end);  ///< [of runs]
   void (*move)(const Move&, int slice, int end, MoveSummary&);
 };

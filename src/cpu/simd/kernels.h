@@ -19,7 +19,11 @@ constexpr void set_stresses(simd::Kernels& kernels, EnergyList<Each...>) {
   ((kernels.averaged_stresses[0][row][0] = averaged_stresses<Each<false>>,
     kernels.averaged_stresses[0][row][1] = averaged_stresses<Each<true>>,
     kernels.averaged_stresses[1][row][0] = run_stresses<Each<false>>,
-    kernels.averaged_stresses[1][row++][1] = run_stresses<Each<true>>),
+    kernels.averaged_stresses[1][row][1] = run_stresses<Each<true>>,
+    kernels.averaged_tangents[0][row][0] = averaged_stresses<TangentOf<Each<false>>>,
+    kernels.averaged_tangents[0][row][1] = averaged_stresses<TangentOf<Each<true>>>,
+    kernels.averaged_tangents[1][row][0] = run_stresses<TangentOf<Each<false>>>,
+    kernels.averaged_tangents[1][row++][1] = run_stresses<TangentOf<Each<true>>>),
    ...);
 }
 
@@ -35,6 +39,7 @@ constexpr simd::Kernels all_kernels(const char* name) {
       {{volume_rows<false, false>, volume_rows<false, true>}, {volume_rows<true, false>, volume_rows<true, true>}},
       spring_slices,
       spread_displacements,
+      {},
       {},
       {averaged_forces, run_forces},
       move_slices};

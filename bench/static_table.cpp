@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+//
+// Simulation::solve_static beside run_to_rest: evaluations of forces, and times on one thread. A cantilever of
+// unstructured tetrahedra under gravity, by size, Poisson's ratio and load.
+#include <phymul/phymul.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+
+#include "usage.h"
+
+namespace {
+
+using namespace phymul;
+
+/// s of this thread's processor, which other programs do not lengthen.
+double processor_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+Simulation cantilever(int across, double poisson, double gravity) {
+  SimulationOptions options{.material = Material{.young = 10e3, .poisson = poisson, .density = 1000}, .backend = "cpu"};
+  options.solver.threads = 1;
+  // Where the clamp folds cells, the default energy has no rest shape that steps reach.
+  if (gravity > 0.5) options.topology.strain_energy = StrainEnergy::neo_hookean;
+  Simulation sim(make_tetrahedral_block({0.2, 0.05, 0.05}, 4 * across, across, across, 0.2, 1), options);
+  sim.scene().fix("x0").gravity({0, 0, -9.81 * gravity});
+  sim.solver();
+  return sim;
+}
+
+void print_row(int across, double poisson, double gravity, bool steps) {
+  Simulation solved = cantilever(across, poisson, gravity);
+  double begin = processor_seconds();
+  const StaticResult result = solved.solve_static();
+  const double solving = processor_seconds() - begin;
+  std::printf("%9d %4.2f %6.3f  %-7s %5d %8.1e %8.4f s", solved.model().particle_count(), poisson, gravity,
+              result.converged() ? "at rest" : "not", result.evaluations, result.residual, solving);
+  if (steps) {
+    Simulation stepped = cantilever(across, poisson, gravity);
+    begin = processor_seconds();
+    const RestResult rest = stepped.run_to_rest(40'000);
+    const double stepping = processor_seconds() - begin;
+    std::printf("  %-7s %6d %8.3f s %6.1f", rest.converged() ? "at rest" : "not", rest.report.steps, stepping,
+                stepping / solving);
+  }
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  if (bench::prints_usage(
+          argc, argv,
+          "static_table [cells across, at most [steps]], default 16 and 1\n"
+          "Evaluations and processor time of solve_static() to a residual of 1e-6, for a cantilever of\n"
+          "4, 8 and 16 cells across; with steps 1 also of run_to_rest(), which takes minutes.")) {
+    return 0;
+  }
+  const int most = argc > 1 ? std::atoi(argv[1]) : 16;
+  const bool steps = argc <= 2 || std::atoi(argv[2]) != 0;
+  std::printf("particles nu   load/g  solve_static: evaluations, residual, time; run_to_rest: steps, time; ratio\n");
+  for (const double gravity : {0.001, 0.02, 1.0}) {
+    for (const double poisson : {0.3, 0.45, 0.49}) {
+      for (int across = 4; across <= most; across *= 2) print_row(across, poisson, gravity, steps);
+    }
+  }
+} catch (const phymul::Error& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 1;
+}

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+//
+// Options and result of Simulation::solve_static: the rest shape without steps.
+#pragma once
+
+#include <phymul/step_report.h>
+
+#include <string>
+
+namespace phymul {
+
+struct StaticOptions {
+  /// The body is at rest when the net forces on free coordinates are at most this share of the loads, > 0. Both are
+  /// Euclidean norms over all particles. The loads are gravity and forces on free coordinates, and the elastic forces
+  /// on coordinates that are imposed away from their rest places.
+  double tolerance = 1e-6;
+  /// Largest number of evaluations, >= 1: of the elastic forces of all particles, or of how they change with a
+  /// displacement.
+  int most_evaluations = 3000;
+};
+
+struct StaticResult {
+  RestStatus status = RestStatus::failed;  ///< step_limit: most_evaluations were not enough; never stopped
+  int evaluations = 0;                     ///< as StaticOptions::most_evaluations counts them
+  double residual = 0.0;                   ///< net forces over loads, as StaticOptions::tolerance
+  double largest_force = 0.0;              ///< N, largest net force on a free particle
+  Index folded = -1;                       ///< as RestResult::folded, if converged
+  std::string cause;                       ///< of RestStatus::failed
+
+  bool converged() const { return status == RestStatus::converged; }
+  std::string message() const;  ///< one sentence for people
+};
+
+}  // namespace phymul

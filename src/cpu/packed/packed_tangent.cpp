@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+
+#include "base/denormals.h"
+#include "cpu/simd/instruction_set.h"
+#include "packed_body.h"
+#include "statics/tangent.h"
+#include "topology/energies.h"
+
+namespace phymul {
+namespace {
+
+using namespace cpu;
+
+char* bytes(Floats& floats) {
+  return reinterpret_cast<char*>(floats.data());
+}
+
+class PackedTangent final : public Tangent {
+ public:
+  explicit PackedTangent(const TopologyTextures& topology)
+      : topology_(topology), kernels_(simd::chosen_kernels()), body_(make_packed_body(topology, kernels_.lanes)) {
+    const PackedAverages& averages = body_->averages;
+    u_.assign(4 * (static_cast<std::size_t>(std::max(body_->places, averages.slots)) + 1), 0.0f);
+    force_.assign(4 * static_cast<std::size_t>(averages.slots), 0.0f);
+    stress_.assign(averages.stress_floats(), 0.0f);
+    add_columns();
+    linearise({});
+  }
+
+  void linearise(std::span<const Mat3> gradients) override {
+    const std::size_t columns = 11 + own_;
+    const std::vector<Index>& domains = body_->averages.domain_of_place;
+    for (std::size_t place = 0; place < domains.size(); ++place) {
+      const Mat3 H = gradients.empty() || domains[place] == none ? Mat3(Mat3::Zero()) : gradients[domains[place]];
+      float* at = column(place, columns, 2 + own_);
+      for (int k = 0; k < 9; ++k) at[k * body_->lanes] = static_cast<float>(H(k % 3, k / 3));
+    }
+  }
+
+  void apply(const Eigen::VectorXd& d, Eigen::VectorXd& result) override {
+    const DenormalsAreZero guard;
+    result.resize(d.size());
+    const double largest = d.cwiseAbs().maxCoeff();
+    if (!(largest > 0.0) || !std::isfinite(largest)) {
+      result.setZero();
+      return;
+    }
+    for (std::size_t place = 0; place < body_->order.size(); ++place) {
+      const Eigen::Index at = 3 * body_->order[place];
+      for (int a = 0; a < 3; ++a) u_[4 * body_->quad_of(place) + a] = static_cast<float>(d[at + a] / largest);
+    }
+    const PackedAverages& averages = body_->averages;
+    averages.copy_displacements(bytes(u_));
+    simd::Averaged job = averages.job(bytes(u_), bytes(stress_), bytes(force_));
+    job.constants = constants_.data();
+    const bool runs = !averages.runs.empty();
+    const int slices = averages.slices();
+    if (runs) kernels_.spread_displacements(job, 0, slices);
+    const auto energy = static_cast<int>(topology_.options.strain_energy);
+    kernels_.averaged_tangents[runs][energy][body_->bounded](job, 0, slices);
+    kernels_.averaged_forces[runs](job, 0, slices);
+    averages.gather_forces(bytes(force_));
+    for (std::size_t place = 0; place < body_->order.size(); ++place) {
+      const Eigen::Index at = 3 * body_->order[place];
+      for (int a = 0; a < 3; ++a)
+        result[at + a] = -largest * static_cast<double>(force_[4 * body_->quad_of(place) + a]);
+    }
+  }
+
+ private:
+  /// Of the constants of a place, column `which` of `columns`.
+  float* column(std::size_t place, std::size_t columns, std::size_t which) {
+    const auto lanes = static_cast<std::size_t>(body_->lanes);
+    return &constants_[(place / lanes * columns + which) * lanes + place % lanes];
+  }
+
+  /// Those of the body, with room for nine more.
+  void add_columns() {
+    own_ = kind_of(topology_.options.strain_energy).constants;
+    const auto lanes = static_cast<std::size_t>(body_->lanes);
+    const std::size_t slices = body_->averages.constants.size() / ((2 + own_) * lanes);
+    constants_.assign(slices * (11 + own_) * lanes, 0.0f);
+    for (std::size_t slice = 0; slice < slices; ++slice) {
+      std::copy_n(&body_->averages.constants[slice * (2 + own_) * lanes], (2 + own_) * lanes,
+                  &constants_[slice * (11 + own_) * lanes]);
+    }
+  }
+
+  const TopologyTextures& topology_;
+  const simd::Kernels& kernels_;
+  std::unique_ptr<const PackedBody> body_;
+  std::size_t own_ = 0;  // constants of the energy
+  Floats constants_, u_, force_, stress_;
+};
+
+}  // namespace
+
+std::unique_ptr<Tangent> make_tangent(const TopologyTextures& topology) {
+  return std::make_unique<PackedTangent>(topology);
+}
+
+}  // namespace phymul

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <phymul/topology_textures.h>
+
+#include <span>
+
+namespace phymul {
+
+/// H_d = F_d - I, the mean displacement gradient of domain d. `x` [N] m.
+inline Mat3 mean_gradient(const TopologyTextures& t, Index d, std::span<const Vec3> x) {
+  const auto displacement = [&](Index e) {
+    const Index i = t.domains[e].particle;
+    return Vec3(x[i] - t.rest[i]);
+  };
+  const Vec3 own = displacement(d);
+  Mat3 H = Mat3::Zero();
+  for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
+    H += (displacement(t.links[r].domain) - own) * t.links[r].area.transpose();
+  }
+  for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
+    H += (displacement(t.surface_links[r].domain) - own) * t.surface_links[r].area.transpose();
+  }
+  return t.domains[d].inverse_volume * H;
+}
+
+}  // namespace phymul

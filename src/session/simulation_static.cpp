@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+//
+// Simulation::solve_static: what it refuses, whether the body can be at rest at all, and from where the search begins.
+#include <phymul/bodies.h>
+#include <phymul/error.h>
+#include <phymul/load_frame.h>
+#include <phymul/monitor.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <cstdio>
+
+#include "base/decimal.h"
+#include "elastic/averaged_stiffness.h"
+#include "simulation_parts.h"
+#include "statics/rest_search.h"
+
+namespace phymul {
+namespace {
+
+/// Of strained_energy().
+constexpr double rounding = 1e-12;
+/// Of the forces and their moments: less is rounding.
+constexpr double unbalanced = 1e-8;
+/// Of the largest resistance that supports give to a rigid motion: less is none.
+constexpr double unsupported = 1e-9;
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw Error(ErrorCode::not_supported, "Simulation::solve_static: " + what + "; use run_to_rest()");
+}
+
+void require_supported(const TopologyTextures& topology, const Scene& scene, double time) {
+  if (topology.dimension == 2) refuse("expected a body in three dimensions, got one in two");
+  if (!AveragedStiffness::is_all_of(topology)) refuse("expected a body with a material, got stiffnesses in N/m");
+  if (!scene.tools().empty()) refuse("the scene has the tool \"" + scene.tools().front().name + '"');
+  if (scene.contacts()) refuse("the scene has contacts");
+  if (!scene.volume_constraints().empty()) refuse("the scene has a volume constraint");
+  for (std::size_t row = 0; row < scene.loads().size(); ++row) {
+    const std::vector<ValueEvent>& events = scene.loads()[row].events;
+    if (events.empty() || !(events.back().date > time)) continue;
+    refuse("load " + std::to_string(row) + " has an event at " + to_decimal(events.back().date) +
+           " s, after the present " + to_decimal(time) + " s");
+  }
+}
+
+/// J, of strains of about 1.
+double strained_energy(const TopologyTextures& topology) {
+  double energy = 0.0;
+  for (const DomainTexel& domain : topology.domains) energy += domain.energy[0] / domain.inverse_volume;
+  return energy;
+}
+
+using Rigid = Eigen::Matrix<double, 6, 1>;
+
+/// How far a rigid motion (displacement, then rotation about a point `arm` away, in units of `size`) moves a
+/// coordinate.
+Rigid rigid_motion(const Vec3& arm, int axis, double size) {
+  Rigid motion;
+  motion << Vec3::Unit(axis), arm.cross(Vec3::Unit(axis)) / size;
+  return motion;
+}
+
+/// What is wrong if some rigid motion of a body meets no support and the loads drive it; else empty.
+std::string why_no_rest(const Model& model, const LoadFrame& loads) {
+  for (const ConnectedBody& body : connected_bodies(model)) {
+    Vec3 centre = Vec3::Zero();
+    for (const Index i : body.particles) centre += model.rest[i] / static_cast<double>(body.particles.size());
+    double size = 0.0;
+    for (const Index i : body.particles) size = std::max(size, (model.rest[i] - centre).norm());
+    Eigen::Matrix<double, 6, 6> support = Eigen::Matrix<double, 6, 6>::Zero();
+    Rigid driving = Rigid::Zero();
+    double forces = 0.0;
+    for (const Index i : body.particles) {
+      Vec3 force = model.mass[i] * loads.gravity;
+      if (!loads.force.empty()) force += loads.force[i];
+      forces += force.norm();
+      for (int axis = 0; axis < 3; ++axis) {
+        const Rigid motion = rigid_motion(model.rest[i] - centre, axis, size);
+        const bool imposed = !loads.fixed.empty() && (loads.fixed[i] >> axis & 1) != 0;
+        if (imposed) {
+          support += motion * motion.transpose();
+        } else {
+          driving += force[axis] * motion;
+        }
+      }
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> modes(support);
+    const double largest = std::max(1.0, modes.eigenvalues()[5]);
+    for (int k = 0; k < 6; ++k) {
+      if (modes.eigenvalues()[k] > unsupported * largest) continue;
+      if (std::abs(modes.eigenvectors().col(k).dot(driving)) <= unbalanced * forces) continue;
+      const std::string name =
+          body.name.empty() ? "the body of particle " + std::to_string(body.particles.front()) : '"' + body.name + '"';
+      return name + " has no rest: a rigid motion of it meets no support, and the loads are not in balance for it";
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string StaticResult::message() const {
+  char numbers[160];
+  std::snprintf(numbers, sizeof numbers, "after %d evaluations, residual %.3g of the loads, largest net force %.3g N",
+                evaluations, residual, largest_force);
+  if (status == RestStatus::failed) return "no rest shape found: " + cause;
+  if (!converged()) return std::string("not at rest ") + numbers + "; the state is kept";
+  std::string text = std::string("at rest ") + numbers;
+  if (folded >= 0) text += "; cell " + std::to_string(folded) + " is flat or inside out";
+  return text;
+}
+
+StaticResult Simulation::solve_static(const StaticOptions& options) {
+  if (!(options.tolerance > 0.0) || !std::isfinite(options.tolerance)) {
+    throw Error("StaticOptions::tolerance must be finite and above 0; got " + to_decimal(options.tolerance));
+  }
+  if (options.most_evaluations < 1) {
+    throw Error("StaticOptions::most_evaluations must be at least 1; got " + std::to_string(options.most_evaluations));
+  }
+  const TopologyTextures& topology = *parts_->topology;
+  State state = solver().read();
+  require_supported(topology, scene(), state.time);
+  LoadFrame loads;
+  scene().prepare(loads);
+  scene().evaluate(state.time, loads);
+  StaticResult result;
+  result.cause = why_no_rest(model(), loads);
+  if (!result.cause.empty()) return result;
+
+  const double gain =
+      potential_energy(topology, loads, state.position) - potential_energy(topology, loads, topology.rest);
+  if (gain > rounding * strained_energy(topology)) state.position = topology.rest;
+  const RestSearchEnd end = search_rest(topology, loads, options.tolerance, options.most_evaluations, state.position);
+  result.evaluations = end.evaluations;
+  result.residual = end.residual;
+  result.largest_force = end.largest_force;
+  if (end.at_rest) {
+    for (Vec3& velocity : state.velocity) velocity.setZero();
+    parts_->start(state);
+    result.status = RestStatus::converged;
+    result.folded = first_folded_cell(model(), state.position);
+  } else if (end.stuck) {
+    result.cause =
+        "the search got stuck where no small step lowers the energy, as where cells fold; load in smaller parts, "
+        "refine "
+        "the mesh, or take StrainEnergy::neo_hookean";
+  } else {
+    result.status = RestStatus::step_limit;
+  }
+  return result;
+}
+
+}  // namespace phymul

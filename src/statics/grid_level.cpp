@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: MIT
+#include "grid_level.h"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+#include "elastic/energy_density.h"
+
+namespace phymul {
+namespace {
+
+/// Penalty on what the mean of a cell leaves out, in shear moduli: as of hexahedra (TopologyOptions::stabiliser). A
+/// part of it is that of the whole cell, whatever it holds, so that no motion of its nodes is free.
+constexpr double spread_of_parts = 0.4, spread_of_cell = 0.1;
+/// Stiffness that holds the grid at held particles, in shear modulus times the size of a particle's volume.
+constexpr double hold = 10.0;
+/// Of the diagonal, for bodies that nothing holds.
+constexpr double regularisation = 1e-9;
+/// In cells: a particle this near to a plane between two belongs to both.
+constexpr double on_plane = 1e-6;
+
+using Gradient = Eigen::Matrix<double, 8, 3>;
+
+double side(int corner, int axis) {
+  return (corner >> axis & 1) != 0 ? 1.0 : 0.0;
+}
+
+/// Values of the trilinear functions at t in [0, 1]^3.
+std::array<double, 8> weights_at(const Vec3& t) {
+  std::array<double, 8> weight;
+  for (int a = 0; a < 8; ++a) {
+    weight[a] = 1.0;
+    for (int axis = 0; axis < 3; ++axis) weight[a] *= side(a, axis) > 0.0 ? t[axis] : 1.0 - t[axis];
+  }
+  return weight;
+}
+
+Gradient gradients_at(const Vec3& t, const Vec3& spacing) {
+  Gradient gradient;
+  for (int a = 0; a < 8; ++a) {
+    for (int axis = 0; axis < 3; ++axis) {
+      double value = (side(a, axis) > 0.0 ? 1.0 : -1.0) / spacing[axis];
+      for (int other = 0; other < 3; ++other) {
+        if (other != axis) value *= side(a, other) > 0.0 ? t[other] : 1.0 - t[other];
+      }
+      gradient(a, axis) = value;
+    }
+  }
+  return gradient;
+}
+
+/// Mean over a cell of grad N_a . grad N_b, less the product of their means.
+Eigen::Matrix<double, 8, 8> spread_over_cell(const Vec3& spacing) {
+  const Gradient middle = gradients_at(Vec3::Constant(0.5), spacing);
+  Eigen::Matrix<double, 8, 8> spread = -middle * middle.transpose();
+  for (int corner = 0; corner < 8; ++corner) {  // Gauss points
+    Vec3 t;
+    for (int axis = 0; axis < 3; ++axis) t[axis] = 0.5 + (side(corner, axis) - 0.5) / std::sqrt(3.0);
+    const Gradient gradient = gradients_at(t, spacing);
+    spread += 0.125 * gradient * gradient.transpose();
+  }
+  return spread;
+}
+
+}  // namespace
+
+Mat3 rotation_of(const Mat3& F) {
+  const Eigen::JacobiSVD<Mat3> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Mat3 U = svd.matrixU();
+  if ((U * svd.matrixV().transpose()).determinant() < 0.0) U.col(2) = -U.col(2);
+  return U * svd.matrixV().transpose();
+}
+
+GridShape GridShape::over(std::span<const Vec3> points, double spacing) {
+  Vec3 low = points.front(), high = low;
+  for (const Vec3& point : points) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+  GridShape shape{.origin = low};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double size = high[axis] - low[axis];
+    shape.cells[axis] = std::max(1, static_cast<Index>(std::lround(size / spacing)));
+    shape.spacing[axis] = size > 0.0 ? size / shape.cells[axis] : spacing;
+  }
+  return shape;
+}
+
+GridShape GridShape::coarser() const {
+  GridShape shape{.origin = origin, .spacing = 2.0 * spacing};
+  for (int axis = 0; axis < 3; ++axis) shape.cells[axis] = (cells[axis] + 1) / 2;
+  return shape;
+}
+
+Index GridLevel::cell_at(const std::array<Index, 3>& at) const {
+  return at[0] + shape_.cells[0] * (at[1] + shape_.cells[1] * at[2]);
+}
+
+Index GridLevel::node_at(const std::array<Index, 3>& at) const {
+  return at[0] + (shape_.cells[0] + 1) * (at[1] + (shape_.cells[1] + 1) * at[2]);
+}
+
+GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, const GridShape& shape)
+    : topology_(topology), shape_(shape) {
+  const auto& n = shape.cells;
+  cell_of_.assign(static_cast<std::size_t>(n[0]) * n[1] * n[2], none);
+  node_of_.assign(static_cast<std::size_t>(n[0] + 1) * (n[1] + 1) * (n[2] + 1), none);
+  const Eigen::Matrix<double, 8, 8> over_cell = spread_over_cell(shape.spacing);
+
+  const auto cell_index = [&](const std::array<Index, 3>& at) {
+    Index& known = cell_of_[cell_at(at)];
+    if (known != none) return known;
+    known = static_cast<Index>(cells_.size());
+    Cell cell;
+    cell.gradient.setZero();
+    cell.spread.setZero();
+    for (auto& axis : cell.held) axis.setZero();
+    for (int a = 0; a < 8; ++a) {
+      const std::array<Index, 3> corner{at[0] + (a & 1), at[1] + (a >> 1 & 1), at[2] + (a >> 2 & 1)};
+      Index& node = node_of_[node_at(corner)];
+      if (node == none) {
+        node = static_cast<Index>(node_place_.size());
+        node_place_.push_back(shape_.origin + shape_.spacing.cwiseProduct(Vec3(corner[0], corner[1], corner[2])));
+      }
+      cell.node[a] = node;
+    }
+    cells_.push_back(cell);
+    return known;
+  };
+
+  for (Index d = 0; d < static_cast<Index>(topology.domains.size()); ++d) {
+    const DomainTexel& domain = topology.domains[d];
+    const double volume = 1.0 / domain.inverse_volume;
+    Mat3 unit = Mat3::Zero();
+    unit(0, 1) = 1.0;
+    const double shear = cpu::stress_near_rest<double>(topology.options.strain_energy, domain.energy, unit)(0, 1);
+    unit.setZero();
+    unit(0, 0) = 1.0;
+    const double lame = cpu::stress_near_rest<double>(topology.options.strain_energy, domain.energy, unit)(1, 1);
+    const Vec3 t = (topology.rest[domain.particle] - shape.origin).cwiseQuotient(shape.spacing);
+    std::array<std::array<Index, 2>, 3> range;
+    double share = 1.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto clamped = [&](double value) {
+        return std::clamp(static_cast<Index>(std::floor(value)), Index{0}, n[axis] - 1);
+      };
+      range[axis] = {clamped(t[axis] - on_plane), clamped(t[axis] + on_plane)};
+      if (range[axis][0] != range[axis][1]) share *= 0.5;
+    }
+    const std::uint8_t holds = fixed.empty() ? 0 : fixed[domain.particle];
+    std::array<Index, 3> at;
+    for (at[2] = range[2][0]; at[2] <= range[2][1]; ++at[2]) {
+      for (at[1] = range[1][0]; at[1] <= range[1][1]; ++at[1]) {
+        for (at[0] = range[0][0]; at[0] <= range[0][1]; ++at[0]) {
+          const Index c = cell_index(at);
+          Cell& cell = cells_[c];
+          const Vec3 local = t - Vec3(at[0], at[1], at[2]);
+          const Gradient gradient = gradients_at(local, shape.spacing);
+          const double part = share * volume;
+          parts_.push_back({c, d, part});
+          cell.volume += part;
+          cell.shear += part * shear;
+          cell.lame += part * lame;
+          cell.gradient += part * gradient;
+          cell.spread += part * shear * gradient * gradient.transpose();
+          if (holds == 0) continue;
+          const std::array<double, 8> weight = weights_at(local);
+          const Eigen::Map<const Eigen::Matrix<double, 8, 1>> w(weight.data());
+          for (int axis = 0; axis < 3; ++axis) {
+            if ((holds >> axis & 1) != 0) {
+              cell.held[axis] += share * hold * shear * std::cbrt(volume) * w * w.transpose();
+            }
+          }
+          cell.holds = true;
+        }
+      }
+    }
+  }
+  std::vector<std::vector<Index>> columns(node_place_.size());
+  for (Cell& cell : cells_) {
+    cell.gradient /= cell.volume;
+    cell.spread = spread_of_parts * (cell.spread - cell.shear * cell.gradient * cell.gradient.transpose()) +
+                  spread_of_cell * cell.shear * over_cell;
+    cell.shear /= cell.volume;
+    cell.lame /= cell.volume;
+    for (const Index a : cell.node) columns[a].insert(columns[a].end(), cell.node.begin(), cell.node.end());
+  }
+  for (std::vector<Index>& row : columns) {
+    std::ranges::sort(row);
+    row.erase(std::unique(row.begin(), row.end()), row.end());
+  }
+  stiffness_ = std::make_unique<BlockMatrix>(columns);
+  for (Cell& cell : cells_) {
+    for (int k = 0; k < 64; ++k) cell.entry[k] = stiffness_->entry(cell.node[k / 8], cell.node[k % 8]);
+  }
+}
+
+void GridLevel::assemble(std::span<const Mat3> gradients) {
+  std::vector<Mat3> turned(cells_.size(), Mat3::Zero());
+  if (!gradients.empty()) {
+    for (const Part& part : parts_) turned[part.cell] += part.share * (Mat3::Identity() + gradients[part.domain]);
+  }
+  stiffness_->set_zero();
+  for (std::size_t c = 0; c < cells_.size(); ++c) {
+    const Cell& cell = cells_[c];
+    const Mat3 R = gradients.empty() ? Mat3(Mat3::Identity()) : rotation_of(turned[c]);
+    const Gradient g = cell.gradient * R.transpose();  // rows R g_a
+    const Eigen::Matrix<double, 8, 8> inner = g * g.transpose();
+    for (int a = 0; a < 8; ++a) {
+      const Vec3 ga = g.row(a);
+      for (int b = 0; b < 8; ++b) {
+        const Vec3 gb = g.row(b);
+        Mat3 block = cell.volume * (cell.shear * gb * ga.transpose() + cell.lame * ga * gb.transpose());
+        block.diagonal().array() += cell.volume * cell.shear * inner(a, b) + cell.spread(a, b);
+        if (cell.holds) {
+          for (int axis = 0; axis < 3; ++axis) block(axis, axis) += cell.held[axis](a, b);
+        }
+        if (a == b) block.diagonal() *= 1.0 + regularisation;
+        stiffness_->at(cell.entry[8 * a + b]) += block;
+      }
+    }
+  }
+  stiffness_->invert_diagonal();
+}
+
+BlockMatrix GridLevel::laplacian() const {
+  BlockMatrix matrix = *stiffness_;
+  matrix.set_zero();
+  for (const Cell& cell : cells_) {
+    const Eigen::Matrix<double, 8, 8> inner = cell.volume * cell.gradient * cell.gradient.transpose();
+    for (int a = 0; a < 8; ++a) {
+      for (int b = 0; b < 8; ++b) {
+        Mat3& block = matrix.at(cell.entry[8 * a + b]);
+        for (int axis = 0; axis < 3; ++axis) {
+          double value = inner(a, b) + cell.spread(a, b) / cell.shear;
+          if (cell.holds) value += cell.held[axis](a, b) / cell.shear;
+          block(axis, axis) += a == b ? value * (1.0 + regularisation) : value;
+        }
+      }
+    }
+  }
+  return matrix;
+}
+
+void GridLevel::sources(std::span<const Mat3> gradients, Eigen::VectorXd& b) const {
+  std::vector<Mat3> sums(cells_.size(), Mat3::Zero());
+  for (const Part& part : parts_) sums[part.cell] += part.share * gradients[part.domain];
+  b = Eigen::VectorXd::Zero(3 * nodes());
+  for (std::size_t c = 0; c < cells_.size(); ++c) {
+    for (int a = 0; a < 8; ++a) {
+      b.segment<3>(3 * cells_[c].node[a]) += sums[c] * cells_[c].gradient.row(a).transpose();
+    }
+  }
+}
+
+GridPlace GridLevel::place_of(const Vec3& point) const {
+  const Vec3 t = (point - shape_.origin).cwiseQuotient(shape_.spacing);
+  std::array<Index, 3> at;
+  for (int axis = 0; axis < 3; ++axis) {
+    at[axis] = std::clamp(static_cast<Index>(std::floor(t[axis])), Index{0}, shape_.cells[axis] - 1);
+  }
+  GridPlace place{.node = {}, .weight = weights_at(t - Vec3(at[0], at[1], at[2]))};
+  double sum = 0.0;
+  for (int a = 0; a < 8; ++a) {
+    const Index node = node_of_[node_at({at[0] + (a & 1), at[1] + (a >> 1 & 1), at[2] + (a >> 2 & 1)})];
+    place.node[a] = std::max(node, Index{0});
+    if (node == none) place.weight[a] = 0.0;
+    sum += place.weight[a];
+  }
+  for (double& weight : place.weight) weight /= sum;
+  return place;
+}
+
+}  // namespace phymul

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+//
+// A coarse level of statics: a regular grid of trilinear cells over the rest shape, of which only those cells count
+// that hold material. Each has one mean displacement gradient and the energy of its material there, and a penalty on
+// what the mean leaves out, as Law::particle_averaged has for particles; so it bends and changes its volume as softly
+// as the body. The cells turn with the body (corotational elements: C. Felippa and B. Haugen, Comput. Methods Appl.
+// Mech. Engrg. 194 (2005) 2285-2335).
+#pragma once
+
+#include <phymul/topology_textures.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+#include <vector>
+
+#include "block_matrix.h"
+
+namespace phymul {
+
+Mat3 rotation_of(const Mat3& F);  ///< the rotation nearest to F
+
+/// Nodes around a place and their weights, which sum to 1.
+struct GridPlace {
+  std::array<Index, 8> node;
+  std::array<double, 8> weight;
+};
+
+/// The box that all grids share, and the cells of the finest.
+struct GridShape {
+  Vec3 origin{0, 0, 0}, spacing{0, 0, 0};  ///< m
+  std::array<Index, 3> cells{1, 1, 1};
+
+  /// Cells of about `spacing`, m, over the box of the points.
+  static GridShape over(std::span<const Vec3> points, double spacing);
+  GridShape coarser() const;  ///< twice the spacing; beyond the box where a number of cells is odd
+};
+
+class GridLevel {
+ public:
+  /// `fixed` [N]: as LoadFrame::fixed.
+  GridLevel(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, const GridShape& shape);
+
+  /// Turns the cells: `gradients` as Tangent::linearise. To be called once before the others.
+  void assemble(std::span<const Mat3> gradients);
+
+  /// Of the problem: find the displacement whose gradients are, in the mean, given ones, 0 where particles are held.
+  BlockMatrix laplacian() const;
+  /// Its right-hand side, [3 nodes], for [domains] gradients.
+  void sources(std::span<const Mat3> gradients, Eigen::VectorXd& b) const;
+
+  Index nodes() const { return static_cast<Index>(node_place_.size()); }
+  GridPlace place_of(const Vec3& point) const;  ///< nodes that are not there have weight 0
+  const Vec3& node_place(Index node) const { return node_place_[node]; }
+  const BlockMatrix& stiffness() const { return *stiffness_; }
+
+ private:
+  struct Cell {
+    std::array<Index, 8> node;
+    std::array<Index, 64> entry;                      // of the matrix
+    double volume = 0.0;                              // m^3, of its material
+    double shear = 0.0, lame = 0.0;                   // Pa, means
+    Eigen::Matrix<double, 8, 3> gradient;             // mean of the nodes' functions, 1/m
+    Eigen::Matrix<double, 8, 8> spread;               // N/m, what the mean leaves out, and held particles
+    std::array<Eigen::Matrix<double, 8, 8>, 3> held;  // N/m, by axis
+    Mat3 turn = Mat3::Identity();
+    bool holds = false;
+  };
+  struct Part {  // of a domain in a cell
+    Index cell, domain;
+    double share;
+  };
+
+  Index cell_at(const std::array<Index, 3>& at) const;
+  Index node_at(const std::array<Index, 3>& at) const;
+
+  const TopologyTextures& topology_;
+  GridShape shape_;
+  std::vector<Index> node_of_, cell_of_;  // of the whole grid; none
+  std::vector<Vec3> node_place_;
+  std::vector<Cell> cells_;
+  std::vector<Part> parts_;
+  std::unique_ptr<BlockMatrix> stiffness_;
+};
+
+}  // namespace phymul

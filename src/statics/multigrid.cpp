@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: MIT
+#include "multigrid.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "elastic/energy_density.h"
+
+namespace phymul {
+namespace {
+
+using Vector = Eigen::VectorXd;
+/// Degree of the polynomial, and the part of the spectrum it smooths: from the largest eigenvalue down to this share.
+constexpr int smoothing = 2;
+constexpr double smoothed_share = 1.0 / 6.0;
+constexpr int coarse_sweeps = 2;
+/// A power iteration of a few steps ends below the largest eigenvalue.
+constexpr double above_estimate = 1.2;
+constexpr double finest_cells = 2.0;  // of the finest grid, in mean spacings
+constexpr Index few_nodes = 120;      // solved directly in a millisecond or so
+
+/// The blocks of the diagonal of K at rest.
+std::vector<Mat3> diagonal_at_rest(const TopologyTextures& t) {
+  std::vector<Mat3> diagonal(static_cast<std::size_t>(t.particle_count), Mat3::Zero());
+  std::vector<std::pair<Index, Vec3>> of;  // particle and how H d depends on it
+  for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
+    const DomainTexel& domain = t.domains[d];
+    of.assign(1, {domain.particle, Vec3::Zero()});
+    const auto add = [&](Index e, const Vec3& area) {
+      const Index i = t.domains[e].particle;
+      const Vec3 g = domain.inverse_volume * area;
+      of.front().second -= g;
+      const auto known = std::ranges::find(of, i, &std::pair<Index, Vec3>::first);
+      if (known != of.end()) {
+        known->second += g;
+      } else {
+        of.emplace_back(i, g);
+      }
+    };
+    for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
+      add(t.links[r].domain, t.links[r].area);
+      diagonal[domain.particle].diagonal().array() += t.links[r].stiffness;
+    }
+    for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
+      add(t.surface_links[r].domain, t.surface_links[r].area);
+    }
+    const double volume = 1.0 / domain.inverse_volume;
+    for (const auto& [i, g] : of) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const Mat3 H = Vec3::Unit(axis) * g.transpose();
+        const Mat3 P =
+            cpu::stress_near_rest<double>(t.options.strain_energy, domain.energy, H) - domain.spread_stiffness * H;
+        diagonal[i].col(axis) += volume * P * g;
+      }
+    }
+  }
+  return diagonal;
+}
+
+void restrict_to(const std::vector<GridPlace>& finer, const Vector& from, Vector& to) {
+  to.setZero();
+  for (std::size_t i = 0; i < finer.size(); ++i) {
+    const Vec3 value = from.segment<3>(3 * static_cast<Eigen::Index>(i));
+    for (int a = 0; a < 8; ++a) to.segment<3>(3 * finer[i].node[a]) += finer[i].weight[a] * value;
+  }
+}
+
+void add_from(const std::vector<GridPlace>& finer, const Vector& from, Vector& to) {
+  for (std::size_t i = 0; i < finer.size(); ++i) {
+    Vec3 value = Vec3::Zero();
+    for (int a = 0; a < 8; ++a) value += finer[i].weight[a] * from.segment<3>(3 * finer[i].node[a]);
+    to.segment<3>(3 * static_cast<Eigen::Index>(i)) += value;
+  }
+}
+
+}  // namespace
+
+Multigrid::Multigrid(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, Tangent& tangent)
+    : topology_(topology), tangent_(tangent), free_(Vector::Ones(3 * topology.particle_count)) {
+  for (std::size_t i = 0; i < fixed.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((fixed[i] >> axis & 1) != 0) free_[3 * static_cast<Eigen::Index>(i) + axis] = 0.0;
+    }
+  }
+  for (const Mat3& block : diagonal_at_rest(topology)) inverse_diagonal_.push_back(block.inverse());
+  turned_.assign(inverse_diagonal_.size(), Mat3::Identity());
+  double volume = 0.0;
+  for (const DomainTexel& domain : topology.domains) volume += 1.0 / domain.inverse_volume;
+  const double spacing = std::cbrt(volume / static_cast<double>(topology.particle_count));
+  GridShape shape = GridShape::over(topology.rest, finest_cells * spacing);
+  while (true) {
+    Coarse coarse{.level = GridLevel(topology, fixed, shape), .finer = {}, .b = {}, .x = {}, .r = {}};
+    if (coarse_.empty()) {
+      for (const Vec3& rest : topology.rest) coarse.finer.push_back(coarse.level.place_of(rest));
+    } else {
+      const GridLevel& finer = coarse_.back().level;
+      for (Index node = 0; node < finer.nodes(); ++node) {
+        coarse.finer.push_back(coarse.level.place_of(finer.node_place(node)));
+      }
+    }
+    coarse.b = Vector::Zero(3 * coarse.level.nodes());
+    coarse.x = coarse.r = coarse.b;
+    const bool last = coarse.level.nodes() <= few_nodes || shape.cells == std::array<Index, 3>{1, 1, 1};
+    coarse_.push_back(std::move(coarse));
+    if (last) break;
+    shape = shape.coarser();
+  }
+  strongest_.resize(free_.size());
+  std::uint32_t bits = 1;
+  for (double& value : strongest_)
+    value = static_cast<double>(bits = bits * 1664525u + 1013904223u) / 4294967296.0 - 0.5;
+  strongest_.array() *= free_.array();
+}
+
+void Multigrid::turn(std::span<const Mat3> gradients) {
+  if (!gradients.empty()) {
+    std::vector<Mat3> sum(turned_.size(), Mat3::Zero());
+    for (std::size_t d = 0; d < gradients.size(); ++d) {
+      sum[topology_.domains[d].particle] += Mat3::Identity() + gradients[d];
+    }
+    std::ranges::transform(sum, turned_.begin(), rotation_of);
+  }
+  for (Coarse& coarse : coarse_) coarse.level.assemble(gradients);
+  direct_.compute(coarse_.back().level.stiffness().sparse());
+}
+
+const GridLevel& Multigrid::finest_of(Index most_nodes) const {
+  const auto fits = [&](const Coarse& coarse) { return coarse.level.nodes() <= most_nodes; };
+  const auto found = std::ranges::find_if(coarse_, fits);
+  return found == coarse_.end() ? coarse_.back().level : found->level;
+}
+
+void Multigrid::apply(const Vector& d, Vector& result) {
+  tangent_.apply(d, result);
+  result.array() *= free_.array();
+  ++evaluations_;
+}
+
+void Multigrid::scale(const Vector& r, Vector& z) const {
+  z.resize(r.size());
+  for (std::size_t i = 0; i < inverse_diagonal_.size(); ++i) {
+    const auto at = 3 * static_cast<Eigen::Index>(i);
+    z.segment<3>(at) = turned_[i] * (inverse_diagonal_[i] * (turned_[i].transpose() * r.segment<3>(at)));
+  }
+  z.array() *= free_.array();
+}
+
+void Multigrid::estimate_largest(int steps) {
+  Vector s;
+  for (int k = 0; k < steps; ++k) {
+    apply(strongest_, image_);
+    scale(image_, s);
+    largest_ = s.norm() / strongest_.norm();
+    strongest_ = s / s.norm();
+  }
+  largest_ *= above_estimate;
+}
+
+void Multigrid::smooth(const Vector& r, Vector& z, bool from_zero) {
+  const double high = largest_, low = smoothed_share * high;
+  const double middle = 0.5 * (high + low), half = 0.5 * (high - low), sigma = middle / half;
+  double rho = 1.0 / sigma;
+  if (from_zero) {
+    z = Vector::Zero(r.size());
+    residual_ = r;
+  } else {
+    apply(z, image_);
+    residual_ = r - image_;
+  }
+  scale(residual_, scaled_);
+  way_ = scaled_ / middle;
+  for (int k = 1;; ++k) {
+    z += way_;
+    if (k == smoothing) break;
+    apply(way_, image_);
+    residual_ -= image_;
+    scale(residual_, scaled_);
+    const double next = 1.0 / (2.0 * sigma - rho);
+    way_ = next * rho * way_ + 2.0 * next / half * scaled_;
+    rho = next;
+  }
+}
+
+void Multigrid::cycle(std::size_t level) {
+  Coarse& coarse = coarse_[level];
+  if (level + 1 == coarse_.size()) {
+    coarse.x = direct_.solve(coarse.b);
+    return;
+  }
+  Coarse& next = coarse_[level + 1];
+  const BlockMatrix& matrix = coarse.level.stiffness();
+  coarse.x.setZero();
+  for (int k = 0; k < coarse_sweeps; ++k) matrix.smooth(coarse.b, true, coarse.x);
+  matrix.residual(coarse.b, coarse.x, coarse.r);
+  restrict_to(next.finer, coarse.r, next.b);
+  cycle(level + 1);
+  add_from(next.finer, next.x, coarse.x);
+  for (int k = 0; k < coarse_sweeps; ++k) matrix.smooth(coarse.b, false, coarse.x);
+}
+
+void Multigrid::solve(const Vector& r, Vector& z) {
+  smooth(r, z, true);
+  apply(way_, image_);
+  residual_ -= image_;
+  Coarse& coarse = coarse_.front();
+  restrict_to(coarse.finer, residual_, coarse.b);
+  cycle(0);
+  Vector correction = Vector::Zero(z.size());
+  add_from(coarse.finer, coarse.x, correction);
+  z += free_.cwiseProduct(correction);
+  smooth(r, z, false);
+}
+
+}  // namespace phymul

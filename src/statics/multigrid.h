@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+//
+// One V-cycle of multigrid as an approximate inverse of the tangent stiffness: symmetric and positive where the tangent
+// is. The finest level is the particles, smoothed by Chebyshev polynomials of K with the blocks of its diagonal at rest
+// (M. Adams, M. Brezina, J. Hu, R. Tuminaro, J. Comput. Phys. 188 (2003) 593-610); the others are grids (grid_level.h),
+// smoothed by Gauss-Seidel, the coarsest solved directly.
+#pragma once
+
+#include <Eigen/SparseCholesky>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "grid_level.h"
+#include "tangent.h"
+
+namespace phymul {
+
+class Multigrid {
+ public:
+  /// Of the free coordinates. `fixed` [N]: as LoadFrame::fixed, or empty. Keeps references to the arguments.
+  Multigrid(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, Tangent& tangent);
+
+  /// Follows the tangent to another state: `gradients` as Tangent::linearise. To be called before
+  /// solve().
+  void turn(std::span<const Mat3> gradients);
+
+  /// Looks for the largest eigenvalue of the scaled K, which the smoothing needs, by `steps` steps of the power
+  /// iteration, an evaluation each. Goes on from where the last call ended. To be called before solve().
+  void estimate_largest(int steps);
+
+  /// result = K d on free coordinates, 0 on the others.
+  void apply(const Eigen::VectorXd& d, Eigen::VectorXd& result);
+  /// z: about K^-1 r.
+  void solve(const Eigen::VectorXd& r, Eigen::VectorXd& z);
+
+  const GridLevel& finest_of(Index most_nodes) const;    ///< the finest grid of at most so many nodes, or the coarsest
+  int evaluations() const { return evaluations_; }       ///< of K
+  const Eigen::VectorXd& free() const { return free_; }  ///< 1 or 0
+
+ private:
+  struct Coarse {
+    GridLevel level;
+    std::vector<GridPlace> finer;  // of particles, or of the nodes of the level before
+    Eigen::VectorXd b, x, r;
+  };
+
+  void scale(const Eigen::VectorXd& r, Eigen::VectorXd& z) const;
+  void smooth(const Eigen::VectorXd& r, Eigen::VectorXd& z, bool from_zero);
+  void cycle(std::size_t level);
+
+  const TopologyTextures& topology_;
+  Tangent& tangent_;
+  Eigen::VectorXd free_;
+  std::vector<Mat3> inverse_diagonal_;  // at rest
+  std::vector<Mat3> turned_;            // rotations of the particles
+  double largest_ = 1.0;                // eigenvalue of the scaled K
+  std::vector<Coarse> coarse_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> direct_;
+  int evaluations_ = 0;
+  Eigen::VectorXd strongest_, residual_, way_, image_, scaled_;
+};
+
+}  // namespace phymul

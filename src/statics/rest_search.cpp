@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: MIT
+#include "rest_search.h"
+
+#include <phymul/elasticity.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "elastic/mean_gradient.h"
+#include "multigrid.h"
+#include "turning_path.h"
+
+namespace phymul {
+namespace {
+
+using Vector = Eigen::VectorXd;
+
+constexpr double first_goal = 0.1;      ///< of a linear residual, before the true one is looked at
+constexpr double worth_while = 0.3;     ///< a linear residual below this share of the true one's deviation is in vain
+constexpr double share_of_rest = 0.8;   ///< of the tolerance, for the linear residual
+constexpr int most_iterations = 60;     ///< of conjugate gradients
+constexpr double most_change = 0.75;    ///< of a mean gradient in one step: rotation in rad, strain
+constexpr double little_change = 0.05;  ///< up to which the preconditioner stays
+constexpr int first_power_steps = 5, power_steps = 3;
+constexpr Index path_nodes = 600;
+constexpr int most_trials = 12;  ///< of a line search
+/// Of the forces that shear a particle's neighbourhood by 1: what rounding leaves of them.
+constexpr double rounding = 1e-12;
+
+Vec3 load_on(const TopologyTextures& t, const LoadFrame& loads, std::size_t i) {
+  const Vec3 weight = t.mass[i] * loads.gravity;
+  return loads.force.empty() ? weight : Vec3(weight + loads.force[i]);
+}
+
+class Search {
+ public:
+  Search(const TopologyTextures& topology, const LoadFrame& loads, VecList& position)
+      : topology_(topology),
+        loads_(loads),
+        position_(position),
+        tangent_(make_tangent(topology)),
+        grid_(topology, loads.fixed, *tangent_),
+        path_(topology, grid_.finest_of(path_nodes)),
+        load_(3 * topology.particle_count),
+        force_(position.size()),
+        trial_(position.size()) {
+    for (std::size_t i = 0; i < position.size(); ++i) {
+      load_.segment<3>(3 * static_cast<Eigen::Index>(i)) = load_on(topology, loads, i);
+    }
+    double shear = 0.0;
+    for (const DomainTexel& domain : topology.domains) {
+      shear += domain.energy[0] / std::pow(domain.inverse_volume, 2.0 / 3.0);
+    }
+    floor_ = rounding * shear / std::sqrt(static_cast<double>(topology.particle_count));
+  }
+
+  RestSearchEnd run(double tolerance, int most_evaluations) {
+    most_evaluations_ = most_evaluations;
+    RestSearchEnd end;
+    residual_at(position_, residual_);
+    while (true) {
+      const bool imposes = find_way_to_targets();
+      goal_ = tolerance * scale_ + floor_;
+      end.at_rest = !imposes && residual_.norm() <= goal_;
+      if (end.at_rest || end.stuck || evaluations() >= most_evaluations) break;
+      linearise();
+      find_direction(imposes);
+      end.stuck = !(imposes ? impose() : descend());
+    }
+    end.evaluations = evaluations();
+    end.residual = scale_ > 0.0 ? residual_.norm() / scale_ : 0.0;
+    for (Eigen::Index i = 0; i < residual_.size(); i += 3) {
+      end.largest_force = std::max(end.largest_force, residual_.segment<3>(i).norm());
+    }
+    return end;
+  }
+
+ private:
+  int evaluations() const { return forces_ + grid_.evaluations(); }
+
+  void residual_at(const VecList& x, Vector& r) {
+    elastic_forces(topology_, x, force_);
+    ++forces_;
+    r = load_;
+    for (std::size_t i = 0; i < x.size(); ++i) r.segment<3>(3 * static_cast<Eigen::Index>(i)) += force_[i];
+    r.array() *= grid_.free().array();
+  }
+
+  /// From the coordinates that are imposed to where they shall be; whether they are not there. Forces are those of
+  /// position_ then: also finds what the residual is compared with.
+  bool find_way_to_targets() {
+    imposed_way_ = Vector::Zero(load_.size());
+    double supports = 0.0;
+    for (std::size_t i = 0; i < loads_.fixed.size(); ++i) {
+      for (int axis = 0; axis < 3; ++axis) {
+        if ((loads_.fixed[i] >> axis & 1) == 0) continue;
+        const double target = loads_.target[i][axis];
+        imposed_way_[3 * static_cast<Eigen::Index>(i) + axis] = target - position_[i][axis];
+        if (target != topology_.rest[i][axis]) supports += force_[i][axis] * force_[i][axis];
+      }
+    }
+    scale_ = std::sqrt(grid_.free().cwiseProduct(load_).squaredNorm() + supports);
+    return (imposed_way_.array() != 0.0).any();
+  }
+
+  void linearise() {
+    gradients_ = gradients_of(position_);
+    tangent_->linearise(gradients_);
+    double most = turned_at_.empty() ? std::numeric_limits<double>::infinity() : 0.0;
+    for (std::size_t d = 0; d < turned_at_.size(); ++d) {
+      most = std::max(most, (gradients_[d] - turned_at_[d]).cwiseAbs().maxCoeff());
+    }
+    keeps_way_ = most <= little_change && curvature_ > 0.0;
+    if (most <= little_change) return;
+    grid_.turn(gradients_);
+    grid_.estimate_largest(turned_at_.empty() ? first_power_steps : power_steps);
+    turned_at_ = gradients_;
+  }
+
+  std::vector<Mat3> gradients_of(const VecList& x) const {
+    std::vector<Mat3> all(topology_.domains.size());
+    for (std::size_t d = 0; d < all.size(); ++d) all[d] = mean_gradient(topology_, static_cast<Index>(d), x);
+    return all;
+  }
+
+  void find_change() {
+    for (std::size_t i = 0; i < trial_.size(); ++i) {
+      trial_[i] = topology_.rest[i] + direction_.segment<3>(3 * static_cast<Eigen::Index>(i));
+    }
+    change_ = gradients_of(trial_);
+  }
+
+  /// Solves K d = r for the direction d: first roughly, then further if the true residual at the end of d follows the
+  /// linear one.
+  void find_direction(bool imposes) {
+    direction_ = imposed_way_;
+    Vector r = residual_, z;
+    if (imposes) {
+      grid_.apply(imposed_way_, image_);
+      r -= image_;
+    }
+    reached_ = false;
+    double goal = std::max(first_goal * r.norm(), share_of_rest * goal_);
+    bool looked = imposes;
+    grid_.solve(r, z);
+    way_ = keeps_way_ && !imposes ? Vector(z - z.dot(image_of_way_) / curvature_ * way_) : z;
+    for (int k = 0; k < most_iterations && evaluations() < most_evaluations_; ++k) {
+      grid_.apply(way_, image_of_way_);
+      curvature_ = way_.dot(image_of_way_);
+      if (!(curvature_ > 0.0)) {
+        if (k == 0) direction_ += z;
+        break;
+      }
+      const double step = r.dot(way_) / curvature_;
+      direction_ += step * way_;
+      r -= step * image_of_way_;
+      reached_ = false;
+      if (r.norm() <= goal) {
+        if (looked) break;
+        looked = true;
+        find_change();
+        move(1.0);
+        residual_at(trial_, next_residual_);
+        reached_ = true;
+        goal = std::max(worth_while * (next_residual_ - r).norm(), share_of_rest * goal_);
+        if (r.norm() <= goal) break;
+      }
+      grid_.solve(r, z);
+      way_ = z - z.dot(image_of_way_) / curvature_ * way_;
+    }
+    if (!reached_) find_change();
+  }
+
+  double largest_share() const {
+    double most = 0.0;
+    for (const Mat3& change : change_) most = std::max(most, change.cwiseAbs().maxCoeff());
+    return most > most_change ? most_change / most : 1.0;
+  }
+
+  /// trial_: the place at `share` of the path along direction_.
+  void move(double share) {
+    std::vector<Mat3> part = change_;
+    for (Mat3& change : part) change *= share;
+    Vector d = Vector::Zero(direction_.size());
+    path_.bend(gradients_, part, d);
+    d = share * direction_ + grid_.free().cwiseProduct(d);
+    for (std::size_t i = 0; i < trial_.size(); ++i) {
+      trial_[i] = position_[i] + d.segment<3>(3 * static_cast<Eigen::Index>(i));
+      if (share < 1.0 || loads_.fixed.empty()) continue;
+      for (int axis = 0; axis < 3; ++axis) {
+        if ((loads_.fixed[i] >> axis & 1) != 0) trial_[i][axis] = loads_.target[i][axis];
+      }
+    }
+  }
+
+  void take_trial() {
+    std::swap(position_, trial_);
+    residual_ = next_residual_;
+  }
+
+  /// A part of the way to the targets, as large as the deformation allows. The energy may grow.
+  bool impose() {
+    move(largest_share());
+    residual_at(trial_, next_residual_);
+    take_trial();
+    energy_.reset();
+    return residual_.allFinite();
+  }
+
+  /// Whether there is a step that makes the residual or the energy smaller.
+  bool descend() {
+    double share = largest_share();
+    const double slope = -residual_.dot(direction_);
+    for (int k = 0; k < most_trials; ++k) {
+      if (!reached_ || share < 1.0 || k > 0) {
+        move(share);
+        residual_at(trial_, next_residual_);
+      }
+      const double next_slope = -next_residual_.dot(direction_);
+      std::optional<double> energy;
+      if (!(next_residual_.norm() < 0.5 * residual_.norm())) {
+        if (!energy_) energy_ = potential_energy(topology_, loads_, position_);
+        energy = potential_energy(topology_, loads_, trial_);
+        const bool overshoots = !(next_slope < 0.9 * std::abs(slope));
+        if (!(*energy <= *energy_ + 1e-4 * share * slope) || overshoots) {
+          const double secant = slope / (slope - next_slope);
+          share *= next_slope > 0.0 ? std::clamp(secant, 0.1, 0.6) : 0.3;
+          continue;
+        }
+      }
+      take_trial();
+      energy_ = energy;
+      return true;
+    }
+    return false;
+  }
+
+  const TopologyTextures& topology_;
+  const LoadFrame& loads_;
+  VecList& position_;
+  std::unique_ptr<Tangent> tangent_;
+  Multigrid grid_;
+  TurningPath path_;
+  Vector load_;
+  VecList force_, trial_;
+  int forces_ = 0, most_evaluations_ = 0;
+  double floor_ = 0.0, scale_ = 0.0, goal_ = 0.0;  // N
+  Vector residual_, next_residual_, direction_, imposed_way_, image_;
+  Vector way_, image_of_way_;  // of conjugate gradients
+  double curvature_ = 0.0;
+  bool keeps_way_ = false;
+  bool reached_ = false;  // trial_ and next_residual_ are those at the end of direction_
+  std::vector<Mat3> gradients_, turned_at_, change_;
+  std::optional<double> energy_;  // of position_, where known
+};
+
+}  // namespace
+
+double potential_energy(const TopologyTextures& topology, const LoadFrame& loads, const VecList& position) {
+  double energy = elastic_energy(topology, position);
+  for (std::size_t i = 0; i < position.size(); ++i) {
+    energy -= load_on(topology, loads, i).dot(position[i] - topology.rest[i]);
+  }
+  return energy;
+}
+
+RestSearchEnd search_rest(const TopologyTextures& topology, const LoadFrame& loads, double tolerance,
+                          int most_evaluations, VecList& position) {
+  return Search(topology, loads, position).run(tolerance, most_evaluations);
+}
+
+}  // namespace phymul

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: MIT
+//
+// Simulation::solve_static: the rest shape without steps, and the work that it takes.
+#include <gtest/gtest.h>
+
+#include "support/bodies.h"
+#include "support/failure_states.h"
+#include "support/message_of.h"
+
+namespace phymul::test {
+namespace {
+
+Material tissue(double poisson) {
+  return {.young = 10e3, .poisson = poisson, .density = 1000};
+}
+
+enum class Cells { tetrahedra, hexahedra };
+
+Model beam(int across, Cells cells) {
+  const Vec3 size{0.2, 0.05, 0.05};
+  return cells == Cells::hexahedra ? make_block(size, 4 * across, across, across)
+                                   : make_tetrahedral_block(size, 4 * across, across, across, 0.2, 1);
+}
+
+/// Steps come as near to rest as the test compares.
+SimulationOptions with_steps_to_the_end(double poisson) {
+  SimulationOptions options;
+  options.material = tissue(poisson);
+  options.backend = "reference";
+  options.solver.rest_tolerance = 1e-10;
+  return options;
+}
+
+Simulation hung(Model model, double poisson, double gravity, StrainEnergy energy = StrainEnergy::shape_memory) {
+  SimulationOptions options = with_steps_to_the_end(poisson);
+  options.topology.strain_energy = energy;
+  Simulation sim(std::move(model), options);
+  sim.scene().fix("x0").gravity({0, 0, -9.81 * gravity});
+  return sim;
+}
+
+/// Of a value from time 0 on, along a direction.
+Load constant(LoadType type, std::vector<Index> particles, double value, const Vec3& direction) {
+  Load load;
+  load.type = type;
+  load.particles = std::move(particles);
+  load.events = {{0.0, value}};
+  load.direction = direction;
+  return load;
+}
+
+double largest_difference(Simulation& a, Simulation& b) {
+  const State of_a = a.state(), of_b = b.state();
+  double largest = 0.0;
+  for (std::size_t i = 0; i < of_a.position.size(); ++i) {
+    largest = std::max(largest, (of_a.position[i] - of_b.position[i]).norm());
+  }
+  return largest;
+}
+
+void expect_shape_of_steps(Simulation& solved, Simulation& stepped, const std::string& name) {
+  const StaticResult result = solved.solve_static();
+  ASSERT_TRUE(result.converged()) << name << ": " << result.message();
+  EXPECT_LE(result.residual, 1e-6) << name;
+  const RestResult rest = stepped.run_to_rest();
+  ASSERT_TRUE(rest.converged()) << name << ": " << rest.message();
+  EXPECT_LT(largest_difference(solved, stepped), 1e-5 * stepped.max_displacement()) << name;
+  EXPECT_EQ(largest_norm(solved.state().velocity), 0.0) << name;
+  EXPECT_EQ(solved.time(), 0.0) << name;
+}
+
+TEST(SimulationStatic, FindsTheShapeThatStepsComeToUnderSmallAndLargeLoads) {
+  for (const Cells cells : {Cells::tetrahedra, Cells::hexahedra}) {
+    for (const double poisson : {0.3, 0.45}) {
+      for (const double gravity : {0.01, 1.0}) {
+        const StrainEnergy energy = gravity < 0.1 ? StrainEnergy::shape_memory : StrainEnergy::neo_hookean;
+        Simulation solved = hung(beam(2, cells), poisson, gravity, energy);
+        Simulation stepped = hung(beam(2, cells), poisson, gravity, energy);
+        expect_shape_of_steps(solved, stepped,
+                              "nu " + std::to_string(poisson) + ", " + std::to_string(gravity) + " g, " +
+                                  (cells == Cells::hexahedra ? "hexahedra" : "tetrahedra"));
+      }
+    }
+  }
+}
+
+TEST(SimulationStatic, FindsTheShapeOfImposedMotion) {
+  const auto turned = [] {
+    Simulation sim(cylinder_275(), with_steps_to_the_end(0.45));
+    sim.scene().fix("bottom");
+    sim.scene().add(constant(LoadType::rotation, sim.model().group("top"), 1.5, {0, 0, 1}));
+    return sim;
+  };
+  Simulation solved = turned(), stepped = turned();
+  expect_shape_of_steps(solved, stepped, "twisted by 1.5 rad");
+  const auto pressed = [] {
+    Simulation sim(make_tetrahedral_block({0.08, 0.08, 0.08}, 4, 4, 4, 0.2, 1), with_steps_to_the_end(0.3));
+    sim.scene().fix("z0");
+    sim.scene().add(constant(LoadType::translation, sim.model().group("z1"), 0.01, {0, 0, -1}));
+    return sim;
+  };
+  Simulation solved_cube = pressed(), stepped_cube = pressed();
+  expect_shape_of_steps(solved_cube, stepped_cube, "pressed by an eighth");
+}
+
+/// With one level of particles alone, conjugate gradients take 100 evaluations and more at the first size and twice as
+/// many at the second.
+TEST(SimulationStatic, TakesAsManyEvaluationsForALargeBodyAsForASmallOne) {
+  for (const Cells cells : {Cells::tetrahedra, Cells::hexahedra}) {
+    for (const int across : {4, 8}) {
+      Simulation sim = hung(beam(across, cells), 0.3, 1e-3);
+      const StaticResult result = sim.solve_static();
+      EXPECT_TRUE(result.converged()) << result.message();
+      EXPECT_LE(result.evaluations, 85) << across << " across";
+    }
+  }
+}
+
+TEST(SimulationStatic, ABackendInSinglePrecisionTakesTheState) {
+  Simulation single(beam(2, Cells::tetrahedra), {.material = tissue(0.3), .backend = "cpu"});
+  single.scene().fix("x0").gravity({0, 0, -0.1});
+  Simulation exact = hung(beam(2, Cells::tetrahedra), 0.3, 0.1 / 9.81);
+  ASSERT_TRUE(single.solve_static().converged());
+  ASSERT_TRUE(exact.solve_static().converged());
+  EXPECT_LT(largest_difference(single, exact), 1e-6 * exact.max_displacement());
+  // It stays there.
+  const double before = single.max_displacement();
+  ASSERT_TRUE(single.advance(0.05).ok());
+  EXPECT_NEAR(single.max_displacement(), before, 1e-3 * before);
+}
+
+TEST(SimulationStatic, SaysThatABodyThatNothingHoldsHasNoRest) {
+  Simulation falling(beam(2, Cells::hexahedra), {.material = tissue(0.3), .backend = "reference"});
+  falling.scene().gravity({0, 0, -9.81});
+  const StaticResult none = falling.solve_static();
+  EXPECT_EQ(none.status, RestStatus::failed);
+  EXPECT_TRUE(says(none.message(), "has no rest")) << none.message();
+  // Held along one axis alone, and loaded along another.
+  Simulation sliding(beam(2, Cells::hexahedra), {.material = tissue(0.3), .backend = "reference"});
+  sliding.scene().gravity({9.81, 0, 0});
+  Load held = constant(LoadType::translation, sliding.model().group("z0"), 0.0, {0, 0, 1});
+  held.axes = {Axis::free, Axis::free, Axis::held};
+  sliding.scene().add(held);
+  EXPECT_EQ(sliding.solve_static().status, RestStatus::failed);
+}
+
+TEST(SimulationStatic, BalancedLoadsNeedNoSupport) {
+  Simulation sim(beam(2, Cells::hexahedra), {.material = tissue(0.3), .backend = "reference"});
+  constexpr double traction = 4.0;  // Pa
+  for (const auto& [group, sign] : {std::pair{"x0", -1.0}, std::pair{"x1", 1.0}}) {
+    sim.scene().add(constant(LoadType::pressure, sim.model().group(group), traction, {sign, 0, 0}));
+  }
+  const StaticResult result = sim.solve_static();
+  ASSERT_TRUE(result.converged()) << result.message();
+  const State state = sim.state();
+  const double length = state.position[sim.model().group("x1")[4]].x() - state.position[sim.model().group("x0")[4]].x();
+  const double longer = 0.2 * traction / 10e3;
+  EXPECT_NEAR(length - 0.2, longer, 0.02 * longer);
+}
+
+TEST(SimulationStatic, KeepsTheStateIfItDoesNotConverge) {
+  Simulation sim = hung(beam(2, Cells::tetrahedra), 0.3, 0.1);
+  ASSERT_TRUE(sim.advance(0.01).ok());
+  const State before = sim.solver().read();
+  const StaticResult result = sim.solve_static({.most_evaluations = 20});
+  EXPECT_EQ(result.status, RestStatus::step_limit);
+  EXPECT_GT(result.residual, 1e-6);
+  EXPECT_TRUE(says(result.message(), "not at rest after")) << result.message();
+  EXPECT_TRUE(sim.solver().read() == before);
+  EXPECT_TRUE(sim.solve_static().converged());
+  EXPECT_EQ(sim.time(), before.time);
+}
+
+TEST(SimulationStatic, ReturnsFromEveryBrokenState) {
+  constexpr double side = 0.02;
+  constexpr int across = 3;
+  Simulation sim(make_tetrahedral_block({side, side, side}, across, across, across, 0.2, 3),
+                 {.material = tissue(0.45), .backend = "reference"});
+  for (const FailureState& failure : failure_states()) {
+    std::mt19937 bits(5);
+    State state = rest_state(sim.model());
+    failure.apply(state.position, side, side / across, bits);
+    sim.set_state(state);
+    const StaticResult result = sim.solve_static();
+    EXPECT_TRUE(result.converged()) << failure.name << ": " << result.message();
+    EXPECT_LT(sim.energy().elastic, 1e-12) << failure.name;
+  }
+}
+
+TEST(SimulationStatic, IsRecorded) {
+  Simulation sim = hung(beam(2, Cells::tetrahedra), 0.3, 0.1);
+  sim.record();
+  ASSERT_TRUE(sim.advance(0.01).ok());
+  ASSERT_TRUE(sim.solve_static().converged());
+  sim.scene().gravity({0, 0, -2});
+  ASSERT_TRUE(sim.advance(0.01).ok());
+  Simulation again = hung(beam(2, Cells::tetrahedra), 0.3, 0.1);
+  again.replay(sim.recording());
+  EXPECT_TRUE(again.solver().read() == sim.solver().read());
+}
+
+TEST(SimulationStatic, RefusesWhatItDoesNotSupport) {
+  const auto refusal = [](const std::function<void(Simulation&)>& change) {
+    Simulation sim = hung(beam(2, Cells::hexahedra), 0.3, 0.1);
+    change(sim);
+    return message_of([&] { sim.solve_static(); });
+  };
+  EXPECT_TRUE(says(refusal([](Simulation& sim) { sim.scene().add_tool("probe", {.shape = Sphere{.radius = 0.01}}); }),
+                   "the tool \"probe\""));
+  EXPECT_TRUE(says(refusal([](Simulation& sim) { sim.scene().contacts({}); }), "contacts"));
+  EXPECT_TRUE(says(refusal([](Simulation& sim) { sim.scene().constrain_volume(); }), "volume constraint"));
+  EXPECT_TRUE(says(refusal([](Simulation& sim) {
+                     Load ramp = constant(LoadType::force, {0}, 0.0, {1, 0, 0});
+                     ramp.events.push_back({1.0, 1e-3});
+                     sim.scene().add(ramp);
+                   }),
+                   "load 1 has an event at 1 s"));
+  Simulation springs(make_block({0.02, 0.02, 0.02}, 2, 2, 2), {.backend = "reference"});
+  EXPECT_TRUE(says(message_of([&] { springs.solve_static(); }), "a body with a material"));
+  Simulation plane(make_strip(0.04, 0.02, 4, 2), {.material = tissue(0.3), .backend = "reference"});
+  EXPECT_TRUE(says(message_of([&] { plane.solve_static(); }), "three dimensions"));
+  Simulation sim = hung(beam(2, Cells::hexahedra), 0.3, 0.1);
+  EXPECT_TRUE(says(message_of([&] { sim.solve_static({.tolerance = 0.0}); }), "StaticOptions::tolerance"));
+  EXPECT_TRUE(says(message_of([&] { sim.solve_static({.most_evaluations = 0}); }), "StaticOptions::most_evaluations"));
+}
+
+}  // namespace
+}  // namespace phymul::test
