@@ -28,6 +28,7 @@ constexpr Index path_nodes = 600;
 constexpr int most_trials = 12;  ///< of a line search
 /// Of the forces that shear a particle's neighbourhood by 1: what rounding leaves of them.
 constexpr double rounding = 1e-12;
+constexpr double energy_rounding = 1e-11;  ///< of an energy
 
 Vec3 load_on(const TopologyTextures& t, const LoadFrame& loads, std::size_t i) {
   const Vec3 weight = t.mass[i] * loads.gravity;
@@ -224,7 +225,10 @@ class Search {
         if (!energy_) energy_ = potential_energy(topology_, loads_, position_);
         energy = potential_energy(topology_, loads_, trial_);
         const bool overshoots = !(next_slope < 0.9 * std::abs(slope));
-        if (!(*energy <= *energy_ + 1e-4 * share * slope) || overshoots) {
+        // Near rest the energies differ by less than their rounding.
+        const bool closer =
+            share * std::abs(slope) < energy_rounding * std::abs(*energy_) && next_residual_.norm() < residual_.norm();
+        if (!closer && (!(*energy <= *energy_ + 1e-4 * share * slope) || overshoots)) {
           const double secant = slope / (slope - next_slope);
           share *= next_slope > 0.0 ? std::clamp(secant, 0.1, 0.6) : 0.3;
           continue;
