@@ -19,8 +19,7 @@ find_package(Threads REQUIRED)
 target_include_directories(phymul_gl_objects PUBLIC src)
 target_compile_options(phymul_gl_objects PRIVATE -ffp-contract=off)
 phymul_precompile_library(phymul_gl_objects)
-set_target_properties(phymul_gl_objects PROPERTIES UNITY_BUILD ${PHYMUL_UNITY} POSITION_INDEPENDENT_CODE ON
-                                                   CXX_VISIBILITY_PRESET hidden
+set_target_properties(phymul_gl_objects PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden
                                                    VISIBILITY_INLINES_HIDDEN ON)
 target_link_libraries(phymul_gl_objects PUBLIC phymul GLEW::GLEW OpenGL::EGL Threads::Threads ${CMAKE_DL_LIBS}
                                         PRIVATE phymul_warnings phymul_sanitizers)

@@ -18,8 +18,8 @@
 namespace phymul {
 namespace {
 
-/// Of strained_energy().
-constexpr double rounding = 1e-12;
+/// Of strained_energy(): less is rounding.
+constexpr double no_gain = 1e-12;
 /// Of the forces and their moments: less is rounding.
 constexpr double unbalanced = 1e-8;
 /// Of the largest resistance that supports give to a rigid motion: less is none.
@@ -129,7 +129,7 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
 
   const double gain =
       potential_energy(topology, loads, state.position) - potential_energy(topology, loads, topology.rest);
-  if (gain > rounding * strained_energy(topology)) state.position = topology.rest;
+  if (gain > no_gain * strained_energy(topology)) state.position = topology.rest;
   const RestSearchEnd end = search_rest(topology, loads, options.tolerance, options.most_evaluations, state.position);
   result.evaluations = end.evaluations;
   result.residual = end.residual;

@@ -27,7 +27,7 @@ constexpr int first_power_steps = 5, power_steps = 3;
 constexpr Index path_nodes = 600;
 constexpr int most_trials = 12;  ///< of a line search
 /// Of the forces that shear a particle's neighbourhood by 1: what rounding leaves of them.
-constexpr double rounding = 1e-12;
+constexpr double force_rounding = 1e-12;
 constexpr double energy_rounding = 1e-11;  ///< of an energy
 
 Vec3 load_on(const TopologyTextures& t, const LoadFrame& loads, std::size_t i) {
@@ -54,7 +54,7 @@ class Search {
     for (const DomainTexel& domain : topology.domains) {
       shear += domain.energy[0] / std::pow(domain.inverse_volume, 2.0 / 3.0);
     }
-    floor_ = rounding * shear / std::sqrt(static_cast<double>(topology.particle_count));
+    floor_ = force_rounding * shear / std::sqrt(static_cast<double>(topology.particle_count));
   }
 
   RestSearchEnd run(double tolerance, int most_evaluations) {

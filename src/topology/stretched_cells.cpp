@@ -13,7 +13,7 @@
 namespace phymul {
 namespace {
 
-constexpr double most = 3.001;  // a lattice of just 3 passes
+constexpr double most_stretched = 3.001;  // a lattice of just 3 passes
 
 /// Mean of x x^T over the vertices, x from their middle.
 Mat3 spread(const Cell& cell, const VecList& rest) {
@@ -49,14 +49,14 @@ std::vector<std::string> notes_on_stretched_cells(const Model& model) {
     if (volume[i] > 0.0) ratios[i] = ratio(around[i], model.dimension);
   }
   std::vector<std::string> notes;
-  if (!std::ranges::any_of(ratios, [](double it) { return it > most; })) return notes;
+  if (!std::ranges::any_of(ratios, [](double it) { return it > most_stretched; })) return notes;
   for (const ConnectedBody& body : connected_bodies(model)) {
     double sum = 0.0, whole = 0.0;
     for (const Index i : body.particles) {
       sum += volume[i] * ratios[i];
       whole += volume[i];
     }
-    if (!(sum > most * whole)) continue;
+    if (!(sum > most_stretched * whole)) continue;
     char stretch[32];
     std::snprintf(stretch, sizeof stretch, "%.1f", sum / whole);
     const std::string first = std::to_string(model.file_index(body.particles.front()));

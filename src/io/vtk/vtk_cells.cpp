@@ -54,7 +54,7 @@ struct TypeRow {
 };
 
 /// Of several numbers of one type the first is written.
-constexpr TypeRow types[] = {
+constexpr TypeRow type_rows[] = {
     {vtk_vertex, CellType::atom},
     {vtk_poly_vertex, CellType::poly_vertex},
     {vtk_line, CellType::line},
@@ -76,8 +76,8 @@ CellType our_type(std::int64_t type, std::size_t corners, const Place& place) {
     throw Error(place.words() + "expected polygons of 3 or 4 corners, got one of " + std::to_string(corners) +
                 "; triangulate the mesh and export it again");
   }
-  const auto* const row = std::ranges::find(types, type, &TypeRow::vtk);
-  if (row == std::end(types)) refuse_type(type, place);
+  const auto* const row = std::ranges::find(type_rows, type, &TypeRow::vtk);
+  if (row == std::end(type_rows)) refuse_type(type, place);
   return row->type;
 }
 
@@ -120,7 +120,7 @@ void append_vtk_cells(const VtkCells& vtk, Index first_point, const std::string&
 }
 
 std::uint8_t vtk_type(CellType type) {
-  return static_cast<std::uint8_t>(std::ranges::find(types, type, &TypeRow::type)->vtk);
+  return static_cast<std::uint8_t>(std::ranges::find(type_rows, type, &TypeRow::type)->vtk);
 }
 
 std::vector<Index> vtk_order(const Cell& cell) {
