@@ -3,6 +3,7 @@
 // Three regions of a labelled image, each with its material: liver, vessel and kidney hang from their top.
 #include <phymul/phymul.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -26,7 +27,9 @@ int main(int argc, char** argv) try {
       image, {.spacing = 0.008, .regions = {{1, "liver"}, {2, "vessel"}, {3, "kidney"}}}, &report);  // spacing: m
   for (const phymul::RegionReport& region : report.regions)
     std::printf("%s: %.1f of %.1f ml\n", region.name.c_str(), 1e6 * region.volume, 1e6 * region.wanted_volume);
-  body.add_group("top", body.particles_in([](const phymul::Vec3& at) { return at.z() > 0.075; }));
+  double low = body.rest[0].z(), high = low;
+  for (const phymul::Vec3& at : body.rest) low = std::min(low, at.z()), high = std::max(high, at.z());
+  body.add_group("top", body.particles_in([&](const phymul::Vec3& at) { return at.z() > high - 0.2 * (high - low); }));
   phymul::Simulation sim(body, {.materials = {{"liver", {.young = 4e3, .poisson = 0.45, .density = 1060}},
                                               {"vessel", {.young = 60e3, .poisson = 0.45, .density = 1050}},
                                               {"kidney", {.young = 12e3, .poisson = 0.45, .density = 1050}}}});

@@ -23,7 +23,7 @@ struct LabelImage {
   Vec3 origin{0, 0, 0};                                                            ///< m
   std::array<Vec3, 3> step{Vec3(1e-3, 0, 0), Vec3(0, 1e-3, 0), Vec3(0, 0, 1e-3)};  ///< m
 
-  std::map<std::uint16_t, std::string> names;  ///< of labels; may lack any
+  std::map<std::uint16_t, std::string> names;  ///< of labels; one without is named "label 7"
   std::vector<std::string> notes;              ///< what reading found, one sentence each
 };
 
@@ -44,12 +44,12 @@ struct LabelBodyOptions {
 /// Particles between two regions are in both groups.
 ///
 /// The labels are smoothed by a cubic B-spline (M. Unser, A. Aldroubi, M. Eden, "B-spline signal processing", IEEE
-/// Trans. Signal Process. 41, 1993): a place has of each label a share between 0 and 1. The body is where the regions
-/// together have more than a half; its surface is then moved until the volume is that of their voxels. A cell belongs
-/// to the region with the largest share at its centre. Particles near the boundary between two regions move onto it,
-/// and edges that still cross it are cut there, where all cells keep dihedral angles between 15 and 155 degrees, or as
-/// good as before, and heights above 0.15 of the lattice's edge. A sheet of one voxel is smoothed to 0.7 voxels; a line
-/// of one voxel is lost.
+/// Trans. Signal Process. 41, 1993): at each place every label has a weight from 0 to 1. The body is where the
+/// weights of all regions sum to more than 0.5; its surface is then moved until the volume is that of their voxels. A
+/// cell belongs to the region of largest weight at its centre. Particles near the boundary between two regions move
+/// onto it, and edges that still cross it are cut there, where all cells keep dihedral angles between 15 and 155
+/// degrees, or as good as before, and heights above 0.15 of the lattice's edge. A sheet of one voxel is smoothed to 0.7
+/// voxels; a line of one voxel is lost.
 ///
 /// Model::notes has the notes of the image and names the regions that have no cell: they are thinner than the spacing.
 /// BodyReport::regions compares volumes. Throws Error as make_body() does for a Solid; for an image whose sizes do not

@@ -139,7 +139,7 @@ void set_material(Model& model, const Material& material);
 void set_material(Model& model, const Material& material, std::string_view group_name);
 
 /// The same for the cells whose centre (mean of their vertices) it accepts, so that the volume is right to within
-/// rounding at the region's edge: a group holds only the cells that are wholly in it. Returns the volume of these
+/// rounding at the region's edge: a group of particles holds only the cells wholly in it. Returns the volume of these
 /// cells, m^3 (2-D: m^3 per metre of thickness), to compare with what was asked for. Throws Error also if there is
 /// none.
 double set_material(Model& model, const Material& material, const Contains& contains);

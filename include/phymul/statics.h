@@ -14,15 +14,15 @@ struct StaticOptions {
   /// Euclidean norms over all particles. The loads are gravity and forces on free coordinates, and the elastic forces
   /// on coordinates that are imposed away from their rest places.
   double tolerance = 1e-6;
-  /// Largest number of evaluations, >= 1: of the elastic forces of all particles, or of how they change with a
-  /// displacement.
+  /// Largest number of evaluations, >= 1: of the elastic forces of all particles, or of products with the tangent
+  /// stiffness, which cost about as much.
   int most_evaluations = 3000;
 };
 
 struct StaticResult {
-  RestStatus status = RestStatus::failed;  ///< step_limit: most_evaluations were not enough; never stopped
+  RestStatus status = RestStatus::failed;  ///< step_limit: most_evaluations were not enough
   int evaluations = 0;                     ///< as StaticOptions::most_evaluations counts them
-  double residual = 0.0;                   ///< net forces over loads, as StaticOptions::tolerance
+  double residual = 0.0;                   ///< net forces over loads, as StaticOptions::tolerance; 0 without loads
   double largest_force = 0.0;              ///< N, largest net force on a free particle
   Index folded = -1;                       ///< as RestResult::folded, if converged
   std::string cause;                       ///< of RestStatus::failed

@@ -62,7 +62,8 @@ struct Tool {
   ToolPose pose{};        ///< first pose, as set by ToolHandle::teleport()
   double friction = 0.0;  ///< Coulomb coefficient, >= 0, static and kinetic
   /// m/N, >= 0: how far a particle enters the tool per newton of force on this particle. 0: each step ends with all
-  /// particles outside. The spring is integrated implicitly, so that no value limits the step.
+  /// particles outside (ToolContact::surface: points may stay inside for a few steps). The spring is integrated
+  /// implicitly, so that no value limits the step.
   double compliance = 0.0;
   /// m, >= 0, added around the shape. With ToolContact::particles a tool thinner than the spacing passes through
   /// without force unless it has a margin, see least_margin().

@@ -58,7 +58,8 @@ ToolSet::Moving ToolSet::made(const SceneTool& tool, const Scene& scene) {
   if (needle) moving.needle.emplace(*needle, tool.tool.friction, scene.model());
   if (tool.tool.contact == ToolContact::surface) {
     const std::optional<double> radius = least_radius(tool.tool.shape);
-    moving.surface.emplace(scene.model(), radius ? *radius + tool.tool.margin : infinite);
+    const bool known = !radius || *radius > 0.0;  // not of a DistanceGrid
+    moving.surface.emplace(scene.model(), !known ? 0.0 : radius.value_or(infinite) + tool.tool.margin);
   }
   return moving;
 }

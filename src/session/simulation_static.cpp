@@ -142,7 +142,7 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   } else if (end.stuck) {
     result.cause =
         "the search got stuck where no small step lowers the energy, as where cells fold; load in smaller parts, "
-        "refine the mesh, or take StrainEnergy::neo_hookean";
+        "or take StrainEnergy::neo_hookean";
   } else {
     result.status = RestStatus::step_limit;
   }
