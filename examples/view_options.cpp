@@ -39,7 +39,10 @@ ViewBody read_file(const ViewOptions& options) {
     SurfaceBody filled = fill_surface(path, unit, options.spacing);
     return {std::move(filled.model), std::move(filled.surface)};
   }
-  if (is_label_image(path)) return {fill_labels(path, options.spacing), {}};
+  if (is_label_image(path)) {
+    if (options.length_unit > 0.0) throw phymul::Error("--unit: " + path + " says its unit itself");
+    return {fill_labels(path, options.spacing), {}};
+  }
   if (options.spacing != 0.0) {
     throw phymul::Error("--spacing: " + path + " is neither a surface nor a labelled image to be filled");
   }

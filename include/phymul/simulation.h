@@ -81,10 +81,11 @@ class Simulation {
   /// Finds the rest shape under the loads of the present time, without steps: Newton's method on the energy, whose
   /// linear systems are solved by conjugate gradients with multigrid (docs/theory/physics.md). At small loads the
   /// number of evaluations does not grow with the body. Begins at the present state or at the rest shape, whichever has
-  /// less energy. If it converges, the solver is in the rest state without motion, at the same time; else its state is
-  /// what it was. A body that nothing holds, and whose loads are not in balance, is a result that says so. Throws Error
-  /// (not_supported) for a body without a material or in two dimensions, for tools, contacts and volume constraints,
-  /// and for loads with events after the present time; (invalid_argument) for options out of their range.
+  /// less energy; at the present state, if imposed coordinates are nearer their places there. If it converges, the
+  /// solver is in the rest state without motion, at the same time; else its state is what it was. A body that nothing
+  /// holds, and whose loads are not in balance, is a result that says so. Throws Error (not_supported) for a body
+  /// without a material or in two dimensions, for tools, contacts and volume constraints, and for loads with events
+  /// after the present time; (invalid_argument) for options out of their range.
   StaticResult solve_static(const StaticOptions& options = {});
 
   /// What is probably not meant, a sentence each: a body without material, sizes and constants that suggest other units

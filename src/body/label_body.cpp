@@ -8,6 +8,7 @@
 #include "base/place_text.h"
 #include "filling.h"
 #include "label_field.h"
+#include "model/cell_geometry.h"
 #include "model/group.h"
 #include "region_interfaces.h"
 
@@ -20,9 +21,7 @@ std::vector<int> regions_of_cells(const Model& model, const LabelField& field) {
   regions.reserve(model.cells.size());
   int last = 0;  // where no voxel of a region is near, at a body's point, that of the cell before
   for (const Cell& cell : model.cells) {
-    Vec3 centre = Vec3::Zero();
-    for (const Index i : cell.particles) centre += 0.25 * model.rest[i];
-    const int own = field.shares(centre).largest();
+    const int own = field.shares(cell_centre(cell, model.rest)).largest();
     if (own >= 0) last = own;
     regions.push_back(last);
   }
@@ -47,6 +46,9 @@ std::vector<RegionReport> add_regions(Model& model, const LabelField& field, dou
       continue;
     }
     for (const Index row : cells[r]) report.volume += cell_volume(model, model.cells[row]);
+    if (model.has_group(report.name)) {
+      refuse_body("expected another name than \"" + report.name + "\" for a region: every body has a group of it");
+    }
     add_cell_group(model, report.name, std::move(cells[r]));
     report.particles = static_cast<Index>(model.group(report.name).size());
   }

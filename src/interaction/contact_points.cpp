@@ -73,10 +73,11 @@ ContactPoints make_contact_points(const Model& model, double least_radius) {
     const Vec3 &a = model.rest[corner[0]], &b = model.rest[corner[1]], &c = model.rest[corner[2]];
     const double area = 0.5 * (b - a).cross(c - a).norm();
     if (!(area > 0.0)) continue;
-    const double wanted = least_radius > 0.0 ? std::ceil(3.0 * triangle.edge / least_radius) : double{usual_parts};
+    const double edge = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+    const double wanted = least_radius > 0.0 ? std::ceil(3.0 * edge / least_radius) : double{usual_parts};
     const auto& points = points_of_triangle(static_cast<int>(std::clamp<double>(wanted, fewest_parts, most_parts)));
     made.patches.push_back({corner, &points, area / static_cast<double>(points.size())});
-    made.longest_edge = std::max(made.longest_edge, triangle.edge);
+    made.longest_edge = std::max(made.longest_edge, edge);
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (has_triangles[b]) continue;

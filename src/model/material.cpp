@@ -136,6 +136,7 @@ void set_material(Model& model, const Material& material) {
 
 void set_material(Model& model, const Material& material, std::string_view group_name) {
   require_in_range(material);
+  validate(model);
   const std::vector<char> chosen = cells_of_group(model, group_name);
   assign(model, material,
          "set_material: expected group \"" + std::string(group_name) + "\" to hold all particles of some " +

@@ -32,6 +32,10 @@ constexpr double unsupported = 1e-9;
 void require_supported(const TopologyTextures& topology, const Scene& scene, double time) {
   if (topology.dimension == 2) refuse("expected a body in three dimensions, got one in two");
   if (!AveragedStiffness::is_all_of(topology)) refuse("expected a body with a material, got stiffnesses in N/m");
+  for (Index i = 0; i < topology.particle_count; ++i) {
+    if (topology.first_domain[i] != topology.first_domain[i + 1]) continue;
+    refuse("particle " + std::to_string(i) + " is in no cell with a material");
+  }
   if (!scene.tools().empty()) refuse("the scene has the tool \"" + scene.tools().front().name + '"');
   if (scene.contacts()) refuse("the scene has contacts");
   if (!scene.volume_constraints().empty()) refuse("the scene has a volume constraint");
@@ -71,8 +75,7 @@ std::string why_no_rest(const Model& model, const LoadFrame& loads) {
     Rigid driving = Rigid::Zero();
     double forces = 0.0;
     for (const Index i : body.particles) {
-      Vec3 force = model.mass[i] * loads.gravity;
-      if (!loads.force.empty()) force += loads.force[i];
+      const Vec3 force = load_on(model.mass, loads, i);
       forces += force.norm();
       for (int axis = 0; axis < 3; ++axis) {
         const Rigid motion = rigid_motion(model.rest[i] - centre, axis, size);
@@ -91,10 +94,24 @@ std::string why_no_rest(const Model& model, const LoadFrame& loads) {
       if (std::abs(modes.eigenvectors().col(k).dot(driving)) <= unbalanced * forces) continue;
       const std::string name =
           body.name.empty() ? "the body of particle " + std::to_string(body.particles.front()) : '"' + body.name + '"';
-      return name + " has no rest: a rigid motion of it meets no support, and the loads are not in balance for it";
+      return name +
+             " has no rest as it lies: a rigid motion of it meets no support, and the loads drive it; hold it, or use "
+             "run_to_rest()";
     }
   }
   return {};
+}
+
+/// m^2: by how much imposed coordinates miss their places.
+double squared_way_to_targets(const LoadFrame& loads, const VecList& position) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < loads.fixed.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double way = loads.target[i][axis] - position[i][axis];
+      if ((loads.fixed[i] >> axis & 1) != 0) sum += way * way;
+    }
+  }
+  return sum;
 }
 
 }  // namespace
@@ -129,9 +146,18 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
 
   const double gain =
       potential_energy(topology, loads, state.position) - potential_energy(topology, loads, topology.rest);
-  if (gain > no_gain * strained_energy(topology)) state.position = topology.rest;
-  const RestSearchEnd end = search_rest(topology, loads, options.tolerance, options.most_evaluations, state.position);
+  // What is imposed in parts is not begun anew: imposed coordinates that are nearer their places stay.
+  const bool begins_anew =
+      gain > no_gain * strained_energy(topology) &&
+      squared_way_to_targets(loads, topology.rest) <= squared_way_to_targets(loads, state.position);
+  if (begins_anew) state.position = topology.rest;
+  RestSearchEnd end = search_rest(topology, loads, options.tolerance, options.most_evaluations, state.position);
   result.evaluations = end.evaluations;
+  if (end.stuck && !begins_anew && end.evaluations < options.most_evaluations) {
+    state.position = topology.rest;
+    end = search_rest(topology, loads, options.tolerance, options.most_evaluations - end.evaluations, state.position);
+    result.evaluations += end.evaluations;
+  }
   result.residual = end.residual;
   result.largest_force = end.largest_force;
   if (end.at_rest) {

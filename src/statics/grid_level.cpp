@@ -78,6 +78,9 @@ GridShape GridShape::over(std::span<const Vec3> points, double spacing) {
     low = low.cwiseMin(point);
     high = high.cwiseMax(point);
   }
+  // Tables are of the whole box: one much larger than what is in it gets larger cells.
+  const double most = std::min(1e9, 1e6 + 64.0 * static_cast<double>(points.size()));
+  while ((((high - low) / spacing).array() + 2.0).prod() > most) spacing *= 1.25;
   GridShape shape{.origin = low};
   for (int axis = 0; axis < 3; ++axis) {
     const double size = high[axis] - low[axis];

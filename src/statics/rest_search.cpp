@@ -30,11 +30,6 @@ constexpr int most_trials = 12;  ///< of a line search
 constexpr double force_rounding = 1e-12;
 constexpr double energy_rounding = 1e-11;  ///< of an energy
 
-Vec3 load_on(const TopologyTextures& t, const LoadFrame& loads, std::size_t i) {
-  const Vec3 weight = t.mass[i] * loads.gravity;
-  return loads.force.empty() ? weight : Vec3(weight + loads.force[i]);
-}
-
 class Search {
  public:
   Search(const TopologyTextures& topology, const LoadFrame& loads, VecList& position)
@@ -48,7 +43,7 @@ class Search {
         force_(position.size()),
         trial_(position.size()) {
     for (std::size_t i = 0; i < position.size(); ++i) {
-      load_.segment<3>(3 * static_cast<Eigen::Index>(i)) = load_on(topology, loads, i);
+      load_.segment<3>(3 * static_cast<Eigen::Index>(i)) = load_on(topology.mass, loads, i);
     }
     double shear = 0.0;
     for (const DomainTexel& domain : topology.domains) {
@@ -265,7 +260,7 @@ class Search {
 double potential_energy(const TopologyTextures& topology, const LoadFrame& loads, const VecList& position) {
   double energy = elastic_energy(topology, position);
   for (std::size_t i = 0; i < position.size(); ++i) {
-    energy -= load_on(topology, loads, i).dot(position[i] - topology.rest[i]);
+    energy -= load_on(topology.mass, loads, i).dot(position[i] - topology.rest[i]);
   }
   return energy;
 }

@@ -9,6 +9,7 @@
 #include <phymul/topology_textures.h>
 
 #include <Eigen/Core>
+#include <span>
 
 namespace phymul {
 
@@ -24,6 +25,12 @@ struct RestSearchEnd {
 /// tables beyond the range of single precision.
 RestSearchEnd search_rest(const TopologyTextures& topology, const LoadFrame& loads, double tolerance,
                           int most_evaluations, VecList& position);
+
+/// N, on particle i of so much mass, kg.
+inline Vec3 load_on(std::span<const double> mass, const LoadFrame& loads, std::size_t i) {
+  const Vec3 weight = mass[i] * loads.gravity;
+  return loads.force.empty() ? weight : Vec3(weight + loads.force[i]);
+}
 
 /// J: elastic, less the work of the loads from the rest shape on.
 double potential_energy(const TopologyTextures& topology, const LoadFrame& loads, const VecList& position);

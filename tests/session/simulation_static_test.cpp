@@ -93,6 +93,7 @@ TEST(SimulationStatic, FindsTheShapeOfImposedMotion) {
   };
   Simulation solved = turned(), stepped = turned();
   expect_shape_of_steps(solved, stepped, "twisted by 1.5 rad");
+  EXPECT_LT(solved.solve_static().evaluations, 10);  // it begins where it is
   const auto pressed = [] {
     Simulation sim(make_tetrahedral_block({0.08, 0.08, 0.08}, 4, 4, 4, 0.2, 1), with_steps_to_the_end(0.3));
     sim.scene().fix("z0");
@@ -219,6 +220,12 @@ TEST(SimulationStatic, RefusesWhatItDoesNotSupport) {
   EXPECT_TRUE(says(message_of([&] { springs.solve_static(); }), "a body with a material"));
   Simulation plane(make_strip(0.04, 0.02, 4, 2), {.material = tissue(0.3), .backend = "reference"});
   EXPECT_TRUE(says(message_of([&] { plane.solve_static(); }), "three dimensions"));
+  Model half = make_block({0.04, 0.02, 0.02}, 4, 2, 2);
+  half.add_group("left", half.particles_in([](const Vec3& at) { return at.x() < 0.021; }));
+  Simulation partly(
+      half,
+      {.materials = {{"left", tissue(0.3)}}, .backend = "reference", .topology = {.on_sparse = SparseParticle::free}});
+  EXPECT_TRUE(says(message_of([&] { partly.solve_static(); }), "is in no cell with a material"));
   Simulation sim = hung(beam(2, Cells::hexahedra), 0.3, 0.1);
   EXPECT_TRUE(says(message_of([&] { sim.solve_static({.tolerance = 0.0}); }), "StaticOptions::tolerance"));
   EXPECT_TRUE(says(message_of([&] { sim.solve_static({.most_evaluations = 0}); }), "StaticOptions::most_evaluations"));

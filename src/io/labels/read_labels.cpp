@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <new>
 #include <string_view>
 
@@ -46,7 +47,8 @@ std::size_t voxel_count(const std::string& path, const std::vector<std::int64_t>
   bool fits = true;
   for (const std::int64_t size : sizes) {
     text += (text.empty() ? "" : " x ") + std::to_string(size);
-    fits = fits && size >= 1 && static_cast<std::uint64_t>(size) <= most_bytes / count;
+    fits = fits && size >= 1 && size <= std::numeric_limits<Index>::max() &&
+           static_cast<std::uint64_t>(size) <= most_bytes / count;
     if (fits) count *= static_cast<std::uint64_t>(size);
   }
   if (!fits || count > most_bytes / size_of(type)) {

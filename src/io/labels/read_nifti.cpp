@@ -4,6 +4,7 @@
 #ifdef PHYMUL_HAS_NIFTI
 #include <nifti1_io.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -74,7 +75,8 @@ NumberType type_of(const std::string& path, const nifti_1_header& header) {
                 std::string("expected integers as labels, got ") + nifti_datatype_string(header.datatype) +
                     "; save it anew as an image of 8 or 16 bit integers");
   }
-  if (header.scl_slope != 0.0f && !(header.scl_slope == 1.0f && header.scl_inter == 0.0f)) {
+  if (std::isfinite(header.scl_slope) && header.scl_slope != 0.0f &&
+      !(header.scl_slope == 1.0f && header.scl_inter == 0.0f)) {
     fail_format(path, 0,
                 "expected labels as they are, got values to be scaled by " + to_decimal(header.scl_slope) +
                     " and shifted by " + to_decimal(header.scl_inter) + " (scl_slope, scl_inter)");
@@ -106,9 +108,9 @@ std::vector<std::uint16_t> read_voxels(const std::string& path, const nifti_1_he
   if (!(offset >= 348.0f && offset < 0x1p30f)) {
     fail_format(path, 0, "expected voxels behind the header of 348 bytes, got vox_offset " + to_decimal(offset));
   }
+  std::vector<char> voxels(bytes);
   znzFile file = znzopen(path.c_str(), "rb", nifti_is_gzfile(path.c_str()));
   if (!file) fail_access(path, "the file cannot be opened");
-  std::vector<char> voxels(bytes);
   const bool is_whole =
       znzseek(file, static_cast<long>(offset), SEEK_SET) >= 0 && znzread(voxels.data(), 1, bytes, file) == bytes;
   znzclose(file);
