@@ -46,7 +46,8 @@ double signed_measure(int dimension, const Cell& cell, std::span<const Vec3> pos
 /// True for the cells that signed_measure measures.
 bool is_solid(int dimension, CellType type);
 
-/// Calls visit(ring of particles, -1 at its end) for every face of a solid cell: faces in 3-D, edges in 2-D.
+/// Calls visit(particles) for every face of a solid cell (3-D) or edge (2-D). It gets four particles in order around
+/// the face; those that a triangle or an edge lacks are -1.
 template <class Visit>
 void each_face(int dimension, const Cell& cell, Visit visit) {
   if (dimension == 3) {
