@@ -26,7 +26,7 @@ require_rows(work_precision.csv 54)
 # The calibrated body in uniform strain is exact whatever the machine: error below 1e-3, at rest.
 file(STRINGS ${OUT}/work_precision.csv exact REGEX "closed_stretch.*,nu0.30,particle_averaged,.*,ok,")
 if(NOT exact)
-  message(FATAL_ERROR "work_precision.csv: expected a row of closed_stretch by the calibrated material, at rest")
+  message(FATAL_ERROR "work_precision.csv: expected a row of closed_stretch by the material, at rest")
 endif()
 foreach(row IN LISTS exact)
   if(NOT row MATCHES ",ok,[0-9]+,[^,]+,[^,]+,[^,]+,[0-9.]+e-0[4-9],")

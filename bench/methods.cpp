@@ -38,9 +38,9 @@ std::vector<Method> make_methods() {
   reaction("barycentric", "shape memory, barycentric reaction", Reaction::barycentric);
   reaction("averaged", "shape memory, averaged", Reaction::averaged);
   Method& shape_memory = all.emplace_back();
-  shape_memory.name = "particle_averaged", shape_memory.label = "calibrated material";
+  shape_memory.name = "particle_averaged", shape_memory.label = "material";
   Method& neo_hookean = all.emplace_back();
-  neo_hookean.name = "neo_hookean", neo_hookean.label = "calibrated material, neo-Hookean";
+  neo_hookean.name = "neo_hookean", neo_hookean.label = "material, neo-Hookean";
   neo_hookean.options.strain_energy = StrainEnergy::neo_hookean;
   return all;
 }

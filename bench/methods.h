@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The models that are compared: springs, shape memory with each reaction, the calibrated material. Each takes its
+// The models that are compared: springs, shape memory with each reaction, the material. Each takes its
 // stiffness from E and nu by a rule of its own, never from the error that is charted.
 #pragma once
 

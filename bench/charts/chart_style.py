@@ -23,6 +23,7 @@ METHODS = {
     "barycentric": ("#E69F00", ">", (1, 1.5)),
     "averaged": ("#CC79A7", "v", (1, 1.5)),
     "particle_averaged": ("#D55E00", "*", ()),
+    "neo_hookean": ("#000000", ".", (2, 2)),
 }
 ENGINES = ["#D55E00", "#0072B2", "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#000000", "#999999"]
 MARKERS = ["*", "s", "o", "^", "v", "D", "P", "X", "<", ">"]
@@ -43,7 +44,10 @@ def finish(figure, out, name, foot):
 
 
 def guide(axes, x=None, y=None, text="", below=False, **line):
-    """A marked line across the chart; the text of a level line stands above its right end, or below its left one."""
+    """A marked line across the chart, unless all that is drawn lies to the right of its x; the text of a level line
+    stands above its right end, or below its left one."""
+    if x is not None and x < 1.05 * axes.get_xlim()[0]:
+        return
     looks = {"color": "#777777", "linewidth": 1.0, **line}
     if x is not None:
         axes.axvline(x, **looks)

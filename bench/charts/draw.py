@@ -168,7 +168,7 @@ def equivalence(out):
 def cost(out, rows, about):
     """Time a step against particles, by backend."""
     figure, axes = plt.subplots(figsize=(6.5, 4.4))
-    wanted = {"springs_18": "springs, 18", "particle_averaged": "calibrated material"}
+    wanted = {"springs_18": "springs, 18", "particle_averaged": "material"}
     timed = [r for r in rows if r["method"] in wanted and number(r, "wall_step") > 0]
     backends = list(dict.fromkeys(r["backend"] for r in timed))
     for (backend, method), line in data.groups(timed, "backend", "method").items():

@@ -22,16 +22,18 @@ VERDICTS = {"returned": ("o", True), "rests collapsed": ("s", False), "rests fol
 
 
 def key_of(method):
-    """The name that chart_style knows, of "springs 18, volume" or "material, nu 0.45"."""
-    return "particle_averaged" if ", nu" in method else method.replace(", ", "_").replace(" ", "_")
+    """The name that chart_style knows, of "springs 18, volume" or "neo-Hookean, nu 0.45"."""
+    if ", nu" in method:
+        return "neo_hookean" if method.startswith("neo-Hookean") else "particle_averaged"
+    return method.replace(", ", "_").replace(" ", "_")
 
 
 def limits(out, rows, about):
     for (question,), of_question in data.groups(rows, "question").items():
         title, label = QUESTIONS[question]
-        calibrated = [r for r in of_question if "nu 0" in r["method"]]
+        materials = [r for r in of_question if "nu 0" in r["method"]]
         others = [r for r in of_question if "nu 0" not in r["method"]]
-        panels = [panel for panel in (("Stiffness given, N/m", others), ("Stiffness by E and Poisson's ratio", calibrated)) if panel[1]]
+        panels = [panel for panel in (("Stiffness given, N/m", others), ("Stiffness by E and Poisson's ratio", materials)) if panel[1]]
         figure, grid = plt.subplots(1, len(panels), figsize=(5.4 * len(panels), 4.4), sharey=True, squeeze=False)
         for axes, (name, of_panel) in zip(grid[0], panels):
             for (method,), line in data.groups(of_panel, "method").items():

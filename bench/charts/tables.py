@@ -37,7 +37,7 @@ def cheapest_table(rows):
 
 
 def accuracy_table(rows, orders, most_particles=4096):
-    """The calibrated material at its finest resolution within the particles: its errors and orders."""
+    """The material at its finest resolution within the particles: its errors and orders."""
     text = "| case | particles | error | force error | null model | order, own limit | left in the limit |\n"
     text += "|---|---|---|---|---|---|---|\n"
     for (case, level), of_level in data.groups(rows, "case", "level").items():

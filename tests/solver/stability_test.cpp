@@ -121,7 +121,7 @@ TEST(Stability, ConservativeKeepsItsEnergyBelowTheLimitAndBlowsUpAboveIt) {
   cases.push_back({"block, thresholded bases", make_block({0.02, 0.02, 0.01}, 2, 2, 1, 6), {}});
   Model tissue = make_block({0.02, 0.01, 0.01}, 2, 1, 1, 6);
   set_material(tissue, soft_tissue());
-  cases.push_back({"block, calibrated material", tissue, {}});
+  cases.push_back({"block, material", tissue, {}});
   for (const Case& c : cases) {
     const EnergyRun below = run_undamped(c.model, c.topology, 0.9, 100000);
     const EnergyRun above = run_undamped(c.model, c.topology, 1.05, 100000);
