@@ -29,6 +29,7 @@
 #include <phymul/state.h>
 #include <phymul/state_file.h>
 #include <phymul/statics.h>
+#include <phymul/step_limit.h>
 #include <phymul/surface.h>
 #include <phymul/surface_file.h>
 #include <phymul/tool.h>

@@ -105,7 +105,7 @@ Index GridLevel::node_at(const std::array<Index, 3>& at) const {
 }
 
 GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, const GridShape& shape)
-    : topology_(topology), shape_(shape) {
+    : shape_(shape) {
   const auto& n = shape.cells;
   cell_of_.assign(static_cast<std::size_t>(n[0]) * n[1] * n[2], none);
   node_of_.assign(static_cast<std::size_t>(n[0] + 1) * (n[1] + 1) * (n[2] + 1), none);

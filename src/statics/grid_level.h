@@ -74,7 +74,6 @@ class GridLevel {
   Index cell_at(const std::array<Index, 3>& at) const;
   Index node_at(const std::array<Index, 3>& at) const;
 
-  const TopologyTextures& topology_;
   GridShape shape_;
   std::vector<Index> node_of_, cell_of_;  // of the whole grid; none
   std::vector<Vec3> node_place_;

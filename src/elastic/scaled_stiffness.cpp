@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+#include "scaled_stiffness.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <future>
+#include <limits>
+#include <random>
+#include <thread>
+
+namespace phymul {
+namespace {
+
+using Vector = Eigen::VectorXd;
+
+/// Ritz values are taken when their residuals are below this share of the largest; eigenvalues are then nearer than
+/// that.
+constexpr double ritz_accuracy = 1e-3;
+/// Eigenvalues nearer to 0 than this share of the largest are those of rigid motion, on either side of 0 by rounding.
+constexpr double rigid_motion = 1e-6;
+constexpr int lanczos_steps = 400;
+/// From so many particles on, forces on both sides of a difference are found side by side: far more work than starting
+/// a thread.
+constexpr Index worth_a_thread = 500;
+
+double rest_spacing(const TopologyTextures& topology) {
+  double sum = 0.0;
+  std::size_t count = 0;
+  const auto add = [&](Index a, Index b) {
+    sum += (topology.rest[a] - topology.rest[b]).norm();
+    ++count;
+  };
+  for (Index i = 0; i < topology.particle_count; ++i) {
+    const IndexTexel& at = topology.index[i];
+    for (Index r = at.first_neighbour; r < at.first_neighbour + at.neighbour_count; ++r) add(i, topology.neighbours[r]);
+  }
+  for (const SpringTexel& spring : topology.springs) add(spring.end[0], spring.end[1]);
+  for (const VolumeTexel& term : topology.volumes) add(term.vertex[0], term.vertex[1]);
+  if (count > 0) return sum / static_cast<double>(count);
+  // Law::particle_averaged needs no neighbours: its cells make the body.
+  for (std::size_t d = 0; d < topology.domains.size(); ++d) {
+    for (Index r = topology.first_link[d]; r < topology.first_link[d + 1]; ++r) {
+      add(topology.domains[d].particle, topology.domains[topology.links[r].domain].particle);
+    }
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0.0;
+}
+
+}  // namespace
+
+ScaledStiffness::ScaledStiffness(const TopologyTextures& topology, std::span<const Vec3> position,
+                                 std::span<const std::uint8_t> fixed)
+    : topology_(topology),
+      position_(position),
+      spacing_(rest_spacing(topology)),
+      scale_(Vector::Zero(3 * topology.particle_count)),
+      side_by_side_(topology.particle_count >= worth_a_thread && std::thread::hardware_concurrency() > 1) {
+  if (AveragedStiffness::is_all_of(topology) && std::ranges::equal(position, topology.rest)) {
+    at_rest_.emplace(topology);
+  } else {
+    plus_.resize(position.size());
+    minus_.resize(position.size());
+  }
+  for (Index i = 0; i < topology.particle_count; ++i) {
+    for (int axis = 0; axis < topology.dimension; ++axis) {
+      const bool free = fixed.empty() || (fixed[i] >> axis & 1) == 0;
+      if (free) scale_[3 * i + axis] = 1.0 / std::sqrt(topology.mass[i]);
+    }
+  }
+}
+
+Vector ScaledStiffness::start_vector() const {
+  std::mt19937 bits(20071);  // its bits alone are the same everywhere
+  Vector q(scale_.size());
+  for (Eigen::Index k = 0; k < q.size(); ++k) q[k] = static_cast<double>(bits()) / 4294967296.0 - 0.5;
+  q = (scale_.array() > 0).select(q, 0.0);
+  const double length = q.norm();
+  return length > 0.0 ? Vector(q / length) : q;
+}
+
+void ScaledStiffness::apply(const Vector& q, Vector& result) {
+  const Vector direction = scale_.cwiseProduct(q);
+  if (at_rest_) {
+    at_rest_->apply(direction, result);
+    result.array() *= scale_.array();
+  } else {
+    apply_differences(direction, result);
+  }
+}
+
+void ScaledStiffness::apply_differences(const Vector& direction, Vector& result) {
+  const double largest = direction.cwiseAbs().maxCoeff();
+  result.setZero(direction.size());
+  if (largest == 0.0) return;
+  // Truncation falls as step^2, rounding grows as 1/step: 1e-4 of the spacing keeps both near 1e-8.
+  const double step = 1e-4 * spacing_ / largest;
+  if (side_by_side_) {
+    auto other = std::async(std::launch::async | std::launch::deferred, [&] { force_at(direction, -step, minus_); });
+    force_at(direction, step, plus_);
+    other.get();
+  } else {
+    force_at(direction, step, plus_);
+    force_at(direction, -step, minus_);
+  }
+  for (Index i = 0; i < topology_.particle_count; ++i) {
+    const Vec3 stiffness = (minus_.force[i] - plus_.force[i]) / (2.0 * step);
+    result.segment<3>(3 * i) = scale_.segment<3>(3 * i).cwiseProduct(stiffness);
+  }
+}
+
+void ScaledStiffness::force_at(const Vector& direction, double step, Side& side) const {
+  for (Index i = 0; i < topology_.particle_count; ++i) {
+    side.moved[i] = position_[i] + step * direction.segment<3>(3 * i);
+  }
+  elastic_forces(topology_, side.moved, side.force);
+}
+
+Lanczos lanczos(ScaledStiffness& A, const Vector& start) {
+  Lanczos found;
+  Vector q = start, before = Vector::Zero(q.size()), image(q.size());
+  for (int step = 0; step < lanczos_steps; ++step) {
+    A.apply(q, image);
+    found.diagonal.push_back(q.dot(image));
+    image -= found.diagonal.back() * q;
+    if (step > 0) image -= found.off.back() * before;
+    const double beta = image.norm();
+    if (!std::isfinite(beta)) {
+      found.spectrum = {.largest = std::numeric_limits<double>::infinity()};
+      break;
+    }
+    const bool look = step % 5 == 4 || step + 1 == lanczos_steps || beta == 0.0;
+    if (look) {
+      const auto size = static_cast<Eigen::Index>(found.diagonal.size());
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz;
+      ritz.computeFromTridiagonal(Eigen::Map<Vector>(found.diagonal.data(), size),
+                                  Eigen::Map<Vector>(found.off.data(), size - 1));
+      const auto& values = ritz.eigenvalues();
+      const Eigen::Index top = std::abs(values[0]) > std::abs(values[size - 1]) ? 0 : size - 1;
+      found.spectrum.largest = std::abs(values[top]);
+      found.spectrum.most_negative = values[0];
+      found.top = ritz.eigenvectors().col(top);
+      // A negative end must settle as well. Where none shows, waiting for one would cost a body at rest thrice the
+      // steps.
+      const auto last = ritz.eigenvectors().row(size - 1);
+      const bool grows = values[0] < -rigid_motion * found.spectrum.largest;
+      const double residual = beta * std::max(std::abs(last[top]), grows ? std::abs(last[0]) : 0.0);
+      if (residual <= ritz_accuracy * found.spectrum.largest) break;
+    }
+    found.off.push_back(beta);
+    before.swap(q);
+    q = image / beta;
+  }
+  if (found.spectrum.most_negative > -rigid_motion * found.spectrum.largest) found.spectrum.most_negative = 0.0;
+  return found;
+}
+
+Vector fastest_vibration(ScaledStiffness& A, const Vector& start, const Lanczos& found) {
+  Vector q = start, before = Vector::Zero(q.size()), image(q.size()), sum = found.top[0] * q;
+  for (Eigen::Index step = 1; step < found.top.size(); ++step) {
+    A.apply(q, image);
+    image -= found.diagonal[step - 1] * q;
+    if (step > 1) image -= found.off[step - 2] * before;
+    before.swap(q);
+    q = image / found.off[step - 1];
+    sum += found.top[step] * q;
+  }
+  return sum.normalized();
+}
+
+}  // namespace phymul

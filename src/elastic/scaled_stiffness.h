@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+//
+// The stiffness of a body over its masses, M^-1/2 K M^-1/2, as an operator, and Lanczos iteration with it. K = -df/dx
+// by central differences of the elastic forces along a direction, or, at rest, from the tables of
+// Law::particle_averaged. Source: Golub & Van Loan, Matrix Computations, ch. 10.
+#pragma once
+
+#include <phymul/elasticity.h>
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "averaged_stiffness.h"
+
+namespace phymul {
+
+/// Free coordinates only. Keeps references to what it is made from.
+class ScaledStiffness {
+ public:
+  ScaledStiffness(const TopologyTextures& topology, std::span<const Vec3> position,
+                  std::span<const std::uint8_t> fixed);
+
+  double spacing() const { return spacing_; }  ///< m, mean between neighbours
+  /// Of unit length, the same on every machine, without the coordinates that are fixed; zero where all are.
+  Eigen::VectorXd start_vector() const;
+  void apply(const Eigen::VectorXd& q, Eigen::VectorXd& result);
+
+ private:
+  struct Side {
+    VecList moved, force;
+    void resize(std::size_t count) {
+      moved.resize(count);
+      force.resize(count);
+    }
+  };
+
+  void apply_differences(const Eigen::VectorXd& direction, Eigen::VectorXd& result);
+  void force_at(const Eigen::VectorXd& direction, double step, Side& side) const;
+
+  const TopologyTextures& topology_;
+  std::span<const Vec3> position_;
+  double spacing_;
+  Eigen::VectorXd scale_;
+  bool side_by_side_;
+  std::optional<AveragedStiffness> at_rest_;
+  Side plus_, minus_;  // empty where at_rest_ serves
+};
+
+/// What Lanczos iteration found.
+struct Lanczos {
+  Spectrum spectrum;  ///< `largest` and `most_negative`; `largest` infinite where it overflows
+  std::vector<double> diagonal, off;
+  Eigen::VectorXd top;  ///< of the eigenvector of the largest: coefficients of the vectors of the iteration
+};
+Lanczos lanczos(ScaledStiffness& A, const Eigen::VectorXd& start);
+
+/// The eigenvector of the largest eigenvalue, of unit length: the vectors of the iteration made again and summed.
+Eigen::VectorXd fastest_vibration(ScaledStiffness& A, const Eigen::VectorXd& start, const Lanczos& found);
+
+}  // namespace phymul

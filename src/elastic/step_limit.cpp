@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/elasticity.h>
+#include <phymul/error.h>
+#include <phymul/step_limit.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "scaled_stiffness.h"
+
+namespace phymul {
+namespace {
+
+/// A vibration that moves more of the particles than this is the whole body's.
+constexpr double local = 0.125;
+
+double undamped_step(double largest) {
+  return stable_step(Spectrum{.largest = largest}, 1.0);
+}
+
+/// Kinetic energy of a vibration by particles, of sum 1. `shape` [3 N] in the coordinates of ScaledStiffness.
+std::vector<double> shares(const Eigen::VectorXd& shape) {
+  std::vector<double> share(static_cast<std::size_t>(shape.size() / 3));
+  for (std::size_t i = 0; i < share.size(); ++i) {
+    share[i] = shape.segment<3>(3 * static_cast<Eigen::Index>(i)).squaredNorm();
+  }
+  return share;
+}
+
+/// How many particles take part: 1 if all the energy is in one, n if n have as much each.
+double taking_part(const std::vector<double>& share) {
+  double squares = 0.0;
+  for (const double s : share) squares += s * s;
+  return 1.0 / squares;
+}
+
+LimitingPlace place_of(const Model& model, const std::vector<double>& share) {
+  LimitingPlace place;
+  for (std::size_t c = 0; c < model.cells.size(); ++c) {
+    double sum = 0.0;
+    for (const Index i : model.cells[c].particles) sum += share[i];
+    if (sum <= place.share) continue;
+    place.share = sum;
+    place.cell = static_cast<Index>(c);
+    place.particles = model.cells[c].particles;
+  }
+  if (place.particles.empty()) {
+    const auto most = std::ranges::max_element(share);
+    place.share = *most;
+    place.particles = {static_cast<Index>(most - share.begin())};
+  }
+  for (const Index i : place.particles) place.place += model.rest[i] / static_cast<double>(place.particles.size());
+  return place;
+}
+
+}  // namespace
+
+StepLimit describe_limit(const Model& model, const TopologyTextures& topology, int most_places,
+                         std::span<const std::uint8_t> fixed) {
+  const auto count = static_cast<std::size_t>(topology.particle_count);
+  if (model.rest.size() != count || (!fixed.empty() && fixed.size() != count)) {
+    throw Error("describe_limit: expected a model of " + std::to_string(count) +
+                " particles, as the tables have, and as many fixed marks or none; got " +
+                std::to_string(model.rest.size()) + " and " + std::to_string(fixed.size()));
+  }
+  const Reaction reaction = topology.options.reaction;
+  if (topology.base_count > 0 && reaction != Reaction::conservative && reaction != Reaction::averaged) {
+    throw Error(
+        "describe_limit: the reactions full, shared and barycentric have no vibrations; expected conservative or "
+        "averaged");
+  }
+  std::vector<std::uint8_t> held(fixed.begin(), fixed.end());
+  held.resize(count, 0);
+  StepLimit limit;
+  for (int k = 0;; ++k) {
+    ScaledStiffness A(topology, topology.rest, held);
+    const Eigen::VectorXd start = A.start_vector();
+    const bool moves = A.spacing() > 0.0 && !start.isZero(0.0);
+    const Lanczos found = moves ? lanczos(A, start) : Lanczos{};
+    limit.without = undamped_step(found.spectrum.largest);
+    if (k == 0) limit.stable_step = limit.without;
+    if (k >= most_places || !(limit.without < std::numeric_limits<double>::infinity()) || limit.without == 0.0) break;
+    const std::vector<double> share = shares(fastest_vibration(A, start, found));
+    const auto free = std::ranges::count_if(held, [](std::uint8_t axes) { return axes != 7; });
+    if (taking_part(share) > local * static_cast<double>(free)) break;
+    LimitingPlace place = place_of(model, share);
+    place.stable_step = limit.without;
+    for (const Index i : place.particles) held[i] = 7;
+    limit.places.push_back(std::move(place));
+  }
+  return limit;
+}
+
+std::string StepLimit::message() const {
+  char text[320];
+  if (places.empty()) {
+    std::snprintf(text, sizeof text, "The stable step of %.3g s is set by the whole body: no single cell stands out.",
+                  stable_step);
+    return text;
+  }
+  const LimitingPlace& first = places.front();
+  const std::string cell =
+      first.cell < 0 ? "particle " + std::to_string(first.particles.front()) : "cell " + std::to_string(first.cell);
+  std::snprintf(
+      text, sizeof text,
+      "The stable step of %.3g s is set by %s, at (%.3g, %.3g, %.3g) m, with %.0f %% of the fastest vibration's "
+      "energy. Without %s it would be %.3g s.",
+      stable_step, cell.c_str(), first.place.x(), first.place.y(), first.place.z(), 100.0 * first.share,
+      places.size() == 1
+          ? "it"
+          : ("it and " + std::to_string(places.size() - 1) + (places.size() == 2 ? " other place" : " other places"))
+                .c_str(),
+      without);
+  return text;
+}
+
+}  // namespace phymul
