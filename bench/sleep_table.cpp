@@ -32,7 +32,7 @@ struct Case {
   std::function<void(Scene&, double time)> drive;
   double damping = 20.0;  ///< 1/s
   int steps = 1000;
-  int call = 20;  ///< steps of one call of Solver::step()
+  int call = 20;         ///< steps of one call of Solver::step()
   bool settled = false;  ///< begins at rest under its loads
 };
 
@@ -185,7 +185,11 @@ std::vector<Case> cases() {
       poked("block poked, damped", block, 200.0),
       poked("tetrahedra poked, damped", tetrahedra, 200.0),
       {.name = "organ settled", .body = organ, .load = lie_there, .drive = {}, .steps = 20000, .settled = true},
-      {.name = "organ at rest", .body = organ, .load = [](Scene& scene, double) { scene.fix("held"); }, .drive = {}, .steps = 20000},
+      {.name = "organ at rest",
+       .body = organ,
+       .load = [](Scene& scene, double) { scene.fix("held"); },
+       .drive = {},
+       .steps = 20000},
       {.name = "organ probed",
        .body = organ,
        .load = probe,
@@ -195,7 +199,10 @@ std::vector<Case> cases() {
        .call = 2},
       {.name = "cantilever",
        .body = beam,
-       .load = [](Scene& scene, double) { scene.fix("x0").gravity({0, 0, -9.81}); },
+       .load =
+           [](Scene& scene, double) {
+             scene.fix("x0").gravity({0, 0, -9.81});
+           },
        .drive = {},
        .steps = 20000},
   };
