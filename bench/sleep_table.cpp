@@ -116,6 +116,44 @@ Model with_material(Model model) {
   return model;
 }
 
+/// What sleep costs a body of which nothing rests: two solvers, in turns.
+void measure_awake(const char* name, const Model& model) {
+  const auto tables = std::make_shared<const TopologyTextures>(build_topology(model, {}));
+  const Scene scene(model);
+  State start = rest_state(model);
+  const double h = mean_spacing(model);
+  for (std::size_t i = 0; i < start.position.size(); ++i) {
+    const double phase = static_cast<double>(i % 7);
+    start.position[i] += 0.02 * h * Vec3(std::sin(phase), std::cos(2.0 * phase), std::sin(3.0 * phase + 1.0));
+  }
+  SolverOptions options;
+  options.threads = 1;
+  options.spectrum = estimate_spectrum(*tables, tables->rest);
+  std::unique_ptr<Solver> solvers[2];
+  for (const bool sleeps : {false, true}) {
+    if (sleeps) options.sleep_tolerance = 0.0;
+    solvers[sleeps] = make_solver("cpu", tables, scene, options);
+    solvers[sleeps]->reset(start);
+  }
+  const double dt = 0.5 * solvers[0]->stable_step();
+  const int steps = std::max(1, 400000 / model.particle_count());
+  std::vector<double> ratios;
+  double least[2] = {HUGE_VAL, HUGE_VAL};
+  for (int k = 0; k < 101; ++k) {
+    double seconds[2];
+    for (const int which : {k % 2, 1 - k % 2}) {
+      const double begin = bench::processor_seconds();
+      if (const StepReport report = solvers[which]->step(steps, dt); !report.ok()) throw Error(report.message());
+      seconds[which] = bench::processor_seconds() - begin;
+      least[which] = std::min(least[which], seconds[which]);
+    }
+    ratios.push_back(seconds[1] / seconds[0]);
+  }
+  std::ranges::sort(ratios);
+  std::printf("all awake, %s: %d particles, a step takes %.3f times as long (median of %zu), least times %.3f\n", name,
+              model.particle_count(), ratios[ratios.size() / 2], ratios.size(), least[1] / least[0]);
+}
+
 int cells(double share, int cells) {
   return std::max(4, static_cast<int>(std::lround(cells * std::cbrt(share))));
 }
@@ -132,7 +170,7 @@ Model tetrahedra(double share) {
 
 /// Lies on its lowest fifth, which is held.
 Model organ(double share) {
-  Model model = make_body(solid_ellipsoid({0, 0, 0}, {0.09, 0.04, 0.03}), {.spacing = 0.0062 / std::cbrt(share)});
+  Model model = make_body(solid_ellipsoid({0, 0, 0}, {0.09, 0.04, 0.03}), {.spacing = 0.0070 / std::cbrt(share)});
   std::vector<Index> held;
   for (Index i = 0; i < model.particle_count(); ++i) {
     if (model.rest[i].z() < -0.02) held.push_back(i);
@@ -195,8 +233,8 @@ std::vector<Case> cases() {
        .load = probe,
        .drive = [](Scene& scene, double time) { scene.tool("probe").move_to(probe_at(time)); },
        .damping = 60.0,
-       .steps = 4000,
-       .call = 2},
+       .steps = 10000,
+       .call = 5},
       {.name = "cantilever",
        .body = beam,
        .load =
@@ -221,6 +259,11 @@ int main(int argc, char** argv) try {
   const double steps = argc > 2 ? std::atof(argv[2]) : 1.0, particles = argc > 3 ? std::atof(argv[3]) : 1.0;
   for (const Case& test : cases()) {
     if (test.name.find(filter) != std::string::npos) measure(test, steps, particles);
+  }
+  if (std::string("all awake").find(filter) != std::string::npos) {
+    measure_awake("lattice", block(particles / 8));
+    measure_awake("tetrahedra", tetrahedra(particles / 8));
+    measure_awake("organ", organ(particles));
   }
   return 0;
 } catch (const phymul::Error& error) {
