@@ -46,6 +46,16 @@ struct SolverOptions {
   /// (DESIGN.md).
   double rest_tolerance = 1e-8;
   int rest_steps = 16;
+  /// Sleep: parts of a body that rest cost nothing. Backend "cpu", bodies with a material (Law::particle_averaged). The
+  /// other backends and laws have no sleep and ignore it. Empty: off. 0: only what repeats itself to the last bit is
+  /// skipped, and the results are those without sleep. Above 0, in the units of rest_tolerance: a block of some hundred
+  /// neighbouring particles stays where it is, at speed 0, if for `rest_steps` consecutive steps all its free particles
+  /// have speed * tau <= sleep_tolerance * h and net force / mass * tau^2 <= sleep_tolerance * h. It moves again in the
+  /// step in which a net force is above that, and when a tool, a contact, a volume constraint or an imposed motion
+  /// moves one of its particles. So no net force above m h sleep_tolerance / tau^2 is ever neglected (rounding: as for
+  /// rest_tolerance, with the block's u). docs/guide/choosing.md has the error of some tolerances. run_to_rest() skips
+  /// only what repeats itself. Throws Error for a negative value, NaN or infinity.
+  std::optional<double> sleep_tolerance{};
   /// In mean spacings: an elastic force that by itself would move its particle further than this in one step is
   /// limited to that distance, and StepReport::force_clamped is set. Forces of this size occur only in states that real
   /// tissue does not reach (flattened, mirrored, scattered). There an explicit step overshoots; with the limit bodies

@@ -29,6 +29,12 @@ void require_options(const SolverOptions& options) {
   if (!(options.rest_tolerance > 0.0)) {
     throw Error("SolverOptions::rest_tolerance must be above 0; got " + to_decimal(options.rest_tolerance));
   }
+  if (options.sleep_tolerance && (!(*options.sleep_tolerance >= 0.0) || !std::isfinite(*options.sleep_tolerance))) {
+    throw Error(
+        "SolverOptions::sleep_tolerance must be finite and 0 (skip only what repeats itself) or more, or empty (no "
+        "sleep); got " +
+        to_decimal(*options.sleep_tolerance));
+  }
   if (!(options.max_displacement_per_step > 0.0)) {
     throw Error("SolverOptions::max_displacement_per_step must be above 0 (infinite: no force is clamped); got " +
                 to_decimal(options.max_displacement_per_step));

@@ -222,7 +222,12 @@ void PackedAverages::copy_displacements(char* u) const {
 }
 
 void PackedAverages::gather_forces(char* force) const {
-  for (const auto& [own, other] : further) {
+  gather_forces(force, 0, static_cast<int>(further.size()));
+}
+
+void PackedAverages::gather_forces(char* force, int first, int last) const {
+  for (int k = first; k < last; ++k) {
+    const auto& [own, other] = further[static_cast<std::size_t>(k)];
     float sum[4], part[4];
     std::memcpy(sum, force + 16 * std::ptrdiff_t{own}, sizeof sum);
     std::memcpy(part, force + 16 * std::ptrdiff_t{other}, sizeof part);

@@ -31,8 +31,9 @@ struct PackedAverages {
   simd::Averaged job(char* u, char* stress, char* force) const;
   void copy_displacements(char* u) const;
   void gather_forces(char* force) const;
-  double cost() const;   ///< ns per step, rough
-  double bytes() const;  ///< that a step reads and writes, beside displacements
+  void gather_forces(char* force, int first, int last) const;  ///< of these rows of `further`
+  double cost() const;                                         ///< ns per step, rough
+  double bytes() const;                                        ///< that a step reads and writes, beside displacements
 
   /// Slices at which `parts` threads begin, [parts + 1], about as many links each.
   std::vector<int> shared_out(int parts) const;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "sleep_blocks.h"
+
 namespace phymul::cpu {
 
 PackedLoads::Sums::Sums(const std::vector<Index>& offset, const std::vector<LoadModes::Part>& parts,
@@ -15,13 +17,17 @@ PackedLoads::Sums::Sums(const std::vector<Index>& offset, const std::vector<Load
   }
 }
 
-void PackedLoads::Sums::evaluate(const std::vector<double>& value) {
+void PackedLoads::Sums::evaluate(const std::vector<double>& value, std::uint8_t* changed) {
   if (value == evaluated_) return;
   evaluated_ = value;  // of the same size but for the first time
   for (const Row& row : rows_) {
     Vec3 sum = Vec3::Zero();
     for (Index k = row.first; k < row.last; ++k) sum += value[parts_[k].mode] * parts_[k].vector;
-    for (int a = 0; a < 3; ++a) at_[4 * row.quad + a] = static_cast<float>(sum[a]);
+    for (int a = 0; a < 3; ++a) {
+      const auto now = static_cast<float>(sum[a]);
+      if (changed != nullptr && now != at_[4 * row.quad + a]) changed[SleepBlocks::of_quad(row.quad)] = 1;
+      at_[4 * row.quad + a] = now;
+    }
   }
 }
 
@@ -37,18 +43,18 @@ PackedLoads::PackedLoads(const Scene& scene, const PackedBody& body) {
   for (std::size_t place = 0; place < body.order.size(); ++place) fixed_[place] = modes.fixed[body.order[place]];
 }
 
-void PackedLoads::act_at(const Scene& scene, double time) {
+void PackedLoads::act_at(const Scene& scene, double time, std::uint8_t* changed) {
   if (acceleration_.empty() && force_.empty()) return;
   scene.mode_values(time, value_);
   gravity_ = steady_gravity_;
   for (const LoadModes::Part& part : acceleration_) gravity_ += value_[part.mode] * part.vector;
-  if (!force_.empty()) force_.evaluate(value_);
+  if (!force_.empty()) force_.evaluate(value_, changed);
 }
 
-void PackedLoads::impose_at(const Scene& scene, double time) {
+void PackedLoads::impose_at(const Scene& scene, double time, std::uint8_t* changed) {
   if (target_.empty()) return;
   scene.mode_values(time, value_);
-  target_.evaluate(value_);
+  target_.evaluate(value_, changed);
 }
 
 void PackedLoads::point(simd::Move& move) const {

@@ -15,8 +15,10 @@ class PackedLoads {
  public:
   PackedLoads(const Scene& scene, const PackedBody& body);
 
-  void act_at(const Scene& scene, double time);     ///< forces and accelerations, at the old time
-  void impose_at(const Scene& scene, double time);  ///< positions, at the new time
+  /// Forces and accelerations, at the old time. `changed`: null, or [SleepBlocks] to be set to 1 for the blocks of
+  /// particles whose force is another than at the last call.
+  void act_at(const Scene& scene, double time, std::uint8_t* changed);
+  void impose_at(const Scene& scene, double time, std::uint8_t* changed);  ///< positions, at the new time; likewise
 
   bool imposes() const { return !target_.empty(); }
   void point(simd::Move& move) const;
@@ -30,7 +32,7 @@ class PackedLoads {
     Sums(const std::vector<Index>& offset, const std::vector<LoadModes::Part>& parts, const PackedBody& body);
     bool empty() const { return at_.empty(); }
     const char* data() const { return reinterpret_cast<const char*>(at_.data()); }
-    void evaluate(const std::vector<double>& value);
+    void evaluate(const std::vector<double>& value, std::uint8_t* changed);
 
    private:
     struct Row {

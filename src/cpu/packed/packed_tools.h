@@ -5,6 +5,9 @@
 #pragma once
 
 #include <array>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "base/thread_pool.h"
 #include "interaction/tool_set.h"
@@ -28,6 +31,9 @@ class PackedTools {
   /// After a moving pass: what tools do about where it went. True where the pass is to be done again, with loads() in
   /// place of move.load. `farthest`: m, no displacement of move.next_u is larger.
   bool act(const simd::Move& move, ThreadPool& pool, double dt, double farthest);
+  /// Quads of the particles that the last act() pushed, and of those that shift() will move with the way of each, m.
+  std::span<const std::size_t> pushed() const { return pushed_; }
+  std::span<const std::pair<std::size_t, std::array<float, 3>>> shifts() const { return shifts_; }
   int lost_volume() const { return lost_volume_; }  ///< by the last act(): a row; -1: none
   const char* loads() const { return reinterpret_cast<const char*>(load_.data()); }
   /// After the last pass of a step.

@@ -11,8 +11,10 @@
 #include <optional>
 #include <utility>
 
+#include "averaged_passes.h"
 #include "base/denormals.h"
 #include "base/thread_pool.h"
+#include "body_sleep.h"
 #include "cluster_claims.h"
 #include "cpu/simd/instruction_set.h"
 #include "device/float_range.h"
@@ -30,6 +32,8 @@ namespace {
 constexpr double caches = 16e6;
 /// And above which rows that a kernel reads once come from so far that it gains by asking for them ahead.
 constexpr double near_caches = 8e6;
+
+constexpr const char* sleep_part = "sleep";  // of a snapshot
 
 char* bytes(Floats& floats) {
   return reinterpret_cast<char*>(floats.data());
@@ -57,8 +61,8 @@ class SimdSolver final : public SolverBackend {
     next_v_ = v_;
     force_.assign(4 * static_cast<std::size_t>(body_->force_rows), 0.0f);
     if (body_->averaged()) {
-      stress_.assign(body_->averages.stress_floats(), 0.0f);
-      averaged_part_ = body_->averages.shared_out(pool_.parts());
+      averaged_.emplace(topology(), *body_, kernels_, pool_.parts());
+      if (options().sleep_tolerance) sleep_.emplace(topology(), *body_, options().rest_steps);
     }
     if (body_->gives()) pull_.assign(quads, 0.0f);
     near_u_.assign(summaries_.size(), Floats(4 * body_->most_slots() + page, 0.0f));
@@ -77,11 +81,16 @@ class SimdSolver final : public SolverBackend {
     }
     snapshot.last_dt = last_dt_;
     snapshot.steps_at_rest = steps_at_rest_;
+    if (!sleep_) return;
+    if (auto memory = sleep_->memory(); !memory.empty()) snapshot.parts.push_back({sleep_part, std::move(memory)});
   }
 
   void do_restore(const Snapshot& snapshot) override {
-    refuse_parts(snapshot);
+    const bool slept = snapshot.parts.size() == 1 && snapshot.parts.front().name == sleep_part;
+    if (!slept) refuse_parts(snapshot);
+    if (sleep_ && slept) sleep_->require_fitting(snapshot.parts.front().bytes);
     take(snapshot.state, snapshot.displacement);
+    if (sleep_ && slept) sleep_->remember(snapshot.parts.front().bytes);
     last_dt_ = snapshot.last_dt;
     steps_at_rest_ = snapshot.steps_at_rest;
   }
@@ -101,10 +110,12 @@ class SimdSolver final : public SolverBackend {
     time_ = state.time;
     last_dt_ = 0.0;
     steps_at_rest_ = 0;
+    if (sleep_) sleep_->wake_all();
   }
 
   void do_scene_changed() override {
     steps_at_rest_ = 0;
+    if (sleep_) sleep_->compute_all();
     loads_ = PackedLoads(scene(), *body_);
     tools_.follow(scene(), frame().fixed);
   }
@@ -122,14 +133,17 @@ class SimdSolver final : public SolverBackend {
     if (!tools_.empty()) tools_.set().begin_call(scene(), plan.steps, plan.stop_at_rest);
     while (motion.steps < plan.steps) {
       motion.lost_volume = step_once(plan);
+      if (sleep_ && motion.lost_volume >= 0) sleep_->compute_all();
       if (motion.lost_volume >= 0) break;
-      const simd::MoveSummary summary = summary_of(summaries_);
+      const simd::MoveSummary summary = moved();
       motion.max_acceleration = std::sqrt(static_cast<double>(summary.acceleration));
       motion.max_force = std::sqrt(static_cast<double>(summary.force));
       if (summary.runaway) {
         motion.bad_particle = first_runaway(plan.runaway_speed);
+        if (sleep_) sleep_->compute_all();
         break;
       }
+      if (sleep_) sleep_->accept();
       u_.swap(next_u_);
       v_.swap(next_v_);
       if (!tools_.empty()) tools_.accept(std::sqrt(static_cast<double>(summary.displacement)));
@@ -153,55 +167,54 @@ class SimdSolver final : public SolverBackend {
 
   /// The row of a volume that cannot be restored; -1: none.
   int step_once(const StepPlan& plan) {
-    loads_.act_at(scene(), time_);
-    loads_.impose_at(scene(), time_ + plan.dt);
+    std::uint8_t* const changed = sleep_ ? sleep_->changed_loads() : nullptr;
+    loads_.act_at(scene(), time_, changed);
+    loads_.impose_at(scene(), time_ + plan.dt, changed);
     simd::Move move = move_of(plan);
+    if (sleep_) sleep_->begin(move, held_below(plan));
     laps_.end(Work::loads);
-    if (body_->averaged()) {
-      averaged_forces();
+    if (averaged_) {
+      averaged_->run(bytes(force_), bytes(u_), bytes(next_u_), sleep_ ? &*sleep_ : nullptr, pool_, laps_);
     } else {
       clustered_forces();
     }
     run(move);
     if (tools_.empty()) return -1;
-    const bool pushed =
-        tools_.act(move, pool_, plan.dt, std::sqrt(static_cast<double>(summary_of(summaries_).displacement)));
+    const bool pushed = tools_.act(move, pool_, plan.dt, std::sqrt(static_cast<double>(moved().displacement)));
     laps_.end(Work::tools);
     if (pushed) {
+      if (sleep_) sleep_->push(tools_.pushed());
       move.load = tools_.loads();
       run(move);
     }
     tools_.shift(next_u_.data());
+    for (const auto& [quad, by] : tools_.shifts()) {
+      if (sleep_) sleep_->shift(quad);
+    }
     laps_.end(Work::tools);
     return tools_.lost_volume();
   }
 
+  simd::MoveSummary moved() const { return sleep_ ? sleep_->summary() : summary_of(summaries_); }
+
+  /// run_to_rest() seeks a rest closer than a body is held by, so that nothing is held then.
+  RestThresholds held_below(const StepPlan& plan) const {
+    const double share = plan.stop_at_rest ? 0.0 : *options().sleep_tolerance / options().rest_tolerance;
+    return {share * plan.speed_at_rest, share * plan.acceleration_at_rest};
+  }
+
   void run(const simd::Move& move) {
+    if (sleep_) {
+      sleep_->move(move, kernels_, pool_);
+      laps_.end(Work::move);
+      return;
+    }
     pool_.run([&, this](int part, int parts) {
       const DenormalsAreZero guard;
       const auto bound = [&](int k) { return static_cast<int>(std::int64_t{body_->slices()} * k / parts); };
       kernels_.move(move, bound(part), bound(part + 1), summaries_[part].summary);
     });
     laps_.end(Work::move);
-  }
-
-  void averaged_forces() {
-    body_->averages.copy_displacements(bytes(u_));
-    const simd::Averaged job = body_->averages.job(bytes(u_), bytes(stress_), bytes(force_));
-    const bool runs = !body_->averages.runs.empty();
-    const auto pass = [&, this](auto kernel, Work work) {
-      pool_.run([&, this](int part, int) {
-        const DenormalsAreZero guard;
-        kernel(job, averaged_part_[part], averaged_part_[part + 1]);
-      });
-      laps_.end(work);
-    };
-    if (runs) pass(kernels_.spread_displacements, Work::gathering);
-    const auto energy = static_cast<int>(topology().options.strain_energy);
-    pass(kernels_.averaged_stresses[runs][energy][body_->bounded], Work::averaged_stresses);
-    pass(kernels_.averaged_forces[runs], Work::averaged_forces);
-    body_->averages.gather_forces(bytes(force_));
-    laps_.end(Work::averaged_forces);
   }
 
   void clustered_forces() {
@@ -333,11 +346,12 @@ class SimdSolver final : public SolverBackend {
   ThreadPool pool_;
   PackedTools tools_;
   ClusterClaims claims_;
+  std::optional<AveragedPasses> averaged_;  // of Law::particle_averaged
+  std::optional<BodySleep> sleep_;
   std::vector<PartSummary> summaries_;  // [parts]
   Floats u_, v_, next_u_, next_v_;      // u: [places + 1][4] by quad, v: [slices][3][lanes]
-  Floats force_, pull_, stress_;
-  std::vector<int> averaged_part_;  // [parts + 1] slice
-  std::vector<Floats> near_u_;      // [parts] displacements of the cluster a part is at
+  Floats force_, pull_;
+  std::vector<Floats> near_u_;  // [parts] displacements of the cluster a part is at
   double time_ = 0.0, last_dt_ = 0.0;
   int steps_at_rest_ = 0;
   WorkLaps laps_, no_laps_;

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#include "averaged_passes.h"
+
+#include "base/denormals.h"
+
+namespace phymul::cpu {
+
+AveragedPasses::AveragedPasses(const TopologyTextures& topology, const PackedBody& body, const simd::Kernels& kernels,
+                               int parts)
+    : body_(body),
+      kernels_(kernels),
+      energy_(static_cast<int>(topology.options.strain_energy)),
+      stress_(body.averages.stress_floats(), 0.0f),
+      first_(body.averages.shared_out(parts)) {}
+
+template <class Pass>
+void AveragedPasses::for_each_pass(const simd::Averaged& job, WorkLaps& laps, const Pass& pass) const {
+  const bool runs = !body_.averages.runs.empty();
+  const auto of = [&](auto kernel) { return [&job, kernel](int first, int last) { kernel(job, first, last); }; };
+  if (runs) {
+    pass(of(kernels_.spread_displacements));
+    laps.end(Work::gathering);
+  }
+  pass(of(kernels_.averaged_stresses[runs][energy_][body_.bounded]));
+  laps.end(Work::averaged_stresses);
+  pass(of(kernels_.averaged_forces[runs]));
+  laps.end(Work::averaged_forces);
+}
+
+void AveragedPasses::run(char* force, char* u, char* next_u, const BodySleep* sleep, ThreadPool& pool, WorkLaps& laps) {
+  if (sleep != nullptr && sleep->none()) return;
+  const PackedAverages& averages = body_.averages;
+  const simd::Averaged job = averages.job(u, reinterpret_cast<char*>(stress_.data()), force);
+  if (sleep != nullptr) {
+    sleep->copy_displacements(u, next_u);
+  } else {
+    averages.copy_displacements(u);
+  }
+  for_each_pass(job, laps, [&](const auto& kernel) {
+    if (sleep == nullptr || sleep->all()) {
+      pool.run([&](int part, int) {
+        const DenormalsAreZero guard;
+        kernel(first_[part], first_[part + 1]);
+      });
+    } else {
+      sleep->run(pool, [&](int part, int parts) {
+        const DenormalsAreZero guard;
+        sleep->slots().share(part, parts, kernel);
+      });
+    }
+  });
+  if (sleep != nullptr) {
+    sleep->gather_forces(force);
+  } else {
+    averages.gather_forces(force);
+  }
+  laps.end(Work::averaged_forces);
+}
+
+}  // namespace phymul::cpu

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+//
+// The elastic forces of a body of Law::particle_averaged: its kernels, pass by pass, shared out over threads.
+#pragma once
+
+#include <vector>
+
+#include "base/thread_pool.h"
+#include "body_sleep.h"
+#include "packed_body.h"
+#include "simd_profile.h"
+
+namespace phymul::cpu {
+
+class AveragedPasses {
+ public:
+  /// `body`, `kernels`: must outlive it.
+  AveragedPasses(const TopologyTextures& topology, const PackedBody& body, const simd::Kernels& kernels, int parts);
+
+  /// `force`: [slots] N, written; `u`: [slots] m, whose rows of further domains are written. `sleep`: null, or what
+  /// says which blocks are computed; then those rows of `next_u` are written too.
+  void run(char* force, char* u, char* next_u, const BodySleep* sleep, ThreadPool& pool, WorkLaps& laps);
+
+ private:
+  template <class Pass>
+  void for_each_pass(const simd::Averaged& job, WorkLaps& laps, const Pass& pass) const;
+
+  const PackedBody& body_;
+  const simd::Kernels& kernels_;
+  const int energy_;
+  Floats stress_;
+  std::vector<int> first_;  // [parts + 1] slice
+};
+
+}  // namespace phymul::cpu
