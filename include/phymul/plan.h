@@ -30,8 +30,8 @@ using SceneBuilder = std::function<Simulation(const PlanCandidate&)>;
 
 /// What is wanted. max_error, and rate or rest_in, have no default. plan() throws Error for a value out of its range.
 struct PlanOptions {
-  /// In (0, 1): largest distance of a point of the body from where it would be in an infinitely fine body with the same
-  /// law, as a share of the largest displacement.
+  /// In (0, 1): distance of the body's points from where they would be in an infinitely fine body with the same law, as
+  /// a share of their displacement; both are root mean squares (as PositionError::global_ratio).
   double max_error = 0.0;
   double rate = 0.0;       ///< Hz: a call of advance(1 / rate) must take less than head_room / rate; 0: no such wish
   double rest_in = 0.0;    ///< s: the rest shape must be found in head_room * rest_in of wall time; 0: no such wish
@@ -90,11 +90,12 @@ struct Plan {
 /// Plan::kept is false.
 ///
 /// Error: bodies with spacings in ratio sqrt(2), from some 180 particles on, are compared at the same material points
-/// (near the particles of the coarsest one). Three of them fit u(h) = u0 + C h^p with p in [1, 2.5] (L. F. Richardson
-/// 1911). The error is the larger of |u(h) - u0| and |u(h) - u(hf)| h^p / (h^p - hf^p), with hf the finest spacing, but
-/// not less than that of a finer body, times 1.25, the factor of safety of P. J. Roache (J. Fluids Eng. 116, 1994). It
-/// is an estimate, not a bound: what all bodies have in common, such as the law and a surface that is too coarse, is
-/// not in it. Time: medians of measured ticks, so other work on the machine changes it.
+/// (at the particles of the coarsest one and amid its cells). Three of them fit u(h) = u0 + C h^p with p in [1, 2.5]
+/// (L. F. Richardson 1911). The error is |u(h) - u0| or, if larger and h is about 2 hf or more, |u(h) - u(hf)| h^p /
+/// (h^p - hf^p), with hf the finest spacing; but not less than that of a finer body; times 1.25, the factor of safety
+/// of P. J. Roache (J. Fluids Eng. 116, 1994). It is an estimate, not a bound: what all bodies have in common, such as
+/// the law and a surface that is too coarse, is not in it. Time: medians of measured ticks, so other work on the
+/// machine changes it.
 ///
 /// Throws Error for options out of their range, for a builder that always throws, does not use the candidate or makes
 /// a body without volume cells, and for a scene in which nothing moves or, without probe_time, a body that nothing

@@ -20,20 +20,21 @@ struct Convergence {
   double order = 0.0;
   bool converges = true;  ///< false: the differences do not fall as fast as they do for the least order
   VecList limit;          ///< m
-  double scale = 0.0;     ///< m, largest displacement of the limit
+  double scale = 0.0;     ///< m, root mean square of the limit
 };
 
 constexpr double least_order = 1.0, most_order = 2.5;
 
-/// Largest distance between two fields of equal size, m.
-double largest_distance(std::span<const Vec3> a, std::span<const Vec3> b);
+/// Root mean square of the distances between two fields of equal size, m.
+double mean_distance(std::span<const Vec3> a, std::span<const Vec3> b);
 
-/// Of three fields with falling h. The order follows from the largest distances between them and is kept in
-/// [least_order, most_order].
+/// Of three fields with falling h. The order follows from the distances between them and is kept in [least_order,
+/// most_order].
 Convergence fit_convergence(const FieldAt& coarse, const FieldAt& middle, const FieldAt& fine);
 
-/// Error of a field as a share of the scale, without a factor of safety: the larger of its distance from the limit and
-/// of that from the finest field, extrapolated. That one may be the field itself.
+/// Error of a field as a share of the scale, without a factor of safety: its distance from the limit or, if larger,
+/// that from the finest field, extrapolated. The latter only where that field is about twice as fine: between nearer
+/// ones, what differs by chance between two meshes would be multiplied.
 double estimated_error(const Convergence& fit, const FieldAt& field, const FieldAt& finest);
 
 }  // namespace phymul

@@ -22,7 +22,7 @@ void require(bool holds, const char* member, const std::string& expected, double
 void require_valid(const PlanOptions& options) {
   const auto not_negative = [](double value) { return value >= 0.0 && std::isfinite(value); };
   require(options.max_error > 0.0 && options.max_error < 1.0, "max_error",
-          "above 0 and below 1 (a share of the largest displacement)", options.max_error);
+          "above 0 and below 1 (a share of the displacement)", options.max_error);
   require(not_negative(options.rate), "rate", "finite and at least 0, Hz", options.rate);
   require(not_negative(options.rest_in), "rest_in", "finite and at least 0, s", options.rest_in);
   require(not_negative(options.probe_time), "probe_time", "finite and at least 0, s", options.probe_time);

@@ -37,7 +37,7 @@ std::string time_of(const Plan& plan, const PlanTrial& trial) {
 
 std::string wish(const Plan& plan) {
   const PlanOptions& options = plan.options;
-  std::string result = "Wish: an error of at most " + percent(options.max_error) + " of the largest displacement";
+  std::string result = "Wish: an error of at most " + percent(options.max_error) + " of the displacement";
   if (options.rate > 0.0) {
     result += text("; ticks of 1/%g s, each in at most %.4g us (head room %g)", options.rate,
                    1e6 * options.head_room / options.rate, options.head_room);

@@ -176,7 +176,8 @@ void Planner::refine() {
       ended_ = "PlanOptions::finest is reached";
       break;
     }
-    if (prober_.elapsed() + predicted_seconds(refinement) > for_refining * options.budget) {
+    const double share = levels_.size() < fitted ? 1.0 : for_refining;
+    if (prober_.elapsed() + predicted_seconds(refinement) > share * options.budget) {
       ended_ = "a finer body would exceed the budget";
       break;
     }

@@ -84,6 +84,13 @@ void Prober::choose_points(const Model& model) {
     const Vec3 way = count > 0 ? Vec3(mean / count - model.rest[i]) : Vec3::Zero();
     points_.push_back(model.rest[i] + inward * way);
   }
+  // Between its particles a body is less accurate than at them.
+  for (const Cell& cell : model.cells) {
+    if (!is_volume(cell.type)) continue;
+    Vec3 centre = Vec3::Zero();
+    for (const Index i : cell.particles) centre += model.rest[i] / static_cast<double>(cell.particles.size());
+    points_.push_back(centre);
+  }
 }
 
 VecList Prober::displacements(Simulation& sim, const Skin& skin) const {
