@@ -13,6 +13,7 @@
 
 #include "run_loop.h"
 #include "run_options.h"
+#include "run_plan.h"
 #include "run_report.h"
 #include "run_schedule.h"
 #include "surface_body.h"
@@ -66,19 +67,27 @@ phymul::Model read_body(const RunOptions& options) {
   return model;
 }
 
-phymul::Scene make_scene(const RunOptions& options, const phymul::Model& model) {
-  phymul::Scene scene(model);
+void fill_scene(const RunOptions& options, const phymul::Model& model, phymul::Scene& scene) {
   if (!options.loads.empty()) {
     std::vector<std::string> notes;
     scene.add(phymul::read_lml(options.loads, model, &notes));
-    print_notes(notes);
+    if (!options.plan) print_notes(notes);
   }
   for (const std::string& group : options.fixed_groups) scene.fix(group);
   for (std::size_t k = 0; k < options.fixed_balls.size(); k += 4) {
     scene.fix(particles_in_ball(model, &options.fixed_balls[k]));
   }
   const std::vector<double> gravity = options.gravity.empty() ? std::vector<double>(3, 0.0) : options.gravity;
-  return scene.gravity({gravity[0], gravity[1], gravity[2]});
+  scene.gravity({gravity[0], gravity[1], gravity[2]});
+}
+
+/// For a body that is filled at a spacing.
+phymul::Simulation make_simulation(RunOptions options, const phymul::PlanCandidate& candidate) {
+  options.spacing = candidate.spacing;
+  phymul::Simulation sim(read_body(options),
+                         candidate.options({.damping = {.rate = options.damping_rate}, .topology = options.topology}));
+  fill_scene(options, sim.model(), sim.scene());
+  return sim;
 }
 
 void make_folder(const std::string& path) {
@@ -91,10 +100,12 @@ void make_folder(const std::string& path) {
 int run(const RunOptions& options) {
   const phymul::Model model = read_body(options);
   print_notes(model.notes);
-  phymul::Scene scene = make_scene(options, model);
+  phymul::Scene scene(model);
+  fill_scene(options, model, scene);
   phymul::SolverOptions solver_options;
   solver_options.damping.rate = options.damping_rate;
   solver_options.profile = options.profile;
+  solver_options.threads = options.threads;
   Progress progress(options.quiet);
   solver_options.progress = [&progress](const phymul::StepProgress& step) {
     progress.show(step);
@@ -128,7 +139,10 @@ int run(const RunOptions& options) {
 int main(int argc, char** argv) try {
   int exit_code = 0;
   const std::optional<RunOptions> options = read_run_options(argc, argv, exit_code);
-  return options ? run(*options) : exit_code;
+  if (!options) return exit_code;
+  if (!options->plan) return run(*options);
+  return print_plan(*options, std::vector<std::string>(argv, argv + argc),
+                    [&](const phymul::PlanCandidate& candidate) { return make_simulation(*options, candidate); });
 } catch (const phymul::Error& error) {
   std::fprintf(stderr, "phymul-run: %s\n", error.what());
   return 1;

@@ -126,6 +126,9 @@ void add_run_options(CLI::App& app, RunOptions& options) {
         app.add_option("--damping", options.damping_rate, "rate of loss of velocity, 1/s")
             ->capture_default_str()
             ->check(not_negative()),
+        app.add_option("--threads", options.threads, "of the backend cpu; 0: as many as the body has work for")
+            ->capture_default_str()
+            ->check(not_negative()),
         app.add_option("--dt", options.dt, "step, s [half of the stable step]")->check(positive()),
         app.add_option("--let-go", options.let_go, "when driven particles are let go, s [their last date]")
             ->check(not_negative()),
@@ -134,6 +137,36 @@ void add_run_options(CLI::App& app, RunOptions& options) {
     option->group(group);
   }
   app.add_flag("--keep", options.keep, "never let go")->group(group)->excludes("--let-go");
+}
+
+/// "3%" or "0.03".
+double share_of(std::string word) {
+  const bool percent = !word.empty() && word.back() == '%';
+  if (percent) word.pop_back();
+  double number = 0.0;
+  if (!CLI::detail::lexical_cast(word, number) || !(number > 0.0) || !(number < (percent ? 100.0 : 1.0))) {
+    throw CLI::ValidationError("--max-error", "expected a share as 3% or 0.03, got " + word + (percent ? "%" : ""));
+  }
+  return percent ? number / 100.0 : number;
+}
+
+void add_plan_options(CLI::App& app, RunOptions& options) {
+  const std::string group = "Plan";
+  auto* plan = app.add_flag("--plan", options.plan,
+                            "find the coarsest spacing for --max-error and --rate, print it, and run nothing");
+  auto* error = app.add_option_function<std::string>(
+                       "--max-error", [&options](const std::string& word) { options.max_error = share_of(word); },
+                       "share of the displacement, as 3% or 0.03")
+                    ->option_text("SHARE");
+  auto* rate = app.add_option("--rate", options.rate, "calls of 1 / rate seconds must take less than that, Hz")
+                   ->capture_default_str()
+                   ->check(positive());
+  auto* probe =
+      app.add_option("--probe-time", options.probe_time, "compare bodies in the first seconds of motion [at rest]")
+          ->check(positive());
+  plan->needs(error)->excludes("--spacing")->excludes("--from-file")->excludes("--dt");
+  for (CLI::Option* option : {error, rate, probe}) option->needs(plan);
+  for (CLI::Option* option : {plan, error, rate, probe}) option->group(group);
 }
 
 void add_output_options(CLI::App& app, RunOptions& options) {
@@ -168,6 +201,7 @@ std::optional<RunOptions> read_run_options(int argc, char** argv, int& exit_code
   add_body_options(app, options);
   add_elasticity_options(app, options);
   add_run_options(app, options);
+  add_plan_options(app, options);
   add_output_options(app, options);
   try {
     app.parse(argc, argv);

@@ -35,8 +35,14 @@ struct RunOptions {
   std::optional<double> max_time;  ///< s; none: 20 s after the last date
   double frame_interval = 0.05;    ///< s; 0: no frames
   bool pictures = true;
+  int threads = 0;       ///< SolverOptions::threads
   bool profile = false;  ///< a table of what the passes of the steps cost
   bool quiet = false;    ///< nothing on the way
+
+  bool plan = false;        ///< find spacing and threads for the next three, print them, and run nothing
+  double max_error = 0.0;   ///< share of the displacement
+  double rate = 1000.0;     ///< Hz
+  double probe_time = 0.0;  ///< s of motion to compare; 0: at rest
 };
 
 /// None where the program should end now, with `exit_code` (help was asked for, or the words made no sense).

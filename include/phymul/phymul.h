@@ -19,6 +19,7 @@
 #include <phymul/model.h>
 #include <phymul/monitor.h>
 #include <phymul/needle.h>
+#include <phymul/plan.h>
 #include <phymul/pml.h>
 #include <phymul/recording.h>
 #include <phymul/scene.h>

@@ -18,7 +18,7 @@ set(rooms
     "interaction virtual_coupling"
     "solver gl solver solver_options step_report backend"
     "statics statics"
-    "session recording state_file simulation"
+    "session recording state_file simulation plan"
     "device"
     "view camera display"
     "cpu"

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#include "run_plan.h"
+
+#include <phymul/error.h>
+
+#include <charconv>
+#include <cstdio>
+#include <utility>
+
+#include "surface_body.h"
+
+namespace {
+
+/// As a shell reads it back.
+std::string quoted(const std::string& word) {
+  const std::string plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=,:+-";
+  if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
+  std::string result = "'";
+  for (const char c : word) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return result + "'";
+}
+
+/// In as few digits as give the same number again.
+std::string shortest(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+/// The words without the options that the plan answers.
+std::string command(const std::vector<std::string>& words, const phymul::PlanCandidate& chosen) {
+  std::string result;
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    const std::string name = words[k].substr(0, words[k].find('='));
+    if (name == "--plan") continue;
+    if (name == "--max-error" || name == "--rate" || name == "--probe-time" || name == "--backend" ||
+        name == "--threads") {
+      if (name == words[k]) ++k;
+      continue;
+    }
+    result += quoted(words[k]) + ' ';
+  }
+  return result + "--spacing " + shortest(chosen.spacing) + " --backend " + chosen.backend + " --threads " +
+         std::to_string(chosen.threads);
+}
+
+}  // namespace
+
+int print_plan(const RunOptions& options, const std::vector<std::string>& words, phymul::SceneBuilder builder) {
+  if (!is_surface(options.body) && !is_label_image(options.body)) {
+    throw phymul::Error("--plan: expected a surface or a labelled image, which can be filled at any spacing, got " +
+                        options.body);
+  }
+  phymul::PlanOptions wishes{.max_error = options.max_error, .rate = options.rate, .probe_time = options.probe_time};
+  if (options.backend != "auto") wishes.backends = {options.backend};
+  if (options.threads > 0) wishes.most_threads = options.threads;
+  const phymul::Plan plan = phymul::plan(std::move(builder), wishes);
+  std::fputs(plan.report().c_str(), stdout);
+  if (!plan.kept) return 3;
+  std::printf("\n%s\n", command(words, plan.chosen.candidate).c_str());
+  return 0;
+}

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: MIT
+#include "planner.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "convergence.h"
+
+namespace phymul {
+namespace {
+
+constexpr double refinement = 1.4142135623730951;
+constexpr double safety = 1.25;
+/// Of the first body: a first spacing is taken if it gives so many.
+constexpr Index fewest_particles = 100, wanted_particles = 180, most_first_particles = 320;
+constexpr int most_first_tries = 14;
+constexpr double first_guess = 0.1;  // m: a body that is finer than it need be costs time, one that is coarser none
+constexpr double finest_guess = 1e-6;
+constexpr double most_particles = 2e6;
+constexpr int same_body_tries = 6;
+/// Of PlanOptions::max_error: a body with less is a good enough reference for the coarser ones.
+constexpr double enough = 0.5;
+/// Share of the budget for refining; the rest is for choosing.
+constexpr double for_refining = 0.7;
+constexpr int most_bisections = 2;
+constexpr std::size_t fitted = 3;
+constexpr double least_difference = 0.1;
+constexpr int most_failures = 3;  // one after another
+
+}  // namespace
+
+Planner::Planner(SceneBuilder builder, PlanOptions options, double guess)
+    : plan_{.options = std::move(options), .builder = std::move(builder)},
+      prober_(plan_.builder, plan_.options),
+      guess_(guess) {
+  first_.backend = plan_.options.backends.front();
+  first_.step = *std::ranges::max_element(plan_.options.steps);
+}
+
+double Planner::first_spacing() {
+  const PlanOptions& options = plan_.options;
+  if (options.coarsest > 0.0) return options.coarsest;
+  double spacing = guess_ > 0.0 ? guess_ : first_guess, best = 0.0, best_off = 0.0;
+  std::string refusal = "the budget ended";
+  for (int k = 0; k < most_first_tries && prober_.left() > 0.0 && spacing > finest_guess; ++k) {
+    Index particles = 0;
+    PlanCandidate candidate = first_;
+    candidate.spacing = spacing;
+    try {
+      particles = prober_.build(candidate).model().particle_count();
+    } catch (const SceneError&) {
+      throw;
+    } catch (const Error& error) {
+      refusal = error.what();
+      if (best > 0.0) break;
+      spacing *= 0.5;
+      continue;
+    }
+    const double off = std::abs(std::log(static_cast<double>(particles) / wanted_particles));
+    if (best == 0.0 || off < best_off) best = spacing, best_off = off;
+    if (particles >= fewest_particles && particles <= most_first_particles) break;
+    spacing *= std::clamp(std::cbrt(static_cast<double>(particles) / wanted_particles), 0.5, 4.0);
+  }
+  if (best == 0.0) {
+    throw SceneError("the builder made no body at any spacing, last at " + std::to_string(spacing) + " m: " + refusal);
+  }
+  return std::max(best, options.finest);
+}
+
+/// s, of a body whose spacing is smaller by a factor.
+double Planner::predicted_seconds(double finer_by) const {
+  if (levels_.empty()) return 0.0;
+  const Probe& last = levels_.back().probe;
+  const bool by_steps = last.by_steps || prober_.probes_motion();
+  return last.seconds * std::pow(finer_by, by_steps ? 4.0 : 3.3);
+}
+
+bool Planner::add_level(double spacing, bool in_ladder) {
+  Level level;
+  level.in_ladder = in_ladder;
+  level.trial.candidate = first_;
+  level.trial.candidate.spacing = spacing;
+  bool is_new = true;
+  const auto is_known = [&](const Probe& made) {
+    for (const Level& it : levels_) {
+      if (it.probe.particles == made.particles && it.probe.h == made.h) is_new = false;
+      // Bodies of nearly one spacing, as where the cells of a single direction differ, would spoil the fit.
+      if (it.in_ladder && std::abs(it.probe.h / made.h - 1.0) < least_difference) level.in_ladder = false;
+    }
+    return !is_new;
+  };
+  try {
+    level.probe = prober_.probe(level.trial.candidate, is_known);
+  } catch (const SceneError&) {
+    throw;
+  } catch (const Error& error) {
+    level.probe.failure = error.what();
+  }
+  if (!is_new) return false;
+  const Probe& probe = level.probe;
+  PlanTrial& trial = level.trial;
+  trial.particles = probe.particles;
+  trial.mean_spacing = probe.h;
+  trial.tick = probe.tick;
+  trial.real_time = prober_.tick_length() / probe.tick;
+  trial.rest = probe.rest_seconds;
+  trial.rest_by_steps = probe.by_steps;
+  trial.note = probe.failure.empty() ? probe.note : probe.failure;
+  trial.keeps_time = keeps_time(trial);
+  const auto place =
+      std::ranges::find_if(levels_, [&](const Level& it) { return it.trial.candidate.spacing < spacing; });
+  levels_.insert(place, std::move(level));
+  return true;
+}
+
+void Planner::estimate_errors() {
+  std::vector<const Level*> ladder;
+  for (const Level& level : levels_) {
+    if (level.in_ladder && level.has_field()) ladder.push_back(&level);
+  }
+  if (ladder.size() < fitted) return;
+  // Where there are five, those with spacings in ratio two: what differs by chance between two bodies weighs less.
+  const std::size_t stride = std::min<std::size_t>(2, (ladder.size() - 1) / 2), last = ladder.size() - 1;
+  const auto field = [](const Level& level) { return FieldAt{level.probe.h, level.probe.u}; };
+  const FieldAt finest = field(*ladder[last]);
+  const Convergence fit = fit_convergence(field(*ladder[last - 2 * stride]), field(*ladder[last - stride]), finest);
+  if (!(fit.scale > 0.0)) throw SceneError("nothing moves in this scene; give it a load, or PlanOptions::probe_time");
+  plan_.order = fit.order;
+  double error_of_finer = 0.0;
+  for (std::size_t k = levels_.size(); k-- > 0;) {
+    Level& level = levels_[k];
+    if (!level.has_field()) continue;
+    error_of_finer = std::max(error_of_finer, safety * estimated_error(fit, field(level), finest));
+    level.trial.error = error_of_finer;
+    level.trial.keeps_error = error_of_finer <= plan_.options.max_error;
+  }
+  plan_.notes.clear();
+  if (!fit.converges) {
+    plan_.notes.emplace_back("the displacements do not converge as expected; errors are guesses on the safe side");
+  }
+}
+
+std::optional<std::size_t> Planner::coarsest_kept() const {
+  for (std::size_t k = 0; k < levels_.size(); ++k) {
+    if (levels_[k].trial.keeps_error) return k;
+  }
+  return std::nullopt;
+}
+
+void Planner::refine() {
+  const PlanOptions& options = plan_.options;
+  double spacing = first_spacing();
+  int same = 0, failures = 0;
+  for (;; spacing /= refinement) {
+    if (!add_level(spacing, true)) {
+      if (++same < same_body_tries) continue;
+      const std::string bodies = "the builder makes no finer body than the one of " +
+                                 std::to_string(levels_.back().probe.particles) + " particles";
+      if (levels_.size() == 1) throw SceneError(bodies + "; it must use PlanCandidate::spacing");
+      ended_ = bodies;
+      break;
+    }
+    same = 0;
+    estimate_errors();
+    const Level& finest = levels_.back();
+    failures = finest.has_field() ? 0 : failures + 1;
+    if (failures == most_failures) {
+      ended_ = "finer bodies fail: " + finest.trial.note;
+      break;
+    }
+    if (finest.trial.error <= enough * options.max_error) {
+      ended_ = "the errors are known well enough";
+      break;
+    }
+    if (spacing / refinement < options.finest * (1.0 - 1e-9)) {
+      ended_ = "PlanOptions::finest is reached";
+      break;
+    }
+    const double share = levels_.size() < fitted ? 1.0 : for_refining;
+    if (prober_.elapsed() + predicted_seconds(refinement) > share * options.budget) {
+      ended_ = "a finer body would exceed the budget";
+      break;
+    }
+    if (finest.probe.particles * std::pow(refinement, 3.0) > most_particles) {
+      ended_ = "a finer body would be too large";
+      break;
+    }
+  }
+  if (std::ranges::none_of(levels_, [](const Level& level) { return level.has_field(); })) {
+    throw SceneError("no body could be measured; the finest, of spacing " +
+                     std::to_string(levels_.back().trial.candidate.spacing) + " m: " + levels_.back().trial.note);
+  }
+}
+
+void Planner::bisect() {
+  for (int k = 0; k < most_bisections; ++k) {
+    const std::optional<std::size_t> kept = coarsest_kept();
+    if (!kept || *kept == 0) return;
+    const double fine = levels_[*kept].trial.candidate.spacing, coarse = levels_[*kept - 1].trial.candidate.spacing;
+    if (prober_.left() < 3.0 * levels_[*kept].probe.seconds) return;
+    if (!add_level(std::sqrt(fine * coarse), false)) return;
+    estimate_errors();
+  }
+}
+
+Plan Planner::run() {
+  refine();
+  bisect();
+  choose();
+  for (const Level& level : levels_) plan_.trials.push_back(level.trial);
+  plan_.trials.insert(plan_.trials.end(), measured_.begin(), measured_.end());
+  std::ranges::stable_sort(plan_.trials, std::greater{}, [](const PlanTrial& it) { return it.candidate.spacing; });
+  plan_.seconds = prober_.elapsed();
+  return std::move(plan_);
+}
+
+}  // namespace phymul

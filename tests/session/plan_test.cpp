@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: MIT
+//
+// plan(): promises, offers, the same motion from the same plan, and what it refuses.
+#include <gtest/gtest.h>
+#include <phymul/plan.h>
+#include <phymul/shapes.h>
+#include <phymul/skin.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "support/message_of.h"
+
+namespace phymul::test {
+namespace {
+
+constexpr Material tissue{.young = 10e3, .poisson = 0.3, .density = 1000};
+
+int cells(double length, double spacing) {
+  return std::max(1, static_cast<int>(std::lround(length / spacing)));
+}
+
+Model beam(double spacing) {
+  return make_block({0.2, 0.05, 0.05}, cells(0.2, spacing), cells(0.05, spacing), cells(0.05, spacing));
+}
+
+Simulation sagging(const PlanCandidate& candidate) {
+  Simulation sim(beam(candidate.spacing), candidate.options({.material = tissue}));
+  sim.scene().fix("x0").gravity({0, 0, -0.1});
+  return sim;
+}
+
+PlanOptions wishes(double max_error, double rate) {
+  return {.max_error = max_error, .rate = rate, .budget = 3.0};
+}
+
+/// Root mean square of the distance from another body of the same beam, at the particles of a coarse one.
+double distance_from(const Simulation& sim, const Simulation& reference) {
+  const VecList points = beam(0.025).rest;
+  const auto at = [&](const Simulation& body) {
+    return Skin(body.model(), points).deform(body.solver().read().position);
+  };
+  const VecList a = at(sim), b = at(reference);
+  double error = 0.0, scale = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    error += (a[i] - b[i]).squaredNorm();
+    scale += (b[i] - points[i]).squaredNorm();
+  }
+  return std::sqrt(error / scale);
+}
+
+TEST(Plan, KeepsItsPromiseAgainstAMuchFinerBody) {
+  const Plan made = plan(sagging, wishes(0.02, 20));
+  ASSERT_TRUE(made.kept) << made.report();
+  EXPECT_LE(made.chosen.error, 0.02);
+  EXPECT_GT(made.chosen.error, 0.0);
+  EXPECT_LE(made.chosen.tick, 0.8 / 20);
+  Simulation sim = made.make();
+  Simulation fine = sagging({.spacing = 0.05 / 12});
+  ASSERT_TRUE(sim.solve_static().converged());
+  ASSERT_TRUE(fine.solve_static().converged());
+  const double found = distance_from(sim, fine);
+  EXPECT_LE(found, 0.02);
+  EXPECT_GE(found, 0.02 / 20) << "far finer than asked for:\n" << made.report();
+  EXPECT_TRUE(says(made.report(), "chosen"));
+}
+
+TEST(Plan, AStrictWishTakesAFinerBody) {
+  const Plan loose = plan(sagging, wishes(0.1, 20)), strict = plan(sagging, wishes(0.01, 20));
+  ASSERT_TRUE(loose.kept) << loose.report();
+  ASSERT_TRUE(strict.kept) << strict.report();
+  EXPECT_LT(loose.chosen.particles, strict.chosen.particles);
+}
+
+TEST(Plan, ImpossibleWishesNameOffers) {
+  const Plan made = plan(sagging, wishes(0.02, 1e7));
+  EXPECT_FALSE(made.kept);
+  ASSERT_TRUE(made.cheapest) << made.report();
+  EXPECT_LE(made.cheapest->error, 0.02);
+  EXPECT_TRUE(refuses([&] { made.make(); }, "Fastest of the coarsest body with the error: "));
+  EXPECT_TRUE(says(made.report(), "Not kept. No candidate that keeps the error is fast enough."));
+  EXPECT_TRUE(made.make(*made.cheapest).advance(1e-3).ok());
+
+  const Plan exact = plan(sagging, {.max_error = 1e-6, .rate = 20, .finest = 0.009});
+  EXPECT_FALSE(exact.kept);
+  ASSERT_TRUE(exact.most_accurate) << exact.report();
+  EXPECT_TRUE(exact.most_accurate->keeps_time);
+  EXPECT_TRUE(refuses([&] { exact.make(); }, "Most accurate in time: "));
+  EXPECT_TRUE(says(exact.reason, "No body that was tried keeps the error"));
+  EXPECT_TRUE(says(exact.reason, "PlanOptions::finest is reached"));
+}
+
+TEST(Plan, MakesTheSameMotionToTheLastBit) {
+  const Plan made = plan(sagging, wishes(0.05, 20));
+  ASSERT_TRUE(made.kept) << made.report();
+  Simulation a = made.make(), b = made.make();
+  ASSERT_TRUE(a.advance(0.05).ok());
+  ASSERT_TRUE(b.advance(0.05).ok());
+  EXPECT_GT(a.max_displacement(), 0.0);
+  EXPECT_EQ(a.solver().read(), b.solver().read());
+}
+
+TEST(Plan, KeepsItsBudget) {
+  for (const double budget : {0.05, 0.5}) {
+    const auto begin = std::chrono::steady_clock::now();
+    const Plan made = plan(sagging, {.max_error = 1e-5, .rate = 100, .budget = budget});
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    // A trial that has begun is finished, and other programs may have the processor.
+    EXPECT_LT(seconds, 3.0 * budget + 1.0);
+    EXPECT_LE(made.seconds, seconds);
+    EXPECT_FALSE(made.kept);
+  }
+}
+
+TEST(Plan, FollowsMotionUnderLoadsAndTools) {
+  int ticks = 0;
+  const auto pressed = [](const PlanCandidate& candidate) {
+    Simulation sim(beam(candidate.spacing), candidate.options({.material = tissue}));
+    sim.scene().fix("z0");
+    sim.scene().add_tool("probe", {.shape = Sphere{.radius = 0.03}, .pose = {.position = {0.1, 0.025, 0.081}}});
+    return sim;
+  };
+  const auto move = [&ticks](Simulation& sim) {
+    ++ticks;
+    sim.scene().tool("probe").move_to({.position = {0.1, 0.025, 0.081 - 0.5 * sim.time()}});
+  };
+  const Plan made =
+      plan(pressed, {.max_error = 0.9, .rate = 500, .probe_time = 0.02, .before_tick = move, .budget = 3.0});
+  EXPECT_GE(ticks, 3 * 10);
+  EXPECT_GE(made.trials.size(), 3u);
+  for (const PlanTrial& trial : made.trials) EXPECT_TRUE(std::isnan(trial.rest));
+  EXPECT_FALSE(std::isnan(made.trials.front().error)) << made.report();
+}
+
+TEST(Plan, FillsASolidAndKeepsTheTimeToRest) {
+  const auto fill = [](Simulation& sim) {
+    sim.scene().fix(sim.model().particles_in([](const Vec3& at) { return at.x() < -0.02; }));
+    sim.scene().gravity({0, 0, -2.0});
+  };
+  const Plan made = plan(solid_ellipsoid({0, 0, 0}, {0.05, 0.03, 0.03}), {.material = tissue}, fill,
+                         {.max_error = 0.2, .rest_in = 10.0, .budget = 4.0});
+  ASSERT_TRUE(made.kept) << made.report();
+  EXPECT_LE(made.chosen.rest, 8.0);
+  EXPECT_TRUE(made.make().solve_static().converged());
+}
+
+TEST(Plan, RefusesWhatMakesNoSense) {
+  const auto asked = [](PlanOptions options) { return [options] { plan(sagging, options); }; };
+  EXPECT_TRUE(refuses(asked({.max_error = 0.0, .rate = 100}), "PlanOptions::max_error must be above 0 and below 1"));
+  EXPECT_TRUE(refuses(asked({.max_error = 3.0, .rate = 100}), "; got 3"));
+  EXPECT_TRUE(refuses(asked({.max_error = 0.1}), "expected a rate (Hz) or rest_in (s) to be kept, got neither"));
+  EXPECT_TRUE(refuses(asked({.max_error = 0.1, .rate = -1}), "PlanOptions::rate must be"));
+  EXPECT_TRUE(refuses(asked({.max_error = 0.1, .rate = 100, .budget = 0}), "PlanOptions::budget must be"));
+  EXPECT_TRUE(refuses(asked({.max_error = 0.1, .rate = 100, .steps = {1.5}}), "PlanOptions::steps must be"));
+  EXPECT_TRUE(refuses(asked({.max_error = 0.1, .rate = 100, .backends = {}}), "got none"));
+  EXPECT_TRUE(refuses(asked({.max_error = 0.1, .rest_in = 1, .probe_time = 1}), "got both"));
+  EXPECT_TRUE(refuses([] { plan(SceneBuilder(), wishes(0.1, 100)); }, "got an empty function"));
+  EXPECT_TRUE(refuses([] { Plan().make({}); }, "got an empty plan"));
+}
+
+TEST(Plan, SaysWhatIsWrongWithABuilder) {
+  const auto built = [](SceneBuilder builder) { return [builder] { plan(builder, wishes(0.1, 100)); }; };
+  EXPECT_TRUE(refuses(built([](const PlanCandidate&) -> Simulation { throw Error("no such organ"); }),
+                      "the builder made no body at any spacing"));
+  EXPECT_TRUE(
+      refuses(built([](const PlanCandidate&) -> Simulation { throw Error("no such organ"); }), "no such organ"));
+  EXPECT_TRUE(refuses(built([](const PlanCandidate& it) {
+                        Simulation sim(beam(0.02), it.options({.material = tissue}));
+                        sim.scene().fix("x0").gravity({0, 0, -1});
+                        return sim;
+                      }),
+                      "it must use PlanCandidate::spacing"));
+  EXPECT_TRUE(refuses(built([](const PlanCandidate& it) {
+                        return Simulation(beam(it.spacing), {.material = tissue, .backend = "reference"});
+                      }),
+                      "expected a simulation with the backend \"cpu\", got \"reference\""));
+  EXPECT_TRUE(refuses(built([](const PlanCandidate& it) {
+                        Simulation sim(beam(it.spacing), it.options({.material = tissue}));
+                        sim.scene().gravity({0, 0, -1});
+                        return sim;
+                      }),
+                      "a rigid motion of it meets no support"));
+  EXPECT_TRUE(refuses(built([](const PlanCandidate& it) {
+                        Simulation sim(beam(it.spacing), it.options({.material = tissue}));
+                        sim.scene().fix("x0");
+                        return sim;
+                      }),
+                      "nothing moves in this scene"));
+  EXPECT_TRUE(refuses(built([](const PlanCandidate& it) {
+                        Simulation sim = sagging(it);
+                        Load rising;
+                        rising.type = LoadType::force;
+                        rising.particles = {0};
+                        rising.direction = {0, 0, 1};
+                        rising.events = {{0, 0}, {2, 1}};
+                        sim.scene().add(rising);
+                        return sim;
+                      }),
+                      "changes until 2 s, so the rest shape says little; give PlanOptions::probe_time"));
+}
+
+}  // namespace
+}  // namespace phymul::test
