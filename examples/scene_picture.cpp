@@ -242,7 +242,7 @@ void ScenePictures::draw(const phymul::State& state, const ScenePictureOptions& 
     sheet.add_faces(0.3);
   } else {
     sheet.add_faces(1.0);
-    sheet.add_edges(on_outline_);
+    if (options.mesh) sheet.add_edges(on_outline_);
     sheet.add_marks(options.held, on_surface_, 1.0 / scale, held_colour);
     sheet.add_marks(options.driven, on_surface_, 1.0 / scale, driven_colour);
   }

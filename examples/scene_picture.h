@@ -40,6 +40,7 @@ struct ScenePictureOptions {
   phymul::VecList frame{};
   phymul::Vec3 eye{0.5, -1.0, 0.4};             ///< direction from the body to the eye; 2-D bodies are seen along -z
   std::vector<phymul::Index> held{}, driven{};  ///< particles to mark
+  bool mesh = true;                             ///< edges of the surface's faces
   bool inside = false;           ///< a transparent surface; particles are balls, links between neighbours rods
   phymul::VecList attractors{};  ///< [N] or empty, with `inside` only: the place that each particle is drawn to
   std::vector<PictureTool> tools{};

@@ -122,8 +122,18 @@ def organs(out):
     finish(figure, out, "two_organs_force")
 
 
+def liver(out):
+    figure, (axes,) = sheet("A probe presses on a tumour, slides off it and goes back", ("time, s", "force, N"))
+    time, probe_force, ligament = columns(rows_of(out, "liver"), "time_s", "force_N", "ligament_N")
+    axes.plot(time, probe_force, color=BLUE, label="on the probe")
+    axes.plot(time, ligament, color=RED, linestyle=(0, (4, 2)), label="of the ligament")
+    zero(axes)
+    axes.legend()
+    finish(figure, out, "liver_force")
+
+
 def main(out):
-    for draw in (needle, probe, orders, cloth, organs):
+    for draw in (needle, liver, probe, orders, cloth, organs):
         draw(out)
 
 
