@@ -18,6 +18,7 @@
 #include "device/float_range.h"
 #include "near_displacements.h"
 #include "packed_body.h"
+#include "packed_joints.h"
 #include "packed_loads.h"
 #include "packed_tools.h"
 #include "part_summary.h"
@@ -62,7 +63,7 @@ class SimdSolver final : public SolverBackend {
     }
     if (body_->gives()) pull_.assign(quads, 0.0f);
     near_u_.assign(summaries_.size(), Floats(4 * body_->most_slots() + page, 0.0f));
-    tools_.follow(scene(), frame().fixed);
+    follow_scene_parts();
     reset();
   }
 
@@ -106,7 +107,12 @@ class SimdSolver final : public SolverBackend {
   void do_scene_changed() override {
     steps_at_rest_ = 0;
     loads_ = PackedLoads(scene(), *body_);
+    follow_scene_parts();
+  }
+
+  void follow_scene_parts() {
     tools_.follow(scene(), frame().fixed);
+    pulled_.follow(joints(), tools_.set(), *body_);
   }
 
   void do_values_changed() override { steps_at_rest_ = 0; }
@@ -133,6 +139,7 @@ class SimdSolver final : public SolverBackend {
       u_.swap(next_u_);
       v_.swap(next_v_);
       if (!tools_.empty()) tools_.accept(std::sqrt(static_cast<double>(summary.displacement)));
+      joints().accept();
       time_ += plan.dt;
       last_dt_ = plan.dt;
       ++motion.steps;
@@ -156,6 +163,7 @@ class SimdSolver final : public SolverBackend {
     loads_.act_at(scene(), time_);
     loads_.impose_at(scene(), time_ + plan.dt);
     simd::Move move = move_of(plan);
+    if (!joints().empty()) pulled_.act(joints(), tools_.set(), topology(), plan.dt, move);
     laps_.end(Work::loads);
     if (body_->averaged()) {
       averaged_forces();
@@ -332,6 +340,7 @@ class SimdSolver final : public SolverBackend {
   PackedLoads loads_;
   ThreadPool pool_;
   PackedTools tools_;
+  PackedJoints pulled_;
   ClusterClaims claims_;
   std::vector<PartSummary> summaries_;  // [parts]
   Floats u_, v_, next_u_, next_v_;      // u: [places + 1][4] by quad, v: [slices][3][lanes]
