@@ -83,6 +83,7 @@ class SolverBackend : public Solver {
     double damping_factor = 1.0;        ///< Damping::factor_at(dt)
     double speed_at_rest = 0.0;         ///< m/s, threshold of the rest test
     double acceleration_at_rest = 0.0;  ///< m/s^2, threshold of the rest test
+    double omega_max = 0.0;             ///< rad/s, upper bound for the body and the scene's joints
     double largest_acceleration = 0.0;  ///< m/s^2: elastic force over mass is limited to this; may be infinite
     double runaway_speed = 0.0;         ///< m/s: a faster particle, or one that is not finite, has diverged
     bool stop_at_rest = false;          ///< end as soon as steps_at_rest reaches rest_steps

@@ -115,7 +115,7 @@ void JointSet::give(const End& end, const Vec3& at, const Vec3& force, std::span
   for (std::size_t k = 0; k < end.points.size(); ++k) points_[end.points[k]].force += end.weights[k] * force;
   if (end.tool < 0) return;
   pulls_[end.tool].force += force;
-  pulls_[end.tool].torque += (at - tools[end.tool].pose.position).cross(force);
+  pulls_[end.tool].torque += (at - tools[end.tool].next_pose.position).cross(force);
 }
 
 void JointSet::act(Followed& followed, const Joint& joint, std::span<const ToolWay> tools, double dt) {

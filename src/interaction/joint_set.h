@@ -35,7 +35,7 @@ class JointSet {
     Vec3 velocity{0, 0, 0};  // m/s, of the half step before; likewise
     Vec3 force{0, 0, 0};     // N, result of act()
   };
-  /// What joints do to a tool, about its position at the step's start.
+  /// What joints do to a tool, about its position at the step's end (as react() in tool_frame.h).
   struct Pull {
     Vec3 force{0, 0, 0}, torque{0, 0, 0};  // N, N m
   };

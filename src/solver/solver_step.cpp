@@ -94,9 +94,10 @@ SolverBackend::StepPlan SolverBackend::plan_for(int n, double dt, const Damping&
   plan.steps = n;
   plan.dt = dt;
   plan.damping_factor = damping.factor_at(dt);
-  // Of the body alone: a stiff joint must not loosen the rest test.
-  const double omega =
-      std::sqrt(spectrum_.largest > 0.0 ? spectrum_.largest : joints_->bounds(*scene_, topology_->mass).stiffness);
+  const double joints = joints_->bounds(*scene_, topology_->mass).stiffness;
+  // Of the body alone, where it has any stiffness: a stiff joint must not loosen the rest test.
+  const double omega = std::sqrt(spectrum_.largest > 0.0 ? spectrum_.largest : joints);
+  plan.omega_max = std::sqrt(spectrum_.largest + joints);
   plan.speed_at_rest = options_.rest_tolerance * spacing_ * omega;
   plan.acceleration_at_rest = plan.speed_at_rest * omega;
   const bool clamps = spacing_ > 0.0 && !beyond_limit && !grows_by_itself(spectrum_);

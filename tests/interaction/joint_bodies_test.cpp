@@ -48,12 +48,18 @@ TEST_P(JointOfBodiesIn, KeepsMomentum) {
 }
 
 TEST_P(JointOfBodiesIn, GlueHoldsTwoCubesTogether) {
-  const double gap = 0.001, pull = 0.4, k = 5e6;
+  const double gap = 0.001, pull = 0.4, k = 5e7;
   const Model model = two_cubes(gap);
   Scene scene(model);
   scene.fix("lower/z0");
   const JointHandle glue = scene.attach(model.group("upper/z0"), "lower", {.stiffness = k});
-  scene.add({.particles = model.group("upper/z1"), .events = {{0.0, pull / 16.0}}, .direction = {0.6, 0, 0.8}});
+  Load load;
+  load.type = LoadType::force;
+  load.particles = model.group("upper/z1");
+  load.axes.fill(Axis::driven);
+  load.events = {{0.0, pull / 16.0}};
+  load.direction = {0.6, 0, 0.8};
+  scene.add(load);
   const auto solver = make_solver(GetParam(), model, scene, {}, {.damping = {.rate = 60.0}, .rest_tolerance = 1e-7});
   const RestResult result = solver->run_to_rest(100'000, 0.5 * solver->stable_step());
   ASSERT_TRUE(result.converged()) << result.message();
@@ -123,7 +129,7 @@ TEST_P(JointOfBodiesIn, AToolFeelsWhatItPulls) {
   Scene scene(model);
   const ToolHandle tool = scene.add_tool(
       {.shape = Sphere{0.001}, .pose = {.position = {0.01, 0.005, 0.04}, .orientation = {0.8, 0.6, 0, 0}}});
-  const JointHandle joint = scene.attach(model.group("z1"), tool, {.stiffness = 2e5, .damping = 100.0});
+  const JointHandle joint = scene.attach(model.group("z1"), tool, {.stiffness = 2e5});
   scene.add_joint({at_mean(model.group("x0")), at_tool("tool 1", {0, 0.002, 0})}, 3.0);
   const auto solver = make_solver(GetParam(), model, scene);
   const double dt = 0.3 * solver->stable_step();
@@ -136,7 +142,7 @@ TEST_P(JointOfBodiesIn, AToolFeelsWhatItPulls) {
     ASSERT_TRUE(solver->step(1, dt).ok());
     const Imbalance left = imbalance(before, solver->momentum(), *solver, {"tool 1"}, dt);
     const Vec3 pull = solver->joint_report(joint).force + solver->joint_report("joint 2").force;
-    EXPECT_GT(pull.norm(), 0.01);
+    EXPECT_GT(pull.norm(), 0.005);
     EXPECT_LT((solver->tool_force(tool).force + pull).norm(), 1e-12) << "equal and opposite";
     const double change = total_mass(model) * 0.3 / dt;  // of momentum, that rounding is a part of
     EXPECT_LT(left.force.norm(), 10.0 * roundoff() * change);
@@ -164,7 +170,7 @@ TEST_P(JointOfBodiesIn, AnImposedCoordinateTakesNoForce) {
   const Model model = with_material(make_block({0.02, 0.02, 0.02}, 2, 2, 2));
   Scene scene(model);
   scene.fix("z0");
-  scene.add_joint({at_mean(model.group("z0")), at_world({0, 0, -1}), 0.5}, 100.0);
+  scene.add_joint({at_mean(model.group("z0")), at_world({0.01, 0.01, -1}), 0.5}, 100.0);
   const auto solver = make_solver(GetParam(), model, scene);
   const StepReport report = solver->step(10, 0.5 * solver->stable_step());
   ASSERT_TRUE(report.ok());
