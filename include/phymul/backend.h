@@ -16,7 +16,8 @@
 
 namespace phymul {
 
-class Profile;  // src/solver/profile.h
+class JointSet;  // src/interaction/joint_set.h
+class Profile;   // src/solver/profile.h
 
 /// Does once for all backends what does not depend on them: checks of arguments and states, the step limit, failure
 /// policy, rest test, progress calls, and the default of every optional function. A backend overrides the private
@@ -34,7 +35,7 @@ class SolverBackend : public Solver {
   std::uint64_t topology_hash() const final;
   const SolverOptions& options() const final { return options_; }
   bool takes_tools() const final { return do_takes_tools(); }
-  double stable_step() const final { return stable_step_; }
+  double stable_step() const final { return step_limit(options_.damping.factor); }
 
   using Solver::read;
   using Solver::reset;
@@ -46,7 +47,7 @@ class SolverBackend : public Solver {
   StepReport step(int n, double dt) final;
   RestResult run_to_rest(int max_steps, double dt, const Damping& damping) final;
   double time() const final { return do_time(); }
-  void read(State& state) const final { do_read(state); }
+  void read(State& state) const final;
   void request_read() final { do_request_read(); }
   bool collect(State& state) final { return do_collect(state); }
   Energy energy() const final { return do_energy(); }
@@ -82,6 +83,7 @@ class SolverBackend : public Solver {
     double damping_factor = 1.0;        ///< Damping::factor_at(dt)
     double speed_at_rest = 0.0;         ///< m/s, threshold of the rest test
     double acceleration_at_rest = 0.0;  ///< m/s^2, threshold of the rest test
+    double omega_max = 0.0;             ///< rad/s, upper bound for the body and the scene's joints
     double largest_acceleration = 0.0;  ///< m/s^2: elastic force over mass is limited to this; may be infinite
     double runaway_speed = 0.0;         ///< m/s: a faster particle, or one that is not finite, has diverged
     bool stop_at_rest = false;          ///< end as soon as steps_at_rest reaches rest_steps
@@ -97,6 +99,7 @@ class SolverBackend : public Solver {
 
   LoadFrame& frame() { return frame_; }                  ///< prepared; a backend evaluates it at the time of each step
   const LoadFrame& frame() const { return frame_; }      ///< of the scene as the last step or reset saw it
+  JointSet& joints() { return *joints_; }                ///< of the scene; empty for backends without joints
   Profile* profiling() const { return profile_.get(); }  ///< null unless SolverOptions::profile
 
  private:
@@ -119,7 +122,8 @@ class SolverBackend : public Solver {
   virtual void do_snapshot(Snapshot& snapshot) const;
   virtual void do_restore(const Snapshot& snapshot);
   /// What the scene holds that this backend does not support, one sentence of static text; null: nothing. The default
-  /// refuses needles and contacts always, tools and volume constraints unless the two functions below return true.
+  /// refuses needles, contacts and joints always, tools and volume constraints unless the two functions below return
+  /// true.
   virtual const char* do_cannot() const;
   virtual bool do_takes_tools() const { return false; }
   virtual bool do_takes_volumes() const { return false; }           ///< Scene::constrain_volume
@@ -129,6 +133,8 @@ class SolverBackend : public Solver {
   friend std::unique_ptr<Solver> make_solver(std::string_view, std::shared_ptr<const TopologyTextures>, const Scene&,
                                              const SolverOptions&);
   const ToolReport& tool_report(std::size_t row) const final { return do_tool_report(row); }
+  const JointReport& joint_report_at(std::size_t row) const final;
+  double step_limit(double damping_factor) const;  // s
   void require_fitting(const State& state) const;
   void require_supported() const;
   void require_idle(const char* what) const;
@@ -151,9 +157,9 @@ class SolverBackend : public Solver {
   std::uint64_t scene_version_ = 0, values_version_ = 0;
   mutable std::optional<std::uint64_t> topology_hash_;
   std::unique_ptr<Profile> profile_;
+  std::unique_ptr<JointSet> joints_;
   int steps_a_slice_ = 1;  // between two looks at the clock, if progress is asked for
   Spectrum spectrum_;
-  double stable_step_ = 0.0;
   double spacing_ = 0.0;
 };
 

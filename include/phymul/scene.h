@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
-// Scene: what acts on a body: fixed particles, loads, gravity, tools, volume constraints, contacts. It may change
-// between steps. A scene costs only what it contains.
+// Scene: what acts on a body: fixed particles, loads, gravity, tools, joints, volume constraints, contacts. It may
+// change between steps. A scene costs only what it contains.
 #pragma once
 
+#include <phymul/joint.h>
 #include <phymul/load.h>
 #include <phymul/model.h>
 #include <phymul/tool.h>
@@ -77,8 +78,28 @@ class ToolHandle {
   std::uint64_t id_;
 };
 
+/// Changes a joint of a scene. Small and copyable; rules as for ToolHandle. Solvers prepare nothing anew after these
+/// calls, but Solver::stable_step() follows them.
+class JointHandle {
+ public:
+  void set_stiffness(double stiffness, double damping) const;    ///< Joint::stiffness, damping; Error if negative
+  void set_rest_length(double length) const;                     ///< m, of all springs; Error if negative
+  void set_rest_lengths(std::span<const double> lengths) const;  ///< [springs] m, likewise
+  const Joint& joint() const;                                    ///< valid until the scene's joints change
+
+  std::uint64_t id() const { return id_; }  ///< SceneJoint::id
+  bool is_of(const Scene& scene) const { return scene_ == &scene; }
+
+ private:
+  friend class Scene;
+  JointHandle(Scene& scene, std::uint64_t id) : scene_(&scene), id_(id) {}
+  Joint& own() const;
+  Scene* scene_;
+  std::uint64_t id_;
+};
+
 /// Lifetimes: a scene keeps a pointer to its model, which must not change, or shared ownership of it. A scene cannot be
-/// moved or assigned, because solvers and tool handles point to it. A copy is a new scene without solvers and handles.
+/// moved or assigned, because solvers and handles point to it. A copy is a new scene without solvers and handles.
 /// Threads: any number may read a scene. A thread that changes it must be the only one to use it and its solvers.
 /// Errors: functions throw Error for an unknown group, an index out of range and a value that is not finite; the scene
 /// then stays as it was. An empty list of particles is allowed and has no effect.
@@ -125,10 +146,32 @@ class Scene {
   /// empty or known name and for a size or pose out of its range. Without a name it is "tool 1", "tool 2" and so on.
   Scene& add_tool(std::string name, Tool tool);
   ToolHandle add_tool(Tool tool) &;
-  ToolHandle add_tool(ToolShape shape) &;  ///< with the defaults of Tool
-  Scene& remove_tool(std::string_view name);
-  ToolHandle tool(std::string_view name) &;  ///< throws Error, with the known names, for an unknown one
+  ToolHandle add_tool(ToolShape shape) &;     ///< with the defaults of Tool
+  Scene& remove_tool(std::string_view name);  ///< throws Error also while a joint has an anchor at the tool
+  ToolHandle tool(std::string_view name) &;   ///< throws Error, with the known names, for an unknown one
   const std::vector<SceneTool>& tools() const { return tools_; }
+
+  /// Adds a joint. Rest lengths below 0 become the distances of the anchors with the particles at `position` [N], m
+  /// (empty: at rest), and tools at their last target pose. Throws Error for an empty or known name, a joint without
+  /// springs, anchors that do not fit the scene, weights whose sum is not 1, a spring without particles or between
+  /// equal anchors, and constants out of their range.
+  Scene& add_joint(std::string name, Joint joint, std::span<const Vec3> position = {});
+  JointHandle add_joint(Joint joint) &;  ///< named "joint 1", "joint 2" and so on
+  JointHandle add_joint(JointSpring spring, double stiffness, double damping = 0.0) &;  ///< N/m, N s/m
+
+  /// Adds a joint of a spring for each particle of a patch of the surface. Its share is the particle's part of the rest
+  /// area of the patch's facets, m^2 (2-D: m): those whose particles are all listed, as of pressure loads. Particles
+  /// without such a facet get no spring. The partner is the world; a tool, to which the springs pull the particles back
+  /// to where they are in its frame; or a body to glue them to, the cells of a group. There each spring ends at a point
+  /// that moves with the nearest cell; so the gap of the glue stays and turns with the body. Throws Error if no facet
+  /// is in the patch, if a particle is farther than one cell from the group or belongs to it, and as add_joint().
+  JointHandle attach(std::span<const Index> patch, const World& world, const Attachment& springs) &;
+  JointHandle attach(std::span<const Index> patch, const ToolHandle& tool, const Attachment& springs) &;
+  JointHandle attach(std::span<const Index> patch, std::string_view group, const Attachment& springs) &;
+
+  Scene& remove_joint(std::string_view name);
+  JointHandle joint(std::string_view name) &;  ///< throws Error, with the known names, for an unknown one
+  const std::vector<SceneJoint>& joints() const { return joints_; }
 
   const std::vector<Load>& loads() const { return loads_; }
   const Vec3& gravity() const { return gravity_; }
@@ -136,9 +179,9 @@ class Scene {
   const std::optional<ContactOptions>& contacts() const { return contacts_; }
 
   // For authors of backends (load_frame.h).
-  /// Counts changes other than those of set_events() and ToolHandle. A solver that sees a new value prepares anew.
+  /// Counts changes other than those of set_events() and of handles. A solver that sees a new value prepares anew.
   std::uint64_t version() const { return version_; }
-  std::uint64_t values_version() const { return values_version_; }  ///< counts calls of set_events()
+  std::uint64_t values_version() const { return values_version_; }  ///< counts calls of set_events() and JointHandle
   void prepare(LoadFrame& frame) const;  ///< gives a frame the sizes for this version(); allocates
   /// Fills a frame that prepare() sized at this version(), for a time, s. Writes only what loads act on. Does not
   /// allocate and does not throw.
@@ -163,7 +206,11 @@ class Scene {
   Action prepared_rotation(const Load& load, Action action) const;
   Action prepared_pressure(const Load& load, Action action) const;
   Vec3 unit_direction(const Load& load, const Vec3& from) const;
+  void require(const SceneJoint& joint, std::span<const Vec3> position) const;
+  JointHandle attach(std::span<const Index> patch, std::span<const Anchor> partners, double rest_length,
+                     const Attachment& springs);
   friend class ToolHandle;
+  friend class JointHandle;
 
   std::shared_ptr<const Model> owned_;  // or null
   const Model* model_;
@@ -173,7 +220,8 @@ class Scene {
   std::vector<VolumeConstraint> volume_constraints_;
   std::optional<ContactOptions> contacts_;
   std::vector<SceneTool> tools_;
-  std::uint64_t next_tool_ = 1;
+  std::vector<SceneJoint> joints_;
+  std::uint64_t next_tool_ = 1, next_joint_ = 1;
   std::uint64_t version_ = 0, values_version_ = 0;
 };
 

@@ -84,8 +84,8 @@ class Simulation {
   /// less energy; at the present state, if imposed coordinates are nearer their places there. If it converges, the
   /// solver is in the rest state without motion, at the same time; else its state is what it was. A body that nothing
   /// holds, and whose loads are not in balance, is a result that says so. Throws Error (not_supported) for a body
-  /// without a material or in two dimensions, for tools, contacts and volume constraints, and for loads with events
-  /// after the present time; (invalid_argument) for options out of their range.
+  /// without a material or in two dimensions, for tools, joints, contacts and volume constraints, and for loads with
+  /// events after the present time; (invalid_argument) for options out of their range.
   StaticResult solve_static(const StaticOptions& options = {});
 
   /// What is probably not meant, a sentence each: a body without material, sizes and constants that suggest other units
@@ -105,8 +105,9 @@ class Simulation {
 
   double max_displacement() const;  ///< m, largest distance of a particle from its rest position
   Energy energy() const;            ///< as Solver::energy()
-  const ToolForce& force_on(const ToolHandle& tool) const;  ///< force of the particles on the tool
-  const ToolPose& pose_of(const ToolHandle& tool) const;    ///< present pose of the tool
+  const ToolForce& force_on(const ToolHandle& tool) const;       ///< force of the particles on the tool
+  const ToolPose& pose_of(const ToolHandle& tool) const;         ///< present pose of the tool
+  const JointReport& report_of(const JointHandle& joint) const;  ///< as Solver::joint_report()
 
   /// The state with everything that further steps depend on except the scene, in memory or in a file. Throw Error as
   /// Solver::restore(), save_state() and load_state() do.

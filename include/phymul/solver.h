@@ -80,9 +80,9 @@ class Solver {
   virtual const SolverOptions& options() const = 0;
   virtual bool takes_tools() const = 0;  ///< false: make_solver and step() refuse scenes with tools
 
-  /// Step limit, s, for this damping and the free body at rest; fixed particles can only raise it. Deformed bodies have
-  /// a lower one: use half of it. Infinite for a body without stiffness, for which every finite dt is stable. See
-  /// estimate_spectrum (elasticity.h).
+  /// Step limit, s, for this damping, the free body at rest and the scene's joints; fixed particles can only raise it.
+  /// Deformed bodies have a lower one: use half of it. Infinite for a body without stiffness and joints, for which
+  /// every finite dt is stable. See estimate_spectrum (elasticity.h); joints: docs/guide/joints.md.
   virtual double stable_step() const = 0;
 
   /// Starts from a state. Throws Error, and changes nothing, if the state's sizes do not fit, a value is not finite, z
@@ -154,11 +154,17 @@ class Solver {
   /// `count` >= 2 points along a needle, evenly spaced from tip to hub, m. Throws Error if the tool is not a needle.
   VecList needle_points(std::string_view name, int count) const;
 
+  /// Forces, lengths and broken springs of a joint of the scene. Valid until the next step() or change of the scene.
+  /// Throw Error for an unknown name, a handle of another scene, and a joint that was removed.
+  const JointReport& joint_report(std::string_view name) const;
+  const JointReport& joint_report(const JointHandle& joint) const;
+
  protected:
   Solver();
 
  private:
-  virtual const ToolReport& tool_report(std::size_t row) const = 0;  ///< of Scene::tools()
+  virtual const ToolReport& tool_report(std::size_t row) const = 0;       ///< of Scene::tools()
+  virtual const JointReport& joint_report_at(std::size_t row) const = 0;  ///< of Scene::joints()
   std::size_t tool_row(std::string_view name) const;
   std::size_t tool_row(const ToolHandle& tool) const;
 };

@@ -3,6 +3,7 @@
 // State: positions and velocities of a body. Plain data to copy, save and compare.
 #pragma once
 
+#include <phymul/joint.h>
 #include <phymul/model.h>
 #include <phymul/tool.h>
 
@@ -21,6 +22,8 @@ struct State {
   /// Of the scene's tools, by name. Solver::reset() ignores names that the scene does not have. A tool without an entry
   /// starts at the scene's pose and holds nothing.
   std::vector<ToolState> tools{};
+  /// Joints with broken springs, by name. Solver::reset() ignores names that the scene does not have.
+  std::vector<JointState> joints{};
 
   bool operator==(const State&) const = default;
 };

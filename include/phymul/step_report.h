@@ -18,7 +18,8 @@ enum class StepStatus {
   not_finite,
   device_lost,    ///< the GPU or its context failed
   volume_lost,    ///< a volume constraint (Scene::constrain_volume) could not be satisfied; the step was undone
-  not_supported,  ///< the backend does not support the scene's tools, volume constraints or contacts; nothing was done
+  not_supported,  ///< the backend does not support the scene's tools, joints, volume constraints or contacts; nothing
+                  ///< was done
   /// A needle's hole needs more nodes, or a node more particles, than the GPU has reserved. The step was undone.
   needle_full
 };

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "integrate.h"
+#include "interaction/joint_set.h"
 #include "interaction/tool_set.h"
 #include "interaction/touching.h"
 #include "solver/profile.h"
@@ -64,6 +65,7 @@ class ReferenceSolver final : public SolverBackend {
 
   void follow_tools() {
     tools_.follow(scene());
+    ways_.reserve(tools_.count());
     touching_.follow(scene());
     shifts_.clear();
     if (!touches()) return;
@@ -80,6 +82,7 @@ class ReferenceSolver final : public SolverBackend {
       elastic_forces(topology(), state_.position, force_);
       laps.end(forces_row_);
       const bool any_cut = cut_forces(plan.largest_acceleration);
+      if (!joints().empty()) pull_joints(plan.dt);
       if (touches()) motion.lost_volume = touch(plan);
       if (motion.lost_volume >= 0) break;
       measure(motion);
@@ -96,6 +99,7 @@ class ReferenceSolver final : public SolverBackend {
       std::swap(state_.velocity, next_velocity_);
       state_.time += plan.dt;
       if (!tools_.empty()) tools_.accept();
+      joints().accept();
       last_dt_ = plan.dt;
       ++motion.steps;
       motion.force_clamped = motion.force_clamped || any_cut;
@@ -161,6 +165,17 @@ class ReferenceSolver final : public SolverBackend {
    private:
     ReferenceSolver& solver_;
   };
+
+  void pull_joints(double dt) {
+    for (JointSet::Point& point : joints().points()) {
+      point.position = state_.position[point.particle];
+      point.velocity = state_.velocity[point.particle];
+    }
+    tools_.ways(dt, ways_);
+    joints().act(ways_, dt);
+    tools_.pull(joints().pulls());
+    for (const JointSet::Point& point : joints().points()) force_[point.particle] += point.force;
+  }
 
   bool touches() const { return !tools_.empty() || !touching_.empty(); }
 
@@ -232,6 +247,7 @@ class ReferenceSolver final : public SolverBackend {
   State state_;
   VecList force_, next_position_, next_velocity_;
   ToolSet tools_;
+  std::vector<ToolWay> ways_;
   Touching touching_;
   TouchedParticles touched_;
   std::vector<std::pair<Index, Vec3>> shifts_;

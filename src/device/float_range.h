@@ -22,12 +22,15 @@ struct RestThresholds {
   double acceleration = 0.0;  ///< m/s^2
 };
 
-/// The thresholds asked for, or the noise where that is more; `largest` is the largest displacement of the body, m.
-inline RestThresholds rest_thresholds(RestThresholds asked, double largest) {
-  if (!(asked.speed > 0.0)) return asked;
-  const double omega_max = asked.acceleration / asked.speed;
+/// The thresholds asked for, or the noise where that is more; `largest` is the largest displacement of the body, m, and
+/// `omega_max`, rad/s, is that of the body and what is joined to it.
+inline RestThresholds rest_thresholds(RestThresholds asked, double largest, double omega_max) {
   const double speed = rest_noise * largest * omega_max;
   return {std::max(asked.speed, speed), std::max(asked.acceleration, speed * omega_max)};
+}
+/// Of a body alone, by whose omega_max the thresholds were made.
+inline RestThresholds rest_thresholds(RestThresholds asked, double largest) {
+  return asked.speed > 0.0 ? rest_thresholds(asked, largest, asked.acceleration / asked.speed) : asked;
 }
 
 /// A constant of a body in single precision. Throws Error if it is beyond its range.

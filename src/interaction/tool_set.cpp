@@ -71,6 +71,7 @@ void ToolSet::follow(const Scene& scene) {
     now.push_back(known != tools_.end() ? std::move(*known) : made(tool, scene));
   }
   tools_ = std::move(now);
+  for (Moving& tool : tools_) tool.pull = {};
   found_.reserve(tools_.empty() ? 0 : scene.model().rest.size());
 }
 
@@ -164,9 +165,24 @@ void ToolSet::press(Moving& tool, TouchedParticles& touched) {
   }
 }
 
+void ToolSet::ways(double dt, std::vector<ToolWay>& ways) const {
+  ways.clear();
+  for (const Moving& tool : tools_) {
+    ToolMotion motion = tool.moved.motion;
+    motion.advance(dt);
+    ways.push_back({motion.pose, motion.next_pose});
+  }
+}
+
+void ToolSet::pull(std::span<const JointSet::Pull> pulls) {
+  for (std::size_t row = 0; row < tools_.size(); ++row) tools_[row].pull = pulls[row];
+}
+
 void ToolSet::act(TouchedParticles& touched) {
   for (Moving& tool : tools_) {
     tool.next_force = {};
+    tool.next_force.force = tool.pull.force;
+    tool.next_force.torque = tool.pull.torque;
     tool.moved.motion.advance(touched.dt());
     tool.law.placed = tool.moved.motion.placed;
     if (tool.moved.releases) tool.moved.release();

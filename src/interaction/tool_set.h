@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "contact_tool.h"
+#include "joint_set.h"
 #include "moved_tool.h"
 #include "needle_path.h"
 #include "predicted_step.h"
@@ -33,6 +34,10 @@ class ToolSet {
 
   /// A call of `steps` steps begins: looks for new poses and grasps. `at_once`: poses are reached in the first step.
   void begin_call(const Scene& scene, int steps, bool at_once);
+  /// Where each tool is during the next step. Allocates only where `ways` has no room for count().
+  void ways(double dt, std::vector<ToolWay>& ways) const;
+  /// What joints do to the tools in the next act(), by Scene::tools().
+  void pull(std::span<const JointSet::Pull> pulls);
   /// Acts on one step; the poses are those of the step's end.
   void act(TouchedParticles& touched);
   void accept();  ///< the step counts; without it the next act() does it over
@@ -50,7 +55,8 @@ class ToolSet {
     Region bounds;  // of the shape in its own frame
     std::optional<NeedlePath> needle{};
     std::optional<SurfacePress> surface{};  // of ToolContact::surface
-    ToolForce next_force{};                 // in the step in question
+    JointSet::Pull pull{};                  // of joints, in the step in question
+    ToolForce next_force{};                 // likewise, of everything
   };
 
   static Moving made(const SceneTool& tool, const Scene& scene);

@@ -276,6 +276,7 @@ Scene& Scene::clear() {
   loads_.clear();
   actions_.clear();
   tools_.clear();
+  joints_.clear();
   gravity_.setZero();
   volume_constraints_.clear();
   contacts_.reset();

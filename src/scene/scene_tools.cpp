@@ -136,6 +136,12 @@ ToolHandle Scene::add_tool(ToolShape shape) & {
 
 Scene& Scene::remove_tool(std::string_view name) {
   const std::uint64_t id = tool(name).id_;
+  for (const SceneJoint& known : joints_) {
+    for (const JointSpring& spring : known.joint.springs) {
+      if (spring.a.tool != name && spring.b.tool != name) continue;
+      throw Error(label(name) + "the joint \"" + known.name + "\" has an anchor at it; remove_joint that one first");
+    }
+  }
   std::erase_if(tools_, [&](const SceneTool& known) { return known.id == id; });
   ++version_;
   return *this;

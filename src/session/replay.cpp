@@ -61,8 +61,8 @@ Replay::Replay(Recording recording, Solver& solver, Scene& scene)
         "Replay: the recording is of another body: other shape, material, order of particles or options of the "
         "tables; build the one that was recorded");
   }
-  require_same_options(recording_.options, recorded_options(solver));
   start_scene();
+  require_same_options(recording_.options, recorded_options(solver));  // the step limit depends on the scene's joints
   try {
     solver_.restore(recording_.start);
   } catch (const Error& error) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "joint_bytes.h"
 #include "tool_bytes.h"
 #include "wire_codes.h"
 
@@ -82,6 +83,55 @@ void take_tools(ByteReader& in, Scene& scene) {
   for (auto& [name, tool] : added) scene.add_tool(std::move(name), std::move(tool));
 }
 
+/// Joints that stay, and what changed of them; the others go, before the tools that they have anchors at.
+void take_kept_joints(ByteReader& in, Scene& scene) {
+  const std::size_t count = in.count(5, "a number of joints");
+  std::vector<std::string> kept;
+  for (std::size_t k = 0; k < count; ++k) {
+    kept.push_back(in.text("a joint's name"));
+    const JointHandle joint = scene.joint(kept.back());
+    if (yes(in, "whether a joint changed")) change_joint_values(joint, in);
+  }
+  std::vector<std::string> gone;
+  for (const SceneJoint& joint : scene.joints()) {
+    if (std::find(kept.begin(), kept.end(), joint.name) == kept.end()) gone.push_back(joint.name);
+  }
+  for (const std::string& name : gone) scene.remove_joint(name);
+}
+
+const SceneBefore::Joint* known_joint(const SceneBefore& before, const SceneJoint& joint) {
+  const auto known = std::ranges::find(before.joints, joint.id, &SceneBefore::Joint::id);
+  return known != before.joints.end() ? &*known : nullptr;
+}
+
+void put_kept_joints(ByteWriter& out, const Scene& scene, const SceneBefore& before) {
+  ByteWriter kept;
+  std::uint64_t count = 0;
+  for (const SceneJoint& joint : scene.joints()) {
+    const SceneBefore::Joint* const known = known_joint(before, joint);
+    if (known == nullptr) continue;
+    ++count;
+    kept.text(joint.name);
+    const std::string values = joint_value_bytes(joint.joint);
+    kept.field(values != known->values, "");
+    if (values != known->values) kept.raw(values);
+  }
+  out.u64(count);
+  out.raw(kept.bytes());
+}
+
+void put_new_joints(ByteWriter& out, const Scene& scene, const SceneBefore& before) {
+  ByteWriter added;
+  std::uint64_t count = 0;
+  for (const SceneJoint& joint : scene.joints()) {
+    if (known_joint(before, joint) != nullptr) continue;
+    ++count;
+    put_joint(added, joint);
+  }
+  out.u64(count);
+  out.raw(added.bytes());
+}
+
 }  // namespace
 
 std::string load_bytes(const Load& load) {
@@ -107,6 +157,7 @@ SceneBefore scene_as_it_is(const Scene& scene) {
   for (const Load& load : scene.loads()) now.loads.push_back(load_bytes(load));
   now.volumes = volume_bytes(scene);
   for (const SceneTool& tool : scene.tools()) now.tools.push_back(tool.id);
+  for (const SceneJoint& joint : scene.joints()) now.joints.push_back({joint.id, joint_value_bytes(joint.joint)});
   return now;
 }
 
@@ -128,6 +179,8 @@ std::string scene_change_bytes(const Scene& scene, const SceneBefore& before, bo
   }
   out.u64(changes);
   out.raw(changed.bytes());
+  const SceneBefore from = anew ? SceneBefore{} : before;
+  put_kept_joints(out, scene, from);
   out.u64(scene.tools().size());
   for (const SceneTool& tool : scene.tools()) {
     out.text(tool.name);
@@ -138,6 +191,7 @@ std::string scene_change_bytes(const Scene& scene, const SceneBefore& before, bo
     there.pose = tool.pose;
     put_tool(out, there);
   }
+  put_new_joints(out, scene, from);
   if (anew) out.raw(volume_bytes(scene));
   return out.bytes();
 }
@@ -163,7 +217,10 @@ void change_scene(Scene& scene, ByteReader& in) {
   }
   if (scene.loads().size() < count) in.fail("expected " + std::to_string(count) + " loads, got fewer");
   while (scene.loads().size() > count) scene.remove(scene.loads().size() - 1);
+  take_kept_joints(in, scene);
   take_tools(in, scene);
+  const std::size_t added = in.count(8, "a number of new joints");
+  for (std::size_t k = 0; k < added; ++k) take_joint(in, scene);
   if (anew) {
     std::vector<VolumeConstraint> kept;
     volume_fields(in, kept);

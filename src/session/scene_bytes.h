@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // A scene in bytes, load by load. A change of a scene is: whether it starts from an empty one (u8), gravity, contacts,
-// the number of loads (u64), the changed ones (count, then row and load each), all tools by name, with what they are
-// where they are new, and after an empty scene the kept volumes.
+// the number of loads (u64), the changed ones (count, then row and load each), the joints that stay, by name, with
+// their stiffness, damping and rest lengths where these changed, all tools by name, with what they are where they are
+// new, the new joints, and after an empty scene the kept volumes.
 #pragma once
 
 #include <phymul/scene.h>
@@ -21,6 +22,11 @@ struct SceneBefore {
   std::vector<std::string> loads;    ///< load_bytes of each
   std::string volumes;               ///< volume_bytes
   std::vector<std::uint64_t> tools;  ///< SceneTool::id
+  struct Joint {
+    std::uint64_t id = 0;  ///< SceneJoint::id
+    std::string values;    ///< joint_value_bytes
+  };
+  std::vector<Joint> joints;
 };
 SceneBefore scene_as_it_is(const Scene& scene);
 

@@ -215,6 +215,10 @@ const ToolPose& Simulation::pose_of(const ToolHandle& tool) const {
   return solver().tool_pose(tool);
 }
 
+const JointReport& Simulation::report_of(const JointHandle& joint) const {
+  return solver().joint_report(joint);
+}
+
 Snapshot Simulation::snapshot() const {
   return solver().snapshot();
 }

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "interaction/joint_set.h"
 #include "simulation_parts.h"
 
 namespace phymul {
@@ -28,6 +29,12 @@ double first_guess(const Model& model, const Solver& solver, double dt) {
   return guess > 0.0 && std::isfinite(guess) ? guess : 0.01 / dt;
 }
 
+/// For the stiffness of joints without their dampers.
+State without_motion(State state) {
+  for (Vec3& velocity : state.velocity) velocity.setZero();
+  return state;
+}
+
 /// Rayleigh's quotient of the free coordinates' way from one state to another, 1/s^2. Not above 0, or not a number:
 /// the way says nothing of a vibration.
 double squared_frequency(const TopologyTextures& topology, const Scene& scene, const State& from, const State& to) {
@@ -36,6 +43,10 @@ double squared_frequency(const TopologyTextures& topology, const Scene& scene, c
   VecList before(from.position.size()), after(to.position.size());
   elastic_forces(topology, from.position, before);
   elastic_forces(topology, to.position, after);
+  if (!scene.joints().empty()) {
+    add_joint_forces(scene, without_motion(from), before);
+    add_joint_forces(scene, without_motion(to), after);
+  }
   double work = 0.0, inertia = 0.0;
   for (std::size_t i = 0; i < before.size(); ++i) {
     for (int axis = 0; axis < 3; ++axis) {

@@ -37,6 +37,7 @@ void require_supported(const TopologyTextures& topology, const Scene& scene, dou
     refuse("particle " + std::to_string(i) + " is in no cell with a material");
   }
   if (!scene.tools().empty()) refuse("the scene has the tool \"" + scene.tools().front().name + '"');
+  if (!scene.joints().empty()) refuse("the scene has the joint \"" + scene.joints().front().name + '"');
   if (scene.contacts()) refuse("the scene has contacts");
   if (!scene.volume_constraints().empty()) refuse("the scene has a volume constraint");
   for (std::size_t row = 0; row < scene.loads().size(); ++row) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // A snapshot in bytes: count of particles (u64), time, last_dt (f64), steps_at_rest (u32), positions, velocities (f64
-// each), whether there are displacements (u8) and they, the count of tools (u64) and their states, the count of parts
-// (u64) and each as name and bytes (u64).
+// each), whether there are displacements (u8) and they, the count of tools (u64) and their states, the count of joints
+// with broken springs (u64) and each as name and their rows, the count of parts (u64) and each as name and bytes (u64).
 #pragma once
 
 #include <phymul/state.h>

@@ -16,7 +16,7 @@
 namespace phymul {
 namespace {
 
-constexpr FileKind state_kind{"phymulSt", 3, "a state file"};
+constexpr FileKind state_kind{"phymulSt", 4, "a state file"};
 constexpr const char* body_tag = "body";
 constexpr const char* state_tag = "stat";
 
@@ -35,6 +35,9 @@ std::size_t bytes_of(const Snapshot& snapshot) {
     for (const NeedleNode& node : tool.needle.hole) {
       bytes += sizeof node + node.particles.size() * (sizeof(Index) + sizeof(double));
     }
+  }
+  for (const JointState& joint : snapshot.state.joints) {
+    bytes += sizeof joint + joint.name.size() + joint.broken.size() * sizeof(Index);
   }
   for (const Snapshot::Part& part : snapshot.parts) bytes += sizeof part + part.name.size() + part.bytes.size();
   return bytes;

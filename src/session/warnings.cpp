@@ -51,30 +51,73 @@ std::string place_of(const ConnectedBody& part, const Model& model) {
   return text + " at " + place_text(x);
 }
 
-/// Tools and contacts may hold what nothing imposes: then there is nothing to say.
-void look_for_what_is_loose(const Model& model, const Scene& scene, std::vector<std::string>& found) {
-  if (scene.contacts() || !scene.tools().empty()) return;
+bool holds(const SceneJoint& joint) {
+  return joint.joint.stiffness > 0.0;
+}
+
+/// Particles that imposed positions or joints to the world hold.
+std::vector<char> held_particles(const Model& model, const Scene& scene) {
   std::vector<char> is_held(model.rest.size(), 0);
-  bool is_pushed = scene.gravity() != Vec3::Zero();
   for (const Load& load : scene.loads()) {
-    is_pushed = is_pushed || load.type != LoadType::translation;
     if (load.type != LoadType::translation) continue;
     for (const Index i : load.particles) is_held[i] = 1;
   }
+  for (const SceneJoint& joint : scene.joints()) {
+    for (const JointSpring& spring : joint.joint.springs) {
+      const bool to_world = spring.a.particles.empty() || spring.b.particles.empty();
+      if (!to_world || !holds(joint)) continue;
+      for (const Anchor* end : {&spring.a, &spring.b}) {
+        for (const Index i : end->particles) is_held[i] = 1;
+      }
+    }
+  }
+  return is_held;
+}
+
+/// Parts that nothing holds, not by way of other parts to which joints tie them either.
+std::vector<ConnectedBody> loose_parts(const Model& model, const Scene& scene, const std::vector<char>& is_held) {
+  std::vector<ConnectedBody> parts = connected_bodies(model);
+  std::vector<std::size_t> part_of(model.rest.size(), 0);
+  std::vector<char> part_is_held(parts.size(), 0);
+  for (std::size_t row = 0; row < parts.size(); ++row) {
+    for (const Index i : parts[row].particles) {
+      part_of[i] = row;
+      part_is_held[row] |= is_held[i];
+    }
+  }
+  for (bool spreads = true; spreads;) {
+    spreads = false;
+    for (const SceneJoint& joint : scene.joints()) {
+      for (const JointSpring& spring : joint.joint.springs) {
+        if (!holds(joint) || spring.a.particles.empty() || spring.b.particles.empty()) continue;
+        char& a = part_is_held[part_of[spring.a.particles.front()]];
+        char& b = part_is_held[part_of[spring.b.particles.front()]];
+        spreads = spreads || a != b;
+        a = b = a | b;
+      }
+    }
+  }
+  std::erase_if(parts, [&](const ConnectedBody& part) { return part_is_held[part_of[part.particles.front()]] != 0; });
+  return parts;
+}
+
+/// Tools and contacts may hold what nothing imposes: then there is nothing to say.
+void look_for_what_is_loose(const Model& model, const Scene& scene, std::vector<std::string>& found) {
+  if (scene.contacts() || !scene.tools().empty()) return;
+  bool is_pushed = scene.gravity() != Vec3::Zero();
+  for (const Load& load : scene.loads()) is_pushed = is_pushed || load.type != LoadType::translation;
+  const std::vector<char> is_held = held_particles(model, scene);
   const bool any_held = std::ranges::find(is_held, 1) != is_held.end();
   if (!any_held) {
     if (is_pushed) found.emplace_back("nothing holds the body: it moves away; Scene::fix() holds a group of particles");
     return;
   }
-  std::vector<ConnectedBody> loose = connected_bodies(model);
-  std::erase_if(loose, [&](const ConnectedBody& part) {
-    return std::ranges::any_of(part.particles, [&](Index i) { return is_held[i] != 0; });
-  });
+  const std::vector<ConnectedBody> loose = loose_parts(model, scene, is_held);
   if (loose.empty()) return;
   found.emplace_back(place_of(loose.front(), model) +
                      (loose.size() == 1 ? " is" : " and " + std::to_string(loose.size() - 1) + " more are") +
                      " joined to nothing that is held; hold " + (loose.size() == 1 ? "it" : "them") +
-                     " too, join the meshes, or use Scene::contacts()");
+                     " too, join the meshes, or use Scene::attach() or Scene::contacts()");
 }
 
 }  // namespace

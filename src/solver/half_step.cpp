@@ -4,6 +4,8 @@
 #include <phymul/elasticity.h>
 #include <phymul/load_frame.h>
 
+#include "interaction/joint_set.h"
+
 namespace phymul {
 namespace {
 
@@ -15,6 +17,7 @@ void for_free_coordinates(const TopologyTextures& topology, const Scene& scene, 
   scene.evaluate(state.time, loads);
   VecList force(state.position.size());
   elastic_forces(topology, state.position, force);
+  add_joint_forces(scene, state, force);
   for (std::size_t i = 0; i < force.size(); ++i) {
     if (!loads.force.empty()) force[i] += loads.force[i];
     const Vec3 acceleration = loads.gravity + force[i] / topology.mass[i];

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The parts of Solver that every implementation shares: shorthands, and the tools of its scene by name or handle.
+// The parts of Solver that every implementation shares: shorthands, and the tools and joints of its scene by name or
+// handle.
 #include <phymul/error.h>
 #include <phymul/solver.h>
 
@@ -75,6 +76,27 @@ VecList Solver::needle_points(std::string_view name, int count) const {
   VecList points = shaft_points(*needle, report.shaft, count);
   for (Vec3& point : points) point = report.pose.position + report.pose.orientation * point;
   return points;
+}
+
+const JointReport& Solver::joint_report(std::string_view name) const {
+  const std::vector<SceneJoint>& joints = scene().joints();
+  for (std::size_t row = 0; row < joints.size(); ++row) {
+    if (joints[row].name == name) return joint_report_at(row);
+  }
+  throw Error(ErrorCode::unknown_name, "the scene has no joint \"" + std::string(name) + '"');
+}
+
+const JointReport& Solver::joint_report(const JointHandle& joint) const {
+  if (!joint.is_of(scene())) {
+    throw Error(
+        "the handle is of a joint of another scene than the solver's; take one from Scene::joint of that scene");
+  }
+  const std::vector<SceneJoint>& joints = scene().joints();
+  for (std::size_t row = 0; row < joints.size(); ++row) {
+    if (joints[row].id == joint.id()) return joint_report_at(row);
+  }
+  throw Error(ErrorCode::unknown_name,
+              "the scene no longer has the joint of this handle; Scene::joint gives handles of those it has");
 }
 
 }  // namespace phymul

@@ -12,6 +12,7 @@
 
 #include "base/decimal.h"
 #include "half_step.h"
+#include "interaction/joint_set.h"
 #include "profile.h"
 #include "scene/tool_state.h"
 #include "solver_input.h"
@@ -39,6 +40,8 @@ constexpr const char* no_needles =
     "the scene has a needle, which this backend does not take; use \"gl-compute\", \"cpu\" or \"reference\"";
 constexpr const char* no_surface_contact =
     "the scene has a tool with ToolContact::surface, which this backend does not take; use \"cpu\" or \"reference\"";
+constexpr const char* no_joints =
+    "the scene has joints, which this backend does not take; use \"cpu\" or \"reference\"";
 constexpr const char* no_volumes =
     "the scene keeps volumes, which this backend does not do; use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_contacts =
@@ -48,7 +51,11 @@ constexpr const char* no_contacts =
 
 SolverBackend::SolverBackend(std::string name, std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
                              const SolverOptions& options)
-    : name_(std::move(name)), topology_(std::move(topology)), scene_(&scene), options_(options) {
+    : name_(std::move(name)),
+      topology_(std::move(topology)),
+      scene_(&scene),
+      options_(options),
+      joints_(std::make_unique<JointSet>()) {
   require_options(options_);
   require_same_body(*topology_, model());
   spectrum_ = options_.spectrum ? *options_.spectrum : estimate_spectrum(*topology_, topology_->rest);
@@ -57,11 +64,11 @@ SolverBackend::SolverBackend(std::string name, std::shared_ptr<const TopologyTex
         "the body's stiffness over its mass is beyond the range of numbers; expected masses in kg and stiffnesses in "
         "N/m (or a material in Pa) of a real body");
   }
-  stable_step_ = phymul::stable_step(spectrum_, options_.damping.factor);
   spacing_ = mean_spacing(model());
   // Cells alone make a body, without neighbours to take a spacing from.
   if (!(spacing_ > 0.0)) spacing_ = body_size(model()) / std::cbrt(static_cast<double>(topology_->particle_count));
   scene_->prepare(frame_);
+  joints_->follow(*scene_);
   scene_version_ = scene_->version();
   values_version_ = scene_->values_version();
   if (options_.profile) profile_ = std::make_unique<Profile>();
@@ -72,6 +79,7 @@ SolverBackend::~SolverBackend() = default;
 void SolverBackend::follow_scene() {
   if (scene_version_ != scene_->version()) {
     scene_->prepare(frame_);
+    joints_->follow(*scene_);
     do_scene_changed();
   } else if (values_version_ != scene_->values_version()) {
     do_values_changed();
@@ -94,6 +102,7 @@ void SolverBackend::require_fitting(const State& state) const {
     throw Error("Solver::reset: expected z = 0 in all positions and velocities of a two-dimensional model");
   }
   require_tool_states(state, topology_->particle_count, scene_->tools());
+  require_joint_states(state, scene_->joints());
 }
 
 void SolverBackend::require_supported() const {
@@ -113,6 +122,26 @@ void SolverBackend::reset(const State& state) {
   follow_scene();
   copies_.clear();
   do_reset(state);
+  joints_->reset(state);
+}
+
+void SolverBackend::read(State& state) const {
+  do_read(state);
+  joints_->read(state);
+}
+
+const JointReport& SolverBackend::joint_report_at(std::size_t row) const {
+  return joints_->report(scene_->joints()[row]);
+}
+
+/// Of x+ = x + dt v+, v+ = d v - dt (K x + C v) / m, whose characteristic polynomial has its roots within the unit
+/// circle while dt^2 omega^2 + 2 dt c / m <= 2 (1 + d), mode by mode. Eigenvalues of sums are at most the sums of the
+/// largest (Weyl).
+double SolverBackend::step_limit(double damping_factor) const {
+  const JointBounds& joints = joints_->bounds(*scene_, topology_->mass);
+  if (joints.stiffness == 0.0 && joints.damping == 0.0) return phymul::stable_step(spectrum_, damping_factor);
+  const double twice = 2.0 * (1.0 + damping_factor), c = joints.damping;
+  return twice / (c + std::sqrt(c * c + twice * (spectrum_.largest + joints.stiffness)));
 }
 
 std::uint64_t SolverBackend::topology_hash() const {
@@ -123,6 +152,7 @@ std::uint64_t SolverBackend::topology_hash() const {
 Snapshot SolverBackend::snapshot() const {
   Snapshot snapshot;
   do_snapshot(snapshot);
+  joints_->read(snapshot.state);
   snapshot.topology_hash = topology_hash();
   snapshot.backend = name_;
   return snapshot;
@@ -151,6 +181,7 @@ void SolverBackend::restore(const Snapshot& snapshot) {
   }
   follow_scene();
   do_restore(snapshot);
+  joints_->reset(snapshot.state);
   copies_.clear();
 }
 
@@ -203,6 +234,7 @@ const char* SolverBackend::do_cannot() const {
   if (!scene_->tools().empty() && !takes_tools()) return no_tools;
   if (has_needle(scene_->tools())) return no_needles;
   if (touches_surface(scene_->tools())) return no_surface_contact;
+  if (!scene_->joints().empty()) return no_joints;
   if (!scene_->volume_constraints().empty() && !do_takes_volumes()) return no_volumes;
   return scene_->contacts() ? no_contacts : nullptr;
 }
@@ -215,6 +247,7 @@ Energy SolverBackend::energy_of(const State& state, double last_dt) const {
   elastic_forces(*topology_, state.position, force);
   Energy energy;
   energy.elastic = elastic_energy(*topology_, state.position);
+  if (!scene_->joints().empty()) energy.elastic += add_joint_forces(*scene_, read(), force);
   for (Index i = 0; i < topology_->particle_count; ++i) {
     const double m = topology_->mass[i];
     if (!now.force.empty()) force[i] += now.force[i];

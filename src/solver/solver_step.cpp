@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 
+#include "interaction/joint_set.h"
 #include "model/cell_geometry.h"
 #include "solver_input.h"
 
@@ -93,7 +94,10 @@ SolverBackend::StepPlan SolverBackend::plan_for(int n, double dt, const Damping&
   plan.steps = n;
   plan.dt = dt;
   plan.damping_factor = damping.factor_at(dt);
-  const double omega = std::sqrt(spectrum_.largest);
+  const double joints = joints_->bounds(*scene_, topology_->mass).stiffness;
+  // Of the body alone, where it has any stiffness: a stiff joint must not loosen the rest test.
+  const double omega = std::sqrt(spectrum_.largest > 0.0 ? spectrum_.largest : joints);
+  plan.omega_max = std::sqrt(spectrum_.largest + joints);
   plan.speed_at_rest = options_.rest_tolerance * spacing_ * omega;
   plan.acceleration_at_rest = plan.speed_at_rest * omega;
   const bool clamps = spacing_ > 0.0 && !beyond_limit && !grows_by_itself(spectrum_);
@@ -138,7 +142,7 @@ StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest, const Dam
   }
   const AtReturn done(is_stepping_);
   report.time = do_time();
-  report.stable_step = phymul::stable_step(spectrum_, damping.factor);
+  report.stable_step = step_limit(damping.factor);
   if (const char* const cause = why_no_steps(n, dt, stop_at_rest, damping)) {
     report.status = StepStatus::invalid_step;
     report.cause = cause;

@@ -131,8 +131,8 @@ TEST(StateFile, ExtremeNumbersComeBackBitForBit) {
   EXPECT_EQ(again, saved);
   EXPECT_TRUE(same_bits(again.state, saved.state));
   EXPECT_TRUE(same_bits(again.displacement, saved.displacement));
-  // Little-endian whatever the machine: magic, version 3, and the body's fingerprint at byte 24.
-  EXPECT_EQ(bytes_of(path).substr(0, 16), std::string("phymulSt\3\0\0\0body", 16));
+  // Little-endian whatever the machine: magic, version 4, and the body's fingerprint at byte 24.
+  EXPECT_EQ(bytes_of(path).substr(0, 16), std::string("phymulSt\4\0\0\0body", 16));
   EXPECT_EQ(bytes_of(path).substr(24, 8), "\x10\x32\x54\x76\x98\xba\xdc\xfe");
 }
 
@@ -220,7 +220,7 @@ TEST(StateFile, DamageIsRefusedWithPlaceAndReason) {
   wrong = good;
   wrong[8] = 1;
   EXPECT_EQ(refused(wrong),
-            "s: byte 8: expected version 3 of a state file, got 1; read it with the version of phymul that wrote it");
+            "s: byte 8: expected version 4 of a state file, got 1; read it with the version of phymul that wrote it");
   wrong = good;
   wrong[100] = static_cast<char>(wrong[100] ^ 4);
   EXPECT_TRUE(says(refused(wrong), "expected the checksum 0x"));
@@ -244,7 +244,7 @@ TEST(StateFile, MutantsWithRightChecksumsAreHarmless) {
   const Model model = make_tetrahedron(0.01);
   const Scene scene(model);
   const auto solver = make_solver("cpu", model, scene);
-  const FileKind kind{"phymulSt", 3, "a state file"};
+  const FileKind kind{"phymulSt", 4, "a state file"};
   const std::string good = a_file();
   const std::vector<FileSection> sections = read_sections("s", good, kind, {"body", "stat"});
   const std::string body(sections[0].payload), payload(sections[1].payload);

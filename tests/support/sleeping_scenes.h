@@ -120,6 +120,16 @@ inline std::vector<SleepingScene> sleeping_scenes(double step) {
          if (call > woken_at && call < 18) scene.tool("ball").move_to(press(-0.0001 * (call - woken_at)));
          if (call == 22) scene.tool("ball").release();
        }});
+  scenes.push_back({"joint", long_tetrahedra(),
+                    [=](Scene& scene) {
+                      const ToolPose apart{.position = {0.24, 0.015, 0.1}};
+                      scene.fix("x0").add_tool("hook", {.shape = Sphere{0.001}, .pose = apart});
+                      scene.add_joint({.a = at_mean(scene.model().group("x1")), .b = at_tool("hook")}, 5.0);
+                    },
+                    [](Scene& scene, int call) {
+                      if (call < woken_at || call > 18) return;
+                      scene.tool("hook").move_to({.position = {0.24, 0.015, 0.1 + 1e-4 * (call - woken_at)}});
+                    }});
   scenes.push_back({"contact of two bodies", two_blocks(), [=](Scene& scene) {
                       scene.fix("low/x0").fix("high/x1").contacts({.friction = 0.2, .self = false});
                       scene.add(pull(scene.model(), "high/x0", {0, 0, -1}, {{at, 0.0}, {later, 0.006}}));

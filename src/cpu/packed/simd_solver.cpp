@@ -20,6 +20,7 @@
 #include "device/float_range.h"
 #include "near_displacements.h"
 #include "packed_body.h"
+#include "packed_joints.h"
 #include "packed_loads.h"
 #include "packed_tools.h"
 #include "part_summary.h"
@@ -66,7 +67,7 @@ class SimdSolver final : public SolverBackend {
     }
     if (body_->gives()) pull_.assign(quads, 0.0f);
     near_u_.assign(summaries_.size(), Floats(4 * body_->most_slots() + page, 0.0f));
-    tools_.follow(scene(), frame().fixed);
+    follow_scene_parts();
     reset();
   }
 
@@ -117,7 +118,12 @@ class SimdSolver final : public SolverBackend {
     steps_at_rest_ = 0;
     if (sleep_) sleep_->compute_all();
     loads_ = PackedLoads(scene(), *body_);
+    follow_scene_parts();
+  }
+
+  void follow_scene_parts() {
     tools_.follow(scene(), frame().fixed);
+    pulled_.follow(joints(), tools_.set(), *body_);
   }
 
   void do_values_changed() override { steps_at_rest_ = 0; }
@@ -147,6 +153,7 @@ class SimdSolver final : public SolverBackend {
       u_.swap(next_u_);
       v_.swap(next_v_);
       if (!tools_.empty()) tools_.accept(std::sqrt(static_cast<double>(summary.displacement)));
+      joints().accept();
       time_ += plan.dt;
       last_dt_ = plan.dt;
       ++motion.steps;
@@ -154,7 +161,7 @@ class SimdSolver final : public SolverBackend {
 
       motion.max_speed = std::sqrt(static_cast<double>(summary.speed));
       const RestThresholds rest = rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest},
-                                                  std::sqrt(static_cast<double>(summary.displacement)));
+                                                  std::sqrt(static_cast<double>(summary.displacement)), plan.omega_max);
       const bool quiet = motion.max_speed <= rest.speed && motion.max_acceleration <= rest.acceleration;
       steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
       motion.steps_at_rest = steps_at_rest_;
@@ -171,6 +178,7 @@ class SimdSolver final : public SolverBackend {
     loads_.act_at(scene(), time_, changed);
     loads_.impose_at(scene(), time_ + plan.dt, changed);
     simd::Move move = move_of(plan);
+    if (!joints().empty()) pulled_.act(joints(), tools_.set(), topology(), plan.dt, move, changed);
     if (sleep_) sleep_->begin(move, held_below(plan));
     laps_.end(Work::loads);
     if (averaged_) {
@@ -345,6 +353,7 @@ class SimdSolver final : public SolverBackend {
   PackedLoads loads_;
   ThreadPool pool_;
   PackedTools tools_;
+  PackedJoints pulled_;
   ClusterClaims claims_;
   std::optional<AveragedPasses> averaged_;  // of Law::particle_averaged
   std::optional<BodySleep> sleep_;

@@ -55,6 +55,10 @@ const char* DeviceSolver::do_cannot() const {
     return "the scene has a tool with ToolContact::surface, which the backends \"gl\" and \"gl-compute\" do not take; "
            "use \"cpu\" or \"reference\"";
   }
+  if (!scene().joints().empty()) {
+    return "the scene has joints, which the backends \"gl\" and \"gl-compute\" do not take; use \"cpu\" or "
+           "\"reference\"";
+  }
   if (backend_ == GlBackend::compute || !has_needle(scene().tools())) return nullptr;
   return "the scene has a needle, which the backend \"gl\" does not take; use \"gl-compute\", \"cpu\" or "
          "\"reference\"";

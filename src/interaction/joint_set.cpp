@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: MIT
+#include "joint_set.h"
+
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace phymul {
+namespace {
+
+/// On anchor `a`, where `r` leads to `b`, and `v` is how it changes, m/s.
+Vec3 spring_force(const Joint& joint, const JointSpring& spring, const Vec3& r, const Vec3& v) {
+  const double k = spring.share * joint.stiffness, c = spring.share * joint.damping;
+  if (spring.rest_length == 0.0) return k * r + c * v;
+  const double length = r.norm();
+  // In one point the spring has no direction.
+  if (length == 0.0 || (joint.slack && length <= spring.rest_length)) return Vec3::Zero();
+  const Vec3 direction = r / length;
+  const double pull = k * (length - spring.rest_length) + c * v.dot(direction);
+  return joint.slack && pull < 0.0 ? Vec3(Vec3::Zero()) : Vec3(pull * direction);
+}
+
+double spring_energy(const Joint& joint, const JointSpring& spring, double length) {
+  const double stretch = length - spring.rest_length;
+  if (joint.slack && stretch < 0.0) return 0.0;
+  return 0.5 * spring.share * joint.stiffness * stretch * stretch;
+}
+
+}  // namespace
+
+JointSet::End JointSet::end_of(const Anchor& anchor, const std::vector<SceneTool>& tools) const {
+  End end;
+  end.place = anchor.point;
+  end.weights = anchor.weights;
+  for (const Index i : anchor.particles) {
+    const auto row = std::ranges::lower_bound(points_, i, {}, &Point::particle);
+    end.points.push_back(static_cast<Index>(row - points_.begin()));
+  }
+  if (anchor.tool.empty()) return end;
+  end.tool = static_cast<Index>(std::ranges::find(tools, anchor.tool, &SceneTool::name) - tools.begin());
+  return end;
+}
+
+void JointSet::follow(const Scene& scene) {
+  scene_ = &scene;
+  std::vector<Index> particles;
+  for (const SceneJoint& joint : scene.joints()) {
+    for (const JointSpring& spring : joint.joint.springs) {
+      particles.insert(particles.end(), spring.a.particles.begin(), spring.a.particles.end());
+      particles.insert(particles.end(), spring.b.particles.begin(), spring.b.particles.end());
+    }
+  }
+  std::ranges::sort(particles);
+  particles.erase(std::ranges::unique(particles).begin(), particles.end());
+  points_.assign(particles.size(), {});
+  for (std::size_t row = 0; row < particles.size(); ++row) points_[row].particle = particles[row];
+  pulls_.assign(scene.tools().size(), {});
+
+  std::vector<Followed> now;
+  for (const SceneJoint& joint : scene.joints()) {
+    Followed followed{.id = joint.id, .name = joint.name, .springs = {}, .next = {}, .report = {}};
+    for (const JointSpring& spring : joint.joint.springs) {
+      followed.springs.push_back({end_of(spring.a, scene.tools()), end_of(spring.b, scene.tools())});
+    }
+    const auto known = std::ranges::find(joints_, joint.id, &Followed::id);
+    if (known != joints_.end()) followed.report = std::move(known->report);
+    followed.report.springs.resize(followed.springs.size());
+    followed.next = followed.report.springs;
+    now.push_back(std::move(followed));
+  }
+  joints_ = std::move(now);
+}
+
+void JointSet::reset(const State& state) {
+  for (Followed& followed : joints_) {
+    followed.report.springs.assign(followed.springs.size(), {});
+    followed.report = {.springs = std::move(followed.report.springs)};
+    const auto known = std::ranges::find(state.joints, followed.name, &JointState::name);
+    if (known == state.joints.end()) continue;
+    for (const Index row : known->broken) followed.report.springs[row].broken = true;
+    followed.report.broken = static_cast<int>(known->broken.size());
+  }
+}
+
+void JointSet::read(State& state) const {
+  state.joints.clear();
+  for (const Followed& followed : joints_) {
+    if (followed.report.broken == 0) continue;
+    JointState& own = state.joints.emplace_back();
+    own.name = followed.name;
+    for (std::size_t row = 0; row < followed.springs.size(); ++row) {
+      if (followed.report.springs[row].broken) own.broken.push_back(static_cast<Index>(row));
+    }
+  }
+}
+
+JointSet::Motion JointSet::motion_of(const End& end, std::span<const ToolWay> tools, double dt) const {
+  if (end.tool >= 0) {
+    const ToolWay& way = tools[end.tool];
+    const Vec3 from = way.pose.position + way.pose.orientation * end.place;
+    const Vec3 to = way.next_pose.position + way.next_pose.orientation * end.place;
+    return {from, (to - from) / dt};
+  }
+  if (end.points.empty()) return {end.place, Vec3::Zero()};
+  Motion motion{Vec3::Zero(), Vec3::Zero()};
+  for (std::size_t k = 0; k < end.points.size(); ++k) {
+    motion.position += end.weights[k] * points_[end.points[k]].position;
+    motion.velocity += end.weights[k] * points_[end.points[k]].velocity;
+  }
+  return motion;
+}
+
+void JointSet::give(const End& end, const Vec3& at, const Vec3& force, std::span<const ToolWay> tools) {
+  for (std::size_t k = 0; k < end.points.size(); ++k) points_[end.points[k]].force += end.weights[k] * force;
+  if (end.tool < 0) return;
+  pulls_[end.tool].force += force;
+  pulls_[end.tool].torque += (at - tools[end.tool].next_pose.position).cross(force);
+}
+
+void JointSet::act(Followed& followed, const Joint& joint, std::span<const ToolWay> tools, double dt) {
+  for (std::size_t row = 0; row < followed.springs.size(); ++row) {
+    const auto& [a, b] = followed.springs[row];
+    SpringReport& next = followed.next[row];
+    const Motion at_a = motion_of(a, tools, dt), at_b = motion_of(b, tools, dt);
+    const Vec3 r = at_b.position - at_a.position;
+    next = {.length = r.norm(), .broken = followed.report.springs[row].broken};
+    if (next.broken) continue;
+    const JointSpring& spring = joint.springs[row];
+    next.force = spring_force(joint, spring, r, at_b.velocity - at_a.velocity);
+    next.broken = next.force.norm() > spring.share * joint.breaking_force;
+    energy_ += spring_energy(joint, spring, next.length);
+    give(a, at_a.position, next.force, tools);
+    give(b, at_b.position, -next.force, tools);
+  }
+}
+
+void JointSet::act(std::span<const ToolWay> tools, double dt) {
+  for (Point& point : points_) point.force.setZero();
+  for (Pull& pull : pulls_) pull = {};
+  energy_ = 0.0;
+  for (std::size_t row = 0; row < joints_.size(); ++row) {
+    act(joints_[row], scene_->joints()[row].joint, tools, dt);
+  }
+}
+
+void JointSet::accept() {
+  for (Followed& followed : joints_) {
+    JointReport& report = followed.report;
+    report.springs = followed.next;  // of equal sizes: nothing is allocated
+    report.force.setZero();
+    report.largest = 0.0;
+    report.broken = 0;
+    for (const SpringReport& spring : report.springs) {
+      report.force += spring.force;
+      report.largest = std::max(report.largest, spring.force.norm());
+      report.broken += spring.broken ? 1 : 0;
+    }
+  }
+}
+
+const JointReport& JointSet::report(const SceneJoint& wanted) const {
+  const auto known = std::ranges::find(joints_, wanted.id, &Followed::id);
+  if (known != joints_.end()) return known->report;
+  unseen_ = {};
+  unseen_.springs.resize(wanted.joint.springs.size());
+  return unseen_;
+}
+
+void require_joint_states(const State& state, const std::vector<SceneJoint>& joints) {
+  for (const JointState& own : state.joints) {
+    const auto known = std::ranges::find(joints, own.name, &SceneJoint::name);
+    if (known == joints.end()) continue;
+    const auto count = static_cast<Index>(known->joint.springs.size());
+    Index last = -1;
+    for (const Index row : own.broken) {
+      if (row > last && row < count) {
+        last = row;
+        continue;
+      }
+      throw Error("Solver::reset: the state of joint \"" + own.name + "\" has the broken spring " +
+                  std::to_string(row) + "; expected increasing rows of the " + std::to_string(count) +
+                  " springs of the scene's joint of that name. Give the scene the joint that the state was taken with");
+    }
+  }
+}
+
+double add_joint_forces(const Scene& scene, const State& state, std::span<Vec3> force) {
+  if (scene.joints().empty()) return 0.0;
+  JointSet joints;
+  joints.follow(scene);
+  joints.reset(state);
+  std::vector<ToolWay> tools;
+  for (const SceneTool& tool : scene.tools()) {
+    const auto known = std::ranges::find(state.tools, tool.name, &ToolState::name);
+    const ToolPose& pose = known != state.tools.end() ? known->pose : tool.pose;
+    tools.push_back({pose, pose});
+  }
+  for (JointSet::Point& point : joints.points()) {
+    point.position = state.position[point.particle];
+    point.velocity = state.velocity[point.particle];
+  }
+  joints.act(tools, 1.0);
+  for (const JointSet::Point& point : joints.points()) force[point.particle] += point.force;
+  return joints.energy();
+}
+
+const JointBounds& JointSet::bounds(const Scene& scene, std::span<const double> mass) {
+  const bool known = bounds_version_ == scene.version() && bounds_values_version_ == scene.values_version();
+  bounds_version_ = scene.version();
+  bounds_values_version_ = scene.values_version();
+  if (known) return bounds_;
+  bounds_ = {};
+  if (scene.joints().empty()) return bounds_;
+  row_stiffness_.assign(mass.size(), 0.0);
+  row_damping_.assign(mass.size(), 0.0);
+  for (const SceneJoint& known_joint : scene.joints()) {
+    const Joint& joint = known_joint.joint;
+    for (const JointSpring& spring : joint.springs) {
+      double weights = 0.0;
+      for (const Anchor* end : {&spring.a, &spring.b}) {
+        for (const double w : end->weights) weights += std::abs(w);
+      }
+      for (const Anchor* end : {&spring.a, &spring.b}) {
+        for (std::size_t k = 0; k < end->particles.size(); ++k) {
+          const Index i = end->particles[k];
+          const double row = spring.share * std::abs(end->weights[k]) * weights / mass[i];
+          row_stiffness_[i] += joint.stiffness * row;
+          row_damping_[i] += joint.damping * row;
+        }
+      }
+    }
+  }
+  bounds_.stiffness = *std::ranges::max_element(row_stiffness_);
+  bounds_.damping = *std::ranges::max_element(row_damping_);
+  return bounds_;
+}
+
+}  // namespace phymul

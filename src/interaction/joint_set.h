@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+//
+// The joints of a scene as one solver knows them: their forces step by step, and which springs are broken. In double
+// precision whatever the backend's own is, and summed in the order of the springs, so that no number of threads changes
+// a bit.
+#pragma once
+
+#include <phymul/joint.h>
+#include <phymul/scene.h>
+#include <phymul/state.h>
+
+#include <span>
+#include <vector>
+
+namespace phymul {
+
+/// A tool during one step; of a state alone both are the same.
+struct ToolWay {
+  ToolPose pose, next_pose;
+};
+
+/// Upper bounds of what the joints of a scene add to a body: of the largest eigenvalue of M^-1 K, 1/s^2, and of M^-1 C,
+/// 1/s. By Gershgorin's circles: row i of a spring between weighted means has k |w_i| sum |w_j| / m_i, and the matrix
+/// is similar to a symmetric one. Exact for one particle, and for two of equal mass.
+struct JointBounds {
+  double stiffness = 0.0, damping = 0.0;
+};
+
+class JointSet {
+ public:
+  /// A particle that joints pull.
+  struct Point {
+    Index particle = -1;
+    Vec3 position{0, 0, 0};  // m, at the step's start; the backend writes it
+    Vec3 velocity{0, 0, 0};  // m/s, of the half step before; likewise
+    Vec3 force{0, 0, 0};     // N, result of act()
+  };
+  /// What joints do to a tool, about its position at the step's end (as react() in tool_frame.h).
+  struct Pull {
+    Vec3 force{0, 0, 0}, torque{0, 0, 0};  // N, N m
+  };
+
+  /// Takes over the scene's joints after a change; joints that stay keep their broken springs. Allocates. The scene
+  /// must stay where it is.
+  void follow(const Scene& scene);
+  bool empty() const { return joints_.empty(); }
+
+  void reset(const State& state);
+  void read(State& state) const;
+
+  std::span<Point> points() { return points_; }  // by particle, each once
+  /// Forces of one step, from positions and velocities of points(). `tools`: by Scene::tools(). Does not allocate.
+  void act(std::span<const ToolWay> tools, double dt);
+  std::span<const Pull> pulls() const { return pulls_; }  // of the last act(), by Scene::tools()
+  void accept();  ///< the step counts: springs whose force was too large break, and report() has its forces
+
+  double energy() const { return energy_; }  ///< J, of the springs in the last act()
+
+  /// Of a scene as it is now, which follow() need not have seen. `mass`: [N] kg, always the same. Allocates only after
+  /// a change of Scene::version().
+  const JointBounds& bounds(const Scene& scene, std::span<const double> mass);
+
+  /// Of a joint of the scene as it is now; where follow() has not seen it yet, zeros. Valid until the next call.
+  const JointReport& report(const SceneJoint& wanted) const;
+
+ private:
+  struct End {
+    std::vector<Index> points;  // rows of points_; empty: `place` of the world, or of a tool
+    std::vector<double> weights;
+    Index tool = -1;
+    Vec3 place{0, 0, 0};
+  };
+  struct Ends {
+    End a, b;
+  };
+  struct Followed {
+    std::uint64_t id = 0;
+    std::string name;
+    std::vector<Ends> springs;
+    std::vector<SpringReport> next;  // of the step in question
+    JointReport report;
+  };
+  struct Motion {
+    Vec3 position, velocity;
+  };
+
+  End end_of(const Anchor& anchor, const std::vector<SceneTool>& tools) const;
+  Motion motion_of(const End& end, std::span<const ToolWay> tools, double dt) const;
+  void give(const End& end, const Vec3& at, const Vec3& force, std::span<const ToolWay> tools);
+  void act(Followed& followed, const Joint& joint, std::span<const ToolWay> tools, double dt);
+
+  const Scene* scene_ = nullptr;
+  std::vector<Followed> joints_;  // by Scene::joints()
+  std::vector<Point> points_;
+  std::vector<Pull> pulls_;
+  double energy_ = 0.0;
+  mutable JointReport unseen_;
+  JointBounds bounds_;
+  std::uint64_t bounds_version_ = 0, bounds_values_version_ = 0;
+  std::vector<double> row_stiffness_, row_damping_;  // [N] of bounds(); empty: never called with joints
+};
+
+/// Throws Error where a joint's part of a state names springs that the scene's joint of that name does not have.
+void require_joint_states(const State& state, const std::vector<SceneJoint>& joints);
+
+/// Adds the forces of the scene's joints in a whole state to `force`, [N] N, and returns their energy, J. Nothing
+/// without joints; allocates.
+double add_joint_forces(const Scene& scene, const State& state, std::span<Vec3> force);
+
+}  // namespace phymul

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: MIT
+//
+// The joints of a scene: what is accepted, and the handles that change them.
+#include <phymul/error.h>
+#include <phymul/scene.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "anchor_place.h"
+#include "base/decimal.h"
+
+namespace phymul {
+namespace {
+
+/// Of a sum of weights: less is rounding.
+constexpr double rounding = 1e-9;
+
+std::string label(std::string_view joint) {
+  return "joint \"" + std::string(joint) + "\": ";
+}
+
+void require_not_negative(std::string_view joint, const char* what, double value) {
+  if (value >= 0.0 && std::isfinite(value)) return;
+  throw Error(label(joint) + "expected a finite " + what + ", 0 or more; got " + to_decimal(value));
+}
+
+/// Infinite is allowed.
+void require_positive(std::string_view joint, const char* what, double value) {
+  if (value > 0.0) return;
+  throw Error(label(joint) + "expected a " + what + " above 0, got " + to_decimal(value));
+}
+
+struct AnchorCheck {
+  const std::string& label;  // of the joint and the spring
+  const Model& model;
+  const std::vector<SceneTool>& tools;
+
+  void operator()(const Anchor& anchor) const {
+    if (anchor.particles.empty()) {
+      require_point(anchor);
+      return;
+    }
+    if (!anchor.tool.empty()) throw Error(label + "expected an anchor at particles or at a tool, got both");
+    if (anchor.weights.size() != anchor.particles.size()) {
+      throw Error(label + "expected a weight for each of " + std::to_string(anchor.particles.size()) +
+                  " particles, got " + std::to_string(anchor.weights.size()));
+    }
+    for (const Index i : anchor.particles) {
+      if (i >= 0 && i < model.particle_count()) continue;
+      throw Error(label + "expected particles from 0 to " + std::to_string(model.particle_count() - 1) + ", got " +
+                  std::to_string(i));
+    }
+    if (std::set(anchor.particles.begin(), anchor.particles.end()).size() != anchor.particles.size()) {
+      throw Error(label + "expected each particle once in an anchor, got one twice");
+    }
+    double sum = 0.0;
+    for (const double w : anchor.weights) sum += w;
+    if (!(std::abs(sum - 1.0) <= rounding)) {
+      throw Error(label + "expected weights of sum 1, got a sum of " + to_decimal(sum));
+    }
+  }
+
+  void require_point(const Anchor& anchor) const {
+    if (!anchor.weights.empty()) throw Error(label + "expected particles for an anchor's weights, got none");
+    if (!anchor.point.allFinite()) throw Error(label + "expected a finite point of an anchor");
+    if (model.dimension == 2 && anchor.point.z() != 0.0) {
+      throw Error(label + "expected an anchor with z = 0 in a two-dimensional model, got " +
+                  to_decimal(anchor.point.z()));
+    }
+    if (anchor.tool.empty()) return;
+    if (std::ranges::find(tools, anchor.tool, &SceneTool::name) != tools.end()) return;
+    throw Error(ErrorCode::unknown_name, label + "the scene has no tool \"" + anchor.tool + '"');
+  }
+};
+
+}  // namespace
+
+Anchor at_particle(Index particle) {
+  return {.particles = {particle}, .weights = {1.0}};
+}
+
+Anchor at_mean(std::vector<Index> particles) {
+  Anchor anchor;
+  anchor.weights.assign(particles.size(), 1.0 / static_cast<double>(particles.size()));
+  anchor.particles = std::move(particles);
+  if (anchor.particles.empty()) throw Error("at_mean: expected at least one particle, got none");
+  return anchor;
+}
+
+Anchor at_world(const Vec3& point) {
+  return {.point = point};
+}
+
+Anchor at_tool(std::string tool, const Vec3& point) {
+  if (tool.empty()) throw Error("at_tool: expected a tool's name, got an empty one");
+  return {.tool = std::move(tool), .point = point};
+}
+
+void Scene::require(const SceneJoint& joint, std::span<const Vec3> position) const {
+  if (joint.name.empty()) throw Error("add_joint: expected a name, got an empty one");
+  if (std::ranges::find(joints_, joint.name, &SceneJoint::name) != joints_.end()) {
+    throw Error(label(joint.name) + "there is one of that name; remove_joint it first, or take another name");
+  }
+  if (!position.empty() && position.size() != model_->rest.size()) {
+    throw Error(label(joint.name) + "expected " + std::to_string(model_->rest.size()) + " positions, or none; got " +
+                std::to_string(position.size()));
+  }
+  require_not_negative(joint.name, "stiffness", joint.joint.stiffness);
+  require_not_negative(joint.name, "damping", joint.joint.damping);
+  require_positive(joint.name, "breaking force", joint.joint.breaking_force);
+  if (joint.joint.springs.empty()) throw Error(label(joint.name) + "expected at least one spring, got none");
+  for (std::size_t row = 0; row < joint.joint.springs.size(); ++row) {
+    const JointSpring& spring = joint.joint.springs[row];
+    const std::string own = label(joint.name) + "spring " + std::to_string(row) + ": ";
+    const AnchorCheck check{own, *model_, tools_};
+    check(spring.a);
+    check(spring.b);
+    if (spring.a.particles.empty() && spring.b.particles.empty()) {
+      throw Error(own + "expected an anchor at particles, got two at the world or at tools, which no spring moves");
+    }
+    if (spring.a == spring.b) throw Error(own + "expected two different anchors, got the same one twice");
+    if (!std::isfinite(spring.rest_length)) throw Error(own + "expected a finite rest length in m");
+    if (!(spring.share > 0.0) || !std::isfinite(spring.share)) {
+      throw Error(own + "expected a finite share above 0, got " + to_decimal(spring.share));
+    }
+  }
+}
+
+Scene& Scene::add_joint(std::string name, Joint joint, std::span<const Vec3> position) {
+  SceneJoint added{next_joint_, std::move(name), std::move(joint)};
+  require(added, position);
+  const std::span<const Vec3> where = position.empty() ? std::span<const Vec3>(model_->rest) : position;
+  for (JointSpring& spring : added.joint.springs) {
+    if (spring.rest_length >= 0.0) continue;
+    spring.rest_length = (anchor_place(spring.b, where, tools_) - anchor_place(spring.a, where, tools_)).norm();
+  }
+  joints_.push_back(std::move(added));
+  ++next_joint_;
+  ++version_;
+  return *this;
+}
+
+JointHandle Scene::add_joint(Joint joint) & {
+  add_joint("joint " + std::to_string(next_joint_), std::move(joint));
+  return {*this, joints_.back().id};
+}
+
+JointHandle Scene::add_joint(JointSpring spring, double stiffness, double damping) & {
+  Joint joint;
+  joint.springs.push_back(std::move(spring));
+  joint.stiffness = stiffness;
+  joint.damping = damping;
+  return add_joint(std::move(joint));
+}
+
+Scene& Scene::remove_joint(std::string_view name) {
+  const std::uint64_t id = joint(name).id_;
+  std::erase_if(joints_, [&](const SceneJoint& known) { return known.id == id; });
+  ++version_;
+  return *this;
+}
+
+JointHandle Scene::joint(std::string_view name) & {
+  std::string names;
+  for (const SceneJoint& known : joints_) {
+    if (known.name == name) return {*this, known.id};
+    names += (names.empty() ? "" : ", ") + known.name;
+  }
+  throw Error(ErrorCode::unknown_name,
+              "the scene has no joint \"" + std::string(name) + "\"; it has: " + (names.empty() ? "none" : names));
+}
+
+Joint& JointHandle::own() const {
+  for (SceneJoint& known : scene_->joints_) {
+    if (known.id == id_) return known.joint;
+  }
+  throw Error(ErrorCode::unknown_name,
+              "the scene no longer has the joint of this handle; Scene::joint gives handles of those it has");
+}
+
+const Joint& JointHandle::joint() const {
+  return own();
+}
+
+void JointHandle::set_stiffness(double stiffness, double damping) const {
+  Joint& joint = own();
+  require_not_negative("of this handle", "stiffness", stiffness);
+  require_not_negative("of this handle", "damping", damping);
+  joint.stiffness = stiffness;
+  joint.damping = damping;
+  ++scene_->values_version_;
+}
+
+void JointHandle::set_rest_length(double length) const {
+  require_not_negative("of this handle", "rest length (m)", length);
+  for (JointSpring& spring : own().springs) spring.rest_length = length;
+  ++scene_->values_version_;
+}
+
+void JointHandle::set_rest_lengths(std::span<const double> lengths) const {
+  std::vector<JointSpring>& springs = own().springs;
+  if (lengths.size() != springs.size()) {
+    throw Error("set_rest_lengths: expected a rest length for each of " + std::to_string(springs.size()) +
+                " springs, got " + std::to_string(lengths.size()));
+  }
+  for (const double length : lengths) require_not_negative("of this handle", "rest length (m)", length);
+  for (std::size_t row = 0; row < springs.size(); ++row) springs[row].rest_length = lengths[row];
+  ++scene_->values_version_;
+}
+
+}  // namespace phymul

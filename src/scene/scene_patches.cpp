@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+//
+// Patches of the surface attached to the world, to a tool, or to another body.
+#include <phymul/error.h>
+#include <phymul/scene.h>
+#include <phymul/skin.h>
+
+#include <algorithm>
+
+#include "base/file_error.h"
+#include "model/surface_facets.h"
+
+namespace phymul {
+namespace {
+
+void require_particles(std::span<const Index> patch, const Model& model) {
+  if (patch.empty()) throw Error("attach: expected particles of the surface, got none");
+  for (const Index i : patch) {
+    if (i >= 0 && i < model.particle_count()) continue;
+    throw Error("attach: expected particles from 0 to " + std::to_string(model.particle_count() - 1) + ", got " +
+                std::to_string(i));
+  }
+}
+
+/// [N] m^2, 0 off the patch.
+std::vector<double> area_shares(const Model& model, std::span<const Index> patch) {
+  std::vector<char> chosen(model.rest.size(), 0);
+  for (const Index i : patch) chosen[i] = 1;
+  const std::vector<Facet> facets = surface_facets(model, chosen);
+  if (facets.empty()) {
+    throw Error(
+        "attach: expected particles that span facets of the surface, but no facet has all of its particles "
+        "among the " +
+        std::to_string(patch.size()) + " given; add_joint() joins single particles");
+  }
+  std::vector<double> share(model.rest.size(), 0.0);
+  for (const Facet& facet : facets) {
+    for (const Index i : facet.particles) share[i] += facet.area.norm() / static_cast<double>(facet.particles.size());
+  }
+  return share;
+}
+
+std::span<const Vec3> places(const Model& model, const Attachment& springs) {
+  if (springs.position.empty()) return model.rest;
+  if (springs.position.size() == model.rest.size()) return springs.position;
+  throw Error("attach: expected " + std::to_string(model.rest.size()) + " positions, or none; got " +
+              std::to_string(springs.position.size()));
+}
+
+/// The cells of a group, all of whose particles belong to it, at these positions.
+Model partner_body(const Model& model, std::span<const Index> patch, std::string_view group,
+                   std::span<const Vec3> position) {
+  std::vector<char> meant(model.rest.size(), 0);
+  for (const Index i : model.group(group)) meant[i] = 1;
+  for (const Index i : patch) {
+    if (meant[i] == 0) continue;
+    throw Error("attach: expected particles outside the group \"" + std::string(group) +
+                "\", to which they are glued; particle " + std::to_string(i) + " belongs to it");
+  }
+  Model partner;
+  partner.rest.assign(position.begin(), position.end());
+  for (const Cell& cell : model.cells) {
+    const auto is_meant = [&](Index i) { return meant[i] != 0; };
+    if (std::all_of(cell.particles.begin(), cell.particles.end(), is_meant)) partner.cells.push_back(cell);
+  }
+  return partner;
+}
+
+Skin bound(const Model& partner, const VecList& points, std::string_view group) {
+  try {
+    return {partner, points};
+  } catch (const Error& error) {
+    throw with_prefix("attach to \"" + std::string(group) + "\": ", error);
+  }
+}
+
+}  // namespace
+
+JointHandle Scene::attach(std::span<const Index> patch, std::span<const Anchor> partners, double rest_length,
+                          const Attachment& springs) {
+  const std::vector<double> share = area_shares(*model_, patch);
+  Joint joint;
+  joint.stiffness = springs.stiffness;
+  joint.damping = springs.damping;
+  joint.slack = springs.slack;
+  joint.breaking_force = springs.breaking_stress;
+  std::vector<char> done(model_->rest.size(), 0);
+  for (std::size_t k = 0; k < patch.size(); ++k) {
+    const Index i = patch[k];
+    if (share[i] == 0.0 || done[i] != 0) continue;
+    done[i] = 1;
+    joint.springs.push_back({at_particle(i), partners[k], rest_length, share[i]});
+  }
+  add_joint(springs.name.empty() ? "joint " + std::to_string(next_joint_) : springs.name, std::move(joint));
+  return {*this, joints_.back().id};
+}
+
+JointHandle Scene::attach(std::span<const Index> patch, const World& world, const Attachment& springs) & {
+  require_particles(patch, *model_);
+  const std::span<const Vec3> position = places(*model_, springs);
+  std::vector<Anchor> partners;
+  for (const Index i : patch) partners.push_back(at_world(position[i] + world.offset));
+  return attach(patch, partners, world.offset.norm(), springs);
+}
+
+JointHandle Scene::attach(std::span<const Index> patch, const ToolHandle& tool, const Attachment& springs) & {
+  require_particles(patch, *model_);
+  if (!tool.is_of(*this)) throw Error("attach: expected a tool of this scene, got a handle of another scene");
+  const std::span<const Vec3> position = places(*model_, springs);
+  const ToolPose& pose = tool.target_pose();
+  const std::string& name = std::ranges::find(tools_, tool.id(), &SceneTool::id)->name;
+  std::vector<Anchor> partners;
+  for (const Index i : patch) {
+    partners.push_back(at_tool(name, pose.orientation.conjugate() * (position[i] - pose.position)));
+  }
+  return attach(patch, partners, 0.0, springs);
+}
+
+JointHandle Scene::attach(std::span<const Index> patch, std::string_view group, const Attachment& springs) & {
+  require_particles(patch, *model_);
+  const std::span<const Vec3> position = places(*model_, springs);
+  const Model partner = partner_body(*model_, patch, group, position);
+  VecList points;
+  for (const Index i : patch) points.push_back(position[i]);
+  // By shape functions, beyond the cell too: then the spring has no rest length, and what it does turns with the body.
+  const Skin skin = bound(partner, points, group);
+  std::vector<Anchor> partners;
+  for (std::size_t k = 0; k < patch.size(); ++k) {
+    const std::span<const Index> particles = skin.particles(k);
+    const std::span<const double> weights = skin.weights(k);
+    partners.push_back(
+        {.particles = {particles.begin(), particles.end()}, .weights = {weights.begin(), weights.end()}});
+  }
+  return attach(patch, partners, 0.0, springs);
+}
+
+}  // namespace phymul

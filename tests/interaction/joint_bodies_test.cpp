@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: MIT
+//
+// Joints between bodies, to tools and over patches of a surface: momentum, forces, glue.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/tool_backends.h"
+
+namespace phymul::test {
+namespace {
+
+class JointOfBodiesIn : public testing::TestWithParam<std::string> {
+ protected:
+  double roundoff() const { return GetParam() == "reference" ? 0x1p-53 : 0x1p-24; }
+};
+INSTANTIATE_TEST_SUITE_P(Backends, JointOfBodiesIn, testing::Values("reference", "cpu"));
+
+constexpr double side = 0.02;  // m
+
+/// Two cubes, one above the other with a gap between: "lower" and "upper".
+Model two_cubes(double gap) {
+  const Model lower = make_block({side, side, side}, 3, 3, 3), upper = moved(lower, {0, 0, side + gap});
+  const NamedBody bodies[] = {{"lower", &lower}, {"upper", &upper}};
+  return with_material(merge_models(bodies));
+}
+
+TEST_P(JointOfBodiesIn, KeepsMomentum) {
+  const Model model = two_cubes(0.002);
+  Scene scene(model);
+  scene.attach(model.group("upper/z0"), "lower", {.stiffness = 1e6});
+  Joint rope{.springs = {}, .stiffness = 20.0, .damping = 0.01};
+  rope.springs.push_back({at_mean(model.group("lower/x0")), at_mean(model.group("upper/z1")), 0.01});
+  scene.add_joint("rope", rope);
+  const auto solver = make_solver(GetParam(), model, scene);
+  State state = rest_state(model);
+  for (std::size_t i = 0; i < model.rest.size(); ++i) {
+    state.velocity[i] = Vec3(0.3, 0, 0.1) + Vec3(5, 20, -10).cross(model.rest[i]);
+  }
+  solver->reset(state);
+  const Momentum before = solver->momentum();
+  ASSERT_TRUE(solver->step(400, 0.4 * solver->stable_step()).ok());
+  const Momentum after = solver->momentum();
+  EXPECT_GT(solver->joint_report("rope").force.norm(), 0.05) << "or this shows nothing";
+  EXPECT_GT(solver->joint_report("joint 1").largest, 0.01);
+  EXPECT_LT((after.linear - before.linear).norm(), 1e4 * roundoff() * before.linear.norm());
+  EXPECT_LT((after.angular - before.angular).norm(), 1e4 * roundoff() * before.angular.norm());
+}
+
+TEST_P(JointOfBodiesIn, GlueHoldsTwoCubesTogether) {
+  const double gap = 0.001, pull = 0.4, k = 5e7;
+  const Model model = two_cubes(gap);
+  Scene scene(model);
+  scene.fix("lower/z0");
+  const JointHandle glue = scene.attach(model.group("upper/z0"), "lower", {.stiffness = k});
+  Load load;
+  load.type = LoadType::force;
+  load.particles = model.group("upper/z1");
+  load.axes.fill(Axis::driven);
+  load.events = {{0.0, pull / 16.0}};
+  load.direction = {0.6, 0, 0.8};
+  scene.add(load);
+  const auto solver = make_solver(GetParam(), model, scene, {}, {.damping = {.rate = 60.0}, .rest_tolerance = 1e-7});
+  const RestResult result = solver->run_to_rest(100'000, 0.5 * solver->stable_step());
+  ASSERT_TRUE(result.converged()) << result.message();
+  const JointReport& report = solver->joint_report(glue);
+  ASSERT_EQ(report.springs.size(), 16u);
+  EXPECT_LT((report.force + pull * Vec3(0.6, 0, 0.8)).norm(), 2e-3 * pull);
+  // The mean opening is that of the stress; each spring's is k times its area.
+  Vec3 mean = Vec3::Zero();
+  for (std::size_t row = 0; row < report.springs.size(); ++row) {
+    mean -= report.springs[row].force / k / (side * side);
+    EXPECT_LT(report.springs[row].length, 0.002 * side) << row;
+  }
+  EXPECT_NEAR(mean.norm() / (pull / k / (side * side)), 1.0, 2e-3);
+}
+
+TEST_P(JointOfBodiesIn, GlueTurnsWithItsBodies) {
+  const Model model = two_cubes(0.002);
+  Scene scene(model);
+  const JointHandle glue = scene.attach(model.group("upper/z0"), "lower", {.stiffness = 1e6});
+  const auto solver = make_solver(GetParam(), model, scene);
+  State state = rest_state(model);
+  state.position = rigidly_moved(model, 7);
+  solver->reset(state);
+  ASSERT_TRUE(solver->step(1, 0.1 * solver->stable_step()).ok());
+  EXPECT_LT(solver->joint_report(glue).largest, 1e3 * roundoff()) << "a turn of both, with the gap";
+}
+
+TEST_P(JointOfBodiesIn, APatchHasTheStiffnessOfItsArea) {
+  const Model model = with_material(make_block({0.06, 0.04, 0.02}, 6, 4, 2));
+  Scene scene(model);
+  const double k = 3e5, shift = 1e-4;
+  const JointHandle bed = scene.attach(model.group("z0"), World{}, {.stiffness = k});
+  double sum = 0.0;
+  for (const JointSpring& spring : bed.joint().springs) sum += spring.share;
+  EXPECT_NEAR(sum, 0.06 * 0.04, 1e-15);
+  EXPECT_EQ(bed.joint().springs.size(), 35u);
+  const auto solver = make_solver(GetParam(), model, scene);
+  State state = rest_state(model);
+  for (Vec3& x : state.position) x += Vec3(shift, 2 * shift, -shift);
+  solver->reset(state);
+  ASSERT_TRUE(solver->step(1, 0.01 * solver->stable_step()).ok());
+  const Vec3 force = solver->joint_report(bed).force;
+  EXPECT_LT((force + k * 0.06 * 0.04 * Vec3(shift, 2 * shift, -shift)).norm(), 1e-4 * force.norm());
+}
+
+TEST_P(JointOfBodiesIn, ALigamentIsParallelFibres) {
+  const Model model = with_material(make_block({0.02, 0.02, 0.02}, 2, 2, 2));
+  Scene scene(model);
+  const JointHandle ligament =
+      scene.attach(model.group("z1"), World{{0, 0, 0.03}}, {.stiffness = 1e5, .slack = true, .name = "ligament"});
+  EXPECT_EQ(ligament.joint().springs.front().rest_length, 0.03);
+  const auto solver = make_solver(GetParam(), model, scene);
+  const auto force_after = [&](const Vec3& shift) {
+    State state = rest_state(model);
+    for (Vec3& x : state.position) x += shift;
+    solver->reset(state);
+    EXPECT_TRUE(solver->step(1, 0.01 * solver->stable_step()).ok());
+    return solver->joint_report("ligament").force;
+  };
+  EXPECT_NEAR(force_after({0, 0, -0.001}).z(), 1e5 * 4e-4 * 0.001, 1e-5);
+  EXPECT_EQ(force_after({0, 0, 0.001}), Vec3(0, 0, 0));
+  EXPECT_LT(force_after({0.001, 0, 0}).norm(), 1e-3) << "sideways a fibre gives way";
+}
+
+TEST_P(JointOfBodiesIn, AToolFeelsWhatItPulls) {
+  const Model model = with_material(make_block({0.02, 0.02, 0.02}, 3, 3, 3));
+  Scene scene(model);
+  const ToolHandle tool = scene.add_tool(
+      {.shape = Sphere{0.001}, .pose = {.position = {0.01, 0.005, 0.04}, .orientation = {0.8, 0.6, 0, 0}}});
+  const JointHandle joint = scene.attach(model.group("z1"), tool, {.stiffness = 2e5});
+  scene.add_joint({at_mean(model.group("x0")), at_tool("tool 1", {0, 0.002, 0})}, 3.0);
+  const auto solver = make_solver(GetParam(), model, scene);
+  const double dt = 0.3 * solver->stable_step();
+  ASSERT_TRUE(solver->step(1, dt).ok());
+  EXPECT_LT(solver->joint_report(joint).largest, 1e4 * roundoff()) << "attached without force";
+  tool.move_to({.position = {0.011, 0.005, 0.042}, .orientation = {0.8, 0.59, 0.1, 0}});
+  ASSERT_TRUE(solver->step(300, dt).ok());
+  for (int step = 0; step < 5; ++step) {
+    const Momentum before = solver->momentum();
+    ASSERT_TRUE(solver->step(1, dt).ok());
+    const Imbalance left = imbalance(before, solver->momentum(), *solver, {"tool 1"}, dt);
+    const Vec3 pull = solver->joint_report(joint).force + solver->joint_report("joint 2").force;
+    EXPECT_GT(pull.norm(), 0.005);
+    EXPECT_LT((solver->tool_force(tool).force + pull).norm(), 1e-12) << "equal and opposite";
+    const double change = total_mass(model) * 0.3 / dt;  // of momentum, that rounding is a part of
+    EXPECT_LT(left.force.norm(), 10.0 * roundoff() * change);
+    EXPECT_LT(left.torque.norm(), 10.0 * roundoff() * change * 0.05);
+  }
+  EXPECT_TRUE(solver->step(0, dt).ok());
+  scene.remove_joint("joint 1").remove_joint("joint 2").remove_tool("tool 1");
+  EXPECT_TRUE(solver->step(1, dt).ok());
+}
+
+TEST_P(JointOfBodiesIn, AToolWithoutJointsFeelsNothingOfThem) {
+  const Model model = with_material(make_block({0.02, 0.02, 0.02}, 2, 2, 2));
+  Scene scene(model);
+  const ToolHandle tool = scene.add_tool({.shape = Sphere{0.001}, .pose = {.position = {0, 0, 0.05}}});
+  scene.add_joint({at_mean(model.group("z1")), at_tool("tool 1"), 0.01}, 3.0);
+  const auto solver = make_solver(GetParam(), model, scene);
+  ASSERT_TRUE(solver->step(1, 1e-5).ok());
+  EXPECT_GT(solver->tool_force(tool).force.norm(), 0.01);
+  scene.remove_joint("joint 1");
+  ASSERT_TRUE(solver->step(1, 1e-5).ok());
+  EXPECT_EQ(solver->tool_force(tool).force, Vec3(0, 0, 0));
+}
+
+TEST_P(JointOfBodiesIn, AnImposedCoordinateTakesNoForce) {
+  const Model model = with_material(make_block({0.02, 0.02, 0.02}, 2, 2, 2));
+  Scene scene(model);
+  scene.fix("z0");
+  scene.add_joint({at_mean(model.group("z0")), at_world({0.01, 0.01, -1}), 0.5}, 100.0);
+  const auto solver = make_solver(GetParam(), model, scene);
+  const StepReport report = solver->step(10, 0.5 * solver->stable_step());
+  ASSERT_TRUE(report.ok());
+  EXPECT_EQ(solver->read().position, model.rest);
+  EXPECT_EQ(report.residual, 0.0);
+  EXPECT_NEAR(solver->joint_report("joint 1").force.z(), -50.0, 1e-3);
+}
+
+TEST(JointsOnTheProcessor, HaveTheSameBitsForAnyNumberOfThreads) {
+  const Model model = two_cubes(0.001);
+  std::vector<State> ends;
+  for (const int threads : {1, 2, 3}) {
+    Scene scene(model);
+    scene.fix("lower/z0").gravity({1, 0, 9.81});
+    scene.attach(model.group("upper/z0"), "lower", {.stiffness = 1e5, .damping = 50.0});
+    const auto solver = make_solver("cpu", model, scene, {}, {.threads = threads});
+    ASSERT_TRUE(solver->step(200, 0.5 * solver->stable_step()).ok());
+    ends.push_back(solver->read());
+  }
+  EXPECT_EQ(ends[0], ends[1]);
+  EXPECT_EQ(ends[0], ends[2]);
+}
+
+TEST(JointsOnTheProcessor, AgreeWithTheReference) {
+  const Model model = two_cubes(0.001);
+  std::vector<State> ends;
+  for (const char* backend : {"reference", "cpu"}) {
+    Scene scene(model);
+    scene.fix("lower/z0").gravity({1, 0, 9.81});
+    scene.attach(model.group("upper/z0"), "lower", {.stiffness = 1e5, .damping = 50.0});
+    const auto solver = make_solver(backend, model, scene);
+    ASSERT_TRUE(solver->step(200, 0.5 * solver->stable_step()).ok());
+    ends.push_back(solver->read());
+  }
+  for (std::size_t i = 0; i < model.rest.size(); ++i) {
+    EXPECT_LT((ends[0].position[i] - ends[1].position[i]).norm(), 1e-7);
+  }
+}
+
+}  // namespace
+}  // namespace phymul::test

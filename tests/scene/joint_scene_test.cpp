@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+//
+// What a scene accepts as a joint, and what it says of what it refuses.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "support/bodies.h"
+#include "support/joined_particles.h"
+#include "support/message_of.h"
+
+namespace phymul::test {
+namespace {
+
+class JointsOfAScene : public testing::Test {
+ protected:
+  Joint one(JointSpring spring) const { return {.springs = {std::move(spring)}, .stiffness = 1.0}; }
+  testing::AssertionResult refuses_joint(const Joint& joint, std::string_view part) {
+    const std::uint64_t version = scene_.version();
+    const testing::AssertionResult result = refuses([&] { scene_.add_joint("j", joint); }, part);
+    EXPECT_EQ(scene_.version(), version) << "the scene stays as it was";
+    return result;
+  }
+  const Model model_ = with_material(make_block({0.02, 0.02, 0.02}, 2, 2, 2));
+  Scene scene_{model_};
+};
+
+TEST_F(JointsOfAScene, RefusesAnchorsThatDoNotFit) {
+  const Anchor here = at_particle(3), there = at_world({0, 0, 1});
+  EXPECT_TRUE(refuses_joint({}, "joint \"j\": expected at least one spring, got none"));
+  EXPECT_TRUE(refuses_joint(one({at_particle(27), there}), "spring 0: expected particles from 0 to 26, got 27"));
+  EXPECT_TRUE(refuses_joint(one({here, at_particle(-1)}), "expected particles from 0 to 26, got -1"));
+  EXPECT_TRUE(refuses_joint(one({there, at_world({0, 0, 2})}), "got two at the world or at tools"));
+  EXPECT_TRUE(refuses_joint(one({here, here}), "expected two different anchors, got the same one twice"));
+  EXPECT_TRUE(refuses_joint(one({{.particles = {1, 2}, .weights = {0.5, 0.6}}, there}), "got a sum of 1.1"));
+  EXPECT_TRUE(refuses_joint(one({{.particles = {1, 2}, .weights = {1.0}}, there}), "a weight for each of 2"));
+  EXPECT_TRUE(refuses_joint(one({{.particles = {1, 1}, .weights = {0.5, 0.5}}, there}), "got one twice"));
+  EXPECT_TRUE(refuses_joint(one({{.particles = {}, .weights = {1.0}}, here}), "expected particles for an anchor's"));
+  EXPECT_TRUE(refuses_joint(one({{.particles = {1}, .weights = {1.0}, .tool = "t"}, there}), "got both"));
+  EXPECT_TRUE(refuses_joint(one({here, at_tool("probe")}), "the scene has no tool \"probe\""));
+  EXPECT_TRUE(refuses_joint(one({here, at_world({0, 0, std::nan("")})}), "expected a finite point"));
+  EXPECT_TRUE(refuses([] { at_mean({}); }, "at_mean: expected at least one particle, got none"));
+  EXPECT_TRUE(refuses([] { at_tool(""); }, "at_tool: expected a tool's name"));
+}
+
+TEST_F(JointsOfAScene, RefusesConstantsOutOfTheirRange) {
+  const JointSpring good{at_particle(3), at_world({0, 0, 1})};
+  Joint joint = one(good);
+  joint.stiffness = -1.0;
+  EXPECT_TRUE(refuses_joint(joint, "expected a finite stiffness, 0 or more; got -1"));
+  joint = one(good);
+  joint.damping = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(refuses_joint(joint, "expected a finite damping"));
+  joint = one(good);
+  joint.breaking_force = 0.0;
+  EXPECT_TRUE(refuses_joint(joint, "expected a breaking force above 0, got 0"));
+  EXPECT_TRUE(refuses_joint(one({good.a, good.b, 0.1, 0.0}), "expected a finite share above 0, got 0"));
+  EXPECT_TRUE(refuses_joint(one({good.a, good.b, std::nan("")}), "expected a finite rest length"));
+  EXPECT_TRUE(refuses([&] { scene_.add_joint("", one(good)); }, "expected a name, got an empty one"));
+  EXPECT_TRUE(refuses([&] { scene_.add_joint("j", one(good), VecList(3)); }, "expected 27 positions, or none; got 3"));
+  scene_.add_joint("j", one(good));
+  EXPECT_TRUE(refuses_joint(one(good), "joint \"j\": there is one of that name"));
+  const JointHandle handle = scene_.joint("j");
+  EXPECT_TRUE(refuses([&] { handle.set_stiffness(-1.0, 0.0); }, "expected a finite stiffness"));
+  EXPECT_TRUE(refuses([&] { handle.set_rest_length(-1.0); }, "expected a finite rest length"));
+  EXPECT_TRUE(refuses([&] { handle.set_rest_lengths(std::vector{1.0, 2.0}); }, "for each of 1 springs, got 2"));
+}
+
+TEST_F(JointsOfAScene, GivesRestLengthsAndNames) {
+  const JointHandle first = scene_.add_joint({at_particle(0), at_world({0, 0, -0.5})}, 2.0);
+  EXPECT_EQ(first.joint().springs[0].rest_length, 0.5);
+  VecList moved = model_.rest;
+  moved[0].z() = 0.25;
+  scene_.add_joint("late", one({at_particle(0), at_world({0, 0, -0.5})}), moved);
+  EXPECT_EQ(scene_.joint("late").joint().springs[0].rest_length, 0.75);
+  scene_.add_tool({.shape = Sphere{0.01}, .pose = {.position = {0, 0, 3}, .orientation = {0, 1, 0, 0}}});
+  const JointHandle third = scene_.add_joint({at_particle(0), at_tool("tool 1", {0, 0, 1})}, 2.0);
+  EXPECT_EQ(third.joint().springs[0].rest_length, 2.0) << "the tool is upside down";
+  EXPECT_EQ(scene_.joints()[2].name, "joint 3");
+
+  EXPECT_TRUE(refuses([&] { scene_.remove_tool("tool 1"); }, "the joint \"joint 3\" has an anchor at it"));
+  EXPECT_TRUE(refuses([&] { scene_.remove_joint("none"); }, "no joint \"none\"; it has: joint 1, late, joint 3"));
+  scene_.remove_joint("joint 3").remove_tool("tool 1");
+  EXPECT_TRUE(refuses([&] { third.joint(); }, "no longer has the joint of this handle"));
+  EXPECT_EQ(scene_.joints().size(), 2u);
+  scene_.clear();
+  EXPECT_TRUE(scene_.joints().empty());
+}
+
+TEST_F(JointsOfAScene, RefusesPatchesThatDoNotFit) {
+  const Attachment springs{.stiffness = 1e5};
+  const std::vector<Index> top = model_.group("z1");
+  const VecList flat(3, Vec3::Zero());
+  const auto patch_of = [&](const std::vector<Index>& patch) {
+    return [&] { scene_.attach(patch, World{}, springs); };
+  };
+  EXPECT_TRUE(refuses(patch_of({}), "attach: expected particles of the surface, got none"));
+  EXPECT_TRUE(refuses(patch_of({27}), "expected particles from 0 to 26, got 27"));
+  EXPECT_TRUE(refuses(patch_of({0, 1}), "expected particles that span facets of the surface"));
+  EXPECT_TRUE(refuses([&] { scene_.attach(top, "bone", springs); }, "\"bone\""));
+  EXPECT_TRUE(refuses([&] { scene_.attach(top, "z1", springs); }, "particle 18 belongs to it"));
+  EXPECT_TRUE(refuses([&] { scene_.attach(top, World{}, {.stiffness = -2.0}); }, "expected a finite stiffness"));
+  EXPECT_TRUE(refuses([&] { scene_.attach(top, World{}, {.position = flat}); }, "expected 27 positions"));
+  Scene other(model_);
+  const ToolHandle tool = other.add_tool(Sphere{0.01});
+  EXPECT_TRUE(refuses([&] { scene_.attach(top, tool, springs); }, "expected a tool of this scene"));
+  EXPECT_TRUE(scene_.joints().empty());
+}
+
+TEST_F(JointsOfAScene, RefusesGlueThatIsTooFar) {
+  const Model upper = moved(model_, {0, 0, 0.035});
+  const NamedBody bodies[] = {{"lower", &model_}, {"upper", &upper}};
+  const Model both = merge_models(bodies);
+  Scene scene(both);
+  const auto glue = [&] { scene.attach(both.group("upper/z0"), "lower", {.stiffness = 1e5}); };
+  EXPECT_TRUE(refuses(glue, "attach to \"lower\": Skin: point 0"));
+}
+
+TEST_F(JointsOfAScene, AreRefusedByWhatDoesNotKnowThem) {
+  Simulation sim(model_, {.backend = "reference"});
+  sim.scene().fix("z0").add_joint("rope", one({at_particle(20), at_world({0, 0, 1})}));
+  EXPECT_TRUE(refuses([&] { sim.solve_static(); }, "the scene has the joint \"rope\"; use run_to_rest()"));
+  EXPECT_TRUE(refuses([&] { sim.solver().joint_report("none"); }, "no joint \"none\""));
+  Scene other(model_);
+  const JointHandle foreign = other.add_joint({at_particle(20), at_world({0, 0, 1})}, 1.0);
+  EXPECT_TRUE(refuses([&] { sim.report_of(foreign); }, "joint of another scene"));
+}
+
+}  // namespace
+}  // namespace phymul::test

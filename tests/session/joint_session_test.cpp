@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+//
+// Joints in snapshots, state files, recordings and warnings.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "support/bodies.h"
+#include "support/message_of.h"
+
+namespace phymul::test {
+namespace {
+
+class JointSessionIn : public testing::TestWithParam<std::string> {
+ protected:
+  /// A block on a bed of springs that tear one after the other while gravity lifts it on one side.
+  Simulation on_a_bed() const {
+    Simulation sim(with_material(make_block({0.04, 0.02, 0.02}, 4, 2, 2)), {.backend = GetParam()});
+    sim.scene().gravity({30, 0, 9.81});
+    sim.scene().attach(sim.model().group("z0"), World{},
+                       {.stiffness = 4e5, .damping = 10.0, .breaking_stress = 400.0, .name = "bed"});
+    return sim;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Backends, JointSessionIn, testing::Values("reference", "cpu"));
+
+TEST_P(JointSessionIn, SnapshotsKnowWhatBroke) {
+  Simulation sim = on_a_bed();
+  int broken = 0;
+  while (broken == 0 && sim.time() < 1.0) {
+    ASSERT_TRUE(sim.advance(0.001).ok());
+    broken = sim.solver().joint_report("bed").broken;
+  }
+  ASSERT_GT(broken, 0);
+  ASSERT_LT(broken, 15) << "some hold still";
+  const Snapshot middle = sim.snapshot();
+  ASSERT_EQ(middle.state.joints.size(), 1u);
+  EXPECT_EQ(static_cast<int>(middle.state.joints[0].broken.size()), broken);
+  ASSERT_TRUE(sim.advance(0.02).ok());
+  const Snapshot end = sim.snapshot();
+  sim.restore(middle);
+  EXPECT_EQ(sim.solver().joint_report("bed").broken, broken);
+  ASSERT_TRUE(sim.advance(0.02).ok());
+  EXPECT_EQ(sim.snapshot(), end);
+
+  const std::string path = testing::TempDir() + "phymul_joints_" + GetParam() + ".state";
+  save_state(middle, path);
+  EXPECT_EQ(read_state(path), middle);
+  Simulation other = on_a_bed();
+  other.load(path);
+  std::filesystem::remove(path);
+  ASSERT_TRUE(other.advance(0.02).ok());
+  EXPECT_EQ(other.snapshot(), end);
+
+  sim.solver().reset();
+  EXPECT_EQ(sim.solver().joint_report("bed").broken, 0);
+  EXPECT_TRUE(sim.solver().read().joints.empty());
+  State wrong = middle.state;
+  wrong.joints[0].broken = {15};
+  EXPECT_TRUE(refuses([&] { sim.solver().reset(wrong); }, "joint \"bed\" has the broken spring 15"));
+  wrong.joints[0].name = "gone";
+  sim.solver().reset(wrong);
+  EXPECT_EQ(sim.solver().joint_report("bed").broken, 0) << "of a joint that the scene does not have";
+}
+
+TEST_P(JointSessionIn, AReplayHasTheSameBits) {
+  Simulation sim = on_a_bed();
+  sim.record();
+  ASSERT_TRUE(sim.advance(0.01).ok());
+  const ToolHandle tool = sim.scene().add_tool({.shape = Sphere{0.001}, .pose = {.position = {0.02, 0.01, 0.05}}});
+  const JointHandle rope =
+      sim.scene().add_joint({at_mean(sim.model().group("z1")), at_tool("tool 1", {0, 0, 0.01})}, 5.0, 0.01);
+  ASSERT_TRUE(sim.advance(0.01).ok());
+  rope.set_rest_length(0.02);
+  sim.scene().joint("bed").set_stiffness(3e5, 5.0);
+  tool.move_to({.position = {0.02, 0.015, 0.06}});
+  ASSERT_TRUE(sim.advance(0.01).ok());
+  sim.scene().remove_joint("joint 2").remove_tool("tool 1");
+  sim.scene().attach(sim.model().group("x0"), World{{-0.01, 0, 0}}, {.stiffness = 1e4, .slack = true});
+  ASSERT_TRUE(sim.advance(0.01).ok());
+  const Snapshot end = sim.snapshot();
+  EXPECT_FALSE(end.state.joints.empty()) << "some springs broke, or this shows less";
+  const Recording recording = sim.recording();
+
+  Simulation again(sim.model(), {.backend = GetParam()});
+  again.replay(recording);
+  EXPECT_EQ(again.snapshot(), end);
+  ASSERT_EQ(again.scene().joints().size(), 2u);
+  for (std::size_t row = 0; row < 2; ++row) {
+    EXPECT_EQ(again.scene().joints()[row].name, sim.scene().joints()[row].name);
+    EXPECT_EQ(again.scene().joints()[row].joint, sim.scene().joints()[row].joint);
+  }
+}
+
+TEST(JointWarnings, ABodyOnJointsIsHeld) {
+  const Model block = with_material(make_block({0.02, 0.02, 0.02}, 2, 2, 2)), other = moved(block, {0.1, 0, 0});
+  const NamedBody bodies[] = {{"a", &block}, {"b", &other}};
+  const Model both = merge_models(bodies);
+  const auto warnings = [&](bool bed, bool rope) {
+    Simulation sim(both, {.backend = "reference"});
+    sim.scene().gravity({0, 0, -9.81});
+    if (bed) sim.scene().attach(both.group("a/z0"), World{}, {.stiffness = 1e5});
+    if (rope) sim.scene().add_joint({at_mean(both.group("b/x0")), at_mean(both.group("a/x1"))}, 5.0);
+    return sim.warnings();
+  };
+  EXPECT_TRUE(says(warnings(false, true).at(0), "nothing holds the body"));
+  EXPECT_TRUE(says(warnings(true, false).at(0), "\"b\", 27 particles"));
+  EXPECT_TRUE(warnings(true, true).empty());
+}
+
+}  // namespace
+}  // namespace phymul::test
