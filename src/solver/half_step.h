@@ -15,8 +15,8 @@ struct HalfStep {
   double dt = 0.0, d = 1.0;
 };
 
-// Both take the acceleration of elastic forces, joints and loads at the state, in double precision, and leave velocities of
-// imposed coordinates as they are.
+// Both take the acceleration of elastic forces, joints and loads at the state, in double precision, and leave
+// velocities of imposed coordinates as they are.
 void to_own_time(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state);
 void to_half_step_before(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state);
 
