@@ -63,6 +63,11 @@ class ReferenceSolver final : public SolverBackend {
     scene().evaluate(state_.time, frame());
   }
 
+  void do_values_changed() override {
+    steps_at_rest_ = 0;
+    scene().evaluate(state_.time, frame());
+  }
+
   void follow_tools() {
     tools_.follow(scene());
     ways_.reserve(tools_.count());

@@ -160,6 +160,29 @@ TEST(AllocationCount, SteppingAllocatesNothingEvenWhenLoadsAreReplaced) {
   }
 }
 
+TEST(AllocationCount, JointsAllocateNothingInSteps) {
+  Model model = make_block({0.02, 0.02, 0.02}, 4, 4, 4);
+  set_material(model, {.young = 1e4, .poisson = 0.3, .density = 1000});
+  for (const char* backend : {"reference", "cpu"}) {
+    SCOPED_TRACE(backend);
+    Scene scene(model);
+    const ToolHandle tool = scene.add_tool({.shape = Sphere{0.001}, .pose = {.position = {0.01, 0.01, 0.04}}});
+    scene.attach(model.group("z0"), World{}, {.stiffness = 1e5});
+    const JointHandle rope = scene.attach(model.group("z1"), tool, {.stiffness = 1e4, .breaking_stress = 10.0});
+    const auto solver = make_solver(backend, model, scene, {}, {.threads = 1});
+    const double dt = 0.2 * solver->stable_step();
+    ASSERT_TRUE(solver->step(1, dt).ok());
+    const std::size_t before = allocation_count();
+    for (int k = 0; k < 20; ++k) {
+      tool.move_to({.position = {0.01, 0.01, 0.04 + 2e-4 * k}});
+      rope.set_stiffness(1e4 + k, 1.0);
+      ASSERT_TRUE(solver->step(4, dt).ok());
+    }
+    EXPECT_EQ(allocation_count(), before);
+    EXPECT_GT(solver->joint_report(rope).broken, 0);
+  }
+}
+
 /// A tool moved along all three axes each millisecond.
 TEST(AllocationCount, DrivingAGroupAllocatesNothing) {
   Model model = make_block({0.02, 0.02, 0.02}, 12, 12, 12);
