@@ -195,10 +195,13 @@ void Planner::refine() {
 }
 
 void Planner::coarsen() {
-  // Where the first body keeps the error, the fit already has finer ones.
-  while (levels_.front().trial.keeps_error && levels_.front().probe.particles > fewest_at_all &&
-         plan_.options.coarsest == 0.0) {
-    if (!add_level(levels_.front().trial.candidate.spacing * refinement, false)) return;
+  if (plan_.options.coarsest > 0.0) return;
+  double spacing = levels_.front().trial.candidate.spacing;
+  for (int same = 0; same < same_body_tries;) {
+    const Level& coarsest = levels_.front();
+    if (!coarsest.trial.keeps_error || coarsest.probe.particles <= fewest_at_all) return;
+    spacing *= refinement;
+    same = add_level(spacing, false) ? 0 : same + 1;
     estimate_errors();
   }
 }
