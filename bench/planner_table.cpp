@@ -35,7 +35,8 @@ constexpr Asked asked[]{{"cantilever", "nu0.30_g0.10", 0.02},
                         {"cylinder_sheared", "nu0.45_ux0.010", 0.02},
                         {"cylinder_compressed", "nu0.30_c0.050", 0.02},
                         {"closed_torsion", "nu0.30", 0.05}};
-constexpr double organ_errors[]{0.1, 0.05};
+constexpr double organ_error = 0.1;
+constexpr std::size_t compared_points = 500;  // of the organ
 
 SimulationOptions neo_hookean() {
   SimulationOptions options;
@@ -126,12 +127,12 @@ void case_row(const Asked& it, const std::string& folder, double budget, bool re
   });
 }
 
-/// The lowest third held, its weight sideways and down.
+/// Its flat underside held, a tenth of its weight sideways and down.
 void fill_organ(Simulation& sim) {
   double low = 1e9, high = -1e9;
   for (const Vec3& at : sim.model().rest) low = std::min(low, at.z()), high = std::max(high, at.z());
-  sim.scene().fix(sim.model().particles_in([&](const Vec3& at) { return at.z() < low + (high - low) / 3.0; }));
-  sim.scene().gravity({4.0, 0, -8.0});
+  sim.scene().fix(sim.model().particles_in([&](const Vec3& at) { return at.z() < low + 0.02 * (high - low); }));
+  sim.scene().gravity({0.4, 0, -0.8});
 }
 
 void organ_row(double max_error, double budget, bool report, const std::string& path) {
@@ -143,12 +144,19 @@ void organ_row(double max_error, double budget, bool report, const std::string& 
   const double finest = made.trials.back().candidate.spacing;
   Simulation fine = made.make({.candidate = {.spacing = finest / 1.5}});
   if (!comes_to_rest(fine)) throw Error("the finer organ finds no rest");
-  VecList u = fine.solver().read().position;
+  VecList u = fine.solver().read().position, points;
   for (std::size_t i = 0; i < u.size(); ++i) u[i] -= fine.model().rest[i];
+  for (std::size_t k = 0; k < fine.model().cells.size(); k += fine.model().cells.size() / compared_points) {
+    const std::vector<Index>& corner = fine.model().cells[k].particles;
+    points.emplace_back((fine.model().rest[corner[0]] + fine.model().rest[corner[1]] + fine.model().rest[corner[2]] +
+                         fine.model().rest[corner[3]]) /
+                        4.0);
+  }
+  u = Skin(fine.model(), points).deform(u);
   print_row("organ, against " + std::to_string(fine.model().particle_count()) + " particles", made, 0.0, report,
             [&](const PlanTrial& trial) {
               Simulation sim = made.make(trial);
-              return comes_to_rest(sim) ? true_error(sim, fine.model().rest, u) : 1.0;
+              return comes_to_rest(sim) ? true_error(sim, points, u) : 1.0;
             });
 }
 
@@ -177,7 +185,7 @@ int main(int argc, char** argv) try {
     if (rows > 0) --rows, case_row(it, arguments.text("cases"), budget, reports);
   }
   if (arguments.text("organ").empty()) return 0;
-  for (const double max_error : organ_errors) organ_row(max_error, budget, reports, arguments.text("organ"));
+  organ_row(organ_error, budget, reports, arguments.text("organ"));
 } catch (const phymul::Error& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return 1;

@@ -52,6 +52,12 @@ set(bean ${DATA}/bean.stl --unit 0.001 --gravity 0 0 -9.81 --frame-interval 0 --
 if(ASSIMP)
   run(0 "steps to rest.*filled with [0-9]+ particles" ${bean} --spacing 0.012 --fix-near 0 0 -0.03 0.02
       --fix-near 0.05 0.02 0 0.02 --out ${OUT}/bean)
+  set(plan ${DATA}/bean.stl --unit 0.001 --gravity 0 0 -9.81 --fix-near 0 0 -0.03 0.035 --plan)
+  run(0 "Chosen: .*bean.stl --unit 0.001 --gravity 0 0 -9.81 --fix-near 0 0 -0.03 0.035 --spacing 0.0[0-9]+ --backend cpu --threads [12]"
+      ${plan} --max-error 90% --rate=10)
+  run(3 "Not kept" ${plan} --max-error 0.9 --rate 1e8)
+  run(1 "expected a share as 3% or 0.03, got 300%" ${plan} --max-error 300%)
+  run(1 "--plan requires --max-error" ${plan})
   run(1 "the nearest is 0.9[0-9]+ m away" ${bean} --spacing 0.012 --fix-near 1 0 0 0.02 --out ${OUT}/none)
   run(1 "bean.stl: a surface is filled; give --spacing" ${bean} --out ${OUT}/none)
 endif()
@@ -78,6 +84,9 @@ endif()
 run(1 "expected GROUP=YOUNG,POISSON, as in liver=4000,0.45, got label 1=1e4" ${regions} --spacing 0.012
     --material "label 1=1e4" --out ${OUT}/none)
 run(1 "mixed_41.msh is neither a surface nor" ${MESH} --spacing 0.01 --out ${OUT}/none)
+
+run(1 "expected a surface or a labelled image, which can be filled at any spacing, got .*mixed_41.msh" ${MESH} --plan
+    --max-error 3%)
 
 run(1 "ExistingFile|not exist" no_such_file.pml --out ${OUT})
 run(1 "no_such_group" ${MESH} --fix no_such_group --out ${OUT}/none)

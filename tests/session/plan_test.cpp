@@ -31,7 +31,7 @@ Simulation sagging(const PlanCandidate& candidate) {
 }
 
 PlanOptions wishes(double max_error, double rate) {
-  return {.max_error = max_error, .rate = rate, .budget = 3.0};
+  return {.max_error = max_error, .rate = rate};
 }
 
 /// Root mean square of the distance from another body of the same beam, at the particles of a coarse one.
@@ -124,8 +124,7 @@ TEST(Plan, FollowsMotionUnderLoadsAndTools) {
     ++ticks;
     sim.scene().tool("probe").move_to({.position = {0.1, 0.025, 0.081 - 0.5 * sim.time()}});
   };
-  const Plan made =
-      plan(pressed, {.max_error = 0.9, .rate = 500, .probe_time = 0.02, .before_tick = move, .budget = 3.0});
+  const Plan made = plan(pressed, {.max_error = 0.9, .rate = 500, .probe_time = 0.02, .before_tick = move});
   EXPECT_GE(ticks, 3 * 10);
   EXPECT_GE(made.trials.size(), 3u);
   for (const PlanTrial& trial : made.trials) EXPECT_TRUE(std::isnan(trial.rest));
@@ -138,7 +137,7 @@ TEST(Plan, FillsASolidAndKeepsTheTimeToRest) {
     sim.scene().gravity({0, 0, -2.0});
   };
   const Plan made = plan(solid_ellipsoid({0, 0, 0}, {0.05, 0.03, 0.03}), {.material = tissue}, fill,
-                         {.max_error = 0.2, .rest_in = 10.0, .budget = 4.0});
+                         {.max_error = 0.5, .rest_in = 10.0, .finest = 0.008});
   ASSERT_TRUE(made.kept) << made.report();
   EXPECT_LE(made.chosen.rest, 8.0);
   EXPECT_TRUE(made.make().solve_static().converged());

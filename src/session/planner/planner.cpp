@@ -13,6 +13,7 @@ constexpr double refinement = 1.4142135623730951;
 constexpr double safety = 1.25;
 /// Of the first body: a first spacing is taken if it gives so many.
 constexpr Index fewest_particles = 100, wanted_particles = 180, most_first_particles = 320;
+constexpr Index fewest_at_all = 30;
 constexpr int most_first_tries = 14;
 constexpr double first_guess = 0.1;  // m: a body that is finer than it need be costs time, one that is coarser none
 constexpr double finest_guess = 1e-6;
@@ -23,6 +24,7 @@ constexpr double enough = 0.5;
 /// Share of the budget for refining; the rest is for choosing.
 constexpr double for_refining = 0.7;
 constexpr int most_bisections = 2;
+constexpr double for_both = 1.5;  // times a body's own seconds: for a bisection, and a little for choosing
 constexpr std::size_t fitted = 3;
 constexpr double least_difference = 0.1;
 constexpr int most_failures = 3;  // one after another
@@ -192,12 +194,24 @@ void Planner::refine() {
   }
 }
 
+void Planner::coarsen() {
+  if (plan_.options.coarsest > 0.0) return;
+  double spacing = levels_.front().trial.candidate.spacing;
+  for (int same = 0; same < same_body_tries;) {
+    const Level& coarsest = levels_.front();
+    if (!coarsest.trial.keeps_error || coarsest.probe.particles <= fewest_at_all) return;
+    spacing *= refinement;
+    same = add_level(spacing, false) ? 0 : same + 1;
+    estimate_errors();
+  }
+}
+
 void Planner::bisect() {
   for (int k = 0; k < most_bisections; ++k) {
     const std::optional<std::size_t> kept = coarsest_kept();
     if (!kept || *kept == 0) return;
     const double fine = levels_[*kept].trial.candidate.spacing, coarse = levels_[*kept - 1].trial.candidate.spacing;
-    if (prober_.left() < 3.0 * levels_[*kept].probe.seconds) return;
+    if (prober_.left() < for_both * levels_[*kept].probe.seconds) return;
     if (!add_level(std::sqrt(fine * coarse), false)) return;
     estimate_errors();
   }
@@ -205,6 +219,7 @@ void Planner::bisect() {
 
 Plan Planner::run() {
   refine();
+  coarsen();
   bisect();
   choose();
   for (const Level& level : levels_) plan_.trials.push_back(level.trial);

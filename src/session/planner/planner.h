@@ -30,8 +30,9 @@ class Planner {
   };
 
   double first_spacing();
-  void refine();  ///< finer and finer bodies
-  void bisect();  ///< between the coarsest one that keeps the error and the next coarser one
+  void refine();   ///< finer and finer bodies
+  void coarsen();  ///< coarser and coarser bodies, while they keep the error
+  void bisect();   ///< between the coarsest one that keeps the error and the next coarser one
   bool add_level(double spacing, bool in_ladder);
   void estimate_errors();
   double predicted_seconds(double finer_by) const;
