@@ -69,6 +69,12 @@ Solver& Simulation::Parts::solver() {
     started = Start{.wanted = made->read(), .taken = made->read()};
     warnings = warnings_of(model, scene, topology->options.law != Law::springs);
     warnings.insert(warnings.end(), topology->notes.begin(), topology->notes.end());
+    if (options.solver.sleep_tolerance && (made->name() != "cpu" || topology->domains.empty())) {
+      warnings.emplace_back(
+          "SolverOptions::sleep_tolerance has no effect: only the backend \"cpu\" has sleep, and only bodies with a "
+          "material; this is the backend \"" +
+          std::string(made->name()) + "\"" + (topology->domains.empty() ? " and a body without a material" : ""));
+    }
     if (options.log) std::ranges::for_each(warnings, options.log);
   }
   return *made;

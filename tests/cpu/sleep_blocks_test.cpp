@@ -51,6 +51,29 @@ TEST(SleepBlocks, ReachAsFarAsForcesChange) {
   }
 }
 
+/// A block that repeats itself is skipped when the buffers have changed places: its copies must be in both.
+TEST(BodySleep, CopiesDisplacementsOfFurtherDomainsToBothBuffers) {
+  const TopologyTextures tables = build_topology(two_materials(), {});
+  const auto body = cpu::make_packed_body(tables, 8);
+  ASSERT_FALSE(body->averages.further.empty());
+  cpu::BodySleep sleep(tables, *body, 16);
+  EXPECT_TRUE(sleep.none());
+  sleep.begin({}, {});
+  EXPECT_TRUE(sleep.all());
+  cpu::Floats u(4 * static_cast<std::size_t>(body->averages.slots)), next_u(u.size(), -1.0f);
+  for (std::size_t k = 0; k < u.size(); ++k) u[k] = static_cast<float>(k);
+  sleep.copy_displacements(reinterpret_cast<char*>(u.data()), reinterpret_cast<char*>(next_u.data()));
+  for (const auto& [own, other] : body->averages.further) {
+    for (int a = 0; a < 4; ++a) {
+      EXPECT_EQ(u[4 * other + a], static_cast<float>(4 * own + a));
+      EXPECT_EQ(next_u[4 * other + a], static_cast<float>(4 * own + a));
+    }
+  }
+  sleep.accept();
+  sleep.begin({}, {});
+  EXPECT_TRUE(sleep.none());  // nothing moved, and nothing else changed
+}
+
 TEST(SliceRanges, AreSharedOutOnce) {
   cpu::SliceRanges ranges;
   ranges.add(2, 5);

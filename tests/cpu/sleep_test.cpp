@@ -138,7 +138,7 @@ TEST(Sleep, IsTheSameOnTwoThreads) {
 }
 
 Model short_beam() {
-  return with_material(make_tetrahedral_block({0.06, 0.03, 0.03}, 16, 8, 8, 0.2, 7));
+  return with_material(make_tetrahedral_block({0.06, 0.03, 0.03}, 12, 6, 6, 0.2, 7));
 }
 
 /// The bound that the option states: no particle that is held has a net force above m h tolerance / tau^2.
@@ -172,18 +172,20 @@ TEST(Sleep, NeglectsNoForceAboveTheTolerance) {
 
 /// A run, saved and restored in the middle, with blocks that are held and blocks that are about to be.
 TEST(Sleep, ASnapshotHoldsWhatIsHeld) {
-  const Model model = short_beam();
+  const Model model = two_materials();
   const Body& body = body_of(model);
   Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -1.0});
-  const SolverOptions options = body.options(1e-3, 1, 60.0);
+  const double pushed_for = 30 * body.step();
+  scene.fix("x0").add(
+      pull(model, "x1", {0, 1, -1}, {{0.0, 0.0}, {0.5 * pushed_for, 1e-3}, {pushed_for, 0.0}}, LoadType::force));
+  const SolverOptions options = body.options(1e-4, 1, 300.0);
   const auto whole = make_solver("cpu", body.tables, scene, options);
-  for (int steps = 0; steps < 1500; steps += 50) {
+  for (int steps = 0; steps < 900; steps += 30) {
     const Snapshot middle = whole->snapshot();
     const auto resumed = make_solver("cpu", body.tables, scene, options);
     resumed->restore(middle);
-    whole->step(50, body.step());
-    resumed->step(50, body.step());
+    whole->step(30, body.step());
+    resumed->step(30, body.step());
     ASSERT_TRUE(same_bits(whole->read(), resumed->read())) << steps;
     EXPECT_EQ(whole->snapshot(), resumed->snapshot()) << steps;
   }
@@ -270,6 +272,18 @@ TEST(Sleep, DoesNotEndTheSearchForRest) {
     ends[sleeps] = solver->read();
   }
   EXPECT_TRUE(same_bits(ends[0].position, ends[1].position));
+}
+
+/// The example of docs/guide/choosing.md.
+TEST(Sleep, OfASimulation) {
+  const Model organ = short_beam();
+  const Material soft = soft_tissue();
+  phymul::Simulation sim(
+      organ, {.material = soft, .backend = "cpu", .damping = {.rate = 60}, .solver = {.sleep_tolerance = 1e-5}});
+  sim.scene().fix("x0").gravity({0, 0, -1.0});
+  for (int k = 0; k < 20 && (k == 0 || particles_at_speed_zero(sim.solver().read()) < 1.0); ++k) sim.advance(0.25);
+  EXPECT_EQ(particles_at_speed_zero(sim.solver().read()), 1.0);
+  EXPECT_GT(largest_difference(sim.solver().read().position, organ.rest), 1e-4);
 }
 
 TEST(Sleep, RefusesWhatIsNoTolerance) {

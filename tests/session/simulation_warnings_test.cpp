@@ -6,6 +6,8 @@
 
 #include <functional>
 
+#include "support/message_of.h"
+
 namespace phymul {
 namespace {
 
@@ -47,6 +49,19 @@ TEST(SimulationWarnings, ABodyWithoutMaterial) {
   const auto found = warnings(block(), {}, hold_and_pull);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_TRUE(found[0].starts_with("the body has no material: Model::stiffness, N/m, pulls its particles")) << found[0];
+}
+
+TEST(SimulationWarnings, SleepThatNothingHas) {
+  const auto told = [](const char* backend) {
+    Simulation sim(block(), {.material = soft, .backend = backend, .solver = {.sleep_tolerance = 1e-5}});
+    sim.scene().fix("x0");
+    sim.advance(0.0);
+    return sim.warnings();
+  };
+  EXPECT_TRUE(told("cpu").empty());
+  const std::vector<std::string> on_reference = told("reference");
+  ASSERT_EQ(on_reference.size(), 1u);
+  EXPECT_TRUE(says(on_reference[0], "sleep_tolerance has no effect")) << on_reference[0];
 }
 
 TEST(SimulationWarnings, OtherUnits) {
