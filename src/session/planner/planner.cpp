@@ -20,7 +20,7 @@ constexpr double finest_guess = 1e-6;
 constexpr double most_particles = 2e6;
 constexpr int same_body_tries = 6;
 /// Of PlanOptions::max_error: a body with less is a good enough reference for the coarser ones.
-constexpr double enough = 0.5;
+constexpr double enough_error = 0.5;
 /// Share of the budget for refining; the rest is for choosing.
 constexpr double for_refining = 0.7;
 constexpr int most_bisections = 2;
@@ -170,7 +170,7 @@ void Planner::refine() {
       ended_ = "finer bodies fail: " + finest.trial.note;
       break;
     }
-    if (finest.trial.error <= enough * options.max_error) {
+    if (finest.trial.error <= enough_error * options.max_error) {
       ended_ = "the errors are known well enough";
       break;
     }
