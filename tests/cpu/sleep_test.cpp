@@ -11,6 +11,7 @@
 #include <limits>
 #include <map>
 
+#include "support/allocation_count.h"
 #include "support/message_of.h"
 #include "support/sleeping_scenes.h"
 
@@ -272,6 +273,20 @@ TEST(Sleep, DoesNotEndTheSearchForRest) {
     ends[sleeps] = solver->read();
   }
   EXPECT_TRUE(same_bits(ends[0].position, ends[1].position));
+}
+
+TEST(Sleep, AllocatesNothingInAStep) {
+  const Model model = two_materials();
+  const Body& body = body_of(model);
+  Scene scene(model);
+  scene.fix("x0").add(
+      pull(model, "x1", {0, 1, -1}, {{0.0, 0.0}, {20 * body.step(), 1e-3}, {40 * body.step(), 0.0}}, LoadType::force));
+  const auto solver = make_solver("cpu", body.tables, scene, body.options(1e-4, 1, 300.0));
+  solver->step(1, body.step());  // follows the scene
+  const std::size_t before = allocation_count();
+  for (int k = 0; k < 400; ++k) solver->step(1, body.step());
+  EXPECT_EQ(allocation_count(), before);
+  EXPECT_GT(particles_at_speed_zero(solver->read()), 0.1);
 }
 
 /// The example of docs/guide/choosing.md.

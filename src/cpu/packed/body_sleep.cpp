@@ -36,6 +36,7 @@ BodySleep::BodySleep(const TopologyTextures& topology, const PackedBody& body, i
   still_after_ = still_;
   summaries_.resize(count);
   chosen_.reserve(count);
+  slots_.reserve(2 * count);  // of particles and of their further domains
 }
 
 void BodySleep::wake_all() {

@@ -8,6 +8,7 @@
 // that hardly moves is held where it is; then it no longer changes, and so no longer wakes others.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -25,6 +26,7 @@ namespace phymul::cpu {
 /// Slices in ascending order, without gaps inside a range.
 class SliceRanges {
  public:
+  void reserve(std::size_t ranges) { ranges_.reserve(ranges); }
   void clear();
   void add(int first, int last);  ///< not before the first of the last range
 
