@@ -15,6 +15,9 @@
 
 namespace phymul {
 
+/// Eigenvalues nearer to 0 than this share of the largest are those of rigid motion, on either side of 0 by rounding.
+inline constexpr double rigid_motion = 1e-6;
+
 /// Free coordinates only. Keeps references to what it is made from.
 class ScaledStiffness {
  public:

@@ -18,8 +18,6 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// Real parts above this share of the largest, below 0, are rounding.
-constexpr double rigid_motion = 1e-6;
 /// Arnoldi keeps every vector: as many as fit in this many bytes, within [12, 80].
 constexpr double arnoldi_bytes = 4e8;
 

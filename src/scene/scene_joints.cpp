@@ -10,6 +10,7 @@
 
 #include "anchor_place.h"
 #include "base/decimal.h"
+#include "require_value.h"
 
 namespace phymul {
 namespace {
@@ -17,19 +18,16 @@ namespace {
 /// Of a sum of weights: less is rounding.
 constexpr double rounding = 1e-9;
 
-std::string label(std::string_view joint) {
+std::string joint_label(std::string_view joint) {
   return "joint \"" + std::string(joint) + "\": ";
 }
 
-void require_not_negative(std::string_view joint, const char* what, double value) {
-  if (value >= 0.0 && std::isfinite(value)) return;
-  throw Error(label(joint) + "expected a finite " + what + ", 0 or more; got " + to_decimal(value));
-}
+constexpr const char* of_handle = "joint of this handle: ";
 
 /// Infinite is allowed.
 void require_positive(std::string_view joint, const char* what, double value) {
   if (value > 0.0) return;
-  throw Error(label(joint) + "expected a " + what + " above 0, got " + to_decimal(value));
+  throw Error(joint_label(joint) + "expected a " + what + " above 0, got " + to_decimal(value));
 }
 
 struct AnchorCheck {
@@ -101,19 +99,19 @@ Anchor at_tool(std::string tool, const Vec3& point) {
 void Scene::require(const SceneJoint& joint, std::span<const Vec3> position) const {
   if (joint.name.empty()) throw Error("add_joint: expected a name, got an empty one");
   if (std::ranges::find(joints_, joint.name, &SceneJoint::name) != joints_.end()) {
-    throw Error(label(joint.name) + "there is one of that name; remove_joint it first, or take another name");
+    throw Error(joint_label(joint.name) + "there is one of that name; remove_joint it first, or take another name");
   }
   if (!position.empty() && position.size() != model_->rest.size()) {
-    throw Error(label(joint.name) + "expected " + std::to_string(model_->rest.size()) + " positions, or none; got " +
-                std::to_string(position.size()));
+    throw Error(joint_label(joint.name) + "expected " + std::to_string(model_->rest.size()) +
+                " positions, or none; got " + std::to_string(position.size()));
   }
-  require_not_negative(joint.name, "stiffness", joint.joint.stiffness);
-  require_not_negative(joint.name, "damping", joint.joint.damping);
+  require_not_negative(joint_label(joint.name), "stiffness", joint.joint.stiffness);
+  require_not_negative(joint_label(joint.name), "damping", joint.joint.damping);
   require_positive(joint.name, "breaking force", joint.joint.breaking_force);
-  if (joint.joint.springs.empty()) throw Error(label(joint.name) + "expected at least one spring, got none");
+  if (joint.joint.springs.empty()) throw Error(joint_label(joint.name) + "expected at least one spring, got none");
   for (std::size_t row = 0; row < joint.joint.springs.size(); ++row) {
     const JointSpring& spring = joint.joint.springs[row];
-    const std::string own = label(joint.name) + "spring " + std::to_string(row) + ": ";
+    const std::string own = joint_label(joint.name) + "spring " + std::to_string(row) + ": ";
     const AnchorCheck check{own, *model_, tools_};
     check(spring.a);
     check(spring.b);
@@ -186,15 +184,15 @@ const Joint& JointHandle::joint() const {
 
 void JointHandle::set_stiffness(double stiffness, double damping) const {
   Joint& joint = own();
-  require_not_negative("of this handle", "stiffness", stiffness);
-  require_not_negative("of this handle", "damping", damping);
+  require_not_negative(of_handle, "stiffness", stiffness);
+  require_not_negative(of_handle, "damping", damping);
   joint.stiffness = stiffness;
   joint.damping = damping;
   ++scene_->values_version_;
 }
 
 void JointHandle::set_rest_length(double length) const {
-  require_not_negative("of this handle", "rest length (m)", length);
+  require_not_negative(of_handle, "rest length (m)", length);
   for (JointSpring& spring : own().springs) spring.rest_length = length;
   ++scene_->values_version_;
 }
@@ -205,7 +203,7 @@ void JointHandle::set_rest_lengths(std::span<const double> lengths) const {
     throw Error("set_rest_lengths: expected a rest length for each of " + std::to_string(springs.size()) +
                 " springs, got " + std::to_string(lengths.size()));
   }
-  for (const double length : lengths) require_not_negative("of this handle", "rest length (m)", length);
+  for (const double length : lengths) require_not_negative(of_handle, "rest length (m)", length);
   for (std::size_t row = 0; row < springs.size(); ++row) springs[row].rest_length = lengths[row];
   ++scene_->values_version_;
 }

@@ -9,6 +9,7 @@
 
 #include "base/decimal.h"
 #include "needle_measures.h"
+#include "require_value.h"
 
 namespace phymul {
 namespace {
@@ -26,20 +27,15 @@ void require_size(std::string_view tool, const char* what, double size) {
   throw Error(label(tool) + "expected a " + what + " above 0 m, got " + to_decimal(size));
 }
 
-void require_not_negative(std::string_view tool, const char* what, double value) {
-  if (value >= 0.0 && std::isfinite(value)) return;
-  throw Error(label(tool) + "expected a finite " + what + ", 0 or more; got " + to_decimal(value));
-}
-
 void require_needle(std::string_view tool, const Needle& needle) {
   require_size(tool, "length", needle.length);
   require_size(tool, "radius", needle.radius);
-  require_not_negative(tool, "puncture force (N)", needle.puncture);
-  require_not_negative(tool, "cutting force (N)", needle.cutting);
-  require_not_negative(tool, "static friction (N/m)", needle.static_friction);
-  require_not_negative(tool, "kinetic friction (N/m)", needle.kinetic_friction);
-  require_not_negative(tool, "spread (m)", needle.spread);
-  require_not_negative(tool, "bending stiffness (N m^2)", needle.bending_stiffness);
+  require_not_negative(label(tool), "puncture force (N)", needle.puncture);
+  require_not_negative(label(tool), "cutting force (N)", needle.cutting);
+  require_not_negative(label(tool), "static friction (N/m)", needle.static_friction);
+  require_not_negative(label(tool), "kinetic friction (N/m)", needle.kinetic_friction);
+  require_not_negative(label(tool), "spread (m)", needle.spread);
+  require_not_negative(label(tool), "bending stiffness (N m^2)", needle.bending_stiffness);
   if (needle.bending_stiffness > 0.0 && needle.bending_stiffness < 1e-12) {
     throw Error(label(tool) + "expected a bending stiffness of 0 (stiff), or at least 1e-12 N m^2, got " +
                 to_decimal(needle.bending_stiffness));
@@ -68,7 +64,7 @@ struct ShapeCheck {
   void operator()(const Sphere& sphere) const { require_size(tool, "radius", sphere.radius); }
   void operator()(const Capsule& capsule) const {
     require_size(tool, "radius", capsule.radius);
-    require_not_negative(tool, "length", capsule.length);
+    require_not_negative(label(tool), "length", capsule.length);
   }
   void operator()(const HalfSpace&) const {}
   void operator()(const Box& box) const {
@@ -100,9 +96,9 @@ Scene& Scene::add_tool(std::string name, Tool tool) {
     throw Error(label(name) + "there is one of that name; remove_tool it first, or take another name");
   }
   std::visit(ShapeCheck{name}, tool.shape);
-  require_not_negative(name, "friction", tool.friction);
-  require_not_negative(name, "compliance (m/N)", tool.compliance);
-  require_not_negative(name, "margin (m)", tool.margin);
+  require_not_negative(label(name), "friction", tool.friction);
+  require_not_negative(label(name), "compliance (m/N)", tool.compliance);
+  require_not_negative(label(name), "margin (m)", tool.margin);
   if (const auto* const needle = std::get_if<Needle>(&tool.shape)) {
     if (tool.contact != ToolContact::particles) {
       throw Error(label(name) + "expected ToolContact::particles, got surface: a needle finds the surface by itself");
@@ -184,7 +180,7 @@ const ToolPose& ToolHandle::target_pose() const {
 
 void ToolHandle::grasp(double distance) const {
   SceneTool& tool = own();
-  require_not_negative(tool.name, "distance to grasp within (m)", distance);
+  require_not_negative(label(tool.name), "distance to grasp within (m)", distance);
   if (std::holds_alternative<Needle>(tool.tool.shape)) throw Error(label(tool.name) + "a needle cannot grasp");
   tool.grasping = true;
   tool.grasp_distance = distance;

@@ -196,8 +196,8 @@ class SimdSolver final : public SolverBackend {
       run(move);
     }
     tools_.shift(next_u_.data());
-    for (const auto& [quad, by] : tools_.shifts()) {
-      if (sleep_) sleep_->shift(quad);
+    for (const auto& shifted : tools_.shifts()) {
+      if (sleep_) sleep_->shift(shifted.first);
     }
     laps_.end(Work::tools);
     return tools_.lost_volume();

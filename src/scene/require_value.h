@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+//
+// Checks that several parts of a scene share.
+#pragma once
+
+#include <phymul/error.h>
+
+#include <cmath>
+#include <string>
+
+#include "base/decimal.h"
+
+namespace phymul {
+
+/// `label`: what is refused, with a colon after it.
+inline void require_not_negative(const std::string& label, const char* what, double value) {
+  if (value >= 0.0 && std::isfinite(value)) return;
+  throw Error(label + "expected a finite " + what + ", 0 or more; got " + to_decimal(value));
+}
+
+}  // namespace phymul
