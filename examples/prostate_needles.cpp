@@ -91,7 +91,8 @@ class Session {
     const phymul::State state = sim_.state();
     ScenePictureOptions sheet;
     constexpr std::array<const char*, count> place{"first", "second", "last"};
-    sheet.title = std::to_string(number) + ". The middle needle comes " + place[turn];
+    sheet.title = text("%.0f. The middle needle comes ", number);
+    sheet.title += place[turn];
     sheet.subtitle = text("its tip is where the target was; the target has moved %.1f mm", 1e3 * miss);
     sheet.full_scale = 0.005;
     sheet.width = 710;
