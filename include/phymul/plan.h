@@ -33,13 +33,15 @@ struct PlanOptions {
   /// In (0, 1): distance of the body's points from where they would be in an infinitely fine body with the same law, as
   /// a share of their displacement; both are root mean squares (as PositionError::global_ratio).
   double max_error = 0.0;
-  double rate = 0.0;       ///< Hz: a call of advance(1 / rate) must take less than head_room / rate; 0: no such wish
+  double rate =
+      0.0;  ///< Hz, at least 1: a call of advance(1 / rate) must take less than head_room / rate; 0: no such wish
   double rest_in = 0.0;    ///< s: the rest shape must be found in head_room * rest_in of wall time; 0: no such wish
   double head_room = 0.8;  ///< in (0, 1]
   /// s of simulated time, from the builder's state on, after which displacements are compared (and at seven times
   /// before). 0: at rest, by solve_static(), or by run_to_rest() where that does not support the scene.
   double probe_time = 0.0;
-  std::function<void(Simulation&)> before_tick{};  ///< called before each tick of probe_time: moves tools, for example
+  std::function<void(Simulation&)> before_tick{};  ///< called before each tick of probe_time, for every
+                                                   ///< candidate: moves tools, by Simulation::time() alone
   double coarsest = 0.0, finest = 0.0;             ///< m, limits of the spacing; 0: none
   double budget = 20.0;                            ///< s of wall time for planning, > 0; kept by omitting finer bodies
   std::vector<std::string> backends{"cpu"};        ///< those that this machine cannot run are omitted
@@ -67,10 +69,10 @@ struct PlanTrial {
 struct Plan {
   PlanOptions options{};
   SceneBuilder builder{};
-  bool kept = false;                         ///< both wishes are kept; else `offers` say what can be had
-  PlanTrial chosen{};                        ///< if kept
+  bool kept = false;   ///< both wishes are kept; else most_accurate and cheapest say what can be had
+  PlanTrial chosen{};  ///< if kept
   std::optional<PlanTrial> most_accurate{};  ///< if not kept: the most accurate one found that keeps the time
-  std::optional<PlanTrial> cheapest{};       ///< if not kept: the cheapest one found that keeps the error
+  std::optional<PlanTrial> cheapest{};       ///< if not kept: the fastest of the coarsest body that keeps the error
   std::vector<PlanTrial> trials{};           ///< all that were tried, from coarse to fine
   double order = PlanTrial::unknown;         ///< p of the fit error = C spacing^p
   double seconds = 0.0;                      ///< s of wall time that planning took
@@ -90,7 +92,7 @@ struct Plan {
 /// Plan::kept is false.
 ///
 /// Error: bodies with spacings in ratio sqrt(2), from some 180 particles on, are compared at the same material points
-/// (at the particles of the coarsest one and amid its cells). Three of them fit u(h) = u0 + C h^p with p in [1, 2.5]
+/// (near the particles of the first one and amid its cells). Three of them fit u(h) = u0 + C h^p with p in [1, 2.5]
 /// (L. F. Richardson 1911). The error is |u(h) - u0| or, if larger and h is about 2 hf or more, |u(h) - u(hf)| h^p /
 /// (h^p - hf^p), with hf the finest spacing; but not less than that of a finer body; times 1.25, the factor of safety
 /// of P. J. Roache (J. Fluids Eng. 116, 1994). It is an estimate, not a bound: what all bodies have in common, such as

@@ -67,7 +67,7 @@ PlanTrial Planner::measured(Level& level, const PlanCandidate& candidate) {
       trial.rest = probe.rest_seconds;
       trial.real_time = prober_.tick_length() / probe.tick;
       trial.note = probe.failure;
-    } catch (const Error& error) {
+    } catch (const std::exception& error) {
       trial.note = error.what();
     }
   }

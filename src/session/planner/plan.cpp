@@ -24,6 +24,7 @@ void require_valid(const PlanOptions& options) {
   require(options.max_error > 0.0 && options.max_error < 1.0, "max_error",
           "above 0 and below 1 (a share of the displacement)", options.max_error);
   require(not_negative(options.rate), "rate", "finite and at least 0, Hz", options.rate);
+  require(options.rate == 0.0 || options.rate >= 1.0, "rate", "0 or at least 1 Hz", options.rate);
   require(not_negative(options.rest_in), "rest_in", "finite and at least 0, s", options.rest_in);
   require(not_negative(options.probe_time), "probe_time", "finite and at least 0, s", options.probe_time);
   require(not_negative(options.coarsest), "coarsest", "finite and at least 0, m", options.coarsest);
@@ -49,6 +50,7 @@ void require_valid(const PlanOptions& options) {
 std::vector<std::string> runnable(const std::vector<std::string>& backends, std::vector<std::string>& notes) {
   std::vector<std::string> result;
   for (const std::string& name : backends) {
+    if (name == "auto") throw Error("PlanOptions::backends: expected names of backends, got \"auto\"");
     const std::string why = why_unavailable(name);
     if (why.empty()) {
       result.push_back(name);

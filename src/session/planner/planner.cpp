@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/decimal.h"
 #include "convergence.h"
 
 namespace phymul {
@@ -44,15 +45,16 @@ double Planner::first_spacing() {
   if (options.coarsest > 0.0) return options.coarsest;
   double spacing = guess_ > 0.0 ? guess_ : first_guess, best = 0.0, best_off = 0.0;
   std::string refusal = "the budget ended";
+  double tried = spacing;
   for (int k = 0; k < most_first_tries && prober_.left() > 0.0 && spacing > finest_guess; ++k) {
     Index particles = 0;
     PlanCandidate candidate = first_;
-    candidate.spacing = spacing;
+    candidate.spacing = tried = spacing;
     try {
       particles = prober_.build(candidate).model().particle_count();
     } catch (const SceneError&) {
       throw;
-    } catch (const Error& error) {
+    } catch (const std::exception& error) {
       refusal = error.what();
       if (best > 0.0) break;
       spacing *= 0.5;
@@ -64,17 +66,18 @@ double Planner::first_spacing() {
     spacing *= std::clamp(std::cbrt(static_cast<double>(particles) / wanted_particles), 0.5, 4.0);
   }
   if (best == 0.0) {
-    throw SceneError("the builder made no body at any spacing, last at " + std::to_string(spacing) + " m: " + refusal);
+    throw SceneError("the builder made no body at any spacing, last at " + to_decimal(tried) + " m: " + refusal);
   }
   return std::max(best, options.finest);
 }
 
-/// s, of a body whose spacing is smaller by a factor.
-double Planner::predicted_seconds(double finer_by) const {
-  if (levels_.empty()) return 0.0;
-  const Probe& last = levels_.back().probe;
-  const bool by_steps = last.by_steps || prober_.probes_motion();
-  return last.seconds * std::pow(finer_by, by_steps ? 4.0 : 3.3);
+/// s, of a body of another spacing.
+double Planner::predicted_seconds(double spacing) const {
+  const auto last =
+      std::find_if(levels_.rbegin(), levels_.rend(), [](const Level& it) { return it.probe.seconds > 0.0; });
+  if (last == levels_.rend()) return 0.0;
+  const bool by_steps = last->probe.by_steps || prober_.probes_motion();
+  return last->probe.seconds * std::pow(last->trial.candidate.spacing / spacing, by_steps ? 4.0 : 3.3);
 }
 
 bool Planner::add_level(double spacing, bool in_ladder) {
@@ -95,7 +98,7 @@ bool Planner::add_level(double spacing, bool in_ladder) {
     level.probe = prober_.probe(level.trial.candidate, is_known);
   } catch (const SceneError&) {
     throw;
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     level.probe.failure = error.what();
   }
   if (!is_new) return false;
@@ -154,6 +157,10 @@ void Planner::refine() {
   double spacing = first_spacing();
   int same = 0, failures = 0;
   for (;; spacing /= refinement) {
+    if (!levels_.empty() && (spacing < options.finest * (1.0 - 1e-9) || prober_.left() < 0.0)) {
+      ended_ = prober_.left() < 0.0 ? "the budget ended" : "PlanOptions::finest is reached";
+      break;
+    }
     if (!add_level(spacing, true)) {
       if (++same < same_body_tries) continue;
       const std::string bodies = "the builder makes no finer body than the one of " +
@@ -179,7 +186,7 @@ void Planner::refine() {
       break;
     }
     const double share = levels_.size() < fitted ? 1.0 : for_refining;
-    if (prober_.elapsed() + predicted_seconds(refinement) > share * options.budget) {
+    if (prober_.elapsed() + predicted_seconds(spacing / refinement) > share * options.budget) {
       ended_ = "a finer body would exceed the budget";
       break;
     }
@@ -190,14 +197,14 @@ void Planner::refine() {
   }
   if (std::ranges::none_of(levels_, [](const Level& level) { return level.has_field(); })) {
     throw SceneError("no body could be measured; the finest, of spacing " +
-                     std::to_string(levels_.back().trial.candidate.spacing) + " m: " + levels_.back().trial.note);
+                     to_decimal(levels_.back().trial.candidate.spacing) + " m: " + levels_.back().trial.note);
   }
 }
 
 void Planner::coarsen() {
   if (plan_.options.coarsest > 0.0) return;
   double spacing = levels_.front().trial.candidate.spacing;
-  for (int same = 0; same < same_body_tries;) {
+  for (int same = 0; same < same_body_tries && prober_.left() > 0.0;) {
     const Level& coarsest = levels_.front();
     if (!coarsest.trial.keeps_error || coarsest.probe.particles <= fewest_at_all) return;
     spacing *= refinement;

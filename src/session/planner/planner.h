@@ -35,7 +35,7 @@ class Planner {
   void bisect();   ///< between the coarsest one that keeps the error and the next coarser one
   bool add_level(double spacing, bool in_ladder);
   void estimate_errors();
-  double predicted_seconds(double finer_by) const;
+  double predicted_seconds(double spacing) const;
   std::optional<std::size_t> coarsest_kept() const;  ///< of levels_
 
   std::vector<PlanCandidate> configurations(double spacing, int threads) const;

@@ -70,6 +70,11 @@ Simulation Prober::build(const PlanCandidate& candidate) const {
     throw SceneError("expected a simulation with SimulationOptions::step " + to_decimal(candidate.step) + ", got " +
                      to_decimal(step) + rule);
   }
+  if (!probes_motion() && solver.options().sleep_tolerance) {
+    throw SceneError(
+        "a body at rest sleeps, so its ticks say nothing; plan without SolverOptions::sleep_tolerance, or give "
+        "PlanOptions::probe_time");
+  }
   return sim;
 }
 
@@ -155,8 +160,11 @@ void Prober::find_rest(Simulation& sim, Probe& probe) const {
     return rest_by_steps(sim, probe);
   }
   probe.rest_seconds = seconds_since(begin);
-  // Without any evaluation: the scene itself has no rest, in any body.
-  if (result.status == RestStatus::failed && result.evaluations == 0) throw SceneError("" + result.cause);
+  // Without any evaluation: the scene of this body has no rest.
+  if (result.status == RestStatus::failed && result.evaluations == 0) {
+    probe.failure = result.cause;
+    return;
+  }
   if (!result.converged()) {
     probe.note = "solve_static: " + result.message();
     return rest_by_steps(sim, probe);
@@ -194,7 +202,7 @@ double Prober::timed_tick(Simulation& sim, Probe& probe) const {
 }
 
 void Prober::follow_motion(Simulation& sim, const Skin* skin, Probe& probe) const {
-  const auto ticks = static_cast<int>(std::max(1.0, std::ceil(options_.probe_time / tick_length() - 1e-9)));
+  const auto ticks = static_cast<int>(std::clamp(std::ceil(options_.probe_time / tick_length() - 1e-9), 1.0, 1e9));
   std::vector<double> seconds;
   int compared = 0;
   for (int tick = 1; tick <= ticks && probe.failure.empty(); ++tick) {
@@ -220,13 +228,15 @@ void Prober::follow_motion(Simulation& sim, const Skin* skin, Probe& probe) cons
 void Prober::measure_ticks(Simulation& sim, Probe& probe) const {
   std::vector<double> seconds;
   double sum = 0.0;
-  for (int k = 0; k < warm_up_ticks && probe.failure.empty(); ++k) sum += timed_tick(sim, probe);
+  for (int k = 0; k < warm_up_ticks && probe.failure.empty() && (k == 0 || left() > 0.0); ++k) {
+    sum += timed_tick(sim, probe);
+  }
   // A slow body needs no long warm-up.
   const auto enough = [&] {
     const auto count = static_cast<int>(seconds.size());
     return (count >= fewest_ticks && sum >= enough_seconds) || (count >= fewest_late_ticks && sum >= most_seconds);
   };
-  while (probe.failure.empty() && !enough()) {
+  while (probe.failure.empty() && (seconds.empty() || (left() > 0.0 && !enough()))) {
     seconds.push_back(timed_tick(sim, probe));
     sum += seconds.back();
   }
