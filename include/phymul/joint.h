@@ -49,7 +49,7 @@ struct Joint {
   std::vector<JointSpring> springs{};
   double stiffness = 0.0;  ///< N/m, >= 0
   double damping = 0.0;    ///< N s/m, >= 0
-  bool slack = false;      ///< pulls only, as a ligament or a thread does, its damper too; no effect at rest length 0
+  bool slack = false;      ///< pulls only, as a ligament or a thread does, its damper too
   /// N, > 0. A spring whose force is larger in some step carries nothing from the next step on.
   double breaking_force = std::numeric_limits<double>::infinity();
   bool operator==(const Joint&) const = default;
@@ -74,7 +74,7 @@ struct Attachment {
   double stiffness = 0.0;                                            ///< N/m per m^2: N/m^3, >= 0
   double damping = 0.0;                                              ///< N s/m^3, >= 0
   double breaking_stress = std::numeric_limits<double>::infinity();  ///< Pa, > 0
-  bool slack = false;                                                ///< as Joint::slack: of parallel fibres alone
+  bool slack = false;                                                ///< as Joint::slack
   std::span<const Vec3> position{};  ///< [N] m, where the particles are: State::position; empty: at rest
   std::string name{};                ///< empty: "joint 1", "joint 2" and so on
 };

@@ -52,7 +52,8 @@ struct SolverOptions {
   /// neighbouring particles stays where it is, at speed 0, if for `rest_steps` consecutive steps all its free particles
   /// have speed * tau <= sleep_tolerance * h and net force / mass * tau^2 <= sleep_tolerance * h. It moves again in the
   /// step in which a net force is above that, and when a tool, a contact, a volume constraint or an imposed motion
-  /// moves one of its particles. So no net force above m h sleep_tolerance / tau^2 is ever neglected (rounding: as for
+  /// moves one of its particles. So no net force above m h sleep_tolerance / tau^2, or a twentieth of the weight if
+  /// that is less, is ever neglected (rounding: as for
   /// rest_tolerance, with the block's u). docs/guide/choosing.md has the error of some tolerances. run_to_rest() skips
   /// only what repeats itself. Throws Error for a negative value, NaN or infinity.
   std::optional<double> sleep_tolerance{};

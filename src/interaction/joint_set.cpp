@@ -12,7 +12,10 @@ namespace {
 /// On anchor `a`, where `r` leads to `b`, and `v` is how it changes, m/s.
 Vec3 spring_force(const Joint& joint, const JointSpring& spring, const Vec3& r, const Vec3& v) {
   const double k = spring.share * joint.stiffness, c = spring.share * joint.damping;
-  if (spring.rest_length == 0.0) return k * r + c * v;
+  if (spring.rest_length == 0.0) {
+    const Vec3 force = k * r + c * v;
+    return joint.slack && force.dot(r) < 0.0 ? Vec3(Vec3::Zero()) : force;
+  }
   const double length = r.norm();
   // In one point the spring has no direction.
   if (length == 0.0 || (joint.slack && length <= spring.rest_length)) return Vec3::Zero();
@@ -78,15 +81,19 @@ void JointSet::reset(const State& state) {
     followed.report = {.springs = std::move(followed.report.springs)};
     const auto known = std::ranges::find(state.joints, followed.name, &JointState::name);
     if (known == state.joints.end()) continue;
-    for (const Index row : known->broken) followed.report.springs[row].broken = true;
-    followed.report.broken = static_cast<int>(known->broken.size());
+    for (const Index row : known->broken) {
+      if (row < 0 || row >= static_cast<Index>(followed.springs.size())) continue;
+      followed.report.springs[row].broken = true;
+      ++followed.report.broken;
+    }
   }
 }
 
 void JointSet::read(State& state) const {
   state.joints.clear();
   for (const Followed& followed : joints_) {
-    if (followed.report.broken == 0) continue;
+    // The scene may have another joint of that name by now.
+    if (followed.report.broken == 0 || !std::ranges::count(scene_->joints(), followed.id, &SceneJoint::id)) continue;
     JointState& own = state.joints.emplace_back();
     own.name = followed.name;
     for (std::size_t row = 0; row < followed.springs.size(); ++row) {
@@ -123,11 +130,12 @@ void JointSet::act(Followed& followed, const Joint& joint, std::span<const ToolW
     const auto& [a, b] = followed.springs[row];
     SpringReport& next = followed.next[row];
     const Motion at_a = motion_of(a, tools, dt), at_b = motion_of(b, tools, dt);
-    const Vec3 r = at_b.position - at_a.position;
+    Vec3 r = at_b.position - at_a.position, v = at_b.velocity - at_a.velocity;
+    if (scene_->model().dimension == 2) r.z() = v.z() = 0.0;  // tools move in space
     next = {.length = r.norm(), .broken = followed.report.springs[row].broken};
     if (next.broken) continue;
     const JointSpring& spring = joint.springs[row];
-    next.force = spring_force(joint, spring, r, at_b.velocity - at_a.velocity);
+    next.force = spring_force(joint, spring, r, v);
     next.broken = next.force.norm() > spring.share * joint.breaking_force;
     energy_ += spring_energy(joint, spring, next.length);
     give(a, at_a.position, next.force, tools);

@@ -105,6 +105,7 @@ void ToolSet::read(State& state) const {
 
 void ToolSet::begin_call(const Scene& scene, int steps, bool at_once) {
   if (steps == 0) return;
+  at_once_ = at_once;
   for (std::size_t row = 0; row < tools_.size(); ++row)
     tools_[row].moved.begin_call(scene.tools()[row], steps, at_once);
 }
@@ -170,7 +171,8 @@ void ToolSet::ways(double dt, std::vector<ToolWay>& ways) const {
   for (const Moving& tool : tools_) {
     ToolMotion motion = tool.moved.motion;
     motion.advance(dt);
-    ways.push_back({motion.pose, motion.next_pose});
+    // A tool that is where it has to be in one step passed nothing on its way, and dampers feel no speed.
+    ways.push_back({at_once_ ? motion.next_pose : motion.pose, motion.next_pose});
   }
 }
 

@@ -65,6 +65,7 @@ class ToolSet {
   void press(Moving& tool, TouchedParticles& touched);
   bool held_by_any(Index particle) const;
 
+  bool at_once_ = false;  // of the last begin_call()
   std::vector<Moving> tools_;
   std::vector<Index> found_;
   bool was_reset_ = false;     // the first reset is that of a solver being made

@@ -105,6 +105,12 @@ void Scene::require(const SceneJoint& joint, std::span<const Vec3> position) con
     throw Error(joint_label(joint.name) + "expected " + std::to_string(model_->rest.size()) +
                 " positions, or none; got " + std::to_string(position.size()));
   }
+  for (std::size_t i = 0; i < position.size(); ++i) {
+    if (!position[i].allFinite()) {
+      throw Error(joint_label(joint.name) + "expected finite positions, but that of particle " + std::to_string(i) +
+                  " is not");
+    }
+  }
   require_not_negative(joint_label(joint.name), "stiffness", joint.joint.stiffness);
   require_not_negative(joint_label(joint.name), "damping", joint.joint.damping);
   require_positive(joint.name, "breaking force", joint.joint.breaking_force);

@@ -42,7 +42,13 @@ std::vector<double> area_shares(const Model& model, std::span<const Index> patch
 
 std::span<const Vec3> places(const Model& model, const Attachment& springs) {
   if (springs.position.empty()) return model.rest;
-  if (springs.position.size() == model.rest.size()) return springs.position;
+  if (springs.position.size() == model.rest.size()) {
+    for (std::size_t i = 0; i < springs.position.size(); ++i) {
+      if (springs.position[i].allFinite()) continue;
+      throw Error("attach: expected finite positions, but that of particle " + std::to_string(i) + " is not");
+    }
+    return springs.position;
+  }
   throw Error("attach: expected " + std::to_string(model.rest.size()) + " positions, or none; got " +
               std::to_string(springs.position.size()));
 }

@@ -45,6 +45,7 @@ RecordedOptions recorded_options(const Solver& solver) {
           .damping_factor = options.damping.factor,
           .max_displacement_per_step = options.max_displacement_per_step,
           .rest_tolerance = options.rest_tolerance,
+          .sleep_tolerance = options.sleep_tolerance.value_or(-1.0),
           .stable_step = solver.stable_step(),
           .rest_steps = options.rest_steps,
           .allows_unstable = options.on_unstable == UnstableStep::allow};
@@ -58,7 +59,7 @@ Recorder::Recorder(Solver& solver, const Scene& scene) : solver_(solver), scene_
   recording_.options = recorded_options(solver);
   // A step of none takes the scene over, if it has changed: a solver then forgets how long its body has rested. Poses
   // and grasps that no step has seen yet are forgotten too, for a recording starts from states.
-  solver_.step(0, std::numeric_limits<double>::min());
+  solver_.step(0, 1e-18);  // s, the shortest that is taken
   recording_.start = solver_.snapshot();
   solver_.restore(recording_.start);
   recording_.scene = scene_change_bytes(scene_, {}, true);

@@ -28,7 +28,7 @@ void head_fields(Bytes& bytes, Any& recording) {
   bytes.field(recording.device, "a device's name");
   auto& options = recording.options;
   for (auto* value : {&options.damping_rate, &options.damping_factor, &options.max_displacement_per_step,
-                      &options.rest_tolerance, &options.stable_step}) {
+                      &options.rest_tolerance, &options.sleep_tolerance, &options.stable_step}) {
     bytes.field(*value, "an option");
   }
   bytes.field(options.rest_steps, "a number of steps");

@@ -30,6 +30,7 @@ void require_same_options(const RecordedOptions& recorded, const RecordedOptions
   require_same("damping.factor", recorded.damping_factor, own.damping_factor);
   require_same("max_displacement_per_step", recorded.max_displacement_per_step, own.max_displacement_per_step);
   require_same("rest_tolerance", recorded.rest_tolerance, own.rest_tolerance);
+  require_same("sleep_tolerance", recorded.sleep_tolerance, own.sleep_tolerance);
   require_same("rest_steps", recorded.rest_steps, own.rest_steps);
   require_same("on_unstable (1: allow)", recorded.allows_unstable, own.allows_unstable);
   require_same("stable_step()", recorded.stable_step, own.stable_step);

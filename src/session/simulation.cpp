@@ -90,7 +90,7 @@ bool Simulation::Parts::is_at_start() {
   const Snapshot now = solver().snapshot();
   const State& taken = started->taken;
   return now.last_dt == 0.0 && now.state.time == taken.time && now.state.position == taken.position &&
-         now.state.velocity == taken.velocity;
+         now.state.velocity == taken.velocity && now.state.joints == taken.joints;
 }
 
 void Simulation::Parts::start(const State& state) {

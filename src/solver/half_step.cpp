@@ -4,26 +4,40 @@
 #include <phymul/elasticity.h>
 #include <phymul/load_frame.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "interaction/joint_set.h"
 
 namespace phymul {
 namespace {
 
-/// Calls change(velocity, acceleration) for every free coordinate.
-template <class Change>
-void for_free_coordinates(const TopologyTextures& topology, const Scene& scene, State& state, Change change) {
+/// Rounds in which the velocities that joints damp are found: each leaves at most dt c / m / (1 + d) of the error.
+constexpr int damped_rounds = 60;
+
+/// N, of elastic forces and loads; m/s^2 of gravity; coordinates that are imposed.
+struct Acting {
+  Acting(const TopologyTextures& topology, const Scene& scene, const State& state) : force(state.position.size()) {
+    scene.prepare(loads);
+    scene.evaluate(state.time, loads);
+    elastic_forces(topology, state.position, force);
+    for (std::size_t i = 0; i < loads.force.size(); ++i) force[i] += loads.force[i];
+  }
+  VecList force;
   LoadFrame loads;
-  scene.prepare(loads);
-  scene.evaluate(state.time, loads);
-  VecList force(state.position.size());
-  elastic_forces(topology, state.position, force);
+};
+
+/// Calls change(particle, axis, acceleration) for every free coordinate; joints damp the state's velocities.
+template <class Change>
+void for_free_coordinates(const TopologyTextures& topology, const Scene& scene, const Acting& acting,
+                          const State& state, Change change) {
+  VecList force = acting.force;
   add_joint_forces(scene, state, force);
+  const std::vector<std::uint8_t>& fixed = acting.loads.fixed;
   for (std::size_t i = 0; i < force.size(); ++i) {
-    if (!loads.force.empty()) force[i] += loads.force[i];
-    const Vec3 acceleration = loads.gravity + force[i] / topology.mass[i];
+    const Vec3 acceleration = acting.loads.gravity + force[i] / topology.mass[i];
     for (int axis = 0; axis < topology.dimension; ++axis) {
-      const bool imposed = !loads.fixed.empty() && (loads.fixed[i] >> axis & 1);
-      if (!imposed) change(state.velocity[i][axis], acceleration[axis]);
+      if (fixed.empty() || (fixed[i] >> axis & 1) == 0) change(i, axis, acceleration[axis]);
     }
   }
 }
@@ -31,13 +45,25 @@ void for_free_coordinates(const TopologyTextures& topology, const Scene& scene, 
 }  // namespace
 
 void to_own_time(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state) {
-  for_free_coordinates(topology, scene, state,
-                       [&](double& v, double a) { v = ((1.0 + step.d) * v + step.dt * a) / 2.0; });
+  VecList velocity = state.velocity;
+  for_free_coordinates(topology, scene, Acting(topology, scene, state), state, [&](std::size_t i, int axis, double a) {
+    velocity[i][axis] = ((1.0 + step.d) * velocity[i][axis] + step.dt * a) / 2.0;
+  });
+  state.velocity = std::move(velocity);
 }
 
 void to_half_step_before(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state) {
-  for_free_coordinates(topology, scene, state,
-                       [&](double& v, double a) { v = (2.0 * v - step.dt * a) / (1.0 + step.d); });
+  const Acting acting(topology, scene, state);
+  const bool damped =
+      std::ranges::any_of(scene.joints(), [](const SceneJoint& joint) { return joint.joint.damping > 0.0; });
+  const VecList own = state.velocity;
+  VecList velocity = own;
+  for (int k = 0; k < (damped ? damped_rounds : 1); ++k) {
+    for_free_coordinates(topology, scene, acting, state, [&](std::size_t i, int axis, double a) {
+      velocity[i][axis] = (2.0 * own[i][axis] - step.dt * a) / (1.0 + step.d);
+    });
+    state.velocity = velocity;
+  }
 }
 
 }  // namespace phymul

@@ -12,6 +12,12 @@
 #include "base/denormals.h"
 
 namespace phymul::cpu {
+namespace {
+
+/// Share of gravity that a held block may be out of balance by.
+constexpr double most_of_gravity = 0.05;
+
+}  // namespace
 
 void SliceRanges::clear() {
   ranges_.clear();
@@ -56,6 +62,9 @@ void BodySleep::begin(const simd::Move& move, const RestThresholds& hold) {
   if (now != before_) everything_ = true;
   before_ = now;
   hold_ = hold;
+  // What falls must not hang: for a stiff body the threshold may be above gravity.
+  const double gravity = std::hypot(move.gravity[0], move.gravity[1], move.gravity[2]);
+  if (gravity > 0.0) hold_.acceleration = std::min(hold_.acceleration, most_of_gravity * gravity);
   choose();
   for (auto* marks : {&changed_, &stirred_, &pushed_}) std::ranges::fill(*marks, std::uint8_t{0});
   everything_ = false;
@@ -139,7 +148,12 @@ void BodySleep::hold_if_still(const simd::Move& move, int block, int first, int 
   const bool slow = was_held || std::sqrt(static_cast<double>(summary.speed)) <= hold.speed;
   if (!slow || summary.runaway || !(std::sqrt(static_cast<double>(summary.acceleration)) <= hold.acceleration)) return;
   still_after_[block] = std::min(still_[block] + 1, held_after_);
-  if (still_after_[block] < held_after_ || is_carried(move, first * body_.lanes, last * body_.lanes)) return;
+  if (still_after_[block] < held_after_) return;
+  if (is_carried(move, first * body_.lanes, last * body_.lanes)) {
+    // Not held, so its speed counts again once it stops.
+    still_after_[block] = held_after_ - 1;
+    return;
+  }
   const std::size_t from = static_cast<std::size_t>(first) * body_.lanes;
   const std::size_t count = static_cast<std::size_t>(last - first) * body_.lanes;
   std::memcpy(move.next_u + 16 * from, move.u + 16 * from, 16 * count);
