@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "solver/half_step.h"
 #include "support/joined_particles.h"
 #include "support/tool_backends.h"
 
@@ -263,6 +264,39 @@ TEST_P(JointIn, VelocitiesOfAStatesOwnTimeCountTheJoints) {
   ASSERT_TRUE(sim.advance(0.25 * 2.0 * std::numbers::pi / omega).ok());
   const double limit = sim.step_limit() * omega;
   EXPECT_NEAR(sim.state().velocity[0].x(), -0.01 * omega, 0.2 * limit * limit * 0.01 * omega);
+}
+
+/// Velocities of a step's middle follow from those of its end, though a damper acts on the former.
+TEST_P(JointIn, AStateHandedOverKeepsDampedVelocities) {
+  const Oscillator body(0.5 * mass * omega);
+  const auto solver = make(body.model, body.scene);
+  body.start(*solver, 0.01);
+  const double dt = 0.4 / omega;
+  ASSERT_TRUE(solver->step(20, dt).ok());
+  const State before = solver->read();
+  State own = before;
+  to_own_time(build_topology(body.model, {.law = Law::springs}), body.scene, {dt, 1.0}, own);
+  solver->start(own, dt);
+  EXPECT_NEAR(solver->read().velocity[0].x(), before.velocity[0].x(), 1e-6 * std::abs(before.velocity[0].x()) + 1e-12);
+  EXPECT_GT(std::abs(own.velocity[0].x() - before.velocity[0].x()), 1e-3 * std::abs(before.velocity[0].x()));
+}
+
+TEST_P(JointIn, AnotherJointOfTheNameIsWhole) {
+  Model model = loose_particles({Vec3(0, 0, 0), Vec3(0.01, 0, 0)}, mass);
+  Scene scene(model);
+  Joint weak{.springs = {{at_particle(0), at_world({0, 0, 0})}, {at_particle(1), at_world({0, 0, 0.1})}},
+             .stiffness = stiffness,
+             .breaking_force = 1e-3};
+  for (JointSpring& spring : weak.springs) spring.rest_length = 0.0;
+  scene.add_joint("glue", weak);
+  const auto solver = make(model, scene);
+  ASSERT_TRUE(solver->step(2, 1e-4).ok());
+  ASSERT_EQ(solver->joint_report("glue").broken, 1);
+  scene.remove_joint("glue").add_joint("glue", {.springs = {{at_particle(0), at_particle(1)}}, .stiffness = stiffness});
+  EXPECT_TRUE(solver->read().joints.empty());
+  EXPECT_TRUE(std::isfinite(solver->energy().kinetic));
+  ASSERT_TRUE(solver->step(1, 1e-4).ok());
+  EXPECT_EQ(solver->joint_report("glue").broken, 0);
 }
 
 }  // namespace
