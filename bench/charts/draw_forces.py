@@ -112,24 +112,25 @@ def cloth(out):
     finish(figure, out, "cloth_on_sphere_force")
 
 
-def organs(out):
-    figure, (axes,) = sheet("Two organs: a probe presses, a needle goes in, both go away", ("time, s", "force, N"))
-    time, probe_force, needle_force = columns(rows_of(out, "two_organs"), "time_s", "probe_N", "needle_N")
-    axes.plot(time, probe_force, color=BLUE, label="on the probe, upward")
-    axes.plot(time, needle_force, color=RED, linestyle=(0, (4, 2)), label="on the needle's hub, back")
+def two_forces(out, name, title, lines):
+    """`lines`: of the CSV file NAME, two pairs of a column and its label."""
+    figure, (axes,) = sheet(title, ("time, s", "force, N"))
+    time, first, second = columns(rows_of(out, name), "time_s", *(column for column, _ in lines))
+    axes.plot(time, first, color=BLUE, label=lines[0][1])
+    axes.plot(time, second, color=RED, linestyle=(0, (4, 2)), label=lines[1][1])
     zero(axes)
     axes.legend()
-    finish(figure, out, "two_organs_force")
+    finish(figure, out, f"{name}_force")
+
+
+def organs(out):
+    two_forces(out, "two_organs", "Two organs: a probe presses, a needle goes in, both go away",
+               [("probe_N", "on the probe, upward"), ("needle_N", "on the needle's hub, back")])
 
 
 def liver(out):
-    figure, (axes,) = sheet("A probe presses on a tumour, slides off it and goes back", ("time, s", "force, N"))
-    time, probe_force, ligament = columns(rows_of(out, "liver"), "time_s", "force_N", "ligament_N")
-    axes.plot(time, probe_force, color=BLUE, label="on the probe")
-    axes.plot(time, ligament, color=RED, linestyle=(0, (4, 2)), label="of the ligament")
-    zero(axes)
-    axes.legend()
-    finish(figure, out, "liver_force")
+    two_forces(out, "liver", "A probe presses on a tumour, slides off it and goes back",
+               [("force_N", "on the probe"), ("ligament_N", "of the ligament")])
 
 
 def main(out):

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// A liver hangs on a ligament from the wall above it, and a gallbladder is glued to its lower side.
+// A ligament holds a liver to the wall above it. A gallbladder is glued to its lower side.
 #include <phymul/phymul.h>
 
 #include <cstdio>

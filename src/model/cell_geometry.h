@@ -46,8 +46,8 @@ double signed_measure(int dimension, const Cell& cell, std::span<const Vec3> pos
 /// True for the cells that signed_measure measures.
 bool is_solid(int dimension, CellType type);
 
-/// Calls visit(particles) for every face of a solid cell (3-D) or edge (2-D). It gets four particles in order around
-/// the face; those that a triangle or an edge lacks are -1.
+/// Calls visit(particles) for every face of a 3-D cell, or every edge of a 2-D cell. `particles` has four entries, in
+/// order around the face. A triangle fills the last one with -1, an edge the last two.
 template <class Visit>
 void each_face(int dimension, const Cell& cell, Visit visit) {
   if (dimension == 3) {

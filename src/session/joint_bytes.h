@@ -14,7 +14,7 @@ std::string joint_value_bytes(const Joint& joint);
 void change_joint_values(const JointHandle& joint, ByteReader& in);
 
 void put_joint(ByteWriter& out, const SceneJoint& joint);
-/// Adds it. Throws Error for bytes that are none, or a joint that the scene refuses.
+/// Reads a joint and adds it to the scene. Throws Error if the bytes are damaged or the scene refuses the joint.
 void take_joint(ByteReader& in, Scene& scene);
 
 }  // namespace phymul

@@ -27,7 +27,7 @@ struct Acting {
   LoadFrame loads;
 };
 
-/// Calls change(particle, axis, acceleration) for every free coordinate; joints damp the state's velocities.
+/// Calls change(particle, axis, acceleration) for every free coordinate. Dampers of joints act on state.velocity.
 template <class Change>
 void for_free_coordinates(const TopologyTextures& topology, const Scene& scene, const Acting& acting,
                           const State& state, Change change) {

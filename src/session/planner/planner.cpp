@@ -181,10 +181,6 @@ void Planner::refine() {
       ended_ = "the errors are known well enough";
       break;
     }
-    if (spacing / refinement < options.finest * (1.0 - 1e-9)) {
-      ended_ = "PlanOptions::finest is reached";
-      break;
-    }
     const double share = levels_.size() < fitted ? 1.0 : for_refining;
     if (prober_.elapsed() + predicted_seconds(spacing / refinement) > share * options.budget) {
       ended_ = "a finer body would exceed the budget";

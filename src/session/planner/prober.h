@@ -11,7 +11,7 @@
 
 namespace phymul {
 
-/// What is wrong for every candidate, and ends plan(); other errors end the trial of one.
+/// A mistake that every candidate would have. It ends plan(); any other error ends the trial of one candidate only.
 class SceneError : public Error {
  public:
   explicit SceneError(const std::string& text) : Error("plan: " + text) {}
