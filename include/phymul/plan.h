@@ -40,11 +40,12 @@ struct PlanOptions {
   /// s of simulated time, from the builder's state on, after which displacements are compared (and at seven times
   /// before). 0: at rest, by solve_static(), or by run_to_rest() where that does not support the scene.
   double probe_time = 0.0;
-  std::function<void(Simulation&)> before_tick{};  ///< called before each tick of probe_time, for every
-                                                   ///< candidate: moves tools, by Simulation::time() alone
-  double coarsest = 0.0, finest = 0.0;             ///< m, limits of the spacing; 0: none
-  double budget = 20.0;                            ///< s of wall time for planning, > 0; kept by omitting finer bodies
-  std::vector<std::string> backends{"cpu"};        ///< those that this machine cannot run are omitted
+  /// Called before each tick of probe_time, for example to move tools. It is called for every candidate, so what it
+  /// does must depend on Simulation::time() alone.
+  std::function<void(Simulation&)> before_tick{};
+  double coarsest = 0.0, finest = 0.0;       ///< m, limits of the spacing; 0: none
+  double budget = 20.0;                      ///< s of wall time for planning, > 0; kept by omitting finer bodies
+  std::vector<std::string> backends{"cpu"};  ///< those that this machine cannot run are omitted
   /// Multiples of the stable step, in (0, 1). Above 0.5 a strongly deformed body can become unstable.
   std::vector<double> steps{0.5};
   int most_threads = 0;  ///< 0: the number of processors
