@@ -16,8 +16,9 @@
 
 namespace phymul {
 
-class JointSet;  // src/interaction/joint_set.h
-class Profile;   // src/solver/profile.h
+class JointSet;      // src/interaction/joint_set.h
+class Profile;       // src/solver/profile.h
+class ScaledTables;  // src/elastic/scaled_tables.h
 
 /// Does once for all backends what does not depend on them: checks of arguments and states, the step limit, failure
 /// policy, rest test, progress calls, and the default of every optional function. A backend overrides the private
@@ -97,6 +98,11 @@ class SolverBackend : public Solver {
   /// before; last_dt, s: of the step it came by, 0: none.
   Energy energy_of(const State& state, double last_dt) const;
 
+  /// topology(), with the scene's stiffness_factors(); valid until these change. Allocates at the first that are not 1.
+  const TopologyTextures& elastic() const;
+  /// What of the scene only "cpu" and "reference" take, as do_cannot() says it; null: nothing.
+  const char* beyond_devices() const;
+
   LoadFrame& frame() { return frame_; }                  ///< prepared; a backend evaluates it at the time of each step
   const LoadFrame& frame() const { return frame_; }      ///< of the scene as the last step or reset saw it
   JointSet& joints() { return *joints_; }                ///< of the scene; empty for backends without joints
@@ -105,7 +111,8 @@ class SolverBackend : public Solver {
  private:
   virtual void do_reset(const State& state) = 0;
   virtual void do_scene_changed() = 0;  ///< frame() has new sizes; may allocate
-  /// Only Scene::mode_values() has changed, not the modes. Must not allocate. Sets the count of steps at rest to 0.
+  /// Only values have changed: Scene::mode_values() of the same modes, joints', stiffness_factors(). Must not allocate.
+  /// Sets the count of steps at rest to 0.
   virtual void do_values_changed() { do_scene_changed(); }
   virtual Motion do_step(const StepPlan& plan) = 0;
   virtual void do_read(State& state) const = 0;
@@ -135,7 +142,9 @@ class SolverBackend : public Solver {
   const ToolReport& tool_report(std::size_t row) const final { return do_tool_report(row); }
   const JointReport& joint_report_at(std::size_t row) const final;
   double step_limit(double damping_factor) const;  // s
+  Spectrum spectrum() const;                       // a bound, of materials as stiff as the scene makes them
   void require_fitting(const State& state) const;
+  const char* cannot() const;  // do_cannot(), and what no backend can
   void require_supported() const;
   void require_idle(const char* what) const;
   void follow_scene();
@@ -159,7 +168,8 @@ class SolverBackend : public Solver {
   std::unique_ptr<Profile> profile_;
   std::unique_ptr<JointSet> joints_;
   int steps_a_slice_ = 1;  // between two looks at the clock, if progress is asked for
-  Spectrum spectrum_;
+  Spectrum own_spectrum_;  // of the model's own stiffness
+  std::unique_ptr<ScaledTables> scaled_;
   double spacing_ = 0.0;
 };
 

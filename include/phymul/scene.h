@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Scene: what acts on a body: fixed particles, loads, gravity, tools, joints, volume constraints, contacts. It may
-// change between steps. A scene costs only what it contains.
+// Scene: what acts on a body: fixed particles, loads, gravity, tools, joints, volume constraints, contacts, and how
+// stiff its materials are at present. It may change between steps. A scene costs only what it contains.
 #pragma once
 
 #include <phymul/joint.h>
@@ -138,6 +138,17 @@ class Scene {
   Scene& contacts(const ContactOptions& options);
   Scene& no_contacts();
 
+  /// Multiplies the stiffness of the model's materials, of all or of those of a group's cells (as set_material() takes
+  /// a group), by a factor from 1e-6 to 1e6: Young's modulus and what follows from it. Always of the model's own
+  /// values: 1 takes it back. Cheap for any size of body: solvers build no tables anew, and only the first call makes
+  /// them allocate. Solver::stable_step() follows at once, by a bound: the model's own over the root of the largest
+  /// factor. For Law::particle_averaged. Throws Error for a model without materials, a factor out of range, and a group
+  /// that has no cell or shares a material with cells outside of it.
+  Scene& scale_stiffness(double factor);
+  Scene& scale_stiffness(std::string_view group, double factor);
+  Scene& scale_stiffness(std::span<const double> factors);  ///< [Model::materials], or none: all 1
+  const std::vector<double>& stiffness_factors() const { return stiffness_factors_; }  ///< [materials], or none: all 1
+
   /// Replaces the events of loads()[row]. It is cheap for any size of body: solvers prepare nothing, and nothing is
   /// allocated if the load had as many events before and the new ones are sorted. For values that change at every step.
   Scene& set_events(std::size_t row, std::span<const ValueEvent> events);
@@ -179,9 +190,10 @@ class Scene {
   const std::optional<ContactOptions>& contacts() const { return contacts_; }
 
   // For authors of backends (load_frame.h).
-  /// Counts changes other than those of set_events() and of handles. A solver that sees a new value prepares anew.
+  /// Counts changes other than those of set_events(), of handles and of scale_stiffness() after its first call. A
+  /// solver that sees a new value prepares anew.
   std::uint64_t version() const { return version_; }
-  std::uint64_t values_version() const { return values_version_; }  ///< counts calls of set_events() and JointHandle
+  std::uint64_t values_version() const { return values_version_; }  ///< counts the others of values
   void prepare(LoadFrame& frame) const;  ///< gives a frame the sizes for this version(); allocates
   /// Fills a frame that prepare() sized at this version(), for a time, s. Writes only what loads act on. Does not
   /// allocate and does not throw.
@@ -200,6 +212,7 @@ class Scene {
     bool uniform = false;          // an acceleration of the whole body along one direction, which needs no forces
   };
 
+  void set_factors(std::vector<double> factors);
   void require(const Load& load) const;
   Action accepted(Load& load) const;
   Action prepared(const Load& load) const;
@@ -217,6 +230,7 @@ class Scene {
   std::vector<Load> loads_;
   std::vector<Action> actions_;  // per load
   Vec3 gravity_{0, 0, 0};
+  std::vector<double> stiffness_factors_;
   std::vector<VolumeConstraint> volume_constraints_;
   std::optional<ContactOptions> contacts_;
   std::vector<SceneTool> tools_;

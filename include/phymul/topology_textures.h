@@ -71,6 +71,7 @@ inline constexpr std::size_t most_energy_constants = 6;
 /// Law::particle_averaged: the neighbourhood of a particle, or where materials meet its part of one material.
 struct DomainTexel {
   Index particle = none;
+  Index material = 0;             ///< row of Model::materials
   double inverse_volume = 0.0;    ///< 1/V_d, 1/m^3
   double spread_stiffness = 0.0;  ///< s mu, Pa: the stabiliser times the shear modulus
   /// Constants of TopologyOptions::strain_energy, in the order in which StrainEnergy names them, then zeros.

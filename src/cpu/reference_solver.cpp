@@ -84,7 +84,7 @@ class ReferenceSolver final : public SolverBackend {
     if (!tools_.empty()) tools_.begin_call(scene(), plan.steps, plan.stop_at_rest);
     Laps laps(profiling());
     while (motion.steps < plan.steps) {
-      elastic_forces(topology(), state_.position, force_);
+      elastic_forces(elastic(), state_.position, force_);
       laps.end(forces_row_);
       const bool any_cut = cut_forces(plan.largest_acceleration);
       if (!joints().empty()) pull_joints(plan.dt);

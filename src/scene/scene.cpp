@@ -278,6 +278,7 @@ Scene& Scene::clear() {
   tools_.clear();
   joints_.clear();
   gravity_.setZero();
+  stiffness_factors_.clear();
   volume_constraints_.clear();
   contacts_.reset();
   ++version_;

@@ -14,7 +14,7 @@
 namespace phymul {
 namespace {
 
-constexpr FileKind recording_kind{"phymulRe", 5, "a recording"};
+constexpr FileKind recording_kind{"phymulRe", 6, "a recording"};
 constexpr const char* head_tag = "head";
 constexpr const char* start_tag = "stat";
 constexpr const char* scene_tag = "scne";

@@ -61,6 +61,18 @@ void take_contacts(ByteReader& in, Scene& scene) {
   scene.contacts(options);
 }
 
+/// For a ByteWriter and factors that are const, or a ByteReader and ones that are not.
+template <class Bytes, class Factors>
+void stiffness_fields(Bytes& bytes, Factors& factors) {
+  bytes.list(factors, 8, "a number of stiffness factors", [&](auto& factor) { bytes.field(factor, "a factor"); });
+}
+
+void take_stiffness(ByteReader& in, Scene& scene) {
+  std::vector<double> factors;
+  stiffness_fields(in, factors);
+  if (factors != scene.stiffness_factors()) scene.scale_stiffness(factors);
+}
+
 /// Tools keep their order where some go: new ones stand after those that stay.
 void take_tools(ByteReader& in, Scene& scene) {
   const std::size_t count = in.count(5, "a number of tools");
@@ -167,6 +179,7 @@ std::string scene_change_bytes(const Scene& scene, const SceneBefore& before, bo
   out.vector(scene.gravity());
   out.field(scene.contacts().has_value(), "");
   if (scene.contacts()) contact_fields(out, *scene.contacts());
+  stiffness_fields(out, scene.stiffness_factors());
   out.u64(scene.loads().size());
   ByteWriter changed;
   std::uint64_t changes = 0;
@@ -201,6 +214,7 @@ void change_scene(Scene& scene, ByteReader& in) {
   if (anew) scene.clear();
   scene.gravity(in.vector("a gravity"));
   take_contacts(in, scene);
+  take_stiffness(in, scene);
   const std::uint64_t count = in.u64("a number of loads");
   const std::size_t changes = in.count(16, "a number of changed loads");
   for (std::size_t k = 0; k < changes; ++k) {

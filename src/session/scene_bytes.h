@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
 // A scene in bytes, load by load. A change of a scene is: whether it starts from an empty one (u8), gravity, contacts,
-// the number of loads (u64), the changed ones (count, then row and load each), the joints that stay, by name, with
-// their stiffness, damping and rest lengths where these changed, all tools by name, with what they are where they are
-// new, the new joints, and after an empty scene the kept volumes.
+// the factors of the materials' stiffness (count, f64 each), the number of loads (u64), the changed ones (count, then
+// row and load each), the joints that stay, by name, with their stiffness, damping and rest lengths where these
+// changed, all tools by name, with what they are where they are new, the new joints, and after an empty scene the kept
+// volumes.
 #pragma once
 
 #include <phymul/scene.h>

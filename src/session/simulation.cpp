@@ -196,7 +196,7 @@ State Simulation::state() const {
     state.velocity = parts_->started->wanted.velocity;
   } else if (now.last_dt > 0.0) {
     const double d = solver().options().damping.factor_at(now.last_dt);
-    to_own_time(*parts_->topology, parts_->scene, {now.last_dt, d}, state);
+    to_own_time(parts_->elastic(), parts_->scene, {now.last_dt, d}, state);
   }
   return std::move(state);
 }

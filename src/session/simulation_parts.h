@@ -8,6 +8,8 @@
 #include <chrono>
 #include <optional>
 
+#include "elastic/scaled_tables.h"
+
 namespace phymul {
 
 struct Simulation::Parts {
@@ -15,6 +17,7 @@ struct Simulation::Parts {
 
   Solver& solver();  ///< made by the first call
   double step_limit();
+  const TopologyTextures& elastic() { return scaled.of(*topology, scene.stiffness_factors()); }
 
   /// To be called before steps of dt: converts the velocities of a state that was set for just these steps.
   void begin(double dt);
@@ -31,6 +34,7 @@ struct Simulation::Parts {
   Model model;
   Scene scene;
   std::shared_ptr<const TopologyTextures> topology;
+  ScaledTables scaled;
 
   struct Start {
     State wanted, taken;  ///< as given; as the solver has it

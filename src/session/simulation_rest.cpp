@@ -90,7 +90,7 @@ RestResult Simulation::Parts::run_to_rest(int max_steps, double dt) {
     steps += result.report.steps;
     if (result.status != RestStatus::step_limit || steps >= max_steps) break;
     solver().read(to);
-    const double measured = std::sqrt(squared_frequency(*topology, scene, from, to));
+    const double measured = std::sqrt(squared_frequency(elastic(), scene, from, to));
     if (measured > 0.0) frequency = std::clamp(measured, most_down * frequency, most_up * frequency);
     std::swap(from, to);
     if (!progress.is_due()) continue;

@@ -135,7 +135,7 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   if (options.most_evaluations < 1) {
     throw Error("StaticOptions::most_evaluations must be at least 1; got " + std::to_string(options.most_evaluations));
   }
-  const TopologyTextures& topology = *parts_->topology;
+  const TopologyTextures& topology = parts_->elastic();
   State state = solver().read();
   require_supported(topology, scene(), state.time);
   LoadFrame loads;

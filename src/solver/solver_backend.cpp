@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/decimal.h"
+#include "elastic/scaled_tables.h"
 #include "half_step.h"
 #include "interaction/joint_set.h"
 #include "profile.h"
@@ -38,10 +39,6 @@ constexpr const char* no_tools =
     "the scene has tools, which this backend does not take; use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_needles =
     "the scene has a needle, which this backend does not take; use \"gl-compute\", \"cpu\" or \"reference\"";
-constexpr const char* no_surface_contact =
-    "the scene has a tool with ToolContact::surface, which this backend does not take; use \"cpu\" or \"reference\"";
-constexpr const char* no_joints =
-    "the scene has joints, which this backend does not take; use \"cpu\" or \"reference\"";
 constexpr const char* no_volumes =
     "the scene keeps volumes, which this backend does not do; use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_contacts =
@@ -55,11 +52,12 @@ SolverBackend::SolverBackend(std::string name, std::shared_ptr<const TopologyTex
       topology_(std::move(topology)),
       scene_(&scene),
       options_(options),
-      joints_(std::make_unique<JointSet>()) {
+      joints_(std::make_unique<JointSet>()),
+      scaled_(std::make_unique<ScaledTables>()) {
   require_options(options_);
   require_same_body(*topology_, model());
-  spectrum_ = options_.spectrum ? *options_.spectrum : estimate_spectrum(*topology_, topology_->rest);
-  if (!std::isfinite(spectrum_.largest)) {
+  own_spectrum_ = options_.spectrum ? *options_.spectrum : estimate_spectrum(*topology_, topology_->rest);
+  if (!std::isfinite(own_spectrum_.largest)) {
     throw Error(
         "the body's stiffness over its mass is beyond the range of numbers; expected masses in kg and stiffnesses in "
         "N/m (or a material in Pa) of a real body");
@@ -105,9 +103,15 @@ void SolverBackend::require_fitting(const State& state) const {
   require_joint_states(state, scene_->joints());
 }
 
+const char* SolverBackend::cannot() const {
+  if (!scene_->stiffness_factors().empty() && topology_->domains.empty()) {
+    return "the scene scales the stiffness of materials, and the body's law has none; use Law::particle_averaged";
+  }
+  return do_cannot();
+}
+
 void SolverBackend::require_supported() const {
-  if (const char* const cause = do_cannot())
-    throw Error(ErrorCode::not_supported, "backend \"" + name_ + "\": " + cause);
+  if (const char* const cause = cannot()) throw Error(ErrorCode::not_supported, "backend \"" + name_ + "\": " + cause);
 }
 
 void SolverBackend::require_idle(const char* what) const {
@@ -139,9 +143,24 @@ const JointReport& SolverBackend::joint_report_at(std::size_t row) const {
 /// largest (Weyl).
 double SolverBackend::step_limit(double damping_factor) const {
   const JointBounds& joints = joints_->bounds(*scene_, topology_->mass);
-  if (joints.stiffness == 0.0 && joints.damping == 0.0) return phymul::stable_step(spectrum_, damping_factor);
+  if (joints.stiffness == 0.0 && joints.damping == 0.0) return phymul::stable_step(spectrum(), damping_factor);
   const double twice = 2.0 * (1.0 + damping_factor), c = joints.damping;
-  return twice / (c + std::sqrt(c * c + twice * (spectrum_.largest + joints.stiffness)));
+  return twice / (c + std::sqrt(c * c + twice * (spectrum().largest + joints.stiffness)));
+}
+
+/// Stiffness is a sum over materials, so that no eigenvalue grows by more than the largest factor.
+Spectrum SolverBackend::spectrum() const {
+  Spectrum now = own_spectrum_;
+  if (scene_->stiffness_factors().empty()) return now;
+  const double factor = std::ranges::max(scene_->stiffness_factors());
+  now.largest *= factor;
+  now.most_negative *= factor;
+  now.largest_imaginary *= factor;
+  return now;
+}
+
+const TopologyTextures& SolverBackend::elastic() const {
+  return scaled_->of(*topology_, scene_->stiffness_factors());
 }
 
 std::uint64_t SolverBackend::topology_hash() const {
@@ -190,7 +209,7 @@ void SolverBackend::start(const State& state, double dt) {
     throw Error("Solver::start: expected a finite dt above 0 s; got " + to_decimal(dt));
   reset(state);  // which refuses what does not fit before anything is computed from it
   State earlier = state;
-  to_half_step_before(*topology_, *scene_, {dt, options_.damping.factor_at(dt)}, earlier);
+  to_half_step_before(elastic(), *scene_, {dt, options_.damping.factor_at(dt)}, earlier);
   reset(earlier);
 }
 
@@ -230,11 +249,22 @@ void SolverBackend::do_restore(const Snapshot& snapshot) {
   do_reset(snapshot.state);
 }
 
+const char* SolverBackend::beyond_devices() const {
+  if (touches_surface(scene_->tools())) {
+    return "the scene has a tool with ToolContact::surface, which this backend does not take; use \"cpu\" or "
+           "\"reference\"";
+  }
+  if (!scene_->joints().empty()) {
+    return "the scene has joints, which this backend does not take; use \"cpu\" or \"reference\"";
+  }
+  if (scene_->stiffness_factors().empty()) return nullptr;
+  return "the scene scales the stiffness of materials, which this backend cannot; use \"cpu\" or \"reference\"";
+}
+
 const char* SolverBackend::do_cannot() const {
   if (!scene_->tools().empty() && !takes_tools()) return no_tools;
   if (has_needle(scene_->tools())) return no_needles;
-  if (touches_surface(scene_->tools())) return no_surface_contact;
-  if (!scene_->joints().empty()) return no_joints;
+  if (const char* const cause = beyond_devices()) return cause;
   if (!scene_->volume_constraints().empty() && !do_takes_volumes()) return no_volumes;
   return scene_->contacts() ? no_contacts : nullptr;
 }
@@ -244,9 +274,9 @@ Energy SolverBackend::energy_of(const State& state, double last_dt) const {
   scene_->prepare(now);
   scene_->evaluate(state.time, now);
   VecList force(state.position.size());
-  elastic_forces(*topology_, state.position, force);
+  elastic_forces(elastic(), state.position, force);
   Energy energy;
-  energy.elastic = elastic_energy(*topology_, state.position);
+  energy.elastic = elastic_energy(elastic(), state.position);
   if (!scene_->joints().empty()) energy.elastic += add_joint_forces(*scene_, read(), force);
   for (Index i = 0; i < topology_->particle_count; ++i) {
     const double m = topology_->mass[i];

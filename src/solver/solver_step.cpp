@@ -95,12 +95,13 @@ SolverBackend::StepPlan SolverBackend::plan_for(int n, double dt, const Damping&
   plan.dt = dt;
   plan.damping_factor = damping.factor_at(dt);
   const double joints = joints_->bounds(*scene_, topology_->mass).stiffness;
+  const Spectrum body = spectrum();
   // Of the body alone, where it has any stiffness: a stiff joint must not loosen the rest test.
-  const double omega = std::sqrt(spectrum_.largest > 0.0 ? spectrum_.largest : joints);
-  plan.omega_max = std::sqrt(spectrum_.largest + joints);
+  const double omega = std::sqrt(body.largest > 0.0 ? body.largest : joints);
+  plan.omega_max = std::sqrt(body.largest + joints);
   plan.speed_at_rest = options_.rest_tolerance * spacing_ * omega;
   plan.acceleration_at_rest = plan.speed_at_rest * omega;
-  const bool clamps = spacing_ > 0.0 && !beyond_limit && !grows_by_itself(spectrum_);
+  const bool clamps = spacing_ > 0.0 && !beyond_limit && !grows_by_itself(body);
   plan.largest_acceleration =
       clamps ? options_.max_displacement_per_step * spacing_ / (dt * dt) : std::numeric_limits<double>::infinity();
   plan.runaway_speed = omega * spacing_ > 0.0 ? runaway_factor * spacing_ * omega : std::numeric_limits<double>::max();
@@ -126,7 +127,7 @@ void SolverBackend::report_failure(const Motion& motion, StepReport& report) con
   } else if (motion.bad_particle >= 0) {
     report.status = StepStatus::not_finite;
     report.particle = motion.bad_particle;
-    report.cause = likely_cause(*topology_, spectrum_, report.dt, report.stable_step, any_tool_grasps());
+    report.cause = likely_cause(*topology_, spectrum(), report.dt, report.stable_step, any_tool_grasps());
   }
 }
 
@@ -153,9 +154,9 @@ StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest, const Dam
     report.status = StepStatus::unstable_step;
     return report;
   }
-  if (do_cannot() != nullptr) {
+  if (const char* const cause = cannot()) {
     report.status = StepStatus::not_supported;
-    report.cause = do_cannot();
+    report.cause = cause;
     return report;
   }
   follow_scene();

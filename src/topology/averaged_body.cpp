@@ -288,7 +288,7 @@ void add_averaged_terms(const Model& model, TopologyTextures& topology) {
   for (Index d = 0; d < domains.count(); ++d) {
     const Material& material = model.materials[domains.material[d]];
     spread[d] *= 0.5 * material.young / (1.0 + material.poisson);
-    topology.domains.push_back({domains.particle[d], 1.0 / domains.volume[d], spread[d],
+    topology.domains.push_back({domains.particle[d], domains.material[d], 1.0 / domains.volume[d], spread[d],
                                 energy_constants(topology.options.strain_energy, material, fibres[d])});
   }
   topology.first_domain.assign(model.rest.size() + 1, 0);

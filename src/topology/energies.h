@@ -17,13 +17,14 @@ struct EnergyKind {
   const char* name;
   std::int32_t number;      ///< in files; never changes
   std::size_t constants;    ///< of DomainTexel::energy
+  std::size_t moduli;       ///< the first of them, Pa, to which the energy is proportional
   double least_stabiliser;  ///< below it rough motions would cost next to nothing
 };
 
 /// In the order of the enumerators.
-inline constexpr std::array energy_kinds{EnergyKind{StrainEnergy::shape_memory, "shape_memory", 0, 2, 0.1},
-                                         EnergyKind{StrainEnergy::neo_hookean, "neo_hookean", 1, 2, 0.25},
-                                         EnergyKind{StrainEnergy::fibres, "fibres", 2, 6, 0.1}};
+inline constexpr std::array energy_kinds{EnergyKind{StrainEnergy::shape_memory, "shape_memory", 0, 2, 2, 0.1},
+                                         EnergyKind{StrainEnergy::neo_hookean, "neo_hookean", 1, 2, 2, 0.25},
+                                         EnergyKind{StrainEnergy::fibres, "fibres", 2, 6, 3, 0.1}};
 
 constexpr const EnergyKind& kind_of(StrainEnergy energy) {
   return energy_kinds[static_cast<std::size_t>(energy)];

@@ -13,6 +13,18 @@ AveragedPasses::AveragedPasses(const TopologyTextures& topology, const PackedBod
       stress_(body.averages.stress_floats(), 0.0f),
       first_(body.averages.shared_out(parts)) {}
 
+bool AveragedPasses::scale(const TopologyTextures& topology, const std::vector<double>& of_materials) {
+  if (of_materials == of_materials_) return false;
+  of_materials_ = of_materials;
+  const std::vector<Index>& domains = body_.averages.domain_of_place;
+  factor_.resize(of_materials.empty() ? 0 : domains.size());
+  for (std::size_t place = 0; place < factor_.size(); ++place) {
+    const Index d = domains[place];
+    factor_[place] = d == none ? 1.0f : static_cast<float>(of_materials[topology.domains[d].material]);
+  }
+  return true;
+}
+
 template <class Pass>
 void AveragedPasses::for_each_pass(const simd::Averaged& job, WorkLaps& laps, const Pass& pass) const {
   const bool runs = !body_.averages.runs.empty();
@@ -30,7 +42,8 @@ void AveragedPasses::for_each_pass(const simd::Averaged& job, WorkLaps& laps, co
 void AveragedPasses::run(char* force, char* u, char* next_u, const BodySleep* sleep, ThreadPool& pool, WorkLaps& laps) {
   if (sleep != nullptr && sleep->none()) return;
   const PackedAverages& averages = body_.averages;
-  const simd::Averaged job = averages.job(u, reinterpret_cast<char*>(stress_.data()), force);
+  simd::Averaged job = averages.job(u, reinterpret_cast<char*>(stress_.data()), force);
+  if (!factor_.empty()) job.factor = factor_.data();
   if (sleep != nullptr) {
     sleep->copy_displacements(u, next_u);
   } else {

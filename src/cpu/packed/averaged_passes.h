@@ -17,6 +17,10 @@ class AveragedPasses {
   /// `body`, `kernels`: must outlive it.
   AveragedPasses(const TopologyTextures& topology, const PackedBody& body, const simd::Kernels& kernels, int parts);
 
+  /// Takes factors of the stiffness of each material (Scene::stiffness_factors). Whether they changed; allocates where
+  /// there were none before.
+  bool scale(const TopologyTextures& topology, const std::vector<double>& of_materials);
+
   /// `force`: [slots] N, written; `u`: [slots] m, whose rows of further domains are written. `sleep`: null, or what
   /// says which blocks are computed; then those rows of `next_u` are written too.
   void run(char* force, char* u, char* next_u, const BodySleep* sleep, ThreadPool& pool, WorkLaps& laps);
@@ -29,6 +33,8 @@ class AveragedPasses {
   const simd::Kernels& kernels_;
   const int energy_;
   Floats stress_;
+  std::vector<double> of_materials_;
+  Floats factor_;           // simd::Averaged::factor
   std::vector<int> first_;  // [parts + 1] slice
 };
 

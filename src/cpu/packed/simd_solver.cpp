@@ -122,11 +122,16 @@ class SimdSolver final : public SolverBackend {
   }
 
   void follow_scene_parts() {
+    if (averaged_) averaged_->scale(topology(), scene().stiffness_factors());
     tools_.follow(scene(), frame().fixed);
     pulled_.follow(joints(), tools_.set(), *body_);
   }
 
-  void do_values_changed() override { steps_at_rest_ = 0; }
+  void do_values_changed() override {
+    steps_at_rest_ = 0;
+    const bool changed = averaged_ && averaged_->scale(topology(), scene().stiffness_factors());
+    if (changed && sleep_) sleep_->compute_all();
+  }
   bool do_takes_tools() const override { return true; }
   const char* do_cannot() const override { return nullptr; }
   const ToolReport& do_tool_report(std::size_t row) const override { return tools_.set().report(scene().tools()[row]); }

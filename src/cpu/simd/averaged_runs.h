@@ -112,6 +112,9 @@ void run_stresses(const simd::Averaged& body, int slice, int end) {
         store_components(runs, at, Q.c0, lanes);
         store_components(runs, at + 3 * runs.stride, Q.c1, lanes);
         store_components(runs, at + 6 * runs.stride, Q.c2, lanes);
+        if (body.factor == nullptr) return;
+        float* const springs = runs.components + simd::run_spring * runs.stride + complete * std::int64_t{lanes};
+        store_components(runs, springs, factors_of(body, complete) * load_components(runs, springs), lanes);
       });
 }
 

@@ -115,6 +115,11 @@ PHYMUL_INLINE Wide link_sum(const simd::Averaged& body, std::int64_t q, const st
   return plus(even, odd);
 }
 
+/// Of slice `slice`, where Averaged::factor is not null.
+PHYMUL_INLINE Pack factors_of(const simd::Averaged& body, int slice) {
+  return load(body.factor + static_cast<std::int64_t>(slice) * lanes);
+}
+
 /// Stresses of slice `slice` from its sums of displacements times areas, without what is left of z in a plane.
 template <class Energy>
 PHYMUL_INLINE Columns averaged_stress(const simd::Averaged& body, int slice, const Columns& sums) {
@@ -125,6 +130,7 @@ PHYMUL_INLINE Columns averaged_stress(const simd::Averaged& body, int slice, con
   const Columns H = Energy::scaled(inverse_volume, sums);
   const Columns P = Energy::energy_stress(H, p);
   Columns Q{P.c0 - spread * H.c0, P.c1 - spread * H.c1, P.c2 - spread * H.c2};
+  if (body.factor != nullptr) Q = Energy::scaled(factors_of(body, slice), Q);
   if (body.plane) Q.c0.z = Q.c1.z = Q.c2.z = Pack{};  // nothing but rounding, which would leave the plane
   return Q;
 }
@@ -151,6 +157,10 @@ void averaged_stresses(const simd::Averaged& body, int slice, int end) {
         body, slice,
         {gather_row(reinterpret_cast<const char*>(columns[0])), gather_row(reinterpret_cast<const char*>(columns[1])),
          gather_row(reinterpret_cast<const char*>(columns[2]))});
+    if (body.factor != nullptr) {
+      char* const springs = body.force + 16 * first;
+      store_row(springs, factors_of(body, slice) * gather_row(springs));
+    }
     const Pack3 column[3] = {Q.c0, Q.c1, Q.c2};
     for (int c = 0; c < 3; ++c) {
       char* to = body.stress + 64 * first + 16 * c;

@@ -117,8 +117,9 @@ struct Averaged {
   /// [slots] row of the first link in `links`, for either pass: C_de, m^2, and k, N/m; -C_ed and k. Inside a body these
   /// are the same, and equal ones are there once.
   const std::int32_t *stress_row = nullptr, *force_row = nullptr;
-  const float* links = nullptr;  ///< [rows][4]
-  Runs runs;                     ///< in place of stress, links and their rows
+  const float* links = nullptr;   ///< [rows][4]
+  Runs runs;                      ///< in place of stress, links and their rows
+  const float* factor = nullptr;  ///< [slots] of the stiffness (Scene::scale_stiffness), as `constants` stand; null: 1
   bool plane = false;
 };
 

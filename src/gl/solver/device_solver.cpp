@@ -51,14 +51,7 @@ DeviceSolver::~DeviceSolver() {
 
 /// A needle's hole is followed and settled by lanes that share memory, which fragments have not.
 const char* DeviceSolver::do_cannot() const {
-  if (touches_surface(scene().tools())) {
-    return "the scene has a tool with ToolContact::surface, which the backends \"gl\" and \"gl-compute\" do not take; "
-           "use \"cpu\" or \"reference\"";
-  }
-  if (!scene().joints().empty()) {
-    return "the scene has joints, which the backends \"gl\" and \"gl-compute\" do not take; use \"cpu\" or "
-           "\"reference\"";
-  }
+  if (const char* const cause = beyond_devices()) return cause;
   if (backend_ == GlBackend::compute || !has_needle(scene().tools())) return nullptr;
   return "the scene has a needle, which the backend \"gl\" does not take; use \"gl-compute\", \"cpu\" or "
          "\"reference\"";

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#include "scaled_tables.h"
+
+#include <algorithm>
+
+#include "topology/energies.h"
+
+namespace phymul {
+
+const TopologyTextures& ScaledTables::of(const TopologyTextures& topology, std::span<const double> factors) {
+  if (factors.empty()) return topology;
+  if (std::ranges::equal(factors, factors_)) return *scaled_;
+  if (!scaled_) scaled_ = topology;
+  const std::size_t moduli = kind_of(topology.options.strain_energy).moduli;
+  for (std::size_t d = 0; d < topology.domains.size(); ++d) {
+    const DomainTexel& own = topology.domains[d];
+    DomainTexel& domain = scaled_->domains[d];
+    const double factor = factors[own.material];
+    domain.spread_stiffness = factor * own.spread_stiffness;
+    for (std::size_t k = 0; k < moduli; ++k) domain.energy[k] = factor * own.energy[k];
+    // Links join domains of one material.
+    for (Index row = topology.first_link[d]; row < topology.first_link[d + 1]; ++row) {
+      scaled_->links[row].stiffness = factor * topology.links[row].stiffness;
+    }
+  }
+  factors_.assign(factors.begin(), factors.end());
+  return *scaled_;
+}
+
+}  // namespace phymul
