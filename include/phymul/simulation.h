@@ -83,9 +83,9 @@ class Simulation {
   /// number of evaluations does not grow with the body. Begins at the present state or at the rest shape, whichever has
   /// less energy; at the present state, if imposed coordinates are nearer their places there. If it converges, the
   /// solver is in the rest state without motion, at the same time; else its state is what it was. A body that nothing
-  /// holds, and whose loads are not in balance, is a result that says so. Throws Error (not_supported) for a body
-  /// without a material or in two dimensions, for tools, joints, contacts and volume constraints, and for loads with
-  /// events after the present time; (invalid_argument) for options out of their range.
+  /// holds, and whose loads are not in balance, is a result that says so, and so is a joint whose spring would break.
+  /// Throws Error (not_supported) for a body without a material or in two dimensions, for tools, contacts and volume
+  /// constraints, and for loads with events after the present time; (invalid_argument) for options out of their range.
   StaticResult solve_static(const StaticOptions& options = {});
 
   /// What is probably not meant, a sentence each: a body without material, sizes and constants that suggest other units

@@ -11,8 +11,8 @@ namespace phymul {
 
 struct StaticOptions {
   /// The body is at rest when the net forces on free coordinates are at most this share of the loads, > 0. Both are
-  /// Euclidean norms over all particles. The loads are gravity and forces on free coordinates, and the elastic forces
-  /// on coordinates that are imposed away from their rest places.
+  /// Euclidean norms over all particles. The loads are gravity and forces on free coordinates, the elastic forces
+  /// on coordinates that are imposed away from their rest places, and the forces of joints on points of the world.
   double tolerance = 1e-6;
   /// Largest number of evaluations, >= 1: of the elastic forces of all particles, or of products with the tangent
   /// stiffness, which cost about as much.

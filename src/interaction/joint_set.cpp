@@ -6,32 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "joint_spring.h"
+
 namespace phymul {
-namespace {
-
-/// On anchor `a`, where `r` leads to `b`, and `v` is how it changes, m/s.
-Vec3 spring_force(const Joint& joint, const JointSpring& spring, const Vec3& r, const Vec3& v) {
-  const double k = spring.share * joint.stiffness, c = spring.share * joint.damping;
-  if (spring.rest_length == 0.0) {
-    const Vec3 force = k * r + c * v;
-    return joint.slack && force.dot(r) < 0.0 ? Vec3(Vec3::Zero()) : force;
-  }
-  const double length = r.norm();
-  // In one point the spring has no direction.
-  if (length == 0.0 || (joint.slack && length <= spring.rest_length)) return Vec3::Zero();
-  const Vec3 direction = r / length;
-  const double pull = k * (length - spring.rest_length) + c * v.dot(direction);
-  return joint.slack && pull < 0.0 ? Vec3(Vec3::Zero()) : Vec3(pull * direction);
-}
-
-double spring_energy(const Joint& joint, const JointSpring& spring, double length) {
-  const double stretch = length - spring.rest_length;
-  if (joint.slack && stretch < 0.0) return 0.0;
-  return 0.5 * spring.share * joint.stiffness * stretch * stretch;
-}
-
-}  // namespace
-
 JointSet::End JointSet::end_of(const Anchor& anchor, const std::vector<SceneTool>& tools) const {
   End end;
   end.place = anchor.point;

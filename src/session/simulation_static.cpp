@@ -7,6 +7,7 @@
 #include <phymul/monitor.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -37,7 +38,6 @@ void require_supported(const TopologyTextures& topology, const Scene& scene, dou
     refuse("particle " + std::to_string(i) + " is in no cell with a material");
   }
   if (!scene.tools().empty()) refuse("the scene has the tool \"" + scene.tools().front().name + '"');
-  if (!scene.joints().empty()) refuse("the scene has the joint \"" + scene.joints().front().name + '"');
   if (scene.contacts()) refuse("the scene has contacts");
   if (!scene.volume_constraints().empty()) refuse("the scene has a volume constraint");
   for (std::size_t row = 0; row < scene.loads().size(); ++row) {
@@ -65,9 +65,12 @@ Rigid rigid_motion(const Vec3& arm, int axis, double size) {
   return motion;
 }
 
-/// What is wrong if some rigid motion of a body meets no support and the loads drive it; else empty.
-std::string why_no_rest(const Model& model, const LoadFrame& loads) {
+/// What is wrong if some rigid motion of a body meets no support and the loads drive it; else empty. Whether joints
+/// hold a body is left to the search.
+std::string why_no_rest(const Model& model, const LoadFrame& loads, const RestJoints& joints) {
+  const std::vector<char> joined = joints.joined();
   for (const ConnectedBody& body : connected_bodies(model)) {
+    if (std::ranges::any_of(body.particles, [&](Index i) { return joined[i] != 0; })) continue;
     Vec3 centre = Vec3::Zero();
     for (const Index i : body.particles) centre += model.rest[i] / static_cast<double>(body.particles.size());
     double size = 0.0;
@@ -141,27 +144,34 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   LoadFrame loads;
   scene().prepare(loads);
   scene().evaluate(state.time, loads);
+  RestJoints joints(scene(), state);
+  joints.linearise(state.position);
   StaticResult result;
-  result.cause = why_no_rest(model(), loads);
+  result.cause = why_no_rest(model(), loads, joints);
   if (!result.cause.empty()) return result;
 
-  const double gain =
-      potential_energy(topology, loads, state.position) - potential_energy(topology, loads, topology.rest);
+  const double gain = potential_energy(topology, loads, joints, state.position) -
+                      potential_energy(topology, loads, joints, topology.rest);
   // What is imposed in parts is not begun anew: imposed coordinates that are nearer their places stay.
   const bool begins_anew =
       gain > no_gain * strained_energy(topology) &&
       squared_way_to_targets(loads, topology.rest) <= squared_way_to_targets(loads, state.position);
   if (begins_anew) state.position = topology.rest;
-  RestSearchEnd end = search_rest(topology, loads, options.tolerance, options.most_evaluations, state.position);
+  RestSearchEnd end = search_rest(topology, loads, joints, options.tolerance, options.most_evaluations, state.position);
   result.evaluations = end.evaluations;
   if (end.stuck && !begins_anew && end.evaluations < options.most_evaluations) {
     state.position = topology.rest;
-    end = search_rest(topology, loads, options.tolerance, options.most_evaluations - end.evaluations, state.position);
+    end = search_rest(topology, loads, joints, options.tolerance, options.most_evaluations - end.evaluations,
+                      state.position);
     result.evaluations += end.evaluations;
   }
   result.residual = end.residual;
   result.largest_force = end.largest_force;
-  if (end.at_rest) {
+  const std::string overloaded = end.at_rest ? joints.overloaded(state.position) : std::string();
+  if (!overloaded.empty()) {
+    result.cause = "at rest a spring of joint \"" + overloaded +
+                   "\" would carry more than its breaking force; use run_to_rest(), in which it breaks";
+  } else if (end.at_rest) {
     for (Vec3& velocity : state.velocity) velocity.setZero();
     parts_->start(state);
     result.status = RestStatus::converged;

@@ -104,7 +104,8 @@ Index GridLevel::node_at(const std::array<Index, 3>& at) const {
   return at[0] + (shape_.cells[0] + 1) * (at[1] + (shape_.cells[1] + 1) * at[2]);
 }
 
-GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, const GridShape& shape)
+GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint8_t> fixed,
+                     std::span<const Mat3> joints, const GridShape& shape)
     : shape_(shape) {
   const auto& n = shape.cells;
   cell_of_.assign(static_cast<std::size_t>(n[0]) * n[1] * n[2], none);
@@ -151,7 +152,13 @@ GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint
       range[axis] = {clamped(t[axis] - on_plane), clamped(t[axis] + on_plane)};
       if (range[axis][0] != range[axis][1]) share *= 0.5;
     }
-    const std::uint8_t holds = fixed.empty() ? 0 : fixed[domain.particle];
+    Vec3 held = Vec3::Zero();
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool holds = !fixed.empty() && (fixed[domain.particle] >> axis & 1) != 0;
+      held[axis] = holds ? hold * shear * std::cbrt(volume) : 0.0;
+    }
+    const bool first = topology.first_domain[domain.particle] == d;
+    if (first && !joints.empty()) held += joints[domain.particle].diagonal();
     std::array<Index, 3> at;
     for (at[2] = range[2][0]; at[2] <= range[2][1]; ++at[2]) {
       for (at[1] = range[1][0]; at[1] <= range[1][1]; ++at[1]) {
@@ -167,14 +174,10 @@ GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint
           cell.lame += part * lame;
           cell.gradient += part * gradient;
           cell.spread += part * shear * gradient * gradient.transpose();
-          if (holds == 0) continue;
+          if (held.isZero(0.0)) continue;
           const std::array<double, 8> weight = weights_at(local);
           const Eigen::Map<const Eigen::Matrix<double, 8, 1>> w(weight.data());
-          for (int axis = 0; axis < 3; ++axis) {
-            if ((holds >> axis & 1) != 0) {
-              cell.held[axis] += share * hold * shear * std::cbrt(volume) * w * w.transpose();
-            }
-          }
+          for (int axis = 0; axis < 3; ++axis) cell.held[axis] += share * held[axis] * w * w.transpose();
           cell.holds = true;
         }
       }

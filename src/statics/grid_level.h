@@ -38,8 +38,9 @@ struct GridShape {
 
 class GridLevel {
  public:
-  /// `fixed` [N]: as LoadFrame::fixed.
-  GridLevel(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, const GridShape& shape);
+  /// `fixed` [N]: as LoadFrame::fixed. `joints`: RestJoints::diagonal(), as if all of them ended at the world.
+  GridLevel(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, std::span<const Mat3> joints,
+            const GridShape& shape);
 
   /// Turns the cells: `gradients` as Tangent::linearise. To be called once before the others.
   void assemble(std::span<const Mat3> gradients);

@@ -77,21 +77,25 @@ void add_from(const std::vector<GridPlace>& finer, const Vector& from, Vector& t
 
 }  // namespace
 
-Multigrid::Multigrid(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, Tangent& tangent)
-    : topology_(topology), tangent_(tangent), free_(Vector::Ones(3 * topology.particle_count)) {
+Multigrid::Multigrid(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, Tangent& tangent,
+                     const RestJoints& joints)
+    : topology_(topology), tangent_(tangent), joints_(joints), free_(Vector::Ones(3 * topology.particle_count)) {
   for (std::size_t i = 0; i < fixed.size(); ++i) {
     for (int axis = 0; axis < 3; ++axis) {
       if ((fixed[i] >> axis & 1) != 0) free_[3 * static_cast<Eigen::Index>(i) + axis] = 0.0;
     }
   }
-  for (const Mat3& block : diagonal_at_rest(topology)) inverse_diagonal_.push_back(block.inverse());
+  const std::vector<Mat3> of_joints = joints.diagonal();
+  std::vector<Mat3> diagonal = diagonal_at_rest(topology);
+  for (std::size_t i = 0; i < of_joints.size(); ++i) diagonal[i] += of_joints[i];
+  for (const Mat3& block : diagonal) inverse_diagonal_.push_back(block.inverse());
   turned_.assign(inverse_diagonal_.size(), Mat3::Identity());
   double volume = 0.0;
   for (const DomainTexel& domain : topology.domains) volume += 1.0 / domain.inverse_volume;
   const double spacing = std::cbrt(volume / static_cast<double>(topology.particle_count));
   GridShape shape = GridShape::over(topology.rest, finest_cells * spacing);
   while (true) {
-    Coarse coarse{.level = GridLevel(topology, fixed, shape), .finer = {}, .b = {}, .x = {}, .r = {}};
+    Coarse coarse{.level = GridLevel(topology, fixed, of_joints, shape), .finer = {}, .b = {}, .x = {}, .r = {}};
     if (coarse_.empty()) {
       for (const Vec3& rest : topology.rest) coarse.finer.push_back(coarse.level.place_of(rest));
     } else {
@@ -134,6 +138,7 @@ const GridLevel& Multigrid::finest_of(Index most_nodes) const {
 
 void Multigrid::apply(const Vector& d, Vector& result) {
   tangent_.apply(d, result);
+  joints_.add_product(d, result);
   result.array() *= free_.array();
   ++evaluations_;
 }

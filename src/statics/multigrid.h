@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "grid_level.h"
+#include "rest_joints.h"
 #include "tangent.h"
 
 namespace phymul {
@@ -19,7 +20,8 @@ namespace phymul {
 class Multigrid {
  public:
   /// Of the free coordinates. `fixed` [N]: as LoadFrame::fixed, or empty. Keeps references to the arguments.
-  Multigrid(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, Tangent& tangent);
+  Multigrid(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, Tangent& tangent,
+            const RestJoints& joints);
 
   /// Follows the tangent to another state: `gradients` as Tangent::linearise. To be called before
   /// solve().
@@ -51,6 +53,7 @@ class Multigrid {
 
   const TopologyTextures& topology_;
   Tangent& tangent_;
+  const RestJoints& joints_;
   Eigen::VectorXd free_;
   std::vector<Mat3> inverse_diagonal_;  // at rest
   std::vector<Mat3> turned_;            // rotations of the particles

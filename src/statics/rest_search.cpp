@@ -32,12 +32,13 @@ constexpr double energy_rounding = 1e-11;  ///< of an energy
 
 class Search {
  public:
-  Search(const TopologyTextures& topology, const LoadFrame& loads, VecList& position)
+  Search(const TopologyTextures& topology, const LoadFrame& loads, RestJoints& joints, VecList& position)
       : topology_(topology),
         loads_(loads),
+        joints_(linearised(joints, position)),
         position_(position),
         tangent_(make_tangent(topology)),
-        grid_(topology, loads.fixed, *tangent_),
+        grid_(topology, loads.fixed, *tangent_, joints),
         path_(topology, grid_.finest_of(path_nodes)),
         load_(3 * topology.particle_count),
         force_(position.size()),
@@ -74,10 +75,16 @@ class Search {
   }
 
  private:
+  static RestJoints& linearised(RestJoints& joints, const VecList& position) {
+    joints.linearise(position);
+    return joints;
+  }
+
   int evaluations() const { return forces_ + grid_.evaluations(); }
 
   void residual_at(const VecList& x, Vector& r) {
     elastic_forces(topology_, x, force_);
+    joints_.add_forces(x, force_);
     ++forces_;
     r = load_;
     for (std::size_t i = 0; i < x.size(); ++i) r.segment<3>(3 * static_cast<Eigen::Index>(i)) += force_[i];
@@ -88,7 +95,7 @@ class Search {
   /// position_ then: also finds what the residual is compared with.
   bool find_way_to_targets() {
     imposed_way_ = Vector::Zero(load_.size());
-    double supports = 0.0;
+    double supports = joints_.squared_support(position_);
     for (std::size_t i = 0; i < loads_.fixed.size(); ++i) {
       for (int axis = 0; axis < 3; ++axis) {
         if ((loads_.fixed[i] >> axis & 1) == 0) continue;
@@ -104,6 +111,7 @@ class Search {
   void linearise() {
     gradients_ = gradients_of(position_);
     tangent_->linearise(gradients_);
+    joints_.linearise(position_);
     double most = turned_at_.empty() ? std::numeric_limits<double>::infinity() : 0.0;
     for (std::size_t d = 0; d < turned_at_.size(); ++d) {
       most = std::max(most, (gradients_[d] - turned_at_[d]).cwiseAbs().maxCoeff());
@@ -217,8 +225,8 @@ class Search {
       const double next_slope = -next_residual_.dot(direction_);
       std::optional<double> energy;
       if (!(next_residual_.norm() < 0.5 * residual_.norm())) {
-        if (!energy_) energy_ = potential_energy(topology_, loads_, position_);
-        energy = potential_energy(topology_, loads_, trial_);
+        if (!energy_) energy_ = potential_energy(topology_, loads_, joints_, position_);
+        energy = potential_energy(topology_, loads_, joints_, trial_);
         const bool overshoots = !(next_slope < 0.9 * std::abs(slope));
         // Near rest the energies differ by less than their rounding.
         const bool closer =
@@ -238,6 +246,7 @@ class Search {
 
   const TopologyTextures& topology_;
   const LoadFrame& loads_;
+  RestJoints& joints_;
   VecList& position_;
   std::unique_ptr<Tangent> tangent_;
   Multigrid grid_;
@@ -257,17 +266,18 @@ class Search {
 
 }  // namespace
 
-double potential_energy(const TopologyTextures& topology, const LoadFrame& loads, const VecList& position) {
-  double energy = elastic_energy(topology, position);
+double potential_energy(const TopologyTextures& topology, const LoadFrame& loads, const RestJoints& joints,
+                        const VecList& position) {
+  double energy = elastic_energy(topology, position) + joints.energy(position);
   for (std::size_t i = 0; i < position.size(); ++i) {
     energy -= load_on(topology.mass, loads, i).dot(position[i] - topology.rest[i]);
   }
   return energy;
 }
 
-RestSearchEnd search_rest(const TopologyTextures& topology, const LoadFrame& loads, double tolerance,
-                          int most_evaluations, VecList& position) {
-  return Search(topology, loads, position).run(tolerance, most_evaluations);
+RestSearchEnd search_rest(const TopologyTextures& topology, const LoadFrame& loads, RestJoints& joints,
+                          double tolerance, int most_evaluations, VecList& position) {
+  return Search(topology, loads, joints, position).run(tolerance, most_evaluations);
 }
 
 }  // namespace phymul

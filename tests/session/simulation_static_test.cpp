@@ -188,6 +188,62 @@ TEST(SimulationStatic, ReturnsFromEveryBrokenState) {
   }
 }
 
+/// On a bed, hung by slack ligaments that it first falls into, and glued to a body that is held.
+TEST(SimulationStatic, FindsTheShapeOnJoints) {
+  const Model block = make_tetrahedral_block({0.06, 0.03, 0.03}, 4, 2, 2, 0.2, 1);
+  const Model upper = moved(block, {0.01, 0.002, 0.031});
+  const NamedBody bodies[] = {{"lower", &block}, {"upper", &upper}};
+  struct Case {
+    const char* name;
+    Model model;
+    std::function<void(Scene&)> hold;
+  };
+  const Case cases[] = {
+      {"bed", block,
+       [](Scene& scene) { scene.attach(scene.model().group("z0"), World{}, {.stiffness = 1e5, .damping = 50.0}); }},
+      {"ligaments", block,
+       [](Scene& scene) {
+         scene.attach(scene.model().group("x0"), World{{-0.01, 0, 0.02}}, {.stiffness = 1e5, .slack = true});
+         scene.attach(scene.model().group("x1"), World{{0.01, 0, 0.02}}, {.stiffness = 2e5, .slack = true});
+         scene.joint("joint 1").set_rest_length(0.024);
+       }},
+      {"glue", merge_models(bodies),
+       [](Scene& scene) {
+         scene.fix("lower/z0");
+         scene.attach(scene.model().group("upper/z0"), "lower", {.stiffness = 1e6, .damping = 100.0});
+       }},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.name);
+    Simulation direct(c.model, with_steps_to_the_end(0.3)), stepped(c.model, with_steps_to_the_end(0.3));
+    for (Simulation* sim : {&direct, &stepped}) {
+      sim->scene().gravity({0, 1.0, -3.0});
+      c.hold(sim->scene());
+    }
+    const StaticResult result = direct.solve_static();
+    ASSERT_TRUE(result.converged()) << result.message();
+    EXPECT_LE(result.evaluations, 400);
+    ASSERT_EQ(stepped.run_to_rest(400'000).status, RestStatus::converged);
+    double moved_by = 0.0;
+    for (Index i = 0; i < c.model.particle_count(); ++i) {
+      moved_by = std::max(moved_by, (direct.state().position[i] - c.model.rest[i]).norm());
+    }
+    EXPECT_GT(moved_by, 1e-4);
+    EXPECT_LT(largest_difference(direct, stepped), 1e-4 * moved_by);
+    std::printf("%s: %d evaluations, moved by %.2f mm\n", c.name, result.evaluations, 1e3 * moved_by);
+  }
+}
+
+TEST(SimulationStatic, SaysWhichJointWouldBreak) {
+  Simulation sim(make_tetrahedral_block({0.06, 0.03, 0.03}, 4, 2, 2, 0.2, 1), with_steps_to_the_end(0.3));
+  sim.scene().gravity({0, 0, -9.81});
+  sim.scene().attach(sim.model().group("z1"), World{}, {.stiffness = 1e5, .breaking_stress = 200.0, .name = "thread"});
+  const StaticResult weak = sim.solve_static();
+  EXPECT_EQ(weak.status, RestStatus::failed);
+  EXPECT_TRUE(says(weak.message(), "joint \"thread\""));
+  EXPECT_EQ(sim.state().position, sim.model().rest);
+}
+
 TEST(SimulationStatic, IsRecorded) {
   Simulation sim = hung(beam(2, Cells::tetrahedra), 0.3, 0.1);
   sim.record();

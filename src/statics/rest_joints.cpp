@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include "rest_joints.h"
+
+#include <algorithm>
+
+#include "interaction/joint_spring.h"
+#include "scene/anchor_place.h"
+
+namespace phymul {
+namespace {
+
+/// Calls visit(particle, +-weight): how the way from anchor `a` to `b` depends on particles.
+template <class Visit>
+void for_each_weight(const JointSpring& spring, const Visit& visit) {
+  for (const auto& [anchor, sign] : {std::pair{&spring.a, -1.0}, std::pair{&spring.b, 1.0}}) {
+    for (std::size_t k = 0; k < anchor->particles.size(); ++k) visit(anchor->particles[k], sign * anchor->weights[k]);
+  }
+}
+
+}  // namespace
+
+RestJoints::RestJoints(const Scene& scene, const State& state) : particles_(state.position.size()) {
+  for (const SceneJoint& joint : scene.joints()) {
+    const auto known = std::ranges::find(state.joints, joint.name, &JointState::name);
+    for (std::size_t row = 0; row < joint.joint.springs.size(); ++row) {
+      if (known != state.joints.end() && std::ranges::count(known->broken, static_cast<Index>(row)) > 0) continue;
+      springs_.push_back({.joint = &joint, .spring = &joint.joint.springs[row]});
+    }
+  }
+}
+
+std::vector<char> RestJoints::joined() const {
+  std::vector<char> ends(particles_, 0);
+  for (const Spring& own : springs_) for_each_weight(*own.spring, [&](Index i, double) { ends[i] = 1; });
+  return ends;
+}
+
+Vec3 RestJoints::span_of(const JointSpring& spring, std::span<const Vec3> position) {
+  return anchor_place(spring.b, position, {}) - anchor_place(spring.a, position, {});
+}
+
+void RestJoints::add_forces(std::span<const Vec3> position, std::span<Vec3> force) const {
+  for (const Spring& own : springs_) {
+    const Vec3 on_a = spring_force(own.joint->joint, *own.spring, span_of(*own.spring, position), Vec3::Zero());
+    for_each_weight(*own.spring, [&](Index i, double weight) { force[i] -= weight * on_a; });
+  }
+}
+
+double RestJoints::energy(std::span<const Vec3> position) const {
+  double energy = 0.0;
+  for (const Spring& own : springs_) {
+    energy += spring_energy(own.joint->joint, *own.spring, span_of(*own.spring, position).norm());
+  }
+  return energy;
+}
+
+double RestJoints::squared_support(std::span<const Vec3> position) const {
+  double sum = 0.0;
+  for (const Spring& own : springs_) {
+    if (!own.spring->a.particles.empty() && !own.spring->b.particles.empty()) continue;
+    sum += spring_force(own.joint->joint, *own.spring, span_of(*own.spring, position), Vec3::Zero()).squaredNorm();
+  }
+  return sum;
+}
+
+void RestJoints::linearise(std::span<const Vec3> position) {
+  for (Spring& own : springs_) {
+    own.tangent = spring_tangent(own.joint->joint, *own.spring, span_of(*own.spring, position));
+  }
+}
+
+void RestJoints::add_product(const Eigen::VectorXd& d, Eigen::VectorXd& result) const {
+  for (const Spring& own : springs_) {
+    Vec3 way = Vec3::Zero();
+    for_each_weight(*own.spring, [&](Index i, double weight) { way += weight * d.segment<3>(3 * Eigen::Index{i}); });
+    const Vec3 force = own.tangent * way;
+    for_each_weight(*own.spring,
+                    [&](Index i, double weight) { result.segment<3>(3 * Eigen::Index{i}) += weight * force; });
+  }
+}
+
+std::vector<Mat3> RestJoints::diagonal() const {
+  std::vector<Mat3> blocks(empty() ? 0 : particles_, Mat3::Zero());
+  for (const Spring& own : springs_) {
+    for_each_weight(*own.spring, [&](Index i, double weight) { blocks[i] += weight * weight * own.tangent; });
+  }
+  return blocks;
+}
+
+std::string RestJoints::overloaded(std::span<const Vec3> position) const {
+  for (const Spring& own : springs_) {
+    const Vec3 force = spring_force(own.joint->joint, *own.spring, span_of(*own.spring, position), Vec3::Zero());
+    if (force.norm() > own.spring->share * own.joint->joint.breaking_force) return own.joint->name;
+  }
+  return {};
+}
+
+}  // namespace phymul

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: MIT
+//
+// Scene::scale_stiffness: the stiffness of materials, changed between steps.
+#include <gtest/gtest.h>
+#include <phymul/elasticity.h>
+#include <phymul/phymul.h>
+
+#include "support/allocation_count.h"
+#include "support/bodies.h"
+#include "support/message_of.h"
+
+namespace phymul::test {
+namespace {
+
+constexpr double first = 2.5, second = 0.4;  // of all, then of the tumour alone
+
+/// The half of x below 0.4 of the body's length.
+Model with_tumour(Model model, const Material& tissue, const Material& tumour) {
+  set_material(model, tissue);
+  const double middle = 0.4 * body_size(model);
+  set_material(model, tumour, [=](const Vec3& place) { return place.x() < middle; });
+  std::vector<Index> particles;
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    if (model.rest[i].x() < middle + 1e-9) particles.push_back(i);
+  }
+  return model.add_group("tumour", particles);
+}
+
+struct Tissues {
+  Material tissue{10e3, 0.3, 1000.0}, tumour{30e3, 0.45, 1100.0};
+  Tissues scaled(double of_tissue, double of_tumour) const {
+    Tissues other = *this;
+    other.tissue.young *= of_tissue;
+    other.tumour.young *= of_tumour;
+    return other;
+  }
+};
+
+struct Case {
+  std::string name;
+  std::function<Model(const Tissues&)> make;
+  TopologyOptions options;
+};
+
+std::vector<Case> cases() {
+  const auto of = [](Model model) {
+    return [model](const Tissues& t) { return with_tumour(model, t.tissue, t.tumour); };
+  };
+  const Model tetrahedra = make_tetrahedral_block({0.05, 0.02, 0.02}, 5, 2, 2, 0.2, 3);
+  return {{"lattice", of(make_block({0.1, 0.02, 0.02}, 40, 8, 8)), {}},
+          {"tetrahedra", of(tetrahedra), {}},
+          {"neo-Hookean", of(tetrahedra), {.strain_energy = StrainEnergy::neo_hookean}},
+          {"fibres",
+           [=](Tissues t) {
+             t.tissue.fibre_ratio = 4.0;
+             Model model = with_tumour(tetrahedra, t.tissue, t.tumour);
+             for (Cell& cell : model.cells) cell.fibre = {0, 1, 0};
+             return model;
+           },
+           {}},
+          {"strip", of(make_strip(0.04, 0.02, 10, 5)), {}},
+          {"points",
+           [](const Tissues& t) {
+             Model points = make_block({0.03, 0.02, 0.02}, 6, 4, 4);
+             points.cells.clear();
+             points.components.clear();
+             set_material(points, t.tissue);
+             return points.add_group("x1", {points.particle_count() - 1});
+           },
+           {}}};
+}
+
+Load pull_on(const Model& model) {
+  Load load;
+  load.particles = model.group("x1");
+  load.type = LoadType::acceleration;
+  load.direction = model.dimension == 2 ? Vec3(1, 1, 0) : Vec3(1, 1, 0.5);
+  load.events = {{0.0, 5.0}};
+  return load;
+}
+
+class LiveStiffness : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Backends, LiveStiffness, testing::Values("reference", "cpu"));
+
+/// A body that is changed while it moves goes on as a body that was made so, from the same snapshot.
+TEST_P(LiveStiffness, IsThatOfASolverMadeAnew) {
+  const double bound = GetParam() == "cpu" ? 3e-5 : 1e-11;  // of the largest displacement
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.name);
+    const Tissues tissues;
+    const Model model = c.make(tissues);
+    const bool points = c.name == "points";
+    Scene scene(model);
+    scene.add(pull_on(model));
+    const auto solver = make_solver(GetParam(), model, scene, c.options);
+    const double dt = 0.3 * solver->stable_step();
+    ASSERT_TRUE(solver->step(20, dt).ok());
+    for (const bool by_group : {false, true}) {
+      if (by_group && points) continue;
+      by_group ? scene.scale_stiffness("tumour", second) : scene.scale_stiffness(first);
+      const Model made_so = c.make(tissues.scaled(first, by_group ? second : first));
+      Scene other(made_so);
+      other.add(pull_on(made_so));
+      const auto anew = make_solver(GetParam(), made_so, other, c.options);
+      anew->reset(solver->read());
+      const double of_both = solver->stable_step() / anew->stable_step();
+      by_group ? EXPECT_LE(of_both, 1.0 + 1e-3) : EXPECT_NEAR(of_both, 1.0, 1e-3);
+      EXPECT_NEAR(solver->energy().elastic, anew->energy().elastic, 1e-6 * anew->energy().elastic);
+      ASSERT_TRUE(solver->step(60, dt).ok());
+      ASSERT_TRUE(anew->step(60, dt).ok());
+      const State now = solver->read(), wanted = anew->read();
+      double largest = 0.0, apart = 0.0;
+      for (std::size_t i = 0; i < model.rest.size(); ++i) {
+        largest = std::max(largest, (wanted.position[i] - model.rest[i]).norm());
+        apart = std::max(apart, (wanted.position[i] - now.position[i]).norm());
+      }
+      EXPECT_GT(largest, 1e-6);
+      EXPECT_LT(apart, bound * largest) << (by_group ? "by group" : "of all");
+    }
+  }
+}
+
+TEST_P(LiveStiffness, OfFactorsOfOneChangesNoBit) {
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.name);
+    const Model model = c.make({});
+    Scene plain(model), scaled(model);
+    plain.add(pull_on(model));
+    scaled.add(pull_on(model)).scale_stiffness(1.0);
+    const auto one = make_solver(GetParam(), model, plain, c.options);
+    const auto other = make_solver(GetParam(), model, scaled, c.options);
+    ASSERT_TRUE(one->step(50, 0.5 * one->stable_step()).ok());
+    ASSERT_TRUE(other->step(50, 0.5 * one->stable_step()).ok());
+    EXPECT_EQ(one->snapshot(), other->snapshot());
+  }
+}
+
+/// Soft tissue hangs four times as far from a hold that is a quarter as stiff, and the step may be twice as long.
+TEST_P(LiveStiffness, ReachesSolveStaticAndTheStep) {
+  Simulation sim(with_material(make_tetrahedral_block({0.05, 0.02, 0.02}, 5, 2, 2, 0.2, 3)), {.backend = GetParam()});
+  sim.scene().fix("x0").gravity({0, 0, -1e-3});
+  const double limit = sim.solver().stable_step();
+  const auto sag = [&] {
+    EXPECT_EQ(sim.solve_static().status, RestStatus::converged);
+    double lowest = 0.0;
+    const VecList x = sim.read().position;
+    for (std::size_t i = 0; i < x.size(); ++i) lowest = std::min(lowest, x[i].z() - sim.model().rest[i].z());
+    return lowest;
+  };
+  const double before = sag();
+  sim.scene().scale_stiffness(0.25);
+  EXPECT_NEAR(sag(), 4.0 * before, 1e-4 * std::abs(before));
+  EXPECT_NEAR(sim.solver().stable_step(), 2.0 * limit, 1e-12 * limit);
+  sim.scene().scale_stiffness(std::span<const double>());
+  EXPECT_NEAR(sag(), before, 1e-4 * std::abs(before));
+  EXPECT_EQ(sim.solver().stable_step(), limit);
+}
+
+TEST_P(LiveStiffness, IsReplayedBitForBit) {
+  const Model model = cases()[1].make({});
+  Simulation sim(model, {.backend = GetParam()});
+  sim.scene().add(pull_on(model)).scale_stiffness(1.5);
+  sim.record();
+  ASSERT_TRUE(sim.advance(0.01).ok());
+  sim.scene().scale_stiffness("tumour", 4.0);
+  ASSERT_TRUE(sim.advance(0.01).ok());
+  sim.scene().scale_stiffness(std::span<const double>());
+  ASSERT_TRUE(sim.advance(0.01).ok());
+  sim.scene().scale_stiffness(0.5);
+  ASSERT_TRUE(sim.advance(0.01).ok());
+  Simulation again(model, {.backend = GetParam()});
+  again.replay(sim.recording());
+  EXPECT_EQ(again.snapshot(), sim.snapshot());
+  EXPECT_EQ(again.scene().stiffness_factors(), sim.scene().stiffness_factors());
+}
+
+TEST_P(LiveStiffness, AllocatesNothingInSteps) {
+  const Model model = cases()[1].make({});
+  Scene scene(model);
+  scene.scale_stiffness(2.0);
+  const auto solver = make_solver(GetParam(), model, scene, {}, {.threads = 1});
+  ASSERT_TRUE(solver->step(1, 0.5 * solver->stable_step()).ok());
+  for (const double factor : {3.0, 1.0}) {
+    scene.scale_stiffness("tumour", factor);
+    const std::size_t before = allocation_count();
+    ASSERT_TRUE(solver->step(4, 0.5 * solver->stable_step()).ok());
+    EXPECT_EQ(allocation_count(), before);
+  }
+}
+
+/// Asleep under its weight, then half as stiff: it sags twice as far.
+TEST(LiveStiffnessAndSleep, AChangeWakes) {
+  Simulation sim(with_material(make_tetrahedral_block({0.12, 0.03, 0.03}, 24, 6, 6, 0.2, 7)),
+                 {.backend = "cpu", .solver = {.damping = {.rate = 200.0}, .sleep_tolerance = 1e-4}});
+  sim.scene().fix("z0").gravity({0, 0, -1.0});
+  const auto sag_after = [&](double seconds) {
+    EXPECT_TRUE(sim.advance(seconds).ok());
+    double lowest = 0.0;
+    const VecList x = sim.read().position;
+    for (std::size_t i = 0; i < x.size(); ++i) lowest = std::min(lowest, x[i].z() - sim.model().rest[i].z());
+    return lowest;
+  };
+  const double before = sag_after(0.3);
+  EXPECT_EQ(sag_after(0.02), before) << "nothing moves any more, or this shows nothing";
+  sim.scene().scale_stiffness(0.5);
+  EXPECT_NEAR(sag_after(0.4), 2.0 * before, 0.05 * std::abs(before));
+}
+
+TEST(LiveStiffnessOfAScene, RefusesWhatItCannotMean) {
+  const Model model = cases()[1].make({});
+  Scene scene(model);
+  for (const double factor : {0.0, -1.0, 1e7, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_TRUE(refuses([&] { scene.scale_stiffness(factor); }, "expected a factor from 1e-6 to 1e6"));
+  }
+  EXPECT_TRUE(refuses([&] { scene.scale_stiffness("bone", 2.0); }, "\"bone\""));
+  EXPECT_TRUE(refuses([&] { scene.scale_stiffness("x0", 2.0); }, "holds no cell with a material"));
+  const std::vector<double> three(3, 1.0);
+  EXPECT_TRUE(refuses([&] { scene.scale_stiffness(three); }, "a factor for each of 2 material(s), or none, got 3"));
+  Model half = model;
+  std::vector<Index> particles = half.group("tumour");
+  half.add_group("half", std::vector<Index>(particles.begin(), particles.begin() + particles.size() * 3 / 4));
+  Scene of_half(half);
+  EXPECT_TRUE(refuses([&] { of_half.scale_stiffness("half", 2.0); }, "shares its material"));
+  EXPECT_TRUE(of_half.stiffness_factors().empty());
+
+  const Model plain = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
+  Scene without(plain);
+  EXPECT_TRUE(refuses([&] { without.scale_stiffness(2.0); }, "expected a model with a material"));
+}
+
+TEST(LiveStiffnessOfAScene, IsRefusedWhereItWouldBeIgnored) {
+  const Model model = cases()[1].make({});
+  Scene scene(model);
+  const auto springs = make_solver("cpu", model, scene, {.law = Law::springs});
+  scene.scale_stiffness(2.0);
+  EXPECT_TRUE(says(springs->step(1, 1e-6).message(), "the body's law has none"));
+  for (const std::string& backend : backend_names()) {
+    if (backend == "reference" || backend == "cpu" || !why_unavailable(backend).empty()) continue;
+    EXPECT_TRUE(refuses([&] { make_solver(backend, model, scene); }, "scales the stiffness of materials")) << backend;
+  }
+}
+
+}  // namespace
+}  // namespace phymul::test
