@@ -19,7 +19,7 @@ void for_each_weight(const JointSpring& spring, const Visit& visit) {
 
 }  // namespace
 
-RestJoints::RestJoints(const Scene& scene, const State& state) : particles_(state.position.size()) {
+RestJoints::RestJoints(const Scene& scene, const State& state) : scene_(scene), particles_(state.position.size()) {
   for (const SceneJoint& joint : scene.joints()) {
     const auto known = std::ranges::find(state.joints, joint.name, &JointState::name);
     for (std::size_t row = 0; row < joint.joint.springs.size(); ++row) {
@@ -35,8 +35,8 @@ std::vector<char> RestJoints::joined() const {
   return ends;
 }
 
-Vec3 RestJoints::span_of(const JointSpring& spring, std::span<const Vec3> position) {
-  return anchor_place(spring.b, position, {}) - anchor_place(spring.a, position, {});
+Vec3 RestJoints::span_of(const JointSpring& spring, std::span<const Vec3> position) const {
+  return anchor_place(spring.b, position, scene_.tools()) - anchor_place(spring.a, position, scene_.tools());
 }
 
 void RestJoints::add_forces(std::span<const Vec3> position, std::span<Vec3> force) const {

@@ -41,8 +41,9 @@ class RestJoints {
     const JointSpring* spring;
     Mat3 tangent = Mat3::Zero();
   };
-  static Vec3 span_of(const JointSpring& spring, std::span<const Vec3> position);
+  Vec3 span_of(const JointSpring& spring, std::span<const Vec3> position) const;
 
+  const Scene& scene_;
   std::size_t particles_;
   std::vector<Spring> springs_;
 };
