@@ -144,7 +144,6 @@ class SolverBackend : public Solver {
   double step_limit(double damping_factor) const;  // s
   Spectrum spectrum() const;                       // a bound, of materials as stiff as the scene makes them
   void require_fitting(const State& state) const;
-  const char* cannot() const;  // do_cannot(), and what no backend can
   void require_supported() const;
   void require_idle(const char* what) const;
   void follow_scene();

@@ -138,15 +138,14 @@ class Scene {
   Scene& contacts(const ContactOptions& options);
   Scene& no_contacts();
 
-  /// Multiplies the stiffness of the model's materials, of all or of those of a group's cells (as set_material() takes
-  /// a group), by a factor from 1e-6 to 1e6: Young's modulus and what follows from it. Always of the model's own
-  /// values: 1 takes it back. Cheap for any size of body: solvers build no tables anew, and only the first call makes
-  /// them allocate. Solver::stable_step() follows at once, by a bound: the model's own over the root of the largest
-  /// factor. For Law::particle_averaged. Throws Error for a model without materials, a factor out of range, and a group
-  /// that has no cell or shares a material with cells outside of it.
+  /// Multiplies the stiffness of all materials of the model, or of one of them, by a factor from 1e-6 to 1e6: Young's
+  /// modulus and what follows from it. Always of the model's own values: 1 takes it back. Cheap for any size of body:
+  /// solvers build no tables anew, and only the first call makes them allocate. Solver::stable_step() follows at once,
+  /// by a bound: the model's own over the root of the largest factor. Throws Error for a model without materials or
+  /// without this one, and for a factor out of range.
   Scene& scale_stiffness(double factor);
-  Scene& scale_stiffness(std::string_view group, double factor);
-  Scene& scale_stiffness(std::span<const double> factors);  ///< [Model::materials], or none: all 1
+  Scene& scale_stiffness(const Material& material, double factor);  ///< one of Model::materials, as set_material got it
+  Scene& scale_stiffness(std::span<const double> factors);          ///< [Model::materials], or none: all 1
   const std::vector<double>& stiffness_factors() const { return stiffness_factors_; }  ///< [materials], or none: all 1
 
   /// Replaces the events of loads()[row]. It is cheap for any size of body: solvers prepare nothing, and nothing is

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "base/decimal.h"
-#include "model/group.h"
 
 namespace phymul {
 namespace {
@@ -24,32 +23,6 @@ void require_factor(const Model& model, double factor) {
   throw Error("scale_stiffness: expected a factor from 1e-6 to 1e6, got " + to_decimal(factor));
 }
 
-/// [materials] 1: some cell of the group has it. Throws Error if others have it too, or if there is no such cell.
-std::vector<char> materials_of_group(const Model& model, std::string_view group) {
-  const std::vector<char> chosen = cells_of_group(model, group);
-  const std::string label = "scale_stiffness: group \"" + std::string(group) + "\" ";
-  std::vector<char> of_group(model.materials.size(), 0);
-  std::vector<Index> others(of_group.size(), 0);
-  for (std::size_t row = 0; row < model.cells.size(); ++row) {
-    const Index material = model.cells[row].material;
-    if (material < 0) continue;
-    if (chosen[row] != 0) {
-      of_group[material] = 1;
-    } else {
-      ++others[material];
-    }
-  }
-  for (std::size_t m = 0; m < others.size(); ++m) {
-    if (of_group[m] == 0 || others[m] == 0) continue;
-    throw Error(label + "shares its material (Young's modulus " + to_decimal(model.materials[m].young) + " Pa) with " +
-                std::to_string(others[m]) +
-                " cell(s) outside of it; give it one of its own with set_material, in which a density that differs "
-                "in the last digits is enough");
-  }
-  if (std::ranges::find(of_group, char{1}) == of_group.end()) throw Error(label + "holds no cell with a material");
-  return of_group;
-}
-
 }  // namespace
 
 Scene& Scene::scale_stiffness(double factor) {
@@ -58,14 +31,18 @@ Scene& Scene::scale_stiffness(double factor) {
   return *this;
 }
 
-Scene& Scene::scale_stiffness(std::string_view group, double factor) {
+Scene& Scene::scale_stiffness(const Material& material, double factor) {
   require_factor(*model_, factor);
-  const std::vector<char> chosen = materials_of_group(*model_, group);
-  std::vector<double> factors = stiffness_factors_;
-  factors.resize(chosen.size(), 1.0);
-  for (std::size_t m = 0; m < chosen.size(); ++m) {
-    if (chosen[m] != 0) factors[m] = factor;
+  const auto known = std::ranges::find(model_->materials, material);
+  if (known == model_->materials.end()) {
+    std::string moduli;
+    for (const Material& own : model_->materials) moduli += (moduli.empty() ? "" : ", ") + to_decimal(own.young);
+    throw Error("scale_stiffness: expected a material of the model, whose Young's moduli are " + moduli +
+                " Pa; got another one, of " + to_decimal(material.young) + " Pa");
   }
+  std::vector<double> factors = stiffness_factors_;
+  factors.resize(model_->materials.size(), 1.0);
+  factors[static_cast<std::size_t>(known - model_->materials.begin())] = factor;
   set_factors(std::move(factors));
   return *this;
 }

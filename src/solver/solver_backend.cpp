@@ -103,15 +103,8 @@ void SolverBackend::require_fitting(const State& state) const {
   require_joint_states(state, scene_->joints());
 }
 
-const char* SolverBackend::cannot() const {
-  if (!scene_->stiffness_factors().empty() && topology_->domains.empty()) {
-    return "the scene scales the stiffness of materials, and the body's law has none; use Law::particle_averaged";
-  }
-  return do_cannot();
-}
-
 void SolverBackend::require_supported() const {
-  if (const char* const cause = cannot()) throw Error(ErrorCode::not_supported, "backend \"" + name_ + "\": " + cause);
+  if (const char* const cause = do_cannot()) throw Error(ErrorCode::not_supported, "backend \"" + name_ + "\": " + cause);
 }
 
 void SolverBackend::require_idle(const char* what) const {

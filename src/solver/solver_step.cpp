@@ -154,7 +154,7 @@ StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest, const Dam
     report.status = StepStatus::unstable_step;
     return report;
   }
-  if (const char* const cause = cannot()) {
+  if (const char* const cause = do_cannot()) {
     report.status = StepStatus::not_supported;
     report.cause = cause;
     return report;

@@ -19,11 +19,7 @@ Model with_tumour(Model model, const Material& tissue, const Material& tumour) {
   set_material(model, tissue);
   const double middle = 0.4 * body_size(model);
   set_material(model, tumour, [=](const Vec3& place) { return place.x() < middle; });
-  std::vector<Index> particles;
-  for (Index i = 0; i < model.particle_count(); ++i) {
-    if (model.rest[i].x() < middle + 1e-9) particles.push_back(i);
-  }
-  return model.add_group("tumour", particles);
+  return model;
 }
 
 struct Tissues {
@@ -95,16 +91,17 @@ TEST_P(LiveStiffness, IsThatOfASolverMadeAnew) {
     const auto solver = make_solver(GetParam(), model, scene, c.options);
     const double dt = 0.3 * solver->stable_step();
     ASSERT_TRUE(solver->step(20, dt).ok());
-    for (const bool by_group : {false, true}) {
-      if (by_group && points) continue;
-      by_group ? scene.scale_stiffness("tumour", second) : scene.scale_stiffness(first);
-      const Model made_so = c.make(tissues.scaled(first, by_group ? second : first));
+    for (const bool of_one : {false, true}) {
+      if (of_one && points) continue;
+      of_one ? scene.scale_stiffness(tissues.tumour, second) : scene.scale_stiffness(first);
+      const Model made_so = c.make(tissues.scaled(first, of_one ? second : first));
       Scene other(made_so);
       other.add(pull_on(made_so));
       const auto anew = make_solver(GetParam(), made_so, other, c.options);
       anew->reset(solver->read());
       const double of_both = solver->stable_step() / anew->stable_step();
-      by_group ? EXPECT_LE(of_both, 1.0 + 1e-3) : EXPECT_NEAR(of_both, 1.0, 1e-3);
+      EXPECT_LE(of_both, 1.0 + 1e-3) << "a bound";
+      EXPECT_GE(of_both, of_one ? 0.0 : 1.0 - 1e-3);
       EXPECT_NEAR(solver->energy().elastic, anew->energy().elastic, 1e-6 * anew->energy().elastic);
       ASSERT_TRUE(solver->step(60, dt).ok());
       ASSERT_TRUE(anew->step(60, dt).ok());
@@ -115,7 +112,7 @@ TEST_P(LiveStiffness, IsThatOfASolverMadeAnew) {
         apart = std::max(apart, (wanted.position[i] - now.position[i]).norm());
       }
       EXPECT_GT(largest, 1e-6);
-      EXPECT_LT(apart, bound * largest) << (by_group ? "by group" : "of all");
+      EXPECT_LT(apart, bound * largest) << (of_one ? "of one" : "of all");
     }
   }
 }
@@ -143,7 +140,7 @@ TEST_P(LiveStiffness, ReachesSolveStaticAndTheStep) {
   const auto sag = [&] {
     EXPECT_EQ(sim.solve_static().status, RestStatus::converged);
     double lowest = 0.0;
-    const VecList x = sim.read().position;
+    const VecList x = sim.state().position;
     for (std::size_t i = 0; i < x.size(); ++i) lowest = std::min(lowest, x[i].z() - sim.model().rest[i].z());
     return lowest;
   };
@@ -162,7 +159,7 @@ TEST_P(LiveStiffness, IsReplayedBitForBit) {
   sim.scene().add(pull_on(model)).scale_stiffness(1.5);
   sim.record();
   ASSERT_TRUE(sim.advance(0.01).ok());
-  sim.scene().scale_stiffness("tumour", 4.0);
+  sim.scene().scale_stiffness(Tissues().tumour, 4.0);
   ASSERT_TRUE(sim.advance(0.01).ok());
   sim.scene().scale_stiffness(std::span<const double>());
   ASSERT_TRUE(sim.advance(0.01).ok());
@@ -181,7 +178,7 @@ TEST_P(LiveStiffness, AllocatesNothingInSteps) {
   const auto solver = make_solver(GetParam(), model, scene, {}, {.threads = 1});
   ASSERT_TRUE(solver->step(1, 0.5 * solver->stable_step()).ok());
   for (const double factor : {3.0, 1.0}) {
-    scene.scale_stiffness("tumour", factor);
+    scene.scale_stiffness(Tissues().tumour, factor);
     const std::size_t before = allocation_count();
     ASSERT_TRUE(solver->step(4, 0.5 * solver->stable_step()).ok());
     EXPECT_EQ(allocation_count(), before);
@@ -196,7 +193,7 @@ TEST(LiveStiffnessAndSleep, AChangeWakes) {
   const auto sag_after = [&](double seconds) {
     EXPECT_TRUE(sim.advance(seconds).ok());
     double lowest = 0.0;
-    const VecList x = sim.read().position;
+    const VecList x = sim.state().position;
     for (std::size_t i = 0; i < x.size(); ++i) lowest = std::min(lowest, x[i].z() - sim.model().rest[i].z());
     return lowest;
   };
@@ -212,16 +209,14 @@ TEST(LiveStiffnessOfAScene, RefusesWhatItCannotMean) {
   for (const double factor : {0.0, -1.0, 1e7, std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_TRUE(refuses([&] { scene.scale_stiffness(factor); }, "expected a factor from 1e-6 to 1e6"));
   }
-  EXPECT_TRUE(refuses([&] { scene.scale_stiffness("bone", 2.0); }, "\"bone\""));
-  EXPECT_TRUE(refuses([&] { scene.scale_stiffness("x0", 2.0); }, "holds no cell with a material"));
+  EXPECT_TRUE(refuses(
+      [&] {
+        scene.scale_stiffness(Material{5e3, 0.3, 1000.0}, 2.0);
+      },
+      "Young's moduli are 10000, 30000 Pa; got another one, of 5000 Pa"));
   const std::vector<double> three(3, 1.0);
   EXPECT_TRUE(refuses([&] { scene.scale_stiffness(three); }, "a factor for each of 2 material(s), or none, got 3"));
-  Model half = model;
-  std::vector<Index> particles = half.group("tumour");
-  half.add_group("half", std::vector<Index>(particles.begin(), particles.begin() + particles.size() * 3 / 4));
-  Scene of_half(half);
-  EXPECT_TRUE(refuses([&] { of_half.scale_stiffness("half", 2.0); }, "shares its material"));
-  EXPECT_TRUE(of_half.stiffness_factors().empty());
+  EXPECT_TRUE(scene.stiffness_factors().empty());
 
   const Model plain = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
   Scene without(plain);
@@ -231,9 +226,7 @@ TEST(LiveStiffnessOfAScene, RefusesWhatItCannotMean) {
 TEST(LiveStiffnessOfAScene, IsRefusedWhereItWouldBeIgnored) {
   const Model model = cases()[1].make({});
   Scene scene(model);
-  const auto springs = make_solver("cpu", model, scene, {.law = Law::springs});
   scene.scale_stiffness(2.0);
-  EXPECT_TRUE(says(springs->step(1, 1e-6).message(), "the body's law has none"));
   for (const std::string& backend : backend_names()) {
     if (backend == "reference" || backend == "cpu" || !why_unavailable(backend).empty()) continue;
     EXPECT_TRUE(refuses([&] { make_solver(backend, model, scene); }, "scales the stiffness of materials")) << backend;
