@@ -197,20 +197,24 @@ TEST(SimulationStatic, FindsTheShapeOnJoints) {
     const char* name;
     Model model;
     std::function<void(Scene&)> hold;
+    int evaluations;  // ligaments let the body swing far
   };
   const Case cases[] = {
       {"bed", block,
-       [](Scene& scene) { scene.attach(scene.model().group("z0"), World{}, {.stiffness = 1e5, .damping = 50.0}); }},
+       [](Scene& scene) { scene.attach(scene.model().group("z0"), World{}, {.stiffness = 1e5, .damping = 50.0}); },
+       150},
       {"ligaments", block,
        [](Scene& scene) {
          scene.attach(scene.model().group("x0"), World{{-0.01, 0, 0.02}}, {.stiffness = 1e5, .slack = true});
          scene.attach(scene.model().group("x1"), World{{0.01, 0, 0.02}}, {.stiffness = 2e5, .slack = true});
-       }},
+       },
+       2000},
       {"glue", merge_models(bodies),
        [](Scene& scene) {
          scene.fix("lower/z0");
          scene.attach(scene.model().group("upper/z0"), "lower", {.stiffness = 1e6, .damping = 100.0});
-       }},
+       },
+       400},
   };
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
@@ -221,7 +225,7 @@ TEST(SimulationStatic, FindsTheShapeOnJoints) {
     }
     const StaticResult result = direct.solve_static();
     ASSERT_TRUE(result.converged()) << result.message();
-    EXPECT_LE(result.evaluations, 400);
+    EXPECT_LE(result.evaluations, c.evaluations);
     ASSERT_EQ(stepped.run_to_rest(400'000).status, RestStatus::converged);
     double moved_by = 0.0;
     for (Index i = 0; i < c.model.particle_count(); ++i) {
