@@ -122,8 +122,8 @@ class SolverBackend : public Solver {
   virtual void do_snapshot(Snapshot& snapshot) const;
   virtual void do_restore(const Snapshot& snapshot);
   /// What the scene holds that this backend does not support, one sentence of static text; null: nothing. The default
-  /// refuses needles, contacts and joints always, tools and volume constraints unless the two functions below return
-  /// true.
+  /// refuses needles, contacts, joints and materials that dissipate always, tools and volume constraints unless the two
+  /// functions below return true.
   virtual const char* do_cannot() const;
   virtual bool do_takes_tools() const { return false; }
   virtual bool do_takes_volumes() const { return false; }           ///< Scene::constrain_volume
@@ -160,6 +160,7 @@ class SolverBackend : public Solver {
   std::unique_ptr<JointSet> joints_;
   int steps_a_slice_ = 1;  // between two looks at the clock, if progress is asked for
   Spectrum spectrum_;
+  double stiffness_ = 0.0, viscosity_ = 0.0;  // bounds of the body over its masses: 1/s^2, 1/s
   double spacing_ = 0.0;
 };
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/decimal.h"
+#include "elastic/dissipation.h"
 #include "half_step.h"
 #include "interaction/joint_set.h"
 #include "profile.h"
@@ -42,6 +43,9 @@ constexpr const char* no_surface_contact =
     "the scene has a tool with ToolContact::surface, which this backend does not take; use \"cpu\" or \"reference\"";
 constexpr const char* no_joints =
     "the scene has joints, which this backend does not take; use \"cpu\" or \"reference\"";
+constexpr const char* no_dissipation =
+    "the body has a material with Material::retardation_time or relaxation_strength, which this backend does not take; "
+    "use \"cpu\" or \"reference\"";
 constexpr const char* no_volumes =
     "the scene keeps volumes, which this backend does not do; use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_contacts =
@@ -64,6 +68,9 @@ SolverBackend::SolverBackend(std::string name, std::shared_ptr<const TopologyTex
         "the body's stiffness over its mass is beyond the range of numbers; expected masses in kg and stiffnesses in "
         "N/m (or a material in Pa) of a real body");
   }
+  const StepBound bound = step_bound(*topology_, spectrum_);
+  stiffness_ = bound.stiffness;
+  viscosity_ = bound.damping;
   spacing_ = mean_spacing(model());
   // Cells alone make a body, without neighbours to take a spacing from.
   if (!(spacing_ > 0.0)) spacing_ = body_size(model()) / std::cbrt(static_cast<double>(topology_->particle_count));
@@ -134,14 +141,13 @@ const JointReport& SolverBackend::joint_report_at(std::size_t row) const {
   return joints_->report(scene_->joints()[row]);
 }
 
-/// Of x+ = x + dt v+, v+ = d v - dt (K x + C v) / m, whose characteristic polynomial has its roots within the unit
-/// circle while dt^2 omega^2 + 2 dt c / m <= 2 (1 + d), mode by mode. Eigenvalues of sums are at most the sums of the
-/// largest (Weyl).
+/// Eigenvalues of sums are at most the sums of the largest (Weyl).
 double SolverBackend::step_limit(double damping_factor) const {
   const JointBounds& joints = joints_->bounds(*scene_, topology_->mass);
-  if (joints.stiffness == 0.0 && joints.damping == 0.0) return phymul::stable_step(spectrum_, damping_factor);
-  const double twice = 2.0 * (1.0 + damping_factor), c = joints.damping;
-  return twice / (c + std::sqrt(c * c + twice * (spectrum_.largest + joints.stiffness)));
+  if (joints.stiffness == 0.0 && joints.damping == 0.0 && viscosity_ == 0.0) {
+    return phymul::stable_step(Spectrum{.largest = stiffness_}, damping_factor);
+  }
+  return largest_step({stiffness_ + joints.stiffness, viscosity_ + joints.damping}, damping_factor);
 }
 
 std::uint64_t SolverBackend::topology_hash() const {
@@ -235,6 +241,7 @@ const char* SolverBackend::do_cannot() const {
   if (has_needle(scene_->tools())) return no_needles;
   if (touches_surface(scene_->tools())) return no_surface_contact;
   if (!scene_->joints().empty()) return no_joints;
+  if (!topology_->dissipation.empty()) return no_dissipation;
   if (!scene_->volume_constraints().empty() && !do_takes_volumes()) return no_volumes;
   return scene_->contacts() ? no_contacts : nullptr;
 }

@@ -59,6 +59,10 @@ const char* DeviceSolver::do_cannot() const {
     return "the scene has joints, which the backends \"gl\" and \"gl-compute\" do not take; use \"cpu\" or "
            "\"reference\"";
   }
+  if (!topology().dissipation.empty()) {
+    return "the body has a material with Material::retardation_time or relaxation_strength, which the backends \"gl\" "
+           "and \"gl-compute\" do not take; use \"cpu\" or \"reference\"";
+  }
   if (backend_ == GlBackend::compute || !has_needle(scene().tools())) return nullptr;
   return "the scene has a needle, which the backend \"gl\" does not take; use \"gl-compute\", \"cpu\" or "
          "\"reference\"";
