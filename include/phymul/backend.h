@@ -100,7 +100,7 @@ class SolverBackend : public Solver {
 
   /// topology(), with the scene's stiffness_factors(); valid until these change. Allocates at the first that are not 1.
   const TopologyTextures& elastic() const;
-  /// What of the scene only "cpu" and "reference" take, as do_cannot() says it; null: nothing.
+  /// What of the scene and the body only "cpu" and "reference" take, as do_cannot() says it; null: nothing.
   const char* beyond_devices() const;
 
   LoadFrame& frame() { return frame_; }                  ///< prepared; a backend evaluates it at the time of each step
@@ -129,8 +129,8 @@ class SolverBackend : public Solver {
   virtual void do_snapshot(Snapshot& snapshot) const;
   virtual void do_restore(const Snapshot& snapshot);
   /// What the scene holds that this backend does not support, one sentence of static text; null: nothing. The default
-  /// refuses needles, contacts and joints always, tools and volume constraints unless the two functions below return
-  /// true.
+  /// refuses needles, contacts, joints and materials that dissipate always, tools and volume constraints unless the two
+  /// functions below return true.
   virtual const char* do_cannot() const;
   virtual bool do_takes_tools() const { return false; }
   virtual bool do_takes_volumes() const { return false; }           ///< Scene::constrain_volume
@@ -142,6 +142,7 @@ class SolverBackend : public Solver {
   const ToolReport& tool_report(std::size_t row) const final { return do_tool_report(row); }
   const JointReport& joint_report_at(std::size_t row) const final;
   double step_limit(double damping_factor) const;  // s
+  double stiffness_factor() const;                 // the largest of the scene's
   Spectrum spectrum() const;                       // a bound, of materials as stiff as the scene makes them
   void require_fitting(const State& state) const;
   void require_supported() const;
@@ -166,8 +167,9 @@ class SolverBackend : public Solver {
   mutable std::optional<std::uint64_t> topology_hash_;
   std::unique_ptr<Profile> profile_;
   std::unique_ptr<JointSet> joints_;
-  int steps_a_slice_ = 1;  // between two looks at the clock, if progress is asked for
-  Spectrum own_spectrum_;  // of the model's own stiffness
+  int steps_a_slice_ = 1;                     // between two looks at the clock, if progress is asked for
+  Spectrum own_spectrum_;                     // of the model's own stiffness
+  double stiffness_ = 0.0, viscosity_ = 0.0;  // bounds of it and of its dissipation, over the masses: 1/s^2, 1/s
   std::unique_ptr<ScaledTables> scaled_;
   double spacing_ = 0.0;
 };

@@ -40,4 +40,8 @@ Spectrum estimate_spectrum(const TopologyTextures& topology, std::span<const Vec
 /// any stiffness.
 double stable_step(const Spectrum& spectrum, double damping_factor);
 
+/// The same of a body whose material may dissipate, with the largest retardation_time T and relaxation_strength D of
+/// its domains: omega_max^2 ((1 + D) dt^2 + 2 T dt) <= 2 (1 + d). Derivation: docs/theory/physics.md.
+double stable_step(const TopologyTextures& topology, const Spectrum& spectrum, double damping_factor);
+
 }  // namespace phymul

@@ -76,6 +76,17 @@ struct Material {
   /// Young's modulus along the fibres (Cell::fibre) over `young`, that of the tissue between them; at least 1, which
   /// means none. Across them it is young / (1 - poisson^2 (1 - 1 / fibre_ratio)).
   double fibre_ratio = 1.0;
+
+  // Dissipation by the change of strain, so that rigid motion is not braked; 0: none. Law::particle_averaged, backends
+  // "reference" and "cpu". C is the elastic tensor of young and poisson, E Green's strain (docs/theory/physics.md).
+  /// s, >= 0. Kelvin-Voigt: a viscous stress of retardation_time * C : dE/dt. The loss factor of a small vibration of
+  /// angular frequency w is w * retardation_time.
+  double retardation_time = 0.0;
+  /// >= 0. Standard linear solid: under a sudden strain the stiffness is (1 + relaxation_strength) times the lasting
+  /// one, that of `young`; the difference decays as exp(-t / relaxation_time). Name: Nowick and Berry, Anelastic
+  /// Relaxation in Crystalline Solids, 1972, ch. 3.
+  double relaxation_strength = 0.0;
+  double relaxation_time = 0.0;  ///< s; > 0 where relaxation_strength is
   bool operator==(const Material&) const = default;
 };
 

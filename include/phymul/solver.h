@@ -30,7 +30,7 @@ struct PassProfile {
 };
 
 struct Energy {
-  double elastic = 0.0;  ///< J
+  double elastic = 0.0;  ///< J, that of Material::relaxation_strength included
   /// J: 1/2 sum m v- . v+ with the velocities half a step before and after `time`. With it the total of an undamped
   /// linear body is constant in Verlet's scheme for every step size.
   double kinetic = 0.0;

@@ -13,7 +13,7 @@ namespace phymul {
 
 /// Velocity damping. A rate has the same effect for every step size; the factor is the d of the 2007 thesis. Damping
 /// acts on the motion relative to the world, not to the body: a free body under gravity g falls no faster than g /
-/// rate.
+/// rate. Damping of deformation alone: Material::retardation_time.
 struct Damping {
   double rate = 0.0;                  ///< 1/s, >= 0: each step multiplies velocities by exp(-rate dt)
   double factor = 1.0;                ///< d in [0, 1], applied once per step in addition to the rate; 1: no damping
@@ -55,7 +55,8 @@ struct SolverOptions {
   /// moves one of its particles. So no net force above m h sleep_tolerance / tau^2, or a twentieth of the weight if
   /// that is less, is ever neglected (rounding: as for
   /// rest_tolerance, with the block's u). docs/guide/choosing.md has the error of some tolerances. run_to_rest() skips
-  /// only what repeats itself. Throws Error for a negative value, NaN or infinity.
+  /// only what repeats itself. Without effect for materials that dissipate. Throws Error for a negative value, NaN or
+  /// infinity.
   std::optional<double> sleep_tolerance{};
   /// In mean spacings: an elastic force that by itself would move its particle further than this in one step is
   /// limited to that distance, and StepReport::force_clamped is set. Forces of this size occur only in states that real

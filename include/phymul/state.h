@@ -30,7 +30,7 @@ struct State {
 
 /// Everything that the further steps of a solver depend on except the scene. Restored in a solver of the same backend
 /// over the same tables, it continues bit for bit. In double precision a State is enough for that, except for
-/// run_to_rest() and energy().
+/// run_to_rest(), energy() and materials that dissipate.
 struct Snapshot {
   State state;
   double last_dt = 0.0;   ///< s, of the last step; 0: there was none

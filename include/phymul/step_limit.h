@@ -23,7 +23,7 @@ struct LimitingPlace {
 };
 
 struct StepLimit {
-  double stable_step = 0.0;           ///< s, of the whole body, without damping
+  double stable_step = 0.0;           ///< s, of the whole body, without SolverOptions::damping
   std::vector<LimitingPlace> places;  ///< the first sets the step; empty if the vibration is spread over the body
   double without = 0.0;               ///< s, if the particles of all these places were held
   std::string message() const;        ///< a sentence or two for people

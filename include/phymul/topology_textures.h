@@ -93,11 +93,19 @@ struct SurfaceLinkTexel {
   Vec3 area = Vec3::Zero();  ///< half the integral over the surface of N_d N_e times the outward normal, m^2
 };
 
+/// How the material of a domain dissipates (Material). Small-strain tensor: 2 mu E + lambda tr(E) I.
+struct DissipationTexel {
+  double mu = 0.0, lambda = 0.0;     ///< Pa, Lame's constants of Material::young and poisson
+  double retardation_time = 0.0;     ///< s
+  double relaxation_strength = 0.0;  ///< 1
+  double relaxation_time = 0.0;      ///< s, > 0 where relaxation_strength is
+};
+
 /// Hashes (FNV-1a, 64 bits) of the parts of a model that the tables were built from. By them a solver can say what has
 /// changed since.
 struct ModelFingerprint {
   std::uint64_t neighbours = 0, cells = 0;
-  std::uint64_t materials = 0;  ///< Young's modulus and Poisson's ratio, cell by cell; of a body of points, of all
+  std::uint64_t materials = 0;  ///< constants of Material but the density, cell by cell; of a body of points, of all
   std::uint64_t stiffness = 0;  ///< of particles, if there are no materials
   bool operator==(const ModelFingerprint&) const = default;
 };
@@ -140,7 +148,8 @@ struct TopologyTextures {
   std::vector<LinkTexel> links;
   std::vector<Index> first_link{0};  ///< [domains + 1]
   std::vector<SurfaceLinkTexel> surface_links;
-  std::vector<Index> first_surface_link{0};  ///< [domains + 1]
+  std::vector<Index> first_surface_link{0};   ///< [domains + 1]
+  std::vector<DissipationTexel> dissipation;  ///< [domains]; empty where no material dissipates
 
   // Transposed lists, because a shader can gather but not scatter. An entry is (row of the term) * corners + corner.
   RaggedList neighbour_of;             ///< per particle j: rows r of `neighbours` with neighbours[r] = j (corners = 1)

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "elastic/dissipation.h"
 #include "integrate.h"
 #include "interaction/joint_set.h"
 #include "interaction/tool_set.h"
@@ -23,7 +24,8 @@ class ReferenceSolver final : public SolverBackend {
       : SolverBackend("reference", std::move(shared), scene_in, options_in),
         force_(topology().particle_count),
         next_position_(topology().particle_count),
-        next_velocity_(topology().particle_count) {
+        next_velocity_(topology().particle_count),
+        dissipation_(topology()) {
     if (Profile* profile = profiling()) {
       forces_row_ = profile->row("forces");
       move_row_ = profile->row("move");
@@ -41,6 +43,7 @@ class ReferenceSolver final : public SolverBackend {
     tools_.reset(scene(), state);
     last_dt_ = 0.0;
     steps_at_rest_ = 0;
+    dissipation_.reset({});
     scene().evaluate(state_.time, frame());
   }
 
@@ -48,11 +51,14 @@ class ReferenceSolver final : public SolverBackend {
     do_read(snapshot.state);
     snapshot.last_dt = last_dt_;
     snapshot.steps_at_rest = steps_at_rest_;
+    put_strains(dissipation_.memory(), snapshot);
   }
 
   void do_restore(const Snapshot& snapshot) override {
-    refuse_parts(snapshot);
+    if (dissipation_.empty() || snapshot.parts.size() != 1 || !has_strains(snapshot)) refuse_parts(snapshot);
+    StrainMemory strains = strains_of(snapshot, topology());
     do_reset(snapshot.state);
+    dissipation_.reset(std::move(strains));
     last_dt_ = snapshot.last_dt;
     steps_at_rest_ = snapshot.steps_at_rest;
   }
@@ -85,6 +91,7 @@ class ReferenceSolver final : public SolverBackend {
     Laps laps(profiling());
     while (motion.steps < plan.steps) {
       elastic_forces(elastic(), state_.position, force_);
+      if (!dissipation_.empty()) dissipation_.add_forces(elastic(), state_.position, plan.dt, last_dt_, force_);
       laps.end(forces_row_);
       const bool any_cut = cut_forces(plan.largest_acceleration);
       if (!joints().empty()) pull_joints(plan.dt);
@@ -105,6 +112,7 @@ class ReferenceSolver final : public SolverBackend {
       state_.time += plan.dt;
       if (!tools_.empty()) tools_.accept();
       joints().accept();
+      if (!dissipation_.empty()) dissipation_.accept();
       last_dt_ = plan.dt;
       ++motion.steps;
       motion.force_clamped = motion.force_clamped || any_cut;
@@ -130,7 +138,11 @@ class ReferenceSolver final : public SolverBackend {
   std::string do_device() const override { return "one processor core, double precision"; }
   ParticleBuffer do_position_buffer() const override { return {.position = state_.position}; }
 
-  Energy do_energy() const override { return energy_of(state_, last_dt_); }
+  Energy do_energy() const override {
+    Energy energy = energy_of(state_, last_dt_);
+    energy.elastic += branch_energy(elastic(), state_.position, dissipation_.memory(), last_dt_);
+    return energy;
+  }
 
   static bool fixed(Index i, int axis, const LoadFrame& loads) {
     return !loads.fixed.empty() && (loads.fixed[i] >> axis & 1) != 0;
@@ -251,6 +263,7 @@ class ReferenceSolver final : public SolverBackend {
 
   State state_;
   VecList force_, next_position_, next_velocity_;
+  Dissipation dissipation_;
   ToolSet tools_;
   std::vector<ToolWay> ways_;
   Touching touching_;

@@ -13,7 +13,7 @@ std::vector<BodyLimit> body_limits(const Model& model, const TopologyTextures& t
     std::vector<std::uint8_t> fixed(model.rest.size(), 7);
     for (const Index i : body.particles) fixed[i] = 0;
     const Spectrum spectrum = estimate_spectrum(topology, topology.rest, fixed);
-    limits.push_back({body.name, body.particles.front(), stable_step(spectrum, damping_factor)});
+    limits.push_back({body.name, body.particles.front(), stable_step(topology, spectrum, damping_factor)});
   }
   return limits;
 }

@@ -18,6 +18,10 @@ const TopologyTextures& ScaledTables::of(const TopologyTextures& topology, std::
     const double factor = factors[own.material];
     domain.spread_stiffness = factor * own.spread_stiffness;
     for (std::size_t k = 0; k < moduli; ++k) domain.energy[k] = factor * own.energy[k];
+    if (!topology.dissipation.empty()) {
+      scaled_->dissipation[d].mu = factor * topology.dissipation[d].mu;
+      scaled_->dissipation[d].lambda = factor * topology.dissipation[d].lambda;
+    }
     // Links join domains of one material.
     for (Index row = topology.first_link[d]; row < topology.first_link[d + 1]; ++row) {
       scaled_->links[row].stiffness = factor * topology.links[row].stiffness;

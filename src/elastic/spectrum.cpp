@@ -11,6 +11,7 @@
 #include <complex>
 #include <limits>
 
+#include "dissipation.h"
 #include "scaled_stiffness.h"
 
 namespace phymul {
@@ -107,6 +108,12 @@ Spectrum estimate_spectrum(const TopologyTextures& topology, std::span<const Vec
 double stable_step(const Spectrum& spectrum, double damping_factor) {
   if (spectrum.largest <= 0.0) return std::numeric_limits<double>::infinity();
   return std::sqrt(2.0 * (1.0 + damping_factor) / spectrum.largest);
+}
+
+double stable_step(const TopologyTextures& topology, const Spectrum& spectrum, double damping_factor) {
+  const StepBound bound = step_bound(topology, spectrum);
+  if (bound.damping == 0.0) return stable_step(Spectrum{.largest = bound.stiffness}, damping_factor);
+  return largest_step(bound, damping_factor);
 }
 
 }  // namespace phymul

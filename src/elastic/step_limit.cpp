@@ -14,8 +14,8 @@ namespace {
 /// A vibration that moves more of the particles than this is the whole body's.
 constexpr double local = 0.125;
 
-double undamped_step(double largest) {
-  return stable_step(Spectrum{.largest = largest}, 1.0);
+double undamped_step(const TopologyTextures& topology, double largest) {
+  return stable_step(topology, Spectrum{.largest = largest}, 1.0);
 }
 
 /// Kinetic energy of a vibration by particles, of sum 1. `shape` [3 N] in the coordinates of ScaledStiffness.
@@ -77,7 +77,7 @@ StepLimit describe_limit(const Model& model, const TopologyTextures& topology, i
     const Eigen::VectorXd start = A.start_vector();
     const bool moves = A.spacing() > 0.0 && !start.isZero(0.0);
     const Lanczos found = moves ? lanczos(A, start) : Lanczos{};
-    limit.without = undamped_step(found.spectrum.largest);
+    limit.without = undamped_step(topology, found.spectrum.largest);
     if (k == 0) limit.stable_step = limit.without;
     if (k >= most_places || !(limit.without < std::numeric_limits<double>::infinity()) || limit.without == 0.0) break;
     const std::vector<double> share = shares(fastest_vibration(A, start, found));

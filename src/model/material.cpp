@@ -115,7 +115,21 @@ void drop_unused_materials(Model& model) {
   model.materials = std::move(used);
 }
 
+void require_dissipation_in_range(const Material& material) {
+  const auto require = [](const char* name, double value, const char* unit, bool holds, const char* expected) {
+    if (holds && std::isfinite(value)) return;
+    throw Error(std::string("material: expected ") + expected + " for " + name + ", got " + to_decimal(value) + unit);
+  };
+  require("retardation_time", material.retardation_time, " s", material.retardation_time >= 0.0, "0 s or more");
+  require("relaxation_strength", material.relaxation_strength, "", material.relaxation_strength >= 0.0, "0 or more");
+  const bool relaxes = material.relaxation_strength > 0.0;
+  require("relaxation_time", material.relaxation_time, " s",
+          relaxes ? material.relaxation_time > 0.0 : material.relaxation_time >= 0.0,
+          relaxes ? "more than 0 s, because relaxation_strength is above 0," : "0 s or more");
+}
+
 void require_in_range(const Material& material) {
+  require_dissipation_in_range(material);
   if (!(material.young > 0.0) || !std::isfinite(material.young)) {
     throw Error("material: expected a positive, finite Young's modulus in Pa, got " + to_decimal(material.young));
   }

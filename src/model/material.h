@@ -5,7 +5,10 @@
 
 namespace phymul {
 
-/// Throws Error unless the constants lie where the material model can reach them.
+/// Throws Error for constants of dissipation out of their range.
+void require_dissipation_in_range(const Material& material);
+
+/// Throws Error unless the constants lie where the material model can reach them, those of dissipation included.
 void require_in_range(const Material& material);
 
 /// Orders the materials by their first cell, and forgets those that no cell has: setting one again and again does not

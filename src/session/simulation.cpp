@@ -69,11 +69,17 @@ Solver& Simulation::Parts::solver() {
     started = Start{.wanted = made->read(), .taken = made->read()};
     warnings = warnings_of(model, scene, topology->options.law != Law::springs);
     warnings.insert(warnings.end(), topology->notes.begin(), topology->notes.end());
-    if (options.solver.sleep_tolerance && (made->name() != "cpu" || topology->domains.empty())) {
-      warnings.emplace_back(
-          "SolverOptions::sleep_tolerance has no effect: only the backend \"cpu\" has sleep, and only bodies with a "
-          "material; this is the backend \"" +
-          std::string(made->name()) + "\"" + (topology->domains.empty() ? " and a body without a material" : ""));
+    if (options.solver.sleep_tolerance) {
+      const bool has_material = !topology->domains.empty(), dissipates = !topology->dissipation.empty();
+      if (made->name() != "cpu" || !has_material || dissipates) {
+        warnings.emplace_back(
+            "SolverOptions::sleep_tolerance has no effect: only the backend \"cpu\" has sleep, and only bodies with a "
+            "material that does not dissipate; this is the backend \"" +
+            std::string(made->name()) + "\"" +
+            (!has_material ? " and a body without a material"
+             : dissipates  ? " and a body with a retardation_time or relaxation_strength"
+                           : ""));
+      }
     }
     if (options.log) std::ranges::for_each(warnings, options.log);
   }

@@ -183,6 +183,9 @@ Choice choose(const std::shared_ptr<const TopologyTextures>& topology, const Sce
   if (!scene.joints().empty()) {
     return processor_because(std::move(cpu), "the scene has joints, which no GPU takes");
   }
+  if (!topology->dissipation.empty()) {
+    return processor_because(std::move(cpu), "the body's material dissipates, which no GPU takes");
+  }
   if (scene.contacts()) {
     return processor_because(std::move(cpu),
                              "the scene has contacts, and what they cost a GPU no trial shows before bodies touch");

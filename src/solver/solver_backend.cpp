@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/decimal.h"
+#include "elastic/dissipation.h"
 #include "elastic/scaled_tables.h"
 #include "half_step.h"
 #include "interaction/joint_set.h"
@@ -62,6 +63,9 @@ SolverBackend::SolverBackend(std::string name, std::shared_ptr<const TopologyTex
         "the body's stiffness over its mass is beyond the range of numbers; expected masses in kg and stiffnesses in "
         "N/m (or a material in Pa) of a real body");
   }
+  const StepBound bound = step_bound(*topology_, own_spectrum_);
+  stiffness_ = bound.stiffness;
+  viscosity_ = bound.damping;
   spacing_ = mean_spacing(model());
   // Cells alone make a body, without neighbours to take a spacing from.
   if (!(spacing_ > 0.0)) spacing_ = body_size(model()) / std::cbrt(static_cast<double>(topology_->particle_count));
@@ -104,7 +108,8 @@ void SolverBackend::require_fitting(const State& state) const {
 }
 
 void SolverBackend::require_supported() const {
-  if (const char* const cause = do_cannot()) throw Error(ErrorCode::not_supported, "backend \"" + name_ + "\": " + cause);
+  if (const char* const cause = do_cannot())
+    throw Error(ErrorCode::not_supported, "backend \"" + name_ + "\": " + cause);
 }
 
 void SolverBackend::require_idle(const char* what) const {
@@ -131,24 +136,27 @@ const JointReport& SolverBackend::joint_report_at(std::size_t row) const {
   return joints_->report(scene_->joints()[row]);
 }
 
-/// Of x+ = x + dt v+, v+ = d v - dt (K x + C v) / m, whose characteristic polynomial has its roots within the unit
-/// circle while dt^2 omega^2 + 2 dt c / m <= 2 (1 + d), mode by mode. Eigenvalues of sums are at most the sums of the
-/// largest (Weyl).
+/// Eigenvalues of sums are at most the sums of the largest (Weyl).
 double SolverBackend::step_limit(double damping_factor) const {
   const JointBounds& joints = joints_->bounds(*scene_, topology_->mass);
-  if (joints.stiffness == 0.0 && joints.damping == 0.0) return phymul::stable_step(spectrum(), damping_factor);
-  const double twice = 2.0 * (1.0 + damping_factor), c = joints.damping;
-  return twice / (c + std::sqrt(c * c + twice * (spectrum().largest + joints.stiffness)));
+  const double factor = stiffness_factor();
+  if (joints.stiffness == 0.0 && joints.damping == 0.0 && viscosity_ == 0.0) {
+    return phymul::stable_step(Spectrum{.largest = factor * stiffness_}, damping_factor);
+  }
+  return largest_step({factor * stiffness_ + joints.stiffness, factor * viscosity_ + joints.damping}, damping_factor);
 }
 
 /// Stiffness is a sum over materials, so that no eigenvalue grows by more than the largest factor.
+double SolverBackend::stiffness_factor() const {
+  const std::vector<double>& factors = scene_->stiffness_factors();
+  return factors.empty() ? 1.0 : std::ranges::max(factors);
+}
+
 Spectrum SolverBackend::spectrum() const {
   Spectrum now = own_spectrum_;
-  if (scene_->stiffness_factors().empty()) return now;
-  const double factor = std::ranges::max(scene_->stiffness_factors());
-  now.largest *= factor;
-  now.most_negative *= factor;
-  now.largest_imaginary *= factor;
+  now.largest *= stiffness_factor();
+  now.most_negative *= stiffness_factor();
+  now.largest_imaginary *= stiffness_factor();
   return now;
 }
 
@@ -249,6 +257,10 @@ const char* SolverBackend::beyond_devices() const {
   }
   if (!scene_->joints().empty()) {
     return "the scene has joints, which this backend does not take; use \"cpu\" or \"reference\"";
+  }
+  if (!topology_->dissipation.empty()) {
+    return "the body has a material with Material::retardation_time or relaxation_strength, which this backend does "
+           "not take; use \"cpu\" or \"reference\"";
   }
   if (scene_->stiffness_factors().empty()) return nullptr;
   return "the scene scales the stiffness of materials, which this backend cannot; use \"cpu\" or \"reference\"";

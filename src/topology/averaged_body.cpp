@@ -15,6 +15,7 @@
 #include "energies.h"
 #include "halves.h"
 #include "model/cell_geometry.h"
+#include "model/material.h"
 #include "model/point_cells.h"
 #include "point_domains.h"
 #include "stabiliser.h"
@@ -235,6 +236,23 @@ bool has_fibres(const Model& model) {
   return std::ranges::any_of(model.materials, [](const Material& material) { return material.fibre_ratio > 1.0; });
 }
 
+/// TopologyTextures::dissipation.
+std::vector<DissipationTexel> dissipation_of(const Model& model, const Domains& domains) {
+  bool any = false;
+  std::vector<DissipationTexel> of_material;
+  for (const Material& m : model.materials) {
+    require_dissipation_in_range(m);
+    any = any || m.retardation_time > 0.0 || m.relaxation_strength > 0.0;
+    const double mu = 0.5 * m.young / (1.0 + m.poisson);
+    of_material.push_back({mu, 2.0 * mu * m.poisson / (1.0 - 2.0 * m.poisson), m.retardation_time,
+                           m.relaxation_strength, m.relaxation_time});
+  }
+  std::vector<DissipationTexel> found;
+  if (!any) return found;
+  for (const Index material : domains.material) found.push_back(of_material[material]);
+  return found;
+}
+
 void choose_energy(const Model& model, StrainEnergy& energy) {
   for (const Material& material : model.materials) {
     if (!(material.fibre_ratio >= 1.0) || !std::isfinite(material.fibre_ratio)) {
@@ -291,6 +309,7 @@ void add_averaged_terms(const Model& model, TopologyTextures& topology) {
     topology.domains.push_back({domains.particle[d], domains.material[d], 1.0 / domains.volume[d], spread[d],
                                 energy_constants(topology.options.strain_energy, material, fibres[d])});
   }
+  topology.dissipation = dissipation_of(model, domains);
   topology.first_domain.assign(model.rest.size() + 1, 0);
   for (const Index i : domains.particle) ++topology.first_domain[i + 1];
   std::partial_sum(topology.first_domain.begin(), topology.first_domain.end(), topology.first_domain.begin());

@@ -73,6 +73,11 @@ void add_averaged(Fnv& sum, const TopologyTextures& t) {
     sum.add(link.domain);
     sum.add(link.area);
   }
+  for (const DissipationTexel& texel : t.dissipation) {
+    sum.add(texel.retardation_time);
+    sum.add(texel.relaxation_strength);
+    sum.add(texel.relaxation_time);
+  }
 }
 
 }  // namespace

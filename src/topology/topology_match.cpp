@@ -23,6 +23,14 @@ std::uint64_t of_cells(const Model& model) {
   return sum.value();
 }
 
+void add_elasticity(Fnv& sum, const Material& material) {
+  sum.add(material.young);
+  sum.add(material.poisson);
+  sum.add(material.retardation_time);
+  sum.add(material.relaxation_strength);
+  sum.add(material.relaxation_time);
+}
+
 /// Cell by cell: a row of Model::materials that no cell has moves nothing, nor does their order.
 std::uint64_t of_materials(const Model& model) {
   Fnv sum;
@@ -30,8 +38,7 @@ std::uint64_t of_materials(const Model& model) {
   if (model.materials.empty()) return sum.value();
   if (is_body_of_points(model)) {
     for (const Material& material : model.materials) {
-      sum.add(material.young);
-      sum.add(material.poisson);
+      add_elasticity(sum, material);
       sum.add(material.density);  // by which masses are volumes
     }
     return sum.value();
@@ -41,8 +48,7 @@ std::uint64_t of_materials(const Model& model) {
     const bool known = cell.material >= 0 && static_cast<std::size_t>(cell.material) < model.materials.size();
     const Material material = known ? model.materials[static_cast<std::size_t>(cell.material)] : Material{};
     sum.add(known);
-    sum.add(material.young);
-    sum.add(material.poisson);
+    add_elasticity(sum, material);
     sum.add(material.fibre_ratio);
     if (material.fibre_ratio > 1.0) sum.add(cell.fibre);
   }
@@ -99,7 +105,7 @@ void require_same_body(const TopologyTextures& topology, const Model& model) {
   const ModelFingerprint own = model_fingerprint(model);
   require_same(topology.model->cells, own.cells, "its cells were others, or in another order");
   require_same(topology.model->materials, own.materials,
-               "cells had another Young's modulus or Poisson's ratio, or none");
+               "cells had another Young's modulus, Poisson's ratio or dissipation, or none");
   require_same(topology.model->stiffness, own.stiffness, "particles had another stiffness");
   require_same(topology.model->neighbours, own.neighbours, "particles had other neighbours, or in another order");
 }

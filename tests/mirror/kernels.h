@@ -56,6 +56,13 @@ struct Kernels {
 #include "kernels/volume.glsl"
 };
 
+template <class S>
+struct GreenStrain {
+  PHYMUL_KERNEL_WORDS
+#include "kernels/columns.glsl"
+#include "kernels/green_strain.glsl"
+};
+
 template <class S, bool bounded_volume = true>
 struct ShapeMemory {
   PHYMUL_KERNEL_WORDS

@@ -7,9 +7,12 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "elastic/dissipation.h"
 #include "mirror/kernels.h"
 #include "rounding_bound.h"
 
@@ -20,8 +23,15 @@ using BoundedKernels = cpu::Kernels<Bounded>;  // where the volume law does not 
 
 class BoundedForces {
  public:
+  /// With its strains, each exactly a float.
+  struct DissipatingStep {
+    const StrainMemory& strains;
+    double dt, last_dt;
+  };
   /// `u` [particles]: displacements, m, each exactly a float.
-  BoundedForces(const TopologyTextures& topology, std::span<const Vec3> u) : t_(topology), u_(u), sum_(u.size()) {
+  BoundedForces(const TopologyTextures& topology, std::span<const Vec3> u,
+                const std::optional<DissipatingStep>& dissipation = {})
+      : t_(topology), u_(u), sum_(u.size()), dissipation_(dissipation) {
     if (t_.base_count > 0) add_shape();
     add_springs();
     for (const VolumeTexel& term : t_.volumes) {
@@ -182,6 +192,27 @@ class BoundedForces {
     return {inverse * c0.total(), inverse * c1.total(), inverse * c2.total()};
   }
 
+  cpu::Columns<Bounded> dissipated_stress(Index d, const cpu::Columns<Bounded>& H) const {
+    using Of = cpu::GreenStrain<Bounded>;
+    const DissipationTexel& of = t_.dissipation[d];
+    const KeptStrains kept = kept_strains(t_);
+    std::size_t at = static_cast<std::size_t>(d) * kept.count();
+    const Of::Symmetric E = Of::green_strain(H);
+    Of::Symmetric S{};
+    const auto add = [&](double factor, const Bounded& scale) {
+      const Strain& e = dissipation_->strains[at++];
+      const Of::Symmetric before{stored3({e[0], e[1], e[2]}), stored3({e[3], e[4], e[5]})};
+      S = Of::symmetric_plus(S, scale,
+                             Of::isotropic_stress(Of::symmetric_minus(E, before), stored(2.0 * of.mu * factor),
+                                                  stored(of.lambda * factor)));
+    };
+    if (kept.rate) add(of.retardation_time, stored(1.0 / dissipation_->last_dt));
+    if (kept.branch) {
+      add(of.relaxation_strength * std::exp(-0.5 * dissipation_->dt / of.relaxation_time), Bounded(1.0f));
+    }
+    return Of::first_piola(H, S);
+  }
+
   template <class Energy>
   void add_domain(Index d) {
     const DomainTexel& domain = t_.domains[d];
@@ -189,7 +220,8 @@ class BoundedForces {
     const Bounded spread = stored(domain.spread_stiffness);
     std::array<Bounded, most_energy_constants> p;
     for (std::size_t k = 0; k < p.size(); ++k) p[k] = stored(domain.energy[k]);
-    const cpu::Columns<Bounded> Q = Energy::minus(Energy::energy_stress(H, p.data()), Energy::scaled(spread, H));
+    cpu::Columns<Bounded> Q = Energy::minus(Energy::energy_stress(H, p.data()), Energy::scaled(spread, H));
+    if (dissipation_) Q = Energy::plus(Q, dissipated_stress(d, H));
     for (Index r = t_.first_link[d]; r < t_.first_link[d + 1]; ++r) {
       const LinkTexel& link = t_.links[r];
       sum_[t_.domains[link.domain].particle].add(-BoundedKernels::times(Q, stored3(link.area)));
@@ -204,6 +236,7 @@ class BoundedForces {
   const TopologyTextures& t_;
   std::span<const Vec3> u_;
   std::vector<BoundedSum> sum_;
+  std::optional<DissipatingStep> dissipation_;
 };
 
 }  // namespace phymul::test

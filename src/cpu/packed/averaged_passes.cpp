@@ -39,11 +39,13 @@ void AveragedPasses::for_each_pass(const simd::Averaged& job, WorkLaps& laps, co
   laps.end(Work::averaged_forces);
 }
 
-void AveragedPasses::run(char* force, char* u, char* next_u, const BodySleep* sleep, ThreadPool& pool, WorkLaps& laps) {
+void AveragedPasses::run(char* force, char* u, char* next_u, const simd::Dissipation* dissipation,
+                         const BodySleep* sleep, ThreadPool& pool, WorkLaps& laps) {
   if (sleep != nullptr && sleep->none()) return;
   const PackedAverages& averages = body_.averages;
   simd::Averaged job = averages.job(u, reinterpret_cast<char*>(stress_.data()), force);
   if (!factor_.empty()) job.factor = factor_.data();
+  job.dissipation = dissipation;
   if (sleep != nullptr) {
     sleep->copy_displacements(u, next_u);
   } else {

@@ -22,8 +22,10 @@ class AveragedPasses {
   bool scale(const TopologyTextures& topology, const std::vector<double>& of_materials);
 
   /// `force`: [slots] N, written; `u`: [slots] m, whose rows of further domains are written. `sleep`: null, or what
-  /// says which blocks are computed; then those rows of `next_u` are written too.
-  void run(char* force, char* u, char* next_u, const BodySleep* sleep, ThreadPool& pool, WorkLaps& laps);
+  /// says which blocks are computed; then those rows of `next_u` are written too. `dissipation`: null, or that of the
+  /// material.
+  void run(char* force, char* u, char* next_u, const simd::Dissipation* dissipation, const BodySleep* sleep,
+           ThreadPool& pool, WorkLaps& laps);
 
  private:
   template <class Pass>

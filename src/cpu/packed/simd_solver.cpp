@@ -20,6 +20,7 @@
 #include "device/float_range.h"
 #include "near_displacements.h"
 #include "packed_body.h"
+#include "packed_dissipation.h"
 #include "packed_joints.h"
 #include "packed_loads.h"
 #include "packed_tools.h"
@@ -63,7 +64,9 @@ class SimdSolver final : public SolverBackend {
     force_.assign(4 * static_cast<std::size_t>(body_->force_rows), 0.0f);
     if (body_->averaged()) {
       averaged_.emplace(topology(), *body_, kernels_, pool_.parts());
-      if (options().sleep_tolerance) sleep_.emplace(topology(), *body_, options().rest_steps);
+      const bool dissipates = !topology().dissipation.empty();
+      if (dissipates) dissipation_.emplace(topology(), body_->averages);
+      if (options().sleep_tolerance && !dissipates) sleep_.emplace(topology(), *body_, options().rest_steps);
     }
     if (body_->gives()) pull_.assign(quads, 0.0f);
     near_u_.assign(summaries_.size(), Floats(4 * body_->most_slots() + page, 0.0f));
@@ -82,15 +85,19 @@ class SimdSolver final : public SolverBackend {
     }
     snapshot.last_dt = last_dt_;
     snapshot.steps_at_rest = steps_at_rest_;
+    if (dissipation_) put_strains(dissipation_->memory(), snapshot);
     if (!sleep_) return;
     if (auto memory = sleep_->memory(); !memory.empty()) snapshot.parts.push_back({sleep_part, std::move(memory)});
   }
 
   void do_restore(const Snapshot& snapshot) override {
     const bool slept = snapshot.parts.size() == 1 && snapshot.parts.front().name == sleep_part;
-    if (!slept) refuse_parts(snapshot);
+    const bool strained = dissipation_ && snapshot.parts.size() == 1 && has_strains(snapshot);
+    if (!slept && !strained) refuse_parts(snapshot);
     if (sleep_ && slept) sleep_->require_fitting(snapshot.parts.front().bytes);
+    const StrainMemory strains = strains_of(snapshot, topology());
     take(snapshot.state, snapshot.displacement);
+    if (dissipation_) dissipation_->reset(strains);
     if (sleep_ && slept) sleep_->remember(snapshot.parts.front().bytes);
     last_dt_ = snapshot.last_dt;
     steps_at_rest_ = snapshot.steps_at_rest;
@@ -112,6 +119,7 @@ class SimdSolver final : public SolverBackend {
     last_dt_ = 0.0;
     steps_at_rest_ = 0;
     if (sleep_) sleep_->wake_all();
+    if (dissipation_) dissipation_->reset({});
   }
 
   void do_scene_changed() override {
@@ -155,6 +163,7 @@ class SimdSolver final : public SolverBackend {
         break;
       }
       if (sleep_) sleep_->accept();
+      if (dissipation_) dissipation_->accept();
       u_.swap(next_u_);
       v_.swap(next_v_);
       if (!tools_.empty()) tools_.accept(std::sqrt(static_cast<double>(summary.displacement)));
@@ -187,7 +196,9 @@ class SimdSolver final : public SolverBackend {
     if (sleep_) sleep_->begin(move, held_below(plan));
     laps_.end(Work::loads);
     if (averaged_) {
-      averaged_->run(bytes(force_), bytes(u_), bytes(next_u_), sleep_ ? &*sleep_ : nullptr, pool_, laps_);
+      averaged_->run(bytes(force_), bytes(u_), bytes(next_u_),
+                     dissipation_ ? dissipation_->job(plan.dt, last_dt_) : nullptr, sleep_ ? &*sleep_ : nullptr, pool_,
+                     laps_);
     } else {
       clustered_forces();
     }
@@ -351,7 +362,12 @@ class SimdSolver final : public SolverBackend {
            " vectors, single precision";
   }
 
-  Energy do_energy() const override { return energy_of(read(), last_dt_); }
+  Energy do_energy() const override {
+    const State state = read();
+    Energy energy = energy_of(state, last_dt_);
+    if (dissipation_) energy.elastic += branch_energy(elastic(), state.position, dissipation_->memory(), last_dt_);
+    return energy;
+  }
 
   const simd::Kernels& kernels_;
   std::unique_ptr<const PackedBody> body_;
@@ -362,6 +378,7 @@ class SimdSolver final : public SolverBackend {
   ClusterClaims claims_;
   std::optional<AveragedPasses> averaged_;  // of Law::particle_averaged
   std::optional<BodySleep> sleep_;
+  std::optional<PackedDissipation> dissipation_;
   std::vector<PartSummary> summaries_;  // [parts]
   Floats u_, v_, next_u_, next_v_;      // u: [places + 1][4] by quad, v: [slices][3][lanes]
   Floats force_, pull_;

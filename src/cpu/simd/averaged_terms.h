@@ -6,8 +6,7 @@
 // columns of a stress times x, y and z.
 #pragma once
 
-#include "job.h"
-#include "kernel_text.h"
+#include "dissipation_terms.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
 
@@ -130,6 +129,12 @@ PHYMUL_INLINE Columns averaged_stress(const simd::Averaged& body, int slice, con
   const Columns H = Energy::scaled(inverse_volume, sums);
   const Columns P = Energy::energy_stress(H, p);
   Columns Q{P.c0 - spread * H.c0, P.c1 - spread * H.c1, P.c2 - spread * H.c2};
+  if (body.dissipation) {  // of copies, so that without it H and Q stay in registers
+    const Columns gradient = H;
+    Columns sum = Q;
+    add_dissipation(*body.dissipation, slice, gradient, sum);
+    Q = sum;
+  }
   if (body.factor != nullptr) Q = Energy::scaled(factors_of(body, slice), Q);
   if (body.plane) Q.c0.z = Q.c1.z = Q.c2.z = Pack{};  // nothing but rounding, which would leave the plane
   return Q;

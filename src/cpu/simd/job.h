@@ -105,6 +105,19 @@ struct Runs {
 /// Where among them: columns of Q, springs' forces, forces of stresses, displacements.
 inline constexpr int run_stress = 0, run_spring = 9, run_force = 12, run_u = 15, run_components = 18;
 
+/// Materials that dissipate (elastic/dissipation.h). Rows as Averaged::constants. A strain is xx, yy, zz, yz, zx, xy.
+struct Dissipation {
+  const float* constants = nullptr;  ///< [slices][dissipation_columns][lanes]
+  const float* strains = nullptr;    ///< [slices][6 of E-, if rate, then 6 of Ev, if branch][lanes]
+  float* next_strains = nullptr;     ///< the same after the step
+  float inverse_dt = 0;              ///< 1/s, of the step before
+  bool rate = false, branch = false;
+  bool fresh = false;  ///< in place of `strains`, those of this step
+};
+/// Two for the rate (2 mu T, lambda T, Pa s), two for the branch (2 mu, lambda times its factor, Pa), and
+/// 1 - exp(-dt / tau).
+inline constexpr int dissipation_columns = 5;
+
 /// Law::particle_averaged. A slot is a domain: the first of a particle is at the particle's quad, further ones follow
 /// those of all particles. Slots of one slice stand in the order of quad_of(), and so do their constants' rows.
 struct Averaged {
@@ -117,8 +130,9 @@ struct Averaged {
   /// [slots] row of the first link in `links`, for either pass: C_de, m^2, and k, N/m; -C_ed and k. Inside a body these
   /// are the same, and equal ones are there once.
   const std::int32_t *stress_row = nullptr, *force_row = nullptr;
-  const float* links = nullptr;   ///< [rows][4]
-  Runs runs;                      ///< in place of stress, links and their rows
+  const float* links = nullptr;              ///< [rows][4]
+  Runs runs;                                 ///< in place of stress, links and their rows
+  const Dissipation* dissipation = nullptr;  ///< null: no material dissipates
   const float* factor = nullptr;  ///< [slots] of the stiffness (Scene::scale_stiffness), as `constants` stand; null: 1
   bool plane = false;
 };

@@ -47,6 +47,11 @@ struct VolumeKernels {
 #include "kernels/volume.glsl"
 };
 
+struct GreenStrain {
+#include "kernels/columns.glsl"
+#include "kernels/green_strain.glsl"
+};
+
 template <bool bounded_volume>
 struct ShapeMemory {
 #include "kernels/columns.glsl"

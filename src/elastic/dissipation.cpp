@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+#include "dissipation.h"
+
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/checked_file.h"
+#include "mean_gradient.h"
+
+namespace phymul {
+namespace {
+
+constexpr const char* part_name = "strains";
+
+Mat3 matrix(const Strain& e) {
+  Mat3 E;
+  E << e[0], e[5], e[4], e[5], e[1], e[3], e[4], e[3], e[2];
+  return E;
+}
+
+Strain strain_of(const Mat3& E) {
+  return {E(0, 0), E(1, 1), E(2, 2), E(1, 2), E(2, 0), E(0, 1)};
+}
+
+Mat3 green_strain(const Mat3& H) {
+  return matrix(strain_of(0.5 * (H + H.transpose() + H.transpose() * H)));
+}
+
+Mat3 stress_of(const DissipationTexel& of, const Mat3& E) {
+  return 2.0 * of.mu * E + of.lambda * E.trace() * Mat3::Identity();
+}
+
+/// exp(-dt / tau); 1 where nothing relaxes.
+double decay(const DissipationTexel& of, double dt) {
+  return of.relaxation_strength > 0.0 ? std::exp(-dt / of.relaxation_time) : 1.0;
+}
+
+/// Adds the forces of the stress P of domain d.
+void add_stress(const TopologyTextures& t, Index d, const Mat3& P, std::span<Vec3> force) {
+  const auto add = [&](Index other, const Vec3& area) {
+    const Vec3 pull = P * area;
+    force[t.domains[other].particle] -= pull;
+    force[t.domains[d].particle] += pull;
+  };
+  for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) add(t.links[r].domain, t.links[r].area);
+  for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
+    add(t.surface_links[r].domain, t.surface_links[r].area);
+  }
+}
+
+const Snapshot::Part* find_part(const Snapshot& snapshot) {
+  const auto found = std::ranges::find(snapshot.parts, part_name, &Snapshot::Part::name);
+  return found == snapshot.parts.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+KeptStrains kept_strains(const TopologyTextures& topology) {
+  KeptStrains kept;
+  for (const DissipationTexel& of : topology.dissipation) {
+    kept.rate = kept.rate || of.retardation_time > 0.0;
+    kept.branch = kept.branch || of.relaxation_strength > 0.0;
+  }
+  return kept;
+}
+
+void put_strains(const StrainMemory& memory, Snapshot& snapshot) {
+  if (memory.empty()) return;
+  ByteWriter out;
+  for (const Strain& strain : memory) {
+    for (const double e : strain) out.real(e);
+  }
+  snapshot.parts.push_back({part_name, {out.bytes().begin(), out.bytes().end()}});
+}
+
+bool has_strains(const Snapshot& snapshot) {
+  return find_part(snapshot) != nullptr;
+}
+
+StrainMemory strains_of(const Snapshot& snapshot, const TopologyTextures& topology) {
+  StrainMemory memory;
+  const Snapshot::Part* const part = find_part(snapshot);
+  if (part == nullptr) return memory;
+  memory.resize(topology.dissipation.size() * kept_strains(topology).count());
+  const std::size_t bytes = memory.size() * sizeof(Strain);
+  if (memory.empty() || part->bytes.size() != bytes) {
+    throw Error("Solver::restore: expected the snapshot's part \"strains\" to have " + std::to_string(bytes) +
+                " bytes for this body, got " + std::to_string(part->bytes.size()) + "; the solver keeps its state");
+  }
+  ByteReader in("strains", {reinterpret_cast<const char*>(part->bytes.data()), bytes});
+  for (Strain& strain : memory) {
+    for (double& e : strain) {
+      e = in.real("a strain");
+      if (std::isfinite(e)) continue;
+      throw Error(
+          "Solver::restore: the snapshot's part \"strains\" has a number that is not finite; the solver keeps "
+          "its state");
+    }
+  }
+  return memory;
+}
+
+double branch_energy(const TopologyTextures& t, std::span<const Vec3> x, const StrainMemory& memory, double last_dt) {
+  const KeptStrains kept = kept_strains(t);
+  double energy = 0.0;
+  if (!kept.branch || memory.empty()) return energy;
+  for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
+    const DissipationTexel& of = t.dissipation[d];
+    const std::size_t at = static_cast<std::size_t>(d + 1) * kept.count() - 1;
+    const Mat3 q = green_strain(mean_gradient(t, d, x)) - matrix(memory[at]);
+    const double density = 0.5 * of.relaxation_strength * decay(of, last_dt) * stress_of(of, q).cwiseProduct(q).sum();
+    energy += density / t.domains[d].inverse_volume;
+  }
+  return energy;
+}
+
+void Dissipation::add_forces(const TopologyTextures& t, std::span<const Vec3> x, double dt, double last_dt,
+                             std::span<Vec3> force) {
+  next_.resize(t.dissipation.size() * kept_.count());
+  const double inverse_dt = 1.0 / (last_dt > 0.0 ? last_dt : dt);
+  for (Index d = 0; d < static_cast<Index>(t.dissipation.size()); ++d) {
+    const DissipationTexel& of = t.dissipation[d];
+    const Mat3 H = mean_gradient(t, d, x), E = green_strain(H);
+    std::size_t at = static_cast<std::size_t>(d) * kept_.count();
+    const auto before = [&] { return memory_.empty() ? E : matrix(memory_[at]); };
+    Mat3 S = Mat3::Zero();
+    if (kept_.rate) {
+      S += of.retardation_time * inverse_dt * stress_of(of, E - before());
+      next_[at++] = strain_of(E);
+    }
+    if (kept_.branch) {
+      const Mat3 Ev = before();
+      const double e = decay(of, dt);
+      S += of.relaxation_strength * std::sqrt(e) * stress_of(of, E - Ev);
+      next_[at] = strain_of(Ev + (1.0 - e) * (E - Ev));
+    }
+    Mat3 P = S + H * S;
+    if (t.dimension == 2) P.row(2).setZero();  // nothing but rounding, which would leave the plane
+    add_stress(t, d, P, force);
+  }
+}
+
+StepBound step_bound(const TopologyTextures& topology, const Spectrum& spectrum) {
+  double strength = 0.0, time = 0.0;
+  for (const DissipationTexel& of : topology.dissipation) {
+    strength = std::max(strength, of.relaxation_strength);
+    time = std::max(time, of.retardation_time);
+  }
+  const double squared = std::max(spectrum.largest, 0.0);
+  return {(1.0 + strength) * squared, time * squared};
+}
+
+double largest_step(const StepBound& bound, double damping_factor) {
+  const double twice = 2.0 * (1.0 + damping_factor), c = bound.damping;
+  const double sum = c + std::sqrt(c * c + twice * bound.stiffness);
+  return sum > 0.0 ? twice / sum : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace phymul

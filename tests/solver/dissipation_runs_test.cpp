@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: MIT
+//
+// Materials that dissipate: what they conserve, their state, and misuse. Closed forms: dissipation_test.cpp.
+#include <gtest/gtest.h>
+#include <phymul/error.h>
+#include <phymul/phymul.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/bodies.h"
+#include "support/message_of.h"
+
+namespace phymul {
+namespace {
+
+using namespace test;
+
+class DissipationRunsOn : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(, DissipationRunsOn, testing::Values("reference", "cpu"),
+                         [](const auto& name) { return std::string(name.param); });
+
+/// Free, of two materials, with both kinds.
+Model two_tissues(Model model) {
+  set_material(model, {.young = 10e3,
+                       .poisson = 0.3,
+                       .density = 1000,
+                       .retardation_time = 2e-3,
+                       .relaxation_strength = 0.8,
+                       .relaxation_time = 0.02});
+  const double half = 0.5 * body_size(model);
+  set_material(model, {.young = 30e3, .poisson = 0.4, .density = 1100, .retardation_time = 1e-3},
+               [&](const Vec3& x) { return x.x() > half; });
+  return model;
+}
+
+TEST(DissipationRuns, ConservesMomentumToRounding) {
+  for (const bool plane : {false, true}) {
+    const Model model = two_tissues(plane ? make_strip(0.04, 0.02, 4, 2) : jittered_block());
+    const Scene scene(model);
+    const auto solver = make_solver("reference", model, scene);
+    State state = rest_state(model);
+    state.position = random_positions(model, 0.05, 3);
+    solver->reset(state);
+    ASSERT_TRUE(solver->step(400, 0.4 * solver->stable_step()).ok());
+    const State now = solver->read();
+    double size = 0.0, arm = 0.0;
+    for (std::size_t i = 0; i < now.velocity.size(); ++i) {
+      size += model.mass[i] * now.velocity[i].norm();
+      arm += model.mass[i] * now.position[i].norm() * now.velocity[i].norm();
+    }
+    ASSERT_GT(size, 0.0);
+    EXPECT_LT(solver->momentum().linear.norm(), 1e-12 * size);
+    EXPECT_LT(solver->momentum().angular.norm(), 1e-12 * arm);
+  }
+}
+
+TEST(DissipationRuns, NeverGivesEnergyBack) {
+  const Model model = two_tissues(jittered_block());
+  const Scene scene(model);
+  const auto solver = make_solver("reference", model, scene);
+  State state = rest_state(model);
+  state.position = random_positions(model, 0.05, 5);
+  solver->reset(state);
+  const double dt = 0.02 * solver->stable_step();
+  ASSERT_TRUE(solver->step(1, dt).ok());
+  const double first = solver->energy().total();
+  double before = first;
+  for (int k = 0; k < 200; ++k) {
+    ASSERT_TRUE(solver->step(10, dt).ok());
+    const double now = solver->energy().total();
+    EXPECT_LT(now, before + 1e-6 * first) << k;
+    before = now;
+  }
+  EXPECT_LT(before, 0.7 * first);
+  EXPECT_GT(before, 0.0);
+}
+
+TEST_P(DissipationRunsOn, ContinuesBitForBitFromASnapshot) {
+  const Model model = two_tissues(jittered_block());
+  const Scene scene(model);
+  const auto topology = std::make_shared<const TopologyTextures>(build_topology(model));
+  const auto solver = make_solver(GetParam(), topology, scene, {.threads = 1});
+  State state = rest_state(model);
+  state.position = random_positions(model, 0.05, 11);
+  solver->reset(state);
+  const double dt = 0.4 * solver->stable_step();
+  ASSERT_TRUE(solver->step(50, dt).ok());
+  const Snapshot snapshot = solver->snapshot();
+  ASSERT_TRUE(solver->step(50, 0.7 * dt).ok());
+
+  const std::string path = testing::TempDir() + "/dissipation_" + GetParam() + ".state";
+  save_state(snapshot, path);
+  EXPECT_EQ(read_state(path), snapshot);
+  const auto other = make_solver(GetParam(), topology, scene, {.threads = 2});
+  load_state(*other, path);
+  ASSERT_TRUE(other->step(50, 0.7 * dt).ok());
+  EXPECT_EQ(other->snapshot(), solver->snapshot());
+
+  Snapshot forgetful = snapshot;  // the state alone is another body's: its strains are those of now
+  forgetful.parts.clear();
+  other->restore(forgetful);
+  ASSERT_TRUE(other->step(50, 0.7 * dt).ok());
+  EXPECT_NE(other->read(), solver->read());
+
+  Snapshot damaged = snapshot;
+  damaged.parts.front().bytes.pop_back();
+  EXPECT_NE(message_of([&] { other->restore(damaged); }).find("expected the snapshot's part \"strains\" to have"),
+            std::string::npos);
+}
+
+/// A step that is not accepted leaves the strains of the one before.
+TEST_P(DissipationRunsOn, KeepsItsStrainsWhenAStepFails) {
+  const Model model = two_tissues(jittered_block());
+  const Scene scene(model);
+  const auto solver = make_solver(GetParam(), model, scene, {}, {.on_unstable = UnstableStep::allow});
+  State state = rest_state(model);
+  state.position = random_positions(model, 0.05, 11);
+  solver->reset(state);
+  ASSERT_TRUE(solver->step(20, 0.4 * solver->stable_step()).ok());
+  const Snapshot before = solver->snapshot();
+  EXPECT_EQ(solver->step(1, 1e15).status, StepStatus::not_finite);
+  EXPECT_EQ(solver->snapshot(), before);
+}
+
+TEST(DissipationRuns, OnTheProcessorIsThatOfTheReference) {
+  for (const bool plane : {false, true}) {
+    const Model model = two_tissues(plane ? make_strip(0.04, 0.02, 4, 2) : jittered_block());
+    const Scene scene(model);
+    const auto exact = make_solver("reference", model, scene), fast = make_solver("cpu", model, scene);
+    State state = rest_state(model);
+    state.position = random_positions(model, 0.05, 4);
+    exact->reset(state);
+    fast->reset(state);
+    const double dt = 0.4 * exact->stable_step();
+    for (int k = 0; k < 4; ++k) {
+      ASSERT_TRUE(exact->step(50, dt).ok() && fast->step(50, dt).ok());
+      const State a = exact->read(), b = fast->read();
+      double worst = 0.0;
+      for (std::size_t i = 0; i < a.position.size(); ++i)
+        worst = std::max(worst, (a.position[i] - b.position[i]).norm());
+      EXPECT_LT(worst, 1e-5 * mean_spacing(model)) << k;
+    }
+  }
+}
+
+TEST(DissipationRuns, RefusesConstantsOutOfTheirRange) {
+  Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
+  const Material good{.young = 10e3, .poisson = 0.3, .density = 1000};
+  const auto message = [&](auto change) {
+    Material material = good;
+    change(material);
+    return message_of([&] { set_material(model, material); });
+  };
+  EXPECT_EQ(message([](Material& m) { m.retardation_time = -1.0; }),
+            "material: expected 0 s or more for retardation_time, got -1 s");
+  EXPECT_EQ(message([](Material& m) { m.relaxation_strength = -0.5; }),
+            "material: expected 0 or more for relaxation_strength, got -0.5");
+  EXPECT_EQ(message([](Material& m) { m.relaxation_strength = 1.0; }),
+            "material: expected more than 0 s, because relaxation_strength is above 0, for relaxation_time, got 0 s");
+  set_material(model, good);
+  model.materials.front().retardation_time = std::nan("");
+  EXPECT_THROW(build_topology(model), Error);
+}
+
+TEST(DissipationRuns, IsPartOfABodysFingerprints) {
+  Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
+  set_material(model, {.young = 10e3, .poisson = 0.3, .density = 1000});
+  const TopologyTextures plain = build_topology(model);
+  EXPECT_TRUE(plain.dissipation.empty());
+  model.materials.front().retardation_time = 0.01;
+  EXPECT_NE(fingerprint(build_topology(model)), fingerprint(plain));
+  const Scene scene(model);
+  EXPECT_THROW(make_solver("cpu", std::make_shared<const TopologyTextures>(plain), scene), Error);
+}
+
+TEST(DissipationRuns, ThatABackendDoesNotTakeIsRefusedByName) {
+  Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
+  set_material(model, {.young = 10e3, .poisson = 0.3, .density = 1000, .retardation_time = 0.01});
+  const Scene scene(model);
+  for (const char* name : {"gl", "gl-compute"}) {
+    if (std::ranges::count(backend_names(), name) == 0 || !why_unavailable(name).empty()) continue;
+    try {
+      make_solver(name, model, scene);
+      ADD_FAILURE() << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::not_supported);
+      EXPECT_NE(std::string(error.what()).find("retardation_time"), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_EQ(make_solver("auto", model, scene)->name(), "cpu");
+}
+
+TEST(DissipationRuns, SimulationSaysThatSleepHasNoEffect) {
+  SimulationOptions options{.material = {.young = 10e3, .poisson = 0.3, .density = 1000, .retardation_time = 0.01},
+                            .backend = "cpu"};
+  options.solver.sleep_tolerance = 1e-6;
+  const Simulation simulation(make_block({0.02, 0.02, 0.02}, 2, 2, 2), options);
+  ASSERT_FALSE(simulation.warnings().empty());
+  EXPECT_NE(simulation.warnings().back().find("sleep_tolerance has no effect"), std::string::npos);
+}
+
+/// The lasting stiffness alone, and from there on no stress that relaxes.
+TEST_P(DissipationRunsOn, StaysInTheStaticRest) {
+  SimulationOptions options{.material = {.young = 10e3,
+                                         .poisson = 0.3,
+                                         .density = 1000,
+                                         .retardation_time = 0.01,
+                                         .relaxation_strength = 2.0,
+                                         .relaxation_time = 0.5},
+                            .backend = GetParam()};
+  Simulation simulation(make_block({0.04, 0.02, 0.02}, 4, 2, 2), options);
+  simulation.scene().fix("x0").gravity({0, 0, -9.81});
+  ASSERT_TRUE(simulation.solve_static().converged());
+  const State rest = simulation.solver().read();
+  ASSERT_TRUE(simulation.advance(0.5).ok());
+  const State after = simulation.solver().read();
+  double moved = 0.0, most = 0.0;
+  for (std::size_t i = 0; i < rest.position.size(); ++i) {
+    moved = std::max(moved, (after.position[i] - rest.position[i]).norm());
+    most = std::max(most, (rest.position[i] - simulation.model().rest[i]).norm());
+  }
+  EXPECT_GT(most, 0.0);
+  EXPECT_LT(moved, 1e-3 * most);
+}
+
+}  // namespace
+}  // namespace phymul
