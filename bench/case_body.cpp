@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "case_body.h"
 
+#include <phymul/body.h>
 #include <phymul/error.h>
 #include <phymul/mesh.h>
 #include <phymul/shapes.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -40,9 +42,40 @@ void add_place(Variables& variables, const Vec3& point) {
   variables["z"] = point.z();
 }
 
+/// A box filled by make_body(), finer around the middle of its upper side. The volume asked for is met by moving the
+/// surface, which edges that are cut off take part in: the place of the upper side is what a tool is pressed into.
+Model filled_box(const Vec3& size, double spacing, double finest, double radius) {
+  const Vec3 top(0.5 * size.x(), 0.5 * size.y(), size.z());
+  BodyOptions options{.spacing = spacing};
+  if (finest < spacing) options.spacing_at = fine_near(top, radius, finest, spacing);
+  Model model = phymul::make_body(solid_box(Vec3::Zero(), size), options);
+  double sum = 0.0;
+  int count = 0;
+  for (const Index i : model.group("surface")) {
+    if ((model.rest[i] - top).norm() > std::max(radius, spacing)) continue;
+    sum += model.rest[i].z() - top.z();
+    ++count;
+  }
+  for (Vec3& x : model.rest) x.z() -= sum / count;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const bool is_far : {false, true}) {
+      std::vector<Index> side;
+      for (const Index i : model.group("surface")) {
+        if (std::abs(model.rest[i][axis] - (is_far ? size[axis] : 0.0)) < 0.2 * spacing) side.push_back(i);
+      }
+      model.add_group(std::string(1, "xyz"[axis]) + (is_far ? "1" : "0"), std::move(side));
+    }
+  }
+  return model;
+}
+
 Model built(const ReferenceCase& it, const Variables& variables) {
   if (it.body == "file") return from_file(it, variables);
   const std::vector<double> a = values(it.body_args, variables);
+  if (it.body == "filled") {
+    if (a.size() != 6) throw Error("body filled: expected 6 numbers, got " + std::to_string(a.size()));
+    return filled_box({a[0], a[1], a[2]}, a[3], a[4], a[5]);
+  }
   const int nx = count(it.cells[0], variables), ny = count(it.cells[1], variables), nz = count(it.cells[2], variables);
   const auto require = [&](std::size_t least) {
     if (a.size() < least) {
@@ -64,7 +97,7 @@ Model built(const ReferenceCase& it, const Variables& variables) {
     require(2);
     return make_cylinder(a[0], a[1], nx, ny, nz + 1);
   }
-  throw Error("body \"" + it.body + "\": expected block, tetrahedra, cylinder or file");
+  throw Error("body \"" + it.body + "\": expected block, tetrahedra, cylinder, filled or file");
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ void read_line(const Words& w, ReferenceCase& it) {
   } else if (key == "main") {
     it.main_levels.assign(w.begin() + 1, w.end());
   } else if (key == "body") {
-    require_count(w, 2, 7, "block|tetrahedra|cylinder|file arguments");
+    require_count(w, 2, 7, "block|tetrahedra|cylinder|filled|file arguments");
     it.body = w[1];
     it.body_args.assign(w.begin() + 2, w.end());
   } else if (key == "cells") {
@@ -111,7 +111,9 @@ void read_line(const Words& w, ReferenceCase& it) {
   } else if (key == "tool") {
     it.tools.push_back(read_tool(w));
   } else if (key == "push") {
-    it.pushes.push_back(on_group(w, "TOOL fx fy fz"));
+    const ReferenceCase::OnGroup push = on_group(w, "TOOL fx fy fz");
+    std::erase_if(it.pushes, [&](const ReferenceCase::OnGroup& other) { return other.group == push.group; });
+    it.pushes.push_back(push);
   } else if (key == "samples") {
     require_count(w, 1, 1, "FILE");
     it.samples = w[1];

@@ -39,7 +39,7 @@ struct ReferenceCase {
   std::vector<Level> levels;
   std::vector<std::string> main_levels;  ///< those the charts draw; all where none is named
 
-  std::string body;                    ///< block, tetrahedra, cylinder, file
+  std::string body;                    ///< block, tetrahedra, cylinder, filled, file
   std::vector<std::string> body_args;  ///< expressions; for file: path (may hold {n}) and unit
   std::vector<std::string> cells;      ///< three expressions in n
   std::vector<int> resolutions;

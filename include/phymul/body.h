@@ -44,10 +44,23 @@ Solid solid_union(std::vector<Solid> solids);
 Solid solid_intersection(std::vector<Solid> solids);
 Solid solid_difference(Solid solid, Solid hole);
 
+/// Spacing at a place of the rest shape; both in m.
+using SpacingField = std::function<double(const Vec3& place)>;
+
+/// The field `fine` within `radius` of a place, which grows outside of it by `growth` metres per metre of distance, up
+/// to `coarse`. The least of several such fields is fine at several places. Throws Error for a place that is not
+/// finite, for a radius or growth that is not above 0 and finite, and unless 0 < fine <= coarse, both finite.
+SpacingField fine_near(const Vec3& place, double radius, double fine, double coarse, double growth = 0.5);
+
 struct BodyOptions {
-  double spacing = 0.0;              ///< m, > 0: mean distance between neighbours inside the body
+  double spacing = 0.0;              ///< m, > 0: mean distance between neighbours inside the body, where coarsest
   double most_volume_error = 0.05;   ///< share of the volume asked for; a body that is further off is an Error
   Index most_particles = 1'000'000;  ///< a spacing that needs more is an Error
+  /// Asks for a finer spacing in parts of the body. The body has `spacing` halved as often as needed to be at most what
+  /// is asked, up to three times. Values above `spacing` count as `spacing`. It is asked at places in the shape's box
+  /// and up to two spacings outside of it, some tenths of the local spacing apart: what is smaller may be missed.
+  /// Empty: `spacing` everywhere. Throws Error for a value that is not above 0 or not finite, or below spacing / 8.
+  SpacingField spacing_at{};
 };
 
 /// What make_body() made of one region of a labelled image (labels.h).
@@ -68,6 +81,8 @@ struct BodyReport {
   double moved = 0.0;                 ///< m, outward, by which the surface was moved to meet the volume
   double smallest_angle = 0.0;        ///< degrees, of the dihedral angles of all cells
   double largest_angle = 0.0;         ///< degrees
+  double smallest_spacing = 0.0;      ///< m, of the lattice where it is finest; where coarsest, the next
+  double largest_spacing = 0.0;       ///< m
   std::vector<RegionReport> regions;  ///< of a labelled image, in the order of the options; else empty
 };
 
@@ -78,6 +93,12 @@ struct BodyReport {
 /// moved outward, everywhere alike and by at most 5 % of the spacing, until the volume is met. Edges and parts thinner
 /// than the spacing are rounded off. Mass and stiffness are 1 until set_material; the group "surface" holds the
 /// particles on the surface.
+///
+/// With BodyOptions::spacing_at the lattice is that of a balanced octree (the same paper, section 3): leaves that touch
+/// differ by a factor of 2 at most, and tetrahedra share whole faces. Angles are not bounded where the spacing changes
+/// at the surface; cells below 15 degrees are improved by moving their particles, those on the surface along it. The
+/// surface is moved outward with the square of the local spacing. If the field asks for `spacing` everywhere, the body
+/// is the same, bit by bit, as without it.
 ///
 /// The surface is first mended as by mend_surface(). Model::notes has its notes, and says if the body has several
 /// parts. Throws Error as mend_surface() does, for an option out of range, for a distance that is not a number and if

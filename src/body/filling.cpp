@@ -12,6 +12,8 @@
 
 #include "base/place_text.h"
 #include "dihedral_angles.h"
+#include "graded_lattice.h"
+#include "improve_cells.h"
 #include "model/enclosed_volume.h"
 #include "model/shape_builder.h"
 
@@ -72,12 +74,14 @@ std::vector<std::array<Index, 3>> outer_faces(const Stuffing& body) {
   return outer;
 }
 
-/// Moves the surface along its normals by one length, which is returned.
+/// Moves the surface along its normals by one length, which is returned, times the square of the local spacing as a
+/// share of the coarsest: that is how much flat triangles cut off.
 double meet_volume(Stuffing& body, double wanted, double most) {
   const auto faces = outer_faces(body);
   VecList along(body.place.size());
   volume_gradient(faces, body.place, along);
   for (Vec3& normal : along) normal.normalize();
+  for (std::size_t i = 0; i < body.leaf_edge.size(); ++i) along[i] *= body.leaf_edge[i] * body.leaf_edge[i];
   const auto root = root_of_cubic(volume_along(faces, body.place, along), wanted - enclosed_volume(faces, body.place));
   const double length = std::clamp(root.value_or(0.0), -most, most);
   for (std::size_t i = 0; i < along.size(); ++i) body.place[i] += length * along[i];
@@ -165,9 +169,23 @@ CentredLattice lattice_over(const Vec3& low, const Vec3& high, const BodyOptions
   return lattice;
 }
 
+namespace {
+
+Stuffing filled(const Interior& interior, const CentredLattice& lattice, const BodyOptions& options) {
+  if (!options.spacing_at) return stuffed(interior, lattice);
+  GradedLattice graded(lattice, options);
+  if (graded.is_uniform()) return stuffed(interior, lattice);
+  graded.number_points();
+  Stuffing body = stuffed(interior, graded);
+  improve_cells(body, outer_faces(body));
+  return body;
+}
+
+}  // namespace
+
 Model filled_body(const Interior& interior, const CentredLattice& lattice, double wanted_volume,
                   const BodyOptions& options, BodyReport* report, const std::function<void(Stuffing&)>& adjust) {
-  Stuffing body = stuffed(interior, lattice);
+  Stuffing body = filled(interior, lattice, options);
   if (body.cells.empty()) {
     refuse_body("no point of a lattice with a spacing of " + length_text(options.spacing) +
                 " m lies inside the shape; take a smaller spacing, or check the unit of length");
@@ -179,6 +197,12 @@ Model filled_body(const Interior& interior, const CentredLattice& lattice, doubl
   const double moved = meet_volume(body, wanted_volume, most_moved * options.spacing);
   BodyReport own = report_of(body, wanted_volume);
   own.moved = moved;
+  own.smallest_spacing = own.largest_spacing = options.spacing;
+  if (!body.leaf_edge.empty()) {
+    const auto [least, most] = std::ranges::minmax(body.leaf_edge);
+    own.smallest_spacing = least * options.spacing;
+    own.largest_spacing = most * options.spacing;
+  }
   require_met(own, options);
   if (report) *report = own;
   return model_of(std::move(body), own);

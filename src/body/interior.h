@@ -16,6 +16,7 @@ class Interior {
   virtual ~Interior() = default;
   /// [points] 1 inside the shape, 0 outside.
   virtual std::vector<char> inside(const CentredLattice& lattice) const = 0;
+  virtual std::vector<char> inside(const VecList& places) const = 0;
   /// Where the line from a point inside to one outside leaves the shape first, as a share of the way.
   virtual double exit(const Vec3& in, const Vec3& out) const = 0;
 };

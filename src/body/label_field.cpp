@@ -194,6 +194,12 @@ std::vector<char> LabelInterior::inside(const CentredLattice& lattice) const {
   return in;
 }
 
+std::vector<char> LabelInterior::inside(const VecList& places) const {
+  std::vector<char> in(places.size());
+  std::ranges::transform(places, in.begin(), [&](const Vec3& x) { return field_.shares(x).all > 0.5; });
+  return in;
+}
+
 double LabelInterior::exit(const Vec3& in, const Vec3& out) const {
   return root_between([&](double share) { return 0.5 - field_.shares(in + share * (out - in)).all; });
 }

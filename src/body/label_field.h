@@ -63,6 +63,7 @@ class LabelInterior : public Interior {
  public:
   explicit LabelInterior(const LabelField& field) : field_(field) {}
   std::vector<char> inside(const CentredLattice& lattice) const override;
+  std::vector<char> inside(const VecList& places) const override;
   double exit(const Vec3& in, const Vec3& out) const override;
 
  private:

@@ -2,6 +2,11 @@
 //
 // Bodies of one region: what is asked of their shapes.
 #include <phymul/body.h>
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "base/place_text.h"
 #include "filling.h"
@@ -10,6 +15,19 @@
 #include "surface_interior.h"
 
 namespace phymul {
+
+SpacingField fine_near(const Vec3& place, double radius, double fine, double coarse, double growth) {
+  const auto refuse = [](const std::string& what) { throw Error("fine_near: expected " + what); };
+  if (!place.allFinite()) refuse("a finite place, got " + place_text(place));
+  for (const auto& [name, value] : {std::pair{"radius", radius}, {"growth", growth}}) {
+    if (value > 0.0 && std::isfinite(value)) continue;
+    refuse(std::string("a ") + name + " above 0, got " + length_text(value));
+  }
+  if (!(fine > 0.0 && fine <= coarse && std::isfinite(coarse))) {
+    refuse("0 < fine <= coarse, both in m, got " + length_text(fine) + " and " + length_text(coarse));
+  }
+  return [=](const Vec3& x) { return std::min(coarse, fine + growth * std::max(0.0, (x - place).norm() - radius)); };
+}
 
 Model make_body(const Surface& surface, const BodyOptions& options, BodyReport* report) {
   Surface mended = surface;

@@ -3,6 +3,7 @@
 
 #include <phymul/error.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -20,6 +21,12 @@ double SolidInterior::at(const Vec3& x) const {
 std::vector<char> SolidInterior::inside(const CentredLattice& lattice) const {
   std::vector<char> in(lattice.points());
   for (std::size_t i = 0; i < in.size(); ++i) in[i] = at(lattice.place(static_cast<Index>(i))) < 0.0;
+  return in;
+}
+
+std::vector<char> SolidInterior::inside(const VecList& places) const {
+  std::vector<char> in(places.size());
+  std::ranges::transform(places, in.begin(), [&](const Vec3& x) { return at(x) < 0.0; });
   return in;
 }
 

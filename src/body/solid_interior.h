@@ -20,6 +20,7 @@ class SolidInterior : public Interior {
   explicit SolidInterior(const Solid& solid) : solid_(solid) {}
   /// Throws Error where the function is not a number.
   std::vector<char> inside(const CentredLattice& lattice) const override;
+  std::vector<char> inside(const VecList& places) const override;
   double exit(const Vec3& in, const Vec3& out) const override;
   /// m^3, of lines along x, 16 through each cube.
   double volume(const CentredLattice& lattice) const;

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <concepts>
 #include <limits>
+
+#include "graded_lattice.h"
 
 namespace phymul {
 namespace {
@@ -13,37 +16,121 @@ namespace {
 // A point this near to the surface, as a share of the edge along which it is near, moves onto it. With these two the
 // paper proves dihedral angles between 10.7 and 164.8 degrees.
 constexpr double near_along_short = 0.35900, near_along_long = 0.21509;
+/// The same in a graded lattice for edges longer than the shortest at the point, whose length it is a share of.
+constexpr double near_by_shortest = near_along_long / CentredLattice::short_length;
 
 enum Side : char { outside = -1, on_surface = 0, inside = 1 };
 
+/// An edge of a lattice; lengths in edges of its cubes.
+struct Edge {
+  Index from, to;
+  double length;
+  double near_from, near_to;  // shares of it: a point as near to the surface as this moves onto it
+};
+
+std::vector<char> points_inside(const Interior& interior, const CentredLattice& lattice) {
+  return interior.inside(lattice);
+}
+
+std::vector<char> points_inside(const Interior& interior, const GradedLattice& lattice) {
+  VecList places(lattice.points());
+  for (std::size_t i = 0; i < places.size(); ++i) places[i] = lattice.place(static_cast<Index>(i));
+  return interior.inside(places);
+}
+
+/// Calls f(edge) for each edge from a point inside to one outside.
+template <class Function>
+void each_crossing_edge(const CentredLattice& lattice, const std::vector<char>& side, const Function& f) {
+  const std::array<std::array<Index, 14>, 2> steps{lattice.steps(false), lattice.steps(true)};
+  for (Index point = 0; point < static_cast<Index>(side.size()); ++point) {
+    if (side[point] != inside) continue;
+    const auto& own = steps[CentredLattice::is_middle(point) ? 1 : 0];
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      if (side[point + own[k]] == inside) continue;
+      const double length = k < 8 ? CentredLattice::short_length : 1.0;
+      const double near = k < 8 ? near_along_short : near_along_long;
+      f(Edge{point, point + own[k], length, near, near});
+    }
+  }
+}
+
+template <class Function>
+void each_crossing_edge(const GradedLattice& lattice, const std::vector<char>& side, const Function& f) {
+  std::vector<std::array<Index, 2>> edges;
+  for (const Tetrahedron& cell : lattice.cells()) {
+    for (const Index in : cell) {
+      for (const Index out : cell) {
+        if (side[in] == inside && side[out] != inside) edges.push_back({in, out});
+      }
+    }
+  }
+  std::ranges::sort(edges);
+  edges.erase(std::ranges::unique(edges).begin(), edges.end());
+  for (const auto& [in, out] : edges) {
+    const double length = lattice.length(in, out);
+    const auto near = [&](Index end) {
+      const double shortest = lattice.shortest_edge(end);
+      return length < 1.01 * shortest ? near_along_short : near_by_shortest * shortest / length;
+    };
+    f(Edge{in, out, length, near(in), near(out)});
+  }
+}
+
+/// Calls f for each tetrahedron. Around each edge between neighbouring middles lie four, one at each edge of the square
+/// between them.
+template <class Function>
+void each_cell(const CentredLattice& lattice, const Function& f) {
+  const auto& n = lattice.count;
+  for (int k = 0; k + 1 < n[2]; ++k) {
+    for (int j = 0; j + 1 < n[1]; ++j) {
+      for (int i = 0; i + 1 < n[0]; ++i) {
+        const auto corner = [&](int x, int y, int z) { return lattice.corner(i + x, j + y, k + z); };
+        const auto around = [&](Index other, const std::array<Index, 4>& square) {
+          for (int e = 0; e < 4; ++e) f({lattice.middle(i, j, k), other, square[e], square[(e + 1) % 4]});
+        };
+        around(lattice.middle(i + 1, j, k), {corner(1, 0, 0), corner(1, 1, 0), corner(1, 1, 1), corner(1, 0, 1)});
+        around(lattice.middle(i, j + 1, k), {corner(0, 1, 0), corner(0, 1, 1), corner(1, 1, 1), corner(1, 1, 0)});
+        around(lattice.middle(i, j, k + 1), {corner(0, 0, 1), corner(1, 0, 1), corner(1, 1, 1), corner(0, 1, 1)});
+      }
+    }
+  }
+}
+
+template <class Function>
+void each_cell(const GradedLattice& lattice, const Function& f) {
+  for (const Tetrahedron& cell : lattice.cells()) f(cell);
+}
+
 /// Where an edge of the lattice leaves the shape.
 struct Crossing {
-  Index in, out;  // points of the lattice
-  double share;   // of the way from `in`
-  bool is_short;
+  Edge edge;             // from inside to outside
+  double share;          // of the way
   bool is_there = true;  // until one of its ends moves onto the surface
   Index particle = -1;
 
   /// Of its edge, from one of its ends.
-  double share_from(Index end) const { return end == in ? share : 1.0 - share; }
-  bool is_near(Index end) const { return share_from(end) < (is_short ? near_along_short : near_along_long); }
-  double length_from(Index end) const { return share_from(end) * (is_short ? CentredLattice::short_length : 1.0); }
+  double share_from(Index end) const { return end == edge.from ? share : 1.0 - share; }
+  bool is_near(Index end) const { return share_from(end) < (end == edge.from ? edge.near_from : edge.near_to); }
+  double length_from(Index end) const { return share_from(end) * edge.length; }
 };
 
+template <class Lattice>
 class Filling {
  public:
-  Filling(const Interior& interior, const CentredLattice& lattice) : lattice_(lattice) {
+  Filling(const Interior& interior, const Lattice& lattice) : lattice_(lattice) {
     find_sides(interior);
     find_crossings(interior);
     move_points();
-    cut_cells();
+    each_cell(lattice_, [this](const Tetrahedron& cell) { cut_cell(cell); });
   }
 
   Stuffing take() { return std::move(result_); }
 
  private:
+  static constexpr bool is_graded = std::same_as<Lattice, GradedLattice>;
+
   void find_sides(const Interior& interior) {
-    const std::vector<char> in = interior.inside(lattice_);
+    const std::vector<char> in = points_inside(interior, lattice_);
     side_.resize(in.size());
     std::ranges::transform(in, side_.begin(), [](char yes) { return yes ? inside : outside; });
     particle_.assign(in.size(), -1);
@@ -51,29 +138,21 @@ class Filling {
   }
 
   void find_crossings(const Interior& interior) {
-    const std::array<std::array<Index, 14>, 2> steps{lattice_.steps(false), lattice_.steps(true)};
-    for (Index point = 0; point < static_cast<Index>(side_.size()); ++point) {
-      if (side_[point] != inside) continue;
-      const auto& own = steps[CentredLattice::is_middle(point) ? 1 : 0];
-      for (std::size_t k = 0; k < own.size(); ++k) {
-        const Index other = point + own[k];
-        if (side_[other] == inside) continue;
-        const double share = interior.exit(lattice_.place(point), lattice_.place(other));
-        crossings_.push_back({point, other, share, k < 8});
-      }
-    }
+    each_crossing_edge(lattice_, side_, [&](const Edge& edge) {
+      crossings_.push_back({edge, interior.exit(lattice_.place(edge.from), lattice_.place(edge.to))});
+    });
     // Crossings of each point, so that those of an edge are found from either end.
     of_point_.assign(side_.size() + 1, 0);
     for (const Crossing& c : crossings_) {
-      ++of_point_[c.in + 1];
-      ++of_point_[c.out + 1];
+      ++of_point_[c.edge.from + 1];
+      ++of_point_[c.edge.to + 1];
     }
     for (std::size_t i = 1; i < of_point_.size(); ++i) of_point_[i] += of_point_[i - 1];
     rows_.resize(2 * crossings_.size());
     std::vector<Index> next(of_point_.begin(), of_point_.end() - 1);
     for (Index row = 0; row < static_cast<Index>(crossings_.size()); ++row) {
-      rows_[next[crossings_[row].in]++] = row;
-      rows_[next[crossings_[row].out]++] = row;
+      rows_[next[crossings_[row].edge.from]++] = row;
+      rows_[next[crossings_[row].edge.to]++] = row;
     }
   }
 
@@ -94,8 +173,8 @@ class Filling {
   }
 
   Vec3 place_of(const Crossing& c) const {
-    const Vec3 from = lattice_.place(c.in);
-    return from + c.share * (lattice_.place(c.out) - from);
+    const Vec3 from = lattice_.place(c.edge.from);
+    return from + c.share * (lattice_.place(c.edge.to) - from);
   }
 
   // A corner of what is cut out of a tetrahedron of the lattice: one of its points, or where two of them, the first
@@ -106,7 +185,7 @@ class Filling {
 
   Index crossing_of(Index in, Index out) const {
     Index k = of_point_[in];
-    while (crossings_[rows_[k]].out != out) ++k;
+    while (crossings_[rows_[k]].edge.to != out) ++k;
     assert(k < of_point_[in + 1]);
     return rows_[k];
   }
@@ -119,6 +198,7 @@ class Filling {
       own = static_cast<Index>(result_.place.size());
       result_.place.push_back(place_of(t, corner));
       result_.at_surface.push_back(at_surface);
+      if constexpr (is_graded) result_.leaf_edge.push_back(lattice_.leaf_edge(in));
     }
     return own;
   }
@@ -145,16 +225,23 @@ class Filling {
   /// The face of points a, b inside and c outside is cut to a quadrilateral a, b, bc, ac: true where its diagonal
   /// starts in a, and not in b. Depends on the face alone, because two tetrahedra share it.
   bool diagonal_from_first(const Tetrahedron& t, int a, int b, int c) const {
-    const bool same_kind = CentredLattice::is_middle(t[a]) == CentredLattice::is_middle(t[b]);
-    if (!same_kind) return CentredLattice::is_middle(t[a]) != CentredLattice::is_middle(t[c]);
-    return from_first(t, {{{a}, {b}, {b, c}, {a, c}}});
+    if constexpr (is_graded) {
+      // An order by nearness to c: diagonals never run around the prism of three points and c. Between middles and
+      // corners of one size it is the rule below.
+      const double longer = lattice_.length(t[a], t[c]) - lattice_.length(t[b], t[c]);
+      return longer != 0.0 ? longer < 0.0 : t[a] < t[b];
+    } else {
+      const bool same_kind = CentredLattice::is_middle(t[a]) == CentredLattice::is_middle(t[b]);
+      if (!same_kind) return CentredLattice::is_middle(t[a]) != CentredLattice::is_middle(t[c]);
+      return from_first(t, {{{a}, {b}, {b, c}, {a, c}}});
+    }
   }
 
   /// Of the two diagonals of a quadrilateral the shorter; where they are alike, that from the smaller point.
   bool from_first(const Tetrahedron& t, const std::array<Corner, 4>& q) const {
     const double longer =
         (place_of(t, q[2]) - place_of(t, q[0])).squaredNorm() - (place_of(t, q[3]) - place_of(t, q[1])).squaredNorm();
-    if (std::abs(longer) > 1e-9 * lattice_.edge * lattice_.edge) return longer < 0.0;
+    if (std::abs(longer) > tie_) return longer < 0.0;
     return t[q[0].in] < t[q[1].in];
   }
 
@@ -207,26 +294,12 @@ class Filling {
     }
   }
 
-  /// Around each edge between neighbouring middles lie four tetrahedra, one at each edge of the square between them.
-  void cut_cells() {
-    const auto& n = lattice_.count;
-    for (int k = 0; k + 1 < n[2]; ++k) {
-      for (int j = 0; j + 1 < n[1]; ++j) {
-        for (int i = 0; i + 1 < n[0]; ++i) {
-          const auto corner = [&](int x, int y, int z) { return lattice_.corner(i + x, j + y, k + z); };
-          const auto around = [&](Index other, const std::array<Index, 4>& square) {
-            for (int e = 0; e < 4; ++e) cut_cell({lattice_.middle(i, j, k), other, square[e], square[(e + 1) % 4]});
-          };
-          around(lattice_.middle(i + 1, j, k), {corner(1, 0, 0), corner(1, 1, 0), corner(1, 1, 1), corner(1, 0, 1)});
-          around(lattice_.middle(i, j + 1, k), {corner(0, 1, 0), corner(0, 1, 1), corner(1, 1, 1), corner(1, 1, 0)});
-          around(lattice_.middle(i, j, k + 1), {corner(0, 0, 1), corner(1, 0, 1), corner(1, 1, 1), corner(0, 1, 1)});
-        }
-      }
-    }
-  }
+  static double edge_of(const CentredLattice& lattice) { return lattice.edge; }
+  static double edge_of(const GradedLattice& lattice) { return lattice.roots().edge; }
 
-  const CentredLattice& lattice_;
-  std::vector<char> side_;  // [points] Side
+  const Lattice& lattice_;
+  const double tie_ = 1e-9 * edge_of(lattice_) * edge_of(lattice_);  // m^2
+  std::vector<char> side_;                                           // [points] Side
   std::vector<Crossing> crossings_;
   std::vector<Index> of_point_;  // [points + 1] first of each point in rows_
   std::vector<Index> rows_;      // of crossings_
@@ -238,6 +311,10 @@ class Filling {
 }  // namespace
 
 Stuffing stuffed(const Interior& interior, const CentredLattice& lattice) {
+  return Filling(interior, lattice).take();
+}
+
+Stuffing stuffed(const Interior& interior, const GradedLattice& lattice) {
   return Filling(interior, lattice).take();
 }
 

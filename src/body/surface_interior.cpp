@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <ranges>
 
 #include "base/place_text.h"
 
@@ -40,6 +42,36 @@ struct RowCrossing {
   throw Error(ErrorCode::invalid_model,
               "surface: shells overlap at " + place_text(place) +
                   "; expected a surface that does not cross itself: remesh it, or join its shells by a boolean union");
+}
+
+bool is_sharp(const std::array<Vec3, 3>& t) {
+  const Vec3 normal = (t[1] - t[0]).cross(t[2] - t[0]);
+  return std::abs(normal.x()) > 1e-3 * normal.norm();
+}
+
+/// Calls f(row, first, last) for each stretch of a row inside, x from `first` to `last`. place(row): of its start.
+/// Throws Error where shells overlap by more than `most_overlap`, m.
+template <class Place, class Function>
+void each_stretch(std::vector<RowCrossing>& crossings, double most_overlap, const Place& place, const Function& f) {
+  std::ranges::sort(
+      crossings, [](const RowCrossing& a, const RowCrossing& b) { return a.row != b.row ? a.row < b.row : a.x < b.x; });
+  for (std::size_t from = 0, to = 0; from < crossings.size(); from = to) {
+    const Index row = crossings[from].row;
+    bool all_sharp = true;
+    for (; to < crossings.size() && crossings[to].row == row; ++to) all_sharp = all_sharp && crossings[to].is_sharp;
+    int times = 0;  // inside
+    for (std::size_t c = from; c + 1 < to; ++c) {
+      times += crossings[c].enter;
+      if (times == 0) continue;
+      const double first = crossings[c].x, last = crossings[c + 1].x;
+      // Shells that touch may overlap by rounding.
+      if (times != 1 && all_sharp && last - first > most_overlap) {
+        const Vec3 at = place(row);
+        refuse_overlap({0.5 * (first + last), at.y(), at.z()});
+      }
+      f(row, first, last);
+    }
+  }
 }
 
 }  // namespace
@@ -119,8 +151,7 @@ std::vector<char> SurfaceInterior::inside(const CentredLattice& lattice) const {
     for (Index triangle = 0; triangle < static_cast<Index>(surface_.triangles.size()); ++triangle) {
       const auto t = corners_of(surface_, triangle);
       const Eigen::AlignedBox3d box = box_of(t);
-      const Vec3 normal = (t[1] - t[0]).cross(t[2] - t[0]);
-      const bool is_sharp = std::abs(normal.x()) > 1e-3 * normal.norm();
+      const bool sharp = is_sharp(t);
       const int first_j = std::max(row_near(1, box.min().y()), 0),
                 last_j = std::min(row_near(1, box.max().y()) + 1, n[1] - 1);
       const int first_k = std::max(row_near(2, box.min().z()), 0),
@@ -129,33 +160,63 @@ std::vector<char> SurfaceInterior::inside(const CentredLattice& lattice) const {
         const double z = at(2, k);
         for (int j = first_j; j <= last_j; ++j) {
           const auto met = passage(surface_.vertices, surface_.triangles[triangle], at(1, j), z);
-          if (met) crossings.push_back({static_cast<Index>(k) * n[1] + j, met->x, met->enter, is_sharp});
+          if (met) crossings.push_back({static_cast<Index>(k) * n[1] + j, met->x, met->enter, sharp});
         }
       }
     }
-    std::ranges::sort(crossings, [](const RowCrossing& a, const RowCrossing& b) {
-      return a.row != b.row ? a.row < b.row : a.x < b.x;
-    });
-    for (std::size_t from = 0, to = 0; from < crossings.size(); from = to) {
-      const Index row = crossings[from].row;
-      bool is_sharp = true;
-      for (; to < crossings.size() && crossings[to].row == row; ++to) is_sharp = is_sharp && crossings[to].is_sharp;
+    const auto place = [&](Index row) { return Vec3(0.0, at(1, row % n[1]), at(2, row / n[1])); };
+    each_stretch(crossings, 0.01 * lattice.edge, place, [&](Index row, double first, double last) {
       const int j = row % n[1], k = row / n[1];
-      int times = 0;  // inside
-      for (std::size_t c = from; c + 1 < to; ++c) {
-        times += crossings[c].enter;
-        if (times == 0) continue;
-        const double first = crossings[c].x, last = crossings[c + 1].x;
-        // Shells that touch may overlap by rounding.
-        if (times != 1 && is_sharp && last - first > 0.01 * lattice.edge) {
-          refuse_overlap({0.5 * (first + last), at(1, j), at(2, k)});
-        }
-        for (int i = std::max(row_near(0, first), 0); i < n[0] && at(0, i) < last; ++i) {
-          if (at(0, i) >= first) in[middles ? lattice.middle(i, j, k) : lattice.corner(i, j, k)] = 1;
-        }
+      for (int i = std::max(row_near(0, first), 0); i < n[0] && at(0, i) < last; ++i) {
+        if (at(0, i) >= first) in[middles ? lattice.middle(i, j, k) : lattice.corner(i, j, k)] = 1;
+      }
+    });
+  }
+  return in;
+}
+
+std::vector<char> SurfaceInterior::inside(const VecList& places) const {
+  const auto before = [](double a, double b, bool otherwise) { return a != b ? a < b : otherwise; };
+  std::vector<Index> order(places.size());  // by z, y and x
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::sort(order, [&](Index i, Index j) {
+    const Vec3 &a = places[i], &b = places[j];
+    return before(a.z(), b.z(), before(a.y(), b.y(), a.x() < b.x()));
+  });
+  std::vector<Index> rows, layers;  // first of each in `order`, in `rows`
+  for (Index k = 0; k < static_cast<Index>(order.size()); ++k) {
+    const Vec3 &own = places[order[k]], &last = places[order[std::max(k - 1, 0)]];
+    const bool is_layer = k == 0 || own.z() != last.z();
+    if (is_layer) layers.push_back(static_cast<Index>(rows.size()));
+    if (is_layer || own.y() != last.y()) rows.push_back(k);
+  }
+  layers.push_back(static_cast<Index>(rows.size()));
+  rows.push_back(static_cast<Index>(order.size()));
+  const auto start = [&](Index row) -> const Vec3& { return places[order[rows[row]]]; };
+
+  std::vector<RowCrossing> crossings;
+  for (const auto& triangle : surface_.triangles) {
+    const std::array<Vec3, 3> t{surface_.vertices[triangle[0]], surface_.vertices[triangle[1]],
+                                surface_.vertices[triangle[2]]};
+    const Eigen::AlignedBox3d box = box_of(t);
+    const auto first_layer = std::partition_point(layers.begin(), layers.end() - 1,
+                                                  [&](Index row) { return start(row).z() < box.min().z(); });
+    for (auto layer = first_layer; layer != layers.end() - 1 && start(*layer).z() <= box.max().z(); ++layer) {
+      const auto in_layer = std::views::iota(*layer, layer[1]);
+      for (Index row = *std::ranges::partition_point(in_layer, [&](Index r) { return start(r).y() < box.min().y(); });
+           row < layer[1] && start(row).y() <= box.max().y(); ++row) {
+        const auto met = passage(surface_.vertices, triangle, start(row).y(), start(row).z());
+        if (met) crossings.push_back({row, met->x, met->enter, is_sharp(t)});
       }
     }
   }
+  std::vector<char> in(places.size(), 0);
+  each_stretch(crossings, 0.01 * lattice_.edge, start, [&](Index row, double first, double last) {
+    for (Index k = rows[row]; k < rows[row + 1]; ++k) {
+      const double x = places[order[k]].x();
+      if (x >= first && x < last) in[order[k]] = 1;
+    }
+  });
   return in;
 }
 

@@ -30,6 +30,7 @@ class SurfaceInterior : public Interior {
   SurfaceInterior(const Surface& surface, const CentredLattice& lattice);
   /// Throws Error where the surface overlaps itself.
   std::vector<char> inside(const CentredLattice& lattice) const override;
+  std::vector<char> inside(const VecList& places) const override;
   double exit(const Vec3& in, const Vec3& out) const override;
 
  private:
