@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: MIT
+#include "c_program.h"
+
+#include <math.h>
+#include <phymul_c.h>
+#include <stdio.h>
+#include <string.h>
+
+static char failure[2000];
+
+#define DO(call)                                                                                \
+  if ((call) != PHYMUL_OK) {                                                                    \
+    snprintf(failure, sizeof failure, "line %d: " #call ": %s", __LINE__, phymul_last_error()); \
+    return failure;                                                                             \
+  }
+
+#define REFUSED(call, status, words)                                                                                   \
+  if ((call) != (status) || !strstr(phymul_last_error(), words)) {                                                     \
+    snprintf(failure, sizeof failure, "line %d: expected the status %d and \"%s\" of " #call "; got \"%s\"", __LINE__, \
+             (int)(status), words, phymul_last_error());                                                               \
+    return failure;                                                                                                    \
+  }
+
+#define HOLDS(condition)                                                          \
+  if (!(condition)) {                                                             \
+    snprintf(failure, sizeof failure, "line %d: expected " #condition, __LINE__); \
+    return failure;                                                               \
+  }
+
+static const double block_size[3] = {0.03, 0.03, 0.03};
+static const phymul_material soft = {.young = 8e3, .poisson = 0.4, .density = 1000};
+static const phymul_material stiff = {.young = 3e4, .poisson = 0.4, .density = 1000};
+
+static const char* misuse_of_bodies(void) {
+  phymul_body* body = NULL;
+  REFUSED(phymul_body_block(NULL, 3, 3, 3, &body), PHYMUL_INVALID_ARGUMENT, "NULL")
+  REFUSED(phymul_body_block(block_size, 0, 3, 3, &body), PHYMUL_INVALID_ARGUMENT, "")
+  REFUSED(phymul_body_read("absent.msh", 0, &body), PHYMUL_FILE_ACCESS, "absent.msh")
+  const int32_t types[1] = {PHYMUL_TETRAHEDRON}, first[2] = {0, 3}, particles[4] = {0, 1, 2, 9};
+  const int32_t four[2] = {0, 4};
+  const double rest[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  REFUSED(phymul_body_from_arrays(rest, 4, types, first, particles, 1, &body), PHYMUL_INVALID_ARGUMENT, "cell 0")
+  REFUSED(phymul_body_from_arrays(rest, 4, types, four, particles, 1, &body), PHYMUL_INVALID_ARGUMENT, "9")
+  HOLDS(body == NULL)
+  phymul_body_free(NULL);
+  return NULL;
+}
+
+static const char* misuse_of_simulations(const phymul_body* body, phymul_simulation* sim) {
+  phymul_simulation* none = NULL;
+  const phymul_body* two[2] = {body, body};
+  phymul_options options = {.size = sizeof options, .backend = "abacus"};
+  REFUSED(phymul_simulation_create(two, NULL, 2, &options, &none), PHYMUL_INVALID_ARGUMENT, "name")
+  options.size = sizeof options + 8;
+  REFUSED(phymul_simulation_create(two, NULL, 1, &options, &none), PHYMUL_INVALID_ARGUMENT, "size")
+  HOLDS(none == NULL)
+  REFUSED(phymul_fix(sim, "x9"), PHYMUL_UNKNOWN_NAME, "x1")
+  REFUSED(phymul_fix(NULL, "x0"), PHYMUL_INVALID_ARGUMENT, "NULL")
+  const int32_t row[1] = {1000};
+  REFUSED(phymul_fix_particles(sim, row, 1), PHYMUL_INVALID_ARGUMENT, "1000")
+  REFUSED(phymul_fix_particles(sim, row, -1), PHYMUL_INVALID_ARGUMENT, "-1")
+  phymul_tool_force force;
+  REFUSED(phymul_tool_read_force(sim, 77, &force), PHYMUL_UNKNOWN_NAME, "77")
+  phymul_step_report report = {.steps = -1};
+  REFUSED(phymul_step(sim, 1, 10.0, &report), PHYMUL_STEP_FAILED, "")
+  HOLDS(report.steps == 0 && report.stable_step > 0)
+  REFUSED(phymul_load(sim, "absent.state"), PHYMUL_FILE_ACCESS, "absent.state")
+  return NULL;
+}
+
+static const char* interact(phymul_simulation* sim, const int32_t* top, int32_t top_count, struct c_results* out) {
+  phymul_pose pose = {.position = {0.015, 0.015, 0.042}};
+  const phymul_tool_options ball = {
+      .size = sizeof ball, .shape = PHYMUL_SPHERE, .radius = 0.012, .pose = pose, .friction = 0.2};
+  uint64_t tool = 0, joint = 0;
+  DO(phymul_tool_add(sim, &ball, &tool))
+  const phymul_joint_options ligament = {.size = sizeof ligament, .stiffness = 1e5, .damping = 50, .slack = 1};
+  const double offset[3] = {0, 0, 0.01};
+  DO(phymul_attach(sim, top, top_count, NULL, 0, offset, &ligament, &joint))
+
+  const double points[9] = {0.004, 0.004, 0.03, 0.022, 0.004, 0.03, 0.004, 0.022, 0.03};
+  const int32_t triangle[3] = {0, 1, 2};
+  phymul_skin* skin = NULL;
+  REFUSED(phymul_skin_create(sim, points, 2, triangle, 1, &skin), PHYMUL_INVALID_ARGUMENT, "")
+  DO(phymul_skin_create(sim, points, 3, triangle, 1, &skin))
+  for (int tick = 0; tick < 20; ++tick) {
+    pose.position[2] -= 3e-4;
+    DO(phymul_tool_move_to(sim, tool, &pose))
+    DO(phymul_advance(sim, 2e-3, NULL))
+  }
+  const double *now = NULL, *normals = NULL;
+  DO(phymul_skin_deform(skin, sim, &now, &normals))
+  memcpy(out->skin, now, sizeof out->skin);
+  memcpy(out->normal, normals, sizeof out->normal);
+  phymul_skin_free(skin);
+  phymul_tool_force force;
+  phymul_joint_report ties;
+  DO(phymul_tool_read_force(sim, tool, &force))
+  DO(phymul_joint_read(sim, joint, &ties))
+  memcpy(out->tool_force, force.force, sizeof out->tool_force);
+  memcpy(out->joint_force, ties.force, sizeof out->joint_force);
+  DO(phymul_tool_grasp(sim, tool, 2e-3))
+  DO(phymul_advance(sim, 2e-3, NULL))
+  DO(phymul_tool_read_force(sim, tool, &force))
+  out->held = force.held;
+  REFUSED(phymul_tool_remove(sim, tool + 1), PHYMUL_UNKNOWN_NAME, "")
+  return NULL;
+}
+
+static const char* read_state(phymul_simulation* sim, struct c_results* out) {
+  const double *position = NULL, *velocity = NULL, *force = NULL, *again = NULL;
+  int32_t count = 0;
+  DO(phymul_positions(sim, &position, &count))
+  DO(phymul_velocities(sim, &velocity, &count))
+  DO(phymul_forces(sim, &force, &count))
+  HOLDS(count == most_particles)
+  out->particles = count;
+  memcpy(out->position, position, sizeof out->position);
+  memcpy(out->velocity, velocity, sizeof out->velocity);
+  memcpy(out->force, force, sizeof out->force);
+  DO(phymul_energy(sim, out->energy))
+  DO(phymul_time(sim, &out->time))
+
+  phymul_snapshot* before = NULL;
+  DO(phymul_snapshot_take(sim, &before))
+  DO(phymul_advance(sim, 0.01, NULL))
+  DO(phymul_positions(sim, &again, &count))
+  HOLDS(again == position && memcmp(position, out->position, sizeof out->position) != 0)
+  DO(phymul_snapshot_restore(before, sim))
+  phymul_snapshot_free(before);
+  DO(phymul_positions(sim, &again, &count))
+  HOLDS(again == position && memcmp(position, out->position, sizeof out->position) == 0)
+  return NULL;
+}
+
+static const char* rest_of(const phymul_body* body, struct c_results* out) {
+  const phymul_options options = {.size = sizeof options, .backend = "reference"};
+  const double down[3] = {0, 0, -1};
+  phymul_simulation* sim = NULL;
+  DO(phymul_simulation_create(&body, NULL, 1, &options, &sim))
+  DO(phymul_fix(sim, "z0"))
+  DO(phymul_gravity(sim, down))
+  phymul_rest_report report;
+  DO(phymul_solve_static(sim, 0, 0, &report))
+  HOLDS(report.converged == 1 && report.folded == -1)
+  out->rest_residual = report.residual;
+  REFUSED(phymul_solve_static(sim, -1, 0, &report), PHYMUL_INVALID_ARGUMENT, "")
+  phymul_simulation_free(sim);
+  return NULL;
+}
+
+const char* c_program(struct c_results* out) {
+  const char* wrong = misuse_of_bodies();
+  if (wrong) return wrong;
+  phymul_body* body = NULL;
+  const int32_t* top = NULL;
+  const int32_t cells[2] = {13, 22};
+  int32_t top_count = 0;
+  DO(phymul_body_block(block_size, 3, 3, 3, &body))
+  DO(phymul_body_add_cell_group(body, "nodule", cells, 2))
+  DO(phymul_body_set_material(body, &soft, NULL))
+  DO(phymul_body_set_material(body, &stiff, "nodule"))
+  DO(phymul_body_group(body, "z1", &top, &top_count))
+
+  const phymul_options options = {.size = sizeof options, .backend = "cpu", .damping_rate = 20, .threads = 1};
+  const phymul_body* bodies[1] = {body};
+  phymul_simulation* sim = NULL;
+  DO(phymul_simulation_create(bodies, NULL, 1, &options, &sim))
+  DO(phymul_fix(sim, "z0"))
+  const double direction[3] = {1, 0, 0}, times[2] = {0, 0.02}, values[2] = {0, 1e-3};
+  int32_t row = -1;
+  DO(phymul_add_load(sim, PHYMUL_FORCE, top, top_count, direction, times, values, 2, &row))
+  HOLDS(row == 1)
+  wrong = misuse_of_simulations(body, sim);
+  if (!wrong) wrong = interact(sim, top, top_count, out);
+  if (!wrong) wrong = read_state(sim, out);
+  if (!wrong) wrong = rest_of(body, out);
+  phymul_body_free(body);
+  phymul_simulation_free(sim);
+  return wrong;
+}

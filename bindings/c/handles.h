@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+//
+// What the handles of phymul_c.h hold, and what all its functions share: checks of arguments, and no exception that
+// gets out.
+#pragma once
+
+#include <phymul/phymul.h>
+
+#include <array>
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "phymul_c.h"
+
+struct phymul_surface {
+  phymul::Surface surface;
+};
+
+struct phymul_body {
+  phymul::Model model;
+  // What was handed out.
+  std::vector<int32_t> types{}, first{}, particles{};
+  std::vector<std::array<phymul::Index, 3>> triangles{};
+  std::vector<phymul::Index> group{};
+  std::string notes{}, groups{};
+};
+
+struct phymul_simulation {
+  phymul::Simulation simulation;
+  phymul::VecList positions{}, velocities{}, forces{};  // [N] from the first call on: their memory never moves
+  std::string message{}, warnings{}, backend{};
+};
+
+struct phymul_snapshot {
+  phymul::Snapshot snapshot;
+};
+
+struct phymul_skin {
+  phymul::Skin skin;
+  std::vector<std::array<phymul::Index, 3>> triangles;
+  phymul::VecList points{}, normals{};
+};
+
+struct phymul_plan {
+  phymul::Plan plan;
+  std::string report;
+  std::vector<phymul_trial> trials;
+};
+
+namespace phymul::c {
+
+/// A step or solve_static failed: PHYMUL_STEP_FAILED.
+struct StepFailure {
+  std::string message;
+};
+
+std::string& last_error();  ///< of this thread
+
+/// Turns the exception that is being handled into a status and the text of last_error().
+phymul_status status_of_exception() noexcept;
+
+template <class Function>
+phymul_status guarded(Function&& function) noexcept {
+  try {
+    function();
+    return PHYMUL_OK;
+  } catch (...) {
+    return status_of_exception();
+  }
+}
+
+/// What a pointer points to. Throws Error for null.
+template <class T>
+T& need(T* pointer, const char* what) {
+  if (!pointer) throw Error(std::string("expected ") + what + ", got NULL");
+  return *pointer;
+}
+
+/// Throws Error for a negative count, and for null unless the count is 0.
+template <class T>
+std::span<const T> list(const T* data, int32_t count, const char* what) {
+  if (count < 0 || (count > 0 && !data))
+    throw Error(std::string("expected ") + what + " and their number, 0 or more; got " +
+                (data ? "the number " + std::to_string(count) : std::string("NULL")));
+  return {data, static_cast<std::size_t>(count)};
+}
+
+inline Vec3 vector(const double* xyz, const char* what) {
+  need(xyz, what);
+  return {xyz[0], xyz[1], xyz[2]};
+}
+
+VecList vectors(const double* data, int32_t count, const char* what);
+std::vector<std::array<Index, 3>> triples(const int32_t* data, int32_t count, const char* what);
+
+inline const double* doubles(const VecList& list) {
+  return list.empty() ? nullptr : list.front().data();
+}
+
+inline void store(const Vec3& from, double* to) {
+  std::copy_n(from.data(), 3, to);
+}
+
+/// A struct whose first member is its size where the program was compiled. What lies beyond that is 0. Throws Error for
+/// a size that is none, and for one of a newer version.
+template <class Options>
+Options options_of(const Options* given, const char* what) {
+  Options options{};
+  const uint32_t size = need(given, what).size;
+  if (size < sizeof(uint32_t) || size > sizeof(Options))
+    throw Error(std::string("expected ") + what + " whose size is sizeof of the struct, at most " +
+                std::to_string(sizeof(Options)) + " in this version; got the size " + std::to_string(size));
+  std::memcpy(&options, given, size);
+  return options;
+}
+
+/// Throws Error unless the number is one of an enumeration of `count` values from `first` on.
+void require_kind(int32_t kind, int32_t first, int32_t count, const char* what);
+
+std::string lines(const std::vector<std::string>& sentences);
+
+}  // namespace phymul::c

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: MIT
+//
+// Tools, joints and skins.
+#include "handles.h"
+
+using namespace phymul;
+using namespace phymul::c;
+
+static_assert(static_cast<int>(ToolContact::surface) == PHYMUL_TOUCHES_SURFACE);
+
+namespace {
+
+/// The name of a tool or joint by its number. Throws Error, with the known numbers.
+template <class Rows>
+const std::string& name_of(const Rows& rows, uint64_t id, const char* what) {
+  std::string known;
+  for (const auto& row : rows) {
+    if (row.id == id) return row.name;
+    known += (known.empty() ? "" : ", ") + std::to_string(row.id);
+  }
+  throw Error(ErrorCode::unknown_name, std::string("the simulation has no ") + what + " of the number " +
+                                           std::to_string(id) +
+                                           (known.empty() ? "; it has none" : "; it has: " + known));
+}
+
+JointHandle joint_of(phymul_simulation* sim, uint64_t joint) {
+  Scene& scene = need(sim, "a simulation").simulation.scene();
+  return scene.joint(name_of(scene.joints(), joint, "joint"));
+}
+
+ToolHandle tool_of(phymul_simulation* sim, uint64_t tool) {
+  Scene& scene = need(sim, "a simulation").simulation.scene();
+  return scene.tool(name_of(scene.tools(), tool, "tool"));
+}
+
+ToolPose pose_of(const phymul_pose& from) {
+  const double* q = from.orientation;
+  ToolPose pose{.position = vector(from.position, "a position"),
+                .velocity = vector(from.velocity, "a velocity"),
+                .spin = vector(from.spin, "a spin")};
+  if (q[0] != 0.0 || q[1] != 0.0 || q[2] != 0.0 || q[3] != 0.0) pose.orientation = Quaternion(q[0], q[1], q[2], q[3]);
+  return pose;
+}
+
+ToolShape shape_of(const phymul_tool_options& from) {
+  require_kind(from.shape, PHYMUL_SPHERE, 4, "a shape");
+  switch (from.shape) {
+    case PHYMUL_SPHERE:
+      return Sphere{.radius = from.radius};
+    case PHYMUL_CAPSULE:
+      return Capsule{.radius = from.radius, .length = from.length};
+    case PHYMUL_HALF_SPACE:
+      return HalfSpace{};
+    default:
+      return Box{.half_size = vector(from.half_size, "a half size")};
+  }
+}
+
+Anchor anchor_of(phymul_simulation* sim, const phymul_anchor& from) {
+  if (!from.particles) {
+    if (from.tool == 0) return at_world(vector(from.point, "a point"));
+    const Scene& scene = need(sim, "a simulation").simulation.scene();
+    return at_tool(name_of(scene.tools(), from.tool, "tool"), vector(from.point, "a point"));
+  }
+  const auto particles = list(from.particles, from.count, "particles");
+  if (!from.weights) return at_mean({particles.begin(), particles.end()});
+  return {.particles = {particles.begin(), particles.end()}, .weights = {from.weights, from.weights + from.count}};
+}
+
+}  // namespace
+
+phymul_status phymul_tool_add(phymul_simulation* sim, const phymul_tool_options* options, uint64_t* tool) {
+  return guarded([&] {
+    need(tool, "a place for the tool");
+    const phymul_tool_options from = options_of(options, "options of a tool");
+    require_kind(from.contact, PHYMUL_TOUCHES_PARTICLES, 2, "a kind of contact");
+    *tool = need(sim, "a simulation")
+                .simulation.scene()
+                .add_tool(Tool{.shape = shape_of(from),
+                               .pose = pose_of(from.pose),
+                               .friction = from.friction,
+                               .compliance = from.compliance,
+                               .margin = from.margin,
+                               .contact = static_cast<ToolContact>(from.contact)})
+                .id();
+  });
+}
+
+phymul_status phymul_tool_remove(phymul_simulation* sim, uint64_t tool) {
+  return guarded([&] {
+    Scene& scene = need(sim, "a simulation").simulation.scene();
+    scene.remove_tool(std::string(name_of(scene.tools(), tool, "tool")));
+  });
+}
+
+phymul_status phymul_tool_move_to(phymul_simulation* sim, uint64_t tool, const phymul_pose* pose) {
+  return guarded([&] { tool_of(sim, tool).move_to(pose_of(need(pose, "a pose"))); });
+}
+
+phymul_status phymul_tool_teleport(phymul_simulation* sim, uint64_t tool, const phymul_pose* pose) {
+  return guarded([&] { tool_of(sim, tool).teleport(pose_of(need(pose, "a pose"))); });
+}
+
+phymul_status phymul_tool_grasp(phymul_simulation* sim, uint64_t tool, double distance) {
+  return guarded([&] { tool_of(sim, tool).grasp(distance); });
+}
+
+phymul_status phymul_tool_release(phymul_simulation* sim, uint64_t tool) {
+  return guarded([&] { tool_of(sim, tool).release(); });
+}
+
+phymul_status phymul_tool_read_pose(phymul_simulation* sim, uint64_t tool, phymul_pose* pose) {
+  return guarded([&] {
+    const ToolHandle handle = tool_of(sim, tool);
+    const ToolPose& now = sim->simulation.pose_of(handle);
+    const Quaternion& q = now.orientation;
+    phymul_pose result{.position = {}, .orientation = {q.w(), q.x(), q.y(), q.z()}, .velocity = {}, .spin = {}};
+    store(now.position, result.position);
+    store(now.velocity, result.velocity);
+    store(now.spin, result.spin);
+    need(pose, "a place for the pose") = result;
+  });
+}
+
+phymul_status phymul_tool_read_force(phymul_simulation* sim, uint64_t tool, phymul_tool_force* force) {
+  return guarded([&] {
+    const ToolHandle handle = tool_of(sim, tool);
+    const ToolForce& now = sim->simulation.force_on(handle);
+    phymul_tool_force result{};
+    store(now.force, result.force);
+    store(now.torque, result.torque);
+    store(now.mean_force, result.mean_force);
+    store(now.mean_torque, result.mean_torque);
+    result.particles = now.particles;
+    result.held = sim->simulation.solver().held(handle);
+    need(force, "a place for the force") = result;
+  });
+}
+
+phymul_status phymul_joint_add(phymul_simulation* sim, const phymul_anchor* a, const phymul_anchor* b,
+                               const phymul_joint_options* options, uint64_t* joint) {
+  return guarded([&] {
+    need(joint, "a place for the joint");
+    const phymul_joint_options from = options_of(options, "options of a joint");
+    Joint added{.stiffness = from.stiffness, .damping = from.damping, .slack = from.slack != 0};
+    if (from.breaking != 0.0) added.breaking_force = from.breaking;
+    added.springs.push_back({.a = anchor_of(sim, need(a, "an anchor")),
+                             .b = anchor_of(sim, need(b, "an anchor")),
+                             .rest_length = from.rest_length});
+    *joint = need(sim, "a simulation").simulation.scene().add_joint(std::move(added)).id();
+  });
+}
+
+phymul_status phymul_attach(phymul_simulation* sim, const int32_t* particles, int32_t count, const char* group,
+                            uint64_t tool, const double offset[3], const phymul_joint_options* options,
+                            uint64_t* joint) {
+  return guarded([&] {
+    need(joint, "a place for the joint");
+    const phymul_joint_options from = options_of(options, "options of a joint");
+    Attachment springs{.stiffness = from.stiffness, .damping = from.damping, .slack = from.slack != 0};
+    if (from.breaking != 0.0) springs.breaking_stress = from.breaking;
+    const auto patch = list(particles, count, "particles");
+    Scene& scene = need(sim, "a simulation").simulation.scene();
+    if (group) {
+      *joint = scene.attach(patch, group, springs).id();
+    } else if (tool != 0) {
+      *joint = scene.attach(patch, tool_of(sim, tool), springs).id();
+    } else {
+      *joint = scene.attach(patch, World{.offset = vector(offset, "an offset")}, springs).id();
+    }
+  });
+}
+
+phymul_status phymul_joint_remove(phymul_simulation* sim, uint64_t joint) {
+  return guarded([&] {
+    Scene& scene = need(sim, "a simulation").simulation.scene();
+    scene.remove_joint(std::string(name_of(scene.joints(), joint, "joint")));
+  });
+}
+
+phymul_status phymul_joint_set(phymul_simulation* sim, uint64_t joint, double stiffness, double damping) {
+  return guarded([&] { joint_of(sim, joint).set_stiffness(stiffness, damping); });
+}
+
+phymul_status phymul_joint_read(phymul_simulation* sim, uint64_t joint, phymul_joint_report* report) {
+  return guarded([&] {
+    const JointHandle handle = joint_of(sim, joint);
+    const JointReport& now = sim->simulation.report_of(handle);
+    phymul_joint_report result{.force = {},
+                               .largest = now.largest,
+                               .broken = now.broken,
+                               .springs = static_cast<int32_t>(handle.joint().springs.size())};
+    store(now.force, result.force);
+    need(report, "a place for the report") = result;
+  });
+}
+
+phymul_status phymul_skin_create(const phymul_simulation* sim, const double* points, int32_t point_count,
+                                 const int32_t* triangles, int32_t triangle_count, phymul_skin** made) {
+  return guarded([&] {
+    need(made, "a place for the skin");
+    const VecList places = vectors(points, point_count, "points");
+    auto faces = triples(triangles, triangle_count, "triangles");
+    VecList normals(places.size(), Vec3::Zero());
+    surface_normals(faces, places, normals);  // refuses triangles of points that there are not
+    *made = new phymul_skin{.skin = Skin(need(sim, "a simulation").simulation.model(), places),
+                            .triangles = std::move(faces),
+                            .points = places,
+                            .normals = std::move(normals)};
+  });
+}
+
+void phymul_skin_free(phymul_skin* skin) {
+  delete skin;
+}
+
+phymul_status phymul_skin_deform(phymul_skin* skin, phymul_simulation* sim, const double** points,
+                                 const double** normals) {
+  return guarded([&] {
+    phymul_skin& own = need(skin, "a skin");
+    need(points, "a place for the points");
+    own.skin.deform(need(sim, "a simulation").simulation.solver().read().position, own.points);
+    *points = doubles(own.points);
+    if (!normals) return;
+    surface_normals(own.triangles, own.points, own.normals);
+    *normals = doubles(own.normals);
+  });
+}

@@ -1,0 +1,376 @@
+// SPDX-License-Identifier: MIT
+//
+// The C interface of phymul (C99): bodies, simulations, tools, joints, skins, states and the planner. What the calls
+// compute is described in the C++ headers, which have the same names. Guide: docs/guide/c.md.
+//
+// Values     SI units. A vector is three doubles, a list of N vectors 3 N doubles, row by row. Particles, cells and
+//            vertices are counted from 0. Strings are UTF-8. A list of names or sentences is one string, a line each.
+// Errors     Every function returns a status, PHYMUL_OK or the kind of error. phymul_last_error() then has a message
+//            for people. After an error the outputs are as they were. NULL is an error where no comment allows it.
+// Ownership  Functions copy what they are given. A handle made by a function (its last parameter) belongs to the
+// caller,
+//            who frees it; the order does not matter. Arrays and strings handed out belong to the handle: they stay
+//            where they are until it is freed, unless a comment says less.
+// Options    A struct that begins with `size` wants sizeof of itself there. Other fields may be 0, which means the
+//            default in the comment. Newer versions add fields at the end; a program compiled before goes on working.
+// Threads    One thread at a time may use a handle. Different handles are independent.
+#ifndef PHYMUL_C_H
+#define PHYMUL_C_H
+
+#include <stdint.h>
+
+#define PHYMUL_API __attribute__((visibility("default")))
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef int32_t phymul_status;
+enum {
+  PHYMUL_OK = 0,
+  PHYMUL_INVALID_ARGUMENT = 1,  // a value that is not allowed
+  PHYMUL_UNKNOWN_NAME = 2,      // no group, tool, joint or backend has this name; the message lists the known ones
+  PHYMUL_FILE_ACCESS = 3,       // a file cannot be opened, read or written
+  PHYMUL_FILE_FORMAT = 4,       // a file is not what its format requires
+  PHYMUL_INVALID_MODEL = 5,     // a body is inconsistent or degenerate
+  PHYMUL_NOT_SUPPORTED = 6,     // this build or backend does not support what was asked for
+  PHYMUL_DEVICE = 7,            // a driver, a GPU or the GL module failed
+  PHYMUL_OUT_OF_MEMORY = 8,
+  PHYMUL_STEP_FAILED = 9,  // a step or solve_static failed; the last good state is kept
+  PHYMUL_INTERNAL = 10     // anything else
+};
+
+typedef struct phymul_surface phymul_surface;        // triangles
+typedef struct phymul_body phymul_body;              // Model
+typedef struct phymul_simulation phymul_simulation;  // Simulation
+typedef struct phymul_skin phymul_skin;              // Skin with its triangles
+typedef struct phymul_snapshot phymul_snapshot;      // Snapshot
+typedef struct phymul_plan phymul_plan;              // Plan
+
+// Of the last error in this thread; "" before the first. Valid until the next error in this thread.
+PHYMUL_API const char* phymul_last_error(void);
+PHYMUL_API const char* phymul_version(void);  // "0.2.0"
+// Names that phymul_options.backend accepts in this build, without "auto". Valid for ever.
+PHYMUL_API phymul_status phymul_backends(const char** names);
+
+// --- Surfaces -------------------------------------------------------------------------------------------------------
+
+// STL, OBJ, PLY or glTF, mended; metres_per_unit of the file, 0: 1.
+PHYMUL_API phymul_status phymul_surface_read(const char* path, double metres_per_unit, phymul_surface** made);
+PHYMUL_API void phymul_surface_free(phymul_surface* surface);  // NULL is allowed, as in every function that frees
+PHYMUL_API phymul_status phymul_surface_vertices(const phymul_surface* surface, const double** vertices,
+                                                 int32_t* count);
+PHYMUL_API phymul_status phymul_surface_triangles(const phymul_surface* surface, const int32_t** triangles,
+                                                  int32_t* count);  // [count][3] vertices
+
+// --- Bodies ---------------------------------------------------------------------------------------------------------
+
+typedef struct phymul_material {
+  double young;    // Pa, > 0
+  double poisson;  // in (-3/8, 1/2)
+  double density;  // kg/m^3, > 0
+} phymul_material;
+
+enum {  // types of cells; the order of vertices is in include/phymul/model.h
+  PHYMUL_TETRAHEDRON = 4,
+  PHYMUL_WEDGE = 5,
+  PHYMUL_PYRAMID = 6,
+  PHYMUL_HEXAHEDRON = 7
+};
+
+// make_block (hexahedra, 6 neighbours), make_tetrahedral_block, make_cylinder: include/phymul/shapes.h has the groups.
+PHYMUL_API phymul_status phymul_body_block(const double size[3], int32_t nx, int32_t ny, int32_t nz,
+                                           phymul_body** made);
+PHYMUL_API phymul_status phymul_body_tetrahedral_block(const double size[3], int32_t nx, int32_t ny, int32_t nz,
+                                                       double jitter, uint32_t seed, phymul_body** made);
+PHYMUL_API phymul_status phymul_body_cylinder(double radius, double length, int32_t rings, int32_t sectors,
+                                              int32_t discs, phymul_body** made);
+// .pml, or a mesh: .msh, .vtk, .vtu. metres_per_unit of the file, 0: 1e-3 for .pml and 1 for meshes.
+PHYMUL_API phymul_status phymul_body_read(const char* path, double metres_per_unit, phymul_body** made);
+// make_body: fills a closed surface with tetrahedra, about `spacing` m apart. Group: "surface".
+PHYMUL_API phymul_status phymul_body_fill(const double* vertices, int32_t vertex_count, const int32_t* triangles,
+                                          int32_t triangle_count, double spacing, phymul_body** made);
+// From particles at `rest` and cells: types [cell_count], first [cell_count + 1] and particles [first[cell_count]], of
+// which cell i has those from first[i] to first[i + 1]. Without cells (cell_count 0, all three NULL) it is a body of
+// points with 20 neighbours each. The mesh is checked, and cells that are turned inside out are turned round.
+PHYMUL_API phymul_status phymul_body_from_arrays(const double* rest, int32_t particle_count, const int32_t* types,
+                                                 const int32_t* first, const int32_t* particles, int32_t cell_count,
+                                                 phymul_body** made);
+PHYMUL_API phymul_status phymul_body_moved(const phymul_body* body, const double by[3], phymul_body** made);
+PHYMUL_API void phymul_body_free(phymul_body* body);
+
+PHYMUL_API phymul_status phymul_body_rest(const phymul_body* body, const double** rest, int32_t* particle_count);  // m
+PHYMUL_API phymul_status phymul_body_masses(const phymul_body* body, double* masses);  // fills [particle_count], kg
+// As phymul_body_from_arrays has them.
+PHYMUL_API phymul_status phymul_body_cells(phymul_body* body, const int32_t** types, const int32_t** first,
+                                           const int32_t** particles, int32_t* cell_count);
+// Of the outside, counter-clockwise seen from there.
+PHYMUL_API phymul_status phymul_body_triangles(phymul_body* body, const int32_t** triangles, int32_t* count);
+// What reading, building and set_material found or corrected. This and the next two: valid until the next call of the
+// same function with this body.
+PHYMUL_API phymul_status phymul_body_notes(phymul_body* body, const char** notes);
+PHYMUL_API phymul_status phymul_body_groups(phymul_body* body, const char** names);
+PHYMUL_API phymul_status phymul_body_group(phymul_body* body, const char* name, const int32_t** particles,
+                                           int32_t* count);
+PHYMUL_API phymul_status phymul_body_add_group(phymul_body* body, const char* name, const int32_t* particles,
+                                               int32_t count);
+// A group of cells: phymul_body_set_material gives a material to exactly these.
+PHYMUL_API phymul_status phymul_body_add_cell_group(phymul_body* body, const char* name, const int32_t* cells,
+                                                    int32_t count);
+PHYMUL_API phymul_status phymul_body_set_material(phymul_body* body, const phymul_material* material,
+                                                  const char* group);  // NULL: the whole body
+
+// --- Simulations ----------------------------------------------------------------------------------------------------
+
+enum { PHYMUL_SHAPE_MEMORY = 0, PHYMUL_NEO_HOOKEAN = 1 };  // strain energies
+
+typedef struct phymul_options {
+  uint32_t size;
+  int32_t threads;           // of the backend "cpu"; 0: as many as the body has work for
+  const char* backend;       // NULL: "auto"
+  phymul_material material;  // all 0: bodies keep their materials
+  double damping_rate;       // 1/s
+  double step;               // largest step, as a multiple of the stable one; 0: 0.5
+  double rest_tolerance;     // SolverOptions::rest_tolerance; 0: 1e-8
+  int32_t strain_energy;     // PHYMUL_SHAPE_MEMORY or PHYMUL_NEO_HOOKEAN
+  int32_t sleeps;            // 1: parts of the body that rest cost nothing (SolverOptions::sleep_tolerance)
+  double sleep_tolerance;    // with `sleeps`; 0: results as without sleep
+} phymul_options;
+
+// Of one body (count 1, names NULL), or of several, each with a name; their groups are then "name/group".
+PHYMUL_API phymul_status phymul_simulation_create(const phymul_body* const* bodies, const char* const* names,
+                                                  int32_t count, const phymul_options* options,
+                                                  phymul_simulation** made);
+PHYMUL_API void phymul_simulation_free(phymul_simulation* sim);
+PHYMUL_API phymul_status phymul_simulation_body(const phymul_simulation* sim, phymul_body** made);  // a copy
+
+PHYMUL_API phymul_status phymul_fix(phymul_simulation* sim, const char* group);
+PHYMUL_API phymul_status phymul_fix_particles(phymul_simulation* sim, const int32_t* particles, int32_t count);
+PHYMUL_API phymul_status phymul_gravity(phymul_simulation* sim, const double acceleration[3]);  // m/s^2
+
+enum {  // types of loads: include/phymul/load.h
+  PHYMUL_TRANSLATION = 0,
+  PHYMUL_ROTATION = 1,
+  PHYMUL_FORCE = 2,  // on each particle
+  PHYMUL_PRESSURE = 3,
+  PHYMUL_ACCELERATION = 4
+};
+// Its value is linear between values[i] (m, rad, N, Pa or m/s^2) at times[i], s, and constant before and after.
+// `direction`: zero for a pressure that acts inward. A translation imposes all three coordinates. `row` names the load.
+PHYMUL_API phymul_status phymul_add_load(phymul_simulation* sim, int32_t type, const int32_t* particles, int32_t count,
+                                         const double direction[3], const double* times, const double* values,
+                                         int32_t value_count, int32_t* row);
+PHYMUL_API phymul_status phymul_set_load(phymul_simulation* sim, int32_t row, const double* times, const double* values,
+                                         int32_t value_count);
+// Bodies touch each other, and themselves if `self`. margin, m; 0: a tenth of the mean edge.
+PHYMUL_API phymul_status phymul_contacts(phymul_simulation* sim, double friction, double margin, int32_t self);
+PHYMUL_API phymul_status phymul_constrain_volume(phymul_simulation* sim, const char* group);  // NULL: the whole body
+
+typedef struct phymul_step_report {
+  int32_t steps;          // done
+  int32_t at_rest;        // the rest test holds at the end
+  int32_t force_clamped;  // an elastic force was limited
+  int32_t particle;       // where a failure happened; -1: unknown
+  double time;            // s
+  double dt;              // s
+  double stable_step;     // s
+  double residual;        // N, largest net force on a free particle
+  double max_speed;       // m/s
+} phymul_step_report;
+
+typedef struct phymul_rest_report {
+  int32_t converged;
+  int32_t folded;     // a cell that is flat or turned inside out; -1: none
+  int32_t steps;      // done; solve_static: evaluations of forces
+  int32_t collapsed;  // RestResult::collapsed; -1: none
+  double time;        // s
+  double residual;    // N; solve_static: net forces over loads
+} phymul_rest_report;
+
+// Simulation::advance, and Solver::step, which phymul_record does not see. A step that fails is the error
+// PHYMUL_STEP_FAILED, and fills the report too. `report` may be NULL here and in the next two.
+PHYMUL_API phymul_status phymul_advance(phymul_simulation* sim, double seconds, phymul_step_report* report);
+PHYMUL_API phymul_status phymul_step(phymul_simulation* sim, int32_t steps, double dt, phymul_step_report* report);
+// Not to converge is no error: phymul_rest_report.converged is 0, and phymul_message says why.
+PHYMUL_API phymul_status phymul_run_to_rest(phymul_simulation* sim, int32_t most_steps, phymul_rest_report* report);
+PHYMUL_API phymul_status phymul_solve_static(phymul_simulation* sim, double tolerance, int32_t most_evaluations,
+                                             phymul_rest_report* report);  // 0: the defaults, 1e-6 and 3000
+// A sentence about the last of these four calls, and Simulation::warnings(). Valid until the next call of the same.
+PHYMUL_API phymul_status phymul_message(phymul_simulation* sim, const char** sentence);
+PHYMUL_API phymul_status phymul_warnings(phymul_simulation* sim, const char** sentences);
+
+PHYMUL_API phymul_status phymul_time(const phymul_simulation* sim, double* time);          // s
+PHYMUL_API phymul_status phymul_step_limits(const phymul_simulation* sim, double* stable,  // s, the largest stable step
+                                            double* taken);                                // s, that of phymul_advance
+PHYMUL_API phymul_status phymul_backend(phymul_simulation* sim, const char** name);
+PHYMUL_API phymul_status phymul_energy(const phymul_simulation* sim, double energy[3]);  // J: elastic, kinetic, gravity
+
+// These three compute or copy the present values into memory of the handle, one buffer each, and hand it out: [N][3] m,
+// m/s (at the state's time) and N (elastic forces). The next call of the same function with this handle overwrites it.
+PHYMUL_API phymul_status phymul_positions(phymul_simulation* sim, const double** positions, int32_t* particle_count);
+PHYMUL_API phymul_status phymul_velocities(phymul_simulation* sim, const double** velocities, int32_t* particle_count);
+PHYMUL_API phymul_status phymul_forces(phymul_simulation* sim, const double** forces, int32_t* particle_count);
+
+// Starts from [N][3] positions, m (NULL: at rest), and velocities, m/s (NULL: 0). Tools hold nothing.
+PHYMUL_API phymul_status phymul_set_state(phymul_simulation* sim, double time, const double* positions,
+                                          const double* velocities);
+PHYMUL_API phymul_status phymul_snapshot_take(const phymul_simulation* sim, phymul_snapshot** made);
+PHYMUL_API phymul_status phymul_snapshot_restore(const phymul_snapshot* snapshot, phymul_simulation* sim);
+PHYMUL_API void phymul_snapshot_free(phymul_snapshot* snapshot);
+PHYMUL_API phymul_status phymul_save(const phymul_simulation* sim, const char* path);  // the state
+PHYMUL_API phymul_status phymul_load(phymul_simulation* sim, const char* path);
+PHYMUL_API phymul_status phymul_record(phymul_simulation* sim);  // from now on
+PHYMUL_API phymul_status phymul_save_recording(const phymul_simulation* sim, const char* path);
+PHYMUL_API phymul_status phymul_replay(phymul_simulation* sim, const char* path);
+PHYMUL_API phymul_status phymul_write_vtu(const phymul_simulation* sim, const char* path);
+
+// --- Tools ----------------------------------------------------------------------------------------------------------
+
+typedef struct phymul_pose {
+  double position[3];     // m
+  double orientation[4];  // w, x, y, z; all 0: none
+  double velocity[3];     // m/s, with which the tool goes on without a new pose
+  double spin[3];         // rad/s
+} phymul_pose;
+
+enum { PHYMUL_SPHERE = 0, PHYMUL_CAPSULE = 1, PHYMUL_HALF_SPACE = 2, PHYMUL_BOX = 3 };
+enum { PHYMUL_TOUCHES_PARTICLES = 0, PHYMUL_TOUCHES_SURFACE = 1 };  // ToolContact
+
+typedef struct phymul_tool_options {
+  uint32_t size;
+  int32_t shape;        // PHYMUL_SPHERE and so on: include/phymul/tool.h
+  double radius;        // m, of a sphere or a capsule
+  double length;        // m, of a capsule
+  double half_size[3];  // m, of a box
+  phymul_pose pose;
+  double friction;
+  double compliance;  // m/N
+  double margin;      // m
+  int32_t contact;    // PHYMUL_TOUCHES_PARTICLES or PHYMUL_TOUCHES_SURFACE
+  int32_t unused;
+} phymul_tool_options;
+
+typedef struct phymul_tool_force {  // of the particles on the tool
+  double force[3];                  // N, of the last step
+  double torque[3];                 // N m, about the tool's position
+  double mean_force[3];             // N, over the steps of the last call
+  double mean_torque[3];            // N m
+  int32_t particles;                // that it pushed or held
+  int32_t held;                     // that it holds
+} phymul_tool_force;
+
+PHYMUL_API phymul_status phymul_tool_add(phymul_simulation* sim, const phymul_tool_options* options, uint64_t* tool);
+PHYMUL_API phymul_status phymul_tool_remove(phymul_simulation* sim, uint64_t tool);
+PHYMUL_API phymul_status phymul_tool_move_to(phymul_simulation* sim, uint64_t tool, const phymul_pose* pose);
+PHYMUL_API phymul_status phymul_tool_teleport(phymul_simulation* sim, uint64_t tool, const phymul_pose* pose);
+PHYMUL_API phymul_status phymul_tool_grasp(phymul_simulation* sim, uint64_t tool, double distance);  // m
+PHYMUL_API phymul_status phymul_tool_release(phymul_simulation* sim, uint64_t tool);
+PHYMUL_API phymul_status phymul_tool_read_pose(phymul_simulation* sim, uint64_t tool, phymul_pose* pose);
+PHYMUL_API phymul_status phymul_tool_read_force(phymul_simulation* sim, uint64_t tool, phymul_tool_force* force);
+
+// --- Joints ---------------------------------------------------------------------------------------------------------
+
+typedef struct phymul_anchor {  // an end of a spring: a mean of particles, or a point of the world or of a tool
+  const int32_t* particles;     // NULL: a point
+  const double* weights;        // of sum 1; NULL: equal
+  int32_t count;                // of particles
+  int32_t unused;
+  uint64_t tool;    // of the point; 0: the world
+  double point[3];  // m, in the world or in the tool's frame
+} phymul_anchor;
+
+typedef struct phymul_joint_options {
+  uint32_t size;
+  int32_t slack;       // 1: pulls only
+  double stiffness;    // N/m; phymul_attach: N/m^3
+  double damping;      // N s/m; phymul_attach: N s/m^3
+  double breaking;     // N; phymul_attach: Pa; 0: never
+  double rest_length;  // m; below 0: the distance of the anchors when added; phymul_attach does not use it
+} phymul_joint_options;
+
+typedef struct phymul_joint_report {
+  double force[3];  // N, sum of the forces on the anchors `a`
+  double largest;   // N, of a spring
+  int32_t broken;   // number of broken springs
+  int32_t springs;
+} phymul_joint_report;
+
+PHYMUL_API phymul_status phymul_joint_add(phymul_simulation* sim, const phymul_anchor* a, const phymul_anchor* b,
+                                          const phymul_joint_options* options, uint64_t* joint);
+// Scene::attach: a spring for each particle of a patch of the surface, to a body (`group`, if not NULL), else to a tool
+// (if not 0), else to points of the world at `offset`, m, from where the particles are.
+PHYMUL_API phymul_status phymul_attach(phymul_simulation* sim, const int32_t* particles, int32_t count,
+                                       const char* group, uint64_t tool, const double offset[3],
+                                       const phymul_joint_options* options, uint64_t* joint);
+PHYMUL_API phymul_status phymul_joint_remove(phymul_simulation* sim, uint64_t joint);
+PHYMUL_API phymul_status phymul_joint_set(phymul_simulation* sim, uint64_t joint, double stiffness, double damping);
+PHYMUL_API phymul_status phymul_joint_read(phymul_simulation* sim, uint64_t joint, phymul_joint_report* report);
+
+// --- Skins ----------------------------------------------------------------------------------------------------------
+
+// Binds points [point_count][3], m, to the body at rest. The triangles are for normals; 0 and NULL are allowed.
+PHYMUL_API phymul_status phymul_skin_create(const phymul_simulation* sim, const double* points, int32_t point_count,
+                                            const int32_t* triangles, int32_t triangle_count, phymul_skin** made);
+PHYMUL_API void phymul_skin_free(phymul_skin* skin);
+// [point_count][3] places, m, and unit normals (zero without triangles) where the simulation is now, in memory of the
+// skin that the next call overwrites. `normals` may be NULL.
+PHYMUL_API phymul_status phymul_skin_deform(phymul_skin* skin, phymul_simulation* sim, const double** points,
+                                            const double** normals);
+
+// --- Planning -------------------------------------------------------------------------------------------------------
+
+typedef struct phymul_candidate {
+  double spacing;       // m, to build with
+  const char* backend;  // the next three: for phymul_options
+  double step;
+  int32_t threads;
+  int32_t unused;
+} phymul_candidate;
+
+// Makes a simulation of a candidate, with its scene, and hands it over to the library. Called by phymul_plan_create and
+// phymul_plan_make, in their thread. A status other than PHYMUL_OK leaves the candidate out.
+typedef phymul_status (*phymul_builder)(void* user, const phymul_candidate* candidate, phymul_simulation** made);
+
+typedef struct phymul_plan_options {  // PlanOptions: include/phymul/plan.h
+  uint32_t size;
+  int32_t most_threads;  // 0: the number of processors
+  double max_error;      // in (0, 1); no default
+  double rate;           // Hz; 0: not asked for
+  double rest_in;        // s; 0: not asked for
+  double head_room;      // 0: 0.8
+  double probe_time;     // s; 0: compared at rest
+  double coarsest;       // m; 0: no limit
+  double finest;         // m; 0: no limit
+  double budget;         // s; 0: 20
+  const char* backends;  // a line each; NULL: "cpu"
+} phymul_plan_options;
+
+typedef struct phymul_trial {  // PlanTrial; figures that are not known are NaN
+  phymul_candidate candidate;
+  double mean_spacing;  // m
+  double error;
+  double tick;  // s of wall time
+  double rest;  // s of wall time
+  int32_t particles;
+  int32_t keeps_error;
+  int32_t keeps_time;
+  int32_t unused;
+} phymul_trial;
+
+enum { PHYMUL_CHOSEN = 0, PHYMUL_MOST_ACCURATE = 1, PHYMUL_CHEAPEST = 2 };
+
+PHYMUL_API phymul_status phymul_plan_create(phymul_builder builder, void* user, const phymul_plan_options* options,
+                                            phymul_plan** made);
+PHYMUL_API void phymul_plan_free(phymul_plan* plan);
+PHYMUL_API phymul_status phymul_plan_report(const phymul_plan* plan, const char** report);  // for people
+PHYMUL_API phymul_status phymul_plan_trials(const phymul_plan* plan, const phymul_trial** trials, int32_t* count);
+// PHYMUL_CHOSEN, or one of the offers where the wishes are not kept; *exists is 0 if there is none.
+PHYMUL_API phymul_status phymul_plan_choice(const phymul_plan* plan, int32_t which, phymul_trial* trial,
+                                            int32_t* exists);
+PHYMUL_API phymul_status phymul_plan_make(const phymul_plan* plan, int32_t which, phymul_simulation** made);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+
+#include "handles.h"
+
+using namespace phymul;
+using namespace phymul::c;
+
+static_assert(static_cast<int>(StrainEnergy::neo_hookean) == PHYMUL_NEO_HOOKEAN);
+static_assert(static_cast<int>(LoadType::translation) == PHYMUL_TRANSLATION);
+static_assert(static_cast<int>(LoadType::rotation) == PHYMUL_ROTATION);
+static_assert(static_cast<int>(LoadType::force) == PHYMUL_FORCE);
+static_assert(static_cast<int>(LoadType::pressure) == PHYMUL_PRESSURE);
+static_assert(static_cast<int>(LoadType::acceleration) == PHYMUL_ACCELERATION);
+
+namespace {
+
+Simulation& of(phymul_simulation* handle) {
+  return need(handle, "a simulation").simulation;
+}
+
+const Simulation& of(const phymul_simulation* handle) {
+  return need(handle, "a simulation").simulation;
+}
+
+SimulationOptions options_for(const phymul_options* given) {
+  const phymul_options from = options_of(given, "options of a simulation");
+  require_kind(from.strain_energy, PHYMUL_SHAPE_MEMORY, 2, "a strain energy");
+  SimulationOptions options;
+  options.material = {.young = from.material.young, .poisson = from.material.poisson, .density = from.material.density};
+  if (from.backend) options.backend = from.backend;
+  options.damping.rate = from.damping_rate;
+  if (from.step != 0.0) options.step = from.step;
+  if (from.rest_tolerance != 0.0) options.solver.rest_tolerance = from.rest_tolerance;
+  options.solver.threads = from.threads;
+  if (from.sleeps != 0) options.solver.sleep_tolerance = from.sleep_tolerance;
+  options.topology.strain_energy = static_cast<StrainEnergy>(from.strain_energy);
+  return options;
+}
+
+Simulation simulation_of(std::span<const phymul_body* const> bodies, const char* const* names,
+                         const phymul_options* given) {
+  const SimulationOptions options = options_for(given);
+  if (bodies.empty()) throw Error("expected at least one body, got none");
+  if (!names) {
+    if (bodies.size() > 1) throw Error("expected a name for each of several bodies, got NULL for the names");
+    return Simulation(need(bodies.front(), "a body").model, options);
+  }
+  std::vector<SimulationBody> named;
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    named.push_back({.name = &need(names[i], "a name of the body"), .model = need(bodies[i], "a body").model});
+  return Simulation(std::move(named), options);
+}
+
+std::vector<ValueEvent> events_of(const double* times, const double* values, int32_t count) {
+  list(times, count, "times");
+  list(values, count, "values");
+  std::vector<ValueEvent> events(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < events.size(); ++i) events[i] = {.date = times[i], .value = values[i]};
+  return events;
+}
+
+void finish_step(phymul_simulation& handle, const StepReport& done, phymul_step_report* report) {
+  handle.message = done.message();
+  if (report)
+    *report = {.steps = done.steps,
+               .at_rest = done.at_rest,
+               .force_clamped = done.force_clamped,
+               .particle = done.particle,
+               .time = done.time,
+               .dt = done.dt,
+               .stable_step = done.stable_step,
+               .residual = done.residual,
+               .max_speed = done.max_speed};
+  if (!done.ok()) throw StepFailure{handle.message};
+}
+
+/// Copies values into a buffer that keeps its place.
+void hand_out(const VecList& values, VecList& buffer, const double** out, int32_t* count) {
+  need(out, "a place for the list");
+  need(count, "a place for the number");
+  if (buffer.empty()) buffer.resize(values.size());
+  std::ranges::copy(values, buffer.begin());
+  *out = doubles(buffer);
+  *count = static_cast<int32_t>(buffer.size());
+}
+
+}  // namespace
+
+phymul_status phymul_simulation_create(const phymul_body* const* bodies, const char* const* names, int32_t count,
+                                       const phymul_options* options, phymul_simulation** made) {
+  return guarded([&] {
+    need(made, "a place for the simulation");
+    *made = new phymul_simulation{simulation_of(list(bodies, count, "bodies"), names, options)};
+  });
+}
+
+void phymul_simulation_free(phymul_simulation* sim) {
+  delete sim;
+}
+
+phymul_status phymul_simulation_body(const phymul_simulation* sim, phymul_body** made) {
+  return guarded([&] {
+    need(made, "a place for the body");
+    *made = new phymul_body{of(sim).model()};
+  });
+}
+
+phymul_status phymul_fix(phymul_simulation* sim, const char* group) {
+  return guarded([&] { of(sim).scene().fix(&need(group, "a name of the group")); });
+}
+
+phymul_status phymul_fix_particles(phymul_simulation* sim, const int32_t* particles, int32_t count) {
+  return guarded([&] { of(sim).scene().fix(list(particles, count, "particles")); });
+}
+
+phymul_status phymul_gravity(phymul_simulation* sim, const double acceleration[3]) {
+  return guarded([&] { of(sim).scene().gravity(vector(acceleration, "an acceleration")); });
+}
+
+phymul_status phymul_add_load(phymul_simulation* sim, int32_t type, const int32_t* particles, int32_t count,
+                              const double direction[3], const double* times, const double* values, int32_t value_count,
+                              int32_t* row) {
+  return guarded([&] {
+    need(row, "a place for the row");
+    require_kind(type, PHYMUL_TRANSLATION, 5, "a type of loads");
+    const auto rows = list(particles, count, "particles");
+    Scene& scene = of(sim).scene();
+    Load load;
+    load.type = static_cast<LoadType>(type);
+    load.particles.assign(rows.begin(), rows.end());
+    load.direction = vector(direction, "a direction");
+    load.events = events_of(times, values, value_count);
+    scene.add(std::move(load));
+    *row = static_cast<int32_t>(scene.loads().size()) - 1;
+  });
+}
+
+phymul_status phymul_set_load(phymul_simulation* sim, int32_t row, const double* times, const double* values,
+                              int32_t value_count) {
+  return guarded([&] {
+    Scene& scene = of(sim).scene();
+    if (row < 0 || row >= std::ssize(scene.loads()))
+      throw Error("expected a row of the scene's " + std::to_string(scene.loads().size()) + " loads, got " +
+                  std::to_string(row));
+    scene.set_events(static_cast<std::size_t>(row), events_of(times, values, value_count));
+  });
+}
+
+phymul_status phymul_contacts(phymul_simulation* sim, double friction, double margin, int32_t self) {
+  return guarded([&] { of(sim).scene().contacts({.friction = friction, .margin = margin, .self = self != 0}); });
+}
+
+phymul_status phymul_constrain_volume(phymul_simulation* sim, const char* group) {
+  return guarded([&] {
+    Scene& scene = of(sim).scene();
+    group ? scene.constrain_volume(group) : scene.constrain_volume();
+  });
+}
+
+phymul_status phymul_advance(phymul_simulation* sim, double seconds, phymul_step_report* report) {
+  return guarded([&] { finish_step(need(sim, "a simulation"), of(sim).advance(seconds), report); });
+}
+
+phymul_status phymul_step(phymul_simulation* sim, int32_t steps, double dt, phymul_step_report* report) {
+  return guarded([&] { finish_step(need(sim, "a simulation"), of(sim).solver().step(steps, dt), report); });
+}
+
+phymul_status phymul_run_to_rest(phymul_simulation* sim, int32_t most_steps, phymul_rest_report* report) {
+  return guarded([&] {
+    const RestResult rest = of(sim).run_to_rest(most_steps);
+    sim->message = rest.message();
+    if (rest.status == RestStatus::failed) throw StepFailure{sim->message};
+    if (report)
+      *report = {.converged = rest.converged(),
+                 .folded = rest.folded,
+                 .steps = rest.report.steps,
+                 .collapsed = rest.collapsed,
+                 .time = rest.report.time,
+                 .residual = rest.report.residual};
+  });
+}
+
+phymul_status phymul_solve_static(phymul_simulation* sim, double tolerance, int32_t most_evaluations,
+                                  phymul_rest_report* report) {
+  return guarded([&] {
+    StaticOptions options;
+    if (tolerance != 0.0) options.tolerance = tolerance;
+    if (most_evaluations != 0) options.most_evaluations = most_evaluations;
+    const StaticResult rest = of(sim).solve_static(options);
+    sim->message = rest.message();
+    if (rest.status == RestStatus::failed) throw StepFailure{sim->message};
+    if (report)
+      *report = {.converged = rest.converged(),
+                 .folded = rest.folded,
+                 .steps = rest.evaluations,
+                 .collapsed = -1,
+                 .time = of(sim).time(),
+                 .residual = rest.residual};
+  });
+}
+
+phymul_status phymul_message(phymul_simulation* sim, const char** sentence) {
+  return guarded([&] { need(sentence, "a place for the sentence") = need(sim, "a simulation").message.c_str(); });
+}
+
+phymul_status phymul_warnings(phymul_simulation* sim, const char** sentences) {
+  return guarded([&] {
+    need(sim, "a simulation").warnings = lines(of(sim).warnings());
+    need(sentences, "a place for the sentences") = sim->warnings.c_str();
+  });
+}
+
+phymul_status phymul_time(const phymul_simulation* sim, double* time) {
+  return guarded([&] { need(time, "a place for the time") = of(sim).time(); });
+}
+
+phymul_status phymul_step_limits(const phymul_simulation* sim, double* stable, double* taken) {
+  return guarded([&] {
+    need(taken, "a place for the step") = of(sim).step_limit();
+    need(stable, "a place for the stable step") = of(sim).solver().stable_step();
+  });
+}
+
+phymul_status phymul_backend(phymul_simulation* sim, const char** name) {
+  return guarded([&] {
+    need(sim, "a simulation").backend = of(sim).solver().name();
+    need(name, "a place for the name") = sim->backend.c_str();
+  });
+}
+
+phymul_status phymul_energy(const phymul_simulation* sim, double energy[3]) {
+  return guarded([&] {
+    need(energy, "a place for the energies");
+    const Energy now = of(sim).energy();
+    energy[0] = now.elastic;
+    energy[1] = now.kinetic;
+    energy[2] = now.gravity;
+  });
+}
+
+phymul_status phymul_positions(phymul_simulation* sim, const double** positions, int32_t* particle_count) {
+  return guarded([&] { hand_out(of(sim).solver().read().position, sim->positions, positions, particle_count); });
+}
+
+phymul_status phymul_velocities(phymul_simulation* sim, const double** velocities, int32_t* particle_count) {
+  return guarded([&] { hand_out(of(sim).state().velocity, sim->velocities, velocities, particle_count); });
+}
+
+phymul_status phymul_forces(phymul_simulation* sim, const double** forces, int32_t* particle_count) {
+  return guarded([&] {
+    const VecList position = of(sim).solver().read().position;
+    VecList force(position.size());
+    elastic_forces(of(sim).solver().topology(), position, force);
+    hand_out(force, sim->forces, forces, particle_count);
+  });
+}
+
+phymul_status phymul_set_state(phymul_simulation* sim, double time, const double* positions, const double* velocities) {
+  return guarded([&] {
+    const Model& model = of(sim).model();
+    State state = rest_state(model);
+    state.time = time;
+    if (positions) state.position = vectors(positions, model.particle_count(), "positions");
+    if (velocities) state.velocity = vectors(velocities, model.particle_count(), "velocities");
+    of(sim).set_state(state);
+  });
+}
+
+phymul_status phymul_snapshot_take(const phymul_simulation* sim, phymul_snapshot** made) {
+  return guarded([&] {
+    need(made, "a place for the snapshot");
+    *made = new phymul_snapshot{of(sim).snapshot()};
+  });
+}
+
+phymul_status phymul_snapshot_restore(const phymul_snapshot* snapshot, phymul_simulation* sim) {
+  return guarded([&] { of(sim).restore(need(snapshot, "a snapshot").snapshot); });
+}
+
+void phymul_snapshot_free(phymul_snapshot* snapshot) {
+  delete snapshot;
+}
+
+phymul_status phymul_save(const phymul_simulation* sim, const char* path) {
+  return guarded([&] { of(sim).save(&need(path, "a path")); });
+}
+
+phymul_status phymul_load(phymul_simulation* sim, const char* path) {
+  return guarded([&] { of(sim).load(&need(path, "a path")); });
+}
+
+phymul_status phymul_record(phymul_simulation* sim) {
+  return guarded([&] { of(sim).record(); });
+}
+
+phymul_status phymul_save_recording(const phymul_simulation* sim, const char* path) {
+  return guarded([&] { save_recording(of(sim).recording(), &need(path, "a path")); });
+}
+
+phymul_status phymul_replay(phymul_simulation* sim, const char* path) {
+  return guarded([&] { of(sim).replay(read_recording(&need(path, "a path"))); });
+}
+
+phymul_status phymul_write_vtu(const phymul_simulation* sim, const char* path) {
+  return guarded([&] { write_vtu(of(sim).model(), of(sim).state(), &need(path, "a path")); });
+}

@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: MIT
+"""Loads the C library. What it declares is read from phymul_c.h, which lies beside it, so that the two cannot differ."""
+
+from __future__ import annotations
+
+import ctypes
+import enum
+import os
+import pathlib
+import re
+from typing import Any, Optional, Union
+
+import numpy as np
+
+_folder = pathlib.Path(__file__).resolve().parent
+
+
+class ErrorCode(enum.IntEnum):
+    """What kind of error: phymul_c.h says more."""
+
+    INVALID_ARGUMENT = 1
+    UNKNOWN_NAME = 2
+    FILE_ACCESS = 3
+    FILE_FORMAT = 4
+    INVALID_MODEL = 5
+    NOT_SUPPORTED = 6
+    DEVICE = 7
+    OUT_OF_MEMORY = 8
+    STEP_FAILED = 9
+    INTERNAL = 10
+
+
+class Error(RuntimeError):
+    """Something was refused or failed. The message says what was expected and what came; `code` is for programs."""
+
+    def __init__(self, message: str, code: ErrorCode = ErrorCode.INVALID_ARGUMENT) -> None:
+        super().__init__(message)
+        self.code = code
+
+
+_scalars = {
+    "int32_t": ctypes.c_int32,
+    "uint32_t": ctypes.c_uint32,
+    "uint64_t": ctypes.c_uint64,
+    "double": ctypes.c_double,
+    "phymul_status": ctypes.c_int32,
+}
+structs: dict[str, Any] = {}
+constants: dict[str, int] = {}
+Builder = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.POINTER(ctypes.c_void_p))
+
+
+def _type_of(words: str, is_array_pointer: bool) -> Any:
+    if words.endswith("*") or is_array_pointer:
+        return ctypes.c_char_p if words.replace(" ", "") == "constchar*" else ctypes.c_void_p
+    return Builder if words == "phymul_builder" else _scalars.get(words) or structs[words]
+
+
+def _read_header(text: str, loaded: ctypes.CDLL) -> None:
+    text = re.sub(r"//[^\n]*", "", text)
+    for body in re.findall(r"enum \{([^}]*)\}", text):
+        constants.update((name, int(value)) for name, value in re.findall(r"PHYMUL_(\w+) = (\d+)", body))
+    for body, name in re.findall(r"typedef struct \w+ \{([^}]*)\} (\w+);", text):
+        fields = []
+        for words, field, count in re.findall(r"([^;]*?)(\w+)(?:\[(\d+)\])?;", body):
+            kind = _type_of(" ".join(words.split()), False)
+            fields.append((field, kind * int(count) if count else kind))
+        structs[name] = type(name, (ctypes.Structure,), {"_fields_": fields})
+    for result, name, parameters in re.findall(r"PHYMUL_API ([\w* ]+?)(\w+)\(([^)]*)\);", text):
+        function = getattr(loaded, name)
+        function.argtypes = []
+        for parameter in parameters.split(","):
+            match = re.fullmatch(r"(.*?)(\w+)(\[\d+\])?", " ".join(parameter.split()))
+            if match and match[1]:
+                function.argtypes.append(_type_of(match[1].strip(), bool(match[3])))
+        function.restype = {"void": None, "const char*": ctypes.c_char_p}.get(result.strip(), ctypes.c_int32)
+        if result.strip() == "phymul_status":
+            function.errcheck = _check
+
+
+def _check(status: int, function: Any, arguments: Any) -> int:
+    if status:
+        raise Error(library.phymul_last_error().decode(), ErrorCode(status))
+    return status
+
+
+library = ctypes.CDLL(str(_folder / "libphymul_c.so.1"))
+_read_header((_folder / "phymul_c.h").read_text(encoding="utf-8"), library)
+
+
+class Handle:
+    """Owns an object of the C library and frees it with the last reference, those of views of its memory included."""
+
+    def __init__(self, kind: str, pointer: Optional[int]) -> None:
+        self.kind = kind
+        self.pointer = pointer
+        self.was_viewed = False
+        self._free = getattr(library, f"phymul_{kind}_free")
+
+    def __del__(self) -> None:
+        if self.pointer:
+            self._free(self.pointer)
+
+
+class Owner:
+    """Base of the classes that own a handle. close() lets it go; afterwards every use is an Error."""
+
+    _handle: Optional[Handle]
+
+    @property
+    def _own(self) -> Handle:
+        if self._handle is None or self._handle.pointer is None:
+            raise Error(f"this {type(self).__name__} is closed")
+        return self._handle
+
+    @property
+    def _pointer(self) -> int:
+        pointer = self._own.pointer
+        assert pointer is not None
+        return pointer
+
+    def close(self) -> None:
+        """Gives back the memory, as soon as no array is a view of it."""
+        self._handle = None
+
+    def __enter__(self) -> Any:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def make(kind: str, function: Any, *arguments: Any) -> Handle:
+    """Calls a function whose last parameter is where the new handle goes."""
+    made = ctypes.c_void_p()
+    function(*arguments, ctypes.byref(made))
+    return Handle(kind, made.value)
+
+
+def text_of(function: Any, *arguments: Any) -> str:
+    """Calls a function whose last parameter is where a string goes."""
+    text = ctypes.c_char_p()
+    function(*arguments, ctypes.byref(text))
+    return (text.value or b"").decode()
+
+
+class _Memory:
+    """What numpy needs to see memory of a handle, read-only, and to keep it alive."""
+
+    def __init__(self, address: int, shape: tuple[int, ...], typestr: str, owner: Handle) -> None:
+        self.owner = owner
+        owner.was_viewed = True
+        self.__array_interface__ = {"version": 3, "data": (address, True), "shape": shape, "typestr": typestr}
+
+
+def view_of(function: Any, owner: Handle, columns: int, typestr: str) -> np.ndarray:
+    """Calls a function whose last parameters are where an array and its number of rows go: a view, read-only."""
+    address, count = ctypes.c_void_p(), ctypes.c_int32()
+    function(owner.pointer, ctypes.byref(address), ctypes.byref(count))
+    shape = (count.value, columns) if columns > 1 else (count.value,)
+    if not address.value:
+        return np.zeros(shape, typestr)
+    return np.asarray(_Memory(address.value, shape, typestr, owner))
+
+
+def floats(values: Any, shape: tuple[int, ...], what: str) -> np.ndarray:
+    """As doubles, row by row; -1 in the shape: any number. Throws Error for another shape, and for what is no number."""
+    try:
+        array = np.ascontiguousarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise Error(f"{what}: expected numbers of shape {_words(shape)}, got {values!r:.200}") from None
+    if array.ndim != len(shape) or any(wanted not in (-1, got) for wanted, got in zip(shape, array.shape)):
+        raise Error(f"{what}: expected numbers of shape {_words(shape)}, got the shape {array.shape}")
+    return array
+
+
+def integers(values: Any, columns: int, what: str) -> np.ndarray:
+    """As 32-bit integers, [n] or [n][columns]. Throws Error for fractions: a cast would hide a mistake."""
+    array = np.asarray(values)
+    if array.size == 0:
+        array = array.astype(np.int32).reshape((0, columns) if columns > 1 else (0,))
+    wanted = 2 if columns > 1 else 1
+    if array.dtype.kind not in "iu" or array.ndim != wanted or (wanted == 2 and array.shape[1] != columns):
+        shape = _words((-1, columns) if columns > 1 else (-1,))
+        raise Error(f"{what}: expected integers of shape {shape}, got {array.dtype} of the shape {array.shape}")
+    if array.size and (array.min() < -(2**31) or array.max() >= 2**31):
+        raise Error(f"{what}: expected integers of 32 bits, got {array.min()} to {array.max()}")
+    return np.ascontiguousarray(array, dtype=np.int32)
+
+
+def rows_of(chosen: Any, count: int, what: str) -> np.ndarray:
+    """Rows by number, or by a mask of `count` booleans."""
+    array = np.asarray(chosen)
+    if array.dtype == bool:
+        if array.shape != (count,):
+            raise Error(f"{what}: expected a mask of shape ({count},), got the shape {array.shape}")
+        array = np.flatnonzero(array)
+    return integers(array, 1, what)
+
+
+def _words(shape: tuple[int, ...]) -> str:
+    return "(" + ", ".join("n" if size < 0 else str(size) for size in shape) + ("," if len(shape) == 1 else "") + ")"
+
+
+def path_of(path: Union[str, "os.PathLike[str]"]) -> bytes:
+    return os.fsencode(path)

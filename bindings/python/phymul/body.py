@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: MIT
+"""Bodies and surfaces."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from typing import Any, Optional, Sequence, Union
+
+import numpy as np
+
+from ._library import (Error, Handle, Owner, constants, floats, integers, library, make, path_of, rows_of, structs, text_of,
+                       view_of)
+
+Path = Union[str, "os.PathLike[str]"]
+Vector = Union[Sequence[float], np.ndarray]
+
+_sizes = {"tetrahedron": 4, "wedge": 6, "pyramid": 5, "hexahedron": 8}
+
+
+class Body(Owner):
+    """Particles with cells, groups and materials: `Model` in C++. Units are SI."""
+
+    def __init__(self, handle: Handle) -> None:
+        self._handle = handle
+
+    @property
+    def rest(self) -> np.ndarray:
+        """[N][3] rest positions, m. A view, read-only; it stays valid, also after close()."""
+        return view_of(library.phymul_body_rest, self._own, 3, "<f8")
+
+    @property
+    def particles(self) -> int:
+        """Number of particles."""
+        return len(self.rest)
+
+    @property
+    def masses(self) -> np.ndarray:
+        """[N] kg. A copy."""
+        masses = np.empty(self.particles)
+        library.phymul_body_masses(self._pointer, masses.ctypes.data)
+        return masses
+
+    @property
+    def triangles(self) -> np.ndarray:
+        """[n][3] rows of particles: the body's surface, counter-clockwise seen from outside. A view, read-only."""
+        return view_of(library.phymul_body_triangles, self._own, 3, "<i4")
+
+    @property
+    def cells(self) -> list[np.ndarray]:
+        """Particles of each cell. Copies."""
+        out = [ctypes.c_void_p() for _ in range(3)]
+        count = ctypes.c_int32()
+        library.phymul_body_cells(self._pointer, *(ctypes.byref(place) for place in out), ctypes.byref(count))
+
+        def copy(place: ctypes.c_void_p, size: int) -> np.ndarray:
+            return np.array((ctypes.c_int32 * size).from_address(place.value)) if place.value and size else np.zeros(0, "i4")
+
+        first = copy(out[1], count.value + 1)
+        return np.split(copy(out[2], int(first[-1])), first[1:-1]) if count.value else []
+
+    @property
+    def cell_centres(self) -> np.ndarray:
+        """[cells][3] m, means of the cells' particles at rest."""
+        rest = self.rest
+        return np.array([rest[cell].mean(axis=0) for cell in self.cells]).reshape(-1, 3)
+
+    @property
+    def groups(self) -> list[str]:
+        return text_of(library.phymul_body_groups, self._pointer).splitlines()
+
+    @property
+    def notes(self) -> list[str]:
+        """What reading, building and set_material found or corrected."""
+        return text_of(library.phymul_body_notes, self._pointer).splitlines()
+
+    def group(self, name: str) -> np.ndarray:
+        """[n] particles of a group, sorted. A copy."""
+
+        def find(body: int, rows: Any, count: Any) -> None:
+            library.phymul_body_group(body, name.encode(), rows, count)
+
+        return view_of(find, self._own, 1, "<i4").copy()
+
+    def add_group(self, name: str, particles: Any) -> None:
+        """Rows of particles, or a mask of N booleans: `body.add_group("held", body.rest[:, 2] < 0.01)`."""
+        rows = rows_of(particles, self.particles, f'group "{name}"')
+        library.phymul_body_add_group(self._pointer, name.encode(), rows.ctypes.data, len(rows))
+
+    def add_cell_group(self, name: str, cells: Any) -> None:
+        """Rows of cells, or a mask. set_material gives a material to exactly these."""
+        rows = rows_of(cells, len(self.cells), f'group "{name}"')
+        library.phymul_body_add_cell_group(self._pointer, name.encode(), rows.ctypes.data, len(rows))
+
+    def within(self, centre: Vector, radius: float) -> np.ndarray:
+        """Mask of the particles at most `radius`, m, from a place at rest."""
+        return np.linalg.norm(self.rest - floats(centre, (3,), "a centre"), axis=1) <= radius
+
+    def set_material(self, young: float, poisson: float, density: float, group: Optional[str] = None) -> None:
+        """Pa, 1, kg/m^3; of the whole body, or of the cells of a group. Masses follow from the density."""
+        material = structs["phymul_material"](young, poisson, density)
+        library.phymul_body_set_material(self._pointer, ctypes.byref(material), group.encode() if group else None)
+
+    def moved(self, by: Vector) -> Body:
+        """The same body elsewhere."""
+        by = floats(by, (3,), "a displacement")
+        return Body(make("body", library.phymul_body_moved, self._pointer, by.ctypes.data))
+
+
+def make_block(size: Vector, nx: int, ny: int, nz: int) -> Body:
+    """A box of hexahedra from the origin. Groups: x0, x1, y0, y1, z0, z1."""
+    size = floats(size, (3,), "a size")
+    return Body(make("body", library.phymul_body_block, size.ctypes.data, nx, ny, nz))
+
+
+def make_tetrahedral_block(size: Vector, nx: int, ny: int, nz: int, jitter: float = 0.2, seed: int = 1) -> Body:
+    """The same of unstructured tetrahedra; `jitter` in spacings."""
+    size = floats(size, (3,), "a size")
+    return Body(make("body", library.phymul_body_tetrahedral_block, size.ctypes.data, nx, ny, nz, jitter, seed))
+
+
+def make_cylinder(radius: float, length: float, rings: int, sectors: int, discs: int) -> Body:
+    """On the z axis. Groups: bottom, top, side."""
+    return Body(make("body", library.phymul_body_cylinder, radius, length, rings, sectors, discs))
+
+
+def read_body(path: Path, metres_per_unit: Optional[float] = None) -> Body:
+    """A .pml file (millimetres unless said otherwise), or a mesh: .msh, .vtk, .vtu (metres)."""
+    return Body(make("body", library.phymul_body_read, path_of(path), metres_per_unit or 0.0))
+
+
+def read_surface(path: Path, metres_per_unit: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices [n][3], m, and triangles [m][3] of an STL, OBJ, PLY or glTF file, mended. Views, read-only."""
+    handle = make("surface", library.phymul_surface_read, path_of(path), metres_per_unit)
+    return (view_of(library.phymul_surface_vertices, handle, 3, "<f8"),
+            view_of(library.phymul_surface_triangles, handle, 3, "<i4"))
+
+
+def make_body(vertices: Any, triangles: Any, spacing: float) -> Body:
+    """Fills a closed surface with tetrahedra about `spacing`, m, apart. Group: surface."""
+    vertices = floats(vertices, (-1, 3), "vertices")
+    triangles = integers(triangles, 3, "triangles")
+    return Body(make("body", library.phymul_body_fill, vertices.ctypes.data, len(vertices), triangles.ctypes.data,
+                     len(triangles), spacing))
+
+
+def body_from_arrays(rest: Any, cells: Optional[dict[str, Any]] = None) -> Body:
+    """From particles [N][3], m, and cells by type: `{"tetrahedron": [n][4]}`, also wedge, pyramid, hexahedron, with the
+    order of vertices of VTK but for the wedge. Without cells: a body of points with 20 neighbours each."""
+    rest = floats(rest, (-1, 3), "particles")
+    types: list[int] = []
+    rows: list[np.ndarray] = [np.zeros(0, np.int32)]
+    sizes: list[int] = []
+    for name, list_of_cells in (cells or {}).items():
+        if name not in _sizes:
+            raise Error(f'cells: expected the types {", ".join(_sizes)}; got "{name}"')
+        array = integers(list_of_cells, _sizes[name], f"cells of the type {name}")
+        types += [constants[name.upper()]] * len(array)
+        sizes += [_sizes[name]] * len(array)
+        rows.append(array.ravel())
+    type_array, particles = np.array(types, np.int32), np.concatenate(rows)
+    first = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int32)
+    return Body(make("body", library.phymul_body_from_arrays, rest.ctypes.data, len(rest), type_array.ctypes.data,
+                     first.ctypes.data, particles.ctypes.data, len(types)))
