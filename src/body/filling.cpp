@@ -8,9 +8,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 
 #include "base/place_text.h"
+#include "base/union_find.h"
 #include "dihedral_angles.h"
 #include "graded_lattice.h"
 #include "improve_cells.h"
@@ -34,20 +34,10 @@ void measure_angles(const Stuffing& body, BodyReport& report) {
 }
 
 int count_parts(const Stuffing& body) {
-  std::vector<Index> root(body.place.size());
-  std::iota(root.begin(), root.end(), 0);
-  const auto root_of = [&](Index i) {
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
-  };
-  auto parts = static_cast<int>(root.size());
+  UnionFind sets(body.place.size());
+  auto parts = static_cast<int>(body.place.size());
   for (const Tetrahedron& cell : body.cells) {
-    for (int k = 1; k < 4; ++k) {
-      const Index a = root_of(cell[0]), b = root_of(cell[k]);
-      if (a == b) continue;
-      root[b] = a;
-      --parts;
-    }
+    for (int k = 1; k < 4; ++k) parts -= sets.join(cell[0], cell[k]) ? 1 : 0;
   }
   return parts;
 }

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/file_error.h"
+#include "base/union_find.h"
 #include "model/file_extras.h"
 
 namespace phymul {
@@ -106,24 +107,6 @@ void append_components(Model& all, const NamedBody& body, Index first, Index fir
   std::iota(own.particles.begin(), own.particles.end(), first);
   all.components.push_back(std::move(own));
 }
-
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-  Index root(Index i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  /// The smaller root stays.
-  void join(Index a, Index b) {
-    a = root(a);
-    b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<Index> parent_;
-};
 
 }  // namespace
 

@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -13,6 +12,7 @@
 #include <new>
 #include <string_view>
 
+#include "base/file_ending.h"
 #include "base/file_error.h"
 #include "base/place_text.h"
 #include "voxels.h"
@@ -99,8 +99,7 @@ void fail_without(const std::string& path, const std::string& what, const std::s
 }
 
 LabelImage read_labels(const std::string& path) {
-  std::string name = path;
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string name = lower_case(path);
   const auto ends_in = [&](std::string_view ending) { return std::string_view(name).ends_with(ending); };
   const bool is_nifti = ends_in(".nii") || ends_in(".nii.gz"), is_nrrd = ends_in(".nrrd") || ends_in(".nhdr");
   if (!is_nifti && !is_nrrd) {

@@ -6,12 +6,12 @@
 #include <phymul/mesh.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 
 #include "base/byte_source.h"
 #include "base/decimal.h"
+#include "base/file_ending.h"
 #include "base/file_error.h"
 #include "mesh_parts.h"
 #include "model/file_extras.h"
@@ -100,14 +100,8 @@ bool is_planar(const Model& model) {
          std::all_of(model.rest.begin(), model.rest.end(), [](const Vec3& x) { return x.z() == 0.0; });
 }
 
-std::string lower_extension(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
-
 [[noreturn]] void refuse_content(const std::string& path, std::string_view start) {
-  const std::string extension = lower_extension(path);
+  const std::string extension = file_ending(path);
   std::string expected = "$MeshFormat (Gmsh .msh), # vtk DataFile (legacy .vtk) or <VTKFile (.vtu)";
   if (extension == ".msh") expected = "$MeshFormat, as a Gmsh .msh file has it";
   if (extension == ".vtk") expected = "# vtk DataFile, as a legacy .vtk file has it";

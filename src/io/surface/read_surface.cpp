@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <string_view>
 
 #include "base/decimal.h"
+#include "base/file_ending.h"
 #include "base/file_error.h"
 
 #ifdef PHYMUL_HAS_ASSIMP
@@ -20,13 +20,6 @@
 
 namespace phymul {
 namespace {
-
-/// Lower case, with its dot.
-std::string extension_of(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
-  return extension;
-}
 
 #ifdef PHYMUL_HAS_ASSIMP
 
@@ -59,7 +52,7 @@ Surface read_triangles(const std::string& path) {
   const aiScene* scene = importer.ReadFile(path, 0);
   if (!scene || !scene->mRootNode) {
     fail_format(path, 0,
-                std::string("the file cannot be read as ") + extension_of(path) + " (" + importer.GetErrorString() +
+                std::string("the file cannot be read as ") + file_ending(path) + " (" + importer.GetErrorString() +
                     "); save it anew from the program that made it");
   }
   Surface surface;
@@ -86,7 +79,7 @@ Surface read_surface(const std::string& path, double metres_per_unit) {
     throw Error("read_surface: expected metres_per_unit above 0, got " + to_decimal(metres_per_unit));
   }
   constexpr std::array<std::string_view, 5> known{".stl", ".obj", ".ply", ".gltf", ".glb"};
-  const std::string extension = extension_of(path);
+  const std::string extension = file_ending(path);
   if (std::ranges::find(known, extension) == known.end()) {
     fail_format(path, 0, "expected a surface in a .stl, .obj, .ply, .gltf or .glb file, got \"" + extension + "\"");
   }
