@@ -6,6 +6,7 @@
 #include <phymul/mesh.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 
