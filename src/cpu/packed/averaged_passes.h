@@ -30,7 +30,7 @@ class AveragedPasses {
   const PackedBody& body_;
   const simd::Kernels& kernels_;
   const int energy_;
-  Floats stress_;
+  Floats stress_, sums_;
   std::vector<int> first_;  // [parts + 1] slice
 };
 

@@ -6,7 +6,8 @@
 // columns of a stress times x, y and z.
 #pragma once
 
-#include "dissipation_terms.h"
+#include "job.h"
+#include "kernel_text.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
 
@@ -114,6 +115,11 @@ PHYMUL_INLINE Wide link_sum(const simd::Averaged& body, std::int64_t q, const st
   return plus(even, odd);
 }
 
+PHYMUL_INLINE void store_columns(float* to, const Columns& A) {
+  const Pack part[9] = {A.c0.x, A.c0.y, A.c0.z, A.c1.x, A.c1.y, A.c1.z, A.c2.x, A.c2.y, A.c2.z};
+  for (int k = 0; k < 9; ++k) store(to + k * lanes, part[k]);
+}
+
 /// Stresses of slice `slice` from its sums of displacements times areas, without what is left of z in a plane.
 template <class Energy>
 PHYMUL_INLINE Columns averaged_stress(const simd::Averaged& body, int slice, const Columns& sums) {
@@ -121,15 +127,10 @@ PHYMUL_INLINE Columns averaged_stress(const simd::Averaged& body, int slice, con
   const Pack inverse_volume = load(constants), spread = load(constants + lanes);
   Pack p[Energy::energy_constants];
   for (int k = 0; k < Energy::energy_constants; ++k) p[k] = load(constants + (2 + k) * lanes);
+  if (body.sums) store_columns(body.sums + static_cast<std::int64_t>(slice) * 9 * lanes, sums);
   const Columns H = Energy::scaled(inverse_volume, sums);
   const Columns P = Energy::energy_stress(H, p);
   Columns Q{P.c0 - spread * H.c0, P.c1 - spread * H.c1, P.c2 - spread * H.c2};
-  if (body.dissipation) {  // of copies, so that without it H and Q stay in registers
-    const Columns gradient = H;
-    Columns sum = Q;
-    add_dissipation(*body.dissipation, slice, gradient, sum);
-    Q = sum;
-  }
   if (body.plane) Q.c0.z = Q.c1.z = Q.c2.z = Pack{};  // nothing but rounding, which would leave the plane
   return Q;
 }
