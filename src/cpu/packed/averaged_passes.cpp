@@ -11,6 +11,7 @@ AveragedPasses::AveragedPasses(const TopologyTextures& topology, const PackedBod
       kernels_(kernels),
       energy_(static_cast<int>(topology.options.strain_energy)),
       stress_(body.averages.stress_floats(), 0.0f),
+      sums_(topology.dissipation.empty() ? 0 : 9 * static_cast<std::size_t>(body.averages.slots), 0.0f),
       first_(body.averages.shared_out(parts)) {}
 
 bool AveragedPasses::scale(const TopologyTextures& topology, const std::vector<double>& of_materials) {
@@ -33,7 +34,11 @@ void AveragedPasses::for_each_pass(const simd::Averaged& job, WorkLaps& laps, co
     pass(of(kernels_.spread_displacements));
     laps.end(Work::gathering);
   }
-  pass(of(kernels_.averaged_stresses[runs][energy_][body_.bounded]));
+  pass([&, this](int first, int last) {
+    kernels_.averaged_stresses[runs][energy_][body_.bounded](job, first, last);
+    if (job.dissipation != nullptr) kernels_.add_dissipation[runs](job, first, last);
+    if (job.factor != nullptr) kernels_.scale_stresses[runs](job, first, last);
+  });
   laps.end(Work::averaged_stresses);
   pass(of(kernels_.averaged_forces[runs]));
   laps.end(Work::averaged_forces);
@@ -46,6 +51,7 @@ void AveragedPasses::run(char* force, char* u, char* next_u, const simd::Dissipa
   simd::Averaged job = averages.job(u, reinterpret_cast<char*>(stress_.data()), force);
   if (!factor_.empty()) job.factor = factor_.data();
   job.dissipation = dissipation;
+  job.sums = dissipation != nullptr ? sums_.data() : nullptr;
   if (sleep != nullptr) {
     sleep->copy_displacements(u, next_u);
   } else {

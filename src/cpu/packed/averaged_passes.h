@@ -34,7 +34,7 @@ class AveragedPasses {
   const PackedBody& body_;
   const simd::Kernels& kernels_;
   const int energy_;
-  Floats stress_;
+  Floats stress_, sums_;
   std::vector<double> of_materials_;
   Floats factor_;           // simd::Averaged::factor
   std::vector<int> first_;  // [parts + 1] slice

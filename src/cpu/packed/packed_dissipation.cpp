@@ -71,6 +71,7 @@ const simd::Dissipation* PackedDissipation::job(double dt, double last_dt) {
   job_ = {.constants = constants_.data(),
           .strains = strains_.data(),
           .next_strains = next_strains_.data(),
+          .elastic_columns = static_cast<int>(averages_.constants.size()) / averages_.slots,
           .inverse_dt = static_cast<float>(1.0 / (last_dt > 0.0 ? last_dt : dt)),
           .rate = kept_.rate,
           .branch = kept_.branch,

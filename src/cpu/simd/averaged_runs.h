@@ -112,10 +112,19 @@ void run_stresses(const simd::Averaged& body, int slice, int end) {
         store_components(runs, at, Q.c0, lanes);
         store_components(runs, at + 3 * runs.stride, Q.c1, lanes);
         store_components(runs, at + 6 * runs.stride, Q.c2, lanes);
-        if (body.factor == nullptr) return;
-        float* const springs = runs.components + simd::run_spring * runs.stride + complete * std::int64_t{lanes};
-        store_components(runs, springs, factors_of(body, complete) * load_components(runs, springs), lanes);
       });
+}
+
+inline void scale_run_stresses(const simd::Averaged& body, int slice, int end) {
+  for (; slice < end; ++slice) {
+    const std::int64_t at = std::int64_t{slice} * lanes;
+    const Pack factor = load(body.factor + at);
+    constexpr int rows[] = {simd::run_stress, simd::run_stress + 3, simd::run_stress + 6, simd::run_spring};
+    for (const int row : rows) {
+      float* const components = body.runs.components + row * body.runs.stride + at;
+      store_components(body.runs, components, factor * load_components(body.runs, components), lanes);
+    }
+  }
 }
 
 inline void run_forces(const simd::Averaged& body, int slice, int end) {

@@ -6,7 +6,8 @@
 // columns of a stress times x, y and z.
 #pragma once
 
-#include "dissipation_terms.h"
+#include "job.h"
+#include "kernel_text.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
 
@@ -114,9 +115,9 @@ PHYMUL_INLINE Wide link_sum(const simd::Averaged& body, std::int64_t q, const st
   return plus(even, odd);
 }
 
-/// Of slice `slice`, where Averaged::factor is not null.
-PHYMUL_INLINE Pack factors_of(const simd::Averaged& body, int slice) {
-  return load(body.factor + static_cast<std::int64_t>(slice) * lanes);
+PHYMUL_INLINE void store_columns(float* to, const Columns& A) {
+  const Pack part[9] = {A.c0.x, A.c0.y, A.c0.z, A.c1.x, A.c1.y, A.c1.z, A.c2.x, A.c2.y, A.c2.z};
+  for (int k = 0; k < 9; ++k) store(to + k * lanes, part[k]);
 }
 
 /// Stresses of slice `slice` from its sums of displacements times areas, without what is left of z in a plane.
@@ -126,16 +127,10 @@ PHYMUL_INLINE Columns averaged_stress(const simd::Averaged& body, int slice, con
   const Pack inverse_volume = load(constants), spread = load(constants + lanes);
   Pack p[Energy::energy_constants];
   for (int k = 0; k < Energy::energy_constants; ++k) p[k] = load(constants + (2 + k) * lanes);
+  if (body.sums) store_columns(body.sums + static_cast<std::int64_t>(slice) * 9 * lanes, sums);
   const Columns H = Energy::scaled(inverse_volume, sums);
   const Columns P = Energy::energy_stress(H, p);
   Columns Q{P.c0 - spread * H.c0, P.c1 - spread * H.c1, P.c2 - spread * H.c2};
-  if (body.dissipation) {  // of copies, so that without it H and Q stay in registers
-    const Columns gradient = H;
-    Columns sum = Q;
-    add_dissipation(*body.dissipation, slice, gradient, sum);
-    Q = sum;
-  }
-  if (body.factor != nullptr) Q = Energy::scaled(factors_of(body, slice), Q);
   if (body.plane) Q.c0.z = Q.c1.z = Q.c2.z = Pack{};  // nothing but rounding, which would leave the plane
   return Q;
 }
@@ -162,10 +157,6 @@ void averaged_stresses(const simd::Averaged& body, int slice, int end) {
         body, slice,
         {gather_row(reinterpret_cast<const char*>(columns[0])), gather_row(reinterpret_cast<const char*>(columns[1])),
          gather_row(reinterpret_cast<const char*>(columns[2]))});
-    if (body.factor != nullptr) {
-      char* const springs = body.force + 16 * first;
-      store_row(springs, factors_of(body, slice) * gather_row(springs));
-    }
     const Pack3 column[3] = {Q.c0, Q.c1, Q.c2};
     for (int c = 0; c < 3; ++c) {
       char* to = body.stress + 64 * first + 16 * c;
@@ -173,6 +164,19 @@ void averaged_stresses(const simd::Averaged& body, int slice, int end) {
           column[c], [&](int lane, Quad q)
                          __attribute__((always_inline)) { store_quad(to + 64 * simd::quad_of(lane, lanes), q); });
     }
+  }
+}
+
+/// Stresses and springs of slices [slice, end), times Averaged::factor.
+inline void scale_stresses(const simd::Averaged& body, int slice, int end) {
+  for (std::int64_t place = std::int64_t{slice} * lanes; place < std::int64_t{end} * lanes; ++place) {
+    const std::int64_t q = place / lanes * lanes + simd::quad_of(static_cast<std::int32_t>(place % lanes), lanes);
+    const Quad factor = Quad{} + body.factor[place];
+    for (int c = 0; c < 3; ++c) {
+      char* const at = body.stress + 64 * q + 16 * c;
+      store_quad(at, factor * load_quad(at));
+    }
+    store_quad(body.force + 16 * q, factor * load_quad(body.force + 16 * q));
   }
 }
 

@@ -110,6 +110,7 @@ struct Dissipation {
   const float* constants = nullptr;  ///< [slices][dissipation_columns][lanes]
   const float* strains = nullptr;    ///< [slices][6 of E-, if rate, then 6 of Ev, if branch][lanes]
   float* next_strains = nullptr;     ///< the same after the step
+  int elastic_columns = 0;           ///< of Averaged::constants
   float inverse_dt = 0;              ///< 1/s, of the step before
   bool rate = false, branch = false;
   bool fresh = false;  ///< in place of `strains`, those of this step
@@ -133,7 +134,8 @@ struct Averaged {
   const float* links = nullptr;              ///< [rows][4]
   Runs runs;                                 ///< in place of stress, links and their rows
   const Dissipation* dissipation = nullptr;  ///< null: no material dissipates
-  const float* factor = nullptr;  ///< [slots] of the stiffness (Scene::scale_stiffness), as `constants` stand; null: 1
+  float* sums = nullptr;          ///< [slices][9][lanes] V H by columns, for the dissipation; null: not wanted
+  const float* factor = nullptr;  ///< [slots] of the stiffness (Scene::scale_stiffness), place by place; null: 1
   bool plane = false;
 };
 
@@ -187,6 +189,9 @@ struct Kernels {
   void (*averaged_stresses[2][most_energies][2])(const Averaged&, int slice, int end);
   /// The same for small changes of displacements `u`; Averaged::constants as TangentOf (kernel_text.h) says.
   void (*averaged_tangents[2][most_energies][2])(const Averaged&, int slice, int end);
+  /// Adds to the stresses what Averaged::dissipation gives; after averaged_stresses, which fills Averaged::sums.
+  void (*add_dissipation[2])(const Averaged&, int slice, int end);  ///< [of runs]
+  void (*scale_stresses[2])(const Averaged&, int slice, int end);   ///< [of runs]
   void (*averaged_forces[2])(const Averaged&, int slice, int end);  ///< [of runs]
   void (*move)(const Move&, int slice, int end, MoveSummary&);
 };

@@ -5,6 +5,7 @@
 
 #include "averaged_runs.h"
 #include "base_terms.h"
+#include "dissipation_terms.h"
 #include "enumerated_terms.h"
 #include "move.h"
 #include "spring_terms.h"
@@ -41,6 +42,8 @@ constexpr simd::Kernels all_kernels(const char* name) {
       spread_displacements,
       {},
       {},
+      {add_dissipation, run_dissipation},
+      {scale_stresses, scale_run_stresses},
       {averaged_forces, run_forces},
       move_slices};
   set_stresses(kernels, Energies{});
