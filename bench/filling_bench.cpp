@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Filling a ball's surface of 10,080 triangles with tetrahedra, and three regions of an image of 256^3 voxels, by
-// spacing. Items are particles.
+// Filling a ball's surface of 10,080 triangles with tetrahedra of one spacing and graded ones, and three regions of an
+// image of 256^3 voxels, by spacing. Items are particles.
 #include <benchmark/benchmark.h>
 #include <phymul/phymul.h>
 
@@ -46,6 +46,21 @@ void make_body(benchmark::State& run) {
   run.counters["smallest_angle"] = report.smallest_angle;
 }
 
+/// Eight times finer near a place on the surface.
+void make_graded_body(benchmark::State& run) {
+  const phymul::Surface surface = ball(0.05, 72, 70);
+  const double spacing = 1e-6 * static_cast<double>(run.range(0));
+  phymul::BodyReport report;
+  for (auto _ : run) {
+    phymul::make_body(surface,
+                      {.spacing = spacing, .spacing_at = phymul::fine_near({0, 0.05, 0}, 0.01, spacing / 8, spacing)},
+                      &report);
+  }
+  run.SetItemsProcessed(run.iterations() * report.particles);
+  run.counters["particles"] = report.particles;
+  run.counters["smallest_angle"] = report.smallest_angle;
+}
+
 /// Voxels of 1 mm: two ellipsoids, and a vessel in one of them.
 phymul::LabelImage organs() {
   phymul::LabelImage image;
@@ -80,6 +95,7 @@ void make_body_of_labels(benchmark::State& run) {
 }
 
 BENCHMARK(make_body)->ArgName("spacing_um")->Arg(6050)->Arg(2095)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(make_graded_body)->ArgName("spacing_um")->Arg(14500)->Arg(5700)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(make_body_of_labels)
     ->ArgName("spacing_um")
     ->Arg(6000)

@@ -58,6 +58,9 @@ if(ASSIMP)
   run(3 "Not kept" ${plan} --max-error 0.9 --rate 1e8)
   run(1 "expected a share as 3% or 0.03, got 300%" ${plan} --max-error 300%)
   run(1 "--plan requires --max-error" ${plan})
+  run(0 "steps to rest.*filled with [0-9]+ particles" ${bean} --spacing 0.016 --fine-near 0 0 0.03 0.005 0.008
+      --fix-near 0 0 -0.03 0.02 --out ${OUT}/fine_bean)
+  run(1 "at least an eighth of the spacing" ${bean} --spacing 0.016 --fine-near 0 0 0 0.01 0.001 --out ${OUT}/none)
   run(1 "the nearest is 0.9[0-9]+ m away" ${bean} --spacing 0.012 --fix-near 1 0 0 0.02 --out ${OUT}/none)
   run(1 "bean.stl: a surface is filled; give --spacing" ${bean} --out ${OUT}/none)
 endif()
@@ -79,6 +82,8 @@ if(TEEM)
       --out ${OUT}/regions)
   run(1 "the name of a group, got \"label 3\"" ${regions} --spacing 0.012 --material "label 3=1e4,0.3" --out ${OUT}/none)
   run(1 "a labelled image is filled; give --spacing" ${regions} --out ${OUT}/none)
+  run(1 "--fine-near: expected a surface to be filled, got .*regions" ${regions} --spacing 0.012
+      --fine-near 0 0 0 0.01 0.006 --out ${OUT}/none)
   run(1 "says its unit itself" ${regions} --unit 0.001 --spacing 0.012 --out ${OUT}/none)
 endif()
 run(1 "expected GROUP=YOUNG,POISSON, as in liver=4000,0.45, got label 1=1e4" ${regions} --spacing 0.012

@@ -82,6 +82,12 @@ void add_body_options(CLI::App& app, RunOptions& options) {
       ->check(positive());
   app.add_option("--spacing", options.spacing, "mean distance between the particles that fill a surface or image, m")
       ->check(positive());
+  app.add_option("--fine-near", options.fine_balls,
+                 "a finer spacing in a ball, m, which grows outside of it; may be given several times")
+      ->option_text("X Y Z RADIUS SPACING")
+      ->type_size(5)
+      ->allow_extra_args(false)
+      ->needs("--spacing");
   app.add_option("--fix", options.fixed_groups, "hold this group of particles; may be given several times")
       ->option_text("GROUP")
       ->allow_extra_args(false);

@@ -16,9 +16,10 @@ struct RunOptions {
   std::string loads;  ///< .lml; empty: none
   std::string out = "out";
 
-  double length_unit = 0.0;  ///< m per unit of the body's file; 0: mm for .pml, m for meshes
-  double spacing = 0.0;      ///< m, of the particles that fill a surface or image; 0: none was given
-  bool from_file = false;    ///< masses and stiffnesses of the file instead of the material
+  double length_unit = 0.0;        ///< m per unit of the body's file; 0: mm for .pml, m for meshes
+  double spacing = 0.0;            ///< m, of the particles that fill a surface or image; 0: none was given
+  std::vector<double> fine_balls;  ///< m, each x y z radius spacing: where a surface is filled more finely
+  bool from_file = false;          ///< masses and stiffnesses of the file instead of the material
   phymul::Material material{.young = 10e3, .poisson = 0.3, .density = 1000.0};
   std::vector<phymul::GroupMaterial> materials;  ///< without density, which is that of `material`
   phymul::TopologyOptions topology;

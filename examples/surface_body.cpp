@@ -35,12 +35,26 @@ bool is_label_image(const std::string& path) {
   return ends_in_one_of(path, {".nii", ".nii.gz", ".nrrd", ".nhdr"});
 }
 
-SurfaceBody fill_surface(const std::string& path, double metres_per_unit, double spacing) {
+SurfaceBody fill_surface(const std::string& path, double metres_per_unit, double spacing,
+                         const std::vector<double>& fine_balls) {
   if (spacing == 0.0) throw phymul::Error(path + ": a surface is filled; give --spacing, m");
   SurfaceBody body;
   body.surface = phymul::read_surface(path, metres_per_unit);
+  std::vector<phymul::SpacingField> fields;
+  for (std::size_t k = 0; k + 4 < fine_balls.size(); k += 5) {
+    const double* ball = &fine_balls[k];
+    fields.push_back(phymul::fine_near({ball[0], ball[1], ball[2]}, ball[3], ball[4], spacing));
+  }
+  phymul::BodyOptions options{.spacing = spacing};
+  if (!fields.empty()) {
+    options.spacing_at = [&](const phymul::Vec3& place) {
+      double least = spacing;
+      for (const phymul::SpacingField& field : fields) least = std::min(least, field(place));
+      return least;
+    };
+  }
   phymul::BodyReport report;
-  body.model = phymul::make_body(body.surface, {.spacing = spacing}, &report);
+  body.model = phymul::make_body(body.surface, options, &report);
   body.model.notes.push_back(filled_text(path, report));
   return body;
 }

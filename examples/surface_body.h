@@ -22,8 +22,10 @@ bool is_label_image(const std::string& path);
 /// Particles in the ball of x, y, z and radius, m, which stand at `ball`. Throws phymul::Error if there are none.
 std::vector<phymul::Index> particles_in_ball(const phymul::Model& model, const double* ball);
 
-/// Throws phymul::Error as read_surface() and make_body() do, and where the spacing is 0: none was given.
-SurfaceBody fill_surface(const std::string& path, double metres_per_unit, double spacing);
+/// fine_balls: m, each x y z radius spacing, as fine_near(). Throws phymul::Error as read_surface(), make_body() and
+/// fine_near() do, and where the spacing is 0: none was given.
+SurfaceBody fill_surface(const std::string& path, double metres_per_unit, double spacing,
+                         const std::vector<double>& fine_balls = {});
 
 /// The regions of a labelled image, each a group of its name; a note compares their volumes. Throws phymul::Error as
 /// read_labels() and make_body() do, and where the spacing is 0: none was given.

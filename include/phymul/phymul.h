@@ -36,6 +36,7 @@
 #include <phymul/surface_file.h>
 #include <phymul/tool.h>
 #include <phymul/topology.h>
+#include <phymul/transfer.h>
 #include <phymul/types.h>
 #include <phymul/version.h>
 #include <phymul/virtual_coupling.h>
