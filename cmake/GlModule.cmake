@@ -38,8 +38,9 @@ target_link_libraries(phymul PRIVATE ${CMAKE_DL_LIBS})
 get_target_property(type phymul TYPE)
 if(type STREQUAL "STATIC_LIBRARY")
   # A program with a static phymul stands anywhere: the dynamic loader is told where the module is, as CMake tells it
-  # of shared libraries.
+  # of shared libraries. libphymul_c.so finds it beside itself, and is copied into Python packages.
+  set(elsewhere $<NOT:$<STREQUAL:$<TARGET_PROPERTY:NAME>,phymul_c>>)
   target_link_options(phymul INTERFACE
-    $<BUILD_INTERFACE:LINKER:-rpath,${PROJECT_BINARY_DIR}/phymul>
+    $<BUILD_INTERFACE:$<${elsewhere}:LINKER:-rpath,${PROJECT_BINARY_DIR}/phymul>>
     $<INSTALL_INTERFACE:LINKER:-rpath,$<INSTALL_PREFIX>/${CMAKE_INSTALL_LIBDIR}/phymul>)
 endif()

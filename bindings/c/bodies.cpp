@@ -145,11 +145,12 @@ void phymul_body_free(phymul_body* body) {
   delete body;
 }
 
-phymul_status phymul_body_rest(const phymul_body* body, const double** rest, int32_t* particle_count) {
+phymul_status phymul_body_rest(phymul_body* body, const double** rest, int32_t* particle_count) {
   return guarded([&] {
-    const Model& model = need(body, "a body").model;
-    need(particle_count, "a place for the number") = model.particle_count();
-    need(rest, "a place for the positions") = doubles(model.rest);
+    phymul_body& own = need(body, "a body");
+    if (own.rest.empty()) own.rest = own.model.rest;
+    need(particle_count, "a place for the number") = own.model.particle_count();
+    need(rest, "a place for the positions") = doubles(own.rest);
   });
 }
 

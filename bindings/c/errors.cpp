@@ -51,8 +51,8 @@ phymul_status status_of_exception() noexcept {
     throw;
   } catch (const Error& error) {
     return fail(status_of(error.code()), error.what());
-  } catch (const StepFailure& failure) {
-    return fail(PHYMUL_STEP_FAILED, failure.message.c_str());
+  } catch (const Failure& failure) {
+    return fail(failure.status, failure.message.c_str());
   } catch (const std::bad_alloc&) {
     return fail(PHYMUL_OUT_OF_MEMORY, "there is no memory left");
   } catch (const std::exception& error) {

@@ -20,7 +20,8 @@ struct phymul_surface {
 
 struct phymul_body {
   phymul::Model model;
-  // What was handed out.
+  // What was handed out. Rest positions too: set_material() moves those of the model to other memory.
+  phymul::VecList rest{};
   std::vector<int32_t> types{}, first{}, particles{};
   std::vector<std::array<phymul::Index, 3>> triangles{};
   std::vector<phymul::Index> group{};
@@ -51,8 +52,10 @@ struct phymul_plan {
 
 namespace phymul::c {
 
-/// A step or solve_static failed: PHYMUL_STEP_FAILED.
-struct StepFailure {
+/// What has no ErrorCode: a step that failed, a builder that ends the planning. It is no std::exception, because plan()
+/// takes those of a builder for a candidate that cannot be had.
+struct Failure {
+  phymul_status status;
   std::string message;
 };
 

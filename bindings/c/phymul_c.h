@@ -99,7 +99,7 @@ PHYMUL_API phymul_status phymul_body_from_arrays(const double* rest, int32_t par
 PHYMUL_API phymul_status phymul_body_moved(const phymul_body* body, const double by[3], phymul_body** made);
 PHYMUL_API void phymul_body_free(phymul_body* body);
 
-PHYMUL_API phymul_status phymul_body_rest(const phymul_body* body, const double** rest, int32_t* particle_count);  // m
+PHYMUL_API phymul_status phymul_body_rest(phymul_body* body, const double** rest, int32_t* particle_count);  // m
 PHYMUL_API phymul_status phymul_body_masses(const phymul_body* body, double* masses);  // fills [particle_count], kg
 // As phymul_body_from_arrays has them.
 PHYMUL_API phymul_status phymul_body_cells(phymul_body* body, const int32_t** types, const int32_t** first,
@@ -328,7 +328,7 @@ typedef struct phymul_candidate {
 } phymul_candidate;
 
 // Makes a simulation of a candidate, with its scene, and hands it over to the library. Called by phymul_plan_create and
-// phymul_plan_make, in their thread. A status other than PHYMUL_OK leaves the candidate out.
+// phymul_plan_make, in their thread. PHYMUL_INTERNAL ends the planning; any other error leaves the candidate out.
 typedef phymul_status (*phymul_builder)(void* user, const phymul_candidate* candidate, phymul_simulation** made);
 
 typedef struct phymul_plan_options {  // PlanOptions: include/phymul/plan.h

@@ -36,6 +36,7 @@ SceneBuilder builder_of(phymul_builder builder, void* user) {
     phymul_simulation* made = nullptr;
     const phymul_status status = builder(user, &candidate, &made);
     const std::unique_ptr<phymul_simulation> owner(made);
+    if (status == PHYMUL_INTERNAL) throw Failure{status, "the builder ended the planning"};
     if (status != PHYMUL_OK || !made)
       throw Error("the builder returned " +
                   (status == PHYMUL_OK ? std::string("no simulation") : "the status " + std::to_string(status)) +

@@ -72,7 +72,7 @@ void finish_step(phymul_simulation& handle, const StepReport& done, phymul_step_
                .stable_step = done.stable_step,
                .residual = done.residual,
                .max_speed = done.max_speed};
-  if (!done.ok()) throw StepFailure{handle.message};
+  if (!done.ok()) throw Failure{PHYMUL_STEP_FAILED, handle.message};
 }
 
 /// Copies values into a buffer that keeps its place.
@@ -170,7 +170,7 @@ phymul_status phymul_run_to_rest(phymul_simulation* sim, int32_t most_steps, phy
   return guarded([&] {
     const RestResult rest = of(sim).run_to_rest(most_steps);
     sim->message = rest.message();
-    if (rest.status == RestStatus::failed) throw StepFailure{sim->message};
+    if (rest.status == RestStatus::failed) throw Failure{PHYMUL_STEP_FAILED, sim->message};
     if (report)
       *report = {.converged = rest.converged(),
                  .folded = rest.folded,
@@ -189,7 +189,7 @@ phymul_status phymul_solve_static(phymul_simulation* sim, double tolerance, int3
     if (most_evaluations != 0) options.most_evaluations = most_evaluations;
     const StaticResult rest = of(sim).solve_static(options);
     sim->message = rest.message();
-    if (rest.status == RestStatus::failed) throw StepFailure{sim->message};
+    if (rest.status == RestStatus::failed) throw Failure{PHYMUL_STEP_FAILED, sim->message};
     if (report)
       *report = {.converged = rest.converged(),
                  .folded = rest.folded,

@@ -68,11 +68,12 @@ def _read_header(text: str, loaded: ctypes.CDLL) -> None:
         structs[name] = type(name, (ctypes.Structure,), {"_fields_": fields})
     for result, name, parameters in re.findall(r"PHYMUL_API ([\w* ]+?)(\w+)\(([^)]*)\);", text):
         function = getattr(loaded, name)
-        function.argtypes = []
+        types = []
         for parameter in parameters.split(","):
             match = re.fullmatch(r"(.*?)(\w+)(\[\d+\])?", " ".join(parameter.split()))
             if match and match[1]:
-                function.argtypes.append(_type_of(match[1].strip(), bool(match[3])))
+                types.append(_type_of(match[1].strip(), bool(match[3])))
+        function.argtypes = types
         function.restype = {"void": None, "const char*": ctypes.c_char_p}.get(result.strip(), ctypes.c_int32)
         if result.strip() == "phymul_status":
             function.errcheck = _check
@@ -153,14 +154,16 @@ class _Memory:
         self.__array_interface__ = {"version": 3, "data": (address, True), "shape": shape, "typestr": typestr}
 
 
+def view(address: Optional[int], shape: tuple[int, ...], typestr: str, owner: Handle) -> np.ndarray:
+    """An array of the owner's memory, read-only."""
+    return np.asarray(_Memory(address, shape, typestr, owner)) if address else np.zeros(shape, typestr)
+
+
 def view_of(function: Any, owner: Handle, columns: int, typestr: str) -> np.ndarray:
-    """Calls a function whose last parameters are where an array and its number of rows go: a view, read-only."""
+    """The same of a function whose last parameters are where an array and its number of rows go."""
     address, count = ctypes.c_void_p(), ctypes.c_int32()
     function(owner.pointer, ctypes.byref(address), ctypes.byref(count))
-    shape = (count.value, columns) if columns > 1 else (count.value,)
-    if not address.value:
-        return np.zeros(shape, typestr)
-    return np.asarray(_Memory(address.value, shape, typestr, owner))
+    return view(address.value, (count.value, columns) if columns > 1 else (count.value,), typestr, owner)
 
 
 def floats(values: Any, shape: tuple[int, ...], what: str) -> np.ndarray:

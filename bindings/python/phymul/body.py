@@ -10,7 +10,7 @@ from typing import Any, Optional, Sequence, Union
 import numpy as np
 
 from ._library import (Error, Handle, Owner, constants, floats, integers, library, make, path_of, rows_of, structs, text_of,
-                       view_of)
+                       view, view_of)
 
 Path = Union[str, "os.PathLike[str]"]
 Vector = Union[Sequence[float], np.ndarray]
@@ -52,12 +52,10 @@ class Body(Owner):
         out = [ctypes.c_void_p() for _ in range(3)]
         count = ctypes.c_int32()
         library.phymul_body_cells(self._pointer, *(ctypes.byref(place) for place in out), ctypes.byref(count))
-
-        def copy(place: ctypes.c_void_p, size: int) -> np.ndarray:
-            return np.array((ctypes.c_int32 * size).from_address(place.value)) if place.value and size else np.zeros(0, "i4")
-
-        first = copy(out[1], count.value + 1)
-        return np.split(copy(out[2], int(first[-1])), first[1:-1]) if count.value else []
+        if count.value == 0:
+            return []
+        first = view(out[1].value, (count.value + 1,), "<i4", self._own)
+        return np.split(view(out[2].value, (int(first[-1]),), "<i4", self._own).copy(), first[1:-1])
 
     @property
     def cell_centres(self) -> np.ndarray:

@@ -1,0 +1,527 @@
+# SPDX-License-Identifier: MIT
+"""Simulations, and what acts on them: tools, joints, skins."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from dataclasses import dataclass
+from typing import Any, Mapping, Optional, Sequence, Union
+
+import numpy as np
+
+from ._library import (Error, ErrorCode, Handle, Owner, constants, floats, integers, library, make, path_of, rows_of,
+                       structs, text_of, view, view_of)
+from .body import Body, Path, Vector
+
+Where = Any  # the name of a group, rows of particles, or a mask of N booleans
+Value = Union[float, Sequence[tuple[float, float]]]  # constant, or pairs of a time, s, and a value, linear between
+_ref = ctypes.byref
+
+
+@dataclass(frozen=True)
+class StepReport:
+    steps: int
+    at_rest: bool
+    force_clamped: bool
+    particle: int  # where a failure happened; -1: unknown
+    time: float  # s
+    dt: float  # s
+    stable_step: float  # s
+    residual: float  # N, largest net force on a free particle
+    max_speed: float  # m/s
+    message: str
+
+
+@dataclass(frozen=True)
+class RestReport:
+    converged: bool
+    folded: int  # a cell that is flat or turned inside out; -1: none
+    steps: int  # solve_static: evaluations of forces
+    collapsed: int  # particle with a collapsed base; -1: none
+    time: float  # s
+    residual: float  # N; solve_static: net forces over loads
+    message: str
+
+
+class StepError(Error):
+    """A step failed; the simulation keeps its last good state. `report` says more."""
+
+    def __init__(self, message: str, report: StepReport) -> None:
+        super().__init__(message, ErrorCode.STEP_FAILED)
+        self.report = report
+
+
+@dataclass(frozen=True)
+class Energy:
+    """J."""
+
+    elastic: float
+    kinetic: float
+    gravity: float
+
+    @property
+    def total(self) -> float:
+        return self.elastic + self.kinetic + self.gravity
+
+
+@dataclass(frozen=True)
+class Sphere:
+    radius: float  # m
+
+
+@dataclass(frozen=True)
+class Capsule:
+    """All within `radius` of the segment from the tool's position along its z axis."""
+
+    radius: float  # m
+    length: float  # m
+
+
+@dataclass(frozen=True)
+class HalfSpace:
+    """Solid below the tool's position: a floor."""
+
+
+@dataclass(frozen=True)
+class Box:
+    half_size: Vector  # m
+
+
+Shape = Union[Sphere, Capsule, HalfSpace, Box]
+
+
+@dataclass(frozen=True)
+class Pose:
+    position: Vector = (0.0, 0.0, 0.0)  # m
+    orientation: Vector = (1.0, 0.0, 0.0, 0.0)  # quaternion w, x, y, z
+    velocity: Vector = (0.0, 0.0, 0.0)  # m/s, with which the tool goes on without a new pose
+    spin: Vector = (0.0, 0.0, 0.0)  # rad/s
+
+
+@dataclass(frozen=True)
+class ToolForce:
+    """Of the particles on the tool: N, and N m about its position. Means are over the steps of the last call."""
+
+    force: np.ndarray
+    torque: np.ndarray
+    mean_force: np.ndarray
+    mean_torque: np.ndarray
+    particles: int
+    held: int
+
+
+@dataclass(frozen=True)
+class JointReport:
+    force: np.ndarray  # N, sum over the springs
+    largest: float  # N, of a spring
+    broken: int
+    springs: int
+
+
+@dataclass(frozen=True)
+class Anchor:
+    """An end of a spring: the mean of `particles`, else a `point`, m, of the world or in the frame of `tool`."""
+
+    particles: Where = None
+    point: Vector = (0.0, 0.0, 0.0)
+    tool: Optional[Tool] = None
+
+
+def _fill(struct: Any, what: str, **vectors: Any) -> Any:
+    for name, values in vectors.items():
+        place = getattr(struct, name)
+        place[:] = floats(values, (len(place),), f"{what}: {name}").tolist()
+    return struct
+
+
+def _fields(struct: Any) -> dict[str, Any]:
+    values = {name: getattr(struct, name) for name, _ in struct._fields_}
+    return {name: np.array(value) if hasattr(value, "__len__") else value for name, value in values.items()}
+
+
+def _sized(name: str, **fields: Any) -> Any:
+    struct = structs[name](**fields)
+    struct.size = ctypes.sizeof(struct)
+    return struct
+
+
+def _pose(pose: Pose) -> Any:
+    return _fill(structs["phymul_pose"](), "a pose", position=pose.position, orientation=pose.orientation,
+                 velocity=pose.velocity, spin=pose.spin)
+
+
+def _events(value: Value) -> np.ndarray:
+    """[2][n]: times and values."""
+    if isinstance(value, (int, float)):
+        value = [(0.0, float(value))]
+    return np.ascontiguousarray(floats(value, (-1, 2), "a value: a number, or pairs of time and value").T)
+
+
+class Simulation(Owner):
+    """A body, or several by name, with what acts on it: `Simulation` in C++. Units are SI.
+
+    One thread at a time may use it. The solver is made by the first function that needs it: add tools and loads before,
+    so that the backend "auto" can choose by them."""
+
+    def __init__(self, body: Union[Body, Mapping[str, Body]], *, young: float = 0.0, poisson: float = 0.0,
+                 density: float = 0.0, backend: str = "auto", damping: float = 0.0, step: float = 0.5, threads: int = 0,
+                 rest_tolerance: float = 1e-8, strain_energy: str = "shape_memory",
+                 sleep_tolerance: Optional[float] = None) -> None:
+        """young: Pa, density: kg/m^3; left out, bodies keep their materials. damping: 1/s. step: largest one, as a
+        multiple of the stable step. threads: of the backend "cpu", 0: as many as the body has work for."""
+        self._handle: Optional[Handle] = None
+        energies = ("shape_memory", "neo_hookean")
+        if strain_energy not in energies:
+            raise Error(f'expected a strain energy of {", ".join(energies)}; got "{strain_energy}"')
+        options = _sized("phymul_options", threads=threads, backend=backend.encode(), damping_rate=damping, step=step,
+                         rest_tolerance=rest_tolerance, strain_energy=constants[strain_energy.upper()],
+                         sleeps=sleep_tolerance is not None, sleep_tolerance=sleep_tolerance or 0.0)
+        options.material = structs["phymul_material"](young, poisson, density)
+        bodies = [body] if isinstance(body, Body) else list(body.values())
+        handles = (ctypes.c_void_p * len(bodies))(*(each._pointer for each in bodies))
+        names = None
+        if not isinstance(body, Body):
+            names = (ctypes.c_char_p * len(bodies))(*(name.encode() for name in body))
+        self._handle = make("simulation", library.phymul_simulation_create, handles, names, len(bodies), _ref(options))
+        self._body: Optional[Body] = None
+
+    @classmethod
+    def _of(cls, handle: Handle) -> Simulation:
+        made = cls.__new__(cls)
+        made._handle, made._body = handle, None
+        return made
+
+    @property
+    def body(self) -> Body:
+        """A copy of the body, or of all bodies as one, with their materials."""
+        if self._body is None:
+            self._body = Body(make("body", library.phymul_simulation_body, self._pointer))
+        return self._body
+
+    def _rows(self, where: Where) -> np.ndarray:
+        return self.body.group(where) if isinstance(where, str) else rows_of(where, self.body.particles, "particles")
+
+    # What acts on it
+
+    def fix(self, where: Where) -> Simulation:
+        """Holds a group, rows of particles or a mask of particles at rest."""
+        rows = self._rows(where)
+        library.phymul_fix_particles(self._pointer, rows.ctypes.data, len(rows))
+        return self
+
+    def gravity(self, acceleration: Vector) -> Simulation:
+        """m/s^2."""
+        vector = floats(acceleration, (3,), "an acceleration")
+        library.phymul_gravity(self._pointer, vector.ctypes.data)
+        return self
+
+    def add_load(self, kind: str, where: Where, direction: Vector = (0.0, 0.0, 0.0), value: Value = 0.0) -> Load:
+        """kind: "force" (N, on each particle), "pressure" (Pa, inward without a direction), "acceleration" (m/s^2),
+        "translation" (m) or "rotation" (rad, about the direction); the last two impose positions."""
+        kinds = ("translation", "rotation", "force", "pressure", "acceleration")
+        if kind not in kinds:
+            raise Error(f'expected a load of {", ".join(kinds)}; got "{kind}"')
+        rows, events, row = self._rows(where), _events(value), ctypes.c_int32()
+        vector = floats(direction, (3,), "a direction")
+        library.phymul_add_load(self._pointer, constants[kind.upper()], rows.ctypes.data, len(rows), vector.ctypes.data,
+                                events[0].ctypes.data, events[1].ctypes.data, events.shape[1], _ref(row))
+        return Load(self, row.value)
+
+    def contacts(self, friction: float = 0.3, margin: float = 0.0, self_contact: bool = True) -> Simulation:
+        """Bodies touch each other, and parts of one body."""
+        library.phymul_contacts(self._pointer, friction, margin, self_contact)
+        return self
+
+    def constrain_volume(self, group: Optional[str] = None) -> Simulation:
+        """Keeps the volume of a group, or of the whole body, at its rest value."""
+        library.phymul_constrain_volume(self._pointer, group.encode() if group else None)
+        return self
+
+    def add_tool(self, shape: Shape, pose: Pose = Pose(), *, friction: float = 0.0, compliance: float = 0.0,
+                 margin: float = 0.0, contact: str = "particles") -> Tool:
+        """contact: "particles" or "surface". compliance: m/N, margin: m."""
+        if contact not in ("particles", "surface"):
+            raise Error(f'expected the contact "particles" or "surface", got "{contact}"')
+        options = _sized("phymul_tool_options", friction=friction, compliance=compliance, margin=margin,
+                         contact=contact == "surface", pose=_pose(pose))
+        kinds = {Sphere: "SPHERE", Capsule: "CAPSULE", HalfSpace: "HALF_SPACE", Box: "BOX"}
+        if type(shape) not in kinds:
+            raise Error(f"expected a Sphere, Capsule, HalfSpace or Box, got {shape!r:.100}")
+        options.shape = constants[kinds[type(shape)]]
+        if isinstance(shape, (Sphere, Capsule)):
+            options.radius = shape.radius
+        if isinstance(shape, Capsule):
+            options.length = shape.length
+        if isinstance(shape, Box):
+            _fill(options, "a box", half_size=shape.half_size)
+        number = ctypes.c_uint64()
+        library.phymul_tool_add(self._pointer, _ref(options), _ref(number))
+        return Tool(self, number.value)
+
+    def add_joint(self, a: Anchor, b: Anchor, stiffness: float, damping: float = 0.0, *, slack: bool = False,
+                  breaking_force: float = math.inf, rest_length: Optional[float] = None) -> Joint:
+        """A spring with a damper, N/m and N s/m. rest_length: m; left out, the distance of the anchors when added."""
+        kept, anchors = [], []
+        for anchor in (a, b):
+            struct = _fill(structs["phymul_anchor"](), "an anchor", point=anchor.point)
+            if anchor.particles is not None:
+                kept.append(self._rows(anchor.particles))
+                struct.particles, struct.count = kept[-1].ctypes.data, len(kept[-1])
+            elif anchor.tool is not None:
+                struct.tool = anchor.tool._number_in(self)
+            anchors.append(struct)
+        options = _sized("phymul_joint_options", slack=slack, stiffness=stiffness, damping=damping,
+                         breaking=breaking_force, rest_length=-1.0 if rest_length is None else rest_length)
+        number = ctypes.c_uint64()
+        library.phymul_joint_add(self._pointer, _ref(anchors[0]), _ref(anchors[1]), _ref(options), _ref(number))
+        return Joint(self, number.value)
+
+    def attach(self, where: Where, to: Union[str, Tool, None] = None, *, stiffness: float, damping: float = 0.0,
+               offset: Vector = (0.0, 0.0, 0.0), breaking_stress: float = math.inf, slack: bool = False) -> Joint:
+        """A spring for each particle of a patch of the surface, to a body or group by name, to a tool, or to points of
+        the world at `offset`, m, from the particles. N/m^3, N s/m^3, Pa: per area."""
+        rows, vector = self._rows(where), floats(offset, (3,), "an offset")
+        options = _sized("phymul_joint_options", slack=slack, stiffness=stiffness, damping=damping,
+                         breaking=breaking_stress)
+        number = ctypes.c_uint64()
+        library.phymul_attach(self._pointer, rows.ctypes.data, len(rows), to.encode() if isinstance(to, str) else None,
+                              to._number_in(self) if isinstance(to, Tool) else 0, vector.ctypes.data, _ref(options),
+                              _ref(number))
+        return Joint(self, number.value)
+
+    def bind(self, points: Any, triangles: Any = ()) -> Skin:
+        """Points [n][3], m, that move with the body, such as the vertices of a finer surface; triangles for normals."""
+        return Skin(self, floats(points, (-1, 3), "points"), integers(triangles, 3, "triangles"))
+
+    # Time
+
+    def _stepped(self, function: Any, *arguments: Any) -> StepReport:
+        report = structs["phymul_step_report"]()
+        failure = None
+        try:
+            function(self._pointer, *arguments, _ref(report))
+        except Error as error:
+            if error.code != ErrorCode.STEP_FAILED:
+                raise
+            failure = error
+        fields = _fields(report)
+        fields["at_rest"], fields["force_clamped"] = bool(report.at_rest), bool(report.force_clamped)
+        result = StepReport(**fields, message=self.message)
+        if failure:
+            raise StepError(str(failure), result) from None
+        return result
+
+    def _rested(self, function: Any, *arguments: Any) -> RestReport:
+        report = structs["phymul_rest_report"]()
+        function(self._pointer, *arguments, _ref(report))
+        fields = _fields(report)
+        fields["converged"] = bool(report.converged)
+        return RestReport(**fields, message=self.message)
+
+    def advance(self, seconds: float) -> StepReport:
+        """Simulates `seconds` in equal steps. Throws StepError if a step fails."""
+        return self._stepped(library.phymul_advance, seconds)
+
+    def step(self, steps: int, dt: float) -> StepReport:
+        """`steps` steps of dt, s, which record() does not see. Throws StepError if one fails."""
+        return self._stepped(library.phymul_step, steps, dt)
+
+    def run_to_rest(self, most_steps: int = 200_000) -> RestReport:
+        """Steps until the body is at rest. Ask the result whether it `converged`."""
+        return self._rested(library.phymul_run_to_rest, most_steps)
+
+    def solve_static(self, tolerance: float = 1e-6, most_evaluations: int = 3000) -> RestReport:
+        """The rest shape without steps, for scenes without tools, joints and contacts. Ask whether it `converged`."""
+        return self._rested(library.phymul_solve_static, tolerance, most_evaluations)
+
+    # What it is like now
+
+    @property
+    def positions(self) -> np.ndarray:
+        """[N][3] m, now. This and the next two are read-only views of a buffer of the simulation: the next reading of
+        the same property overwrites it. Take a copy() to compare two times."""
+        return view_of(library.phymul_positions, self._own, 3, "<f8")
+
+    @property
+    def velocities(self) -> np.ndarray:
+        """[N][3] m/s, now."""
+        return view_of(library.phymul_velocities, self._own, 3, "<f8")
+
+    @property
+    def forces(self) -> np.ndarray:
+        """[N][3] N, elastic forces on the particles, now."""
+        return view_of(library.phymul_forces, self._own, 3, "<f8")
+
+    @property
+    def displacements(self) -> np.ndarray:
+        """[N][3] m, from rest. A copy."""
+        return self.positions - self.body.rest
+
+    @property
+    def time(self) -> float:
+        """s."""
+        time = ctypes.c_double()
+        library.phymul_time(self._pointer, _ref(time))
+        return time.value
+
+    @property
+    def energy(self) -> Energy:
+        parts = (ctypes.c_double * 3)()
+        library.phymul_energy(self._pointer, parts)
+        return Energy(*parts)
+
+    @property
+    def stable_step(self) -> float:
+        """s, the largest stable step."""
+        stable, taken = ctypes.c_double(), ctypes.c_double()
+        library.phymul_step_limits(self._pointer, _ref(stable), _ref(taken))
+        return stable.value
+
+    @property
+    def backend(self) -> str:
+        return text_of(library.phymul_backend, self._pointer)
+
+    @property
+    def message(self) -> str:
+        """A sentence about the last step, run to rest or static solve."""
+        return text_of(library.phymul_message, self._pointer)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is probably not meant: suspect units, parts that nothing holds."""
+        return text_of(library.phymul_warnings, self._pointer).splitlines()
+
+    # States
+
+    def set_state(self, positions: Any = None, velocities: Any = None, time: float = 0.0) -> None:
+        """Starts from [N][3] positions, m, (left out: at rest) and velocities, m/s (left out: 0). Tools hold nothing."""
+        shape = (self.body.particles, 3)
+        arrays = [None if values is None else floats(values, shape, what)
+                  for values, what in ((positions, "positions"), (velocities, "velocities"))]
+        library.phymul_set_state(self._pointer, time, *(None if array is None else array.ctypes.data for array in arrays))
+
+    def snapshot(self) -> Snapshot:
+        """The state with all that further steps depend on except the scene."""
+        return Snapshot(make("snapshot", library.phymul_snapshot_take, self._pointer))
+
+    def restore(self, snapshot: Snapshot) -> None:
+        library.phymul_snapshot_restore(snapshot._pointer, self._pointer)
+
+    def save(self, path: Path) -> None:
+        """The state, to a file."""
+        library.phymul_save(self._pointer, path_of(path))
+
+    def load(self, path: Path) -> None:
+        library.phymul_load(self._pointer, path_of(path))
+
+    def record(self) -> None:
+        """From now on what is done with this simulation is recorded."""
+        library.phymul_record(self._pointer)
+
+    def save_recording(self, path: Path) -> None:
+        library.phymul_save_recording(self._pointer, path_of(path))
+
+    def replay(self, path: Path) -> None:
+        """Clears the scene and repeats a recording."""
+        library.phymul_replay(self._pointer, path_of(path))
+
+    def write_vtu(self, path: Path) -> None:
+        """For ParaView."""
+        library.phymul_write_vtu(self._pointer, path_of(path))
+
+
+class Snapshot(Owner):
+    def __init__(self, handle: Handle) -> None:
+        self._handle = handle
+
+
+class Load:
+    """A load of a simulation; set() changes its value, as often as you like."""
+
+    def __init__(self, simulation: Simulation, row: int) -> None:
+        self._simulation, self._row = simulation, row
+
+    def set(self, value: Value) -> None:
+        events = _events(value)
+        library.phymul_set_load(self._simulation._pointer, self._row, events[0].ctypes.data, events[1].ctypes.data,
+                                events.shape[1])
+
+
+class Tool:
+    """A rigid tool of a simulation."""
+
+    def __init__(self, simulation: Simulation, number: int) -> None:
+        self._simulation, self._number = simulation, number
+
+    def _number_in(self, simulation: Simulation) -> int:
+        if self._simulation is not simulation:
+            raise Error("expected a tool of this simulation, got one of another")
+        return self._number
+
+    def move_to(self, pose: Pose) -> None:
+        """Moves there during the next step or advance."""
+        library.phymul_tool_move_to(self._simulation._pointer, self._number, _ref(_pose(pose)))
+
+    def teleport(self, pose: Pose) -> None:
+        """Puts it there at once, without passing the space between."""
+        library.phymul_tool_teleport(self._simulation._pointer, self._number, _ref(_pose(pose)))
+
+    def grasp(self, distance: float) -> None:
+        """From the next step on particles within a distance, m, move with the tool."""
+        library.phymul_tool_grasp(self._simulation._pointer, self._number, distance)
+
+    def release(self) -> None:
+        library.phymul_tool_release(self._simulation._pointer, self._number)
+
+    def remove(self) -> None:
+        library.phymul_tool_remove(self._simulation._pointer, self._number)
+
+    @property
+    def pose(self) -> Pose:
+        pose = structs["phymul_pose"]()
+        library.phymul_tool_read_pose(self._simulation._pointer, self._number, _ref(pose))
+        return Pose(**_fields(pose))
+
+    @property
+    def force(self) -> ToolForce:
+        force = structs["phymul_tool_force"]()
+        library.phymul_tool_read_force(self._simulation._pointer, self._number, _ref(force))
+        return ToolForce(**_fields(force))
+
+
+class Joint:
+    """A joint of a simulation."""
+
+    def __init__(self, simulation: Simulation, number: int) -> None:
+        self._simulation, self._number = simulation, number
+
+    def set_stiffness(self, stiffness: float, damping: float = 0.0) -> None:
+        library.phymul_joint_set(self._simulation._pointer, self._number, stiffness, damping)
+
+    def remove(self) -> None:
+        library.phymul_joint_remove(self._simulation._pointer, self._number)
+
+    @property
+    def report(self) -> JointReport:
+        report = structs["phymul_joint_report"]()
+        library.phymul_joint_read(self._simulation._pointer, self._number, _ref(report))
+        return JointReport(**_fields(report))
+
+
+class Skin(Owner):
+    """Points that move with the body of a simulation: Simulation.bind makes it."""
+
+    def __init__(self, simulation: Simulation, points: np.ndarray, triangles: np.ndarray) -> None:
+        self._simulation, self._points = simulation, len(points)
+        self._handle = make("skin", library.phymul_skin_create, simulation._pointer, points.ctypes.data, len(points),
+                            triangles.ctypes.data, len(triangles))
+
+    def deform(self) -> tuple[np.ndarray, np.ndarray]:
+        """[n][3] places, m, and unit normals (0 without triangles) where the body is now: read-only views that the next
+        call overwrites."""
+
+        out = [ctypes.c_void_p(), ctypes.c_void_p()]
+        library.phymul_skin_deform(self._pointer, self._simulation._pointer, _ref(out[0]), _ref(out[1]))
+        points, normals = (view(place.value, (self._points, 3), "<f8", self._own) for place in out)
+        return points, normals

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: MIT
+#
+# cmake -DPACKAGE=<folder>/phymul -DSCRIPT=file -DARGUMENTS=... -P run_python.cmake: runs a script that imports phymul.
+cmake_minimum_required(VERSION 3.25)
+foreach(python python3 /usr/bin/python3)
+  execute_process(COMMAND ${python} -c "import matplotlib, numpy" RESULT_VARIABLE missing OUTPUT_QUIET ERROR_QUIET)
+  if(missing EQUAL 0)
+    break()
+  endif()
+endforeach()
+if(NOT missing EQUAL 0)
+  set(sentence "PYTHON NOT TESTED: no Python with numpy and matplotlib (Debian: python3-matplotlib)")
+  if("$ENV{PHYMUL_REQUIRE_PYTHON}" STREQUAL "1")
+    string(REPLACE "PYTHON NOT TESTED" "PHYMUL_REQUIRE_PYTHON" sentence "${sentence}")
+    message(FATAL_ERROR "${sentence}")
+  endif()
+  message(STATUS "${sentence}")
+  return()
+endif()
+cmake_path(GET PACKAGE PARENT_PATH folder)
+set(ENV{PYTHONPATH} ${folder})
+set(ENV{PYTHONDONTWRITEBYTECODE} 1)
+set(ENV{MPLBACKEND} Agg)
+execute_process(COMMAND ${python} -W error::DeprecationWarning:phymul ${SCRIPT} ${ARGUMENTS}
+                RESULT_VARIABLE result)
+if(NOT result EQUAL 0)
+  message(FATAL_ERROR "${SCRIPT}: ${result}")
+endif()

@@ -1,0 +1,285 @@
+# SPDX-License-Identifier: MIT
+import pathlib
+import re
+import tempfile
+import unittest
+
+import numpy as np
+
+import phymul
+from phymul import Anchor, ErrorCode, Pose
+from test_bodies import Refusals
+
+SOFT = {"young": 10e3, "poisson": 0.4, "density": 1000}
+
+
+def block(**options):
+    options = {**SOFT, "backend": "cpu", "damping": 20, "threads": 1, **options}
+    return phymul.Simulation(phymul.make_block((0.03, 0.03, 0.03), 3, 3, 3), **options)
+
+
+class Steps(Refusals):
+    def test_a_falling_body_falls_as_it_should(self):
+        sim = block(damping=0.0).gravity((0, 0, -2))
+        report = sim.advance(0.1)
+        self.assertAlmostEqual(sim.time, 0.1)
+        self.assertGreater(report.steps, 1)
+        np.testing.assert_allclose(sim.displacements[:, 2], -0.01, rtol=0.05)
+        np.testing.assert_allclose(sim.velocities[:, 2], -0.2, rtol=1e-3)
+        self.assertAlmostEqual(sim.energy.gravity, sim.body.masses.sum() * 2 * sim.displacements[:, 2].mean())
+        self.assertLess(np.abs(sim.forces).max(), 1e-6)
+
+    def test_loads_rest_and_static_solve_agree(self):
+        places = []
+        for way in ("run_to_rest", "solve_static"):
+            sim = block(backend="reference").fix("z0")
+            load = sim.add_load("force", "z1", (1, 0, 0), 1e-3)
+            load.set(2e-3)
+            report = getattr(sim, way)()
+            self.assertTrue(report.converged, report.message)
+            self.assertEqual(report.folded, -1)
+            places.append(sim.displacements)
+            force, side, young = 16 * 2e-3, 0.03, 10e3
+            beam = force * side / (5 / 6 * young / 2.8 * side**2) + force * side**3 / (3 * young * side**4 / 12)  # m
+            self.assertAlmostEqual(places[-1][sim.body.group("z1"), 0].mean() / beam, 1, delta=0.25)
+        np.testing.assert_allclose(places[0], places[1], atol=1e-4 * np.abs(places[0]).max())
+
+    def test_values_of_loads_follow_time(self):
+        sim = block().fix("z0")
+        sim.add_load("translation", sim.body.rest[:, 2] > 0.029, (0, 0, 1), [(0, 0), (0.1, 3e-3)])
+        sim.advance(0.05)
+        np.testing.assert_allclose(sim.displacements[sim.body.group("z1"), 2], 1.5e-3, rtol=1e-3)
+
+    def test_failures_of_steps_carry_the_report(self):
+        sim = block()
+        with self.assertRaises(phymul.StepError) as caught:
+            sim.step(5, 1.0)
+        self.assertEqual(caught.exception.code, ErrorCode.STEP_FAILED)
+        self.assertEqual(caught.exception.report.steps, 0)
+        self.assertIn(str(caught.exception), caught.exception.report.message)
+        self.assertEqual(sim.step(2, 0.5 * sim.stable_step).steps, 2)
+        free = block().gravity((0, 0, -1))
+        self.refused(ErrorCode.STEP_FAILED, "", free.solve_static)
+        self.assertTrue(any("hold" in warning for warning in free.warnings), free.warnings)
+
+    def test_several_bodies_touch(self):
+        lower = phymul.make_block((0.03, 0.03, 0.02), 3, 3, 2)
+        sim = phymul.Simulation({"lower": lower, "upper": lower.moved((0, 0, 0.022))}, **SOFT, backend="cpu", damping=20)
+        sim.fix("lower/z0").gravity((0, 0, -9.81)).contacts(friction=0.4)
+        sim.advance(0.4)
+        self.assertGreater(sim.positions[sim.body.group("upper"), 2].min(), 0.017)
+
+    def test_misuse_is_refused_with_reasons(self):
+        sim, invalid = block(), ErrorCode.INVALID_ARGUMENT
+        self.refused(ErrorCode.UNKNOWN_NAME, "x0", sim.fix, "tumour")
+        self.refused(ErrorCode.UNKNOWN_NAME, "reference", lambda: block(backend="abacus").time)
+        self.refused(invalid, "hookean", block, strain_energy="rubber")
+        self.refused(invalid, "(64,), got the shape (3,)", sim.fix, [True, False, True])
+        self.refused(invalid, "64", sim.fix, [64])
+        self.refused(invalid, "(3,)", sim.gravity, 9.81)
+        self.refused(invalid, "pressure", sim.add_load, "push", "z1")
+        self.refused(invalid, "(n, 2)", sim.add_load, "force", "z1", (0, 0, 1), [1.0, 2.0])
+        self.refused(invalid, "(64, 3), got the shape (3, 3)", sim.set_state, np.zeros((3, 3)))
+        self.refused(invalid, "is closed", sim.restore, self.closed(sim.snapshot()))
+        sim.close()
+        self.refused(invalid, "Simulation is closed", sim.advance, 0.1)
+        self.refused(invalid, "Simulation is closed", lambda: sim.positions)
+
+    @staticmethod
+    def closed(owner):
+        owner.close()
+        return owner
+
+
+class Views(Refusals):
+    def test_are_one_buffer_without_copies(self):
+        sim = block().gravity((0, 0, -2))
+        first = sim.positions
+        self.assertFalse(first.flags.writeable)
+        self.assertFalse(first.flags.owndata)
+        before, energy = first.copy(), sim.velocities
+        sim.advance(0.01)
+        np.testing.assert_array_equal(first, before)  # only reading brings it up to date
+        second = sim.positions
+        self.assertEqual(first.ctypes.data, second.ctypes.data)
+        self.assertNotEqual(energy.ctypes.data, second.ctypes.data)
+        self.assertTrue((first[:, 2] < before[:, 2]).all())
+
+    def test_stay_valid_after_restore_rest_and_close(self):
+        sim = block().fix("z0").gravity((0, 0, -2))
+        view = sim.positions
+        start = sim.snapshot()
+        sim.run_to_rest()
+        sim.restore(start)
+        sim.set_state(positions=sim.body.rest + [0, 0, 1e-3])
+        np.testing.assert_allclose(sim.positions[:, 2], sim.body.rest[:, 2] + 1e-3, atol=1e-8)
+        last = view.copy()
+        sim.close()
+        del sim
+        np.testing.assert_array_equal(view, last)
+
+
+class States(Refusals):
+    def test_go_back_bit_by_bit_in_memory_and_files(self):
+        sim = block().fix("z0").gravity((1, 0, -2))
+        sim.advance(0.02)
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "now.state"
+            start = sim.snapshot()
+            sim.save(path)
+            sim.advance(0.02)
+            there = sim.positions.copy()
+            for back in (lambda: sim.restore(start), lambda: sim.load(path)):
+                back()
+                self.assertAlmostEqual(sim.time, 0.02)
+                self.assertFalse(np.array_equal(sim.positions, there))
+                sim.advance(0.02)
+                np.testing.assert_array_equal(sim.positions, there)
+            sim.write_vtu(pathlib.Path(folder) / "now.vtu")
+            self.assertIn("displacement", (pathlib.Path(folder) / "now.vtu").read_text(errors="replace"))
+            other = phymul.Simulation(phymul.make_block((1, 1, 1), 2, 2, 2), **SOFT)
+            with self.assertRaises(phymul.Error):
+                other.load(path)
+
+    def test_recordings_repeat(self):
+        sim = block().fix("z0").gravity((0, 0, -2))
+        sim.record()
+        sim.advance(0.02)
+        there = sim.positions.copy()
+        with tempfile.TemporaryDirectory() as folder:
+            sim.save_recording(pathlib.Path(folder) / "run")
+            again = block()
+            again.replay(pathlib.Path(folder) / "run")
+        np.testing.assert_array_equal(again.positions, there)
+        self.refused(ErrorCode.INVALID_ARGUMENT, "", again.save_recording, "nowhere")
+
+
+class ToolsJointsSkins(Refusals):
+    def test_a_ball_presses_is_felt_and_grasps(self):
+        sim = block().fix("z0")
+        ball = sim.add_tool(phymul.Sphere(0.012), Pose((0.015, 0.015, 0.042)), friction=0.2)
+        for tick in range(1, 21):
+            ball.move_to(Pose((0.015, 0.015, 0.042 - 3e-4 * tick)))
+            sim.advance(2e-3)
+        np.testing.assert_allclose(ball.pose.position, [0.015, 0.015, 0.036])
+        self.assertGreater(ball.force.force[2], 0.01)
+        self.assertGreater(ball.force.particles, 0)
+        ball.grasp(2e-3)
+        sim.advance(2e-3)
+        self.assertGreater(ball.force.held, 0)
+        ball.release()
+        sim.advance(2e-3)
+        self.assertEqual(ball.force.held, 0)
+        ball.teleport(Pose((0, 0, 1), orientation=(0, 1, 0, 0)))
+        sim.advance(2e-3)
+        self.assertEqual(ball.force.particles, 0)
+        np.testing.assert_allclose(ball.pose.orientation, [0, 1, 0, 0])
+        ball.remove()
+        self.refused(ErrorCode.UNKNOWN_NAME, "tool", lambda: ball.force)
+
+    def test_every_shape_and_contact(self):
+        for shape, height in ((phymul.Capsule(0.012, 0.05), 0.038), (phymul.Box((0.01, 0.01, 0.005)), 0.034),
+                              (phymul.HalfSpace(), 0.001)):
+            for contact in ("particles", "surface"):
+                sim = block()
+                tool = sim.add_tool(shape, Pose((0.015, 0.015, height)), contact=contact, margin=1e-4)
+                sim.advance(0.01)
+                moved = np.abs(sim.displacements).max()
+                self.assertGreater(moved, 1e-4, (shape, contact))
+                self.assertIsInstance(tool.pose, Pose)
+        self.refused(ErrorCode.INVALID_ARGUMENT, "Sphere", block().add_tool, "ball")
+        self.refused(ErrorCode.INVALID_ARGUMENT, "contact", block().add_tool, phymul.Sphere(1.0), contact="all")
+        self.refused(ErrorCode.INVALID_ARGUMENT, "", block().add_tool, phymul.Sphere(-1.0))
+        self.refused(ErrorCode.INVALID_ARGUMENT, "position: expected numbers of shape (3,)", block().add_tool,
+                     phymul.Sphere(1.0), Pose((0, 0)))
+
+    def test_springs_carry_the_weight(self):
+        weight = 1000 * 0.03**3 * 9.81
+        sim = block(damping=30).gravity((0, 0, -9.81))
+        patch = sim.attach("z1", stiffness=1e6, damping=100, offset=(0, 0, 0.01))
+        sim.run_to_rest()
+        self.assertAlmostEqual(patch.report.force[2], weight, delta=0.01 * weight)
+        self.assertEqual((patch.report.springs, patch.report.broken), (16, 0))
+
+        sim = block(damping=30).gravity((0, 0, -9.81))
+        thread = sim.add_joint(Anchor(particles="z1"), Anchor(point=(0.015, 0.015, 0.05)), 200, rest_length=0.02)
+        sim.run_to_rest()
+        self.assertAlmostEqual(thread.report.largest, weight, delta=0.01 * weight)
+        thread.set_stiffness(0.0)
+        sim.advance(2e-3)
+        self.assertEqual(thread.report.largest, 0.0)
+        thread.remove()
+        self.refused(ErrorCode.UNKNOWN_NAME, "joint", lambda: thread.report)
+
+    def test_glue_and_tools_as_partners(self):
+        lower = phymul.make_block((0.03, 0.03, 0.02), 3, 3, 2)
+        sim = phymul.Simulation({"lower": lower, "upper": lower.moved((0, 0, 0.021))}, **SOFT, backend="cpu", damping=20)
+        sim.fix("lower/z0").gravity((0, 0, 5))
+        glue = sim.attach("upper/z0", "lower", stiffness=1e6, breaking_stress=1e6)
+        sim.run_to_rest()
+        self.assertAlmostEqual(glue.report.force[2], -1000 * 0.03 * 0.03 * 0.02 * 5, delta=1e-3)
+        tool = sim.add_tool(phymul.Sphere(0.001), Pose((0.015, 0.015, 0.06)))
+        held = sim.attach("upper/z1", tool, stiffness=1e6)
+        tied = sim.add_joint(Anchor(particles=[0], tool=None), Anchor(tool=tool), 1.0)
+        tool.move_to(Pose((0.015, 0.015, 0.065)))
+        sim.run_to_rest()
+        self.assertGreater(held.report.force[2], 0.01)
+        self.assertGreater(tied.report.largest, 0.0)
+        self.refused(ErrorCode.INVALID_ARGUMENT, "of another", block().attach, "z1", tool, stiffness=1.0)
+
+    def test_skins_follow(self):
+        sim = block()
+        points = [[0.004, 0.004, 0.03], [0.022, 0.004, 0.03], [0.004, 0.022, 0.03]]
+        skin = sim.bind(points, [[0, 1, 2]])
+        stretch = np.diag([1.0, 1.0, 1.5])
+        sim.set_state(positions=sim.body.rest @ stretch + [0, 0, 1])
+        places, normals = skin.deform()
+        np.testing.assert_allclose(places, points @ stretch + [0, 0, 1], atol=1e-7)
+        np.testing.assert_allclose(normals, [[0, 0, 1]] * 3, atol=1e-6)
+        invalid = ErrorCode.INVALID_ARGUMENT
+        self.refused(invalid, "", sim.bind, points, [[0, 1, 3]])
+        self.refused(invalid, "", sim.bind, np.array(points) + 10)
+        sim.close()
+        self.refused(invalid, "Simulation is closed", skin.deform)
+        np.testing.assert_allclose(normals, [[0, 0, 1]] * 3, atol=1e-6)
+
+
+class Planning(Refusals):
+    @staticmethod
+    def build(candidate):
+        n = max(1, round(0.05 / candidate.spacing))
+        sim = phymul.Simulation(phymul.make_block((0.1, 0.05, 0.05), 2 * n, n, n), **SOFT, **candidate.options)
+        return sim.fix("x0").gravity((0, 0, -0.1))
+
+    def test_finds_a_body_and_makes_it(self):
+        plan = phymul.plan(self.build, max_error=0.2, rate=50, budget=2, most_threads=1)
+        self.assertIsNotNone(plan.chosen, plan.report)
+        self.assertIsNone(plan.cheapest)
+        self.assertIn(plan.chosen, plan.trials)
+        self.assertTrue(plan.chosen.error < 0.2 and plan.chosen.keeps_error and plan.chosen.keeps_time)
+        self.assertIn("Chosen", plan.report)
+        sim = plan.make()
+        self.assertEqual(sim.body.particles, plan.chosen.particles)
+        self.assertGreater(sim.advance(0.01).steps, 0)
+        self.refused(ErrorCode.INVALID_ARGUMENT, "cheapest", plan.make, "best")
+
+    def test_what_the_builder_throws_comes_out(self):
+        def broken(candidate):
+            raise KeyError("a mistake")
+
+        def viewed(candidate):
+            sim = self.build(candidate)
+            sim.kept = sim.positions
+            return sim
+
+        with self.assertRaises(KeyError):
+            phymul.plan(broken, max_error=0.2, rate=50)
+        with self.assertRaisesRegex(ValueError, "handed over"):
+            phymul.plan(viewed, max_error=0.2, rate=50)
+        self.refused(ErrorCode.UNKNOWN_NAME, "x0", phymul.plan, lambda candidate: self.build(candidate).fix("x9"),
+                     max_error=0.2, rate=50)
+        self.refused(ErrorCode.INVALID_ARGUMENT, "max_error", phymul.plan, self.build, max_error=2.0, rate=50)
+
+
+if __name__ == "__main__":
+    unittest.main()
