@@ -208,7 +208,7 @@ TEST(SimulationStatic, FindsTheShapeOnJoints) {
          scene.attach(scene.model().group("x0"), World{{-0.01, 0, 0.02}}, {.stiffness = 1e5, .slack = true});
          scene.attach(scene.model().group("x1"), World{{0.01, 0, 0.02}}, {.stiffness = 2e5, .slack = true});
        },
-       2000},
+       3000},
       {"glue", merge_models(bodies),
        [](Scene& scene) {
          scene.fix("lower/z0");
