@@ -8,7 +8,7 @@ if(NOT DEFINED most_lines)
 endif()
 
 set(files "")
-foreach(folder include src tests bench examples)
+foreach(folder include src tests bench examples bindings)
   file(GLOB_RECURSE found ${ROOT}/${folder}/*.h ${ROOT}/${folder}/*.cpp)
   list(APPEND files ${found})
 endforeach()

@@ -94,8 +94,8 @@ function(check_library_file file)
   return(PROPAGATE faults)
 endfunction()
 
-# Benches and examples are users: the public headers and their own folder; benches share the tests' bodies, and those
-# named for src/cpu look into it.
+# Benches, examples and bindings are users: the public headers and their own folder; benches share the tests' bodies,
+# and those named for src/cpu look into it.
 function(check_user_file file)
   cmake_path(RELATIVE_PATH file BASE_DIRECTORY "${ROOT}" OUTPUT_VARIABLE own)
   cmake_path(GET file PARENT_PATH folder)
@@ -109,7 +109,7 @@ function(check_user_file file)
       continue()
     endif()
     if(path MATCHES "\\.\\./" OR NOT EXISTS "${folder}/${path}")
-      fault("${file}" "includes ${include}; benches and examples include <phymul/...> and files of their own folder")
+      fault("${file}" "includes ${include}; users of the library include <phymul/...> and files of their own folder")
     endif()
   endforeach()
   return(PROPAGATE faults)
@@ -117,7 +117,8 @@ endfunction()
 
 file(GLOB_RECURSE public ${ROOT}/include/phymul/*.h)
 file(GLOB_RECURSE private ${ROOT}/src/*.h ${ROOT}/src/*.cpp)
-file(GLOB_RECURSE users ${ROOT}/bench/*.h ${ROOT}/bench/*.cpp ${ROOT}/examples/*.h ${ROOT}/examples/*.cpp)
+file(GLOB_RECURSE users ${ROOT}/bench/*.h ${ROOT}/bench/*.cpp ${ROOT}/examples/*.h ${ROOT}/examples/*.cpp
+     ${ROOT}/bindings/*.h ${ROOT}/bindings/*.cpp)
 if(NOT public OR NOT private OR NOT users)
   message(FATAL_ERROR "no sources under ${ROOT}: nothing was checked")
 endif()

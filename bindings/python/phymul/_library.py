@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Loads the C library. What it declares is read from phymul_c.h, which lies beside it, so that the two cannot differ."""
+"""Loads the C library. Its declarations are read from phymul_c.h, which lies beside it, so that the two cannot differ."""
 
 from __future__ import annotations
 
@@ -167,7 +167,7 @@ def view_of(function: Any, owner: Handle, columns: int, typestr: str) -> np.ndar
 
 
 def floats(values: Any, shape: tuple[int, ...], what: str) -> np.ndarray:
-    """As doubles, row by row; -1 in the shape: any number. Throws Error for another shape, and for what is no number."""
+    """As doubles, row by row; -1 in the shape: any number. Throws Error for another shape, and for other things."""
     try:
         array = np.ascontiguousarray(values, dtype=np.float64)
     except (TypeError, ValueError):

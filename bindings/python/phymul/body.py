@@ -9,8 +9,8 @@ from typing import Any, Optional, Sequence, Union
 
 import numpy as np
 
-from ._library import (Error, Handle, Owner, constants, floats, integers, library, make, path_of, rows_of, structs, text_of,
-                       view, view_of)
+from ._library import (Error, Handle, Owner, constants, floats, integers, library, make, path_of, rows_of, structs,
+                       text_of, view, view_of)
 
 Path = Union[str, "os.PathLike[str]"]
 Vector = Union[Sequence[float], np.ndarray]

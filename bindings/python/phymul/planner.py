@@ -128,8 +128,8 @@ class Plan(Owner):
 def plan(build: Callable[[Candidate], Simulation], *, max_error: float, rate: float = 0.0, rest_in: float = 0.0,
          head_room: float = 0.8, probe_time: float = 0.0, coarsest: float = 0.0, finest: float = 0.0,
          budget: float = 20.0, backends: Sequence[str] = ("cpu",), most_threads: int = 0) -> Plan:
-    """`build` makes a new simulation of a candidate, with its scene; it must not read positions. max_error: share of the
-    displacement; rate: Hz, rest_in: s, one of them; the rest is in docs/guide/planning.md."""
+    """`build` makes a new simulation of a candidate, with its scene; it must not read its arrays. max_error: share of
+    the displacement; rate: Hz, rest_in: s, one of them; the rest is in docs/guide/planning.md."""
     return Plan(_Building(build), _sized(
         "phymul_plan_options", max_error=max_error, rate=rate, rest_in=rest_in, head_room=head_room,
         probe_time=probe_time, coarsest=coarsest, finest=finest, budget=budget, most_threads=most_threads,

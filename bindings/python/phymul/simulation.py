@@ -395,11 +395,11 @@ class Simulation(Owner):
     # States
 
     def set_state(self, positions: Any = None, velocities: Any = None, time: float = 0.0) -> None:
-        """Starts from [N][3] positions, m, (left out: at rest) and velocities, m/s (left out: 0). Tools hold nothing."""
+        """Starts from [N][3] positions, m (left out: at rest), and velocities, m/s (left out: 0). Tools let go."""
         shape = (self.body.particles, 3)
         arrays = [None if values is None else floats(values, shape, what)
                   for values, what in ((positions, "positions"), (velocities, "velocities"))]
-        library.phymul_set_state(self._pointer, time, *(None if array is None else array.ctypes.data for array in arrays))
+        library.phymul_set_state(self._pointer, time, *(None if each is None else each.ctypes.data for each in arrays))
 
     def snapshot(self) -> Snapshot:
         """The state with all that further steps depend on except the scene."""

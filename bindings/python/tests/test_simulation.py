@@ -64,7 +64,7 @@ class Steps(Refusals):
 
     def test_several_bodies_touch(self):
         lower = phymul.make_block((0.03, 0.03, 0.02), 3, 3, 2)
-        sim = phymul.Simulation({"lower": lower, "upper": lower.moved((0, 0, 0.022))}, **SOFT, backend="cpu", damping=20)
+        sim = phymul.Simulation({"lower": lower, "upper": lower.moved((0, 0, 0.022))}, **SOFT, damping=20)
         sim.fix("lower/z0").gravity((0, 0, -9.81)).contacts(friction=0.4)
         sim.advance(0.4)
         self.assertGreater(sim.positions[sim.body.group("upper"), 2].min(), 0.017)
@@ -213,7 +213,7 @@ class ToolsJointsSkins(Refusals):
 
     def test_glue_and_tools_as_partners(self):
         lower = phymul.make_block((0.03, 0.03, 0.02), 3, 3, 2)
-        sim = phymul.Simulation({"lower": lower, "upper": lower.moved((0, 0, 0.021))}, **SOFT, backend="cpu", damping=20)
+        sim = phymul.Simulation({"lower": lower, "upper": lower.moved((0, 0, 0.021))}, **SOFT, damping=20)
         sim.fix("lower/z0").gravity((0, 0, 5))
         glue = sim.attach("upper/z0", "lower", stiffness=1e6, breaking_stress=1e6)
         sim.run_to_rest()
