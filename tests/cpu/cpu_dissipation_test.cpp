@@ -42,7 +42,7 @@ TEST(CpuDissipation, ForcesAreWithinTheRoundingBound) {
       elastic_forces(*tables, x, exact);
       Dissipation dissipation(*tables);
       dissipation.reset(strains);
-      dissipation.add_forces(x, tiny_step, last_dt, exact);
+      dissipation.add_forces(*tables, x, tiny_step, last_dt, exact);
       const BoundedForces bounded(*tables, u, BoundedForces::DissipatingStep{strains, tiny_step, last_dt});
 
       Snapshot start;
