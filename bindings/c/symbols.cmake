@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 #
-# cmake -DNM=... -DLIBRARY=... -DLIST=symbols.txt -P symbols.cmake: the library shows the listed functions alone. A function that is in the list must stay there as long as the library has the same SOVERSION.
+# cmake -DNM=... -DLIBRARY=... -DLIST=symbols.txt -P symbols.cmake: the library shows the functions
+# of the list alone. What is in the list stays there as long as the library has the same SOVERSION.
 cmake_minimum_required(VERSION 3.25)
 execute_process(COMMAND ${NM} --dynamic --defined-only --format=posix ${LIBRARY} OUTPUT_VARIABLE shown
                 COMMAND_ERROR_IS_FATAL ANY)

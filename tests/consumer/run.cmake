@@ -73,6 +73,13 @@ elseif(STEP MATCHES "^pkg_config")
   run(sh ${consumers}/pkg_config/build.sh ${SCRATCH}/${STEP}/app)
   run_program(${SCRATCH}/${STEP}/app)
 
+elseif(STEP STREQUAL "c")
+  file(GLOB_RECURSE library ${installed}/*/libphymul_c.so)
+  cmake_path(GET library PARENT_PATH libraries)
+  run(${COMPILER} -x c -std=c99 ${SOURCE}/bindings/c/example.c -o ${SCRATCH}/c_app -I ${installed}/include
+      -L ${libraries} -lphymul_c -Wl,-rpath,${libraries})
+  run(${SCRATCH}/c_app)
+
 else()
   message(FATAL_ERROR "unknown step \"${STEP}\"")
 endif()

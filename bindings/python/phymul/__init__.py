@@ -18,7 +18,7 @@ def backends() -> "list[str]":
 
 __all__ = [
     "Anchor", "Body", "Box", "Candidate", "Capsule", "Energy", "Error", "ErrorCode", "HalfSpace", "Joint",
-    "JointReport", "Load", "Plan", "Pose", "RestReport", "Simulation", "Skin", "Snapshot", "Sphere", "StepError", "StepReport", "Tool",
-    "ToolForce", "Trial", "backends", "body_from_arrays", "make_block", "make_body", "make_cylinder",
+    "JointReport", "Load", "Plan", "Pose", "RestReport", "Simulation", "Skin", "Snapshot", "Sphere", "StepError",
+    "StepReport", "Tool", "ToolForce", "Trial", "backends", "body_from_arrays", "make_block", "make_body", "make_cylinder",
     "make_tetrahedral_block", "plan", "read_body", "read_surface",
 ]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Loads the C library. Its declarations are read from phymul_c.h, which lies beside it, so that the two cannot differ."""
+"""Loads the C library. Its declarations are read from phymul_c.h beside it, so that the two cannot differ."""
 
 from __future__ import annotations
 
