@@ -120,12 +120,22 @@ phymul_status phymul_body_read(const char* path, double metres_per_unit, phymul_
 }
 
 phymul_status phymul_body_fill(const double* vertices, int32_t vertex_count, const int32_t* triangles,
-                               int32_t triangle_count, double spacing, phymul_body** made) {
+                               int32_t triangle_count, double spacing, const phymul_fine_place* places,
+                               int32_t place_count, phymul_body** made) {
   return make(made, [&] {
+    std::vector<SpacingField> fields;
+    for (const phymul_fine_place& at : list(places, place_count, "places")) {
+      fields.push_back(fine_near(vector(at.place, "a place"), at.radius, at.spacing, spacing));
+    }
+    const auto finest = [fields, spacing](const Vec3& place) {
+      double least = spacing;
+      for (const SpacingField& field : fields) least = std::min(least, field(place));
+      return least;
+    };
     const Surface surface{.vertices = vectors(vertices, vertex_count, "vertices"),
                           .triangles = triples(triangles, triangle_count, "triangles"),
                           .notes = {}};
-    return make_body(surface, {.spacing = spacing});
+    return make_body(surface, {.spacing = spacing, .spacing_at = fields.empty() ? SpacingField() : finest});
   });
 }
 
@@ -247,8 +257,7 @@ phymul_status phymul_body_add_cell_group(phymul_body* body, const char* name, co
 phymul_status phymul_body_set_material(phymul_body* body, const phymul_material* material, const char* group) {
   return guarded([&] {
     Model& model = need(body, "a body").model;
-    const phymul_material& m = need(material, "a material");
-    const Material given{.young = m.young, .poisson = m.poisson, .density = m.density};
+    const Material given = material_of(need(material, "a material"));
     group ? set_material(model, given, group) : set_material(model, given);
   });
 }

@@ -95,6 +95,15 @@ inline Vec3 vector(const double* xyz, const char* what) {
   return {xyz[0], xyz[1], xyz[2]};
 }
 
+inline Material material_of(const phymul_material& from) {
+  return {.young = from.young,
+          .poisson = from.poisson,
+          .density = from.density,
+          .retardation_time = from.retardation_time,
+          .relaxation_strength = from.relaxation_strength,
+          .relaxation_time = from.relaxation_time};
+}
+
 VecList vectors(const double* data, int32_t count, const char* what);
 std::vector<std::array<Index, 3>> triples(const int32_t* data, int32_t count, const char* what);
 

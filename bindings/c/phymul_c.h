@@ -69,7 +69,19 @@ typedef struct phymul_material {
   double young;    // Pa, > 0
   double poisson;  // in (-3/8, 1/2)
   double density;  // kg/m^3, > 0
+  // Dissipation (docs/guide/bodies.md); 0: none.
+  double retardation_time;     // s
+  double relaxation_strength;  // 1
+  double relaxation_time;      // s, > 0 with a relaxation_strength
 } phymul_material;
+
+// A place around which a body is finer (fine_near): `spacing`, m, within `radius`, and half a metre more per metre of
+// distance outside.
+typedef struct phymul_fine_place {
+  double place[3];  // m
+  double radius;    // m, > 0
+  double spacing;   // m, > 0
+} phymul_fine_place;
 
 enum {  // types of cells; the order of vertices is in include/phymul/model.h
   PHYMUL_TETRAHEDRON = 4,
@@ -87,9 +99,11 @@ PHYMUL_API phymul_status phymul_body_cylinder(double radius, double length, int3
                                               int32_t discs, phymul_body** made);
 // .pml, or a mesh: .msh, .vtk, .vtu. metres_per_unit of the file, 0: 1e-3 for .pml and 1 for meshes.
 PHYMUL_API phymul_status phymul_body_read(const char* path, double metres_per_unit, phymul_body** made);
-// make_body: fills a closed surface with tetrahedra, about `spacing` m apart. Group: "surface".
+// make_body: fills a closed surface with tetrahedra, about `spacing` m apart, finer around `places` (NULL with count 0:
+// nowhere). Group: "surface".
 PHYMUL_API phymul_status phymul_body_fill(const double* vertices, int32_t vertex_count, const int32_t* triangles,
-                                          int32_t triangle_count, double spacing, phymul_body** made);
+                                          int32_t triangle_count, double spacing, const phymul_fine_place* places,
+                                          int32_t place_count, phymul_body** made);
 // From particles at `rest` and cells: types [cell_count], first [cell_count + 1] and particles [first[cell_count]], of
 // which cell i has those from first[i] to first[i + 1]. Without cells (cell_count 0, all three NULL) it is a body of
 // points with 20 neighbours each. The mesh is checked, and cells that are turned inside out are turned round.
@@ -146,6 +160,8 @@ PHYMUL_API phymul_status phymul_simulation_body(const phymul_simulation* sim, ph
 
 PHYMUL_API phymul_status phymul_fix(phymul_simulation* sim, const char* group);
 PHYMUL_API phymul_status phymul_fix_particles(phymul_simulation* sim, const int32_t* particles, int32_t count);
+// Scene::scale_stiffness: of one of the bodies' materials, or of all (NULL); always of the material's own stiffness.
+PHYMUL_API phymul_status phymul_scale_stiffness(phymul_simulation* sim, const phymul_material* material, double factor);
 PHYMUL_API phymul_status phymul_gravity(phymul_simulation* sim, const double acceleration[3]);  // m/s^2
 
 enum {  // types of loads: include/phymul/load.h

@@ -27,7 +27,7 @@ SimulationOptions options_for(const phymul_options* given) {
   const phymul_options from = options_of(given, "options of a simulation");
   require_kind(from.strain_energy, PHYMUL_SHAPE_MEMORY, 2, "a strain energy");
   SimulationOptions options;
-  options.material = {.young = from.material.young, .poisson = from.material.poisson, .density = from.material.density};
+  options.material = material_of(from.material);
   if (from.backend) options.backend = from.backend;
   options.damping.rate = from.damping_rate;
   if (from.step != 0.0) options.step = from.step;
@@ -112,6 +112,13 @@ phymul_status phymul_fix(phymul_simulation* sim, const char* group) {
 
 phymul_status phymul_fix_particles(phymul_simulation* sim, const int32_t* particles, int32_t count) {
   return guarded([&] { of(sim).scene().fix(list(particles, count, "particles")); });
+}
+
+phymul_status phymul_scale_stiffness(phymul_simulation* sim, const phymul_material* material, double factor) {
+  return guarded([&] {
+    Scene& scene = of(sim).scene();
+    material ? scene.scale_stiffness(material_of(*material), factor) : scene.scale_stiffness(factor);
+  });
 }
 
 phymul_status phymul_gravity(phymul_simulation* sim, const double acceleration[3]) {

@@ -2,8 +2,8 @@
 """phymul deforms soft tissue: bodies, tools, joints, skins, rest shapes, the planner. Guide: docs/guide/python.md."""
 
 from ._library import Error, ErrorCode, library as _c, text_of as _text_of
-from .body import (Body, body_from_arrays, make_block, make_body, make_cylinder, make_tetrahedral_block, read_body,
-                   read_surface)
+from .body import (Body, Material, body_from_arrays, make_block, make_body, make_cylinder, make_tetrahedral_block,
+                   read_body, read_surface)
 from .planner import Candidate, Plan, Trial, plan
 from .simulation import (Anchor, Box, Capsule, Energy, HalfSpace, Joint, JointReport, Load, Pose, RestReport,
                          Simulation, Skin, Snapshot, Sphere, StepError, StepReport, Tool, ToolForce)
@@ -18,7 +18,7 @@ def backends() -> "list[str]":
 
 __all__ = [
     "Anchor", "Body", "Box", "Candidate", "Capsule", "Energy", "Error", "ErrorCode", "HalfSpace", "Joint",
-    "JointReport", "Load", "Plan", "Pose", "RestReport", "Simulation", "Skin", "Snapshot", "Sphere", "StepError",
+    "JointReport", "Load", "Material", "Plan", "Pose", "RestReport", "Simulation", "Skin", "Snapshot", "Sphere", "StepError",
     "StepReport", "Tool", "ToolForce", "Trial", "backends", "body_from_arrays", "make_block", "make_body", "make_cylinder",
     "make_tetrahedral_block", "plan", "read_body", "read_surface",
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+from dataclasses import astuple, dataclass
 from typing import Any, Optional, Sequence, Union
 
 import numpy as np
@@ -16,6 +17,20 @@ Path = Union[str, "os.PathLike[str]"]
 Vector = Union[Sequence[float], np.ndarray]
 
 _sizes = {"tetrahedron": 4, "wedge": 6, "pyramid": 5, "hexahedron": 8}
+
+
+@dataclass(frozen=True)
+class Material:
+    young: float  # Pa
+    poisson: float
+    density: float  # kg/m^3
+    retardation_time: float = 0.0  # s; this and the next two are its dissipation, 0: none
+    relaxation_strength: float = 0.0
+    relaxation_time: float = 0.0  # s
+
+    @property
+    def _struct(self) -> Any:
+        return structs["phymul_material"](*astuple(self))
 
 
 class Body(Owner):
@@ -94,10 +109,14 @@ class Body(Owner):
         """Mask of the particles at most `radius`, m, from a place at rest."""
         return np.linalg.norm(self.rest - floats(centre, (3,), "a centre"), axis=1) <= radius
 
-    def set_material(self, young: float, poisson: float, density: float, group: Optional[str] = None) -> None:
-        """Pa, 1, kg/m^3; of the whole body, or of the cells of a group. Masses follow from the density."""
-        material = structs["phymul_material"](young, poisson, density)
-        library.phymul_body_set_material(self._pointer, ctypes.byref(material), group.encode() if group else None)
+    def set_material(self, young: float, poisson: float, density: float, group: Optional[str] = None,
+                     **dissipation: float) -> Material:
+        """Pa, 1, kg/m^3, and the other constants of Material by name; of the whole body, or of the cells of a group.
+        Masses follow from the density."""
+        material = Material(young, poisson, density, **dissipation)
+        library.phymul_body_set_material(self._pointer, ctypes.byref(material._struct),
+                                         group.encode() if group else None)
+        return material
 
     def moved(self, by: Vector) -> Body:
         """The same body elsewhere."""
@@ -134,12 +153,16 @@ def read_surface(path: Path, metres_per_unit: float = 1.0) -> tuple[np.ndarray, 
             view_of(library.phymul_surface_triangles, handle, 3, "<i4"))
 
 
-def make_body(vertices: Any, triangles: Any, spacing: float) -> Body:
-    """Fills a closed surface with tetrahedra about `spacing`, m, apart. Group: surface."""
+def make_body(vertices: Any, triangles: Any, spacing: float, fine: Sequence[tuple[Vector, float, float]] = ()) -> Body:
+    """Fills a closed surface with tetrahedra about `spacing`, m, apart. Group: surface. fine: places around which the
+    body is finer, each with a radius and the spacing within it, m."""
     vertices = floats(vertices, (-1, 3), "vertices")
     triangles = integers(triangles, 3, "triangles")
+    place = structs["phymul_fine_place"]
+    places = (place * len(fine))(*(place((ctypes.c_double * 3)(*floats(at, (3,), "a place")), radius, own)
+                                   for at, radius, own in fine))
     return Body(make("body", library.phymul_body_fill, vertices.ctypes.data, len(vertices), triangles.ctypes.data,
-                     len(triangles), spacing))
+                     len(triangles), spacing, places, len(fine)))
 
 
 def body_from_arrays(rest: Any, cells: Optional[dict[str, Any]] = None) -> Body:

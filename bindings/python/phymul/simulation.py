@@ -12,7 +12,7 @@ import numpy as np
 
 from ._library import (Error, ErrorCode, Handle, Owner, constants, floats, integers, library, make, path_of, rows_of,
                        structs, text_of, view, view_of)
-from .body import Body, Path, Vector
+from .body import Body, Material, Path, Vector
 
 Where = Any  # the name of a group, rows of particles, or a mask of N booleans
 Value = Union[float, Sequence[tuple[float, float]]]  # constant, or pairs of a time, s, and a value, linear between
@@ -177,7 +177,7 @@ class Simulation(Owner):
         options = _sized("phymul_options", threads=threads, backend=backend.encode(), damping_rate=damping, step=step,
                          rest_tolerance=rest_tolerance, strain_energy=constants[strain_energy.upper()],
                          sleeps=sleep_tolerance is not None, sleep_tolerance=sleep_tolerance or 0.0)
-        options.material = structs["phymul_material"](young, poisson, density)
+        options.material = Material(young, poisson, density)._struct
         bodies = [body] if isinstance(body, Body) else list(body.values())
         handles = (ctypes.c_void_p * len(bodies))(*(each._pointer for each in bodies))
         names = None
@@ -208,6 +208,12 @@ class Simulation(Owner):
         """Holds a group, rows of particles or a mask of particles at rest."""
         rows = self._rows(where)
         library.phymul_fix_particles(self._pointer, rows.ctypes.data, len(rows))
+        return self
+
+    def scale_stiffness(self, factor: float, material: Optional[Material] = None) -> Simulation:
+        """Of a material of the body as Body.set_material returned it, or of all; always of its own stiffness."""
+        struct = _ref(material._struct) if material else None
+        library.phymul_scale_stiffness(self._pointer, struct, factor)
         return self
 
     def gravity(self, acceleration: Vector) -> Simulation:

@@ -80,6 +80,11 @@ class Bodies(Refusals):
         self.assertIn("surface", ball.groups)
         ball.set_material(5e3, 0.4, 1000)
         self.assertAlmostEqual(ball.masses.sum() / (1000 * 0.02**3), 1, delta=0.05)
+        finer = phymul.make_body(CUBE, FACES, 0.006, fine=[((0, 0, 0), 0.004, 0.0015)])
+        near = [np.linalg.norm(body.rest, axis=1) < 0.004 for body in (ball, finer)]
+        self.assertGreater(near[1].sum(), 8 * near[0].sum())
+        with self.assertRaisesRegex(phymul.Error, "fine <= coarse|fine"):
+            phymul.make_body(CUBE, FACES, 0.006, fine=[((0, 0, 0), 0.004, 0.01)])
 
     def test_arrays_come_back(self):
         block = phymul.make_tetrahedral_block((0.02, 0.02, 0.02), 2, 2, 2)

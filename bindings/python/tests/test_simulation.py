@@ -44,6 +44,20 @@ class Steps(Refusals):
             self.assertAlmostEqual(places[-1][sim.body.group("z1"), 0].mean() / beam, 1, delta=0.25)
         np.testing.assert_allclose(places[0], places[1], atol=1e-4 * np.abs(places[0]).max())
 
+    def test_materials_become_softer_and_dissipate(self):
+        body = phymul.make_block((0.03, 0.03, 0.03), 3, 3, 3)
+        tissue = body.set_material(**SOFT)
+        sim = phymul.Simulation(body, backend="reference").fix("z0").gravity((0, 0, -0.1))
+        self.assertTrue(sim.solve_static().converged)
+        before, step = sim.displacements.copy(), sim.stable_step
+        self.assertTrue(sim.scale_stiffness(0.5, tissue).solve_static().converged)
+        np.testing.assert_allclose(sim.displacements, 2 * before, atol=1e-3 * np.abs(before).max())
+        self.assertAlmostEqual(sim.stable_step / step, 2**0.5)
+        with self.assertRaisesRegex(phymul.Error, "a material of the model"):
+            sim.scale_stiffness(0.5, phymul.Material(1e3, 0.4, 1000))
+        body.set_material(**SOFT, relaxation_strength=1, relaxation_time=0.1)
+        self.assertAlmostEqual(phymul.Simulation(body, backend="reference").stable_step / step, 0.5**0.5)
+
     def test_values_of_loads_follow_time(self):
         sim = block().fix("z0")
         sim.add_load("translation", sim.body.rest[:, 2] > 0.029, (0, 0, 1), [(0, 0), (0.1, 3e-3)])
