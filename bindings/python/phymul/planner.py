@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import Any, Callable, Optional, Sequence
 
 from ._library import Builder, Error, ErrorCode, Owner, constants, library, make, structs, text_of
-from .simulation import Simulation, _sized
+from .interaction import sized
+from .simulation import Simulation
 
 
 @dataclass(frozen=True)
@@ -130,7 +131,7 @@ def plan(build: Callable[[Candidate], Simulation], *, max_error: float, rate: fl
          budget: float = 20.0, backends: Sequence[str] = ("cpu",), most_threads: int = 0) -> Plan:
     """`build` makes a new simulation of a candidate, with its scene; it must not read its arrays. max_error: share of
     the displacement; rate: Hz, rest_in: s, one of them; the rest is in docs/guide/planning.md."""
-    return Plan(_Building(build), _sized(
+    return Plan(_Building(build), sized(
         "phymul_plan_options", max_error=max_error, rate=rate, rest_in=rest_in, head_room=head_room,
         probe_time=probe_time, coarsest=coarsest, finest=finest, budget=budget, most_threads=most_threads,
         backends="\n".join(backends).encode()))

@@ -1,21 +1,21 @@
 # SPDX-License-Identifier: MIT
-"""Simulations, and what acts on them: tools, joints, skins."""
+"""Simulations: a body in time, or at rest."""
 
 from __future__ import annotations
 
 import ctypes
 import math
 from dataclasses import dataclass
-from typing import Any, Mapping, Optional, Sequence, Union
+from typing import Any, Mapping, Optional, Union
 
 import numpy as np
 
 from ._library import (Error, ErrorCode, Handle, Owner, constants, floats, integers, library, make, path_of, rows_of,
-                       structs, text_of, view, view_of)
+                       structs, text_of, view_of)
 from .body import Body, Material, Path, Vector
+from .interaction import (Anchor, Box, Capsule, HalfSpace, Joint, Load, Pose, Shape, Skin, Sphere, Tool, Value, Where,
+                          events_of, fields_of, fill, pose_of, sized)
 
-Where = Any  # the name of a group, rows of particles, or a mask of N booleans
-Value = Union[float, Sequence[tuple[float, float]]]  # constant, or pairs of a time, s, and a value, linear between
 _ref = ctypes.byref
 
 
@@ -65,99 +65,6 @@ class Energy:
         return self.elastic + self.kinetic + self.gravity
 
 
-@dataclass(frozen=True)
-class Sphere:
-    radius: float  # m
-
-
-@dataclass(frozen=True)
-class Capsule:
-    """All within `radius` of the segment from the tool's position along its z axis."""
-
-    radius: float  # m
-    length: float  # m
-
-
-@dataclass(frozen=True)
-class HalfSpace:
-    """Solid below the tool's position: a floor."""
-
-
-@dataclass(frozen=True)
-class Box:
-    half_size: Vector  # m
-
-
-Shape = Union[Sphere, Capsule, HalfSpace, Box]
-
-
-@dataclass(frozen=True)
-class Pose:
-    position: Vector = (0.0, 0.0, 0.0)  # m
-    orientation: Vector = (1.0, 0.0, 0.0, 0.0)  # quaternion w, x, y, z
-    velocity: Vector = (0.0, 0.0, 0.0)  # m/s, with which the tool goes on without a new pose
-    spin: Vector = (0.0, 0.0, 0.0)  # rad/s
-
-
-@dataclass(frozen=True)
-class ToolForce:
-    """Of the particles on the tool: N, and N m about its position. Means are over the steps of the last call."""
-
-    force: np.ndarray
-    torque: np.ndarray
-    mean_force: np.ndarray
-    mean_torque: np.ndarray
-    particles: int
-    held: int
-
-
-@dataclass(frozen=True)
-class JointReport:
-    force: np.ndarray  # N, sum over the springs
-    largest: float  # N, of a spring
-    broken: int
-    springs: int
-
-
-@dataclass(frozen=True)
-class Anchor:
-    """An end of a spring: the mean of `particles`, else a `point`, m, of the world or in the frame of `tool`."""
-
-    particles: Where = None
-    point: Vector = (0.0, 0.0, 0.0)
-    tool: Optional[Tool] = None
-
-
-def _fill(struct: Any, what: str, **vectors: Any) -> Any:
-    for name, values in vectors.items():
-        place = getattr(struct, name)
-        place[:] = floats(values, (len(place),), f"{what}: {name}").tolist()
-    return struct
-
-
-def _fields(struct: Any) -> dict[str, Any]:
-    values = {name: getattr(struct, name) for name, _ in struct._fields_}
-    return {name: np.array(value) if hasattr(value, "__len__") else value for name, value in values.items()}
-
-
-def _sized(name: str, **fields: Any) -> Any:
-    struct = structs[name](**fields)
-    struct.size = ctypes.sizeof(struct)
-    return struct
-
-
-def _pose(pose: Pose) -> Any:
-    return _fill(structs["phymul_pose"](), "a pose", position=pose.position, orientation=pose.orientation,
-                 velocity=pose.velocity, spin=pose.spin)
-
-
-def _events(value: Value) -> np.ndarray:
-    """[2][n]: times and values."""
-    if isinstance(value, (int, float)):
-        value = [(0.0, float(value))]
-    return np.ascontiguousarray(floats(value, (-1, 2), "a value: a number, or pairs of time and value").T)
-
-
 class Simulation(Owner):
     """A body, or several by name, with what acts on it: `Simulation` in C++. Units are SI.
 
@@ -174,7 +81,7 @@ class Simulation(Owner):
         energies = ("shape_memory", "neo_hookean")
         if strain_energy not in energies:
             raise Error(f'expected a strain energy of {", ".join(energies)}; got "{strain_energy}"')
-        options = _sized("phymul_options", threads=threads, backend=backend.encode(), damping_rate=damping, step=step,
+        options = sized("phymul_options", threads=threads, backend=backend.encode(), damping_rate=damping, step=step,
                          rest_tolerance=rest_tolerance, strain_energy=constants[strain_energy.upper()],
                          sleeps=sleep_tolerance is not None, sleep_tolerance=sleep_tolerance or 0.0)
         options.material = Material(young, poisson, density)._struct
@@ -228,7 +135,7 @@ class Simulation(Owner):
         kinds = ("translation", "rotation", "force", "pressure", "acceleration")
         if kind not in kinds:
             raise Error(f'expected a load of {", ".join(kinds)}; got "{kind}"')
-        rows, events, row = self._rows(where), _events(value), ctypes.c_int32()
+        rows, events, row = self._rows(where), events_of(value), ctypes.c_int32()
         vector = floats(direction, (3,), "a direction")
         library.phymul_add_load(self._pointer, constants[kind.upper()], rows.ctypes.data, len(rows), vector.ctypes.data,
                                 events[0].ctypes.data, events[1].ctypes.data, events.shape[1], _ref(row))
@@ -249,8 +156,8 @@ class Simulation(Owner):
         """contact: "particles" or "surface". compliance: m/N, margin: m."""
         if contact not in ("particles", "surface"):
             raise Error(f'expected the contact "particles" or "surface", got "{contact}"')
-        options = _sized("phymul_tool_options", friction=friction, compliance=compliance, margin=margin,
-                         contact=contact == "surface", pose=_pose(pose))
+        options = sized("phymul_tool_options", friction=friction, compliance=compliance, margin=margin,
+                         contact=contact == "surface", pose=pose_of(pose))
         kinds = {Sphere: "SPHERE", Capsule: "CAPSULE", HalfSpace: "HALF_SPACE", Box: "BOX"}
         if type(shape) not in kinds:
             raise Error(f"expected a Sphere, Capsule, HalfSpace or Box, got {shape!r:.100}")
@@ -260,7 +167,7 @@ class Simulation(Owner):
         if isinstance(shape, Capsule):
             options.length = shape.length
         if isinstance(shape, Box):
-            _fill(options, "a box", half_size=shape.half_size)
+            fill(options, "a box", half_size=shape.half_size)
         number = ctypes.c_uint64()
         library.phymul_tool_add(self._pointer, _ref(options), _ref(number))
         return Tool(self, number.value)
@@ -270,14 +177,14 @@ class Simulation(Owner):
         """A spring with a damper, N/m and N s/m. rest_length: m; left out, the distance of the anchors when added."""
         kept, anchors = [], []
         for anchor in (a, b):
-            struct = _fill(structs["phymul_anchor"](), "an anchor", point=anchor.point)
+            struct = fill(structs["phymul_anchor"](), "an anchor", point=anchor.point)
             if anchor.particles is not None:
                 kept.append(self._rows(anchor.particles))
                 struct.particles, struct.count = kept[-1].ctypes.data, len(kept[-1])
             elif anchor.tool is not None:
                 struct.tool = anchor.tool._number_in(self)
             anchors.append(struct)
-        options = _sized("phymul_joint_options", slack=slack, stiffness=stiffness, damping=damping,
+        options = sized("phymul_joint_options", slack=slack, stiffness=stiffness, damping=damping,
                          breaking=breaking_force, rest_length=-1.0 if rest_length is None else rest_length)
         number = ctypes.c_uint64()
         library.phymul_joint_add(self._pointer, _ref(anchors[0]), _ref(anchors[1]), _ref(options), _ref(number))
@@ -288,7 +195,7 @@ class Simulation(Owner):
         """A spring for each particle of a patch of the surface, to a body or group by name, to a tool, or to points of
         the world at `offset`, m, from the particles. N/m^3, N s/m^3, Pa: per area."""
         rows, vector = self._rows(where), floats(offset, (3,), "an offset")
-        options = _sized("phymul_joint_options", slack=slack, stiffness=stiffness, damping=damping,
+        options = sized("phymul_joint_options", slack=slack, stiffness=stiffness, damping=damping,
                          breaking=breaking_stress)
         number = ctypes.c_uint64()
         library.phymul_attach(self._pointer, rows.ctypes.data, len(rows), to.encode() if isinstance(to, str) else None,
@@ -311,7 +218,7 @@ class Simulation(Owner):
             if error.code != ErrorCode.STEP_FAILED:
                 raise
             failure = error
-        fields = _fields(report)
+        fields = fields_of(report)
         fields["at_rest"], fields["force_clamped"] = bool(report.at_rest), bool(report.force_clamped)
         result = StepReport(**fields, message=self.message)
         if failure:
@@ -321,7 +228,7 @@ class Simulation(Owner):
     def _rested(self, function: Any, *arguments: Any) -> RestReport:
         report = structs["phymul_rest_report"]()
         function(self._pointer, *arguments, _ref(report))
-        fields = _fields(report)
+        fields = fields_of(report)
         fields["converged"] = bool(report.converged)
         return RestReport(**fields, message=self.message)
 
@@ -440,94 +347,3 @@ class Simulation(Owner):
 class Snapshot(Owner):
     def __init__(self, handle: Handle) -> None:
         self._handle = handle
-
-
-class Load:
-    """A load of a simulation; set() changes its value, as often as you like."""
-
-    def __init__(self, simulation: Simulation, row: int) -> None:
-        self._simulation, self._row = simulation, row
-
-    def set(self, value: Value) -> None:
-        events = _events(value)
-        library.phymul_set_load(self._simulation._pointer, self._row, events[0].ctypes.data, events[1].ctypes.data,
-                                events.shape[1])
-
-
-class Tool:
-    """A rigid tool of a simulation."""
-
-    def __init__(self, simulation: Simulation, number: int) -> None:
-        self._simulation, self._number = simulation, number
-
-    def _number_in(self, simulation: Simulation) -> int:
-        if self._simulation is not simulation:
-            raise Error("expected a tool of this simulation, got one of another")
-        return self._number
-
-    def move_to(self, pose: Pose) -> None:
-        """Moves there during the next step or advance."""
-        library.phymul_tool_move_to(self._simulation._pointer, self._number, _ref(_pose(pose)))
-
-    def teleport(self, pose: Pose) -> None:
-        """Puts it there at once, without passing the space between."""
-        library.phymul_tool_teleport(self._simulation._pointer, self._number, _ref(_pose(pose)))
-
-    def grasp(self, distance: float) -> None:
-        """From the next step on particles within a distance, m, move with the tool."""
-        library.phymul_tool_grasp(self._simulation._pointer, self._number, distance)
-
-    def release(self) -> None:
-        library.phymul_tool_release(self._simulation._pointer, self._number)
-
-    def remove(self) -> None:
-        library.phymul_tool_remove(self._simulation._pointer, self._number)
-
-    @property
-    def pose(self) -> Pose:
-        pose = structs["phymul_pose"]()
-        library.phymul_tool_read_pose(self._simulation._pointer, self._number, _ref(pose))
-        return Pose(**_fields(pose))
-
-    @property
-    def force(self) -> ToolForce:
-        force = structs["phymul_tool_force"]()
-        library.phymul_tool_read_force(self._simulation._pointer, self._number, _ref(force))
-        return ToolForce(**_fields(force))
-
-
-class Joint:
-    """A joint of a simulation."""
-
-    def __init__(self, simulation: Simulation, number: int) -> None:
-        self._simulation, self._number = simulation, number
-
-    def set_stiffness(self, stiffness: float, damping: float = 0.0) -> None:
-        library.phymul_joint_set(self._simulation._pointer, self._number, stiffness, damping)
-
-    def remove(self) -> None:
-        library.phymul_joint_remove(self._simulation._pointer, self._number)
-
-    @property
-    def report(self) -> JointReport:
-        report = structs["phymul_joint_report"]()
-        library.phymul_joint_read(self._simulation._pointer, self._number, _ref(report))
-        return JointReport(**_fields(report))
-
-
-class Skin(Owner):
-    """Points that move with the body of a simulation: Simulation.bind makes it."""
-
-    def __init__(self, simulation: Simulation, points: np.ndarray, triangles: np.ndarray) -> None:
-        self._simulation, self._points = simulation, len(points)
-        self._handle = make("skin", library.phymul_skin_create, simulation._pointer, points.ctypes.data, len(points),
-                            triangles.ctypes.data, len(triangles))
-
-    def deform(self) -> tuple[np.ndarray, np.ndarray]:
-        """[n][3] places, m, and unit normals (0 without triangles) where the body is now: read-only views that the next
-        call overwrites."""
-
-        out = [ctypes.c_void_p(), ctypes.c_void_p()]
-        library.phymul_skin_deform(self._pointer, self._simulation._pointer, _ref(out[0]), _ref(out[1]))
-        points, normals = (view(place.value, (self._points, 3), "<f8", self._own) for place in out)
-        return points, normals

@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: MIT
+"""What acts on a simulation or follows it: loads, tools, joints, skins."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
+
+import numpy as np
+
+from ._library import Error, Owner, floats, library, make, structs, view
+from .body import Vector
+
+if TYPE_CHECKING:
+    from .simulation import Simulation
+
+Where = Any  # the name of a group, rows of particles, or a mask of N booleans
+Value = Union[float, Sequence[tuple[float, float]]]  # constant, or pairs of a time, s, and a value, linear between
+_ref = ctypes.byref
+
+
+@dataclass(frozen=True)
+class Sphere:
+    radius: float  # m
+
+
+@dataclass(frozen=True)
+class Capsule:
+    """All within `radius` of the segment from the tool's position along its z axis."""
+
+    radius: float  # m
+    length: float  # m
+
+
+@dataclass(frozen=True)
+class HalfSpace:
+    """Solid below the tool's position: a floor."""
+
+
+@dataclass(frozen=True)
+class Box:
+    half_size: Vector  # m
+
+
+Shape = Union[Sphere, Capsule, HalfSpace, Box]
+
+
+@dataclass(frozen=True)
+class Pose:
+    position: Vector = (0.0, 0.0, 0.0)  # m
+    orientation: Vector = (1.0, 0.0, 0.0, 0.0)  # quaternion w, x, y, z
+    velocity: Vector = (0.0, 0.0, 0.0)  # m/s, with which the tool goes on without a new pose
+    spin: Vector = (0.0, 0.0, 0.0)  # rad/s
+
+
+@dataclass(frozen=True)
+class ToolForce:
+    """Of the particles on the tool: N, and N m about its position. Means are over the steps of the last call."""
+
+    force: np.ndarray
+    torque: np.ndarray
+    mean_force: np.ndarray
+    mean_torque: np.ndarray
+    particles: int
+    held: int
+
+
+@dataclass(frozen=True)
+class JointReport:
+    force: np.ndarray  # N, sum over the springs
+    largest: float  # N, of a spring
+    broken: int
+    springs: int
+
+
+@dataclass(frozen=True)
+class Anchor:
+    """An end of a spring: the mean of `particles`, else a `point`, m, of the world or in the frame of `tool`."""
+
+    particles: Where = None
+    point: Vector = (0.0, 0.0, 0.0)
+    tool: Optional[Tool] = None
+
+
+def fill(struct: Any, what: str, **vectors: Any) -> Any:
+    for name, values in vectors.items():
+        place = getattr(struct, name)
+        place[:] = floats(values, (len(place),), f"{what}: {name}").tolist()
+    return struct
+
+
+def fields_of(struct: Any) -> dict[str, Any]:
+    values = {name: getattr(struct, name) for name, _ in struct._fields_}
+    return {name: np.array(value) if hasattr(value, "__len__") else value for name, value in values.items()}
+
+
+def sized(name: str, **fields: Any) -> Any:
+    struct = structs[name](**fields)
+    struct.size = ctypes.sizeof(struct)
+    return struct
+
+
+def pose_of(pose: Pose) -> Any:
+    return fill(structs["phymul_pose"](), "a pose", position=pose.position, orientation=pose.orientation,
+                 velocity=pose.velocity, spin=pose.spin)
+
+
+def events_of(value: Value) -> np.ndarray:
+    """[2][n]: times and values."""
+    if isinstance(value, (int, float)):
+        value = [(0.0, float(value))]
+    return np.ascontiguousarray(floats(value, (-1, 2), "a value: a number, or pairs of time and value").T)
+
+
+class Load:
+    """A load of a simulation; set() changes its value, as often as you like."""
+
+    def __init__(self, simulation: Simulation, row: int) -> None:
+        self._simulation, self._row = simulation, row
+
+    def set(self, value: Value) -> None:
+        events = events_of(value)
+        library.phymul_set_load(self._simulation._pointer, self._row, events[0].ctypes.data, events[1].ctypes.data,
+                                events.shape[1])
+
+
+class Tool:
+    """A rigid tool of a simulation."""
+
+    def __init__(self, simulation: Simulation, number: int) -> None:
+        self._simulation, self._number = simulation, number
+
+    def _number_in(self, simulation: Simulation) -> int:
+        if self._simulation is not simulation:
+            raise Error("expected a tool of this simulation, got one of another")
+        return self._number
+
+    def move_to(self, pose: Pose) -> None:
+        """Moves there during the next step or advance."""
+        library.phymul_tool_move_to(self._simulation._pointer, self._number, _ref(pose_of(pose)))
+
+    def teleport(self, pose: Pose) -> None:
+        """Puts it there at once, without passing the space between."""
+        library.phymul_tool_teleport(self._simulation._pointer, self._number, _ref(pose_of(pose)))
+
+    def grasp(self, distance: float) -> None:
+        """From the next step on particles within a distance, m, move with the tool."""
+        library.phymul_tool_grasp(self._simulation._pointer, self._number, distance)
+
+    def release(self) -> None:
+        library.phymul_tool_release(self._simulation._pointer, self._number)
+
+    def remove(self) -> None:
+        library.phymul_tool_remove(self._simulation._pointer, self._number)
+
+    @property
+    def pose(self) -> Pose:
+        pose = structs["phymul_pose"]()
+        library.phymul_tool_read_pose(self._simulation._pointer, self._number, _ref(pose))
+        return Pose(**fields_of(pose))
+
+    @property
+    def force(self) -> ToolForce:
+        force = structs["phymul_tool_force"]()
+        library.phymul_tool_read_force(self._simulation._pointer, self._number, _ref(force))
+        return ToolForce(**fields_of(force))
+
+
+class Joint:
+    """A joint of a simulation."""
+
+    def __init__(self, simulation: Simulation, number: int) -> None:
+        self._simulation, self._number = simulation, number
+
+    def set_stiffness(self, stiffness: float, damping: float = 0.0) -> None:
+        library.phymul_joint_set(self._simulation._pointer, self._number, stiffness, damping)
+
+    def remove(self) -> None:
+        library.phymul_joint_remove(self._simulation._pointer, self._number)
+
+    @property
+    def report(self) -> JointReport:
+        report = structs["phymul_joint_report"]()
+        library.phymul_joint_read(self._simulation._pointer, self._number, _ref(report))
+        return JointReport(**fields_of(report))
+
+
+class Skin(Owner):
+    """Points that move with the body of a simulation: Simulation.bind makes it."""
+
+    def __init__(self, simulation: Simulation, points: np.ndarray, triangles: np.ndarray) -> None:
+        self._simulation, self._points = simulation, len(points)
+        self._handle = make("skin", library.phymul_skin_create, simulation._pointer, points.ctypes.data, len(points),
+                            triangles.ctypes.data, len(triangles))
+
+    def deform(self) -> tuple[np.ndarray, np.ndarray]:
+        """[n][3] places, m, and unit normals (0 without triangles) where the body is now: read-only views that the next
+        call overwrites."""
+
+        out = [ctypes.c_void_p(), ctypes.c_void_p()]
+        library.phymul_skin_deform(self._pointer, self._simulation._pointer, _ref(out[0]), _ref(out[1]))
+        points, normals = (view(place.value, (self._points, 3), "<f8", self._own) for place in out)
+        return points, normals
