@@ -12,7 +12,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <future>
 #include <mutex>
 #include <thread>
 
@@ -24,6 +23,8 @@ using namespace phymul;
 using Clock = std::chrono::steady_clock;
 
 constexpr double tick = 1e-3;  // s, of the device
+constexpr Material organ{.young = 6e3, .poisson = 0.45, .density = 1060};
+constexpr Material tumour{.young = 3e4, .poisson = 0.45, .density = 1060};
 
 /// What pictures are made of. Only positions cross from one thread to the other, and by copy: a solver, its scene and
 /// handles belong to the thread that steps.
@@ -43,7 +44,7 @@ class Frames {
   VecList position_;
 };
 
-Simulation make_tissue(double tumour_young) {
+Simulation make_tissue() {
   Model model = make_ellipsoid({.semi_axes = {0.08, 0.06, 0.04}, .organ_layers = 3});
   const auto near = [&](const Vec3& place, double reach) {
     std::vector<Index> rows;
@@ -54,8 +55,6 @@ Simulation make_tissue(double tumour_young) {
   };
   model.add_group("ligament", near({-0.08, 0, 0}, 0.03));
   model.add_group("tumour", near({0.02, 0, 0.02}, 0.02));
-  const Material organ{.young = 6e3, .poisson = 0.45, .density = 1060};
-  const Material tumour{.young = tumour_young, .poisson = 0.45, .density = 1060};
   Simulation sim(std::move(model), {.material = organ,
                                     .materials = {{"tumour", tumour}},
                                     .backend = "cpu",
@@ -63,11 +62,6 @@ Simulation make_tissue(double tumour_young) {
                                     .solver = {.threads = 1}});
   sim.scene().fix("ligament");
   return sim;
-}
-
-ToolHandle add_gripper(Simulation& sim, const ToolPose& pose) {
-  sim.scene().add_tool("gripper", {.shape = Sphere{0.008}, .pose = pose, .friction = 0.3});
-  return sim.scene().tool("gripper");
 }
 
 /// Goes down on the organ, up with what it holds, and down again.
@@ -90,12 +84,12 @@ void draw_until(const std::atomic<bool>& over, Frames& frames, const Model& mode
 }
 
 int run(double seconds) {
-  Simulation tissue = make_tissue(3e4);
+  Simulation tissue = make_tissue();
   const Model drawn_model = tissue.model();  // the thread that draws has a copy of its own
-  ToolHandle gripper = add_gripper(tissue, {.position = hand_at(0)});
+  const ToolHandle gripper =
+      tissue.scene().add_tool({.shape = Sphere{0.008}, .pose = {.position = hand_at(0)}, .friction = 0.3});
   VirtualCoupling coupling({}, gripper.target_pose());
   tissue.keep_history(100);  // a state every 100 steps, at most 64 MB of them
-  std::future<Simulation> softer;
 
   Frames frames;
   std::atomic<bool> over{false};
@@ -108,16 +102,15 @@ int run(double seconds) {
 
   State state;
   double largest = 0.0;
-  int changed = -1;  // tick
   const int ticks = static_cast<int>(seconds / tick);
   auto due = Clock::now();
-  // As long as asked for, and until the change has come and been lived with for a fifth of a second.
-  for (int k = 0; k < ticks || changed < 0 || k < changed + 200; ++k) {
+  for (int k = 0; k < ticks; ++k) {
     const double time = k * tick;
     const ToolPose hand{.position = hand_at(time), .velocity = (hand_at(time + tick) - hand_at(time)) / tick};
     gripper.move_to(coupling.follow(hand, tissue.force_on(gripper), tick));
     if (k == ticks / 3) gripper.grasp(0.003);
     if (k == 5 * ticks / 6) gripper.release();
+    if (k == ticks / 2) tissue.scene().scale_stiffness(tumour, 0.1);
 
     const StepReport report = tissue.advance(tick);
     if (!report.ok()) {  // the last good state is kept
@@ -129,18 +122,6 @@ int run(double seconds) {
     state = tissue.state();
     frames.give(state.position);
 
-    // Another stiffness: a tissue made anew beside, which takes the state over in between two ticks.
-    if (k == ticks / 2) {
-      softer = std::async(std::launch::async, [] { return make_tissue(3e3); });
-    }
-    if (softer.valid() && softer.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
-      Simulation next = softer.get();
-      gripper = add_gripper(next, tissue.pose_of(gripper));
-      next.set_state(state);  // what the gripper holds is in it
-      tissue = std::move(next);
-      tissue.keep_history(100);  // the states before were those of another body
-      changed = k;
-    }
     due += std::chrono::milliseconds(1);
     std::this_thread::sleep_until(due);
   }
@@ -151,8 +132,6 @@ int run(double seconds) {
   coupling.reset(tissue.pose_of(gripper));  // or the hand would be pulled to where the tool was
   std::printf("%d particles, %.3f s, %d pictures; at most %.2f N on the hand\n", tissue.model().particle_count(), end,
               drawn, largest);
-  const int half = ticks / 2;
-  std::printf("other stiffness asked for at %.3f s, in force from %.3f s\n", half * tick, changed * tick);
   std::printf("%s to %.3f s\n", undone ? "gone back" : "could not go back", tissue.time());
   return undone && largest > 0.0 ? 0 : 1;
 }

@@ -312,7 +312,7 @@ TEST(RecordingFile, CutAtEveryByteAndEveryBitTurnedIsRefused) {
 
 /// Damage behind right checksums: read and replayed (steps aside, which may be any number), or an Error.
 TEST(RecordingFile, MutantsWithRightChecksumsAreHarmless) {
-  const FileKind kind{"phymulRe", 5, "a recording"};
+  const FileKind kind{"phymulRe", 6, "a recording"};
   const std::string good = small_recording();
   const std::vector<FileSection> sections = read_sections("r", good, kind, {"head", "stat", "scne", "inpt"});
   const Model model = make_tetrahedron(0.01);
