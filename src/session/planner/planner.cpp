@@ -55,8 +55,10 @@ double Planner::first_spacing() {
     } catch (const SceneError&) {
       throw;
     } catch (const std::exception& error) {
+      const auto* const own = dynamic_cast<const Error*>(&error);
+      if (own != nullptr && own->code() == ErrorCode::unknown_name) throw;  // of a group: no spacing mends that
       refusal = error.what();
-      if (best > 0.0) break;
+      if (best > 0.0 || spacing <= options.finest) break;
       spacing *= 0.5;
       continue;
     }
