@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <utility>
 
 int main() try {
   const double loss_factor = 0.3, frequency = 20.0;  // Hz, at which it was measured
@@ -19,20 +20,28 @@ int main() try {
   phymul::State start = phymul::rest_state(sim.model());
   for (std::size_t i = 0; i < start.position.size(); ++i) start.velocity[i].x() = 4.0 * (start.position[i].x() - 0.03);
   sim.set_state(start);
-  double mass = 0.0;
-  for (const double m : sim.model().mass) mass += m;
-  const auto vibration = [&] {  // J: the kinetic energy without that of the fall
-    return sim.solver().energy().kinetic - 0.5 * sim.solver().momentum().linear.squaredNorm() / mass;
+  const auto motion = [&] {  // the mean velocity, m/s, and the kinetic energy about it, J
+    const phymul::State now = sim.state();
+    double mass = 0.0, energy = 0.0;
+    phymul::Vec3 mean = phymul::Vec3::Zero();
+    for (std::size_t i = 0; i < now.velocity.size(); ++i) {
+      mass += sim.model().mass[i];
+      mean += sim.model().mass[i] * now.velocity[i];
+      energy += 0.5 * sim.model().mass[i] * now.velocity[i].squaredNorm();
+    }
+    mean /= mass;
+    return std::pair{mean, energy - 0.5 * mass * mean.squaredNorm()};
   };
-  const double before = vibration();
+  const double before = motion().second;
   const phymul::StepReport report = sim.advance(0.5);
   if (!report.ok()) {
     std::puts(report.message().c_str());
     return 1;
   }
-  const double left = vibration() / before, fall = -sim.solver().momentum().linear.z() / mass;
+  const auto [mean, energy] = motion();
+  const double left = energy / before, fall = -mean.z();
   std::printf("after 0.5 s: %.3f %% of the vibration is left; falls at %.3f m/s\n", 100.0 * left, fall);
-  return left < 0.01 && std::abs(fall - 0.5 * 9.81) < 0.01 ? 0 : 1;
+  return left < 0.01 && std::abs(fall - 0.5 * 9.81) < 1e-3 ? 0 : 1;
 } catch (const phymul::Error& error) {
   std::puts(error.what());
   return 1;
