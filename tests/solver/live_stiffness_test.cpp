@@ -231,6 +231,7 @@ TEST(LiveStiffnessOfAScene, IsRefusedWhereItWouldBeIgnored) {
     if (backend == "reference" || backend == "cpu" || !why_unavailable(backend).empty()) continue;
     EXPECT_TRUE(refuses([&] { make_solver(backend, model, scene); }, "scales the stiffness of materials")) << backend;
   }
+  EXPECT_EQ(make_solver("auto", model, scene)->name(), "cpu");
 }
 
 }  // namespace
