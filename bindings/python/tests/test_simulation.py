@@ -53,6 +53,8 @@ class Steps(Refusals):
         self.assertTrue(sim.scale_stiffness(0.5, tissue).solve_static().converged)
         np.testing.assert_allclose(sim.displacements, 2 * before, atol=1e-3 * np.abs(before).max())
         self.assertAlmostEqual(sim.stable_step / step, 2**0.5)
+        with self.assertRaisesRegex(phymul.Error, "expected no scale_stiffness"):
+            sim.forces
         with self.assertRaisesRegex(phymul.Error, "a material of the model"):
             sim.scale_stiffness(0.5, phymul.Material(1e3, 0.4, 1000))
         body.set_material(**SOFT, relaxation_strength=1, relaxation_time=0.1)
