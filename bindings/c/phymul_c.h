@@ -8,9 +8,8 @@
 // Errors     Every function returns a status, PHYMUL_OK or the kind of error. phymul_last_error() then has a message
 //            for people. After an error the outputs are as they were. NULL is an error where no comment allows it.
 // Ownership  Functions copy what they are given. A handle made by a function (its last parameter) belongs to the
-// caller,
-//            who frees it; the order does not matter. Arrays and strings handed out belong to the handle: they stay
-//            where they are until it is freed, unless a comment says less.
+//            caller, who frees it; the order does not matter. Arrays and strings handed out belong to the handle: they
+//            stay where they are until it is freed, unless a comment says less.
 // Options    A struct that begins with `size` wants sizeof of itself there. Other fields may be 0, which means the
 //            default in the comment. Newer versions add fields at the end; a program compiled before goes on working.
 // Threads    One thread at a time may use a handle. Different handles are independent.
@@ -222,8 +221,8 @@ PHYMUL_API phymul_status phymul_backend(phymul_simulation* sim, const char** nam
 PHYMUL_API phymul_status phymul_energy(const phymul_simulation* sim, double energy[3]);  // J: elastic, kinetic, gravity
 
 // These three compute or copy the present values into memory of the handle, one buffer each, and hand it out: [N][3] m,
-// m/s (at the state's time) and N (elastic forces, which
-// are not supported after phymul_scale_stiffness). The next call of the same function with this handle overwrites it.
+// m/s (at the state's time) and N (elastic forces, which are not supported after phymul_scale_stiffness). The next call
+// of the same function with this handle overwrites it.
 PHYMUL_API phymul_status phymul_positions(phymul_simulation* sim, const double** positions, int32_t* particle_count);
 PHYMUL_API phymul_status phymul_velocities(phymul_simulation* sim, const double** velocities, int32_t* particle_count);
 PHYMUL_API phymul_status phymul_forces(phymul_simulation* sim, const double** forces, int32_t* particle_count);
