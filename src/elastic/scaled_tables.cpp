@@ -15,7 +15,9 @@ const TopologyTextures& ScaledTables::of(const TopologyTextures& topology, std::
   for (std::size_t d = 0; d < topology.domains.size(); ++d) {
     const DomainTexel& own = topology.domains[d];
     DomainTexel& domain = scaled_->domains[d];
-    const double factor = factors[own.material];
+    // Tables of a model that was given more materials since have rows that the scene does not know.
+    const auto material = static_cast<std::size_t>(own.material);
+    const double factor = material < factors.size() ? factors[material] : 1.0;
     domain.spread_stiffness = factor * own.spread_stiffness;
     for (std::size_t k = 0; k < moduli; ++k) domain.energy[k] = factor * own.energy[k];
     if (!topology.dissipation.empty()) {

@@ -57,8 +57,9 @@ Scene& Scene::scale_stiffness(std::span<const double> factors) {
   return *this;
 }
 
-/// Where there were none, or are none any more, solvers prepare anew.
+/// Factors that are all 1 are none. Where there were none, or are none any more, solvers prepare anew.
 void Scene::set_factors(std::vector<double> factors) {
+  if (std::ranges::all_of(factors, [](double factor) { return factor == 1.0; })) factors.clear();
   ++(stiffness_factors_.empty() || factors.empty() ? version_ : values_version_);
   stiffness_factors_ = std::move(factors);
 }

@@ -245,7 +245,7 @@ class Simulation(Owner):
         return self._rested(library.phymul_run_to_rest, most_steps)
 
     def solve_static(self, tolerance: float = 1e-6, most_evaluations: int = 3000) -> RestReport:
-        """The rest shape without steps, for scenes without tools, joints and contacts. Ask whether it `converged`."""
+        """The rest shape without steps, for scenes without tools and contacts. Ask whether it `converged`."""
         return self._rested(library.phymul_solve_static, tolerance, most_evaluations)
 
     # What it is like now

@@ -21,7 +21,8 @@ bool AveragedPasses::scale(const TopologyTextures& topology, const std::vector<d
   factor_.resize(of_materials.empty() ? 0 : domains.size());
   for (std::size_t place = 0; place < factor_.size(); ++place) {
     const Index d = domains[place];
-    factor_[place] = d == none ? 1.0f : static_cast<float>(of_materials[topology.domains[d].material]);
+    const std::size_t row = d == none ? of_materials.size() : static_cast<std::size_t>(topology.domains[d].material);
+    factor_[place] = row < of_materials.size() ? static_cast<float>(of_materials[row]) : 1.0f;
   }
   return true;
 }
