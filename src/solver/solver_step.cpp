@@ -99,8 +99,10 @@ SolverBackend::StepPlan SolverBackend::plan_for(int n, double dt, const Damping&
   // Of the body alone, where it has any stiffness: a stiff joint must not loosen the rest test.
   const double omega = std::sqrt(body.largest > 0.0 ? body.largest : joints);
   plan.omega_max = std::sqrt(body.largest + joints);
-  plan.speed_at_rest = options_.rest_tolerance * spacing_ * omega;
-  plan.acceleration_at_rest = plan.speed_at_rest * omega;
+  // A bound that is too large would loosen it too: of the model's own stiffness, or less.
+  const double at_rest = omega * std::sqrt(std::min(1.0, 1.0 / stiffness_factor()));
+  plan.speed_at_rest = options_.rest_tolerance * spacing_ * at_rest;
+  plan.acceleration_at_rest = plan.speed_at_rest * at_rest;
   const bool clamps = spacing_ > 0.0 && !beyond_limit && !grows_by_itself(body);
   plan.largest_acceleration =
       clamps ? options_.max_displacement_per_step * spacing_ / (dt * dt) : std::numeric_limits<double>::infinity();
