@@ -116,7 +116,7 @@ inline void store(const Vec3& from, double* to) {
 }
 
 /// A struct whose first member is its size where the program was compiled. What lies beyond that is 0. Throws Error for
-/// a size that is none, and for one of a newer version.
+/// a size below that of the first member, and for one above that of this version's struct.
 template <class Options>
 Options options_of(const Options* given, const char* what) {
   Options options{};

@@ -11,7 +11,7 @@
 //            caller, who frees it; the order does not matter. Arrays and strings handed out belong to the handle: they
 //            stay where they are until it is freed, unless a comment says less.
 // Options    A struct that begins with `size` wants sizeof of itself there. Other fields may be 0, which means the
-//            default in the comment. Newer versions add fields at the end; a program compiled before goes on working.
+//            default in the comment. Newer versions add fields at the end, and still take the shorter struct.
 // Threads    One thread at a time may use a handle. Different handles are independent.
 #ifndef PHYMUL_C_H
 #define PHYMUL_C_H
@@ -49,7 +49,7 @@ typedef struct phymul_plan phymul_plan;              // Plan
 // Of the last error in this thread; "" before the first. Valid until the next error in this thread.
 PHYMUL_API const char* phymul_last_error(void);
 PHYMUL_API const char* phymul_version(void);  // "0.2.0"
-// Names that phymul_options.backend accepts in this build, without "auto". Valid for ever.
+// Names that phymul_options.backend accepts in this build, without "auto". Valid until the program ends.
 PHYMUL_API phymul_status phymul_backends(const char** names);
 
 // --- Surfaces -------------------------------------------------------------------------------------------------------
@@ -245,7 +245,7 @@ PHYMUL_API phymul_status phymul_write_vtu(const phymul_simulation* sim, const ch
 typedef struct phymul_pose {
   double position[3];     // m
   double orientation[4];  // w, x, y, z; all 0: none
-  double velocity[3];     // m/s, with which the tool goes on without a new pose
+  double velocity[3];     // m/s, of the tool after the call, until it gets a new pose
   double spin[3];         // rad/s
 } phymul_pose;
 

@@ -78,7 +78,7 @@ struct BodyReport {
   int parts = 0;                      ///< connected parts of the body
   double volume = 0.0;                ///< m^3, of the body
   double wanted_volume = 0.0;         ///< m^3, inside the surface or solid
-  double moved = 0.0;                 ///< m, outward, by which the surface was moved to meet the volume
+  double moved = 0.0;                 ///< m, outward, by which the surface was moved to meet the volume, at most
   double smallest_angle = 0.0;        ///< degrees, of the dihedral angles of all cells
   double largest_angle = 0.0;         ///< degrees
   double smallest_spacing = 0.0;      ///< m, of the lattice where it is finest; where coarsest, the next

@@ -64,18 +64,22 @@ std::vector<std::array<Index, 3>> outer_faces(const Stuffing& body) {
   return outer;
 }
 
-/// Moves the surface along its normals by one length, which is returned, times the square of the local spacing as a
-/// share of the coarsest: that is how much flat triangles cut off.
+/// Moves the surface along its normals by one length times the square of the local spacing as a share of the coarsest:
+/// that is how much flat triangles cut off. Returns the way of the particles that move most, m.
 double meet_volume(Stuffing& body, double wanted, double most) {
   const auto faces = outer_faces(body);
   VecList along(body.place.size());
   volume_gradient(faces, body.place, along);
   for (Vec3& normal : along) normal.normalize();
-  for (std::size_t i = 0; i < body.leaf_edge.size(); ++i) along[i] *= body.leaf_edge[i] * body.leaf_edge[i];
+  double most_along = body.leaf_edge.empty() ? 1.0 : 0.0;
+  for (std::size_t i = 0; i < body.leaf_edge.size(); ++i) {
+    along[i] *= body.leaf_edge[i] * body.leaf_edge[i];
+    most_along = std::max(most_along, along[i].norm());
+  }
   const auto root = root_of_cubic(volume_along(faces, body.place, along), wanted - enclosed_volume(faces, body.place));
   const double length = std::clamp(root.value_or(0.0), -most, most);
   for (std::size_t i = 0; i < along.size(); ++i) body.place[i] += length * along[i];
-  return length;
+  return most_along * length;
 }
 
 BodyReport report_of(const Stuffing& body, double wanted_volume) {

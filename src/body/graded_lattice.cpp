@@ -68,23 +68,15 @@ double GradedLattice::asked_in(const Leaf& leaf, const BodyOptions& options) con
   return least;
 }
 
-void GradedLattice::refine(const BodyOptions& options) {
-  const double most = std::min(10.0 * options.most_particles, 0.1 * std::numeric_limits<Index>::max());
-  double leaves = 0.0;
-  const auto visit = [&](const auto& self, const Leaf& leaf) -> void {
-    const double spacing = options.spacing / (1 << leaf.level);
-    if (leaf.level == most_halvings || asked_in(leaf, options) >= (1.0 - 1e-9) * spacing) {
-      if (++leaves > most) {
-        refuse_body("the field BodyOptions::spacing_at needs more than " + length_text(most) +
-                    " leaves of an octree, for at most " + std::to_string(options.most_particles) +
-                    " particles (BodyOptions::most_particles); ask for a larger spacing, or check the unit of length");
-      }
-      return;
-    }
-    refined_[leaf.level].insert(node_key(leaf.at, leaf.level));
+/// Calls f for each leaf below the roots, where divides(node) says which nodes are none. In an order that does not
+/// depend on how sets are stored.
+template <class Divides, class Function>
+void GradedLattice::each_leaf(const Divides& divides, const Function& f) const {
+  const auto visit = [&](const auto& self, const Leaf& node) -> void {
+    if (!divides(node)) return f(node);
     for (int k = 0; k < 8; ++k) {
       self(self,
-           {{2 * leaf.at[0] + (k & 1), 2 * leaf.at[1] + (k >> 1 & 1), 2 * leaf.at[2] + (k >> 2)}, leaf.level + 1});
+           {{2 * node.at[0] + (k & 1), 2 * node.at[1] + (k >> 1 & 1), 2 * node.at[2] + (k >> 2)}, node.level + 1});
     }
   };
   for (int k = 0; k + 1 < roots_.count[2]; ++k) {
@@ -92,6 +84,23 @@ void GradedLattice::refine(const BodyOptions& options) {
       for (int i = 0; i + 1 < roots_.count[0]; ++i) visit(visit, {{i, j, k}, 0});
     }
   }
+}
+
+void GradedLattice::refine(const BodyOptions& options) {
+  const double most = std::min(10.0 * options.most_particles, 0.1 * std::numeric_limits<Index>::max());
+  double leaves = 0.0;
+  const auto divides = [&](const Leaf& node) {
+    const double spacing = options.spacing / (1 << node.level);
+    if (node.level == most_halvings || asked_in(node, options) >= (1.0 - 1e-9) * spacing) return false;
+    refined_[node.level].insert(node_key(node.at, node.level));
+    return true;
+  };
+  each_leaf(divides, [&](const Leaf&) {
+    if (++leaves <= most) return;
+    refuse_body("the field BodyOptions::spacing_at needs more than " + length_text(most) +
+                " leaves of an octree, for at most " + std::to_string(options.most_particles) +
+                " particles (BodyOptions::most_particles); ask for a larger spacing, or check the unit of length");
+  });
 }
 
 /// All that touches a refined node is no larger than it.
@@ -110,24 +119,8 @@ void GradedLattice::balance() {
   }
 }
 
-/// In an order that does not depend on how sets are stored.
-template <class Function>
-void GradedLattice::each_leaf(const Function& f) const {
-  const auto visit = [&](const auto& self, const Leaf& leaf) -> void {
-    if (!is_refined(leaf.at, leaf.level)) return f(leaf);
-    for (int k = 0; k < 8; ++k) {
-      self(self,
-           {{2 * leaf.at[0] + (k & 1), 2 * leaf.at[1] + (k >> 1 & 1), 2 * leaf.at[2] + (k >> 2)}, leaf.level + 1});
-    }
-  };
-  for (int k = 0; k + 1 < roots_.count[2]; ++k) {
-    for (int j = 0; j + 1 < roots_.count[1]; ++j) {
-      for (int i = 0; i + 1 < roots_.count[0]; ++i) visit(visit, {{i, j, k}, 0});
-    }
-  }
-}
-
 void GradedLattice::number_points() {
+  const auto divides = [this](const Leaf& node) { return is_refined(node.at, node.level); };
   const auto number = [&](const Triple& at, double edge) {
     const auto [found, is_new] = point_.try_emplace(point_key(at), static_cast<Index>(at_.size()));
     if (is_new) {
@@ -137,7 +130,7 @@ void GradedLattice::number_points() {
     double& least = leaf_edge_[found->second];
     least = std::min(least, edge);
   };
-  each_leaf([&](const Leaf& leaf) {
+  each_leaf(divides, [&](const Leaf& leaf) {
     const int half = units >> (leaf.level + 1);
     const double edge = 1.0 / (1 << leaf.level);
     Triple low{};
@@ -148,7 +141,7 @@ void GradedLattice::number_points() {
     }
   });
   shortest_edge_.assign(at_.size(), std::numeric_limits<double>::infinity());
-  each_leaf([&](const Leaf& leaf) {
+  each_leaf(divides, [&](const Leaf& leaf) {
     for (int axis = 0; axis < 3; ++axis) {
       for (const int side : {-1, 1}) add_cells(leaf, axis, side);
     }

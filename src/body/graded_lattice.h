@@ -66,8 +66,8 @@ class GradedLattice {
   double asked_in(const Leaf& leaf, const BodyOptions& options) const;
   void refine(const BodyOptions& options);
   void balance();
-  template <class Function>
-  void each_leaf(const Function& f) const;
+  template <class Divides, class Function>
+  void each_leaf(const Divides& divides, const Function& f) const;
   Index point_at(const Triple& at) const;
   void add_cell(Tetrahedron cell);
   void add_cells(const Leaf& leaf, int axis, int side);

@@ -78,7 +78,7 @@ Load pull_on(const Model& model) {
 class LiveStiffness : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Backends, LiveStiffness, testing::Values("reference", "cpu"));
 
-/// A body that is changed while it moves goes on as a body that was made so, from the same snapshot.
+/// A body changed while it moves, against one built with that stiffness and started from the same state.
 TEST_P(LiveStiffness, IsThatOfASolverMadeAnew) {
   const double bound = GetParam() == "cpu" ? 3e-5 : 1e-11;  // of the largest displacement
   for (const Case& c : cases()) {

@@ -50,7 +50,7 @@ Shape = Union[Sphere, Capsule, HalfSpace, Box]
 class Pose:
     position: Vector = (0.0, 0.0, 0.0)  # m
     orientation: Vector = (1.0, 0.0, 0.0, 0.0)  # quaternion w, x, y, z
-    velocity: Vector = (0.0, 0.0, 0.0)  # m/s, with which the tool goes on without a new pose
+    velocity: Vector = (0.0, 0.0, 0.0)  # m/s, of the tool after the call, until it gets a new pose
     spin: Vector = (0.0, 0.0, 0.0)  # rad/s
 
 
