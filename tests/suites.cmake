@@ -8,7 +8,8 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
     set(entries ${CMAKE_CURRENT_BINARY_DIR}/${program}_suites.cmake)
     add_custom_command(TARGET ${program} POST_BUILD
       COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${program}> -DNAME=${program} -DOUTPUT=${entries}
-              "-DLONG=${phymul_long_tests}" "-DONLY=${phymul_only_tests}" -P ${PROJECT_SOURCE_DIR}/tests/suites.cmake
+              "-DEMULATOR=${CMAKE_CROSSCOMPILING_EMULATOR}" "-DLONG=${phymul_long_tests}" "-DONLY=${phymul_only_tests}"
+              -P ${PROJECT_SOURCE_DIR}/tests/suites.cmake
       BYPRODUCTS ${entries} VERBATIM)
     # A program that was not built is a failure, as ctest does it for a missing command.
     set(include ${CMAKE_CURRENT_BINARY_DIR}/${program}_include.cmake)
@@ -31,8 +32,8 @@ endfunction()
 as_regex("${LONG}" is_long)
 as_regex("${ONLY}" is_meant)
 
-execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed COMMAND_ERROR_IS_FATAL ANY)
-string(REGEX REPLACE "#[^\n]*" "" listed "${listed}")
+execute_process(COMMAND ${EMULATOR} ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX REPLACE "(#|\r)[^\n]*" "" listed "${listed}")
 string(REGEX MATCHALL "[^\n]+" lines "${listed}")
 set(names "")  # of entries: a suite, or a suite with ".long"
 foreach(line IN LISTS lines)
@@ -62,11 +63,16 @@ if(NOT names)
   message(FATAL_ERROR "${PROGRAM} has no tests")
 endif()
 
+set(emulator "")  # that runs programs for another system
+if(EMULATOR)
+  set(emulator "[==[${EMULATOR}]==]")
+endif()
 set(text "# Made by tests/suites.cmake.\n")
 foreach(name IN LISTS names)
   string(SUBSTRING "${filter_${name}}" 1 -1 filter)
   set(test "[==[${NAME}.${name}]==]")
-  string(APPEND text "add_test(${test} [==[${PROGRAM}]==] [==[--gtest_filter=${filter}]==] --gtest_brief=1)\n")
+  string(APPEND text "add_test(${test} ${emulator} [==[${PROGRAM}]==] [==[--gtest_filter=${filter}]==] "
+         "--gtest_brief=1)\n")
   if(name MATCHES "\\.long$")
     string(APPEND text "set_tests_properties(${test} PROPERTIES LABELS full TIMEOUT 3000)\n")
   endif()

@@ -19,7 +19,7 @@ constexpr double near_along_short = 0.35900, near_along_long = 0.21509;
 /// The same in a graded lattice for edges longer than the shortest at the point, whose length it is a share of.
 constexpr double near_by_shortest = near_along_long / CentredLattice::short_length;
 
-enum Side : char { outside = -1, on_surface = 0, inside = 1 };
+enum Side : signed char { outside = -1, on_surface = 0, inside = 1 };
 
 /// An edge of a lattice; lengths in edges of its cubes.
 struct Edge {
@@ -40,7 +40,7 @@ std::vector<char> points_inside(const Interior& interior, const GradedLattice& l
 
 /// Calls f(edge) for each edge from a point inside to one outside.
 template <class Function>
-void each_crossing_edge(const CentredLattice& lattice, const std::vector<char>& side, const Function& f) {
+void each_crossing_edge(const CentredLattice& lattice, const std::vector<signed char>& side, const Function& f) {
   const std::array<std::array<Index, 14>, 2> steps{lattice.steps(false), lattice.steps(true)};
   for (Index point = 0; point < static_cast<Index>(side.size()); ++point) {
     if (side[point] != inside) continue;
@@ -55,7 +55,7 @@ void each_crossing_edge(const CentredLattice& lattice, const std::vector<char>& 
 }
 
 template <class Function>
-void each_crossing_edge(const GradedLattice& lattice, const std::vector<char>& side, const Function& f) {
+void each_crossing_edge(const GradedLattice& lattice, const std::vector<signed char>& side, const Function& f) {
   std::vector<std::array<Index, 2>> edges;
   for (const Tetrahedron& cell : lattice.cells()) {
     for (const Index in : cell) {
@@ -262,7 +262,7 @@ class Filling {
     std::array<int, 4> in{}, on{}, out{};
     int ins = 0, ons = 0, outs = 0;
     for (int k = 0; k < 4; ++k) {
-      const char side = side_[t[k]];
+      const signed char side = side_[t[k]];
       if (side == inside) in[ins++] = k;
       if (side == on_surface) on[ons++] = k;
       if (side == outside) out[outs++] = k;
@@ -299,7 +299,7 @@ class Filling {
 
   const Lattice& lattice_;
   const double tie_ = 1e-9 * edge_of(lattice_) * edge_of(lattice_);  // m^2
-  std::vector<char> side_;                                           // [points] Side
+  std::vector<signed char> side_;                                    // [points] Side
   std::vector<Crossing> crossings_;
   std::vector<Index> of_point_;  // [points + 1] first of each point in rows_
   std::vector<Index> rows_;      // of crossings_

@@ -21,10 +21,19 @@ namespace phymul::test {
 /// Names an instruction set in the environment for as long as this lives.
 class InstructionSet {
  public:
-  explicit InstructionSet(const char* name) { setenv("PHYMUL_CPU_ISA", name, 1); }
-  ~InstructionSet() { unsetenv("PHYMUL_CPU_ISA"); }
+  explicit InstructionSet(const char* name) { set(name); }
+  ~InstructionSet() { set(""); }
   InstructionSet(const InstructionSet&) = delete;
   InstructionSet& operator=(const InstructionSet&) = delete;
+
+ private:
+  static void set(const char* name) {  // empty: none
+#if defined(_WIN32)
+    _putenv_s("PHYMUL_CPU_ISA", name);
+#else
+    setenv("PHYMUL_CPU_ISA", name, 1);
+#endif
+  }
 };
 
 inline SolverOptions any_step(int threads = 1) {

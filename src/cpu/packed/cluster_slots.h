@@ -51,11 +51,11 @@ std::vector<std::vector<Index>> by_cluster(const std::vector<Term>& terms, Index
   std::vector<std::vector<Index>> rows(clusters);
   for (std::size_t t = 0; t < terms.size(); ++t) {
     Index best = 0;
-    long most = 0;
+    std::ptrdiff_t most = 0;
     const auto& v = vertices(terms[t]);
     for (const Index i : v) {
       if (i == none) continue;
-      const long here = std::count_if(v.begin(), v.end(), [&](Index j) { return j != none && j / size == i / size; });
+      const auto here = std::count_if(v.begin(), v.end(), [&](Index j) { return j != none && j / size == i / size; });
       if (here > most || (here == most && i / size < best)) {
         most = here;
         best = i / size;
