@@ -35,7 +35,9 @@ void CsvFile::row(const std::vector<std::string>& fields) {
     std::fprintf(file_, "%s%s", k ? "," : "", text.c_str());
   }
   std::fprintf(file_, "\n");
-  std::fflush(file_);
+  if (std::fflush(file_) != 0 || std::ferror(file_) != 0) {
+    throw Error(ErrorCode::file_access, "the CSV file cannot be written to its end; is the disk full?");
+  }
 }
 
 std::string field(double value) {

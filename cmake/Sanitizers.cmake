@@ -15,6 +15,12 @@ if(PHYMUL_SANITIZE)
     # null pointers and accesses beyond an object; a wrong alignment ends a vector kernel by itself.
     target_compile_options(phymul_sanitizers INTERFACE -fno-sanitize=null,object-size,vptr,alignment)
   endif()
+  if(PHYMUL_FUZZ)
+    if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+      message(FATAL_ERROR "PHYMUL_FUZZ needs clang, got ${CMAKE_CXX_COMPILER_ID}; use the preset fuzz")
+    endif()
+    target_compile_options(phymul_sanitizers INTERFACE -fsanitize=fuzzer-no-link)  # which branches are taken
+  endif()
   target_compile_definitions(phymul_sanitizers INTERFACE _GLIBCXX_ASSERTIONS)
   target_link_options(phymul_sanitizers INTERFACE -fsanitize=${PHYMUL_SANITIZE})
 endif()

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 #
 # Installs what is missing on a Debian machine to build phymul; does nothing, and needs no rights, where nothing is.
-#   sh cmake/install-packages.sh [examples] [tests] [bench] [charts] [gl] [surfaces] [labels] [gl-tests] [clang]
+#   sh cmake/install-packages.sh [examples] [tests] [bench] [charts] [gl] [surfaces] [labels] [gl-tests] [clang] [fuzz]
 # The library's own needs are always among them. A compiler and CMake are taken as there.
 set -eu
 
@@ -66,8 +66,13 @@ for part in "$@"; do
       need_package xvfb
       ;;
     clang) need_command clang++-16 clang-16 ;;
+    fuzz)
+      need_command clang++-16 clang-16
+      need_package libclang-rt-16-dev
+      ;;
     *)
-      echo "phymul: unknown part \"$part\"; there are: examples tests bench charts gl surfaces labels gl-tests clang" >&2
+      echo "phymul: unknown part \"$part\"; there are: examples tests bench charts gl surfaces labels gl-tests clang" \
+        "fuzz" >&2
       exit 2
       ;;
   esac

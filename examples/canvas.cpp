@@ -37,7 +37,8 @@ void Canvas::save(const std::string& path) const {
   std::error_code problem;
   if (status == CAIRO_STATUS_SUCCESS) std::filesystem::rename(part, path, problem);
   if (status != CAIRO_STATUS_SUCCESS || problem) {
+    const std::string why = problem ? problem.message() : cairo_status_to_string(status);
     std::filesystem::remove(part, problem);
-    throw phymul::Error(path + ": cannot be written: " + cairo_status_to_string(status));
+    throw phymul::Error(phymul::ErrorCode::file_access, path + ": cannot be written: " + why);
   }
 }

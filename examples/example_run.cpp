@@ -81,8 +81,8 @@ phymul::Vec3 BodyPoint::now(const phymul::State& state) const {
   return rest_ + moved;
 }
 
-Curve::Curve(const std::string& path, const std::string& columns) : file_(std::fopen(path.c_str(), "w")) {
-  if (!file_) throw phymul::Error(path + ": cannot be written");
+Curve::Curve(const std::string& path, const std::string& columns) : path_(path), file_(std::fopen(path.c_str(), "w")) {
+  if (!file_) throw phymul::Error(phymul::ErrorCode::file_access, path + ": cannot be written");
   std::fprintf(file_.get(), "%s\n", columns.c_str());
 }
 
@@ -93,6 +93,8 @@ void Curve::add(std::initializer_list<double> row) {
     before = ",";
   }
   std::fputc('\n', file_.get());
+  if (std::fflush(file_.get()) == 0 && std::ferror(file_.get()) == 0) return;
+  throw phymul::Error(phymul::ErrorCode::file_access, path_ + ": cannot be written to its end; is the disk full?");
 }
 
 void Curve::add(const std::string& name, std::initializer_list<double> row) {

@@ -45,7 +45,7 @@ class BodyPoint {
   std::vector<phymul::Vec3> place_;
 };
 
-/// A CSV file: the names of the columns, then rows.
+/// A CSV file: the names of the columns, then rows. Throws Error where one cannot be written.
 class Curve {
  public:
   Curve(const std::string& path, const std::string& columns);
@@ -56,5 +56,6 @@ class Curve {
   struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
+  std::string path_;
   std::unique_ptr<std::FILE, Close> file_;
 };

@@ -24,7 +24,8 @@ struct Field {
 /// none), point data "displacement", "velocity", "mass" and the given fields; group membership as "group:<name>".
 void write_vtu(const Model& model, const State& state, const std::string& path, const std::vector<Field>& fields = {});
 
-/// A time series for ParaView: `<stem>_000000.vtu`, ... and `<stem>.pvd`, which is complete after every frame.
+/// A time series for ParaView: `<stem>_000000.vtu`, ... and `<stem>.pvd`, which is complete after every frame. A frame
+/// whose write() throws does not count: the next one takes its number.
 class VtkSeries {
  public:
   explicit VtkSeries(std::string stem);  ///< folder must exist

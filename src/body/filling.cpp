@@ -21,6 +21,8 @@ namespace phymul {
 namespace {
 
 constexpr double most_moved = 0.05;  // spacings, of the surface to meet the volume
+/// Spacing over the largest coordinate: below it the lattice's points are no longer evenly apart.
+constexpr double least_share = 1e-9;
 
 /// Degrees, smallest and largest.
 void measure_angles(const Stuffing& body, BodyReport& report) {
@@ -140,6 +142,12 @@ CentredLattice lattice_over(const Vec3& low, const Vec3& high, const BodyOptions
   }
   if (!(options.most_volume_error > 0.0)) {
     refuse_body("expected most_volume_error above 0, got " + length_text(options.most_volume_error));
+  }
+  const double furthest = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
+  if (!(options.spacing >= least_share * furthest)) {
+    refuse_body("expected a shape within " + length_text(1.0 / least_share) + " spacings of " +
+                length_text(options.spacing) + " m from the origin, got one that reaches to " + length_text(furthest) +
+                " m, where rounding spoils the lattice; move it to the origin");
   }
   CentredLattice lattice;
   lattice.edge = options.spacing / CentredLattice::mean_length;

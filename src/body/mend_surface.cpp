@@ -29,6 +29,7 @@ class Mending {
  public:
   explicit Mending(Surface surface) : surface_(std::move(surface)) {
     check_numbers();
+    check_size();
     merge_vertices();
     drop_triangles();
     find_edges();
@@ -79,6 +80,12 @@ class Mending {
         refuse_surface("triangle " + std::to_string(i) + " has vertex " + std::to_string(p) + " of " +
                        std::to_string(count));
       }
+    }
+  }
+
+  void check_size() const {
+    if (const Vec3 sides = sides_of_box(); !sides.allFinite()) {
+      refuse_surface("expected a finite size, got sides of " + place_text(sides) + " m; check the unit of its file");
     }
   }
 

@@ -50,10 +50,11 @@ void require_bases_in_range(const TopologyTextures& topology) {
   }
 }
 
-double require_state_in_range(const VecList& rest, const State& state) {
+double require_state_in_range(const VecList& rest, const State& state, const VecList& displacement) {
   double largest = 0.0;
   for (std::size_t i = 0; i < rest.size(); ++i) {
-    const Eigen::Vector3f u = (state.position[i] - rest[i]).cast<float>(), v = state.velocity[i].cast<float>();
+    const Vec3 moved = displacement.empty() ? Vec3(state.position[i] - rest[i]) : displacement[i];
+    const Eigen::Vector3f u = moved.cast<float>(), v = state.velocity[i].cast<float>();
     largest = std::max(largest, u.cast<double>().norm());
     if (u.allFinite() && v.allFinite()) continue;
     throw Error(ErrorCode::not_supported,

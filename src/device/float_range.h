@@ -40,8 +40,8 @@ inline Float4 texel(const Vec3& v, double w) {
 }
 
 /// Throws Error where a displacement or velocity is beyond single precision. Returns the largest displacement as it is
-/// stored, m.
-double require_state_in_range(const VecList& rest, const State& state);
+/// stored, m. `displacement`: [N] m, instead of the state's; empty: there are none.
+double require_state_in_range(const VecList& rest, const State& state, const VecList& displacement = {});
 
 /// Throws Error where a base's squared area (2-D: length), m^4 (m^2), would leave what single precision can hold.
 void require_base_in_range(double square, Index owner);

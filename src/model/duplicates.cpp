@@ -36,7 +36,8 @@ class PointGrid {
 
   /// The point put in before that `i` repeats, or -1; then puts `i` in if it repeats none.
   Index find_or_insert(Index i) {
-    const Vec3 place = (points_[i] - low_) / (2.0 * tolerance_);
+    // A point may be as far away as numbers go; so far that one bound serves for all of them.
+    const Vec3 place = ((points_[i] - low_) / (2.0 * tolerance_)).cwiseMin(0x1p62);
     GridCell own, corner;
     for (int a = 0; a < 3; ++a) {
       own[a] = static_cast<std::int64_t>(std::floor(place[a]));
@@ -73,6 +74,7 @@ class PointGrid {
 Repeats repeated_points(const VecList& points, double tolerance) {
   Repeats repeats;
   if (points.size() < 2) return repeats;
+  if (!std::isfinite(tolerance)) return repeats;  // of points too far apart for a size that is a number
   if (!(tolerance > 0.0)) {
     // The body has no size: all its points are one.
     for (Index i = 1; i < static_cast<Index>(points.size()); ++i) repeats.emplace_back(i, 0);

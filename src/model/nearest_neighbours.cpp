@@ -34,6 +34,11 @@ RaggedList nearest_neighbours(const VecList& rest, int count) {
     throw Error("nearest_neighbours: expected 1 to " + std::to_string(particles - 1) + " neighbours of " +
                 std::to_string(particles) + " particles, got " + std::to_string(count));
   }
+  const auto at_infinity = std::ranges::find_if(rest, [](const Vec3& x) { return !x.allFinite(); });
+  if (at_infinity != rest.end()) {
+    throw Error("nearest_neighbours: expected finite places, got another one of particle " +
+                std::to_string(at_infinity - rest.begin()));
+  }
   // Outward from each particle in the order along one axis, until that distance alone is larger than the last one's.
   const int axis = longest_axis(rest);
   std::vector<Index> order(rest.size());
@@ -54,7 +59,8 @@ RaggedList nearest_neighbours(const VecList& rest, int count) {
     };
     Index below = place - 1, above = place + 1;
     while (below >= 0 || above < particles) {
-      const Index at = away(below) < away(above) ? below-- : above++;
+      // A distance may be infinite although both places are not.
+      const Index at = above >= particles || (below >= 0 && away(below) < away(above)) ? below-- : above++;
       if (away(at) > limit()) break;
       const std::pair entry{(rest[order[at]] - rest[i]).norm(), order[at]};
       if (entry.first > limit()) continue;

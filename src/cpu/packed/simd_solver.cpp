@@ -105,7 +105,7 @@ class SimdSolver final : public SolverBackend {
 
   /// Displacements are those of the state where none are given.
   void take(const State& state, const VecList& given) {
-    require_state_in_range(topology().rest, state);
+    require_state_in_range(topology().rest, state, given);
     for (std::size_t place = 0; place < body_->order.size(); ++place) {
       const Index i = body_->order[place];
       const Vec3 u = given.empty() ? Vec3(state.position[i] - topology().rest[i]) : given[i];

@@ -159,15 +159,17 @@ void VtkSeries::write(const Model& model, const State& state, const std::vector<
   std::snprintf(number, sizeof number, "_%06zu.vtu", frames_.size());
   write_vtu(model, state, stem_ + number, fields);
   // Beside the .pvd file, so that the folder can be moved.
-  frames_.emplace_back(state.time, std::filesystem::path(stem_ + number).filename().string());
+  auto frames = frames_;
+  frames.emplace_back(state.time, std::filesystem::path(stem_ + number).filename().string());
 
   replace_file(stem_ + ".pvd", [&](std::ostream& out) {
     out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n  <Collection>\n";
-    for (const auto& [time, name] : frames_) {
+    for (const auto& [time, name] : frames) {
       out << "    <DataSet timestep=\"" << to_decimal(time) << "\" part=\"0\" file=\"" << escaped(name) << "\"/>\n";
     }
     out << "  </Collection>\n</VTKFile>\n";
   });
+  frames_ = std::move(frames);
 }
 
 }  // namespace phymul

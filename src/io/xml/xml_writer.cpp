@@ -125,7 +125,7 @@ void XmlWriter::finish() {
   out_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
   buffer_.clear();
   out_.flush();
-  if (!out_) throw Error("the output stream failed; is the disk full?");
+  if (!out_) throw Error(ErrorCode::file_access, "the output stream failed; is the disk full?");
 }
 
 }  // namespace phymul
