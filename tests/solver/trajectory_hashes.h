@@ -39,6 +39,7 @@ struct PowHash {
 inline constexpr PowHash pow_hashes[] = {
     {0x5d6c6689926ed7c1, reference_hashes.hashes[neo_hookean]},  // glibc, with the instruction
     {0x571d58a89c988245, 0xbdc36897c864111c},                    // glibc, without
+    {0x1a50caf8826fba8f, 0x92324c0634a0d973},                    // MinGW-w64
 };
 
 inline std::uint64_t rounding_of_pow() {
