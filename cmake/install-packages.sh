@@ -2,16 +2,21 @@
 # SPDX-License-Identifier: MIT
 #
 # Installs what is missing on a Debian machine to build phymul; does nothing, and needs no rights, where nothing is.
-#   sh cmake/install-packages.sh [examples] [tests] [bench] [charts] [gl] [surfaces] [labels] [gl-tests] [clang] [fuzz]
+#   sh cmake/install-packages.sh [examples] [tests] [bench] [charts] [gl] [surfaces] [labels] [gl-tests] [clang]
+#                                 [fuzz] [aarch64] [windows]
 # The library's own needs are always among them. A compiler and CMake are taken as there.
 set -eu
 
 missing=""
+foreign=""
 need_pkg_config=""
-need_package() {
-  if [ "$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null)" != installed ]; then
+need_package() {  # package, or package:architecture
+  case $1 in
+    *:*) of=${1#*:} ;;
+    *) of=$(dpkg --print-architecture) ;;  # that of another one is no use
+  esac
+  dpkg-query -W -f='${Architecture} ${db:Status-Status}\n' "$1" 2>/dev/null | grep -qE "^(all|$of) installed\$" ||
     missing="$missing $1"
-  fi
 }
 need_command() {  # command, package that has it
   command -v "$1" >/dev/null 2>&1 || missing="$missing $2"
@@ -70,9 +75,23 @@ for part in "$@"; do
       need_command clang++-16 clang-16
       need_package libclang-rt-16-dev
       ;;
+    aarch64)  # a cross compiler, libraries of that architecture, and QEMU
+      need_command aarch64-linux-gnu-g++ g++-aarch64-linux-gnu
+      need_command qemu-aarch64-static qemu-user-static
+      for package in libpugixml-dev zlib1g-dev libgtest-dev; do
+        need_package $package:arm64
+      done
+      foreign=arm64
+      ;;
+    windows)  # a cross compiler, what it finds of libraries, the source of another, and Wine
+      need_command x86_64-w64-mingw32-g++-posix g++-mingw-w64-x86-64-posix
+      need_package libz-mingw-w64-dev
+      need_package googletest
+      need_package wine64
+      ;;
     *)
       echo "phymul: unknown part \"$part\"; there are: examples tests bench charts gl surfaces labels gl-tests clang" \
-        "fuzz" >&2
+        "fuzz aarch64 windows" >&2
       exit 2
       ;;
   esac
@@ -92,6 +111,7 @@ if [ "$(id -u)" -ne 0 ]; then
 fi
 
 echo "phymul: installing$missing"
+[ -z "$foreign" ] || $as_root dpkg --add-architecture "$foreign"
 $as_root apt-get update -qq
 # $missing is a list of words; env, because sudo drops variables; Use-Pty, because a container may have no terminals.
 $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends -o Dpkg::Use-Pty=0 $missing

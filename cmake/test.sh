@@ -3,7 +3,7 @@
 #
 # Builds phymul and runs its tests on a machine that has only a compiler and CMake.
 #   sh cmake/test.sh [preset [ctest's options]]   what every landing must pass; presets: ci (default), dev, release, clang,
-#                                                 asan-ubsan, tsan, no-gl
+#                                                 asan-ubsan, tsan, no-gl, aarch64, windows
 #   sh cmake/test.sh full                         everything: long tests, the other dialects and renderers of GL, and all
 #                                                 that the sanitizers can run; takes hours
 set -eu
@@ -14,12 +14,14 @@ run() {  # preset, ctest's options
   shift
   case $preset in
     asan-ubsan | tsan) parts="tests" ;;
+    aarch64 | windows) parts="tests $preset" ;;
     no-gl) parts="tests bench examples charts" ;;
     clang) parts="tests bench examples charts gl gl-tests surfaces labels clang" ;;
     *) parts="tests bench examples charts gl gl-tests surfaces labels" ;;
   esac
   # $parts is a list of words.
   sh cmake/install-packages.sh $parts
+  [ "$preset" != windows ] || sh cmake/toolchains/windows_libraries.sh
   cmake --preset "$preset"
   cmake --build --preset "$preset" --parallel "$(nproc)"
   ctest --preset "$preset" --output-on-failure --parallel 2 "$@"

@@ -64,14 +64,14 @@ if(NOT names)
 endif()
 
 set(emulator "")  # that runs programs for another system
-if(EMULATOR)
-  set(emulator "[==[${EMULATOR}]==]")
-endif()
+foreach(word IN LISTS EMULATOR)
+  string(APPEND emulator " [==[${word}]==]")
+endforeach()
 set(text "# Made by tests/suites.cmake.\n")
 foreach(name IN LISTS names)
   string(SUBSTRING "${filter_${name}}" 1 -1 filter)
   set(test "[==[${NAME}.${name}]==]")
-  string(APPEND text "add_test(${test} ${emulator} [==[${PROGRAM}]==] [==[--gtest_filter=${filter}]==] "
+  string(APPEND text "add_test(${test}${emulator} [==[${PROGRAM}]==] [==[--gtest_filter=${filter}]==] "
          "--gtest_brief=1)\n")
   if(name MATCHES "\\.long$")
     string(APPEND text "set_tests_properties(${test} PROPERTIES LABELS full TIMEOUT 3000)\n")

@@ -3,9 +3,7 @@
 
 #include <exception>
 
-#if defined(__x86_64__) || defined(__i386__)
-#include <immintrin.h>
-#endif
+#include "compiler.h"
 
 namespace phymul::cpu {
 namespace {
@@ -16,12 +14,6 @@ constexpr int spins_before_yield = 300;
 /// Thereafter it offers its processor, of which there may be fewer than threads: some hundred microseconds, longer than
 /// the pause between two calls and shorter than a scheduler's slice.
 constexpr int spins_before_sleep = 1200;
-
-void pause_a_moment() {
-#if defined(__x86_64__) || defined(__i386__)
-  _mm_pause();
-#endif
-}
 
 /// Spins, then yields, then sleeps until `value` is no longer `old`.
 template <class T>

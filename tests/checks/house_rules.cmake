@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 #
-# Licence line, length and name of every source file.
+# Licence line, length, words and name of every source file.
 include(${CMAKE_CURRENT_LIST_DIR}/faults.cmake)
 
 if(NOT DEFINED most_lines)
@@ -29,6 +29,11 @@ foreach(file IN LISTS files)
   string(LENGTH "${newlines}" lines)
   if(lines GREATER most_lines)
     fault("${file}" "has ${lines} lines, more than ${most_lines}; what are its two subjects?")
+  endif()
+  cmake_path(RELATIVE_PATH file BASE_DIRECTORY "${ROOT}" OUTPUT_VARIABLE own)
+  if(own MATCHES "^(include|src)/" AND NOT own STREQUAL "src/base/compiler.h" AND
+     text MATCHES "__builtin_[a-z_]+|__attribute__|__declspec|__asm|\\[\\[gnu::[a-z_]+|_Pragma|#pragma (GCC|clang|omp)")
+    fault("${file}" "has ${CMAKE_MATCH_0}, a word of some compilers; src/base/compiler.h gives such words a name")
   endif()
   cmake_path(GET file STEM stem)
   if(stem MATCHES "(^|_)(utils?|helpers?|misc)(_|$)")

@@ -186,7 +186,7 @@ TEST(PmlErrors, Files) {
             missing + ": cannot be opened (No such file or directory); check the name and the right to read it");
   EXPECT_EQ(message_of([&] { read_pml(folder); }), folder + ": expected a file, got a folder");
   const std::string path = folder + "/phymul_limit.pml";
-  std::ofstream(path) << with_element("");
+  std::ofstream(path, std::ios::binary) << with_element("");
   PmlOptions options;
   options.max_bytes = 100;
   EXPECT_EQ(message_of([&] { read_pml(path, options); }),

@@ -229,7 +229,9 @@ TEST(Writer, WritesThroughALinkAndIntoADevice) {
   const State state = rest_state(model);
   const TextFile file("behind.csv", "");
   const std::string link = file.path() + ".link";
-  std::filesystem::create_symlink(file.path(), link);
+  std::error_code no_links;
+  std::filesystem::create_symlink(file.path(), link, no_links);
+  if (no_links) GTEST_SKIP() << "no links to files on this system: " << no_links.message();
   write_csv(model, state, link);
   EXPECT_TRUE(std::filesystem::is_symlink(link));
   EXPECT_FALSE(text_of(file.path()).empty());

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <phymul/phymul.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <iomanip>
@@ -18,7 +19,7 @@ namespace phymul::test {
 namespace {
 
 /// What a scene is made of. Nothing here calls a function of the C library whose last bit systems disagree about
-/// (sine, power), and numbers are literals, so that no compiler rounds them otherwise.
+/// (sine), and numbers are literals, so that no compiler rounds them otherwise.
 struct Trajectory {
   const char* name;
   std::function<Model()> body;
@@ -162,7 +163,17 @@ void expect_row(const HashRow& expected, const std::vector<std::uint64_t>& hashe
 }
 
 TEST(Trajectories, OfReferenceAreTheSameEverywhere) {
-  expect_row(reference_hashes, hashes_of("reference"));
+  const std::vector<std::uint64_t> hashes = hashes_of("reference");
+  HashRow expected = reference_hashes;
+  const std::uint64_t rounding = rounding_of_pow();
+  const auto* known = std::ranges::find(pow_hashes, rounding, &PowHash::rounding);
+  const bool is_known = known != std::end(pow_hashes);
+  expected.hashes[neo_hookean] = is_known ? known->hash : hashes[neo_hookean];
+  expect_row(expected, hashes);
+  if (!is_known) {
+    GTEST_SKIP() << "std::pow rounds otherwise here, so neo-Hookean was not compared; new row of pow_hashes: {0x"
+                 << std::hex << rounding << ", 0x" << hashes[neo_hookean] << "},";
+  }
 }
 
 TEST(Trajectories, OfCpuAreTheSameForKernelsAndProcessorsThatRoundAlike) {

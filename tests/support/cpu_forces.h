@@ -21,8 +21,11 @@ namespace phymul::test {
 /// Names an instruction set in the environment for as long as this lives.
 class InstructionSet {
  public:
-  explicit InstructionSet(const char* name) { set(name); }
-  ~InstructionSet() { set(""); }
+  explicit InstructionSet(const char* name) {
+    if (const char* const now = std::getenv("PHYMUL_CPU_ISA")) before_ = now;
+    set(name);
+  }
+  ~InstructionSet() { set(before_.c_str()); }
   InstructionSet(const InstructionSet&) = delete;
   InstructionSet& operator=(const InstructionSet&) = delete;
 
@@ -34,6 +37,7 @@ class InstructionSet {
     setenv("PHYMUL_CPU_ISA", name, 1);
 #endif
   }
+  std::string before_;
 };
 
 inline SolverOptions any_step(int threads = 1) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "base/compiler.h"
 #include "packed_body.h"
 
 namespace phymul::cpu {
@@ -37,9 +38,9 @@ inline char* half_a_page_from(const char* other, char* near) {
 /// Asks for them ahead, into the second cache: a halo lies scattered in memory, where no processor foresees it.
 inline void ask_for_displacements(const Cluster& cluster, const char* u) {
   const char* own = u + 16 * static_cast<std::size_t>(cluster.first);
-  for (std::size_t k = 0; k < 16 * static_cast<std::size_t>(cluster.own); k += 64) __builtin_prefetch(own + k, 0, 2);
+  for (std::size_t k = 0; k < 16 * static_cast<std::size_t>(cluster.own); k += 64) PHYMUL_PREFETCH_LATER(own + k);
   for (const std::int32_t quad : cluster.halo) {
-    __builtin_prefetch(u + 16 * static_cast<std::size_t>(quad), 0, 2);
+    PHYMUL_PREFETCH_LATER(u + 16 * static_cast<std::size_t>(quad));
   }
 }
 

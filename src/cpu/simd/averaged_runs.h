@@ -87,7 +87,7 @@ void run_stresses(const simd::Averaged& body, int slice, int end) {
   const simd::Runs& runs = body.runs;
   for_each_run(
       body, slice, end,
-      [&](const simd::Stencil& stencil, float* at, std::int64_t count) __attribute__((always_inline)) {
+      [&](const simd::Stencil& stencil, float* at, std::int64_t count) PHYMUL_INLINED {
         RunSums sums{};
         add_displacements<0>(runs, stencil, at, sums);
         add_displacements<1>(runs, stencil, at, sums);
@@ -103,7 +103,7 @@ void run_stresses(const simd::Averaged& body, int slice, int end) {
         store_components(runs, stress + 6 * runs.stride, sums.z, count);
         store_components(runs, at + simd::run_spring * runs.stride, sums.spring, count);
       },
-      [&](int complete) __attribute__((always_inline)) {
+      [&](int complete) PHYMUL_INLINED {
         float* at = runs.components + simd::run_stress * runs.stride + static_cast<std::int64_t>(complete) * lanes;
         const Columns Q =
             averaged_stress<Energy>(body, complete,
@@ -131,7 +131,7 @@ inline void run_forces(const simd::Averaged& body, int slice, int end) {
   const simd::Runs& runs = body.runs;
   for_each_run(
       body, slice, end,
-      [&](const simd::Stencil& stencil, float* at, std::int64_t count) __attribute__((always_inline)) {
+      [&](const simd::Stencil& stencil, float* at, std::int64_t count) PHYMUL_INLINED {
         Columns sums{};
         add_stresses<1>(runs, stencil, at, sums);
         add_stresses<2>(runs, stencil, at, sums);
@@ -142,7 +142,7 @@ inline void run_forces(const simd::Averaged& body, int slice, int end) {
         add_stresses<7>(runs, stencil, at, sums);
         store_components(runs, at + simd::run_force * runs.stride, sums.c0 + sums.c1 + sums.c2, count);
       },
-      [&](int complete) __attribute__((always_inline)) {
+      [&](int complete) PHYMUL_INLINED {
         const std::int64_t first = static_cast<std::int64_t>(complete) * lanes;
         const float* at = runs.components + first;
         store_row(body.force + 16 * first, load_components(runs, at + simd::run_spring * runs.stride) +

@@ -145,10 +145,8 @@ void averaged_stresses(const simd::Averaged& body, int slice, int end) {
     for (int k = 0; k < lanes; ++k) {
       const Quad own = load_quad(body.u + 16 * (first + k));
       Quad sum[4];
-      split(link_sum(
-                body, first + k, body.stress_row,
-                [&](std::int32_t offset)
-                    __attribute__((always_inline)) { return four_times(load_quad(body.u + offset) - own); }),
+      split(link_sum(body, first + k, body.stress_row,
+                     [&](std::int32_t offset) PHYMUL_INLINED { return four_times(load_quad(body.u + offset) - own); }),
             sum);
       for (int c = 0; c < 3; ++c) store_quad(reinterpret_cast<char*>(columns[c]) + 16 * k, sum[c]);
       store_quad(body.force + 16 * (first + k), sum[3]);
@@ -160,9 +158,8 @@ void averaged_stresses(const simd::Averaged& body, int slice, int end) {
     const Pack3 column[3] = {Q.c0, Q.c1, Q.c2};
     for (int c = 0; c < 3; ++c) {
       char* to = body.stress + 64 * first + 16 * c;
-      for_each_quad(
-          column[c], [&](int lane, Quad q)
-                         __attribute__((always_inline)) { store_quad(to + 64 * simd::quad_of(lane, lanes), q); });
+      for_each_quad(column[c],
+                    [&](int lane, Quad q) PHYMUL_INLINED { store_quad(to + 64 * simd::quad_of(lane, lanes), q); });
     }
   }
 }
@@ -185,11 +182,9 @@ inline void averaged_forces(const simd::Averaged& body, int slice, int end) {
   const std::int64_t last = static_cast<std::int64_t>(end) * lanes;
   for (std::int64_t q = static_cast<std::int64_t>(slice) * lanes; q < last; ++q) {
     Quad part[4];
-    split(link_sum(
-              body, q, body.force_row,
-              [&](std::int32_t offset) __attribute__((always_inline)) {
-                return load_wide(body.stress + 4 * static_cast<std::int64_t>(offset));
-              }),
+    split(link_sum(body, q, body.force_row,
+                   [&](std::int32_t offset)
+                       PHYMUL_INLINED { return load_wide(body.stress + 4 * static_cast<std::int64_t>(offset)); }),
           part);
     char* at = body.force + 16 * q;
     store_quad(at, load_quad(at) + ((part[0] + part[1]) + part[2]));

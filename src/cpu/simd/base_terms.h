@@ -65,8 +65,7 @@ PHYMUL_INLINE Pack3 height_slope(const BaseNow& now, const BaseRow& row, Pack3 F
 
 /// Gives what the owner's force F costs the base to its vertices.
 template <bool plane>
-PHYMUL_INLINE void give_back(const BaseNow& now, const BaseRow& row, Pack3 F, const std::int32_t* offset,
-                             char* force) {
+PHYMUL_INLINE void give_back(const BaseNow& now, const BaseRow& row, Pack3 F, const std::int32_t* offset, char* force) {
   const Pack3 G = height_slope(now, row, F);
   if constexpr (plane) {
     const Pack3 on_b = -(row.lambda_b * F) - Pack3{G.y, -G.x, Pack{}};
@@ -89,9 +88,8 @@ void base_slices(const simd::Job& job) {
       return job.bases.rows + static_cast<std::int64_t>(r) * simd::base_columns * lanes;
     };
     Pack3 sum{};
-    const auto now_of = [&](const float* row, const BaseRow& base, std::int32_t* offset, Pack3& ua)
-        __attribute__((always_inline)) {
-      __builtin_memcpy(offset, row, 3 * sizeof(Pack));
+    const auto now_of = [&](const float* row, const BaseRow& base, std::int32_t* offset, Pack3& ua) PHYMUL_INLINED {
+      PHYMUL_COPY(offset, row, 3 * sizeof(Pack));
       ua = gather(job.u, offset);
       const Pack3 ub = gather(job.u, offset + lanes);
       const Pack3 uc = plane ? Pack3{} : gather(job.u, offset + 2 * lanes);

@@ -15,7 +15,7 @@ inline constexpr int columns_a_neighbour = simd::neighbour_columns + 3 + 7;
 
 /// Works on one slice, whose neighbourhood is gathered.
 template <bool averaged, int neighbours>
-[[gnu::noinline]] void enumerated_slice(const simd::Job& job, int slice, const Neighbourhood& n) {
+PHYMUL_APART void enumerated_slice(const simd::Job& job, int slice, const Neighbourhood& n) {
   Pack changes[neighbours > 0 ? 64 : simd::most_enumerated_triples];
   PairLengths<neighbours> pairs;
   Pack3 pull;

@@ -6,14 +6,16 @@
 #include <cstdlib>
 #include <string>
 
+#include "base/compiler.h"
+
 namespace phymul::cpu::simd {
 
 std::vector<const Kernels*> usable_kernels() {
   std::vector<const Kernels*> usable{&portable_kernels};
 #if defined(PHYMUL_X86_KERNELS)
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) usable.push_back(&avx2_kernels);
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
-      __builtin_cpu_supports("avx512bw")) {
+  if (PHYMUL_PROCESSOR_HAS("avx2") && PHYMUL_PROCESSOR_HAS("fma")) usable.push_back(&avx2_kernels);
+  if (PHYMUL_PROCESSOR_HAS("avx512f") && PHYMUL_PROCESSOR_HAS("avx512dq") && PHYMUL_PROCESSOR_HAS("avx512vl") &&
+      PHYMUL_PROCESSOR_HAS("avx512bw")) {
     usable.push_back(&avx512_kernels);
   }
 #endif

@@ -21,7 +21,7 @@ PHYMUL_INLINE Pack3 total_force(const simd::Move& move, int slice) {
     for (int r = move.give_first[slice]; r < move.give_first[slice + 1]; ++r) {
       const float* row = move.give + static_cast<std::int64_t>(r) * 2 * lanes;
       std::int32_t offset[lanes];
-      __builtin_memcpy(offset, row, sizeof offset);
+      PHYMUL_COPY(offset, row, sizeof offset);
       force -= load(row + lanes) * gather(move.pull, offset);
     }
   }
@@ -42,7 +42,7 @@ PHYMUL_INLINE bool cut_force(Pack3& force, Pack inverse_mass, const simd::Move& 
   if (!any_of(over)) return false;
   Pack scale = all(1.0f);
   for (int k = 0; k < lanes; ++k) {
-    if (over[k]) scale[k] = move.largest_acceleration / __builtin_sqrtf(q[k]);
+    if (over[k]) scale[k] = move.largest_acceleration / PHYMUL_ROOT(q[k]);
   }
   force = scale * force;
   return true;
@@ -56,7 +56,7 @@ PHYMUL_INLINE float largest_of(Pack p) {
 
 PHYMUL_INLINE void ask_for(const void* from, std::int64_t bytes) {
   const char* at = static_cast<const char*>(from);
-  for (int k = 0; k < bytes; k += 64) __builtin_prefetch(at + k);
+  for (int k = 0; k < bytes; k += 64) PHYMUL_PREFETCH(at + k);
 }
 
 /// Asks for what a later slice reads and writes: a dozen arrays side by side, each of whose pages begins with a wait
@@ -80,8 +80,8 @@ PHYMUL_INLINE void ask_ahead(const simd::Move& move, int slice) {
     if (soon >= move.slices) return;
     for (std::int32_t r = move.give_first[soon]; r < move.give_first[soon + 1]; ++r) {
       std::int32_t offset[lanes];
-      __builtin_memcpy(offset, move.give + static_cast<std::int64_t>(r) * 2 * lanes, sizeof offset);
-      for (int k = 0; k < lanes; ++k) __builtin_prefetch(move.pull + offset[k]);
+      PHYMUL_COPY(offset, move.give + static_cast<std::int64_t>(r) * 2 * lanes, sizeof offset);
+      for (int k = 0; k < lanes; ++k) PHYMUL_PREFETCH(move.pull + offset[k]);
     }
   }
 }
@@ -108,7 +108,7 @@ PHYMUL_INLINE void move_slices_of(const simd::Move& move, int slice, int end, si
     Pack3 free_v = next_v;
     if constexpr (imposed) {
       Ints fixed;
-      __builtin_memcpy(&fixed, move.fixed + at, sizeof fixed);
+      PHYMUL_COPY(&fixed, move.fixed + at, sizeof fixed);
       const Ints x = (fixed & 1) != 0, y = (fixed & 2) != 0, z = (fixed & 4) != 0;
       const Pack3 target = gather_row(move.target + 16 * at), w = all(move.inverse_dt) * (target - u);
       a = {select(x, Pack{}, a.x), select(y, Pack{}, a.y), select(z, Pack{}, a.z)};

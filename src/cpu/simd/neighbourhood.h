@@ -37,7 +37,7 @@ struct Number {
 template <bool fixed, int first, int last, class Call>
 PHYMUL_INLINE void count_up(int from, int to, const Call& call) {
   if constexpr (!fixed) {
-#pragma GCC unroll 2
+    PHYMUL_UNROLL(2)
     for (int k = from; k < to; ++k) call(k);
   } else if constexpr (first < last) {
     call(Number<first>{});

@@ -12,15 +12,15 @@
 #include <immintrin.h>
 #endif
 
-#define PHYMUL_INLINE [[gnu::always_inline]] inline
+#include "base/compiler.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
 
 inline constexpr int lanes = PHYMUL_LANES;
 
-using Pack = float __attribute__((vector_size(4 * PHYMUL_LANES)));
-using Ints = std::int32_t __attribute__((vector_size(4 * PHYMUL_LANES)));
-using Quad = float __attribute__((vector_size(16)));
+using Pack = PHYMUL_VECTOR(float, 4 * PHYMUL_LANES);
+using Ints = PHYMUL_VECTOR(std::int32_t, 4 * PHYMUL_LANES);
+using Quad = PHYMUL_VECTOR(float, 16);
 
 struct Pack3 {
   Pack x, y, z;
@@ -54,19 +54,19 @@ PHYMUL_INLINE Pack smaller(Pack a, Pack b) {
 }
 PHYMUL_INLINE Pack load(const float* from) {
   Pack p;
-  __builtin_memcpy(&p, from, sizeof p);
+  PHYMUL_COPY(&p, from, sizeof p);
   return p;
 }
 PHYMUL_INLINE void store(float* to, Pack p) {
-  __builtin_memcpy(to, &p, sizeof p);
+  PHYMUL_COPY(to, &p, sizeof p);
 }
 PHYMUL_INLINE Quad load_quad(const char* from) {
   Quad q;
-  __builtin_memcpy(&q, __builtin_assume_aligned(from, 16), sizeof q);
+  PHYMUL_COPY(&q, PHYMUL_ALIGNED(from, 16), sizeof q);
   return q;
 }
 PHYMUL_INLINE void store_quad(char* to, Quad q) {
-  __builtin_memcpy(__builtin_assume_aligned(to, 16), &q, sizeof q);
+  PHYMUL_COPY(PHYMUL_ALIGNED(to, 16), &q, sizeof q);
 }
 
 /// Asks for what a pass over rows of `columns` will read some 4 kB later: from memory, not from a cache, it would come
@@ -74,7 +74,7 @@ PHYMUL_INLINE void store_quad(char* to, Quad q) {
 template <int columns>
 PHYMUL_INLINE void prefetch_rows(const float* row) {
   constexpr int ahead = 1024;
-  for (int k = 0; k < columns * lanes; k += 16) __builtin_prefetch(row + ahead + k);
+  for (int k = 0; k < columns * lanes; k += 16) PHYMUL_PREFETCH(row + ahead + k);
 }
 
 PHYMUL_INLINE Pack3 operator+(Pack3 a, Pack3 b) {
@@ -115,7 +115,7 @@ PHYMUL_INLINE Pack rough_inverse_root(Pack x) {
   return (Pack)_mm_rsqrt_ps((__m128)x);
 #else
   Pack r;
-  for (int k = 0; k < lanes; ++k) r[k] = 1.0f / __builtin_sqrtf(x[k]);
+  for (int k = 0; k < lanes; ++k) r[k] = 1.0f / PHYMUL_ROOT(x[k]);
   return r;
 #endif
 }
@@ -197,7 +197,7 @@ PHYMUL_INLINE void split_quads(Pack p, Quad to[1]) {
 #else
 #define PHYMUL_GROUPS(a, b, c, d) (a), (b), (c), (d)
 #endif
-#define PHYMUL_SHUFFLE(p, q, a, b, c, d) __builtin_shufflevector(p, q, PHYMUL_GROUPS(a, b, c, d))
+#define PHYMUL_SHUFFLE(p, q, a, b, c, d) PHYMUL_SHUFFLED(p, q, PHYMUL_GROUPS(a, b, c, d))
 
 struct FourPacks {
   Pack p[4];
@@ -224,7 +224,7 @@ PHYMUL_INLINE Pack3 gather(const char* base, const std::int32_t* offset) {
 /// A slice's vectors, which stand as simd::quad_of() has them.
 PHYMUL_INLINE FourPacks load_row(const char* base) {
   FourPacks row;
-  for (int k = 0; k < 4; ++k) __builtin_memcpy(&row.p[k], base + 4 * lanes * k, sizeof(Pack));
+  for (int k = 0; k < 4; ++k) PHYMUL_COPY(&row.p[k], base + 4 * lanes * k, sizeof(Pack));
   return row;
 }
 PHYMUL_INLINE Pack3 gather_row(const char* base) {
@@ -233,13 +233,13 @@ PHYMUL_INLINE Pack3 gather_row(const char* base) {
 }
 PHYMUL_INLINE void store_row(char* base, Pack3 v) {
   const FourPacks t = transposed({{v.x, v.y, v.z, Pack{}}});
-  for (int k = 0; k < 4; ++k) __builtin_memcpy(base + 4 * lanes * k, &t.p[k], sizeof(Pack));
+  for (int k = 0; k < 4; ++k) PHYMUL_COPY(base + 4 * lanes * k, &t.p[k], sizeof(Pack));
 }
 PHYMUL_INLINE void add_row(char* base, Pack3 v) {
   const FourPacks now = load_row(base), t = transposed({{v.x, v.y, v.z, Pack{}}});
   for (int k = 0; k < 4; ++k) {
     const Pack sum = now.p[k] + t.p[k];
-    __builtin_memcpy(base + 4 * lanes * k, &sum, sizeof sum);
+    PHYMUL_COPY(base + 4 * lanes * k, &sum, sizeof sum);
   }
 }
 
@@ -256,11 +256,10 @@ PHYMUL_INLINE void for_each_quad(Pack3 v, const Take& take) {
 
 /// Adds lane by lane, in a fixed order: two lanes may mean one place.
 PHYMUL_INLINE void scatter_add(char* base, const std::int32_t* offset, Pack3 v) {
-  for_each_quad(
-      v, [&](int lane, Quad q) __attribute__((always_inline)) {
-        char* at = base + offset[lane];
-        store_quad(at, load_quad(at) + q);
-      });
+  for_each_quad(v, [&](int lane, Quad q) PHYMUL_INLINED {
+    char* at = base + offset[lane];
+    store_quad(at, load_quad(at) + q);
+  });
 }
 
 }  // namespace phymul::cpu::PHYMUL_ISA

@@ -16,7 +16,7 @@ PHYMUL_INLINE Pack3 spring_forces(const simd::Job& job, int first, int last, Pac
     const float* row = job.springs.rows + static_cast<std::int64_t>(i) * simd::spring_columns * lanes;
     if (job.rows_far) prefetch_rows<simd::spring_columns>(row);
     std::int32_t offset[lanes];
-    __builtin_memcpy(offset, row, sizeof offset);
+    PHYMUL_COPY(offset, row, sizeof offset);
     const Pack3 d = gather(job.u, offset) - ui, R = load3(row + lanes), r = R + d;
     const Pack rest = load(row + 4 * lanes), k = load(row + 5 * lanes);
     const Pack a = dot(r, r) * rest, y = dot(d, R + r) * rest;
@@ -27,7 +27,7 @@ PHYMUL_INLINE Pack3 spring_forces(const simd::Job& job, int first, int last, Pac
   return sum;
 }
 
-[[gnu::noinline]] inline Pack3 far_spring_forces(const simd::Job& job, int first, int last, Pack3 ui) {
+PHYMUL_APART inline Pack3 far_spring_forces(const simd::Job& job, int first, int last, Pack3 ui) {
   Pack most{};
   return spring_forces<false>(job, first, last, ui, most);
 }

@@ -54,22 +54,20 @@ PHYMUL_INLINE bool measure_pairs(const Neighbourhood& n, PairLengths<neighbours>
   constexpr bool fixed = neighbours > 0;
   const int count = fixed ? neighbours : n.count;
   Pack farthest = all(-1.0f);
-  count_up<fixed, 0, neighbours - 1>(
-      0, count - 1, [&](auto j_) __attribute__((always_inline)) {
-        const int j = number(j_), first = pairs_of(count, j);
-        constexpr int cj = number_of<decltype(j_)>;
-        const Pack3 hj = n.half[j], mj = n.middle[j];
-        count_up<fixed, cj + 1, neighbours>(
-            j + 1, count, [&](auto l_) __attribute__((always_inline)) {
-              const int l = number(l_);
-              const Pack3 h = n.half[l] - hj, m = n.middle[l] - mj;
-              const Pack eta = dot(h, m), g = dot(m, m) + dot(h, h);
-              pairs.eta[first + l] = eta;
-              pairs.g[first + l] = g;
-              pairs.S[first + l] = Pack{};
-              farthest = larger(eta - most_stretch * g, farthest);
-            });
-      });
+  count_up<fixed, 0, neighbours - 1>(0, count - 1, [&](auto j_) PHYMUL_INLINED {
+    const int j = number(j_), first = pairs_of(count, j);
+    constexpr int cj = number_of<decltype(j_)>;
+    const Pack3 hj = n.half[j], mj = n.middle[j];
+    count_up<fixed, cj + 1, neighbours>(j + 1, count, [&](auto l_) PHYMUL_INLINED {
+      const int l = number(l_);
+      const Pack3 h = n.half[l] - hj, m = n.middle[l] - mj;
+      const Pack eta = dot(h, m), g = dot(m, m) + dot(h, h);
+      pairs.eta[first + l] = eta;
+      pairs.g[first + l] = g;
+      pairs.S[first + l] = Pack{};
+      farthest = larger(eta - most_stretch * g, farthest);
+    });
+  });
   return !any_below(Pack{}, farthest);
 }
 
@@ -83,54 +81,49 @@ PHYMUL_INLINE bool pull_by_lengths(const Neighbourhood& n, PairLengths<neighbour
   Pairs<neighbours>& S = pairs.S;
   const float* row = n.triples;
   Pack least = all(1.0f), most = all(-1.0f);
-  count_up<fixed, 0, neighbours - 2>(
-      0, count - 2, [&](auto j_) __attribute__((always_inline)) {
-        const int j = number(j_), of_j = pairs_of(count, j);
-        constexpr int cj = number_of<decltype(j_)>;
-        count_up<fixed, cj + 1, neighbours - 1>(
-            j + 1, count - 1, [&](auto k_) __attribute__((always_inline)) {
-              const int k = number(k_), of_k = pairs_of(count, k);
-              constexpr int ck = number_of<decltype(k_)>;
-              const Pack eta1 = pairs.eta[of_j + k], g1 = pairs.g[of_j + k];
-              const Pack twice_eta1 = eta1 + eta1, twice_g1 = g1 + g1;
-              Pack S1 = S[of_j + k];
-              count_up<fixed, ck + 1, neighbours>(
-                  k + 1, count, [&](auto l_) __attribute__((always_inline)) {
-                    const int jl = of_j + number(l_), kl = of_k + number(l_);
-                    if (!fixed && n.fresh) prefetch_rows<2>(row);
-                    const Pack eta2 = pairs.eta[jl], g2 = pairs.g[jl];
-                    const Pack eta = (eta1 + eta2) - pairs.eta[kl], g = (g1 + g2) - pairs.g[kl];
-                    const Pack y = load(row + lanes) * ((twice_eta1 * g2 + twice_g1 * eta2) - eta * g);
-                    least = smaller(y, least);
-                    most = larger(y, most);
-                    const Pack c = area_change(y);
-                    if constexpr (keep) *changes++ = c;
-                    const Pack share = load(row) * c;
-                    S1 += share;
-                    S[jl] -= share;
-                    S[kl] += share;
-                    row += 2 * lanes;
-                  });
-              S[of_j + k] = S1;
-            });
+  count_up<fixed, 0, neighbours - 2>(0, count - 2, [&](auto j_) PHYMUL_INLINED {
+    const int j = number(j_), of_j = pairs_of(count, j);
+    constexpr int cj = number_of<decltype(j_)>;
+    count_up<fixed, cj + 1, neighbours - 1>(j + 1, count - 1, [&](auto k_) PHYMUL_INLINED {
+      const int k = number(k_), of_k = pairs_of(count, k);
+      constexpr int ck = number_of<decltype(k_)>;
+      const Pack eta1 = pairs.eta[of_j + k], g1 = pairs.g[of_j + k];
+      const Pack twice_eta1 = eta1 + eta1, twice_g1 = g1 + g1;
+      Pack S1 = S[of_j + k];
+      count_up<fixed, ck + 1, neighbours>(k + 1, count, [&](auto l_) PHYMUL_INLINED {
+        const int jl = of_j + number(l_), kl = of_k + number(l_);
+        if (!fixed && n.fresh) prefetch_rows<2>(row);
+        const Pack eta2 = pairs.eta[jl], g2 = pairs.g[jl];
+        const Pack eta = (eta1 + eta2) - pairs.eta[kl], g = (g1 + g2) - pairs.g[kl];
+        const Pack y = load(row + lanes) * ((twice_eta1 * g2 + twice_g1 * eta2) - eta * g);
+        least = smaller(y, least);
+        most = larger(y, most);
+        const Pack c = area_change(y);
+        if constexpr (keep) *changes++ = c;
+        const Pack share = load(row) * c;
+        S1 += share;
+        S[jl] -= share;
+        S[kl] += share;
+        row += 2 * lanes;
       });
+      S[of_j + k] = S1;
+    });
+  });
   pull = along_neighbours(n);
   const float* height = n.pairs;
-  count_up<fixed, 0, neighbours - 1>(
-      0, count - 1, [&](auto j_) __attribute__((always_inline)) {
-        const int j = number(j_), first = pairs_of(count, j);
-        constexpr int cj = number_of<decltype(j_)>;
-        Pack3 turning{}, tilting = n.A(j);
-        count_up<fixed, cj + 1, neighbours>(
-            j + 1, count, [&](auto l_) __attribute__((always_inline)) {
-              const int l = number(l_);
-              const Pack H = load(height);
-              turning += S[first + l] * n.place(l);
-              tilting += H * n.half[l];
-              height += lanes;
-            });
-        pull += cross(n.place(j), turning) + cross(n.half[j], tilting);
-      });
+  count_up<fixed, 0, neighbours - 1>(0, count - 1, [&](auto j_) PHYMUL_INLINED {
+    const int j = number(j_), first = pairs_of(count, j);
+    constexpr int cj = number_of<decltype(j_)>;
+    Pack3 turning{}, tilting = n.A(j);
+    count_up<fixed, cj + 1, neighbours>(j + 1, count, [&](auto l_) PHYMUL_INLINED {
+      const int l = number(l_);
+      const Pack H = load(height);
+      turning += S[first + l] * n.place(l);
+      tilting += H * n.half[l];
+      height += lanes;
+    });
+    pull += cross(n.place(j), turning) + cross(n.half[j], tilting);
+  });
   if (fixed || count > 0) pull += cross(n.half[count - 1], n.A(count - 1));
   return !any_below(least, all(least_area_squared - 1.0f)) && !any_below(all(most_area_squared - 1.0f), most);
 }
@@ -146,73 +139,65 @@ PHYMUL_INLINE void give_back_by_lengths(const Neighbourhood& n, PairLengths<neig
   Pairs<neighbours> volume, S, T;  // F.(x_k x x_l)
   for (int k = 0; k < count; ++k) place[k] = n.place(k);
   Pack* const quarter = pairs.g;  // |e|^2 / 4
-  count_up<fixed, 0, neighbours - 1>(
-      0, count - 1, [&](auto j_) __attribute__((always_inline)) {
-        const int j = number(j_), first = pairs_of(count, j);
-        constexpr int cj = number_of<decltype(j_)>;
-        const Pack3 across = cross(F, place[j]);
-        count_up<fixed, cj + 1, neighbours>(
-            j + 1, count, [&](auto l_) __attribute__((always_inline)) {
-              const int p = first + number(l_);
-              volume[p] = dot(across, place[number(l_)]);
-              quarter[p] = 0.25f * pairs.g[p] + 0.5f * pairs.eta[p];
-              S[p] = T[p] = Pack{};
-            });
-      });
+  count_up<fixed, 0, neighbours - 1>(0, count - 1, [&](auto j_) PHYMUL_INLINED {
+    const int j = number(j_), first = pairs_of(count, j);
+    constexpr int cj = number_of<decltype(j_)>;
+    const Pack3 across = cross(F, place[j]);
+    count_up<fixed, cj + 1, neighbours>(j + 1, count, [&](auto l_) PHYMUL_INLINED {
+      const int p = first + number(l_);
+      volume[p] = dot(across, place[number(l_)]);
+      quarter[p] = 0.25f * pairs.g[p] + 0.5f * pairs.eta[p];
+      S[p] = T[p] = Pack{};
+    });
+  });
   const float* row = n.triples;
-  count_up<fixed, 0, neighbours - 2>(
-      0, count - 2, [&](auto j_) __attribute__((always_inline)) {
-        const int j = number(j_), of_j = pairs_of(count, j);
-        constexpr int cj = number_of<decltype(j_)>;
-        count_up<fixed, cj + 1, neighbours - 1>(
-            j + 1, count - 1, [&](auto k_) __attribute__((always_inline)) {
-              const int k = number(k_), of_k = pairs_of(count, k);
-              constexpr int ck = number_of<decltype(k_)>;
-              const Pack q1 = quarter[of_j + k], volume1 = volume[of_j + k];
-              Pack S1{}, T1{};
-              count_up<fixed, ck + 1, neighbours>(
-                  k + 1, count, [&](auto l_) __attribute__((always_inline)) {
-                    const int jl = of_j + number(l_), kl = of_k + number(l_);
-                    const Pack rho = *changes++ + 1.0f;
-                    const Pack s = load(row) * rho;
-                    const Pack along = (volume1 + volume[kl]) - volume[jl];  // w.F
-                    const Pack t = (s * (rho * rho)) * (load(row + lanes) * along);
-                    const Pack q2 = quarter[jl], q3 = quarter[kl];
-                    const Pack difference = q1 - q2;
-                    S1 += s;
-                    S[jl] -= s;
-                    S[kl] += s;
-                    T1 += t * (q3 - difference);
-                    T[jl] += t * (q3 + difference);
-                    T[kl] += t * ((q1 + q2) - q3);
-                    row += 2 * lanes;
-                  });
-              S[of_j + k] += S1;
-              T[of_j + k] += T1;
-            });
+  count_up<fixed, 0, neighbours - 2>(0, count - 2, [&](auto j_) PHYMUL_INLINED {
+    const int j = number(j_), of_j = pairs_of(count, j);
+    constexpr int cj = number_of<decltype(j_)>;
+    count_up<fixed, cj + 1, neighbours - 1>(j + 1, count - 1, [&](auto k_) PHYMUL_INLINED {
+      const int k = number(k_), of_k = pairs_of(count, k);
+      constexpr int ck = number_of<decltype(k_)>;
+      const Pack q1 = quarter[of_j + k], volume1 = volume[of_j + k];
+      Pack S1{}, T1{};
+      count_up<fixed, ck + 1, neighbours>(k + 1, count, [&](auto l_) PHYMUL_INLINED {
+        const int jl = of_j + number(l_), kl = of_k + number(l_);
+        const Pack rho = *changes++ + 1.0f;
+        const Pack s = load(row) * rho;
+        const Pack along = (volume1 + volume[kl]) - volume[jl];  // w.F
+        const Pack t = (s * (rho * rho)) * (load(row + lanes) * along);
+        const Pack q2 = quarter[jl], q3 = quarter[kl];
+        const Pack difference = q1 - q2;
+        S1 += s;
+        S[jl] -= s;
+        S[kl] += s;
+        T1 += t * (q3 - difference);
+        T[jl] += t * (q3 + difference);
+        T[kl] += t * ((q1 + q2) - q3);
+        row += 2 * lanes;
       });
-  count_up<fixed, 0, neighbours>(
-      0, count, [&](auto k_) __attribute__((always_inline)) {
-        const int k = number(k_), of_k = pairs_of(count, k);
-        constexpr int ck = number_of<decltype(k_)>;
-        Pack3 f = -(n.alpha(k) * F), across{};
-        Pack tension{};
-        count_up<fixed, 0, ck>(
-            0, k, [&](auto l_) __attribute__((always_inline)) {
-              const int l = number(l_), p = pairs_of(count, l) + k;
-              tension += T[p];
-              f -= T[p] * place[l];
-              across += S[p] * place[l];
-            });
-        count_up<fixed, ck + 1, neighbours>(
-            k + 1, count, [&](auto l_) __attribute__((always_inline)) {
-              const int l = number(l_), p = of_k + l;
-              tension += T[p];
-              f -= T[p] * place[l];
-              across -= S[p] * place[l];
-            });
-        scatter_add(force, n.offsets + k * lanes, f + tension * place[k] + cross(across, F));
-      });
+      S[of_j + k] += S1;
+      T[of_j + k] += T1;
+    });
+  });
+  count_up<fixed, 0, neighbours>(0, count, [&](auto k_) PHYMUL_INLINED {
+    const int k = number(k_), of_k = pairs_of(count, k);
+    constexpr int ck = number_of<decltype(k_)>;
+    Pack3 f = -(n.alpha(k) * F), across{};
+    Pack tension{};
+    count_up<fixed, 0, ck>(0, k, [&](auto l_) PHYMUL_INLINED {
+      const int l = number(l_), p = pairs_of(count, l) + k;
+      tension += T[p];
+      f -= T[p] * place[l];
+      across += S[p] * place[l];
+    });
+    count_up<fixed, ck + 1, neighbours>(k + 1, count, [&](auto l_) PHYMUL_INLINED {
+      const int l = number(l_), p = of_k + l;
+      tension += T[p];
+      f -= T[p] * place[l];
+      across -= S[p] * place[l];
+    });
+    scatter_add(force, n.offsets + k * lanes, f + tension * place[k] + cross(across, F));
+  });
 }
 
 }  // namespace phymul::cpu::PHYMUL_ISA

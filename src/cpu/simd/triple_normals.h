@@ -11,7 +11,7 @@ namespace phymul::cpu::PHYMUL_ISA {
 
 /// P* - x; keeps 1 / sqrt(a) - 1 of each triple where asked for.
 template <bool keep>
-[[gnu::noinline]] Pack3 pull_by_normals(const Neighbourhood& n, Pack* changes) {
+PHYMUL_APART Pack3 pull_by_normals(const Neighbourhood& n, Pack* changes) {
   Pack3 sum{};
   const float* row = n.triples;
   Pack3 E2[simd::most_enumerated], d2[simd::most_enumerated], e2[simd::most_enumerated];
@@ -42,7 +42,7 @@ template <bool keep>
 
 /// What F costs the neighbours, as base_terms.h's give_back over all triples. The lambda of all bases together are
 /// alpha.
-[[gnu::noinline]] inline void give_back_by_normals(const Neighbourhood& n, const Pack* changes, Pack3 F, char* force) {
+PHYMUL_APART inline void give_back_by_normals(const Neighbourhood& n, const Pack* changes, Pack3 F, char* force) {
   Pack3 f[simd::most_enumerated], e2[simd::most_enumerated];
   for (int k = 0; k < n.count; ++k) f[k] = -(n.alpha(k) * F);
   const float* row = n.triples;

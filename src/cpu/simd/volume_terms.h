@@ -14,7 +14,7 @@ void volume_rows(const simd::Job& job) {
     const float* row = job.volumes.rows + static_cast<std::int64_t>(r) * simd::volume_columns * lanes;
     if (job.rows_far) prefetch_rows<simd::volume_columns>(row);
     std::int32_t offset[4 * lanes];
-    __builtin_memcpy(offset, row, sizeof offset);
+    PHYMUL_COPY(offset, row, sizeof offset);
     const Pack3 u0 = gather(job.u, offset);
     const Pack3 d1 = gather(job.u, offset + lanes) - u0, d2 = gather(job.u, offset + 2 * lanes) - u0;
     const Pack3 E1 = load3(row + 4 * lanes), E2 = load3(row + 7 * lanes);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // The one function that the module shows.
+#include "base/compiler.h"
 #include "device_solver.h"
 #include "gl/context/context.h"
 #include "gl/display/display.h"
@@ -17,7 +18,7 @@ GlDevice probe(GlBackend backend, const GlOptions& options) {
 }  // namespace
 }  // namespace phymul::gl
 
-extern "C" __attribute__((visibility("default"))) const phymul::GlModule* phymul_gl_module() {
+extern "C" PHYMUL_EXPORT const phymul::GlModule* phymul_gl_module() {
   static const phymul::GlModule module{.stamp = {},
                                        .probe = phymul::gl::probe,
                                        .make = phymul::gl::make_device_solver,

@@ -5,10 +5,12 @@
 #include <cstdarg>
 #include <cstdio>
 
+#include "base/compiler.h"
+
 namespace phymul {
 namespace {
 
-[[gnu::format(printf, 1, 2)]] std::string text(const char* format, ...) {
+PHYMUL_LIKE_PRINTF(1, 2) std::string text(const char* format, ...) {
   char buffer[256];
   va_list values;
   va_start(values, format);
