@@ -18,9 +18,12 @@
 namespace {
 
 std::atomic<std::size_t> allocations{0};
+std::atomic<std::ptrdiff_t> live{0};
+std::atomic<std::size_t> failing{0};  // the allocation that fails; 0: none
 
 void* allocated(std::size_t size, std::size_t alignment) noexcept {
-  ++allocations;
+  if (++allocations == failing) return nullptr;
+  ++live;
   const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
   return std::aligned_alloc(alignment, rounded == 0 ? alignment : rounded);
 }
@@ -29,6 +32,11 @@ void* counted(std::size_t size, std::size_t alignment) {
   void* memory = allocated(size, alignment);
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
+}
+
+void freed(void* memory) noexcept {
+  if (memory != nullptr) --live;
+  std::free(memory);
 }
 
 }  // namespace
@@ -60,46 +68,62 @@ void* counted(std::size_t size, std::size_t alignment) {
   return allocated(size, static_cast<std::size_t>(alignment));
 }
 [[gnu::noinline]] void operator delete(void* memory) noexcept {
-  std::free(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete[](void* memory) noexcept {
-  std::free(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete[](void* memory, std::size_t) noexcept {
-  std::free(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete(void* memory, std::align_val_t) noexcept {
-  std::free(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete[](void* memory, std::align_val_t) noexcept {
-  std::free(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-  std::free(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
-  std::free(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete(void* memory, const std::nothrow_t&) noexcept {
-  std::free(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete[](void* memory, const std::nothrow_t&) noexcept {
-  std::free(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete(void* memory, std::align_val_t, const std::nothrow_t&) noexcept {
-  std::free(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete[](void* memory, std::align_val_t, const std::nothrow_t&) noexcept {
-  std::free(memory);
+  freed(memory);
 }
 
 namespace phymul {
 
 std::size_t allocation_count() {
   return allocations;
+}
+
+std::ptrdiff_t live_allocations() {
+  return live;
+}
+
+FailingAllocation::FailingAllocation(std::size_t k) : last_(allocations + k) {
+  failing = last_;
+}
+
+FailingAllocation::~FailingAllocation() {
+  failing = 0;
+}
+
+bool FailingAllocation::has_failed() const {
+  return allocations >= last_;
 }
 
 namespace {
