@@ -33,7 +33,7 @@ void FloatTools::follow(const Scene& scene) {
   std::vector<Moving> now;
   for (const SceneTool& tool : scene.tools()) {
     const auto known = std::ranges::find(tools_, tool.id, [](const Moving& moving) { return moving.moved.id; });
-    now.push_back(known != tools_.end() ? std::move(*known) : Moving{MovedTool(tool), tool.tool});
+    now.push_back(known != tools_.end() ? *known : Moving{MovedTool(tool), tool.tool});  // a copy may fail
   }
   tools_ = std::move(now);
   mass_ = scene.model().mass;

@@ -44,7 +44,7 @@ void JointSet::follow(const Scene& scene) {
       followed.springs.push_back({end_of(spring.a, scene.tools()), end_of(spring.b, scene.tools())});
     }
     const auto known = std::ranges::find(joints_, joint.id, &Followed::id);
-    if (known != joints_.end()) followed.report = std::move(known->report);
+    if (known != joints_.end()) followed.report = known->report;  // a copy: what follows may need memory and fail
     followed.report.springs.resize(followed.springs.size());
     followed.next = followed.report.springs;
     now.push_back(std::move(followed));

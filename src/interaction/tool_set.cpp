@@ -65,14 +65,23 @@ ToolSet::Moving ToolSet::made(const SceneTool& tool, const Scene& scene) {
 }
 
 void ToolSet::follow(const Scene& scene) {
-  std::vector<Moving> now;
+  const auto known = [&](const SceneTool& tool) {
+    return std::ranges::find(tools_, tool.id, [](const Moving& moving) { return moving.moved.id; });
+  };
+  // First all that needs memory: where there is none, the tools that are known stay what they are.
+  found_.reserve(scene.tools().empty() ? 0 : scene.model().rest.size());
+  std::vector<Moving> now, added;
+  now.reserve(scene.tools().size());
   for (const SceneTool& tool : scene.tools()) {
-    const auto known = std::ranges::find(tools_, tool.id, [](const Moving& moving) { return moving.moved.id; });
-    now.push_back(known != tools_.end() ? std::move(*known) : made(tool, scene));
+    if (known(tool) == tools_.end()) added.push_back(made(tool, scene));
+  }
+  auto next = added.begin();
+  for (const SceneTool& tool : scene.tools()) {
+    const auto own = known(tool);
+    now.push_back(std::move(own != tools_.end() ? *own : *next++));
   }
   tools_ = std::move(now);
   for (Moving& tool : tools_) tool.pull = {};
-  found_.reserve(tools_.empty() ? 0 : scene.model().rest.size());
 }
 
 void ToolSet::reset(const Scene& scene, const State& state) {

@@ -81,6 +81,10 @@ Recording read_recording_bytes(std::string_view bytes, const std::string& name) 
   const auto reader = [&](std::size_t k) { return ByteReader(name, sections[k].payload, sections[k].first_byte); };
   ByteReader head = reader(0), start = reader(1), inputs = reader(3);
   head_fields(head, recording);
+  const RecordedOptions& options = recording.options;
+  if (!(options == options)) {
+    head.fail("expected numbers as options before this byte, got NaN; the file was written by something else");
+  }
   head.expect_end("section \"head\"");
   recording.start = take_snapshot(start);
   recording.start.topology_hash = recording.topology_hash;

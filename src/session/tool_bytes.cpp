@@ -3,7 +3,9 @@
 
 #include <phymul/distance_grid.h>
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
 #include <type_traits>
 
@@ -113,6 +115,17 @@ void state_fields(Bytes& bytes, State& state) {
   });
 }
 
+bool is_finite(const ToolState& state) {
+  const auto finite = [](const auto&... values) { return (std::isfinite(values) && ...); };
+  const auto& [position, orientation, velocity, spin] = state.pose;
+  return position.allFinite() && orientation.coeffs().allFinite() && velocity.allFinite() && spin.allFinite() &&
+         finite(state.needle.slip) &&
+         std::ranges::all_of(state.held_at, [](const Vec3& at) { return at.allFinite(); }) &&
+         std::ranges::all_of(state.needle.shaft, [&](const ShaftLoad& f) { return finite(f.along, f.x, f.y); }) &&
+         std::ranges::all_of(state.needle.hole,
+                             [&](const NeedleNode& node) { return std::ranges::all_of(node.weights, finite); });
+}
+
 void require_one_each(const ByteReader& in, std::size_t items, std::size_t particles, const char* what) {
   if (items == particles) return;
   in.fail(std::string("expected a ") + what + " for each of " + std::to_string(particles) + " particles, got " +
@@ -165,6 +178,7 @@ ToolState take_tool_state(ByteReader& in) {
   for (const NeedleNode& node : state.needle.hole) {
     require_one_each(in, node.weights.size(), node.particles.size(), "weight");
   }
+  if (!is_finite(state)) in.fail("expected finite numbers in a tool's state before this byte; the file is damaged");
   return state;
 }
 

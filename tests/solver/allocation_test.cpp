@@ -22,9 +22,12 @@
 namespace {
 
 std::atomic<std::size_t> allocations{0};
+std::atomic<std::ptrdiff_t> live{0};
+std::atomic<std::size_t> failing{0};  // the allocation that fails; 0: none
 
 void* allocated(std::size_t size, std::size_t alignment) noexcept {
-  ++allocations;
+  if (++allocations == failing) return nullptr;
+  ++live;
   const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
 #if defined(_WIN32)
   return _aligned_malloc(rounded, alignment);
@@ -33,18 +36,19 @@ void* allocated(std::size_t size, std::size_t alignment) noexcept {
 #endif
 }
 
-void release(void* memory) noexcept {
+void* counted(std::size_t size, std::size_t alignment) {
+  void* memory = allocated(size, alignment);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+void freed(void* memory) noexcept {
+  if (memory != nullptr) --live;
 #if defined(_WIN32)
   _aligned_free(memory);
 #else
   std::free(memory);
 #endif
-}
-
-void* counted(std::size_t size, std::size_t alignment) {
-  void* memory = allocated(size, alignment);
-  if (memory == nullptr) throw std::bad_alloc();
-  return memory;
 }
 
 }  // namespace
@@ -76,46 +80,62 @@ void* counted(std::size_t size, std::size_t alignment) {
   return allocated(size, static_cast<std::size_t>(alignment));
 }
 [[gnu::noinline]] void operator delete(void* memory) noexcept {
-  release(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete[](void* memory) noexcept {
-  release(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
-  release(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete[](void* memory, std::size_t) noexcept {
-  release(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete(void* memory, std::align_val_t) noexcept {
-  release(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete[](void* memory, std::align_val_t) noexcept {
-  release(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-  release(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
-  release(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete(void* memory, const std::nothrow_t&) noexcept {
-  release(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete[](void* memory, const std::nothrow_t&) noexcept {
-  release(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete(void* memory, std::align_val_t, const std::nothrow_t&) noexcept {
-  release(memory);
+  freed(memory);
 }
 [[gnu::noinline]] void operator delete[](void* memory, std::align_val_t, const std::nothrow_t&) noexcept {
-  release(memory);
+  freed(memory);
 }
 
 namespace phymul {
 
 std::size_t allocation_count() {
   return allocations;
+}
+
+std::ptrdiff_t live_allocations() {
+  return live;
+}
+
+FailingAllocation::FailingAllocation(std::size_t k) : last_(allocations + k) {
+  failing = last_;
+}
+
+FailingAllocation::~FailingAllocation() {
+  failing = 0;
+}
+
+bool FailingAllocation::has_failed() const {
+  return allocations >= last_;
 }
 
 namespace {

@@ -3,10 +3,11 @@
 
 #include <phymul/error.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <iterator>
 #include <utility>
+
+#include "model/cell_geometry.h"
 
 namespace phymul {
 namespace {
@@ -82,11 +83,9 @@ CellType our_type(std::int64_t type, std::size_t corners, const Place& place) {
 }
 
 /// VTK's documentation has a wedge's first triangle look outward; many writers have it look inward, as Model has it.
-/// The volume tells which it is.
-bool first_triangle_looks_out(const VecList& points, const std::vector<Index>& p) {
-  const Vec3 normal = (points[p[1]] - points[p[0]]).cross(points[p[2]] - points[p[0]]);
-  const Vec3 up = points[p[3]] + points[p[4]] + points[p[5]] - points[p[0]] - points[p[1]] - points[p[2]];
-  return normal.dot(up) < 0.0;
+/// The volume tells which it is, as it tells check_mesh().
+bool first_triangle_looks_out(const VecList& points, const std::vector<Index>& particles) {
+  return signed_volume(CellType::wedge, particles, points) < 0.0;
 }
 
 void turn_wedge(std::vector<Index>& p) {
