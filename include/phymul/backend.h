@@ -95,8 +95,8 @@ class SolverBackend : public Solver {
   void refuse_parts(const Snapshot& snapshot) const;
 
   /// Energy of a state under the scene as it is now, in double precision. Its velocities are those of half a step
-  /// before; last_dt, s: of the step it came by, 0: none.
-  Energy energy_of(const State& state, double last_dt) const;
+  /// before; last_dt, s: of the step it came by, 0: none; dissipative: forces that have no energy, N, or none.
+  Energy energy_of(const State& state, double last_dt, const VecList& dissipative = {}) const;
 
   /// topology(), with the scene's stiffness_factors(); valid until these change. Allocates at the first that are not 1.
   const TopologyTextures& elastic() const;

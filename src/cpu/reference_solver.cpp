@@ -139,8 +139,9 @@ class ReferenceSolver final : public SolverBackend {
   ParticleBuffer do_position_buffer() const override { return {.position = state_.position}; }
 
   Energy do_energy() const override {
-    Energy energy = energy_of(state_, last_dt_);
-    energy.elastic += branch_energy(elastic(), state_.position, dissipation_.memory(), last_dt_);
+    const DissipationNow dissipation = dissipation_at(elastic(), state_.position, dissipation_.memory(), last_dt_);
+    Energy energy = energy_of(state_, last_dt_, dissipation.force);
+    energy.elastic += dissipation.energy;
     return energy;
   }
 

@@ -103,44 +103,53 @@ StrainMemory strains_of(const Snapshot& snapshot, const TopologyTextures& topolo
   return memory;
 }
 
-double branch_energy(const TopologyTextures& t, std::span<const Vec3> x, const StrainMemory& memory, double last_dt) {
+void add_dissipative_forces(const TopologyTextures& t, std::span<const Vec3> x, const StrainMemory& memory, double dt,
+                            double last_dt, std::span<Vec3> force, StrainMemory* next) {
   const KeptStrains kept = kept_strains(t);
-  double energy = 0.0;
-  if (!kept.branch || memory.empty()) return energy;
-  for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
-    const DissipationTexel& of = t.dissipation[d];
-    const std::size_t at = static_cast<std::size_t>(d + 1) * kept.count() - 1;
-    const Mat3 q = green_strain(mean_gradient(t, d, x)) - matrix(memory[at]);
-    const double density = 0.5 * of.relaxation_strength * decay(of, last_dt) * stress_of(of, q).cwiseProduct(q).sum();
-    energy += density / t.domains[d].inverse_volume;
-  }
-  return energy;
-}
-
-void Dissipation::add_forces(const TopologyTextures& t, std::span<const Vec3> x, double dt, double last_dt,
-                             std::span<Vec3> force) {
-  next_.resize(t.dissipation.size() * kept_.count());
+  if (next != nullptr) next->resize(t.dissipation.size() * kept.count());
   const double inverse_dt = 1.0 / (last_dt > 0.0 ? last_dt : dt);
   for (Index d = 0; d < static_cast<Index>(t.dissipation.size()); ++d) {
     const DissipationTexel& of = t.dissipation[d];
     const Mat3 H = mean_gradient(t, d, x), E = green_strain(H);
-    std::size_t at = static_cast<std::size_t>(d) * kept_.count();
-    const auto before = [&] { return memory_.empty() ? E : matrix(memory_[at]); };
+    std::size_t at = static_cast<std::size_t>(d) * kept.count();
+    const auto before = [&] { return memory.empty() ? E : matrix(memory[at]); };
+    const auto keep = [&](const Mat3& strain) {
+      if (next != nullptr) (*next)[at] = strain_of(strain);
+      ++at;
+    };
     Mat3 S = Mat3::Zero();
-    if (kept_.rate) {
+    if (kept.rate) {
       S += of.retardation_time * inverse_dt * stress_of(of, E - before());
-      next_[at++] = strain_of(E);
+      keep(E);
     }
-    if (kept_.branch) {
+    if (kept.branch) {
       const Mat3 Ev = before();
       const double e = decay(of, dt);
       S += of.relaxation_strength * std::sqrt(e) * stress_of(of, E - Ev);
-      next_[at] = strain_of(Ev + (1.0 - e) * (E - Ev));
+      keep(Ev + (1.0 - e) * (E - Ev));
     }
     Mat3 P = S + H * S;
     if (t.dimension == 2) P.row(2).setZero();  // nothing but rounding, which would leave the plane
     add_stress(t, d, P, force);
   }
+}
+
+DissipationNow dissipation_at(const TopologyTextures& t, std::span<const Vec3> x, const StrainMemory& memory,
+                              double last_dt) {
+  DissipationNow now;
+  if (memory.empty() || !(last_dt > 0.0)) return now;
+  now.force.assign(t.particle_count, Vec3::Zero());
+  add_dissipative_forces(t, x, memory, last_dt, last_dt, now.force);
+  const KeptStrains kept = kept_strains(t);
+  if (!kept.branch) return now;
+  for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
+    const DissipationTexel& of = t.dissipation[d];
+    const std::size_t at = static_cast<std::size_t>(d + 1) * kept.count() - 1;
+    const Mat3 q = green_strain(mean_gradient(t, d, x)) - matrix(memory[at]);
+    const double density = 0.5 * of.relaxation_strength * decay(of, last_dt) * stress_of(of, q).cwiseProduct(q).sum();
+    now.energy += density / t.domains[d].inverse_volume;
+  }
+  return now;
 }
 
 StepBound step_bound(const TopologyTextures& topology, const Spectrum& spectrum) {

@@ -38,9 +38,18 @@ bool has_strains(const Snapshot& snapshot);
 /// The part that put_strains() added; empty if there is none. Throws Error if it is of another body or not finite.
 StrainMemory strains_of(const Snapshot& snapshot, const TopologyTextures& topology);
 
-/// Energy in the branches, J; `last_dt`, s: of the step that led to the positions; 0: none.
-double branch_energy(const TopologyTextures& topology, std::span<const Vec3> x, const StrainMemory& memory,
-                     double last_dt);
+/// Adds the forces of a step of `dt`, s, from x, N. `last_dt`, s: of the step before, 0: there was none. `next`, if not
+/// null: the memory after this step.
+void add_dissipative_forces(const TopologyTextures& topology, std::span<const Vec3> x, const StrainMemory& memory,
+                            double dt, double last_dt, std::span<Vec3> force, StrainMemory* next = nullptr);
+
+/// Of a state that a step of `last_dt`, s, led to; 0: none did.
+struct DissipationNow {
+  VecList force;        ///< N; empty: none
+  double energy = 0.0;  ///< J, in the branches
+};
+DissipationNow dissipation_at(const TopologyTextures& topology, std::span<const Vec3> x, const StrainMemory& memory,
+                              double last_dt);
 
 class Dissipation {
  public:
@@ -52,7 +61,10 @@ class Dissipation {
 
   /// Adds the forces of the step from x, N. `t`: the tables of the constructor, or ones whose stiffness is scaled.
   /// `dt`, s: of this step; `last_dt`: of the one before, 0: there was none.
-  void add_forces(const TopologyTextures& t, std::span<const Vec3> x, double dt, double last_dt, std::span<Vec3> force);
+  void add_forces(const TopologyTextures& t, std::span<const Vec3> x, double dt, double last_dt,
+                  std::span<Vec3> force) {
+    add_dissipative_forces(t, x, memory_, dt, last_dt, force, &next_);
+  }
   /// The step counts: the next one starts from its strains.
   void accept() { memory_.swap(next_); }
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/decimal.h"
+#include "elastic/dissipation.h"
 #include "simulation_parts.h"
 #include "solver/half_step.h"
 #include "warnings.h"
@@ -202,7 +203,10 @@ State Simulation::state() const {
     state.velocity = parts_->started->wanted.velocity;
   } else if (now.last_dt > 0.0) {
     const double d = solver().options().damping.factor_at(now.last_dt);
-    to_own_time(parts_->elastic(), parts_->scene, {now.last_dt, d}, state);
+    const TopologyTextures& elastic = parts_->elastic();
+    const StrainMemory strains = strains_of(now, *parts_->topology);
+    to_own_time(elastic, parts_->scene, {now.last_dt, d}, state,
+                dissipation_at(elastic, state.position, strains, now.last_dt).force);
   }
   return std::move(state);
 }

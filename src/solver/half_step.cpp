@@ -44,9 +44,12 @@ void for_free_coordinates(const TopologyTextures& topology, const Scene& scene, 
 
 }  // namespace
 
-void to_own_time(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state) {
+void to_own_time(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state,
+                 const VecList& dissipative) {
+  Acting acting(topology, scene, state);
+  for (std::size_t i = 0; i < dissipative.size(); ++i) acting.force[i] += dissipative[i];
   VecList velocity = state.velocity;
-  for_free_coordinates(topology, scene, Acting(topology, scene, state), state, [&](std::size_t i, int axis, double a) {
+  for_free_coordinates(topology, scene, acting, state, [&](std::size_t i, int axis, double a) {
     velocity[i][axis] = ((1.0 + step.d) * velocity[i][axis] + step.dt * a) / 2.0;
   });
   state.velocity = std::move(velocity);

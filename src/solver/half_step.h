@@ -16,8 +16,10 @@ struct HalfStep {
 };
 
 // Both take the acceleration of elastic forces, joints and loads at the state, in double precision, and leave
-// velocities of imposed coordinates as they are.
-void to_own_time(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state);
+// velocities of imposed coordinates as they are. `dissipative`: further forces, N, or none; a state from which a body
+// starts has none.
+void to_own_time(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state,
+                 const VecList& dissipative = {});
 void to_half_step_before(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state);
 
 }  // namespace phymul

@@ -274,7 +274,7 @@ const char* SolverBackend::do_cannot() const {
   return scene_->contacts() ? no_contacts : nullptr;
 }
 
-Energy SolverBackend::energy_of(const State& state, double last_dt) const {
+Energy SolverBackend::energy_of(const State& state, double last_dt, const VecList& dissipative) const {
   LoadFrame now;  // not frame_: the scene may have changed since the last step
   scene_->prepare(now);
   scene_->evaluate(state.time, now);
@@ -286,6 +286,7 @@ Energy SolverBackend::energy_of(const State& state, double last_dt) const {
   for (Index i = 0; i < topology_->particle_count; ++i) {
     const double m = topology_->mass[i];
     if (!now.force.empty()) force[i] += now.force[i];
+    if (!dissipative.empty()) force[i] += dissipative[i];
     Vec3 a = force[i] / m + now.gravity;
     for (int axis = 0; axis < 3; ++axis) {
       if (!now.fixed.empty() && (now.fixed[i] >> axis & 1) != 0) a[axis] = 0.0;
