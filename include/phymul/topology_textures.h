@@ -105,7 +105,7 @@ struct DissipationTexel {
 /// changed since.
 struct ModelFingerprint {
   std::uint64_t neighbours = 0, cells = 0;
-  std::uint64_t materials = 0;  ///< constants of Material but the density, cell by cell; of a body of points, of all
+  std::uint64_t materials = 0;  ///< rows and constants but the density, cell by cell; of a body of points, of all
   std::uint64_t stiffness = 0;  ///< of particles, if there are no materials
   bool operator==(const ModelFingerprint&) const = default;
 };

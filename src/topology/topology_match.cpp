@@ -31,7 +31,8 @@ void add_elasticity(Fnv& sum, const Material& material) {
   sum.add(material.relaxation_time);
 }
 
-/// Cell by cell: a row of Model::materials that no cell has moves nothing, nor does their order.
+/// Cell by cell: a row of Model::materials that no cell has moves nothing. Rows count, because
+/// Scene::stiffness_factors() are by row.
 std::uint64_t of_materials(const Model& model) {
   Fnv sum;
   sum.add(model.materials.empty());
@@ -48,6 +49,7 @@ std::uint64_t of_materials(const Model& model) {
     const bool known = cell.material >= 0 && static_cast<std::size_t>(cell.material) < model.materials.size();
     const Material material = known ? model.materials[static_cast<std::size_t>(cell.material)] : Material{};
     sum.add(known);
+    sum.add(cell.material);
     add_elasticity(sum, material);
     sum.add(material.fibre_ratio);
     if (material.fibre_ratio > 1.0) sum.add(cell.fibre);
@@ -105,7 +107,7 @@ void require_same_body(const TopologyTextures& topology, const Model& model) {
   const ModelFingerprint own = model_fingerprint(model);
   require_same(topology.model->cells, own.cells, "its cells were others, or in another order");
   require_same(topology.model->materials, own.materials,
-               "cells had another Young's modulus, Poisson's ratio or dissipation, or none");
+               "cells had another Young's modulus, Poisson's ratio, dissipation or row of Model::materials, or none");
   require_same(topology.model->stiffness, own.stiffness, "particles had another stiffness");
   require_same(topology.model->neighbours, own.neighbours, "particles had other neighbours, or in another order");
 }

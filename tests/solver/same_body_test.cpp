@@ -48,8 +48,8 @@ TEST(TopologyOfAChangedModel, IsRefusedWithWhatHasChanged) {
   const auto material = [](double young, double poisson) {
     return [=](Model& m) { set_material(m, {young, poisson, soft.density}); };
   };
-  EXPECT_TRUE(says(after(model, material(6e4, 0.3)), "another Young's modulus, Poisson's ratio or dissipation"));
-  EXPECT_TRUE(says(after(model, material(6e3, 0.45)), "another Young's modulus, Poisson's ratio or dissipation"));
+  EXPECT_TRUE(says(after(model, material(6e4, 0.3)), "another Young's modulus, Poisson's ratio, dissipation or row"));
+  EXPECT_TRUE(says(after(model, material(6e3, 0.45)), "another Young's modulus, Poisson's ratio, dissipation or row"));
   EXPECT_TRUE(says(after(model, material(6e3, 0.45)), "build them anew with build_topology"));
   EXPECT_TRUE(says(after(model,
                          [](Model& m) {
@@ -57,6 +57,12 @@ TEST(TopologyOfAChangedModel, IsRefusedWithWhatHasChanged) {
                            m.cells.back().material = 1;
                          }),
                    "another Young's modulus"));
+  EXPECT_TRUE(says(after(model,
+                         [](Model& m) {
+                           m.materials.insert(m.materials.begin(), {6e4, 0.3, soft.density});
+                           for (Cell& cell : m.cells) ++cell.material;
+                         }),
+                   "row of Model::materials"));
   EXPECT_TRUE(says(after(model, [](Model& m) { std::swap(m.cells[0].particles, m.cells[1].particles); }), "its cells"));
   EXPECT_TRUE(says(after(plain, [](Model& m) { m.stiffness[7] = std::nextafter(10.0, 11.0); }), "another stiffness"));
   EXPECT_TRUE(says(after(plain, [](Model& m) { std::swap(m.neighbours.entry[0], m.neighbours.entry[1]); }),

@@ -364,8 +364,8 @@ class SimdSolver final : public SolverBackend {
 
   Energy do_energy() const override {
     const State state = read();
-    if (!dissipation_) return energy_of(state, last_dt_);
-    const DissipationNow now = dissipation_at(elastic(), state.position, dissipation_->memory(), last_dt_);
+    DissipationNow now;
+    if (dissipation_) now = dissipation_at(elastic(), state.position, dissipation_->memory(), last_dt_);
     Energy energy = energy_of(state, last_dt_, now.force);
     energy.elastic += now.energy;
     return energy;
