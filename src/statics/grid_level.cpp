@@ -63,6 +63,13 @@ Eigen::Matrix<double, 8, 8> spread_over_cell(const Vec3& spacing) {
   return spread;
 }
 
+/// What `held`, N/m by axis, at t in [0, 1]^3 is for the nodes.
+void add_held(const Vec3& t, const Vec3& held, std::array<Eigen::Matrix<double, 8, 8>, 3>& sum) {
+  const std::array<double, 8> weight = weights_at(t);
+  const Eigen::Map<const Eigen::Matrix<double, 8, 1>> w(weight.data());
+  for (int axis = 0; axis < 3; ++axis) sum[axis] += held[axis] * w * w.transpose();
+}
+
 }  // namespace
 
 Mat3 rotation_of(const Mat3& F) {
@@ -104,8 +111,7 @@ Index GridLevel::node_at(const std::array<Index, 3>& at) const {
   return at[0] + (shape_.cells[0] + 1) * (at[1] + (shape_.cells[1] + 1) * at[2]);
 }
 
-GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint8_t> fixed,
-                     std::span<const Mat3> joints, const GridShape& shape)
+GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, const GridShape& shape)
     : shape_(shape) {
   const auto& n = shape.cells;
   cell_of_.assign(static_cast<std::size_t>(n[0]) * n[1] * n[2], none);
@@ -157,8 +163,6 @@ GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint
       const bool holds = !fixed.empty() && (fixed[domain.particle] >> axis & 1) != 0;
       held[axis] = holds ? hold * shear * std::cbrt(volume) : 0.0;
     }
-    const bool first = topology.first_domain[domain.particle] == d;
-    if (first && !joints.empty()) held += joints[domain.particle].diagonal();
     std::array<Index, 3> at;
     for (at[2] = range[2][0]; at[2] <= range[2][1]; ++at[2]) {
       for (at[1] = range[1][0]; at[1] <= range[1][1]; ++at[1]) {
@@ -175,9 +179,7 @@ GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint
           cell.gradient += part * gradient;
           cell.spread += part * shear * gradient * gradient.transpose();
           if (held.isZero(0.0)) continue;
-          const std::array<double, 8> weight = weights_at(local);
-          const Eigen::Map<const Eigen::Matrix<double, 8, 1>> w(weight.data());
-          for (int axis = 0; axis < 3; ++axis) cell.held[axis] += share * held[axis] * w * w.transpose();
+          add_held(local, share * held, cell.held);
           cell.holds = true;
         }
       }
@@ -202,6 +204,23 @@ GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint
   }
 }
 
+void GridLevel::join(const TopologyTextures& topology, std::span<const Mat3> joints) {
+  joints_.clear();
+  for (Cell& cell : cells_) cell.joints = none;
+  for (const Part& part : parts_) {
+    const DomainTexel& domain = topology.domains[part.domain];
+    if (topology.first_domain[domain.particle] != part.domain || joints[domain.particle].isZero(0.0)) continue;
+    Cell& cell = cells_[part.cell];
+    if (cell.joints == none) {
+      cell.joints = static_cast<Index>(joints_.size());
+      joints_.emplace_back().fill(Eigen::Matrix<double, 8, 8>::Zero());
+    }
+    const Vec3 local = (topology.rest[domain.particle] - node_place_[cell.node[0]]).cwiseQuotient(shape_.spacing);
+    const double share = part.share * domain.inverse_volume;
+    add_held(local, share * joints[domain.particle].diagonal(), joints_[cell.joints]);
+  }
+}
+
 void GridLevel::assemble(std::span<const Mat3> gradients) {
   std::vector<Mat3> turned(cells_.size(), Mat3::Zero());
   if (!gradients.empty()) {
@@ -221,6 +240,9 @@ void GridLevel::assemble(std::span<const Mat3> gradients) {
         block.diagonal().array() += cell.volume * cell.shear * inner(a, b) + cell.spread(a, b);
         if (cell.holds) {
           for (int axis = 0; axis < 3; ++axis) block(axis, axis) += cell.held[axis](a, b);
+        }
+        if (cell.joints != none) {
+          for (int axis = 0; axis < 3; ++axis) block(axis, axis) += joints_[cell.joints][axis](a, b);
         }
         if (a == b) block.diagonal() *= 1.0 + regularisation;
         stiffness_->at(cell.entry[8 * a + b]) += block;

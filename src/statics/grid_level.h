@@ -38,10 +38,11 @@ struct GridShape {
 
 class GridLevel {
  public:
-  /// `fixed` [N]: as LoadFrame::fixed. `joints`: RestJoints::diagonal(), as if all of them ended at the world.
-  GridLevel(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, std::span<const Mat3> joints,
-            const GridShape& shape);
+  /// `fixed` [N]: as LoadFrame::fixed. Without joints.
+  GridLevel(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, const GridShape& shape);
 
+  /// From the next assemble() on with these joints, RestJoints::diagonal(), as if all of them ended at the world.
+  void join(const TopologyTextures& topology, std::span<const Mat3> joints);
   /// Turns the cells: `gradients` as Tangent::linearise. To be called once before the others.
   void assemble(std::span<const Mat3> gradients);
 
@@ -56,15 +57,16 @@ class GridLevel {
   const BlockMatrix& stiffness() const { return *stiffness_; }
 
  private:
+  using ByAxis = std::array<Eigen::Matrix<double, 8, 8>, 3>;
   struct Cell {
     std::array<Index, 8> node;
-    std::array<Index, 64> entry;                      // of the matrix
-    double volume = 0.0;                              // m^3, of its material
-    double shear = 0.0, lame = 0.0;                   // Pa, means
-    Eigen::Matrix<double, 8, 3> gradient;             // mean of the nodes' functions, 1/m
-    Eigen::Matrix<double, 8, 8> spread;               // N/m, what the mean leaves out, and held particles
-    std::array<Eigen::Matrix<double, 8, 8>, 3> held;  // N/m, by axis
-    Mat3 turn = Mat3::Identity();
+    std::array<Index, 64> entry;           // of the matrix
+    double volume = 0.0;                   // m^3, of its material
+    double shear = 0.0, lame = 0.0;        // Pa, means
+    Eigen::Matrix<double, 8, 3> gradient;  // mean of the nodes' functions, 1/m
+    Eigen::Matrix<double, 8, 8> spread;    // N/m, what the mean leaves out
+    ByAxis held;                           // N/m, of particles that are
+    Index joints = none;                   // in joints_
     bool holds = false;
   };
   struct Part {  // of a domain in a cell
@@ -80,6 +82,7 @@ class GridLevel {
   std::vector<Vec3> node_place_;
   std::vector<Cell> cells_;
   std::vector<Part> parts_;
+  std::vector<ByAxis> joints_;  // N/m
   std::unique_ptr<BlockMatrix> stiffness_;
 };
 

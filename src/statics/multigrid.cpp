@@ -19,7 +19,8 @@ constexpr int coarse_sweeps = 2;
 /// A power iteration of a few steps ends below the largest eigenvalue.
 constexpr double above_estimate = 1.2;
 constexpr double finest_cells = 2.0;  // of the finest grid, in mean spacings
-constexpr Index few_nodes = 120;      // solved directly in a millisecond or so
+constexpr double little_change_of_joints = 0.1;
+constexpr Index few_nodes = 120;  // solved directly in a millisecond or so
 
 /// The blocks of the diagonal of K at rest.
 std::vector<Mat3> diagonal_at_rest(const TopologyTextures& t) {
@@ -85,17 +86,15 @@ Multigrid::Multigrid(const TopologyTextures& topology, std::span<const std::uint
       if ((fixed[i] >> axis & 1) != 0) free_[3 * static_cast<Eigen::Index>(i) + axis] = 0.0;
     }
   }
-  const std::vector<Mat3> of_joints = joints.diagonal();
-  std::vector<Mat3> diagonal = diagonal_at_rest(topology);
-  for (std::size_t i = 0; i < of_joints.size(); ++i) diagonal[i] += of_joints[i];
-  for (const Mat3& block : diagonal) inverse_diagonal_.push_back(block.inverse());
-  turned_.assign(inverse_diagonal_.size(), Mat3::Identity());
+  diagonal_ = diagonal_at_rest(topology);
+  for (const Mat3& block : diagonal_) inverse_diagonal_.push_back(block.inverse());
+  turned_.assign(diagonal_.size(), Mat3::Identity());
   double volume = 0.0;
   for (const DomainTexel& domain : topology.domains) volume += 1.0 / domain.inverse_volume;
   const double spacing = std::cbrt(volume / static_cast<double>(topology.particle_count));
   GridShape shape = GridShape::over(topology.rest, finest_cells * spacing);
   while (true) {
-    Coarse coarse{.level = GridLevel(topology, fixed, of_joints, shape), .finer = {}, .b = {}, .x = {}, .r = {}};
+    Coarse coarse{.level = GridLevel(topology, fixed, shape), .finer = {}, .b = {}, .x = {}, .r = {}};
     if (coarse_.empty()) {
       for (const Vec3& rest : topology.rest) coarse.finer.push_back(coarse.level.place_of(rest));
     } else {
@@ -116,6 +115,22 @@ Multigrid::Multigrid(const TopologyTextures& topology, std::span<const std::uint
   for (double& value : strongest_)
     value = static_cast<double>(bits = bits * 1664525u + 1013904223u) / 4294967296.0 - 0.5;
   strongest_.array() *= free_.array();
+}
+
+bool Multigrid::follow_joints() {
+  std::vector<Mat3> now = joints_.diagonal();
+  double size = 0.0, change = 0.0;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    size += now[i].norm();
+    change += of_joints_.empty() ? now[i].norm() : (now[i] - of_joints_[i]).norm();
+  }
+  if (change <= little_change_of_joints * size) return false;
+  of_joints_ = std::move(now);
+  for (std::size_t i = 0; i < diagonal_.size(); ++i) {
+    inverse_diagonal_[i] = (diagonal_[i] + of_joints_[i]).inverse();
+  }
+  for (Coarse& coarse : coarse_) coarse.level.join(topology_, of_joints_);
+  return true;
 }
 
 void Multigrid::turn(std::span<const Mat3> gradients) {

@@ -23,6 +23,10 @@ class Multigrid {
   Multigrid(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, Tangent& tangent,
             const RestJoints& joints);
 
+  /// Takes the joints' stiffness as it is now, if it has changed by much since it last did; returns whether. Then
+  /// turn() and estimate_largest() are to be called.
+  bool follow_joints();
+
   /// Follows the tangent to another state: `gradients` as Tangent::linearise. To be called before
   /// solve().
   void turn(std::span<const Mat3> gradients);
@@ -55,7 +59,9 @@ class Multigrid {
   Tangent& tangent_;
   const RestJoints& joints_;
   Eigen::VectorXd free_;
-  std::vector<Mat3> inverse_diagonal_;  // at rest
+  std::vector<Mat3> diagonal_;          // at rest, without joints
+  std::vector<Mat3> of_joints_;         // RestJoints::diagonal() that the levels have
+  std::vector<Mat3> inverse_diagonal_;  // of both
   std::vector<Mat3> turned_;            // rotations of the particles
   double largest_ = 1.0;                // eigenvalue of the scaled K
   std::vector<Coarse> coarse_;

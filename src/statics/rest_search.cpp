@@ -22,6 +22,7 @@ constexpr double worth_while = 0.3;     ///< a linear residual below this share 
 constexpr double share_of_rest = 0.8;   ///< of the tolerance, for the linear residual
 constexpr int most_iterations = 60;     ///< of conjugate gradients
 constexpr double most_change = 0.75;    ///< of a mean gradient in one step: rotation in rad, strain
+constexpr double most_way = 0.25;       ///< of a particle in one step, in sizes of the body
 constexpr double little_change = 0.05;  ///< up to which the preconditioner stays
 constexpr int first_power_steps = 5, power_steps = 3;
 constexpr Index path_nodes = 600;
@@ -35,7 +36,7 @@ class Search {
   Search(const TopologyTextures& topology, const LoadFrame& loads, RestJoints& joints, VecList& position)
       : topology_(topology),
         loads_(loads),
-        joints_(linearised(joints, position)),
+        joints_(joints),
         position_(position),
         tangent_(make_tangent(topology)),
         grid_(topology, loads.fixed, *tangent_, joints),
@@ -50,6 +51,9 @@ class Search {
     for (const DomainTexel& domain : topology.domains) {
       shear += domain.energy[0] / std::pow(domain.inverse_volume, 2.0 / 3.0);
     }
+    Eigen::AlignedBox3d box;
+    for (const Vec3& rest : topology.rest) box.extend(rest);
+    most_way_ = most_way * box.diagonal().norm();
     floor_ = force_rounding * shear / std::sqrt(static_cast<double>(topology.particle_count));
   }
 
@@ -75,11 +79,6 @@ class Search {
   }
 
  private:
-  static RestJoints& linearised(RestJoints& joints, const VecList& position) {
-    joints.linearise(position);
-    return joints;
-  }
-
   int evaluations() const { return forces_ + grid_.evaluations(); }
 
   void residual_at(const VecList& x, Vector& r) {
@@ -116,8 +115,9 @@ class Search {
     for (std::size_t d = 0; d < turned_at_.size(); ++d) {
       most = std::max(most, (gradients_[d] - turned_at_[d]).cwiseAbs().maxCoeff());
     }
-    keeps_way_ = most <= little_change && curvature_ > 0.0;
-    if (most <= little_change) return;
+    const bool stays = !grid_.follow_joints() && most <= little_change;
+    keeps_way_ = stays && curvature_ > 0.0;
+    if (stays) return;
     grid_.turn(gradients_);
     grid_.estimate_largest(turned_at_.empty() ? first_power_steps : power_steps);
     turned_at_ = gradients_;
@@ -174,13 +174,19 @@ class Search {
       grid_.solve(r, z);
       way_ = z - z.dot(image_of_way_) / curvature_ * way_;
     }
+    // What nothing holds but slack springs has a tangent that is as good as singular.
+    if (!imposes && !(direction_.dot(residual_) > 0.0)) {
+      grid_.solve(residual_, direction_);
+      reached_ = false;
+    }
     if (!reached_) find_change();
   }
 
   double largest_share() const {
-    double most = 0.0;
+    double most = 0.0, way = 0.0;
     for (const Mat3& change : change_) most = std::max(most, change.cwiseAbs().maxCoeff());
-    return most > most_change ? most_change / most : 1.0;
+    for (Eigen::Index i = 0; i < direction_.size(); i += 3) way = std::max(way, direction_.segment<3>(i).norm());
+    return 1.0 / std::max({1.0, most / most_change, way / most_way_});
   }
 
   /// trial_: the place at `share` of the path along direction_.
@@ -255,6 +261,7 @@ class Search {
   VecList force_, trial_;
   int forces_ = 0, most_evaluations_ = 0;
   double floor_ = 0.0, scale_ = 0.0, goal_ = 0.0;  // N
+  double most_way_ = 0.0;                          // m
   Vector residual_, next_residual_, direction_, imposed_way_, image_;
   Vector way_, image_of_way_;  // of conjugate gradients
   double curvature_ = 0.0;

@@ -208,7 +208,18 @@ TEST(SimulationStatic, FindsTheShapeOnJoints) {
          scene.attach(scene.model().group("x0"), World{{-0.01, 0, 0.02}}, {.stiffness = 1e5, .slack = true});
          scene.attach(scene.model().group("x1"), World{{0.01, 0, 0.02}}, {.stiffness = 2e5, .slack = true});
        },
-       3000},
+       1200},
+      {"threads", block,  // each slack at the start: what holds the body changes on the way
+       [](Scene& scene) {
+         for (const Index i : scene.model().group("z1")) {
+           const Anchor end = at_world(scene.model().rest[i] + Vec3(0, 0, 0.045));
+           scene.add_joint({.springs = {{.a = at_particle(i), .b = end, .rest_length = 0.05}},
+                            .stiffness = 1e4,
+                            .damping = 1.0,
+                            .slack = true});
+         }
+       },
+       6000},
       {"glue", merge_models(bodies),
        [](Scene& scene) {
          scene.fix("lower/z0");

@@ -64,9 +64,8 @@ class SimdSolver final : public SolverBackend {
     force_.assign(4 * static_cast<std::size_t>(body_->force_rows), 0.0f);
     if (body_->averaged()) {
       averaged_.emplace(topology(), *body_, kernels_, pool_.parts());
-      const bool dissipates = !topology().dissipation.empty();
-      if (dissipates) dissipation_.emplace(topology(), body_->averages);
-      if (options().sleep_tolerance && !dissipates) sleep_.emplace(topology(), *body_, options().rest_steps);
+      if (!topology().dissipation.empty()) dissipation_.emplace(topology(), body_->averages);
+      if (options().sleep_tolerance && !dissipation_) sleep_.emplace(topology(), *body_, options().rest_steps);
     }
     if (body_->gives()) pull_.assign(quads, 0.0f);
     near_u_.assign(summaries_.size(), Floats(4 * body_->most_slots() + page, 0.0f));
