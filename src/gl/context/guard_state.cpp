@@ -177,9 +177,9 @@ void StateGuard::keep_clip_control() {
 void StateGuard::keep_desktop_numbers() {
   std::array<GLint, 2> mode{GL_FILL, GL_FILL};
   glGetIntegerv(GL_POLYGON_MODE, mode.data());
-  later([mode] {
+  later([mode, core = info_.core_profile] {
     glPolygonMode(GL_FRONT_AND_BACK, static_cast<GLenum>(mode[0]));
-    if (mode[0] == mode[1]) return;  // as in a core profile
+    if (core || mode[0] == mode[1]) return;  // a core profile has one mode, and drivers tell it once or twice
     glPolygonMode(GL_FRONT, static_cast<GLenum>(mode[0]));
     glPolygonMode(GL_BACK, static_cast<GLenum>(mode[1]));
   });
