@@ -80,9 +80,9 @@ TEST_P(GlTool, EveryShapeHasTheMirrorsBits) {
       ASSERT_TRUE(twins.mirror->step(9, dt_).ok());
       twins.expect_same_bits("call " + std::to_string(k));
       const ToolForce a = twins.gl->tool_force("tool"), b = twins.mirror->tool_force("tool");
-      EXPECT_LE((a.force - b.force).norm(), twins.tolerance() * b.force.norm() + 1e-9);
-      EXPECT_LE((a.torque - b.torque).norm(), twins.tolerance() * b.torque.norm() + 1e-10);
-      EXPECT_LE((a.mean_force - b.mean_force).norm(), twins.tolerance() * b.mean_force.norm() + 1e-9);
+      EXPECT_LE((a.force - b.force).norm(), 1e-5 * b.force.norm() + 1e-9);
+      EXPECT_LE((a.torque - b.torque).norm(), 1e-5 * b.torque.norm() + 1e-10);
+      EXPECT_LE((a.mean_force - b.mean_force).norm(), 1e-5 * b.mean_force.norm() + 1e-9);
       EXPECT_EQ(twins.gl->tool_pose("tool"), twins.mirror->tool_pose("tool"));
       EXPECT_TRUE(a.particles == b.particles || !twins.same_bits_expected()) << a.particles << ", " << b.particles;
       touched += b.particles;

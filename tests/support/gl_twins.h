@@ -104,9 +104,6 @@ class GlTwins {
     mirror->reset(state);
   }
 
-  /// Relative, of sums over a body that moves: where bits differ, three times the most that an H100 gave.
-  double tolerance() const { return same_bits_expected() ? 1e-5 : 3e-4; }
-
   void expect_same_bits(const std::string& where) const {
     if (!same_bits_expected()) return;
     EXPECT_EQ(difference(gl->read(), mirror->read()), "") << where;
