@@ -103,11 +103,12 @@ StrainMemory strains_of(const Snapshot& snapshot, const TopologyTextures& topolo
   return memory;
 }
 
-void add_dissipative_forces(const TopologyTextures& t, std::span<const Vec3> x, const StrainMemory& memory, double dt,
-                            double last_dt, std::span<Vec3> force, StrainMemory* next) {
+double add_dissipative_forces(const TopologyTextures& t, std::span<const Vec3> x, const StrainMemory& memory, double dt,
+                              double last_dt, std::span<Vec3> force, StrainMemory* next) {
   const KeptStrains kept = kept_strains(t);
   if (next != nullptr) next->resize(t.dissipation.size() * kept.count());
   const double inverse_dt = 1.0 / (last_dt > 0.0 ? last_dt : dt);
+  double energy = 0.0;
   for (Index d = 0; d < static_cast<Index>(t.dissipation.size()); ++d) {
     const DissipationTexel& of = t.dissipation[d];
     const Mat3 H = mean_gradient(t, d, x), E = green_strain(H);
@@ -123,15 +124,17 @@ void add_dissipative_forces(const TopologyTextures& t, std::span<const Vec3> x, 
       keep(E);
     }
     if (kept.branch) {
-      const Mat3 Ev = before();
+      const Mat3 Ev = before(), stress = stress_of(of, E - Ev);
       const double e = decay(of, dt);
-      S += of.relaxation_strength * std::sqrt(e) * stress_of(of, E - Ev);
+      energy += 0.5 * of.relaxation_strength * e * stress.cwiseProduct(E - Ev).sum() / t.domains[d].inverse_volume;
+      S += of.relaxation_strength * std::sqrt(e) * stress;
       keep(Ev + (1.0 - e) * (E - Ev));
     }
     Mat3 P = S + H * S;
     if (t.dimension == 2) P.row(2).setZero();  // nothing but rounding, which would leave the plane
     add_stress(t, d, P, force);
   }
+  return energy;
 }
 
 DissipationNow dissipation_at(const TopologyTextures& t, std::span<const Vec3> x, const StrainMemory& memory,
@@ -139,16 +142,7 @@ DissipationNow dissipation_at(const TopologyTextures& t, std::span<const Vec3> x
   DissipationNow now;
   if (memory.empty() || !(last_dt > 0.0)) return now;
   now.force.assign(t.particle_count, Vec3::Zero());
-  add_dissipative_forces(t, x, memory, last_dt, last_dt, now.force);
-  const KeptStrains kept = kept_strains(t);
-  if (!kept.branch) return now;
-  for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
-    const DissipationTexel& of = t.dissipation[d];
-    const std::size_t at = static_cast<std::size_t>(d + 1) * kept.count() - 1;
-    const Mat3 q = green_strain(mean_gradient(t, d, x)) - matrix(memory[at]);
-    const double density = 0.5 * of.relaxation_strength * decay(of, last_dt) * stress_of(of, q).cwiseProduct(q).sum();
-    now.energy += density / t.domains[d].inverse_volume;
-  }
+  now.energy = add_dissipative_forces(t, x, memory, last_dt, last_dt, now.force);
   return now;
 }
 

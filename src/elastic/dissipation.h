@@ -39,9 +39,10 @@ bool has_strains(const Snapshot& snapshot);
 StrainMemory strains_of(const Snapshot& snapshot, const TopologyTextures& topology);
 
 /// Adds the forces of a step of `dt`, s, from x, N. `last_dt`, s: of the step before, 0: there was none. `next`, if not
-/// null: the memory after this step.
-void add_dissipative_forces(const TopologyTextures& topology, std::span<const Vec3> x, const StrainMemory& memory,
-                            double dt, double last_dt, std::span<Vec3> force, StrainMemory* next = nullptr);
+/// null, gets the memory after this step. Returns the energy in the branches at x, J, if the
+/// step before took `dt` too.
+double add_dissipative_forces(const TopologyTextures& topology, std::span<const Vec3> x, const StrainMemory& memory,
+                              double dt, double last_dt, std::span<Vec3> force, StrainMemory* next = nullptr);
 
 /// Of a state that a step of `last_dt`, s, led to; 0: none did.
 struct DissipationNow {

@@ -61,19 +61,19 @@ TEST(DissipationRuns, NeverGivesEnergyBack) {
   const auto solver = make_solver("reference", model, scene);
   State state = rest_state(model);
   state.position = random_positions(model, 0.05, 5);
-  for (const double share : {0.02, 0.5}) {
+  for (const auto& [share, steps] : {std::pair(0.02, 10), std::pair(0.5, 1)}) {
     solver->reset(state);
     const double dt = share * solver->stable_step();
     ASSERT_TRUE(solver->step(1, dt).ok());
     const double first = solver->energy().total();
     double before = first;
     for (int k = 0; k < 200; ++k) {
-      ASSERT_TRUE(solver->step(1, dt).ok());
+      ASSERT_TRUE(solver->step(steps, dt).ok());
       const double now = solver->energy().total();
-      EXPECT_LT(now, before + 1e-6 * first) << "step " << k << " of " << share << " of the limit";
+      EXPECT_LT(now, before + 1e-6 * first) << "call " << k << " of " << share << " of the limit";
       before = now;
     }
-    EXPECT_LT(before, 0.9 * first);
+    EXPECT_LT(before, 0.7 * first);
     EXPECT_GT(before, 0.0);
   }
 }
