@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // Numbers as the sum of two floats, larger part first: about 44 bits. T. J. Dekker, "A floating-point technique for
-// extending the available precision", Numer. Math. 18 (1971) 224-242. What must be rounded is precise and goes through
-// integers: OpenGL ES 3.1 has no `precise`, and a driver that compiles anew for the values of uniforms sees through them.
+// extending the available precision", Numer. Math. 18 (1971) 224-242. Each rounding is `precise` where the
+// language has the word, and also goes through integers, for OpenGL ES 3.1, which has not. Integers alone are not enough
+// for every driver.
 
 uniform int kept_bits;  // 0, which a compiler cannot know
 
