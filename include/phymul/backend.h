@@ -19,6 +19,7 @@ namespace phymul {
 class JointSet;      // src/interaction/joint_set.h
 class Profile;       // src/solver/profile.h
 class ScaledTables;  // src/elastic/scaled_tables.h
+struct LocalSteps;   // src/elastic/local_steps.h
 
 /// Does once for all backends what does not depend on them: checks of arguments and states, the step limit, failure
 /// policy, rest test, progress calls, and the default of every optional function. A backend overrides the private
@@ -37,6 +38,9 @@ class SolverBackend : public Solver {
   const SolverOptions& options() const final { return options_; }
   bool takes_tools() const final { return do_takes_tools(); }
   double stable_step() const final { return step_limit(options_.damping.factor); }
+  int substeps() const final;
+  /// What the substeps of a step of `dt` s change of the forces at a state, N; empty without substeps.
+  VecList substep_forces(const State& state, double dt) const;
 
   using Solver::read;
   using Solver::reset;
@@ -100,6 +104,7 @@ class SolverBackend : public Solver {
 
   /// topology(), with the scene's stiffness_factors(); valid until these change. Allocates at the first that are not 1.
   const TopologyTextures& elastic() const;
+  const LocalSteps* local_steps() const { return local_steps_.get(); }  ///< null: one step for all
   /// What of the scene and the body only "cpu" and "reference" take, as do_cannot() says it; null: nothing.
   const char* beyond_devices() const;
 
@@ -171,6 +176,7 @@ class SolverBackend : public Solver {
   Spectrum own_spectrum_;                     // of the model's own stiffness
   double stiffness_ = 0.0, viscosity_ = 0.0;  // bounds of it and of its dissipation, over the masses: 1/s^2, 1/s
   std::unique_ptr<ScaledTables> scaled_;
+  std::unique_ptr<const LocalSteps> local_steps_;
   double spacing_ = 0.0;
 };
 

@@ -84,6 +84,8 @@ class Solver {
   /// Deformed bodies have a lower one: use half of it. Infinite for a body without stiffness and joints, for which
   /// every finite dt is stable. See estimate_spectrum (elasticity.h); joints: docs/guide/joints.md.
   virtual double stable_step() const = 0;
+  /// Substeps per step of the materials that need a shorter one (SolverOptions::max_substeps); 1: none do.
+  virtual int substeps() const = 0;
 
   /// Starts from a state. Throws Error, and changes nothing, if the state's sizes do not fit, a value is not finite, z
   /// is not 0 in a two-dimensional model, or State::tools has particles held by a needle or a hole of another shape.

@@ -58,6 +58,15 @@ struct SolverOptions {
   /// only what repeats itself. Without effect for materials that dissipate. Throws Error for a negative value, NaN or
   /// infinity.
   std::optional<double> sleep_tolerance{};
+  /// Local time steps: materials that need a shorter step than the others, as a stiff tumour in soft tissue, are
+  /// advanced by up to this many substeps within each step, so that they do not set the step of the whole body. 1: off.
+  /// Backends "reference" and "cpu", bodies with a material (Law::particle_averaged). The solver chooses the materials
+  /// and the number (Solver::substeps), and stable_step() is that of the whole scheme; without a gain it uses one step
+  /// for all. Rest shapes are the same and linear momentum is conserved; vibrations of the stiff materials that are
+  /// faster than the step are slowed down, as by a larger mass, which Solver::energy() does not count. Making the
+  /// solver takes about three times as long. Excludes sleep_tolerance and materials that dissipate. Throws Error for a
+  /// number below 1. See docs/guide/choosing.md.
+  int max_substeps = 1;
   /// In mean spacings: an elastic force that by itself would move its particle further than this in one step is
   /// limited to that distance, and StepReport::force_clamped is set. Forces of this size occur only in states that real
   /// tissue does not reach (flattened, mirrored, scattered). There an explicit step overshoots; with the limit bodies

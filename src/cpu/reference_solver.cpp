@@ -5,9 +5,11 @@
 #include <phymul/elasticity.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "elastic/dissipation.h"
+#include "elastic/local_steps.h"
 #include "integrate.h"
 #include "interaction/joint_set.h"
 #include "interaction/tool_set.h"
@@ -26,6 +28,10 @@ class ReferenceSolver final : public SolverBackend {
         next_position_(topology().particle_count),
         next_velocity_(topology().particle_count),
         dissipation_(topology()) {
+    if (local_steps() != nullptr) {
+      local_.emplace(*local_steps());
+      for (VecList* list : {&local_x_, &local_a_, &local_f_}) list->resize(local_steps()->stiff.particle.size());
+    }
     if (Profile* profile = profiling()) {
       forces_row_ = profile->row("forces");
       move_row_ = profile->row("move");
@@ -44,6 +50,7 @@ class ReferenceSolver final : public SolverBackend {
     last_dt_ = 0.0;
     steps_at_rest_ = 0;
     dissipation_.reset({});
+    if (local_) local_->reset();
     scene().evaluate(state_.time, frame());
   }
 
@@ -52,13 +59,17 @@ class ReferenceSolver final : public SolverBackend {
     snapshot.last_dt = last_dt_;
     snapshot.steps_at_rest = steps_at_rest_;
     put_strains(dissipation_.memory(), snapshot);
+    if (local_) local_->put(snapshot);
   }
 
   void do_restore(const Snapshot& snapshot) override {
-    if (dissipation_.empty() || snapshot.parts.size() != 1 || !has_strains(snapshot)) refuse_parts(snapshot);
+    const bool strained = !dissipation_.empty() && has_strains(snapshot);
+    const bool pushed = local_ && LocalForces::has(snapshot);
+    if (snapshot.parts.size() != 1 || !(strained || pushed)) refuse_parts(snapshot);
     StrainMemory strains = strains_of(snapshot, topology());
     do_reset(snapshot.state);
     dissipation_.reset(std::move(strains));
+    if (local_) local_->take(snapshot);
     last_dt_ = snapshot.last_dt;
     steps_at_rest_ = snapshot.steps_at_rest;
   }
@@ -92,10 +103,13 @@ class ReferenceSolver final : public SolverBackend {
     while (motion.steps < plan.steps) {
       elastic_forces(elastic(), state_.position, force_);
       if (!dissipation_.empty()) dissipation_.add_forces(elastic(), state_.position, plan.dt, last_dt_, force_);
+      if (!joints().empty()) pull_joints(plan.dt);
+      if (local_) add_substeps(plan.dt);
       laps.end(forces_row_);
       const bool any_cut = cut_forces(plan.largest_acceleration);
-      if (!joints().empty()) pull_joints(plan.dt);
+      for (const JointSet::Point& point : joints().points()) force_[point.particle] += point.force;
       if (touches()) motion.lost_volume = touch(plan);
+      if (local_ && touches()) add_pushes();
       if (motion.lost_volume >= 0) break;
       measure(motion);
       laps.end(checks_row_, 0);
@@ -113,6 +127,7 @@ class ReferenceSolver final : public SolverBackend {
       if (!tools_.empty()) tools_.accept();
       joints().accept();
       if (!dissipation_.empty()) dissipation_.accept();
+      if (local_) local_->accept();
       last_dt_ = plan.dt;
       ++motion.steps;
       motion.force_clamped = motion.force_clamped || any_cut;
@@ -139,6 +154,7 @@ class ReferenceSolver final : public SolverBackend {
   ParticleBuffer do_position_buffer() const override { return {.position = state_.position}; }
 
   Energy do_energy() const override {
+    if (local_) return energy_of(state_, last_dt_, substep_forces(state_, last_dt_));
     const DissipationNow dissipation = dissipation_at(elastic(), state_.position, dissipation_.memory(), last_dt_);
     Energy energy = energy_of(state_, last_dt_, dissipation.force);
     energy.elastic += dissipation.energy;
@@ -192,7 +208,30 @@ class ReferenceSolver final : public SolverBackend {
     tools_.ways(dt, ways_);
     joints().act(ways_, dt);
     tools_.pull(joints().pulls());
+  }
+
+  /// Joints must have acted.
+  void add_substeps(double dt) {
+    const std::vector<Index>& particle = local_steps()->stiff.particle;
     for (const JointSet::Point& point : joints().points()) force_[point.particle] += point.force;
+    for (std::size_t r = 0; r < particle.size(); ++r) {
+      const Index i = particle[r];
+      local_x_[r] = state_.position[i];
+      local_a_[r] = acceleration(i, force_[i], frame());
+      for (int axis = 0; axis < 3; ++axis) {
+        if (fixed(i, axis)) local_a_[r][axis] = 0.0;
+      }
+    }
+    for (const JointSet::Point& point : joints().points()) force_[point.particle] -= point.force;
+    const std::span<const Vec3> change =
+        local_->changes(local_x_, local_a_, dt, local_steps()->factor(scene().stiffness_factors()));
+    for (std::size_t r = 0; r < particle.size(); ++r) force_[particle[r]] += change[r];
+  }
+
+  /// What tools and contacts have added since touch() began.
+  void add_pushes() {
+    const std::vector<Index>& particle = local_steps()->stiff.particle;
+    for (std::size_t r = 0; r < particle.size(); ++r) local_->pushes()[r] = force_[particle[r]] - local_f_[r];
   }
 
   bool touches() const { return !tools_.empty() || !touching_.empty(); }
@@ -200,6 +239,7 @@ class ReferenceSolver final : public SolverBackend {
   /// The row of a volume that cannot be restored; -1: none.
   int touch(const StepPlan& plan) {
     shifts_.clear();
+    for (std::size_t r = 0; r < local_f_.size(); ++r) local_f_[r] = force_[local_steps()->stiff.particle[r]];
     move(plan);
     scene().evaluate(state_.time, frame());
     Step step(*this);
@@ -265,6 +305,8 @@ class ReferenceSolver final : public SolverBackend {
   State state_;
   VecList force_, next_position_, next_velocity_;
   Dissipation dissipation_;
+  std::optional<LocalForces> local_;
+  VecList local_x_, local_a_, local_f_;  // m, m/s^2, N, for it
   ToolSet tools_;
   std::vector<ToolWay> ways_;
   Touching touching_;

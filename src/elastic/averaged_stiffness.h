@@ -20,6 +20,10 @@ class AveragedStiffness {
 
   /// result = K u. Shapes [3 N], m and N; u has no z in 2-D.
   void apply(const Eigen::VectorXd& u, Eigen::VectorXd& result);
+  /// The same on the calling thread alone; allocates nothing if `result` has its size.
+  void apply_alone(const Eigen::VectorXd& u, Eigen::VectorXd& result) const {
+    apply(0, static_cast<Index>(topology_.domains.size()), u, result);
+  }
 
  private:
   Mat3 stress(Index d, const Eigen::VectorXd& u) const;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <phymul/backend.h>
 #include <phymul/bodies.h>
 #include <phymul/error.h>
 #include <phymul/monitor.h>
@@ -205,8 +206,11 @@ State Simulation::state() const {
     const double d = solver().options().damping.factor_at(now.last_dt);
     const TopologyTextures& elastic = parts_->elastic();
     const StrainMemory strains = strains_of(now, *parts_->topology);
+    const auto* backend = dynamic_cast<const SolverBackend*>(&solver());
+    const bool substeps = backend != nullptr && backend->substeps() > 1;  // excludes dissipation
     to_own_time(elastic, parts_->scene, {now.last_dt, d}, state,
-                dissipation_at(elastic, state.position, strains, now.last_dt).force);
+                substeps ? backend->substep_forces(state, now.last_dt)
+                         : dissipation_at(elastic, state.position, strains, now.last_dt).force);
   }
   return std::move(state);
 }

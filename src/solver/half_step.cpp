@@ -17,11 +17,13 @@ constexpr int damped_rounds = 60;
 
 /// N, of elastic forces and loads; m/s^2 of gravity; coordinates that are imposed.
 struct Acting {
-  Acting(const TopologyTextures& topology, const Scene& scene, const State& state) : force(state.position.size()) {
+  Acting(const TopologyTextures& topology, const Scene& scene, const State& state, const VecList& further)
+      : force(state.position.size()) {
     scene.prepare(loads);
     scene.evaluate(state.time, loads);
     elastic_forces(topology, state.position, force);
     for (std::size_t i = 0; i < loads.force.size(); ++i) force[i] += loads.force[i];
+    for (std::size_t i = 0; i < further.size(); ++i) force[i] += further[i];
   }
   VecList force;
   LoadFrame loads;
@@ -44,10 +46,17 @@ void for_free_coordinates(const TopologyTextures& topology, const Scene& scene, 
 
 }  // namespace
 
+VecList free_accelerations(const TopologyTextures& topology, const Scene& scene, const State& state) {
+  const Acting acting(topology, scene, state, {});
+  VecList acceleration(state.position.size(), Vec3::Zero());
+  for_free_coordinates(topology, scene, acting, state,
+                       [&](std::size_t i, int axis, double a) { acceleration[i][axis] = a; });
+  return acceleration;
+}
+
 void to_own_time(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state,
-                 const VecList& dissipative) {
-  Acting acting(topology, scene, state);
-  for (std::size_t i = 0; i < dissipative.size(); ++i) acting.force[i] += dissipative[i];
+                 const VecList& further) {
+  const Acting acting(topology, scene, state, further);
   VecList velocity = state.velocity;
   for_free_coordinates(topology, scene, acting, state, [&](std::size_t i, int axis, double a) {
     velocity[i][axis] = ((1.0 + step.d) * velocity[i][axis] + step.dt * a) / 2.0;
@@ -55,8 +64,9 @@ void to_own_time(const TopologyTextures& topology, const Scene& scene, const Hal
   state.velocity = std::move(velocity);
 }
 
-void to_half_step_before(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state) {
-  const Acting acting(topology, scene, state);
+void to_half_step_before(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state,
+                         const VecList& further) {
+  const Acting acting(topology, scene, state, further);
   const bool damped =
       std::ranges::any_of(scene.joints(), [](const SceneJoint& joint) { return joint.joint.damping > 0.0; });
   const VecList own = state.velocity;

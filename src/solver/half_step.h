@@ -15,11 +15,14 @@ struct HalfStep {
   double dt = 0.0, d = 1.0;
 };
 
+/// m/s^2, of elastic forces, joints and loads at the state; 0 for imposed coordinates.
+VecList free_accelerations(const TopologyTextures& topology, const Scene& scene, const State& state);
+
 // Both take the acceleration of elastic forces, joints and loads at the state, in double precision, and leave
-// velocities of imposed coordinates as they are. `dissipative`: further forces, N, or none; a state from which a body
-// starts has none.
+// velocities of imposed coordinates as they are. `further`: further forces, N, or none.
 void to_own_time(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state,
-                 const VecList& dissipative = {});
-void to_half_step_before(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state);
+                 const VecList& further = {});
+void to_half_step_before(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state,
+                         const VecList& further = {});
 
 }  // namespace phymul

@@ -12,6 +12,7 @@
 
 #include "base/decimal.h"
 #include "elastic/dissipation.h"
+#include "elastic/local_steps.h"
 #include "elastic/scaled_tables.h"
 #include "half_step.h"
 #include "interaction/joint_set.h"
@@ -66,6 +67,15 @@ SolverBackend::SolverBackend(std::string name, std::shared_ptr<const TopologyTex
   const StepBound bound = step_bound(*topology_, own_spectrum_);
   stiffness_ = bound.stiffness;
   viscosity_ = bound.damping;
+  if (options_.max_substeps > 1 && !topology_->domains.empty()) {
+    if (!topology_->dissipation.empty()) {
+      throw Error(
+          ErrorCode::not_supported,
+          "SolverOptions::max_substeps: the body has a material that dissipates, which has no substeps; expected "
+          "materials without retardation_time and relaxation_strength, or max_substeps = 1");
+    }
+    local_steps_ = choose_local_steps(*topology_, own_spectrum_, options_.max_substeps);
+  }
   spacing_ = mean_spacing(model());
   // Cells alone make a body, without neighbours to take a spacing from.
   if (!(spacing_ > 0.0)) spacing_ = body_size(model()) / std::cbrt(static_cast<double>(topology_->particle_count));
@@ -140,10 +150,30 @@ const JointReport& SolverBackend::joint_report_at(std::size_t row) const {
 double SolverBackend::step_limit(double damping_factor) const {
   const JointBounds& joints = joints_->bounds(*scene_, topology_->mass);
   const double factor = stiffness_factor();
+  const double body = local_steps_ ? local_steps_->rate(scene_->stiffness_factors()) : factor * stiffness_;
   if (joints.stiffness == 0.0 && joints.damping == 0.0 && viscosity_ == 0.0) {
-    return phymul::stable_step(Spectrum{.largest = factor * stiffness_}, damping_factor);
+    return phymul::stable_step(Spectrum{.largest = body}, damping_factor);
   }
-  return largest_step({factor * stiffness_ + joints.stiffness, factor * viscosity_ + joints.damping}, damping_factor);
+  return largest_step({body + joints.stiffness, factor * viscosity_ + joints.damping}, damping_factor);
+}
+
+int SolverBackend::substeps() const {
+  return local_steps_ ? static_cast<int>(local_steps_->substeps.size()) : 1;
+}
+
+VecList SolverBackend::substep_forces(const State& state, double dt) const {
+  if (!local_steps_ || !(dt > 0.0)) return {};
+  const VecList acceleration = free_accelerations(elastic(), *scene_, state);
+  VecList force(state.position.size(), Vec3::Zero()), x, a;
+  const std::vector<Index>& particle = local_steps_->stiff.particle;
+  for (const Index i : particle) {
+    x.push_back(state.position[i]);
+    a.push_back(acceleration[i]);
+  }
+  LocalForces forces(*local_steps_);
+  const std::span<const Vec3> change = forces.changes(x, a, dt, local_steps_->factor(scene_->stiffness_factors()));
+  for (std::size_t r = 0; r < particle.size(); ++r) force[particle[r]] = change[r];
+  return force;
 }
 
 /// Stiffness is a sum over materials, so that no eigenvalue grows by more than the largest factor.
@@ -210,7 +240,7 @@ void SolverBackend::start(const State& state, double dt) {
     throw Error("Solver::start: expected a finite dt above 0 s; got " + to_decimal(dt));
   reset(state);  // which refuses what does not fit before anything is computed from it
   State earlier = state;
-  to_half_step_before(elastic(), *scene_, {dt, options_.damping.factor_at(dt)}, earlier);
+  to_half_step_before(elastic(), *scene_, {dt, options_.damping.factor_at(dt)}, earlier, substep_forces(state, dt));
   reset(earlier);
 }
 
@@ -257,6 +287,10 @@ const char* SolverBackend::beyond_devices() const {
   }
   if (!scene_->joints().empty()) {
     return "the scene has joints, which this backend does not take; use \"cpu\" or \"reference\"";
+  }
+  if (local_steps_) {
+    return "SolverOptions::max_substeps is above 1, and materials of this body would have substeps, which this backend "
+           "does not do; use \"cpu\" or \"reference\"";
   }
   if (!topology_->dissipation.empty()) {
     return "the body has a material with Material::retardation_time or relaxation_strength, which this backend does "

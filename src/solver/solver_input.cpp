@@ -39,6 +39,15 @@ void require_options(const SolverOptions& options) {
     throw Error("SolverOptions::max_displacement_per_step must be above 0 (infinite: no force is clamped); got " +
                 to_decimal(options.max_displacement_per_step));
   }
+  if (options.max_substeps < 1) {
+    throw Error("SolverOptions::max_substeps must be 1 (one step for all materials) or more; got " +
+                std::to_string(options.max_substeps));
+  }
+  if (options.max_substeps > 1 && options.sleep_tolerance) {
+    throw Error(
+        "SolverOptions::max_substeps and sleep_tolerance exclude each other: expected one of them; leave the other at "
+        "its default");
+  }
   if (options.rest_steps < 1) {
     throw Error("SolverOptions::rest_steps must be 1 or more; got " + std::to_string(options.rest_steps));
   }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "grid_level.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
 #include "elastic/energy_density.h"
+#include "elastic/rotation.h"
 
 namespace phymul {
 namespace {
@@ -71,13 +71,6 @@ void add_held(const Vec3& t, const Vec3& held, std::array<Eigen::Matrix<double, 
 }
 
 }  // namespace
-
-Mat3 rotation_of(const Mat3& F) {
-  const Eigen::JacobiSVD<Mat3> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Mat3 U = svd.matrixU();
-  if ((U * svd.matrixV().transpose()).determinant() < 0.0) U.col(2) = -U.col(2);
-  return U * svd.matrixV().transpose();
-}
 
 GridShape GridShape::over(std::span<const Vec3> points, double spacing) {
   Vec3 low = points.front(), high = low;

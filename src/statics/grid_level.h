@@ -18,7 +18,6 @@
 
 namespace phymul {
 
-Mat3 rotation_of(const Mat3& F);  ///< the rotation nearest to F
 
 /// Nodes around a place and their weights, which sum to 1.
 struct GridPlace {

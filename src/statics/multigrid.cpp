@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "elastic/energy_density.h"
+#include "elastic/rotation.h"
 
 namespace phymul {
 namespace {

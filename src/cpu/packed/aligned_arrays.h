@@ -27,4 +27,8 @@ struct AlignedAllocator {
 using Floats = std::vector<float, AlignedAllocator<float>>;
 using Offsets = std::vector<std::int32_t, AlignedAllocator<std::int32_t>>;
 
+inline char* bytes(Floats& floats) {
+  return reinterpret_cast<char*>(floats.data());
+}
+
 }  // namespace phymul::cpu

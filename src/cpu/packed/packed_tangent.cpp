@@ -13,10 +13,6 @@ namespace {
 
 using namespace cpu;
 
-char* bytes(Floats& floats) {
-  return reinterpret_cast<char*>(floats.data());
-}
-
 class PackedTangent final : public Tangent {
  public:
   explicit PackedTangent(const TopologyTextures& topology)

@@ -23,6 +23,8 @@
 #include "packed_dissipation.h"
 #include "packed_joints.h"
 #include "packed_loads.h"
+#include "packed_local_steps.h"
+#include "packed_state.h"
 #include "packed_tools.h"
 #include "part_summary.h"
 #include "simd_profile.h"
@@ -36,10 +38,6 @@ constexpr double caches = 16e6;
 constexpr double near_caches = 8e6;
 
 constexpr const char* sleep_part = "sleep";  // of a snapshot
-
-char* bytes(Floats& floats) {
-  return reinterpret_cast<char*>(floats.data());
-}
 
 class SimdSolver final : public SolverBackend {
  public:
@@ -64,6 +62,7 @@ class SimdSolver final : public SolverBackend {
     force_.assign(4 * static_cast<std::size_t>(body_->force_rows), 0.0f);
     if (body_->averaged()) {
       averaged_.emplace(topology(), *body_, kernels_, pool_.parts());
+      if (local_steps() != nullptr) local_.emplace(*local_steps(), *body_);
       if (!topology().dissipation.empty()) dissipation_.emplace(topology(), body_->averages);
       if (options().sleep_tolerance && !dissipation_) sleep_.emplace(topology(), *body_, options().rest_steps);
     }
@@ -80,11 +79,12 @@ class SimdSolver final : public SolverBackend {
     do_read(snapshot.state);
     snapshot.displacement.resize(body_->order.size());
     for (std::size_t place = 0; place < body_->order.size(); ++place) {
-      snapshot.displacement[body_->order[place]] = displacement(u_, place);
+      snapshot.displacement[body_->order[place]] = displacement(*body_, u_, place);
     }
     snapshot.last_dt = last_dt_;
     snapshot.steps_at_rest = steps_at_rest_;
     if (dissipation_) put_strains(dissipation_->memory(), snapshot);
+    if (local_) local_->forces().put(snapshot);
     if (!sleep_) return;
     if (auto memory = sleep_->memory(); !memory.empty()) snapshot.parts.push_back({sleep_part, std::move(memory)});
   }
@@ -92,11 +92,13 @@ class SimdSolver final : public SolverBackend {
   void do_restore(const Snapshot& snapshot) override {
     const bool slept = snapshot.parts.size() == 1 && snapshot.parts.front().name == sleep_part;
     const bool strained = dissipation_ && snapshot.parts.size() == 1 && has_strains(snapshot);
-    if (!slept && !strained) refuse_parts(snapshot);
+    const bool pushed = local_ && snapshot.parts.size() == 1 && LocalForces::has(snapshot);
+    if (!slept && !strained && !pushed) refuse_parts(snapshot);
     if (sleep_ && slept) sleep_->require_fitting(snapshot.parts.front().bytes);
     const StrainMemory strains = strains_of(snapshot, topology());
     take(snapshot.state, snapshot.displacement);
     if (dissipation_) dissipation_->reset(strains);
+    if (local_) local_->forces().take(snapshot);
     if (sleep_ && slept) sleep_->remember(snapshot.parts.front().bytes);
     last_dt_ = snapshot.last_dt;
     steps_at_rest_ = snapshot.steps_at_rest;
@@ -110,7 +112,7 @@ class SimdSolver final : public SolverBackend {
       const Vec3 u = given.empty() ? Vec3(state.position[i] - topology().rest[i]) : given[i];
       for (int a = 0; a < 3; ++a) {
         u_[4 * body_->quad_of(place) + a] = static_cast<float>(u[a]);
-        v_[velocity_at(place, a)] = static_cast<float>(state.velocity[i][a]);
+        v_[velocity_at(*body_, place, a)] = static_cast<float>(state.velocity[i][a]);
       }
     }
     tools_.reset(scene(), state);
@@ -119,6 +121,7 @@ class SimdSolver final : public SolverBackend {
     steps_at_rest_ = 0;
     if (sleep_) sleep_->wake_all();
     if (dissipation_) dissipation_->reset({});
+    if (local_) local_->forces().reset();
   }
 
   void do_scene_changed() override {
@@ -157,12 +160,13 @@ class SimdSolver final : public SolverBackend {
       motion.max_acceleration = std::sqrt(static_cast<double>(summary.acceleration));
       motion.max_force = std::sqrt(static_cast<double>(summary.force));
       if (summary.runaway) {
-        motion.bad_particle = first_runaway(plan.runaway_speed);
+        motion.bad_particle = first_runaway(*body_, next_u_, next_v_, plan.runaway_speed);
         if (sleep_) sleep_->compute_all();
         break;
       }
       if (sleep_) sleep_->accept();
       if (dissipation_) dissipation_->accept();
+      if (local_) local_->forces().accept();
       u_.swap(next_u_);
       v_.swap(next_v_);
       if (!tools_.empty()) tools_.accept(std::sqrt(static_cast<double>(summary.displacement)));
@@ -198,12 +202,15 @@ class SimdSolver final : public SolverBackend {
       averaged_->run(bytes(force_), bytes(u_), bytes(next_u_),
                      dissipation_ ? dissipation_->job(plan.dt, last_dt_) : nullptr, sleep_ ? &*sleep_ : nullptr, pool_,
                      laps_);
+      if (local_) local_->add_changes(move, scene().stiffness_factors(), bytes(force_));
+      laps_.end(Work::averaged_forces);
     } else {
       clustered_forces();
     }
     run(move);
     if (tools_.empty()) return -1;
     const bool pushed = tools_.act(move, pool_, plan.dt, std::sqrt(static_cast<double>(moved().displacement)));
+    if (local_) local_->keep_pushes(move, pushed ? tools_.loads() : nullptr);
     laps_.end(Work::tools);
     if (pushed) {
       if (sleep_) sleep_->push(tools_.pushed());
@@ -317,31 +324,6 @@ class SimdSolver final : public SolverBackend {
     return move;
   }
 
-  /// The kernel knows that there is one; it is sought here, in the model's order.
-  Index first_runaway(double speed) const {
-    Index first = std::numeric_limits<Index>::max();
-    const double greatest = std::min(speed, std::sqrt(static_cast<double>(std::numeric_limits<float>::max())));
-    for (std::size_t place = 0; place < body_->order.size(); ++place) {
-      const Vec3 u = displacement(next_u_, place), v = velocity(next_v_, place);
-      const bool reached = u.allFinite() && u.squaredNorm() <= std::numeric_limits<float>::max();
-      // A little less than the bound: the kernel rounds its squares.
-      if (!reached || !(v.norm() <= greatest * (1.0 - 1e-6))) first = std::min(first, body_->order[place]);
-    }
-    return first;
-  }
-
-  std::size_t velocity_at(std::size_t place, int axis) const {
-    const auto lanes = static_cast<std::size_t>(body_->lanes);
-    return (3 * (place / lanes) + axis) * lanes + place % lanes;
-  }
-  Vec3 displacement(const Floats& u, std::size_t place) const {
-    const float* at = &u[4 * body_->quad_of(place)];
-    return {at[0], at[1], at[2]};
-  }
-  Vec3 velocity(const Floats& v, std::size_t place) const {
-    return {v[velocity_at(place, 0)], v[velocity_at(place, 1)], v[velocity_at(place, 2)]};
-  }
-
   void do_read(State& state) const override {
     state.time = time_;
     state.position.resize(body_->order.size());
@@ -349,8 +331,8 @@ class SimdSolver final : public SolverBackend {
     tools_.set().read(state);
     for (std::size_t place = 0; place < body_->order.size(); ++place) {
       const Index i = body_->order[place];
-      state.position[i] = topology().rest[i] + displacement(u_, place);
-      state.velocity[i] = velocity(v_, place);
+      state.position[i] = topology().rest[i] + displacement(*body_, u_, place);
+      state.velocity[i] = velocity(*body_, v_, place);
     }
   }
 
@@ -363,6 +345,7 @@ class SimdSolver final : public SolverBackend {
 
   Energy do_energy() const override {
     const State state = read();
+    if (local_) return energy_of(state, last_dt_, substep_forces(state, last_dt_));
     DissipationNow now;
     if (dissipation_) now = dissipation_at(elastic(), state.position, dissipation_->memory(), last_dt_);
     Energy energy = energy_of(state, last_dt_, now.force);
@@ -378,6 +361,7 @@ class SimdSolver final : public SolverBackend {
   PackedJoints pulled_;
   ClusterClaims claims_;
   std::optional<AveragedPasses> averaged_;  // of Law::particle_averaged
+  std::optional<PackedLocalSteps> local_;   // of it
   std::optional<BodySleep> sleep_;
   std::optional<PackedDissipation> dissipation_;
   std::vector<PartSummary> summaries_;  // [parts]

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#include "packed_local_steps.h"
+
+namespace phymul::cpu {
+
+PackedLocalSteps::PackedLocalSteps(const LocalSteps& steps, const PackedBody& body)
+    : steps_(steps),
+      stiffness_(make_tangent(steps.stiff.tables)),
+      forces_(steps, [this](const Eigen::VectorXd& d, Eigen::VectorXd& result) { stiffness_->apply(d, result); }),
+      x_(steps.stiff.particle.size()),
+      acceleration_(x_.size()) {
+  std::vector<std::size_t> place_of(body.order.size());
+  for (std::size_t place = 0; place < body.order.size(); ++place) place_of[body.order[place]] = place;
+  for (const Index i : steps.stiff.particle) {
+    place_.push_back(place_of[i]);
+    quad_.push_back(body.quad_of(place_of[i]));
+  }
+}
+
+void PackedLocalSteps::add_changes(const simd::Move& move, std::span<const double> factors, char* force) {
+  const auto* u = reinterpret_cast<const float*>(move.u);
+  const auto* load = reinterpret_cast<const float*>(move.load);
+  auto* elastic = reinterpret_cast<float*>(force);
+  for (std::size_t r = 0; r < place_.size(); ++r) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::size_t at = 4 * quad_[r] + a;
+      x_[r][a] = steps_.stiff.tables.rest[r][a] + static_cast<double>(u[at]);
+      const double sum = static_cast<double>(elastic[at]) + (load != nullptr ? static_cast<double>(load[at]) : 0.0);
+      const bool fixed = move.fixed != nullptr && (move.fixed[place_[r]] >> a & 1) != 0;
+      acceleration_[r][a] = fixed ? 0.0 : sum / steps_.stiff.tables.mass[r] + static_cast<double>(move.gravity[a]);
+    }
+  }
+  const std::span<const Vec3> change =
+      forces_.changes(x_, acceleration_, static_cast<double>(move.dt), steps_.factor(factors));
+  for (std::size_t r = 0; r < place_.size(); ++r) {
+    for (std::size_t a = 0; a < 3; ++a) elastic[4 * quad_[r] + a] += static_cast<float>(change[r][a]);
+  }
+}
+
+void PackedLocalSteps::keep_pushes(const simd::Move& move, const char* loads) {
+  const auto* before = reinterpret_cast<const float*>(move.load);
+  const auto* after = reinterpret_cast<const float*>(loads);
+  for (std::size_t r = 0; r < quad_.size(); ++r) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::size_t at = 4 * quad_[r] + a;
+      const float push = after == nullptr ? 0.0f : after[at] - (before == nullptr ? 0.0f : before[at]);
+      forces_.pushes()[r][a] = static_cast<double>(push);
+    }
+  }
+}
+
+}  // namespace phymul::cpu

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+//
+// Local time steps (elastic/local_steps.h) beside the vector kernels.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "elastic/local_steps.h"
+#include "packed_body.h"
+#include "statics/tangent.h"
+
+namespace phymul::cpu {
+
+class PackedLocalSteps {
+ public:
+  /// Keeps a reference to `steps`. `body`: all of it.
+  PackedLocalSteps(const LocalSteps& steps, const PackedBody& body);
+
+  /// Adds to `force`, [places][4] N by quad, what the substeps of the step of `move` change. Its loads and gravity act
+  /// in them too.
+  void add_changes(const simd::Move& move, std::span<const double> factors, char* force);
+
+  /// `loads`, [places][4] N by quad: those of `move` and what tools add, null if they add nothing.
+  void keep_pushes(const simd::Move& move, const char* loads);
+  LocalForces& forces() { return forces_; }
+  const LocalForces& forces() const { return forces_; }
+
+ private:
+  const LocalSteps& steps_;
+  const std::unique_ptr<Tangent> stiffness_;
+  LocalForces forces_;
+  std::vector<std::size_t> place_, quad_;  // [n] of LocalSteps::stiff, in the body
+  VecList x_, acceleration_;
+};
+
+}  // namespace phymul::cpu

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/error.h>
+
+#include <algorithm>
+
+#include "averaged_stiffness.h"
+#include "base/checked_file.h"
+#include "base/union_find.h"
+#include "local_steps.h"
+#include "rotation.h"
+
+namespace phymul {
+namespace {
+
+constexpr const char* part_name = "pushes";
+
+const Snapshot::Part* find_part(const Snapshot& snapshot) {
+  const auto part = std::ranges::find(snapshot.parts, part_name, &Snapshot::Part::name);
+  return part == snapshot.parts.end() ? nullptr : &*part;
+}
+
+}  // namespace
+
+LocalForces::LocalForces(const LocalSteps& steps, Stiffness stiffness)
+    : steps_(steps), stiffness_(std::move(stiffness)), change_(steps.stiff.particle.size()) {
+  reset();
+  const TopologyTextures& t = steps.stiff.tables;
+  if (!stiffness_) {
+    stiffness_ = [K = AveragedStiffness(t)](const Eigen::VectorXd& d, Eigen::VectorXd& result) {
+      K.apply_alone(d, result);
+    };
+  }
+  UnionFind joined(t.rest.size());
+  for (std::size_t d = 0; d < t.domains.size(); ++d) {
+    for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
+      joined.join(t.domains[d].particle, t.domains[t.links[r].domain].particle);
+    }
+  }
+  std::vector<std::size_t> piece_of_root(t.rest.size());
+  inverse_mass_.resize(3 * t.particle_count);
+  for (Index i = 0; i < t.particle_count; ++i) {
+    inverse_mass_.segment<3>(3 * i).setConstant(1.0 / t.mass[i]);
+    const Index root = joined.root(i);  // the smallest number of its set
+    if (root == i) {
+      piece_of_root[i] = pieces_.size();
+      pieces_.emplace_back();
+    }
+    piece_of_.push_back(piece_of_root[root]);
+    Piece& piece = pieces_[piece_of_.back()];
+    piece.mass += t.mass[i];
+    piece.centre += t.mass[i] * t.rest[i];
+  }
+  for (Piece& piece : pieces_) piece.centre /= piece.mass;
+  for (Eigen::VectorXd* v : {&w_, &before_, &next_, &pull_, &sum_, &still_}) v->setZero(inverse_mass_.size());
+}
+
+void LocalForces::turn_pieces(std::span<const Vec3> x) {
+  const TopologyTextures& t = steps_.stiff.tables;
+  for (Piece& piece : pieces_) {
+    piece.now.setZero();
+    piece.turn.setZero();
+  }
+  for (std::size_t i = 0; i < x.size(); ++i) pieces_[piece_of_[i]].now += t.mass[i] * x[i];
+  for (Piece& piece : pieces_) piece.now /= piece.mass;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    Piece& piece = pieces_[piece_of_[i]];
+    piece.turn += t.mass[i] * (x[i] - piece.now) * (t.rest[i] - piece.centre).transpose();
+  }
+  for (Piece& piece : pieces_) {
+    // Of a flat body, whose normal has no length here.
+    if (t.dimension == 2) piece.turn(2, 2) = piece.turn.topLeftCorner<2, 2>().norm();
+    piece.turn = rotation_of(piece.turn);
+  }
+}
+
+std::span<const Vec3> LocalForces::changes(std::span<const Vec3> x, std::span<const Vec3> acceleration, double dt,
+                                           double factor) {
+  turn_pieces(x);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Vec3 all = acceleration[i] + pushes_[i] / steps_.stiff.tables.mass[i];
+    still_.segment<3>(3 * static_cast<Eigen::Index>(i)) = pieces_[piece_of_[i]].turn.transpose() * all;
+  }
+  for (Eigen::VectorXd* v : {&w_, &before_, &pull_, &sum_}) v->setZero();
+  for (std::size_t k = 0; k < steps_.substeps.size(); ++k) {
+    const Substep& substep = steps_.substeps[k];
+    if (k > 0) {
+      stiffness_(w_, pull_);
+      pull_ *= factor;
+      sum_ -= substep.share * pull_;
+    }
+    next_ = w_ + substep.keep * (w_ - before_) + substep.kick * dt * dt * (still_ - inverse_mass_.cwiseProduct(pull_));
+    before_.swap(w_);
+    w_.swap(next_);
+  }
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    change_[i] = pieces_[piece_of_[i]].turn * sum_.segment<3>(3 * static_cast<Eigen::Index>(i));
+  }
+  return change_;
+}
+
+void LocalForces::reset() {
+  pushes_.assign(steps_.stiff.particle.size(), Vec3::Zero());
+  next_pushes_ = pushes_;
+}
+
+void LocalForces::put(Snapshot& snapshot) const {
+  if (std::ranges::all_of(pushes_, [](const Vec3& push) { return push == Vec3::Zero(); })) return;
+  ByteWriter out;
+  for (const Vec3& push : pushes_) {
+    for (const double component : push) out.real(component);
+  }
+  snapshot.parts.push_back({part_name, {out.bytes().begin(), out.bytes().end()}});
+}
+
+bool LocalForces::has(const Snapshot& snapshot) {
+  return find_part(snapshot) != nullptr;
+}
+
+void LocalForces::take(const Snapshot& snapshot) {
+  const Snapshot::Part* part = find_part(snapshot);
+  if (part == nullptr) return reset();
+  const std::string bytes(part->bytes.begin(), part->bytes.end());
+  ByteReader in("the snapshot's part \"pushes\"", bytes);
+  VecList pushes = in.vectors(pushes_.size(), "forces on the particles of the stiff materials");
+  in.expect_end("the part");
+  pushes_ = next_pushes_ = std::move(pushes);
+}
+
+}  // namespace phymul

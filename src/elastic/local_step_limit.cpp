@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#include "local_step_limit.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "scaled_stiffness.h"
+
+namespace phymul {
+namespace {
+
+using Vector = Eigen::VectorXd;
+
+constexpr int steps_at_most = 120;
+constexpr double ritz_accuracy = 1e-3;  // of the largest eigenvalue
+
+/// The step's polynomial, applied to z = K u: minus the mean acceleration of the substeps, over the masses.
+class Filter {
+ public:
+  explicit Filter(const LocalSteps& steps)
+      : steps_(steps), stiffness_(steps.stiff.tables, steps.stiff.tables.rest, {}), dt2_(4.0 / steps.rate()) {
+    const auto size = static_cast<Eigen::Index>(3 * steps.stiff.particle.size());
+    for (Vector* v : {&z_, &w_, &before_, &next_, &pull_, &sum_}) v->resize(size);
+  }
+
+  void apply(const Vector& z, Vector& result) {
+    result = z;
+    for_each([&](Eigen::Index own, Eigen::Index of_whole) { z_.segment<3>(own) = z.segment<3>(of_whole); });
+    w_.setZero();
+    before_.setZero();
+    sum_.setZero();
+    for (std::size_t k = 0; k < steps_.substeps.size(); ++k) {
+      const Substep& substep = steps_.substeps[k];
+      if (k == 0) {
+        pull_.setZero();
+      } else {
+        stiffness_.apply(w_, pull_);
+      }
+      sum_ += substep.share * pull_;
+      next_ = w_ + substep.keep * (w_ - before_) - substep.kick * dt2_ * (z_ + pull_);
+      before_.swap(w_);
+      w_.swap(next_);
+    }
+    for_each([&](Eigen::Index own, Eigen::Index of_whole) { result.segment<3>(of_whole) += sum_.segment<3>(own); });
+  }
+
+  double dt2() const { return dt2_; }
+
+ private:
+  template <class Each>
+  void for_each(const Each& each) const {
+    for (std::size_t r = 0; r < steps_.stiff.particle.size(); ++r) {
+      each(static_cast<Eigen::Index>(3 * r), Eigen::Index{3} * steps_.stiff.particle[r]);
+    }
+  }
+
+  const LocalSteps& steps_;
+  ScaledStiffness stiffness_;
+  const double dt2_;
+  Vector z_, w_, before_, next_, pull_, sum_;
+};
+
+}  // namespace
+
+double local_step_margin(const TopologyTextures& topology, const LocalSteps& steps) {
+  ScaledStiffness K(topology, topology.rest, {});
+  Filter filter(steps);
+  // v: vectors of unit energy; z = K v. Vectors without energy, rigid motions, drop out by themselves.
+  Vector v = K.start_vector(), z, last_v = Vector::Zero(v.size()), w, image;
+  K.apply(v, z);
+  const double energy = std::sqrt(v.dot(z));
+  if (!(energy > 0.0)) return 1.0;
+  v /= energy;
+  z /= energy;
+  std::vector<double> diagonal, off;
+  double largest = 0.0;
+  for (int step = 0; step < steps_at_most; ++step) {
+    filter.apply(z, w);
+    diagonal.push_back(z.dot(w));
+    w -= diagonal.back() * v;
+    if (step > 0) w -= off.back() * last_v;
+    K.apply(w, image);
+    const double beta = std::sqrt(std::max(w.dot(image), 0.0));
+    if (step % 10 == 9 || step + 1 == steps_at_most || beta == 0.0) {
+      const auto size = static_cast<Eigen::Index>(diagonal.size());
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz;
+      ritz.computeFromTridiagonal(Eigen::Map<Vector>(diagonal.data(), size), Eigen::Map<Vector>(off.data(), size - 1));
+      largest = ritz.eigenvalues()[size - 1];
+      const double residual = beta * std::abs(ritz.eigenvectors()(size - 1, size - 1));
+      if (residual <= ritz_accuracy * largest || beta == 0.0) break;
+    }
+    off.push_back(beta);
+    last_v.swap(v);
+    v = w / beta;
+    z = image / beta;
+  }
+  return std::max(1.0, filter.dt2() * largest / 4.0);
+}
+
+}  // namespace phymul

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+#include "local_steps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "local_step_limit.h"
+
+namespace phymul {
+namespace {
+
+/// T_p at the start of the polynomial: it is bounded by the inverse. For linear bodies 1.1 suffices; with less than 2
+/// an undamped body bent by 2 % of its length gained energy (docs/decisions/2026-11-25-local-time-steps.md).
+constexpr double damped = 2.5;
+
+/// Chebyshev polynomials at delta = cosh(theta), T_p(delta) = damped.
+struct Chebyshev {
+  explicit Chebyshev(int degree) : p(degree), theta(std::acosh(damped) / degree) {}
+  double at(int k) const { return std::cosh(k * theta); }
+  /// T_p / (2 T_p') at delta: the step's polynomial is then 1 - x / 2 to first order.
+  double scale() const { return damped * std::sinh(theta) / (2.0 * p * std::sinh(p * theta)); }
+  const int p;
+  const double theta;
+};
+
+double largest_factor(const std::vector<bool>& chosen, bool of_chosen, std::span<const double> factors) {
+  double largest = factors.empty() ? 1.0 : 0.0;
+  for (std::size_t m = 0; m < factors.size(); ++m) {
+    if ((m < chosen.size() && chosen[m]) == of_chosen) largest = std::max(largest, factors[m]);
+  }
+  return largest;
+}
+
+std::vector<bool> materials_of(const TopologyTextures& t) {
+  std::vector<bool> present;
+  for (const DomainTexel& domain : t.domains) {
+    const auto m = static_cast<std::size_t>(domain.material);
+    if (m >= present.size()) present.resize(m + 1, false);
+    present[m] = true;
+  }
+  return present;
+}
+
+double rate_of(const TopologyTextures& t, const std::vector<bool>& chosen) {
+  const PartOfBody part = part_of(t, chosen);
+  return part.tables.domains.empty() ? 0.0 : estimate_spectrum(part.tables, part.tables.rest).largest;
+}
+
+}  // namespace
+
+std::vector<Substep> substeps_of(int count) {
+  if (count == 1) return {{.keep = 0.0, .kick = 0.5, .share = 1.0}};
+  const Chebyshev T(count);
+  std::vector<Substep> substeps(static_cast<std::size_t>(count));
+  for (int k = 0; k < count; ++k) {
+    Substep& substep = substeps[k];
+    if (k > 0) substep.keep = T.at(k - 1) / T.at(k + 1);
+    substep.kick = (k == 0 ? 1.0 : 2.0) * T.scale() * T.at(k) / T.at(k + 1);
+  }
+  // w_p - x is dt^2 / 2 times the sum of share_k a_k: what a kick has become at the end.
+  for (int k = 0; k < count; ++k) {
+    double before = 0.0, now = substeps[k].kick;
+    for (int j = k + 1; j < count; ++j) before = std::exchange(now, now + substeps[j].keep * (now - before));
+    substeps[k].share = 2.0 * now;
+  }
+  return substeps;
+}
+
+double substep_limit(int count) {
+  if (count == 1) return 4.0;
+  const Chebyshev T(count);
+  return (1.0 + T.at(1)) / T.scale();
+}
+
+PartOfBody part_of(const TopologyTextures& t, const std::vector<bool>& chosen) {
+  PartOfBody part;
+  TopologyTextures& to = part.tables;
+  to.options = t.options;
+  to.dimension = t.dimension;
+  std::vector<Index> row(t.domains.size(), none);  // of a domain in `to`
+  Index rows = 0;
+  for (std::size_t d = 0; d < t.domains.size(); ++d) {
+    const auto m = static_cast<std::size_t>(t.domains[d].material);
+    if (m < chosen.size() && chosen[m]) row[d] = rows++;
+  }
+  to.first_domain.push_back(0);
+  for (Index i = 0; i < t.particle_count; ++i) {
+    const std::size_t before = to.domains.size();
+    for (Index d = t.first_domain[i]; d < t.first_domain[i + 1]; ++d) {
+      if (row[d] == none) continue;
+      to.domains.push_back(t.domains[d]);
+      to.domains.back().particle = static_cast<Index>(part.particle.size());
+      if (!t.dissipation.empty()) to.dissipation.push_back(t.dissipation[d]);
+      for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
+        to.links.push_back(t.links[r]);
+        to.links.back().domain = row[t.links[r].domain];
+      }
+      to.first_link.push_back(static_cast<Index>(to.links.size()));
+      for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
+        to.surface_links.push_back(t.surface_links[r]);
+        to.surface_links.back().domain = row[t.surface_links[r].domain];
+      }
+      to.first_surface_link.push_back(static_cast<Index>(to.surface_links.size()));
+    }
+    if (to.domains.size() == before) continue;
+    part.particle.push_back(i);
+    to.rest.push_back(t.rest[i]);
+    to.mass.push_back(t.mass[i]);
+    to.first_domain.push_back(static_cast<Index>(to.domains.size()));
+  }
+  to.particle_count = static_cast<Index>(part.particle.size());
+  to.index.resize(part.particle.size());
+  return part;
+}
+
+double LocalSteps::factor(std::span<const double> factors) const {
+  return largest_factor(chosen, true, factors);
+}
+
+double LocalSteps::rate(std::span<const double> factors) const {
+  const double soft_now = soft_rate * largest_factor(chosen, false, factors);
+  const double stiff_now = stiff_rate * factor(factors);
+  return margin * std::max(soft_now, 4.0 * stiff_now / substep_limit(static_cast<int>(substeps.size())));
+}
+
+std::unique_ptr<const LocalSteps> choose_local_steps(const TopologyTextures& t, const Spectrum& whole, int most) {
+  const std::vector<bool> present = materials_of(t);
+  std::vector<std::size_t> order;  // materials, the stiffest first
+  std::vector<double> own(present.size(), 0.0);
+  for (std::size_t m = 0; m < present.size(); ++m) {
+    if (!present[m]) continue;
+    std::vector<bool> alone(present.size(), false);
+    alone[m] = true;
+    own[m] = rate_of(t, alone);
+    order.push_back(m);
+  }
+  if (order.size() < 2 || most < 2) return nullptr;
+  std::ranges::stable_sort(order, std::greater<>(), [&](std::size_t m) { return own[m]; });
+
+  auto best = std::make_unique<LocalSteps>();
+  double least_cost = std::sqrt(whole.largest);  // of a second of physics, in steps of the whole body, times 2
+  std::vector<bool> stiff(present.size(), false), soft = present;
+  for (std::size_t k = 0; k + 1 < order.size(); ++k) {
+    stiff[order[k]] = true;
+    soft[order[k]] = false;
+    LocalSteps steps;
+    steps.chosen = stiff;
+    steps.stiff_rate = k == 0 ? own[order[0]] : rate_of(t, stiff);
+    steps.soft_rate = k + 2 == order.size() ? own[order.back()] : rate_of(t, soft);
+    const auto domains = std::ranges::count_if(
+        t.domains, [&](const DomainTexel& domain) { return stiff[static_cast<std::size_t>(domain.material)]; });
+    steps.share = static_cast<double>(domains) / static_cast<double>(t.domains.size());
+    for (int p = 2; p <= most; ++p) {
+      steps.substeps = substeps_of(p);
+      const double cost = (1.0 + p * steps.share) * std::sqrt(steps.rate());
+      if (cost < least_cost) {
+        least_cost = cost;
+        *best = steps;
+      }
+      if (steps.rate() <= steps.soft_rate) break;  // more substeps gain nothing
+    }
+  }
+  if (best->substeps.empty()) return nullptr;
+  best->stiff = part_of(t, best->chosen);
+  best->margin = local_step_margin(t, *best);
+  return best;
+}
+
+}  // namespace phymul

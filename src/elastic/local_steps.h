@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+//
+// Local time steps (SolverOptions::max_substeps): materials that need a shorter step than the others are advanced by
+// substeps within each step, while the forces of the others stay as they are at its start.
+//
+// From x, with all forces f(x) and the stiffness K of the stiff materials at rest, turned as they are turned now, a
+// step of Verlet's scheme takes the mean acceleration a = sum_k share_k a_k of
+//   w_0 = w_-1 = 0,  m a_k = f(x) - K w_k,  w_k+1 = w_k + keep_k (w_k - w_k-1) + kick_k dt^2 a_k.
+// The shares sum to 1 and K w sums to 0 over the particles, so linear momentum is conserved; where f is 0 all w are, so
+// rest shapes are the same. w_p is a Chebyshev polynomial of dt^2 K / m, damped so far that a = Q f / m with Q between
+// 0 and 1: the scheme is Verlet's with a larger mass for the vibrations of the stiff materials, and so has no
+// resonances. Sources: Diaz and Grote, Energy conserving explicit local time stepping for second-order wave equations,
+// SIAM J. Sci. Comput. 31, 2009; Grote, Michel and Sauter, Stabilized leapfrog based local time-stepping method for the
+// wave equation, Math. Comp. 90, 2021. There K is the exact stiffness; here it is that at rest, because substeps with
+// the forces themselves are no gradient, and undamped bodies gained energy.
+#pragma once
+
+#include <phymul/elasticity.h>
+#include <phymul/state.h>
+
+#include <Eigen/Core>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace phymul {
+
+/// One substep, as above.
+struct Substep {
+  double keep = 0.0, kick = 0.0, share = 1.0;
+};
+/// The coefficients of `count` >= 1 substeps.
+std::vector<Substep> substeps_of(int count);
+/// Largest dt^2 lambda that `count` substeps take, lambda the largest eigenvalue of K / m; 4 for one.
+double substep_limit(int count);
+
+/// The domains of some materials, and the particles that have one, as tables of their own.
+struct PartOfBody {
+  TopologyTextures tables;
+  std::vector<Index> particle;  ///< of the whole body, in ascending order
+};
+/// `chosen`: by row of Model::materials; further rows are not chosen. Exact because links join domains of one material.
+PartOfBody part_of(const TopologyTextures& topology, const std::vector<bool>& chosen);
+
+struct LocalSteps {
+  PartOfBody stiff;
+  std::vector<bool> chosen;       ///< by row of Model::materials: in `stiff`
+  std::vector<Substep> substeps;  ///< two or more
+  double share = 0.0;             ///< of all domains that are in `stiff`
+  double soft_rate = 0.0;         ///< 1/s^2, largest eigenvalue of the others' stiffness over the masses
+  double stiff_rate = 0.0;        ///< 1/s^2, of K / m
+  double margin = 1.0;            ///< >= 1: the whole scheme's dt^2 lambda over that of its parts
+
+  /// 1/s^2: a step is stable up to dt^2 times this = 4. `factors`: Scene::stiffness_factors.
+  double rate(std::span<const double> factors = {}) const;
+  /// The largest of the factors of `chosen`, by which K grows.
+  double factor(std::span<const double> factors) const;
+};
+
+/// The materials and the number of substeps, at most `most`, with which a second of physics costs least. `whole`: of
+/// the body. Null if one step for all is as cheap: one material, or materials of like stiffness.
+std::unique_ptr<const LocalSteps> choose_local_steps(const TopologyTextures& topology, const Spectrum& whole, int most);
+
+/// What substeps change of the forces of a step. Rows are those of LocalSteps::stiff.
+class LocalForces {
+ public:
+  /// result = K d of LocalSteps::stiff at rest, [3 n], m and N.
+  using Stiffness = std::function<void(const Eigen::VectorXd& d, Eigen::VectorXd& result)>;
+
+  /// Keeps a reference. Without `stiffness` it is computed in double precision.
+  explicit LocalForces(const LocalSteps& steps, Stiffness stiffness = {});
+
+  /// `x` [n] m; `acceleration` [n] m/s^2: by all forces but those of tools and contacts, 0 for imposed coordinates;
+  /// `dt`, s; `factor`: LocalSteps::factor. Returns [n] N, to be added to the elastic forces; valid until the next
+  /// call.
+  std::span<const Vec3> changes(std::span<const Vec3> x, std::span<const Vec3> acceleration, double dt, double factor);
+
+  /// [n] N, of tools and contacts in this step, which act in the substeps of the next one: at rest they are the same.
+  std::span<Vec3> pushes() { return next_pushes_; }
+  void accept() { pushes_ = next_pushes_; }  ///< the step counts
+  void reset();                              ///< no pushes
+  /// Adds the pushes, if there are any, as a part of the snapshot, and takes them from there. take() throws Error if
+  /// the part is of another body.
+  void put(Snapshot& snapshot) const;
+  static bool has(const Snapshot& snapshot);
+  void take(const Snapshot& snapshot);
+
+ private:
+  /// Particles that hang together, and turn as one.
+  struct Piece {
+    double mass = 0.0;         // kg
+    Vec3 centre{0, 0, 0};      // m, at rest
+    Mat3 turn = Mat3::Zero();  // sum of m (x - centre) (rest - centre)^T, then the rotation nearest to it
+    Vec3 now{0, 0, 0};         // m, centre of mass
+  };
+  void turn_pieces(std::span<const Vec3> x);
+
+  const LocalSteps& steps_;
+  Stiffness stiffness_;
+  std::vector<Piece> pieces_;
+  std::vector<std::size_t> piece_of_;                                      // [n]
+  Eigen::VectorXd inverse_mass_, w_, before_, next_, pull_, sum_, still_;  // [3 n], in the pieces' frames
+  VecList change_, pushes_, next_pushes_;
+};
+
+}  // namespace phymul

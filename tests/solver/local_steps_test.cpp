@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: MIT
+//
+// SolverOptions::max_substeps: materials that need a shorter step than the others.
+#include <gtest/gtest.h>
+#include <phymul/phymul.h>
+
+#include <random>
+
+#include "elastic/local_steps.h"
+#include "support/allocation_count.h"
+#include "support/message_of.h"
+
+namespace phymul::test {
+namespace {
+
+constexpr double edge = 0.1;  // m
+const Material soft{5e3, 0.45, 1000.0}, stiff{500e3, 0.45, 1000.0};
+const Vec3 middle(0.5 * edge, 0.5 * edge, 0.5 * edge);
+
+Model cube(int cells) {
+  Model model = make_tetrahedral_block({edge, edge, edge}, cells, cells, cells, 0.2, 7);
+  set_material(model, soft);
+  return model;
+}
+
+/// A cube of 0.1 m with a ball, a hundred times as stiff, in 2 % of its volume.
+Model with_tumour(int cells, const Vec3& centre = middle) {
+  Model model = cube(cells);
+  set_material(model, stiff, [=](const Vec3& place) { return (place - centre).norm() < 0.168 * edge; });
+  return model;
+}
+
+std::unique_ptr<Solver> solver_of(const std::string& backend, const Model& model, const Scene& scene, int substeps,
+                                  double damping = 0.0, UnstableStep beyond = UnstableStep::refuse) {
+  SolverOptions options;
+  options.max_substeps = substeps;
+  options.damping.rate = damping;
+  options.on_unstable = beyond;
+  return make_solver(backend, model, scene, {}, options);
+}
+
+double farthest(const VecList& a, const VecList& b) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, (a[i] - b[i]).norm());
+  return most;
+}
+
+/// Positions after `seconds` of gravity, at this share of the step limit.
+VecList fallen(const std::string& backend, const Model& model, int substeps, double share, double seconds) {
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -1.0});
+  const auto solver = solver_of(backend, model, scene, substeps);
+  const int steps = static_cast<int>(seconds / (share * solver->stable_step())) + 1;
+  EXPECT_TRUE(solver->step(steps, seconds / steps).ok());
+  return solver->read().position;
+}
+
+TEST(Substeps, SharesSumToOneAndOneIsVerlet) {
+  for (int p = 1; p <= 32; ++p) {
+    double sum = 0.0, before = 0.0, now = 0.0;
+    for (const Substep& substep : substeps_of(p)) {
+      sum += substep.share;
+      before = std::exchange(now, now + substep.keep * (now - before) + substep.kick);  // a = 1, dt = 1
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-12) << p;
+    EXPECT_NEAR(now, 0.5, 1e-12) << p;
+  }
+  EXPECT_EQ(substep_limit(1), 4.0);
+}
+
+/// Of a vibration with dt^2 lambda = x: w_p = (P - 1) u, where the whole step is that of an acceleration Q times K u /
+/// m.
+TEST(Substeps, SlowVibrationsDownAndNeverReverseThem) {
+  for (const int p : {2, 3, 7, 16}) {
+    for (int k = 1; k <= 1000; ++k) {
+      const double x = substep_limit(p) * k / 1000.0;
+      double sum = 0.0, before = 0.0, now = 0.0;
+      for (const Substep& substep : substeps_of(p)) {
+        const double a = -x - x * now;  // of u = 1
+        sum += substep.share * a;
+        before = std::exchange(now, now + substep.keep * (now - before) + substep.kick * a);
+      }
+      const double Q = -sum / x;
+      ASSERT_GT(Q, 0.0) << p << " " << x;
+      ASSERT_LT(Q, 1.0) << p << " " << x;
+      ASSERT_LT(Q * x, 4.0) << p << " " << x;
+    }
+  }
+}
+
+class LocalStepsOn : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Cpu, LocalStepsOn, testing::Values("reference", "cpu"),
+                         [](const auto& backend) { return std::string(backend.param); });
+
+TEST_P(LocalStepsOn, AStiffTumourNoLongerSetsTheStep) {
+  const Model plain = cube(8), model = with_tumour(8);
+  const Scene of_plain(plain), scene(model);
+  const auto homogeneous = solver_of(GetParam(), plain, of_plain, 1);
+  const auto one = solver_of(GetParam(), model, scene, 1), local = solver_of(GetParam(), model, scene, 32);
+  EXPECT_EQ(one->substeps(), 1);
+  EXPECT_GE(local->substeps(), 4);
+  EXPECT_LT(one->stable_step(), 0.2 * homogeneous->stable_step());
+  EXPECT_GT(local->stable_step(), 0.98 * homogeneous->stable_step());
+  const auto few = solver_of(GetParam(), model, scene, 2);
+  EXPECT_EQ(few->substeps(), 2);
+  EXPECT_GT(few->stable_step(), 1.2 * one->stable_step());
+}
+
+/// The error of the longer step is that which the soft tissue has at its own step.
+TEST_P(LocalStepsOn, TheMotionIsThatOfShortSteps) {
+  const Model plain = cube(8), model = with_tumour(8);
+  const VecList fine = fallen(GetParam(), model, 1, 0.2, 0.1), local = fallen(GetParam(), model, 32, 0.45, 0.1);
+  const VecList plain_fine = fallen(GetParam(), plain, 1, 0.04, 0.1), own = fallen(GetParam(), plain, 1, 0.45, 0.1);
+  const double moved = farthest(fine, model.rest);
+  const double error = farthest(local, fine) / moved;
+  EXPECT_LT(error, 1.1 * farthest(own, plain_fine) / farthest(plain_fine, plain.rest));
+  RecordProperty("percent", std::to_string(100.0 * error));
+}
+
+TEST_P(LocalStepsOn, IsBoundedBelowTheLimitAndDivergesAboveIt) {
+  const Model model = with_tumour(5);
+  Scene scene(model);
+  for (const double share : {0.97, 1.06}) {
+    const auto solver = solver_of(GetParam(), model, scene, 32, 0.0, UnstableStep::allow);
+    ASSERT_GT(solver->substeps(), 1);
+    State state = solver->read();
+    std::mt19937 bits(5);
+    for (Vec3& x : state.position) {
+      for (double& c : x) c += 1e-6 * edge * (static_cast<double>(bits()) / 4294967296.0 - 0.5);
+    }
+    solver->reset(state);
+    const StepReport report = solver->step(4000, share * solver->stable_step());
+    const double moved = farthest(solver->read().position, model.rest);
+    if (share < 1.0) {
+      EXPECT_TRUE(report.ok()) << report.cause;
+      EXPECT_LT(moved, 1e-4 * edge);
+    } else {
+      EXPECT_TRUE(!report.ok() || moved > 1e-3 * edge) << moved;
+    }
+  }
+}
+
+TEST_P(LocalStepsOn, RestShapesAreThoseOfShortSteps) {
+  // The tumour at the surface, half of it under a ball that presses it, and a spring that pulls at it.
+  const Model model = with_tumour(6, {0.5 * edge, 0.5 * edge, edge});
+  Scene scene(model);
+  scene.fix("z0").gravity({0, 0, -1.0});
+  scene.add_tool(
+      "ball", {.shape = Sphere{.radius = 0.03}, .pose = {.position = {0.5 * edge, 0.5 * edge, edge + 0.03 - 0.002}}});
+  std::vector<VecList> shape;
+  std::vector<double> force;
+  for (const int substeps : {1, 32}) {
+    const auto solver = solver_of(GetParam(), model, scene, substeps, 40.0);
+    EXPECT_EQ(solver->substeps() > 1, substeps > 1);
+    const double dt = 0.5 * solver->stable_step();
+    ASSERT_TRUE(solver->step(static_cast<int>(1.5 / dt), dt).ok());
+    shape.push_back(solver->read().position);
+    force.push_back(solver->tool_force("ball").force.z());
+  }
+  EXPECT_GT(std::abs(force[0]), 0.01);
+  EXPECT_NEAR(force[1], force[0], 2e-3 * std::abs(force[0]));
+  EXPECT_LT(farthest(shape[1], shape[0]), 2e-3 * farthest(shape[0], model.rest));
+}
+
+TEST(LocalSteps, KeepLinearMomentum) {
+  const Model model = with_tumour(5);
+  const Scene scene(model);
+  const auto solver = solver_of("reference", model, scene, 32);
+  State state = solver->read();
+  std::mt19937 bits(11);
+  for (Vec3& v : state.velocity) {
+    for (double& c : v) c = 0.02 * (static_cast<double>(bits()) / 4294967296.0 - 0.5);
+  }
+  solver->reset(state);
+  const Vec3 before = solver->momentum().linear;
+  double of_all = 0.0;
+  for (std::size_t i = 0; i < state.velocity.size(); ++i) of_all += model.mass[i] * state.velocity[i].norm();
+  ASSERT_TRUE(solver->step(500, 0.8 * solver->stable_step()).ok());
+  EXPECT_LT((solver->momentum().linear - before).norm(), 1e-12 * of_all);
+}
+
+/// Half a turn of a body that flies: the tumour turns with it.
+TEST(LocalSteps, ATumourTurnsAsShortStepsTurnIt) {
+  const Model model = with_tumour(5);
+  const Scene scene(model);
+  std::vector<VecList> end;
+  for (const int substeps : {1, 32}) {
+    const auto solver = solver_of("reference", model, scene, substeps);
+    State state = solver->read();
+    for (std::size_t i = 0; i < state.velocity.size(); ++i) {
+      state.velocity[i] = Vec3(0, 0, 5.0).cross(model.rest[i] - middle);
+    }
+    const double dt = 0.4 * solver->stable_step();
+    const int steps = static_cast<int>(0.7 / dt) + 1;
+    solver->start(state, 0.7 / steps);
+    ASSERT_TRUE(solver->step(steps, 0.7 / steps).ok());
+    end.push_back(solver->read().position);
+  }
+  EXPECT_GT(farthest(end[0], model.rest), 0.5 * edge);
+  EXPECT_LT(farthest(end[1], end[0]), 0.01 * edge);
+}
+
+TEST_P(LocalStepsOn, GoesOnFromASnapshotBitForBit) {
+  const Model model = with_tumour(6, {0.5 * edge, 0.5 * edge, edge});
+  Scene scene(model);
+  scene.fix("z0");
+  scene.add_tool(
+      "ball", {.shape = Sphere{.radius = 0.03}, .pose = {.position = {0.5 * edge, 0.5 * edge, edge + 0.03 - 0.002}}});
+  const auto solver = solver_of(GetParam(), model, scene, 32, 100.0),
+             other = solver_of(GetParam(), model, scene, 32, 100.0);
+  const double dt = 0.5 * solver->stable_step();
+  ASSERT_TRUE(solver->step(300, dt).ok());
+  const Snapshot snapshot = solver->snapshot();
+  ASSERT_EQ(snapshot.parts.size(), 1u) << "the ball pushes the tumour, or this shows little";
+  other->restore(snapshot);
+  ASSERT_TRUE(solver->step(20, dt).ok());
+  ASSERT_TRUE(other->step(20, dt).ok());
+  EXPECT_EQ(solver->read().position, other->read().position);
+}
+
+TEST_P(LocalStepsOn, AStepAllocatesNothing) {
+  const Model model = with_tumour(5);
+  Scene scene(model);
+  scene.fix("z0").gravity({0, 0, -1.0});
+  const auto solver = solver_of(GetParam(), model, scene, 32);
+  ASSERT_TRUE(solver->step(3, 0.5 * solver->stable_step()).ok());
+  const std::size_t before = allocation_count();
+  ASSERT_TRUE(solver->step(10, 0.5 * solver->stable_step()).ok());
+  EXPECT_EQ(allocation_count(), before);
+}
+
+TEST_P(LocalStepsOn, AStiffnessThatChangesIsCounted) {
+  const Model model = with_tumour(5);
+  Scene scene(model);
+  const auto solver = solver_of(GetParam(), model, scene, 32);
+  const double before = solver->stable_step();
+  scene.scale_stiffness(stiff, 4.0);
+  EXPECT_NEAR(solver->stable_step(), 0.5 * before, 0.2 * before);
+  EXPECT_TRUE(solver->step(200, 0.9 * solver->stable_step()).ok());
+}
+
+TEST_P(LocalStepsOn, OneMaterialHasOneStepAndTheSameBits) {
+  EXPECT_EQ(fallen(GetParam(), cube(4), 1, 0.5, 0.05), fallen(GetParam(), cube(4), 32, 0.5, 0.05));
+}
+
+TEST(LocalSteps, RefuseWhatTheyExclude) {
+  const Model model = with_tumour(4);
+  const Scene scene(model);
+  SolverOptions options;
+  options.max_substeps = 0;
+  EXPECT_TRUE(refuses([&] { make_solver("cpu", model, scene, {}, options); }, "max_substeps must be 1"));
+  options.max_substeps = 8;
+  options.sleep_tolerance = 0.0;
+  EXPECT_TRUE(refuses([&] { make_solver("cpu", model, scene, {}, options); }, "exclude each other"));
+  options.sleep_tolerance.reset();
+  Model dissipative = cube(4);
+  Material slow = stiff;
+  slow.retardation_time = 1e-3;
+  set_material(dissipative, slow, [](const Vec3& place) { return place.x() < 0.03; });
+  const Scene of_it(dissipative);
+  EXPECT_TRUE(refuses([&] { make_solver("cpu", dissipative, of_it, {}, options); }, "dissipates"));
+}
+
+}  // namespace
+}  // namespace phymul::test
