@@ -65,6 +65,8 @@ function(check_command command)
       elseif(NOT word MATCHES "^(sh|cmake|ctest|apt-get)$" AND NOT word IN_LIST system_commands AND NOT word MATCHES "^[.]/")
         fault("${page}" "runs ${word}, which this check does not know")
       endif()
+    elseif(word MATCHES "/((bench|tests|examples)/[a-z_-]+)$")
+      help_of("${CMAKE_MATCH_1}" help)  # a program that this one runs: what follows is for it
     elseif(before STREQUAL "--preset")
       need_text("\"name\": \"${word}\"" presets "no such preset")
     elseif(before STREQUAL "--target")

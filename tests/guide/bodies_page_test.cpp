@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <numbers>
 
 #include "guide/scratch_folder.h"
 
@@ -49,7 +50,7 @@ TEST(GuideBodies, MakesGroupsAndSetsMaterials) {
   phymul::set_material(model, {.young = 3e4, .poisson = 0.45, .density = 1060}, "tumour");  // cells of the group
   const double reached = phymul::set_material(model, {.young = 3e4, .poisson = 0.45, .density = 1060}, tumour);
 
-  EXPECT_NEAR(reached, 4.0 / 3.0 * M_PI * 1e-6, 1e-6);  // the ball's
+  EXPECT_NEAR(reached, 4.0 / 3.0 * std::numbers::pi * 1e-6, 1e-6);  // the ball's
   EXPECT_EQ(model.materials.size(), 2U);
 }
 
