@@ -3,7 +3,7 @@
 #
 # Installs what is missing on a Debian machine to build phymul; does nothing, and needs no rights, where nothing is.
 #   sh cmake/install-packages.sh [examples] [tests] [bench] [charts] [gl] [surfaces] [labels] [gl-tests] [clang]
-#                                 [fuzz] [aarch64] [windows]
+#                                 [fuzz] [aarch64] [windows] [site]
 # The library's own needs are always among them. A compiler and CMake are taken as there.
 set -eu
 
@@ -89,9 +89,14 @@ for part in "$@"; do
       need_package googletest
       need_package wine64
       ;;
+    site)  # pages, and the interface
+      need_package mkdocs
+      need_package mkdocs-material
+      need_package doxygen
+      ;;
     *)
       echo "phymul: unknown part \"$part\"; there are: examples tests bench charts gl surfaces labels gl-tests clang" \
-        "fuzz aarch64 windows" >&2
+        "fuzz aarch64 windows site" >&2
       exit 2
       ;;
   esac

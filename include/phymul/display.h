@@ -48,7 +48,7 @@ struct DisplayOptions {
   double full_scale = 0.0;       ///< m, displacement at the end of the colour scale; 0: one colour for all
   double particle_radius = 0.0;  ///< m; 0: 0.08 of the mean spacing
   Colour background{1, 1, 1, 1};
-  std::vector<DisplayMark> marks;  ///< drawn as balls, a little larger than particles
+  std::vector<DisplayMark> marks{};  ///< drawn as balls, a little larger than particles
 };
 
 /// Throws Error where a context, a shader or memory fails, as the GL backends do. Not thread-safe.
