@@ -21,11 +21,11 @@ target_compile_options(phymul_gl_objects PRIVATE -ffp-contract=off)
 phymul_precompile_library(phymul_gl_objects)
 set_target_properties(phymul_gl_objects PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden
                                                    VISIBILITY_INLINES_HIDDEN ON)
-target_link_libraries(phymul_gl_objects PUBLIC phymul GLEW::GLEW OpenGL::EGL Threads::Threads ${CMAKE_DL_LIBS}
+target_link_libraries(phymul_gl_objects PUBLIC phymul_inside GLEW::GLEW OpenGL::EGL Threads::Threads ${CMAKE_DL_LIBS}
                                         PRIVATE phymul_warnings phymul_sanitizers)
 
 add_library(phymul_gl MODULE)
-# Beside a static library it carries what it needs of the core itself, and shows none of it.
+# It carries what it needs of the core itself, and shows none of it: a shared library hides its inside.
 target_link_options(phymul_gl PRIVATE LINKER:--exclude-libs,ALL LINKER:--no-undefined)
 target_link_libraries(phymul_gl PRIVATE phymul_gl_objects phymul_sanitizers)
 set_target_properties(phymul_gl PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/phymul

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: MIT
 #
-# What `cmake --install` puts where, for find_package(phymul) and for pkg-config.
+# What `cmake --install` puts where, for find_package(phymul) and for pkg-config. Components are packages of Debian
+# (Packages.cmake): runtime, gl, dev, tools.
 include(CMakePackageConfigHelpers)
 
-install(TARGETS phymul EXPORT phymulTargets)
+phymul_install_library(phymul)
 if(phymul_has_gl)
-  install(TARGETS phymul_gl LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/phymul)
+  install(TARGETS phymul_gl LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/phymul COMPONENT gl)
 endif()
 install(DIRECTORY include/phymul ${PROJECT_BINARY_DIR}/include/phymul DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-        FILES_MATCHING PATTERN "*.h")
+        COMPONENT dev FILES_MATCHING PATTERN "*.h")
 
 # A static phymul leaves it to the program to link what phymul uses inside; a shared one has it linked already.
 get_target_property(type phymul TYPE)
@@ -39,15 +40,15 @@ else()
 endif()
 
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/phymul)
-install(EXPORT phymulTargets NAMESPACE phymul:: DESTINATION ${config_dir})
+install(EXPORT phymulTargets NAMESPACE phymul:: DESTINATION ${config_dir} COMPONENT dev)
 configure_package_config_file(cmake/phymulConfig.cmake.in ${PROJECT_BINARY_DIR}/phymulConfig.cmake
                               INSTALL_DESTINATION ${config_dir} NO_SET_AND_CHECK_MACRO)
 # Before 1.0 every minor version may change the interface.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/phymulConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/phymulConfig.cmake ${PROJECT_BINARY_DIR}/phymulConfigVersion.cmake
-        DESTINATION ${config_dir})
+        DESTINATION ${config_dir} COMPONENT dev)
 
 # Relative to the file's own folder: the installed tree can be moved.
 file(RELATIVE_PATH PHYMUL_PC_PREFIX "${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig" "${CMAKE_INSTALL_PREFIX}")
 configure_file(cmake/phymul.pc.in ${PROJECT_BINARY_DIR}/phymul.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/phymul.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+install(FILES ${PROJECT_BINARY_DIR}/phymul.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)

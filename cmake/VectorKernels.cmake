@@ -24,6 +24,7 @@ function(phymul_kernels name)
   set(sources src/cpu/simd/kernels_${name}.cpp)
   target_sources(phymul PRIVATE ${sources})
   set_source_files_properties(${sources} PROPERTIES COMPILE_OPTIONS "${kernel_options};${ARGN}"
+                              COMPILE_DEFINITIONS PHYMUL_KERNELS_OF_ONE_INSTRUCTION_SET
                               SKIP_PRECOMPILE_HEADERS ON)  # whose flags are others
 endfunction()
 

@@ -40,6 +40,7 @@ for part in "$@"; do
       ;;
     tests)
       need_package libgtest-dev
+      need_command abidiff abigail-tools
       need_pkg_config=yes
       ;;
     bench)

@@ -84,16 +84,14 @@ void phymul_surface_free(phymul_surface* surface) {
 phymul_status phymul_surface_vertices(const phymul_surface* surface, const double** vertices, int32_t* count) {
   return guarded([&] {
     const VecList& all = need(surface, "a surface").surface.vertices;
-    need(count, "a place for the number") = static_cast<int32_t>(all.size());
-    need(vertices, "a place for the vertices") = doubles(all);
+    hand_out(doubles(all), all.size(), vertices, count, "a place for the vertices");
   });
 }
 
 phymul_status phymul_surface_triangles(const phymul_surface* surface, const int32_t** triangles, int32_t* count) {
   return guarded([&] {
     const auto& all = need(surface, "a surface").surface.triangles;
-    need(count, "a place for the number") = static_cast<int32_t>(all.size());
-    need(triangles, "a place for the triangles") = all.empty() ? nullptr : all.front().data();
+    hand_out(all.empty() ? nullptr : all.front().data(), all.size(), triangles, count, "a place for the triangles");
   });
 }
 
@@ -159,8 +157,7 @@ phymul_status phymul_body_rest(phymul_body* body, const double** rest, int32_t* 
   return guarded([&] {
     phymul_body& own = need(body, "a body");
     if (own.rest.empty()) own.rest = own.model.rest;
-    need(particle_count, "a place for the number") = own.model.particle_count();
-    need(rest, "a place for the positions") = doubles(own.rest);
+    hand_out(doubles(own.rest), own.rest.size(), rest, particle_count, "a place for the positions");
   });
 }
 
@@ -184,10 +181,11 @@ phymul_status phymul_body_cells(phymul_body* body, const int32_t** types, const 
       }
       own.first = std::move(begins);
     }
-    need(cell_count, "a place for the number") = static_cast<int32_t>(own.types.size());
-    need(types, "a place for the types") = own.types.data();
-    need(first, "a place for the first entries") = own.first.data();
-    need(particles, "a place for the particles") = own.particles.data();
+    need(first, "a place for the first entries");
+    need(particles, "a place for the particles");
+    hand_out(own.types.data(), own.types.size(), types, cell_count, "a place for the types");
+    *first = own.first.data();
+    *particles = own.particles.data();
   });
 }
 
@@ -195,37 +193,40 @@ phymul_status phymul_body_triangles(phymul_body* body, const int32_t** triangles
   return guarded([&] {
     phymul_body& own = need(body, "a body");
     if (own.triangles.empty()) own.triangles = surface_triangles(own.model);
-    need(count, "a place for the number") = static_cast<int32_t>(own.triangles.size());
-    need(triangles, "a place for the triangles") = own.triangles.empty() ? nullptr : own.triangles.front().data();
+    hand_out(own.triangles.empty() ? nullptr : own.triangles.front().data(), own.triangles.size(), triangles, count,
+             "a place for the triangles");
   });
 }
 
 phymul_status phymul_body_notes(phymul_body* body, const char** notes) {
   return guarded([&] {
     phymul_body& own = need(body, "a body");
+    need(notes, "a place for the notes");
     own.notes = lines(own.model.notes);
-    need(notes, "a place for the notes") = own.notes.c_str();
+    *notes = own.notes.c_str();
   });
 }
 
 phymul_status phymul_body_groups(phymul_body* body, const char** names) {
   return guarded([&] {
     phymul_body& own = need(body, "a body");
+    need(names, "a place for the names");
     std::vector<std::string> all;
     for (const Component& component : own.model.components) {
       if (!component.name.empty() && std::ranges::find(all, component.name) == all.end()) all.push_back(component.name);
     }
     own.groups = lines(all);
-    need(names, "a place for the names") = own.groups.c_str();
+    *names = own.groups.c_str();
   });
 }
 
 phymul_status phymul_body_group(phymul_body* body, const char* name, const int32_t** particles, int32_t* count) {
   return guarded([&] {
     phymul_body& own = need(body, "a body");
+    need(particles, "a place for the particles");
+    need(count, "a place for the number");
     own.group = own.model.group(&need(name, "a name of the group"));
-    need(count, "a place for the number") = static_cast<int32_t>(own.group.size());
-    need(particles, "a place for the particles") = own.group.data();
+    hand_out(own.group.data(), own.group.size(), particles, count, "a place for the particles");
   });
 }
 
@@ -257,7 +258,7 @@ phymul_status phymul_body_add_cell_group(phymul_body* body, const char* name, co
 phymul_status phymul_body_set_material(phymul_body* body, const phymul_material* material, const char* group) {
   return guarded([&] {
     Model& model = need(body, "a body").model;
-    const Material given = material_of(need(material, "a material"));
+    const Material given = material_of(material);
     group ? set_material(model, given, group) : set_material(model, given);
   });
 }

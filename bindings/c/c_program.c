@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <phymul_c.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -28,8 +29,8 @@ static char failure[2000];
   }
 
 static const double block_size[3] = {0.03, 0.03, 0.03};
-static const phymul_material soft = {.young = 8e3, .poisson = 0.4, .density = 1000};
-static const phymul_material stiff = {.young = 3e4, .poisson = 0.4, .density = 1000};
+static const phymul_material soft = {.size = sizeof soft, .young = 8e3, .poisson = 0.4, .density = 1000};
+static const phymul_material stiff = {.size = sizeof stiff, .young = 3e4, .poisson = 0.4, .density = 1000};
 
 static const char* misuse_of_bodies(void) {
   phymul_body* body = NULL;
@@ -59,19 +60,111 @@ static const char* misuse_of_simulations(const phymul_body* body, phymul_simulat
   const int32_t row[1] = {1000};
   REFUSED(phymul_fix_particles(sim, row, 1), PHYMUL_INVALID_ARGUMENT, "1000")
   REFUSED(phymul_fix_particles(sim, row, -1), PHYMUL_INVALID_ARGUMENT, "-1")
-  phymul_tool_force force;
+  phymul_tool_force force = {.size = sizeof force};
   REFUSED(phymul_tool_read_force(sim, 77, &force), PHYMUL_UNKNOWN_NAME, "77")
-  phymul_step_report report = {.steps = -1};
+  phymul_step_report report = {.size = sizeof report, .steps = -1};
   REFUSED(phymul_step(sim, 1, 10.0, &report), PHYMUL_STEP_FAILED, "")
   HOLDS(report.steps == 0 && report.stable_step > 0)
   REFUSED(phymul_load(sim, "absent.state"), PHYMUL_FILE_ACCESS, "absent.state")
   return NULL;
 }
 
+/* An output is missing: the others stay as they were. */
+static const char* outputs_stay(phymul_body* body, phymul_simulation* sim) {
+  const double* doubles = NULL;
+  const int32_t *integers = NULL, *others = NULL;
+  int32_t count = -7;
+  double time = -7;
+  REFUSED(phymul_body_rest(body, NULL, &count), PHYMUL_INVALID_ARGUMENT, "positions")
+  REFUSED(phymul_body_rest(body, &doubles, NULL), PHYMUL_INVALID_ARGUMENT, "number")
+  REFUSED(phymul_body_triangles(body, NULL, &count), PHYMUL_INVALID_ARGUMENT, "triangles")
+  REFUSED(phymul_body_triangles(body, &integers, NULL), PHYMUL_INVALID_ARGUMENT, "number")
+  REFUSED(phymul_body_group(body, "z1", NULL, &count), PHYMUL_INVALID_ARGUMENT, "particles")
+  REFUSED(phymul_body_cells(body, &integers, &others, NULL, &count), PHYMUL_INVALID_ARGUMENT, "particles")
+  REFUSED(phymul_body_cells(body, NULL, &others, &integers, &count), PHYMUL_INVALID_ARGUMENT, "types")
+  REFUSED(phymul_positions(sim, NULL, &count), PHYMUL_INVALID_ARGUMENT, "list")
+  REFUSED(phymul_positions(sim, &doubles, NULL), PHYMUL_INVALID_ARGUMENT, "number")
+  REFUSED(phymul_step_limits(sim, NULL, &time), PHYMUL_INVALID_ARGUMENT, "stable")
+  REFUSED(phymul_step_limits(sim, &time, NULL), PHYMUL_INVALID_ARGUMENT, "step")
+  HOLDS(!doubles && !integers && !others && count == -7 && time == -7)
+  phymul_step_report report = {.size = 3};
+  DO(phymul_time(sim, &time))
+  REFUSED(phymul_advance(sim, 1e-3, &report), PHYMUL_INVALID_ARGUMENT, "size")
+  double after = 0;
+  DO(phymul_time(sim, &after))
+  HOLDS(after == time)
+  return NULL;
+}
+
+/* Programs whose structs end earlier: the rest has its default, and what lies behind is not written. */
+static const char* older_programs(const phymul_body* body, phymul_simulation* sim) {
+  phymul_step_report report;
+  memset(&report, 0x55, sizeof report);
+  report.size = (uint32_t)offsetof(phymul_step_report, dt);
+  const double unwritten = report.dt;
+  DO(phymul_step(sim, 0, 1e-5, &report))
+  HOLDS(report.size == offsetof(phymul_step_report, dt) && report.steps == 0 && report.time == 0)
+  HOLDS(memcmp(&report.dt, &unwritten, sizeof unwritten) == 0)
+
+  phymul_material elastic;
+  memset(&elastic, 0x55, sizeof elastic);
+  elastic.size = (uint32_t)offsetof(phymul_material, retardation_time);
+  elastic.young = 1e4;
+  elastic.poisson = 0.3;
+  elastic.density = 1000;
+  phymul_body* moved = NULL;
+  const double nowhere[3] = {0, 0, 0};
+  DO(phymul_body_moved(body, nowhere, &moved))
+  DO(phymul_body_set_material(moved, &elastic, NULL))
+  phymul_body_free(moved);
+  return NULL;
+}
+
+static int runs = 0;
+static void in_turn(void* user, int32_t count, phymul_part part, void* task) {
+  runs += *(int*)user;
+  for (int32_t k = count - 1; k >= 0; --k) part(task, k);
+}
+
+/* The program's threads, of which it has one: a body whose particles are where the library's own threads bring them. */
+static const char* own_threads(void) {
+  const double size[3] = {0.2, 0.1, 0.1}, down[3] = {0, 0, -9.81};
+  phymul_body* large = NULL;
+  DO(phymul_body_block(size, 20, 10, 10, &large))
+  DO(phymul_body_set_material(large, &soft, NULL))
+  int one = 1;
+  phymul_options options = {.size = sizeof options,
+                            .backend = "cpu",
+                            .threads = 2,
+                            .run_parts = in_turn,
+                            .run_parts_user = &one,
+                            .run_parts_width = 0};
+  const phymul_body* bodies[1] = {large};
+  phymul_simulation* sims[2] = {NULL, NULL};
+  REFUSED(phymul_simulation_create(bodies, NULL, 1, &options, &sims[0]), PHYMUL_INVALID_ARGUMENT, "run_parts_width")
+  options.run_parts_width = 2;
+  const double* positions[2];
+  int32_t count = 0;
+  for (int k = 0; k < 2; ++k) {
+    DO(phymul_simulation_create(bodies, NULL, 1, &options, &sims[k]))
+    DO(phymul_fix(sims[k], "x0"))
+    DO(phymul_gravity(sims[k], down))
+    DO(phymul_advance(sims[k], 0.02, NULL))
+    DO(phymul_positions(sims[k], &positions[k], &count))
+    HOLDS(runs > 10)
+    options.run_parts = NULL;
+  }
+  HOLDS(memcmp(positions[0], positions[1], 3 * (size_t)count * sizeof(double)) == 0)
+  phymul_simulation_free(sims[0]);
+  phymul_simulation_free(sims[1]);
+  phymul_body_free(large);
+  return NULL;
+}
+
 static const char* interact(phymul_simulation* sim, const int32_t* top, int32_t top_count, struct c_results* out) {
-  phymul_pose pose = {.position = {0.015, 0.015, 0.042}};
+  phymul_pose pose = {.size = sizeof pose, .position = {0.015, 0.015, 0.042}};
   const phymul_tool_options ball = {
-      .size = sizeof ball, .shape = PHYMUL_SPHERE, .radius = 0.012, .pose = pose, .friction = 0.2};
+      .size = sizeof ball, .shape = PHYMUL_SPHERE, .radius = 0.012, .pose = &pose, .friction = 0.2};
   uint64_t tool = 0, joint = 0;
   DO(phymul_tool_add(sim, &ball, &tool))
   const phymul_joint_options ligament = {.size = sizeof ligament, .stiffness = 1e5, .damping = 50, .slack = 1};
@@ -93,8 +186,8 @@ static const char* interact(phymul_simulation* sim, const int32_t* top, int32_t 
   memcpy(out->skin, now, sizeof out->skin);
   memcpy(out->normal, normals, sizeof out->normal);
   phymul_skin_free(skin);
-  phymul_tool_force force;
-  phymul_joint_report ties;
+  phymul_tool_force force = {.size = sizeof force};
+  phymul_joint_report ties = {.size = sizeof ties};
   DO(phymul_tool_read_force(sim, tool, &force))
   DO(phymul_joint_read(sim, joint, &ties))
   memcpy(out->tool_force, force.force, sizeof out->tool_force);
@@ -140,7 +233,7 @@ static const char* rest_of(const phymul_body* body, struct c_results* out) {
   DO(phymul_simulation_create(&body, NULL, 1, &options, &sim))
   DO(phymul_fix(sim, "z0"))
   DO(phymul_gravity(sim, down))
-  phymul_rest_report report;
+  phymul_rest_report report = {.size = sizeof report};
   DO(phymul_solve_static(sim, 0, 0, &report))
   HOLDS(report.converged == 1 && report.folded == -1)
   out->rest_residual = report.residual;
@@ -172,6 +265,9 @@ const char* c_program(struct c_results* out) {
   DO(phymul_add_load(sim, PHYMUL_FORCE, top, top_count, direction, times, values, 2, &row))
   HOLDS(row == 1)
   wrong = misuse_of_simulations(body, sim);
+  if (!wrong) wrong = outputs_stay(body, sim);
+  if (!wrong) wrong = older_programs(body, sim);
+  if (!wrong) wrong = own_threads();
   if (!wrong) wrong = interact(sim, top, top_count, out);
   if (!wrong) wrong = read_state(sim, out);
   if (!wrong) wrong = rest_of(body, out);

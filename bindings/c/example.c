@@ -16,23 +16,23 @@ int main(void) {
   phymul_body* body = NULL;
   check(phymul_body_block(size, 6, 6, 4, &body));
 
-  const phymul_options options = {
-      .size = sizeof options, .material = {.young = 10e3, .poisson = 0.45, .density = 1000}, .damping_rate = 20};
+  const phymul_material tissue = {.size = sizeof tissue, .young = 10e3, .poisson = 0.45, .density = 1000};
+  const phymul_options options = {.size = sizeof options, .material = &tissue, .damping_rate = 20};
   const phymul_body* bodies[] = {body};
   phymul_simulation* sim = NULL;
   check(phymul_simulation_create(bodies, NULL, 1, &options, &sim));
   phymul_body_free(body);
   check(phymul_fix(sim, "z0"));
 
-  phymul_pose pose = {.position = {0.03, 0.03, 0.052}};
-  const phymul_tool_options ball = {.size = sizeof ball, .shape = PHYMUL_SPHERE, .radius = 0.01, .pose = pose};
+  phymul_pose pose = {.size = sizeof pose, .position = {0.03, 0.03, 0.052}};
+  const phymul_tool_options ball = {.size = sizeof ball, .shape = PHYMUL_SPHERE, .radius = 0.01, .pose = &pose};
   uint64_t tool = 0;
   check(phymul_tool_add(sim, &ball, &tool));
   const double points[2][3] = {{0.03, 0.03, 0.04}, {0.0, 0.0, 0.04}};
   phymul_skin* skin = NULL;
   check(phymul_skin_create(sim, points[0], 2, NULL, 0, &skin));
 
-  phymul_tool_force felt;
+  phymul_tool_force felt = {.size = sizeof felt};
   for (int tick = 0; tick < 200; ++tick) {
     pose.position[2] -= 5e-5;
     check(phymul_tool_move_to(sim, tool, &pose));

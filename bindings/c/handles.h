@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -95,15 +96,6 @@ inline Vec3 vector(const double* xyz, const char* what) {
   return {xyz[0], xyz[1], xyz[2]};
 }
 
-inline Material material_of(const phymul_material& from) {
-  return {.young = from.young,
-          .poisson = from.poisson,
-          .density = from.density,
-          .retardation_time = from.retardation_time,
-          .relaxation_strength = from.relaxation_strength,
-          .relaxation_time = from.relaxation_time};
-}
-
 VecList vectors(const double* data, int32_t count, const char* what);
 std::vector<std::array<Index, 3>> triples(const int32_t* data, int32_t count, const char* what);
 
@@ -115,17 +107,62 @@ inline void store(const Vec3& from, double* to) {
   std::copy_n(from.data(), 3, to);
 }
 
-/// A struct whose first member is its size where the program was compiled. What lies beyond that is 0. Throws Error for
-/// a size below that of the first member, and for one above that of this version's struct.
+/// Size of a struct where the program was compiled, which is its first member. Throws Error for null, for a size below
+/// that of the first member, and for one above that of this version's struct.
+template <class Struct>
+uint32_t size_of(const Struct* given, const char* what) {
+  const uint32_t size = need(given, what).size;
+  if (size < sizeof(uint32_t) || size > sizeof(Struct))
+    throw Error(std::string("expected ") + what + " whose size is sizeof of the struct, at most " +
+                std::to_string(sizeof(Struct)) + " in this version; got the size " + std::to_string(size));
+  return size;
+}
+
+/// Options of a program: what lies beyond their size is 0.
 template <class Options>
 Options options_of(const Options* given, const char* what) {
   Options options{};
-  const uint32_t size = need(given, what).size;
-  if (size < sizeof(uint32_t) || size > sizeof(Options))
-    throw Error(std::string("expected ") + what + " whose size is sizeof of the struct, at most " +
-                std::to_string(sizeof(Options)) + " in this version; got the size " + std::to_string(size));
-  std::memcpy(&options, given, size);
+  std::memcpy(&options, given, size_of(given, what));
   return options;
+}
+
+inline Material material_of(const phymul_material* given) {
+  const phymul_material from = options_of(given, "a material");
+  return {.young = from.young,
+          .poisson = from.poisson,
+          .density = from.density,
+          .retardation_time = from.retardation_time,
+          .relaxation_strength = from.relaxation_strength,
+          .relaxation_time = from.relaxation_time};
+}
+
+/// A result for a program, as far as its struct has room. To be made before anything happens.
+template <class Result>
+class Place {
+ public:
+  Place(Result* to, const char* what) : to_(to), size_(size_of(to, what)) {}
+  void fill(Result result) const {
+    result.size = size_;
+    std::memcpy(to_, &result, size_);
+  }
+
+ private:
+  Result* to_;
+  uint32_t size_;
+};
+
+/// The same of a result that the program may not want.
+template <class Result>
+std::optional<Place<Result>> place_if_wanted(Result* to, const char* what) {
+  return to ? std::optional<Place<Result>>(std::in_place, to, what) : std::nullopt;
+}
+
+/// Hands out a list: both outputs are there before one changes.
+template <class T>
+void hand_out(const T* data, std::size_t count, const T** list, int32_t* number, const char* what) {
+  need(list, what);
+  need(number, "a place for the number") = static_cast<int32_t>(count);
+  *list = data;
 }
 
 /// Throws Error unless the number is one of an enumeration of `count` values from `first` on.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Tools, joints and skins.
+#include <algorithm>
+
 #include "handles.h"
 
 using namespace phymul;
@@ -33,7 +35,8 @@ ToolHandle tool_of(phymul_simulation* sim, uint64_t tool) {
   return scene.tool(name_of(scene.tools(), tool, "tool"));
 }
 
-ToolPose pose_of(const phymul_pose& from) {
+ToolPose pose_of(const phymul_pose* given) {
+  const phymul_pose from = options_of(given, "a pose");
   const double* q = from.orientation;
   ToolPose pose{.position = vector(from.position, "a position"),
                 .velocity = vector(from.velocity, "a velocity"),
@@ -56,7 +59,8 @@ ToolShape shape_of(const phymul_tool_options& from) {
   }
 }
 
-Anchor anchor_of(phymul_simulation* sim, const phymul_anchor& from) {
+Anchor anchor_of(phymul_simulation* sim, const phymul_anchor* given) {
+  const phymul_anchor from = options_of(given, "an anchor");
   if (!from.particles) {
     if (from.tool == 0) return at_world(vector(from.point, "a point"));
     const Scene& scene = need(sim, "a simulation").simulation.scene();
@@ -77,7 +81,7 @@ phymul_status phymul_tool_add(phymul_simulation* sim, const phymul_tool_options*
     *tool = need(sim, "a simulation")
                 .simulation.scene()
                 .add_tool(Tool{.shape = shape_of(from),
-                               .pose = pose_of(from.pose),
+                               .pose = from.pose ? pose_of(from.pose) : ToolPose{},
                                .friction = from.friction,
                                .compliance = from.compliance,
                                .margin = from.margin,
@@ -94,11 +98,11 @@ phymul_status phymul_tool_remove(phymul_simulation* sim, uint64_t tool) {
 }
 
 phymul_status phymul_tool_move_to(phymul_simulation* sim, uint64_t tool, const phymul_pose* pose) {
-  return guarded([&] { tool_of(sim, tool).move_to(pose_of(need(pose, "a pose"))); });
+  return guarded([&] { tool_of(sim, tool).move_to(pose_of(pose)); });
 }
 
 phymul_status phymul_tool_teleport(phymul_simulation* sim, uint64_t tool, const phymul_pose* pose) {
-  return guarded([&] { tool_of(sim, tool).teleport(pose_of(need(pose, "a pose"))); });
+  return guarded([&] { tool_of(sim, tool).teleport(pose_of(pose)); });
 }
 
 phymul_status phymul_tool_grasp(phymul_simulation* sim, uint64_t tool, double distance) {
@@ -111,19 +115,22 @@ phymul_status phymul_tool_release(phymul_simulation* sim, uint64_t tool) {
 
 phymul_status phymul_tool_read_pose(phymul_simulation* sim, uint64_t tool, phymul_pose* pose) {
   return guarded([&] {
+    const Place place(pose, "a place for the pose");
     const ToolHandle handle = tool_of(sim, tool);
     const ToolPose& now = sim->simulation.pose_of(handle);
     const Quaternion& q = now.orientation;
-    phymul_pose result{.position = {}, .orientation = {q.w(), q.x(), q.y(), q.z()}, .velocity = {}, .spin = {}};
+    phymul_pose result{};
+    std::ranges::copy(std::array{q.w(), q.x(), q.y(), q.z()}, result.orientation);
     store(now.position, result.position);
     store(now.velocity, result.velocity);
     store(now.spin, result.spin);
-    need(pose, "a place for the pose") = result;
+    place.fill(result);
   });
 }
 
 phymul_status phymul_tool_read_force(phymul_simulation* sim, uint64_t tool, phymul_tool_force* force) {
   return guarded([&] {
+    const Place place(force, "a place for the force");
     const ToolHandle handle = tool_of(sim, tool);
     const ToolForce& now = sim->simulation.force_on(handle);
     phymul_tool_force result{};
@@ -133,7 +140,7 @@ phymul_status phymul_tool_read_force(phymul_simulation* sim, uint64_t tool, phym
     store(now.mean_torque, result.mean_torque);
     result.particles = now.particles;
     result.held = sim->simulation.solver().held(handle);
-    need(force, "a place for the force") = result;
+    place.fill(result);
   });
 }
 
@@ -144,9 +151,7 @@ phymul_status phymul_joint_add(phymul_simulation* sim, const phymul_anchor* a, c
     const phymul_joint_options from = options_of(options, "options of a joint");
     Joint added{.stiffness = from.stiffness, .damping = from.damping, .slack = from.slack != 0};
     if (from.breaking != 0.0) added.breaking_force = from.breaking;
-    added.springs.push_back({.a = anchor_of(sim, need(a, "an anchor")),
-                             .b = anchor_of(sim, need(b, "an anchor")),
-                             .rest_length = from.rest_length});
+    added.springs.push_back({.a = anchor_of(sim, a), .b = anchor_of(sim, b), .rest_length = from.rest_length});
     *joint = need(sim, "a simulation").simulation.scene().add_joint(std::move(added)).id();
   });
 }
@@ -184,14 +189,15 @@ phymul_status phymul_joint_set(phymul_simulation* sim, uint64_t joint, double st
 
 phymul_status phymul_joint_read(phymul_simulation* sim, uint64_t joint, phymul_joint_report* report) {
   return guarded([&] {
+    const Place place(report, "a place for the report");
     const JointHandle handle = joint_of(sim, joint);
     const JointReport& now = sim->simulation.report_of(handle);
-    phymul_joint_report result{.force = {},
-                               .largest = now.largest,
-                               .broken = now.broken,
-                               .springs = static_cast<int32_t>(handle.joint().springs.size())};
+    phymul_joint_report result{};
+    result.largest = now.largest;
+    result.broken = now.broken;
+    result.springs = static_cast<int32_t>(handle.joint().springs.size());
     store(now.force, result.force);
-    need(report, "a place for the report") = result;
+    place.fill(result);
   });
 }
 

@@ -10,8 +10,9 @@
 // Ownership  Functions copy what they are given. A handle made by a function (its last parameter) belongs to the
 //            caller, who frees it; the order does not matter. Arrays and strings handed out belong to the handle: they
 //            stay where they are until it is freed, unless a comment says less.
-// Options    A struct that begins with `size` wants sizeof of itself there. Other fields may be 0, which means the
-//            default in the comment. Newer versions add fields at the end, and still take the shorter struct.
+// Structs    A struct that begins with `size` wants sizeof of itself there, also where the function fills it. Fields of
+//            options may be 0, which means the default in the comment. Newer versions add fields at the end, and still
+//            take and fill the shorter struct. The other structs never change.
 // Threads    One thread at a time may use a handle. Different handles are independent.
 #ifndef PHYMUL_C_H
 #define PHYMUL_C_H
@@ -65,6 +66,7 @@ PHYMUL_API phymul_status phymul_surface_triangles(const phymul_surface* surface,
 // --- Bodies ---------------------------------------------------------------------------------------------------------
 
 typedef struct phymul_material {
+  uint32_t size;
   double young;    // Pa, > 0
   double poisson;  // in (-3/8, 1/2)
   double density;  // kg/m^3, > 0
@@ -82,12 +84,8 @@ typedef struct phymul_fine_place {
   double spacing;   // m, > 0
 } phymul_fine_place;
 
-enum {  // types of cells; the order of vertices is in include/phymul/model.h
-  PHYMUL_TETRAHEDRON = 4,
-  PHYMUL_WEDGE = 5,
-  PHYMUL_PYRAMID = 6,
-  PHYMUL_HEXAHEDRON = 7
-};
+// Types of cells; the order of vertices is in include/phymul/model.h.
+enum { PHYMUL_TETRAHEDRON = 4, PHYMUL_WEDGE = 5, PHYMUL_PYRAMID = 6, PHYMUL_HEXAHEDRON = 7 };
 
 // make_block (hexahedra, 6 neighbours), make_tetrahedral_block, make_cylinder: include/phymul/shapes.h has the groups.
 PHYMUL_API phymul_status phymul_body_block(const double size[3], int32_t nx, int32_t ny, int32_t nz,
@@ -137,17 +135,25 @@ PHYMUL_API phymul_status phymul_body_set_material(phymul_body* body, const phymu
 
 enum { PHYMUL_SHAPE_MEMORY = 0, PHYMUL_NEO_HOOKEAN = 1 };  // strain energies
 
+// TaskRunner: calls part(task, 0) ... part(task, count - 1), by any threads, and returns when all have returned.
+typedef void (*phymul_part)(void* task, int32_t part);
+typedef void (*phymul_run_parts)(void* user, int32_t count, phymul_part part, void* task);
+
 typedef struct phymul_options {
   uint32_t size;
   int32_t threads;           // of the backend "cpu"; 0: as many as the body has work for
   const char* backend;       // NULL: "auto"
-  phymul_material material;  // all 0: bodies keep their materials
-  double damping_rate;       // 1/s
-  double step;               // largest step, as a multiple of the stable one; 0: 0.5
-  double rest_tolerance;     // SolverOptions::rest_tolerance; 0: 1e-8
-  int32_t strain_energy;     // PHYMUL_SHAPE_MEMORY or PHYMUL_NEO_HOOKEAN
-  int32_t sleeps;            // 1: parts of the body that rest cost nothing (SolverOptions::sleep_tolerance)
-  double sleep_tolerance;    // with `sleeps`; 0: results as without sleep
+  const phymul_material* material;  // NULL: bodies keep their materials
+  double damping_rate;              // 1/s
+  double step;                      // largest step, as a multiple of the stable one; 0: 0.5
+  double rest_tolerance;            // SolverOptions::rest_tolerance; 0: 1e-8
+  int32_t strain_energy;            // PHYMUL_SHAPE_MEMORY or PHYMUL_NEO_HOOKEAN
+  int32_t sleeps;                   // 1: parts of the body that rest cost nothing (SolverOptions::sleep_tolerance)
+  double sleep_tolerance;           // with `sleeps`; 0: results as without sleep
+  phymul_run_parts run_parts;       // threads of the host; NULL: the library starts threads
+  void* run_parts_user;
+  int32_t run_parts_width;  // with run_parts: how many parts can run side by side, 1 or more
+  int32_t unused;
 } phymul_options;
 
 // Of one body (count 1, names NULL), or of several, each with a name; their groups are then "name/group".
@@ -163,13 +169,8 @@ PHYMUL_API phymul_status phymul_fix_particles(phymul_simulation* sim, const int3
 PHYMUL_API phymul_status phymul_scale_stiffness(phymul_simulation* sim, const phymul_material* material, double factor);
 PHYMUL_API phymul_status phymul_gravity(phymul_simulation* sim, const double acceleration[3]);  // m/s^2
 
-enum {  // types of loads: include/phymul/load.h
-  PHYMUL_TRANSLATION = 0,
-  PHYMUL_ROTATION = 1,
-  PHYMUL_FORCE = 2,  // on each particle
-  PHYMUL_PRESSURE = 3,
-  PHYMUL_ACCELERATION = 4
-};
+// Types of loads: include/phymul/load.h. PHYMUL_FORCE is on each particle.
+enum { PHYMUL_TRANSLATION = 0, PHYMUL_ROTATION = 1, PHYMUL_FORCE = 2, PHYMUL_PRESSURE = 3, PHYMUL_ACCELERATION = 4 };
 // Its value is linear between values[i] (m, rad, N, Pa or m/s^2) at times[i], s, and constant before and after.
 // `direction`: zero for a pressure that acts inward. A translation imposes all three coordinates. `row` names the load.
 PHYMUL_API phymul_status phymul_add_load(phymul_simulation* sim, int32_t type, const int32_t* particles, int32_t count,
@@ -182,6 +183,7 @@ PHYMUL_API phymul_status phymul_contacts(phymul_simulation* sim, double friction
 PHYMUL_API phymul_status phymul_constrain_volume(phymul_simulation* sim, const char* group);  // NULL: the whole body
 
 typedef struct phymul_step_report {
+  uint32_t size;
   int32_t steps;          // done
   int32_t at_rest;        // the rest test holds at the end
   int32_t force_clamped;  // an elastic force was limited
@@ -194,6 +196,7 @@ typedef struct phymul_step_report {
 } phymul_step_report;
 
 typedef struct phymul_rest_report {
+  uint32_t size;
   int32_t converged;
   int32_t folded;     // a cell that is flat or turned inside out; -1: none
   int32_t steps;      // done; solve_static: evaluations of forces
@@ -243,6 +246,7 @@ PHYMUL_API phymul_status phymul_write_vtu(const phymul_simulation* sim, const ch
 // --- Tools ----------------------------------------------------------------------------------------------------------
 
 typedef struct phymul_pose {
+  uint32_t size;
   double position[3];     // m
   double orientation[4];  // w, x, y, z; all 0: none
   double velocity[3];     // m/s, of the tool after the call, until it gets a new pose
@@ -258,7 +262,7 @@ typedef struct phymul_tool_options {
   double radius;        // m, of a sphere or a capsule
   double length;        // m, of a capsule
   double half_size[3];  // m, of a box
-  phymul_pose pose;
+  const phymul_pose* pose;  // NULL: at the origin
   double friction;
   double compliance;  // m/N
   double margin;      // m
@@ -267,6 +271,7 @@ typedef struct phymul_tool_options {
 } phymul_tool_options;
 
 typedef struct phymul_tool_force {  // of the particles on the tool
+  uint32_t size;
   double force[3];                  // N, of the last step
   double torque[3];                 // N m, about the tool's position
   double mean_force[3];             // N, over the steps of the last call
@@ -287,10 +292,10 @@ PHYMUL_API phymul_status phymul_tool_read_force(phymul_simulation* sim, uint64_t
 // --- Joints ---------------------------------------------------------------------------------------------------------
 
 typedef struct phymul_anchor {  // an end of a spring: a mean of particles, or a point of the world or of a tool
-  const int32_t* particles;     // NULL: a point
-  const double* weights;        // of sum 1; NULL: equal
-  int32_t count;                // of particles
-  int32_t unused;
+  uint32_t size;
+  int32_t count;             // of particles
+  const int32_t* particles;  // NULL: a point
+  const double* weights;     // of sum 1; NULL: equal
   uint64_t tool;    // of the point; 0: the world
   double point[3];  // m, in the world or in the tool's frame
 } phymul_anchor;
@@ -305,6 +310,7 @@ typedef struct phymul_joint_options {
 } phymul_joint_options;
 
 typedef struct phymul_joint_report {
+  uint32_t size;
   double force[3];  // N, sum of the forces on the anchors `a`
   double largest;   // N, of a spring
   int32_t broken;   // number of broken springs

@@ -100,8 +100,7 @@ phymul_status phymul_plan_report(const phymul_plan* plan, const char** report) {
 phymul_status phymul_plan_trials(const phymul_plan* plan, const phymul_trial** trials, int32_t* count) {
   return guarded([&] {
     const auto& all = need(plan, "a plan").trials;
-    need(count, "a place for the number") = static_cast<int32_t>(all.size());
-    need(trials, "a place for the trials") = all.data();
+    hand_out(all.data(), all.size(), trials, count, "a place for the trials");
   });
 }
 

@@ -23,11 +23,31 @@ const Simulation& of(const phymul_simulation* handle) {
   return need(handle, "a simulation").simulation;
 }
 
+/// Threads of the program.
+class Runner final : public TaskRunner {
+ public:
+  Runner(phymul_run_parts run_parts, void* user, int32_t width) : run_parts_(run_parts), user_(user), width_(width) {
+    if (width < 1)
+      throw Error("expected a run_parts_width of 1 (the calling thread alone) or more, got " + std::to_string(width));
+  }
+
+  int width() const override { return width_; }
+  void run(int count, const std::function<void(int)>& task) override {
+    const auto part = [](void* of, int32_t k) { (*static_cast<const std::function<void(int)>*>(of))(k); };
+    run_parts_(user_, count, part, const_cast<std::function<void(int)>*>(&task));
+  }
+
+ private:
+  phymul_run_parts run_parts_;
+  void* user_;
+  int width_;
+};
+
 SimulationOptions options_for(const phymul_options* given) {
   const phymul_options from = options_of(given, "options of a simulation");
   require_kind(from.strain_energy, PHYMUL_SHAPE_MEMORY, 2, "a strain energy");
   SimulationOptions options;
-  options.material = material_of(from.material);
+  if (from.material) options.material = material_of(from.material);
   if (from.backend) options.backend = from.backend;
   options.damping.rate = from.damping_rate;
   if (from.step != 0.0) options.step = from.step;
@@ -35,6 +55,8 @@ SimulationOptions options_for(const phymul_options* given) {
   options.solver.threads = from.threads;
   if (from.sleeps != 0) options.solver.sleep_tolerance = from.sleep_tolerance;
   options.topology.strain_energy = static_cast<StrainEnergy>(from.strain_energy);
+  if (from.run_parts)
+    options.runner = std::make_shared<Runner>(from.run_parts, from.run_parts_user, from.run_parts_width);
   return options;
 }
 
@@ -60,29 +82,41 @@ std::vector<ValueEvent> events_of(const double* times, const double* values, int
   return events;
 }
 
-void finish_step(phymul_simulation& handle, const StepReport& done, phymul_step_report* report) {
-  handle.message = done.message();
-  if (report)
-    *report = {.steps = done.steps,
-               .at_rest = done.at_rest,
-               .force_clamped = done.force_clamped,
-               .particle = done.particle,
-               .time = done.time,
-               .dt = done.dt,
-               .stable_step = done.stable_step,
-               .residual = done.residual,
-               .max_speed = done.max_speed};
-  if (!done.ok()) throw Failure{PHYMUL_STEP_FAILED, handle.message};
+template <class Step>
+phymul_status step_by(phymul_simulation* sim, phymul_step_report* report, Step&& step) {
+  return guarded([&] {
+    const auto place = place_if_wanted(report, "a report");
+    Simulation& simulation = of(sim);
+    const StepReport done = step(simulation);
+    sim->message = done.message();
+    if (place)
+      place->fill({.size = 0,
+                   .steps = done.steps,
+                   .at_rest = done.at_rest,
+                   .force_clamped = done.force_clamped,
+                   .particle = done.particle,
+                   .time = done.time,
+                   .dt = done.dt,
+                   .stable_step = done.stable_step,
+                   .residual = done.residual,
+                   .max_speed = done.max_speed});
+    if (!done.ok()) throw Failure{PHYMUL_STEP_FAILED, sim->message};
+  });
 }
 
 /// Copies values into a buffer that keeps its place.
-void hand_out(const VecList& values, VecList& buffer, const double** out, int32_t* count) {
-  need(out, "a place for the list");
-  need(count, "a place for the number");
-  if (buffer.empty()) buffer.resize(values.size());
-  std::ranges::copy(values, buffer.begin());
-  *out = doubles(buffer);
-  *count = static_cast<int32_t>(buffer.size());
+template <class Read>
+phymul_status copy_out(VecList phymul_simulation::*buffer, phymul_simulation* sim, const double** out, int32_t* count,
+                       Read&& read) {
+  return guarded([&] {
+    need(out, "a place for the list");
+    need(count, "a place for the number");
+    const VecList values = read(of(sim));
+    VecList& kept = sim->*buffer;
+    if (kept.empty()) kept.resize(values.size());
+    std::ranges::copy(values, kept.begin());
+    hand_out(doubles(kept), kept.size(), out, count, "a place for the list");
+  });
 }
 
 }  // namespace
@@ -117,7 +151,7 @@ phymul_status phymul_fix_particles(phymul_simulation* sim, const int32_t* partic
 phymul_status phymul_scale_stiffness(phymul_simulation* sim, const phymul_material* material, double factor) {
   return guarded([&] {
     Scene& scene = of(sim).scene();
-    material ? scene.scale_stiffness(material_of(*material), factor) : scene.scale_stiffness(factor);
+    material ? scene.scale_stiffness(material_of(material), factor) : scene.scale_stiffness(factor);
   });
 }
 
@@ -166,44 +200,48 @@ phymul_status phymul_constrain_volume(phymul_simulation* sim, const char* group)
 }
 
 phymul_status phymul_advance(phymul_simulation* sim, double seconds, phymul_step_report* report) {
-  return guarded([&] { finish_step(need(sim, "a simulation"), of(sim).advance(seconds), report); });
+  return step_by(sim, report, [&](Simulation& simulation) { return simulation.advance(seconds); });
 }
 
 phymul_status phymul_step(phymul_simulation* sim, int32_t steps, double dt, phymul_step_report* report) {
-  return guarded([&] { finish_step(need(sim, "a simulation"), of(sim).solver().step(steps, dt), report); });
+  return step_by(sim, report, [&](Simulation& simulation) { return simulation.solver().step(steps, dt); });
 }
 
 phymul_status phymul_run_to_rest(phymul_simulation* sim, int32_t most_steps, phymul_rest_report* report) {
   return guarded([&] {
+    const auto place = place_if_wanted(report, "a report");
     const RestResult rest = of(sim).run_to_rest(most_steps);
     sim->message = rest.message();
     if (rest.status == RestStatus::failed) throw Failure{PHYMUL_STEP_FAILED, sim->message};
-    if (report)
-      *report = {.converged = rest.converged(),
-                 .folded = rest.folded,
-                 .steps = rest.report.steps,
-                 .collapsed = rest.collapsed,
-                 .time = rest.report.time,
-                 .residual = rest.report.residual};
+    if (place)
+      place->fill({.size = 0,
+                   .converged = rest.converged(),
+                   .folded = rest.folded,
+                   .steps = rest.report.steps,
+                   .collapsed = rest.collapsed,
+                   .time = rest.report.time,
+                   .residual = rest.report.residual});
   });
 }
 
 phymul_status phymul_solve_static(phymul_simulation* sim, double tolerance, int32_t most_evaluations,
                                   phymul_rest_report* report) {
   return guarded([&] {
+    const auto place = place_if_wanted(report, "a report");
     StaticOptions options;
     if (tolerance != 0.0) options.tolerance = tolerance;
     if (most_evaluations != 0) options.most_evaluations = most_evaluations;
     const StaticResult rest = of(sim).solve_static(options);
     sim->message = rest.message();
     if (rest.status == RestStatus::failed) throw Failure{PHYMUL_STEP_FAILED, sim->message};
-    if (report)
-      *report = {.converged = rest.converged(),
-                 .folded = rest.folded,
-                 .steps = rest.evaluations,
-                 .collapsed = -1,
-                 .time = of(sim).time(),
-                 .residual = rest.residual};
+    if (place)
+      place->fill({.size = 0,
+                   .converged = rest.converged(),
+                   .folded = rest.folded,
+                   .steps = rest.evaluations,
+                   .collapsed = -1,
+                   .time = of(sim).time(),
+                   .residual = rest.residual});
   });
 }
 
@@ -213,8 +251,9 @@ phymul_status phymul_message(phymul_simulation* sim, const char** sentence) {
 
 phymul_status phymul_warnings(phymul_simulation* sim, const char** sentences) {
   return guarded([&] {
+    need(sentences, "a place for the sentences");
     need(sim, "a simulation").warnings = lines(of(sim).warnings());
-    need(sentences, "a place for the sentences") = sim->warnings.c_str();
+    *sentences = sim->warnings.c_str();
   });
 }
 
@@ -224,15 +263,17 @@ phymul_status phymul_time(const phymul_simulation* sim, double* time) {
 
 phymul_status phymul_step_limits(const phymul_simulation* sim, double* stable, double* taken) {
   return guarded([&] {
-    need(taken, "a place for the step") = of(sim).step_limit();
+    need(taken, "a place for the step");
     need(stable, "a place for the stable step") = of(sim).solver().stable_step();
+    *taken = of(sim).step_limit();
   });
 }
 
 phymul_status phymul_backend(phymul_simulation* sim, const char** name) {
   return guarded([&] {
+    need(name, "a place for the name");
     need(sim, "a simulation").backend = of(sim).solver().name();
-    need(name, "a place for the name") = sim->backend.c_str();
+    *name = sim->backend.c_str();
   });
 }
 
@@ -247,22 +288,24 @@ phymul_status phymul_energy(const phymul_simulation* sim, double energy[3]) {
 }
 
 phymul_status phymul_positions(phymul_simulation* sim, const double** positions, int32_t* particle_count) {
-  return guarded([&] { hand_out(of(sim).solver().read().position, sim->positions, positions, particle_count); });
+  return copy_out(&phymul_simulation::positions, sim, positions, particle_count,
+                  [](Simulation& simulation) { return simulation.solver().read().position; });
 }
 
 phymul_status phymul_velocities(phymul_simulation* sim, const double** velocities, int32_t* particle_count) {
-  return guarded([&] { hand_out(of(sim).state().velocity, sim->velocities, velocities, particle_count); });
+  return copy_out(&phymul_simulation::velocities, sim, velocities, particle_count,
+                  [](Simulation& simulation) { return simulation.state().velocity; });
 }
 
 phymul_status phymul_forces(phymul_simulation* sim, const double** forces, int32_t* particle_count) {
-  return guarded([&] {
-    if (!of(sim).scene().stiffness_factors().empty())
+  return copy_out(&phymul_simulation::forces, sim, forces, particle_count, [](Simulation& simulation) {
+    if (!simulation.scene().stiffness_factors().empty())
       throw Error(ErrorCode::not_supported,
                   "forces: expected no scale_stiffness; they would be of the stiffness before");
-    const VecList position = of(sim).solver().read().position;
+    const VecList position = simulation.solver().read().position;
     VecList force(position.size());
-    elastic_forces(of(sim).solver().topology(), position, force);
-    hand_out(force, sim->forces, forces, particle_count);
+    elastic_forces(simulation.solver().topology(), position, force);
+    return force;
   });
 }
 

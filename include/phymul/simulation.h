@@ -33,6 +33,7 @@ struct SimulationOptions {
   std::string backend = "auto";            ///< a name that make_solver() accepts
   Damping damping{};                       ///< replaces solver.damping, unless it is left out
   double step = 0.5;                       ///< largest step of advance(), as a multiple of stable_step(), > 0
+  std::shared_ptr<TaskRunner> runner{};    ///< replaces those of topology and solver, unless it is left out
   TopologyOptions topology{};
   SolverOptions solver{};
   SolverFactory make_solver{};                    ///< empty: phymul::make_solver() makes the solver

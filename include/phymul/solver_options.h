@@ -5,8 +5,10 @@
 
 #include <phymul/elasticity.h>
 #include <phymul/gl.h>
+#include <phymul/task_runner.h>
 
 #include <functional>
+#include <memory>
 #include <optional>
 
 namespace phymul {
@@ -80,6 +82,9 @@ struct SolverOptions {
   /// Backend "cpu": number of threads. 0: as many as the body has work for, at most the number of processors. Results
   /// do not depend on it.
   int threads = 0;
+  /// Backend "cpu": threads of the host to step with, at most TaskRunner::width() of them and at most `threads` unless
+  /// that is 0. Empty: the solver starts its own.
+  std::shared_ptr<TaskRunner> runner{};
   /// Called by step() and run_to_rest() between two steps, at most every `progress_seconds` and never after the last
   /// step. If it returns false, the call ends there with StepReport::stopped. Exceptions pass through; the state is
   /// then that of the last call. It may read the solver, but must not step or reset it or change its scene. It does not

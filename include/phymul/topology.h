@@ -19,8 +19,10 @@
 #pragma once
 
 #include <phymul/model.h>
+#include <phymul/task_runner.h>
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 namespace phymul {
@@ -101,6 +103,9 @@ struct TopologyOptions {
   /// over the volume here.
   std::optional<double> stabiliser = std::nullopt;
   SparseParticle on_sparse = SparseParticle::error;
+  /// Threads of the host to build the tables with, and to estimate the spectrum of the body that they describe; they
+  /// keep it. Empty: a second thread is started where it is worth it.
+  std::shared_ptr<TaskRunner> runner{};
 };
 
 struct TopologyTextures;

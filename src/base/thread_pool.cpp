@@ -31,7 +31,11 @@ void wait_for_change(const std::atomic<T>& value, T old) {
 
 }  // namespace
 
-ThreadPool::ThreadPool(int parts) : parts_(static_cast<std::size_t>(parts)) {
+ThreadPool::ThreadPool(int parts, TaskRunner* host)
+    : parts_(static_cast<std::size_t>(parts)), host_(host), task_([this](int part) {
+        if (part >= 0 && part < this->parts()) run_if_not_taken(part, order_.round.load(std::memory_order_acquire));
+      }) {
+  if (host_) return;
   workers_.reserve(static_cast<std::size_t>(parts - 1));
   try {
     for (int part = 1; part < parts; ++part) workers_.emplace_back([this, part] { serve(part); });
@@ -64,14 +68,28 @@ void ThreadPool::call(Call function, const void* object) {
   // No read-modify-write, which would wait for the line: a worker that falls asleep at this very moment may miss the
   // round, and the caller takes its part.
   order_.round.store(round, std::memory_order_release);
-  order_.round.notify_all();
-  function(object, 0, parts());
-  for (int part = 1; part < parts(); ++part) {
+  if (host_) {
+    try {
+      host_->run(parts(), task_);
+    } catch (...) {
+      // As with threads that the system does not give: what it left out is done below.
+    }
+    finish(0, round);
+  } else {
+    order_.round.notify_all();
+    function(object, 0, parts());
+    finish(1, round);
+  }
+}
+
+/// Takes the parts from `first` on that nobody has begun, and waits for the others.
+void ThreadPool::finish(int first, std::uint32_t round) {
+  for (int part = first; part < parts(); ++part) {
     if (!take(part, round)) continue;
-    function(object, part, parts());
+    order_.function(order_.object, part, parts());
     parts_[part].finished.store(round, std::memory_order_relaxed);
   }
-  for (int part = 1; part < parts(); ++part) {
+  for (int part = first; part < parts(); ++part) {
     const std::atomic<std::uint32_t>& finished = parts_[part].finished;
     for (std::uint32_t last = finished.load(std::memory_order_acquire); last != round;
          last = finished.load(std::memory_order_acquire)) {
@@ -86,12 +104,16 @@ void ThreadPool::serve(int part) {
     wait_for_change(order_.round, seen);
     seen = order_.round.load(std::memory_order_acquire);
     if (order_.ending.load(std::memory_order_relaxed)) return;
-    // Once taken, the round waits for this part, and the order stays.
-    if (!take(part, seen)) continue;
-    order_.function(order_.object, part, parts());
-    parts_[part].finished.store(seen);
-    parts_[part].finished.notify_one();
+    run_if_not_taken(part, seen);
   }
+}
+
+/// Once taken, the round waits for this part, and the order stays.
+void ThreadPool::run_if_not_taken(int part, std::uint32_t round) {
+  if (!take(part, round)) return;
+  order_.function(order_.object, part, parts());
+  parts_[part].finished.store(round);
+  parts_[part].finished.notify_one();
 }
 
 }  // namespace phymul::cpu

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "averaged_stiffness.h"
 
+#include "base/side_by_side.h"
 #include "energy_density.h"
-#include "topology/halves.h"
 
 namespace phymul {
 
@@ -16,7 +16,7 @@ AveragedStiffness::AveragedStiffness(const TopologyTextures& topology) : topolog
 }
 
 void AveragedStiffness::apply(const Eigen::VectorXd& u, Eigen::VectorXd& result) {
-  in_halves(static_cast<Index>(topology_.domains.size()),
+  in_halves(static_cast<Index>(topology_.domains.size()), topology_.options.runner.get(),
             [&](int part, Index first, Index last) { apply(first, last, u, part == 0 ? result : other_); });
   result += other_;
 }

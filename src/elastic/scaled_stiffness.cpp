@@ -4,10 +4,10 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <future>
 #include <limits>
 #include <random>
-#include <thread>
+
+#include "base/side_by_side.h"
 
 namespace phymul {
 namespace {
@@ -18,9 +18,6 @@ using Vector = Eigen::VectorXd;
 /// that.
 constexpr double ritz_accuracy = 1e-3;
 constexpr int lanczos_steps = 400;
-/// From so many particles on, forces on both sides of a difference are found side by side: far more work than starting
-/// a thread.
-constexpr Index worth_a_thread = 500;
 
 double rest_spacing(const TopologyTextures& topology) {
   double sum = 0.0;
@@ -52,8 +49,7 @@ ScaledStiffness::ScaledStiffness(const TopologyTextures& topology, std::span<con
     : topology_(topology),
       position_(position),
       spacing_(rest_spacing(topology)),
-      scale_(Vector::Zero(3 * topology.particle_count)),
-      side_by_side_(topology.particle_count >= worth_a_thread && std::thread::hardware_concurrency() > 1) {
+      scale_(Vector::Zero(3 * topology.particle_count)) {
   if (AveragedStiffness::is_all_of(topology) && std::ranges::equal(position, topology.rest)) {
     at_rest_.emplace(topology);
   } else {
@@ -93,14 +89,9 @@ void ScaledStiffness::apply_differences(const Vector& direction, Vector& result)
   if (largest == 0.0) return;
   // Truncation falls as step^2, rounding grows as 1/step: 1e-4 of the spacing keeps both near 1e-8.
   const double step = 1e-4 * spacing_ / largest;
-  if (side_by_side_) {
-    auto other = std::async(std::launch::async | std::launch::deferred, [&] { force_at(direction, -step, minus_); });
-    force_at(direction, step, plus_);
-    other.get();
-  } else {
-    force_at(direction, step, plus_);
-    force_at(direction, -step, minus_);
-  }
+  side_by_side(
+      topology_.particle_count, topology_.options.runner.get(), [&] { force_at(direction, step, plus_); },
+      [&] { force_at(direction, -step, minus_); });
   for (Index i = 0; i < topology_.particle_count; ++i) {
     const Vec3 stiffness = (minus_.force[i] - plus_.force[i]) / (2.0 * step);
     result.segment<3>(3 * i) = scale_.segment<3>(3 * i).cwiseProduct(stiffness);

@@ -45,7 +45,6 @@ class ScaledStiffness {
   std::span<const Vec3> position_;
   double spacing_;
   Eigen::VectorXd scale_;
-  bool side_by_side_;
   std::optional<AveragedStiffness> at_rest_;
   Side plus_, minus_;  // empty where at_rest_ serves
 };

@@ -9,8 +9,8 @@ std::shared_ptr<const FileExtras> FileExtras::share() && {
 }
 
 const FileExtras& extras_of(const Model& model) {
-  static const FileExtras none;
-  return model.extras ? *model.extras : none;
+  static const FileExtras empty;
+  return model.extras ? *model.extras : empty;
 }
 
 Index Model::file_index(Index particle) const {

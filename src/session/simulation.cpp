@@ -53,6 +53,7 @@ Simulation::Parts::Parts(Model model_in, SimulationOptions options_in)
   if (!(options.step > 0.0) || !std::isfinite(options.step)) {
     throw Error("SimulationOptions::step must be finite and above 0; got " + to_decimal(options.step));
   }
+  if (options.runner) options.topology.runner = options.solver.runner = options.runner;
   if (options.damping.rate != 0.0 || options.damping.factor != 1.0) options.solver.damping = options.damping;
   if (options.solver.progress) {
     progress.tell =

@@ -59,6 +59,10 @@ void require_options(const SolverOptions& options) {
     throw Error("SolverOptions::threads must be 0 (chosen by the solver) or more; got " +
                 std::to_string(options.threads));
   }
+  if (options.runner && options.runner->width() < 1) {
+    throw Error("SolverOptions::runner must have a width() of 1 (the calling thread alone) or more; got " +
+                std::to_string(options.runner->width()));
+  }
 }
 
 const char* why_no_steps(int n, double dt, bool to_rest, const Damping& damping) {

@@ -11,9 +11,9 @@
 #include <utility>
 
 #include "base/decimal.h"
+#include "base/side_by_side.h"
 #include "cell_quadrature.h"
 #include "energies.h"
-#include "halves.h"
 #include "model/cell_geometry.h"
 #include "model/material.h"
 #include "model/point_cells.h"
@@ -36,7 +36,7 @@ bool solid(const Model& model, Index row) {
 /// cells in their order.
 template <class Visit>
 void for_each_cell(const Model& model, const Domains& domains, const Visit& visit) {
-  in_halves(domains.count(), [&](int, Index first, Index last) {
+  in_halves(domains.count(), domains.host, [&](int, Index first, Index last) {
     const auto is_own = [&](Index d) { return first <= d && d < last; };
     std::vector<CellPoint> points;
     for (Index row = 0; row < domains.of_cell.rows(); ++row) {
@@ -118,7 +118,7 @@ void pair_domains(Domains& domains) {
     return vertex < of_cell.size(row) ? of_cell.begin(row)[vertex] : none;
   });
   std::array<RaggedList, 2> rows;
-  in_halves(domains.count(),
+  in_halves(domains.count(), domains.host,
             [&](int part, Index first, Index last) { rows[part] = pair_rows(of_cell, cells, first, last); });
   domains.pairs = std::move(rows[0]);
   for (Index d = 0; d < rows[1].rows(); ++d) domains.pairs.push_row(rows[1].begin(d), rows[1].end(d));
@@ -210,8 +210,9 @@ Index Domains::pair(Index d, Index e) const {
   return pairs.offset[d] + before;
 }
 
-Domains domains_of(const Model& model) {
+Domains domains_of(const Model& model, TaskRunner* host) {
   Domains domains;
+  domains.host = host;
   number_domains(model, domains);
   pair_domains(domains);
   domains.volume.assign(domains.particle.size(), 0.0);
@@ -296,7 +297,7 @@ void add_averaged_terms(const Model& model, TopologyTextures& topology) {
   const bool points = is_body_of_points(model);
   PointDomains body;
   if (points) body = point_domains(model);
-  const Domains domains = points ? std::move(body.domains) : domains_of(model);
+  const Domains domains = points ? std::move(body.domains) : domains_of(model, topology.options.runner.get());
   if (points && !topology.options.stabiliser) {
     topology.options.stabiliser = std::max(body.stabiliser, kind_of(topology.options.strain_energy).least_stabiliser);
   }

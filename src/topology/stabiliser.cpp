@@ -7,10 +7,10 @@
 #include <limits>
 #include <span>
 
+#include "base/side_by_side.h"
 #include "bending.h"
 #include "body_frames.h"
 #include "cell_quadrature.h"
-#include "halves.h"
 
 namespace phymul {
 namespace {
@@ -85,11 +85,11 @@ class BendingTest {
 
   /// [parts][bendings]
   std::vector<std::vector<Energies>> energies() {
-    in_halves(domains_.count(), [&](int, Index first, Index last) {
+    in_halves(domains_.count(), domains_.host, [&](int, Index first, Index last) {
       for (Index d = first; d < last; ++d) find_mean(d);
     });
     std::array<std::vector<std::vector<Energies>>, 2> sums;
-    in_halves(domains_.of_cell.rows(), [&](int half, Index first, Index last) {
+    in_halves(domains_.of_cell.rows(), domains_.host, [&](int half, Index first, Index last) {
       sums[half].assign(static_cast<std::size_t>(frames_.parts()), std::vector<Energies>(ways_.size()));
       std::vector<CellPoint> points;
       for (Index row = first; row < last; ++row) {

@@ -34,6 +34,8 @@ void check_options(const TopologyOptions& o) {
     require(is_not_negative(*o.stabiliser),
             "stabiliser is " + to_decimal(*o.stabiliser) + "; expected 0 or more, or none, so that it is calibrated");
   }
+  require(!o.runner || o.runner->width() >= 1,
+          "TopologyOptions::runner must have a width() of 1 (the calling thread alone) or more");
 }
 
 // "particles 3, 7, 9 and 12 more", by the file's numbers where there are some.

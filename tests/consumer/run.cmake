@@ -61,6 +61,19 @@ elseif(STEP STREQUAL "subdirectory")
   run(${CMAKE_COMMAND} --build ${build} --config ${CONFIG})
   run_program(${build}/app)
 
+elseif(STEP STREQUAL "fetch_content")
+  # Of the last commit; built it would be what the step before builds.
+  execute_process(COMMAND git -C ${SOURCE} rev-parse HEAD OUTPUT_VARIABLE commit RESULT_VARIABLE no_repository
+                  OUTPUT_STRIP_TRAILING_WHITESPACE)
+  if(no_repository)
+    message(STATUS "FETCHCONTENT NOT TESTED: ${SOURCE} is no repository of git")
+    return()
+  endif()
+  set(build ${SCRATCH}/${STEP})
+  file(REMOVE_RECURSE ${build})
+  run(${CMAKE_COMMAND} -S ${consumers}/fetch_content -B ${build} ${configure_flags} -DPHYMUL_REPOSITORY=file://${SOURCE}
+      -DPHYMUL_COMMIT=${commit})
+
 elseif(STEP MATCHES "^pkg_config")
   file(MAKE_DIRECTORY ${SCRATCH}/${STEP})
   file(GLOB_RECURSE pc ${installed}/*/phymul.pc)

@@ -18,7 +18,7 @@ phymul_test_suites(phymul_gl_test)
 # The door to the module, which must not open where it should not: each in a process of its own, because a module that
 # has been found stays.
 phymul_test_program(phymul_gl_module_test gl/gl_module_test.cpp)
-target_link_libraries(phymul_gl_module_test PRIVATE phymul)
+target_link_libraries(phymul_gl_module_test PRIVATE phymul_inside)
 add_dependencies(phymul_gl_module_test phymul_gl)
 add_test(NAME gl.module COMMAND phymul_gl_module_test --gtest_filter=GlModule.* --gtest_brief=1)
 
@@ -26,7 +26,7 @@ add_test(NAME gl.module COMMAND phymul_gl_module_test --gtest_filter=GlModule.* 
 add_library(phymul_absent SHARED faulty_modules/absent.cpp)  # nowhere to be found, as GLEW is on a machine without GL
 function(faulty_module name reason)
   add_library(phymul_${name} MODULE faulty_modules/${name}.cpp)
-  target_link_libraries(phymul_${name} PRIVATE phymul ${ARGN} phymul_warnings phymul_sanitizers)
+  target_link_libraries(phymul_${name} PRIVATE phymul_inside ${ARGN} phymul_warnings phymul_sanitizers)
   target_include_directories(phymul_${name} PRIVATE ${PROJECT_SOURCE_DIR}/src)
   set_target_properties(phymul_${name} PROPERTIES SKIP_BUILD_RPATH ON)
   add_dependencies(phymul_gl_module_test phymul_${name})
@@ -45,7 +45,7 @@ faulty_module(other_flags "and was built with other headers or flags")
 
 # What "auto" makes of a GPU.
 add_library(phymul_instant_gpu MODULE gl/instant_gpu_module.cpp)
-target_link_libraries(phymul_instant_gpu PRIVATE phymul phymul_warnings phymul_sanitizers)
+target_link_libraries(phymul_instant_gpu PRIVATE phymul_inside phymul_warnings phymul_sanitizers)
 target_include_directories(phymul_instant_gpu PRIVATE ${PROJECT_SOURCE_DIR}/src)
 add_dependencies(phymul_gl_module_test phymul_instant_gpu)
 add_test(NAME gl.auto COMMAND phymul_gl_module_test --gtest_filter=GlModuleInstant.* --gtest_brief=1)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ctypes
 import enum
+import operator
 import os
 import pathlib
 import re
@@ -47,13 +48,52 @@ _scalars = {
 }
 structs: dict[str, Any] = {}
 constants: dict[str, int] = {}
+_ranges = {
+    ctypes.c_int32: (-(2**31), 2**31 - 1),
+    ctypes.c_uint32: (0, 2**32 - 1),
+    ctypes.c_uint64: (0, 2**64 - 1),
+}
 Builder = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.POINTER(ctypes.c_void_p))
 
 
 def _type_of(words: str, is_array_pointer: bool) -> Any:
     if words.endswith("*") or is_array_pointer:
         return ctypes.c_char_p if words.replace(" ", "") == "constchar*" else ctypes.c_void_p
+    if words == "phymul_run_parts":  # threads of a host, which Python has not
+        return ctypes.c_void_p
     return Builder if words == "phymul_builder" else _scalars.get(words) or structs[words]
+
+
+def _require_range(value: Any, kind: Any, what: str) -> None:
+    """ctypes takes any integer and drops its upper bits."""
+    low, high = _ranges[kind]
+    try:
+        fits = low <= operator.index(value) <= high
+    except TypeError:
+        fits = False
+    if not fits:
+        raise Error(f"{what}: expected an integer from {low} to {high}, got {value!r:.100}")
+
+
+class _Struct(ctypes.Structure):
+    def __setattr__(self, name: str, value: Any) -> None:
+        kind = dict(self._fields_)[name]
+        if kind in _ranges:
+            _require_range(value, kind, name)
+        super().__setattr__(name, value)
+
+
+def _checked(function: Any, names: list[str]) -> Any:
+    """The function, with integers that fit their types."""
+    rows = [(row, kind, names[row]) for row, kind in enumerate(function.argtypes) if kind in _ranges]
+
+    def call(*arguments: Any) -> Any:
+        for row, kind, name in rows:
+            _require_range(arguments[row], kind, name)
+        return function(*arguments)
+
+    call.argtypes = function.argtypes  # type: ignore[attr-defined]
+    return call if rows else function
 
 
 def _read_header(text: str, loaded: ctypes.CDLL) -> None:
@@ -65,18 +105,20 @@ def _read_header(text: str, loaded: ctypes.CDLL) -> None:
         for words, field, count in re.findall(r"([^;]*?)(\w+)(?:\[(\d+)\])?;", body):
             kind = _type_of(" ".join(words.split()), False)
             fields.append((field, kind * int(count) if count else kind))
-        structs[name] = type(name, (ctypes.Structure,), {"_fields_": fields})
+        structs[name] = type(name, (_Struct,), {"_fields_": fields})
     for result, name, parameters in re.findall(r"PHYMUL_API ([\w* ]+?)(\w+)\(([^)]*)\);", text):
         function = getattr(loaded, name)
-        types = []
+        types, names = [], []
         for parameter in parameters.split(","):
             match = re.fullmatch(r"(.*?)(\w+)(\[\d+\])?", " ".join(parameter.split()))
             if match and match[1]:
                 types.append(_type_of(match[1].strip(), bool(match[3])))
+                names.append(match[2])
         function.argtypes = types
         function.restype = {"void": None, "const char*": ctypes.c_char_p}.get(result.strip(), ctypes.c_int32)
         if result.strip() == "phymul_status":
             function.errcheck = _check
+        setattr(loaded, name, _checked(function, names))
 
 
 def _check(status: int, function: Any, arguments: Any) -> int:
@@ -143,6 +185,13 @@ def text_of(function: Any, *arguments: Any) -> str:
     text = ctypes.c_char_p()
     function(*arguments, ctypes.byref(text))
     return (text.value or b"").decode()
+
+
+def sized(name: str, **fields: Any) -> Any:
+    """A struct that begins with its size."""
+    struct = structs[name](**fields)
+    struct.size = ctypes.sizeof(struct)
+    return struct
 
 
 class _Memory:

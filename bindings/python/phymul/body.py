@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import ctypes
 import os
-from dataclasses import astuple, dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Optional, Sequence, Union
 
 import numpy as np
 
-from ._library import (Error, Handle, Owner, constants, floats, integers, library, make, path_of, rows_of, structs,
-                       text_of, view, view_of)
+from ._library import (Error, Handle, Owner, constants, floats, integers, library, make, path_of, rows_of, sized,
+                       structs, text_of, view, view_of)
 
 Path = Union[str, "os.PathLike[str]"]
 Vector = Union[Sequence[float], np.ndarray]
@@ -30,7 +30,7 @@ class Material:
 
     @property
     def _struct(self) -> Any:
-        return structs["phymul_material"](*astuple(self))
+        return sized("phymul_material", **asdict(self))
 
 
 class Body(Owner):

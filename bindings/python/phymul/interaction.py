@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
 
 import numpy as np
 
-from ._library import Error, Owner, floats, library, make, structs, view
+from ._library import Error, Owner, floats, library, make, sized, view
 from .body import Vector
 
 if TYPE_CHECKING:
@@ -91,18 +91,12 @@ def fill(struct: Any, what: str, **vectors: Any) -> Any:
 
 
 def fields_of(struct: Any) -> dict[str, Any]:
-    values = {name: getattr(struct, name) for name, _ in struct._fields_}
+    values = {name: getattr(struct, name) for name, _ in struct._fields_ if name != "size"}
     return {name: np.array(value) if hasattr(value, "__len__") else value for name, value in values.items()}
 
 
-def sized(name: str, **fields: Any) -> Any:
-    struct = structs[name](**fields)
-    struct.size = ctypes.sizeof(struct)
-    return struct
-
-
 def pose_of(pose: Pose) -> Any:
-    return fill(structs["phymul_pose"](), "a pose", position=pose.position, orientation=pose.orientation,
+    return fill(sized("phymul_pose"), "a pose", position=pose.position, orientation=pose.orientation,
                  velocity=pose.velocity, spin=pose.spin)
 
 
@@ -156,13 +150,13 @@ class Tool:
 
     @property
     def pose(self) -> Pose:
-        pose = structs["phymul_pose"]()
+        pose = sized("phymul_pose")
         library.phymul_tool_read_pose(self._simulation._pointer, self._number, _ref(pose))
         return Pose(**fields_of(pose))
 
     @property
     def force(self) -> ToolForce:
-        force = structs["phymul_tool_force"]()
+        force = sized("phymul_tool_force")
         library.phymul_tool_read_force(self._simulation._pointer, self._number, _ref(force))
         return ToolForce(**fields_of(force))
 
@@ -181,7 +175,7 @@ class Joint:
 
     @property
     def report(self) -> JointReport:
-        report = structs["phymul_joint_report"]()
+        report = sized("phymul_joint_report")
         library.phymul_joint_read(self._simulation._pointer, self._number, _ref(report))
         return JointReport(**fields_of(report))
 

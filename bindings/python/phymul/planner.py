@@ -7,8 +7,7 @@ import ctypes
 from dataclasses import dataclass
 from typing import Any, Callable, Optional, Sequence
 
-from ._library import Builder, Error, ErrorCode, Owner, constants, library, make, structs, text_of
-from .interaction import sized
+from ._library import Builder, Error, ErrorCode, Owner, constants, library, make, sized, structs, text_of
 from .simulation import Simulation
 
 

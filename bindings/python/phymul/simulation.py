@@ -11,10 +11,10 @@ from typing import Any, Mapping, Optional, Union
 import numpy as np
 
 from ._library import (Error, ErrorCode, Handle, Owner, constants, floats, integers, library, make, path_of, rows_of,
-                       structs, text_of, view_of)
+                       sized, text_of, view_of)
 from .body import Body, Material, Path, Vector
 from .interaction import (Anchor, Box, Capsule, HalfSpace, Joint, Load, Pose, Shape, Skin, Sphere, Tool, Value, Where,
-                          events_of, fields_of, fill, pose_of, sized)
+                          events_of, fields_of, fill, pose_of)
 
 _ref = ctypes.byref
 
@@ -84,7 +84,10 @@ class Simulation(Owner):
         options = sized("phymul_options", threads=threads, backend=backend.encode(), damping_rate=damping, step=step,
                          rest_tolerance=rest_tolerance, strain_energy=constants[strain_energy.upper()],
                          sleeps=sleep_tolerance is not None, sleep_tolerance=sleep_tolerance or 0.0)
-        options.material = Material(young, poisson, density)._struct
+        material = Material(young, poisson, density)
+        material_struct = material._struct
+        if material != Material(0.0, 0.0, 0.0):
+            options.material = ctypes.addressof(material_struct)
         bodies = [body] if isinstance(body, Body) else list(body.values())
         handles = (ctypes.c_void_p * len(bodies))(*(each._pointer for each in bodies))
         names = None
@@ -156,8 +159,9 @@ class Simulation(Owner):
         """contact: "particles" or "surface". compliance: m/N, margin: m."""
         if contact not in ("particles", "surface"):
             raise Error(f'expected the contact "particles" or "surface", got "{contact}"')
+        pose_struct = pose_of(pose)
         options = sized("phymul_tool_options", friction=friction, compliance=compliance, margin=margin,
-                         contact=contact == "surface", pose=pose_of(pose))
+                        contact=contact == "surface", pose=ctypes.addressof(pose_struct))
         kinds = {Sphere: "SPHERE", Capsule: "CAPSULE", HalfSpace: "HALF_SPACE", Box: "BOX"}
         if type(shape) not in kinds:
             raise Error(f"expected a Sphere, Capsule, HalfSpace or Box, got {shape!r:.100}")
@@ -177,7 +181,7 @@ class Simulation(Owner):
         """A spring with a damper, N/m and N s/m. rest_length: m; left out, the distance of the anchors when added."""
         kept, anchors = [], []
         for anchor in (a, b):
-            struct = fill(structs["phymul_anchor"](), "an anchor", point=anchor.point)
+            struct = fill(sized("phymul_anchor"), "an anchor", point=anchor.point)
             if anchor.particles is not None:
                 kept.append(self._rows(anchor.particles))
                 struct.particles, struct.count = kept[-1].ctypes.data, len(kept[-1])
@@ -210,7 +214,7 @@ class Simulation(Owner):
     # Time
 
     def _stepped(self, function: Any, *arguments: Any) -> StepReport:
-        report = structs["phymul_step_report"]()
+        report = sized("phymul_step_report")
         failure = None
         try:
             function(self._pointer, *arguments, _ref(report))
@@ -226,7 +230,7 @@ class Simulation(Owner):
         return result
 
     def _rested(self, function: Any, *arguments: Any) -> RestReport:
-        report = structs["phymul_rest_report"]()
+        report = sized("phymul_rest_report")
         function(self._pointer, *arguments, _ref(report))
         fields = fields_of(report)
         fields["converged"] = bool(report.converged)

@@ -136,6 +136,12 @@ class Bodies(Refusals):
         self.refused(invalid, "32 bits", block.add_group, "g", [2**40])
         self.refused(invalid, "name", block.add_group, "", [1])
         self.refused(invalid, "0 to 7, got 8", block.add_cell_group, "g", [8])
+        self.refused(invalid, "nx: expected an integer from -2147483648 to 2147483647, got 4294967298",
+                     phymul.make_block, (1, 1, 1), 2**32 + 2, 2, 2)
+        self.refused(invalid, "seed: expected an integer from 0", phymul.make_tetrahedral_block, (1, 1, 1), 2, 2, 2,
+                     seed=-1)
+        self.refused(invalid, "nx: expected an integer", phymul.make_block, (1, 1, 1), 2.0, 2, 2)
+        self.refused(invalid, "threads: expected an integer", phymul.Simulation, block, threads=2**32 + 1)
         self.refused(invalid, '"brick"', phymul.body_from_arrays, CUBE, {"brick": [[0]]})
         self.refused(invalid, "over 99", phymul.body_from_arrays, CUBE, {"tetrahedron": [[0, 1, 2, 99]]})
         self.refused(invalid, "", block.set_material, -1, 0.4, 1000)

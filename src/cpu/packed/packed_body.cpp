@@ -197,11 +197,12 @@ double PackedBody::cost() const {
   return sum;
 }
 
-int PackedBody::threads_for(int asked) const {
+int PackedBody::threads_for(int asked, const TaskRunner* host) const {
   const std::size_t pieces = averaged() ? static_cast<std::size_t>(averages.slices()) : clusters.size();
-  const int most = static_cast<int>(std::clamp<std::size_t>(pieces, 1, 1024));
+  int most = static_cast<int>(std::clamp<std::size_t>(pieces, 1, 1024));
+  if (host) most = std::min(most, host->width());
   if (asked > 0) return std::min(asked, most);
-  const int processors = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  const int processors = host ? most : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   const int worth = static_cast<int>(std::clamp(cost() / least_cost_a_thread, 1.0, 1024.0));
   return std::min({processors, most, worth});
 }

@@ -51,14 +51,13 @@ struct PackedBody {
     return static_cast<std::size_t>(simd::quad_of(static_cast<std::int32_t>(place), lanes));
   }
   /// Whether terms have forces of their own for particles, and not only pulls that the move gathers.
-  bool pushes() const {
-    return use != simd::BaseUse::attractor || !(springs.empty() && volumes.empty());
-  }
+  bool pushes() const { return use != simd::BaseUse::attractor || !(springs.empty() && volumes.empty()); }
   bool gives() const { return use == simd::BaseUse::attractor && !(bases.empty() && enumerated.empty()); }
   bool averaged() const { return averages.slots > 0; }
   double cost() const;  ///< ns per step, rough
-  /// Threads for a step: as many as asked for, or for 0 as the machine has and the work is worth.
-  int threads_for(int asked) const;
+  /// Threads for a step: as many as asked for, or for 0 as the machine has and the work is worth. No more than a host
+  /// lends, where there is one.
+  int threads_for(int asked, const TaskRunner* host) const;
   /// Bytes that a step reads and writes if nothing stays in a cache between steps, without the scene's loads.
   double bytes_a_step() const;
 };

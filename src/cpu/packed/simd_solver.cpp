@@ -46,7 +46,7 @@ class SimdSolver final : public SolverBackend {
         kernels_(simd::chosen_kernels()),
         body_(make_packed_body(topology(), kernels_.lanes)),
         loads_(scene(), *body_),
-        pool_(body_->threads_for(options().threads)),
+        pool_(body_->threads_for(options().threads, options().runner.get()), options().runner.get()),
         tools_(*body_, topology(), pool_.parts()),
         claims_(*body_, pool_.parts()),
         summaries_(static_cast<std::size_t>(pool_.parts())),

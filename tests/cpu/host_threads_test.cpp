@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: MIT
+//
+// Threads that the host lends (task_runner.h): the same bits whoever runs the parts, whatever the host does wrong, and
+// no thread of the library's own.
+#include <gtest/gtest.h>
+#include <phymul/phymul.h>
+#include <phymul/topology_textures.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "base/side_by_side.h"
+#include "base/thread_pool.h"
+#include "support/allocation_count.h"
+
+namespace phymul::test {
+namespace {
+
+/// Does what a function says with each task.
+class Host final : public TaskRunner {
+ public:
+  using How = std::function<void(int count, const std::function<void(int)>& task)>;
+  Host(int width, How how) : width_(width), how_(std::move(how)) {}
+
+  int width() const override { return width_; }
+  void run(int count, const std::function<void(int)>& task) override {
+    ++calls;
+    largest = std::max(largest, count);
+    how_(count, task);
+  }
+
+  int calls = 0, largest = 0;
+
+ private:
+  int width_;
+  How how_;
+};
+
+/// Each part in a new thread, the last first.
+void by_threads(int count, const std::function<void(int)>& task) {
+  std::vector<std::jthread> threads;
+  for (int part = count - 1; part >= 0; --part) threads.emplace_back([&task, part] { task(part); });
+}
+
+void in_turn(int count, const std::function<void(int)>& task) {
+  for (int part = 0; part < count; ++part) task(part);
+}
+
+void not_all(int count, const std::function<void(int)>& task) {
+  for (int part = 1; part < count; part += 2) task(part);
+}
+
+void twice_and_beyond(int count, const std::function<void(int)>& task) {
+  for (int part = -1; part <= count; ++part) {
+    task(part);
+    task(part);
+  }
+}
+
+void throws_at_once(int, const std::function<void(int)>&) {
+  throw std::runtime_error("the host has no thread");
+}
+
+void throws_midway(int, const std::function<void(int)>& task) {
+  task(1);
+  throw 1;
+}
+
+struct NamedHow {
+  const char* name;
+  Host::How how;
+};
+
+std::vector<NamedHow> all_hosts() {
+  return {{"threads", by_threads},
+          {"in turn", in_turn},
+          {"not all", not_all},
+          {"twice", twice_and_beyond},
+          {"throws at once", throws_at_once},
+          {"throws midway", throws_midway}};
+}
+
+TEST(HostThreads, EveryPartIsRunOnceWhateverTheHostDoes) {
+  for (const auto& [name, how] : all_hosts()) {
+    for (const int parts : {1, 2, 5}) {
+      Host host(5, how);
+      cpu::ThreadPool pool(parts, &host);
+      ASSERT_EQ(pool.parts(), parts);
+      std::vector<int> times(static_cast<std::size_t>(parts), 0);
+      for (int round = 1; round <= 50; ++round) {
+        pool.run([&](int part, int of) { times[static_cast<std::size_t>(part)] += of; });
+        ASSERT_EQ(times, std::vector<int>(times.size(), round * parts)) << name;
+      }
+      EXPECT_EQ(host.calls, parts == 1 ? 0 : 50) << name;
+    }
+  }
+}
+
+/// run() returns before a part that another thread has begun: it is waited for. One that was not begun is taken, and
+/// the late thread finds it done, also when the next task is at work.
+TEST(HostThreads, ALatePartIsWaitedForOrTaken) {
+  std::vector<std::jthread> late;
+  std::atomic<bool> begun{false};
+  Host host(3, [&](int, const std::function<void(int)>& task) {
+    begun = false;
+    late.emplace_back([&task] { task(1); });
+    late.emplace_back([&task] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      task(2);
+    });
+    while (!begun) std::this_thread::yield();
+  });
+  cpu::ThreadPool pool(3, &host);
+  std::vector<int> times(3, 0);
+  for (int round = 1; round <= 20; ++round) {
+    pool.run([&](int part, int) {
+      if (part == 1) {
+        begun = true;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+      ++times[static_cast<std::size_t>(part)];
+    });
+    ASSERT_EQ(times, std::vector<int>(3, round));
+  }
+  late.clear();  // joined before the pool ends, as a host must
+}
+
+Model tissue(bool with_material) {
+  Model model = make_block({0.2, 0.1, 0.1}, 20, 10, 10);
+  if (with_material) set_material(model, {.young = 1e4, .poisson = 0.4, .density = 1000});
+  return model;
+}
+
+State pressed(const Model& model, const std::shared_ptr<TaskRunner>& host, int threads) {
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -9.81});
+  scene.add_tool("ball", {.shape = Sphere{0.02}, .pose = {.position = {0.15, 0.05, 0.115}}});
+  TopologyOptions tables;
+  tables.runner = host;
+  const auto solver = make_solver("cpu", model, scene, tables, {.threads = threads, .runner = host});
+  EXPECT_TRUE(solver->step(60, 0.5 * solver->stable_step()).ok());
+  return solver->read();
+}
+
+TEST(HostThreads, StepsHaveTheSameBits) {
+  for (const bool with_material : {true, false}) {
+    const Model model = tissue(with_material);
+    const State own = pressed(model, nullptr, 1);
+    EXPECT_TRUE(pressed(model, nullptr, 2) == own);
+    for (const auto& [name, how] : all_hosts()) {
+      for (const int width : {1, 3}) {
+        const auto host = std::make_shared<Host>(width, how);
+        EXPECT_TRUE(pressed(model, host, 4) == own) << name << ", " << width;
+        EXPECT_EQ(host->largest, width == 1 ? 0 : 3) << name;
+        if (width > 1) {
+          EXPECT_GT(host->calls, 60) << name;
+        }
+      }
+    }
+  }
+}
+
+TEST(HostThreads, TablesAndSpectraHaveTheSameBits) {
+  for (const bool with_material : {true, false}) {
+    const Model model = tissue(with_material);
+    const TopologyTextures own = build_topology(model);
+    const Spectrum spectrum = estimate_spectrum(own, own.rest);
+    const auto host = std::make_shared<Host>(2, by_threads);
+    TopologyOptions options;
+    options.runner = host;
+    const TopologyTextures tables = build_topology(model, options);
+    EXPECT_EQ(fingerprint(tables), fingerprint(own));
+    const int for_tables = host->calls;
+    EXPECT_EQ(for_tables > 0, with_material);  // without one nothing of them is long
+    const Spectrum other = estimate_spectrum(tables, tables.rest);
+    EXPECT_GT(host->calls, for_tables);
+    EXPECT_EQ(other.largest, spectrum.largest);
+    EXPECT_EQ(other.most_negative, spectrum.most_negative);
+  }
+}
+
+/// Threads of this process.
+int thread_count() {
+  const std::filesystem::directory_iterator all("/proc/self/task");
+  return static_cast<int>(std::distance(begin(all), end(all)));
+}
+
+TEST(HostThreads, TheLibraryStartsNone) {
+  if (!std::filesystem::exists("/proc/self/task")) GTEST_SKIP() << "NOT TESTED: this system does not list threads";
+  int most = 0;
+  const auto host = std::make_shared<Host>(4, [&](int count, const std::function<void(int)>& task) {
+    most = std::max(most, thread_count());
+    in_turn(count, task);
+  });
+  const int before = thread_count();
+  Simulation sim(tissue(true), {.backend = "cpu", .runner = host, .solver = {.threads = 4}});
+  sim.scene().fix("x0");
+  ASSERT_TRUE(sim.advance(0.01).ok());
+  EXPECT_EQ(most, before);
+  EXPECT_EQ(thread_count(), before);
+  Simulation own(tissue(true), {.backend = "cpu", .solver = {.threads = 4}});
+  ASSERT_TRUE(own.advance(0.01).ok());
+  EXPECT_EQ(thread_count(), before + 3) << "this test would not see them";
+}
+
+TEST(HostThreads, StepsAllocateNothing) {
+  const Model model = tissue(true);
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -9.81});
+  const auto host = std::make_shared<Host>(3, in_turn);
+  const auto solver = make_solver("cpu", model, scene, {}, {.threads = 3, .runner = host});
+  const double dt = 0.5 * solver->stable_step();
+  ASSERT_TRUE(solver->step(1, dt).ok());
+  const std::size_t before = allocation_count();
+  ASSERT_TRUE(solver->step(20, dt).ok());
+  EXPECT_EQ(allocation_count(), before);
+  EXPECT_EQ(host->largest, 3);
+}
+
+TEST(HostThreads, ExceptionsOfASetUpReachTheCaller) {
+  const auto fails = [] { throw Error("the second"); };
+  const auto fails_first = [] { throw Error("the first"); };
+  const auto works = [] {};
+  const auto text_of = [](const auto& call) -> std::string {
+    try {
+      call();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  Host host(2, by_threads);
+  for (TaskRunner* const runner : {static_cast<TaskRunner*>(&host), static_cast<TaskRunner*>(nullptr)}) {
+    for (const Index rows : {10, 10'000}) {
+      EXPECT_EQ(text_of([&] { side_by_side(rows, runner, works, works); }), "none");
+      EXPECT_EQ(text_of([&] { side_by_side(rows, runner, works, fails); }), "the second");
+      EXPECT_EQ(text_of([&] { side_by_side(rows, runner, fails_first, works); }), "the first");
+      EXPECT_EQ(text_of([&] { side_by_side(rows, runner, fails_first, fails); }), "the first");
+    }
+  }
+  EXPECT_EQ(host.calls, 4) << "little work is no task";
+}
+
+TEST(HostThreads, ARunnerWithoutAThreadIsRefused) {
+  const auto none = std::make_shared<Host>(0, in_turn);
+  const Model model = tissue(true);
+  TopologyOptions options;
+  options.runner = none;
+  EXPECT_THROW(build_topology(model, options), Error);
+  const Scene scene(model);
+  EXPECT_THROW(make_solver("cpu", model, scene, {}, {.runner = none}), Error);
+  EXPECT_THROW(make_solver("reference", model, scene, {}, {.runner = none}), Error);
+}
+
+}  // namespace
+}  // namespace phymul::test
