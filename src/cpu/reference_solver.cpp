@@ -56,9 +56,9 @@ class ReferenceSolver final : public SolverBackend {
 
   void do_restore(const Snapshot& snapshot) override {
     if (dissipation_.empty() || snapshot.parts.size() != 1 || !has_strains(snapshot)) refuse_parts(snapshot);
-    StrainMemory strains = strains_of(snapshot, topology());
+    const StrainMemory strains = strains_of(snapshot, topology());
     do_reset(snapshot.state);
-    dissipation_.reset(std::move(strains));
+    dissipation_.reset(strains);
     last_dt_ = snapshot.last_dt;
     steps_at_rest_ = snapshot.steps_at_rest;
   }
