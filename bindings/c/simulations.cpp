@@ -256,12 +256,9 @@ phymul_status phymul_velocities(phymul_simulation* sim, const double** velocitie
 
 phymul_status phymul_forces(phymul_simulation* sim, const double** forces, int32_t* particle_count) {
   return guarded([&] {
-    if (!of(sim).scene().stiffness_factors().empty())
-      throw Error(ErrorCode::not_supported,
-                  "forces: expected no scale_stiffness; they would be of the stiffness before");
     const VecList position = of(sim).solver().read().position;
     VecList force(position.size());
-    elastic_forces(of(sim).solver().topology(), position, force);
+    elastic_forces(of(sim).solver().topology(), position, force, of(sim).scene().stiffness_factors());
     hand_out(force, sim->forces, forces, particle_count);
   });
 }

@@ -14,9 +14,6 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// Ritz values are taken when their residuals are below this share of the largest; eigenvalues are then nearer than
-/// that.
-constexpr double ritz_accuracy = 1e-3;
 constexpr int lanczos_steps = 400;
 /// From so many particles on, forces on both sides of a difference are found side by side: far more work than starting
 /// a thread.
