@@ -3,7 +3,7 @@
 #
 # Installs what is missing on a Debian machine to build phymul; does nothing, and needs no rights, where nothing is.
 #   sh cmake/install-packages.sh [examples] [tests] [bench] [charts] [gl] [surfaces] [labels] [gl-tests] [clang]
-#                                 [fuzz] [aarch64] [windows] [site]
+#                                 [fuzz] [coverage] [aarch64] [windows] [site]
 # The library's own needs are always among them. A compiler and CMake are taken as there.
 set -eu
 
@@ -76,6 +76,7 @@ for part in "$@"; do
       need_command clang++-16 clang-16
       need_package libclang-rt-16-dev
       ;;
+    coverage) need_command gcovr gcovr ;;
     aarch64)  # a cross compiler, libraries of that architecture, and QEMU
       need_command aarch64-linux-gnu-g++ g++-aarch64-linux-gnu
       need_command qemu-aarch64-static qemu-user-static
@@ -97,7 +98,7 @@ for part in "$@"; do
       ;;
     *)
       echo "phymul: unknown part \"$part\"; there are: examples tests bench charts gl surfaces labels gl-tests clang" \
-        "fuzz aarch64 windows site" >&2
+        "fuzz coverage aarch64 windows site" >&2
       exit 2
       ;;
   esac

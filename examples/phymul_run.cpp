@@ -40,12 +40,12 @@ phymul::Model read_file(const RunOptions& options) {
   if (is_surface(options.body)) {
     return fill_surface(options.body, length_unit(options), options.spacing, options.fine_balls).model;
   }
-  if (!options.fine_balls.empty()) {
-    throw phymul::Error("--fine-near: expected a surface to be filled, got " + options.body);
-  }
   if (is_label_image(options.body)) {
     if (options.length_unit > 0.0) throw phymul::Error("--unit: " + options.body + " says its unit itself");
-    return fill_labels(options.body, options.spacing);
+    return fill_labels(options.body, options.spacing, options.fine_balls);
+  }
+  if (!options.fine_balls.empty()) {
+    throw phymul::Error("--fine-near: expected a surface or a labelled image to be filled, got " + options.body);
   }
   if (options.spacing != 0.0) {
     throw phymul::Error("--spacing: " + options.body + " is neither a surface nor a labelled image to be filled");

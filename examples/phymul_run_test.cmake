@@ -82,12 +82,14 @@ if(TEEM)
       --out ${OUT}/regions)
   run(1 "the name of a group, got \"label 3\"" ${regions} --spacing 0.012 --material "label 3=1e4,0.3" --out ${OUT}/none)
   run(1 "a labelled image is filled; give --spacing" ${regions} --out ${OUT}/none)
-  run(1 "--fine-near: expected a surface to be filled, got .*regions" ${regions} --spacing 0.012
-      --fine-near 0 0 0 0.01 0.006 --out ${OUT}/none)
+  run(3 "filled with [0-9]+ particles.*; \"label 1\": 6[0-9.]+ of 65.54 ml; \"label 2\": 6" ${regions} --spacing 0.012
+      --fine-near 0.038 0.038 0.006 0.01 0.006 --fix-near 0.038 0.038 0.006 0.03 --max-time 0.01 --out ${OUT}/fine_regions)
   run(1 "says its unit itself" ${regions} --unit 0.001 --spacing 0.012 --out ${OUT}/none)
 endif()
 run(1 "expected GROUP=YOUNG,POISSON, as in liver=4000,0.45, got label 1=1e4" ${regions} --spacing 0.012
     --material "label 1=1e4" --out ${OUT}/none)
+run(1 "--fine-near: expected a surface or a labelled image to be filled, got .*mixed_41.msh" ${MESH} --spacing 0.01
+    --fine-near 0 0 0 0.01 0.006 --out ${OUT}/none)
 run(1 "mixed_41.msh is neither a surface nor" ${MESH} --spacing 0.01 --out ${OUT}/none)
 
 run(1 "expected a surface or a labelled image, which can be filled at any spacing, got .*mixed_41.msh" ${MESH} --plan

@@ -20,6 +20,21 @@ bool ends_in_one_of(const std::string& path, std::initializer_list<std::string_v
   return std::ranges::any_of(endings, [&](std::string_view known) { return lower.ends_with(known); });
 }
 
+/// Empty without balls.
+phymul::SpacingField finest_of(const std::vector<double>& fine_balls, double spacing) {
+  std::vector<phymul::SpacingField> fields;
+  for (std::size_t k = 0; k + 4 < fine_balls.size(); k += 5) {
+    const double* ball = &fine_balls[k];
+    fields.push_back(phymul::fine_near({ball[0], ball[1], ball[2]}, ball[3], ball[4], spacing));
+  }
+  if (fields.empty()) return {};
+  return [fields, spacing](const phymul::Vec3& place) {
+    double least = spacing;
+    for (const phymul::SpacingField& field : fields) least = std::min(least, field(place));
+    return least;
+  };
+}
+
 std::string filled_text(const std::string& path, const phymul::BodyReport& report) {
   return path + ": filled with " + std::to_string(report.particles) + " particles in " + std::to_string(report.cells) +
          " tetrahedra";
@@ -40,29 +55,18 @@ SurfaceBody fill_surface(const std::string& path, double metres_per_unit, double
   if (spacing == 0.0) throw phymul::Error(path + ": a surface is filled; give --spacing, m");
   SurfaceBody body;
   body.surface = phymul::read_surface(path, metres_per_unit);
-  std::vector<phymul::SpacingField> fields;
-  for (std::size_t k = 0; k + 4 < fine_balls.size(); k += 5) {
-    const double* ball = &fine_balls[k];
-    fields.push_back(phymul::fine_near({ball[0], ball[1], ball[2]}, ball[3], ball[4], spacing));
-  }
-  phymul::BodyOptions options{.spacing = spacing};
-  if (!fields.empty()) {
-    options.spacing_at = [&](const phymul::Vec3& place) {
-      double least = spacing;
-      for (const phymul::SpacingField& field : fields) least = std::min(least, field(place));
-      return least;
-    };
-  }
   phymul::BodyReport report;
-  body.model = phymul::make_body(body.surface, options, &report);
+  body.model =
+      phymul::make_body(body.surface, {.spacing = spacing, .spacing_at = finest_of(fine_balls, spacing)}, &report);
   body.model.notes.push_back(filled_text(path, report));
   return body;
 }
 
-phymul::Model fill_labels(const std::string& path, double spacing) {
+phymul::Model fill_labels(const std::string& path, double spacing, const std::vector<double>& fine_balls) {
   if (spacing == 0.0) throw phymul::Error(path + ": a labelled image is filled; give --spacing, m");
   phymul::BodyReport report;
-  phymul::Model model = phymul::make_body(phymul::read_labels(path), {.spacing = spacing}, &report);
+  phymul::Model model = phymul::make_body(phymul::read_labels(path),
+                                          {.spacing = spacing, .spacing_at = finest_of(fine_balls, spacing)}, &report);
   std::string note = filled_text(path, report);
   for (const phymul::RegionReport& region : report.regions) {
     char text[64];

@@ -28,5 +28,5 @@ SurfaceBody fill_surface(const std::string& path, double metres_per_unit, double
                          const std::vector<double>& fine_balls = {});
 
 /// The regions of a labelled image, each a group of its name; a note compares their volumes. Throws phymul::Error as
-/// read_labels() and make_body() do, and where the spacing is 0: none was given.
-phymul::Model fill_labels(const std::string& path, double spacing);
+/// read_labels(), make_body() and fine_near() do, and where the spacing is 0: none was given.
+phymul::Model fill_labels(const std::string& path, double spacing, const std::vector<double>& fine_balls = {});

@@ -224,7 +224,7 @@ PHYMUL_API phymul_status phymul_backend(phymul_simulation* sim, const char** nam
 PHYMUL_API phymul_status phymul_energy(const phymul_simulation* sim, double energy[3]);  // J: elastic, kinetic, gravity
 
 // These three compute or copy the present values into memory of the handle, one buffer each, and hand it out: [N][3] m,
-// m/s (at the state's time) and N (elastic forces, which are not supported after phymul_scale_stiffness). The next call
+// m/s (at the state's time) and N (elastic forces, of the materials as phymul_scale_stiffness left them). The next call
 // of the same function with this handle overwrites it.
 PHYMUL_API phymul_status phymul_positions(phymul_simulation* sim, const double** positions, int32_t* particle_count);
 PHYMUL_API phymul_status phymul_velocities(phymul_simulation* sim, const double** velocities, int32_t* particle_count);

@@ -299,12 +299,9 @@ phymul_status phymul_velocities(phymul_simulation* sim, const double** velocitie
 
 phymul_status phymul_forces(phymul_simulation* sim, const double** forces, int32_t* particle_count) {
   return copy_out(&phymul_simulation::forces, sim, forces, particle_count, [](Simulation& simulation) {
-    if (!simulation.scene().stiffness_factors().empty())
-      throw Error(ErrorCode::not_supported,
-                  "forces: expected no scale_stiffness; they would be of the stiffness before");
     const VecList position = simulation.solver().read().position;
     VecList force(position.size());
-    elastic_forces(simulation.solver().topology(), position, force);
+    elastic_forces(simulation.solver().topology(), position, force, simulation.scene().stiffness_factors());
     return force;
   });
 }

@@ -16,10 +16,11 @@
 
 namespace phymul {
 
-class JointSet;      // src/interaction/joint_set.h
-class Profile;       // src/solver/profile.h
-class ScaledTables;  // src/elastic/scaled_tables.h
-struct LocalSteps;   // src/elastic/local_steps.h
+class JointSet;         // src/interaction/joint_set.h
+class Profile;          // src/solver/profile.h
+class MaterialSpectra;  // src/elastic/material_spectra.h
+class ScaledTables;     // src/elastic/scaled_tables.h
+struct LocalSteps;      // src/elastic/local_steps.h
 
 /// Does once for all backends what does not depend on them: checks of arguments and states, the step limit, failure
 /// policy, rest test, progress calls, and the default of every optional function. A backend overrides the private
@@ -147,7 +148,7 @@ class SolverBackend : public Solver {
   const ToolReport& tool_report(std::size_t row) const final { return do_tool_report(row); }
   const JointReport& joint_report_at(std::size_t row) const final;
   double step_limit(double damping_factor) const;  // s
-  double stiffness_factor() const;                 // the largest of the scene's
+  double stiffness_factor() const;                 // bound of how much the scene's raise the spectrum
   Spectrum spectrum() const;                       // a bound, of materials as stiff as the scene makes them
   void require_fitting(const State& state) const;
   void require_supported() const;
@@ -177,6 +178,7 @@ class SolverBackend : public Solver {
   double stiffness_ = 0.0, viscosity_ = 0.0;  // bounds of it and of its dissipation, over the masses: 1/s^2, 1/s
   std::unique_ptr<ScaledTables> scaled_;
   std::unique_ptr<const LocalSteps> local_steps_;
+  mutable std::unique_ptr<MaterialSpectra> materials_;  // null before the first factors
   double spacing_ = 0.0;
 };
 

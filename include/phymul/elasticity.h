@@ -14,10 +14,14 @@ namespace phymul {
 void attractors(const TopologyTextures& topology, std::span<const Vec3> position, std::span<Vec3> attractor);
 
 /// Elastic force on every particle, all terms of the topology, N. Shapes [N]; overwrites `force`; does not allocate.
-void elastic_forces(const TopologyTextures& topology, std::span<const Vec3> position, std::span<Vec3> force);
+/// `factors`: of the stiffness of each material, as Scene::stiffness_factors(), or none: 1.
+void elastic_forces(const TopologyTextures& topology, std::span<const Vec3> position, std::span<Vec3> force,
+                    std::span<const double> factors = {});
 
-/// Elastic energy, J. For the reactions full, shared and barycentric, which have none, that of `averaged`.
-double elastic_energy(const TopologyTextures& topology, std::span<const Vec3> position);
+/// Elastic energy, J. For the reactions full, shared and barycentric, which have none, that of `averaged`. `factors` as
+/// above.
+double elastic_energy(const TopologyTextures& topology, std::span<const Vec3> position,
+                      std::span<const double> factors = {});
 
 /// The first particle one of whose bases has collapsed to a line or a point, so that it has no direction; -1: none.
 /// Throws Error when the size does not agree.

@@ -37,6 +37,7 @@ struct LabelBodyOptions {
   std::vector<LabelRegion> regions{};  ///< what to fill; empty: every label but 0, by its name or as "label 7"
   double most_volume_error = 0.05;     ///< as in BodyOptions, of all regions together
   Index most_particles = 1'000'000;    ///< as in BodyOptions
+  SpacingField spacing_at{};           ///< as in BodyOptions
 };
 
 /// Fills the regions with tetrahedra as make_body() does for a Solid (body.h). Each region is a group of cells, so that
@@ -49,7 +50,7 @@ struct LabelBodyOptions {
 /// cell belongs to the region of largest weight at its centre. Particles near the boundary between two regions move
 /// onto it, and edges that still cross it are cut there, where all cells keep dihedral angles between 15 and 155
 /// degrees, or as good as before, and heights above 0.15 of the lattice's edge. A sheet of one voxel is smoothed to 0.7
-/// voxels; a line of one voxel is lost.
+/// voxels; a line of one voxel is lost. With LabelBodyOptions::spacing_at the lattice's edge is the local one.
 ///
 /// Model::notes has the notes of the image and names the regions that have no cell: they are thinner than the spacing.
 /// BodyReport::regions compares volumes. Throws Error as make_body() does for a Solid; for an image whose sizes do not

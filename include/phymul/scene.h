@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cstdint>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <span>
@@ -141,12 +142,15 @@ class Scene {
   /// Multiplies the stiffness of all materials of the model, or of one of them, by a factor from 1e-6 to 1e6: Young's
   /// modulus and what follows from it. Always of the model's own values: 1 takes it back. Cheap for any size of body:
   /// solvers build no tables anew, and allocate only where the first factor other than 1 comes or the last one goes.
-  /// Solver::stable_step() follows at once, by a bound: the model's own over the root of the largest factor. Backends
-  /// "cpu" and "reference"; a solver of another backend stops with not_supported. Throws Error for a model without
-  /// materials or without this one, and for a factor out of range.
+  /// Solver::stable_step() follows at once, by a bound: at most the stable step of a body built so, and seldom less
+  /// than 0.7 of it. For this a solver of a body of several materials estimates two more spectra (elasticity.h) at its
+  /// first factors: where a pause disturbs, scale once before the loop. Backends "cpu" and "reference"; a solver of
+  /// another backend stops with not_supported. Throws Error for a model without materials or without this one, and for
+  /// a factor out of range.
   Scene& scale_stiffness(double factor);
   Scene& scale_stiffness(const Material& material, double factor);  ///< one of Model::materials, as set_material got it
   Scene& scale_stiffness(std::span<const double> factors);          ///< [Model::materials], or none: all 1
+  Scene& scale_stiffness(std::initializer_list<double> factors);    ///< the same
   const std::vector<double>& stiffness_factors() const { return stiffness_factors_; }  ///< [materials], or none: all 1
 
   /// Replaces the events of loads()[row]. It is cheap for any size of body: solvers prepare nothing, and nothing is

@@ -59,7 +59,7 @@ std::vector<RegionReport> add_regions(Model& model, const LabelField& field, dou
 
 Model make_body(const LabelImage& image, const LabelBodyOptions& options, BodyReport* report) {
   const LabelField field(image, options.regions);
-  const BodyOptions filling{options.spacing, options.most_volume_error, options.most_particles, {}};
+  const BodyOptions filling{options.spacing, options.most_volume_error, options.most_particles, options.spacing_at};
   const CentredLattice lattice = lattice_over(field.low(), field.high(), filling);
   double wanted_volume = 0.0;
   for (const double volume : field.volumes()) wanted_volume += volume;

@@ -17,7 +17,8 @@ namespace {
 constexpr double degree = std::numbers::pi / 180.0;
 constexpr Angles good_angles{15.0 * degree, 155.0 * degree};
 
-// In edges of the lattice, of the corners of a cell over the faces opposite them: lower cells shorten the stable step.
+// In edges of the lattice there, of the corners of a cell over the faces opposite them: lower cells shorten the stable
+// step.
 constexpr double good_height = 0.15;
 
 // A particle of the surface moves by this share of an edge at most: further ones would leave the surface where it
@@ -153,8 +154,16 @@ class Meeting {
 
   bool is_open(Index edge) const { return !moved_[edges_[edge][0]] && !moved_[edges_[edge][1]]; }
 
-  bool is_sound(const std::array<Vec3, 4>& corner, const Angles& before) const {
-    if (!(least_height(corner) > good_height * edge_)) return false;
+  /// m, of the lattice where a cell is.
+  double edge_at(const Tetrahedron& cell) const {
+    if (body_.leaf_edge.empty()) return edge_;
+    double least = 1.0;
+    for (const Index i : cell) least = std::min(least, body_.leaf_edge[i]);
+    return least * edge_;
+  }
+
+  bool is_sound(const std::array<Vec3, 4>& corner, const Angles& before, double edge) const {
+    if (!(least_height(corner) > good_height * edge)) return false;
     const Angles now = dihedral_angles(corner);
     return now.smallest >= std::min(before.smallest, good_angles.smallest) &&
            now.largest <= std::max(before.largest, good_angles.largest);
@@ -167,7 +176,7 @@ class Meeting {
       std::array<Vec3, 4> corner = corners_of(cell, body_.place);
       const Angles before = dihedral_angles(corner);
       corner[std::ranges::find(cell, move.particle) - cell.begin()] = move.target;
-      if (!is_sound(corner, before)) return;
+      if (!is_sound(corner, before, edge_at(cell))) return;
     }
     body_.place[move.particle] = move.target;
     moved_[move.particle] = 1;
@@ -205,12 +214,15 @@ class Meeting {
       for (const Index end : edge) {
         std::array<Vec3, 4> corner = before;
         corner[std::ranges::find(cell, end) - cell.begin()] = crossing.place;
-        if (!is_sound(corner, dihedral_angles(before))) return;
+        if (!is_sound(corner, dihedral_angles(before), edge_at(cell))) return;
       }
     }
     const auto middle = static_cast<Index>(body_.place.size());
     body_.place.push_back(crossing.place);
     body_.at_surface.push_back(is_on_surface(edge, around));
+    if (!body_.leaf_edge.empty()) {
+      body_.leaf_edge.push_back(std::min(body_.leaf_edge[edge[0]], body_.leaf_edge[edge[1]]));
+    }
     moved_.push_back(1);
     cells_.emplace_back();
     for (const Index row : around) cut_cell(row, edge[0], edge[1], middle);
@@ -229,7 +241,7 @@ class Meeting {
 
   Stuffing& body_;
   const LabelField& field_;
-  double edge_;                            // m, of the lattice
+  double edge_;                            // m, of the lattice where it is coarsest
   std::vector<int> region_;                // [particles] before any moved
   std::vector<char> moved_;                // [particles] 1: on a boundary
   std::vector<Edge> edges_;                // that join two regions

@@ -11,8 +11,8 @@ namespace phymul {
 
 /// Where an edge of a cell joins two regions, the end that is nearer to their boundary moves onto it, the nearest ones
 /// first. Particles on the body's surface move along its edges. Edges of which no end moved are cut at the boundary, by
-/// a new particle. What would spoil the angles of a cell, or make it lower than a share of `edge` (m, of the lattice),
-/// is left out: such edges still cross the boundary.
+/// a new particle. What would spoil the angles of a cell, or make it lower than a share of the lattice's edge there, is
+/// left out: such edges still cross the boundary. `edge`: m, of the lattice, where it is coarsest.
 void meet_interfaces(Stuffing& body, const LabelField& field, double edge);
 
 }  // namespace phymul

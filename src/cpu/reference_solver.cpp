@@ -66,9 +66,9 @@ class ReferenceSolver final : public SolverBackend {
     const bool strained = !dissipation_.empty() && has_strains(snapshot);
     const bool pushed = local_ && LocalForces::has(snapshot);
     if (snapshot.parts.size() != 1 || !(strained || pushed)) refuse_parts(snapshot);
-    StrainMemory strains = strains_of(snapshot, topology());
+    const StrainMemory strains = strains_of(snapshot, topology());
     do_reset(snapshot.state);
-    dissipation_.reset(std::move(strains));
+    dissipation_.reset(strains);
     if (local_) local_->take(snapshot);
     last_dt_ = snapshot.last_dt;
     steps_at_rest_ = snapshot.steps_at_rest;

@@ -54,10 +54,14 @@ DissipationNow dissipation_at(const TopologyTextures& topology, std::span<const 
 
 class Dissipation {
  public:
-  explicit Dissipation(const TopologyTextures& topology) : kept_(kept_strains(topology)) {}
+  /// Takes the memory of both states, so that no step and no reset allocates.
+  explicit Dissipation(const TopologyTextures& topology) : kept_(kept_strains(topology)) {
+    memory_.reserve(topology.dissipation.size() * kept_.count());
+    next_.reserve(memory_.capacity());
+  }
 
   bool empty() const { return kept_.count() == 0; }
-  void reset(StrainMemory memory) { memory_ = std::move(memory); }
+  void reset(const StrainMemory& memory) { memory_.assign(memory.begin(), memory.end()); }
   const StrainMemory& memory() const { return memory_; }
 
   /// Adds the forces of the step from x, N. `t`: the tables of the constructor, or ones whose stiffness is scaled.

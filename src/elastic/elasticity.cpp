@@ -139,6 +139,12 @@ double volume_energy(const TopologyTextures& topology, std::span<const Vec3> x) 
   return energy;
 }
 
+/// Of the stiffness of domain d (Scene::stiffness_factors).
+double factor_of(const TopologyTextures& t, Index d, std::span<const double> factors) {
+  const auto material = static_cast<std::size_t>(t.domains[d].material);
+  return material < factors.size() ? factors[material] : 1.0;
+}
+
 /// dE/dF_d per volume, the stabiliser's part of it included.
 Mat3 mean_stress(const TopologyTextures& t, Index d, std::span<const Vec3> x) {
   const DomainTexel& domain = t.domains[d];
@@ -150,15 +156,17 @@ Mat3 mean_stress(const TopologyTextures& t, Index d, std::span<const Vec3> x) {
   return P;
 }
 
-void domain_forces(const TopologyTextures& t, std::span<const Vec3> x, std::span<Vec3> force) {
+void domain_forces(const TopologyTextures& t, std::span<const Vec3> x, std::span<Vec3> force,
+                   std::span<const double> factors) {
   for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
-    const Mat3 Q = mean_stress(t, d, x);
+    const double factor = factor_of(t, d, factors);
+    const Mat3 Q = factor * mean_stress(t, d, x);
     const Index i = t.domains[d].particle;
     for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
       const LinkTexel& link = t.links[r];
       const Index j = t.domains[link.domain].particle;
       force[j] -= Q * link.area;
-      force[i] += Q * link.area + link.stiffness * ((x[j] - t.rest[j]) - (x[i] - t.rest[i]));
+      force[i] += Q * link.area + factor * link.stiffness * ((x[j] - t.rest[j]) - (x[i] - t.rest[i]));
     }
     for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
       const SurfaceLinkTexel& link = t.surface_links[r];
@@ -168,17 +176,18 @@ void domain_forces(const TopologyTextures& t, std::span<const Vec3> x, std::span
   }
 }
 
-double domain_energy(const TopologyTextures& t, std::span<const Vec3> x) {
+double domain_energy(const TopologyTextures& t, std::span<const Vec3> x, std::span<const double> factors) {
   double energy = 0.0;
   for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
+    const double factor = factor_of(t, d, factors);
     const DomainTexel& domain = t.domains[d];
     const Mat3 H = mean_gradient(t, d, x);
     const double density = cpu::energy_density<double>(t.options, domain.energy, Mat3::Identity() + H, nullptr);
-    energy += (density - 0.5 * domain.spread_stiffness * H.squaredNorm()) / domain.inverse_volume;
+    energy += factor * (density - 0.5 * domain.spread_stiffness * H.squaredNorm()) / domain.inverse_volume;
     const Vec3 own = x[domain.particle] - t.rest[domain.particle];
     for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {  // each from both sides
       const Index j = t.domains[t.links[r].domain].particle;
-      energy += 0.25 * t.links[r].stiffness * (x[j] - t.rest[j] - own).squaredNorm();
+      energy += 0.25 * factor * t.links[r].stiffness * (x[j] - t.rest[j] - own).squaredNorm();
     }
   }
   return energy;
@@ -202,7 +211,8 @@ void attractors(const TopologyTextures& topology, std::span<const Vec3> position
   }
 }
 
-void elastic_forces(const TopologyTextures& topology, std::span<const Vec3> position, std::span<Vec3> force) {
+void elastic_forces(const TopologyTextures& topology, std::span<const Vec3> position, std::span<Vec3> force,
+                    std::span<const double> factors) {
   require_sizes(topology, "elastic_forces", position.size(), force.size());
   for (Vec3& f : force) f.setZero();
   if (topology.base_count > 0) shape_forces(topology, position, force);
@@ -213,7 +223,7 @@ void elastic_forces(const TopologyTextures& topology, std::span<const Vec3> posi
     force[spring.end[1]] -= F;
   }
   volume_forces(topology, position, force);
-  domain_forces(topology, position, force);
+  domain_forces(topology, position, force, factors);
 }
 
 Index first_collapsed(const TopologyTextures& topology, std::span<const Vec3> position) {
@@ -227,7 +237,8 @@ Index first_collapsed(const TopologyTextures& topology, std::span<const Vec3> po
   return -1;
 }
 
-double elastic_energy(const TopologyTextures& topology, std::span<const Vec3> position) {
+double elastic_energy(const TopologyTextures& topology, std::span<const Vec3> position,
+                      std::span<const double> factors) {
   require_sizes(topology, "elastic_energy", position.size(), position.size());
   double energy = topology.base_count > 0 ? shape_energy(topology, position) : 0.0;
   for (const SpringTexel& spring : topology.springs) {
@@ -235,7 +246,7 @@ double elastic_energy(const TopologyTextures& topology, std::span<const Vec3> po
                                          spring.stiffness);
   }
   energy += volume_energy(topology, position);
-  return energy + domain_energy(topology, position);
+  return energy + domain_energy(topology, position, factors);
 }
 
 }  // namespace phymul

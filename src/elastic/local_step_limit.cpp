@@ -12,7 +12,6 @@ namespace {
 using Vector = Eigen::VectorXd;
 
 constexpr int steps_at_most = 120;
-constexpr double ritz_accuracy = 1e-3;  // of the largest eigenvalue
 
 /// The step's polynomial, applied to z = K u: minus the mean acceleration of the substeps, over the masses.
 class Filter {

@@ -24,6 +24,8 @@
 #include <span>
 #include <vector>
 
+#include "part_of_body.h"
+
 namespace phymul {
 
 /// One substep, as above.
@@ -34,14 +36,6 @@ struct Substep {
 std::vector<Substep> substeps_of(int count);
 /// Largest dt^2 lambda that `count` substeps take, lambda the largest eigenvalue of K / m; 4 for one.
 double substep_limit(int count);
-
-/// The domains of some materials, and the particles that have one, as tables of their own.
-struct PartOfBody {
-  TopologyTextures tables;
-  std::vector<Index> particle;  ///< of the whole body, in ascending order
-};
-/// `chosen`: by row of Model::materials; further rows are not chosen. Exact because links join domains of one material.
-PartOfBody part_of(const TopologyTextures& topology, const std::vector<bool>& chosen);
 
 struct LocalSteps {
   PartOfBody stiff;

@@ -14,9 +14,6 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// Ritz values are taken when their residuals are below this share of the largest; eigenvalues are then nearer than
-/// that.
-constexpr double ritz_accuracy = 1e-3;
 constexpr int lanczos_steps = 400;
 
 double rest_spacing(const TopologyTextures& topology) {

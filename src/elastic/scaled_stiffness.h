@@ -18,6 +18,10 @@ namespace phymul {
 /// Eigenvalues nearer to 0 than this share of the largest are those of rigid motion, on either side of 0 by rounding.
 inline constexpr double rigid_motion = 1e-6;
 
+/// Ritz values are taken when their residuals are below this share of the largest; eigenvalues are then nearer than
+/// that.
+inline constexpr double ritz_accuracy = 1e-3;
+
 /// Free coordinates only. Keeps references to what it is made from.
 class ScaledStiffness {
  public:

@@ -57,6 +57,10 @@ Scene& Scene::scale_stiffness(std::span<const double> factors) {
   return *this;
 }
 
+Scene& Scene::scale_stiffness(std::initializer_list<double> factors) {
+  return scale_stiffness(std::span(factors.begin(), factors.size()));
+}
+
 /// Factors that are all 1 are none. Where there were none, or are none any more, solvers prepare anew.
 void Scene::set_factors(std::vector<double> factors) {
   if (std::ranges::all_of(factors, [](double factor) { return factor == 1.0; })) factors.clear();

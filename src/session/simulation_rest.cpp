@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "elastic/dissipation.h"
 #include "interaction/joint_set.h"
 #include "simulation_parts.h"
 
@@ -24,7 +25,10 @@ constexpr double most_down = 0.25, most_up = 2.0;
 
 /// The waves that cross one spacing in the shortest vibration take this frequency to cross the body, rad/s.
 double first_guess(const Model& model, const Solver& solver, double dt) {
-  const double shortest = 2.0 / solver.stable_step();  // of an undamped body: omega_max
+  // The stable step of an undamped body, solved for omega_max: largest_step() (elastic/dissipation.h).
+  const StepBound bound = step_bound(solver.topology(), Spectrum{.largest = 1.0});
+  const double step = solver.stable_step();
+  const double shortest = std::sqrt(4.0 / (step * (bound.stiffness * step + 2.0 * bound.damping)));
   const double guess = 0.5 * shortest * mean_spacing(model) / body_size(model);
   return guess > 0.0 && std::isfinite(guess) ? guess : 0.01 / dt;
 }

@@ -13,6 +13,7 @@
 #include "base/decimal.h"
 #include "elastic/dissipation.h"
 #include "elastic/local_steps.h"
+#include "elastic/material_spectra.h"
 #include "elastic/scaled_tables.h"
 #include "half_step.h"
 #include "interaction/joint_set.h"
@@ -176,10 +177,14 @@ VecList SolverBackend::substep_forces(const State& state, double dt) const {
   return force;
 }
 
-/// Stiffness is a sum over materials, so that no eigenvalue grows by more than the largest factor.
 double SolverBackend::stiffness_factor() const {
   const std::vector<double>& factors = scene_->stiffness_factors();
-  return factors.empty() ? 1.0 : std::ranges::max(factors);
+  if (factors.empty() || topology_->domains.empty() || own_spectrum_.largest == 0.0) return 1.0;
+  if (factors.size() == 1) return factors.front();
+  // With the first factors, even if they are alike: others may come in steps, which do not allocate.
+  if (!materials_) materials_ = std::make_unique<MaterialSpectra>(*topology_);
+  const auto [least, most] = std::ranges::minmax(factors);
+  return least == most ? most : materials_->largest(own_spectrum_.largest, factors) / own_spectrum_.largest;
 }
 
 Spectrum SolverBackend::spectrum() const {

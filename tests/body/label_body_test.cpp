@@ -180,6 +180,43 @@ TEST(LabelBodyOfManyImages, NoCellIsInverted) {
   for (std::uint32_t seed = 100; seed < 500; ++seed) expect_good(seed, 0.007 + 0.0004 * (seed % 10));
 }
 
+/// Fine around the inner ball: its boundary is met as closely as the fine spacing allows.
+TEST(LabelBody, WithASpacingThatVaries) {
+  const double coarse = 0.014, fine = coarse / 4, radius = 0.015;
+  const LabelBodyOptions options{.spacing = coarse,
+                                 .regions = {{1, "fat"}, {2, "gland"}},
+                                 .spacing_at = fine_near(Vec3::Zero(), radius + fine, fine, coarse)};
+  BodyReport report;
+  const Model model = make_body(ball_in_ball(80, radius), options, &report);
+  expect_sound(model, report);
+  expect_partition(model, report);
+  EXPECT_NEAR(report.smallest_spacing, fine, 1e-12);
+  EXPECT_NEAR(report.largest_spacing, coarse, 1e-12);
+  EXPECT_NEAR(report.volume / ball_volume(0.05), 1.0, 0.005);
+  EXPECT_NEAR(report.regions[1].volume / ball_volume(radius), 1.0, 0.03);
+  for (const Index i : between(model, "fat", "gland")) EXPECT_NEAR(model.rest[i].norm(), radius, 0.15 * fine);
+
+  LabelBodyOptions uniform{.spacing = coarse};
+  const Model even = make_body(ball_in_ball(80, radius), uniform);
+  uniform.spacing_at = [=](const Vec3&) { return 2.0 * coarse; };
+  EXPECT_EQ(make_body(ball_in_ball(80, radius), uniform), even);
+}
+
+TEST(LabelBody, RandomImagesHaveGoodCellsWhereTheSpacingVaries) {
+  for (std::uint32_t seed = 0; seed < 10; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 bits(seed);
+    const Vec3 place = 0.04 * random_vector(bits, 3);
+    BodyReport report;
+    const Model model = make_body(random_labels(seed),
+                                  {.spacing = 0.014, .spacing_at = fine_near(place, 0.01, 0.0035, 0.014)}, &report);
+    expect_sound(model, report);
+    expect_partition(model, report);
+    EXPECT_LT(report.smallest_spacing, 0.004);
+    EXPECT_NEAR(report.volume, report.wanted_volume, 1e-3 * report.wanted_volume);
+  }
+}
+
 /// Against the same body as one region, of one material.
 TEST(LabelBody, RegionsDoNotShortenTheStep) {
   const auto step_of = [](const LabelImage& image, const LabelBodyOptions& options) {

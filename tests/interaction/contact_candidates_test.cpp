@@ -187,6 +187,44 @@ TEST(ContactCandidates, AreLookedForAnewWhereMotionAndMarginTogetherPassTheSlack
   }
 }
 
+/// Of a particle above the edge between two triangles, near the longest distance: the one that is a little further away
+/// may rank before the other, so that it is listed although it alone would not be.
+TEST(ContactCandidates, ListWhatMayRankBeforeTheNearest) {
+  constexpr double edge = 0.005, top = 0.03;  // m, of two_cubes()
+  const ContactSurface surface = make_contact_surface(two_cubes(10.0 * edge));
+  const ContactOptions options{.margin = 0.6 * edge};
+  const double margin = 0.5 * edge;  // so much that there is no slack
+  const double height = (1.0 - 1e-8) * (margin + 2.0 * options.margin);
+  const double further = 0.5 * ContactSurface::facing_share * surface.longest_edge;  // the second triangle, m
+  const double aside = std::sqrt(further * (2.0 * height + further));
+  const auto above = std::ranges::find(surface.particles, 1, &ContactSurface::Particle::body);
+  const auto particle = static_cast<std::size_t>(above - surface.particles.begin());
+  int pairs = 0;
+  for (std::size_t s = 0; s < surface.triangles.size(); ++s) {
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+      const auto &own = surface.triangles[s].corner, &other = surface.triangles[t].corner;
+      const auto on_top = [&](Index c) { return std::abs(surface.rest[c].z() - top) < 1e-9; };
+      if (!std::ranges::all_of(own, on_top) || !std::ranges::all_of(other, on_top)) continue;
+      const auto apex = std::ranges::find_if(own, [&](Index c) { return std::ranges::count(other, c) == 0; });
+      const auto shared = std::ranges::count_if(own, [&](Index c) { return std::ranges::count(other, c) > 0; });
+      if (shared != 2) continue;
+      const Vec3 &a = surface.rest[own[(apex - own.begin() + 1) % 3]],
+                 &b = surface.rest[own[(apex - own.begin() + 2) % 3]];
+      const Vec3 along = (b - a).normalized(), inward = surface.rest[*apex] - a;
+      VecList place = surface.rest;
+      place[particle] =
+          0.5 * (a + b) + aside * (inward - inward.dot(along) * along).normalized() + height * Vec3::UnitZ();
+      cpu::ContactCandidates candidates;
+      candidates.follow(surface, options);
+      const Pairs listed = pairs_listed(candidates, place, margin);
+      EXPECT_TRUE(listed.contains({particle, static_cast<Index>(s)}));
+      EXPECT_TRUE(listed.contains({particle, static_cast<Index>(t)}));
+      if (++pairs == 40) return;
+    }
+  }
+  ADD_FAILURE() << "expected more triangles on the top of the lower cube, got " << pairs << " pairs";
+}
+
 struct Motion {
   std::string name;
   double gap;      // m

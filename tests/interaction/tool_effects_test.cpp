@@ -77,6 +77,17 @@ TEST_P(ToolEffects, NothingOfWhatLeavesByItself) {
   for (const Index i : model.group("z0")) EXPECT_NEAR(end.position[i].z(), deep, 1e3 * roundoff() * 0.01);
 }
 
+/// What loads hold with all its coordinates takes no push, and the tool neither feels nor counts it.
+TEST_P(ToolEffects, WhatIsImposedWholeIsNotCounted) {
+  const Model model = soft_block({0.02, 0.02, 0.02}, 4, 4, 4);
+  Scene scene(model);
+  scene.fix("z0").fix("z1").add_tool("ball", {.shape = Sphere{0.008}, .pose = {.position = {0.01, 0.01, 0.027}}});
+  const auto solver = make(model, scene);
+  ASSERT_TRUE(solver->step(2, 0.3 * solver->stable_step()).ok());
+  EXPECT_EQ(solver->tool_force("ball").particles, 0);
+  EXPECT_EQ(solver->tool_force("ball").force, Vec3::Zero());
+}
+
 /// Head first: with the cap that is further along its axis.
 TEST_P(ToolEffects, ARodTouchesWithItsFarCap) {
   const Model model = soft_block({0.02, 0.02, 0.02}, 4, 4, 4);

@@ -2,6 +2,7 @@
 //
 // Simulation::run_to_rest: the damping it chooses, and that it leads where a damping given by the user does.
 #include <gtest/gtest.h>
+#include <phymul/elasticity.h>
 
 #include <cmath>
 
@@ -65,6 +66,29 @@ TEST(SimulationRest, FindsTheDampingOfAnyBody) {
     const RestResult rest = sim.run_to_rest(20'000);
     EXPECT_TRUE(rest.converged()) << c.name << ": " << rest.message();
     EXPECT_EQ(rest.report.steps, std::lround(rest.report.time / sim.step_limit())) << c.name;
+  }
+}
+
+/// The damping of the first steps, by how a free body falls; a material that dissipates vibrates no faster.
+TEST(SimulationRest, FirstGuessesByTheElasticVibrations) {
+  for (const auto& [retardation, strength] : {std::pair(0.0, 0.0), std::pair(5e-3, 0.0), std::pair(1e-3, 0.5)}) {
+    SCOPED_TRACE(retardation);
+    Material material = beam_material;
+    material.retardation_time = retardation;
+    material.relaxation_strength = strength;
+    material.relaxation_time = 0.1;
+    Simulation sim(make_block({0.08, 0.02, 0.02}, 8, 2, 2), {.material = material, .backend = "reference"});
+    sim.scene().gravity({0, 0, -9.81});
+    const TopologyTextures& tables = sim.solver().topology();
+    const double omega_max = std::sqrt(estimate_spectrum(tables, tables.rest).largest);
+    const double rate = omega_max * mean_spacing(sim.model()) / body_size(sim.model());
+    const int steps = 8;
+    const double dt = sim.step_limit(), factor = std::exp(-rate * dt);
+    EXPECT_EQ(sim.run_to_rest(steps).report.steps, steps);
+    // From rest, which is half a step of gravity upward half a step earlier.
+    const double kept = std::pow(factor, steps);
+    const double speed = 9.81 * dt * ((1.0 - kept) / (1.0 - factor) - 0.5 * kept);
+    EXPECT_NEAR(sim.solver().read().velocity[0].z(), -speed, 1e-6 * speed);
   }
 }
 

@@ -219,6 +219,29 @@ TEST(AllocationCount, JointsAllocateNothingInSteps) {
   }
 }
 
+/// From the first step after a reset on.
+TEST(AllocationCount, DissipationAllocatesNothingInSteps) {
+  Model model = make_block({0.02, 0.02, 0.02}, 4, 4, 4);
+  set_material(model, {.young = 1e4,
+                       .poisson = 0.3,
+                       .density = 1000,
+                       .retardation_time = 1e-3,
+                       .relaxation_strength = 0.5,
+                       .relaxation_time = 0.01});
+  for (const char* backend : {"reference", "cpu"}) {
+    SCOPED_TRACE(backend);
+    const Scene scene(model);
+    const auto solver = make_solver(backend, model, scene, {}, {.threads = 1});
+    const double dt = 0.5 * solver->stable_step();
+    for (int k = 0; k < 2; ++k) {
+      solver->reset();
+      const std::size_t before = allocation_count();
+      for (int step = 0; step < 4; ++step) ASSERT_TRUE(solver->step(1, dt).ok());
+      EXPECT_EQ(allocation_count(), before);
+    }
+  }
+}
+
 /// A tool moved along all three axes each millisecond.
 TEST(AllocationCount, DrivingAGroupAllocatesNothing) {
   Model model = make_block({0.02, 0.02, 0.02}, 12, 12, 12);

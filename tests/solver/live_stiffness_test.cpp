@@ -5,6 +5,8 @@
 #include <phymul/elasticity.h>
 #include <phymul/phymul.h>
 
+#include <iostream>
+
 #include "support/allocation_count.h"
 #include "support/bodies.h"
 #include "support/message_of.h"
@@ -117,6 +119,100 @@ TEST_P(LiveStiffness, IsThatOfASolverMadeAnew) {
   }
 }
 
+/// Forces and energy of the public functions, with the scene's factors.
+TEST(LiveStiffnessOfABody, IsThatOfOneBuiltSo) {
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.name);
+    const bool points = c.name == "points";
+    const Tissues tissues;
+    const Model model = c.make(tissues), made_so = c.make(tissues.scaled(first, points ? first : second));
+    Scene scene(model);
+    scene.scale_stiffness(first);
+    if (!points) scene.scale_stiffness(tissues.tumour, second);
+    const TopologyTextures own = build_topology(model, c.options), other = build_topology(made_so, c.options);
+    const VecList x = random_positions(model, 0.1, 3);
+    VecList found(x.size()), wanted(x.size());
+    elastic_forces(own, x, found, scene.stiffness_factors());
+    elastic_forces(other, x, wanted);
+    double largest = 0.0, apart = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      largest = std::max(largest, wanted[i].norm());
+      apart = std::max(apart, (found[i] - wanted[i]).norm());
+    }
+    EXPECT_GT(largest, 0.0);
+    EXPECT_LT(apart, 1e-12 * largest);
+    const double energy = elastic_energy(other, x);
+    EXPECT_NEAR(elastic_energy(own, x, scene.stiffness_factors()), energy, 1e-12 * energy);
+  }
+}
+
+/// The bound of the step over that of a body built so: never above 1, which would be unstable, and near it.
+TEST(LiveStiffnessOfABody, BoundsItsStepClosely) {
+  double least = 1.0, mean = 0.0;
+  int count = 0;
+  for (const Case& c : cases()) {
+    if (c.name == "points") continue;  // has one material
+    SCOPED_TRACE(c.name);
+    const Tissues tissues;
+    const Model model = c.make(tissues);
+    Scene scene(model);
+    const auto solver = make_solver("reference", model, scene, c.options);
+    for (const double of_tissue : {1e-3, 1.0, 1e2}) {
+      for (const double of_tumour : {1e-4, 0.1, 0.5, 1.0, 3.0, 30.0, 1e4}) {
+        scene.scale_stiffness(of_tissue).scale_stiffness(tissues.tumour, of_tumour);
+        const Model made_so = c.make(tissues.scaled(of_tissue, of_tumour));
+        const TopologyTextures tables = build_topology(made_so, c.options);
+        const double exact = stable_step(estimate_spectrum(tables, tables.rest), 1.0);
+        const double share = solver->stable_step() / exact;
+        EXPECT_LT(share, 1.0 + 1e-4) << of_tissue << ", " << of_tumour;
+        EXPECT_GT(share, 0.7) << of_tissue << ", " << of_tumour;
+        least = std::min(least, share);
+        mean += share;
+        ++count;
+      }
+    }
+  }
+  std::cout << "share of the step of a body built so: " << least << " or more, " << mean / count << " in the mean\n";
+}
+
+/// A tip so soft that its factor says nothing about the body's step.
+TEST(LiveStiffnessOfABody, OfASoftTipCostsNoSteps) {
+  const Material body{100e3, 0.3, 1000.0}, tip{10.0, 0.3, 1000.0};
+  Model model = make_block({0.1, 0.02, 0.02}, 20, 4, 4);
+  set_material(model, body);
+  set_material(model, tip, [](const Vec3& place) { return place.x() > 0.08; });
+  Scene scene(model);
+  const auto solver = make_solver("reference", model, scene);
+  const double limit = solver->stable_step();
+  scene.scale_stiffness(tip, 1e4);
+  EXPECT_GT(solver->stable_step(), 0.95 * limit);
+  EXPECT_LT(solver->stable_step(), limit * (1.0 + 1e-3));
+}
+
+/// Several materials in a row, each stiffened by itself.
+TEST(LiveStiffnessOfABody, OfManyMaterialsIsBoundedClosely) {
+  constexpr int materials = 8;
+  const auto young = [](int k, int stiffened) { return (5e3 + 1e3 * k) * (k == stiffened ? 20.0 : 1.0); };
+  const auto make = [&](int stiffened) {
+    Model model = make_block({0.16, 0.02, 0.02}, 24, 3, 3);
+    for (int k = 0; k < materials; ++k) {
+      set_material(model, {young(k, stiffened), 0.3, 1000.0}, [=](const Vec3& x) { return x.x() >= 0.02 * k - 1e-9; });
+    }
+    return model;
+  };
+  const Model model = make(-1);
+  ASSERT_EQ(model.materials.size(), materials);
+  Scene scene(model);
+  const auto solver = make_solver("reference", model, scene);
+  for (int k = 0; k < materials; ++k) {
+    scene.scale_stiffness({}).scale_stiffness({young(k, -1), 0.3, 1000.0}, 20.0);
+    const TopologyTextures tables = build_topology(make(k));
+    const double share = solver->stable_step() / stable_step(estimate_spectrum(tables, tables.rest), 1.0);
+    EXPECT_LT(share, 1.0 + 1e-4) << k;
+    EXPECT_GT(share, 0.9) << k;
+  }
+}
+
 TEST_P(LiveStiffness, OfFactorsOfOneChangesNoBit) {
   for (const Case& c : cases()) {
     SCOPED_TRACE(c.name);
@@ -216,6 +312,12 @@ TEST(LiveStiffnessOfAScene, RefusesWhatItCannotMean) {
       "Young's moduli are 30000, 10000 Pa; got another one, of 5000 Pa"));
   const std::vector<double> three(3, 1.0);
   EXPECT_TRUE(refuses([&] { scene.scale_stiffness(three); }, "a factor for each of 2 material(s), or none, got 3"));
+  EXPECT_TRUE(scene.stiffness_factors().empty());
+
+  scene.scale_stiffness({2.0, 3.0});
+  EXPECT_EQ(scene.stiffness_factors(), (std::vector<double>{2.0, 3.0}));
+  EXPECT_TRUE(refuses([&] { scene.scale_stiffness({2.0}); }, "a factor for each of 2 material(s), or none, got 1"));
+  scene.scale_stiffness({});
   EXPECT_TRUE(scene.stiffness_factors().empty());
 
   const Model plain = make_block({0.03, 0.02, 0.02}, 3, 2, 2);

@@ -158,6 +158,24 @@ TEST_F(GlPictureTest, FacesAreLitByTheirNormalsAndColouredByDisplacement) {
   EXPECT_GE(seen, 5);
 }
 
+/// Whichever way its cells are wound, a plane body is as bright from behind as from the front.
+TEST_F(GlPictureTest, BothSidesOfAPlaneBodyAreLit) {
+  const Model model = make_strip(0.02, 0.01, 4, 2);
+  const auto display = make_display(model);
+  DisplayOptions options = nothing();
+  options.surface = true;
+  options.full_scale = 0.004;
+  const double facing = 1.0 / Vec3(-0.5, 0.6, 1.0).norm();
+  const Colour rest = displacement_colour(0.0);
+  const Vec3 expected = Vec3(rest[0], rest[1], rest[2]) * (0.66 + 0.38 * facing);
+  for (const double side : {1.0, -1.0}) {
+    const Camera camera = framing(model.rest, {0, 0, side}, static_cast<double>(width) / height);
+    const Image image = display->render(camera, options, width, height);
+    const Vec3 colour = colour_at(image, camera, {0.0125, 0.0062, 0});
+    EXPECT_LT((colour - expected.cwiseMin(1.0)).cwiseAbs().maxCoeff(), 0.012) << side;
+  }
+}
+
 TEST_F(GlPictureTest, LinksMarksAndAttractorsAreDrawn) {
   const Model model = make_tetrahedron(0.01);
   const auto display = make_display(model);
