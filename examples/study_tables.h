@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#include <array>
+#include <span>
 #include <string>
 #include <vector>
 
