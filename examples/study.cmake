@@ -44,11 +44,11 @@ endif()
 set(tissue ${PROJECT_SOURCE_DIR}/tests/data/mesh/mixed_41.msh)
 add_test(NAME example.phymul_study
          COMMAND ${CMAKE_COMMAND} -DSTUDY=$<TARGET_FILE:phymul-study> -DRUN=$<TARGET_FILE:phymul-run>
-                 -DMESH=${tissue} "-DMPIRUN=${mpirun}" -DOUT=${CMAKE_CURRENT_BINARY_DIR}/phymul_study_test
+                 -DMESH=${tissue} "-DMPIRUN=${mpirun}" -DOUT=${CMAKE_CURRENT_BINARY_DIR}/phymul_study_out
                  -P ${CMAKE_CURRENT_SOURCE_DIR}/phymul_study_test.cmake)
 add_test(NAME example.phymul_study_killed
          COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/phymul_study_kill_test.sh $<TARGET_FILE:phymul-study>
-                 ${CMAKE_CURRENT_BINARY_DIR}/phymul_study_test/killed.study
+                 ${CMAKE_CURRENT_BINARY_DIR}/phymul_study_out/killed.study
                  ${CMAKE_CURRENT_BINARY_DIR}/phymul_study_killed)
 set_tests_properties(example.phymul_study PROPERTIES FIXTURES_SETUP studies
                                                      ENVIRONMENT "${mpi_environment}"
@@ -57,7 +57,7 @@ set_tests_properties(example.phymul_study_killed PROPERTIES FIXTURES_REQUIRED st
 if(phymul_has_mpi)
   add_test(NAME example.phymul_study_killed_mpi
            COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/phymul_study_kill_test.sh $<TARGET_FILE:phymul-study>
-                   ${CMAKE_CURRENT_BINARY_DIR}/phymul_study_test/killed.study
+                   ${CMAKE_CURRENT_BINARY_DIR}/phymul_study_out/killed.study
                    ${CMAKE_CURRENT_BINARY_DIR}/phymul_study_killed_mpi ${mpirun})
   set_tests_properties(example.phymul_study_killed_mpi PROPERTIES FIXTURES_REQUIRED studies
                                                                   ENVIRONMENT "${mpi_environment}")
