@@ -107,6 +107,28 @@ if(PHYMUL_BUILD_EXAMPLES)
   endif()
 endif()
 
+# phymul-study, and nothing else: expressions in its files, and the processes of a cluster. phymul_has_mpi: is there MPI?
+set(phymul_has_mpi OFF)
+if(PHYMUL_BUILD_EXAMPLES)
+  find_package(muparser QUIET)
+  if(NOT muparser_FOUND)
+    message(STATUS "phymul: no tool phymul-study, because CMake did not find muParser; on Debian or Ubuntu: "
+                   "apt-get install libmuparser-dev")
+  elseif(PHYMUL_WITH_MPI)
+    set(MPI_CXX_SKIP_MPICXX ON)
+    find_package(MPI QUIET COMPONENTS CXX)
+    if(MPI_CXX_FOUND)
+      set(phymul_has_mpi ON)
+    elseif(PHYMUL_WITH_MPI STREQUAL "AUTO")
+      message(STATUS "phymul: phymul-study works on one machine alone, because CMake did not find MPI; on Debian or "
+                     "Ubuntu: apt-get install libopenmpi-dev openmpi-bin")
+    else()
+      phymul_missing("phymul-study on several machines (PHYMUL_WITH_MPI=${PHYMUL_WITH_MPI}) needs MPI"
+                     "libopenmpi-dev openmpi-bin" "Without it: -DPHYMUL_WITH_MPI=OFF.")
+    endif()
+  endif()
+endif()
+
 # phymul_has_gl: is the GL part built?
 set(phymul_has_gl OFF)
 if(PHYMUL_WITH_GL)

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 #
 # Installs what is missing on a Debian machine to build phymul; does nothing, and needs no rights, where nothing is.
-#   sh cmake/install-packages.sh [examples] [tests] [bench] [charts] [gl] [surfaces] [labels] [gl-tests] [clang]
+#   sh cmake/install-packages.sh [examples] [tests] [bench] [charts] [gl] [surfaces] [labels] [gl-tests] [mpi] [clang]
 #                                 [fuzz] [coverage] [aarch64] [windows] [site]
 # The library's own needs are always among them. A compiler and CMake are taken as there.
 set -eu
@@ -36,6 +36,7 @@ for part in "$@"; do
     examples)
       need_package libcli11-dev
       need_package libcairo2-dev
+      need_package libmuparser-dev
       need_pkg_config=yes
       ;;
     tests)
@@ -71,6 +72,10 @@ for part in "$@"; do
       need_package libx11-dev
       need_package xvfb
       ;;
+    mpi)  # studies on several machines
+      need_package libopenmpi-dev
+      need_package openmpi-bin
+      ;;
     clang) need_command clang++-16 clang-16 ;;
     fuzz)
       need_command clang++-16 clang-16
@@ -97,7 +102,7 @@ for part in "$@"; do
       need_package doxygen
       ;;
     *)
-      echo "phymul: unknown part \"$part\"; there are: examples tests bench charts gl surfaces labels gl-tests clang" \
+      echo "phymul: unknown part \"$part\"; there are: examples tests bench charts gl surfaces labels gl-tests mpi clang" \
         "fuzz coverage aarch64 windows site" >&2
       exit 2
       ;;

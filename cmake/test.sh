@@ -17,7 +17,7 @@ run() {  # preset, ctest's options
     aarch64 | windows) parts="tests $preset" ;;
     no-gl) parts="tests bench examples charts" ;;
     clang) parts="tests bench examples charts gl gl-tests surfaces labels clang" ;;
-    *) parts="tests bench examples charts gl gl-tests surfaces labels" ;;
+    *) parts="tests bench examples charts gl gl-tests surfaces labels mpi" ;;
   esac
   # $parts is a list of words.
   sh cmake/install-packages.sh $parts

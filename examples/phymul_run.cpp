@@ -2,8 +2,6 @@
 //
 // phymul-run BODY [LOADS]: pulls a body as its loads say, lets it go, runs until it rests, and reports.
 #include <phymul/error.h>
-#include <phymul/lml.h>
-#include <phymul/mesh.h>
 #include <phymul/pml.h>
 #include <phymul/topology_textures.h>
 
@@ -11,12 +9,12 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "run_body.h"
 #include "run_loop.h"
 #include "run_options.h"
 #include "run_plan.h"
 #include "run_report.h"
 #include "run_schedule.h"
-#include "surface_body.h"
 
 namespace {
 
@@ -26,72 +24,12 @@ void print_notes(const std::vector<std::string>& notes) {
   if (notes.size() > most) std::fprintf(stderr, "note: ... and %zu more\n", notes.size() - most);
 }
 
-bool is_pml(const std::string& path) {
-  return std::filesystem::path(path).extension() == ".pml";
-}
-
-/// A mesh file is in metres unless told otherwise, a PML file in millimetres, as the readers have it.
-double length_unit(const RunOptions& options) {
-  if (options.length_unit > 0.0) return options.length_unit;
-  return is_pml(options.body) ? phymul::PmlOptions{}.length_unit : phymul::MeshOptions{}.length_unit;
-}
-
-phymul::Model read_file(const RunOptions& options) {
-  if (is_surface(options.body)) {
-    return fill_surface(options.body, length_unit(options), options.spacing, options.fine_balls).model;
-  }
-  if (is_label_image(options.body)) {
-    if (options.length_unit > 0.0) throw phymul::Error("--unit: " + options.body + " says its unit itself");
-    return fill_labels(options.body, options.spacing, options.fine_balls);
-  }
-  if (!options.fine_balls.empty()) {
-    throw phymul::Error("--fine-near: expected a surface or a labelled image to be filled, got " + options.body);
-  }
-  if (options.spacing != 0.0) {
-    throw phymul::Error("--spacing: " + options.body + " is neither a surface nor a labelled image to be filled");
-  }
-  const double unit = length_unit(options);
-  return is_pml(options.body) ? phymul::read_pml(options.body, {.length_unit = unit})
-                              : phymul::read_mesh(options.body, {.length_unit = unit});
-}
-
-phymul::Model read_body(const RunOptions& options) {
-  phymul::Model model = read_file(options);
-  if (options.from_file) return model;
-  if (std::none_of(model.cells.begin(), model.cells.end(),
-                   [](const phymul::Cell& cell) { return phymul::is_volume(cell.type); })) {
-    throw phymul::Error(options.body +
-                        ": expected volume cells, which a material needs, got none; give --from-file to "
-                        "run it with the file's own masses and stiffnesses");
-  }
-  phymul::set_material(model, options.material);
-  for (auto [group, material] : options.materials) {
-    material.density = options.material.density;
-    phymul::set_material(model, material, group);
-  }
-  return model;
-}
-
-void fill_scene(const RunOptions& options, const phymul::Model& model, phymul::Scene& scene) {
-  if (!options.loads.empty()) {
-    std::vector<std::string> notes;
-    scene.add(phymul::read_lml(options.loads, model, &notes));
-    if (!options.plan) print_notes(notes);
-  }
-  for (const std::string& group : options.fixed_groups) scene.fix(group);
-  for (std::size_t k = 0; k < options.fixed_balls.size(); k += 4) {
-    scene.fix(particles_in_ball(model, &options.fixed_balls[k]));
-  }
-  const std::vector<double> gravity = options.gravity.empty() ? std::vector<double>(3, 0.0) : options.gravity;
-  scene.gravity({gravity[0], gravity[1], gravity[2]});
-}
-
 /// For a body that is filled at a spacing.
 phymul::Simulation make_simulation(RunOptions options, const phymul::PlanCandidate& candidate) {
   options.spacing = candidate.spacing;
   phymul::Simulation sim(read_body(options),
                          candidate.options({.damping = {.rate = options.damping_rate}, .topology = options.topology}));
-  fill_scene(options, sim.model(), sim.scene());
+  fill_scene(options, sim.model(), sim.scene(), nullptr);
   return sim;
 }
 
@@ -106,7 +44,9 @@ int run(const RunOptions& options) {
   const phymul::Model model = read_body(options);
   print_notes(model.notes);
   phymul::Scene scene(model);
-  fill_scene(options, model, scene);
+  std::vector<std::string> notes;
+  fill_scene(options, model, scene, &notes);
+  print_notes(notes);
   phymul::SolverOptions solver_options;
   solver_options.damping.rate = options.damping_rate;
   solver_options.profile = options.profile;

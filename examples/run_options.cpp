@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "run_options.h"
 
+#include <phymul/error.h>
 #include <phymul/version.h>
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <cmath>
 #include <map>
+#include <utility>
 
 namespace {
 
@@ -58,17 +61,35 @@ CLI::Validator not_negative() {
   return number_above(true);
 }
 
-/// "liver=4000,0.45".
-phymul::GroupMaterial group_material(const std::string& word) {
-  const std::size_t equals = word.rfind('='), comma = word.rfind(',');
-  phymul::GroupMaterial result;
-  if (equals == std::string::npos || equals == 0 || comma == std::string::npos || comma < equals ||
-      !CLI::detail::lexical_cast(word.substr(equals + 1, comma - equals - 1), result.material.young) ||
-      !CLI::detail::lexical_cast(word.substr(comma + 1), result.material.poisson)) {
-    throw CLI::ValidationError("--material", "expected GROUP=YOUNG,POISSON, as in liver=4000,0.45, got " + word);
+/// "GROUP=number,number": the group and its numbers, which are as many as asked for.
+template <std::size_t count>
+std::pair<std::string, std::array<double, count>> group_numbers(const std::string& option, const std::string& usage,
+                                                                const std::string& word) {
+  std::pair<std::string, std::array<double, count>> result;
+  const std::size_t equals = word.rfind('=');
+  std::vector<std::string> parts;
+  if (equals != std::string::npos) parts = CLI::detail::split(word.substr(equals + 1), ',');
+  bool good = equals != std::string::npos && equals > 0 && parts.size() == count;
+  for (std::size_t k = 0; good && k < count; ++k) {
+    good = CLI::detail::lexical_cast(parts[k], result.second[k]) && std::isfinite(result.second[k]);
   }
-  result.group = word.substr(0, equals);
+  if (!good) throw CLI::ValidationError(option, "expected " + usage + ", got " + word);
+  result.first = word.substr(0, equals);
   return result;
+}
+
+/// An option that may be given several times, each time with "GROUP=number,number".
+template <std::size_t count, class Take>
+CLI::Option* add_of_groups(CLI::App& app, const std::string& name, const std::string& words, const std::string& example,
+                           const std::string& what, Take take) {
+  const auto read = [=](const std::vector<std::string>& given) {
+    for (const std::string& word : given) {
+      const auto [group, numbers] = group_numbers<count>(name, words + ", as in " + example, word);
+      take(group, numbers);
+    }
+  };
+  CLI::Option* option = app.add_option_function<std::vector<std::string>>(name, read, what);
+  return option->option_text(words)->allow_extra_args(false);
 }
 
 void add_body_options(CLI::App& app, RunOptions& options) {
@@ -95,6 +116,21 @@ void add_body_options(CLI::App& app, RunOptions& options) {
       ->option_text("X Y Z RADIUS")
       ->type_size(4)
       ->allow_extra_args(false);
+  add_of_groups<4>(app, "--group", "NAME=X,Y,Z,RADIUS", "tumour=0.02,0,0.01,0.008",
+                   "a group more: the particles in a ball, m; may be given several times",
+                   [&options](const std::string& name, const std::array<double, 4>& it) {
+                     options.groups.push_back({name, it});
+                   });
+  add_of_groups<3>(app, "--force", "GROUP=X,Y,Z", "tip=0,0,-0.1",
+                   "force on a group, N in all; may be given several times",
+                   [&options](const std::string& name, const std::array<double, 3>& it) {
+                     options.forces.push_back({name, {it[0], it[1], it[2]}});
+                   });
+  add_of_groups<3>(app, "--move", "GROUP=X,Y,Z", "tip=0,0,-0.01",
+                   "imposed displacement of a group, m; may be given several times",
+                   [&options](const std::string& name, const std::array<double, 3>& it) {
+                     options.moves.push_back({name, {it[0], it[1], it[2]}});
+                   });
   app.add_option("--gravity", options.gravity, "acceleration on everything, m/s^2: x y z")->expected(3);
 }
 
@@ -103,13 +139,12 @@ void add_elasticity_options(CLI::App& app, RunOptions& options) {
   auto* young = app.add_option("--young", options.material.young, "Young's modulus, Pa")->capture_default_str();
   auto* poisson = app.add_option("--poisson", options.material.poisson, "Poisson's ratio")->capture_default_str();
   auto* density = app.add_option("--density", options.material.density, "kg/m^3")->capture_default_str();
-  auto* of_groups = app.add_option_function<std::vector<std::string>>(
-      "--material",
-      [&options](const std::vector<std::string>& words) {
-        for (const std::string& word : words) options.materials.push_back(group_material(word));
-      },
-      "modulus (Pa) and ratio of a group, as a region of an image; may be given several times");
-  of_groups->option_text("GROUP=YOUNG,POISSON")->allow_extra_args(false);
+  auto* of_groups =
+      add_of_groups<2>(app, "--material", "GROUP=YOUNG,POISSON", "liver=4000,0.45",
+                       "modulus (Pa) and ratio of a group, as a region of an image; may be given several times",
+                       [&options](const std::string& name, const std::array<double, 2>& it) {
+                         options.materials.push_back({name, {.young = it[0], .poisson = it[1]}});
+                       });
   auto* from_file = app.add_flag("--from-file", options.from_file, "masses and stiffnesses of the file, no material");
   auto* reaction =
       add_choice(app, "--reaction", options.topology.reaction, reactions, "how forces are given back [conservative]");
@@ -193,6 +228,20 @@ void add_output_options(CLI::App& app, RunOptions& options) {
 
 }  // namespace
 
+namespace {
+
+void add_all_options(CLI::App& app, RunOptions& options) {
+  add_body_options(app, options);
+  add_elasticity_options(app, options);
+  add_run_options(app, options);
+  add_plan_options(app, options);
+  add_output_options(app, options);
+  // What is moved from the beginning has no last date at which it would be let go.
+  app.callback([&options] { options.keep = options.keep || (!options.moves.empty() && !options.let_go); });
+}
+
+}  // namespace
+
 std::optional<RunOptions> read_run_options(int argc, char** argv, int& exit_code) {
   RunOptions options;
   CLI::App app{
@@ -204,11 +253,7 @@ std::optional<RunOptions> read_run_options(int argc, char** argv, int& exit_code
       "Writes into the --out folder: frames/body.pvd (for ParaView), energies.csv, pulled.png, let_go.png and\n"
       "rest.png, rest.pml and rest.csv. Exit code: 0 at rest, 1 wrong input, 2 the solver failed, 3 not at rest within "
       "--max-time.");
-  add_body_options(app, options);
-  add_elasticity_options(app, options);
-  add_run_options(app, options);
-  add_plan_options(app, options);
-  add_output_options(app, options);
+  add_all_options(app, options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -216,4 +261,30 @@ std::optional<RunOptions> read_run_options(int argc, char** argv, int& exit_code
     return std::nullopt;
   }
   return options;
+}
+
+RunOptions run_options_of(const std::vector<std::string>& words) {
+  RunOptions options;
+  CLI::App app;
+  app.set_help_flag();
+  add_all_options(app, options);
+  try {
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // CLI11 takes them from the back
+  } catch (const CLI::ParseError& error) {
+    throw phymul::Error(error.what());
+  }
+  return options;
+}
+
+std::string quoted_word(const std::string& word) {
+  const std::string plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=,:+-";
+  if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
+  std::string result = "'";
+  for (const char c : word) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return result + "'";
+}
+
+std::string shortest_decimal(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }

@@ -6,10 +6,23 @@
 #include <phymul/simulation.h>
 #include <phymul/solver.h>
 #include <phymul/topology.h>
+#include <phymul/types.h>
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
+
+/// The particles in a ball.
+struct GroupBall {
+  std::string name;
+  std::array<double, 4> ball{};  ///< m: x y z radius
+};
+
+struct GroupVector {
+  std::string group;
+  phymul::Vec3 value = phymul::Vec3::Zero();
+};
 
 struct RunOptions {
   std::string body;   ///< .pml, .msh, .vtk or .vtu, a surface, or a labelled image
@@ -24,6 +37,9 @@ struct RunOptions {
   std::vector<phymul::GroupMaterial> materials;  ///< without density, which is that of `material`
   phymul::TopologyOptions topology;
 
+  std::vector<GroupBall> groups;    ///< added to those of the file
+  std::vector<GroupVector> forces;  ///< N in all, shared evenly by the particles of the group
+  std::vector<GroupVector> moves;   ///< m, imposed displacement of the group
   std::vector<std::string> fixed_groups;
   std::vector<double> fixed_balls;  ///< m, each x y z radius
   std::vector<double> gravity;      ///< m/s^2, three or none
@@ -48,3 +64,12 @@ struct RunOptions {
 
 /// None where the program should end now, with `exit_code` (help was asked for, or the words made no sense).
 std::optional<RunOptions> read_run_options(int argc, char** argv, int& exit_code);
+
+/// The same from the words of a file, without the program's name. Throws phymul::Error.
+RunOptions run_options_of(const std::vector<std::string>& words);
+
+/// A word as a shell reads it back.
+std::string quoted_word(const std::string& word);
+
+/// In as few digits as give the same number again.
+std::string shortest_decimal(double value);

@@ -3,28 +3,12 @@
 
 #include <phymul/error.h>
 
-#include <charconv>
 #include <cstdio>
 #include <utility>
 
 #include "surface_body.h"
 
 namespace {
-
-/// As a shell reads it back.
-std::string quoted(const std::string& word) {
-  const std::string plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=,:+-";
-  if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
-  std::string result = "'";
-  for (const char c : word) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return result + "'";
-}
-
-/// In as few digits as give the same number again.
-std::string shortest(double value) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, value).ptr};
-}
 
 /// The words without the options that the plan answers.
 std::string command(const std::vector<std::string>& words, const phymul::PlanCandidate& chosen) {
@@ -37,9 +21,9 @@ std::string command(const std::vector<std::string>& words, const phymul::PlanCan
       if (name == words[k]) ++k;
       continue;
     }
-    result += quoted(words[k]) + ' ';
+    result += quoted_word(words[k]) + ' ';
   }
-  return result + "--spacing " + shortest(chosen.spacing) + " --backend " + chosen.backend + " --threads " +
+  return result + "--spacing " + shortest_decimal(chosen.spacing) + " --backend " + chosen.backend + " --threads " +
          std::to_string(chosen.threads);
 }
 

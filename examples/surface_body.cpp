@@ -77,7 +77,8 @@ phymul::Model fill_labels(const std::string& path, double spacing, const std::ve
   return model;
 }
 
-std::vector<phymul::Index> particles_in_ball(const phymul::Model& model, const double* ball) {
+std::vector<phymul::Index> particles_in_ball(const phymul::Model& model, const double* ball,
+                                             const std::string& option) {
   const phymul::Vec3 centre(ball[0], ball[1], ball[2]);
   double nearest = std::numeric_limits<double>::infinity();
   const std::vector<phymul::Index> found = model.particles_in([&](const phymul::Vec3& at) {
@@ -85,7 +86,7 @@ std::vector<phymul::Index> particles_in_ball(const phymul::Model& model, const d
     return (at - centre).norm() <= ball[3];
   });
   if (found.empty()) {
-    throw phymul::Error("--fix-near: no particle is so near; the nearest is " + std::to_string(nearest) + " m away");
+    throw phymul::Error(option + ": no particle is so near; the nearest is " + std::to_string(nearest) + " m away");
   }
   return found;
 }

@@ -19,8 +19,10 @@ bool is_surface(const std::string& path);
 /// By the file's ending: whether read_labels() reads it.
 bool is_label_image(const std::string& path);
 
-/// Particles in the ball of x, y, z and radius, m, which stand at `ball`. Throws phymul::Error if there are none.
-std::vector<phymul::Index> particles_in_ball(const phymul::Model& model, const double* ball);
+/// Particles in the ball of x, y, z and radius, m, which stand at `ball`. Throws phymul::Error that begins with the
+/// option's name if there are none.
+std::vector<phymul::Index> particles_in_ball(const phymul::Model& model, const double* ball,
+                                             const std::string& option = "--fix-near");
 
 /// fine_balls: m, each x y z radius spacing, as fine_near(). Throws phymul::Error as read_surface(), make_body() and
 /// fine_near() do, and where the spacing is 0: none was given.

@@ -95,7 +95,7 @@ function(check_library_file file)
 endfunction()
 
 # Benches, examples and bindings are users: the public headers and their own folder; benches share the tests' bodies,
-# and those named for src/cpu look into it.
+# those named for src/cpu look into it, and studies share the benches' expressions.
 function(check_user_file file)
   cmake_path(RELATIVE_PATH file BASE_DIRECTORY "${ROOT}" OUTPUT_VARIABLE own)
   cmake_path(GET file PARENT_PATH folder)
@@ -106,6 +106,9 @@ function(check_user_file file)
       continue()
     endif()
     if(own MATCHES "^bench/cpu_" AND path MATCHES "^cpu/[a-z_/]+\\.h$" AND EXISTS "${ROOT}/src/${path}")
+      continue()
+    endif()
+    if(own MATCHES "^examples/study_" AND path STREQUAL "expression.h" AND EXISTS "${ROOT}/bench/${path}")
       continue()
     endif()
     if(path MATCHES "\\.\\./" OR NOT EXISTS "${folder}/${path}")

@@ -1,0 +1,68 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+#
+# phymul_study_kill_test.sh PROGRAM STUDY FOLDER [mpirun and its options...]: kills a study with SIGKILL in its middle,
+# starts it again, and compares its tables with those of a study that nothing happened to. With mpirun, it kills rank 1
+# first, and then rank 0.
+set -eu
+program=$1 study=$2 out=$3
+shift 3
+rm -rf "$out"
+mkdir -p "$out"
+
+fail() {
+  echo "phymul_study_kill_test.sh: $*" >&2
+  exit 1
+}
+
+lines() {
+  if [ -e "$1" ]; then wc -l < "$1"; else echo 0; fi
+}
+
+# The process of this rank among the children of mpirun; without mpirun, the program itself.
+process_of() {  # first process, rank
+  if [ "$launched" = no ]; then
+    echo "$1"
+    return
+  fi
+  for child in $(cat "/proc/$1/task/$1/children"); do
+    if tr '\0' '\n' < "/proc/$child/environ" | grep -q "^OMPI_COMM_WORLD_RANK=$2\$"; then echo "$child"; fi
+  done
+}
+
+launched=no
+[ $# -eq 0 ] || launched=yes
+"$@" "$program" "$study" --threads 1 --out "$out/whole" --quiet > "$out/whole.txt"
+all=$(($(lines "$out/whole/results.txt") - 1))
+[ "$all" -ge 20 ] || fail "expected a study of at least 20 scenes, got $all"
+
+before=0
+ranks="1 0"
+[ "$launched" = yes ] || ranks=0
+for rank in $ranks; do
+  "$@" "$program" "$study" --threads 1 --out "$out/killed" --quiet > "$out/killed.txt" 2>&1 &
+  first=$!
+  wanted=$((before + all / 4))
+  tries=0
+  while [ "$(lines "$out/killed/results.txt")" -le "$wanted" ]; do
+    tries=$((tries + 1))
+    [ "$tries" -lt 3000 ] || fail "no results within 60 s: $(cat "$out/killed.txt")"
+    sleep 0.02
+  done
+  victim=$(process_of "$first" "$rank")
+  [ -n "$victim" ] || fail "found no process of rank $rank; was the study over before?"
+  kill -9 "$victim"
+  if wait "$first"; then fail "a killed study ended as if it were whole"; fi
+  [ ! -e "$out/killed/scenes.csv" ] || fail "a killed study wrote its tables"
+  before=$(($(lines "$out/killed/results.txt") - 1))
+  [ "$before" -lt "$all" ] || fail "the study was over before rank $rank was killed: $before of $all scenes"
+  echo "rank $rank killed after $before of $all scenes"
+done
+
+"$@" "$program" "$study" --threads 1 --out "$out/killed" > "$out/again.txt" 2>&1 || fail "$(cat "$out/again.txt")"
+grep -q "^$before of $all scenes were done before" "$out/again.txt" || fail "done again: $(cat "$out/again.txt")"
+for table in scenes.csv targets.csv; do
+  cmp "$out/whole/$table" "$out/killed/$table" || fail "$table differs"
+done
+[ "$(lines "$out/killed/results.txt")" -eq $((all + 1)) ] || fail "a scene was solved twice"
+echo "the same tables, bit for bit"

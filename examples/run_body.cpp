@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#include "run_body.h"
+
+#include <phymul/error.h>
+#include <phymul/lml.h>
+#include <phymul/mesh.h>
+#include <phymul/pml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "surface_body.h"
+
+namespace {
+
+bool is_pml(const std::string& path) {
+  return std::filesystem::path(path).extension() == ".pml";
+}
+
+/// A value that is there from the beginning.
+phymul::Load load_on(phymul::LoadType type, const GroupVector& wish, std::vector<phymul::Index> particles,
+                     double share) {
+  phymul::Load load;
+  load.type = type;
+  load.applied_to = wish.group;
+  load.particles = std::move(particles);
+  load.direction = wish.value;
+  load.events = {{0.0, share * wish.value.norm()}};
+  return load;
+}
+
+}  // namespace
+
+double length_unit(const RunOptions& options) {
+  if (options.length_unit > 0.0) return options.length_unit;
+  return is_pml(options.body) ? phymul::PmlOptions{}.length_unit : phymul::MeshOptions{}.length_unit;
+}
+
+phymul::Model read_shape(const RunOptions& options) {
+  if (is_surface(options.body)) {
+    return fill_surface(options.body, length_unit(options), options.spacing, options.fine_balls).model;
+  }
+  if (is_label_image(options.body)) {
+    if (options.length_unit > 0.0) throw phymul::Error("--unit: " + options.body + " says its unit itself");
+    return fill_labels(options.body, options.spacing, options.fine_balls);
+  }
+  if (!options.fine_balls.empty()) {
+    throw phymul::Error("--fine-near: expected a surface or a labelled image to be filled, got " + options.body);
+  }
+  if (options.spacing != 0.0) {
+    throw phymul::Error("--spacing: " + options.body + " is neither a surface nor a labelled image to be filled");
+  }
+  const double unit = length_unit(options);
+  return is_pml(options.body) ? phymul::read_pml(options.body, {.length_unit = unit})
+                              : phymul::read_mesh(options.body, {.length_unit = unit});
+}
+
+void dress_shape(const RunOptions& options, phymul::Model& model) {
+  for (const GroupBall& it : options.groups) {
+    if (model.has_group(it.name)) throw phymul::Error("--group: the body already has a group " + it.name);
+    model.add_group(it.name, particles_in_ball(model, it.ball.data(), "--group " + it.name));
+  }
+  if (options.from_file) return;
+  if (std::none_of(model.cells.begin(), model.cells.end(),
+                   [](const phymul::Cell& cell) { return phymul::is_volume(cell.type); })) {
+    throw phymul::Error(options.body +
+                        ": expected volume cells, which a material needs, got none; give --from-file to "
+                        "run it with the file's own masses and stiffnesses");
+  }
+  phymul::set_material(model, options.material);
+  for (auto [group, material] : options.materials) {
+    material.density = options.material.density;
+    const auto ball = std::ranges::find(options.groups, group, &GroupBall::name);
+    if (ball == options.groups.end()) {
+      phymul::set_material(model, material, group);
+      continue;
+    }
+    // By the cells' centres: those whose particles are all in the ball would be a smaller region.
+    const phymul::Vec3 centre(ball->ball[0], ball->ball[1], ball->ball[2]);
+    phymul::set_material(model, material,
+                         [&](const phymul::Vec3& at) { return (at - centre).norm() <= ball->ball[3]; });
+  }
+}
+
+phymul::Model read_body(const RunOptions& options) {
+  phymul::Model model = read_shape(options);
+  dress_shape(options, model);
+  return model;
+}
+
+void fill_scene(const RunOptions& options, const phymul::Model& model, phymul::Scene& scene,
+                std::vector<std::string>* notes) {
+  if (!options.loads.empty()) scene.add(phymul::read_lml(options.loads, model, notes));
+  for (const std::string& group : options.fixed_groups) scene.fix(group);
+  for (std::size_t k = 0; k < options.fixed_balls.size(); k += 4) {
+    scene.fix(particles_in_ball(model, &options.fixed_balls[k], "--fix-near"));
+  }
+  for (const GroupVector& force : options.forces) {
+    std::vector<phymul::Index> members = model.group(force.group);
+    const double share = 1.0 / static_cast<double>(members.size());
+    scene.add(load_on(phymul::LoadType::force, force, std::move(members), share));
+  }
+  for (const GroupVector& move : options.moves) {
+    if (move.value.isZero(0.0)) {
+      scene.fix(move.group);
+    } else {
+      scene.add(load_on(phymul::LoadType::translation, move, model.group(move.group), 1.0));
+    }
+  }
+  const std::vector<double> gravity = options.gravity.empty() ? std::vector<double>(3, 0.0) : options.gravity;
+  scene.gravity({gravity[0], gravity[1], gravity[2]});
+}

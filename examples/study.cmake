@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: MIT
+#
+# phymul-study and its tests: docs/guide/studies.md.
+add_library(phymul_study STATIC
+  ${PROJECT_SOURCE_DIR}/bench/expression.cpp
+  study_crew.cpp
+  study_file.cpp
+  study_fit.cpp
+  study_journal.cpp
+  study_measurement.cpp
+  study_sampler.cpp
+  study_scene.cpp
+  study_tables.cpp)
+target_include_directories(phymul_study PUBLIC ${PROJECT_SOURCE_DIR}/bench)
+target_link_libraries(phymul_study PUBLIC phymul phymul_run_body ZLIB::ZLIB
+                                   PRIVATE muparser::muparser phymul_warnings phymul_sanitizers)
+phymul_precompile_users(program phymul_study)
+
+phymul_example(phymul-study phymul_study.cpp study_options.cpp study_progress.cpp study_ranks.cpp)
+target_link_libraries(phymul-study PRIVATE phymul_study CLI11::CLI11)
+if(phymul_has_mpi)
+  target_link_libraries(phymul-study PRIVATE MPI::MPI_CXX)
+  target_compile_definitions(phymul-study PRIVATE PHYMUL_HAS_MPI)
+endif()
+
+if(NOT PHYMUL_BUILD_TESTS)
+  return()
+endif()
+
+include(${PROJECT_SOURCE_DIR}/tests/suites.cmake)
+add_executable(phymul_study_test study_files_test.cpp study_test.cpp)
+phymul_optimise_test(phymul_study_test)
+phymul_precompile_users(test phymul_study_test)
+target_link_libraries(phymul_study_test PRIVATE phymul_study GTest::gtest_main phymul_warnings phymul_sanitizers)
+phymul_test_suites(phymul_study_test)
+
+# Two processes of any MPI; Open MPI asks root, and a machine of one core, whether they mean it.
+set(mpirun "")
+if(phymul_has_mpi)
+  set(mpirun ${MPIEXEC_EXECUTABLE} ${MPIEXEC_NUMPROC_FLAG} 2)
+  set(mpi_environment OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
+                      OMPI_MCA_hwloc_base_binding_policy=none OMPI_MCA_plm_rsh_agent=false)
+endif()
+set(tissue ${PROJECT_SOURCE_DIR}/tests/data/mesh/mixed_41.msh)
+add_test(NAME example.phymul_study
+         COMMAND ${CMAKE_COMMAND} -DSTUDY=$<TARGET_FILE:phymul-study> -DRUN=$<TARGET_FILE:phymul-run>
+                 -DMESH=${tissue} "-DMPIRUN=${mpirun}" -DOUT=${CMAKE_CURRENT_BINARY_DIR}/phymul_study_out
+                 -P ${CMAKE_CURRENT_SOURCE_DIR}/phymul_study_test.cmake)
+add_test(NAME example.phymul_study_killed
+         COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/phymul_study_kill_test.sh $<TARGET_FILE:phymul-study>
+                 ${CMAKE_CURRENT_BINARY_DIR}/phymul_study_out/killed.study
+                 ${CMAKE_CURRENT_BINARY_DIR}/phymul_study_killed)
+set_tests_properties(example.phymul_study PROPERTIES FIXTURES_SETUP studies
+                                                     ENVIRONMENT "${mpi_environment}"
+                                                     SKIP_REGULAR_EXPRESSION "MPI NOT TESTED")
+set_tests_properties(example.phymul_study_killed PROPERTIES FIXTURES_REQUIRED studies)
+if(phymul_has_mpi)
+  add_test(NAME example.phymul_study_killed_mpi
+           COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/phymul_study_kill_test.sh $<TARGET_FILE:phymul-study>
+                   ${CMAKE_CURRENT_BINARY_DIR}/phymul_study_out/killed.study
+                   ${CMAKE_CURRENT_BINARY_DIR}/phymul_study_killed_mpi ${mpirun})
+  set_tests_properties(example.phymul_study_killed_mpi PROPERTIES FIXTURES_REQUIRED studies
+                                                                  ENVIRONMENT "${mpi_environment}")
+endif()
