@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 #
-# The vector kernels of src/cpu/simd, compiled once per instruction set and chosen at run time. Here a * b + c may become
-# one rounding: these files promise the same bits for any number of threads, not for any instruction set.
-set(kernel_options -ffp-contract=fast -fno-math-errno -fno-trapping-math)
+# The vector kernels of src/cpu/simd, compiled once per instruction set and chosen at run time. Their text says where
+# a * b + c becomes one rounding (src/cpu/simd/pack.h): the compiler must not.
+set(kernel_options -ffp-contract=off -fno-math-errno -fno-trapping-math)
 if(PHYMUL_SANITIZE)
   # Checks of every pointer in unrolled code take the compiler many minutes; the address sanitizer's stay.
   list(APPEND kernel_options -fno-sanitize=undefined)
@@ -33,4 +33,7 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
   phymul_kernels(avx2 -mavx2 -mfma)
   phymul_kernels(avx512 -mavx2 -mfma -mavx512f -mavx512dq -mavx512vl -mavx512bw)
   target_compile_definitions(phymul PRIVATE PHYMUL_X86_KERNELS)
+elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64|ARM64)$")
+  phymul_kernels(neon)
+  target_compile_definitions(phymul PRIVATE PHYMUL_NEON_KERNELS)
 endif()

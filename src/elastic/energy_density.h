@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/inverse_cube_root.h"
 #include "force_volume.h"
 
 namespace phymul::cpu {
@@ -90,7 +91,7 @@ S volume_energy(const Mat<S>& F, S stiffness, VolumeLaw law, Mat<S>* gradient) {
 /// shrinking to a point; 3.1 mu (0.7 - J)^2, added there, makes up for it.
 template <class S>
 S neo_hookean_energy(const Mat<S>& F, S mu, Mat<S>* gradient) {
-  const S J = F.determinant(), kink = std::max(J, S(0.7)), at_kink = std::pow(kink, S(-2) / S(3));
+  const S J = F.determinant(), kink = std::max(J, S(0.7)), root = inverse_cube_root(kink), at_kink = root * root;
   const S slope = S(-2) / S(3) * at_kink / kink, g = at_kink + slope * (J - kink);
   const S below = kink - J;
   if (gradient) *gradient = mu * (g * F + (S(0.5) * slope * F.squaredNorm() - S(6.2) * below) * cofactor(F));

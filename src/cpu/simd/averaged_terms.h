@@ -8,6 +8,7 @@
 
 #include "job.h"
 #include "kernel_text.h"
+#include "pack_rows.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
 
@@ -37,7 +38,7 @@ PHYMUL_INLINE Wide plus(Wide a, Wide b) {
   return {_mm512_add_ps(a.all, b.all)};
 }
 PHYMUL_INLINE void split(Wide w, Quad to[4]) {
-  split_quads((Pack)w.all, to);
+  split_quads(Floats(w.all), to);
 }
 #elif PHYMUL_LANES == 8
 struct Wide {
@@ -67,8 +68,8 @@ PHYMUL_INLINE Wide plus(Wide a, Wide b) {
   return {_mm256_add_ps(a.low, b.low), _mm256_add_ps(a.high, b.high)};
 }
 PHYMUL_INLINE void split(Wide w, Quad to[4]) {
-  split_quads((Pack)w.low, to);
-  split_quads((Pack)w.high, to + 2);
+  split_quads(Floats(w.low), to);
+  split_quads(Floats(w.high), to + 2);
 }
 #else
 struct Wide {
@@ -88,7 +89,7 @@ PHYMUL_INLINE Wide each_four_times(const float* from) {
   return {{Quad{} + from[0], Quad{} + from[1], Quad{} + from[2], Quad{} + from[3]}};
 }
 PHYMUL_INLINE Wide plus_product(Wide sum, Wide a, Wide b) {
-  for (int k = 0; k < 4; ++k) sum.q[k] += a.q[k] * b.q[k];
+  for (int k = 0; k < 4; ++k) sum.q[k] = product_plus(a.q[k], b.q[k], sum.q[k]).v;
   return sum;
 }
 PHYMUL_INLINE Wide plus(Wide a, Wide b) {

@@ -7,7 +7,7 @@
 #pragma once
 
 #include "job.h"
-#include "pack.h"
+#include "pack_rows.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
 
@@ -103,9 +103,13 @@ void base_slices(const simd::Job& job) {
       const BaseNow now = now_of(row_at(r), base, offset, ua);
       Pack3 pull = (ua - ui) + base.lambda_b * now.d1 + base.height * now.change;
       if constexpr (!plane) pull += base.lambda_c * now.d2;
-      const Pack3 F = base.share * pull;
-      sum += F;
-      if constexpr (use == simd::BaseUse::conservative) give_back<plane>(now, base, F, offset, job.force);
+      if constexpr (use == simd::BaseUse::conservative) {
+        const Pack3 F = base.share * pull;
+        sum += F;
+        give_back<plane>(now, base, F, offset, job.force);
+      } else {
+        sum += base.share * pull;
+      }
     }
     if constexpr (use == simd::BaseUse::conservative) {
       add_row(job.force + 16 * lanes * slice, sum);

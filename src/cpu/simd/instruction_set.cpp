@@ -18,6 +18,8 @@ std::vector<const Kernels*> usable_kernels() {
       PHYMUL_PROCESSOR_HAS("avx512bw")) {
     usable.push_back(&avx512_kernels);
   }
+#elif defined(PHYMUL_NEON_KERNELS)
+  usable.push_back(&neon_kernels);  // every 64-bit ARM has it
 #endif
   return usable;
 }

@@ -196,6 +196,6 @@ struct Kernels {
   void (*move)(const Move&, int slice, int end, MoveSummary&);
 };
 
-extern const Kernels portable_kernels, avx2_kernels, avx512_kernels;
+extern const Kernels portable_kernels, neon_kernels, avx2_kernels, avx512_kernels;
 
 }  // namespace phymul::cpu::simd

@@ -15,8 +15,8 @@ struct Columns {
 /// a^(-1/3), a > 0; three steps of Newton's method, from a guess that is 4 % off.
 PHYMUL_INLINE Pack inverse_cube_root(Pack a) {
   // Thirds of the bits by way of floats: no processor divides integers side by side.
-  const Ints third = PHYMUL_CONVERTED(PHYMUL_CONVERTED((Ints)a, Pack) * 0.33333334f, Ints);
-  Pack x = (Pack)(0x54a2fa8d - third);
+  const Ints third = PHYMUL_CONVERTED(PHYMUL_CONVERTED((Ints)a.v, Floats) * 0.33333334f, Ints);
+  Pack x = (Floats)(0x54a2fa8d - third);
   for (int k = 0; k < 3; ++k) x += (0.33333334f * x) * (1.0f - (a * x) * (x * x));
   return x;
 }

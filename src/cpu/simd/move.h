@@ -4,7 +4,7 @@
 #pragma once
 
 #include "job.h"
-#include "pack.h"
+#include "pack_rows.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
 
@@ -42,7 +42,7 @@ PHYMUL_INLINE bool cut_force(Pack3& force, Pack inverse_mass, const simd::Move& 
   if (!any_of(over)) return false;
   Pack scale = all(1.0f);
   for (int k = 0; k < lanes; ++k) {
-    if (over[k]) scale[k] = move.largest_acceleration / PHYMUL_ROOT(q[k]);
+    if (over[k]) scale.v[k] = move.largest_acceleration / PHYMUL_ROOT(q[k]);
   }
   force = scale * force;
   return true;

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "job.h"
-#include "pack.h"
+#include "pack_rows.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
 

@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: MIT
 //
 // Packs of floats, one lane per particle, base or element. Compiled once per instruction set: PHYMUL_LANES is 4 (any
-// machine), 8 (AVX2) or 16 (AVX-512), and everything stands in a namespace of that set, so that no linker can pick a
-// function for a machine that lacks its instructions. For the same reason these files use nothing of the standard
-// library but types.
+// machine, and NEON), 8 (AVX2) or 16 (AVX-512), and everything stands in a namespace of that set, so that no linker can
+// pick a function for a machine that lacks its instructions. For the same reason these files use nothing of the
+// standard library but types.
+//
+// Of one set, all compilers, systems and processors give the same bits: every operation is one of IEEE 754, and the
+// text says which of them are merged.
 #pragma once
 
 #include <cstdint>
 
 #if defined(__SSE2__)
 #include <immintrin.h>
+#elif defined(__aarch64__)
+#include <arm_neon.h>
 #endif
 
 #include "base/compiler.h"
@@ -18,28 +23,159 @@ namespace phymul::cpu::PHYMUL_ISA {
 
 inline constexpr int lanes = PHYMUL_LANES;
 
-using Pack = PHYMUL_VECTOR(float, 4 * PHYMUL_LANES);
+using Floats = PHYMUL_VECTOR(float, 4 * PHYMUL_LANES);
 using Ints = PHYMUL_VECTOR(std::int32_t, 4 * PHYMUL_LANES);
 using Quad = PHYMUL_VECTOR(float, 16);
+
+struct Pack {
+  Floats v;
+  Pack() = default;
+  PHYMUL_INLINE Pack(Floats all) : v(all) {}
+  PHYMUL_INLINE Pack(float value) : v(value - Floats{}) {}  // of a compiler's own broadcast; exact
+  PHYMUL_INLINE float operator[](int lane) const { return v[lane]; }
+};
+
+/// a b, or -a b, not yet rounded: a sum may merge with it.
+template <bool negative>
+struct Product {
+  Pack a, b;
+  PHYMUL_INLINE operator Pack() const { return negative ? -a.v * b.v : a.v * b.v; }
+};
 
 struct Pack3 {
   Pack x, y, z;
 };
+/// Of a number and a vector.
+template <bool negative>
+struct Product3 {
+  Pack s;
+  Pack3 a;
+  PHYMUL_INLINE operator Pack3() const {
+    return {Product<negative>{s, a.x}, Product<negative>{s, a.y}, Product<negative>{s, a.z}};
+  }
+};
+
+// a b + c, a b - c, -a b + c, -a b - c: in one rounding where the set has such an instruction. The text says which
+// products are merged with which sums; a compiler that chose by itself would give bits of its own.
+#if PHYMUL_LANES == 16
+#define PHYMUL_MERGED(name, instruction)                                             \
+  PHYMUL_INLINE Pack name(Pack a, Pack b, Pack c) {                                  \
+    return Floats(_mm512_##instruction##_ps((__m512)a.v, (__m512)b.v, (__m512)c.v)); \
+  }
+#elif PHYMUL_LANES == 8
+#define PHYMUL_MERGED(name, instruction)                                             \
+  PHYMUL_INLINE Pack name(Pack a, Pack b, Pack c) {                                  \
+    return Floats(_mm256_##instruction##_ps((__m256)a.v, (__m256)b.v, (__m256)c.v)); \
+  }
+#endif
+#if PHYMUL_LANES > 4
+PHYMUL_MERGED(product_plus, fmadd)
+PHYMUL_MERGED(product_minus, fmsub)
+PHYMUL_MERGED(minus_product_plus, fnmadd)
+PHYMUL_MERGED(minus_product_minus, fnmsub)
+#undef PHYMUL_MERGED
+#else
+PHYMUL_INLINE Pack product_plus(Pack a, Pack b, Pack c) {
+#if defined(PHYMUL_NEON)
+  return Floats(vfmaq_f32((float32x4_t)c.v, (float32x4_t)a.v, (float32x4_t)b.v));
+#else
+  return a.v * b.v + c.v;
+#endif
+}
+PHYMUL_INLINE Pack product_minus(Pack a, Pack b, Pack c) {
+  return product_plus(a, b, -c.v);
+}
+PHYMUL_INLINE Pack minus_product_plus(Pack a, Pack b, Pack c) {
+#if defined(PHYMUL_NEON)
+  return Floats(vfmsq_f32((float32x4_t)c.v, (float32x4_t)a.v, (float32x4_t)b.v));
+#else
+  return c.v - a.v * b.v;
+#endif
+}
+PHYMUL_INLINE Pack minus_product_minus(Pack a, Pack b, Pack c) {
+  return minus_product_plus(a, b, -c.v);
+}
+#endif
+
+PHYMUL_INLINE Pack operator+(Pack a, Pack b) {
+  return a.v + b.v;
+}
+PHYMUL_INLINE Pack operator-(Pack a, Pack b) {
+  return a.v - b.v;
+}
+PHYMUL_INLINE Pack operator-(Pack a) {
+  return -a.v;
+}
+PHYMUL_INLINE Pack operator/(Pack a, Pack b) {
+  return a.v / b.v;
+}
+PHYMUL_INLINE Product<false> operator*(Pack a, Pack b) {
+  return {a, b};
+}
+template <bool negative>
+PHYMUL_INLINE Product<!negative> operator-(Product<negative> p) {
+  return {p.a, p.b};
+}
+template <bool negative>
+PHYMUL_INLINE Pack operator+(Product<negative> p, Pack c) {
+  return negative ? minus_product_plus(p.a, p.b, c) : product_plus(p.a, p.b, c);
+}
+template <bool negative>
+PHYMUL_INLINE Pack operator-(Product<negative> p, Pack c) {
+  return negative ? minus_product_minus(p.a, p.b, c) : product_minus(p.a, p.b, c);
+}
+template <bool negative>
+PHYMUL_INLINE Pack operator+(Pack c, Product<negative> p) {
+  return p + c;
+}
+template <bool negative>
+PHYMUL_INLINE Pack operator-(Pack c, Product<negative> p) {
+  return -p + c;
+}
+template <bool first, bool second>
+PHYMUL_INLINE Pack operator+(Product<first> p, Product<second> q) {
+  return p + Pack(q);
+}
+template <bool first, bool second>
+PHYMUL_INLINE Pack operator-(Product<first> p, Product<second> q) {
+  return p - Pack(q);
+}
+template <class Summand>
+PHYMUL_INLINE Pack& operator+=(Pack& a, Summand b) {
+  return a = a + b;
+}
+template <class Summand>
+PHYMUL_INLINE Pack& operator-=(Pack& a, Summand b) {
+  return a = a - b;
+}
+
+PHYMUL_INLINE Ints operator<(Pack a, Pack b) {
+  return a.v < b.v;
+}
+PHYMUL_INLINE Ints operator>(Pack a, Pack b) {
+  return a.v > b.v;
+}
+PHYMUL_INLINE Ints operator<=(Pack a, Pack b) {
+  return a.v <= b.v;
+}
+PHYMUL_INLINE Ints operator==(Pack a, Pack b) {
+  return a.v == b.v;
+}
 
 PHYMUL_INLINE Pack all(float value) {
-  return value - Pack{};  // of a compiler's own broadcast; exact
+  return value;
 }
 PHYMUL_INLINE Pack select(Ints mask, Pack a, Pack b) {
-  return mask ? a : b;
+  return mask ? a.v : b.v;
 }
 /// Whether a < b in some lane.
 PHYMUL_INLINE bool any_below(Pack a, Pack b) {
 #if PHYMUL_LANES == 16
-  return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ) != 0;
+  return _mm512_cmp_ps_mask((__m512)a.v, (__m512)b.v, _CMP_LT_OQ) != 0;
 #elif PHYMUL_LANES == 8
-  return _mm256_movemask_ps(_mm256_cmp_ps((__m256)a, (__m256)b, _CMP_LT_OQ)) != 0;
+  return _mm256_movemask_ps(_mm256_cmp_ps((__m256)a.v, (__m256)b.v, _CMP_LT_OQ)) != 0;
 #elif defined(__SSE2__)
-  return _mm_movemask_ps(_mm_cmplt_ps((__m128)a, (__m128)b)) != 0;
+  return _mm_movemask_ps(_mm_cmplt_ps((__m128)a.v, (__m128)b.v)) != 0;
 #else
   bool any = false;
   for (int k = 0; k < lanes; ++k) any |= a[k] < b[k];
@@ -47,36 +183,11 @@ PHYMUL_INLINE bool any_below(Pack a, Pack b) {
 #endif
 }
 PHYMUL_INLINE Pack larger(Pack a, Pack b) {
-  return a > b ? a : b;
+  return select(a > b, a, b);
 }
 PHYMUL_INLINE Pack smaller(Pack a, Pack b) {
-  return a < b ? a : b;
+  return select(a < b, a, b);
 }
-PHYMUL_INLINE Pack load(const float* from) {
-  Pack p;
-  PHYMUL_COPY(&p, from, sizeof p);
-  return p;
-}
-PHYMUL_INLINE void store(float* to, Pack p) {
-  PHYMUL_COPY(to, &p, sizeof p);
-}
-PHYMUL_INLINE Quad load_quad(const char* from) {
-  Quad q;
-  PHYMUL_COPY(&q, PHYMUL_ALIGNED(from, 16), sizeof q);
-  return q;
-}
-PHYMUL_INLINE void store_quad(char* to, Quad q) {
-  PHYMUL_COPY(PHYMUL_ALIGNED(to, 16), &q, sizeof q);
-}
-
-/// Asks for what a pass over rows of `columns` will read some 4 kB later: from memory, not from a cache, it would come
-/// too late, because the processor's own foresight ends with a page.
-template <int columns>
-PHYMUL_INLINE void prefetch_rows(const float* row) {
-  constexpr int ahead = 1024;
-  for (int k = 0; k < columns * lanes; k += 16) PHYMUL_PREFETCH(row + ahead + k);
-}
-
 PHYMUL_INLINE Pack3 operator+(Pack3 a, Pack3 b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
@@ -86,13 +197,45 @@ PHYMUL_INLINE Pack3 operator-(Pack3 a, Pack3 b) {
 PHYMUL_INLINE Pack3 operator-(Pack3 a) {
   return {-a.x, -a.y, -a.z};
 }
-PHYMUL_INLINE Pack3 operator*(Pack s, Pack3 a) {
-  return {s * a.x, s * a.y, s * a.z};
+PHYMUL_INLINE Product3<false> operator*(Pack s, Pack3 a) {
+  return {s, a};
 }
-PHYMUL_INLINE Pack3& operator+=(Pack3& a, Pack3 b) {
+template <bool negative>
+PHYMUL_INLINE Product3<!negative> operator-(Product3<negative> p) {
+  return {p.s, p.a};
+}
+template <bool negative>
+PHYMUL_INLINE Pack3 operator+(Product3<negative> p, Pack3 c) {
+  using Part = Product<negative>;
+  return {Part{p.s, p.a.x} + c.x, Part{p.s, p.a.y} + c.y, Part{p.s, p.a.z} + c.z};
+}
+template <bool negative>
+PHYMUL_INLINE Pack3 operator-(Product3<negative> p, Pack3 c) {
+  using Part = Product<negative>;
+  return {Part{p.s, p.a.x} - c.x, Part{p.s, p.a.y} - c.y, Part{p.s, p.a.z} - c.z};
+}
+template <bool negative>
+PHYMUL_INLINE Pack3 operator+(Pack3 c, Product3<negative> p) {
+  return p + c;
+}
+template <bool negative>
+PHYMUL_INLINE Pack3 operator-(Pack3 c, Product3<negative> p) {
+  return -p + c;
+}
+template <bool first, bool second>
+PHYMUL_INLINE Pack3 operator+(Product3<first> p, Product3<second> q) {
+  return p + Pack3(q);
+}
+template <bool first, bool second>
+PHYMUL_INLINE Pack3 operator-(Product3<first> p, Product3<second> q) {
+  return p - Pack3(q);
+}
+template <class Summand>
+PHYMUL_INLINE Pack3& operator+=(Pack3& a, Summand b) {
   return a = a + b;
 }
-PHYMUL_INLINE Pack3& operator-=(Pack3& a, Pack3 b) {
+template <class Summand>
+PHYMUL_INLINE Pack3& operator-=(Pack3& a, Summand b) {
   return a = a - b;
 }
 PHYMUL_INLINE Pack dot(Pack3 a, Pack3 b) {
@@ -101,165 +244,32 @@ PHYMUL_INLINE Pack dot(Pack3 a, Pack3 b) {
 PHYMUL_INLINE Pack3 cross(Pack3 a, Pack3 b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-PHYMUL_INLINE Pack3 load3(const float* from) {
-  return {load(from), load(from + lanes), load(from + 2 * lanes)};
-}
-
-/// 1 / sqrt(x) to 12 bits or more; infinite at 0.
-PHYMUL_INLINE Pack rough_inverse_root(Pack x) {
+/// Rounded correctly, as all of these are: rough roots of processors differ from maker to maker.
+PHYMUL_INLINE Pack root(Pack x) {
 #if PHYMUL_LANES == 16
-  return (Pack)_mm512_rsqrt14_ps((__m512)x);
+  return Floats(_mm512_sqrt_ps((__m512)x.v));
 #elif PHYMUL_LANES == 8
-  return (Pack)_mm256_rsqrt_ps((__m256)x);
+  return Floats(_mm256_sqrt_ps((__m256)x.v));
 #elif defined(__SSE2__)
-  return (Pack)_mm_rsqrt_ps((__m128)x);
+  return Floats(_mm_sqrt_ps((__m128)x.v));
+#elif defined(__aarch64__)
+  return Floats(vsqrtq_f32((float32x4_t)x.v));
 #else
-  Pack r;
-  for (int k = 0; k < lanes; ++k) r[k] = 1.0f / PHYMUL_ROOT(x[k]);
+  Floats r;
+  for (int k = 0; k < lanes; ++k) r[k] = PHYMUL_ROOT(x[k]);
   return r;
 #endif
 }
 
-/// 1 / sqrt(x), right to two units in the last place; x > 0.
+/// 1 / sqrt(x), x > 0.
 PHYMUL_INLINE Pack inverse_root(Pack x) {
-  const Pack r = rough_inverse_root(x);
-  const Pack residual = x * r * r - 1.0f;
-  return r - r * residual * (0.5f - 0.375f * residual);
+  return all(1.0f) / root(x);
 }
-
-/// Up to this y = a - 1 inverse_root_change_near() may be taken.
-inline constexpr float most_near = 3.0f;
 
 /// 1 / sqrt(a) - 1 from a > 0 and y = a - 1, the latter without the rounding of a: right to a few units in the last
-/// place of the result or 1e-10 (AVX-512: 1e-12), whichever is more, and exactly 0 at y = 0. One step of third order
-/// from a rough root.
-PHYMUL_INLINE Pack inverse_root_change_near(Pack a, Pack y) {
-  const Pack r = rough_inverse_root(a), c = r - 1.0f;
-  const Pack residual = a * (c * c + (c + c)) + y;  // a r^2 - 1
-  return select(y == 0.0f, Pack{}, c - r * residual * (0.5f - 0.375f * residual));
-}
-/// The same for any y: far above 1, a would magnify the rounding of c.
+/// place, and 0 at y = 0.
 PHYMUL_INLINE Pack inverse_root_change(Pack a, Pack y) {
-  const Pack r = rough_inverse_root(a), c = r - 1.0f;
-  const Pack residual = select(y > most_near, (a * r) * r - 1.0f, a * (c * c + (c + c)) + y);
-  return select(y == 0.0f, Pack{}, c - r * residual * (0.5f - 0.375f * residual));
-}
-/// c, of a = 1 + y to the last bit, where y is not 0, and 0 there. AVX-512 has the rough root of 1 right (Intel
-/// Software Developer's Manual, VRSQRT14PS), and then c is 0 by itself.
-PHYMUL_INLINE Pack zero_at_rest(Pack y, Pack c) {
-#if PHYMUL_LANES == 16
-  static_cast<void>(y);
-  return c;
-#else
-  return select(y == 0.0f, Pack{}, c);
-#endif
-}
-
-#if PHYMUL_LANES == 16
-PHYMUL_INLINE Pack quads(const char* base, const std::int32_t* offset, int k) {
-  __m512 p = _mm512_castps128_ps512((__m128)load_quad(base + offset[k]));
-  // Loads that write four lanes need no unit that moves lanes about, of which there are fewer.
-  p = _mm512_mask_broadcast_f32x4(p, 0x00f0, (__m128)load_quad(base + offset[4 + k]));
-  p = _mm512_mask_broadcast_f32x4(p, 0x0f00, (__m128)load_quad(base + offset[8 + k]));
-  return (Pack)_mm512_mask_broadcast_f32x4(p, 0xf000, (__m128)load_quad(base + offset[12 + k]));
-}
-PHYMUL_INLINE void split_quads(Pack p, Quad to[4]) {
-  to[0] = (Quad)_mm512_castps512_ps128((__m512)p);
-  to[1] = (Quad)_mm512_extractf32x4_ps((__m512)p, 1);
-  to[2] = (Quad)_mm512_extractf32x4_ps((__m512)p, 2);
-  to[3] = (Quad)_mm512_extractf32x4_ps((__m512)p, 3);
-}
-#elif PHYMUL_LANES == 8
-PHYMUL_INLINE Pack quads(const char* base, const std::int32_t* offset, int k) {
-  const __m256 low = _mm256_castps128_ps256((__m128)load_quad(base + offset[k]));
-  return (Pack)_mm256_insertf128_ps(low, (__m128)load_quad(base + offset[4 + k]), 1);
-}
-PHYMUL_INLINE void split_quads(Pack p, Quad to[2]) {
-  to[0] = (Quad)_mm256_castps256_ps128((__m256)p);
-  to[1] = (Quad)_mm256_extractf128_ps((__m256)p, 1);
-}
-#else
-PHYMUL_INLINE Pack quads(const char* base, const std::int32_t* offset, int k) {
-  return load_quad(base + offset[k]);
-}
-PHYMUL_INLINE void split_quads(Pack p, Quad to[1]) {
-  to[0] = p;
-}
-#endif
-
-// Unpacks within groups of four lanes.
-#if PHYMUL_LANES == 16
-#define PHYMUL_GROUPS(a, b, c, d)                                                                                 \
-  (a), (b), (c), (d), (a) + 4, (b) + 4, (c) + 4, (d) + 4, (a) + 8, (b) + 8, (c) + 8, (d) + 8, (a) + 12, (b) + 12, \
-      (c) + 12, (d) + 12
-#elif PHYMUL_LANES == 8
-#define PHYMUL_GROUPS(a, b, c, d) (a), (b), (c), (d), (a) + 4, (b) + 4, (c) + 4, (d) + 4
-#else
-#define PHYMUL_GROUPS(a, b, c, d) (a), (b), (c), (d)
-#endif
-#define PHYMUL_SHUFFLE(p, q, a, b, c, d) PHYMUL_SHUFFLED(p, q, PHYMUL_GROUPS(a, b, c, d))
-
-struct FourPacks {
-  Pack p[4];
-};
-
-/// Turns the 4 x 4 blocks of four packs over.
-PHYMUL_INLINE FourPacks transposed(FourPacks in) {
-  constexpr int n = lanes;
-  const Pack low01 = PHYMUL_SHUFFLE(in.p[0], in.p[1], 0, n, 1, n + 1);
-  const Pack high01 = PHYMUL_SHUFFLE(in.p[0], in.p[1], 2, n + 2, 3, n + 3);
-  const Pack low23 = PHYMUL_SHUFFLE(in.p[2], in.p[3], 0, n, 1, n + 1);
-  const Pack high23 = PHYMUL_SHUFFLE(in.p[2], in.p[3], 2, n + 2, 3, n + 3);
-  return {{PHYMUL_SHUFFLE(low01, low23, 0, 1, n, n + 1), PHYMUL_SHUFFLE(low01, low23, 2, 3, n + 2, n + 3),
-           PHYMUL_SHUFFLE(high01, high23, 0, 1, n, n + 1), PHYMUL_SHUFFLE(high01, high23, 2, 3, n + 2, n + 3)}};
-}
-
-/// Vectors of four floats at byte offsets `offset` [lanes] from base.
-PHYMUL_INLINE Pack3 gather(const char* base, const std::int32_t* offset) {
-  const FourPacks t =
-      transposed({{quads(base, offset, 0), quads(base, offset, 1), quads(base, offset, 2), quads(base, offset, 3)}});
-  return {t.p[0], t.p[1], t.p[2]};
-}
-
-/// A slice's vectors, which stand as simd::quad_of() has them.
-PHYMUL_INLINE FourPacks load_row(const char* base) {
-  FourPacks row;
-  for (int k = 0; k < 4; ++k) PHYMUL_COPY(&row.p[k], base + 4 * lanes * k, sizeof(Pack));
-  return row;
-}
-PHYMUL_INLINE Pack3 gather_row(const char* base) {
-  const FourPacks t = transposed(load_row(base));
-  return {t.p[0], t.p[1], t.p[2]};
-}
-PHYMUL_INLINE void store_row(char* base, Pack3 v) {
-  const FourPacks t = transposed({{v.x, v.y, v.z, Pack{}}});
-  for (int k = 0; k < 4; ++k) PHYMUL_COPY(base + 4 * lanes * k, &t.p[k], sizeof(Pack));
-}
-PHYMUL_INLINE void add_row(char* base, Pack3 v) {
-  const FourPacks now = load_row(base), t = transposed({{v.x, v.y, v.z, Pack{}}});
-  for (int k = 0; k < 4; ++k) {
-    const Pack sum = now.p[k] + t.p[k];
-    PHYMUL_COPY(base + 4 * lanes * k, &sum, sizeof sum);
-  }
-}
-
-/// Calls with (lane, vector of four floats) of each lane.
-template <class Take>
-PHYMUL_INLINE void for_each_quad(Pack3 v, const Take& take) {
-  const FourPacks t = transposed({{v.x, v.y, v.z, Pack{}}});
-  for (int k = 0; k < 4; ++k) {
-    Quad q[lanes / 4];
-    split_quads(t.p[k], q);
-    for (int group = 0; group < lanes / 4; ++group) take(4 * group + k, q[group]);
-  }
-}
-
-/// Adds lane by lane, in a fixed order: two lanes may mean one place.
-PHYMUL_INLINE void scatter_add(char* base, const std::int32_t* offset, Pack3 v) {
-  for_each_quad(v, [&](int lane, Quad q) PHYMUL_INLINED {
-    char* at = base + offset[lane];
-    store_quad(at, load_quad(at) + q);
-  });
+  return -(y / (a + root(a)));
 }
 
 }  // namespace phymul::cpu::PHYMUL_ISA

@@ -7,10 +7,8 @@
 
 namespace phymul::cpu::PHYMUL_ISA {
 
-/// Of the springs of a slice, in rows [first, last); `most`: the largest y, above most_near
-/// of which the rows are to be done again with near = false.
-template <bool near>
-PHYMUL_INLINE Pack3 spring_forces(const simd::Job& job, int first, int last, Pack3 ui, Pack& most) {
+/// Of the springs of a slice, in rows [first, last).
+PHYMUL_INLINE Pack3 spring_forces(const simd::Job& job, int first, int last, Pack3 ui) {
   Pack3 sum{};
   for (int i = first; i < last; ++i) {
     const float* row = job.springs.rows + static_cast<std::int64_t>(i) * simd::spring_columns * lanes;
@@ -20,16 +18,9 @@ PHYMUL_INLINE Pack3 spring_forces(const simd::Job& job, int first, int last, Pac
     const Pack3 d = gather(job.u, offset) - ui, R = load3(row + lanes), r = R + d;
     const Pack rest = load(row + 4 * lanes), k = load(row + 5 * lanes);
     const Pack a = dot(r, r) * rest, y = dot(d, R + r) * rest;
-    if constexpr (near) most = larger(y, most);
-    const Pack c = select(a > 0.0f, near ? inverse_root_change_near(a, y) : inverse_root_change(a, y), all(-1.0f));
-    sum -= (k * c) * r;
+    sum -= (k * select(a > 0.0f, inverse_root_change(a, y), all(-1.0f))) * r;
   }
   return sum;
-}
-
-PHYMUL_APART inline Pack3 far_spring_forces(const simd::Job& job, int first, int last, Pack3 ui) {
-  Pack most{};
-  return spring_forces<false>(job, first, last, ui, most);
 }
 
 /// The force is k (1 - |R| / |r|) r = -k c r, c = |R| / |r| - 1.
@@ -37,10 +28,7 @@ inline void spring_slices(const simd::Job& job) {
   for (int slice = 0; slice < job.springs.count; ++slice) {
     const int first = job.springs.first[slice], last = job.springs.first[slice + 1];
     const Pack3 ui = gather_row(job.u + 16 * lanes * slice);
-    Pack most = all(-1.0f);
-    Pack3 sum = spring_forces<true>(job, first, last, ui, most);
-    if (any_below(all(most_near), most)) [[unlikely]]
-      sum = far_spring_forces(job, first, last, ui);
+    const Pack3 sum = spring_forces(job, first, last, ui);
     add_row(job.force + 16 * lanes * slice, sum);
   }
 }

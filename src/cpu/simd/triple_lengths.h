@@ -40,14 +40,6 @@ struct PairLengths {
   Pairs<neighbours> S;  // 0 at first
 };
 
-/// 1 / sqrt(1 + y) - 1 for y in (-1, 16), as inverse_root_change().
-PHYMUL_INLINE Pack area_change(Pack y) {
-  const Pack a = y + 1.0f;
-  const Pack r = rough_inverse_root(a), c = r - 1.0f;
-  const Pack residual = a * (c * c + (c + c)) + y;
-  return zero_at_rest(y, c - r * residual * (0.5f - 0.375f * residual));
-}
-
 /// Returns whether no edge is longer than bounds allow.
 template <int neighbours>
 PHYMUL_INLINE bool measure_pairs(const Neighbourhood& n, PairLengths<neighbours>& pairs) {
@@ -98,9 +90,9 @@ PHYMUL_INLINE bool pull_by_lengths(const Neighbourhood& n, PairLengths<neighbour
         const Pack y = load(row + lanes) * ((twice_eta1 * g2 + twice_g1 * eta2) - eta * g);
         least = smaller(y, least);
         most = larger(y, most);
-        const Pack c = area_change(y);
+        const Pack c = inverse_root_change(y + 1.0f, y);
         if constexpr (keep) *changes++ = c;
-        const Pack share = load(row) * c;
+        const auto share = load(row) * c;
         S1 += share;
         S[jl] -= share;
         S[kl] += share;

@@ -31,9 +31,11 @@ PHYMUL_APART Pack3 pull_by_normals(const Neighbourhood& n, Pack* changes) {
         const Pack rest = 0.5f * load(row + lanes);
         const Pack3 w = cross(e1, e2[l]), dw = cross(d1, e2[l]) + cross(E1, d2[l]);
         const Pack q = dot(w, w), y = dot(dw, w + (w - dw)) * rest;
-        const Pack c = select(q > bound * length2[l], inverse_root_change(q * rest, y), all(-1.0f));
-        sum += load(row) * (dw + c * w);
-        if constexpr (keep) *changes++ = c;
+        // Where there is no base, `rest` is 0.
+        const Pack c = select(rest > 0.0f, inverse_root_change(q * rest, y), Pack{});
+        const Pack change = select(q > bound * length2[l], c, all(-1.0f));
+        sum += load(row) * (dw + change * w);
+        if constexpr (keep) *changes++ = change;
       }
     }
   }

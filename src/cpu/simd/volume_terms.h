@@ -5,6 +5,7 @@
 
 #include "job.h"
 #include "kernel_text.h"
+#include "pack_rows.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
 
