@@ -3,7 +3,7 @@
 #
 # Installs what is missing on a Debian machine to build phymul; does nothing, and needs no rights, where nothing is.
 #   sh cmake/install-packages.sh [examples] [tests] [bench] [charts] [gl] [surfaces] [labels] [gl-tests] [clang]
-#                                 [fuzz] [aarch64] [windows]
+#                                 [fuzz] [aarch64] [windows] [browser]
 # The library's own needs are always among them. A compiler and CMake are taken as there.
 set -eu
 
@@ -89,9 +89,18 @@ for part in "$@"; do
       need_package googletest
       need_package wine64
       ;;
+    browser)  # a compiler for WebAssembly, whose own Clang is too old, the sources of its libraries, and a browser
+      need_package emscripten
+      need_package clang-16
+      need_package lld-16
+      need_package llvm-16
+      need_package googletest
+      need_command node nodejs
+      need_package chromium
+      ;;
     *)
       echo "phymul: unknown part \"$part\"; there are: examples tests bench charts gl surfaces labels gl-tests clang" \
-        "fuzz aarch64 windows" >&2
+        "fuzz aarch64 windows browser" >&2
       exit 2
       ;;
   esac

@@ -95,7 +95,7 @@ function(check_library_file file)
 endfunction()
 
 # Benches, examples and bindings are users: the public headers and their own folder; benches share the tests' bodies,
-# and those named for src/cpu look into it.
+# and those named for src/cpu look into it. The page shares what other examples make.
 function(check_user_file file)
   cmake_path(RELATIVE_PATH file BASE_DIRECTORY "${ROOT}" OUTPUT_VARIABLE own)
   cmake_path(GET file PARENT_PATH folder)
@@ -106,6 +106,9 @@ function(check_user_file file)
       continue()
     endif()
     if(own MATCHES "^bench/cpu_" AND path MATCHES "^cpu/[a-z_/]+\\.h$" AND EXISTS "${ROOT}/src/${path}")
+      continue()
+    endif()
+    if(own MATCHES "^examples/browser/" AND path MATCHES "^[a-z_]+\\.h$" AND EXISTS "${ROOT}/examples/${path}")
       continue()
     endif()
     if(path MATCHES "\\.\\./" OR NOT EXISTS "${folder}/${path}")
