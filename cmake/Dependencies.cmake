@@ -91,7 +91,7 @@ if(PHYMUL_BUILD_BENCH)
   endif()
 endif()
 
-if(PHYMUL_BUILD_EXAMPLES)
+if(PHYMUL_BUILD_EXAMPLES AND NOT EMSCRIPTEN)
   set(without "Without examples: -DPHYMUL_BUILD_EXAMPLES=OFF.")
   find_package(CLI11 QUIET)
   if(NOT CLI11_FOUND)
@@ -131,7 +131,9 @@ endif()
 
 # phymul_has_gl: is the GL part built?
 set(phymul_has_gl OFF)
-if(PHYMUL_WITH_GL)
+if(PHYMUL_WITH_GL AND EMSCRIPTEN)
+  set(phymul_has_gl ON)  # WebGL 2 is part of every browser
+elseif(PHYMUL_WITH_GL)
   # GLEW's GL is asked for by its new name, so that CMake does not warn of there being two.
   set(OpenGL_GL_PREFERENCE GLVND)
   find_package(OpenGL QUIET COMPONENTS EGL OPTIONAL_COMPONENTS GLX)
@@ -148,7 +150,7 @@ if(PHYMUL_WITH_GL)
 endif()
 
 # The window of phymul-view, and nothing else.
-if(PHYMUL_BUILD_EXAMPLES AND phymul_has_gl)
+if(PHYMUL_BUILD_EXAMPLES AND phymul_has_gl AND NOT EMSCRIPTEN)
   find_package(glfw3 3.3 QUIET)
   if(NOT glfw3_FOUND)
     message(STATUS "phymul: no viewer phymul-view, because CMake did not find GLFW; on Debian or Ubuntu: "

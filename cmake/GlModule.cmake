@@ -12,8 +12,25 @@ add_custom_command(OUTPUT ${PROJECT_BINARY_DIR}/shaders/embedded_shaders.cpp
   DEPENDS ${shaders} ${PROJECT_SOURCE_DIR}/cmake/embed_shaders.cmake
   COMMENT "Embedding shaders" VERBATIM)
 
-# The tests of the inside take the same objects.
 file(GLOB_RECURSE gl_sources CONFIGURE_DEPENDS src/gl/*.cpp)
+if(EMSCRIPTEN)
+  # A page has no modules and no EGL: this part is linked, and src/gl/web asks the browser for contexts.
+  list(FILTER gl_sources EXCLUDE REGEX "/context/(context_own|context_current|context_debug|egl_display|guard_egl|gl_functions)\\.cpp$")
+  list(FILTER gl_sources EXCLUDE REGEX "/gl/(compute/.*|objects/(kernel|storage_[a-z]+)\\.cpp$)")
+  target_sources(phymul PRIVATE ${gl_sources} ${PROJECT_BINARY_DIR}/shaders/embedded_shaders.cpp src/solver/gl_linked.cpp)
+  target_compile_definitions(phymul PRIVATE PHYMUL_HAS_GL)
+  if(PHYMUL_UNITY)
+    foreach(source IN LISTS gl_sources)
+      cmake_path(GET source PARENT_PATH folder)
+      string(MAKE_C_IDENTIFIER "${folder}" folder)
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder})
+    endforeach()
+  endif()
+  return()
+endif()
+list(FILTER gl_sources EXCLUDE REGEX "/gl/web/")
+
+# The tests of the inside take the same objects.
 add_library(phymul_gl_objects OBJECT ${gl_sources} ${PROJECT_BINARY_DIR}/shaders/embedded_shaders.cpp)
 find_package(Threads REQUIRED)
 target_include_directories(phymul_gl_objects PUBLIC src)

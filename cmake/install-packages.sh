@@ -3,7 +3,7 @@
 #
 # Installs what is missing on a Debian machine to build phymul; does nothing, and needs no rights, where nothing is.
 #   sh cmake/install-packages.sh [examples] [tests] [bench] [charts] [gl] [surfaces] [labels] [gl-tests] [mpi] [clang]
-#                                 [fuzz] [coverage] [aarch64] [windows] [site]
+#                                 [fuzz] [coverage] [aarch64] [windows] [site] [browser]
 # The library's own needs are always among them. A compiler and CMake are taken as there.
 set -eu
 
@@ -96,6 +96,15 @@ for part in "$@"; do
       need_package googletest
       need_package wine64
       ;;
+    browser)  # a compiler for WebAssembly, whose own Clang is too old, the sources of its libraries, and a browser
+      need_package emscripten
+      need_package clang-16
+      need_package lld-16
+      need_package llvm-16
+      need_package googletest
+      need_command node nodejs
+      need_package chromium
+      ;;
     site)  # pages, and the interface
       need_package mkdocs
       need_package mkdocs-material
@@ -103,7 +112,7 @@ for part in "$@"; do
       ;;
     *)
       echo "phymul: unknown part \"$part\"; there are: examples tests bench charts gl surfaces labels gl-tests mpi clang" \
-        "fuzz coverage aarch64 windows site" >&2
+        "fuzz coverage aarch64 windows site browser" >&2
       exit 2
       ;;
   esac

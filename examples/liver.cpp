@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "example_run.h"
+#include "liver_shape.h"
 #include "scene_picture.h"
 
 namespace {
@@ -24,23 +25,6 @@ constexpr double probe_radius = 0.008, probe_length = 0.12, press = 0.015, slide
 const Vec3 tumour(0.035, 0.040, 0.022);
 constexpr double tick = 1e-3;  // s
 
-/// Positive outside, about in metres near the surface.
-double from_ellipsoid(const Vec3& x, const Vec3& middle, const Vec3& semi_axes) {
-  return ((x - middle).cwiseQuotient(semi_axes).norm() - 1.0) * semi_axes.minCoeff();
-}
-
-/// A large right lobe and a flat left one that run into each other, hollow from below.
-phymul::Solid liver() {
-  const auto distance = [](const Vec3& x) {
-    const double right = from_ellipsoid(x, {0.035, 0.0, 0.0}, {0.075, 0.065, 0.058});
-    const double left = from_ellipsoid(x, {-0.055, 0.005, 0.018}, {0.085, 0.045, 0.026});
-    const double blend = 0.02, h = std::clamp(0.5 + 0.5 * (left - right) / blend, 0.0, 1.0);
-    const double lobes = left + (right - left) * h - blend * h * (1.0 - h);
-    return std::max(lobes, 0.11 - (x - Vec3(-0.03, -0.01, -0.135)).norm());
-  };
-  return {distance, {-0.15, -0.08, -0.07}, {0.12, 0.08, 0.07}};
-}
-
 /// A body whose only cells are the triangles that it shows.
 phymul::Model shown(phymul::VecList vertices, const std::vector<std::array<Index, 3>>& triangles) {
   phymul::Model model;
@@ -51,24 +35,6 @@ phymul::Model shown(phymul::VecList vertices, const std::vector<std::array<Index
     cell.particles.assign(corners.begin(), corners.end());
   }
   return model;
-}
-
-/// Vertices and triangles of the surface of a body filled more finely.
-phymul::Model fine_surface(double spacing) {
-  const phymul::Model fine = phymul::make_body(liver(), {.spacing = spacing});
-  auto triangles = phymul::surface_triangles(fine);
-  std::vector<Index> row(fine.rest.size(), -1);
-  phymul::VecList vertices;
-  for (auto& corners : triangles) {
-    for (Index& i : corners) {
-      if (row[i] < 0) {
-        row[i] = static_cast<Index>(vertices.size());
-        vertices.push_back(fine.rest[i]);
-      }
-      i = row[i];
-    }
-  }
-  return shown(std::move(vertices), triangles);
 }
 
 void run(const ExampleOptions& options) {
@@ -87,7 +53,8 @@ void run(const ExampleOptions& options) {
     if (std::abs(x.x() + 0.02) < 0.012 && x.y() > 0.02 && x.z() > 0.01) front.push_back(i);
   }
   require(!bare.empty() && !front.empty(), "nothing to attach");
-  const phymul::Model visible = fine_surface(options.quick ? 0.010 : 0.004);
+  phymul::Surface surface = liver_surface(options.quick ? 0.010 : 0.004);
+  const phymul::Model visible = shown(std::move(surface.vertices), surface.triangles);
   const phymul::Skin skin(model, visible.rest);
 
   phymul::Simulation sim(model, {.backend = "cpu", .damping = {.rate = 30.0}, .solver = {.threads = 1}});

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -17,6 +16,7 @@
 
 #include "decimal.h"
 #include "file_error.h"
+#include "number_chars.h"
 
 namespace phymul {
 namespace {
@@ -181,7 +181,7 @@ double ByteSource::real(NumberType type, const char* what) {
   } else {
     const std::string_view text = number_word(what);
     const std::string_view digits = without_plus(text);
-    const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    const auto [end, problem] = number_from_chars(digits.data(), digits.data() + digits.size(), value);
     // Underflow is no mistake of the file's: 1e-400 is zero.
     const bool tiny = problem == std::errc::result_out_of_range && digits.find("e-") != std::string_view::npos;
     if (tiny) value = 0.0;

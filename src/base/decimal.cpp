@@ -6,6 +6,8 @@
 #include <cmath>
 #include <system_error>
 
+#include "number_chars.h"
+
 namespace phymul {
 namespace {
 
@@ -20,7 +22,7 @@ template <class Number>
 std::optional<Number> parse_whole(std::string_view text) {
   Number value{};
   const char* const end = text.data() + text.size();
-  const auto [rest, problem] = std::from_chars(text.data(), end, value);
+  const auto [rest, problem] = number_from_chars(text.data(), end, value);
   if (problem != std::errc{} || rest != end) return std::nullopt;
   return value;
 }

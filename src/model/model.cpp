@@ -93,7 +93,7 @@ RaggedList neighbours_from_cells(const std::vector<Cell>& cells, Index particle_
   });
   for (Index i = 0; i < particle_count; ++i) start[i + 1] += start[i];
   std::vector<Index> entry(static_cast<std::size_t>(start.back()));
-  std::vector<std::int64_t> next(start.begin(), start.end() - 1);
+  std::vector<std::size_t> next(start.begin(), start.end() - 1);
   each_edge([&](Index a, Index b) {
     entry[next[a]++] = b;
     entry[next[b]++] = a;
@@ -101,7 +101,8 @@ RaggedList neighbours_from_cells(const std::vector<Cell>& cells, Index particle_
   RaggedList list;
   list.offset.reserve(start.size());
   for (Index i = 0; i < particle_count; ++i) {
-    const auto first = entry.begin() + start[i], last = entry.begin() + start[i + 1];
+    const auto place = [&](Index row) { return entry.begin() + static_cast<std::ptrdiff_t>(start[row]); };
+    const auto first = place(i), last = place(i + 1);
     std::sort(first, last);
     list.push_row(first, std::remove(first, std::unique(first, last), i));
   }

@@ -226,7 +226,7 @@ void change_scene(Scene& scene, ByteReader& in) {
     if (row == scene.loads().size()) {
       scene.add(take_load(in));
     } else {
-      scene.replace(row, take_load(in));
+      scene.replace(static_cast<std::size_t>(row), take_load(in));
     }
   }
   if (scene.loads().size() < count) in.fail("expected " + std::to_string(count) + " loads, got fewer");

@@ -62,10 +62,10 @@ std::vector<CornerSimplex> corner_simplices(const Model& model, Index cell_row) 
   const bool clockwise = wound_clockwise(model, cell);
   std::vector<CornerSimplex> result;
   double sum = 0.0;
-  for (const CellCorner& corner : corners_of(cell.type)) {
+  for (const CellCorner& ends : corners_of(cell.type)) {
     CornerSimplex simplex;
     simplex.cell = cell_row;
-    for (std::size_t v = 0; v < 4; ++v) simplex.vertex[v] = corner[v] < 0 ? -1 : cell.particles[corner[v]];
+    for (std::size_t v = 0; v < 4; ++v) simplex.vertex[v] = ends[v] < 0 ? -1 : cell.particles[ends[v]];
     if (clockwise) std::swap(simplex.vertex[1], simplex.vertex[2]);
     const Extent size = extent(model.rest, simplex.vertex);
     const double flat = flat_corner * std::pow(size.longest_edge, model.dimension);

@@ -95,7 +95,8 @@ function(check_library_file file)
 endfunction()
 
 # Benches, examples and bindings are users: the public headers and their own folder; benches share the tests' bodies,
-# those named for src/cpu look into it, and studies share the benches' expressions.
+# those named for src/cpu look into it, and studies share the benches' expressions. The page shares
+# what other examples make.
 function(check_user_file file)
   cmake_path(RELATIVE_PATH file BASE_DIRECTORY "${ROOT}" OUTPUT_VARIABLE own)
   cmake_path(GET file PARENT_PATH folder)
@@ -109,6 +110,9 @@ function(check_user_file file)
       continue()
     endif()
     if(own MATCHES "^examples/study_" AND path STREQUAL "expression.h" AND EXISTS "${ROOT}/bench/${path}")
+      continue()
+    endif()
+    if(own MATCHES "^examples/browser/" AND path MATCHES "^[a-z_]+\\.h$" AND EXISTS "${ROOT}/examples/${path}")
       continue()
     endif()
     if(path MATCHES "\\.\\./" OR NOT EXISTS "${folder}/${path}")

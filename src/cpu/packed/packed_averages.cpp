@@ -255,7 +255,7 @@ double PackedAverages::bytes() const {
 std::vector<int> PackedAverages::shared_out(int parts) const {
   std::vector<int> first{0};
   const auto work = [&](int slice) {
-    const std::int64_t slot = static_cast<std::int64_t>(slice) * lanes;
+    const std::size_t slot = static_cast<std::size_t>(slice) * lanes;
     return runs.empty() ? static_cast<double>(first_link[slot]) + 5.0 * static_cast<double>(slot) : slice;
   };
   for (int slice = 0; slice < slices(); ++slice) {

@@ -3,7 +3,16 @@
 
 #include <utility>
 
+#include "device/slice_tables.h"
+
 namespace phymul::gl {
+
+std::unique_ptr<Device> make_compute_device(FloatTables tables, const TopologyTextures& topology, const Scene& scene,
+                                            const FloatTools& tools, const ShaderLibrary& library) {
+  const SliceTables slices = pack_slices(std::move(tables), topology);
+  return std::make_unique<ComputeDevice>(slices, scene, tools, library);
+}
+
 ComputeDevice::ComputeDevice(const SliceTables& slices, const Scene& scene, const FloatTools& tools,
                              const ShaderLibrary& library, const ComputeLimits& limits)
     : library_(library),

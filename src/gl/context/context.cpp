@@ -1,15 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "context.h"
 
-#include "context_current.h"
-#include "context_own.h"
-
 namespace phymul::gl {
-
-std::shared_ptr<Context> Context::open(const GlOptions& options, GlBackend backend) {
-  if (options.context == GlContext::current) return std::make_shared<CurrentContext>(backend);
-  return OwnContext::open(options, backend);
-}
 
 bool Context::lost() noexcept {
   if (lost_) return true;

@@ -68,7 +68,7 @@ ContextInfo read_context_info() {
   ContextInfo info;
   read_version(info);
   info.vendor = text_of(GL_VENDOR);
-  info.renderer = text_of(GL_RENDERER);
+  info.renderer = text_of(renderer_name);
   info.software = is_software_renderer(info.renderer);
   info.loop_turns = loop_turns_of(info.renderer);
   require_version(info);

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "context_current.h"
 #include "egl_display.h"
 #include "gl_functions.h"
 #include "guard_egl.h"
@@ -196,6 +197,11 @@ std::shared_ptr<OwnContext> OwnContext::open(const GlOptions& options, GlBackend
   }
   throw Error(ErrorCode::device,
               "no OpenGL 3.3 or OpenGL ES 3.0 context without a window could be made; tried:" + failures);
+}
+
+std::shared_ptr<Context> Context::open(const GlOptions& options, GlBackend backend) {
+  if (options.context == GlContext::current) return std::make_shared<CurrentContext>(backend);
+  return OwnContext::open(options, backend);
 }
 
 OwnContext::~OwnContext() {

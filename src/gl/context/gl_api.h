@@ -3,12 +3,20 @@
 // The one place that includes GL and EGL headers. GLEW is the loader; see gl_functions.h for what it does not load.
 #pragma once
 
+#ifdef __EMSCRIPTEN__
+#include "gl/web/web_api.h"
+#else
 #include <GL/glew.h>
 
 // Without it the EGL headers bring Xlib's macros (None, Status, Bool) along.
 #define EGL_NO_X11
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
+
+namespace phymul::gl {
+inline constexpr GLenum renderer_name = GL_RENDERER;
+}
+#endif
 
 namespace phymul::gl {
 

@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "mapped_buffer.h"
+
 namespace phymul::gl {
 namespace {
 
@@ -74,15 +76,12 @@ void StorageBuffer::read(std::int64_t first_row, std::int64_t rows, void* out) c
   glBindBuffer(GL_COPY_READ_BUFFER, id_);
   glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(first_row * row_bytes), 0,
                       bytes);
-  const void* from = glMapBufferRange(GL_COPY_WRITE_BUFFER, 0, bytes, GL_MAP_READ_BIT);
-  if (from) {
-    std::memcpy(out, from, static_cast<std::size_t>(bytes));
-    glUnmapBuffer(GL_COPY_WRITE_BUFFER);
-  }
+  const bool came = read_buffer(GL_COPY_WRITE_BUFFER, bytes,
+                                [&](const void* from) { std::memcpy(out, from, static_cast<std::size_t>(bytes)); });
   glBindBuffer(GL_COPY_READ_BUFFER, 0);
   glBindBuffer(GL_COPY_WRITE_BUFFER, 0);
   glDeleteBuffers(1, &staging);
-  if (!from) throw Error(ErrorCode::device, "the device gave no copy of its rows");
+  if (!came) throw Error(ErrorCode::device, "the device gave no copy of its rows");
 }
 
 }  // namespace phymul::gl

@@ -9,8 +9,10 @@
 #include <span>
 #include <vector>
 
+#include "device/float_tables.h"
 #include "device/float_tools.h"
 #include "gl/objects/pass_timer.h"
+#include "gl/objects/shader_source.h"
 #include "gl/objects/texture.h"
 
 namespace phymul::gl {
@@ -96,5 +98,9 @@ class Device {
  private:
   std::unique_ptr<PassTimer> timer_;
 };
+
+/// The device of "gl-compute". Throws Error also where this build has none.
+std::unique_ptr<Device> make_compute_device(FloatTables tables, const TopologyTextures& topology, const Scene& scene,
+                                            const FloatTools& tools, const ShaderLibrary& library);
 
 }  // namespace phymul::gl

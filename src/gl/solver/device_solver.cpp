@@ -9,8 +9,6 @@
 
 #include "device/base_layout.h"
 #include "device/float_range.h"
-#include "device/slice_tables.h"
-#include "gl/compute/compute_device.h"
 #include "gl/fragment/fragment_device.h"
 #include "gl/objects/loop_turns.h"
 #include "scene/tool_state.h"
@@ -65,8 +63,7 @@ void DeviceSolver::build() {
   require_turns(info, tables.turns);
   const ShaderLibrary library(gl_.shader_folder, info.es, !info.es || info.at_least(3, 2));
   if (backend_ == GlBackend::compute) {
-    const SliceTables slices = pack_slices(std::move(tables), topology());
-    context_->run([&] { device_ = std::make_unique<ComputeDevice>(slices, scene(), tools_, library); });
+    context_->run([&] { device_ = make_compute_device(std::move(tables), topology(), scene(), tools_, library); });
   } else {
     context_->run([&] { device_ = std::make_unique<FragmentDevice>(tables, scene(), tools_, library); });
   }

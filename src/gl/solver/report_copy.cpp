@@ -5,6 +5,8 @@
 
 #include <cstring>
 
+#include "gl/objects/mapped_buffer.h"
+
 namespace phymul::gl {
 namespace {
 
@@ -29,12 +31,11 @@ GLsizeiptr ReportCopy::bytes() const {
 
 BatchReport ReportCopy::end() {
   Rows rows{};
-  if (const void* from = glMapBufferRange(GL_PIXEL_PACK_BUFFER, 0, bytes(), GL_MAP_READ_BIT)) {
+  read_buffer(GL_PIXEL_PACK_BUFFER, bytes(), [&](const void* from) {
     std::memcpy(&rows, from, sizeof rows);
     if (!more_.empty())
       std::memcpy(more_.data(), static_cast<const char*>(from) + sizeof rows, more_.size() * sizeof(Float4));
-    glUnmapBuffer(GL_PIXEL_PACK_BUFFER);
-  }
+  });
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   return {rows.events, rows.largest};
 }

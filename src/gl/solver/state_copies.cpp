@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "state_copies.h"
 
+#include "gl/objects/mapped_buffer.h"
+
 namespace phymul::gl {
 
 void pack_state(const VecList& rest, const State& state, PlaceOf place_of, Float4* displacement, Float4* velocity) {
@@ -71,17 +73,16 @@ bool StateCopies::collect(const VecList& rest, PlaceOf place_of, State& state) {
   if (answer != GL_ALREADY_SIGNALED && answer != GL_CONDITION_SATISFIED) return false;
   glBindBuffer(GL_PIXEL_PACK_BUFFER, copy.buffer);
   const auto bytes = static_cast<GLsizeiptr>(2 * copy.rows * sizeof(Float4));
-  const auto* rows = static_cast<const Float4*>(glMapBufferRange(GL_PIXEL_PACK_BUFFER, 0, bytes, GL_MAP_READ_BIT));
-  if (rows) {
+  const bool came = read_buffer(GL_PIXEL_PACK_BUFFER, bytes, [&](const void* from) {
+    const auto* rows = static_cast<const Float4*>(from);
     unpack_state(rows, rows + copy.rows, rest, place_of, state);
     state.time = copy.time;
     state.tools = std::move(copy.tools);
-    glUnmapBuffer(GL_PIXEL_PACK_BUFFER);
-  }
+  });
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   drop(copy);
   on_their_way_.pop_front();
-  return rows != nullptr;
+  return came;
 }
 
 }  // namespace phymul::gl

@@ -56,7 +56,7 @@ std::size_t voxel_count(const std::string& path, const std::vector<std::int64_t>
                 "expected at least one voxel along each axis and 2^31 bytes in all at most, got " + text +
                     " voxels of " + std::to_string(size_of(type)) + " bytes");
   }
-  return count;
+  return static_cast<std::size_t>(count);
 }
 
 std::vector<std::uint16_t> labels_of(const std::string& path, const void* numbers, std::size_t count, NumberType type) {

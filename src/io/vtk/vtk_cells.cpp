@@ -100,8 +100,8 @@ void append_vtk_cells(const VtkCells& vtk, Index first_point, const std::string&
     const std::int64_t type = vtk.types[c];
     if (type == vtk_empty) continue;
     const Place place{where, c};
-    const auto begin = vtk.connectivity.begin() + vtk.offset[c];
-    const auto end = vtk.connectivity.begin() + vtk.offset[c + 1];
+    const auto begin = vtk.connectivity.begin() + static_cast<std::ptrdiff_t>(vtk.offset[c]);
+    const auto end = vtk.connectivity.begin() + static_cast<std::ptrdiff_t>(vtk.offset[c + 1]);
     Cell cell;
     cell.type = our_type(type, static_cast<std::size_t>(end - begin), place);
     const int corners = cell_size(cell.type);
