@@ -24,6 +24,20 @@ TEST(GuideChoosing, Sleeps) {
   EXPECT_TRUE(sim.warnings().empty() || sim.warnings()[0].find("sleep") == std::string::npos);
 }
 
+TEST(GuideChoosing, GivesAStiffPartSubsteps) {
+  phymul::Model organ = phymul::make_block({0.04, 0.04, 0.04}, 8, 8, 8);
+  organ.add_group("tumour", organ.particles_in(phymul::in_sphere({0.02, 0.02, 0.02}, 0.009)));
+  const phymul::Material hard{.young = 800e3, .poisson = 0.4, .density = 1060};
+
+  phymul::Simulation sim(organ, {.material = soft,
+                                 .materials = {{"tumour", hard}},
+                                 .backend = "cpu",
+                                 .solver = {.max_substeps = 16}});
+
+  EXPECT_GT(sim.solver().substeps(), 4);
+  EXPECT_TRUE(sim.advance(0.05).ok());
+}
+
 TEST(GuideContacts, LetBodiesTouch) {
   const phymul::Model liver = phymul::make_block({0.04, 0.04, 0.02}, 4, 4, 2);
   const phymul::Model gallbladder = phymul::moved(liver, {0, 0, 0.0225});
