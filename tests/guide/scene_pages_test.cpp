@@ -26,13 +26,13 @@ TEST(GuideChoosing, Sleeps) {
 
 TEST(GuideChoosing, GivesAStiffPartSubsteps) {
   phymul::Model organ = phymul::make_block({0.04, 0.04, 0.04}, 8, 8, 8);
-  organ.add_group("tumour", organ.particles_in(phymul::in_sphere({0.02, 0.02, 0.02}, 0.009)));
+  organ.add_group("tumour", organ.particles_in([](const phymul::Vec3& place) {
+    return (place - phymul::Vec3(0.02, 0.02, 0.02)).norm() < 0.009;
+  }));
   const phymul::Material hard{.young = 800e3, .poisson = 0.4, .density = 1060};
 
-  phymul::Simulation sim(organ, {.material = soft,
-                                 .materials = {{"tumour", hard}},
-                                 .backend = "cpu",
-                                 .solver = {.max_substeps = 16}});
+  phymul::Simulation sim(
+      organ, {.material = soft, .materials = {{"tumour", hard}}, .backend = "cpu", .solver = {.max_substeps = 16}});
 
   EXPECT_GT(sim.solver().substeps(), 4);
   EXPECT_TRUE(sim.advance(0.05).ok());
