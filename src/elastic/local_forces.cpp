@@ -12,10 +12,10 @@
 namespace phymul {
 namespace {
 
-constexpr const char* part_name = "pushes";
+constexpr const char* pushes_part = "pushes";
 
-const Snapshot::Part* find_part(const Snapshot& snapshot) {
-  const auto part = std::ranges::find(snapshot.parts, part_name, &Snapshot::Part::name);
+const Snapshot::Part* find_pushes(const Snapshot& snapshot) {
+  const auto part = std::ranges::find(snapshot.parts, pushes_part, &Snapshot::Part::name);
   return part == snapshot.parts.end() ? nullptr : &*part;
 }
 
@@ -109,15 +109,15 @@ void LocalForces::put(Snapshot& snapshot) const {
   for (const Vec3& push : pushes_) {
     for (const double component : push) out.real(component);
   }
-  snapshot.parts.push_back({part_name, {out.bytes().begin(), out.bytes().end()}});
+  snapshot.parts.push_back({pushes_part, {out.bytes().begin(), out.bytes().end()}});
 }
 
 bool LocalForces::has(const Snapshot& snapshot) {
-  return find_part(snapshot) != nullptr;
+  return find_pushes(snapshot) != nullptr;
 }
 
 void LocalForces::take(const Snapshot& snapshot) {
-  const Snapshot::Part* part = find_part(snapshot);
+  const Snapshot::Part* part = find_pushes(snapshot);
   if (part == nullptr) return reset();
   const std::string bytes(part->bytes.begin(), part->bytes.end());
   ByteReader in("the snapshot's part \"pushes\"", bytes);
