@@ -112,7 +112,7 @@ find_file(PHYMUL_LAVAPIPE lvp_icd.x86_64.json PATHS /usr/share/vulkan/icd.d NO_D
           DOC "Description of Mesa's software Vulkan")
 if(PHYMUL_LAVAPIPE)
   set(on_zink "GlContextTest.*:GlObjects.*:ShaderLibraryLog.*:GlComputeVersion.*:GlComputeDevice.*:GlFragment.*:GlDisplayTest.*")
-  set(on_zink "${on_zink}:GlRefusedNeedle.*:GlLife.*:GlContactMotion.*:*GlHosts.*:GlNoHost.*:*GlEquivalence.*")
+  set(on_zink "${on_zink}:GlRefusedNeedle.*:GlLife.*:GlContactMotion.*:*GlHosts.*:GlNoHost.*:*GlEquivalence.*:*GlContactRuns.*")
   set(not_on_zink "GlComputeDevice.StepsAreDoneAgain*:GlComputeDevice.HasTheBits*:*GlEquivalence.DampedBodies*")
   set(not_on_zink "${not_on_zink}:*GlEquivalence.SingleSteps*:*GlEquivalence.FourSolvers*")
   add_test(NAME gl.zink.phymul_gl_test COMMAND phymul_gl_test "--gtest_filter=${on_zink}-${not_on_zink}" --gtest_brief=1)
