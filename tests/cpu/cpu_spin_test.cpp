@@ -73,8 +73,8 @@ TEST(CpuSpin, TheTorqueOfRoundingIsBounded) {
                exact = make_solver("reference", model, scene, options);
     const double unit = unit_of(single->topology()), dt = 0.1 * exact->stable_step();
     double largest = 0.0;
-    for (int k = 1; k <= 20; ++k) {
-      const double angle = 0.15 * k, turn = 2.0 * std::sin(0.5 * angle);
+    for (int k = 1; k <= 60; ++k) {
+      const double angle = 0.05 * k, turn = 2.0 * std::sin(0.5 * angle);
       largest = std::max(largest, std::abs(torque_at(*single, angle, dt)) / (unit * turn));
       EXPECT_LT(std::abs(torque_at(*exact, angle, dt)), 1e-6 * unit * turn) << angle;
     }
