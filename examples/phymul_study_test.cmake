@@ -41,7 +41,7 @@ set(spread "parameter young lognormal 8000 1.3\nparameter push uniform 0.01 0.05
            "target inside point 0.012 0.005 0.009\n")
 file(WRITE ${OUT}/sampled.study "${body}run --young {young} --poisson {nu} --force tip=0,0,{-push}\n"
      "parameter nu list 0.3 0.45\nsamples 12 seed 3\n" ${spread})
-file(WRITE ${OUT}/killed.study "${body}run --young {young} --force tip=0,0,{-push}\nsamples 1500\n" ${spread})
+file(WRITE ${OUT}/killed.study "${body}run --young {young} --force tip=0,0,{-push}\nsamples 600\n" ${spread})
 
 study(0 "nu = 0.45, inside: 12 scenes, 0 failed" ${STUDY} sampled.study --threads 1 --out one)
 study(0 "" ${STUDY} sampled.study --threads 3 --out three --quiet)
