@@ -41,7 +41,7 @@ set(spread "parameter young lognormal 8000 1.3\nparameter push uniform 0.01 0.05
            "target inside point 0.012 0.005 0.009\n")
 file(WRITE ${OUT}/sampled.study "${body}run --young {young} --poisson {nu} --force tip=0,0,{-push}\n"
      "parameter nu list 0.3 0.45\nsamples 12 seed 3\n" ${spread})
-file(WRITE ${OUT}/killed.study "${body}run --young {young} --force tip=0,0,{-push}\nsamples 800\n" ${spread})
+file(WRITE ${OUT}/killed.study "${body}run --young {young} --force tip=0,0,{-push}\nsamples 600\n" ${spread})
 
 study(0 "nu = 0.45, inside: 12 scenes, 0 failed" ${STUDY} sampled.study --threads 1 --out one)
 study(0 "" ${STUDY} sampled.study --threads 3 --out three --quiet)
@@ -82,12 +82,12 @@ expect_found(fit_one/fit.csv top 3000 10)
 
 # Refused, with file and line, or with the scene that has no result.
 file(WRITE ${OUT}/group.study "${body}run --force no_such_group=0,0,1\ntarget tip group tip\n")
-file(WRITE ${OUT}/option.study "${body}run --frce tip=0,0,1\ntarget tip group tip\n")
+file(WRITE ${OUT}/option.study "${body}run --young soft\ntarget tip group tip\n")
 file(WRITE ${OUT}/ratio.study "${body}run --force tip=0,0,-0.01 --poisson {nu}\nparameter nu list 0.3 0.6\ntarget tip group tip\n")
 file(WRITE ${OUT}/loose.study "run ${MESH} --unit 0.01 --gravity 0 0 {g}\nparameter g list 0 -1\ntarget tip group tip\n")
 file(WRITE ${OUT}/away.study "${body}target tip point 1 0 0\n")
 study(1 "^phymul-study: group.study:2: .*no_such_group" ${STUDY} group.study --out none)
-study(1 "^phymul-study: option.study:2: .*--frce" ${STUDY} option.study --out none)
+study(1 "^phymul-study: option.study:2: .*--young" ${STUDY} option.study --out none)
 study(1 "^phymul-study: away.study:1: " ${STUDY} away.study --out none)
 study(1 "^phymul-study: no.study: expected a study file that can be read" ${STUDY} no.study --out none)
 study(1 "--show: expected a scene of 1 to 24, got 25" ${STUDY} sampled.study --show 25)

@@ -53,12 +53,12 @@ add_test(NAME example.phymul_study_killed
 set_tests_properties(example.phymul_study PROPERTIES FIXTURES_SETUP studies
                                                      ENVIRONMENT "${mpi_environment}"
                                                      SKIP_REGULAR_EXPRESSION "MPI NOT TESTED")
-set_tests_properties(example.phymul_study_killed PROPERTIES FIXTURES_REQUIRED studies)
+set_tests_properties(example.phymul_study_killed PROPERTIES FIXTURES_REQUIRED studies TIMEOUT 300)
 if(phymul_has_mpi)
   add_test(NAME example.phymul_study_killed_mpi
            COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/phymul_study_kill_test.sh $<TARGET_FILE:phymul-study>
                    ${CMAKE_CURRENT_BINARY_DIR}/phymul_study_out/killed.study
                    ${CMAKE_CURRENT_BINARY_DIR}/phymul_study_killed_mpi ${mpirun})
-  set_tests_properties(example.phymul_study_killed_mpi PROPERTIES FIXTURES_REQUIRED studies
+  set_tests_properties(example.phymul_study_killed_mpi PROPERTIES FIXTURES_REQUIRED studies TIMEOUT 300
                                                                   ENVIRONMENT "${mpi_environment}")
 endif()
