@@ -136,29 +136,37 @@ Model tissue(bool with_material) {
   return model;
 }
 
-State pressed(const Model& model, const std::shared_ptr<TaskRunner>& host, int threads) {
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
-  scene.add_tool("ball", {.shape = Sphere{0.02}, .pose = {.position = {0.15, 0.05, 0.115}}});
-  TopologyOptions tables;
-  tables.runner = host;
-  const auto solver = make_solver("cpu", model, scene, tables, {.threads = threads, .runner = host});
-  EXPECT_TRUE(solver->step(60, 0.5 * solver->stable_step()).ok());
-  return solver->read();
-}
+/// One set-up for many solvers, because it takes far longer than their steps.
+struct Pressed {
+  explicit Pressed(bool with_material) : model(tissue(with_material)) {
+    scene.fix("x0").gravity({0, 0, -9.81});
+    scene.add_tool("ball", {.shape = Sphere{0.02}, .pose = {.position = {0.15, 0.05, 0.115}}});
+  }
+
+  State by(const std::shared_ptr<TaskRunner>& host, int threads) const {
+    const auto solver = make_solver("cpu", tables, scene, {.spectrum = spectrum, .threads = threads, .runner = host});
+    EXPECT_TRUE(solver->step(20, 0.5 * solver->stable_step()).ok());
+    return solver->read();
+  }
+
+  Model model;
+  Scene scene{model};
+  std::shared_ptr<const TopologyTextures> tables = std::make_shared<const TopologyTextures>(build_topology(model));
+  Spectrum spectrum = estimate_spectrum(*tables, tables->rest);
+};
 
 TEST(HostThreads, StepsHaveTheSameBits) {
   for (const bool with_material : {true, false}) {
-    const Model model = tissue(with_material);
-    const State own = pressed(model, nullptr, 1);
-    EXPECT_TRUE(pressed(model, nullptr, 2) == own);
+    const Pressed body(with_material);
+    const State own = body.by(nullptr, 1);
+    EXPECT_TRUE(body.by(nullptr, 2) == own);
     for (const auto& [name, how] : all_hosts()) {
       for (const int width : {1, 3}) {
         const auto host = std::make_shared<Host>(width, how);
-        EXPECT_TRUE(pressed(model, host, 4) == own) << name << ", " << width;
+        EXPECT_TRUE(body.by(host, 4) == own) << name << ", " << width;
         EXPECT_EQ(host->largest, width == 1 ? 0 : 3) << name;
         if (width > 1) {
-          EXPECT_GT(host->calls, 60) << name;
+          EXPECT_GE(host->calls, 20) << name;
         }
       }
     }
@@ -248,7 +256,7 @@ TEST(HostThreads, ExceptionsOfASetUpReachTheCaller) {
 
 TEST(HostThreads, ARunnerWithoutAThreadIsRefused) {
   const auto none = std::make_shared<Host>(0, in_turn);
-  const Model model = tissue(true);
+  const Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
   TopologyOptions options;
   options.runner = none;
   EXPECT_THROW(build_topology(model, options), Error);
