@@ -2,7 +2,7 @@
 //
 // Per domain of the particle-averaged law: the first Piola stress of its mean deformation, less the stabiliser's part,
 // Pa, by columns. The fourth components are the force of its spread on its particle, N. Needs tables.glsl and an energy
-// of kernels/.
+// of kernels/. With SCALED_STIFFNESS all of it is multiplied by the domain's factor.
 
 RESULT(0, vec4, domain_column_0);
 RESULT(1, vec4, domain_column_1);
@@ -33,6 +33,12 @@ void domain_row(int d) {
   domain_column_0 = vec4(Q.c0, spread.x);
   domain_column_1 = vec4(Q.c1, spread.y);
   domain_column_2 = vec4(Q.c2, spread.z);
+#ifdef SCALED_STIFFNESS
+  float factor = fetch_load_float(stiffness_factor, stiffness_factor_place, d);
+  domain_column_0 = factor * domain_column_0;
+  domain_column_1 = factor * domain_column_1;
+  domain_column_2 = factor * domain_column_2;
+#endif
 }
 
 PASS_MAIN(domain_row)

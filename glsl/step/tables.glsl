@@ -37,6 +37,7 @@ TABLE_INTS(load_index, load_index_place);    // first and end row of force parts
 TABLE_FLOATS(load_parts, load_parts_place);  // vector, number of the value it is multiplied by
 TABLE_FLOATS(load_values, load_values_place);  // a row of load_count values per instant
 uniform int load_count;
+TABLE_FLOATS(stiffness_factor, stiffness_factor_place);  // per domain; only with SCALED_STIFFNESS
 
 // First row and end of what belongs to particle i.
 #ifdef SLICED

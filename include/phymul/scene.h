@@ -141,8 +141,8 @@ class Scene {
   /// Multiplies the stiffness of all materials of the model, or of one of them, by a factor from 1e-6 to 1e6: Young's
   /// modulus and what follows from it. Always of the model's own values: 1 takes it back. Cheap for any size of body:
   /// solvers build no tables anew, and allocate only where the first factor other than 1 comes or the last one goes.
-  /// Solver::stable_step() follows at once, by a bound: the model's own over the root of the largest factor. Backends
-  /// "cpu" and "reference"; a solver of another backend stops with not_supported. Throws Error for a model without
+  /// Solver::stable_step() follows at once, by a bound: the model's own over the root of the largest factor. All
+  /// backends of this library; one from outside it may stop with not_supported. Throws Error for a model without
   /// materials or without this one, and for a factor out of range.
   Scene& scale_stiffness(double factor);
   Scene& scale_stiffness(const Material& material, double factor);  ///< one of Model::materials, as set_material got it

@@ -90,6 +90,7 @@ class MirrorSolver final : public SolverBackend {
         force_(u_.size()) {
     tools_.follow(scene());
     volumes_.follow(scene());
+    forces_.scale(scene().stiffness_factors());
     reset();
   }
 
@@ -111,9 +112,17 @@ class MirrorSolver final : public SolverBackend {
     loads_ = FloatLoads(scene());
     tools_.follow(scene());
     volumes_.follow(scene());
+    forces_.scale(scene().stiffness_factors());
   }
 
-  void do_values_changed() override { steps_at_rest_ = 0; }
+  void do_values_changed() override {
+    steps_at_rest_ = 0;
+    forces_.scale(scene().stiffness_factors());
+  }
+  const char* do_cannot() const override {
+    if (has_needle(scene().tools()) || scene().contacts()) return "the mirror has no needles and no contacts";
+    return beyond_devices();
+  }
   bool do_takes_tools() const override { return true; }
   bool do_takes_volumes() const override { return true; }
   const ToolReport& do_tool_report(std::size_t row) const override { return tools_.report(scene().tools()[row]); }

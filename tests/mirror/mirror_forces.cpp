@@ -31,6 +31,11 @@ MirrorForces::MirrorForces(FloatTables tables)
       domain_stress_(tables_.domains.range.size()),
       spread_force_(tables_.domains.range.size()) {}
 
+void MirrorForces::scale(std::span<const double> of_materials) {
+  factor_.resize(of_materials.empty() ? 0 : tables_.domains.material.size());
+  spread_factors(tables_.domains.material, of_materials, factor_);
+}
+
 Forces::DeltaBase MirrorForces::base_at(Index t, std::span<const Float3> u, Float3& d1, Float3& d2) const {
   const auto [a, b, c, beta] = tables_.base[t];
   d1 = u[b] - u[a];
@@ -168,6 +173,9 @@ void MirrorForces::domain_rows(std::span<const Float3> u) const {
     with_energy<float>(tables_.options, [&](auto energy) { Q = energy.energy_stress(H, p.data()); });
     Q = Forces::minus(Q, Forces::scaled(law_of(d)[1], H));
     if (tables_.dimension == 2) Q.c0.z = Q.c1.z = 0.0f;
+    if (factor_.empty()) continue;
+    Q = Forces::scaled(factor_[d], Q);
+    spread_force_[d] = factor_[d] * spread_force_[d];
   }
 }
 

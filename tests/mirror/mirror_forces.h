@@ -21,6 +21,9 @@ class MirrorForces {
 
   const FloatTables& tables() const { return tables_; }
 
+  /// Scene::stiffness_factors().
+  void scale(std::span<const double> of_materials);
+
   /// Elastic forces, N, at displacements u, m; both [particles]. Overwrites `force`; does not allocate.
   void evaluate(std::span<const Float3> u, std::span<Float3> force) const;
 
@@ -47,6 +50,7 @@ class MirrorForces {
   mutable std::vector<Float3> volume_force_;  // [4 volumes]
   mutable std::vector<Columns<float>> domain_stress_;
   mutable std::vector<Float3> spread_force_;  // [domains]
+  std::vector<float> factor_;                 // [domains] of the stiffness; empty: 1
 };
 
 }  // namespace phymul::cpu

@@ -67,10 +67,11 @@ class ComputePasses {
   };
   struct TermRows {
     bool attractors = false, bases = false, volumes = false, domains = false;
+    bool scaled = false;  ///< the stiffness of domains is
     bool any() const { return attractors || bases || volumes || domains; }
   };
-  void compile_terms(const ComputeState& state);
-  void add_terms(const TermRows& rows, const ComputeState& state);
+  std::vector<Terms> compiled_terms(bool scaled, const ComputeState& state) const;
+  Terms terms_of(const TermRows& rows, const ComputeState& state) const;
   ShaderRequest gathering(const StepKind& step) const;
   void add_tools(const StepKind& step, ShaderRequest& request) const;
   Stepping compiled(const StepKind& kind, const ComputeState& state) const;
@@ -85,8 +86,8 @@ class ComputePasses {
   const ComputeTables* tables_;
   const ShaderLibrary* library_;
   ComputeLimits limits_;
-  std::vector<Terms> terms_;  // dispatched in order before a step
-  bool terms_compiled_ = false;
+  std::vector<Terms> terms_, scaled_terms_;  // dispatched in order before a step; the latter where stiffness is scaled
+  std::vector<Terms>* terms_now_ = nullptr;
   std::deque<Stepping> stepping_;  // whose addresses stay
   Stepping* now_ = nullptr;
   const ComputeLoads* loads_ = nullptr;    // that now_ is for

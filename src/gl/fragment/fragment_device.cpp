@@ -23,7 +23,7 @@ FragmentDevice::FragmentDevice(const FloatTables& tables, const Scene& scene, co
 void FragmentDevice::set_scene(const Scene& scene, const FloatTools& tools) {
   std::optional<PlannedContacts> touching;  // first, as it may refuse
   if (scene.contacts()) touching.emplace(scene);
-  auto new_loads = std::make_unique<FragmentLoads>(scene, most_steps + 1);
+  auto new_loads = std::make_unique<FragmentLoads>(scene, most_steps + 1, tables_);
   auto new_tools = tools.empty() ? nullptr : std::make_unique<FragmentTools>(tools);
   const FloatVolumes volumes = pack_volumes(scene);
   auto new_volumes = volumes.empty() ? nullptr : std::make_unique<FragmentVolumes>(volumes);

@@ -21,12 +21,16 @@ FragmentPasses::FragmentPasses(const FragmentTables& tables, const ShaderLibrary
   if (tables.kind().domains > 0) add_domains();
 }
 
-void FragmentPasses::add(ShaderRequest request, const std::vector<Attachment>& targets, int rows) {
+Pass FragmentPasses::term_pass(ShaderRequest request, const Texture& target, int rows) const {
   define_kernels(tables_->kind(), request);
-  Drawing drawing{Pass(*library_, std::move(request)), Framebuffer(targets), rows};
-  tables_->bind(drawing.pass);
-  drawing.pass.set_rows(*targets.front().texture, rows);
-  before_.push_back(std::move(drawing));
+  Pass pass(*library_, std::move(request));
+  tables_->bind(pass);
+  pass.set_rows(target, rows);
+  return pass;
+}
+
+void FragmentPasses::add(ShaderRequest request, const std::vector<Attachment>& targets, int rows) {
+  before_.push_back({term_pass(std::move(request), *targets.front().texture, rows), Framebuffer(targets), rows});
 }
 
 void FragmentPasses::add_attractors() {
@@ -60,8 +64,11 @@ void FragmentPasses::add_volumes() {
 void FragmentPasses::add_domains() {
   const BodyKind& kind = tables_->kind();
   domain_terms_ = Texture::target(kind.domains, TexelFormat::rgba32f, "stresses of domains", 3);
-  add({.files = joined({common, energy_kernel(kind), {"step/domains_pass.glsl"}}), .defines = {}},
-      {{&domain_terms_, 0}, {&domain_terms_, 1}, {&domain_terms_, 2}}, kind.domains);
+  add(domains_request(), {{&domain_terms_, 0}, {&domain_terms_, 1}, {&domain_terms_, 2}}, kind.domains);
+}
+
+ShaderRequest FragmentPasses::domains_request() const {
+  return {.files = joined({common, energy_kernel(tables_->kind()), {"step/domains_pass.glsl"}}), .defines = {}};
 }
 
 ShaderRequest FragmentPasses::gathering(const LoadKind& loads) const {
@@ -110,6 +117,11 @@ FragmentPasses::Stepping FragmentPasses::compiled(const StepKind& kind) const {
     tables_->bind(stepping.reaction);
     bind_terms(stepping.reaction);
     stepping.tools = compiled(kind, {"tools/tools_pass.glsl"});
+  }
+  if (kind.loads.scaled) {
+    ShaderRequest domains = domains_request();
+    domains.defines.emplace_back("SCALED_STIFFNESS", 1);
+    stepping.domains = term_pass(std::move(domains), domain_terms_, tables_->kind().domains);
   }
   if (kind.contacts) stepping.free = compiled(kind, {"step/free_pass.glsl"});
   stepping.step = compiled(kind, {"report/measure_step.glsl", "step/step_pass.glsl"});
@@ -169,6 +181,7 @@ void FragmentPasses::make_passes(const StepKind& kind) {
 
 void FragmentPasses::bind_scene() {
   loads_->bind(now_->step);
+  if (loads_->kind().scaled) loads_->bind_factors(now_->domains);
   if (tools_) {
     loads_->bind(now_->reaction);
     loads_->bind(now_->tools);
@@ -226,8 +239,9 @@ void FragmentPasses::prepare(Pass& pass, const FragmentState& state, int batch_s
 
 void FragmentPasses::step(const FragmentState& state, int batch_step, bool measuring) {
   for (Drawing& drawing : before_) {
-    drawing.pass.input("displacement", state.displacement());
-    drawing.pass.draw(drawing.target);
+    Pass& pass = loads_->kind().scaled && &drawing == &before_.back() ? now_->domains : drawing.pass;
+    pass.input("displacement", state.displacement());
+    pass.draw(drawing.target);
   }
   if (tools_) {
     Pass& reaction = now_->reaction;

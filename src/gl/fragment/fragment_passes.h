@@ -61,12 +61,15 @@ class FragmentPasses {
     Pass reaction, tools;                  // only with tools
     Pass along, facets, sums, roots, end;  // only where volumes are kept
     Pass free;                             // where bodies touch: up to what they push
+    Pass domains;                          // where stiffness is scaled: in place of the last of before_
   };
   void add(ShaderRequest request, const std::vector<Attachment>& targets, int rows);
+  Pass term_pass(ShaderRequest request, const Texture& target, int rows) const;
   void add_attractors();
   void add_bases();
   void add_volumes();
   void add_domains();
+  ShaderRequest domains_request() const;
   void bind_terms(Pass& pass) const;
   ShaderRequest gathering(const LoadKind& loads) const;
   Stepping compiled(const StepKind& kind) const;
