@@ -63,6 +63,8 @@ FloatDomains pack_domains(const TopologyTextures& topology) {
   }
   const std::size_t constants = kind_of(topology.options.strain_energy).constants, texels = (constants + 5) / 4;
   to.law_texels = static_cast<int>(texels);
+  to.source = order;
+  to.kept = kept_strains(topology);
   for (const Index d : order) {
     to.range.push_back({0, 0, 0, none});
     to.material.push_back(d == none ? none : topology.domains[d].material);

@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "elastic/dissipation.h"
 #include "table_rows.h"
 
 namespace phymul {
@@ -26,7 +27,9 @@ struct FloatDomains {
   std::vector<std::int32_t> owner;      ///< per domain: its particle; empty if no particle has several domains
   std::vector<std::int32_t> neighbour;  ///< per row: e
   std::vector<Float4> link;             ///< per row: area (m^2), stiffness (N/m; of a surface link 0)
+  std::vector<Index> source;            ///< per domain: its row of TopologyTextures::domains; `none` without links
   std::vector<Index> material;          ///< per domain: DomainTexel::material; `none` without links
+  KeptStrains kept;
 
   Index count() const { return static_cast<Index>(range.size()); }
 };

@@ -42,6 +42,9 @@ constexpr const char* no_needles =
     "the scene has a needle, which this backend does not take; use \"gl-compute\", \"cpu\" or \"reference\"";
 constexpr const char* no_volumes =
     "the scene keeps volumes, which this backend does not do; use \"cpu\", \"gl-compute\" or \"reference\"";
+constexpr const char* no_dissipation =
+    "the body has a material with Material::retardation_time or relaxation_strength, which this backend does not take; "
+    "use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_scaled_stiffness =
     "the scene scales the stiffness of materials, which this backend cannot; use \"cpu\", \"gl-compute\" or "
     "\"reference\"";
@@ -261,10 +264,6 @@ const char* SolverBackend::beyond_devices() const {
   if (!scene_->joints().empty()) {
     return "the scene has joints, which this backend does not take; use \"cpu\" or \"reference\"";
   }
-  if (!topology_->dissipation.empty()) {
-    return "the body has a material with Material::retardation_time or relaxation_strength, which this backend does "
-           "not take; use \"cpu\" or \"reference\"";
-  }
   return nullptr;
 }
 
@@ -272,6 +271,7 @@ const char* SolverBackend::do_cannot() const {
   if (!scene_->tools().empty() && !takes_tools()) return no_tools;
   if (has_needle(scene_->tools())) return no_needles;
   if (const char* const cause = beyond_devices()) return cause;
+  if (!topology_->dissipation.empty()) return no_dissipation;
   if (!scene_->stiffness_factors().empty()) return no_scaled_stiffness;
   if (!scene_->volume_constraints().empty() && !do_takes_volumes()) return no_volumes;
   return scene_->contacts() ? no_contacts : nullptr;

@@ -47,7 +47,11 @@ ComputePasses::Terms ComputePasses::terms_of(const TermRows& rows, const Compute
   if (rows.bases && kind.attractors) append(request, {"step/force_of.glsl"});
   if (rows.bases) append(request, {"step/bases_pass.glsl"});
   if (rows.volumes) append(request, joined({volume_kernel(), {"step/volumes_pass.glsl"}}));
-  if (rows.domains) append(request, joined({energy_kernel(kind), {"step/domains_pass.glsl"}}));
+  if (rows.domains) {
+    append(request, domain_files(kind));
+    if (kind.dissipates()) append(request, {"step/kept_strains.glsl"});
+    append(request, {"step/domains_pass.glsl"});
+  }
   append(request, {"step/terms_kernel.glsl"});
   Terms terms{.kernel = compiled(std::move(request), lanes, state)};
   const auto add = [&terms](const char* name, bool wanted, int count) {
@@ -206,6 +210,8 @@ void ComputePasses::set_constants(const StepConstants& constants) {
     set("speed_at_rest", constants.speed_at_rest);
     set("acceleration_at_rest", constants.acceleration_at_rest);
   });
+  dt_ = constants.dt;
+  last_dt_ = constants.last_dt > 0.0 ? constants.last_dt : constants.dt;
   if (now_->kind.needles) needles_->set_step(constants.dt);
   if (now_->kind.contacts) contacts_->set_step(constants.dt);
 }
@@ -218,12 +224,22 @@ void ComputePasses::run(Kernel& kernel, const ComputeState& state, int number, b
   kernel.dispatch(kernel.groups_for(tables_->kind().particles));
 }
 
-/// What pushes particles between forces and motion comes in the order of ToolSet::act and Touching of src/cpu.
-void ComputePasses::step(const ComputeState& state, int number, bool measuring) {
+void ComputePasses::dispatch_terms(const ComputeState& state, int number) {
   for (Terms& terms : *terms_now_) {
     terms.kernel.set("pair", state.current());
+    if (tables_->kind().dissipates()) {
+      terms.kernel.set("strains_place", state.strains_row(state.current()));
+      terms.kernel.set("next_strains_place", state.strains_row(state.free_pair()));
+      terms.kernel.set("strains_fresh", number == 1 && state.strains_fresh() ? 1 : 0);
+      terms.kernel.set("inverse_last_dt", static_cast<float>(1.0 / (number == 1 ? last_dt_ : dt_)));
+    }
     terms.kernel.dispatch(terms.groups);
   }
+}
+
+/// What pushes particles between forces and motion comes in the order of ToolSet::act and Touching of src/cpu.
+void ComputePasses::step(const ComputeState& state, int number, bool measuring) {
+  dispatch_terms(state, number);
   const StepKind& kind = now_->kind;
   if (kind.pushes()) run(now_->free, state, number, measuring);
   if (kind.needles) needles_->act(number, state.current());

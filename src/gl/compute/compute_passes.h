@@ -80,6 +80,7 @@ class ComputePasses {
   Kernel pressing(const StepKind& step, const ComputeState& state) const;
   Kernel keep_summing(const ComputeState& state) const;
   Kernel keep_ending(const StepKind& step, const ComputeState& state) const;
+  void dispatch_terms(const ComputeState& state, int number);
   void run(Kernel& kernel, const ComputeState& state, int number, bool measuring) const;
   void keep(const ComputeState& state, int number) const;
 
@@ -88,7 +89,8 @@ class ComputePasses {
   ComputeLimits limits_;
   std::vector<Terms> terms_, scaled_terms_;  // dispatched in order before a step; the latter where stiffness is scaled
   std::vector<Terms>* terms_now_ = nullptr;
-  std::deque<Stepping> stepping_;  // whose addresses stay
+  double dt_ = 0.0, last_dt_ = 0.0;  // s; StepConstants
+  std::deque<Stepping> stepping_;    // whose addresses stay
   Stepping* now_ = nullptr;
   const ComputeLoads* loads_ = nullptr;    // that now_ is for
   std::optional<ContactPasses> contacts_;  // once there were some

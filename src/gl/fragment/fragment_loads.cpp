@@ -6,7 +6,8 @@ namespace phymul::gl {
 FragmentLoads::FragmentLoads(const Scene& scene, int instants, const FragmentTables& tables)
     : table_(scene, instants, tables.materials()) {
   if (kind().scaled) {
-    factors_ = Texture::target(static_cast<std::int64_t>(table_.factors().size()), TexelFormat::r32f, "stiffness_factor");
+    factors_ =
+        Texture::target(static_cast<std::int64_t>(table_.factors().size()), TexelFormat::r32f, "stiffness_factor");
   }
   if (!kind().any()) return;
   index_ = Texture::table(std::span<const Int4>(table_.index()), "load_index");

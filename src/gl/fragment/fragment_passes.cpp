@@ -13,8 +13,9 @@ const ShaderFiles common{"dialect/dialect_fragment.glsl", "step/tables.glsl", "d
 
 }  // namespace
 
-FragmentPasses::FragmentPasses(const FragmentTables& tables, const ShaderLibrary& library)
-    : tables_(&tables), library_(&library) {
+FragmentPasses::FragmentPasses(const FragmentTables& tables, const FragmentStrains* strains,
+                               const ShaderLibrary& library)
+    : tables_(&tables), strains_(strains), library_(&library) {
   if (tables.kind().attractors) add_attractors();
   if (tables.kind().base_terms) add_bases();
   add_volumes();
@@ -65,10 +66,14 @@ void FragmentPasses::add_domains() {
   const BodyKind& kind = tables_->kind();
   domain_terms_ = Texture::target(kind.domains, TexelFormat::rgba32f, "stresses of domains", 3);
   add(domains_request(), {{&domain_terms_, 0}, {&domain_terms_, 1}, {&domain_terms_, 2}}, kind.domains);
+  if (!strains_) return;
+  const ShaderFiles passes{"step/kept_strains.glsl", "step/strains_pass.glsl"};
+  strains_pass_ = term_pass({.files = joined({common, domain_files(kind), passes}), .defines = {}},
+                            strains_->kept.texture(0), kind.domains);
 }
 
 ShaderRequest FragmentPasses::domains_request() const {
-  return {.files = joined({common, energy_kernel(tables_->kind()), {"step/domains_pass.glsl"}}), .defines = {}};
+  return {.files = joined({common, domain_files(tables_->kind()), {"step/domains_pass.glsl"}}), .defines = {}};
 }
 
 ShaderRequest FragmentPasses::gathering(const LoadKind& loads) const {
@@ -207,6 +212,8 @@ void FragmentPasses::bind_volumes() {
 }
 
 void FragmentPasses::set_constants(const StepConstants& constants) {
+  dt_ = constants.dt;
+  last_dt_ = constants.last_dt > 0.0 ? constants.last_dt : constants.dt;
   const auto finite = [](double value) { return std::min(value, double{std::numeric_limits<float>::max()}); };
   Pass& cutting = tools_ ? now_->reaction : contacts_ ? now_->free : now_->step;
   cutting.set("largest_acceleration", static_cast<float>(finite(constants.largest_acceleration)));
@@ -237,12 +244,27 @@ void FragmentPasses::prepare(Pass& pass, const FragmentState& state, int batch_s
   pass.set("gravity", loads_->gravity(static_cast<std::size_t>(batch_step - 1)));
 }
 
-void FragmentPasses::step(const FragmentState& state, int batch_step, bool measuring) {
+void FragmentPasses::draw_terms(const FragmentState& state, int batch_step, bool fresh) {
+  const auto remember = [&](Pass& pass) {
+    strains_->bind(pass, state.pair());
+    pass.set("strains_fresh", batch_step == 1 && fresh ? 1 : 0);
+    pass.set("inverse_last_dt", static_cast<float>(1.0 / (batch_step == 1 ? last_dt_ : dt_)));
+  };
   for (Drawing& drawing : before_) {
-    Pass& pass = loads_->kind().scaled && &drawing == &before_.back() ? now_->domains : drawing.pass;
+    const bool last = &drawing == &before_.back();  // of domains, where there are some
+    Pass& pass = last && loads_->kind().scaled ? now_->domains : drawing.pass;
     pass.input("displacement", state.displacement());
+    if (last && strains_) remember(pass);
     pass.draw(drawing.target);
   }
+  if (!strains_) return;
+  strains_pass_.input("displacement", state.displacement());
+  remember(strains_pass_);
+  strains_pass_.draw(strains_->kept.target(state.next_pair()));
+}
+
+void FragmentPasses::step(const FragmentState& state, int batch_step, bool measuring, bool fresh) {
+  draw_terms(state, batch_step, fresh);
   if (tools_) {
     Pass& reaction = now_->reaction;
     reaction.input("displacement", state.displacement());
