@@ -31,12 +31,15 @@ STORED(measured, measured_place);              // what step_pass.glsl tells
 STORED(force, force_place);                    // F_i, N
 STORED_LAYERS(base_terms, base_terms_place);   // forces on a, b, c, owner
 STORED_LAYERS(volume_terms, volume_terms_place);  // forces on a, b, c, d
+STORED_LAYERS(strains, strains_place);         // that domains keep: kept_strains.glsl; only with DISSIPATES
+STORED(dissipation, dissipation_place);        // two texels a domain: 2 mu T, lambda T, 2 mu b, lambda b; share that decays
 STORED_LAYERS(domain_terms, domain_terms_place);  // columns of the stress; w: the force of the spread
 
 TABLE_INTS(load_index, load_index_place);    // first and end row of force parts, first row of target parts, their number * 8 + fixed
 TABLE_FLOATS(load_parts, load_parts_place);  // vector, number of the value it is multiplied by
 TABLE_FLOATS(load_values, load_values_place);  // a row of load_count values per instant
 uniform int load_count;
+TABLE_FLOATS(stiffness_factor, stiffness_factor_place);  // per domain; only with SCALED_STIFFNESS
 
 // First row and end of what belongs to particle i.
 #ifdef SLICED

@@ -44,6 +44,21 @@ void store_volume(int row) {
 #endif
 
 #ifdef DOMAIN_ROWS
+#ifdef DISSIPATES
+uniform int next_strains_place;
+
+void store_strains(int at) {
+#ifdef STRAIN_RATE
+  changing_rows[at] = floatBitsToInt(rate_normal);
+  changing_rows[at + 1] = floatBitsToInt(rate_shear);
+#endif
+#ifdef STRAIN_BRANCH
+  changing_rows[at + BRANCH_NORMAL] = floatBitsToInt(branch_normal);
+  changing_rows[at + BRANCH_SHEAR] = floatBitsToInt(branch_shear);
+#endif
+}
+#endif
+
 void store_domain(int d) {
   if (d >= domain_count || fetch_ivec4(domain_range, domain_range_place, d).x < 0) return;  // fills up a slice
   domain_row(d);
@@ -51,6 +66,9 @@ void store_domain(int d) {
   changing_rows[at] = floatBitsToInt(domain_column_0);
   changing_rows[at + 1] = floatBitsToInt(domain_column_1);
   changing_rows[at + 2] = floatBitsToInt(domain_column_2);
+#ifdef DISSIPATES
+  store_strains(next_strains_place + 4 * d);
+#endif
 }
 #endif
 

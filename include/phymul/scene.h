@@ -144,9 +144,9 @@ class Scene {
   /// solvers build no tables anew, and allocate only where the first factor other than 1 comes or the last one goes.
   /// Solver::stable_step() follows at once, by a bound: at most the stable step of a body built so, and seldom less
   /// than 0.7 of it. For this a solver of a body of several materials estimates two more spectra (elasticity.h) at its
-  /// first factors: where a pause disturbs, scale once before the loop. Backends "cpu" and "reference"; a solver of
-  /// another backend stops with not_supported. Throws Error for a model without materials or without this one, and for
-  /// a factor out of range.
+  /// first factors: where a pause disturbs, scale once before the loop. All backends of this library; one from outside
+  /// it may stop with not_supported. Throws Error for a model without materials or without this one, and for a factor
+  /// out of range.
   Scene& scale_stiffness(double factor);
   Scene& scale_stiffness(const Material& material, double factor);  ///< one of Model::materials, as set_material got it
   Scene& scale_stiffness(std::span<const double> factors);          ///< [Model::materials], or none: all 1

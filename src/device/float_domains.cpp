@@ -63,8 +63,11 @@ FloatDomains pack_domains(const TopologyTextures& topology) {
   }
   const std::size_t constants = kind_of(topology.options.strain_energy).constants, texels = (constants + 5) / 4;
   to.law_texels = static_cast<int>(texels);
+  to.source = order;
+  to.kept = kept_strains(topology);
   for (const Index d : order) {
     to.range.push_back({0, 0, 0, none});
+    to.material.push_back(d == none ? none : topology.domains[d].material);
     to.law.resize(to.law.size() + texels, Float4{});
     if (d == none) continue;
     const DomainTexel& domain = topology.domains[d];
@@ -76,6 +79,13 @@ FloatDomains pack_domains(const TopologyTextures& topology) {
   }
   chain_domains(topology, order, to);
   return to;
+}
+
+void spread_factors(std::span<const Index> material, std::span<const double> of_materials, std::span<float> factor) {
+  for (std::size_t d = 0; d < factor.size(); ++d) {
+    const auto row = static_cast<std::size_t>(material[d]);
+    factor[d] = material[d] != none && row < of_materials.size() ? static_cast<float>(of_materials[row]) : 1.0f;
+  }
 }
 
 }  // namespace phymul

@@ -9,8 +9,10 @@
 
 #include <phymul/topology_textures.h>
 
+#include <span>
 #include <vector>
 
+#include "elastic/dissipation.h"
 #include "table_rows.h"
 
 namespace phymul {
@@ -25,11 +27,18 @@ struct FloatDomains {
   std::vector<std::int32_t> owner;      ///< per domain: its particle; empty if no particle has several domains
   std::vector<std::int32_t> neighbour;  ///< per row: e
   std::vector<Float4> link;             ///< per row: area (m^2), stiffness (N/m; of a surface link 0)
+  std::vector<Index> source;            ///< per domain: its row of TopologyTextures::domains; `none` without links
+  std::vector<Index> material;          ///< per domain: DomainTexel::material; `none` without links
+  KeptStrains kept;
 
   Index count() const { return static_cast<Index>(range.size()); }
 };
 
 /// Throws Error if a constant is beyond single precision.
 FloatDomains pack_domains(const TopologyTextures& topology);
+
+/// Scene::stiffness_factors() domain by domain: 1 where a domain has no material or its material no factor. Both
+/// [domains].
+void spread_factors(std::span<const Index> material, std::span<const double> of_materials, std::span<float> factor);
 
 }  // namespace phymul

@@ -289,6 +289,8 @@ void move_domains(SliceTables& to) {
       moved.law.push_back(d == none ? no_floats : t.law[t.law_texels * d + row]);
     }
     if (!t.owner.empty()) moved.owner.push_back(d == none ? none : to.place_of[t.owner[d]]);
+    moved.source.push_back(d == none ? none : t.source[d]);
+    moved.material.push_back(d == none ? none : t.material[d]);
     if (d == none) continue;
     const Int4& range = t.range[d];
     const Index next = range[3] == none ? none : number_of[range[3]];
@@ -297,6 +299,8 @@ void move_domains(SliceTables& to) {
   t.range = std::move(moved.range);
   t.law = std::move(moved.law);
   t.owner = std::move(moved.owner);
+  t.source = std::move(moved.source);
+  t.material = std::move(moved.material);
 }
 
 }  // namespace

@@ -44,6 +44,12 @@ constexpr const char* no_needles =
     "the scene has a needle, which this backend does not take; use \"gl-compute\", \"cpu\" or \"reference\"";
 constexpr const char* no_volumes =
     "the scene keeps volumes, which this backend does not do; use \"cpu\", \"gl-compute\" or \"reference\"";
+constexpr const char* no_dissipation =
+    "the body has a material with Material::retardation_time or relaxation_strength, which this backend does not take; "
+    "use \"cpu\", \"gl-compute\" or \"reference\"";
+constexpr const char* no_scaled_stiffness =
+    "the scene scales the stiffness of materials, which this backend cannot; use \"cpu\", \"gl-compute\" or "
+    "\"reference\"";
 constexpr const char* no_contacts =
     "the scene has contacts, which this backend does not take; use \"cpu\", \"gl-compute\" or \"reference\"";
 
@@ -297,18 +303,15 @@ const char* SolverBackend::beyond_devices() const {
     return "SolverOptions::max_substeps is above 1, and materials of this body would have substeps, which this backend "
            "does not do; use \"cpu\" or \"reference\"";
   }
-  if (!topology_->dissipation.empty()) {
-    return "the body has a material with Material::retardation_time or relaxation_strength, which this backend does "
-           "not take; use \"cpu\" or \"reference\"";
-  }
-  if (scene_->stiffness_factors().empty()) return nullptr;
-  return "the scene scales the stiffness of materials, which this backend cannot; use \"cpu\" or \"reference\"";
+  return nullptr;
 }
 
 const char* SolverBackend::do_cannot() const {
   if (!scene_->tools().empty() && !takes_tools()) return no_tools;
   if (has_needle(scene_->tools())) return no_needles;
   if (const char* const cause = beyond_devices()) return cause;
+  if (!topology_->dissipation.empty()) return no_dissipation;
+  if (!scene_->stiffness_factors().empty()) return no_scaled_stiffness;
   if (!scene_->volume_constraints().empty() && !do_takes_volumes()) return no_volumes;
   return scene_->contacts() ? no_contacts : nullptr;
 }

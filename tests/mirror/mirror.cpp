@@ -11,6 +11,7 @@
 #include "kernels.h"
 #include "mirror_forces.h"
 #include "mirror_volumes.h"
+#include "scene/tool_state.h"
 #include "touch_tools.h"
 
 namespace phymul::cpu {
@@ -82,6 +83,7 @@ class MirrorSolver final : public SolverBackend {
                FloatLayout layout)
       : SolverBackend("mirror", std::move(shared), scene_in, options_in),
         forces_(pack_floats(topology(), layout)),
+        dissipation_(topology(), forces_.tables().domains.source),
         loads_(scene()),
         u_(topology().rest.size()),
         v_(u_.size()),
@@ -90,6 +92,7 @@ class MirrorSolver final : public SolverBackend {
         force_(u_.size()) {
     tools_.follow(scene());
     volumes_.follow(scene());
+    forces_.scale(scene().stiffness_factors());
     reset();
   }
 
@@ -101,6 +104,7 @@ class MirrorSolver final : public SolverBackend {
       v_[i] = narrowed(state.velocity[i]);
     }
     tools_.reset(scene(), state);
+    dissipation_.reset();
     time_ = state.time;
     last_dt_ = 0.0;
     steps_at_rest_ = 0;
@@ -111,9 +115,17 @@ class MirrorSolver final : public SolverBackend {
     loads_ = FloatLoads(scene());
     tools_.follow(scene());
     volumes_.follow(scene());
+    forces_.scale(scene().stiffness_factors());
   }
 
-  void do_values_changed() override { steps_at_rest_ = 0; }
+  void do_values_changed() override {
+    steps_at_rest_ = 0;
+    forces_.scale(scene().stiffness_factors());
+  }
+  const char* do_cannot() const override {
+    if (has_needle(scene().tools()) || scene().contacts()) return "the mirror has no needles and no contacts";
+    return beyond_devices();
+  }
   bool do_takes_tools() const override { return true; }
   bool do_takes_volumes() const override { return true; }
   const ToolReport& do_tool_report(std::size_t row) const override { return tools_.report(scene().tools()[row]); }
@@ -125,6 +137,7 @@ class MirrorSolver final : public SolverBackend {
       tools_.hold(read().position, frame().fixed, topology().dimension == 2);
     }
     while (motion.steps < plan.steps) {
+      if (!dissipation_.empty()) dissipation_.begin_step(plan.dt, last_dt_);
       const bool cut = move(plan, motion);
       if (motion.lost_volume >= 0) break;
       motion.bad_particle = first_runaway(plan.runaway_speed);
@@ -132,6 +145,7 @@ class MirrorSolver final : public SolverBackend {
       u_.swap(next_u_);
       v_.swap(next_v_);
       if (!tools_.empty()) tools_.accept(1, plan.dt, tool_sums_);
+      dissipation_.accept();
       time_ += plan.dt;
       last_dt_ = plan.dt;
       ++motion.steps;
@@ -214,7 +228,7 @@ class MirrorSolver final : public SolverBackend {
 
   /// Into force_. True where an elastic force was cut.
   bool net_forces(float largest_acceleration) {
-    forces_.evaluate(u_, force_);
+    forces_.evaluate(u_, force_, dissipation_.empty() ? nullptr : &dissipation_);
     loads_.evaluate(scene(), time_);
     bool any_cut = false;
     for (Index i = 0; i < topology().particle_count; ++i) {
@@ -288,6 +302,7 @@ class MirrorSolver final : public SolverBackend {
   }
 
   MirrorForces forces_;
+  MirrorDissipation dissipation_;
   FloatLoads loads_;
   FloatTools tools_{1};
   MirrorVolumes volumes_;

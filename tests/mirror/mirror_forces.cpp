@@ -31,6 +31,11 @@ MirrorForces::MirrorForces(FloatTables tables)
       domain_stress_(tables_.domains.range.size()),
       spread_force_(tables_.domains.range.size()) {}
 
+void MirrorForces::scale(std::span<const double> of_materials) {
+  factor_.resize(of_materials.empty() ? 0 : tables_.domains.material.size());
+  spread_factors(tables_.domains.material, of_materials, factor_);
+}
+
 Forces::DeltaBase MirrorForces::base_at(Index t, std::span<const Float3> u, Float3& d1, Float3& d2) const {
   const auto [a, b, c, beta] = tables_.base[t];
   d1 = u[b] - u[a];
@@ -154,7 +159,7 @@ Columns<float> MirrorForces::domain_gradient(Index d, std::span<const Float3> u)
   return Forces::scaled(law_of(d)[0], H);
 }
 
-void MirrorForces::domain_rows(std::span<const Float3> u) const {
+void MirrorForces::domain_rows(std::span<const Float3> u, MirrorDissipation* dissipation) const {
   const FloatDomains& t = tables_.domains;
   for (Index d = 0; d < t.count(); ++d) {
     Float3 spread;
@@ -168,6 +173,14 @@ void MirrorForces::domain_rows(std::span<const Float3> u) const {
     with_energy<float>(tables_.options, [&](auto energy) { Q = energy.energy_stress(H, p.data()); });
     Q = Forces::minus(Q, Forces::scaled(law_of(d)[1], H));
     if (tables_.dimension == 2) Q.c0.z = Q.c1.z = 0.0f;
+    if (dissipation != nullptr) {
+      Columns<float> P = dissipation->stress(d, H);
+      if (tables_.dimension == 2) P.c0.z = P.c1.z = P.c2.z = 0.0f;
+      Q = Forces::plus(Q, P);
+    }
+    if (factor_.empty()) continue;
+    Q = Forces::scaled(factor_[d], Q);
+    spread_force_[d] = factor_[d] * spread_force_[d];
   }
 }
 
@@ -206,14 +219,14 @@ Float3 MirrorForces::gathered(Index i, std::span<const Float3> u) const {
   return f;
 }
 
-void MirrorForces::evaluate(std::span<const Float3> u, std::span<Float3> force) const {
+void MirrorForces::evaluate(std::span<const Float3> u, std::span<Float3> force, MirrorDissipation* dissipation) const {
   shape_rows(u);
   if (tables_.options.volume_law == VolumeLaw::bounded) {
     volume_rows<true>(u);
   } else {
     volume_rows<false>(u);
   }
-  domain_rows(u);
+  domain_rows(u, dissipation);
   for (Index i = 0; i < tables_.particle_count; ++i) force[i] = gathered(i, u);
 }
 

@@ -10,6 +10,7 @@
 
 #include "device/float_tables.h"
 #include "kernels.h"
+#include "mirror_dissipation.h"
 
 namespace phymul::cpu {
 
@@ -21,8 +22,12 @@ class MirrorForces {
 
   const FloatTables& tables() const { return tables_; }
 
+  /// Scene::stiffness_factors().
+  void scale(std::span<const double> of_materials);
+
   /// Elastic forces, N, at displacements u, m; both [particles]. Overwrites `force`; does not allocate.
-  void evaluate(std::span<const Float3> u, std::span<Float3> force) const;
+  /// `dissipation`: null, or that of the material at the step that begins.
+  void evaluate(std::span<const Float3> u, std::span<Float3> force, MirrorDissipation* dissipation = nullptr) const;
 
  private:
   Kernels<float>::DeltaBase base_at(Index t, std::span<const Float3> u, Float3& d1, Float3& d2) const;
@@ -36,7 +41,7 @@ class MirrorForces {
   Columns<float> domain_gradient(Index d, std::span<const Float3> u) const;
   const Float4& law_of(Index domain) const { return tables_.domains.law[tables_.domains.law_texels * domain]; }
   std::array<float, most_energy_constants> energy_constants(Index d) const;
-  void domain_rows(std::span<const Float3> u) const;
+  void domain_rows(std::span<const Float3> u, MirrorDissipation* dissipation) const;
   Float3 domain_force(Index d) const;
   Float3 gathered(Index i, std::span<const Float3> u) const;
 
@@ -47,6 +52,7 @@ class MirrorForces {
   mutable std::vector<Float3> volume_force_;  // [4 volumes]
   mutable std::vector<Columns<float>> domain_stress_;
   mutable std::vector<Float3> spread_force_;  // [domains]
+  std::vector<float> factor_;                 // [domains] of the stiffness; empty: 1
 };
 
 }  // namespace phymul::cpu

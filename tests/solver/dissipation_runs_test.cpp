@@ -9,16 +9,17 @@
 #include <cmath>
 
 #include "support/bodies.h"
+#include "support/every_backend.h"
 #include "support/message_of.h"
+#include "support/outside_backend.h"
 
 namespace phymul {
 namespace {
 
 using namespace test;
 
-class DissipationRunsOn : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(, DissipationRunsOn, testing::Values("reference", "cpu"),
-                         [](const auto& name) { return std::string(name.param); });
+class DissipationRunsOn : public OnEveryBackend {};
+PHYMUL_ON_EVERY_BACKEND(DissipationRunsOn);
 
 /// Free, of two materials, with both kinds.
 Model two_tissues(Model model) {
@@ -250,17 +251,13 @@ TEST(DissipationRuns, ThatABackendDoesNotTakeIsRefusedByName) {
   Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
   set_material(model, {.young = 10e3, .poisson = 0.3, .density = 1000, .retardation_time = 0.01});
   const Scene scene(model);
-  for (const char* name : {"gl", "gl-compute"}) {
-    if (std::ranges::count(backend_names(), name) == 0 || !why_unavailable(name).empty()) continue;
-    try {
-      make_solver(name, model, scene);
-      ADD_FAILURE() << name;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::not_supported);
-      EXPECT_NE(std::string(error.what()).find("retardation_time"), std::string::npos) << error.what();
-    }
+  try {
+    OutsideBackend(std::make_shared<const TopologyTextures>(build_topology(model)), scene);
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::not_supported);
+    EXPECT_NE(std::string(error.what()).find("retardation_time"), std::string::npos) << error.what();
   }
-  EXPECT_EQ(make_solver("auto", model, scene)->name(), "cpu");
 }
 
 TEST(DissipationRuns, SimulationSaysThatSleepHasNoEffect) {

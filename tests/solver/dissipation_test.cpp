@@ -12,15 +12,15 @@
 #include <numbers>
 
 #include "support/bodies.h"
+#include "support/every_backend.h"
 
 namespace phymul {
 namespace {
 
 using namespace test;
 
-class DissipationOn : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(, DissipationOn, testing::Values("reference", "cpu"),
-                         [](const auto& name) { return std::string(name.param); });
+class DissipationOn : public OnEveryBackend {};
+PHYMUL_ON_EVERY_BACKEND(DissipationOn);
 
 void load_along_x(Scene& scene, LoadType type, const char* group, std::vector<ValueEvent> events,
                   std::array<Axis, 3> axes) {

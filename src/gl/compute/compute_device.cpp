@@ -8,9 +8,12 @@
 namespace phymul::gl {
 
 std::unique_ptr<Device> make_compute_device(FloatTables tables, const TopologyTextures& topology, const Scene& scene,
-                                            const FloatTools& tools, const ShaderLibrary& library) {
-  const SliceTables slices = pack_slices(std::move(tables), topology);
-  return std::make_unique<ComputeDevice>(slices, scene, tools, library);
+                                            const FloatTools& tools, const ShaderLibrary& library,
+                                            std::vector<Index>& domains) {
+  SliceTables slices = pack_slices(std::move(tables), topology);
+  auto device = std::make_unique<ComputeDevice>(slices, scene, tools, library);
+  domains = std::move(slices.rows.domains.source);
+  return device;
 }
 
 ComputeDevice::ComputeDevice(const SliceTables& slices, const Scene& scene, const FloatTools& tools,

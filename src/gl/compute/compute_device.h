@@ -20,6 +20,9 @@ class ComputeDevice final : public Device {
   void set_held(const FloatTools& tools) override { loads_->set_held(tools); }
   void write_needles(const FloatTools& tools) override;
   void read_needles(FloatTools& tools) override;
+  void set_dissipation(std::span<const Float4> constants) override { state_.set_dissipation(constants); }
+  void write_strains(std::span<const Float4> rows) override { state_.write_strains(rows); }
+  std::vector<Float4> read_strains() override { return state_.read_strains(); }
   void write(const VecList& rest, const State& state) override { state_.write(rest, state); }
   void read(const VecList& rest, State& state) override { state_.read(rest, state); }
   void begin_batch(const StepConstants& constants, const std::vector<double>& instants,

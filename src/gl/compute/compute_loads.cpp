@@ -5,12 +5,15 @@ namespace phymul::gl {
 
 ComputeLoads::ComputeLoads(const Scene& scene, int instants, const FloatTools& tools, const ComputeTables& tables,
                            const ComputeLimits& limits)
-    : table_(scene, instants), gravity_row_(rows_.take("gravity_place", instants)) {
+    : table_(scene, instants, tables.materials()), gravity_row_(rows_.take("gravity_place", instants)) {
   if (kind().any()) {
     rows_.add("load_index_place", tables.by_place(table_.index()));
     rows_.add("load_parts_place", table_.parts());
     values_row_ = rows_.take("load_values_place", static_cast<std::int64_t>((table_.values().size() + 3) / 4));
     rows_.note("load_count", table_.mode_count());
+  }
+  if (kind().scaled) {
+    factors_row_ = rows_.take("stiffness_factor_place", static_cast<std::int64_t>((table_.factors().size() + 3) / 4));
   }
   const FloatVolumes volumes = pack_volumes(scene);
   std::optional<FloatContacts> touching;
@@ -32,6 +35,9 @@ ComputeLoads::ComputeLoads(const Scene& scene, int instants, const FloatTools& t
 
 void ComputeLoads::evaluate(const std::vector<double>& instants) {
   table_.evaluate(instants);
+  if (table_.scale()) {
+    buffer_.write(16 * factors_row_, table_.factors().data(), static_cast<std::int64_t>(4 * table_.factors().size()));
+  }
   buffer_.write(16 * gravity_row_, table_.gravity().data(), static_cast<std::int64_t>(16 * instants.size()));
   if (!kind().any()) return;
   const std::size_t values = instants.size() * static_cast<std::size_t>(table_.mode_count());

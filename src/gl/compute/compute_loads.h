@@ -38,7 +38,7 @@ class ComputeLoads {
  private:
   LoadTable table_;
   StorageRows rows_;
-  std::int64_t gravity_row_, values_row_ = 0;
+  std::int64_t gravity_row_, values_row_ = 0, factors_row_ = 0;
   std::optional<ComputeTools> tools_;
   std::optional<ComputeVolumes> volumes_;
   std::optional<ComputeContacts> contacts_;

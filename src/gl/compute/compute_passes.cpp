@@ -33,8 +33,7 @@ Kernel ComputePasses::compiled(ShaderRequest request, int group, const ComputeSt
   return kernel;
 }
 
-void ComputePasses::add_terms(const TermRows& rows, const ComputeState& state) {
-  if (!rows.any()) return;
+ComputePasses::Terms ComputePasses::terms_of(const TermRows& rows, const ComputeState& state) const {
   const BodyKind& kind = tables_->kind();
   ShaderRequest request{.files = common, .defines = {}};
   define(request, "AVERAGED", kind.base_terms && !kind.conservative());
@@ -42,14 +41,19 @@ void ComputePasses::add_terms(const TermRows& rows, const ComputeState& state) {
   define(request, "BASE_ROWS", rows.bases);
   define(request, "VOLUME_ROWS", rows.volumes);
   define(request, "DOMAIN_ROWS", rows.domains);
+  define(request, "SCALED_STIFFNESS", rows.scaled);
   if (rows.attractors || rows.bases) append(request, base_kernel());
   if (rows.attractors) append(request, attractor_files(kind));
   if (rows.bases && kind.attractors) append(request, {"step/force_of.glsl"});
   if (rows.bases) append(request, {"step/bases_pass.glsl"});
   if (rows.volumes) append(request, joined({volume_kernel(), {"step/volumes_pass.glsl"}}));
-  if (rows.domains) append(request, joined({energy_kernel(kind), {"step/domains_pass.glsl"}}));
+  if (rows.domains) {
+    append(request, domain_files(kind));
+    if (kind.dissipates()) append(request, {"step/kept_strains.glsl"});
+    append(request, {"step/domains_pass.glsl"});
+  }
   append(request, {"step/terms_kernel.glsl"});
-  Terms& terms = terms_.emplace_back(compiled(std::move(request), lanes, state));
+  Terms terms{.kernel = compiled(std::move(request), lanes, state)};
   const auto add = [&terms](const char* name, bool wanted, int count) {
     const int groups = wanted ? terms.kernel.groups_for(count) : 0;
     terms.kernel.set(name, groups);
@@ -62,20 +66,24 @@ void ComputePasses::add_terms(const TermRows& rows, const ComputeState& state) {
   terms.kernel.set("base_rows_count", kind.bases);
   terms.kernel.set("volume_count", kind.volumes);
   terms.kernel.set("domain_count", kind.domains);
+  return terms;
 }
 
 /// With the averaged reaction bases read forces that must be there.
-void ComputePasses::compile_terms(const ComputeState& state) {
+std::vector<ComputePasses::Terms> ComputePasses::compiled_terms(bool scaled, const ComputeState& state) const {
   const BodyKind& kind = tables_->kind();
   const bool apart = kind.attractors && kind.base_terms;
-  terms_.clear();  // of an attempt that failed half-way
-  add_terms({.attractors = kind.attractors,
-             .bases = kind.base_terms && !apart,
-             .volumes = kind.volumes > 0,
-             .domains = kind.domains > 0},
-            state);
-  if (apart) add_terms({.bases = true}, state);
-  terms_compiled_ = true;
+  std::vector<Terms> terms;
+  const auto add = [&](const TermRows& rows) {
+    if (rows.any()) terms.push_back(terms_of(rows, state));
+  };
+  add({.attractors = kind.attractors,
+       .bases = kind.base_terms && !apart,
+       .volumes = kind.volumes > 0,
+       .domains = kind.domains > 0,
+       .scaled = scaled});
+  if (apart) add({.bases = true});
+  return terms;
 }
 
 /// Up to free_step.glsl.
@@ -170,7 +178,8 @@ void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& sta
                       .volumes = loads.volumes() != nullptr,
                       .needles = piercing,
                       .presses = piercing && tools->count() > tools->needle_count()};
-  if (!terms_compiled_) compile_terms(state);
+  std::vector<Terms>& terms = kind.loads.scaled ? scaled_terms_ : terms_;
+  if (terms.empty()) terms = compiled_terms(kind.loads.scaled, state);
   auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
   if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), compiled(kind, state));
   if (touching && !contacts_) contacts_.emplace(*library_, *tables_, limits_);
@@ -180,6 +189,10 @@ void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& sta
   }
   now_ = &*found;
   loads_ = &loads;
+  terms_now_ = &terms;
+  if (kind.loads.scaled) {
+    for (Terms& scaled : terms) loads.place(scaled.kernel);
+  }
   now_->for_each([&](Kernel& kernel) { loads.place(kernel); });
   if (piercing) needles_->set_needles(loads);
   if (touching) contacts_->set_contacts(loads);
@@ -197,6 +210,8 @@ void ComputePasses::set_constants(const StepConstants& constants) {
     set("speed_at_rest", constants.speed_at_rest);
     set("acceleration_at_rest", constants.acceleration_at_rest);
   });
+  dt_ = constants.dt;
+  last_dt_ = constants.last_dt > 0.0 ? constants.last_dt : constants.dt;
   if (now_->kind.needles) needles_->set_step(constants.dt);
   if (now_->kind.contacts) contacts_->set_step(constants.dt);
 }
@@ -209,12 +224,22 @@ void ComputePasses::run(Kernel& kernel, const ComputeState& state, int number, b
   kernel.dispatch(kernel.groups_for(tables_->kind().particles));
 }
 
-/// What pushes particles between forces and motion comes in the order of ToolSet::act and Touching of src/cpu.
-void ComputePasses::step(const ComputeState& state, int number, bool measuring) {
-  for (Terms& terms : terms_) {
+void ComputePasses::dispatch_terms(const ComputeState& state, int number) {
+  for (Terms& terms : *terms_now_) {
     terms.kernel.set("pair", state.current());
+    if (tables_->kind().dissipates()) {
+      terms.kernel.set("strains_place", state.strains_row(state.current()));
+      terms.kernel.set("next_strains_place", state.strains_row(state.free_pair()));
+      terms.kernel.set("strains_fresh", number == 1 && state.strains_fresh() ? 1 : 0);
+      terms.kernel.set("inverse_last_dt", static_cast<float>(1.0 / (number == 1 ? last_dt_ : dt_)));
+    }
     terms.kernel.dispatch(terms.groups);
   }
+}
+
+/// What pushes particles between forces and motion comes in the order of ToolSet::act and Touching of src/cpu.
+void ComputePasses::step(const ComputeState& state, int number, bool measuring) {
+  dispatch_terms(state, number);
   const StepKind& kind = now_->kind;
   if (kind.pushes()) run(now_->free, state, number, measuring);
   if (kind.needles) needles_->act(number, state.current());

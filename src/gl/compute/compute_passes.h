@@ -67,10 +67,11 @@ class ComputePasses {
   };
   struct TermRows {
     bool attractors = false, bases = false, volumes = false, domains = false;
+    bool scaled = false;  ///< the stiffness of domains is
     bool any() const { return attractors || bases || volumes || domains; }
   };
-  void compile_terms(const ComputeState& state);
-  void add_terms(const TermRows& rows, const ComputeState& state);
+  std::vector<Terms> compiled_terms(bool scaled, const ComputeState& state) const;
+  Terms terms_of(const TermRows& rows, const ComputeState& state) const;
   ShaderRequest gathering(const StepKind& step) const;
   void add_tools(const StepKind& step, ShaderRequest& request) const;
   Stepping compiled(const StepKind& kind, const ComputeState& state) const;
@@ -79,15 +80,17 @@ class ComputePasses {
   Kernel pressing(const StepKind& step, const ComputeState& state) const;
   Kernel keep_summing(const ComputeState& state) const;
   Kernel keep_ending(const StepKind& step, const ComputeState& state) const;
+  void dispatch_terms(const ComputeState& state, int number);
   void run(Kernel& kernel, const ComputeState& state, int number, bool measuring) const;
   void keep(const ComputeState& state, int number) const;
 
   const ComputeTables* tables_;
   const ShaderLibrary* library_;
   ComputeLimits limits_;
-  std::vector<Terms> terms_;  // dispatched in order before a step
-  bool terms_compiled_ = false;
-  std::deque<Stepping> stepping_;  // whose addresses stay
+  std::vector<Terms> terms_, scaled_terms_;  // dispatched in order before a step; the latter where stiffness is scaled
+  std::vector<Terms>* terms_now_ = nullptr;
+  double dt_ = 0.0, last_dt_ = 0.0;  // s; StepConstants
+  std::deque<Stepping> stepping_;    // whose addresses stay
   Stepping* now_ = nullptr;
   const ComputeLoads* loads_ = nullptr;    // that now_ is for
   std::optional<ContactPasses> contacts_;  // once there were some

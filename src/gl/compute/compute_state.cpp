@@ -17,6 +17,10 @@ ComputeState::ComputeState(const ComputeTables& tables, const ComputeLimits& lim
   rows_.take("base_terms_place", kind.base_terms ? std::int64_t{4} * kind.bases : 0);
   rows_.take("volume_terms_place", std::int64_t{4} * kind.volumes);
   rows_.take("domain_terms_place", std::int64_t{4} * kind.domains);
+  if (kind.dissipates()) {
+    strains_row_ = rows_.take(nullptr, pairs * strain_rows());
+    dissipation_row_ = rows_.take("dissipation_place", std::int64_t{2} * kind.domains);
+  }
   report_row_ = rows_.take(nullptr, 2 * most_report_groups + 2);
   const std::int64_t rows = rows_.end();
   if (rows > std::numeric_limits<int>::max()) {
@@ -43,6 +47,23 @@ void ComputeState::write(const VecList& rest, const State& state) {
   pack_state(rest, state, place_of(), rows.data(), rows.data() + places);
   buffer_.write(16 * pair_row(current_), rows.data(), static_cast<std::int64_t>(16 * rows.size()));
   set_checkpoint();
+  strains_fresh_ = true;
+}
+
+void ComputeState::set_dissipation(std::span<const Float4> constants) {
+  buffer_.write(16 * dissipation_row_, constants.data(), static_cast<std::int64_t>(constants.size_bytes()));
+}
+
+void ComputeState::write_strains(std::span<const Float4> rows) {
+  buffer_.write(std::int64_t{16} * strains_row(current_), rows.data(), static_cast<std::int64_t>(rows.size_bytes()));
+  strains_fresh_ = false;
+}
+
+std::vector<Float4> ComputeState::read_strains() const {
+  if (strains_fresh_ && current_ == checkpoint_) return {};
+  std::vector<Float4> rows(static_cast<std::size_t>(strain_rows()));
+  buffer_.read(strains_row(current_), strain_rows(), rows.data());
+  return rows;
 }
 
 void ComputeState::read(const VecList& rest, State& state) const {

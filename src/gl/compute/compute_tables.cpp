@@ -50,7 +50,11 @@ void ComputeTables::add_all(const SliceTables& slices) {
 }
 
 ComputeTables::ComputeTables(const SliceTables& slices, const ComputeLimits& limits)
-    : kind_(slices.rows), places_(slices.place_count()), slice_(slices.slice), place_of_(slices.place_of) {
+    : kind_(slices.rows),
+      places_(slices.place_count()),
+      slice_(slices.slice),
+      place_of_(slices.place_of),
+      materials_(slices.rows.domains.material) {
   add_all(slices);
   constants_ = StorageBuffer(rows_.end(), "the body's constants", limits);
   rows_.send(constants_);

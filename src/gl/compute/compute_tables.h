@@ -23,6 +23,7 @@ class ComputeTables {
   const BodyKind& kind() const { return kind_; }
   int places() const { return places_; }  ///< rows of a table by place
   const std::vector<Index>& place_of() const { return place_of_; }
+  const std::vector<Index>& materials() const { return materials_; }  ///< of domains, by row
 
   /// A table by particles of the model, so many rows each, in the order of places; `nobody`: rows of no particle.
   template <class Row>
@@ -46,7 +47,7 @@ class ComputeTables {
 
   BodyKind kind_;
   int places_, slice_;
-  std::vector<Index> place_of_;
+  std::vector<Index> place_of_, materials_;
   StorageRows rows_;
   StorageBuffer constants_;
 };

@@ -11,7 +11,8 @@ FragmentDevice::FragmentDevice(const FloatTables& tables, const Scene& scene, co
     : library_(library),
       tables_(tables),
       state_(tables.particle_count),
-      passes_(tables_, library_),
+      strains_(tables_.kind().dissipates() ? std::make_unique<FragmentStrains>(tables_.kind()) : nullptr),
+      passes_(tables_, strains_.get(), library_),
       report_(library_, tables.particle_count) {
   set_scene(scene, tools);
   const VecList origin(static_cast<std::size_t>(tables.particle_count), Vec3::Zero());
@@ -23,7 +24,7 @@ FragmentDevice::FragmentDevice(const FloatTables& tables, const Scene& scene, co
 void FragmentDevice::set_scene(const Scene& scene, const FloatTools& tools) {
   std::optional<PlannedContacts> touching;  // first, as it may refuse
   if (scene.contacts()) touching.emplace(scene);
-  auto new_loads = std::make_unique<FragmentLoads>(scene, most_steps + 1);
+  auto new_loads = std::make_unique<FragmentLoads>(scene, most_steps + 1, tables_);
   auto new_tools = tools.empty() ? nullptr : std::make_unique<FragmentTools>(tools);
   const FloatVolumes volumes = pack_volumes(scene);
   auto new_volumes = volumes.empty() ? nullptr : std::make_unique<FragmentVolumes>(volumes);
@@ -41,12 +42,27 @@ void FragmentDevice::set_held(const FloatTools& tools) {
   if (tools_) tools_->set_held(tools);
 }
 
+void FragmentDevice::write(const VecList& rest, const State& state) {
+  state_.write(rest, state);
+  strains_fresh_ = true;
+}
+
+void FragmentDevice::write_strains(std::span<const Float4> rows) {
+  strains_->kept.write(rows, state_.pair());
+  strains_fresh_ = false;
+}
+
+std::vector<Float4> FragmentDevice::read_strains() {
+  return strains_fresh_ && state_.is_checkpoint() ? std::vector<Float4>() : strains_->kept.read(state_.pair());
+}
+
 void FragmentDevice::begin_batch(const StepConstants& constants, const std::vector<double>& instants,
                                  const FloatTools& tools) {
   loads_->evaluate(instants);
   if (tools_) tools_->set_frames(tools);
   if (contacts_) contacts_->begin_batch();
   passes_.set_constants(constants);
+  strains_fresh_ = strains_fresh_ && state_.is_checkpoint();
   state_.set_checkpoint();
 }
 
@@ -58,7 +74,7 @@ void FragmentDevice::run(int count) {
   vertices_.bind();
   state_.go_back();
   for (int step = 1; step <= count; ++step) {
-    passes_.step(state_, step, step == count);
+    passes_.step(state_, step, step == count, strains_fresh_);
     state_.advance();
   }
   steps_ = count;
@@ -66,7 +82,7 @@ void FragmentDevice::run(int count) {
 
 BatchReport FragmentDevice::try_step(int number) {
   vertices_.bind();
-  passes_.step(state_, number, true);
+  passes_.step(state_, number, true, strains_fresh_);
   return report(state_.next_displacement(), state_.next_velocity(), number);
 }
 

@@ -19,7 +19,10 @@ class FragmentDevice final : public Device {
 
   void set_scene(const Scene& scene, const FloatTools& tools) override;
   void set_held(const FloatTools& tools) override;
-  void write(const VecList& rest, const State& state) override { state_.write(rest, state); }
+  void set_dissipation(std::span<const Float4> constants) override { strains_->set_constants(constants); }
+  void write_strains(std::span<const Float4> rows) override;
+  std::vector<Float4> read_strains() override;
+  void write(const VecList& rest, const State& state) override;
   void read(const VecList& rest, State& state) override { state_.read(rest, state); }
   void begin_batch(const StepConstants& constants, const std::vector<double>& instants,
                    const FloatTools& tools) override;
@@ -42,6 +45,8 @@ class FragmentDevice final : public Device {
   ShaderLibrary library_;
   FragmentTables tables_;
   FragmentState state_;
+  std::unique_ptr<FragmentStrains> strains_;  // null unless the body dissipates
+  bool strains_fresh_ = true;                 // the checkpoint's domains have no strains but their own
   std::unique_ptr<FragmentLoads> loads_;
   std::unique_ptr<FragmentTools> tools_;        // null where there are none
   std::unique_ptr<FragmentVolumes> volumes_;    // likewise

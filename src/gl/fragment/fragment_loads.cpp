@@ -3,7 +3,12 @@
 
 namespace phymul::gl {
 
-FragmentLoads::FragmentLoads(const Scene& scene, int instants) : table_(scene, instants) {
+FragmentLoads::FragmentLoads(const Scene& scene, int instants, const FragmentTables& tables)
+    : table_(scene, instants, tables.materials()) {
+  if (kind().scaled) {
+    factors_ =
+        Texture::target(static_cast<std::int64_t>(table_.factors().size()), TexelFormat::r32f, "stiffness_factor");
+  }
   if (!kind().any()) return;
   index_ = Texture::table(std::span<const Int4>(table_.index()), "load_index");
   parts_ = Texture::table(std::span<const Float4>(table_.parts()), "load_parts");
@@ -12,6 +17,7 @@ FragmentLoads::FragmentLoads(const Scene& scene, int instants) : table_(scene, i
 
 void FragmentLoads::evaluate(const std::vector<double>& instants) {
   table_.evaluate(instants);
+  if (table_.scale()) factors_.upload(std::span<const float>(table_.factors()));
   const std::size_t modes = static_cast<std::size_t>(table_.mode_count());
   if (values_) values_.upload(std::span<const float>(table_.values().data(), instants.size() * modes));
 }

@@ -13,20 +13,25 @@ const ShaderFiles common{"dialect/dialect_fragment.glsl", "step/tables.glsl", "d
 
 }  // namespace
 
-FragmentPasses::FragmentPasses(const FragmentTables& tables, const ShaderLibrary& library)
-    : tables_(&tables), library_(&library) {
+FragmentPasses::FragmentPasses(const FragmentTables& tables, const FragmentStrains* strains,
+                               const ShaderLibrary& library)
+    : tables_(&tables), strains_(strains), library_(&library) {
   if (tables.kind().attractors) add_attractors();
   if (tables.kind().base_terms) add_bases();
   add_volumes();
   if (tables.kind().domains > 0) add_domains();
 }
 
-void FragmentPasses::add(ShaderRequest request, const std::vector<Attachment>& targets, int rows) {
+Pass FragmentPasses::term_pass(ShaderRequest request, const Texture& target, int rows) const {
   define_kernels(tables_->kind(), request);
-  Drawing drawing{Pass(*library_, std::move(request)), Framebuffer(targets), rows};
-  tables_->bind(drawing.pass);
-  drawing.pass.set_rows(*targets.front().texture, rows);
-  before_.push_back(std::move(drawing));
+  Pass pass(*library_, std::move(request));
+  tables_->bind(pass);
+  pass.set_rows(target, rows);
+  return pass;
+}
+
+void FragmentPasses::add(ShaderRequest request, const std::vector<Attachment>& targets, int rows) {
+  before_.push_back({term_pass(std::move(request), *targets.front().texture, rows), Framebuffer(targets), rows});
 }
 
 void FragmentPasses::add_attractors() {
@@ -60,8 +65,15 @@ void FragmentPasses::add_volumes() {
 void FragmentPasses::add_domains() {
   const BodyKind& kind = tables_->kind();
   domain_terms_ = Texture::target(kind.domains, TexelFormat::rgba32f, "stresses of domains", 3);
-  add({.files = joined({common, energy_kernel(kind), {"step/domains_pass.glsl"}}), .defines = {}},
-      {{&domain_terms_, 0}, {&domain_terms_, 1}, {&domain_terms_, 2}}, kind.domains);
+  add(domains_request(), {{&domain_terms_, 0}, {&domain_terms_, 1}, {&domain_terms_, 2}}, kind.domains);
+  if (!strains_) return;
+  const ShaderFiles passes{"step/kept_strains.glsl", "step/strains_pass.glsl"};
+  strains_pass_ = term_pass({.files = joined({common, domain_files(kind), passes}), .defines = {}},
+                            strains_->kept.texture(0), kind.domains);
+}
+
+ShaderRequest FragmentPasses::domains_request() const {
+  return {.files = joined({common, domain_files(tables_->kind()), {"step/domains_pass.glsl"}}), .defines = {}};
 }
 
 ShaderRequest FragmentPasses::gathering(const LoadKind& loads) const {
@@ -110,6 +122,11 @@ FragmentPasses::Stepping FragmentPasses::compiled(const StepKind& kind) const {
     tables_->bind(stepping.reaction);
     bind_terms(stepping.reaction);
     stepping.tools = compiled(kind, {"tools/tools_pass.glsl"});
+  }
+  if (kind.loads.scaled) {
+    ShaderRequest domains = domains_request();
+    domains.defines.emplace_back("SCALED_STIFFNESS", 1);
+    stepping.domains = term_pass(std::move(domains), domain_terms_, tables_->kind().domains);
   }
   if (kind.contacts) stepping.free = compiled(kind, {"step/free_pass.glsl"});
   stepping.step = compiled(kind, {"report/measure_step.glsl", "step/step_pass.glsl"});
@@ -169,6 +186,7 @@ void FragmentPasses::make_passes(const StepKind& kind) {
 
 void FragmentPasses::bind_scene() {
   loads_->bind(now_->step);
+  if (loads_->kind().scaled) loads_->bind_factors(now_->domains);
   if (tools_) {
     loads_->bind(now_->reaction);
     loads_->bind(now_->tools);
@@ -194,6 +212,8 @@ void FragmentPasses::bind_volumes() {
 }
 
 void FragmentPasses::set_constants(const StepConstants& constants) {
+  dt_ = constants.dt;
+  last_dt_ = constants.last_dt > 0.0 ? constants.last_dt : constants.dt;
   const auto finite = [](double value) { return std::min(value, double{std::numeric_limits<float>::max()}); };
   Pass& cutting = tools_ ? now_->reaction : contacts_ ? now_->free : now_->step;
   cutting.set("largest_acceleration", static_cast<float>(finite(constants.largest_acceleration)));
@@ -224,11 +244,27 @@ void FragmentPasses::prepare(Pass& pass, const FragmentState& state, int batch_s
   pass.set("gravity", loads_->gravity(static_cast<std::size_t>(batch_step - 1)));
 }
 
-void FragmentPasses::step(const FragmentState& state, int batch_step, bool measuring) {
+void FragmentPasses::draw_terms(const FragmentState& state, int batch_step, bool fresh) {
+  const auto remember = [&](Pass& pass) {
+    strains_->bind(pass, state.pair());
+    pass.set("strains_fresh", batch_step == 1 && fresh ? 1 : 0);
+    pass.set("inverse_last_dt", static_cast<float>(1.0 / (batch_step == 1 ? last_dt_ : dt_)));
+  };
   for (Drawing& drawing : before_) {
-    drawing.pass.input("displacement", state.displacement());
-    drawing.pass.draw(drawing.target);
+    const bool last = &drawing == &before_.back();  // of domains, where there are some
+    Pass& pass = last && loads_->kind().scaled ? now_->domains : drawing.pass;
+    pass.input("displacement", state.displacement());
+    if (last && strains_) remember(pass);
+    pass.draw(drawing.target);
   }
+  if (!strains_) return;
+  strains_pass_.input("displacement", state.displacement());
+  remember(strains_pass_);
+  strains_pass_.draw(strains_->kept.target(state.next_pair()));
+}
+
+void FragmentPasses::step(const FragmentState& state, int batch_step, bool measuring, bool fresh) {
+  draw_terms(state, batch_step, fresh);
   if (tools_) {
     Pass& reaction = now_->reaction;
     reaction.input("displacement", state.displacement());

@@ -5,6 +5,7 @@
 //   bases      forces of a base on a, b, c and its owner    averaged, conservative
 //   volumes    forces of a volume on its vertices           bodies with a volume energy
 //   domains    stress of a neighbourhood                    the particle-averaged law
+//   strains    those that the next step starts from         materials that dissipate
 //   step       net force and Verlet
 // With tools the last is two (reaction, Verlet), as what they feel is a pass between them. Where bodies touch, the step
 // opens with a pass of its own, free; then come those of fragment_contact_passes.h, and the step's end. Where the scene
@@ -18,6 +19,7 @@
 #include "fragment_contact_passes.h"
 #include "fragment_loads.h"
 #include "fragment_state.h"
+#include "fragment_strains.h"
 #include "fragment_tables.h"
 #include "fragment_tools.h"
 #include "fragment_volumes.h"
@@ -27,7 +29,8 @@ namespace phymul::gl {
 
 class FragmentPasses {
  public:
-  FragmentPasses(const FragmentTables& tables, const ShaderLibrary& library);
+  /// `strains`: null unless the body dissipates.
+  FragmentPasses(const FragmentTables& tables, const FragmentStrains* strains, const ShaderLibrary& library);
 
   /// Compiles what these loads need, where it is not there yet. Pointers: null for none. Where it throws, steps go on
   /// with those of before.
@@ -38,8 +41,9 @@ class FragmentPasses {
   void set_constants(const StepConstants& constants);
 
   /// One step from the current state to state.next(), as number `batch_step` (1, 2, ...) of a batch whose loads were
-  /// evaluated at instants batch_step - 1 and batch_step. Does not advance the state.
-  void step(const FragmentState& state, int batch_step, bool measuring);
+  /// evaluated at instants batch_step - 1 and batch_step. `fresh`: the strains of the batch's first step are those of
+  /// its state. Does not advance the state.
+  void step(const FragmentState& state, int batch_step, bool measuring, bool fresh);
 
   /// Brings down what the contacts of a batch told, up to this step of it; only where there are contacts.
   void sum_contacts(int last_step) { touching_->sum(last_step); }
@@ -61,12 +65,16 @@ class FragmentPasses {
     Pass reaction, tools;                  // only with tools
     Pass along, facets, sums, roots, end;  // only where volumes are kept
     Pass free;                             // where bodies touch: up to what they push
+    Pass domains;                          // where stiffness is scaled: in place of the last of before_
   };
   void add(ShaderRequest request, const std::vector<Attachment>& targets, int rows);
+  Pass term_pass(ShaderRequest request, const Texture& target, int rows) const;
   void add_attractors();
   void add_bases();
   void add_volumes();
   void add_domains();
+  ShaderRequest domains_request() const;
+  void draw_terms(const FragmentState& state, int batch_step, bool fresh);
   void bind_terms(Pass& pass) const;
   ShaderRequest gathering(const LoadKind& loads) const;
   Stepping compiled(const StepKind& kind) const;
@@ -81,9 +89,12 @@ class FragmentPasses {
   void prepare(Pass& pass, const FragmentState& state, int batch_step) const;
 
   const FragmentTables* tables_;
+  const FragmentStrains* strains_;
   const ShaderLibrary* library_;
   Texture force_, net_, base_terms_, volume_terms_, domain_terms_;
-  std::vector<Drawing> before_;  // drawn in order before the step
+  std::vector<Drawing> before_;      // drawn in order before the step
+  Pass strains_pass_;                // where the body dissipates
+  double dt_ = 0.0, last_dt_ = 0.0;  // s; StepConstants
   Framebuffer net_target_;
   std::deque<Stepping> stepping_;  // whose addresses stay
   Stepping* now_ = nullptr;

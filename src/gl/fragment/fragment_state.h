@@ -30,6 +30,9 @@ class FragmentState {
   const Texture& next_displacement() const { return displacement_[free_pair()]; }
   const Texture& next_velocity() const { return velocity_[free_pair()]; }
   void advance() { current_ = free_pair(); }
+  int pair() const { return current_; }
+  int next_pair() const { return free_pair(); }
+  bool is_checkpoint() const { return current_ == checkpoint_; }
 
   /// The current state becomes the one to come back to.
   void set_checkpoint() { checkpoint_ = current_; }

@@ -12,7 +12,7 @@ void FragmentTables::add(const char* name, const std::vector<Row>& rows) {
   if (!rows.empty()) textures_.push_back({name, Texture::table(std::span<const Row>(rows), name)});
 }
 
-FragmentTables::FragmentTables(const FloatTables& tables) : kind_(tables) {
+FragmentTables::FragmentTables(const FloatTables& tables) : kind_(tables), materials_(tables.domains.material) {
   add("particle", tables.particle);
   add("index", tables.index);
   add("lists", tables.lists);

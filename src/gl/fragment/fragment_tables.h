@@ -15,6 +15,7 @@ class FragmentTables {
   explicit FragmentTables(const FloatTables& tables);
 
   const BodyKind& kind() const { return kind_; }
+  const std::vector<Index>& materials() const { return materials_; }  ///< of domains, by row
 
   /// Gives a pass every table it reads.
   void bind(Pass& pass) const;
@@ -28,6 +29,7 @@ class FragmentTables {
   void add(const char* name, const std::vector<Row>& rows);
 
   BodyKind kind_;
+  std::vector<Index> materials_;
   std::vector<Entry> textures_;
   // Four lists share one texture, because a pass reads no more than sixteen; they start at these rows.
   int volume_start_ = 0, spring_start_ = 0;

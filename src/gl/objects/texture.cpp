@@ -138,9 +138,9 @@ Texture Texture::target(std::int64_t rows, TexelFormat format, const char* name,
   return {rows, format, name, layers, nullptr};
 }
 
-void Texture::upload(std::span<const Float4> rows) {
+void Texture::upload(std::span<const Float4> rows, int layer) {
   keep_plain_unpacking();
-  upload_rows(rows.data(), static_cast<std::int64_t>(rows.size()), sizeof(Float4));
+  upload_rows(rows.data(), static_cast<std::int64_t>(rows.size()), sizeof(Float4), layer);
 }
 
 void Texture::upload(std::span<const float> rows) {
@@ -156,13 +156,20 @@ void Texture::upload_from(GLuint buffer, std::int64_t first) {
   glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
 }
 
-void Texture::upload_rows(const void* data, std::int64_t count, std::size_t bytes) {
+void Texture::upload_rows(const void* data, std::int64_t count, std::size_t bytes, int layer) {
   const FormatRow& row = row_of(format_);
   const auto whole = static_cast<GLsizei>(count / shape_.width), rest = static_cast<GLsizei>(count % shape_.width);
+  const auto send = [&](GLint line, GLsizei width, GLsizei lines, const void* texels) {
+    if (layers_ > 0) {
+      glTexSubImage3D(kind(), 0, 0, line, layer, width, lines, 1, row.layout, row.type, texels);
+    } else {
+      glTexSubImage2D(kind(), 0, 0, line, width, lines, row.layout, row.type, texels);
+    }
+  };
   glBindTexture(kind(), id_);
-  if (whole > 0) glTexSubImage2D(kind(), 0, 0, 0, shape_.width, whole, row.layout, row.type, data);
+  if (whole > 0) send(0, shape_.width, whole, data);
   const auto* last = static_cast<const char*>(data) + static_cast<std::size_t>(whole) * shape_.width * bytes;
-  if (rest > 0) glTexSubImage2D(kind(), 0, 0, whole, rest, 1, row.layout, row.type, last);
+  if (rest > 0) send(whole, rest, 1, last);
   glBindTexture(kind(), 0);
 }
 

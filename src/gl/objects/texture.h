@@ -36,8 +36,8 @@ class Texture {
   /// Something to draw into, of undefined content; with layers > 0 an array of as many rectangles.
   static Texture target(std::int64_t rows, TexelFormat format, const char* name, int layers = 0);
 
-  /// Writes over the first rows; no more than there are.
-  void upload(std::span<const Float4> rows);
+  /// Writes over the first rows, of an array those of a layer; no more than there are.
+  void upload(std::span<const Float4> rows, int layer = 0);
   void upload(std::span<const float> rows);
   /// All rows, of 16 bytes, from a buffer's row `first` on, without the host.
   void upload_from(GLuint buffer, std::int64_t first);
@@ -52,7 +52,7 @@ class Texture {
 
  private:
   Texture(std::int64_t rows, TexelFormat format, const char* name, int layers, const void* padded);
-  void upload_rows(const void* data, std::int64_t count, std::size_t bytes);
+  void upload_rows(const void* data, std::int64_t count, std::size_t bytes, int layer = 0);
 
   GLuint id_ = 0;
   TextureShape shape_;

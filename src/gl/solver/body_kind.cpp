@@ -22,7 +22,8 @@ BodyKind::BodyKind(const FloatTables& tables)
                  (tables.options.reaction == Reaction::averaged || tables.options.reaction == Reaction::conservative)),
       springs(!tables.spring.empty()),
       several_domains(!tables.domains.owner.empty()),
-      enumerated(tables.layout == FloatLayout::enumerated) {}
+      enumerated(tables.layout == FloatLayout::enumerated),
+      kept(tables.domains.kept) {}
 
 ShaderFiles joined(std::initializer_list<ShaderFiles> parts) {
   ShaderFiles all;
@@ -45,9 +46,12 @@ const ShaderFiles& volume_kernel() {
   return files;
 }
 
-ShaderFiles energy_kernel(const BodyKind& kind) {
-  return {"kernels/columns.glsl", "kernels/volume.glsl", "kernels/shape_memory.glsl",
-          std::string("kernels/energy_") + kind_of(kind.options.strain_energy).name + ".glsl"};
+ShaderFiles domain_files(const BodyKind& kind) {
+  ShaderFiles files{"kernels/columns.glsl", "kernels/volume.glsl", "kernels/shape_memory.glsl",
+                    std::string("kernels/energy_") + kind_of(kind.options.strain_energy).name + ".glsl",
+                    "step/domain_gradient.glsl"};
+  if (kind.dissipates()) files.insert(files.end(), {"kernels/green_strain.glsl", "step/dissipation.glsl"});
+  return files;
 }
 
 const ShaderFiles& gathering_files() {
@@ -67,6 +71,11 @@ void define_kernels(const BodyKind& kind, ShaderRequest& request) {
   if (kind.options.volume_law == VolumeLaw::bounded) request.defines.emplace_back("BOUNDED_VOLUME", 1);
   request.defines.emplace_back("LAW_TEXELS", kind.law_texels);
   if (kind.several_domains) request.defines.emplace_back("SEVERAL_DOMAINS", 1);
+  if (!kind.dissipates()) return;
+  request.defines.emplace_back("DISSIPATES", 1);
+  request.defines.emplace_back("STRAIN_TEXELS", kind.strain_texels());
+  if (kind.kept.rate) request.defines.emplace_back("STRAIN_RATE", 1);
+  if (kind.kept.branch) request.defines.emplace_back("STRAIN_BRANCH", 1);
 }
 
 void define_gathering(const BodyKind& kind, const LoadKind& loads, ShaderRequest& request) {

@@ -23,9 +23,12 @@ struct BodyKind {
   bool springs = false;
   bool several_domains = false;  ///< some particles have more than one
   bool enumerated = false;
+  KeptStrains kept;  ///< by domains, where the material dissipates
 
   explicit BodyKind(const FloatTables& tables);
   bool conservative() const { return base_terms && !attractors; }
+  bool dissipates() const { return kept.count() > 0; }
+  int strain_texels() const { return 2 * static_cast<int>(kept.count()); }  ///< per domain
 };
 
 using ShaderFiles = std::vector<std::string>;
@@ -35,9 +38,9 @@ ShaderFiles joined(std::initializer_list<ShaderFiles> parts);
 const ShaderFiles& base_kernel();
 ShaderFiles attractor_files(const BodyKind& kind);
 const ShaderFiles& volume_kernel();
-ShaderFiles energy_kernel(const BodyKind& kind);  ///< of domains, with the kernels it needs
-const ShaderFiles& gathering_files();             ///< up to net_force.glsl
-const ShaderFiles& tool_files();                  ///< up to touch_tools.glsl; needs net_force.glsl
+ShaderFiles domain_files(const BodyKind& kind);  ///< what stresses of domains need, up to dissipation.glsl
+const ShaderFiles& gathering_files();            ///< up to net_force.glsl
+const ShaderFiles& tool_files();                 ///< up to touch_tools.glsl; needs net_force.glsl
 
 /// The kernels' macros.
 void define_kernels(const BodyKind& kind, ShaderRequest& request);

@@ -20,6 +20,7 @@ namespace phymul::gl {
 /// What all steps of a call have in common.
 struct StepConstants {
   double dt = 0.0, damping_factor = 1.0;
+  double last_dt = 0.0;  ///< s, of the step before the first; 0: there was none
   double largest_acceleration = 0.0, runaway_speed = 0.0, speed_at_rest = 0.0, acceleration_at_rest = 0.0;
 };
 
@@ -66,6 +67,11 @@ class Device {
   virtual void write_needles(const FloatTools& /*tools*/) {}
   /// Those of the present state, to `tools`. Waits for the device.
   virtual void read_needles(FloatTools& /*tools*/) {}
+  // Of a body that dissipates, in rows of FloatDissipation. After write() each domain's strains are those of its state.
+  virtual void set_dissipation(std::span<const Float4> constants) = 0;
+  virtual void write_strains(std::span<const Float4> rows) = 0;
+  /// Of the present state; empty: as after write(). Waits for the device.
+  virtual std::vector<Float4> read_strains() = 0;
   virtual void write(const VecList& rest, const State& state) = 0;
   virtual void read(const VecList& rest, State& state) = 0;
 
@@ -99,8 +105,10 @@ class Device {
   std::unique_ptr<PassTimer> timer_;
 };
 
-/// The device of "gl-compute". Throws Error also where this build has none.
+/// The device of "gl-compute". `domains` gets the row of the topology's domain at each row of the device. Throws Error
+/// also where this build has none.
 std::unique_ptr<Device> make_compute_device(FloatTables tables, const TopologyTextures& topology, const Scene& scene,
-                                            const FloatTools& tools, const ShaderLibrary& library);
+                                            const FloatTools& tools, const ShaderLibrary& library,
+                                            std::vector<Index>& domains);
 
 }  // namespace phymul::gl

@@ -38,6 +38,10 @@ void DeviceSolver::begin_tools(const StepPlan& plan) {
 
 SolverBackend::Motion DeviceSolver::run_batches(const StepPlan& plan) {
   begin_tools(plan);
+  if (dissipation_ && plan.dt != dissipation_dt_) {
+    device_->set_dissipation(dissipation_->constants(plan.dt));
+    dissipation_dt_ = plan.dt;
+  }
   const PassTimer::Current timing(device_->timer());
   Motion motion;
   motion.steps_at_rest = progress_.steps_at_rest;
@@ -61,6 +65,7 @@ bool DeviceSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
   if (!tools_.empty()) tools_.begin_batch(count, plan.dt);
   device_->begin_batch({.dt = plan.dt,
                         .damping_factor = plan.damping_factor,
+                        .last_dt = progress_.last_dt,
                         .largest_acceleration = plan.largest_acceleration,
                         .runaway_speed = plan.runaway_speed,
                         .speed_at_rest = rest.speed,

@@ -62,11 +62,16 @@ void DeviceSolver::build() {
   const ContextInfo& info = context_->info();
   require_turns(info, tables.turns);
   const ShaderLibrary library(gl_.shader_folder, info.es, !info.es || info.at_least(3, 2));
+  std::vector<Index> domains;
   if (backend_ == GlBackend::compute) {
-    context_->run([&] { device_ = make_compute_device(std::move(tables), topology(), scene(), tools_, library); });
+    context_->run(
+        [&] { device_ = make_compute_device(std::move(tables), topology(), scene(), tools_, library, domains); });
   } else {
     context_->run([&] { device_ = std::make_unique<FragmentDevice>(tables, scene(), tools_, library); });
+    domains = std::move(tables.domains.source);
   }
+  if (!topology().dissipation.empty()) dissipation_.emplace(topology(), std::move(domains));
+  dissipation_dt_ = 0.0;
   if (profiling()) context_->run([&] { device_->time_passes(context_->info(), *profiling()); });
   context_->throw_debug_errors();
 }
@@ -193,12 +198,14 @@ void DeviceSolver::do_snapshot(Snapshot& snapshot) const {
   const VecList origin(snapshot.state.position.size(), Vec3::Zero());
   on_device([&] { device_->read(origin, displaced); });
   snapshot.displacement = std::move(displaced.position);
+  if (dissipation_) put_strains(strains(), snapshot);
   snapshot.last_dt = progress_.last_dt;
   snapshot.steps_at_rest = progress_.steps_at_rest;
 }
 
 void DeviceSolver::do_restore(const Snapshot& snapshot) {
-  refuse_parts(snapshot);
+  if (!dissipation_ || snapshot.parts.size() != 1 || !has_strains(snapshot)) refuse_parts(snapshot);
+  const StrainMemory memory = strains_of(snapshot, topology());
   do_reset(snapshot.state);
   if (!snapshot.displacement.empty()) {
     State displaced = snapshot.state;
@@ -206,8 +213,25 @@ void DeviceSolver::do_restore(const Snapshot& snapshot) {
     const VecList origin(displaced.position.size(), Vec3::Zero());
     on_device([&] { device_->write(origin, displaced); });
   }
+  if (!memory.empty()) on_device([&] { device_->write_strains(dissipation_->rows(memory)); });
   progress_.last_dt = snapshot.last_dt;
   progress_.steps_at_rest = snapshot.steps_at_rest;
+}
+
+/// Empty also where the device is lost, and its strains with it.
+StrainMemory DeviceSolver::strains() const {
+  if (!device_ || context_->lost()) return {};
+  const std::vector<Float4> rows = on_device([&] { return device_->read_strains(); });
+  return rows.empty() ? StrainMemory() : dissipation_->memory(rows);
+}
+
+Energy DeviceSolver::do_energy() const {
+  const State state = read();
+  DissipationNow now;
+  if (dissipation_) now = dissipation_at(elastic(), state.position, strains(), progress_.last_dt);
+  Energy energy = energy_of(state, progress_.last_dt, now.force);
+  energy.elastic += now.energy;
+  return energy;
 }
 
 void DeviceSolver::do_profile() const {

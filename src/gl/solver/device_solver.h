@@ -6,8 +6,10 @@
 #include <phymul/backend.h>
 
 #include <memory>
+#include <optional>
 
 #include "device.h"
+#include "device/float_dissipation.h"
 #include "device/float_tables.h"
 #include "gl/context/context.h"
 
@@ -32,7 +34,7 @@ class DeviceSolver final : public SolverBackend {
   void do_scene_changed() override { progress_.steps_at_rest = 0; }
   Motion do_step(const StepPlan& plan) override;
   void do_read(State& state) const override;
-  Energy do_energy() const override { return energy_of(read(), progress_.last_dt); }
+  Energy do_energy() const override;
   double do_time() const override { return progress_.time; }
   void do_snapshot(Snapshot& snapshot) const override;
   void do_restore(const Snapshot& snapshot) override;
@@ -52,6 +54,7 @@ class DeviceSolver final : public SolverBackend {
   template <class Function>
   auto on_device(Function&& function) const;
   void follow();
+  StrainMemory strains() const;
   static Motion lost_motion();
   void begin_tools(const StepPlan& plan);
   Motion run_batches(const StepPlan& plan);
@@ -65,7 +68,9 @@ class DeviceSolver final : public SolverBackend {
   std::unique_ptr<Device> device_;
   std::uint64_t loads_version_ = 0;
   mutable FloatTools tools_{Device::most_steps};
-  mutable State kept_;  // the newest state the host has
+  std::optional<FloatDissipation> dissipation_;
+  double dissipation_dt_ = 0.0;  // s, that the device has the constants of; 0: none
+  mutable State kept_;           // the newest state the host has
   struct Progress {
     double time = 0.0, last_dt = 0.0;
     int steps_at_rest = 0;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "device/float_domains.h"
+
 namespace phymul::gl {
 namespace {
 
@@ -12,11 +14,15 @@ Float4 to_float(const Vec3& v, float w = 0.0f) {
 
 }  // namespace
 
-LoadTable::LoadTable(const Scene& scene, int instants) : scene_(&scene), modes_(scene.modes()) {
-  kind_ = {.forces = !modes_.force_offset.empty(), .fixed = !modes_.fixed.empty()};
+LoadTable::LoadTable(const Scene& scene, int instants, const std::vector<Index>& materials)
+    : scene_(&scene), materials_(&materials), modes_(scene.modes()) {
+  kind_ = {.forces = !modes_.force_offset.empty(),
+           .fixed = !modes_.fixed.empty(),
+           .scaled = !scene.stiffness_factors().empty() && !materials.empty()};
   row_.resize(static_cast<std::size_t>(modes_.count));
   gravity_.resize(static_cast<std::size_t>(instants));
   if (kind_.any()) values_.resize(gravity_.size() * row_.size());
+  if (kind_.scaled) factors_.resize(materials.size());
 }
 
 std::vector<Float4> LoadTable::parts() const {
@@ -53,6 +59,14 @@ void LoadTable::evaluate(const std::vector<double>& instants) {
     if (kind_.any())
       out = std::transform(row_.begin(), row_.end(), out, [](double v) { return static_cast<float>(v); });
   }
+}
+
+bool LoadTable::scale() {
+  const std::vector<double>& now = scene_->stiffness_factors();
+  if (!kind_.scaled || now == of_materials_) return false;
+  of_materials_ = now;
+  spread_factors(*materials_, now, factors_);
+  return true;
 }
 
 }  // namespace phymul::gl

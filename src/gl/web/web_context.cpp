@@ -24,7 +24,7 @@ void load_functions() {
 }
 
 std::unique_ptr<Device> make_compute_device(FloatTables, const TopologyTextures&, const Scene&, const FloatTools&,
-                                            const ShaderLibrary&) {
+                                            const ShaderLibrary&, std::vector<Index>&) {
   throw Error(ErrorCode::not_supported, "WebGL 2 has no compute shaders; the backend \"gl\" needs none");
 }
 

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+//
+// Materials that dissipate on the GL backends: against the float mirror bit by bit where the renderer allows
+// (llvmpipe), within the rounding bound, and what other bodies pay for it. Closed forms, energy and snapshots:
+// tests/solver/dissipation_test.cpp and dissipation_runs_test.cpp, on every backend.
+#include <limits>
+
+#include "elastic/dissipation.h"
+#include "support/bounded_forces.h"
+#include "support/gl_block.h"
+#include "support/gl_touching_bodies.h"
+#include "support/sanitized.h"
+
+namespace phymul::test {
+namespace {
+
+class GlDissipation : public TwinsOnBothDevices {};
+
+PHYMUL_ON_BOTH_DEVICES(GlDissipation);
+
+/// `kinds`: 1 has a rate, 2 a branch.
+Material dissipating(int kinds, Material material = soft_tissue()) {
+  if ((kinds & 1) != 0) material.retardation_time = 2e-3;
+  if ((kinds & 2) != 0) {
+    material.relaxation_strength = 1.5;
+    material.relaxation_time = 0.01;
+  }
+  return material;
+}
+
+/// The half where x is least is harder, and dissipates less.
+Model with(Model model, int kinds) {
+  const double middle = 0.5 * (model.rest[model.group("x0").front()] + model.rest[model.group("x1").front()]).x();
+  set_material(model, dissipating(kinds));
+  Material hard = dissipating(kinds, {50e3, 0.2, 1500.0});
+  hard.relaxation_time *= 0.3;
+  set_material(model, hard, [=](const Vec3& place) { return place.x() < middle; });
+  return model;
+}
+
+std::vector<Body> dissipating_bodies(int kinds) {
+  return {{"tetrahedra", with(make_tetrahedral_block({0.03, 0.02, 0.02}, 4, 2, 3, 0.2, 5), kinds)},
+          {"hexahedra", with(make_block({0.03, 0.02, 0.02}, 4, 3, 2), kinds)},
+          {"strip", with(make_strip(0.04, 0.02, 6, 3), kinds)}};
+}
+
+/// Steps of other lengths, in calls of one step and of several batches; stiffness that is scaled on the way.
+TEST_P(GlDissipation, IsTheMirrorsBitByBitAndTheReferences) {
+  for (const int kinds : {1, 2, 3}) {
+    for (const Body& body : dissipating_bodies(kinds)) {
+      SCOPED_TRACE(body.name + ", kinds " + std::to_string(kinds));
+      Scene scene(body.model);
+      scene.fix("x0").gravity({0, -9.81, 0});
+      const auto tables = tables_of(body.model, {});
+      const GlTwins twins = twins_of(tables, scene);
+      const auto reference = make_solver("reference", tables, scene, twins.options());
+      const State start = random_state(body.model, 0.05, 0.0, 5);
+      twins.reset(start);
+      reference->reset(start);
+      const double dt = 0.2 * reference->stable_step();
+      int call = 0;
+      for (const auto& [steps, share] :
+           {std::pair(1, 1.0), std::pair(1, 0.6), std::pair(sanitized ? 9 : 60, 1.0), std::pair(30, 0.7)}) {
+        if (++call == 4) scene.scale_stiffness(1.8);
+        for (Solver* const solver : {static_cast<Solver*>(twins.gl.get()), twins.mirror.get(), reference.get()}) {
+          const StepReport report = solver->step(steps, share * dt);
+          ASSERT_TRUE(report.ok()) << report.message();
+        }
+        twins.expect_same_bits("call " + std::to_string(call));
+        const double apart = largest_distance(twins.gl->read().position, reference->read().position);
+        EXPECT_LE(apart, 1e-5 * body_size(body.model)) << "call " << call;
+        const Energy a = twins.gl->energy(), b = reference->energy();
+        EXPECT_NEAR(a.elastic, b.elastic, 1e-5 * b.elastic);
+        EXPECT_NEAR(a.kinetic, b.kinetic, 1e-4 * (b.elastic + b.kinetic));
+      }
+    }
+  }
+}
+
+/// From standstill with strains of its own, in a step whose length rounds nothing: as CpuDissipation.
+TEST_P(GlDissipation, ForcesAreWithinTheRoundingBound) {
+  constexpr double dt = 0x1p-20, last_dt = 0x1p-12;
+  double worst = 0.0;
+  for (const int kinds : {1, 2, 3}) {
+    for (const Body& body : dissipating_bodies(kinds)) {
+      SCOPED_TRACE(body.name + ", kinds " + std::to_string(kinds));
+      const Scene scene(body.model);
+      const auto tables = tables_of(body.model, {});
+      std::mt19937 bits(17);
+      StrainMemory strains(tables->domains.size() * kept_strains(*tables).count());
+      for (Strain& strain : strains) {
+        for (double& e : strain) e = static_cast<float>(0.1 * uniform(bits));
+      }
+      SolverOptions uncut;
+      uncut.max_displacement_per_step = std::numeric_limits<double>::infinity();
+      const GlTwins twins = twins_of(tables, scene, uncut);
+      Snapshot start;
+      start.state = random_state(body.model, 0.1, 0.0, 5);
+      VecList u = start.state.position;
+      for (std::size_t i = 0; i < u.size(); ++i) u[i] = (u[i] - body.model.rest[i]).cast<float>().cast<double>();
+      start.displacement = u;
+      start.last_dt = last_dt;
+      put_strains(strains, start);
+      twins.gl->restore(start);
+      Snapshot again = twins.gl->snapshot();
+      EXPECT_EQ(again.parts, start.parts);
+      ASSERT_TRUE(twins.gl->step(1, dt).ok());
+      const VecList found = twins.gl->read().velocity;
+      const BoundedForces bounded(*tables, u, BoundedForces::DissipatingStep{strains, dt, last_dt});
+      for (Index i = 0; i < body.model.particle_count(); ++i) {
+        const Bounded3 force = bounded.force(i);
+        const std::array<Bounded, 3> axes{force.x, force.y, force.z};
+        for (int axis = 0; axis < body.model.dimension; ++axis) {  // strains out of a plane push nothing
+          const Bounded v = Bounded() + stored(dt) * (stored(1.0 / tables->mass[i]) * axes[axis]);
+          const double error = std::abs(found[i][axis] - v.value);
+          ASSERT_LE(error, v.error) << "particle " << i << ", axis " << axis << ", velocity " << v.value;
+          if (v.error > 0.0) worst = std::max(worst, error / v.error);
+        }
+      }
+    }
+  }
+  std::printf("[   BOUND  ] worst error %.3f of the bound\n", worst);
+  EXPECT_GT(worst, 0.001);
+}
+
+/// A step that is taken back, of a batch, leaves the strains of the last good one.
+TEST_P(GlDissipation, BatchesThatEndEarlyKeepTheStrainsOfTheirLastStep) {
+  const Model model = dissipating_bodies(3)[0].model;
+  Scene scene(model);
+  scene.fix("x0").gravity({0, 0, -9.81});
+  SolverOptions options;
+  options.damping.rate = 200.0;
+  const auto tables = tables_of(model, {});
+  const GlTwins twins = twins_of(tables, scene, options);
+  const double dt = 0.5 * twins.gl->stable_step();
+  const auto settle = [&](Solver& solver) {
+    solver.reset(rest_state(model));
+    return solver.run_to_rest(20000, dt);
+  };
+  const RestResult rest = settle(*twins.gl);
+  ASSERT_TRUE(rest.converged()) << rest.message();
+  ASSERT_GT(rest.report.steps, 100);
+  // As many steps one by one: no batch of them is taken back.
+  gl::DeviceSolver other(GetParam(), tables, scene, twins.options());
+  for (int k = 0; k < rest.report.steps; ++k) ASSERT_TRUE(other.step(1, dt).ok());
+  const Snapshot a = twins.gl->snapshot(), b = other.snapshot();
+  EXPECT_EQ(difference(a.state, b.state), "");
+  EXPECT_EQ(a.parts, b.parts);
+}
+
+/// The strains of a snapshot mean the same to every backend.
+TEST_P(GlDissipation, SnapshotsGoOnInTheReference) {
+  const Model model = dissipating_bodies(3)[1].model;
+  const Scene scene(model);
+  const auto tables = tables_of(model, {});
+  const GlTwins twins = twins_of(tables, scene);
+  twins.gl->reset(random_state(model, 0.05, 0.0, 7));
+  const double dt = 0.3 * twins.gl->stable_step();
+  ASSERT_TRUE(twins.gl->step(40, dt).ok());
+  const auto reference = make_solver("reference", tables, scene, twins.options());
+  reference->restore(twins.gl->snapshot());
+  ASSERT_TRUE(twins.gl->step(40, dt).ok());
+  ASSERT_TRUE(reference->step(40, dt).ok());
+  const double apart = largest_distance(twins.gl->read().position, reference->read().position);
+  EXPECT_LE(apart, 1e-6 * body_size(model));
+  Snapshot forgetful = twins.gl->snapshot();
+  forgetful.parts.clear();
+  reference->restore(forgetful);
+  ASSERT_TRUE(twins.gl->step(40, dt).ok());
+  ASSERT_TRUE(reference->step(40, dt).ok());
+  EXPECT_GT(largest_distance(twins.gl->read().position, reference->read().position), 1e-5 * body_size(model));
+}
+
+TEST_P(GlDissipation, OnlySuchBodiesPayForIt) {
+  for (const int kinds : {0, 1, 2, 3}) {
+    const Model model = dissipating_bodies(kinds)[1].model;
+    const Scene scene(model);
+    SolverOptions profiled;
+    profiled.profile = true;
+    const GlTwins twins = twins_of(tables_of(model, {}), scene, profiled);
+    twins.gl->clear_profile();
+    ASSERT_TRUE(twins.gl->step(10, 0.3 * twins.gl->stable_step()).ok());
+    std::vector<std::string> passes;
+    for (const auto& [name, runs] : runs_of(*twins.gl)) {
+      if (runs == 10) passes.push_back(name);
+    }
+    using Names = std::vector<std::string>;
+    if (GetParam() == GlBackend::compute) {
+      EXPECT_EQ(passes, Names({"terms_kernel", "step_kernel"}));
+    } else {
+      EXPECT_EQ(passes, kinds == 0 ? Names({"domains_pass", "step_pass"})
+                                   : Names({"domains_pass", "strains_pass", "step_pass"}));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace phymul::test

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+//
+// Scene::scale_stiffness on the GL backends: against the float mirror bit by bit where the renderer allows (llvmpipe),
+// against the double reference, and what a scene without factors pays for it.
+#include "support/gl_block.h"
+#include "support/gl_touching_bodies.h"
+#include "support/sanitized.h"
+
+namespace phymul::test {
+namespace {
+
+class GlStiffness : public TwinsOnBothDevices {};
+
+PHYMUL_ON_BOTH_DEVICES(GlStiffness);
+
+const Material hard{50e3, 0.2, 1500.0};
+
+/// The half where x is least is harder.
+Model two_materials(Model model) {
+  const double middle = 0.5 * (model.rest[model.group("x0").front()] + model.rest[model.group("x1").front()]).x();
+  set_material(model, soft_tissue(0.45));
+  set_material(model, hard, [=](const Vec3& place) { return place.x() < middle; });
+  return model;
+}
+
+std::vector<Body> bodies_of_two_materials() {
+  return {{"tetrahedra", two_materials(make_tetrahedral_block({0.03, 0.02, 0.02}, 4, 2, 3, 0.2, 5))},
+          {"hexahedra", two_materials(make_block({0.03, 0.02, 0.02}, 4, 3, 2))},
+          {"strip", two_materials(make_strip(0.04, 0.02, 6, 3))}};
+}
+
+/// Factors that come, change, and go.
+void change(Scene& scene, int call) {
+  switch (call) {
+    case 1:
+      scene.scale_stiffness(0.3);
+      break;
+    case 2:
+      scene.scale_stiffness(hard, 1.7);
+      break;
+    case 4:
+      scene.scale_stiffness(1.0);
+      break;
+    case 5:
+      scene.scale_stiffness(hard, 2.3);
+      break;
+    default:
+      break;
+  }
+}
+
+TEST_P(GlStiffness, IsTheMirrorsBitByBitAndTheReferences) {
+  const int steps = sanitized ? 10 : 60;
+  for (const StrainEnergy energy : {StrainEnergy::shape_memory, StrainEnergy::neo_hookean}) {
+    for (const Body& body : bodies_of_two_materials()) {
+      SCOPED_TRACE(body.name);
+      Scene scene(body.model);
+      scene.fix("x0").gravity({0, -9.81, 0});
+      SolverOptions damped;
+      damped.damping.factor = 0.99;
+      const auto tables = tables_of(body.model, {.strain_energy = energy});
+      const GlTwins twins = twins_of(tables, scene, damped);
+      const auto reference = make_solver("reference", tables, scene, twins.options());
+      const State start = random_state(body.model, 0.05, 0.0, 5);
+      twins.reset(start);
+      reference->reset(start);
+      const double dt = 0.15 * reference->stable_step();
+      for (int call = 0; call < 7; ++call) {
+        change(scene, call);
+        ASSERT_TRUE(twins.gl->step(steps, dt).ok());
+        ASSERT_TRUE(twins.mirror->step(steps, dt).ok());
+        ASSERT_TRUE(reference->step(steps, dt).ok());
+        twins.expect_same_bits("call " + std::to_string(call));
+        const double apart = largest_distance(twins.gl->read().position, reference->read().position);
+        EXPECT_LE(apart, 1e-5 * body_size(body.model)) << "call " << call;
+        const Energy a = twins.gl->energy(), b = reference->energy();
+        EXPECT_NEAR(a.elastic, b.elastic, 1e-5 * b.elastic);
+      }
+    }
+  }
+}
+
+/// The same passes with factors and without; a scene that has had some goes on as one that never had.
+TEST_P(GlStiffness, AddsNoPassAndLeavesNothing) {
+  const Model model = bodies_of_two_materials()[0].model;
+  const auto tables = tables_of(model, {});
+  Scene plain(model), scaled(model);
+  SolverOptions profiled;
+  profiled.profile = true;
+  profiled.spectrum = estimate_spectrum(*tables, tables->rest);
+  gl::DeviceSolver one(GetParam(), tables, plain, profiled), other(GetParam(), tables, scaled, profiled);
+  const double dt = 0.3 * one.stable_step();
+  const State start = random_state(model, 0.05, 0.0, 5);
+  const auto run = [&](gl::DeviceSolver& solver) {
+    solver.reset(start);
+    solver.clear_profile();
+    EXPECT_TRUE(solver.step(40, dt).ok());
+    return solver.read();
+  };
+  const State moved = run(one);
+  scaled.scale_stiffness(0.5);
+  EXPECT_NE(difference(run(other), moved), "");
+  EXPECT_EQ(runs_of(other), runs_of(one));
+  scaled.scale_stiffness(1.0);
+  EXPECT_EQ(difference(run(other), moved), "");
+  EXPECT_EQ(runs_of(other), runs_of(one));
+}
+
+/// Many more domains than a line of a texture has texels, of three materials.
+TEST_P(GlStiffness, FactorsReachTheirDomains) {
+  Model model = make_block({0.08, 0.05, 0.05}, 16, 10, 10);
+  set_material(model, soft_tissue());
+  set_material(model, {20e3, 0.3, 1000.0}, [](const Vec3& x) { return x.x() < 0.03; });
+  set_material(model, hard, [](const Vec3& x) { return x.z() < 0.02; });
+  Scene scene(model);
+  scene.scale_stiffness(std::vector<double>{0.2, 3.0, 0.6}).fix("x0").gravity({0, 0, -9.81});
+  const auto tables = tables_of(model, {});
+  const GlTwins twins = twins_of(tables, scene);
+  const auto reference = make_solver("reference", tables, scene, twins.options());
+  const State start = random_state(model, 0.05, 0.0, 9);
+  twins.reset(start);
+  reference->reset(start);
+  const double dt = 0.3 * reference->stable_step();
+  ASSERT_TRUE(twins.gl->step(10, dt).ok());
+  ASSERT_TRUE(twins.mirror->step(10, dt).ok());
+  ASSERT_TRUE(reference->step(10, dt).ok());
+  twins.expect_same_bits("after 10 steps");
+  EXPECT_LE(largest_distance(twins.gl->read().position, reference->read().position), 1e-6 * body_size(model));
+}
+
+}  // namespace
+}  // namespace phymul::test
