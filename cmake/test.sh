@@ -37,7 +37,6 @@ if [ "${1:-}" = full ]; then
     PHYMUL_REQUIRE_GL=$require LP_NUM_THREADS=0 ctest --test-dir "build/$preset" --output-on-failure --parallel 2 \
       -L '^full$' --no-tests=error || failed="$failed $preset-full"
   done
-  sh cmake/browser.sh || failed="$failed browser"
   [ -z "$failed" ] || { echo "FAILED:$failed" >&2; exit 1; }
 elif [ $# -gt 0 ]; then
   run "$@"

@@ -174,7 +174,7 @@ bool Organ::take(double x, double y, int width, int height) {
   const phymul::VecList points = skin_.deform(state.position);
   const auto at = [&](double right, double depth) { return from_pixel(eye, {x + right, y, depth}, width, height); };
   const Vec3 origin = at(0.0, 0.0);
-  const Index picked = pick_particle(
+  const Index picked = phymul::pick_particle(
       points,
       {.origin = origin, .direction = at(0.0, 1.0) - origin, .reach = (at(reach_in_pixels, 0.0) - origin).norm()});
   if (picked < 0) return false;
