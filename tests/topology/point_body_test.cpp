@@ -16,7 +16,7 @@
 namespace phymul::test {
 namespace {
 
-constexpr TopologyOptions averaged{.law = Law::particle_averaged};
+const TopologyOptions averaged{.law = Law::particle_averaged};
 
 double volume(const Model& model) {
   double sum = 0.0;
