@@ -234,9 +234,8 @@ TEST(SimulationStatic, FindsTheShapeOnJoints) {
       sim->scene().gravity({0, 1.0, -3.0});
       c.hold(sim->scene());
     }
-    const StaticResult result = direct.solve_static();
+    const StaticResult result = direct.solve_static({.most_evaluations = c.evaluations});
     ASSERT_TRUE(result.converged()) << result.message();
-    EXPECT_LE(result.evaluations, c.evaluations);
     ASSERT_EQ(stepped.run_to_rest(400'000).status, RestStatus::converged);
     double moved_by = 0.0;
     for (Index i = 0; i < c.model.particle_count(); ++i) {
