@@ -11,6 +11,7 @@ import {join, normalize} from 'node:path';
 
 const [chromium, folder, screenshots] = process.argv.slice(2);
 const mostBytes = 3e6;
+const patience = Number(process.env.PHYMUL_PATIENCE || 1);  // on a busy machine, waits are so many times as long
 const failures = [];
 const say = (text) => console.log(text);
 function expect(holds, text) {
@@ -74,10 +75,10 @@ async function evaluate(expression) {
   return result.value;
 }
 async function until(expression, seconds, what) {
-  for (const end = Date.now() + 1000 * seconds; Date.now() < end; await pause(200)) {
+  for (const end = Date.now() + 1000 * patience * seconds; Date.now() < end; await pause(200)) {
     if (await evaluate(expression)) return;
   }
-  throw new Error(`${what}: not within ${seconds} s; the page says "${await evaluate("document.getElementById('message').textContent")}"`);
+  throw new Error(`${what}: not within ${patience * seconds} s; the page says "${await evaluate("document.getElementById('message').textContent")}"`);
 }
 async function screenshot(name) {
   const {data} = await send('Page.captureScreenshot', {format: 'png', captureBeyondViewport: true});

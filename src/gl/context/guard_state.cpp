@@ -52,8 +52,12 @@ std::vector<GLenum> switches_of(const ContextInfo& info) {
 }
 
 /// Where pictures stand upright and which depths are seen.
-bool has_clip_control(const ContextInfo& info) {
+bool has_clip_control([[maybe_unused]] const ContextInfo& info) {
+#ifdef __EMSCRIPTEN__
+  return false;  // browsers name the extension, but Emscripten 3.1.6 has no function for it
+#else
   return info.es ? info.has("GL_EXT_clip_control") : info.at_least(4, 5) || info.has("GL_ARB_clip_control");
+#endif
 }
 
 /// OpenGL 3.3 has these two by numbers of double precision only.
