@@ -8,7 +8,7 @@ include(${CMAKE_CURRENT_LIST_DIR}/faults.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/blocks.cmake)
 
 # Commands of the system, whose arguments are only looked at where they name files of this project.
-set(system_commands cc c++ cd cp mkdir printf python3 rm for do done export)
+set(system_commands conan cpack mpirun sbatch vcpkg cc c++ cd cp mkdir printf python3 rm for do done export)
 
 file(READ "${ROOT}/CMakePresets.json" presets)
 file(READ "${ROOT}/cmake/install-packages.sh" packages)
