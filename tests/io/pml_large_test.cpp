@@ -30,6 +30,7 @@ namespace phymul {
 namespace {
 
 constexpr double seconds_per_atom = 10e-6;  // of processor time
+constexpr double most_growth = 2.0;         // of it, for eight times the atoms; a quadratic reader has 8
 constexpr double bytes_per_atom = 2048;     // at the peak, text and tree included
 
 /// A line of /proc/self/status in bytes; none where the system has no such file.
@@ -86,6 +87,13 @@ void write_lattice(const std::string& path, int n) {
   out << "</structuralComponent>\n</multiComponent>\n</exclusiveComponents>\n</physicalModel>\n";
 }
 
+/// Processor time, s.
+double seconds_to_read(const std::string& path) {
+  const std::clock_t start = std::clock();
+  (void)read_pml(path);
+  return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+}
+
 TEST(PmlLarge, TimeAndMemoryGrowWithTheSizeOnly) {
   const char* const wanted = std::getenv("PHYMUL_LARGE_ATOMS");
   const int n = static_cast<int>(std::ceil(std::cbrt(wanted != nullptr ? std::atof(wanted) : 1e5)));
@@ -105,7 +113,15 @@ TEST(PmlLarge, TimeAndMemoryGrowWithTheSizeOnly) {
   EXPECT_EQ(model.rest.back(), Vec3::Constant(0.125e-3 * (n - 1)));
   if (!measured_build) GTEST_SKIP() << "time and memory are not those of a release build";
   std::cout << atoms << " atoms: " << seconds << " s\n";
-  EXPECT_LT(seconds, seconds_per_atom * atoms);
+  const std::string eighth = testing::TempDir() + "/phymul_large_eighth.pml";
+  write_lattice(eighth, n / 2);
+  const double seconds_of_eighth = seconds_to_read(eighth);
+  std::filesystem::remove(eighth);
+  const double per_atom_of_eighth = seconds_of_eighth / ((n / 2) * (n / 2) * (n / 2));
+  EXPECT_LT(seconds / atoms, most_growth * per_atom_of_eighth);
+  if (wanted != nullptr) {  // by hand, on a quiet machine
+    EXPECT_LT(seconds, seconds_per_atom * atoms);
+  }
   if (!peak_known || !before || !peak) GTEST_SKIP() << "this system does not tell a process its peak memory";
   std::cout << (*peak - *before) / atoms << " bytes per atom at the peak\n";
   EXPECT_LT(*peak - *before, bytes_per_atom * atoms);
