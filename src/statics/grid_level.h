@@ -18,7 +18,6 @@
 
 namespace phymul {
 
-
 /// Nodes around a place and their weights, which sum to 1.
 struct GridPlace {
   std::array<Index, 8> node;
