@@ -6,6 +6,10 @@ set(kernel_options -ffp-contract=off -fno-math-errno -fno-trapping-math)
 if(PHYMUL_SANITIZE)
   # Checks of every pointer in unrolled code take the compiler many minutes; the address sanitizer's stay.
   list(APPEND kernel_options -fno-sanitize=undefined)
+  # Checks of addresses by calls: in line they take GCC twice as long.
+  if(PHYMUL_SANITIZE MATCHES "address" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    list(APPEND kernel_options --param=asan-instrumentation-with-call-threshold=0)
+  endif()
 else()
   # Where a kernel of thousands of instructions begins within a line of 64 bytes decides by up to a third how fast a
   # processor decodes it (measured: attractors of six neighbours, Zen 5); without this, other code of a program decides.
