@@ -51,6 +51,36 @@ void print_row(int across, double poisson, double gravity, bool steps) {
   std::fflush(stdout);
 }
 
+/// A ball of 2 cm that indents a block of 8 x 8 x 5 cm by 5 mm.
+void print_tool_row(int across, ToolContact contact, bool steps) {
+  const auto pressed = [&] {
+    SimulationOptions options{.material = Material{.young = 10e3, .poisson = 0.3, .density = 1000}, .backend = "cpu"};
+    options.solver.threads = 1;
+    Simulation sim(make_block({0.08, 0.08, 0.05}, across + 1, across + 1, 5 * across / 8 + 1), options);
+    const Tool ball{.shape = Sphere{0.02}, .pose = {.position = {0.04, 0.04, 0.065}}, .contact = contact};
+    sim.scene().fix("z0").add_tool("ball", ball);
+    sim.solver();
+    return sim;
+  };
+  Simulation solved = pressed();
+  double begin = processor_seconds();
+  const StaticResult result = solved.solve_static();
+  const double solving = processor_seconds() - begin;
+  std::printf("%9d %-9s %-7s %5d %8.4f s %7.4f N", solved.model().particle_count(),
+              contact == ToolContact::surface ? "surface" : "particles", result.converged() ? "at rest" : "not",
+              result.evaluations, solving, result.converged() ? result.tools[0].force.norm() : 0.0);
+  if (steps) {
+    Simulation stepped = pressed();
+    begin = processor_seconds();
+    const RestResult rest = stepped.run_to_rest(40'000);
+    const double stepping = processor_seconds() - begin;
+    std::printf("  %-7s %6d %8.3f s %7.4f N %6.1f", rest.converged() ? "at rest" : "not", rest.report.steps, stepping,
+                stepped.force_on(stepped.scene().tool("ball")).force.norm(), stepping / solving);
+  }
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -58,7 +88,8 @@ int main(int argc, char** argv) try {
           argc, argv,
           "static_table [cells across, at most [steps]], default 16 and 1\n"
           "Evaluations and processor time of solve_static() to a residual of 1e-6, for a cantilever of\n"
-          "4, 8 and 16 cells across; with steps 1 also of run_to_rest(), which takes minutes.")) {
+          "4, 8 and 16 cells across, and for a ball on a block of twice as many; with steps 1 also of\n"
+          "run_to_rest(), which takes minutes.")) {
     return 0;
   }
   const int most = argc > 1 ? std::atoi(argv[1]) : 16;
@@ -68,6 +99,10 @@ int main(int argc, char** argv) try {
     for (const double poisson : {0.3, 0.45, 0.49}) {
       for (int across = 4; across <= most; across *= 2) print_row(across, poisson, gravity, steps);
     }
+  }
+  std::printf("particles tool meets  solve_static: evaluations, time, force; run_to_rest: steps, time, force; ratio\n");
+  for (const ToolContact contact : {ToolContact::particles, ToolContact::surface}) {
+    for (int across = 8; across <= 2 * most; across *= 2) print_tool_row(across, contact, steps);
   }
 } catch (const phymul::Error& error) {
   std::fprintf(stderr, "%s\n", error.what());

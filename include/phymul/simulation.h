@@ -85,8 +85,12 @@ class Simulation {
   /// less energy; at the present state, if imposed coordinates are nearer their places there. If it converges, the
   /// solver is in the rest state without motion, at the same time; else its state is what it was. A body that nothing
   /// holds, and whose loads are not in balance, is a result that says so, and so is a joint whose spring would break.
-  /// Throws Error (not_supported) for a body without a material or in two dimensions, for tools, contacts and volume
-  /// constraints, and for loads with events after the present time; (invalid_argument) for options out of their range.
+  /// Tools are at their target poses; what they hold goes with them. Where the body is under a tool, it should not be
+  /// deeper than half of the tool, which would else push it out on the other side: move the tool there in parts.
+  /// Throws Error (not_supported) for a body without a material or in two dimensions; for needles and tools with
+  /// friction, a velocity, both ToolContact::surface and compliance, or a grasp or release still to come; for contacts
+  /// and volume constraints; and for loads with events after the present time. Error (invalid_argument) for options
+  /// out of their range.
   StaticResult solve_static(const StaticOptions& options = {});
 
   /// What is probably not meant, a sentence each: a body without material, sizes and constants that suggest other units

@@ -4,15 +4,18 @@
 #pragma once
 
 #include <phymul/step_report.h>
+#include <phymul/tool.h>
 
 #include <string>
+#include <vector>
 
 namespace phymul {
 
 struct StaticOptions {
   /// The body is at rest when the net forces on free coordinates are at most this share of the loads, > 0. Both are
   /// Euclidean norms over all particles. The loads are gravity and forces on free coordinates, the elastic forces
-  /// on coordinates that are imposed away from their rest places, and the forces of joints on points of the world.
+  /// on coordinates that are imposed away from their rest places, and the forces of joints on points of the world and
+  /// of tools.
   double tolerance = 1e-6;
   /// Largest number of evaluations, >= 1: of the elastic forces of all particles, or of products with the tangent
   /// stiffness, which cost about as much.
@@ -25,7 +28,8 @@ struct StaticResult {
   double residual = 0.0;                   ///< net forces over loads, as StaticOptions::tolerance; 0 without loads
   double largest_force = 0.0;              ///< N, largest net force on a free particle
   Index folded = -1;                       ///< as RestResult::folded, if converged
-  std::string cause;                       ///< of RestStatus::failed
+  std::vector<ToolForce> tools;  ///< by Scene::tools(), if converged: force and torque alone, held particles apart
+  std::string cause;             ///< of RestStatus::failed
 
   bool converged() const { return status == RestStatus::converged; }
   std::string message() const;  ///< one sentence for people

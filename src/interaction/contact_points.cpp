@@ -43,8 +43,13 @@ const std::vector<ContactPoints::Shares>& point_of_particle() {
   return one;
 }
 
+void add_particle(ContactPoints& points, Index row) {
+  points.patches.push_back({{row, row, row}, &point_of_particle(), 1.0});
+}
+
 /// What follows from the patches.
-void index_particles(ContactPoints& points, std::size_t particles) {
+void finish(ContactPoints& points, std::size_t particles) {
+  for (const ContactPoints::Patch& patch : points.patches) points.most_points += patch.points->size();
   points.patch_first.assign(particles + 1, 0);
   const auto each = [&](auto visit) {
     for (std::size_t p = 0; p < points.patches.size(); ++p) {
@@ -81,10 +86,16 @@ ContactPoints make_contact_points(const Model& model, double least_radius) {
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (has_triangles[b]) continue;
-    for (const Index row : bodies[b].particles) made.patches.push_back({{row, row, row}, &point_of_particle(), 1.0});
+    for (const Index row : bodies[b].particles) add_particle(made, row);
   }
-  for (const ContactPoints::Patch& patch : made.patches) made.most_points += patch.points->size();
-  index_particles(made, model.rest.size());
+  finish(made, model.rest.size());
+  return made;
+}
+
+ContactPoints make_particle_points(const Model& model) {
+  ContactPoints made;
+  for (Index row = 0; row < model.particle_count(); ++row) add_particle(made, row);
+  finish(made, model.rest.size());
   return made;
 }
 

@@ -31,4 +31,7 @@ struct ContactPoints {
 /// where they are drawn apart. `least_radius` may be infinite; 0: not known, k is 6.
 ContactPoints make_contact_points(const Model& model, double least_radius);
 
+/// All particles, as of ToolContact::particles.
+ContactPoints make_particle_points(const Model& model);
+
 }  // namespace phymul::cpu

@@ -109,6 +109,12 @@ void Simulation::Parts::start(const State& state) {
   state_changed();
 }
 
+void Simulation::Parts::start_at_rest(const State& state) {
+  solver().reset(state);
+  started = Start{.wanted = state, .taken = solver().read(), .dt = step_limit()};
+  state_changed();
+}
+
 void Simulation::Parts::begin(double dt) {
   solver();
   if (!started) return;

@@ -23,6 +23,8 @@ struct Simulation::Parts {
   void begin(double dt);
   /// Starts from a state whose velocities are those of its own time.
   void start(const State& state);
+  /// Starts from a state in which all forces, those of tools too, are balanced and velocities are 0.
+  void start_at_rest(const State& state);
   bool is_at_start();    ///< no step was taken since start(), and the solver was given no other state
   void state_changed();  ///< by something that the recorder does not see
 

@@ -14,7 +14,10 @@
 #include "base/decimal.h"
 #include "elastic/averaged_stiffness.h"
 #include "simulation_parts.h"
+#include "statics/multigrid.h"
+#include "statics/rest_joints.h"
 #include "statics/rest_search.h"
+#include "statics/rest_tools.h"
 
 namespace phymul {
 namespace {
@@ -30,21 +33,36 @@ constexpr double unsupported = 1e-9;
   throw Error(ErrorCode::not_supported, "Simulation::solve_static: " + what + "; use run_to_rest()");
 }
 
-void require_supported(const TopologyTextures& topology, const Scene& scene, double time) {
+/// A tool that stands still, slides without friction and is known by all its numbers.
+void require_supported(const SceneTool& tool, const State& state) {
+  const std::string name = "the tool \"" + tool.name + '"';
+  if (std::holds_alternative<Needle>(tool.tool.shape)) refuse(name + " is a needle");
+  if (tool.tool.friction > 0.0) refuse(name + " has friction, by which the rest shape depends on the way to it");
+  if (tool.tool.compliance > 0.0 && tool.tool.contact == ToolContact::surface) {
+    refuse(name + " has compliance and ToolContact::surface");
+  }
+  if (tool.pose.velocity != Vec3::Zero() || tool.pose.spin != Vec3::Zero()) refuse(name + " has a velocity");
+  const auto known = std::ranges::find(state.tools, tool.name, &ToolState::name);
+  const bool holds = known != state.tools.end() && !known->held.empty();
+  if (tool.grasping && !holds) refuse(name + " is to grasp in the next step: take a step before, or release it");
+  if (!tool.grasping && holds) refuse(name + " is to release in the next step: take a step before");
+}
+
+void require_supported(const TopologyTextures& topology, const Scene& scene, const State& state) {
   if (topology.dimension == 2) refuse("expected a body in three dimensions, got one in two");
   if (!AveragedStiffness::is_all_of(topology)) refuse("expected a body with a material, got stiffnesses in N/m");
   for (Index i = 0; i < topology.particle_count; ++i) {
     if (topology.first_domain[i] != topology.first_domain[i + 1]) continue;
     refuse("particle " + std::to_string(i) + " is in no cell with a material");
   }
-  if (!scene.tools().empty()) refuse("the scene has the tool \"" + scene.tools().front().name + '"');
+  for (const SceneTool& tool : scene.tools()) require_supported(tool, state);
   if (scene.contacts()) refuse("the scene has contacts");
   if (!scene.volume_constraints().empty()) refuse("the scene has a volume constraint");
   for (std::size_t row = 0; row < scene.loads().size(); ++row) {
     const std::vector<ValueEvent>& events = scene.loads()[row].events;
-    if (events.empty() || !(events.back().date > time)) continue;
+    if (events.empty() || !(events.back().date > state.time)) continue;
     refuse("load " + std::to_string(row) + " has an event at " + to_decimal(events.back().date) +
-           " s, after the present " + to_decimal(time) + " s");
+           " s, after the present " + to_decimal(state.time) + " s");
   }
 }
 
@@ -66,11 +84,12 @@ Rigid rigid_motion(const Vec3& arm, int axis, double size) {
 }
 
 /// What is wrong if some rigid motion of a body meets no support and the loads drive it; else empty. Whether joints
-/// hold a body is left to the search.
-std::string why_no_rest(const Model& model, const LoadFrame& loads, const RestJoints& joints) {
-  const std::vector<char> joined = joints.joined();
+/// and tools hold a body is left to the search.
+std::string why_no_rest(const Model& model, const LoadFrame& loads, RestTerms terms) {
+  std::vector<char> held(model.rest.size(), 0);
+  for (const RestTerm* term : terms) term->mark_held(held);
   for (const ConnectedBody& body : connected_bodies(model)) {
-    if (std::ranges::any_of(body.particles, [&](Index i) { return joined[i] != 0; })) continue;
+    if (std::ranges::any_of(body.particles, [&](Index i) { return held[i] != 0; })) continue;
     Vec3 centre = Vec3::Zero();
     for (const Index i : body.particles) centre += model.rest[i] / static_cast<double>(body.particles.size());
     double size = 0.0;
@@ -104,6 +123,32 @@ std::string why_no_rest(const Model& model, const LoadFrame& loads, const RestJo
     }
   }
   return {};
+}
+
+/// Calls visit(pose, tool) for the tools of the state that the scene still has.
+template <class Tools, class Visit>
+void for_each_tool(const Scene& scene, Tools& tools, const Visit& visit) {
+  for (auto& tool : tools) {
+    const auto wanted = std::ranges::find(scene.tools(), tool.name, &SceneTool::name);
+    if (wanted != scene.tools().end()) visit(wanted->pose, tool);
+  }
+}
+
+/// What tools grasp goes where they are.
+void hold_grasped(const Scene& scene, const State& state, LoadFrame& loads) {
+  for_each_tool(scene, state.tools, [&](const ToolPose& pose, const ToolState& tool) {
+    if (tool.held.empty()) return;
+    loads.fixed.resize(state.position.size(), 0);
+    loads.target.resize(state.position.size(), Vec3::Zero());
+    for (std::size_t k = 0; k < tool.held.size(); ++k) {
+      const Index i = tool.held[k];
+      const Vec3 target = pose.position + pose.orientation * tool.held_at[k];
+      for (int axis = 0; axis < 3; ++axis) {
+        if ((loads.fixed[i] >> axis & 1) == 0) loads.target[i][axis] = target[axis];
+      }
+      loads.fixed[i] = 7;
+    }
+  });
 }
 
 /// m^2: by how much imposed coordinates miss their places.
@@ -140,28 +185,33 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   }
   const TopologyTextures& topology = parts_->elastic();
   State state = solver().read();
-  require_supported(topology, scene(), state.time);
+  require_supported(topology, scene(), state);
   LoadFrame loads;
   scene().prepare(loads);
   scene().evaluate(state.time, loads);
+  hold_grasped(scene(), state, loads);
   RestJoints joints(scene(), state);
-  joints.linearise(state.position);
+  RestTools tools(scene(), diagonal_at_rest(topology));
+  std::vector<RestTerm*> terms;
+  if (!joints.empty()) terms.push_back(&joints);
+  if (!scene().tools().empty()) terms.push_back(&tools);
+  for (RestTerm* term : terms) term->linearise(state.position);
   StaticResult result;
-  result.cause = why_no_rest(model(), loads, joints);
+  result.cause = why_no_rest(model(), loads, terms);
   if (!result.cause.empty()) return result;
 
-  const double gain = potential_energy(topology, loads, joints, state.position) -
-                      potential_energy(topology, loads, joints, topology.rest);
+  const double gain = potential_energy(topology, loads, terms, state.position) -
+                      potential_energy(topology, loads, terms, topology.rest);
   // What is imposed in parts is not begun anew: imposed coordinates that are nearer their places stay.
   const bool begins_anew =
       gain > no_gain * strained_energy(topology) &&
       squared_way_to_targets(loads, topology.rest) <= squared_way_to_targets(loads, state.position);
   if (begins_anew) state.position = topology.rest;
-  RestSearchEnd end = search_rest(topology, loads, joints, options.tolerance, options.most_evaluations, state.position);
+  RestSearchEnd end = search_rest(topology, loads, terms, options.tolerance, options.most_evaluations, state.position);
   result.evaluations = end.evaluations;
   if (end.stuck && !begins_anew && end.evaluations < options.most_evaluations) {
     state.position = topology.rest;
-    end = search_rest(topology, loads, joints, options.tolerance, options.most_evaluations - end.evaluations,
+    end = search_rest(topology, loads, terms, options.tolerance, options.most_evaluations - end.evaluations,
                       state.position);
     result.evaluations += end.evaluations;
   }
@@ -173,7 +223,12 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
                    "\" would carry more than its breaking force; use run_to_rest(), in which it breaks";
   } else if (end.at_rest) {
     for (Vec3& velocity : state.velocity) velocity.setZero();
-    parts_->start(state);
+    result.tools = tools.reactions(state.position);
+    for_each_tool(scene(), state.tools, [](const ToolPose& pose, ToolState& tool) {
+      tool.pose = pose;
+      tool.placed = true;  // points of a surface may be inside by a little, and are to come out without a force
+    });
+    parts_->start_at_rest(state);
     result.status = RestStatus::converged;
     result.folded = first_folded_cell(model(), state.position);
   } else if (end.stuck) {

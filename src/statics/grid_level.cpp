@@ -197,20 +197,20 @@ GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint
   }
 }
 
-void GridLevel::join(const TopologyTextures& topology, std::span<const Mat3> joints) {
-  joints_.clear();
-  for (Cell& cell : cells_) cell.joints = none;
+void GridLevel::add_terms(const TopologyTextures& topology, std::span<const Mat3> blocks) {
+  terms_.clear();
+  for (Cell& cell : cells_) cell.terms = none;
   for (const Part& part : parts_) {
     const DomainTexel& domain = topology.domains[part.domain];
-    if (topology.first_domain[domain.particle] != part.domain || joints[domain.particle].isZero(0.0)) continue;
+    if (topology.first_domain[domain.particle] != part.domain || blocks[domain.particle].isZero(0.0)) continue;
     Cell& cell = cells_[part.cell];
-    if (cell.joints == none) {
-      cell.joints = static_cast<Index>(joints_.size());
-      joints_.emplace_back().fill(Eigen::Matrix<double, 8, 8>::Zero());
+    if (cell.terms == none) {
+      cell.terms = static_cast<Index>(terms_.size());
+      terms_.emplace_back().fill(Eigen::Matrix<double, 8, 8>::Zero());
     }
     const Vec3 local = (topology.rest[domain.particle] - node_place_[cell.node[0]]).cwiseQuotient(shape_.spacing);
     const double share = part.share * domain.inverse_volume;
-    add_held(local, share * joints[domain.particle].diagonal(), joints_[cell.joints]);
+    add_held(local, share * blocks[domain.particle].diagonal(), terms_[cell.terms]);
   }
 }
 
@@ -234,8 +234,8 @@ void GridLevel::assemble(std::span<const Mat3> gradients) {
         if (cell.holds) {
           for (int axis = 0; axis < 3; ++axis) block(axis, axis) += cell.held[axis](a, b);
         }
-        if (cell.joints != none) {
-          for (int axis = 0; axis < 3; ++axis) block(axis, axis) += joints_[cell.joints][axis](a, b);
+        if (cell.terms != none) {
+          for (int axis = 0; axis < 3; ++axis) block(axis, axis) += terms_[cell.terms][axis](a, b);
         }
         if (a == b) block.diagonal() *= 1.0 + regularisation;
         stiffness_->at(cell.entry[8 * a + b]) += block;

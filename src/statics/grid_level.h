@@ -36,11 +36,11 @@ struct GridShape {
 
 class GridLevel {
  public:
-  /// `fixed` [N]: as LoadFrame::fixed. Without joints.
+  /// `fixed` [N]: as LoadFrame::fixed. Without terms.
   GridLevel(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, const GridShape& shape);
 
-  /// From the next assemble() on with these joints, RestJoints::diagonal(), as if all of them ended at the world.
-  void join(const TopologyTextures& topology, std::span<const Mat3> joints);
+  /// From the next assemble() on with terms of these blocks, RestTerm::add_diagonal(), as if all ended at the world.
+  void add_terms(const TopologyTextures& topology, std::span<const Mat3> blocks);
   /// Turns the cells: `gradients` as Tangent::linearise. To be called once before the others.
   void assemble(std::span<const Mat3> gradients);
 
@@ -64,7 +64,7 @@ class GridLevel {
     Eigen::Matrix<double, 8, 3> gradient;  // mean of the nodes' functions, 1/m
     Eigen::Matrix<double, 8, 8> spread;    // N/m, what the mean leaves out
     ByAxis held;                           // N/m, of particles that are
-    Index joints = none;                   // in joints_
+    Index terms = none;                    // in terms_
     bool holds = false;
   };
   struct Part {  // of a domain in a cell
@@ -80,7 +80,7 @@ class GridLevel {
   std::vector<Vec3> node_place_;
   std::vector<Cell> cells_;
   std::vector<Part> parts_;
-  std::vector<ByAxis> joints_;  // N/m
+  std::vector<ByAxis> terms_;  // N/m
   std::unique_ptr<BlockMatrix> stiffness_;
 };
 

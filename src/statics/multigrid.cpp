@@ -20,10 +20,27 @@ constexpr int coarse_sweeps = 2;
 /// A power iteration of a few steps ends below the largest eigenvalue.
 constexpr double above_estimate = 1.2;
 constexpr double finest_cells = 2.0;  // of the finest grid, in mean spacings
-constexpr double little_change_of_joints = 0.1;
+constexpr double little_change_of_terms = 0.1;
 constexpr Index few_nodes = 120;  // solved directly in a millisecond or so
 
-/// The blocks of the diagonal of K at rest.
+void restrict_to(const std::vector<GridPlace>& finer, const Vector& from, Vector& to) {
+  to.setZero();
+  for (std::size_t i = 0; i < finer.size(); ++i) {
+    const Vec3 value = from.segment<3>(3 * static_cast<Eigen::Index>(i));
+    for (int a = 0; a < 8; ++a) to.segment<3>(3 * finer[i].node[a]) += finer[i].weight[a] * value;
+  }
+}
+
+void add_from(const std::vector<GridPlace>& finer, const Vector& from, Vector& to) {
+  for (std::size_t i = 0; i < finer.size(); ++i) {
+    Vec3 value = Vec3::Zero();
+    for (int a = 0; a < 8; ++a) value += finer[i].weight[a] * from.segment<3>(3 * finer[i].node[a]);
+    to.segment<3>(3 * static_cast<Eigen::Index>(i)) += value;
+  }
+}
+
+}  // namespace
+
 std::vector<Mat3> diagonal_at_rest(const TopologyTextures& t) {
   std::vector<Mat3> diagonal(static_cast<std::size_t>(t.particle_count), Mat3::Zero());
   std::vector<std::pair<Index, Vec3>> of;  // particle and how H d depends on it
@@ -61,27 +78,9 @@ std::vector<Mat3> diagonal_at_rest(const TopologyTextures& t) {
   return diagonal;
 }
 
-void restrict_to(const std::vector<GridPlace>& finer, const Vector& from, Vector& to) {
-  to.setZero();
-  for (std::size_t i = 0; i < finer.size(); ++i) {
-    const Vec3 value = from.segment<3>(3 * static_cast<Eigen::Index>(i));
-    for (int a = 0; a < 8; ++a) to.segment<3>(3 * finer[i].node[a]) += finer[i].weight[a] * value;
-  }
-}
-
-void add_from(const std::vector<GridPlace>& finer, const Vector& from, Vector& to) {
-  for (std::size_t i = 0; i < finer.size(); ++i) {
-    Vec3 value = Vec3::Zero();
-    for (int a = 0; a < 8; ++a) value += finer[i].weight[a] * from.segment<3>(3 * finer[i].node[a]);
-    to.segment<3>(3 * static_cast<Eigen::Index>(i)) += value;
-  }
-}
-
-}  // namespace
-
 Multigrid::Multigrid(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, Tangent& tangent,
-                     const RestJoints& joints)
-    : topology_(topology), tangent_(tangent), joints_(joints), free_(Vector::Ones(3 * topology.particle_count)) {
+                     RestTerms terms)
+    : topology_(topology), tangent_(tangent), terms_(terms), free_(Vector::Ones(3 * topology.particle_count)) {
   for (std::size_t i = 0; i < fixed.size(); ++i) {
     for (int axis = 0; axis < 3; ++axis) {
       if ((fixed[i] >> axis & 1) != 0) free_[3 * static_cast<Eigen::Index>(i) + axis] = 0.0;
@@ -118,19 +117,20 @@ Multigrid::Multigrid(const TopologyTextures& topology, std::span<const std::uint
   strongest_.array() *= free_.array();
 }
 
-bool Multigrid::follow_joints() {
-  std::vector<Mat3> now = joints_.diagonal();
+bool Multigrid::follow_terms() {
+  std::vector<Mat3> now(terms_.empty() ? 0 : diagonal_.size(), Mat3::Zero());
+  for (const RestTerm* term : terms_) term->add_diagonal(now);
   double size = 0.0, change = 0.0;
   for (std::size_t i = 0; i < now.size(); ++i) {
     size += now[i].norm();
-    change += of_joints_.empty() ? now[i].norm() : (now[i] - of_joints_[i]).norm();
+    change += of_terms_.empty() ? now[i].norm() : (now[i] - of_terms_[i]).norm();
   }
-  if (change <= little_change_of_joints * size) return false;
-  of_joints_ = std::move(now);
+  if (change <= little_change_of_terms * size) return false;
+  of_terms_ = std::move(now);
   for (std::size_t i = 0; i < diagonal_.size(); ++i) {
-    inverse_diagonal_[i] = (diagonal_[i] + of_joints_[i]).inverse();
+    inverse_diagonal_[i] = (diagonal_[i] + of_terms_[i]).inverse();
   }
-  for (Coarse& coarse : coarse_) coarse.level.join(topology_, of_joints_);
+  for (Coarse& coarse : coarse_) coarse.level.add_terms(topology_, of_terms_);
   return true;
 }
 
@@ -154,7 +154,7 @@ const GridLevel& Multigrid::finest_of(Index most_nodes) const {
 
 void Multigrid::apply(const Vector& d, Vector& result) {
   tangent_.apply(d, result);
-  joints_.add_product(d, result);
+  for (const RestTerm* term : terms_) term->add_product(d, result);
   result.array() *= free_.array();
   ++evaluations_;
 }

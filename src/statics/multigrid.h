@@ -12,20 +12,22 @@
 #include <vector>
 
 #include "grid_level.h"
-#include "rest_joints.h"
+#include "rest_term.h"
 #include "tangent.h"
 
 namespace phymul {
 
+/// [N] N/m: blocks of the diagonal of the tangent stiffness at rest.
+std::vector<Mat3> diagonal_at_rest(const TopologyTextures& topology);
+
 class Multigrid {
  public:
   /// Of the free coordinates. `fixed` [N]: as LoadFrame::fixed, or empty. Keeps references to the arguments.
-  Multigrid(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, Tangent& tangent,
-            const RestJoints& joints);
+  Multigrid(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, Tangent& tangent, RestTerms terms);
 
-  /// Takes the joints' stiffness as it is now, if it has changed by much since it last did; returns whether. Then
+  /// Takes the terms' stiffness as it is now, if it has changed by much since it last did; returns whether. Then
   /// turn() and estimate_largest() are to be called.
-  bool follow_joints();
+  bool follow_terms();
 
   /// Follows the tangent to another state: `gradients` as Tangent::linearise. To be called before
   /// solve().
@@ -57,10 +59,10 @@ class Multigrid {
 
   const TopologyTextures& topology_;
   Tangent& tangent_;
-  const RestJoints& joints_;
+  RestTerms terms_;
   Eigen::VectorXd free_;
-  std::vector<Mat3> diagonal_;          // at rest, without joints
-  std::vector<Mat3> of_joints_;         // RestJoints::diagonal() that the levels have
+  std::vector<Mat3> diagonal_;          // at rest, without terms
+  std::vector<Mat3> of_terms_;          // RestTerm::add_diagonal() that the levels have
   std::vector<Mat3> inverse_diagonal_;  // of both
   std::vector<Mat3> turned_;            // rotations of the particles
   double largest_ = 1.0;                // eigenvalue of the scaled K

@@ -19,7 +19,7 @@ void for_each_weight(const JointSpring& spring, const Visit& visit) {
 
 }  // namespace
 
-RestJoints::RestJoints(const Scene& scene, const State& state) : scene_(scene), particles_(state.position.size()) {
+RestJoints::RestJoints(const Scene& scene, const State& state) : scene_(scene) {
   for (const SceneJoint& joint : scene.joints()) {
     const auto known = std::ranges::find(state.joints, joint.name, &JointState::name);
     for (std::size_t row = 0; row < joint.joint.springs.size(); ++row) {
@@ -29,10 +29,8 @@ RestJoints::RestJoints(const Scene& scene, const State& state) : scene_(scene), 
   }
 }
 
-std::vector<char> RestJoints::joined() const {
-  std::vector<char> ends(particles_, 0);
-  for (const Spring& own : springs_) for_each_weight(*own.spring, [&](Index i, double) { ends[i] = 1; });
-  return ends;
+void RestJoints::mark_held(std::span<char> particles) const {
+  for (const Spring& own : springs_) for_each_weight(*own.spring, [&](Index i, double) { particles[i] = 1; });
 }
 
 Vec3 RestJoints::span_of(const JointSpring& spring, std::span<const Vec3> position) const {
@@ -79,12 +77,10 @@ void RestJoints::add_product(const Eigen::VectorXd& d, Eigen::VectorXd& result) 
   }
 }
 
-std::vector<Mat3> RestJoints::diagonal() const {
-  std::vector<Mat3> blocks(empty() ? 0 : particles_, Mat3::Zero());
+void RestJoints::add_diagonal(std::span<Mat3> blocks) const {
   for (const Spring& own : springs_) {
     for_each_weight(*own.spring, [&](Index i, double weight) { blocks[i] += weight * weight * own.tangent; });
   }
-  return blocks;
 }
 
 std::string RestJoints::overloaded(std::span<const Vec3> position) const {

@@ -20,6 +20,7 @@ using Vector = Eigen::VectorXd;
 constexpr double first_goal = 0.1;      ///< of a linear residual, before the true one is looked at
 constexpr double worth_while = 0.3;     ///< a linear residual below this share of the true one's deviation is in vain
 constexpr double share_of_rest = 0.8;   ///< of the tolerance, for the linear residual
+constexpr double share_of_miss = 0.1;   ///< of the miss of terms, for residuals before they are raised
 constexpr int most_iterations = 60;     ///< of conjugate gradients
 constexpr double most_change = 0.75;    ///< of a mean gradient in one step: rotation in rad, strain
 constexpr double most_way = 0.25;       ///< of a particle in one step, in sizes of the body
@@ -33,13 +34,13 @@ constexpr double energy_rounding = 1e-11;  ///< of an energy
 
 class Search {
  public:
-  Search(const TopologyTextures& topology, const LoadFrame& loads, RestJoints& joints, VecList& position)
+  Search(const TopologyTextures& topology, const LoadFrame& loads, RestTerms terms, VecList& position)
       : topology_(topology),
         loads_(loads),
-        joints_(joints),
+        terms_(terms),
         position_(position),
         tangent_(make_tangent(topology)),
-        grid_(topology, loads.fixed, *tangent_, joints),
+        grid_(topology, loads.fixed, *tangent_, terms),
         path_(topology, grid_.finest_of(path_nodes)),
         load_(3 * topology.particle_count),
         force_(position.size()),
@@ -63,9 +64,15 @@ class Search {
     residual_at(position_, residual_);
     while (true) {
       const bool imposes = find_way_to_targets();
-      goal_ = tolerance * scale_ + floor_;
-      end.at_rest = !imposes && residual_.norm() <= goal_;
+      const double law = tolerance * scale_ + floor_, miss = miss_of_terms();
+      goal_ = std::max(law, share_of_miss * miss);
+      const bool settled = !imposes && residual_.norm() <= goal_;
+      end.at_rest = settled && miss <= law;
       if (end.at_rest || end.stuck || evaluations() >= most_evaluations) break;
+      if (settled) {
+        raise_terms();
+        continue;
+      }
       linearise();
       find_direction(imposes);
       end.stuck = !(imposes ? impose() : descend());
@@ -83,18 +90,33 @@ class Search {
 
   void residual_at(const VecList& x, Vector& r) {
     elastic_forces(topology_, x, force_);
-    joints_.add_forces(x, force_);
+    for (const RestTerm* term : terms_) term->add_forces(x, force_);
     ++forces_;
     r = load_;
     for (std::size_t i = 0; i < x.size(); ++i) r.segment<3>(3 * static_cast<Eigen::Index>(i)) += force_[i];
     r.array() *= grid_.free().array();
   }
 
+  /// N: by how much terms miss their laws.
+  double miss_of_terms() const {
+    double sum = 0.0;
+    for (const RestTerm* term : terms_) sum += term->squared_miss(position_);
+    return std::sqrt(sum);
+  }
+
+  void raise_terms() {
+    for (RestTerm* term : terms_) term->raise(position_);
+    residual_at(position_, residual_);
+    energy_.reset();
+    curvature_ = 0.0;
+  }
+
   /// From the coordinates that are imposed to where they shall be; whether they are not there. Forces are those of
   /// position_ then: also finds what the residual is compared with.
   bool find_way_to_targets() {
     imposed_way_ = Vector::Zero(load_.size());
-    double supports = joints_.squared_support(position_);
+    double supports = 0.0;
+    for (const RestTerm* term : terms_) supports += term->squared_support(position_);
     for (std::size_t i = 0; i < loads_.fixed.size(); ++i) {
       for (int axis = 0; axis < 3; ++axis) {
         if ((loads_.fixed[i] >> axis & 1) == 0) continue;
@@ -110,12 +132,12 @@ class Search {
   void linearise() {
     gradients_ = gradients_of(position_);
     tangent_->linearise(gradients_);
-    joints_.linearise(position_);
+    for (RestTerm* term : terms_) term->linearise(position_);
     double most = turned_at_.empty() ? std::numeric_limits<double>::infinity() : 0.0;
     for (std::size_t d = 0; d < turned_at_.size(); ++d) {
       most = std::max(most, (gradients_[d] - turned_at_[d]).cwiseAbs().maxCoeff());
     }
-    const bool stays = !grid_.follow_joints() && most <= little_change;
+    const bool stays = !grid_.follow_terms() && most <= little_change;
     keeps_way_ = stays && curvature_ > 0.0;
     if (stays) return;
     grid_.turn(gradients_);
@@ -231,8 +253,8 @@ class Search {
       const double next_slope = -next_residual_.dot(direction_);
       std::optional<double> energy;
       if (!(next_residual_.norm() < 0.5 * residual_.norm())) {
-        if (!energy_) energy_ = potential_energy(topology_, loads_, joints_, position_);
-        energy = potential_energy(topology_, loads_, joints_, trial_);
+        if (!energy_) energy_ = potential_energy(topology_, loads_, terms_, position_);
+        energy = potential_energy(topology_, loads_, terms_, trial_);
         const bool overshoots = !(next_slope < 0.9 * std::abs(slope));
         // Near rest the energies differ by less than their rounding.
         const bool closer =
@@ -252,7 +274,7 @@ class Search {
 
   const TopologyTextures& topology_;
   const LoadFrame& loads_;
-  RestJoints& joints_;
+  RestTerms terms_;
   VecList& position_;
   std::unique_ptr<Tangent> tangent_;
   Multigrid grid_;
@@ -273,18 +295,19 @@ class Search {
 
 }  // namespace
 
-double potential_energy(const TopologyTextures& topology, const LoadFrame& loads, const RestJoints& joints,
+double potential_energy(const TopologyTextures& topology, const LoadFrame& loads, RestTerms terms,
                         const VecList& position) {
-  double energy = elastic_energy(topology, position) + joints.energy(position);
+  double energy = elastic_energy(topology, position);
+  for (const RestTerm* term : terms) energy += term->energy(position);
   for (std::size_t i = 0; i < position.size(); ++i) {
     energy -= load_on(topology.mass, loads, i).dot(position[i] - topology.rest[i]);
   }
   return energy;
 }
 
-RestSearchEnd search_rest(const TopologyTextures& topology, const LoadFrame& loads, RestJoints& joints,
-                          double tolerance, int most_evaluations, VecList& position) {
-  return Search(topology, loads, joints, position).run(tolerance, most_evaluations);
+RestSearchEnd search_rest(const TopologyTextures& topology, const LoadFrame& loads, RestTerms terms, double tolerance,
+                          int most_evaluations, VecList& position) {
+  return Search(topology, loads, terms, position).run(tolerance, most_evaluations);
 }
 
 }  // namespace phymul

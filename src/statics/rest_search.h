@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 #include <span>
 
-#include "rest_joints.h"
+#include "rest_term.h"
 
 namespace phymul {
 
@@ -22,11 +22,11 @@ struct RestSearchEnd {
   double residual = 0.0, largest_force = 0.0;  ///< as of StaticResult
 };
 
-/// Takes `position`, [N] m, towards rest under `loads`, as Scene::evaluate() fills them, and joints; until the residual
-/// is at most `tolerance` or after `most_evaluations` (a few more, because a line search is not broken off). Throws
-/// Error for tables beyond the range of single precision.
-RestSearchEnd search_rest(const TopologyTextures& topology, const LoadFrame& loads, RestJoints& joints,
-                          double tolerance, int most_evaluations, VecList& position);
+/// Takes `position`, [N] m, towards rest under `loads`, as Scene::evaluate() fills them, and terms; until the residual
+/// is at most `tolerance` and terms miss their laws by no more, or after `most_evaluations` (a few more, because a line
+/// search is not broken off). Throws Error for tables beyond the range of single precision.
+RestSearchEnd search_rest(const TopologyTextures& topology, const LoadFrame& loads, RestTerms terms, double tolerance,
+                          int most_evaluations, VecList& position);
 
 /// N, on particle i of so much mass, kg.
 inline Vec3 load_on(std::span<const double> mass, const LoadFrame& loads, std::size_t i) {
@@ -35,7 +35,7 @@ inline Vec3 load_on(std::span<const double> mass, const LoadFrame& loads, std::s
 }
 
 /// J: elastic, less the work of the loads from the rest shape on.
-double potential_energy(const TopologyTextures& topology, const LoadFrame& loads, const RestJoints& joints,
+double potential_energy(const TopologyTextures& topology, const LoadFrame& loads, RestTerms terms,
                         const VecList& position);
 
 }  // namespace phymul

@@ -275,8 +275,6 @@ TEST(SimulationStatic, RefusesWhatItDoesNotSupport) {
     change(sim);
     return message_of([&] { sim.solve_static(); });
   };
-  EXPECT_TRUE(says(refusal([](Simulation& sim) { sim.scene().add_tool("probe", {.shape = Sphere{.radius = 0.01}}); }),
-                   "the tool \"probe\""));
   EXPECT_TRUE(says(refusal([](Simulation& sim) { sim.scene().contacts({}); }), "contacts"));
   EXPECT_TRUE(says(refusal([](Simulation& sim) { sim.scene().constrain_volume(); }), "volume constraint"));
   EXPECT_TRUE(says(refusal([](Simulation& sim) {

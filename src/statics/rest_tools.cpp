@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+#include "rest_tools.h"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+
+#include "interaction/tool_shape.h"
+
+namespace phymul {
+namespace {
+
+using cpu::ContactPoints;
+
+/// Of a point's stiffness, in those of the particles' neighbourhoods: each raise() takes a part of about 1 in so many
+/// off the depth that is left.
+constexpr double stiffening = 30.0;
+constexpr int raises_of_surfaces = 3;
+
+Vec3 place_of(const ContactPoints::Patch& patch, const ContactPoints::Shares& share, std::span<const Vec3> position) {
+  return share[0] * position[patch.corner[0]] + share[1] * position[patch.corner[1]] +
+         share[2] * position[patch.corner[2]];
+}
+
+template <class Visit>
+void for_each_point(const ContactPoints& points, const Visit& visit) {
+  for (const ContactPoints::Patch& patch : points.patches) {
+    for (const ContactPoints::Shares& share : *patch.points) visit(patch, share);
+  }
+}
+
+/// N/m, of all points in the order of patches: a particle gets the same from many points as from few.
+std::vector<double> stiffness_of(const ContactPoints& points, std::span<const Mat3> stiffness) {
+  std::vector<double> area(stiffness.size(), 0.0), of_points;
+  for_each_point(points, [&](const ContactPoints::Patch& patch, const ContactPoints::Shares& share) {
+    for (int c = 0; c < 3; ++c) area[patch.corner[c]] += share[c] * patch.area;
+  });
+  for_each_point(points, [&](const ContactPoints::Patch& patch, const ContactPoints::Shares& share) {
+    double sum = 0.0;
+    for (int c = 0; c < 3; ++c) {
+      const Index i = patch.corner[c];
+      if (share[c] > 0.0) sum += share[c] * patch.area / area[i] * stiffness[i].trace() / 3.0;
+    }
+    of_points.push_back(stiffening * sum);
+  });
+  return of_points;
+}
+
+}  // namespace
+
+RestTools::RestTools(const Scene& scene, std::span<const Mat3> stiffness) : particles_(stiffness.size()) {
+  for (const SceneTool& own : scene.tools()) {
+    const Tool& tool = own.tool;
+    const std::optional<double> radius = least_radius(tool.shape);
+    const double known = radius.value_or(std::numeric_limits<double>::infinity());  // 0 of a DistanceGrid
+    const bool surface = tool.contact == ToolContact::surface;
+    Touching made{.points = surface ? cpu::make_contact_points(scene.model(), known > 0.0 ? known + tool.margin : 0.0)
+                                    : cpu::make_particle_points(scene.model()),
+                  .shape = cpu::shape_of(tool),
+                  .frame = cpu::ToolFrame(own.pose),
+                  .compliance = tool.compliance,
+                  .raises_left = surface ? raises_of_surfaces : std::numeric_limits<int>::max(),
+                  .stiffness = {},
+                  .estimate = {}};
+    made.stiffness = stiffness_of(made.points, stiffness);
+    made.estimate.assign(made.stiffness.size(), 0.0);
+    tools_.push_back(std::move(made));
+  }
+}
+
+/// Calls visit(Pressed) for the points that bear a force.
+template <class Visit>
+void RestTools::for_each_pressed(const Touching& tool, std::span<const Vec3> position, const Visit& visit) {
+  std::size_t next = 0;
+  for (const ContactPoints::Patch& patch : tool.points.patches) {
+    const std::size_t first = next, count = patch.points->size();
+    next += count;
+    const Vec3 middle = place_of(patch, {1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}, position);
+    double around = 0.0;
+    for (const Index i : patch.corner) around = std::max(around, (position[i] - middle).norm());
+    const auto estimates = std::span(tool.estimate).subspan(first, count);
+    if (cpu::distance_to(tool.shape, cpu::unpacked(tool.frame.inside(middle))).phi > around &&
+        std::ranges::all_of(estimates, [](double estimate) { return estimate == 0.0; })) {
+      continue;
+    }
+    for (std::size_t p = 0; p < count; ++p) {
+      const ContactPoints::Shares& share = (*patch.points)[p];
+      const auto [phi, normal] =
+          cpu::distance_to(tool.shape, cpu::unpacked(tool.frame.inside(place_of(patch, share, position))));
+      const double gain = tool.stiffness[first + p] / (1.0 + tool.stiffness[first + p] * tool.compliance);
+      const double force = gain * (estimates[p] / tool.stiffness[first + p] - phi);
+      if (force > 0.0) visit(Pressed{&patch, &share, first + p, force, gain, tool.frame.turn * cpu::packed(normal)});
+    }
+  }
+}
+
+VecList RestTools::forces_of(const Touching& tool, std::span<const Vec3> position) const {
+  VecList force(particles_, Vec3::Zero());
+  for_each_pressed(tool, position, [&](const Pressed& own) {
+    for (int c = 0; c < 3; ++c) force[own.patch->corner[c]] += (*own.share)[c] * own.force * own.normal;
+  });
+  return force;
+}
+
+/// A particle near a tool may come to it.
+void RestTools::mark_held(std::span<char> particles) const {
+  if (!tools_.empty()) std::ranges::fill(particles, char{1});
+}
+
+void RestTools::add_forces(std::span<const Vec3> position, std::span<Vec3> force) const {
+  for (const Touching& tool : tools_) {
+    for_each_pressed(tool, position, [&](const Pressed& own) {
+      for (int c = 0; c < 3; ++c) force[own.patch->corner[c]] += (*own.share)[c] * own.force * own.normal;
+    });
+  }
+}
+
+double RestTools::energy(std::span<const Vec3> position) const {
+  double energy = 0.0;
+  for (const Touching& tool : tools_) {
+    for_each_pressed(tool, position, [&](const Pressed& own) { energy += 0.5 * own.force * own.force / own.gain; });
+  }
+  return energy;
+}
+
+double RestTools::squared_support(std::span<const Vec3> position) const {
+  double sum = 0.0;
+  for (const Touching& tool : tools_) {
+    for (const Vec3& force : forces_of(tool, position)) sum += force.squaredNorm();
+  }
+  return sum;
+}
+
+/// Without the turning of normals, which would take definiteness from K.
+void RestTools::linearise(std::span<const Vec3> position) {
+  linear_.clear();
+  for (const Touching& tool : tools_) {
+    for_each_pressed(tool, position, [&](const Pressed& own) { linear_.push_back(own); });
+  }
+}
+
+void RestTools::add_product(const Eigen::VectorXd& d, Eigen::VectorXd& result) const {
+  const auto row = [](const Pressed& own, int c) { return 3 * Eigen::Index{own.patch->corner[c]}; };
+  for (const Pressed& own : linear_) {
+    double way = 0.0;
+    for (int c = 0; c < 3; ++c) way += (*own.share)[c] * own.normal.dot(d.segment<3>(row(own, c)));
+    for (int c = 0; c < 3; ++c) {
+      result.segment<3>(row(own, c)) += (*own.share)[c] * own.gain * way * own.normal;
+    }
+  }
+}
+
+void RestTools::add_diagonal(std::span<Mat3> blocks) const {
+  for (const Pressed& own : linear_) {
+    const Mat3 along = own.gain * own.normal * own.normal.transpose();
+    for (int c = 0; c < 3; ++c) blocks[own.patch->corner[c]] += (*own.share)[c] * (*own.share)[c] * along;
+  }
+}
+
+double RestTools::squared_miss(std::span<const Vec3> position) const {
+  double sum = 0.0;
+  for (const Touching& tool : tools_) {
+    if (tool.raises_left == 0) continue;
+    std::vector<double> miss(tool.estimate.size()), of_particles(particles_, 0.0);
+    std::ranges::transform(tool.estimate, miss.begin(), std::negate());
+    for_each_pressed(tool, position, [&](const Pressed& own) { miss[own.row] += own.force; });
+    auto next = miss.begin();
+    for_each_point(tool.points, [&](const ContactPoints::Patch& patch, const ContactPoints::Shares& share) {
+      for (int c = 0; c < 3; ++c) of_particles[patch.corner[c]] += share[c] * *next;
+      ++next;
+    });
+    for (const double own : of_particles) sum += own * own;
+  }
+  return sum;
+}
+
+void RestTools::raise(std::span<const Vec3> position) {
+  for (Touching& tool : tools_) {
+    if (tool.raises_left == 0) continue;
+    --tool.raises_left;
+    std::vector<double> next(tool.estimate.size(), 0.0);
+    for_each_pressed(tool, position, [&](const Pressed& own) { next[own.row] = own.force; });
+    tool.estimate = std::move(next);
+  }
+}
+
+std::vector<ToolForce> RestTools::reactions(std::span<const Vec3> position) const {
+  std::vector<ToolForce> all(tools_.size());
+  for (std::size_t row = 0; row < tools_.size(); ++row) {
+    const Touching& tool = tools_[row];
+    const VecList forces = forces_of(tool, position);
+    for (std::size_t i = 0; i < forces.size(); ++i) {
+      if (forces[i] == Vec3::Zero()) continue;
+      all[row].force -= forces[i];
+      all[row].torque -= (position[i] - tool.frame.position).cross(forces[i]);
+      ++all[row].particles;
+    }
+  }
+  return all;
+}
+
+}  // namespace phymul

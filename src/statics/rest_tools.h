@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+//
+// Tools without friction as statics knows them. A point of the surface (interaction/contact_points.h) at the signed
+// distance phi from a tool bears the force f >= 0 along the normal, with
+//   f = 0 where phi > 0, else phi = -c f,   c: Tool::compliance.
+// The law is approached by augmented Lagrangians: f = max(0, (s - k phi) / (1 + k c)) with a stiffness k, and raise()
+// takes f as the next s. The points of a triangle share a force in many ways, between which raise() would go on
+// choosing: with ToolContact::surface a few times are enough, after which some points are still inside by less than a
+// thousandth of the body's indentation. Source: J. Nocedal and S. Wright, Numerical Optimization, ch. 17.
+#pragma once
+
+#include <phymul/scene.h>
+
+#include <vector>
+
+#include "interaction/contact_points.h"
+#include "interaction/distance_to_shape.h"
+#include "interaction/tool_frame.h"
+#include "rest_term.h"
+
+namespace phymul {
+
+class RestTools final : public RestTerm {
+ public:
+  /// Tools at their last target poses. `stiffness` [N] N/m: of each particle in its neighbourhood. Must not
+  /// outlive the scene.
+  RestTools(const Scene& scene, std::span<const Mat3> stiffness);
+
+  void mark_held(std::span<char> particles) const override;
+  void add_forces(std::span<const Vec3> position, std::span<Vec3> force) const override;
+  double energy(std::span<const Vec3> position) const override;
+  double squared_support(std::span<const Vec3> position) const override;
+  void linearise(std::span<const Vec3> position) override;
+  void add_product(const Eigen::VectorXd& d, Eigen::VectorXd& result) const override;
+  void add_diagonal(std::span<Mat3> blocks) const override;
+  double squared_miss(std::span<const Vec3> position) const override;
+  void raise(std::span<const Vec3> position) override;
+
+  /// By Scene::tools(): what the particles do to each, held ones apart.
+  std::vector<ToolForce> reactions(std::span<const Vec3> position) const;
+
+ private:
+  struct Touching {
+    cpu::ContactPoints points;
+    cpu::ShapeIn<double> shape;
+    cpu::ToolFrame frame;
+    double compliance;  // m/N
+    int raises_left;
+    std::vector<double> stiffness;  // N/m, k of all points, by patches
+    std::vector<double> estimate;   // N, likewise s
+  };
+  struct Pressed {  // a point that bears a force
+    const cpu::ContactPoints::Patch* patch;
+    const cpu::ContactPoints::Shares* share;
+    std::size_t row;     // in its tool's vectors
+    double force, gain;  // N and N/m: f and -df/dphi
+    Vec3 normal;         // out of the tool
+  };
+  template <class Visit>
+  static void for_each_pressed(const Touching& tool, std::span<const Vec3> position, const Visit& visit);
+  VecList forces_of(const Touching& tool, std::span<const Vec3> position) const;
+
+  std::size_t particles_;
+  std::vector<Touching> tools_;
+  std::vector<Pressed> linear_;  // as of the last linearise()
+};
+
+}  // namespace phymul

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+//
+// Simulation::solve_static in scenes with tools: the shape and forces that steps come to.
+#include <gtest/gtest.h>
+
+#include "support/bodies.h"
+#include "support/failure_states.h"
+#include "support/message_of.h"
+
+namespace phymul::test {
+namespace {
+
+constexpr double gravity = 9.81;
+
+SimulationOptions soft(double poisson = 0.3) {
+  SimulationOptions options;
+  options.material = Material{.young = 10e3, .poisson = poisson, .density = 1000};
+  options.backend = "reference";
+  options.solver.rest_tolerance = 1e-9;
+  return options;
+}
+
+/// A block of 8 x 8 x 5 cm on its lower side, with a tool above.
+Simulation under(const Tool& tool, Model model = make_block({0.08, 0.08, 0.05}, 9, 9, 6), double poisson = 0.3) {
+  Simulation sim(std::move(model), soft(poisson));
+  sim.scene().fix("z0").add_tool("tool", tool);
+  return sim;
+}
+
+double largest_difference(const State& a, const State& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.position.size(); ++i) {
+    largest = std::max(largest, (a.position[i] - b.position[i]).norm());
+  }
+  return largest;
+}
+
+struct Case {
+  const char* name;
+  Tool tool;
+  bool tetrahedra = false;
+};
+
+std::vector<Case> cases() {
+  const ToolPose ball{.position = {0.041, 0.039, 0.065}};
+  const ToolPose edge{.position = {0.04, 0.04, 0.056}};
+  const ToolPose lying{.position = {0.04, 0.01, 0.055},
+                       .orientation = Quaternion(Eigen::Quaterniond::FromTwoVectors(Vec3(0, 0, 1), Vec3(0, 1, 0)))};
+  return {{"sphere, particles", {.shape = Sphere{0.02}, .pose = ball}},
+          {"sphere, surface", {.shape = Sphere{0.02}, .pose = ball, .contact = ToolContact::surface}},
+          {"sphere, surface, tetrahedra", {.shape = Sphere{0.02}, .pose = ball, .contact = ToolContact::surface}, true},
+          {"sphere, compliance", {.shape = Sphere{0.02}, .pose = ball, .compliance = 1e-3}},
+          {"box, particles", {.shape = Box{{0.015, 0.015, 0.01}}, .pose = edge, .margin = 0.001}},
+          {"capsule, surface", {.shape = Capsule{0.01, 0.06}, .pose = lying, .contact = ToolContact::surface}}};
+}
+
+TEST(StaticTools, FindTheShapeAndForcesThatStepsComeTo) {
+  for (const Case& own : cases()) {
+    SCOPED_TRACE(own.name);
+    const Model model = own.tetrahedra ? make_tetrahedral_block({0.08, 0.08, 0.05}, 9, 9, 6, 0.2, 1)
+                                       : make_block({0.08, 0.08, 0.05}, 9, 9, 6);
+    Simulation solved = under(own.tool, model), stepped = under(own.tool, model);
+    const StaticResult result = solved.solve_static();
+    ASSERT_TRUE(result.converged()) << result.message();
+    EXPECT_LE(result.evaluations, 600);
+    const RestResult rest = stepped.run_to_rest(20000);
+    ASSERT_TRUE(rest.converged()) << rest.message();
+    // Steps take only so many rounds over the points of a surface.
+    const bool surface = own.tool.contact == ToolContact::surface;
+    EXPECT_LT(largest_difference(solved.state(), stepped.state()),
+              (surface ? 0.05 : 1e-6) * stepped.max_displacement());
+    const Vec3 force = result.tools.at(0).force, torque = result.tools[0].torque;
+    const ToolForce& of_steps = stepped.force_on(stepped.scene().tool("tool"));
+    EXPECT_GT(force.norm(), 0.5);
+    // Long steps limit the elastic forces under the box, and tell.
+    const double bound = surface || rest.report.force_clamped ? 0.03 : 1e-5;
+    EXPECT_LT((force - of_steps.force).norm(), bound * force.norm());
+    EXPECT_LT((torque - of_steps.torque).norm(), bound * torque.norm() + 1e-5 * force.norm());
+
+    // The next step feels that force, and nothing moves.
+    if (surface) continue;
+    const State before = solved.state();
+    solved.advance(1e-4);
+    EXPECT_LT((solved.force_on(solved.scene().tool("tool")).force - force).norm(), 1e-3 * force.norm());
+    EXPECT_LT(largest_difference(before, solved.state()), 1e-4 * solved.max_displacement());
+  }
+}
+
+TEST(StaticTools, AFloorCarriesTheWeight) {
+  for (const ToolContact contact : {ToolContact::particles, ToolContact::surface}) {
+    Simulation sim(make_tetrahedral_block({0.06, 0.06, 0.04}, 5, 5, 4, 0.2, 1), soft(0.45));
+    sim.scene().gravity({0, 0, -gravity}).add_tool("floor", {.shape = HalfSpace{}, .contact = contact});
+    const StaticResult result = sim.solve_static();
+    ASSERT_TRUE(result.converged()) << result.message();
+    double mass = 0.0;
+    for (const double own : sim.model().mass) mass += own;
+    EXPECT_NEAR(result.tools.at(0).force.z(), -mass * gravity, 1e-5 * mass * gravity);
+    EXPECT_LT(result.tools[0].force.head<2>().norm(), 1e-5 * mass * gravity);
+    EXPECT_GT(sim.max_displacement(), 1e-4);
+  }
+}
+
+TEST(StaticTools, WhatAToolGraspsGoesWithIt) {
+  const auto lifted = [] {
+    Simulation sim = under({.shape = Sphere{0.01}, .pose = {.position = {0.04, 0.04, 0.058}}});
+    const ToolHandle tool = sim.scene().tool("tool");
+    tool.grasp(0.01);
+    sim.advance(1e-3);
+    EXPECT_GT(sim.state().tools.at(0).held.size(), 3u);
+    tool.move_to({.position = {0.045, 0.04, 0.066}, .orientation = Quaternion(Eigen::AngleAxisd(0.2, Vec3::UnitX()))});
+    return sim;
+  };
+  Simulation solved = lifted(), stepped = lifted();
+  const StaticResult result = solved.solve_static();
+  ASSERT_TRUE(result.converged()) << result.message();
+  const RestResult rest = stepped.run_to_rest(20000);
+  ASSERT_TRUE(rest.converged()) << rest.message();
+  EXPECT_LT(largest_difference(solved.state(), stepped.state()), 1e-6 * stepped.max_displacement());
+  EXPECT_EQ(solved.state().tools.at(0).held, stepped.state().tools.at(0).held);
+  EXPECT_LT((solved.pose_of(solved.scene().tool("tool")).position - Vec3(0.045, 0.04, 0.066)).norm(), 1e-12);
+}
+
+TEST(StaticTools, TakeAsManyEvaluationsForALargeBodyAsForASmallOne) {
+  for (const int cells : {8, 16}) {
+    Simulation sim = under(cases()[0].tool, make_block({0.08, 0.08, 0.05}, cells + 1, cells + 1, 5 * cells / 8 + 1));
+    const StaticResult result = sim.solve_static();
+    EXPECT_TRUE(result.converged()) << result.message();
+    EXPECT_LE(result.evaluations, 200) << cells;
+  }
+}
+
+TEST(StaticTools, WhatHasNoSuchRestIsRefusedByName) {
+  const Tool ball = cases()[0].tool;
+  const auto refusal = [](Simulation sim) { return message_of([&] { (void)sim.solve_static(); }); };
+  Tool rough = ball, moving = ball, springy = ball;
+  rough.friction = 0.2;
+  moving.pose.velocity = {0, 0, -0.01};
+  springy.compliance = 1e-3;
+  springy.contact = ToolContact::surface;
+  EXPECT_NE(refusal(under(rough)).find("the tool \"tool\" has friction"), std::string::npos);
+  EXPECT_NE(refusal(under(moving)).find("the tool \"tool\" has a velocity"), std::string::npos);
+  EXPECT_NE(refusal(under(springy)).find("compliance and ToolContact::surface"), std::string::npos);
+  EXPECT_NE(refusal(under({.shape = Needle{.length = 0.1, .radius = 1e-3}})).find("is a needle"), std::string::npos);
+  Simulation grasping = under(ball);
+  grasping.scene().tool("tool").grasp(0.01);
+  EXPECT_NE(refusal(std::move(grasping)).find("is to grasp in the next step"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace phymul::test
