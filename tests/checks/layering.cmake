@@ -95,7 +95,7 @@ function(check_library_file file)
 endfunction()
 
 # Benches, examples and bindings are users: the public headers and their own folder; benches share the tests' bodies,
-# those named for src/cpu look into it, and studies share the benches' expressions. The page shares
+# those named for src/cpu look into it, and studies share the benches' expressions. The page and studies share
 # what other examples make.
 function(check_user_file file)
   cmake_path(RELATIVE_PATH file BASE_DIRECTORY "${ROOT}" OUTPUT_VARIABLE own)
@@ -109,10 +109,10 @@ function(check_user_file file)
     if(own MATCHES "^bench/cpu_" AND path MATCHES "^cpu/[a-z_/]+\\.h$" AND EXISTS "${ROOT}/src/${path}")
       continue()
     endif()
-    if(own MATCHES "^examples/study_" AND path STREQUAL "expression.h" AND EXISTS "${ROOT}/bench/${path}")
+    if(own MATCHES "^examples/study/" AND path STREQUAL "expression.h" AND EXISTS "${ROOT}/bench/${path}")
       continue()
     endif()
-    if(own MATCHES "^examples/browser/" AND path MATCHES "^[a-z_]+\\.h$" AND EXISTS "${ROOT}/examples/${path}")
+    if(own MATCHES "^examples/(browser|study)/" AND path MATCHES "^[a-z_]+\\.h$" AND EXISTS "${ROOT}/examples/${path}")
       continue()
     endif()
     if(path MATCHES "\\.\\./" OR NOT EXISTS "${folder}/${path}")

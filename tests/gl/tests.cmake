@@ -106,8 +106,8 @@ set(with_contacts "GlFragmentContact.*:*GlBodyContact.A*:*GlBodyContact.Tools*:*
 set(refused "*RefusedScene.Sh*:*RefusedScene.W*")
 gl_tests_under(softpipe "${refused}:${minutes}:${with_contacts}:${long_contacts}:${long_with_tools}:${long_with_volumes}:${computing}" GALLIUM_DRIVER=softpipe)
 
-# Mesa's GL over Vulkan, on its software renderer: suites that take it seconds on an idle machine. One test fails on it
-# every time (docs/measurements/systems.md): GlComputeDevice.StepsAreDoneAgain*.
+# Mesa's GL over Vulkan, on its software renderer. There Mesa 22.3 compiles uniforms into shaders, and runs a stale one
+# where a uniform keeps its value (docs/measurements/systems.md).
 find_file(PHYMUL_LAVAPIPE lvp_icd.x86_64.json PATHS /usr/share/vulkan/icd.d NO_DEFAULT_PATH
           DOC "Description of Mesa's software Vulkan")
 if(PHYMUL_LAVAPIPE)

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "study_crew.h"
+#include "crew.h"
 
 /// One object in main(); MPI is used by the thread that made it alone.
 class StudyRanks {

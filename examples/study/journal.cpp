@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "study_journal.h"
+#include "journal.h"
 
 #include <fcntl.h>
 #include <phymul/error.h>
@@ -18,7 +18,7 @@
 #include <string_view>
 #include <utility>
 
-#include "study_checksum.h"
+#include "checksum.h"
 
 namespace {
 

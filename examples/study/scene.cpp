@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "study_scene.h"
+#include "scene.h"
 
 #include <phymul/error.h>
 #include <phymul/simulation.h>
@@ -10,9 +10,9 @@
 #include <fstream>
 #include <iterator>
 
+#include "checksum.h"
 #include "expression.h"
 #include "run_body.h"
-#include "study_checksum.h"
 
 namespace {
 

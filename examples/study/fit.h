@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "study_file.h"
-#include "study_scene.h"
+#include "file.h"
+#include "scene.h"
 
 struct FittedUnknown {
   std::string name;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "study_fit.h"
+#include "fit.h"
 
 #include <phymul/error.h>
 

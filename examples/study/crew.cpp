@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "study_crew.h"
+#include "crew.h"
 
 #include <utility>
 

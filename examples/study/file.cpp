@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "study_file.h"
+#include "file.h"
 
 #include <phymul/error.h>
 
@@ -13,7 +13,7 @@
 #include <sstream>
 
 #include "expression.h"
-#include "study_measurement.h"
+#include "measurement.h"
 
 namespace {
 

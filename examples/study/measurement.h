@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "study_file.h"
+#include "file.h"
 
 /// `with_displacements`: false takes a file of x,y,z alone, too. Throws phymul::Error as "file:line: ...".
 Measurement read_measurement(const std::string& path, bool with_displacements);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "study_ranks.h"
+#include "ranks.h"
 
 #ifdef PHYMUL_HAS_MPI
 #include <mpi.h>
@@ -8,7 +8,7 @@
 #include <thread>
 #include <utility>
 
-#include "study_journal.h"
+#include "journal.h"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "study_tables.h"
+#include "tables.h"
 
 #include <phymul/error.h>
 
@@ -15,7 +15,7 @@
 #include <sstream>
 
 #include "run_options.h"
-#include "study_sampler.h"
+#include "sampler.h"
 
 namespace {
 

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 #
-# phymul_study_kill_test.sh PROGRAM STUDY FOLDER [mpirun and its options...]: kills a study with SIGKILL in its middle,
+# kill_test.sh PROGRAM STUDY FOLDER [mpirun and its options...]: kills a study with SIGKILL in its middle,
 # starts it again, and compares its tables with those of a study that nothing happened to. With mpirun, it kills rank 1
 # first, and then rank 0.
 set -eu
@@ -11,7 +11,7 @@ rm -rf "$out"
 mkdir -p "$out"
 
 fail() {
-  echo "phymul_study_kill_test.sh: $*" >&2
+  echo "kill_test.sh: $*" >&2
   exit 1
 }
 

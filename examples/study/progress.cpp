@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "study_progress.h"
+#include "progress.h"
 
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "study_measurement.h"
+#include "measurement.h"
 
 #include <phymul/error.h>
 

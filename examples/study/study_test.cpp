@@ -11,9 +11,9 @@
 #include <set>
 #include <span>
 
-#include "study_fit.h"
-#include "study_sampler.h"
-#include "study_tables.h"
+#include "fit.h"
+#include "sampler.h"
+#include "tables.h"
 
 namespace {
 

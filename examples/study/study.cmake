@@ -3,20 +3,21 @@
 # phymul-study and its tests: docs/guide/studies.md.
 add_library(phymul_study STATIC
   ${PROJECT_SOURCE_DIR}/bench/expression.cpp
-  study_crew.cpp
-  study_file.cpp
-  study_fit.cpp
-  study_journal.cpp
-  study_measurement.cpp
-  study_sampler.cpp
-  study_scene.cpp
-  study_tables.cpp)
-target_include_directories(phymul_study PUBLIC ${PROJECT_SOURCE_DIR}/bench)
+  study/crew.cpp
+  study/file.cpp
+  study/fit.cpp
+  study/journal.cpp
+  study/measurement.cpp
+  study/sampler.cpp
+  study/scene.cpp
+  study/tables.cpp)
+target_include_directories(phymul_study PUBLIC ${CMAKE_CURRENT_SOURCE_DIR} ${CMAKE_CURRENT_LIST_DIR}
+                                               ${PROJECT_SOURCE_DIR}/bench)
 target_link_libraries(phymul_study PUBLIC phymul phymul_run_body ZLIB::ZLIB
                                    PRIVATE muparser::muparser phymul_warnings phymul_sanitizers)
 phymul_precompile_users(program phymul_study)
 
-phymul_example(phymul-study phymul_study.cpp study_options.cpp study_progress.cpp study_ranks.cpp)
+phymul_example(phymul-study study/phymul_study.cpp study/options.cpp study/progress.cpp study/ranks.cpp)
 target_link_libraries(phymul-study PRIVATE phymul_study CLI11::CLI11)
 if(phymul_has_mpi)
   target_link_libraries(phymul-study PRIVATE MPI::MPI_CXX)
@@ -28,7 +29,7 @@ if(NOT PHYMUL_BUILD_TESTS)
 endif()
 
 include(${PROJECT_SOURCE_DIR}/tests/suites.cmake)
-add_executable(phymul_study_test study_files_test.cpp study_test.cpp)
+add_executable(phymul_study_test study/files_test.cpp study/study_test.cpp)
 phymul_optimise_test(phymul_study_test)
 phymul_precompile_users(test phymul_study_test)
 target_link_libraries(phymul_study_test PRIVATE phymul_study GTest::gtest_main phymul_warnings phymul_sanitizers)
@@ -45,9 +46,9 @@ set(tissue ${PROJECT_SOURCE_DIR}/tests/data/mesh/mixed_41.msh)
 add_test(NAME example.phymul_study
          COMMAND ${CMAKE_COMMAND} -DSTUDY=$<TARGET_FILE:phymul-study> -DRUN=$<TARGET_FILE:phymul-run>
                  -DMESH=${tissue} "-DMPIRUN=${mpirun}" -DOUT=${CMAKE_CURRENT_BINARY_DIR}/phymul_study_out
-                 -P ${CMAKE_CURRENT_SOURCE_DIR}/phymul_study_test.cmake)
+                 -P ${CMAKE_CURRENT_LIST_DIR}/program_test.cmake)
 add_test(NAME example.phymul_study_killed
-         COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/phymul_study_kill_test.sh $<TARGET_FILE:phymul-study>
+         COMMAND sh ${CMAKE_CURRENT_LIST_DIR}/kill_test.sh $<TARGET_FILE:phymul-study>
                  ${CMAKE_CURRENT_BINARY_DIR}/phymul_study_out/killed.study
                  ${CMAKE_CURRENT_BINARY_DIR}/phymul_study_killed)
 set_tests_properties(example.phymul_study PROPERTIES FIXTURES_SETUP studies
@@ -56,7 +57,7 @@ set_tests_properties(example.phymul_study PROPERTIES FIXTURES_SETUP studies
 set_tests_properties(example.phymul_study_killed PROPERTIES FIXTURES_REQUIRED studies TIMEOUT 300)
 if(phymul_has_mpi)
   add_test(NAME example.phymul_study_killed_mpi
-           COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/phymul_study_kill_test.sh $<TARGET_FILE:phymul-study>
+           COMMAND sh ${CMAKE_CURRENT_LIST_DIR}/kill_test.sh $<TARGET_FILE:phymul-study>
                    ${CMAKE_CURRENT_BINARY_DIR}/phymul_study_out/killed.study
                    ${CMAKE_CURRENT_BINARY_DIR}/phymul_study_killed_mpi ${mpirun})
   set_tests_properties(example.phymul_study_killed_mpi PROPERTIES FIXTURES_REQUIRED studies TIMEOUT 300

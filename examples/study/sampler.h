@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "study_file.h"
+#include "file.h"
 
 /// [count][dimensions] in (0, 1): of each dimension every interval of length 1 / count holds exactly one value, at a
 /// random place in it; intervals of different dimensions are paired at random.

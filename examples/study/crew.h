@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "study_scene.h"
+#include "scene.h"
 
 struct SceneJob {
   std::vector<double> values;

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "file.h"
 #include "run_options.h"
-#include "study_file.h"
 
 struct SceneResult {
   std::string failure;         ///< empty: found

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "study_file.h"
-#include "study_fit.h"
-#include "study_scene.h"
+#include "file.h"
+#include "fit.h"
+#include "scene.h"
 
 /// How a target's place varies over the sampled parameters.
 struct TargetSpread {

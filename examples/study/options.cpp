@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "study_options.h"
+#include "options.h"
 
 #include <phymul/version.h>
 

@@ -10,16 +10,16 @@
 #include <set>
 #include <thread>
 
-#include "study_file.h"
-#include "study_fit.h"
-#include "study_journal.h"
-#include "study_measurement.h"
-#include "study_options.h"
-#include "study_progress.h"
-#include "study_ranks.h"
-#include "study_sampler.h"
-#include "study_scene.h"
-#include "study_tables.h"
+#include "file.h"
+#include "fit.h"
+#include "journal.h"
+#include "measurement.h"
+#include "options.h"
+#include "progress.h"
+#include "ranks.h"
+#include "sampler.h"
+#include "scene.h"
+#include "tables.h"
 
 namespace {
 

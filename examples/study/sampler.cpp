@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "study_sampler.h"
+#include "sampler.h"
 
 #include <phymul/error.h>
 

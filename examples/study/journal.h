@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "study_scene.h"
+#include "scene.h"
 
 /// A result and the values it belongs to, in one line: "ok" or "failed", number of parameters, their values, then the
 /// result's values or the reason of the failure. Numbers as C's %a, exact to the bit.

@@ -15,10 +15,10 @@
 #include <utility>
 #include <vector>
 
-#include "study_file.h"
-#include "study_journal.h"
-#include "study_measurement.h"
-#include "study_scene.h"
+#include "file.h"
+#include "journal.h"
+#include "measurement.h"
+#include "scene.h"
 
 namespace {
 
