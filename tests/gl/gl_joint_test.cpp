@@ -80,7 +80,7 @@ void expect_same_springs(const Solver& a, const Solver& b, const Scene& scene, d
   }
 }
 
-// Trajectories may be apart by what those of other suites may be; after these steps it is 2e-6.
+// Calibrated: after the steps below it is 1.1e-6 (printed), and other suites of GL backends allow as much.
 constexpr double apart_by = 1e-5;  // of the body's size
 
 /// Through springs that tear, and constants and joints that change between steps.
@@ -242,6 +242,58 @@ TEST_P(GlJoint, SnapshotsGoOnBitForBitAndResetMends) {
   trio.twins.gl->reset();
   ASSERT_TRUE(trio.twins.gl->step(1, dt).ok());
   EXPECT_EQ(trio.twins.gl->joint_report("glue").broken, 0);
+}
+
+/// A copy on its way has the springs of its own time, and a lost device goes back to them.
+TEST_P(GlJoint, CopiesAndLostDevicesKnowWhatBroke) {
+  const Model model = two_cubes();
+  Scene scene(model);
+  join(scene);
+  const Trio trio = trio_of(scene);
+  gl::DeviceSolver& device = *trio.twins.gl;
+  const double dt = 0.4 * device.stable_step();
+  const auto broken = [&] { return device.joint_report("glue").broken; };
+  for (int call = 0; call < 100 && broken() == 0; ++call) ASSERT_TRUE(device.step(2, dt).ok());
+  const int then = broken();
+  ASSERT_GT(then, 0);
+  device.request_read();
+  ASSERT_TRUE(device.step(40, dt).ok());
+  ASSERT_GT(broken(), then) << "or this shows nothing";
+  State copy;
+  while (!device.collect(copy)) {
+  }
+  ASSERT_EQ(copy.joints.size(), 1u);
+  EXPECT_EQ(copy.joints[0].broken.size(), static_cast<std::size_t>(then));
+  device.context()->mark_lost();
+  EXPECT_EQ(device.step(5, dt).status, StepStatus::device_lost);
+  EXPECT_EQ(broken(), then);
+  EXPECT_EQ(device.read(), copy);
+  ASSERT_TRUE(device.step(1, dt).ok());
+  EXPECT_GE(broken(), then);
+  ASSERT_TRUE(device.step(39, dt).ok());
+  EXPECT_GT(broken(), then);
+}
+
+/// On the way to rest tools are at once where they go. Batches end where the body rests, and are taken back to there.
+TEST_P(GlJoint, RestsWhereTheReferenceDoes) {
+  const Model model = with_material(make_block({side, side, side}, 3, 3, 3));
+  Scene scene(model);
+  scene.fix("z0").gravity({0, 0, -9.81});
+  ToolHandle hook = scene.add_tool({.shape = Sphere{0.001}, .pose = {.position = {0.01, 0.01, 0.03}}});
+  scene.attach(model.group("z1"), hook, {.stiffness = 2e5, .damping = 20.0});
+  const Trio trio = trio_of(scene, {.damping = {.rate = 100.0}});
+  const double dt = 0.4 * trio.reference->stable_step();
+  trio.step(1, dt);
+  hook.move_to({.position = {0.012, 0.01, 0.032}});
+  for (const int most : {5, 20'000}) {
+    for (Solver* const solver :
+         {static_cast<Solver*>(trio.twins.gl.get()), trio.twins.mirror.get(), trio.reference.get()}) {
+      EXPECT_EQ(solver->run_to_rest(most, dt).converged(), most > 5);
+    }
+    if (most == 5) trio.twins.expect_same_bits("on the way");
+    expect_same_springs(*trio.twins.gl, *trio.reference, scene, most == 5 ? 1e-5 : 1e-4);
+    EXPECT_LE(trio.apart(), apart_by * side);
+  }
 }
 
 TEST_P(GlJoint, OnlyScenesWithJointsPayForIt) {
