@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// The joints of a scene as one solver knows them: their forces step by step, and which springs are broken. In double
-// precision whatever the backend's own is, and summed in the order of the springs, so that no number of threads changes
-// a bit.
+// The joints of a scene as one solver knows them: their forces step by step, and which springs are broken. act() works
+// in double precision whatever the backend's own is, and sums in the order of the springs, so that no number of threads
+// changes a bit. A device finds the forces itself: take().
 #pragma once
 
 #include <phymul/joint.h>
