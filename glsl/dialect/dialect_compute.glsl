@@ -62,6 +62,7 @@ ivec2 word_pair(int first) {
 #define fetch_load_vec4(table, place, row) intBitsToFloat(load_rows[place + (row)])
 #define fetch_load_ivec4(table, place, row) load_rows[place + (row)]
 #define fetch_load_float(table, place, row) intBitsToFloat(load_rows[place + ((row) >> 2)][(row) & 3])
+#define fetch_load_layer(table, place, row, layer) intBitsToFloat(load_rows[place + 4 * (row) + (layer)])
 
 #define PASS_MAIN(compute_row)
 

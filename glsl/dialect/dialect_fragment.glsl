@@ -39,6 +39,7 @@ ivec2 texel_of(int row, int log2_width) {
 #define fetch_load_vec4(table, place, row) fetch_vec4(table, place, row)
 #define fetch_load_ivec4(table, place, row) fetch_ivec4(table, place, row)
 #define fetch_load_float(table, place, row) fetch_float(table, place, row)
+#define fetch_load_layer(table, place, row, layer) fetch_layer(table, place, row, layer)
 
 // The row this fragment computes.
 int own_row() {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Everything that pulls at one particle, in a fixed order: its own attractor or bases, what reactions give back,
-// volumes, domains, springs, loads. Needs tables.glsl, terms_of.glsl; force_of.glsl where ATTRACTORS is defined;
+// volumes, domains, springs, loads, joints. Needs tables.glsl, terms_of.glsl; force_of.glsl where ATTRACTORS is defined;
 // spring.glsl where SPRINGS is; integrate.glsl where CUT is.
 
 #ifdef CUT
@@ -82,6 +82,13 @@ vec4 net_force(int i) {
 #ifdef FORCES
   ivec4 rows = fetch_load_ivec4(load_index, load_index_place, i);
   F = F + load_sum(rows.x, rows.y, instant);
+#endif
+#ifdef JOINTS
+  ivec4 joined = fetch_load_ivec4(joint_ranges, joint_ranges_place, i);
+  for (int row = joined.x; row < joined.y; ++row) {
+    ivec4 end = fetch_load_ivec4(joint_ends, joint_ends_place, row);
+    F = F + intBitsToFloat(end.y) * fetch_load_layer(joint_state, joint_state_place, end.x, 0).xyz;
+  }
 #endif
   return vec4(F, was_cut);
 }

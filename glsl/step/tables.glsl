@@ -40,6 +40,9 @@ TABLE_FLOATS(load_parts, load_parts_place);  // vector, number of the value it i
 TABLE_FLOATS(load_values, load_values_place);  // a row of load_count values per instant
 uniform int load_count;
 TABLE_FLOATS(stiffness_factor, stiffness_factor_place);  // per domain; only with SCALED_STIFFNESS
+TABLE_INTS(joint_ranges, joint_ranges_place);  // first row and end of joint_ends; only with JOINTS
+TABLE_INTS(joint_ends, joint_ends_place);      // spring of a joint, bits of the share of its force
+STORED_LAYERS(joint_state, joint_state_place);  // joint_law.glsl
 
 // First row and end of what belongs to particle i.
 #ifdef SLICED

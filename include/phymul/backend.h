@@ -109,9 +109,10 @@ class SolverBackend : public Solver {
   /// What of the scene and the body only "cpu" and "reference" take, as do_cannot() says it; null: nothing.
   const char* beyond_devices() const;
 
-  LoadFrame& frame() { return frame_; }                  ///< prepared; a backend evaluates it at the time of each step
-  const LoadFrame& frame() const { return frame_; }      ///< of the scene as the last step or reset saw it
-  JointSet& joints() { return *joints_; }                ///< of the scene; empty for backends without joints
+  LoadFrame& frame() { return frame_; }              ///< prepared; a backend evaluates it at the time of each step
+  const LoadFrame& frame() const { return frame_; }  ///< of the scene as the last step or reset saw it
+  JointSet& joints() { return *joints_; }            ///< of the scene; empty for backends without joints
+  const JointSet& joints() const { return *joints_; }
   Profile* profiling() const { return profile_.get(); }  ///< null unless SolverOptions::profile
 
  private:

@@ -191,17 +191,19 @@ void FloatTools::begin_batch(int steps, double dt) {
   frames_filled_ = static_cast<std::size_t>(rows - frames_.data());
 }
 
-void FloatTools::accept(int steps, double dt, std::span<const ToolSums> sums) {
+void FloatTools::accept(int steps, double dt, std::span<const ToolSums> sums, std::span<const JointSet::Pull> pulls,
+                        std::span<const JointSet::Pull> pull_sums) {
   for (std::size_t row = 0; row < tools_.size(); ++row) {
     MovedTool& tool = tools_[row].moved;
     for (int step = 0; step < steps; ++step) {
       tool.motion.advance(dt);
       tool.accept_pose();
     }
-    const ToolForce last{.force = widened(sums[row].last_force),
-                         .torque = widened(sums[row].last_torque),
+    const ToolForce last{.force = widened(sums[row].last_force) + pulls[row].force,
+                         .torque = widened(sums[row].last_torque) + pulls[row].torque,
                          .particles = static_cast<int>(sums[row].last_force[3])};
-    tool.tell(last, widened(sums[row].force), widened(sums[row].torque), steps);
+    tool.tell(last, widened(sums[row].force) + pull_sums[row].force, widened(sums[row].torque) + pull_sums[row].torque,
+              steps);
     tool.report.shaft = sums[row].shaft;
   }
 }

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "interaction/joint_set.h"
 #include "interaction/moved_tool.h"
 #include "table_rows.h"
 
@@ -58,8 +59,11 @@ class FloatTools {
 
   /// Fills frames() for steps from here on.
   void begin_batch(int steps, double dt);
-  /// So many steps of the batch count; `sums` are of those.
-  void accept(int steps, double dt, std::span<const ToolSums> sums);
+  /// So many steps of the batch count; `sums` are of those. By tool, what joints did in the last one and summed.
+  void accept(int steps, double dt, std::span<const ToolSums> sums, std::span<const JointSet::Pull> pulls,
+              std::span<const JointSet::Pull> pull_sums);
+  /// m, of the rest shape: what places are seen from. 0 without tools.
+  const Vec3& middle() const { return middle_; }
 
   /// As ToolSet::report of src/cpu.
   const ToolReport& report(const SceneTool& wanted) const;

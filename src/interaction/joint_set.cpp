@@ -129,6 +129,24 @@ void JointSet::act(std::span<const ToolWay> tools, double dt) {
   }
 }
 
+void JointSet::take(std::span<const Told> told, std::span<Pull> sums) {
+  for (Pull& pull : pulls_) pull = {};
+  auto row = told.begin();
+  for (Followed& followed : joints_) {
+    for (std::size_t k = 0; k < followed.springs.size(); ++k, ++row) {
+      followed.next[k] = row->spring;
+      const auto& [a, b] = followed.springs[k];
+      const Index tool = std::max(a.tool, b.tool);
+      if (tool < 0) continue;
+      const double side = a.tool >= 0 ? 1.0 : -1.0;
+      pulls_[tool].force += side * row->spring.force;
+      pulls_[tool].torque += row->torque;
+      sums[tool].force += side * row->sum_force;
+      sums[tool].torque += row->sum_torque;
+    }
+  }
+}
+
 void JointSet::accept() {
   for (Followed& followed : joints_) {
     JointReport& report = followed.report;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// The joints of a scene as one solver knows them: their forces step by step, and which springs are broken. In double
-// precision whatever the backend's own is, and summed in the order of the springs, so that no number of threads changes
-// a bit.
+// The joints of a scene as one solver knows them: their forces step by step, and which springs are broken. act() works
+// in double precision whatever the backend's own is, and sums in the order of the springs, so that no number of threads
+// changes a bit. A device finds the forces itself: take().
 #pragma once
 
 #include <phymul/joint.h>
@@ -52,6 +52,14 @@ class JointSet {
   /// Forces of one step, from positions and velocities of points(). `tools`: by Scene::tools(). Does not allocate.
   void act(std::span<const ToolWay> tools, double dt);
   std::span<const Pull> pulls() const { return pulls_; }  // of the last act(), by Scene::tools()
+  /// What a device tells of a spring: of the last one of some steps, and about the tool it ends at, if any, summed over
+  /// them. Torques are on that tool, about its position at the end of each step.
+  struct Told {
+    SpringReport spring;
+    Vec3 torque{0, 0, 0}, sum_force{0, 0, 0}, sum_torque{0, 0, 0};  // N m; N, N m
+  };
+  /// In place of act(): `told` by springs, joint by joint. Adds the sums to `sums`, by Scene::tools().
+  void take(std::span<const Told> told, std::span<Pull> sums);
   void accept();  ///< the step counts: springs whose force was too large break, and report() has its forces
 
   double energy() const { return energy_; }  ///< J, of the springs in the last act()

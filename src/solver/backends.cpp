@@ -180,15 +180,6 @@ Choice choose(const std::shared_ptr<const TopologyTextures>& topology, const Sce
   if (touches_surface(scene.tools())) {
     return processor_because(std::move(cpu), "the scene has a tool with ToolContact::surface, which no GPU takes");
   }
-  if (!scene.joints().empty()) {
-    return processor_because(std::move(cpu), "the scene has joints, which no GPU takes");
-  }
-  if (!scene.stiffness_factors().empty()) {
-    return processor_because(std::move(cpu), "the scene scales the stiffness of materials, which no GPU does");
-  }
-  if (!topology->dissipation.empty()) {
-    return processor_because(std::move(cpu), "the body's material dissipates, which no GPU takes");
-  }
   if (scene.contacts()) {
     return processor_because(std::move(cpu),
                              "the scene has contacts, and what they cost a GPU no trial shows before bodies touch");

@@ -44,6 +44,8 @@ constexpr const char* no_needles =
     "the scene has a needle, which this backend does not take; use \"gl-compute\", \"cpu\" or \"reference\"";
 constexpr const char* no_volumes =
     "the scene keeps volumes, which this backend does not do; use \"cpu\", \"gl-compute\" or \"reference\"";
+constexpr const char* no_joints =
+    "the scene has joints, which this backend does not take; use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_dissipation =
     "the body has a material with Material::retardation_time or relaxation_strength, which this backend does not take; "
     "use \"cpu\", \"gl-compute\" or \"reference\"";
@@ -296,9 +298,6 @@ const char* SolverBackend::beyond_devices() const {
     return "the scene has a tool with ToolContact::surface, which this backend does not take; use \"cpu\" or "
            "\"reference\"";
   }
-  if (!scene_->joints().empty()) {
-    return "the scene has joints, which this backend does not take; use \"cpu\" or \"reference\"";
-  }
   if (local_steps_) {
     return "SolverOptions::max_substeps is above 1, and materials of this body would have substeps, which this backend "
            "does not do; use \"cpu\" or \"reference\"";
@@ -310,6 +309,7 @@ const char* SolverBackend::do_cannot() const {
   if (!scene_->tools().empty() && !takes_tools()) return no_tools;
   if (has_needle(scene_->tools())) return no_needles;
   if (const char* const cause = beyond_devices()) return cause;
+  if (!scene_->joints().empty()) return no_joints;
   if (!topology_->dissipation.empty()) return no_dissipation;
   if (!scene_->stiffness_factors().empty()) return no_scaled_stiffness;
   if (!scene_->volume_constraints().empty() && !do_takes_volumes()) return no_volumes;

@@ -167,6 +167,11 @@ TEST_F(GlModuleInstant, FragmentShadersAreMeasuredWhereThereAreNoOthers) {
   EXPECT_TRUE(choice.ends_with("; not gl-compute: GL is not available: Instant GPU is too old")) << choice;
 }
 
+TEST_F(GlModuleInstant, JointsAreMeasuredWithTheirBody) {
+  scene_.add_joint({at_particle(0), at_world({0, 0, -0.1})}, 10.0);
+  EXPECT_EQ(chosen()->name(), "gl-compute");
+}
+
 TEST_F(GlModuleInstant, SmallBodiesAreNotMeasured) {
   const Model small = make_block({0.1, 0.1, 0.1}, 8, 8, 8, 6);  // 729 particles
   const Scene scene(small);

@@ -168,6 +168,7 @@ TEST_P(GlFragmentRefusedScene, WhatAPassCannotBeGivenChangesNothing) {
   };
   offer("kept_facets", [](Scene& other) { other.constrain_volume("low"); });
   offer("tree_roots", [](Scene& other) { other.contacts({}); });
+  offer("joint_ends", [](Scene& other) { other.add_joint({at_particle(0), at_world({0, 0, 1})}, 10.0); });
 }
 
 /// Passes of contacts are made once; those of needles that bend take the place of others, but not before they are

@@ -30,6 +30,7 @@ class InstantSolver final : public SolverBackend {
  private:
   void do_reset(const State& state) override { state_ = state; }
   void do_scene_changed() override {}
+  const char* do_cannot() const override { return beyond_devices(); }
   Motion do_step(const StepPlan& plan) override {
     if (is_set("PHYMUL_TEST_SLOW_GPU")) std::this_thread::sleep_for(std::chrono::milliseconds(200));
     Motion motion;

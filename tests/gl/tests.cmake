@@ -103,8 +103,9 @@ set(long_with_tools "*GlTool.Every*:*GlTool.Agrees*:*GlTool.Batches*:*MovingTool
 set(long_with_tools "${long_with_tools}:*Contact.Block*:*Contact.Compliance*:*Contact.TenThousand*:*GridTool*")
 set(long_with_volumes "*GlVolume.IsKept*:*GlVolume.Several*:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolume.ManyFacets*")
 set(with_contacts "GlFragmentContact.*:*GlBodyContact.A*:*GlBodyContact.Tools*:*GlBodyContact.V*:*GlContactRuns.AScene*")
+set(with_joints "*GlJoint.*Contacts*:*JointOfBodiesIn.GlueHolds*:*JointIn.AChain*:*JointIn.AStiff*")
 set(refused "*RefusedScene.Sh*:*RefusedScene.W*")
-gl_tests_under(softpipe "${refused}:${minutes}:${with_contacts}:${long_contacts}:${long_with_tools}:${long_with_volumes}:${computing}" GALLIUM_DRIVER=softpipe)
+gl_tests_under(softpipe "${refused}:${minutes}:${with_contacts}:${with_joints}:${long_contacts}:${long_with_tools}:${long_with_volumes}:${computing}" GALLIUM_DRIVER=softpipe)
 
 # Mesa's GL over Vulkan, on its software renderer. There Mesa 22.3 compiles uniforms into shaders, and runs a stale one
 # where a uniform keeps its value (docs/measurements/systems.md).

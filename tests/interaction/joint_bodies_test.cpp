@@ -10,11 +10,11 @@
 namespace phymul::test {
 namespace {
 
-class JointOfBodiesIn : public testing::TestWithParam<std::string> {
+class JointOfBodiesIn : public OnEveryBackend {
  protected:
   double roundoff() const { return GetParam() == "reference" ? 0x1p-53 : 0x1p-24; }
 };
-INSTANTIATE_TEST_SUITE_P(Backends, JointOfBodiesIn, testing::Values("reference", "cpu"));
+PHYMUL_ON_EVERY_BACKEND(JointOfBodiesIn);
 
 constexpr double side = 0.02;  // m
 

@@ -13,14 +13,14 @@
 namespace phymul::test {
 namespace {
 
-class JointIn : public testing::TestWithParam<std::string> {
+class JointIn : public OnEveryBackend {
  protected:
   std::unique_ptr<Solver> make(const Model& model, const Scene& scene, const SolverOptions& options = {}) const {
     return loose_solver(GetParam(), model, scene, options);
   }
   double roundoff() const { return GetParam() == "reference" ? 0x1p-53 : 0x1p-24; }
 };
-INSTANTIATE_TEST_SUITE_P(Backends, JointIn, testing::Values("reference", "cpu"));
+PHYMUL_ON_EVERY_BACKEND(JointIn);
 
 constexpr double mass = 0.01, stiffness = 40.0;  // kg, N/m
 const double omega = std::sqrt(stiffness / mass);

@@ -52,6 +52,7 @@ struct Kernels {
 #include "kernels/base.glsl"
 #include "kernels/columns.glsl"
 #include "kernels/integrate.glsl"
+#include "kernels/joint.glsl"
 #include "kernels/spring.glsl"
 #include "kernels/volume.glsl"
 };

@@ -10,6 +10,7 @@
 #include "device/float_range.h"
 #include "kernels.h"
 #include "mirror_forces.h"
+#include "mirror_joints.h"
 #include "mirror_volumes.h"
 #include "scene/tool_state.h"
 #include "touch_tools.h"
@@ -90,9 +91,7 @@ class MirrorSolver final : public SolverBackend {
         next_u_(u_.size()),
         next_v_(u_.size()),
         force_(u_.size()) {
-    tools_.follow(scene());
-    volumes_.follow(scene());
-    forces_.scale(scene().stiffness_factors());
+    follow();
     reset();
   }
 
@@ -113,8 +112,13 @@ class MirrorSolver final : public SolverBackend {
   void do_scene_changed() override {
     steps_at_rest_ = 0;
     loads_ = FloatLoads(scene());
+    follow();
+  }
+
+  void follow() {
     tools_.follow(scene());
     volumes_.follow(scene());
+    joints_.follow(scene(), tools_);
     forces_.scale(scene().stiffness_factors());
   }
 
@@ -144,7 +148,7 @@ class MirrorSolver final : public SolverBackend {
       if (motion.bad_particle >= 0) break;
       u_.swap(next_u_);
       v_.swap(next_v_);
-      if (!tools_.empty()) tools_.accept(1, plan.dt, tool_sums_);
+      accept_joints_and_tools(plan.dt);
       dissipation_.accept();
       time_ += plan.dt;
       last_dt_ = plan.dt;
@@ -152,14 +156,24 @@ class MirrorSolver final : public SolverBackend {
       motion.force_clamped = motion.force_clamped || cut;
 
       motion.max_speed = max_free_speed();
-      const RestThresholds rest =
-          rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest}, largest_displacement());
+      const RestThresholds asked{plan.speed_at_rest, plan.acceleration_at_rest};
+      const RestThresholds rest = joints_.empty() ? rest_thresholds(asked, largest_displacement())
+                                                  : rest_thresholds(asked, largest_displacement(), plan.omega_max);
       const bool quiet = motion.max_speed <= rest.speed && motion.max_acceleration <= rest.acceleration;
       steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
       motion.steps_at_rest = steps_at_rest_;
       if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;
     }
     return motion;
+  }
+
+  void accept_joints_and_tools(double dt) {
+    std::vector<JointSet::Pull> sums(scene().tools().size());
+    if (!joints_.empty()) {
+      joints().take(joints_.told(), sums);
+      joints().accept();
+    }
+    if (!tools_.empty()) tools_.accept(1, dt, tool_sums_, sums, sums);
   }
 
   void do_read(State& state) const override {
@@ -180,10 +194,12 @@ class MirrorSolver final : public SolverBackend {
 
   /// Forces act at the old time, imposed positions hold at the new one. True where an elastic force was cut.
   bool move(const StepPlan& plan, Motion& motion) {
+    if (!tools_.empty()) tools_.begin_batch(1, plan.dt);
+    const auto inverse_dt = static_cast<float>(1.0 / plan.dt);
+    if (!joints_.empty()) joints_.act({u_, v_, inverse_dt, plan.stop_at_rest}, joints());
     const bool any_cut = net_forces(static_cast<float>(plan.largest_acceleration));
     const Float3 gravity = loads_.gravity;
     if (loads_.imposes()) loads_.evaluate(scene(), time_ + plan.dt);
-    if (!tools_.empty()) tools_.begin_batch(1, plan.dt);
     tool_sums_.assign(static_cast<std::size_t>(tools_.count()), ToolSums{});
     motion.max_acceleration = motion.max_force = 0.0;
     for (Index i = 0; i < topology().particle_count; ++i) {
@@ -195,7 +211,7 @@ class MirrorSolver final : public SolverBackend {
     if (!volumes_.empty()) motion.lost_volume = find_ways();
     for (Index i = 0; i < topology().particle_count; ++i) {
       Float3 a = Step::acceleration(force_[i], forces_.tables().particle[i][0], gravity);
-      if (volumes_.moves(i)) go_along(i, static_cast<float>(1.0 / plan.dt), a);
+      if (volumes_.moves(i)) go_along(i, inverse_dt, a);
       const double free = widened(loads_.free_part(i, a)).norm();
       motion.max_acceleration = std::max(motion.max_acceleration, free);
       motion.max_force = std::max(motion.max_force, topology().mass[i] * free);
@@ -235,6 +251,7 @@ class MirrorSolver final : public SolverBackend {
       const Float3 cut = Step::cut_force(force_[i], forces_.tables().particle[i][2] * largest_acceleration);
       any_cut = any_cut || cut != force_[i];
       force_[i] = loads_.pushes() ? cut + loads_.force(i) : cut;
+      if (!joints_.empty()) joints_.add_forces(i, force_[i]);
     }
     return any_cut;
   }
@@ -306,6 +323,7 @@ class MirrorSolver final : public SolverBackend {
   FloatLoads loads_;
   FloatTools tools_{1};
   MirrorVolumes volumes_;
+  MirrorJoints joints_;
   std::vector<ToolSums> tool_sums_;  // of the step in question
   std::vector<Float3> u_, v_, next_u_, next_v_, force_;
   double time_ = 0.0, last_dt_ = 0.0;

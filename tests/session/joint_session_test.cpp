@@ -6,12 +6,13 @@
 #include <filesystem>
 
 #include "support/bodies.h"
+#include "support/every_backend.h"
 #include "support/message_of.h"
 
 namespace phymul::test {
 namespace {
 
-class JointSessionIn : public testing::TestWithParam<std::string> {
+class JointSessionIn : public OnEveryBackend {
  protected:
   /// A block on a bed of springs that tear one after the other while gravity lifts it on one side.
   Simulation on_a_bed() const {
@@ -22,7 +23,7 @@ class JointSessionIn : public testing::TestWithParam<std::string> {
     return sim;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Backends, JointSessionIn, testing::Values("reference", "cpu"));
+PHYMUL_ON_EVERY_BACKEND(JointSessionIn);
 
 TEST_P(JointSessionIn, SnapshotsKnowWhatBroke) {
   Simulation sim = on_a_bed();

@@ -23,6 +23,8 @@ class ComputeDevice final : public Device {
   void set_dissipation(std::span<const Float4> constants) override { state_.set_dissipation(constants); }
   void write_strains(std::span<const Float4> rows) override { state_.write_strains(rows); }
   std::vector<Float4> read_strains() override { return state_.read_strains(); }
+  void write_joints(std::span<const Float4> rows) override { loads_->write_joints(rows, state_.current()); }
+  std::vector<Float4> read_joints() override { return loads_->read_joints(state_.current()); }
   void write(const VecList& rest, const State& state) override { state_.write(rest, state); }
   void read(const VecList& rest, State& state) override { state_.read(rest, state); }
   void begin_batch(const StepConstants& constants, const std::vector<double>& instants,

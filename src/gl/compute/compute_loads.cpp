@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "compute_loads.h"
 
+#include <utility>
+
 namespace phymul::gl {
 
 ComputeLoads::ComputeLoads(const Scene& scene, int instants, const FloatTools& tools, const ComputeTables& tables,
@@ -21,6 +23,7 @@ ComputeLoads::ComputeLoads(const Scene& scene, int instants, const FloatTools& t
   const bool touches = touching && !touching->empty(), pierces = tools.needle_count() > 0;
   if (!tools.empty()) tools_.emplace(tools, tables, rows_);
   if (!volumes.empty()) volumes_.emplace(volumes, tables, rows_);
+  if (FloatJoints joints(scene, tools.middle()); !joints.empty()) joints_.emplace(std::move(joints), tables, rows_);
   if (touches || pierces) {  // pushed_tables.glsl
     for (const char* name : {"pushed_force_place", "free_velocity_place", "pushed_shift_place"}) {
       rows_.take(name, tables.places());
@@ -28,7 +31,7 @@ ComputeLoads::ComputeLoads(const Scene& scene, int instants, const FloatTools& t
     rows_.note("place_count", tables.places());
   }
   if (touches) contacts_.emplace(*touching, tables, limits, rows_);
-  buffer_ = StorageBuffer(rows_.end(), "the scene's loads, tools, kept volumes and contacts", limits);
+  buffer_ = StorageBuffer(rows_.end(), "the scene's loads, tools, kept volumes, joints and contacts", limits);
   rows_.send(buffer_);
   if (pierces) needles_.emplace(FloatNeedles(scene), tools, tables, limits);
 }
@@ -39,6 +42,7 @@ void ComputeLoads::evaluate(const std::vector<double>& instants) {
     buffer_.write(16 * factors_row_, table_.factors().data(), static_cast<std::int64_t>(4 * table_.factors().size()));
   }
   buffer_.write(16 * gravity_row_, table_.gravity().data(), static_cast<std::int64_t>(16 * instants.size()));
+  if (joints_) joints_->follow(buffer_);
   if (!kind().any()) return;
   const std::size_t values = instants.size() * static_cast<std::size_t>(table_.mode_count());
   buffer_.write(16 * values_row_, table_.values().data(), static_cast<std::int64_t>(4 * values));
@@ -46,6 +50,16 @@ void ComputeLoads::evaluate(const std::vector<double>& instants) {
 
 void ComputeLoads::set_frames(const FloatTools& tools) {
   if (tools_) tools_->write_frames(tools, buffer_);
+}
+
+void ComputeLoads::write_joints(std::span<const Float4> rows, int pair) {
+  buffer_.write(std::int64_t{16} * joints_->state_row(pair), rows.data(), static_cast<std::int64_t>(rows.size_bytes()));
+}
+
+std::vector<Float4> ComputeLoads::read_joints(int pair) const {
+  std::vector<Float4> rows(static_cast<std::size_t>(joints_->state_rows()));
+  buffer_.read(joints_->state_row(pair), joints_->state_rows(), rows.data());
+  return rows;
 }
 
 void ComputeLoads::set_held(const FloatTools& tools) {

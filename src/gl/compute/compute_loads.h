@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "compute_contacts.h"
+#include "compute_joints.h"
 #include "compute_needles.h"
 #include "compute_tools.h"
 #include "compute_volumes.h"
@@ -24,6 +25,7 @@ class ComputeLoads {
   const ComputeTools* tools() const { return tools_ ? &*tools_ : nullptr; }              ///< null where there are none
   const ComputeVolumes* volumes() const { return volumes_ ? &*volumes_ : nullptr; }      ///< likewise
   const ComputeContacts* contacts() const { return contacts_ ? &*contacts_ : nullptr; }  ///< likewise
+  const ComputeJoints* joints() const { return joints_ ? &*joints_ : nullptr; }          ///< likewise
   ComputeNeedles* needles() { return needles_ ? &*needles_ : nullptr; }                  ///< likewise
   const ComputeNeedles* needles() const { return needles_ ? &*needles_ : nullptr; }
 
@@ -31,6 +33,8 @@ class ComputeLoads {
   void evaluate(const std::vector<double>& instants);
   void set_frames(const FloatTools& tools);
   void set_held(const FloatTools& tools);
+  void write_joints(std::span<const Float4> rows, int pair);
+  std::vector<Float4> read_joints(int pair) const;
   void bind() const { buffer_.bind(loads_binding); }
   void place(Kernel& kernel) const { rows_.place(kernel); }
   const StorageBuffer& rows() const { return buffer_; }
@@ -41,6 +45,7 @@ class ComputeLoads {
   std::int64_t gravity_row_, values_row_ = 0, factors_row_ = 0;
   std::optional<ComputeTools> tools_;
   std::optional<ComputeVolumes> volumes_;
+  std::optional<ComputeJoints> joints_;
   std::optional<ComputeContacts> contacts_;
   std::optional<ComputeNeedles> needles_;
   StorageBuffer buffer_;

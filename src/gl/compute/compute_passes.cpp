@@ -141,6 +141,15 @@ Kernel ComputePasses::pressing(const StepKind& step, const ComputeState& state) 
   return compiled(std::move(request), lanes, state);
 }
 
+Kernel ComputePasses::pulling(const StepKind& step, const ComputeState& state) const {
+  ShaderRequest request{.files = common, .defines = {}};
+  define(request, "PUSHES");  // it writes rows of loads
+  define_joints(step.joints_on_tools, request);
+  append(request, joint_files(step.joints_on_tools));
+  append(request, {"joints/joint_kernel.glsl"});
+  return compiled(std::move(request), lanes, state);
+}
+
 /// Of one group, or of many where these sum facets alone.
 Kernel ComputePasses::keep_summing(const ComputeState& state) const {
   ShaderRequest request{.files = common, .defines = {{"KEPT_VOLUMES", 1}, {"ONE_WORKGROUP", 1}}};
@@ -158,9 +167,12 @@ Kernel ComputePasses::keep_ending(const StepKind& step, const ComputeState& stat
 }
 
 ComputePasses::Stepping ComputePasses::compiled(const StepKind& kind, const ComputeState& state) const {
-  Stepping made{.kind = kind, .step = stepping(kind, state), .free = {}, .press = {}, .keep_sums = {}, .keep_end = {}};
+  Stepping made;
+  made.kind = kind;
+  made.step = stepping(kind, state);
   if (kind.pushes()) made.free = freeing(kind, state);
   if (kind.presses) made.press = pressing(kind, state);
+  if (kind.loads.joints) made.joints = pulling(kind, state);
   if (kind.volumes) {
     made.keep_sums = keep_summing(state);
     made.keep_end = keep_ending(kind, state);
@@ -177,7 +189,8 @@ void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& sta
                       .contacts = touching,
                       .volumes = loads.volumes() != nullptr,
                       .needles = piercing,
-                      .presses = piercing && tools->count() > tools->needle_count()};
+                      .presses = piercing && tools->count() > tools->needle_count(),
+                      .joints_on_tools = loads.joints() && loads.joints()->any_tool()};
   std::vector<Terms>& terms = kind.loads.scaled ? scaled_terms_ : terms_;
   if (terms.empty()) terms = compiled_terms(kind.loads.scaled, state);
   auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
@@ -209,6 +222,7 @@ void ComputePasses::set_constants(const StepConstants& constants) {
     set("runaway_speed", finite(constants.runaway_speed));
     set("speed_at_rest", constants.speed_at_rest);
     set("acceleration_at_rest", constants.acceleration_at_rest);
+    kernel.set("tools_at_once", constants.tools_at_once ? 1 : 0);
   });
   dt_ = constants.dt;
   last_dt_ = constants.last_dt > 0.0 ? constants.last_dt : constants.dt;
@@ -240,6 +254,7 @@ void ComputePasses::dispatch_terms(const ComputeState& state, int number) {
 /// What pushes particles between forces and motion comes in the order of ToolSet::act and Touching of src/cpu.
 void ComputePasses::step(const ComputeState& state, int number, bool measuring) {
   dispatch_terms(state, number);
+  if (loads_->joints()) pull(state, number);
   const StepKind& kind = now_->kind;
   if (kind.pushes()) run(now_->free, state, number, measuring);
   if (kind.needles) needles_->act(number, state.current());
@@ -247,6 +262,18 @@ void ComputePasses::step(const ComputeState& state, int number, bool measuring) 
   if (kind.contacts) contacts_->act(state.current());
   run(now_->step, state, number, measuring);
   if (kind.volumes) keep(state, number);
+}
+
+void ComputePasses::pull(const ComputeState& state, int number) const {
+  const ComputeJoints& joints = *loads_->joints();
+  const int next = joints.state_row(state.free_pair());
+  Kernel& kernel = now_->joints;
+  kernel.set("pair", state.current());
+  kernel.set("joint_instant", number - 1);
+  kernel.set("joint_state_place", joints.state_row(state.current()));
+  kernel.set("next_joint_state_place", next);
+  kernel.dispatch(kernel.groups_for(joints.count()));
+  (now_->kind.pushes() ? now_->free : now_->step).set("joint_state_place", next);
 }
 
 void ComputePasses::keep(const ComputeState& state, int number) const {

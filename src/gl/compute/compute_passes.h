@@ -44,6 +44,7 @@ class ComputePasses {
     LoadKind loads;
     bool tools = false, grids = false, contacts = false, volumes = false;
     bool needles = false, presses = false;  // presses: there are other tools beside needles
+    bool joints_on_tools = false;
     bool pushes() const { return contacts || needles; }
     bool operator==(const StepKind&) const = default;
   };
@@ -53,10 +54,11 @@ class ComputePasses {
     Kernel free;                 // with contacts or needles: the step before their impulses; `step` then does the rest
     Kernel press;                // where there are needles and other tools: what these push
     Kernel keep_sums, keep_end;  // where volumes are kept, behind it
+    Kernel joints;               // where there are some: their forces
     /// Of those that there are.
     template <class Function>
     void for_each(Function&& function) {
-      for (Kernel* const kernel : {&step, &free, &press, &keep_sums, &keep_end}) {
+      for (Kernel* const kernel : {&step, &free, &press, &keep_sums, &keep_end, &joints}) {
         if (*kernel) function(*kernel);
       }
     }
@@ -78,10 +80,12 @@ class ComputePasses {
   Kernel stepping(const StepKind& step, const ComputeState& state) const;
   Kernel freeing(const StepKind& step, const ComputeState& state) const;
   Kernel pressing(const StepKind& step, const ComputeState& state) const;
+  Kernel pulling(const StepKind& step, const ComputeState& state) const;
   Kernel keep_summing(const ComputeState& state) const;
   Kernel keep_ending(const StepKind& step, const ComputeState& state) const;
   void dispatch_terms(const ComputeState& state, int number);
   void run(Kernel& kernel, const ComputeState& state, int number, bool measuring) const;
+  void pull(const ComputeState& state, int number) const;
   void keep(const ComputeState& state, int number) const;
 
   const ComputeTables* tables_;

@@ -31,11 +31,14 @@ void FragmentDevice::set_scene(const Scene& scene, const FloatTools& tools) {
   auto new_contacts = touching && !touching->contacts.empty()
                           ? std::make_unique<FragmentContacts>(*touching, static_cast<Index>(scene.model().rest.size()))
                           : nullptr;
-  passes_.set_loads(*new_loads, new_tools.get(), new_volumes.get(), new_contacts.get());
+  FloatJoints joints(scene, tools.middle());
+  auto new_joints = joints.empty() ? nullptr : std::make_unique<FragmentJoints>(std::move(joints));
+  passes_.set_loads(*new_loads, new_tools.get(), new_volumes.get(), new_contacts.get(), new_joints.get());
   loads_ = std::move(new_loads);
   tools_ = std::move(new_tools);
   volumes_ = std::move(new_volumes);
   contacts_ = std::move(new_contacts);
+  joints_ = std::move(new_joints);
 }
 
 void FragmentDevice::set_held(const FloatTools& tools) {
@@ -60,6 +63,7 @@ void FragmentDevice::begin_batch(const StepConstants& constants, const std::vect
                                  const FloatTools& tools) {
   loads_->evaluate(instants);
   if (tools_) tools_->set_frames(tools);
+  if (joints_) joints_->follow();
   if (contacts_) contacts_->begin_batch();
   passes_.set_constants(constants);
   strains_fresh_ = strains_fresh_ && state_.is_checkpoint();

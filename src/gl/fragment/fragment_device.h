@@ -22,6 +22,8 @@ class FragmentDevice final : public Device {
   void set_dissipation(std::span<const Float4> constants) override { strains_->set_constants(constants); }
   void write_strains(std::span<const Float4> rows) override;
   std::vector<Float4> read_strains() override;
+  void write_joints(std::span<const Float4> rows) override { joints_->state.write(rows, state_.pair()); }
+  std::vector<Float4> read_joints() override { return joints_->state.read(state_.pair()); }
   void write(const VecList& rest, const State& state) override;
   void read(const VecList& rest, State& state) override { state_.read(rest, state); }
   void begin_batch(const StepConstants& constants, const std::vector<double>& instants,
@@ -51,6 +53,7 @@ class FragmentDevice final : public Device {
   std::unique_ptr<FragmentTools> tools_;        // null where there are none
   std::unique_ptr<FragmentVolumes> volumes_;    // likewise
   std::unique_ptr<FragmentContacts> contacts_;  // likewise
+  std::unique_ptr<FragmentJoints> joints_;      // likewise
   FragmentPasses passes_;
   FragmentReport report_;
   StateCopies copies_;

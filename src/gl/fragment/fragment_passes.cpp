@@ -128,6 +128,13 @@ FragmentPasses::Stepping FragmentPasses::compiled(const StepKind& kind) const {
     domains.defines.emplace_back("SCALED_STIFFNESS", 1);
     stepping.domains = term_pass(std::move(domains), domain_terms_, tables_->kind().domains);
   }
+  if (kind.loads.joints) {
+    ShaderRequest joints{.files = joined({common, joint_files(kind.joints_on_tools), {"joints/joint_pass.glsl"}}),
+                         .defines = {}};
+    define_kernels(tables_->kind(), joints);
+    define_joints(kind.joints_on_tools, joints);
+    stepping.joints = Pass(*library_, std::move(joints));
+  }
   if (kind.contacts) stepping.free = compiled(kind, {"step/free_pass.glsl"});
   stepping.step = compiled(kind, {"report/measure_step.glsl", "step/step_pass.glsl"});
   if (kind.volumes) compile_keeping(stepping);
@@ -153,19 +160,20 @@ void FragmentPasses::compile_keeping(Stepping& stepping) const {
 }
 
 void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes,
-                               FragmentContacts* contacts) {
-  const auto before = std::tuple(now_, loads_, tools_, volumes_, contacts_);
+                               FragmentContacts* contacts, const FragmentJoints* joints) {
+  const auto before = std::tuple(now_, loads_, tools_, volumes_, contacts_, joints_);
   const std::size_t known = stepping_.size();
-  std::tie(loads_, tools_, volumes_, contacts_) = std::tuple(&loads, tools, volumes, contacts);
+  std::tie(loads_, tools_, volumes_, contacts_, joints_) = std::tuple(&loads, tools, volumes, contacts, joints);
   try {
     make_passes({.loads = loads.kind(),
                  .tools = tools != nullptr,
                  .grids = tools && tools->any_grid(),
                  .volumes = volumes != nullptr,
-                 .contacts = contacts != nullptr});
+                 .contacts = contacts != nullptr,
+                 .joints_on_tools = joints && joints->any_tool()});
     bind_scene();
   } catch (...) {
-    std::tie(now_, loads_, tools_, volumes_, contacts_) = before;
+    std::tie(now_, loads_, tools_, volumes_, contacts_, joints_) = before;
     while (stepping_.size() > known) stepping_.pop_back();
     if (now_) bind_scene();  // what passes know already they look up no more, so that nothing can fail
     throw;
@@ -195,6 +203,13 @@ void FragmentPasses::bind_scene() {
   }
   if (volumes_) bind_volumes();
   if (contacts_) bind_contacts();
+  if (joints_) bind_joints();
+}
+
+void FragmentPasses::bind_joints() {
+  joints_->bind(now_->joints);
+  if (joints_->any_tool()) tools_->bind(now_->joints);
+  joints_->bind_gathering(gathering_pass());
 }
 
 void FragmentPasses::bind_contacts() {
@@ -215,8 +230,11 @@ void FragmentPasses::set_constants(const StepConstants& constants) {
   dt_ = constants.dt;
   last_dt_ = constants.last_dt > 0.0 ? constants.last_dt : constants.dt;
   const auto finite = [](double value) { return std::min(value, double{std::numeric_limits<float>::max()}); };
-  Pass& cutting = tools_ ? now_->reaction : contacts_ ? now_->free : now_->step;
-  cutting.set("largest_acceleration", static_cast<float>(finite(constants.largest_acceleration)));
+  gathering_pass().set("largest_acceleration", static_cast<float>(finite(constants.largest_acceleration)));
+  if (joints_) {
+    now_->joints.set("inverse_dt", static_cast<float>(1.0 / constants.dt));
+    now_->joints.set("tools_at_once", constants.tools_at_once ? 1 : 0);
+  }
   const auto set_motion = [&](Pass& pass) {
     pass.set("dt", static_cast<float>(constants.dt));
     pass.set("inverse_dt", static_cast<float>(1.0 / constants.dt));
@@ -265,6 +283,7 @@ void FragmentPasses::draw_terms(const FragmentState& state, int batch_step, bool
 
 void FragmentPasses::step(const FragmentState& state, int batch_step, bool measuring, bool fresh) {
   draw_terms(state, batch_step, fresh);
+  if (joints_) pull(state, batch_step);
   if (tools_) {
     Pass& reaction = now_->reaction;
     reaction.input("displacement", state.displacement());
@@ -280,6 +299,17 @@ void FragmentPasses::step(const FragmentState& state, int batch_step, bool measu
   step.set_rows(state.displacement(), tables_->kind().particles);
   step.draw(volumes_ ? volumes_->free_target() : state.next(measuring));
   if (volumes_) keep(state, batch_step, measuring);
+}
+
+void FragmentPasses::pull(const FragmentState& state, int batch_step) {
+  Pass& joints = now_->joints;
+  joints.input("displacement", state.displacement());
+  joints.input("velocity", state.velocity());
+  joints.input("joint_state", joints_->state.texture(state.pair()));
+  joints.set("joint_instant", batch_step - 1);
+  joints.set_rows(joints_->state.texture(0), joints_->count());
+  joints.draw(joints_->state.target(state.next_pair()));
+  gathering_pass().input("joint_state", joints_->state.texture(state.next_pair()));
 }
 
 /// Contacts push between forces and motion, as Touching of src/interaction does.

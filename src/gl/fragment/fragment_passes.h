@@ -6,6 +6,7 @@
 //   volumes    forces of a volume on its vertices           bodies with a volume energy
 //   domains    stress of a neighbourhood                    the particle-averaged law
 //   strains    those that the next step starts from         materials that dissipate
+//   joint      force of a spring                            scenes with joints
 //   step       net force and Verlet
 // With tools the last is two (reaction, Verlet), as what they feel is a pass between them. Where bodies touch, the step
 // opens with a pass of its own, free; then come those of fragment_contact_passes.h, and the step's end. Where the scene
@@ -17,6 +18,7 @@
 #include <optional>
 
 #include "fragment_contact_passes.h"
+#include "fragment_joints.h"
 #include "fragment_loads.h"
 #include "fragment_state.h"
 #include "fragment_strains.h"
@@ -34,8 +36,8 @@ class FragmentPasses {
 
   /// Compiles what these loads need, where it is not there yet. Pointers: null for none. Where it throws, steps go on
   /// with those of before.
-  void set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes,
-                 FragmentContacts* contacts);
+  void set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes, FragmentContacts* contacts,
+                 const FragmentJoints* joints);
 
   /// Before steps of a call.
   void set_constants(const StepConstants& constants);
@@ -57,6 +59,7 @@ class FragmentPasses {
   struct StepKind {
     LoadKind loads;
     bool tools = false, grids = false, volumes = false, contacts = false;
+    bool joints_on_tools = false;
     bool operator==(const StepKind&) const = default;
   };
   struct Stepping {
@@ -66,6 +69,7 @@ class FragmentPasses {
     Pass along, facets, sums, roots, end;  // only where volumes are kept
     Pass free;                             // where bodies touch: up to what they push
     Pass domains;                          // where stiffness is scaled: in place of the last of before_
+    Pass joints;                           // where there are some
   };
   void add(ShaderRequest request, const std::vector<Attachment>& targets, int rows);
   Pass term_pass(ShaderRequest request, const Texture& target, int rows) const;
@@ -83,8 +87,12 @@ class FragmentPasses {
   void make_passes(const StepKind& kind);
   void bind_scene();
   void bind_volumes();
+  void bind_joints();
   void bind_contacts();
+  void pull(const FragmentState& state, int batch_step);
   void touch(const FragmentState& state, int batch_step);
+  /// The pass that gathers the net force.
+  Pass& gathering_pass() { return tools_ ? now_->reaction : contacts_ ? now_->free : now_->step; }
   void keep(const FragmentState& state, int batch_step, bool measuring);
   void prepare(Pass& pass, const FragmentState& state, int batch_step) const;
 
@@ -102,6 +110,7 @@ class FragmentPasses {
   FragmentTools* tools_ = nullptr;
   FragmentVolumes* volumes_ = nullptr;
   FragmentContacts* contacts_ = nullptr;
+  const FragmentJoints* joints_ = nullptr;
   std::optional<FragmentContactPasses> touching_;  // once bodies touched
 };
 

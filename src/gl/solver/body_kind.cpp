@@ -66,6 +66,19 @@ const ShaderFiles& tool_files() {
   return files;
 }
 
+ShaderFiles joint_files(bool on_tools) {
+  ShaderFiles files{"kernels/spring.glsl", "kernels/joint.glsl", "joints/joint_tables.glsl"};
+  if (on_tools) files.emplace_back("tools/tool_tables.glsl");
+  files.emplace_back("joints/joint_law.glsl");
+  return files;
+}
+
+void define_joints(bool on_tools, ShaderRequest& request) {
+  if (!on_tools) return;
+  request.defines.emplace_back("JOINT_TOOLS", 1);
+  define_tool_rows(request);
+}
+
 void define_kernels(const BodyKind& kind, ShaderRequest& request) {
   request.defines.emplace_back("DIMENSION", kind.dimension);
   if (kind.options.volume_law == VolumeLaw::bounded) request.defines.emplace_back("BOUNDED_VOLUME", 1);
@@ -90,6 +103,7 @@ void define_gathering(const BodyKind& kind, const LoadKind& loads, ShaderRequest
   define("DOMAINS", kind.domains > 0);
   define("SPRINGS", kind.springs);
   define("FORCES", loads.forces);
+  define("JOINTS", loads.joints);
   define("FIXED", loads.fixed);
 }
 

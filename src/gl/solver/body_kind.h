@@ -42,12 +42,15 @@ ShaderFiles domain_files(const BodyKind& kind);  ///< what stresses of domains n
 const ShaderFiles& gathering_files();            ///< up to net_force.glsl
 const ShaderFiles& tool_files();                 ///< up to touch_tools.glsl; needs net_force.glsl
 
+ShaderFiles joint_files(bool on_tools);  ///< up to joint_law.glsl; on_tools: some joint ends at a tool
+
 /// The kernels' macros.
 void define_kernels(const BodyKind& kind, ShaderRequest& request);
 /// What the body and the loads need of net_force.glsl.
 void define_gathering(const BodyKind& kind, const LoadKind& loads, ShaderRequest& request);
 /// What tool_tables.glsl is read by.
 void define_tool_rows(ShaderRequest& request);
+void define_joints(bool on_tools, ShaderRequest& request);
 /// What a pass that tools act in is asked for; `grids`: some are distance grids.
 void define_tools(bool grids, ShaderRequest& request);
 

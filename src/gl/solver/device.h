@@ -20,7 +20,8 @@ namespace phymul::gl {
 /// What all steps of a call have in common.
 struct StepConstants {
   double dt = 0.0, damping_factor = 1.0;
-  double last_dt = 0.0;  ///< s, of the step before the first; 0: there was none
+  double last_dt = 0.0;        ///< s, of the step before the first; 0: there was none
+  bool tools_at_once = false;  ///< tools are where they go in the first step, and joints feel no speed of theirs
   double largest_acceleration = 0.0, runaway_speed = 0.0, speed_at_rest = 0.0, acceleration_at_rest = 0.0;
 };
 
@@ -72,6 +73,10 @@ class Device {
   virtual void write_strains(std::span<const Float4> rows) = 0;
   /// Of the present state; empty: as after write(). Waits for the device.
   virtual std::vector<Float4> read_strains() = 0;
+  // Of a scene with joints, in rows of FloatJoints, as the present state has them. After set_scene() and write() they
+  // mean nothing.
+  virtual void write_joints(std::span<const Float4> rows) = 0;
+  virtual std::vector<Float4> read_joints() = 0;  ///< waits for the device
   virtual void write(const VecList& rest, const State& state) = 0;
   virtual void read(const VecList& rest, State& state) = 0;
 

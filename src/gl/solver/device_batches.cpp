@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "device/float_joints.h"
 #include "device/float_range.h"
 #include "device_solver.h"
 
@@ -36,8 +37,25 @@ void DeviceSolver::begin_tools(const StepPlan& plan) {
   device_->set_held(tools_);
 }
 
+void DeviceSolver::begin_joints() {
+  if (joints_told_ || joints().empty()) return;
+  device_->write_joints(joint_rows(scene().joints(), joints()));
+  joints_told_ = true;
+}
+
+/// Takes over what so many steps did to joints and tools.
+void DeviceSolver::accept_motion(int steps, double dt) {
+  std::vector<JointSet::Pull> sums(scene().tools().size());
+  if (!joints().empty()) {
+    joints().take(told_joints(device_->read_joints()), sums);
+    joints().accept();
+  }
+  if (!tools_.empty()) tools_.accept(steps, dt, device_->tool_sums(), joints().pulls(), sums);
+}
+
 SolverBackend::Motion DeviceSolver::run_batches(const StepPlan& plan) {
   begin_tools(plan);
+  begin_joints();
   if (dissipation_ && plan.dt != dissipation_dt_) {
     device_->set_dissipation(dissipation_->constants(plan.dt));
     dissipation_dt_ = plan.dt;
@@ -60,12 +78,14 @@ SolverBackend::Motion DeviceSolver::run_batches(const StepPlan& plan) {
 bool DeviceSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
   instants_.assign(1, progress_.time);
   for (int k = 0; k < count; ++k) instants_.push_back(instants_.back() + plan.dt);
-  const RestThresholds rest =
-      rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest}, progress_.largest_displacement);
+  const RestThresholds asked{plan.speed_at_rest, plan.acceleration_at_rest};
+  const RestThresholds rest = joints().empty() ? rest_thresholds(asked, progress_.largest_displacement)
+                                               : rest_thresholds(asked, progress_.largest_displacement, plan.omega_max);
   if (!tools_.empty()) tools_.begin_batch(count, plan.dt);
   device_->begin_batch({.dt = plan.dt,
                         .damping_factor = plan.damping_factor,
                         .last_dt = progress_.last_dt,
+                        .tools_at_once = plan.stop_at_rest,
                         .largest_acceleration = plan.largest_acceleration,
                         .runaway_speed = plan.runaway_speed,
                         .speed_at_rest = rest.speed,
@@ -102,7 +122,7 @@ bool DeviceSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
     motion.max_acceleration = report.max_acceleration;
     motion.max_force = report.max_force;
     progress_.largest_displacement = report.max_displacement;
-    if (!tools_.empty()) tools_.accept(good, plan.dt, device_->tool_sums());
+    accept_motion(good, plan.dt);
   }
   motion.steps += good;
   for (int k = 0; k < good; ++k) progress_.time += plan.dt;

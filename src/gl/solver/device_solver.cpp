@@ -72,6 +72,7 @@ void DeviceSolver::build() {
   }
   if (!topology().dissipation.empty()) dissipation_.emplace(topology(), std::move(domains));
   dissipation_dt_ = 0.0;
+  joints_told_ = false;
   if (profiling()) context_->run([&] { device_->time_passes(context_->info(), *profiling()); });
   context_->throw_debug_errors();
 }
@@ -97,7 +98,9 @@ void DeviceSolver::rebuild() {
 void DeviceSolver::recover() noexcept {
   try {
     rebuild();
-    do_reset(State(kept_));
+    const State newest = kept_;
+    do_reset(newest);
+    joints().reset(newest);
   } catch (...) {
     drop();
     progress_.time = kept_.time;
@@ -136,6 +139,7 @@ void DeviceSolver::do_reset(const State& state) {
     device_->drop_copies();
     device_->write(topology().rest, state);
     device_->set_held(tools_);
+    joints_told_ = false;
   });
   kept_ = state;
   progress_ = {.time = state.time, .last_dt = 0.0, .steps_at_rest = 0, .largest_displacement = largest};
@@ -149,6 +153,7 @@ void DeviceSolver::follow() {
   tools.follow(scene());
   context_->run([&] { device_->set_scene(scene(), tools); });
   tools_ = std::move(tools);
+  joints_told_ = false;
   loads_version_ = scene().version();
   seconds_a_step_ = 0.0;
 }
@@ -186,6 +191,7 @@ void DeviceSolver::do_read(State& state) const {
     });
     now.time = progress_.time;
     tools_.read(now);
+    joints().read(now);
     if (!context_->lost()) kept_ = std::move(now);
   }
   state = kept_;
@@ -245,6 +251,7 @@ void DeviceSolver::do_request_read() {
   on_device([&] {
     device_->read_needles(tools_);
     tools_.read(header);
+    joints().read(header);
     device_->request_copy(header);
   });
 }

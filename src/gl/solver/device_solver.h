@@ -55,6 +55,8 @@ class DeviceSolver final : public SolverBackend {
   auto on_device(Function&& function) const;
   void follow();
   StrainMemory strains() const;
+  void begin_joints();
+  void accept_motion(int steps, double dt);
   static Motion lost_motion();
   void begin_tools(const StepPlan& plan);
   Motion run_batches(const StepPlan& plan);
@@ -70,6 +72,7 @@ class DeviceSolver final : public SolverBackend {
   mutable FloatTools tools_{Device::most_steps};
   std::optional<FloatDissipation> dissipation_;
   double dissipation_dt_ = 0.0;  // s, that the device has the constants of; 0: none
+  bool joints_told_ = false;     // the device knows which springs are broken
   mutable State kept_;           // the newest state the host has
   struct Progress {
     double time = 0.0, last_dt = 0.0;

@@ -18,7 +18,8 @@ LoadTable::LoadTable(const Scene& scene, int instants, const std::vector<Index>&
     : scene_(&scene), materials_(&materials), modes_(scene.modes()) {
   kind_ = {.forces = !modes_.force_offset.empty(),
            .fixed = !modes_.fixed.empty(),
-           .scaled = !scene.stiffness_factors().empty() && !materials.empty()};
+           .scaled = !scene.stiffness_factors().empty() && !materials.empty(),
+           .joints = !scene.joints().empty()};
   row_.resize(static_cast<std::size_t>(modes_.count));
   gravity_.resize(static_cast<std::size_t>(instants));
   if (kind_.any()) values_.resize(gravity_.size() * row_.size());

@@ -17,6 +17,7 @@ namespace phymul::gl {
 struct LoadKind {
   bool forces = false, fixed = false;
   bool scaled = false;  ///< the stiffness of some material has a factor
+  bool joints = false;
   bool any() const { return forces || fixed; }
   bool operator==(const LoadKind&) const = default;
 };

@@ -48,7 +48,8 @@ void StateCopies::request(std::size_t rows, const State& header, const std::func
     drop(on_their_way_.back());
     on_their_way_.pop_back();
   }
-  Copy copy{.buffer = 0, .fence = nullptr, .rows = rows, .time = header.time, .tools = header.tools};
+  Copy copy{
+      .buffer = 0, .fence = nullptr, .rows = rows, .time = header.time, .tools = header.tools, .joints = header.joints};
   if (spare_.empty()) {
     glGenBuffers(1, &copy.buffer);
     glBindBuffer(GL_PIXEL_PACK_BUFFER, copy.buffer);
@@ -78,6 +79,7 @@ bool StateCopies::collect(const VecList& rest, PlaceOf place_of, State& state) {
     unpack_state(rows, rows + copy.rows, rest, place_of, state);
     state.time = copy.time;
     state.tools = std::move(copy.tools);
+    state.joints = std::move(copy.joints);
   });
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   drop(copy);

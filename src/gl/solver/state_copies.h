@@ -52,6 +52,7 @@ class StateCopies {
     std::size_t rows = 0;
     double time = 0.0;
     std::vector<ToolState> tools;
+    std::vector<JointState> joints;
   };
   void drop(Copy& copy);
 

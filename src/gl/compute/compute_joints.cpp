@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#include "compute_joints.h"
+
+#include <utility>
+
+namespace phymul::gl {
+
+ComputeJoints::ComputeJoints(FloatJoints joints, const ComputeTables& tables, StorageRows& rows)
+    : joints_(std::move(joints)) {
+  std::vector<Int4> anchors = joints_.anchors();
+  for (Int4& anchor : anchors) anchor[0] = tables.place_of()[anchor[0]];
+  rows.add("joint_springs_place", joints_.springs());
+  rows.add("joint_anchors_place", std::move(anchors));
+  rows.add("joint_places_place", joints_.places());
+  laws_row_ = rows.add("joint_laws_place", joints_.laws());
+  rows.add("joint_ranges_place", tables.by_place(joints_.ranges()));
+  rows.add("joint_ends_place", joints_.ends());
+  state_row_ = rows.take(nullptr, ComputeState::pairs * state_rows());
+  rows.note("joint_count", joints_.count());
+}
+
+void ComputeJoints::follow(StorageBuffer& buffer) {
+  if (!joints_.follow()) return;
+  buffer.write(16 * laws_row_, joints_.laws().data(), static_cast<std::int64_t>(16 * joints_.laws().size()));
+}
+
+}  // namespace phymul::gl
