@@ -94,6 +94,7 @@ function listen() {
     const taken = event.button === 0 && call('page_take', 'number', four, place(event));
     turning = !taken;
     canvas.classList.toggle('held', Boolean(taken));
+    if (taken) $('error').textContent = 'let go after a pull';
   });
   canvas.addEventListener('pointermove', (event) => {
     if (!event.buttons || !state.ready) return;
