@@ -85,7 +85,7 @@ try {
     expect(share > 0.001 && share < 0.2, `${backend}: the error against a finer body is between 0.1 and 20 %`);
   }
   const apart = Math.abs(drags.cpu.held.moved - drags.gl.held.moved) / drags.cpu.held.moved;
-  expect(apart < 0.05, `the same drag moves the surface alike on both backends: ${(100 * apart).toFixed(2)} % apart`);
+  expect(apart < 0.1, `the same drag moves the surface alike on both backends: ${(100 * apart).toFixed(2)} % apart`);
   for (const [one, other, most] of [['cpu', 'reference', 1e-3], ['gl', 'reference', 1e-3]]) {
     const difference = await evaluate(`phymulPage.phymul.ccall('page_difference', 'number', ['string', 'string', 'number'], ['${one}', '${other}', 100])`);
     expect(difference >= 0 && difference < most, `${one} and ${other} agree after 100 steps: ${difference.toExponential(2)} of the largest displacement`);

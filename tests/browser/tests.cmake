@@ -20,8 +20,11 @@ target_link_libraries(phymul_browser_gl_test PRIVATE phymul_mirror)
 target_link_options(phymul_browser_gl_test PRIVATE -O1 -sMODULARIZE=1 -sEXPORT_NAME=createTests -sENVIRONMENT=web
                                                    -sEXPORTED_RUNTIME_METHODS=ENV)
 find_program(PHYMUL_CHROMIUM NAMES chromium chromium-browser google-chrome DOC "The browser of tests")
-set(missing_there "*FourSolversInFourThreads*:*BitsAreThoseOfComputeShaders*")
+# Left out, with the reasons in docs/guide/browser.md: what waits for a copy in a loop or needs threads, compute shaders or
+# names of framebuffers that a host may not know there; and comparisons with the mirror that only its bits pass.
+set(not_there "*CopiesAndLostDevicesGoOn*:*FourSolversInFourThreads*:*BitsAreThoseOfComputeShaders*:*PaddingOfEveryTarget*")
+set(not_there "${not_there}:*TellsOfItsStepsWhatTheMirrorTells*:*LoadsOfAllKindsHaveTheMirrorsBits*:*EveryShapeHasTheMirrorsBits*")
 add_test(NAME wasm.gl
          COMMAND ${CMAKE_CROSSCOMPILING_EMULATOR} ${CMAKE_CURRENT_SOURCE_DIR}/browser/gl_test.mjs ${PHYMUL_CHROMIUM}
-                 ${CMAKE_CURRENT_BINARY_DIR} "--gtest_filter=*/gl:GlFragment*-${missing_there}")
-set_tests_properties(wasm.gl PROPERTIES TIMEOUT 1500)
+                 ${CMAKE_CURRENT_BINARY_DIR} "--gtest_filter=*/gl:GlFragment*-${not_there}")
+set_tests_properties(wasm.gl PROPERTIES TIMEOUT 3000)
