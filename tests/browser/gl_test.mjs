@@ -26,5 +26,5 @@ try {
 }
 const passed = lines.find((line) => /\[  PASSED  \] [1-9]/.test(line));
 expect(passed && !lines.some((line) => line.includes('[  FAILED  ]')), `the tests pass in the browser: ${passed || 'none ran'}`);
-expect(!page?.errors.length, `the browser's console has no errors: ${page?.errors.slice(0, 3).join('; ')}`);
+expect(!page?.errors.length, `the browser's console has no errors: ${page?.errors.slice(0, 3).join('; ') || 'none'}`);
 finish();
