@@ -6,7 +6,7 @@
 #   sh cmake/browser.sh [ctest's options]
 set -eu
 cd "$(dirname "$0")/.."
-sh cmake/install-packages.sh tests browser
+sh cmake/install-packages.sh browser
 . cmake/generator.sh
 sh cmake/toolchains/wasm_libraries.sh
 cmake --preset wasm

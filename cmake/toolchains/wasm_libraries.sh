@@ -3,11 +3,24 @@
 #
 # Compiles for WebAssembly, into build/wasm-libraries, what the preset wasm needs: the C++ standard library of Clang 16
 # (that of Emscripten 3.1.6 is of Clang 13, without ranges), pugixml, zlib and GoogleTest, all from Debian's sources (140
-# MB). Does nothing where they are there. Called by cmake/browser.sh.
+# MB); and copies Eigen. Does nothing where they are there. Called by cmake/browser.sh.
 set -eu
 cd "$(dirname "$0")/../.."
 prefix=$PWD/build/wasm-libraries
 toolchain=$PWD/cmake/toolchains/wasm.cmake
+
+# Eigen, without instructions of x86 that it writes where a compiler may be GCC before 6.3, and without the header of MMX,
+# of which it uses nothing.
+if [ ! -e "$prefix/share/eigen3" ]; then
+  mkdir -p "$prefix/include" "$prefix/share"
+  rm -rf "$prefix/include/eigen3"
+  cp -r /usr/include/eigen3 "$prefix/include/"
+  sed -i 's/^#if EIGEN_COMP_GNUC && EIGEN_COMP_GNUC < 63$/#if 0/' \
+    "$prefix/include/eigen3/Eigen/src/Core/arch/SSE/PacketMath.h"
+  echo '// Empty: WebAssembly has no MMX.' >"$prefix/include/eigen3/mmintrin.h"
+  cp -r /usr/share/eigen3 "$prefix/share/"
+fi
+
 if [ -e "$prefix/complete" ]; then exit 0; fi
 mkdir -p "$prefix/source/lists/partial" "$prefix/include/c++"
 cd "$prefix/source"

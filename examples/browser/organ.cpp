@@ -5,6 +5,7 @@
 #include <phymul/topology_textures.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -16,10 +17,34 @@ namespace {
 
 constexpr double longest_frame = 1.0 / 20.0;  // s; what a slower machine cannot do is left out
 constexpr double way_time = 0.05;             // s, of the hand to where the mouse is
-constexpr double reach_in_pixels = 14.0;
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Where a ray first meets a surface: weights of a triangle's corners.
+struct Hit {
+  std::array<Index, 3> triangle;
+  Vec3 weight;
+  Vec3 of(const phymul::VecList& points) const {
+    return weight[0] * points[triangle[0]] + weight[1] * points[triangle[1]] + weight[2] * points[triangle[2]];
+  }
+};
+
+/// By the method of Moeller and Trumbore (1997).
+std::optional<Hit> first_hit(const phymul::VecList& points, const std::vector<std::array<Index, 3>>& triangles,
+                             const Vec3& origin, const Vec3& along) {
+  std::optional<Hit> first;
+  double nearest = HUGE_VAL;
+  for (const std::array<Index, 3>& triangle : triangles) {
+    const Vec3 &a = points[triangle[0]], b = points[triangle[1]] - a, c = points[triangle[2]] - a, from = origin - a;
+    const Vec3 p = along.cross(c), q = from.cross(b);
+    const double size = b.dot(p), u = from.dot(p) / size, v = along.dot(q) / size, way = c.dot(q) / size;
+    if (!(u >= 0.0 && v >= 0.0 && u + v <= 1.0 && way >= 0.0 && way < nearest)) continue;
+    nearest = way;
+    first = Hit{triangle, {1.0 - u - v, u, v}};
+  }
+  return first;
 }
 
 }  // namespace
@@ -172,21 +197,19 @@ bool Organ::take(double x, double y, int width, int height) {
   const phymul::Camera eye = camera(width, height);
   const phymul::State state = solver_->read();
   const phymul::VecList points = skin_.deform(state.position);
-  const auto at = [&](double right, double depth) { return from_pixel(eye, {x + right, y, depth}, width, height); };
-  const Vec3 origin = at(0.0, 0.0);
-  const Index picked = phymul::pick_particle(
-      points,
-      {.origin = origin, .direction = at(0.0, 1.0) - origin, .reach = (at(reach_in_pixels, 0.0) - origin).norm()});
-  if (picked < 0) return false;
+  const auto at = [&](double depth) { return from_pixel(eye, {x, y, depth}, width, height); };
+  const Vec3 origin = at(0.0);
+  const std::optional<Hit> hit = first_hit(points, surface_->triangles, origin, at(1.0) - origin);
+  if (!hit) return false;
   Held held;
-  pull_.place = surface_->vertices[picked];
+  pull_.place = hit->of(surface_->vertices);
   held.particles = organ_patch(*model_, pull_.place, pull_.reach);
   if (held.particles.empty()) return false;  // the foot
   pull_.displacement.setZero();
   for (const Index i : held.particles) pull_.displacement += state.position[i] - model_->rest[i];
   pull_.displacement /= static_cast<double>(held.particles.size());
-  held.depth = to_pixel(eye, points[picked], width, height).z();
-  held.offset = pull_.displacement - at(0.0, held.depth);
+  held.depth = to_pixel(eye, hit->of(points), width, height).z();
+  held.offset = pull_.displacement - at(held.depth);
   held.first_row = scene_.loads().size();
   scene_.add(organ_pull(held.particles, pull_.displacement, pull_.displacement, time_, time_ + way_time));
   held_ = std::move(held);

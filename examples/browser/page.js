@@ -36,12 +36,18 @@ let ownFile = null;
 
 async function fill() {
   const organ = $('organ').value, spacing = 1e-3 * $('spacing').value, backend = $('backend').value;
-  state.comparison = null;
+  Object.assign(state, {ready: false, comparison: null});
   $('error').textContent = 'let go after a pull';
   if (organ === 'liver') {
     return later('Filling the liver ...', () => call('page_fill_liver', 'number', ['number', 'string'], [spacing, backend]));
   }
-  const bytes = new Uint8Array(await (ownFile || await fetch(organ)).arrayBuffer());
+  let bytes;
+  try {
+    bytes = new Uint8Array(await (ownFile || await fetch(organ)).arrayBuffer());
+  } catch (error) {
+    state.ready = true;  // with the organ before
+    return say(`${organ}: ${error.message}`, true);
+  }
   return later('Filling the surface ...', () => {
     const at = phymul._malloc(bytes.length);
     phymul.HEAPU8.set(bytes, at);
@@ -94,6 +100,7 @@ function listen() {
     const taken = event.button === 0 && call('page_take', 'number', four, place(event));
     turning = !taken;
     canvas.classList.toggle('held', Boolean(taken));
+    if (taken) $('error').textContent = 'let go after a pull';
   });
   canvas.addEventListener('pointermove', (event) => {
     if (!event.buttons || !state.ready) return;

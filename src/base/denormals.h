@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#if defined(__SSE2__)
+// Emscripten, which writes SSE2 by WebAssembly's vectors, has no such register.
+#if defined(__SSE2__) && !defined(__EMSCRIPTEN__)
 #include <xmmintrin.h>
 #endif
 
@@ -11,7 +12,7 @@ namespace phymul::cpu {
 /// processors need a hundred times longer for each.
 class DenormalsAreZero {
  public:
-#if defined(__SSE2__)
+#if defined(__SSE2__) && !defined(__EMSCRIPTEN__)
   DenormalsAreZero() : before_(_mm_getcsr()) {
     _mm_setcsr(before_ | 0x8040);
   }  // FTZ, DAZ

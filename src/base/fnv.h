@@ -29,7 +29,7 @@ class Fnv {
     for (int a = 0; a < 3; ++a) add(v[a]);
   }
   void add(const VecList& list) {
-    add(list.size());
+    add(std::uint64_t{list.size()});  // as wide on every system
     for (const Vec3& v : list) add(v);
   }
   void bytes(std::string_view text) {

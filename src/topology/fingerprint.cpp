@@ -40,13 +40,13 @@ void add_options(Fnv& sum, const TopologyOptions& options) {
 }
 
 void add_terms(Fnv& sum, const TopologyTextures& t) {
-  sum.add(t.springs.size());
+  sum.add(std::uint64_t{t.springs.size()});  // as wide on every system
   for (const SpringTexel& spring : t.springs) {
     sum.add(spring.end);
     sum.add(spring.rest_length);
     sum.add(spring.stiffness);
   }
-  sum.add(t.volumes.size());
+  sum.add(std::uint64_t{t.volumes.size()});
   for (const VolumeTexel& volume : t.volumes) {
     sum.add(volume.vertex);
     sum.add(volume.inverse_rest_volume);

@@ -17,7 +17,7 @@ std::uint64_t of_cells(const Model& model) {
   for (const Cell& cell : model.cells) {
     if (!is_solid(model.dimension, cell.type)) continue;
     sum.add(cell.type);
-    sum.add(cell.particles.size());
+    sum.add(std::uint64_t{cell.particles.size()});  // as wide on every system
     sum.add(cell.particles);
   }
   return sum.value();

@@ -15,7 +15,8 @@
 
 namespace phymul::gl {
 inline constexpr GLenum renderer_name = GL_RENDERER;
-}
+inline constexpr bool in_browser = false;
+}  // namespace phymul::gl
 #endif
 
 namespace phymul::gl {

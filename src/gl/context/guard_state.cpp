@@ -39,7 +39,7 @@ std::vector<GLenum> switches_of(const ContextInfo& info) {
       GL_DITHER,         GL_RASTERIZER_DISCARD, GL_POLYGON_OFFSET_FILL, GL_SAMPLE_ALPHA_TO_COVERAGE,
       GL_SAMPLE_COVERAGE};
   if (info.es) {
-    names.push_back(GL_PRIMITIVE_RESTART_FIXED_INDEX);
+    if (!in_browser) names.push_back(GL_PRIMITIVE_RESTART_FIXED_INDEX);  // always on there, and no name for it
     if (info.at_least(3, 1)) names.push_back(GL_SAMPLE_MASK);
     return names;
   }
@@ -52,12 +52,9 @@ std::vector<GLenum> switches_of(const ContextInfo& info) {
 }
 
 /// Where pictures stand upright and which depths are seen.
-bool has_clip_control([[maybe_unused]] const ContextInfo& info) {
-#ifdef __EMSCRIPTEN__
-  return false;  // browsers name the extension, but Emscripten 3.1.6 has no function for it
-#else
+bool has_clip_control(const ContextInfo& info) {
+  if (in_browser) return false;  // browsers name the extension, but Emscripten 3.1.6 has no function for it
   return info.es ? info.has("GL_EXT_clip_control") : info.at_least(4, 5) || info.has("GL_ARB_clip_control");
-#endif
 }
 
 /// OpenGL 3.3 has these two by numbers of double precision only.

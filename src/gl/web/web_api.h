@@ -38,6 +38,7 @@ void glClipControlEXT(GLenum origin, GLenum depth);
 namespace phymul::gl {
 
 inline constexpr GLenum renderer_name = 0x9246;  // UNMASKED_RENDERER_WEBGL: GL_RENDERER says "WebKit WebGL" everywhere
+inline constexpr bool in_browser = true;
 
 /// There is nothing to look up: what the browser has is linked.
 inline void* eglGetProcAddress(const char*) {

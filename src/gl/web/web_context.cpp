@@ -16,6 +16,12 @@ EM_JS(int, phymul_own_webgl, (), {
   return GL.createContext(canvas, Object.assign(attributes, {enableExtensionsByDefault : true}));
 });
 
+// Gives back what it holds at once: browsers keep few contexts, and collect those that nobody uses when they like.
+EM_JS(void, phymul_lose_webgl, (int handle), {
+  const extension = GL.getContext(handle).GLctx.getExtension("WEBGL_lose_context");
+  if (extension) extension.loseContext();
+});
+
 namespace phymul::gl {
 
 void load_functions() {
@@ -57,7 +63,9 @@ std::shared_ptr<WebContext> WebContext::open(const GlOptions& options, GlBackend
 }
 
 WebContext::~WebContext() {
-  if (is_own_ && handle_ != 0) emscripten_webgl_destroy_context(handle_);
+  if (!is_own_ || handle_ == 0) return;
+  phymul_lose_webgl(handle_);
+  emscripten_webgl_destroy_context(handle_);
 }
 
 void WebContext::require_there() {
