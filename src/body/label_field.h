@@ -33,7 +33,7 @@ struct RegionShares {
 class LabelField {
  public:
   /// Keeps a reference to the image. Throws Error for what labels.h names.
-  LabelField(const LabelImage& image, const std::vector<LabelRegion>& regions);
+  LabelField(const LabelImage& image, const std::vector<LabelRegion>& asked);
 
   const std::vector<std::string>& names() const { return names_; }  ///< of regions
   const std::vector<double>& volumes() const { return volumes_; }   ///< m^3, of the voxels of each region

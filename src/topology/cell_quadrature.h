@@ -25,7 +25,7 @@ struct CellPoint {
 /// wedges and pyramids are hexahedra with vertices that coincide. Vertices are those of Cell::particles, in that order;
 /// a triangle or quad may have either winding. Throws Error, with the cell's name, where the map from the reference
 /// cell is folded.
-void cell_points(const Model& model, Index cell, std::vector<CellPoint>& points);
+void cell_points(const Model& model, Index row, std::vector<CellPoint>& points);
 
 /// Integral of f^2, f = sum_v N_v at_vertex[v]: of degree 2, which the centroid of a triangle or tetrahedron misses.
 double integral_of_square(CellType type, std::span<const CellPoint> points, std::span<const double> at_vertex);

@@ -228,7 +228,8 @@ TEST(LabelBody, RegionsDoNotShortenTheStep) {
   for (std::uint32_t seed = 0; seed < 6; ++seed) {
     const LabelImage image = random_labels(seed);
     LabelBodyOptions whole{.spacing = 0.01};
-    for (std::uint16_t label = 1; label <= 2 + seed % 5; ++label) {
+    const auto labels = static_cast<std::uint16_t>(2 + seed % 5);
+    for (std::uint16_t label = 1; label <= labels; ++label) {
       if (std::ranges::count(image.label, label) > 0) whole.regions.push_back({label, "whole"});
     }
     const double ratio = step_of(image, {.spacing = 0.01}) / step_of(image, whole);

@@ -112,13 +112,8 @@ gl_tests_under(softpipe "${refused}:${minutes}:${with_contacts}:${with_joints}:$
 find_file(PHYMUL_LAVAPIPE lvp_icd.x86_64.json PATHS /usr/share/vulkan/icd.d NO_DEFAULT_PATH
           DOC "Description of Mesa's software Vulkan")
 if(PHYMUL_LAVAPIPE)
-  set(on_zink "GlContextTest.*:GlObjects.*:ShaderLibraryLog.*:GlComputeVersion.*:GlComputeDevice.*:GlFragment.*:GlDisplayTest.*")
-  set(on_zink "${on_zink}:GlRefusedNeedle.*:GlLife.*:GlContactMotion.*:*GlHosts.*:GlNoHost.*:*GlEquivalence.*:*GlContactRuns.*")
-  set(not_on_zink "GlComputeDevice.StepsAreDoneAgain*:GlComputeDevice.HasTheBits*:*GlEquivalence.DampedBodies*")
-  set(not_on_zink "${not_on_zink}:*GlEquivalence.SingleSteps*:*GlEquivalence.FourSolvers*")
-  add_test(NAME gl.zink.phymul_gl_test COMMAND phymul_gl_test "--gtest_filter=${on_zink}-${not_on_zink}" --gtest_brief=1)
-  set(zink LIBGL_ALWAYS_SOFTWARE=1 GALLIUM_DRIVER=zink VK_ICD_FILENAMES=${PHYMUL_LAVAPIPE} LP_NUM_THREADS=0)
-  set_tests_properties(gl.zink.phymul_gl_test PROPERTIES ENVIRONMENT "${zink}" TIMEOUT 1500 LABELS full)
+  gl_tests_under(zink "*AHundred*" ZINK_INLINE_UNIFORMS=0 LIBGL_ALWAYS_SOFTWARE=1 GALLIUM_DRIVER=zink
+                 VK_ICD_FILENAMES=${PHYMUL_LAVAPIPE} LP_NUM_THREADS=0)
 else()
   message(STATUS "phymul: nothing is tested on zink, because CMake did not find lavapipe; on Debian: apt-get install mesa-vulkan-drivers")
 endif()

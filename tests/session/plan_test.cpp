@@ -144,7 +144,7 @@ TEST(Plan, FillsASolidAndKeepsTheTimeToRest) {
 }
 
 TEST(Plan, RefusesWhatMakesNoSense) {
-  const auto asked = [](PlanOptions options) { return [options] { plan(sagging, options); }; };
+  const auto asked = [](const PlanOptions& options) { return [options] { plan(sagging, options); }; };
   EXPECT_TRUE(refuses(asked({.max_error = 0.0, .rate = 100}), "PlanOptions::max_error must be above 0 and below 1"));
   EXPECT_TRUE(refuses(asked({.max_error = 3.0, .rate = 100}), "; got 3"));
   EXPECT_TRUE(refuses(asked({.max_error = 0.1}), "expected a rate (Hz) or rest_in (s) to be kept, got neither"));
@@ -158,7 +158,7 @@ TEST(Plan, RefusesWhatMakesNoSense) {
 }
 
 TEST(Plan, SaysWhatIsWrongWithABuilder) {
-  const auto built = [](SceneBuilder builder) { return [builder] { plan(builder, wishes(0.1, 100)); }; };
+  const auto built = [](const SceneBuilder& builder) { return [builder] { plan(builder, wishes(0.1, 100)); }; };
   EXPECT_TRUE(refuses(built([](const PlanCandidate&) -> Simulation { throw Error("no such organ"); }),
                       "the builder made no body at any spacing"));
   EXPECT_TRUE(

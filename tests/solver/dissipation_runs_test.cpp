@@ -252,7 +252,7 @@ TEST(DissipationRuns, ThatABackendDoesNotTakeIsRefusedByName) {
   set_material(model, {.young = 10e3, .poisson = 0.3, .density = 1000, .retardation_time = 0.01});
   const Scene scene(model);
   try {
-    OutsideBackend(std::make_shared<const TopologyTextures>(build_topology(model)), scene);
+    const OutsideBackend refused(std::make_shared<const TopologyTextures>(build_topology(model)), scene);
     ADD_FAILURE();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::not_supported);

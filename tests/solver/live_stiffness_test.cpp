@@ -43,7 +43,7 @@ struct Case {
 };
 
 std::vector<Case> cases() {
-  const auto of = [](Model model) {
+  const auto of = [](const Model& model) {
     return [model](const Tissues& t) { return with_tumour(model, t.tissue, t.tumour); };
   };
   const Model tetrahedra = make_tetrahedral_block({0.05, 0.02, 0.02}, 5, 2, 2, 0.2, 3);

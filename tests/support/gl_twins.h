@@ -118,9 +118,9 @@ class GlTwins {
 
 class TwinsOnBothDevices : public OnBothDevices {
  protected:
-  static GlTwins twins_of(std::shared_ptr<const TopologyTextures> tables, const Scene& scene,
+  static GlTwins twins_of(const std::shared_ptr<const TopologyTextures>& tables, const Scene& scene,
                           SolverOptions options = {}) {
-    return {std::move(tables), scene, std::move(options), GetParam()};
+    return {tables, scene, std::move(options), GetParam()};
   }
 };
 

@@ -24,7 +24,7 @@ FragmentPasses::FragmentPasses(const FragmentTables& tables, const FragmentStrai
 
 Pass FragmentPasses::term_pass(ShaderRequest request, const Texture& target, int rows) const {
   define_kernels(tables_->kind(), request);
-  Pass pass(*library_, std::move(request));
+  Pass pass(*library_, request);
   tables_->bind(pass);
   pass.set_rows(target, rows);
   return pass;
@@ -105,7 +105,7 @@ Pass FragmentPasses::compiled(const StepKind& kind, const ShaderFiles& passes) c
   }
   if (kind.volumes) request.defines.emplace_back("KEPT_VOLUMES", 1);
   request.files.insert(request.files.end(), passes.begin(), passes.end());
-  Pass moving(*library_, std::move(request));
+  Pass moving(*library_, request);
   tables_->bind(moving);
   bind_terms(moving);
   if (kind.tools) moving.input("net", net_);
@@ -118,7 +118,7 @@ FragmentPasses::Stepping FragmentPasses::compiled(const StepKind& kind) const {
   if (kind.tools) {
     ShaderRequest reaction = gathering(kind.loads);
     reaction.files.emplace_back("step/reaction_pass.glsl");
-    stepping.reaction = Pass(*library_, std::move(reaction));
+    stepping.reaction = Pass(*library_, reaction);
     tables_->bind(stepping.reaction);
     bind_terms(stepping.reaction);
     stepping.tools = compiled(kind, {"tools/tools_pass.glsl"});
@@ -133,7 +133,7 @@ FragmentPasses::Stepping FragmentPasses::compiled(const StepKind& kind) const {
                          .defines = {}};
     define_kernels(tables_->kind(), joints);
     define_joints(kind.joints_on_tools, joints);
-    stepping.joints = Pass(*library_, std::move(joints));
+    stepping.joints = Pass(*library_, joints);
   }
   if (kind.contacts) stepping.free = compiled(kind, {"step/free_pass.glsl"});
   stepping.step = compiled(kind, {"report/measure_step.glsl", "step/step_pass.glsl"});

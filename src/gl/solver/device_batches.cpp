@@ -45,12 +45,12 @@ void DeviceSolver::begin_joints() {
 
 /// Takes over what so many steps did to joints and tools.
 void DeviceSolver::accept_motion(int steps, double dt) {
-  std::vector<JointSet::Pull> sums(scene().tools().size());
+  joint_sums_.assign(scene().tools().size(), {});
   if (!joints().empty()) {
-    joints().take(told_joints(device_->read_joints()), sums);
+    joints().take(told_joints(device_->read_joints()), joint_sums_);
     joints().accept();
   }
-  if (!tools_.empty()) tools_.accept(steps, dt, device_->tool_sums(), joints().pulls(), sums);
+  if (!tools_.empty()) tools_.accept(steps, dt, device_->tool_sums(), joints().pulls(), joint_sums_);
 }
 
 SolverBackend::Motion DeviceSolver::run_batches(const StepPlan& plan) {

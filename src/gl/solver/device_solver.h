@@ -71,9 +71,10 @@ class DeviceSolver final : public SolverBackend {
   std::uint64_t loads_version_ = 0;
   mutable FloatTools tools_{Device::most_steps};
   std::optional<FloatDissipation> dissipation_;
-  double dissipation_dt_ = 0.0;  // s, that the device has the constants of; 0: none
-  bool joints_told_ = false;     // the device knows which springs are broken
-  mutable State kept_;           // the newest state the host has
+  double dissipation_dt_ = 0.0;             // s, that the device has the constants of; 0: none
+  bool joints_told_ = false;                // the device knows which springs are broken
+  std::vector<JointSet::Pull> joint_sums_;  // [tools] of the last batch; kept, so that no step allocates
+  mutable State kept_;                      // the newest state the host has
   struct Progress {
     double time = 0.0, last_dt = 0.0;
     int steps_at_rest = 0;

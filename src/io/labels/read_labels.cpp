@@ -29,7 +29,7 @@ std::vector<std::uint16_t> narrowed(const std::string& path, const void* numbers
   for (std::size_t i = 0; i < count; ++i) {
     Number value;
     std::memcpy(&value, bytes + i * sizeof value, sizeof value);
-    labels[i] = static_cast<std::uint16_t>(value);
+    labels[i] = static_cast<std::uint16_t>(value);  // NOLINT(bugprone-signed-char-misuse): see the next line
     // A number that 16 bits do not hold comes back as another; a negative one of 16 bits does too.
     if (static_cast<Number>(labels[i]) != value || value < Number{0}) {
       fail_format(path, 0,
