@@ -3,7 +3,7 @@
 #
 # Installs what is missing on a Debian machine to build phymul; does nothing, and needs no rights, where nothing is.
 #   sh cmake/install-packages.sh [examples] [tests] [bench] [charts] [gl] [surfaces] [labels] [gl-tests] [mpi] [clang]
-#                                 [fuzz] [coverage] [aarch64] [windows] [site] [browser]
+#                                 [fuzz] [tidy] [coverage] [aarch64] [windows] [site] [browser]
 # The library's own needs are always among them. A compiler and CMake are taken as there.
 set -eu
 
@@ -77,6 +77,7 @@ for part in "$@"; do
       need_package openmpi-bin
       ;;
     clang) need_command clang++-16 clang-16 ;;
+    tidy) need_command clang-tidy-16 clang-tidy-16 ;;
     fuzz)
       need_command clang++-16 clang-16
       need_package libclang-rt-16-dev
@@ -112,7 +113,7 @@ for part in "$@"; do
       ;;
     *)
       echo "phymul: unknown part \"$part\"; there are: examples tests bench charts gl surfaces labels gl-tests mpi clang" \
-        "fuzz coverage aarch64 windows site browser" >&2
+        "fuzz tidy coverage aarch64 windows site browser" >&2
       exit 2
       ;;
   esac
