@@ -70,15 +70,25 @@ vec3 load_sum(int first, int end, int at) {
 }
 #endif
 
-// w: 1 where the elastic part was cut.
-vec4 net_force(int i) {
+vec3 withheld = vec3(0.0);  // N: what cut_elastic_force() took from the force
+
+// w: 1 where it was cut.
+vec4 cut_elastic_force(int i) {
   vec3 F = elastic_force(i);
-  float was_cut = 0.0;
 #ifdef CUT
   float largest = fetch_vec4(particle, particle_place, i).z * largest_acceleration;
-  was_cut = inner_product(F, F) > largest * largest ? 1.0 : 0.0;
-  F = cut_force(F, largest);
+  vec3 left = cut_force(F, largest);
+  withheld = F - left;
+  return vec4(left, inner_product(F, F) > largest * largest ? 1.0 : 0.0);
+#else
+  return vec4(F, 0.0);
 #endif
+}
+
+// w: 1 where the elastic part was cut.
+vec4 net_force(int i) {
+  vec4 elastic = cut_elastic_force(i);
+  vec3 F = elastic.xyz;
 #ifdef FORCES
   ivec4 rows = fetch_load_ivec4(load_index, load_index_place, i);
   F = F + load_sum(rows.x, rows.y, instant);
@@ -90,7 +100,7 @@ vec4 net_force(int i) {
     F = F + intBitsToFloat(end.y) * fetch_load_layer(joint_state, joint_state_place, end.x, 0).xyz;
   }
 #endif
-  return vec4(F, was_cut);
+  return vec4(F, elastic.w);
 }
 
 // Bit k set: coordinate k is imposed.

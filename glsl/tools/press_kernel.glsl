@@ -19,13 +19,14 @@ void main() {
   instant = number - 1;
   telling_last = measuring != 0;
   vec4 v = fetch_load_vec4(free_velocity, free_velocity_place, i);
+  vec4 force = fetch_load_vec4(pushed_force, pushed_force_place, i);
+  if (force.w > 0.0) cut_elastic_force(i);  // for what it withholds
   TouchedParticle touched = untouched(i, displaced(i), v.xyz, fixed_axes(i));
   for (int tool = 0; tool < tool_count; ++tool) {
     if (is_needle(tool)) continue;
     Reaction reaction = touch_tool(tool, held, instant, touched, dt, inverse_dt);
     TELL_TOOL(tool, i, reaction);
   }
-  vec4 force = fetch_load_vec4(pushed_force, pushed_force_place, i);
   vec4 shift = fetch_load_vec4(pushed_shift, pushed_shift_place, i);
   load_rows[pushed_force_place + i] = floatBitsToInt(vec4(force.xyz + inverse_dt * touched.impulse, force.w));
   load_rows[free_velocity_place + i] = floatBitsToInt(vec4(touched.v, v.w));

@@ -22,7 +22,9 @@ void tool_row(int row) {
   vec3 v = fetch_changing(velocity, velocity_place, i).xyz;
   vec3 moved = u;
   float inverse_mass = fetch_vec4(particle, particle_place, i).x;
-  free_step(i, acceleration(fetch_changing(net, net_place, i).xyz, inverse_mass, gravity), moved, v);
+  vec4 F = fetch_changing(net, net_place, i);
+  if (F.w > 0.0) cut_elastic_force(i);  // for what it withholds
+  free_step(i, acceleration(F.xyz, inverse_mass, gravity), moved, v);
   TouchedParticle touched = untouched(i, u, v, fixed_axes(i));
   vec4 held = fetch_load_vec4(tool_held, tool_held_place, i);
   Reaction reaction = no_reaction;

@@ -19,6 +19,7 @@ struct TouchedParticle {
   float mass, inverse_mass;
   int fixed_at;
   vec3 impulse, shift;
+  vec3 withheld;
 };
 
 struct Reaction {
@@ -47,15 +48,25 @@ vec3 push(inout TouchedParticle p, vec3 impulse) {
   return taken;
 }
 
-Reaction react(ToolFrame end, TouchedParticle p, vec3 given, float inverse_dt) {
-  vec3 force = inverse_dt * given;
+// N: what of the withheld force is against an impulse, and the tool bears too.
+vec3 borne(inout TouchedParticle p, vec3 impulse) {
+  float squared = inner_product(impulse, impulse);
+  if (!(squared > 0.0)) return vec3(0.0);
+  vec3 force = (max(0.0, -inner_product(p.withheld, impulse)) / squared) * impulse;
+  p.withheld = p.withheld + force;
+  return force;
+}
+
+Reaction react(ToolFrame end, TouchedParticle p, vec3 force) {
   return Reaction(true, -force, -cross_product(place_from(end, p, p.u), force));
 }
 
 Reaction hold(ToolFrame end, vec3 held_at, inout TouchedParticle p, float inverse_dt) {
   vec3 target = ((end.high - p.high) + (end.low - p.low)) + turned(end, held_at);
   vec3 velocity = inverse_dt * (target - p.u);
-  return react(end, p, push(p, p.mass * (velocity - p.v)), inverse_dt);
+  vec3 force = inverse_dt * push(p, p.mass * (velocity - p.v)) - free_part(p.withheld, p.fixed_at);
+  p.withheld = vec3(0.0);
+  return react(end, p, force);
 }
 
 Reaction press(ShapeIn shape, ContactLaw law, ToolFrame start, ToolFrame end, ToolTurn turn, inout TouchedParticle p,
@@ -69,7 +80,8 @@ Reaction press(ShapeIn shape, ContactLaw law, ToolFrame start, ToolFrame end, To
   Touch touch = touch_in_step(shape, law, inside(start, r0), q1, way, p.inverse_mass, dt);
   if (!touch.touches) return no_reaction;
   p.shift = p.shift + free_part(turned(end, touch.shift), p.fixed_at);
-  return react(end, p, push(p, turned(end, touch.impulse)), inverse_dt);
+  vec3 given = push(p, turned(end, touch.impulse));
+  return react(end, p, inverse_dt * given + borne(p, given));
 }
 
 // What the tables say.
@@ -122,12 +134,12 @@ int unmoved_axes(int fixed_at) {
 #endif
 }
 
-// u: at the step's start; v: the velocity with which it would go on.
+// u: at the step's start; v: the velocity with which it would go on. After cut_elastic_force() where a reaction is told.
 TouchedParticle untouched(int i, vec3 u, vec3 v, int fixed_at) {
   vec4 inertia = fetch_vec4(particle, particle_place, i);
   return TouchedParticle(fetch_load_vec4(tool_rest, tool_rest_place, 2 * i).xyz,
                          fetch_load_vec4(tool_rest, tool_rest_place, 2 * i + 1).xyz, u, v, inertia.z, inertia.x,
-                         unmoved_axes(fixed_at), vec3(0.0), vec3(0.0));
+                         unmoved_axes(fixed_at), vec3(0.0), vec3(0.0), withheld);
 }
 
 // In the scene's order; `at`: the instant of the step's start. What a tool holds no other pushes.

@@ -93,6 +93,7 @@ class ReferenceSolver final : public SolverBackend {
     if (!touches()) return;
     touched_.prepare(topology().mass, frame().fixed, topology().dimension == 2);
     shifts_.reserve(topology().rest.size());
+    withheld_.reserve(topology().rest.size());
   }
 
   Motion do_step(const StepPlan& plan) override {
@@ -172,12 +173,14 @@ class ReferenceSolver final : public SolverBackend {
   }
 
   bool cut_forces(double largest) {
+    withheld_.clear();
     bool any = false;
     for (Index i = 0; i < topology().particle_count; ++i) {
-      const Vec3 elastic = force_[i] / topology().mass[i];
+      const Vec3 uncut = force_[i], elastic = uncut / topology().mass[i];
       if (!(elastic.norm() > largest)) continue;
-      any = true;
       force_[i] = topology().mass[i] * cut(elastic, largest);
+      any = true;
+      if (touches()) withheld_.push_back({i, uncut - force_[i]});
     }
     return any;
   }
@@ -188,6 +191,10 @@ class ReferenceSolver final : public SolverBackend {
     explicit Step(ReferenceSolver& solver) : solver_(solver) {}
     Vec3 position(Index i) const override { return solver_.state_.position[i]; }
     Vec3 predicted_velocity(Index i) const override { return solver_.next_velocity_[i]; }
+    Vec3 withheld(Index i) const override {
+      const auto own = std::ranges::lower_bound(solver_.withheld_, i, {}, &Withheld::particle);
+      return own == solver_.withheld_.end() || own->particle != i ? Vec3(Vec3::Zero()) : own->force;
+    }
     void find(const Region& region, std::vector<Index>& found) const override {
       for (Index i = 0; i < solver_.topology().particle_count; ++i) {
         if (region.meets(solver_.state_.position[i], solver_.next_position_[i])) found.push_back(i);
@@ -302,7 +309,13 @@ class ReferenceSolver final : public SolverBackend {
     return largest;
   }
 
+  struct Withheld {
+    Index particle;
+    Vec3 force;  // N
+  };
+
   State state_;
+  std::vector<Withheld> withheld_;  // of this step, ascending; empty where nothing touches
   VecList force_, next_position_, next_velocity_;
   Dissipation dissipation_;
   std::optional<LocalForces> local_;

@@ -36,6 +36,7 @@ std::size_t TouchedParticles::slot(Index particle) {
     touched.fixed = static_cast<std::uint8_t>((fixed_.empty() ? 0 : fixed_[particle]) | (plane_ ? 4 : 0));
     touched.position = step_->position(particle);
     touched.velocity = step_->predicted_velocity(particle);
+    touched.withheld = step_->withheld(particle);
   }
   return static_cast<std::size_t>(slot);
 }

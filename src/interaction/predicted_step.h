@@ -35,6 +35,8 @@ class PredictedStep {
   virtual Vec3 position(Index i) const = 0;  ///< m, at the step's start
   /// m/s: v* = d v + dt (F / m + g), with which the particle would go to x* = x + dt v*.
   virtual Vec3 predicted_velocity(Index i) const = 0;
+  /// N: the elastic force that SolverOptions::max_displacement_per_step withholds in this step. v* lacks it.
+  virtual Vec3 withheld(Index i) const = 0;
   /// Appends, in an order that no number of threads changes, the particles whose way from x to x* may meet the region.
   virtual void find(const Region& region, std::vector<Index>& found) const = 0;
   virtual void add_force(Index i, const Vec3& force) = 0;  ///< N, over this step; at most once a particle
@@ -58,6 +60,7 @@ class TouchedParticles {
     Vec3 velocity{0, 0, 0};     // m/s, with the impulses so far
     Vec3 impulse{0, 0, 0};      // N s, sum of them
     Vec3 shift{0, 0, 0};        // m
+    Vec3 withheld{0, 0, 0};     // N, of the elastic force, that no tool has borne so far
     bool held = false;          // by a tool: nothing else pushes it
     Vec3 end(double dt) const { return position + dt * velocity; }
   };
@@ -89,6 +92,16 @@ class TouchedParticles {
     touched.impulse += taken;
     touched.velocity += touched.inverse_mass * taken;
     return taken;
+  }
+
+  /// N: what of the withheld force is against an impulse. The tool that gives this impulse bears it too, because
+  /// without the limit both would be larger by as much and the particle would go the same way.
+  static Vec3 borne(Touched& touched, const Vec3& impulse) {
+    const double squared = impulse.squaredNorm();
+    if (!(squared > 0.0)) return Vec3::Zero();
+    const Vec3 force = std::max(0.0, -touched.withheld.dot(impulse)) / squared * impulse;
+    touched.withheld += force;
+    return force;
   }
 
  private:

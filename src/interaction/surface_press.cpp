@@ -156,8 +156,10 @@ void SurfacePress::act(const ShapeIn<double>& shape, const ContactLaw<double>& l
     hand_over(end, touched);
   }
   for (const Corner& corner : corners_) {
-    corner_of_[touched[corner.slot].particle] = -1;
-    if (corner.given != Vec3::Zero()) react(force, end, touched[corner.slot].position, corner.given, dt);
+    TouchedParticles::Touched& particle = touched[corner.slot];
+    corner_of_[particle.particle] = -1;
+    if (corner.given == Vec3::Zero()) continue;
+    react(force, end, particle.position, corner.given + dt * TouchedParticles::borne(particle, corner.given), dt);
   }
 }
 

@@ -90,7 +90,8 @@ class MirrorSolver final : public SolverBackend {
         v_(u_.size()),
         next_u_(u_.size()),
         next_v_(u_.size()),
-        force_(u_.size()) {
+        force_(u_.size()),
+        withheld_(u_.size()) {
     follow();
     reset();
   }
@@ -250,6 +251,7 @@ class MirrorSolver final : public SolverBackend {
     for (Index i = 0; i < topology().particle_count; ++i) {
       const Float3 cut = Step::cut_force(force_[i], forces_.tables().particle[i][2] * largest_acceleration);
       any_cut = any_cut || cut != force_[i];
+      withheld_[i] = force_[i] - cut;
       force_[i] = loads_.pushes() ? cut + loads_.force(i) : cut;
       if (!joints_.empty()) joints_.add_forces(i, force_[i]);
     }
@@ -277,6 +279,7 @@ class MirrorSolver final : public SolverBackend {
     const ToolRows rows(tools_);
     const int fixed_at = fixed_axes(i) | (topology().dimension == 2 ? 4 : 0);
     TouchedParticle particle = rows.untouched(i, u_[i], v, forces_.tables().particle[i], fixed_at);
+    particle.withheld = withheld_[i];
     for (int tool = 0; tool < tools_.count(); ++tool) {
       add(rows.touch(tool, i, particle, dt, inverse_dt), tool_sums_[static_cast<std::size_t>(tool)]);
     }
@@ -325,7 +328,7 @@ class MirrorSolver final : public SolverBackend {
   MirrorVolumes volumes_;
   MirrorJoints joints_;
   std::vector<ToolSums> tool_sums_;  // of the step in question
-  std::vector<Float3> u_, v_, next_u_, next_v_, force_;
+  std::vector<Float3> u_, v_, next_u_, next_v_, force_, withheld_;
   double time_ = 0.0, last_dt_ = 0.0;
   int steps_at_rest_ = 0;
 };

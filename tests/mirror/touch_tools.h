@@ -4,6 +4,8 @@
 // operation.
 #pragma once
 
+#include <algorithm>
+
 #include "device/float_tools.h"
 #include "interaction/contact_tool.h"
 
@@ -25,6 +27,7 @@ struct TouchedParticle {
   float mass = 0.0f, inverse_mass = 0.0f;
   int fixed_at = 0;  // bit a: coordinate a is imposed
   Float3 impulse{}, shift{};
+  Float3 withheld{};  // N, PredictedStep::withheld()
 
   Float3 free_part(const Float3& a) const {
     return {(fixed_at & 1) != 0 ? 0.0f : a.x, (fixed_at & 2) != 0 ? 0.0f : a.y, (fixed_at & 4) != 0 ? 0.0f : a.z};
@@ -34,6 +37,13 @@ struct TouchedParticle {
     impulse += taken;
     v += inverse_mass * taken;
     return taken;
+  }
+  Float3 borne(const Float3& given) {
+    const float squared = inner_product(given, given);
+    if (!(squared > 0.0f)) return {};
+    const Float3 force = (std::max(0.0f, -inner_product(withheld, given)) / squared) * given;
+    withheld += force;
+    return force;
   }
 };
 
@@ -52,15 +62,16 @@ inline Float3 turned(const FloatFrame& frame, const Float3& q) {
   return q.x * frame.x + q.y * frame.y + q.z * frame.z;
 }
 
-inline FloatReaction react(const FloatFrame& end, const TouchedParticle& p, const Float3& given, float inverse_dt) {
-  const Float3 force = inverse_dt * given;
+inline FloatReaction react(const FloatFrame& end, const TouchedParticle& p, const Float3& force) {
   return {true, -force, -cross_product(place_from(end, p, p.u), force)};
 }
 
 inline FloatReaction hold(const FloatFrame& end, const Float3& held_at, TouchedParticle& p, float inverse_dt) {
   const Float3 target = ((end.high - p.high) + (end.low - p.low)) + turned(end, held_at);
   const Float3 velocity = inverse_dt * (target - p.u);
-  return react(end, p, p.push(p.mass * (velocity - p.v)), inverse_dt);
+  const Float3 force = inverse_dt * p.push(p.mass * (velocity - p.v)) - p.free_part(p.withheld);
+  p.withheld = {};
+  return react(end, p, force);
 }
 
 inline FloatReaction press(const ShapeIn<float>& shape, const ContactLaw<float>& law, const FloatFrame& start,
@@ -75,7 +86,8 @@ inline FloatReaction press(const ShapeIn<float>& shape, const ContactLaw<float>&
   const Touch<float> touch = touch_in_step(shape, law, inside(start, r0), q1, way, p.inverse_mass, dt);
   if (!touch.touches) return {};
   p.shift += p.free_part(turned(end, touch.shift));
-  return react(end, p, p.push(turned(end, touch.impulse)), inverse_dt);
+  const Float3 given = p.push(turned(end, touch.impulse));
+  return react(end, p, inverse_dt * given + p.borne(given));
 }
 
 /// The rows of FloatTools, of a batch of one step.

@@ -38,6 +38,11 @@ class PackedTools::Step final : public PredictedStep {
     return {v[tools_.velocity_at(place, 0)], v[tools_.velocity_at(place, 1)], v[tools_.velocity_at(place, 2)]};
   }
 
+  Vec3 withheld(Index i) const override {
+    const float* row = &tools_.withheld_[4 * tools_.quad_of_particle(i)];
+    return {row[0], row[1], row[2]};
+  }
+
   void find(const Region& region, std::vector<Index>& found) const override {
     if (tools_.rest_.size() < worth_threads) {
       find_among(0, tools_.blocks_.size(), region, found);
@@ -118,6 +123,8 @@ void PackedTools::follow(const Scene& scene, std::span<const std::uint8_t> fixed
   shifts_.clear();
   pushed_.clear();
   load_.clear();
+  withheld_.clear();
+  was_cut_.clear();
   farthest_ = std::numeric_limits<double>::infinity();
   if (empty()) return;
   const std::size_t count = body_.order.size();
@@ -131,6 +138,8 @@ void PackedTools::follow(const Scene& scene, std::span<const std::uint8_t> fixed
   blocks_.assign((count + block_size - 1) / block_size, {});
   for (std::size_t block = 0; block < blocks_.size(); ++block) blocks_[block] = around(block);
   load_.assign(4 * static_cast<std::size_t>(body_.places), 0.0f);
+  withheld_.assign(load_.size(), 0.0f);
+  was_cut_.assign(static_cast<std::size_t>(body_.slices()), 0);
   pushed_.reserve(count);
   shifts_.reserve(count);
   for (auto& own : found_) own.reserve(count);
@@ -156,6 +165,11 @@ std::size_t PackedTools::quad_of_particle(Index i) const {
 std::size_t PackedTools::velocity_at(std::size_t place, int axis) const {
   const auto lanes = static_cast<std::size_t>(body_.lanes);
   return (3 * (place / lanes) + axis) * lanes + place % lanes;
+}
+
+void PackedTools::ask(simd::Move& move) {
+  move.withheld = reinterpret_cast<char*>(withheld_.data());
+  move.was_cut = was_cut_.data();
 }
 
 bool PackedTools::act(const simd::Move& move, ThreadPool& pool, double dt, double farthest) {

@@ -28,6 +28,8 @@ class PackedTools {
   void accept(double farthest);
   const ToolSet& set() const { return set_; }
 
+  /// Before a moving pass, where not empty().
+  void ask(simd::Move& move);
   /// After a moving pass: what tools do about where it went. True where the pass is to be done again, with loads() in
   /// place of move.load. `farthest`: m, no displacement of move.next_u is larger.
   bool act(const simd::Move& move, ThreadPool& pool, double dt, double farthest);
@@ -62,6 +64,8 @@ class PackedTools {
   VecList rest_;                                                      // [particles] by place, m
   std::vector<Block> blocks_;                                         // of rest_, block_size places each
   Floats load_;                                                       // [places][4] by quad, N
+  Floats withheld_;                                                   // [places][4] by quad, N
+  std::vector<std::uint8_t> was_cut_;                                 // [slices] of withheld_
   std::vector<std::size_t> pushed_;                                   // quads of load_ that tools wrote to
   std::vector<std::pair<std::size_t, std::array<float, 3>>> shifts_;  // by quad, m
   mutable std::vector<std::vector<Index>> found_;                     // [parts]

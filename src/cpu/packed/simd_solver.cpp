@@ -195,6 +195,7 @@ class SimdSolver final : public SolverBackend {
     loads_.act_at(scene(), time_, changed);
     loads_.impose_at(scene(), time_ + plan.dt, changed);
     simd::Move move = move_of(plan);
+    if (!tools_.empty()) tools_.ask(move);
     if (!joints().empty()) pulled_.act(joints(), tools_.set(), topology(), plan.dt, move, changed);
     if (sleep_) sleep_->begin(move, held_below(plan));
     laps_.end(Work::loads);

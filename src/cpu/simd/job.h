@@ -157,9 +157,11 @@ struct Move {
   const float* v = nullptr;                  ///< m/s, [slices][3][lanes]
   char* next_u = nullptr;
   float* next_v = nullptr;
-  int slices = 0;                ///< of the body
-  bool far = false;              ///< the arrays are in no cache
-  float gravity[3] = {0, 0, 0};  ///< m/s^2
+  char* withheld = nullptr;  ///< [particles] N: what cut forces lack, PredictedStep::withheld(); null: not asked for
+  std::uint8_t* was_cut = nullptr;  ///< [slices] whether a row of `withheld` is not 0
+  int slices = 0;                   ///< of the body
+  bool far = false;                 ///< the arrays are in no cache
+  float gravity[3] = {0, 0, 0};     ///< m/s^2
   float dt = 0, inverse_dt = 0, damping = 1;
   float runaway_squared = 0;                                         ///< m^2/s^2
   float largest_acceleration = 0, largest_acceleration_squared = 0;  ///< m/s^2: elastic force over mass is cut to it

@@ -35,17 +35,22 @@ PHYMUL_INLINE bool any_of(Ints mask) {
 }
 
 /// SolverOptions::max_displacement_per_step. Lanes are cut one by one: it is rare.
-PHYMUL_INLINE bool cut_force(Pack3& force, Pack inverse_mass, const simd::Move& move) {
+PHYMUL_INLINE bool cut_force(Pack3& force, Pack inverse_mass, const simd::Move& move, int slice) {
   const Pack3 a = inverse_mass * force;
   const Pack q = dot(a, a);
   const Ints over = (q > all(move.largest_acceleration_squared)) & (q <= all(3.4028234e38f));
-  if (!any_of(over)) return false;
+  const bool cuts = any_of(over);
+  if (!cuts && (move.was_cut == nullptr || move.was_cut[slice] == 0)) return false;
   Pack scale = all(1.0f);
   for (int k = 0; k < lanes; ++k) {
     if (over[k]) scale.v[k] = move.largest_acceleration / PHYMUL_ROOT(q[k]);
   }
+  if (move.was_cut != nullptr) {
+    store_row(move.withheld + 16 * static_cast<std::int64_t>(slice) * lanes, (all(1.0f) - scale) * force);
+    move.was_cut[slice] = cuts ? 1 : 0;
+  }
   force = scale * force;
-  return true;
+  return cuts;
 }
 
 PHYMUL_INLINE float largest_of(Pack p) {
@@ -98,7 +103,7 @@ PHYMUL_INLINE void move_slices_of(const simd::Move& move, int slice, int end, si
     const std::int64_t at = static_cast<std::int64_t>(slice) * lanes;
     if (move.far) ask_ahead(move, slice);
     Pack3 force = total_force(move, slice);
-    cut |= cut_force(force, load(move.inverse_mass + at), move);
+    cut |= cut_force(force, load(move.inverse_mass + at), move, slice);
     if (move.load != nullptr) force += gather_row(move.load + 16 * at);
     const Pack mass = load(move.mass + at);
     const Pack3 u = gather_row(move.u + 16 * at), v = load3(move.v + 3 * at);

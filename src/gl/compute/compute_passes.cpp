@@ -134,6 +134,7 @@ Kernel ComputePasses::freeing(const StepKind& step, const ComputeState& state) c
 
 Kernel ComputePasses::pressing(const StepKind& step, const ComputeState& state) const {
   ShaderRequest request = gathering(step);
+  define(request, "CUT");
   define(request, "PUSHES");
   append(request, {"tools/pushed_tables.glsl"});
   add_tools(step, request);

@@ -230,7 +230,9 @@ void FragmentPasses::set_constants(const StepConstants& constants) {
   dt_ = constants.dt;
   last_dt_ = constants.last_dt > 0.0 ? constants.last_dt : constants.dt;
   const auto finite = [](double value) { return std::min(value, double{std::numeric_limits<float>::max()}); };
-  gathering_pass().set("largest_acceleration", static_cast<float>(finite(constants.largest_acceleration)));
+  const auto largest = static_cast<float>(finite(constants.largest_acceleration));
+  gathering_pass().set("largest_acceleration", largest);
+  if (tools_) now_->tools.set("largest_acceleration", largest);
   if (joints_) {
     now_->joints.set("inverse_dt", static_cast<float>(1.0 / constants.dt));
     now_->joints.set("tools_at_once", constants.tools_at_once ? 1 : 0);
