@@ -250,7 +250,7 @@ class ReferenceSolver final : public SolverBackend {
     move(plan);
     scene().evaluate(state_.time, frame());
     Step step(*this);
-    touched_.begin(step, plan.dt);
+    touched_.begin(step, plan.dt, last_dt_);
     tools_.act(touched_);
     const int lost = touching_.act(touched_);
     touched_.end();

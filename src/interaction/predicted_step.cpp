@@ -12,9 +12,10 @@ void TouchedParticles::prepare(std::span<const double> mass, std::span<const std
   touched_.reserve(mass.size());
 }
 
-void TouchedParticles::begin(PredictedStep& step, double dt) {
+void TouchedParticles::begin(PredictedStep& step, double dt, double last_dt) {
   step_ = &step;
   dt_ = dt;
+  last_dt_ = last_dt;
 }
 
 void TouchedParticles::end() {

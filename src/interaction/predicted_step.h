@@ -67,10 +67,12 @@ class TouchedParticles {
 
   /// `fixed`: LoadFrame::fixed, or empty; `plane`: nothing moves along z.
   void prepare(std::span<const double> mass, std::span<const std::uint8_t> fixed, bool plane);
-  void begin(PredictedStep& step, double dt);
+  /// `last_dt`: s, of the step before; 0: there was none.
+  void begin(PredictedStep& step, double dt, double last_dt);
   void end();  ///< hands the sums to the backend
 
   double dt() const { return dt_; }
+  bool is_shorter() const { return dt_ < 0.7 * last_dt_; }  ///< by more than calls of step() differ
   const PredictedStep& step() const { return *step_; }
   std::span<const double> mass() const { return mass_; }  ///< kg, of all particles
   std::size_t count() const { return touched_.size(); }
@@ -109,7 +111,7 @@ class TouchedParticles {
   std::span<const std::uint8_t> fixed_;
   bool plane_ = false;
   PredictedStep* step_ = nullptr;
-  double dt_ = 0.0;
+  double dt_ = 0.0, last_dt_ = 0.0;
   std::vector<Index> slot_of_;  // [N], -1: not fetched in this step
   std::vector<Touched> touched_;
 };

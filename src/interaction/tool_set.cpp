@@ -198,7 +198,8 @@ void ToolSet::act(TouchedParticles& touched) {
     tool.next_force.force = tool.pull.force;
     tool.next_force.torque = tool.pull.torque;
     tool.moved.motion.advance(touched.dt());
-    tool.law.placed = tool.moved.motion.placed;
+    // What the rounds of a longer step left inside the tool would come out with a blow.
+    tool.law.placed = tool.moved.motion.placed || (tool.surface && touched.is_shorter());
     if (tool.moved.releases) tool.moved.release();
   }
   for (Moving& tool : tools_) {

@@ -233,6 +233,37 @@ TEST_P(ToolSurfaceOn, PlacedOverASurfaceLetsItOutWithoutSpeed) {
   EXPECT_LT(deepest, 0.01 * moved_by);  // was moved_by
 }
 
+/// What the rounds of a long step leave inside would come out of a short one with a blow.
+TEST_P(ToolSurfaceOn, FeelsNoBlowWhenTheStepGetsShorter) {
+  const Model model = soft_block({0.02, 0.02, 0.02}, 6, 6, 6);
+  Scene scene(model);
+  const double radius = 0.008;
+  scene.fix("z0").add_tool("ball", {.shape = Sphere{radius},
+                                    .pose = {.position = {0.0112, 0.0093, 0.02 + radius}},
+                                    .contact = ToolContact::surface});
+  SolverOptions options;
+  options.damping.rate = 200.0;
+  const auto solver = make(model, scene, options);
+  const double dt = 0.5 * solver->stable_step();
+  scene.tool("ball").move_to({.position = {0.0112, 0.0093, 0.017 + radius}});
+  for (const int steps : {300, 1000}) ASSERT_TRUE(solver->step(steps, dt).ok());
+  const Snapshot rest = solver->snapshot();
+  const double force = solver->tool_force("ball").force.norm();
+  EXPECT_GT(force, 0.05);
+  for (const double shorter : {0.5, 0.1, 0.01}) {
+    solver->restore(rest);
+    double largest = 0.0, sum = 0.0;
+    const int steps = static_cast<int>(10.0 / shorter);
+    for (int k = 0; k < steps; ++k) {
+      ASSERT_TRUE(solver->step(1, shorter * dt).ok());
+      largest = std::max(largest, solver->tool_force("ball").force.norm());
+      sum += solver->tool_force("ball").force.z() / steps;
+    }
+    EXPECT_LT(largest, (shorter < 0.1 ? 5.0 : 1.4) * force) << shorter;  // was 900 and 10 times
+    EXPECT_NEAR(sum, force, 0.02 * force) << shorter;
+  }
+}
+
 /// Bodies without triangles, and those that loads impose: as with ToolContact::particles.
 TEST_P(ToolSurfaceOn, TouchesParticlesWhereThereAreNoTriangles) {
   const Model model = make_strip(0.04, 0.02, 8, 4);

@@ -172,7 +172,7 @@ void PackedTools::ask(simd::Move& move) {
   move.was_cut = was_cut_.data();
 }
 
-bool PackedTools::act(const simd::Move& move, ThreadPool& pool, double dt, double farthest) {
+bool PackedTools::act(const simd::Move& move, ThreadPool& pool, double dt, double last_dt, double farthest) {
   if (move.load != nullptr) {
     std::memcpy(load_.data(), move.load, sizeof(float) * load_.size());
   } else {
@@ -181,7 +181,7 @@ bool PackedTools::act(const simd::Move& move, ThreadPool& pool, double dt, doubl
   pushed_.clear();
   shifts_.clear();
   Step step(*this, move, pool, (1.0 + of_floats) * std::max(farthest, farthest_));
-  touched_.begin(step, dt);
+  touched_.begin(step, dt, last_dt);
   set_.act(touched_);
   lost_volume_ = touching_.act(touched_);
   touched_.end();

@@ -31,8 +31,9 @@ class PackedTools {
   /// Before a moving pass, where not empty().
   void ask(simd::Move& move);
   /// After a moving pass: what tools do about where it went. True where the pass is to be done again, with loads() in
-  /// place of move.load. `farthest`: m, no displacement of move.next_u is larger.
-  bool act(const simd::Move& move, ThreadPool& pool, double dt, double farthest);
+  /// place of move.load. `last_dt`: s, of the step before; 0: none. `farthest`: m, no displacement of move.next_u is
+  /// larger.
+  bool act(const simd::Move& move, ThreadPool& pool, double dt, double last_dt, double farthest);
   /// Quads of the particles that the last act() pushed, and of those that shift() will move with the way of each, m.
   std::span<const std::size_t> pushed() const { return pushed_; }
   std::span<const std::pair<std::size_t, std::array<float, 3>>> shifts() const { return shifts_; }

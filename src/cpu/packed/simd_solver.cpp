@@ -210,7 +210,8 @@ class SimdSolver final : public SolverBackend {
     }
     run(move);
     if (tools_.empty()) return -1;
-    const bool pushed = tools_.act(move, pool_, plan.dt, std::sqrt(static_cast<double>(moved().displacement)));
+    const bool pushed =
+        tools_.act(move, pool_, plan.dt, last_dt_, std::sqrt(static_cast<double>(moved().displacement)));
     if (local_) local_->keep_pushes(move, pushed ? tools_.loads() : nullptr);
     laps_.end(Work::tools);
     if (pushed) {
