@@ -68,7 +68,7 @@ void print_tool_row(int across, ToolContact contact, bool steps) {
   const double solving = processor_seconds() - begin;
   std::printf("%9d %-9s %-7s %5d %8.4f s %7.4f N", solved.model().particle_count(),
               contact == ToolContact::surface ? "surface" : "particles", result.converged() ? "at rest" : "not",
-              result.evaluations, solving, result.converged() ? result.tools[0].force.norm() : 0.0);
+              result.evaluations, solving, solved.force_on(solved.scene().tool("ball")).force.norm());
   if (steps) {
     Simulation stepped = pressed();
     begin = processor_seconds();

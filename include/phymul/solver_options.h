@@ -72,9 +72,10 @@ struct SolverOptions {
   /// In mean spacings: an elastic force that by itself would move its particle further than this in one step is
   /// limited to that distance, and StepReport::force_clamped is set. Forces of this size occur only in states that real
   /// tissue does not reach (flattened, mirrored, scattered). There an explicit step overshoots; with the limit bodies
-  /// return from such states at half the step limit. Momentum and energy are not conserved while the limit acts. It is
-  /// off for steps beyond the step limit and for models that are unstable at rest or flutter, whose growth it would
-  /// hide. Infinite: always off.
+  /// return from such states at half the step limit. Momentum and energy are not conserved while the limit acts. What
+  /// is withheld from a particle that a tool presses or holds is part of that tool's force. It is off for steps beyond
+  /// the step limit and for models that are unstable at rest or flutter, whose growth it would hide. Infinite: always
+  /// off.
   double max_displacement_per_step = 0.15;
   /// Spectrum of the same topology at rest, if known. It saves the estimate, which takes about a hundred force
   /// evaluations. With a wrong spectrum stable_step() and the rest test are wrong; the library cannot detect this.

@@ -28,8 +28,7 @@ struct StaticResult {
   double residual = 0.0;                   ///< net forces over loads, as StaticOptions::tolerance; 0 without loads
   double largest_force = 0.0;              ///< N, largest net force on a free particle
   Index folded = -1;                       ///< as RestResult::folded, if converged
-  std::vector<ToolForce> tools;  ///< by Scene::tools(), if converged: force and torque alone, held particles apart
-  std::string cause;             ///< of RestStatus::failed
+  std::string cause;                       ///< of RestStatus::failed
 
   bool converged() const { return status == RestStatus::converged; }
   std::string message() const;  ///< one sentence for people

@@ -109,9 +109,14 @@ void Simulation::Parts::start(const State& state) {
   state_changed();
 }
 
-void Simulation::Parts::start_at_rest(const State& state) {
+void Simulation::Parts::start_at_rest(const State& state, const std::vector<ToolForce>& of_tools) {
   solver().reset(state);
   started = Start{.wanted = state, .taken = solver().read(), .dt = step_limit()};
+  for (std::size_t row = 0; row < of_tools.size(); ++row) {
+    ToolForce& force = started->tools[scene.tools()[row].id] = of_tools[row];
+    force.mean_force = force.force;
+    force.mean_torque = force.torque;
+  }
   state_changed();
 }
 
@@ -235,6 +240,8 @@ Energy Simulation::energy() const {
 }
 
 const ToolForce& Simulation::force_on(const ToolHandle& tool) const {
+  const auto& started = parts_->started;
+  if (started && started->tools.contains(tool.id()) && parts_->is_at_start()) return started->tools.at(tool.id());
   return solver().tool_force(tool);
 }
 

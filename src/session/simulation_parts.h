@@ -6,6 +6,7 @@
 #include <phymul/simulation.h>
 
 #include <chrono>
+#include <map>
 #include <optional>
 
 #include "elastic/scaled_tables.h"
@@ -23,8 +24,8 @@ struct Simulation::Parts {
   void begin(double dt);
   /// Starts from a state whose velocities are those of its own time.
   void start(const State& state);
-  /// Starts from a state in which all forces, those of tools too, are balanced and velocities are 0.
-  void start_at_rest(const State& state);
+  /// Starts from a state in which all forces are balanced, those of tools (by Scene::tools()) too, and velocities are 0.
+  void start_at_rest(const State& state, const std::vector<ToolForce>& of_tools);
   bool is_at_start();    ///< no step was taken since start(), and the solver was given no other state
   void state_changed();  ///< by something that the recorder does not see
 
@@ -41,6 +42,7 @@ struct Simulation::Parts {
   struct Start {
     State wanted, taken;  ///< as given; as the solver has it
     double dt = 0.0;      ///< s, that its velocities were converted for
+    std::map<std::uint64_t, ToolForce> tools{};  ///< of a rest shape, by SceneTool::id
   };
   std::optional<Start> started;
   std::optional<StateHistory> history;

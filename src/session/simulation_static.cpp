@@ -151,6 +151,32 @@ void hold_grasped(const Scene& scene, const State& state, LoadFrame& loads) {
   });
 }
 
+/// What grasped particles at rest do to their tools, by Scene::tools().
+std::vector<ToolForce> of_held(const TopologyTextures& topology, const Scene& scene, const State& state,
+                               RestTerms terms) {
+  std::vector<ToolForce> all(scene.tools().size());
+  LoadFrame loads;
+  scene.prepare(loads);
+  scene.evaluate(state.time, loads);
+  VecList force(state.position.size());
+  elastic_forces(topology, state.position, force);
+  for (const RestTerm* term : terms) term->add_forces(state.position, force);
+  for_each_tool(scene, state.tools, [&](const ToolPose& pose, const ToolState& tool) {
+    ToolForce& felt = all[static_cast<std::size_t>(std::ranges::find(scene.tools(), tool.name, &SceneTool::name) -
+                                                   scene.tools().begin())];
+    for (const Index i : tool.held) {
+      Vec3 own = force[i] + load_on(topology.mass, loads, static_cast<std::size_t>(i));
+      for (int axis = 0; axis < 3 && !loads.fixed.empty(); ++axis) {
+        if ((loads.fixed[i] >> axis & 1) != 0) own[axis] = 0.0;
+      }
+      felt.force += own;
+      felt.torque += (state.position[i] - pose.position).cross(own);
+      ++felt.particles;
+    }
+  });
+  return all;
+}
+
 /// m^2: by how much imposed coordinates miss their places.
 double squared_way_to_targets(const LoadFrame& loads, const VecList& position) {
   double sum = 0.0;
@@ -223,12 +249,14 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
                    "\" would carry more than its breaking force; use run_to_rest(), in which it breaks";
   } else if (end.at_rest) {
     for (Vec3& velocity : state.velocity) velocity.setZero();
-    result.tools = tools.reactions(state.position);
+    std::vector<ToolForce> forces = of_held(topology, scene(), state, terms);
+    tools.add_reactions(state.position, forces);
+    joints.add_reactions(state.position, forces);
     for_each_tool(scene(), state.tools, [](const ToolPose& pose, ToolState& tool) {
       tool.pose = pose;
       tool.placed = true;  // points of a surface may be inside by a little, and are to come out without a force
     });
-    parts_->start_at_rest(state);
+    parts_->start_at_rest(state, forces);
     result.status = RestStatus::converged;
     result.folded = first_folded_cell(model(), state.position);
   } else if (end.stuck) {

@@ -44,6 +44,19 @@ void RestJoints::add_forces(std::span<const Vec3> position, std::span<Vec3> forc
   }
 }
 
+void RestJoints::add_reactions(std::span<const Vec3> position, std::span<ToolForce> tools) const {
+  for (const Spring& own : springs_) {
+    const Vec3 on_a = spring_force(own.joint->joint, *own.spring, span_of(*own.spring, position), Vec3::Zero());
+    for (const auto& [anchor, force] : {std::pair{&own.spring->a, on_a}, std::pair{&own.spring->b, Vec3(-on_a)}}) {
+      const auto tool = std::ranges::find(scene_.tools(), anchor->tool, &SceneTool::name);
+      if (tool == scene_.tools().end()) continue;  // a tool's name is not empty
+      ToolForce& felt = tools[static_cast<std::size_t>(tool - scene_.tools().begin())];
+      felt.force += force;
+      felt.torque += (anchor_place(*anchor, position, scene_.tools()) - tool->pose.position).cross(force);
+    }
+  }
+}
+
 double RestJoints::energy(std::span<const Vec3> position) const {
   double energy = 0.0;
   for (const Spring& own : springs_) {

@@ -27,6 +27,8 @@ class RestJoints final : public RestTerm {
   void add_product(const Eigen::VectorXd& d, Eigen::VectorXd& result) const override;
   void add_diagonal(std::span<Mat3> blocks) const override;
 
+  /// Adds what springs do to the tools, [Scene::tools()].
+  void add_reactions(std::span<const Vec3> position, std::span<ToolForce> tools) const;
   /// The name of a joint one of whose springs is loaded beyond what breaks it; empty: none is.
   std::string overloaded(std::span<const Vec3> position) const;
 

@@ -184,8 +184,7 @@ void RestTools::raise(std::span<const Vec3> position) {
   }
 }
 
-std::vector<ToolForce> RestTools::reactions(std::span<const Vec3> position) const {
-  std::vector<ToolForce> all(tools_.size());
+void RestTools::add_reactions(std::span<const Vec3> position, std::span<ToolForce> all) const {
   for (std::size_t row = 0; row < tools_.size(); ++row) {
     const Touching& tool = tools_[row];
     const VecList forces = forces_of(tool, position);
@@ -196,7 +195,6 @@ std::vector<ToolForce> RestTools::reactions(std::span<const Vec3> position) cons
       ++all[row].particles;
     }
   }
-  return all;
 }
 
 }  // namespace phymul

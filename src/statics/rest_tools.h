@@ -36,8 +36,8 @@ class RestTools final : public RestTerm {
   double squared_miss(std::span<const Vec3> position) const override;
   void raise(std::span<const Vec3> position) override;
 
-  /// By Scene::tools(): what the particles do to each, held ones apart.
-  std::vector<ToolForce> reactions(std::span<const Vec3> position) const;
+  /// Adds what the particles that they press do to the tools, [Scene::tools()].
+  void add_reactions(std::span<const Vec3> position, std::span<ToolForce> tools) const;
 
  private:
   struct Touching {
