@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Where each particle would go by itself and by the tools that touch it (where NEEDLES is defined: that hold it), a lane
+// Where each particle would go by itself and by the tools that touch it (where HOLDS_ONLY is defined: that hold it), a lane
 // each; nothing moves yet. Dispatched only; needs free_step.glsl and pushed_tables.glsl, and tell_tools.glsl where TOOLS
 // is defined.
 
@@ -35,7 +35,7 @@ void main() {
   telling_last = measuring != 0;
   TouchedParticle touched = untouched(i, before, v, fixed_axes(i));
   vec4 held = fetch_load_vec4(tool_held, tool_held_place, i);
-#ifdef NEEDLES  // which come after what holds and before what presses: press_kernel.glsl
+#ifdef HOLDS_ONLY  // what presses comes later: press_kernel.glsl, surface_kernel.glsl
   bool touches_now = held.w >= 0.0;
 #else
   bool touches_now = true;

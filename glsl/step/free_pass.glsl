@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Per particle, where it would go by itself and by the tools that touch it; nothing moves yet: free_kernel.glsl, drawn.
+// Per particle, where it would go by itself and by the tools that touch it (HOLDS_ONLY: that hold it); nothing moves yet: free_kernel.glsl, drawn.
 // Gathers the net force itself, or with NET_APART takes what reaction_pass.glsl wrote. Needs free_step.glsl and, where
 // TOOLS is defined, touch_tools.glsl, whose reactions tools_pass.glsl tells.
 
@@ -32,7 +32,11 @@ void free_row(int i) {
 #ifdef TOOLS
   TouchedParticle touched = untouched(i, before, v, fixed_axes(i));
   vec4 held = fetch_load_vec4(tool_held, tool_held_place, i);
+#ifdef HOLDS_ONLY
+  if (held.w >= 0.0) touch_tool(int(held.w), held, instant, touched, dt, inverse_dt);
+#else
   for (int tool = 0; tool < tool_count; ++tool) touch_tool(tool, held, instant, touched, dt, inverse_dt);
+#endif
   force_sum = vec4(force_sum.xyz + inverse_dt * touched.impulse, force_sum.w);
   v = touched.v;
   shift = touched.shift;

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// Where needles act, what presses does so after them: tools that are no needles, on particles that none holds, a lane
-// each. Dispatched only; needs free_step.glsl, pushed_tables.glsl and tell_tools.glsl.
+// Where needles act or tools touch surfaces, what presses does so after what holds: tools that are no needles, on
+// particles that none holds, a lane each. Dispatched only; needs free_step.glsl, pushed_tables.glsl and tell_tools.glsl.
 
 layout(local_size_x = GROUP) in;
 
 uniform int pair, number, measuring;
+uniform int first_tool, end_tool;
 OF_STEP(int, batch_step);  // counts from 1
 
 void main() {
@@ -22,7 +23,7 @@ void main() {
   vec4 force = fetch_load_vec4(pushed_force, pushed_force_place, i);
   if (force.w > 0.0) cut_elastic_force(i);  // for what it withholds
   TouchedParticle touched = untouched(i, displaced(i), v.xyz, fixed_axes(i));
-  for (int tool = 0; tool < tool_count; ++tool) {
+  for (int tool = first_tool; tool < end_tool; ++tool) {
     if (is_needle(tool)) continue;
     Reaction reaction = touch_tool(tool, held, instant, touched, dt, inverse_dt);
     TELL_TOOL(tool, i, reaction);

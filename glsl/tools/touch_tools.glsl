@@ -22,6 +22,10 @@ struct TouchedParticle {
   vec3 withheld;
 };
 
+struct Passage {  // of a particle in a step, in the tool's frame, m
+  vec3 start, end, way;
+};
+
 struct Reaction {
   bool touches;
   vec3 force, torque;
@@ -69,15 +73,20 @@ Reaction hold(ToolFrame end, vec3 held_at, inout TouchedParticle p, float invers
   return react(end, p, force);
 }
 
-Reaction press(ShapeIn shape, ContactLaw law, ToolFrame start, ToolFrame end, ToolTurn turn, inout TouchedParticle p,
-               float dt, float inverse_dt) {
+Passage passage(ToolFrame start, ToolFrame end, ToolTurn turn, TouchedParticle p, float dt) {
   vec3 r0 = place_from(start, p, p.u);
   vec3 passed = dt * p.v - turn.gone;
   vec3 way = vec3(inner_product(end.x, passed) + inner_product(turn.x, r0),
                   inner_product(end.y, passed) + inner_product(turn.y, r0),
                   inner_product(end.z, passed) + inner_product(turn.z, r0));
   vec3 q1 = inside(end, place_from(end, p, p.u + dt * p.v));
-  Touch touch = touch_in_step(shape, law, inside(start, r0), q1, way, p.inverse_mass, dt);
+  return Passage(inside(start, r0), q1, way);
+}
+
+Reaction press(ShapeIn shape, ContactLaw law, ToolFrame start, ToolFrame end, ToolTurn turn, inout TouchedParticle p,
+               float dt, float inverse_dt) {
+  Passage own = passage(start, end, turn, p, dt);
+  Touch touch = touch_in_step(shape, law, own.start, own.end, own.way, p.inverse_mass, dt);
   if (!touch.touches) return no_reaction;
   p.shift = p.shift + free_part(turned(end, touch.shift), p.fixed_at);
   vec3 given = push(p, turned(end, touch.impulse));
@@ -120,6 +129,12 @@ ShapeIn tool_shape(int tool) {
 #endif
 }
 
+// In the step from the instant `at` on.
+ContactLaw tool_contact(int tool, int at) {
+  vec4 law = tool_law(tool, 1);
+  return ContactLaw(law.z, law.w, tool_frame_row(tool, at, 3).w > 0.0);
+}
+
 // Which touches nothing here: needle_force_kernel.glsl.
 bool is_needle(int tool) {
   return int(tool_law(tool, 0).w) == SHAPE_NEEDLE;
@@ -149,8 +164,6 @@ Reaction touch_tool(int tool, vec4 held, int at, inout TouchedParticle p, float 
   ToolFrame end = tool_frame(tool, at + 1);
   if (holder == tool) return hold(end, held.xyz, p, inverse_dt);
   if (p.fixed_at == 7) return no_reaction;
-  vec4 law = tool_law(tool, 1);
-  bool placed = tool_frame_row(tool, at, 3).w > 0.0;
-  return press(tool_shape(tool), ContactLaw(law.z, law.w, placed), tool_frame(tool, at), end, tool_turn(tool, at), p, dt,
+  return press(tool_shape(tool), tool_contact(tool, at), tool_frame(tool, at), end, tool_turn(tool, at), p, dt,
                inverse_dt);
 }

@@ -52,8 +52,7 @@ enum class ToolContact {
   /// All particles. A tool thinner than the spacing can pass between them, and its force depends on the place.
   particles,
   /// The triangles of the surface, at points that are fixed to them. The force on a point acts on the particles of its
-  /// triangle by barycentric weights. A body without triangles (points, springs, 2-D) is touched at its particles. Only
-  /// the backends `reference` and `cpu` have it.
+  /// triangle by barycentric weights. A body without triangles (points, springs, 2-D) is touched at its particles.
   surface
 };
 

@@ -41,6 +41,7 @@ void FloatTools::follow(const Scene& scene) {
   fill_rest(scene.model().rest);
   fill_held();
   motions_.reserve(tools_.size());
+  placed_.reserve((most_steps_ + 1) * tools_.size());
   frames_.assign((most_steps_ + 1) * tools_.size() * frame_rows, Float4{});
   begin_batch(1, 0.0);
 }
@@ -102,6 +103,11 @@ double FloatTools::needle_radius_of(const Tool& tool) {
 int FloatTools::needle_count() const {
   return static_cast<int>(
       std::ranges::count_if(tools_, [](const Moving& tool) { return needle_radius_of(tool.tool) > 0.0; }));
+}
+
+int FloatTools::surface_count() const {
+  return static_cast<int>(
+      std::ranges::count(tools_, ToolContact::surface, [](const Moving& tool) { return tool.tool.contact; }));
 }
 
 void FloatTools::reset(const Scene& scene, const State& state) {
@@ -178,12 +184,14 @@ void FloatTools::fill_frame(const Tool& tool, const ToolMotion& motion, Float4* 
 
 void FloatTools::begin_batch(int steps, double dt) {
   motions_.clear();
+  placed_.clear();
   for (const Moving& tool : tools_) motions_.push_back(tool.moved.motion);
   Float4* rows = frames_.data();
   for (int step = 0; step <= steps; ++step) {
     for (std::size_t row = 0; row < motions_.size(); ++row) {
       motions_[row].advance(dt);
       fill_frame(tools_[row].tool, motions_[row], rows);
+      placed_.push_back(motions_[row].placed ? 1 : 0);
       rows += frame_rows;
       motions_[row].accept();
     }

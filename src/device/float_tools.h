@@ -44,6 +44,7 @@ class FloatTools {
   bool any_grid() const { return !grid_values_.empty(); }
   bool is_needle(int row) const { return needle_radius_of(tools_[static_cast<std::size_t>(row)].tool) > 0.0; }
   int needle_count() const;
+  int surface_count() const;  ///< of such
 
   void reset(const Scene& scene, const State& state);
   void read(State& state) const;
@@ -72,6 +73,8 @@ class FloatTools {
   /// [steps + 1][count][frame_rows], of the instants of the batch.
   std::span<const Float4> frames() const { return {frames_.data(), frames_filled_}; }
   std::size_t most_frames() const { return frames_.size(); }
+  /// [steps + 1][count] 1 where a tool was put where it is in the step from that instant on.
+  const std::vector<char>& placed() const { return placed_; }
   /// [particles][rest_rows]
   const std::vector<Float4>& rest() const { return rest_; }
   /// [particles] place in the frame of the tool that holds it, m, and that tool's row; -1: free.
@@ -97,6 +100,7 @@ class FloatTools {
   std::vector<ToolMotion> motions_;  // of a batch ahead
   Vec3 middle_{0, 0, 0};             // m
   std::vector<Float4> laws_, frames_, rest_, held_;
+  std::vector<char> placed_;
   std::size_t frames_filled_ = 0;
   std::vector<float> grid_values_;
   bool was_reset_ = false;     // the first reset is that of a solver being made

@@ -6,9 +6,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <optional>
 
 #include "contact_surface.h"
+#include "tool_shape.h"
 
 namespace phymul::cpu {
 namespace {
@@ -90,6 +93,13 @@ ContactPoints make_contact_points(const Model& model, double least_radius) {
   }
   finish(made, model.rest.size());
   return made;
+}
+
+ContactPoints make_contact_points(const Model& model, const Tool& tool) {
+  const std::optional<double> radius = least_radius(tool.shape);
+  const bool known = !radius || *radius > 0.0;  // not of a DistanceGrid
+  return make_contact_points(model,
+                             !known ? 0.0 : radius.value_or(std::numeric_limits<double>::infinity()) + tool.margin);
 }
 
 ContactPoints make_particle_points(const Model& model) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <phymul/model.h>
+#include <phymul/tool.h>
 
 #include <array>
 #include <vector>
@@ -30,6 +31,9 @@ struct ContactPoints {
 /// over k, is to be at most a third of `least_radius`, m, so that a tool of that radius does not pass between them
 /// where they are drawn apart. `least_radius` may be infinite; 0: not known, k is 6.
 ContactPoints make_contact_points(const Model& model, double least_radius);
+
+/// As the tool's radius and margin ask for.
+ContactPoints make_contact_points(const Model& model, const Tool& tool);
 
 /// All particles, as of ToolContact::particles.
 ContactPoints make_particle_points(const Model& model);

@@ -7,10 +7,6 @@
 namespace phymul::cpu {
 namespace {
 
-/// Rounds in a step, and in one that moves a body out of a tool that was put over it: what those leave would come out
-/// with speed.
-constexpr int usual_rounds = 6, placed_rounds = 60;
-
 /// Longest edges at rest: triangles whose longest edge is 2.6 times the longest one at rest are still found, because no
 /// point of a triangle is farther from the nearest corner than its longest edge over the root of 3.
 constexpr double reach_in_edges = 1.5;
@@ -21,8 +17,8 @@ Vec3 mean(const ContactPoints::Shares& share, const Vec3& a, const Vec3& b, cons
 
 }  // namespace
 
-SurfacePress::SurfacePress(const Model& model, double least_radius)
-    : points_(make_contact_points(model, least_radius)),
+SurfacePress::SurfacePress(const Model& model, const Tool& tool)
+    : points_(make_contact_points(model, tool)),
       reach_(reach_in_edges * points_.longest_edge),
       corner_of_(model.rest.size(), -1),
       is_near_(points_.patches.size(), 0) {
@@ -150,7 +146,7 @@ void SurfacePress::act(const ShapeIn<double>& shape, const ContactLaw<double>& l
   const double dt = touched.dt();
   gather(start, end, near, touched);
   find_pressed(shape);
-  const int rounds = pressed_.empty() ? 0 : law.placed ? placed_rounds : usual_rounds;
+  const int rounds = pressed_.empty() ? 0 : rounds_of_surface(law.placed);
   for (int round = 0; round < rounds; ++round) {
     for (const Pressed& point : pressed_) press(shape, law, point, dt);
     hand_over(end, touched);

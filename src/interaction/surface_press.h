@@ -27,10 +27,16 @@
 
 namespace phymul::cpu {
 
+/// Rounds in a step, and in one that moves a body out of a tool that was put over it: what those leave would come out
+/// with speed.
+constexpr int rounds_of_surface(bool placed) {
+  return placed ? 60 : 6;
+}
+
 class SurfacePress {
  public:
-  /// `least_radius`: as for make_contact_points(). Allocates; act() does not.
-  SurfacePress(const Model& model, double least_radius);
+  /// Allocates; act() does not.
+  SurfacePress(const Model& model, const Tool& tool);
 
   /// m: a tool may touch a triangle whose corners are all this far away from it.
   double reach() const { return reach_; }

@@ -56,11 +56,7 @@ ToolSet::Moving ToolSet::made(const SceneTool& tool, const Scene& scene) {
   if (grid) moving.grid = *grid;
   const auto* needle = std::get_if<Needle>(&tool.tool.shape);
   if (needle) moving.needle.emplace(*needle, tool.tool.friction, scene.model());
-  if (tool.tool.contact == ToolContact::surface) {
-    const std::optional<double> radius = least_radius(tool.tool.shape);
-    const bool known = !radius || *radius > 0.0;  // not of a DistanceGrid
-    moving.surface.emplace(scene.model(), !known ? 0.0 : radius.value_or(infinite) + tool.tool.margin);
-  }
+  if (tool.tool.contact == ToolContact::surface) moving.surface.emplace(scene.model(), tool.tool);
   return moving;
 }
 

@@ -178,7 +178,9 @@ Choice choose(const std::shared_ptr<const TopologyTextures>& topology, const Sce
         std::move(cpu), "the scene has needles, and what they cost a GPU no trial shows before they are in tissue");
   }
   if (touches_surface(scene.tools())) {
-    return processor_because(std::move(cpu), "the scene has a tool with ToolContact::surface, which no GPU takes");
+    return processor_because(std::move(cpu),
+                             "the scene has a tool with ToolContact::surface, and what it costs no trial shows before "
+                             "it touches: a GPU pays always, the processor only then");
   }
   if (scene.contacts()) {
     return processor_because(std::move(cpu),

@@ -42,6 +42,9 @@ constexpr const char* no_tools =
     "the scene has tools, which this backend does not take; use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_needles =
     "the scene has a needle, which this backend does not take; use \"gl-compute\", \"cpu\" or \"reference\"";
+constexpr const char* no_surfaces =
+    "the scene has a tool with ToolContact::surface, which this backend does not take; use \"cpu\", \"gl-compute\" or "
+    "\"reference\"";
 constexpr const char* no_volumes =
     "the scene keeps volumes, which this backend does not do; use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_joints =
@@ -294,10 +297,6 @@ void SolverBackend::do_restore(const Snapshot& snapshot) {
 }
 
 const char* SolverBackend::beyond_devices() const {
-  if (touches_surface(scene_->tools())) {
-    return "the scene has a tool with ToolContact::surface, which this backend does not take; use \"cpu\" or "
-           "\"reference\"";
-  }
   if (local_steps_) {
     return "SolverOptions::max_substeps is above 1, and materials of this body would have substeps, which this backend "
            "does not do; use \"cpu\" or \"reference\"";
@@ -308,6 +307,7 @@ const char* SolverBackend::beyond_devices() const {
 const char* SolverBackend::do_cannot() const {
   if (!scene_->tools().empty() && !takes_tools()) return no_tools;
   if (has_needle(scene_->tools())) return no_needles;
+  if (touches_surface(scene_->tools())) return no_surfaces;
   if (const char* const cause = beyond_devices()) return cause;
   if (!scene_->joints().empty()) return no_joints;
   if (!topology_->dissipation.empty()) return no_dissipation;

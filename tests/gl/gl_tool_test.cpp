@@ -2,8 +2,6 @@
 //
 // Tools on the GL backends: against the float mirror bit by bit where the renderer allows (llvmpipe), against the
 // double reference within bounds, and in all that batches, reports and devices do.
-#include <phymul/distance_grid.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -15,18 +13,6 @@ namespace {
 class GlTool : public GlBlockTest {};
 
 PHYMUL_ON_BOTH_DEVICES(GlTool);
-
-/// Distances of a ball of 3 mm, up to 2 mm from it along the axes: a margin of more is beyond the grid.
-std::shared_ptr<const DistanceGrid> ball_grid() {
-  constexpr int n = 11;
-  std::vector<float> values;
-  for (int row = 0; row < n * n * n; ++row) {
-    const int i = row % n - 5, j = row / n % n - 5, k = row / (n * n) - 5;
-    const Vec3 corner(i, j, k);
-    values.push_back(static_cast<float>(1e-3 * corner.norm() - 3e-3));
-  }
-  return std::make_shared<const DistanceGrid>(Vec3::Constant(-5e-3), 1e-3, std::array<int, 3>{n, n, n}, values);
-}
 
 /// One of each shape, with friction, compliance and margin between them, all of which reach some 5 mm from their
 /// position. The half-space less: where it crushes the body, nobody agrees with anybody for long.

@@ -100,6 +100,7 @@ set_tests_properties(gl.33.no_compute PROPERTIES ENVIRONMENT "${old_gl}")
 # let go takes it three minutes, tools that agree with the reference as on llvmpipe (GlTool.Agrees*) more than one.
 set(minutes "*RestStaysAtRest*:*PulledCylinder*:*EnumeratedBasesMove*:*AHundred*:*GlAveraged.BodiesGo*")
 set(long_with_tools "*GlTool.Every*:*GlTool.Agrees*:*GlTool.Batches*:*MovingTool.GoesBack*:*MovingTool.Holds*")
+set(long_with_tools "${long_with_tools}:*GlToolSurface.E*:*GlToolSurface.A*Beside*:*GlToolSurface.T*:*GlToolSurface.S*:*ToolSurfaceOn.F*:*ToolSurfaceOn.Takes*")
 set(long_with_tools "${long_with_tools}:*Contact.Block*:*Contact.Compliance*:*Contact.TenThousand*:*GridTool*")
 set(long_with_volumes "*GlVolume.IsKept*:*GlVolume.Several*:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolume.ManyFacets*")
 set(with_contacts "GlFragmentContact.*:*GlBodyContact.A*:*GlBodyContact.Tools*:*GlBodyContact.V*:*GlContactRuns.AScene*")

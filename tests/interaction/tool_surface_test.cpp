@@ -23,14 +23,17 @@ Model slab() {
   return model;
 }
 
+class ToolSurfaceOn : public WithTools {};
+PHYMUL_ON_EVERY_BACKEND(ToolSurfaceOn);
+
 /// A tool that a hand moves by ticks of 1 ms.
 class Pressed {
  public:
-  Pressed(const Model& model, const Tool& tool) : scene_(model) {
+  Pressed(const Model& model, const Tool& tool, const std::string& backend = "cpu") : scene_(model) {
     scene_.fix("z0").add_tool("tool", tool);
     SolverOptions options;
     options.damping.rate = 100.0;
-    solver_ = make_solver("cpu", model, scene_, {}, options);
+    solver_ = make_solver(backend, model, scene_, {}, options);
     steps_ = static_cast<int>(std::ceil(1e-3 / (0.5 * solver_->stable_step())));
   }
 
@@ -116,10 +119,10 @@ TEST(ToolSurface, AThinRodBetweenParticlesIsFelt) {
 }
 
 /// Largest change of the force in a tick, of itself, of a ball that slides over two cells at 5 cm/s.
-double largest_jump(ToolContact contact) {
+double largest_jump(ToolContact contact, const std::string& backend) {
   const Model model = slab();
   const double radius = 0.8 * cell, depth = 0.6 * cell;
-  Pressed pressed(model, ball_of(radius, contact));
+  Pressed pressed(model, ball_of(radius, contact), backend);
   const Vec3 from = middle - cell * Vec3(1, 0.2, 0) + Vec3(0, 0, radius);
   double before = pressed.press(from, depth).mean_force.norm(), jump = 0.0;
   for (int k = 1; k <= 200; ++k) {
@@ -130,8 +133,9 @@ double largest_jump(ToolContact contact) {
   return jump;
 }
 
-TEST(ToolSurface, ForceIsContinuousAsABallSlidesOverTriangles) {
-  const double at_particles = largest_jump(ToolContact::particles), at_surface = largest_jump(ToolContact::surface);
+TEST_P(ToolSurfaceOn, ForceIsContinuousAsABallSlidesOverTriangles) {
+  const double at_particles = largest_jump(ToolContact::particles, GetParam()),
+               at_surface = largest_jump(ToolContact::surface, GetParam());
   RecordProperty("particles", std::to_string(at_particles));
   RecordProperty("surface", std::to_string(at_surface));
   EXPECT_LT(at_surface, 0.02);
@@ -139,26 +143,28 @@ TEST(ToolSurface, ForceIsContinuousAsABallSlidesOverTriangles) {
 }
 
 /// A plate over the whole face, all of whose normals are one: the sum is in the cone that each point's force is in.
-TEST(ToolSurface, FrictionStaysInCoulombsConeAndReachesIt) {
+TEST_P(ToolSurfaceOn, FrictionStaysInCoulombsConeAndReachesIt) {
   const Model model = slab();
   const double half = 0.01;
   const Vec3 from = middle + Vec3(0, 0, half);
-  Pressed pressed(model, {.shape = Box{{across * cell, across * cell, half}},
-                          .pose = {.position = from},
-                          .friction = 0.3,
-                          .contact = ToolContact::surface});
+  Pressed pressed(model,
+                  {.shape = Box{{across * cell, across * cell, half}},
+                   .pose = {.position = from},
+                   .friction = 0.3,
+                   .contact = ToolContact::surface},
+                  GetParam());
   pressed.press(from, 1e-3);
   double share = 0.0;
   for (int k = 1; k <= 100; ++k) {
     const Vec3 force = pressed.tick(from + Vec3(1e-4 * k, 0, -1e-3)).force;
     share = -force.x() / force.z();
-    ASSERT_LT(std::hypot(force.x(), force.y()), 0.3 * force.z() * (1.0 + 1e-9)) << k;
+    ASSERT_LT(std::hypot(force.x(), force.y()), 0.3 * force.z() * (1.0 + 1e3 * roundoff())) << k;
     ASSERT_GT(share, 0.0) << k;
   }
   EXPECT_NEAR(share, 0.3, 0.01);
 }
 
-TEST(ToolSurface, NeedlesAndOtherBackendsAreRefused) {
+TEST(ToolSurface, NeedlesAreRefusedAndAutoTakesTheProcessor) {
   const Model model = slab();
   Scene scene(model);
   EXPECT_TRUE(
@@ -167,16 +173,6 @@ TEST(ToolSurface, NeedlesAndOtherBackendsAreRefused) {
   scene.add_tool("ball", ball_of(cell, ToolContact::surface));
   EXPECT_EQ(make_solver("auto", model, scene)->name(), "cpu");
 }
-
-class ToolSurfaceOn : public testing::TestWithParam<const char*> {
- protected:
-  static std::unique_ptr<Solver> make(const Model& model, const Scene& scene, const SolverOptions& options = {}) {
-    return make_solver(GetParam(), model, scene, {}, options);
-  }
-  static double roundoff() { return std::string_view(GetParam()) == "reference" ? 0x1p-53 : 0x1p-24; }
-};
-INSTANTIATE_TEST_SUITE_P(, ToolSurfaceOn, testing::Values("reference", "cpu"),
-                         [](const auto& backend) { return std::string(backend.param); });
 
 TEST_P(ToolSurfaceOn, TakesFromTheBodyWhatTheToolFeels) {
   const Model model = soft_block({0.03, 0.02, 0.02}, 6, 4, 4);

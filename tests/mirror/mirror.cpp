@@ -129,6 +129,7 @@ class MirrorSolver final : public SolverBackend {
   }
   const char* do_cannot() const override {
     if (has_needle(scene().tools()) || scene().contacts()) return "the mirror has no needles and no contacts";
+    if (touches_surface(scene().tools())) return "the mirror has no tools with ToolContact::surface";
     return beyond_devices();
   }
   bool do_takes_tools() const override { return true; }

@@ -74,16 +74,26 @@ inline FloatReaction hold(const FloatFrame& end, const Float3& held_at, TouchedP
   return react(end, p, force);
 }
 
-inline FloatReaction press(const ShapeIn<float>& shape, const ContactLaw<float>& law, const FloatFrame& start,
-                           const FloatFrame& end, const FloatTurn& turn, TouchedParticle& p, float dt,
-                           float inverse_dt) {
+struct Passage {  // of a particle in a step, in the tool's frame, m
+  Float3 start, end, way;
+};
+
+inline Passage passage(const FloatFrame& start, const FloatFrame& end, const FloatTurn& turn, const TouchedParticle& p,
+                       float dt) {
   const Float3 r0 = place_from(start, p, p.u);
   const Float3 passed = dt * p.v - turn.gone;
   const Float3 way{inner_product(end.x, passed) + inner_product(turn.x, r0),
                    inner_product(end.y, passed) + inner_product(turn.y, r0),
                    inner_product(end.z, passed) + inner_product(turn.z, r0)};
   const Float3 q1 = inside(end, place_from(end, p, p.u + dt * p.v));
-  const Touch<float> touch = touch_in_step(shape, law, inside(start, r0), q1, way, p.inverse_mass, dt);
+  return {inside(start, r0), q1, way};
+}
+
+inline FloatReaction press(const ShapeIn<float>& shape, const ContactLaw<float>& law, const FloatFrame& start,
+                           const FloatFrame& end, const FloatTurn& turn, TouchedParticle& p, float dt,
+                           float inverse_dt) {
+  const Passage own = passage(start, end, turn, p, dt);
+  const Touch<float> touch = touch_in_step(shape, law, own.start, own.end, own.way, p.inverse_mass, dt);
   if (!touch.touches) return {};
   p.shift += p.free_part(turned(end, touch.shift));
   const Float3 given = p.push(turned(end, touch.impulse));

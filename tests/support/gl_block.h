@@ -3,6 +3,8 @@
 // A block on a GL backend, and what a solver's passes have run.
 #pragma once
 
+#include <phymul/distance_grid.h>
+
 #include <string>
 #include <utility>
 #include <vector>
@@ -54,6 +56,18 @@ class GlBlockTest : public OnBothDevices {
   SolverOptions options_;
   double dt_ = 0.0;
 };
+
+/// Distances of a ball of 3 mm, up to 2 mm from it along the axes: a margin of more is beyond the grid.
+inline std::shared_ptr<const DistanceGrid> ball_grid() {
+  constexpr int n = 11;
+  std::vector<float> values;
+  for (int row = 0; row < n * n * n; ++row) {
+    const int i = row % n - 5, j = row / n % n - 5, k = row / (n * n) - 5;
+    const Vec3 corner(i, j, k);
+    values.push_back(static_cast<float>(1e-3 * corner.norm() - 3e-3));
+  }
+  return std::make_shared<const DistanceGrid>(Vec3::Constant(-5e-3), 1e-3, std::array<int, 3>{n, n, n}, values);
+}
 
 /// What draws or dispatches, and how often; 0 for what runs once a batch, of which the clock makes more or fewer.
 inline std::vector<std::pair<std::string, std::int64_t>> runs_of(Solver& solver) {

@@ -22,9 +22,12 @@ ComputeLoads::ComputeLoads(const Scene& scene, int instants, const FloatTools& t
   if (scene.contacts()) touching.emplace(scene);
   const bool touches = touching && !touching->empty(), pierces = tools.needle_count() > 0;
   if (!tools.empty()) tools_.emplace(tools, tables, rows_);
+  if (FloatSurfaces surfaces = pack_surfaces(scene); !surfaces.empty()) {
+    surfaces_.emplace(std::move(surfaces), tables, rows_);
+  }
   if (!volumes.empty()) volumes_.emplace(volumes, tables, rows_);
   if (FloatJoints joints(scene, tools.middle()); !joints.empty()) joints_.emplace(std::move(joints), tables, rows_);
-  if (touches || pierces) {  // pushed_tables.glsl
+  if (touches || pierces || surfaces_) {  // pushed_tables.glsl
     for (const char* name : {"pushed_force_place", "free_velocity_place", "pushed_shift_place"}) {
       rows_.take(name, tables.places());
     }
@@ -50,6 +53,7 @@ void ComputeLoads::evaluate(const std::vector<double>& instants) {
 
 void ComputeLoads::set_frames(const FloatTools& tools) {
   if (tools_) tools_->write_frames(tools, buffer_);
+  if (surfaces_) surfaces_->set_frames(tools);
 }
 
 void ComputeLoads::write_joints(std::span<const Float4> rows, int pair) {

@@ -9,6 +9,7 @@
 #include "compute_contacts.h"
 #include "compute_joints.h"
 #include "compute_needles.h"
+#include "compute_surfaces.h"
 #include "compute_tools.h"
 #include "compute_volumes.h"
 #include "gl/solver/load_table.h"
@@ -23,6 +24,7 @@ class ComputeLoads {
 
   const LoadKind& kind() const { return table_.kind(); }
   const ComputeTools* tools() const { return tools_ ? &*tools_ : nullptr; }              ///< null where there are none
+  const ComputeSurfaces* surfaces() const { return surfaces_ ? &*surfaces_ : nullptr; }  ///< likewise
   const ComputeVolumes* volumes() const { return volumes_ ? &*volumes_ : nullptr; }      ///< likewise
   const ComputeContacts* contacts() const { return contacts_ ? &*contacts_ : nullptr; }  ///< likewise
   const ComputeJoints* joints() const { return joints_ ? &*joints_ : nullptr; }          ///< likewise
@@ -44,6 +46,7 @@ class ComputeLoads {
   StorageRows rows_;
   std::int64_t gravity_row_, values_row_ = 0, factors_row_ = 0;
   std::optional<ComputeTools> tools_;
+  std::optional<ComputeSurfaces> surfaces_;
   std::optional<ComputeVolumes> volumes_;
   std::optional<ComputeJoints> joints_;
   std::optional<ComputeContacts> contacts_;

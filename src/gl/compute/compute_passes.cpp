@@ -97,7 +97,7 @@ ShaderRequest ComputePasses::gathering(const StepKind& step) const {
 
 void ComputePasses::add_tools(const StepKind& step, ShaderRequest& request) const {
   define_tools(step.grids, request);
-  define(request, "NEEDLES", step.needles);
+  define(request, "HOLDS_ONLY", step.holds_first());
   append(request, tool_files());
   append(request, {"tools/tell_tools.glsl"});
 }
@@ -127,7 +127,7 @@ Kernel ComputePasses::freeing(const StepKind& step, const ComputeState& state) c
   define(request, "CUT");
   define(request, "PUSHES");
   append(request, {"tools/pushed_tables.glsl"});
-  if (step.tools && (step.contacts || step.presses)) add_tools(step, request);
+  if (step.tools && (step.contacts || step.presses || step.surfaces)) add_tools(step, request);
   append(request, {"step/free_kernel.glsl"});
   return compiled(std::move(request), lanes, state);
 }
@@ -140,6 +140,20 @@ Kernel ComputePasses::pressing(const StepKind& step, const ComputeState& state) 
   add_tools(step, request);
   append(request, {"tools/press_kernel.glsl"});
   return compiled(std::move(request), lanes, state);
+}
+
+SurfacePasses ComputePasses::touching(const StepKind& step, const ComputeState& state) const {
+  return SurfacePasses([&](const ShaderFiles& files, const char* name) {
+    ShaderRequest request = gathering(step);
+    define(request, "PUSHES");
+    define(request, name);
+    append(request, {"tools/pushed_tables.glsl"});
+    add_tools(step, request);
+    append(request, {"tools/surface_tables.glsl"});
+    append(request, files);
+    append(request, {"tools/surface_kernel.glsl"});
+    return compiled(std::move(request), lanes, state);
+  });
 }
 
 Kernel ComputePasses::pulling(const StepKind& step, const ComputeState& state) const {
@@ -173,6 +187,7 @@ ComputePasses::Stepping ComputePasses::compiled(const StepKind& kind, const Comp
   made.step = stepping(kind, state);
   if (kind.pushes()) made.free = freeing(kind, state);
   if (kind.presses) made.press = pressing(kind, state);
+  if (kind.surfaces) made.surfaces = touching(kind, state);
   if (kind.loads.joints) made.joints = pulling(kind, state);
   if (kind.volumes) {
     made.keep_sums = keep_summing(state);
@@ -183,14 +198,16 @@ ComputePasses::Stepping ComputePasses::compiled(const StepKind& kind, const Comp
 
 void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& state) {
   const ComputeTools* const tools = loads.tools();
-  const bool touching = loads.contacts() != nullptr, piercing = loads.needles() != nullptr;
+  const bool touching = loads.contacts() != nullptr, piercing = loads.needles() != nullptr,
+             on_surfaces = loads.surfaces() != nullptr;
   const StepKind kind{.loads = loads.kind(),
                       .tools = tools != nullptr,
                       .grids = tools && tools->any_grid(),
                       .contacts = touching,
                       .volumes = loads.volumes() != nullptr,
                       .needles = piercing,
-                      .presses = piercing && tools->count() > tools->needle_count(),
+                      .surfaces = on_surfaces,
+                      .presses = (piercing || on_surfaces) && tools->presses_particles(),
                       .joints_on_tools = loads.joints() && loads.joints()->any_tool()};
   std::vector<Terms>& terms = kind.loads.scaled ? scaled_terms_ : terms_;
   if (terms.empty()) terms = compiled_terms(kind.loads.scaled, state);
@@ -259,10 +276,30 @@ void ComputePasses::step(const ComputeState& state, int number, bool measuring) 
   const StepKind& kind = now_->kind;
   if (kind.pushes()) run(now_->free, state, number, measuring);
   if (kind.needles) needles_->act(number, state.current());
-  if (kind.presses) run(now_->press, state, number, measuring);
+  if (kind.presses || kind.surfaces) press(state, number, measuring);
   if (kind.contacts) contacts_->act(state.current());
   run(now_->step, state, number, measuring);
   if (kind.volumes) keep(state, number);
+}
+
+/// One tool after another; those on particles that follow each other in one dispatch.
+void ComputePasses::press(const ComputeState& state, int number, bool measuring) const {
+  const ComputeSurfaces* const surfaces = loads_->surfaces();
+  const int count = loads_->tools()->count();
+  for (int tool = 0; tool < count;) {
+    if (surfaces && surfaces->is_one(tool)) {
+      now_->surfaces.act(*surfaces, tool++, tables_->kind().particles, {number, state.current(), measuring});
+      continue;
+    }
+    int end = tool + 1;
+    while (end < count && !(surfaces && surfaces->is_one(end))) ++end;
+    if (now_->kind.presses) {
+      now_->press.set("first_tool", tool);
+      now_->press.set("end_tool", end);
+      run(now_->press, state, number, measuring);
+    }
+    tool = end;
+  }
 }
 
 void ComputePasses::pull(const ComputeState& state, int number) const {

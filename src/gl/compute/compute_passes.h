@@ -3,9 +3,9 @@
 // The passes of a step, dispatched: forces of attractors, terms of bases, volumes and domains in one dispatch (bases of
 // the averaged reaction, which read forces, in a second), net force and Verlet in another. Where bodies touch or
 // needles are, another one before it finds where each particle would go by itself, then come the passes of
-// needle_passes.h, of other tools where there are needles, and of contact_passes.h, and the last one ends what those
-// began. Where the scene keeps volumes, sums over their facets and the end of the step are two dispatches more behind
-// it, or three.
+// needle_passes.h, of other tools where there are needles or some touch surfaces (surface_passes.h), and of
+// contact_passes.h, and the last one ends what those began. Where the scene keeps volumes, sums over their facets and
+// the end of the step are two dispatches more behind it, or three.
 #pragma once
 
 #include <deque>
@@ -17,6 +17,7 @@
 #include "contact_passes.h"
 #include "gl/solver/device.h"
 #include "needle_passes.h"
+#include "surface_passes.h"
 
 namespace phymul::gl {
 
@@ -43,16 +44,19 @@ class ComputePasses {
   struct StepKind {
     LoadKind loads;
     bool tools = false, grids = false, contacts = false, volumes = false;
-    bool needles = false, presses = false;  // presses: there are other tools beside needles
+    bool needles = false, surfaces = false;
+    bool presses = false;  // there are tools beside those
     bool joints_on_tools = false;
-    bool pushes() const { return contacts || needles; }
+    bool pushes() const { return contacts || needles || surfaces; }
+    bool holds_first() const { return needles || surfaces; }  // and presses later
     bool operator==(const StepKind&) const = default;
   };
   struct Stepping {
     StepKind kind;
     Kernel step;
-    Kernel free;                 // with contacts or needles: the step before their impulses; `step` then does the rest
-    Kernel press;                // where there are needles and other tools: what these push
+    Kernel free;                 // where something pushes: the step before its impulses; `step` then does the rest
+    Kernel press;                // what tools push on particles, where some do not
+    SurfacePasses surfaces;      // where tools touch surfaces
     Kernel keep_sums, keep_end;  // where volumes are kept, behind it
     Kernel joints;               // where there are some: their forces
     /// Of those that there are.
@@ -61,6 +65,7 @@ class ComputePasses {
       for (Kernel* const kernel : {&step, &free, &press, &keep_sums, &keep_end, &joints}) {
         if (*kernel) function(*kernel);
       }
+      surfaces.for_each(function);
     }
   };
   struct Terms {
@@ -80,11 +85,13 @@ class ComputePasses {
   Kernel stepping(const StepKind& step, const ComputeState& state) const;
   Kernel freeing(const StepKind& step, const ComputeState& state) const;
   Kernel pressing(const StepKind& step, const ComputeState& state) const;
+  SurfacePasses touching(const StepKind& step, const ComputeState& state) const;
   Kernel pulling(const StepKind& step, const ComputeState& state) const;
   Kernel keep_summing(const ComputeState& state) const;
   Kernel keep_ending(const StepKind& step, const ComputeState& state) const;
   void dispatch_terms(const ComputeState& state, int number);
   void run(Kernel& kernel, const ComputeState& state, int number, bool measuring) const;
+  void press(const ComputeState& state, int number, bool measuring) const;
   void pull(const ComputeState& state, int number) const;
   void keep(const ComputeState& state, int number) const;
 

@@ -7,6 +7,7 @@ ComputeTools::ComputeTools(const FloatTools& tools, const ComputeTables& tables,
     : tables_(&tables),
       count_(tools.count()),
       needle_count_(tools.needle_count()),
+      surface_count_(tools.surface_count()),
       any_grid_(tools.any_grid()),
       frames_row_(rows.take("tool_frames_place", static_cast<std::int64_t>(tools.most_frames()))),
       held_row_(rows.add("tool_held_place", tables.by_place(tools.held()))) {

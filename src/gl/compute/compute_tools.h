@@ -17,6 +17,8 @@ class ComputeTools {
 
   int count() const { return count_; }
   int needle_count() const { return needle_count_; }
+  /// Some are neither needles nor touch surfaces.
+  bool presses_particles() const { return count_ > needle_count_ + surface_count_; }
   bool any_grid() const { return any_grid_; }
 
   void write_held(const FloatTools& tools, StorageBuffer& buffer) const;
@@ -28,7 +30,7 @@ class ComputeTools {
 
  private:
   const ComputeTables* tables_;
-  int count_, needle_count_;
+  int count_, needle_count_, surface_count_;
   bool any_grid_;
   std::int64_t frames_row_, held_row_, sums_row_, parts_row_, total_row_;
 };

@@ -56,6 +56,14 @@ void FragmentContactPasses::set_contacts(FragmentContacts& contacts) {
   part_.set_rows(contacts.pushed_force, static_cast<int>(contacts.pushed_force.rows()));
 }
 
+void FragmentContactPasses::set_free(const std::array<Texture, 3>& open) {
+  for (Pass* const pass : {&surfaces_, &part_}) {
+    pass->input("pushed_force", open[0]);
+    pass->input("free_velocity", open[1]);
+    pass->input("pushed_shift", open[2]);
+  }
+}
+
 void FragmentContactPasses::set_step(double dt) {
   search_.set("dt", static_cast<float>(dt));
   for (Pass* const pass : {&phase_, &part_}) pass->set("inverse_dt", static_cast<float>(1.0 / dt));

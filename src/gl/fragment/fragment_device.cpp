@@ -26,6 +26,8 @@ void FragmentDevice::set_scene(const Scene& scene, const FloatTools& tools) {
   if (scene.contacts()) touching.emplace(scene);
   auto new_loads = std::make_unique<FragmentLoads>(scene, most_steps + 1, tables_);
   auto new_tools = tools.empty() ? nullptr : std::make_unique<FragmentTools>(tools);
+  const FloatSurfaces surfaces = pack_surfaces(scene);
+  auto new_surfaces = surfaces.empty() ? nullptr : std::make_unique<FragmentSurfaces>(surfaces, tools);
   const FloatVolumes volumes = pack_volumes(scene);
   auto new_volumes = volumes.empty() ? nullptr : std::make_unique<FragmentVolumes>(volumes);
   auto new_contacts = touching && !touching->contacts.empty()
@@ -33,9 +35,11 @@ void FragmentDevice::set_scene(const Scene& scene, const FloatTools& tools) {
                           : nullptr;
   FloatJoints joints(scene, tools.middle());
   auto new_joints = joints.empty() ? nullptr : std::make_unique<FragmentJoints>(std::move(joints));
-  passes_.set_loads(*new_loads, new_tools.get(), new_volumes.get(), new_contacts.get(), new_joints.get());
+  passes_.set_loads(*new_loads, new_tools.get(), new_surfaces.get(), new_volumes.get(), new_contacts.get(),
+                    new_joints.get());
   loads_ = std::move(new_loads);
   tools_ = std::move(new_tools);
+  surfaces_ = std::move(new_surfaces);
   volumes_ = std::move(new_volumes);
   contacts_ = std::move(new_contacts);
   joints_ = std::move(new_joints);
@@ -63,6 +67,7 @@ void FragmentDevice::begin_batch(const StepConstants& constants, const std::vect
                                  const FloatTools& tools) {
   loads_->evaluate(instants);
   if (tools_) tools_->set_frames(tools);
+  if (surfaces_) surfaces_->set_frames(tools);
   if (joints_) joints_->follow();
   if (contacts_) contacts_->begin_batch();
   passes_.set_constants(constants);

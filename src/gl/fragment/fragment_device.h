@@ -51,6 +51,7 @@ class FragmentDevice final : public Device {
   bool strains_fresh_ = true;                 // the checkpoint's domains have no strains but their own
   std::unique_ptr<FragmentLoads> loads_;
   std::unique_ptr<FragmentTools> tools_;        // null where there are none
+  std::unique_ptr<FragmentSurfaces> surfaces_;  // likewise
   std::unique_ptr<FragmentVolumes> volumes_;    // likewise
   std::unique_ptr<FragmentContacts> contacts_;  // likewise
   std::unique_ptr<FragmentJoints> joints_;      // likewise

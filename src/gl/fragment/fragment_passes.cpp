@@ -99,9 +99,13 @@ Pass FragmentPasses::compiled(const StepKind& kind, const ShaderFiles& passes) c
     request.files.insert(request.files.end(), tool_files().begin(), tool_files().end());
     request.defines.emplace_back("NET_APART", 1);
   }
-  if (kind.contacts && passes.back() == "step/step_pass.glsl") {
+  if (kind.pushes() && passes.back() == "step/step_pass.glsl") {
     request.defines.emplace_back("PUSHED", 1);
     request.files.emplace_back("tools/pushed_tables.glsl");
+  }
+  if (kind.surfaces) {
+    request.defines.emplace_back("HOLDS_ONLY", 1);
+    request.defines.emplace_back("GIVEN", 1);
   }
   if (kind.volumes) request.defines.emplace_back("KEPT_VOLUMES", 1);
   request.files.insert(request.files.end(), passes.begin(), passes.end());
@@ -135,7 +139,12 @@ FragmentPasses::Stepping FragmentPasses::compiled(const StepKind& kind) const {
     define_joints(kind.joints_on_tools, joints);
     stepping.joints = Pass(*library_, joints);
   }
-  if (kind.contacts) stepping.free = compiled(kind, {"step/free_pass.glsl"});
+  if (kind.pushes()) stepping.free = compiled(kind, {"step/free_pass.glsl"});
+  if (kind.surfaces) {
+    stepping.surfaces = FragmentSurfacePasses([&](const ShaderFiles& files) {
+      return compiled(kind, joined({{"tools/pushed_tables.glsl", "tools/surface_tables.glsl"}, files}));
+    });
+  }
   stepping.step = compiled(kind, {"report/measure_step.glsl", "step/step_pass.glsl"});
   if (kind.volumes) compile_keeping(stepping);
   return stepping;
@@ -159,21 +168,23 @@ void FragmentPasses::compile_keeping(Stepping& stepping) const {
        .defines = {}});
 }
 
-void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes,
-                               FragmentContacts* contacts, const FragmentJoints* joints) {
-  const auto before = std::tuple(now_, loads_, tools_, volumes_, contacts_, joints_);
+void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentSurfaces* surfaces,
+                               FragmentVolumes* volumes, FragmentContacts* contacts, const FragmentJoints* joints) {
+  const auto before = std::tuple(now_, loads_, tools_, surfaces_, volumes_, contacts_, joints_);
   const std::size_t known = stepping_.size();
-  std::tie(loads_, tools_, volumes_, contacts_, joints_) = std::tuple(&loads, tools, volumes, contacts, joints);
+  std::tie(loads_, tools_, surfaces_, volumes_, contacts_, joints_) =
+      std::tuple(&loads, tools, surfaces, volumes, contacts, joints);
   try {
     make_passes({.loads = loads.kind(),
                  .tools = tools != nullptr,
                  .grids = tools && tools->any_grid(),
                  .volumes = volumes != nullptr,
                  .contacts = contacts != nullptr,
+                 .surfaces = surfaces != nullptr,
                  .joints_on_tools = joints && joints->any_tool()});
     bind_scene();
   } catch (...) {
-    std::tie(now_, loads_, tools_, volumes_, contacts_, joints_) = before;
+    std::tie(now_, loads_, tools_, surfaces_, volumes_, contacts_, joints_) = before;
     while (stepping_.size() > known) stepping_.pop_back();
     if (now_) bind_scene();  // what passes know already they look up no more, so that nothing can fail
     throw;
@@ -202,6 +213,11 @@ void FragmentPasses::bind_scene() {
     tools_->bind(now_->step);
   }
   if (volumes_) bind_volumes();
+  if (now_->kind.pushes()) {
+    loads_->bind(now_->free);
+    if (tools_) tools_->bind(now_->free);
+  }
+  if (surfaces_) bind_surfaces();
   if (contacts_) bind_contacts();
   if (joints_) bind_joints();
 }
@@ -212,9 +228,16 @@ void FragmentPasses::bind_joints() {
   joints_->bind_gathering(gathering_pass());
 }
 
+void FragmentPasses::bind_surfaces() {
+  now_->surfaces.for_each([this](Pass& pass) {
+    loads_->bind(pass);
+    tools_->bind(pass);
+  });
+  now_->surfaces.bind(*surfaces_);
+  surfaces_->bind_given(now_->tools);
+}
+
 void FragmentPasses::bind_contacts() {
-  loads_->bind(now_->free);
-  if (tools_) tools_->bind(now_->free);
   now_->step.input("pushed_force", contacts_->pushed_force);
   now_->step.input("pushed_shift", contacts_->pushed_shift);
   touching_->set_contacts(*contacts_);
@@ -245,10 +268,9 @@ void FragmentPasses::set_constants(const StepConstants& constants) {
   set_motion(now_->step);
   if (tools_) set_motion(now_->tools);
   if (volumes_) set_motion(now_->end);
-  if (contacts_) {
-    set_motion(now_->free);
-    touching_->set_step(constants.dt);
-  }
+  if (now_->kind.pushes()) set_motion(now_->free);
+  if (surfaces_) now_->surfaces.set_step(constants.dt);
+  if (contacts_) touching_->set_step(constants.dt);
   Pass& end = volumes_ ? now_->end : now_->step;
   const auto set = [&](const char* name, double value) { end.set(name, static_cast<float>(value)); };
   set("runaway_speed", finite(constants.runaway_speed));
@@ -292,9 +314,10 @@ void FragmentPasses::step(const FragmentState& state, int batch_step, bool measu
     reaction.set_rows(net_, tables_->kind().particles);
     reaction.set("instant", batch_step - 1);
     reaction.draw(net_target_);
-    prepare(now_->tools, state, batch_step);
-    tools_->tell(now_->tools);
   }
+  if (now_->kind.pushes()) open(state, batch_step);
+  if (surfaces_) act(state, batch_step);
+  if (tools_) tell(state, batch_step);
   if (contacts_) touch(state, batch_step);
   Pass& step = now_->step;
   prepare(step, state, batch_step);
@@ -314,11 +337,28 @@ void FragmentPasses::pull(const FragmentState& state, int batch_step) {
   gathering_pass().input("joint_state", joints_->state.texture(state.next_pair()));
 }
 
-/// Contacts push between forces and motion, as Touching of src/interaction does.
-void FragmentPasses::touch(const FragmentState& state, int batch_step) {
+/// What pushes between forces and motion comes in the order of ToolSet::act and Touching of src/interaction.
+void FragmentPasses::open(const FragmentState& state, int batch_step) {
   prepare(now_->free, state, batch_step);
-  now_->free.set_rows(contacts_->free_force, tables_->kind().particles);
-  now_->free.draw(contacts_->free_target);
+  now_->free.set_rows(state.displacement(), tables_->kind().particles);
+  now_->free.draw(surfaces_ ? surfaces_->open_target() : contacts_->free_target);
+}
+
+void FragmentPasses::act(const FragmentState& state, int batch_step) {
+  now_->surfaces.act(*surfaces_, state.displacement(), batch_step);
+  if (contacts_) {
+    touching_->set_free(surfaces_->open());
+  } else {
+    surfaces_->bind_open(now_->step);
+  }
+}
+
+void FragmentPasses::tell(const FragmentState& state, int batch_step) {
+  prepare(now_->tools, state, batch_step);
+  tools_->tell(now_->tools);
+}
+
+void FragmentPasses::touch(const FragmentState& state, int batch_step) {
   touching_->act(state.displacement(), batch_step);
 }
 

@@ -8,8 +8,9 @@
 //   strains    those that the next step starts from         materials that dissipate
 //   joint      force of a spring                            scenes with joints
 //   step       net force and Verlet
-// With tools the last is two (reaction, Verlet), as what they feel is a pass between them. Where bodies touch, the step
-// opens with a pass of its own, free; then come those of fragment_contact_passes.h, and the step's end. Where the scene
+// With tools the last is two (reaction, Verlet), as what they feel is a pass between them. Where bodies touch, or tools
+// touch surfaces, the step opens with a pass of its own, free; then come those of fragment_surface_passes.h and of
+// fragment_contact_passes.h, and the step's end. Where the scene
 // keeps volumes, that is drawn aside, and passes follow it: which way their particles go, sums over facets, how far,
 // and the end of the step.
 #pragma once
@@ -22,6 +23,7 @@
 #include "fragment_loads.h"
 #include "fragment_state.h"
 #include "fragment_strains.h"
+#include "fragment_surface_passes.h"
 #include "fragment_tables.h"
 #include "fragment_tools.h"
 #include "fragment_volumes.h"
@@ -36,8 +38,8 @@ class FragmentPasses {
 
   /// Compiles what these loads need, where it is not there yet. Pointers: null for none. Where it throws, steps go on
   /// with those of before.
-  void set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentVolumes* volumes, FragmentContacts* contacts,
-                 const FragmentJoints* joints);
+  void set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentSurfaces* surfaces, FragmentVolumes* volumes,
+                 FragmentContacts* contacts, const FragmentJoints* joints);
 
   /// Before steps of a call.
   void set_constants(const StepConstants& constants);
@@ -59,7 +61,9 @@ class FragmentPasses {
   struct StepKind {
     LoadKind loads;
     bool tools = false, grids = false, volumes = false, contacts = false;
+    bool surfaces = false;  // tools touch some
     bool joints_on_tools = false;
+    bool pushes() const { return contacts || surfaces; }
     bool operator==(const StepKind&) const = default;
   };
   struct Stepping {
@@ -67,7 +71,8 @@ class FragmentPasses {
     Pass step;
     Pass reaction, tools;                  // only with tools
     Pass along, facets, sums, roots, end;  // only where volumes are kept
-    Pass free;                             // where bodies touch: up to what they push
+    Pass free;                             // where something pushes: up to that
+    FragmentSurfacePasses surfaces;        // where tools touch surfaces
     Pass domains;                          // where stiffness is scaled: in place of the last of before_
     Pass joints;                           // where there are some
   };
@@ -88,8 +93,12 @@ class FragmentPasses {
   void bind_scene();
   void bind_volumes();
   void bind_joints();
+  void bind_surfaces();
   void bind_contacts();
   void pull(const FragmentState& state, int batch_step);
+  void open(const FragmentState& state, int batch_step);
+  void act(const FragmentState& state, int batch_step);
+  void tell(const FragmentState& state, int batch_step);
   void touch(const FragmentState& state, int batch_step);
   /// The pass that gathers the net force.
   Pass& gathering_pass() { return tools_ ? now_->reaction : contacts_ ? now_->free : now_->step; }
@@ -108,6 +117,7 @@ class FragmentPasses {
   Stepping* now_ = nullptr;
   const FragmentLoads* loads_ = nullptr;
   FragmentTools* tools_ = nullptr;
+  FragmentSurfaces* surfaces_ = nullptr;
   FragmentVolumes* volumes_ = nullptr;
   FragmentContacts* contacts_ = nullptr;
   const FragmentJoints* joints_ = nullptr;

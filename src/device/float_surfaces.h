@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+//
+// FloatSurfaces: the points at which tools with ToolContact::surface touch bodies (contact_points.h), for backends that
+// compute in float. Packed once from the scene.
+#pragma once
+
+#include <phymul/scene.h>
+
+#include <vector>
+
+#include "interaction/surface_press.h"
+#include "table_rows.h"
+
+namespace phymul {
+
+struct FloatSurfaces {
+  std::vector<Int4> corners;  ///< [patches] particles; -1
+  /// [tools of ToolContact::surface][patches] first and end row of `points`; bits of the area that each of them stands
+  /// for, m^2; 0.
+  std::vector<Int4> laws;
+  std::vector<Float4> points;  ///< shares of the patch's corners; 0
+  std::vector<Int4> ranges;    ///< [particles] first and end row of `around`; 0, 0
+  std::vector<Int4> around;    ///< per particle, ascending: patch, the corner of it that is the particle; 0, 0
+  std::vector<int> law_of;     ///< [tools] first row of `laws`, -1: of a tool that touches particles
+
+  bool empty() const { return laws.empty(); }
+  int patches() const { return static_cast<int>(corners.size()); }
+};
+
+/// Empty where no tool of the scene has ToolContact::surface.
+FloatSurfaces pack_surfaces(const Scene& scene);
+
+}  // namespace phymul

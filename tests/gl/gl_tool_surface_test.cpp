@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: MIT
+//
+// Tools with ToolContact::surface on the GL backends: against the double reference, and what scenes without them pay.
+// What the law promises: tests/interaction/tool_surface_test.cpp, on every backend.
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "support/gl_block.h"
+#include "support/gl_touching_bodies.h"
+#include "support/sanitized.h"
+
+namespace phymul::test {
+namespace {
+
+class GlToolSurface : public GlBlockTest {
+ protected:
+  /// The device beside the reference, and by how much they are apart.
+  struct Pair {
+    std::unique_ptr<gl::DeviceSolver> device;
+    std::unique_ptr<Solver> reference;
+    double apart = 0.0, moved = 0.0;        // m, largest so far; of the body
+    double force_apart = 0.0, force = 0.0;  // N, largest so far; on a tool
+
+    void step(int steps, double dt) {
+      ASSERT_TRUE(device->step(steps, dt).ok());
+      ASSERT_TRUE(reference->step(steps, dt).ok());
+      const State a = device->read(), b = reference->read();
+      apart = std::max(apart, largest_distance(a.position, b.position));
+      moved = std::max(moved, largest_distance(b.position, reference->model().rest));
+      for (const ToolState& tool : b.tools) {
+        const ToolForce &own = device->tool_force(tool.name), &exact = reference->tool_force(tool.name);
+        force = std::max(force, exact.mean_force.norm());
+        force_apart = std::max(force_apart, (own.mean_force - exact.mean_force).norm());
+        force_apart = std::max(force_apart, (own.force - exact.force).norm());
+        EXPECT_LE((own.torque - exact.torque).norm(), 1e-4 * (exact.torque.norm() + 0.01 * exact.force.norm()) + 1e-9);
+        EXPECT_EQ(device->tool_pose(tool.name), reference->tool_pose(tool.name));
+      }
+      EXPECT_EQ(a.tools.size(), b.tools.size());
+      for (std::size_t row = 0; row < a.tools.size(); ++row) EXPECT_EQ(a.tools[row].held, b.tools[row].held);
+    }
+  };
+  Pair pair_of(const Scene& scene) const {
+    const auto tables = &scene.model() == &model_ ? tables_ : tables_of(scene.model(), {});
+    return {std::make_unique<gl::DeviceSolver>(GetParam(), tables, scene, options_),
+            make_solver("reference", tables, scene, options_)};
+  }
+};
+
+PHYMUL_ON_BOTH_DEVICES(GlToolSurface);
+
+// Calibrated: four times the largest of what the tests below print on llvmpipe, 1.3e-5 of the motion and of the largest
+// force, of a capsule pressed in by 12 of 20 mm; others give at most 8e-7 and 1.1e-5.
+constexpr double apart_by = 5e-5;
+
+void expect_close(double apart, double moved, double force_apart, double force) {
+  std::printf("[ SURFACE ] off the reference by at most %.2g of the motion, forces by %.2g of the largest\n",
+              apart / moved, force_apart / force);
+  EXPECT_LE(apart, apart_by * moved);
+  EXPECT_LE(force_apart, apart_by * force);
+}
+
+/// Each reaches some 5 mm from its position.
+std::vector<Tool> tools_of_all_kinds() {
+  return {{.shape = Sphere{0.005}},
+          {.shape = Sphere{0.005}, .friction = 0.4},
+          {.shape = Sphere{0.004}, .friction = 0.3, .compliance = 5e-3, .margin = 1e-3},
+          {.shape = Capsule{0.005, 0.01}, .friction = 0.5},
+          {.shape = HalfSpace{}, .friction = 0.6, .margin = 3e-3},
+          {.shape = Box{{0.006, 0.004, 0.005}}, .friction = 0.2},
+          {.shape = ball_grid(), .friction = 0.4, .margin = 2.5e-3}};
+}
+
+ToolPose at(const Vec3& position, double angle = 0.0) {
+  return {.position = position,
+          .orientation = Quaternion(Eigen::AngleAxisd(M_PI + angle, Vec3(0.9, 0.1, -0.2).normalized()))};
+}
+
+/// Down into the top, on with a speed and a turn, put somewhere else, and out again. Every other shape 1.4 km away.
+TEST_P(GlToolSurface, EveryShapeAgreesWithTheReference) {
+  double apart = 0.0, force_apart = 0.0;
+  bool far = false;
+  for (Tool tool : tools_of_all_kinds()) {
+    const Vec3 origin = far ? Vec3(800, -600, 1000) : Vec3(0, 0, 0);
+    far = !far;
+    Model model = model_;
+    for (Vec3& X : model.rest) X += origin;
+    tool.contact = ToolContact::surface;
+    tool.pose = at(origin + Vec3(0.014, 0.011, 0.03));
+    Scene scene(model);
+    scene.fix("z0").gravity({0, 0, -2}).add_tool("tool", tool);
+    Pair both = pair_of(scene);
+    for (int k = 0; k < (sanitized ? 6 : 22); ++k) {
+      if (k == 0) scene.tool("tool").move_to(at(origin + Vec3(0.014, 0.011, 0.0235), 0.05));
+      if (k == 4) {
+        ToolPose on = at(origin + Vec3(0.015, 0.0105, 0.0228), 0.1);
+        on.velocity = {0.05, -0.02, -0.02};
+        on.spin = {3, -2, 20};
+        scene.tool("tool").move_to(on);
+      }
+      if (k == 12) scene.tool("tool").teleport(at(origin + Vec3(0.016, 0.012, 0.0232), -0.1));
+      if (k == 18) scene.tool("tool").move_to(at(origin + Vec3(0.016, 0.01, 0.04)));
+      both.step(9, dt_);
+    }
+    EXPECT_GT(both.moved, 3e-4);
+    EXPECT_GT(both.force, 0.01) << "N; or this shows nothing";
+    apart = std::max(apart, both.apart / both.moved);
+    force_apart = std::max(force_apart, both.force_apart / both.force);
+  }
+  expect_close(apart, 1.0, force_apart, 1.0);
+}
+
+/// A step of sixty rounds that moves particles without a speed.
+TEST_P(GlToolSurface, APlacedToolLetsTheSurfaceOutAsTheReferenceDoes) {
+  Scene scene(model_);
+  scene.fix("z0").add_tool(
+      "ball", {.shape = Sphere{0.007}, .pose = {.position = {0, 0, 0.5}}, .contact = ToolContact::surface});
+  Pair both = pair_of(scene);
+  scene.tool("ball").teleport({.position = {0.0141, 0.0103, 0.0255}});
+  both.step(1, dt_);
+  EXPECT_GT(both.moved, 1e-3);
+  EXPECT_LE(both.apart, apart_by * both.moved);
+  for (int k = 0; k < 20; ++k) both.step(5, dt_);
+  expect_close(both.apart, both.moved, both.force_apart, both.force);
+}
+
+/// Tools of both kinds in turn, one of which holds particles that others must not push; some coordinates are imposed.
+TEST_P(GlToolSurface, ToolsActOneAfterAnotherAroundAGrasp) {
+  Scene scene(model_);
+  Load wall;
+  wall.type = LoadType::translation;
+  wall.particles = model_.group("x0");
+  wall.events = {{0.0, 0.0}};
+  wall.axes = {Axis::held, Axis::free, Axis::free};
+  scene.fix("z0").add(wall);
+  const Tool ball{.shape = Sphere{0.005}, .friction = 0.3, .contact = ToolContact::surface};
+  const auto add = [&](const char* name, Tool tool, const Vec3& position) {
+    tool.pose = {.position = position};
+    scene.add_tool(name, tool);
+  };
+  add("first", ball, {0.009, 0.01, 0.0262});
+  add("plain", {.shape = Sphere{0.005}, .friction = 0.2}, {0.015, 0.01, 0.0262});
+  add("jaw", {.shape = Box{{0.002, 0.03, 0.0015}}}, {0.025, 0.01, 0.021});
+  add("last", ball, {0.021, 0.012, 0.0262});
+  Pair both = pair_of(scene);
+  std::map<std::string, double> largest;  // N
+  for (int k = 0; k < 30; ++k) {
+    const double down = 1e-4 * std::min(k, 20);
+    if (k == 2) scene.tool("jaw").grasp(1e-4);
+    if (k == 6) scene.tool("jaw").move_to({.position = {0.0255, 0.0105, 0.0215}, .velocity = {0, 0.01, 0}});
+    if (k == 22) scene.tool("jaw").release();
+    scene.tool("first").move_to({.position = {0.009, 0.01, 0.0262 - down}});
+    scene.tool("plain").move_to({.position = {0.015, 0.01, 0.0262 - down}});
+    scene.tool("last").move_to({.position = {0.021, 0.012, 0.0262 - down}});
+    both.step(7, dt_);
+    EXPECT_EQ(both.reference->read().tools.at(2).held.empty(), k < 2 || k >= 22);
+    for (const char* name : {"first", "plain", "jaw", "last"}) {
+      largest[name] = std::max(largest[name], both.reference->tool_force(name).mean_force.norm());
+    }
+  }
+  for (const auto& [name, force] : largest) EXPECT_GT(force, 0.01) << name << ", N; or this shows less";
+  expect_close(both.apart, both.moved, both.force_apart, both.force);
+}
+
+/// With the passes that contacts and kept volumes put between forces and motion as well. Bodies that touch amplify
+/// what floats round: as where there are no tools (gl_joint_test.cpp).
+TEST_P(GlToolSurface, AgreesBesideContactsAndVolumes) {
+  const Model lower = make_block({0.02, 0.02, 0.02}, 3, 3, 3), upper = moved(lower, {0, 0, 0.021});
+  const NamedBody bodies[] = {{"lower", &lower}, {"upper", &upper}};
+  const Model model = with_material(merge_models(bodies));
+  Scene scene(model);
+  scene.fix("lower/z0").gravity({0, 0, -9.81}).contacts({}).constrain_volume("upper");
+  scene.add_tool("ball", {.shape = Sphere{0.006},
+                          .pose = {.position = Vec3(0.012, 0.009, 0.0472), .velocity = {0, 0, -0.02}},
+                          .contact = ToolContact::surface});
+  BesideReference both(model, scene, {}, GetParam());
+  EXPECT_LE(both.off_after(sanitized ? 20 : 120), 1e-3);
+  const ToolForce &own = both.device->tool_force("ball"), &exact = both.reference->tool_force("ball");
+  EXPECT_GT(exact.mean_force.norm(), 1e-3) << "N; or this shows nothing";
+  EXPECT_LE((own.mean_force - exact.mean_force).norm(), 1e-3 * exact.mean_force.norm());
+}
+
+TEST_P(GlToolSurface, SnapshotsGoOnBitForBitAndLostDevicesGoBack) {
+  Scene scene(model_);
+  scene.fix("z0").add_tool("ball", {.shape = Sphere{0.005},
+                                    .pose = {.position = {0.014, 0.011, 0.0248}},
+                                    .friction = 0.3,
+                                    .contact = ToolContact::surface});
+  const auto device = make(scene), other = make(scene);
+  scene.tool("ball").move_to({.position = {0.015, 0.011, 0.0235}});
+  ASSERT_TRUE(device->step(30, dt_).ok());
+  const Snapshot middle = device->snapshot();
+  ASSERT_TRUE(device->step(40, dt_).ok());
+  const Snapshot end = device->snapshot();
+  const ToolForce force = device->tool_force("ball");
+  EXPECT_GT(force.force.norm(), 0.01);
+  for (gl::DeviceSolver* const solver : {device.get(), other.get()}) {
+    solver->restore(middle);
+    ASSERT_TRUE(solver->step(40, dt_).ok());
+    EXPECT_EQ(solver->snapshot(), end);
+    EXPECT_EQ(solver->tool_force("ball").force, force.force);
+  }
+  copy_and_lose(*device, *other);
+}
+
+/// Batches end where the body rests, and are taken back to there.
+TEST_P(GlToolSurface, RestsWhereTheReferenceDoes) {
+  options_.damping.rate = 200.0;
+  options_.rest_tolerance = 1e-4;
+  Scene scene(model_);
+  scene.fix("z0").add_tool(
+      "ball", {.shape = Sphere{0.005}, .pose = {.position = {0.014, 0.011, 0.0249}}, .contact = ToolContact::surface});
+  const Pair both = pair_of(scene);
+  scene.tool("ball").move_to({.position = {0.014, 0.011, 0.0242}});
+  for (Solver* const solver : {static_cast<Solver*>(both.device.get()), both.reference.get()}) {
+    EXPECT_TRUE(solver->run_to_rest(20000, dt_).converged());
+  }
+  const ToolForce &own = both.device->tool_force("ball"), &exact = both.reference->tool_force("ball");
+  EXPECT_GT(exact.force.norm(), 1e-3);
+  EXPECT_LE((own.force - exact.force).norm(), 1e-3 * exact.force.norm());
+  EXPECT_NEAR(own.mean_force.z(), exact.mean_force.z(), 1e-3 * exact.mean_force.norm());
+}
+
+TEST_P(GlToolSurface, OnlyScenesWithSuchToolsPayForIt) {
+  options_.profile = true;
+  Scene scene(model_);
+  scene.fix("z0").add_tool("plain", {.shape = Sphere{0.005}, .pose = {.position = {0.01, 0.01, 0.0248}}});
+  const auto device = make(scene);
+  const auto passes = [&] {
+    device->clear_profile();
+    EXPECT_TRUE(device->step(10, dt_).ok());
+    std::vector<std::pair<std::string, std::int64_t>> names;
+    for (const auto& run : runs_of(*device)) {
+      if (run.second > 0) names.push_back(run);
+    }
+    return names;
+  };
+  const auto without = passes();
+  const auto of_surfaces = [](const auto& run) { return run.first.starts_with("surface_"); };
+  EXPECT_TRUE(std::ranges::none_of(without, of_surfaces));
+  scene.add_tool("ball",
+                 {.shape = Sphere{0.005}, .pose = {.position = {0.02, 0.01, 0.0248}}, .contact = ToolContact::surface});
+  const auto runs = [&] {
+    std::int64_t sum = 0;
+    for (const auto& run : passes()) sum += of_surfaces(run) ? run.second : 0;
+    return sum;
+  };
+  constexpr int apart_from_rounds = 4;  // start, load, gather, end; a round has two
+  EXPECT_EQ(runs(), 10 * (apart_from_rounds + 2 * 6) + 2 * 54) << "it was put there in the first step";
+  EXPECT_EQ(runs(), 10 * (apart_from_rounds + 2 * 6));
+  scene.remove_tool("ball");
+  EXPECT_EQ(passes(), without);
+}
+
+}  // namespace
+}  // namespace phymul::test
