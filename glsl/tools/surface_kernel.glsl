@@ -62,9 +62,11 @@ void main() {
   store_row(free_velocity_place + row, velocity_after);
   store_row(pushed_shift_place + row, shift_after);
   Reaction reaction = no_reaction;
+  if (force_after.w > 0.0) cut_elastic_force(row);  // for what it withholds
   if (given_by_tool.w > 0.0) {
     TouchedParticle touched = untouched(row, displaced(row), velocity_after.xyz, int(velocity_after.w));
-    reaction = react(tool_frame(acting_tool, instant + 1), touched, given_by_tool.xyz, inverse_dt);
+    vec3 force = inverse_dt * given_by_tool.xyz + borne(touched, given_by_tool.xyz);
+    reaction = react(tool_frame(acting_tool, instant + 1), touched, force);
   }
   TELL_TOOL(acting_tool, row, reaction);
 #endif

@@ -33,11 +33,11 @@ void tool_row(int row) {
   vec4 held = fetch_load_vec4(tool_held, tool_held_place, i);
   Reaction reaction = no_reaction;
 #ifdef GIVEN
-  if (int(held.w) == told) {
-    reaction = touch_tool(told, held, instant, touched, dt, inverse_dt);
-  } else if (held.w < 0.0) {
-    vec4 given = fetch_load_layer(given_by_tools, given_by_tools_place, i, told);
-    if (given.w > 0.0) reaction = react(tool_frame(told, instant + 1), touched, given.xyz, inverse_dt);
+  if (int(held.w) == told) reaction = touch_tool(told, held, instant, touched, dt, inverse_dt);
+  for (int tool = 0; tool <= told && held.w < 0.0; ++tool) {
+    vec4 given = fetch_load_layer(given_by_tools, given_by_tools_place, i, tool);
+    vec3 force = inverse_dt * given.xyz + borne(touched, given.xyz);
+    if (tool == told && given.w > 0.0) reaction = react(tool_frame(told, instant + 1), touched, force);
   }
 #else
   for (int tool = 0; tool <= told; ++tool) reaction = touch_tool(tool, held, instant, touched, dt, inverse_dt);

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "interaction/shape_kind.h"
+#include "interaction/surface_press.h"
 #include "interaction/tool_shape.h"
 #include "scene/needle_measures.h"
 
@@ -43,7 +44,7 @@ void FloatTools::follow(const Scene& scene) {
   motions_.reserve(tools_.size());
   placed_.reserve((most_steps_ + 1) * tools_.size());
   frames_.assign((most_steps_ + 1) * tools_.size() * frame_rows, Float4{});
-  begin_batch(1, 0.0);
+  begin_batch(1, 0.0, 0.0);
 }
 
 void FloatTools::fill_laws() {
@@ -166,7 +167,7 @@ void FloatTools::hold(const VecList& position, std::span<const std::uint8_t> fix
 }
 
 /// Of a motion whose next pose is known. A needle asks not whether it was placed, but by how much its surface turns, m.
-void FloatTools::fill_frame(const Tool& tool, const ToolMotion& motion, Float4* rows) const {
+void FloatTools::fill_frame(const Tool& tool, const ToolMotion& motion, bool placed, Float4* rows) const {
   const Mat3 turn = motion.pose.orientation.toRotationMatrix();
   const Mat3 gain = motion.next_pose.orientation.toRotationMatrix() - turn;
   const Vec3 gone = motion.next_pose.position - motion.pose.position;
@@ -178,11 +179,10 @@ void FloatTools::fill_frame(const Tool& tool, const ToolMotion& motion, Float4* 
   }
   const double radius = needle_radius_of(tool);
   const float turned = static_cast<float>(radius > 0.0 ? radius * needle_turn(motion.pose, motion.next_pose) : 0.0);
-  const float placed = motion.placed ? 1.0f : 0.0f;
-  rows[3] = {place.low.x(), place.low.y(), place.low.z(), radius > 0.0 ? turned : placed};
+  rows[3] = {place.low.x(), place.low.y(), place.low.z(), radius > 0.0 ? turned : placed ? 1.0f : 0.0f};
 }
 
-void FloatTools::begin_batch(int steps, double dt) {
+void FloatTools::begin_batch(int steps, double dt, double last_dt) {
   motions_.clear();
   placed_.clear();
   for (const Moving& tool : tools_) motions_.push_back(tool.moved.motion);
@@ -190,8 +190,11 @@ void FloatTools::begin_batch(int steps, double dt) {
   for (int step = 0; step <= steps; ++step) {
     for (std::size_t row = 0; row < motions_.size(); ++row) {
       motions_[row].advance(dt);
-      fill_frame(tools_[row].tool, motions_[row], rows);
-      placed_.push_back(motions_[row].placed ? 1 : 0);
+      const Tool& tool = tools_[row].tool;
+      const bool lets_out = step == 0 && tool.contact == ToolContact::surface && cpu::lets_surface_out(dt, last_dt);
+      const bool placed = motions_[row].placed || lets_out;
+      fill_frame(tool, motions_[row], placed, rows);
+      placed_.push_back(placed ? 1 : 0);
       rows += frame_rows;
       motions_[row].accept();
     }

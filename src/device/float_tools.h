@@ -58,8 +58,8 @@ class FloatTools {
   /// `fixed`: LoadFrame::fixed, or empty; `plane`: nothing moves along z.
   void hold(const VecList& position, std::span<const std::uint8_t> fixed, bool plane);
 
-  /// Fills frames() for steps from here on.
-  void begin_batch(int steps, double dt);
+  /// Fills frames() for steps from here on. `last_dt`: s, of the step before; 0: there was none.
+  void begin_batch(int steps, double dt, double last_dt);
   /// So many steps of the batch count; `sums` are of those. By tool, what joints did in the last one and summed.
   void accept(int steps, double dt, std::span<const ToolSums> sums, std::span<const JointSet::Pull> pulls,
               std::span<const JointSet::Pull> pull_sums);
@@ -91,7 +91,7 @@ class FloatTools {
   void fill_laws();
   void fill_rest(const VecList& rest);
   void fill_held();
-  void fill_frame(const Tool& tool, const ToolMotion& motion, Float4* rows) const;
+  void fill_frame(const Tool& tool, const ToolMotion& motion, bool placed, Float4* rows) const;
   bool held_by_any(Index particle) const;
 
   std::size_t most_steps_;

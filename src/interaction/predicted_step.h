@@ -72,7 +72,7 @@ class TouchedParticles {
   void end();  ///< hands the sums to the backend
 
   double dt() const { return dt_; }
-  bool is_shorter() const { return dt_ < 0.7 * last_dt_; }  ///< by more than calls of step() differ
+  double last_dt() const { return last_dt_; }
   const PredictedStep& step() const { return *step_; }
   std::span<const double> mass() const { return mass_; }  ///< kg, of all particles
   std::size_t count() const { return touched_.size(); }

@@ -27,6 +27,12 @@
 
 namespace phymul::cpu {
 
+/// Whether a step lets out what the rounds of the last, longer one left inside, as if the tool had been put over it: it
+/// would come out with a blow.
+constexpr bool lets_surface_out(double dt, double last_dt) {
+  return dt < 0.7 * last_dt;
+}
+
 /// Rounds in a step, and in one that moves a body out of a tool that was put over it: what those leave would come out
 /// with speed.
 constexpr int rounds_of_surface(bool placed) {

@@ -194,8 +194,7 @@ void ToolSet::act(TouchedParticles& touched) {
     tool.next_force.force = tool.pull.force;
     tool.next_force.torque = tool.pull.torque;
     tool.moved.motion.advance(touched.dt());
-    // What the rounds of a longer step left inside the tool would come out with a blow.
-    tool.law.placed = tool.moved.motion.placed || (tool.surface && touched.is_shorter());
+    tool.law.placed = tool.moved.motion.placed || (tool.surface && lets_surface_out(touched.dt(), touched.last_dt()));
     if (tool.moved.releases) tool.moved.release();
   }
   for (Moving& tool : tools_) {

@@ -121,7 +121,7 @@ class GlComputeNeedle : public OnCompute {
     device.write(tables_->rest, end);
     std::vector<double> instants;
     for (int k = 0; k <= 5; ++k) instants.push_back(k * dt_);
-    tools.begin_batch(5, dt_);
+    tools.begin_batch(5, dt_, 0.0);
     device.begin_batch({.dt = dt_, .largest_acceleration = 1e30, .runaway_speed = 1e9}, instants, tools);
     run();
     device.read(tables_->rest, end);

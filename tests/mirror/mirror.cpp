@@ -196,7 +196,7 @@ class MirrorSolver final : public SolverBackend {
 
   /// Forces act at the old time, imposed positions hold at the new one. True where an elastic force was cut.
   bool move(const StepPlan& plan, Motion& motion) {
-    if (!tools_.empty()) tools_.begin_batch(1, plan.dt);
+    if (!tools_.empty()) tools_.begin_batch(1, plan.dt, last_dt_);
     const auto inverse_dt = static_cast<float>(1.0 / plan.dt);
     if (!joints_.empty()) joints_.act({u_, v_, inverse_dt, plan.stop_at_rest}, joints());
     const bool any_cut = net_forces(static_cast<float>(plan.largest_acceleration));

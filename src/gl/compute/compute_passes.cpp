@@ -145,6 +145,7 @@ Kernel ComputePasses::pressing(const StepKind& step, const ComputeState& state) 
 SurfacePasses ComputePasses::touching(const StepKind& step, const ComputeState& state) const {
   return SurfacePasses([&](const ShaderFiles& files, const char* name) {
     ShaderRequest request = gathering(step);
+    define(request, "CUT");
     define(request, "PUSHES");
     define(request, name);
     append(request, {"tools/pushed_tables.glsl"});

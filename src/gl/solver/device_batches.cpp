@@ -81,7 +81,7 @@ bool DeviceSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
   const RestThresholds asked{plan.speed_at_rest, plan.acceleration_at_rest};
   const RestThresholds rest = joints().empty() ? rest_thresholds(asked, progress_.largest_displacement)
                                                : rest_thresholds(asked, progress_.largest_displacement, plan.omega_max);
-  if (!tools_.empty()) tools_.begin_batch(count, plan.dt);
+  if (!tools_.empty()) tools_.begin_batch(count, plan.dt, progress_.last_dt);
   device_->begin_batch({.dt = plan.dt,
                         .damping_factor = plan.damping_factor,
                         .last_dt = progress_.last_dt,
