@@ -7,17 +7,17 @@
 
 namespace {
 
-constexpr double spacing = 0.005;  // m
+constexpr double cell_size = 0.005;  // m
 
 phymul::Model block(int particles_a_side) {
   const int n = particles_a_side - 1;
-  const double side = n * spacing;
+  const double side = n * cell_size;
   return phymul::make_block({side, side, side}, n, n, n, 26);
 }
 
 phymul::Model tetrahedral_block(int particles_a_side) {
   const int n = particles_a_side - 1;
-  const double side = n * spacing;
+  const double side = n * cell_size;
   phymul::Model model = phymul::make_tetrahedral_block({side, side, side}, n, n, n, 0.2, 1);
   phymul::set_material(model, {.young = 1e4, .poisson = 0.45, .density = 1000.0});
   return model;

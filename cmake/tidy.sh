@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 #
-# Runs clang-tidy over the library, tests, benches and examples; fails if it has something to say. Many files of the
-# library go in one unit, so that their headers are read once.
+# Runs clang-tidy over the library, tests, benches and examples; fails if it has something to say. Many files go
+# in one unit, so that their headers are read once.
 #   sh cmake/tidy.sh     results in build/tidy/said.txt
 set -eu
 cd "$(dirname "$0")/.."

@@ -23,7 +23,7 @@ using namespace phymul;
 using Clock = std::chrono::steady_clock;
 
 constexpr double tick = 1e-3;  // s, of the device
-constexpr Material organ{.young = 6e3, .poisson = 0.45, .density = 1060};
+constexpr Material organ_tissue{.young = 6e3, .poisson = 0.45, .density = 1060};
 constexpr Material tumour{.young = 3e4, .poisson = 0.45, .density = 1060};
 
 /// What pictures are made of. Only positions cross from one thread to the other, and by copy: a solver, its scene and
@@ -55,7 +55,7 @@ Simulation make_tissue() {
   };
   model.add_group("ligament", near({-0.08, 0, 0}, 0.03));
   model.add_group("tumour", near({0.02, 0, 0.02}, 0.02));
-  Simulation sim(std::move(model), {.material = organ,
+  Simulation sim(std::move(model), {.material = organ_tissue,
                                     .materials = {{"tumour", tumour}},
                                     .backend = "cpu",
                                     .damping = {.rate = 20},  // 1/s

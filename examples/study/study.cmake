@@ -16,6 +16,7 @@ target_include_directories(phymul_study PUBLIC ${CMAKE_CURRENT_SOURCE_DIR} ${CMA
 target_link_libraries(phymul_study PUBLIC phymul phymul_run_body ZLIB::ZLIB
                                    PRIVATE muparser::muparser phymul_warnings phymul_sanitizers)
 phymul_precompile_users(program phymul_study)
+phymul_compile_together(phymul_study)
 
 phymul_example(phymul-study study/phymul_study.cpp study/options.cpp study/progress.cpp study/ranks.cpp)
 target_link_libraries(phymul-study PRIVATE phymul_study CLI11::CLI11)

@@ -22,7 +22,7 @@ constexpr double near_by_shortest = near_along_long / CentredLattice::short_leng
 enum Side : signed char { outside = -1, on_surface = 0, inside = 1 };
 
 /// An edge of a lattice; lengths in edges of its cubes.
-struct Edge {
+struct LatticeEdge {
   Index from, to;
   double length;
   double near_from, near_to;  // shares of it: a point as near to the surface as this moves onto it
@@ -49,7 +49,7 @@ void each_crossing_edge(const CentredLattice& lattice, const std::vector<signed 
       if (side[point + own[k]] == inside) continue;
       const double length = k < 8 ? CentredLattice::short_length : 1.0;
       const double near = k < 8 ? near_along_short : near_along_long;
-      f(Edge{point, point + own[k], length, near, near});
+      f(LatticeEdge{point, point + own[k], length, near, near});
     }
   }
 }
@@ -72,7 +72,7 @@ void each_crossing_edge(const GradedLattice& lattice, const std::vector<signed c
       const double shortest = lattice.shortest_edge(end);
       return length < 1.01 * shortest ? near_along_short : near_by_shortest * shortest / length;
     };
-    f(Edge{in, out, length, near(in), near(out)});
+    f(LatticeEdge{in, out, length, near(in), near(out)});
   }
 }
 
@@ -103,7 +103,7 @@ void each_cell(const GradedLattice& lattice, const Function& f) {
 
 /// Where an edge of the lattice leaves the shape.
 struct Crossing {
-  Edge edge;             // from inside to outside
+  LatticeEdge edge;      // from inside to outside
   double share;          // of the way
   bool is_there = true;  // until one of its ends moves onto the surface
   Index particle = -1;
@@ -138,7 +138,7 @@ class Filling {
   }
 
   void find_crossings(const Interior& interior) {
-    each_crossing_edge(lattice_, side_, [&](const Edge& edge) {
+    each_crossing_edge(lattice_, side_, [&](const LatticeEdge& edge) {
       crossings_.push_back({edge, interior.exit(lattice_.place(edge.from), lattice_.place(edge.to))});
     });
     // Crossings of each point, so that those of an edge are found from either end.

@@ -3,14 +3,9 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 
 namespace phymul {
 namespace {
-
-float to_float(double value) {
-  return static_cast<float>(std::min(value, double{std::numeric_limits<float>::max()}));
-}
 
 Float4 texel_of(const Vec3& v) {
   const Eigen::Vector3f narrow = v.cast<float>();
@@ -26,10 +21,6 @@ Vec3 rest_of(const Anchor& anchor, const VecList& rest) {
   Vec3 mean = Vec3::Zero();
   for (std::size_t k = 0; k < anchor.particles.size(); ++k) mean += anchor.weights[k] * rest[anchor.particles[k]];
   return mean;
-}
-
-Vec3 widened(const Float4& v) {
-  return {v[0], v[1], v[2]};
 }
 
 }  // namespace

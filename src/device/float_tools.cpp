@@ -4,7 +4,6 @@
 #include <phymul/distance_grid.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "interaction/shape_kind.h"
 #include "interaction/surface_press.h"
@@ -14,19 +13,11 @@
 namespace phymul {
 namespace {
 
-float to_float(double value) {
-  return static_cast<float>(std::min(value, double{std::numeric_limits<float>::max()}));
-}
-
 /// A place as the sum of two floats.
 struct Halves {
   explicit Halves(const Vec3& x) : high(x.cast<float>()), low((x - high.cast<double>()).cast<float>()) {}
   Eigen::Vector3f high, low;
 };
-
-Vec3 widened(const Float4& v) {
-  return {v[0], v[1], v[2]};
-}
 
 }  // namespace
 

@@ -3,9 +3,13 @@
 // Rows of tables as devices read them.
 #pragma once
 
+#include <phymul/types.h>
+
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <limits>
 
 namespace phymul {
 
@@ -16,6 +20,15 @@ using Float2 = std::array<float, 2>;
 
 inline std::int32_t bits_of(float value) {
   return std::bit_cast<std::int32_t>(value);
+}
+
+/// Infinity, and what is beyond single precision, as its largest number.
+inline float to_float(double value) {
+  return static_cast<float>(std::min(value, double{std::numeric_limits<float>::max()}));
+}
+
+inline Vec3 widened(const Float4& v) {
+  return {v[0], v[1], v[2]};
 }
 
 }  // namespace phymul

@@ -25,7 +25,7 @@ void require_particle(const ByteReader& in, Index i, std::size_t count) {
 
 /// For a ByteWriter and joints that are const, or a ByteReader and ones that are not.
 template <class Bytes, class Joints>
-void joint_fields(Bytes& bytes, Joints& joints) {
+void joint_state_fields(Bytes& bytes, Joints& joints) {
   bytes.list(joints, 12, "a number of joints", [&](auto& joint) {
     bytes.field(joint.name, "a joint's name");
     bytes.field(joint.broken, "broken springs");
@@ -45,7 +45,7 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot) {
   out.vectors(snapshot.displacement);
   out.u64(snapshot.state.tools.size());
   for (const ToolState& tool : snapshot.state.tools) put_tool_state(out, tool);
-  joint_fields(out, snapshot.state.joints);
+  joint_state_fields(out, snapshot.state.joints);
   out.u64(snapshot.parts.size());
   for (const Snapshot::Part& part : snapshot.parts) {
     out.text(part.name);
@@ -76,7 +76,7 @@ Snapshot take_snapshot(ByteReader& in) {
       for (const Index i : node.particles) require_particle(in, i, count);
     }
   }
-  joint_fields(in, snapshot.state.joints);
+  joint_state_fields(in, snapshot.state.joints);
   const std::size_t parts = in.count(8, "a number of parts");
   for (std::size_t k = 0; k < parts; ++k) {
     Snapshot::Part part;

@@ -21,7 +21,7 @@ struct ReferencePoint {
 using Rule = std::vector<ReferencePoint>;
 
 /// Corners of the hexahedron [-1, 1]^3 in PML's order; the first four, in the plane, are those of a quad.
-constexpr std::array<std::array<double, 3>, 8> corner{
+constexpr std::array<std::array<double, 3>, 8> cube_corner{
     {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}}};
 
 /// Two Gauss points along each axis. `vertex_of`: the cell's vertex at each corner; several corners may share one.
@@ -34,9 +34,10 @@ Rule hexahedron_rule(int dimension, std::span<const int> vertex_of) {
     point.slope.fill(Vec3::Zero());
     point.weight = 1.0;
     for (std::size_t c = 0; c < vertex_of.size(); ++c) {
-      const auto& at = corner[c];
-      const double x = 0.5 * (1.0 + at[0] * corner[k][0] * place), y = 0.5 * (1.0 + at[1] * corner[k][1] * place);
-      const double z = plane ? 1.0 : 0.5 * (1.0 + at[2] * corner[k][2] * place);
+      const auto& at = cube_corner[c];
+      const double x = 0.5 * (1.0 + at[0] * cube_corner[k][0] * place),
+                   y = 0.5 * (1.0 + at[1] * cube_corner[k][1] * place);
+      const double z = plane ? 1.0 : 0.5 * (1.0 + at[2] * cube_corner[k][2] * place);
       point.value[vertex_of[c]] += x * y * z;
       point.slope[vertex_of[c]] += 0.5 * Vec3(at[0] * y * z, at[1] * x * z, plane ? 0.0 : at[2] * x * y);
     }

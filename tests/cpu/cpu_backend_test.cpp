@@ -119,7 +119,7 @@ Scene pulled(const Model& model) {
 }
 
 /// A lattice whose one half is five times stiffer.
-Model two_materials() {
+Model stiffer_half() {
   Model model = make_block({0.12, 0.06, 0.06}, 12, 6, 6);
   set_material(model, soft_tissue());
   std::vector<Index> left;
@@ -148,7 +148,7 @@ std::vector<Case> large_cases() {
           make("conservative", tetrahedra, {}),
           make("tetrahedra", material(tetrahedra), {}),
           make("lattice", material(make_block({0.2, 0.2, 0.2}, 20, 20, 20)), {}),
-          make("two materials", two_materials(), {})};
+          make("two materials", stiffer_half(), {})};
 }
 
 TEST(CpuBackend, AnyNumberOfThreadsGivesTheSameBits) {

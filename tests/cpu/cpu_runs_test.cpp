@@ -16,11 +16,6 @@ struct Lattice {
   bool taken = true;
 };
 
-Model with_material(Model model) {
-  set_material(model, soft_tissue());
-  return model;
-}
-
 /// Its top pressed in around the middle.
 Model dented(Model model) {
   for (Vec3& x : model.rest) {

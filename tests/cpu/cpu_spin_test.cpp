@@ -15,8 +15,8 @@
 namespace phymul::test {
 namespace {
 
-constexpr Material tissue{.young = 10e3, .poisson = 0.3, .density = 1000};
-constexpr double most = 20.0;  // of the unit below; lattices have 8, tetrahedra 1
+constexpr Material spun_tissue{.young = 10e3, .poisson = 0.3, .density = 1000};
+constexpr double most_units = 20.0;  // of the unit below; lattices have 8, tetrahedra 1
 
 Vec3 centre_of(const Model& model) {
   Vec3 sum = Vec3::Zero();
@@ -66,7 +66,7 @@ TEST(CpuSpin, TheTorqueOfRoundingIsBounded) {
   for (const Turning& body : turning()) {
     SCOPED_TRACE(body.name);
     Model model = body.model;
-    set_material(model, tissue);
+    set_material(model, spun_tissue);
     const Scene scene(model);
     const TopologyOptions options{.strain_energy = body.energy};
     const auto single = make_solver("cpu", model, scene, options),
@@ -78,7 +78,7 @@ TEST(CpuSpin, TheTorqueOfRoundingIsBounded) {
       largest = std::max(largest, std::abs(torque_at(*single, angle, dt)) / (unit * turn));
       EXPECT_LT(std::abs(torque_at(*exact, angle, dt)), 1e-6 * unit * turn) << angle;
     }
-    EXPECT_LT(largest, most);
+    EXPECT_LT(largest, most_units);
     std::cout << body.name << ": at most " << largest << " of 2^-24 s mu V 2 sin(angle / 2)\n";
     worst = std::max(worst, largest);
   }
@@ -88,7 +88,7 @@ TEST(CpuSpin, TheTorqueOfRoundingIsBounded) {
 /// A free body that turns by 0.8 rad in 8 s: slow enough to show it.
 TEST(CpuSpin, ASlowSpinDriftsNoFasterThanThatTorque) {
   Model model = turning().front().model;
-  set_material(model, tissue);
+  set_material(model, spun_tissue);
   const Scene scene(model);
   const Vec3 centre = centre_of(model);
   const double rate = 0.1, time = 8.0, dt = 1e-3;
@@ -102,7 +102,7 @@ TEST(CpuSpin, ASlowSpinDriftsNoFasterThanThatTorque) {
     const double before = solver->momentum(centre).angular.z();
     ASSERT_TRUE(solver->step(static_cast<int>(time / dt), dt).ok());
     const double gained = std::abs(solver->momentum(centre).angular.z() - before);
-    const double bound = most * unit_of(solver->topology()) * rate * time;
+    const double bound = most_units * unit_of(solver->topology()) * rate * time;
     std::cout << backend << ": " << gained / before << " of its momentum, bound " << bound * time / before << '\n';
     EXPECT_LT(gained, solver->name() == "cpu" ? bound * time : 1e-9 * before);
   }

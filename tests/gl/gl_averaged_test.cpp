@@ -25,7 +25,7 @@ std::shared_ptr<const TopologyTextures> averaged_tables(const Model& model) {
 }
 
 /// The half where x is least is harder.
-Model two_materials(Model model) {
+Model harder_half(Model model) {
   std::vector<Index> half;
   const double middle = 0.5 * (model.rest[model.group("x0").front()] + model.rest[model.group("x1").front()]).x();
   for (Index i = 0; i < model.particle_count(); ++i) {
@@ -51,8 +51,8 @@ std::vector<Body> averaged_bodies() {
   add("jittered hexahedra", jittered_block());
   add("hexahedra and wedges", cylinder_275());
   add("strip", make_strip(0.04, 0.02, 6, 3));
-  all.push_back({"tetrahedra of two materials", two_materials(tetrahedra)});
-  all.push_back({"hexahedra of two materials", two_materials(hexahedra)});
+  all.push_back({"tetrahedra of two materials", harder_half(tetrahedra)});
+  all.push_back({"hexahedra of two materials", harder_half(hexahedra)});
   return all;
 }
 

@@ -32,12 +32,6 @@ SolverOptions options_of_tests() {
   return options;
 }
 
-Model soft_block() {
-  Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
-  set_material(model, soft_tissue());
-  return model;
-}
-
 TEST_F(GlComputeDevice, HasTheBitsOfTheFragmentBackend) {
   for (const Variant& variant : all_variants()) {
     for (const Body& body :
@@ -129,7 +123,7 @@ TEST_F(GlComputeDevice, NobodysPlacesAreUntouchedAndUnread) {
       }
     });
   };
-  compare(soft_block(), {});
+  compare(with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2)), {});
   compare(jittered_block(), {.volume_stiffness = 50.0});
 }
 
@@ -182,7 +176,7 @@ TEST_F(GlComputeDevice, BuffersBeyondTheDriversLimitAreRefusedWithSizes) {
 
 /// What a failure or rest within a batch is answered by.
 TEST_F(GlComputeDevice, StepsAreDoneAgainFromTheCheckpointBitForBit) {
-  const Model model = soft_block();
+  const Model model = with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2));
   Scene scene(model);
   scene.fix("x0").gravity({0, 0, -9.81});
   context_->run([&] {

@@ -25,7 +25,7 @@ std::unique_ptr<gl::DeviceSolver> solver_of(const Model& model, const Scene& sce
   return std::make_unique<gl::DeviceSolver>(backend, tables_of(model, {}), scene, options);
 }
 
-std::int64_t runs_of(Solver& solver, const std::string& pass) {
+std::int64_t runs_of_pass(Solver& solver, const std::string& pass) {
   for (const PassProfile& row : solver.profile()) {
     if (row.name == pass) return row.runs;
   }
@@ -58,7 +58,7 @@ void expect_bits_of_compute(const Model& model, Scene& scene, int steps_before, 
     for (const int steps : {1, 5, 10}) ASSERT_TRUE(solver.step(steps, dt).ok()) << what;
     end[draws] = solver.read();
   }
-  EXPECT_GT(runs_of(*drawn, "contact_phase_pass"), 16 * 8) << what;  // they touch
+  EXPECT_GT(runs_of_pass(*drawn, "contact_phase_pass"), 16 * 8) << what;  // they touch
   if (!drawn->context()->info().renderer.starts_with("llvmpipe")) return;
   EXPECT_EQ(difference(end[1], end[0]), "") << what;
 }
@@ -126,13 +126,13 @@ TEST_F(GlFragmentContact, AGuessThatFallsShortGivesTheSameBits) {
   knowing->reset(start);
   knowing->clear_profile();
   ASSERT_TRUE(knowing->step(6, dt).ok());
-  EXPECT_EQ(runs_of(*knowing, "contact_start_pass"), 6);
+  EXPECT_EQ(runs_of_pass(*knowing, "contact_start_pass"), 6);
   const State end = knowing->read();
   const auto fresh = solver_of(falling.model, falling.scene, damped(10.0));
   fresh->reset(start);
   ASSERT_TRUE(fresh->step(6, dt).ok());
   EXPECT_EQ(difference(fresh->read(), end), "");
-  EXPECT_GT(runs_of(*fresh, "contact_start_pass"), 6 + 1);  // and one when it was made
+  EXPECT_GT(runs_of_pass(*fresh, "contact_start_pass"), 6 + 1);  // and one when it was made
 }
 
 /// As many as contacts are pressed one after another, not many more; a few where nothing touches.
@@ -145,8 +145,8 @@ TEST_F(GlFragmentContact, PhasesFollowWhatStepsTake) {
   const auto phases_a_step = [&](int steps) {
     solver->clear_profile();
     EXPECT_TRUE(solver->step(steps, dt).ok());
-    return static_cast<double>(runs_of(*solver, "contact_phase_pass")) /
-           static_cast<double>(runs_of(*solver, "contact_start_pass"));
+    return static_cast<double>(runs_of_pass(*solver, "contact_phase_pass")) /
+           static_cast<double>(runs_of_pass(*solver, "contact_start_pass"));
   };
   const double touching = phases_a_step(4);
   EXPECT_GT(touching, 16.0);

@@ -12,12 +12,6 @@ namespace {
 
 using GlFragment = GlTest;
 
-Model soft_block() {
-  Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
-  set_material(model, soft_tissue());
-  return model;
-}
-
 std::unique_ptr<gl::DeviceSolver> solver_of(const Model& model, const Scene& scene, const GlOptions& gl = {},
                                             const TopologyOptions& topology = {}) {
   SolverOptions options;
@@ -153,7 +147,7 @@ TEST_F(GlFragment, PaddingOfEveryTargetIsUntouchedAndUnread) {
 }
 
 TEST_F(GlFragment, TellsOfItsStepsWhatTheMirrorTells) {
-  const Model model = soft_block();
+  const Model model = with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2));
   Scene scene(model);
   const GlTwins twins(tables_of(model, {}), scene);
   for (const double amount : {0.05, 0.2}) {
@@ -175,7 +169,7 @@ TEST_F(GlFragment, TellsOfItsStepsWhatTheMirrorTells) {
 }
 
 TEST_F(GlFragment, RestsAtTheMirrorsStep) {
-  const Model model = soft_block();
+  const Model model = with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2));
   Scene scene(model);
   scene.fix("z1").gravity({0, 0, -9.81});
   for (const int rest_steps : {1, 3, 16, 100}) {

@@ -43,11 +43,12 @@ class GlJoint : public TwinsOnBothDevices {
 
 PHYMUL_ON_BOTH_DEVICES(GlJoint);
 
-constexpr double side = 0.02;  // m
+constexpr double cube_side = 0.02;  // m
 
 /// Two cubes, one above the other with a gap between: "lower" and "upper".
 Model two_cubes() {
-  const Model lower = make_block({side, side, side}, 3, 3, 3), upper = moved(lower, {0, 0, side + 0.001});
+  const Model lower = make_block({cube_side, cube_side, cube_side}, 3, 3, 3),
+              upper = moved(lower, {0, 0, cube_side + 0.001});
   const NamedBody bodies[] = {{"lower", &lower}, {"upper", &upper}};
   return with_material(merge_models(bodies));
 }
@@ -178,7 +179,7 @@ TEST_P(GlJoint, ForcesAreWithinTheRoundingBound) {
 
 /// Tools that turn while they go, with contacts and other tools beside; what each of them feels.
 TEST_P(GlJoint, ToolsPullAndFeelIt) {
-  const Model model = moved(with_material(make_block({side, side, side}, 3, 3, 3)), {3, -2, 1});
+  const Model model = moved(with_material(make_block({cube_side, cube_side, cube_side}, 3, 3, 3)), {3, -2, 1});
   Scene scene(model);
   scene.fix("z0").gravity({0, 0, -9.81});
   const Vec3 corner(3, -2, 1);
@@ -206,7 +207,7 @@ TEST_P(GlJoint, ToolsPullAndFeelIt) {
     expect_same_springs(*trio.twins.gl, *trio.reference, scene, 1e-5);
   }
   EXPECT_GT(trio.reference->tool_force("tool 1").force.norm(), 0.01) << "or this shows nothing";
-  EXPECT_LE(trio.apart(), apart_by * side);
+  EXPECT_LE(trio.apart(), apart_by * cube_side);
 }
 
 /// With the passes that contacts and kept volumes put between forces and motion.
@@ -276,7 +277,7 @@ TEST_P(GlJoint, CopiesAndLostDevicesKnowWhatBroke) {
 
 /// On the way to rest tools are at once where they go. Batches end where the body rests, and are taken back to there.
 TEST_P(GlJoint, RestsWhereTheReferenceDoes) {
-  const Model model = with_material(make_block({side, side, side}, 3, 3, 3));
+  const Model model = with_material(make_block({cube_side, cube_side, cube_side}, 3, 3, 3));
   Scene scene(model);
   scene.fix("z0").gravity({0, 0, -9.81});
   ToolHandle hook = scene.add_tool({.shape = Sphere{0.001}, .pose = {.position = {0.01, 0.01, 0.03}}});
@@ -292,7 +293,7 @@ TEST_P(GlJoint, RestsWhereTheReferenceDoes) {
     }
     if (most == 5) trio.twins.expect_same_bits("on the way");
     expect_same_springs(*trio.twins.gl, *trio.reference, scene, most == 5 ? 1e-5 : 1e-4);
-    EXPECT_LE(trio.apart(), apart_by * side);
+    EXPECT_LE(trio.apart(), apart_by * cube_side);
   }
 }
 

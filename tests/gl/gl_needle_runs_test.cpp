@@ -106,7 +106,7 @@ class GlComputeNeedle : public OnCompute {
     OnCompute::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
     tables_ = tables_of(model_, {});
-    const Tool needle{.shape = thin_needle(), .pose = {.position = {0.0203, 0.0197, side - 0.03}}};
+    const Tool needle{.shape = thin_needle(), .pose = {.position = {0.0203, 0.0197, block_side - 0.03}}};
     scene_.fix("z0").add_tool("needle", needle);
     SolverOptions options = damped(40.0);
     options.spectrum = estimate_spectrum(*tables_, tables_->rest);
@@ -177,10 +177,10 @@ TEST_F(GlComputeNeedle, WhatOneDispatchLeavesTheNextOnesDo) {
 TEST_F(GlNeedleRuns, ASceneWithoutNeedlesPaysNothing) {
   const Model model = Insertion::gel(3);
   Scene with(model), without(model), alone(model);
-  const Tool ball{.shape = Sphere{0.005}, .pose = {.position = {0.01, 0.01, side + 0.004}}};
+  const Tool ball{.shape = Sphere{0.005}, .pose = {.position = {0.01, 0.01, block_side + 0.004}}};
   for (Scene* scene : {&with, &without}) scene->fix("z0").add_tool("ball", ball);
   alone.fix("z0");
-  const Tool needle{.shape = thin_needle(), .pose = {.position = {0.0203, 0.0197, side + offset}}};
+  const Tool needle{.shape = thin_needle(), .pose = {.position = {0.0203, 0.0197, block_side + offset}}};
   with.add_tool("needle", needle);
   alone.add_tool("needle", needle);
   SolverOptions options = damped(5.0);
@@ -228,7 +228,7 @@ TEST_F(GlNeedleRuns, AHoleThatIsTooLongIsReportedAndTheStateBeforeKept) {
   shape.length = 0.002;
   shape.spread = 0.0025;
   Scene scene(model);
-  const ToolPose start{.position = {0.0203, 0.0197, side + offset}, .velocity = {0, 0, -0.5}};
+  const ToolPose start{.position = {0.0203, 0.0197, block_side + offset}, .velocity = {0, 0, -0.5}};
   scene.fix("z0").add_tool("other", {.shape = Sphere{0.001}, .pose = {.position = {0, 0, 1}}});
   scene.add_tool("needle", {.shape = shape, .pose = start});
   BesideReference pair(model, scene, damped(40.0));

@@ -14,7 +14,7 @@ namespace {
 using GlNeedle = OnCompute;
 
 /// m. No step ends with a tip on the surface, where rounding decides in which one the hole begins.
-constexpr double above = offset + 2.3e-5;
+constexpr double over_skin = offset + 2.3e-5;
 
 /// What a needle does on its way, and from where it is moved; depths in m.
 struct Course {
@@ -61,7 +61,7 @@ TEST_F(GlNeedle, AgreesWithTheReferenceOverWholeInsertions) {
                                                      pair.reference->needle_points("needle", 5)));
     }
     EXPECT_TRUE(pair.device->read().tools[0].needle.hole.empty());
-    EXPECT_EQ(through, course.depth > side);
+    EXPECT_EQ(through, course.depth > block_side);
     EXPECT_GT(moved, 1e-3);
     EXPECT_GT(peak, 0.3);
     EXPECT_LT(least, -0.05);
@@ -138,9 +138,11 @@ TEST_F(GlNeedle, ActsBetweenWhatHoldsAndWhatPresses) {
   Scene scene(model);
   Needle bends = thin_needle();
   bends.bending_stiffness = 5e-3;
-  ToolPose first{.position = {0.0203, 0.0197, side + above}}, second{.position = {0.0123, 0.0141, side + above}};
+  ToolPose first{.position = {0.0203, 0.0197, block_side + over_skin}},
+      second{.position = {0.0123, 0.0141, block_side + over_skin}};
   scene.fix("z0");
-  scene.add_tool("ball", {.shape = Sphere{0.008}, .pose = {.position = {0.03, 0.03, side + 0.0085}}, .friction = 0.3});
+  scene.add_tool("ball",
+                 {.shape = Sphere{0.008}, .pose = {.position = {0.03, 0.03, block_side + 0.0085}}, .friction = 0.3});
   scene.add_tool("first", {.shape = thin_needle(), .pose = first, .friction = 0.5});
   scene.add_tool("jaw", {.shape = Box{{0.012, 0.004, 0.012}}, .pose = {.position = {0.02, 0.0442, 0.02}}});
   scene.add_tool("second", {.shape = bends, .pose = second, .friction = 0.5});
@@ -149,11 +151,11 @@ TEST_F(GlNeedle, ActsBetweenWhatHoldsAndWhatPresses) {
   double worst = 0.0, worst_force = 0.0, largest_on_ball = 0.0;
   for (int k = 1; k <= 24; ++k) {
     const double in = k <= 16 ? 1e-3 * k : 1e-3 * (32 - k);
-    first.position.z() = second.position.z() = side + above - in;
+    first.position.z() = second.position.z() = block_side + over_skin - in;
     second.position.x() += 1e-4;
     scene.tool("first").move_to(first);
     scene.tool("second").move_to(second);
-    scene.tool("ball").move_to({.position = {0.03, 0.03 - 5e-5 * k, side + 0.0085 - 1.5e-4 * k}});
+    scene.tool("ball").move_to({.position = {0.03, 0.03 - 5e-5 * k, block_side + 0.0085 - 1.5e-4 * k}});
     if (k == 12) scene.tool("jaw").grasp(0.0145);  // nodes of holes among them
     if (k >= 12) scene.tool("jaw").move_to({.position = {0.02 + 1e-4 * (k - 12), 0.0442, 0.02}});
     worst = std::max(worst, pair.off_after(12));
@@ -247,7 +249,8 @@ TEST_F(GlNeedle, AStiffOneBesideOneThatBendsOutlivesAChangeOfTheScene) {
   scene.fix("z0");
   Needle bends = thin_needle();
   bends.bending_stiffness = 5e-3;
-  ToolPose stiff_pose{.position = {0.0203, 0.0197, side + above}}, pose{.position = {0.0103, 0.0297, side + above}};
+  ToolPose stiff_pose{.position = {0.0203, 0.0197, block_side + over_skin}},
+      pose{.position = {0.0103, 0.0297, block_side + over_skin}};
   scene.add_tool("stiff", {.shape = thin_needle(), .pose = stiff_pose, .friction = 0.5});
   scene.add_tool("bends", {.shape = bends, .pose = pose, .friction = 0.5});
   BesideReference pair(model, scene, damped(40.0));
@@ -269,7 +272,7 @@ TEST_F(GlNeedle, MakesNoHoleInABodyWithoutASurface) {
   model.components.clear();
   model.materials.clear();
   Scene scene(model);
-  ToolPose pose{.position = {0.0203, 0.0197, side + offset}};
+  ToolPose pose{.position = {0.0203, 0.0197, block_side + offset}};
   scene.add_tool("needle", {.shape = thin_needle(), .pose = pose, .friction = 0.5});
   SolverOptions options = damped(40.0);
   options.on_unstable = UnstableStep::allow;

@@ -22,20 +22,20 @@ class JointIn : public OnEveryBackend {
 };
 PHYMUL_ON_EVERY_BACKEND(JointIn);
 
-constexpr double mass = 0.01, stiffness = 40.0;  // kg, N/m
-const double omega = std::sqrt(stiffness / mass);
+constexpr double bead_mass = 0.01, spring_stiffness = 40.0;  // kg, N/m
+const double omega = std::sqrt(spring_stiffness / bead_mass);
 
 /// A particle at the origin, held there by a spring, that starts `x` away.
 struct Oscillator {
   Oscillator(double damping, double rest_length = 0.0) {
-    scene.add_joint({at_particle(0), at_world({-rest_length, 0, 0}), rest_length}, stiffness, damping);
+    scene.add_joint({at_particle(0), at_world({-rest_length, 0, 0}), rest_length}, spring_stiffness, damping);
   }
   void start(Solver& solver, double x) const {
     State state = rest_state(model);
     state.position[0].x() = x;
     solver.reset(state);
   }
-  Model model = loose_particles({Vec3(0, 0, 0)}, mass);
+  Model model = loose_particles({Vec3(0, 0, 0)}, bead_mass);
   Scene scene{model};
 };
 
@@ -67,7 +67,7 @@ TEST_P(JointIn, AParticleVibratesWithItsPeriod) {
 
 TEST_P(JointIn, ADamperLetsAVibrationDecay) {
   const double share = 0.1;  // of the critical damping
-  const Oscillator body(2.0 * share * mass * omega);
+  const Oscillator body(2.0 * share * bead_mass * omega);
   const auto solver = make(body.model, body.scene);
   body.start(*solver, 0.01);
   const double dt = 0.002 / omega, damped = omega * std::sqrt(1.0 - share * share);
@@ -103,7 +103,7 @@ TEST_P(JointIn, TheStepLimitOfAParticleIsExact) {
   for (const double damping : {0.0, 0.4, 2.0}) {
     const Oscillator body(damping);
     const auto solver = make(body.model, body.scene, {.on_unstable = UnstableStep::allow});
-    const double c = damping / mass;
+    const double c = damping / bead_mass;
     const double limit = 4.0 / (c + std::sqrt(c * c + 4.0 * omega * omega));
     EXPECT_NEAR(solver->stable_step() / limit, 1.0, 1e-12);
     const auto largest_after = [&](double dt) {
@@ -150,7 +150,7 @@ TEST_P(JointIn, EnergyIsKept) {
   const auto solver = make(body.model, body.scene);
   body.start(*solver, 0.01);
   const double start = solver->energy().total();
-  EXPECT_NEAR(start, 0.5 * stiffness * 1e-4, 1e-9);
+  EXPECT_NEAR(start, 0.5 * spring_stiffness * 1e-4, 1e-9);
   ASSERT_TRUE(solver->step(10000, 0.5 * solver->stable_step()).ok());
   EXPECT_NEAR(solver->energy().total() / start, 1.0, 2e-3);
 }
@@ -200,16 +200,17 @@ TEST_P(JointIn, AChainHangsAsACatenary) {
 }
 
 TEST_P(JointIn, ASpringBreaksAboveItsForce) {
-  const Model model = loose_particles({Vec3(0, 0, 0)}, mass);
+  const Model model = loose_particles({Vec3(0, 0, 0)}, bead_mass);
   for (const double over : {0.99, 1.01}) {
     Scene scene(model);
-    Joint joint{.springs = {{at_particle(0), at_world({0, 0, 0}), 0.0, 2.0}}, .stiffness = stiffness};
+    Joint joint{.springs = {{at_particle(0), at_world({0, 0, 0}), 0.0, 2.0}}, .stiffness = spring_stiffness};
     joint.breaking_force = 0.2;
     const JointHandle handle = scene.add_joint(joint);
     const auto solver = make(model, scene);
     EXPECT_EQ(solver->joint_report(handle).springs.size(), 1u);
     State state = rest_state(model);
-    state.position[0].x() = over * 0.2 / stiffness;  // of a share of 2: twice the stiffness, twice the breaking force
+    state.position[0].x() =
+        over * 0.2 / spring_stiffness;  // of a share of 2: twice the stiffness, twice the breaking force
     solver->reset(state);
     const double dt = 0.1 * solver->stable_step();
     ASSERT_TRUE(solver->step(1, dt).ok());
@@ -218,7 +219,7 @@ TEST_P(JointIn, ASpringBreaksAboveItsForce) {
     EXPECT_NEAR(solver->joint_report(handle).force.x(), -over * 0.4, 1e-6) << "it acts in that step still";
     EXPECT_NEAR(solver->joint_report(handle).largest, over * 0.4, 1e-6);
     const Vec3 v = solver->read().velocity[0];
-    EXPECT_NEAR(v.x(), -over * 0.4 / mass * dt, 1e-5);
+    EXPECT_NEAR(v.x(), -over * 0.4 / bead_mass * dt, 1e-5);
     ASSERT_TRUE(solver->step(5, dt).ok());
     if (broken) {
       EXPECT_EQ(solver->read().velocity[0], v) << "nothing pulls any more";
@@ -231,9 +232,9 @@ TEST_P(JointIn, ASpringBreaksAboveItsForce) {
 }
 
 TEST_P(JointIn, ASlackSpringDoesNotPush) {
-  const Model model = loose_particles({Vec3(0.01, 0, 0)}, mass);
+  const Model model = loose_particles({Vec3(0.01, 0, 0)}, bead_mass);
   Scene scene(model);
-  Joint joint{.springs = {{at_particle(0), at_world({0, 0, 0})}}, .stiffness = stiffness, .damping = 1.0};
+  Joint joint{.springs = {{at_particle(0), at_world({0, 0, 0})}}, .stiffness = spring_stiffness, .damping = 1.0};
   joint.slack = true;
   const JointHandle handle = scene.add_joint(joint);
   EXPECT_EQ(handle.joint().springs[0].rest_length, 0.01);
@@ -248,16 +249,16 @@ TEST_P(JointIn, ASlackSpringDoesNotPush) {
   };
   EXPECT_EQ(force_at(0.008, 0.0), 0.0);
   EXPECT_EQ(force_at(0.008, 1.0), 0.0);
-  EXPECT_NEAR(force_at(0.012, 0.0), -stiffness * 0.002, 1e-6);
+  EXPECT_NEAR(force_at(0.012, 0.0), -spring_stiffness * 0.002, 1e-6);
   EXPECT_EQ(force_at(0.012, -1.0), 0.0) << "the damper alone would push";
   handle.set_rest_length(0.011);
-  EXPECT_NEAR(force_at(0.012, 0.0), -stiffness * 0.001, 1e-6);
+  EXPECT_NEAR(force_at(0.012, 0.0), -spring_stiffness * 0.001, 1e-6);
 }
 
 TEST_P(JointIn, VelocitiesOfAStatesOwnTimeCountTheJoints) {
   const Oscillator body(0.0);
   Simulation sim(body.model, {.backend = GetParam(), .topology = {.law = Law::springs}});
-  sim.scene().add_joint({at_particle(0), at_world({0, 0, 0}), 0.0}, stiffness);
+  sim.scene().add_joint({at_particle(0), at_world({0, 0, 0}), 0.0}, spring_stiffness);
   State state = rest_state(body.model);
   state.position[0].x() = 0.01;
   sim.set_state(state);
@@ -268,7 +269,7 @@ TEST_P(JointIn, VelocitiesOfAStatesOwnTimeCountTheJoints) {
 
 /// Velocities of a step's middle follow from those of its end, though a damper acts on the former.
 TEST_P(JointIn, AStateHandedOverKeepsDampedVelocities) {
-  const Oscillator body(0.5 * mass * omega);
+  const Oscillator body(0.5 * bead_mass * omega);
   const auto solver = make(body.model, body.scene);
   body.start(*solver, 0.01);
   const double dt = 0.4 / omega;
@@ -282,17 +283,18 @@ TEST_P(JointIn, AStateHandedOverKeepsDampedVelocities) {
 }
 
 TEST_P(JointIn, AnotherJointOfTheNameIsWhole) {
-  Model model = loose_particles({Vec3(0, 0, 0), Vec3(0.01, 0, 0)}, mass);
+  Model model = loose_particles({Vec3(0, 0, 0), Vec3(0.01, 0, 0)}, bead_mass);
   Scene scene(model);
   Joint weak{.springs = {{at_particle(0), at_world({0, 0, 0})}, {at_particle(1), at_world({0, 0, 0.1})}},
-             .stiffness = stiffness,
+             .stiffness = spring_stiffness,
              .breaking_force = 1e-3};
   for (JointSpring& spring : weak.springs) spring.rest_length = 0.0;
   scene.add_joint("glue", weak);
   const auto solver = make(model, scene);
   ASSERT_TRUE(solver->step(2, 1e-4).ok());
   ASSERT_EQ(solver->joint_report("glue").broken, 1);
-  scene.remove_joint("glue").add_joint("glue", {.springs = {{at_particle(0), at_particle(1)}}, .stiffness = stiffness});
+  scene.remove_joint("glue").add_joint("glue",
+                                       {.springs = {{at_particle(0), at_particle(1)}}, .stiffness = spring_stiffness});
   EXPECT_TRUE(solver->read().joints.empty());
   EXPECT_TRUE(std::isfinite(solver->energy().kinetic));
   ASSERT_TRUE(solver->step(1, 1e-4).ok());

@@ -39,7 +39,7 @@ TEST_P(NeedleOnSkin, StaysInItsConeUntilItPunctures) {
 
 TEST_P(NeedleOnSkin, PushesNothingThatAnotherToolHolds) {
   Insertion needle(GetParam(), 5, 0.5);
-  const Vec3 at(0.25 * side, 0.5 * side, side);  // on one side of the needle
+  const Vec3 at(0.25 * block_side, 0.5 * block_side, block_side);  // on one side of the needle
   needle.scene.add_tool("clamp", {.shape = Box{{0.007, 0.021, 0.009}}, .pose = {.position = at}});
   needle.scene.tool("clamp").grasp(0.0);
   needle.go(0.004, 0.2, 4);
@@ -50,7 +50,7 @@ TEST_P(NeedleOnSkin, PushesNothingThatAnotherToolHolds) {
   EXPECT_GT(needle.solver->tool_force("needle").force.z(), 0.01);
   for (std::size_t k = 0; k < clamp.held.size(); ++k) {
     const Vec3 place = at + clamp.held_at[k];
-    EXPECT_LE((state.position[clamp.held[k]] - place).norm(), 100.0 * roundoff() * side) << clamp.held[k];
+    EXPECT_LE((state.position[clamp.held[k]] - place).norm(), 100.0 * roundoff() * block_side) << clamp.held[k];
   }
 }
 

@@ -213,7 +213,7 @@ bool shaken(Insertion& needle, int calls, std::uint32_t seed) {
   std::mt19937 bits(seed);
   for (int k = 0; k < calls; ++k) {
     const double z = 0.012 * uniform(bits), y = 0.004 * uniform(bits), x = 0.004 * uniform(bits);
-    needle.pose.position = Vec3(0.0203, 0.0197, side - 0.015) + Vec3(x, y, z);
+    needle.pose.position = Vec3(0.0203, 0.0197, block_side - 0.015) + Vec3(x, y, z);
     const Vec3 turn = 0.1 * random_vector(bits, 3);
     needle.pose.orientation = Quaternion(1.0, turn.x(), turn.y(), turn.z()).normalized();
     needle.scene.tool("needle").move_to(needle.pose);
@@ -243,7 +243,7 @@ TEST(BendingNeedle, OfAnyStiffnessIsStableInAHandThatShakes) {
 /// particle in the end, from a start of which one is moved by `way`.
 VecList ends_from(const std::string& backend, double stiffness, double way) {
   const Model model = Insertion::gel(3);
-  ToolPose pose{.position = {0.0203, 0.0197, side - 0.01}};
+  ToolPose pose{.position = {0.0203, 0.0197, block_side - 0.01}};
   Scene scene(model);
   scene.fix("z0").add_tool("needle", {.shape = bending(stiffness), .pose = pose, .friction = 0.5});
   SolverOptions options;

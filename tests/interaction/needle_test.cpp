@@ -151,9 +151,9 @@ TEST_P(NeedleIn, IsInTheBodyOnALineOfTheMesh) {
   Needle pointed = thin_needle();
   pointed.puncture = 0.8;
   pointed.spread = 0.0125;
-  for (const double y : {0.5 * side, 0.5 * side + 1e-3}) {
+  for (const double y : {0.5 * block_side, 0.5 * block_side + 1e-3}) {
     Insertion needle(GetParam(), 8, 0.5, pointed);
-    needle.pose.position = {0.5 * side, y, side + offset};
+    needle.pose.position = {0.5 * block_side, y, block_side + offset};
     needle.scene.tool("needle").teleport(needle.pose);
     const std::vector<double> in = needle.go(0.020, 0.2, 21);
     const State deep = needle.solver->read();
@@ -164,10 +164,11 @@ TEST_P(NeedleIn, IsInTheBodyOnALineOfTheMesh) {
 
 TEST(NeedleShaft, BehindTheBodyTheTipIsFree) {
   Insertion needle("cpu", 5, 0.5);
-  needle.go(side + 0.02, 0.2, 40);
+  needle.go(block_side + 0.02, 0.2, 40);
   EXPECT_TRUE(needle.solver->read().tools.at(0).needle.through);
-  const std::vector<double> on = needle.go(side + 0.03, 0.2, 5);
-  EXPECT_NEAR(on.back(), 10.0 * side, 0.15 * 10.0 * side);  // friction alone, along the block's whole height
+  const std::vector<double> on = needle.go(block_side + 0.03, 0.2, 5);
+  EXPECT_NEAR(on.back(), 10.0 * block_side,
+              0.15 * 10.0 * block_side);  // friction alone, along the block's whole height
 }
 
 }  // namespace

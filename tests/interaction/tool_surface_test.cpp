@@ -14,11 +14,13 @@ namespace phymul::test {
 namespace {
 
 constexpr double cell = 5e-3;  // m
-constexpr int across = 10, high = 6;
-const Vec3 middle(0.5 * across * cell, 0.5 * across * cell, high* cell);  // of the upper face: a particle
+constexpr int cells_across = 10, cells_high = 6;
+const Vec3 top_middle(0.5 * cells_across * cell, 0.5 * cells_across * cell,
+                      cells_high* cell);  // of the upper face: a particle
 
 Model slab() {
-  Model model = make_block({across * cell, across * cell, high * cell}, across, across, high);
+  Model model =
+      make_block({cells_across * cell, cells_across * cell, cells_high * cell}, cells_across, cells_across, cells_high);
   set_material(model, {.young = 10e3, .poisson = 0.3, .density = 1000});
   return model;
 }
@@ -27,9 +29,9 @@ class ToolSurfaceOn : public WithTools {};
 PHYMUL_ON_EVERY_BACKEND(ToolSurfaceOn);
 
 /// A tool that a hand moves by ticks of 1 ms.
-class Pressed {
+class PressedSlab {
  public:
-  Pressed(const Model& model, const Tool& tool, const std::string& backend = "cpu") : scene_(model) {
+  PressedSlab(const Model& model, const Tool& tool, const std::string& backend = "cpu") : scene_(model) {
     scene_.fix("z0").add_tool("tool", tool);
     SolverOptions options;
     options.damping.rate = 100.0;
@@ -59,21 +61,21 @@ class Pressed {
 
 Tool ball_of(double radius, ToolContact contact, double friction = 0.1) {
   return {.shape = Sphere{radius},
-          .pose = {.position = middle + Vec3(0, 0, radius + 1e-3)},
+          .pose = {.position = top_middle + Vec3(0, 0, radius + 1e-3)},
           .friction = friction,
           .contact = contact};
 }
 
 /// Over a particle, an edge, a diagonal of a cell and in a triangle.
-const std::array<Vec3, 4> places{Vec3(0, 0, 0), Vec3(0.5, 0, 0), Vec3(0.5, 0.5, 0), Vec3(0.7, 0.2, 0)};
+const std::array<Vec3, 4> four_places{Vec3(0, 0, 0), Vec3(0.5, 0, 0), Vec3(0.5, 0.5, 0), Vec3(0.7, 0.2, 0)};
 
 /// Least and largest force over the places.
 std::pair<double, double> range_of_forces(double radius, double depth, ToolContact contact) {
   const Model model = slab();
   double least = INFINITY, most = 0.0;
-  for (const Vec3& place : places) {
-    Pressed pressed(model, ball_of(radius, contact));
-    const double force = pressed.press(middle + cell * place + Vec3(0, 0, radius), depth).mean_force.z();
+  for (const Vec3& place : four_places) {
+    PressedSlab pressed(model, ball_of(radius, contact));
+    const double force = pressed.press(top_middle + cell * place + Vec3(0, 0, radius), depth).mean_force.z();
     least = std::min(least, force);
     most = std::max(most, force);
   }
@@ -86,7 +88,7 @@ TEST(ToolSurface, ForceOfABallIsThatOfHertzAtEveryPlace) {
   const auto [least, most] = range_of_forces(radius, depth, ToolContact::surface);
   const double hertz = 4.0 / 3.0 * 10e3 / (1.0 - nu * nu) * std::sqrt(radius) * std::pow(depth, 1.5);
   const double alpha = -(1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1.0 - nu);
-  const double chi = std::sqrt(radius * depth) / (high * cell);
+  const double chi = std::sqrt(radius * depth) / (cells_high * cell);
   const double layer = 1.0 - 2.0 * alpha / M_PI * chi + std::pow(2.0 * alpha / M_PI * chi, 2);
   RecordProperty("least", std::to_string(least / (hertz * layer)));
   RecordProperty("most", std::to_string(most / (hertz * layer)));
@@ -105,13 +107,13 @@ TEST(ToolSurface, ForceOfASmallBallDependsLessOnThePlaceThanAtParticles) {
   EXPECT_GT(at_particles.second, 1.3 * at_particles.first);
 }
 
-/// A rod of a fifth of a cell, in the middle of a triangle.
+/// A rod of a fifth of a cell, in the top_middle of a triangle.
 TEST(ToolSurface, AThinRodBetweenParticlesIsFelt) {
   const Model model = slab();
   const double radius = 0.2 * cell;
-  const Vec3 from = middle + cell * Vec3(0.7, 0.3, 0) + Vec3(0, 0, radius);
+  const Vec3 from = top_middle + cell * Vec3(0.7, 0.3, 0) + Vec3(0, 0, radius);
   for (const ToolContact contact : {ToolContact::particles, ToolContact::surface}) {
-    Pressed pressed(model, {.shape = Capsule{radius, 0.1}, .pose = {.position = from}, .contact = contact});
+    PressedSlab pressed(model, {.shape = Capsule{radius, 0.1}, .pose = {.position = from}, .contact = contact});
     int felt = 0;
     for (int k = 1; k <= 40; ++k) felt += pressed.tick(from - Vec3(0, 0, 1e-4 * k)).mean_force.z() > 0.0 ? 1 : 0;
     EXPECT_EQ(felt, contact == ToolContact::surface ? 40 : 0);
@@ -122,8 +124,8 @@ TEST(ToolSurface, AThinRodBetweenParticlesIsFelt) {
 double largest_jump(ToolContact contact, const std::string& backend) {
   const Model model = slab();
   const double radius = 0.8 * cell, depth = 0.6 * cell;
-  Pressed pressed(model, ball_of(radius, contact), backend);
-  const Vec3 from = middle - cell * Vec3(1, 0.2, 0) + Vec3(0, 0, radius);
+  PressedSlab pressed(model, ball_of(radius, contact), backend);
+  const Vec3 from = top_middle - cell * Vec3(1, 0.2, 0) + Vec3(0, 0, radius);
   double before = pressed.press(from, depth).mean_force.norm(), jump = 0.0;
   for (int k = 1; k <= 200; ++k) {
     const double now = pressed.tick(from + Vec3(5e-5 * k, 1e-5 * k, -depth)).mean_force.norm();
@@ -146,13 +148,13 @@ TEST_P(ToolSurfaceOn, ForceIsContinuousAsABallSlidesOverTriangles) {
 TEST_P(ToolSurfaceOn, FrictionStaysInCoulombsConeAndReachesIt) {
   const Model model = slab();
   const double half = 0.01;
-  const Vec3 from = middle + Vec3(0, 0, half);
-  Pressed pressed(model,
-                  {.shape = Box{{across * cell, across * cell, half}},
-                   .pose = {.position = from},
-                   .friction = 0.3,
-                   .contact = ToolContact::surface},
-                  GetParam());
+  const Vec3 from = top_middle + Vec3(0, 0, half);
+  PressedSlab pressed(model,
+                      {.shape = Box{{cells_across * cell, cells_across * cell, half}},
+                       .pose = {.position = from},
+                       .friction = 0.3,
+                       .contact = ToolContact::surface},
+                      GetParam());
   pressed.press(from, 1e-3);
   double share = 0.0;
   for (int k = 1; k <= 100; ++k) {

@@ -41,7 +41,7 @@ class FullDisk {
   void (*handler_)(int) = nullptr;
 };
 
-Model body() {
+Model large_body() {
   Model model = make_block({0.1, 0.1, 0.1}, 8, 8, 8);  // more than 4096 bytes in every format
   set_material(model, {.young = 1e4, .poisson = 0.3, .density = 1000});
   return model;
@@ -95,7 +95,7 @@ ErrorCode code_of(const std::function<void()>& action) {
 }
 
 TEST(FullDisk, KeepsTheOldFileWhole) {
-  const Model model = body();
+  const Model model = large_body();
   for (const Writer& writer : writers(model)) {
     SCOPED_TRACE(writer.name);
     const TextFile file(std::string("body.") + writer.name, "as it was");
@@ -119,7 +119,7 @@ TEST(FullDisk, KeepsTheOldFileWhole) {
 }
 
 TEST(FullDisk, DevicesAndMissingFoldersAreNamed) {
-  const Model model = body();
+  const Model model = large_body();
   for (const Writer& writer : writers(model)) {
     SCOPED_TRACE(writer.name);
     const TextFile file("there", "");
@@ -137,7 +137,7 @@ TEST(FullDisk, DevicesAndMissingFoldersAreNamed) {
 
 /// A frame that could not be written whole is written again under the same number.
 TEST(FullDisk, ASeriesGoesOnWhereItWas) {
-  const Model model = body();
+  const Model model = large_body();
   const TextFile file("series.pvd", "");
   const std::string stem = (fs::path(file.path()).parent_path() / "series").string();
   VtkSeries series(stem);

@@ -35,7 +35,7 @@ Load read_one(const std::string& type, const std::string& children) {
   return loads.front();
 }
 
-std::string refusal(const std::string& text) {
+std::string lml_refusal(const std::string& text) {
   return message_of([&] { read_text(text); });
 }
 
@@ -277,7 +277,7 @@ TEST(LmlWrite, RefusesWhatLmlCannotSay) {
 
 TEST(LmlErrors, AppliedTo) {
   const auto message = [](const std::string& text) {
-    return refusal(load_text("Force", "<appliedTo>" + text + "</appliedTo>" + event + along_z + "<unit>N</unit>"));
+    return lml_refusal(load_text("Force", "<appliedTo>" + text + "</appliedTo>" + event + along_z + "<unit>N</unit>"));
   };
   const std::string at = "t.lml:3: appliedTo: ";
   EXPECT_EQ(message("999"), at + "expected the index of an atom, got 999, which no atom of the model has");
@@ -295,7 +295,7 @@ TEST(LmlErrors, AppliedTo) {
 
 TEST(LmlErrors, Units) {
   const auto message = [](const std::string& type, const std::string& unit) {
-    return refusal(load_text(type, "<appliedTo>1</appliedTo>" + event + along_z + "\n<unit>" + unit + "</unit>"));
+    return lml_refusal(load_text(type, "<appliedTo>1</appliedTo>" + event + along_z + "\n<unit>" + unit + "</unit>"));
   };
   EXPECT_EQ(message("Force", "lbf"), "t.lml:4: expected a unit of a load of type Force (N, kN, pN), got \"lbf\"");
   EXPECT_EQ(message("Force", "mm"), "t.lml:4: expected a unit of a load of type Force (N, kN, pN), got \"mm\"");
@@ -305,37 +305,38 @@ TEST(LmlErrors, Units) {
 
 TEST(LmlErrors, Loads) {
   const std::string target = "<appliedTo>1</appliedTo>";
-  EXPECT_EQ(refusal("<physicalModel/>"), "t.lml:1: expected <loads>, got <physicalModel>; read bodies with read_pml");
-  EXPECT_EQ(refusal(load_text("Heat", target)),
+  EXPECT_EQ(lml_refusal("<physicalModel/>"),
+            "t.lml:1: expected <loads>, got <physicalModel>; read bodies with read_pml");
+  EXPECT_EQ(lml_refusal(load_text("Heat", target)),
             "t.lml:2: expected attribute xsi:type (or type) of <load> to be one of Translation, Rotation, Force, "
             "Pressure, Acceleration, got \"Heat\"");
-  EXPECT_EQ(refusal("<loads><load/></loads>"),
+  EXPECT_EQ(lml_refusal("<loads><load/></loads>"),
             "t.lml:1: expected attribute xsi:type (or type) of <load> to be one of Translation, Rotation, Force, "
             "Pressure, Acceleration, got none");
-  EXPECT_EQ(refusal(load_text("Force", event + along_z)), "t.lml:2: expected <appliedTo> in <load>, got none");
-  EXPECT_EQ(refusal(load_text("Force", target + "\n" + target)),
+  EXPECT_EQ(lml_refusal(load_text("Force", event + along_z)), "t.lml:2: expected <appliedTo> in <load>, got none");
+  EXPECT_EQ(lml_refusal(load_text("Force", target + "\n" + target)),
             "t.lml:4: expected one <appliedTo> in <load>, got a second one; the first is on line 3");
-  EXPECT_EQ(refusal(load_text("Force", target + event)),
+  EXPECT_EQ(lml_refusal(load_text("Force", target + event)),
             "t.lml:2: expected <direction> in a load of type Force, got none");
-  EXPECT_EQ(refusal(load_text("Force", target + along_z)),
+  EXPECT_EQ(lml_refusal(load_text("Force", target + along_z)),
             "t.lml:2: expected at least one <valueEvent> in <load>, got none");
-  EXPECT_EQ(refusal(load_text("Force", target + along_z + "\n<valueEvent date=\"0\" value=\"1,5\"/>")),
+  EXPECT_EQ(lml_refusal(load_text("Force", target + along_z + "\n<valueEvent date=\"0\" value=\"1,5\"/>")),
             "t.lml:4: expected a finite number with a decimal point in value, got \"1,5\"");
-  EXPECT_EQ(refusal(load_text("Force", target + along_z + "\n<valueEvent value=\"1\"/>")),
+  EXPECT_EQ(lml_refusal(load_text("Force", target + along_z + "\n<valueEvent value=\"1\"/>")),
             "t.lml:4: expected attribute \"date\" in <valueEvent>, got none");
-  EXPECT_EQ(refusal(load_text("Force", target + event + "\n<direction x=\"up\"/>")),
+  EXPECT_EQ(lml_refusal(load_text("Force", target + event + "\n<direction x=\"up\"/>")),
             "t.lml:4: expected a finite number with a decimal point in x, got \"up\"");
-  EXPECT_EQ(refusal(load_text("Force", target + event + "\n<direction x=\"0\" y=\"0\" z=\"0\"/>")),
+  EXPECT_EQ(lml_refusal(load_text("Force", target + event + "\n<direction x=\"0\" y=\"0\" z=\"0\"/>")),
             "t.lml:4: expected a direction of a length above 0, got (0, 0, 0); write NULL to hold an axis");
-  EXPECT_EQ(refusal(load_text("Rotation", target + event + "\n<direction x=\"NULL\"/>")),
+  EXPECT_EQ(lml_refusal(load_text("Rotation", target + event + "\n<direction x=\"NULL\"/>")),
             "t.lml:4: expected the axis of a rotation, of a length above 0, in <direction>");
-  EXPECT_EQ(refusal(load_text("Force", target + event + "\n<direction toward=\"99\"/>")),
+  EXPECT_EQ(lml_refusal(load_text("Force", target + event + "\n<direction toward=\"99\"/>")),
             "t.lml:4: toward: expected the index of an atom, got 99, which no atom of the model has");
-  EXPECT_EQ(refusal(load_text("Force", target + event + "\n<direction toward=\"-1\"/>")),
+  EXPECT_EQ(lml_refusal(load_text("Force", target + event + "\n<direction toward=\"-1\"/>")),
             "t.lml:4: expected a whole number from 0 to 2147483647 in toward of <direction>, got \"-1\"");
-  EXPECT_EQ(refusal(load_text("Force", target + event + "\n<direction toward=\"1\" x=\"1\"/>")),
+  EXPECT_EQ(lml_refusal(load_text("Force", target + event + "\n<direction toward=\"1\" x=\"1\"/>")),
             "t.lml:4: expected toward or coordinates in <direction>, got toward and x=\"1\"");
-  EXPECT_EQ(refusal("<loads>\n<load>").rfind("t.lml:2: expected well-formed XML", 0), 0u);
+  EXPECT_EQ(lml_refusal("<loads>\n<load>").rfind("t.lml:2: expected well-formed XML", 0), 0u);
 }
 
 }  // namespace

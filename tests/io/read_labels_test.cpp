@@ -78,7 +78,7 @@ class Nifti {
   std::string header_ = std::string(352, '\0');
 };
 
-std::string reading(const std::string& name, const std::string& bytes) {
+std::string reading_labels(const std::string& name, const std::string& bytes) {
   const TextFile file(name, bytes);
   return message_of([&] { read_labels(file.path()); });
 }
@@ -103,11 +103,11 @@ void expect_frame(const LabelImage& image, const Vec3& origin, const std::array<
 
 /// Whether this build reads the format: without the library the Error says so.
 bool reads(const std::string& name) {
-  return reading(name, "").find("phymul was built without") == std::string::npos;
+  return reading_labels(name, "").find("phymul was built without") == std::string::npos;
 }
 
 #define PHYMUL_SKIP_UNLESS_READ(name) \
-  if (!reads(name)) GTEST_SKIP() << reading(name, "")
+  if (!reads(name)) GTEST_SKIP() << reading_labels(name, "")
 
 TEST(ReadLabels, Nifti) {
   PHYMUL_SKIP_UNLESS_READ("a.nii");
@@ -185,11 +185,11 @@ TEST(ReadLabels, NiftiTypes) {
   put(1024, 64, std::vector<std::int64_t>(24, 7));
   EXPECT_EQ(read_back("a.nii", file.bytes()).label, std::vector<std::uint16_t>(24, 7));
   put(8, 32, std::vector<std::int32_t>(24, 65536));
-  EXPECT_TRUE(says(reading("a.nii", file.bytes()), "expected labels from 0 to 65535, got 65536 in voxel 0"));
+  EXPECT_TRUE(says(reading_labels("a.nii", file.bytes()), "expected labels from 0 to 65535, got 65536 in voxel 0"));
   put(4, 16, std::vector<std::int16_t>(24, -1));
-  EXPECT_TRUE(says(reading("a.nii", file.bytes()), "expected labels from 0 to 65535, got -1 in voxel 0"));
+  EXPECT_TRUE(says(reading_labels("a.nii", file.bytes()), "expected labels from 0 to 65535, got -1 in voxel 0"));
   put(16, 32, std::vector<float>(24, 1.0f));
-  EXPECT_TRUE(says(reading("a.nii", file.bytes()), "expected integers as labels, got FLOAT32"));
+  EXPECT_TRUE(says(reading_labels("a.nii", file.bytes()), "expected integers as labels, got FLOAT32"));
 }
 
 TEST(ReadLabels, RefusesBadNifti) {
@@ -197,9 +197,9 @@ TEST(ReadLabels, RefusesBadNifti) {
   const auto changed = [](auto change, const std::string& name = "bad.nii") {
     Nifti file;
     change(file);
-    return reading(name, file.bytes());
+    return reading_labels(name, file.bytes());
   };
-  EXPECT_TRUE(says(reading("bad.nii", "nothing of it"), "bad.nii: expected a header of NIfTI-1"));
+  EXPECT_TRUE(says(reading_labels("bad.nii", "nothing of it"), "bad.nii: expected a header of NIfTI-1"));
   EXPECT_TRUE(
       says(changed([](Nifti& f) { f.voxels.resize(20); }), "expected 24 voxels of 2 bytes, but the file of 372"));
   EXPECT_TRUE(says(changed([](Nifti& f) { f.dimensions({4, 4, 3, 2, 5}); }), "of three dimensions, got 4"));
@@ -214,9 +214,9 @@ TEST(ReadLabels, RefusesBadNifti) {
   EXPECT_TRUE(says(changed([](Nifti& f) { f.sform({1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0}); }), "expected a frame"));
   EXPECT_TRUE(says(changed([](Nifti& f) { f.sform({1, 0, 0, NAN, 0, 1, 0, 0, 0, 0, 1, 0}); }), "expected a frame"));
   std::string half = zipped(Nifti().bytes());
-  EXPECT_EQ(reading("a.nii.gz", half), "(no error)");
+  EXPECT_EQ(reading_labels("a.nii.gz", half), "(no error)");
   half.resize(half.size() / 2);
-  EXPECT_TRUE(says(reading("half.nii.gz", half), "half.nii.gz: expected"));
+  EXPECT_TRUE(says(reading_labels("half.nii.gz", half), "half.nii.gz: expected"));
 }
 
 /// Cut at every byte: an Error, or what was read is whole.
@@ -224,7 +224,7 @@ TEST(ReadLabels, NiftiCutAnywhere) {
   PHYMUL_SKIP_UNLESS_READ("a.nii");
   const std::string whole = Nifti().bytes();
   for (std::size_t size = 0; size < whole.size(); ++size) {
-    EXPECT_TRUE(says(reading("cut.nii", whole.substr(0, size)), "cut.nii: ")) << size;
+    EXPECT_TRUE(says(reading_labels("cut.nii", whole.substr(0, size)), "cut.nii: ")) << size;
   }
 }
 
@@ -272,13 +272,14 @@ TEST(ReadLabels, RefusesBadNrrd) {
   PHYMUL_SKIP_UNLESS_READ("a.nrrd");
   const std::string end = "spacings: 1 1 1\n" + raw;
   const auto with = [&](const std::string& fields, const std::string& voxels = bytes_of(counted())) {
-    return reading("bad.nrrd", nrrd(fields + raw, voxels));
+    return reading_labels("bad.nrrd", nrrd(fields + raw, voxels));
   };
-  EXPECT_TRUE(says(reading("bad.nrrd", "nothing of it"), "bad.nrrd: expected an image in NRRD"));
+  EXPECT_TRUE(says(reading_labels("bad.nrrd", "nothing of it"), "bad.nrrd: expected an image in NRRD"));
   EXPECT_TRUE(says(with(plain, "short"), "bad.nrrd: expected an image in NRRD"));
 #ifndef __SANITIZE_ADDRESS__  // teem loses its buffers there
-  EXPECT_TRUE(says(reading("bad.nrrd", nrrd(plain + "encoding: gzip\n", zipped(bytes_of(counted())).substr(0, 30))),
-                   "bad.nrrd: expected an image in NRRD"));
+  EXPECT_TRUE(
+      says(reading_labels("bad.nrrd", nrrd(plain + "encoding: gzip\n", zipped(bytes_of(counted())).substr(0, 30))),
+           "bad.nrrd: expected an image in NRRD"));
 #endif
   EXPECT_TRUE(says(with("type: float\ndimension: 3\nsizes: 3 2 2\nendian: little\n"), "as labels, got float"));
   EXPECT_TRUE(says(with("type: short\ndimension: 4\nsizes: 2 2 3 2\nendian: little\n"), "of three dimensions, got 4"));
@@ -293,7 +294,7 @@ TEST(ReadLabels, DamagedFiles) {
   std::mt19937 random(1);
   const auto damaged = [&](const std::string& name, std::string bytes, std::size_t header) {
     for (int byte = 0; byte < 3; ++byte) bytes[random() % header] = static_cast<char>(random() % 256);
-    const std::string message = reading(name, bytes);
+    const std::string message = reading_labels(name, bytes);
     EXPECT_TRUE(message == "(no error)" || message.find(name) != std::string::npos) << message;
   };
   const std::string text = nrrd(plain + "space: LPS\n" + directions + raw);
@@ -304,7 +305,8 @@ TEST(ReadLabels, DamagedFiles) {
 }
 
 TEST(ReadLabels, RefusesOtherFiles) {
-  EXPECT_TRUE(says(reading("a.png", "x"), "a.png: expected a labelled image in a .nii, .nii.gz, .nrrd or .nhdr file"));
+  EXPECT_TRUE(
+      says(reading_labels("a.png", "x"), "a.png: expected a labelled image in a .nii, .nii.gz, .nrrd or .nhdr file"));
   EXPECT_TRUE(says(message_of([] { read_labels("/nowhere/a.nii"); }), "/nowhere/a.nii: the file cannot be opened"));
 }
 

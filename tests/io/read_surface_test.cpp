@@ -108,13 +108,13 @@ std::string gltf_text(const Surface& surface) {
   return out.str();
 }
 
-std::string reading(const std::string& name, const std::string& bytes, double unit = 1e-3) {
+std::string reading_surface(const std::string& name, const std::string& bytes, double unit = 1e-3) {
   const TextFile file(name, bytes);
   return message_of([&] { read_surface(file.path(), unit); });
 }
 
 bool is_built() {
-  return reading("box.obj", obj_text(box())).find("without Assimp") == std::string::npos;
+  return reading_surface("box.obj", obj_text(box())).find("without Assimp") == std::string::npos;
 }
 
 #define SKIP_WITHOUT_ASSIMP() \
@@ -156,9 +156,10 @@ TEST(ReadSurface, SaysWhatItMendedByFile) {
 }
 
 TEST(ReadSurface, RefusesByFileAndPlace) {
-  EXPECT_NE(reading("box.step", "").find("expected a surface in a .stl, .obj, .ply, .gltf or .glb file, got \".step\""),
+  EXPECT_NE(reading_surface("box.step", "")
+                .find("expected a surface in a .stl, .obj, .ply, .gltf or .glb file, got \".step\""),
             std::string::npos);
-  EXPECT_NE(reading("box.stl", stl_text(box()), 0.0).find("metres_per_unit above 0, got 0"), std::string::npos);
+  EXPECT_NE(reading_surface("box.stl", stl_text(box()), 0.0).find("metres_per_unit above 0, got 0"), std::string::npos);
   EXPECT_NE(message_of([] { read_surface("no such file.stl"); }).find("no such file.stl: the file cannot be opened"),
             std::string::npos);
   SKIP_WITHOUT_ASSIMP();
@@ -176,7 +177,7 @@ TEST(ReadSurface, RefusesByFileAndPlace) {
                                     {"nan.stl",
                                      "solid x\nfacet normal 0 0 0\nouter loop\nvertex nan 0 0\nvertex 1 0 0\n"
                                      "vertex 0 1 0\nendloop\nendfacet\nendsolid x\n"}}) {
-    const std::string refusal = reading(name, bytes);
+    const std::string refusal = reading_surface(name, bytes);
     EXPECT_NE(refusal.find(std::string(name) + ": "), std::string::npos) << refusal;
   }
 }

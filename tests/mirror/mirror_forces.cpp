@@ -1,21 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "mirror_forces.h"
 
-#include <bit>
 #include <utility>
 
 namespace phymul::cpu {
 namespace {
 
 using Forces = Kernels<float>;  // where the volume law does not matter
-
-Float3 xyz(const Float4& texel) {
-  return {texel[0], texel[1], texel[2]};
-}
-
-float as_float(std::int32_t bits) {
-  return std::bit_cast<float>(bits);
-}
 
 bool reacts_by_bases(const FloatTables& t) {
   return t.options.reaction == Reaction::conservative || t.options.reaction == Reaction::averaged;

@@ -11,10 +11,9 @@
 #include "device/float_tables.h"
 #include "kernels.h"
 #include "mirror_dissipation.h"
+#include "texels.h"
 
 namespace phymul::cpu {
-
-using Float3 = Vector3<float>;
 
 class MirrorForces {
  public:

@@ -1,28 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "mirror_joints.h"
 
-#include <bit>
 #include <cmath>
 #include <cstdlib>
 
 #include "kernels.h"
+#include "texels.h"
 
 namespace phymul::cpu {
 namespace {
 
-using Float3 = Vector3<float>;
 using Law = Kernels<float>;
-
-Float3 xyz(const Float4& row) {
-  return {row[0], row[1], row[2]};
-}
 
 Float4 texel(const Float3& v, float w) {
   return {v.x, v.y, v.z, w};
-}
-
-float as_float(std::int32_t bits) {
-  return std::bit_cast<float>(bits);
 }
 
 }  // namespace

@@ -8,10 +8,9 @@
 
 #include "device/float_tools.h"
 #include "interaction/contact_tool.h"
+#include "texels.h"
 
 namespace phymul::cpu {
-
-using Float3 = Vector3<float>;
 
 struct FloatFrame {  // axes in the world, place as a sum
   Float3 x, y, z, high, low;
@@ -129,7 +128,6 @@ class ToolRows {
   }
 
  private:
-  static Float3 xyz(const Float4& row) { return {row[0], row[1], row[2]}; }
   const Float4* frame_rows(int tool, int at) const {
     return &tools_.frames()[FloatTools::frame_rows * static_cast<std::size_t>(at * tools_.count() + tool)];
   }

@@ -12,6 +12,7 @@
 #include "model/cell_geometry.h"
 #include "model/duplicates.h"
 #include "model/file_extras.h"
+#include "support/flaws.h"
 
 namespace phymul {
 namespace {
@@ -27,15 +28,6 @@ Finding only(const std::vector<Finding>& findings, Flaw flaw) {
   }
   EXPECT_EQ(times, 1);
   return found;
-}
-
-bool has(const std::vector<Finding>& findings, Flaw flaw) {
-  return std::any_of(findings.begin(), findings.end(), [&](const Finding& f) { return f.flaw == flaw; });
-}
-
-void mirror(Cell& cell) {
-  const std::vector<Index> old = cell.particles;
-  for (std::size_t v = 0; v < old.size(); ++v) cell.particles[v] = old[cell_reversal(cell.type)[v]];
 }
 
 /// A cell as what it is whatever vertex its list starts with: its outward faces, each from its lowest particle on.

@@ -14,7 +14,7 @@ namespace phymul {
 namespace {
 
 /// A cube of six pyramids, their common apex off its middle.
-Model pyramids() {
+Model leaning_pyramids() {
   Model model = make_block({0.02, 0.02, 0.02}, 1, 1, 1);
   std::vector<Index> corner = model.cells.front().particles;
   const auto apex = static_cast<Index>(model.rest.size());
@@ -39,7 +39,7 @@ Model jittered_block() {
 
 std::vector<Model> one_of_each_cell() {
   return {jittered_block(), make_tetrahedral_block({0.1, 0.06, 0.04}, 4, 3, 2, 0.2, 1),
-          make_cylinder(0.03, 0.08, 2, 8, 5), pyramids()};
+          make_cylinder(0.03, 0.08, 2, 8, 5), leaning_pyramids()};
 }
 
 /// Places in the box of the body, some of them outside of a round one.

@@ -7,20 +7,11 @@
 
 #include <algorithm>
 
-#include "model/cell_geometry.h"
+#include "support/flaws.h"
 #include "support/message_of.h"
 
 namespace phymul {
 namespace {
-
-bool has(const std::vector<Finding>& findings, Flaw flaw) {
-  return std::ranges::find(findings, flaw, &Finding::flaw) != findings.end();
-}
-
-void mirror(Cell& cell) {
-  const std::vector<Index> old = cell.particles;
-  for (std::size_t v = 0; v < old.size(); ++v) cell.particles[v] = old[cell_reversal(cell.type)[v]];
-}
 
 /// A vertex pushed through its neighbours is no matter of winding: turned round, cells would lie one in the other.
 TEST(TangledCells, AreRefused) {

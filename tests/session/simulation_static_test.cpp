@@ -10,7 +10,7 @@
 namespace phymul::test {
 namespace {
 
-Material tissue(double poisson) {
+Material tissue_of(double poisson) {
   return {.young = 10e3, .poisson = poisson, .density = 1000};
 }
 
@@ -25,7 +25,7 @@ Model beam(int across, Cells cells) {
 /// Steps come as near to rest as the test compares.
 SimulationOptions with_steps_to_the_end(double poisson) {
   SimulationOptions options;
-  options.material = tissue(poisson);
+  options.material = tissue_of(poisson);
   options.backend = "reference";
   options.solver.rest_tolerance = 1e-10;
   return options;
@@ -118,7 +118,7 @@ TEST(SimulationStatic, TakesAsManyEvaluationsForALargeBodyAsForASmallOne) {
 }
 
 TEST(SimulationStatic, ABackendInSinglePrecisionTakesTheState) {
-  Simulation single(beam(2, Cells::tetrahedra), {.material = tissue(0.3), .backend = "cpu"});
+  Simulation single(beam(2, Cells::tetrahedra), {.material = tissue_of(0.3), .backend = "cpu"});
   single.scene().fix("x0").gravity({0, 0, -0.1});
   Simulation exact = hung(beam(2, Cells::tetrahedra), 0.3, 0.1 / 9.81);
   ASSERT_TRUE(single.solve_static().converged());
@@ -131,13 +131,13 @@ TEST(SimulationStatic, ABackendInSinglePrecisionTakesTheState) {
 }
 
 TEST(SimulationStatic, SaysThatABodyThatNothingHoldsHasNoRest) {
-  Simulation falling(beam(2, Cells::hexahedra), {.material = tissue(0.3), .backend = "reference"});
+  Simulation falling(beam(2, Cells::hexahedra), {.material = tissue_of(0.3), .backend = "reference"});
   falling.scene().gravity({0, 0, -9.81});
   const StaticResult none = falling.solve_static();
   EXPECT_EQ(none.status, RestStatus::failed);
   EXPECT_TRUE(says(none.message(), "has no rest")) << none.message();
   // Held along one axis alone, and loaded along another.
-  Simulation sliding(beam(2, Cells::hexahedra), {.material = tissue(0.3), .backend = "reference"});
+  Simulation sliding(beam(2, Cells::hexahedra), {.material = tissue_of(0.3), .backend = "reference"});
   sliding.scene().gravity({9.81, 0, 0});
   Load held = constant(LoadType::translation, sliding.model().group("z0"), 0.0, {0, 0, 1});
   held.axes = {Axis::free, Axis::free, Axis::held};
@@ -146,7 +146,7 @@ TEST(SimulationStatic, SaysThatABodyThatNothingHoldsHasNoRest) {
 }
 
 TEST(SimulationStatic, BalancedLoadsNeedNoSupport) {
-  Simulation sim(beam(2, Cells::hexahedra), {.material = tissue(0.3), .backend = "reference"});
+  Simulation sim(beam(2, Cells::hexahedra), {.material = tissue_of(0.3), .backend = "reference"});
   constexpr double traction = 4.0;  // Pa
   for (const auto& [group, sign] : {std::pair{"x0", -1.0}, std::pair{"x1", 1.0}}) {
     sim.scene().add(constant(LoadType::pressure, sim.model().group(group), traction, {sign, 0, 0}));
@@ -176,7 +176,7 @@ TEST(SimulationStatic, ReturnsFromEveryBrokenState) {
   constexpr double side = 0.02;
   constexpr int across = 3;
   Simulation sim(make_tetrahedral_block({side, side, side}, across, across, across, 0.2, 3),
-                 {.material = tissue(0.45), .backend = "reference"});
+                 {.material = tissue_of(0.45), .backend = "reference"});
   for (const FailureState& failure : failure_states()) {
     std::mt19937 bits(5);
     State state = rest_state(sim.model());
@@ -285,15 +285,15 @@ TEST(SimulationStatic, RefusesWhatItDoesNotSupport) {
                    "load 1 has an event at 1 s"));
   Simulation springs(make_block({0.02, 0.02, 0.02}, 2, 2, 2), {.backend = "reference"});
   EXPECT_TRUE(says(message_of([&] { springs.solve_static(); }), "a body with a material"));
-  Simulation plane(make_strip(0.04, 0.02, 4, 2), {.material = tissue(0.3), .backend = "reference"});
+  Simulation plane(make_strip(0.04, 0.02, 4, 2), {.material = tissue_of(0.3), .backend = "reference"});
   EXPECT_TRUE(says(message_of([&] { plane.solve_static(); }), "three dimensions"));
   Model loose = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
   loose.rest.push_back({0.1, 0.1, 0.1});
   loose.mass.push_back(1.0);
   loose.stiffness.push_back(1.0);
   loose.neighbours.offset.push_back(loose.neighbours.offset.back());
-  Simulation partly(loose,
-                    {.material = tissue(0.3), .backend = "reference", .topology = {.on_sparse = SparseParticle::free}});
+  Simulation partly(
+      loose, {.material = tissue_of(0.3), .backend = "reference", .topology = {.on_sparse = SparseParticle::free}});
   EXPECT_TRUE(says(message_of([&] { partly.solve_static(); }), "particle 27 is in no cell with a material"));
   Simulation sim = hung(beam(2, Cells::hexahedra), 0.3, 0.1);
   EXPECT_TRUE(says(message_of([&] { sim.solve_static({.tolerance = 0.0}); }), "StaticOptions::tolerance"));

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double gravity = 9.81;
 
-SimulationOptions soft(double poisson = 0.3) {
+SimulationOptions soft_options(double poisson = 0.3) {
   SimulationOptions options;
   options.material = Material{.young = 10e3, .poisson = poisson, .density = 1000};
   options.backend = "reference";
@@ -22,7 +22,7 @@ SimulationOptions soft(double poisson = 0.3) {
 
 /// A block of 8 x 8 x 5 cm on its lower side, with a tool above.
 Simulation under(const Tool& tool, Model model = make_block({0.08, 0.08, 0.05}, 9, 9, 6), double poisson = 0.3) {
-  Simulation sim(std::move(model), soft(poisson));
+  Simulation sim(std::move(model), soft_options(poisson));
   sim.scene().fix("z0").add_tool("tool", tool);
   return sim;
 }
@@ -89,7 +89,7 @@ TEST(StaticTools, FindTheShapeAndForcesThatStepsComeTo) {
 
 TEST(StaticTools, AFloorCarriesTheWeight) {
   for (const ToolContact contact : {ToolContact::particles, ToolContact::surface}) {
-    Simulation sim(make_tetrahedral_block({0.06, 0.06, 0.04}, 5, 5, 4, 0.2, 1), soft(0.45));
+    Simulation sim(make_tetrahedral_block({0.06, 0.06, 0.04}, 5, 5, 4, 0.2, 1), soft_options(0.45));
     sim.scene().gravity({0, 0, -gravity}).add_tool("floor", {.shape = HalfSpace{}, .contact = contact});
     const StaticResult result = sim.solve_static();
     ASSERT_TRUE(result.converged()) << result.message();

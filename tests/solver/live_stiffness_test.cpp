@@ -36,13 +36,13 @@ struct Tissues {
   }
 };
 
-struct Case {
+struct ScaledBody {
   std::string name;
   std::function<Model(const Tissues&)> make;
   TopologyOptions options;
 };
 
-std::vector<Case> cases() {
+std::vector<ScaledBody> cases() {
   const auto of = [](const Model& model) {
     return [model](const Tissues& t) { return with_tumour(model, t.tissue, t.tumour); };
   };
@@ -85,7 +85,7 @@ PHYMUL_ON_EVERY_BACKEND(LiveStiffness);
 /// A body changed while it moves, against one built with that stiffness and started from the same state.
 TEST_P(LiveStiffness, IsThatOfASolverMadeAnew) {
   const double bound = GetParam() == "reference" ? 1e-11 : 3e-5;  // of the largest displacement
-  for (const Case& c : cases()) {
+  for (const ScaledBody& c : cases()) {
     SCOPED_TRACE(c.name);
     const Tissues tissues;
     const Model model = c.make(tissues);
@@ -123,7 +123,7 @@ TEST_P(LiveStiffness, IsThatOfASolverMadeAnew) {
 
 /// Forces and energy of the public functions, with the scene's factors.
 TEST(LiveStiffnessOfABody, IsThatOfOneBuiltSo) {
-  for (const Case& c : cases()) {
+  for (const ScaledBody& c : cases()) {
     SCOPED_TRACE(c.name);
     const bool points = c.name == "points";
     const Tissues tissues;
@@ -152,7 +152,7 @@ TEST(LiveStiffnessOfABody, IsThatOfOneBuiltSo) {
 TEST(LiveStiffnessOfABody, BoundsItsStepClosely) {
   double least = 1.0, mean = 0.0;
   int count = 0;
-  for (const Case& c : cases()) {
+  for (const ScaledBody& c : cases()) {
     if (c.name == "points") continue;  // has one material
     SCOPED_TRACE(c.name);
     const Tissues tissues;
@@ -216,7 +216,7 @@ TEST(LiveStiffnessOfABody, OfManyMaterialsIsBoundedClosely) {
 }
 
 TEST_P(LiveStiffness, OfFactorsOfOneChangesNoBit) {
-  for (const Case& c : cases()) {
+  for (const ScaledBody& c : cases()) {
     SCOPED_TRACE(c.name);
     const Model model = c.make({});
     Scene plain(model), scaled(model);

@@ -21,12 +21,12 @@ Model cube(double poisson) {
   return model;
 }
 
-struct Outcome {
+struct Recovered {
   StepReport report;
   double energy = 0.0;  // J
 };
 
-Outcome run(const FailureState& failure, double poisson, const TopologyOptions& topology, SolverOptions options) {
+Recovered run(const FailureState& failure, double poisson, const TopologyOptions& topology, SolverOptions options) {
   const Model model = cube(poisson);
   const Scene scene(model);
   options.damping.factor = 0.98;
@@ -40,7 +40,7 @@ Outcome run(const FailureState& failure, double poisson, const TopologyOptions& 
 }
 
 /// The energy of a uniform strain of about 0.5 %: nothing folded is left.
-bool is_back(const Outcome& outcome) {
+bool is_back(const Recovered& outcome) {
   return outcome.report.ok() && outcome.energy < 1e-5 * soft_tissue().young * side * side * side;
 }
 
@@ -50,7 +50,7 @@ TEST(Recovery, FromEveryFailureStateWithEveryVolumeLaw) {
   for (const TopologyOptions& topology : {TopologyOptions{}, quadratic}) {
     for (const double poisson : {0.3, 0.45}) {
       for (const FailureState& failure : failure_states()) {
-        const Outcome outcome = run(failure, poisson, topology, {});
+        const Recovered outcome = run(failure, poisson, topology, {});
         EXPECT_TRUE(is_back(outcome)) << failure.name << ", nu " << poisson << ": " << outcome.report.message();
       }
     }
@@ -100,7 +100,7 @@ TEST(Recovery, WithoutTheCutMostFailureStatesRunAway) {
   quadratic.volume_law = VolumeLaw::quadratic;
   std::size_t lost = 0;
   for (const FailureState& failure : failure_states()) {
-    const Outcome outcome = run(failure, 0.3, quadratic, uncut);
+    const Recovered outcome = run(failure, 0.3, quadratic, uncut);
     EXPECT_FALSE(outcome.report.force_clamped);
     if (is_back(outcome)) continue;
     ++lost;

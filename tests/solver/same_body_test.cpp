@@ -41,25 +41,25 @@ std::string after(const Model& built, const std::function<void(Model&)>& change)
   return message_of([&] { make_solver("cpu", topology, scene); });
 }
 
-constexpr Material soft{6e3, 0.3, 1000.0};
+constexpr Material own_tissue{6e3, 0.3, 1000.0};
 
 TEST(TopologyOfAChangedModel, IsRefusedWithWhatHasChanged) {
-  const Model model = block_of(soft), plain = plain_block();
+  const Model model = block_of(own_tissue), plain = plain_block();
   const auto material = [](double young, double poisson) {
-    return [=](Model& m) { set_material(m, {young, poisson, soft.density}); };
+    return [=](Model& m) { set_material(m, {young, poisson, own_tissue.density}); };
   };
   EXPECT_TRUE(says(after(model, material(6e4, 0.3)), "another Young's modulus, Poisson's ratio, dissipation or row"));
   EXPECT_TRUE(says(after(model, material(6e3, 0.45)), "another Young's modulus, Poisson's ratio, dissipation or row"));
   EXPECT_TRUE(says(after(model, material(6e3, 0.45)), "build them anew with build_topology"));
   EXPECT_TRUE(says(after(model,
                          [](Model& m) {
-                           m.materials.push_back({6e4, 0.3, soft.density});
+                           m.materials.push_back({6e4, 0.3, own_tissue.density});
                            m.cells.back().material = 1;
                          }),
                    "another Young's modulus"));
   EXPECT_TRUE(says(after(model,
                          [](Model& m) {
-                           m.materials.insert(m.materials.begin(), {6e4, 0.3, soft.density});
+                           m.materials.insert(m.materials.begin(), {6e4, 0.3, own_tissue.density});
                            for (Cell& cell : m.cells) ++cell.material;
                          }),
                    "row of Model::materials"));
@@ -71,7 +71,7 @@ TEST(TopologyOfAChangedModel, IsRefusedWithWhatHasChanged) {
 }
 
 TEST(TopologyOfAChangedModel, IsTakenForACopyAndWhereNothingThatMovesTheBodyIsOther) {
-  for (const Model& model : {block_of(soft), plain_block()}) {
+  for (const Model& model : {block_of(own_tissue), plain_block()}) {
     EXPECT_EQ(after(model, [](Model&) {}), "(no error)");
     EXPECT_EQ(after(model,
                     [](Model& m) {
@@ -81,7 +81,7 @@ TEST(TopologyOfAChangedModel, IsTakenForACopyAndWhereNothingThatMovesTheBodyIsOt
                     }),
               "(no error)");
   }
-  EXPECT_EQ(after(block_of(soft), [](Model& m) { m.stiffness.assign(m.rest.size(), 3.0); }), "(no error)")
+  EXPECT_EQ(after(block_of(own_tissue), [](Model& m) { m.stiffness.assign(m.rest.size(), 3.0); }), "(no error)")
       << "a stiffness that materials stand in for";
 }
 
@@ -105,9 +105,9 @@ PHYMUL_ON_EVERY_BACKEND(SnapshotOfAnotherBody);
 
 TEST_P(SnapshotOfAnotherBody, IsRefusedAndTheSolverIsAsItWas) {
   Model wide = make_block({0.06, 0.02, 0.02}, 3, 2, 2);
-  set_material(wide, soft);
-  Run own(block_of(soft)), stiffer(block_of({6e4, 0.3, soft.density})), wider(wide);
-  Run twin(block_of(soft));
+  set_material(wide, own_tissue);
+  Run own(block_of(own_tissue)), stiffer(block_of({6e4, 0.3, own_tissue.density})), wider(wide);
+  Run twin(block_of(own_tissue));
   for (Run* run : {&own, &stiffer, &wider, &twin}) ASSERT_TRUE(run->solver->step(5, run->dt).ok());
   const Snapshot before = own.solver->snapshot();
   own.solver->request_read();
@@ -137,7 +137,7 @@ TEST_P(SnapshotOfAnotherBody, IsRefusedAndTheSolverIsAsItWas) {
 }
 
 TEST_P(SnapshotOfAnotherBody, IsNeitherKeptNorGoneBackToByAHistory) {
-  Run own(block_of(soft)), other(block_of({6e4, 0.3, soft.density}));
+  Run own(block_of(own_tissue)), other(block_of({6e4, 0.3, own_tissue.density}));
   StateHistory history(1, 1 << 20);
   history.follow(*own.solver, own.solver->step(0, own.dt));
   history.follow(*own.solver, own.solver->step(2, own.dt));

@@ -6,5 +6,6 @@ include_guard(GLOBAL)
 add_library(phymul_dense_operator STATIC ${CMAKE_CURRENT_LIST_DIR}/dense_operator.cpp)
 target_compile_features(phymul_dense_operator PUBLIC cxx_std_20)
 target_include_directories(phymul_dense_operator PUBLIC $<TARGET_PROPERTY:phymul,INTERFACE_INCLUDE_DIRECTORIES>)
-target_link_libraries(phymul_dense_operator PUBLIC Eigen3::Eigen PRIVATE phymul_warnings phymul_sanitizers)
-phymul_optimise_test(phymul_dense_operator)
+target_link_libraries(phymul_dense_operator PUBLIC Eigen3::Eigen PRIVATE phymul_warnings)
+# Not sanitized: Eigen's decompositions would take the compiler as long as thirty files of the library, to no end.
+target_compile_options(phymul_dense_operator PRIVATE $<$<OR:$<CONFIG:Release>,$<BOOL:${PHYMUL_SANITIZE}>>:-O1>)

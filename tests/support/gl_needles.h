@@ -30,7 +30,7 @@ class BesideNeedle {
       : model(moved(Insertion::gel(cells), origin)), scene(model), tables_(tables_of(model, {})) {
     Needle shape = thin_needle();
     shape.bending_stiffness = stiffness;
-    pose.position = origin + Vec3(0.0203, 0.0197, side + offset);
+    pose.position = origin + Vec3(0.0203, 0.0197, block_side + offset);
     scene.fix("z0").add_tool("needle", {.shape = shape, .pose = pose, .friction = 0.5});
     options.gl.debug = true;
     options.spectrum = estimate_spectrum(*tables_, tables_->rest);

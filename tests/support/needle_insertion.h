@@ -10,7 +10,7 @@
 
 namespace phymul::test {
 
-inline constexpr double side = 0.04, offset = 0.5e-3;  // m: of the block; of the tip above it at first
+inline constexpr double block_side = 0.04, offset = 0.5e-3;  // m: of the block; of the tip above it at first
 
 inline Needle thin_needle() {
   return {.length = 0.1,
@@ -28,7 +28,7 @@ struct Insertion {
   Scene scene;
   std::unique_ptr<Solver> solver;
   double dt;
-  ToolPose pose{.position = {0.0203, 0.0197, side + offset}};
+  ToolPose pose{.position = {0.0203, 0.0197, block_side + offset}};
 
   Insertion(const std::string& backend, int cells, double share, const Needle& needle = thin_needle())
       : model(gel(cells)), scene(model) {
@@ -39,14 +39,14 @@ struct Insertion {
     dt = share * solver->stable_step();
   }
   static Model gel(int cells) {
-    Model model = make_block({side, side, side}, cells, cells, cells);
+    Model model = make_block({block_side, block_side, block_side}, cells, cells, cells);
     set_material(model, {.young = 10e3, .poisson = 0.45, .density = 1000.0});
     return model;
   }
 
   /// Mean force on the hub along the shaft over each of `parts` equal parts of the way; up is against insertion.
   std::vector<double> go(double depth, double speed, int parts) {
-    const double from = pose.position.z(), to = side - depth;
+    const double from = pose.position.z(), to = block_side - depth;
     std::vector<double> force;
     for (int k = 1; k <= parts; ++k) {
       pose.position.z() = from + (to - from) * k / parts;

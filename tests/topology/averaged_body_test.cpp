@@ -14,7 +14,7 @@
 namespace phymul::test {
 namespace {
 
-constexpr Law law = Law::particle_averaged;
+constexpr Law averaged_law = Law::particle_averaged;
 
 /// A box of pyramids: every hexahedron of a jittered block cut into six, around a particle in its middle.
 Model pyramids() {
@@ -106,7 +106,7 @@ double measure(const Model& model) {
 TEST(AveragedBody, VolumesAddUp) {
   for (const Body& body : meshes()) {
     double sum = 0.0;
-    for (const DomainTexel& domain : build_topology(body.model, {.law = law}).domains) {
+    for (const DomainTexel& domain : build_topology(body.model, {.law = averaged_law}).domains) {
       sum += 1.0 / domain.inverse_volume;
     }
     EXPECT_NEAR(sum, measure(body.model), 1e-12 * sum) << body.name;
@@ -119,7 +119,7 @@ TEST(AveragedBody, UniformStrainIsExactOnEveryMesh) {
   double worst = 0.0;
   for (const Body& body : meshes()) {
     const bool plane = body.model.dimension == 2;
-    const TopologyTextures tables = build_topology(body.model, {.law = law});
+    const TopologyTextures tables = build_topology(body.model, {.law = averaged_law});
     Mat3 F = Mat3::Identity();
     F.topLeftCorner<2, 2>() << 1.1, 0.07, -0.05, 0.93;
     if (!plane) F.col(2) = Vec3(0.04, -0.06, 1.05);
@@ -127,7 +127,7 @@ TEST(AveragedBody, UniformStrainIsExactOnEveryMesh) {
     for (Vec3& p : x) p = F * p;
     // Of one cell that stands for any: the energy density.
     Model one = with_material(plane ? make_strip(0.01, 0.01, 1, 1) : make_block({0.01, 0.01, 0.01}, 1, 1, 1));
-    const TopologyTextures one_cell = build_topology(one, {.law = law});
+    const TopologyTextures one_cell = build_topology(one, {.law = averaged_law});
     VecList one_x = one_cell.rest;
     for (Vec3& p : one_x) p = F * p;
     const double density = elastic_energy(one_cell, one_x) / measure(one);
@@ -155,7 +155,7 @@ TEST(AveragedBody, MaterialConstantsAreExact) {
       const bool plane = body.model.dimension == 2;
       const double volume = measure(body.model), young = plane ? 10e3 / (1.0 - nu * nu) : 10e3;
       const double across = plane ? nu / (1.0 - nu) : nu;
-      const TopologyTextures tables = build_topology(body.model, {.law = law});
+      const TopologyTextures tables = build_topology(body.model, {.law = averaged_law});
       const auto energy = [&](const Vec3& strain) {
         VecList x = tables.rest;
         for (Vec3& p : x) p += strain.cwiseProduct(p);
@@ -191,7 +191,7 @@ TEST(AveragedBody, MaterialConstantsAreExact) {
 TEST(AveragedBody, BendingCalibratesTheStabiliser) {
   const auto s = [](Model model, double nu) {
     set_material(model, soft_tissue(nu));
-    return *build_topology(model, {.law = law}).options.stabiliser;
+    return *build_topology(model, {.law = averaged_law}).options.stabiliser;
   };
   const Vec3 size(0.2, 0.05, 0.05);
   const Model hexahedra = make_block(size, 16, 4, 4);
@@ -211,7 +211,7 @@ TEST(AveragedBody, PureBendingCostsWhatItShould) {
   for (const Body& body : meshes()) {
     if (body.model.dimension == 2 || body.name == "mixed" || body.name.starts_with("wedges")) continue;
     if (body.name == "pyramids") continue;  // whose nearest particles lie between the axes, and so do the bendings
-    const TopologyTextures tables = build_topology(body.model, {.law = law});
+    const TopologyTextures tables = build_topology(body.model, {.law = averaged_law});
     ASSERT_GT(*tables.options.stabiliser, 0.1) << body.name;
     Vec3 centre = Vec3::Zero();
     for (const DomainTexel& d : tables.domains) centre += tables.rest[d.particle] / d.inverse_volume;
@@ -267,7 +267,7 @@ TEST(AveragedBody, MaterialsDoNotSmear) {
     }
     model.add_group("left", left);
     set_material(model, {40e3, 0.0, 1000.0}, "left");
-    const TopologyTextures tables = build_topology(model, {.law = law});
+    const TopologyTextures tables = build_topology(model, {.law = averaged_law});
     EXPECT_GT(tables.domains.size(), tables.rest.size());
     const double e = 1e-6;
     VecList x = tables.rest, force(x.size());
@@ -304,7 +304,7 @@ TEST(AveragedBody, CantileversOfAnyCellsBendAsTheyShould) {
     scene.fix("x0").gravity({0, 0, -g});
     SolverOptions options;
     options.damping.rate = 8.0;
-    const auto solver = make_solver("cpu", model, scene, {.law = law}, options);
+    const auto solver = make_solver("cpu", model, scene, {.law = averaged_law}, options);
     ASSERT_TRUE(solver->run_to_rest(20000, 0.5 * solver->stable_step()).converged()) << name;
     const State state = solver->read();
     double sum = 0.0;
@@ -321,7 +321,7 @@ TEST(AveragedBody, PlaneBodiesStayInTheirPlane) {
   const Model model = with_material(triangles());
   const Scene scene(model);
   for (const char* backend : {"reference", "cpu"}) {
-    const auto solver = make_solver(backend, model, scene, {.law = law});
+    const auto solver = make_solver(backend, model, scene, {.law = averaged_law});
     State state = solver->read();
     state.position = random_positions(model, 0.2, 4);
     solver->reset(state);
@@ -333,7 +333,7 @@ TEST(AveragedBody, PlaneBodiesStayInTheirPlane) {
 
 TEST(AveragedBody, NonsenseIsRefusedWithWhatToDo) {
   const auto refused = [](Model model, TopologyOptions options = {}) {
-    options.law = law;
+    options.law = averaged_law;
     return message_of([&] { build_topology(model, options); });
   };
   const Model block = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
@@ -358,7 +358,7 @@ TEST(AveragedBody, NonsenseIsRefusedWithWhatToDo) {
 
 TEST(AveragedBody, AGivenStabiliserIsTaken) {
   const Model model = with_material(make_block({0.02, 0.02, 0.02}, 2, 2, 2));
-  const TopologyTextures tables = build_topology(model, {.law = law, .stabiliser = 0.25});
+  const TopologyTextures tables = build_topology(model, {.law = averaged_law, .stabiliser = 0.25});
   EXPECT_EQ(tables.options.stabiliser, 0.25);
   for (const DomainTexel& domain : tables.domains) EXPECT_DOUBLE_EQ(domain.spread_stiffness, 0.25 * 10e3 / 2.6);
 }
@@ -373,7 +373,7 @@ TEST(AveragedBody, TheStabiliserLeavesNoFreeMotion) {
     p.x() += parity == 0 ? 1e-6 : -1e-6;
   }
   const auto energy = [&](double s) {
-    return elastic_energy(build_topology(model, {.law = law, .stabiliser = s}), rough);
+    return elastic_energy(build_topology(model, {.law = averaged_law, .stabiliser = s}), rough);
   };
   EXPECT_LT(energy(0.0), 0.15 * energy(0.67));
   EXPECT_GT(energy(0.1), 1.05 * energy(0.0));
