@@ -107,7 +107,7 @@ class RefusedScene : public OnBothDevices {
   void go(gl::Device& device, FloatTools& tools) const {
     std::vector<double> instants;
     for (int k = 0; k <= 4; ++k) instants.push_back(k * dt_);
-    tools.begin_batch(4, dt_);
+    tools.begin_batch(4, dt_, 0.0);
     device.begin_batch({.dt = dt_, .largest_acceleration = 1e30, .runaway_speed = 1e9}, instants, tools);
     device.run(4);
     gl::BatchReport report = device.report();

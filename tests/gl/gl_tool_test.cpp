@@ -16,7 +16,7 @@ PHYMUL_ON_BOTH_DEVICES(GlTool);
 
 /// One of each shape, with friction, compliance and margin between them, all of which reach some 5 mm from their
 /// position. The half-space less: where it crushes the body, nobody agrees with anybody for long.
-std::vector<Tool> tools_of_all_kinds() {
+std::vector<Tool> tools_of_each_kind() {
   return {{.shape = Sphere{0.005}, .friction = 0.4},
           {.shape = Sphere{0.004}, .friction = 0.3, .compliance = 5e-3, .margin = 1e-3},
           {.shape = Capsule{0.005, 0.01}, .friction = 0.5},
@@ -50,7 +50,7 @@ void drive(const ToolHandle& tool, const Vec3& origin, Call&& call) {
 
 TEST_P(GlTool, EveryShapeHasTheMirrorsBits) {
   int row = 0;
-  for (Tool tool : tools_of_all_kinds()) {
+  for (Tool tool : tools_of_each_kind()) {
     SCOPED_TRACE(row++);
     tool.pose = above({0.014, 0.011, 0.03}, M_PI);
     Scene scene(model_);
@@ -86,7 +86,7 @@ TEST_P(GlTool, EveryShapeHasTheMirrorsBits) {
 TEST_P(GlTool, AgreesWithTheReferenceAlsoFarFromTheOrigin) {
   double worst_place = 0.0, worst_force = 0.0;
   bool far = false;
-  for (Tool tool : tools_of_all_kinds()) {
+  for (Tool tool : tools_of_each_kind()) {
     const Vec3 origin = far ? Vec3(800, -600, 1000) : Vec3(0, 0, 0);
     far = !far;
     Model model = model_;

@@ -228,34 +228,32 @@ TEST_P(MovingTool, MeetsABodyFarFromItsRestShape) {
 
 /// SolverOptions::max_displacement_per_step, so small that it acts under tools at rest.
 TEST_P(MovingTool, BearsTheForceThatTheLimitWithholds) {
-  for (const ToolContact contact : {ToolContact::particles, ToolContact::surface}) {
-    const Model model = soft_block({0.04, 0.04, 0.015}, 9, 9, 4);
-    Scene scene(model);
-    scene.fix("z0");
-    scene.add_tool("ball", {.shape = Sphere{0.008}, .pose = {.position = {0.011, 0.019, 0.02}}, .contact = contact});
-    scene.add_tool("jaw", {.shape = Box{{0.004, 0.004, 0.001}}, .pose = {.position = {0.03, 0.02, 0.0165}}});
-    SolverOptions options;
-    options.damping.rate = 600.0;
-    options.max_displacement_per_step = std::numeric_limits<double>::infinity();
-    const auto unlimited = make(model, scene, options);
-    const double dt = 0.4 * unlimited->stable_step();
-    scene.tool("jaw").grasp(0.0006);
-    ASSERT_TRUE(unlimited->step(1, dt).ok());
-    scene.tool("jaw").move_to({.position = {0.031, 0.02, 0.019}});
-    for (const int steps : {300, 1000}) ASSERT_TRUE(unlimited->step(steps, dt).ok());  // the way, and until it rests
+  const Model model = soft_block({0.04, 0.04, 0.015}, 9, 9, 4);
+  Scene scene(model);
+  scene.fix("z0");
+  scene.add_tool("ball", {.shape = Sphere{0.008}, .pose = {.position = {0.011, 0.019, 0.02}}});
+  scene.add_tool("jaw", {.shape = Box{{0.004, 0.004, 0.001}}, .pose = {.position = {0.03, 0.02, 0.0165}}});
+  SolverOptions options;
+  options.damping.rate = 600.0;
+  options.max_displacement_per_step = std::numeric_limits<double>::infinity();
+  const auto unlimited = make(model, scene, options);
+  const double dt = 0.4 * unlimited->stable_step();
+  scene.tool("jaw").grasp(0.0006);
+  ASSERT_TRUE(unlimited->step(1, dt).ok());
+  scene.tool("jaw").move_to({.position = {0.031, 0.02, 0.019}});
+  for (const int steps : {300, 1000}) ASSERT_TRUE(unlimited->step(steps, dt).ok());  // the way, and until it rests
 
-    options.max_displacement_per_step = 1e-3;
-    const auto limited = make(model, scene, options);
-    limited->reset(unlimited->read());
-    const StepReport report = limited->step(1, dt);
-    ASSERT_TRUE(report.ok());
-    EXPECT_TRUE(report.force_clamped);
-    for (const char* name : {"ball", "jaw"}) {
-      const ToolForce &expected = unlimited->tool_force(name), &got = limited->tool_force(name);
-      EXPECT_GT(expected.force.norm(), 0.1);
-      EXPECT_LT((got.force - expected.force).norm(), 1e-4 * expected.force.norm()) << name;
-      EXPECT_LT((got.torque - expected.torque).norm(), 1e-4 * expected.torque.norm() + 1e-6) << name;
-    }
+  options.max_displacement_per_step = 1e-3;
+  const auto limited = make(model, scene, options);
+  limited->reset(unlimited->read());
+  const StepReport report = limited->step(1, dt);
+  ASSERT_TRUE(report.ok());
+  EXPECT_TRUE(report.force_clamped);
+  for (const char* name : {"ball", "jaw"}) {
+    const ToolForce &expected = unlimited->tool_force(name), &got = limited->tool_force(name);
+    EXPECT_GT(expected.force.norm(), 0.1);
+    EXPECT_LT((got.force - expected.force).norm(), 1e-4 * expected.force.norm()) << name;
+    EXPECT_LT((got.torque - expected.torque).norm(), 1e-4 * expected.torque.norm() + 1e-6) << name;
   }
 }
 
