@@ -31,5 +31,5 @@ void main() {
   vec4 shift = fetch_load_vec4(pushed_shift, pushed_shift_place, i);
   load_rows[pushed_force_place + i] = floatBitsToInt(vec4(force.xyz + inverse_dt * touched.impulse, force.w));
   load_rows[free_velocity_place + i] = floatBitsToInt(vec4(touched.v, v.w));
-  load_rows[pushed_shift_place + i] = floatBitsToInt(vec4(touched.shift, shift.w));
+  load_rows[pushed_shift_place + i] = floatBitsToInt(vec4(shift.xyz + touched.shift, shift.w));
 }

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "support/gl_block.h"
-#include "support/gl_touching_bodies.h"
+#include "support/gl_needles.h"
 #include "support/sanitized.h"
 
 namespace phymul::test {
@@ -149,7 +149,8 @@ TEST_P(GlToolSurface, ToolsActOneAfterAnotherAroundAGrasp) {
     if (k == 2) scene.tool("jaw").grasp(1e-4);
     if (k == 6) scene.tool("jaw").move_to({.position = {0.0255, 0.0105, 0.0215}, .velocity = {0, 0.01, 0}});
     if (k == 22) scene.tool("jaw").release();
-    scene.tool("first").move_to({.position = {0.009, 0.01, 0.0262 - down}});
+    const ToolPose first{.position = {0.009, 0.01, 0.0262 - down}};
+    k == 12 ? scene.tool("first").teleport({.position = {0.009, 0.0105, 0.0243}}) : scene.tool("first").move_to(first);
     scene.tool("plain").move_to({.position = {0.015, 0.01, 0.0262 - down}});
     scene.tool("last").move_to({.position = {0.021, 0.012, 0.0262 - down}});
     both.step(7, dt_);
@@ -178,6 +179,40 @@ TEST_P(GlToolSurface, AgreesBesideContactsAndVolumes) {
   const ToolForce &own = both.device->tool_force("ball"), &exact = both.reference->tool_force("ball");
   EXPECT_GT(exact.mean_force.norm(), 1e-3) << "N; or this shows nothing";
   EXPECT_LE((own.mean_force - exact.mean_force).norm(), 1e-3 * exact.mean_force.norm());
+}
+
+class GlToolSurfaceWithNeedle : public OnCompute {};
+
+/// Needles come before what presses, whatever its place in the scene.
+TEST_F(GlToolSurfaceWithNeedle, ActsBesideANeedleAsOnTheReference) {
+  BesideNeedle both(0.0);
+  const auto add = [&](const char* name, const Vec3& position, ToolContact contact) {
+    both.scene.add_tool(name,
+                        {.shape = Sphere{0.006}, .pose = {.position = position}, .friction = 0.3, .contact = contact});
+  };
+  add("ball", {0.012, 0.02, side + 0.0055}, ToolContact::surface);
+  add("plain", {0.03, 0.02, side + 0.0055}, ToolContact::particles);
+  double apart = 0.0, moved = 0.0, force_apart = 0.0, force = 0.0;
+  std::size_t nodes = 0;
+  std::map<std::string, double> largest;  // N
+  for (int k = 1; k <= 12; ++k) {
+    both.pose.position.z() -= 1e-3;
+    both.scene.tool("ball").move_to({.position = {0.012, 0.02, side + 0.0055 - 2e-4 * k}});
+    both.go(0.005);
+    const State a = both.device->read(), b = both.reference->read();
+    apart = std::max(apart, largest_distance(a.position, b.position));
+    moved = std::max(moved, largest_distance(b.position, both.model.rest));
+    nodes = std::max(nodes, b.tools.at(0).needle.hole.size());
+    for (const char* tool : {"needle", "ball", "plain"}) {
+      const Vec3 exact = both.reference->tool_force(tool).mean_force;
+      force = std::max(force, exact.norm());
+      force_apart = std::max(force_apart, (both.device->tool_force(tool).mean_force - exact).norm());
+      largest[tool] = std::max(largest[tool], exact.norm());
+    }
+  }
+  for (const auto& [tool, most] : largest) EXPECT_GT(most, 1e-2) << tool << ", N; or this shows less";
+  EXPECT_GT(nodes, 1u) << "or this shows less";
+  expect_close(apart, moved, force_apart, force);
 }
 
 TEST_P(GlToolSurface, SnapshotsGoOnBitForBitAndLostDevicesGoBack) {

@@ -63,7 +63,7 @@ endfunction()
 
 # Compute shaders are asked for where a driver has them: not in OpenGL ES 3.0 nor on softpipe. Where the desktop GL is
 # too old for them they run under OpenGL ES.
-set(computing "*/gl_compute*:GlComputeDevice.*:GlContactMotion.*:GlFragmentContact.Bits*:GlNeedle*:GlComputeNeedle.*:*HostsContextIsLeftAsItWasByComputing*")
+set(computing "*/gl_compute*:GlComputeDevice.*:GlContactMotion.*:GlFragmentContact.Bits*:GlNeedle*:GlComputeNeedle.*:GlToolSurfaceWithNeedle.*:*HostsContextIsLeftAsItWasByComputing*")
 
 # A minute each, of all bodies and variants: under desktop GL both backends show their bits, under the
 # oldest of each dialect single steps of the fragment backend, and 2,000 damped ones under the oldest OpenGL ES.
