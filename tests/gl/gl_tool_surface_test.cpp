@@ -190,14 +190,14 @@ TEST_F(GlToolSurfaceWithNeedle, ActsBesideANeedleAsOnTheReference) {
     both.scene.add_tool(name,
                         {.shape = Sphere{0.006}, .pose = {.position = position}, .friction = 0.3, .contact = contact});
   };
-  add("ball", {0.012, 0.02, side + 0.0055}, ToolContact::surface);
-  add("plain", {0.03, 0.02, side + 0.0055}, ToolContact::particles);
+  add("ball", {0.012, 0.02, block_side + 0.0055}, ToolContact::surface);
+  add("plain", {0.03, 0.02, block_side + 0.0055}, ToolContact::particles);
   double apart = 0.0, moved = 0.0, force_apart = 0.0, force = 0.0;
   std::size_t nodes = 0;
   std::map<std::string, double> largest;  // N
   for (int k = 1; k <= 12; ++k) {
     both.pose.position.z() -= 1e-3;
-    both.scene.tool("ball").move_to({.position = {0.012, 0.02, side + 0.0055 - 2e-4 * k}});
+    both.scene.tool("ball").move_to({.position = {0.012, 0.02, block_side + 0.0055 - 2e-4 * k}});
     both.go(0.005);
     const State a = both.device->read(), b = both.reference->read();
     apart = std::max(apart, largest_distance(a.position, b.position));
