@@ -49,11 +49,16 @@ kill_ranks() {
     tries=0
     while [ "$(lines "$out/killed/results.txt")" -le $((before + 20)) ]; do
       tries=$((tries + 1))
+      if [ -e "$out/killed/scenes.csv" ]; then  # fewer than 20 were left
+        wait "$first"
+        return 1
+      fi
       [ "$tries" -lt 3000 ] || fail "no results within 60 s: $(cat "$out/killed.txt")"
       sleep 0.02
     done
-    victim=$(process_of "$first" "$rank" 2> /dev/null)
-    [ -z "$victim" ] || kill -9 "$victim" 2> /dev/null || true
+    # mpirun ends the others by itself, but so late that they may finish a study as small as this one.
+    victims=$(for one in $rank $ranks; do process_of "$first" "$one" 2> /dev/null || true; done)
+    for victim in $victims; do kill -9 "$victim" 2> /dev/null || true; done
     if wait "$first" || [ -e "$out/killed/scenes.csv" ]; then return 1; fi
     before=$(($(lines "$out/killed/results.txt") - 1))
     echo "rank $rank killed after $before of $all scenes"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Per patch, what a round gives its corners; patch_count rows on, what it moves them by besides. Drawn only; needs
-// surface_law.glsl.
+// What a round gives the corners of a patch. The first patch_count rows are impulses, the next ones shifts. Drawn only;
+// needs surface_law.glsl.
 
 RESULT(0, vec4, push_a);
 RESULT(1, vec4, push_b);

@@ -110,8 +110,8 @@ class Simulation {
 
   double max_displacement() const;  ///< m, largest distance of a particle from its rest position
   Energy energy() const;            ///< as Solver::energy()
-  const ToolForce& force_on(
-      const ToolHandle& tool) const;  ///< of the last step, or of the rest shape after solve_static()
+  /// Force of the particles on the tool, of the last step, or of the rest shape after solve_static().
+  const ToolForce& force_on(const ToolHandle& tool) const;
   const ToolPose& pose_of(const ToolHandle& tool) const;         ///< present pose of the tool
   const JointReport& report_of(const JointHandle& joint) const;  ///< as Solver::joint_report()
 

@@ -4,10 +4,8 @@
 #pragma once
 
 #include <phymul/step_report.h>
-#include <phymul/tool.h>
 
 #include <string>
-#include <vector>
 
 namespace phymul {
 

@@ -9,7 +9,7 @@
 namespace phymul {
 namespace {
 
-/// The same patches for every tool.
+/// Tools share their patches and differ in the points of these.
 void add_patches(const cpu::ContactPoints& points, FloatSurfaces& made) {
   for (const cpu::ContactPoints::Patch& patch : points.patches) {
     made.corners.push_back({patch.corner[0], patch.corner[1], patch.corner[2], -1});

@@ -63,6 +63,12 @@ class TouchedParticles {
     Vec3 withheld{0, 0, 0};     // N, of the elastic force, that no tool has borne so far
     bool held = false;          // by a tool: nothing else pushes it
     Vec3 end(double dt) const { return position + dt * velocity; }
+    Vec3 free_part(Vec3 vector) const {
+      for (int a = 0; a < 3; ++a) {
+        if (fixed >> a & 1) vector[a] = 0.0;
+      }
+      return vector;
+    }
   };
 
   /// `fixed`: LoadFrame::fixed, or empty; `plane`: nothing moves along z.
@@ -87,10 +93,7 @@ class TouchedParticles {
   /// Adds what of an impulse the free coordinates take, and returns that. Here, because needles and contacts call it
   /// thousands of times a step.
   static Vec3 push(Touched& touched, const Vec3& impulse) {
-    Vec3 taken = impulse;
-    for (int a = 0; a < 3; ++a) {
-      if (touched.fixed >> a & 1) taken[a] = 0.0;
-    }
+    const Vec3 taken = touched.free_part(impulse);
     touched.impulse += taken;
     touched.velocity += touched.inverse_mass * taken;
     return taken;

@@ -128,10 +128,7 @@ void SurfacePress::hand_over(const ToolFrame& end, TouchedParticles& touched) {
     if (corner.inverse_mass > 0.0) {
       TouchedParticles::Touched& particle = touched[corner.slot];
       const Vec3 given = TouchedParticles::push(particle, end.turn * corner.impulse);
-      Vec3 by = end.turn * (corner.inverse_mass * corner.shift);
-      for (int a = 0; a < 3; ++a) {
-        if ((particle.fixed >> a & 1) != 0) by[a] = 0.0;
-      }
+      const Vec3 by = particle.free_part(end.turn * (corner.inverse_mass * corner.shift));
       particle.shift += by;
       corner.given += given;
       corner.to += end.turn.transpose() * (touched.dt() * corner.inverse_mass * given + by);

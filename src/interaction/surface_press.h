@@ -27,8 +27,8 @@
 
 namespace phymul::cpu {
 
-/// Whether a step lets out what the rounds of the last, longer one left inside, as if the tool had been put over it: it
-/// would come out with a blow.
+/// Whether a step is much shorter than the last one. The rounds of a long step leave points inside by more than those
+/// of a short one, which would push them out with a blow; as if the tool had been put over them they come out without.
 constexpr bool lets_surface_out(double dt, double last_dt) {
   return dt < 0.7 * last_dt;
 }

@@ -144,10 +144,8 @@ void ToolSet::hold(Moving& tool, TouchedParticles& touched) {
     const Vec3 velocity = (end.outside(tool.moved.held_at[k]) - particle.position) / dt;
     const Vec3 given = TouchedParticles::push(particle, (velocity - particle.velocity) / particle.inverse_mass);
     particle.held = true;
-    Vec3 borne = -particle.withheld;  // all of it, along what is free
-    for (int a = 0; a < 3; ++a) borne[a] = (particle.fixed >> a & 1) != 0 ? 0.0 : borne[a];
+    react(tool.next_force, end, particle.position, given - dt * particle.free_part(particle.withheld), dt);
     particle.withheld = Vec3::Zero();
-    react(tool.next_force, end, particle.position, given + dt * borne, dt);
   }
 }
 
@@ -168,8 +166,7 @@ void ToolSet::press(Moving& tool, TouchedParticles& touched) {
         touch_in_step(tool.shape, tool.law, unpacked(q0), unpacked(q1), unpacked(q1 - q0), particle.inverse_mass, dt);
     if (!touch.touches) continue;
     const Vec3 given = TouchedParticles::push(particle, end.turn * packed(touch.impulse));
-    const Vec3 shift = end.turn * packed(touch.shift);
-    for (int a = 0; a < 3; ++a) particle.shift[a] += (particle.fixed >> a & 1) != 0 ? 0.0 : shift[a];
+    particle.shift += particle.free_part(end.turn * packed(touch.shift));
     react(tool.next_force, end, particle.position, given + dt * TouchedParticles::borne(particle, given), dt);
   }
 }

@@ -179,8 +179,8 @@ Choice choose(const std::shared_ptr<const TopologyTextures>& topology, const Sce
   }
   if (touches_surface(scene.tools())) {
     return processor_because(std::move(cpu),
-                             "the scene has a tool with ToolContact::surface, and what it costs no trial shows before "
-                             "it touches: a GPU pays always, the processor only then");
+                             "the scene has a tool with ToolContact::surface, and no trial shows what it costs the "
+                             "processor before it touches");
   }
   if (scene.contacts()) {
     return processor_because(std::move(cpu),

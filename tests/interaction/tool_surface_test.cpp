@@ -15,8 +15,8 @@ namespace {
 
 constexpr double cell = 5e-3;  // m
 constexpr int cells_across = 10, cells_high = 6;
-const Vec3 top_middle(0.5 * cells_across * cell, 0.5 * cells_across * cell,
-                      cells_high* cell);  // of the upper face: a particle
+// Of the upper face: a particle.
+const Vec3 top_middle(0.5 * cells_across * cell, 0.5 * cells_across * cell, cells_high* cell);
 
 Model slab() {
   Model model =
@@ -107,7 +107,7 @@ TEST(ToolSurface, ForceOfASmallBallDependsLessOnThePlaceThanAtParticles) {
   EXPECT_GT(at_particles.second, 1.3 * at_particles.first);
 }
 
-/// A rod of a fifth of a cell, in the top_middle of a triangle.
+/// A rod of a fifth of a cell, in the middle of a triangle.
 TEST(ToolSurface, AThinRodBetweenParticlesIsFelt) {
   const Model model = slab();
   const double radius = 0.2 * cell;
@@ -156,11 +156,13 @@ TEST_P(ToolSurfaceOn, FrictionStaysInCoulombsConeAndReachesIt) {
                        .contact = ToolContact::surface},
                       GetParam());
   pressed.press(from, 1e-3);
+  const bool on_device = GetParam().starts_with("gl");  // processors add up forces in double
+  const double cone = on_device ? 1e3 * roundoff() : 1e-9;
   double share = 0.0;
   for (int k = 1; k <= 100; ++k) {
     const Vec3 force = pressed.tick(from + Vec3(1e-4 * k, 0, -1e-3)).force;
     share = -force.x() / force.z();
-    ASSERT_LT(std::hypot(force.x(), force.y()), 0.3 * force.z() * (1.0 + 1e3 * roundoff())) << k;
+    ASSERT_LT(std::hypot(force.x(), force.y()), 0.3 * force.z() * (1.0 + cone)) << k;
     ASSERT_GT(share, 0.0) << k;
   }
   EXPECT_NEAR(share, 0.3, 0.01);
@@ -257,7 +259,7 @@ TEST_P(ToolSurfaceOn, FeelsNoBlowWhenTheStepGetsShorter) {
       largest = std::max(largest, solver->tool_force("ball").force.norm());
       sum += solver->tool_force("ball").force.z() / steps;
     }
-    EXPECT_LT(largest, (shorter < 0.1 ? 5.0 : 1.4) * force) << shorter;  // was 900 and 10 times
+    EXPECT_LT(largest, (shorter < 0.1 ? 5.0 : 1.4) * force) << shorter;
     EXPECT_NEAR(sum, force, 0.02 * force) << shorter;
   }
 }
