@@ -5,11 +5,10 @@
 
 #include <phymul/error.h>
 
-#include "energy_density.h"
+#include "domain_forces.h"
 #include "force_shape.h"
 #include "force_spring.h"
 #include "force_volume.h"
-#include "mean_gradient.h"
 
 namespace phymul {
 namespace {
@@ -139,60 +138,6 @@ double volume_energy(const TopologyTextures& topology, std::span<const Vec3> x) 
   return energy;
 }
 
-/// Of the stiffness of domain d (Scene::stiffness_factors).
-double factor_of(const TopologyTextures& t, Index d, std::span<const double> factors) {
-  const auto material = static_cast<std::size_t>(t.domains[d].material);
-  return material < factors.size() ? factors[material] : 1.0;
-}
-
-/// dE/dF_d per volume, the stabiliser's part of it included.
-Mat3 mean_stress(const TopologyTextures& t, Index d, std::span<const Vec3> x) {
-  const DomainTexel& domain = t.domains[d];
-  const Mat3 H = mean_gradient(t, d, x);
-  Mat3 P;
-  cpu::energy_density<double>(t.options, domain.energy, Mat3::Identity() + H, &P);
-  P -= domain.spread_stiffness * H;
-  if (t.dimension == 2) P.row(2).setZero();  // nothing but rounding, which would leave the plane
-  return P;
-}
-
-void domain_forces(const TopologyTextures& t, std::span<const Vec3> x, std::span<Vec3> force,
-                   std::span<const double> factors) {
-  for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
-    const double factor = factor_of(t, d, factors);
-    const Mat3 Q = factor * mean_stress(t, d, x);
-    const Index i = t.domains[d].particle;
-    for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
-      const LinkTexel& link = t.links[r];
-      const Index j = t.domains[link.domain].particle;
-      force[j] -= Q * link.area;
-      force[i] += Q * link.area + factor * link.stiffness * ((x[j] - t.rest[j]) - (x[i] - t.rest[i]));
-    }
-    for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
-      const SurfaceLinkTexel& link = t.surface_links[r];
-      force[t.domains[link.domain].particle] -= Q * link.area;
-      force[i] += Q * link.area;
-    }
-  }
-}
-
-double domain_energy(const TopologyTextures& t, std::span<const Vec3> x, std::span<const double> factors) {
-  double energy = 0.0;
-  for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
-    const double factor = factor_of(t, d, factors);
-    const DomainTexel& domain = t.domains[d];
-    const Mat3 H = mean_gradient(t, d, x);
-    const double density = cpu::energy_density<double>(t.options, domain.energy, Mat3::Identity() + H, nullptr);
-    energy += factor * (density - 0.5 * domain.spread_stiffness * H.squaredNorm()) / domain.inverse_volume;
-    const Vec3 own = x[domain.particle] - t.rest[domain.particle];
-    for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {  // each from both sides
-      const Index j = t.domains[t.links[r].domain].particle;
-      energy += 0.25 * factor * t.links[r].stiffness * (x[j] - t.rest[j] - own).squaredNorm();
-    }
-  }
-  return energy;
-}
-
 void require_sizes(const TopologyTextures& topology, const char* caller, std::size_t positions, std::size_t results) {
   const auto count = static_cast<std::size_t>(topology.particle_count);
   if (positions == count && results == count) return;
@@ -223,7 +168,7 @@ void elastic_forces(const TopologyTextures& topology, std::span<const Vec3> posi
     force[spring.end[1]] -= F;
   }
   volume_forces(topology, position, force);
-  domain_forces(topology, position, force, factors);
+  add_domain_forces(topology, displacements_at(topology, position), factors, force, [](Index, const Mat3&) {});
 }
 
 Index first_collapsed(const TopologyTextures& topology, std::span<const Vec3> position) {
@@ -246,7 +191,7 @@ double elastic_energy(const TopologyTextures& topology, std::span<const Vec3> po
                                          spring.stiffness);
   }
   energy += volume_energy(topology, position);
-  return energy + domain_energy(topology, position, factors);
+  return energy + domain_energy(topology, displacements_at(topology, position), factors);
 }
 
 }  // namespace phymul

@@ -24,13 +24,20 @@ std::string known_groups(const Model& model) {
   return text;
 }
 
-void append(std::vector<Index>& particles, const Model& model, const Component& component) {
-  particles.insert(particles.end(), component.particles.begin(), component.particles.end());
-  for (const std::vector<Index>* rows : {&component.cells, &component.cell_refs}) {
-    for (const Index row : *rows) {
-      const std::vector<Index>& of_cell = model.cells[row].particles;
-      particles.insert(particles.end(), of_cell.begin(), of_cell.end());
+/// Sets to 1, in [N], the component's particles.
+void mark(std::vector<char>& particles, const Model& model, const Component& component) {
+  const auto mark_all = [&](const std::vector<Index>& rows) {
+    for (const Index i : rows) {
+      if (i < 0 || i >= model.particle_count()) {
+        throw Error("group \"" + component.name + "\": expected particles below " +
+                    std::to_string(model.particle_count()) + ", got " + std::to_string(i));
+      }
+      particles[i] = 1;
     }
+  };
+  mark_all(component.particles);
+  for (const std::vector<Index>* rows : {&component.cells, &component.cell_refs}) {
+    for (const Index row : *rows) mark_all(model.cells[row].particles);
   }
 }
 
@@ -48,9 +55,13 @@ std::vector<char> components_named(const Model& model, std::string_view group_na
   return named;
 }
 
-void sort_once(std::vector<Index>& rows) {
-  std::sort(rows.begin(), rows.end());
-  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+/// The rows whose mark is not 0.
+std::vector<Index> marked(const std::vector<char>& marks) {
+  std::vector<Index> rows;
+  for (std::size_t row = 0; row < marks.size(); ++row) {
+    if (marks[row] != 0) rows.push_back(static_cast<Index>(row));
+  }
+  return rows;
 }
 
 }  // namespace
@@ -58,7 +69,7 @@ void sort_once(std::vector<Index>& rows) {
 std::vector<char> cells_of_group(const Model& model, std::string_view group_name) {
   const std::vector<char> named = components_named(model, group_name);
   std::vector<char> chosen(model.cells.size(), 0);
-  std::vector<Index> loose;  // particles of components that list no solid cell
+  std::vector<char> is_loose(model.rest.size(), 0);  // particles of components that list no solid cell
   for (std::size_t row = 0; row < named.size(); ++row) {
     if (!named[row]) continue;
     const Component& component = model.components[row];
@@ -70,10 +81,8 @@ std::vector<char> cells_of_group(const Model& model, std::string_view group_name
         lists_solid = true;
       }
     }
-    if (!lists_solid) append(loose, model, component);
+    if (!lists_solid) mark(is_loose, model, component);
   }
-  std::vector<char> is_loose(model.rest.size(), 0);
-  for (const Index i : loose) is_loose[i] = 1;
   for (std::size_t row = 0; row < chosen.size(); ++row) {
     const Cell& cell = model.cells[row];
     if (is_solid(model.dimension, cell.type) &&
@@ -96,12 +105,11 @@ bool Model::has_group(std::string_view group_name) const {
 
 std::vector<Index> Model::group(std::string_view group_name) const {
   const std::vector<char> named = components_named(*this, group_name);
-  std::vector<Index> particles;
+  std::vector<char> in_group(rest.size(), 0);
   for (std::size_t row = 0; row < components.size(); ++row) {
-    if (named[row]) append(particles, *this, components[row]);
+    if (named[row]) mark(in_group, *this, components[row]);
   }
-  sort_once(particles);
-  return particles;
+  return marked(in_group);
 }
 
 std::vector<Index> Model::particles_in(const Contains& contains) const {

@@ -3,7 +3,6 @@
 #include <phymul/error.h>
 
 #include <algorithm>
-#include <map>
 #include <numeric>
 #include <set>
 
@@ -153,18 +152,21 @@ std::vector<ConnectedBody> connected_bodies(const Model& model) {
     for (const Index i : cell.particles) sets.join(cell.particles.front(), i);
   }
   std::vector<ConnectedBody> bodies;
-  std::map<Index, std::size_t> row_of;
+  std::vector<Index> row_of(model.rest.size(), -1);  // of roots
   for (Index i = 0; i < model.particle_count(); ++i) {
-    const auto [known, fresh] = row_of.try_emplace(sets.root(i), bodies.size());
-    if (fresh) bodies.emplace_back();
-    bodies[known->second].particles.push_back(i);
+    Index& row = row_of[sets.root(i)];
+    if (row < 0) {
+      row = static_cast<Index>(bodies.size());
+      bodies.emplace_back();
+    }
+    bodies[row].particles.push_back(i);
   }
   std::set<std::string> seen;
   for (const Component& component : model.components) {
     if (component.name.empty() || !seen.insert(component.name).second) continue;
     const std::vector<Index> group = model.group(component.name);
     if (group.empty()) continue;
-    ConnectedBody& body = bodies[row_of.at(sets.root(group.front()))];
+    ConnectedBody& body = bodies[row_of[sets.root(group.front())]];
     const bool shorter = body.name.empty() || component.name.size() < body.name.size();
     if (shorter && body.particles == group) body.name = component.name;
   }

@@ -217,17 +217,19 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   scene().evaluate(state.time, loads);
   hold_grasped(scene(), state, loads);
   RestJoints joints(scene(), state);
-  RestTools tools(scene(), diagonal_at_rest(topology));
+  const bool has_tools = !scene().tools().empty();
+  RestTools tools(scene(), has_tools ? diagonal_at_rest(topology) : std::vector<Mat3>{});
   std::vector<RestTerm*> terms;
   if (!joints.empty()) terms.push_back(&joints);
-  if (!scene().tools().empty()) terms.push_back(&tools);
+  if (has_tools) terms.push_back(&tools);
   for (RestTerm* term : terms) term->linearise(state.position);
   StaticResult result;
   result.cause = why_no_rest(model(), loads, terms);
   if (!result.cause.empty()) return result;
 
-  const double gain = potential_energy(topology, loads, terms, state.position) -
-                      potential_energy(topology, loads, terms, topology.rest);
+  const double gain = state.position == topology.rest ? 0.0
+                                                      : potential_energy(topology, loads, terms, state.position) -
+                                                            potential_energy(topology, loads, terms, topology.rest);
   // What is imposed in parts is not begun anew: imposed coordinates that are nearer their places stay.
   const bool begins_anew =
       gain > no_gain * strained_energy(topology) &&

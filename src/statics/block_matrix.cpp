@@ -29,23 +29,6 @@ void BlockMatrix::invert_diagonal() {
   for (const Index e : diagonal_) inverse_.push_back(blocks_[e].inverse());
 }
 
-Eigen::SparseMatrix<double> BlockMatrix::sparse() const {
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Index row = 0; row < rows(); ++row) {
-    for (Index e = first_[row]; e < first_[row + 1]; ++e) {
-      for (int a = 0; a < 3; ++a) {
-        for (int b = 0; b < 3; ++b) {
-          const Index i = 3 * row + a, j = 3 * column_[e] + b;
-          if (i >= j && blocks_[e](a, b) != 0.0) entries.emplace_back(i, j, blocks_[e](a, b));
-        }
-      }
-    }
-  }
-  Eigen::SparseMatrix<double> matrix(3 * rows(), 3 * rows());
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  return matrix;
-}
-
 Vec3 BlockMatrix::row_product(Index row, const Eigen::VectorXd& x) const {
   Vec3 sum = Vec3::Zero();
   for (Index e = first_[row]; e < first_[row + 1]; ++e) {

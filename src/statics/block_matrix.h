@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <span>
 #include <vector>
 
 namespace phymul {
@@ -21,14 +22,16 @@ class BlockMatrix {
   Mat3& block(Index row, Index column);  ///< one of `columns`
   Index entry(Index row, Index column) const;
   Mat3& at(Index entry) { return blocks_[entry]; }
+  const Mat3& at(Index entry) const { return blocks_[entry]; }
+  std::span<const Index> columns_of(Index row) const {
+    return {column_.data() + first_[row], column_.data() + first_[row + 1]};
+  }
 
   void invert_diagonal();  ///< after the last change, before smooth()
   /// result = b - A x. Shapes [3 rows].
   void residual(const Eigen::VectorXd& b, const Eigen::VectorXd& x, Eigen::VectorXd& result) const;
   /// One sweep of Gauss and Seidel over x for A x = b, by rising rows or by falling ones.
   void smooth(const Eigen::VectorXd& b, bool rising, Eigen::VectorXd& x) const;
-
-  Eigen::SparseMatrix<double> sparse() const;  ///< its lower triangle
 
  private:
   Vec3 row_product(Index row, const Eigen::VectorXd& x) const;

@@ -21,6 +21,7 @@ constexpr double regularisation = 1e-9;
 constexpr double on_plane = 1e-6;
 
 using Gradient = Eigen::Matrix<double, 8, 3>;
+using ByAxis = std::array<Eigen::Matrix<double, 8, 8>, 3>;
 
 double side(int corner, int axis) {
   return (corner >> axis & 1) != 0 ? 1.0 : 0.0;
@@ -63,8 +64,17 @@ Eigen::Matrix<double, 8, 8> spread_over_cell(const Vec3& spacing) {
   return spread;
 }
 
+/// The one of `all` that `row` names, a new one of zeros if it names none.
+ByAxis& block_of(Index& row, std::vector<ByAxis>& all) {
+  if (row == none) {
+    row = static_cast<Index>(all.size());
+    all.emplace_back().fill(Eigen::Matrix<double, 8, 8>::Zero());
+  }
+  return all[row];
+}
+
 /// What `held`, N/m by axis, at t in [0, 1]^3 is for the nodes.
-void add_held(const Vec3& t, const Vec3& held, std::array<Eigen::Matrix<double, 8, 8>, 3>& sum) {
+void add_held(const Vec3& t, const Vec3& held, ByAxis& sum) {
   const std::array<double, 8> weight = weights_at(t);
   const Eigen::Map<const Eigen::Matrix<double, 8, 1>> w(weight.data());
   for (int axis = 0; axis < 3; ++axis) sum[axis] += held[axis] * w * w.transpose();
@@ -118,7 +128,6 @@ GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint
     Cell cell;
     cell.gradient.setZero();
     cell.spread.setZero();
-    for (auto& axis : cell.held) axis.setZero();
     for (int a = 0; a < 8; ++a) {
       const std::array<Index, 3> corner{at[0] + (a & 1), at[1] + (a >> 1 & 1), at[2] + (a >> 2 & 1)};
       Index& node = node_of_[node_at(corner)];
@@ -171,9 +180,7 @@ GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint
           cell.lame += part * lame;
           cell.gradient += part * gradient;
           cell.spread += part * shear * gradient * gradient.transpose();
-          if (held.isZero(0.0)) continue;
-          add_held(local, share * held, cell.held);
-          cell.holds = true;
+          if (!held.isZero(0.0)) add_held(local, share * held, block_of(cell.held, held_));
         }
       }
     }
@@ -185,12 +192,13 @@ GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint
                   spread_of_cell * cell.shear * over_cell;
     cell.shear /= cell.volume;
     cell.lame /= cell.volume;
-    for (const Index a : cell.node) columns[a].insert(columns[a].end(), cell.node.begin(), cell.node.end());
+    for (const Index a : cell.node) {
+      for (const Index b : cell.node) {  // at most 27 in all
+        if (std::ranges::find(columns[a], b) == columns[a].end()) columns[a].push_back(b);
+      }
+    }
   }
-  for (std::vector<Index>& row : columns) {
-    std::ranges::sort(row);
-    row.erase(std::unique(row.begin(), row.end()), row.end());
-  }
+  for (std::vector<Index>& row : columns) std::ranges::sort(row);
   stiffness_ = std::make_unique<BlockMatrix>(columns);
   for (Cell& cell : cells_) {
     for (int k = 0; k < 64; ++k) cell.entry[k] = stiffness_->entry(cell.node[k / 8], cell.node[k % 8]);
@@ -204,13 +212,9 @@ void GridLevel::add_terms(const TopologyTextures& topology, std::span<const Mat3
     const DomainTexel& domain = topology.domains[part.domain];
     if (topology.first_domain[domain.particle] != part.domain || blocks[domain.particle].isZero(0.0)) continue;
     Cell& cell = cells_[part.cell];
-    if (cell.terms == none) {
-      cell.terms = static_cast<Index>(terms_.size());
-      terms_.emplace_back().fill(Eigen::Matrix<double, 8, 8>::Zero());
-    }
     const Vec3 local = (topology.rest[domain.particle] - node_place_[cell.node[0]]).cwiseQuotient(shape_.spacing);
     const double share = part.share * domain.inverse_volume;
-    add_held(local, share * blocks[domain.particle].diagonal(), terms_[cell.terms]);
+    add_held(local, share * blocks[domain.particle].diagonal(), block_of(cell.terms, terms_));
   }
 }
 
@@ -231,11 +235,9 @@ void GridLevel::assemble(std::span<const Mat3> gradients) {
         const Vec3 gb = g.row(b);
         Mat3 block = cell.volume * (cell.shear * gb * ga.transpose() + cell.lame * ga * gb.transpose());
         block.diagonal().array() += cell.volume * cell.shear * inner(a, b) + cell.spread(a, b);
-        if (cell.holds) {
-          for (int axis = 0; axis < 3; ++axis) block(axis, axis) += cell.held[axis](a, b);
-        }
-        if (cell.terms != none) {
-          for (int axis = 0; axis < 3; ++axis) block(axis, axis) += terms_[cell.terms][axis](a, b);
+        for (int axis = 0; axis < 3; ++axis) {
+          if (cell.held != none) block(axis, axis) += held_[cell.held][axis](a, b);
+          if (cell.terms != none) block(axis, axis) += terms_[cell.terms][axis](a, b);
         }
         if (a == b) block.diagonal() *= 1.0 + regularisation;
         stiffness_->at(cell.entry[8 * a + b]) += block;
@@ -245,22 +247,21 @@ void GridLevel::assemble(std::span<const Mat3> gradients) {
   stiffness_->invert_diagonal();
 }
 
-BlockMatrix GridLevel::laplacian() const {
-  BlockMatrix matrix = *stiffness_;
-  matrix.set_zero();
+Eigen::SparseMatrix<double> GridLevel::laplacian(int axis) const {
+  std::vector<Eigen::Triplet<double>> entries;
   for (const Cell& cell : cells_) {
-    const Eigen::Matrix<double, 8, 8> inner = cell.volume * cell.gradient * cell.gradient.transpose();
+    Eigen::Matrix<double, 8, 8> values =
+        cell.volume * cell.gradient * cell.gradient.transpose() + cell.spread / cell.shear;
+    if (cell.held != none) values += held_[cell.held][axis] / cell.shear;
+    values.diagonal() *= 1.0 + regularisation;
     for (int a = 0; a < 8; ++a) {
       for (int b = 0; b < 8; ++b) {
-        Mat3& block = matrix.at(cell.entry[8 * a + b]);
-        for (int axis = 0; axis < 3; ++axis) {
-          double value = inner(a, b) + cell.spread(a, b) / cell.shear;
-          if (cell.holds) value += cell.held[axis](a, b) / cell.shear;
-          block(axis, axis) += a == b ? value * (1.0 + regularisation) : value;
-        }
+        if (cell.node[a] >= cell.node[b]) entries.emplace_back(cell.node[a], cell.node[b], values(a, b));
       }
     }
   }
+  Eigen::SparseMatrix<double> matrix(nodes(), nodes());
+  matrix.setFromTriplets(entries.begin(), entries.end());
   return matrix;
 }
 

@@ -9,7 +9,7 @@
 
 #include <phymul/topology_textures.h>
 
-#include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <array>
 #include <span>
 #include <vector>
@@ -44,8 +44,9 @@ class GridLevel {
   /// Turns the cells: `gradients` as Tangent::linearise. To be called once before the others.
   void assemble(std::span<const Mat3> gradients);
 
-  /// Of the problem: find the displacement whose gradients are, in the mean, given ones, 0 where particles are held.
-  BlockMatrix laplacian() const;
+  /// Of the problem: find the displacement along an axis whose gradients are, in the mean, given ones, 0 where
+  /// particles are held. The lower triangle, [nodes, nodes].
+  Eigen::SparseMatrix<double> laplacian(int axis) const;
   /// Its right-hand side, [3 nodes], for [domains] gradients.
   void sources(std::span<const Mat3> gradients, Eigen::VectorXd& b) const;
 
@@ -63,9 +64,7 @@ class GridLevel {
     double shear = 0.0, lame = 0.0;        // Pa, means
     Eigen::Matrix<double, 8, 3> gradient;  // mean of the nodes' functions, 1/m
     Eigen::Matrix<double, 8, 8> spread;    // N/m, what the mean leaves out
-    ByAxis held;                           // N/m, of particles that are
-    Index terms = none;                    // in terms_
-    bool holds = false;
+    Index held = none, terms = none;       // in held_ and terms_
   };
   struct Part {  // of a domain in a cell
     Index cell, domain;
@@ -80,7 +79,7 @@ class GridLevel {
   std::vector<Vec3> node_place_;
   std::vector<Cell> cells_;
   std::vector<Part> parts_;
-  std::vector<ByAxis> terms_;  // N/m
+  std::vector<ByAxis> held_, terms_;  // N/m, of particles that are held, and of terms
   std::unique_ptr<BlockMatrix> stiffness_;
 };
 

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
 // One V-cycle of multigrid as an approximate inverse of the tangent stiffness: symmetric and positive where the tangent
-// is. The finest level is the particles, smoothed by Chebyshev polynomials of K with the blocks of its diagonal at rest
-// (M. Adams, M. Brezina, J. Hu, R. Tuminaro, J. Comput. Phys. 188 (2003) 593-610); the others are grids (grid_level.h),
-// smoothed by Gauss-Seidel, the coarsest solved directly.
+// is. The finest level is the particles, smoothed by a damped sweep of Jacobi with the blocks of the diagonal of K at
+// rest before and after; the others are grids (grid_level.h), smoothed by Gauss-Seidel, the coarsest solved directly.
 #pragma once
 
-#include <Eigen/SparseCholesky>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "block_cholesky.h"
 #include "grid_level.h"
 #include "rest_term.h"
 #include "tangent.h"
@@ -29,8 +28,7 @@ class Multigrid {
   /// turn() and estimate_largest() are to be called.
   bool follow_terms();
 
-  /// Follows the tangent to another state: `gradients` as Tangent::linearise. To be called before
-  /// solve().
+  /// Follows the tangent to another state: `gradients` [domains] as Tangent::linearise. To be called before solve().
   void turn(std::span<const Mat3> gradients);
 
   /// Looks for the largest eigenvalue of the scaled K, which the smoothing needs, by `steps` steps of the power
@@ -54,7 +52,6 @@ class Multigrid {
   };
 
   void scale(const Eigen::VectorXd& r, Eigen::VectorXd& z) const;
-  void smooth(const Eigen::VectorXd& r, Eigen::VectorXd& z, bool from_zero);
   void cycle(std::size_t level);
 
   const TopologyTextures& topology_;
@@ -64,12 +61,12 @@ class Multigrid {
   std::vector<Mat3> diagonal_;          // at rest, without terms
   std::vector<Mat3> of_terms_;          // RestTerm::add_diagonal() that the levels have
   std::vector<Mat3> inverse_diagonal_;  // of both
-  std::vector<Mat3> turned_;            // rotations of the particles
+  std::vector<Mat3> turned_;            // that, turned with the particles
   double largest_ = 1.0;                // eigenvalue of the scaled K
   std::vector<Coarse> coarse_;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> direct_;
+  BlockCholesky direct_;  // of the coarsest level
   int evaluations_ = 0;
-  Eigen::VectorXd strongest_, residual_, way_, image_, scaled_;
+  Eigen::VectorXd strongest_, residual_, correction_, image_, scaled_;
 };
 
 }  // namespace phymul

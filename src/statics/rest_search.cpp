@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 
+#include "elastic/domain_forces.h"
 #include "elastic/mean_gradient.h"
 #include "multigrid.h"
 #include "turning_path.h"
@@ -25,7 +26,7 @@ constexpr int most_iterations = 60;     ///< of conjugate gradients
 constexpr double most_change = 0.75;    ///< of a mean gradient in one step: rotation in rad, strain
 constexpr double most_way = 0.25;       ///< of a particle in one step, in sizes of the body
 constexpr double little_change = 0.05;  ///< up to which the preconditioner stays
-constexpr int first_power_steps = 5, power_steps = 3;
+constexpr int first_power_steps = 3, power_steps = 2;
 constexpr Index path_nodes = 600;
 constexpr int most_trials = 12;  ///< of a line search
 /// Of the forces that shear a particle's neighbourhood by 1: what rounding leaves of them.
@@ -61,7 +62,7 @@ class Search {
   RestSearchEnd run(double tolerance, int most_evaluations) {
     most_evaluations_ = most_evaluations;
     RestSearchEnd end;
-    residual_at(position_, residual_);
+    residual_at(position_, residual_, gradients_);
     while (true) {
       const bool imposes = find_way_to_targets();
       const double law = tolerance * scale_ + floor_, miss = miss_of_terms();
@@ -88,8 +89,17 @@ class Search {
  private:
   int evaluations() const { return forces_ + grid_.evaluations(); }
 
-  void residual_at(const VecList& x, Vector& r) {
-    elastic_forces(topology_, x, force_);
+  /// And the mean gradients there.
+  void residual_at(const VecList& x, Vector& r, std::vector<Mat3>& gradients) {
+    of_domains_.resize(topology_.domains.size());
+    std::ranges::transform(topology_.domains, of_domains_.begin(), [&](const DomainTexel& domain) -> Vec3 {
+      return x[domain.particle] - topology_.rest[domain.particle];
+    });
+    gradients.resize(of_domains_.size());
+    for (Vec3& force : force_) force.setZero();
+    add_domain_forces(
+        topology_, [this](Index e) -> const Vec3& { return of_domains_[e]; }, {}, force_,
+        [&](Index d, const Mat3& H) { gradients[d] = H; });
     for (const RestTerm* term : terms_) term->add_forces(x, force_);
     ++forces_;
     r = load_;
@@ -106,7 +116,7 @@ class Search {
 
   void raise_terms() {
     for (RestTerm* term : terms_) term->raise(position_);
-    residual_at(position_, residual_);
+    residual_at(position_, residual_, gradients_);
     energy_.reset();
     curvature_ = 0.0;
   }
@@ -130,7 +140,6 @@ class Search {
   }
 
   void linearise() {
-    gradients_ = gradients_of(position_);
     tangent_->linearise(gradients_);
     for (RestTerm* term : terms_) term->linearise(position_);
     double most = turned_at_.empty() ? std::numeric_limits<double>::infinity() : 0.0;
@@ -145,17 +154,15 @@ class Search {
     turned_at_ = gradients_;
   }
 
-  std::vector<Mat3> gradients_of(const VecList& x) const {
-    std::vector<Mat3> all(topology_.domains.size());
-    for (std::size_t d = 0; d < all.size(); ++d) all[d] = mean_gradient(topology_, static_cast<Index>(d), x);
-    return all;
-  }
-
   void find_change() {
-    for (std::size_t i = 0; i < trial_.size(); ++i) {
-      trial_[i] = topology_.rest[i] + direction_.segment<3>(3 * static_cast<Eigen::Index>(i));
+    std::ranges::transform(topology_.domains, of_domains_.begin(), [&](const DomainTexel& domain) -> Vec3 {
+      return direction_.segment<3>(3 * static_cast<Eigen::Index>(domain.particle));
+    });
+    change_.resize(of_domains_.size());
+    for (std::size_t d = 0; d < change_.size(); ++d) {
+      change_[d] =
+          mean_gradient_of(topology_, static_cast<Index>(d), [this](Index e) -> const Vec3& { return of_domains_[e]; });
     }
-    change_ = gradients_of(trial_);
   }
 
   /// Solves K d = r for the direction d: first roughly, then further if the true residual at the end of d follows the
@@ -188,7 +195,7 @@ class Search {
         looked = true;
         find_change();
         move(1.0);
-        residual_at(trial_, next_residual_);
+        residual_at(trial_, next_residual_, next_gradients_);
         reached_ = true;
         goal = std::max(worth_while * (next_residual_ - r).norm(), share_of_rest * goal_);
         if (r.norm() <= goal) break;
@@ -213,13 +220,10 @@ class Search {
 
   /// trial_: the place at `share` of the path along direction_.
   void move(double share) {
-    std::vector<Mat3> part = change_;
-    for (Mat3& change : part) change *= share;
-    Vector d = Vector::Zero(direction_.size());
-    path_.bend(gradients_, part, d);
-    d = share * direction_ + grid_.free().cwiseProduct(d);
+    path_.bend(gradients_, change_, share, bent_);
+    bent_ = share * direction_ + grid_.free().cwiseProduct(bent_);
     for (std::size_t i = 0; i < trial_.size(); ++i) {
-      trial_[i] = position_[i] + d.segment<3>(3 * static_cast<Eigen::Index>(i));
+      trial_[i] = position_[i] + bent_.segment<3>(3 * static_cast<Eigen::Index>(i));
       if (share < 1.0 || loads_.fixed.empty()) continue;
       for (int axis = 0; axis < 3; ++axis) {
         if ((loads_.fixed[i] >> axis & 1) != 0) trial_[i][axis] = loads_.target[i][axis];
@@ -229,13 +233,14 @@ class Search {
 
   void take_trial() {
     std::swap(position_, trial_);
+    std::swap(gradients_, next_gradients_);
     residual_ = next_residual_;
   }
 
   /// A part of the way to the targets, as large as the deformation allows. The energy may grow.
   bool impose() {
     move(largest_share());
-    residual_at(trial_, next_residual_);
+    residual_at(trial_, next_residual_, next_gradients_);
     take_trial();
     energy_.reset();
     return residual_.allFinite();
@@ -248,7 +253,7 @@ class Search {
     for (int k = 0; k < most_trials; ++k) {
       if (!reached_ || share < 1.0 || k > 0) {
         move(share);
-        residual_at(trial_, next_residual_);
+        residual_at(trial_, next_residual_, next_gradients_);
       }
       const double next_slope = -next_residual_.dot(direction_);
       std::optional<double> energy;
@@ -284,12 +289,13 @@ class Search {
   int forces_ = 0, most_evaluations_ = 0;
   double floor_ = 0.0, scale_ = 0.0, goal_ = 0.0;  // N
   double most_way_ = 0.0;                          // m
-  Vector residual_, next_residual_, direction_, imposed_way_, image_;
+  Vector residual_, next_residual_, direction_, imposed_way_, image_, bent_;
   Vector way_, image_of_way_;  // of conjugate gradients
   double curvature_ = 0.0;
   bool keeps_way_ = false;
   bool reached_ = false;  // trial_ and next_residual_ are those at the end of direction_
-  std::vector<Mat3> gradients_, turned_at_, change_;
+  std::vector<Mat3> gradients_, next_gradients_, turned_at_, change_;
+  VecList of_domains_;  // displacements of their particles, side by side: sums over neighbours read them many times
   std::optional<double> energy_;  // of position_, where known
 };
 

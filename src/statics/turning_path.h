@@ -8,6 +8,8 @@
 #pragma once
 
 #include <Eigen/SparseCholesky>
+#include <array>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -20,14 +22,16 @@ class TurningPath {
   /// `level` must outlive it.
   TurningPath(const TopologyTextures& topology, const GridLevel& level);
 
-  /// From a state with mean gradients `at` along the displacement d, [3 N], whose mean gradients are `change`: adds to
-  /// d what makes it follow the curve. What is added is of second order in d.
-  void bend(std::span<const Mat3> at, std::span<const Mat3> change, Eigen::VectorXd& d);
+  /// From a state with mean gradients `at` along a part `share` of the displacement d, [3 N], whose mean gradients are
+  /// `change`: `added` is what makes it follow the curve, of second order in d.
+  void bend(std::span<const Mat3> at, std::span<const Mat3> change, double share, Eigen::VectorXd& added);
 
  private:
   const GridLevel& level_;
   std::vector<GridPlace> places_;  // of particles
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+  std::vector<Mat3> missing_;
+  /// By axis; null: the same as that of the axis before.
+  std::array<std::unique_ptr<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>>, 3> solvers_;
 };
 
 }  // namespace phymul

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+//
+// The forces and the energy of Law::particle_averaged, in double precision and plain loops. `displacement`: as
+// mean_gradient_of() takes it. `factors`: as of elastic_forces().
+#pragma once
+
+#include "energy_density.h"
+#include "mean_gradient.h"
+
+namespace phymul {
+
+/// Of the stiffness of domain d (Scene::stiffness_factors).
+inline double factor_of(const TopologyTextures& t, Index d, std::span<const double> factors) {
+  const auto material = static_cast<std::size_t>(t.domains[d].material);
+  return material < factors.size() ? factors[material] : 1.0;
+}
+
+/// dE/dF_d per volume, the stabiliser's part of it included.
+inline Mat3 mean_stress(const TopologyTextures& t, Index d, const Mat3& H) {
+  const DomainTexel& domain = t.domains[d];
+  Mat3 P;
+  cpu::energy_density<double>(t.options, domain.energy, Mat3::Identity() + H, &P);
+  P -= domain.spread_stiffness * H;
+  if (t.dimension == 2) P.row(2).setZero();  // nothing but rounding, which would leave the plane
+  return P;
+}
+
+/// Adds forces to `force` [N], N. Calls visit(d, H) with the mean displacement gradients.
+template <class Displacement, class Visit>
+void add_domain_forces(const TopologyTextures& t, const Displacement& displacement, std::span<const double> factors,
+                       std::span<Vec3> force, const Visit& visit) {
+  for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
+    const double factor = factor_of(t, d, factors);
+    const Mat3 H = mean_gradient_of(t, d, displacement);
+    visit(d, H);
+    const Mat3 Q = factor * mean_stress(t, d, H);
+    const Index i = t.domains[d].particle;
+    for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
+      const LinkTexel& link = t.links[r];
+      force[t.domains[link.domain].particle] -= Q * link.area;
+      force[i] += Q * link.area + factor * link.stiffness * (displacement(link.domain) - displacement(d));
+    }
+    for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
+      const SurfaceLinkTexel& link = t.surface_links[r];
+      force[t.domains[link.domain].particle] -= Q * link.area;
+      force[i] += Q * link.area;
+    }
+  }
+}
+
+/// J.
+template <class Displacement>
+double domain_energy(const TopologyTextures& t, const Displacement& displacement, std::span<const double> factors) {
+  double energy = 0.0;
+  for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
+    const double factor = factor_of(t, d, factors);
+    const DomainTexel& domain = t.domains[d];
+    const Mat3 H = mean_gradient_of(t, d, displacement);
+    const double density = cpu::energy_density<double>(t.options, domain.energy, Mat3::Identity() + H, nullptr);
+    energy += factor * (density - 0.5 * domain.spread_stiffness * H.squaredNorm()) / domain.inverse_volume;
+    const Vec3 own = displacement(d);
+    for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {  // each from both sides
+      energy += 0.25 * factor * t.links[r].stiffness * (displacement(t.links[r].domain) - own).squaredNorm();
+    }
+  }
+  return energy;
+}
+
+}  // namespace phymul
