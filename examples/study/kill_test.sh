@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: MIT
 #
 # kill_test.sh PROGRAM STUDY FOLDER [mpirun and its options...]: kills a study with SIGKILL in its middle,
-# starts it again, and compares its tables with those of a study that nothing happened to. With mpirun, it kills rank 1
-# first, and then rank 0.
+# starts it again, and compares its tables with those of a study that nothing happened to. With mpirun, it does so twice:
+# rank 1 dies first, then rank 0. The other is killed right after it, because mpirun ends it only a second later, by when
+# it may have finished a study as small as this one.
 set -eu
 program=$1 study=$2 out=$3
 shift 3
@@ -39,7 +40,7 @@ all=$(($(lines "$out/whole/results.txt") - 1))
 ranks="1 0"
 [ "$launched" = yes ] || ranks=0
 
-# Kills each rank once. False: the study was over before the kill.
+# Runs and kills the study once for each rank. False: the study was over before the kill.
 kill_ranks() {
   rm -rf "$out/killed"
   before=0
@@ -56,12 +57,11 @@ kill_ranks() {
       [ "$tries" -lt 3000 ] || fail "no results within 60 s: $(cat "$out/killed.txt")"
       sleep 0.02
     done
-    # mpirun ends the others by itself, but so late that they may finish a study as small as this one.
     victims=$(for one in $rank $ranks; do process_of "$first" "$one" 2> /dev/null || true; done)
     for victim in $victims; do kill -9 "$victim" 2> /dev/null || true; done
     if wait "$first" || [ -e "$out/killed/scenes.csv" ]; then return 1; fi
     before=$(($(lines "$out/killed/results.txt") - 1))
-    echo "rank $rank killed after $before of $all scenes"
+    echo "killed, rank $rank first, after $before of $all scenes"
   done
 }
 

@@ -80,7 +80,7 @@ struct Attachment {
 };
 
 struct SpringReport {
-  Vec3 force{0, 0, 0};  ///< N, on anchor `a`; 0 if broken
+  Vec3 force{0, 0, 0};  ///< N, on anchor `a`; 0 from the step after that in which it breaks
   double length = 0.0;  ///< m, between the anchors
   bool broken = false;  ///< carries nothing from the next step on
   bool operator==(const SpringReport&) const = default;

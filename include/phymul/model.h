@@ -77,8 +77,8 @@ struct Material {
   /// means none. Across them it is young / (1 - poisson^2 (1 - 1 / fibre_ratio)).
   double fibre_ratio = 1.0;
 
-  // Dissipation by the change of strain, so that rigid motion is not braked; 0: none. Law::particle_averaged, backends
-  // "reference" and "cpu". C is the elastic tensor of young and poisson, E Green's strain (docs/theory/physics.md).
+  // Dissipation by the change of strain, so that rigid motion is not braked; 0: none. Law::particle_averaged. C is the
+  // elastic tensor of young and poisson, E Green's strain (docs/theory/physics.md).
   /// s, >= 0. Kelvin-Voigt: a viscous stress of retardation_time * C : dE/dt. The loss factor of a small vibration of
   /// angular frequency w is w * retardation_time.
   double retardation_time = 0.0;

@@ -171,8 +171,10 @@ class Scene {
   /// springs, anchors that do not fit the scene, weights whose sum is not 1, a spring without particles or between
   /// equal anchors, and constants out of their range.
   Scene& add_joint(std::string name, Joint joint, std::span<const Vec3> position = {});
-  JointHandle add_joint(Joint joint) &;  ///< named "joint 1", "joint 2" and so on
-  JointHandle add_joint(JointSpring spring, double stiffness, double damping = 0.0) &;  ///< N/m, N s/m
+  JointHandle add_joint(Joint joint, std::span<const Vec3> position = {}) &;  ///< named "joint 1", "joint 2" and so on
+  /// N/m, N s/m.
+  JointHandle add_joint(JointSpring spring, double stiffness, double damping = 0.0,
+                        std::span<const Vec3> position = {}) &;
 
   /// Adds a joint of a spring for each particle of a patch of the surface. Its share is the particle's part of the rest
   /// area of the patch's facets, m^2 (2-D: m): those whose particles are all listed, as of pressure loads. Particles

@@ -113,7 +113,8 @@ class Simulation {
   /// Force of the particles on the tool, of the last step, or of the rest shape after solve_static().
   const ToolForce& force_on(const ToolHandle& tool) const;
   const ToolPose& pose_of(const ToolHandle& tool) const;         ///< present pose of the tool
-  const JointReport& report_of(const JointHandle& joint) const;  ///< as Solver::joint_report()
+  /// Of the last step, as Solver::joint_report(), or of the rest shape after solve_static().
+  const JointReport& report_of(const JointHandle& joint) const;
 
   /// The state with everything that further steps depend on except the scene, in memory or in a file. Throw Error as
   /// Solver::restore(), save_state() and load_state() do.

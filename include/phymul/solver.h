@@ -153,6 +153,8 @@ class Solver {
   /// Number of particles that a tool holds now. grasp() and release() take effect in the next step. Throw as above.
   int held(std::string_view name) const;
   int held(const ToolHandle& tool) const;
+  /// Whether a grasp() or release() waits for the next step. Throws as above.
+  bool has_grasp_ahead(std::string_view name) const;
   /// `count` >= 2 points along a needle, evenly spaced from tip to hub, m. Throws Error if the tool is not a needle.
   VecList needle_points(std::string_view name, int count) const;
 

@@ -15,15 +15,15 @@ struct StaticOptions {
   /// on coordinates that are imposed away from their rest places, and the forces of joints on points of the world and
   /// of tools.
   double tolerance = 1e-6;
-  /// Largest number of evaluations, >= 1: of the elastic forces of all particles, or of products with the tangent
-  /// stiffness, which cost about as much.
+  /// Evaluations, >= 1, after which the search gives up, some more at most: of the elastic forces of all particles, or
+  /// of products with the tangent stiffness, of which an evaluation of the forces costs several.
   int most_evaluations = 3000;
 };
 
 struct StaticResult {
   RestStatus status = RestStatus::failed;  ///< step_limit: most_evaluations were not enough
   int evaluations = 0;                     ///< as StaticOptions::most_evaluations counts them
-  double residual = 0.0;                   ///< net forces over loads, as StaticOptions::tolerance; 0 without loads
+  double residual = 0.0;                   ///< net forces over loads, as StaticOptions::tolerance; 0 if the loads are mere rounding
   double largest_force = 0.0;              ///< N, largest net force on a free particle
   Index folded = -1;                       ///< as RestResult::folded, if converged
   std::string cause;                       ///< of RestStatus::failed

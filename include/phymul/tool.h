@@ -100,6 +100,7 @@ struct ToolReport {
   ToolPose pose{};  ///< at the state's time
   ToolForce force{};
   int held = 0;                    ///< number of particles that it holds
+  std::uint64_t grasps = 0;        ///< SceneTool::grasps of which steps know
   std::vector<ShaftLoad> shaft{};  ///< of a needle that bends
 };
 

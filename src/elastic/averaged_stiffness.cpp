@@ -21,7 +21,7 @@ void AveragedStiffness::apply(const Eigen::VectorXd& u, Eigen::VectorXd& result)
   result += other_;
 }
 
-/// The change of mean_stress (elasticity.cpp) with u.
+/// The change of mean_stress (domain_forces.h) with u.
 Mat3 AveragedStiffness::stress(Index d, const Eigen::VectorXd& u) const {
   const TopologyTextures& t = topology_;
   const DomainTexel& domain = t.domains[d];

@@ -4,6 +4,8 @@
 // mean_gradient_of() takes it. `factors`: as of elastic_forces().
 #pragma once
 
+#include <span>
+
 #include "energy_density.h"
 #include "mean_gradient.h"
 

@@ -64,7 +64,7 @@ const ToolState* MovedTool::reset(const SceneTool& wanted, const State& state, s
   seen_moves_ = wanted.moves;
   seen_places_ = wanted.places;
   // A tool that was told to hold before the solver was there holds from the first step on.
-  seen_grasps_ = wanted.grasping && first && !known ? wanted.grasps - 1 : wanted.grasps;
+  report.grasps = wanted.grasping && first && !known ? wanted.grasps - 1 : wanted.grasps;
   report.force = {};
   weigh_held(mass);
   return known;
@@ -94,8 +94,8 @@ void MovedTool::begin_call(const SceneTool& wanted, int call_steps, bool at_once
     motion.steps = at_once ? 1 : call_steps;
     motion.done = 0;
   }
-  if (seen_grasps_ == wanted.grasps) return;
-  seen_grasps_ = wanted.grasps;
+  if (report.grasps == wanted.grasps) return;
+  report.grasps = wanted.grasps;
   grasps = wanted.grasping;
   releases = !wanted.grasping;
   grasp_distance = wanted.grasp_distance;

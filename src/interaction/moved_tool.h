@@ -57,7 +57,7 @@ struct MovedTool {
  private:
   void place(const ToolPose& pose);
 
-  std::uint64_t seen_moves_ = 0, seen_places_ = 0, seen_grasps_ = 0;
+  std::uint64_t seen_moves_ = 0, seen_places_ = 0;
   Vec3 sum_force_{0, 0, 0}, sum_torque_{0, 0, 0};  // over the steps of this call
   int summed_ = 0;
 };

@@ -26,18 +26,23 @@ std::string known_groups(const Model& model) {
 
 /// Sets to 1, in [N], the component's particles.
 void mark(std::vector<char>& particles, const Model& model, const Component& component) {
-  const auto mark_all = [&](const std::vector<Index>& rows) {
-    for (const Index i : rows) {
-      if (i < 0 || i >= model.particle_count()) {
-        throw Error("group \"" + component.name + "\": expected particles below " +
-                    std::to_string(model.particle_count()) + ", got " + std::to_string(i));
-      }
+  const auto require_below = [&](Index row, std::size_t count, const char* what) {
+    if (row >= 0 && static_cast<std::size_t>(row) < count) return;
+    throw Error("group \"" + component.name + "\": expected " + what + " from 0 to " +
+                std::to_string(static_cast<std::ptrdiff_t>(count) - 1) + ", got " + std::to_string(row));
+  };
+  const auto mark_all = [&](const std::vector<Index>& members) {
+    for (const Index i : members) {
+      require_below(i, particles.size(), "particles");
       particles[i] = 1;
     }
   };
   mark_all(component.particles);
   for (const std::vector<Index>* rows : {&component.cells, &component.cell_refs}) {
-    for (const Index row : *rows) mark_all(model.cells[row].particles);
+    for (const Index row : *rows) {
+      require_below(row, model.cells.size(), "cells");
+      mark_all(model.cells[row].particles);
+    }
   }
 }
 

@@ -146,17 +146,17 @@ Scene& Scene::add_joint(std::string name, Joint joint, std::span<const Vec3> pos
   return *this;
 }
 
-JointHandle Scene::add_joint(Joint joint) & {
-  add_joint("joint " + std::to_string(next_joint_), std::move(joint));
+JointHandle Scene::add_joint(Joint joint, std::span<const Vec3> position) & {
+  add_joint("joint " + std::to_string(next_joint_), std::move(joint), position);
   return {*this, joints_.back().id};
 }
 
-JointHandle Scene::add_joint(JointSpring spring, double stiffness, double damping) & {
+JointHandle Scene::add_joint(JointSpring spring, double stiffness, double damping, std::span<const Vec3> position) & {
   Joint joint;
   joint.springs.push_back(std::move(spring));
   joint.stiffness = stiffness;
   joint.damping = damping;
-  return add_joint(std::move(joint));
+  return add_joint(std::move(joint), position);
 }
 
 Scene& Scene::remove_joint(std::string_view name) {

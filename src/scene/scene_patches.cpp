@@ -67,16 +67,21 @@ Model partner_body(const Model& model, std::span<const Index> patch, std::string
   partner.rest.assign(position.begin(), position.end());
   for (const Cell& cell : model.cells) {
     const auto is_meant = [&](Index i) { return meant[i] != 0; };
-    if (std::all_of(cell.particles.begin(), cell.particles.end(), is_meant)) partner.cells.push_back(cell);
+    if (is_volume(cell.type) && std::ranges::all_of(cell.particles, is_meant)) partner.cells.push_back(cell);
   }
-  return partner;
+  if (!partner.cells.empty()) return partner;
+  throw Error(
+      "attach: expected a group with volume cells, mostly a whole body, to glue to; no cell has all its "
+      "particles in \"" +
+      std::string(group) + '"');
 }
 
 Skin bound(const Model& partner, const VecList& points, std::string_view group) {
   try {
     return {partner, points};
   } catch (const Error& error) {
-    throw with_prefix("attach to \"" + std::string(group) + "\": ", error);
+    throw with_prefix("attach: expected each particle of the patch within one cell of \"" + std::string(group) + "\": ",
+                      error);
   }
 }
 

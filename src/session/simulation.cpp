@@ -109,7 +109,8 @@ void Simulation::Parts::start(const State& state) {
   state_changed();
 }
 
-void Simulation::Parts::start_at_rest(const State& state, const std::vector<ToolForce>& of_tools) {
+void Simulation::Parts::start_at_rest(const State& state, const std::vector<ToolForce>& of_tools,
+                                      const std::vector<JointReport>& of_joints) {
   solver().reset(state);
   started = Start{.wanted = state, .taken = solver().read(), .dt = step_limit()};
   for (std::size_t row = 0; row < of_tools.size(); ++row) {
@@ -117,6 +118,7 @@ void Simulation::Parts::start_at_rest(const State& state, const std::vector<Tool
     force.mean_force = force.force;
     force.mean_torque = force.torque;
   }
+  for (std::size_t row = 0; row < of_joints.size(); ++row) started->joints[scene.joints()[row].id] = of_joints[row];
   state_changed();
 }
 
@@ -250,6 +252,8 @@ const ToolPose& Simulation::pose_of(const ToolHandle& tool) const {
 }
 
 const JointReport& Simulation::report_of(const JointHandle& joint) const {
+  const auto& started = parts_->started;
+  if (started && started->joints.contains(joint.id()) && parts_->is_at_start()) return started->joints.at(joint.id());
   return solver().joint_report(joint);
 }
 

@@ -24,9 +24,10 @@ struct Simulation::Parts {
   void begin(double dt);
   /// Starts from a state whose velocities are those of its own time.
   void start(const State& state);
-  /// Starts from a state in which all forces are balanced, those of tools (by Scene::tools()) too, and velocities are
-  /// 0.
-  void start_at_rest(const State& state, const std::vector<ToolForce>& of_tools);
+  /// Starts from a state in which all forces are balanced, those of tools and joints (by Scene::tools() and joints())
+  /// too, and velocities are 0.
+  void start_at_rest(const State& state, const std::vector<ToolForce>& of_tools,
+                     const std::vector<JointReport>& of_joints);
   bool is_at_start();    ///< no step was taken since start(), and the solver was given no other state
   void state_changed();  ///< by something that the recorder does not see
 
@@ -41,9 +42,11 @@ struct Simulation::Parts {
   ScaledTables scaled;
 
   struct Start {
-    State wanted, taken;                         ///< as given; as the solver has it
-    double dt = 0.0;                             ///< s, that its velocities were converted for
-    std::map<std::uint64_t, ToolForce> tools{};  ///< of a rest shape, by SceneTool::id
+    State wanted, taken;  ///< as given; as the solver has it
+    double dt = 0.0;      ///< s, that its velocities were converted for
+    /// Of a rest shape, by SceneTool::id and SceneJoint::id.
+    std::map<std::uint64_t, ToolForce> tools{};
+    std::map<std::uint64_t, JointReport> joints{};
   };
   std::optional<Start> started;
   std::optional<StateHistory> history;

@@ -34,7 +34,7 @@ constexpr double unsupported = 1e-9;
 }
 
 /// A tool that stands still, slides without friction and is known by all its numbers.
-void require_supported(const SceneTool& tool, const State& state) {
+void require_supported(const SceneTool& tool, const Solver& solver) {
   const std::string name = "the tool \"" + tool.name + '"';
   if (std::holds_alternative<Needle>(tool.tool.shape)) refuse(name + " is a needle");
   if (tool.tool.friction > 0.0) refuse(name + " has friction, by which the rest shape depends on the way to it");
@@ -42,27 +42,25 @@ void require_supported(const SceneTool& tool, const State& state) {
     refuse(name + " has compliance and ToolContact::surface");
   }
   if (tool.pose.velocity != Vec3::Zero() || tool.pose.spin != Vec3::Zero()) refuse(name + " has a velocity");
-  const auto known = std::ranges::find(state.tools, tool.name, &ToolState::name);
-  const bool holds = known != state.tools.end() && !known->held.empty();
-  if (tool.grasping && !holds) refuse(name + " is to grasp in the next step: take a step before, or release it");
-  if (!tool.grasping && holds) refuse(name + " is to release in the next step: take a step before");
+  if (!solver.has_grasp_ahead(tool.name)) return;
+  refuse(name + (tool.grasping ? " is to grasp" : " is to release") + " in the next step: take a step before");
 }
 
-void require_supported(const TopologyTextures& topology, const Scene& scene, const State& state) {
+void require_supported(const TopologyTextures& topology, const Scene& scene, const Solver& solver) {
   if (topology.dimension == 2) refuse("expected a body in three dimensions, got one in two");
   if (!AveragedStiffness::is_all_of(topology)) refuse("expected a body with a material, got stiffnesses in N/m");
   for (Index i = 0; i < topology.particle_count; ++i) {
     if (topology.first_domain[i] != topology.first_domain[i + 1]) continue;
     refuse("particle " + std::to_string(i) + " is in no cell with a material");
   }
-  for (const SceneTool& tool : scene.tools()) require_supported(tool, state);
+  for (const SceneTool& tool : scene.tools()) require_supported(tool, solver);
   if (scene.contacts()) refuse("the scene has contacts");
   if (!scene.volume_constraints().empty()) refuse("the scene has a volume constraint");
   for (std::size_t row = 0; row < scene.loads().size(); ++row) {
     const std::vector<ValueEvent>& events = scene.loads()[row].events;
-    if (events.empty() || !(events.back().date > state.time)) continue;
+    if (events.empty() || !(events.back().date > solver.time())) continue;
     refuse("load " + std::to_string(row) + " has an event at " + to_decimal(events.back().date) +
-           " s, after the present " + to_decimal(state.time) + " s");
+           " s, after the present " + to_decimal(solver.time()) + " s");
   }
 }
 
@@ -211,18 +209,18 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   }
   const TopologyTextures& topology = parts_->elastic();
   State state = solver().read();
-  require_supported(topology, scene(), state);
+  require_supported(topology, scene(), solver());
   LoadFrame loads;
   scene().prepare(loads);
   scene().evaluate(state.time, loads);
   hold_grasped(scene(), state, loads);
   RestJoints joints(scene(), state);
   const bool has_tools = !scene().tools().empty();
-  RestTools tools(scene(), has_tools ? diagonal_at_rest(topology) : std::vector<Mat3>{});
+  const std::vector<Mat3> diagonal = has_tools ? diagonal_at_rest(topology) : std::vector<Mat3>{};
+  RestTools tools(scene(), diagonal);
   std::vector<RestTerm*> terms;
   if (!joints.empty()) terms.push_back(&joints);
   if (has_tools) terms.push_back(&tools);
-  for (RestTerm* term : terms) term->linearise(state.position);
   StaticResult result;
   result.cause = why_no_rest(model(), loads, terms);
   if (!result.cause.empty()) return result;
@@ -239,6 +237,7 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   result.evaluations = end.evaluations;
   if (end.stuck && !begins_anew && end.evaluations < options.most_evaluations) {
     state.position = topology.rest;
+    tools = RestTools(scene(), diagonal);  // without the estimates of the search that got stuck
     end = search_rest(topology, loads, terms, options.tolerance, options.most_evaluations - end.evaluations,
                       state.position);
     result.evaluations += end.evaluations;
@@ -258,7 +257,7 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
       tool.pose = pose;
       tool.placed = true;  // points of a surface may be inside by a little, and are to come out without a force
     });
-    parts_->start_at_rest(state, forces);
+    parts_->start_at_rest(state, forces, joints.reports(state.position));
     result.status = RestStatus::converged;
     result.folded = first_folded_cell(model(), state.position);
   } else if (end.stuck) {

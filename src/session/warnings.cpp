@@ -120,6 +120,13 @@ void look_for_what_is_loose(const Model& model, const Scene& scene, std::vector<
                      " too, join the meshes, or use Scene::attach() or Scene::contacts()");
 }
 
+void look_at_joints(const Scene& scene, std::vector<std::string>& found) {
+  for (const SceneJoint& joint : scene.joints()) {
+    if (joint.joint.stiffness > 0.0 || joint.joint.damping > 0.0) continue;
+    found.emplace_back("joint \"" + joint.name + "\" has neither stiffness nor damping: it holds nothing");
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> warnings_of(const Model& model, const Scene& scene, bool takes_material) {
@@ -130,6 +137,7 @@ std::vector<std::string> warnings_of(const Model& model, const Scene& scene, boo
         "give SimulationOptions::material for a Young's modulus");
   }
   look_at_units(model, scene, found);
+  look_at_joints(scene, found);
   look_for_what_is_loose(model, scene, found);
   return found;
 }

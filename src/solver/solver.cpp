@@ -68,6 +68,11 @@ int Solver::held(std::string_view name) const {
   return tool_report(tool_row(name)).held;
 }
 
+bool Solver::has_grasp_ahead(std::string_view name) const {
+  const std::size_t row = tool_row(name);
+  return tool_report(row).grasps != scene().tools()[row].grasps;
+}
+
 VecList Solver::needle_points(std::string_view name, int count) const {
   const std::size_t row = tool_row(name);
   const auto* const needle = std::get_if<Needle>(&scene().tools()[row].tool.shape);

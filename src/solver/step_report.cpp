@@ -12,11 +12,11 @@ namespace {
 /// `verdict`: "ok:" or "not at rest after".
 std::string good_message(const StepReport& r, const char* verdict) {
   char text[512];
-  std::snprintf(text, sizeof text, "%s %d steps to t = %.6g s, residual %.3g N, speed %.3g m/s%s%s%s%s", verdict,
-                r.steps, r.time, r.residual, r.max_speed, r.at_rest ? ", at rest" : "",
-                r.stopped ? "; stopped by SolverOptions::progress" : "",
-                r.beyond_limit ? "; the step is beyond the stable step" : "",
-                r.force_clamped ? "; elastic forces were clamped, the body was far out of shape" : "");
+  std::snprintf(
+      text, sizeof text, "%s %d steps to t = %.6g s, residual %.3g N, speed %.3g m/s%s%s%s%s", verdict, r.steps, r.time,
+      r.residual, r.max_speed, r.at_rest ? ", at rest" : "", r.stopped ? "; stopped by SolverOptions::progress" : "",
+      r.beyond_limit ? "; the step is beyond the stable step" : "",
+      r.force_clamped ? "; elastic forces were clamped in some step, as after the jump of a tool or a load" : "");
   return text;
 }
 

@@ -6,7 +6,6 @@
 #include <phymul/types.h>
 
 #include <Eigen/Core>
-#include <Eigen/SparseCore>
 #include <span>
 #include <vector>
 
@@ -19,7 +18,6 @@ class BlockMatrix {
 
   Index rows() const { return static_cast<Index>(first_.size()) - 1; }
   void set_zero();
-  Mat3& block(Index row, Index column);  ///< one of `columns`
   Index entry(Index row, Index column) const;
   Mat3& at(Index entry) { return blocks_[entry]; }
   const Mat3& at(Index entry) const { return blocks_[entry]; }

@@ -220,13 +220,11 @@ void GridLevel::add_terms(const TopologyTextures& topology, std::span<const Mat3
 
 void GridLevel::assemble(std::span<const Mat3> gradients) {
   std::vector<Mat3> turned(cells_.size(), Mat3::Zero());
-  if (!gradients.empty()) {
-    for (const Part& part : parts_) turned[part.cell] += part.share * (Mat3::Identity() + gradients[part.domain]);
-  }
+  for (const Part& part : parts_) turned[part.cell] += part.share * (Mat3::Identity() + gradients[part.domain]);
   stiffness_->set_zero();
   for (std::size_t c = 0; c < cells_.size(); ++c) {
     const Cell& cell = cells_[c];
-    const Mat3 R = gradients.empty() ? Mat3(Mat3::Identity()) : rotation_of(turned[c]);
+    const Mat3 R = rotation_of(turned[c]);
     const Gradient g = cell.gradient * R.transpose();  // rows R g_a
     const Eigen::Matrix<double, 8, 8> inner = g * g.transpose();
     for (int a = 0; a < 8; ++a) {

@@ -11,6 +11,8 @@
 
 #include <Eigen/SparseCore>
 #include <array>
+#include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 

@@ -3,8 +3,10 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "elastic/energy_density.h"
 #include "elastic/rotation.h"
@@ -17,8 +19,8 @@ using Vector = Eigen::VectorXd;
 /// evaluations hardly differs.
 constexpr double jump = 1.5;
 constexpr int coarse_sweeps = 2;
-/// A power iteration of a few steps ends below the largest eigenvalue.
-constexpr double above_estimate = 1.2;
+/// A power iteration of a few steps ends below the largest eigenvalue, the more so the larger the body.
+constexpr double above_estimate = 1.3;
 constexpr double finest_cells = 1.75;  // of the finest grid, in mean spacings
 constexpr double little_change_of_terms = 0.1;
 constexpr Index few_nodes = 120;  // solved directly in a millisecond or so
@@ -92,8 +94,7 @@ Multigrid::Multigrid(const TopologyTextures& topology, std::span<const std::uint
     }
   }
   diagonal_ = diagonal_at_rest(topology);
-  for (const Mat3& block : diagonal_) inverse_diagonal_.push_back(block.inverse());
-  turned_ = inverse_diagonal_;
+  turned_inverse_.resize(diagonal_.size());
   double volume = 0.0;
   for (const DomainTexel& domain : topology.domains) volume += 1.0 / domain.inverse_volume;
   const double spacing = std::cbrt(volume / static_cast<double>(topology.particle_count));
@@ -133,21 +134,20 @@ bool Multigrid::follow_terms() {
   }
   if (change <= little_change_of_terms * size) return false;
   of_terms_ = std::move(now);
-  for (std::size_t i = 0; i < diagonal_.size(); ++i) {
-    inverse_diagonal_[i] = (diagonal_[i] + of_terms_[i]).inverse();
-  }
   for (Coarse& coarse : coarse_) coarse.level.add_terms(topology_, of_terms_);
   return true;
 }
 
 void Multigrid::turn(std::span<const Mat3> gradients) {
-  turned_.assign(turned_.size(), Mat3::Zero());
+  std::vector<Mat3> sums(turned_inverse_.size(), Mat3::Zero());  // of the F of a particle's domains
   for (std::size_t d = 0; d < gradients.size(); ++d) {
-    turned_[topology_.domains[d].particle] += Mat3::Identity() + gradients[d];
+    sums[topology_.domains[d].particle] += Mat3::Identity() + gradients[d];
   }
-  for (std::size_t i = 0; i < turned_.size(); ++i) {
-    const Mat3 R = rotation_of(turned_[i]);
-    turned_[i] = R * inverse_diagonal_[i] * R.transpose();
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const Mat3 R = rotation_of(sums[i]);
+    Mat3 block = R * diagonal_[i] * R.transpose();
+    if (!of_terms_.empty()) block += of_terms_[i];  // which do not turn with the body
+    turned_inverse_[i] = block.inverse();
   }
   for (Coarse& coarse : coarse_) coarse.level.assemble(gradients);
   direct_.factorise(coarse_.back().level.stiffness());
@@ -168,9 +168,9 @@ void Multigrid::apply(const Vector& d, Vector& result) {
 
 void Multigrid::scale(const Vector& r, Vector& z) const {
   z.resize(r.size());
-  for (std::size_t i = 0; i < turned_.size(); ++i) {
+  for (std::size_t i = 0; i < turned_inverse_.size(); ++i) {
     const auto at = 3 * static_cast<Eigen::Index>(i);
-    z.segment<3>(at) = turned_[i] * r.segment<3>(at);
+    z.segment<3>(at) = turned_inverse_[i] * r.segment<3>(at);
   }
   z.array() *= free_.array();
 }

@@ -5,7 +5,6 @@
 // rest before and after; the others are grids (grid_level.h), smoothed by Gauss-Seidel, the coarsest solved directly.
 #pragma once
 
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -58,11 +57,10 @@ class Multigrid {
   Tangent& tangent_;
   RestTerms terms_;
   Eigen::VectorXd free_;
-  std::vector<Mat3> diagonal_;          // at rest, without terms
-  std::vector<Mat3> of_terms_;          // RestTerm::add_diagonal() that the levels have
-  std::vector<Mat3> inverse_diagonal_;  // of both
-  std::vector<Mat3> turned_;            // that, turned with the particles
-  double largest_ = 1.0;                // eigenvalue of the scaled K
+  std::vector<Mat3> diagonal_;        // at rest, without terms
+  std::vector<Mat3> of_terms_;        // RestTerm::add_diagonal() that the levels have
+  std::vector<Mat3> turned_inverse_;  // of both, the first turned with the particles
+  double largest_ = 1.0;              // eigenvalue of the scaled K
   std::vector<Coarse> coarse_;
   BlockCholesky direct_;  // of the coarsest level
   int evaluations_ = 0;

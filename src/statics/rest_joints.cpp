@@ -30,7 +30,10 @@ RestJoints::RestJoints(const Scene& scene, const State& state) : scene_(scene) {
 }
 
 void RestJoints::mark_held(std::span<char> particles) const {
-  for (const Spring& own : springs_) for_each_weight(*own.spring, [&](Index i, double) { particles[i] = 1; });
+  for (const Spring& own : springs_) {
+    if (!(own.joint->joint.stiffness > 0.0)) continue;
+    for_each_weight(*own.spring, [&](Index i, double) { particles[i] = 1; });
+  }
 }
 
 Vec3 RestJoints::span_of(const JointSpring& spring, std::span<const Vec3> position) const {
@@ -55,6 +58,27 @@ void RestJoints::add_reactions(std::span<const Vec3> position, std::span<ToolFor
       felt.torque += (anchor_place(*anchor, position, scene_.tools()) - tool->pose.position).cross(force);
     }
   }
+}
+
+std::vector<JointReport> RestJoints::reports(std::span<const Vec3> position) const {
+  std::vector<JointReport> all;
+  for (const SceneJoint& joint : scene_.joints()) {
+    JointReport& report = all.emplace_back();
+    for (const JointSpring& spring : joint.joint.springs) {
+      report.springs.push_back({.length = span_of(spring, position).norm(), .broken = true});
+    }
+    report.broken = static_cast<int>(report.springs.size());
+  }
+  for (const Spring& own : springs_) {
+    JointReport& report = all[static_cast<std::size_t>(own.joint - scene_.joints().data())];
+    SpringReport& spring = report.springs[static_cast<std::size_t>(own.spring - own.joint->joint.springs.data())];
+    spring.broken = false;
+    spring.force = spring_force(own.joint->joint, *own.spring, span_of(*own.spring, position), Vec3::Zero());
+    report.force += spring.force;
+    report.largest = std::max(report.largest, spring.force.norm());
+    --report.broken;
+  }
+  return all;
 }
 
 double RestJoints::energy(std::span<const Vec3> position) const {

@@ -29,6 +29,8 @@ class RestJoints final : public RestTerm {
 
   /// Adds what springs do to the tools, [Scene::tools()].
   void add_reactions(std::span<const Vec3> position, std::span<ToolForce> tools) const;
+  /// By Scene::joints().
+  std::vector<JointReport> reports(std::span<const Vec3> position) const;
   /// The name of a joint one of whose springs is loaded beyond what breaks it; empty: none is.
   std::string overloaded(std::span<const Vec3> position) const;
 

@@ -79,7 +79,7 @@ class Search {
       end.stuck = !(imposes ? impose() : descend());
     }
     end.evaluations = evaluations();
-    end.residual = scale_ > 0.0 ? residual_.norm() / scale_ : 0.0;
+    end.residual = tolerance * scale_ > floor_ ? residual_.norm() / scale_ : 0.0;
     for (Eigen::Index i = 0; i < residual_.size(); i += 3) {
       end.largest_force = std::max(end.largest_force, residual_.segment<3>(i).norm());
     }
@@ -177,9 +177,10 @@ class Search {
     reached_ = false;
     double goal = std::max(first_goal * r.norm(), share_of_rest * goal_);
     bool looked = imposes;
-    grid_.solve(r, z);
-    way_ = keeps_way_ && !imposes ? Vector(z - z.dot(image_of_way_) / curvature_ * way_) : z;
     for (int k = 0; k < most_iterations && evaluations() < most_evaluations_; ++k) {
+      grid_.solve(r, z);
+      const bool goes_on = k > 0 || (keeps_way_ && !imposes);
+      way_ = goes_on ? Vector(z - z.dot(image_of_way_) / curvature_ * way_) : z;
       grid_.apply(way_, image_of_way_);
       curvature_ = way_.dot(image_of_way_);
       if (!(curvature_ > 0.0)) {
@@ -200,8 +201,6 @@ class Search {
         goal = std::max(worth_while * (next_residual_ - r).norm(), share_of_rest * goal_);
         if (r.norm() <= goal) break;
       }
-      grid_.solve(r, z);
-      way_ = z - z.dot(image_of_way_) / curvature_ * way_;
     }
     // What nothing holds but slack springs has a tangent that is as good as singular.
     if (!imposes && !(direction_.dot(residual_) > 0.0)) {
@@ -274,6 +273,7 @@ class Search {
       energy_ = energy;
       return true;
     }
+    residual_at(position_, residual_, gradients_);
     return false;
   }
 

@@ -140,14 +140,16 @@ std::vector<Case> large_cases() {
     set_material(model, soft_tissue());
     return model;
   };
-  const Model block = make_block({0.14, 0.14, 0.14}, 14, 14, 14, 14);
-  const Model tetrahedra = make_tetrahedral_block({0.14, 0.14, 0.14}, 14, 14, 14, 0.2, 7);
+  const int n = sanitized ? 11 : 14;
+  const Vec3 size = Vec3::Constant(0.01 * n);
+  const Model block = make_block(size, n, n, n, 14);
+  const Model tetrahedra = make_tetrahedral_block(size, n, n, n, 0.2, 7);
   return {make("springs", tetrahedra, {.law = Law::springs, .volume_stiffness = 50.0}),
           make("shared", block, {.reaction = Reaction::shared, .bases = BaseSelection::all}),
           make("averaged", block, {.reaction = Reaction::averaged, .bases = BaseSelection::all}),
           make("conservative", tetrahedra, {}),
           make("tetrahedra", material(tetrahedra), {}),
-          make("lattice", material(make_block({0.2, 0.2, 0.2}, 20, 20, 20)), {}),
+          make("lattice", material(make_block(size, n + 6, n + 6, n + 6)), {}),
           make("two materials", stiffer_half(), {})};
 }
 

@@ -88,6 +88,11 @@ void write_lattice(const std::string& path, int n) {
   out << "</structuralComponent>\n</multiComponent>\n</exclusiveComponents>\n</physicalModel>\n";
 }
 
+struct FileRemover {
+  std::string path;
+  ~FileRemover() { std::filesystem::remove(path); }
+};
+
 /// Processor time, s.
 double seconds_to_read(const std::string& path) {
   const std::clock_t start = std::clock();
@@ -100,6 +105,7 @@ TEST(PmlLarge, TimeAndMemoryGrowWithTheSizeOnly) {
   const int n = static_cast<int>(std::ceil(std::cbrt(wanted != nullptr ? std::atof(wanted) : 1e5)));
   const Index atoms = n * n * n;
   const std::string path = testing::TempDir() + "/phymul_large_" + std::to_string(n) + ".pml";
+  const FileRemover remover{path};
   write_lattice(path, n);
   const bool peak_known = reset_peak();
   const std::optional<double> before = memory_figure("VmRSS");
@@ -114,6 +120,7 @@ TEST(PmlLarge, TimeAndMemoryGrowWithTheSizeOnly) {
   if (!measured_build) GTEST_SKIP() << "time and memory are not those of a release build";
   std::cout << atoms << " atoms: " << seconds << " s\n";
   const std::string eighth = testing::TempDir() + "/phymul_large_eighth.pml";
+  const FileRemover remover_of_eighth{eighth};
   write_lattice(eighth, n / 2);
   const int eighth_atoms = (n / 2) * (n / 2) * (n / 2);
   // Processor time, too, is longer beside other work: the ratio is that of one pair of readings in a few.
@@ -122,8 +129,6 @@ TEST(PmlLarge, TimeAndMemoryGrowWithTheSizeOnly) {
     const double of_eighth = seconds_to_read(eighth) / eighth_atoms;
     growth = std::min(growth, (pair == 0 ? seconds : seconds_to_read(path)) / atoms / of_eighth);
   }
-  std::filesystem::remove(eighth);
-  std::filesystem::remove(path);
   EXPECT_LT(growth, most_growth);
   if (wanted != nullptr) {  // by hand, on a quiet machine
     EXPECT_LT(seconds, seconds_per_atom * atoms);

@@ -274,6 +274,20 @@ TEST(NeighboursFromCells, FollowTheEdgesInIncreasingOrder) {
   EXPECT_TRUE(refuses([&] { cell_volume(make_tetrahedron(1.0), short_of_two); }, "of 4 particles, got 2"));
 }
 
+TEST(Group, OfRowsThatAreNotThereIsRefused) {
+  Model model = make_tetrahedron(2.0);
+  Component component;
+  component.name = "broken";
+  component.particles = {1, 4};
+  model.components.push_back(component);
+  EXPECT_TRUE(refuses([&] { (void)model.group("broken"); }, "expected particles from 0 to 3, got 4"));
+  model.components.back().particles = {-1};
+  EXPECT_TRUE(refuses([&] { (void)model.group("broken"); }, "expected particles from 0 to 3, got -1"));
+  model.components.back().particles = {};
+  model.components.back().cells = {123456789};
+  EXPECT_TRUE(refuses([&] { (void)model.group("broken"); }, "expected cells from 0 to 0, got 123456789"));
+}
+
 TEST(State, RestStateAndFiniteness) {
   const Model model = make_tetrahedron(2.0);
   State state = rest_state(model);

@@ -89,6 +89,17 @@ TEST_F(JointsOfAScene, GivesRestLengthsAndNames) {
   EXPECT_TRUE(scene_.joints().empty());
 }
 
+TEST_F(JointsOfAScene, TakeTheirLengthFromThePositionsThatArePassed) {
+  VecList moved_up = model_.rest;
+  for (Vec3& x : moved_up) x.z() += 0.5;
+  const JointSpring spring{at_particle(26), at_world(model_.rest[26])};
+  const auto length = [](const JointHandle& joint) { return joint.joint().springs[0].rest_length; };
+  EXPECT_EQ(length(scene_.add_joint(spring, 5.0)), 0.0);
+  EXPECT_EQ(length(scene_.add_joint(spring, 5.0, 0.1, moved_up)), 0.5);
+  EXPECT_EQ(length(scene_.add_joint(Joint{.springs = {spring}, .stiffness = 5.0, .breaking_force = 1.0}, moved_up)),
+            0.5);
+}
+
 TEST_F(JointsOfAScene, RefusesPatchesThatDoNotFit) {
   const Attachment springs{.stiffness = 1e5};
   const std::vector<Index> top = model_.group("z1");
@@ -115,7 +126,9 @@ TEST_F(JointsOfAScene, RefusesGlueThatIsTooFar) {
   const Model both = merge_models(bodies);
   Scene scene(both);
   const auto glue = [&] { scene.attach(both.group("upper/z0"), "lower", {.stiffness = 1e5}); };
-  EXPECT_TRUE(refuses(glue, "attach to \"lower\": Skin: point 0"));
+  EXPECT_TRUE(refuses(glue, "within one cell of \"lower\": Skin: point 0"));
+  const auto to_a_side = [&] { scene.attach(both.group("upper/z0"), "lower/z1", {.stiffness = 1e5}); };
+  EXPECT_TRUE(refuses(to_a_side, "no cell has all its particles in \"lower/z1\""));
 }
 
 TEST_F(JointsOfAScene, AreRefusedByWhatDoesNotKnowThem) {

@@ -107,6 +107,9 @@ TEST(JointWarnings, ABodyOnJointsIsHeld) {
   EXPECT_TRUE(says(warnings(false, true).at(0), "nothing holds the body"));
   EXPECT_TRUE(says(warnings(true, false).at(0), "\"b\", 27 particles"));
   EXPECT_TRUE(warnings(true, true).empty());
+  Simulation idle(block, {.backend = "reference"});
+  idle.scene().fix("z0").attach(block.group("x1"), World{}, {});
+  EXPECT_TRUE(says(idle.warnings().at(0), "joint \"joint 1\" has neither stiffness nor damping"));
 }
 
 }  // namespace

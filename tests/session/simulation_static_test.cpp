@@ -3,6 +3,8 @@
 // Simulation::solve_static: the rest shape without steps, and the work that it takes.
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "support/bodies.h"
 #include "support/failure_states.h"
 #include "support/message_of.h"
@@ -245,6 +247,15 @@ TEST(SimulationStatic, FindsTheShapeOnJoints) {
     }
     EXPECT_GT(moved_by, 1e-4);
     EXPECT_LT(largest_difference(direct, stepped), 1e-4 * moved_by);
+    for (const SceneJoint& joint : stepped.scene().joints()) {
+      const JointReport& found = direct.report_of(direct.scene().joint(joint.name));
+      const JointReport& expected = stepped.solver().joint_report(joint.name);
+      ASSERT_EQ(found.springs.size(), expected.springs.size());
+      EXPECT_LT((found.force - expected.force).norm(), 1e-3 * (expected.largest + 1e-3)) << joint.name;
+      EXPECT_NEAR(found.largest, expected.largest, 1e-3 * (expected.largest + 1e-3)) << joint.name;
+      EXPECT_EQ(found.broken, 0);
+      EXPECT_NEAR(found.springs[0].length, expected.springs[0].length, 1e-4 * moved_by);
+    }
     std::printf("%s: %d evaluations, moved by %.2f mm\n", c.name, result.evaluations, 1e3 * moved_by);
   }
 }

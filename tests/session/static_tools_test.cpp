@@ -152,6 +152,20 @@ TEST(StaticTools, WhatHasNoSuchRestIsRefusedByName) {
   Simulation grasping = under(ball);
   grasping.scene().tool("tool").grasp(0.01);
   EXPECT_NE(refusal(std::move(grasping)).find("is to grasp in the next step"), std::string::npos);
+  Simulation holding = under(ball);
+  const ToolHandle tool = holding.scene().tool("tool");
+  tool.grasp(1e-6);  // of nothing
+  ASSERT_TRUE(holding.advance(1e-3).ok());
+  EXPECT_TRUE(holding.solve_static().converged());
+  tool.grasp(0.01);
+  EXPECT_NE(message_of([&] { (void)holding.solve_static(); }).find("is to grasp in"), std::string::npos);
+  ASSERT_TRUE(holding.advance(1e-3).ok());
+  EXPECT_TRUE(holding.solve_static().converged());
+  EXPECT_GT(holding.solver().held(tool), 0);
+  tool.grasp(0.02);
+  EXPECT_NE(message_of([&] { (void)holding.solve_static(); }).find("is to grasp in"), std::string::npos);
+  tool.release();
+  EXPECT_NE(message_of([&] { (void)holding.solve_static(); }).find("is to release in"), std::string::npos);
 }
 
 }  // namespace
