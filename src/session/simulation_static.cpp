@@ -217,7 +217,7 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   RestJoints joints(scene(), state);
   const bool has_tools = !scene().tools().empty();
   const std::vector<Mat3> diagonal = has_tools ? diagonal_at_rest(topology) : std::vector<Mat3>{};
-  RestTools tools(scene(), diagonal);
+  RestTools tools(scene(), diagonal, loads.fixed);
   std::vector<RestTerm*> terms;
   if (!joints.empty()) terms.push_back(&joints);
   if (has_tools) terms.push_back(&tools);
@@ -237,7 +237,7 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   result.evaluations = end.evaluations;
   if (end.stuck && !begins_anew && end.evaluations < options.most_evaluations) {
     state.position = topology.rest;
-    tools = RestTools(scene(), diagonal);  // without the estimates of the search that got stuck
+    tools = RestTools(scene(), diagonal, loads.fixed);  // without the estimates of the search that got stuck
     end = search_rest(topology, loads, terms, options.tolerance, options.most_evaluations - end.evaluations,
                       state.position);
     result.evaluations += end.evaluations;

@@ -48,7 +48,11 @@ std::vector<double> stiffness_of(const ContactPoints& points, std::span<const Ma
 
 }  // namespace
 
-RestTools::RestTools(const Scene& scene, std::span<const Mat3> stiffness) : particles_(stiffness.size()) {
+RestTools::RestTools(const Scene& scene, std::span<const Mat3> stiffness, std::span<const std::uint8_t> fixed)
+    : particles_(stiffness.size()) {
+  const auto cannot_move = [&](const ContactPoints::Patch& patch) {
+    return !fixed.empty() && std::ranges::all_of(patch.corner, [&](Index i) { return fixed[i] == 7; });
+  };
   for (const SceneTool& own : scene.tools()) {
     const Tool& tool = own.tool;
     const std::optional<double> radius = least_radius(tool.shape);
@@ -62,6 +66,7 @@ RestTools::RestTools(const Scene& scene, std::span<const Mat3> stiffness) : part
                   .raises_left = surface ? raises_of_surfaces : std::numeric_limits<int>::max(),
                   .stiffness = {},
                   .estimate = {}};
+    std::erase_if(made.points.patches, cannot_move);
     made.stiffness = stiffness_of(made.points, stiffness);
     made.estimate.assign(made.stiffness.size(), 0.0);
     tools_.push_back(std::move(made));

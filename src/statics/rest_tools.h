@@ -11,6 +11,7 @@
 
 #include <phymul/scene.h>
 
+#include <cstdint>
 #include <vector>
 
 #include "interaction/contact_points.h"
@@ -22,9 +23,9 @@ namespace phymul {
 
 class RestTools final : public RestTerm {
  public:
-  /// Tools at their last target poses. `stiffness` [N] N/m: of each particle in its neighbourhood. Must not
-  /// outlive the scene.
-  RestTools(const Scene& scene, std::span<const Mat3> stiffness);
+  /// Tools at their last target poses. `stiffness` [N] N/m: of each particle in its neighbourhood. `fixed`: as
+  /// LoadFrame::fixed, what tools hold included; tools do not press what cannot move. Must not outlive the scene.
+  RestTools(const Scene& scene, std::span<const Mat3> stiffness, std::span<const std::uint8_t> fixed);
 
   void mark_held(std::span<char> particles) const override;
   void add_forces(std::span<const Vec3> position, std::span<Vec3> force) const override;
