@@ -2,6 +2,7 @@
 #include "warnings.h"
 
 #include <phymul/bodies.h>
+#include <phymul/surface.h>
 
 #include <algorithm>
 
@@ -127,6 +128,24 @@ void look_at_joints(const Scene& scene, std::vector<std::string>& found) {
   }
 }
 
+/// Even where nothing spreads the particles. How thick a DistanceGrid is, is not known.
+void look_for_thin_tools(const Model& model, const Scene& scene, std::vector<std::string>& found) {
+  const auto meets_particles = [](const SceneTool& tool) {
+    return tool.tool.contact == ToolContact::particles &&
+           !std::holds_alternative<std::shared_ptr<const DistanceGrid>>(tool.tool.shape);
+  };
+  if (std::ranges::none_of(scene.tools(), meets_particles) || surface_triangles(model).empty()) return;
+  for (const SceneTool& tool : scene.tools()) {
+    if (!meets_particles(tool)) continue;
+    const double least = least_margin(model, tool.tool.shape, 1.0);
+    if (!(least > tool.tool.margin)) continue;
+    found.emplace_back("the tool \"" + tool.name +
+                       "\" can pass between the particles of the surface without a force; take "
+                       "ToolContact::surface, a finer body, or a margin of " +
+                       to_decimal(least_margin(model, tool.tool.shape)) + " m, which makes it thicker");
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> warnings_of(const Model& model, const Scene& scene, bool takes_material) {
@@ -138,6 +157,7 @@ std::vector<std::string> warnings_of(const Model& model, const Scene& scene, boo
   }
   look_at_units(model, scene, found);
   look_at_joints(scene, found);
+  look_for_thin_tools(model, scene, found);
   look_for_what_is_loose(model, scene, found);
   return found;
 }

@@ -79,6 +79,24 @@ TEST(SimulationWarnings, OtherUnits) {
             std::vector<std::string>{"gravity is 9810 m/s^2: expected m/s^2 (on Earth 9.81); was it in mm/s^2?"});
 }
 
+TEST(SimulationWarnings, ToolsThatPassBetweenParticles) {
+  const auto with = [](const Tool& tool) {
+    return warnings(block(), soft, [&](Scene& scene) {
+      hold_and_pull(scene);
+      scene.add_tool("probe", tool);
+    });
+  };
+  // Faces are squares of 10 mm: a corner of their triangles is at most 7.1 mm away.
+  const auto found = with({.shape = Sphere{0.007}});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(found[0].starts_with("the tool \"probe\" can pass between the particles of the surface")) << found[0];
+  EXPECT_TRUE(says(found[0], "a margin of 0.00183")) << found[0];
+  EXPECT_TRUE(with({.shape = Sphere{0.0072}}).empty());
+  EXPECT_TRUE(with({.shape = Sphere{0.006}, .margin = 0.0012}).empty());
+  EXPECT_TRUE(with({.shape = Sphere{0.001}, .contact = ToolContact::surface}).empty());
+  EXPECT_TRUE(with({.shape = Needle{.length = 0.1, .radius = 1e-3}}).empty());
+}
+
 TEST(SimulationWarnings, WhatNothingHolds) {
   EXPECT_EQ(warnings(block(), soft,
                      [](Scene& scene) {
