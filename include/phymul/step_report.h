@@ -36,6 +36,7 @@ struct StepReport {
   double max_speed = 0.0;     ///< m/s, largest speed
   /// An elastic force was limited in some step of this call: SolverOptions::max_displacement_per_step.
   bool force_clamped = false;
+  int springs_broken = 0;  ///< springs of joints that broke in this call
   bool stopped = false;    ///< SolverOptions::progress ended the call before its last step
   Index particle = -1;     ///< row of the model: where a failure happened; -1: unknown
   const char* cause = "";  ///< likely cause of a failure; static text

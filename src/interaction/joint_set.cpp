@@ -162,6 +162,12 @@ void JointSet::accept() {
   }
 }
 
+int JointSet::broken() const {
+  int sum = 0;
+  for (const Followed& followed : joints_) sum += followed.report.broken;
+  return sum;
+}
+
 const JointReport& JointSet::report(const SceneJoint& wanted) const {
   const auto known = std::ranges::find(joints_, wanted.id, &Followed::id);
   if (known != joints_.end()) return known->report;

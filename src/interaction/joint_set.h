@@ -62,6 +62,8 @@ class JointSet {
   void take(std::span<const Told> told, std::span<Pull> sums);
   void accept();  ///< the step counts: springs whose force was too large break, and report() has its forces
 
+  int broken() const;  ///< springs, of all joints
+
   double energy() const { return energy_; }  ///< J, of the springs in the last act()
 
   /// Of a scene as it is now, which follow() need not have seen. `mass`: [N] kg, always the same. Allocates only after

@@ -88,9 +88,10 @@ RestResult Simulation::Parts::run_to_rest(int max_steps, double dt) {
     const int some = static_cast<int>(std::clamp(1.0 / (frequency * dt), 1.0 * fewest_steps, 1e6));
     const Damping critical{.rate = 2.0 * frequency};
     progress.steps_before = steps;
-    const bool clamped = result.report.force_clamped;
+    const StepReport before = result.report;
     result = run_to_rest(std::min(some, max_steps - steps), dt, critical);
-    result.report.force_clamped |= clamped;
+    result.report.force_clamped |= before.force_clamped;
+    result.report.springs_broken += before.springs_broken;
     steps += result.report.steps;
     if (result.status != RestStatus::step_limit || steps >= max_steps) break;
     solver().read(to);

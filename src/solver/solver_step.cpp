@@ -164,12 +164,14 @@ StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest, const Dam
   follow_scene();
   StepPlan plan = plan_for(n, dt, damping, report.beyond_limit);
   plan.stop_at_rest = stop_at_rest;
+  const int broken_before = joints_->broken();
   const Motion motion = run(plan, report);
   report.steps = motion.steps;
   report.time = do_time();
   report.residual = motion.max_force;
   report.max_speed = motion.max_speed;
   report.force_clamped = motion.force_clamped;
+  report.springs_broken = joints_->broken() - broken_before;
   report.at_rest = motion.steps_at_rest >= options_.rest_steps;
   report_failure(motion, report);
   return report;

@@ -2,6 +2,7 @@
 #include <phymul/step_report.h>
 
 #include <cstdio>
+#include <string>
 
 #include "base/place_text.h"
 
@@ -17,7 +18,9 @@ std::string good_message(const StepReport& r, const char* verdict) {
       r.residual, r.max_speed, r.at_rest ? ", at rest" : "", r.stopped ? "; stopped by SolverOptions::progress" : "",
       r.beyond_limit ? "; the step is beyond the stable step" : "",
       r.force_clamped ? "; elastic forces were clamped in some step, as after the jump of a tool or a load" : "");
-  return text;
+  if (r.springs_broken == 0) return text;
+  return text + ("; " + std::to_string(r.springs_broken)) +
+         (r.springs_broken == 1 ? " spring of a joint broke" : " springs of joints broke");
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "solver/half_step.h"
 #include "support/joined_particles.h"
+#include "support/message_of.h"
 #include "support/tool_backends.h"
 
 namespace phymul::test {
@@ -213,14 +214,19 @@ TEST_P(JointIn, ASpringBreaksAboveItsForce) {
         over * 0.2 / spring_stiffness;  // of a share of 2: twice the stiffness, twice the breaking force
     solver->reset(state);
     const double dt = 0.1 * solver->stable_step();
-    ASSERT_TRUE(solver->step(1, dt).ok());
+    const StepReport first = solver->step(1, dt);
+    ASSERT_TRUE(first.ok());
     const bool broken = over > 1.0;
+    EXPECT_EQ(first.springs_broken, broken ? 1 : 0);
+    EXPECT_EQ(says(first.message(), "; 1 spring of a joint broke"), broken) << first.message();
     EXPECT_EQ(solver->joint_report(handle).broken, broken ? 1 : 0);
     EXPECT_NEAR(solver->joint_report(handle).force.x(), -over * 0.4, 1e-6) << "it acts in that step still";
     EXPECT_NEAR(solver->joint_report(handle).largest, over * 0.4, 1e-6);
     const Vec3 v = solver->read().velocity[0];
     EXPECT_NEAR(v.x(), -over * 0.4 / bead_mass * dt, 1e-5);
-    ASSERT_TRUE(solver->step(5, dt).ok());
+    const StepReport next = solver->step(5, dt);
+    ASSERT_TRUE(next.ok());
+    EXPECT_EQ(next.springs_broken, 0);
     if (broken) {
       EXPECT_EQ(solver->read().velocity[0], v) << "nothing pulls any more";
       EXPECT_EQ(solver->joint_report(handle).force, Vec3(0, 0, 0));
