@@ -112,7 +112,7 @@ class Simulation {
   Energy energy() const;            ///< as Solver::energy()
   /// Force of the particles on the tool, of the last step, or of the rest shape after solve_static().
   const ToolForce& force_on(const ToolHandle& tool) const;
-  const ToolPose& pose_of(const ToolHandle& tool) const;         ///< present pose of the tool
+  const ToolPose& pose_of(const ToolHandle& tool) const;  ///< present pose of the tool
   /// Of the last step, as Solver::joint_report(), or of the rest shape after solve_static().
   const JointReport& report_of(const JointHandle& joint) const;
 

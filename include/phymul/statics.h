@@ -23,10 +23,10 @@ struct StaticOptions {
 struct StaticResult {
   RestStatus status = RestStatus::failed;  ///< step_limit: most_evaluations were not enough
   int evaluations = 0;                     ///< as StaticOptions::most_evaluations counts them
-  double residual = 0.0;                   ///< net forces over loads, as StaticOptions::tolerance; 0 if the loads are mere rounding
-  double largest_force = 0.0;              ///< N, largest net force on a free particle
-  Index folded = -1;                       ///< as RestResult::folded, if converged
-  std::string cause;                       ///< of RestStatus::failed
+  double residual = 0.0;       ///< net forces over loads, as StaticOptions::tolerance; 0 if the loads are mere rounding
+  double largest_force = 0.0;  ///< N, largest net force on a free particle
+  Index folded = -1;           ///< as RestResult::folded, if converged
+  std::string cause;           ///< of RestStatus::failed
 
   bool converged() const { return status == RestStatus::converged; }
   std::string message() const;  ///< one sentence for people
