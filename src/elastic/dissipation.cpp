@@ -111,7 +111,7 @@ double add_dissipative_forces(const TopologyTextures& t, std::span<const Vec3> x
   double energy = 0.0;
   for (Index d = 0; d < static_cast<Index>(t.dissipation.size()); ++d) {
     const DissipationTexel& of = t.dissipation[d];
-    const Mat3 H = mean_gradient(t, d, x), E = green_strain(H);
+    const Mat3 H = mean_gradient(t, d, displacements_at(t, x)), E = green_strain(H);
     std::size_t at = static_cast<std::size_t>(d) * kept.count();
     const auto before = [&] { return memory.empty() ? E : matrix(memory[at]); };
     const auto keep = [&](const Mat3& strain) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // The forces and the energy of Law::particle_averaged, in double precision and plain loops. `displacement`: as
-// mean_gradient_of() takes it. `factors`: as of elastic_forces().
+// mean_gradient() takes it. `factors`: as of elastic_forces().
 #pragma once
 
 #include <span>
@@ -33,7 +33,7 @@ void add_domain_forces(const TopologyTextures& t, const Displacement& displaceme
                        std::span<Vec3> force, const Visit& visit) {
   for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
     const double factor = factor_of(t, d, factors);
-    const Mat3 H = mean_gradient_of(t, d, displacement);
+    const Mat3 H = mean_gradient(t, d, displacement);
     visit(d, H);
     const Mat3 Q = factor * mean_stress(t, d, H);
     const Index i = t.domains[d].particle;
@@ -57,7 +57,7 @@ double domain_energy(const TopologyTextures& t, const Displacement& displacement
   for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
     const double factor = factor_of(t, d, factors);
     const DomainTexel& domain = t.domains[d];
-    const Mat3 H = mean_gradient_of(t, d, displacement);
+    const Mat3 H = mean_gradient(t, d, displacement);
     const double density = cpu::energy_density<double>(t.options, domain.energy, Mat3::Identity() + H, nullptr);
     energy += factor * (density - 0.5 * domain.spread_stiffness * H.squaredNorm()) / domain.inverse_volume;
     const Vec3 own = displacement(d);

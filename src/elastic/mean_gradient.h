@@ -9,7 +9,7 @@ namespace phymul {
 
 /// H_d = F_d - I, the mean displacement gradient of domain d. `displacement(e)`, m: of the particle of domain e.
 template <class Displacement>
-Mat3 mean_gradient_of(const TopologyTextures& t, Index d, const Displacement& displacement) {
+Mat3 mean_gradient(const TopologyTextures& t, Index d, const Displacement& displacement) {
   const Vec3 own = displacement(d);
   Mat3 H = Mat3::Zero();
   for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
@@ -21,16 +21,12 @@ Mat3 mean_gradient_of(const TopologyTextures& t, Index d, const Displacement& di
   return t.domains[d].inverse_volume * H;
 }
 
-/// From positions `x` [N], m, the displacements that mean_gradient_of() takes.
+/// From positions `x` [N], m, the displacements that mean_gradient() takes.
 inline auto displacements_at(const TopologyTextures& t, std::span<const Vec3> x) {
   return [&t, x](Index e) {
     const Index i = t.domains[e].particle;
     return Vec3(x[i] - t.rest[i]);
   };
-}
-
-inline Mat3 mean_gradient(const TopologyTextures& t, Index d, std::span<const Vec3> x) {
-  return mean_gradient_of(t, d, displacements_at(t, x));
 }
 
 }  // namespace phymul

@@ -161,7 +161,7 @@ class Search {
     change_.resize(of_domains_.size());
     for (std::size_t d = 0; d < change_.size(); ++d) {
       change_[d] =
-          mean_gradient_of(topology_, static_cast<Index>(d), [this](Index e) -> const Vec3& { return of_domains_[e]; });
+          mean_gradient(topology_, static_cast<Index>(d), [this](Index e) -> const Vec3& { return of_domains_[e]; });
     }
   }
 

@@ -10,12 +10,13 @@
 #include <cmath>
 #include <cstdlib>
 #include <ctime>
-#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <limits>
 #include <optional>
 #include <string>
+
+#include "support/text_file.h"
 
 #ifdef __GLIBC__
 #include <malloc.h>
@@ -88,11 +89,6 @@ void write_lattice(const std::string& path, int n) {
   out << "</structuralComponent>\n</multiComponent>\n</exclusiveComponents>\n</physicalModel>\n";
 }
 
-struct FileRemover {
-  std::string path;
-  ~FileRemover() { std::filesystem::remove(path); }
-};
-
 /// Processor time, s.
 double seconds_to_read(const std::string& path) {
   const std::clock_t start = std::clock();
@@ -104,8 +100,8 @@ TEST(PmlLarge, TimeAndMemoryGrowWithTheSizeOnly) {
   const char* const wanted = std::getenv("PHYMUL_LARGE_ATOMS");
   const int n = static_cast<int>(std::ceil(std::cbrt(wanted != nullptr ? std::atof(wanted) : 1e5)));
   const Index atoms = n * n * n;
-  const std::string path = testing::TempDir() + "/phymul_large_" + std::to_string(n) + ".pml";
-  const FileRemover remover{path};
+  const TextFile file("large.pml", ""), file_of_eighth("eighth.pml", "");
+  const std::string& path = file.path();
   write_lattice(path, n);
   const bool peak_known = reset_peak();
   const std::optional<double> before = memory_figure("VmRSS");
@@ -119,8 +115,7 @@ TEST(PmlLarge, TimeAndMemoryGrowWithTheSizeOnly) {
   EXPECT_EQ(model.rest.back(), Vec3::Constant(0.125e-3 * (n - 1)));
   if (!measured_build) GTEST_SKIP() << "time and memory are not those of a release build";
   std::cout << atoms << " atoms: " << seconds << " s\n";
-  const std::string eighth = testing::TempDir() + "/phymul_large_eighth.pml";
-  const FileRemover remover_of_eighth{eighth};
+  const std::string& eighth = file_of_eighth.path();
   write_lattice(eighth, n / 2);
   const int eighth_atoms = (n / 2) * (n / 2) * (n / 2);
   // Processor time, too, is longer beside other work: the ratio is that of one pair of readings in a few.

@@ -154,7 +154,7 @@ TEST(StaticTools, WhatHasNoSuchRestIsRefusedByName) {
   EXPECT_NE(refusal(std::move(grasping)).find("is to grasp in the next step"), std::string::npos);
   Simulation holding = under(ball);
   const ToolHandle tool = holding.scene().tool("tool");
-  tool.grasp(1e-6);  // of nothing
+  tool.grasp(1e-6);  // of what it covers, which then stays inside
   ASSERT_TRUE(holding.advance(1e-3).ok());
   EXPECT_TRUE(holding.solve_static().converged());
   tool.grasp(0.01);
