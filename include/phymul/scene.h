@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Scene: what acts on a body: fixed particles, loads, gravity, tools, joints, volume constraints, contacts, and how
-// stiff its materials are at present. It may change between steps. A scene costs only what it contains.
+// Scene: what acts on a body: fixed particles, loads, gravity, tools, joints, volume constraints and contacts. It also
+// has the present factors of stiffness. It may change between steps. What a scene does not contain costs no time.
 #pragma once
 
 #include <phymul/joint.h>
@@ -26,43 +26,45 @@ struct LoadModes;  // load_frame.h
 
 /// A closed surface whose enclosed volume every step restores: Scene::constrain_volume.
 struct VolumeConstraint {
-  std::vector<std::array<Index, 3>> triangles;  ///< rows of the model, counter-clockwise seen from outside
+  std::vector<std::array<Index, 3>> triangles;  ///< indices of particles, counter-clockwise seen from outside
   double volume = 0.0;                          ///< m^3, target
   std::string applied_to;                       ///< group, for messages; empty: the whole body
   bool operator==(const VolumeConstraint&) const = default;
 };
 
-/// Contact between bodies and between parts of one body: Scene::contacts. Each particle on a surface is kept at a
-/// distance of two margins from the nearest triangle of another surface, with Coulomb friction. Impulses are equal and
-/// opposite.
+/// Contact between bodies and between parts of one body: Scene::contacts. Each particle on a surface stays at a
+/// distance of the sum of both contact margins from the nearest triangle of every other body, with Coulomb friction.
+/// Impulses are equal and opposite.
 struct ContactOptions {
   double friction = 0.3;  ///< Coulomb coefficient, >= 0
-  double margin = 0.0;    ///< m, contact margin of every surface. 0: a tenth of the mean edge around a particle
-  bool self = true;       ///< parts of the same body that are apart at rest also touch each other
-  int rounds = 8;         ///< sweeps over all contacts per step, >= 1. More sweeps carry forces further through a stack
+  /// m, >= 0, contact margin of every surface. 0: a tenth of a particle's mean edge, or of a triangle's longest edge
+  double margin = 0.0;
+  bool self = true;  ///< parts of one body that are more than two surface edges apart at rest also touch each other
+  int rounds = 8;    ///< sweeps over all contacts per step, >= 1. More sweeps carry forces further through a stack
   bool operator==(const ContactOptions&) const = default;
 };
 
 class Scene;
 
-/// Moves a tool of a scene. Small and copyable. Functions throw Error after the tool was removed from the scene. The
-/// scene must outlive its handles; the library cannot detect violations. Calls change the scene and follow its rules
-/// for threads. Only grasp() makes a solver allocate.
+/// Moves a tool of a scene. It is small and copyable. Functions throw Error after the tool was removed from the scene.
+/// The scene must outlive its handles; the library cannot detect violations. The scene's rules for threads apply,
+/// because calls change it. Only grasp() makes a solver allocate.
 class ToolHandle {
  public:
   /// Target pose at the end of the solver's next step(). During that call the tool moves there from its present pose in
   /// a straight line at constant speed and turns by the shorter way (in run_to_rest(): during the first step).
   /// Afterwards it continues with ToolPose::velocity and ToolPose::spin. Throws Error if the pose is not finite.
   void move_to(const ToolPose& pose) const;
-  /// Puts the tool at a pose at once, without passing the space between. Particles that it then covers are moved out in
-  /// the next step without gaining speed or causing force. A tool with Tool::compliance pushes them by its spring.
+  /// Puts the tool at a pose at once, without touching anything on the way. The next step moves covered particles out;
+  /// they gain no speed and cause no force. A tool with Tool::compliance pushes them by its spring instead.
   /// Throws Error if the pose is not finite.
   void teleport(const ToolPose& pose) const;
-  const ToolPose& target_pose() const;  ///< the last pose passed to move_to() or teleport(), or the first pose
+  /// The last pose passed to move_to() or teleport(); Tool::pose before. Valid until the scene's tools change.
+  const ToolPose& target_pose() const;
 
   /// From the next step on, free particles within `distance`, m, of the tool's surface, or inside it, move with the
-  /// tool. The next grasp() adds to what is held. Not grasped are particles whose coordinates are all imposed
-  /// (Scene::fix, translations) and those held by another tool; of tools that grasp in the same step, the first in
+  /// tool. Another grasp() adds particles. The tool does not grasp particles whose coordinates are all imposed
+  /// (Scene::fix, translations) or that another tool holds. If tools grasp in the same step, the first in
   /// Scene::tools() has priority. Imposed coordinates always have priority over the tool. Throws Error for a negative
   /// distance and for a needle.
   void grasp(double distance) const;
@@ -79,13 +81,13 @@ class ToolHandle {
   std::uint64_t id_;
 };
 
-/// Changes a joint of a scene. Small and copyable; rules as for ToolHandle. Solvers prepare nothing anew after these
-/// calls, but Solver::stable_step() follows them.
+/// Changes a joint of a scene. The rules of ToolHandle apply. Solvers rebuild nothing after these calls.
+/// Solver::stable_step() uses the new values.
 class JointHandle {
  public:
-  void set_stiffness(double stiffness, double damping) const;    ///< Joint::stiffness, damping; Error if negative
-  void set_rest_length(double length) const;                     ///< m, of all springs; Error if negative
-  void set_rest_lengths(std::span<const double> lengths) const;  ///< [springs] m, likewise
+  void set_stiffness(double stiffness, double damping) const;    ///< as in Joint; throws Error if one is negative
+  void set_rest_length(double length) const;                     ///< m, of all springs; throws Error if negative
+  void set_rest_lengths(std::span<const double> lengths) const;  ///< [springs] m; throws Error for another size, too
   const Joint& joint() const;                                    ///< valid until the scene's joints change
 
   std::uint64_t id() const { return id_; }  ///< SceneJoint::id
@@ -99,8 +101,8 @@ class JointHandle {
   std::uint64_t id_;
 };
 
-/// Lifetimes: a scene keeps a pointer to its model, which must not change, or shared ownership of it. A scene cannot be
-/// moved or assigned, because solvers and handles point to it. A copy is a new scene without solvers and handles.
+/// Lifetimes: a scene keeps a pointer to its model, or shares its ownership. The model must not change. A scene cannot
+/// be moved or assigned, because solvers and handles point to it. A copy is a new scene without solvers and handles.
 /// Threads: any number may read a scene. A thread that changes it must be the only one to use it and its solvers.
 /// Errors: functions throw Error for an unknown group, an index out of range and a value that is not finite; the scene
 /// then stays as it was. An empty list of particles is allowed and has no effect.
@@ -119,46 +121,48 @@ class Scene {
 
   Scene& fix(std::string_view group);            ///< adds a load that holds the group at its rest position
   Scene& fix(std::span<const Index> particles);  ///< the same for listed particles
-  Scene& gravity(const Vec3& acceleration);      ///< m/s^2
+  Scene& gravity(const Vec3& acceleration);      ///< sets the gravity, m/s^2
   Scene& add(Load load);                         ///< appends a load, as row loads().size() - 1
   Scene& add(std::vector<Load> loads);           ///< appends loads, as read_lml returns them
   Scene& replace(std::size_t row, Load load);    ///< replaces loads()[row]
-  Scene& remove(std::size_t row);                ///< removes loads()[row]; later rows move up
+  Scene& remove(std::size_t row);                ///< removes loads()[row]; later rows decrease by 1
   Scene& clear();                                ///< removes everything
 
   /// Keeps the volume enclosed by the surface of these particles' cells at its rest value, or at
   /// VolumeConstraint::volume. After each step every free particle of the surface moves along the volume's gradient
   /// divided by its mass, until the volume is exact (single precision: within about 1e-7). This conserves linear and
-  /// angular momentum and does not move imposed coordinates. Surfaces are those of pressure loads. Throws Error if one
-  /// is not closed.
-  Scene& constrain_volume();  ///< of the whole body
-  Scene& constrain_volume(std::string_view group);
-  Scene& constrain_volume(VolumeConstraint surface);
+  /// angular momentum and does not move imposed coordinates. Throws Error if the surface is not closed or shares a
+  /// particle with another constrained surface, for a volume that is not above 0, and for a two-dimensional model.
+  Scene& constrain_volume();                          ///< of all cells together
+  Scene& constrain_volume(std::string_view group);    ///< of the cells whose particles are all in the group
+  Scene& constrain_volume(VolumeConstraint surface);  ///< of the given triangles
 
-  /// From now on bodies touch each other: parts of the model that no cell and no neighbourhood connects (bodies.h).
+  /// Switches contacts on, between parts of the model that no cell and no neighbourhood connects (bodies.h). Throws
+  /// Error for options out of their range and for a two-dimensional model.
   Scene& contacts(const ContactOptions& options);
   Scene& no_contacts();
 
-  /// Multiplies the stiffness of all materials of the model, or of one of them, by a factor from 1e-6 to 1e6: Young's
-  /// modulus and what follows from it. Always of the model's own values: 1 takes it back. Cheap for any size of body:
-  /// solvers build no tables anew, and allocate only where the first factor other than 1 comes or the last one goes.
-  /// Solver::stable_step() follows at once, by a bound: at most the stable step of a body built so, and seldom less
-  /// than 0.7 of it. For this a solver of a body of several materials estimates two more spectra (elasticity.h) at its
-  /// first factors: where a pause disturbs, scale once before the loop. All backends of this library; one from outside
-  /// it may stop with not_supported. Throws Error for a model without materials or without this one, and for a factor
-  /// out of range.
+  /// Multiplies the stiffness (Young's modulus and what follows from it) of all materials of the model, or of one, by a
+  /// factor from 1e-6 to 1e6. A factor refers to the values in the model: 1 restores them. It is cheap for bodies of any
+  /// size: solvers rebuild no tables, and allocate only when the factors change from all 1 or to all 1.
+  /// Solver::stable_step() becomes a bound: at most the stable step of a body made with these constants, and seldom
+  /// less than 0.7 of it. At the first factors a solver of a body of several materials estimates two more spectra
+  /// (elasticity.h). If such a pause disturbs, call this once before the loop. All backends of this library support
+  /// it; others may report StepStatus::not_supported. Throws Error for a model without materials or without this one,
+  /// and for a factor out of range.
   Scene& scale_stiffness(double factor);
-  Scene& scale_stiffness(const Material& material, double factor);  ///< one of Model::materials, as set_material got it
-  Scene& scale_stiffness(std::span<const double> factors);          ///< [Model::materials], or none: all 1
+  Scene& scale_stiffness(const Material& material, double factor);  ///< one equal to a row of Model::materials
+  Scene& scale_stiffness(std::span<const double> factors);          ///< [number of materials]; empty: all 1
   Scene& scale_stiffness(std::initializer_list<double> factors);    ///< the same
-  const std::vector<double>& stiffness_factors() const { return stiffness_factors_; }  ///< [materials], or none: all 1
+  const std::vector<double>& stiffness_factors() const { return stiffness_factors_; }  ///< [materials]; empty: all 1
 
-  /// Replaces the events of loads()[row]. It is cheap for any size of body: solvers prepare nothing, and nothing is
-  /// allocated if the load had as many events before and the new ones are sorted. For values that change at every step.
+  /// Replaces the events of loads()[row], for values that change at every step. It is cheap for bodies of any size:
+  /// nothing is allocated if the load had at least as many events before and the new ones are sorted.
   Scene& set_events(std::size_t row, std::span<const ValueEvent> events);
 
-  /// Adds a tool, at Tool::pose from the first step that sees it, as by ToolHandle::teleport(). Throws Error for an
-  /// empty or known name and for a size or pose out of its range. Without a name it is "tool 1", "tool 2" and so on.
+  /// Adds a tool. In the solver's next step it starts at Tool::pose, as after ToolHandle::teleport(). Throws Error for
+  /// a name that is empty or in use, and for a size or pose out of its range. The default names are "tool 1", "tool 2"
+  /// and so on.
   Scene& add_tool(std::string name, Tool tool);
   ToolHandle add_tool(Tool tool) &;
   ToolHandle add_tool(ToolShape shape) &;     ///< with the defaults of Tool
@@ -166,22 +170,25 @@ class Scene {
   ToolHandle tool(std::string_view name) &;   ///< throws Error, with the known names, for an unknown one
   const std::vector<SceneTool>& tools() const { return tools_; }
 
-  /// Adds a joint. Rest lengths below 0 become the distances of the anchors with the particles at `position` [N], m
-  /// (empty: at rest), and tools at their last target pose. Throws Error for an empty or known name, a joint without
-  /// springs, anchors that do not fit the scene, weights whose sum is not 1, a spring without particles or between
-  /// equal anchors, and constants out of their range.
+  /// Adds a joint. A rest length below 0 becomes the distance of its anchors, with the particles at `position` [N], m
+  /// (empty: at rest), and tools at their last target pose. Throws Error for a name that is empty or in use, a joint
+  /// without springs, anchors that do not fit the scene, weights whose sum is not 1, a spring without particles or
+  /// between equal anchors, and constants out of their range.
   Scene& add_joint(std::string name, Joint joint, std::span<const Vec3> position = {});
   JointHandle add_joint(Joint joint, std::span<const Vec3> position = {}) &;  ///< named "joint 1", "joint 2" and so on
-  /// N/m, N s/m.
+  /// Adds a joint of one spring; stiffness in N/m, damping in N s/m.
   JointHandle add_joint(JointSpring spring, double stiffness, double damping = 0.0,
                         std::span<const Vec3> position = {}) &;
 
-  /// Adds a joint of a spring for each particle of a patch of the surface. Its share is the particle's part of the rest
-  /// area of the patch's facets, m^2 (2-D: m): those whose particles are all listed, as of pressure loads. Particles
-  /// without such a facet get no spring. The partner is the world; a tool, to which the springs pull the particles back
-  /// to where they are in its frame; or a body to glue them to, the cells of a group. There each spring ends at a point
-  /// that moves with the nearest cell; so the gap of the glue stays and turns with the body. Throws Error if no facet
-  /// is in the patch, if a particle is farther than one cell from the group or belongs to it, and as add_joint().
+  /// Adds a joint with one spring for each particle of a patch, a list of particles of the surface. The patch has the
+  /// facets whose particles are all listed, as for pressure loads. JointSpring::share is the particle's part of their
+  /// rest area, m^2 (2-D: m). Particles without such a facet get no spring. The springs connect the patch with one of:
+  /// - the world. Each spring ends at a fixed point.
+  /// - a tool. They pull each particle back to its place in the tool's frame at the time of this call.
+  /// - another body: the cells of a group. Each spring ends at a point that moves with the nearest cell, so that a gap
+  ///   between patch and body stays and turns with the body.
+  /// Throws Error if the patch has no facet, if a particle is farther than one cell from the group or belongs to it,
+  /// and as add_joint().
   JointHandle attach(std::span<const Index> patch, const World& world, const Attachment& springs) &;
   JointHandle attach(std::span<const Index> patch, const ToolHandle& tool, const Attachment& springs) &;
   JointHandle attach(std::span<const Index> patch, std::string_view group, const Attachment& springs) &;
@@ -196,12 +203,13 @@ class Scene {
   const std::optional<ContactOptions>& contacts() const { return contacts_; }
 
   // For authors of backends (load_frame.h).
-  /// Counts changes other than those of set_events(), of handles and of scale_stiffness() after its first call. A
-  /// solver that sees a new value prepares anew.
+  /// Counts all changes except those that values_version() counts and those by a ToolHandle (SceneTool counts these).
+  /// A solver that finds a new value calls prepare() again.
   std::uint64_t version() const { return version_; }
-  std::uint64_t values_version() const { return values_version_; }  ///< counts the others of values
-  void prepare(LoadFrame& frame) const;  ///< gives a frame the sizes for this version(); allocates
-  /// Fills a frame that prepare() sized at this version(), for a time, s. Writes only what loads act on. Does not
+  /// Counts calls of set_events(), of JointHandle, and of scale_stiffness() unless all factors were or become 1.
+  std::uint64_t values_version() const { return values_version_; }
+  void prepare(LoadFrame& frame) const;  ///< resizes a frame for this version(); allocates
+  /// Fills a frame, prepared at this version(), for a time, s. Writes only the entries that loads act on. Does not
   /// allocate and does not throw.
   void evaluate(double time, LoadFrame& frame) const;
   LoadModes modes() const;                                        ///< of this version(); allocates
