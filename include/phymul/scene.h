@@ -143,13 +143,13 @@ class Scene {
   Scene& no_contacts();
 
   /// Multiplies the stiffness (Young's modulus and what follows from it) of all materials of the model, or of one, by a
-  /// factor from 1e-6 to 1e6. A factor refers to the values in the model: 1 restores them. It is cheap for bodies of any
-  /// size: solvers rebuild no tables, and allocate only when the factors change from all 1 or to all 1.
+  /// factor from 1e-6 to 1e6. A factor refers to the values in the model: 1 restores them. It is cheap for any size of
+  /// body: solvers rebuild no tables, and allocate only when the factors change from all 1 or to all 1.
   /// Solver::stable_step() becomes a bound: at most the stable step of a body made with these constants, and seldom
   /// less than 0.7 of it. At the first factors a solver of a body of several materials estimates two more spectra
-  /// (elasticity.h). If such a pause disturbs, call this once before the loop. All backends of this library support
-  /// it; others may report StepStatus::not_supported. Throws Error for a model without materials or without this one,
-  /// and for a factor out of range.
+  /// (elasticity.h): call this once before a loop that must not pause. All backends of this library support it; others
+  /// may report not_supported. Throws Error for a model without materials or without this one, and for a factor out of
+  /// range.
   Scene& scale_stiffness(double factor);
   Scene& scale_stiffness(const Material& material, double factor);  ///< one equal to a row of Model::materials
   Scene& scale_stiffness(std::span<const double> factors);          ///< [number of materials]; empty: all 1
@@ -160,9 +160,8 @@ class Scene {
   /// nothing is allocated if the load had at least as many events before and the new ones are sorted.
   Scene& set_events(std::size_t row, std::span<const ValueEvent> events);
 
-  /// Adds a tool. In the solver's next step it starts at Tool::pose, as after ToolHandle::teleport(). Throws Error for
-  /// a name that is empty or in use, and for a size or pose out of its range. The default names are "tool 1", "tool 2"
-  /// and so on.
+  /// Adds a tool. The next step starts with it at Tool::pose, as after ToolHandle::teleport(). Throws Error for a name
+  /// that is empty or in use, and for a size or pose out of its range. Default names are "tool 1", "tool 2" and so on.
   Scene& add_tool(std::string name, Tool tool);
   ToolHandle add_tool(Tool tool) &;
   ToolHandle add_tool(ToolShape shape) &;     ///< with the defaults of Tool
@@ -170,10 +169,10 @@ class Scene {
   ToolHandle tool(std::string_view name) &;   ///< throws Error, with the known names, for an unknown one
   const std::vector<SceneTool>& tools() const { return tools_; }
 
-  /// Adds a joint. A rest length below 0 becomes the distance of its anchors, with the particles at `position` [N], m
-  /// (empty: at rest), and tools at their last target pose. Throws Error for a name that is empty or in use, a joint
-  /// without springs, anchors that do not fit the scene, weights whose sum is not 1, a spring without particles or
-  /// between equal anchors, and constants out of their range.
+  /// Adds a joint. Rest lengths below 0 become the distances of the anchors with the particles at `position` [N], m
+  /// (empty: at rest), and tools at their last target pose. Throws Error for an empty or used name, a joint without
+  /// springs, anchors that do not fit the scene, weights whose sum is not 1, a spring without particles or between
+  /// equal anchors, and constants out of their range.
   Scene& add_joint(std::string name, Joint joint, std::span<const Vec3> position = {});
   JointHandle add_joint(Joint joint, std::span<const Vec3> position = {}) &;  ///< named "joint 1", "joint 2" and so on
   /// Adds a joint of one spring; stiffness in N/m, damping in N s/m.

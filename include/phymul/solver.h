@@ -19,18 +19,18 @@
 
 namespace phymul {
 
-/// Cost of one pass of the steps: a kind of force, the integration, a shader.
+/// Time that one part of the steps took: a kind of force, the integration, a shader.
 struct PassProfile {
   std::string name;
-  std::int64_t runs = 0;  ///< CPU backends: once per step. GL: once per draw; steps that were undone count too
-  double seconds = 0.0;   ///< s of the calling thread. GL: of submitting the pass, not of its work
-  /// s by the device's timers. NaN if the device has none (llvmpipe for compute shaders) or they were disturbed, as by
-  /// a change of the clock rate.
+  std::int64_t runs = 0;  ///< CPU backends: one per step. GL: one per draw; steps that were undone count too
+  double seconds = 0.0;   ///< s of the calling thread. GL: for submitting the pass, without its work
+  /// s by the device's timers. NaN if the device has none (llvmpipe for compute shaders) or they were disturbed, for
+  /// example by a change of the clock rate.
   double device_seconds = std::numeric_limits<double>::quiet_NaN();
 };
 
 struct Energy {
-  double elastic = 0.0;  ///< J, that of Material::relaxation_strength included
+  double elastic = 0.0;  ///< J, including that of Material::relaxation_strength and of joints
   /// J: 1/2 sum m v- . v+ with the velocities half a step before and after `time`. With it the total of an undamped
   /// linear body is constant in Verlet's scheme for every step size.
   double kinetic = 0.0;
@@ -43,7 +43,7 @@ struct Momentum {
   Vec3 angular{0, 0, 0};  ///< kg m^2/s, about the point passed
 };
 
-/// One vector per particle where the backend keeps it, to be drawn without a copy. One of the two members is filled.
+/// One vector per particle in the backend's memory, to be drawn without a copy: either in `texture` or in `position`.
 struct ParticleBuffer {
   /// GL backends: name of an RGBA32F texture in the solver's share group. Texel (i mod width, i / width) holds in xyz
   /// the displacement of particle i from its rest position, m; w has no meaning. 0: no texture.
@@ -61,14 +61,14 @@ struct ParticleBuffer {
 /// Exceptions and memory: step() throws only std::bad_alloc and what SolverOptions::progress throws. It allocates in
 /// two cases only: in the first step after a change of the scene, and when more surfaces are near each other than ever
 /// before. Scene::set_events and new tool poses are not such changes. "reference" also allocates at its first force and
-/// at its first imposed position. Only read() and functions that say so wait for a device.
+/// at its first imposed position. Only read() and functions whose comment says so wait for a device.
 class Solver {
  public:
   virtual ~Solver();
   Solver(const Solver&) = delete;
   Solver& operator=(const Solver&) = delete;
 
-  virtual std::string_view name() const = 0;            ///< of the backend
+  virtual std::string_view name() const = 0;            ///< name of the backend
   virtual std::string device() const = 0;               ///< renderer or processor, for people and result files
   virtual std::string_view backend_reason() const = 0;  ///< why "auto" chose this backend; empty if it was named
   virtual const Scene& scene() const = 0;
@@ -80,42 +80,44 @@ class Solver {
   virtual const SolverOptions& options() const = 0;
   virtual bool takes_tools() const = 0;  ///< false: make_solver and step() refuse scenes with tools
 
-  /// Step limit, s, for this damping, the free body at rest and the scene's joints; fixed particles can only raise it.
-  /// Deformed bodies have a lower one: use half of it. Infinite for a body without stiffness and joints, for which
-  /// every finite dt is stable. See estimate_spectrum (elasticity.h); joints: docs/guide/joints.md.
+  /// Largest stable dt, s, of the free body at rest, with the solver's damping and the scene's joints. Fixed particles
+  /// can only raise it. Deformation may lower it: use half of it. Infinite for a body without stiffness and joints, for
+  /// which every finite dt is stable. See estimate_spectrum (elasticity.h); joints: docs/guide/joints.md.
   virtual double stable_step() const = 0;
-  /// Substeps per step of the materials that need a shorter one (SolverOptions::max_substeps); 1: none do.
+  /// Substeps per step of the materials that need a shorter step (SolverOptions::max_substeps). 1: no material does.
   virtual int substeps() const = 0;
 
   /// Starts from a state. Throws Error, and changes nothing, if the state's sizes do not fit, a value is not finite, z
   /// is not 0 in a two-dimensional model, or State::tools has particles held by a needle or a hole of another shape.
+  /// Also throws Error if the backend does not support the scene, and during step().
   ///
-  /// After reset(), restore(), start() and StateHistory::rewind() each tool holds what the state says, until the next
-  /// ToolHandle::grasp() or release(). Calls of grasp() and release() made before that are forgotten. A grasp() made
-  /// before the solver existed is carried out in the solver's first step, unless one of the four functions is called
+  /// After reset(), restore(), start() and StateHistory::rewind() each tool holds the particles listed in the state,
+  /// until the next ToolHandle::grasp() or release(). Earlier calls of grasp() and release() have no effect. A grasp()
+  /// made before the solver existed takes effect in the solver's first step, unless one of the four functions is called
   /// before this step.
   virtual void reset(const State& state) = 0;
   void reset();  ///< to the rest shape; no tool holds anything
 
-  /// The state with everything that further steps depend on, and the way back to it. restore() throws Error, and
-  /// changes nothing, as reset() does, if the snapshot is of another body (Snapshot::topology_hash), and if it has
-  /// parts that this backend does not know. Positions alone fit any backend: reset(snapshot.state).
+  /// The state with everything that further steps depend on except the scene; restore() sets it. restore() throws
+  /// Error, and changes nothing, as reset() does, if the snapshot is of another body (Snapshot::topology_hash), and if
+  /// it has parts that this backend does not know. Every backend accepts reset(snapshot.state).
   virtual Snapshot snapshot() const = 0;
   virtual void restore(const Snapshot& snapshot) = 0;
-  /// As reset(), for a state whose velocities are those at State::time, as of a body that is let go. reset() takes them
-  /// as those half a step earlier (State::velocity). `dt`: s, of the steps that follow; Error unless it is above 0.
+  /// As reset(), but the state's velocities are those at State::time; reset() expects those half a step earlier
+  /// (State::velocity). `dt`: s, of the following steps. Throws Error also unless dt is finite and above 0.
   virtual void start(const State& state, double dt) = 0;
 
   /// Does n steps of dt seconds; dt must be finite and at least 1e-18 s. Applies changes of the scene first. After a
   /// failure the last good state is kept. n = 0 only applies the changes; the report's residual, max_speed and at_rest
-  /// then have no meaning. Refused (StepStatus::invalid_step) while another call of it or of run_to_rest() runs.
+  /// then have no meaning. StepStatus::invalid_step for other arguments or while another call of it or run_to_rest()
+  /// runs.
   virtual StepReport step(int n, double dt) = 0;
 
   /// Steps until the body is at rest (SolverOptions::rest_tolerance), at most max_steps. Does not wait for load events
-  /// in the future: call step() up to the last one first. Without damping a body never comes to rest; the call then
-  /// does nothing and its report says invalid_step.
+  /// in the future: call step() up to the last one first. Needs SolverOptions::damping, even if the material
+  /// dissipates; without it the call does nothing and its report says invalid_step.
   RestResult run_to_rest(int max_steps, double dt);
-  /// The same with another damping than the one of the options.
+  /// The same with this damping instead of that of the options.
   virtual RestResult run_to_rest(int max_steps, double dt, const Damping& damping) = 0;
 
   virtual double time() const = 0;            ///< s, of the present state
@@ -130,36 +132,37 @@ class Solver {
   virtual bool collect(State& state) = 0;
 
   virtual Energy energy() const = 0;  ///< of the present state and scene; allocates
-  /// Of the present state, with State::velocity; angular momentum about a point, m.
+  /// Momentum of the present state, from State::velocity. `about`: m, point for the angular momentum.
   virtual Momentum momentum(const Vec3& about = Vec3::Zero()) const = 0;
 
-  /// Positions, and attractors P* (of models with bases), without a copy. Valid until the next step(), reset() or
-  /// restore() and the solver's end. GL backends wait for the device; bind the texture in a context of the share group.
+  /// Positions, or attractors P* (topology.h), without a copy. Valid until the next step(), reset() or restore(), while
+  /// the solver exists. GL backends wait for the device; bind the texture in a context of the share group.
   virtual ParticleBuffer position_buffer() const = 0;
   virtual ParticleBuffer attractor_buffer() const = 0;  ///< empty if the law has no attractors
 
-  /// Costs since the solver was made or clear_profile(), in the order of first use. Empty unless
-  /// SolverOptions::profile. GL backends wait for the device.
+  /// Times since the solver was made or clear_profile() was called, in the order of first use. Empty unless
+  /// SolverOptions::profile is set. GL backends wait for the device.
   virtual std::vector<PassProfile> profile() const = 0;
   virtual void clear_profile() = 0;
 
   /// Force of the particles on a tool of the scene, and the tool's present pose. Before the first step: zero, and the
-  /// scene's pose. Throw Error for an unknown name. Allocate nothing and never wait for a device.
+  /// scene's pose. References are valid until the next step() or change of the scene. The functions throw Error for an
+  /// unknown name, do not allocate and never wait for a device.
   const ToolForce& tool_force(std::string_view name) const;
   const ToolPose& tool_pose(std::string_view name) const;
-  /// The same without a search for the name. Throw Error if the tool is of another scene or was removed.
+  /// The same without a search for the name. They throw Error if the tool is of another scene or was removed.
   const ToolForce& tool_force(const ToolHandle& tool) const;
   const ToolPose& tool_pose(const ToolHandle& tool) const;
-  /// Number of particles that a tool holds now. grasp() and release() take effect in the next step. Throw as above.
+  /// Number of particles that a tool holds now. grasp() and release() take effect in the next step. Errors as above.
   int held(std::string_view name) const;
   int held(const ToolHandle& tool) const;
-  /// Whether a grasp() or release() waits for the next step. Throws as above.
+  /// Whether a grasp() or release() waits for the next step. Errors as above.
   bool has_grasp_ahead(std::string_view name) const;
-  /// `count` >= 2 points along a needle, evenly spaced from tip to hub, m. Throws Error if the tool is not a needle.
+  /// [count] points along a needle, evenly spaced from tip to hub, m. Error if it is not a needle or count is below 2.
   VecList needle_points(std::string_view name, int count) const;
 
   /// Forces, lengths and broken springs of a joint of the scene. Valid until the next step() or change of the scene.
-  /// Throw Error for an unknown name, a handle of another scene, and a joint that was removed.
+  /// They throw Error for an unknown name, a handle of another scene, and a joint that was removed.
   const JointReport& joint_report(std::string_view name) const;
   const JointReport& joint_report(const JointHandle& joint) const;
 
@@ -173,17 +176,18 @@ class Solver {
   std::size_t tool_row(const ToolHandle& tool) const;
 };
 
-/// Makes a solver at rest. "auto" chooses "cpu"; or "gl-compute" ("gl" without compute shaders) if a GPU was measured
-/// to be faster on this body; or "reference" if single precision cannot represent the body. backend_reason() says why.
-/// Throws Error for an unknown name, with the known ones, and for a backend that this build or machine does not have.
+/// Makes a solver at the rest shape. "auto" chooses "cpu"; or "gl-compute" ("gl" without compute shaders) if a GPU was
+/// measured to be faster on this body; or "reference" if single precision cannot represent the body. Throws Error for
+/// an unknown name, with the known ones, for a backend that this build or machine does not have, and if the scene was
+/// not made for this `model` object.
 std::unique_ptr<Solver> make_solver(std::string_view backend, const Model& model, const Scene& scene,
                                     const TopologyOptions& topology = {}, const SolverOptions& options = {});
 std::unique_ptr<Solver> make_solver(std::string_view backend, const Model& model, const Scene&& scene,
                                     const TopologyOptions& topology = {},
                                     const SolverOptions& options = {}) = delete;  ///< the scene must outlive it
 
-/// The same with tables built before, which any number of solvers may share. Throws Error, with the difference, if the
-/// scene's model differs from that of the tables in anything that build_topology() reads. A copy of the model is equal.
+/// The same with tables of build_topology(), which any number of solvers may share. Throws Error, with the difference,
+/// if the scene's model differs in anything that build_topology() reads. It may be a copy of the model of the tables.
 std::unique_ptr<Solver> make_solver(std::string_view backend, std::shared_ptr<const TopologyTextures> topology,
                                     const Scene& scene, const SolverOptions& options = {});
 std::unique_ptr<Solver> make_solver(std::string_view backend, std::shared_ptr<const TopologyTextures> topology,
@@ -192,8 +196,8 @@ std::unique_ptr<Solver> make_solver(std::string_view backend, std::shared_ptr<co
 /// Names that make_solver accepts in this build, without "auto".
 std::vector<std::string> backend_names();
 
-/// Why this machine cannot run a backend: a missing library, or a driver without a context. Empty if it can. Throws
-/// Error for an unknown name.
+/// Why this machine cannot run a backend: a missing library, or a driver without a context. Empty if it can, and for
+/// "auto". Throws Error for an unknown name.
 std::string why_unavailable(std::string_view backend, const SolverOptions& options = {});
 
 }  // namespace phymul
