@@ -10,15 +10,14 @@
 
 namespace phymul {
 
-/// Each point belongs to a cell of the body at rest and moves by the cell's shape functions (linear in tetrahedra,
-/// trilinear in hexahedra), so that a body that is strained evenly strains its skin in the same way. A point outside
-/// the body goes by the cell that it is least outside of. The skin does not refer to the model afterwards.
+/// Each point belongs to a cell of the body at rest and is interpolated by the cell's shape functions (linear in
+/// tetrahedra, trilinear in hexahedra). A uniform strain of the body is therefore also that of the skin. A point
+/// outside belongs to the nearest cell, in sizes of the cell, and is extrapolated. The model is not needed afterwards.
 class Skin {
  public:
-  /// Binds points [M], m, in the frame of Model::rest. Throws Error for a body without volume cells. Throws Error,
-  /// which names the first such point, if a point is not finite or lies outside its cell by more than `most_outside`: 1
-  /// is the height of a tetrahedron, the side of a hexahedron. Body and skin are then in other frames or units, most
-  /// often.
+  /// Binds points [M], m, in the frame of Model::rest. `most_outside`: largest distance of a point from its cell, in
+  /// sizes of the cell (height of a tetrahedron, side of a hexahedron). Throws Error for a body without volume cells,
+  /// and for the first point that is not finite or is farther outside; its frame or unit is then usually wrong.
   Skin(const Model& model, std::span<const Vec3> points, double most_outside = 1.0);
 
   std::size_t size() const { return first_.size() - 1; }
@@ -26,13 +25,13 @@ class Skin {
   /// Largest distance of a point from the body, in sizes of its cell; 0 if all are inside.
   double farthest_outside() const { return farthest_outside_; }
 
-  /// Where the points are while the particles are at `position` [N], m. Of displacements it makes displacements.
-  /// `points` gets size M; nothing is allocated where it has it. Throws Error for another number of particles.
+  /// Positions of the points, [M] m, for particles at `position` [N], m. From displacements it computes displacements.
+  /// Resizes `points` to M; does not allocate if it has that size. Throws Error for another number of particles.
   /// surface_normals() (surface.h) gives the normals of triangles of the points.
   void deform(std::span<const Vec3> position, VecList& points) const;
   VecList deform(std::span<const Vec3> position) const;
 
-  /// Particles that a point is interpolated from, at most 8, and their weights, of sum 1.
+  /// Particles that a point (< size()) is interpolated from, at most 8, and their weights, of sum 1. Valid as the skin.
   std::span<const Index> particles(std::size_t point) const { return {particle_.data() + first_[point], count(point)}; }
   std::span<const double> weights(std::size_t point) const { return {weight_.data() + first_[point], count(point)}; }
 
