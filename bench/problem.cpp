@@ -192,11 +192,15 @@ void add_expected_forces(const ReferenceCase& it, const Variables& variables, Pr
 
 }  // namespace
 
+void Problem::load(Scene& scene) const {
+  scene.gravity(gravity);
+  for (const Load& load : loads) scene.add(load);
+  for (const NamedTool& it : tools) scene.add_tool(it.name, it.tool);
+}
+
 Scene Problem::scene(const Model& same_body) const {
   Scene result(same_body);
-  result.gravity(gravity);
-  for (const Load& load : loads) result.add(load);
-  for (const NamedTool& it : tools) result.add_tool(it.name, it.tool);
+  load(result);
   return std::as_const(result);  // a copy: scenes do not move
 }
 

@@ -44,6 +44,7 @@ struct Problem {
   std::vector<Push> pushes;
   double floor = 0.0, force_floor = 0.0;  ///< error of the reference itself
 
+  void load(Scene& scene) const;              ///< adds gravity, loads and tools
   Scene scene(const Model& same_body) const;  ///< loads and tools on a model with the same particles
   bool has_forces() const;                    ///< gravity, forces or pressures: the answer depends on E
 };

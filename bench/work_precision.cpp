@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Error against time: every reference case, by every model, at every resolution, step and backend, taken to rest by
-// real stepping. Writes one CSV row each; what fails is a row with the failure's name. bench/charts.sh draws it.
+// real stepping; bodies with a material also by Simulation::solve_static. Writes one CSV row each; what fails is a row
+// with the failure's name. bench/charts.sh draws it.
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -10,6 +11,7 @@
 
 #include "arguments.h"
 #include "csv_row.h"
+#include "direct_rest.h"
 #include "measures.h"
 #include "methods.h"
 #include "reference_case.h"
@@ -21,7 +23,7 @@ using namespace phymul;
 using namespace phymul::bench;
 
 const std::vector<std::string> columns{
-    "case",   "title",      "level",       "method",       "label",      "backend",     "device",
+    "case",   "title",      "level",       "method",       "label",      "backend",     "rest",         "device",
     "n",      "particles",  "spacing",     "step_share",   "dt",         "stable_step", "damping_rate",
     "status", "steps",      "wall_step",   "wall_to_rest", "wall_per_s", "error",       "p95",
     "max",    "median_ren", "force_error", "null_error",   "floor",      "force_floor", "stiffness",
@@ -31,7 +33,7 @@ const std::vector<std::string> sample_columns{"case",   "level", "method", "back
                                               "sample", "ux",    "uy",     "uz",      "rx", "ry",      "rz"};
 
 struct Choice {
-  std::vector<std::string> methods, backends;
+  std::vector<std::string> methods, backends, ways_to_rest;
   std::vector<double> step_shares;
   double stabiliser_share = 1.0;
   double most_particles = 0.0, wall_cap = 0.0, rest_accuracy = 0.0;
@@ -63,6 +65,7 @@ struct Known {
   Index particles = 0;
 };
 constexpr Index most_to_find_excited = 600;
+constexpr const char* solved = "solve_static";
 
 class Run {
  public:
@@ -118,15 +121,28 @@ class Run {
       write(method, plan, refused, nullptr, problem);
       return;
     }
-    for (const std::string& backend : backends) {
-      const bool slow = backend == "reference" && backends.size() > 1;
-      if (slow && problem.model.particle_count() > choice_.most_particles_in_reference) continue;
-      for (const double share : choice_.step_shares) {
-        plan.backend = backend;
-        plan.step_share = share;
-        relax_and_write(prepared, plan, problem);
+    if (wanted(choice_.ways_to_rest, "steps")) {
+      for (const std::string& backend : backends) {
+        const bool slow = backend == "reference" && backends.size() > 1;
+        if (slow && problem.model.particle_count() > choice_.most_particles_in_reference) continue;
+        for (const double share : choice_.step_shares) {
+          plan.backend = backend;
+          plan.step_share = share;
+          relax_and_write(prepared, plan, problem);
+        }
       }
     }
+    if (method.rule == StiffnessRule::material && wanted(choice_.ways_to_rest, solved)) {
+      plan.backend = "cpu";  // which lends the search its kernels, whatever backend goes on from there
+      plan.step_share = 0.0;
+      measure_and_write(prepared, plan, solve_directly(problem, prepared.body, start_of(problem), plan), problem);
+    }
+  }
+
+  static VecList start_of(const Problem& problem) {
+    VecList start = problem.model.rest;
+    for (std::size_t i = 0; i < start.size(); ++i) start[i] += problem.displacement[i];
+    return start;
   }
 
   double stiffness(const Method& method, const Problem& problem, const MethodBody& body, RelaxationPlan plan) const {
@@ -144,15 +160,19 @@ class Run {
   }
 
   void relax_and_write(const Prepared& prepared, const RelaxationPlan& plan, const Problem& problem) {
-    const Scene scene = problem.scene(prepared.body.model);
-    VecList start = prepared.body.model.rest;
-    for (std::size_t i = 0; i < start.size(); ++i) start[i] += problem.displacement[i];
     RelaxationPlan informed = plan;
     Known& known = known_[{common_.at("case"), common_.at("level"), prepared.method->name}];
     const Index particles = problem.model.particle_count();
     if (known.particles == particles || particles > most_to_find_excited) informed.excited = known.excited;
-    const Relaxation relaxation = relax(prepared.topology, scene, start, informed);
+    const Relaxation relaxation =
+        relax(prepared.topology, problem.scene(prepared.body.model), start_of(problem), informed);
     if (relaxation.status == "ok") known = {relaxation.excited, particles};
+    measure_and_write(prepared, plan, relaxation, problem);
+  }
+
+  void measure_and_write(const Prepared& prepared, const RelaxationPlan& plan, const Relaxation& relaxation,
+                         const Problem& problem) {
+    const Scene scene = problem.scene(prepared.body.model);
     stiffness_ = prepared.stiffness;
     if (relaxation.state.position.empty()) {
       write(*prepared.method, plan, relaxation, nullptr, problem);
@@ -182,20 +202,24 @@ class Run {
     const double size = body_size(problem.model);
     row["method"] = method.name;
     row["label"] = method.label;
+    const bool by_steps = plan.step_share > 0.0;
     row["backend"] = plan.backend;
+    row["rest"] = by_steps ? "steps" : solved;
     row["device"] = it.device;
-    row["step_share"] = field(plan.step_share);
-    row["dt"] = field(it.dt);
-    row["stable_step"] = field(it.stable_step);
-    row["damping_rate"] = field(it.rate);
+    if (by_steps) {
+      row["step_share"] = field(plan.step_share);
+      row["dt"] = field(it.dt);
+      row["stable_step"] = field(it.stable_step);
+      row["damping_rate"] = field(it.rate);
+    }
     row["status"] = it.status;
     row["message"] = it.message;
     row["steps"] = std::to_string(it.steps);
     row["stiffness"] = field(stiffness_);
     if (it.wall_per_step > 0.0) {
-      row["wall_step"] = field(it.wall_per_step);
       row["wall_to_rest"] = field(it.wall_to_rest());
-      row["wall_per_s"] = field(it.wall_per_step / it.dt);
+      if (by_steps) row["wall_step"] = field(it.wall_per_step);
+      if (by_steps) row["wall_per_s"] = field(it.wall_per_step / it.dt);
     }
     if (measures && measures->displacement) {
       row["error"] = field(measures->displacement->global_ratio);
@@ -208,10 +232,10 @@ class Run {
     for (const std::string& column : columns) fields.push_back(row[column]);
     file_.row(fields);
     std::printf(
-        "%-20s %-14s %-18s %-10s n %2s %5s particles  step %.2f  %-12s error %-10s force %-10s %6d steps %s s\n",
+        "%-20s %-14s %-18s %-10s n %2s %5s particles  step %.2f  %-12s error %-10s force %-10s %6d %s %s s\n",
         row["case"].c_str(), row["level"].c_str(), method.name.c_str(), plan.backend.c_str(), row["n"].c_str(),
         row["particles"].c_str(), plan.step_share, it.status.c_str(), row["error"].c_str(), row["force_error"].c_str(),
-        it.steps, row["wall_to_rest"].c_str());
+        it.steps, by_steps ? "steps" : "evaluations", row["wall_to_rest"].c_str());
     std::fflush(stdout);
   }
 
@@ -231,6 +255,7 @@ int main(int argc, char** argv) try {
                              {"methods", ""},
                              {"backends", ""},
                              {"steps", "0.9,0.5"},
+                             {"rest", "steps,solve_static"},
                              {"most-particles", "4913"},
                              {"most-particles-in-reference", "4913"},
                              {"most-resolutions", "99"},
@@ -244,8 +269,8 @@ int main(int argc, char** argv) try {
           argc, argv, "work_precision",
           "Error against time of every reference case, model, resolution and backend. Lists are separated\n"
           "by commas. cases: files or folders; levels: main, all, or names; steps: in shares of the stable\n"
-          "one; wall-cap: seconds for a run; stabiliser: in shares of the calibrated one; contact: what tools\n"
-          "touch, particles or surface; samples: a CSV file for displacements.",
+          "one; rest: by steps, by solve_static; wall-cap: seconds for a run; stabiliser: in shares of the\n"
+          "calibrated one; contact: what tools touch, particles or surface; samples: a CSV file for displacements.",
           known)) {
     return 0;
   }
@@ -254,6 +279,7 @@ int main(int argc, char** argv) try {
   choice.methods = arguments.list("methods");
   choice.backends = arguments.list("backends");
   choice.step_shares = arguments.numbers("steps");
+  choice.ways_to_rest = arguments.list("rest");
   choice.stabiliser_share = arguments.number("stabiliser");
   choice.most_particles = arguments.number("most-particles");
   choice.most_particles_in_reference = arguments.number("most-particles-in-reference");

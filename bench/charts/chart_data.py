@@ -68,6 +68,25 @@ def pareto(points):
     return front
 
 
+def front(rows, time, error):
+    """(time, error) of the runs at rest that no other beats in both."""
+    points = [(number(row, time), number(row, error)) for row in rows if row["status"] == "ok"]
+    return pareto([point for point in points if not any(math.isnan(value) for value in point)])
+
+
+def time_at(points, error):
+    """When a front, read along straight lines on the logarithmic chart, comes below an error; infinite where never."""
+    before = None
+    for time, reached in points:
+        if reached <= error:
+            if before is None or reached == before[1]:
+                return time
+            share = math.log(before[1] / error) / math.log(before[1] / reached)
+            return before[0] * (time / before[0]) ** share
+        before = (time, reached)
+    return math.inf
+
+
 def fitted_slope(x, y):
     """Slope of log y over log x; NaN with fewer than two points."""
     x, y = np.asarray(x, float), np.asarray(y, float)

@@ -11,22 +11,32 @@ import chart_style as style
 import numpy as np
 from chart_data import number
 from chart_style import plt
-from tables import accuracy_table, cheapest_table
+from tables import accuracy_table, cheapest_table, moved_fronts_table
 
 
 def draw_front(axes, rows, time, error):
-    """One line a method through its resolutions; the front over all of them in bold."""
-    points, failed = [], []
-    for (method, label), of_method in data.groups(rows, "method", "label").items():
-        line = data.cheapest_by_resolution(of_method, time, error)
-        if not line:
-            failed.append(f"{label}: {', '.join(sorted({row['status'] for row in of_method}))}")
+    """One line a method and way to rest through its resolutions; the front over all of them in bold, that of steps
+    alone dashed."""
+    failed = []
+    for (method, label, way), of_method in data.groups(rows, "method", "label", "rest").items():
+        by_steps = way == "steps"
+        if not by_steps and time != "wall_to_rest":
             continue
-        x, y = [number(r, time) for r in line], [number(r, error) for r in line]
-        axes.plot(x, y, label=label, **style.style_of(method))
-        points += zip(x, y)
-    front = data.pareto(points)
-    if len(front) > 1:
+        line = data.cheapest_by_resolution(of_method, time, error)
+        text = label if by_steps else f"{label}, {way}"
+        if not line:
+            failed.append(f"{text}: {', '.join(sorted({row['status'] for row in of_method}))}")
+            continue
+        looks = style.style_of(method)
+        if not by_steps:
+            looks["fillstyle"] = "none"
+        axes.plot([number(r, time) for r in line], [number(r, error) for r in line], label=text, **looks)
+    of_steps = data.front([row for row in rows if row["rest"] == "steps"], time, error)
+    if len(of_steps) > 1:
+        axes.plot(*zip(*of_steps), color="black", linewidth=2, alpha=0.5, linestyle=(0, (3, 2)), zorder=1,
+                  label="Pareto front of steps")
+    front = data.front(rows, time, error)
+    if len(front) > 1 and front != of_steps:
         axes.plot(*zip(*front), color="black", linewidth=5, alpha=0.18, solid_capstyle="round", zorder=1,
                   label="Pareto front")
     return failed
@@ -240,7 +250,7 @@ def main(out):
     equivalence(out)
     soft_cube(out, os.path.join(here, "..", "reference", "peers", "soft_cube_quoted.csv"))
     with open(f"{out}/tables.md", "w", encoding="utf-8") as file:
-        file.write(cheapest_table(rows) + "\n" + accuracy_table(rows, orders))
+        file.write("\n".join((cheapest_table(rows), moved_fronts_table(rows), accuracy_table(rows, orders))))
 
 
 if __name__ == "__main__":

@@ -30,9 +30,28 @@ def cheapest_table(rows):
                 cells.append("none")
                 continue
             best = min(good, key=lambda r: number(r, "wall_to_rest"))
-            cells.append(f"{best['label']}, {best['particles']} particles, {best['backend']}: {seconds(number(best, 'wall_to_rest'))}"
+            way = best["backend"] if best["rest"] == "steps" else best["rest"]
+            cells.append(f"{best['label']}, {best['particles']} particles, {way}: {seconds(number(best, 'wall_to_rest'))}"
                          f" ({100 * number(best, error):.2g} %{'' if error == 'error' else ' of the force'})")
         text += f"| {names.case_text(of_level[0])} | " + " | ".join(cells) + " |\n"
+    return text
+
+
+def moved_fronts_table(rows):
+    """How much sooner the front over all ways to rest comes to an error than that of steps alone: where the two differ
+    most and least, over the errors that steps reach within the cases' resolutions."""
+    text = "| case | error | steps | all ways | sooner | at all errors |\n|---|---|---|---|---|---|\n"
+    for of_level in data.groups(rows, "case", "level").values():
+        error = data.error_column(of_level)
+        before = data.front([r for r in of_level if r["rest"] == "steps"], "wall_to_rest", error)
+        after = data.front(of_level, "wall_to_rest", error)
+        if not before:
+            continue
+        ratios = [(data.time_at(before, e) / data.time_at(after, e), e) for _, e in before]
+        most, at = max(ratios)
+        least = min(ratio for ratio, _ in ratios)
+        text += (f"| {names.case_text(of_level[0])} | {percent(at, 2)} | {seconds(data.time_at(before, at))} "
+                 f"| {seconds(data.time_at(after, at))} | {most:.1f} | {least:.1f} to {most:.1f} |\n")
     return text
 
 
