@@ -10,6 +10,7 @@
 
 #include "anchor_place.h"
 #include "base/decimal.h"
+#include "default_name.h"
 #include "require_value.h"
 
 namespace phymul {
@@ -147,7 +148,7 @@ Scene& Scene::add_joint(std::string name, Joint joint, std::span<const Vec3> pos
 }
 
 JointHandle Scene::add_joint(Joint joint, std::span<const Vec3> position) & {
-  add_joint("joint " + std::to_string(next_joint_), std::move(joint), position);
+  add_joint(default_name("joint", next_joint_, joints_), std::move(joint), position);
   return {*this, joints_.back().id};
 }
 

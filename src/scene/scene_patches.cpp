@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "base/file_error.h"
+#include "default_name.h"
 #include "model/surface_facets.h"
 
 namespace phymul {
@@ -102,7 +103,7 @@ JointHandle Scene::attach(std::span<const Index> patch, std::span<const Anchor> 
     done[i] = 1;
     joint.springs.push_back({at_particle(i), partners[k], rest_length, share[i]});
   }
-  add_joint(springs.name.empty() ? "joint " + std::to_string(next_joint_) : springs.name, std::move(joint));
+  add_joint(springs.name.empty() ? default_name("joint", next_joint_, joints_) : springs.name, std::move(joint));
   return {*this, joints_.back().id};
 }
 

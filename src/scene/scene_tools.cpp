@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/decimal.h"
+#include "default_name.h"
 #include "needle_measures.h"
 #include "require_value.h"
 
@@ -120,7 +121,7 @@ Scene& Scene::add_tool(std::string name, Tool tool) {
 }
 
 ToolHandle Scene::add_tool(Tool tool) & {
-  add_tool("tool " + std::to_string(next_tool_), std::move(tool));
+  add_tool(default_name("tool", next_tool_, tools_), std::move(tool));
   return {*this, tools_.back().id};
 }
 

@@ -6,7 +6,6 @@
 #include <phymul/load_frame.h>
 #include <phymul/monitor.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -18,6 +17,7 @@
 #include "statics/rest_joints.h"
 #include "statics/rest_search.h"
 #include "statics/rest_tools.h"
+#include "statics/rigid_motions.h"
 
 namespace phymul {
 namespace {
@@ -26,8 +26,6 @@ namespace {
 constexpr double no_gain = 1e-12;
 /// Of the forces and their moments: less is rounding.
 constexpr double unbalanced = 1e-8;
-/// Of the largest resistance that supports give to a rigid motion: less is none.
-constexpr double unsupported = 1e-9;
 
 [[noreturn]] void refuse(const std::string& what) {
   throw Error(ErrorCode::not_supported, "Simulation::solve_static: " + what + "; use run_to_rest()");
@@ -71,48 +69,33 @@ double strained_energy(const TopologyTextures& topology) {
   return energy;
 }
 
-using Rigid = Eigen::Matrix<double, 6, 1>;
-
-/// How far a rigid motion (displacement, then rotation about a point `arm` away, in units of `size`) moves a
-/// coordinate.
-Rigid rigid_motion(const Vec3& arm, int axis, double size) {
-  Rigid motion;
-  motion << Vec3::Unit(axis), arm.cross(Vec3::Unit(axis)) / size;
-  return motion;
-}
-
-/// What is wrong if some rigid motion of a body meets no support and the loads drive it; else empty. Whether joints
-/// and tools hold a body is left to the search.
-std::string why_no_rest(const Model& model, const LoadFrame& loads, RestTerms terms) {
+/// The bodies of which neither terms nor imposed coordinates hold every rigid motion. Whether joints and tools hold a
+/// body is left to the search.
+std::vector<ConnectedBody> loose_bodies(const Model& model, const LoadFrame& loads, RestTerms terms) {
   std::vector<char> held(model.rest.size(), 0);
   for (const RestTerm* term : terms) term->mark_held(held);
-  for (const ConnectedBody& body : connected_bodies(model)) {
-    if (std::ranges::any_of(body.particles, [&](Index i) { return held[i] != 0; })) continue;
-    Vec3 centre = Vec3::Zero();
-    for (const Index i : body.particles) centre += model.rest[i] / static_cast<double>(body.particles.size());
-    double size = 0.0;
-    for (const Index i : body.particles) size = std::max(size, (model.rest[i] - centre).norm());
-    Eigen::Matrix<double, 6, 6> support = Eigen::Matrix<double, 6, 6>::Zero();
-    Rigid driving = Rigid::Zero();
-    double forces = 0.0;
-    for (const Index i : body.particles) {
-      const Vec3 force = load_on(model.mass, loads, i);
-      forces += force.norm();
-      for (int axis = 0; axis < 3; ++axis) {
-        const Rigid motion = rigid_motion(model.rest[i] - centre, axis, size);
-        const bool imposed = !loads.fixed.empty() && (loads.fixed[i] >> axis & 1) != 0;
-        if (imposed) {
-          support += motion * motion.transpose();
-        } else {
-          driving += force[axis] * motion;
+  std::vector<ConnectedBody> bodies = connected_bodies(model);
+  std::erase_if(bodies, [&](const ConnectedBody& body) {
+    return std::ranges::any_of(body.particles, [&](Index i) { return held[i] != 0; }) ||
+           free_motions(body.particles, model.rest, loads.fixed).empty();
+  });
+  return bodies;
+}
+
+/// What is wrong if the loads drive a rigid motion of a body that meets no support; else empty.
+std::string why_no_rest(const Model& model, const LoadFrame& loads, std::span<const ConnectedBody> loose) {
+  for (const ConnectedBody& body : loose) {
+    for (const RigidMotion& motion : free_motions(body.particles, model.rest, loads.fixed)) {
+      double driving = 0.0, forces = 0.0;
+      for (const Index i : body.particles) {
+        Vec3 force = load_on(model.mass, loads, i);
+        forces += force.norm();
+        for (int axis = 0; axis < 3 && !loads.fixed.empty(); ++axis) {
+          if ((loads.fixed[i] >> axis & 1) != 0) force[axis] = 0.0;
         }
+        driving += force.dot(motion.at(model.rest[i]));
       }
-    }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> modes(support);
-    const double largest = std::max(1.0, modes.eigenvalues()[5]);
-    for (int k = 0; k < 6; ++k) {
-      if (modes.eigenvalues()[k] > unsupported * largest) continue;
-      if (std::abs(modes.eigenvectors().col(k).dot(driving)) <= unbalanced * forces) continue;
+      if (std::abs(driving) <= unbalanced * forces) continue;
       const std::string name =
           body.name.empty() ? "the body of particle " + std::to_string(body.particles.front()) : '"' + body.name + '"';
       return name +
@@ -153,6 +136,7 @@ void hold_grasped(const Scene& scene, const State& state, LoadFrame& loads) {
 std::vector<ToolForce> of_held(const TopologyTextures& topology, const Scene& scene, const State& state,
                                RestTerms terms) {
   std::vector<ToolForce> all(scene.tools().size());
+  if (std::ranges::all_of(state.tools, [](const ToolState& tool) { return tool.held.empty(); })) return all;
   LoadFrame loads;
   scene.prepare(loads);
   scene.evaluate(state.time, loads);
@@ -222,24 +206,29 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   if (!joints.empty()) terms.push_back(&joints);
   if (has_tools) terms.push_back(&tools);
   StaticResult result;
-  result.cause = why_no_rest(model(), loads, terms);
+  const std::vector<ConnectedBody> loose = loose_bodies(model(), loads, terms);
+  result.cause = why_no_rest(model(), loads, loose);
   if (!result.cause.empty()) return result;
 
-  const double gain = state.position == topology.rest ? 0.0
-                                                      : potential_energy(topology, loads, terms, state.position) -
-                                                            potential_energy(topology, loads, terms, topology.rest);
+  double gain = 0.0;  // J, by beginning at the rest shape, where springs and tools alone may have energy
+  if (state.position != topology.rest) {
+    gain = potential_energy(topology, loads, terms, state.position);
+    for (const RestTerm* term : terms) gain -= term->energy(topology.rest);
+  }
   // What is imposed in parts is not begun anew: imposed coordinates that are nearer their places stay.
   const bool begins_anew =
       gain > no_gain * strained_energy(topology) &&
       squared_way_to_targets(loads, topology.rest) <= squared_way_to_targets(loads, state.position);
   if (begins_anew) state.position = topology.rest;
-  RestSearchEnd end = search_rest(topology, loads, terms, options.tolerance, options.most_evaluations, state.position);
+  const auto search = [&](int most_evaluations) {
+    return search_rest(topology, loads, terms, loose, options.tolerance, most_evaluations, state.position);
+  };
+  RestSearchEnd end = search(options.most_evaluations);
   result.evaluations = end.evaluations;
   if (end.stuck && !begins_anew && end.evaluations < options.most_evaluations) {
     state.position = topology.rest;
     tools = RestTools(scene(), diagonal, loads.fixed);  // without the estimates of the search that got stuck
-    end = search_rest(topology, loads, terms, options.tolerance, options.most_evaluations - end.evaluations,
-                      state.position);
+    end = search(options.most_evaluations - end.evaluations);
     result.evaluations += end.evaluations;
   }
   result.residual = end.residual;

@@ -27,6 +27,17 @@ class JointsOfAScene : public testing::Test {
   Scene scene_{model_};
 };
 
+TEST_F(JointsOfAScene, AndToolsGetNamesThatNoneHas) {
+  scene_.add_joint("joint 2", one({at_particle(0), at_particle(1)}));
+  scene_.add_tool("tool 2", {.shape = Sphere{0.01}});
+  for (const std::string number : {"3", "4"}) {
+    scene_.add_joint(one({at_particle(0), at_particle(2)}));
+    EXPECT_EQ(scene_.joints().back().name, "joint " + number);
+    scene_.add_tool(Sphere{0.01});
+    EXPECT_EQ(scene_.tools().back().name, "tool " + number);
+  }
+}
+
 TEST_F(JointsOfAScene, RefusesAnchorsThatDoNotFit) {
   const Anchor here = at_particle(3), there = at_world({0, 0, 1});
   EXPECT_TRUE(refuses_joint({}, "joint \"j\": expected at least one spring, got none"));

@@ -163,6 +163,24 @@ TEST(SimulationStatic, BalancedLoadsNeedNoSupport) {
   EXPECT_NEAR(length - 0.2, longer, 0.02 * longer);
 }
 
+/// A body between plates that hold it along z alone: nothing resists that it slides or turns about z.
+TEST(SimulationStatic, LeavesABodyWhereItIsFreeToSlide) {
+  for (const double poisson : {0.3, 0.45}) {
+    const auto pressed = [&] {
+      Simulation sim(make_block({0.08, 0.08, 0.08}, 5, 5, 5), with_steps_to_the_end(poisson));
+      for (const auto& [group, by] : {std::pair{"z0", 0.0}, std::pair{"z1", 0.01}}) {
+        Load plate = constant(LoadType::translation, sim.model().group(group), by, {0, 0, -1});
+        plate.axes = {Axis::free, Axis::free, by == 0.0 ? Axis::held : Axis::driven};
+        sim.scene().add(plate);
+      }
+      return sim;
+    };
+    Simulation solved = pressed(), stepped = pressed();
+    expect_shape_of_steps(solved, stepped, "between plates, nu " + std::to_string(poisson));
+    EXPECT_LT(solved.solve_static().evaluations, 10);
+  }
+}
+
 TEST(SimulationStatic, KeepsTheStateIfItDoesNotConverge) {
   Simulation sim = hung(beam(2, Cells::tetrahedra), 0.3, 0.1);
   ASSERT_TRUE(sim.advance(0.01).ok());

@@ -216,9 +216,9 @@ void Prober::follow_motion(Simulation& sim, const Skin* skin, Probe& probe) cons
       compared = static_cast<int>(static_cast<std::int64_t>(tick) * compared_times / ticks);
     }
     if (left() < 0.0 && tick < ticks) {
-      // Times are known all the same.
-      if (skin)
-        probe.failure = "the budget ended at " + std::to_string(tick) + " of " + std::to_string(ticks) + " ticks";
+      // Times are known all the same, though of the first part of the motion only.
+      (skin ? probe.failure : probe.note) =
+          "the budget ended at " + std::to_string(tick) + " of " + std::to_string(ticks) + " ticks";
       break;
     }
   }
