@@ -22,10 +22,9 @@ class MaterialSpectra;  // src/elastic/material_spectra.h
 class ScaledTables;     // src/elastic/scaled_tables.h
 struct LocalSteps;      // src/elastic/local_steps.h
 
-/// Does once for all backends what does not depend on them: checks of arguments and states, the step limit, failure
-/// policy, rest test, progress calls, and the default of every optional function. A backend overrides the private
-/// functions do_*(). It must do at least do_reset, do_scene_changed, do_step, do_read, do_energy, do_time and
-/// do_device.
+/// Implements what all backends have in common: checks of arguments and states, the step limit, failure policy, rest
+/// test, progress calls, and the default of every optional function. A backend overrides the private functions do_*(),
+/// at least do_reset, do_scene_changed, do_step, do_read, do_energy, do_time and do_device.
 class SolverBackend : public Solver {
  public:
   ~SolverBackend() override;
@@ -40,7 +39,7 @@ class SolverBackend : public Solver {
   bool takes_tools() const final { return do_takes_tools(); }
   double stable_step() const final { return step_limit(options_.damping.factor); }
   int substeps() const final;
-  /// What the substeps of a step of `dt` s change of the forces at a state, N; empty without substeps.
+  /// Change of the forces at a state by the substeps of a step of `dt` s, [N] N; empty without substeps.
   VecList substep_forces(const State& state, double dt) const;
 
   using Solver::read;
@@ -64,18 +63,18 @@ class SolverBackend : public Solver {
   void clear_profile() final;
 
  protected:
-  /// Checks the options, and that the tables are those of the scene's model; throws Error. The constructor of a backend
-  /// must end with reset().
+  /// Throws Error for options out of their range and for tables of another model than the scene's. The constructor of a
+  /// backend must end with reset().
   SolverBackend(std::string name, std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
                 const SolverOptions& options);
 
   /// Result of do_step(). Maxima are of the last good step and of free coordinates only.
   struct Motion {
     int steps = 0;                  ///< number of good steps
-    Index bad_particle = -1;        ///< >= 0: this particle diverged in the step after them, which was undone
+    Index bad_particle = -1;        ///< >= 0: this particle diverged in the next step, which was undone
     bool lost = false;              ///< the device failed
-    int lost_volume = -1;           ///< >= 0: row of Scene::volume_constraints() that the step after them violates
-    int full_needle = -1;           ///< >= 0: row of Scene::tools() whose hole had no room in the step after them
+    int lost_volume = -1;           ///< >= 0: row of Scene::volume_constraints() that the next step violates
+    int full_needle = -1;           ///< >= 0: row of Scene::tools() whose hole had no room in the next step
     bool force_clamped = false;     ///< some elastic acceleration was above StepPlan::largest_acceleration
     double max_acceleration = 0.0;  ///< m/s^2
     double max_force = 0.0;         ///< N
@@ -99,14 +98,14 @@ class SolverBackend : public Solver {
   /// Throws Error if the snapshot has parts; for backends that have none.
   void refuse_parts(const Snapshot& snapshot) const;
 
-  /// Energy of a state under the scene as it is now, in double precision. Its velocities are those of half a step
-  /// before; last_dt, s: of the step it came by, 0: none; dissipative: forces that have no energy, N, or none.
+  /// Energy of a state, with the present scene, in double precision. State::velocity is that of half a step before.
+  /// last_dt: s, of the step that led to the state, or 0. dissipative: [N] N, forces without an energy, or empty.
   Energy energy_of(const State& state, double last_dt, const VecList& dissipative = {}) const;
 
-  /// topology(), with the scene's stiffness_factors(); valid until these change. Allocates at the first that are not 1.
+  /// topology(), scaled by Scene::stiffness_factors(); valid until these change. Allocates at the first other than 1.
   const TopologyTextures& elastic() const;
   const LocalSteps* local_steps() const { return local_steps_.get(); }  ///< null: one step for all
-  /// What of the scene and the body only "cpu" and "reference" take, as do_cannot() says it; null: nothing.
+  /// Why only "cpu" and "reference" support this body (its substeps), as a result for do_cannot(); null: others may.
   const char* beyond_devices() const;
 
   LoadFrame& frame() { return frame_; }              ///< prepared; a backend evaluates it at the time of each step
@@ -117,39 +116,39 @@ class SolverBackend : public Solver {
 
  private:
   virtual void do_reset(const State& state) = 0;
-  virtual void do_scene_changed() = 0;  ///< frame() has new sizes; may allocate
-  /// Only values have changed: Scene::mode_values() of the same modes, joints', stiffness_factors(). Must not allocate.
-  /// Sets the count of steps at rest to 0.
+  virtual void do_scene_changed() = 0;  ///< frame() may have other sizes than before; may allocate
+  /// Only values have changed: Scene::mode_values() of the same modes, constants of joints, or stiffness_factors().
+  /// Must not allocate. Must set the count of steps at rest to 0.
   virtual void do_values_changed() { do_scene_changed(); }
   virtual Motion do_step(const StepPlan& plan) = 0;
   virtual void do_read(State& state) const = 0;
   virtual Energy do_energy() const = 0;
   virtual double do_time() const = 0;
   virtual std::string do_device() const = 0;
-  // Faster than by way of read(): without waiting, or without a copy.
+  // Optional: access without waiting or without a copy. The defaults use read().
   virtual void do_request_read();
   virtual bool do_collect(State& state);
   virtual Momentum do_momentum(const Vec3& about) const;
   virtual ParticleBuffer do_position_buffer() const;
   virtual ParticleBuffer do_attractor_buffer() const;
-  // For backends whose state is more than a State, or more exact.
+  // Optional: for backends whose state has more data than a State, or higher precision.
   virtual void do_snapshot(Snapshot& snapshot) const;
   virtual void do_restore(const Snapshot& snapshot);
-  /// What the scene holds that this backend does not support, one sentence of static text; null: nothing. The default
-  /// refuses needles, contacts, joints and materials that dissipate always, tools and volume constraints unless the two
-  /// functions below return true.
+  /// Which part of the scene or body this backend does not support, one sentence of static text; null: none. The
+  /// default names needles, ToolContact::surface, substeps, joints, materials that dissipate, stiffness factors and
+  /// contacts; and tools and volume constraints unless the two functions below return true.
   virtual const char* do_cannot() const;
   virtual bool do_takes_tools() const { return false; }
   virtual bool do_takes_volumes() const { return false; }           ///< Scene::constrain_volume
   virtual const ToolReport& do_tool_report(std::size_t row) const;  ///< of Scene::tools(), as of the last step
-  virtual void do_profile() const {}                                ///< brings profiling(), not null, up to date
+  virtual void do_profile() const {}                                ///< updates profiling(), which is not null
 
   friend std::unique_ptr<Solver> make_solver(std::string_view, std::shared_ptr<const TopologyTextures>, const Scene&,
                                              const SolverOptions&);
   const ToolReport& tool_report(std::size_t row) const final { return do_tool_report(row); }
   const JointReport& joint_report_at(std::size_t row) const final;
   double step_limit(double damping_factor) const;  // s
-  double stiffness_factor() const;                 // bound of how much the scene's raise the spectrum
+  double stiffness_factor() const;                 // by which the scene's raise the spectrum at most
   Spectrum spectrum() const;                       // a bound, of materials as stiff as the scene makes them
   void require_fitting(const State& state) const;
   void require_supported() const;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Model: what the tissue is. Plain data, const once built and checked, shared by any number of solvers.
-// Made by read_pml (pml.h), read_mesh (mesh.h) or a shape builder (shapes.h).
+// Model: shape, masses and materials of a body. Plain data. Any number of solvers may share a model that nobody
+// changes. Made by read_pml (pml.h), read_mesh (mesh.h) or a shape builder (shapes.h).
 #pragma once
 
 #include <phymul/types.h>
@@ -18,7 +18,7 @@ namespace phymul {
 
 enum class CellType { atom, line, triangle, quad, tetrahedron, wedge, pyramid, hexahedron, poly_line, poly_vertex };
 
-/// Particles a cell of this type has; 0 where any number is allowed (poly_line, poly_vertex).
+/// Number of particles of a cell of this type; 0 if any number is allowed (poly_line, poly_vertex).
 int cell_size(CellType type);
 
 /// True for tetrahedron, wedge, pyramid, hexahedron.
@@ -38,15 +38,14 @@ using Colour = std::array<double, 4>;  ///< red, green, blue, alpha in [0, 1]
 
 /// A geometric cell over particles. The order of vertices is that of PML (and of VTK, except for the wedge):
 /// - tetrahedron (a, b, c, d): d is on the side to which (b-a) x (c-a) points.
-/// - hexahedron: the ring 0-1-2-3, then 4-5-6-7 above it. Above: on the side of the ring's normal by the right-hand
-/// rule.
+/// - hexahedron: the ring 0-1-2-3, then 4-5-6-7 above it. "Above" is in the direction of the ring's right-hand normal.
 /// - wedge: the triangle 0-1-2, then 3-4-5 above it.
 /// - pyramid: the ring 0-1-2-3, then the apex 4 above it.
 struct Cell {
   CellType type = CellType::tetrahedron;
   std::vector<Index> particles;
   Index material = -1;        ///< row of Model::materials; -1: none
-  Vec3 fibre = Vec3::Zero();  ///< direction of its fibres at rest, of any length; used where Material::fibre_ratio > 1
+  Vec3 fibre = Vec3::Zero();  ///< direction of its fibres at rest, any length > 0; used where Material::fibre_ratio > 1
   std::string name;
   std::vector<Attribute> attributes;
   std::optional<Colour> colour;
@@ -68,21 +67,22 @@ struct Component {
   bool operator==(const Component&) const = default;
 };
 
-/// Elastic material; small-strain meaning of the constants.
+/// Elastic material. The constants are those of small strains.
 struct Material {
   double young = 0.0;    ///< Young's modulus, Pa, > 0
   double poisson = 0.0;  ///< Poisson's ratio, in (-3/8, 1/2)
   double density = 0.0;  ///< kg/m^3, > 0
-  /// Young's modulus along the fibres (Cell::fibre) over `young`, that of the tissue between them; at least 1, which
-  /// means none. Across them it is young / (1 - poisson^2 (1 - 1 / fibre_ratio)).
+  /// Young's modulus along the fibres (Cell::fibre), divided by `young`, the modulus of the tissue between them. 1: no
+  /// fibres. The modulus across the fibres is young / (1 - poisson^2 (1 - 1 / fibre_ratio)). build_topology() throws
+  /// Error below 1.
   double fibre_ratio = 1.0;
 
-  // Dissipation by the change of strain, so that rigid motion is not braked; 0: none. Law::particle_averaged. C is the
-  // elastic tensor of young and poisson, E Green's strain (docs/theory/physics.md).
+  // Dissipation (0: none). It depends on the change of strain, so it does not damp rigid motion. It needs
+  // Law::particle_averaged. C is the elasticity tensor of young and poisson, E Green's strain (docs/theory/physics.md).
   /// s, >= 0. Kelvin-Voigt: a viscous stress of retardation_time * C : dE/dt. The loss factor of a small vibration of
   /// angular frequency w is w * retardation_time.
   double retardation_time = 0.0;
-  /// >= 0. Standard linear solid: under a sudden strain the stiffness is (1 + relaxation_strength) times the lasting
+  /// >= 0. Standard linear solid: under a sudden strain the stiffness is (1 + relaxation_strength) times the long-term
   /// one, that of `young`; the difference decays as exp(-t / relaxation_time). Name: Nowick and Berry, Anelastic
   /// Relaxation in Crystalline Solids, 1972, ch. 3.
   double relaxation_strength = 0.0;
@@ -90,7 +90,7 @@ struct Material {
   bool operator==(const Material&) const = default;
 };
 
-/// Whether a place in the rest shape, m, is in a region of the body.
+/// Returns true if a position in the rest shape, m, is in a region of the body.
 using Contains = std::function<bool(const Vec3&)>;
 
 struct FileExtras;  // src/model/file_extras.h
@@ -108,8 +108,8 @@ struct Model {
   std::vector<Component> components;
   std::vector<Material> materials;  ///< if empty, stiffness is used; set_material adds them
 
-  /// What the file carried beside the model, opaque: numbers and names of particles and cells, further attributes. It
-  /// is needed only to write the file back without loss. Null for a built shape. Set it to null after removing
+  /// Further content of the file, opaque: numbers and names of particles and cells, further attributes. It is needed
+  /// only to write the file back without loss. Null for a built shape. Set it to null after adding or removing
   /// particles.
   std::shared_ptr<const FileExtras> extras;
 
@@ -123,9 +123,9 @@ struct Model {
   std::vector<Index> group(std::string_view group_name) const;
   bool has_group(std::string_view group_name) const;
 
-  std::vector<Index> particles_in(const Contains& contains) const;  ///< those at places that it accepts, sorted
+  std::vector<Index> particles_in(const Contains& contains) const;  ///< those whose rest positions it accepts, sorted
 
-  /// Adds an informative component with these particles; returns *this. Throws Error for an empty name or a particle
+  /// Adds a component with these particles, not exclusive; returns *this. Throws Error for an empty name or a particle
   /// out of range.
   Model& add_group(std::string group_name, std::vector<Index> particles);
 
@@ -138,29 +138,27 @@ struct Model {
 /// Gives every volume cell the material, and every particle the mass density * (its share of the volume of its cells).
 /// A cell's volume is divided evenly among its vertices. In 2-D the cells are triangles and quads, one metre thick. A
 /// particle without such a cell keeps its mass, and Model::notes says so.
-/// A body of points, without any such cell, has the material in all particles, and of the space that its particles span
-/// each has what is nearer to it than to its neighbours; Model::notes says the sum. If it has no neighbours it gets
+/// In a body of points, which has no such cell, all particles get the material. The volume of a particle is that of its
+/// Voronoi cell among its neighbours; Model::notes has the sum. If the body has no neighbours it gets
 /// nearest_neighbours(rest, 20). Throws Error, and changes nothing, if the model is not valid, has a volume cell
-/// without positive volume or a particle in one plane with its neighbours, or if a constant is out of its range.
+/// without positive volume or a point in one plane with its neighbours, or if a constant is out of its range.
 void set_material(Model& model, const Material& material);
 
-/// The same for the cells of the group. A component that lists volume cells (2-D: triangles, quads) means these:
-/// regions of a labelled image, physical groups of Gmsh. One that lists none means the cells whose particles are all in
-/// it. Masses are then computed from all cells with a material.
+/// The same for the cells of the group: the volume cells (2-D: triangles, quads) that a component lists, as for regions
+/// of a labelled image and physical groups of Gmsh, or, if it lists none, the cells whose particles are all in it.
+/// Masses are then computed from all cells with a material. Throws Error also for an unknown group or one without them.
 void set_material(Model& model, const Material& material, std::string_view group_name);
 
-/// The same for the cells whose centre (mean of their vertices) it accepts, so that the volume is right to within
-/// rounding at the region's edge: a group of particles holds only the cells wholly in it. Returns the volume of these
-/// cells, m^3 (2-D: m^3 per metre of thickness), to compare with what was asked for. Throws Error also if there is
-/// none.
+/// The same for the cells whose centre (mean of their vertices) `contains` accepts. Their volume is close to that of
+/// the region; a group of particles would have only the cells wholly in the region. Returns the volume of these cells,
+/// m^3 (2-D: m^3 per metre of thickness), for comparison. Throws Error also if there is no such cell.
 double set_material(Model& model, const Material& material, const Contains& contains);
 
 /// Rest volume of a volume cell, m^3, by its trilinear map; negative if its vertices are in the opposite order. 0 for
 /// other cells.
 double cell_volume(const Model& model, const Cell& cell);
 
-/// Mean rest distance between a particle and its neighbours, m: the "spacing" of which relative tolerances are
-/// multiples.
+/// Mean rest distance between a particle and its neighbours, m: the "spacing", the unit of relative tolerances.
 double mean_spacing(const Model& model);
 
 /// Largest side of the bounding box of the rest shape, m.
@@ -175,9 +173,9 @@ void validate(const Model& model);
 /// range.
 RaggedList neighbours_from_cells(const std::vector<Cell>& cells, Index particle_count);
 
-/// Neighbours for particles without cells, in increasing order: the `count` nearest particles of each one and those as
-/// near as the last of them, and the particles that it is among the nearest of. Throws Error unless there are more than
-/// `count` particles.
+/// Neighbours for particles without cells, in increasing order. Two particles are neighbours if one of them is among
+/// the `count` nearest of the other; particles at the same distance as the last one count, too. `rest`: [N] m. Throws
+/// Error unless 1 <= count < N and all positions are finite.
 RaggedList nearest_neighbours(const VecList& rest, int count);
 
 }  // namespace phymul

@@ -19,11 +19,11 @@
 namespace phymul {
 
 struct GroupMaterial {
-  std::string group;  ///< for its cells, as set_material() finds them
+  std::string group;  ///< set_material(model, material, group) finds the cells
   Material material{};
 };
 
-/// Makes the solver of a Simulation instead of make_solver(); for a backend of one's own (backend.h).
+/// Makes the solver of a Simulation instead of make_solver(), for an application's own backend (backend.h). Not null.
 using SolverFactory = std::function<std::unique_ptr<Solver>(std::shared_ptr<const TopologyTextures> topology,
                                                             const Scene& scene, const SolverOptions& options)>;
 
@@ -37,7 +37,7 @@ struct SimulationOptions {
   TopologyOptions topology{};
   SolverOptions solver{};
   SolverFactory make_solver{};                    ///< empty: phymul::make_solver() makes the solver
-  std::function<void(const std::string&)> log{};  ///< told each of Simulation::warnings() once; must not throw
+  std::function<void(const std::string&)> log{};  ///< receives each of Simulation::warnings() once; must not throw
 };
 
 /// One of several bodies of a Simulation. Its groups are named "<name>/<group>", as by merge_models().
@@ -50,12 +50,13 @@ struct SimulationBody {
 /// Owns a model, its scene and its solver. It can be moved, not copied; references to the three and tool handles stay
 /// valid when it is moved. Threads: as for Solver.
 ///
-/// The first function that needs the solver makes it, so that "auto" can choose by the scene: fill the scene before.
-/// These functions throw Error if the solver cannot be made. Otherwise advance() and run_to_rest() do not throw; their
-/// results report failures. solve_static() throws for what it does not support.
+/// The first function that needs the solver makes it: fill the scene before, because the choice of "auto" depends on
+/// it. These functions throw Error if the solver cannot be made. Otherwise advance() and run_to_rest() report failures
+/// in their results and throw only what Solver::step() throws. solve_static() throws for what it does not support.
 class Simulation {
  public:
-  /// Sets the materials and builds the tables. Throws Error as set_material(), Scene and build_topology() do.
+  /// Sets the materials and builds the tables. Throws Error as set_material(), Scene and build_topology() do, and for
+  /// an option out of its range.
   explicit Simulation(Model model, SimulationOptions options = {});
   /// Several bodies in one model. They touch each other if Scene::contacts() is called. Throws Error also as
   /// merge_models() does.
@@ -67,71 +68,72 @@ class Simulation {
   const Model& model() const;
   Scene& scene();
   const Scene& scene() const;
-  Solver& solver();  ///< direct calls of it are neither recorded nor kept in the history
+  Solver& solver();  ///< calls made to it directly are neither recorded nor kept in the history
   const Solver& solver() const;
 
   /// Simulates `seconds` in n = ceil(seconds / step_limit()) equal steps. 0 seconds: only applies changes of the scene.
   /// Returns the report of Solver::step().
   StepReport advance(double seconds);
 
-  /// Steps of step_limit() until the body is at rest, at most `max_steps`. Uses the damping of the options. If they
-  /// have none, the call chooses it: near the critical damping of the slowest vibration, which it estimates from the
-  /// motion. The state's time advances as in every step.
+  /// Takes steps of step_limit() until the body is at rest, at most `max_steps`. Uses the damping of the options. If
+  /// they have none, the call chooses a damping near the critical one of the slowest vibration, which it estimates from
+  /// the motion. The state's time advances as in every step.
   RestResult run_to_rest(int max_steps = 200'000);
 
   /// Finds the rest shape under the loads of the present time, without steps: Newton's method on the energy, whose
   /// linear systems are solved by conjugate gradients with multigrid (docs/theory/physics.md). At small loads the
   /// number of evaluations does not grow with the body. Begins at the present state or at the rest shape, whichever has
-  /// less energy; at the present state, if imposed coordinates are nearer their places there. If it converges, the
-  /// solver is in the rest state without motion, at the same time; else its state is what it was. A body that nothing
-  /// holds, and whose loads are not in balance, is a result that says so, and so is a joint whose spring would break.
-  /// Tools are at their target poses; what they hold goes with them. Where the body is under a tool, it should not be
-  /// deeper than half of the tool, which would else push it out on the other side: move the tool there in parts.
-  /// Throws Error (not_supported) for a body without a material or in two dimensions; for needles and tools with
-  /// friction, a velocity, both ToolContact::surface and compliance, or a grasp or release still to come; for contacts
-  /// and volume constraints; and for loads with events after the present time. Error (invalid_argument) for options
-  /// out of their range.
+  /// less energy; at the present state, if imposed coordinates are nearer their targets there. If it converges, the
+  /// solver is in the rest state without motion, at the same time; otherwise it keeps its state. The status is failed
+  /// if the loads drive a body that nothing holds, or if a spring of a joint would break.
+  /// Tools are at their target poses; what they hold moves with them. The body should not enter a tool deeper than half
+  /// the tool's thickness, or the tool pushes it out on the far side: then move the tool in several parts.
+  /// Throws Error (not_supported) if the body or a particle of it has no material, or the body has two dimensions; for
+  /// needles and tools with friction, a velocity, both ToolContact::surface and compliance, or a grasp or release still
+  /// to come; for contacts and volume constraints; and for loads with events after the present time. Throws Error
+  /// (invalid_argument) for options out of their range.
   StaticResult solve_static(const StaticOptions& options = {});
 
-  /// What is probably not meant, a sentence each: a body without material, sizes and constants that suggest other units
-  /// than SI, a part that nothing holds, cells too stretched for their spacing; of the model, and of the scene as it
-  /// was when the solver was made. Makes the solver.
+  /// Probable mistakes, one sentence each: a body without a material, sizes and constants that suggest other units than
+  /// SI, a part that nothing holds, cells too long for their thickness, a tool that is too thin. They refer to the
+  /// model, and to the scene at the time when the solver was made. Makes the solver.
   const std::vector<std::string>& warnings() const;
 
   double step_limit() const;  ///< s: SimulationOptions::step * Solver::stable_step(); 1e-3 if that is infinite
   double time() const;        ///< s, of the present state
 
-  /// The present state with velocities at State::time. (Solver::read() returns those half a step earlier.) Second order
-  /// in the step for elastic forces and loads. Forces of tools and contacts are left out of the half step; velocities
-  /// of imposed coordinates are the mean ones of the last step.
+  /// The present state with velocities at State::time. (Solver::read() returns those half a step earlier.) They are
+  /// accurate to second order in the step for elastic forces and loads. Forces of tools and contacts are left out of
+  /// the half step. Velocities of imposed coordinates are their means over the last step.
   State state() const;
   /// Starts from a state with velocities at State::time. Throws Error as Solver::start() does.
   void set_state(const State& state);
 
   double max_displacement() const;  ///< m, largest distance of a particle from its rest position
   Energy energy() const;            ///< as Solver::energy()
-  /// Force of the particles on the tool, of the last step, or of the rest shape after solve_static().
+  /// Force of the particles on the tool in the last step, or in the rest shape after solve_static(). References and
+  /// errors: as Solver::tool_force().
   const ToolForce& force_on(const ToolHandle& tool) const;
   const ToolPose& pose_of(const ToolHandle& tool) const;  ///< present pose of the tool
   /// Of the last step, as Solver::joint_report(), or of the rest shape after solve_static().
   const JointReport& report_of(const JointHandle& joint) const;
 
-  /// The state with everything that further steps depend on except the scene, in memory or in a file. Throw Error as
-  /// Solver::restore(), save_state() and load_state() do.
+  /// The state with everything that further steps depend on except the scene, in memory or in a file. They throw
+  /// Error as Solver::restore(), save_state() and load_state() do.
   Snapshot snapshot() const;
   void restore(const Snapshot& snapshot);
   void save(const std::string& path) const;
   void load(const std::string& path);
 
-  /// Keeps a snapshot every `every` steps from now on, at most `most_bytes` in all; the oldest are dropped. Throws
-  /// Error unless both are at least 1.
+  /// Keeps a snapshot every `every` steps from now on, at most `most_bytes` in all; the oldest are dropped. Applies
+  /// changes of the scene. Throws Error unless both are at least 1.
   void keep_history(int every, std::size_t most_bytes = 64 << 20);
   /// Goes back to the newest kept snapshot at or before `time`, s. Returns false, and changes nothing, if there is
   /// none.
   bool rewind(double time);
 
-  /// Records from now on what is done with this object: steps, changes of the state and of the scene. Memory grows with
-  /// it. Poses and grasps that no step has applied yet are dropped.
+  /// Records steps, changes of the state and changes of the scene from now on. Memory grows with their number. Discards
+  /// tool poses and grasps that no step has applied yet: repeat them after this call.
   void record();
   const Recording& recording() const;  ///< throws Error unless record() was called
   /// Clears the scene and repeats a recording to its end. Throws Error as Replay does. Ends record().

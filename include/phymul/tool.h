@@ -47,9 +47,9 @@ struct ToolPose {
   bool operator==(const ToolPose&) const = default;
 };
 
-/// What of a body a tool touches.
+/// Which points of a body a tool touches.
 enum class ToolContact {
-  /// All particles. A tool thinner than the spacing can pass between them, and its force depends on the place.
+  /// All particles. A tool thinner than the spacing can pass between them, and its force depends on where it is.
   particles,
   /// The triangles of the surface, at points that are fixed to them. The force on a point acts on the particles of its
   /// triangle by barycentric weights. A body without triangles (points, springs, 2-D) is touched at its particles.
@@ -67,7 +67,7 @@ struct Tool {
   /// m, >= 0, added around the shape. With ToolContact::particles a tool thinner than the spacing passes through
   /// without force unless it has a margin, see least_margin().
   double margin = 0.0;
-  /// A Needle must have the default: it finds the surface's triangles itself.
+  /// Must be `particles` for a Needle, which finds the surface's triangles itself.
   ToolContact contact = ToolContact::particles;
 };
 
@@ -80,16 +80,16 @@ struct Tool {
 /// shape. Throws Error for a model without a surface and for a stretch that is not above 0.
 double least_margin(const Model& model, const ToolShape& shape, double stretch = 1.25);
 
-/// Force, N, and torque about the tool's position, N m, of the particles on a tool, as a hand that holds it feels them.
-/// A tool has no mass of its own (VirtualCoupling gives it one).
+/// Force, N, and torque about the tool's position, N m, of the particles on a tool, along the axes of the world. A tool
+/// has no mass of its own (VirtualCoupling gives it one).
 struct ToolForce {
   Vec3 force{0, 0, 0}, torque{0, 0, 0};            ///< of the last step
   Vec3 mean_force{0, 0, 0}, mean_torque{0, 0, 0};  ///< over the steps of the last call of step()
-  int particles = 0;                               ///< number that it pushed or held in the last step
+  int particles = 0;                               ///< number of particles pushed or held in the last step
 
   // Grasped particles move rigidly with the tool, and their inertia is part of the force. An application that computes
-  // the next pose from the force needs it (VirtualCoupling). Axes are the tool's, the origin is its position. Particles
-  // with some imposed coordinates count with their whole mass. All are 0 if nothing is grasped.
+  // the next pose from the force needs these values (VirtualCoupling). Axes are the tool's, the origin is its position.
+  // Particles with some imposed coordinates count with their whole mass. All are 0 if nothing is grasped.
   double held_mass = 0.0;            ///< kg
   Vec3 held_centre{0, 0, 0};         ///< m, centre of that mass
   Mat3 held_inertia = Mat3::Zero();  ///< kg m^2: sum of m (|q|^2 1 - q q^T)
@@ -100,7 +100,7 @@ struct ToolReport {
   ToolPose pose{};  ///< at the state's time
   ToolForce force{};
   int held = 0;                    ///< number of particles that it holds
-  std::uint64_t grasps = 0;        ///< SceneTool::grasps of which steps know
+  std::uint64_t grasps = 0;        ///< SceneTool::grasps as of the last step
   std::vector<ShaftLoad> shaft{};  ///< of a needle that bends
 };
 

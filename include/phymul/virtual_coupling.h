@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// A spring and a damper between a haptic device and a tool: the tool follows the hand as its contacts let it, the hand
-// feels the spring. So a device never meets a force that is stiffer than the spring, whatever the tool meets (J. E.
-// Colgate, M. C. Stanley, J. M. Brown, "Issues in the haptic display of tool use", IEEE/RSJ IROS 1995, 140-145).
+// VirtualCoupling: a spring and a damper between a haptic device and a tool. The tool follows the hand as far as its
+// contacts allow, and the hand feels the spring. So the device never renders a stiffness above that of the spring,
+// whatever the tool touches (J. E. Colgate, M. C. Stanley, J. M. Brown, "Issues in the haptic display of tool use",
+// IEEE/RSJ IROS 1995, 140-145).
 #pragma once
 
 #include <phymul/tool.h>
@@ -10,7 +11,7 @@
 namespace phymul {
 
 struct CouplingOptions {
-  double stiffness = 500.0;        ///< N/m; what the device can show without shaking
+  double stiffness = 500.0;        ///< N/m; at most what the device renders stably
   double damping = 5.0;            ///< N s/m
   double mass = 0.05;              ///< kg of the tool as the hand feels it
   double turning_stiffness = 0.5;  ///< N m/rad
@@ -20,29 +21,30 @@ struct CouplingOptions {
   double largest_torque = 0.1;     ///< N m to the device
 };
 
-/// Once a tick of the device: follow(), the pose to the tool, one call of step() over the tick, force() to the device.
+/// In each tick, call follow(), ToolHandle::move_to(pose()) and step() once each, and send force() to the device.
 ///
-/// What a tool pushes without holding it feels a tick late, and swings for ever where that is heavier than the tool:
-/// mass + dt damping must be above the mass of the particles pushed, for a lattice density times half a spacing times
-/// the area that touches; inertia likewise above theirs about the tool's position. (Taken as held, what is pushed does
-/// not come to rest: it is let go and met again within a tick.)
+/// The force of particles that a tool pushes without holding them acts a tick late. The tool oscillates without end if
+/// they are too heavy: mass + dt * damping must be above their mass (on a lattice: density times half a spacing times
+/// the contact area), and inertia + dt * turning_damping above their moment of inertia about the tool's position. (To
+/// treat them as held does not help, because contact is lost and made again within a tick.)
 class VirtualCoupling {
  public:
-  /// The tool starts at the device's pose. Throws Error unless mass, inertia and limits are above 0 and the rest not
-  /// below, and for a pose that is not finite or has a zero orientation.
+  /// The tool starts at the device's pose. Throws Error unless mass, inertia and the largest force and torque are above
+  /// 0 and the other options at least 0, all finite, and for a pose that is not finite or has a zero orientation.
   VirtualCoupling(const CouplingOptions& options, const ToolPose& device);
 
-  /// Where the tool goes within `dt` s: device is where the hand is then, on_tool what Solver::tool_force said of the
-  /// tick before, which was one call of step(). Its means over the call are what counts, and what the tool holds moves
-  /// with the tool in this very tick: stable however stiff the spring, and however heavy what is held. Does not throw:
-  /// where a number given is not finite, or so large that a result is not, dt is negative, or the device's orientation
-  /// is zero, this tick is left out, and pose(), force() and torque() are those of the tick before.
+  /// Computes the tool's pose at the end of a tick of `dt` s, and returns pose(). device: pose of the hand at that
+  /// time, with its velocities. on_tool: Solver::tool_force() of the tick before, which was one call of step(); its
+  /// means over the call and the held mass are used. It is stable for any stiffness of the spring and any held mass.
+  /// Does not throw: if an argument or a result is not finite, dt is negative, or the device's orientation is zero, it
+  /// omits this tick, and pose(), force() and torque() keep their values.
   const ToolPose& follow(const ToolPose& device, const ToolForce& on_tool, double dt);
-  /// The same of a force alone, as that of a tool that holds nothing. One that holds more than CouplingOptions::mass
-  /// grows unstable under it.
+  /// The same with a force, N, and torque, N m, of a tool that holds nothing. Unstable if the tool holds more than
+  /// CouplingOptions::mass.
   const ToolPose& follow(const ToolPose& device, const Vec3& force_on_tool, const Vec3& torque_on_tool, double dt);
 
-  /// The tool at the device's pose, no force: after a device was away. Throws Error as the constructor does, for poses.
+  /// Sets the tool to the device's pose and the force to 0, for example after the device was disconnected. Throws Error
+  /// for an invalid pose, as the constructor does.
   void reset(const ToolPose& device);
 
   const Vec3& force() const { return force_; }    ///< N, on the device
@@ -50,7 +52,7 @@ class VirtualCoupling {
   const ToolPose& pose() const { return tool_; }  ///< of the tool: for ToolHandle::move_to()
 
  private:
-  /// How the tool was moved in the tick before, along and around: m/s, rad/s, and what they grew by, a second.
+  /// Motion of the tool in the tick before: m/s and rad/s, and their rates of change, per second.
   struct Moved {
     Vec3 velocity{0, 0, 0}, spin{0, 0, 0}, acceleration{0, 0, 0}, spin_up{0, 0, 0};
     double dt = 0.0;  // s
