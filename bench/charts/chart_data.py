@@ -58,30 +58,29 @@ def cheapest_by_resolution(rows, time, error="error"):
     return [best[n] for n in sorted(best)]
 
 
-def pareto(points):
-    """Of (time, error) pairs those that no other beats in both, by increasing time."""
-    front, least = [], math.inf
-    for time, error in sorted(points):
-        if error < least:
-            front.append((time, error))
-            least = error
-    return front
+GAIN = 0.95
 
 
 def front(rows, time, error):
-    """(time, error) of the runs at rest that no other beats in both."""
-    points = [(number(row, time), number(row, error)) for row in rows if row["status"] == "ok"]
-    return pareto([point for point in points if not any(math.isnan(value) for value in point)])
+    """(time, error) of the fastest runs of each method, way to rest and resolution that no other beats in both. An error
+    less by under a twentieth is no gain: how near to rest a run came makes such differences."""
+    points = [(number(row, time), number(row, error)) for of_one in groups(rows, "method", "rest").values()
+              for row in cheapest_by_resolution(of_one, time, error)]
+    result = []
+    for point in sorted(points):
+        if not result or point[1] < GAIN * result[-1][1]:
+            result.append(point)
+    return result
 
 
 def time_at(points, error):
     """When a front, read along straight lines on the logarithmic chart, comes below an error; infinite where never."""
     before = None
     for time, reached in points:
-        if reached <= error:
-            if before is None or reached == before[1]:
+        if reached <= error / GAIN:
+            if before is None:
                 return time
-            share = math.log(before[1] / error) / math.log(before[1] / reached)
+            share = min(1.0, math.log(before[1] / error) / math.log(before[1] / reached))
             return before[0] * (time / before[0]) ** share
         before = (time, reached)
     return math.inf

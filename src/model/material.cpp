@@ -140,6 +140,10 @@ void require_in_range(const Material& material) {
   if (!(material.density > 0.0) || !std::isfinite(material.density)) {
     throw Error("material: expected a positive, finite density in kg/m^3, got " + to_decimal(material.density));
   }
+  if (!(material.fibre_ratio >= 1.0) || !std::isfinite(material.fibre_ratio)) {
+    throw Error("material: expected a finite fibre_ratio of 1 (no fibres) or more, got " +
+                to_decimal(material.fibre_ratio));
+  }
 }
 
 void set_material(Model& model, const Material& material) {

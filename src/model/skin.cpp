@@ -2,6 +2,7 @@
 #include <phymul/error.h>
 #include <phymul/skin.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -108,9 +109,15 @@ class CellSearch {
 
   /// The cell that the point is in, or within `most_outside` least outside of.
   Place find(const Vec3& point, double most_outside) const {
-    Place best = best_within(point, 1e-6);
-    // Beyond a corner of a tetrahedron, whose sizes are its heights, its box is three times as near.
-    if (best.outside > 0.0) best = best_within(point, 3.0 * std::max(most_outside, 0.5));
+    // A point that is outside of a cell by a share of its size is within so many times that of the cell's box: beyond a
+    // corner of a tetrahedron, whose sizes are its heights.
+    constexpr double box_margin = 3.0;
+    const double most = box_margin * std::max(most_outside, 0.5);
+    Place best;
+    for (const double margin : {1e-6, 0.3, 1.0, most}) {
+      best = best_within(point, std::min(margin, most));
+      if (best.outside <= 0.0 || box_margin * best.outside <= margin || margin >= most) break;
+    }
     return best;
   }
 
@@ -142,7 +149,8 @@ class CellSearch {
     return best;
   }
 
-  /// Newton's method; the map is linear in each coordinate, so that a central difference of any length is exact.
+  /// Newton's method, of which tetrahedra need one step; the map is linear in each coordinate, so that a central
+  /// difference of any length is exact.
   Place place_in(Index row, const Eigen::AlignedBox3d& box, const Vec3& point) const {
     const Cell& cell = model_.cells[row];
     const auto at = [&](const Vec3& local) {
@@ -160,6 +168,10 @@ class CellSearch {
       }
       const Vec3 move = slope.partialPivLu().solve(point - at(local));
       if (!move.allFinite()) break;
+      if (cell.type == CellType::tetrahedron) {
+        local += move;
+        break;
+      }
       local += move.cwiseMax(-1.0).cwiseMin(1.0);
       if (move.norm() < 1e-13) break;
     }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <phymul/error.h>
-#include <phymul/skin.h>
 #include <phymul/transfer.h>
 
 #include <algorithm>
@@ -8,8 +7,11 @@
 
 namespace phymul {
 
-State transfer_state(const Model& from, const State& state, const Model& to, double most_outside) {
-  const std::size_t count = from.rest.size();
+StateTransfer::StateTransfer(const Model& from, const Model& to, double most_outside)
+    : skin_(from, to.rest, most_outside), from_(from.rest), to_(to.rest) {}
+
+State StateTransfer::operator()(const State& state) const {
+  const std::size_t count = from_.size();
   if (state.position.size() != count || state.velocity.size() != count) {
     throw Error("transfer_state: expected positions and velocities of " + std::to_string(count) + " particles, got " +
                 std::to_string(state.position.size()) + " and " + std::to_string(state.velocity.size()));
@@ -28,13 +30,16 @@ State transfer_state(const Model& from, const State& state, const Model& to, dou
   for (const JointState& joint : state.joints) {
     if (!joint.broken.empty()) refuse("the joint \"" + joint.name + "\" has broken springs");
   }
-  const Skin skin(from, to.rest, most_outside);
   VecList displacement(count);
-  for (std::size_t i = 0; i < count; ++i) displacement[i] = state.position[i] - from.rest[i];
-  result.position = skin.deform(displacement);
-  for (std::size_t i = 0; i < result.position.size(); ++i) result.position[i] += to.rest[i];
-  result.velocity = skin.deform(state.velocity);
+  for (std::size_t i = 0; i < count; ++i) displacement[i] = state.position[i] - from_[i];
+  result.position = skin_.deform(displacement);
+  for (std::size_t i = 0; i < result.position.size(); ++i) result.position[i] += to_[i];
+  result.velocity = skin_.deform(state.velocity);
   return result;
+}
+
+State transfer_state(const Model& from, const State& state, const Model& to, double most_outside) {
+  return StateTransfer(from, to, most_outside)(state);
 }
 
 }  // namespace phymul

@@ -10,7 +10,6 @@
 #include <span>
 #include <utility>
 
-#include "base/decimal.h"
 #include "base/side_by_side.h"
 #include "cell_quadrature.h"
 #include "energies.h"
@@ -255,11 +254,6 @@ std::vector<DissipationTexel> dissipation_of(const Model& model, const Domains& 
 }
 
 void choose_energy(const Model& model, StrainEnergy& energy) {
-  for (const Material& material : model.materials) {
-    if (!(material.fibre_ratio >= 1.0) || !std::isfinite(material.fibre_ratio)) {
-      throw Error("fibre_ratio is " + to_decimal(material.fibre_ratio) + "; expected 1, for no fibres, or more");
-    }
-  }
   if (!has_fibres(model)) return;
   if (energy == StrainEnergy::neo_hookean) {
     throw Error(
