@@ -56,15 +56,15 @@ struct Cell {
 /// A node of the tree of named parts (PML multiComponent and structuralComponent). In Model::components a parent comes
 /// before its children.
 struct Component {
-  std::string name;
-  Index parent = -1;             ///< row of Model::components; -1: a root
-  bool exclusive = true;         ///< true: one part of a partition of the body; false: a group that may overlap others
-  bool structural = true;        ///< true: holds cells and particles; false: holds components only
-  std::vector<Index> cells;      ///< cells defined here, rows of Model::cells
-  std::vector<Index> cell_refs;  ///< cells defined elsewhere and referred to here
-  std::vector<Index> particles;  ///< particles referred to directly
-  std::vector<Attribute> attributes;
-  std::optional<Colour> colour;
+  std::string name{};
+  Index parent = -1;           ///< row of Model::components; -1: a root
+  bool exclusive = true;       ///< true: one part of a partition of the body; false: a group that may overlap others
+  bool structural = true;      ///< true: holds cells and particles; false: holds components only
+  std::vector<Index> cells{};  ///< cells defined here, rows of Model::cells
+  std::vector<Index> cell_refs{};  ///< cells defined elsewhere and referred to here
+  std::vector<Index> particles{};  ///< particles referred to directly
+  std::vector<Attribute> attributes{};
+  std::optional<Colour> colour{};
   bool operator==(const Component&) const = default;
 };
 

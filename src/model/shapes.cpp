@@ -77,12 +77,8 @@ void add_side_groups(Model& model, const Lattice& lattice) {
 Model named_model(std::string name) {
   Model model;
   model.name = std::move(name);
-  Component root;
-  root.name = "Exclusive Components";
-  root.structural = false;
-  Component elements;
-  elements.name = "Elements";
-  elements.parent = 0;
+  const Component root{.name = "Exclusive Components", .structural = false};
+  const Component elements{.name = "Elements", .parent = 0};
   model.components = {root, elements};
   return model;
 }
