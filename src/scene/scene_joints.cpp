@@ -10,6 +10,7 @@
 
 #include "anchor_place.h"
 #include "base/decimal.h"
+#include "model/require_indices.h"
 #include "require_value.h"
 
 namespace phymul {
@@ -45,11 +46,7 @@ struct AnchorCheck {
       throw Error(label + "expected a weight for each of " + std::to_string(anchor.particles.size()) +
                   " particles, got " + std::to_string(anchor.weights.size()));
     }
-    for (const Index i : anchor.particles) {
-      if (i >= 0 && i < model.particle_count()) continue;
-      throw Error(label + "expected particles from 0 to " + std::to_string(model.particle_count() - 1) + ", got " +
-                  std::to_string(i));
-    }
+    require_indices(anchor.particles, model.rest.size(), "particles", [&] { return label; });
     if (std::set(anchor.particles.begin(), anchor.particles.end()).size() != anchor.particles.size()) {
       throw Error(label + "expected each particle once in an anchor, got one twice");
     }

@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "base/file_error.h"
+#include "model/require_indices.h"
 #include "model/surface_facets.h"
 
 namespace phymul {
@@ -15,11 +16,7 @@ namespace {
 
 void require_particles(std::span<const Index> patch, const Model& model) {
   if (patch.empty()) throw Error("attach: expected particles of the surface, got none");
-  for (const Index i : patch) {
-    if (i >= 0 && i < model.particle_count()) continue;
-    throw Error("attach: expected particles from 0 to " + std::to_string(model.particle_count() - 1) + ", got " +
-                std::to_string(i));
-  }
+  require_indices(patch, model.rest.size(), "particles", [] { return std::string("attach: "); });
 }
 
 /// [N] m^2, 0 off the patch.
