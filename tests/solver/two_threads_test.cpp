@@ -4,9 +4,10 @@
 #include <gtest/gtest.h>
 #include <phymul/phymul.h>
 
-#include <string>
 #include <thread>
 #include <vector>
+
+#include "support/message_of.h"
 
 namespace phymul {
 namespace {
@@ -37,7 +38,7 @@ TEST(TwoThreads, AStepWithinAStepIsRefused) {
     for (const StepReport& report : refused) {
       EXPECT_EQ(report.status, StepStatus::invalid_step);
       EXPECT_EQ(report.steps, 0);
-      EXPECT_NE(report.message().find("has not returned yet"), std::string::npos) << report.message();
+      EXPECT_TRUE(says(report.message(), "has not returned yet"));
     }
     EXPECT_TRUE(solver->read() == alone->read()) << backend;
   }
