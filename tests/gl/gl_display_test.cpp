@@ -67,8 +67,7 @@ class GlDisplayTest : public GlTest {};
 TEST_F(GlDisplayTest, DrawsIntoTheHostsFramebufferAndLeavesTheRestAlone) {
   const auto host = gl::Context::open({});
   const Model model = make_tetrahedron(0.01);
-  DisplayOptions options;
-  options.surface_opacity = 0.5;
+  DisplayOptions options{.surface_opacity = 0.5};
   options.particles = options.links = options.rest_shape = true;
   constexpr int x = 16, y = 32, width = 80, height = 64;
   const Camera camera = framing(model.rest, {0.4, -1, 0.35}, 1.25);
@@ -155,8 +154,7 @@ TEST_F(GlDisplayTest, StepsAfterAPictureAreThoseWithoutOne) {
   const auto drawn = make_solver("gl", model, scene, springs), plain = make_solver("gl", model, scene, springs);
   const auto display = make_display(*drawn);
   const Camera camera = framing(model.rest, {1.0, -1.0, 0.5}, 1.0);
-  DisplayOptions options;
-  options.links = true;
+  const DisplayOptions options{.links = true};
   for (int k = 0; k < 3; ++k) {
     ASSERT_EQ(display->render(camera, options, 8, 8).width, 8);
     ASSERT_TRUE(drawn->step(4, 0.3 * drawn->stable_step()).ok());
@@ -223,8 +221,7 @@ TEST_F(GlDisplayTest, ASolverIsDrawnWhateverContextItRunsInAndTheDisplayDrawsIn)
     layers.full_scale = 0.002;
     const auto given = make_display(model);
     for (const GlContext kind : {GlContext::own, GlContext::current}) {
-      SolverOptions options;
-      options.gl.context = kind;
+      SolverOptions options{.gl = {.context = kind}};
       if (host.is_es()) options.gl.dialect = GlDialect::es;
       const auto solver = make_solver("gl", model, scene, {}, options);
       const auto in_solvers = make_display(*solver), in_hosts = make_display(*solver, {.context = GlContext::current});

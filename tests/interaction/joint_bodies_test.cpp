@@ -3,8 +3,6 @@
 // Joints between bodies, to tools and over patches of a surface: momentum, forces, glue.
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "support/tool_backends.h"
 
 namespace phymul::test {
@@ -53,9 +51,7 @@ TEST_P(JointOfBodiesIn, GlueHoldsTwoCubesTogether) {
   Scene scene(model);
   scene.fix("lower/z0");
   const JointHandle glue = scene.attach(model.group("upper/z0"), "lower", {.stiffness = k});
-  Load load;
-  load.type = LoadType::force;
-  load.particles = model.group("upper/z1");
+  Load load{.type = LoadType::force, .particles = model.group("upper/z1")};
   load.axes.fill(Axis::driven);
   load.events = {{0.0, pull / 16.0}};
   load.direction = {0.6, 0, 0.8};

@@ -276,9 +276,7 @@ TEST(NeighboursFromCells, FollowTheEdgesInIncreasingOrder) {
 
 TEST(Group, OfRowsThatAreNotThereIsRefused) {
   Model model = make_tetrahedron(2.0);
-  Component component;
-  component.name = "broken";
-  component.particles = {1, 4};
+  Component component{.name = "broken", .particles = {1, 4}};
   model.components.push_back(component);
   EXPECT_TRUE(refuses([&] { (void)model.group("broken"); }, "expected particles from 0 to 3, got 4"));
   model.components.back().particles = {-1};
