@@ -6,13 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <new>
 #include <set>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "interaction/closest_point.h"
 #include "interaction/contact_candidates.h"
@@ -25,8 +23,7 @@ namespace {
 using namespace test;
 
 Model tissue(const Vec3& at, int cells) {
-  Model model = make_block(Vec3::Constant(0.005 * cells), cells, cells, cells);
-  set_material(model, {5e3, 0.3, 1000.0});
+  Model model = with_material(make_block(Vec3::Constant(0.005 * cells), cells, cells, cells), {5e3, 0.3, 1000.0});
   return moved(std::move(model), at);
 }
 

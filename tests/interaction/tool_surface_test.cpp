@@ -33,8 +33,7 @@ class PressedSlab {
  public:
   PressedSlab(const Model& model, const Tool& tool, const std::string& backend = "cpu") : scene_(model) {
     scene_.fix("z0").add_tool("tool", tool);
-    SolverOptions options;
-    options.damping.rate = 100.0;
+    const SolverOptions options{.damping = {.rate = 100.0}};
     solver_ = make_solver(backend, model, scene_, {}, options);
     steps_ = static_cast<int>(std::ceil(1e-3 / (0.5 * solver_->stable_step())));
   }
@@ -226,9 +225,7 @@ TEST_P(ToolSurfaceOn, PlacedOverASurfaceLetsItOutWithoutSpeed) {
     const Vec3 centre = (state.position[a] + state.position[b] + state.position[c]) / 3.0;
     deepest = std::max(deepest, radius - (centre - over).norm());
   }
-  for (Index i = 0; i < model.particle_count(); ++i) {
-    moved_by = std::max(moved_by, (state.position[i] - model.rest[i]).norm());
-  }
+  moved_by = std::max(moved_by, largest_distance(state.position, model.rest));
   EXPECT_GT(moved_by, 1e-3);
   EXPECT_LT(deepest, 0.01 * moved_by);  // was moved_by
 }
@@ -241,8 +238,7 @@ TEST_P(ToolSurfaceOn, FeelsNoBlowWhenTheStepGetsShorter) {
   scene.fix("z0").add_tool("ball", {.shape = Sphere{radius},
                                     .pose = {.position = {0.0112, 0.0093, 0.02 + radius}},
                                     .contact = ToolContact::surface});
-  SolverOptions options;
-  options.damping.rate = 200.0;
+  const SolverOptions options{.damping = {.rate = 200.0}};
   const auto solver = make(model, scene, options);
   const double dt = 0.5 * solver->stable_step();
   scene.tool("ball").move_to({.position = {0.0112, 0.0093, 0.017 + radius}});

@@ -16,9 +16,7 @@ constexpr int cells = 2;
 constexpr double side = 0.02;
 
 Model cube(double poisson) {
-  Model model = make_block({side, side, side}, cells, cells, cells, 6);
-  set_material(model, soft_tissue(poisson));
-  return model;
+  return with_material(make_block({side, side, side}, cells, cells, cells, 6), soft_tissue(poisson));
 }
 
 struct Recovered {
@@ -67,8 +65,7 @@ TEST(Recovery, ParticleAveragedBodiesReturnFromAllStatesButOneWhateverTheirSizeA
       for (const double poisson : {0.3, 0.45}) {
         set_material(model, soft_tissue(poisson));
         const Scene scene(model);
-        SolverOptions options;
-        options.damping.factor = 0.99;
+        const SolverOptions options{.damping = {.factor = 0.99}};
         const auto solver = make_solver("cpu", model, scene, {.law = Law::particle_averaged}, options);
         for (const FailureState& failure : failure_states()) {
           std::mt19937 bits(5);
@@ -94,8 +91,7 @@ TEST(Recovery, ParticleAveragedBodiesReturnFromAllStatesButOneWhateverTheirSizeA
 }
 
 TEST(Recovery, WithoutTheCutMostFailureStatesRunAway) {
-  SolverOptions uncut;
-  uncut.max_displacement_per_step = std::numeric_limits<double>::infinity();
+  const SolverOptions uncut{.max_displacement_per_step = std::numeric_limits<double>::infinity()};
   TopologyOptions quadratic;
   quadratic.volume_law = VolumeLaw::quadratic;
   std::size_t lost = 0;
@@ -114,8 +110,7 @@ TEST(Recovery, OrdinaryMotionIsNotCut) {
   const Model model = cube(0.3);
   Scene scene(model);
   scene.fix("x0");
-  SolverOptions uncut;
-  uncut.max_displacement_per_step = std::numeric_limits<double>::infinity();
+  const SolverOptions uncut{.max_displacement_per_step = std::numeric_limits<double>::infinity()};
   const auto cut = make_solver("reference", model, scene), plain = make_solver("reference", model, scene, {}, uncut);
   State state = rest_state(model);
   for (Vec3& x : state.position) x.x() *= 1.05;
@@ -132,8 +127,7 @@ TEST(Recovery, OrdinaryMotionIsNotCut) {
 TEST(Recovery, ABodyInOnePointIsReported) {
   const Model model = make_block({side, side, side}, cells, cells, cells, 6);  // a material's means are noise enough
   const Scene scene(model);
-  SolverOptions options;
-  options.damping.rate = 20.0;
+  const SolverOptions options{.damping = {.rate = 20.0}};
   const auto solver = make_solver("reference", model, scene, {}, options);
   State state = rest_state(model);
   for (Vec3& x : state.position) x = Vec3::Constant(side / 2);
@@ -170,9 +164,7 @@ TEST(Recovery, GrowthIsNotHidden) {
   full.reaction = Reaction::full;
   SolverOptions options;
   const auto solver = make_solver("reference", model, scene, full, options);
-  State state = rest_state(model);
-  state.position = random_positions(model, 0.01, 3);
-  solver->reset(state);
+  solver->reset(displaced(model, 0.01, 3));
   EXPECT_EQ(solver->step(5000, 0.5 * solver->stable_step()).status, StepStatus::not_finite);
 }
 

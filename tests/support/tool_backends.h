@@ -29,12 +29,6 @@ inline Model soft_block(const Vec3& size, int nx, int ny, int nz) {
   return model;
 }
 
-inline double total_mass(const Model& model) {
-  double total = 0.0;
-  for (const double mass : model.mass) total += mass;
-  return total;
-}
-
 /// What is missing between what a tool's force took from a body in one step and what the body's momentum lost, about
 /// the tool: N and N m, over `dt`.
 struct Imbalance {
