@@ -3,7 +3,6 @@
 #include <phymul/skin.h>
 #include <phymul/transfer.h>
 
-#include <algorithm>
 #include <string>
 
 namespace phymul {

@@ -4,7 +4,6 @@
 #include <phymul/error.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "device/base_layout.h"
