@@ -44,12 +44,12 @@ using Colour = std::array<double, 4>;  ///< red, green, blue, alpha in [0, 1]
 /// - pyramid: the ring 0-1-2-3, then the apex 4 above it.
 struct Cell {
   CellType type = CellType::tetrahedron;
-  std::vector<Index> particles;
+  std::vector<Index> particles{};
   Index material = -1;        ///< row of Model::materials; -1: none
   Vec3 fibre = Vec3::Zero();  ///< direction of its fibres at rest, of any length; used where Material::fibre_ratio > 1
-  std::string name;
-  std::vector<Attribute> attributes;
-  std::optional<Colour> colour;
+  std::string name{};
+  std::vector<Attribute> attributes{};
+  std::optional<Colour> colour{};
   bool operator==(const Cell&) const = default;
 };
 

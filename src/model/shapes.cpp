@@ -85,9 +85,7 @@ Model named_model(std::string name) {
 
 void add_cell(Model& model, CellType type, std::vector<Index> particles) {
   model.components.back().cells.push_back(static_cast<Index>(model.cells.size()));
-  Cell& cell = model.cells.emplace_back();
-  cell.type = type;
-  cell.particles = std::move(particles);
+  model.cells.push_back({.type = type, .particles = std::move(particles)});
 }
 
 Model finished(Model model) {

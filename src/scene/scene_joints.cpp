@@ -149,11 +149,7 @@ JointHandle Scene::add_joint(Joint joint, std::span<const Vec3> position) & {
 }
 
 JointHandle Scene::add_joint(JointSpring spring, double stiffness, double damping, std::span<const Vec3> position) & {
-  Joint joint;
-  joint.springs.push_back(std::move(spring));
-  joint.stiffness = stiffness;
-  joint.damping = damping;
-  return add_joint(std::move(joint), position);
+  return add_joint({.springs = {std::move(spring)}, .stiffness = stiffness, .damping = damping}, position);
 }
 
 Scene& Scene::remove_joint(std::string_view name) {

@@ -87,11 +87,10 @@ Skin bound(const Model& partner, const VecList& points, std::string_view group) 
 JointHandle Scene::attach(std::span<const Index> patch, std::span<const Anchor> partners, double rest_length,
                           const Attachment& springs) {
   const std::vector<double> share = area_shares(*model_, patch);
-  Joint joint;
-  joint.stiffness = springs.stiffness;
-  joint.damping = springs.damping;
-  joint.slack = springs.slack;
-  joint.breaking_force = springs.breaking_stress;
+  Joint joint{.stiffness = springs.stiffness,
+              .damping = springs.damping,
+              .slack = springs.slack,
+              .breaking_force = springs.breaking_stress};
   std::vector<char> done(model_->rest.size(), 0);
   for (std::size_t k = 0; k < patch.size(); ++k) {
     const Index i = patch[k];

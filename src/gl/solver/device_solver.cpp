@@ -158,9 +158,7 @@ void DeviceSolver::follow() {
 }
 
 SolverBackend::Motion DeviceSolver::lost_motion() {
-  Motion motion;
-  motion.lost = true;
-  return motion;
+  return {.lost = true};
 }
 
 SolverBackend::Motion DeviceSolver::do_step(const StepPlan& plan) {
