@@ -43,12 +43,12 @@ enum class Axis : std::uint8_t {
 
 struct Load {
   LoadType type = LoadType::force;
-  std::vector<Index> particles;    ///< rows of the model; repeated rows count once
-  std::vector<ValueEvent> events;  ///< sorted by time; equal times keep their order
+  std::vector<Index> particles{};    ///< rows of the model; repeated rows count once
+  std::vector<ValueEvent> events{};  ///< sorted by time; equal times keep their order
   std::array<Axis, 3> axes{Axis::driven, Axis::driven, Axis::driven};
-  Vec3 direction{0, 0, 0};  ///< any length but 0; components along axes that are not driven are ignored
-  Index toward = -1;        ///< >= 0: each particle's direction points from its rest position to that of this particle
-  std::string applied_to;   ///< target as written in the file, for messages and for writing back
+  Vec3 direction{0, 0, 0};   ///< any length but 0; components along axes that are not driven are ignored
+  Index toward = -1;         ///< >= 0: each particle's direction points from its rest position to that of this particle
+  std::string applied_to{};  ///< target as written in the file, for messages and for writing back
   bool operator==(const Load&) const = default;
 };
 

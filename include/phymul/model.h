@@ -43,27 +43,27 @@ using Colour = std::array<double, 4>;  ///< red, green, blue, alpha in [0, 1]
 /// - pyramid: the ring 0-1-2-3, then the apex 4 above it.
 struct Cell {
   CellType type = CellType::tetrahedron;
-  std::vector<Index> particles;
+  std::vector<Index> particles{};
   Index material = -1;        ///< row of Model::materials; -1: none
   Vec3 fibre = Vec3::Zero();  ///< direction of its fibres at rest, any length > 0; used where Material::fibre_ratio > 1
-  std::string name;
-  std::vector<Attribute> attributes;
-  std::optional<Colour> colour;
+  std::string name{};
+  std::vector<Attribute> attributes{};
+  std::optional<Colour> colour{};
   bool operator==(const Cell&) const = default;
 };
 
 /// A node of the tree of named parts (PML multiComponent and structuralComponent). In Model::components a parent comes
 /// before its children.
 struct Component {
-  std::string name;
-  Index parent = -1;             ///< row of Model::components; -1: a root
-  bool exclusive = true;         ///< true: one part of a partition of the body; false: a group that may overlap others
-  bool structural = true;        ///< true: holds cells and particles; false: holds components only
-  std::vector<Index> cells;      ///< cells defined here, rows of Model::cells
-  std::vector<Index> cell_refs;  ///< cells defined elsewhere and referred to here
-  std::vector<Index> particles;  ///< particles referred to directly
-  std::vector<Attribute> attributes;
-  std::optional<Colour> colour;
+  std::string name{};
+  Index parent = -1;           ///< row of Model::components; -1: a root
+  bool exclusive = true;       ///< true: one part of a partition of the body; false: a group that may overlap others
+  bool structural = true;      ///< true: holds cells and particles; false: holds components only
+  std::vector<Index> cells{};  ///< cells defined here, rows of Model::cells
+  std::vector<Index> cell_refs{};  ///< cells defined elsewhere and referred to here
+  std::vector<Index> particles{};  ///< particles referred to directly
+  std::vector<Attribute> attributes{};
+  std::optional<Colour> colour{};
   bool operator==(const Component&) const = default;
 };
 

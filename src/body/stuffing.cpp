@@ -6,7 +6,6 @@
 #include <cassert>
 #include <cmath>
 #include <concepts>
-#include <limits>
 
 #include "graded_lattice.h"
 

@@ -3,8 +3,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "base/box_tree.h"
 

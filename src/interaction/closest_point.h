@@ -4,7 +4,6 @@
 #include <phymul/types.h>
 
 #include <Eigen/Geometry>
-#include <algorithm>
 
 namespace phymul::cpu {
 

@@ -13,7 +13,6 @@
 
 #include <phymul/scene.h>
 
-#include <cmath>
 #include <span>
 #include <vector>
 

@@ -2,7 +2,6 @@
 #include "needle_path.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "model/surface_facets.h"
 #include "needle_shaft.h"

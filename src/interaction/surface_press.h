@@ -14,8 +14,6 @@
 // is continuous as a tool slides. The next step starts from what the last round leaves.
 #pragma once
 
-#include <phymul/state.h>
-
 #include <array>
 #include <cstdint>
 #include <vector>

@@ -6,7 +6,6 @@
 
 #include <phymul/scene.h>
 #include <phymul/state.h>
-#include <phymul/topology_textures.h>
 
 #include <memory>
 #include <optional>
@@ -18,7 +17,6 @@
 #include "needle_path.h"
 #include "predicted_step.h"
 #include "surface_press.h"
-#include "tool_frame.h"
 
 namespace phymul::cpu {
 

@@ -9,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "base/decimal.h"
 #include "tool_frame.h"

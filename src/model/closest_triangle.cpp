@@ -2,7 +2,6 @@
 #include "closest_triangle.h"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>

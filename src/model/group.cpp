@@ -9,6 +9,7 @@
 #include <set>
 
 #include "cell_geometry.h"
+#include "require_indices.h"
 
 namespace phymul {
 namespace {
@@ -24,25 +25,21 @@ std::string known_groups(const Model& model) {
   return text;
 }
 
+std::string label_of(const std::string& group_name) {
+  return "group \"" + group_name + "\": ";
+}
+
 /// Sets to 1, in [N], the component's particles.
 void mark(std::vector<char>& particles, const Model& model, const Component& component) {
-  const auto require_below = [&](Index row, std::size_t count, const char* what) {
-    if (row >= 0 && static_cast<std::size_t>(row) < count) return;
-    throw Error("group \"" + component.name + "\": expected " + what + " from 0 to " +
-                std::to_string(static_cast<std::ptrdiff_t>(count) - 1) + ", got " + std::to_string(row));
-  };
+  const auto label = [&] { return label_of(component.name); };
   const auto mark_all = [&](const std::vector<Index>& members) {
-    for (const Index i : members) {
-      require_below(i, particles.size(), "particles");
-      particles[i] = 1;
-    }
+    require_indices(members, particles.size(), "particles", label);
+    for (const Index i : members) particles[i] = 1;
   };
   mark_all(component.particles);
   for (const std::vector<Index>* rows : {&component.cells, &component.cell_refs}) {
-    for (const Index row : *rows) {
-      require_below(row, model.cells.size(), "cells");
-      mark_all(model.cells[row].particles);
-    }
+    require_indices(*rows, model.cells.size(), "cells", label);
+    for (const Index row : *rows) mark_all(model.cells[row].particles);
   }
 }
 
@@ -127,25 +124,16 @@ std::vector<Index> Model::particles_in(const Contains& contains) const {
 
 Model& Model::add_group(std::string group_name, std::vector<Index> particles) {
   if (group_name.empty()) throw Error("expected a name for the group, got an empty one");
-  for (const Index particle : particles) {
-    if (particle < 0 || particle >= particle_count()) {
-      throw Error("group \"" + group_name + "\": expected particles from 0 to " + std::to_string(particle_count() - 1) +
-                  ", got " + std::to_string(particle));
-    }
-  }
+  require_indices(particles, rest.size(), "particles", [&] { return label_of(group_name); });
   const auto root = std::find_if(components.begin(), components.end(), [](const Component& component) {
     return component.parent < 0 && !component.exclusive && !component.structural;
   });
-  Component added;
-  added.name = std::move(group_name);
-  added.exclusive = false;
-  added.particles = std::move(particles);
-  added.parent = static_cast<Index>(root - components.begin());
+  Component added{.name = std::move(group_name),
+                  .parent = static_cast<Index>(root - components.begin()),
+                  .exclusive = false,
+                  .particles = std::move(particles)};
   if (root == components.end()) {
-    Component parent;
-    parent.name = "Informative Components";
-    parent.exclusive = false;
-    parent.structural = false;
+    Component parent{.name = "Informative Components", .exclusive = false, .structural = false};
     components.push_back(std::move(parent));
   }
   components.push_back(std::move(added));

@@ -77,21 +77,15 @@ void add_side_groups(Model& model, const Lattice& lattice) {
 Model named_model(std::string name) {
   Model model;
   model.name = std::move(name);
-  Component root;
-  root.name = "Exclusive Components";
-  root.structural = false;
-  Component elements;
-  elements.name = "Elements";
-  elements.parent = 0;
+  const Component root{.name = "Exclusive Components", .structural = false};
+  const Component elements{.name = "Elements", .parent = 0};
   model.components = {root, elements};
   return model;
 }
 
 void add_cell(Model& model, CellType type, std::vector<Index> particles) {
   model.components.back().cells.push_back(static_cast<Index>(model.cells.size()));
-  Cell& cell = model.cells.emplace_back();
-  cell.type = type;
-  cell.particles = std::move(particles);
+  model.cells.push_back({.type = type, .particles = std::move(particles)});
 }
 
 Model finished(Model model) {

@@ -2,7 +2,6 @@
 #include "surface_facets.h"
 
 #include <algorithm>
-#include <array>
 
 #include "cell_geometry.h"
 

@@ -2,7 +2,6 @@
 #include <phymul/error.h>
 #include <phymul/transfer.h>
 
-#include <algorithm>
 #include <string>
 
 namespace phymul {

@@ -2,12 +2,15 @@
 #include <phymul/error.h>
 #include <phymul/model.h>
 
+#include <array>
 #include <cmath>
+#include <span>
 
 #include "base/decimal.h"
 #include "cell_geometry.h"
 #include "file_extras.h"
 #include "material.h"
+#include "require_indices.h"
 
 namespace phymul {
 namespace {
@@ -32,13 +35,6 @@ void require_rows(const Model& model, const char* what, std::size_t size) {
   if (size == model.rest.size()) return;
   throw Error(ErrorCode::invalid_model, std::string("model: expected ") + std::to_string(model.rest.size()) +
                                             " rows in " + what + ", one per particle, got " + std::to_string(size));
-}
-
-void require_index(Index index, std::size_t count, const std::string& where, const char* what) {
-  if (index >= 0 && static_cast<std::size_t>(index) < count) return;
-  throw Error(ErrorCode::invalid_model, where + ": expected " + what + " from 0 to " +
-                                            std::to_string(static_cast<long long>(count) - 1) + ", got " +
-                                            std::to_string(index));
 }
 
 void validate_particles(const Model& model) {
@@ -79,12 +75,9 @@ void validate_neighbours(const Model& model) {
                                                 std::to_string(list.entry.size()) + ", got a row from " +
                                                 std::to_string(from) + " to " + std::to_string(to));
     }
-    for (Index k = from; k < to; ++k) {
-      const Index j = list.entry[k];
-      if (j < 0 || j >= model.particle_count()) {
-        require_index(j, model.rest.size(), particle_label(model, i), "neighbours");
-      }
-    }
+    require_indices(
+        std::span(list.entry).subspan(from, to - from), model.rest.size(), "neighbours",
+        [&] { return particle_label(model, i) + ": "; }, ErrorCode::invalid_model);
   }
   if (static_cast<std::size_t>(list.offset.back()) != list.entry.size()) {
     throw Error(ErrorCode::invalid_model, "model: expected the last neighbour offset to be " +
@@ -101,12 +94,10 @@ void validate_cells(const Model& model) {
       throw Error(ErrorCode::invalid_model, cell_label(model, row) + ": expected " + std::to_string(size) +
                                                 " particles, got " + std::to_string(cell.particles.size()));
     }
-    for (const Index i : cell.particles) {
-      if (i < 0 || i >= model.particle_count()) {
-        require_index(i, model.rest.size(), cell_label(model, row), "particles");
-      }
-    }
-    if (cell.material != -1) require_index(cell.material, model.materials.size(), cell_label(model, row), "a material");
+    const auto label = [&] { return cell_label(model, row) + ": "; };
+    require_indices(cell.particles, model.rest.size(), "particles", label, ErrorCode::invalid_model);
+    if (cell.material == -1) continue;
+    require_indices(std::array{cell.material}, model.materials.size(), "a material", label, ErrorCode::invalid_model);
   }
 }
 
@@ -118,9 +109,13 @@ void validate_components(const Model& model) {
       throw Error(ErrorCode::invalid_model,
                   where + ": expected a parent that stands before it, or -1, got " + std::to_string(component.parent));
     }
-    for (const Index cell : component.cells) require_index(cell, model.cells.size(), where, "cells");
-    for (const Index cell : component.cell_refs) require_index(cell, model.cells.size(), where, "references to cells");
-    for (const Index i : component.particles) require_index(i, model.rest.size(), where, "particles");
+    const auto require = [&](const std::vector<Index>& indices, std::size_t count, const char* what) {
+      require_indices(
+          indices, count, what, [&] { return where + ": "; }, ErrorCode::invalid_model);
+    };
+    require(component.cells, model.cells.size(), "cells");
+    require(component.cell_refs, model.cells.size(), "references to cells");
+    require(component.particles, model.rest.size(), "particles");
   }
 }
 

@@ -98,10 +98,7 @@ void append_components(Model& all, const NamedBody& body, Index first, Index fir
     shift(component.particles, first);
     all.components.push_back(std::move(component));
   }
-  Component own;
-  own.name = body.name;
-  own.exclusive = false;
-  own.parent = 0;
+  Component own{.name = body.name, .parent = 0, .exclusive = false};
   own.particles.resize(body.model->rest.size());
   std::iota(own.particles.begin(), own.particles.end(), first);
   all.components.push_back(std::move(own));

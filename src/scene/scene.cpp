@@ -10,6 +10,7 @@
 
 #include "base/decimal.h"
 #include "load_types.h"
+#include "model/require_indices.h"
 #include "model/surface_facets.h"
 
 namespace phymul {
@@ -72,9 +73,7 @@ bool is_earlier(const ValueEvent& a, const ValueEvent& b) {
 }
 
 Load held(std::vector<Index> particles) {
-  Load load;
-  load.particles = std::move(particles);
-  load.type = LoadType::translation;
+  Load load{.type = LoadType::translation, .particles = std::move(particles)};
   load.axes.fill(Axis::held);
   return load;
 }
@@ -117,11 +116,7 @@ Scene::Scene(std::shared_ptr<const Model> model) : owned_(std::move(model)), mod
 
 void Scene::require(const Load& load) const {
   const Index count = model_->particle_count();
-  for (const Index i : load.particles) {
-    if (i >= 0 && i < count) continue;
-    throw Error(load_label(load) + "expected particles from 0 to " + std::to_string(count - 1) + ", got " +
-                std::to_string(i));
-  }
+  require_indices(load.particles, model_->rest.size(), "particles", [&] { return load_label(load); });
   if (load.toward < -1 || load.toward >= count) {
     throw Error(load_label(load) + "expected a particle to point toward from 0 to " + std::to_string(count - 1) +
                 " (or -1 for none), got " + std::to_string(load.toward));

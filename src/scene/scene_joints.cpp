@@ -11,6 +11,7 @@
 #include "anchor_place.h"
 #include "base/decimal.h"
 #include "default_name.h"
+#include "model/require_indices.h"
 #include "require_value.h"
 
 namespace phymul {
@@ -46,11 +47,7 @@ struct AnchorCheck {
       throw Error(label + "expected a weight for each of " + std::to_string(anchor.particles.size()) +
                   " particles, got " + std::to_string(anchor.weights.size()));
     }
-    for (const Index i : anchor.particles) {
-      if (i >= 0 && i < model.particle_count()) continue;
-      throw Error(label + "expected particles from 0 to " + std::to_string(model.particle_count() - 1) + ", got " +
-                  std::to_string(i));
-    }
+    require_indices(anchor.particles, model.rest.size(), "particles", [&] { return label; });
     if (std::set(anchor.particles.begin(), anchor.particles.end()).size() != anchor.particles.size()) {
       throw Error(label + "expected each particle once in an anchor, got one twice");
     }
@@ -153,11 +150,7 @@ JointHandle Scene::add_joint(Joint joint, std::span<const Vec3> position) & {
 }
 
 JointHandle Scene::add_joint(JointSpring spring, double stiffness, double damping, std::span<const Vec3> position) & {
-  Joint joint;
-  joint.springs.push_back(std::move(spring));
-  joint.stiffness = stiffness;
-  joint.damping = damping;
-  return add_joint(std::move(joint), position);
+  return add_joint({.springs = {std::move(spring)}, .stiffness = stiffness, .damping = damping}, position);
 }
 
 Scene& Scene::remove_joint(std::string_view name) {

@@ -6,7 +6,6 @@
 #include <phymul/scene.h>
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cassert>
 #include <cmath>
 

@@ -9,6 +9,7 @@
 
 #include "base/file_error.h"
 #include "default_name.h"
+#include "model/require_indices.h"
 #include "model/surface_facets.h"
 
 namespace phymul {
@@ -16,11 +17,7 @@ namespace {
 
 void require_particles(std::span<const Index> patch, const Model& model) {
   if (patch.empty()) throw Error("attach: expected particles of the surface, got none");
-  for (const Index i : patch) {
-    if (i >= 0 && i < model.particle_count()) continue;
-    throw Error("attach: expected particles from 0 to " + std::to_string(model.particle_count() - 1) + ", got " +
-                std::to_string(i));
-  }
+  require_indices(patch, model.rest.size(), "particles", [] { return std::string("attach: "); });
 }
 
 /// [N] m^2, 0 off the patch.
@@ -91,11 +88,10 @@ Skin bound(const Model& partner, const VecList& points, std::string_view group) 
 JointHandle Scene::attach(std::span<const Index> patch, std::span<const Anchor> partners, double rest_length,
                           const Attachment& springs) {
   const std::vector<double> share = area_shares(*model_, patch);
-  Joint joint;
-  joint.stiffness = springs.stiffness;
-  joint.damping = springs.damping;
-  joint.slack = springs.slack;
-  joint.breaking_force = springs.breaking_stress;
+  Joint joint{.stiffness = springs.stiffness,
+              .damping = springs.damping,
+              .slack = springs.slack,
+              .breaking_force = springs.breaking_stress};
   std::vector<char> done(model_->rest.size(), 0);
   for (std::size_t k = 0; k < patch.size(); ++k) {
     const Index i = patch[k];

@@ -126,8 +126,7 @@ ToolHandle Scene::add_tool(Tool tool) & {
 }
 
 ToolHandle Scene::add_tool(ToolShape shape) & {
-  Tool tool;
-  tool.shape = std::move(shape);
+  Tool tool{.shape = std::move(shape)};
   return add_tool(std::move(tool));
 }
 

@@ -12,6 +12,7 @@
 
 #include "base/decimal.h"
 #include "model/enclosed_volume.h"
+#include "model/require_indices.h"
 #include "model/surface_facets.h"
 
 namespace phymul {
@@ -58,11 +59,7 @@ void require_sound(const VolumeConstraint& surface, const Model& model, const st
     throw Error(label(surface) + "expected particles whose cells have a surface (volume cells, triangles or quads)");
   }
   for (const std::array<Index, 3>& t : surface.triangles) {
-    for (const Index i : t) {
-      if (i >= 0 && i < model.particle_count()) continue;
-      throw Error(label(surface) + "expected particles from 0 to " + std::to_string(model.particle_count() - 1) +
-                  ", got " + std::to_string(i));
-    }
+    require_indices(t, model.rest.size(), "particles", [&] { return label(surface); });
   }
   require_closed(surface, model);
   if (!(surface.volume > 0.0) || !std::isfinite(surface.volume)) {

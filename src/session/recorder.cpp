@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <limits>
 
 #include "base/byte_source.h"
 #include "input_kinds.h"

@@ -7,7 +7,6 @@
 
 #include "base/byte_source.h"
 #include "base/checked_file.h"
-#include "base/file_error.h"
 #include "base/replace_file.h"
 #include "snapshot_bytes.h"
 

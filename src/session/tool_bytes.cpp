@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <type_traits>
 
 #include "wire_codes.h"
@@ -161,8 +160,7 @@ void put_tool(ByteWriter& out, const Tool& tool) {
 Tool take_tool(ByteReader& in) {
   ShapeKind kind{};
   code(in, kind, "a tool's shape");
-  Tool tool;
-  tool.shape = take_shape(in, kind);
+  Tool tool{.shape = take_shape(in, kind)};
   law_fields(in, tool);
   return tool;
 }

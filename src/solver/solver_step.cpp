@@ -90,10 +90,7 @@ bool SolverBackend::any_tool_grasps() const {
 }
 
 SolverBackend::StepPlan SolverBackend::plan_for(int n, double dt, const Damping& damping, bool beyond_limit) const {
-  StepPlan plan;
-  plan.steps = n;
-  plan.dt = dt;
-  plan.damping_factor = damping.factor_at(dt);
+  StepPlan plan{.steps = n, .dt = dt, .damping_factor = damping.factor_at(dt)};
   const double joints = joints_->bounds(*scene_, topology_->mass).stiffness;
   const Spectrum body = spectrum();
   // Of the body alone, where it has any stiffness: a stiff joint must not loosen the rest test.

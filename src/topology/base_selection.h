@@ -8,7 +8,6 @@
 #include <phymul/model.h>
 #include <phymul/topology.h>
 
-#include <cstdint>
 #include <vector>
 
 namespace phymul {

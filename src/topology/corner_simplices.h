@@ -6,7 +6,6 @@
 #include <phymul/model.h>
 
 #include <array>
-#include <string>
 #include <vector>
 
 namespace phymul {

@@ -5,8 +5,6 @@
 
 #include <phymul/types.h>
 
-#include <cstdint>
-
 namespace phymul {
 
 /// Rows of the result list, for each of `particles` particles, the entries row * corners + corner with

@@ -39,9 +39,7 @@ std::unique_ptr<Display> make_display(const Solver& solver, const Skin& skin,
       throw Error(ErrorCode::invalid_argument, "make_display: a triangle of point " + std::to_string(point) +
                                                    " of a skin of " + std::to_string(skin.size()) + " points");
     }
-    Cell& cell = surface.cells.emplace_back();
-    cell.type = CellType::triangle;
-    cell.particles.assign(triangle.begin(), triangle.end());
+    surface.cells.push_back({.type = CellType::triangle, .particles = {triangle.begin(), triangle.end()}});
   }
   surface.neighbours = neighbours_from_cells(surface.cells, surface.particle_count());
   return make(solver.model(), &solver, std::make_shared<VisibleSkin>(skin, std::move(surface)), gl);

@@ -11,7 +11,6 @@
 #include <phymul/shapes.h>
 #include <phymul/solver.h>
 
-#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <limits>

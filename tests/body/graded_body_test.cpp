@@ -167,21 +167,20 @@ TEST(GradedBody, RefusesFieldsOutOfRange) {
     return message_of([&] { make_body(ball, {.spacing = 0.016, .most_particles = most, .spacing_at = field}); });
   };
   for (const double least : {0.0, -1.0, 0.0019, std::nan(""), std::numeric_limits<double>::infinity()}) {
-    EXPECT_NE(filling(least).find("at least an eighth of the spacing of 0.016 m, got "), std::string::npos)
-        << filling(least);
+    EXPECT_TRUE(says(filling(least), "at least an eighth of the spacing of 0.016 m, got "));
   }
   EXPECT_EQ(filling(0.002), "(no error)");
-  EXPECT_NE(filling(0.002, 1000).find("more than 10000 leaves"), std::string::npos) << filling(0.002, 1000);
-  EXPECT_NE(filling(0.008, 300).find("needs 1128 particles"), std::string::npos) << filling(0.008, 300);
+  EXPECT_TRUE(says(filling(0.002, 1000), "more than 10000 leaves"));
+  EXPECT_TRUE(says(filling(0.008, 300), "needs 1128 particles"));
   const auto near = [](const Vec3& place, double radius, double fine, double coarse, double growth) {
     return message_of([&] { fine_near(place, radius, fine, coarse, growth); });
   };
   const Vec3 origin(0, 0, 0);
-  EXPECT_NE(near({0, std::nan(""), 0}, 1, 1, 1, 1).find("a finite place, got"), std::string::npos);
-  EXPECT_NE(near(origin, 0, 1, 1, 1).find("a radius above 0, got 0"), std::string::npos);
-  EXPECT_NE(near(origin, 1, 1, 1, 0).find("a growth above 0, got 0"), std::string::npos);
-  EXPECT_NE(near(origin, 1, 2, 1, 1).find("0 < fine <= coarse, both in m, got 2 and 1"), std::string::npos);
-  EXPECT_NE(near(origin, 1, 0, 1, 1).find("got 0 and 1"), std::string::npos);
+  EXPECT_TRUE(says(near({0, std::nan(""), 0}, 1, 1, 1, 1), "a finite place, got"));
+  EXPECT_TRUE(says(near(origin, 0, 1, 1, 1), "a radius above 0, got 0"));
+  EXPECT_TRUE(says(near(origin, 1, 1, 1, 0), "a growth above 0, got 0"));
+  EXPECT_TRUE(says(near(origin, 1, 2, 1, 1), "0 < fine <= coarse, both in m, got 2 and 1"));
+  EXPECT_TRUE(says(near(origin, 1, 0, 1, 1), "got 0 and 1"));
 }
 
 BodyOptions fine_at(const Vec3& place, double finest) {
@@ -220,8 +219,8 @@ TEST(GradedBody, PassesThePatchTest) {
 /// whose particles are held: that they are some tenths of a spacing from where the support ends would count there.
 TEST(GradedBody, BendsAsTheUniformBody) {
   const auto sag = [](const BodyOptions& options) {
-    Model model = make_body(solid_capsule({0, 0, 0}, {0.2, 0, 0}, 0.025), options);
-    set_material(model, {.young = 10e3, .poisson = 0.45, .density = 1000});
+    Model model = with_material(make_body(solid_capsule({0, 0, 0}, {0.2, 0, 0}, 0.025), options),
+                                {.young = 10e3, .poisson = 0.45, .density = 1000});
     model.add_group("held", model.particles_in([](const Vec3& x) { return x.x() < 0.0; }));
     Simulation sim(model, {.backend = "cpu"});
     sim.scene().fix("held").gravity({0, 0, -0.05});
@@ -239,10 +238,10 @@ TEST(GradedBody, BendsAsTheUniformBody) {
 
 /// Crushed to a tenth across, it comes back.
 TEST(GradedBody, ReturnsFromABrokenState) {
-  Model model = make_body(solid_box({0, 0, 0}, {0.05, 0.05, 0.05}), fine_at({0.025, 0.025, 0.05}, 0.004));
-  set_material(model, {.young = 10e3, .poisson = 0.3, .density = 1000});
-  SolverOptions options;
-  options.damping.rate = 60.0;
+  const Model model =
+      with_material(make_body(solid_box({0, 0, 0}, {0.05, 0.05, 0.05}), fine_at({0.025, 0.025, 0.05}, 0.004)),
+                    {.young = 10e3, .poisson = 0.3, .density = 1000});
+  const SolverOptions options{.damping = {.rate = 60.0}};
   const Scene scene(model);
   const auto solver = make_solver("cpu", model, scene, {}, options);
   State state = rest_state(model);

@@ -118,14 +118,13 @@ TEST(MakeBody, ShellsOfASurface) {
   const Model hollow = make_body(shell, {.spacing = 0.006}, &report);
   expect_sound(hollow, report);
   EXPECT_NEAR(report.volume / (ball_volume(0.05) - ball_volume(0.02)), 1.0, 0.01);
-  EXPECT_NE(hollow.notes.front().find("1728 of 6528 triangles were clockwise"), std::string::npos)
-      << hollow.notes.front();
+  EXPECT_TRUE(says(hollow.notes.front(), "1728 of 6528 triangles were clockwise"));
   // Two balls apart, and two that touch in one vertex.
   const Model apart =
       make_body(both(ball_surface(0.02, 12), ball_surface(0.02, 12, {0.05, 0, 0})), {.spacing = 0.004}, &report);
   expect_sound(apart, report);
   EXPECT_EQ(report.parts, 2);
-  EXPECT_NE(apart.notes.back().find("2 parts"), std::string::npos);
+  EXPECT_TRUE(says(apart.notes.back(), "2 parts"));
   const Model touching =
       make_body(both(ball_surface(0.02, 12), ball_surface(0.02, 12, {0.04, 0, 0})), {.spacing = 0.004}, &report);
   EXPECT_GT(report.smallest_angle, 10.0);
@@ -139,12 +138,11 @@ TEST(MakeBody, RefusesShellsThatOverlap) {
   const auto filling = [](const Surface& surface) {
     return message_of([&] { make_body(surface, {.spacing = 0.003}); });
   };
-  EXPECT_NE(filling(both(left, right)).find("shells overlap at (0.098, "), std::string::npos)
-      << filling(both(left, right));
+  EXPECT_TRUE(says(filling(both(left, right)), "shells overlap at (0.098, "));
   // The triangle that says whether the second lies in the first does lie in it.
   Surface from_end = right;
   std::swap(from_end.triangles[0], from_end.triangles[6]);
-  EXPECT_NE(filling(both(left, from_end)).find("shells overlap at ("), std::string::npos);
+  EXPECT_TRUE(says(filling(both(left, from_end)), "shells overlap at ("));
   // Those that touch along a whole face do not overlap.
   BodyReport report;
   make_body(both(left, box_surface({0.1, 0, 0}, {0.196, 0.05, 0.05})), {.spacing = 0.003}, &report);
@@ -174,30 +172,27 @@ TEST(MakeBody, RefusesWhatCannotBeFilled) {
     return message_of([&] { make_body(shape, {.spacing = spacing}); });
   };
   for (const double spacing : {0.0, -0.01, nan}) {
-    EXPECT_NE(filling(ball, spacing).find("expected a spacing above 0 m, got"), std::string::npos);
+    EXPECT_TRUE(says(filling(ball, spacing), "expected a spacing above 0 m, got"));
   }
-  EXPECT_NE(filling(ball, 1e-5).find("take a larger spacing, or check the unit"), std::string::npos);
-  EXPECT_NE(message_of([&] { make_body(ball, {.spacing = 0.006, .most_particles = 4000}); }).find("needs 5"),
-            std::string::npos);
-  EXPECT_NE(filling(ball, 0.3).find("no point of a lattice"), std::string::npos) << filling(ball, 0.3);
+  EXPECT_TRUE(says(filling(ball, 1e-5), "take a larger spacing, or check the unit"));
+  EXPECT_TRUE(refuses([&] { make_body(ball, {.spacing = 0.006, .most_particles = 4000}); }, "needs 5"));
+  EXPECT_TRUE(says(filling(ball, 0.3), "no point of a lattice"));
   // A sheet of 1 mm beside a ball: the lattice of 8 mm misses it.
   const Surface sheet = box_surface({0.06, -0.1, -0.1}, {0.061, 0.1, 0.1});
   const std::string thin = filling(both(ball_surface(0.05, 10), sheet), 0.008);
-  EXPECT_NE(thin.find("thinner than the spacing of 0.008 m"), std::string::npos) << thin;
+  EXPECT_TRUE(says(thin, "thinner than the spacing of 0.008 m"));
   Solid broken = ball;
   broken.distance = [=](const Vec3& x) { return x.x() > 0.02 ? nan : x.norm() - 0.05; };
-  EXPECT_NE(filling(broken, 0.01).find("not a number at (0.02"), std::string::npos) << filling(broken, 0.01);
-  EXPECT_NE(filling(Solid{}, 0.01).find("no distance function"), std::string::npos);
+  EXPECT_TRUE(says(filling(broken, 0.01), "not a number at (0.02"));
+  EXPECT_TRUE(says(filling(Solid{}, 0.01), "no distance function"));
   Solid boxless = ball;
   boxless.high = boxless.low;
-  EXPECT_NE(filling(boxless, 0.01).find("low below high"), std::string::npos);
-  EXPECT_NE(message_of([&] { solid_union({ball, boxless}); }).find("solid_union: expected a box"), std::string::npos);
-  EXPECT_NE(message_of([&] { solid_difference(ball, Solid{}); }).find("solid_difference: a solid has no distance"),
-            std::string::npos);
-  EXPECT_NE(message_of([&] { solid_difference(Solid{}, ball); }).find("solid_difference: a solid has no distance"),
-            std::string::npos);
-  EXPECT_NE(message_of([] { solid_ball({0, 0, 0}, 0.0); }).find("radius above 0"), std::string::npos);
-  EXPECT_NE(message_of([] { solid_union({}); }).find("at least one"), std::string::npos);
+  EXPECT_TRUE(says(filling(boxless, 0.01), "low below high"));
+  EXPECT_TRUE(refuses([&] { solid_union({ball, boxless}); }, "solid_union: expected a box"));
+  EXPECT_TRUE(refuses([&] { solid_difference(ball, Solid{}); }, "solid_difference: a solid has no distance"));
+  EXPECT_TRUE(refuses([&] { solid_difference(Solid{}, ball); }, "solid_difference: a solid has no distance"));
+  EXPECT_TRUE(refuses([] { solid_ball({0, 0, 0}, 0.0); }, "radius above 0"));
+  EXPECT_TRUE(refuses([] { solid_union({}); }, "at least one"));
 }
 
 /// However many particles are allowed. Refused before the solid is asked anything.
@@ -208,7 +203,7 @@ TEST(MakeBody, RefusesALatticeBeyondItsNumbers) {
     return message_of(
         [&] { make_body(ball, {.spacing = spacing, .most_particles = std::numeric_limits<Index>::max()}); });
   };
-  EXPECT_NE(filling(5e-5).find("the most that can be counted"), std::string::npos) << filling(5e-5);
+  EXPECT_TRUE(says(filling(5e-5), "the most that can be counted"));
   EXPECT_EQ(filling(5e-3), "asked");
 }
 
@@ -224,8 +219,8 @@ TEST(MakeBody, RefusesAVolumeOfNothing) {
   Solid star = solid_union(spikes);
   star.low = Vec3::Constant(-0.048);
   star.high = Vec3::Constant(0.048);
-  const std::string message = message_of([&] { make_body(star, {.spacing = spacing}); });
-  EXPECT_NE(message.find("expected a shape with a volume above 0, got 0 ml"), std::string::npos) << message;
+  EXPECT_TRUE(
+      refuses([&] { make_body(star, {.spacing = spacing}); }, "expected a shape with a volume above 0, got 0 ml"));
 }
 
 TEST(MakeBody, ABallHeldAtAPatchComesToRest) {

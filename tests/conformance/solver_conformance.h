@@ -17,16 +17,12 @@ TEST_P(SolverConformance, RestStaysAtRest) {
   for (const Body& body : bodies()) {
     SCOPED_TRACE(body.name);
     const Scene scene(body.model);
-    TopologyOptions topology;
-    topology.on_sparse = SparseParticle::springs;
+    const TopologyOptions topology{.on_sparse = SparseParticle::springs};
     const auto solver = make(body.model, scene, {}, topology);
     const StepReport report = solver->step(200, 0.5 * solver->stable_step());
     EXPECT_TRUE(report.ok()) << report.message();
     EXPECT_TRUE(report.at_rest);
-    const State state = solver->read();
-    for (Index i = 0; i < body.model.particle_count(); ++i) {
-      EXPECT_LE((state.position[i] - body.model.rest[i]).norm(), 1e-9 * mean_spacing(body.model));
-    }
+    EXPECT_LE(largest_distance(solver->read().position, body.model.rest), 1e-9 * mean_spacing(body.model));
   }
 }
 
@@ -77,15 +73,12 @@ TEST_P(SolverConformance, ImposedPositionsAreMetAndOtherAxesAreFree) {
   const Model model = block();
   Scene scene(model);
   scene.fix("x0");
-  Load pull;
-  pull.type = LoadType::translation;
-  pull.particles = model.group("x1");
-  pull.events = {{0.0, 0.0}, {0.05, 0.003}};
-  pull.axes = {Axis::driven, Axis::free, Axis::free};
-  pull.direction = {1, 0, 0};
-  scene.add(pull);
-  SolverOptions options;
-  options.damping.rate = 60.0;
+  scene.add({.type = LoadType::translation,
+             .particles = model.group("x1"),
+             .events = {{0.0, 0.0}, {0.05, 0.003}},
+             .axes = {Axis::driven, Axis::free, Axis::free},
+             .direction = {1, 0, 0}});
+  const SolverOptions options{.damping = {.rate = 60.0}};
   const auto solver = make(model, scene, options);
   const double dt = 0.5 * solver->stable_step();
   ASSERT_TRUE(solver->step(static_cast<int>(0.2 / dt), dt).ok());
@@ -103,8 +96,7 @@ TEST_P(SolverConformance, HangsToRestUnderGravityAndBearsItsWeight) {
   const Model model = block();
   Scene scene(model);
   scene.fix("z1").gravity({0, 0, -9.81});
-  SolverOptions options;
-  options.damping.rate = 60.0;
+  const SolverOptions options{.damping = {.rate = 60.0}};
   const auto solver = make(model, scene, options);
   const RestResult rest = solver->run_to_rest(200000, 0.5 * solver->stable_step());
   ASSERT_TRUE(rest.report.ok()) << rest.message();
@@ -124,8 +116,7 @@ TEST_P(SolverConformance, DampingRateGivesTheSameResultAtAnyStep) {
   const Model model = block();
   Scene scene(model);
   scene.fix("x0").gravity({0, 0, -9.81});
-  SolverOptions options;
-  options.damping.rate = 20.0;
+  const SolverOptions options{.damping = {.rate = 20.0}};
   const auto coarse = make(model, scene, options), fine = make(model, scene, options);
   const double dt = 0.4 * coarse->stable_step();
   ASSERT_TRUE(coarse->step(200, dt).ok());
@@ -216,8 +207,7 @@ TEST_P(SolverConformance, EnergyIsThatOfTheSceneAsItStands) {
   solver->reset(lifted);
   EXPECT_EQ(solver->energy().gravity, 0.0);
   scene.gravity({0, 0, -10});
-  double mass = 0.0;
-  for (const double m : model.mass) mass += m;
+  const double mass = total_mass(model);
   EXPECT_NEAR(solver->energy().gravity, 5.0 * mass, 1e-5 * mass);
 }
 
@@ -298,12 +288,9 @@ TEST_P(SolverConformance, RunToRestSaysWhetherItRests) {
 TEST_P(SolverConformance, StopsBeforeNaNAndKeepsTheLastGoodState) {
   const Model model = block();
   const Scene scene(model);
-  SolverOptions options;
-  options.on_unstable = UnstableStep::allow;
+  const SolverOptions options{.on_unstable = UnstableStep::allow};
   const auto solver = make(model, scene, options);
-  State start = rest_state(model);
-  start.position = random_positions(model, 0.05, 3);
-  solver->reset(start);
+  solver->reset(displaced(model, 0.05, 3));
   const StepReport report = solver->step(1000000, 3.0 * solver->stable_step());
   ASSERT_EQ(report.status, StepStatus::not_finite) << report.message();
   EXPECT_TRUE(report.beyond_limit);
@@ -320,8 +307,7 @@ TEST_P(SolverConformance, ResetInMidRunIsAFreshRun) {
   const Model model = block();
   Scene scene(model);
   scene.fix("x0").gravity({0, 0, -9.81});
-  State start = rest_state(model);
-  start.position = random_positions(model, 0.05, 2);
+  const State start = displaced(model, 0.05, 2);
   const auto fresh = make(model, scene), used = make(model, scene);
   const double dt = 0.4 * fresh->stable_step();
   ASSERT_TRUE(used->step(37, dt).ok());

@@ -33,11 +33,7 @@ class SolverConformance : public testing::TestWithParam<BackendUnderTest> {
     return GetParam().make(model, scene, topology, options);
   }
   static double roundoff() { return GetParam().roundoff; }
-  static Model block() {
-    Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
-    set_material(model, soft_tissue());
-    return model;
-  }
+  static Model block() { return with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2)); }
 };
 
 }  // namespace phymul::test

@@ -14,9 +14,7 @@ TEST_P(SolverConformance, ProgressChangesNoBitAndNoCount) {
   const Model model = block();
   Scene scene(model);
   scene.fix("z1").gravity({0, 0, -9.81});
-  SolverOptions options;
-  options.damping.rate = 60.0;
-  options.rest_tolerance = 1e-3;
+  SolverOptions options{.damping = {.rate = 60.0}, .rest_tolerance = 1e-3};
   const auto plain = make(model, scene, options);
   std::vector<StepProgress> told;
   options.progress = [&](const StepProgress& progress) {
@@ -99,14 +97,12 @@ TEST_P(SolverConformance, WhatProgressThrowsLeavesASolverThatGoesOn) {
 TEST_P(SolverConformance, ProgressTellsOfFailuresAsEver) {
   const Model model = block();
   const Scene scene(model);
-  SolverOptions options;
-  options.on_unstable = UnstableStep::allow;
+  SolverOptions options{.on_unstable = UnstableStep::allow};
   const auto plain = make(model, scene, options);
   options.progress_seconds = 0.0;
   options.progress = [](const StepProgress&) { return true; };
   const auto telling = make(model, scene, options);
-  State start = rest_state(model);
-  start.position = random_positions(model, 0.05, 3);
+  const State start = displaced(model, 0.05, 3);
   plain->reset(start);
   telling->reset(start);
   const double dt = 3.0 * plain->stable_step();
@@ -123,9 +119,7 @@ TEST_P(SolverConformance, ProgressIsToldNoMoreOftenThanAsked) {
   const Model model = block();
   const Scene scene(model);
   int calls = 0;
-  SolverOptions options;
-  options.progress_seconds = 3600.0;
-  options.progress = [&calls](const StepProgress&) { return ++calls > 0; };
+  SolverOptions options{.progress = [&calls](const StepProgress&) { return ++calls > 0; }, .progress_seconds = 3600.0};
   const auto solver = make(model, scene, options);
   EXPECT_EQ(solver->step(300, 0.5 * solver->stable_step()).steps, 300);
   EXPECT_EQ(calls, 0);
@@ -168,11 +162,8 @@ TEST_P(SolverConformance, NewValuesOfALoadActLikeANewLoad) {
 TEST_P(SolverConformance, NewValuesStartTheCountOfStepsAtRestAnew) {
   const Model model = block();
   Scene scene(model);
-  Load pull;
-  pull.type = LoadType::translation;
-  pull.particles = model.group("z1");
-  pull.direction = {1, 0, 0};
-  pull.events = {{0.0, 0.0}};
+  Load pull{
+      .type = LoadType::translation, .particles = model.group("z1"), .events = {{0.0, 0.0}}, .direction = {1, 0, 0}};
   scene.add(pull);
   const auto solver = make(model, scene);
   const double dt = 0.5 * solver->stable_step();

@@ -106,27 +106,20 @@ TEST(CpuBackend, NoForceAtRestOrAfterATranslation) {
 
 Scene pulled(const Model& model) {
   Scene scene(model);
-  Load pull;
-  pull.type = LoadType::translation;
-  pull.particles = model.group("x1");
-  pull.direction = {1, 0, 0};
-  pull.events = {{0.0, 0.0}, {1.0, 0.1}};
-  Load push;
-  push.particles = model.group("y1");
-  push.direction = {0, 1, 0};
-  push.events = {{0.0, 0.01}};
-  return scene.fix("x0").gravity({0, 0, -9.81}).add(pull).add(push);
+  const Load pull{.type = LoadType::translation,
+                  .particles = model.group("x1"),
+                  .events = {{0.0, 0.0}, {1.0, 0.1}},
+                  .direction = {1, 0, 0}};
+  return scene.fix("x0")
+      .gravity({0, 0, -9.81})
+      .add(pull)
+      .add({.particles = model.group("y1"), .events = {{0.0, 0.01}}, .direction = {0, 1, 0}});
 }
 
 /// A lattice whose one half is five times stiffer.
 Model stiffer_half() {
-  Model model = make_block({0.12, 0.06, 0.06}, 12, 6, 6);
-  set_material(model, soft_tissue());
-  std::vector<Index> left;
-  for (Index i = 0; i < model.particle_count(); ++i) {
-    if (model.rest[i].x() < 0.065) left.push_back(i);
-  }
-  model.add_group("left", left);
+  Model model = with_material(make_block({0.12, 0.06, 0.06}, 12, 6, 6));
+  model.add_group("left", model.particles_in([](const Vec3& X) { return X.x() < 0.065; }));
   set_material(model, {50e3, 0.3, 1000.0}, "left");
   return model;
 }
@@ -136,10 +129,6 @@ std::vector<Case> large_cases() {
   const auto make = [](std::string name, const Model& model, const TopologyOptions& options) {
     return Case{std::move(name), model, std::make_shared<const TopologyTextures>(build_topology(model, options))};
   };
-  const auto material = [](Model model) {
-    set_material(model, soft_tissue());
-    return model;
-  };
   const int n = sanitized ? 11 : 14;
   const Vec3 size = Vec3::Constant(0.01 * n);
   const Model block = make_block(size, n, n, n, 14);
@@ -148,8 +137,8 @@ std::vector<Case> large_cases() {
           make("shared", block, {.reaction = Reaction::shared, .bases = BaseSelection::all}),
           make("averaged", block, {.reaction = Reaction::averaged, .bases = BaseSelection::all}),
           make("conservative", tetrahedra, {}),
-          make("tetrahedra", material(tetrahedra), {}),
-          make("lattice", material(make_block(size, n + 6, n + 6, n + 6)), {}),
+          make("tetrahedra", with_material(tetrahedra), {}),
+          make("lattice", with_material(make_block(size, n + 6, n + 6, n + 6)), {}),
           make("two materials", stiffer_half(), {})};
 }
 
@@ -164,8 +153,7 @@ TEST(CpuBackend, AnyNumberOfThreadsGivesTheSameBits) {
       for (const int threads : sanitized ? std::vector<int>{2, 1} : std::vector<int>{1, 2, 4, 7, 1}) {
         const auto solver = make_solver("cpu", body.tables, scene, any_step(threads));
         EXPECT_EQ(solver->device().substr(0, 2), std::to_string(threads) + " ") << body.name;
-        State state = rest_state(body.model);
-        state.position = random_positions(body.model, 0.05, 9);
+        State state = displaced(body.model, 0.05, 9);
         solver->reset(state);
         const StepReport report = solver->step(5, 1e-5);
         ASSERT_TRUE(report.ok()) << body.name << ": " << report.message();
@@ -185,7 +173,7 @@ TEST(CpuBackend, ClustersHaveTheForcesOfTheWhole) {
     elastic_forces(*body.tables, x, exact);
     const VecList found = forces_of(*make_solver("cpu", body.tables, scene, any_step(2)), x);
     const double scale = largest_norm(exact);
-    for (std::size_t i = 0; i < x.size(); ++i) ASSERT_LE((found[i] - exact[i]).norm(), 2e-6 * scale) << body.name;
+    ASSERT_LE(largest_distance(found, exact), 2e-6 * scale) << body.name;
   }
 }
 

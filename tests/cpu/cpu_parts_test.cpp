@@ -3,8 +3,6 @@
 // What the vector backend is made of: renumbering, triples, the pool of threads and who takes what of it.
 #include <gtest/gtest.h>
 
-#include <numeric>
-
 #include "base/thread_pool.h"
 #include "cpu/packed/cluster_claims.h"
 #include "cpu/packed/packed_body.h"

@@ -28,17 +28,11 @@ Model dented(Model model) {
 std::vector<Lattice> lattices() {
   const Model block = make_block({0.24, 0.12, 0.06}, 24, 12, 6);
   Model halves = with_material(block);
-  std::vector<Index> left;
-  for (Index i = 0; i < halves.particle_count(); ++i) {
-    if (halves.rest[i].x() < 0.125) left.push_back(i);
-  }
-  halves.add_group("left", left);
+  halves.add_group("left", halves.particles_in([](const Vec3& X) { return X.x() < 0.125; }));
   set_material(halves, {50e3, 0.3, 1000.0}, "left");
-  Model far = with_material(block);
-  for (Vec3& x : far.rest) x += Vec3(0.3, -0.2, 0.1);
   std::vector<Lattice> all;
   all.push_back({"block", with_material(block)});
-  all.push_back({"far", far});
+  all.push_back({"far", moved(with_material(block), {0.3, -0.2, 0.1})});
   all.push_back({"uneven", with_material(make_block({0.05, 0.24, 0.09}, 6, 24, 7))});
   all.push_back({"dent", with_material(dented(block))});
   all.push_back({"two materials", halves});

@@ -65,8 +65,7 @@ TEST(CpuSpin, TheTorqueOfRoundingIsBounded) {
   double worst = 0.0;
   for (const Turning& body : turning()) {
     SCOPED_TRACE(body.name);
-    Model model = body.model;
-    set_material(model, spun_tissue);
+    const Model model = with_material(body.model, spun_tissue);
     const Scene scene(model);
     const TopologyOptions options{.strain_energy = body.energy};
     const auto single = make_solver("cpu", model, scene, options),
@@ -87,8 +86,7 @@ TEST(CpuSpin, TheTorqueOfRoundingIsBounded) {
 
 /// A free body that turns by 0.8 rad in 8 s: slow enough to show it.
 TEST(CpuSpin, ASlowSpinDriftsNoFasterThanThatTorque) {
-  Model model = turning().front().model;
-  set_material(model, spun_tissue);
+  const Model model = with_material(turning().front().model, spun_tissue);
   const Scene scene(model);
   const Vec3 centre = centre_of(model);
   const double rate = 0.1, time = 8.0, dt = 1e-3;

@@ -7,7 +7,6 @@
 #include <phymul/phymul.h>
 
 #include <chrono>
-#include <cmath>
 #include <limits>
 #include <map>
 
@@ -28,12 +27,7 @@ struct Body {
   }
   double step() const { return 0.5 * stable_step(spectrum, 1.0); }
   SolverOptions options(std::optional<double> tolerance, int threads = 1, double damping = 150.0) const {
-    SolverOptions options;
-    options.damping.rate = damping;
-    options.spectrum = spectrum;
-    options.threads = threads;
-    options.sleep_tolerance = tolerance;
-    return options;
+    return {.damping = {.rate = damping}, .sleep_tolerance = tolerance, .spectrum = spectrum, .threads = threads};
   }
 };
 
@@ -56,12 +50,6 @@ Course course_of(const SleepingScene& sleeping, const Body& body, const SolverOp
     course.felt.push_back(scene.tools().empty() ? 0.0 : solver->tool_force(scene.tools()[0].name).force.norm());
   }
   return course;
-}
-
-double largest_difference(const VecList& a, const VecList& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, (a[i] - b[i]).norm());
-  return largest;
 }
 
 /// Made once for each of the bodies that scenes share.
@@ -88,7 +76,7 @@ TEST(Sleep, OfToleranceZeroChangesNoBit) {
   for (const SleepingScene& scene : scenes()) {
     const Body& body = body_of(scene.model);
     const Course& awake = awake_course_of(scene);
-    EXPECT_GT(largest_difference(awake.states.back().position, scene.model.rest), 0.0) << scene.name;
+    EXPECT_GT(largest_distance(awake.states.back().position, scene.model.rest), 0.0) << scene.name;
     threads = threads % 2 + 1;
     const Course slept = course_of(scene, body, body.options(0.0, threads));
     for (int call = 0; call < sleeping_calls; ++call) {
@@ -110,13 +98,13 @@ TEST(Sleep, OfASmallToleranceFollowsTheMotion) {
     const Course &awake = awake_course_of(scene), slept = course_of(scene, body, body.options(1e-6));
     double largest = 0.0, error = 0.0;
     for (int call = 0; call < sleeping_calls; ++call) {
-      largest = std::max(largest, largest_difference(awake.states[call].position, scene.model.rest));
-      error = std::max(error, largest_difference(awake.states[call].position, slept.states[call].position));
+      largest = std::max(largest, largest_distance(awake.states[call].position, scene.model.rest));
+      error = std::max(error, largest_distance(awake.states[call].position, slept.states[call].position));
     }
     EXPECT_GT(largest, 1e-5) << scene.name;
     EXPECT_LT(error, 0.01 * largest) << scene.name;
     // It had nothing to do before.
-    EXPECT_EQ(largest_difference(slept.states[woken_at - 2].position, scene.model.rest), 0.0) << scene.name;
+    EXPECT_EQ(largest_distance(slept.states[woken_at - 2].position, scene.model.rest), 0.0) << scene.name;
   }
 }
 
@@ -131,7 +119,7 @@ TEST(Sleep, IsTheSameOnTwoThreads) {
     const Body& body = body_of(scene.model);
     const Course one = course_of(scene, body, body.options(1e-4)), two = course_of(scene, body, body.options(1e-4, 2));
     EXPECT_GT(particles_at_speed_zero(one.states.back()), 0.1) << scene.name;
-    EXPECT_GT(largest_difference(one.states.back().position, scene.model.rest), 0.0) << scene.name;
+    EXPECT_GT(largest_distance(one.states.back().position, scene.model.rest), 0.0) << scene.name;
     for (int call = 0; call < sleeping_calls; ++call) {
       ASSERT_TRUE(same_bits(one.states[call], two.states[call])) << scene.name << ", call " << call;
     }
@@ -300,17 +288,16 @@ TEST(Sleep, OfASimulation) {
   sim.scene().fix("x0").gravity({0, 0, -1.0});
   for (int k = 0; k < 20 && (k == 0 || particles_at_speed_zero(sim.solver().read()) < 1.0); ++k) sim.advance(0.25);
   EXPECT_EQ(particles_at_speed_zero(sim.solver().read()), 1.0);
-  EXPECT_GT(largest_difference(sim.solver().read().position, organ.rest), 1e-4);
+  EXPECT_GT(largest_distance(sim.solver().read().position, organ.rest), 1e-4);
 }
 
 /// For a stiff body the threshold is above gravity.
 TEST(Sleep, LetsWhatNothingHoldsFall) {
-  Model model = make_tetrahedral_block({0.06, 0.03, 0.03}, 6, 3, 3, 0.2, 7);
-  set_material(model, {.young = 1e7, .poisson = 0.3, .density = 1000.0});
+  const Model model = with_material(make_tetrahedral_block({0.06, 0.03, 0.03}, 6, 3, 3, 0.2, 7),
+                                    {.young = 1e7, .poisson = 0.3, .density = 1000.0});
   Scene scene(model);
   scene.gravity({0, 0, -1.0});
-  SolverOptions options;
-  options.sleep_tolerance = 1e-4;
+  const SolverOptions options{.sleep_tolerance = 1e-4};
   const auto solver = make_solver("cpu", model, scene, {}, options);
   const double dt = 0.5 * solver->stable_step();
   ASSERT_TRUE(solver->step(2000, dt).ok());
@@ -324,8 +311,7 @@ TEST(Sleep, RefusesWhatIsNoTolerance) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
   for (const double bad : {nan, infinite, -infinite, -1e-9}) {
     for (const char* backend : {"cpu", "reference"}) {
-      SolverOptions options;
-      options.sleep_tolerance = bad;
+      const SolverOptions options{.sleep_tolerance = bad};
       EXPECT_TRUE(refuses([&] { make_solver(backend, model, scene, {}, options); }, "sleep_tolerance")) << bad;
     }
   }
@@ -339,8 +325,7 @@ TEST(Sleep, IsIgnoredWhereThereIsNone) {
   for (const char* backend : {"cpu", "reference"}) {
     State ends[2];
     for (const bool sleeps : {false, true}) {
-      SolverOptions options;
-      options.damping.rate = 50.0;
+      SolverOptions options{.damping = {.rate = 50.0}};
       if (sleeps) options.sleep_tolerance = 1e-2;
       const auto solver = make_solver(backend, model, scene, {.law = Law::springs}, options);
       EXPECT_TRUE(solver->step(300, 0.5 * solver->stable_step()).ok());

@@ -14,15 +14,12 @@ namespace phymul::test {
 namespace {
 
 TopologyTextures averaged(const Model& model) {
-  TopologyOptions options;
-  options.law = Law::particle_averaged;
+  const TopologyOptions options{.law = Law::particle_averaged};
   return build_topology(model, options);
 }
 
 Model block() {
-  Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
-  set_material(model, soft_tissue());
-  return model;
+  return with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2));
 }
 
 Model block_of_two_materials() {

@@ -19,9 +19,7 @@ float as_float(std::int32_t bits) {
 }
 
 TopologyTextures built(const Model& model, Reaction reaction, BaseSelection bases = BaseSelection::thresholded) {
-  TopologyOptions options;
-  options.reaction = reaction;
-  options.bases = bases;
+  const TopologyOptions options{.reaction = reaction, .bases = bases};
   return build_topology(model, options);
 }
 

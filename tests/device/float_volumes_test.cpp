@@ -56,9 +56,7 @@ TEST(FloatVolumes, TheMirrorComesToRestWithItsVolume) {
   for (double& m : model.mass) m = 1e-4;
   Scene scene(model);
   scene.fix("x0").gravity({0, 0, -9.81}).constrain_volume();
-  SolverOptions options;
-  options.damping.rate = 30.0;
-  options.rest_tolerance = 1e-5;
+  const SolverOptions options{.damping = {.rate = 30.0}, .rest_tolerance = 1e-5};
   const auto tables = std::make_shared<const TopologyTextures>(build_topology(model, {}));
   const auto mirror = cpu::make_mirror_solver(tables, scene, options);
   const auto reference = make_solver("reference", tables, scene, options);
@@ -67,11 +65,7 @@ TEST(FloatVolumes, TheMirrorComesToRestWithItsVolume) {
   EXPECT_TRUE(a.converged() && b.converged()) << a.message();
   EXPECT_NEAR(a.report.steps, b.report.steps, 0.02 * b.report.steps);
   const State x = mirror->read(), y = reference->read();
-  double moved = 0.0, off = 0.0;
-  for (std::size_t i = 0; i < model.rest.size(); ++i) {
-    moved = std::max(moved, (y.position[i] - model.rest[i]).norm());
-    off = std::max(off, (x.position[i] - y.position[i]).norm());
-  }
+  const double moved = largest_distance(y.position, model.rest), off = largest_distance(x.position, y.position);
   EXPECT_GT(moved, 1e-3);
   EXPECT_LT(off, 1e-4 * moved);
   const VolumeConstraint& kept = scene.volume_constraints()[0];

@@ -23,10 +23,7 @@ struct Packed {
 };
 
 TopologyOptions full_set(Reaction reaction) {
-  TopologyOptions options;
-  options.reaction = reaction;
-  options.bases = BaseSelection::all;
-  return options;
+  return {.reaction = reaction, .bases = BaseSelection::all};
 }
 
 void add(std::vector<Packed>& all, const std::string& name, const Model& model, const TopologyOptions& options,
@@ -75,17 +72,14 @@ TEST(SliceTables, LittleIsPadding) {
   jitter(jittered, 0.2, 7);
   const std::vector<Body> all = {
       {"lattice", lattice}, {"jittered", jittered}, {"tetrahedra", make_tetrahedral_block(size, 17, 16, 16, 0.2, 5)}};
-  TopologyOptions springs;
-  springs.law = Law::springs;
-  springs.volume_stiffness = 50.0;
+  const TopologyOptions springs{.law = Law::springs, .volume_stiffness = 50.0};
   for (const Body& body : all) {
     ASSERT_GT(body.model.particle_count(), 4096);
     std::vector<Packed> packed;
     add(packed, "enumerated", body.model, full_set(Reaction::shared), FloatLayout::enumerated);
     add(packed, "springs, volumes", body.model, springs);
     if (body.name == "tetrahedra") add(packed, "conservative", body.model, {});  // rows uneven as they can be
-    Model material = body.model;
-    set_material(material, soft_tissue());
+    const Model material = with_material(body.model);
     add(packed, "material", material, {});
     for (Packed& p : packed) {
       const double share = padding_share(pack_slices(std::move(p.plain), p.topology));

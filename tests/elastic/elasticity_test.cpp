@@ -123,8 +123,7 @@ TEST(Elasticity, MomentumIsKeptWhereItIsPromised) {
   VecList force(x.size());
   std::printf("cylinder, 275 particles, random state    net force / sum |F|   net torque / sum |F| R\n");
   for (const Promise& promise : promises) {
-    TopologyOptions options;
-    options.reaction = promise.reaction;
+    const TopologyOptions options{.reaction = promise.reaction};
     elastic_forces(build_topology(model, options), x, force);
     double total = 0.0;
     for (const Vec3& f : force) total += f.norm();

@@ -46,8 +46,7 @@ TEST(Spectrum, IsThatOfTheDenseMatrixForEveryReaction) {
   for (const Model& model : small_bodies()) {
     for (const Reaction reaction : reactions) {
       SCOPED_TRACE(model.name + ", reaction " + std::to_string(static_cast<int>(reaction)));
-      TopologyOptions options;
-      options.reaction = reaction;
+      const TopologyOptions options{.reaction = reaction};
       const TopologyTextures topology = build_topology(model, options);
       expect_spectrum(topology, model.rest);
       expect_spectrum(topology, random_positions(model, 0.1, 3));
@@ -61,11 +60,7 @@ TEST(Spectrum, OfParticleAverages) {
                          make_tetrahedral_block({0.02, 0.02, 0.01}, 2, 2, 1, 0.2, 1), make_strip(0.03, 0.02, 3, 2)};
   for (Model& model : all) {
     set_material(model, {10e3, 0.45, 1000.0});
-    std::vector<Index> left;
-    for (Index i = 0; i < model.particle_count(); ++i) {
-      if (model.rest[i].x() < 0.0101) left.push_back(i);
-    }
-    model.add_group("left", left);
+    model.add_group("left", model.particles_in([](const Vec3& X) { return X.x() < 0.0101; }));
     set_material(model, {30e3, 0.3, 1200.0}, "left");
     SCOPED_TRACE(model.name);
     const TopologyTextures topology = build_topology(model, {.law = Law::particle_averaged});
@@ -80,8 +75,7 @@ TEST(Spectrum, OfParticleAverages) {
 }
 
 TEST(Spectrum, OfParticleAveragesNeedsNoNeighbours) {
-  Model model = make_block({0.02, 0.01, 0.01}, 2, 1, 1);
-  set_material(model, {10e3, 0.3, 1000.0});
+  Model model = with_material(make_block({0.02, 0.01, 0.01}, 2, 1, 1), {10e3, 0.3, 1000.0});
   const TopologyOptions options{.law = Law::particle_averaged};
   const double largest = estimate_spectrum(build_topology(model, options), model.rest).largest;
   model.neighbours.offset.assign(model.rest.size() + 1, 0);
@@ -93,8 +87,7 @@ TEST(Spectrum, OfParticleAveragesNeedsNoNeighbours) {
 
 TEST(Spectrum, OfASquashedBodyHasFlutterAndGrowth) {
   const Model model = make_block({0.02, 0.01, 0.01}, 2, 1, 1, 26);
-  TopologyOptions options;
-  options.reaction = Reaction::full;
+  const TopologyOptions options{.reaction = Reaction::full};
   const Spectrum found = estimate_spectrum(build_topology(model, options), random_positions(model, 0.3, 1));
   EXPECT_GT(found.largest_imaginary, 1e-3 * found.largest);
   EXPECT_LT(found.most_negative, -1e-3 * found.largest);
@@ -126,8 +119,7 @@ TEST(Spectrum, WithoutStiffnessIsZeroAndAnyStepIsStable) {
   cloud.components.clear();
   cloud.neighbours.offset.assign(cloud.rest.size() + 1, 0);
   cloud.neighbours.entry.clear();
-  TopologyOptions options;
-  options.on_sparse = SparseParticle::free;
+  const TopologyOptions options{.on_sparse = SparseParticle::free};
   const Spectrum found = estimate_spectrum(build_topology(cloud, options), cloud.rest);
   EXPECT_EQ(found.largest, 0.0);
   EXPECT_EQ(found.most_negative, 0.0);

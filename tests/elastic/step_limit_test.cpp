@@ -9,6 +9,8 @@
 
 #include <algorithm>
 
+#include "support/message_of.h"
+
 namespace phymul {
 namespace {
 
@@ -56,7 +58,7 @@ TEST(StepLimit, NamesAStiffCellAndWhatTheStepWouldBeWithoutIt) {
   EXPECT_EQ(limit.places.front().particles, model.cells[stiff].particles);
   EXPECT_GT(limit.places.front().share, 0.8);
   EXPECT_LT((limit.places.front().place - middle).norm(), 1e-9);
-  EXPECT_NE(limit.message().find("is set by cell " + std::to_string(stiff)), std::string::npos) << limit.message();
+  EXPECT_TRUE(says(limit.message(), "is set by cell " + std::to_string(stiff)));
 }
 
 TEST(StepLimit, NamesPlacesInTheirOrder) {
@@ -68,7 +70,7 @@ TEST(StepLimit, NamesPlacesInTheirOrder) {
   EXPECT_EQ(limit.places[1].cell, next);
   EXPECT_GT(limit.places[1].stable_step, 1.5 * limit.places[0].stable_step);
   EXPECT_GT(limit.without, 1.5 * limit.places[1].stable_step);
-  EXPECT_NE(limit.message().find("other place"), std::string::npos) << limit.message();
+  EXPECT_TRUE(says(limit.message(), "other place"));
 }
 
 TEST(StepLimit, OfAHeldPlaceIsThatOfTheOthers) {

@@ -9,7 +9,6 @@
 #include <phymul/model.h>
 
 #include <array>
-#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <string_view>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <phymul/check.h>
 #include <phymul/monitor.h>
-#include <phymul/shapes.h>
 #include <phymul/solver.h>
 #include <phymul/surface.h>
 #include <phymul/topology_textures.h>

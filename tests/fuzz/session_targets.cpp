@@ -4,7 +4,6 @@
 #include <phymul/solver.h>
 #include <phymul/topology_textures.h>
 
-#include <algorithm>
 #include <memory>
 
 #include "base/checked_file.h"

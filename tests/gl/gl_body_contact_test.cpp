@@ -3,7 +3,6 @@
 // Bodies that touch each other, and themselves, on the GL backends: against the double reference step by step and over
 // whole motions, and what contact is to do.
 #include <cmath>
-#include <limits>
 
 #include "model/enclosed_volume.h"
 #include "support/gl_touching_bodies.h"
@@ -52,9 +51,7 @@ TEST_P(GlBodyContact, MomentumIsKeptToRounding) {
   for (const double friction : {0.0, 0.6}) {
     Scene scene(model);
     scene.contacts({.friction = friction});
-    SolverOptions options;
-    options.max_displacement_per_step = std::numeric_limits<double>::infinity();
-    BesideReference pair(model, scene, options, GetParam());
+    BesideReference pair(model, scene, uncut(), GetParam());
     State state = rest_state(model);
     double scale = 0.0;
     for (const Index i : model.group("high")) state.velocity[i] = Vec3(0.3, 0.2, -1.0);
@@ -119,32 +116,20 @@ TEST_F(GlContactMotion, FrictionHoldsAndSlides) {
 
 /// A strip whose ends are pressed together above its middle: with `self` they stay apart, as on the reference.
 TEST_F(GlContactMotion, ABodyTouchesItself) {
-  Model model = make_block({0.09, 0.01, 0.005}, 18, 2, 1);
-  set_material(model, {5e3, 0.3, 1000.0});
-  std::vector<Index> middle, first_end, last_end;
-  for (Index i = 0; i < model.particle_count(); ++i) {
-    if (std::abs(model.rest[i].x() - 0.045) < 0.001) middle.push_back(i);
-    if (model.rest[i].x() < 0.016) first_end.push_back(i);
-    if (model.rest[i].x() > 0.074) last_end.push_back(i);
-  }
+  const Model model = long_strip();
+  const PressedStrip strip(model, 0.016);
   double apart[2] = {0.0, 0.0}, off = 0.0;  // m, of the ends along x
   for (const bool self : {false, true}) {
     Scene scene(model);
-    scene.fix(middle).contacts({.self = self});
-    for (const bool last : {false, true}) {
-      Load load;
-      load.particles = last ? last_end : first_end;
-      load.direction = {last ? -1.0 : 1.0, 0, 0.25};
-      load.events = {{0, 0}, {0.1, 0.002}};
-      scene.add(load);
-    }
+    scene.contacts({.self = self});
+    strip.press(scene);
     BesideReference pair(model, scene, damped(10.0));
     for (int k = 0; k < 14; ++k) {
       ASSERT_TRUE(pair.device->step(14, pair.dt).ok());
       if (self) off = std::max(off, pair.one_step().off);
     }
     const State end = pair.device->read();
-    apart[self] = mean_place(end, last_end).x() - mean_place(end, first_end).x();
+    apart[self] = mean_place(end, strip.last_end).x() - mean_place(end, strip.first_end).x();
   }
   std::printf("[ CONTACT  ] with itself: ends apart by %.2g m, without contact %.2g m; a step off by %.2g\n", apart[1],
               apart[0], off);
@@ -182,9 +167,9 @@ TEST_P(GlBodyContact, ManyBodiesAgreeWithTheReference) {
 
 /// Hundreds of particles on one triangle press one after another, further than a dispatch of this renderer goes.
 TEST_P(GlBodyContact, ALongChainOfContactsIsPressedToItsEnd) {
-  Model floor = make_block({0.06, 0.06, 0.03}, 1, 1, 1), sheet = make_block({0.05, 0.05, 0.003}, 16, 16, 1);
-  set_material(floor, {5e3, 0.3, 1000.0});
-  set_material(sheet, {5e3, 0.3, 1000.0});
+  const Material soft{5e3, 0.3, 1000.0};
+  const Model floor = with_material(make_block({0.06, 0.06, 0.03}, 1, 1, 1), soft),
+              sheet = with_material(make_block({0.05, 0.05, 0.003}, 16, 16, 1), soft);
   const Model model = joined_bodies(floor, moved(sheet, {0.005, 0.0045, 0.0306}));
   Scene scene(model);
   scene.fix("low/z0").contacts({.friction = 0.3, .margin = 0.0004});

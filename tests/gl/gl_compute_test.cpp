@@ -25,11 +25,7 @@ class GlComputeDevice : public OnCompute {
 };
 
 SolverOptions options_of_tests() {
-  SolverOptions options;
-  options.gl.debug = true;
-  options.damping.factor = 0.99;
-  options.on_unstable = UnstableStep::allow;
-  return options;
+  return {.damping = {.factor = 0.99}, .on_unstable = UnstableStep::allow, .gl = {.debug = true}};
 }
 
 TEST_F(GlComputeDevice, HasTheBitsOfTheFragmentBackend) {
@@ -147,9 +143,8 @@ TEST_F(GlComputeDevice, GroupsMayFormARectangle) {
     EXPECT_EQ(line.device->report().max_force, rectangle.device->report().max_force);
   });
   narrow.groups_down = 1;
-  const std::string message = message_of([&] { context_->run([&] { OwnDevice(model, scene, {}, narrow); }); });
-  EXPECT_NE(message.find("is more than the 3 x 1 groups that this driver dispatches at a time"), std::string::npos)
-      << message;
+  EXPECT_TRUE(refuses([&] { context_->run([&] { OwnDevice(model, scene, {}, narrow); }); },
+                      "is more than the 3 x 1 groups that this driver dispatches at a time"));
 }
 
 TEST_F(GlComputeDevice, MoreTurnsThanARendererTakesAreRefused) {
@@ -159,10 +154,8 @@ TEST_F(GlComputeDevice, MoreTurnsThanARendererTakesAreRefused) {
   gl::ContextInfo info = context_->info();
   EXPECT_NO_THROW(gl::require_turns(info, turns));
   info.loop_turns = turns.own + turns.gathered - 1;
-  const std::string message = message_of([&] { gl::require_turns(info, turns); });
-  EXPECT_NE(message.find("expected at most " + std::to_string(info.loop_turns) + " turns of the loops of a shader"),
-            std::string::npos)
-      << message;
+  EXPECT_TRUE(refuses([&] { gl::require_turns(info, turns); },
+                      "expected at most " + std::to_string(info.loop_turns) + " turns of the loops of a shader"));
 }
 
 TEST_F(GlComputeDevice, BuffersBeyondTheDriversLimitAreRefusedWithSizes) {
@@ -170,8 +163,8 @@ TEST_F(GlComputeDevice, BuffersBeyondTheDriversLimitAreRefusedWithSizes) {
   const Scene scene(model);
   gl::ComputeLimits small = limits_;
   small.block_bytes = 1 << 16;
-  const std::string message = message_of([&] { context_->run([&] { OwnDevice(model, scene, {}, small); }); });
-  EXPECT_NE(message.find("MiB; a shader of this driver sees 1 MiB"), std::string::npos) << message;
+  EXPECT_TRUE(refuses([&] { context_->run([&] { OwnDevice(model, scene, {}, small); }); },
+                      "MiB; a shader of this driver sees 1 MiB"));
 }
 
 /// What a failure or rest within a batch is answered by.
@@ -237,9 +230,7 @@ TEST_F(GlComputeDevice, ReportsOfManyGroupsAreThoseOfTheFragmentBackend) {
   const Model model = make_block({0.05, 0.05, 0.05}, 13, 13, 13);  // 2744 particles: two groups report
   Scene scene(model);
   scene.gravity({0, 0, -9.81});
-  TopologyOptions springs;
-  springs.law = Law::springs;
-  const auto tables = tables_of(model, springs);
+  const auto tables = tables_of(model, {.law = Law::springs});
   SolverOptions options = options_of_tests();
   options.spectrum = estimate_spectrum(*tables, tables->rest);
   gl::DeviceSolver a(GlBackend::fragment, tables, scene, options), b(GlBackend::compute, tables, scene, options);
@@ -269,16 +260,16 @@ TEST(GlComputeVersion, WhatIsTooOldIsNamedWithAWayOut) {
     GTEST_SKIP() << "NOT TESTED: this driver cannot be made old: " << context->info().device();
   } catch (const Error& error) {
     const std::string message = error.what();
-    EXPECT_NE(message.find("no OpenGL 4.3 or OpenGL ES 3.1 context"), std::string::npos) << message;
-    EXPECT_NE(message.find("the backend \"gl\" needs OpenGL 3.3 or OpenGL ES 3.0 only"), std::string::npos) << message;
+    EXPECT_TRUE(says(message, "no OpenGL 4.3 or OpenGL ES 3.1 context"));
+    EXPECT_TRUE(says(message, "the backend \"gl\" needs OpenGL 3.3 or OpenGL ES 3.0 only"));
   }
   gl::ContextInfo old;
   old.major = 4;
   old.minor = 2;
   old.renderer = "Old Thing";
   const std::string message = message_of([&] { gl::require_backend(old, GlBackend::compute); });
-  EXPECT_NE(message.find("got Old Thing, OpenGL 4.2"), std::string::npos) << message;
-  EXPECT_NE(message.find("the backend \"gl\" runs there"), std::string::npos) << message;
+  EXPECT_TRUE(says(message, "got Old Thing, OpenGL 4.2"));
+  EXPECT_TRUE(says(message, "the backend \"gl\" runs there"));
   EXPECT_NO_THROW(gl::require_backend(old, GlBackend::fragment));
 }
 

@@ -2,10 +2,10 @@
 //
 // Contacts on the GL backends in what batches, devices and scenes do: the same bits at every run, nothing paid by a
 // scene without them.
-#include <cmath>
 
 #include "support/gl_block.h"
 #include "support/gl_touching_bodies.h"
+#include "support/message_of.h"
 
 namespace phymul::test {
 namespace {
@@ -108,14 +108,7 @@ TEST_P(GlContactRuns, ASceneWithoutContactsPaysNothing) {
   }
   // The one whose contacts went does what the other does, and gives its bits.
   with.no_contacts();
-  touching.device->reset();
-  ASSERT_TRUE(touching.device->step(8, plain.dt).ok());
-  touching.device->reset(), plain.device->reset();
-  touching.device->clear_profile(), plain.device->clear_profile();
-  ASSERT_TRUE(touching.device->step(8, plain.dt).ok());
-  ASSERT_TRUE(plain.device->step(8, plain.dt).ok());
-  EXPECT_EQ(runs_of(*touching.device), runs_of(*plain.device));
-  EXPECT_EQ(touching.device->read(), plain.device->read());
+  expect_alike(*touching.device, *plain.device, plain.dt);
 }
 
 /// Bodies a kilometre apart are beyond the cells that floats tell apart.
@@ -123,13 +116,8 @@ TEST_P(GlContactRuns, BodiesTooFarApartAreRefused) {
   const Model model = stacked(1000.0);
   Scene scene(model);
   scene.contacts({});
-  try {
-    make_solver(name_of(GetParam()), model, scene);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("bring the bodies nearer to each other"), std::string::npos)
-        << error.what();
-  }
+  EXPECT_TRUE(
+      refuses([&] { make_solver(name_of(GetParam()), model, scene); }, "bring the bodies nearer to each other"));
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ TEST_F(GlContextTest, OpensByItselfAndKnowsWhatItIs) {
   EXPECT_GE(info.max_texture_size, 2048);
   EXPECT_GE(info.max_draw_buffers, 4);
   EXPECT_GE(info.max_color_attachments, 4);
-  EXPECT_NE(info.device().find(info.renderer), std::string::npos);
+  EXPECT_TRUE(says(info.device(), info.renderer));
   EXPECT_FALSE(context->lost());
   EXPECT_EQ(drawn_and_read(*context, -2.5f), -2.5f);
   std::printf("%s, found on %s\n", info.device().c_str(), info.display.c_str());
@@ -88,7 +88,7 @@ TEST_F(GlContextTest, UnknownDevicesAreRefused) {
     EXPECT_EQ(message(device), "GlOptions::device: expected \"device:N\", \"surfaceless\" or \"default\", got \"" +
                                    std::string(device) + "\"");
   }
-  EXPECT_NE(message("device:999").find("the number of devices EGL has here, got \"device:999\""), std::string::npos);
+  EXPECT_TRUE(says(message("device:999"), "the number of devices EGL has here, got \"device:999\""));
 }
 
 TEST_F(GlContextTest, EnvironmentIsHeardWhereTheOptionIsLeft) {

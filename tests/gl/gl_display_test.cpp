@@ -67,8 +67,7 @@ class GlDisplayTest : public GlTest {};
 TEST_F(GlDisplayTest, DrawsIntoTheHostsFramebufferAndLeavesTheRestAlone) {
   const auto host = gl::Context::open({});
   const Model model = make_tetrahedron(0.01);
-  DisplayOptions options;
-  options.surface_opacity = 0.5;
+  DisplayOptions options{.surface_opacity = 0.5};
   options.particles = options.links = options.rest_shape = true;
   constexpr int x = 16, y = 32, width = 80, height = 64;
   const Camera camera = framing(model.rest, {0.4, -1, 0.35}, 1.25);
@@ -148,15 +147,13 @@ TEST_F(GlDisplayTest, DrawsIntoTheHostsFramebufferAndLeavesTheRestAlone) {
 /// A small picture in the solver's own context leaves nothing behind that clips or blends the larger targets of steps.
 TEST_F(GlDisplayTest, StepsAfterAPictureAreThoseWithoutOne) {
   const Model model = make_block({0.17, 0.17, 0.17}, 17, 17, 17, 6);
-  TopologyOptions springs;
-  springs.law = Law::springs;
+  const TopologyOptions springs{.law = Law::springs};
   Scene scene(model);
   scene.gravity({0, 0, -9.81}).fix("z1");
   const auto drawn = make_solver("gl", model, scene, springs), plain = make_solver("gl", model, scene, springs);
   const auto display = make_display(*drawn);
   const Camera camera = framing(model.rest, {1.0, -1.0, 0.5}, 1.0);
-  DisplayOptions options;
-  options.links = true;
+  const DisplayOptions options{.links = true};
   for (int k = 0; k < 3; ++k) {
     ASSERT_EQ(display->render(camera, options, 8, 8).width, 8);
     ASSERT_TRUE(drawn->step(4, 0.3 * drawn->stable_step()).ok());
@@ -175,9 +172,7 @@ TEST_F(GlDisplayTest, ASkinIsDrawnWhereItsBodyCarriesIt) {
   const std::vector<std::array<Index, 3>> triangles = surface_triangles(ball);
   const Skin skin(model, ball.rest);
   const Camera camera = framing(model.rest, {0.4, -1, 0.35}, 1.25);
-  DisplayOptions options;
-  options.particles = options.rest_shape = true;
-  options.full_scale = 0.002;
+  const DisplayOptions options{.particles = true, .rest_shape = true, .full_scale = 0.002};
   for (const char* backend : {"gl", "gl-compute", "cpu"}) {
     const auto solver = make_solver(backend, model, scene, {});
     const auto display = make_display(*solver, skin, triangles);
@@ -186,9 +181,7 @@ TEST_F(GlDisplayTest, ASkinIsDrawnWhereItsBodyCarriesIt) {
     Model shown = ball;
     shown.cells.clear();
     for (const auto& triangle : triangles) {
-      Cell& cell = shown.cells.emplace_back();
-      cell.type = CellType::triangle;
-      cell.particles.assign(triangle.begin(), triangle.end());
+      shown.cells.push_back({.type = CellType::triangle, .particles = {triangle.begin(), triangle.end()}});
     }
     shown.neighbours = neighbours_from_cells(shown.cells, shown.particle_count());
     const auto expected = make_display(shown);
@@ -218,13 +211,10 @@ TEST_F(GlDisplayTest, ASolverIsDrawnWhateverContextItRunsInAndTheDisplayDrawsIn)
     State start = rest_state(model);
     start.position[3] += Vec3(0.003, 0.002, 0.0);  // swings
     const Camera camera = framing(model.rest, {0.4, -1, 0.35}, 1.25);
-    DisplayOptions layers;
-    layers.particles = layers.links = true;
-    layers.full_scale = 0.002;
+    const DisplayOptions layers{.links = true, .particles = true, .full_scale = 0.002};
     const auto given = make_display(model);
     for (const GlContext kind : {GlContext::own, GlContext::current}) {
-      SolverOptions options;
-      options.gl.context = kind;
+      SolverOptions options{.gl = {.context = kind}};
       if (host.is_es()) options.gl.dialect = GlDialect::es;
       const auto solver = make_solver("gl", model, scene, {}, options);
       const auto in_solvers = make_display(*solver), in_hosts = make_display(*solver, {.context = GlContext::current});

@@ -3,7 +3,6 @@
 // Materials that dissipate on the GL backends: against the float mirror bit by bit where the renderer allows
 // (llvmpipe), within the rounding bound, and what other bodies pay for it. Closed forms, energy and snapshots:
 // tests/solver/dissipation_test.cpp and dissipation_runs_test.cpp, on every backend.
-#include <limits>
 
 #include "elastic/dissipation.h"
 #include "support/bounded_forces.h"
@@ -29,13 +28,10 @@ Material dissipating(int kinds, Material material = soft_tissue()) {
 }
 
 /// The half where x is least is harder, and dissipates less.
-Model with(Model model, int kinds) {
-  const double middle = 0.5 * (model.rest[model.group("x0").front()] + model.rest[model.group("x1").front()]).x();
-  set_material(model, dissipating(kinds));
+Model with(const Model& model, int kinds) {
   Material hard = dissipating(kinds, {50e3, 0.2, 1500.0});
   hard.relaxation_time *= 0.3;
-  set_material(model, hard, [=](const Vec3& place) { return place.x() < middle; });
-  return model;
+  return with_harder_half(model, dissipating(kinds), hard);
 }
 
 std::vector<Body> dissipating_bodies(int kinds) {
@@ -52,24 +48,16 @@ TEST_P(GlDissipation, IsTheMirrorsBitByBitAndTheReferences) {
       Scene scene(body.model);
       scene.fix("x0").gravity({0, -9.81, 0});
       const auto tables = tables_of(body.model, {});
-      const GlTwins twins = twins_of(tables, scene);
-      const auto reference = make_solver("reference", tables, scene, twins.options());
-      const State start = random_state(body.model, 0.05, 0.0, 5);
-      twins.reset(start);
-      reference->reset(start);
-      const double dt = 0.2 * reference->stable_step();
+      const GlTrio trio = trio_of(tables, scene);
+      trio.reset(random_state(body.model, 0.05, 0.0, 5));
+      const double dt = 0.2 * trio.reference->stable_step();
       int call = 0;
       for (const auto& [steps, share] :
            {std::pair(1, 1.0), std::pair(1, 0.6), std::pair(sanitized ? 9 : 60, 1.0), std::pair(30, 0.7)}) {
         if (++call == 4) scene.scale_stiffness(1.8);
-        for (Solver* const solver : {static_cast<Solver*>(twins.gl.get()), twins.mirror.get(), reference.get()}) {
-          const StepReport report = solver->step(steps, share * dt);
-          ASSERT_TRUE(report.ok()) << report.message();
-        }
-        twins.expect_same_bits("call " + std::to_string(call));
-        const double apart = largest_distance(twins.gl->read().position, reference->read().position);
-        EXPECT_LE(apart, 1e-5 * body_size(body.model)) << "call " << call;
-        const Energy a = twins.gl->energy(), b = reference->energy();
+        trio.step(steps, share * dt, "call " + std::to_string(call));
+        EXPECT_LE(trio.apart(), 1e-5 * body_size(body.model)) << "call " << call;
+        const Energy a = trio.twins.gl->energy(), b = trio.reference->energy();
         EXPECT_NEAR(a.elastic, b.elastic, 1e-5 * b.elastic);
         EXPECT_NEAR(a.kinetic, b.kinetic, 1e-4 * (b.elastic + b.kinetic));
       }
@@ -91,9 +79,7 @@ TEST_P(GlDissipation, ForcesAreWithinTheRoundingBound) {
       for (Strain& strain : strains) {
         for (double& e : strain) e = static_cast<float>(0.1 * uniform(bits));
       }
-      SolverOptions uncut;
-      uncut.max_displacement_per_step = std::numeric_limits<double>::infinity();
-      const GlTwins twins = twins_of(tables, scene, uncut);
+      const GlTwins twins = twins_of(tables, scene, uncut());
       Snapshot start;
       start.state = random_state(body.model, 0.1, 0.0, 5);
       VecList u = start.state.position;
@@ -107,16 +93,7 @@ TEST_P(GlDissipation, ForcesAreWithinTheRoundingBound) {
       ASSERT_TRUE(twins.gl->step(1, dt).ok());
       const VecList found = twins.gl->read().velocity;
       const BoundedForces bounded(*tables, u, BoundedForces::DissipatingStep{strains, dt, last_dt});
-      for (Index i = 0; i < body.model.particle_count(); ++i) {
-        const Bounded3 force = bounded.force(i);
-        const std::array<Bounded, 3> axes{force.x, force.y, force.z};
-        for (int axis = 0; axis < body.model.dimension; ++axis) {  // strains out of a plane push nothing
-          const Bounded v = Bounded() + stored(dt) * (stored(1.0 / tables->mass[i]) * axes[axis]);
-          const double error = std::abs(found[i][axis] - v.value);
-          ASSERT_LE(error, v.error) << "particle " << i << ", axis " << axis << ", velocity " << v.value;
-          if (v.error > 0.0) worst = std::max(worst, error / v.error);
-        }
-      }
+      worst = std::max(worst, share_of_bound(*tables, bounded, found, dt));
     }
   }
   std::printf("[   BOUND  ] worst error %.3f of the bound\n", worst);
@@ -128,8 +105,7 @@ TEST_P(GlDissipation, BatchesThatEndEarlyKeepTheStrainsOfTheirLastStep) {
   const Model model = dissipating_bodies(3)[0].model;
   Scene scene(model);
   scene.fix("x0").gravity({0, 0, -9.81});
-  SolverOptions options;
-  options.damping.rate = 200.0;
+  const SolverOptions options{.damping = {.rate = 200.0}};
   const auto tables = tables_of(model, {});
   const GlTwins twins = twins_of(tables, scene, options);
   const double dt = 0.5 * twins.gl->stable_step();
@@ -175,15 +151,11 @@ TEST_P(GlDissipation, OnlySuchBodiesPayForIt) {
   for (const int kinds : {0, 1, 2, 3}) {
     const Model model = dissipating_bodies(kinds)[1].model;
     const Scene scene(model);
-    SolverOptions profiled;
-    profiled.profile = true;
+    const SolverOptions profiled{.profile = true};
     const GlTwins twins = twins_of(tables_of(model, {}), scene, profiled);
     twins.gl->clear_profile();
     ASSERT_TRUE(twins.gl->step(10, 0.3 * twins.gl->stable_step()).ok());
-    std::vector<std::string> passes;
-    for (const auto& [name, runs] : runs_of(*twins.gl)) {
-      if (runs == 10) passes.push_back(name);
-    }
+    const std::vector<std::string> passes = passes_run(*twins.gl, 10);
     using Names = std::vector<std::string>;
     if (GetParam() == GlBackend::compute) {
       EXPECT_EQ(passes, Names({"terms_kernel", "step_kernel"}));

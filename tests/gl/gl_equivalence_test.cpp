@@ -2,7 +2,6 @@
 //
 // The backends "gl" and "gl-compute" against their mirror, bit by bit where the renderer allows (llvmpipe), and against
 // the double reference.
-#include <limits>
 #include <thread>
 
 #include "support/bounded_forces.h"
@@ -51,24 +50,6 @@ TEST_P(GlEquivalence, SingleStepsHaveTheMirrorsBits) {
   std::printf("[   BITS   ] %d states of %d pairs of body and variant\n", compared, pairs);
 }
 
-/// Largest error over bound of the velocities that one step from standing still gives; a failure where it is above 1.
-double worst_step_ratio(const gl::DeviceSolver& solver, const State& moved, const VecList& u, double dt) {
-  const TopologyTextures& tables = solver.topology();
-  const BoundedForces forces(tables, u);
-  double worst = 0.0;
-  for (Index i = 0; i < tables.particle_count; ++i) {
-    const Bounded3 force = forces.force(i);
-    const std::array<Bounded, 3> axes{force.x, force.y, force.z};
-    for (int axis = 0; axis < 3; ++axis) {
-      const Bounded v = Bounded() + stored(dt) * (stored(1.0 / tables.mass[i]) * axes[axis]);
-      const double error = std::abs(moved.velocity[i][axis] - v.value);
-      EXPECT_LE(error, v.error) << "particle " << i << ", axis " << axis << ", velocity " << v.value;
-      if (v.error > 0.0) worst = std::max(worst, error / v.error);
-    }
-  }
-  return worst;
-}
-
 TEST_P(GlEquivalence, SingleStepsAreWithinTheRoundingBound) {
   double worst = 0.0;
   int left_out = 0;
@@ -78,9 +59,8 @@ TEST_P(GlEquivalence, SingleStepsAreWithinTheRoundingBound) {
       const Model model = prepared(variant, body);
       const Scene scene(model);
       const auto tables = tables_of(model, variant.options);
-      SolverOptions options;
+      SolverOptions options = uncut();
       options.gl.layout = BaseLayout::table;  // the bound is that of its rounded edges
-      options.max_displacement_per_step = std::numeric_limits<double>::infinity();  // and of uncut forces
       const GlTwins twins = twins_of(tables, scene, options);
       const bool large = tables->base_count > 20000;
       if (large && twins.gl->context()->info().software && !twins.same_bits_expected()) {
@@ -94,7 +74,7 @@ TEST_P(GlEquivalence, SingleStepsAreWithinTheRoundingBound) {
         VecList u = start.position;
         for (std::size_t i = 0; i < u.size(); ++i) u[i] = (u[i] - model.rest[i]).cast<float>().cast<double>();
         ASSERT_TRUE(twins.gl->step(1, dt).ok());
-        worst = std::max(worst, worst_step_ratio(*twins.gl, twins.gl->read(), u, dt));
+        worst = std::max(worst, share_of_bound(*tables, BoundedForces(*tables, u), twins.gl->read().velocity, dt));
       }
     }
   }
@@ -102,17 +82,14 @@ TEST_P(GlEquivalence, SingleStepsAreWithinTheRoundingBound) {
 }
 
 TEST_P(GlEquivalence, LoadsOfAllKindsHaveTheMirrorsBits) {
-  Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
-  set_material(model, soft_tissue());
+  const Model model = with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2));
   Scene scene(model);
   scene.fix("x0").gravity({0.3, -0.2, -9.81});
   const auto add = [&](LoadType type, const char* group, const Vec3& direction, double value) {
-    Load load;
-    load.type = type;
-    load.particles = model.group(group);
-    load.direction = direction;
-    load.events = {{0.0, 0.0}, {0.01, value}, {0.02, 0.3 * value}};
-    scene.add(load);
+    scene.add({.type = type,
+               .particles = model.group(group),
+               .events = {{0.0, 0.0}, {0.01, value}, {0.02, 0.3 * value}},
+               .direction = direction});
   };
   add(LoadType::rotation, "x1", {1, 0.2, 0.1}, 0.8);
   add(LoadType::force, "z1", {0.1, 0.5, 1}, 0.002);
@@ -120,15 +97,12 @@ TEST_P(GlEquivalence, LoadsOfAllKindsHaveTheMirrorsBits) {
   add(LoadType::pressure, "z0", {0, 0, 0}, 20.0);
   add(LoadType::acceleration, "y0", {0, 1, 0}, 4.0);
   add(LoadType::translation, "y1", {0, 1, 0}, 0.002);
-  Load shaken;
-  shaken.type = LoadType::acceleration;
-  for (Index i = 0; i < model.particle_count(); ++i) shaken.particles.push_back(i);
-  shaken.direction = {0, 0, 1};
-  shaken.events = {{0.0, 1.0}, {0.05, -3.0}};
-  scene.add(shaken);
+  scene.add({.type = LoadType::acceleration,
+             .particles = every_particle(model),
+             .events = {{0.0, 1.0}, {0.05, -3.0}},
+             .direction = {0, 0, 1}});
 
-  SolverOptions options;
-  options.damping.rate = 20.0;
+  const SolverOptions options{.damping = {.rate = 20.0}};
   const GlTwins twins = twins_of(tables_of(model, {}), scene, options);
   const double dt = 0.3 * twins.gl->stable_step();
   for (int call = 0; call < 20; ++call) {
@@ -187,8 +161,7 @@ TEST_P(GlEquivalence, DampedBodiesComeToTheReferencesRest) {
       const Model model = prepared(variant, body);
       const Scene scene(model);
       const auto tables = tables_of(model, variant.options);
-      SolverOptions options;
-      options.damping.factor = 0.9;
+      const SolverOptions options{.damping = {.factor = 0.9}};
       const GlTwins twins = twins_of(tables, scene, options);
       const auto reference = make_solver("reference", tables, scene, twins.options());
       const State start = random_state(model, 0.05, 0.0, 5);
@@ -202,11 +175,9 @@ TEST_P(GlEquivalence, DampedBodiesComeToTheReferencesRest) {
 /// Where elastic forces are cut, on the way back from states no tissue is in.
 TEST_P(GlEquivalence, FailureStatesHaveTheMirrorsBits) {
   constexpr double side = 0.03;
-  Model model = make_block({side, side, side}, 3, 3, 3, 6);
-  set_material(model, soft_tissue());
+  const Model model = with_material(make_block({side, side, side}, 3, 3, 3, 6));
   const Scene scene(model);
-  SolverOptions options;
-  options.damping.factor = 0.98;
+  const SolverOptions options{.damping = {.factor = 0.98}};
   const GlTwins twins = twins_of(tables_of(model, {}), scene, options);
   for (const FailureState& failure : failure_states()) {
     SCOPED_TRACE(failure.name);
@@ -246,8 +217,7 @@ TEST_P(GlEquivalence, FourSolversInFourThreads) {
   const Model model = jittered_block();
   const Scene scene(model);
   const auto tables = tables_of(model, {});
-  SolverOptions options;
-  options.spectrum = estimate_spectrum(*tables, tables->rest);
+  const SolverOptions options{.spectrum = estimate_spectrum(*tables, tables->rest)};
   const auto run = [&] {
     gl::DeviceSolver solver(GetParam(), tables, scene, options);
     solver.reset(random_state(model, 0.1, 0.0, 3));
@@ -263,13 +233,10 @@ TEST_P(GlEquivalence, FourSolversInFourThreads) {
 }
 
 TEST_P(GlEquivalence, FarFromTheOriginNoDigitIsLost) {
-  Model model = jittered_block();
-  for (Vec3& X : model.rest) X += Vec3(1000.0, -1000.0, 1000.0);
-  set_material(model, soft_tissue());
+  const Model model = with_material(moved(jittered_block(), {1000.0, -1000.0, 1000.0}));
   Scene scene(model);
   scene.fix("x0").gravity({0, 0, -9.81});
-  SolverOptions options;
-  options.damping.rate = 5.0;
+  const SolverOptions options{.damping = {.rate = 5.0}};
   const GlTwins twins = twins_of(tables_of(model, {}), scene, options);
   const auto reference = make_solver("reference", model, scene, {}, twins.options());
   const double dt = 0.4 * reference->stable_step();

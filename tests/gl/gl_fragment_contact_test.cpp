@@ -2,7 +2,6 @@
 //
 // Contacts by fragments, beside what every GL backend must do (GlBodyContact, GlContactRuns): the bits of compute
 // shaders, and the phases of the sweeps, whose number the host guesses.
-#include <numeric>
 
 #include "support/gl_touching_bodies.h"
 
@@ -93,23 +92,10 @@ TEST_F(GlFragmentContact, BitsAreThoseOfComputeShadersInABodyWithoutTriangles) {
 /// A strip whose ends are pressed together above its middle.
 TEST_F(GlFragmentContact, BitsAreThoseOfComputeShadersInABodyThatTouchesItself) {
   PHYMUL_SKIP_OR_FAIL(why_not_here("gl-compute"));
-  Model strip = make_block({0.09, 0.01, 0.005}, 18, 2, 1);
-  set_material(strip, {5e3, 0.3, 1000.0});
+  const Model strip = long_strip();
   Scene scene(strip);
-  std::vector<Index> middle;
-  for (Index i = 0; i < strip.particle_count(); ++i) {
-    if (std::abs(strip.rest[i].x() - 0.045) < 0.001) middle.push_back(i);
-  }
-  scene.fix(middle).contacts({.self = true});
-  for (const bool last : {false, true}) {
-    Load load;
-    for (Index i = 0; i < strip.particle_count(); ++i) {
-      if (last ? strip.rest[i].x() > 0.074 : strip.rest[i].x() < 0.016) load.particles.push_back(i);
-    }
-    load.direction = {last ? -1.0 : 1.0, 0, 0.25};
-    load.events = {{0, 0}, {0.1, 0.002}};
-    scene.add(load);
-  }
+  scene.contacts({.self = true});
+  PressedStrip(strip, 0.016).press(scene);
   expect_bits_of_compute(strip, scene, 280, "a strip");
 }
 

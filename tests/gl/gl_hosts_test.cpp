@@ -101,8 +101,7 @@ TEST_P(GlHosts, HostsContextIsLeftAsItWasByComputing) {
   const Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
   Scene scene(model);
   scene.fix("x0").gravity({0, 0, -9.81});
-  SolverOptions options;
-  options.gl.context = GlContext::current;
+  const SolverOptions options{.gl = {.context = GlContext::current}};
   const test::HostileHost hostile(host_info());
   const HostState before = test::host_state(host_info());
   const auto expect_as_before = [&](const char* after) {
@@ -140,10 +139,10 @@ TEST_P(GlHosts, CurrentMeansTheSameContextAtEveryCall) {
   EXPECT_EQ(context->run([] { return eglGetCurrentContext(); }), host().context());
   const auto message = [&] { return message_of([&] { context->run([] {}); }); };
   host().put_away();
-  EXPECT_NE(message().find("is not current on this thread now"), std::string::npos) << message();
+  EXPECT_TRUE(says(message(), "is not current on this thread now"));
   {
     EglHost other(GetParam());
-    EXPECT_NE(message().find("is not current on this thread now"), std::string::npos) << message();
+    EXPECT_TRUE(says(message(), "is not current on this thread now"));
   }
   host().make_current();
   EXPECT_EQ(message(), "(no error)");
@@ -161,8 +160,8 @@ TEST_F(GlNoHost, ContextThatIsCurrentElsewhereIsRefusedWithAWayOut) {
   context->run([&] {
     std::thread([&] {
       const std::string message = message_of([&] { context->run([] {}); });
-      EXPECT_NE(message.find("EGL_BAD_ACCESS"), std::string::npos) << message;
-      EXPECT_NE(message.find("current on another thread"), std::string::npos) << message;
+      EXPECT_TRUE(says(message, "EGL_BAD_ACCESS"));
+      EXPECT_TRUE(says(message, "current on another thread"));
     }).join();
   });
 }
@@ -177,9 +176,7 @@ TEST_P(GlHosts, AHostThatTimesItselfIsLeftAlone) {
   ASSERT_GT(bits, 0);
   const Model model = make_tetrahedron(0.01);
   const Scene scene(model);
-  SolverOptions options;
-  options.profile = true;
-  options.gl.context = GlContext::current;
+  const SolverOptions options{.profile = true, .gl = {.context = GlContext::current}};
   const auto solver = make_solver("gl", model, scene, {}, options);
   const double dt = 0.1 * solver->stable_step();
   const auto device_seconds = [&] {

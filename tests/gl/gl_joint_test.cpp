@@ -13,45 +13,13 @@ namespace {
 
 class GlJoint : public TwinsOnBothDevices {
  protected:
-  /// The device, its mirror and the reference over one scene.
-  struct Trio {
-    Trio(const std::shared_ptr<const TopologyTextures>& tables, const Scene& scene, const SolverOptions& options)
-        : twins(tables, scene, options, GetParam()), reference(make_solver("reference", tables, scene, options)) {}
-    void reset(const State& state) const {
-      twins.reset(state);
-      reference->reset(state);
-    }
-    void step(int steps, double dt) const {
-      for (Solver* const solver : {static_cast<Solver*>(twins.gl.get()), twins.mirror.get(), reference.get()}) {
-        const StepReport report = solver->step(steps, dt);
-        ASSERT_TRUE(report.ok()) << report.message();
-      }
-      twins.expect_same_bits("after " + std::to_string(steps) + " steps");
-    }
-    double apart() const { return largest_distance(twins.gl->read().position, reference->read().position); }
-
-    GlTwins twins;
-    std::unique_ptr<Solver> reference;
-  };
-  static Trio trio_of(const Scene& scene, SolverOptions options = {}) {
-    const auto tables = tables_of(scene.model(), {});
+  static GlTrio trio_of(const Scene& scene, SolverOptions options = {}) {
     options.gl.debug = true;
-    options.spectrum = estimate_spectrum(*tables, tables->rest);
-    return {tables, scene, options};
+    return TwinsOnBothDevices::trio_of(tables_of(scene.model(), {}), scene, options);
   }
 };
 
 PHYMUL_ON_BOTH_DEVICES(GlJoint);
-
-constexpr double cube_side = 0.02;  // m
-
-/// Two cubes, one above the other with a gap between: "lower" and "upper".
-Model two_cubes() {
-  const Model lower = make_block({cube_side, cube_side, cube_side}, 3, 3, 3),
-              upper = moved(lower, {0, 0, cube_side + 0.001});
-  const NamedBody bodies[] = {{"lower", &lower}, {"upper", &upper}};
-  return with_material(merge_models(bodies));
-}
 
 /// Springs of all kinds: on a mean, on one particle, to the world and to the other body, slack, damped, some that tear.
 void join(Scene& scene) {
@@ -86,10 +54,10 @@ constexpr double apart_by = 1e-5;  // of the body's size
 
 /// Through springs that tear, and constants and joints that change between steps.
 TEST_P(GlJoint, IsTheMirrorsBitByBitAndTheReferences) {
-  const Model model = two_cubes();
+  const Model model = cubes_apart(0.001);
   Scene scene(model);
   join(scene);
-  const Trio trio = trio_of(scene);
+  const GlTrio trio = trio_of(scene);
   const double dt = 0.4 * trio.reference->stable_step();
   EXPECT_EQ(trio.twins.gl->stable_step(), trio.reference->stable_step());
   double worst = 0.0;
@@ -121,7 +89,7 @@ TEST_P(GlJoint, InAPlaneToolsPullInIt) {
   scene.add_tool("hook", {.shape = Sphere{0.001}, .pose = {.position = {0.05, 0.01, 0.003}}});
   scene.attach(model.group("x0"), World{}, {.stiffness = 2e4, .damping = 3.0});
   scene.add_joint({at_tool("hook", {0.001, 0, 0}), at_mean(model.group("x1")), 0.005}, 5.0);
-  const Trio trio = trio_of(scene);
+  const GlTrio trio = trio_of(scene);
   const double dt = 0.4 * trio.reference->stable_step();
   for (const int steps : {1, 60}) {
     trio.step(steps, dt);
@@ -134,10 +102,10 @@ TEST_P(GlJoint, InAPlaneToolsPullInIt) {
 /// Of one spring: places and lengths are sums of weighted displacements, and known to 2^-24 of the largest term, speeds
 /// likewise. Each of the n particles of its anchors rounds twice, and the law a dozen times.
 TEST_P(GlJoint, ForcesAreWithinTheRoundingBound) {
-  const Model model = two_cubes();
+  const Model model = cubes_apart(0.001);
   Scene scene(model);
   join(scene);
-  const Trio trio = trio_of(scene);
+  const GlTrio trio = trio_of(scene);
   State start = random_state(model, 0.1, 0.5, 5);
   for (std::size_t i = 0; i < model.rest.size(); ++i) {  // so that all start from the same
     start.position[i] = model.rest[i] + (start.position[i] - model.rest[i]).cast<float>().cast<double>();
@@ -179,7 +147,7 @@ TEST_P(GlJoint, ForcesAreWithinTheRoundingBound) {
 
 /// Tools that turn while they go, with contacts and other tools beside; what each of them feels.
 TEST_P(GlJoint, ToolsPullAndFeelIt) {
-  const Model model = moved(with_material(make_block({cube_side, cube_side, cube_side}, 3, 3, 3)), {3, -2, 1});
+  const Model model = moved(with_material(make_block({cubes_edge, cubes_edge, cubes_edge}, 3, 3, 3)), {3, -2, 1});
   Scene scene(model);
   scene.fix("z0").gravity({0, 0, -9.81});
   const Vec3 corner(3, -2, 1);
@@ -191,7 +159,7 @@ TEST_P(GlJoint, ToolsPullAndFeelIt) {
   scene.add_joint("string", {.springs = {{at_tool("tool 1", {0, 0.002, 0.003}), at_mean(model.group("x0")), 0.02}},
                              .stiffness = 3.0,
                              .damping = 0.05});
-  const Trio trio = trio_of(scene, {.damping = {.rate = 20.0}});
+  const GlTrio trio = trio_of(scene, {.damping = {.rate = 20.0}});
   const double dt = 0.3 * trio.reference->stable_step();
   trio.step(1, dt);
   hook.move_to({.position = corner + Vec3(0.013, 0.004, 0.042), .orientation = {0.8, 0.55, 0.2, 0}});
@@ -207,12 +175,12 @@ TEST_P(GlJoint, ToolsPullAndFeelIt) {
     expect_same_springs(*trio.twins.gl, *trio.reference, scene, 1e-5);
   }
   EXPECT_GT(trio.reference->tool_force("tool 1").force.norm(), 0.01) << "or this shows nothing";
-  EXPECT_LE(trio.apart(), apart_by * cube_side);
+  EXPECT_LE(trio.apart(), apart_by * cubes_edge);
 }
 
 /// With the passes that contacts and kept volumes put between forces and motion.
 TEST_P(GlJoint, AgreesBesideContactsAndVolumes) {
-  const Model model = two_cubes();
+  const Model model = cubes_apart(0.001);
   Scene scene(model);
   join(scene);
   scene.contacts({}).constrain_volume("upper");
@@ -223,10 +191,10 @@ TEST_P(GlJoint, AgreesBesideContactsAndVolumes) {
 }
 
 TEST_P(GlJoint, SnapshotsGoOnBitForBitAndResetMends) {
-  const Model model = two_cubes();
+  const Model model = cubes_apart(0.001);
   Scene scene(model);
   join(scene);
-  const Trio trio = trio_of(scene);
+  const GlTrio trio = trio_of(scene);
   const double dt = 0.4 * trio.twins.gl->stable_step();
   int steps = 0;
   while (trio.twins.gl->joint_report("glue").broken == 0 && steps < 4000) {
@@ -247,10 +215,10 @@ TEST_P(GlJoint, SnapshotsGoOnBitForBitAndResetMends) {
 
 /// A copy on its way has the springs of its own time, and a lost device goes back to them.
 TEST_P(GlJoint, CopiesAndLostDevicesKnowWhatBroke) {
-  const Model model = two_cubes();
+  const Model model = cubes_apart(0.001);
   Scene scene(model);
   join(scene);
-  const Trio trio = trio_of(scene);
+  const GlTrio trio = trio_of(scene);
   gl::DeviceSolver& device = *trio.twins.gl;
   const double dt = 0.4 * device.stable_step();
   const auto broken = [&] { return device.joint_report("glue").broken; };
@@ -277,12 +245,12 @@ TEST_P(GlJoint, CopiesAndLostDevicesKnowWhatBroke) {
 
 /// On the way to rest tools are at once where they go. Batches end where the body rests, and are taken back to there.
 TEST_P(GlJoint, RestsWhereTheReferenceDoes) {
-  const Model model = with_material(make_block({cube_side, cube_side, cube_side}, 3, 3, 3));
+  const Model model = with_material(make_block({cubes_edge, cubes_edge, cubes_edge}, 3, 3, 3));
   Scene scene(model);
   scene.fix("z0").gravity({0, 0, -9.81});
   ToolHandle hook = scene.add_tool({.shape = Sphere{0.001}, .pose = {.position = {0.01, 0.01, 0.03}}});
   scene.attach(model.group("z1"), hook, {.stiffness = 2e5, .damping = 20.0});
-  const Trio trio = trio_of(scene, {.damping = {.rate = 100.0}});
+  const GlTrio trio = trio_of(scene, {.damping = {.rate = 100.0}});
   const double dt = 0.4 * trio.reference->stable_step();
   trio.step(1, dt);
   hook.move_to({.position = {0.012, 0.01, 0.032}});
@@ -293,26 +261,21 @@ TEST_P(GlJoint, RestsWhereTheReferenceDoes) {
     }
     if (most == 5) trio.twins.expect_same_bits("on the way");
     expect_same_springs(*trio.twins.gl, *trio.reference, scene, most == 5 ? 1e-5 : 1e-4);
-    EXPECT_LE(trio.apart(), apart_by * cube_side);
+    EXPECT_LE(trio.apart(), apart_by * cubes_edge);
   }
 }
 
 TEST_P(GlJoint, OnlyScenesWithJointsPayForIt) {
-  const Model model = two_cubes();
+  const Model model = cubes_apart(0.001);
   Scene scene(model);
   scene.fix("lower/z0");
-  SolverOptions profiled;
-  profiled.profile = true;
-  const Trio trio = trio_of(scene, profiled);
+  const SolverOptions profiled{.profile = true};
+  const GlTrio trio = trio_of(scene, profiled);
   const double dt = 0.1 * trio.twins.gl->stable_step();
   const auto passes = [&] {
     trio.twins.gl->clear_profile();
     EXPECT_TRUE(trio.twins.gl->step(10, dt).ok());
-    std::vector<std::string> names;
-    for (const auto& [name, runs] : runs_of(*trio.twins.gl)) {
-      if (runs == 10) names.push_back(name);
-    }
-    return names;
+    return passes_run(*trio.twins.gl, 10);
   };
   const std::vector<std::string> without = passes();
   const auto has_joints = [](const std::string& name) { return name.starts_with("joint_"); };

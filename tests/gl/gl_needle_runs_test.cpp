@@ -3,7 +3,6 @@
 // Needles on "gl-compute" in what batches, devices and scenes do: the same bits from every state, nothing
 // paid by a scene without them, room that runs out.
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "gl/compute/compute_device.h"
@@ -210,15 +209,7 @@ TEST_F(GlNeedleRuns, ASceneWithoutNeedlesPaysNothing) {
   // A needle that touches nothing changes no bit; one that went leaves no pass.
   EXPECT_EQ(both.device->read().position, plain.device->read().position);
   with.remove_tool("needle");
-  both.device->reset(), plain.device->reset();
-  ASSERT_TRUE(both.device->step(8, plain.dt).ok());
-  both.device->clear_profile(), plain.device->clear_profile();
-  ASSERT_TRUE(plain.device->step(8, plain.dt).ok());
-  both.device->reset(), plain.device->reset();
-  both.device->clear_profile(), plain.device->clear_profile();
-  for (const BesideReference* pair : {&plain, &both}) ASSERT_TRUE(pair->device->step(8, plain.dt).ok());
-  EXPECT_EQ(runs_of(*both.device), runs_of(*plain.device));
-  EXPECT_EQ(difference(both.device->read(), plain.device->read()), "");
+  expect_alike(*both.device, *plain.device, plain.dt);
 }
 
 /// A shaft of 2 mm that is driven 4 cm deep has more nodes than a hole of its length.
@@ -239,7 +230,7 @@ TEST_F(GlNeedleRuns, AHoleThatIsTooLongIsReportedAndTheStateBeforeKept) {
     steps += report.steps;
   }
   ASSERT_EQ(report.status, StepStatus::needle_full) << report.message();
-  EXPECT_NE(report.message().find("larger Needle::spread"), std::string::npos) << report.message();
+  EXPECT_TRUE(says(report.message(), "larger Needle::spread"));
   const State kept = pair.device->read();
   EXPECT_NEAR(kept.time, steps * pair.dt, 1e-9);
   ASSERT_EQ(kept.tools[1].needle.hole.size(), 10u);
@@ -250,7 +241,7 @@ TEST_F(GlNeedleRuns, AHoleThatIsTooLongIsReportedAndTheStateBeforeKept) {
   EXPECT_EQ(difference(pair.device->read(), kept), "");
   State longer = kept;
   longer.tools[1].needle.hole.push_back(longer.tools[1].needle.hole.back());
-  EXPECT_NE(message_of([&] { pair.device->reset(longer); }).find("hole of at most 10 points"), std::string::npos);
+  EXPECT_TRUE(refuses([&] { pair.device->reset(longer); }, "hole of at most 10 points"));
   EXPECT_EQ(difference(pair.device->read(), kept), "");
 }
 

@@ -4,7 +4,6 @@
 // and beside all else that pushes particles.
 #include <array>
 #include <cmath>
-#include <functional>
 
 #include "support/gl_needles.h"
 
@@ -101,8 +100,8 @@ TEST_F(GlNeedle, AStepIsThatOfTheReference) {
 /// Nodes by the dozen on a hair, of a needle that is put into a long block: a system of a condition that floats alone
 /// do not solve, by 3e-5 m; and more places at once than a dispatch looks at.
 TEST_F(GlNeedle, ManyNodesBendASoftShaftAsOnTheReference) {
-  Model model = make_block({0.01, 0.01, 0.1}, 4, 4, 40);
-  set_material(model, {.young = 10e3, .poisson = 0.45, .density = 1000.0});
+  const Model model =
+      with_material(make_block({0.01, 0.01, 0.1}, 4, 4, 40), {.young = 10e3, .poisson = 0.45, .density = 1000.0});
   Needle hair = thin_needle();
   hair.length = 0.12;
   hair.spread = 0.00168;
@@ -179,22 +178,14 @@ TEST_F(GlNeedle, ActsBetweenWhatHoldsAndWhatPresses) {
 /// A point of the exit has all its particles to one side, where weights are the hardest to get right: read() and
 /// reset() promise sums within 1e-6.
 TEST_F(GlNeedle, AStateAtAnObliqueExitCanBeGoneOnFrom) {
-  Model model = make_block({0.04, 0.04, 0.04}, 5, 5, 5);
-  set_material(model, {10e3, 0.45, 1000.0});
+  const Model model = with_material(make_block({0.04, 0.04, 0.04}, 5, 5, 5), {10e3, 0.45, 1000.0});
   for (const double tilt : {0.55, 0.7, 0.85}) {
-    Needle needle;
-    needle.length = 0.1;
-    needle.radius = 0.6e-3;
-    needle.puncture = 0.4;
-    needle.cutting = 0.15;
-    needle.spread = 0.012;
-    ToolPose pose;
-    pose.position = {0.022, 0.0197, 0.0403};
-    pose.orientation = Quaternion(Eigen::AngleAxisd(-tilt, Vec3::UnitY()));
+    const Needle needle{.length = 0.1, .radius = 0.6e-3, .puncture = 0.4, .cutting = 0.15, .spread = 0.012};
+    ToolPose pose{.position = {0.022, 0.0197, 0.0403},
+                  .orientation = Quaternion(Eigen::AngleAxisd(-tilt, Vec3::UnitY()))};
     Scene scene(model);
     scene.fix("z0").add_tool("needle", {.shape = needle, .pose = pose, .friction = 0.5});
-    SolverOptions options;
-    options.damping.rate = 40.0;
+    const SolverOptions options{.damping = {.rate = 40.0}};
     const auto solver = make_solver("gl-compute", model, scene, {}, options);
     bool through = false;
     double off = 0.0;

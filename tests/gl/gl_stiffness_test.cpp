@@ -15,12 +15,8 @@ PHYMUL_ON_BOTH_DEVICES(GlStiffness);
 
 const Material hard{50e3, 0.2, 1500.0};
 
-/// The half where x is least is harder.
-Model two_materials(Model model) {
-  const double middle = 0.5 * (model.rest[model.group("x0").front()] + model.rest[model.group("x1").front()]).x();
-  set_material(model, soft_tissue(0.45));
-  set_material(model, hard, [=](const Vec3& place) { return place.x() < middle; });
-  return model;
+Model two_materials(const Model& model) {
+  return with_harder_half(model, soft_tissue(0.45), hard);
 }
 
 std::vector<Body> bodies_of_two_materials() {
@@ -56,24 +52,16 @@ TEST_P(GlStiffness, IsTheMirrorsBitByBitAndTheReferences) {
       SCOPED_TRACE(body.name);
       Scene scene(body.model);
       scene.fix("x0").gravity({0, -9.81, 0});
-      SolverOptions damped;
-      damped.damping.factor = 0.99;
+      const SolverOptions damped{.damping = {.factor = 0.99}};
       const auto tables = tables_of(body.model, {.strain_energy = energy});
-      const GlTwins twins = twins_of(tables, scene, damped);
-      const auto reference = make_solver("reference", tables, scene, twins.options());
-      const State start = random_state(body.model, 0.05, 0.0, 5);
-      twins.reset(start);
-      reference->reset(start);
-      const double dt = 0.15 * reference->stable_step();
+      const GlTrio trio = trio_of(tables, scene, damped);
+      trio.reset(random_state(body.model, 0.05, 0.0, 5));
+      const double dt = 0.15 * trio.reference->stable_step();
       for (int call = 0; call < 7; ++call) {
         change(scene, call);
-        ASSERT_TRUE(twins.gl->step(steps, dt).ok());
-        ASSERT_TRUE(twins.mirror->step(steps, dt).ok());
-        ASSERT_TRUE(reference->step(steps, dt).ok());
-        twins.expect_same_bits("call " + std::to_string(call));
-        const double apart = largest_distance(twins.gl->read().position, reference->read().position);
-        EXPECT_LE(apart, 1e-5 * body_size(body.model)) << "call " << call;
-        const Energy a = twins.gl->energy(), b = reference->energy();
+        trio.step(steps, dt, "call " + std::to_string(call));
+        EXPECT_LE(trio.apart(), 1e-5 * body_size(body.model)) << "call " << call;
+        const Energy a = trio.twins.gl->energy(), b = trio.reference->energy();
         EXPECT_NEAR(a.elastic, b.elastic, 1e-5 * b.elastic);
       }
     }
@@ -85,9 +73,7 @@ TEST_P(GlStiffness, AddsNoPassAndLeavesNothing) {
   const Model model = bodies_of_two_materials()[0].model;
   const auto tables = tables_of(model, {});
   Scene plain(model), scaled(model);
-  SolverOptions profiled;
-  profiled.profile = true;
-  profiled.spectrum = estimate_spectrum(*tables, tables->rest);
+  const SolverOptions profiled{.spectrum = estimate_spectrum(*tables, tables->rest), .profile = true};
   gl::DeviceSolver one(GetParam(), tables, plain, profiled), other(GetParam(), tables, scaled, profiled);
   const double dt = 0.3 * one.stable_step();
   const State start = random_state(model, 0.05, 0.0, 5);
@@ -108,24 +94,15 @@ TEST_P(GlStiffness, AddsNoPassAndLeavesNothing) {
 
 /// Many more domains than a line of a texture has texels, of three materials.
 TEST_P(GlStiffness, FactorsReachTheirDomains) {
-  Model model = make_block({0.08, 0.05, 0.05}, 16, 10, 10);
-  set_material(model, soft_tissue());
+  Model model = with_material(make_block({0.08, 0.05, 0.05}, 16, 10, 10));
   set_material(model, {20e3, 0.3, 1000.0}, [](const Vec3& x) { return x.x() < 0.03; });
   set_material(model, hard, [](const Vec3& x) { return x.z() < 0.02; });
   Scene scene(model);
   scene.scale_stiffness(std::vector<double>{0.2, 3.0, 0.6}).fix("x0").gravity({0, 0, -9.81});
-  const auto tables = tables_of(model, {});
-  const GlTwins twins = twins_of(tables, scene);
-  const auto reference = make_solver("reference", tables, scene, twins.options());
-  const State start = random_state(model, 0.05, 0.0, 9);
-  twins.reset(start);
-  reference->reset(start);
-  const double dt = 0.3 * reference->stable_step();
-  ASSERT_TRUE(twins.gl->step(10, dt).ok());
-  ASSERT_TRUE(twins.mirror->step(10, dt).ok());
-  ASSERT_TRUE(reference->step(10, dt).ok());
-  twins.expect_same_bits("after 10 steps");
-  EXPECT_LE(largest_distance(twins.gl->read().position, reference->read().position), 1e-6 * body_size(model));
+  const GlTrio trio = trio_of(tables_of(model, {}), scene);
+  trio.reset(random_state(model, 0.05, 0.0, 9));
+  trio.step(10, 0.3 * trio.reference->stable_step());
+  EXPECT_LE(trio.apart(), 1e-6 * body_size(model));
 }
 
 }  // namespace

@@ -60,48 +60,23 @@ void expect_close(double apart, double moved, double force_apart, double force) 
   EXPECT_LE(force_apart, apart_by * force);
 }
 
-/// Each reaches some 5 mm from its position.
-std::vector<Tool> tools_of_all_kinds() {
-  return {{.shape = Sphere{0.005}},
-          {.shape = Sphere{0.005}, .friction = 0.4},
-          {.shape = Sphere{0.004}, .friction = 0.3, .compliance = 5e-3, .margin = 1e-3},
-          {.shape = Capsule{0.005, 0.01}, .friction = 0.5},
-          {.shape = HalfSpace{}, .friction = 0.6, .margin = 3e-3},
-          {.shape = Box{{0.006, 0.004, 0.005}}, .friction = 0.2},
-          {.shape = ball_grid(), .friction = 0.4, .margin = 2.5e-3}};
-}
-
-ToolPose at(const Vec3& position, double angle = 0.0) {
-  return {.position = position,
-          .orientation = Quaternion(Eigen::AngleAxisd(M_PI + angle, Vec3(0.9, 0.1, -0.2).normalized()))};
-}
-
 /// Down into the top, on with a speed and a turn, put somewhere else, and out again. Every other shape 1.4 km away.
 TEST_P(GlToolSurface, EveryShapeAgreesWithTheReference) {
   double apart = 0.0, force_apart = 0.0;
   bool far = false;
-  for (Tool tool : tools_of_all_kinds()) {
+  std::vector<Tool> tools = tools_of_each_shape();
+  tools.insert(tools.begin(), {.shape = Sphere{0.005}});
+  for (Tool tool : tools) {
     const Vec3 origin = far ? Vec3(800, -600, 1000) : Vec3(0, 0, 0);
     far = !far;
-    Model model = model_;
-    for (Vec3& X : model.rest) X += origin;
+    const Model model = moved(model_, origin);
     tool.contact = ToolContact::surface;
-    tool.pose = at(origin + Vec3(0.014, 0.011, 0.03));
+    tool.pose = above(origin + Vec3(0.014, 0.011, 0.03));
     Scene scene(model);
     scene.fix("z0").gravity({0, 0, -2}).add_tool("tool", tool);
     Pair both = pair_of(scene);
-    for (int k = 0; k < (sanitized ? 6 : 22); ++k) {
-      if (k == 0) scene.tool("tool").move_to(at(origin + Vec3(0.014, 0.011, 0.0235), 0.05));
-      if (k == 4) {
-        ToolPose on = at(origin + Vec3(0.015, 0.0105, 0.0228), 0.1);
-        on.velocity = {0.05, -0.02, -0.02};
-        on.spin = {3, -2, 20};
-        scene.tool("tool").move_to(on);
-      }
-      if (k == 12) scene.tool("tool").teleport(at(origin + Vec3(0.016, 0.012, 0.0232), -0.1));
-      if (k == 18) scene.tool("tool").move_to(at(origin + Vec3(0.016, 0.01, 0.04)));
-      both.step(9, dt_);
-    }
+    drive(
+        scene.tool("tool"), origin, [&](int) { both.step(9, dt_); }, sanitized ? 6 : 22);
     EXPECT_GT(both.moved, 3e-4);
     EXPECT_GT(both.force, 0.01) << "N; or this shows nothing";
     apart = std::max(apart, both.apart / both.moved);
@@ -127,12 +102,10 @@ TEST_P(GlToolSurface, APlacedToolLetsTheSurfaceOutAsTheReferenceDoes) {
 /// Tools of both kinds in turn, one of which holds particles that others must not push; some coordinates are imposed.
 TEST_P(GlToolSurface, ToolsActOneAfterAnotherAroundAGrasp) {
   Scene scene(model_);
-  Load wall;
-  wall.type = LoadType::translation;
-  wall.particles = model_.group("x0");
-  wall.events = {{0.0, 0.0}};
-  wall.axes = {Axis::held, Axis::free, Axis::free};
-  scene.fix("z0").add(wall);
+  scene.fix("z0").add({.type = LoadType::translation,
+                       .particles = model_.group("x0"),
+                       .events = {{0.0, 0.0}},
+                       .axes = {Axis::held, Axis::free, Axis::free}});
   const Tool ball{.shape = Sphere{0.005}, .friction = 0.3, .contact = ToolContact::surface};
   const auto add = [&](const char* name, Tool tool, const Vec3& position) {
     tool.pose = {.position = position};

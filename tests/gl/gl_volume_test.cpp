@@ -85,10 +85,7 @@ TEST_P(GlVolume, IsKeptUnderLoadWithTheMirrorsBits) {
 TEST_P(GlVolume, SeveralBodiesAndToolsFarFromTheOrigin) {
   const Vec3 origin(800, -600, 1000);
   const Model block = make_block({0.02, 0.02, 0.02}, 4, 4, 4), flat = make_block({0.03, 0.02, 0.01}, 6, 4, 2);
-  Model one = block, two = flat;
-  for (Vec3& X : one.rest) X += origin;
-  for (Vec3& X : two.rest) X += origin + Vec3(0.05, 0, 0);
-  for (Model* const model : {&one, &two}) set_material(*model, soft_tissue());
+  const Model one = with_material(moved(block, origin)), two = with_material(moved(flat, origin + Vec3(0.05, 0, 0)));
   const NamedBody bodies[] = {{"one", &one}, {"two", &two}};
   const Model both = merge_models(bodies);
   Scene scene(both);
@@ -180,9 +177,7 @@ TEST_P(GlVolume, BatchesDoneAgainKeepTheVolume) {
 /// All is held, and an end is moved in from the 40th step on: nothing is left to make up for it.
 TEST_P(GlVolume, OneThatCannotBeRestoredIsReportedAndTheStepNotTaken) {
   Scene scene(model_);
-  std::vector<Index> all(model_.rest.size());
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Index>(i);
-  scene.fix(all).constrain_volume();
+  scene.fix(every_particle(model_)).constrain_volume();
   scene.add(pull(model_, "x1", {1, 0, 0}, {{0, 0}, {40 * dt_, 0}, {60 * dt_, -0.001}}));
   const GlTwins twins = this->twins(scene);
   const StepReport a = twins.gl->step(60, dt_), b = twins.mirror->step(60, dt_);
@@ -191,7 +186,7 @@ TEST_P(GlVolume, OneThatCannotBeRestoredIsReportedAndTheStepNotTaken) {
   EXPECT_EQ(a.steps, b.steps);
   EXPECT_GE(a.steps, 39);
   EXPECT_EQ(a.particle, scene.volume_constraints()[0].triangles[0][0]);
-  EXPECT_NE(a.message().find("all of them are held"), std::string::npos);
+  EXPECT_TRUE(says(a.message(), "all of them are held"));
   twins.expect_same_bits("before the loss");
   const State kept = twins.gl->read();
   EXPECT_EQ(twins.gl->step(1, dt_).status, StepStatus::volume_lost);
@@ -273,14 +268,7 @@ TEST_P(GlVolume, ASceneWithoutKeptVolumesPaysNothing) {
   EXPECT_NE(keeping->read(), plain->read());
   // The one that keeps no more does what the other does, and gives its bits.
   with.clear().fix("z0").gravity({0, 0, -1});
-  keeping->reset();
-  ASSERT_TRUE(keeping->step(8, dt_).ok());
-  keeping->reset(), plain->reset();
-  keeping->clear_profile(), plain->clear_profile();
-  ASSERT_TRUE(keeping->step(8, dt_).ok());
-  ASSERT_TRUE(plain->step(8, dt_).ok());
-  EXPECT_EQ(runs_of(*keeping), runs_of(*plain));
-  EXPECT_EQ(keeping->read(), plain->read());
+  expect_alike(*keeping, *plain, dt_);
 }
 
 /// Of 9,600 and 16,896 facets: 600 sums, of which each lane of the one group takes several, and 1,056, which are left

@@ -11,6 +11,7 @@
 #include "interaction/contact_surface.h"
 #include "support/message_of.h"
 #include "support/run_scenes.h"
+#include "support/touching_bodies.h"
 
 namespace phymul {
 namespace {
@@ -34,39 +35,17 @@ TEST(ClosestPoint, IsNoFurtherThanAnyOther) {
   EXPECT_EQ(cpu::closest_point({1, 1, 1}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}).sum(), 1.0);
 }
 
-Model tissue_block(const Vec3& at, const std::array<int, 3>& cells = {4, 4, 4}) {
-  Model model = make_block(0.005 * Vec3(cells[0], cells[1], cells[2]), cells[0], cells[1], cells[2]);
-  set_material(model, {5e3, 0.3, 1000.0});
-  return moved(std::move(model), at);
-}
-
 /// A cube of 2 cm over the middle of a slab, a gap above it and off its lattice.
-Model stacked(double gap) {
-  const Model low = tissue_block({0, 0, 0}, {12, 12, 4}), high = tissue_block({0.0213, 0.0221, 0.02 + gap});
-  const NamedBody bodies[] = {{"low", &low}, {"high", &high}};
-  return merge_models(bodies);
-}
-
-double lowest(const State& state, const std::vector<Index>& particles) {
-  double z = 1e9;
-  for (const Index i : particles) z = std::min(z, state.position[i].z());
-  return z;
-}
-
-Vec3 mean_place(const State& state, const std::vector<Index>& particles) {
-  Vec3 centre = Vec3::Zero();
-  for (const Index i : particles) centre += state.position[i] / static_cast<double>(particles.size());
-  return centre;
+Model cube_on_slab(double gap) {
+  return joined_bodies(tissue({0, 0, 0}, {12, 12, 4}), tissue({0.0213, 0.0221, 0.02 + gap}, {4, 4, 4}));
 }
 
 /// Bodies that cannot reach themselves move the same, bit for bit, whether they are looked at for it or left out where
 /// no other body is near.
 TEST(BodyContact, LeavesOutOnlyWhatNothingCanTouch) {
-  const Model model = stacked(0.0002);
+  const Model model = cube_on_slab(0.0002);
   for (const char* backend : {"reference", "cpu"}) {
-    SolverOptions options;
-    options.damping.rate = 10.0;
-    options.threads = 1;
+    const SolverOptions options{.damping = {.rate = 10.0}, .threads = 1};
     State end[2];
     for (const bool self : {false, true}) {
       Scene scene(model);
@@ -83,7 +62,7 @@ TEST(BodyContact, LeavesOutOnlyWhatNothingCanTouch) {
 
 /// Dropped from 5 cm: never through, never apart, and at rest on the other in the end.
 TEST(BodyContact, ABodyDroppedOnAnotherStaysOnIt) {
-  const Model model = stacked(0.05);
+  const Model model = cube_on_slab(0.05);
   for (const BackendCase& backend : cpu_backends) {
     Scene scene(model);
     scene.gravity({0, 0, -9.81}).fix("low/z0").contacts({.friction = 0.5});
@@ -112,13 +91,11 @@ TEST(BodyContact, ABodyDroppedOnAnotherStaysOnIt) {
 
 /// Thrown at each other at 2 m/s without gravity: what one loses the other gains, to rounding, at every step.
 TEST(BodyContact, MomentumIsKeptToRounding) {
-  const Model model = stacked(0.01);
+  const Model model = cube_on_slab(0.01);
   for (const double friction : {0.0, 0.6}) {
     Scene scene(model);
     scene.contacts({.friction = friction});
-    SolverOptions options;
-    options.max_displacement_per_step = std::numeric_limits<double>::infinity();
-    const auto solver = make_solver("reference", model, scene, {}, options);
+    const auto solver = make_solver("reference", model, scene, {}, uncut());
     State state = rest_state(model);
     double scale = 0.0;
     for (const Index i : model.group("high")) state.velocity[i] = Vec3(0.5, 0.2, -2.0);
@@ -149,7 +126,7 @@ TEST(BodyContact, MomentumIsKeptToRounding) {
 /// then rubbed by the coefficient times what presses it. Both forces from the block's momentum: gravity, less what it
 /// gained and what damping took. Not all of its corners press and slide at every instant, hence 1 %.
 TEST(BodyContact, FrictionHoldsAndSlides) {
-  const Model floor = tissue_block({0, 0, -0.005}, {24, 8, 1}), block = tissue_block({0.0113, 0.0097, 0.001});
+  const Model floor = tissue({0, 0, -0.005}, {24, 8, 1}), block = tissue({0.0113, 0.0097, 0.001}, {4, 4, 4});
   const NamedBody bodies[] = {{"floor", &floor}, {"block", &block}};
   const Model model = merge_models(bodies);
   const std::vector<Index> own = model.group("block");
@@ -192,7 +169,7 @@ TEST(BodyContact, FrictionHoldsAndSlides) {
 }
 
 TEST(BodyContact, BitsDoNotDependOnThreads) {
-  const Model model = stacked(0.003);
+  const Model model = cube_on_slab(0.003);
   State end[2];
   for (int threads : {1, 2}) {
     Scene scene(model);
@@ -207,7 +184,7 @@ TEST(BodyContact, BitsDoNotDependOnThreads) {
 /// A body that meets no other, at rest and bent, has no contact of its own: its skin is no neighbour to itself, nor is
 /// the far side of its surface where a coarser body lets the search reach there.
 TEST(BodyContact, ASingleBodyIsAsWithoutContacts) {
-  Model fine = tissue_block({0, 0, 0}), coarse = moved(make_block({0.06, 0.06, 0.06}, 1, 1, 1), {0, 0, 0.5});
+  Model fine = tissue({0, 0, 0}, {4, 4, 4}), coarse = moved(make_block({0.06, 0.06, 0.06}, 1, 1, 1), {0, 0, 0.5});
   set_material(coarse, {5e3, 0.3, 1000.0});
   const NamedBody bodies[] = {{"fine", &fine}, {"coarse", &coarse}};
   for (const Model& model : {fine, merge_models(bodies)}) {
@@ -228,10 +205,7 @@ TEST(BodyContact, ASingleBodyIsAsWithoutContacts) {
 TEST(BodyContact, TrianglesHaveThreeCorners) {
   Model wedge;
   wedge.rest = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}};
-  Cell cell;
-  cell.type = CellType::hexahedron;
-  cell.particles = {0, 1, 2, 3, 4, 4, 5, 5};
-  wedge.cells = {cell};
+  wedge.cells = {{.type = CellType::hexahedron, .particles = {0, 1, 2, 3, 4, 4, 5, 5}}};
   const ContactSurface surface = make_contact_surface(wedge);
   EXPECT_EQ(surface.triangles.size(), 8u);  // of three quads, and two ends
   for (const ContactSurface::Triangle& triangle : surface.triangles) {
@@ -255,36 +229,21 @@ TEST(BodyContact, TrianglesOfMirroredCellsFaceOutward) {
 
 /// A strip of tissue folded over itself: with self the halves stay apart, without they pass through each other.
 TEST(BodyContact, ABodyTouchesItself) {
-  Model model = make_block({0.06, 0.01, 0.005}, 24, 4, 2);
-  set_material(model, {5e3, 0.3, 1000.0});
-  std::vector<Index> middle, first_end, last_end;
-  for (Index i = 0; i < model.particle_count(); ++i) {
-    if (std::abs(model.rest[i].x() - 0.03) < 0.001) middle.push_back(i);
-    if (model.rest[i].x() < 0.012) first_end.push_back(i);
-    if (model.rest[i].x() > 0.048) last_end.push_back(i);
-  }
+  const Model model = with_material(make_block({0.06, 0.01, 0.005}, 24, 4, 2), {5e3, 0.3, 1000.0});
+  const PressedStrip strip(model, 0.012);
   double least[2] = {1e9, 1e9};
   for (const bool self : {false, true}) {
     Scene scene(model);
-    scene.fix(middle).contacts({.self = self});
-    const auto push = [&](const std::vector<Index>& end, double sign) {
-      Load load;
-      load.type = LoadType::force;
-      load.particles = end;
-      load.direction = {sign, 0, 0.25};  // up first, then together above the middle
-      load.events = {{0, 0}, {0.1, 0.002}};
-      scene.add(load);
-    };
-    push(first_end, 1.0);
-    push(last_end, -1.0);
+    scene.contacts({.self = self});
+    strip.press(scene);
     const auto solver = make_solver("cpu", model, scene, {}, options_for({"cpu", 2}, 10.0));
     const double dt = 0.4 * solver->stable_step();
     for (int k = 0; k < static_cast<int>(0.4 / (40 * dt)); ++k) {
       const StepReport report = solver->step(40, dt);
       ASSERT_TRUE(report.ok()) << report.message();
       const State state = solver->read();
-      for (const Index i : first_end) {
-        for (const Index j : last_end) {
+      for (const Index i : strip.first_end) {
+        for (const Index j : strip.last_end) {
           least[self] = std::min(least[self], (state.position[i] - state.position[j]).norm());
         }
       }
@@ -298,7 +257,7 @@ TEST(BodyContact, ABodyTouchesItself) {
 /// pressed in spring back, and without gravity the cube then drifts on.
 TEST(BodyContact, AnOverlapAtTheStartGoesGently) {
   for (const double gap : {0.0003, -0.001}) {
-    const Model model = stacked(gap);
+    const Model model = cube_on_slab(gap);
     Scene scene(model);
     scene.fix("low/z0").contacts({.friction = 0.0});
     const auto solver = make_solver("reference", model, scene, {}, options_for({"reference", 0}, 5.0));
@@ -318,7 +277,7 @@ TEST(BodyContact, AnOverlapAtTheStartGoesGently) {
 
 /// From rest a jaw takes the cube down, past the gap in its first step: the slab is where the cube leaves room.
 TEST(BodyContact, WhatAToolSetsGoingIsSeenInThatStep) {
-  const Model model = stacked(0.002);
+  const Model model = cube_on_slab(0.002);
   const Vec3 middle(0.0313, 0.0321, 0.032), end = middle - Vec3(0, 0, 0.003);
   for (const char* backend : {"reference", "cpu"}) {
     Scene scene(model);

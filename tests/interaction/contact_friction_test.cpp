@@ -14,8 +14,7 @@ namespace {
 using namespace test;
 
 Model slab(const Vec3& size, const Vec3& at, double density) {
-  Model model = make_block(size, 1, 1, 1);
-  set_material(model, {5e3, 0.3, density});
+  Model model = with_material(make_block(size, 1, 1, 1), {5e3, 0.3, density});
   return moved(std::move(model), at);
 }
 
@@ -31,8 +30,7 @@ TEST(ContactFriction, OfAReleasedContactIsTakenBack) {
   for (const char* backend : {"reference", "cpu"}) {
     Scene scene(model);
     scene.contacts({.friction = mu, .margin = skin});
-    SolverOptions options;
-    options.on_unstable = UnstableStep::allow;
+    const SolverOptions options{.on_unstable = UnstableStep::allow};
     const auto solver = make_solver(backend, model, scene, {}, options);
     State start = rest_state(model);
     const Vec3 thrown(-0.2, 2.0, -0.02);  // m/s

@@ -151,8 +151,7 @@ TEST(KeptVolume, IsExactWhereParticlesWereShifted) {
 
 /// The local term alone holds volume only as far as it is stiff.
 TEST(KeptVolume, IsExactWhereTheLocalTermIsNot) {
-  Model model = make_block({0.03, 0.02, 0.02}, 6, 4, 4);
-  set_material(model, soft_tissue(0.45));
+  const Model model = with_material(make_block({0.03, 0.02, 0.02}, 6, 4, 4), soft_tissue(0.45));
   double worst[2] = {0, 0};
   for (const bool kept : {false, true}) {
     Scene scene(model), measure(model);
@@ -258,16 +257,9 @@ TEST(KeptVolume, OfAHeldBodyIsNotLostWhereAnotherLiesInIt) {
 
 TEST(KeptVolume, OpenSurfacesAreRefusedWithTheirEdge) {
   Model cup = make_tetrahedron(0.01);
-  cup.cells.clear();
-  const auto triangle = [&](std::vector<Index> ring) {
-    Cell cell;
-    cell.type = CellType::triangle;
-    cell.particles = std::move(ring);
-    cup.cells.push_back(cell);
-  };
-  triangle({0, 1, 3});
-  triangle({1, 2, 3});
-  triangle({2, 0, 3});
+  cup.cells = {{.type = CellType::triangle, .particles = {0, 1, 3}},
+               {.type = CellType::triangle, .particles = {1, 2, 3}},
+               {.type = CellType::triangle, .particles = {2, 0, 3}}};
   Scene scene(cup);
   EXPECT_EQ(message_of([&] { scene.constrain_volume(); }),
             "constrain_volume: expected a closed surface, but its edge from particle 0 to 1 is open (or its two "
@@ -287,14 +279,11 @@ TEST(KeptVolume, ThatCannotBeRestoredIsReported) {
   const Model model = soft_block();
   for (const BackendCase& backend : cpu_backends) {
     Scene scene(model);
-    std::vector<Index> all(model.rest.size());
-    for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Index>(i);
-    scene.fix(all).constrain_volume();
+    scene.fix(every_particle(model)).constrain_volume();
     const auto solver = make_solver(backend.name, model, scene);
     const double dt = 0.3 * solver->stable_step();
     EXPECT_TRUE(solver->step(3, dt).ok());  // nothing is missing
-    Load squeeze = pull(model, "x1", {1, 0, 0}, {{0, 0}, {3 * dt, 0}, {4 * dt, -0.001}});
-    scene.add(squeeze);
+    scene.add(pull(model, "x1", {1, 0, 0}, {{0, 0}, {3 * dt, 0}, {4 * dt, -0.001}}));
     const State before = solver->read();
     const StepReport report = solver->step(5, dt);
     EXPECT_EQ(report.status, StepStatus::volume_lost) << report.message();

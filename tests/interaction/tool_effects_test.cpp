@@ -35,10 +35,8 @@ TEST_P(ToolEffects, NothingAlongAnImposedAxis) {
   for (int axis = 0; axis < 2; ++axis) {
     Scene scene(model);
     scene.fix("z0");
-    Load held;
-    held.type = LoadType::translation;
-    held.particles = model.group("z1");
-    held.axes = {Axis::free, Axis::free, Axis::free};
+    Load held{
+        .type = LoadType::translation, .particles = model.group("z1"), .axes = {Axis::free, Axis::free, Axis::free}};
     held.axes[static_cast<std::size_t>(axis)] = Axis::held;
     scene.add(held);
     // Between lattice points, so that it pushes aside whatever it meets.
@@ -63,8 +61,7 @@ TEST_P(ToolEffects, NothingOfWhatLeavesByItself) {
   Scene scene(model);
   constexpr double deep = 1e-4;  // m
   scene.add_tool("floor", {.shape = HalfSpace{}, .pose = {.position = {0, 0, deep}}});
-  SolverOptions options;
-  options.on_unstable = UnstableStep::allow;
+  const SolverOptions options{.on_unstable = UnstableStep::allow};
   const auto solver = make(model, scene, options);
   const double dt = 0x1p-10;
   State state = rest_state(model);

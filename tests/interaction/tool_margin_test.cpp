@@ -19,9 +19,9 @@ const Vec3 middle(0.5 * across * spacing, 0.5 * across * spacing, top);
 
 /// Of the pressed body, with every cell cut into so many along each axis.
 Model slab(int finer) {
-  Model model = make_block({across * spacing, across * spacing, top}, across * finer, across * finer, high * finer);
-  set_material(model, {.young = 6e3, .poisson = 0.45, .density = 1000});
-  return model;
+  return with_material(
+      make_block({across * spacing, across * spacing, top}, across * finer, across * finer, high * finer),
+      {.young = 6e3, .poisson = 0.45, .density = 1000});
 }
 
 struct Pressed {
@@ -35,8 +35,7 @@ Pressed press(const Model& model, const Vec3& place, double radius, double margi
   Scene scene(model);
   ToolPose pose{.position = place + (radius + margin) * Vec3::UnitZ()};
   scene.fix("z0").add_tool("rod", {.shape = Capsule{radius, 0.1}, .pose = pose, .friction = 0.1, .margin = margin});
-  SolverOptions options;
-  options.damping.rate = 50.0;
+  const SolverOptions options{.damping = {.rate = 50.0}};
   const auto solver = make_solver("cpu", model, scene, {}, options);
   const int steps = static_cast<int>(std::ceil(1e-3 / (0.4 * solver->stable_step())));
   const ToolHandle rod = scene.tool("rod");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
 // Tools of a scene: what is accepted, how they move, what they hold, and what they cost.
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -117,9 +116,7 @@ TEST_P(MovingTool, HoldsWhatItGraspedAndFeelsItsInertia) {
   Scene scene(model);
   scene.gravity({0, 0, -9.81});
   scene.add_tool("jaw", {.shape = Box{{0.006, 0.006, 0.001}}, .pose = {.position = {0.01, 0.01, 0.0215}}});
-  SolverOptions options;
-  options.damping.rate = 100.0;
-  options.rest_tolerance = 1e-6;
+  const SolverOptions options{.damping = {.rate = 100.0}, .rest_tolerance = 1e-6};
   const auto solver = make(model, scene, options);
   const double dt = 0.4 * solver->stable_step();
   scene.tool("jaw").grasp(0.0006);
@@ -233,9 +230,8 @@ TEST_P(MovingTool, BearsTheForceThatTheLimitWithholds) {
   scene.fix("z0");
   scene.add_tool("ball", {.shape = Sphere{0.008}, .pose = {.position = {0.011, 0.019, 0.02}}});
   scene.add_tool("jaw", {.shape = Box{{0.004, 0.004, 0.001}}, .pose = {.position = {0.03, 0.02, 0.0165}}});
-  SolverOptions options;
-  options.damping.rate = 600.0;
-  options.max_displacement_per_step = std::numeric_limits<double>::infinity();
+  SolverOptions options{.damping = {.rate = 600.0},
+                        .max_displacement_per_step = std::numeric_limits<double>::infinity()};
   const auto unlimited = make(model, scene, options);
   const double dt = 0.4 * unlimited->stable_step();
   scene.tool("jaw").grasp(0.0006);
@@ -350,10 +346,7 @@ TEST(ToolOfTheFastBackend, GivesTheSameBitsForAnyNumberOfThreads) {
                             .pose = {.position = {0.015, 0.016, 0.041}, .velocity = {0.1, 0, -0.5}},
                             .friction = 0.4,
                             .contact = contact});
-    SolverOptions options;
-    options.threads = threads;
-    options.spectrum = Spectrum{};
-    options.spectrum->largest = 1e8;
+    const SolverOptions options{.spectrum = Spectrum{.largest = 1e8}, .threads = threads};
     const auto solver = make_solver("cpu", model, scene, {}, options);
     EXPECT_TRUE(solver->step(60, 5e-5).ok());
     EXPECT_GT(solver->tool_force("ball").particles, 5);

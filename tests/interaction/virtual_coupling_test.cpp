@@ -51,9 +51,7 @@ TEST(VirtualCoupling, TurnsTheShorterWay) {
 }
 
 TEST(VirtualCoupling, IsStableHoweverStiff) {
-  CouplingOptions stiff;
-  stiff.stiffness = 1e9;
-  stiff.turning_stiffness = 1e7;
+  const CouplingOptions stiff{.stiffness = 1e9, .turning_stiffness = 1e7};
   VirtualCoupling coupling(stiff, {});
   const ToolPose hand{.position = {0.1, 0, 0}};
   for (int k = 0; k < 100; ++k) {
@@ -124,8 +122,7 @@ TEST(VirtualCoupling, HandPressingABlockFeelsASteadyForce) {
   Scene scene(model);
   ToolPose hand{.position = {0.015, 0.015, 0.041}};
   scene.fix("z0").add_tool("probe", {.shape = Sphere{0.01}, .pose = hand});
-  SolverOptions options;
-  options.damping.rate = 20.0;
+  const SolverOptions options{.damping = {.rate = 20.0}};
   const auto solver = make_solver("cpu", model, scene, {}, options);
   const int steps = static_cast<int>(std::ceil(1e-3 / (0.5 * solver->stable_step())));
   VirtualCoupling coupling({}, hand);
@@ -251,8 +248,7 @@ Hanging hang(const Tool& jaw, double grasp, double ratio, bool turned, double gr
   const Model model = soft_block({0.03, 0.03, 0.03}, 5, 5, 5);
   Scene scene(model);
   scene.gravity({0, 0, -gravity}).add_tool("jaw", jaw);
-  SolverOptions options;
-  options.damping.rate = 20.0;
+  const SolverOptions options{.damping = {.rate = 20.0}};
   const auto solver = make_solver("cpu", model, scene, {}, options);
   const int steps = static_cast<int>(std::ceil(1e-3 / (0.5 * solver->stable_step())));
   const ToolHandle tool = scene.tool("jaw");
@@ -314,8 +310,7 @@ TEST(VirtualCoupling, IsCalmWhereItIsHeavierThanTheFaceItPushes) {
     Scene scene(model);
     ToolPose hand{.position = {0.03, 0.03, 0.0651}};
     scene.fix("z0").add_tool("plate", {.shape = Box{{0.05, 0.05, 0.005}}, .pose = hand, .friction = 0.3});
-    SolverOptions options;
-    options.damping.rate = 20.0;
+    const SolverOptions options{.damping = {.rate = 20.0}};
     const auto solver = make_solver("cpu", model, scene, {}, options);
     const int steps = static_cast<int>(std::ceil(1e-3 / (0.5 * solver->stable_step())));
     VirtualCoupling coupling({.mass = mass, .inertia = 1e-3, .largest_force = 20.0}, hand);

@@ -59,9 +59,7 @@ std::vector<Writer> writers(const Model& model) {
       {"pml", [&](const std::string& path) { write_pml(model, path); }},
       {"lml",
        [&](const std::string& path) {
-         Load load;
-         load.type = LoadType::force;
-         load.direction = Vec3(0, 0, 1);
+         Load load{.type = LoadType::force, .direction = Vec3(0, 0, 1)};
          for (Index i = 0; i < 200; ++i) load.particles.push_back(i);
          for (int k = 0; k < 200; ++k) load.events.push_back({0.1 * k, 1.0 / (k + 1)});
          write_lml({load}, model, path);

@@ -214,11 +214,10 @@ TEST(LmlRead, UnknownElementsAreNoted) {
 
 TEST(LmlWrite, BuiltLoadsComeBackEqual) {
   const Model model = line_model();
-  Load load;
-  load.type = LoadType::force;
-  load.particles = {5, 6, 7, 2, 9, 8};
-  load.events = {{0, 1.0 / 3}, {0.1, -2e-7}};
-  load.direction = {0.1, 0.2, 1.0 / 7};
+  const Load load{.type = LoadType::force,
+                  .particles = {5, 6, 7, 2, 9, 8},
+                  .events = {{0, 1.0 / 3}, {0.1, -2e-7}},
+                  .direction = {0.1, 0.2, 1.0 / 7}};
   Load turn = load;
   turn.type = LoadType::rotation;
   Load named = load;
@@ -244,12 +243,8 @@ TEST(LmlRead, ATargetWithoutParticlesIsNoted) {
 }
 
 TEST(LmlWrite, WordsThatNoLongerMeanTheParticlesGiveWay) {
-  Load load;
-  load.type = LoadType::force;
-  load.applied_to = "Tip";
-  load.particles = {5, 6};
-  load.events = {{0, 1}};
-  load.direction = {0, 0, 1};
+  const Load load{
+      .type = LoadType::force, .particles = {5, 6}, .events = {{0, 1}}, .direction = {0, 0, 1}, .applied_to = "Tip"};
   const std::vector<Load> again = rewritten({load}, line_model());
   EXPECT_EQ(again.front().particles, load.particles);
   EXPECT_EQ(again.front().applied_to, "");
@@ -257,8 +252,7 @@ TEST(LmlWrite, WordsThatNoLongerMeanTheParticlesGiveWay) {
 
 TEST(LmlWrite, RefusesWhatLmlCannotSay) {
   const Model model = line_model();
-  Load load;
-  load.events = {{0, 1}};
+  Load load{.events = {{0, 1}}};
   EXPECT_EQ(message_of([&] { rewritten({load}, model); }), "Force: expected at least one particle, got none");
   load.particles = {100};
   EXPECT_EQ(message_of([&] { rewritten({load}, model); }), "Force: expected particles of the model, got 100");

@@ -187,8 +187,7 @@ TEST(PmlErrors, Files) {
   EXPECT_EQ(message_of([&] { read_pml(folder); }), folder + ": expected a file, got a folder");
   const std::string path = folder + "/phymul_limit.pml";
   std::ofstream(path, std::ios::binary) << with_element("");
-  PmlOptions options;
-  options.max_bytes = 100;
+  PmlOptions options{.max_bytes = 100};
   EXPECT_EQ(message_of([&] { read_pml(path, options); }),
             path + ": expected at most 100 bytes, got more; raise max_bytes if the file is meant");
   options.max_bytes = with_element("").size();
@@ -201,8 +200,7 @@ TEST(PmlErrors, Files) {
 }
 
 TEST(PmlErrors, Options) {
-  PmlOptions options;
-  options.default_mass = 0;
+  PmlOptions options{.default_mass = 0};
   EXPECT_EQ(refusal(with_element(""), options), "PmlOptions: expected a positive default_mass in kg, got 0");
   options = {};
   options.length_unit = -1;

@@ -33,9 +33,8 @@ TEST(PmlLayout, ComponentsThatNoFileHolds) {
   expect_refused(model, "got a cell named \"Atom #3\"");
   model = body();
   for (Index depth = 0; depth < 300; ++depth) {
-    Component inner;
-    inner.structural = false;
-    inner.parent = depth == 0 ? 0 : static_cast<Index>(model.components.size()) - 1;
+    const Component inner{.parent = depth == 0 ? 0 : static_cast<Index>(model.components.size()) - 1,
+                          .structural = false};
     model.components.push_back(inner);
   }
   expect_refused(model, "expected components nested at most 200 deep");
@@ -89,8 +88,7 @@ TEST(PmlRead, Colours) {
 }
 
 TEST(PmlRead, TextsHaveALimitToo) {
-  PmlOptions options;
-  options.max_bytes = 100;
+  const PmlOptions options{.max_bytes = 100};
   EXPECT_TRUE(refuses([&] { read_pml_text(pml_text(tetrahedron_atoms, {tetrahedron_cell}), "t", options); },
                       "expected at most 100 bytes"));
 }

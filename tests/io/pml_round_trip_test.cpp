@@ -38,11 +38,7 @@ TEST(PmlRoundTrip, Materials) {
   Model model = make_block({0.03, 0.02, 0.05}, 3, 2, 4);
   set_material(model, {3e3, 0.45, 1100});
   EXPECT_EQ(reread(model), model);
-  std::vector<Index> half;
-  for (Index i = 0; i < model.particle_count(); ++i) {
-    if (model.rest[i].z() > 0.02) half.push_back(i);
-  }
-  model.add_group("half", half);
+  model.add_group("half", model.particles_in([](const Vec3& X) { return X.z() > 0.02; }));
   set_material(model, {1e6, 0.3, 1000}, "half");
   ASSERT_EQ(model.materials.size(), 2u);
   EXPECT_EQ(reread(model), model);
@@ -150,8 +146,7 @@ TEST(PmlWrite, RefusesWhatPmlCannotSay) {
   broken = model;
   broken.rest[0].x() = std::nan("");
   EXPECT_TRUE(refuses([&] { written(broken); }, "finite coordinates"));
-  PmlOptions options;
-  options.length_unit = 0;
+  const PmlOptions options{.length_unit = 0};
   EXPECT_TRUE(refuses([&] { written(model, options); }, "positive length_unit"));
 }
 

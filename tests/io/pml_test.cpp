@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <phymul/check.h>
 #include <phymul/pml.h>
-#include <phymul/topology_textures.h>
 
 #include <algorithm>
 #include <clocale>
@@ -57,8 +56,7 @@ TEST(PmlRead, Cylinder) {
 }
 
 TEST(PmlRead, LengthUnit) {
-  PmlOptions metres;
-  metres.length_unit = 1.0;
+  const PmlOptions metres{.length_unit = 1.0};
   EXPECT_EQ(read_pml(test_data + "/tetrahedron_4.pml", metres).rest[1], Vec3(1, 0, 0));
 }
 
@@ -74,9 +72,7 @@ TEST(PmlRead, MassAndStiffnessAtomThenCellThenComponentThenDefault) {
       read_pml_text(replaced(component, "z=\"0\"/>", "z=\"0\" mass=\"10\" stiffness=\"100\"/>"), "t.pml");
   EXPECT_EQ(model.mass, (std::vector<double>{10, 20, 30, 30}));
   EXPECT_EQ(model.stiffness, (std::vector<double>{100, 200, 300, 300}));
-  PmlOptions defaults;
-  defaults.default_mass = 0.5;
-  defaults.default_stiffness = 7;
+  const PmlOptions defaults{.default_mass = 0.5, .default_stiffness = 7};
   const Model bare = read_pml_text(pml_text(tetrahedron_atoms, {tetrahedron_cell}), "t.pml", defaults);
   EXPECT_EQ(bare.mass, std::vector<double>(4, 0.5));
   EXPECT_EQ(bare.stiffness, std::vector<double>(4, 7.0));
@@ -132,8 +128,7 @@ TEST(PmlRead, FewNeighboursAreNamedAndLoad) {
   // What becomes of the particle is the caller's choice.
   EXPECT_TRUE(refuses([&] { build_topology(model); }, "on_sparse"));
   for (const SparseParticle choice : {SparseParticle::springs, SparseParticle::free}) {
-    TopologyOptions options;
-    options.on_sparse = choice;
+    const TopologyOptions options{.on_sparse = choice};
     EXPECT_EQ(message_of([&] { build_topology(model, options); }), "(no error)");
   }
 }

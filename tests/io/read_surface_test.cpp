@@ -151,17 +151,15 @@ TEST(ReadSurface, SaysWhatItMendedByFile) {
   const Surface surface = read_surface(file.path());  // as if in metres
   ASSERT_EQ(surface.notes.size(), 2u);
   EXPECT_EQ(surface.notes[0], file.path() + ": surface: it was inside out; all triangles were turned");
-  EXPECT_NE(surface.notes[1].find("0.001 metres per unit"), std::string::npos);
+  EXPECT_TRUE(says(surface.notes[1], "0.001 metres per unit"));
   EXPECT_NEAR(enclosed_volume(surface.triangles, surface.vertices), 6000.0, 1e-9);
 }
 
 TEST(ReadSurface, RefusesByFileAndPlace) {
-  EXPECT_NE(reading_surface("box.step", "")
-                .find("expected a surface in a .stl, .obj, .ply, .gltf or .glb file, got \".step\""),
-            std::string::npos);
-  EXPECT_NE(reading_surface("box.stl", stl_text(box()), 0.0).find("metres_per_unit above 0, got 0"), std::string::npos);
-  EXPECT_NE(message_of([] { read_surface("no such file.stl"); }).find("no such file.stl: the file cannot be opened"),
-            std::string::npos);
+  EXPECT_TRUE(says(reading_surface("box.step", ""),
+                   "expected a surface in a .stl, .obj, .ply, .gltf or .glb file, got \".step\""));
+  EXPECT_TRUE(says(reading_surface("box.stl", stl_text(box()), 0.0), "metres_per_unit above 0, got 0"));
+  EXPECT_TRUE(refuses([] { read_surface("no such file.stl"); }, "no such file.stl: the file cannot be opened"));
   SKIP_WITHOUT_ASSIMP();
   Surface open = box();
   open.triangles.pop_back();
@@ -178,7 +176,7 @@ TEST(ReadSurface, RefusesByFileAndPlace) {
                                      "solid x\nfacet normal 0 0 0\nouter loop\nvertex nan 0 0\nvertex 1 0 0\n"
                                      "vertex 0 1 0\nendloop\nendfacet\nendsolid x\n"}}) {
     const std::string refusal = reading_surface(name, bytes);
-    EXPECT_NE(refusal.find(std::string(name) + ": "), std::string::npos) << refusal;
+    EXPECT_TRUE(says(refusal, std::string(name) + ": "));
   }
 }
 

@@ -5,7 +5,6 @@
 #pragma once
 
 #include "base/vector3.h"
-#include "device/float_tables.h"
 
 namespace phymul::cpu {
 

@@ -16,22 +16,6 @@ namespace {
 
 using cpu::Float3;
 
-/// The thesis' reactions beside the conservative energies.
-std::vector<Variant> float_variants() {
-  std::vector<Variant> all = conservative_variants();
-  for (const auto& [name, reaction] : {std::pair{"full", Reaction::full}, std::pair{"shared", Reaction::shared},
-                                       std::pair{"barycentric", Reaction::barycentric}}) {
-    Variant v;
-    v.name = name;
-    v.options.reaction = reaction;
-    all.push_back(v);
-    v.name += " all";
-    v.options.bases = BaseSelection::all;
-    all.push_back(v);
-  }
-  return all;
-}
-
 bool can_carry(const Variant& variant, const Body& body) {
   return !(variant.options.volume_stiffness > 0.0 && body.model.cells.empty());
 }
@@ -45,7 +29,7 @@ struct Case {
 /// One body with every variant it can carry.
 template <class Visit>
 void for_each_variant(const Body& body, const Visit& visit) {
-  for (const Variant& variant : float_variants()) {
+  for (const Variant& variant : all_variants()) {
     if (!can_carry(variant, body)) continue;
     const Model model = prepared(variant, body);
     visit(Case{body.name + ", " + variant.name, model, build_topology(model, variant.options)});
@@ -73,12 +57,6 @@ VecList widened(const std::vector<Float3>& list) {
   VecList wide;
   for (const Float3& v : list) wide.emplace_back(v.x, v.y, v.z);
   return wide;
-}
-
-VecList sum_of(const VecList& a, const VecList& b) {
-  VecList total = a;
-  for (std::size_t i = 0; i < a.size(); ++i) total[i] += b[i];
-  return total;
 }
 
 /// Largest error over bound of the forces at u; a failure where it is above 1.
@@ -166,7 +144,7 @@ TEST(MirrorKernels, SmallStrainsKeepTheirDigits) {
 
 TEST(MirrorKernels, EnumeratedBasesGiveTheForcesOfTheTable) {
   for (const Body& body : bodies()) {
-    for (const Variant& variant : float_variants()) {
+    for (const Variant& variant : all_variants()) {
       const bool enumerable = variant.name.find(" all") != std::string::npos &&
                               variant.options.reaction != Reaction::conservative && body.model.dimension == 3;
       if (!enumerable) continue;

@@ -27,30 +27,19 @@ Pair make_pair(const Scene& scene, const TopologyOptions& options, SolverOptions
   return pair;
 }
 
-double largest_distance(const State& a, const State& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.position.size(); ++i) {
-    largest = std::max(largest, (a.position[i] - b.position[i]).norm());
-  }
-  return largest;
-}
-
 Model calibrated_cylinder(const Vec3& origin = Vec3::Zero()) {
-  Model model = cylinder_275();
-  for (Vec3& p : model.rest) p += origin;
-  set_material(model, soft_tissue());
-  return model;
+  return with_material(moved(cylinder_275(), origin));
 }
 
 /// Lower end held, upper end pulled along z, gravity.
 Scene pulled(const Model& model, double amount) {
   Scene scene(model);
-  Load pull;
-  pull.type = LoadType::translation;
-  pull.particles = model.group("top");
-  pull.direction = {0, 0, 1};
-  pull.events = {{0.0, 0.0}, {0.2, amount}};
-  return scene.fix("bottom").gravity({0, 0, -9.81}).add(pull);
+  return scene.fix("bottom")
+      .gravity({0, 0, -9.81})
+      .add({.type = LoadType::translation,
+            .particles = model.group("top"),
+            .events = {{0.0, 0.0}, {0.2, amount}},
+            .direction = {0, 0, 1}});
 }
 
 /// What is left out has the kernels of what is left, and thousands of rows more.
@@ -72,11 +61,9 @@ TEST(Mirror, TwoThousandDampedStepsEndWhereTheReferenceEnds) {
       scene.fix(std::vector<Index>{0, 1, 2});
       const double rate = 0.02;                           // per step
       Pair pair = make_pair(scene, variant.options, {});  // for its step
-      SolverOptions options;
-      options.damping.rate = rate / pair.dt;
+      const SolverOptions options{.damping = {.rate = rate / pair.dt}};
       pair = make_pair(scene, variant.options, options);
-      State start = rest_state(model);
-      start.position = random_positions(model, 0.1, 5);
+      State start = displaced(model, 0.1, 5);
       for (Index i : {0, 1, 2}) start.position[i] = model.rest[i];
       pair.exact->reset(start);
       pair.mirror->reset(start);
@@ -85,12 +72,12 @@ TEST(Mirror, TwoThousandDampedStepsEndWhereTheReferenceEnds) {
       for (int steps = 0; steps < 2000; steps += 100) {
         ASSERT_TRUE(pair.exact->step(100, pair.dt).ok()) << body.name << ", " << variant.name;
         ASSERT_TRUE(pair.mirror->step(100, pair.dt).ok()) << body.name << ", " << variant.name;
-        const double apart = largest_distance(pair.exact->read(), pair.mirror->read());
+        const double apart = largest_distance(pair.exact->read().position, pair.mirror->read().position);
         if (steps == 0) first = apart;
         worst = std::max(worst, apart);
       }
       const double size = body_size(model);
-      const double last = largest_distance(pair.exact->read(), pair.mirror->read());
+      const double last = largest_distance(pair.exact->read().position, pair.mirror->read().position);
       EXPECT_LE(last, 1e-5 * size) << body.name << ", " << variant.name << ": " << first / size << " after 100 steps, "
                                    << worst / size << " at worst";
       last_of_all = std::max(last_of_all, last / size);
@@ -105,12 +92,11 @@ TEST(Mirror, TwoThousandDampedStepsEndWhereTheReferenceEnds) {
 TEST(Mirror, FarFromTheOriginNothingIsLost) {
   const Model model = calibrated_cylinder({1000.0, 0.0, 0.0});
   const Scene scene = pulled(model, 0.005);
-  SolverOptions options;
-  options.damping.rate = 20.0;
+  const SolverOptions options{.damping = {.rate = 20.0}};
   const Pair pair = make_pair(scene, {}, options);
   ASSERT_TRUE(pair.exact->step(3000, pair.dt).ok());
   ASSERT_TRUE(pair.mirror->step(3000, pair.dt).ok());
-  const double apart = largest_distance(pair.exact->read(), pair.mirror->read()) / body_size(model);
+  const double apart = largest_distance(pair.exact->read().position, pair.mirror->read().position) / body_size(model);
   std::cout << "apart by " << apart << " of the body's size\n";
   EXPECT_LE(apart, 1e-6);
 }
@@ -118,9 +104,7 @@ TEST(Mirror, FarFromTheOriginNothingIsLost) {
 TEST(Mirror, RestsAtTheStepOfTheReference) {
   const Model model = calibrated_cylinder();
   const Scene scene = pulled(model, 0.005);
-  SolverOptions options;
-  options.damping.rate = 20.0;
-  options.rest_tolerance = 1e-6;
+  const SolverOptions options{.damping = {.rate = 20.0}, .rest_tolerance = 1e-6};
   const Pair pair = make_pair(scene, {}, options);
   const int warm = static_cast<int>(std::ceil(0.2 / pair.dt));
   ASSERT_TRUE(pair.exact->step(warm, pair.dt).ok());
@@ -129,7 +113,7 @@ TEST(Mirror, RestsAtTheStepOfTheReference) {
   EXPECT_TRUE(exact.converged() && mirror.converged());
   std::cout << "steps to rest: reference " << exact.report.steps << ", mirror " << mirror.report.steps << "\n";
   EXPECT_NEAR(exact.report.steps, mirror.report.steps, 1e-3 * exact.report.steps);
-  EXPECT_LE(largest_distance(pair.exact->read(), pair.mirror->read()), 1e-5 * body_size(model));
+  EXPECT_LE(largest_distance(pair.exact->read().position, pair.mirror->read().position), 1e-5 * body_size(model));
 }
 
 // The default tolerance is below what a float can tell of a body pulled by its own spacing.
@@ -137,8 +121,7 @@ TEST(Mirror, ComesToRestAtItsOwnNoise) {
   const Model model = calibrated_cylinder();
   for (const double amount : {0.0005, 0.005}) {
     const Scene scene = pulled(model, amount);
-    SolverOptions options;
-    options.damping.rate = 20.0;
+    const SolverOptions options{.damping = {.rate = 20.0}};
     const Pair pair = make_pair(scene, {}, options);
     ASSERT_TRUE(pair.mirror->step(static_cast<int>(std::ceil(0.2 / pair.dt)), pair.dt).ok());
     const RestResult rest = pair.mirror->run_to_rest(4000, pair.dt);
@@ -150,14 +133,11 @@ TEST(Mirror, ComesToRestAtItsOwnNoise) {
 TEST(Mirror, ComesToRestTurned) {
   const Model model = calibrated_cylinder();
   Scene scene(model);
-  Load turn;
-  turn.type = LoadType::rotation;
-  turn.particles = model.group("bottom");
-  turn.direction = {1, 0, 0};
-  turn.events = {{0.0, 0.0}, {0.5, 2.0}};
-  scene.add(turn);
-  SolverOptions options;
-  options.damping.rate = 40.0;
+  scene.add({.type = LoadType::rotation,
+             .particles = model.group("bottom"),
+             .events = {{0.0, 0.0}, {0.5, 2.0}},
+             .direction = {1, 0, 0}});
+  const SolverOptions options{.damping = {.rate = 40.0}};
   const Pair pair = make_pair(scene, {}, options);
   ASSERT_TRUE(pair.mirror->step(static_cast<int>(std::ceil(0.5 / pair.dt)), pair.dt).ok());
   const RestResult rest = pair.mirror->run_to_rest(4000, pair.dt);
@@ -168,22 +148,18 @@ TEST(Mirror, ComesToRestTurned) {
 TEST(Mirror, EnumeratedBasesMoveTheBodyAlike) {
   const Model model = jittered_block();
   const Scene scene(model);
-  TopologyOptions options;
-  options.reaction = Reaction::barycentric;
-  options.bases = BaseSelection::all;
+  const TopologyOptions options{.reaction = Reaction::barycentric, .bases = BaseSelection::all};
   const auto tables = std::make_shared<const TopologyTextures>(build_topology(model, options));
-  SolverOptions damped;
-  damped.damping.factor = 0.9;
+  const SolverOptions damped{.damping = {.factor = 0.9}};
   const auto table = cpu::make_mirror_solver(tables, scene, damped),
              enumerated = cpu::make_mirror_solver(tables, scene, damped, FloatLayout::enumerated);
-  State start = rest_state(model);
-  start.position = random_positions(model, 0.05, 2);
+  const State start = displaced(model, 0.05, 2);
   table->reset(start);
   enumerated->reset(start);
   const double dt = 0.4 * table->stable_step();
   ASSERT_TRUE(table->step(200, dt).ok());
   ASSERT_TRUE(enumerated->step(200, dt).ok());
-  EXPECT_LE(largest_distance(table->read(), enumerated->read()), 1e-6 * body_size(model));
+  EXPECT_LE(largest_distance(table->read().position, enumerated->read().position), 1e-6 * body_size(model));
 }
 
 }  // namespace

@@ -40,10 +40,7 @@ Model spiked() {
   model.mass.assign(6, 1.0);
   model.stiffness.assign(6, 1.0);
   const auto face = [&](Index a, Index b, Index c) {
-    Cell cell;
-    cell.type = CellType::triangle;
-    cell.particles = {a, b, c};
-    model.cells.push_back(cell);
+    model.cells.push_back({.type = CellType::triangle, .particles = {a, b, c}});
   };
   for (Index k = 0; k < 4; ++k) {
     face(0, 2 + k, 2 + (k + 1) % 4);
@@ -114,8 +111,7 @@ TEST_P(GridTool, PressesAsTheSameBallDoes) {
     ToolPose pose{.position = Vec3(0.015, 0.014, 0.0285),
                   .orientation = Quaternion(Eigen::AngleAxisd(0.3, Vec3(0.2, 1, 0).normalized()))};
     scene.fix("z0").add_tool("tool", {.shape = shape, .pose = pose, .friction = 0.3});
-    SolverOptions options;
-    options.damping.rate = 40.0;
+    const SolverOptions options{.damping = {.rate = 40.0}};
     const auto solver = make(model, scene, options);
     pose.position.z() -= 0.003;
     scene.tool("tool").move_to(pose);

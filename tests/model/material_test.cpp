@@ -39,13 +39,11 @@ TEST(Material, RegionsReachTheirVolume) {
   const auto ball = [&](const Vec3& at) { return (at - Vec3(0.031, 0.03, 0.029)).norm() < radius; };
   for (const Model& block :
        {make_tetrahedral_block({0.06, 0.06, 0.06}, 10, 10, 10, 0.2, 1), make_block({0.06, 0.06, 0.06}, 20, 20, 20)}) {
-    Model by_centre = block, by_group = block;
-    set_material(by_centre, soft_tissue());
+    Model by_centre = with_material(block), by_group = by_centre;
     const Material hard{50e3, 0.45, 1000};
     const double reached = set_material(by_centre, hard, ball);
     double volume = 0.0, whole = 0.0;
     by_group.add_group("ball", by_group.particles_in(ball));
-    set_material(by_group, soft_tissue());
     set_material(by_group, hard, "ball");
     for (const Cell& cell : by_centre.cells) volume += cell.material == 1 ? cell_volume(block, cell) : 0.0;
     for (const Cell& cell : by_group.cells) whole += cell.material == 1 ? cell_volume(block, cell) : 0.0;

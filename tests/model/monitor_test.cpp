@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "support/message_of.h"
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 #include <phymul/check.h>
-#include <phymul/error.h>
 #include <phymul/pml.h>
 #include <phymul/shapes.h>
 

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 #include <phymul/phymul.h>
 
-#include <algorithm>
 #include <limits>
 
 #include "support/bodies.h"

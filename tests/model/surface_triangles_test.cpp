@@ -4,7 +4,6 @@
 #include <phymul/surface.h>
 
 #include <Eigen/Geometry>
-#include <cmath>
 #include <map>
 #include <utility>
 

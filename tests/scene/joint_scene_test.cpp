@@ -3,7 +3,6 @@
 // What a scene accepts as a joint, and what it says of what it refuses.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 
 #include "support/bodies.h"

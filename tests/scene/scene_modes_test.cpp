@@ -10,12 +10,7 @@ namespace phymul::test {
 namespace {
 
 Load load_of(LoadType type, std::vector<Index> particles, const Vec3& direction) {
-  Load load;
-  load.type = type;
-  load.particles = std::move(particles);
-  load.direction = direction;
-  load.events = {{0.0, 0.1}, {1.0, 0.7}};
-  return load;
+  return {.type = type, .particles = std::move(particles), .events = {{0.0, 0.1}, {1.0, 0.7}}, .direction = direction};
 }
 
 TEST(SceneModes, SumToWhatEvaluateSays) {

@@ -4,7 +4,6 @@
 #include <phymul/shapes.h>
 
 #include <Eigen/Geometry>
-#include <cmath>
 #include <limits>
 #include <numbers>
 #include <type_traits>

@@ -167,9 +167,7 @@ TEST(SeveralBodies, WhatCannotBeMergedIsRefused) {
   EXPECT_TRUE(says(refused({{"a", &bare}, {"a", &bare}}), "another body has it"));
   EXPECT_TRUE(says(refused({{"a", &bare}, {"b", &flat}}), "expected 3 dimensions"));
   EXPECT_TRUE(says(refused({{"a", &organs.soft}, {"b", &bare}}), "a material on every body or on none"));
-  Load load;
-  load.particles = {0, 2};
-  load.toward = -1;
+  const Load load{.particles = {0, 2}, .toward = -1};
   EXPECT_EQ(for_merged(load, 7).particles, (std::vector<Index>{7, 9}));
   EXPECT_EQ(for_merged(load, 7).toward, -1);
 }

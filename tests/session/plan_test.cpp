@@ -185,17 +185,14 @@ TEST(Plan, SaysWhatIsWrongWithABuilder) {
                         return sim;
                       }),
                       "nothing moves in this scene"));
-  EXPECT_TRUE(refuses(built([](const PlanCandidate& it) {
-                        Simulation sim = sagging(it);
-                        Load rising;
-                        rising.type = LoadType::force;
-                        rising.particles = {0};
-                        rising.direction = {0, 0, 1};
-                        rising.events = {{0, 0}, {2, 1}};
-                        sim.scene().add(rising);
-                        return sim;
-                      }),
-                      "changes until 2 s, so the rest shape says little; give PlanOptions::probe_time"));
+  EXPECT_TRUE(
+      refuses(built([](const PlanCandidate& it) {
+                Simulation sim = sagging(it);
+                sim.scene().add(
+                    {.type = LoadType::force, .particles = {0}, .events = {{0, 0}, {2, 1}}, .direction = {0, 0, 1}});
+                return sim;
+              }),
+              "changes until 2 s, so the rest shape says little; give PlanOptions::probe_time"));
 }
 
 }  // namespace

@@ -289,10 +289,7 @@ std::string small_recording() {
   scene.gravity({0, 0, -1});
   const auto solver = make_solver("cpu", model, scene);
   Recorder recorder(*solver, scene);
-  Load load;
-  load.particles = {1, 2};
-  load.direction = {1, 0, 0};
-  load.events = {{0, 1e-4}};
+  const Load load{.particles = {1, 2}, .events = {{0, 1e-4}}, .direction = {1, 0, 0}};
   recorder.step(2, 1e-5);
   scene.add(load);
   recorder.step(2, 1e-5);

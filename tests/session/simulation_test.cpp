@@ -161,11 +161,7 @@ TEST(Simulation, ToolsToldBeforeTheFirstStepAreHeard) {
 
 TEST(Simulation, MaterialsOfGroups) {
   Model model = make_block({0.04, 0.04, 0.04}, 4, 4, 4);
-  std::vector<Index> half;
-  for (Index i = 0; i < model.particle_count(); ++i) {
-    if (model.rest[i].x() < 0.021) half.push_back(i);
-  }
-  model.add_group("half", half);
+  model.add_group("half", model.particles_in([](const Vec3& X) { return X.x() < 0.021; }));
   const Material stiff{.young = 50e3, .poisson = 0.4, .density = 1200};
   const Simulation sim(model, {.material = soft, .materials = {{"half", stiff}}});
   set_material(model, soft);

@@ -11,29 +11,12 @@
 #include "base/checked_file.h"
 #include "support/message_of.h"
 #include "support/run_scenes.h"
+#include "support/text_file.h"
 
 namespace phymul {
 namespace {
 
 using namespace test;
-
-std::string path_for(const char* name) {
-  return ::testing::TempDir() + "phymul_" + name;
-}
-
-std::string bytes_of(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-/// Bits, not values: 0 and -0 differ.
-bool same_bits(const VecList& a, const VecList& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), sizeof(Vec3) * a.size()) == 0;
-}
-
-bool same_bits(const State& a, const State& b) {
-  return a.time == b.time && same_bits(a.position, b.position) && same_bits(a.velocity, b.velocity);
-}
 
 std::shared_ptr<const TopologyTextures> tables(const Model& model) {
   return std::make_shared<const TopologyTextures>(build_topology(model));
@@ -83,8 +66,7 @@ TEST(StateFile, AStateAloneLosesDigitsOfSinglePrecisionFarFromTheOrigin) {
 }
 
 TEST(StateFile, RestIsFoundAtTheSameStepAfterARestart) {
-  Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
-  set_material(model, soft_tissue());
+  const Model model = with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2));
   const auto topology = tables(model);
   Scene scene(model);
   scene.fix("x0").gravity({0, 0, -1});
@@ -113,13 +95,12 @@ TEST(StateFile, ExtremeNumbersComeBackBitForBit) {
   saved.state.time = 5e-324;
   saved.state.position = {{-0.0, 1.7976931348623157e308, 0.1}};
   saved.state.velocity = {{2.2250738585072014e-308, -5e-324, 3}};
-  ToolState tool;
-  tool.name = "probe";
-  tool.pose = {{1, 2, 3}, Quaternion(0.5, -0.5, 0.5, -0.5), {4, 5, 6}, {7, 8, 9}};
-  tool.placed = false;
-  tool.held = {0};
-  tool.held_at = {{1e-3, 0, -0.0}};
-  tool.needle = {{{{0}, {0.25}, true}, {{}, {}, false}}, true, true, 1e-5, {{-1e-3, 0.5, -0.0}}};
+  const ToolState tool{.name = "probe",
+                       .pose = {{1, 2, 3}, Quaternion(0.5, -0.5, 0.5, -0.5), {4, 5, 6}, {7, 8, 9}},
+                       .placed = false,
+                       .held = {0},
+                       .held_at = {{1e-3, 0, -0.0}},
+                       .needle = {{{{0}, {0.25}, true}, {{}, {}, false}}, true, true, 1e-5, {{-1e-3, 0.5, -0.0}}}};
   saved.state.tools = {tool, ToolState{}};
   saved.displacement = {{-0.0, 1e-300, 7}};
   saved.last_dt = 1e-9;
@@ -132,8 +113,8 @@ TEST(StateFile, ExtremeNumbersComeBackBitForBit) {
   EXPECT_TRUE(same_bits(again.state, saved.state));
   EXPECT_TRUE(same_bits(again.displacement, saved.displacement));
   // Little-endian whatever the machine: magic, version 4, and the body's fingerprint at byte 24.
-  EXPECT_EQ(bytes_of(path).substr(0, 16), std::string("phymulSt\4\0\0\0body", 16));
-  EXPECT_EQ(bytes_of(path).substr(24, 8), "\x10\x32\x54\x76\x98\xba\xdc\xfe");
+  EXPECT_EQ(text_of(path).substr(0, 16), std::string("phymulSt\4\0\0\0body", 16));
+  EXPECT_EQ(text_of(path).substr(24, 8), "\x10\x32\x54\x76\x98\xba\xdc\xfe");
 }
 
 TEST(StateFile, OtherBodiesAreRefusedAndTheSolverKeepsItsState) {
@@ -143,8 +124,7 @@ TEST(StateFile, OtherBodiesAreRefusedAndTheSolverKeepsItsState) {
   const auto solver = make_solver("reference", model, scene);
   save_state(*solver, path);
 
-  Model stiffer = model;
-  set_material(stiffer, soft_tissue(0.31));
+  const Model stiffer = with_material(model, soft_tissue(0.31));
   const Scene stiff_scene(stiffer);
   const auto other = make_solver("reference", stiffer, stiff_scene);
   ASSERT_TRUE(other->step(3, 0.2 * other->stable_step()).ok());
@@ -202,7 +182,7 @@ std::string a_file() {
   const auto solver = make_solver("cpu", model, scene);
   const std::string path = path_for("whole.state");
   save_state(*solver, path);
-  return bytes_of(path);
+  return text_of(path);
 }
 
 TEST(StateFile, DamageIsRefusedWithPlaceAndReason) {
@@ -228,15 +208,7 @@ TEST(StateFile, DamageIsRefusedWithPlaceAndReason) {
 }
 
 TEST(StateFile, CutAtEveryByteAndEveryBitTurnedIsRefused) {
-  const std::string good = a_file();
-  for (std::size_t length = 0; length < good.size(); ++length) {
-    EXPECT_NE(message_of([&] { read_state_bytes(good.substr(0, length), "s"); }), "(no error)") << length;
-  }
-  for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
-    std::string bad = good;
-    bad[bit / 8] = static_cast<char>(bad[bit / 8] ^ 1 << bit % 8);
-    EXPECT_NE(message_of([&] { read_state_bytes(bad, "s"); }), "(no error)") << bit;
-  }
+  expect_damage_is_refused(a_file(), [](const std::string& bytes) { read_state_bytes(bytes, "s"); });
 }
 
 /// Damage behind a right checksum, as a program with a mistake would write it: read and restored, or an Error.
@@ -252,23 +224,7 @@ TEST(StateFile, MutantsWithRightChecksumsAreHarmless) {
   int read = 0, refused = 0;
   for (int k = 0; k < 3000; ++k) {
     std::string mutant = payload;
-    for (std::size_t times = 1 + bits() % 3; times > 0; --times) {
-      const std::size_t at = bits() % mutant.size();
-      switch (bits() % 4) {
-        case 0:
-          mutant[at] = static_cast<char>(bits());
-          break;
-        case 1:
-          mutant.erase(at, 1 + bits() % 9);
-          break;
-        case 2:
-          mutant.insert(at, 1 + bits() % 9, '\xff');
-          break;
-        default:
-          mutant[at] = static_cast<char>(mutant[at] ^ 1 << bits() % 8);
-      }
-      if (mutant.empty()) break;
-    }
+    hurt(mutant, bits);
     ByteWriter head, tail;
     head.raw(body);
     tail.raw(mutant);

@@ -24,9 +24,7 @@ TEST(WireCodes, NeverChange) {
   int code = 0;
   for (const LoadType type :
        {LoadType::translation, LoadType::rotation, LoadType::force, LoadType::pressure, LoadType::acceleration}) {
-    Load load;
-    load.type = type;
-    load.axes = {Axis::driven, Axis::free, Axis::held};
+    const Load load{.type = type, .axes = {Axis::driven, Axis::free, Axis::held}};
     const std::string bytes = load_bytes(load);
     EXPECT_EQ(first_byte(bytes), code++);
     EXPECT_EQ(bytes.substr(17, 3), std::string("\2\0\1", 3));  // after the type and two empty lists

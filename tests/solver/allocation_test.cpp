@@ -12,7 +12,6 @@
 #include <array>
 #include <atomic>
 #include <cstdlib>
-#include <memory>
 #include <new>
 
 #if defined(_WIN32)
@@ -153,12 +152,10 @@ TEST(AllocationCount, EvaluatingASceneAllocatesNothing) {
   scene.gravity({0, 0, -9.81}).fix("x0");
   for (const LoadType type :
        {LoadType::translation, LoadType::rotation, LoadType::force, LoadType::pressure, LoadType::acceleration}) {
-    Load load;
-    load.type = type;
-    load.particles = model.group("z1");
-    load.direction = Vec3(0, 0, 1);
-    load.events = {{0.0, 0.0}, {0.5, 1.0}, {1.0, -1.0}};
-    scene.add(load);
+    scene.add({.type = type,
+               .particles = model.group("z1"),
+               .events = {{0.0, 0.0}, {0.5, 1.0}, {1.0, -1.0}},
+               .direction = Vec3(0, 0, 1)});
   }
   LoadFrame frame;
   scene.prepare(frame);
@@ -172,11 +169,10 @@ TEST(AllocationCount, SteppingAllocatesNothingEvenWhenLoadsAreReplaced) {
   set_material(model, {.young = 1e4, .poisson = 0.3, .density = 1000});
   Scene scene(model);
   scene.fix("x0").gravity({0, 0, -9.81});
-  Load pull;
-  pull.type = LoadType::translation;
-  pull.particles = model.group("x1");
-  pull.direction = Vec3(1, 0, 0);
-  pull.events = {{0.0, 0.0}};
+  Load pull{.type = LoadType::translation,
+            .particles = model.group("x1"),
+            .events = {{0.0, 0.0}},
+            .direction = Vec3(1, 0, 0)};
   scene.add(pull);
   Load push = pull;
   push.type = LoadType::force;
@@ -251,17 +247,14 @@ TEST(AllocationCount, DrivingAGroupAllocatesNothing) {
     Scene scene(model);
     scene.fix("x0");
     for (int axis = 0; axis < 3; ++axis) {
-      Load move;
-      move.type = LoadType::translation;
-      move.particles = model.group("x1");
+      Load move{.type = LoadType::translation, .particles = model.group("x1")};
       move.axes.fill(Axis::free);
       move.axes[axis] = Axis::driven;
       move.direction = Vec3::Unit(axis);
       move.events = {{0.0, 0.0}, {1.0, 0.0}};
       scene.add(move);
     }
-    SolverOptions options;
-    options.threads = 2;
+    const SolverOptions options{.threads = 2};
     const auto solver = make_solver(backend, model, scene, {}, options);
     const double dt = 0.5 * solver->stable_step();
     ASSERT_TRUE(solver->step(1, dt).ok());

@@ -6,7 +6,6 @@
 #include <phymul/phymul.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "support/bodies.h"
 #include "support/every_backend.h"
@@ -40,9 +39,7 @@ TEST(DissipationRuns, ConservesMomentumToRounding) {
     const Model model = two_tissues(plane ? make_strip(0.04, 0.02, 4, 2) : jittered_block());
     const Scene scene(model);
     const auto solver = make_solver("reference", model, scene);
-    State state = rest_state(model);
-    state.position = random_positions(model, 0.05, 3);
-    solver->reset(state);
+    solver->reset(displaced(model, 0.05, 3));
     ASSERT_TRUE(solver->step(400, 0.4 * solver->stable_step()).ok());
     const State now = solver->read();
     double size = 0.0, arm = 0.0;
@@ -60,8 +57,7 @@ TEST(DissipationRuns, NeverGivesEnergyBack) {
   const Model model = two_tissues(jittered_block());
   const Scene scene(model);
   const auto solver = make_solver("reference", model, scene);
-  State state = rest_state(model);
-  state.position = random_positions(model, 0.05, 5);
+  const State state = displaced(model, 0.05, 5);
   for (const auto& [share, steps] : {std::pair(0.02, 10), std::pair(0.5, 1)}) {
     solver->reset(state);
     const double dt = share * solver->stable_step();
@@ -83,8 +79,7 @@ TEST(DissipationRuns, NeverGivesEnergyBack) {
 TEST_P(DissipationRunsOn, TellsVelocitiesOfTheStatesOwnTime) {
   const Model model = two_tissues(jittered_block());
   Simulation sim(model, {.backend = GetParam()});
-  State start = rest_state(model);
-  start.position = random_positions(model, 0.05, 7);
+  const State start = displaced(model, 0.05, 7);
   sim.set_state(start);
   const double dt = 0.5 * sim.solver().stable_step();
   for (int k = 0; k < 20; ++k) {
@@ -114,8 +109,7 @@ TEST_P(DissipationRunsOn, ContinuesBitForBitFromASnapshot) {
   const Scene scene(model);
   const auto topology = std::make_shared<const TopologyTextures>(build_topology(model));
   const auto solver = make_solver(GetParam(), topology, scene, {.threads = 1});
-  State state = rest_state(model);
-  state.position = random_positions(model, 0.05, 11);
+  const State state = displaced(model, 0.05, 11);
   solver->reset(state);
   const double dt = 0.4 * solver->stable_step();
   ASSERT_TRUE(solver->step(50, dt).ok());
@@ -138,8 +132,7 @@ TEST_P(DissipationRunsOn, ContinuesBitForBitFromASnapshot) {
 
   Snapshot damaged = snapshot;
   damaged.parts.front().bytes.pop_back();
-  EXPECT_NE(message_of([&] { other->restore(damaged); }).find("expected the snapshot's part \"strains\" to have"),
-            std::string::npos);
+  EXPECT_TRUE(refuses([&] { other->restore(damaged); }, "expected the snapshot's part \"strains\" to have"));
 }
 
 /// A recording through a file, over a way back to an earlier state, and from a state saved in the middle.
@@ -150,8 +143,7 @@ TEST_P(DissipationRunsOn, IsReplayedBitForBit) {
   Scene scene(model);
   scene.gravity({0, 0, -9.81});
   const auto recorded = made(scene);
-  State state = rest_state(model);
-  state.position = random_positions(model, 0.05, 11);
+  const State state = displaced(model, 0.05, 11);
   recorded->reset(state);
   const double dt = 0.4 * recorded->stable_step();
   ASSERT_TRUE(recorded->step(7, dt).ok());  // the recording starts with strains
@@ -187,9 +179,7 @@ TEST_P(DissipationRunsOn, KeepsItsStrainsWhenAStepFails) {
   const Model model = two_tissues(jittered_block());
   const Scene scene(model);
   const auto solver = make_solver(GetParam(), model, scene, {}, {.on_unstable = UnstableStep::allow});
-  State state = rest_state(model);
-  state.position = random_positions(model, 0.05, 11);
-  solver->reset(state);
+  solver->reset(displaced(model, 0.05, 11));
   ASSERT_TRUE(solver->step(20, 0.4 * solver->stable_step()).ok());
   const Snapshot before = solver->snapshot();
   EXPECT_EQ(solver->step(1, 1e15).status, StepStatus::not_finite);
@@ -201,18 +191,14 @@ TEST(DissipationRuns, OnTheProcessorIsThatOfTheReference) {
     const Model model = two_tissues(plane ? make_strip(0.04, 0.02, 4, 2) : jittered_block());
     const Scene scene(model);
     const auto exact = make_solver("reference", model, scene), fast = make_solver("cpu", model, scene);
-    State state = rest_state(model);
-    state.position = random_positions(model, 0.05, 4);
+    const State state = displaced(model, 0.05, 4);
     exact->reset(state);
     fast->reset(state);
     const double dt = 0.4 * exact->stable_step();
     for (int k = 0; k < 4; ++k) {
       ASSERT_TRUE(exact->step(50, dt).ok() && fast->step(50, dt).ok());
-      const State a = exact->read(), b = fast->read();
-      double worst = 0.0;
-      for (std::size_t i = 0; i < a.position.size(); ++i)
-        worst = std::max(worst, (a.position[i] - b.position[i]).norm());
-      EXPECT_LT(worst, 1e-5 * mean_spacing(model)) << k;
+      const double apart = largest_distance(exact->read().position, fast->read().position);
+      EXPECT_LT(apart, 1e-5 * mean_spacing(model)) << k;
     }
   }
 }
@@ -237,8 +223,8 @@ TEST(DissipationRuns, RefusesConstantsOutOfTheirRange) {
 }
 
 TEST(DissipationRuns, IsPartOfABodysFingerprints) {
-  Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
-  set_material(model, {.young = 10e3, .poisson = 0.3, .density = 1000});
+  Model model =
+      with_material(make_block({0.02, 0.02, 0.02}, 2, 2, 2), {.young = 10e3, .poisson = 0.3, .density = 1000});
   const TopologyTextures plain = build_topology(model);
   EXPECT_TRUE(plain.dissipation.empty());
   model.materials.front().retardation_time = 0.01;
@@ -248,15 +234,15 @@ TEST(DissipationRuns, IsPartOfABodysFingerprints) {
 }
 
 TEST(DissipationRuns, ThatABackendDoesNotTakeIsRefusedByName) {
-  Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
-  set_material(model, {.young = 10e3, .poisson = 0.3, .density = 1000, .retardation_time = 0.01});
+  const Model model = with_material(make_block({0.02, 0.02, 0.02}, 2, 2, 2),
+                                    {.young = 10e3, .poisson = 0.3, .density = 1000, .retardation_time = 0.01});
   const Scene scene(model);
   try {
     const OutsideBackend refused(std::make_shared<const TopologyTextures>(build_topology(model)), scene);
     ADD_FAILURE();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::not_supported);
-    EXPECT_NE(std::string(error.what()).find("retardation_time"), std::string::npos) << error.what();
+    EXPECT_TRUE(says(error.what(), "retardation_time"));
   }
 }
 
@@ -266,7 +252,7 @@ TEST(DissipationRuns, SimulationSaysThatSleepHasNoEffect) {
   options.solver.sleep_tolerance = 1e-6;
   const Simulation simulation(make_block({0.02, 0.02, 0.02}, 2, 2, 2), options);
   ASSERT_FALSE(simulation.warnings().empty());
-  EXPECT_NE(simulation.warnings().back().find("sleep_tolerance has no effect"), std::string::npos);
+  EXPECT_TRUE(says(simulation.warnings().back(), "sleep_tolerance has no effect"));
 }
 
 /// The lasting stiffness alone, and from there on no stress that relaxes.
@@ -284,13 +270,9 @@ TEST_P(DissipationRunsOn, StaysInTheStaticRest) {
   const State rest = simulation.solver().read();
   ASSERT_TRUE(simulation.advance(0.5).ok());
   const State after = simulation.solver().read();
-  double moved = 0.0, most = 0.0;
-  for (std::size_t i = 0; i < rest.position.size(); ++i) {
-    moved = std::max(moved, (after.position[i] - rest.position[i]).norm());
-    most = std::max(most, (rest.position[i] - simulation.model().rest[i]).norm());
-  }
+  const double most = largest_distance(rest.position, simulation.model().rest);
   EXPECT_GT(most, 0.0);
-  EXPECT_LT(moved, 1e-3 * most);
+  EXPECT_LT(largest_distance(after.position, rest.position), 1e-3 * most);
 }
 
 }  // namespace

@@ -24,13 +24,11 @@ PHYMUL_ON_EVERY_BACKEND(DissipationOn);
 
 void load_along_x(Scene& scene, LoadType type, const char* group, std::vector<ValueEvent> events,
                   std::array<Axis, 3> axes) {
-  Load load;
-  load.type = type;
-  load.particles = scene.model().group(group);
-  load.events = std::move(events);
-  load.axes = axes;
-  load.direction = Vec3::UnitX();
-  scene.add(load);
+  scene.add({.type = type,
+             .particles = scene.model().group(group),
+             .events = std::move(events),
+             .axes = axes,
+             .direction = Vec3::UnitX()});
 }
 
 /// On rollers, so that its sides are free to move.
@@ -93,10 +91,7 @@ TEST_P(DissipationOn, StressRelaxesAsInTheStandardLinearSolid) {
   // In series compliances add up; the branch creeps with (1 + strength) tau, and relaxes faster by their ratio.
   const double at_once = 1.0 / ((1.0 + strength) * young) + 1.0 / gauge, lasting = 1.0 / young + 1.0 / gauge;
   const double fast = (1.0 + strength) * tau * at_once / lasting;
-  std::vector<Index> middle;
-  for (Index i = 0; i < model.particle_count(); ++i) {
-    if (std::abs(model.rest[i].x() - 0.01) < 1e-6) middle.push_back(i);
-  }
+  const std::vector<Index> middle = model.particles_in([](const Vec3& X) { return std::abs(X.x() - 0.01) < 1e-6; });
   for (const double time : {0.3, 0.6, 1.2, 2.4}) {
     run_to(*solver, time);
     const double stress = gauge * (pull - (solver->read().position[middle.front()].x() - 0.01)) / 0.01;
@@ -109,8 +104,8 @@ TEST_P(DissipationOn, StressRelaxesAsInTheStandardLinearSolid) {
 /// The fundamental vibration of a bar, sin(pi x / 2 L), decays as exp(-w^2 T / 2 t).
 TEST_P(DissipationOn, VibrationsDecayAsInTheKelvinVoigtBody) {
   const double length = 0.1, young = 10e3, T = 2e-3, wave = std::numbers::pi / (2.0 * length);
-  Model model = make_block({length, 0.005, 0.005}, 20, 1, 1);
-  set_material(model, {.young = young, .poisson = 0.0, .density = 1000, .retardation_time = T});
+  const Model model = with_material(make_block({length, 0.005, 0.005}, 20, 1, 1),
+                                    {.young = young, .poisson = 0.0, .density = 1000, .retardation_time = T});
   Scene scene(model);
   hold_on_rollers(scene);
   const auto solver = make_solver(GetParam(), model, scene);
@@ -143,13 +138,12 @@ struct Spun {
 
 /// Of a free block that turns about z by 0.8 rad.
 Spun spin(const char* backend, double rate, double dt, double T, double strength) {
-  Model model = make_block({0.02, 0.01, 0.01}, 2, 1, 1);
-  set_material(model, {.young = 10e3,
-                       .poisson = 0.3,
-                       .density = 1000,
-                       .retardation_time = T,
-                       .relaxation_strength = strength,
-                       .relaxation_time = 0.1});
+  const Model model = with_material(make_block({0.02, 0.01, 0.01}, 2, 1, 1), {.young = 10e3,
+                                                                              .poisson = 0.3,
+                                                                              .density = 1000,
+                                                                              .retardation_time = T,
+                                                                              .relaxation_strength = strength,
+                                                                              .relaxation_time = 0.1});
   const Scene scene(model);
   const auto solver = make_solver(backend, model, scene);
   const Vec3 centre(0.01, 0.005, 0.005);
@@ -200,8 +194,7 @@ TEST(Dissipation, SetsTheStepLimit) {
   };
   double free = 0.0;
   for (const Material& material : {plain, with(1e-4, 0, 0), with(1e-2, 0, 0), with(0, 3, 1), with(1e-3, 0.5, 1)}) {
-    Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
-    set_material(model, material);
+    const Model model = with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2), material);
     const Scene scene(model);
     for (const double share : {0.95, 1.05}) {
       const auto solver = make_solver("reference", model, scene, {.stabiliser = 0.0},
@@ -212,9 +205,7 @@ TEST(Dissipation, SetsTheStepLimit) {
       EXPECT_DOUBLE_EQ(limit, stable_step(solver->topology(), estimate_spectrum(solver->topology(), model.rest), 1.0));
       EXPECT_DOUBLE_EQ(limit, body_limits(model, solver->topology()).front().stable_step);
       EXPECT_DOUBLE_EQ(limit, describe_limit(model, solver->topology(), 1).stable_step);
-      State state = rest_state(model);
-      state.position = random_positions(model, 1e-7, 2);
-      solver->reset(state);
+      solver->reset(displaced(model, 1e-7, 2));
       const bool ok = solver->step(2000, share * limit).ok();
       double strain = 0.0;
       const State now = solver->read();

@@ -15,9 +15,29 @@
 
 #include "session/scene_bytes.h"
 #include "support/allocation_count.h"
+#include "support/bodies.h"
 
 namespace phymul {
 namespace {
+
+struct Attempt {
+  bool has_failed = false, came_out = false;
+};
+
+/// Calls action() with its k-th allocation failing.
+Attempt attempt(const std::function<void()>& action, int k) {
+  Attempt made;
+  const FailingAllocation failing(static_cast<std::size_t>(k));
+  try {
+    action();
+  } catch (const std::bad_alloc&) {
+    made.came_out = true;
+  } catch (const Error&) {
+    made.came_out = true;
+  }
+  made.has_failed = failing.has_failed();
+  return made;
+}
 
 /// Calls action() with its first allocation failing, then with its second, until none fails. `check` is called after
 /// each failure. Returns how often one failed.
@@ -26,18 +46,7 @@ int fail_each(
   action();  // what is made once and stays
   const std::ptrdiff_t before = live_allocations();
   for (int k = 1;; ++k) {
-    bool has_failed = false, came_out = false;
-    {
-      const FailingAllocation failing(static_cast<std::size_t>(k));
-      try {
-        action();
-      } catch (const std::bad_alloc&) {
-        came_out = true;
-      } catch (const Error&) {
-        came_out = true;
-      }
-      has_failed = failing.has_failed();
-    }
+    const auto [has_failed, came_out] = attempt(action, k);
     // Where memory is asked for that one can do without, as std::stable_sort does, nothing needs to come out.
     if (!has_failed) return k - 1;
     check();
@@ -47,9 +56,7 @@ int fail_each(
 }
 
 Model soft_block() {
-  Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
-  set_material(model, {.young = 1e4, .poisson = 0.3, .density = 1000});
-  return model;
+  return test::with_material(make_block({0.02, 0.02, 0.02}, 2, 2, 2));
 }
 
 /// Everything that a scene has.
@@ -57,12 +64,10 @@ void fill(Scene& scene) {
   scene.fix("x0").gravity({0, 0, -9.81}).contacts({});
   const ToolHandle tool = scene.add_tool({.shape = Sphere{0.005}, .pose = {.position = {0.024, 0.01, 0.01}}});
   scene.attach(scene.model().group("z1"), tool, {.stiffness = 1e3, .breaking_stress = 1e6});
-  Load load;
-  load.type = LoadType::pressure;
-  load.particles = scene.model().group("x1");
-  load.direction = Vec3(1, 0, 0);
-  load.events = {{0.0, 0.0}, {1.0, 5.0}};
-  scene.add(load);
+  scene.add({.type = LoadType::pressure,
+             .particles = scene.model().group("x1"),
+             .events = {{0.0, 0.0}, {1.0, 5.0}},
+             .direction = Vec3(1, 0, 0)});
 }
 
 std::string bytes_of(const Scene& scene) {
@@ -104,11 +109,8 @@ TEST(FailingAllocation, WhileFilesAreRead) {
   write_pml(model, out);
   const std::string text = out.str();
   EXPECT_GT(fail_each([&] { read_pml_text(text, "a.pml"); }), 50);
-  Load load;
-  load.type = LoadType::force;
-  load.direction = Vec3(0, 0, 1);
-  load.particles = {1, 2, 5};
-  load.events = {{0.0, 0.0}, {1.0, 2.0}};
+  const Load load{
+      .type = LoadType::force, .particles = {1, 2, 5}, .events = {{0.0, 0.0}, {1.0, 2.0}}, .direction = Vec3(0, 0, 1)};
   write_lml({load}, model, loads);
   const std::string lml = loads.str();
   EXPECT_GT(fail_each([&] { read_lml_text(lml, "a.lml", model); }), 5);
@@ -136,16 +138,7 @@ TEST(FailingAllocation, WhileASceneIsMadeAndChanged) {
     SCOPED_TRACE(name);
     const std::string before = bytes_of(scene);
     for (int k = 1;; ++k) {
-      bool has_failed = false, came_out = false;
-      {
-        const FailingAllocation failing(static_cast<std::size_t>(k));
-        try {
-          call();
-        } catch (const std::bad_alloc&) {
-          came_out = true;
-        }
-        has_failed = failing.has_failed();
-      }
+      const auto [has_failed, came_out] = attempt(call, k);
       if (!has_failed || !came_out) break;
       ASSERT_TRUE(bytes_of(scene) == before) << "failure " << k << " changed the scene";
     }

@@ -71,12 +71,10 @@ std::vector<ScaledBody> cases() {
 }
 
 Load pull_on(const Model& model) {
-  Load load;
-  load.particles = model.group("x1");
-  load.type = LoadType::acceleration;
-  load.direction = model.dimension == 2 ? Vec3(1, 1, 0) : Vec3(1, 1, 0.5);
-  load.events = {{0.0, 5.0}};
-  return load;
+  return {.type = LoadType::acceleration,
+          .particles = model.group("x1"),
+          .events = {{0.0, 5.0}},
+          .direction = model.dimension == 2 ? Vec3(1, 1, 0) : Vec3(1, 1, 0.5)};
 }
 
 class LiveStiffness : public OnEveryBackend {};
@@ -110,13 +108,9 @@ TEST_P(LiveStiffness, IsThatOfASolverMadeAnew) {
       ASSERT_TRUE(solver->step(60, dt).ok());
       ASSERT_TRUE(anew->step(60, dt).ok());
       const State now = solver->read(), wanted = anew->read();
-      double largest = 0.0, apart = 0.0;
-      for (std::size_t i = 0; i < model.rest.size(); ++i) {
-        largest = std::max(largest, (wanted.position[i] - model.rest[i]).norm());
-        apart = std::max(apart, (wanted.position[i] - now.position[i]).norm());
-      }
+      const double largest = largest_distance(wanted.position, model.rest);
       EXPECT_GT(largest, 1e-6);
-      EXPECT_LT(apart, bound * largest) << (of_one ? "of one" : "of all");
+      EXPECT_LT(largest_distance(wanted.position, now.position), bound * largest) << (of_one ? "of one" : "of all");
     }
   }
 }
@@ -136,13 +130,8 @@ TEST(LiveStiffnessOfABody, IsThatOfOneBuiltSo) {
     VecList found(x.size()), wanted(x.size());
     elastic_forces(own, x, found, scene.stiffness_factors());
     elastic_forces(other, x, wanted);
-    double largest = 0.0, apart = 0.0;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      largest = std::max(largest, wanted[i].norm());
-      apart = std::max(apart, (found[i] - wanted[i]).norm());
-    }
-    EXPECT_GT(largest, 0.0);
-    EXPECT_LT(apart, 1e-12 * largest);
+    EXPECT_GT(largest_norm(wanted), 0.0);
+    EXPECT_LT(largest_distance(found, wanted), 1e-12 * largest_norm(wanted));
     const double energy = elastic_energy(other, x);
     EXPECT_NEAR(elastic_energy(own, x, scene.stiffness_factors()), energy, 1e-12 * energy);
   }
@@ -180,8 +169,7 @@ TEST(LiveStiffnessOfABody, BoundsItsStepClosely) {
 /// A tip so soft that its factor says nothing about the body's step.
 TEST(LiveStiffnessOfABody, OfASoftTipCostsNoSteps) {
   const Material body{100e3, 0.3, 1000.0}, tip{10.0, 0.3, 1000.0};
-  Model model = make_block({0.1, 0.02, 0.02}, 20, 4, 4);
-  set_material(model, body);
+  Model model = with_material(make_block({0.1, 0.02, 0.02}, 20, 4, 4), body);
   set_material(model, tip, [](const Vec3& place) { return place.x() > 0.08; });
   Scene scene(model);
   const auto solver = make_solver("reference", model, scene);

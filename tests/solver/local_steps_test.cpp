@@ -8,6 +8,7 @@
 
 #include "elastic/local_steps.h"
 #include "support/allocation_count.h"
+#include "support/bodies.h"
 #include "support/message_of.h"
 
 namespace phymul::test {
@@ -32,17 +33,8 @@ Model with_tumour(int cells, const Vec3& centre = middle) {
 
 std::unique_ptr<Solver> solver_of(const std::string& backend, const Model& model, const Scene& scene, int substeps,
                                   double damping = 0.0, UnstableStep beyond = UnstableStep::refuse) {
-  SolverOptions options;
-  options.max_substeps = substeps;
-  options.damping.rate = damping;
-  options.on_unstable = beyond;
+  const SolverOptions options{.damping = {.rate = damping}, .on_unstable = beyond, .max_substeps = substeps};
   return make_solver(backend, model, scene, {}, options);
-}
-
-double farthest(const VecList& a, const VecList& b) {
-  double most = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, (a[i] - b[i]).norm());
-  return most;
 }
 
 /// Positions after `seconds` of gravity, at this share of the step limit.
@@ -111,9 +103,9 @@ TEST_P(LocalStepsOn, TheMotionIsThatOfShortSteps) {
   const Model plain = cube(8), model = with_tumour(8);
   const VecList fine = fallen(GetParam(), model, 1, 0.2, 0.1), local = fallen(GetParam(), model, 32, 0.45, 0.1);
   const VecList plain_fine = fallen(GetParam(), plain, 1, 0.04, 0.1), own = fallen(GetParam(), plain, 1, 0.45, 0.1);
-  const double moved = farthest(fine, model.rest);
-  const double error = farthest(local, fine) / moved;
-  EXPECT_LT(error, 1.1 * farthest(own, plain_fine) / farthest(plain_fine, plain.rest));
+  const double moved = largest_distance(fine, model.rest);
+  const double error = largest_distance(local, fine) / moved;
+  EXPECT_LT(error, 1.1 * largest_distance(own, plain_fine) / largest_distance(plain_fine, plain.rest));
   RecordProperty("percent", std::to_string(100.0 * error));
 }
 
@@ -130,7 +122,7 @@ TEST_P(LocalStepsOn, IsBoundedBelowTheLimitAndDivergesAboveIt) {
     }
     solver->reset(state);
     const StepReport report = solver->step(4000, share * solver->stable_step());
-    const double moved = farthest(solver->read().position, model.rest);
+    const double moved = largest_distance(solver->read().position, model.rest);
     if (share < 1.0) {
       EXPECT_TRUE(report.ok()) << report.cause;
       EXPECT_LT(moved, 1e-4 * edge);
@@ -159,7 +151,7 @@ TEST_P(LocalStepsOn, RestShapesAreThoseOfShortSteps) {
   }
   EXPECT_GT(std::abs(force[0]), 0.01);
   EXPECT_NEAR(force[1], force[0], 2e-3 * std::abs(force[0]));
-  EXPECT_LT(farthest(shape[1], shape[0]), 2e-3 * farthest(shape[0], model.rest));
+  EXPECT_LT(largest_distance(shape[1], shape[0]), 2e-3 * largest_distance(shape[0], model.rest));
 }
 
 TEST(LocalSteps, KeepLinearMomentum) {
@@ -196,8 +188,8 @@ TEST(LocalSteps, ATumourTurnsAsShortStepsTurnIt) {
     ASSERT_TRUE(solver->step(steps, 0.7 / steps).ok());
     end.push_back(solver->read().position);
   }
-  EXPECT_GT(farthest(end[0], model.rest), 0.5 * edge);
-  EXPECT_LT(farthest(end[1], end[0]), 0.01 * edge);
+  EXPECT_GT(largest_distance(end[0], model.rest), 0.5 * edge);
+  EXPECT_LT(largest_distance(end[1], end[0]), 0.01 * edge);
 }
 
 TEST_P(LocalStepsOn, GoesOnFromASnapshotBitForBit) {
@@ -246,8 +238,7 @@ TEST_P(LocalStepsOn, OneMaterialHasOneStepAndTheSameBits) {
 TEST(LocalSteps, RefuseWhatTheyExclude) {
   const Model model = with_tumour(4);
   const Scene scene(model);
-  SolverOptions options;
-  options.max_substeps = 0;
+  SolverOptions options{.max_substeps = 0};
   EXPECT_TRUE(refuses([&] { make_solver("cpu", model, scene, {}, options); }, "max_substeps must be 1"));
   options.max_substeps = 8;
   options.sleep_tolerance = 0.0;

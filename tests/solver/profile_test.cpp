@@ -54,8 +54,7 @@ TEST(CpuProfile, ToolsHaveARowWhereThereAreAny) {
   const Model model = cylinder_275();
   Scene scene(model);
   scene.fix("bottom");
-  SolverOptions options;
-  options.profile = true;
+  const SolverOptions options{.profile = true};
   const auto solver = make_solver("cpu", model, scene, {}, options);
   const double dt = 0.5 * solver->stable_step();
   ASSERT_TRUE(solver->step(5, dt).ok());
@@ -73,8 +72,7 @@ TEST_P(ProfileTest, CountsEveryStepOnce) {
   const Model model = cylinder_275();
   Scene scene(model);
   scene.fix("bottom");
-  SolverOptions options;
-  options.profile = true;
+  const SolverOptions options{.profile = true};
   const auto solver = make_solver(GetParam(), model, scene, {.law = Law::springs, .volume_stiffness = 50.0}, options);
   EXPECT_TRUE(solver->profile().empty()) << "making a solver is no step";
   const double dt = 0.5 * solver->stable_step();
@@ -102,16 +100,11 @@ TEST_P(ProfileTest, CountsEveryStepOnce) {
 
 /// Enough work that what lies between passes is little of it. A machine may be busy: it takes from the sum too.
 TEST_P(ProfileTest, TimesAddUpToTheTimeOfTheCall) {
-  Model model = make_block({0.05, 0.05, 0.05}, 10, 10, 10);
-  set_material(model, soft_tissue());
+  const Model model = with_material(make_block({0.05, 0.05, 0.05}, 10, 10, 10));
   const Scene scene(model);
-  SolverOptions options;
-  options.profile = true;
-  options.threads = 1;
+  const SolverOptions options{.threads = 1, .profile = true};
   const auto solver = make_solver(GetParam(), model, scene, {}, options);
-  State start = rest_state(model);
-  start.position = random_positions(model, 0.05, 3);
-  solver->reset(start);
+  solver->reset(displaced(model, 0.05, 3));
   const double dt = 0.1 * solver->stable_step();
   solver->step(5, dt);
   solver->clear_profile();
@@ -127,10 +120,8 @@ TEST_P(ProfileTest, ChangesNoBit) {
   const Model model = cylinder_275();
   Scene scene(model);
   scene.fix("bottom").gravity({0, 0, 9.81});
-  SolverOptions options;
-  const auto plain = make_solver(GetParam(), model, scene, {}, options);
-  options.profile = true;
-  const auto profiled = make_solver(GetParam(), model, scene, {}, options);
+  const auto plain = make_solver(GetParam(), model, scene);
+  const auto profiled = make_solver(GetParam(), model, scene, {}, {.profile = true});
   const double dt = 0.5 * plain->stable_step();
   plain->step(50, dt);
   profiled->step(50, dt);
@@ -141,8 +132,7 @@ PHYMUL_ON_EVERY_BACKEND(ProfileTest);
 
 TEST(Profile, EveryKernelOfTheVectorBackendHasItsRow) {
   const Model lattice = make_block({0.06, 0.06, 0.06}, 6, 6, 6, 6);
-  Model solid = lattice;
-  set_material(solid, soft_tissue());
+  const Model solid = with_material(lattice);
   struct Case {
     const Model& model;
     TopologyOptions options;
@@ -157,10 +147,7 @@ TEST(Profile, EveryKernelOfTheVectorBackendHasItsRow) {
   for (const Case& of : cases) {
     SCOPED_TRACE(of.row);
     const Scene scene(of.model);
-    SolverOptions options;
-    options.profile = true;
-    options.on_unstable = UnstableStep::allow;
-    options.threads = 2;
+    const SolverOptions options{.on_unstable = UnstableStep::allow, .threads = 2, .profile = true};
     const auto solver = make_solver("cpu", of.model, scene, of.options, options);
     solver->step(3, 0.1 * solver->stable_step());
     const auto passes = solver->profile();

@@ -16,9 +16,7 @@ namespace phymul::test {
 namespace {
 
 Model block_of(const Material& material) {
-  Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
-  set_material(model, material);
-  return model;
+  return with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2), material);
 }
 
 Model plain_block() {
@@ -104,8 +102,7 @@ class SnapshotOfAnotherBody : public OnEveryBackend {
 PHYMUL_ON_EVERY_BACKEND(SnapshotOfAnotherBody);
 
 TEST_P(SnapshotOfAnotherBody, IsRefusedAndTheSolverIsAsItWas) {
-  Model wide = make_block({0.06, 0.02, 0.02}, 3, 2, 2);
-  set_material(wide, own_tissue);
+  const Model wide = with_material(make_block({0.06, 0.02, 0.02}, 3, 2, 2), own_tissue);
   Run own(block_of(own_tissue)), stiffer(block_of({6e4, 0.3, own_tissue.density})), wider(wide);
   Run twin(block_of(own_tissue));
   for (Run* run : {&own, &stiffer, &wider, &twin}) ASSERT_TRUE(run->solver->step(5, run->dt).ok());

@@ -13,9 +13,7 @@ namespace phymul::test {
 namespace {
 
 SolverOptions allowing() {
-  SolverOptions options;
-  options.on_unstable = UnstableStep::allow;
-  return options;
+  return {.on_unstable = UnstableStep::allow};
 }
 
 /// A smooth bend and stretch: what tissue does, rather than noise.
@@ -34,16 +32,13 @@ double largest_displacement(const Model& model, const State& state) {
 }
 
 TEST(Stability, FullReactionGrowsOnTheCylinderAndNotOnTheTetrahedron) {
-  TopologyOptions topology;
-  topology.reaction = Reaction::full;
+  const TopologyOptions topology{.reaction = Reaction::full};
   for (const bool is_cylinder : {false, true}) {
     const Model model = is_cylinder ? cylinder_275() : make_tetrahedron(0.01);
     const Scene scene(model);
     const auto solver = make_solver("reference", model, scene, topology, allowing());
-    State start = rest_state(model);
     const double h = mean_spacing(model);
-    start.position = random_positions(model, 1e-6, 1);
-    solver->reset(start);
+    solver->reset(displaced(model, 1e-6, 1));
     // A twentieth of the limit: the growth is the reaction's, not the step's.
     const StepReport report = solver->step(10000, 0.05 * solver->stable_step());
     const double moved = largest_displacement(model, solver->read()) / h;
@@ -67,9 +62,7 @@ TEST(Stability, FullReactionGrowsOnTheCylinderAndNotOnTheTetrahedron) {
 
 TEST(Stability, ABodyThatGrowsAtAnyStepSaysSo) {
   const Model model = cylinder_275();
-  TopologyOptions topology;
-  topology.reaction = Reaction::shared;
-  topology.bases = BaseSelection::all;
+  const TopologyOptions topology{.reaction = Reaction::shared, .bases = BaseSelection::all};
   ASSERT_LT(estimate_spectrum(build_topology(model, topology), model.rest).most_negative, 0.0);
   const Scene scene(model);
   const auto solver = make_solver("reference", model, scene, topology);
@@ -119,8 +112,7 @@ TEST(Stability, ConservativeKeepsItsEnergyBelowTheLimitAndBlowsUpAboveIt) {
   };
   std::vector<Case> cases;
   cases.push_back({"block, thresholded bases", make_block({0.02, 0.02, 0.01}, 2, 2, 1, 6), {}});
-  Model tissue = make_block({0.02, 0.01, 0.01}, 2, 1, 1, 6);
-  set_material(tissue, soft_tissue());
+  const Model tissue = with_material(make_block({0.02, 0.01, 0.01}, 2, 1, 1, 6));
   cases.push_back({"block, material", tissue, {}});
   for (const Case& c : cases) {
     const EnergyRun below = run_undamped(c.model, c.topology, 0.9, 100000);
@@ -145,9 +137,7 @@ TEST(Stability, LimitIsRightWithinTwoPercentForEveryVariant) {
       for (double share : {0.98, 1.02}) {
         const Scene scene(model);
         const auto solver = make_solver("reference", model, scene, variant.options, allowing());
-        State start = rest_state(model);
-        start.position = random_positions(model, 1e-7, 1);
-        solver->reset(start);
+        solver->reset(displaced(model, 1e-7, 1));
         const StepReport report = solver->step(120, share * solver->stable_step());
         const double grown = largest_displacement(model, solver->read()) / mean_spacing(model);
         if (share < 1.0) {
@@ -168,8 +158,7 @@ TEST(Stability, DampingLowersTheLimitAsPredicted) {
     SolverOptions options = allowing();
     options.damping.factor = d;
     const auto solver = make_solver("reference", model, scene, {}, options);
-    State start = rest_state(model);
-    start.position = random_positions(model, 1e-7, 1);
+    const State start = displaced(model, 1e-7, 1);
     for (double share : {0.98, 1.02}) {
       solver->reset(start);
       const StepReport report = solver->step(1000, share * solver->stable_step());
@@ -185,8 +174,7 @@ TEST(Stability, DampingLowersTheLimitAsPredicted) {
 
 /// The limit is that of the body at rest: neither smooth strain nor disorder moves it by much.
 TEST(Stability, DeformationMovesTheLimit) {
-  Model model = make_block({0.04, 0.04, 0.04}, 4, 4, 4);
-  set_material(model, soft_tissue());
+  const Model model = with_material(make_block({0.04, 0.04, 0.04}, 4, 4, 4));
   const TopologyTextures topology = build_topology(model);
   const double at_rest = std::sqrt(estimate_spectrum(topology, model.rest).largest);
   const auto scaled = [&](double factor) {
@@ -230,8 +218,7 @@ TEST(Stability, ScaleFromOneMillimetreToOneMetreChangesNothing) {
       }
       Scene scene(model);
       scene.fix("x0").gravity({0, 0, -0.5 / size});
-      SolverOptions options;
-      options.damping.rate = 4.0 / size;
+      const SolverOptions options{.damping = {.rate = 4.0 / size}};
       const auto solver = make_solver("reference", model, scene, c.topology, options);
       const RestResult rest = solver->run_to_rest(40000, 0.5 * solver->stable_step());
       ASSERT_TRUE(rest.report.ok()) << rest.message();
@@ -243,10 +230,7 @@ TEST(Stability, ScaleFromOneMillimetreToOneMetreChangesNothing) {
         reference_steps = rest.report.steps;
         continue;
       }
-      double difference = 0.0;
-      for (std::size_t i = 0; i < relative.size(); ++i) {
-        difference = std::max(difference, (relative[i] - reference[i]).norm());
-      }
+      const double difference = largest_distance(relative, reference);
       worst = std::max(worst, difference / largest_norm(reference));
       EXPECT_LE(difference, 1e-4 * largest_norm(reference));
       EXPECT_NEAR(rest.report.steps, reference_steps, 0.001 * reference_steps);

@@ -25,11 +25,7 @@ Model star(int dimension, VecList rest) {
 }
 
 TopologyOptions all_bases(Reaction reaction) {
-  TopologyOptions options;
-  options.bases = BaseSelection::all;
-  options.reaction = reaction;
-  options.on_sparse = SparseParticle::free;
-  return options;
+  return {.reaction = reaction, .bases = BaseSelection::all, .on_sparse = SparseParticle::free};
 }
 
 TEST(WorkedExamples, TwoNeighboursInThePlane) {
@@ -98,8 +94,7 @@ TEST(WorkedExamples, TwoParticleOscillator) {
   model.mass = {0.002, 0.002};
   model.stiffness = {5.0, 5.0};
   for (Index other : {1, 0}) model.neighbours.push_row(&other, &other + 1);
-  TopologyOptions topology;
-  topology.law = Law::springs;
+  const TopologyOptions topology{.law = Law::springs};
   const Scene scene(model);
   const auto solver = make_solver("reference", model, scene, topology);
   const double omega = std::sqrt(2.0 * 5.0 / 0.002);

@@ -14,8 +14,8 @@ constexpr std::array energies{StrainEnergy::shape_memory, StrainEnergy::neo_hook
 /// is 0 at first, so that its change is told against the largest kinetic energy.
 TEST(StabilityAveraged, EnergyIsKeptForLongCloseToTheLimit) {
   for (const StrainEnergy energy : energies) {
-    Model model = make_tetrahedral_block({0.2, 0.05, 0.05}, 16, 4, 4, 0.2, 1);
-    set_material(model, {.young = 10e3, .poisson = 0.3, .density = 1000.0});
+    const Model model = with_material(make_tetrahedral_block({0.2, 0.05, 0.05}, 16, 4, 4, 0.2, 1),
+                                      {.young = 10e3, .poisson = 0.3, .density = 1000.0});
     Scene scene(model);
     scene.fix("x0").gravity({0, 0, -0.5});
     const auto solver = make_solver("cpu", model, scene, {.strain_energy = energy});
@@ -35,20 +35,16 @@ TEST(StabilityAveraged, EnergyIsKeptForLongCloseToTheLimit) {
 TEST(StabilityAveraged, APunchRestsInTheSameShapeCloseToTheLimit) {
   for (const double poisson : {0.3, 0.45}) {
     for (const StrainEnergy energy : energies) {
-      Model model = make_block({0.1, 0.1, 0.05}, 10, 10, 5);
-      set_material(model, {.young = 10e3, .poisson = poisson, .density = 1000.0});
-      Load punch;
-      punch.type = LoadType::translation;
-      punch.direction = {0, 0, -1};
-      punch.events = {{0.0, 0.005}};
+      const Model model = with_material(make_block({0.1, 0.1, 0.05}, 10, 10, 5),
+                                        {.young = 10e3, .poisson = poisson, .density = 1000.0});
+      Load punch{.type = LoadType::translation, .events = {{0.0, 0.005}}, .direction = {0, 0, -1}};
       for (Index i = 0; i < model.particle_count(); ++i) {
         const Vec3 from_middle = model.rest[i] - Vec3(0.05, 0.05, 0.05);
         if (from_middle.cwiseAbs().maxCoeff() < 0.021 && from_middle.z() > -0.001) punch.particles.push_back(i);
       }
       Scene scene(model);
       scene.fix("z0").add(punch);
-      SolverOptions options;
-      options.damping.rate = 40.0;
+      const SolverOptions options{.damping = {.rate = 40.0}};
       const auto solver = make_solver("cpu", model, scene, {.strain_energy = energy}, options);
       const auto rest_at = [&](double share) {
         solver->reset();

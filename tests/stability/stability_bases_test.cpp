@@ -17,8 +17,7 @@ class StabilityBases : public OnBackend {
   /// Steps a body from a state; every report must be good and every number finite.
   static State stepped(const Model& model, const TopologyOptions& topology, const State& start, int steps) {
     const Scene scene(model);
-    SolverOptions options;
-    options.damping.factor = 0.98;
+    const SolverOptions options{.damping = {.factor = 0.98}};
     const auto solver = make(model, scene, topology, options);
     solver->reset(start);
     const StepReport report = solver->step(steps, 0.5 * solver->stable_step());
@@ -30,9 +29,7 @@ class StabilityBases : public OnBackend {
 };
 
 TopologyOptions springs() {
-  TopologyOptions options;
-  options.law = Law::springs;
-  return options;
+  return {.law = Law::springs};
 }
 
 /// At rest they coincide: `check` names them; a spring between them has rest length 0 and pulls them together.
@@ -107,8 +104,7 @@ TEST(StabilityCut, NeighboursTakenAwayWhileStretched) {
   }
   cut.neighbours = kept;
   ASSERT_LT(cut.neighbours.entry.size(), whole.neighbours.entry.size());
-  TopologyOptions options;
-  options.on_sparse = SparseParticle::springs;
+  const TopologyOptions options{.on_sparse = SparseParticle::springs};
   const Scene before(whole), after(cut);
   const auto solver = make_solver("reference", whole, before, options),
              next = make_solver("reference", cut, after, options);

@@ -25,10 +25,7 @@ class OnBackend : public OnEveryBackend {
 
 /// Takes nothing from growth, whatever the step.
 inline SolverOptions any_step_uncut() {
-  SolverOptions options;
-  options.on_unstable = UnstableStep::allow;
-  options.max_displacement_per_step = std::numeric_limits<double>::infinity();
-  return options;
+  return {.on_unstable = UnstableStep::allow, .max_displacement_per_step = std::numeric_limits<double>::infinity()};
 }
 
 inline Method method_named(const std::string& name) {

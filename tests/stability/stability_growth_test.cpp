@@ -20,9 +20,7 @@ const std::vector<std::pair<const char*, Reaction>>& reactions_without_energy() 
 }
 
 std::shared_ptr<const TopologyTextures> tables_of(const Body& body, Reaction reaction) {
-  TopologyOptions options;
-  options.reaction = reaction;
-  options.on_sparse = SparseParticle::springs;
+  const TopologyOptions options{.reaction = reaction, .on_sparse = SparseParticle::springs};
   return std::make_shared<const TopologyTextures>(build_topology(body.model, options));
 }
 
@@ -60,13 +58,9 @@ TEST(StabilityGrowth, RatesAreThoseOfTheEigenvalues) {
 /// Noise of a ten-thousandth of a spacing after 20,000 steps at half the limit.
 double noise_after(const Body& body, Reaction reaction, double damping_factor) {
   const Scene scene(body.model);
-  SolverOptions options;
-  options.damping.factor = damping_factor;
-  options.on_unstable = UnstableStep::allow;
+  const SolverOptions options{.damping = {.factor = damping_factor}, .on_unstable = UnstableStep::allow};
   const auto solver = make_solver("cpu", tables_of(body, reaction), scene, options);
-  State state = rest_state(body.model);
-  state.position = random_positions(body.model, 1e-4, 1);
-  solver->reset(state);
+  solver->reset(displaced(body.model, 1e-4, 1));
   const StepReport report = solver->step(sanitized ? 4000 : 20000, 0.5 * solver->stable_step());
   if (!report.ok()) return std::numeric_limits<double>::infinity();
   return report.max_speed / (mean_spacing(body.model) / solver->stable_step());
@@ -91,9 +85,7 @@ TEST(StabilityGrowth, ConservativeBodiesDoNotGrowUndamped) {
     Model model = tissue_cube(method, 0.02, 2);
     const Scene scene(model);
     const auto solver = make_solver("reference", model, scene, method.options);
-    State state = rest_state(model);
-    state.position = random_positions(model, 1e-6, 1);
-    solver->reset(state);
+    solver->reset(displaced(model, 1e-6, 1));
     const StepReport report = solver->step(sanitized ? 2000 : 40000, 0.5 * solver->stable_step());
     EXPECT_TRUE(report.ok()) << method.name;
     // Springs along edges alone are a mechanism, which drifts.

@@ -30,9 +30,7 @@ inline bool is_conservative(const Method& method) {
 inline std::vector<Method> stability_methods() {
   std::vector<Method> all;
   const auto add = [&](std::string name, auto&& set) {
-    Method m;
-    m.name = std::move(name);
-    m.options.on_sparse = SparseParticle::springs;
+    Method m{.name = std::move(name), .options = {.on_sparse = SparseParticle::springs}};
     set(m);
     all.push_back(std::move(m));
   };

@@ -14,9 +14,7 @@ namespace phymul::test {
 namespace {
 
 Model tissue_block(double young = 10e3, double poisson = 0.3) {
-  Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
-  set_material(model, {young, poisson, 1000.0});
-  return model;
+  return with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2), {young, poisson, 1000.0});
 }
 
 class StabilityMotion : public OnBackend {
@@ -30,9 +28,7 @@ TEST_P(StabilityMotion, RestIsReachedWithAnyDamping) {
   scene.fix("x0").gravity({0, 0, -1});
   VecList first;
   for (const double d : {0.0, 0.5, 0.9, 0.99}) {
-    SolverOptions options;
-    options.damping.factor = d;
-    options.rest_tolerance = 1e-6;
+    const SolverOptions options{.damping = {.factor = d}, .rest_tolerance = 1e-6};
     const auto solver = make(model, scene, {}, options);
     const RestResult rest = solver->run_to_rest(40000, 0.5 * solver->stable_step());
     EXPECT_TRUE(rest.converged()) << d << ": " << rest.message();
@@ -92,9 +88,7 @@ TEST_P(StabilityMotion, ASpinBeyondTheWavesIsBoundedAndSaid) {
 TEST_P(StabilityMotion, FarFromTheOriginIsAsNear) {
   VecList near;
   for (const double away : {0.0, 1.0, 1e3, 1e6}) {
-    Model model = tissue_block();
-    for (Vec3& p : model.rest) p += Vec3(away, -away, away);
-    set_material(model, soft_tissue());
+    const Model model = with_material(phymul::moved(tissue_block(), {away, -away, away}));
     Scene scene(model);
     scene.fix("x0").gravity({0, 0, -9.81});
     const auto solver = make(model, scene);
@@ -102,10 +96,8 @@ TEST_P(StabilityMotion, FarFromTheOriginIsAsNear) {
     VecList moved = solver->read().position;
     for (std::size_t i = 0; i < moved.size(); ++i) moved[i] -= model.rest[i];
     if (near.empty()) near = moved;
-    double worst = 0.0;
-    for (std::size_t i = 0; i < moved.size(); ++i) worst = std::max(worst, (moved[i] - near[i]).norm());
     // Rest edges have 2^-53 of the distance: 1e-8 of a spacing at 10^6 m.
-    EXPECT_LE(worst, std::max(1e-5, 1e-10 * away) * mean_spacing(model)) << away;
+    EXPECT_LE(largest_distance(moved, near), std::max(1e-5, 1e-10 * away) * mean_spacing(model)) << away;
   }
 }
 
@@ -147,8 +139,7 @@ TEST_P(StabilityMotion, AnImpactGainsNoEnergyAndTheBodyReturns) {
   scene.fix("x0");
   for (const double speed : {0.3, 10.0, 100.0}) {
     for (const double d : {1.0, 0.99}) {
-      SolverOptions options;
-      options.damping.factor = d;
+      const SolverOptions options{.damping = {.factor = d}};
       const auto solver = make(model, scene, {}, options);
       State state = rest_state(model);
       for (Vec3& v : state.velocity) v.x() = -speed;
@@ -180,8 +171,7 @@ TEST_P(StabilityMotion, ASuddenLoadIsBornOrReported) {
     for (const double gravity : {294.0, 981.0, 9810.0}) {
       Scene scene(model);
       scene.fix("x0").gravity({0, 0, -gravity});
-      SolverOptions options;
-      options.damping.factor = 0.99;
+      const SolverOptions options{.damping = {.factor = 0.99}};
       const auto solver = make(model, scene, method.options, options);
       const double dt = 0.5 * solver->stable_step();
       StepReport report = solver->step(steps(1000), dt);
@@ -208,8 +198,7 @@ TEST_P(StabilityMotion, ASuddenLoadIsBornOrReported) {
 
 /// Driven at its first frequency, undamped, a beam swings wider with every period; damped it reaches its bound.
 TEST_P(StabilityMotion, AtResonanceDampingBounds) {
-  Model model = make_block({0.04, 0.01, 0.01}, 4, 1, 1);
-  set_material(model, soft_tissue());
+  const Model model = with_material(make_block({0.04, 0.01, 0.01}, 4, 1, 1));
   std::vector<std::uint8_t> fixed(model.rest.size(), 0);
   for (const Index i : model.group("x0")) fixed[i] = 7;
   double first = std::numeric_limits<double>::infinity();
@@ -218,10 +207,7 @@ TEST_P(StabilityMotion, AtResonanceDampingBounds) {
     if (value.real() > 1e-3 * values.cwiseAbs().maxCoeff() / 1e4) first = std::min(first, value.real());
   }
   const double omega = std::sqrt(first), period = 2 * M_PI / omega;
-  Load shaking;
-  shaking.type = LoadType::acceleration;
-  for (Index i = 0; i < model.particle_count(); ++i) shaking.particles.push_back(i);
-  shaking.direction = {0, 0, 1};
+  Load shaking{.type = LoadType::acceleration, .particles = every_particle(model), .direction = {0, 0, 1}};
   const double amount = 2e-3 * 0.01 * first;  // held still it would bend by a five-hundredth of a spacing
   for (int k = 0; k <= 24 * 40; ++k) {
     shaking.events.push_back({k * period / 24, amount * std::sin(2 * M_PI * k / 24)});
@@ -229,8 +215,7 @@ TEST_P(StabilityMotion, AtResonanceDampingBounds) {
   Scene scene(model);
   scene.fix("x0").add(shaking);
   const auto widest = [&](double rate, int from, int to) {
-    SolverOptions options;
-    options.damping.rate = rate;
+    const SolverOptions options{.damping = {.rate = rate}};
     const auto solver = make(model, scene, {}, options);
     const double dt = 0.5 * solver->stable_step();
     double width = 0.0;
@@ -277,14 +262,12 @@ TEST_P(StabilityMotion, PushedAndPulledParticlesComeBack) {
   const Model model = tissue_block();
   for (const double length : {0.01, 0.3}) {
     Scene scene(model);
-    Load push;
-    push.type = LoadType::translation;
-    push.particles = {model.group("x1").front()};
-    push.direction = {length < 0.1 ? -1.0 : 1.0, 0, 0};
-    push.events = {{0.0, length}};
+    const Load push{.type = LoadType::translation,
+                    .particles = {model.group("x1").front()},
+                    .events = {{0.0, length}},
+                    .direction = {length < 0.1 ? -1.0 : 1.0, 0, 0}};
     scene.fix("x0").add(push);
-    SolverOptions options;
-    options.damping.factor = 0.99;
+    const SolverOptions options{.damping = {.factor = 0.99}};
     const auto solver = make(model, scene, {}, options);
     const double dt = 0.5 * solver->stable_step();
     StepReport report = solver->step(steps(1000), dt);
@@ -309,9 +292,7 @@ TEST_P(StabilityMotion, TwoSolversAtOnceAreIndependent) {
   const Scene scene(model);
   const auto run = [&](int count) {
     const auto solver = make(model, scene);
-    State start = rest_state(model);
-    start.position = random_positions(model, 0.05, 2);
-    solver->reset(start);
+    solver->reset(displaced(model, 0.05, 2));
     EXPECT_TRUE(solver->step(count, 0.4 * solver->stable_step()).ok());
     return solver->read();
   };

@@ -2,10 +2,6 @@
 //
 // Contrasts of stiffness and mass, stiff and nearly incompressible materials, units mistaken: the step limit stays
 // right, runs stay bounded, suspect units are named.
-#include <cstdio>
-#include <functional>
-
-#include <phymul/check.h>
 
 #include "stability_fixture.h"
 
@@ -18,9 +14,7 @@ constexpr double side = 0.03;
 double grown(const Model& model, const TopologyOptions& topology, double share_of_limit, int steps) {
   const Scene scene(model);
   const auto solver = make_solver("reference", model, scene, topology, any_step_uncut());
-  State start = rest_state(model);
-  start.position = random_positions(model, 1e-7, 1);
-  solver->reset(start);
+  solver->reset(displaced(model, 1e-7, 1));
   if (!solver->step(steps, share_of_limit * solver->stable_step()).ok()) {
     return std::numeric_limits<double>::infinity();
   }
@@ -40,11 +34,7 @@ Model with_stiff_part(const Method& method, double ratio) {
     model.stiffness[13] *= ratio;
     return model;
   }
-  Component stiff;
-  stiff.name = "stiff";
-  stiff.exclusive = false;
-  stiff.cell_refs = {0};
-  model.components.push_back(stiff);
+  model.components.push_back({.name = "stiff", .exclusive = false, .cell_refs = {0}});
   Material tissue = soft_tissue(method.poisson);
   tissue.young *= ratio;
   set_material(model, tissue, "stiff");
@@ -74,8 +64,7 @@ TEST(StabilityRatios, LimitIsRightForEveryContrastOfStiffnessAndMass) {
 TEST(StabilityRatios, LimitIsRightForNearlyIncompressibleAndForAnyStiffness) {
   for (const double poisson : {0.0, 0.45, 0.49, 0.499}) {
     for (const double young : {10.0, 10e3, 1e9}) {
-      Model model = make_block({side, side, side}, 2, 2, 2);
-      set_material(model, {young, poisson, 1000.0});
+      const Model model = with_material(make_block({side, side, side}, 2, 2, 2), {young, poisson, 1000.0});
       expect_limit_within_two_percent(model, {}, "nu " + std::to_string(poisson) + ", E " + std::to_string(young));
     }
   }
@@ -84,8 +73,7 @@ TEST(StabilityRatios, LimitIsRightForNearlyIncompressibleAndForAnyStiffness) {
 /// The limit falls as 1 / sqrt(E) and 1 / sqrt(kappa): 0.499 costs a step 8 times shorter than 0.3.
 TEST(StabilityRatios, TheLimitIsWhatTheMaterialCosts) {
   const auto limit = [](double young, double poisson) {
-    Model model = make_block({side, side, side}, 2, 2, 2);
-    set_material(model, {young, poisson, 1000.0});
+    const Model model = with_material(make_block({side, side, side}, 2, 2, 2), {young, poisson, 1000.0});
     return stable_step(estimate_spectrum(build_topology(model), model.rest), 1.0);
   };
   EXPECT_NEAR(limit(10.0, 0.3) / limit(1e9, 0.3), 1e4, 10.0);
@@ -102,9 +90,7 @@ TEST_P(StabilityContrasts, RunsStayBoundedAndKeepMomentum) {
       const Model model = with_masses(with_stiff_part(method, 1e4), ratio);
       const Scene scene(model);
       const auto solver = make(model, scene, method.options);
-      State state = rest_state(model);
-      state.position = random_positions(model, 0.02, 2);
-      solver->reset(state);
+      solver->reset(displaced(model, 0.02, 2));
       const StepReport report = solver->step(is_slow() ? 200 : 2000, 0.5 * solver->stable_step());
       ASSERT_TRUE(report.ok()) << name << ": " << report.message();
       double mass_speed = 0.0;

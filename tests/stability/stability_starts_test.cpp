@@ -3,8 +3,6 @@
 // Starts no tissue is in, method by method and backend by backend: which come back, which do not, and that a body that
 // stays elsewhere is never passed off as one at rest. docs/measurements/stability.md has the list of cases.
 #include <cmath>
-#include <functional>
-#include <limits>
 
 #include "stability_fixture.h"
 #include "support/failure_states.h"
@@ -30,8 +28,7 @@ class StabilityStarts : public OnBackend {
   class Cube {
    public:
     explicit Cube(const Method& method) : model(tissue_cube(method, cube_side, cells())), scene(model) {
-      SolverOptions options;
-      options.damping.factor = 0.99;
+      const SolverOptions options{.damping = {.factor = 0.99}};
       solver = make(model, scene, method.options, options);
     }
 

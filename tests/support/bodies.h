@@ -7,6 +7,7 @@
 #include <phymul/topology_textures.h>
 
 #include <Eigen/Geometry>
+#include <limits>
 #include <random>
 #include <string>
 #include <vector>
@@ -64,6 +65,17 @@ inline VecList random_positions(const Model& model, double amount, std::uint32_t
   return x;
 }
 
+/// The body there, standing still.
+inline State displaced(const Model& model, double amount, std::uint32_t seed) {
+  State state = rest_state(model);
+  state.position = random_positions(model, amount, seed);
+  return state;
+}
+
+inline std::vector<Index> every_particle(const Model& model) {
+  return model.particles_in([](const Vec3&) { return true; });
+}
+
 /// A random rotation (about z in 2-D) and a translation of a few body sizes.
 inline VecList rigidly_moved(const Model& model, std::uint32_t seed) {
   std::mt19937 bits(seed);
@@ -85,6 +97,27 @@ inline double norm(const VecList& list) {
   double sum = 0.0;
   for (const Vec3& v : list) sum += v.squaredNorm();
   return std::sqrt(sum);
+}
+
+inline VecList sum_of(const VecList& a, const VecList& b) {
+  VecList total = a;
+  for (std::size_t i = 0; i < a.size(); ++i) total[i] += b[i];
+  return total;
+}
+
+inline double largest_distance(const VecList& a, const VecList& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double distance = (a[i] - b[i]).norm();
+    if (!(distance <= largest)) largest = distance;  // takes one that is not a number
+  }
+  return largest;
+}
+
+inline double total_mass(const Model& model) {
+  double total = 0.0;
+  for (const double mass : model.mass) total += mass;
+  return total;
 }
 
 inline Vec3 sum(const VecList& list) {
@@ -114,8 +147,30 @@ inline Material soft_tissue(double poisson = 0.3) {
   return {10e3, poisson, 1000.0};
 }
 
-inline Model with_material(Model model, double poisson = 0.3) {
-  set_material(model, soft_tissue(poisson));
+/// Forces as large as they are: a cut one has no counterpart.
+inline SolverOptions uncut() {
+  return {.max_displacement_per_step = std::numeric_limits<double>::infinity()};
+}
+
+inline Model with_material(Model model, const Material& material = soft_tissue()) {
+  set_material(model, material);
+  return model;
+}
+
+inline constexpr double cubes_edge = 0.02;  // m
+
+/// Two cubes, one above the other with a gap between: "lower" and "upper".
+inline Model cubes_apart(double gap) {
+  const Model lower = make_block(Vec3::Constant(cubes_edge), 3, 3, 3), upper = moved(lower, {0, 0, cubes_edge + gap});
+  const NamedBody bodies[] = {{"lower", &lower}, {"upper", &upper}};
+  return with_material(merge_models(bodies));
+}
+
+/// A body with groups x0 and x1, whose half where x is least is of the second material.
+inline Model with_harder_half(Model model, const Material& soft, const Material& hard) {
+  const double middle = 0.5 * (model.rest[model.group("x0").front()] + model.rest[model.group("x1").front()]).x();
+  set_material(model, soft);
+  set_material(model, hard, [=](const Vec3& place) { return place.x() < middle; });
   return model;
 }
 
@@ -146,6 +201,17 @@ inline std::vector<Variant> clustered_variants() {
 inline std::vector<Variant> conservative_variants() {
   std::vector<Variant> all = clustered_variants();
   for (Variant& variant : averaged_variants()) all.push_back(std::move(variant));
+  return all;
+}
+
+/// Those, and the older reactions.
+inline std::vector<Variant> all_variants() {
+  std::vector<Variant> all = conservative_variants();
+  for (const auto& [name, reaction] : {std::pair{"full", Reaction::full}, std::pair{"shared", Reaction::shared},
+                                       std::pair{"barycentric", Reaction::barycentric}}) {
+    all.push_back({name, {.reaction = reaction}});
+    all.push_back({std::string(name) + " all", {.reaction = reaction, .bases = BaseSelection::all}});
+  }
   return all;
 }
 

@@ -41,11 +41,7 @@ class InstructionSet {
 };
 
 inline SolverOptions any_step(int threads = 1) {
-  SolverOptions options;
-  options.on_unstable = UnstableStep::allow;
-  options.spectrum = Spectrum{1e9, 0.0, 0};
-  options.threads = threads;
-  return options;
+  return {.on_unstable = UnstableStep::allow, .spectrum = Spectrum{1e9, 0.0, 0}, .threads = threads};
 }
 
 /// A power of two: nothing is rounded by it.
@@ -68,12 +64,6 @@ inline VecList random_displacements(const Model& model, double amount, std::uint
   VecList u = random_positions(model, amount, seed);
   for (std::size_t i = 0; i < u.size(); ++i) u[i] = (u[i] - model.rest[i]).cast<float>().cast<double>();
   return u;
-}
-
-inline VecList sum_of(const VecList& a, const VecList& b) {
-  VecList total = a;
-  for (std::size_t i = 0; i < a.size(); ++i) total[i] += b[i];
-  return total;
 }
 
 /// The largest error of a component over its bound; infinite where it is beyond a bound of 0.

@@ -3,7 +3,6 @@
 // States no tissue is in, from which a body should find back to its rest shape: a cube flattened, mirrored, scattered.
 #pragma once
 
-#include <algorithm>
 #include <functional>
 #include <random>
 #include <vector>

@@ -5,6 +5,7 @@
 
 #include <phymul/distance_grid.h>
 
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -69,6 +70,40 @@ inline std::shared_ptr<const DistanceGrid> ball_grid() {
   return std::make_shared<const DistanceGrid>(Vec3::Constant(-5e-3), 1e-3, std::array<int, 3>{n, n, n}, values);
 }
 
+/// One of each shape, with friction, compliance and margin between them, all of which reach some 5 mm from their
+/// position. The half-space less: where it crushes the body, nobody agrees with anybody for long.
+inline std::vector<Tool> tools_of_each_shape() {
+  return {{.shape = Sphere{0.005}, .friction = 0.4},
+          {.shape = Sphere{0.004}, .friction = 0.3, .compliance = 5e-3, .margin = 1e-3},
+          {.shape = Capsule{0.005, 0.01}, .friction = 0.5},
+          {.shape = HalfSpace{}, .friction = 0.6, .margin = 3e-3},
+          {.shape = Box{{0.006, 0.004, 0.005}}, .friction = 0.2},
+          {.shape = ball_grid(), .friction = 0.4, .margin = 2.5e-3}};
+}
+
+/// Turned upside down, and on by an angle.
+inline ToolPose above(const Vec3& at, double angle = 0.0) {
+  return {.position = at,
+          .orientation = Quaternion(Eigen::AngleAxisd(M_PI + angle, Vec3(0.9, 0.1, -0.2).normalized()))};
+}
+
+/// Down into the body's top, on with a speed and a turn, a jump, and out again: 22 calls, or the first of them.
+template <class Call>
+void drive(const ToolHandle& tool, const Vec3& origin, Call&& call, int calls = 22) {
+  for (int k = 0; k < calls; ++k) {
+    if (k == 0) tool.move_to(above(origin + Vec3(0.014, 0.011, 0.0235), 0.05));
+    if (k == 4) {
+      ToolPose on = above(origin + Vec3(0.015, 0.0105, 0.0228), 0.1);
+      on.velocity = {0.05, -0.02, -0.02};
+      on.spin = {3, -2, 20};
+      tool.move_to(on);
+    }
+    if (k == 12) tool.teleport(above(origin + Vec3(0.016, 0.012, 0.0232), -0.1));
+    if (k == 18) tool.move_to(above(origin + Vec3(0.016, 0.01, 0.04)));
+    call(k);
+  }
+}
+
 /// What draws or dispatches, and how often; 0 for what runs once a batch, of which the clock makes more or fewer.
 inline std::vector<std::pair<std::string, std::int64_t>> runs_of(Solver& solver) {
   std::vector<std::pair<std::string, std::int64_t>> runs;
@@ -77,6 +112,28 @@ inline std::vector<std::pair<std::string, std::int64_t>> runs_of(Solver& solver)
     runs.emplace_back(pass.name, of_batch ? 0 : pass.runs);
   }
   return runs;
+}
+
+/// Of those the passes that ran so often.
+inline std::vector<std::string> passes_run(Solver& solver, std::int64_t times) {
+  std::vector<std::string> names;
+  for (const auto& [name, runs] : runs_of(solver)) {
+    if (runs == times) names.push_back(name);
+  }
+  return names;
+}
+
+/// Solvers of scenes that have become equal do the same from their rest shapes, by the same passes.
+inline void expect_alike(Solver& a, Solver& b, double dt) {
+  for (Solver* const solver : {&a, &b}) {
+    solver->reset();
+    ASSERT_TRUE(solver->step(8, dt).ok());  // what a change makes anew is made
+    solver->reset();
+    solver->clear_profile();
+    ASSERT_TRUE(solver->step(8, dt).ok());
+  }
+  EXPECT_EQ(runs_of(a), runs_of(b));
+  EXPECT_EQ(difference(a.read(), b.read()), "");
 }
 
 }  // namespace phymul::test

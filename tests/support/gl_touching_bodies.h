@@ -1,43 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// Bodies that touch, and a scene of them on the device beside the reference.
+// A scene of bodies that touch on the device beside the reference.
 #pragma once
 
-#include <algorithm>
-
 #include "gl_twins.h"
+#include "touching_bodies.h"
 
 namespace phymul::test {
-
-inline constexpr double touching_spacing = 0.005;  // m
-
-inline Model tissue(const Vec3& at, const std::array<int, 3>& cells) {
-  Model model = make_block(touching_spacing * Vec3(cells[0], cells[1], cells[2]), cells[0], cells[1], cells[2]);
-  set_material(model, {5e3, 0.3, 1000.0});
-  return moved(std::move(model), at);
-}
-
-inline Model joined_bodies(const Model& low, const Model& high) {
-  const NamedBody bodies[] = {{"low", &low}, {"high", &high}};
-  return merge_models(bodies);
-}
-
-/// A cube of 1 cm over the middle of a slab of 2.5 cm, a gap above it and off its lattice.
-inline Model stacked(double gap, const Vec3& at = {0, 0, 0}) {
-  return joined_bodies(tissue(at, {5, 5, 2}), tissue(at + Vec3(0.0072, 0.0081, 0.01 + gap), {2, 2, 2}));
-}
-
-inline double lowest(const State& state, const std::vector<Index>& particles) {
-  double z = 1e9;
-  for (const Index i : particles) z = std::min(z, state.position[i].z());
-  return z;
-}
-
-inline Vec3 mean_place(const State& state, const std::vector<Index>& particles) {
-  Vec3 centre = Vec3::Zero();
-  for (const Index i : particles) centre += state.position[i] / static_cast<double>(particles.size());
-  return centre;
-}
 
 /// A scene on the device and on the reference.
 class BesideReference {
@@ -86,9 +55,7 @@ class BesideReference {
 };
 
 inline SolverOptions damped(double rate) {
-  SolverOptions options;
-  options.damping.rate = rate;
-  return options;
+  return {.damping = {.rate = rate}};
 }
 
 }  // namespace phymul::test

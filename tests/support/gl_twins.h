@@ -16,39 +16,10 @@
 
 namespace phymul::test {
 
-/// Those of the conservative energies, and the older reactions.
-inline std::vector<Variant> all_variants() {
-  std::vector<Variant> all = conservative_variants();
-  const auto add = [&](std::string name, auto&& set) {
-    Variant v;
-    v.name = std::move(name);
-    set(v.options);
-    all.push_back(std::move(v));
-  };
-  for (const auto& [name, reaction] : {std::pair{"full", Reaction::full}, std::pair{"shared", Reaction::shared},
-                                       std::pair{"barycentric", Reaction::barycentric}}) {
-    add(name, [r = reaction](TopologyOptions& o) { o.reaction = r; });
-    add(std::string(name) + " all", [r = reaction](TopologyOptions& o) {
-      o.reaction = r;
-      o.bases = BaseSelection::all;
-    });
-  }
-  return all;
-}
-
 /// In 2-D a particle of a corner has too few neighbours for a base: it gets springs.
 inline std::shared_ptr<const TopologyTextures> tables_of(const Model& model, TopologyOptions options) {
   options.on_sparse = SparseParticle::springs;
   return std::make_shared<const TopologyTextures>(build_topology(model, options));
-}
-
-inline double largest_distance(const VecList& a, const VecList& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const double distance = (a[i] - b[i]).norm();
-    if (!(distance <= largest)) largest = distance;  // takes one that is not a number
-  }
-  return largest;
 }
 
 /// Empty where the states are equal; else who differs, and how.
@@ -116,8 +87,34 @@ class GlTwins {
   SolverOptions options_;
 };
 
+/// The device, its mirror and the double reference over one scene.
+struct GlTrio {
+  GlTrio(const std::shared_ptr<const TopologyTextures>& tables, const Scene& scene, const SolverOptions& options,
+         GlBackend backend)
+      : twins(tables, scene, options, backend), reference(make_solver("reference", tables, scene, twins.options())) {}
+  void reset(const State& state) const {
+    twins.reset(state);
+    reference->reset(state);
+  }
+  void step(int steps, double dt, const std::string& where = "") const {
+    for (Solver* const solver : {static_cast<Solver*>(twins.gl.get()), twins.mirror.get(), reference.get()}) {
+      const StepReport report = solver->step(steps, dt);
+      ASSERT_TRUE(report.ok()) << report.message();
+    }
+    twins.expect_same_bits(where.empty() ? "after " + std::to_string(steps) + " steps" : where);
+  }
+  double apart() const { return largest_distance(twins.gl->read().position, reference->read().position); }
+
+  GlTwins twins;
+  std::unique_ptr<Solver> reference;
+};
+
 class TwinsOnBothDevices : public OnBothDevices {
  protected:
+  static GlTrio trio_of(const std::shared_ptr<const TopologyTextures>& tables, const Scene& scene,
+                        const SolverOptions& options = {}) {
+    return {tables, scene, options, GetParam()};
+  }
   static GlTwins twins_of(const std::shared_ptr<const TopologyTextures>& tables, const Scene& scene,
                           SolverOptions options = {}) {
     return {tables, scene, std::move(options), GetParam()};
@@ -126,8 +123,7 @@ class TwinsOnBothDevices : public OnBothDevices {
 
 /// A body off its rest place, and moving.
 inline State random_state(const Model& model, double amount, double speed, std::uint32_t seed) {
-  State state = rest_state(model);
-  state.position = random_positions(model, amount, seed);
+  State state = displaced(model, amount, seed);
   std::mt19937 bits(seed + 1000);
   for (Vec3& v : state.velocity) v = speed * random_vector(bits, model.dimension);
   return state;

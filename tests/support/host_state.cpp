@@ -2,7 +2,6 @@
 #include "host_state.h"
 
 #include <array>
-#include <cstdio>
 
 namespace phymul::test {
 namespace {

@@ -8,7 +8,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace phymul::test {
@@ -214,9 +213,7 @@ inline TopologyTextures averaged_tables(Model model) {
   model.stiffness.assign(model.rest.size(), model.materials.front().young * mean_spacing(model));
   model.materials.clear();
   for (Cell& cell : model.cells) cell.material = -1;
-  TopologyOptions options;
-  options.reaction = Reaction::averaged;
-  options.on_sparse = SparseParticle::free;
+  const TopologyOptions options{.reaction = Reaction::averaged, .on_sparse = SparseParticle::free};
   return build_topology(model, options);
 }
 

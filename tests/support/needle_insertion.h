@@ -33,8 +33,7 @@ struct Insertion {
   Insertion(const std::string& backend, int cells, double share, const Needle& needle = thin_needle())
       : model(gel(cells)), scene(model) {
     scene.fix("z0").add_tool("needle", {.shape = needle, .pose = pose, .friction = 0.5});
-    SolverOptions options;
-    options.damping.rate = 40.0;
+    const SolverOptions options{.damping = {.rate = 40.0}};
     solver = make_solver(backend, model, scene, {}, options);
     dt = share * solver->stable_step();
   }

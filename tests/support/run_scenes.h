@@ -17,21 +17,16 @@ namespace phymul::test {
 
 /// A calibrated block, 1,000 particles and so more than one cluster, wherever it is asked to stand.
 inline Model block_at(const Vec3& origin) {
-  Model model = make_block({0.06, 0.03, 0.03}, 15, 8, 8);
-  for (Vec3& x : model.rest) x += origin;
-  set_material(model, soft_tissue());
-  return model;
+  return with_material(moved(make_block({0.06, 0.03, 0.03}, 15, 8, 8), origin));
 }
 
 inline Load pull(const Model& model, const char* group, const Vec3& direction, std::vector<ValueEvent> events,
                  LoadType type = LoadType::translation) {
-  Load load;
-  load.type = type;
-  load.particles = model.group(group);
-  load.events = std::move(events);
-  load.direction = direction;
-  load.applied_to = group;
-  return load;
+  return {.type = type,
+          .particles = model.group(group),
+          .events = std::move(events),
+          .direction = direction,
+          .applied_to = group};
 }
 
 struct BackendCase {
@@ -41,10 +36,7 @@ struct BackendCase {
 inline constexpr BackendCase cpu_backends[] = {{"reference", 0}, {"cpu", 1}, {"cpu", 2}};
 
 inline SolverOptions options_for(const BackendCase& backend, double damping = 5.0) {
-  SolverOptions options;
-  options.threads = backend.threads;
-  options.damping.rate = damping;
-  return options;
+  return {.damping = {.rate = damping}, .threads = backend.threads};
 }
 
 inline std::string path_for(const char* name) {

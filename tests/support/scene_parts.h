@@ -13,12 +13,7 @@
 namespace phymul {
 
 inline Load made(LoadType type, std::vector<Index> particles, const Vec3& direction, double value) {
-  Load load;
-  load.type = type;
-  load.particles = std::move(particles);
-  load.direction = direction;
-  load.events = {{0.0, value}};
-  return load;
+  return {.type = type, .particles = std::move(particles), .events = {{0.0, value}}, .direction = direction};
 }
 
 inline LoadFrame at(const Scene& scene, double time) {

@@ -34,24 +34,15 @@ inline Model long_tetrahedra() {
 /// They meet near the end that is pushed, so that what is far from it still sleeps when their boundary moves.
 inline Model two_materials() {
   Model model = make_tetrahedral_block({0.24, 0.03, 0.03}, 48, 6, 6, 0.2, 7);
-  std::vector<Index> left;
-  for (Index i = 0; i < model.particle_count(); ++i) {
-    if (model.rest[i].x() < 0.225) left.push_back(i);
-  }
-  model.add_group("left", left);
+  model.add_group("left", model.particles_in([](const Vec3& X) { return X.x() < 0.225; }));
   set_material(model, soft_tissue());
   set_material(model, {50e3, 0.3, 1000.0}, "left");
   return model;
 }
 inline Model long_organ() {
   Model model = make_body(solid_ellipsoid({0.12, 0.015, 0.015}, {0.12, 0.03, 0.025}), {.spacing = 0.0075});
-  std::vector<Index> first, last;
-  for (Index i = 0; i < model.particle_count(); ++i) {
-    if (model.rest[i].x() < 0.02) first.push_back(i);
-    if (model.rest[i].x() > 0.22) last.push_back(i);
-  }
-  model.add_group("x0", first);
-  model.add_group("x1", last);
+  model.add_group("x0", model.particles_in([](const Vec3& X) { return X.x() < 0.02; }));
+  model.add_group("x1", model.particles_in([](const Vec3& X) { return X.x() > 0.22; }));
   return with_material(std::move(model));
 }
 /// Two blocks, one over the edge of the other.
@@ -79,12 +70,10 @@ inline std::vector<SleepingScene> sleeping_scenes(double step) {
                       if (call == woken_at) scene.gravity({0, 0, -0.5});
                     }});
   scenes.push_back({"gravity in time", wide_block(), [=](Scene& scene) {
-                      Load load;
-                      load.type = LoadType::acceleration;
-                      for (Index i = 0; i < scene.model().particle_count(); ++i) load.particles.push_back(i);
-                      load.direction = {0, 0, -1};
-                      load.events = {{at, 0.0}, {at + 20 * step, 0.5}};
-                      scene.fix("x0").add(load);
+                      scene.fix("x0").add({.type = LoadType::acceleration,
+                                           .particles = every_particle(scene.model()),
+                                           .events = {{at, 0.0}, {at + 20 * step, 0.5}},
+                                           .direction = {0, 0, -1}});
                     }});
   scenes.push_back({"imposed motion", wide_block(), [=](Scene& scene) {
                       scene.fix("x0").add(pull(scene.model(), "x1", {0, 0, 1}, {{at, 0.0}, {later, 0.002}}));

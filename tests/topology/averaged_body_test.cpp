@@ -56,9 +56,7 @@ Model mixed() {
     }
     const auto& v = cell.particles;
     for (const auto& cut : {std::array{1, 2, 6}, {2, 3, 6}, {3, 7, 6}, {7, 4, 6}, {4, 5, 6}, {5, 1, 6}}) {
-      Cell tetrahedron;
-      tetrahedron.particles = {v[0], v[cut[0]], v[cut[1]], v[cut[2]]};
-      cells.push_back(tetrahedron);
+      cells.push_back({.type = CellType::tetrahedron, .particles = {v[0], v[cut[0]], v[cut[1]], v[cut[2]]}});
     }
   }
   model.cells = cells;
@@ -73,10 +71,7 @@ Model triangles() {
     if (cell.type != CellType::quad) continue;
     const auto& v = cell.particles;
     for (const auto& cut : {std::array{0, 1, 2}, {0, 2, 3}}) {
-      Cell triangle;
-      triangle.type = CellType::triangle;
-      triangle.particles = {v[cut[0]], v[cut[1]], v[cut[2]]};
-      cells.push_back(triangle);
+      cells.push_back({.type = CellType::triangle, .particles = {v[cut[0]], v[cut[1]], v[cut[2]]}});
     }
   }
   model.cells = cells;
@@ -261,11 +256,7 @@ TEST(AveragedBody, MaterialsDoNotSmear) {
   for (Model model :
        {make_block({0.04, 0.02, 0.02}, 4, 2, 2), make_tetrahedral_block({0.04, 0.02, 0.02}, 4, 2, 2, 0, 3)}) {
     set_material(model, soft_tissue(0.0));
-    std::vector<Index> left;
-    for (Index i = 0; i < model.particle_count(); ++i) {
-      if (model.rest[i].x() < 0.0201) left.push_back(i);
-    }
-    model.add_group("left", left);
+    model.add_group("left", model.particles_in([](const Vec3& X) { return X.x() < 0.0201; }));
     set_material(model, {40e3, 0.0, 1000.0}, "left");
     const TopologyTextures tables = build_topology(model, {.law = averaged_law});
     EXPECT_GT(tables.domains.size(), tables.rest.size());
@@ -302,8 +293,7 @@ TEST(AveragedBody, CantileversOfAnyCellsBendAsTheyShould) {
         std::tuple{"hexahedra, one layer", with_material(make_block({L, H, H}, 16, 4, 1)), 1.48}}) {
     Scene scene(model);
     scene.fix("x0").gravity({0, 0, -g});
-    SolverOptions options;
-    options.damping.rate = 8.0;
+    const SolverOptions options{.damping = {.rate = 8.0}};
     const auto solver = make_solver("cpu", model, scene, {.law = averaged_law}, options);
     ASSERT_TRUE(solver->run_to_rest(20000, 0.5 * solver->stable_step()).converged()) << name;
     const State state = solver->read();

@@ -14,9 +14,7 @@ namespace phymul::test {
 namespace {
 
 TopologyOptions selecting(BaseSelection bases) {
-  TopologyOptions options;
-  options.bases = bases;
-  return options;
+  return {.bases = bases};
 }
 
 Index inner_particle(const Model& block) {

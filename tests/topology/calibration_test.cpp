@@ -31,8 +31,7 @@ TEST(Calibration, ConstantsOutOfRangeAreRefused) {
 }
 
 TEST(Calibration, StiffnessIsWhatTheMaterialSaysNotWhatTheModelHeld) {
-  Model block = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
-  set_material(block, soft_tissue());
+  Model block = with_material(make_block({0.02, 0.02, 0.02}, 2, 2, 2));
   const VecList stretched = random_positions(block, 0.1, 1);
   const double before = elastic_energy(build_topology(block), stretched);
   std::fill(block.stiffness.begin(), block.stiffness.end(), 1e9);
@@ -49,8 +48,7 @@ TEST(Calibration, TheLawFollowsFromTheModel) {
 }
 
 TEST(Calibration, WhatCannotCarryAMaterialSaysSo) {
-  Model block = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
-  set_material(block, soft_tissue());
+  const Model block = with_material(make_block({0.02, 0.02, 0.02}, 2, 2, 2));
   const auto refuse = [](const Model& model, auto&& set) {
     TopologyOptions options;
     set(options);

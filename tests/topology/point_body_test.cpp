@@ -25,7 +25,7 @@ double volume(const Model& model) {
 }
 
 double energy_of_cells(const Mat3& F, double poisson) {
-  const Model one = with_material(make_block({0.01, 0.01, 0.01}, 1, 1, 1), poisson);
+  const Model one = with_material(make_block({0.01, 0.01, 0.01}, 1, 1, 1), soft_tissue(poisson));
   const TopologyTextures tables = build_topology(one, averaged);
   VecList x = tables.rest;
   for (Vec3& p : x) p = F * p;
@@ -119,7 +119,7 @@ TEST(PointBody, StretchBetweenPlatesHasTheMaterialsConstants) {
   for (const double nu : {0.0, 0.3, 0.45}) {
     for (const Body& body : clouds()) {
       if (!body.model.has_group("x0")) continue;  // no points on the plates
-      const Model model = with_material(body.model, nu);
+      const Model model = with_material(body.model, soft_tissue(nu));
       const Moduli found = stretch_block(model, build_topology(model, averaged), 1e-3);
       std::printf("%s, nu %.2f: E %.4f of the material's, nu %.4f\n", body.name.c_str(), nu, found.young / 10e3,
                   found.poisson);
@@ -133,7 +133,7 @@ TEST(PointBody, CantileversBendAsTheyShould) {
   for (const double nu : {0.0, 0.3, 0.45}) {
     for (const Body& body : clouds()) {
       if (!body.model.has_group("x0")) continue;
-      const Model model = with_material(body.model, nu);
+      const Model model = with_material(body.model, soft_tissue(nu));
       const TopologyTextures tables = build_topology(model, averaged);
       const double ratio = cantilever_ratio(model, tables, soft_tissue(nu), Root::clamped);
       std::printf("%s, nu %.2f: s %.3f, tip at %.4f of the beam's\n", body.name.c_str(), nu, *tables.options.stabiliser,
@@ -195,8 +195,7 @@ TEST(PointBody, StepsNearTheLimitDoNotGrow) {
     for (const char* backend : {"reference", "cpu"}) {
       const auto solver = make_solver(backend, body.model, scene, averaged);
       const double dt = 0.9 * solver->stable_step();
-      State state = rest_state(body.model);
-      state.position = random_positions(body.model, 1e-3, 4);
+      const State state = displaced(body.model, 1e-3, 4);
       solver->start(state, dt);
       ASSERT_TRUE(solver->step(100, dt).ok());
       const double before = solver->energy().total();
@@ -211,8 +210,7 @@ TEST(PointBody, BackendsAgree) {
     const Scene scene(body.model);
     const auto reference = make_solver("reference", body.model, scene, averaged);
     const auto cpu = make_solver("cpu", body.model, scene, averaged);
-    State state = rest_state(body.model);
-    state.position = random_positions(body.model, 0.1, 4);
+    const State state = displaced(body.model, 0.1, 4);
     const double dt = 0.5 * reference->stable_step();
     for (Solver* solver : {reference.get(), cpu.get()}) {
       solver->reset(state);
@@ -233,8 +231,7 @@ TEST(PointBody, BrokenStatesHeal) {
     for (const double poisson : {0.3, 0.45}) {
       set_material(model, soft_tissue(poisson));
       const Scene scene(model);
-      SolverOptions options;
-      options.damping.factor = 0.99;
+      const SolverOptions options{.damping = {.factor = 0.99}};
       const auto solver = make_solver("cpu", model, scene, averaged, options);
       for (const FailureState& failure : failure_states()) {
         std::mt19937 bits(5);

@@ -3,6 +3,7 @@
 #include <phymul/bodies.h>
 
 #include "support/bodies.h"
+#include "support/message_of.h"
 
 namespace phymul::test {
 namespace {
@@ -41,7 +42,7 @@ TEST(StretchedCells, EveryKindOfMeshIsNamed) {
   for (const Model& model : {turned, make_tetrahedral_block(beam, 4, 4, 4, 0.2, 1), make_strip(0.2, 0.05, 4, 4)}) {
     const auto found = notes(model);
     ASSERT_EQ(found.size(), 1u) << model.name;
-    EXPECT_NE(found.front().find(": its cells are 4."), std::string::npos) << found.front();
+    EXPECT_TRUE(says(found.front(), ": its cells are 4."));
   }
 }
 

@@ -3,9 +3,6 @@
 // Bodies at the edge of what tables can be made of: repeated, flat and inside-out cells, sparse particles, materials.
 #include <gtest/gtest.h>
 
-#include <limits>
-#include <numeric>
-
 #include "support/bodies.h"
 #include "support/message_of.h"
 #include "topology/base_selection.h"
@@ -53,8 +50,7 @@ TEST(TopologyLimits, ParticlesOutsideTheMaterialTakeNoSprings) {
   const Index near[] = {2, 5};
   model.neighbours.push_row(near, near + 2);
   set_material(model, soft_tissue());
-  TopologyOptions options;
-  options.on_sparse = SparseParticle::springs;
+  TopologyOptions options{.on_sparse = SparseParticle::springs};
   EXPECT_TRUE(refuses([&] { build_topology(model, options); },
                       "particle 27 is in no cell that has a material, and springs would need a stiffness"));
   options.on_sparse = SparseParticle::free;

@@ -22,8 +22,7 @@ TEST(Topology, StiffnessInNewtonsPerMetreIsTheModels) {
   Model block = make_block({3, 2, 2}, 3, 2, 2);
   for (Index i = 0; i < block.particle_count(); ++i) block.stiffness[i] = i;  // 0 among them
   for (BaseSelection bases : selections) {
-    TopologyOptions options;
-    options.bases = bases;
+    const TopologyOptions options{.bases = bases};
     EXPECT_EQ(build_topology(block, options).stiffness, block.stiffness);
   }
 }
@@ -39,8 +38,7 @@ TEST(Topology, TablesFollowTheSizeOfTheBody) {
 TEST(Topology, SpringsAreNeighbouringPairsOnce) {
   Model block = make_block({3, 2, 2}, 3, 2, 2, 6);
   for (Index i = 0; i < block.particle_count(); ++i) block.stiffness[i] = 1.0 + i;
-  TopologyOptions options;
-  options.law = Law::springs;
+  const TopologyOptions options{.law = Law::springs};
   const TopologyTextures t = build_topology(block, options);
   EXPECT_EQ(t.springs.size(), 3u * 9 + 4u * 2 * 3 * 2);  // edges along x, then along y and z
   EXPECT_EQ(t.base_count, 0);
@@ -102,8 +100,7 @@ TEST(Topology, VolumeTermsStandForTheWholeBody) {
   for (const Case& it :
        {Case{make_block({3, 2, 2}, 3, 2, 2), 12.0, 96},
         Case{make_tetrahedral_block({3, 2, 2}, 3, 2, 2, 0.2, 1), 12.0, 0}, Case{make_strip(4, 2, 4, 2), 8.0, 32}}) {
-    TopologyOptions options;
-    options.volume_stiffness = 50.0;
+    const TopologyOptions options{.volume_stiffness = 50.0};
     const TopologyTextures t = build_topology(it.model, options);
     double sum = 0.0;
     for (const VolumeTexel& term : t.volumes) {
@@ -125,8 +122,7 @@ TEST(Topology, VolumeTermsStandForTheWholeBody) {
 TEST(Topology, ClockwisePlaneCellsAreTurnedOver) {
   Model strip = make_strip(4, 2, 4, 2);
   for (Cell& cell : strip.cells) std::reverse(cell.particles.begin(), cell.particles.end());
-  TopologyOptions options;
-  options.volume_stiffness = 1.0;
+  const TopologyOptions options{.volume_stiffness = 1.0};
   for (const VolumeTexel& term : build_topology(strip, options).volumes) EXPECT_GT(term.inverse_rest_volume, 0.0);
 }
 
@@ -143,8 +139,7 @@ TEST(Topology, OptionsOutOfRangeAreRefusedByName) {
   Model wire = make_tetrahedron(1.0);
   wire.cells.clear();
   wire.components.clear();
-  TopologyOptions options;
-  options.volume_stiffness = 1.0;
+  const TopologyOptions options{.volume_stiffness = 1.0};
   EXPECT_TRUE(refuses([&] { build_topology(wire, options); }, "a volume term needs tetrahedra"));
 }
 

@@ -59,8 +59,7 @@ void expect_transpose(const RaggedList& list, Index particles, std::size_t place
 
 TEST(Textures, TransposedListsAreExactInverses) {
   for (const Body& body : bodies()) {
-    TopologyOptions options;
-    options.volume_stiffness = body.name == "tetrahedron" || body.model.dimension == 2 ? 0.0 : 10.0;
+    TopologyOptions options{.volume_stiffness = body.name == "tetrahedron" || body.model.dimension == 2 ? 0.0 : 10.0};
     TopologyTextures t = build_topology(body.model, options);
     expect_transpose(t.base_of, t.particle_count, 3 * static_cast<std::size_t>(t.base_count),
                      [&](Index e) { return t.bases[e / 3].vertex[e % 3]; });

@@ -25,9 +25,7 @@ TEST(Camera, PixelsAndPointsAreEachOthersInverse) {
 }
 
 TEST(Camera, TheTargetIsInTheMiddleAndUpIsUp) {
-  Camera camera;
-  camera.eye = {0, -2, 0};
-  camera.up = {0, 0, 1};
+  const Camera camera{.eye = {0, -2, 0}, .up = {0, 0, 1}};
   EXPECT_TRUE(to_pixel(camera, {0, 0, 0}, 100, 50).isApprox(Vec3(50, 25, 2)));
   EXPECT_TRUE(to_pixel(camera, {0.1, 0, 0}, 100, 50).isApprox(Vec3(55, 25, 2)));  // 50 pixels a metre
   EXPECT_TRUE(to_pixel(camera, {0, 0, 0.1}, 100, 50).isApprox(Vec3(50, 20, 2)));
@@ -35,9 +33,7 @@ TEST(Camera, TheTargetIsInTheMiddleAndUpIsUp) {
 }
 
 TEST(Camera, NearerThingsAreLargerInPerspective) {
-  Camera camera;
-  camera.eye = {0, 0, 2};
-  camera.view_angle = 1.0;
+  const Camera camera{.eye = {0, 0, 2}, .view_angle = 1.0};
   EXPECT_GT(pixels_per_metre(camera, {0, 0, 1}, 100), 1.99 * pixels_per_metre(camera, {0, 0, 0}, 100));
 }
 

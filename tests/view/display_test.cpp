@@ -35,9 +35,7 @@ class GlPictureTest : public testing::Test {
 };
 
 DisplayOptions nothing() {
-  DisplayOptions options;
-  options.surface = options.edges = false;
-  return options;
+  return {.surface = false, .edges = false};
 }
 
 DisplayOptions particles_only() {
@@ -250,8 +248,7 @@ TEST_F(GlPictureTest, WhatIsInsideShowsThroughASurfaceThatLetsThrough) {
   const Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
   const auto display = make_display(model);
   const Camera camera = camera_for(model);
-  DisplayOptions options;
-  options.edges = false;
+  DisplayOptions options{.edges = false};
   options.marks = {{{13}, {0.9, 0.0, 0.0, 1.0}}};  // the middle one
   const auto redness = [&](const Image& image) {
     const Vec3 colour = colour_at(image, camera, model.rest[13]);
@@ -284,8 +281,7 @@ TEST_F(GlPictureTest, ACpuSolverIsFollowed) {
   State state = rest_state(model);
   state.position[3] += Vec3(0.002, 0.001, 0.0);
   solver->reset(state);
-  DisplayOptions options;
-  options.full_scale = 0.002;
+  DisplayOptions options{.full_scale = 0.002};
   options.links = options.particles = options.attractors = true;
   options.surface_opacity = 0.5;
   const Camera camera = camera_for(model);
@@ -307,17 +303,13 @@ TEST_F(GlPictureTest, AGlSolverIsDrawnFromItsOwnTexture) {
     scene.fix("bottom").gravity({40.0, 0.0, 0.0});
     TopologyOptions topology;
     if (with_attractors) topology.reaction = Reaction::averaged;
-    SolverOptions solver_options;
-    solver_options.damping.factor = 0.99;
+    const SolverOptions solver_options{.damping = {.factor = 0.99}};
     const auto solver = make_solver("gl", model, scene, topology, solver_options);
     const auto followed = make_display(*solver), given = make_display(model);
     EXPECT_TRUE(followed->zero_copy());
     const Camera camera = camera_for(model);
-    DisplayOptions options;
-    options.full_scale = 0.002;
-    options.particles = true;
-    options.surface_opacity = 0.5;
-    options.attractors = with_attractors;
+    const DisplayOptions options{
+        .surface_opacity = 0.5, .particles = true, .attractors = with_attractors, .full_scale = 0.002};
     std::optional<Image> before;
     for (int frame = 0; frame < 3; ++frame) {
       ASSERT_TRUE(solver->step(40, 0.5 * solver->stable_step()).ok());

@@ -3,7 +3,6 @@
 
 #include <phymul/error.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <numeric>

@@ -2,7 +2,6 @@
 #include "packed_loads.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "sleep_blocks.h"
 

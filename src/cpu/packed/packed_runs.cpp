@@ -2,7 +2,6 @@
 #include "packed_runs.h"
 
 #include <algorithm>
-#include <cstring>
 #include <functional>
 #include <string_view>
 #include <tuple>

@@ -2,7 +2,6 @@
 #include "simd_solver.h"
 
 #include <phymul/backend.h>
-#include <phymul/elasticity.h>
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,6 @@
 
 #include <phymul/topology_textures.h>
 
-#include <string_view>
 #include <unordered_map>
 
 #include "cluster_slots.h"

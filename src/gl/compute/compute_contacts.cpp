@@ -43,9 +43,7 @@ ComputeContacts::ComputeContacts(const FloatContacts& contacts, const ComputeTab
                                               std::to_string(meetings()) + " contacts in " + std::to_string(rounds_) +
                                               " rounds; use fewer rounds");
   }
-  std::vector<Int4> particles = contacts.particle;
-  for (Int4& particle : particles) particle[0] = tables.place_of()[static_cast<std::size_t>(particle[0])];
-  rows.add("surface_place", std::move(particles));
+  rows.add("surface_place", tables.placed(contacts.particle, 1));
   rows.add("surface_rest_place", contacts.rest);
   rows.add("triangle_place", contacts.triangle);
   rows.add("triangle_law_place", contacts.triangle_law);

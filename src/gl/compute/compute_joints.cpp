@@ -7,10 +7,8 @@ namespace phymul::gl {
 
 ComputeJoints::ComputeJoints(FloatJoints joints, const ComputeTables& tables, StorageRows& rows)
     : joints_(std::move(joints)) {
-  std::vector<Int4> anchors = joints_.anchors();
-  for (Int4& anchor : anchors) anchor[0] = tables.place_of()[anchor[0]];
   rows.add("joint_springs_place", joints_.springs());
-  rows.add("joint_anchors_place", std::move(anchors));
+  rows.add("joint_anchors_place", tables.placed(joints_.anchors(), 1));
   rows.add("joint_places_place", joints_.places());
   laws_row_ = rows.add("joint_laws_place", joints_.laws());
   rows.add("joint_ranges_place", tables.by_place(joints_.ranges()));

@@ -7,10 +7,7 @@ namespace phymul::gl {
 
 ComputeSurfaces::ComputeSurfaces(FloatSurfaces surfaces, const ComputeTables& tables, StorageRows& rows)
     : patches_(surfaces.patches()), law_of_(std::move(surfaces.law_of)) {
-  for (Int4& patch : surfaces.corners) {
-    for (std::size_t c = 0; c < 3; ++c) patch[c] = tables.place_of()[static_cast<std::size_t>(patch[c])];
-  }
-  rows.add("patch_corners_place", std::move(surfaces.corners));
+  rows.add("patch_corners_place", tables.placed(std::move(surfaces.corners), 3));
   rows.add("patch_laws_place", std::move(surfaces.laws));
   rows.add("patch_points_place", std::move(surfaces.points));
   rows.add("patch_ranges_place", tables.by_place(surfaces.ranges));

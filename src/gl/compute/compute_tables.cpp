@@ -60,6 +60,13 @@ ComputeTables::ComputeTables(const SliceTables& slices, const ComputeLimits& lim
   rows_.send(constants_);
 }
 
+std::vector<Int4> ComputeTables::placed(std::vector<Int4> rows, std::size_t particles) const {
+  for (Int4& row : rows) {
+    for (std::size_t k = 0; k < particles; ++k) row[k] = place_of_[static_cast<std::size_t>(row[k])];
+  }
+  return rows;
+}
+
 void ComputeTables::bind() const {
   constants_.bind(constant_rows_binding);
   constants_.bind(constant_words_binding);

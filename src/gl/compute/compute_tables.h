@@ -35,6 +35,9 @@ class ComputeTables {
     return rows;
   }
 
+  /// Rows whose first numbers, so many, are particles of the model, with their places instead.
+  std::vector<Int4> placed(std::vector<Int4> rows, std::size_t particles) const;
+
   void bind() const;
   /// What every shader of this body finds defined.
   void define(ShaderRequest& request) const;

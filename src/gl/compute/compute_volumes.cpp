@@ -2,25 +2,14 @@
 #include "compute_volumes.h"
 
 namespace phymul::gl {
-namespace {
-
-/// With places for the first numbers of each row.
-std::vector<Int4> placed(std::vector<Int4> rows, std::size_t corners, const ComputeTables& tables) {
-  for (Int4& row : rows) {
-    for (std::size_t k = 0; k < corners; ++k) row[k] = tables.place_of()[static_cast<std::size_t>(row[k])];
-  }
-  return rows;
-}
-
-}  // namespace
 
 ComputeVolumes::ComputeVolumes(const FloatVolumes& volumes, const ComputeTables& tables, StorageRows& rows)
     : count_(volumes.count()), facet_sums_(volumes.levels.front()[1]) {
   const auto sums = static_cast<std::int64_t>(volumes.nodes.size());
   rows.add("kept_laws_place", volumes.laws);
   rows.add("kept_ranges_place", tables.by_place(volumes.ranges, 1, Int4{0, 0, -1, 0}));
-  rows.add("kept_around_place", placed(volumes.around, 3, tables));
-  rows.add("kept_facets_place", placed(volumes.facets, 4, tables));
+  rows.add("kept_around_place", tables.placed(volumes.around, 3));
+  rows.add("kept_facets_place", tables.placed(volumes.facets, 4));
   rows.add("kept_edges_place", volumes.edges);
   rows.add("kept_nodes_place", volumes.nodes);
   rows.add("kept_levels_place", volumes.levels);

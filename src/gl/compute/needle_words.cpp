@@ -120,10 +120,8 @@ NeedleState ComputeNeedles::state_of(const Placed& needle, const std::vector<std
   const auto real = [](std::int32_t bits) { return static_cast<double>(std::bit_cast<float>(bits)); };
   const auto most = static_cast<std::size_t>(needle.law.particles);
   const auto front = static_cast<std::size_t>(needle.front_words());
-  NeedleState state;
-  state.punctured = words[punctured_word] != 0;
-  state.through = words[through_word] != 0;
-  state.slip = real(words[slip_word]);
+  NeedleState state{
+      .punctured = words[punctured_word] != 0, .through = words[through_word] != 0, .slip = real(words[slip_word])};
   for (std::int32_t k = 0; k < words[loads_word]; ++k) {
     const std::int32_t* const load = &words[static_cast<std::size_t>(header_words + 4 * k)];
     state.shaft.push_back({.along = real(load[0]), .x = real(load[1]), .y = real(load[2])});

@@ -3,6 +3,7 @@
 // Context: where GL calls are made, whosever context it is.
 #pragma once
 
+#include <phymul/error.h>
 #include <phymul/gl.h>
 
 #include <memory>
@@ -12,9 +13,14 @@
 
 #include "context_info.h"
 #include "solver/gl_backend.h"
-#include "unreachable.h"
 
 namespace phymul::gl {
+
+/// A context that is there, but cannot be made current now: the host has another one current, or it is on another
+/// thread.
+struct Unreachable : Error {
+  using Error::Error;
+};
 
 /// Who has GL objects keeps a std::shared_ptr to their context, and makes, uses and deletes them inside run(). One
 /// thread at a time.

@@ -13,7 +13,6 @@
 #include "egl_display.h"
 #include "gl_functions.h"
 #include "guard_egl.h"
-#include "unreachable.h"
 
 namespace phymul::gl {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "body_drawing.h"
 
-#include <phymul/error.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include "model/require_indices.h"
 
 namespace phymul::gl {
 namespace {
@@ -274,11 +274,8 @@ void BodyDrawing::draw_balls(const TextureView& displacement, const Texture* lis
 void BodyDrawing::draw_marks(const Placement& placement, const DisplayOptions& options, const Eye& eye) {
   for (const DisplayMark& mark : options.marks) {
     if (mark.particles.empty()) continue;
-    for (const Index i : mark.particles) {
-      if (i >= 0 && i < model_.particle_count()) continue;
-      throw Error("DisplayOptions::marks: expected particles from 0 to " + std::to_string(model_.particle_count() - 1) +
-                  ", got " + std::to_string(i));
-    }
+    require_indices(mark.particles, model_.rest.size(), "particles",
+                    [] { return std::string("DisplayOptions::marks: "); });
     const Texture list = Texture::table(mark.particles, "marks");
     draw_balls(placement.displacement, &list, mark.particles.size(), mark_size * ball_radius(options), mark.colour,
                false, eye);

@@ -4,7 +4,6 @@
 #include <phymul/error.h>
 
 #include <array>
-#include <optional>
 #include <type_traits>
 #include <utility>
 

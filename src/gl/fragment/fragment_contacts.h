@@ -5,8 +5,6 @@
 #pragma once
 
 #include <array>
-#include <span>
-#include <vector>
 
 #include "base/box_tree.h"
 #include "device/float_contacts.h"

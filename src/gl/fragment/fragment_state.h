@@ -8,7 +8,6 @@
 #include <phymul/state.h>
 
 #include <array>
-#include <vector>
 
 #include "gl/objects/framebuffer.h"
 #include "gl/solver/state_copies.h"

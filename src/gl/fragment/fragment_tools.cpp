@@ -2,7 +2,6 @@
 #include "fragment_tools.h"
 
 #include <span>
-#include <utility>
 
 namespace phymul::gl {
 namespace {

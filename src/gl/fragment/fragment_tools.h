@@ -5,7 +5,6 @@
 #pragma once
 
 #include <array>
-#include <vector>
 
 #include "device/float_tools.h"
 #include "reduction.h"

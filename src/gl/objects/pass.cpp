@@ -4,8 +4,6 @@
 #include <phymul/error.h>
 
 #include <algorithm>
-#include <string>
-#include <utility>
 
 #include "pass_timer.h"
 

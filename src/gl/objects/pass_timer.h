@@ -4,7 +4,6 @@
 // EXT_disjoint_timer_query) and by the clock of the thread that hands the passes over.
 #pragma once
 
-#include <cstdint>
 #include <deque>
 #include <string>
 #include <vector>

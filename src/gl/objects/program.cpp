@@ -3,7 +3,6 @@
 
 #include <phymul/error.h>
 
-#include <string>
 #include <utility>
 
 namespace phymul::gl {

@@ -9,7 +9,6 @@
 
 #include <cstdint>
 #include <span>
-#include <string>
 
 #include "device/table_rows.h"
 

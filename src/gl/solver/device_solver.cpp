@@ -4,7 +4,6 @@
 #include <phymul/error.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "device/base_layout.h"
@@ -159,9 +158,7 @@ void DeviceSolver::follow() {
 }
 
 SolverBackend::Motion DeviceSolver::lost_motion() {
-  Motion motion;
-  motion.lost = true;
-  return motion;
+  return {.lost = true};
 }
 
 SolverBackend::Motion DeviceSolver::do_step(const StepPlan& plan) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "report_copy.h"
 
-#include <phymul/error.h>
-
 #include <cstring>
 
 #include "gl/objects/mapped_buffer.h"

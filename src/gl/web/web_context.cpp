@@ -6,7 +6,6 @@
 
 #include "gl/context/gl_functions.h"
 #include "gl/context/guard_state.h"
-#include "gl/context/unreachable.h"
 #include "gl/solver/device.h"
 
 // A context on a canvas that is no part of the page; 0 where the browser has no WebGL 2.

@@ -4,7 +4,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -40,6 +39,14 @@ std::vector<std::uint16_t> narrowed(const std::string& path, const void* numbers
 }
 
 }  // namespace
+
+NumberType integer_type(const std::string& path, std::span<const IntegerCode> known, int code, const char* name) {
+  const auto found = std::ranges::find(known, code, &IntegerCode::code);
+  if (found != known.end()) return found->type;
+  fail_format(
+      path, 0,
+      std::string("expected integers as labels, got ") + name + "; save it anew as an image of 8 or 16 bit integers");
+}
 
 std::size_t voxel_count(const std::string& path, const std::vector<std::int64_t>& sizes, NumberType type) {
   std::string text;

@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
-#include <optional>
 
 #include "base/decimal.h"
 #include "base/file_error.h"
@@ -19,28 +18,11 @@ namespace {
 /// The most that deflate makes of a byte.
 constexpr std::uint64_t most_inflation = 1032;
 
-std::optional<NumberType> integer_type(int datatype) {
-  switch (datatype) {
-    case DT_INT8:
-      return NumberType::int8;
-    case DT_UINT8:
-      return NumberType::uint8;
-    case DT_INT16:
-      return NumberType::int16;
-    case DT_UINT16:
-      return NumberType::uint16;
-    case DT_INT32:
-      return NumberType::int32;
-    case DT_UINT32:
-      return NumberType::uint32;
-    case DT_INT64:
-      return NumberType::int64;
-    case DT_UINT64:
-      return NumberType::uint64;
-    default:
-      return {};
-  }
-}
+constexpr IntegerCode integers[] = {
+    {DT_INT8, NumberType::int8},     {DT_UINT8, NumberType::uint8},   {DT_INT16, NumberType::int16},
+    {DT_UINT16, NumberType::uint16}, {DT_INT32, NumberType::int32},   {DT_UINT32, NumberType::uint32},
+    {DT_INT64, NumberType::int64},   {DT_UINT64, NumberType::uint64},
+};
 
 /// Metres.
 double unit_of(const std::string& path, int xyz_units) {
@@ -69,19 +51,14 @@ void set_frame(const nifti_image& file, double unit, LabelImage& image) {
 }
 
 NumberType type_of(const std::string& path, const nifti_1_header& header) {
-  const std::optional<NumberType> type = integer_type(header.datatype);
-  if (!type) {
-    fail_format(path, 0,
-                std::string("expected integers as labels, got ") + nifti_datatype_string(header.datatype) +
-                    "; save it anew as an image of 8 or 16 bit integers");
-  }
+  const NumberType type = integer_type(path, integers, header.datatype, nifti_datatype_string(header.datatype));
   if (std::isfinite(header.scl_slope) && header.scl_slope != 0.0f &&
       !(header.scl_slope == 1.0f && header.scl_inter == 0.0f)) {
     fail_format(path, 0,
                 "expected labels as they are, got values to be scaled by " + to_decimal(header.scl_slope) +
                     " and shifted by " + to_decimal(header.scl_inter) + " (scl_slope, scl_inter)");
   }
-  return *type;
+  return type;
 }
 
 std::vector<std::int64_t> sizes_of(const std::string& path, const nifti_1_header& header) {

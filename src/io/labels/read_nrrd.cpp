@@ -18,28 +18,11 @@ namespace {
 
 using File = std::unique_ptr<Nrrd, Nrrd* (*)(Nrrd*)>;
 
-std::optional<NumberType> integer_type(int type) {
-  switch (type) {
-    case nrrdTypeChar:
-      return NumberType::int8;
-    case nrrdTypeUChar:
-      return NumberType::uint8;
-    case nrrdTypeShort:
-      return NumberType::int16;
-    case nrrdTypeUShort:
-      return NumberType::uint16;
-    case nrrdTypeInt:
-      return NumberType::int32;
-    case nrrdTypeUInt:
-      return NumberType::uint32;
-    case nrrdTypeLLong:
-      return NumberType::int64;
-    case nrrdTypeULLong:
-      return NumberType::uint64;
-    default:
-      return {};
-  }
-}
+constexpr IntegerCode integers[] = {
+    {nrrdTypeChar, NumberType::int8},     {nrrdTypeUChar, NumberType::uint8},   {nrrdTypeShort, NumberType::int16},
+    {nrrdTypeUShort, NumberType::uint16}, {nrrdTypeInt, NumberType::int32},     {nrrdTypeUInt, NumberType::uint32},
+    {nrrdTypeLLong, NumberType::int64},   {nrrdTypeULLong, NumberType::uint64},
+};
 
 /// The header alone, or all.
 File load(const std::string& path, bool header_alone) {
@@ -135,20 +118,15 @@ LabelImage read_nrrd(const std::string& path) {
                 "expected an image of three dimensions, got " + std::to_string(header->dim) +
                     "; save one label image of it (3D Slicer: export the segments to a label map)");
   }
-  const std::optional<NumberType> type = integer_type(header->type);
-  if (!type) {
-    fail_format(path, 0,
-                std::string("expected integers as labels, got ") + airEnumStr(nrrdType, header->type) +
-                    "; save it anew as an image of 8 or 16 bit integers");
-  }
+  const NumberType type = integer_type(path, integers, header->type, airEnumStr(nrrdType, header->type));
   std::vector<std::int64_t> sizes;
   for (int axis = 0; axis < 3; ++axis) sizes.push_back(static_cast<std::int64_t>(header->axis[axis].size));
-  const std::size_t count = voxel_count(path, sizes, *type);
+  const std::size_t count = voxel_count(path, sizes, type);
 
   const File file = load(path, false);
   LabelImage image;
   image.size = {static_cast<Index>(sizes[0]), static_cast<Index>(sizes[1]), static_cast<Index>(sizes[2])};
-  image.label = labels_of(path, file->data, count, *type);
+  image.label = labels_of(path, file->data, count, type);
   set_frame(path, *file, image);
   set_names(*file, image);
   return image;

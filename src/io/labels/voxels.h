@@ -6,12 +6,22 @@
 #include <phymul/labels.h>
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "base/byte_source.h"
 
 namespace phymul {
+
+/// A format's own number of a type of integers, and that type.
+struct IntegerCode {
+  int code;
+  NumberType type;
+};
+
+/// The type behind a format's number. Throws Error where it is none of these; `name` is what the format calls it.
+NumberType integer_type(const std::string& path, std::span<const IntegerCode> known, int code, const char* name);
 
 /// Numbers of these sizes that an image holds. Throws Error for a size below 1, and for more than 2^31 bytes.
 std::size_t voxel_count(const std::string& path, const std::vector<std::int64_t>& sizes, NumberType type);

@@ -75,8 +75,7 @@ std::vector<Load> LmlReader::read(std::vector<std::string>* notes) {
 }
 
 Load LmlReader::read_load(pugi::xml_node node) {
-  Load load;
-  load.type = type_of(node);
+  Load load{.type = type_of(node)};
   const LoadParts parts = parts_of(node);
   if (!parts.applied_to) xml_.fail(node, "expected <appliedTo> in <load>, got none");
   read_target(parts, load);

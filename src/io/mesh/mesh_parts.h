@@ -6,7 +6,6 @@
 #include <phymul/mesh.h>
 #include <phymul/model.h>
 
-#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>

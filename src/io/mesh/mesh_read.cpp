@@ -77,16 +77,14 @@ std::vector<Index> renumber(const std::vector<Index>& items, const std::vector<I
 
 void add_components(const MeshParts& parts, const std::vector<Index>& point_row, const std::vector<Index>& cell_row,
                     Model& model) {
-  Component body;
-  body.name = "Elements";
+  Component body{.name = "Elements"};
   for (std::size_t c = 0; c < model.cells.size(); ++c) body.cells.push_back(static_cast<Index>(c));
   model.components.push_back(std::move(body));
   for (const MeshGroup& group : parts.groups) {
-    Component component;
-    component.name = group.name;
-    component.exclusive = false;
-    component.cell_refs = renumber(group.cells, cell_row);
-    component.particles = renumber(group.points, point_row);
+    Component component{.name = group.name,
+                        .exclusive = false,
+                        .cell_refs = renumber(group.cells, cell_row),
+                        .particles = renumber(group.points, point_row)};
     if (component.cell_refs.empty() && component.particles.empty()) {
       model.notes.push_back(parts.source + ": group " + cited(group.name) + " has no elements and was left out");
       continue;

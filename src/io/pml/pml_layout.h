@@ -4,7 +4,6 @@
 #include <phymul/model.h>
 
 #include <array>
-#include <utility>
 #include <vector>
 
 namespace phymul {

@@ -70,12 +70,11 @@ void PmlReader::read_component(pugi::xml_node node, Index parent, bool exclusive
 
 Index PmlReader::add_component(pugi::xml_node node, const PmlMarks& own, Index parent, bool exclusive,
                                bool structural) {
-  Component component;
-  component.name = node.attribute("name").value();
-  component.parent = parent;
-  component.exclusive = exclusive;
-  component.structural = structural;
-  component.attributes = xml_.other_attributes(node, {"name", pml_mark_attribute});
+  Component component{.name = node.attribute("name").value(),
+                      .parent = parent,
+                      .exclusive = exclusive,
+                      .structural = structural,
+                      .attributes = xml_.other_attributes(node, {"name", pml_mark_attribute})};
   model_.components.push_back(std::move(component));
   component_rows_.push_back(own.row.value_or(-1));
   return static_cast<Index>(model_.components.size()) - 1;

@@ -7,20 +7,14 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
-#include <optional>
 
 #include "base/byte_source.h"
+#include "base/file_ending.h"
 #include "io/mesh/mesh_parts.h"
 #include "vtk_cells.h"
 
 namespace phymul {
 namespace {
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return result;
-}
 
 class VtkLegacyReader {
  public:
@@ -29,7 +23,7 @@ class VtkLegacyReader {
   MeshParts read() {
     read_header();
     while (true) {
-      const std::string keyword = lower(in_.word());
+      const std::string keyword = lower_case(in_.word());
       if (keyword.empty() || keyword == "point_data" || keyword == "cell_data") break;
       read_section(keyword);
     }
@@ -48,11 +42,11 @@ class VtkLegacyReader {
   void read_header() {
     in_.line();  // "# vtk DataFile Version x.y"; the version tells nothing that the sections do not
     in_.line();  // title
-    const std::string kind = lower(in_.word());
+    const std::string kind = lower_case(in_.word());
     if (kind != "ascii" && kind != "binary") in_.fail("expected ASCII or BINARY, got " + cited(kind));
     binary_ = kind == "binary";
-    const std::string dataset = lower(in_.word());
-    const std::string type = lower(in_.word());
+    const std::string dataset = lower_case(in_.word());
+    const std::string type = lower_case(in_.word());
     if (dataset != "dataset" || type != "unstructured_grid") {
       in_.fail("expected DATASET UNSTRUCTURED_GRID, got " + cited(dataset + ' ' + type) +
                "; export a volume mesh, not a surface or an image");
@@ -77,7 +71,7 @@ class VtkLegacyReader {
   }
 
   NumberType number_type() {
-    const std::string name = lower(in_.word());
+    const std::string name = lower_case(in_.word());
     if (name == "float") return NumberType::float32;
     if (name == "double") return NumberType::float64;
     if (name == "char" || name == "signed_char" || name == "vtktypeint8") return NumberType::int8;
@@ -138,7 +132,7 @@ class VtkLegacyReader {
     const std::size_t first = in_.count(NumberType::int64, 1, "a number of cells");
     const std::size_t second = in_.count(NumberType::int64, 1, "a number of numbers");
     const std::size_t head = in_.position();
-    if (lower(in_.word()) == "offsets") {
+    if (lower_case(in_.word()) == "offsets") {
       read_offsets(first, second);
     } else {
       in_.seek(head);
@@ -162,7 +156,7 @@ class VtkLegacyReader {
       cells_.offset.push_back(offset);
     }
     in_.use_text();
-    const std::string keyword = lower(in_.word());
+    const std::string keyword = lower_case(in_.word());
     if (keyword != "connectivity") in_.fail("expected CONNECTIVITY, got " + cited(keyword) + "; the file is damaged");
     const NumberType type = number_type();
     begin_numbers();
@@ -209,7 +203,7 @@ class VtkLegacyReader {
     in_.word();  // its name
     const std::size_t arrays = in_.count(NumberType::int64, 1, "a number of arrays");
     for (std::size_t a = 0; a < arrays; ++a) {
-      const std::string name = lower(in_.word());
+      const std::string name = lower_case(in_.word());
       if (name == "metadata") {
         skip_metadata();
         in_.word();

@@ -8,7 +8,6 @@
 #include <zlib.h>
 
 #include <array>
-#include <cstdint>
 #include <vector>
 
 namespace phymul {

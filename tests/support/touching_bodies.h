@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+//
+// Bodies that touch each other, and one that touches itself.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "bodies.h"
+
+namespace phymul::test {
+
+inline constexpr double touching_spacing = 0.005;  // m
+
+inline Model tissue(const Vec3& at, const std::array<int, 3>& cells) {
+  Model model =
+      with_material(make_block(touching_spacing * Vec3(cells[0], cells[1], cells[2]), cells[0], cells[1], cells[2]),
+                    {5e3, 0.3, 1000.0});
+  return moved(std::move(model), at);
+}
+
+inline Model joined_bodies(const Model& low, const Model& high) {
+  const NamedBody bodies[] = {{"low", &low}, {"high", &high}};
+  return merge_models(bodies);
+}
+
+/// A cube of 1 cm over the middle of a slab of 2.5 cm, a gap above it and off its lattice.
+inline Model stacked(double gap, const Vec3& at = {0, 0, 0}) {
+  return joined_bodies(tissue(at, {5, 5, 2}), tissue(at + Vec3(0.0072, 0.0081, 0.01 + gap), {2, 2, 2}));
+}
+
+inline double lowest(const State& state, const std::vector<Index>& particles) {
+  double z = 1e9;
+  for (const Index i : particles) z = std::min(z, state.position[i].z());
+  return z;
+}
+
+inline Vec3 mean_place(const State& state, const std::vector<Index>& particles) {
+  Vec3 centre = Vec3::Zero();
+  for (const Index i : particles) centre += state.position[i] / static_cast<double>(particles.size());
+  return centre;
+}
+
+/// A strip of 9 cm, 5 mm thick.
+inline Model long_strip() {
+  return with_material(make_block({0.09, 0.01, 0.005}, 18, 2, 1), {5e3, 0.3, 1000.0});
+}
+
+/// The ends of a strip along x are pressed up and together above its middle, which is held.
+struct PressedStrip {
+  PressedStrip(const Model& model, double end) {
+    const double length = body_size(model);
+    first_end = model.particles_in([=](const Vec3& X) { return X.x() < end; });
+    last_end = model.particles_in([=](const Vec3& X) { return X.x() > length - end; });
+    middle = model.particles_in([=](const Vec3& X) { return std::abs(X.x() - 0.5 * length) < 0.001; });
+  }
+  void press(Scene& scene) const {
+    scene.fix(middle);
+    for (const bool last : {false, true}) {
+      scene.add({.particles = last ? last_end : first_end,
+                 .events = {{0, 0}, {0.1, 0.002}},
+                 .direction = {last ? -1.0 : 1.0, 0, 0.25}});
+    }
+  }
+  std::vector<Index> first_end, last_end, middle;
+};
+
+}  // namespace phymul::test
