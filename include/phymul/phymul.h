@@ -30,6 +30,7 @@
 #include <phymul/solver.h>
 #include <phymul/state.h>
 #include <phymul/state_file.h>
+#include <phymul/state_transfer.h>
 #include <phymul/statics.h>
 #include <phymul/step_limit.h>
 #include <phymul/surface.h>
@@ -37,7 +38,6 @@
 #include <phymul/task_runner.h>
 #include <phymul/tool.h>
 #include <phymul/topology.h>
-#include <phymul/transfer.h>
 #include <phymul/types.h>
 #include <phymul/version.h>
 #include <phymul/virtual_coupling.h>

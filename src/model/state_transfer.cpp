@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <phymul/error.h>
-#include <phymul/transfer.h>
+#include <phymul/state_transfer.h>
 
 #include <string>
 
@@ -12,11 +12,11 @@ StateTransfer::StateTransfer(const Model& from, const Model& to, double most_out
 State StateTransfer::operator()(const State& state) const {
   const std::size_t count = from_.size();
   if (state.position.size() != count || state.velocity.size() != count) {
-    throw Error("transfer_state: expected positions and velocities of " + std::to_string(count) + " particles, got " +
+    throw Error("StateTransfer: expected positions and velocities of " + std::to_string(count) + " particles, got " +
                 std::to_string(state.position.size()) + " and " + std::to_string(state.velocity.size()));
   }
   const auto refuse = [](const std::string& what) {
-    throw Error(ErrorCode::not_supported, "transfer_state: " + what + ", which names particles of the old body");
+    throw Error(ErrorCode::not_supported, "StateTransfer: " + what + ", which names particles of the old body");
   };
   State result;
   result.time = state.time;
@@ -35,10 +35,6 @@ State StateTransfer::operator()(const State& state) const {
   for (std::size_t i = 0; i < result.position.size(); ++i) result.position[i] += to_[i];
   result.velocity = skin_.deform(state.velocity);
   return result;
-}
-
-State transfer_state(const Model& from, const State& state, const Model& to, double most_outside) {
-  return StateTransfer(from, to, most_outside)(state);
 }
 
 }  // namespace phymul

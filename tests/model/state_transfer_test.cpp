@@ -16,7 +16,7 @@ Model ball_fine_at(const Vec3& place) {
   return make_body(solid_ball({0, 0, 0}, 0.05), {.spacing = 0.016, .spacing_at = fine_near(place, 0.01, 0.004, 0.016)});
 }
 
-TEST(TransferState, KeepsRigidMotionAndUniformStrain) {
+TEST(StateTransfer, KeepsRigidMotionAndUniformStrain) {
   const Model from = ball_fine_at({0.05, 0, 0}), to = ball_fine_at({-0.05, 0, 0});
   const Mat3 turn = Eigen::AngleAxisd(1.2, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   const Mat3 motion = turn * Vec3(1.2, 0.9, 0.95).asDiagonal();
@@ -31,7 +31,7 @@ TEST(TransferState, KeepsRigidMotionAndUniformStrain) {
   };
   State state = moved(from);
   state.tools.push_back({.name = "probe", .pose = {.position = {1, 2, 3}}, .placed = false});
-  const State there = transfer_state(from, state, to), expected = moved(to);
+  const State there = StateTransfer(from, to)(state), expected = moved(to);
   EXPECT_EQ(there.time, 2.5);
   ASSERT_EQ(there.position.size(), to.rest.size());
   ASSERT_EQ(there.velocity.size(), to.rest.size());
@@ -44,10 +44,11 @@ TEST(TransferState, KeepsRigidMotionAndUniformStrain) {
   EXPECT_TRUE(there.tools[0].placed);
 }
 
-TEST(TransferState, RefusesWhatNamesParticles) {
+TEST(StateTransfer, RefusesWhatNamesParticles) {
   const Model body = make_body(solid_ball({0, 0, 0}, 0.05), {.spacing = 0.02});
   const State rest = rest_state(body);
-  const auto message = [&](const State& state) { return message_of([&] { transfer_state(body, state, body); }); };
+  const StateTransfer transfer(body, body);
+  const auto message = [&](const State& state) { return message_of([&] { transfer(state); }); };
   EXPECT_EQ(message(rest), "(no error)");
   State state = rest;
   state.velocity.pop_back();
