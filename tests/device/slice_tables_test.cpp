@@ -72,9 +72,7 @@ TEST(SliceTables, LittleIsPadding) {
   jitter(jittered, 0.2, 7);
   const std::vector<Body> all = {
       {"lattice", lattice}, {"jittered", jittered}, {"tetrahedra", make_tetrahedral_block(size, 17, 16, 16, 0.2, 5)}};
-  TopologyOptions springs;
-  springs.law = Law::springs;
-  springs.volume_stiffness = 50.0;
+  const TopologyOptions springs{.law = Law::springs, .volume_stiffness = 50.0};
   for (const Body& body : all) {
     ASSERT_GT(body.model.particle_count(), 4096);
     std::vector<Packed> packed;

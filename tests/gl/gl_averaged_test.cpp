@@ -3,7 +3,6 @@
 // Law::particle_averaged on the GL backends: against the float mirror bit by bit where the renderer allows (llvmpipe),
 // and against the double reference.
 #include <algorithm>
-#include <limits>
 
 #include "support/bounded_forces.h"
 #include "support/gl_block.h"
@@ -72,8 +71,7 @@ TEST_P(GlAveraged, SingleStepsAreWithinTheRoundingBound) {
     const Model& model = body.model;
     const Scene scene(model);
     const auto tables = averaged_tables(model);
-    const SolverOptions uncut{.max_displacement_per_step = std::numeric_limits<double>::infinity()};
-    const GlTwins twins = twins_of(tables, scene, uncut);
+    const GlTwins twins = twins_of(tables, scene, uncut());
     const double dt = 0.3 * twins.gl->stable_step();
     for (int k = 0; k < 5; ++k) {
       twins.gl->reset(random_state(model, 0.05 + 0.05 * k, 0.0, 29 + k));

@@ -230,9 +230,7 @@ TEST_F(GlComputeDevice, ReportsOfManyGroupsAreThoseOfTheFragmentBackend) {
   const Model model = make_block({0.05, 0.05, 0.05}, 13, 13, 13);  // 2744 particles: two groups report
   Scene scene(model);
   scene.gravity({0, 0, -9.81});
-  TopologyOptions springs;
-  springs.law = Law::springs;
-  const auto tables = tables_of(model, springs);
+  const auto tables = tables_of(model, {.law = Law::springs});
   SolverOptions options = options_of_tests();
   options.spectrum = estimate_spectrum(*tables, tables->rest);
   gl::DeviceSolver a(GlBackend::fragment, tables, scene, options), b(GlBackend::compute, tables, scene, options);

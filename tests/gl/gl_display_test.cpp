@@ -147,8 +147,7 @@ TEST_F(GlDisplayTest, DrawsIntoTheHostsFramebufferAndLeavesTheRestAlone) {
 /// A small picture in the solver's own context leaves nothing behind that clips or blends the larger targets of steps.
 TEST_F(GlDisplayTest, StepsAfterAPictureAreThoseWithoutOne) {
   const Model model = make_block({0.17, 0.17, 0.17}, 17, 17, 17, 6);
-  TopologyOptions springs;
-  springs.law = Law::springs;
+  const TopologyOptions springs{.law = Law::springs};
   Scene scene(model);
   scene.gravity({0, 0, -9.81}).fix("z1");
   const auto drawn = make_solver("gl", model, scene, springs), plain = make_solver("gl", model, scene, springs);
@@ -173,9 +172,7 @@ TEST_F(GlDisplayTest, ASkinIsDrawnWhereItsBodyCarriesIt) {
   const std::vector<std::array<Index, 3>> triangles = surface_triangles(ball);
   const Skin skin(model, ball.rest);
   const Camera camera = framing(model.rest, {0.4, -1, 0.35}, 1.25);
-  DisplayOptions options;
-  options.particles = options.rest_shape = true;
-  options.full_scale = 0.002;
+  const DisplayOptions options{.particles = true, .rest_shape = true, .full_scale = 0.002};
   for (const char* backend : {"gl", "gl-compute", "cpu"}) {
     const auto solver = make_solver(backend, model, scene, {});
     const auto display = make_display(*solver, skin, triangles);
@@ -184,9 +181,7 @@ TEST_F(GlDisplayTest, ASkinIsDrawnWhereItsBodyCarriesIt) {
     Model shown = ball;
     shown.cells.clear();
     for (const auto& triangle : triangles) {
-      Cell& cell = shown.cells.emplace_back();
-      cell.type = CellType::triangle;
-      cell.particles.assign(triangle.begin(), triangle.end());
+      shown.cells.push_back({.type = CellType::triangle, .particles = {triangle.begin(), triangle.end()}});
     }
     shown.neighbours = neighbours_from_cells(shown.cells, shown.particle_count());
     const auto expected = make_display(shown);
@@ -216,9 +211,7 @@ TEST_F(GlDisplayTest, ASolverIsDrawnWhateverContextItRunsInAndTheDisplayDrawsIn)
     State start = rest_state(model);
     start.position[3] += Vec3(0.003, 0.002, 0.0);  // swings
     const Camera camera = framing(model.rest, {0.4, -1, 0.35}, 1.25);
-    DisplayOptions layers;
-    layers.particles = layers.links = true;
-    layers.full_scale = 0.002;
+    const DisplayOptions layers{.links = true, .particles = true, .full_scale = 0.002};
     const auto given = make_display(model);
     for (const GlContext kind : {GlContext::own, GlContext::current}) {
       SolverOptions options{.gl = {.context = kind}};

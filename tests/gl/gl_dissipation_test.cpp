@@ -3,7 +3,6 @@
 // Materials that dissipate on the GL backends: against the float mirror bit by bit where the renderer allows
 // (llvmpipe), within the rounding bound, and what other bodies pay for it. Closed forms, energy and snapshots:
 // tests/solver/dissipation_test.cpp and dissipation_runs_test.cpp, on every backend.
-#include <limits>
 
 #include "elastic/dissipation.h"
 #include "support/bounded_forces.h"
@@ -80,8 +79,7 @@ TEST_P(GlDissipation, ForcesAreWithinTheRoundingBound) {
       for (Strain& strain : strains) {
         for (double& e : strain) e = static_cast<float>(0.1 * uniform(bits));
       }
-      const SolverOptions uncut{.max_displacement_per_step = std::numeric_limits<double>::infinity()};
-      const GlTwins twins = twins_of(tables, scene, uncut);
+      const GlTwins twins = twins_of(tables, scene, uncut());
       Snapshot start;
       start.state = random_state(body.model, 0.1, 0.0, 5);
       VecList u = start.state.position;

@@ -2,7 +2,6 @@
 //
 // The backends "gl" and "gl-compute" against their mirror, bit by bit where the renderer allows (llvmpipe), and against
 // the double reference.
-#include <limits>
 #include <thread>
 
 #include "support/bounded_forces.h"
@@ -60,9 +59,8 @@ TEST_P(GlEquivalence, SingleStepsAreWithinTheRoundingBound) {
       const Model model = prepared(variant, body);
       const Scene scene(model);
       const auto tables = tables_of(model, variant.options);
-      SolverOptions options;
+      SolverOptions options = uncut();
       options.gl.layout = BaseLayout::table;  // the bound is that of its rounded edges
-      options.max_displacement_per_step = std::numeric_limits<double>::infinity();  // and of uncut forces
       const GlTwins twins = twins_of(tables, scene, options);
       const bool large = tables->base_count > 20000;
       if (large && twins.gl->context()->info().software && !twins.same_bits_expected()) {

@@ -21,11 +21,9 @@ TEST_F(GlFragment, EnumeratedBasesMoveAsTheTableOfBasesDoes) {
   for (const int valence : {6, 26}) {
     const Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2, valence);
     const Scene scene(model);
-    TopologyOptions all{.reaction = Reaction::barycentric};
-    all.bases = BaseSelection::all;
-    GlOptions table;
-    table.layout = BaseLayout::table;
-    const auto a = solver_of(model, scene, {}, all), b = solver_of(model, scene, table, all);
+    const TopologyOptions all{.reaction = Reaction::barycentric, .bases = BaseSelection::all};
+    const auto a = solver_of(model, scene, {}, all);
+    const auto b = solver_of(model, scene, {.layout = BaseLayout::table}, all);
     EXPECT_TRUE(a->enumerated()) << "it is smaller";
     EXPECT_FALSE(b->enumerated());
     const State start = random_state(model, 0.05, 0.0, 3);
@@ -36,8 +34,7 @@ TEST_F(GlFragment, EnumeratedBasesMoveAsTheTableOfBasesDoes) {
     }
     EXPECT_LE(largest_distance(a->read().position, b->read().position), 1e-6 * body_size(model));
     EXPECT_GE(largest_distance(a->read().position, start.position), 1e-3 * body_size(model));
-    GlOptions enumerated;
-    enumerated.layout = BaseLayout::enumerated;
+    const GlOptions enumerated{.layout = BaseLayout::enumerated};
     EXPECT_TRUE(refuses([&] { solver_of(model, scene, enumerated); }, "bases can be enumerated"));
   }
 }
@@ -96,8 +93,7 @@ TEST_F(GlFragment, PaddingOfEveryTargetIsUntouchedAndUnread) {
   const Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2, 18);
   Scene scene(model);
   scene.fix("x0").gravity({0, 0, -9.81});
-  SolverOptions options;
-  const GlTwins twins(tables_of(model, {.volume_stiffness = 50.0}), scene, options);
+  const GlTwins twins(tables_of(model, {.volume_stiffness = 50.0}), scene, {});
   const TopologyTextures& tables = twins.gl->topology();
   std::vector<int> rows{model.particle_count(), tables.base_count, static_cast<int>(tables.volumes.size())};
   for (int n = model.particle_count(); n > 1; rows.push_back(n)) n = (n + 15) / 16;

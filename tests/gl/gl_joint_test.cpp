@@ -21,16 +21,6 @@ class GlJoint : public TwinsOnBothDevices {
 
 PHYMUL_ON_BOTH_DEVICES(GlJoint);
 
-constexpr double cube_side = 0.02;  // m
-
-/// Two cubes, one above the other with a gap between: "lower" and "upper".
-Model two_cubes() {
-  const Model lower = make_block({cube_side, cube_side, cube_side}, 3, 3, 3),
-              upper = moved(lower, {0, 0, cube_side + 0.001});
-  const NamedBody bodies[] = {{"lower", &lower}, {"upper", &upper}};
-  return with_material(merge_models(bodies));
-}
-
 /// Springs of all kinds: on a mean, on one particle, to the world and to the other body, slack, damped, some that tear.
 void join(Scene& scene) {
   const Model& model = scene.model();
@@ -64,7 +54,7 @@ constexpr double apart_by = 1e-5;  // of the body's size
 
 /// Through springs that tear, and constants and joints that change between steps.
 TEST_P(GlJoint, IsTheMirrorsBitByBitAndTheReferences) {
-  const Model model = two_cubes();
+  const Model model = cubes_apart(0.001);
   Scene scene(model);
   join(scene);
   const GlTrio trio = trio_of(scene);
@@ -112,7 +102,7 @@ TEST_P(GlJoint, InAPlaneToolsPullInIt) {
 /// Of one spring: places and lengths are sums of weighted displacements, and known to 2^-24 of the largest term, speeds
 /// likewise. Each of the n particles of its anchors rounds twice, and the law a dozen times.
 TEST_P(GlJoint, ForcesAreWithinTheRoundingBound) {
-  const Model model = two_cubes();
+  const Model model = cubes_apart(0.001);
   Scene scene(model);
   join(scene);
   const GlTrio trio = trio_of(scene);
@@ -157,7 +147,7 @@ TEST_P(GlJoint, ForcesAreWithinTheRoundingBound) {
 
 /// Tools that turn while they go, with contacts and other tools beside; what each of them feels.
 TEST_P(GlJoint, ToolsPullAndFeelIt) {
-  const Model model = moved(with_material(make_block({cube_side, cube_side, cube_side}, 3, 3, 3)), {3, -2, 1});
+  const Model model = moved(with_material(make_block({cubes_edge, cubes_edge, cubes_edge}, 3, 3, 3)), {3, -2, 1});
   Scene scene(model);
   scene.fix("z0").gravity({0, 0, -9.81});
   const Vec3 corner(3, -2, 1);
@@ -185,12 +175,12 @@ TEST_P(GlJoint, ToolsPullAndFeelIt) {
     expect_same_springs(*trio.twins.gl, *trio.reference, scene, 1e-5);
   }
   EXPECT_GT(trio.reference->tool_force("tool 1").force.norm(), 0.01) << "or this shows nothing";
-  EXPECT_LE(trio.apart(), apart_by * cube_side);
+  EXPECT_LE(trio.apart(), apart_by * cubes_edge);
 }
 
 /// With the passes that contacts and kept volumes put between forces and motion.
 TEST_P(GlJoint, AgreesBesideContactsAndVolumes) {
-  const Model model = two_cubes();
+  const Model model = cubes_apart(0.001);
   Scene scene(model);
   join(scene);
   scene.contacts({}).constrain_volume("upper");
@@ -201,7 +191,7 @@ TEST_P(GlJoint, AgreesBesideContactsAndVolumes) {
 }
 
 TEST_P(GlJoint, SnapshotsGoOnBitForBitAndResetMends) {
-  const Model model = two_cubes();
+  const Model model = cubes_apart(0.001);
   Scene scene(model);
   join(scene);
   const GlTrio trio = trio_of(scene);
@@ -225,7 +215,7 @@ TEST_P(GlJoint, SnapshotsGoOnBitForBitAndResetMends) {
 
 /// A copy on its way has the springs of its own time, and a lost device goes back to them.
 TEST_P(GlJoint, CopiesAndLostDevicesKnowWhatBroke) {
-  const Model model = two_cubes();
+  const Model model = cubes_apart(0.001);
   Scene scene(model);
   join(scene);
   const GlTrio trio = trio_of(scene);
@@ -255,7 +245,7 @@ TEST_P(GlJoint, CopiesAndLostDevicesKnowWhatBroke) {
 
 /// On the way to rest tools are at once where they go. Batches end where the body rests, and are taken back to there.
 TEST_P(GlJoint, RestsWhereTheReferenceDoes) {
-  const Model model = with_material(make_block({cube_side, cube_side, cube_side}, 3, 3, 3));
+  const Model model = with_material(make_block({cubes_edge, cubes_edge, cubes_edge}, 3, 3, 3));
   Scene scene(model);
   scene.fix("z0").gravity({0, 0, -9.81});
   ToolHandle hook = scene.add_tool({.shape = Sphere{0.001}, .pose = {.position = {0.01, 0.01, 0.03}}});
@@ -271,12 +261,12 @@ TEST_P(GlJoint, RestsWhereTheReferenceDoes) {
     }
     if (most == 5) trio.twins.expect_same_bits("on the way");
     expect_same_springs(*trio.twins.gl, *trio.reference, scene, most == 5 ? 1e-5 : 1e-4);
-    EXPECT_LE(trio.apart(), apart_by * cube_side);
+    EXPECT_LE(trio.apart(), apart_by * cubes_edge);
   }
 }
 
 TEST_P(GlJoint, OnlyScenesWithJointsPayForIt) {
-  const Model model = two_cubes();
+  const Model model = cubes_apart(0.001);
   Scene scene(model);
   scene.fix("lower/z0");
   const SolverOptions profiled{.profile = true};

@@ -16,22 +16,16 @@
 #include "interaction/contact_candidates.h"
 #include "support/run_scenes.h"
 #include "support/sanitized.h"
+#include "support/touching_bodies.h"
 
 namespace phymul {
 namespace {
 
 using namespace test;
 
-Model tissue(const Vec3& at, int cells) {
-  Model model = with_material(make_block(Vec3::Constant(0.005 * cells), cells, cells, cells), {5e3, 0.3, 1000.0});
-  return moved(std::move(model), at);
-}
-
 /// A cube over a larger one, a gap above it and off its lattice.
 Model two_cubes(double gap) {
-  const Model low = tissue({0, 0, 0}, 6), high = tissue({0.0063, 0.0071, 0.03 + gap}, 4);
-  const NamedBody bodies[] = {{"low", &low}, {"high", &high}};
-  return merge_models(bodies);
+  return joined_bodies(tissue({0, 0, 0}, {6, 6, 6}), tissue({0.0063, 0.0071, 0.03 + gap}, {4, 4, 4}));
 }
 
 using Pairs = std::set<std::pair<std::size_t, Index>>;

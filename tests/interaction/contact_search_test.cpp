@@ -167,28 +167,28 @@ struct NearTriangles {
     Model high;
     high.rest = {place, place + Vec3(0, 0, edge)};
     add(high, CellType::line, {0, 1});
-    for (Model* part : {&low, &high}) {
-      part->mass.assign(part->rest.size(), 1e-3);
-      part->stiffness.assign(part->rest.size(), 1.0);
-      part->neighbours = neighbours_from_cells(part->cells, part->particle_count());
-    }
+    finish(low);
+    finish(high);
     const NamedBody bodies[] = {{"low", &low}, {"high", &high}};
     model = merge_models(bodies);
   }
 
   static void add(Model& model, CellType type, std::vector<Index> particles) {
-    Cell& cell = model.cells.emplace_back();
-    cell.type = type;
-    cell.particles = std::move(particles);
+    model.cells.push_back({.type = type, .particles = std::move(particles)});
+  }
+
+  /// Masses, stiffnesses and neighbours for its cells.
+  static void finish(Model& model) {
+    model.mass.assign(model.rest.size(), 1e-3);
+    model.stiffness.assign(model.rest.size(), 1.0);
+    model.neighbours = neighbours_from_cells(model.cells, model.particle_count());
   }
 
   /// Which of the three the particle pushes when it comes down.
   std::vector<int> pushed(const std::string& backend) const {
     Scene scene(model);
     scene.contacts({.friction = 0.0, .rounds = 1});
-    TopologyOptions springs;
-    springs.on_sparse = SparseParticle::springs;
-    const auto solver = make_solver(backend, model, scene, springs, {});
+    const auto solver = make_solver(backend, model, scene, {.on_sparse = SparseParticle::springs}, {});
     State state = rest_state(model);
     state.velocity[model.group("high").front()] = {0, 0, -1e-3};
     solver->reset(state);
@@ -238,11 +238,8 @@ struct BesideAnEdge {
     Model near;
     near.rest = {place, place + Vec3(-0.007, 0.007, 0)};
     NearTriangles::add(near, CellType::line, {0, 1});
-    for (Model* part : {&wedge, &near}) {
-      part->mass.assign(part->rest.size(), 1e-3);
-      part->stiffness.assign(part->rest.size(), 1.0);
-      part->neighbours = neighbours_from_cells(part->cells, part->particle_count());
-    }
+    NearTriangles::finish(wedge);
+    NearTriangles::finish(near);
     const NamedBody bodies[] = {{"wedge", &wedge}, {"near", &near}};
     model = merge_models(bodies);
   }
@@ -256,9 +253,7 @@ TEST_P(NearTrianglesIn, ALargeFaceDoesNotHideASmallOneAtTheirEdge) {
     const BesideAnEdge beside(one, other);
     Scene scene(beside.model);
     scene.contacts({.friction = 0.0, .margin = 1e-4, .rounds = 1});
-    TopologyOptions springs;
-    springs.on_sparse = SparseParticle::springs;
-    const auto solver = make_solver(GetParam(), beside.model, scene, springs, {});
+    const auto solver = make_solver(GetParam(), beside.model, scene, {.on_sparse = SparseParticle::springs}, {});
     EXPECT_TRUE(solver->step(5, 0.05 * solver->stable_step()).ok());
     EXPECT_EQ((solver->read().position[beside.model.group("near").front()] - beside.place).norm(), 0.0) << one;
   }

@@ -8,23 +8,11 @@
 namespace phymul::test {
 namespace {
 
-class JointOfBodiesIn : public OnEveryBackend {
- protected:
-  double roundoff() const { return GetParam() == "reference" ? 0x1p-53 : 0x1p-24; }
-};
+using JointOfBodiesIn = WithTools;
 PHYMUL_ON_EVERY_BACKEND(JointOfBodiesIn);
 
-constexpr double side = 0.02;  // m
-
-/// Two cubes, one above the other with a gap between: "lower" and "upper".
-Model two_cubes(double gap) {
-  const Model lower = make_block({side, side, side}, 3, 3, 3), upper = moved(lower, {0, 0, side + gap});
-  const NamedBody bodies[] = {{"lower", &lower}, {"upper", &upper}};
-  return with_material(merge_models(bodies));
-}
-
 TEST_P(JointOfBodiesIn, KeepsMomentum) {
-  const Model model = two_cubes(0.002);
+  const Model model = cubes_apart(0.002);
   Scene scene(model);
   scene.attach(model.group("upper/z0"), "lower", {.stiffness = 1e6});
   Joint rope{.springs = {}, .stiffness = 20.0, .damping = 0.01};
@@ -47,7 +35,7 @@ TEST_P(JointOfBodiesIn, KeepsMomentum) {
 
 TEST_P(JointOfBodiesIn, GlueHoldsTwoCubesTogether) {
   const double gap = 0.001, pull = 0.4, k = 5e7;
-  const Model model = two_cubes(gap);
+  const Model model = cubes_apart(gap);
   Scene scene(model);
   scene.fix("lower/z0");
   const JointHandle glue = scene.attach(model.group("upper/z0"), "lower", {.stiffness = k});
@@ -65,14 +53,14 @@ TEST_P(JointOfBodiesIn, GlueHoldsTwoCubesTogether) {
   // The mean opening is that of the stress; each spring's is k times its area.
   Vec3 mean = Vec3::Zero();
   for (std::size_t row = 0; row < report.springs.size(); ++row) {
-    mean -= report.springs[row].force / k / (side * side);
-    EXPECT_LT(report.springs[row].length, 0.002 * side) << row;
+    mean -= report.springs[row].force / k / (cubes_edge * cubes_edge);
+    EXPECT_LT(report.springs[row].length, 0.002 * cubes_edge) << row;
   }
-  EXPECT_NEAR(mean.norm() / (pull / k / (side * side)), 1.0, 2e-3);
+  EXPECT_NEAR(mean.norm() / (pull / k / (cubes_edge * cubes_edge)), 1.0, 2e-3);
 }
 
 TEST_P(JointOfBodiesIn, GlueTurnsWithItsBodies) {
-  const Model model = two_cubes(0.002);
+  const Model model = cubes_apart(0.002);
   Scene scene(model);
   const JointHandle glue = scene.attach(model.group("upper/z0"), "lower", {.stiffness = 1e6});
   const auto solver = make_solver(GetParam(), model, scene);
@@ -176,7 +164,7 @@ TEST_P(JointOfBodiesIn, AnImposedCoordinateTakesNoForce) {
 }
 
 TEST(JointsOnTheProcessor, HaveTheSameBitsForAnyNumberOfThreads) {
-  const Model model = two_cubes(0.001);
+  const Model model = cubes_apart(0.001);
   std::vector<State> ends;
   for (const int threads : {1, 2, 3}) {
     Scene scene(model);
@@ -191,7 +179,7 @@ TEST(JointsOnTheProcessor, HaveTheSameBitsForAnyNumberOfThreads) {
 }
 
 TEST(JointsOnTheProcessor, AgreeWithTheReference) {
-  const Model model = two_cubes(0.001);
+  const Model model = cubes_apart(0.001);
   std::vector<State> ends;
   for (const char* backend : {"reference", "cpu"}) {
     Scene scene(model);

@@ -257,16 +257,9 @@ TEST(KeptVolume, OfAHeldBodyIsNotLostWhereAnotherLiesInIt) {
 
 TEST(KeptVolume, OpenSurfacesAreRefusedWithTheirEdge) {
   Model cup = make_tetrahedron(0.01);
-  cup.cells.clear();
-  const auto triangle = [&](std::vector<Index> ring) {
-    Cell cell;
-    cell.type = CellType::triangle;
-    cell.particles = std::move(ring);
-    cup.cells.push_back(cell);
-  };
-  triangle({0, 1, 3});
-  triangle({1, 2, 3});
-  triangle({2, 0, 3});
+  cup.cells = {{.type = CellType::triangle, .particles = {0, 1, 3}},
+               {.type = CellType::triangle, .particles = {1, 2, 3}},
+               {.type = CellType::triangle, .particles = {2, 0, 3}}};
   Scene scene(cup);
   EXPECT_EQ(message_of([&] { scene.constrain_volume(); }),
             "constrain_volume: expected a closed surface, but its edge from particle 0 to 1 is open (or its two "

@@ -160,9 +160,7 @@ TEST(CellGeometry, AreaOfAWarpedQuadIsTheIntegralOfItsNormal) {
 
 TEST(CellGeometry, OnlySolidCellsHaveAMeasure) {
   const VecList x{Vec3(0, 0, 0), Vec3(2, 0, 0), Vec3(2, 3, 0), Vec3(0, 3, 0)};
-  Cell quad;
-  quad.type = CellType::quad;
-  quad.particles = {0, 1, 2, 3};
+  Cell quad{.type = CellType::quad, .particles = {0, 1, 2, 3}};
   EXPECT_EQ(signed_measure(3, quad, x), 0.0);
   EXPECT_DOUBLE_EQ(signed_measure(2, quad, x), 6.0);
   std::reverse(quad.particles.begin(), quad.particles.end());

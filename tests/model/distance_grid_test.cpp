@@ -40,10 +40,7 @@ Model spiked() {
   model.mass.assign(6, 1.0);
   model.stiffness.assign(6, 1.0);
   const auto face = [&](Index a, Index b, Index c) {
-    Cell cell;
-    cell.type = CellType::triangle;
-    cell.particles = {a, b, c};
-    model.cells.push_back(cell);
+    model.cells.push_back({.type = CellType::triangle, .particles = {a, b, c}});
   };
   for (Index k = 0; k < 4; ++k) {
     face(0, 2 + k, 2 + (k + 1) % 4);

@@ -249,10 +249,7 @@ std::vector<Index> row(const RaggedList& list, Index i) {
 
 TEST(NeighboursFromCells, FollowTheEdgesInIncreasingOrder) {
   const auto cell = [](CellType type, std::vector<Index> particles) {
-    Cell made;
-    made.type = type;
-    made.particles = std::move(particles);
-    return made;
+    return Cell{.type = type, .particles = std::move(particles)};
   };
   const RaggedList pyramid = neighbours_from_cells({cell(CellType::pyramid, {4, 3, 2, 1, 0})}, 6);
   EXPECT_EQ(row(pyramid, 0), (std::vector<Index>{1, 2, 3, 4}));

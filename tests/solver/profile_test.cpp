@@ -120,10 +120,8 @@ TEST_P(ProfileTest, ChangesNoBit) {
   const Model model = cylinder_275();
   Scene scene(model);
   scene.fix("bottom").gravity({0, 0, 9.81});
-  SolverOptions options;
-  const auto plain = make_solver(GetParam(), model, scene, {}, options);
-  options.profile = true;
-  const auto profiled = make_solver(GetParam(), model, scene, {}, options);
+  const auto plain = make_solver(GetParam(), model, scene);
+  const auto profiled = make_solver(GetParam(), model, scene, {}, {.profile = true});
   const double dt = 0.5 * plain->stable_step();
   plain->step(50, dt);
   profiled->step(50, dt);

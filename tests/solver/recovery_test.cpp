@@ -3,8 +3,6 @@
 // Bodies come back from states no tissue is in, at half the step limit; and what cannot come back is reported.
 #include <gtest/gtest.h>
 
-#include <limits>
-
 #include "support/failure_states.h"
 #include "support/message_of.h"
 #include "support/sanitized.h"
@@ -42,9 +40,9 @@ bool is_back(const Recovered& outcome) {
   return outcome.report.ok() && outcome.energy < 1e-5 * soft_tissue().young * side * side * side;
 }
 
+const TopologyOptions quadratic{.volume_law = VolumeLaw::quadratic};
+
 TEST(Recovery, FromEveryFailureStateWithEveryVolumeLaw) {
-  TopologyOptions quadratic;
-  quadratic.volume_law = VolumeLaw::quadratic;
   for (const TopologyOptions& topology : {TopologyOptions{}, quadratic}) {
     for (const double poisson : {0.3, 0.45}) {
       for (const FailureState& failure : failure_states()) {
@@ -91,12 +89,9 @@ TEST(Recovery, ParticleAveragedBodiesReturnFromAllStatesButOneWhateverTheirSizeA
 }
 
 TEST(Recovery, WithoutTheCutMostFailureStatesRunAway) {
-  const SolverOptions uncut{.max_displacement_per_step = std::numeric_limits<double>::infinity()};
-  TopologyOptions quadratic;
-  quadratic.volume_law = VolumeLaw::quadratic;
   std::size_t lost = 0;
   for (const FailureState& failure : failure_states()) {
-    const Recovered outcome = run(failure, 0.3, quadratic, uncut);
+    const Recovered outcome = run(failure, 0.3, quadratic, uncut());
     EXPECT_FALSE(outcome.report.force_clamped);
     if (is_back(outcome)) continue;
     ++lost;
@@ -110,8 +105,7 @@ TEST(Recovery, OrdinaryMotionIsNotCut) {
   const Model model = cube(0.3);
   Scene scene(model);
   scene.fix("x0");
-  const SolverOptions uncut{.max_displacement_per_step = std::numeric_limits<double>::infinity()};
-  const auto cut = make_solver("reference", model, scene), plain = make_solver("reference", model, scene, {}, uncut);
+  const auto cut = make_solver("reference", model, scene), plain = make_solver("reference", model, scene, {}, uncut());
   State state = rest_state(model);
   for (Vec3& x : state.position) x.x() *= 1.05;
   for (std::size_t i = 0; i < state.velocity.size(); ++i) state.velocity[i] = {0.0, 0.0, 5.0 * model.rest[i].x()};
@@ -160,10 +154,7 @@ TEST(Recovery, ABodyWithoutNeighboursIsNotCut) {
 TEST(Recovery, GrowthIsNotHidden) {
   const Model model = cylinder_275();
   const Scene scene(model);
-  TopologyOptions full;
-  full.reaction = Reaction::full;
-  SolverOptions options;
-  const auto solver = make_solver("reference", model, scene, full, options);
+  const auto solver = make_solver("reference", model, scene, {.reaction = Reaction::full}, {});
   solver->reset(displaced(model, 0.01, 3));
   EXPECT_EQ(solver->step(5000, 0.5 * solver->stable_step()).status, StepStatus::not_finite);
 }

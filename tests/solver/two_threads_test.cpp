@@ -68,9 +68,8 @@ TEST(TwoThreads, ARefusedStepLeavesNoTrace) {
   const State end = sim.solver().read();
   EXPECT_TRUE(sim.rewind(middle));
   EXPECT_DOUBLE_EQ(sim.time(), middle);
-  SolverOptions plain;
   Simulation again(make_block({0.04, 0.02, 0.02}, 4, 2, 2),
-                   {.material = {.young = 10e3, .poisson = 0.3, .density = 1000}, .backend = "cpu", .solver = plain});
+                   {.material = {.young = 10e3, .poisson = 0.3, .density = 1000}, .backend = "cpu"});
   ASSERT_TRUE((again.scene().fix("x0").gravity({0, 0, -9.81}), again.advance(0.01).ok() && again.advance(0.01).ok()));
   EXPECT_TRUE(again.solver().read() == end);
 }

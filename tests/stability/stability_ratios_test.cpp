@@ -34,11 +34,7 @@ Model with_stiff_part(const Method& method, double ratio) {
     model.stiffness[13] *= ratio;
     return model;
   }
-  Component stiff;
-  stiff.name = "stiff";
-  stiff.exclusive = false;
-  stiff.cell_refs = {0};
-  model.components.push_back(stiff);
+  model.components.push_back({.name = "stiff", .exclusive = false, .cell_refs = {0}});
   Material tissue = soft_tissue(method.poisson);
   tissue.young *= ratio;
   set_material(model, tissue, "stiff");

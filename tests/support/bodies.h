@@ -7,6 +7,7 @@
 #include <phymul/topology_textures.h>
 
 #include <Eigen/Geometry>
+#include <limits>
 #include <random>
 #include <string>
 #include <vector>
@@ -146,9 +147,23 @@ inline Material soft_tissue(double poisson = 0.3) {
   return {10e3, poisson, 1000.0};
 }
 
+/// Forces as large as they are: a cut one has no counterpart.
+inline SolverOptions uncut() {
+  return {.max_displacement_per_step = std::numeric_limits<double>::infinity()};
+}
+
 inline Model with_material(Model model, const Material& material = soft_tissue()) {
   set_material(model, material);
   return model;
+}
+
+inline constexpr double cubes_edge = 0.02;  // m
+
+/// Two cubes, one above the other with a gap between: "lower" and "upper".
+inline Model cubes_apart(double gap) {
+  const Model lower = make_block(Vec3::Constant(cubes_edge), 3, 3, 3), upper = moved(lower, {0, 0, cubes_edge + gap});
+  const NamedBody bodies[] = {{"lower", &lower}, {"upper", &upper}};
+  return with_material(merge_models(bodies));
 }
 
 /// A body with groups x0 and x1, whose half where x is least is of the second material.

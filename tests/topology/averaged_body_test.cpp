@@ -56,9 +56,7 @@ Model mixed() {
     }
     const auto& v = cell.particles;
     for (const auto& cut : {std::array{1, 2, 6}, {2, 3, 6}, {3, 7, 6}, {7, 4, 6}, {4, 5, 6}, {5, 1, 6}}) {
-      Cell tetrahedron;
-      tetrahedron.particles = {v[0], v[cut[0]], v[cut[1]], v[cut[2]]};
-      cells.push_back(tetrahedron);
+      cells.push_back({.type = CellType::tetrahedron, .particles = {v[0], v[cut[0]], v[cut[1]], v[cut[2]]}});
     }
   }
   model.cells = cells;
@@ -73,10 +71,7 @@ Model triangles() {
     if (cell.type != CellType::quad) continue;
     const auto& v = cell.particles;
     for (const auto& cut : {std::array{0, 1, 2}, {0, 2, 3}}) {
-      Cell triangle;
-      triangle.type = CellType::triangle;
-      triangle.particles = {v[cut[0]], v[cut[1]], v[cut[2]]};
-      cells.push_back(triangle);
+      cells.push_back({.type = CellType::triangle, .particles = {v[cut[0]], v[cut[1]], v[cut[2]]}});
     }
   }
   model.cells = cells;

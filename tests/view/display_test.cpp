@@ -35,9 +35,7 @@ class GlPictureTest : public testing::Test {
 };
 
 DisplayOptions nothing() {
-  DisplayOptions options;
-  options.surface = options.edges = false;
-  return options;
+  return {.surface = false, .edges = false};
 }
 
 DisplayOptions particles_only() {
