@@ -65,7 +65,7 @@ TEST(StateTransfer, RefusesWhatNamesParticles) {
   EXPECT_TRUE(says(message(state), "the joint \"suture\" has broken springs"));
   Model far = body;
   for (Vec3& x : far.rest) x.x() += 1.0;
-  EXPECT_TRUE(refuses([&] { transfer_state(body, rest, far); }, "not within 1 cells of the body"));
+  EXPECT_TRUE(refuses([&] { StateTransfer(body, far); }, "not within 1 cells of the body"));
 }
 
 }  // namespace

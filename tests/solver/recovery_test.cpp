@@ -3,7 +3,6 @@
 // Bodies come back from states no tissue is in, at half the step limit; and what cannot come back is reported.
 #include <gtest/gtest.h>
 
-
 #include "support/failure_states.h"
 #include "support/message_of.h"
 #include "support/sanitized.h"
