@@ -23,11 +23,11 @@ using namespace phymul;
 using namespace phymul::bench;
 
 const std::vector<std::string> columns{
-    "case",   "title",      "level",       "method",       "label",      "backend",     "rest",         "device",
-    "n",      "particles",  "spacing",     "step_share",   "dt",         "stable_step", "damping_rate",
-    "status", "steps",      "wall_step",   "wall_to_rest", "wall_per_s", "error",       "p95",
-    "max",    "median_ren", "force_error", "null_error",   "floor",      "force_floor", "stiffness",
-    "message"};
+    "case",         "title",  "level",      "method",      "label",        "backend",    "rest",
+    "device",       "n",      "particles",  "spacing",     "step_share",   "dt",         "stable_step",
+    "damping_rate", "status", "steps",      "wall_step",   "wall_to_rest", "wall_per_s", "error",
+    "p95",          "max",    "median_ren", "force_error", "null_error",   "floor",      "force_floor",
+    "stiffness",    "message"};
 
 const std::vector<std::string> sample_columns{"case",   "level", "method", "backend", "n",  "spacing", "step_share",
                                               "sample", "ux",    "uy",     "uz",      "rx", "ry",      "rz"};
@@ -231,11 +231,10 @@ class Run {
     std::vector<std::string> fields;
     for (const std::string& column : columns) fields.push_back(row[column]);
     file_.row(fields);
-    std::printf(
-        "%-20s %-14s %-18s %-10s n %2s %5s particles  step %.2f  %-12s error %-10s force %-10s %6d %s %s s\n",
-        row["case"].c_str(), row["level"].c_str(), method.name.c_str(), plan.backend.c_str(), row["n"].c_str(),
-        row["particles"].c_str(), plan.step_share, it.status.c_str(), row["error"].c_str(), row["force_error"].c_str(),
-        it.steps, by_steps ? "steps" : "evaluations", row["wall_to_rest"].c_str());
+    std::printf("%-20s %-14s %-18s %-10s n %2s %5s particles  step %.2f  %-12s error %-10s force %-10s %6d %s %s s\n",
+                row["case"].c_str(), row["level"].c_str(), method.name.c_str(), plan.backend.c_str(), row["n"].c_str(),
+                row["particles"].c_str(), plan.step_share, it.status.c_str(), row["error"].c_str(),
+                row["force_error"].c_str(), it.steps, by_steps ? "steps" : "evaluations", row["wall_to_rest"].c_str());
     std::fflush(stdout);
   }
 

@@ -238,9 +238,10 @@ TEST(MutatedFiles, Meshes) {
   Outcome all;
   for (const auto& file : std::filesystem::directory_iterator(PHYMUL_TEST_DATA "/mesh")) {
     const std::string name = "m" + file.path().extension().string();
-    const Outcome one = read_mutants(name, text_of(file.path().string()), 6, mutants / 4, [&](const std::string& mutant) {
-      EXPECT_EQ(message_of([model = mesh_from_bytes(name, mutant, {})] { validate(model); }), "(no error)");
-    });
+    const Outcome one =
+        read_mutants(name, text_of(file.path().string()), 6, mutants / 4, [&](const std::string& mutant) {
+          EXPECT_EQ(message_of([model = mesh_from_bytes(name, mutant, {})] { validate(model); }), "(no error)");
+        });
     all.read += one.read;
     all.refused += one.refused;
   }

@@ -12,8 +12,7 @@ constexpr double quad = 16.0, triple = 12.0, word = 4.0;  // bytes
 
 double constants(const PackedBody& b) {
   double words = 0.0;
-  for (const Floats* table :
-       {&b.bases, &b.enumerated, &b.springs, &b.volumes, &b.give, &b.inverse_mass, &b.mass}) {
+  for (const Floats* table : {&b.bases, &b.enumerated, &b.springs, &b.volumes, &b.give, &b.inverse_mass, &b.mass}) {
     words += static_cast<double>(table->size());
   }
   for (const Offsets* table : {&b.base_first, &b.spring_first, &b.enumerated_first, &b.enumerated_neighbours,
