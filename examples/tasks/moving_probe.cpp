@@ -9,7 +9,9 @@
 #include <cmath>
 #include <cstdio>
 #include <future>
+#include <optional>
 #include <thread>
+#include <utility>
 
 namespace {
 
@@ -17,14 +19,15 @@ const phymul::Solid organ = phymul::solid_ellipsoid({0, 0, 0}, {0.09, 0.06, 0.04
 
 phymul::Simulation simulation_around(const phymul::Vec3& place) {
   phymul::Model body =
-      phymul::make_body(organ, {.spacing = 0.016, .spacing_at = phymul::fine_near(place, 0.012, 0.004, 0.016)});  // m
+      phymul::make_body(organ, {.spacing = 0.024, .spacing_at = phymul::fine_near(place, 0.012, 0.006, 0.024)});  // m
   body.add_group("held", body.particles_in([](const phymul::Vec3& x) { return x.z() < -0.02; }));
   phymul::Simulation sim(std::move(body), {.material = {.young = 5e3, .poisson = 0.45, .density = 1050},
                                            .backend = "cpu",
                                            .damping = {.rate = 60},
                                            .solver = {.threads = 1}});
-  sim.scene().fix("held").add_tool("probe", {.shape = phymul::Sphere{.radius = 0.008}});
-  sim.solver();  // made here, in the thread that has time
+  sim.scene().fix("held").add_tool("probe",
+                                   {.shape = phymul::Sphere{.radius = 0.008}, .contact = phymul::ToolContact::surface});
+  sim.advance(0.0);  // all that a step needs is made here, in the thread that has time
   return sim;
 }
 
@@ -49,6 +52,7 @@ int main() try {
   constexpr int ticks = 1000;
   constexpr double ahead = 0.15, least_move = 0.25;  // of the way: a new body for every quarter
   phymul::Simulation sim = simulation_around(place_at(0.0));
+  std::optional<phymul::Simulation> old;  // until the other thread has time to take it apart
   std::future<Next> next;
   double last_force = 0.0, largest_jump = 0.0, largest_change = 0.0;  // N, N, share
   double longest = 0.0, longest_with_change = 0.0;                    // s, of ticks
@@ -63,7 +67,8 @@ int main() try {
     // A future that is replaced while it is not ready waits for its thread.
     if (!next.valid() && place_ahead - filled_at >= least_move) {
       filled_at = place_ahead;
-      next = std::async(std::launch::async, [&model = sim.model(), place_ahead] {
+      next = std::async(std::launch::async, [&model = sim.model(), place_ahead, &old] {
+        old.reset();
         phymul::Simulation finer = simulation_around(place_at(place_ahead));
         phymul::StateTransfer transfer(model, finer.model());
         return Next{std::move(finer), std::move(transfer)};
@@ -77,10 +82,10 @@ int main() try {
       // Velocities of half a step before: state() and set_state() would evaluate the forces for those of the state's
       // time.
       made.sim.solver().reset(made.transfer(sim.solver().read()));
-      std::swap(sim, made.sim);
+      old = std::exchange(sim, std::move(made.sim));
       ++rebuilds;
       seconds = seconds_since(begin);
-      largest_change = std::max(largest_change, std::abs(sim.energy().elastic / made.sim.energy().elastic - 1.0));
+      largest_change = std::max(largest_change, std::abs(sim.energy().elastic / old->energy().elastic - 1.0));
       most = std::max(most, sim.model().particle_count());
       begin = std::chrono::steady_clock::now();
     }

@@ -57,11 +57,10 @@ bool first_hit(const ShapeIn<S>& shape, const Vector3<S>& q0, const Vector3<S>& 
 /// nearest surface may then be the far one. Where it came in counts as a plane, and what is still inside after that
 /// comes out by the nearest surface.
 template <class S>
-Depth<S> depth_after(const ShapeIn<S>& shape, const Vector3<S>& q0, const Vector3<S>& q1, const Vector3<S>& way,
-                     const S& phi0) {
+Depth<S> depth_after(const ShapeIn<S>& shape, const Vector3<S>& q0, const Vector3<S>& q1, const Vector3<S>& way) {
   const Distance<S> end = distance_to(shape, q1);
   const S length = square_root(inner_product(way, way));
-  if (length <= S(0.5f) * shape.thickness || phi0 > length) return {-end.phi, end.normal};
+  if (length <= S(0.5f) * shape.thickness || distance_to(shape, q0).phi > length) return {-end.phi, end.normal};
   S share;
   if (!first_hit(shape, q0, way, length, share)) return {-end.phi, end.normal};
   const Vector3<S> at = q0 + share * way;
@@ -83,11 +82,12 @@ Depth<S> depth_after(const ShapeIn<S>& shape, const Vector3<S>& q0, const Vector
 template <class S>
 Touch<S> touch_in_step(const ShapeIn<S>& shape, const ContactLaw<S>& law, const Vector3<S>& q0, const Vector3<S>& q1,
                        const Vector3<S>& way, const S& inverse_mass, const S& dt) {
-  const S phi0 = distance_to(shape, q0).phi;
-  const Depth<S> in = depth_after(shape, q0, q1, way, phi0);
+  const Depth<S> in = depth_after(shape, q0, q1, way);
   if (!(in.depth > S(0.0f))) return {};
   S before = S(0.0f);
-  if (law.placed && law.compliance == S(0.0f) && phi0 < S(0.0f)) before = -phi0 < in.depth ? -phi0 : in.depth;
+  if (law.placed && law.compliance == S(0.0f)) {
+    before = at_most(at_least(S(0.0f), -distance_to(shape, q0).phi), in.depth);
+  }
   const S normal_impulse = quotient((in.depth - before) * dt, law.compliance + dt * dt * inverse_mass);
   Touch<S> touch;
   touch.touches = true;

@@ -88,6 +88,12 @@ class TouchedParticles {
     const Index slot = slot_of_[particle];
     return slot < 0 ? step_->predicted_velocity(particle) : touched_[slot].velocity;
   }
+  /// m, at the step's end, with the impulses and shifts so far.
+  Vec3 end(Index particle) const {
+    const Index slot = slot_of_[particle];
+    if (slot < 0) return step_->position(particle) + dt_ * step_->predicted_velocity(particle);
+    return touched_[slot].end(dt_) + touched_[slot].shift;
+  }
   std::size_t slot(Index particle);  ///< fetched at the first call in a step; references before it are no longer good
 
   /// Adds what of an impulse the free coordinates take, and returns that. Here, because needles and contacts call it

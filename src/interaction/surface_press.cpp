@@ -19,12 +19,19 @@ Vec3 mean(const ContactPoints::Shares& share, const Vec3& a, const Vec3& b, cons
 
 SurfacePress::SurfacePress(const Model& model, const Tool& tool)
     : points_(make_contact_points(model, tool)),
-      reach_(reach_in_edges * points_.longest_edge),
+      reach_of_(model.rest.size(), 0.0),
       corner_of_(model.rest.size(), -1),
       is_near_(points_.patches.size(), 0) {
   corners_.reserve(model.rest.size());
   near_.reserve(points_.patches.size());
   pressed_.reserve(points_.most_points);
+  for (const ContactPoints::Patch& patch : points_.patches) {
+    for (int c = 0; c < 3; ++c) {
+      const Vec3 edge = model.rest[patch.corner[(c + 1) % 3]] - model.rest[patch.corner[c]];
+      for (const Index row : patch.corner) reach_of_[row] = std::max(reach_of_[row], reach_in_edges * edge.norm());
+    }
+  }
+  reach_ = std::ranges::max(reach_of_);
 }
 
 std::size_t SurfacePress::corner(Index row, const ToolFrame& start, const ToolFrame& end, TouchedParticles& touched) {
@@ -40,12 +47,15 @@ std::size_t SurfacePress::corner(Index row, const ToolFrame& start, const ToolFr
   return static_cast<std::size_t>(corner_of_[row]);
 }
 
-void SurfacePress::gather(const ToolFrame& start, const ToolFrame& end, const std::vector<Index>& near,
-                          TouchedParticles& touched) {
+void SurfacePress::gather(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
+                          const std::vector<Index>& near, TouchedParticles& touched) {
   near_.clear();
   corners_.clear();
   pressed_.clear();
   for (const Index row : near) {
+    if (points_.patch_first[row] == points_.patch_first[row + 1]) continue;
+    const Vec3 from = start.inside(touched.step().position(row)), to = end.inside(touched.end(row));
+    if (distance_to(shape, unpacked(to)).phi > reach_of_[row] + (to - from).norm()) continue;
     for (std::size_t k = points_.patch_first[row]; k < points_.patch_first[row + 1]; ++k) {
       const Index patch = points_.patch_of[k];
       if (is_near_[patch] == 0) near_.push_back({patch, {}});
@@ -80,21 +90,27 @@ SurfacePress::Way SurfacePress::way_of(Index row, std::int32_t point) const {
   return {unpacked(mean(share, a.from, b.from, c.from)), unpacked(mean(share, a.to, b.to, c.to))};
 }
 
-/// Finds the points that are in the tool at the step's end, and their load on each particle.
+/// Finds the points that are in the tool at the step's end, their load on each particle, and what that makes of them.
 void SurfacePress::find_pressed(const ShapeIn<double>& shape) {
   for (Index k = 0; k < static_cast<Index>(near_.size()); ++k) {
     if (!may_touch(shape, near_[k])) continue;
     const ContactPoints::Patch& patch = points_.patches[near_[k].patch];
     for (std::int32_t p = 0; p < static_cast<std::int32_t>(patch.points->size()); ++p) {
       const Way way = way_of(k, p);
-      const Vector3<double> moved = way.to - way.from;
-      const bool short_way = 4.0 * inner_product(moved, moved) <= shape.thickness * shape.thickness;
-      if (short_way && distance_to(shape, way.to).phi >= 0.0) continue;  // most points: depth_after() would say so
-      const double depth = depth_after(shape, way.from, way.to, moved, distance_to(shape, way.from).phi).depth;
+      const double depth = depth_after(shape, way.from, way.to, way.to - way.from).depth;
       if (!(depth > 0.0)) continue;
       const double load = patch.area * depth;
       pressed_.push_back({k, p, load});
       for (int c = 0; c < 3; ++c) corners_[near_[k].corner[c]].load += (*patch.points)[p][c] * load;
+    }
+  }
+  for (Pressed& point : pressed_) {
+    const Near& near = near_[point.near];
+    const ContactPoints::Shares& share = (*points_.patches[near.patch].points)[point.point];
+    for (int c = 0; c < 3; ++c) {
+      const Corner& corner = corners_[near.corner[c]];
+      point.inverse_mass += share[c] * corner.load / point.load * corner.inverse_mass;
+      point.crowd += share[c] * corner.load / point.load;
     }
   }
 }
@@ -104,20 +120,16 @@ void SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double>&
   const Near& near = near_[point.near];
   const ContactPoints::Shares& share = (*points_.patches[near.patch].points)[point.point];
   const std::array<Corner*, 3> corner{&corners_[near.corner[0]], &corners_[near.corner[1]], &corners_[near.corner[2]]};
-  double inverse_mass = 0.0, crowd = 0.0;
-  for (int c = 0; c < 3; ++c) {
-    inverse_mass += share[c] * corner[c]->load / point.load * corner[c]->inverse_mass;
-    crowd += share[c] * corner[c]->load / point.load;
-  }
-  if (!(inverse_mass > 0.0)) return;
+  if (!(point.inverse_mass > 0.0)) return;
   ContactLaw<double> own_law = law;
-  own_law.compliance *= crowd;  // so that a patch that moves as one is as compliant as its particles
+  own_law.compliance *= point.crowd;  // so that a patch that moves as one is as compliant as its particles
   const Way way = way_of(point.near, point.point);
-  const Touch<double> touch = touch_in_step(shape, own_law, way.from, way.to, way.to - way.from, inverse_mass, dt);
+  const Touch<double> touch =
+      touch_in_step(shape, own_law, way.from, way.to, way.to - way.from, point.inverse_mass, dt);
   if (!touch.touches) return;
   for (int c = 0; c < 3; ++c) {
     corner[c]->impulse += share[c] * packed(touch.impulse);
-    corner[c]->shift += share[c] / inverse_mass * packed(touch.shift);
+    corner[c]->shift += share[c] / point.inverse_mass * packed(touch.shift);
   }
 }
 
@@ -141,7 +153,7 @@ void SurfacePress::act(const ShapeIn<double>& shape, const ContactLaw<double>& l
                        const ToolFrame& end, const std::vector<Index>& near, TouchedParticles& touched,
                        ToolForce& force) {
   const double dt = touched.dt();
-  gather(start, end, near, touched);
+  gather(shape, start, end, near, touched);
   find_pressed(shape);
   const int rounds = pressed_.empty() ? 0 : rounds_of_surface(law.placed);
   for (int round = 0; round < rounds; ++round) {

@@ -42,7 +42,7 @@ class SurfacePress {
   /// Allocates; act() does not.
   SurfacePress(const Model& model, const Tool& tool);
 
-  /// m: a tool may touch a triangle whose corners are all this far away from it.
+  /// m: no tool touches a triangle whose corners are all farther away from it.
   double reach() const { return reach_; }
 
   /// `near`: particles within reach of the tool, in any order that no number of threads changes. Impulses go to
@@ -63,16 +63,18 @@ class SurfacePress {
     Index patch = -1;
     std::array<std::size_t, 3> corner{};  // of corners_
   };
-  struct Pressed {           // a point that touches in the first round
-    Index near = -1;         // row of near_
-    std::int32_t point = 0;  // of its patch
-    double load = 0.0;       // m^3: its area times its depth
+  struct Pressed {                           // a point that touches in the first round
+    Index near = -1;                         // row of near_
+    std::int32_t point = 0;                  // of its patch
+    double load = 0.0;                       // m^3: its area times its depth
+    double inverse_mass = 0.0, crowd = 0.0;  // 1/kg: a_s; and the same without the particles' inverse masses
   };
   struct Way {  // of a point, m, in the tool's frame
     Vector3<double> from, to;
   };
 
-  void gather(const ToolFrame& start, const ToolFrame& end, const std::vector<Index>& near, TouchedParticles& touched);
+  void gather(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
+              const std::vector<Index>& near, TouchedParticles& touched);
   std::size_t corner(Index row, const ToolFrame& start, const ToolFrame& end, TouchedParticles& touched);
   bool may_touch(const ShapeIn<double>& shape, const Near& near) const;
   Way way_of(Index row, std::int32_t point) const;
@@ -81,7 +83,8 @@ class SurfacePress {
   void hand_over(const ToolFrame& end, TouchedParticles& touched);
 
   ContactPoints points_;
-  double reach_ = 0.0;
+  std::vector<double> reach_of_;  // [N] m, as reach(), of the triangles that have the particle
+  double reach_ = 0.0;            // m, the largest
   std::vector<Index> corner_of_;  // [N] of corners_, -1: not in this step
   std::vector<char> is_near_;     // [patches]
   std::vector<Corner> corners_;
