@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
 // Filling a ball's surface of 10,080 triangles with tetrahedra of one spacing and graded ones, and three regions of an
-// image of 256^3 voxels, by spacing. Items are particles.
+// image of 256^3 voxels, by spacing; items are particles. Binding that surface to the body as a skin; items are points.
 #include <benchmark/benchmark.h>
 #include <phymul/phymul.h>
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 namespace {
@@ -61,6 +62,14 @@ void make_graded_body(benchmark::State& run) {
   run.counters["smallest_angle"] = report.smallest_angle;
 }
 
+void bind_skin(benchmark::State& run) {
+  const phymul::Surface surface = ball(0.05, 72, 70);
+  const phymul::Model body = phymul::make_body(surface, {.spacing = 1e-6 * static_cast<double>(run.range(0))});
+  for (auto _ : run) benchmark::DoNotOptimize(phymul::Skin(body, surface.vertices));
+  run.SetItemsProcessed(run.iterations() * static_cast<std::int64_t>(surface.vertices.size()));
+  run.counters["particles"] = body.particle_count();
+}
+
 /// Voxels of 1 mm: two ellipsoids, and a vessel in one of them.
 phymul::LabelImage organs() {
   phymul::LabelImage image;
@@ -96,6 +105,7 @@ void make_body_of_labels(benchmark::State& run) {
 
 BENCHMARK(make_body)->ArgName("spacing_um")->Arg(6050)->Arg(2095)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(make_graded_body)->ArgName("spacing_um")->Arg(14800)->Arg(4600)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(bind_skin)->ArgName("spacing_um")->Arg(6050)->Arg(2095)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(make_body_of_labels)
     ->ArgName("spacing_um")
     ->Arg(6000)

@@ -72,6 +72,13 @@ struct Place {
   double outside = std::numeric_limits<double>::infinity();  ///< of the cell, in sizes of it
 };
 
+/// The largest distance from the cell's box, in sizes of the box, of a point that is so much outside of the cell: the
+/// sum of the negative shape functions there, which is largest for hexahedra. Cells whose boxes are farther away than
+/// that of the best cell so far need not be looked at.
+double beyond_box(double outside) {
+  return outside * (3.0 + outside * (6.0 + outside * 4.0));
+}
+
 /// Whether the point is in the box, or no more than `margin` times the box's size off along each axis.
 bool is_near(const Eigen::AlignedBox3d& box, const Vec3& point, double margin) {
   const Vec3 around = margin * box.sizes();
@@ -109,14 +116,12 @@ class CellSearch {
 
   /// The cell that the point is in, or within `most_outside` least outside of.
   Place find(const Vec3& point, double most_outside) const {
-    // A point that is outside of a cell by a share of its size is within so many times that of the cell's box: beyond a
-    // corner of a tetrahedron, whose sizes are its heights.
-    constexpr double box_margin = 3.0;
-    const double most = box_margin * std::max(most_outside, 0.5);
+    // Beyond a corner of a tetrahedron, whose sizes are its heights, its box is three times as near.
+    const double most = 3.0 * std::max(most_outside, 0.5);
     Place best;
-    for (const double margin : {1e-6, 0.3, 1.0, most}) {
+    for (const double margin : {1e-6, 0.4, 1.0, most}) {
       best = best_within(point, std::min(margin, most));
-      if (best.outside <= 0.0 || box_margin * best.outside <= margin || margin >= most) break;
+      if (best.outside <= 0.0 || beyond_box(best.outside) <= margin || margin >= most) break;
     }
     return best;
   }
