@@ -9,10 +9,11 @@ set(record ${OUT}/record.csv)
 execute_process(COMMAND ${BENCH} ${arguments} --benchmark_format=csv OUTPUT_FILE ${record} ERROR_QUIET
                 COMMAND_ERROR_IS_FATAL ANY)
 
-# A program that prints the record, its times (real and of the processor) multiplied.
+# A program that prints the record, its times (real and of the processor) multiplied, if it is called as the bench was.
 function(replay name factor)
   set(script ${OUT}/${name}.sh)
-  file(WRITE ${script} "#!/bin/sh\nawk -F, -v OFS=, '/^\"/ { $3 *= ${factor}; $4 *= ${factor} } { print }' '${record}'\n")
+  list(JOIN arguments " " expected)
+  file(WRITE ${script} "#!/bin/sh\n[ \"$*\" = '${expected} --benchmark_format=csv' ] || exit 1\nawk -F, -v OFS=, '/^\"/ { $3 *= ${factor}; $4 *= ${factor} } { print }' '${record}'\n")
   file(CHMOD ${script} PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
   set(${name} ${script} PARENT_SCOPE)
 endfunction()

@@ -65,7 +65,7 @@ struct Known {
   Index particles = 0;
 };
 constexpr Index most_to_find_excited = 600;
-constexpr const char* solved = "solve_static";
+constexpr const char *by_steps = "steps", *solved = "solve_static";
 
 class Run {
  public:
@@ -121,7 +121,7 @@ class Run {
       write(method, plan, refused, nullptr, problem);
       return;
     }
-    if (wanted(choice_.ways_to_rest, "steps")) {
+    if (wanted(choice_.ways_to_rest, by_steps)) {
       for (const std::string& backend : backends) {
         const bool slow = backend == "reference" && backends.size() > 1;
         if (slow && problem.model.particle_count() > choice_.most_particles_in_reference) continue;
@@ -202,11 +202,11 @@ class Run {
     const double size = body_size(problem.model);
     row["method"] = method.name;
     row["label"] = method.label;
-    const bool by_steps = plan.step_share > 0.0;
+    const bool steps = plan.step_share > 0.0;
     row["backend"] = plan.backend;
-    row["rest"] = by_steps ? "steps" : solved;
+    row["rest"] = steps ? by_steps : solved;
     row["device"] = it.device;
-    if (by_steps) {
+    if (steps) {
       row["step_share"] = field(plan.step_share);
       row["dt"] = field(it.dt);
       row["stable_step"] = field(it.stable_step);
@@ -218,8 +218,8 @@ class Run {
     row["stiffness"] = field(stiffness_);
     if (it.wall_per_step > 0.0) {
       row["wall_to_rest"] = field(it.wall_to_rest());
-      if (by_steps) row["wall_step"] = field(it.wall_per_step);
-      if (by_steps) row["wall_per_s"] = field(it.wall_per_step / it.dt);
+      if (steps) row["wall_step"] = field(it.wall_per_step);
+      if (steps) row["wall_per_s"] = field(it.wall_per_step / it.dt);
     }
     if (measures && measures->displacement) {
       row["error"] = field(measures->displacement->global_ratio);
@@ -234,7 +234,7 @@ class Run {
     std::printf("%-20s %-14s %-18s %-10s n %2s %5s particles  step %.2f  %-12s error %-10s force %-10s %6d %s %s s\n",
                 row["case"].c_str(), row["level"].c_str(), method.name.c_str(), plan.backend.c_str(), row["n"].c_str(),
                 row["particles"].c_str(), plan.step_share, it.status.c_str(), row["error"].c_str(),
-                row["force_error"].c_str(), it.steps, by_steps ? "steps" : "evaluations", row["wall_to_rest"].c_str());
+                row["force_error"].c_str(), it.steps, steps ? "steps" : "evaluations", row["wall_to_rest"].c_str());
     std::fflush(stdout);
   }
 
@@ -279,6 +279,9 @@ int main(int argc, char** argv) try {
   choice.backends = arguments.list("backends");
   choice.step_shares = arguments.numbers("steps");
   choice.ways_to_rest = arguments.list("rest");
+  for (const std::string& way : choice.ways_to_rest) {
+    if (way != by_steps && way != solved) throw Error("--rest: expected steps or solve_static, got \"" + way + '"');
+  }
   choice.stabiliser_share = arguments.number("stabiliser");
   choice.most_particles = arguments.number("most-particles");
   choice.most_particles_in_reference = arguments.number("most-particles-in-reference");

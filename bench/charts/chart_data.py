@@ -80,7 +80,7 @@ def time_at(points, error):
         if reached <= error / GAIN:
             if before is None:
                 return time
-            share = min(1.0, math.log(before[1] / error) / math.log(before[1] / reached))
+            share = min(1.0, math.log(before[1] / error) / math.log(before[1] / max(reached, 1e-12)))
             return before[0] * (time / before[0]) ** share
         before = (time, reached)
     return math.inf

@@ -42,7 +42,7 @@ class SurfacePress {
   /// Allocates; act() does not.
   SurfacePress(const Model& model, const Tool& tool);
 
-  /// m: no tool touches a triangle whose corners are all farther away from it.
+  /// m: no tool touches a triangle whose corners are all farther away from it, unless it is stretched (see the .cpp).
   double reach() const { return reach_; }
 
   /// `near`: particles within reach of the tool, in any order that no number of threads changes. Impulses go to

@@ -120,8 +120,8 @@ class CellSearch {
     const double most = 3.0 * std::max(most_outside, 0.5);
     Place best;
     for (const double margin : {1e-6, 0.4, 1.0, most}) {
-      best = best_within(point, std::min(margin, most));
-      if (best.outside <= 0.0 || beyond_box(best.outside) <= margin || margin >= most) break;
+      best = best_within(point, margin);
+      if (best.outside <= 0.0 || beyond_box(best.outside) <= margin) break;
     }
     return best;
   }

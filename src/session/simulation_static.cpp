@@ -69,22 +69,22 @@ double strained_energy(const TopologyTextures& topology) {
   return energy;
 }
 
-/// The bodies of which neither terms nor imposed coordinates hold every rigid motion. Whether joints and tools hold a
-/// body is left to the search.
-std::vector<ConnectedBody> loose_bodies(const Model& model, const LoadFrame& loads, RestTerms terms) {
-  std::vector<char> held(model.rest.size(), 0);
-  for (const RestTerm* term : terms) term->mark_held(held);
+/// The bodies of which imposed coordinates do not hold every rigid motion.
+std::vector<ConnectedBody> loose_bodies(const Model& model, const LoadFrame& loads) {
   std::vector<ConnectedBody> bodies = connected_bodies(model);
-  std::erase_if(bodies, [&](const ConnectedBody& body) {
-    return std::ranges::any_of(body.particles, [&](Index i) { return held[i] != 0; }) ||
-           free_motions(body.particles, model.rest, loads.fixed).empty();
-  });
+  std::erase_if(
+      bodies, [&](const ConnectedBody& body) { return free_motions(body.particles, model.rest, loads.fixed).empty(); });
   return bodies;
 }
 
-/// What is wrong if the loads drive a rigid motion of a body that meets no support; else empty.
-std::string why_no_rest(const Model& model, const LoadFrame& loads, std::span<const ConnectedBody> loose) {
+/// What is wrong if the loads drive a rigid motion of a body that meets no support; else empty. Whether joints and
+/// tools hold a body is left to the search.
+std::string why_no_rest(const Model& model, const LoadFrame& loads, RestTerms terms,
+                        std::span<const ConnectedBody> loose) {
+  std::vector<char> held(model.rest.size(), 0);
+  for (const RestTerm* term : terms) term->mark_held(held);
   for (const ConnectedBody& body : loose) {
+    if (std::ranges::any_of(body.particles, [&](Index i) { return held[i] != 0; })) continue;
     for (const RigidMotion& motion : free_motions(body.particles, model.rest, loads.fixed)) {
       double driving = 0.0, forces = 0.0;
       for (const Index i : body.particles) {
@@ -206,8 +206,8 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   if (!joints.empty()) terms.push_back(&joints);
   if (has_tools) terms.push_back(&tools);
   StaticResult result;
-  const std::vector<ConnectedBody> loose = loose_bodies(model(), loads, terms);
-  result.cause = why_no_rest(model(), loads, loose);
+  const std::vector<ConnectedBody> loose = loose_bodies(model(), loads);
+  result.cause = why_no_rest(model(), loads, terms, loose);
   if (!result.cause.empty()) return result;
 
   double gain = 0.0;  // J, by beginning at the rest shape, where springs and tools alone may have energy

@@ -10,8 +10,8 @@
 
 #include "elastic/domain_forces.h"
 #include "elastic/mean_gradient.h"
+#include "idle_motions.h"
 #include "multigrid.h"
-#include "rigid_motions.h"
 #include "turning_path.h"
 
 namespace phymul {
@@ -24,6 +24,7 @@ constexpr double worth_while = 0.3;     ///< a linear residual below this share 
 constexpr double share_of_rest = 0.8;   ///< of the tolerance, for the linear residual
 constexpr double share_of_miss = 0.1;   ///< of the miss of terms, for residuals before they are raised
 constexpr double share_of_idle = 0.01;  ///< of the goal: a free motion with a smaller residual is left alone
+constexpr double balanced = 1e-8;       ///< of the loads: likewise
 constexpr int most_iterations = 60;     ///< of conjugate gradients
 constexpr double most_change = 0.75;    ///< of a mean gradient in one step: rotation in rad, strain
 constexpr double most_way = 0.25;       ///< of a particle in one step, in sizes of the body
@@ -42,7 +43,7 @@ class Search {
       : topology_(topology),
         loads_(loads),
         terms_(terms),
-        loose_(loose),
+        idle_(loose, loads, terms),
         position_(position),
         tangent_(make_tangent(topology)),
         grid_(topology, loads.fixed, *tangent_, terms),
@@ -79,7 +80,7 @@ class Search {
         continue;
       }
       linearise();
-      find_idle_motions();
+      idle_.find(position_, grid_.free(), residual_, std::max(share_of_idle * goal_, balanced * scale_));
       find_direction(imposes);
       end.stuck = !(imposes ? impose() : descend());
     }
@@ -159,27 +160,6 @@ class Search {
     turned_at_ = gradients_;
   }
 
-  /// Orthonormal free motions that nothing drives. The tangent resists none of them: rounding would add up.
-  void find_idle_motions() {
-    idle_.clear();
-    for (const ConnectedBody& body : loose_) {
-      for (const RigidMotion& motion : free_motions(body.particles, position_, loads_.fixed)) {
-        Vector along = Vector::Zero(load_.size());
-        for (const Index i : body.particles) {
-          along.segment<3>(3 * static_cast<Eigen::Index>(i)) = motion.at(position_[i]);
-        }
-        along.array() *= grid_.free().array();
-        remove_idle(along);
-        along.normalize();
-        if (std::abs(along.dot(residual_)) <= share_of_idle * goal_) idle_.push_back(std::move(along));
-      }
-    }
-  }
-
-  void remove_idle(Vector& v) const {
-    for (const Vector& motion : idle_) v -= motion.dot(v) * motion;
-  }
-
   void find_change() {
     std::ranges::transform(topology_.domains, of_domains_.begin(), [&](const DomainTexel& domain) -> Vec3 {
       return direction_.segment<3>(3 * static_cast<Eigen::Index>(domain.particle));
@@ -200,17 +180,18 @@ class Search {
       grid_.apply(imposed_way_, image_);
       r -= image_;
     }
-    remove_idle(r);
+    idle_.remove(r);
+    if (keeps_way_) idle_.remove(way_);
     reached_ = false;
     double goal = std::max(first_goal * r.norm(), share_of_rest * goal_);
     bool looked = imposes;
     for (int k = 0; k < most_iterations && evaluations() < most_evaluations_; ++k) {
       grid_.solve(r, z);
-      remove_idle(z);
+      idle_.remove(z);
       const bool goes_on = k > 0 || (keeps_way_ && !imposes);
       way_ = goes_on ? Vector(z - z.dot(image_of_way_) / curvature_ * way_) : z;
       grid_.apply(way_, image_of_way_);
-      remove_idle(image_of_way_);
+      idle_.remove(image_of_way_);
       curvature_ = way_.dot(image_of_way_);
       if (!(curvature_ > 0.0)) {
         if (k == 0) direction_ += z;
@@ -234,7 +215,7 @@ class Search {
     // What nothing holds but slack springs has a tangent that is as good as singular.
     if (!imposes && !(direction_.dot(residual_) > 0.0)) {
       grid_.solve(residual_, direction_);
-      remove_idle(direction_);
+      idle_.remove(direction_);
       reached_ = false;
     }
     if (!reached_) find_change();
@@ -251,7 +232,7 @@ class Search {
   void move(double share) {
     path_.bend(gradients_, change_, share, bent_);
     bent_.array() *= grid_.free().array();
-    remove_idle(bent_);
+    idle_.remove(bent_);
     bent_ += share * direction_;
     for (std::size_t i = 0; i < trial_.size(); ++i) {
       trial_[i] = position_[i] + bent_.segment<3>(3 * static_cast<Eigen::Index>(i));
@@ -312,7 +293,7 @@ class Search {
   const TopologyTextures& topology_;
   const LoadFrame& loads_;
   RestTerms terms_;
-  std::span<const ConnectedBody> loose_;
+  IdleMotions idle_;
   VecList& position_;
   std::unique_ptr<Tangent> tangent_;
   Multigrid grid_;
@@ -325,7 +306,6 @@ class Search {
   Vector residual_, next_residual_, direction_, imposed_way_, image_, bent_;
   Vector way_, image_of_way_;  // of conjugate gradients
   double curvature_ = 0.0;
-  std::vector<Vector> idle_;
   bool keeps_way_ = false;
   bool reached_ = false;  // trial_ and next_residual_ are those at the end of direction_
   std::vector<Mat3> gradients_, next_gradients_, turned_at_, change_;

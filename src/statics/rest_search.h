@@ -25,8 +25,8 @@ struct RestSearchEnd {
 
 /// Takes `position`, [N] m, towards rest under `loads`, as Scene::evaluate() fills them, and terms; until the residual
 /// is at most `tolerance` and terms miss their laws by no more, or after `most_evaluations` (a few more, because a line
-/// search is not broken off). `loose`: the bodies that have free_motions(); along these they stay where they are,
-/// unless something drives them. Throws Error for tables beyond the range of single precision.
+/// search is not broken off). `loose`: the bodies that have free_motions(); along these they stay where the search
+/// begins, unless something drives them. Throws Error for tables beyond the range of single precision.
 RestSearchEnd search_rest(const TopologyTextures& topology, const LoadFrame& loads, RestTerms terms,
                           std::span<const ConnectedBody> loose, double tolerance, int most_evaluations,
                           VecList& position);

@@ -16,7 +16,7 @@ std::vector<RigidMotion> free_motions(std::span<const Index> particles, std::spa
                                       std::span<const std::uint8_t> fixed) {
   Vec3 centre = Vec3::Zero();
   for (const Index i : particles) centre += position[i] / static_cast<double>(particles.size());
-  double size = 0.0;
+  double size = 1e-300;  // of a single particle
   for (const Index i : particles) size = std::max(size, (position[i] - centre).norm());
   using Matrix = Eigen::Matrix<double, 6, 6>;
   Matrix support = Matrix::Zero();

@@ -3,6 +3,7 @@
 
 #include <phymul/types.h>
 
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <span>
 #include <vector>

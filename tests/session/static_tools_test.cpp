@@ -3,6 +3,10 @@
 // Simulation::solve_static in scenes with tools: the shape and forces that steps come to.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+#include <utility>
+
 #include "support/bodies.h"
 #include "support/failure_states.h"
 #include "support/message_of.h"
@@ -52,6 +56,52 @@ std::vector<Case> cases() {
           {"sphere, compliance", {.shape = Sphere{0.02}, .pose = ball, .compliance = 1e-3}},
           {"box, particles", {.shape = Box{{0.015, 0.015, 0.01}}, .pose = edge, .margin = 0.001}},
           {"capsule, surface", {.shape = Capsule{0.01, 0.06}, .pose = lying, .contact = ToolContact::surface}}};
+}
+
+/// m and m: by how much the body as a whole moved along x and y, and turned about z (as far as its corners go).
+std::pair<double, double> slid_and_turned(const Simulation& sim) {
+  const VecList& rest = sim.model().rest;
+  const VecList position = sim.state().position;
+  const Vec3 middle = sum(rest) / static_cast<double>(rest.size());
+  Vec3 shift = Vec3::Zero(), moment = Vec3::Zero();
+  double arms = 0.0;
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const Vec3 arm = rest[i] - middle, u = position[i] - rest[i];
+    shift += u / static_cast<double>(rest.size());
+    moment += arm.cross(u);
+    arms += arm.head<2>().squaredNorm();
+  }
+  return {shift.head<2>().norm(), std::abs(moment.z()) / arms * 0.5 * body_size(sim.model())};
+}
+
+/// Between two frictionless plates that are tools; between two that are imposed motion, with a tool far away.
+TEST(StaticTools, LeaveABodyWhereItIsFreeToSlide) {
+  const Quaternion downward(Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitX()));
+  for (const bool plates_are_tools : {true, false}) {
+    SCOPED_TRACE(plates_are_tools);
+    Simulation sim(make_block({0.08, 0.08, 0.08}, 5, 5, 5), soft_options(0.45));
+    if (plates_are_tools) {
+      sim.scene().add_tool("below", {.shape = HalfSpace{}, .pose = {.position = {0, 0, 0.002}}});
+      sim.scene().add_tool("above",
+                           {.shape = HalfSpace{}, .pose = {.position = {0, 0, 0.078}, .orientation = downward}});
+    } else {
+      for (const auto& [group, by] : {std::pair{"z0", 0.0}, std::pair{"z1", 0.004}}) {
+        sim.scene().add({.type = LoadType::translation,
+                         .particles = sim.model().group(group),
+                         .events = {{0.0, by}},
+                         .direction = {0, 0, -1},
+                         .axes = {Axis::free, Axis::free, by == 0.0 ? Axis::held : Axis::driven}});
+      }
+      sim.scene().add_tool("far", {.shape = Sphere{0.01}, .pose = {.position = {0, 0, 1}}});
+    }
+    const StaticResult result = sim.solve_static();
+    ASSERT_TRUE(result.converged()) << result.message();
+    EXPECT_LE(result.evaluations, 400);
+    const auto [slid, turned] = slid_and_turned(sim);
+    EXPECT_LT(slid, 1e-6);
+    EXPECT_LT(turned, 1e-6);
+    EXPECT_GT(sim.max_displacement(), 0.001);
+  }
 }
 
 TEST(StaticTools, FindTheShapeAndForcesThatStepsComeTo) {

@@ -139,6 +139,7 @@ TEST(FailingAllocation, WhileASceneIsMadeAndChanged) {
     const std::string before = bytes_of(scene);
     for (int k = 1;; ++k) {
       const auto [has_failed, came_out] = attempt(call, k);
+      ASSERT_TRUE(has_failed || !came_out) << "an error of its own at call " << k;
       if (!has_failed || !came_out) break;
       ASSERT_TRUE(bytes_of(scene) == before) << "failure " << k << " changed the scene";
     }

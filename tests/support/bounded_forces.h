@@ -241,13 +241,14 @@ class BoundedForces {
 };
 
 /// Largest error over bound of the velocities, m/s, that a step of `dt` has given to particles that stood still; a
-/// failure where it is above 1. Not out of the plane of a flat body, where terms push nothing.
+/// failure where it is above 1. Out of the plane of a flat body nothing moves.
 inline double share_of_bound(const TopologyTextures& tables, const BoundedForces& forces, const VecList& velocity,
                              double dt) {
   double worst = 0.0;
   for (Index i = 0; i < tables.particle_count; ++i) {
     const Bounded3 force = forces.force(i);
     const std::array<Bounded, 3> axes{force.x, force.y, force.z};
+    if (tables.dimension == 2) EXPECT_EQ(velocity[i].z(), 0.0) << "particle " << i;
     for (int axis = 0; axis < tables.dimension; ++axis) {
       const Bounded v = Bounded() + stored(dt) * (stored(1.0 / tables.mass[i]) * axes[static_cast<std::size_t>(axis)]);
       const double error = std::abs(velocity[i][axis] - v.value);

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#include "idle_motions.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "rigid_motions.h"
+
+namespace phymul {
+namespace {
+
+using Matrix = Eigen::MatrixXd;
+using Vector = Eigen::VectorXd;
+
+/// Of what terms resist a rigid motion with at most: less is rounding.
+constexpr double unresisted_share = 1e-9;
+
+/// Those of these particles.
+Vector part_of(const Vector& v, std::span<const Index> particles) {
+  Vector part(3 * static_cast<Eigen::Index>(particles.size()));
+  for (std::size_t k = 0; k < particles.size(); ++k) {
+    part.segment<3>(3 * static_cast<Eigen::Index>(k)) = v.segment<3>(3 * static_cast<Eigen::Index>(particles[k]));
+  }
+  return part;
+}
+
+}  // namespace
+
+/// Of the motions that no imposed coordinate resists, combinations that no term resists. [3 particles, motions]
+Matrix IdleMotions::unresisted(const ConnectedBody& body, std::span<const Vec3> position, const Vector& free) const {
+  const std::vector<RigidMotion> motions = free_motions(body.particles, position, loads_.fixed);
+  Matrix along(3 * static_cast<Eigen::Index>(body.particles.size()), static_cast<Eigen::Index>(motions.size()));
+  Matrix resisted = along;
+  Vector d, force;
+  for (Eigen::Index m = 0; m < along.cols(); ++m) {
+    d = force = Vector::Zero(free.size());
+    for (const Index i : body.particles) {
+      d.segment<3>(3 * static_cast<Eigen::Index>(i)) = motions[static_cast<std::size_t>(m)].at(position[i]);
+    }
+    d.array() *= free.array();
+    for (const RestTerm* term : terms_) term->add_product(d, force);
+    along.col(m) = part_of(d, body.particles);
+    resisted.col(m) = part_of(force, body.particles);
+  }
+  if (along.cols() == 0) return along;
+  const Eigen::SelfAdjointEigenSolver<Matrix> modes(along.transpose() * resisted);
+  const Vector& resistance = modes.eigenvalues();  // rising
+  Eigen::Index count = 0;
+  while (count < resistance.size() && !(resistance[count] > unresisted_share * resistance[resistance.size() - 1])) {
+    ++count;
+  }
+  return along * modes.eigenvectors().leftCols(count);
+}
+
+void IdleMotions::find(std::span<const Vec3> position, const Vector& free, const Vector& residual, double idle) {
+  idle_.clear();
+  for (const ConnectedBody& body : loose_) {
+    const Matrix motions = unresisted(body, position, free);
+    const Vector own = part_of(residual, body.particles);
+    OfBody found{body.particles, Matrix(motions.rows(), 0)};
+    for (Eigen::Index m = 0; m < motions.cols(); ++m) {
+      Vector along = motions.col(m);
+      along -= found.along * (found.along.transpose() * along).eval();
+      along.normalize();
+      if (std::abs(along.dot(own)) > idle) continue;
+      found.along.conservativeResize(Eigen::NoChange, found.along.cols() + 1);
+      found.along.rightCols<1>() = along;
+    }
+    if (found.along.cols() > 0) idle_.push_back(std::move(found));
+  }
+}
+
+void IdleMotions::remove(Vector& v) const {
+  for (const OfBody& body : idle_) {
+    const Vector part = body.along * (body.along.transpose() * part_of(v, body.particles)).eval();
+    for (std::size_t k = 0; k < body.particles.size(); ++k) {
+      v.segment<3>(3 * static_cast<Eigen::Index>(body.particles[k])) -=
+          part.segment<3>(3 * static_cast<Eigen::Index>(k));
+    }
+  }
+}
+
+}  // namespace phymul
