@@ -3,11 +3,11 @@
 // Joints: springs with dampers between particles and the world, tools or other particles: ligaments, sutures, glue,
 // ties. Scene::add_joint and Scene::attach add them.
 //
-// A spring joins two anchors, r apart. With a rest length L above 0 the force on anchor `a` is
+// A spring joins two anchors, r apart (from `a` to `b`). With a rest length L above 0 the force on anchor `a` is
 //   f = (k (|r| - L) + c d|r|/dt) r / |r|,
-// along the line between the anchors. With L = 0 it is f = k r + c dr/dt, which holds sideways too. Anchor `b` gets -f.
-// Forces are those of the state at a step's start: they limit the step (Solver::stable_step()). They conserve linear
-// momentum, and angular momentum except for the damper of a spring with L = 0, whose force is not along r.
+// along the line between the anchors; 0 if r = 0. With L = 0 it is f = k r + c dr/dt, in any direction. Anchor `b` gets
+// -f. Forces are those of the state at a step's start, so they limit the step (Solver::stable_step()). They conserve
+// linear momentum, and angular momentum except for the damper of a spring with L = 0, whose force is not along r.
 #pragma once
 
 #include <phymul/types.h>
@@ -22,7 +22,7 @@ namespace phymul {
 
 /// Where a spring ends: a weighted mean of particles, a fixed point of the world, or a point that moves with a tool.
 /// The force is shared among the particles by the weights. A force on one particle alone makes a dimple that depends on
-/// the mesh: take a patch.
+/// the mesh: use several particles.
 struct Anchor {
   std::vector<Index> particles{};  ///< [P] rows of the model, each once; empty: a point of the world or of a tool
   std::vector<double> weights{};   ///< [P], of sum 1
@@ -32,9 +32,9 @@ struct Anchor {
 };
 
 Anchor at_particle(Index particle);
-Anchor at_mean(std::vector<Index> particles);                     ///< with equal weights
+Anchor at_mean(std::vector<Index> particles);                     ///< with equal weights; throws Error for none
 Anchor at_world(const Vec3& point);                               ///< m
-Anchor at_tool(std::string tool, const Vec3& point = {0, 0, 0});  ///< m, in the tool's frame
+Anchor at_tool(std::string tool, const Vec3& point = {0, 0, 0});  ///< m, in its frame; throws Error for an empty name
 
 struct JointSpring {
   Anchor a{}, b{};            ///< at least one of them has particles
@@ -44,13 +44,13 @@ struct JointSpring {
   bool operator==(const JointSpring&) const = default;
 };
 
-/// Springs with common constants, a spring or a whole patch. Constants are those of a spring of share 1.
+/// Springs with common constants: one spring or a whole patch. The constants hold for a spring of share 1.
 struct Joint {
   std::vector<JointSpring> springs{};
   double stiffness = 0.0;  ///< N/m, >= 0
   double damping = 0.0;    ///< N s/m, >= 0
   bool slack = false;      ///< pulls only, as a ligament or a thread does, its damper too
-  /// N, > 0. A spring whose force is larger in some step carries nothing from the next step on.
+  /// N, > 0. A spring whose force is larger in some step has no force from the next step on.
   double breaking_force = std::numeric_limits<double>::infinity();
   bool operator==(const Joint&) const = default;
 };
@@ -62,9 +62,9 @@ struct SceneJoint {
   Joint joint{};  ///< rest lengths are not negative
 };
 
-/// Partner of Scene::attach: each spring ends at a fixed point, at this offset, m, from where its particle is. With the
-/// offset zero the spring has no rest length and holds in all directions. Otherwise its rest length is that of the
-/// offset: parallel fibres.
+/// Partner of Scene::attach: each spring ends at a fixed point, at this offset, m, from the position of its particle.
+/// With offset zero the rest length is 0, and the spring resists displacements in all directions. Otherwise the rest
+/// length is that of the offset: parallel fibres.
 struct World {
   Vec3 offset{0, 0, 0};
 };
@@ -80,9 +80,9 @@ struct Attachment {
 };
 
 struct SpringReport {
-  Vec3 force{0, 0, 0};  ///< N, on anchor `a`; 0 from the step after that in which it breaks
+  Vec3 force{0, 0, 0};  ///< N, on anchor `a`; still not 0 in the step in which it breaks
   double length = 0.0;  ///< m, between the anchors
-  bool broken = false;  ///< carries nothing from the next step on
+  bool broken = false;  ///< the force is 0 from the next step on
   bool operator==(const SpringReport&) const = default;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Monitors: figures of a state. Functions of (model, state); energies are the solver's (solver.h) and elasticity.h's.
+// Monitors: functions of a model and a state. All throw Error if the sizes differ. Energies: solver.h and elasticity.h.
 #pragma once
 
 #include <phymul/model.h>
@@ -16,14 +16,14 @@ Vec3 linear_momentum(const Model& model, const State& state);  ///< kg m/s
 Vec3 angular_momentum(const Model& model, const State& state, const Vec3& about = Vec3::Zero());
 Vec3 centre_of_mass(const Model& model, const State& state);  ///< m
 
-/// 1/2 sum m v^2 with State::velocity as it stands (half a step before State::time), J.
+/// 1/2 sum m v^2, J, with State::velocity unchanged (that of half a step before State::time).
 double kinetic_energy(const Model& model, const State& state);
 
-/// Volume of all volume cells, m^3; of quads and triangles (area, m^2) in 2-D.
+/// Volume of all volume cells, m^3; of quads and triangles (area, m^2) in 2-D. Cells of negative volume count negative.
 double volume(const Model& model, std::span<const Vec3> position);
 
 /// The first cell measured by volume() that is turned inside out or squashed to less than a thousandth of its rest
-/// measure, as a whole or in one of its corners; row of Model::cells; -1: none. No tissue is in such a state.
+/// measure, as a whole or (3-D) in a corner. Row of Model::cells; -1: none. No tissue is in such a state.
 Index first_folded_cell(const Model& model, std::span<const Vec3> position);
 
 struct DisplacementNorms {
@@ -33,9 +33,9 @@ struct DisplacementNorms {
 };
 DisplacementNorms displacement_norms(const Model& model, const State& state);
 
-/// Error of positions against reference positions. A particle whose reference is within 1e-12 body sizes of its rest
-/// place does not move. Percentiles by nearest rank. Throws Error when the sizes do not agree. `skip` [N] or empty: not
-/// 0 = leave the particle out (prescribed ones).
+/// Error of positions against reference positions. A particle does not move if its reference is within 1e-12 body sizes
+/// of its rest place. Percentiles by nearest rank. A position that is NaN has an infinite error. `skip` [N] or empty:
+/// not 0 = leave the particle out (prescribed ones).
 struct PositionError {
   double global_ratio = 0.0;  ///< sqrt(sum |u - u_ref|^2 / sum |u_ref|^2), u the displacement from rest
   double max = 0.0;           ///< largest |x - x_ref|, m
@@ -48,7 +48,7 @@ struct PositionError {
 PositionError position_error(const Model& model, std::span<const Vec3> position, std::span<const Vec3> reference,
                              std::span<const std::uint8_t> skip = {});
 
-/// REN of each particle; NaN where the reference does not move. Relative error of the displacement, per particle.
+/// REN of each particle (relative error of its displacement). NaN where the reference does not move.
 std::vector<double> relative_errors(const Model& model, std::span<const Vec3> position,
                                     std::span<const Vec3> reference);
 

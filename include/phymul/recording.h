@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Recorder and Replay: write down what an application does with a solver, and repeat it. On the backends "reference"
-// and "cpu" the result is bit for bit the same, for any number of threads.
+// Recorder and Replay: record what an application does with a solver, and repeat it. On the backends "reference" and
+// "cpu" the result is the same to the last bit, for any number of threads; on "cpu" only with the same vector width.
 #pragma once
 
 #include <phymul/state_file.h>
@@ -18,7 +18,7 @@ namespace phymul {
 
 struct SceneBefore;  // src/session/scene_bytes.h
 
-/// One action of the application: a kind of four letters, and bytes whose meaning depends on the kind.
+/// One action of the application: a kind of four printable ASCII characters, and bytes whose meaning depends on it.
 struct Input {
   std::string kind;
   std::string bytes;
@@ -26,7 +26,7 @@ struct Input {
   bool operator==(const Input&) const = default;
 };
 
-/// Options of a solver that its trajectory depends on in addition to tables and scene.
+/// Options of a solver, in addition to tables and scene, that determine its trajectory. Units: SolverOptions.
 struct RecordedOptions {
   double damping_rate = 0.0, damping_factor = 1.0, max_displacement_per_step = 0.0, rest_tolerance = 0.0,
          sleep_tolerance = -1.0, stable_step = 0.0;  ///< sleep_tolerance: -1 for none
@@ -47,19 +47,19 @@ struct Recording {
   bool operator==(const Recording&) const = default;
 };
 
-/// A file with magic word, version and checksums (docs/guide/formats.md), written whole or not at all. Reading throws
-/// Error for a damaged file: file, byte, what was expected, what came, what to do.
+/// A file with magic word, version and checksums (docs/guide/formats.md), written as a whole or not at all. Reading
+/// throws Error for a damaged file, with file (or `name`), byte, expected and found value, and a remedy.
 void save_recording(const Recording& recording, const std::string& path);
 Recording read_recording(const std::string& path);
 Recording read_recording_bytes(std::string_view bytes, const std::string& name);
 
-/// Forwards calls to a solver and records them. The application may change the scene as it likes; the next step records
-/// the differences. Calls made to the solver directly are not recorded. Keeps references to solver and scene, which
-/// must outlive it. Memory grows with the number of inputs; consecutive equal steps are one input.
+/// Forwards calls to a solver and records them. The application may change the scene; the next call records the
+/// differences. Calls made directly to the solver are not recorded. Keeps references to solver and scene, which must
+/// outlive it. Memory grows with the number of inputs; consecutive equal steps are one input.
 class Recorder {
  public:
-  /// Throws Error if the scene is of another model. Calls of tool handles since the last step are discarded: repeat
-  /// them.
+  /// Throws Error if the scene is of another model. Discards calls of tool handles made since the last step: repeat
+  /// them afterwards.
   Recorder(Solver& solver, const Scene& scene);
   ~Recorder();
 
@@ -70,10 +70,10 @@ class Recorder {
   void reset(const State& state);
   void restore(const Snapshot& snapshot);
 
-  /// Records an input of the application's own, which Replay passes to Replay::on_note. Throws Error unless `kind` has
-  /// four letters and is not one of the library's.
+  /// Records an input of the application, which Replay passes to Replay::on_note. Throws Error unless `kind` has four
+  /// printable ASCII characters and is not a kind of the library.
   void note(std::string_view kind, std::string bytes);
-  /// Records a hash of the state. Replay throws Error if its state has another one.
+  /// Records a hash of the state. Replay throws Error if its own state there has another hash.
   void checkpoint();
 
   const Recording& recording() const { return recording_; }
@@ -105,14 +105,15 @@ class Replay {
   /// Repeats the next input, once. Returns false at the end. Throws Error, with the input's number, if an input does
   /// not fit the scene or solver, or a checkpoint differs.
   bool next();
-  void run();  ///< all that is left
+  void run();  ///< repeats all inputs that are left; throws as next()
 
-  /// Of the last input that stepped.
+  /// Of the last input that was a call of step() or run_to_rest().
   const StepReport& report() const { return report_; }
   /// Number of inputs done, repetitions counted; skip_to(position()) of another Replay leads to the same place.
   std::uint64_t position() const { return position_; }
-  /// Continues from there without stepping: the scene's changes are made, the solver's state stays. The caller then
-  /// loads a state saved there (load_state). A position before the present one is allowed.
+  /// Continues from there without stepping: makes the changes of the scene, leaves the solver's state and skips notes
+  /// and checkpoints. The caller then loads a state saved there (load_state). A position before the present one is
+  /// allowed. Throws Error for a position after the end.
   void skip_to(std::uint64_t position);
 
   std::function<void(const Input&)> on_note;  ///< receives the application's own inputs; empty: they are skipped

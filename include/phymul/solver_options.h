@@ -31,7 +31,7 @@ enum class UnstableStep {
 /// Passed to SolverOptions::progress.
 struct StepProgress {
   int steps = 0;           ///< done by this call so far
-  int of = 0;              ///< requested; for run_to_rest() the maximum
+  int of = 0;              ///< steps requested; for run_to_rest() the maximum
   double time = 0.0;       ///< s, of the present state
   double residual = 0.0;   ///< N, as StepReport::residual
   double max_speed = 0.0;  ///< m/s
@@ -41,41 +41,40 @@ struct StepProgress {
 struct SolverOptions {
   Damping damping{};
   UnstableStep on_unstable = UnstableStep::refuse;
-  /// Rest test, independent of dt and scale. With the mean spacing h and tau = 1 / omega_max, a body is at rest if for
-  /// `rest_steps` consecutive steps every free particle has speed * tau <= rest_tolerance * h and
-  /// net force / mass * tau^2 <= rest_tolerance * h. In single precision ("cpu", GL) rounding alone moves a body that
-  /// rests displaced by u. The right-hand sides are therefore at least 8 * 2^-24 * u there, with the body's largest u
-  /// (DESIGN.md).
+  /// Rest test, independent of dt and scale. > 0, no unit. With the mean spacing h and tau = 1 / omega_max, a body is
+  /// at rest if for `rest_steps` consecutive steps every free particle has speed * tau <= rest_tolerance * h and net
+  /// force / mass * tau^2 <= rest_tolerance * h. In single precision ("cpu", GL) rounding alone moves a body that rests
+  /// displaced by u. There the right-hand sides are therefore at least 8 * 2^-24 * u, with the body's largest u
+  /// (docs/decisions/2026-11-21-rest-test-of-float-backends.md).
   double rest_tolerance = 1e-8;
   int rest_steps = 16;
   /// Sleep: parts of a body that rest cost nothing. Backend "cpu", bodies with a material (Law::particle_averaged). The
-  /// other backends and laws have no sleep and ignore it. Empty: off. 0: only what repeats itself to the last bit is
-  /// skipped, and the results are those without sleep. Above 0, in the units of rest_tolerance: a block of some hundred
-  /// neighbouring particles stays where it is, at speed 0, if for `rest_steps` consecutive steps all its free particles
-  /// have speed * tau <= sleep_tolerance * h and net force / mass * tau^2 <= sleep_tolerance * h. It moves again in the
-  /// step in which a net force is above that, and when a tool, a contact, a volume constraint or an imposed motion
-  /// moves one of its particles. So no net force above m h sleep_tolerance / tau^2, or a twentieth of the weight if
-  /// that is less, is ever neglected (rounding: as for
-  /// rest_tolerance, with the block's u). docs/guide/choosing.md has the error of some tolerances. run_to_rest() skips
-  /// only what repeats itself. Without effect for materials that dissipate. Throws Error for a negative value, NaN or
-  /// infinity.
+  /// other backends and laws have no sleep and ignore it. Empty: off. 0: only parts whose state repeats itself to the
+  /// last bit are skipped, and the results are those without sleep. Above 0, in the units of rest_tolerance: a block of
+  /// some hundred neighbouring particles stays where it is, at speed 0, if for `rest_steps` consecutive steps all its
+  /// free particles have speed * tau <= sleep_tolerance * h and net force / mass * tau^2 <= sleep_tolerance * h. It
+  /// moves again in the step in which a net force is above that, and when a tool, a contact, a volume constraint or an
+  /// imposed motion moves one of its particles. So no net force above m h sleep_tolerance / tau^2, or a twentieth of
+  /// the weight if that is less, is ever neglected (rounding: as for rest_tolerance, with the block's u).
+  /// docs/guide/choosing.md has the error of some tolerances. run_to_rest() skips only parts whose state repeats
+  /// itself. No effect if a material dissipates. make_solver throws Error for a negative value, NaN or infinity.
   std::optional<double> sleep_tolerance{};
-  /// Local time steps: materials that need a shorter step than the others, as a stiff tumour in soft tissue, are
-  /// advanced by up to this many substeps within each step, so that they do not set the step of the whole body. 1: off.
+  /// Local time steps: materials that need a shorter step than the others, such as a stiff tumour in soft tissue, take
+  /// up to this many substeps within each step, so that they do not limit the step of the whole body. >= 1; 1: off.
   /// Backends "reference" and "cpu", bodies with a material (Law::particle_averaged). The solver chooses the materials
   /// and the number (Solver::substeps), and stable_step() is that of the whole scheme; without a gain it uses one step
-  /// for all. Rest shapes are the same and linear momentum is conserved; vibrations of the stiff materials that are
+  /// for all. Rest shapes are the same and linear momentum is conserved. Vibrations of the stiff materials that are
   /// faster than the step are slowed down, as by a larger mass, which Solver::energy() does not count. Making the
-  /// solver takes about three times as long. Excludes sleep_tolerance and materials that dissipate. Throws Error for a
-  /// number below 1. See docs/guide/choosing.md.
+  /// solver takes about three times as long. make_solver throws Error together with sleep_tolerance and for materials
+  /// that dissipate. See docs/guide/choosing.md.
   int max_substeps = 1;
-  /// In mean spacings: an elastic force that by itself would move its particle further than this in one step is
+  /// In mean spacings, > 0. An elastic force that alone would move its particle further than this in one step is
   /// limited to that distance, and StepReport::force_clamped is set. Forces of this size occur only in states that real
   /// tissue does not reach (flattened, mirrored, scattered). There an explicit step overshoots; with the limit bodies
-  /// return from such states at half the step limit. Momentum and energy are not conserved while the limit acts. What
-  /// is withheld from a particle that a tool presses or holds is part of that tool's force. It is off for steps beyond
-  /// the step limit and for models that are unstable at rest or flutter, whose growth it would hide. Infinite: always
-  /// off.
+  /// return from such states at half the step limit. Momentum and energy are not conserved while the limit acts. The
+  /// part withheld from a particle that a tool presses or holds is added to that tool's force. The limit is off for
+  /// steps beyond the step limit and for models that are unstable at rest or flutter, because it would hide their
+  /// growth. Infinite: always off.
   double max_displacement_per_step = 0.15;
   /// Spectrum of the same topology at rest, if known. It saves the estimate, which takes about a hundred force
   /// evaluations. With a wrong spectrum stable_step() and the rest test are wrong; the library cannot detect this.
@@ -87,12 +86,12 @@ struct SolverOptions {
   /// that is 0. Empty: the solver starts its own.
   std::shared_ptr<TaskRunner> runner{};
   /// Called by step() and run_to_rest() between two steps, at most every `progress_seconds` and never after the last
-  /// step. If it returns false, the call ends there with StepReport::stopped. Exceptions pass through; the state is
-  /// then that of the last call. It may read the solver, but must not step or reset it or change its scene. It does not
-  /// change trajectories. It is not called if the scene has tools, because a tool moves evenly over all steps of a
-  /// call.
+  /// step. If it returns false, the call ends there with StepReport::stopped. Exceptions pass through to the caller of
+  /// step(); the state is then that of the last call of `progress`. It may read the solver, but must not step or reset
+  /// it or change its scene. It does not change trajectories. It is not called if the scene has tools, because a tool
+  /// moves evenly over all steps of a call.
   std::function<bool(const StepProgress&)> progress{};
-  double progress_seconds = 0.5;  ///< 0: after every step
+  double progress_seconds = 0.5;  ///< s of wall time, >= 0; 0: after every step
   bool profile = false;           ///< measure passes for Solver::profile(); false: no clock is read
   GlOptions gl{};                 ///< of the GL backends; the other backends ignore it
 };

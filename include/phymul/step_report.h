@@ -18,8 +18,8 @@ enum class StepStatus {
   not_finite,
   device_lost,    ///< the GPU or its context failed
   volume_lost,    ///< a volume constraint (Scene::constrain_volume) could not be satisfied; the step was undone
-  not_supported,  ///< the backend does not support the scene's tools, joints, volume constraints or contacts; nothing
-                  ///< was done
+  not_supported,  ///< the backend does not support something in the scene (tools, joints, volume constraints,
+                  ///< contacts, factors of stiffness), dissipation, or substeps: see cause; nothing was done
   /// A needle's hole needs more nodes, or a node more particles, than the GPU has reserved. The step was undone.
   needle_full
 };
@@ -29,8 +29,8 @@ struct StepReport {
   int steps = 0;              ///< number of steps that this call has completed
   double time = 0.0;          ///< s, of the state reached; after a failure that of the last good state
   double dt = 0.0;            ///< s, as passed
-  double stable_step = 0.0;   ///< s, Solver::stable_step()
-  bool beyond_limit = false;  ///< dt was above it, and SolverOptions::on_unstable allows that
+  double stable_step = 0.0;   ///< s, Solver::stable_step(), with the damping of this call
+  bool beyond_limit = false;  ///< dt was above stable_step, and SolverOptions::on_unstable allows that
   bool at_rest = false;       ///< the rest test (SolverOptions::rest_tolerance) holds at the end; not part of ok()
   double residual = 0.0;      ///< N, largest net force on a free particle in the last step
   double max_speed = 0.0;     ///< m/s, largest speed
@@ -56,12 +56,12 @@ enum class RestStatus {
 struct RestResult {
   RestStatus status = RestStatus::failed;
   StepReport report;  ///< of all steps of the call
-  /// If converged, or not after max_steps: a particle one of whose bases has collapsed to a line or a point, else -1.
+  /// Only if converged or step_limit: a particle one of whose bases has collapsed to a line or a point, else -1.
   /// Such a base has no direction. A body that is in one point is at rest and cannot return by itself.
   Index collapsed = -1;
-  /// If converged, or not after max_steps: a cell that is flat or turned inside out, else -1. Springs can keep such
-  /// states; at the rim of a clamp one can keep its particles moving. For a body that moves, call first_folded_cell()
-  /// (monitor.h) and first_collapsed() (elasticity.h).
+  /// Only if converged or step_limit: a cell that is flat or turned inside out, else -1. Springs can keep such states
+  /// at rest; at the rim of a clamp such a cell can keep its particles moving. If other calls leave the body moving,
+  /// call first_folded_cell() (monitor.h) and first_collapsed() (elasticity.h).
   Index folded = -1;
   Vec3 folded_at{0, 0, 0};  ///< m, mean of that cell's vertices at rest
 

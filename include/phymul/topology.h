@@ -5,13 +5,13 @@
 // Notation, used by every kernel:
 //   x_i, X_i    position of particle i now and at rest, m
 //   Nc_i, Bc_i  number of neighbours, number of bases of particle i
-//   k_i         shape stiffness, N/m: Model::stiffness, or computed from the material
+//   k_i         shape stiffness, N/m: Model::stiffness
 //   t = (a,b,c) a base of i: three particles (two in 2-D) around it
 //   n_t         unit normal of t: (x_b - x_a) x (x_c - x_a), normalised (2-D: left normal of x_b - x_a)
 //   lambda_t    barycentric coordinates in t of the projection of X_i on its plane, rest shape, sum 1
 //   beta_t      signed height of X_i over t, m, rest shape
 //   A_t, A_t0   area of t now and at rest
-//   w_t         weight of t among the bases of i, sum 1; 1 / Bc_i unless the model has a material
+//   w_t         weight of t among the bases of i, sum 1: 1 / Bc_i
 //   alpha_ij    sum over t of w_t lambda_t at vertex j, rest shape, sum over j = 1
 //   P*_t        position that base t predicts for i: sum_v lambda_tv x_v + beta_t n_t
 //   P*_i        attractor, their mean: sum_t w_t P*_t = sum_j alpha_ij x_j + sum_t w_t beta_t n_t
@@ -34,18 +34,20 @@ enum class Law {
   /// of the cells and displacements u:
   ///   V_i = integral of N_i,  C_ij = integral of N_i grad N_j,  F_i = I + 1/V_i sum_j (u_j - u_i) C_ij^T
   ///   E = sum_i V_i psi(F_i) + s/2 (integral of mu |F|^2 - sum_i mu_i V_i |F_i|^2)
-  /// psi is TopologyOptions::strain_energy. The second term, of weight s (TopologyOptions::stabiliser), is what the
-  /// means leave out. A particle where materials meet has a mean and an energy for each. In 2-D strain is plane.
-  /// A body of points, without cells that fill space, has one material and V_i = mass / density. For edges e = pq
-  /// between neighbours or from i, with weights w > 0 such that sum_e w_e X_pq X_pq^T = V_i I, and H = F_i - I:
+  /// psi is TopologyOptions::strain_energy, J/m^3. The second term, of weight s (TopologyOptions::stabiliser), is the
+  /// energy that the means lack. Where materials meet, a particle has a mean and an energy for each. 2-D: plane strain.
+  /// A body of points, without cells that fill space, has one material and V_i = mass / density. Edges e = pq lead from
+  /// i to its neighbours or between two of these, with weights w > 0 such that sum_e w_e X_pq X_pq^T = V_i I;
+  /// H = F_i - I:
   ///   F_i = I + 1/V_i sum_e w_e (u_q - u_p) X_pq^T
-  ///   E = sum_i V_i psi(F_i) + s/2 mu_i sum_e w_e |u_q - u_p - H X_pq|^2
-  /// set_material gives such a body its masses. 14 neighbours are enough (2-D: 8); where there are fewer, theirs are
-  /// taken too.
+  ///   E = sum_i V_i psi(F_i) + s/2 sum_i mu_i sum_e w_e |u_q - u_p - H X_pq|^2
+  /// set_material computes the masses of such a body. 14 neighbours are enough (2-D: 8). Particles with fewer also use
+  /// the neighbours of their neighbours.
   particle_averaged
 };
 
-/// How the reaction to the force F_i = k_i (P*_i - x_i) on a particle is distributed to its neighbours.
+/// How the reaction to the force F_i = k_i (P*_i - x_i) on a particle is distributed to its neighbours. Of
+/// Law::shape_memory; a model with a material needs `conservative`.
 enum class Reaction {
   full,         ///< -F_i to each neighbour: as in the thesis. Diverges on all but the smallest bodies.
   shared,       ///< -F_i / Nc_i to each: conserves linear momentum; oscillations grow without damping
@@ -54,28 +56,29 @@ enum class Reaction {
   conservative  ///< exact -dE/dx of sum_i k_i/2 sum_t w_t |P*_t - x_i|^2: conserves both momenta and energy
 };
 
-/// Which triples of neighbours (pairs in 2-D) become bases.
+/// Which triples of neighbours (pairs in 2-D) become bases, of Law::shape_memory.
 enum class BaseSelection {
   all,         ///< every triple that has a plane
   thresholded  ///< those above min_quality and within max_barycentric
 };
 
-/// The energy of a volume ratio J, per unit rest volume; U(1) = U'(1) = 0, U''(1) = kappa for all.
+/// The energy U of a volume ratio J, J/m^3; U(1) = U'(1) = 0, U''(1) = kappa for all.
 enum class VolumeLaw {
   quadratic,  ///< kappa/2 (J-1)^2
-  bounded     ///< kappa s^2 (sqrt(1 + ((J-1)/s)^2) - 1), s = 0.4: U' stays below kappa s however far from rest
+  bounded     ///< kappa s^2 (sqrt(1 + ((J-1)/s)^2) - 1), s = 0.4: |U'| stays below kappa s for every J
 };
 
-/// Energy density psi of a material at a deformation gradient F, J = det F. mu and K are the shear modulus and the bulk
-/// modulus; U is VolumeLaw. All are the same for small strains, but for the fibres.
+/// Energy density psi of a material, J/m^3, at a deformation gradient F, J = det F. mu and K are the shear modulus and
+/// the bulk modulus; U is VolumeLaw at kappa = 1. Except for the fibres all are the same for small strains.
 enum class StrainEnergy {
   /// c/2 |F n0 - n(F)|^2, averaged over seven directions n0 that are isotropic together (Calibration), plus kappa U(J)
   shape_memory,
-  /// mu/2 (J^(-2/3) tr(F^T F) - 3) + K U(J). Below J = 0.7, J^(-2/3) goes on along its tangent, and 3.1 mu (0.7 - J)^2
-  /// is added, so that a body gains nothing by shrinking. From broken states it returns less often than shape_memory.
+  /// mu/2 (J^(-2/3) tr(F^T F) - 3) + K U(J). Below J = 0.7, J^(-2/3) is replaced by its tangent there, and 3.1 mu
+  /// (0.7 - J)^2 is added. Fewer broken states (docs/theory/stability.md) recover than with shape_memory.
   neo_hookean,
   /// shape_memory, plus k/8 (|F a|^2 - 1)^2 along fibres a, k = (fibre_ratio - 1) E (the standard reinforcing energy:
-  /// Qiu and Pence 1997). build_topology takes it for shape_memory where a material has fibres.
+  /// Qiu and Pence 1997). build_topology uses it in place of shape_memory if a material has fibres. Throws Error for
+  /// fibres with neo_hookean.
   fibres
 };
 
@@ -87,37 +90,38 @@ enum class SparseParticle {
 };
 
 struct TopologyOptions {
-  /// Without a value particle_averaged for a model with a material, shape_memory for any other; build_topology writes
-  /// it here.
+  /// Empty: particle_averaged for a model with a material, shape_memory for any other. build_topology writes the law
+  /// used into TopologyTextures::options.
   std::optional<Law> law = std::nullopt;
   Reaction reaction = Reaction::conservative;
   BaseSelection bases = BaseSelection::thresholded;
-  double min_quality = 0.05;      ///< thresholded: 2 A / L^2 of a base (A its area, L its longest edge) above this
-  double max_barycentric = 1.25;  ///< thresholded: |lambda| within this
+  double min_quality = 0.05;      ///< [0, 1), thresholded: least 2 A / L^2 of a base, of area A and longest edge L
+  double max_barycentric = 1.25;  ///< > 0, thresholded: largest |lambda|
   StrainEnergy strain_energy = StrainEnergy::shape_memory;  ///< of Law::particle_averaged
   VolumeLaw volume_law = VolumeLaw::bounded;
-  /// Volume stiffness kappa in Pa where the model has no material (springs, or stiffness in N/m); 0: no volume term.
+  /// Volume stiffness kappa, Pa, >= 0, of a model without a material (springs, or stiffness in N/m). 0: no volume term.
   double volume_stiffness = 0.0;
-  /// s of Law::particle_averaged. Without a value it is calibrated so that pure bending of the body costs what it
-  /// should (0.1 to 0.7, neo_hookean 0.25 to 0.7; one value for each type of cell), and build_topology writes the mean
-  /// over the volume here.
+  /// s of Law::particle_averaged, >= 0. Empty: calibrated so that pure bending of each connected part has the correct
+  /// energy (0.1 to 0.7, neo_hookean 0.25 to 0.7; one value for each part and type of cell). build_topology then writes
+  /// the mean over the volume into TopologyTextures::options.
   std::optional<double> stabiliser = std::nullopt;
   SparseParticle on_sparse = SparseParticle::error;
-  /// Threads of the host to build the tables with, and to estimate the spectrum of the body that they describe; they
-  /// keep it. Empty: a second thread is started where it is worth it.
+  /// Threads of the host that build the tables and estimate the spectrum of the body. The tables keep the pointer.
+  /// Empty: a second thread is started if it saves time.
   std::shared_ptr<TaskRunner> runner{};
 };
 
 struct TopologyTextures;
 
 /// Builds the tables. A model with a material takes Law::particle_averaged and no other (clear Model::materials to use
-/// one; masses stay). Throws Error for options that contradict each other or the model, and if a table has more rows
+/// one; masses stay). Throws Error for an invalid model (validate), for options out of range or that contradict each
+/// other or the model, for particles without a base or volume (SparseParticle::error), and if a table has more rows
 /// than 32-bit numbers count.
 TopologyTextures build_topology(const Model& model, const TopologyOptions& options = {});
 
-/// Isotropic theory of small strains. A body with deformation gradient F has the energy density c/2 |F n0 - n(F)|^2,
-/// averaged over all rest normals n0, with n(F) the deformed unit normal, plus kappa/2 (J-1)^2 with J = det F. Its Lame
-/// constants are mu = 7/15 c and lambda = kappa - c/5.
+/// Constants of StrainEnergy::shape_memory: the energy density c/2 |F n0 - n(F)|^2, averaged over all rest normals n0,
+/// with n(F) the deformed unit normal, plus kappa/2 (J-1)^2 with J = det F. At small strain mu = 7/15 c and
+/// lambda = kappa - c/5.
 struct Calibration {
   double c = 0.0;      ///< Pa
   double kappa = 0.0;  ///< Pa

@@ -68,7 +68,7 @@ struct VolumeTexel {
 
 inline constexpr std::size_t most_energy_constants = 6;
 
-/// Law::particle_averaged: the neighbourhood of a particle, or where materials meet its part of one material.
+/// A domain of Law::particle_averaged: the neighbourhood of a particle or, where materials meet, its part in one.
 struct DomainTexel {
   Index particle = none;
   Index material = 0;             ///< row of Model::materials
@@ -78,16 +78,16 @@ struct DomainTexel {
   std::array<double, most_energy_constants> energy{};
 };
 
-/// What domain e is to domain d. Read from e to d the area changes its sign and the stiffness is the same. In a body of
-/// points (Law::particle_averaged) sums of w X_pq and of s mu w take the place of the integrals.
+/// The link of domain d, whose row this is, to domain e. From e to d the area has the opposite sign and the stiffness
+/// is the same. In a body of points (Law::particle_averaged) sums of w X_pq and s mu w replace the integrals.
 struct LinkTexel {
   Index domain = none;       ///< e
   Vec3 area = Vec3::Zero();  ///< half the integral of N_d grad N_e - N_e grad N_d, m^2
   double stiffness = 0.0;    ///< -integral of s mu grad N_d . grad N_e, N/m
 };
 
-/// The rest of the integral of N_d grad N_e, where it is not zero: on the surface of the body or of a material, d and e
-/// themselves (e = d) included. The same from both sides. In a body of points it is zero nowhere.
+/// The symmetric part of the integral of N_d grad N_e, if it is not zero: on the surface of the body or of a material,
+/// also for e = d. The same from both sides. In a body of points it is in general not zero inside either.
 struct SurfaceLinkTexel {
   Index domain = none;       ///< e
   Vec3 area = Vec3::Zero();  ///< half the integral over the surface of N_d N_e times the outward normal, m^2
@@ -101,11 +101,11 @@ struct DissipationTexel {
   double relaxation_time = 0.0;      ///< s, > 0 where relaxation_strength is
 };
 
-/// Hashes (FNV-1a, 64 bits) of the parts of a model that the tables were built from. By them a solver can say what has
+/// Hashes (FNV-1a, 64 bits) of the parts of a model that the tables were built from. With them a solver finds what has
 /// changed since.
 struct ModelFingerprint {
   std::uint64_t neighbours = 0, cells = 0;
-  std::uint64_t materials = 0;  ///< rows and constants but the density, cell by cell; of a body of points, of all
+  std::uint64_t materials = 0;  ///< row and constants of each cell, without density; of a body of points with density
   std::uint64_t stiffness = 0;  ///< of particles, if there are no materials
   bool operator==(const ModelFingerprint&) const = default;
 };
@@ -116,7 +116,7 @@ struct TopologyTextures {
   /// Of the model that the tables were built from. Empty in tables that build_topology() did not make; solvers then
   /// compare only rest positions and masses.
   std::optional<ModelFingerprint> model;
-  /// What build_topology found of the mesh that the law is wrong on; a sentence for a person each.
+  /// Warnings of build_topology about meshes for which the law is inaccurate, one sentence each.
   std::vector<std::string> notes;
 
   Index particle_count = 0;
@@ -160,8 +160,8 @@ struct TopologyTextures {
   std::vector<Index> base_owner;       ///< [base_count] particle whose base it is
 };
 
-/// Hash (FNV-1a, 64 bits) of all constants and indices of the tables. It depends on material, rest shape, options and
-/// order of the particles. The same in all versions: files hold it.
+/// Hash (FNV-1a, 64 bits) of the constants and indices of the tables. It depends on material, rest shape, masses,
+/// options and order of the particles. It is the same in all versions, because files contain it.
 std::uint64_t fingerprint(const TopologyTextures& topology);
 
 }  // namespace phymul

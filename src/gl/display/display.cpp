@@ -91,8 +91,7 @@ class GlDisplay final : public Display {
     if (options_.context != GlContext::current) {
       throw Error(
           "Display::draw: draws into the caller's framebuffer, so the display must be made with GlContext::current; "
-          "this "
-          "one has a context of its own, where render() makes pictures");
+          "this one has a context of its own, where render() makes pictures");
     }
     with_placement(options.attractors, [&](const Placement& placement) {
       objects_->body.draw(placement, camera, options, {x, y, width, height, 1.0});
