@@ -89,8 +89,8 @@ TEST(StaticTools, LeaveABodyWhereItIsFreeToSlide) {
         sim.scene().add({.type = LoadType::translation,
                          .particles = sim.model().group(group),
                          .events = {{0.0, by}},
-                         .direction = {0, 0, -1},
-                         .axes = {Axis::free, Axis::free, by == 0.0 ? Axis::held : Axis::driven}});
+                         .axes = {Axis::free, Axis::free, by == 0.0 ? Axis::held : Axis::driven},
+                         .direction = {0, 0, -1}});
       }
       sim.scene().add_tool("far", {.shape = Sphere{0.01}, .pose = {.position = {0, 0, 1}}});
     }

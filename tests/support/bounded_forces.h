@@ -248,7 +248,9 @@ inline double share_of_bound(const TopologyTextures& tables, const BoundedForces
   for (Index i = 0; i < tables.particle_count; ++i) {
     const Bounded3 force = forces.force(i);
     const std::array<Bounded, 3> axes{force.x, force.y, force.z};
-    if (tables.dimension == 2) EXPECT_EQ(velocity[i].z(), 0.0) << "particle " << i;
+    if (tables.dimension == 2) {
+      EXPECT_EQ(velocity[i].z(), 0.0) << "particle " << i;
+    }
     for (int axis = 0; axis < tables.dimension; ++axis) {
       const Bounded v = Bounded() + stored(dt) * (stored(1.0 / tables.mass[i]) * axes[static_cast<std::size_t>(axis)]);
       const double error = std::abs(velocity[i][axis] - v.value);
