@@ -52,10 +52,7 @@ Relaxation solve_directly(const Problem& problem, const MethodBody& body, const 
   try {
     return solved(problem, body, start, plan, repeats);
   } catch (const Error& error) {
-    Relaxation refused;
-    refused.status = "refused";
-    refused.message = error.what();
-    return refused;
+    return refused(error);
   }
 }
 

@@ -194,15 +194,19 @@ class Relaxing {
 
 }  // namespace
 
+Relaxation refused(const Error& error) {
+  Relaxation relaxation;
+  relaxation.status = "refused";
+  relaxation.message = error.what();
+  return relaxation;
+}
+
 Relaxation relax(std::shared_ptr<const TopologyTextures> topology, const Scene& scene, const VecList& start,
                  const RelaxationPlan& plan) {
   try {
     return Relaxing(std::move(topology), scene, plan).run(start);
   } catch (const Error& error) {
-    Relaxation refused;
-    refused.status = "refused";
-    refused.message = error.what();
-    return refused;
+    return refused(error);
   }
 }
 

@@ -46,6 +46,8 @@ struct Relaxation {
   double wall_to_rest() const { return wall_per_step * steps; }
 };
 
+Relaxation refused(const Error& error);
+
 /// `start` [N] m: where the body begins. A solver or a body that cannot be made is a status, not an exception.
 Relaxation relax(std::shared_ptr<const TopologyTextures> topology, const Scene& scene, const VecList& start,
                  const RelaxationPlan& plan);

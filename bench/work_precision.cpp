@@ -115,10 +115,7 @@ class Run {
       prepared.topology =
           std::make_shared<const TopologyTextures>(build_topology(prepared.body.model, prepared.body.options));
     } catch (const Error& error) {
-      Relaxation refused;
-      refused.status = "refused";
-      refused.message = error.what();
-      write(method, plan, refused, nullptr, problem);
+      write(method, plan, refused(error), nullptr, problem);
       return;
     }
     if (wanted(choice_.ways_to_rest, by_steps)) {
@@ -133,7 +130,7 @@ class Run {
       }
     }
     if (method.rule == StiffnessRule::material && wanted(choice_.ways_to_rest, solved)) {
-      plan.backend = "cpu";  // which lends the search its kernels, whatever backend goes on from there
+      plan.backend = "cpu";  // the search uses its kernels, whatever the backend of the solver
       plan.step_share = 0.0;
       measure_and_write(prepared, plan, solve_directly(problem, prepared.body, start_of(problem), plan), problem);
     }

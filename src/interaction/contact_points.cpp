@@ -85,7 +85,6 @@ ContactPoints make_contact_points(const Model& model, double least_radius) {
     const double wanted = least_radius > 0.0 ? std::ceil(3.0 * edge / least_radius) : double{usual_parts};
     const auto& points = points_of_triangle(static_cast<int>(std::clamp<double>(wanted, fewest_parts, most_parts)));
     made.patches.push_back({corner, &points, area / static_cast<double>(points.size())});
-    made.longest_edge = std::max(made.longest_edge, edge);
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (has_triangles[b]) continue;

@@ -24,7 +24,6 @@ struct ContactPoints {
   std::vector<std::size_t> patch_first;  // [N + 1] of a particle in patch_of
   std::vector<Index> patch_of;           // rows of the patches that have it, ascending
   std::size_t most_points = 0;           // sum over all patches
-  double longest_edge = 0.0;             // m, at rest
 };
 
 /// Points of a triangle are the centres of its k^2 like parts, k from 3 to 12: their distance, about the longest edge

@@ -181,7 +181,7 @@ TEST_P(StabilityMotion, ASuddenLoadIsBornOrReported) {
       const bool is_neo_hookean = method.options.strain_energy == StrainEnergy::neo_hookean;
       if (!report.ok()) {
         EXPECT_EQ(report.status, StepStatus::not_finite);
-        EXPECT_TRUE(!is_conservative(method) || (is_neo_hookean && gravity > 1000.0))
+        EXPECT_TRUE(!is_conservative(method) || (is_neo_hookean && gravity > 1000.0 && GetParam() == "cpu"))
             << method.name << ": " << report.message();
         continue;
       }
