@@ -26,7 +26,7 @@ function(phymul_compile_together target)
   foreach(folder IN LISTS folders)
     # Units of one size, so that two processors end together.
     list(LENGTH of_${folder} files)
-    math(EXPR units "(${files} + 7) / 8")
+    math(EXPR units "(${files} + 13) / 14")
     set(index 0)
     foreach(source IN LISTS of_${folder})
       math(EXPR unit "${index} * ${units} / ${files}")

@@ -37,7 +37,7 @@ class SolverBackend : public Solver {
   std::uint64_t topology_hash() const final;
   const SolverOptions& options() const final { return options_; }
   bool takes_tools() const final { return do_takes_tools(); }
-  double stable_step() const final { return step_limit(options_.damping.factor); }
+  double stable_step() const final { return step_limit(options_.damping); }
   int substeps() const final;
   /// Change of the forces at a state by the substeps of a step of `dt` s, [N] N; empty without substeps.
   VecList substep_forces(const State& state, double dt) const;
@@ -147,7 +147,7 @@ class SolverBackend : public Solver {
                                              const SolverOptions&);
   const ToolReport& tool_report(std::size_t row) const final { return do_tool_report(row); }
   const JointReport& joint_report_at(std::size_t row) const final;
-  double step_limit(double damping_factor) const;  // s
+  double step_limit(const Damping& damping) const;  // s
   double stiffness_factor() const;                 // by which the scene's raise the spectrum at most
   Spectrum spectrum() const;                       // a bound, of materials as stiff as the scene makes them
   void require_fitting(const State& state) const;

@@ -87,7 +87,7 @@ std::unique_ptr<Display> make_display(const Solver& solver, const GlOptions& gl 
 /// A display of a skin instead of the body itself: of these triangles of points of the skin (counter-clockwise seen
 /// from outside). The vertex shader moves them with the particles of the solver. In DisplayOptions, particles are then
 /// the points and links the edges of triangles; there are no attractors. Copies the skin. Throws Error for an empty
-/// skin, for a triangle of a missing point, and for a skin of a body with another number of particles.
+/// skin, for a triangle of a missing point, and for a skin of another body (Skin::is_bound_to).
 std::unique_ptr<Display> make_display(const Solver& solver, const Skin& skin,
                                       std::span<const std::array<Index, 3>> triangles, const GlOptions& gl = {});
 

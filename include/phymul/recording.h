@@ -30,7 +30,7 @@ struct Input {
 struct RecordedOptions {
   double damping_rate = 0.0, damping_factor = 1.0, max_displacement_per_step = 0.0, rest_tolerance = 0.0,
          sleep_tolerance = -1.0, stable_step = 0.0;  ///< sleep_tolerance: -1 for none
-  int rest_steps = 0;
+  int rest_steps = 0, max_substeps = 1;
   bool allows_unstable = false;
   bool operator==(const RecordedOptions&) const = default;
 };

@@ -5,6 +5,7 @@
 
 #include <phymul/model.h>
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -21,6 +22,9 @@ class Skin {
   Skin(const Model& model, std::span<const Vec3> points, double most_outside = 1.0);
 
   std::size_t size() const { return first_.size() - 1; }
+
+  /// Whether its points were bound to this body: a model of the same Model::rest.
+  bool is_bound_to(const Model& model) const;
 
   /// Largest distance of a point from the body, in sizes of its cell; 0 if all are inside.
   double farthest_outside() const { return farthest_outside_; }
@@ -39,6 +43,7 @@ class Skin {
   std::size_t count(std::size_t point) const { return first_[point + 1] - first_[point]; }
 
   std::size_t particle_count_ = 0;
+  std::uint64_t rest_hash_ = 0;
   std::vector<std::size_t> first_{0};  // [M + 1]
   std::vector<Index> particle_;
   std::vector<double> weight_;

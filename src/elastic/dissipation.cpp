@@ -158,8 +158,8 @@ StepBound step_bound(const TopologyTextures& topology, const Spectrum& spectrum)
 
 double largest_step(const StepBound& bound, double damping_factor) {
   const double twice = 2.0 * (1.0 + damping_factor), c = bound.damping;
-  const double sum = c + std::sqrt(c * c + twice * bound.stiffness);
-  return sum > 0.0 ? twice / sum : std::numeric_limits<double>::infinity();
+  if (c == 0.0) return stable_step(Spectrum{.largest = bound.stiffness}, damping_factor);
+  return twice / (c + std::sqrt(c * c + twice * bound.stiffness));
 }
 
 }  // namespace phymul

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "local_step_limit.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "base/symmetric_modes.h"
 #include "scaled_stiffness.h"
 
 namespace phymul {
@@ -81,11 +81,10 @@ double local_step_margin(const TopologyTextures& topology, const LocalSteps& ste
     K.apply(w, image);
     const double beta = std::sqrt(std::max(w.dot(image), 0.0));
     if (step % 10 == 9 || step + 1 == steps_at_most || beta == 0.0) {
-      const auto size = static_cast<Eigen::Index>(diagonal.size());
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz;
-      ritz.computeFromTridiagonal(Eigen::Map<Vector>(diagonal.data(), size), Eigen::Map<Vector>(off.data(), size - 1));
-      largest = ritz.eigenvalues()[size - 1];
-      const double residual = beta * std::abs(ritz.eigenvectors()(size - 1, size - 1));
+      const SymmetricModes ritz = tridiagonal_modes(diagonal, off);
+      const Eigen::Index last = ritz.values.size() - 1;
+      largest = ritz.values[last];
+      const double residual = beta * std::abs(ritz.vectors(last, last));
       if (residual <= ritz_accuracy * largest || beta == 0.0) break;
     }
     off.push_back(beta);

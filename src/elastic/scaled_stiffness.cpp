@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "scaled_stiffness.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
 
 #include "base/side_by_side.h"
+#include "base/symmetric_modes.h"
 
 namespace phymul {
 namespace {
@@ -117,18 +117,16 @@ Lanczos lanczos(ScaledStiffness& A, const Vector& start) {
     }
     const bool look = step % 5 == 4 || step + 1 == lanczos_steps || beta == 0.0;
     if (look) {
-      const auto size = static_cast<Eigen::Index>(found.diagonal.size());
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz;
-      ritz.computeFromTridiagonal(Eigen::Map<Vector>(found.diagonal.data(), size),
-                                  Eigen::Map<Vector>(found.off.data(), size - 1));
-      const auto& values = ritz.eigenvalues();
-      const Eigen::Index top = std::abs(values[0]) > std::abs(values[size - 1]) ? 0 : size - 1;
+      const SymmetricModes ritz = tridiagonal_modes(found.diagonal, found.off);
+      const Vector& values = ritz.values;
+      const Eigen::Index highest = values.size() - 1;
+      const Eigen::Index top = std::abs(values[0]) > std::abs(values[highest]) ? 0 : highest;
       found.spectrum.largest = std::abs(values[top]);
       found.spectrum.most_negative = values[0];
-      found.top = ritz.eigenvectors().col(top);
+      found.top = ritz.vectors.col(top);
       // A negative end must settle as well. Where none shows, waiting for one would cost a body at rest thrice the
       // steps.
-      const auto last = ritz.eigenvectors().row(size - 1);
+      const auto last = ritz.vectors.row(highest);
       const bool grows = values[0] < -rigid_motion * found.spectrum.largest;
       const double residual = beta * std::max(std::abs(last[top]), grows ? std::abs(last[0]) : 0.0);
       if (residual <= ritz_accuracy * found.spectrum.largest) break;

@@ -111,9 +111,7 @@ double stable_step(const Spectrum& spectrum, double damping_factor) {
 }
 
 double stable_step(const TopologyTextures& topology, const Spectrum& spectrum, double damping_factor) {
-  const StepBound bound = step_bound(topology, spectrum);
-  if (bound.damping == 0.0) return stable_step(Spectrum{.largest = bound.stiffness}, damping_factor);
-  return largest_step(bound, damping_factor);
+  return largest_step(step_bound(topology, spectrum), damping_factor);
 }
 
 }  // namespace phymul

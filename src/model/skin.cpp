@@ -12,6 +12,7 @@
 
 #include "base/box_tree.h"
 #include "base/decimal.h"
+#include "base/fnv.h"
 #include "base/place_text.h"
 #include "cell_geometry.h"
 
@@ -193,9 +194,16 @@ class CellSearch {
   VecList node_sides_;  // of the largest box in each
 };
 
+std::uint64_t hash_of(const VecList& rest) {
+  Fnv hash;
+  hash.add(rest);
+  return hash.value();
+}
+
 }  // namespace
 
-Skin::Skin(const Model& model, std::span<const Vec3> points, double most_outside) : particle_count_(model.rest.size()) {
+Skin::Skin(const Model& model, std::span<const Vec3> points, double most_outside)
+    : particle_count_(model.rest.size()), rest_hash_(hash_of(model.rest)) {
   const CellSearch search(model);
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Vec3& point = points[k];
@@ -213,6 +221,10 @@ Skin::Skin(const Model& model, std::span<const Vec3> points, double most_outside
     first_.push_back(particle_.size());
     farthest_outside_ = std::max(farthest_outside_, place.outside);
   }
+}
+
+bool Skin::is_bound_to(const Model& model) const {
+  return rest_hash_ == hash_of(model.rest);
 }
 
 void Skin::deform(std::span<const Vec3> position, VecList& points) const {

@@ -47,6 +47,7 @@ RecordedOptions recorded_options(const Solver& solver) {
           .sleep_tolerance = options.sleep_tolerance.value_or(-1.0),
           .stable_step = solver.stable_step(),
           .rest_steps = options.rest_steps,
+          .max_substeps = options.max_substeps,
           .allows_unstable = options.on_unstable == UnstableStep::allow};
 }
 

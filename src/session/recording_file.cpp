@@ -18,6 +18,7 @@ constexpr const char* head_tag = "head";
 constexpr const char* start_tag = "stat";
 constexpr const char* scene_tag = "scne";
 constexpr const char* inputs_tag = "inpt";
+constexpr const char* substeps_field = "a number of substeps";  // only there if it is not 1
 
 /// For a ByteWriter and a recording that is const, or a ByteReader and one that is not.
 template <class Bytes, class Any>
@@ -61,6 +62,7 @@ std::vector<Input> take_inputs(ByteReader& in) {
 void save_recording(const Recording& recording, const std::string& path) {
   ByteWriter head, start, scene, inputs;
   head_fields(head, recording);
+  if (recording.options.max_substeps != 1) head.field(recording.options.max_substeps, substeps_field);
   put_snapshot(start, recording.start);
   scene.raw(recording.scene);
   put_inputs(inputs, recording.inputs);
@@ -80,6 +82,7 @@ Recording read_recording_bytes(std::string_view bytes, const std::string& name) 
   const auto reader = [&](std::size_t k) { return ByteReader(name, sections[k].payload, sections[k].first_byte); };
   ByteReader head = reader(0), start = reader(1), inputs = reader(3);
   head_fields(head, recording);
+  if (head.remaining() > 0) head.field(recording.options.max_substeps, substeps_field);
   const RecordedOptions& options = recording.options;
   if (!(options == options)) {
     head.fail("expected numbers as options before this byte, got NaN; the file was written by something else");

@@ -32,6 +32,7 @@ void require_same_options(const RecordedOptions& recorded, const RecordedOptions
   require_same("rest_tolerance", recorded.rest_tolerance, own.rest_tolerance);
   require_same("sleep_tolerance", recorded.sleep_tolerance, own.sleep_tolerance);
   require_same("rest_steps", recorded.rest_steps, own.rest_steps);
+  require_same("max_substeps", recorded.max_substeps, own.max_substeps);
   require_same("on_unstable (1: allow)", recorded.allows_unstable, own.allows_unstable);
   require_same("stable_step()", recorded.stable_step, own.stable_step);
 }

@@ -142,7 +142,7 @@ StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest, const Dam
   }
   const AtReturn done(is_stepping_);
   report.time = do_time();
-  report.stable_step = step_limit(damping.factor);
+  report.stable_step = step_limit(damping);
   if (const char* const cause = why_no_steps(n, dt, stop_at_rest, damping)) {
     report.status = StepStatus::invalid_step;
     report.cause = cause;

@@ -21,7 +21,8 @@ constexpr double regularisation = 1e-9;
 constexpr double on_plane = 1e-6;
 
 using Gradient = Eigen::Matrix<double, 8, 3>;
-using ByAxis = std::array<Eigen::Matrix<double, 8, 8>, 3>;
+using ByCorners = Eigen::Matrix<double, 8, 8>;
+using ByAxis = std::array<ByCorners, 3>;
 
 double side(int corner, int axis) {
   return (corner >> axis & 1) != 0 ? 1.0 : 0.0;
@@ -51,15 +52,18 @@ Gradient gradients_at(const Vec3& t, const Vec3& spacing) {
   return gradient;
 }
 
+/// grad N_a . grad N_b.
+ByCorners products(const Gradient& gradient) {
+  return gradient * gradient.transpose();
+}
+
 /// Mean over a cell of grad N_a . grad N_b, less the product of their means.
-Eigen::Matrix<double, 8, 8> spread_over_cell(const Vec3& spacing) {
-  const Gradient middle = gradients_at(Vec3::Constant(0.5), spacing);
-  Eigen::Matrix<double, 8, 8> spread = -middle * middle.transpose();
+ByCorners spread_over_cell(const Vec3& spacing) {
+  ByCorners spread = -products(gradients_at(Vec3::Constant(0.5), spacing));
   for (int corner = 0; corner < 8; ++corner) {  // Gauss points
     Vec3 t;
     for (int axis = 0; axis < 3; ++axis) t[axis] = 0.5 + (side(corner, axis) - 0.5) / std::sqrt(3.0);
-    const Gradient gradient = gradients_at(t, spacing);
-    spread += 0.125 * gradient * gradient.transpose();
+    spread += 0.125 * products(gradients_at(t, spacing));
   }
   return spread;
 }
@@ -68,7 +72,7 @@ Eigen::Matrix<double, 8, 8> spread_over_cell(const Vec3& spacing) {
 ByAxis& block_of(Index& row, std::vector<ByAxis>& all) {
   if (row == none) {
     row = static_cast<Index>(all.size());
-    all.emplace_back().fill(Eigen::Matrix<double, 8, 8>::Zero());
+    all.emplace_back().fill(ByCorners::Zero());
   }
   return all[row];
 }
@@ -119,7 +123,7 @@ GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint
   const auto& n = shape.cells;
   cell_of_.assign(static_cast<std::size_t>(n[0]) * n[1] * n[2], none);
   node_of_.assign(static_cast<std::size_t>(n[0] + 1) * (n[1] + 1) * (n[2] + 1), none);
-  const Eigen::Matrix<double, 8, 8> over_cell = spread_over_cell(shape.spacing);
+  const ByCorners over_cell = spread_over_cell(shape.spacing);
 
   const auto cell_index = [&](const std::array<Index, 3>& at) {
     Index& known = cell_of_[cell_at(at)];
@@ -179,7 +183,7 @@ GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint
           cell.shear += part * shear;
           cell.lame += part * lame;
           cell.gradient += part * gradient;
-          cell.spread += part * shear * gradient * gradient.transpose();
+          cell.spread += part * shear * products(gradient);
           if (!held.isZero(0.0)) add_held(local, share * held, block_of(cell.held, held_));
         }
       }
@@ -188,7 +192,7 @@ GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint
   std::vector<std::vector<Index>> columns(node_place_.size());
   for (Cell& cell : cells_) {
     cell.gradient /= cell.volume;
-    cell.spread = spread_of_parts * (cell.spread - cell.shear * cell.gradient * cell.gradient.transpose()) +
+    cell.spread = spread_of_parts * (cell.spread - cell.shear * products(cell.gradient)) +
                   spread_of_cell * cell.shear * over_cell;
     cell.shear /= cell.volume;
     cell.lame /= cell.volume;
@@ -226,7 +230,7 @@ void GridLevel::assemble(std::span<const Mat3> gradients) {
     const Cell& cell = cells_[c];
     const Mat3 R = rotation_of(turned[c]);
     const Gradient g = cell.gradient * R.transpose();  // rows R g_a
-    const Eigen::Matrix<double, 8, 8> inner = g * g.transpose();
+    const ByCorners inner = products(g);
     for (int a = 0; a < 8; ++a) {
       const Vec3 ga = g.row(a);
       for (int b = 0; b < 8; ++b) {
@@ -248,8 +252,7 @@ void GridLevel::assemble(std::span<const Mat3> gradients) {
 Eigen::SparseMatrix<double> GridLevel::laplacian(int axis) const {
   std::vector<Eigen::Triplet<double>> entries;
   for (const Cell& cell : cells_) {
-    Eigen::Matrix<double, 8, 8> values =
-        cell.volume * cell.gradient * cell.gradient.transpose() + cell.spread / cell.shear;
+    ByCorners values = cell.volume * products(cell.gradient) + cell.spread / cell.shear;
     if (cell.held != none) values += held_[cell.held][axis] / cell.shear;
     values.diagonal() *= 1.0 + regularisation;
     for (int a = 0; a < 8; ++a) {

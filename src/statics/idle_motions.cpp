@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "idle_motions.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "base/symmetric_modes.h"
 #include "rigid_motions.h"
 
 namespace phymul {
@@ -43,13 +43,13 @@ Matrix IdleMotions::unresisted(const ConnectedBody& body, std::span<const Vec3> 
     resisted.col(m) = part_of(force, body.particles);
   }
   if (along.cols() == 0) return along;
-  const Eigen::SelfAdjointEigenSolver<Matrix> modes(along.transpose() * resisted);
-  const Vector& resistance = modes.eigenvalues();  // rising
+  const SymmetricModes modes = symmetric_modes(along.transpose().lazyProduct(resisted));
+  const Vector& resistance = modes.values;
   Eigen::Index count = 0;
   while (count < resistance.size() && !(resistance[count] > unresisted_share * resistance[resistance.size() - 1])) {
     ++count;
   }
-  return along * modes.eigenvectors().leftCols(count);
+  return along.lazyProduct(modes.vectors.leftCols(count));
 }
 
 void IdleMotions::find(std::span<const Vec3> position, const Vector& free, const Vector& residual, double idle) {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "rigid_motions.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
+
+#include "base/symmetric_modes.h"
 
 namespace phymul {
 namespace {
@@ -18,8 +19,7 @@ std::vector<RigidMotion> free_motions(std::span<const Index> particles, std::spa
   for (const Index i : particles) centre += position[i] / static_cast<double>(particles.size());
   double size = 1e-300;  // of a single particle
   for (const Index i : particles) size = std::max(size, (position[i] - centre).norm());
-  using Matrix = Eigen::Matrix<double, 6, 6>;
-  Matrix support = Matrix::Zero();
+  Eigen::MatrixXd support = Eigen::MatrixXd::Zero(6, 6);
   for (const Index i : particles) {
     for (int axis = 0; axis < 3 && !fixed.empty(); ++axis) {
       if ((fixed[i] >> axis & 1) == 0) continue;
@@ -28,12 +28,12 @@ std::vector<RigidMotion> free_motions(std::span<const Index> particles, std::spa
       support += along * along.transpose();
     }
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix> modes(support);
-  const double largest = std::max(1.0, modes.eigenvalues()[5]);
+  const SymmetricModes modes = symmetric_modes(support);
+  const double largest = std::max(1.0, modes.values[5]);
   std::vector<RigidMotion> motions;
   for (int k = 0; k < 6; ++k) {
-    if (modes.eigenvalues()[k] > unsupported * largest) continue;
-    const auto mode = modes.eigenvectors().col(k);
+    if (modes.values[k] > unsupported * largest) continue;
+    const auto mode = modes.vectors.col(k);
     motions.push_back({centre, mode.head<3>(), mode.tail<3>() / size});
   }
   return motions;

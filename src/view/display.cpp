@@ -31,6 +31,11 @@ std::unique_ptr<Display> make_display(const Solver& solver, const GlOptions& gl)
 std::unique_ptr<Display> make_display(const Solver& solver, const Skin& skin,
                                       std::span<const std::array<Index, 3>> triangles, const GlOptions& gl) {
   if (skin.size() == 0) throw Error(ErrorCode::invalid_argument, "make_display: expected a skin with points, got none");
+  if (!skin.is_bound_to(solver.model())) {
+    throw Error(ErrorCode::invalid_argument,
+                "make_display: expected a skin bound to the solver's body, got one of another body; bind its points to "
+                "Solver::model()");
+  }
   Model surface;
   surface.rest = skin.deform(solver.model().rest);
   for (const std::array<Index, 3>& triangle : triangles) {

@@ -199,6 +199,10 @@ TEST_F(GlDisplayTest, ASkinIsDrawnWhereItsBodyCarriesIt) {
             }),
             "make_display: a triangle of point " + std::to_string(skin.size()) + " of a skin of " +
                 std::to_string(skin.size()) + " points");
+  const Model longer = make_block({0.05, 0.02, 0.02}, 4, 2, 2);  // of as many particles
+  const Scene other(longer);
+  EXPECT_TRUE(refuses([&] { make_display(*make_solver("cpu", longer, other, {}), skin, triangles); },
+                      "expected a skin bound to the solver's body"));
 }
 
 TEST_F(GlDisplayTest, ASolverIsDrawnWhateverContextItRunsInAndTheDisplayDrawsIn) {

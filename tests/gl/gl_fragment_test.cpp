@@ -185,7 +185,7 @@ TEST_F(GlFragment, PulledCylinderRestsWithinAThousandthOfTheReferencesSteps) {
   const SolverOptions options{.damping = {.rate = 60.0}, .rest_tolerance = 1e-6};
   const GlTwins twins(tables_of(model, {}), scene, options);
   const auto reference = make_solver("reference", model, scene, {}, twins.options());
-  const double dt = 0.5 * reference->stable_step();
+  const double dt = 0.25 * reference->stable_step();
   const RestResult a = twins.gl->run_to_rest(50000, dt), b = reference->run_to_rest(50000, dt);
   ASSERT_TRUE(a.converged() && b.converged()) << a.message() << "; " << b.message();
   std::printf("[   REST   ] gl after %d steps, reference after %d\n", a.report.steps, b.report.steps);

@@ -17,7 +17,7 @@ using GlNeedleRuns = OnCompute;
 
 /// In and out again by half, aside and turning: `calls` calls.
 template <class Step>
-void drive(Scene& scene, ToolPose& pose, int calls, Step&& step) {
+void drive_needle(Scene& scene, ToolPose& pose, int calls, Step&& step) {
   for (int k = 0; k < calls; ++k) {
     pose.position += Vec3(5e-5, 0, k < 8 ? -2e-3 : 1e-3);
     pose.orientation = Quaternion(Eigen::AngleAxisd(0.1 * k, Vec3::UnitZ()));
@@ -30,7 +30,7 @@ void drive(Scene& scene, ToolPose& pose, int calls, Step&& step) {
 TEST_F(GlNeedleRuns, GoesOnFromEveryStateWithTheSameBits) {
   for (const double stiffness : {0.0, 5e-3}) {
     BesideNeedle pair(stiffness, 3);
-    drive(pair.scene, pair.pose, 5, [&](int) { ASSERT_TRUE(pair.device->step(20, pair.dt).ok()); });
+    drive_needle(pair.scene, pair.pose, 5, [&](int) { ASSERT_TRUE(pair.device->step(20, pair.dt).ok()); });
     const State middle = pair.device->read();
     ASSERT_TRUE(middle.tools[0].needle.punctured);
     const VecList shaft = pair.device->needle_points("needle", 4);

@@ -51,13 +51,13 @@ PHYMUL_ON_BOTH_DEVICES(GlToolSurface);
 
 // Calibrated: four times the largest of what the tests below print on llvmpipe, 1.3e-5 of the motion and of the largest
 // force, of a capsule pressed in by 12 of 20 mm; others give at most 8e-7 and 1.1e-5.
-constexpr double apart_by = 5e-5;
+constexpr double surface_apart_by = 5e-5;
 
 void expect_close(double apart, double moved, double force_apart, double force) {
   std::printf("[ SURFACE ] off the reference by at most %.2g of the motion, forces by %.2g of the largest\n",
               apart / moved, force_apart / force);
-  EXPECT_LE(apart, apart_by * moved);
-  EXPECT_LE(force_apart, apart_by * force);
+  EXPECT_LE(apart, surface_apart_by * moved);
+  EXPECT_LE(force_apart, surface_apart_by * force);
 }
 
 /// Down into the top, on with a speed and a turn, put somewhere else, and out again. Every other shape 1.4 km away.
@@ -94,7 +94,7 @@ TEST_P(GlToolSurface, APlacedToolLetsTheSurfaceOutAsTheReferenceDoes) {
   scene.tool("ball").teleport({.position = {0.0141, 0.0103, 0.0255}});
   both.step(1, dt_);
   EXPECT_GT(both.moved, 1e-3);
-  EXPECT_LE(both.apart, apart_by * both.moved);
+  EXPECT_LE(both.apart, surface_apart_by * both.moved);
   for (int k = 0; k < 20; ++k) both.step(5, dt_);
   expect_close(both.apart, both.moved, both.force_apart, both.force);
 }

@@ -179,7 +179,8 @@ TEST_P(JointIn, AChainHangsAsACatenary) {
   }
   scene.add_joint("chain", chain);
   const auto solver = make(model, scene, {.damping = {.rate = 8.0}, .rest_tolerance = 1e-9});
-  const RestResult result = solver->run_to_rest(200'000, 0.8 * solver->stable_step());
+  const double dt = 0.8 * solver->stable_step();
+  const RestResult result = solver->run_to_rest(200'000, dt);
   ASSERT_TRUE(result.converged()) << result.message();
   const double a = catenary_parameter(length, span);
   const State state = solver->read();
@@ -190,11 +191,16 @@ TEST_P(JointIn, AChainHangsAsACatenary) {
   }
   const double sag = a * (std::cosh(0.5 * span / a) - 1.0);
   EXPECT_LT(largest, 7e-4 * sag);
-  // The ends carry the weight.
+  // The ends carry the weight: in the mean, for in single precision the fastest vibrations never cease.
   const double weight = 9.81 * 0.002 * (links - 1);
-  const std::vector<SpringReport>& springs = solver->joint_report("chain").springs;
-  EXPECT_NEAR(springs.back().force.z() - springs.front().force.z(), weight,
-              1e-3 * weight + 2.0 * k * roundoff() * length);
+  double carried = 0.0;
+  const int looks = 200;
+  for (int look = 0; look < looks; ++look) {
+    ASSERT_TRUE(solver->step(7, dt).ok());
+    const std::vector<SpringReport>& springs = solver->joint_report("chain").springs;
+    carried += (springs.back().force.z() - springs.front().force.z()) / looks;
+  }
+  EXPECT_NEAR(carried, weight, 1e-3 * weight + 2.0 * k * roundoff() * length);
 }
 
 TEST_P(JointIn, ASpringBreaksAboveItsForce) {

@@ -275,6 +275,13 @@ TEST_F(RecordingTest, OtherOptionsAndOtherBodiesAreRefused) {
   const auto damped = solver({"reference", 0}, again, 6.0);
   EXPECT_EQ(message_of([&] { Replay(recorder.recording(), *damped, again); }),
             "Replay: expected a solver with damping.rate 5, as the recording's, got 6");
+  Recording of_substeps = recorder.recording();
+  of_substeps.options.max_substeps = 4;
+  const std::string path = path_for("substeps.rec");
+  save_recording(of_substeps, path);
+  EXPECT_EQ(read_recording(path), of_substeps);
+  EXPECT_EQ(message_of([&] { Replay(read_recording(path), *recorded, scene_); }),
+            "Replay: expected a solver with max_substeps 4, as the recording's, got 1");
   const Model other = make_tetrahedron(0.01);
   Scene other_scene(other);
   const auto small = make_solver("reference", other, other_scene);
