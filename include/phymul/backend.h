@@ -148,8 +148,8 @@ class SolverBackend : public Solver {
   const ToolReport& tool_report(std::size_t row) const final { return do_tool_report(row); }
   const JointReport& joint_report_at(std::size_t row) const final;
   double step_limit(const Damping& damping) const;  // s
-  double stiffness_factor() const;                 // by which the scene's raise the spectrum at most
-  Spectrum spectrum() const;                       // a bound, of materials as stiff as the scene makes them
+  double stiffness_factor() const;                  // by which the scene's raise the spectrum at most
+  Spectrum spectrum() const;                        // a bound, of materials as stiff as the scene makes them
   void require_fitting(const State& state) const;
   void require_supported() const;
   void require_idle(const char* what) const;

@@ -80,9 +80,10 @@ class Solver {
   virtual const SolverOptions& options() const = 0;
   virtual bool takes_tools() const = 0;  ///< false: make_solver and step() refuse scenes with tools
 
-  /// Largest stable dt, s, of the free body at rest, with the solver's damping, rate and factor, and the scene's joints.
-  /// Fixed particles can only raise it. Deformation may lower it: use half of it. Infinite for a body without stiffness
-  /// and joints, for which every finite dt is stable. See estimate_spectrum (elasticity.h); joints: docs/guide/joints.md.
+  /// Largest stable dt, s, of the free body at rest, with the solver's damping, rate and factor, and the scene's
+  /// joints. Fixed particles can only raise it. Deformation may lower it: use half of it. Infinite for a body without
+  /// stiffness and joints, for which every finite dt is stable. See estimate_spectrum (elasticity.h); joints:
+  /// docs/guide/joints.md.
   virtual double stable_step() const = 0;
   /// Substeps per step of the materials that need a shorter step (SolverOptions::max_substeps). 1: no material does.
   virtual int substeps() const = 0;

@@ -6,8 +6,8 @@
 
 namespace phymul {
 
-/// Eigenvalues, rising, and eigenvectors, one a column. They are found in one file, because Eigen's solver takes seconds
-/// to compile for each size of matrix.
+/// Eigenvalues, rising, and eigenvectors, one a column. They are found in one file, because Eigen's solver takes
+/// seconds to compile for each size of matrix.
 struct SymmetricModes {
   Eigen::VectorXd values;
   Eigen::MatrixXd vectors;
