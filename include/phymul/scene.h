@@ -128,13 +128,13 @@ class Scene {
   Scene& remove(std::size_t row);                ///< removes loads()[row]; later rows decrease by 1
   Scene& clear();                                ///< removes everything
 
-  /// Keeps the volume enclosed by the surface of these particles' cells at its rest value, or at
+  /// Keeps the volume enclosed by the surface of these cells at its rest value, or at
   /// VolumeConstraint::volume. After each step every free particle of the surface moves along the volume's gradient
   /// divided by its mass, until the volume is exact (single precision: within about 1e-7). This conserves linear and
   /// angular momentum and does not move imposed coordinates. Throws Error if the surface is not closed or shares a
   /// particle with another constrained surface, for a volume that is not above 0, and for a two-dimensional model.
   Scene& constrain_volume();                          ///< of all cells together
-  Scene& constrain_volume(std::string_view group);    ///< of the cells whose particles are all in the group
+  Scene& constrain_volume(std::string_view group);    ///< of the cells of the group, as set_material()
   Scene& constrain_volume(VolumeConstraint surface);  ///< of the given triangles
 
   /// Switches contacts on, between parts of the model that no cell and no neighbourhood connects (bodies.h). Throws

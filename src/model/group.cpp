@@ -57,6 +57,20 @@ std::vector<char> components_named(const Model& model, std::string_view group_na
   return named;
 }
 
+/// [particles] 1: in the group. Throws Error for an unknown name.
+std::vector<char> particles_named(const Model& model, std::string_view group_name) {
+  const std::vector<char> named = components_named(model, group_name);
+  std::vector<char> in_group(model.rest.size(), 0);
+  for (std::size_t row = 0; row < named.size(); ++row) {
+    if (named[row]) mark(in_group, model, model.components[row]);
+  }
+  return in_group;
+}
+
+bool are_all_marked(const std::vector<Index>& particles, const std::vector<char>& marks) {
+  return std::ranges::all_of(particles, [&](Index i) { return marks[i] != 0; });
+}
+
 /// The rows whose mark is not 0.
 std::vector<Index> marked(const std::vector<char>& marks) {
   std::vector<Index> rows;
@@ -87,12 +101,23 @@ std::vector<char> cells_of_group(const Model& model, std::string_view group_name
   }
   for (std::size_t row = 0; row < chosen.size(); ++row) {
     const Cell& cell = model.cells[row];
-    if (is_solid(model.dimension, cell.type) &&
-        std::ranges::all_of(cell.particles, [&](Index i) { return is_loose[i] != 0; })) {
-      chosen[row] = 1;
-    }
+    if (is_solid(model.dimension, cell.type) && are_all_marked(cell.particles, is_loose)) chosen[row] = 1;
   }
   return chosen;
+}
+
+Model part_of(const Model& model, std::string_view group_name) {
+  const std::vector<char> chosen = cells_of_group(model, group_name);
+  const bool is_solid_part = std::ranges::find(chosen, 1) != chosen.end();
+  const std::vector<char> in_group = particles_named(model, group_name);
+  Model part;
+  part.dimension = model.dimension;
+  part.rest = model.rest;
+  for (std::size_t row = 0; row < chosen.size(); ++row) {
+    const Cell& cell = model.cells[row];
+    if (is_solid_part ? chosen[row] != 0 : are_all_marked(cell.particles, in_group)) part.cells.push_back(cell);
+  }
+  return part;
 }
 
 void add_cell_group(Model& model, std::string group_name, std::vector<Index> cells) {
@@ -106,12 +131,7 @@ bool Model::has_group(std::string_view group_name) const {
 }
 
 std::vector<Index> Model::group(std::string_view group_name) const {
-  const std::vector<char> named = components_named(*this, group_name);
-  std::vector<char> in_group(rest.size(), 0);
-  for (std::size_t row = 0; row < components.size(); ++row) {
-    if (named[row]) mark(in_group, *this, components[row]);
-  }
-  return marked(in_group);
+  return marked(particles_named(*this, group_name));
 }
 
 std::vector<Index> Model::particles_in(const Contains& contains) const {

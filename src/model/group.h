@@ -12,6 +12,10 @@ namespace phymul {
 /// [cells] 1: a cell that set_material(model, material, group_name) means. Throws Error for an unknown name.
 std::vector<char> cells_of_group(const Model& model, std::string_view group_name);
 
+/// All particles with only the cells that a group means: those of cells_of_group(), or, if it has none, every cell
+/// whose particles are all in it, as of a closed surface. Throws Error for an unknown name.
+Model part_of(const Model& model, std::string_view group_name);
+
 /// Adds an informative component with these cells. Throws Error for an empty name.
 void add_cell_group(Model& model, std::string group_name, std::vector<Index> cells);
 

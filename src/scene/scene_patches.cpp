@@ -9,6 +9,7 @@
 
 #include "base/file_error.h"
 #include "default_name.h"
+#include "model/group.h"
 #include "model/require_indices.h"
 #include "model/surface_facets.h"
 
@@ -51,26 +52,22 @@ std::span<const Vec3> places(const Model& model, const Attachment& springs) {
               std::to_string(springs.position.size()));
 }
 
-/// The cells of a group, all of whose particles belong to it, at these positions.
+/// The volume cells of a group, at these positions.
 Model partner_body(const Model& model, std::span<const Index> patch, std::string_view group,
                    std::span<const Vec3> position) {
-  std::vector<char> meant(model.rest.size(), 0);
-  for (const Index i : model.group(group)) meant[i] = 1;
+  const std::vector<Index> members = model.group(group);
   for (const Index i : patch) {
-    if (meant[i] == 0) continue;
+    if (!std::ranges::binary_search(members, i)) continue;
     throw Error("attach: expected particles outside the group \"" + std::string(group) +
                 "\", to which they are glued; particle " + std::to_string(i) + " belongs to it");
   }
-  Model partner;
+  Model partner = part_of(model, group);
   partner.rest.assign(position.begin(), position.end());
-  for (const Cell& cell : model.cells) {
-    const auto is_meant = [&](Index i) { return meant[i] != 0; };
-    if (is_volume(cell.type) && std::ranges::all_of(cell.particles, is_meant)) partner.cells.push_back(cell);
-  }
+  std::erase_if(partner.cells, [](const Cell& cell) { return !is_volume(cell.type); });
   if (!partner.cells.empty()) return partner;
   throw Error(
-      "attach: expected a group with volume cells, mostly a whole body, to glue to; no cell has all its "
-      "particles in \"" +
+      "attach: expected a group with volume cells, mostly a whole body, to glue to; it lists none, and no cell has all "
+      "its particles in \"" +
       std::string(group) + '"');
 }
 

@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include "base/decimal.h"
 #include "model/enclosed_volume.h"
+#include "model/group.h"
 #include "model/require_indices.h"
 #include "model/surface_facets.h"
 
@@ -22,18 +22,11 @@ std::string label(const VolumeConstraint& surface) {
   return surface.applied_to.empty() ? "constrain_volume: " : "constrain_volume on \"" + surface.applied_to + "\": ";
 }
 
-/// The cells all of whose particles are meant: faces between them and others are surface too.
-Model part_of(const Model& model, const std::vector<Index>& particles) {
-  std::vector<char> meant(model.rest.size(), 0);
-  for (const Index i : particles) meant[i] = 1;
-  Model part;
-  part.dimension = model.dimension;
-  part.rest = model.rest;
-  for (const Cell& cell : model.cells) {
-    const auto is_meant = [&](Index i) { return meant[i] != 0; };
-    if (std::all_of(cell.particles.begin(), cell.particles.end(), is_meant)) part.cells.push_back(cell);
-  }
-  return part;
+/// Faces between these cells and others are surface too.
+VolumeConstraint surface_of(const Model& cells, std::string_view group) {
+  VolumeConstraint surface{outward_triangles(cells), 0.0, std::string(group)};
+  surface.volume = enclosed_volume(surface.triangles, cells.rest);
+  return surface;
 }
 
 /// Each edge is passed as often one way as the other.
@@ -84,17 +77,11 @@ void require_sound(const VolumeConstraint& surface, const Model& model, const st
 }  // namespace
 
 Scene& Scene::constrain_volume() {
-  std::vector<Index> all(model_->rest.size());
-  std::iota(all.begin(), all.end(), 0);
-  VolumeConstraint surface{outward_triangles(part_of(*model_, all)), 0.0, {}};
-  surface.volume = enclosed_volume(surface.triangles, model_->rest);
-  return constrain_volume(std::move(surface));
+  return constrain_volume(surface_of(*model_, ""));
 }
 
 Scene& Scene::constrain_volume(std::string_view group) {
-  VolumeConstraint surface{outward_triangles(part_of(*model_, model_->group(group))), 0.0, std::string(group)};
-  surface.volume = enclosed_volume(surface.triangles, model_->rest);
-  return constrain_volume(std::move(surface));
+  return constrain_volume(surface_of(part_of(*model_, group), group));
 }
 
 Scene& Scene::constrain_volume(VolumeConstraint surface) {

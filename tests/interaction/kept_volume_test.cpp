@@ -255,6 +255,16 @@ TEST(KeptVolume, OfAHeldBodyIsNotLostWhereAnotherLiesInIt) {
   }
 }
 
+TEST(KeptVolume, OfARegionIsThatOfTheCellsItLists) {
+  Model row = make_block({0.03, 0.01, 0.01}, 3, 1, 1);
+  row.add_group("ends", {});
+  row.components.back().cell_refs = {0, 2};
+  Scene scene(row);
+  scene.constrain_volume("ends");
+  EXPECT_NEAR(scene.volume_constraints().front().volume, 2e-6, 1e-15);
+  EXPECT_EQ(scene.volume_constraints().front().triangles.size(), 24u);
+}
+
 TEST(KeptVolume, OpenSurfacesAreRefusedWithTheirEdge) {
   Model cup = make_tetrahedron(0.01);
   cup.cells = {{.type = CellType::triangle, .particles = {0, 1, 3}},

@@ -141,6 +141,21 @@ TEST_F(JointsOfAScene, RefusesGlueThatIsTooFar) {
   EXPECT_TRUE(refuses(to_a_side, "no cell has all its particles in \"lower/z1\""));
 }
 
+TEST_F(JointsOfAScene, GlueHoldsAtTheCellsThatARegionLists) {
+  const Model row = make_block({0.03, 0.01, 0.01}, 3, 1, 1);
+  const Model cube = moved(make_block({0.006, 0.01, 0.01}, 1, 1, 1), {0.012, 0, 0.01});
+  const NamedBody bodies[] = {{"row", &row}, {"cube", &cube}};
+  Model both = merge_models(bodies);
+  both.add_group("ends", {});
+  both.components.back().cell_refs = {0, 2};
+  Scene scene(both);
+  scene.attach(both.group("cube/z0"), "ends", {.stiffness = 1e5});
+  for (const JointSpring& spring : scene.joints().front().joint.springs) {
+    const std::vector<Index>& partners = spring.b.particles;
+    EXPECT_TRUE(partners == both.cells[0].particles || partners == both.cells[2].particles);
+  }
+}
+
 TEST_F(JointsOfAScene, AreRefusedByWhatDoesNotKnowThem) {
   Simulation sim(model_, {.backend = "reference"});
   sim.scene().fix("z0").add_joint("rope", one({at_particle(20), at_world({0, 0, 1})}));
