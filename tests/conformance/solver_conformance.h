@@ -28,8 +28,7 @@ TEST_P(SolverConformance, RestStaysAtRest) {
 
 TEST_P(SolverConformance, FreeFall) {
   const Model model = block();
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81});
+  Scene scene = Scene(model).gravity({0, 0, -9.81});
   const auto solver = make(model, scene);
   const double dt = 0.5 * solver->stable_step();
   const int steps = 400;
@@ -71,8 +70,7 @@ TEST_P(SolverConformance, RigidMotionOfTheSceneMovesTheResult) {
 
 TEST_P(SolverConformance, ImposedPositionsAreMetAndOtherAxesAreFree) {
   const Model model = block();
-  Scene scene(model);
-  scene.fix("x0");
+  Scene scene = Scene(model).fix("x0");
   scene.add({.type = LoadType::translation,
              .particles = model.group("x1"),
              .events = {{0.0, 0.0}, {0.05, 0.003}},
@@ -94,8 +92,7 @@ TEST_P(SolverConformance, ImposedPositionsAreMetAndOtherAxesAreFree) {
 
 TEST_P(SolverConformance, HangsToRestUnderGravityAndBearsItsWeight) {
   const Model model = block();
-  Scene scene(model);
-  scene.fix("z1").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("z1").gravity({0, 0, -9.81});
   const SolverOptions options{.damping = {.rate = 60.0}};
   const auto solver = make(model, scene, options);
   const RestResult rest = solver->run_to_rest(200000, 0.5 * solver->stable_step());
@@ -114,8 +111,7 @@ TEST_P(SolverConformance, HangsToRestUnderGravityAndBearsItsWeight) {
 
 TEST_P(SolverConformance, DampingRateGivesTheSameResultAtAnyStep) {
   const Model model = block();
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   const SolverOptions options{.damping = {.rate = 20.0}};
   const auto coarse = make(model, scene, options), fine = make(model, scene, options);
   const double dt = 0.4 * coarse->stable_step();
@@ -160,8 +156,7 @@ TEST_P(SolverConformance, RenumberingPermutesTheResult) {
 
 TEST_P(SolverConformance, StateRoundTripGoesOnAsIfNothingHappened) {
   const Model model = block();
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   const auto straight = make(model, scene), halved = make(model, scene), resumed = make(model, scene);
   const double dt = 0.5 * straight->stable_step();
   ASSERT_TRUE(straight->step(200, dt).ok());
@@ -174,8 +169,7 @@ TEST_P(SolverConformance, StateRoundTripGoesOnAsIfNothingHappened) {
 
 TEST_P(SolverConformance, StepInPiecesIsBitEqual) {
   const Model model = block();
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   const auto once = make(model, scene), pieces = make(model, scene);
   const double dt = 0.5 * once->stable_step();
   ASSERT_TRUE(once->step(30, dt).ok());
@@ -226,8 +220,7 @@ TEST_P(SolverConformance, StatesOffThePlaneOfATwoDimensionalModelAreRefused) {
 
 TEST_P(SolverConformance, StepBeyondTheLimitIsRefusedAndNothingMoves) {
   const Model model = block();
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81});
+  Scene scene = Scene(model).gravity({0, 0, -9.81});
   const auto solver = make(model, scene);
   const State before = solver->read();
   const StepReport report = solver->step(10, 1.5 * solver->stable_step());
@@ -259,8 +252,7 @@ TEST_P(SolverConformance, InvalidStepsAreRefused) {
 
 TEST_P(SolverConformance, RunToRestSaysWhetherItRests) {
   const Model model = block();
-  Scene scene(model);
-  scene.fix("z1").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("z1").gravity({0, 0, -9.81});
   SolverOptions options;
   const auto undamped = make(model, scene, options);
   const double dt = 0.5 * undamped->stable_step();
@@ -305,8 +297,7 @@ TEST_P(SolverConformance, StopsBeforeNaNAndKeepsTheLastGoodState) {
 
 TEST_P(SolverConformance, ResetInMidRunIsAFreshRun) {
   const Model model = block();
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   const State start = displaced(model, 0.05, 2);
   const auto fresh = make(model, scene), used = make(model, scene);
   const double dt = 0.4 * fresh->stable_step();

@@ -12,8 +12,7 @@ namespace phymul::test {
 
 TEST_P(SolverConformance, ProgressChangesNoBitAndNoCount) {
   const Model model = block();
-  Scene scene(model);
-  scene.fix("z1").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("z1").gravity({0, 0, -9.81});
   SolverOptions options{.damping = {.rate = 60.0}, .rest_tolerance = 1e-3};
   const auto plain = make(model, scene, options);
   std::vector<StepProgress> told;
@@ -51,8 +50,7 @@ TEST_P(SolverConformance, ProgressChangesNoBitAndNoCount) {
 
 TEST_P(SolverConformance, ProgressEndsACallBetweenSteps) {
   const Model model = block();
-  Scene scene(model);
-  scene.fix("z1").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("z1").gravity({0, 0, -9.81});
   SolverOptions options;
   const auto plain = make(model, scene, options);
   options.progress_seconds = 0.0;
@@ -73,8 +71,7 @@ TEST_P(SolverConformance, ProgressEndsACallBetweenSteps) {
 
 TEST_P(SolverConformance, WhatProgressThrowsLeavesASolverThatGoesOn) {
   const Model model = block();
-  Scene scene(model);
-  scene.fix("z1").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("z1").gravity({0, 0, -9.81});
   SolverOptions options;
   const auto plain = make(model, scene, options);
   bool angry = true;

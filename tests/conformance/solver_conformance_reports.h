@@ -24,8 +24,7 @@ inline State moving(const Model& model, const Vec3& velocity) {
 
 TEST_P(SolverConformance, EnergyOfAFallIsThatOfTheScheme) {
   const Model model = block();
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81});
+  Scene scene = Scene(model).gravity({0, 0, -9.81});
   const auto solver = make(model, scene);
   const double dt = 0.5 * solver->stable_step();
   const int steps = 50;
@@ -60,8 +59,7 @@ TEST_P(SolverConformance, HeldParticlesHaveTheirOwnSpeedAndNoForce) {
 
 TEST_P(SolverConformance, ImposedPositionsAreThoseOfTheNewTime) {
   const Model model = block();
-  Scene scene(model);
-  scene.add(on_all(model, LoadType::translation, {0, 0, 1}, {{0.0, 0.0}, {1.0, 0.1}}));
+  Scene scene = Scene(model).add(on_all(model, LoadType::translation, {0, 0, 1}, {{0.0, 0.0}, {1.0, 0.1}}));
   const auto solver = make(model, scene);
   const double dt = 0.5 * solver->stable_step();
   for (int step = 1; step <= 3; ++step) {
@@ -73,8 +71,7 @@ TEST_P(SolverConformance, ImposedPositionsAreThoseOfTheNewTime) {
 
 TEST_P(SolverConformance, LoadsActFromTheInstantOfTheState) {
   const Model model = block();
-  Scene scene(model);
-  scene.add(on_all(model, LoadType::acceleration, {0, 0, -1}, {{1.0, 9.81}, {1.5, 0.0}}));
+  Scene scene = Scene(model).add(on_all(model, LoadType::acceleration, {0, 0, -1}, {{1.0, 9.81}, {1.5, 0.0}}));
   const auto solver = make(model, scene);
   const double dt = 0.5 * solver->stable_step(), gained = 9.81 * dt;
   State start = rest_state(model);
@@ -96,8 +93,7 @@ TEST_P(SolverConformance, LoadsActFromTheInstantOfTheState) {
 
 TEST_P(SolverConformance, ResetForgetsTheStepsBefore) {
   const Model model = block();
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81});
+  Scene scene = Scene(model).gravity({0, 0, -9.81});
   const auto solver = make(model, scene);
   const double dt = 0.5 * solver->stable_step();
   ASSERT_TRUE(solver->step(20, dt).ok());
@@ -148,8 +144,7 @@ TEST_P(SolverConformance, RestTakesSlowAndUnpushedStepsOnEnd) {
 
 TEST_P(SolverConformance, RunToRestStopsAtTheToleranceAsked) {
   const Model model = block();
-  Scene scene(model);
-  scene.fix("z1").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("z1").gravity({0, 0, -9.81});
   SolverOptions options{.damping = {.rate = 60.0}};
   int before = 0;
   for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
@@ -250,8 +245,7 @@ TEST_P(SolverConformance, CloudWithoutStiffnessFalls) {
   model.materials.clear();
   model.neighbours.offset.assign(model.rest.size() + 1, 0);
   model.neighbours.entry.clear();
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81});
+  Scene scene = Scene(model).gravity({0, 0, -9.81});
   const TopologyOptions topology{.on_sparse = SparseParticle::free};
   const auto solver = make(model, scene, {}, topology);
   EXPECT_EQ(solver->stable_step(), std::numeric_limits<double>::infinity());

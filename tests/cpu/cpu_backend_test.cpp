@@ -234,8 +234,7 @@ TEST(CpuBackend, ParticlesWithoutNeighboursFall) {
     model.stiffness.push_back(model.stiffness.front());
     model.neighbours.offset.push_back(model.neighbours.offset.back());
   }
-  Scene scene(model);
-  scene.gravity({0, 0, -1});
+  Scene scene = Scene(model).gravity({0, 0, -1});
   const auto solver =
       make_solver("cpu", model, scene,
                   {.reaction = Reaction::shared, .bases = BaseSelection::all, .on_sparse = SparseParticle::free});

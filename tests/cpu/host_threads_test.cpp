@@ -217,8 +217,7 @@ TEST(HostThreads, TheLibraryStartsNone) {
 
 TEST(HostThreads, StepsAllocateNothing) {
   const Model model = tissue(true);
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   const auto host = std::make_shared<Host>(3, in_turn);
   const auto solver = make_solver("cpu", model, scene, {}, {.threads = 3, .runner = host});
   const double dt = 0.5 * solver->stable_step();

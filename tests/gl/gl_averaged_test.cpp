@@ -124,8 +124,7 @@ TEST_P(GlAveraged, ToolsContactsAndVolumesActOnIt) {
   Model model = stacked(1e-4);
   model.add_group("corner", model.cells[0].particles);
   set_material(model, {20e3, 0.4, 1200.0}, "corner");
-  Scene scene(model);
-  scene.fix("low/z0").gravity({0, 0, -9.81}).contacts({}).constrain_volume("high");
+  Scene scene = Scene(model).fix("low/z0").gravity({0, 0, -9.81}).contacts({}).constrain_volume("high");
   scene.add_tool("ball", {.shape = Sphere{0.004}, .pose = {.position = Vec3(0.005, 0.005, 0.0142)}, .friction = 0.3});
   SolverOptions damped{.damping = {.rate = 30.0}};
   const auto tables = averaged_tables(model);

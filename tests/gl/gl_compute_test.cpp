@@ -34,8 +34,7 @@ TEST_F(GlComputeDevice, HasTheBitsOfTheFragmentBackend) {
          {Body{"block", make_block({0.03, 0.02, 0.02}, 3, 2, 2, 14)}, Body{"strip", make_strip(0.04, 0.02, 4, 2)}}) {
       SCOPED_TRACE(body.name + ", " + variant.name);
       const Model model = prepared(variant, body);
-      Scene scene(model);
-      scene.fix("x0").gravity({0, -9.81, 0});
+      Scene scene = Scene(model).fix("x0").gravity({0, -9.81, 0});
       const auto tables = tables_of(model, variant.options);
       SolverOptions options = options_of_tests();
       options.spectrum = estimate_spectrum(*tables, tables->rest);
@@ -85,8 +84,7 @@ struct OwnDevice {
 
 TEST_F(GlComputeDevice, NobodysPlacesAreUntouchedAndUnread) {
   const auto compare = [&](const Model& model, const TopologyOptions& topology) {
-    Scene scene(model);
-    scene.fix("x0").gravity({0, 0, -9.81});
+    Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
     context_->run([&] {
       const OwnDevice plain(model, scene, topology, limits_);
       const OwnDevice spoilt(model, scene, topology, limits_);
@@ -125,8 +123,7 @@ TEST_F(GlComputeDevice, NobodysPlacesAreUntouchedAndUnread) {
 
 TEST_F(GlComputeDevice, GroupsMayFormARectangle) {
   const Model model = make_block({0.05, 0.05, 0.05}, 7, 7, 7);
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81});
+  Scene scene = Scene(model).gravity({0, 0, -9.81});
   gl::ComputeLimits narrow = limits_;
   narrow.groups_across = 3;
   context_->run([&] {
@@ -170,8 +167,7 @@ TEST_F(GlComputeDevice, BuffersBeyondTheDriversLimitAreRefusedWithSizes) {
 /// What a failure or rest within a batch is answered by.
 TEST_F(GlComputeDevice, StepsAreDoneAgainFromTheCheckpointBitForBit) {
   const Model model = with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2));
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   context_->run([&] {
     const OwnDevice own(model, scene, {}, limits_);
     gl::ComputeDevice& device = *own.device;
@@ -228,8 +224,7 @@ TEST_F(GlComputeDevice, CulpritsAreRowsOfTheModel) {
 
 TEST_F(GlComputeDevice, ReportsOfManyGroupsAreThoseOfTheFragmentBackend) {
   const Model model = make_block({0.05, 0.05, 0.05}, 13, 13, 13);  // 2744 particles: two groups report
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81});
+  Scene scene = Scene(model).gravity({0, 0, -9.81});
   const auto tables = tables_of(model, {.law = Law::springs});
   SolverOptions options = options_of_tests();
   options.spectrum = estimate_spectrum(*tables, tables->rest);

@@ -148,8 +148,7 @@ TEST_F(GlDisplayTest, DrawsIntoTheHostsFramebufferAndLeavesTheRestAlone) {
 TEST_F(GlDisplayTest, StepsAfterAPictureAreThoseWithoutOne) {
   const Model model = make_block({0.17, 0.17, 0.17}, 17, 17, 17, 6);
   const TopologyOptions springs{.law = Law::springs};
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81}).fix("z1");
+  Scene scene = Scene(model).gravity({0, 0, -9.81}).fix("z1");
   const auto drawn = make_solver("gl", model, scene, springs), plain = make_solver("gl", model, scene, springs);
   const auto display = make_display(*drawn);
   const Camera camera = framing(model.rest, {1.0, -1.0, 0.5}, 1.0);
@@ -165,8 +164,7 @@ TEST_F(GlDisplayTest, StepsAfterAPictureAreThoseWithoutOne) {
 /// A skin is where Skin::deform() puts it, on every backend: drawn as a body of its own, it makes the same picture.
 TEST_F(GlDisplayTest, ASkinIsDrawnWhereItsBodyCarriesIt) {
   const Model model = make_block({0.04, 0.02, 0.02}, 4, 2, 2);
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   Model ball = make_cylinder(0.009, 0.036, 3, 12, 10);  // lies in the block, its axis along x
   for (Vec3& p : ball.rest) p = Vec3(0.002 + p.z(), 0.01 + p.x(), 0.01 + p.y());
   const std::vector<std::array<Index, 3>> triangles = surface_triangles(ball);
@@ -206,8 +204,7 @@ TEST_F(GlDisplayTest, ASolverIsDrawnWhateverContextItRunsInAndTheDisplayDrawsIn)
     const EglHost host(host_kind);
     const EglBindings bindings;
     const Model model = make_tetrahedron(0.01);
-    Scene scene(model);
-    scene.fix("base");
+    Scene scene = Scene(model).fix("base");
     State start = rest_state(model);
     start.position[3] += Vec3(0.003, 0.002, 0.0);  // swings
     const Camera camera = framing(model.rest, {0.4, -1, 0.35}, 1.25);

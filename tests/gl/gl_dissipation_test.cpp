@@ -45,8 +45,7 @@ TEST_P(GlDissipation, IsTheMirrorsBitByBitAndTheReferences) {
   for (const int kinds : {1, 2, 3}) {
     for (const Body& body : dissipating_bodies(kinds)) {
       SCOPED_TRACE(body.name + ", kinds " + std::to_string(kinds));
-      Scene scene(body.model);
-      scene.fix("x0").gravity({0, -9.81, 0});
+      Scene scene = Scene(body.model).fix("x0").gravity({0, -9.81, 0});
       const auto tables = tables_of(body.model, {});
       const GlTrio trio = trio_of(tables, scene);
       trio.reset(random_state(body.model, 0.05, 0.0, 5));
@@ -103,8 +102,7 @@ TEST_P(GlDissipation, ForcesAreWithinTheRoundingBound) {
 /// A step that is taken back, of a batch, leaves the strains of the last good one.
 TEST_P(GlDissipation, BatchesThatEndEarlyKeepTheStrainsOfTheirLastStep) {
   const Model model = dissipating_bodies(3)[0].model;
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   const SolverOptions options{.damping = {.rate = 200.0}};
   const auto tables = tables_of(model, {});
   const GlTwins twins = twins_of(tables, scene, options);

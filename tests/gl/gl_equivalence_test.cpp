@@ -83,8 +83,7 @@ TEST_P(GlEquivalence, SingleStepsAreWithinTheRoundingBound) {
 
 TEST_P(GlEquivalence, LoadsOfAllKindsHaveTheMirrorsBits) {
   const Model model = with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2));
-  Scene scene(model);
-  scene.fix("x0").gravity({0.3, -0.2, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0.3, -0.2, -9.81});
   const auto add = [&](LoadType type, const char* group, const Vec3& direction, double value) {
     scene.add({.type = type,
                .particles = model.group(group),
@@ -199,8 +198,7 @@ TEST_P(GlEquivalence, FailureStatesHaveTheMirrorsBits) {
 /// Far from the origin, where positions alone would lose the last bits of displacements.
 TEST_P(GlEquivalence, SnapshotsGoOnBitForBit) {
   const Model model = moved(jittered_block(), {1000.0, -2000.0, 500.0});
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   gl::DeviceSolver solver(GetParam(), tables_of(model, {}), scene, {});
   const double dt = 0.4 * solver.stable_step();
   solver.step(37, dt);
@@ -234,8 +232,7 @@ TEST_P(GlEquivalence, FourSolversInFourThreads) {
 
 TEST_P(GlEquivalence, FarFromTheOriginNoDigitIsLost) {
   const Model model = with_material(moved(jittered_block(), {1000.0, -1000.0, 1000.0}));
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   const SolverOptions options{.damping = {.rate = 5.0}};
   const GlTwins twins = twins_of(tables_of(model, {}), scene, options);
   const auto reference = make_solver("reference", model, scene, {}, twins.options());

@@ -84,8 +84,7 @@ TEST_F(GlFragmentContact, BitsAreThoseOfComputeShadersInABodyWithoutTriangles) {
   Model model = joined_bodies(make_block({0.025, 0.025, 0.01}, 5, 5, 2), loose);
   std::ranges::fill(model.mass, 1.25e-4);
   std::ranges::fill(model.stiffness, 25.0);
-  Scene scene(model);
-  scene.gravity({3, 1, -9.81}).fix("low/z0").contacts({.friction = 0.3});
+  Scene scene = Scene(model).gravity({3, 1, -9.81}).fix("low/z0").contacts({.friction = 0.3});
   expect_bits_of_compute(model, scene, 40, "loose particles");
 }
 
@@ -93,8 +92,7 @@ TEST_F(GlFragmentContact, BitsAreThoseOfComputeShadersInABodyWithoutTriangles) {
 TEST_F(GlFragmentContact, BitsAreThoseOfComputeShadersInABodyThatTouchesItself) {
   PHYMUL_SKIP_OR_FAIL(why_not_here("gl-compute"));
   const Model strip = long_strip();
-  Scene scene(strip);
-  scene.contacts({.self = true});
+  Scene scene = Scene(strip).contacts({.self = true});
   PressedStrip(strip, 0.016).press(scene);
   expect_bits_of_compute(strip, scene, 280, "a strip");
 }

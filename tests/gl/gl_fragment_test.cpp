@@ -91,8 +91,7 @@ int written_rows(int attachment, int width, int height) {
 
 TEST_F(GlFragment, PaddingOfEveryTargetIsUntouchedAndUnread) {
   const Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2, 18);
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   const GlTwins twins(tables_of(model, {.volume_stiffness = 50.0}), scene, {});
   const TopologyTextures& tables = twins.gl->topology();
   std::vector<int> rows{model.particle_count(), tables.base_count, static_cast<int>(tables.volumes.size())};
@@ -160,8 +159,7 @@ TEST_F(GlFragment, TellsOfItsStepsWhatTheMirrorTells) {
 
 TEST_F(GlFragment, RestsAtTheMirrorsStep) {
   const Model model = with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2));
-  Scene scene(model);
-  scene.fix("z1").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("z1").gravity({0, 0, -9.81});
   for (const int rest_steps : {1, 3, 16, 100}) {
     const SolverOptions options{.damping = {.rate = 60.0}, .rest_tolerance = 1e-4, .rest_steps = rest_steps};
     const GlTwins twins(tables_of(model, {}), scene, options);
@@ -178,8 +176,7 @@ TEST_F(GlFragment, RestsAtTheMirrorsStep) {
 
 TEST_F(GlFragment, PulledCylinderRestsWithinAThousandthOfTheReferencesSteps) {
   const Model model = with_material(cylinder_275());
-  Scene scene(model);
-  scene.fix("bottom");
+  Scene scene = Scene(model).fix("bottom");
   scene.add(
       {.type = LoadType::force, .particles = model.group("top"), .events = {{0.0, 0.002}}, .direction = {0, 0, 1}});
   const SolverOptions options{.damping = {.rate = 60.0}, .rest_tolerance = 1e-6};

@@ -99,8 +99,7 @@ TEST_P(GlHosts, HostsContextIsLeftAsItWas) {
 TEST_P(GlHosts, HostsContextIsLeftAsItWasByComputing) {
   if (!host_info().computes()) GTEST_SKIP() << "NOT TESTED: no compute shaders in " << host_info().device();
   const Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   const SolverOptions options{.gl = {.context = GlContext::current}};
   const test::HostileHost hostile(host_info());
   const HostState before = test::host_state(host_info());

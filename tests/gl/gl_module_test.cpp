@@ -95,8 +95,7 @@ TEST_F(GlModuleFaulty, TheReasonIsTold) {
 
 TEST_F(GlModuleFaulty, EverythingElseWorks) {
   const Model model = large_body();
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81});
+  Scene scene = Scene(model).gravity({0, 0, -9.81});
   EXPECT_EQ(why_unavailable("reference"), "");
   const auto solver = make_solver("auto", model, scene);
   EXPECT_EQ(solver->name(), "cpu");

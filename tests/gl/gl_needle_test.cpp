@@ -107,8 +107,7 @@ TEST_F(GlNeedle, ManyNodesBendASoftShaftAsOnTheReference) {
   hair.spread = 0.00168;
   hair.bending_stiffness = 1e-6;
   ToolPose pose{.position = {0.0053, 0.0049, 0.004}};
-  Scene scene(model);
-  scene.fix("z0").add_tool("needle", {.shape = hair, .pose = pose, .friction = 0.5});
+  Scene scene = Scene(model).fix("z0").add_tool("needle", {.shape = hair, .pose = pose, .friction = 0.5});
   BesideReference pair(model, scene, damped(40.0));
   double worst = 0.0, worst_bend = 0.0, bent = 0.0;
   constexpr int calls = 8;
@@ -183,8 +182,7 @@ TEST_F(GlNeedle, AStateAtAnObliqueExitCanBeGoneOnFrom) {
     const Needle needle{.length = 0.1, .radius = 0.6e-3, .puncture = 0.4, .cutting = 0.15, .spread = 0.012};
     ToolPose pose{.position = {0.022, 0.0197, 0.0403},
                   .orientation = Quaternion(Eigen::AngleAxisd(-tilt, Vec3::UnitY()))};
-    Scene scene(model);
-    scene.fix("z0").add_tool("needle", {.shape = needle, .pose = pose, .friction = 0.5});
+    Scene scene = Scene(model).fix("z0").add_tool("needle", {.shape = needle, .pose = pose, .friction = 0.5});
     const SolverOptions options{.damping = {.rate = 40.0}};
     const auto solver = make_solver("gl-compute", model, scene, {}, options);
     bool through = false;
@@ -215,8 +213,7 @@ TEST_F(GlNeedle, ActsBeforeContacts) {
   thin.cutting = 0.03;
   thin.spread = 0.009;
   ToolPose pose{.position = {0.0123, 0.0131, 0.0209}};
-  Scene scene(model);
-  scene.fix("low/z0").contacts({.friction = 0.3});
+  Scene scene = Scene(model).fix("low/z0").contacts({.friction = 0.3});
   scene.add_tool("needle", {.shape = thin, .pose = pose, .friction = 0.5});
   BesideReference pair(model, scene, damped(20.0));
   double worst = 0.0;
@@ -236,8 +233,7 @@ TEST_F(GlNeedle, ActsBeforeContacts) {
 /// The programs of a needle that bends serve one that does not, also with what a change of the scene made anew.
 TEST_F(GlNeedle, AStiffOneBesideOneThatBendsOutlivesAChangeOfTheScene) {
   const Model model = Insertion::gel(3);
-  Scene scene(model);
-  scene.fix("z0");
+  Scene scene = Scene(model).fix("z0");
   Needle bends = thin_needle();
   bends.bending_stiffness = 5e-3;
   ToolPose stiff_pose{.position = {0.0203, 0.0197, block_side + over_skin}},

@@ -77,8 +77,7 @@ class RefusedScene : public OnBothDevices {
   }
 
   Scene pressed() const {
-    Scene scene(model_);
-    scene.fix("low/z0").gravity({0, 0, -9.81});
+    Scene scene = Scene(model_).fix("low/z0").gravity({0, 0, -9.81});
     return scene.add_tool("ball", {.shape = Sphere{0.004}, .pose = {.position = {0.0123, 0.0131, 0.0242}}});
   }
   void add_needle(Scene& scene, double stiffness) const {

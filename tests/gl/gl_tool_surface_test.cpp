@@ -72,8 +72,7 @@ TEST_P(GlToolSurface, EveryShapeAgreesWithTheReference) {
     const Model model = moved(model_, origin);
     tool.contact = ToolContact::surface;
     tool.pose = above(origin + Vec3(0.014, 0.011, 0.03));
-    Scene scene(model);
-    scene.fix("z0").gravity({0, 0, -2}).add_tool("tool", tool);
+    Scene scene = Scene(model).fix("z0").gravity({0, 0, -2}).add_tool("tool", tool);
     Pair both = pair_of(scene);
     drive(
         scene.tool("tool"), origin, [&](int) { both.step(9, dt_); }, sanitized ? 6 : 22);
@@ -142,8 +141,7 @@ TEST_P(GlToolSurface, AgreesBesideContactsAndVolumes) {
   const Model lower = make_block({0.02, 0.02, 0.02}, 3, 3, 3), upper = moved(lower, {0, 0, 0.021});
   const NamedBody bodies[] = {{"lower", &lower}, {"upper", &upper}};
   const Model model = with_material(merge_models(bodies));
-  Scene scene(model);
-  scene.fix("lower/z0").gravity({0, 0, -9.81}).contacts({}).constrain_volume("upper");
+  Scene scene = Scene(model).fix("lower/z0").gravity({0, 0, -9.81}).contacts({}).constrain_volume("upper");
   scene.add_tool("ball", {.shape = Sphere{0.006},
                           .pose = {.position = Vec3(0.012, 0.009, 0.0472), .velocity = {0, 0, -0.02}},
                           .contact = ToolContact::surface});

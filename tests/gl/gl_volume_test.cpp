@@ -88,8 +88,7 @@ TEST_P(GlVolume, SeveralBodiesAndToolsFarFromTheOrigin) {
   const Model one = with_material(moved(block, origin)), two = with_material(moved(flat, origin + Vec3(0.05, 0, 0)));
   const NamedBody bodies[] = {{"one", &one}, {"two", &two}};
   const Model both = merge_models(bodies);
-  Scene scene(both);
-  scene.fix("one/z0").fix("two/z0").constrain_volume("one").constrain_volume("two");
+  Scene scene = Scene(both).fix("one/z0").fix("two/z0").constrain_volume("one").constrain_volume("two");
   VolumeConstraint more = scene.volume_constraints()[1];
   more.volume *= 1.02;
   scene.clear().fix("one/z0").fix("two/z0").constrain_volume("one").constrain_volume(more);
@@ -125,8 +124,7 @@ TEST_P(GlVolume, SeveralBodiesAndToolsFarFromTheOrigin) {
 /// Free in space, thrown, turning and out of shape. Momentum moves as far as floats let it: the bound is eight times
 /// the largest of what llvmpipe gave.
 TEST_P(GlVolume, KeepsLinearAndAngularMomentumOfAFreeBody) {
-  Scene scene(model_);
-  scene.constrain_volume();
+  Scene scene = Scene(model_).constrain_volume();
   options_.damping.rate = 0.0;
   const GlTwins twins = this->twins(scene);
   State state = rest_state(model_);
@@ -152,8 +150,7 @@ TEST_P(GlVolume, KeepsLinearAndAngularMomentumOfAFreeBody) {
 
 /// A batch that ends before its last step is done again up to there: at rest, and where a particle runs away.
 TEST_P(GlVolume, BatchesDoneAgainKeepTheVolume) {
-  Scene scene(model_);
-  scene.fix("z0").gravity({0, 0, -9.81}).constrain_volume();
+  Scene scene = Scene(model_).fix("z0").gravity({0, 0, -9.81}).constrain_volume();
   options_.rest_tolerance = 1e-4;
   options_.damping.rate = 200.0;
   const GlTwins resting = twins(scene);
@@ -176,8 +173,7 @@ TEST_P(GlVolume, BatchesDoneAgainKeepTheVolume) {
 
 /// All is held, and an end is moved in from the 40th step on: nothing is left to make up for it.
 TEST_P(GlVolume, OneThatCannotBeRestoredIsReportedAndTheStepNotTaken) {
-  Scene scene(model_);
-  scene.fix(every_particle(model_)).constrain_volume();
+  Scene scene = Scene(model_).fix(every_particle(model_)).constrain_volume();
   scene.add(pull(model_, "x1", {1, 0, 0}, {{0, 0}, {40 * dt_, 0}, {60 * dt_, -0.001}}));
   const GlTwins twins = this->twins(scene);
   const StepReport a = twins.gl->step(60, dt_), b = twins.mirror->step(60, dt_);
@@ -202,8 +198,7 @@ TEST_P(GlVolume, OfWhatIsHeldWholeIsLostOnlyWhereItChanges) {
   const Model cube = make_block(Vec3::Constant(size), 1, 2, 2);
   const Vec3 ends[] = {{0, 0.5 * size, 0.5 * size}, {size, 0.5 * size, 0.5 * size}};
   const Vec3 far = 40.0 * size * Vec3(0.6, -0.48, 0.64);
-  Scene scene(cube);
-  scene.constrain_volume();
+  Scene scene = Scene(cube).constrain_volume();
   for (const Vec3& end : ends) {
     const std::string name = end.x() > 0.0 ? "high" : "low";
     scene.add_tool(name, {.shape = Box{{0.1 * size, 0.6 * size, 0.6 * size}}, .pose = {.position = end}});
@@ -224,8 +219,7 @@ TEST_P(GlVolume, OfWhatIsHeldWholeIsLostOnlyWhereItChanges) {
 
 /// Volumes come, change and go while a solver runs.
 TEST_P(GlVolume, AChangedSceneIsFollowed) {
-  Scene scene(model_);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model_).fix("x0").gravity({0, 0, -9.81});
   const GlTwins twins = this->twins(scene);
   for (int k = 0; k < 4; ++k) {
     if (k == 1) {
@@ -246,8 +240,7 @@ TEST_P(GlVolume, AChangedSceneIsFollowed) {
 }
 
 TEST_P(GlVolume, CopiesAndLostDevicesGoOn) {
-  Scene scene(model_);
-  scene.fix("x0").gravity({0, 0, -9.81}).constrain_volume();
+  Scene scene = Scene(model_).fix("x0").gravity({0, 0, -9.81}).constrain_volume();
   const auto solver = make(scene), untouched = make(scene);
   copy_and_lose(*solver, *untouched);
   expect_kept(scene, solver->read());
@@ -276,8 +269,7 @@ TEST_P(GlVolume, ASceneWithoutKeptVolumesPaysNothing) {
 TEST_P(GlVolume, ManyFacetsAreSummed) {
   for (const int side : {48, 64}) {
     const Model slab = make_block({0.01 * side, 0.01 * side, 0.01}, side, side, 1);
-    Scene scene(slab);
-    scene.fix("x0").constrain_volume();
+    Scene scene = Scene(slab).fix("x0").constrain_volume();
     ASSERT_EQ(scene.volume_constraints()[0].triangles.size(), static_cast<std::size_t>(4 * side * (side + 2)));
     const GlTwins twins(tables_of(slab, {}), scene, options_, GetParam());  // any spectrum: none comes to rest
     twins.reset(random_state(slab, 0.01, 0.05, 3));  // nothing so small that a renderer takes it for 0

@@ -48,8 +48,7 @@ TEST(BodyContact, LeavesOutOnlyWhatNothingCanTouch) {
     const SolverOptions options{.damping = {.rate = 10.0}, .threads = 1};
     State end[2];
     for (const bool self : {false, true}) {
-      Scene scene(model);
-      scene.gravity({0.5, 0, -9.81}).fix("low/z0").contacts({.friction = 0.3, .self = self});
+      Scene scene = Scene(model).gravity({0.5, 0, -9.81}).fix("low/z0").contacts({.friction = 0.3, .self = self});
       const auto solver = make_solver(backend, model, scene, {}, options);
       const double dt = 0.4 * solver->stable_step();
       ASSERT_TRUE(solver->step(static_cast<int>(0.025 / dt), dt).ok());
@@ -64,8 +63,7 @@ TEST(BodyContact, LeavesOutOnlyWhatNothingCanTouch) {
 TEST(BodyContact, ABodyDroppedOnAnotherStaysOnIt) {
   const Model model = cube_on_slab(0.05);
   for (const BackendCase& backend : cpu_backends) {
-    Scene scene(model);
-    scene.gravity({0, 0, -9.81}).fix("low/z0").contacts({.friction = 0.5});
+    Scene scene = Scene(model).gravity({0, 0, -9.81}).fix("low/z0").contacts({.friction = 0.5});
     SolverOptions options = options_for(backend, 10.0);
     const auto solver = make_solver(backend.name, model, scene, {}, options);
     const double dt = 0.4 * solver->stable_step();
@@ -93,8 +91,7 @@ TEST(BodyContact, ABodyDroppedOnAnotherStaysOnIt) {
 TEST(BodyContact, MomentumIsKeptToRounding) {
   const Model model = cube_on_slab(0.01);
   for (const double friction : {0.0, 0.6}) {
-    Scene scene(model);
-    scene.contacts({.friction = friction});
+    Scene scene = Scene(model).contacts({.friction = friction});
     const auto solver = make_solver("reference", model, scene, {}, uncut());
     State state = rest_state(model);
     double scale = 0.0;
@@ -132,8 +129,7 @@ TEST(BodyContact, FrictionHoldsAndSlides) {
   const std::vector<Index> own = model.group("block");
   constexpr double g = 9.81, mu = 0.5, rate = 20.0;
   for (const double slope : {0.25, 0.8}) {
-    Scene scene(model);
-    scene.fix("floor").gravity({0, 0, -g}).contacts({.friction = mu});
+    Scene scene = Scene(model).fix("floor").gravity({0, 0, -g}).contacts({.friction = mu});
     const auto solver = make_solver("cpu", model, scene, {}, options_for({"cpu", 1}, rate));
     const double dt = 0.4 * solver->stable_step(), lost = (1.0 - std::exp(-rate * dt)) / dt;  // 1/s
     const auto go = [&](double seconds) { ASSERT_TRUE(solver->step(static_cast<int>(seconds / dt), dt).ok()); };
@@ -172,8 +168,7 @@ TEST(BodyContact, BitsDoNotDependOnThreads) {
   const Model model = cube_on_slab(0.003);
   State end[2];
   for (int threads : {1, 2}) {
-    Scene scene(model);
-    scene.gravity({0, 0, -9.81}).fix("low/z0").contacts({});
+    Scene scene = Scene(model).gravity({0, 0, -9.81}).fix("low/z0").contacts({});
     const auto solver = make_solver("cpu", model, scene, {}, options_for({"cpu", threads}));
     ASSERT_TRUE(solver->step(400, 0.4 * solver->stable_step()).ok());
     end[threads - 1] = solver->read();
@@ -190,8 +185,7 @@ TEST(BodyContact, ASingleBodyIsAsWithoutContacts) {
   for (const Model& model : {fine, merge_models(bodies)}) {
     State end[2];
     for (const bool touching : {false, true}) {
-      Scene scene(model);
-      scene.gravity({0, 0, -9.81}).fix(model.has_group("x0") ? "x0" : "fine/x0");
+      Scene scene = Scene(model).gravity({0, 0, -9.81}).fix(model.has_group("x0") ? "x0" : "fine/x0");
       if (touching) scene.contacts({});
       const auto solver = make_solver("reference", model, scene, {}, options_for({"reference", 0}));
       ASSERT_TRUE(solver->step(300, 0.4 * solver->stable_step()).ok());
@@ -233,8 +227,7 @@ TEST(BodyContact, ABodyTouchesItself) {
   const PressedStrip strip(model, 0.012);
   double least[2] = {1e9, 1e9};
   for (const bool self : {false, true}) {
-    Scene scene(model);
-    scene.contacts({.self = self});
+    Scene scene = Scene(model).contacts({.self = self});
     strip.press(scene);
     const auto solver = make_solver("cpu", model, scene, {}, options_for({"cpu", 2}, 10.0));
     const double dt = 0.4 * solver->stable_step();
@@ -258,8 +251,7 @@ TEST(BodyContact, ABodyTouchesItself) {
 TEST(BodyContact, AnOverlapAtTheStartGoesGently) {
   for (const double gap : {0.0003, -0.001}) {
     const Model model = cube_on_slab(gap);
-    Scene scene(model);
-    scene.fix("low/z0").contacts({.friction = 0.0});
+    Scene scene = Scene(model).fix("low/z0").contacts({.friction = 0.0});
     const auto solver = make_solver("reference", model, scene, {}, options_for({"reference", 0}, 5.0));
     const double dt = 0.4 * solver->stable_step();
     double fastest = 0.0;
@@ -280,8 +272,7 @@ TEST(BodyContact, WhatAToolSetsGoingIsSeenInThatStep) {
   const Model model = cube_on_slab(0.002);
   const Vec3 middle(0.0313, 0.0321, 0.032), end = middle - Vec3(0, 0, 0.003);
   for (const char* backend : {"reference", "cpu"}) {
-    Scene scene(model);
-    scene.contacts({.friction = 0.0});
+    Scene scene = Scene(model).contacts({.friction = 0.0});
     scene.add_tool("jaw", {.shape = Box{{0.0105, 0.0105, 0.0105}}, .pose = {.position = middle}});
     scene.tool("jaw").grasp(0.0);
     const auto solver = make_solver(backend, model, scene, {}, options_for({backend, 1}));

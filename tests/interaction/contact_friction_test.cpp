@@ -28,8 +28,7 @@ TEST(ContactFriction, OfAReleasedContactIsTakenBack) {
   const std::array<NamedBody, 3> bodies{NamedBody{"floor", &floor}, {"wall", &wall}, {"block", &block}};
   const Model model = merge_models(bodies);
   for (const char* backend : {"reference", "cpu"}) {
-    Scene scene(model);
-    scene.contacts({.friction = mu, .margin = skin});
+    Scene scene = Scene(model).contacts({.friction = mu, .margin = skin});
     const SolverOptions options{.on_unstable = UnstableStep::allow};
     const auto solver = make_solver(backend, model, scene, {}, options);
     State start = rest_state(model);

@@ -135,8 +135,7 @@ TEST(ContactSearch, TrianglesWithoutAreaGiveNoDirection) {
   const NamedBody bodies[] = {{"low", &low}, {"high", &high}};
   const Model model = merge_models(bodies);
   for (const char* backend : {"reference", "cpu"}) {
-    Scene scene(model);
-    scene.contacts({});
+    Scene scene = Scene(model).contacts({});
     const auto solver = make_solver(backend, model, scene, {}, options_for({backend, 1}));
     State state = rest_state(model);
     for (const Index i : model.group("high")) state.position[i] = model.rest[model.group("low").front()];
@@ -186,8 +185,7 @@ struct NearTriangles {
 
   /// Which of the three the particle pushes when it comes down.
   std::vector<int> pushed(const std::string& backend) const {
-    Scene scene(model);
-    scene.contacts({.friction = 0.0, .rounds = 1});
+    Scene scene = Scene(model).contacts({.friction = 0.0, .rounds = 1});
     const auto solver = make_solver(backend, model, scene, {.on_sparse = SparseParticle::springs}, {});
     State state = rest_state(model);
     state.velocity[model.group("high").front()] = {0, 0, -1e-3};
@@ -251,8 +249,7 @@ struct BesideAnEdge {
 TEST_P(NearTrianglesIn, ALargeFaceDoesNotHideASmallOneAtTheirEdge) {
   for (const auto& [one, other] : {std::pair{0.05, 0.01}, std::pair{0.01, 0.05}}) {
     const BesideAnEdge beside(one, other);
-    Scene scene(beside.model);
-    scene.contacts({.friction = 0.0, .margin = 1e-4, .rounds = 1});
+    Scene scene = Scene(beside.model).contacts({.friction = 0.0, .margin = 1e-4, .rounds = 1});
     const auto solver = make_solver(GetParam(), beside.model, scene, {.on_sparse = SparseParticle::springs}, {});
     EXPECT_TRUE(solver->step(5, 0.05 * solver->stable_step()).ok());
     EXPECT_EQ((solver->read().position[beside.model.group("near").front()] - beside.place).norm(), 0.0) << one;

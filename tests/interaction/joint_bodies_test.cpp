@@ -36,8 +36,7 @@ TEST_P(JointOfBodiesIn, KeepsMomentum) {
 TEST_P(JointOfBodiesIn, GlueHoldsTwoCubesTogether) {
   const double gap = 0.001, pull = 0.4, k = 5e7;
   const Model model = cubes_apart(gap);
-  Scene scene(model);
-  scene.fix("lower/z0");
+  Scene scene = Scene(model).fix("lower/z0");
   const JointHandle glue = scene.attach(model.group("upper/z0"), "lower", {.stiffness = k});
   Load load{.type = LoadType::force, .particles = model.group("upper/z1")};
   load.axes.fill(Axis::driven);
@@ -152,8 +151,7 @@ TEST_P(JointOfBodiesIn, AToolWithoutJointsFeelsNothingOfThem) {
 
 TEST_P(JointOfBodiesIn, AnImposedCoordinateTakesNoForce) {
   const Model model = with_material(make_block({0.02, 0.02, 0.02}, 2, 2, 2));
-  Scene scene(model);
-  scene.fix("z0");
+  Scene scene = Scene(model).fix("z0");
   scene.add_joint({at_mean(model.group("z0")), at_world({0.01, 0.01, -1}), 0.5}, 100.0);
   const auto solver = make_solver(GetParam(), model, scene);
   const StepReport report = solver->step(10, 0.5 * solver->stable_step());
@@ -167,8 +165,7 @@ TEST(JointsOnTheProcessor, HaveTheSameBitsForAnyNumberOfThreads) {
   const Model model = cubes_apart(0.001);
   std::vector<State> ends;
   for (const int threads : {1, 2, 3}) {
-    Scene scene(model);
-    scene.fix("lower/z0").gravity({1, 0, 9.81});
+    Scene scene = Scene(model).fix("lower/z0").gravity({1, 0, 9.81});
     scene.attach(model.group("upper/z0"), "lower", {.stiffness = 1e5, .damping = 50.0});
     const auto solver = make_solver("cpu", model, scene, {}, {.threads = threads});
     ASSERT_TRUE(solver->step(200, 0.5 * solver->stable_step()).ok());
@@ -182,8 +179,7 @@ TEST(JointsOnTheProcessor, AgreeWithTheReference) {
   const Model model = cubes_apart(0.001);
   std::vector<State> ends;
   for (const char* backend : {"reference", "cpu"}) {
-    Scene scene(model);
-    scene.fix("lower/z0").gravity({1, 0, 9.81});
+    Scene scene = Scene(model).fix("lower/z0").gravity({1, 0, 9.81});
     scene.attach(model.group("upper/z0"), "lower", {.stiffness = 1e5, .damping = 50.0});
     const auto solver = make_solver(backend, model, scene);
     ASSERT_TRUE(solver->step(200, 0.5 * solver->stable_step()).ok());

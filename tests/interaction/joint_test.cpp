@@ -169,8 +169,7 @@ TEST_P(JointIn, AChainHangsAsACatenary) {
   VecList rest;
   for (int i = 1; i < links; ++i) rest.emplace_back(span * i / links, 0, 0);
   const Model model = loose_particles(rest, 0.002);
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81});
+  Scene scene = Scene(model).gravity({0, 0, -9.81});
   Joint chain{.springs = {}, .stiffness = k};
   for (int i = 0; i < links; ++i) {
     const Anchor from = i == 0 ? at_world({0, 0, 0}) : at_particle(i - 1);

@@ -96,12 +96,10 @@ double relative_volume_error(const Scene& scene, const State& state) {
 
 TEST(KeptVolume, IsThatOfTheCells) {
   const Model block = soft_block();
-  Scene scene(block);
-  scene.constrain_volume();
+  Scene scene = Scene(block).constrain_volume();
   EXPECT_NEAR(scene.volume_constraints()[0].volume, 0.03 * 0.02 * 0.02, 1e-18);
   const Model ball = make_cylinder(0.01, 0.04, 3, 8, 10);
-  Scene other(ball);
-  other.constrain_volume();
+  Scene other = Scene(ball).constrain_volume();
   EXPECT_NEAR(other.volume_constraints()[0].volume, volume(ball, ball.rest), 1e-3 * volume(ball, ball.rest));
 }
 
@@ -174,8 +172,7 @@ TEST(KeptVolume, IsExactWhereTheLocalTermIsNot) {
 /// Free in space, thrown, turning and out of shape: linear and angular momentum stay.
 TEST(KeptVolume, KeepsLinearAndAngularMomentumOfAFreeBody) {
   const Model model = soft_block();
-  Scene scene(model);
-  scene.constrain_volume();
+  Scene scene = Scene(model).constrain_volume();
   const auto solver = make_solver("reference", model, scene);
   State state = rest_state(model);
   std::mt19937 bits(9);
@@ -199,8 +196,7 @@ TEST(KeptVolume, KeepsLinearAndAngularMomentumOfAFreeBody) {
 TEST(KeptVolume, LeavesHeldParticlesAndComesToRest) {
   const Model model = soft_block();
   for (const BackendCase& backend : cpu_backends) {
-    Scene scene(model);
-    scene.fix("x0").gravity({0, 0, -9.81}).constrain_volume();
+    Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81}).constrain_volume();
     SolverOptions options = options_for(backend, 30.0);
     options.rest_tolerance = 1e-6;
     const auto solver = make_solver(backend.name, model, scene, {}, options);
@@ -216,8 +212,7 @@ TEST(KeptVolume, BitsDoNotDependOnThreads) {
   const Model model = block_at(Vec3::Zero());
   State end[2];
   for (int threads : {1, 2}) {
-    Scene scene(model);
-    scene.fix("x0").gravity({0, 0, -9.81}).constrain_volume();
+    Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81}).constrain_volume();
     const auto solver = make_solver("cpu", model, scene, {}, options_for({"cpu", threads}));
     ASSERT_TRUE(solver->step(100, 0.4 * solver->stable_step()).ok());
     end[threads - 1] = solver->read();
@@ -229,13 +224,11 @@ TEST(KeptVolume, OfBodiesByName) {
   const Model one = soft_block(), two = moved(soft_block(), {0.1, 0, 0});
   const NamedBody bodies[] = {{"one", &one}, {"two", &two}};
   const Model both = merge_models(bodies);
-  Scene scene(both);
-  scene.gravity({0, 0, -9.81}).fix("one/x0").fix("two/x0").constrain_volume("two");
+  Scene scene = Scene(both).gravity({0, 0, -9.81}).fix("one/x0").fix("two/x0").constrain_volume("two");
   const auto solver = make_solver("reference", both, scene);
   ASSERT_TRUE(solver->step(400, 0.3 * solver->stable_step()).ok());
   EXPECT_LT(relative_volume_error(scene, solver->read()), 1e-12);
-  Scene measure(both);
-  measure.constrain_volume("one");
+  Scene measure = Scene(both).constrain_volume("one");
   EXPECT_GT(relative_volume_error(measure, solver->read()), 1e-6);
   EXPECT_TRUE(refuses([&] { scene.constrain_volume(); }, "belongs to another surface"));
 }
@@ -246,8 +239,7 @@ TEST(KeptVolume, OfAHeldBodyIsNotLostWhereAnotherLiesInIt) {
   const NamedBody bodies[] = {{"held", &held}, {"free", &free}};
   const Model both = merge_models(bodies);
   for (const char* backend : {"reference", "cpu"}) {
-    Scene scene(both);
-    scene.fix("held").constrain_volume("held").contacts({});
+    Scene scene = Scene(both).fix("held").constrain_volume("held").contacts({});
     const auto solver = make_solver(backend, both, scene);
     const StepReport report = solver->step(5, 0.3 * solver->stable_step());
     EXPECT_TRUE(report.ok()) << report.message();
@@ -278,8 +270,7 @@ TEST(KeptVolume, OpenSurfacesAreRefusedWithTheirEdge) {
 TEST(KeptVolume, ThatCannotBeRestoredIsReported) {
   const Model model = soft_block();
   for (const BackendCase& backend : cpu_backends) {
-    Scene scene(model);
-    scene.fix(every_particle(model)).constrain_volume();
+    Scene scene = Scene(model).fix(every_particle(model)).constrain_volume();
     const auto solver = make_solver(backend.name, model, scene);
     const double dt = 0.3 * solver->stable_step();
     EXPECT_TRUE(solver->step(3, dt).ok());  // nothing is missing
@@ -300,8 +291,7 @@ TEST(KeptVolume, OfWhatIsHeldWholeIsLostOnlyWhereItChanges) {
   const Vec3 far = 40.0 * size * Vec3(0.6, -0.48, 0.64);
   for (const BackendCase& backend : cpu_backends) {
     for (const bool by_tools : {false, true}) {
-      Scene scene(model);
-      scene.constrain_volume();
+      Scene scene = Scene(model).constrain_volume();
       const auto to = [&](const char* end, const Vec3& way) {
         const double x = end[1] == '0' ? 0.0 : size;
         if (by_tools) return scene.tool(end).move_to({.position = Vec3(x, 0.5 * size, 0.5 * size) + way});

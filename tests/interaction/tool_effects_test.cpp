@@ -33,8 +33,7 @@ TEST_P(ToolEffects, NothingOutOfAFlatBodysPlane) {
 TEST_P(ToolEffects, NothingAlongAnImposedAxis) {
   const Model model = soft_block({0.02, 0.02, 0.02}, 4, 4, 4);
   for (int axis = 0; axis < 2; ++axis) {
-    Scene scene(model);
-    scene.fix("z0");
+    Scene scene = Scene(model).fix("z0");
     Load held{
         .type = LoadType::translation, .particles = model.group("z1"), .axes = {Axis::free, Axis::free, Axis::free}};
     held.axes[static_cast<std::size_t>(axis)] = Axis::held;

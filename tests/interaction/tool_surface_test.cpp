@@ -277,8 +277,7 @@ TEST_P(ToolSurfaceOn, TouchesParticlesWhereThereAreNoTriangles) {
 /// The tool does not move what loads impose, and does not feel it.
 TEST_P(ToolSurfaceOn, WhatIsImposedStays) {
   const Model model = soft_block({0.02, 0.02, 0.02}, 4, 4, 4);
-  Scene scene(model);
-  scene.fix("z1").fix("z0");
+  Scene scene = Scene(model).fix("z1").fix("z0");
   scene.add_tool("ball", {.shape = Sphere{0.004},
                           .pose = {.position = {0.01, 0.01, 0.0245}},
                           .friction = 0.5,

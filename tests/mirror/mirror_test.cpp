@@ -57,8 +57,7 @@ TEST(Mirror, TwoThousandDampedStepsEndWhereTheReferenceEnds) {
     for (const Variant& variant : conservative_variants()) {
       if (!takes_seconds(variant, body)) continue;
       const Model model = prepared(variant, body);
-      Scene scene(model);
-      scene.fix(std::vector<Index>{0, 1, 2});
+      Scene scene = Scene(model).fix(std::vector<Index>{0, 1, 2});
       const double rate = 0.02;                           // per step
       Pair pair = make_pair(scene, variant.options, {});  // for its step
       const SolverOptions options{.damping = {.rate = rate / pair.dt}};

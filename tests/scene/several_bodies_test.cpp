@@ -125,8 +125,7 @@ TEST(SeveralBodies, OneBodyDoesNotFeelWhatHappensToTheOther) {
   for (const BackendCase& backend : cpu_backends) {
     State end[2];
     for (int k = 0; k < 2; ++k) {
-      Scene scene(both);
-      scene.gravity({0, 0, -9.81}).fix("soft/x0").fix("hard/bottom");
+      Scene scene = Scene(both).gravity({0, 0, -9.81}).fix("soft/x0").fix("hard/bottom");
       if (k == 1) scene.add(pull(both, "hard/top", {0, 0, 1}, {{0, 0}, {0.01, 0.003}}));
       const auto solver = make_solver(backend.name, both, scene, {}, options_for(backend));
       ASSERT_TRUE(solver->step(200, 0.4 * solver->stable_step()).ok());

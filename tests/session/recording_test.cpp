@@ -71,8 +71,7 @@ class RecordingTest : public ::testing::Test {
 TEST_F(RecordingTest, AReplayIsTheRunBitForBitThroughAFileAndAcrossASavedState) {
   const std::string middle = path_for("middle.state"), file = path_for("session.rec");
   for (const BackendCase& backend : cpu_backends) {
-    Scene scene(model_);
-    scene.fix("x0");
+    Scene scene = Scene(model_).fix("x0");
     const auto recorded = solver(backend, scene);
     State end;
     std::uint64_t middle_at = 0;
@@ -121,8 +120,7 @@ TEST_F(RecordingTest, ARecordingOfOneThreadReplaysOnTwo) {
 TEST_F(RecordingTest, ToolsMoveAgainAsTheyDid) {
   const std::string middle = path_for("tools.state"), file = path_for("tools.rec");
   for (const BackendCase& backend : cpu_backends) {
-    Scene scene(model_);
-    scene.fix("x0").contacts({}).constrain_volume();
+    Scene scene = Scene(model_).fix("x0").contacts({}).constrain_volume();
     scene.add_tool("ball", {.shape = Sphere{0.005}, .pose = {.position = {0.06, 0.015, 3.035}}, .friction = 0.3});
     scene.add_tool("rod", {.shape = Capsule{0.003, 0.1},
                            .pose = {.position = {0.04, 0.014, 3.034}, .velocity = {0.02, 0, -0.2}},
@@ -285,8 +283,7 @@ TEST_F(RecordingTest, OtherOptionsAndOtherBodiesAreRefused) {
 
 std::string small_recording() {
   const Model model = make_tetrahedron(0.01);
-  Scene scene(model);
-  scene.gravity({0, 0, -1});
+  Scene scene = Scene(model).gravity({0, 0, -1});
   const auto solver = make_solver("cpu", model, scene);
   Recorder recorder(*solver, scene);
   const Load load{.particles = {1, 2}, .events = {{0, 1e-4}}, .direction = {1, 0, 0}};

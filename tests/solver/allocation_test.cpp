@@ -148,8 +148,7 @@ TEST(AllocationCount, SeesAllocations) {
 
 TEST(AllocationCount, EvaluatingASceneAllocatesNothing) {
   const Model model = make_block({1, 1, 1}, 4, 4, 4);
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81}).fix("x0");
+  Scene scene = Scene(model).gravity({0, 0, -9.81}).fix("x0");
   for (const LoadType type :
        {LoadType::translation, LoadType::rotation, LoadType::force, LoadType::pressure, LoadType::acceleration}) {
     scene.add({.type = type,
@@ -167,8 +166,7 @@ TEST(AllocationCount, EvaluatingASceneAllocatesNothing) {
 TEST(AllocationCount, SteppingAllocatesNothingEvenWhenLoadsAreReplaced) {
   Model model = make_block({0.02, 0.02, 0.02}, 3, 3, 3);
   set_material(model, {.young = 1e4, .poisson = 0.3, .density = 1000});
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   Load pull{.type = LoadType::translation,
             .particles = model.group("x1"),
             .events = {{0.0, 0.0}},
@@ -244,8 +242,7 @@ TEST(AllocationCount, DrivingAGroupAllocatesNothing) {
   set_material(model, {.young = 1e4, .poisson = 0.3, .density = 1000});
   for (const char* backend : {"reference", "cpu"}) {
     SCOPED_TRACE(backend);
-    Scene scene(model);
-    scene.fix("x0");
+    Scene scene = Scene(model).fix("x0");
     for (int axis = 0; axis < 3; ++axis) {
       Load move{.type = LoadType::translation, .particles = model.group("x1")};
       move.axes.fill(Axis::free);

@@ -140,8 +140,7 @@ TEST_P(DissipationRunsOn, IsReplayedBitForBit) {
   const Model model = two_tissues(jittered_block());
   const auto topology = std::make_shared<const TopologyTextures>(build_topology(model));
   const auto made = [&](const Scene& scene) { return make_solver(GetParam(), topology, scene, {.threads = 1}); };
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81});
+  Scene scene = Scene(model).gravity({0, 0, -9.81});
   const auto recorded = made(scene);
   const State state = displaced(model, 0.05, 11);
   recorded->reset(state);

@@ -88,8 +88,7 @@ TEST_P(LiveStiffness, IsThatOfASolverMadeAnew) {
     const Tissues tissues;
     const Model model = c.make(tissues);
     const bool points = c.name == "points";
-    Scene scene(model);
-    scene.add(pull_on(model));
+    Scene scene = Scene(model).add(pull_on(model));
     const auto solver = make_solver(GetParam(), model, scene, c.options);
     const double dt = 0.3 * solver->stable_step();
     ASSERT_TRUE(solver->step(20, dt).ok());
@@ -97,8 +96,7 @@ TEST_P(LiveStiffness, IsThatOfASolverMadeAnew) {
       if (of_one && points) continue;
       of_one ? scene.scale_stiffness(tissues.tumour, second) : scene.scale_stiffness(first);
       const Model made_so = c.make(tissues.scaled(first, of_one ? second : first));
-      Scene other(made_so);
-      other.add(pull_on(made_so));
+      Scene other = Scene(made_so).add(pull_on(made_so));
       const auto anew = make_solver(GetParam(), made_so, other, c.options);
       anew->reset(solver->read());
       const double of_both = solver->stable_step() / anew->stable_step();
@@ -122,8 +120,7 @@ TEST(LiveStiffnessOfABody, IsThatOfOneBuiltSo) {
     const bool points = c.name == "points";
     const Tissues tissues;
     const Model model = c.make(tissues), made_so = c.make(tissues.scaled(first, points ? first : second));
-    Scene scene(model);
-    scene.scale_stiffness(first);
+    Scene scene = Scene(model).scale_stiffness(first);
     if (!points) scene.scale_stiffness(tissues.tumour, second);
     const TopologyTextures own = build_topology(model, c.options), other = build_topology(made_so, c.options);
     const VecList x = random_positions(model, 0.1, 3);
@@ -263,8 +260,7 @@ PHYMUL_ON_BACKENDS(LiveStiffnessOnProcessor, std::vector<std::string>({"referenc
 /// A driver of GL may allocate whenever it likes.
 TEST_P(LiveStiffnessOnProcessor, AllocatesNothingInSteps) {
   const Model model = cases()[1].make({});
-  Scene scene(model);
-  scene.scale_stiffness(2.0);
+  Scene scene = Scene(model).scale_stiffness(2.0);
   const auto solver = make_solver(GetParam(), model, scene, {}, {.threads = 1});
   ASSERT_TRUE(solver->step(1, 0.5 * solver->stable_step()).ok());
   for (const double factor : {3.0, 1.0}) {
@@ -321,8 +317,7 @@ TEST(LiveStiffnessOfAScene, RefusesWhatItCannotMean) {
 
 TEST(LiveStiffnessOfAScene, IsRefusedWhereItWouldBeIgnored) {
   const Model model = cases()[1].make({});
-  Scene scene(model);
-  scene.scale_stiffness(2.0);
+  Scene scene = Scene(model).scale_stiffness(2.0);
   const auto topology = std::make_shared<const TopologyTextures>(build_topology(model));
   EXPECT_TRUE(refuses([&] { OutsideBackend(topology, scene); }, "scales the stiffness of materials"));
   scene.scale_stiffness(1.0);

@@ -39,8 +39,7 @@ std::unique_ptr<Solver> solver_of(const std::string& backend, const Model& model
 
 /// Positions after `seconds` of gravity, at this share of the step limit.
 VecList fallen(const std::string& backend, const Model& model, int substeps, double share, double seconds) {
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -1.0});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -1.0});
   const auto solver = solver_of(backend, model, scene, substeps);
   const int steps = static_cast<int>(seconds / (share * solver->stable_step())) + 1;
   EXPECT_TRUE(solver->step(steps, seconds / steps).ok());
@@ -135,8 +134,7 @@ TEST_P(LocalStepsOn, IsBoundedBelowTheLimitAndDivergesAboveIt) {
 TEST_P(LocalStepsOn, RestShapesAreThoseOfShortSteps) {
   // The tumour at the surface, half of it under a ball that presses it, and a spring that pulls at it.
   const Model model = with_tumour(6, {0.5 * edge, 0.5 * edge, edge});
-  Scene scene(model);
-  scene.fix("z0").gravity({0, 0, -1.0});
+  Scene scene = Scene(model).fix("z0").gravity({0, 0, -1.0});
   scene.add_tool(
       "ball", {.shape = Sphere{.radius = 0.03}, .pose = {.position = {0.5 * edge, 0.5 * edge, edge + 0.03 - 0.002}}});
   std::vector<VecList> shape;
@@ -194,8 +192,7 @@ TEST(LocalSteps, ATumourTurnsAsShortStepsTurnIt) {
 
 TEST_P(LocalStepsOn, GoesOnFromASnapshotBitForBit) {
   const Model model = with_tumour(6, {0.5 * edge, 0.5 * edge, edge});
-  Scene scene(model);
-  scene.fix("z0");
+  Scene scene = Scene(model).fix("z0");
   scene.add_tool(
       "ball", {.shape = Sphere{.radius = 0.03}, .pose = {.position = {0.5 * edge, 0.5 * edge, edge + 0.03 - 0.002}}});
   const auto solver = solver_of(GetParam(), model, scene, 32, 100.0),
@@ -212,8 +209,7 @@ TEST_P(LocalStepsOn, GoesOnFromASnapshotBitForBit) {
 
 TEST_P(LocalStepsOn, AStepAllocatesNothing) {
   const Model model = with_tumour(5);
-  Scene scene(model);
-  scene.fix("z0").gravity({0, 0, -1.0});
+  Scene scene = Scene(model).fix("z0").gravity({0, 0, -1.0});
   const auto solver = solver_of(GetParam(), model, scene, 32);
   ASSERT_TRUE(solver->step(3, 0.5 * solver->stable_step()).ok());
   const std::size_t before = allocation_count();

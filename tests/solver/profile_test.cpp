@@ -52,8 +52,7 @@ TEST_P(ProfileTest, IsEmptyUnlessAskedFor) {
 
 TEST(CpuProfile, ToolsHaveARowWhereThereAreAny) {
   const Model model = cylinder_275();
-  Scene scene(model);
-  scene.fix("bottom");
+  Scene scene = Scene(model).fix("bottom");
   const SolverOptions options{.profile = true};
   const auto solver = make_solver("cpu", model, scene, {}, options);
   const double dt = 0.5 * solver->stable_step();
@@ -70,8 +69,7 @@ TEST(CpuProfile, ToolsHaveARowWhereThereAreAny) {
 
 TEST_P(ProfileTest, CountsEveryStepOnce) {
   const Model model = cylinder_275();
-  Scene scene(model);
-  scene.fix("bottom");
+  Scene scene = Scene(model).fix("bottom");
   const SolverOptions options{.profile = true};
   const auto solver = make_solver(GetParam(), model, scene, {.law = Law::springs, .volume_stiffness = 50.0}, options);
   EXPECT_TRUE(solver->profile().empty()) << "making a solver is no step";
@@ -118,8 +116,7 @@ TEST_P(ProfileTest, TimesAddUpToTheTimeOfTheCall) {
 
 TEST_P(ProfileTest, ChangesNoBit) {
   const Model model = cylinder_275();
-  Scene scene(model);
-  scene.fix("bottom").gravity({0, 0, 9.81});
+  Scene scene = Scene(model).fix("bottom").gravity({0, 0, 9.81});
   const auto plain = make_solver(GetParam(), model, scene);
   const auto profiled = make_solver(GetParam(), model, scene, {}, {.profile = true});
   const double dt = 0.5 * plain->stable_step();

@@ -216,8 +216,7 @@ TEST(Stability, ScaleFromOneMillimetreToOneMetreChangesNothing) {
         model.stiffness.assign(model.stiffness.size(), 2500.0 * size);
         model.mass.assign(model.mass.size(), 10.0 * size * size * size);
       }
-      Scene scene(model);
-      scene.fix("x0").gravity({0, 0, -0.5 / size});
+      Scene scene = Scene(model).fix("x0").gravity({0, 0, -0.5 / size});
       const SolverOptions options{.damping = {.rate = 4.0 / size}};
       const auto solver = make_solver("reference", model, scene, c.topology, options);
       const RestResult rest = solver->run_to_rest(40000, 0.5 * solver->stable_step());

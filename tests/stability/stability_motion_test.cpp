@@ -24,8 +24,7 @@ class StabilityMotion : public OnBackend {
 
 TEST_P(StabilityMotion, RestIsReachedWithAnyDamping) {
   const Model model = tissue_block();
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -1});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -1});
   VecList first;
   for (const double d : {0.0, 0.5, 0.9, 0.99}) {
     const SolverOptions options{.damping = {.factor = d}, .rest_tolerance = 1e-6};
@@ -89,8 +88,7 @@ TEST_P(StabilityMotion, FarFromTheOriginIsAsNear) {
   VecList near;
   for (const double away : {0.0, 1.0, 1e3, 1e6}) {
     const Model model = with_material(phymul::moved(tissue_block(), {away, -away, away}));
-    Scene scene(model);
-    scene.fix("x0").gravity({0, 0, -9.81});
+    Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
     const auto solver = make(model, scene);
     ASSERT_TRUE(solver->step(steps(2000), 0.4 * solver->stable_step()).ok());
     VecList moved = solver->read().position;
@@ -135,8 +133,7 @@ TEST_P(StabilityMotion, ALongUndampedSwingKeepsItsEnergy) {
 /// stays finite, is told of, and comes back to the rest shape.
 TEST_P(StabilityMotion, AnImpactGainsNoEnergyAndTheBodyReturns) {
   const Model model = tissue_block();
-  Scene scene(model);
-  scene.fix("x0");
+  Scene scene = Scene(model).fix("x0");
   for (const double speed : {0.3, 10.0, 100.0}) {
     for (const double d : {1.0, 0.99}) {
       const SolverOptions options{.damping = {.factor = d}};
@@ -169,8 +166,7 @@ TEST_P(StabilityMotion, ASuddenLoadIsBornOrReported) {
   for (const Method& method : stability_methods()) {
     const Model model = of_tissue(make_block({0.04, 0.02, 0.02}, 4, 2, 2, method.valence), method);
     for (const double gravity : {294.0, 981.0, 9810.0}) {
-      Scene scene(model);
-      scene.fix("x0").gravity({0, 0, -gravity});
+      Scene scene = Scene(model).fix("x0").gravity({0, 0, -gravity});
       const SolverOptions options{.damping = {.factor = 0.99}};
       const auto solver = make(model, scene, method.options, options);
       const double dt = 0.5 * solver->stable_step();
@@ -215,8 +211,7 @@ TEST_P(StabilityMotion, AtResonanceDampingBounds) {
   for (int k = 0; k <= 24 * 40; ++k) {
     shaking.events.push_back({k * period / 24, amount * std::sin(2 * M_PI * k / 24)});
   }
-  Scene scene(model);
-  scene.fix("x0").add(shaking);
+  Scene scene = Scene(model).fix("x0").add(shaking);
   const auto widest = [&](double rate, int from, int to) {
     const SolverOptions options{.damping = {.rate = rate}};
     const auto solver = make(model, scene, {}, options);
@@ -238,8 +233,7 @@ TEST_P(StabilityMotion, AtResonanceDampingBounds) {
 /// square root of the number of steps, as independent roundings add up.
 TEST_P(StabilityMotion, SmallStepsDoNotLoseDigits) {
   const Model model = tissue_block();
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   const auto solver = make(model, scene), exact = make_solver("reference", model, scene);
   const double time = 40 * solver->stable_step();
   std::vector<double> errors;

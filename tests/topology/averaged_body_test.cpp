@@ -291,8 +291,7 @@ TEST(AveragedBody, CantileversOfAnyCellsBendAsTheyShould) {
         std::tuple{"tetrahedra, 4 : 1", with_material(make_tetrahedral_block({L, H, H}, 4, 4, 4, 0.2, 1)), 0.62},
         std::tuple{"hexahedra, 4 : 1", with_material(make_block({L, H, H}, 4, 4, 4)), 0.57},
         std::tuple{"hexahedra, one layer", with_material(make_block({L, H, H}, 16, 4, 1)), 1.48}}) {
-    Scene scene(model);
-    scene.fix("x0").gravity({0, 0, -g});
+    Scene scene = Scene(model).fix("x0").gravity({0, 0, -g});
     const SolverOptions options{.damping = {.rate = 8.0}};
     const auto solver = make_solver("cpu", model, scene, {.law = averaged_law}, options);
     ASSERT_TRUE(solver->run_to_rest(20000, 0.5 * solver->stable_step()).converged()) << name;

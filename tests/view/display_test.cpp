@@ -299,8 +299,7 @@ TEST_F(GlPictureTest, AGlSolverIsDrawnFromItsOwnTexture) {
   PHYMUL_SKIP_OR_FAIL(why_not_here("gl"));
   for (const bool with_attractors : {false, true}) {
     Model model = cylinder_275();
-    Scene scene(model);
-    scene.fix("bottom").gravity({40.0, 0.0, 0.0});
+    Scene scene = Scene(model).fix("bottom").gravity({40.0, 0.0, 0.0});
     TopologyOptions topology;
     if (with_attractors) topology.reaction = Reaction::averaged;
     const SolverOptions solver_options{.damping = {.factor = 0.99}};
