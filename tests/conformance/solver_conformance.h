@@ -58,8 +58,7 @@ TEST_P(SolverConformance, RigidMotionOfTheSceneMovesTheResult) {
   const TopologyOptions isotropic{.strain_energy = StrainEnergy::neo_hookean};
   const auto solver = make(model, scene, {}, isotropic), moved_solver = make(moved, moved_scene, {}, isotropic);
   const double dt = 0.4 * solver->stable_step();
-  ASSERT_TRUE(solver->step(500, dt).ok());
-  ASSERT_TRUE(moved_solver->step(500, dt).ok());
+  ASSERT_TRUE(all_step(500, dt, solver, moved_solver));
   const State a = solver->read(), b = moved_solver->read();
   for (Index i = 0; i < model.particle_count(); ++i) {
     EXPECT_LE((turn * a.position[i] + shift - b.position[i]).norm(),
@@ -146,8 +145,7 @@ TEST_P(SolverConformance, RenumberingPermutesTheResult) {
   solver->reset(start);
   other->reset(shuffled_start);
   const double dt = 0.3 * solver->stable_step();
-  ASSERT_TRUE(solver->step(50, dt).ok());
-  ASSERT_TRUE(other->step(50, dt).ok());
+  ASSERT_TRUE(all_step(50, dt, solver, other));
   const State a = solver->read(), b = other->read();
   for (Index i = 0; i < n; ++i) {
     EXPECT_LE((a.position[i] - b.position[to[i]]).norm(), 1e-5 * mean_spacing(model));

@@ -149,8 +149,7 @@ TEST_P(SolverConformance, NewValuesOfALoadActLikeANewLoad) {
     turn.events = {{now, 1e-3 * k}};
     replaced.replace(0, pull).replace(1, push).replace(2, turn);
     driven.set_events(0, pull.events).set_events(1, push.events).set_events(2, turn.events);
-    ASSERT_TRUE(a->step(4, dt).ok());
-    ASSERT_TRUE(b->step(4, dt).ok());
+    ASSERT_TRUE(all_step(4, dt, a, b));
     ASSERT_EQ(a->read(), b->read()) << k;
   }
   EXPECT_NE(b->read(), rest_state(model));

@@ -54,8 +54,7 @@ TEST_P(GlAveraged, SingleStepsHaveTheMirrorsBits) {
     const double speed = 0.1 * mean_spacing(body.model) / dt;
     for (int k = 0; k < (sanitized ? 3 : 30); ++k) {
       twins.reset(random_state(body.model, 0.02 + 0.015 * k, speed, 17 + k));
-      ASSERT_TRUE(twins.gl->step(1, dt).ok());
-      ASSERT_TRUE(twins.mirror->step(1, dt).ok());
+      ASSERT_TRUE(all_step(1, dt, twins.gl, twins.mirror));
       ASSERT_EQ(difference(twins.gl->read(), twins.mirror->read()), "") << "state " << k;
     }
   }
@@ -135,8 +134,7 @@ TEST_P(GlAveraged, ToolsContactsAndVolumesActOnIt) {
   double moved = 0.0, off = 0.0;
   for (int k = 0; k < 10; ++k) {
     scene.tool("ball").move_to({.position = Vec3(0.005, 0.005, 0.0142 - 2e-4 * k)});
-    ASSERT_TRUE(solver.step(20, dt).ok());
-    ASSERT_TRUE(reference->step(20, dt).ok());
+    ASSERT_TRUE(all_step(20, dt, solver, reference));
     const State exact = reference->read();
     moved = std::max(moved, largest_distance(exact.position, model.rest));
     off = std::max(off, largest_distance(solver.read().position, exact.position));

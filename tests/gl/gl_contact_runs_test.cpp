@@ -84,8 +84,7 @@ TEST_P(GlContactRuns, ASceneWithoutContactsPaysNothing) {
   SolverOptions options = damped(5.0);
   options.profile = true;
   const BesideReference plain(model, without, options, GetParam()), touching(model, with, options, GetParam());
-  ASSERT_TRUE(plain.device->step(8, plain.dt).ok());
-  ASSERT_TRUE(touching.device->step(8, plain.dt).ok());
+  ASSERT_TRUE(all_step(8, plain.dt, plain.device, touching.device));
   const auto runs = runs_of(*plain.device), more = runs_of(*touching.device);
   for (const auto& [name, count] : runs) {
     EXPECT_EQ(name.find("contact"), std::string::npos) << name;

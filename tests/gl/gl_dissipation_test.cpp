@@ -133,15 +133,13 @@ TEST_P(GlDissipation, SnapshotsGoOnInTheReference) {
   ASSERT_TRUE(twins.gl->step(40, dt).ok());
   const auto reference = make_solver("reference", tables, scene, twins.options());
   reference->restore(twins.gl->snapshot());
-  ASSERT_TRUE(twins.gl->step(40, dt).ok());
-  ASSERT_TRUE(reference->step(40, dt).ok());
+  ASSERT_TRUE(all_step(40, dt, twins.gl, reference));
   const double apart = largest_distance(twins.gl->read().position, reference->read().position);
   EXPECT_LE(apart, 1e-6 * body_size(model));
   Snapshot forgetful = twins.gl->snapshot();
   forgetful.parts.clear();
   reference->restore(forgetful);
-  ASSERT_TRUE(twins.gl->step(40, dt).ok());
-  ASSERT_TRUE(reference->step(40, dt).ok());
+  ASSERT_TRUE(all_step(40, dt, twins.gl, reference));
   EXPECT_GT(largest_distance(twins.gl->read().position, reference->read().position), 1e-5 * body_size(model));
 }
 

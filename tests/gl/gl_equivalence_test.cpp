@@ -37,8 +37,7 @@ TEST_P(GlEquivalence, SingleStepsHaveTheMirrorsBits) {
       ++pairs;
       for (int k = 0; k < states_of(*tables); ++k) {
         twins.reset(random_state(model, 0.02 + 0.005 * k, speed, 17 + k));
-        ASSERT_TRUE(twins.gl->step(1, dt).ok());
-        ASSERT_TRUE(twins.mirror->step(1, dt).ok());
+        ASSERT_TRUE(all_step(1, dt, twins.gl, twins.mirror));
         if (const std::string d = difference(twins.gl->read(), twins.mirror->read()); !d.empty()) {
           ADD_FAILURE() << "state " << k << ": " << d;
           break;
@@ -119,8 +118,7 @@ TEST_P(GlEquivalence, LoadsOfAllKindsHaveTheMirrorsBits) {
     EXPECT_NEAR(e.gravity, f.gravity, 1e-5 * std::abs(f.gravity));
   }
   scene.clear().gravity({0, 0, -1});
-  ASSERT_TRUE(twins.gl->step(50, dt).ok());
-  ASSERT_TRUE(twins.mirror->step(50, dt).ok());
+  ASSERT_TRUE(all_step(50, dt, twins.gl, twins.mirror));
   twins.expect_same_bits("without loads");
 }
 
@@ -129,8 +127,7 @@ void follow_reference(const GlTwins& twins, Solver& reference, const Model& mode
   constexpr int steps = sanitized ? 100 : 2000, at_a_time = 50;
   int parted = 0;
   for (int done = 0; done < steps; done += at_a_time) {
-    ASSERT_TRUE(twins.gl->step(at_a_time, dt).ok());
-    ASSERT_TRUE(reference.step(at_a_time, dt).ok());
+    ASSERT_TRUE(all_step(at_a_time, dt, twins.gl, reference));
     if (parted > 0) continue;
     const double apart = largest_distance(twins.gl->read().position, reference.read().position);
     if (apart > 1e-6 * mean_spacing(model)) parted = done + at_a_time;
@@ -237,8 +234,7 @@ TEST_P(GlEquivalence, FarFromTheOriginNoDigitIsLost) {
   const GlTwins twins = twins_of(tables_of(model, {}), scene, options);
   const auto reference = make_solver("reference", model, scene, {}, twins.options());
   const double dt = 0.4 * reference->stable_step();
-  ASSERT_TRUE(twins.gl->step(3000, dt).ok());
-  ASSERT_TRUE(reference->step(3000, dt).ok());
+  ASSERT_TRUE(all_step(3000, dt, twins.gl, reference));
   const State far = twins.gl->read(), exact = reference->read();
   EXPECT_GE(largest_distance(exact.position, model.rest), 0.01 * body_size(model)) << "the body hardly moved";
   const double error = largest_distance(far.position, exact.position) / body_size(model);

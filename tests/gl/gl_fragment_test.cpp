@@ -107,8 +107,7 @@ TEST_F(GlFragment, PaddingOfEveryTargetIsUntouchedAndUnread) {
   twins.reset(start);
   const double dt = 0.3 * twins.gl->stable_step();
   for (int k = 0; k < 4; ++k) {
-    ASSERT_TRUE(twins.gl->step(3, dt).ok());
-    ASSERT_TRUE(twins.mirror->step(3, dt).ok());
+    ASSERT_TRUE(all_step(3, dt, twins.gl, twins.mirror));
   }
   EXPECT_LE(largest_distance(twins.gl->read().position, twins.mirror->read().position), 1e-6 * body_size(model));
   twins.expect_same_bits("with sentinels in the padding");

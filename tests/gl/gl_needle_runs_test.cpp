@@ -45,8 +45,7 @@ TEST_F(GlNeedleRuns, GoesOnFromEveryStateWithTheSameBits) {
     pair.scene.gravity({1, 0, 0});  // rows of the scene are made anew, with the hole as it is
     pair.pose.velocity = {0.01, 0, -0.1};
     pair.scene.tool("needle").move_to(pair.pose);
-    ASSERT_TRUE(pair.device->step(1, pair.dt).ok());
-    ASSERT_TRUE(other->step(1, pair.dt).ok());
+    ASSERT_TRUE(all_step(1, pair.dt, pair.device, other));
     ASSERT_TRUE(pair.device->step(80, pair.dt).ok());
     for (int k = 0; k < 8; ++k) ASSERT_TRUE(other->step(10, pair.dt).ok());
     const State a = pair.device->read(), b = other->read();

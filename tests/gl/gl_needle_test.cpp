@@ -83,8 +83,7 @@ TEST_F(GlNeedle, AStepIsThatOfTheReference) {
       const State start = pair.device->read();
       pair.device->reset(start);
       pair.reference->reset(start);
-      ASSERT_TRUE(pair.device->step(1, pair.dt).ok());
-      ASSERT_TRUE(pair.reference->step(1, pair.dt).ok());
+      ASSERT_TRUE(all_step(1, pair.dt, pair.device, pair.reference));
       const State a = pair.device->read(), b = pair.reference->read();
       worst = std::max(worst, largest_distance(a.velocity, b.velocity) * pair.dt);
       worst_force = std::max(

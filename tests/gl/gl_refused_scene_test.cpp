@@ -213,8 +213,7 @@ TEST_P(GlRefusedScene, ContactsThatAreTooManyAreRefusedBeforeAnythingIsMade) {
 TEST_P(GlRefusedScene, ASolverGoesOnOnceTheSceneFitsAgain) {
   Scene asked = pressed(), left = pressed();
   gl::DeviceSolver solver(GetParam(), tables_, asked, {}), alone(GetParam(), tables_, left, {});
-  ASSERT_TRUE(solver.step(20, dt_).ok());
-  ASSERT_TRUE(alone.step(20, dt_).ok());
+  ASSERT_TRUE(all_step(20, dt_, solver, alone));
   const State before = solver.read();
   asked.contacts({.rounds = 100'000'000});
   for (int k = 0; k < 2; ++k) {
@@ -222,8 +221,7 @@ TEST_P(GlRefusedScene, ASolverGoesOnOnceTheSceneFitsAgain) {
     EXPECT_EQ(solver.read(), before);
   }
   asked.no_contacts();
-  ASSERT_TRUE(solver.step(20, dt_).ok());
-  ASSERT_TRUE(alone.step(20, dt_).ok());
+  ASSERT_TRUE(all_step(20, dt_, solver, alone));
   EXPECT_EQ(difference(solver.read(), alone.read()), "");
 }
 
@@ -237,8 +235,7 @@ TEST_F(GlRefusedNeedle, IsNamedAndTheSceneBeforeGoesOn) {
   for (Scene* one : {&scene, &alone}) one->fix("z0").gravity({0, 0, -9.81}).add_tool("ball", ball);
   const auto solver = make_solver("gl", model, scene), plain = make_solver("gl", model, alone);
   const double dt = 0.1 * solver->stable_step();
-  ASSERT_TRUE(solver->step(20, dt).ok());
-  ASSERT_TRUE(plain->step(20, dt).ok());
+  ASSERT_TRUE(all_step(20, dt, solver, plain));
   const State before = solver->read();
   scene.add_tool("needle", {.shape = Needle{}, .pose = {.position = {0.01, 0.01, 0.03}}});
   const StepReport refused = solver->step(1, dt);
@@ -251,8 +248,7 @@ TEST_F(GlRefusedNeedle, IsNamedAndTheSceneBeforeGoesOn) {
   }
   EXPECT_EQ(solver->read(), before);
   scene.remove_tool("needle");
-  ASSERT_TRUE(solver->step(20, dt).ok());
-  ASSERT_TRUE(plain->step(20, dt).ok());
+  ASSERT_TRUE(all_step(20, dt, solver, plain));
   EXPECT_EQ(solver->read(), plain->read());
   EXPECT_EQ(solver->tool_force("ball").mean_force, plain->tool_force("ball").mean_force);
   scene.add_tool("needle", {.shape = Needle{}, .pose = {.position = {0.01, 0.01, 0.03}}});

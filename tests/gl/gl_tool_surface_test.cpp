@@ -23,8 +23,7 @@ class GlToolSurface : public GlBlockTest {
     double force_apart = 0.0, force = 0.0;  // N, largest so far; on a tool
 
     void step(int steps, double dt) {
-      ASSERT_TRUE(device->step(steps, dt).ok());
-      ASSERT_TRUE(reference->step(steps, dt).ok());
+      ASSERT_TRUE(all_step(steps, dt, device, reference));
       const State a = device->read(), b = reference->read();
       apart = std::max(apart, largest_distance(a.position, b.position));
       moved = std::max(moved, largest_distance(b.position, reference->model().rest));

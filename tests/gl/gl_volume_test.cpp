@@ -69,8 +69,7 @@ TEST_P(GlVolume, IsKeptUnderLoadWithTheMirrorsBits) {
     ASSERT_TRUE(a.ok() && b.ok());
     EXPECT_NEAR(a.residual, b.residual, 1e-4 * b.residual);  // of a GPU that divides to 2.5 units
     EXPECT_NEAR(a.max_speed, b.max_speed, 1e-4 * b.max_speed);
-    ASSERT_TRUE(reference->step(25, dt_).ok());
-    ASSERT_TRUE(alone->step(25, dt_).ok());
+    ASSERT_TRUE(all_step(25, dt_, reference, alone));
     twins.expect_same_bits("call " + std::to_string(k));
     const State state = twins.gl->read();
     expect_kept(scene, state);
@@ -136,8 +135,7 @@ TEST_P(GlVolume, KeepsLinearAndAngularMomentumOfAFreeBody) {
   }
   twins.reset(state);
   const Momentum start = twins.gl->momentum();
-  ASSERT_TRUE(twins.gl->step(150, 0.5 * dt_).ok());
-  ASSERT_TRUE(twins.mirror->step(150, 0.5 * dt_).ok());
+  ASSERT_TRUE(all_step(150, 0.5 * dt_, twins.gl, twins.mirror));
   twins.expect_same_bits("a free body");
   const Momentum end = twins.gl->momentum();
   const double arm = body_size(model_), linear = (end.linear - start.linear).norm() / scale,
@@ -232,8 +230,7 @@ TEST_P(GlVolume, AChangedSceneIsFollowed) {
       scene.clear().fix("x0").gravity({0, 0, 5}).constrain_volume(more);
     }
     if (k == 3) scene.clear().fix("x0").gravity({0, 0, 5});
-    ASSERT_TRUE(twins.gl->step(15, dt_).ok());
-    ASSERT_TRUE(twins.mirror->step(15, dt_).ok());
+    ASSERT_TRUE(all_step(15, dt_, twins.gl, twins.mirror));
     twins.expect_same_bits("call " + std::to_string(k));
     expect_kept(scene, twins.gl->read());
   }
@@ -252,8 +249,7 @@ TEST_P(GlVolume, ASceneWithoutKeptVolumesPaysNothing) {
   with.fix("z0").gravity({0, 0, -1}).constrain_volume();
   options_.profile = true;
   const auto plain = make(without), keeping = make(with);
-  ASSERT_TRUE(plain->step(8, dt_).ok());
-  ASSERT_TRUE(keeping->step(8, dt_).ok());
+  ASSERT_TRUE(all_step(8, dt_, plain, keeping));
   const auto runs = runs_of(*plain), more = runs_of(*keeping);
   for (const auto& [name, count] : runs) EXPECT_EQ(name.find("kept"), std::string::npos) << name;
   EXPECT_NE(runs, more);
@@ -273,8 +269,7 @@ TEST_P(GlVolume, ManyFacetsAreSummed) {
     ASSERT_EQ(scene.volume_constraints()[0].triangles.size(), static_cast<std::size_t>(4 * side * (side + 2)));
     const GlTwins twins(tables_of(slab, {}), scene, options_, GetParam());  // any spectrum: none comes to rest
     twins.reset(random_state(slab, 0.01, 0.05, 3));  // nothing so small that a renderer takes it for 0
-    ASSERT_TRUE(twins.gl->step(4, 1e-3).ok());
-    ASSERT_TRUE(twins.mirror->step(4, 1e-3).ok());
+    ASSERT_TRUE(all_step(4, 1e-3, twins.gl, twins.mirror));
     EXPECT_GT(largest_distance(twins.gl->read().position, slab.rest), 5e-5);
     twins.expect_same_bits(std::to_string(side) + " a side");
     expect_kept(scene, twins.gl->read());

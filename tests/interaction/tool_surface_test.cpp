@@ -39,8 +39,7 @@ class PressedSlab {
 
   const ToolForce& tick(const Vec3& position) {
     scene_.tool("tool").move_to({.position = position});
-    const StepReport report = solver_->step(steps_, 1e-3 / steps_);
-    EXPECT_TRUE(report.ok()) << report.message();
+    EXPECT_TRUE(is_ok(solver_->step(steps_, 1e-3 / steps_)));
     return solver_->tool_force("tool");
   }
   /// Comes down on a place in 1 mm per 10 ticks, and rests there.

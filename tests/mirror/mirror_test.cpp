@@ -8,6 +8,7 @@
 
 #include "mirror.h"
 #include "support/bodies.h"
+#include "support/steps.h"
 
 namespace phymul::test {
 namespace {
@@ -93,8 +94,7 @@ TEST(Mirror, FarFromTheOriginNothingIsLost) {
   const Scene scene = pulled(model, 0.005);
   const SolverOptions options{.damping = {.rate = 20.0}};
   const Pair pair = make_pair(scene, {}, options);
-  ASSERT_TRUE(pair.exact->step(3000, pair.dt).ok());
-  ASSERT_TRUE(pair.mirror->step(3000, pair.dt).ok());
+  ASSERT_TRUE(all_step(3000, pair.dt, pair.exact, pair.mirror));
   const double apart = largest_distance(pair.exact->read().position, pair.mirror->read().position) / body_size(model);
   std::cout << "apart by " << apart << " of the body's size\n";
   EXPECT_LE(apart, 1e-6);
@@ -106,8 +106,7 @@ TEST(Mirror, RestsAtTheStepOfTheReference) {
   const SolverOptions options{.damping = {.rate = 20.0}, .rest_tolerance = 1e-6};
   const Pair pair = make_pair(scene, {}, options);
   const int warm = static_cast<int>(std::ceil(0.2 / pair.dt));
-  ASSERT_TRUE(pair.exact->step(warm, pair.dt).ok());
-  ASSERT_TRUE(pair.mirror->step(warm, pair.dt).ok());
+  ASSERT_TRUE(all_step(warm, pair.dt, pair.exact, pair.mirror));
   const RestResult exact = pair.exact->run_to_rest(20000, pair.dt), mirror = pair.mirror->run_to_rest(20000, pair.dt);
   EXPECT_TRUE(exact.converged() && mirror.converged());
   std::cout << "steps to rest: reference " << exact.report.steps << ", mirror " << mirror.report.steps << "\n";
@@ -156,8 +155,7 @@ TEST(Mirror, EnumeratedBasesMoveTheBodyAlike) {
   table->reset(start);
   enumerated->reset(start);
   const double dt = 0.4 * table->stable_step();
-  ASSERT_TRUE(table->step(200, dt).ok());
-  ASSERT_TRUE(enumerated->step(200, dt).ok());
+  ASSERT_TRUE(all_step(200, dt, table, enumerated));
   EXPECT_LE(largest_distance(table->read().position, enumerated->read().position), 1e-6 * body_size(model));
 }
 

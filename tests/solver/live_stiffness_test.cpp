@@ -103,8 +103,7 @@ TEST_P(LiveStiffness, IsThatOfASolverMadeAnew) {
       EXPECT_LE(of_both, 1.0 + 1e-3) << "a bound";
       EXPECT_GE(of_both, of_one ? 0.0 : 1.0 - 1e-3);
       EXPECT_NEAR(solver->energy().elastic, anew->energy().elastic, 1e-6 * anew->energy().elastic);
-      ASSERT_TRUE(solver->step(60, dt).ok());
-      ASSERT_TRUE(anew->step(60, dt).ok());
+      ASSERT_TRUE(all_step(60, dt, solver, anew));
       const State now = solver->read(), wanted = anew->read();
       const double largest = largest_distance(wanted.position, model.rest);
       EXPECT_GT(largest, 1e-6);
@@ -209,8 +208,7 @@ TEST_P(LiveStiffness, OfFactorsOfOneChangesNoBit) {
     scaled.add(pull_on(model)).scale_stiffness(1.0);
     const auto one = make_solver(GetParam(), model, plain, c.options);
     const auto other = make_solver(GetParam(), model, scaled, c.options);
-    ASSERT_TRUE(one->step(50, 0.5 * one->stable_step()).ok());
-    ASSERT_TRUE(other->step(50, 0.5 * one->stable_step()).ok());
+    ASSERT_TRUE(all_step(50, 0.5 * one->stable_step(), one, other));
     EXPECT_EQ(one->snapshot(), other->snapshot());
   }
 }

@@ -50,8 +50,7 @@ class BesideNeedle {
   void go(double seconds) {
     scene.tool("needle").move_to(pose);
     const int steps = std::max(1, static_cast<int>(std::lround(seconds / dt)));
-    ASSERT_TRUE(device->step(steps, dt).ok());
-    ASSERT_TRUE(reference->step(steps, dt).ok());
+    ASSERT_TRUE(all_step(steps, dt, device, reference));
   }
 
   Model model;

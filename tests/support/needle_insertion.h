@@ -51,8 +51,7 @@ struct Insertion {
       pose.position.z() = from + (to - from) * k / parts;
       scene.tool("needle").move_to(pose);
       const double seconds = std::abs(to - from) / parts / speed;
-      const StepReport report = solver->step(std::max(1, static_cast<int>(std::lround(seconds / dt))), dt);
-      EXPECT_TRUE(report.ok()) << report.message();
+      EXPECT_TRUE(is_ok(solver->step(std::max(1, static_cast<int>(std::lround(seconds / dt))), dt)));
       force.push_back(solver->tool_force("needle").mean_force.z());
     }
     return force;
