@@ -241,9 +241,8 @@ TEST(GradedBody, ReturnsFromABrokenState) {
   const Model model =
       with_material(make_body(solid_box({0, 0, 0}, {0.05, 0.05, 0.05}), fine_at({0.025, 0.025, 0.05}, 0.004)),
                     {.young = 10e3, .poisson = 0.3, .density = 1000});
-  const SolverOptions options{.damping = {.rate = 60.0}};
   const Scene scene(model);
-  const auto solver = make_solver("cpu", model, scene, {}, options);
+  const auto solver = make_solver("cpu", model, scene, {}, damped(60.0));
   State state = rest_state(model);
   for (Vec3& x : state.position) x.z() *= 0.1;
   solver->reset(state);

@@ -218,8 +218,7 @@ TEST(LabelBody, RandomImagesHaveGoodCellsWhereTheSpacingVaries) {
 /// Against the same body as one region, of one material.
 TEST(LabelBody, RegionsDoNotShortenTheStep) {
   const auto step_of = [](const LabelImage& image, const LabelBodyOptions& options) {
-    Model model = make_body(image, options);
-    set_material(model, soft_tissue(0.45));
+    Model model = with_material(make_body(image, options), soft_tissue(0.45));
     const Scene scene(model);
     return make_solver("reference", model, scene)->stable_step();
   };

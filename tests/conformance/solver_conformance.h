@@ -75,8 +75,7 @@ TEST_P(SolverConformance, ImposedPositionsAreMetAndOtherAxesAreFree) {
              .events = {{0.0, 0.0}, {0.05, 0.003}},
              .axes = {Axis::driven, Axis::free, Axis::free},
              .direction = {1, 0, 0}});
-  const SolverOptions options{.damping = {.rate = 60.0}};
-  const auto solver = make(model, scene, options);
+  const auto solver = make(model, scene, damped(60.0));
   const double dt = 0.5 * solver->stable_step();
   ASSERT_TRUE(solver->step(static_cast<int>(0.2 / dt), dt).ok());
   const State state = solver->read();
@@ -92,8 +91,7 @@ TEST_P(SolverConformance, ImposedPositionsAreMetAndOtherAxesAreFree) {
 TEST_P(SolverConformance, HangsToRestUnderGravityAndBearsItsWeight) {
   const Model model = block();
   Scene scene = Scene(model).fix("z1").gravity({0, 0, -9.81});
-  const SolverOptions options{.damping = {.rate = 60.0}};
-  const auto solver = make(model, scene, options);
+  const auto solver = make(model, scene, damped(60.0));
   const RestResult rest = solver->run_to_rest(200000, 0.5 * solver->stable_step());
   ASSERT_TRUE(rest.report.ok()) << rest.message();
   EXPECT_TRUE(rest.converged());
@@ -278,8 +276,7 @@ TEST_P(SolverConformance, RunToRestSaysWhetherItRests) {
 TEST_P(SolverConformance, StopsBeforeNaNAndKeepsTheLastGoodState) {
   const Model model = block();
   const Scene scene(model);
-  const SolverOptions options{.on_unstable = UnstableStep::allow};
-  const auto solver = make(model, scene, options);
+  const auto solver = make(model, scene, {.on_unstable = UnstableStep::allow});
   solver->reset(displaced(model, 0.05, 3));
   const StepReport report = solver->step(1000000, 3.0 * solver->stable_step());
   ASSERT_EQ(report.status, StepStatus::not_finite) << report.message();

@@ -291,8 +291,7 @@ TEST(Sleep, LetsWhatNothingHoldsFall) {
   const Model model = with_material(make_tetrahedral_block({0.06, 0.03, 0.03}, 6, 3, 3, 0.2, 7),
                                     {.young = 1e7, .poisson = 0.3, .density = 1000.0});
   Scene scene = Scene(model).gravity({0, 0, -1.0});
-  const SolverOptions options{.sleep_tolerance = 1e-4};
-  const auto solver = make_solver("cpu", model, scene, {}, options);
+  const auto solver = make_solver("cpu", model, scene, {}, {.sleep_tolerance = 1e-4});
   const double dt = 0.5 * solver->stable_step();
   ASSERT_TRUE(solver->step(2000, dt).ok());
   const double fallen = model.rest[0].z() - solver->read().position[0].z(), time = 2000 * dt;

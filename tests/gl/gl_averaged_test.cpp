@@ -100,9 +100,8 @@ TEST_P(GlAveraged, BodiesGoWhereTheReferenceGoes) {
     Scene scene(body.model);
     scene.fix(body.name == "one tetrahedron" ? "base" : body.name == "hexahedra and wedges" ? "bottom" : "x0");
     scene.gravity({0, -9.81, 0});
-    const SolverOptions damped{.damping = {.factor = 0.99}};
     const auto tables = averaged_tables(body.model);
-    const GlTrio trio = trio_of(tables, scene, damped);
+    const GlTrio trio = trio_of(tables, scene, {.damping = {.factor = 0.99}});
     const State start = random_state(body.model, 0.05, 0.0, 5);
     trio.reset(start);
     const double dt = 0.3 * trio.reference->stable_step();
@@ -178,8 +177,7 @@ TEST_P(GlAveraged, OnlyThisLawPaysForIt) {
     Model model = make_block({0.03, 0.02, 0.02}, 4, 3, 2);
     if (averaged) set_material(model, soft_tissue());
     const Scene scene(model);
-    const SolverOptions profiled{.profile = true};
-    const GlTwins twins = twins_of(tables_of(model, {}), scene, profiled);
+    const GlTwins twins = twins_of(tables_of(model, {}), scene, {.profile = true});
     twins.gl->clear_profile();
     ASSERT_TRUE(twins.gl->step(10, 0.3 * twins.gl->stable_step()).ok());
     const std::vector<std::string> passes = passes_run(*twins.gl, 10);
@@ -194,8 +192,7 @@ TEST_P(GlAveraged, OnlyThisLawPaysForIt) {
 TEST_P(GlAveraged, ConstantsBeyondSinglePrecisionAreRefused) {
   const Model model = with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2), {1e40, 0.3, 1e36});
   const Scene scene(model);
-  const SolverOptions any{.spectrum = Spectrum{}};
-  EXPECT_TRUE(refuses([&] { gl::DeviceSolver(GetParam(), averaged_tables(model), scene, any); },
+  EXPECT_TRUE(refuses([&] { gl::DeviceSolver(GetParam(), averaged_tables(model), scene, {.spectrum = Spectrum{}}); },
                       "is beyond the range of single precision"));
 }
 

@@ -103,9 +103,8 @@ TEST_P(GlDissipation, ForcesAreWithinTheRoundingBound) {
 TEST_P(GlDissipation, BatchesThatEndEarlyKeepTheStrainsOfTheirLastStep) {
   const Model model = dissipating_bodies(3)[0].model;
   Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
-  const SolverOptions options{.damping = {.rate = 200.0}};
   const auto tables = tables_of(model, {});
-  const GlTwins twins = twins_of(tables, scene, options);
+  const GlTwins twins = twins_of(tables, scene, damped(200.0));
   const double dt = 0.5 * twins.gl->stable_step();
   const auto settle = [&](Solver& solver) {
     solver.reset(rest_state(model));
@@ -147,8 +146,7 @@ TEST_P(GlDissipation, OnlySuchBodiesPayForIt) {
   for (const int kinds : {0, 1, 2, 3}) {
     const Model model = dissipating_bodies(kinds)[1].model;
     const Scene scene(model);
-    const SolverOptions profiled{.profile = true};
-    const GlTwins twins = twins_of(tables_of(model, {}), scene, profiled);
+    const GlTwins twins = twins_of(tables_of(model, {}), scene, {.profile = true});
     twins.gl->clear_profile();
     ASSERT_TRUE(twins.gl->step(10, 0.3 * twins.gl->stable_step()).ok());
     const std::vector<std::string> passes = passes_run(*twins.gl, 10);

@@ -100,8 +100,7 @@ TEST_P(GlEquivalence, LoadsOfAllKindsHaveTheMirrorsBits) {
              .events = {{0.0, 1.0}, {0.05, -3.0}},
              .direction = {0, 0, 1}});
 
-  const SolverOptions options{.damping = {.rate = 20.0}};
-  const GlTwins twins = twins_of(tables_of(model, {}), scene, options);
+  const GlTwins twins = twins_of(tables_of(model, {}), scene, damped(20.0));
   const double dt = 0.3 * twins.gl->stable_step();
   for (int call = 0; call < 20; ++call) {
     const StepReport gl = twins.gl->step(37, dt), mirror = twins.mirror->step(37, dt);
@@ -157,8 +156,7 @@ TEST_P(GlEquivalence, DampedBodiesComeToTheReferencesRest) {
       const Model model = prepared(variant, body);
       const Scene scene(model);
       const auto tables = tables_of(model, variant.options);
-      const SolverOptions options{.damping = {.factor = 0.9}};
-      const GlTwins twins = twins_of(tables, scene, options);
+      const GlTwins twins = twins_of(tables, scene, {.damping = {.factor = 0.9}});
       const auto reference = make_solver("reference", tables, scene, twins.options());
       const State start = random_state(model, 0.05, 0.0, 5);
       twins.reset(start);
@@ -173,8 +171,7 @@ TEST_P(GlEquivalence, FailureStatesHaveTheMirrorsBits) {
   constexpr double side = 0.03;
   const Model model = with_material(make_block({side, side, side}, 3, 3, 3, 6));
   const Scene scene(model);
-  const SolverOptions options{.damping = {.factor = 0.98}};
-  const GlTwins twins = twins_of(tables_of(model, {}), scene, options);
+  const GlTwins twins = twins_of(tables_of(model, {}), scene, {.damping = {.factor = 0.98}});
   for (const FailureState& failure : failure_states()) {
     SCOPED_TRACE(failure.name);
     std::mt19937 bits(5);
@@ -212,9 +209,8 @@ TEST_P(GlEquivalence, FourSolversInFourThreads) {
   const Model model = jittered_block();
   const Scene scene(model);
   const auto tables = tables_of(model, {});
-  const SolverOptions options{.spectrum = estimate_spectrum(*tables, tables->rest)};
   const auto run = [&] {
-    gl::DeviceSolver solver(GetParam(), tables, scene, options);
+    gl::DeviceSolver solver(GetParam(), tables, scene, {.spectrum = estimate_spectrum(*tables, tables->rest)});
     solver.reset(random_state(model, 0.1, 0.0, 3));
     for (int k = 0; k < 20; ++k) EXPECT_TRUE(solver.step(5, 0.4 * solver.stable_step()).ok());
     return solver.read();
@@ -230,8 +226,7 @@ TEST_P(GlEquivalence, FourSolversInFourThreads) {
 TEST_P(GlEquivalence, FarFromTheOriginNoDigitIsLost) {
   const Model model = with_material(moved(jittered_block(), {1000.0, -1000.0, 1000.0}));
   Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
-  const SolverOptions options{.damping = {.rate = 5.0}};
-  const GlTwins twins = twins_of(tables_of(model, {}), scene, options);
+  const GlTwins twins = twins_of(tables_of(model, {}), scene, damped(5.0));
   const auto reference = make_solver("reference", model, scene, {}, twins.options());
   const double dt = 0.4 * reference->stable_step();
   ASSERT_TRUE(all_step(3000, dt, twins.gl, reference));

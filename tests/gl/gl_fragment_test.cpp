@@ -178,8 +178,7 @@ TEST_F(GlFragment, PulledCylinderRestsWithinAThousandthOfTheReferencesSteps) {
   Scene scene = Scene(model).fix("bottom");
   scene.add(
       {.type = LoadType::force, .particles = model.group("top"), .events = {{0.0, 0.002}}, .direction = {0, 0, 1}});
-  const SolverOptions options{.damping = {.rate = 60.0}, .rest_tolerance = 1e-6};
-  const GlTwins twins(tables_of(model, {}), scene, options);
+  const GlTwins twins(tables_of(model, {}), scene, {.damping = {.rate = 60.0}, .rest_tolerance = 1e-6});
   const auto reference = make_solver("reference", model, scene, {}, twins.options());
   const double dt = 0.5 * reference->stable_step();
   const RestResult a = twins.gl->run_to_rest(50000, dt), b = reference->run_to_rest(50000, dt);

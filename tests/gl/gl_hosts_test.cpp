@@ -175,8 +175,7 @@ TEST_P(GlHosts, AHostThatTimesItselfIsLeftAlone) {
   ASSERT_GT(bits, 0);
   const Model model = make_tetrahedron(0.01);
   const Scene scene(model);
-  const SolverOptions options{.profile = true, .gl = {.context = GlContext::current}};
-  const auto solver = make_solver("gl", model, scene, {}, options);
+  const auto solver = make_solver("gl", model, scene, {}, {.profile = true, .gl = {.context = GlContext::current}});
   const double dt = 0.1 * solver->stable_step();
   const auto device_seconds = [&] {
     double sum = 0.0;

@@ -265,8 +265,7 @@ TEST_P(GlJoint, RestsWhereTheReferenceDoes) {
 TEST_P(GlJoint, OnlyScenesWithJointsPayForIt) {
   const Model model = cubes_apart(0.001);
   Scene scene = Scene(model).fix("lower/z0");
-  const SolverOptions profiled{.profile = true};
-  const GlTrio trio = trio_of(scene, profiled);
+  const GlTrio trio = trio_of(scene, {.profile = true});
   const double dt = 0.1 * trio.twins.gl->stable_step();
   const auto passes = [&] {
     trio.twins.gl->clear_profile();

@@ -182,8 +182,7 @@ TEST_F(GlNeedle, AStateAtAnObliqueExitCanBeGoneOnFrom) {
     ToolPose pose{.position = {0.022, 0.0197, 0.0403},
                   .orientation = Quaternion(Eigen::AngleAxisd(-tilt, Vec3::UnitY()))};
     Scene scene = Scene(model).fix("z0").add_tool("needle", {.shape = needle, .pose = pose, .friction = 0.5});
-    const SolverOptions options{.damping = {.rate = 40.0}};
-    const auto solver = make_solver("gl-compute", model, scene, {}, options);
+    const auto solver = make_solver("gl-compute", model, scene, {}, damped(40.0));
     bool through = false;
     double off = 0.0;
     for (int k = 0; k < 45; ++k) {

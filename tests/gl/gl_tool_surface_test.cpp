@@ -138,8 +138,7 @@ TEST_P(GlToolSurface, ToolsActOneAfterAnotherAroundAGrasp) {
 /// what floats round: as where there are no tools (gl_joint_test.cpp).
 TEST_P(GlToolSurface, AgreesBesideContactsAndVolumes) {
   const Model lower = make_block({0.02, 0.02, 0.02}, 3, 3, 3), upper = moved(lower, {0, 0, 0.021});
-  const NamedBody bodies[] = {{"lower", &lower}, {"upper", &upper}};
-  const Model model = with_material(merge_models(bodies));
+  const Model model = with_material(merged({{"lower", &lower}, {"upper", &upper}}));
   Scene scene = Scene(model).fix("lower/z0").gravity({0, 0, -9.81}).contacts({}).constrain_volume("upper");
   scene.add_tool("ball", {.shape = Sphere{0.006},
                           .pose = {.position = Vec3(0.012, 0.009, 0.0472), .velocity = {0, 0, -0.02}},

@@ -85,8 +85,7 @@ TEST_P(GlVolume, SeveralBodiesAndToolsFarFromTheOrigin) {
   const Vec3 origin(800, -600, 1000);
   const Model block = make_block({0.02, 0.02, 0.02}, 4, 4, 4), flat = make_block({0.03, 0.02, 0.01}, 6, 4, 2);
   const Model one = with_material(moved(block, origin)), two = with_material(moved(flat, origin + Vec3(0.05, 0, 0)));
-  const NamedBody bodies[] = {{"one", &one}, {"two", &two}};
-  const Model both = merge_models(bodies);
+  const Model both = merged({{"one", &one}, {"two", &two}});
   Scene scene = Scene(both).fix("one/z0").fix("two/z0").constrain_volume("one").constrain_volume("two");
   VolumeConstraint more = scene.volume_constraints()[1];
   more.volume *= 1.02;

@@ -45,11 +45,10 @@ Model cube_on_slab(double gap) {
 TEST(BodyContact, LeavesOutOnlyWhatNothingCanTouch) {
   const Model model = cube_on_slab(0.0002);
   for (const char* backend : {"reference", "cpu"}) {
-    const SolverOptions options{.damping = {.rate = 10.0}, .threads = 1};
     State end[2];
     for (const bool self : {false, true}) {
       Scene scene = Scene(model).gravity({0.5, 0, -9.81}).fix("low/z0").contacts({.friction = 0.3, .self = self});
-      const auto solver = make_solver(backend, model, scene, {}, options);
+      const auto solver = make_solver(backend, model, scene, {}, {.damping = {.rate = 10.0}, .threads = 1});
       const double dt = 0.4 * solver->stable_step();
       ASSERT_TRUE(solver->step(static_cast<int>(0.025 / dt), dt).ok());
       end[self] = solver->read();
@@ -123,8 +122,7 @@ TEST(BodyContact, MomentumIsKeptToRounding) {
 /// gained and what damping took. Not all of its corners press and slide at every instant, hence 1 %.
 TEST(BodyContact, FrictionHoldsAndSlides) {
   const Model floor = tissue({0, 0, -0.005}, {24, 8, 1}), block = tissue({0.0113, 0.0097, 0.001}, {4, 4, 4});
-  const NamedBody bodies[] = {{"floor", &floor}, {"block", &block}};
-  const Model model = merge_models(bodies);
+  const Model model = merged({{"floor", &floor}, {"block", &block}});
   const std::vector<Index> own = model.group("block");
   constexpr double g = 9.81, mu = 0.5, rate = 20.0;
   for (const double slope : {0.25, 0.8}) {
@@ -180,8 +178,7 @@ TEST(BodyContact, BitsDoNotDependOnThreads) {
 TEST(BodyContact, ASingleBodyIsAsWithoutContacts) {
   Model fine = tissue({0, 0, 0}, {4, 4, 4}), coarse = moved(make_block({0.06, 0.06, 0.06}, 1, 1, 1), {0, 0, 0.5});
   set_material(coarse, {5e3, 0.3, 1000.0});
-  const NamedBody bodies[] = {{"fine", &fine}, {"coarse", &coarse}};
-  for (const Model& model : {fine, merge_models(bodies)}) {
+  for (const Model& model : {fine, merged({{"fine", &fine}, {"coarse", &coarse}})}) {
     State end[2];
     for (const bool touching : {false, true}) {
       Scene scene = Scene(model).gravity({0, 0, -9.81}).fix(model.has_group("x0") ? "x0" : "fine/x0");

@@ -29,8 +29,7 @@ TEST(ContactFriction, OfAReleasedContactIsTakenBack) {
   const Model model = merge_models(bodies);
   for (const char* backend : {"reference", "cpu"}) {
     Scene scene = Scene(model).contacts({.friction = mu, .margin = skin});
-    const SolverOptions options{.on_unstable = UnstableStep::allow};
-    const auto solver = make_solver(backend, model, scene, {}, options);
+    const auto solver = make_solver(backend, model, scene, {}, {.on_unstable = UnstableStep::allow});
     State start = rest_state(model);
     const Vec3 thrown(-0.2, 2.0, -0.02);  // m/s
     for (const Index i : model.group("wall")) start.velocity[i] = {0, 0, 2.0};

@@ -38,8 +38,7 @@ struct Effect {
 /// Beside them is a body with edges of 6 cm, which touches neither.
 Effect effect_of_contacts(const Model& big, const Model& small, const char* backend) {
   const Model coarse = small_cube({0, 0, 0.5}, 0.06);
-  const NamedBody bodies[] = {{"big", &big}, {"small", &small}, {"coarse", &coarse}};
-  const Model model = merge_models(bodies);
+  const Model model = merged({{"big", &big}, {"small", &small}, {"coarse", &coarse}});
   Scene scene(model);
   const auto solver = make_solver(backend, model, scene, {}, options_for({backend, 1}));
   State end[2];
@@ -91,8 +90,7 @@ TEST(ContactSearch, DeepBelowAFineSideNoCoarseOneLeadsOut) {
 /// is nearer to each particle than what comes. Beside it is a coarse body.
 TEST(ContactSearch, TheFarSideOfOnesOwnBodyHidesNoFold) {
   const Model strip = make_block({0.12, 0.01, 0.015}, 24, 2, 3), coarse = small_cube({0, 0, 0.5}, 0.06);
-  const NamedBody bodies[] = {{"strip", &strip}, {"coarse", &coarse}};
-  const Model model = merge_models(bodies);
+  const Model model = merged({{"strip", &strip}, {"coarse", &coarse}});
   constexpr double squash = 0.4, gap = 0.0075;  // gap: m, between 6 mm of either half
   std::vector<Index> low, high;                 // particles that face each other, along the middles of the halves
   State folded = rest_state(model);
@@ -131,8 +129,7 @@ TEST(ContactSearch, TheFarSideOfOnesOwnBodyHidesNoFold) {
 TEST(ContactSearch, TrianglesWithoutAreaGiveNoDirection) {
   const double size = 0x1p-6;  // m; places are exact in floats too
   const Model low = small_cube({0, 0, 0}, size), high = small_cube({0, 0, 2 * size}, size);
-  const NamedBody bodies[] = {{"low", &low}, {"high", &high}};
-  const Model model = merge_models(bodies);
+  const Model model = merged({{"low", &low}, {"high", &high}});
   for (const char* backend : {"reference", "cpu"}) {
     Scene scene = Scene(model).contacts({});
     const auto solver = make_solver(backend, model, scene, {}, options_for({backend, 1}));
@@ -166,8 +163,7 @@ struct NearTriangles {
     add(high, CellType::line, {0, 1});
     finish(low);
     finish(high);
-    const NamedBody bodies[] = {{"low", &low}, {"high", &high}};
-    model = merge_models(bodies);
+    model = merged({{"low", &low}, {"high", &high}});
   }
 
   static void add(Model& model, CellType type, std::vector<Index> particles) {
@@ -236,8 +232,7 @@ struct BesideAnEdge {
     NearTriangles::add(near, CellType::line, {0, 1});
     NearTriangles::finish(wedge);
     NearTriangles::finish(near);
-    const NamedBody bodies[] = {{"wedge", &wedge}, {"near", &near}};
-    model = merge_models(bodies);
+    model = merged({{"wedge", &wedge}, {"near", &near}});
   }
 
   Vec3 place;

@@ -30,8 +30,7 @@ TEST_P(Contact, BlockLiesStillBelowTheFrictionAngle) {
   for (const double degrees : {0.0, 20.0, 26.0}) {  // atan(0.5) = 26.57
     SCOPED_TRACE(degrees);
     Slope slope(degrees, 0.5);
-    const SolverOptions options{.damping = {.rate = 200.0}};
-    const auto solver = make(slope.model, slope.scene, options);
+    const auto solver = make(slope.model, slope.scene, damped(200.0));
     const double dt = 0.25 * solver->stable_step(), weight = total_mass(slope.model) * free_fall;
     const RestResult rest = solver->run_to_rest(20000, dt);
     ASSERT_TRUE(rest.converged()) << rest.message();
@@ -68,9 +67,8 @@ TEST_P(Contact, BlockSlidesBeyondTheFrictionAngleAsACoulombBlockDoes) {
 
 TEST_P(Contact, ComplianceLetsParticlesInByForceTimesCompliance) {
   Slope level(0.0, 0.0);
-  const SolverOptions options{.damping = {.rate = 200.0}};
   level.scene.remove_tool("floor").add_tool("floor", {.shape = HalfSpace{}, .compliance = 1e-3});
-  const auto solver = make(level.model, level.scene, options);
+  const auto solver = make(level.model, level.scene, damped(200.0));
   ASSERT_TRUE(solver->run_to_rest(20000, 0.25 * solver->stable_step()).converged());
   const State state = solver->read();
   double pushed = 0.0;
@@ -143,8 +141,7 @@ TEST_P(Contact, TenThousandStepsOfRandomToolsDoNoHarm) {
   const ToolPose away{.position = {0.5, 0, 0}};
   scene.add_tool("ball", {.shape = Sphere{0.006}, .pose = away, .friction = 0.5});
   scene.add_tool("rod", {.shape = Capsule{0.005, 0.03}, .pose = away, .friction = 0.2, .compliance = 1e-2});
-  const SolverOptions options{.damping = {.rate = 50.0}};
-  const auto solver = make(model, scene, options);
+  const auto solver = make(model, scene, damped(50.0));
   const double dt = 0.25 * solver->stable_step();
   std::mt19937 bits(11);
   int touched = 0;

@@ -219,8 +219,7 @@ TEST(KeptVolume, BitsDoNotDependOnThreads) {
 
 TEST(KeptVolume, OfBodiesByName) {
   const Model one = soft_block(), two = moved(soft_block(), {0.1, 0, 0});
-  const NamedBody bodies[] = {{"one", &one}, {"two", &two}};
-  const Model both = merge_models(bodies);
+  const Model both = merged({{"one", &one}, {"two", &two}});
   Scene scene = Scene(both).gravity({0, 0, -9.81}).fix("one/x0").fix("two/x0").constrain_volume("two");
   const auto solver = make_solver("reference", both, scene);
   ASSERT_TRUE(solver->step(400, 0.3 * solver->stable_step()).ok());
@@ -233,8 +232,7 @@ TEST(KeptVolume, OfBodiesByName) {
 /// Parting two bodies moves nothing that is imposed: a body held whole keeps its volume without any help.
 TEST(KeptVolume, OfAHeldBodyIsNotLostWhereAnotherLiesInIt) {
   const Model held = soft_block(), free = moved(soft_block(), {0.0013, 0.0011, 0.0195});
-  const NamedBody bodies[] = {{"held", &held}, {"free", &free}};
-  const Model both = merge_models(bodies);
+  const Model both = merged({{"held", &held}, {"free", &free}});
   for (const char* backend : {"reference", "cpu"}) {
     Scene scene = Scene(both).fix("held").constrain_volume("held").contacts({});
     const auto solver = make_solver(backend, both, scene);

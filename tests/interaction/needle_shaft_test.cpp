@@ -75,8 +75,7 @@ TEST_P(BendingNeedleIn, BendsUnderAHangingBlockAsABeamDoes) {
   Scene scene(model);
   ToolPose pose{.position = {0.0051, 0.0049, edge + 5e-4}};
   scene.fix("z0").add_tool("needle", {.shape = needle, .pose = pose});
-  const SolverOptions options{.damping = {.rate = 60.0}};
-  const auto solver = make(model, scene, options);
+  const auto solver = make(model, scene, damped(60.0));
   const double dt = 0.4 * solver->stable_step();
   const double depth = 0.008;
   pose.position.z() = edge - depth;
@@ -235,8 +234,7 @@ VecList ends_from(const std::string& backend, double stiffness, double way) {
   const Model model = Insertion::gel(3);
   ToolPose pose{.position = {0.0203, 0.0197, block_side - 0.01}};
   Scene scene = Scene(model).fix("z0").add_tool("needle", {.shape = bending(stiffness), .pose = pose, .friction = 0.5});
-  const SolverOptions options{.damping = {.rate = 40.0}};
-  const auto solver = make_solver(backend, model, scene, {}, options);
+  const auto solver = make_solver(backend, model, scene, {}, damped(40.0));
   State start = solver->read();
   start.position[model.rest.size() / 2].x() += way;
   solver->reset(start);

@@ -60,8 +60,7 @@ TEST_P(ToolEffects, NothingOfWhatLeavesByItself) {
   Scene scene(model);
   constexpr double deep = 1e-4;  // m
   scene.add_tool("floor", {.shape = HalfSpace{}, .pose = {.position = {0, 0, deep}}});
-  const SolverOptions options{.on_unstable = UnstableStep::allow};
-  const auto solver = make(model, scene, options);
+  const auto solver = make(model, scene, {.on_unstable = UnstableStep::allow});
   const double dt = 0x1p-10;
   State state = rest_state(model);
   for (Vec3& v : state.velocity) v = {0, 0, 0.5 * deep / dt};

@@ -32,8 +32,7 @@ class PressedSlab {
  public:
   PressedSlab(const Model& model, const Tool& tool, const std::string& backend = "cpu") : scene_(model) {
     scene_.fix("z0").add_tool("tool", tool);
-    const SolverOptions options{.damping = {.rate = 100.0}};
-    solver_ = make_solver(backend, model, scene_, {}, options);
+    solver_ = make_solver(backend, model, scene_, {}, damped(100.0));
     steps_ = static_cast<int>(std::ceil(1e-3 / (0.5 * solver_->stable_step())));
   }
 
@@ -225,8 +224,7 @@ TEST_P(ToolSurfaceOn, FeelsNoBlowWhenTheStepGetsShorter) {
   scene.fix("z0").add_tool("ball", {.shape = Sphere{radius},
                                     .pose = {.position = {0.0112, 0.0093, 0.02 + radius}},
                                     .contact = ToolContact::surface});
-  const SolverOptions options{.damping = {.rate = 200.0}};
-  const auto solver = make(model, scene, options);
+  const auto solver = make(model, scene, damped(200.0));
   const double dt = 0.5 * solver->stable_step();
   scene.tool("ball").move_to({.position = {0.0112, 0.0093, 0.017 + radius}});
   for (const int steps : {300, 1000}) ASSERT_TRUE(solver->step(steps, dt).ok());

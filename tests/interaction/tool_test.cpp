@@ -113,8 +113,7 @@ TEST_P(MovingTool, HoldsWhatItGraspedAndFeelsItsInertia) {
   const Model model = soft_block({0.02, 0.02, 0.02}, 4, 4, 4);
   Scene scene = Scene(model).gravity({0, 0, -9.81});
   scene.add_tool("jaw", {.shape = Box{{0.006, 0.006, 0.001}}, .pose = {.position = {0.01, 0.01, 0.0215}}});
-  const SolverOptions options{.damping = {.rate = 100.0}, .rest_tolerance = 1e-6};
-  const auto solver = make(model, scene, options);
+  const auto solver = make(model, scene, {.damping = {.rate = 100.0}, .rest_tolerance = 1e-6});
   const double dt = 0.4 * solver->stable_step();
   scene.tool("jaw").grasp(0.0006);
   ASSERT_TRUE(solver->step(1, dt).ok());

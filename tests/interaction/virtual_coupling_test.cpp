@@ -122,8 +122,7 @@ TEST(VirtualCoupling, HandPressingABlockFeelsASteadyForce) {
   Scene scene(model);
   ToolPose hand{.position = {0.015, 0.015, 0.041}};
   scene.fix("z0").add_tool("probe", {.shape = Sphere{0.01}, .pose = hand});
-  const SolverOptions options{.damping = {.rate = 20.0}};
-  const auto solver = make_solver("cpu", model, scene, {}, options);
+  const auto solver = make_solver("cpu", model, scene, {}, damped(20.0));
   const int steps = static_cast<int>(std::ceil(1e-3 / (0.5 * solver->stable_step())));
   VirtualCoupling coupling({}, hand);
   const ToolHandle probe = scene.tool("probe");
@@ -247,8 +246,7 @@ struct Hanging {
 Hanging hang(const Tool& jaw, double grasp, double ratio, bool turned, double gravity) {
   const Model model = soft_block({0.03, 0.03, 0.03}, 5, 5, 5);
   Scene scene = Scene(model).gravity({0, 0, -gravity}).add_tool("jaw", jaw);
-  const SolverOptions options{.damping = {.rate = 20.0}};
-  const auto solver = make_solver("cpu", model, scene, {}, options);
+  const auto solver = make_solver("cpu", model, scene, {}, damped(20.0));
   const int steps = static_cast<int>(std::ceil(1e-3 / (0.5 * solver->stable_step())));
   const ToolHandle tool = scene.tool("jaw");
   tool.grasp(grasp);
@@ -309,8 +307,7 @@ TEST(VirtualCoupling, IsCalmWhereItIsHeavierThanTheFaceItPushes) {
     Scene scene(model);
     ToolPose hand{.position = {0.03, 0.03, 0.0651}};
     scene.fix("z0").add_tool("plate", {.shape = Box{{0.05, 0.05, 0.005}}, .pose = hand, .friction = 0.3});
-    const SolverOptions options{.damping = {.rate = 20.0}};
-    const auto solver = make_solver("cpu", model, scene, {}, options);
+    const auto solver = make_solver("cpu", model, scene, {}, damped(20.0));
     const int steps = static_cast<int>(std::ceil(1e-3 / (0.5 * solver->stable_step())));
     VirtualCoupling coupling({.mass = mass, .inertia = 1e-3, .largest_force = 20.0}, hand);
     const ToolHandle plate = scene.tool("plate");

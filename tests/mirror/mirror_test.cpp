@@ -61,8 +61,7 @@ TEST(Mirror, TwoThousandDampedStepsEndWhereTheReferenceEnds) {
       Scene scene = Scene(model).fix(std::vector<Index>{0, 1, 2});
       const double rate = 0.02;                           // per step
       Pair pair = make_pair(scene, variant.options, {});  // for its step
-      const SolverOptions options{.damping = {.rate = rate / pair.dt}};
-      pair = make_pair(scene, variant.options, options);
+      pair = make_pair(scene, variant.options, damped(rate / pair.dt));
       State start = displaced(model, 0.1, 5);
       for (Index i : {0, 1, 2}) start.position[i] = model.rest[i];
       pair.exact->reset(start);
@@ -92,8 +91,7 @@ TEST(Mirror, TwoThousandDampedStepsEndWhereTheReferenceEnds) {
 TEST(Mirror, FarFromTheOriginNothingIsLost) {
   const Model model = calibrated_cylinder({1000.0, 0.0, 0.0});
   const Scene scene = pulled(model, 0.005);
-  const SolverOptions options{.damping = {.rate = 20.0}};
-  const Pair pair = make_pair(scene, {}, options);
+  const Pair pair = make_pair(scene, {}, damped(20.0));
   ASSERT_TRUE(all_step(3000, pair.dt, pair.exact, pair.mirror));
   const double apart = largest_distance(pair.exact->read().position, pair.mirror->read().position) / body_size(model);
   std::cout << "apart by " << apart << " of the body's size\n";
@@ -103,8 +101,7 @@ TEST(Mirror, FarFromTheOriginNothingIsLost) {
 TEST(Mirror, RestsAtTheStepOfTheReference) {
   const Model model = calibrated_cylinder();
   const Scene scene = pulled(model, 0.005);
-  const SolverOptions options{.damping = {.rate = 20.0}, .rest_tolerance = 1e-6};
-  const Pair pair = make_pair(scene, {}, options);
+  const Pair pair = make_pair(scene, {}, {.damping = {.rate = 20.0}, .rest_tolerance = 1e-6});
   const int warm = static_cast<int>(std::ceil(0.2 / pair.dt));
   ASSERT_TRUE(all_step(warm, pair.dt, pair.exact, pair.mirror));
   const RestResult exact = pair.exact->run_to_rest(20000, pair.dt), mirror = pair.mirror->run_to_rest(20000, pair.dt);
@@ -119,8 +116,7 @@ TEST(Mirror, ComesToRestAtItsOwnNoise) {
   const Model model = calibrated_cylinder();
   for (const double amount : {0.0005, 0.005}) {
     const Scene scene = pulled(model, amount);
-    const SolverOptions options{.damping = {.rate = 20.0}};
-    const Pair pair = make_pair(scene, {}, options);
+    const Pair pair = make_pair(scene, {}, damped(20.0));
     ASSERT_TRUE(pair.mirror->step(static_cast<int>(std::ceil(0.2 / pair.dt)), pair.dt).ok());
     const RestResult rest = pair.mirror->run_to_rest(4000, pair.dt);
     EXPECT_TRUE(rest.converged()) << amount;
@@ -135,8 +131,7 @@ TEST(Mirror, ComesToRestTurned) {
              .particles = model.group("bottom"),
              .events = {{0.0, 0.0}, {0.5, 2.0}},
              .direction = {1, 0, 0}});
-  const SolverOptions options{.damping = {.rate = 40.0}};
-  const Pair pair = make_pair(scene, {}, options);
+  const Pair pair = make_pair(scene, {}, damped(40.0));
   ASSERT_TRUE(pair.mirror->step(static_cast<int>(std::ceil(0.5 / pair.dt)), pair.dt).ok());
   const RestResult rest = pair.mirror->run_to_rest(4000, pair.dt);
   EXPECT_TRUE(rest.converged());

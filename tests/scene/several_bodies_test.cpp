@@ -20,10 +20,7 @@ struct TwoOrgans {
     set_material(soft, {3e3, 0.45, 1000.0});
     set_material(hard, {60e3, 0.3, 1500.0});
   }
-  Model both() const {
-    const NamedBody bodies[] = {{"soft", &soft}, {"hard", &hard}};
-    return merge_models(bodies);
-  }
+  Model both() const { return merged({{"soft", &soft}, {"hard", &hard}}); }
 };
 
 /// Pull, gravity and a pressure on each, by the groups of the body with a prefix.

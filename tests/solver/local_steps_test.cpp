@@ -19,9 +19,7 @@ const Material soft{5e3, 0.45, 1000.0}, stiff{500e3, 0.45, 1000.0};
 const Vec3 middle(0.5 * edge, 0.5 * edge, 0.5 * edge);
 
 Model cube(int cells) {
-  Model model = make_tetrahedral_block({edge, edge, edge}, cells, cells, cells, 0.2, 7);
-  set_material(model, soft);
-  return model;
+  return with_material(make_tetrahedral_block({edge, edge, edge}, cells, cells, cells, 0.2, 7), soft);
 }
 
 /// A cube of 0.1 m with a ball, a hundred times as stiff, in 2 % of its volume.

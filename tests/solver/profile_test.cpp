@@ -53,8 +53,7 @@ TEST_P(ProfileTest, IsEmptyUnlessAskedFor) {
 TEST(CpuProfile, ToolsHaveARowWhereThereAreAny) {
   const Model model = cylinder_275();
   Scene scene = Scene(model).fix("bottom");
-  const SolverOptions options{.profile = true};
-  const auto solver = make_solver("cpu", model, scene, {}, options);
+  const auto solver = make_solver("cpu", model, scene, {}, {.profile = true});
   const double dt = 0.5 * solver->stable_step();
   ASSERT_TRUE(solver->step(5, dt).ok());
   EXPECT_EQ(find(solver->profile(), "tools"), nullptr);
@@ -100,8 +99,7 @@ TEST_P(ProfileTest, CountsEveryStepOnce) {
 TEST_P(ProfileTest, TimesAddUpToTheTimeOfTheCall) {
   const Model model = with_material(make_block({0.05, 0.05, 0.05}, 10, 10, 10));
   const Scene scene(model);
-  const SolverOptions options{.threads = 1, .profile = true};
-  const auto solver = make_solver(GetParam(), model, scene, {}, options);
+  const auto solver = make_solver(GetParam(), model, scene, {}, {.threads = 1, .profile = true});
   solver->reset(displaced(model, 0.05, 3));
   const double dt = 0.1 * solver->stable_step();
   solver->step(5, dt);

@@ -120,8 +120,7 @@ TEST(Recovery, OrdinaryMotionIsNotCut) {
 TEST(Recovery, ABodyInOnePointIsReported) {
   const Model model = make_block({side, side, side}, cells, cells, cells, 6);  // a material's means are noise enough
   const Scene scene(model);
-  const SolverOptions options{.damping = {.rate = 20.0}};
-  const auto solver = make_solver("reference", model, scene, {}, options);
+  const auto solver = make_solver("reference", model, scene, {}, damped(20.0));
   State state = rest_state(model);
   for (Vec3& x : state.position) x = Vec3::Constant(side / 2);
   solver->reset(state);

@@ -217,8 +217,7 @@ TEST(Stability, ScaleFromOneMillimetreToOneMetreChangesNothing) {
         model.mass.assign(model.mass.size(), 10.0 * size * size * size);
       }
       Scene scene = Scene(model).fix("x0").gravity({0, 0, -0.5 / size});
-      const SolverOptions options{.damping = {.rate = 4.0 / size}};
-      const auto solver = make_solver("reference", model, scene, c.topology, options);
+      const auto solver = make_solver("reference", model, scene, c.topology, damped(4.0 / size));
       const RestResult rest = solver->run_to_rest(40000, 0.5 * solver->stable_step());
       ASSERT_TRUE(rest.report.ok()) << rest.message();
       EXPECT_TRUE(rest.converged());

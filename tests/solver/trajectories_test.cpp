@@ -45,8 +45,7 @@ Model fibrous() {
 
 Model two_cubes() {
   const Model lower = make_block({0.02, 0.02, 0.02}, 3, 3, 3), upper = moved(lower, {0.004, 0.003, 0.021});
-  const NamedBody bodies[] = {{"lower", &lower}, {"upper", &upper}};
-  return with_material(merge_models(bodies));
+  return with_material(merged({{"lower", &lower}, {"upper", &upper}}));
 }
 
 void hang(Scene& scene) {

@@ -42,8 +42,7 @@ TEST(StabilityAveraged, APunchRestsInTheSameShapeCloseToTheLimit) {
         if (from_middle.cwiseAbs().maxCoeff() < 0.021 && from_middle.z() > -0.001) punch.particles.push_back(i);
       }
       Scene scene = Scene(model).fix("z0").add(punch);
-      const SolverOptions options{.damping = {.rate = 40.0}};
-      const auto solver = make_solver("cpu", model, scene, {.strain_energy = energy}, options);
+      const auto solver = make_solver("cpu", model, scene, {.strain_energy = energy}, damped(40.0));
       const auto rest_at = [&](double share) {
         solver->reset();
         EXPECT_TRUE(solver->run_to_rest(4000, share * solver->stable_step()).converged());

@@ -17,8 +17,7 @@ class StabilityBases : public OnBackend {
   /// Steps a body from a state; every report must be good and every number finite.
   static State stepped(const Model& model, const TopologyOptions& topology, const State& start, int steps) {
     const Scene scene(model);
-    const SolverOptions options{.damping = {.factor = 0.98}};
-    const auto solver = make(model, scene, topology, options);
+    const auto solver = make(model, scene, topology, {.damping = {.factor = 0.98}});
     solver->reset(start);
     EXPECT_TRUE(is_ok(solver->step(steps, 0.5 * solver->stable_step())));
     State end = solver->read();

@@ -27,8 +27,7 @@ TEST_P(StabilityMotion, RestIsReachedWithAnyDamping) {
   Scene scene = Scene(model).fix("x0").gravity({0, 0, -1});
   VecList first;
   for (const double d : {0.0, 0.5, 0.9, 0.99}) {
-    const SolverOptions options{.damping = {.factor = d}, .rest_tolerance = 1e-6};
-    const auto solver = make(model, scene, {}, options);
+    const auto solver = make(model, scene, {}, {.damping = {.factor = d}, .rest_tolerance = 1e-6});
     EXPECT_TRUE(has_converged(solver->run_to_rest(40000, 0.5 * solver->stable_step()))) << d;
     const VecList end = solver->read().position;
     if (first.empty()) first = end;
@@ -135,8 +134,7 @@ TEST_P(StabilityMotion, AnImpactGainsNoEnergyAndTheBodyReturns) {
   Scene scene = Scene(model).fix("x0");
   for (const double speed : {0.3, 10.0, 100.0}) {
     for (const double d : {1.0, 0.99}) {
-      const SolverOptions options{.damping = {.factor = d}};
-      const auto solver = make(model, scene, {}, options);
+      const auto solver = make(model, scene, {}, {.damping = {.factor = d}});
       State state = rest_state(model);
       for (Vec3& v : state.velocity) v.x() = -speed;
       for (const Index i : model.group("x0")) state.velocity[i].setZero();
@@ -166,8 +164,7 @@ TEST_P(StabilityMotion, ASuddenLoadIsBornOrReported) {
     const Model model = of_tissue(make_block({0.04, 0.02, 0.02}, 4, 2, 2, method.valence), method);
     for (const double gravity : {294.0, 981.0, 9810.0}) {
       Scene scene = Scene(model).fix("x0").gravity({0, 0, -gravity});
-      const SolverOptions options{.damping = {.factor = 0.99}};
-      const auto solver = make(model, scene, method.options, options);
+      const auto solver = make(model, scene, method.options, {.damping = {.factor = 0.99}});
       const double dt = 0.5 * solver->stable_step();
       StepReport report = solver->step(steps(1000), dt);
       EXPECT_TRUE(is_finite(solver->read())) << method.name;
@@ -212,8 +209,7 @@ TEST_P(StabilityMotion, AtResonanceDampingBounds) {
   }
   Scene scene = Scene(model).fix("x0").add(shaking);
   const auto widest = [&](double rate, int from, int to) {
-    const SolverOptions options{.damping = {.rate = rate}};
-    const auto solver = make(model, scene, {}, options);
+    const auto solver = make(model, scene, {}, damped(rate));
     const double dt = 0.5 * solver->stable_step();
     double width = 0.0;
     for (int quarter = 0; quarter < 4 * to; ++quarter) {
@@ -262,8 +258,7 @@ TEST_P(StabilityMotion, PushedAndPulledParticlesComeBack) {
                     .events = {{0.0, length}},
                     .direction = {length < 0.1 ? -1.0 : 1.0, 0, 0}};
     scene.fix("x0").add(push);
-    const SolverOptions options{.damping = {.factor = 0.99}};
-    const auto solver = make(model, scene, {}, options);
+    const auto solver = make(model, scene, {}, {.damping = {.factor = 0.99}});
     const double dt = 0.5 * solver->stable_step();
     StepReport report = solver->step(steps(1000), dt);
     ASSERT_TRUE(report.ok()) << report.message();

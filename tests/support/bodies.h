@@ -7,6 +7,7 @@
 #include <phymul/topology_textures.h>
 
 #include <Eigen/Geometry>
+#include <initializer_list>
 #include <limits>
 #include <random>
 #include <string>
@@ -152,9 +153,18 @@ inline SolverOptions uncut() {
   return {.max_displacement_per_step = std::numeric_limits<double>::infinity()};
 }
 
+inline SolverOptions damped(double rate) {
+  return {.damping = {.rate = rate}};
+}
+
 inline Model with_material(Model model, const Material& material = soft_tissue()) {
   set_material(model, material);
   return model;
+}
+
+/// One model of several bodies, as by merge_models().
+inline Model merged(std::initializer_list<NamedBody> bodies) {
+  return merge_models({bodies.begin(), bodies.size()});
 }
 
 inline constexpr double cubes_edge = 0.02;  // m
@@ -162,8 +172,7 @@ inline constexpr double cubes_edge = 0.02;  // m
 /// Two cubes, one above the other with a gap between: "lower" and "upper".
 inline Model cubes_apart(double gap) {
   const Model lower = make_block(Vec3::Constant(cubes_edge), 3, 3, 3), upper = moved(lower, {0, 0, cubes_edge + gap});
-  const NamedBody bodies[] = {{"lower", &lower}, {"upper", &upper}};
-  return with_material(merge_models(bodies));
+  return with_material(merged({{"lower", &lower}, {"upper", &upper}}));
 }
 
 /// A body with groups x0 and x1, whose half where x is least is of the second material.

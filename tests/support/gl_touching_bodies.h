@@ -52,8 +52,4 @@ class BesideReference {
   std::shared_ptr<const TopologyTextures> tables_;
 };
 
-inline SolverOptions damped(double rate) {
-  return {.damping = {.rate = rate}};
-}
-
 }  // namespace phymul::test

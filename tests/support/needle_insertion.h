@@ -33,14 +33,12 @@ struct Insertion {
   Insertion(const std::string& backend, int cells, double share, const Needle& needle = thin_needle())
       : model(gel(cells)), scene(model) {
     scene.fix("z0").add_tool("needle", {.shape = needle, .pose = pose, .friction = 0.5});
-    const SolverOptions options{.damping = {.rate = 40.0}};
-    solver = make_solver(backend, model, scene, {}, options);
+    solver = make_solver(backend, model, scene, {}, damped(40.0));
     dt = share * solver->stable_step();
   }
   static Model gel(int cells) {
-    Model model = make_block({block_side, block_side, block_side}, cells, cells, cells);
-    set_material(model, {.young = 10e3, .poisson = 0.45, .density = 1000.0});
-    return model;
+    return with_material(make_block({block_side, block_side, block_side}, cells, cells, cells),
+                         {.young = 10e3, .poisson = 0.45, .density = 1000.0});
   }
 
   /// Mean force on the hub along the shaft over each of `parts` equal parts of the way; up is against insertion.

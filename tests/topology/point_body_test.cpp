@@ -231,8 +231,7 @@ TEST(PointBody, BrokenStatesHeal) {
     for (const double poisson : {0.3, 0.45}) {
       set_material(model, soft_tissue(poisson));
       const Scene scene(model);
-      const SolverOptions options{.damping = {.factor = 0.99}};
-      const auto solver = make_solver("cpu", model, scene, averaged, options);
+      const auto solver = make_solver("cpu", model, scene, averaged, {.damping = {.factor = 0.99}});
       for (const FailureState& failure : failure_states()) {
         std::mt19937 bits(5);
         State state = rest_state(model);

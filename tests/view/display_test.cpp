@@ -302,8 +302,7 @@ TEST_F(GlPictureTest, AGlSolverIsDrawnFromItsOwnTexture) {
     Scene scene = Scene(model).fix("bottom").gravity({40.0, 0.0, 0.0});
     TopologyOptions topology;
     if (with_attractors) topology.reaction = Reaction::averaged;
-    const SolverOptions solver_options{.damping = {.factor = 0.99}};
-    const auto solver = make_solver("gl", model, scene, topology, solver_options);
+    const auto solver = make_solver("gl", model, scene, topology, {.damping = {.factor = 0.99}});
     const auto followed = make_display(*solver), given = make_display(model);
     EXPECT_TRUE(followed->zero_copy());
     const Camera camera = camera_for(model);
