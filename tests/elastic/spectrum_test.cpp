@@ -114,9 +114,7 @@ TEST(Spectrum, RigidMotionsCountAsZeroAndNotAsGrowth) {
 }
 
 TEST(Spectrum, WithoutStiffnessIsZeroAndAnyStepIsStable) {
-  Model cloud = make_tetrahedron(0.01);
-  cloud.cells.clear();
-  cloud.components.clear();
+  Model cloud = without_cells(make_tetrahedron(0.01));
   cloud.neighbours.offset.assign(cloud.rest.size() + 1, 0);
   cloud.neighbours.entry.clear();
   const TopologyOptions options{.on_sparse = SparseParticle::free};

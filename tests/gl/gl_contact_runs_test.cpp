@@ -59,9 +59,7 @@ TEST_P(GlContactRuns, BatchesDoneAgainComeToTheSame) {
 
 /// A body alone, bodies far from each other, one without a surface: as without contacts, to the last bit.
 TEST_P(GlContactRuns, WhatTouchesNothingMovesAsItWould) {
-  Model particles = make_block({0.02, 0.02, 0.02}, 4, 4, 4);
-  particles.cells.clear();
-  particles.components.clear();
+  const Model particles = without_cells(make_block({0.02, 0.02, 0.02}, 4, 4, 4));
   for (const Model& model : {tissue({0, 0, 0}, {3, 2, 2}), stacked(4.0), particles}) {
     State end[2];
     for (const bool touching : {false, true}) {

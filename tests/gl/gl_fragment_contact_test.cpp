@@ -78,9 +78,7 @@ TEST_F(GlFragmentContact, BitsAreThoseOfComputeShaders) {
 /// Particles without a surface meet triangles, and are none's corners.
 TEST_F(GlFragmentContact, BitsAreThoseOfComputeShadersInABodyWithoutTriangles) {
   PHYMUL_SKIP_OR_FAIL(why_not_here("gl-compute"));
-  Model loose = moved(make_block({0.01, 0.01, 0.01}, 2, 2, 2), {0.0072, 0.0081, 0.0112});
-  loose.cells.clear();
-  loose.components.clear();
+  const Model loose = without_cells(moved(make_block({0.01, 0.01, 0.01}, 2, 2, 2), {0.0072, 0.0081, 0.0112}));
   Model model = joined_bodies(make_block({0.025, 0.025, 0.01}, 5, 5, 2), loose);
   std::ranges::fill(model.mass, 1.25e-4);
   std::ranges::fill(model.stiffness, 25.0);

@@ -252,9 +252,7 @@ TEST_F(GlNeedle, AStiffOneBesideOneThatBendsOutlivesAChangeOfTheScene) {
 
 /// Nothing to puncture: the shaft passes between the particles.
 TEST_F(GlNeedle, MakesNoHoleInABodyWithoutASurface) {
-  Model model = Insertion::gel(3);
-  model.cells.clear();
-  model.components.clear();
+  Model model = without_cells(Insertion::gel(3));
   model.materials.clear();
   Scene scene(model);
   ToolPose pose{.position = {0.0203, 0.0197, block_side + offset}};

@@ -69,10 +69,7 @@ TEST(ToolMargin, IsTheLargestCoveringRadiusLessTheShapesOwn) {
   for (const double stretch : {0.0, -1.0, std::nan("")}) {
     EXPECT_TRUE(refuses([&] { least_margin(block, Sphere{0.002}, stretch); }, "stretch above 0"));
   }
-  Model points = block;
-  points.cells.clear();
-  points.materials.clear();
-  points.components.clear();
+  const Model points = without_cells(block);
   EXPECT_TRUE(refuses([&] { least_margin(points, Sphere{0.002}); }, "body with a surface"));
 }
 

@@ -52,12 +52,7 @@ Load constant(LoadType type, std::vector<Index> particles, double value, const V
 }
 
 double largest_difference(Simulation& a, Simulation& b) {
-  const State of_a = a.state(), of_b = b.state();
-  double largest = 0.0;
-  for (std::size_t i = 0; i < of_a.position.size(); ++i) {
-    largest = std::max(largest, (of_a.position[i] - of_b.position[i]).norm());
-  }
-  return largest;
+  return largest_distance(a.state().position, b.state().position);
 }
 
 void expect_shape_of_steps(Simulation& solved, Simulation& stepped, const std::string& name) {
@@ -259,10 +254,7 @@ TEST(SimulationStatic, FindsTheShapeOnJoints) {
     const StaticResult result = direct.solve_static({.most_evaluations = c.evaluations});
     ASSERT_TRUE(result.converged()) << result.message();
     ASSERT_EQ(stepped.run_to_rest(400'000).status, RestStatus::converged);
-    double moved_by = 0.0;
-    for (Index i = 0; i < c.model.particle_count(); ++i) {
-      moved_by = std::max(moved_by, (direct.state().position[i] - c.model.rest[i]).norm());
-    }
+    const double moved_by = largest_distance(direct.state().position, c.model.rest);
     EXPECT_GT(moved_by, 1e-4);
     EXPECT_LT(largest_difference(direct, stepped), 1e-4 * moved_by);
     for (const SceneJoint& joint : stepped.scene().joints()) {

@@ -61,10 +61,7 @@ std::vector<ScaledBody> cases() {
           {"strip", of(make_strip(0.04, 0.02, 10, 5)), {}},
           {"points",
            [](const Tissues& t) {
-             Model points = make_block({0.03, 0.02, 0.02}, 6, 4, 4);
-             points.cells.clear();
-             points.components.clear();
-             set_material(points, t.tissue);
+             Model points = with_material(without_cells(make_block({0.03, 0.02, 0.02}, 6, 4, 4)), t.tissue);
              return points.add_group("x1", {points.particle_count() - 1});
            },
            {}}};

@@ -119,10 +119,7 @@ std::uint64_t hash_of_end(const Trajectory& trajectory, const char* backend, int
   const StepReport report = solver->step(trajectory.steps, dt);
   EXPECT_TRUE(report.ok()) << report.message();
   const State end = solver->read();
-  double farthest = 0.0;
-  for (std::size_t i = 0; i < end.position.size(); ++i)
-    farthest = std::max(farthest, (end.position[i] - model.rest[i]).norm());
-  EXPECT_GT(farthest, 1e-4) << "m; or this shows nothing";
+  EXPECT_GT(largest_distance(end.position, model.rest), 1e-4) << "m; or this shows nothing";
   Fnv hash;
   hash.add(end.time);
   hash.add(end.position);

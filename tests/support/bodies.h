@@ -162,6 +162,13 @@ inline Model with_material(Model model, const Material& material = soft_tissue()
   return model;
 }
 
+inline Model without_cells(Model model) {
+  model.cells.clear();
+  model.components.clear();
+  model.extras = nullptr;
+  return model;
+}
+
 /// One model of several bodies, as by merge_models().
 inline Model merged(std::initializer_list<NamedBody> bodies) {
   return merge_models({bodies.begin(), bodies.size()});
