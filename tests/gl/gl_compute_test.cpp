@@ -12,9 +12,7 @@ namespace {
 
 class GlComputeDevice : public OnCompute {
  protected:
-  void SetUp() override {
-    OnCompute::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
+  void set_up() override {
     context_ = gl::Context::open({.debug = true}, GlBackend::compute);
     context_->run([this] { limits_ = gl::ComputeLimits::of_context(); });
   }

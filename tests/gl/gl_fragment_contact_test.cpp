@@ -10,11 +10,7 @@ namespace {
 
 class GlFragmentContact : public GlTest {
  protected:
-  void SetUp() override {
-    GlTest::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_not_here("gl"));
-  }
+  std::string needs() const override { return "gl"; }
 };
 
 std::unique_ptr<gl::DeviceSolver> solver_of(const Model& model, const Scene& scene, SolverOptions options,

@@ -24,9 +24,7 @@ using test::HostState;
 
 class GlHosts : public test::GlTest, public testing::WithParamInterface<HostKind> {
  protected:
-  void SetUp() override {
-    test::GlTest::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
+  void set_up() override {
     try {
       host_ = std::make_unique<EglHost>(GetParam());
       info_ = read_context_info();

@@ -100,9 +100,7 @@ TEST_F(GlNeedleRuns, BatchesDoneAgainComeToTheSame) {
 /// A needle that is put 3 cm deep at once, and a device of its own for five steps of it.
 class GlComputeNeedle : public OnCompute {
  protected:
-  void SetUp() override {
-    OnCompute::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
+  void set_up() override {
     tables_ = tables_of(model_, {});
     const Tool needle{.shape = thin_needle(), .pose = {.position = {0.0203, 0.0197, block_side - 0.03}}};
     scene_.fix("z0").add_tool("needle", needle);

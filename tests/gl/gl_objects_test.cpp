@@ -16,10 +16,7 @@ using namespace phymul::gl;
 
 class GlObjects : public GlTest {
  protected:
-  void SetUp() override {
-    GlTest::SetUp();
-    if (!IsSkipped() && !HasFatalFailure()) context_ = Context::open({});
-  }
+  void set_up() override { context_ = Context::open({}); }
   template <class Function>
   std::string message_in_context(Function&& f) {
     return context_->run([&] { return message_of(f); });

@@ -68,9 +68,7 @@ class ThingsMade {
 /// A block on another one, a ball that presses, and a device of its own.
 class RefusedScene : public OnBothDevices {
  protected:
-  void SetUp() override {
-    OnBothDevices::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
+  void set_up() override {
     tables_ = tables_of(model_, {});
     context_ = gl::Context::open({}, GetParam());
     dt_ = 0.4 * stable_step(estimate_spectrum(*tables_, tables_->rest), 1.0);

@@ -18,9 +18,7 @@ namespace phymul::test {
 class GlBlockTest : public OnBothDevices {
  protected:
   GlBlockTest() : model_(make_block({0.03, 0.02, 0.02}, 6, 4, 4)) { set_material(model_, soft_tissue()); }
-  void SetUp() override {
-    OnBothDevices::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
+  void set_up() override {
     tables_ = tables_of(model_, {});
     options_.damping.rate = 30.0;
     options_.gl.debug = true;
