@@ -111,9 +111,8 @@ TEST(SliceTables, WhatDoesNotFitIsRefused) {
   }
   FloatTables huge = tables;
   huge.index[3][2] = std::numeric_limits<std::int32_t>::max() / 64;  // of one lane: its slice is as long
-  const std::string message = message_of([&] { pack_slices(huge, topology); });
-  EXPECT_TRUE(says(message, "the sliced table of bases has"));
-  EXPECT_TRUE(says(message, "slices of 32 lanes; 536870903 fit"));
+  EXPECT_TRUE(refuses([&] { pack_slices(huge, topology); }, "the sliced table of bases has",
+                      "slices of 32 lanes; 536870903 fit"));
 }
 
 }  // namespace

@@ -137,13 +137,10 @@ TEST_F(GlModuleInstant, ComputeShadersAreTakenWhereTheGpuIsFaster) {
   const std::string choice(solver->backend_reason());
   EXPECT_EQ(solver->name(), "gl-compute");
   EXPECT_TRUE(choice.starts_with("gl-compute: a step took ")) << choice;
-  EXPECT_TRUE(says(choice, " us, by cpu "));
-  EXPECT_TRUE(says(choice, " thread"));
-  EXPECT_TRUE(says(choice, "GPU: Instant GPU, bases by table"));
+  EXPECT_TRUE(says(choice, " us, by cpu ", " thread", "GPU: Instant GPU, bases by table"));
   const TopologyOptions full{.reaction = Reaction::shared, .bases = BaseSelection::all};
   const std::string enumerated(chosen(full)->backend_reason());
-  EXPECT_TRUE(says(enumerated, "single precision, bases enumerated; GPU"));
-  EXPECT_TRUE(says(enumerated, "Instant GPU, bases enumerated"));
+  EXPECT_TRUE(says(enumerated, "single precision, bases enumerated; GPU", "Instant GPU, bases enumerated"));
 }
 
 TEST_F(GlModuleInstant, TheProcessorIsTakenWhereItIsFaster) {
