@@ -101,10 +101,9 @@ TEST_F(GlNeedle, AStepIsThatOfTheReference) {
 TEST_F(GlNeedle, ManyNodesBendASoftShaftAsOnTheReference) {
   const Model model =
       with_material(make_block({0.01, 0.01, 0.1}, 4, 4, 40), {.young = 10e3, .poisson = 0.45, .density = 1000.0});
-  Needle hair = thin_needle();
+  Needle hair = bending(1e-6);
   hair.length = 0.12;
   hair.spread = 0.00168;
-  hair.bending_stiffness = 1e-6;
   ToolPose pose{.position = {0.0053, 0.0049, 0.004}};
   Scene scene = Scene(model).fix("z0").add_tool("needle", {.shape = hair, .pose = pose, .friction = 0.5});
   BesideReference pair(model, scene, damped(40.0));
@@ -133,8 +132,6 @@ TEST_F(GlNeedle, ManyNodesBendASoftShaftAsOnTheReference) {
 TEST_F(GlNeedle, ActsBetweenWhatHoldsAndWhatPresses) {
   const Model model = Insertion::gel(4);
   Scene scene(model);
-  Needle bends = thin_needle();
-  bends.bending_stiffness = 5e-3;
   ToolPose first{.position = {0.0203, 0.0197, block_side + over_skin}},
       second{.position = {0.0123, 0.0141, block_side + over_skin}};
   scene.fix("z0");
@@ -142,7 +139,7 @@ TEST_F(GlNeedle, ActsBetweenWhatHoldsAndWhatPresses) {
                  {.shape = Sphere{0.008}, .pose = {.position = {0.03, 0.03, block_side + 0.0085}}, .friction = 0.3});
   scene.add_tool("first", {.shape = thin_needle(), .pose = first, .friction = 0.5});
   scene.add_tool("jaw", {.shape = Box{{0.012, 0.004, 0.012}}, .pose = {.position = {0.02, 0.0442, 0.02}}});
-  scene.add_tool("second", {.shape = bends, .pose = second, .friction = 0.5});
+  scene.add_tool("second", {.shape = bending(5e-3), .pose = second, .friction = 0.5});
   scene.constrain_volume();
   BesideReference pair(model, scene, damped(40.0));
   double worst = 0.0, worst_force = 0.0, largest_on_ball = 0.0;
@@ -232,12 +229,10 @@ TEST_F(GlNeedle, ActsBeforeContacts) {
 TEST_F(GlNeedle, AStiffOneBesideOneThatBendsOutlivesAChangeOfTheScene) {
   const Model model = Insertion::gel(3);
   Scene scene = Scene(model).fix("z0");
-  Needle bends = thin_needle();
-  bends.bending_stiffness = 5e-3;
   ToolPose stiff_pose{.position = {0.0203, 0.0197, block_side + over_skin}},
       pose{.position = {0.0103, 0.0297, block_side + over_skin}};
   scene.add_tool("stiff", {.shape = thin_needle(), .pose = stiff_pose, .friction = 0.5});
-  scene.add_tool("bends", {.shape = bends, .pose = pose, .friction = 0.5});
+  scene.add_tool("bends", {.shape = bending(5e-3), .pose = pose, .friction = 0.5});
   BesideReference pair(model, scene, damped(40.0));
   for (int k = 0; k < 4; ++k) {
     stiff_pose.position.z() -= 2e-3;

@@ -79,9 +79,8 @@ class RefusedScene : public OnBothDevices {
     return scene.add_tool("ball", {.shape = Sphere{0.004}, .pose = {.position = {0.0123, 0.0131, 0.0242}}});
   }
   void add_needle(Scene& scene, double stiffness) const {
-    Needle needle = thin_needle();
+    Needle needle = bending(stiffness);
     needle.spread = 0.009;
-    needle.bending_stiffness = stiffness;
     scene.add_tool("needle", {.shape = needle, .pose = {.position = {0.0103, 0.0121, 0.012}}, .friction = 0.5});
   }
   static FloatTools tools_of(const Scene& scene) {

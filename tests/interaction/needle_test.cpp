@@ -54,10 +54,7 @@ std::vector<double> curve(int cells, double share, const Vec3& aside = Vec3::Zer
   Insertion needle("cpu", cells, share);
   needle.pose.position += aside;
   needle.scene.tool("needle").teleport(needle.pose);
-  std::vector<double> all = needle.go(0.020, 0.1, 20);
-  const std::vector<double> out = needle.go(-offset, 0.1, 20);
-  all.insert(all.end(), out.begin(), out.end());
-  return all;
+  return needle.go_in_and_out();
 }
 
 TEST(NeedleCurve, IsThatOfHalfTheStep) {
@@ -110,11 +107,7 @@ TEST(NeedleShaft, DrawsTheTissueSideways) {
   ASSERT_TRUE(needle.solver->step(static_cast<int>(0.5 / needle.dt), needle.dt).ok());
   const State after = needle.solver->read();
   const NeedleNode& skin = after.tools.at(0).needle.hole.at(0);
-  double moved = 0.0;
-  for (std::size_t k = 0; k < skin.particles.size(); ++k) {
-    moved += skin.weights[k] * (after.position[skin.particles[k]] - before.position[skin.particles[k]]).x();
-  }
-  EXPECT_NEAR(moved, 0.003, 2e-4);
+  EXPECT_NEAR((place_of(skin, after) - place_of(skin, before)).x(), 0.003, 2e-4);
   EXPECT_LT(needle.solver->tool_force("needle").force.x(), -0.05);
 }
 

@@ -28,10 +28,8 @@ class BesideNeedle {
   explicit BesideNeedle(double stiffness, int cells = 4, const Vec3& origin = {0, 0, 0},
                         SolverOptions options = damped(40.0))
       : model(moved(Insertion::gel(cells), origin)), scene(model), tables_(tables_of(model, {})) {
-    Needle shape = thin_needle();
-    shape.bending_stiffness = stiffness;
     pose.position = origin + Vec3(0.0203, 0.0197, block_side + offset);
-    scene.fix("z0").add_tool("needle", {.shape = shape, .pose = pose, .friction = 0.5});
+    scene.fix("z0").add_tool("needle", {.shape = bending(stiffness), .pose = pose, .friction = 0.5});
     options.gl.debug = true;
     options.spectrum = estimate_spectrum(*tables_, tables_->rest);
     dt = 0.4 * stable_step(*options.spectrum, 1.0);

@@ -22,6 +22,20 @@ inline Needle thin_needle() {
           .spread = 0.012};
 }
 
+/// The same with a shaft of this bending stiffness, N m^2; 0: one that does not bend.
+inline Needle bending(double stiffness) {
+  Needle needle = thin_needle();
+  needle.bending_stiffness = stiffness;
+  return needle;
+}
+
+/// Where a node of a hole is.
+inline Vec3 place_of(const NeedleNode& node, const State& state) {
+  Vec3 place = Vec3::Zero();
+  for (std::size_t k = 0; k < node.particles.size(); ++k) place += node.weights[k] * state.position[node.particles[k]];
+  return place;
+}
+
 /// A needle over the middle of a block whose bottom is held, off the lattice's lines.
 struct Insertion {
   Model model;
@@ -53,6 +67,14 @@ struct Insertion {
       force.push_back(solver->tool_force("needle").mean_force.z());
     }
     return force;
+  }
+
+  /// The same 20 mm deep and out again, by millimetres.
+  std::vector<double> go_in_and_out() {
+    std::vector<double> all = go(0.020, 0.1, 20);
+    const std::vector<double> out = go(-offset, 0.1, 20);
+    all.insert(all.end(), out.begin(), out.end());
+    return all;
   }
 };
 
