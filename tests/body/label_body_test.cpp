@@ -245,8 +245,7 @@ struct SoftAndStiff {
 /// Uniform strain: each region has the energy of its own material and volume, and each particle its mass, to rounding.
 TEST(LabelBody, MaterialsBelongToTheCellsOfTheirRegion) {
   const SoftAndStiff body;
-  double mass = 0.0;
-  for (const double m : body.model.mass) mass += m;
+  const double mass = total_mass(body.model);
   const double soft = body.report.regions[0].volume, stiff = body.report.regions[1].volume, e = 1e-5;
   EXPECT_NEAR(mass, 1000.0 * soft + 1200.0 * stiff, 1e-9 * mass);
   const double wanted = 0.5 * e * e * (10e3 * soft + 40e3 * stiff);

@@ -311,10 +311,7 @@ TEST(SimulationStatic, RefusesWhatItDoesNotSupport) {
   Simulation plane(make_strip(0.04, 0.02, 4, 2), {.material = tissue_of(0.3), .backend = "reference"});
   EXPECT_TRUE(says(message_of([&] { plane.solve_static(); }), "three dimensions"));
   Model loose = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
-  loose.rest.push_back({0.1, 0.1, 0.1});
-  loose.mass.push_back(1.0);
-  loose.stiffness.push_back(1.0);
-  loose.neighbours.offset.push_back(loose.neighbours.offset.back());
+  add_particle(loose, {0.1, 0.1, 0.1});
   Simulation partly(
       loose, {.material = tissue_of(0.3), .backend = "reference", .topology = {.on_sparse = SparseParticle::free}});
   EXPECT_TRUE(says(message_of([&] { partly.solve_static(); }), "particle 27 is in no cell with a material"));

@@ -7,6 +7,7 @@
 #include <phymul/topology_textures.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <initializer_list>
 #include <limits>
 #include <random>
@@ -159,6 +160,37 @@ inline SolverOptions damped(double rate) {
 
 inline Model with_material(Model model, const Material& material = soft_tissue()) {
   set_material(model, material);
+  return model;
+}
+
+/// Another particle, of 1 kg: its row.
+inline Index add_particle(Model& model, const Vec3& place, const std::vector<Index>& neighbours = {},
+                          double stiffness = 1.0) {
+  model.rest.push_back(place);
+  model.mass.push_back(1.0);
+  model.stiffness.push_back(stiffness);
+  model.neighbours.push_row(neighbours.begin(), neighbours.end());
+  return model.particle_count() - 1;
+}
+
+/// Every hexahedron cut into six pyramids, around a particle in its middle.
+inline Model cut_into_pyramids(Model model) {
+  const std::array<std::array<int, 4>, 6> face{
+      {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};
+  std::vector<Cell> cells;
+  for (const Cell& cell : model.cells) {
+    if (cell.type != CellType::hexahedron) continue;
+    Vec3 middle = Vec3::Zero();
+    for (const Index i : cell.particles) middle += model.rest[i] / 8.0;
+    const Index apex = add_particle(model, middle);
+    for (const auto& [a, b, c, d] : face) {
+      const std::vector<Index>& v = cell.particles;
+      cells.push_back({.type = CellType::pyramid, .particles = {v[d], v[c], v[b], v[a], apex}});
+    }
+  }
+  model.cells = cells;
+  model.components.clear();
+  model.neighbours = neighbours_from_cells(cells, model.particle_count());
   return model;
 }
 

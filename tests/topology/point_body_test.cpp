@@ -19,9 +19,7 @@ namespace {
 const TopologyOptions averaged{.law = Law::particle_averaged};
 
 double volume(const Model& model) {
-  double sum = 0.0;
-  for (const double m : model.mass) sum += m / 1000.0;  // of soft_tissue
-  return sum;
+  return total_mass(model) / 1000.0;  // of soft_tissue
 }
 
 double energy_of_cells(const Mat3& F, double poisson) {

@@ -59,11 +59,7 @@ TEST(Topology, SpringsAreNeighbouringPairsOnce) {
 
 TEST(Topology, SparseParticlesAreNamedBoundOrFree) {
   Model model = make_block({2, 2, 2}, 2, 2, 2, 6);
-  model.rest.push_back({5, 0, 0});
-  model.mass.push_back(1.0);
-  model.stiffness.push_back(3.0);
-  const std::vector<Index> two{0, 1};
-  model.neighbours.push_row(two.begin(), two.end());
+  add_particle(model, {5, 0, 0}, {0, 1}, 3.0);
   TopologyOptions options;
   EXPECT_TRUE(
       refuses([&] { build_topology(model, options); }, "particle 27 has no base: one takes 3 neighbours", "on_sparse"));
