@@ -240,8 +240,7 @@ TEST(GradedBody, ReturnsFromABrokenState) {
   State state = rest_state(model);
   for (Vec3& x : state.position) x.z() *= 0.1;
   solver->reset(state);
-  const double dt = 0.2 * solver->stable_step();
-  const RestResult rest = solver->run_to_rest(20000, dt);
+  const RestResult rest = solver->run_to_rest(20000, 0.2 * solver->stable_step());
   ASSERT_TRUE(rest.converged()) << rest.message();
   const VecList at = solver->read().position;
   double most = 0.0;

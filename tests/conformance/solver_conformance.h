@@ -17,8 +17,7 @@ TEST_P(SolverConformance, RestStaysAtRest) {
   for (const Body& body : bodies()) {
     SCOPED_TRACE(body.name);
     const Scene scene(body.model);
-    const TopologyOptions topology{.on_sparse = SparseParticle::springs};
-    const auto solver = make(body.model, scene, {}, topology);
+    const auto solver = make(body.model, scene, {}, {.on_sparse = SparseParticle::springs});
     const StepReport report = solver->step(200, 0.5 * solver->stable_step());
     EXPECT_TRUE(report.ok()) << report.message();
     EXPECT_TRUE(report.at_rest);
@@ -55,8 +54,7 @@ TEST_P(SolverConformance, RigidMotionOfTheSceneMovesTheResult) {
   // The one energy that is isotropic in large strain too; of the other the directions do not turn with the body.
   const TopologyOptions isotropic{.strain_energy = StrainEnergy::neo_hookean};
   const auto solver = make(model_, scene, {}, isotropic), moved_solver = make(moved, moved_scene, {}, isotropic);
-  const double dt = 0.4 * solver->stable_step();
-  ASSERT_TRUE(all_step(500, dt, solver, moved_solver));
+  ASSERT_TRUE(all_step(500, 0.4 * solver->stable_step(), solver, moved_solver));
   const State a = solver->read(), b = moved_solver->read();
   for (Index i = 0; i < model_.particle_count(); ++i) {
     EXPECT_LE((turn * a.position[i] + shift - b.position[i]).norm(),
@@ -137,8 +135,7 @@ TEST_P(SolverConformance, RenumberingPermutesTheResult) {
   for (Index i = 0; i < n; ++i) shuffled_start.position[to[i]] = start.position[i];
   solver->reset(start);
   other->reset(shuffled_start);
-  const double dt = 0.3 * solver->stable_step();
-  ASSERT_TRUE(all_step(50, dt, solver, other));
+  ASSERT_TRUE(all_step(50, 0.3 * solver->stable_step(), solver, other));
   const State a = solver->read(), b = other->read();
   for (Index i = 0; i < n; ++i) {
     EXPECT_LE((a.position[i] - b.position[to[i]]).norm(), 1e-5 * mean_spacing(model));
@@ -294,18 +291,15 @@ TEST_P(SolverConformance, BadStatesAndOptionsAreRefused) {
   const Scene scene(model_);
   const auto solver = make(model_, scene);
   const State before = solver->read();
-  State bad = before;
-  bad.position[3].y() = std::nan("");
-  EXPECT_THROW(solver->reset(bad), Error);
-  bad = before;
-  bad.velocity[3].y() = std::numeric_limits<double>::infinity();
-  EXPECT_THROW(solver->reset(bad), Error);
-  bad = before;
-  bad.time = std::nan("");
-  EXPECT_THROW(solver->reset(bad), Error);
-  bad = before;
-  bad.velocity.pop_back();
-  EXPECT_THROW(solver->reset(bad), Error);
+  const auto refused_with = [&](auto change) {
+    State bad = before;
+    change(bad);
+    EXPECT_THROW(solver->reset(bad), Error);
+  };
+  refused_with([](State& s) { s.position[3].y() = std::nan(""); });
+  refused_with([](State& s) { s.velocity[3].y() = std::numeric_limits<double>::infinity(); });
+  refused_with([](State& s) { s.time = std::nan(""); });
+  refused_with([](State& s) { s.velocity.pop_back(); });
   EXPECT_EQ(solver->read(), before);
   const auto refused = [&](auto SolverOptions::*option, auto value, const char* text) {
     SolverOptions options;

@@ -234,8 +234,7 @@ TEST_P(SolverConformance, CloudWithoutStiffnessFalls) {
   model.neighbours.offset.assign(model.rest.size() + 1, 0);
   model.neighbours.entry.clear();
   Scene scene = Scene(model).gravity({0, 0, -9.81});
-  const TopologyOptions topology{.on_sparse = SparseParticle::free};
-  const auto solver = make(model, scene, {}, topology);
+  const auto solver = make(model, scene, {}, {.on_sparse = SparseParticle::free});
   EXPECT_EQ(solver->stable_step(), std::numeric_limits<double>::infinity());
   ASSERT_TRUE(solver->step(10, 0.01).ok());
   EXPECT_NEAR(solver->read().velocity[3].z(), -0.981, 1e-5);

@@ -107,8 +107,7 @@ TEST(Elasticity, MomentumIsKeptWhereItIsPromised) {
   VecList force(x.size());
   std::printf("cylinder, 275 particles, random state    net force / sum |F|   net torque / sum |F| R\n");
   for (const Promise& promise : promises) {
-    const TopologyOptions options{.reaction = promise.reaction};
-    elastic_forces(build_topology(model, options), x, force);
+    elastic_forces(build_topology(model, {.reaction = promise.reaction}), x, force);
     double total = 0.0;
     for (const Vec3& f : force) total += f.norm();
     const double net = sum(force).norm() / total;

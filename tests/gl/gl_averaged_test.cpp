@@ -18,8 +18,7 @@ class GlAveraged : public TwinsOnBothDevices {};
 PHYMUL_ON_BOTH_DEVICES(GlAveraged);
 
 std::shared_ptr<const TopologyTextures> averaged_tables(const Model& model) {
-  const TopologyOptions options{.law = Law::particle_averaged};
-  return tables_of(model, options);
+  return tables_of(model, {.law = Law::particle_averaged});
 }
 
 std::vector<Body> averaged_bodies() {

@@ -100,8 +100,7 @@ TEST_F(GlDisplayTest, DrawsIntoTheHostsFramebufferAndLeavesTheRestAlone) {
       }
     }
     EXPECT_LT(different, width * height / 20);
-    const Image rendered = display->render(camera, options, width, height);
-    EXPECT_LE(largest_difference(rendered, image), 2);
+    EXPECT_LE(largest_difference(display->render(camera, options, width, height), image), 2);
     EXPECT_EQ(differences(before, host_state(info)), "");
     glDeleteVertexArrays(1, &array);
     glDeleteFramebuffers(1, &framebuffer);
@@ -117,9 +116,8 @@ TEST_F(GlDisplayTest, StepsAfterAPictureAreThoseWithoutOne) {
   const auto drawn = make_solver("gl", model, scene, springs), plain = make_solver("gl", model, scene, springs);
   const auto display = make_display(*drawn);
   const Camera camera = framing(model.rest, {1.0, -1.0, 0.5}, 1.0);
-  const DisplayOptions options{.links = true};
   for (int k = 0; k < 3; ++k) {
-    ASSERT_EQ(display->render(camera, options, 8, 8).width, 8);
+    ASSERT_EQ(display->render(camera, {.links = true}, 8, 8).width, 8);
     ASSERT_TRUE(drawn->step(4, 0.3 * drawn->stable_step()).ok());
     ASSERT_TRUE(plain->step(4, 0.3 * plain->stable_step()).ok());
   }

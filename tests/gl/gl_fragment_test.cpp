@@ -103,8 +103,7 @@ TEST_F(GlFragment, PaddingOfEveryTargetIsUntouchedAndUnread) {
       if (glIsFramebuffer(name)) fill_with_sentinels(name);
     }
   });
-  const State start = random_state(model, 0.05, 0.1, 9);
-  twins.reset(start);
+  twins.reset(random_state(model, 0.05, 0.1, 9));
   const double dt = 0.3 * twins.gl->stable_step();
   for (int k = 0; k < 4; ++k) {
     ASSERT_TRUE(all_step(3, dt, twins.gl, twins.mirror));

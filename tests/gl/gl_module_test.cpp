@@ -138,8 +138,7 @@ TEST_F(GlModuleInstant, ComputeShadersAreTakenWhereTheGpuIsFaster) {
   EXPECT_EQ(solver->name(), "gl-compute");
   EXPECT_TRUE(choice.starts_with("gl-compute: a step took ")) << choice;
   EXPECT_TRUE(says(choice, " us, by cpu ", " thread", "GPU: Instant GPU, bases by table"));
-  const TopologyOptions full{.reaction = Reaction::shared, .bases = BaseSelection::all};
-  const std::string enumerated(chosen(full)->backend_reason());
+  const std::string enumerated(chosen({.reaction = Reaction::shared, .bases = BaseSelection::all})->backend_reason());
   EXPECT_TRUE(says(enumerated, "single precision, bases enumerated; GPU", "Instant GPU, bases enumerated"));
 }
 

@@ -23,8 +23,7 @@ TEST_P(NeedleIn, ForceRisesDropsAtPunctureGrowsWithDepthAndTurnsOnWithdrawal) {
   // Cutting and kinetic friction per metre, of the shaft that is in the tissue as that stands.
   const double slope = (in[50] - in[30]) / (20 * 0.0005);
   EXPECT_NEAR(slope, 10.0, 1.0);
-  const State deep = needle.solver->read();
-  ASSERT_TRUE(deep.tools.at(0).needle.punctured);
+  ASSERT_TRUE(needle.solver->read().tools.at(0).needle.punctured);
   EXPECT_NEAR(in[50], 0.15 + 10.0 * 0.025, 0.1 * 0.4);
   const std::vector<double> hold = needle.go(0.025, 0.1, 1);
   EXPECT_GT(hold[0], 0.15);  // it sticks: the tissue stays drawn in

@@ -29,8 +29,7 @@ TEST(VirtualCoupling, PassesAForceOnToTheHandUpToTheLimit) {
 }
 
 TEST(VirtualCoupling, PassesATorqueOnToTheHandUpToItsOwnLimit) {
-  const CouplingOptions options{.largest_force = 3.0, .largest_torque = 0.004};
-  VirtualCoupling coupling(options, {});
+  VirtualCoupling coupling({.largest_force = 3.0, .largest_torque = 0.004}, {});
   for (int k = 0; k < 3000; ++k) coupling.follow({}, {0, 0, 4.0}, {0, 0.01, 0}, 1e-3);
   EXPECT_NEAR(coupling.force().norm(), 3.0, 1e-9);
   EXPECT_NEAR((coupling.torque() - Vec3(0, 0.004, 0)).norm(), 0.0, 1e-6);
@@ -51,8 +50,7 @@ TEST(VirtualCoupling, TurnsTheShorterWay) {
 }
 
 TEST(VirtualCoupling, IsStableHoweverStiff) {
-  const CouplingOptions stiff{.stiffness = 1e9, .turning_stiffness = 1e7};
-  VirtualCoupling coupling(stiff, {});
+  VirtualCoupling coupling({.stiffness = 1e9, .turning_stiffness = 1e7}, {});
   const ToolPose hand{.position = {0.1, 0, 0}};
   for (int k = 0; k < 100; ++k) {
     coupling.follow(hand, Vec3::Zero(), Vec3::Zero(), 1e-3);

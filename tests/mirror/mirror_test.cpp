@@ -149,8 +149,7 @@ TEST(Mirror, EnumeratedBasesMoveTheBodyAlike) {
   const State start = displaced(model, 0.05, 2);
   table->reset(start);
   enumerated->reset(start);
-  const double dt = 0.4 * table->stable_step();
-  ASSERT_TRUE(all_step(200, dt, table, enumerated));
+  ASSERT_TRUE(all_step(200, 0.4 * table->stable_step(), table, enumerated));
   EXPECT_LE(largest_distance(table->read().position, enumerated->read().position), 1e-6 * body_size(model));
 }
 

@@ -210,6 +210,14 @@ TEST_P(LiveStiffness, OfFactorsOfOneChangesNoBit) {
   }
 }
 
+/// The lowest way of a particle along z, m.
+double sag_of(Simulation& sim) {
+  double lowest = 0.0;
+  const VecList x = sim.state().position;
+  for (std::size_t i = 0; i < x.size(); ++i) lowest = std::min(lowest, x[i].z() - sim.model().rest[i].z());
+  return lowest;
+}
+
 /// Soft tissue hangs four times as far from a hold that is a quarter as stiff, and the step may be twice as long.
 TEST_P(LiveStiffness, ReachesSolveStaticAndTheStep) {
   Simulation sim(with_material(make_tetrahedral_block({0.05, 0.02, 0.02}, 5, 2, 2, 0.2, 3)), {.backend = GetParam()});
@@ -217,10 +225,7 @@ TEST_P(LiveStiffness, ReachesSolveStaticAndTheStep) {
   const double limit = sim.solver().stable_step();
   const auto sag = [&] {
     EXPECT_EQ(sim.solve_static().status, RestStatus::converged);
-    double lowest = 0.0;
-    const VecList x = sim.state().position;
-    for (std::size_t i = 0; i < x.size(); ++i) lowest = std::min(lowest, x[i].z() - sim.model().rest[i].z());
-    return lowest;
+    return sag_of(sim);
   };
   const double before = sag();
   sim.scene().scale_stiffness(0.25);
@@ -273,10 +278,7 @@ TEST(LiveStiffnessAndSleep, AChangeWakes) {
   sim.scene().fix("z0").gravity({0, 0, -1.0});
   const auto sag_after = [&](double seconds) {
     EXPECT_TRUE(sim.advance(seconds).ok());
-    double lowest = 0.0;
-    const VecList x = sim.state().position;
-    for (std::size_t i = 0; i < x.size(); ++i) lowest = std::min(lowest, x[i].z() - sim.model().rest[i].z());
-    return lowest;
+    return sag_of(sim);
   };
   const double before = sag_after(0.3);
   EXPECT_EQ(sag_after(0.02), before) << "nothing moves any more, or this shows nothing";

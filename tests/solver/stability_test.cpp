@@ -32,11 +32,10 @@ double largest_displacement(const Model& model, const State& state) {
 }
 
 TEST(Stability, FullReactionGrowsOnTheCylinderAndNotOnTheTetrahedron) {
-  const TopologyOptions topology{.reaction = Reaction::full};
   for (const bool is_cylinder : {false, true}) {
     const Model model = is_cylinder ? cylinder_275() : make_tetrahedron(0.01);
     const Scene scene(model);
-    const auto solver = make_solver("reference", model, scene, topology, allowing());
+    const auto solver = make_solver("reference", model, scene, {.reaction = Reaction::full}, allowing());
     const double h = mean_spacing(model);
     solver->reset(displaced(model, 1e-6, 1));
     // A twentieth of the limit: the growth is the reaction's, not the step's.

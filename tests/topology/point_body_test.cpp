@@ -193,8 +193,7 @@ TEST(PointBody, StepsNearTheLimitDoNotGrow) {
     for (const char* backend : {"reference", "cpu"}) {
       const auto solver = make_solver(backend, body.model, scene, averaged);
       const double dt = 0.9 * solver->stable_step();
-      const State state = displaced(body.model, 1e-3, 4);
-      solver->start(state, dt);
+      solver->start(displaced(body.model, 1e-3, 4), dt);
       ASSERT_TRUE(solver->step(100, dt).ok());
       const double before = solver->energy().total();
       ASSERT_TRUE(solver->step(1000, dt).ok()) << body.name;

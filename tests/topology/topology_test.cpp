@@ -22,8 +22,7 @@ TEST(Topology, StiffnessInNewtonsPerMetreIsTheModels) {
   Model block = make_block({3, 2, 2}, 3, 2, 2);
   for (Index i = 0; i < block.particle_count(); ++i) block.stiffness[i] = i;  // 0 among them
   for (BaseSelection bases : selections) {
-    const TopologyOptions options{.bases = bases};
-    EXPECT_EQ(build_topology(block, options).stiffness, block.stiffness);
+    EXPECT_EQ(build_topology(block, {.bases = bases}).stiffness, block.stiffness);
   }
 }
 
@@ -95,8 +94,7 @@ TEST(Topology, VolumeTermsStandForTheWholeBody) {
   for (const Case& it :
        {Case{make_block({3, 2, 2}, 3, 2, 2), 12.0, 96},
         Case{make_tetrahedral_block({3, 2, 2}, 3, 2, 2, 0.2, 1), 12.0, 0}, Case{make_strip(4, 2, 4, 2), 8.0, 32}}) {
-    const TopologyOptions options{.volume_stiffness = 50.0};
-    const TopologyTextures t = build_topology(it.model, options);
+    const TopologyTextures t = build_topology(it.model, {.volume_stiffness = 50.0});
     double sum = 0.0;
     for (const VolumeTexel& term : t.volumes) {
       sum += term.stiffness;
@@ -134,8 +132,7 @@ TEST(Topology, OptionsOutOfRangeAreRefusedByName) {
   Model wire = make_tetrahedron(1.0);
   wire.cells.clear();
   wire.components.clear();
-  const TopologyOptions options{.volume_stiffness = 1.0};
-  EXPECT_TRUE(refuses([&] { build_topology(wire, options); }, "a volume term needs tetrahedra"));
+  EXPECT_TRUE(refuses([&] { build_topology(wire, {.volume_stiffness = 1.0}); }, "a volume term needs tetrahedra"));
 }
 
 }  // namespace

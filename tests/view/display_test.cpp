@@ -168,8 +168,7 @@ TEST_F(GlPictureTest, BothSidesOfAPlaneBodyAreLit) {
   const Vec3 expected = Vec3(rest[0], rest[1], rest[2]) * (0.66 + 0.38 * facing);
   for (const double side : {1.0, -1.0}) {
     const Camera camera = framing(model.rest, {0, 0, side}, static_cast<double>(width) / height);
-    const Image image = display->render(camera, options, width, height);
-    const Vec3 colour = colour_at(image, camera, {0.0125, 0.0062, 0});
+    const Vec3 colour = colour_at(display->render(camera, options, width, height), camera, {0.0125, 0.0062, 0});
     EXPECT_LT((colour - expected.cwiseMin(1.0)).cwiseAbs().maxCoeff(), 0.012) << side;
   }
 }
