@@ -115,20 +115,12 @@ class GlComputeNeedle : public OnCompute {
   State end_of(gl::Device& device, FloatTools& tools, Run&& run) {
     State end = rest_state(model_);
     device.write(tables_->rest, end);
-    std::vector<double> instants;
-    for (int k = 0; k <= 5; ++k) instants.push_back(k * dt_);
-    tools.begin_batch(5, dt_, 0.0);
-    device.begin_batch({.dt = dt_, .largest_acceleration = 1e30, .runaway_speed = 1e9}, instants, tools);
+    begin_batch(device, tools, 5, dt_);
     run();
     device.read(tables_->rest, end);
     device.read_needles(tools);
     tools.read(end);
     return end;
-  }
-  FloatTools tools() const {
-    FloatTools tools(gl::Device::most_steps);
-    tools.follow(scene_);
-    return tools;
   }
 
   Model model_ = Insertion::gel(4);
@@ -151,7 +143,7 @@ TEST_F(GlComputeNeedle, WhatOneDispatchLeavesTheNextOnesDo) {
          {std::int64_t{65535}, std::int64_t{5000}, std::numeric_limits<std::int64_t>::max()}) {
       gl::ComputeLimits limits = gl::ComputeLimits::of_context();
       limits.loop_turns = turns;
-      FloatTools moved = tools();
+      FloatTools moved = tools_of(scene_);
       gl::ComputeDevice device(slices, scene_, moved, library, limits);
       const gl::ComputeTables constants(slices, limits);
       dispatches.push_back(gl::ComputeNeedles(packed, moved, constants, limits).follow_dispatches());

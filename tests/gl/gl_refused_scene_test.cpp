@@ -83,11 +83,6 @@ class RefusedScene : public OnBothDevices {
     needle.spread = 0.009;
     scene.add_tool("needle", {.shape = needle, .pose = {.position = {0.0103, 0.0121, 0.012}}, .friction = 0.5});
   }
-  static FloatTools tools_of(const Scene& scene) {
-    FloatTools tools(gl::Device::most_steps);
-    tools.follow(scene);
-    return tools;
-  }
   std::unique_ptr<gl::Device> make(const Scene& scene, const gl::ShaderLibrary& library) const {
     std::unique_ptr<gl::Device> device;
     if (GetParam() == GlBackend::fragment) {
@@ -101,10 +96,7 @@ class RefusedScene : public OnBothDevices {
   }
   /// A batch of four steps.
   void go(gl::Device& device, FloatTools& tools) const {
-    std::vector<double> instants;
-    for (int k = 0; k <= 4; ++k) instants.push_back(k * dt_);
-    tools.begin_batch(4, dt_, 0.0);
-    device.begin_batch({.dt = dt_, .largest_acceleration = 1e30, .runaway_speed = 1e9}, instants, tools);
+    begin_batch(device, tools, 4, dt_);
     device.run(4);
     gl::BatchReport report = device.report();
     while (report.unfinished) {

@@ -121,6 +121,15 @@ inline std::vector<std::string> passes_run(Solver& solver, std::int64_t times) {
   return names;
 }
 
+/// The passes of every step of a free body.
+inline std::vector<std::string> passes_of(const Model& model, GlBackend backend) {
+  const Scene scene(model);
+  gl::DeviceSolver solver(backend, tables_of(model, {}), scene, {.profile = true});
+  solver.clear_profile();
+  EXPECT_TRUE(is_ok(solver.step(10, 0.3 * solver.stable_step())));
+  return passes_run(solver, 10);
+}
+
 /// Solvers of scenes that have become equal do the same from their rest shapes, by the same passes.
 inline void expect_alike(Solver& a, Solver& b, double dt) {
   for (Solver* const solver : {&a, &b}) {

@@ -23,6 +23,21 @@ inline void expect_like(const NeedleState& a, const NeedleState& b) {
   EXPECT_EQ(a.shaft.size(), b.shaft.size());
 }
 
+/// For a device of a test's own.
+inline FloatTools tools_of(const Scene& scene) {
+  FloatTools tools(gl::Device::most_steps);
+  tools.follow(scene);
+  return tools;
+}
+
+/// From time 0 on.
+inline void begin_batch(gl::Device& device, FloatTools& tools, int steps, double dt) {
+  std::vector<double> instants;
+  for (int k = 0; k <= steps; ++k) instants.push_back(k * dt);
+  tools.begin_batch(steps, dt, 0.0);
+  device.begin_batch({.dt = dt, .largest_acceleration = 1e30, .runaway_speed = 1e9}, instants, tools);
+}
+
 class BesideNeedle {
  public:
   explicit BesideNeedle(double stiffness, int cells = 4, const Vec3& origin = {0, 0, 0},
