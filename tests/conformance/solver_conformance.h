@@ -48,9 +48,7 @@ TEST_P(SolverConformance, RigidMotionOfTheSceneMovesTheResult) {
   const Vec3 shift(0.3, -0.2, 0.1), g(2.0, 1.0, -9.81);
   Model moved = model_;
   for (Vec3& p : moved.rest) p = turn * p + shift;
-  Scene scene(model_), moved_scene(moved);
-  scene.fix("x0").gravity(g);
-  moved_scene.fix("x0").gravity(turn * g);
+  Scene scene = Scene(model_).fix("x0").gravity(g), moved_scene = Scene(moved).fix("x0").gravity(turn * g);
   // The one energy that is isotropic in large strain too; of the other the directions do not turn with the body.
   const TopologyOptions isotropic{.strain_energy = StrainEnergy::neo_hookean};
   const auto solver = make(model_, scene, {}, isotropic), moved_solver = make(moved, moved_scene, {}, isotropic);

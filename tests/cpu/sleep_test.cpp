@@ -263,8 +263,7 @@ TEST(Sleep, DoesNotEndTheSearchForRest) {
 TEST(Sleep, AllocatesNothingInAStep) {
   const Model model = two_materials();
   const Body& body = body_of(model);
-  Scene scene(model);
-  scene.fix("x0").add(
+  Scene scene = Scene(model).fix("x0").add(
       pull(model, "x1", {0, 1, -1}, {{0.0, 0.0}, {20 * body.step(), 1e-3}, {40 * body.step(), 0.0}}, LoadType::force));
   const auto solver = make_solver("cpu", body.tables, scene, body.options(1e-4, 1, 300.0));
   solver->step(1, body.step());  // follows the scene

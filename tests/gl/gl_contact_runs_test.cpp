@@ -76,9 +76,7 @@ TEST_P(GlContactRuns, WhatTouchesNothingMovesAsItWould) {
 
 TEST_P(GlContactRuns, ASceneWithoutContactsPaysNothing) {
   const Model model = stacked(0.001);
-  Scene without(model), with(model);
-  without.fix("low/z0");
-  with.fix("low/z0").contacts({});
+  Scene without = Scene(model).fix("low/z0"), with = Scene(without).contacts({});
   SolverOptions options = damped(5.0);
   options.profile = true;
   const BesideReference plain(model, without, options, GetParam()), touching(model, with, options, GetParam());

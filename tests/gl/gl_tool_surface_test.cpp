@@ -85,8 +85,7 @@ TEST_P(GlToolSurface, EveryShapeAgreesWithTheReference) {
 
 /// A step of sixty rounds that moves particles without a speed.
 TEST_P(GlToolSurface, APlacedToolLetsTheSurfaceOutAsTheReferenceDoes) {
-  Scene scene(model_);
-  scene.fix("z0").add_tool(
+  Scene scene = Scene(model_).fix("z0").add_tool(
       "ball", {.shape = Sphere{0.007}, .pose = {.position = {0, 0, 0.5}}, .contact = ToolContact::surface});
   Pair both = pair_of(scene);
   scene.tool("ball").teleport({.position = {0.0141, 0.0103, 0.0255}});
@@ -99,11 +98,10 @@ TEST_P(GlToolSurface, APlacedToolLetsTheSurfaceOutAsTheReferenceDoes) {
 
 /// Tools of both kinds in turn, one of which holds particles that others must not push; some coordinates are imposed.
 TEST_P(GlToolSurface, ToolsActOneAfterAnotherAroundAGrasp) {
-  Scene scene(model_);
-  scene.fix("z0").add({.type = LoadType::translation,
-                       .particles = model_.group("x0"),
-                       .events = {{0.0, 0.0}},
-                       .axes = {Axis::held, Axis::free, Axis::free}});
+  Scene scene = Scene(model_).fix("z0").add({.type = LoadType::translation,
+                                             .particles = model_.group("x0"),
+                                             .events = {{0.0, 0.0}},
+                                             .axes = {Axis::held, Axis::free, Axis::free}});
   const Tool ball{.shape = Sphere{0.005}, .friction = 0.3, .contact = ToolContact::surface};
   const auto add = [&](const char* name, Tool tool, const Vec3& position) {
     tool.pose = {.position = position};
@@ -185,11 +183,10 @@ TEST_F(GlToolSurfaceWithNeedle, ActsBesideANeedleAsOnTheReference) {
 }
 
 TEST_P(GlToolSurface, SnapshotsGoOnBitForBitAndLostDevicesGoBack) {
-  Scene scene(model_);
-  scene.fix("z0").add_tool("ball", {.shape = Sphere{0.005},
-                                    .pose = {.position = {0.014, 0.011, 0.0248}},
-                                    .friction = 0.3,
-                                    .contact = ToolContact::surface});
+  Scene scene = Scene(model_).fix("z0").add_tool("ball", {.shape = Sphere{0.005},
+                                                          .pose = {.position = {0.014, 0.011, 0.0248}},
+                                                          .friction = 0.3,
+                                                          .contact = ToolContact::surface});
   const auto device = make(scene), other = make(scene);
   scene.tool("ball").move_to({.position = {0.015, 0.011, 0.0235}});
   ASSERT_TRUE(device->step(30, dt_).ok());
@@ -211,8 +208,7 @@ TEST_P(GlToolSurface, SnapshotsGoOnBitForBitAndLostDevicesGoBack) {
 TEST_P(GlToolSurface, RestsWhereTheReferenceDoes) {
   options_.damping.rate = 200.0;
   options_.rest_tolerance = 1e-4;
-  Scene scene(model_);
-  scene.fix("z0").add_tool(
+  Scene scene = Scene(model_).fix("z0").add_tool(
       "ball", {.shape = Sphere{0.005}, .pose = {.position = {0.014, 0.011, 0.0249}}, .contact = ToolContact::surface});
   const Pair both = pair_of(scene);
   scene.tool("ball").move_to({.position = {0.014, 0.011, 0.0242}});

@@ -129,9 +129,8 @@ TEST_P(GlTool, CopiesAndLostDevicesKnowWhatToolsHold) {
 }
 
 TEST_P(GlTool, ASceneWithoutToolsPaysNothing) {
-  Scene without(model_), with(model_);
-  without.fix("z0");
-  with.fix("z0").add_tool("ball", {.shape = Sphere{0.005}, .pose = {.position = {0.015, 0.01, 0.0245}}});
+  Scene without = Scene(model_).fix("z0"), with = without;
+  with.add_tool("ball", {.shape = Sphere{0.005}, .pose = {.position = {0.015, 0.01, 0.0245}}});
   options_.profile = true;
   const auto plain = make(without), touched = make(with);
   ASSERT_TRUE(all_step(8, dt_, plain, touched));

@@ -55,11 +55,9 @@ PHYMUL_ON_BOTH_DEVICES(GlVolume);
 
 /// Squeezed to four fifths, under gravity, 300 steps.
 TEST_P(GlVolume, IsKeptUnderLoadWithTheMirrorsBits) {
-  Scene scene(model_), lossy(model_), measure(model_);
-  measure.constrain_volume();
-  scene.fix("x0").gravity({0, 0, -9.81}).constrain_volume();
-  scene.add(pull(model_, "x1", {-1, 0, 0}, {{0, 0}, {200 * dt_, 0.006}}));
-  lossy.fix("x0").gravity({0, 0, -9.81}).add(scene.loads().back());
+  Scene lossy = Scene(model_).fix("x0").gravity({0, 0, -9.81}), measure = Scene(model_).constrain_volume();
+  lossy.add(pull(model_, "x1", {-1, 0, 0}, {{0, 0}, {200 * dt_, 0.006}}));
+  Scene scene = Scene(lossy).constrain_volume();
   const GlTwins twins = this->twins(scene);
   const auto reference = make_solver("reference", tables_, scene, options_);
   const auto alone = make_solver("reference", tables_, lossy, options_);
@@ -243,9 +241,7 @@ TEST_P(GlVolume, CopiesAndLostDevicesGoOn) {
 }
 
 TEST_P(GlVolume, ASceneWithoutKeptVolumesPaysNothing) {
-  Scene without(model_), with(model_);
-  without.fix("z0").gravity({0, 0, -1});
-  with.fix("z0").gravity({0, 0, -1}).constrain_volume();
+  Scene without = Scene(model_).fix("z0").gravity({0, 0, -1}), with = Scene(without).constrain_volume();
   options_.profile = true;
   const auto plain = make(without), keeping = make(with);
   ASSERT_TRUE(all_step(8, dt_, plain, keeping));

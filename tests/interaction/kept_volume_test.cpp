@@ -110,9 +110,7 @@ TEST(KeptVolume, IsExactInASqueezedBodyUnderGravity) {
   for (const BackendCase& backend : cpu_backends) {
     double worst[2] = {0, 0};
     for (const bool kept : {false, true}) {
-      Scene scene(model), measure(model);
-      measure.constrain_volume();
-      scene.gravity({0, 0, -9.81}).fix("x0");
+      Scene scene = Scene(model).gravity({0, 0, -9.81}).fix("x0"), measure = Scene(model).constrain_volume();
       if (kept) scene.constrain_volume();
       const auto solver = make_solver(backend.name, model, scene, {}, options_for(backend, 20.0));
       const double dt = 0.3 * solver->stable_step();
@@ -132,9 +130,7 @@ TEST(KeptVolume, IsExactInASqueezedBodyUnderGravity) {
 TEST(KeptVolume, IsExactWhereParticlesWereShifted) {
   const Model model = soft_block();
   for (const char* backend : {"reference", "cpu"}) {
-    Scene scene(model), measure(model);
-    scene.constrain_volume();
-    measure.constrain_volume();
+    Scene scene = Scene(model).constrain_volume(), measure = scene;
     scene.add_tool("probe", {.shape = Sphere{0.008}, .pose = {.position = {0.015, 0.010, 0.024}}});
     const auto solver = make_solver(backend, model, scene);
     ASSERT_TRUE(is_ok(solver->step(1, 0.3 * solver->stable_step())));
@@ -150,9 +146,7 @@ TEST(KeptVolume, IsExactWhereTheLocalTermIsNot) {
   const Model model = with_material(make_block({0.03, 0.02, 0.02}, 6, 4, 4), soft_tissue(0.45));
   double worst[2] = {0, 0};
   for (const bool kept : {false, true}) {
-    Scene scene(model), measure(model);
-    measure.constrain_volume();
-    scene.fix("x0");
+    Scene scene = Scene(model).fix("x0"), measure = Scene(model).constrain_volume();
     if (kept) scene.constrain_volume();
     const auto solver = make_solver("reference", model, scene, {}, options_for({"reference", 0}, 20.0));
     const double dt = 0.3 * solver->stable_step();

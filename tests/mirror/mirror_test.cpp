@@ -126,11 +126,10 @@ TEST(Mirror, ComesToRestAtItsOwnNoise) {
 
 TEST(Mirror, ComesToRestTurned) {
   const Model model = calibrated_cylinder();
-  Scene scene(model);
-  scene.add({.type = LoadType::rotation,
-             .particles = model.group("bottom"),
-             .events = {{0.0, 0.0}, {0.5, 2.0}},
-             .direction = {1, 0, 0}});
+  Scene scene = Scene(model).add({.type = LoadType::rotation,
+                                  .particles = model.group("bottom"),
+                                  .events = {{0.0, 0.0}, {0.5, 2.0}},
+                                  .direction = {1, 0, 0}});
   const Pair pair = make_pair(scene, {}, damped(40.0));
   ASSERT_TRUE(pair.mirror->step(static_cast<int>(std::ceil(0.5 / pair.dt)), pair.dt).ok());
   const RestResult rest = pair.mirror->run_to_rest(4000, pair.dt);

@@ -200,9 +200,7 @@ TEST_P(LiveStiffness, OfFactorsOfOneChangesNoBit) {
   for (const ScaledBody& c : cases()) {
     SCOPED_TRACE(c.name);
     const Model model = c.make({});
-    Scene plain(model), scaled(model);
-    plain.add(pull_on(model));
-    scaled.add(pull_on(model)).scale_stiffness(1.0);
+    Scene plain = Scene(model).add(pull_on(model)), scaled = Scene(plain).scale_stiffness(1.0);
     const auto one = make_solver(GetParam(), model, plain, c.options);
     const auto other = make_solver(GetParam(), model, scaled, c.options);
     ASSERT_TRUE(all_step(50, 0.5 * one->stable_step(), one, other));
