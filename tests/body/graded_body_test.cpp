@@ -75,10 +75,8 @@ TEST(GradedBody, TetrahedraOfTheLatticeShareWholeFaces) {
 TEST(GradedBody, RandomShapesHaveGoodCells) {
   for (std::uint32_t seed = 0; seed < 9; ++seed) {
     SCOPED_TRACE(seed);
-    BodyReport report;
     const BodyOptions options = random_grading(seed);
-    const Model model = make_body(random_solid(seed), options, &report);
-    expect_sound(model, report);
+    const auto [model, report] = sound_body(random_solid(seed), options);
     EXPECT_EQ(report.parts, 1);
     EXPECT_NEAR(report.volume, report.wanted_volume, 1e-3 * report.wanted_volume);
     EXPECT_NEAR(report.largest_spacing, options.spacing, 1e-12);
@@ -90,9 +88,7 @@ TEST(GradedBodyOfManyShapes, NoCellIsThin) {
   double smallest = 180.0, largest = 0.0;
   for (std::uint32_t seed = 100; seed < 600; ++seed) {
     SCOPED_TRACE(seed);
-    BodyReport report;
-    const Model model = make_body(random_solid(seed), random_grading(seed), &report);
-    expect_sound(model, report);
+    const auto [model, report] = sound_body(random_solid(seed), random_grading(seed));
     smallest = std::min(smallest, report.smallest_angle);
     largest = std::max(largest, report.largest_angle);
   }
@@ -114,10 +110,8 @@ TEST(GradedBody, OfOneSpacingIsTheUniformBody) {
 /// Edges are as long as asked for: inside the fine ball, and far from it.
 TEST(GradedBody, IsFineWhereItIsAsked) {
   const Vec3 place(0, 0, 0.05);
-  BodyReport report;
-  const Model model = make_body(solid_ball({0, 0, 0}, 0.05),
-                                {.spacing = 0.016, .spacing_at = fine_near(place, 0.01, 0.002, 0.016)}, &report);
-  expect_sound(model, report);
+  const auto [model, report] =
+      sound_body(solid_ball({0, 0, 0}, 0.05), {.spacing = 0.016, .spacing_at = fine_near(place, 0.01, 0.002, 0.016)});
   EXPECT_LT(12.0 * report.particles, report.volume / std::pow(0.002, 3));
   std::array<double, 2> sum{}, count{};
   for (Index i = 0; i < model.particle_count(); ++i) {
@@ -241,14 +235,12 @@ TEST(GradedBody, ReturnsFromABrokenState) {
   const Model model =
       with_material(make_body(solid_box({0, 0, 0}, {0.05, 0.05, 0.05}), fine_at({0.025, 0.025, 0.05}, 0.004)),
                     {.young = 10e3, .poisson = 0.3, .density = 1000});
-  const SolverOptions options{.damping = {.rate = 60.0}};
   const Scene scene(model);
-  const auto solver = make_solver("cpu", model, scene, {}, options);
+  const auto solver = make_solver("cpu", model, scene, {}, damped(60.0));
   State state = rest_state(model);
   for (Vec3& x : state.position) x.z() *= 0.1;
   solver->reset(state);
-  const double dt = 0.2 * solver->stable_step();
-  const RestResult rest = solver->run_to_rest(20000, dt);
+  const RestResult rest = solver->run_to_rest(20000, 0.2 * solver->stable_step());
   ASSERT_TRUE(rest.converged()) << rest.message();
   const VecList at = solver->read().position;
   double most = 0.0;

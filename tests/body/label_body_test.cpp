@@ -40,13 +40,16 @@ void expect_partition(const Model& model, const BodyReport& report) {
   EXPECT_NEAR(volume, report.volume, 1e-12 * report.volume);
 }
 
+SoundBody sound_regions(const LabelImage& image, const LabelBodyOptions& options) {
+  SoundBody made = sound_body(image, options);
+  expect_partition(made.model, made.report);
+  return made;
+}
+
 TEST(LabelBody, ABallInABall) {
   const double spacing = 0.0075, radius = 0.03;
-  BodyReport report;
-  const Model model =
-      make_body(ball_in_ball(80, radius), {.spacing = spacing, .regions = {{1, "fat"}, {2, "gland"}}}, &report);
-  expect_sound(model, report);
-  expect_partition(model, report);
+  const auto [model, report] =
+      sound_regions(ball_in_ball(80, radius), {.spacing = spacing, .regions = {{1, "fat"}, {2, "gland"}}});
   EXPECT_GT(report.particles, 2600);
   EXPECT_LT(report.particles, 3000);
   EXPECT_NEAR(report.volume / ball_volume(0.05), 1.0, 0.005);
@@ -66,13 +69,10 @@ TEST(LabelBody, AnObliquePlaneBetweenTwoRegions) {
   const Vec3 normal = Vec3(1, 0.3, 0.1).normalized();
   for (const double offset : {0.0, 0.001, 0.002, 0.003}) {
     SCOPED_TRACE(offset);
-    BodyReport report;
     const LabelImage image = painted(80, [&](const Vec3& x) {
       return x.norm() > 0.05 ? 0 : normal.dot(x) < offset ? 7 : 9;
     });
-    const Model model = make_body(image, {.spacing = spacing}, &report);
-    expect_sound(model, report);
-    expect_partition(model, report);
+    const auto [model, report] = sound_regions(image, {.spacing = spacing});
     for (const RegionReport& region : report.regions) {
       EXPECT_NEAR(region.volume / region.wanted_volume, 1.0, 0.002) << region.name;
     }
@@ -86,10 +86,7 @@ TEST(LabelBody, AnObliquePlaneBetweenTwoRegions) {
 TEST(LabelBody, TwoBallsThatTouch) {
   const auto ball = [](const Vec3& x, double at) { return (x - Vec3(at, 0, 0)).norm() < 0.025; };
   const LabelImage image = painted(80, [&](const Vec3& x) { return ball(x, -0.025) ? 1 : ball(x, 0.025) ? 2 : 0; });
-  BodyReport report;
-  const Model model = make_body(image, {.spacing = 0.005, .regions = {{1, "left"}, {2, "right"}}}, &report);
-  expect_sound(model, report);
-  expect_partition(model, report);
+  const auto [model, report] = sound_regions(image, {.spacing = 0.005, .regions = {{1, "left"}, {2, "right"}}});
   for (const RegionReport& region : report.regions) EXPECT_NEAR(region.volume / ball_volume(0.025), 1.0, 0.01);
   for (const Index i : model.group("left")) EXPECT_LT(model.rest[i].x(), 0.5 * 0.005);
 }
@@ -100,9 +97,7 @@ TEST(LabelBody, AThinShell) {
     const double r = x.norm();
     return r > 0.05 ? 0 : r > 0.03 && r < 0.033 ? 2 : 1;
   });
-  BodyReport report;
-  const Model model = make_body(image, {.spacing = 0.0075}, &report);
-  expect_sound(model, report);
+  const auto [model, report] = sound_regions(image, {.spacing = 0.0075});
   EXPECT_NEAR(report.regions[1].volume / report.regions[1].wanted_volume, 1.0, 0.15);
   for (const Index i : model.group("label 2")) EXPECT_NEAR(model.rest[i].norm(), 0.0315, 0.0075);
 }
@@ -140,9 +135,7 @@ TEST(LabelBody, FramesPutItInItsPlace) {
         }
       }
     }
-    BodyReport report;
-    const Model model = make_body(image, {.spacing = 0.0025}, &report);
-    expect_sound(model, report);
+    const auto [model, report] = sound_regions(image, {.spacing = 0.0025});
     EXPECT_NEAR(report.wanted_volume, 0.03 * 0.033 * 0.025, 1e-12);
     EXPECT_NEAR(report.volume / report.wanted_volume, 1.0, 0.005);
     EXPECT_NEAR(report.regions[0].volume / (0.015 * 0.033 * 0.025), 1.0, 0.01);
@@ -163,10 +156,7 @@ TEST(LabelBody, FramesPutItInItsPlace) {
 
 void expect_good(std::uint32_t seed, double spacing) {
   SCOPED_TRACE(seed);
-  BodyReport report;
-  const Model model = make_body(random_labels(seed), {.spacing = spacing}, &report);
-  expect_sound(model, report);
-  expect_partition(model, report);
+  const auto [model, report] = sound_regions(random_labels(seed), {.spacing = spacing});
   EXPECT_NEAR(report.volume, report.wanted_volume, 1e-3 * report.wanted_volume);
 }
 
@@ -184,10 +174,7 @@ TEST(LabelBody, WithASpacingThatVaries) {
   const LabelBodyOptions options{.spacing = coarse,
                                  .regions = {{1, "fat"}, {2, "gland"}},
                                  .spacing_at = fine_near(Vec3::Zero(), radius + fine, fine, coarse)};
-  BodyReport report;
-  const Model model = make_body(ball_in_ball(80, radius), options, &report);
-  expect_sound(model, report);
-  expect_partition(model, report);
+  const auto [model, report] = sound_regions(ball_in_ball(80, radius), options);
   EXPECT_NEAR(report.smallest_spacing, fine, 1e-12);
   EXPECT_NEAR(report.largest_spacing, coarse, 1e-12);
   EXPECT_NEAR(report.volume / ball_volume(0.05), 1.0, 0.005);
@@ -205,11 +192,8 @@ TEST(LabelBody, RandomImagesHaveGoodCellsWhereTheSpacingVaries) {
     SCOPED_TRACE(seed);
     std::mt19937 bits(seed);
     const Vec3 place = 0.04 * random_vector(bits, 3);
-    BodyReport report;
-    const Model model = make_body(random_labels(seed),
-                                  {.spacing = 0.014, .spacing_at = fine_near(place, 0.01, 0.0035, 0.014)}, &report);
-    expect_sound(model, report);
-    expect_partition(model, report);
+    const auto [model, report] =
+        sound_regions(random_labels(seed), {.spacing = 0.014, .spacing_at = fine_near(place, 0.01, 0.0035, 0.014)});
     EXPECT_LT(report.smallest_spacing, 0.004);
     EXPECT_NEAR(report.volume, report.wanted_volume, 1e-3 * report.wanted_volume);
   }
@@ -218,8 +202,7 @@ TEST(LabelBody, RandomImagesHaveGoodCellsWhereTheSpacingVaries) {
 /// Against the same body as one region, of one material.
 TEST(LabelBody, RegionsDoNotShortenTheStep) {
   const auto step_of = [](const LabelImage& image, const LabelBodyOptions& options) {
-    Model model = make_body(image, options);
-    set_material(model, soft_tissue(0.45));
+    Model model = with_material(make_body(image, options), soft_tissue(0.45));
     const Scene scene(model);
     return make_solver("reference", model, scene)->stable_step();
   };
@@ -262,8 +245,7 @@ struct SoftAndStiff {
 /// Uniform strain: each region has the energy of its own material and volume, and each particle its mass, to rounding.
 TEST(LabelBody, MaterialsBelongToTheCellsOfTheirRegion) {
   const SoftAndStiff body;
-  double mass = 0.0;
-  for (const double m : body.model.mass) mass += m;
+  const double mass = total_mass(body.model);
   const double soft = body.report.regions[0].volume, stiff = body.report.regions[1].volume, e = 1e-5;
   EXPECT_NEAR(mass, 1000.0 * soft + 1200.0 * stiff, 1e-9 * mass);
   const double wanted = 0.5 * e * e * (10e3 * soft + 40e3 * stiff);
@@ -282,9 +264,7 @@ TEST(LabelBody, MaterialsOfRegionsInSeries) {
 /// Nothing is around it: the body ends with the outermost voxels.
 TEST(LabelBody, AnImageFilledToItsBorder) {
   const LabelImage image = painted(24, [](const Vec3&) { return 65535; });
-  BodyReport report;
-  const Model model = make_body(image, {.spacing = 0.012}, &report);
-  expect_sound(model, report);
+  const auto [model, report] = sound_regions(image, {.spacing = 0.012});
   EXPECT_NEAR(report.volume, 0.12 * 0.12 * 0.12, 0.005 * 0.12 * 0.12 * 0.12);
   for (const Vec3& x : model.rest) EXPECT_LT(x.cwiseAbs().maxCoeff(), 0.0605);
 }

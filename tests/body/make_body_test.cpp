@@ -20,9 +20,7 @@ namespace {
 TEST(MakeBody, TenShapesHaveGoodCellsAndTheirVolume) {
   for (const FilledShape& shape : filled_shapes()) {
     SCOPED_TRACE(shape.name);
-    BodyReport report;
-    const Model model = make_body(shape.solid, {.spacing = shape.spacing}, &report);
-    expect_sound(model, report);
+    const auto [model, report] = sound_body(shape.solid, {.spacing = shape.spacing});
     EXPECT_GT(report.particles, 1700);
     EXPECT_LT(report.particles, 3200);
     EXPECT_NEAR(report.volume, report.wanted_volume, 1e-3 * report.wanted_volume);
@@ -45,9 +43,7 @@ TEST(MakeBody, AFinerSurfaceIsASkinOfIt) {
 TEST(MakeBody, RandomSmoothShapesHaveGoodCells) {
   for (std::uint32_t seed = 0; seed < 30; ++seed) {
     SCOPED_TRACE(seed);
-    BodyReport report;
-    const Model model = make_body(random_solid(seed), {.spacing = 0.009}, &report);
-    expect_sound(model, report);
+    sound_body(random_solid(seed), {.spacing = 0.009});
   }
 }
 
@@ -55,9 +51,7 @@ TEST(MakeBodyOfManyShapes, NoCellIsInverted) {
   double smallest = 180.0, largest = 0.0;
   for (std::uint32_t seed = 100; seed < 1100; ++seed) {
     SCOPED_TRACE(seed);
-    BodyReport report;
-    const Model model = make_body(random_solid(seed), {.spacing = 0.008 + 0.004 * (seed % 10) / 10.0}, &report);
-    expect_sound(model, report);
+    const auto [model, report] = sound_body(random_solid(seed), {.spacing = 0.008 + 0.004 * (seed % 10) / 10.0});
     smallest = std::min(smallest, report.smallest_angle);
     largest = std::max(largest, report.largest_angle);
   }
@@ -87,10 +81,8 @@ TEST(MakeBody, InnerParticlesShareALattice) {
 }
 
 TEST(MakeBody, SurfacesFillAsTheSolidsDo) {
-  BodyReport of_surface, of_solid;
-  const Model model = make_body(ball_surface(0.05, 40), {.spacing = 0.0075}, &of_surface);
-  make_body(solid_ball({0, 0, 0}, 0.05), {.spacing = 0.0075}, &of_solid);
-  expect_sound(model, of_surface);
+  const BodyReport of_surface = sound_body(ball_surface(0.05, 40), {.spacing = 0.0075}).report,
+                   of_solid = sound_body(solid_ball({0, 0, 0}, 0.05), {.spacing = 0.0075}).report;
   EXPECT_NEAR(of_surface.particles, of_solid.particles, 0.01 * of_solid.particles);
   EXPECT_NEAR(of_surface.volume / ball_volume(0.05), 1.0, 0.005);
   EXPECT_NEAR(of_surface.volume, of_surface.wanted_volume, 1e-6 * of_surface.wanted_volume);
@@ -103,9 +95,7 @@ TEST(MakeBody, LatticePointsOnTheSurfaceDoNoHarm) {
     for (const double shift : {0.0, 0.25, 1.0 / 3.0, 0.5, 0.75}) {
       SCOPED_TRACE(shift);
       const Vec3 low = shift * edge * Vec3::Ones();
-      BodyReport report;
-      const Model model = make_body(box_surface(low, low + edge * sides), {.spacing = spacing}, &report);
-      expect_sound(model, report);
+      const auto [model, report] = sound_body(box_surface(low, low + edge * sides), {.spacing = spacing});
       EXPECT_EQ(report.parts, 1);
     }
   }

@@ -5,6 +5,8 @@
 #include <phymul/body.h>
 #include <phymul/surface.h>
 
+#include <type_traits>
+
 #include "model/enclosed_volume.h"
 
 namespace phymul::test {
@@ -27,6 +29,21 @@ inline void expect_sound(const Model& model, const BodyReport& report) {
   EXPECT_NEAR(enclosed, volume, 1e-9 * volume);
   EXPECT_NO_THROW(mend_surface(skin));
   EXPECT_TRUE(skin.notes.empty()) << skin.notes.front();
+}
+
+struct SoundBody {
+  Model model;
+  BodyReport report;
+};
+
+/// What make_body() makes of a solid, a surface or a labelled image, held to the above.
+template <class Shape,
+          class Options = std::conditional_t<std::is_same_v<Shape, LabelImage>, LabelBodyOptions, BodyOptions>>
+SoundBody sound_body(const Shape& shape, const std::type_identity_t<Options>& options) {
+  SoundBody made;
+  made.model = make_body(shape, options, &made.report);
+  expect_sound(made.model, made.report);
+  return made;
 }
 
 }  // namespace phymul::test

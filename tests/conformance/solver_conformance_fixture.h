@@ -33,7 +33,8 @@ class SolverConformance : public testing::TestWithParam<BackendUnderTest> {
     return GetParam().make(model, scene, topology, options);
   }
   static double roundoff() { return GetParam().roundoff; }
-  static Model block() { return with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2)); }
+
+  const Model model_ = with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2));
 };
 
 }  // namespace phymul::test

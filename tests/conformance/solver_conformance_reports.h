@@ -23,30 +23,27 @@ inline State moving(const Model& model, const Vec3& velocity) {
 }
 
 TEST_P(SolverConformance, EnergyOfAFallIsThatOfTheScheme) {
-  const Model model = block();
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81});
-  const auto solver = make(model, scene);
+  Scene scene = Scene(model_).gravity({0, 0, -9.81});
+  const auto solver = make(model_, scene);
   const double dt = 0.5 * solver->stable_step();
   const int steps = 50;
   const StepReport report = solver->step(steps, dt);
   ASSERT_TRUE(report.ok());
   const Energy energy = solver->energy();
   // 1/2 m v- v+ with v = n g dt before and (n + 1) g dt after; what the height n (n + 1) / 2 g dt^2 gave.
-  const double expected = 0.5 * total_mass(model) * std::pow(9.81 * dt, 2) * steps * (steps + 1);
+  const double expected = 0.5 * total_mass(model_) * std::pow(9.81 * dt, 2) * steps * (steps + 1);
   EXPECT_NEAR(energy.kinetic, expected, 1e-4 * expected);
   EXPECT_NEAR(energy.gravity, -expected, 1e-4 * expected);
   EXPECT_LE(energy.elastic, 1e-4 * expected);
-  const double heaviest = *std::max_element(model.mass.begin(), model.mass.end());
+  const double heaviest = *std::max_element(model_.mass.begin(), model_.mass.end());
   EXPECT_NEAR(report.residual, 9.81 * heaviest, 1e-4 * 9.81 * heaviest);
   EXPECT_NEAR(report.max_speed, 9.81 * dt * steps, 1e-4 * 9.81 * dt * steps);
 }
 
 TEST_P(SolverConformance, HeldParticlesHaveTheirOwnSpeedAndNoForce) {
-  const Model model = block();
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81}).add(on_all(model, LoadType::translation, {0, 0, 1}, {{0.0, 0.0}, {1.0, 0.1}}));
-  const auto solver = make(model, scene);
+  Scene scene(model_);
+  scene.gravity({0, 0, -9.81}).add(on_all(model_, LoadType::translation, {0, 0, 1}, {{0.0, 0.0}, {1.0, 0.1}}));
+  const auto solver = make(model_, scene);
   const StepReport report = solver->step(20, 0.5 * solver->stable_step());
   ASSERT_TRUE(report.ok());
   EXPECT_EQ(report.residual, 0.0);
@@ -54,15 +51,13 @@ TEST_P(SolverConformance, HeldParticlesHaveTheirOwnSpeedAndNoForce) {
   EXPECT_TRUE(report.at_rest);  // nothing is free to move
   const State state = solver->read();
   for (const Vec3& v : state.velocity) EXPECT_NEAR(v.z(), 0.1, 1e-4);
-  const double expected = 0.5 * total_mass(model) * 0.01;
+  const double expected = 0.5 * total_mass(model_) * 0.01;
   EXPECT_NEAR(solver->energy().kinetic, expected, 1e-3 * expected);
 }
 
 TEST_P(SolverConformance, ImposedPositionsAreThoseOfTheNewTime) {
-  const Model model = block();
-  Scene scene(model);
-  scene.add(on_all(model, LoadType::translation, {0, 0, 1}, {{0.0, 0.0}, {1.0, 0.1}}));
-  const auto solver = make(model, scene);
+  Scene scene = Scene(model_).add(on_all(model_, LoadType::translation, {0, 0, 1}, {{0.0, 0.0}, {1.0, 0.1}}));
+  const auto solver = make(model_, scene);
   const double dt = 0.5 * solver->stable_step();
   for (int step = 1; step <= 3; ++step) {
     ASSERT_TRUE(solver->step(1, dt).ok());
@@ -72,21 +67,19 @@ TEST_P(SolverConformance, ImposedPositionsAreThoseOfTheNewTime) {
 }
 
 TEST_P(SolverConformance, LoadsActFromTheInstantOfTheState) {
-  const Model model = block();
-  Scene scene(model);
-  scene.add(on_all(model, LoadType::acceleration, {0, 0, -1}, {{1.0, 9.81}, {1.5, 0.0}}));
-  const auto solver = make(model, scene);
+  Scene scene = Scene(model_).add(on_all(model_, LoadType::acceleration, {0, 0, -1}, {{1.0, 9.81}, {1.5, 0.0}}));
+  const auto solver = make(model_, scene);
   const double dt = 0.5 * solver->stable_step(), gained = 9.81 * dt;
-  State start = rest_state(model);
+  State start = rest_state(model_);
   start.time = 1.0;
   solver->reset(start);
   ASSERT_TRUE(solver->step(1, dt).ok());
   EXPECT_NEAR(solver->read().velocity[0].z(), -gained, 1e-4 * gained);
-  scene.replace(0, on_all(model, LoadType::acceleration, {1, 0, 0}, {{0.5, 9.81}}));
+  scene.replace(0, on_all(model_, LoadType::acceleration, {1, 0, 0}, {{0.5, 9.81}}));
   ASSERT_TRUE(solver->step(1, dt).ok());
   EXPECT_NEAR(solver->read().velocity[0].x(), gained, 1e-4 * gained);
-  scene.clear().add(on_all(model, LoadType::acceleration, {0, 1, 0}, {{0.5, 9.81}}));
-  start = rest_state(model);
+  scene.clear().add(on_all(model_, LoadType::acceleration, {0, 1, 0}, {{0.5, 9.81}}));
+  start = rest_state(model_);
   solver->reset(start);  // the new scene at the time of the state, where its load does not act yet
   for (Vec3& p : start.position) p.y() += 0.01;
   EXPECT_EQ(solver->energy().gravity, 0.0);
@@ -95,14 +88,12 @@ TEST_P(SolverConformance, LoadsActFromTheInstantOfTheState) {
 }
 
 TEST_P(SolverConformance, ResetForgetsTheStepsBefore) {
-  const Model model = block();
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81});
-  const auto solver = make(model, scene);
+  Scene scene = Scene(model_).gravity({0, 0, -9.81});
+  const auto solver = make(model_, scene);
   const double dt = 0.5 * solver->stable_step();
   ASSERT_TRUE(solver->step(20, dt).ok());
-  solver->reset(moving(model, {0, 0, 0.1}));
-  const double expected = 0.5 * total_mass(model) * 0.01;
+  solver->reset(moving(model_, {0, 0, 0.1}));
+  const double expected = 0.5 * total_mass(model_) * 0.01;
   EXPECT_NEAR(solver->energy().kinetic, expected, 1e-4 * expected);
 
   scene.gravity({0, 0, 0});
@@ -113,10 +104,10 @@ TEST_P(SolverConformance, ResetForgetsTheStepsBefore) {
   EXPECT_FALSE(solver->step(1, dt).at_rest) << "one quiet step is not " << SolverOptions{}.rest_steps;
   EXPECT_TRUE(solver->step(20, dt).at_rest);
   scene.gravity({0, 0, -9.81});  // reset looks at the scene too
-  State raised = rest_state(model);
+  State raised = rest_state(model_);
   for (Vec3& p : raised.position) p.z() += 0.01;
   solver->reset(raised);
-  EXPECT_NEAR(solver->energy().gravity, total_mass(model) * 9.81 * 0.01, 1e-4 * total_mass(model));
+  EXPECT_NEAR(solver->energy().gravity, total_mass(model_) * 9.81 * 0.01, 1e-4 * total_mass(model_));
   scene.clear().fix("x0");
   solver->reset();
   EXPECT_TRUE(solver->step(20, dt).at_rest);
@@ -125,36 +116,33 @@ TEST_P(SolverConformance, ResetForgetsTheStepsBefore) {
 }
 
 TEST_P(SolverConformance, RestTakesSlowAndUnpushedStepsOnEnd) {
-  const Model model = block();
   SolverOptions options{.rest_tolerance = 1e-4, .rest_steps = 3};
-  Scene empty(model), falling(model), later(model);
-  const auto drifting = make(model, empty, options);
+  Scene empty(model_), falling(model_), later(model_);
+  const auto drifting = make(model_, empty, options);
   const double dt = 0.5 * drifting->stable_step();
-  drifting->reset(moving(model, {0.1, 0, 0}));  // no force, but not slow
+  drifting->reset(moving(model_, {0.1, 0, 0}));  // no force, but not slow
   EXPECT_FALSE(drifting->step(10, dt).at_rest);
 
   options.rest_steps = 1;
   falling.gravity({0, 0, -9.81});
-  const auto turning = make(model, falling, options);
-  turning->reset(moving(model, {0, 0, 9.81 * dt}));  // stands still after one step, but not for long
+  const auto turning = make(model_, falling, options);
+  turning->reset(moving(model_, {0, 0, 9.81 * dt}));  // stands still after one step, but not for long
   EXPECT_FALSE(turning->step(1, dt).at_rest);
 
   const double push = 20.5 * dt;
-  later.add(on_all(model, LoadType::acceleration, {0, 0, -1}, {{0.0, 0.0}, {push, 0.0}, {push, 9.81}}));
-  const auto pushed = make(model, later, options);
+  later.add(on_all(model_, LoadType::acceleration, {0, 0, -1}, {{0.0, 0.0}, {push, 0.0}, {push, 9.81}}));
+  const auto pushed = make(model_, later, options);
   EXPECT_TRUE(pushed->step(20, dt).at_rest);
   EXPECT_FALSE(pushed->step(3, dt).at_rest);
 }
 
 TEST_P(SolverConformance, RunToRestStopsAtTheToleranceAsked) {
-  const Model model = block();
-  Scene scene(model);
-  scene.fix("z1").gravity({0, 0, -9.81});
+  Scene scene = Scene(model_).fix("z1").gravity({0, 0, -9.81});
   SolverOptions options{.damping = {.rate = 60.0}};
   int before = 0;
   for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
     options.rest_tolerance = tolerance;
-    const auto solver = make(model, scene, options);
+    const auto solver = make(model_, scene, options);
     const RestResult rest = solver->run_to_rest(20000, 0.5 * solver->stable_step());
     EXPECT_TRUE(rest.converged()) << tolerance;
     EXPECT_LT(rest.report.steps, 20000) << tolerance;
@@ -164,14 +152,13 @@ TEST_P(SolverConformance, RunToRestStopsAtTheToleranceAsked) {
 }
 
 TEST_P(SolverConformance, FasterThanAnyWaveIsAFailureAndLeavesNoTrace) {
-  const Model model = block();
-  Scene scene(model);
-  const auto probe = make(model, scene);
+  Scene scene(model_);
+  const auto probe = make(model_, scene);
   const double dt = 0.5 * probe->stable_step();
   // Acts on the step that fails, not at the time that is kept.
-  scene.add(on_all(model, LoadType::acceleration, {0, 0, -1}, {{0.0, 0.0}, {0.5 * dt, 0.0}, {0.5 * dt, 9.81}}));
-  const auto solver = make(model, scene);
-  State start = rest_state(model);
+  scene.add(on_all(model_, LoadType::acceleration, {0, 0, -1}, {{0.0, 0.0}, {0.5 * dt, 0.0}, {0.5 * dt, 9.81}}));
+  const auto solver = make(model_, scene);
+  State start = rest_state(model_);
   for (Vec3& p : start.position) p.z() += 0.01;
   start.velocity[5] = {1e9, 0, 0};
   solver->reset(start);
@@ -181,7 +168,7 @@ TEST_P(SolverConformance, FasterThanAnyWaveIsAFailureAndLeavesNoTrace) {
   EXPECT_EQ(report.particle, 5);
   const State kept = solver->read();
   EXPECT_EQ(kept.time, 0.0);
-  EXPECT_LE(largest_distance(kept.position, start.position), 1e-6 * body_size(model));
+  EXPECT_LE(largest_distance(kept.position, start.position), 1e-6 * body_size(model_));
   EXPECT_EQ(solver->energy().gravity, 0.0);
 }
 
@@ -197,11 +184,10 @@ TEST_P(SolverConformance, PlaneBodiesKeepTheirPlane) {
 }
 
 TEST_P(SolverConformance, ScatteredBodiesComeBackAndTheReportSaysThatForcesWereCut) {
-  const Model model = block();
-  const Scene scene(model);
+  const Scene scene(model_);
   SolverOptions options{.damping = {.factor = 0.98}};
-  const auto solver = make(model, scene, options);
-  const State scattered = displaced(model, 1.5, 7);
+  const auto solver = make(model_, scene, options);
+  const State scattered = displaced(model_, 1.5, 7);
   solver->reset(scattered);
   const double dt = 0.5 * solver->stable_step();
   EXPECT_TRUE(solver->step(1, dt).force_clamped);
@@ -209,22 +195,21 @@ TEST_P(SolverConformance, ScatteredBodiesComeBackAndTheReportSaysThatForcesWereC
   ASSERT_TRUE(report.ok()) << report.message();
   EXPECT_TRUE(report.force_clamped);
   EXPECT_TRUE(says(report.message(), "elastic forces were clamped"));
-  EXPECT_LE(solver->energy().elastic, 1e-6 * soft_tissue().young * volume(model, model.rest));
+  EXPECT_LE(solver->energy().elastic, 1e-6 * soft_tissue().young * volume(model_, model_.rest));
   EXPECT_FALSE(solver->step(1, dt).force_clamped);
 
   options.max_displacement_per_step = std::numeric_limits<double>::infinity();
-  const auto uncut = make(model, scene, options);
+  const auto uncut = make(model_, scene, options);
   uncut->reset(scattered);
   EXPECT_FALSE(uncut->step(1, dt).force_clamped);
 }
 
 // A report is about the steps that were done: not the one that failed.
 TEST_P(SolverConformance, CutsOfAStepThatFailedAreNotReported) {
-  const Model model = block();
-  Scene scene(model);
-  const auto solver = make(model, scene);
-  State scattered = rest_state(model), running = scattered;
-  scattered.position = random_positions(model, 1.5, 7);
+  Scene scene(model_);
+  const auto solver = make(model_, scene);
+  State scattered = rest_state(model_), running = scattered;
+  scattered.position = random_positions(model_, 1.5, 7);
   running.position = scattered.position;
   running.velocity[5] = {1e9, 0, 0};
   solver->reset(running);
@@ -235,7 +220,7 @@ TEST_P(SolverConformance, CutsOfAStepThatFailedAreNotReported) {
   EXPECT_FALSE(at_once.force_clamped);
 
   const double late = 4.5 * dt;
-  scene.add(on_all(model, LoadType::acceleration, {0, 0, -1}, {{0.0, 0.0}, {late, 0.0}, {late, 1e20}}));
+  scene.add(on_all(model_, LoadType::acceleration, {0, 0, -1}, {{0.0, 0.0}, {late, 0.0}, {late, 1e20}}));
   solver->reset(scattered);
   const StepReport report = solver->step(20, dt);
   EXPECT_EQ(report.status, StepStatus::not_finite);
@@ -244,16 +229,12 @@ TEST_P(SolverConformance, CutsOfAStepThatFailedAreNotReported) {
 }
 
 TEST_P(SolverConformance, CloudWithoutStiffnessFalls) {
-  Model model = block();
-  model.cells.clear();
-  model.components.clear();
+  Model model = without_cells(model_);
   model.materials.clear();
   model.neighbours.offset.assign(model.rest.size() + 1, 0);
   model.neighbours.entry.clear();
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81});
-  const TopologyOptions topology{.on_sparse = SparseParticle::free};
-  const auto solver = make(model, scene, {}, topology);
+  Scene scene = Scene(model).gravity({0, 0, -9.81});
+  const auto solver = make(model, scene, {}, {.on_sparse = SparseParticle::free});
   EXPECT_EQ(solver->stable_step(), std::numeric_limits<double>::infinity());
   ASSERT_TRUE(solver->step(10, 0.01).ok());
   EXPECT_NEAR(solver->read().velocity[3].z(), -0.981, 1e-5);

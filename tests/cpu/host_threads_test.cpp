@@ -179,8 +179,7 @@ TEST(HostThreads, TablesAndSpectraHaveTheSameBits) {
     const TopologyTextures own = build_topology(model);
     const Spectrum spectrum = estimate_spectrum(own, own.rest);
     const auto host = std::make_shared<Host>(2, by_threads);
-    const TopologyOptions options{.runner = host};
-    const TopologyTextures tables = build_topology(model, options);
+    const TopologyTextures tables = build_topology(model, {.runner = host});
     EXPECT_EQ(fingerprint(tables), fingerprint(own));
     const int for_tables = host->calls;
     EXPECT_EQ(for_tables > 0, with_material);  // without one nothing of them is long
@@ -217,8 +216,7 @@ TEST(HostThreads, TheLibraryStartsNone) {
 
 TEST(HostThreads, StepsAllocateNothing) {
   const Model model = tissue(true);
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   const auto host = std::make_shared<Host>(3, in_turn);
   const auto solver = make_solver("cpu", model, scene, {}, {.threads = 3, .runner = host});
   const double dt = 0.5 * solver->stable_step();
@@ -256,8 +254,7 @@ TEST(HostThreads, ExceptionsOfASetUpReachTheCaller) {
 TEST(HostThreads, ARunnerWithoutAThreadIsRefused) {
   const auto none = std::make_shared<Host>(0, in_turn);
   const Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
-  const TopologyOptions options{.runner = none};
-  EXPECT_THROW(build_topology(model, options), Error);
+  EXPECT_THROW(build_topology(model, {.runner = none}), Error);
   const Scene scene(model);
   EXPECT_THROW(make_solver("cpu", model, scene, {}, {.runner = none}), Error);
   EXPECT_THROW(make_solver("reference", model, scene, {}, {.runner = none}), Error);

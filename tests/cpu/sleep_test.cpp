@@ -135,8 +135,7 @@ Model short_beam() {
 TEST(Sleep, NeglectsNoForceAboveTheTolerance) {
   const Model model = short_beam();
   const Body& body = body_of(model);
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -1.0});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -1.0});
   for (const double tolerance : {1e-5, 1e-4, 1e-3}) {
     const auto solver = make_solver("cpu", body.tables, scene, body.options(tolerance, 1, 60.0));
     State state;
@@ -196,8 +195,7 @@ TEST(Sleep, ARecordingReplaysTheSame) {
   const Model model = short_beam();
   const Body& body = body_of(model);
   for (const double tolerance : {0.0, 1e-4}) {
-    Scene scene(model);
-    scene.fix("x0");
+    Scene scene = Scene(model).fix("x0");
     const auto solver = make_solver("cpu", body.tables, scene, body.options(tolerance));
     Recorder recorder(*solver, scene);
     recorder.step(40, body.step());
@@ -230,8 +228,7 @@ TEST(Sleep, ABodyAtRestCostsLittle) {
   const Model model = short_beam();
   const Body& body = body_of(model);
   for (const bool loaded : {false, true}) {
-    Scene scene(model);
-    scene.fix("x0");
+    Scene scene = Scene(model).fix("x0");
     if (loaded) scene.gravity({0, 0, -1.0});
     double seconds[2];
     for (const bool sleeps : {false, true}) {
@@ -250,16 +247,14 @@ TEST(Sleep, ABodyAtRestCostsLittle) {
 TEST(Sleep, DoesNotEndTheSearchForRest) {
   const Model model = short_beam();
   const Body& body = body_of(model);
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -1.0});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -1.0});
   State ends[2];
   for (const bool sleeps : {false, true}) {
     const auto solver =
         make_solver("cpu", body.tables, scene, body.options(sleeps ? std::optional(1e-2) : std::nullopt));
     if (sleeps) solver->step(500, body.step());  // held in the middle of the motion
     if (sleeps) solver->reset();
-    const RestResult rest = solver->run_to_rest(30000, body.step());
-    EXPECT_TRUE(rest.converged()) << rest.message();
+    EXPECT_TRUE(has_converged(solver->run_to_rest(30000, body.step())));
     ends[sleeps] = solver->read();
   }
   EXPECT_TRUE(same_bits(ends[0].position, ends[1].position));
@@ -268,8 +263,7 @@ TEST(Sleep, DoesNotEndTheSearchForRest) {
 TEST(Sleep, AllocatesNothingInAStep) {
   const Model model = two_materials();
   const Body& body = body_of(model);
-  Scene scene(model);
-  scene.fix("x0").add(
+  Scene scene = Scene(model).fix("x0").add(
       pull(model, "x1", {0, 1, -1}, {{0.0, 0.0}, {20 * body.step(), 1e-3}, {40 * body.step(), 0.0}}, LoadType::force));
   const auto solver = make_solver("cpu", body.tables, scene, body.options(1e-4, 1, 300.0));
   solver->step(1, body.step());  // follows the scene
@@ -295,10 +289,8 @@ TEST(Sleep, OfASimulation) {
 TEST(Sleep, LetsWhatNothingHoldsFall) {
   const Model model = with_material(make_tetrahedral_block({0.06, 0.03, 0.03}, 6, 3, 3, 0.2, 7),
                                     {.young = 1e7, .poisson = 0.3, .density = 1000.0});
-  Scene scene(model);
-  scene.gravity({0, 0, -1.0});
-  const SolverOptions options{.sleep_tolerance = 1e-4};
-  const auto solver = make_solver("cpu", model, scene, {}, options);
+  Scene scene = Scene(model).gravity({0, 0, -1.0});
+  const auto solver = make_solver("cpu", model, scene, {}, {.sleep_tolerance = 1e-4});
   const double dt = 0.5 * solver->stable_step();
   ASSERT_TRUE(solver->step(2000, dt).ok());
   const double fallen = model.rest[0].z() - solver->read().position[0].z(), time = 2000 * dt;
@@ -320,8 +312,7 @@ TEST(Sleep, RefusesWhatIsNoTolerance) {
 /// Laws without sleep and the reference ignore the option.
 TEST(Sleep, IsIgnoredWhereThereIsNone) {
   const Model model = make_tetrahedral_block({0.06, 0.03, 0.03}, 6, 3, 3, 0.2, 7);
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -0.1});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -0.1});
   for (const char* backend : {"cpu", "reference"}) {
     State ends[2];
     for (const bool sleeps : {false, true}) {

@@ -14,8 +14,7 @@ namespace phymul::test {
 namespace {
 
 TopologyTextures averaged(const Model& model) {
-  const TopologyOptions options{.law = Law::particle_averaged};
-  return build_topology(model, options);
+  return build_topology(model, {.law = Law::particle_averaged});
 }
 
 Model block() {

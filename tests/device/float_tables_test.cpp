@@ -19,8 +19,7 @@ float as_float(std::int32_t bits) {
 }
 
 TopologyTextures built(const Model& model, Reaction reaction, BaseSelection bases = BaseSelection::thresholded) {
-  const TopologyOptions options{.reaction = reaction, .bases = bases};
-  return build_topology(model, options);
+  return build_topology(model, {.reaction = reaction, .bases = bases});
 }
 
 TEST(FloatTables, OnlyWhatTheReactionNeedsIsPacked) {

@@ -54,8 +54,7 @@ TEST(FloatVolumes, TheMirrorComesToRestWithItsVolume) {
   Model model = make_block({0.03, 0.02, 0.02}, 6, 4, 4);
   for (double& k : model.stiffness) k = 5.0;
   for (double& m : model.mass) m = 1e-4;
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81}).constrain_volume();
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81}).constrain_volume();
   const SolverOptions options{.damping = {.rate = 30.0}, .rest_tolerance = 1e-5};
   const auto tables = std::make_shared<const TopologyTextures>(build_topology(model, {}));
   const auto mirror = cpu::make_mirror_solver(tables, scene, options);

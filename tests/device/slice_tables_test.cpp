@@ -72,12 +72,11 @@ TEST(SliceTables, LittleIsPadding) {
   jitter(jittered, 0.2, 7);
   const std::vector<Body> all = {
       {"lattice", lattice}, {"jittered", jittered}, {"tetrahedra", make_tetrahedral_block(size, 17, 16, 16, 0.2, 5)}};
-  const TopologyOptions springs{.law = Law::springs, .volume_stiffness = 50.0};
   for (const Body& body : all) {
     ASSERT_GT(body.model.particle_count(), 4096);
     std::vector<Packed> packed;
     add(packed, "enumerated", body.model, full_set(Reaction::shared), FloatLayout::enumerated);
-    add(packed, "springs, volumes", body.model, springs);
+    add(packed, "springs, volumes", body.model, {.law = Law::springs, .volume_stiffness = 50.0});
     if (body.name == "tetrahedra") add(packed, "conservative", body.model, {});  // rows uneven as they can be
     const Model material = with_material(body.model);
     add(packed, "material", material, {});
@@ -111,9 +110,8 @@ TEST(SliceTables, WhatDoesNotFitIsRefused) {
   }
   FloatTables huge = tables;
   huge.index[3][2] = std::numeric_limits<std::int32_t>::max() / 64;  // of one lane: its slice is as long
-  const std::string message = message_of([&] { pack_slices(huge, topology); });
-  EXPECT_TRUE(says(message, "the sliced table of bases has"));
-  EXPECT_TRUE(says(message, "slices of 32 lanes; 536870903 fit"));
+  EXPECT_TRUE(refuses([&] { pack_slices(huge, topology); }, "the sliced table of bases has",
+                      "slices of 32 lanes; 536870903 fit"));
 }
 
 }  // namespace

@@ -11,22 +11,6 @@
 namespace phymul::test {
 namespace {
 
-std::vector<Variant> every_variant() {
-  std::vector<Variant> all = conservative_variants();
-  for (Reaction reaction : {Reaction::full, Reaction::shared, Reaction::barycentric}) {
-    for (BaseSelection bases : {BaseSelection::all, BaseSelection::thresholded}) {
-      Variant v;
-      v.name = "reaction " + std::to_string(static_cast<int>(reaction)) + " bases " +
-               std::to_string(static_cast<int>(bases));
-      v.options.reaction = reaction;
-      v.options.bases = bases;
-      v.options.on_sparse = SparseParticle::springs;
-      all.push_back(v);
-    }
-  }
-  return all;
-}
-
 /// The force a body of this stiffness shows when moved by one spacing: what "zero" is measured against.
 double force_scale(const TopologyTextures& topology, const Model& model) {
   VecList force(model.rest.size());
@@ -49,7 +33,7 @@ void for_each_case(const std::vector<Variant>& variants, Check&& check) {
 
 TEST(Elasticity, RestIsAFixedPoint) {
   double worst = 0.0;
-  for_each_case(every_variant(), [&](const Model& model, const TopologyTextures& topology) {
+  for_each_case(all_variants(), [&](const Model& model, const TopologyTextures& topology) {
     VecList force(model.rest.size()), attractor(model.rest.size());
     elastic_forces(topology, model.rest, force);
     EXPECT_LE(largest_norm(force), 1e-11 * force_scale(topology, model));
@@ -66,7 +50,7 @@ TEST(Elasticity, RestIsAFixedPoint) {
 
 TEST(Elasticity, RigidMotionLeavesNoForce) {
   double worst = 0.0;
-  for_each_case(every_variant(), [&](const Model& model, const TopologyTextures& topology) {
+  for_each_case(all_variants(), [&](const Model& model, const TopologyTextures& topology) {
     VecList force(model.rest.size());
     for (std::uint32_t seed = 1; seed <= 3; ++seed) {
       elastic_forces(topology, rigidly_moved(model, seed), force);
@@ -123,8 +107,7 @@ TEST(Elasticity, MomentumIsKeptWhereItIsPromised) {
   VecList force(x.size());
   std::printf("cylinder, 275 particles, random state    net force / sum |F|   net torque / sum |F| R\n");
   for (const Promise& promise : promises) {
-    const TopologyOptions options{.reaction = promise.reaction};
-    elastic_forces(build_topology(model, options), x, force);
+    elastic_forces(build_topology(model, {.reaction = promise.reaction}), x, force);
     double total = 0.0;
     for (const Vec3& f : force) total += f.norm();
     const double net = sum(force).norm() / total;
@@ -168,7 +151,7 @@ TEST(Elasticity, WrongSizesAreRefused) {
 }
 
 TEST(Elasticity, CollapsedBodiesStayFinite) {
-  for_each_case(every_variant(), [](const Model& model, const TopologyTextures& topology) {
+  for_each_case(all_variants(), [](const Model& model, const TopologyTextures& topology) {
     VecList force(model.rest.size());
     for (int collapse = 0; collapse < 3; ++collapse) {  // to a plane, a line, a point
       VecList x = model.rest;

@@ -46,8 +46,7 @@ TEST(Spectrum, IsThatOfTheDenseMatrixForEveryReaction) {
   for (const Model& model : small_bodies()) {
     for (const Reaction reaction : reactions) {
       SCOPED_TRACE(model.name + ", reaction " + std::to_string(static_cast<int>(reaction)));
-      const TopologyOptions options{.reaction = reaction};
-      const TopologyTextures topology = build_topology(model, options);
+      const TopologyTextures topology = build_topology(model, {.reaction = reaction});
       expect_spectrum(topology, model.rest);
       expect_spectrum(topology, random_positions(model, 0.1, 3));
     }
@@ -114,13 +113,10 @@ TEST(Spectrum, RigidMotionsCountAsZeroAndNotAsGrowth) {
 }
 
 TEST(Spectrum, WithoutStiffnessIsZeroAndAnyStepIsStable) {
-  Model cloud = make_tetrahedron(0.01);
-  cloud.cells.clear();
-  cloud.components.clear();
+  Model cloud = without_cells(make_tetrahedron(0.01));
   cloud.neighbours.offset.assign(cloud.rest.size() + 1, 0);
   cloud.neighbours.entry.clear();
-  const TopologyOptions options{.on_sparse = SparseParticle::free};
-  const Spectrum found = estimate_spectrum(build_topology(cloud, options), cloud.rest);
+  const Spectrum found = estimate_spectrum(build_topology(cloud, {.on_sparse = SparseParticle::free}), cloud.rest);
   EXPECT_EQ(found.largest, 0.0);
   EXPECT_EQ(found.most_negative, 0.0);
   EXPECT_EQ(stable_step(found, 1.0), std::numeric_limits<double>::infinity());

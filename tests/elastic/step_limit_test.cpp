@@ -49,8 +49,7 @@ TEST(StepLimit, NamesAStiffCellAndWhatTheStepWouldBeWithoutIt) {
   const double even = describe_limit(block(), build_topology(block()), 1).stable_step;
   Model model = block();
   const Index stiff = stiffen(model, middle, 500e3);
-  const TopologyTextures topology = build_topology(model);
-  const StepLimit limit = describe_limit(model, topology, 1);
+  const StepLimit limit = describe_limit(model, build_topology(model), 1);
   ASSERT_EQ(limit.places.size(), 1u);
   EXPECT_LT(limit.stable_step, 0.3 * even) << limit.message();
   EXPECT_NEAR(limit.without, even, 0.1 * even) << limit.message();

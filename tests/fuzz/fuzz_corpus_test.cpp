@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The files of corpus/, among them all that a fuzz target ever found, through their targets: what was mended stays so.
+// The files of corpus/, among them all that a fuzz target ever found, and the samples of tests/data through their
+// targets: what was mended stays so.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -15,10 +16,17 @@ class FuzzCorpus : public testing::TestWithParam<NamedTarget> {};
 
 TEST_P(FuzzCorpus, Holds) {
   int files = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(std::string(PHYMUL_FUZZ_CORPUS "/") + GetParam().name)) {
-    SCOPED_TRACE(entry.path().filename().string());
-    EXPECT_NO_THROW(GetParam().run(text_of(entry.path().string())));
+  const auto hold = [&](const std::filesystem::path& file) {
+    SCOPED_TRACE(file.filename().string());
+    EXPECT_NO_THROW(GetParam().run(text_of(file.string())));
     ++files;
+  };
+  const std::filesystem::path found = std::filesystem::path(PHYMUL_FUZZ_CORPUS) / GetParam().name;
+  if (std::filesystem::exists(found)) {
+    for (const auto& entry : std::filesystem::directory_iterator(found)) hold(entry.path());
+  }
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(PHYMUL_TEST_DATA)) {
+    if (entry.is_regular_file() && entry.path().extension() == GetParam().ending) hold(entry.path());
   }
   EXPECT_GT(files, 0);
 }

@@ -28,14 +28,15 @@ Target nifti, nrrd;
 Target surface, labels, model;
 
 struct NamedTarget {
-  const char* name;  ///< also that of its folder in corpus/
+  const char* name;  ///< also that of its folder in corpus/, if it has one
   Target* run;
+  const char* ending = "";  ///< of the files in tests/data that are its inputs too; empty: none
 };
-inline constexpr std::array<NamedTarget, 12> all_targets{{{"pml", pml},
+inline constexpr std::array<NamedTarget, 12> all_targets{{{"pml", pml, ".pml"},
                                                           {"lml", lml},
-                                                          {"gmsh", gmsh},
-                                                          {"vtk", vtk},
-                                                          {"vtu", vtu},
+                                                          {"gmsh", gmsh, ".msh"},
+                                                          {"vtk", vtk, ".vtk"},
+                                                          {"vtu", vtu, ".vtu"},
                                                           {"state", state},
                                                           {"recording", recording},
                                                           {"nifti", nifti},

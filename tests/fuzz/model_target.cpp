@@ -51,8 +51,7 @@ void simulate(const Model& model, const TopologyOptions& options) {
   const auto tables = std::make_shared<const TopologyTextures>(std::move(*built));
   for (const char* backend : {"reference", "cpu"}) {
     accepts([&] {
-      Scene scene(model);
-      scene.gravity({0, 0, -9.81});
+      Scene scene = Scene(model).gravity({0, 0, -9.81});
       const auto solver = make_solver(backend, tables, scene, {.threads = 1});
       const double limit = solver->stable_step();
       solver->step(3, limit > 0.0 && limit < 1.0 ? 0.5 * limit : 1e-3);

@@ -18,8 +18,7 @@ class GlAveraged : public TwinsOnBothDevices {};
 PHYMUL_ON_BOTH_DEVICES(GlAveraged);
 
 std::shared_ptr<const TopologyTextures> averaged_tables(const Model& model) {
-  const TopologyOptions options{.law = Law::particle_averaged};
-  return tables_of(model, options);
+  return tables_of(model, {.law = Law::particle_averaged});
 }
 
 std::vector<Body> averaged_bodies() {
@@ -54,8 +53,7 @@ TEST_P(GlAveraged, SingleStepsHaveTheMirrorsBits) {
     const double speed = 0.1 * mean_spacing(body.model) / dt;
     for (int k = 0; k < (sanitized ? 3 : 30); ++k) {
       twins.reset(random_state(body.model, 0.02 + 0.015 * k, speed, 17 + k));
-      ASSERT_TRUE(twins.gl->step(1, dt).ok());
-      ASSERT_TRUE(twins.mirror->step(1, dt).ok());
+      ASSERT_TRUE(all_step(1, dt, twins.gl, twins.mirror));
       ASSERT_EQ(difference(twins.gl->read(), twins.mirror->read()), "") << "state " << k;
     }
   }
@@ -101,9 +99,8 @@ TEST_P(GlAveraged, BodiesGoWhereTheReferenceGoes) {
     Scene scene(body.model);
     scene.fix(body.name == "one tetrahedron" ? "base" : body.name == "hexahedra and wedges" ? "bottom" : "x0");
     scene.gravity({0, -9.81, 0});
-    const SolverOptions damped{.damping = {.factor = 0.99}};
     const auto tables = averaged_tables(body.model);
-    const GlTrio trio = trio_of(tables, scene, damped);
+    const GlTrio trio = trio_of(tables, scene, {.damping = {.factor = 0.99}});
     const State start = random_state(body.model, 0.05, 0.0, 5);
     trio.reset(start);
     const double dt = 0.3 * trio.reference->stable_step();
@@ -124,8 +121,7 @@ TEST_P(GlAveraged, ToolsContactsAndVolumesActOnIt) {
   Model model = stacked(1e-4);
   model.add_group("corner", model.cells[0].particles);
   set_material(model, {20e3, 0.4, 1200.0}, "corner");
-  Scene scene(model);
-  scene.fix("low/z0").gravity({0, 0, -9.81}).contacts({}).constrain_volume("high");
+  Scene scene = Scene(model).fix("low/z0").gravity({0, 0, -9.81}).contacts({}).constrain_volume("high");
   scene.add_tool("ball", {.shape = Sphere{0.004}, .pose = {.position = Vec3(0.005, 0.005, 0.0142)}, .friction = 0.3});
   SolverOptions damped{.damping = {.rate = 30.0}};
   const auto tables = averaged_tables(model);
@@ -136,8 +132,7 @@ TEST_P(GlAveraged, ToolsContactsAndVolumesActOnIt) {
   double moved = 0.0, off = 0.0;
   for (int k = 0; k < 10; ++k) {
     scene.tool("ball").move_to({.position = Vec3(0.005, 0.005, 0.0142 - 2e-4 * k)});
-    ASSERT_TRUE(solver.step(20, dt).ok());
-    ASSERT_TRUE(reference->step(20, dt).ok());
+    ASSERT_TRUE(all_step(20, dt, solver, reference));
     const State exact = reference->read();
     moved = std::max(moved, largest_distance(exact.position, model.rest));
     off = std::max(off, largest_distance(solver.read().position, exact.position));
@@ -177,28 +172,19 @@ TEST_P(GlAveraged, AStripStaysInItsPlane) {
 }
 
 TEST_P(GlAveraged, OnlyThisLawPaysForIt) {
-  for (const bool averaged : {false, true}) {
-    Model model = make_block({0.03, 0.02, 0.02}, 4, 3, 2);
-    if (averaged) set_material(model, soft_tissue());
-    const Scene scene(model);
-    const SolverOptions profiled{.profile = true};
-    const GlTwins twins = twins_of(tables_of(model, {}), scene, profiled);
-    twins.gl->clear_profile();
-    ASSERT_TRUE(twins.gl->step(10, 0.3 * twins.gl->stable_step()).ok());
-    const std::vector<std::string> passes = passes_run(*twins.gl, 10);
-    EXPECT_TRUE(averaged || std::ranges::count(passes, "domains_pass") == 0);
-    if (!averaged) continue;
-    using Names = std::vector<std::string>;
-    const bool draws = GetParam() == GlBackend::fragment;
-    EXPECT_EQ(passes, draws ? Names({"domains_pass", "step_pass"}) : Names({"terms_kernel", "step_kernel"}));
-  }
+  using Names = std::vector<std::string>;
+  const Model block = make_block({0.03, 0.02, 0.02}, 4, 3, 2);
+  const Names without = passes_of(block, GetParam());
+  EXPECT_EQ(std::ranges::count(without, "domains_pass"), 0);
+  const bool draws = GetParam() == GlBackend::fragment;
+  EXPECT_EQ(passes_of(with_material(block), GetParam()),
+            draws ? Names({"domains_pass", "step_pass"}) : Names({"terms_kernel", "step_kernel"}));
 }
 
 TEST_P(GlAveraged, ConstantsBeyondSinglePrecisionAreRefused) {
   const Model model = with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2), {1e40, 0.3, 1e36});
   const Scene scene(model);
-  const SolverOptions any{.spectrum = Spectrum{}};
-  EXPECT_TRUE(refuses([&] { gl::DeviceSolver(GetParam(), averaged_tables(model), scene, any); },
+  EXPECT_TRUE(refuses([&] { gl::DeviceSolver(GetParam(), averaged_tables(model), scene, {.spectrum = Spectrum{}}); },
                       "is beyond the range of single precision"));
 }
 

@@ -25,8 +25,7 @@ TEST_P(GlBodyContact, AgreesWithTheReference) {
   double worst = 0.0, worst_step = 0.0;
   for (const Vec3& origin : {Vec3(0, 0, 0), Vec3(800, -600, 1000)}) {
     const Model model = stacked(0.0012, origin);
-    Scene scene(model);
-    scene.gravity({3.0, 1.0, -9.81}).fix("low/z0").contacts({.friction = 0.2});
+    Scene scene = Scene(model).gravity({3.0, 1.0, -9.81}).fix("low/z0").contacts({.friction = 0.2});
     BesideReference pair(model, scene, damped(5.0), GetParam());
     double pushed = 0.0;
     for (int call = 0; call < (draws() ? 6 : 12); ++call) worst = std::max(worst, pair.off_after(10));
@@ -49,8 +48,7 @@ TEST_P(GlBodyContact, AgreesWithTheReference) {
 TEST_P(GlBodyContact, MomentumIsKeptToRounding) {
   const Model model = stacked(0.0005);
   for (const double friction : {0.0, 0.6}) {
-    Scene scene(model);
-    scene.contacts({.friction = friction});
+    Scene scene = Scene(model).contacts({.friction = friction});
     BesideReference pair(model, scene, uncut(), GetParam());
     State state = rest_state(model);
     double scale = 0.0;
@@ -74,8 +72,7 @@ TEST_P(GlBodyContact, MomentumIsKeptToRounding) {
 
 TEST_F(GlContactMotion, ABodyDroppedOnAnotherStaysOnIt) {
   const Model model = stacked(0.004);
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81}).fix("low/z0").contacts({.friction = 0.5});
+  Scene scene = Scene(model).gravity({0, 0, -9.81}).fix("low/z0").contacts({.friction = 0.5});
   const BesideReference pair(model, scene, damped(40.0));
   const std::vector<Index> high = model.group("high"), low = model.group("low");
   double deepest = 1e9;
@@ -97,8 +94,7 @@ TEST_F(GlContactMotion, FrictionHoldsAndSlides) {
   const Model model = joined_bodies(tissue({0, 0, -0.005}, {12, 4, 1}), tissue({0.0073, 0.0047, 0.001}, {2, 2, 2}));
   constexpr double g = 9.81, mu = 0.5, rate = 30.0, seconds = 0.12;
   for (const double slope : {0.25, 0.8}) {
-    Scene scene(model);
-    scene.fix("low").gravity({0, 0, -g}).contacts({.friction = mu});
+    Scene scene = Scene(model).fix("low").gravity({0, 0, -g}).contacts({.friction = mu});
     const BesideReference pair(model, scene, damped(rate));
     ASSERT_TRUE(pair.device->step(static_cast<int>(0.12 / pair.dt), pair.dt).ok());
     const double start = mean_place(pair.device->read(), model.group("high")).x();
@@ -120,8 +116,7 @@ TEST_F(GlContactMotion, ABodyTouchesItself) {
   const PressedStrip strip(model, 0.016);
   double apart[2] = {0.0, 0.0}, off = 0.0;  // m, of the ends along x
   for (const bool self : {false, true}) {
-    Scene scene(model);
-    scene.contacts({.self = self});
+    Scene scene = Scene(model).contacts({.self = self});
     strip.press(scene);
     BesideReference pair(model, scene, damped(10.0));
     for (int k = 0; k < 14; ++k) {
@@ -150,8 +145,7 @@ TEST_P(GlBodyContact, ManyBodiesAgreeWithTheReference) {
   std::vector<NamedBody> named;
   for (const Model& part : parts) named.push_back({"b" + std::to_string(named.size()), &part});
   const Model model = merge_models(named);
-  Scene scene(model);
-  scene.gravity({0.5, 0.2, -9.81}).contacts({.friction = 0.4});
+  Scene scene = Scene(model).gravity({0.5, 0.2, -9.81}).contacts({.friction = 0.4});
   for (int k = 0; k < 12; ++k) {
     if (k % 3 != 2) scene.fix("b" + std::to_string(k) + "/z0");
   }
@@ -171,8 +165,7 @@ TEST_P(GlBodyContact, ALongChainOfContactsIsPressedToItsEnd) {
   const Model floor = with_material(make_block({0.06, 0.06, 0.03}, 1, 1, 1), soft),
               sheet = with_material(make_block({0.05, 0.05, 0.003}, 16, 16, 1), soft);
   const Model model = joined_bodies(floor, moved(sheet, {0.005, 0.0045, 0.0306}));
-  Scene scene(model);
-  scene.fix("low/z0").contacts({.friction = 0.3, .margin = 0.0004});
+  Scene scene = Scene(model).fix("low/z0").contacts({.friction = 0.3, .margin = 0.0004});
   BesideReference pair(model, scene, damped(5.0), GetParam());
   State falling = rest_state(model);
   for (const Index i : model.group("high")) falling.velocity[i] = Vec3(0.02, 0.01, -0.05);
@@ -192,8 +185,7 @@ TEST_P(GlBodyContact, ALongChainOfContactsIsPressedToItsEnd) {
 TEST_P(GlBodyContact, WhatAToolSetsGoingIsSeenInThatStep) {
   const Model model = stacked(0.002);
   const Vec3 middle(0.0122, 0.0131, 0.017);
-  Scene scene(model);
-  scene.contacts({.friction = 0.0});
+  Scene scene = Scene(model).contacts({.friction = 0.0});
   scene.add_tool("jaw", {.shape = Box{{0.0055, 0.0055, 0.0055}}, .pose = {.position = middle}});
   scene.tool("jaw").grasp(0.0);
   BesideReference pair(model, scene, damped(5.0), GetParam());
@@ -211,8 +203,7 @@ TEST_P(GlBodyContact, InsideIsAsDeepAsTheLongerEdgeOfTheTwo) {
   for (const double below : {0.003, 0.0065, 0.012}) {
     const Model small = moved(make_block({0.001, 0.001, 0.001}, 1, 1, 1), {0.039 - below, 0.011, 0.0095});
     const Model model = joined_bodies(big, small);
-    Scene scene(model);
-    scene.contacts({.margin = 1e-4});
+    Scene scene = Scene(model).contacts({.margin = 1e-4});
     BesideReference pair(model, scene, damped(5.0), GetParam());
     if (below == 0.0065) {
       ASSERT_TRUE(pair.device->step(1, pair.dt).ok());
@@ -229,8 +220,7 @@ TEST_P(GlBodyContact, InsideIsAsDeepAsTheLongerEdgeOfTheTwo) {
 /// What a tool holds no contact moves: it presses the slab. What another tool pushes rubs on it.
 TEST_P(GlBodyContact, ToolsAndContactsActInOneStep) {
   const Model model = stacked(0.0012);
-  Scene scene(model);
-  scene.fix("low/z0").contacts({.friction = 0.3});
+  Scene scene = Scene(model).fix("low/z0").contacts({.friction = 0.3});
   scene.add_tool("jaw", {.shape = Box{{0.006, 0.006, 0.001}}, .pose = {.position = {0.0122, 0.0131, 0.0222}}});
   scene.add_tool("ball", {.shape = Sphere{0.004}, .pose = {.position = {-0.0045, 0.01, 0.005}}, .friction = 0.3});
   scene.tool("jaw").grasp(0.0105);  // all of the cube, and nothing below it
@@ -259,8 +249,7 @@ TEST_P(GlBodyContact, ToolsAndContactsActInOneStep) {
 /// Contacts come first, then volumes: what a tool holds (the upper layers of the cube) no volume moves either.
 TEST_P(GlBodyContact, VolumesAreKeptAfterContacts) {
   const Model model = stacked(0.0012);
-  Scene scene(model);
-  scene.fix("low/z0").contacts({.friction = 0.3}).constrain_volume("low").constrain_volume("high");
+  Scene scene = Scene(model).fix("low/z0").contacts({.friction = 0.3}).constrain_volume("low").constrain_volume("high");
   scene.add_tool("jaw", {.shape = Box{{0.006, 0.006, 0.001}}, .pose = {.position = {0.0122, 0.0131, 0.0222}}});
   scene.tool("jaw").grasp(0.006);
   BesideReference pair(model, scene, damped(10.0), GetParam());

@@ -12,9 +12,7 @@ namespace {
 
 class GlComputeDevice : public OnCompute {
  protected:
-  void SetUp() override {
-    OnCompute::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
+  void set_up() override {
     context_ = gl::Context::open({.debug = true}, GlBackend::compute);
     context_->run([this] { limits_ = gl::ComputeLimits::of_context(); });
   }
@@ -34,8 +32,7 @@ TEST_F(GlComputeDevice, HasTheBitsOfTheFragmentBackend) {
          {Body{"block", make_block({0.03, 0.02, 0.02}, 3, 2, 2, 14)}, Body{"strip", make_strip(0.04, 0.02, 4, 2)}}) {
       SCOPED_TRACE(body.name + ", " + variant.name);
       const Model model = prepared(variant, body);
-      Scene scene(model);
-      scene.fix("x0").gravity({0, -9.81, 0});
+      Scene scene = Scene(model).fix("x0").gravity({0, -9.81, 0});
       const auto tables = tables_of(model, variant.options);
       SolverOptions options = options_of_tests();
       options.spectrum = estimate_spectrum(*tables, tables->rest);
@@ -85,8 +82,7 @@ struct OwnDevice {
 
 TEST_F(GlComputeDevice, NobodysPlacesAreUntouchedAndUnread) {
   const auto compare = [&](const Model& model, const TopologyOptions& topology) {
-    Scene scene(model);
-    scene.fix("x0").gravity({0, 0, -9.81});
+    Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
     context_->run([&] {
       const OwnDevice plain(model, scene, topology, limits_);
       const OwnDevice spoilt(model, scene, topology, limits_);
@@ -125,8 +121,7 @@ TEST_F(GlComputeDevice, NobodysPlacesAreUntouchedAndUnread) {
 
 TEST_F(GlComputeDevice, GroupsMayFormARectangle) {
   const Model model = make_block({0.05, 0.05, 0.05}, 7, 7, 7);
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81});
+  Scene scene = Scene(model).gravity({0, 0, -9.81});
   gl::ComputeLimits narrow = limits_;
   narrow.groups_across = 3;
   context_->run([&] {
@@ -170,8 +165,7 @@ TEST_F(GlComputeDevice, BuffersBeyondTheDriversLimitAreRefusedWithSizes) {
 /// What a failure or rest within a batch is answered by.
 TEST_F(GlComputeDevice, StepsAreDoneAgainFromTheCheckpointBitForBit) {
   const Model model = with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2));
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   context_->run([&] {
     const OwnDevice own(model, scene, {}, limits_);
     gl::ComputeDevice& device = *own.device;
@@ -207,8 +201,7 @@ TEST_F(GlComputeDevice, TexturesHoldTheModelsOrder) {
   const State start = random_state(model, 0.1, 0.0, 8);
   solver.reset(start);
   compare(start.position);
-  const StepReport report = solver.step(3, 0.2 * solver.stable_step());
-  EXPECT_TRUE(report.ok()) << report.message();
+  EXPECT_TRUE(is_ok(solver.step(3, 0.2 * solver.stable_step())));
   compare(solver.read().position);
 }
 
@@ -228,8 +221,7 @@ TEST_F(GlComputeDevice, CulpritsAreRowsOfTheModel) {
 
 TEST_F(GlComputeDevice, ReportsOfManyGroupsAreThoseOfTheFragmentBackend) {
   const Model model = make_block({0.05, 0.05, 0.05}, 13, 13, 13);  // 2744 particles: two groups report
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81});
+  Scene scene = Scene(model).gravity({0, 0, -9.81});
   const auto tables = tables_of(model, {.law = Law::springs});
   SolverOptions options = options_of_tests();
   options.spectrum = estimate_spectrum(*tables, tables->rest);
@@ -267,9 +259,8 @@ TEST(GlComputeVersion, WhatIsTooOldIsNamedWithAWayOut) {
   old.major = 4;
   old.minor = 2;
   old.renderer = "Old Thing";
-  const std::string message = message_of([&] { gl::require_backend(old, GlBackend::compute); });
-  EXPECT_TRUE(says(message, "got Old Thing, OpenGL 4.2"));
-  EXPECT_TRUE(says(message, "the backend \"gl\" runs there"));
+  EXPECT_TRUE(refuses([&] { gl::require_backend(old, GlBackend::compute); }, "got Old Thing, OpenGL 4.2",
+                      "the backend \"gl\" runs there"));
   EXPECT_NO_THROW(gl::require_backend(old, GlBackend::fragment));
 }
 

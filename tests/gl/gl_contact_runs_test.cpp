@@ -19,8 +19,7 @@ TEST_P(GlContactRuns, RunsGiveTheSameBits) {
   const Model model = stacked(0.0005);
   std::vector<State> ends;
   for (const int calls : {1, 1, 6}) {
-    Scene scene(model);
-    scene.gravity({1, 0, -9.81}).fix("low/z0").contacts({});
+    Scene scene = Scene(model).gravity({1, 0, -9.81}).fix("low/z0").contacts({});
     const BesideReference pair(model, scene, damped(5.0), GetParam());
     for (int k = 0; k < calls; ++k) ASSERT_TRUE(pair.device->step(60 / calls, pair.dt).ok());
     ends.push_back(pair.device->read());
@@ -33,8 +32,7 @@ TEST_P(GlContactRuns, RunsGiveTheSameBits) {
 /// A batch that ends before its last step is done again up to there.
 TEST_P(GlContactRuns, BatchesDoneAgainComeToTheSame) {
   const Model model = stacked(0.0003);
-  Scene scene(model);
-  scene.gravity({0, 0, -1}).fix("low/z0").contacts({.friction = 0.5});
+  Scene scene = Scene(model).gravity({0, 0, -1}).fix("low/z0").contacts({.friction = 0.5});
   SolverOptions options = damped(100.0);
   options.rest_tolerance = 1e-3;
   const BesideReference pair(model, scene, options, GetParam());
@@ -46,8 +44,7 @@ TEST_P(GlContactRuns, BatchesDoneAgainComeToTheSame) {
   EXPECT_EQ(difference(pair.device->read(), rested), "");
   EXPECT_GT(lowest(rested, model.group("high")), 0.0095);
 
-  Scene failing(model);
-  failing.gravity({0, 0, -10}).fix("low/z0").contacts({});
+  Scene failing = Scene(model).gravity({0, 0, -10}).fix("low/z0").contacts({});
   SolverOptions beyond = damped(0.0);
   beyond.on_unstable = UnstableStep::allow;
   const BesideReference undamped(model, failing, beyond, GetParam());
@@ -62,14 +59,11 @@ TEST_P(GlContactRuns, BatchesDoneAgainComeToTheSame) {
 
 /// A body alone, bodies far from each other, one without a surface: as without contacts, to the last bit.
 TEST_P(GlContactRuns, WhatTouchesNothingMovesAsItWould) {
-  Model particles = make_block({0.02, 0.02, 0.02}, 4, 4, 4);
-  particles.cells.clear();
-  particles.components.clear();
+  const Model particles = without_cells(make_block({0.02, 0.02, 0.02}, 4, 4, 4));
   for (const Model& model : {tissue({0, 0, 0}, {3, 2, 2}), stacked(4.0), particles}) {
     State end[2];
     for (const bool touching : {false, true}) {
-      Scene scene(model);
-      scene.gravity({0.5, 0, 0});
+      Scene scene = Scene(model).gravity({0.5, 0, 0});
       if (touching) scene.contacts({});
       const BesideReference pair(model, scene, damped(5.0), GetParam());
       pair.device->reset(random_state(model, 0.02, 0.01, 3));
@@ -82,14 +76,11 @@ TEST_P(GlContactRuns, WhatTouchesNothingMovesAsItWould) {
 
 TEST_P(GlContactRuns, ASceneWithoutContactsPaysNothing) {
   const Model model = stacked(0.001);
-  Scene without(model), with(model);
-  without.fix("low/z0");
-  with.fix("low/z0").contacts({});
+  Scene without = Scene(model).fix("low/z0"), with = Scene(without).contacts({});
   SolverOptions options = damped(5.0);
   options.profile = true;
   const BesideReference plain(model, without, options, GetParam()), touching(model, with, options, GetParam());
-  ASSERT_TRUE(plain.device->step(8, plain.dt).ok());
-  ASSERT_TRUE(touching.device->step(8, plain.dt).ok());
+  ASSERT_TRUE(all_step(8, plain.dt, plain.device, touching.device));
   const auto runs = runs_of(*plain.device), more = runs_of(*touching.device);
   for (const auto& [name, count] : runs) {
     EXPECT_EQ(name.find("contact"), std::string::npos) << name;
@@ -114,8 +105,7 @@ TEST_P(GlContactRuns, ASceneWithoutContactsPaysNothing) {
 /// Bodies a kilometre apart are beyond the cells that floats tell apart.
 TEST_P(GlContactRuns, BodiesTooFarApartAreRefused) {
   const Model model = stacked(1000.0);
-  Scene scene(model);
-  scene.contacts({});
+  Scene scene = Scene(model).contacts({});
   EXPECT_TRUE(
       refuses([&] { make_solver(name_of(GetParam()), model, scene); }, "bring the bodies nearer to each other"));
 }

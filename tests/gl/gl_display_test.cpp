@@ -13,47 +13,13 @@
 #include "gl/context/gl_api.h"
 #include "support/egl_host.h"
 #include "support/gl_fixture.h"
+#include "support/host_state.h"
 #include "support/message_of.h"
 
 namespace phymul::test {
 namespace {
 
 constexpr int pixels = 128;
-
-/// What a host may have set, away from the defaults, and may expect to find again.
-std::vector<GLint> host_state() {
-  std::vector<GLint> values;
-  for (const GLenum name : {GL_BLEND_SRC_RGB,
-                            GL_BLEND_DST_RGB,
-                            GL_BLEND_SRC_ALPHA,
-                            GL_BLEND_DST_ALPHA,
-                            GL_BLEND_EQUATION_RGB,
-                            GL_BLEND_EQUATION_ALPHA,
-                            GL_CULL_FACE_MODE,
-                            GL_FRONT_FACE,
-                            GL_DEPTH_FUNC,
-                            GL_DEPTH_WRITEMASK,
-                            GL_BLEND,
-                            GL_DEPTH_TEST,
-                            GL_CULL_FACE,
-                            GL_SCISSOR_TEST,
-                            GL_CURRENT_PROGRAM,
-                            GL_VERTEX_ARRAY_BINDING,
-                            GL_ACTIVE_TEXTURE,
-                            GL_TEXTURE_BINDING_2D,
-                            GL_DRAW_FRAMEBUFFER_BINDING,
-                            GL_READ_FRAMEBUFFER_BINDING,
-                            GL_RENDERBUFFER_BINDING}) {
-    values.push_back(0);
-    glGetIntegerv(name, &values.back());
-  }
-  for (const GLenum name : {GL_SCISSOR_BOX, GL_VIEWPORT}) {
-    std::array<GLint, 4> four{};
-    glGetIntegerv(name, four.data());
-    values.insert(values.end(), four.begin(), four.end());
-  }
-  return values;
-}
 
 /// Largest difference of a channel.
 int largest_difference(const Image& a, const Image& b) {
@@ -107,10 +73,9 @@ TEST_F(GlDisplayTest, DrawsIntoTheHostsFramebufferAndLeavesTheRestAlone) {
     }
 
     const auto display = make_display(model, {.context = GlContext::current});
-    const std::vector<GLint> before = host_state();
+    const HostState before = host_state(info);
     display->draw(camera, options, x, y, width, height);
-    EXPECT_EQ(host_state(), before);
-    EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+    EXPECT_EQ(differences(before, host_state(info)), "");
 
     std::vector<std::uint8_t> rgba(4 * pixels * pixels);
     glReadPixels(0, 0, pixels, pixels, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data());
@@ -135,9 +100,8 @@ TEST_F(GlDisplayTest, DrawsIntoTheHostsFramebufferAndLeavesTheRestAlone) {
       }
     }
     EXPECT_LT(different, width * height / 20);
-    const Image rendered = display->render(camera, options, width, height);
-    EXPECT_LE(largest_difference(rendered, image), 2);
-    EXPECT_EQ(host_state(), before);
+    EXPECT_LE(largest_difference(display->render(camera, options, width, height), image), 2);
+    EXPECT_EQ(differences(before, host_state(info)), "");
     glDeleteVertexArrays(1, &array);
     glDeleteFramebuffers(1, &framebuffer);
     glDeleteRenderbuffers(2, buffers);
@@ -148,14 +112,12 @@ TEST_F(GlDisplayTest, DrawsIntoTheHostsFramebufferAndLeavesTheRestAlone) {
 TEST_F(GlDisplayTest, StepsAfterAPictureAreThoseWithoutOne) {
   const Model model = make_block({0.17, 0.17, 0.17}, 17, 17, 17, 6);
   const TopologyOptions springs{.law = Law::springs};
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81}).fix("z1");
+  Scene scene = Scene(model).gravity({0, 0, -9.81}).fix("z1");
   const auto drawn = make_solver("gl", model, scene, springs), plain = make_solver("gl", model, scene, springs);
   const auto display = make_display(*drawn);
   const Camera camera = framing(model.rest, {1.0, -1.0, 0.5}, 1.0);
-  const DisplayOptions options{.links = true};
   for (int k = 0; k < 3; ++k) {
-    ASSERT_EQ(display->render(camera, options, 8, 8).width, 8);
+    ASSERT_EQ(display->render(camera, {.links = true}, 8, 8).width, 8);
     ASSERT_TRUE(drawn->step(4, 0.3 * drawn->stable_step()).ok());
     ASSERT_TRUE(plain->step(4, 0.3 * plain->stable_step()).ok());
   }
@@ -165,8 +127,7 @@ TEST_F(GlDisplayTest, StepsAfterAPictureAreThoseWithoutOne) {
 /// A skin is where Skin::deform() puts it, on every backend: drawn as a body of its own, it makes the same picture.
 TEST_F(GlDisplayTest, ASkinIsDrawnWhereItsBodyCarriesIt) {
   const Model model = make_block({0.04, 0.02, 0.02}, 4, 2, 2);
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   Model ball = make_cylinder(0.009, 0.036, 3, 12, 10);  // lies in the block, its axis along x
   for (Vec3& p : ball.rest) p = Vec3(0.002 + p.z(), 0.01 + p.x(), 0.01 + p.y());
   const std::vector<std::array<Index, 3>> triangles = surface_triangles(ball);
@@ -210,8 +171,7 @@ TEST_F(GlDisplayTest, ASolverIsDrawnWhateverContextItRunsInAndTheDisplayDrawsIn)
     const EglHost host(host_kind);
     const EglBindings bindings;
     const Model model = make_tetrahedron(0.01);
-    Scene scene(model);
-    scene.fix("base");
+    Scene scene = Scene(model).fix("base");
     State start = rest_state(model);
     start.position[3] += Vec3(0.003, 0.002, 0.0);  // swings
     const Camera camera = framing(model.rest, {0.4, -1, 0.35}, 1.25);

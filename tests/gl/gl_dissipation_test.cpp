@@ -45,8 +45,7 @@ TEST_P(GlDissipation, IsTheMirrorsBitByBitAndTheReferences) {
   for (const int kinds : {1, 2, 3}) {
     for (const Body& body : dissipating_bodies(kinds)) {
       SCOPED_TRACE(body.name + ", kinds " + std::to_string(kinds));
-      Scene scene(body.model);
-      scene.fix("x0").gravity({0, -9.81, 0});
+      Scene scene = Scene(body.model).fix("x0").gravity({0, -9.81, 0});
       const auto tables = tables_of(body.model, {});
       const GlTrio trio = trio_of(tables, scene);
       trio.reset(random_state(body.model, 0.05, 0.0, 5));
@@ -103,11 +102,9 @@ TEST_P(GlDissipation, ForcesAreWithinTheRoundingBound) {
 /// A step that is taken back, of a batch, leaves the strains of the last good one.
 TEST_P(GlDissipation, BatchesThatEndEarlyKeepTheStrainsOfTheirLastStep) {
   const Model model = dissipating_bodies(3)[0].model;
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
-  const SolverOptions options{.damping = {.rate = 200.0}};
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   const auto tables = tables_of(model, {});
-  const GlTwins twins = twins_of(tables, scene, options);
+  const GlTwins twins = twins_of(tables, scene, damped(200.0));
   const double dt = 0.5 * twins.gl->stable_step();
   const auto settle = [&](Solver& solver) {
     solver.reset(rest_state(model));
@@ -135,27 +132,19 @@ TEST_P(GlDissipation, SnapshotsGoOnInTheReference) {
   ASSERT_TRUE(twins.gl->step(40, dt).ok());
   const auto reference = make_solver("reference", tables, scene, twins.options());
   reference->restore(twins.gl->snapshot());
-  ASSERT_TRUE(twins.gl->step(40, dt).ok());
-  ASSERT_TRUE(reference->step(40, dt).ok());
+  ASSERT_TRUE(all_step(40, dt, twins.gl, reference));
   const double apart = largest_distance(twins.gl->read().position, reference->read().position);
   EXPECT_LE(apart, 1e-6 * body_size(model));
   Snapshot forgetful = twins.gl->snapshot();
   forgetful.parts.clear();
   reference->restore(forgetful);
-  ASSERT_TRUE(twins.gl->step(40, dt).ok());
-  ASSERT_TRUE(reference->step(40, dt).ok());
+  ASSERT_TRUE(all_step(40, dt, twins.gl, reference));
   EXPECT_GT(largest_distance(twins.gl->read().position, reference->read().position), 1e-5 * body_size(model));
 }
 
 TEST_P(GlDissipation, OnlySuchBodiesPayForIt) {
   for (const int kinds : {0, 1, 2, 3}) {
-    const Model model = dissipating_bodies(kinds)[1].model;
-    const Scene scene(model);
-    const SolverOptions profiled{.profile = true};
-    const GlTwins twins = twins_of(tables_of(model, {}), scene, profiled);
-    twins.gl->clear_profile();
-    ASSERT_TRUE(twins.gl->step(10, 0.3 * twins.gl->stable_step()).ok());
-    const std::vector<std::string> passes = passes_run(*twins.gl, 10);
+    const std::vector<std::string> passes = passes_of(dissipating_bodies(kinds)[1].model, GetParam());
     using Names = std::vector<std::string>;
     if (GetParam() == GlBackend::compute) {
       EXPECT_EQ(passes, Names({"terms_kernel", "step_kernel"}));

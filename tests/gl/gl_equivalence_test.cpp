@@ -37,8 +37,7 @@ TEST_P(GlEquivalence, SingleStepsHaveTheMirrorsBits) {
       ++pairs;
       for (int k = 0; k < states_of(*tables); ++k) {
         twins.reset(random_state(model, 0.02 + 0.005 * k, speed, 17 + k));
-        ASSERT_TRUE(twins.gl->step(1, dt).ok());
-        ASSERT_TRUE(twins.mirror->step(1, dt).ok());
+        ASSERT_TRUE(all_step(1, dt, twins.gl, twins.mirror));
         if (const std::string d = difference(twins.gl->read(), twins.mirror->read()); !d.empty()) {
           ADD_FAILURE() << "state " << k << ": " << d;
           break;
@@ -83,8 +82,7 @@ TEST_P(GlEquivalence, SingleStepsAreWithinTheRoundingBound) {
 
 TEST_P(GlEquivalence, LoadsOfAllKindsHaveTheMirrorsBits) {
   const Model model = with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2));
-  Scene scene(model);
-  scene.fix("x0").gravity({0.3, -0.2, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0.3, -0.2, -9.81});
   const auto add = [&](LoadType type, const char* group, const Vec3& direction, double value) {
     scene.add({.type = type,
                .particles = model.group(group),
@@ -102,8 +100,7 @@ TEST_P(GlEquivalence, LoadsOfAllKindsHaveTheMirrorsBits) {
              .events = {{0.0, 1.0}, {0.05, -3.0}},
              .direction = {0, 0, 1}});
 
-  const SolverOptions options{.damping = {.rate = 20.0}};
-  const GlTwins twins = twins_of(tables_of(model, {}), scene, options);
+  const GlTwins twins = twins_of(tables_of(model, {}), scene, damped(20.0));
   const double dt = 0.3 * twins.gl->stable_step();
   for (int call = 0; call < 20; ++call) {
     const StepReport gl = twins.gl->step(37, dt), mirror = twins.mirror->step(37, dt);
@@ -120,8 +117,7 @@ TEST_P(GlEquivalence, LoadsOfAllKindsHaveTheMirrorsBits) {
     EXPECT_NEAR(e.gravity, f.gravity, 1e-5 * std::abs(f.gravity));
   }
   scene.clear().gravity({0, 0, -1});
-  ASSERT_TRUE(twins.gl->step(50, dt).ok());
-  ASSERT_TRUE(twins.mirror->step(50, dt).ok());
+  ASSERT_TRUE(all_step(50, dt, twins.gl, twins.mirror));
   twins.expect_same_bits("without loads");
 }
 
@@ -130,8 +126,7 @@ void follow_reference(const GlTwins& twins, Solver& reference, const Model& mode
   constexpr int steps = sanitized ? 100 : 2000, at_a_time = 50;
   int parted = 0;
   for (int done = 0; done < steps; done += at_a_time) {
-    ASSERT_TRUE(twins.gl->step(at_a_time, dt).ok());
-    ASSERT_TRUE(reference.step(at_a_time, dt).ok());
+    ASSERT_TRUE(all_step(at_a_time, dt, twins.gl, reference));
     if (parted > 0) continue;
     const double apart = largest_distance(twins.gl->read().position, reference.read().position);
     if (apart > 1e-6 * mean_spacing(model)) parted = done + at_a_time;
@@ -161,8 +156,7 @@ TEST_P(GlEquivalence, DampedBodiesComeToTheReferencesRest) {
       const Model model = prepared(variant, body);
       const Scene scene(model);
       const auto tables = tables_of(model, variant.options);
-      const SolverOptions options{.damping = {.factor = 0.9}};
-      const GlTwins twins = twins_of(tables, scene, options);
+      const GlTwins twins = twins_of(tables, scene, {.damping = {.factor = 0.9}});
       const auto reference = make_solver("reference", tables, scene, twins.options());
       const State start = random_state(model, 0.05, 0.0, 5);
       twins.reset(start);
@@ -177,8 +171,7 @@ TEST_P(GlEquivalence, FailureStatesHaveTheMirrorsBits) {
   constexpr double side = 0.03;
   const Model model = with_material(make_block({side, side, side}, 3, 3, 3, 6));
   const Scene scene(model);
-  const SolverOptions options{.damping = {.factor = 0.98}};
-  const GlTwins twins = twins_of(tables_of(model, {}), scene, options);
+  const GlTwins twins = twins_of(tables_of(model, {}), scene, {.damping = {.factor = 0.98}});
   for (const FailureState& failure : failure_states()) {
     SCOPED_TRACE(failure.name);
     std::mt19937 bits(5);
@@ -199,8 +192,7 @@ TEST_P(GlEquivalence, FailureStatesHaveTheMirrorsBits) {
 /// Far from the origin, where positions alone would lose the last bits of displacements.
 TEST_P(GlEquivalence, SnapshotsGoOnBitForBit) {
   const Model model = moved(jittered_block(), {1000.0, -2000.0, 500.0});
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   gl::DeviceSolver solver(GetParam(), tables_of(model, {}), scene, {});
   const double dt = 0.4 * solver.stable_step();
   solver.step(37, dt);
@@ -217,9 +209,8 @@ TEST_P(GlEquivalence, FourSolversInFourThreads) {
   const Model model = jittered_block();
   const Scene scene(model);
   const auto tables = tables_of(model, {});
-  const SolverOptions options{.spectrum = estimate_spectrum(*tables, tables->rest)};
   const auto run = [&] {
-    gl::DeviceSolver solver(GetParam(), tables, scene, options);
+    gl::DeviceSolver solver(GetParam(), tables, scene, {.spectrum = estimate_spectrum(*tables, tables->rest)});
     solver.reset(random_state(model, 0.1, 0.0, 3));
     for (int k = 0; k < 20; ++k) EXPECT_TRUE(solver.step(5, 0.4 * solver.stable_step()).ok());
     return solver.read();
@@ -234,14 +225,10 @@ TEST_P(GlEquivalence, FourSolversInFourThreads) {
 
 TEST_P(GlEquivalence, FarFromTheOriginNoDigitIsLost) {
   const Model model = with_material(moved(jittered_block(), {1000.0, -1000.0, 1000.0}));
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
-  const SolverOptions options{.damping = {.rate = 5.0}};
-  const GlTwins twins = twins_of(tables_of(model, {}), scene, options);
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
+  const GlTwins twins = twins_of(tables_of(model, {}), scene, damped(5.0));
   const auto reference = make_solver("reference", model, scene, {}, twins.options());
-  const double dt = 0.4 * reference->stable_step();
-  ASSERT_TRUE(twins.gl->step(3000, dt).ok());
-  ASSERT_TRUE(reference->step(3000, dt).ok());
+  ASSERT_TRUE(all_step(3000, 0.4 * reference->stable_step(), twins.gl, reference));
   const State far = twins.gl->read(), exact = reference->read();
   EXPECT_GE(largest_distance(exact.position, model.rest), 0.01 * body_size(model)) << "the body hardly moved";
   const double error = largest_distance(far.position, exact.position) / body_size(model);

@@ -10,11 +10,7 @@ namespace {
 
 class GlFragmentContact : public GlTest {
  protected:
-  void SetUp() override {
-    GlTest::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_not_here("gl"));
-  }
+  std::string needs() const override { return "gl"; }
 };
 
 std::unique_ptr<gl::DeviceSolver> solver_of(const Model& model, const Scene& scene, SolverOptions options,
@@ -78,14 +74,11 @@ TEST_F(GlFragmentContact, BitsAreThoseOfComputeShaders) {
 /// Particles without a surface meet triangles, and are none's corners.
 TEST_F(GlFragmentContact, BitsAreThoseOfComputeShadersInABodyWithoutTriangles) {
   PHYMUL_SKIP_OR_FAIL(why_not_here("gl-compute"));
-  Model loose = moved(make_block({0.01, 0.01, 0.01}, 2, 2, 2), {0.0072, 0.0081, 0.0112});
-  loose.cells.clear();
-  loose.components.clear();
+  const Model loose = without_cells(moved(make_block({0.01, 0.01, 0.01}, 2, 2, 2), {0.0072, 0.0081, 0.0112}));
   Model model = joined_bodies(make_block({0.025, 0.025, 0.01}, 5, 5, 2), loose);
   std::ranges::fill(model.mass, 1.25e-4);
   std::ranges::fill(model.stiffness, 25.0);
-  Scene scene(model);
-  scene.gravity({3, 1, -9.81}).fix("low/z0").contacts({.friction = 0.3});
+  Scene scene = Scene(model).gravity({3, 1, -9.81}).fix("low/z0").contacts({.friction = 0.3});
   expect_bits_of_compute(model, scene, 40, "loose particles");
 }
 
@@ -93,8 +86,7 @@ TEST_F(GlFragmentContact, BitsAreThoseOfComputeShadersInABodyWithoutTriangles) {
 TEST_F(GlFragmentContact, BitsAreThoseOfComputeShadersInABodyThatTouchesItself) {
   PHYMUL_SKIP_OR_FAIL(why_not_here("gl-compute"));
   const Model strip = long_strip();
-  Scene scene(strip);
-  scene.contacts({.self = true});
+  Scene scene = Scene(strip).contacts({.self = true});
   PressedStrip(strip, 0.016).press(scene);
   expect_bits_of_compute(strip, scene, 280, "a strip");
 }

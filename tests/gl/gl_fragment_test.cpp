@@ -91,8 +91,7 @@ int written_rows(int attachment, int width, int height) {
 
 TEST_F(GlFragment, PaddingOfEveryTargetIsUntouchedAndUnread) {
   const Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2, 18);
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   const GlTwins twins(tables_of(model, {.volume_stiffness = 50.0}), scene, {});
   const TopologyTextures& tables = twins.gl->topology();
   std::vector<int> rows{model.particle_count(), tables.base_count, static_cast<int>(tables.volumes.size())};
@@ -104,12 +103,10 @@ TEST_F(GlFragment, PaddingOfEveryTargetIsUntouchedAndUnread) {
       if (glIsFramebuffer(name)) fill_with_sentinels(name);
     }
   });
-  const State start = random_state(model, 0.05, 0.1, 9);
-  twins.reset(start);
+  twins.reset(random_state(model, 0.05, 0.1, 9));
   const double dt = 0.3 * twins.gl->stable_step();
   for (int k = 0; k < 4; ++k) {
-    ASSERT_TRUE(twins.gl->step(3, dt).ok());
-    ASSERT_TRUE(twins.mirror->step(3, dt).ok());
+    ASSERT_TRUE(all_step(3, dt, twins.gl, twins.mirror));
   }
   EXPECT_LE(largest_distance(twins.gl->read().position, twins.mirror->read().position), 1e-6 * body_size(model));
   twins.expect_same_bits("with sentinels in the padding");
@@ -160,8 +157,7 @@ TEST_F(GlFragment, TellsOfItsStepsWhatTheMirrorTells) {
 
 TEST_F(GlFragment, RestsAtTheMirrorsStep) {
   const Model model = with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2));
-  Scene scene(model);
-  scene.fix("z1").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("z1").gravity({0, 0, -9.81});
   for (const int rest_steps : {1, 3, 16, 100}) {
     const SolverOptions options{.damping = {.rate = 60.0}, .rest_tolerance = 1e-4, .rest_steps = rest_steps};
     const GlTwins twins(tables_of(model, {}), scene, options);
@@ -178,12 +174,10 @@ TEST_F(GlFragment, RestsAtTheMirrorsStep) {
 
 TEST_F(GlFragment, PulledCylinderRestsWithinAThousandthOfTheReferencesSteps) {
   const Model model = with_material(cylinder_275());
-  Scene scene(model);
-  scene.fix("bottom");
+  Scene scene = Scene(model).fix("bottom");
   scene.add(
       {.type = LoadType::force, .particles = model.group("top"), .events = {{0.0, 0.002}}, .direction = {0, 0, 1}});
-  const SolverOptions options{.damping = {.rate = 60.0}, .rest_tolerance = 1e-6};
-  const GlTwins twins(tables_of(model, {}), scene, options);
+  const GlTwins twins(tables_of(model, {}), scene, {.damping = {.rate = 60.0}, .rest_tolerance = 1e-6});
   const auto reference = make_solver("reference", model, scene, {}, twins.options());
   const double dt = 0.25 * reference->stable_step();
   const RestResult a = twins.gl->run_to_rest(50000, dt), b = reference->run_to_rest(50000, dt);

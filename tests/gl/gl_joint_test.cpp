@@ -85,8 +85,7 @@ TEST_P(GlJoint, IsTheMirrorsBitByBitAndTheReferences) {
 
 TEST_P(GlJoint, InAPlaneToolsPullInIt) {
   const Model model = with_material(make_strip(0.04, 0.02, 6, 3));
-  Scene scene(model);
-  scene.add_tool("hook", {.shape = Sphere{0.001}, .pose = {.position = {0.05, 0.01, 0.003}}});
+  Scene scene = Scene(model).add_tool("hook", {.shape = Sphere{0.001}, .pose = {.position = {0.05, 0.01, 0.003}}});
   scene.attach(model.group("x0"), World{}, {.stiffness = 2e4, .damping = 3.0});
   scene.add_joint({at_tool("hook", {0.001, 0, 0}), at_mean(model.group("x1")), 0.005}, 5.0);
   const GlTrio trio = trio_of(scene);
@@ -148,8 +147,7 @@ TEST_P(GlJoint, ForcesAreWithinTheRoundingBound) {
 /// Tools that turn while they go, with contacts and other tools beside; what each of them feels.
 TEST_P(GlJoint, ToolsPullAndFeelIt) {
   const Model model = moved(with_material(make_block({cubes_edge, cubes_edge, cubes_edge}, 3, 3, 3)), {3, -2, 1});
-  Scene scene(model);
-  scene.fix("z0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("z0").gravity({0, 0, -9.81});
   const Vec3 corner(3, -2, 1);
   ToolHandle hook =
       scene.add_tool({.shape = Sphere{0.001},
@@ -246,8 +244,7 @@ TEST_P(GlJoint, CopiesAndLostDevicesKnowWhatBroke) {
 /// On the way to rest tools are at once where they go. Batches end where the body rests, and are taken back to there.
 TEST_P(GlJoint, RestsWhereTheReferenceDoes) {
   const Model model = with_material(make_block({cubes_edge, cubes_edge, cubes_edge}, 3, 3, 3));
-  Scene scene(model);
-  scene.fix("z0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("z0").gravity({0, 0, -9.81});
   ToolHandle hook = scene.add_tool({.shape = Sphere{0.001}, .pose = {.position = {0.01, 0.01, 0.03}}});
   scene.attach(model.group("z1"), hook, {.stiffness = 2e5, .damping = 20.0});
   const GlTrio trio = trio_of(scene, {.damping = {.rate = 100.0}});
@@ -267,10 +264,8 @@ TEST_P(GlJoint, RestsWhereTheReferenceDoes) {
 
 TEST_P(GlJoint, OnlyScenesWithJointsPayForIt) {
   const Model model = cubes_apart(0.001);
-  Scene scene(model);
-  scene.fix("lower/z0");
-  const SolverOptions profiled{.profile = true};
-  const GlTrio trio = trio_of(scene, profiled);
+  Scene scene = Scene(model).fix("lower/z0");
+  const GlTrio trio = trio_of(scene, {.profile = true});
   const double dt = 0.1 * trio.twins.gl->stable_step();
   const auto passes = [&] {
     trio.twins.gl->clear_profile();

@@ -45,8 +45,7 @@ TEST_F(GlNeedleRuns, GoesOnFromEveryStateWithTheSameBits) {
     pair.scene.gravity({1, 0, 0});  // rows of the scene are made anew, with the hole as it is
     pair.pose.velocity = {0.01, 0, -0.1};
     pair.scene.tool("needle").move_to(pair.pose);
-    ASSERT_TRUE(pair.device->step(1, pair.dt).ok());
-    ASSERT_TRUE(other->step(1, pair.dt).ok());
+    ASSERT_TRUE(all_step(1, pair.dt, pair.device, other));
     ASSERT_TRUE(pair.device->step(80, pair.dt).ok());
     for (int k = 0; k < 8; ++k) ASSERT_TRUE(other->step(10, pair.dt).ok());
     const State a = pair.device->read(), b = other->read();
@@ -101,9 +100,7 @@ TEST_F(GlNeedleRuns, BatchesDoneAgainComeToTheSame) {
 /// A needle that is put 3 cm deep at once, and a device of its own for five steps of it.
 class GlComputeNeedle : public OnCompute {
  protected:
-  void SetUp() override {
-    OnCompute::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
+  void set_up() override {
     tables_ = tables_of(model_, {});
     const Tool needle{.shape = thin_needle(), .pose = {.position = {0.0203, 0.0197, block_side - 0.03}}};
     scene_.fix("z0").add_tool("needle", needle);
@@ -118,20 +115,12 @@ class GlComputeNeedle : public OnCompute {
   State end_of(gl::Device& device, FloatTools& tools, Run&& run) {
     State end = rest_state(model_);
     device.write(tables_->rest, end);
-    std::vector<double> instants;
-    for (int k = 0; k <= 5; ++k) instants.push_back(k * dt_);
-    tools.begin_batch(5, dt_, 0.0);
-    device.begin_batch({.dt = dt_, .largest_acceleration = 1e30, .runaway_speed = 1e9}, instants, tools);
+    begin_batch(device, tools, 5, dt_);
     run();
     device.read(tables_->rest, end);
     device.read_needles(tools);
     tools.read(end);
     return end;
-  }
-  FloatTools tools() const {
-    FloatTools tools(gl::Device::most_steps);
-    tools.follow(scene_);
-    return tools;
   }
 
   Model model_ = Insertion::gel(4);
@@ -154,7 +143,7 @@ TEST_F(GlComputeNeedle, WhatOneDispatchLeavesTheNextOnesDo) {
          {std::int64_t{65535}, std::int64_t{5000}, std::numeric_limits<std::int64_t>::max()}) {
       gl::ComputeLimits limits = gl::ComputeLimits::of_context();
       limits.loop_turns = turns;
-      FloatTools moved = tools();
+      FloatTools moved = tools_of(scene_);
       gl::ComputeDevice device(slices, scene_, moved, library, limits);
       const gl::ComputeTables constants(slices, limits);
       dispatches.push_back(gl::ComputeNeedles(packed, moved, constants, limits).follow_dispatches());

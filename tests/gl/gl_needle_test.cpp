@@ -83,8 +83,7 @@ TEST_F(GlNeedle, AStepIsThatOfTheReference) {
       const State start = pair.device->read();
       pair.device->reset(start);
       pair.reference->reset(start);
-      ASSERT_TRUE(pair.device->step(1, pair.dt).ok());
-      ASSERT_TRUE(pair.reference->step(1, pair.dt).ok());
+      ASSERT_TRUE(all_step(1, pair.dt, pair.device, pair.reference));
       const State a = pair.device->read(), b = pair.reference->read();
       worst = std::max(worst, largest_distance(a.velocity, b.velocity) * pair.dt);
       worst_force = std::max(
@@ -102,13 +101,11 @@ TEST_F(GlNeedle, AStepIsThatOfTheReference) {
 TEST_F(GlNeedle, ManyNodesBendASoftShaftAsOnTheReference) {
   const Model model =
       with_material(make_block({0.01, 0.01, 0.1}, 4, 4, 40), {.young = 10e3, .poisson = 0.45, .density = 1000.0});
-  Needle hair = thin_needle();
+  Needle hair = bending(1e-6);
   hair.length = 0.12;
   hair.spread = 0.00168;
-  hair.bending_stiffness = 1e-6;
   ToolPose pose{.position = {0.0053, 0.0049, 0.004}};
-  Scene scene(model);
-  scene.fix("z0").add_tool("needle", {.shape = hair, .pose = pose, .friction = 0.5});
+  Scene scene = Scene(model).fix("z0").add_tool("needle", {.shape = hair, .pose = pose, .friction = 0.5});
   BesideReference pair(model, scene, damped(40.0));
   double worst = 0.0, worst_bend = 0.0, bent = 0.0;
   constexpr int calls = 8;
@@ -135,8 +132,6 @@ TEST_F(GlNeedle, ManyNodesBendASoftShaftAsOnTheReference) {
 TEST_F(GlNeedle, ActsBetweenWhatHoldsAndWhatPresses) {
   const Model model = Insertion::gel(4);
   Scene scene(model);
-  Needle bends = thin_needle();
-  bends.bending_stiffness = 5e-3;
   ToolPose first{.position = {0.0203, 0.0197, block_side + over_skin}},
       second{.position = {0.0123, 0.0141, block_side + over_skin}};
   scene.fix("z0");
@@ -144,7 +139,7 @@ TEST_F(GlNeedle, ActsBetweenWhatHoldsAndWhatPresses) {
                  {.shape = Sphere{0.008}, .pose = {.position = {0.03, 0.03, block_side + 0.0085}}, .friction = 0.3});
   scene.add_tool("first", {.shape = thin_needle(), .pose = first, .friction = 0.5});
   scene.add_tool("jaw", {.shape = Box{{0.012, 0.004, 0.012}}, .pose = {.position = {0.02, 0.0442, 0.02}}});
-  scene.add_tool("second", {.shape = bends, .pose = second, .friction = 0.5});
+  scene.add_tool("second", {.shape = bending(5e-3), .pose = second, .friction = 0.5});
   scene.constrain_volume();
   BesideReference pair(model, scene, damped(40.0));
   double worst = 0.0, worst_force = 0.0, largest_on_ball = 0.0;
@@ -183,10 +178,8 @@ TEST_F(GlNeedle, AStateAtAnObliqueExitCanBeGoneOnFrom) {
     const Needle needle{.length = 0.1, .radius = 0.6e-3, .puncture = 0.4, .cutting = 0.15, .spread = 0.012};
     ToolPose pose{.position = {0.022, 0.0197, 0.0403},
                   .orientation = Quaternion(Eigen::AngleAxisd(-tilt, Vec3::UnitY()))};
-    Scene scene(model);
-    scene.fix("z0").add_tool("needle", {.shape = needle, .pose = pose, .friction = 0.5});
-    const SolverOptions options{.damping = {.rate = 40.0}};
-    const auto solver = make_solver("gl-compute", model, scene, {}, options);
+    Scene scene = Scene(model).fix("z0").add_tool("needle", {.shape = needle, .pose = pose, .friction = 0.5});
+    const auto solver = make_solver("gl-compute", model, scene, {}, damped(40.0));
     bool through = false;
     double off = 0.0;
     for (int k = 0; k < 45; ++k) {
@@ -215,8 +208,7 @@ TEST_F(GlNeedle, ActsBeforeContacts) {
   thin.cutting = 0.03;
   thin.spread = 0.009;
   ToolPose pose{.position = {0.0123, 0.0131, 0.0209}};
-  Scene scene(model);
-  scene.fix("low/z0").contacts({.friction = 0.3});
+  Scene scene = Scene(model).fix("low/z0").contacts({.friction = 0.3});
   scene.add_tool("needle", {.shape = thin, .pose = pose, .friction = 0.5});
   BesideReference pair(model, scene, damped(20.0));
   double worst = 0.0;
@@ -236,14 +228,11 @@ TEST_F(GlNeedle, ActsBeforeContacts) {
 /// The programs of a needle that bends serve one that does not, also with what a change of the scene made anew.
 TEST_F(GlNeedle, AStiffOneBesideOneThatBendsOutlivesAChangeOfTheScene) {
   const Model model = Insertion::gel(3);
-  Scene scene(model);
-  scene.fix("z0");
-  Needle bends = thin_needle();
-  bends.bending_stiffness = 5e-3;
+  Scene scene = Scene(model).fix("z0");
   ToolPose stiff_pose{.position = {0.0203, 0.0197, block_side + over_skin}},
       pose{.position = {0.0103, 0.0297, block_side + over_skin}};
   scene.add_tool("stiff", {.shape = thin_needle(), .pose = stiff_pose, .friction = 0.5});
-  scene.add_tool("bends", {.shape = bends, .pose = pose, .friction = 0.5});
+  scene.add_tool("bends", {.shape = bending(5e-3), .pose = pose, .friction = 0.5});
   BesideReference pair(model, scene, damped(40.0));
   for (int k = 0; k < 4; ++k) {
     stiff_pose.position.z() -= 2e-3;
@@ -258,9 +247,7 @@ TEST_F(GlNeedle, AStiffOneBesideOneThatBendsOutlivesAChangeOfTheScene) {
 
 /// Nothing to puncture: the shaft passes between the particles.
 TEST_F(GlNeedle, MakesNoHoleInABodyWithoutASurface) {
-  Model model = Insertion::gel(3);
-  model.cells.clear();
-  model.components.clear();
+  Model model = without_cells(Insertion::gel(3));
   model.materials.clear();
   Scene scene(model);
   ToolPose pose{.position = {0.0203, 0.0197, block_side + offset}};

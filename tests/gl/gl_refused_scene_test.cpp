@@ -68,29 +68,20 @@ class ThingsMade {
 /// A block on another one, a ball that presses, and a device of its own.
 class RefusedScene : public OnBothDevices {
  protected:
-  void SetUp() override {
-    OnBothDevices::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
+  void set_up() override {
     tables_ = tables_of(model_, {});
     context_ = gl::Context::open({}, GetParam());
     dt_ = 0.4 * stable_step(estimate_spectrum(*tables_, tables_->rest), 1.0);
   }
 
   Scene pressed() const {
-    Scene scene(model_);
-    scene.fix("low/z0").gravity({0, 0, -9.81});
+    Scene scene = Scene(model_).fix("low/z0").gravity({0, 0, -9.81});
     return scene.add_tool("ball", {.shape = Sphere{0.004}, .pose = {.position = {0.0123, 0.0131, 0.0242}}});
   }
   void add_needle(Scene& scene, double stiffness) const {
-    Needle needle = thin_needle();
+    Needle needle = bending(stiffness);
     needle.spread = 0.009;
-    needle.bending_stiffness = stiffness;
     scene.add_tool("needle", {.shape = needle, .pose = {.position = {0.0103, 0.0121, 0.012}}, .friction = 0.5});
-  }
-  static FloatTools tools_of(const Scene& scene) {
-    FloatTools tools(gl::Device::most_steps);
-    tools.follow(scene);
-    return tools;
   }
   std::unique_ptr<gl::Device> make(const Scene& scene, const gl::ShaderLibrary& library) const {
     std::unique_ptr<gl::Device> device;
@@ -105,10 +96,7 @@ class RefusedScene : public OnBothDevices {
   }
   /// A batch of four steps.
   void go(gl::Device& device, FloatTools& tools) const {
-    std::vector<double> instants;
-    for (int k = 0; k <= 4; ++k) instants.push_back(k * dt_);
-    tools.begin_batch(4, dt_, 0.0);
-    device.begin_batch({.dt = dt_, .largest_acceleration = 1e30, .runaway_speed = 1e9}, instants, tools);
+    begin_batch(device, tools, 4, dt_);
     device.run(4);
     gl::BatchReport report = device.report();
     while (report.unfinished) {
@@ -214,8 +202,7 @@ TEST_P(GlRefusedScene, ContactsThatAreTooManyAreRefusedBeforeAnythingIsMade) {
 TEST_P(GlRefusedScene, ASolverGoesOnOnceTheSceneFitsAgain) {
   Scene asked = pressed(), left = pressed();
   gl::DeviceSolver solver(GetParam(), tables_, asked, {}), alone(GetParam(), tables_, left, {});
-  ASSERT_TRUE(solver.step(20, dt_).ok());
-  ASSERT_TRUE(alone.step(20, dt_).ok());
+  ASSERT_TRUE(all_step(20, dt_, solver, alone));
   const State before = solver.read();
   asked.contacts({.rounds = 100'000'000});
   for (int k = 0; k < 2; ++k) {
@@ -223,8 +210,7 @@ TEST_P(GlRefusedScene, ASolverGoesOnOnceTheSceneFitsAgain) {
     EXPECT_EQ(solver.read(), before);
   }
   asked.no_contacts();
-  ASSERT_TRUE(solver.step(20, dt_).ok());
-  ASSERT_TRUE(alone.step(20, dt_).ok());
+  ASSERT_TRUE(all_step(20, dt_, solver, alone));
   EXPECT_EQ(difference(solver.read(), alone.read()), "");
 }
 
@@ -238,8 +224,7 @@ TEST_F(GlRefusedNeedle, IsNamedAndTheSceneBeforeGoesOn) {
   for (Scene* one : {&scene, &alone}) one->fix("z0").gravity({0, 0, -9.81}).add_tool("ball", ball);
   const auto solver = make_solver("gl", model, scene), plain = make_solver("gl", model, alone);
   const double dt = 0.1 * solver->stable_step();
-  ASSERT_TRUE(solver->step(20, dt).ok());
-  ASSERT_TRUE(plain->step(20, dt).ok());
+  ASSERT_TRUE(all_step(20, dt, solver, plain));
   const State before = solver->read();
   scene.add_tool("needle", {.shape = Needle{}, .pose = {.position = {0.01, 0.01, 0.03}}});
   const StepReport refused = solver->step(1, dt);
@@ -252,8 +237,7 @@ TEST_F(GlRefusedNeedle, IsNamedAndTheSceneBeforeGoesOn) {
   }
   EXPECT_EQ(solver->read(), before);
   scene.remove_tool("needle");
-  ASSERT_TRUE(solver->step(20, dt).ok());
-  ASSERT_TRUE(plain->step(20, dt).ok());
+  ASSERT_TRUE(all_step(20, dt, solver, plain));
   EXPECT_EQ(solver->read(), plain->read());
   EXPECT_EQ(solver->tool_force("ball").mean_force, plain->tool_force("ball").mean_force);
   scene.add_tool("needle", {.shape = Needle{}, .pose = {.position = {0.01, 0.01, 0.03}}});

@@ -50,11 +50,9 @@ TEST_P(GlStiffness, IsTheMirrorsBitByBitAndTheReferences) {
   for (const StrainEnergy energy : {StrainEnergy::shape_memory, StrainEnergy::neo_hookean}) {
     for (const Body& body : bodies_of_two_materials()) {
       SCOPED_TRACE(body.name);
-      Scene scene(body.model);
-      scene.fix("x0").gravity({0, -9.81, 0});
-      const SolverOptions damped{.damping = {.factor = 0.99}};
+      Scene scene = Scene(body.model).fix("x0").gravity({0, -9.81, 0});
       const auto tables = tables_of(body.model, {.strain_energy = energy});
-      const GlTrio trio = trio_of(tables, scene, damped);
+      const GlTrio trio = trio_of(tables, scene, {.damping = {.factor = 0.99}});
       trio.reset(random_state(body.model, 0.05, 0.0, 5));
       const double dt = 0.15 * trio.reference->stable_step();
       for (int call = 0; call < 7; ++call) {
@@ -97,8 +95,7 @@ TEST_P(GlStiffness, FactorsReachTheirDomains) {
   Model model = with_material(make_block({0.08, 0.05, 0.05}, 16, 10, 10));
   set_material(model, {20e3, 0.3, 1000.0}, [](const Vec3& x) { return x.x() < 0.03; });
   set_material(model, hard, [](const Vec3& x) { return x.z() < 0.02; });
-  Scene scene(model);
-  scene.scale_stiffness(std::vector<double>{0.2, 3.0, 0.6}).fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).scale_stiffness(std::vector<double>{0.2, 3.0, 0.6}).fix("x0").gravity({0, 0, -9.81});
   const GlTrio trio = trio_of(tables_of(model, {}), scene);
   trio.reset(random_state(model, 0.05, 0.0, 9));
   trio.step(10, 0.3 * trio.reference->stable_step());

@@ -23,8 +23,7 @@ class GlToolSurface : public GlBlockTest {
     double force_apart = 0.0, force = 0.0;  // N, largest so far; on a tool
 
     void step(int steps, double dt) {
-      ASSERT_TRUE(device->step(steps, dt).ok());
-      ASSERT_TRUE(reference->step(steps, dt).ok());
+      ASSERT_TRUE(all_step(steps, dt, device, reference));
       const State a = device->read(), b = reference->read();
       apart = std::max(apart, largest_distance(a.position, b.position));
       moved = std::max(moved, largest_distance(b.position, reference->model().rest));
@@ -72,8 +71,7 @@ TEST_P(GlToolSurface, EveryShapeAgreesWithTheReference) {
     const Model model = moved(model_, origin);
     tool.contact = ToolContact::surface;
     tool.pose = above(origin + Vec3(0.014, 0.011, 0.03));
-    Scene scene(model);
-    scene.fix("z0").gravity({0, 0, -2}).add_tool("tool", tool);
+    Scene scene = Scene(model).fix("z0").gravity({0, 0, -2}).add_tool("tool", tool);
     Pair both = pair_of(scene);
     drive(
         scene.tool("tool"), origin, [&](int) { both.step(9, dt_); }, sanitized ? 6 : 22);
@@ -87,8 +85,7 @@ TEST_P(GlToolSurface, EveryShapeAgreesWithTheReference) {
 
 /// A step of sixty rounds that moves particles without a speed.
 TEST_P(GlToolSurface, APlacedToolLetsTheSurfaceOutAsTheReferenceDoes) {
-  Scene scene(model_);
-  scene.fix("z0").add_tool(
+  Scene scene = Scene(model_).fix("z0").add_tool(
       "ball", {.shape = Sphere{0.007}, .pose = {.position = {0, 0, 0.5}}, .contact = ToolContact::surface});
   Pair both = pair_of(scene);
   scene.tool("ball").teleport({.position = {0.0141, 0.0103, 0.0255}});
@@ -101,11 +98,10 @@ TEST_P(GlToolSurface, APlacedToolLetsTheSurfaceOutAsTheReferenceDoes) {
 
 /// Tools of both kinds in turn, one of which holds particles that others must not push; some coordinates are imposed.
 TEST_P(GlToolSurface, ToolsActOneAfterAnotherAroundAGrasp) {
-  Scene scene(model_);
-  scene.fix("z0").add({.type = LoadType::translation,
-                       .particles = model_.group("x0"),
-                       .events = {{0.0, 0.0}},
-                       .axes = {Axis::held, Axis::free, Axis::free}});
+  Scene scene = Scene(model_).fix("z0").add({.type = LoadType::translation,
+                                             .particles = model_.group("x0"),
+                                             .events = {{0.0, 0.0}},
+                                             .axes = {Axis::held, Axis::free, Axis::free}});
   const Tool ball{.shape = Sphere{0.005}, .friction = 0.3, .contact = ToolContact::surface};
   const auto add = [&](const char* name, Tool tool, const Vec3& position) {
     tool.pose = {.position = position};
@@ -140,10 +136,8 @@ TEST_P(GlToolSurface, ToolsActOneAfterAnotherAroundAGrasp) {
 /// what floats round: as where there are no tools (gl_joint_test.cpp).
 TEST_P(GlToolSurface, AgreesBesideContactsAndVolumes) {
   const Model lower = make_block({0.02, 0.02, 0.02}, 3, 3, 3), upper = moved(lower, {0, 0, 0.021});
-  const NamedBody bodies[] = {{"lower", &lower}, {"upper", &upper}};
-  const Model model = with_material(merge_models(bodies));
-  Scene scene(model);
-  scene.fix("lower/z0").gravity({0, 0, -9.81}).contacts({}).constrain_volume("upper");
+  const Model model = with_material(merged({{"lower", &lower}, {"upper", &upper}}));
+  Scene scene = Scene(model).fix("lower/z0").gravity({0, 0, -9.81}).contacts({}).constrain_volume("upper");
   scene.add_tool("ball", {.shape = Sphere{0.006},
                           .pose = {.position = Vec3(0.012, 0.009, 0.0472), .velocity = {0, 0, -0.02}},
                           .contact = ToolContact::surface});
@@ -189,11 +183,10 @@ TEST_F(GlToolSurfaceWithNeedle, ActsBesideANeedleAsOnTheReference) {
 }
 
 TEST_P(GlToolSurface, SnapshotsGoOnBitForBitAndLostDevicesGoBack) {
-  Scene scene(model_);
-  scene.fix("z0").add_tool("ball", {.shape = Sphere{0.005},
-                                    .pose = {.position = {0.014, 0.011, 0.0248}},
-                                    .friction = 0.3,
-                                    .contact = ToolContact::surface});
+  Scene scene = Scene(model_).fix("z0").add_tool("ball", {.shape = Sphere{0.005},
+                                                          .pose = {.position = {0.014, 0.011, 0.0248}},
+                                                          .friction = 0.3,
+                                                          .contact = ToolContact::surface});
   const auto device = make(scene), other = make(scene);
   scene.tool("ball").move_to({.position = {0.015, 0.011, 0.0235}});
   ASSERT_TRUE(device->step(30, dt_).ok());
@@ -215,8 +208,7 @@ TEST_P(GlToolSurface, SnapshotsGoOnBitForBitAndLostDevicesGoBack) {
 TEST_P(GlToolSurface, RestsWhereTheReferenceDoes) {
   options_.damping.rate = 200.0;
   options_.rest_tolerance = 1e-4;
-  Scene scene(model_);
-  scene.fix("z0").add_tool(
+  Scene scene = Scene(model_).fix("z0").add_tool(
       "ball", {.shape = Sphere{0.005}, .pose = {.position = {0.014, 0.011, 0.0249}}, .contact = ToolContact::surface});
   const Pair both = pair_of(scene);
   scene.tool("ball").move_to({.position = {0.014, 0.011, 0.0242}});

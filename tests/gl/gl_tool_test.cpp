@@ -25,8 +25,7 @@ TEST_P(GlTool, EveryShapeHasTheMirrorsBits) {
   for (Tool tool : tools_of_each_kind()) {
     SCOPED_TRACE(row++);
     tool.pose = above({0.014, 0.011, 0.03});
-    Scene scene(model_);
-    scene.fix("z0").gravity({0, 0, -2}).add_tool("tool", tool);
+    Scene scene = Scene(model_).fix("z0").gravity({0, 0, -2}).add_tool("tool", tool);
     scene.add_tool("jaw", {.shape = Box{{0.03, 0.002, 0.0015}}, .pose = {.position = {0.015, 0.01, 0.021}}});
     const GlTwins twins = this->twins(scene);
     int touched = 0;
@@ -34,8 +33,7 @@ TEST_P(GlTool, EveryShapeHasTheMirrorsBits) {
       if (k == 2) scene.tool("jaw").grasp(1e-4);
       if (k == 6) scene.tool("jaw").move_to({.position = {0.015, 0.009, 0.0215}, .velocity = {0, 0.01, 0}});
       if (k == 15) scene.tool("jaw").release();
-      ASSERT_TRUE(twins.gl->step(9, dt_).ok());
-      ASSERT_TRUE(twins.mirror->step(9, dt_).ok());
+      ASSERT_TRUE(all_step(9, dt_, twins.gl, twins.mirror));
       twins.expect_same_bits("call " + std::to_string(k));
       const ToolForce a = twins.gl->tool_force("tool"), b = twins.mirror->tool_force("tool");
       EXPECT_LE((a.force - b.force).norm(), 1e-5 * b.force.norm() + 1e-9);
@@ -64,14 +62,12 @@ TEST_P(GlTool, AgreesWithTheReferenceAlsoFarFromTheOrigin) {
     const Model model = moved(model_, origin);
     const auto tables = tables_of(model, {});
     tool.pose = above(origin + Vec3(0.014, 0.011, 0.03));
-    Scene scene(model);
-    scene.fix("z0").add_tool("tool", tool);
+    Scene scene = Scene(model).fix("z0").add_tool("tool", tool);
     gl::DeviceSolver gl(GetParam(), tables, scene, options_);
     const auto reference = make_solver("reference", tables, scene, options_);
     double largest = 0.0, way = 0.0, off = 0.0, off_force = 0.0;
     drive(scene.tool("tool"), origin, [&](int) {
-      ASSERT_TRUE(gl.step(9, dt_).ok());
-      ASSERT_TRUE(reference->step(9, dt_).ok());
+      ASSERT_TRUE(all_step(9, dt_, gl, reference));
       const State a = gl.read(), b = reference->read();
       off = std::max(off, largest_distance(a.position, b.position));
       way = std::max(way, largest_distance(b.position, model.rest));
@@ -133,13 +129,11 @@ TEST_P(GlTool, CopiesAndLostDevicesKnowWhatToolsHold) {
 }
 
 TEST_P(GlTool, ASceneWithoutToolsPaysNothing) {
-  Scene without(model_), with(model_);
-  without.fix("z0");
-  with.fix("z0").add_tool("ball", {.shape = Sphere{0.005}, .pose = {.position = {0.015, 0.01, 0.0245}}});
+  Scene without = Scene(model_).fix("z0"), with = without;
+  with.add_tool("ball", {.shape = Sphere{0.005}, .pose = {.position = {0.015, 0.01, 0.0245}}});
   options_.profile = true;
   const auto plain = make(without), touched = make(with);
-  ASSERT_TRUE(plain->step(8, dt_).ok());
-  ASSERT_TRUE(touched->step(8, dt_).ok());
+  ASSERT_TRUE(all_step(8, dt_, plain, touched));
   const auto runs = runs_of(*plain), more = runs_of(*touched);
   EXPECT_NE(runs, more);
   for (const auto& [name, count] : runs) EXPECT_EQ(name.find("tool"), std::string::npos) << name;
@@ -163,8 +157,7 @@ TEST_P(GlTool, FlatBodiesStayInTheirPlane) {
   for (int k = 0; k < 5; ++k) {
     if (k == 2) scene.tool("ball").grasp(1e-4);
     if (k == 3) scene.tool("ball").move_to({.position = {0.012, 0.019, 0.002}});
-    ASSERT_TRUE(twins.gl->step(20, dt).ok());
-    ASSERT_TRUE(twins.mirror->step(20, dt).ok());
+    ASSERT_TRUE(all_step(20, dt, twins.gl, twins.mirror));
     twins.expect_same_bits("call " + std::to_string(k));
   }
   EXPECT_GT(twins.gl->tool_force("ball").particles, 0);

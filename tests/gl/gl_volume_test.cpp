@@ -55,11 +55,9 @@ PHYMUL_ON_BOTH_DEVICES(GlVolume);
 
 /// Squeezed to four fifths, under gravity, 300 steps.
 TEST_P(GlVolume, IsKeptUnderLoadWithTheMirrorsBits) {
-  Scene scene(model_), lossy(model_), measure(model_);
-  measure.constrain_volume();
-  scene.fix("x0").gravity({0, 0, -9.81}).constrain_volume();
-  scene.add(pull(model_, "x1", {-1, 0, 0}, {{0, 0}, {200 * dt_, 0.006}}));
-  lossy.fix("x0").gravity({0, 0, -9.81}).add(scene.loads().back());
+  Scene lossy = Scene(model_).fix("x0").gravity({0, 0, -9.81}), measure = Scene(model_).constrain_volume();
+  lossy.add(pull(model_, "x1", {-1, 0, 0}, {{0, 0}, {200 * dt_, 0.006}}));
+  Scene scene = Scene(lossy).constrain_volume();
   const GlTwins twins = this->twins(scene);
   const auto reference = make_solver("reference", tables_, scene, options_);
   const auto alone = make_solver("reference", tables_, lossy, options_);
@@ -69,8 +67,7 @@ TEST_P(GlVolume, IsKeptUnderLoadWithTheMirrorsBits) {
     ASSERT_TRUE(a.ok() && b.ok());
     EXPECT_NEAR(a.residual, b.residual, 1e-4 * b.residual);  // of a GPU that divides to 2.5 units
     EXPECT_NEAR(a.max_speed, b.max_speed, 1e-4 * b.max_speed);
-    ASSERT_TRUE(reference->step(25, dt_).ok());
-    ASSERT_TRUE(alone->step(25, dt_).ok());
+    ASSERT_TRUE(all_step(25, dt_, reference, alone));
     twins.expect_same_bits("call " + std::to_string(k));
     const State state = twins.gl->read();
     expect_kept(scene, state);
@@ -86,10 +83,8 @@ TEST_P(GlVolume, SeveralBodiesAndToolsFarFromTheOrigin) {
   const Vec3 origin(800, -600, 1000);
   const Model block = make_block({0.02, 0.02, 0.02}, 4, 4, 4), flat = make_block({0.03, 0.02, 0.01}, 6, 4, 2);
   const Model one = with_material(moved(block, origin)), two = with_material(moved(flat, origin + Vec3(0.05, 0, 0)));
-  const NamedBody bodies[] = {{"one", &one}, {"two", &two}};
-  const Model both = merge_models(bodies);
-  Scene scene(both);
-  scene.fix("one/z0").fix("two/z0").constrain_volume("one").constrain_volume("two");
+  const Model both = merged({{"one", &one}, {"two", &two}});
+  Scene scene = Scene(both).fix("one/z0").fix("two/z0").constrain_volume("one").constrain_volume("two");
   VolumeConstraint more = scene.volume_constraints()[1];
   more.volume *= 1.02;
   scene.clear().fix("one/z0").fix("two/z0").constrain_volume("one").constrain_volume(more);
@@ -125,8 +120,7 @@ TEST_P(GlVolume, SeveralBodiesAndToolsFarFromTheOrigin) {
 /// Free in space, thrown, turning and out of shape. Momentum moves as far as floats let it: the bound is eight times
 /// the largest of what llvmpipe gave.
 TEST_P(GlVolume, KeepsLinearAndAngularMomentumOfAFreeBody) {
-  Scene scene(model_);
-  scene.constrain_volume();
+  Scene scene = Scene(model_).constrain_volume();
   options_.damping.rate = 0.0;
   const GlTwins twins = this->twins(scene);
   State state = rest_state(model_);
@@ -138,8 +132,7 @@ TEST_P(GlVolume, KeepsLinearAndAngularMomentumOfAFreeBody) {
   }
   twins.reset(state);
   const Momentum start = twins.gl->momentum();
-  ASSERT_TRUE(twins.gl->step(150, 0.5 * dt_).ok());
-  ASSERT_TRUE(twins.mirror->step(150, 0.5 * dt_).ok());
+  ASSERT_TRUE(all_step(150, 0.5 * dt_, twins.gl, twins.mirror));
   twins.expect_same_bits("a free body");
   const Momentum end = twins.gl->momentum();
   const double arm = body_size(model_), linear = (end.linear - start.linear).norm() / scale,
@@ -152,8 +145,7 @@ TEST_P(GlVolume, KeepsLinearAndAngularMomentumOfAFreeBody) {
 
 /// A batch that ends before its last step is done again up to there: at rest, and where a particle runs away.
 TEST_P(GlVolume, BatchesDoneAgainKeepTheVolume) {
-  Scene scene(model_);
-  scene.fix("z0").gravity({0, 0, -9.81}).constrain_volume();
+  Scene scene = Scene(model_).fix("z0").gravity({0, 0, -9.81}).constrain_volume();
   options_.rest_tolerance = 1e-4;
   options_.damping.rate = 200.0;
   const GlTwins resting = twins(scene);
@@ -176,8 +168,7 @@ TEST_P(GlVolume, BatchesDoneAgainKeepTheVolume) {
 
 /// All is held, and an end is moved in from the 40th step on: nothing is left to make up for it.
 TEST_P(GlVolume, OneThatCannotBeRestoredIsReportedAndTheStepNotTaken) {
-  Scene scene(model_);
-  scene.fix(every_particle(model_)).constrain_volume();
+  Scene scene = Scene(model_).fix(every_particle(model_)).constrain_volume();
   scene.add(pull(model_, "x1", {1, 0, 0}, {{0, 0}, {40 * dt_, 0}, {60 * dt_, -0.001}}));
   const GlTwins twins = this->twins(scene);
   const StepReport a = twins.gl->step(60, dt_), b = twins.mirror->step(60, dt_);
@@ -202,8 +193,7 @@ TEST_P(GlVolume, OfWhatIsHeldWholeIsLostOnlyWhereItChanges) {
   const Model cube = make_block(Vec3::Constant(size), 1, 2, 2);
   const Vec3 ends[] = {{0, 0.5 * size, 0.5 * size}, {size, 0.5 * size, 0.5 * size}};
   const Vec3 far = 40.0 * size * Vec3(0.6, -0.48, 0.64);
-  Scene scene(cube);
-  scene.constrain_volume();
+  Scene scene = Scene(cube).constrain_volume();
   for (const Vec3& end : ends) {
     const std::string name = end.x() > 0.0 ? "high" : "low";
     scene.add_tool(name, {.shape = Box{{0.1 * size, 0.6 * size, 0.6 * size}}, .pose = {.position = end}});
@@ -224,8 +214,7 @@ TEST_P(GlVolume, OfWhatIsHeldWholeIsLostOnlyWhereItChanges) {
 
 /// Volumes come, change and go while a solver runs.
 TEST_P(GlVolume, AChangedSceneIsFollowed) {
-  Scene scene(model_);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model_).fix("x0").gravity({0, 0, -9.81});
   const GlTwins twins = this->twins(scene);
   for (int k = 0; k < 4; ++k) {
     if (k == 1) {
@@ -238,29 +227,24 @@ TEST_P(GlVolume, AChangedSceneIsFollowed) {
       scene.clear().fix("x0").gravity({0, 0, 5}).constrain_volume(more);
     }
     if (k == 3) scene.clear().fix("x0").gravity({0, 0, 5});
-    ASSERT_TRUE(twins.gl->step(15, dt_).ok());
-    ASSERT_TRUE(twins.mirror->step(15, dt_).ok());
+    ASSERT_TRUE(all_step(15, dt_, twins.gl, twins.mirror));
     twins.expect_same_bits("call " + std::to_string(k));
     expect_kept(scene, twins.gl->read());
   }
 }
 
 TEST_P(GlVolume, CopiesAndLostDevicesGoOn) {
-  Scene scene(model_);
-  scene.fix("x0").gravity({0, 0, -9.81}).constrain_volume();
+  Scene scene = Scene(model_).fix("x0").gravity({0, 0, -9.81}).constrain_volume();
   const auto solver = make(scene), untouched = make(scene);
   copy_and_lose(*solver, *untouched);
   expect_kept(scene, solver->read());
 }
 
 TEST_P(GlVolume, ASceneWithoutKeptVolumesPaysNothing) {
-  Scene without(model_), with(model_);
-  without.fix("z0").gravity({0, 0, -1});
-  with.fix("z0").gravity({0, 0, -1}).constrain_volume();
+  Scene without = Scene(model_).fix("z0").gravity({0, 0, -1}), with = Scene(without).constrain_volume();
   options_.profile = true;
   const auto plain = make(without), keeping = make(with);
-  ASSERT_TRUE(plain->step(8, dt_).ok());
-  ASSERT_TRUE(keeping->step(8, dt_).ok());
+  ASSERT_TRUE(all_step(8, dt_, plain, keeping));
   const auto runs = runs_of(*plain), more = runs_of(*keeping);
   for (const auto& [name, count] : runs) EXPECT_EQ(name.find("kept"), std::string::npos) << name;
   EXPECT_NE(runs, more);
@@ -276,13 +260,11 @@ TEST_P(GlVolume, ASceneWithoutKeptVolumesPaysNothing) {
 TEST_P(GlVolume, ManyFacetsAreSummed) {
   for (const int side : {48, 64}) {
     const Model slab = make_block({0.01 * side, 0.01 * side, 0.01}, side, side, 1);
-    Scene scene(slab);
-    scene.fix("x0").constrain_volume();
+    Scene scene = Scene(slab).fix("x0").constrain_volume();
     ASSERT_EQ(scene.volume_constraints()[0].triangles.size(), static_cast<std::size_t>(4 * side * (side + 2)));
     const GlTwins twins(tables_of(slab, {}), scene, options_, GetParam());  // any spectrum: none comes to rest
     twins.reset(random_state(slab, 0.01, 0.05, 3));  // nothing so small that a renderer takes it for 0
-    ASSERT_TRUE(twins.gl->step(4, 1e-3).ok());
-    ASSERT_TRUE(twins.mirror->step(4, 1e-3).ok());
+    ASSERT_TRUE(all_step(4, 1e-3, twins.gl, twins.mirror));
     EXPECT_GT(largest_distance(twins.gl->read().position, slab.rest), 5e-5);
     twins.expect_same_bits(std::to_string(side) + " a side");
     expect_kept(scene, twins.gl->read());

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "solver/gl_module.h"
+#include "support/outside_backend.h"
 
 namespace phymul {
 namespace {
@@ -19,30 +20,21 @@ bool is_set(const char* name) {
   return value && std::string_view(value) == "1";
 }
 
-class InstantSolver final : public SolverBackend {
+class InstantSolver final : public test::StandingBackend {
  public:
   InstantSolver(GlBackend backend, std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
                 const SolverOptions& options)
-      : SolverBackend(name_of(backend), std::move(topology), scene, options), state_(rest_state(model())) {
+      : StandingBackend(name_of(backend), std::move(topology), scene, options) {
     reset();
   }
 
  private:
-  void do_reset(const State& state) override { state_ = state; }
-  void do_scene_changed() override {}
   const char* do_cannot() const override { return beyond_devices(); }
   Motion do_step(const StepPlan& plan) override {
     if (is_set("PHYMUL_TEST_SLOW_GPU")) std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    Motion motion;
-    motion.steps = plan.steps;
-    return motion;
+    return StandingBackend::do_step(plan);
   }
-  void do_read(State& state) const override { state = state_; }
-  Energy do_energy() const override { return {}; }
-  double do_time() const override { return state_.time; }
   std::string do_device() const override { return "Instant GPU"; }
-
-  State state_;
 };
 
 GlDevice probe(GlBackend backend, const GlOptions&) {

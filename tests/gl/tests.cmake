@@ -46,7 +46,7 @@ faulty_module(other_flags "and was built with other headers or flags")
 # What "auto" makes of a GPU.
 add_library(phymul_instant_gpu MODULE gl/instant_gpu_module.cpp)
 target_link_libraries(phymul_instant_gpu PRIVATE phymul_inside phymul_warnings phymul_sanitizers)
-target_include_directories(phymul_instant_gpu PRIVATE ${PROJECT_SOURCE_DIR}/src)
+target_include_directories(phymul_instant_gpu PRIVATE ${PROJECT_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR})
 add_dependencies(phymul_gl_module_test phymul_instant_gpu)
 add_test(NAME gl.auto COMMAND phymul_gl_module_test --gtest_filter=GlModuleInstant.* --gtest_brief=1)
 set_tests_properties(gl.auto PROPERTIES ENVIRONMENT

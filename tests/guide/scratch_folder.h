@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <filesystem>
-#include <string>
+
+#include "support/text_file.h"
 
 /// An empty folder, in which the test works while this lives: the guide's code names files without a folder.
 class ScratchFolder {
@@ -23,11 +22,5 @@ class ScratchFolder {
   ScratchFolder& operator=(const ScratchFolder&) = delete;
 
  private:
-  static std::filesystem::path own_folder() {
-    const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
-    return std::filesystem::temp_directory_path() /
-           (std::string("phymul_") + test->test_suite_name() + '_' + test->name());
-  }
-
   std::filesystem::path before_, folder_;
 };

@@ -16,9 +16,8 @@ TEST_P(NeedleOnSkin, StaysInItsConeUntilItPunctures) {
   constexpr double friction = 0.5;              // Insertion's
   for (const double stiffness : {0.0, 2e-2}) {  // N m^2; 0: a stiff shaft
     SCOPED_TRACE(stiffness);
-    Needle blunt = thin_needle();
+    Needle blunt = bending(stiffness);
     blunt.puncture = 50.0;
-    blunt.bending_stiffness = stiffness;
     Insertion needle(GetParam(), 4, 0.5, blunt);
     needle.go(0.002, 0.1, 5);
     double most = 0.0;
@@ -65,11 +64,7 @@ TEST(NeedleShaft, TurningOnTheSpotIsRubbedByKineticFriction) {
     needle.scene.tool("needle").teleport(needle.pose);
     ASSERT_TRUE(needle.solver->step(static_cast<int>(0.1 / needle.dt), needle.dt).ok());
     const State state = needle.solver->read();
-    const NeedleNode& skin = state.tools.at(0).needle.hole.at(0);
-    double top = 0.0;
-    for (std::size_t k = 0; k < skin.particles.size(); ++k) {
-      top += skin.weights[k] * state.position[skin.particles[k]].z();
-    }
+    const double top = place_of(state.tools.at(0).needle.hole.at(0), state).z();
     const double most = sticky.kinetic_friction * (top - needle.pose.position.z()) * sticky.radius;  // N m
     EXPECT_NEAR(-needle.solver->tool_force("needle").torque.z(), most, 0.05 * most) << backend;
   }

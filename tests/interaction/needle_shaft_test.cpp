@@ -14,12 +14,6 @@
 namespace phymul::test {
 namespace {
 
-Needle bending(double stiffness) {
-  Needle needle = thin_needle();
-  needle.bending_stiffness = stiffness;
-  return needle;
-}
-
 TEST(NeedleBeam, IsTheCantileverOfBeamTheory) {
   const Needle needle{.length = 0.12, .bending_stiffness = 2e-3};
   const double l = needle.length, ei = needle.bending_stiffness, force = 0.01;
@@ -51,9 +45,7 @@ TEST(NeedleBeam, IsTheCantileverOfBeamTheory) {
 /// m: how far the skin's point of the hole is from where the shaft is said to be there, across the needle.
 double skin_off_shaft(const Solver& solver, const ToolPose& pose) {
   const State state = solver.read();
-  const NeedleNode& skin = state.tools.at(0).needle.hole.at(0);
-  Vec3 place = Vec3::Zero();
-  for (std::size_t k = 0; k < skin.particles.size(); ++k) place += skin.weights[k] * state.position[skin.particles[k]];
+  const Vec3 place = place_of(state.tools.at(0).needle.hole.at(0), state);
   const VecList shaft = solver.needle_points("needle", 2001);
   const Vec3 axis = pose.orientation * Vec3::UnitZ();
   const auto nearest =
@@ -75,8 +67,7 @@ TEST_P(BendingNeedleIn, BendsUnderAHangingBlockAsABeamDoes) {
   Scene scene(model);
   ToolPose pose{.position = {0.0051, 0.0049, edge + 5e-4}};
   scene.fix("z0").add_tool("needle", {.shape = needle, .pose = pose});
-  const SolverOptions options{.damping = {.rate = 60.0}};
-  const auto solver = make(model, scene, options);
+  const auto solver = make(model, scene, damped(60.0));
   const double dt = 0.4 * solver->stable_step();
   const double depth = 0.008;
   pose.position.z() = edge - depth;
@@ -141,17 +132,10 @@ TEST(BendingNeedle, PressesAsideAsWithHalfTheStepAndOnAFinerMesh) {
   EXPECT_NEAR(fine.force.x(), one.force.x(), 0.1 * std::abs(one.force.x()));
 }
 
-std::vector<double> bent_curve(double stiffness) {
-  Insertion needle("cpu", 6, 0.5, bending(stiffness));
-  std::vector<double> all = needle.go(0.020, 0.1, 20);
-  const std::vector<double> out = needle.go(-offset, 0.1, 20);
-  all.insert(all.end(), out.begin(), out.end());
-  return all;
-}
-
 TEST(BendingNeedle, InAStraightInsertionHasTheStiffOnesCurve) {
-  const std::vector<double> stiff = bent_curve(0.0);
-  for (const double stiffness : {1e-3, 1e3}) EXPECT_LE(apart(stiff, bent_curve(stiffness)), 0.01) << stiffness;
+  const auto curve = [](double stiffness) { return Insertion("cpu", 6, 0.5, bending(stiffness)).go_in_and_out(); };
+  const std::vector<double> stiff = curve(0.0);
+  for (const double stiffness : {1e-3, 1e3}) EXPECT_LE(apart(stiff, curve(stiffness)), 0.01) << stiffness;
 }
 
 TEST(BendingNeedle, IsPushedAsideByTissueThatAProbePressesFromTheSide) {
@@ -234,10 +218,8 @@ TEST(BendingNeedle, OfAnyStiffnessIsStableInAHandThatShakes) {
 VecList ends_from(const std::string& backend, double stiffness, double way) {
   const Model model = Insertion::gel(3);
   ToolPose pose{.position = {0.0203, 0.0197, block_side - 0.01}};
-  Scene scene(model);
-  scene.fix("z0").add_tool("needle", {.shape = bending(stiffness), .pose = pose, .friction = 0.5});
-  const SolverOptions options{.damping = {.rate = 40.0}};
-  const auto solver = make_solver(backend, model, scene, {}, options);
+  Scene scene = Scene(model).fix("z0").add_tool("needle", {.shape = bending(stiffness), .pose = pose, .friction = 0.5});
+  const auto solver = make_solver(backend, model, scene, {}, damped(40.0));
   State start = solver->read();
   start.position[model.rest.size() / 2].x() += way;
   solver->reset(start);

@@ -23,8 +23,7 @@ TEST_P(NeedleIn, ForceRisesDropsAtPunctureGrowsWithDepthAndTurnsOnWithdrawal) {
   // Cutting and kinetic friction per metre, of the shaft that is in the tissue as that stands.
   const double slope = (in[50] - in[30]) / (20 * 0.0005);
   EXPECT_NEAR(slope, 10.0, 1.0);
-  const State deep = needle.solver->read();
-  ASSERT_TRUE(deep.tools.at(0).needle.punctured);
+  ASSERT_TRUE(needle.solver->read().tools.at(0).needle.punctured);
   EXPECT_NEAR(in[50], 0.15 + 10.0 * 0.025, 0.1 * 0.4);
   const std::vector<double> hold = needle.go(0.025, 0.1, 1);
   EXPECT_GT(hold[0], 0.15);  // it sticks: the tissue stays drawn in
@@ -54,10 +53,7 @@ std::vector<double> curve(int cells, double share, const Vec3& aside = Vec3::Zer
   Insertion needle("cpu", cells, share);
   needle.pose.position += aside;
   needle.scene.tool("needle").teleport(needle.pose);
-  std::vector<double> all = needle.go(0.020, 0.1, 20);
-  const std::vector<double> out = needle.go(-offset, 0.1, 20);
-  all.insert(all.end(), out.begin(), out.end());
-  return all;
+  return needle.go_in_and_out();
 }
 
 TEST(NeedleCurve, IsThatOfHalfTheStep) {
@@ -110,11 +106,7 @@ TEST(NeedleShaft, DrawsTheTissueSideways) {
   ASSERT_TRUE(needle.solver->step(static_cast<int>(0.5 / needle.dt), needle.dt).ok());
   const State after = needle.solver->read();
   const NeedleNode& skin = after.tools.at(0).needle.hole.at(0);
-  double moved = 0.0;
-  for (std::size_t k = 0; k < skin.particles.size(); ++k) {
-    moved += skin.weights[k] * (after.position[skin.particles[k]] - before.position[skin.particles[k]]).x();
-  }
-  EXPECT_NEAR(moved, 0.003, 2e-4);
+  EXPECT_NEAR((place_of(skin, after) - place_of(skin, before)).x(), 0.003, 2e-4);
   EXPECT_LT(needle.solver->tool_force("needle").force.x(), -0.05);
 }
 

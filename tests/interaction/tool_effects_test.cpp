@@ -33,8 +33,7 @@ TEST_P(ToolEffects, NothingOutOfAFlatBodysPlane) {
 TEST_P(ToolEffects, NothingAlongAnImposedAxis) {
   const Model model = soft_block({0.02, 0.02, 0.02}, 4, 4, 4);
   for (int axis = 0; axis < 2; ++axis) {
-    Scene scene(model);
-    scene.fix("z0");
+    Scene scene = Scene(model).fix("z0");
     Load held{
         .type = LoadType::translation, .particles = model.group("z1"), .axes = {Axis::free, Axis::free, Axis::free}};
     held.axes[static_cast<std::size_t>(axis)] = Axis::held;
@@ -61,8 +60,7 @@ TEST_P(ToolEffects, NothingOfWhatLeavesByItself) {
   Scene scene(model);
   constexpr double deep = 1e-4;  // m
   scene.add_tool("floor", {.shape = HalfSpace{}, .pose = {.position = {0, 0, deep}}});
-  const SolverOptions options{.on_unstable = UnstableStep::allow};
-  const auto solver = make(model, scene, options);
+  const auto solver = make(model, scene, {.on_unstable = UnstableStep::allow});
   const double dt = 0x1p-10;
   State state = rest_state(model);
   for (Vec3& v : state.velocity) v = {0, 0, 0.5 * deep / dt};

@@ -35,8 +35,7 @@ Pressed press(const Model& model, const Vec3& place, double radius, double margi
   Scene scene(model);
   ToolPose pose{.position = place + (radius + margin) * Vec3::UnitZ()};
   scene.fix("z0").add_tool("rod", {.shape = Capsule{radius, 0.1}, .pose = pose, .friction = 0.1, .margin = margin});
-  const SolverOptions options{.damping = {.rate = 50.0}};
-  const auto solver = make_solver("cpu", model, scene, {}, options);
+  const auto solver = make_solver("cpu", model, scene, {}, damped(50.0));
   const int steps = static_cast<int>(std::ceil(1e-3 / (0.4 * solver->stable_step())));
   const ToolHandle rod = scene.tool("rod");
   // The lower end of the rod itself goes to the depth, not that of its margin.
@@ -70,10 +69,7 @@ TEST(ToolMargin, IsTheLargestCoveringRadiusLessTheShapesOwn) {
   for (const double stretch : {0.0, -1.0, std::nan("")}) {
     EXPECT_TRUE(refuses([&] { least_margin(block, Sphere{0.002}, stretch); }, "stretch above 0"));
   }
-  Model points = block;
-  points.cells.clear();
-  points.materials.clear();
-  points.components.clear();
+  const Model points = without_cells(block);
   EXPECT_TRUE(refuses([&] { least_margin(points, Sphere{0.002}); }, "body with a surface"));
 }
 

@@ -13,8 +13,7 @@ namespace {
 
 TEST(Tool, WhatMakesNoSenseIsRefusedByName) {
   const Model model = make_tetrahedron(0.01);
-  Scene scene(model);
-  scene.add_tool("probe", {.shape = Sphere{0.002}});
+  Scene scene = Scene(model).add_tool("probe", {.shape = Sphere{0.002}});
   const auto message = [&](const std::string& name, const Tool& tool) {
     return message_of([&] { scene.add_tool(name, tool); });
   };
@@ -74,8 +73,7 @@ PHYMUL_ON_EVERY_BACKEND(MovingTool);
 
 TEST_P(MovingTool, IsAtItsPoseAtTheEndOfTheCallAndGoesOnWithItsVelocity) {
   const Model model = soft_block({0.02, 0.02, 0.02}, 2, 2, 2);
-  Scene scene(model);
-  scene.add_tool("probe", {.shape = Sphere{0.001}, .pose = {.position = {0.1, 0, 0}}});
+  Scene scene = Scene(model).add_tool("probe", {.shape = Sphere{0.001}, .pose = {.position = {0.1, 0, 0}}});
   const auto solver = make(model, scene);
   const double dt = 0.3 * solver->stable_step();
   EXPECT_EQ(solver->tool_pose("probe").position, Vec3(0.1, 0, 0));
@@ -95,8 +93,7 @@ TEST_P(MovingTool, IsAtItsPoseAtTheEndOfTheCallAndGoesOnWithItsVelocity) {
 
 TEST_P(MovingTool, PlacedOverParticlesLetsThemOutWithoutSpeed) {
   const Model model = soft_block({0.02, 0.02, 0.02}, 4, 4, 4);
-  Scene scene(model);
-  scene.add_tool("ball", {.shape = Sphere{0.008}, .pose = {.position = {0.01, 0.01, 0.5}}});
+  Scene scene = Scene(model).add_tool("ball", {.shape = Sphere{0.008}, .pose = {.position = {0.01, 0.01, 0.5}}});
   const auto solver = make(model, scene);
   scene.tool("ball").teleport({.position = {0.01, 0.01, 0.0251}});
   const StepReport report = solver->step(1, 0.3 * solver->stable_step());
@@ -114,11 +111,9 @@ TEST_P(MovingTool, PlacedOverParticlesLetsThemOutWithoutSpeed) {
 
 TEST_P(MovingTool, HoldsWhatItGraspedAndFeelsItsInertia) {
   const Model model = soft_block({0.02, 0.02, 0.02}, 4, 4, 4);
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81});
+  Scene scene = Scene(model).gravity({0, 0, -9.81});
   scene.add_tool("jaw", {.shape = Box{{0.006, 0.006, 0.001}}, .pose = {.position = {0.01, 0.01, 0.0215}}});
-  const SolverOptions options{.damping = {.rate = 100.0}, .rest_tolerance = 1e-6};
-  const auto solver = make(model, scene, options);
+  const auto solver = make(model, scene, {.damping = {.rate = 100.0}, .rest_tolerance = 1e-6});
   const double dt = 0.4 * solver->stable_step();
   scene.tool("jaw").grasp(0.0006);
   ASSERT_TRUE(solver->step(1, dt).ok());
@@ -167,8 +162,7 @@ TEST_P(MovingTool, ThatHoldsFeelsAJumpAsItsLoadsInertia) {
 
 TEST_P(MovingTool, AFailureNamesAToolThatHolds) {
   const Model model = soft_block({0.02, 0.02, 0.02}, 2, 2, 2);
-  Scene scene(model);
-  scene.add_tool("jaw", {.shape = Sphere{0.008}, .pose = {.position = {0.01, 0.01, 0.01}}});
+  Scene scene = Scene(model).add_tool("jaw", {.shape = Sphere{0.008}, .pose = {.position = {0.01, 0.01, 0.01}}});
   const auto solver = make(model, scene);
   const double dt = 0.3 * solver->stable_step();
   for (const bool grasps : {false, true}) {
@@ -201,8 +195,7 @@ TEST_P(MovingTool, FixedParticlesAreNotMoved) {
 /// A block flies past a ball, twice its own size away from where its rest shape is, and is taken back to before.
 TEST_P(MovingTool, MeetsABodyFarFromItsRestShape) {
   const Model model = soft_block({0.04, 0.04, 0.04}, 8, 8, 8);
-  Scene scene(model);
-  scene.add_tool("ball", {.shape = Sphere{0.01}, .pose = {.position = {0.135, 0.02, 0.02}}});
+  Scene scene = Scene(model).add_tool("ball", {.shape = Sphere{0.01}, .pose = {.position = {0.135, 0.02, 0.02}}});
   const auto solver = make(model, scene);
   State state = solver->read();
   for (Vec3& v : state.velocity) v = {4.0, 0.0, 0.0};
@@ -227,8 +220,7 @@ TEST_P(MovingTool, MeetsABodyFarFromItsRestShape) {
 /// SolverOptions::max_displacement_per_step, so small that it acts under tools at rest.
 TEST_P(MovingTool, BearsTheForceThatTheLimitWithholds) {
   const Model model = soft_block({0.04, 0.04, 0.015}, 9, 9, 4);
-  Scene scene(model);
-  scene.fix("z0");
+  Scene scene = Scene(model).fix("z0");
   scene.add_tool("ball", {.shape = Sphere{0.008}, .pose = {.position = {0.011, 0.019, 0.02}}});
   scene.add_tool("jaw", {.shape = Box{{0.004, 0.004, 0.001}}, .pose = {.position = {0.03, 0.02, 0.0165}}});
   SolverOptions options{.damping = {.rate = 600.0},
@@ -276,8 +268,7 @@ TEST_P(MovingTool, GoesBackWithItsState) {
 /// Also between a change of the scene and the step that sees it.
 TEST_P(MovingTool, ReportsAreOfTheToolAskedFor) {
   const Model model = soft_block({0.02, 0.02, 0.02}, 2, 2, 2);
-  Scene scene(model);
-  scene.add_tool("far", {.shape = Sphere{0.001}, .pose = {.position = {0, 0, 1}}});
+  Scene scene = Scene(model).add_tool("far", {.shape = Sphere{0.001}, .pose = {.position = {0, 0, 1}}});
   scene.add_tool("ball", {.shape = Sphere{0.008}, .pose = {.position = {0.01, 0.01, 0.03}}});
   const auto solver = make(model, scene);
   const ToolHandle ball = scene.tool("ball"), far = scene.tool("far");
@@ -299,8 +290,7 @@ TEST_P(MovingTool, ReportsAreOfTheToolAskedFor) {
 
 TEST_P(MovingTool, StatesThatDoNotFitAreRefused) {
   const Model model = soft_block({0.02, 0.02, 0.02}, 2, 2, 2);
-  Scene scene(model);
-  scene.add_tool("jaw", {.shape = Sphere{0.001}, .pose = {.position = {0, 0, 1}}});
+  Scene scene = Scene(model).add_tool("jaw", {.shape = Sphere{0.001}, .pose = {.position = {0, 0, 1}}});
   const auto solver = make(model, scene);
   const auto message = [&](const ToolState& tool) {
     State state = rest_state(model);
@@ -315,8 +305,7 @@ TEST_P(MovingTool, StatesThatDoNotFitAreRefused) {
 
 TEST_P(MovingTool, PosingEveryMillisecondAllocatesNothing) {
   const Model model = soft_block({0.02, 0.02, 0.02}, 4, 4, 4);
-  Scene scene(model);
-  scene.fix("z0").gravity({0, 0, -1.0});
+  Scene scene = Scene(model).fix("z0").gravity({0, 0, -1.0});
   const bool takes_surface = GetParam() == "reference" || GetParam() == "cpu";
   scene.add_tool("ball", {.shape = Sphere{0.008},
                           .pose = {.position = {0.01, 0.01, 0.028}},
@@ -341,8 +330,7 @@ TEST_P(MovingTool, PosingEveryMillisecondAllocatesNothing) {
 TEST(ToolOfTheFastBackend, GivesTheSameBitsForAnyNumberOfThreads) {
   const Model model = soft_block({0.03, 0.03, 0.03}, 15, 15, 15);  // 4,096 particles: several clusters
   const auto run = [&](int threads, ToolContact contact) {
-    Scene scene(model);
-    scene.fix("z0");
+    Scene scene = Scene(model).fix("z0");
     scene.add_tool("ball", {.shape = Sphere{0.01},
                             .pose = {.position = {0.015, 0.016, 0.041}, .velocity = {0.1, 0, -0.5}},
                             .friction = 0.4,

@@ -29,8 +29,7 @@ TEST(VirtualCoupling, PassesAForceOnToTheHandUpToTheLimit) {
 }
 
 TEST(VirtualCoupling, PassesATorqueOnToTheHandUpToItsOwnLimit) {
-  const CouplingOptions options{.largest_force = 3.0, .largest_torque = 0.004};
-  VirtualCoupling coupling(options, {});
+  VirtualCoupling coupling({.largest_force = 3.0, .largest_torque = 0.004}, {});
   for (int k = 0; k < 3000; ++k) coupling.follow({}, {0, 0, 4.0}, {0, 0.01, 0}, 1e-3);
   EXPECT_NEAR(coupling.force().norm(), 3.0, 1e-9);
   EXPECT_NEAR((coupling.torque() - Vec3(0, 0.004, 0)).norm(), 0.0, 1e-6);
@@ -51,8 +50,7 @@ TEST(VirtualCoupling, TurnsTheShorterWay) {
 }
 
 TEST(VirtualCoupling, IsStableHoweverStiff) {
-  const CouplingOptions stiff{.stiffness = 1e9, .turning_stiffness = 1e7};
-  VirtualCoupling coupling(stiff, {});
+  VirtualCoupling coupling({.stiffness = 1e9, .turning_stiffness = 1e7}, {});
   const ToolPose hand{.position = {0.1, 0, 0}};
   for (int k = 0; k < 100; ++k) {
     coupling.follow(hand, Vec3::Zero(), Vec3::Zero(), 1e-3);
@@ -122,8 +120,7 @@ TEST(VirtualCoupling, HandPressingABlockFeelsASteadyForce) {
   Scene scene(model);
   ToolPose hand{.position = {0.015, 0.015, 0.041}};
   scene.fix("z0").add_tool("probe", {.shape = Sphere{0.01}, .pose = hand});
-  const SolverOptions options{.damping = {.rate = 20.0}};
-  const auto solver = make_solver("cpu", model, scene, {}, options);
+  const auto solver = make_solver("cpu", model, scene, {}, damped(20.0));
   const int steps = static_cast<int>(std::ceil(1e-3 / (0.5 * solver->stable_step())));
   VirtualCoupling coupling({}, hand);
   const ToolHandle probe = scene.tool("probe");
@@ -246,10 +243,8 @@ struct Hanging {
 
 Hanging hang(const Tool& jaw, double grasp, double ratio, bool turned, double gravity) {
   const Model model = soft_block({0.03, 0.03, 0.03}, 5, 5, 5);
-  Scene scene(model);
-  scene.gravity({0, 0, -gravity}).add_tool("jaw", jaw);
-  const SolverOptions options{.damping = {.rate = 20.0}};
-  const auto solver = make_solver("cpu", model, scene, {}, options);
+  Scene scene = Scene(model).gravity({0, 0, -gravity}).add_tool("jaw", jaw);
+  const auto solver = make_solver("cpu", model, scene, {}, damped(20.0));
   const int steps = static_cast<int>(std::ceil(1e-3 / (0.5 * solver->stable_step())));
   const ToolHandle tool = scene.tool("jaw");
   tool.grasp(grasp);
@@ -310,8 +305,7 @@ TEST(VirtualCoupling, IsCalmWhereItIsHeavierThanTheFaceItPushes) {
     Scene scene(model);
     ToolPose hand{.position = {0.03, 0.03, 0.0651}};
     scene.fix("z0").add_tool("plate", {.shape = Box{{0.05, 0.05, 0.005}}, .pose = hand, .friction = 0.3});
-    const SolverOptions options{.damping = {.rate = 20.0}};
-    const auto solver = make_solver("cpu", model, scene, {}, options);
+    const auto solver = make_solver("cpu", model, scene, {}, damped(20.0));
     const int steps = static_cast<int>(std::ceil(1e-3 / (0.5 * solver->stable_step())));
     VirtualCoupling coupling({.mass = mass, .inertia = 1e-3, .largest_force = 20.0}, hand);
     const ToolHandle plate = scene.tool("plate");

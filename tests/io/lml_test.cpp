@@ -65,8 +65,7 @@ TEST(LmlRead, Sample) {
   EXPECT_EQ(loads[2].particles.size(), 275u);
   EXPECT_EQ(loads[2].events, (std::vector<ValueEvent>{{0, 9.81}}));
   EXPECT_EQ(rewritten(loads, model), loads);
-  Scene scene(model);
-  scene.add(loads);
+  Scene scene = Scene(model).add(loads);
   EXPECT_EQ(scene.loads(), loads);
 }
 

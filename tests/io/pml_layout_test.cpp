@@ -88,8 +88,7 @@ TEST(PmlRead, Colours) {
 }
 
 TEST(PmlRead, TextsHaveALimitToo) {
-  const PmlOptions options{.max_bytes = 100};
-  EXPECT_TRUE(refuses([&] { read_pml_text(pml_text(tetrahedron_atoms, {tetrahedron_cell}), "t", options); },
+  EXPECT_TRUE(refuses([&] { read_pml_text(pml_text(tetrahedron_atoms, {tetrahedron_cell}), "t", {.max_bytes = 100}); },
                       "expected at most 100 bytes"));
 }
 

@@ -126,28 +126,27 @@ TEST(PmlRoundTrip, OneCellInTwoComponentsBecomesAReference) {
 }
 
 TEST(PmlWrite, RefusesWhatPmlCannotSay) {
-  Model model = read_pml(test_data + "/tetrahedron_4.pml");
-  Model broken = model;
-  change_extras(broken, [](FileExtras& e) { e.particle_index[3] = 0; });
-  EXPECT_EQ(message_of([&] { written(broken); }),
+  const Model model = read_pml(test_data + "/tetrahedron_4.pml");
+  Model twice = model;
+  change_extras(twice, [](FileExtras& e) { e.particle_index[3] = 0; });
+  EXPECT_EQ(message_of([&] { written(twice); }),
             "particle 3: expected a file index of its own, got 0, which particle 0 has");
-  broken = model;
-  change_extras(broken, [](FileExtras& e) { e.attributes = {{"name", "again"}}; });
-  EXPECT_TRUE(refuses([&] { written(broken); }, "<physicalModel> under other names than its own, got \"name\""));
-  broken = model;
-  change_extras(broken, [](FileExtras& e) { e.attributes = {{"two words", ""}}; });
-  EXPECT_TRUE(refuses([&] { written(broken); }, "a name that XML allows for an attribute"));
-  broken = model;
-  broken.name = "bell \a";
-  EXPECT_TRUE(refuses([&] { written(broken); }, "control character 7"));
-  broken = model;
-  broken.components[1].parent = 2;
-  EXPECT_TRUE(refuses([&] { written(broken); }, "component 1"));
-  broken = model;
-  broken.rest[0].x() = std::nan("");
-  EXPECT_TRUE(refuses([&] { written(broken); }, "finite coordinates"));
-  const PmlOptions options{.length_unit = 0};
-  EXPECT_TRUE(refuses([&] { written(model, options); }, "positive length_unit"));
+  const auto refused = [&](const char* part, auto change) {
+    Model broken = model;
+    change(broken);
+    EXPECT_TRUE(refuses([&] { written(broken); }, part));
+  };
+  const auto refused_extras = [&](const char* part, auto change) {
+    refused(part, [&](Model& m) { change_extras(m, change); });
+  };
+  refused_extras("<physicalModel> under other names than its own, got \"name\"", [](FileExtras& e) {
+    e.attributes = {{"name", "again"}};
+  });
+  refused_extras("a name that XML allows for an attribute", [](FileExtras& e) { e.attributes = {{"two words", ""}}; });
+  refused("control character 7", [](Model& m) { m.name = "bell \a"; });
+  refused("component 1", [](Model& m) { m.components[1].parent = 2; });
+  refused("finite coordinates", [](Model& m) { m.rest[0].x() = std::nan(""); });
+  EXPECT_TRUE(refuses([&] { written(model, {.length_unit = 0}); }, "positive length_unit"));
 }
 
 TEST(PmlWrite, ReplacesAFileOnlyByACompleteOne) {

@@ -56,8 +56,7 @@ TEST(PmlRead, Cylinder) {
 }
 
 TEST(PmlRead, LengthUnit) {
-  const PmlOptions metres{.length_unit = 1.0};
-  EXPECT_EQ(read_pml(test_data + "/tetrahedron_4.pml", metres).rest[1], Vec3(1, 0, 0));
+  EXPECT_EQ(read_pml(test_data + "/tetrahedron_4.pml", {.length_unit = 1.0}).rest[1], Vec3(1, 0, 0));
 }
 
 TEST(PmlRead, MassAndStiffnessAtomThenCellThenComponentThenDefault) {
@@ -128,8 +127,7 @@ TEST(PmlRead, FewNeighboursAreNamedAndLoad) {
   // What becomes of the particle is the caller's choice.
   EXPECT_TRUE(refuses([&] { build_topology(model); }, "on_sparse"));
   for (const SparseParticle choice : {SparseParticle::springs, SparseParticle::free}) {
-    const TopologyOptions options{.on_sparse = choice};
-    EXPECT_EQ(message_of([&] { build_topology(model, options); }), "(no error)");
+    EXPECT_EQ(message_of([&] { build_topology(model, {.on_sparse = choice}); }), "(no error)");
   }
 }
 

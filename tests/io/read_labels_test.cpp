@@ -262,7 +262,7 @@ TEST(ReadLabels, Nrrd) {
 TEST(ReadLabels, NrrdWithItsVoxelsInAnotherFile) {
   PHYMUL_SKIP_UNLESS_READ("a.nhdr");
   const TextFile header("a.nhdr", "NRRD0004\n" + plain + "spacings: 1 1 1\n" + raw + "data file: a.raw\n");
-  EXPECT_TRUE(says(message_of([&] { read_labels(header.path()); }), "a.nhdr: expected an image in NRRD"));
+  EXPECT_TRUE(refuses([&] { read_labels(header.path()); }, "a.nhdr: expected an image in NRRD"));
   std::ofstream(std::filesystem::path(header.path()).parent_path() / "a.raw", std::ios::binary) << bytes_of(counted());
   expect_counted(read_labels(header.path()));
 }
@@ -306,7 +306,7 @@ TEST(ReadLabels, DamagedFiles) {
 TEST(ReadLabels, RefusesOtherFiles) {
   EXPECT_TRUE(
       says(reading_labels("a.png", "x"), "a.png: expected a labelled image in a .nii, .nii.gz, .nrrd or .nhdr file"));
-  EXPECT_TRUE(says(message_of([] { read_labels("/nowhere/a.nii"); }), "/nowhere/a.nii: the file cannot be opened"));
+  EXPECT_TRUE(refuses([] { read_labels("/nowhere/a.nii"); }, "/nowhere/a.nii: the file cannot be opened"));
 }
 
 }  // namespace

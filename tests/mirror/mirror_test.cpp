@@ -8,6 +8,7 @@
 
 #include "mirror.h"
 #include "support/bodies.h"
+#include "support/steps.h"
 
 namespace phymul::test {
 namespace {
@@ -57,12 +58,10 @@ TEST(Mirror, TwoThousandDampedStepsEndWhereTheReferenceEnds) {
     for (const Variant& variant : conservative_variants()) {
       if (!takes_seconds(variant, body)) continue;
       const Model model = prepared(variant, body);
-      Scene scene(model);
-      scene.fix(std::vector<Index>{0, 1, 2});
+      Scene scene = Scene(model).fix(std::vector<Index>{0, 1, 2});
       const double rate = 0.02;                           // per step
       Pair pair = make_pair(scene, variant.options, {});  // for its step
-      const SolverOptions options{.damping = {.rate = rate / pair.dt}};
-      pair = make_pair(scene, variant.options, options);
+      pair = make_pair(scene, variant.options, damped(rate / pair.dt));
       State start = displaced(model, 0.1, 5);
       for (Index i : {0, 1, 2}) start.position[i] = model.rest[i];
       pair.exact->reset(start);
@@ -92,10 +91,8 @@ TEST(Mirror, TwoThousandDampedStepsEndWhereTheReferenceEnds) {
 TEST(Mirror, FarFromTheOriginNothingIsLost) {
   const Model model = calibrated_cylinder({1000.0, 0.0, 0.0});
   const Scene scene = pulled(model, 0.005);
-  const SolverOptions options{.damping = {.rate = 20.0}};
-  const Pair pair = make_pair(scene, {}, options);
-  ASSERT_TRUE(pair.exact->step(3000, pair.dt).ok());
-  ASSERT_TRUE(pair.mirror->step(3000, pair.dt).ok());
+  const Pair pair = make_pair(scene, {}, damped(20.0));
+  ASSERT_TRUE(all_step(3000, pair.dt, pair.exact, pair.mirror));
   const double apart = largest_distance(pair.exact->read().position, pair.mirror->read().position) / body_size(model);
   std::cout << "apart by " << apart << " of the body's size\n";
   EXPECT_LE(apart, 1e-6);
@@ -104,11 +101,9 @@ TEST(Mirror, FarFromTheOriginNothingIsLost) {
 TEST(Mirror, RestsAtTheStepOfTheReference) {
   const Model model = calibrated_cylinder();
   const Scene scene = pulled(model, 0.005);
-  const SolverOptions options{.damping = {.rate = 20.0}, .rest_tolerance = 1e-6};
-  const Pair pair = make_pair(scene, {}, options);
+  const Pair pair = make_pair(scene, {}, {.damping = {.rate = 20.0}, .rest_tolerance = 1e-6});
   const int warm = static_cast<int>(std::ceil(0.2 / pair.dt));
-  ASSERT_TRUE(pair.exact->step(warm, pair.dt).ok());
-  ASSERT_TRUE(pair.mirror->step(warm, pair.dt).ok());
+  ASSERT_TRUE(all_step(warm, pair.dt, pair.exact, pair.mirror));
   const RestResult exact = pair.exact->run_to_rest(20000, pair.dt), mirror = pair.mirror->run_to_rest(20000, pair.dt);
   EXPECT_TRUE(exact.converged() && mirror.converged());
   std::cout << "steps to rest: reference " << exact.report.steps << ", mirror " << mirror.report.steps << "\n";
@@ -121,8 +116,7 @@ TEST(Mirror, ComesToRestAtItsOwnNoise) {
   const Model model = calibrated_cylinder();
   for (const double amount : {0.0005, 0.005}) {
     const Scene scene = pulled(model, amount);
-    const SolverOptions options{.damping = {.rate = 20.0}};
-    const Pair pair = make_pair(scene, {}, options);
+    const Pair pair = make_pair(scene, {}, damped(20.0));
     ASSERT_TRUE(pair.mirror->step(static_cast<int>(std::ceil(0.2 / pair.dt)), pair.dt).ok());
     const RestResult rest = pair.mirror->run_to_rest(4000, pair.dt);
     EXPECT_TRUE(rest.converged()) << amount;
@@ -132,13 +126,11 @@ TEST(Mirror, ComesToRestAtItsOwnNoise) {
 
 TEST(Mirror, ComesToRestTurned) {
   const Model model = calibrated_cylinder();
-  Scene scene(model);
-  scene.add({.type = LoadType::rotation,
-             .particles = model.group("bottom"),
-             .events = {{0.0, 0.0}, {0.5, 2.0}},
-             .direction = {1, 0, 0}});
-  const SolverOptions options{.damping = {.rate = 40.0}};
-  const Pair pair = make_pair(scene, {}, options);
+  Scene scene = Scene(model).add({.type = LoadType::rotation,
+                                  .particles = model.group("bottom"),
+                                  .events = {{0.0, 0.0}, {0.5, 2.0}},
+                                  .direction = {1, 0, 0}});
+  const Pair pair = make_pair(scene, {}, damped(40.0));
   ASSERT_TRUE(pair.mirror->step(static_cast<int>(std::ceil(0.5 / pair.dt)), pair.dt).ok());
   const RestResult rest = pair.mirror->run_to_rest(4000, pair.dt);
   EXPECT_TRUE(rest.converged());
@@ -156,9 +148,7 @@ TEST(Mirror, EnumeratedBasesMoveTheBodyAlike) {
   const State start = displaced(model, 0.05, 2);
   table->reset(start);
   enumerated->reset(start);
-  const double dt = 0.4 * table->stable_step();
-  ASSERT_TRUE(table->step(200, dt).ok());
-  ASSERT_TRUE(enumerated->step(200, dt).ok());
+  ASSERT_TRUE(all_step(200, 0.4 * table->stable_step(), table, enumerated));
   EXPECT_LE(largest_distance(table->read().position, enumerated->read().position), 1e-6 * body_size(model));
 }
 

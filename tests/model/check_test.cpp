@@ -12,6 +12,7 @@
 #include "model/cell_geometry.h"
 #include "model/duplicates.h"
 #include "model/file_extras.h"
+#include "support/bodies.h"
 #include "support/flaws.h"
 
 namespace phymul {
@@ -51,23 +52,7 @@ std::multiset<std::set<std::vector<Index>>> oriented(const std::vector<Cell>& ce
 }
 
 Model pyramids() {
-  // A cube cut into six pyramids around its centre.
-  Model model = make_block({1, 1, 1}, 1, 1, 1);
-  const Cell cube = model.cells[0];
-  model.rest.emplace_back(0.5, 0.5, 0.5);
-  model.cells.clear();
-  for (const CellFace& face : cell_faces(CellType::hexahedron)) {
-    Cell pyramid;
-    pyramid.type = CellType::pyramid;
-    for (const int v : {face[3], face[2], face[1], face[0]}) pyramid.particles.push_back(cube.particles[v]);
-    pyramid.particles.push_back(8);
-    model.cells.push_back(pyramid);
-  }
-  model.components.clear();
-  model.mass = model.stiffness = std::vector<double>(9, 1.0);
-  model.neighbours = neighbours_from_cells(model.cells, 9);
-  validate(model);
-  return model;
+  return test::cut_into_pyramids(make_block({1, 1, 1}, 1, 1, 1));
 }
 
 TEST(CheckMesh, CleanBodiesHaveNoFlaw) {
@@ -185,10 +170,7 @@ TEST(CheckMesh, DegenerateFacesAndLines) {
     model.cells.push_back(line);
     EXPECT_FALSE(has(find_flaws(model), Flaw::degenerate_cell));
     model.cells.resize(1);
-    model.rest.push_back(model.rest[1] / 2 + Vec3(0, 1e-7 * scale, 0));
-    model.mass.push_back(1.0);
-    model.stiffness.push_back(1.0);
-    model.neighbours.push_row(sliver.particles.begin(), sliver.particles.end());
+    test::add_particle(model, model.rest[1] / 2 + Vec3(0, 1e-7 * scale, 0), sliver.particles);
     sliver.particles = {0, 1, 8};
     model.cells.push_back(sliver);
     EXPECT_EQ(only(find_flaws(model), Flaw::degenerate_cell).items, std::vector<Index>{1});

@@ -111,8 +111,7 @@ TEST_P(GridTool, PressesAsTheSameBallDoes) {
     ToolPose pose{.position = Vec3(0.015, 0.014, 0.0285),
                   .orientation = Quaternion(Eigen::AngleAxisd(0.3, Vec3(0.2, 1, 0).normalized()))};
     scene.fix("z0").add_tool("tool", {.shape = shape, .pose = pose, .friction = 0.3});
-    const SolverOptions options{.damping = {.rate = 40.0}};
-    const auto solver = make(model, scene, options);
+    const auto solver = make(model, scene, damped(40.0));
     pose.position.z() -= 0.003;
     scene.tool("tool").move_to(pose);
     EXPECT_TRUE(solver->step(300, 0.4 * solver->stable_step()).ok());

@@ -132,8 +132,7 @@ TEST_F(JointsOfAScene, RefusesPatchesThatDoNotFit) {
 
 TEST_F(JointsOfAScene, RefusesGlueThatIsTooFar) {
   const Model upper = moved(model_, {0, 0, 0.035});
-  const NamedBody bodies[] = {{"lower", &model_}, {"upper", &upper}};
-  const Model both = merge_models(bodies);
+  const Model both = merged({{"lower", &model_}, {"upper", &upper}});
   Scene scene(both);
   const auto glue = [&] { scene.attach(both.group("upper/z0"), "lower", {.stiffness = 1e5}); };
   EXPECT_TRUE(refuses(glue, "within one cell of \"lower\": Skin: point 0"));

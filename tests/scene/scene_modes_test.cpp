@@ -15,15 +15,12 @@ Load load_of(LoadType type, std::vector<Index> particles, const Vec3& direction)
 
 TEST(SceneModes, SumToWhatEvaluateSays) {
   const Model model = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
-  std::vector<Index> all(model.rest.size());
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Index>(i);
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 1, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 1, -9.81});
   scene.add(load_of(LoadType::rotation, model.group("x1"), {1, 2, 3}));
   scene.add(load_of(LoadType::force, model.group("y1"), {1, 0, 1}));
   scene.add(load_of(LoadType::force, model.group("z1"), {0, 1, 0}));
   scene.add(load_of(LoadType::pressure, model.group("z1"), {0, 0, 0}));
-  scene.add(load_of(LoadType::acceleration, all, {0, 0, 1}));
+  scene.add(load_of(LoadType::acceleration, every_particle(model), {0, 0, 1}));
   Load slide = load_of(LoadType::translation, model.group("x1"), {0, 1, 0});
   slide.axes = {Axis::free, Axis::driven, Axis::held};  // over the rotation, on two axes
   scene.add(slide);

@@ -145,8 +145,7 @@ TEST(Scene, ForcesAddUp) {
 TEST(Scene, AccelerationIsMassTimesValue) {
   Model model = make_block({1, 1, 1}, 2, 2, 2);
   for (Index i = 0; i < model.particle_count(); ++i) model.mass[i] = 1.0 + i;
-  Scene scene(model);
-  scene.add(made(LoadType::acceleration, {2, 6}, {0, -1, 0}, 4.0));
+  Scene scene = Scene(model).add(made(LoadType::acceleration, {2, 6}, {0, -1, 0}, 4.0));
   expect_near(at(scene, 0.0).force[2], Vec3(0, -12, 0));
   expect_near(at(scene, 0.0).force[6], Vec3(0, -28, 0));
   // The whole body along one direction is gravity, and needs no forces.
@@ -168,8 +167,7 @@ TEST(Scene, TheLaterImposingLoadHolds) {
   Load lift = made(LoadType::translation, {0, 1}, {0, 0, 1}, 0.2);
   lift.axes = {Axis::free, Axis::free, Axis::driven};
   const Load shift = made(LoadType::translation, {1, 2}, {1, 0, 0}, 0.3);
-  Scene scene(model);
-  scene.add({shift, lift});
+  Scene scene = Scene(model).add({shift, lift});
   LoadFrame frame = at(scene, 0.0);
   EXPECT_EQ(frame.fixed[0], 4);  // imposed beats free, free does not loosen
   EXPECT_EQ(frame.fixed[1], 7);
@@ -211,8 +209,7 @@ TEST(Scene, EventsAreSortedStably) {
   const Model model = make_tetrahedron(1.0);
   Load load = made(LoadType::force, {0}, {1, 0, 0}, 0.0);
   load.events = {{2.0, 1.0}, {1.0, 5.0}, {2.0, 3.0}, {0.0, 7.0}};
-  Scene scene(model);
-  scene.add(load);
+  Scene scene = Scene(model).add(load);
   const std::vector<ValueEvent> expected{{0.0, 7.0}, {1.0, 5.0}, {2.0, 1.0}, {2.0, 3.0}};
   EXPECT_EQ(scene.loads()[0].events, expected);
   scene.replace(0, load);
@@ -221,8 +218,7 @@ TEST(Scene, EventsAreSortedStably) {
 
 TEST(Scene, NewEventsLeaveTheRestAsItWas) {
   const Model model = make_tetrahedron(1.0);
-  Scene scene(model);
-  scene.add(made(LoadType::force, {0}, {1, 0, 0}, 5.0));
+  Scene scene = Scene(model).add(made(LoadType::force, {0}, {1, 0, 0}, 5.0));
   Load idle = made(LoadType::force, {1}, {0, 0, 0}, 0.0);
   scene.add(idle);
   const std::uint64_t version = scene.version(), values = scene.values_version();
@@ -241,8 +237,7 @@ TEST(Scene, NewEventsLeaveTheRestAsItWas) {
 
 TEST(Scene, RefusesWhatMakesNoSenseAndStaysAsItWas) {
   const Model model = make_block({1, 1, 1}, 2, 2, 2);
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81}).fix("z0");
+  Scene scene = Scene(model).gravity({0, 0, -9.81}).fix("z0");
   const std::uint64_t version = scene.version();
   const std::vector<Load> loads = scene.loads();
   const Load good = made(LoadType::force, {0}, {1, 0, 0}, 1.0);
@@ -291,8 +286,7 @@ TEST(Scene, RefusesWhatMakesNoSenseAndStaysAsItWas) {
 
 TEST(Scene, ZeroDirectionIsAllowedWhereNothingMoves) {
   const Model model = make_block({1, 1, 1}, 2, 2, 2);
-  Scene scene(model);
-  scene.add(made(LoadType::translation, {3}, {0, 0, 0}, 0.0));
+  Scene scene = Scene(model).add(made(LoadType::translation, {3}, {0, 0, 0}, 0.0));
   EXPECT_EQ(at(scene, 0.0).fixed[3], 7);
   EXPECT_EQ(at(scene, 0.0).target[3], model.rest[3]);
 }
@@ -324,8 +318,7 @@ static_assert(!std::is_move_constructible_v<SceneAndSolver>);
 
 TEST(Scene, CopiesAreIndependent) {
   const Model model = make_block({1, 1, 1}, 1, 1, 1);
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -1}).add_tool("ball", {.shape = Sphere{0.1}});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -1}).add_tool("ball", {.shape = Sphere{0.1}});
   const ToolHandle ball = scene.tool("ball");
   const Scene other = scene;
   ball.move_to({.position = {1, 2, 3}});
@@ -352,8 +345,7 @@ TEST(Scene, EvaluatingLeavesNoTraceOfTheInstantBefore) {
   push.events = lift.events;
   Load more = push;
   more.particles = {0, 18, 20};
-  Scene scene(model);
-  scene.add({lift, push, more});
+  Scene scene = Scene(model).add({lift, push, more});
   LoadFrame frame;
   scene.prepare(frame);
   for (const double time : {0.3, 1.7, 0.9, 5.0, -1.0}) {

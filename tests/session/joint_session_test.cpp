@@ -95,8 +95,7 @@ TEST_P(JointSessionIn, AReplayHasTheSameBits) {
 
 TEST(JointWarnings, ABodyOnJointsIsHeld) {
   const Model block = with_material(make_block({0.02, 0.02, 0.02}, 2, 2, 2)), other = moved(block, {0.1, 0, 0});
-  const NamedBody bodies[] = {{"a", &block}, {"b", &other}};
-  const Model both = merge_models(bodies);
+  const Model both = merged({{"a", &block}, {"b", &other}});
   const auto warnings = [&](bool bed, bool rope) {
     Simulation sim(both, {.backend = "reference"});
     sim.scene().gravity({0, 0, -9.81});

@@ -86,8 +86,7 @@ TEST(Plan, ImpossibleWishesNameOffers) {
   ASSERT_TRUE(exact.most_accurate) << exact.report();
   EXPECT_TRUE(exact.most_accurate->keeps_time);
   EXPECT_TRUE(refuses([&] { exact.make(); }, "Most accurate in time: "));
-  EXPECT_TRUE(says(exact.reason, "No body that was tried keeps the error"));
-  EXPECT_TRUE(says(exact.reason, "PlanOptions::finest is reached"));
+  EXPECT_TRUE(says(exact.reason, "No body that was tried keeps the error", "PlanOptions::finest is reached"));
 }
 
 TEST(Plan, MakesTheSameMotionToTheLastBit) {
@@ -159,40 +158,35 @@ TEST(Plan, RefusesWhatMakesNoSense) {
 
 TEST(Plan, SaysWhatIsWrongWithABuilder) {
   const auto built = [](const SceneBuilder& builder) { return [builder] { plan(builder, wishes(0.1, 100)); }; };
+  const auto beam_with = [&](auto act, double spacing = 0.0) {
+    return built([=](const PlanCandidate& it) {
+      Simulation sim(beam(spacing > 0.0 ? spacing : it.spacing), it.options({.material = tissue}));
+      act(sim.scene());
+      return sim;
+    });
+  };
   EXPECT_TRUE(refuses(built([](const PlanCandidate&) -> Simulation { throw Error("no such organ"); }),
-                      "the builder made no body at any spacing"));
-  EXPECT_TRUE(
-      refuses(built([](const PlanCandidate&) -> Simulation { throw Error("no such organ"); }), "no such organ"));
-  EXPECT_TRUE(refuses(built([](const PlanCandidate& it) {
-                        Simulation sim(beam(0.02), it.options({.material = tissue}));
-                        sim.scene().fix("x0").gravity({0, 0, -1});
-                        return sim;
-                      }),
+                      "the builder made no body at any spacing", "no such organ"));
+  EXPECT_TRUE(refuses(beam_with(
+                          [](Scene& scene) {
+                            scene.fix("x0").gravity({0, 0, -1});
+                          },
+                          0.02),
                       "it must use PlanCandidate::spacing"));
   EXPECT_TRUE(refuses(built([](const PlanCandidate& it) {
                         return Simulation(beam(it.spacing), {.material = tissue, .backend = "reference"});
                       }),
                       "expected a simulation with the backend \"cpu\", got \"reference\""));
-  EXPECT_TRUE(refuses(built([](const PlanCandidate& it) {
-                        Simulation sim(beam(it.spacing), it.options({.material = tissue}));
-                        sim.scene().gravity({0, 0, -1});
-                        return sim;
+  EXPECT_TRUE(refuses(beam_with([](Scene& scene) {
+                        scene.gravity({0, 0, -1});
                       }),
                       "a rigid motion of it meets no support"));
-  EXPECT_TRUE(refuses(built([](const PlanCandidate& it) {
-                        Simulation sim(beam(it.spacing), it.options({.material = tissue}));
-                        sim.scene().fix("x0");
-                        return sim;
+  EXPECT_TRUE(refuses(beam_with([](Scene& scene) { scene.fix("x0"); }), "nothing moves in this scene"));
+  const Load ramp{.type = LoadType::force, .particles = {0}, .events = {{0, 0}, {2, 1}}, .direction = {0, 0, 1}};
+  EXPECT_TRUE(refuses(beam_with([&](Scene& scene) {
+                        scene.fix("x0").gravity({0, 0, -0.1}).add(ramp);
                       }),
-                      "nothing moves in this scene"));
-  EXPECT_TRUE(
-      refuses(built([](const PlanCandidate& it) {
-                Simulation sim = sagging(it);
-                sim.scene().add(
-                    {.type = LoadType::force, .particles = {0}, .events = {{0, 0}, {2, 1}}, .direction = {0, 0, 1}});
-                return sim;
-              }),
-              "changes until 2 s, so the rest shape says little; give PlanOptions::probe_time"));
+                      "changes until 2 s, so the rest shape says little; give PlanOptions::probe_time"));
 }
 
 }  // namespace

@@ -63,6 +63,14 @@ class RecordingTest : public ::testing::Test {
     return make_solver(backend.name, topology_, scene, options_for(backend, damping));
   }
 
+  /// The end of another solver's replay.
+  Snapshot end_of_replay(const Recording& recording, const BackendCase& backend, double damping = 5.0) {
+    Scene again(model_);
+    const auto own = solver(backend, again, damping);
+    Replay(recording, *own, again).run();
+    return own->snapshot();
+  }
+
   Model model_;
   std::shared_ptr<const TopologyTextures> topology_;
   Scene scene_;
@@ -71,8 +79,7 @@ class RecordingTest : public ::testing::Test {
 TEST_F(RecordingTest, AReplayIsTheRunBitForBitThroughAFileAndAcrossASavedState) {
   const std::string middle = path_for("middle.state"), file = path_for("session.rec");
   for (const BackendCase& backend : cpu_backends) {
-    Scene scene(model_);
-    scene.fix("x0");
+    Scene scene = Scene(model_).fix("x0");
     const auto recorded = solver(backend, scene);
     State end;
     std::uint64_t middle_at = 0;
@@ -110,10 +117,7 @@ TEST_F(RecordingTest, ARecordingOfOneThreadReplaysOnTwo) {
   State end;
   std::uint64_t at = 0;
   const Recording recording = session(*one, scene_, middle, &at, &end);
-  Scene again(model_);
-  const auto two = solver({"cpu", 2}, again);
-  Replay(recording, *two, again).run();
-  EXPECT_TRUE(same_bits(two->read(), end));
+  EXPECT_TRUE(same_bits(end_of_replay(recording, {"cpu", 2}).state, end));
 }
 
 /// Poses at every step, placed and grasping tools, one that goes and one that comes: all again, also across a state
@@ -121,8 +125,7 @@ TEST_F(RecordingTest, ARecordingOfOneThreadReplaysOnTwo) {
 TEST_F(RecordingTest, ToolsMoveAgainAsTheyDid) {
   const std::string middle = path_for("tools.state"), file = path_for("tools.rec");
   for (const BackendCase& backend : cpu_backends) {
-    Scene scene(model_);
-    scene.fix("x0").contacts({}).constrain_volume();
+    Scene scene = Scene(model_).fix("x0").contacts({}).constrain_volume();
     scene.add_tool("ball", {.shape = Sphere{0.005}, .pose = {.position = {0.06, 0.015, 3.035}}, .friction = 0.3});
     scene.add_tool("rod", {.shape = Capsule{0.003, 0.1},
                            .pose = {.position = {0.04, 0.014, 3.034}, .velocity = {0.02, 0, -0.2}},
@@ -160,12 +163,9 @@ TEST_F(RecordingTest, ToolsMoveAgainAsTheyDid) {
     EXPECT_GT(recorded->tool_force("rod").particles, 0);
     save_recording(recorder.recording(), file);
 
-    Scene again(model_);
-    const auto replayed = solver(backend, again);
-    Replay replay(read_recording(file), *replayed, again);
-    replay.run();
-    EXPECT_TRUE(same_bits(replayed->read(), end)) << backend.name << ' ' << backend.threads;
-    EXPECT_EQ(replayed->snapshot(), recorded->snapshot());
+    const Snapshot again = end_of_replay(read_recording(file), backend);
+    EXPECT_TRUE(same_bits(again.state, end)) << backend.name << ' ' << backend.threads;
+    EXPECT_EQ(again, recorded->snapshot());
 
     Scene half(model_);
     const auto resumed = solver(backend, half);
@@ -188,11 +188,7 @@ TEST_F(RecordingTest, AToolThatComesLaterAndGraspsAtOnceGraspsAgain) {
   scene_.tool("jaw").grasp(0.0);
   recorder.step(2, dt);
   ASSERT_FALSE(recorded->read().tools.at(0).held.empty());
-  Scene again(model_);
-  const auto own = solver({"cpu", 1}, again);
-  Replay replay(recorder.recording(), *own, again);
-  replay.run();
-  EXPECT_EQ(own->snapshot(), recorded->snapshot());
+  EXPECT_EQ(end_of_replay(recorder.recording(), {"cpu", 1}), recorded->snapshot());
 }
 
 /// What replays has nobody to stop it: a call counts as far as it went.
@@ -207,11 +203,7 @@ TEST_F(RecordingTest, ACallThatWasStoppedIsRecordedAsFarAsItWent) {
   EXPECT_EQ(recorder.step(9, dt).steps, 3);
   EXPECT_EQ(recorder.run_to_rest(9, dt).report.steps, 3);
   recorder.checkpoint();
-  Scene again(model_);
-  const auto own = solver({"reference", 0}, again, 30.0);
-  Replay replay(recorder.recording(), *own, again);
-  replay.run();
-  EXPECT_EQ(own->snapshot(), recorded->snapshot());
+  EXPECT_EQ(end_of_replay(recorder.recording(), {"reference", 0}, 30.0), recorded->snapshot());
 }
 
 TEST_F(RecordingTest, EqualStepsAreOneInput) {
@@ -262,9 +254,7 @@ TEST_F(RecordingTest, AnotherBackendMissesTheCheckpointAndSaysSo) {
   Scene again(model_);
   const auto own = solver({"cpu", 1}, again);
   Replay replay(recording, *own, again);
-  const std::string message = message_of([&] { replay.run(); });
-  EXPECT_TRUE(says(message, "expected the recorded state at t = "));
-  EXPECT_TRUE(says(message, "recorded on reference"));
+  EXPECT_TRUE(refuses([&] { replay.run(); }, "expected the recorded state at t = ", "recorded on reference"));
 }
 
 TEST_F(RecordingTest, OtherOptionsAndOtherBodiesAreRefused) {
@@ -292,8 +282,7 @@ TEST_F(RecordingTest, OtherOptionsAndOtherBodiesAreRefused) {
 
 std::string small_recording() {
   const Model model = make_tetrahedron(0.01);
-  Scene scene(model);
-  scene.gravity({0, 0, -1});
+  Scene scene = Scene(model).gravity({0, 0, -1});
   const auto solver = make_solver("cpu", model, scene);
   Recorder recorder(*solver, scene);
   const Load load{.particles = {1, 2}, .events = {{0, 1e-4}}, .direction = {1, 0, 0}};

@@ -54,8 +54,7 @@ TEST(StateFile, TheTrajectoryGoesOnBitForBit) {
 /// Why a snapshot has displacements: without them the same run parts at the first step.
 TEST(StateFile, AStateAloneLosesDigitsOfSinglePrecisionFarFromTheOrigin) {
   const Model model = block_at({1000, -2000, 500});
-  Scene scene(model);
-  scene.fix("x0").add(pull(model, "x1", {0, 0, 1}, {{0, 0}, {0.01, 1e-9}}));
+  Scene scene = Scene(model).fix("x0").add(pull(model, "x1", {0, 0, 1}, {{0, 0}, {0.01, 1e-9}}));
   const auto solver = make_solver("cpu", model, scene);
   ASSERT_TRUE(solver->step(40, 0.4 * solver->stable_step()).ok());
   const Snapshot before = solver->snapshot();
@@ -68,8 +67,7 @@ TEST(StateFile, AStateAloneLosesDigitsOfSinglePrecisionFarFromTheOrigin) {
 TEST(StateFile, RestIsFoundAtTheSameStepAfterARestart) {
   const Model model = with_material(make_block({0.03, 0.02, 0.02}, 3, 2, 2));
   const auto topology = tables(model);
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -1});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -1});
   for (const BackendCase& backend : cpu_backends) {
     SolverOptions options = options_for(backend, 60.0);
     options.rest_tolerance = 1e-5;
@@ -252,8 +250,7 @@ TEST(StateFile, AFileThatCannotBeWrittenLeavesTheOldOne) {
 TEST(StateHistory, GoesBackToTheNewestStateAtOrBeforeATime) {
   const Model model = block_at(Vec3::Zero());
   const auto topology = tables(model);
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   for (const BackendCase& backend : cpu_backends) {
     const auto solver = make_solver(backend.name, topology, scene, options_for(backend));
     const double dt = 0.4 * solver->stable_step();

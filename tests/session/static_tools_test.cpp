@@ -10,6 +10,7 @@
 #include "support/bodies.h"
 #include "support/failure_states.h"
 #include "support/message_of.h"
+#include "support/steps.h"
 
 namespace phymul::test {
 namespace {
@@ -29,14 +30,6 @@ Simulation under(const Tool& tool, Model model = make_block({0.08, 0.08, 0.05}, 
   Simulation sim(std::move(model), soft_options(poisson));
   sim.scene().fix("z0").add_tool("tool", tool);
   return sim;
-}
-
-double largest_difference(const State& a, const State& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.position.size(); ++i) {
-    largest = std::max(largest, (a.position[i] - b.position[i]).norm());
-  }
-  return largest;
 }
 
 struct Case {
@@ -113,11 +106,10 @@ TEST(StaticTools, FindTheShapeAndForcesThatStepsComeTo) {
     const StaticResult result = solved.solve_static();
     ASSERT_TRUE(result.converged()) << result.message();
     EXPECT_LE(result.evaluations, 600);
-    const RestResult rest = stepped.run_to_rest(20000);
-    ASSERT_TRUE(rest.converged()) << rest.message();
+    ASSERT_TRUE(has_converged(stepped.run_to_rest(20000)));
     // Steps take only so many rounds over the points of a surface.
     const bool surface = own.tool.contact == ToolContact::surface;
-    EXPECT_LT(largest_difference(solved.state(), stepped.state()),
+    EXPECT_LT(largest_distance(solved.state().position, stepped.state().position),
               (surface ? 0.05 : 1e-6) * stepped.max_displacement());
     const ToolForce& of_rest = solved.force_on(solved.scene().tool("tool"));
     const Vec3 force = of_rest.force, torque = of_rest.torque;
@@ -133,7 +125,7 @@ TEST(StaticTools, FindTheShapeAndForcesThatStepsComeTo) {
     const State before = solved.state();
     solved.advance(1e-4);
     EXPECT_LT((solved.force_on(solved.scene().tool("tool")).force - force).norm(), 1e-3 * force.norm());
-    EXPECT_LT(largest_difference(before, solved.state()), 1e-4 * solved.max_displacement());
+    EXPECT_LT(largest_distance(before.position, solved.state().position), 1e-4 * solved.max_displacement());
   }
 }
 
@@ -166,9 +158,8 @@ TEST(StaticTools, WhatAToolGraspsGoesWithIt) {
   Simulation solved = lifted(), stepped = lifted();
   const StaticResult result = solved.solve_static();
   ASSERT_TRUE(result.converged()) << result.message();
-  const RestResult rest = stepped.run_to_rest(20000);
-  ASSERT_TRUE(rest.converged()) << rest.message();
-  EXPECT_LT(largest_difference(solved.state(), stepped.state()), 1e-6 * stepped.max_displacement());
+  ASSERT_TRUE(has_converged(stepped.run_to_rest(20000)));
+  EXPECT_LT(largest_distance(solved.state().position, stepped.state().position), 1e-6 * stepped.max_displacement());
   EXPECT_EQ(solved.state().tools.at(0).held, stepped.state().tools.at(0).held);
   EXPECT_LT((solved.pose_of(solved.scene().tool("tool")).position - Vec3(0.045, 0.04, 0.066)).norm(), 1e-12);
   const auto felt = [](Simulation& sim) { return sim.force_on(sim.scene().tool("tool")); };

@@ -14,6 +14,8 @@
 #include <cstdlib>
 #include <new>
 
+#include "support/bodies.h"
+
 #if defined(_WIN32)
 #include <malloc.h>
 #endif
@@ -148,8 +150,7 @@ TEST(AllocationCount, SeesAllocations) {
 
 TEST(AllocationCount, EvaluatingASceneAllocatesNothing) {
   const Model model = make_block({1, 1, 1}, 4, 4, 4);
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81}).fix("x0");
+  Scene scene = Scene(model).gravity({0, 0, -9.81}).fix("x0");
   for (const LoadType type :
        {LoadType::translation, LoadType::rotation, LoadType::force, LoadType::pressure, LoadType::acceleration}) {
     scene.add({.type = type,
@@ -164,11 +165,13 @@ TEST(AllocationCount, EvaluatingASceneAllocatesNothing) {
   EXPECT_EQ(allocation_count(), before);
 }
 
+Model small_cube(int cells) {
+  return test::with_material(make_block({0.02, 0.02, 0.02}, cells, cells, cells));
+}
+
 TEST(AllocationCount, SteppingAllocatesNothingEvenWhenLoadsAreReplaced) {
-  Model model = make_block({0.02, 0.02, 0.02}, 3, 3, 3);
-  set_material(model, {.young = 1e4, .poisson = 0.3, .density = 1000});
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  const Model model = small_cube(3);
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   Load pull{.type = LoadType::translation,
             .particles = model.group("x1"),
             .events = {{0.0, 0.0}},
@@ -193,8 +196,7 @@ TEST(AllocationCount, SteppingAllocatesNothingEvenWhenLoadsAreReplaced) {
 }
 
 TEST(AllocationCount, JointsAllocateNothingInSteps) {
-  Model model = make_block({0.02, 0.02, 0.02}, 4, 4, 4);
-  set_material(model, {.young = 1e4, .poisson = 0.3, .density = 1000});
+  const Model model = small_cube(4);
   for (const char* backend : {"reference", "cpu"}) {
     SCOPED_TRACE(backend);
     Scene scene(model);
@@ -240,12 +242,10 @@ TEST(AllocationCount, DissipationAllocatesNothingInSteps) {
 
 /// A tool moved along all three axes each millisecond.
 TEST(AllocationCount, DrivingAGroupAllocatesNothing) {
-  Model model = make_block({0.02, 0.02, 0.02}, 12, 12, 12);
-  set_material(model, {.young = 1e4, .poisson = 0.3, .density = 1000});
+  const Model model = small_cube(12);
   for (const char* backend : {"reference", "cpu"}) {
     SCOPED_TRACE(backend);
-    Scene scene(model);
-    scene.fix("x0");
+    Scene scene = Scene(model).fix("x0");
     for (int axis = 0; axis < 3; ++axis) {
       Load move{.type = LoadType::translation, .particles = model.group("x1")};
       move.axes.fill(Axis::free);
@@ -254,8 +254,7 @@ TEST(AllocationCount, DrivingAGroupAllocatesNothing) {
       move.events = {{0.0, 0.0}, {1.0, 0.0}};
       scene.add(move);
     }
-    const SolverOptions options{.threads = 2};
-    const auto solver = make_solver(backend, model, scene, {}, options);
+    const auto solver = make_solver(backend, model, scene, {}, {.threads = 2});
     const double dt = 0.5 * solver->stable_step();
     ASSERT_TRUE(solver->step(1, dt).ok());
     State state = solver->read();

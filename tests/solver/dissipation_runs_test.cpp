@@ -79,8 +79,7 @@ TEST(DissipationRuns, NeverGivesEnergyBack) {
 TEST_P(DissipationRunsOn, TellsVelocitiesOfTheStatesOwnTime) {
   const Model model = two_tissues(jittered_block());
   Simulation sim(model, {.backend = GetParam()});
-  const State start = displaced(model, 0.05, 7);
-  sim.set_state(start);
+  sim.set_state(displaced(model, 0.05, 7));
   const double dt = 0.5 * sim.solver().stable_step();
   for (int k = 0; k < 20; ++k) {
     ASSERT_TRUE(sim.advance(dt).ok());
@@ -140,11 +139,9 @@ TEST_P(DissipationRunsOn, IsReplayedBitForBit) {
   const Model model = two_tissues(jittered_block());
   const auto topology = std::make_shared<const TopologyTextures>(build_topology(model));
   const auto made = [&](const Scene& scene) { return make_solver(GetParam(), topology, scene, {.threads = 1}); };
-  Scene scene(model);
-  scene.gravity({0, 0, -9.81});
+  Scene scene = Scene(model).gravity({0, 0, -9.81});
   const auto recorded = made(scene);
-  const State state = displaced(model, 0.05, 11);
-  recorded->reset(state);
+  recorded->reset(displaced(model, 0.05, 11));
   const double dt = 0.4 * recorded->stable_step();
   ASSERT_TRUE(recorded->step(7, dt).ok());  // the recording starts with strains
 

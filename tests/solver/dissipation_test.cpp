@@ -49,8 +49,7 @@ double mean_x(const Solver& solver, const char* group) {
 
 void run_to(Solver& solver, double time) {
   const int steps = static_cast<int>(std::ceil((time - solver.time()) / (0.5 * solver.stable_step())));
-  const StepReport report = solver.step(steps, (time - solver.time()) / steps);
-  ASSERT_TRUE(report.ok()) << report.message();
+  ASSERT_TRUE(is_ok(solver.step(steps, (time - solver.time()) / steps)));
 }
 
 /// Over a ramp from 0 to 1 in `ramp` s, then constant: 1 less `share` of what decays with `tau`, at `time` after it.

@@ -61,10 +61,7 @@ std::vector<ScaledBody> cases() {
           {"strip", of(make_strip(0.04, 0.02, 10, 5)), {}},
           {"points",
            [](const Tissues& t) {
-             Model points = make_block({0.03, 0.02, 0.02}, 6, 4, 4);
-             points.cells.clear();
-             points.components.clear();
-             set_material(points, t.tissue);
+             Model points = with_material(without_cells(make_block({0.03, 0.02, 0.02}, 6, 4, 4)), t.tissue);
              return points.add_group("x1", {points.particle_count() - 1});
            },
            {}}};
@@ -88,8 +85,7 @@ TEST_P(LiveStiffness, IsThatOfASolverMadeAnew) {
     const Tissues tissues;
     const Model model = c.make(tissues);
     const bool points = c.name == "points";
-    Scene scene(model);
-    scene.add(pull_on(model));
+    Scene scene = Scene(model).add(pull_on(model));
     const auto solver = make_solver(GetParam(), model, scene, c.options);
     const double dt = 0.3 * solver->stable_step();
     ASSERT_TRUE(solver->step(20, dt).ok());
@@ -97,16 +93,14 @@ TEST_P(LiveStiffness, IsThatOfASolverMadeAnew) {
       if (of_one && points) continue;
       of_one ? scene.scale_stiffness(tissues.tumour, second) : scene.scale_stiffness(first);
       const Model made_so = c.make(tissues.scaled(first, of_one ? second : first));
-      Scene other(made_so);
-      other.add(pull_on(made_so));
+      Scene other = Scene(made_so).add(pull_on(made_so));
       const auto anew = make_solver(GetParam(), made_so, other, c.options);
       anew->reset(solver->read());
       const double of_both = solver->stable_step() / anew->stable_step();
       EXPECT_LE(of_both, 1.0 + 1e-3) << "a bound";
       EXPECT_GE(of_both, of_one ? 0.0 : 1.0 - 1e-3);
       EXPECT_NEAR(solver->energy().elastic, anew->energy().elastic, 1e-6 * anew->energy().elastic);
-      ASSERT_TRUE(solver->step(60, dt).ok());
-      ASSERT_TRUE(anew->step(60, dt).ok());
+      ASSERT_TRUE(all_step(60, dt, solver, anew));
       const State now = solver->read(), wanted = anew->read();
       const double largest = largest_distance(wanted.position, model.rest);
       EXPECT_GT(largest, 1e-6);
@@ -122,8 +116,7 @@ TEST(LiveStiffnessOfABody, IsThatOfOneBuiltSo) {
     const bool points = c.name == "points";
     const Tissues tissues;
     const Model model = c.make(tissues), made_so = c.make(tissues.scaled(first, points ? first : second));
-    Scene scene(model);
-    scene.scale_stiffness(first);
+    Scene scene = Scene(model).scale_stiffness(first);
     if (!points) scene.scale_stiffness(tissues.tumour, second);
     const TopologyTextures own = build_topology(model, c.options), other = build_topology(made_so, c.options);
     const VecList x = random_positions(model, 0.1, 3);
@@ -207,15 +200,20 @@ TEST_P(LiveStiffness, OfFactorsOfOneChangesNoBit) {
   for (const ScaledBody& c : cases()) {
     SCOPED_TRACE(c.name);
     const Model model = c.make({});
-    Scene plain(model), scaled(model);
-    plain.add(pull_on(model));
-    scaled.add(pull_on(model)).scale_stiffness(1.0);
+    Scene plain = Scene(model).add(pull_on(model)), scaled = Scene(plain).scale_stiffness(1.0);
     const auto one = make_solver(GetParam(), model, plain, c.options);
     const auto other = make_solver(GetParam(), model, scaled, c.options);
-    ASSERT_TRUE(one->step(50, 0.5 * one->stable_step()).ok());
-    ASSERT_TRUE(other->step(50, 0.5 * one->stable_step()).ok());
+    ASSERT_TRUE(all_step(50, 0.5 * one->stable_step(), one, other));
     EXPECT_EQ(one->snapshot(), other->snapshot());
   }
+}
+
+/// The lowest way of a particle along z, m.
+double sag_of(Simulation& sim) {
+  double lowest = 0.0;
+  const VecList x = sim.state().position;
+  for (std::size_t i = 0; i < x.size(); ++i) lowest = std::min(lowest, x[i].z() - sim.model().rest[i].z());
+  return lowest;
 }
 
 /// Soft tissue hangs four times as far from a hold that is a quarter as stiff, and the step may be twice as long.
@@ -225,10 +223,7 @@ TEST_P(LiveStiffness, ReachesSolveStaticAndTheStep) {
   const double limit = sim.solver().stable_step();
   const auto sag = [&] {
     EXPECT_EQ(sim.solve_static().status, RestStatus::converged);
-    double lowest = 0.0;
-    const VecList x = sim.state().position;
-    for (std::size_t i = 0; i < x.size(); ++i) lowest = std::min(lowest, x[i].z() - sim.model().rest[i].z());
-    return lowest;
+    return sag_of(sim);
   };
   const double before = sag();
   sim.scene().scale_stiffness(0.25);
@@ -263,8 +258,7 @@ PHYMUL_ON_BACKENDS(LiveStiffnessOnProcessor, std::vector<std::string>({"referenc
 /// A driver of GL may allocate whenever it likes.
 TEST_P(LiveStiffnessOnProcessor, AllocatesNothingInSteps) {
   const Model model = cases()[1].make({});
-  Scene scene(model);
-  scene.scale_stiffness(2.0);
+  Scene scene = Scene(model).scale_stiffness(2.0);
   const auto solver = make_solver(GetParam(), model, scene, {}, {.threads = 1});
   ASSERT_TRUE(solver->step(1, 0.5 * solver->stable_step()).ok());
   for (const double factor : {3.0, 1.0}) {
@@ -282,10 +276,7 @@ TEST(LiveStiffnessAndSleep, AChangeWakes) {
   sim.scene().fix("z0").gravity({0, 0, -1.0});
   const auto sag_after = [&](double seconds) {
     EXPECT_TRUE(sim.advance(seconds).ok());
-    double lowest = 0.0;
-    const VecList x = sim.state().position;
-    for (std::size_t i = 0; i < x.size(); ++i) lowest = std::min(lowest, x[i].z() - sim.model().rest[i].z());
-    return lowest;
+    return sag_of(sim);
   };
   const double before = sag_after(0.3);
   EXPECT_EQ(sag_after(0.02), before) << "nothing moves any more, or this shows nothing";
@@ -321,8 +312,7 @@ TEST(LiveStiffnessOfAScene, RefusesWhatItCannotMean) {
 
 TEST(LiveStiffnessOfAScene, IsRefusedWhereItWouldBeIgnored) {
   const Model model = cases()[1].make({});
-  Scene scene(model);
-  scene.scale_stiffness(2.0);
+  Scene scene = Scene(model).scale_stiffness(2.0);
   const auto topology = std::make_shared<const TopologyTextures>(build_topology(model));
   EXPECT_TRUE(refuses([&] { OutsideBackend(topology, scene); }, "scales the stiffness of materials"));
   scene.scale_stiffness(1.0);

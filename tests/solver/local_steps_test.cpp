@@ -19,9 +19,7 @@ const Material soft{5e3, 0.45, 1000.0}, stiff{500e3, 0.45, 1000.0};
 const Vec3 middle(0.5 * edge, 0.5 * edge, 0.5 * edge);
 
 Model cube(int cells) {
-  Model model = make_tetrahedral_block({edge, edge, edge}, cells, cells, cells, 0.2, 7);
-  set_material(model, soft);
-  return model;
+  return with_material(make_tetrahedral_block({edge, edge, edge}, cells, cells, cells, 0.2, 7), soft);
 }
 
 /// A cube of 0.1 m with a ball, a hundred times as stiff, in 2 % of its volume.
@@ -39,8 +37,7 @@ std::unique_ptr<Solver> solver_of(const std::string& backend, const Model& model
 
 /// Positions after `seconds` of gravity, at this share of the step limit.
 VecList fallen(const std::string& backend, const Model& model, int substeps, double share, double seconds) {
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -1.0});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -1.0});
   const auto solver = solver_of(backend, model, scene, substeps);
   const int steps = static_cast<int>(seconds / (share * solver->stable_step())) + 1;
   EXPECT_TRUE(solver->step(steps, seconds / steps).ok());
@@ -135,8 +132,7 @@ TEST_P(LocalStepsOn, IsBoundedBelowTheLimitAndDivergesAboveIt) {
 TEST_P(LocalStepsOn, RestShapesAreThoseOfShortSteps) {
   // The tumour at the surface, half of it under a ball that presses it, and a spring that pulls at it.
   const Model model = with_tumour(6, {0.5 * edge, 0.5 * edge, edge});
-  Scene scene(model);
-  scene.fix("z0").gravity({0, 0, -1.0});
+  Scene scene = Scene(model).fix("z0").gravity({0, 0, -1.0});
   scene.add_tool(
       "ball", {.shape = Sphere{.radius = 0.03}, .pose = {.position = {0.5 * edge, 0.5 * edge, edge + 0.03 - 0.002}}});
   std::vector<VecList> shape;
@@ -194,8 +190,7 @@ TEST(LocalSteps, ATumourTurnsAsShortStepsTurnIt) {
 
 TEST_P(LocalStepsOn, GoesOnFromASnapshotBitForBit) {
   const Model model = with_tumour(6, {0.5 * edge, 0.5 * edge, edge});
-  Scene scene(model);
-  scene.fix("z0");
+  Scene scene = Scene(model).fix("z0");
   scene.add_tool(
       "ball", {.shape = Sphere{.radius = 0.03}, .pose = {.position = {0.5 * edge, 0.5 * edge, edge + 0.03 - 0.002}}});
   const auto solver = solver_of(GetParam(), model, scene, 32, 100.0),
@@ -212,8 +207,7 @@ TEST_P(LocalStepsOn, GoesOnFromASnapshotBitForBit) {
 
 TEST_P(LocalStepsOn, AStepAllocatesNothing) {
   const Model model = with_tumour(5);
-  Scene scene(model);
-  scene.fix("z0").gravity({0, 0, -1.0});
+  Scene scene = Scene(model).fix("z0").gravity({0, 0, -1.0});
   const auto solver = solver_of(GetParam(), model, scene, 32);
   ASSERT_TRUE(solver->step(3, 0.5 * solver->stable_step()).ok());
   const std::size_t before = allocation_count();

@@ -52,10 +52,8 @@ TEST_P(ProfileTest, IsEmptyUnlessAskedFor) {
 
 TEST(CpuProfile, ToolsHaveARowWhereThereAreAny) {
   const Model model = cylinder_275();
-  Scene scene(model);
-  scene.fix("bottom");
-  const SolverOptions options{.profile = true};
-  const auto solver = make_solver("cpu", model, scene, {}, options);
+  Scene scene = Scene(model).fix("bottom");
+  const auto solver = make_solver("cpu", model, scene, {}, {.profile = true});
   const double dt = 0.5 * solver->stable_step();
   ASSERT_TRUE(solver->step(5, dt).ok());
   EXPECT_EQ(find(solver->profile(), "tools"), nullptr);
@@ -70,8 +68,7 @@ TEST(CpuProfile, ToolsHaveARowWhereThereAreAny) {
 
 TEST_P(ProfileTest, CountsEveryStepOnce) {
   const Model model = cylinder_275();
-  Scene scene(model);
-  scene.fix("bottom");
+  Scene scene = Scene(model).fix("bottom");
   const SolverOptions options{.profile = true};
   const auto solver = make_solver(GetParam(), model, scene, {.law = Law::springs, .volume_stiffness = 50.0}, options);
   EXPECT_TRUE(solver->profile().empty()) << "making a solver is no step";
@@ -102,8 +99,7 @@ TEST_P(ProfileTest, CountsEveryStepOnce) {
 TEST_P(ProfileTest, TimesAddUpToTheTimeOfTheCall) {
   const Model model = with_material(make_block({0.05, 0.05, 0.05}, 10, 10, 10));
   const Scene scene(model);
-  const SolverOptions options{.threads = 1, .profile = true};
-  const auto solver = make_solver(GetParam(), model, scene, {}, options);
+  const auto solver = make_solver(GetParam(), model, scene, {}, {.threads = 1, .profile = true});
   solver->reset(displaced(model, 0.05, 3));
   const double dt = 0.1 * solver->stable_step();
   solver->step(5, dt);
@@ -118,8 +114,7 @@ TEST_P(ProfileTest, TimesAddUpToTheTimeOfTheCall) {
 
 TEST_P(ProfileTest, ChangesNoBit) {
   const Model model = cylinder_275();
-  Scene scene(model);
-  scene.fix("bottom").gravity({0, 0, 9.81});
+  Scene scene = Scene(model).fix("bottom").gravity({0, 0, 9.81});
   const auto plain = make_solver(GetParam(), model, scene);
   const auto profiled = make_solver(GetParam(), model, scene, {}, {.profile = true});
   const double dt = 0.5 * plain->stable_step();

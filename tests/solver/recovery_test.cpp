@@ -103,8 +103,7 @@ TEST(Recovery, WithoutTheCutMostFailureStatesRunAway) {
 /// A twentieth of strain let go at once, and sheared at five times a second, is no failure.
 TEST(Recovery, OrdinaryMotionIsNotCut) {
   const Model model = cube(0.3);
-  Scene scene(model);
-  scene.fix("x0");
+  Scene scene = Scene(model).fix("x0");
   const auto cut = make_solver("reference", model, scene), plain = make_solver("reference", model, scene, {}, uncut());
   State state = rest_state(model);
   for (Vec3& x : state.position) x.x() *= 1.05;
@@ -121,8 +120,7 @@ TEST(Recovery, OrdinaryMotionIsNotCut) {
 TEST(Recovery, ABodyInOnePointIsReported) {
   const Model model = make_block({side, side, side}, cells, cells, cells, 6);  // a material's means are noise enough
   const Scene scene(model);
-  const SolverOptions options{.damping = {.rate = 20.0}};
-  const auto solver = make_solver("reference", model, scene, {}, options);
+  const auto solver = make_solver("reference", model, scene, {}, damped(20.0));
   State state = rest_state(model);
   for (Vec3& x : state.position) x = Vec3::Constant(side / 2);
   solver->reset(state);
@@ -139,8 +137,7 @@ TEST(Recovery, ABodyWithoutNeighboursIsNotCut) {
   Model model = cube(0.3);
   model.neighbours.offset.assign(model.rest.size() + 1, 0);
   model.neighbours.entry.clear();
-  Scene scene(model);
-  scene.fix("z1").gravity({0, 0, -1});
+  Scene scene = Scene(model).fix("z1").gravity({0, 0, -1});
   const auto solver = make_solver("reference", model, scene);
   const StepReport report = solver->step(200, 0.5 * solver->stable_step());
   EXPECT_TRUE(report.ok()) << report.message();

@@ -32,11 +32,10 @@ double largest_displacement(const Model& model, const State& state) {
 }
 
 TEST(Stability, FullReactionGrowsOnTheCylinderAndNotOnTheTetrahedron) {
-  const TopologyOptions topology{.reaction = Reaction::full};
   for (const bool is_cylinder : {false, true}) {
     const Model model = is_cylinder ? cylinder_275() : make_tetrahedron(0.01);
     const Scene scene(model);
-    const auto solver = make_solver("reference", model, scene, topology, allowing());
+    const auto solver = make_solver("reference", model, scene, {.reaction = Reaction::full}, allowing());
     const double h = mean_spacing(model);
     solver->reset(displaced(model, 1e-6, 1));
     // A twentieth of the limit: the growth is the reaction's, not the step's.
@@ -216,10 +215,8 @@ TEST(Stability, ScaleFromOneMillimetreToOneMetreChangesNothing) {
         model.stiffness.assign(model.stiffness.size(), 2500.0 * size);
         model.mass.assign(model.mass.size(), 10.0 * size * size * size);
       }
-      Scene scene(model);
-      scene.fix("x0").gravity({0, 0, -0.5 / size});
-      const SolverOptions options{.damping = {.rate = 4.0 / size}};
-      const auto solver = make_solver("reference", model, scene, c.topology, options);
+      Scene scene = Scene(model).fix("x0").gravity({0, 0, -0.5 / size});
+      const auto solver = make_solver("reference", model, scene, c.topology, damped(4.0 / size));
       const RestResult rest = solver->run_to_rest(40000, 0.5 * solver->stable_step());
       ASSERT_TRUE(rest.report.ok()) << rest.message();
       EXPECT_TRUE(rest.converged());

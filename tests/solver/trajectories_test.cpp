@@ -45,8 +45,7 @@ Model fibrous() {
 
 Model two_cubes() {
   const Model lower = make_block({0.02, 0.02, 0.02}, 3, 3, 3), upper = moved(lower, {0.004, 0.003, 0.021});
-  const NamedBody bodies[] = {{"lower", &lower}, {"upper", &upper}};
-  return with_material(merge_models(bodies));
+  return with_material(merged({{"lower", &lower}, {"upper", &upper}}));
 }
 
 void hang(Scene& scene) {
@@ -121,10 +120,7 @@ std::uint64_t hash_of_end(const Trajectory& trajectory, const char* backend, int
   const StepReport report = solver->step(trajectory.steps, dt);
   EXPECT_TRUE(report.ok()) << report.message();
   const State end = solver->read();
-  double farthest = 0.0;
-  for (std::size_t i = 0; i < end.position.size(); ++i)
-    farthest = std::max(farthest, (end.position[i] - model.rest[i]).norm());
-  EXPECT_GT(farthest, 1e-4) << "m; or this shows nothing";
+  EXPECT_GT(largest_distance(end.position, model.rest), 1e-4) << "m; or this shows nothing";
   Fnv hash;
   hash.add(end.time);
   hash.add(end.position);

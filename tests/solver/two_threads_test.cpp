@@ -14,8 +14,7 @@ namespace {
 
 TEST(TwoThreads, AStepWithinAStepIsRefused) {
   const Model model = make_block({0.04, 0.02, 0.02}, 4, 2, 2);
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   for (const char* backend : {"cpu", "reference"}) {
     Solver* inner = nullptr;
     std::vector<StepReport> refused;

@@ -94,9 +94,8 @@ TEST(WorkedExamples, TwoParticleOscillator) {
   model.mass = {0.002, 0.002};
   model.stiffness = {5.0, 5.0};
   for (Index other : {1, 0}) model.neighbours.push_row(&other, &other + 1);
-  const TopologyOptions topology{.law = Law::springs};
   const Scene scene(model);
-  const auto solver = make_solver("reference", model, scene, topology);
+  const auto solver = make_solver("reference", model, scene, {.law = Law::springs});
   const double omega = std::sqrt(2.0 * 5.0 / 0.002);
   EXPECT_NEAR(solver->stable_step(), 2.0 / omega, 2e-3 * solver->stable_step());
 

@@ -16,8 +16,7 @@ TEST(StabilityAveraged, EnergyIsKeptForLongCloseToTheLimit) {
   for (const StrainEnergy energy : energies) {
     const Model model = with_material(make_tetrahedral_block({0.2, 0.05, 0.05}, 16, 4, 4, 0.2, 1),
                                       {.young = 10e3, .poisson = 0.3, .density = 1000.0});
-    Scene scene(model);
-    scene.fix("x0").gravity({0, 0, -0.5});
+    Scene scene = Scene(model).fix("x0").gravity({0, 0, -0.5});
     const auto solver = make_solver("cpu", model, scene, {.strain_energy = energy});
     double kinetic = 0.0, drift = 0.0;
     for (int k = 0; k < (sanitized ? 20 : 1000); ++k) {
@@ -42,10 +41,8 @@ TEST(StabilityAveraged, APunchRestsInTheSameShapeCloseToTheLimit) {
         const Vec3 from_middle = model.rest[i] - Vec3(0.05, 0.05, 0.05);
         if (from_middle.cwiseAbs().maxCoeff() < 0.021 && from_middle.z() > -0.001) punch.particles.push_back(i);
       }
-      Scene scene(model);
-      scene.fix("z0").add(punch);
-      const SolverOptions options{.damping = {.rate = 40.0}};
-      const auto solver = make_solver("cpu", model, scene, {.strain_energy = energy}, options);
+      Scene scene = Scene(model).fix("z0").add(punch);
+      const auto solver = make_solver("cpu", model, scene, {.strain_energy = energy}, damped(40.0));
       const auto rest_at = [&](double share) {
         solver->reset();
         EXPECT_TRUE(solver->run_to_rest(4000, share * solver->stable_step()).converged());

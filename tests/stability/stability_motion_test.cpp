@@ -24,14 +24,11 @@ class StabilityMotion : public OnBackend {
 
 TEST_P(StabilityMotion, RestIsReachedWithAnyDamping) {
   const Model model = tissue_block();
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -1});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -1});
   VecList first;
   for (const double d : {0.0, 0.5, 0.9, 0.99}) {
-    const SolverOptions options{.damping = {.factor = d}, .rest_tolerance = 1e-6};
-    const auto solver = make(model, scene, {}, options);
-    const RestResult rest = solver->run_to_rest(40000, 0.5 * solver->stable_step());
-    EXPECT_TRUE(rest.converged()) << d << ": " << rest.message();
+    const auto solver = make(model, scene, {}, {.damping = {.factor = d}, .rest_tolerance = 1e-6});
+    EXPECT_TRUE(has_converged(solver->run_to_rest(40000, 0.5 * solver->stable_step()))) << d;
     const VecList end = solver->read().position;
     if (first.empty()) first = end;
     EXPECT_LE(position_error(model, end, first).global_ratio, 1e-2) << d;
@@ -89,8 +86,7 @@ TEST_P(StabilityMotion, FarFromTheOriginIsAsNear) {
   VecList near;
   for (const double away : {0.0, 1.0, 1e3, 1e6}) {
     const Model model = with_material(phymul::moved(tissue_block(), {away, -away, away}));
-    Scene scene(model);
-    scene.fix("x0").gravity({0, 0, -9.81});
+    Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
     const auto solver = make(model, scene);
     ASSERT_TRUE(solver->step(steps(2000), 0.4 * solver->stable_step()).ok());
     VecList moved = solver->read().position;
@@ -135,12 +131,10 @@ TEST_P(StabilityMotion, ALongUndampedSwingKeepsItsEnergy) {
 /// stays finite, is told of, and comes back to the rest shape.
 TEST_P(StabilityMotion, AnImpactGainsNoEnergyAndTheBodyReturns) {
   const Model model = tissue_block();
-  Scene scene(model);
-  scene.fix("x0");
+  Scene scene = Scene(model).fix("x0");
   for (const double speed : {0.3, 10.0, 100.0}) {
     for (const double d : {1.0, 0.99}) {
-      const SolverOptions options{.damping = {.factor = d}};
-      const auto solver = make(model, scene, {}, options);
+      const auto solver = make(model, scene, {}, {.damping = {.factor = d}});
       State state = rest_state(model);
       for (Vec3& v : state.velocity) v.x() = -speed;
       for (const Index i : model.group("x0")) state.velocity[i].setZero();
@@ -169,10 +163,8 @@ TEST_P(StabilityMotion, ASuddenLoadIsBornOrReported) {
   for (const Method& method : stability_methods()) {
     const Model model = of_tissue(make_block({0.04, 0.02, 0.02}, 4, 2, 2, method.valence), method);
     for (const double gravity : {294.0, 981.0, 9810.0}) {
-      Scene scene(model);
-      scene.fix("x0").gravity({0, 0, -gravity});
-      const SolverOptions options{.damping = {.factor = 0.99}};
-      const auto solver = make(model, scene, method.options, options);
+      Scene scene = Scene(model).fix("x0").gravity({0, 0, -gravity});
+      const auto solver = make(model, scene, method.options, {.damping = {.factor = 0.99}});
       const double dt = 0.5 * solver->stable_step();
       StepReport report = solver->step(steps(1000), dt);
       EXPECT_TRUE(is_finite(solver->read())) << method.name;
@@ -215,11 +207,9 @@ TEST_P(StabilityMotion, AtResonanceDampingBounds) {
   for (int k = 0; k <= 24 * 40; ++k) {
     shaking.events.push_back({k * period / 24, amount * std::sin(2 * M_PI * k / 24)});
   }
-  Scene scene(model);
-  scene.fix("x0").add(shaking);
+  Scene scene = Scene(model).fix("x0").add(shaking);
   const auto widest = [&](double rate, int from, int to) {
-    const SolverOptions options{.damping = {.rate = rate}};
-    const auto solver = make(model, scene, {}, options);
+    const auto solver = make(model, scene, {}, damped(rate));
     const double dt = 0.5 * solver->stable_step();
     double width = 0.0;
     for (int quarter = 0; quarter < 4 * to; ++quarter) {
@@ -238,8 +228,7 @@ TEST_P(StabilityMotion, AtResonanceDampingBounds) {
 /// square root of the number of steps, as independent roundings add up.
 TEST_P(StabilityMotion, SmallStepsDoNotLoseDigits) {
   const Model model = tissue_block();
-  Scene scene(model);
-  scene.fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
   const auto solver = make(model, scene), exact = make_solver("reference", model, scene);
   const double time = 40 * solver->stable_step();
   std::vector<double> errors;
@@ -248,8 +237,7 @@ TEST_P(StabilityMotion, SmallStepsDoNotLoseDigits) {
     const int count = static_cast<int>(40 / share);
     solver->reset();
     exact->reset();
-    ASSERT_TRUE(solver->step(count, time / count).ok());
-    ASSERT_TRUE(exact->step(count, time / count).ok());
+    ASSERT_TRUE(all_step(count, time / count, solver, exact));
     errors.push_back(position_error(model, solver->read().position, exact->read().position).global_ratio);
   }
   std::printf("%s: distance from double over steps ever smaller:", GetParam().c_str());
@@ -270,8 +258,7 @@ TEST_P(StabilityMotion, PushedAndPulledParticlesComeBack) {
                     .events = {{0.0, length}},
                     .direction = {length < 0.1 ? -1.0 : 1.0, 0, 0}};
     scene.fix("x0").add(push);
-    const SolverOptions options{.damping = {.factor = 0.99}};
-    const auto solver = make(model, scene, {}, options);
+    const auto solver = make(model, scene, {}, {.damping = {.factor = 0.99}});
     const double dt = 0.5 * solver->stable_step();
     StepReport report = solver->step(steps(1000), dt);
     ASSERT_TRUE(report.ok()) << report.message();

@@ -22,12 +22,10 @@ struct Depth {
 Depth pressed(double poisson, double friction) {
   const Model model =
       with_material(make_block({0.06, 0.06, 0.05}, 12, 12, 10), {.young = 25e3, .poisson = poisson, .density = 1000});
-  Scene scene(model);
-  scene.fix("z0");
+  Scene scene = Scene(model).fix("z0");
   const auto held_at = [](double depth) { return ToolPose{.position = {0.03, 0.03, 0.05 + ball - depth}}; };
   scene.add_tool("ball", {.shape = Sphere{ball}, .pose = held_at(0.0), .friction = friction});
-  const SolverOptions options{.damping = {.rate = 50.0}};
-  const auto solver = make_solver("cpu", model, scene, {}, options);
+  const auto solver = make_solver("cpu", model, scene, {}, damped(50.0));
   const double dt = 0.5 * solver->stable_step();
   const int tenth = static_cast<int>(std::ceil(1e-3 / dt));  // of a millimetre, at 0.1 m/s
   Depth depth;

@@ -28,8 +28,7 @@ class StabilityStarts : public OnBackend {
   class Cube {
    public:
     explicit Cube(const Method& method) : model(tissue_cube(method, cube_side, cells())), scene(model) {
-      const SolverOptions options{.damping = {.factor = 0.99}};
-      solver = make(model, scene, method.options, options);
+      solver = make(model, scene, method.options, {.damping = {.factor = 0.99}});
     }
 
     Outcome from(const VecList& position) {

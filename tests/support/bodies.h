@@ -7,6 +7,8 @@
 #include <phymul/topology_textures.h>
 
 #include <Eigen/Geometry>
+#include <array>
+#include <initializer_list>
 #include <limits>
 #include <random>
 #include <string>
@@ -152,9 +154,56 @@ inline SolverOptions uncut() {
   return {.max_displacement_per_step = std::numeric_limits<double>::infinity()};
 }
 
+inline SolverOptions damped(double rate) {
+  return {.damping = {.rate = rate}};
+}
+
 inline Model with_material(Model model, const Material& material = soft_tissue()) {
   set_material(model, material);
   return model;
+}
+
+/// Another particle, of 1 kg: its row.
+inline Index add_particle(Model& model, const Vec3& place, const std::vector<Index>& neighbours = {},
+                          double stiffness = 1.0) {
+  model.rest.push_back(place);
+  model.mass.push_back(1.0);
+  model.stiffness.push_back(stiffness);
+  model.neighbours.push_row(neighbours.begin(), neighbours.end());
+  return model.particle_count() - 1;
+}
+
+/// Every hexahedron cut into six pyramids, around a particle in its middle.
+inline Model cut_into_pyramids(Model model) {
+  const std::array<std::array<int, 4>, 6> face{
+      {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};
+  std::vector<Cell> cells;
+  for (const Cell& cell : model.cells) {
+    if (cell.type != CellType::hexahedron) continue;
+    Vec3 middle = Vec3::Zero();
+    for (const Index i : cell.particles) middle += model.rest[i] / 8.0;
+    const Index apex = add_particle(model, middle);
+    for (const auto& [a, b, c, d] : face) {
+      const std::vector<Index>& v = cell.particles;
+      cells.push_back({.type = CellType::pyramid, .particles = {v[d], v[c], v[b], v[a], apex}});
+    }
+  }
+  model.cells = cells;
+  model.components.clear();
+  model.neighbours = neighbours_from_cells(cells, model.particle_count());
+  return model;
+}
+
+inline Model without_cells(Model model) {
+  model.cells.clear();
+  model.components.clear();
+  model.extras = nullptr;
+  return model;
+}
+
+/// One model of several bodies, as by merge_models().
+inline Model merged(std::initializer_list<NamedBody> bodies) {
+  return merge_models({bodies.begin(), bodies.size()});
 }
 
 inline constexpr double cubes_edge = 0.02;  // m
@@ -162,8 +211,7 @@ inline constexpr double cubes_edge = 0.02;  // m
 /// Two cubes, one above the other with a gap between: "lower" and "upper".
 inline Model cubes_apart(double gap) {
   const Model lower = make_block(Vec3::Constant(cubes_edge), 3, 3, 3), upper = moved(lower, {0, 0, cubes_edge + gap});
-  const NamedBody bodies[] = {{"lower", &lower}, {"upper", &upper}};
-  return with_material(merge_models(bodies));
+  return with_material(merged({{"lower", &lower}, {"upper", &upper}}));
 }
 
 /// A body with groups x0 and x1, whose half where x is least is of the second material.

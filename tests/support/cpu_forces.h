@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <initializer_list>
 #include <iostream>
 #include <limits>
@@ -15,29 +14,13 @@
 #include "bodies.h"
 #include "bounded_forces.h"
 #include "cpu/simd/instruction_set.h"
+#include "environment.h"
 
 namespace phymul::test {
 
 /// Names an instruction set in the environment for as long as this lives.
-class InstructionSet {
- public:
-  explicit InstructionSet(const char* name) {
-    if (const char* const now = std::getenv("PHYMUL_CPU_ISA")) before_ = now;
-    set(name);
-  }
-  ~InstructionSet() { set(before_.c_str()); }
-  InstructionSet(const InstructionSet&) = delete;
-  InstructionSet& operator=(const InstructionSet&) = delete;
-
- private:
-  static void set(const char* name) {  // empty: none
-#if defined(_WIN32)
-    _putenv_s("PHYMUL_CPU_ISA", name);
-#else
-    setenv("PHYMUL_CPU_ISA", name, 1);
-#endif
-  }
-  std::string before_;
+struct InstructionSet : Environment {
+  explicit InstructionSet(const char* name) : Environment("PHYMUL_CPU_ISA", name) {}
 };
 
 inline SolverOptions any_step(int threads = 1) {

@@ -18,9 +18,7 @@ namespace phymul::test {
 class GlBlockTest : public OnBothDevices {
  protected:
   GlBlockTest() : model_(make_block({0.03, 0.02, 0.02}, 6, 4, 4)) { set_material(model_, soft_tissue()); }
-  void SetUp() override {
-    OnBothDevices::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
+  void set_up() override {
     tables_ = tables_of(model_, {});
     options_.damping.rate = 30.0;
     options_.gl.debug = true;
@@ -121,6 +119,15 @@ inline std::vector<std::string> passes_run(Solver& solver, std::int64_t times) {
     if (runs == times) names.push_back(name);
   }
   return names;
+}
+
+/// The passes of every step of a free body.
+inline std::vector<std::string> passes_of(const Model& model, GlBackend backend) {
+  const Scene scene(model);
+  gl::DeviceSolver solver(backend, tables_of(model, {}), scene, {.profile = true});
+  solver.clear_profile();
+  EXPECT_TRUE(is_ok(solver.step(10, 0.3 * solver.stable_step())));
+  return passes_run(solver, 10);
 }
 
 /// Solvers of scenes that have become equal do the same from their rest shapes, by the same passes.

@@ -6,9 +6,7 @@
 #include <dlfcn.h>
 #include <phymul/solver.h>
 
-#include <cstdlib>
-#include <optional>
-
+#include "environment.h"
 #include "gl/context/context.h"
 #include "gl_needed.h"
 
@@ -18,32 +16,16 @@ namespace phymul::test {
 /// and would count what EGL's display still holds, which nobody may terminate.
 inline void* const kept_driver = dlopen("libEGL_mesa.so.0", RTLD_LAZY | RTLD_NODELETE);
 
-/// An environment variable for the time of a test; null removes it. Not while other threads look.
-class Environment {
- public:
-  Environment(const char* name, const char* value) : name_(name) {
-    if (const char* old = std::getenv(name)) old_ = old;
-    set(value);
-  }
-  ~Environment() { set(old_ ? old_->c_str() : nullptr); }
-  Environment(const Environment&) = delete;
-  Environment& operator=(const Environment&) = delete;
-
- private:
-  void set(const char* value) const {
-    if (value) {
-      setenv(name_, value, 1);
-    } else {
-      unsetenv(name_);
-    }
-  }
-  const char* name_;
-  std::optional<std::string> old_;
-};
-
+/// Skipped, or failed, without a GL context and what else needs() names.
 class GlTest : public testing::Test {
  protected:
-  void SetUp() override { PHYMUL_SKIP_OR_FAIL(why_no_context()); }
+  void SetUp() final {
+    PHYMUL_SKIP_OR_FAIL(why_no_context());
+    if (!needs().empty()) PHYMUL_SKIP_OR_FAIL(why_not_here(needs()));
+    set_up();
+  }
+  virtual std::string needs() const { return {}; }  ///< a backend, or nothing
+  virtual void set_up() {}                          ///< where the test runs
 
  private:
   static std::string why_no_context() {
@@ -59,21 +41,13 @@ class GlTest : public testing::Test {
 /// On "gl-compute" alone.
 class OnCompute : public GlTest {
  protected:
-  void SetUp() override {
-    GlTest::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_not_here("gl-compute"));
-  }
+  std::string needs() const override { return "gl-compute"; }
 };
 
 /// On both backends; the test's name ends in gl or gl_compute.
 class OnBothDevices : public GlTest, public testing::WithParamInterface<GlBackend> {
  protected:
-  void SetUp() override {
-    GlTest::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
-    PHYMUL_SKIP_OR_FAIL(why_not_here(name_of(GetParam())));
-  }
+  std::string needs() const override { return name_of(GetParam()); }
 };
 
 }  // namespace phymul::test

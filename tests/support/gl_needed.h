@@ -12,6 +12,8 @@
 #include <string>
 #include <string_view>
 
+#include "steps.h"
+
 namespace phymul::test {
 
 inline bool gl_is_required() {

@@ -23,15 +23,28 @@ inline void expect_like(const NeedleState& a, const NeedleState& b) {
   EXPECT_EQ(a.shaft.size(), b.shaft.size());
 }
 
+/// For a device of a test's own.
+inline FloatTools tools_of(const Scene& scene) {
+  FloatTools tools(gl::Device::most_steps);
+  tools.follow(scene);
+  return tools;
+}
+
+/// From time 0 on.
+inline void begin_batch(gl::Device& device, FloatTools& tools, int steps, double dt) {
+  std::vector<double> instants;
+  for (int k = 0; k <= steps; ++k) instants.push_back(k * dt);
+  tools.begin_batch(steps, dt, 0.0);
+  device.begin_batch({.dt = dt, .largest_acceleration = 1e30, .runaway_speed = 1e9}, instants, tools);
+}
+
 class BesideNeedle {
  public:
   explicit BesideNeedle(double stiffness, int cells = 4, const Vec3& origin = {0, 0, 0},
                         SolverOptions options = damped(40.0))
       : model(moved(Insertion::gel(cells), origin)), scene(model), tables_(tables_of(model, {})) {
-    Needle shape = thin_needle();
-    shape.bending_stiffness = stiffness;
     pose.position = origin + Vec3(0.0203, 0.0197, block_side + offset);
-    scene.fix("z0").add_tool("needle", {.shape = shape, .pose = pose, .friction = 0.5});
+    scene.fix("z0").add_tool("needle", {.shape = bending(stiffness), .pose = pose, .friction = 0.5});
     options.gl.debug = true;
     options.spectrum = estimate_spectrum(*tables_, tables_->rest);
     dt = 0.4 * stable_step(*options.spectrum, 1.0);
@@ -50,8 +63,7 @@ class BesideNeedle {
   void go(double seconds) {
     scene.tool("needle").move_to(pose);
     const int steps = std::max(1, static_cast<int>(std::lround(seconds / dt)));
-    ASSERT_TRUE(device->step(steps, dt).ok());
-    ASSERT_TRUE(reference->step(steps, dt).ok());
+    ASSERT_TRUE(all_step(steps, dt, device, reference));
   }
 
   Model model;

@@ -22,8 +22,7 @@ class BesideReference {
 
   /// Off the reference by, of the largest motion; after so many steps.
   double off_after(int steps) {
-    EXPECT_TRUE(device->step(steps, dt).ok());
-    EXPECT_TRUE(reference->step(steps, dt).ok());
+    EXPECT_TRUE(all_step(steps, dt, device, reference));
     const State a = device->read(), b = reference->read();
     return largest_distance(a.position, b.position) / largest_distance(b.position, tables_->rest);
   }
@@ -38,8 +37,7 @@ class BesideReference {
     const State start = device->read();
     device->reset(start);
     reference->reset(start);
-    EXPECT_TRUE(device->step(1, dt).ok());
-    EXPECT_TRUE(reference->step(1, dt).ok());
+    EXPECT_TRUE(all_step(1, dt, device, reference));
     const State a = device->read(), b = reference->read();
     const double way = touching_spacing + largest_distance(start.position, tables_->rest);
     return {largest_distance(a.velocity, b.velocity) * dt / (0x1p-24 * way),
@@ -53,9 +51,5 @@ class BesideReference {
  private:
   std::shared_ptr<const TopologyTextures> tables_;
 };
-
-inline SolverOptions damped(double rate) {
-  return {.damping = {.rate = rate}};
-}
 
 }  // namespace phymul::test

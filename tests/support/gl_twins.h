@@ -106,8 +106,7 @@ struct GlTrio {
   }
   void step(int steps, double dt, const std::string& where = "") const {
     for (Solver* const solver : {static_cast<Solver*>(twins.gl.get()), twins.mirror.get(), reference.get()}) {
-      const StepReport report = solver->step(steps, dt);
-      ASSERT_TRUE(report.ok()) << report.message();
+      ASSERT_TRUE(is_ok(solver->step(steps, dt)));
     }
     twins.expect_same_bits(where.empty() ? "after " + std::to_string(steps) + " steps" : where);
   }

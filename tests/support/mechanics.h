@@ -213,8 +213,7 @@ inline TopologyTextures averaged_tables(Model model) {
   model.stiffness.assign(model.rest.size(), model.materials.front().young * mean_spacing(model));
   model.materials.clear();
   for (Cell& cell : model.cells) cell.material = -1;
-  const TopologyOptions options{.reaction = Reaction::averaged, .on_sparse = SparseParticle::free};
-  return build_topology(model, options);
+  return build_topology(model, {.reaction = Reaction::averaged, .on_sparse = SparseParticle::free});
 }
 
 }  // namespace phymul::test

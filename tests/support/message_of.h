@@ -22,16 +22,20 @@ std::string message_of(Action action) {
   return "(no error)";
 }
 
-/// That a text has this part; the text, where it has not.
-inline testing::AssertionResult says(std::string_view text, std::string_view part) {
-  if (text.find(part) != std::string_view::npos) return testing::AssertionSuccess();
-  return testing::AssertionFailure() << "no \"" << part << "\" in: " << text;
+/// That a text has this part, and more; the text, where it has not.
+template <class... Parts>
+testing::AssertionResult says(std::string_view text, std::string_view part, const Parts&... more) {
+  if (text.find(part) == std::string_view::npos) {
+    return testing::AssertionFailure() << "no \"" << part << "\" in: " << text;
+  }
+  if constexpr (sizeof...(more) > 0) return says(text, more...);
+  return testing::AssertionSuccess();
 }
 
-/// That `action` throws an Error whose text has this part.
-template <class Action>
-testing::AssertionResult refuses(Action action, std::string_view part) {
-  return says(message_of(action), part);
+/// That `action` throws an Error whose text has these parts.
+template <class Action, class... Parts>
+testing::AssertionResult refuses(Action action, const Parts&... parts) {
+  return says(message_of(action), parts...);
 }
 
 }  // namespace phymul

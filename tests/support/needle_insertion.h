@@ -22,6 +22,20 @@ inline Needle thin_needle() {
           .spread = 0.012};
 }
 
+/// The same with a shaft of this bending stiffness, N m^2; 0: one that does not bend.
+inline Needle bending(double stiffness) {
+  Needle needle = thin_needle();
+  needle.bending_stiffness = stiffness;
+  return needle;
+}
+
+/// Where a node of a hole is.
+inline Vec3 place_of(const NeedleNode& node, const State& state) {
+  Vec3 place = Vec3::Zero();
+  for (std::size_t k = 0; k < node.particles.size(); ++k) place += node.weights[k] * state.position[node.particles[k]];
+  return place;
+}
+
 /// A needle over the middle of a block whose bottom is held, off the lattice's lines.
 struct Insertion {
   Model model;
@@ -33,14 +47,12 @@ struct Insertion {
   Insertion(const std::string& backend, int cells, double share, const Needle& needle = thin_needle())
       : model(gel(cells)), scene(model) {
     scene.fix("z0").add_tool("needle", {.shape = needle, .pose = pose, .friction = 0.5});
-    const SolverOptions options{.damping = {.rate = 40.0}};
-    solver = make_solver(backend, model, scene, {}, options);
+    solver = make_solver(backend, model, scene, {}, damped(40.0));
     dt = share * solver->stable_step();
   }
   static Model gel(int cells) {
-    Model model = make_block({block_side, block_side, block_side}, cells, cells, cells);
-    set_material(model, {.young = 10e3, .poisson = 0.45, .density = 1000.0});
-    return model;
+    return with_material(make_block({block_side, block_side, block_side}, cells, cells, cells),
+                         {.young = 10e3, .poisson = 0.45, .density = 1000.0});
   }
 
   /// Mean force on the hub along the shaft over each of `parts` equal parts of the way; up is against insertion.
@@ -51,11 +63,18 @@ struct Insertion {
       pose.position.z() = from + (to - from) * k / parts;
       scene.tool("needle").move_to(pose);
       const double seconds = std::abs(to - from) / parts / speed;
-      const StepReport report = solver->step(std::max(1, static_cast<int>(std::lround(seconds / dt))), dt);
-      EXPECT_TRUE(report.ok()) << report.message();
+      EXPECT_TRUE(is_ok(solver->step(std::max(1, static_cast<int>(std::lround(seconds / dt))), dt)));
       force.push_back(solver->tool_force("needle").mean_force.z());
     }
     return force;
+  }
+
+  /// The same 20 mm deep and out again, by millimetres.
+  std::vector<double> go_in_and_out() {
+    std::vector<double> all = go(0.020, 0.1, 20);
+    const std::vector<double> out = go(-offset, 0.1, 20);
+    all.insert(all.end(), out.begin(), out.end());
+    return all;
   }
 };
 

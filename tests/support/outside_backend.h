@@ -10,14 +10,9 @@
 
 namespace phymul::test {
 
-class OutsideBackend final : public SolverBackend {
- public:
-  OutsideBackend(std::shared_ptr<const TopologyTextures> topology, const Scene& scene)
-      : SolverBackend("outside", std::move(topology), scene, {}) {
-    reset();
-  }
-
- private:
+class StandingBackend : public SolverBackend {
+ protected:
+  using SolverBackend::SolverBackend;  // call reset() then
   void do_reset(const State& state) override { state_ = state; }
   void do_scene_changed() override {}
   Motion do_step(const StepPlan& plan) override {
@@ -31,7 +26,16 @@ class OutsideBackend final : public SolverBackend {
   double do_time() const override { return state_.time; }
   std::string do_device() const override { return "nothing"; }
 
+ private:
   State state_;
+};
+
+class OutsideBackend final : public StandingBackend {
+ public:
+  OutsideBackend(std::shared_ptr<const TopologyTextures> topology, const Scene& scene)
+      : StandingBackend("outside", std::move(topology), scene, SolverOptions{}) {
+    reset();
+  }
 };
 
 }  // namespace phymul::test

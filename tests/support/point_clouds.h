@@ -105,13 +105,6 @@ inline Model blue_cloud(const Vec3& size) {
   return body_of(places, size);
 }
 
-inline Model without_cells(Model model) {
-  model.cells.clear();
-  model.components.clear();
-  model.extras = nullptr;
-  return model;
-}
-
 /// All of beam size or near it.
 inline std::vector<Body> clouds() {
   std::vector<Body> all{{"lattice", jittered_lattice(beam, 4, 0.0)},

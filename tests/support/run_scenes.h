@@ -12,6 +12,7 @@
 
 #include "bodies.h"
 #include "message_of.h"
+#include "steps.h"
 
 namespace phymul::test {
 

@@ -48,8 +48,7 @@ inline Model long_organ() {
 /// Two blocks, one over the edge of the other.
 inline Model two_blocks() {
   const Model lower = wide_block(), upper = moved(wide_block(), {0.1, 0.0021, 0.033});
-  const NamedBody bodies[] = {{"low", &lower}, {"high", &upper}};
-  return merge_models(bodies);
+  return merged({{"low", &lower}, {"high", &upper}});
 }
 
 /// A pulse of force, or a pose, that begins with the call `woken_at`; `step`: s.

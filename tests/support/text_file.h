@@ -15,8 +15,15 @@ inline std::string text_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// A file of the test's own (`name` may have folders), removed with the object. Tests run at the same time, so each has
-/// a folder of its own.
+/// A folder that no other test has: tests run at the same time.
+inline std::filesystem::path own_folder() {
+  const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
+  std::string name = std::string("phymul_") + test->test_suite_name() + '_' + test->name();
+  for (char& c : name) c = c == '/' ? '_' : c;
+  return std::filesystem::temp_directory_path() / name;
+}
+
+/// A file in own_folder() (`name` may have folders), removed with the object.
 class TextFile {
  public:
   TextFile(const std::string& name, const std::string& bytes) : folder_(own_folder()) {
@@ -34,13 +41,6 @@ class TextFile {
   const std::string& path() const { return path_; }
 
  private:
-  static std::filesystem::path own_folder() {
-    const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
-    std::string name = std::string("phymul_") + test->test_suite_name() + '_' + test->name();
-    for (char& c : name) c = c == '/' ? '_' : c;
-    return std::filesystem::temp_directory_path() / name;
-  }
-
   std::filesystem::path folder_;
   std::string path_;
 };

@@ -22,8 +22,7 @@ inline Model tissue(const Vec3& at, const std::array<int, 3>& cells) {
 }
 
 inline Model joined_bodies(const Model& low, const Model& high) {
-  const NamedBody bodies[] = {{"low", &low}, {"high", &high}};
-  return merge_models(bodies);
+  return merged({{"low", &low}, {"high", &high}});
 }
 
 /// A cube of 1 cm over the middle of a slab of 2.5 cm, a gap above it and off its lattice.

@@ -16,34 +16,6 @@ namespace {
 
 constexpr Law averaged_law = Law::particle_averaged;
 
-/// A box of pyramids: every hexahedron of a jittered block cut into six, around a particle in its middle.
-Model pyramids() {
-  Model model = jittered_block();
-  const std::array<std::array<int, 4>, 6> face{
-      {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};
-  std::vector<Cell> cells;
-  for (const Cell& cell : model.cells) {
-    if (cell.type != CellType::hexahedron) continue;
-    Vec3 middle = Vec3::Zero();
-    for (const Index i : cell.particles) middle += model.rest[i] / 8.0;
-    const Index apex = model.particle_count();
-    model.rest.push_back(middle);
-    model.mass.push_back(1.0);
-    model.stiffness.push_back(1.0);
-    for (const auto& ring : face) {
-      Cell pyramid;
-      pyramid.type = CellType::pyramid;
-      for (int k = 3; k >= 0; --k) pyramid.particles.push_back(cell.particles[ring[k]]);
-      pyramid.particles.push_back(apex);
-      cells.push_back(pyramid);
-    }
-  }
-  model.cells = cells;
-  model.components.clear();
-  model.neighbours = neighbours_from_cells(cells, model.particle_count());
-  return model;
-}
-
 /// A tetrahedral and a hexahedral half of a bar, which share the particles between them.
 Model mixed() {
   Model model = make_block({0.04, 0.02, 0.02}, 4, 2, 2);
@@ -84,7 +56,7 @@ std::vector<Body> meshes() {
   std::vector<Body> all{{"tetrahedra", make_tetrahedral_block({0.04, 0.03, 0.03}, 4, 3, 3, 0.2, 5)},
                         {"hexahedra", jittered_block()},
                         {"wedges and hexahedra", cylinder_275()},
-                        {"pyramids", pyramids()},
+                        {"pyramids", cut_into_pyramids(jittered_block())},
                         {"mixed", mixed()},
                         {"quads", make_strip(0.04, 0.02, 4, 2)},
                         {"triangles", triangles()}};
@@ -93,9 +65,7 @@ std::vector<Body> meshes() {
 }
 
 double measure(const Model& model) {
-  double sum = 0.0;
-  for (const double m : model.mass) sum += m / 1000.0;  // of soft_tissue, a metre thick in 2-D
-  return sum;
+  return total_mass(model) / 1000.0;  // of soft_tissue, a metre thick in 2-D
 }
 
 TEST(AveragedBody, VolumesAddUp) {
@@ -291,10 +261,8 @@ TEST(AveragedBody, CantileversOfAnyCellsBendAsTheyShould) {
         std::tuple{"tetrahedra, 4 : 1", with_material(make_tetrahedral_block({L, H, H}, 4, 4, 4, 0.2, 1)), 0.62},
         std::tuple{"hexahedra, 4 : 1", with_material(make_block({L, H, H}, 4, 4, 4)), 0.57},
         std::tuple{"hexahedra, one layer", with_material(make_block({L, H, H}, 16, 4, 1)), 1.48}}) {
-    Scene scene(model);
-    scene.fix("x0").gravity({0, 0, -g});
-    const SolverOptions options{.damping = {.rate = 8.0}};
-    const auto solver = make_solver("cpu", model, scene, {.law = averaged_law}, options);
+    Scene scene = Scene(model).fix("x0").gravity({0, 0, -g});
+    const auto solver = make_solver("cpu", model, scene, {.law = averaged_law}, damped(8.0));
     ASSERT_TRUE(solver->run_to_rest(20000, 0.5 * solver->stable_step()).converged()) << name;
     const State state = solver->read();
     double sum = 0.0;
@@ -333,10 +301,7 @@ TEST(AveragedBody, NonsenseIsRefusedWithWhatToDo) {
   folded.rest[13] = folded.rest[26] + Vec3(0.001, 0.001, 0.001);  // the middle, beyond a corner
   EXPECT_TRUE(says(refused(folded), "is folded or inside out at rest"));
   Model loose = with_material(block);
-  loose.rest.push_back({0.1, 0.1, 0.1});
-  loose.mass.push_back(1.0);
-  loose.stiffness.push_back(1.0);
-  loose.neighbours.offset.push_back(loose.neighbours.offset.back());
+  add_particle(loose, {0.1, 0.1, 0.1});
   EXPECT_TRUE(says(refused(loose), "particle 27 has no volume: put each in a cell"));
   EXPECT_TRUE(says(refused(loose, {.on_sparse = SparseParticle::springs}), "in no cell that has a material"));
   EXPECT_EQ(refused(loose, {.on_sparse = SparseParticle::free}), "(no error)");

@@ -19,9 +19,7 @@ namespace {
 const TopologyOptions averaged{.law = Law::particle_averaged};
 
 double volume(const Model& model) {
-  double sum = 0.0;
-  for (const double m : model.mass) sum += m / 1000.0;  // of soft_tissue
-  return sum;
+  return total_mass(model) / 1000.0;  // of soft_tissue
 }
 
 double energy_of_cells(const Mat3& F, double poisson) {
@@ -195,8 +193,7 @@ TEST(PointBody, StepsNearTheLimitDoNotGrow) {
     for (const char* backend : {"reference", "cpu"}) {
       const auto solver = make_solver(backend, body.model, scene, averaged);
       const double dt = 0.9 * solver->stable_step();
-      const State state = displaced(body.model, 1e-3, 4);
-      solver->start(state, dt);
+      solver->start(displaced(body.model, 1e-3, 4), dt);
       ASSERT_TRUE(solver->step(100, dt).ok());
       const double before = solver->energy().total();
       ASSERT_TRUE(solver->step(1000, dt).ok()) << body.name;
@@ -231,8 +228,7 @@ TEST(PointBody, BrokenStatesHeal) {
     for (const double poisson : {0.3, 0.45}) {
       set_material(model, soft_tissue(poisson));
       const Scene scene(model);
-      const SolverOptions options{.damping = {.factor = 0.99}};
-      const auto solver = make_solver("cpu", model, scene, averaged, options);
+      const auto solver = make_solver("cpu", model, scene, averaged, {.damping = {.factor = 0.99}});
       for (const FailureState& failure : failure_states()) {
         std::mt19937 bits(5);
         State state = rest_state(model);

@@ -44,11 +44,7 @@ TEST(TopologyLimits, PairsThatAllButCoincideAreNoBase) {
 
 TEST(TopologyLimits, ParticlesOutsideTheMaterialTakeNoSprings) {
   Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
-  model.rest.push_back({0.05, 0, 0});
-  model.mass.push_back(1.0);
-  model.stiffness.push_back(3.0);
-  const Index near[] = {2, 5};
-  model.neighbours.push_row(near, near + 2);
+  add_particle(model, {0.05, 0, 0}, {2, 5}, 3.0);
   set_material(model, soft_tissue());
   TopologyOptions options{.on_sparse = SparseParticle::springs};
   EXPECT_TRUE(refuses([&] { build_topology(model, options); },

@@ -22,8 +22,7 @@ TEST(Topology, StiffnessInNewtonsPerMetreIsTheModels) {
   Model block = make_block({3, 2, 2}, 3, 2, 2);
   for (Index i = 0; i < block.particle_count(); ++i) block.stiffness[i] = i;  // 0 among them
   for (BaseSelection bases : selections) {
-    const TopologyOptions options{.bases = bases};
-    EXPECT_EQ(build_topology(block, options).stiffness, block.stiffness);
+    EXPECT_EQ(build_topology(block, {.bases = bases}).stiffness, block.stiffness);
   }
 }
 
@@ -59,15 +58,10 @@ TEST(Topology, SpringsAreNeighbouringPairsOnce) {
 
 TEST(Topology, SparseParticlesAreNamedBoundOrFree) {
   Model model = make_block({2, 2, 2}, 2, 2, 2, 6);
-  model.rest.push_back({5, 0, 0});
-  model.mass.push_back(1.0);
-  model.stiffness.push_back(3.0);
-  const std::vector<Index> two{0, 1};
-  model.neighbours.push_row(two.begin(), two.end());
+  add_particle(model, {5, 0, 0}, {0, 1}, 3.0);
   TopologyOptions options;
-  const std::string text = message_of([&] { build_topology(model, options); });
-  EXPECT_TRUE(says(text, "particle 27 has no base: one takes 3 neighbours"));
-  EXPECT_TRUE(says(text, "on_sparse"));
+  EXPECT_TRUE(
+      refuses([&] { build_topology(model, options); }, "particle 27 has no base: one takes 3 neighbours", "on_sparse"));
   change_extras(model, [](FileExtras& extras) {
     extras.particle_index.resize(28);
     std::iota(extras.particle_index.begin(), extras.particle_index.end(), 1000);
@@ -100,8 +94,7 @@ TEST(Topology, VolumeTermsStandForTheWholeBody) {
   for (const Case& it :
        {Case{make_block({3, 2, 2}, 3, 2, 2), 12.0, 96},
         Case{make_tetrahedral_block({3, 2, 2}, 3, 2, 2, 0.2, 1), 12.0, 0}, Case{make_strip(4, 2, 4, 2), 8.0, 32}}) {
-    const TopologyOptions options{.volume_stiffness = 50.0};
-    const TopologyTextures t = build_topology(it.model, options);
+    const TopologyTextures t = build_topology(it.model, {.volume_stiffness = 50.0});
     double sum = 0.0;
     for (const VolumeTexel& term : t.volumes) {
       sum += term.stiffness;
@@ -139,8 +132,7 @@ TEST(Topology, OptionsOutOfRangeAreRefusedByName) {
   Model wire = make_tetrahedron(1.0);
   wire.cells.clear();
   wire.components.clear();
-  const TopologyOptions options{.volume_stiffness = 1.0};
-  EXPECT_TRUE(refuses([&] { build_topology(wire, options); }, "a volume term needs tetrahedra"));
+  EXPECT_TRUE(refuses([&] { build_topology(wire, {.volume_stiffness = 1.0}); }, "a volume term needs tetrahedra"));
 }
 
 }  // namespace

@@ -34,9 +34,8 @@ TEST(FitTexture, LimitThatIsNoPowerOfTwoIsUsedInHeight) {
 }
 
 TEST(FitTexture, SaysWhichTableAndWhichSizes) {
-  const std::string text = message_of([] { fit_texture(257, 16, "neighbours"); });
-  EXPECT_TRUE(says(text, "table of neighbours needs 257 rows"));
-  EXPECT_TRUE(says(text, "up to 16 texels a side hold 256"));
+  EXPECT_TRUE(refuses([] { fit_texture(257, 16, "neighbours"); }, "table of neighbours needs 257 rows",
+                      "up to 16 texels a side hold 256"));
   EXPECT_TRUE(refuses([] { fit_texture(1, 0, "x"); }, "side of a texture is 0"));
 }
 

@@ -168,8 +168,7 @@ TEST_F(GlPictureTest, BothSidesOfAPlaneBodyAreLit) {
   const Vec3 expected = Vec3(rest[0], rest[1], rest[2]) * (0.66 + 0.38 * facing);
   for (const double side : {1.0, -1.0}) {
     const Camera camera = framing(model.rest, {0, 0, side}, static_cast<double>(width) / height);
-    const Image image = display->render(camera, options, width, height);
-    const Vec3 colour = colour_at(image, camera, {0.0125, 0.0062, 0});
+    const Vec3 colour = colour_at(display->render(camera, options, width, height), camera, {0.0125, 0.0062, 0});
     EXPECT_LT((colour - expected.cwiseMin(1.0)).cwiseAbs().maxCoeff(), 0.012) << side;
   }
 }
@@ -299,12 +298,10 @@ TEST_F(GlPictureTest, AGlSolverIsDrawnFromItsOwnTexture) {
   PHYMUL_SKIP_OR_FAIL(why_not_here("gl"));
   for (const bool with_attractors : {false, true}) {
     Model model = cylinder_275();
-    Scene scene(model);
-    scene.fix("bottom").gravity({40.0, 0.0, 0.0});
+    Scene scene = Scene(model).fix("bottom").gravity({40.0, 0.0, 0.0});
     TopologyOptions topology;
     if (with_attractors) topology.reaction = Reaction::averaged;
-    const SolverOptions solver_options{.damping = {.factor = 0.99}};
-    const auto solver = make_solver("gl", model, scene, topology, solver_options);
+    const auto solver = make_solver("gl", model, scene, topology, {.damping = {.factor = 0.99}});
     const auto followed = make_display(*solver), given = make_display(model);
     EXPECT_TRUE(followed->zero_copy());
     const Camera camera = camera_for(model);
