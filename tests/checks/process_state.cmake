@@ -21,6 +21,7 @@ set(faults "")
 foreach(file IN LISTS FILES)
   execute_process(COMMAND ${NM} --demangle ${file} OUTPUT_VARIABLE symbols ERROR_QUIET COMMAND_ERROR_IS_FATAL ANY)
   string(REPLACE ";" "," symbols "${symbols}")
+  string(REPLACE "[abi:cxx11]" "" symbols "${symbols}")  # of clang's names
   string(REGEX MATCHALL "[^\n]+" symbols "${symbols}")
   list(LENGTH symbols count)
   if(count LESS 3)
