@@ -12,11 +12,6 @@
 namespace phymul::gl {
 namespace {
 
-std::string text_of(GLenum name) {
-  const GLubyte* text = glGetString(name);
-  return text ? reinterpret_cast<const char*>(text) : "";
-}
-
 bool is_software_renderer(const std::string& renderer) {
   static constexpr std::array names{"llvmpipe", "softpipe", "swrast", "Software Rasterizer", "SwiftShader", "lavapipe"};
   return std::any_of(names.begin(), names.end(),
@@ -29,11 +24,8 @@ void read_version(ContextInfo& info) {
   info.es = info.version.starts_with("OpenGL ES");
   info.major = integer_of(GL_MAJOR_VERSION);
   info.minor = integer_of(GL_MINOR_VERSION);
-  if (info.es || info.at_least(3, 2)) {
-    info.core_profile = info.es || (integer_of(GL_CONTEXT_PROFILE_MASK) & GL_CONTEXT_CORE_PROFILE_BIT) != 0;
-  } else {
-    info.core_profile = false;
-  }
+  info.core_profile =
+      info.es || (info.at_least(3, 2) && (integer_of(GL_CONTEXT_PROFILE_MASK) & GL_CONTEXT_CORE_PROFILE_BIT) != 0);
 }
 
 void require_version(const ContextInfo& info) {
@@ -83,8 +75,7 @@ ContextInfo read_context_info() {
   info.max_texture_units = integer_of(GL_MAX_TEXTURE_IMAGE_UNITS);
   info.has_robustness =
       can_report_reset(info) && integer_of(GL_RESET_NOTIFICATION_STRATEGY) == GL_LOSE_CONTEXT_ON_RESET;
-  for (int tries = 0; tries < 16 && glGetError() != GL_NO_ERROR; ++tries) {  // a lost context may report for ever
-  }
+  forget_errors();
   return info;
 }
 

@@ -50,14 +50,10 @@ class Pass {
 /// What a draw without vertices needs in a core profile. Made and deleted in the context.
 class EmptyVertexArray {
  public:
-  EmptyVertexArray() { glGenVertexArrays(1, &id_); }
-  EmptyVertexArray(const EmptyVertexArray&) = delete;
-  EmptyVertexArray& operator=(const EmptyVertexArray&) = delete;
-  ~EmptyVertexArray() { glDeleteVertexArrays(1, &id_); }
-  void bind() const { glBindVertexArray(id_); }
+  void bind() const { glBindVertexArray(*id_); }
 
  private:
-  GLuint id_ = 0;
+  Handle<VertexArrayKind> id_{one_name(glGenVertexArrays)};
 };
 
 }  // namespace phymul::gl

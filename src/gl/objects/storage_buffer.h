@@ -7,6 +7,7 @@
 
 #include <cstdint>
 
+#include "handle.h"
 #include "kernel.h"
 
 namespace phymul::gl {
@@ -16,21 +17,17 @@ class StorageBuffer {
   StorageBuffer() = default;
   /// Of undefined content. Throws Error where it is more than a shader sees, or than the driver has memory for.
   StorageBuffer(std::int64_t rows, const char* name, const ComputeLimits& limits);
-  StorageBuffer(StorageBuffer&& other) noexcept;
-  StorageBuffer& operator=(StorageBuffer&& other) noexcept;
-  ~StorageBuffer();
 
-  explicit operator bool() const { return id_ != 0; }
-  GLuint id() const { return id_; }
+  GLuint id() const { return *id_; }
   std::int64_t rows() const { return rows_; }
 
-  void bind(GLuint binding) const { glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, id_); }
+  void bind(GLuint binding) const { glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, *id_); }
   void write(std::int64_t first_byte, const void* data, std::int64_t bytes);
   /// Waits for the device; by a copy, so that the rows stay where kernels are quick to reach them.
   void read(std::int64_t first_row, std::int64_t rows, void* out) const;
 
  private:
-  GLuint id_ = 0;
+  Handle<BufferKind> id_;
   std::int64_t rows_ = 0;
 };
 
