@@ -36,14 +36,14 @@ void FragmentPasses::add(ShaderRequest request, const std::vector<Attachment>& t
 
 void FragmentPasses::add_attractors() {
   const BodyKind& kind = tables_->kind();
-  force_ = Texture::target(kind.particles, TexelFormat::rgba32f, "forces of attractors");
+  force_ = Texture::target(kind.particles, "forces of attractors");
   add({.files = joined({common, base_kernel(), attractor_files(kind)}), .defines = {}}, {{&force_}}, kind.particles);
 }
 
 void FragmentPasses::add_bases() {
   const BodyKind& kind = tables_->kind();
   const int corners = kind.conservative() ? 4 : 3;
-  base_terms_ = Texture::target(kind.bases, TexelFormat::rgba32f, "forces of bases", corners);
+  base_terms_ = Texture::target(kind.bases, "forces of bases", corners);
   ShaderRequest request{.files = joined({common, base_kernel(), {"step/force_of.glsl", "step/bases_pass.glsl"}}),
                         .defines = {}};
   if (!kind.conservative()) request.defines.emplace_back("AVERAGED", 1);
@@ -56,7 +56,7 @@ void FragmentPasses::add_bases() {
 void FragmentPasses::add_volumes() {
   const BodyKind& kind = tables_->kind();
   if (kind.volumes > 0) {
-    volume_terms_ = Texture::target(kind.volumes, TexelFormat::rgba32f, "forces of volumes", 4);
+    volume_terms_ = Texture::target(kind.volumes, "forces of volumes", 4);
     add({.files = joined({common, volume_kernel(), {"step/volumes_pass.glsl"}}), .defines = {}},
         {{&volume_terms_, 0}, {&volume_terms_, 1}, {&volume_terms_, 2}, {&volume_terms_, 3}}, kind.volumes);
   }
@@ -64,7 +64,7 @@ void FragmentPasses::add_volumes() {
 
 void FragmentPasses::add_domains() {
   const BodyKind& kind = tables_->kind();
-  domain_terms_ = Texture::target(kind.domains, TexelFormat::rgba32f, "stresses of domains", 3);
+  domain_terms_ = Texture::target(kind.domains, "stresses of domains", 3);
   add(domains_request(), {{&domain_terms_, 0}, {&domain_terms_, 1}, {&domain_terms_, 2}}, kind.domains);
   if (!strains_) return;
   const ShaderFiles passes{"step/kept_strains.glsl", "step/strains_pass.glsl"};
@@ -193,7 +193,7 @@ void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools,
 
 void FragmentPasses::make_passes(const StepKind& kind) {
   if (kind.tools && !net_) {
-    Texture net = Texture::target(tables_->kind().particles, TexelFormat::rgba32f, "net forces");
+    Texture net = Texture::target(tables_->kind().particles, "net forces");
     net_target_ = Framebuffer({{&net}});
     net_ = std::move(net);
   }
@@ -349,7 +349,7 @@ void FragmentPasses::act(const FragmentState& state, int batch_step) {
   if (contacts_) {
     touching_->set_free(surfaces_->open());
   } else {
-    surfaces_->bind_open(now_->step);
+    surfaces_->open().bind(now_->step);
   }
 }
 

@@ -3,11 +3,10 @@
 
 namespace phymul::gl {
 
-FragmentState::FragmentState(Index particles)
-    : measured_(Texture::target(particles, TexelFormat::rgba32f, "measured speeds and forces")) {
+FragmentState::FragmentState(Index particles) : measured_(Texture::target(particles, "measured speeds and forces")) {
   for (int k = 0; k < pairs; ++k) {
-    displacement_[k] = Texture::target(particles, TexelFormat::rgba32f, "displacement");
-    velocity_[k] = Texture::target(particles, TexelFormat::rgba32f, "velocity");
+    displacement_[k] = Texture::target(particles, "displacement");
+    velocity_[k] = Texture::target(particles, "velocity");
     plain_[k] = Framebuffer({{&displacement_[k]}, {&velocity_[k]}});
     measuring_[k] = Framebuffer({{&displacement_[k]}, {&velocity_[k]}, {&measured_}});
   }

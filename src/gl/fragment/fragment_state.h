@@ -9,7 +9,7 @@
 
 #include <array>
 
-#include "gl/objects/framebuffer.h"
+#include "gl/objects/pass.h"
 #include "gl/solver/state_copies.h"
 
 namespace phymul::gl {
@@ -51,6 +51,22 @@ class FragmentState {
   Texture measured_;  // speed, acceleration, force, displacement
   std::array<Framebuffer, pairs> plain_, measuring_;
   int current_ = 0, checkpoint_ = 0;
+};
+
+/// Where a step stands between its forces and its motion: the rows of pushed_tables.glsl.
+struct OpenStep {
+  explicit OpenStep(std::int64_t particles)
+      : force(Texture::target(particles, "forces before a step's motion")),
+        velocity(Texture::target(particles, "velocities before a step's motion")),
+        shift(Texture::target(particles, "shifts before a step's motion")) {}
+
+  void bind(Pass& pass) const {
+    pass.input("pushed_force", force);
+    pass.input("free_velocity", velocity);
+    pass.input("pushed_shift", shift);
+  }
+
+  Texture force, velocity, shift;
 };
 
 }  // namespace phymul::gl

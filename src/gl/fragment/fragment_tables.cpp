@@ -7,12 +7,10 @@
 
 namespace phymul::gl {
 
-template <class Row>
-void FragmentTables::add(const char* name, const std::vector<Row>& rows) {
-  if (!rows.empty()) textures_.push_back({name, Texture::table(std::span<const Row>(rows), name)});
-}
-
 FragmentTables::FragmentTables(const FloatTables& tables) : kind_(tables), materials_(tables.domains.material) {
+  const auto add = [this](const char* name, const auto& rows) {
+    if (!rows.empty()) tables_.add(name, rows);
+  };
   add("particle", tables.particle);
   add("index", tables.index);
   add("lists", tables.lists);
@@ -53,7 +51,7 @@ FragmentTables::FragmentTables(const FloatTables& tables) : kind_(tables), mater
 }
 
 void FragmentTables::bind(Pass& pass) const {
-  for (const Entry& entry : textures_) pass.input(entry.name, entry.texture);
+  tables_.bind(pass);
   pass.set("volume_start", volume_start_);
   pass.set("spring_start", spring_start_);
 }

@@ -3,6 +3,7 @@
 // Pass: a program with the textures it reads, ready to be drawn over a target.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,21 @@ class Pass {
   Program program_;
   std::vector<Input> inputs_;  // at texture units 0, 1, ...
   std::vector<std::string> unused_;
+};
+
+/// Constant tables in textures, each under the name by which passes read it.
+class NamedTables {
+ public:
+  template <class Row>
+  void add(const char* name, const std::vector<Row>& rows) {
+    tables_.push_back(Texture::table(std::span<const Row>(rows), name));
+  }
+  void bind(Pass& pass) const {
+    for (const Texture& table : tables_) pass.input(table.name(), table);
+  }
+
+ private:
+  std::vector<Texture> tables_;
 };
 
 /// What a draw without vertices needs in a core profile. Made and deleted in the context.

@@ -105,10 +105,6 @@ PHYMUL_TABLE(Float2, rg32f, Float2{})
 PHYMUL_TABLE(Float4, rgba32f, Float4{})
 #undef PHYMUL_TABLE
 
-Texture Texture::target(std::int64_t rows, TexelFormat format, const char* name, int layers) {
-  return {rows, format, name, layers, nullptr};
-}
-
 void Texture::upload(std::span<const Float4> rows, int layer) {
   keep_plain_unpacking();
   upload_rows(rows.data(), static_cast<std::int64_t>(rows.size()), sizeof(Float4), layer);

@@ -31,7 +31,12 @@ class Texture {
   static Texture table(std::span<const Float4> rows, const char* name);
 
   /// Something to draw into, of undefined content; with layers > 0 an array of as many rectangles.
-  static Texture target(std::int64_t rows, TexelFormat format, const char* name, int layers = 0);
+  static Texture target(std::int64_t rows, TexelFormat format, const char* name, int layers = 0) {
+    return {rows, format, name, layers, nullptr};
+  }
+  static Texture target(std::int64_t rows, const char* name, int layers = 0) {  ///< of TexelFormat::rgba32f
+    return target(rows, TexelFormat::rgba32f, name, layers);
+  }
 
   /// Writes over the first rows, of an array those of a layer; no more than there are.
   void upload(std::span<const Float4> rows, int layer = 0);
