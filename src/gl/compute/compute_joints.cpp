@@ -18,8 +18,7 @@ ComputeJoints::ComputeJoints(FloatJoints joints, const ComputeTables& tables, St
 }
 
 void ComputeJoints::follow(StorageBuffer& buffer) {
-  if (!joints_.follow()) return;
-  buffer.write(16 * laws_row_, joints_.laws().data(), static_cast<std::int64_t>(16 * joints_.laws().size()));
+  if (joints_.follow()) buffer.write_rows(laws_row_, joints_.laws());
 }
 
 }  // namespace phymul::gl

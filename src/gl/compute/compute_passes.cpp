@@ -95,6 +95,15 @@ ShaderRequest ComputePasses::gathering(const StepKind& step) const {
   return request;
 }
 
+/// The same for a pass between forces and motion.
+ShaderRequest ComputePasses::pushing(const StepKind& step) const {
+  ShaderRequest request = gathering(step);
+  define(request, "CUT");
+  define(request, "PUSHES");
+  append(request, {"tools/pushed_tables.glsl"});
+  return request;
+}
+
 void ComputePasses::add_tools(const StepKind& step, ShaderRequest& request) const {
   define_tools(step.grids, request);
   define(request, "HOLDS_ONLY", step.holds_first());
@@ -123,20 +132,14 @@ Kernel ComputePasses::stepping(const StepKind& step, const ComputeState& state) 
 }
 
 Kernel ComputePasses::freeing(const StepKind& step, const ComputeState& state) const {
-  ShaderRequest request = gathering(step);
-  define(request, "CUT");
-  define(request, "PUSHES");
-  append(request, {"tools/pushed_tables.glsl"});
+  ShaderRequest request = pushing(step);
   if (step.tools && (step.contacts || step.presses || step.surfaces)) add_tools(step, request);
   append(request, {"step/free_kernel.glsl"});
   return compiled(std::move(request), lanes, state);
 }
 
 Kernel ComputePasses::pressing(const StepKind& step, const ComputeState& state) const {
-  ShaderRequest request = gathering(step);
-  define(request, "CUT");
-  define(request, "PUSHES");
-  append(request, {"tools/pushed_tables.glsl"});
+  ShaderRequest request = pushing(step);
   add_tools(step, request);
   append(request, {"tools/press_kernel.glsl"});
   return compiled(std::move(request), lanes, state);
@@ -144,11 +147,8 @@ Kernel ComputePasses::pressing(const StepKind& step, const ComputeState& state) 
 
 SurfacePasses ComputePasses::touching(const StepKind& step, const ComputeState& state) const {
   return SurfacePasses([&](const ShaderFiles& files, const char* name) {
-    ShaderRequest request = gathering(step);
-    define(request, "CUT");
-    define(request, "PUSHES");
+    ShaderRequest request = pushing(step);
     define(request, name);
-    append(request, {"tools/pushed_tables.glsl"});
     add_tools(step, request);
     append(request, {"tools/surface_tables.glsl"});
     append(request, files);

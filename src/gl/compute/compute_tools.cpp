@@ -25,12 +25,11 @@ ComputeTools::ComputeTools(const FloatTools& tools, const ComputeTables& tables,
 }
 
 void ComputeTools::write_held(const FloatTools& tools, StorageBuffer& buffer) const {
-  const std::vector<Float4> held = tables_->by_place(tools.held());
-  buffer.write(16 * held_row_, held.data(), static_cast<std::int64_t>(16 * held.size()));
+  buffer.write_rows(held_row_, tables_->by_place(tools.held()));
 }
 
 void ComputeTools::write_frames(const FloatTools& tools, StorageBuffer& buffer) const {
-  buffer.write(16 * frames_row_, tools.frames().data(), static_cast<std::int64_t>(16 * tools.frames().size()));
+  buffer.write_rows(frames_row_, tools.frames());
 }
 
 }  // namespace phymul::gl

@@ -49,18 +49,13 @@ void FragmentDevice::set_held(const FloatTools& tools) {
   if (tools_) tools_->set_held(tools);
 }
 
-void FragmentDevice::write(const VecList& rest, const State& state) {
-  state_.write(rest, state);
-  strains_fresh_ = true;
-}
-
 void FragmentDevice::write_strains(std::span<const Float4> rows) {
-  strains_->kept.write(rows, state_.pair());
-  strains_fresh_ = false;
+  strains_->kept.write(rows, state_.current());
+  state_.set_strains_fresh(false);
 }
 
 std::vector<Float4> FragmentDevice::read_strains() {
-  return strains_fresh_ && state_.is_checkpoint() ? std::vector<Float4>() : strains_->kept.read(state_.pair());
+  return state_.no_strains() ? std::vector<Float4>() : strains_->kept.read(state_.current());
 }
 
 void FragmentDevice::begin_batch(const StepConstants& constants, const std::vector<double>& instants,
@@ -71,7 +66,6 @@ void FragmentDevice::begin_batch(const StepConstants& constants, const std::vect
   if (joints_) joints_->follow();
   if (contacts_) contacts_->begin_batch();
   passes_.set_constants(constants);
-  strains_fresh_ = strains_fresh_ && state_.is_checkpoint();
   state_.set_checkpoint();
 }
 
@@ -83,7 +77,7 @@ void FragmentDevice::run(int count) {
   vertices_.bind();
   state_.go_back();
   for (int step = 1; step <= count; ++step) {
-    passes_.step(state_, step, step == count, strains_fresh_);
+    passes_.step(state_, step, step == count);
     state_.advance();
   }
   steps_ = count;
@@ -91,7 +85,7 @@ void FragmentDevice::run(int count) {
 
 BatchReport FragmentDevice::try_step(int number) {
   vertices_.bind();
-  passes_.step(state_, number, true, strains_fresh_);
+  passes_.step(state_, number, true);
   return report(state_.next_displacement(), state_.next_velocity(), number);
 }
 

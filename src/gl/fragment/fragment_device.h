@@ -22,9 +22,9 @@ class FragmentDevice final : public Device {
   void set_dissipation(std::span<const Float4> constants) override { strains_->set_constants(constants); }
   void write_strains(std::span<const Float4> rows) override;
   std::vector<Float4> read_strains() override;
-  void write_joints(std::span<const Float4> rows) override { joints_->state.write(rows, state_.pair()); }
-  std::vector<Float4> read_joints() override { return joints_->state.read(state_.pair()); }
-  void write(const VecList& rest, const State& state) override;
+  void write_joints(std::span<const Float4> rows) override { joints_->state.write(rows, state_.current()); }
+  std::vector<Float4> read_joints() override { return joints_->state.read(state_.current()); }
+  void write(const VecList& rest, const State& state) override { state_.write(rest, state); }
   void read(const VecList& rest, State& state) override { state_.read(rest, state); }
   void begin_batch(const StepConstants& constants, const std::vector<double>& instants,
                    const FloatTools& tools) override;
@@ -48,7 +48,6 @@ class FragmentDevice final : public Device {
   FragmentTables tables_;
   FragmentState state_;
   std::unique_ptr<FragmentStrains> strains_;  // null unless the body dissipates
-  bool strains_fresh_ = true;                 // the checkpoint's domains have no strains but their own
   std::unique_ptr<FragmentLoads> loads_;
   std::unique_ptr<FragmentTools> tools_;        // null where there are none
   std::unique_ptr<FragmentSurfaces> surfaces_;  // likewise

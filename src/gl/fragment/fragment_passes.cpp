@@ -286,10 +286,10 @@ void FragmentPasses::prepare(Pass& pass, const FragmentState& state, int batch_s
   pass.set("gravity", loads_->gravity(static_cast<std::size_t>(batch_step - 1)));
 }
 
-void FragmentPasses::draw_terms(const FragmentState& state, int batch_step, bool fresh) {
+void FragmentPasses::draw_terms(const FragmentState& state, int batch_step) {
   const auto remember = [&](Pass& pass) {
-    strains_->bind(pass, state.pair());
-    pass.set("strains_fresh", batch_step == 1 && fresh ? 1 : 0);
+    strains_->bind(pass, state.current());
+    pass.set("strains_fresh", batch_step == 1 && state.strains_fresh() ? 1 : 0);
     pass.set("inverse_last_dt", static_cast<float>(1.0 / (batch_step == 1 ? last_dt_ : dt_)));
   };
   for (Drawing& drawing : before_) {
@@ -302,11 +302,11 @@ void FragmentPasses::draw_terms(const FragmentState& state, int batch_step, bool
   if (!strains_) return;
   strains_pass_.input("displacement", state.displacement());
   remember(strains_pass_);
-  strains_pass_.draw(strains_->kept.target(state.next_pair()));
+  strains_pass_.draw(strains_->kept.target(state.free_pair()));
 }
 
-void FragmentPasses::step(const FragmentState& state, int batch_step, bool measuring, bool fresh) {
-  draw_terms(state, batch_step, fresh);
+void FragmentPasses::step(const FragmentState& state, int batch_step, bool measuring) {
+  draw_terms(state, batch_step);
   if (joints_) pull(state, batch_step);
   if (tools_) {
     Pass& reaction = now_->reaction;
@@ -330,11 +330,11 @@ void FragmentPasses::pull(const FragmentState& state, int batch_step) {
   Pass& joints = now_->joints;
   joints.input("displacement", state.displacement());
   joints.input("velocity", state.velocity());
-  joints.input("joint_state", joints_->state.texture(state.pair()));
+  joints.input("joint_state", joints_->state.texture(state.current()));
   joints.set("joint_instant", batch_step - 1);
   joints.set_rows(joints_->state.texture(0), joints_->count());
-  joints.draw(joints_->state.target(state.next_pair()));
-  gathering_pass().input("joint_state", joints_->state.texture(state.next_pair()));
+  joints.draw(joints_->state.target(state.free_pair()));
+  gathering_pass().input("joint_state", joints_->state.texture(state.free_pair()));
 }
 
 /// What pushes between forces and motion comes in the order of ToolSet::act and Touching of src/interaction.

@@ -45,9 +45,8 @@ class FragmentPasses {
   void set_constants(const StepConstants& constants);
 
   /// One step from the current state to state.next(), as number `batch_step` (1, 2, ...) of a batch whose loads were
-  /// evaluated at instants batch_step - 1 and batch_step. `fresh`: the strains of the batch's first step are those of
-  /// its state. Does not advance the state.
-  void step(const FragmentState& state, int batch_step, bool measuring, bool fresh);
+  /// evaluated at instants batch_step - 1 and batch_step. Does not advance the state.
+  void step(const FragmentState& state, int batch_step, bool measuring);
 
   /// Brings down what the contacts of a batch told, up to this step of it; only where there are contacts.
   void sum_contacts(int last_step) { touching_->sum(last_step); }
@@ -83,7 +82,7 @@ class FragmentPasses {
   void add_volumes();
   void add_domains();
   ShaderRequest domains_request() const;
-  void draw_terms(const FragmentState& state, int batch_step, bool fresh);
+  void draw_terms(const FragmentState& state, int batch_step);
   void bind_terms(Pass& pass) const;
   ShaderRequest gathering(const LoadKind& loads) const;
   Stepping compiled(const StepKind& kind) const;

@@ -4,9 +4,9 @@
 namespace phymul::gl {
 
 FragmentSurfaces::FragmentSurfaces(const FloatSurfaces& surfaces, const FloatTools& tools)
-    : patches_(surfaces.patches()),
+    : SurfaceTools(surfaces.law_of),
+      patches_(surfaces.patches()),
       particles_(static_cast<int>(surfaces.ranges.size())),
-      law_of_(surfaces.law_of),
       load_(Texture::target(patches_, "loads of patches")),
       push_(Texture::target(std::int64_t{2} * patches_, "impulses on patches", 3)),
       open_{OpenStep(particles_), OpenStep(particles_)},

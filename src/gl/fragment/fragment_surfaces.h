@@ -9,27 +9,16 @@
 #include <vector>
 
 #include "device/float_surfaces.h"
-#include "device/float_tools.h"
 #include "fragment_state.h"
 
 namespace phymul::gl {
 
-class FragmentSurfaces {
+class FragmentSurfaces : public SurfaceTools {
  public:
   FragmentSurfaces(const FloatSurfaces& surfaces, const FloatTools& tools);
 
   int patches() const { return patches_; }
   int particles() const { return particles_; }
-  int tools() const { return static_cast<int>(law_of_.size()); }
-  bool is_one(int tool) const { return first_law(tool) >= 0; }
-  int first_law(int tool) const { return law_of_[static_cast<std::size_t>(tool)]; }
-
-  /// Takes over in which steps of a batch tools were put where they are.
-  void set_frames(const FloatTools& tools) { placed_ = tools.placed(); }
-  bool was_placed(int tool, int instant) const {
-    return placed_[static_cast<std::size_t>(instant) * law_of_.size() + static_cast<std::size_t>(tool)] != 0;
-  }
-
   /// Tables, and what each of these passes finds always in the same place.
   void bind(Pass& pass) const;
 
@@ -52,8 +41,6 @@ class FragmentSurfaces {
 
  private:
   int patches_, particles_;
-  std::vector<int> law_of_;
-  std::vector<char> placed_;  // [instants][tools]
   NamedTables tables_;
   std::array<Texture, 2> first_;                  // end, way
   Texture load_, push_;                           // push: a layer for each corner

@@ -47,18 +47,22 @@ void StorageBuffer::write(std::int64_t first_byte, const void* data, std::int64_
   glBindBuffer(GL_COPY_WRITE_BUFFER, 0);
 }
 
+void StorageBuffer::copy(std::int64_t first_row, std::int64_t rows, GLenum target, std::int64_t to_byte) const {
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  glBindBuffer(GL_COPY_READ_BUFFER, *id_);
+  glCopyBufferSubData(GL_COPY_READ_BUFFER, target, static_cast<GLintptr>(first_row * row_bytes),
+                      static_cast<GLintptr>(to_byte), static_cast<GLsizeiptr>(rows * row_bytes));
+  glBindBuffer(GL_COPY_READ_BUFFER, 0);
+}
+
 void StorageBuffer::read(std::int64_t first_row, std::int64_t rows, void* out) const {
   const auto bytes = static_cast<GLsizeiptr>(rows * row_bytes);
-  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   const Handle<BufferKind> staging(one_name(glGenBuffers));
   glBindBuffer(GL_COPY_WRITE_BUFFER, *staging);
   glBufferData(GL_COPY_WRITE_BUFFER, bytes, nullptr, GL_STREAM_READ);
-  glBindBuffer(GL_COPY_READ_BUFFER, *id_);
-  glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(first_row * row_bytes), 0,
-                      bytes);
+  copy(first_row, rows, GL_COPY_WRITE_BUFFER, 0);
   const bool came = read_buffer(GL_COPY_WRITE_BUFFER, bytes,
                                 [&](const void* from) { std::memcpy(out, from, static_cast<std::size_t>(bytes)); });
-  glBindBuffer(GL_COPY_READ_BUFFER, 0);
   glBindBuffer(GL_COPY_WRITE_BUFFER, 0);
   if (!came) throw Error(ErrorCode::device, "the device gave no copy of its rows");
 }
