@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/bounding_box.h"
 #include "model/require_indices.h"
 
 namespace phymul::gl {
@@ -39,15 +40,6 @@ std::vector<Eigen::Vector3f> scale_colours() {
   return colours;
 }
 
-Vec3 middle_of(const VecList& points) {
-  Vec3 low = points.front(), high = points.front();
-  for (const Vec3& x : points) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  return 0.5 * (low + high);
-}
-
 /// To pixels from -1 to 1: x, y across the view, z between the planes. Column-major, as GL wants it.
 Eigen::Matrix4d projection_of(const Camera& camera, double aspect, double near, double far) {
   Eigen::Matrix4d p = Eigen::Matrix4d::Zero();
@@ -81,7 +73,7 @@ struct BodyDrawing::Eye {
 };
 
 BodyDrawing::BodyDrawing(const Model& model, const ShaderLibrary& library, const Skin* skin)
-    : model_(model), library_(library), centre_(middle_of(model.rest)), spacing_(mean_spacing(model)) {
+    : model_(model), library_(library), centre_(bounding_box(model.rest).center()), spacing_(mean_spacing(model)) {
   std::vector<Float4> rest;
   for (const Vec3& x : model.rest) {
     rest.push_back(float4(x - centre_));
