@@ -65,6 +65,8 @@ class ComputeNeedles {
     std::int64_t state_words() const;
   };
   static constexpr int header_words = 16;
+  template <class Whole, class Real>
+  static void for_each_law_word(const Placed& needle, Whole&& whole, Real&& real);
   std::vector<std::int32_t> law_words() const;
   std::vector<std::int32_t> state_words(const Placed& needle, const NeedleState& state) const;
   NeedleState state_of(const Placed& needle, const std::vector<std::int32_t>& words) const;
