@@ -77,6 +77,9 @@ struct FloatTables {
   bool has_attractors() const { return !neighbour.empty() && options.reaction != Reaction::conservative; }
 };
 
+/// Whether the options allow the enumerated layout.
+bool can_enumerate(const TopologyTextures& topology);
+
 /// Rows of `share` (thesis' reactions) or `reaction` are bounded by lists[i][0]. Throws Error where an entry would not
 /// fit 32 bits or a constant not a float, and for `enumerated` where the options do not allow it.
 FloatTables pack_floats(const TopologyTextures& topology, FloatLayout layout = FloatLayout::table);

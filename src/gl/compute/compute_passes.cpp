@@ -2,7 +2,6 @@
 #include "compute_passes.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 namespace phymul::gl {
@@ -231,14 +230,13 @@ void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& sta
 }
 
 void ComputePasses::set_constants(const StepConstants& constants) {
-  const auto finite = [](double value) { return std::min(value, double{std::numeric_limits<float>::max()}); };
   now_->for_each([&](Kernel& kernel) {
-    const auto set = [&kernel](const char* name, double value) { kernel.set(name, static_cast<float>(value)); };
-    set("largest_acceleration", finite(constants.largest_acceleration));
+    const auto set = [&kernel](const char* name, double value) { kernel.set(name, to_float(value)); };
+    set("largest_acceleration", constants.largest_acceleration);
     set("dt", constants.dt);
     set("inverse_dt", 1.0 / constants.dt);
     set("damping_factor", constants.damping_factor);
-    set("runaway_speed", finite(constants.runaway_speed));
+    set("runaway_speed", constants.runaway_speed);
     set("speed_at_rest", constants.speed_at_rest);
     set("acceleration_at_rest", constants.acceleration_at_rest);
     kernel.set("tools_at_once", constants.tools_at_once ? 1 : 0);

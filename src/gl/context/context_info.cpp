@@ -7,10 +7,22 @@
 #include <array>
 
 #include "gl_api.h"
-#include "gl_functions.h"
 
 namespace phymul::gl {
 namespace {
+
+/// Sorted.
+std::vector<std::string> gl_extensions() {
+  const GLint count = integer_of(GL_NUM_EXTENSIONS);
+  std::vector<std::string> names;
+  for (GLint i = 0; i < count; ++i) {
+    if (const GLubyte* name = glGetStringi(GL_EXTENSIONS, static_cast<GLuint>(i))) {
+      names.emplace_back(reinterpret_cast<const char*>(name));
+    }
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
 
 bool is_software_renderer(const std::string& renderer) {
   static constexpr std::array names{"llvmpipe", "softpipe", "swrast", "Software Rasterizer", "SwiftShader", "lavapipe"};
@@ -41,7 +53,7 @@ bool can_report_reset(const ContextInfo& info) {
 }  // namespace
 
 bool ContextInfo::has(std::string_view extension) const {
-  return contains(extensions, extension);
+  return std::binary_search(extensions.begin(), extensions.end(), extension);
 }
 
 std::string ContextInfo::device() const {

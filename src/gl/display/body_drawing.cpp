@@ -26,10 +26,6 @@ const Colour attractor_colour{0.74, 0.16, 0.52, 1.0};
 const Colour line_colour{0.0, 0.0, 0.0, 1.0};
 const Colour rest_colour{0.42, 0.42, 0.42, 1.0};
 
-Float4 float4(const Vec3& v) {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
-}
-
 Eigen::Vector3f rgb(const Colour& colour) {
   return {static_cast<float>(colour[0]), static_cast<float>(colour[1]), static_cast<float>(colour[2])};
 }

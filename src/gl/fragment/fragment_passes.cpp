@@ -2,7 +2,6 @@
 #include "fragment_passes.h"
 
 #include <algorithm>
-#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -252,8 +251,7 @@ void FragmentPasses::bind_volumes() {
 void FragmentPasses::set_constants(const StepConstants& constants) {
   dt_ = constants.dt;
   last_dt_ = constants.last_dt > 0.0 ? constants.last_dt : constants.dt;
-  const auto finite = [](double value) { return std::min(value, double{std::numeric_limits<float>::max()}); };
-  const auto largest = static_cast<float>(finite(constants.largest_acceleration));
+  const float largest = to_float(constants.largest_acceleration);
   gathering_pass().set("largest_acceleration", largest);
   if (tools_) now_->tools.set("largest_acceleration", largest);
   if (joints_) {
@@ -272,8 +270,8 @@ void FragmentPasses::set_constants(const StepConstants& constants) {
   if (surfaces_) now_->surfaces.set_step(constants.dt);
   if (contacts_) touching_->set_step(constants.dt);
   Pass& end = volumes_ ? now_->end : now_->step;
-  const auto set = [&](const char* name, double value) { end.set(name, static_cast<float>(value)); };
-  set("runaway_speed", finite(constants.runaway_speed));
+  const auto set = [&](const char* name, double value) { end.set(name, to_float(value)); };
+  set("runaway_speed", constants.runaway_speed);
   set("speed_at_rest", constants.speed_at_rest);
   set("acceleration_at_rest", constants.acceleration_at_rest);
 }
