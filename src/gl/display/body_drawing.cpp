@@ -206,38 +206,37 @@ void BodyDrawing::draw_surface(const Placement& placement, const DisplayOptions&
   glDepthMask(GL_TRUE);
 }
 
-void BodyDrawing::draw_edges(const Placement& placement, const Eye& eye) {
+/// Lines between the particles of `pairs`; null: between each particle and itself, by the second displacements.
+Drawing& BodyDrawing::begin_pairs(const TextureView& displacement, const TextureView& second, const Texture* pairs,
+                                  const Eye& eye, const Colour& colour, bool by_displacement) {
   Drawing& drawing = begin(pair_, "display/display_pair.vert", "display/display_line.frag");
-  set_body(drawing, placement.displacement, eye, line_colour, false);
+  set_body(drawing, displacement, eye, colour, by_displacement);
+  drawing.input("second_displacement", second);
+  drawing.input("pairs", view_of(pairs ? *pairs : no_list_));
+  drawing.set("paired", pairs ? 1 : 0);
+  return drawing;
+}
+
+void BodyDrawing::draw_edges(const Placement& placement, const Eye& eye) {
+  Drawing& drawing = begin_pairs(placement.displacement, placement.displacement, &edges_, eye, line_colour, false);
   // A fine mesh would be all lines.
   const double strength = 0.45 * std::min(1.0, eye.pixels_per_metre * edge_length_ / eye.pixel_size / 15.0);
   set_line(drawing, eye, 0.55, strength);
-  drawing.input("second_displacement", placement.displacement);
-  drawing.input("pairs", view_of(edges_));
-  drawing.set("paired", 1);
   drawing.draw(edge_count_);
 }
 
 void BodyDrawing::draw_links(const Placement& placement, const Eye& eye) {
-  Drawing& drawing = begin(pair_, "display/display_pair.vert", "display/display_line.frag");
-  set_body(drawing, placement.displacement, eye, link_colour, true);
+  Drawing& drawing = begin_pairs(placement.displacement, placement.displacement, &links_, eye, link_colour, true);
   const double rod = link_size * spacing_ * eye.pixels_per_metre / eye.pixel_size;
   set_line(drawing, eye, std::clamp(rod, 0.6, 6.0), 1.0);
   drawing.set("tube", 1);
   drawing.set("lift", 0.0f);
-  drawing.input("second_displacement", placement.displacement);
-  drawing.input("pairs", view_of(links_));
-  drawing.set("paired", 1);
   drawing.draw(link_count_);
 }
 
 void BodyDrawing::draw_attractors(const Placement& placement, const DisplayOptions& options, const Eye& eye) {
-  Drawing& drawing = begin(pair_, "display/display_pair.vert", "display/display_line.frag");
-  set_body(drawing, placement.displacement, eye, attractor_colour, false);
+  Drawing& drawing = begin_pairs(placement.displacement, placement.attractor, nullptr, eye, attractor_colour, false);
   set_line(drawing, eye, 1.1, 1.0);
-  drawing.input("second_displacement", placement.attractor);
-  drawing.input("pairs", view_of(no_list_));
-  drawing.set("paired", 0);
   drawing.draw(model_.rest.size());
   draw_balls(placement.attractor, nullptr, model_.rest.size(), attractor_size * ball_radius(options), attractor_colour,
              false, eye);
