@@ -167,23 +167,21 @@ void FragmentPasses::compile_keeping(Stepping& stepping) const {
        .defines = {}});
 }
 
-void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentSurfaces* surfaces,
-                               FragmentVolumes* volumes, FragmentContacts* contacts, const FragmentJoints* joints) {
-  const auto before = std::tuple(now_, loads_, tools_, surfaces_, volumes_, contacts_, joints_);
+void FragmentPasses::set_scene(FragmentScene& scene) {
+  const auto before = std::pair(now_, scene_);
   const std::size_t known = stepping_.size();
-  std::tie(loads_, tools_, surfaces_, volumes_, contacts_, joints_) =
-      std::tuple(&loads, tools, surfaces, volumes, contacts, joints);
+  scene_ = &scene;
   try {
-    make_passes({.loads = loads.kind(),
-                 .tools = tools != nullptr,
-                 .grids = tools && tools->any_grid(),
-                 .volumes = volumes != nullptr,
-                 .contacts = contacts != nullptr,
-                 .surfaces = surfaces != nullptr,
-                 .joints_on_tools = joints && joints->any_tool()});
+    make_passes({.loads = scene.loads.kind(),
+                 .tools = scene.tools.has_value(),
+                 .grids = scene.tools && scene.tools->any_grid(),
+                 .volumes = scene.volumes.has_value(),
+                 .contacts = scene.contacts.has_value(),
+                 .surfaces = scene.surfaces.has_value(),
+                 .joints_on_tools = scene.joints && scene.joints->any_tool()});
     bind_scene();
   } catch (...) {
-    std::tie(now_, loads_, tools_, surfaces_, volumes_, contacts_, joints_) = before;
+    std::tie(now_, scene_) = before;
     while (stepping_.size() > known) stepping_.pop_back();
     if (now_) bind_scene();  // what passes know already they look up no more, so that nothing can fail
     throw;
@@ -203,49 +201,50 @@ void FragmentPasses::make_passes(const StepKind& kind) {
 }
 
 void FragmentPasses::bind_scene() {
-  loads_->bind(now_->step);
-  if (loads_->kind().scaled) loads_->bind_factors(now_->domains);
-  if (tools_) {
-    loads_->bind(now_->reaction);
-    loads_->bind(now_->tools);
-    tools_->bind(now_->tools);
-    tools_->bind(now_->step);
+  scene_->loads.bind(now_->step);
+  if (scene_->loads.kind().scaled) scene_->loads.bind_factors(now_->domains);
+  if (scene_->tools) {
+    scene_->loads.bind(now_->reaction);
+    scene_->loads.bind(now_->tools);
+    scene_->tools->bind(now_->tools);
+    scene_->tools->bind(now_->step);
   }
-  if (volumes_) bind_volumes();
+  if (scene_->volumes) bind_volumes();
   if (now_->kind.pushes()) {
-    loads_->bind(now_->free);
-    if (tools_) tools_->bind(now_->free);
+    scene_->loads.bind(now_->free);
+    if (scene_->tools) scene_->tools->bind(now_->free);
   }
-  if (surfaces_) bind_surfaces();
-  if (contacts_) bind_contacts();
-  if (joints_) bind_joints();
+  if (scene_->surfaces) bind_surfaces();
+  if (scene_->contacts) bind_contacts();
+  if (scene_->joints) bind_joints();
 }
 
 void FragmentPasses::bind_joints() {
-  joints_->bind(now_->joints);
-  if (joints_->any_tool()) tools_->bind(now_->joints);
-  joints_->bind_gathering(gathering_pass());
+  scene_->joints->bind(now_->joints);
+  if (scene_->joints->any_tool()) scene_->tools->bind(now_->joints);
+  scene_->joints->bind_gathering(gathering_pass());
 }
 
 void FragmentPasses::bind_surfaces() {
   now_->surfaces.for_each([this](Pass& pass) {
-    loads_->bind(pass);
-    tools_->bind(pass);
+    scene_->loads.bind(pass);
+    scene_->tools->bind(pass);
   });
-  now_->surfaces.bind(*surfaces_);
-  surfaces_->bind_given(now_->tools);
+  now_->surfaces.bind(*scene_->surfaces);
+  scene_->surfaces->bind_given(now_->tools);
 }
 
 void FragmentPasses::bind_contacts() {
-  now_->step.input("pushed_force", contacts_->pushed_force);
-  now_->step.input("pushed_shift", contacts_->pushed_shift);
-  touching_->set_contacts(*contacts_);
+  now_->step.input("pushed_force", scene_->contacts->pushed_force);
+  now_->step.input("pushed_shift", scene_->contacts->pushed_shift);
+  touching_->set_contacts(*scene_->contacts);
 }
 
 void FragmentPasses::bind_volumes() {
-  for (Pass* const pass : {&now_->along, &now_->end}) loads_->bind(*pass);
-  if (tools_) tools_->bind(now_->along);
-  for (Pass* const pass : {&now_->along, &now_->facets, &now_->sums, &now_->roots, &now_->end}) volumes_->bind(*pass);
+  for (Pass* const pass : {&now_->along, &now_->end}) scene_->loads.bind(*pass);
+  if (scene_->tools) scene_->tools->bind(now_->along);
+  for (Pass* const pass : {&now_->along, &now_->facets, &now_->sums, &now_->roots, &now_->end})
+    scene_->volumes->bind(*pass);
 }
 
 void FragmentPasses::set_constants(const StepConstants& constants) {
@@ -253,8 +252,8 @@ void FragmentPasses::set_constants(const StepConstants& constants) {
   last_dt_ = constants.last_dt > 0.0 ? constants.last_dt : constants.dt;
   const float largest = to_float(constants.largest_acceleration);
   gathering_pass().set("largest_acceleration", largest);
-  if (tools_) now_->tools.set("largest_acceleration", largest);
-  if (joints_) {
+  if (scene_->tools) now_->tools.set("largest_acceleration", largest);
+  if (scene_->joints) {
     now_->joints.set("inverse_dt", static_cast<float>(1.0 / constants.dt));
     now_->joints.set("tools_at_once", constants.tools_at_once ? 1 : 0);
   }
@@ -264,12 +263,12 @@ void FragmentPasses::set_constants(const StepConstants& constants) {
     pass.set("damping_factor", static_cast<float>(constants.damping_factor));
   };
   set_motion(now_->step);
-  if (tools_) set_motion(now_->tools);
-  if (volumes_) set_motion(now_->end);
+  if (scene_->tools) set_motion(now_->tools);
+  if (scene_->volumes) set_motion(now_->end);
   if (now_->kind.pushes()) set_motion(now_->free);
-  if (surfaces_) now_->surfaces.set_step(constants.dt);
-  if (contacts_) touching_->set_step(constants.dt);
-  Pass& end = volumes_ ? now_->end : now_->step;
+  if (scene_->surfaces) now_->surfaces.set_step(constants.dt);
+  if (scene_->contacts) touching_->set_step(constants.dt);
+  Pass& end = scene_->volumes ? now_->end : now_->step;
   const auto set = [&](const char* name, double value) { end.set(name, to_float(value)); };
   set("runaway_speed", constants.runaway_speed);
   set("speed_at_rest", constants.speed_at_rest);
@@ -281,7 +280,7 @@ void FragmentPasses::prepare(Pass& pass, const FragmentState& state, int batch_s
   pass.input("velocity", state.velocity());
   pass.set("instant", batch_step - 1);
   pass.set("batch_step", batch_step);
-  pass.set("gravity", loads_->gravity(static_cast<std::size_t>(batch_step - 1)));
+  pass.set("gravity", scene_->loads.gravity(static_cast<std::size_t>(batch_step - 1)));
 }
 
 void FragmentPasses::draw_terms(const FragmentState& state, int batch_step) {
@@ -292,7 +291,7 @@ void FragmentPasses::draw_terms(const FragmentState& state, int batch_step) {
   };
   for (Drawing& drawing : before_) {
     const bool last = &drawing == &before_.back();  // of domains, where there are some
-    Pass& pass = last && loads_->kind().scaled ? now_->domains : drawing.pass;
+    Pass& pass = last && scene_->loads.kind().scaled ? now_->domains : drawing.pass;
     pass.input("displacement", state.displacement());
     if (last && strains_) remember(pass);
     pass.draw(drawing.target);
@@ -305,8 +304,8 @@ void FragmentPasses::draw_terms(const FragmentState& state, int batch_step) {
 
 void FragmentPasses::step(const FragmentState& state, int batch_step, bool measuring) {
   draw_terms(state, batch_step);
-  if (joints_) pull(state, batch_step);
-  if (tools_) {
+  if (scene_->joints) pull(state, batch_step);
+  if (scene_->tools) {
     Pass& reaction = now_->reaction;
     reaction.input("displacement", state.displacement());
     reaction.set_rows(net_, tables_->kind().particles);
@@ -314,46 +313,46 @@ void FragmentPasses::step(const FragmentState& state, int batch_step, bool measu
     reaction.draw(net_target_);
   }
   if (now_->kind.pushes()) open(state, batch_step);
-  if (surfaces_) act(state, batch_step);
-  if (tools_) tell(state, batch_step);
-  if (contacts_) touch(state, batch_step);
+  if (scene_->surfaces) act(state, batch_step);
+  if (scene_->tools) tell(state, batch_step);
+  if (scene_->contacts) touch(state, batch_step);
   Pass& step = now_->step;
   prepare(step, state, batch_step);
   step.set_rows(state.displacement(), tables_->kind().particles);
-  step.draw(volumes_ ? volumes_->free_target() : state.next(measuring));
-  if (volumes_) keep(state, batch_step, measuring);
+  step.draw(scene_->volumes ? scene_->volumes->free_target() : state.next(measuring));
+  if (scene_->volumes) keep(state, batch_step, measuring);
 }
 
 void FragmentPasses::pull(const FragmentState& state, int batch_step) {
   Pass& joints = now_->joints;
   joints.input("displacement", state.displacement());
   joints.input("velocity", state.velocity());
-  joints.input("joint_state", joints_->state.texture(state.current()));
+  joints.input("joint_state", scene_->joints->state.texture(state.current()));
   joints.set("joint_instant", batch_step - 1);
-  joints.set_rows(joints_->state.texture(0), joints_->count());
-  joints.draw(joints_->state.target(state.free_pair()));
-  gathering_pass().input("joint_state", joints_->state.texture(state.free_pair()));
+  joints.set_rows(scene_->joints->state.texture(0), scene_->joints->count());
+  joints.draw(scene_->joints->state.target(state.free_pair()));
+  gathering_pass().input("joint_state", scene_->joints->state.texture(state.free_pair()));
 }
 
 /// What pushes between forces and motion comes in the order of ToolSet::act and Touching of src/interaction.
 void FragmentPasses::open(const FragmentState& state, int batch_step) {
   prepare(now_->free, state, batch_step);
   now_->free.set_rows(state.displacement(), tables_->kind().particles);
-  now_->free.draw(surfaces_ ? surfaces_->open_target() : contacts_->free_target);
+  now_->free.draw(scene_->surfaces ? scene_->surfaces->open_target() : scene_->contacts->free_target);
 }
 
 void FragmentPasses::act(const FragmentState& state, int batch_step) {
-  now_->surfaces.act(*surfaces_, state.displacement(), batch_step);
-  if (contacts_) {
-    touching_->set_free(surfaces_->open());
+  now_->surfaces.act(*scene_->surfaces, state.displacement(), batch_step);
+  if (scene_->contacts) {
+    touching_->set_free(scene_->surfaces->open());
   } else {
-    surfaces_->open().bind(now_->step);
+    scene_->surfaces->open().bind(now_->step);
   }
 }
 
 void FragmentPasses::tell(const FragmentState& state, int batch_step) {
   prepare(now_->tools, state, batch_step);
-  tools_->tell(now_->tools);
+  scene_->tools->tell(now_->tools);
 }
 
 void FragmentPasses::touch(const FragmentState& state, int batch_step) {
@@ -362,10 +361,10 @@ void FragmentPasses::touch(const FragmentState& state, int batch_step) {
 
 void FragmentPasses::keep(const FragmentState& state, int batch_step, bool measuring) {
   prepare(now_->along, state, batch_step);
-  volumes_->follow_gradient(now_->along);
-  volumes_->sum(now_->facets, now_->sums);
-  volumes_->find_roots(now_->roots, batch_step);
-  volumes_->bind_roots(now_->end);
+  scene_->volumes->follow_gradient(now_->along);
+  scene_->volumes->sum(now_->facets, now_->sums);
+  scene_->volumes->find_roots(now_->roots, batch_step);
+  scene_->volumes->bind_roots(now_->end);
   prepare(now_->end, state, batch_step);
   now_->end.set_rows(state.displacement(), tables_->kind().particles);
   now_->end.draw(state.next(measuring));

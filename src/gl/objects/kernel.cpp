@@ -45,11 +45,6 @@ Kernel::Kernel(const ShaderLibrary& library, ShaderRequest request, int group, c
       group_(group),
       limits_(limits) {}
 
-GLint Kernel::location(const char* name) {
-  glUseProgram(program_.id());
-  return program_.known_uniform(name);
-}
-
 void Kernel::dispatch(int groups) {
   if (groups == 0) return;
   const std::int64_t across = std::min<std::int64_t>(groups, limits_.groups_across);

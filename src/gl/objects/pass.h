@@ -22,9 +22,11 @@ class Pass {
   void input(const char* name, const Texture& texture);
 
   /// For uniforms, which stay too. Makes the program current.
-  void set(const char* name, int value);
-  void set(const char* name, float value);
-  void set(const char* name, const Float4& xyz);  ///< a vec3: the first three
+  void set(const char* name, int value) { glUniform1i(program_.use_uniform(name), value); }
+  void set(const char* name, float value) { glUniform1f(program_.use_uniform(name), value); }
+  void set(const char* name, const Float4& xyz) {  ///< a vec3: the first three
+    glUniform3f(program_.use_uniform(name), xyz[0], xyz[1], xyz[2]);
+  }
 
   /// The rectangle that will be drawn over, and how many of its rows mean something.
   void set_rows(const Texture& target, int rows);
@@ -40,8 +42,6 @@ class Pass {
     int log2_width;
     GLint place_location;
   };
-  GLint location(const char* name);
-
   std::string name_;  // of its last shader file, without the ending
   Program program_;
   std::vector<Input> inputs_;  // at texture units 0, 1, ...

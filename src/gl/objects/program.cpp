@@ -72,7 +72,8 @@ Program Program::computing(const ShaderLibrary& library, const ShaderRequest& re
   return program;
 }
 
-GLint Program::known_uniform(const char* name) {
+GLint Program::use_uniform(const char* name) {
+  glUseProgram(*id_);
   for (const Uniform& known : uniforms_) {
     if (known.name == name) return known.location;
   }

@@ -28,8 +28,8 @@ class Program {
   GLuint id() const { return *id_; }
   /// -1 where the shader has no such uniform or does not use it.
   GLint uniform(const char* name) const { return glGetUniformLocation(*id_, name); }
-  /// The same, remembered: for those that are set again and again.
-  GLint known_uniform(const char* name);
+  /// The same, remembered, for those that are set again and again. Makes the program current.
+  GLint use_uniform(const char* name);
 
  private:
   struct Uniform {
