@@ -195,6 +195,20 @@ LoopTurns count_turns(const TopologyTextures& from, FloatLayout layout) {
 
 }  // namespace
 
+FloatEntries::FloatEntries(const FloatTables& tables) : rows(tables.reaction) {
+  const auto append = [this](const std::vector<std::int32_t>& list) {
+    const std::size_t start = rows.size();
+    rows.insert(rows.end(), list.begin(), list.end());
+    if (rows.size() > most_entries) {
+      throw Error(ErrorCode::not_supported, "the lists of who meets which term have " + std::to_string(rows.size()) +
+                                                " rows together; a shader counts to 2147483647");
+    }
+    return static_cast<int>(start);
+  };
+  volume_start = append(tables.volume_entry);
+  spring_start = append(tables.spring_other);
+}
+
 bool can_enumerate(const TopologyTextures& topology) {
   const TopologyOptions& o = topology.options;
   const bool shares =

@@ -13,7 +13,7 @@ ComputeJoints::ComputeJoints(FloatJoints joints, const ComputeTables& tables, St
   laws_row_ = rows.add("joint_laws_place", joints_.laws());
   rows.add("joint_ranges_place", tables.by_place(joints_.ranges()));
   rows.add("joint_ends_place", joints_.ends());
-  state_row_ = rows.take(nullptr, ComputeState::pairs * state_rows());
+  state_row_ = rows.take({}, ComputeState::pairs * state_rows());
   rows.note("joint_count", joints_.count());
 }
 

@@ -11,17 +11,17 @@ namespace phymul::gl {
 
 ComputeState::ComputeState(const ComputeTables& tables, const ComputeLimits& limits) : tables_(&tables) {
   const BodyKind& kind = tables.kind();
-  rows_.take(nullptr, pair_row(pairs));
+  rows_.take({}, pair_row(pairs));
   measured_row_ = rows_.take("measured_place", tables.places());
   rows_.take("force_place", kind.attractors ? tables.places() : 0);
   rows_.take("base_terms_place", kind.base_terms ? std::int64_t{4} * kind.bases : 0);
   rows_.take("volume_terms_place", std::int64_t{4} * kind.volumes);
   rows_.take("domain_terms_place", std::int64_t{4} * kind.domains);
   if (kind.dissipates()) {
-    strains_row_ = rows_.take(nullptr, pairs * strain_rows());
+    strains_row_ = rows_.take({}, pairs * strain_rows());
     dissipation_row_ = rows_.take("dissipation_place", std::int64_t{2} * kind.domains);
   }
-  report_row_ = rows_.take(nullptr, 2 * most_report_groups + 2);
+  report_row_ = rows_.take({}, 2 * most_report_groups + 2);
   const std::int64_t rows = rows_.end();
   if (rows > std::numeric_limits<int>::max()) {
     throw Error(ErrorCode::not_supported,

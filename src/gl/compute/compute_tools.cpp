@@ -20,8 +20,8 @@ ComputeTools::ComputeTools(const FloatTools& tools, const ComputeTables& tables,
   sums_row_ = needle_count_ == 0
                   ? rows.take("tool_sums_place", sums)
                   : rows.add("tool_sums_place", std::vector<Float4>(static_cast<std::size_t>(sums), Float4{}));
-  parts_row_ = rows.take(nullptr, std::int64_t{4} * most_parts * count_);
-  total_row_ = rows.take(nullptr, std::int64_t{4} * count_);
+  parts_row_ = rows.take({}, std::int64_t{4} * most_parts * count_);
+  total_row_ = rows.take({}, std::int64_t{4} * count_);
 }
 
 void ComputeTools::write_held(const FloatTools& tools, StorageBuffer& buffer) const {

@@ -24,7 +24,7 @@ class FragmentTables {
   BodyKind kind_;
   std::vector<Index> materials_;
   NamedTables tables_;
-  // Four lists share one texture, because a pass reads no more than sixteen; they start at these rows.
+  // Of FloatEntries.
   int volume_start_ = 0, spring_start_ = 0;
 };
 
