@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "box_tree.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 namespace phymul {
@@ -27,13 +28,10 @@ void BoxTree::add(const VecList& places, const Shape& shape, Index first, Index 
 /// Adds nodes for the parts, which are more than a leaf until they have been halved often enough.
 void BoxTree::halve(const VecList& places, const Shape& shape, Index first, Index end, int halvings) {
   if (halvings == 0 || end - first <= shape.leaf_size) return add(places, shape, first, end);
-  Vec3 low = places[items[first]], high = low;
-  for (Index k = first + 1; k < end; ++k) {
-    low = low.cwiseMin(places[items[k]]);
-    high = high.cwiseMax(places[items[k]]);
-  }
+  Eigen::AlignedBox3d box;
+  for (Index k = first; k < end; ++k) box.extend(places[items[k]]);
   int axis = 0;
-  (high - low).maxCoeff(&axis);
+  box.sizes().maxCoeff(&axis);
   const Index middle = first + (end - first) / 2;
   std::nth_element(items.begin() + first, items.begin() + middle, items.begin() + end, [&](Index a, Index b) {
     return places[a][axis] != places[b][axis] ? places[a][axis] < places[b][axis] : a < b;

@@ -32,6 +32,13 @@ class Fnv {
     add(std::uint64_t{list.size()});  // as wide on every system
     for (const Vec3& v : list) add(v);
   }
+  /// One after the other.
+  template <class First, class Second, class... More>
+  void add(const First& first, const Second& second, const More&... more) {
+    add(first);
+    add(second);
+    (add(more), ...);
+  }
   void bytes(std::string_view text) {
     for (const char c : text) mix(static_cast<unsigned char>(c), 1);
   }

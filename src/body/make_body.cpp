@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/bounding_box.h"
 #include "base/place_text.h"
 #include "filling.h"
 #include "model/enclosed_volume.h"
@@ -32,12 +33,8 @@ SpacingField fine_near(const Vec3& place, double radius, double fine, double coa
 Model make_body(const Surface& surface, const BodyOptions& options, BodyReport* report) {
   Surface mended = surface;
   mend_surface(mended);
-  Vec3 low = mended.vertices.front(), high = low;
-  for (const Vec3& x : mended.vertices) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  const CentredLattice lattice = lattice_over(low, high, options);
+  const Eigen::AlignedBox3d box = bounding_box(mended.vertices);
+  const CentredLattice lattice = lattice_over(box.min(), box.max(), options);
   const double volume = enclosed_volume(mended.triangles, mended.vertices);
   Model model = filled_body(SurfaceInterior(mended, lattice), lattice, volume, options, report);
   model.notes.insert(model.notes.begin(), mended.notes.begin(), mended.notes.end());

@@ -89,14 +89,11 @@ class Mending {
   }
 
   Vec3 sides_of_box() const {
-    Vec3 low = surface_.vertices[surface_.triangles.front()[0]], high = low;
+    Eigen::AlignedBox3d box;
     for (const Triangle& t : surface_.triangles) {
-      for (const Index p : t) {
-        low = low.cwiseMin(surface_.vertices[p]);
-        high = high.cwiseMax(surface_.vertices[p]);
-      }
+      for (const Index p : t) box.extend(surface_.vertices[p]);
     }
-    return high - low;
+    return box.sizes();
   }
 
   void merge_vertices() {

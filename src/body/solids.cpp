@@ -4,6 +4,7 @@
 #include <phymul/body.h>
 #include <phymul/error.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -89,18 +90,11 @@ Solid solid_box(const Vec3& low, const Vec3& high) {
 }
 
 Solid solid_union(std::vector<Solid> solids) {
-  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
-  if (!solids.empty()) {
-    low = solids.front().low;
-    high = solids.front().high;
-  }
-  for (const Solid& solid : solids) {
-    low = low.cwiseMin(solid.low);
-    high = high.cwiseMax(solid.high);
-  }
+  Eigen::AlignedBox3d box;
+  for (const Solid& solid : solids) box.extend(Eigen::AlignedBox3d(solid.low, solid.high));
   Solid all = joined("solid_union", std::move(solids), [](double a, double b) { return std::min(a, b); });
-  all.low = low;
-  all.high = high;
+  all.low = box.min();
+  all.high = box.max();
   return all;
 }
 

@@ -4,14 +4,6 @@
 namespace phymul {
 namespace {
 
-bool can_enumerate(const TopologyTextures& topology) {
-  const TopologyOptions& o = topology.options;
-  const bool thesis =
-      o.reaction == Reaction::full || o.reaction == Reaction::shared || o.reaction == Reaction::barycentric;
-  return topology.dimension == 3 && o.law == Law::shape_memory && o.bases == BaseSelection::all && thesis &&
-         topology.base_count > 0;
-}
-
 /// Bytes that the two layouts do not share; see FloatTables.
 bool enumerated_is_smaller(const TopologyTextures& topology) {
   double triples = 0.0;
@@ -29,8 +21,9 @@ bool enumerated_is_smaller(const TopologyTextures& topology) {
 FloatLayout choose_layout(BaseLayout wish, const TopologyTextures& topology) {
   if (wish == BaseLayout::enumerated) return FloatLayout::enumerated;  // pack_floats refuses what cannot be
   const bool automatic = wish == BaseLayout::automatic;
-  return automatic && can_enumerate(topology) && enumerated_is_smaller(topology) ? FloatLayout::enumerated
-                                                                                 : FloatLayout::table;
+  return automatic && topology.base_count > 0 && can_enumerate(topology) && enumerated_is_smaller(topology)
+             ? FloatLayout::enumerated
+             : FloatLayout::table;
 }
 
 }  // namespace phymul

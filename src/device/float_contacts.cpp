@@ -37,9 +37,7 @@ FloatContacts::FloatContacts(const Scene& scene) : options(*scene.contacts()) {
                       std::to_string(own.row) + " at " + std::to_string(X.norm()) +
                       " m; bring the bodies nearer to each other, or use the backend \"cpu\"");
     }
-    const Eigen::Vector3f high = X.cast<float>(), low = (X - high.cast<double>()).cast<float>();
-    rest.push_back({high.x(), high.y(), high.z(), 0.0f});
-    rest.push_back({low.x(), low.y(), low.z(), 0.0f});
+    for (const Float4& half : halves(X)) rest.push_back(half);
   }
   for (const ContactSurface::Triangle& own : surface.triangles) {
     triangle.push_back(

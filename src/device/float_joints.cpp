@@ -4,23 +4,13 @@
 #include <algorithm>
 #include <bit>
 
+#include "scene/anchor_place.h"
+
 namespace phymul {
 namespace {
 
-Float4 texel_of(const Vec3& v) {
-  const Eigen::Vector3f narrow = v.cast<float>();
-  return {narrow.x(), narrow.y(), narrow.z(), 0.0f};
-}
-
 Int4 weighed(Index row, double weight) {
   return {row, std::bit_cast<std::int32_t>(static_cast<float>(weight)), 0, 0};
-}
-
-Vec3 rest_of(const Anchor& anchor, const VecList& rest) {
-  if (anchor.particles.empty()) return anchor.point;
-  Vec3 mean = Vec3::Zero();
-  for (std::size_t k = 0; k < anchor.particles.size(); ++k) mean += anchor.weights[k] * rest[anchor.particles[k]];
-  return mean;
 }
 
 }  // namespace
@@ -49,23 +39,24 @@ void FloatJoints::add(const JointSpring& spring) {
   row[1] = end();
   add_anchor(spring.b);
   row[2] = end();
-  const VecList& rest = scene_->model().rest;
+  const auto at_rest = [this](const Anchor& anchor) {
+    return anchor_place(anchor, scene_->model().rest, scene_->tools());
+  };
   const bool on_a = !spring.a.tool.empty();
   const Anchor& on_tool = on_a ? spring.a : spring.b;
   if (on_tool.tool.empty()) {
-    const Vec3 R = rest_of(spring.b, rest) - rest_of(spring.a, rest);
+    const Vec3 R = at_rest(spring.b) - at_rest(spring.a);
     rest_distance_.push_back(R.norm());
-    places_.insert(places_.end(), {texel_of(R), Float4{}, Float4{}});
+    places_.insert(places_.end(), {float4(R), Float4{}, Float4{}});
     return;
   }
   any_tool_ = true;
   const auto tool = std::ranges::find(scene_->tools(), on_tool.tool, &SceneTool::name);
   row[3] = static_cast<Index>(tool - scene_->tools().begin()) + 1;
   if (on_a) row[3] = -row[3];
-  const Vec3 place = rest_of(on_a ? spring.b : spring.a, rest) - middle_;
-  const Float4 high = texel_of(place);
+  const auto [high, low] = halves(at_rest(on_a ? spring.b : spring.a) - middle_);
   rest_distance_.push_back(0.0);
-  places_.insert(places_.end(), {high, texel_of(place - widened(high)), texel_of(on_tool.point)});
+  places_.insert(places_.end(), {high, low, float4(on_tool.point)});
 }
 
 /// Ends in the order of the springs, so that sums over them are in that of JointSet.

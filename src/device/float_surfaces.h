@@ -6,8 +6,10 @@
 
 #include <phymul/scene.h>
 
+#include <utility>
 #include <vector>
 
+#include "float_tools.h"
 #include "interaction/surface_press.h"
 #include "table_rows.h"
 
@@ -25,6 +27,26 @@ struct FloatSurfaces {
 
   bool empty() const { return laws.empty(); }
   int patches() const { return static_cast<int>(corners.size()); }
+};
+
+/// What of FloatSurfaces passes are told tool by tool.
+class SurfaceTools {
+ public:
+  explicit SurfaceTools(std::vector<int> law_of) : law_of_(std::move(law_of)) {}
+
+  int tools() const { return static_cast<int>(law_of_.size()); }
+  bool is_one(int tool) const { return first_law(tool) >= 0; }
+  int first_law(int tool) const { return law_of_[static_cast<std::size_t>(tool)]; }
+
+  /// Takes over in which steps of a batch tools were put where they are.
+  void set_frames(const FloatTools& tools) { placed_ = tools.placed(); }
+  bool was_placed(int tool, int instant) const {
+    return placed_[static_cast<std::size_t>(instant) * law_of_.size() + static_cast<std::size_t>(tool)] != 0;
+  }
+
+ private:
+  std::vector<int> law_of_;
+  std::vector<char> placed_;  // [instants][tools]
 };
 
 /// Empty where no tool of the scene has ToolContact::surface.

@@ -74,10 +74,7 @@ void pack_neighbours(const TopologyTextures& from, FloatTables& to) {
 }
 
 void require_enumerable(const TopologyTextures& from) {
-  const TopologyOptions& o = from.options;
-  const bool shares =
-      o.reaction == Reaction::full || o.reaction == Reaction::shared || o.reaction == Reaction::barycentric;
-  if (from.dimension == 3 && o.law == Law::shape_memory && o.bases == BaseSelection::all && shares) return;
+  if (can_enumerate(from)) return;
   throw Error(
       ErrorCode::not_supported,
       "bases can be enumerated from the neighbours only in 3-D with BaseSelection::all and Reaction::full, shared or "
@@ -197,6 +194,27 @@ LoopTurns count_turns(const TopologyTextures& from, FloatLayout layout) {
 }
 
 }  // namespace
+
+FloatEntries::FloatEntries(const FloatTables& tables) : rows(tables.reaction) {
+  const auto append = [this](const std::vector<std::int32_t>& list) {
+    const std::size_t start = rows.size();
+    rows.insert(rows.end(), list.begin(), list.end());
+    if (rows.size() > most_entries) {
+      throw Error(ErrorCode::not_supported, "the lists of who meets which term have " + std::to_string(rows.size()) +
+                                                " rows together; a shader counts to 2147483647");
+    }
+    return static_cast<int>(start);
+  };
+  volume_start = append(tables.volume_entry);
+  spring_start = append(tables.spring_other);
+}
+
+bool can_enumerate(const TopologyTextures& topology) {
+  const TopologyOptions& o = topology.options;
+  const bool shares =
+      o.reaction == Reaction::full || o.reaction == Reaction::shared || o.reaction == Reaction::barycentric;
+  return topology.dimension == 3 && o.law == Law::shape_memory && o.bases == BaseSelection::all && shares;
+}
 
 FloatTables pack_floats(const TopologyTextures& topology, FloatLayout layout) {
   FloatTables tables;

@@ -75,7 +75,47 @@ struct FloatTables {
   FloatDomains domains;
 
   bool has_attractors() const { return !neighbour.empty() && options.reaction != Reaction::conservative; }
+
+  /// Calls visit(name, table) for the tables under their names in tables.glsl, but those of FloatEntries.
+  template <class Visit>
+  void for_each(const Visit& visit) const {
+    visit("particle", particle);
+    visit("index", index);
+    visit("lists", lists);
+    visit("neighbours", neighbour);
+    visit("alpha", alpha);
+    visit("edge_alpha", edge_alpha);
+    visit("first_height", first_height);
+    visit("height", height);
+    visit("bases", base);
+    visit("base_e1", base_e1);
+    visit("base_e2", base_e2);
+    visit("base_share", base_share);
+    visit("share", share);
+    visit("volume", volume);
+    visit("volume_e1", volume_e1);
+    visit("volume_e2", volume_e2);
+    visit("volume_e3", volume_e3);
+    visit("spring", spring);
+    visit("domain_range", domains.range);
+    visit("domain_law", domains.law);
+    visit("domain_owner", domains.owner);
+    visit("link_domain", domains.neighbour);
+    visit("link", domains.link);
+  }
 };
+
+/// `reaction`, `volume_entry` and `spring_other` one after another, because a pass reads no more than sixteen tables.
+struct FloatEntries {
+  /// Throws Error where shaders cannot count to their number.
+  explicit FloatEntries(const FloatTables& tables);
+
+  std::vector<std::int32_t> rows;
+  int volume_start = 0, spring_start = 0;
+};
+
+/// Whether the options allow the enumerated layout.
+bool can_enumerate(const TopologyTextures& topology);
 
 /// Rows of `share` (thesis' reactions) or `reaction` are bounded by lists[i][0]. Throws Error where an entry would not
 /// fit 32 bits or a constant not a float, and for `enumerated` where the options do not allow it.

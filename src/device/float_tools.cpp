@@ -11,16 +11,6 @@
 #include "scene/needle_measures.h"
 
 namespace phymul {
-namespace {
-
-/// A place as the sum of two floats.
-struct Halves {
-  explicit Halves(const Vec3& x) : high(x.cast<float>()), low((x - high.cast<double>()).cast<float>()) {}
-  Eigen::Vector3f high, low;
-};
-
-}  // namespace
-
 void FloatTools::follow(const Scene& scene) {
   std::vector<Moving> now;
   for (const SceneTool& tool : scene.tools()) {
@@ -44,8 +34,7 @@ void FloatTools::fill_laws() {
   for (const Moving& moving : tools_) {
     const Tool& tool = moving.tool;
     const ToolExtent extent = extent_of(tool);
-    const Eigen::Vector3f size = extent.size.cast<float>();
-    laws_.push_back({size.x(), size.y(), size.z(), static_cast<float>(kind_of(tool.shape))});
+    laws_.push_back(float4(extent.size, static_cast<float>(kind_of(tool.shape))));
     laws_.push_back(
         {to_float(tool.margin), to_float(extent.thickness), to_float(tool.friction), to_float(tool.compliance)});
     const auto* grid = std::get_if<std::shared_ptr<const DistanceGrid>>(&tool.shape);
@@ -53,9 +42,8 @@ void FloatTools::fill_laws() {
       laws_.insert(laws_.end(), 2, Float4{});
       continue;
     }
-    const Eigen::Vector3f origin = (*grid)->origin().cast<float>();
     const auto [nx, ny, nz] = (*grid)->count();
-    laws_.push_back({origin.x(), origin.y(), origin.z(), to_float((*grid)->spacing())});
+    laws_.push_back(float4((*grid)->origin(), to_float((*grid)->spacing())));
     const std::size_t first = grid_values_.size() / grid_unit;
     laws_.push_back(
         {static_cast<float>(nx), static_cast<float>(ny), static_cast<float>(nz), static_cast<float>(first)});
@@ -70,9 +58,7 @@ void FloatTools::fill_rest(const VecList& rest) {
   if (empty()) return;
   for (const Vec3& X : rest) middle_ += X / static_cast<double>(rest.size());
   for (const Vec3& X : rest) {
-    const Halves x(X - middle_);
-    rest_.push_back({x.high.x(), x.high.y(), x.high.z(), 0.0f});
-    rest_.push_back({x.low.x(), x.low.y(), x.low.z(), 0.0f});
+    for (const Float4& half : halves(X - middle_)) rest_.push_back(half);
   }
 }
 
@@ -81,8 +67,7 @@ void FloatTools::fill_held() {
   for (std::size_t row = 0; row < tools_.size(); ++row) {
     const MovedTool& tool = tools_[row].moved;
     for (std::size_t k = 0; k < tool.held.size(); ++k) {
-      const Eigen::Vector3f at = tool.held_at[k].cast<float>();
-      held_[static_cast<std::size_t>(tool.held[k])] = {at.x(), at.y(), at.z(), static_cast<float>(row)};
+      held_[static_cast<std::size_t>(tool.held[k])] = float4(tool.held_at[k], static_cast<float>(row));
     }
   }
 }
@@ -162,15 +147,14 @@ void FloatTools::fill_frame(const Tool& tool, const ToolMotion& motion, bool pla
   const Mat3 turn = motion.pose.orientation.toRotationMatrix();
   const Mat3 gain = motion.next_pose.orientation.toRotationMatrix() - turn;
   const Vec3 gone = motion.next_pose.position - motion.pose.position;
-  const Halves place(motion.pose.position - middle_);
+  const auto [high, low] = halves(motion.pose.position - middle_);
   for (int axis = 0; axis < 3; ++axis) {
-    const Eigen::Vector3f own = turn.col(axis).cast<float>(), more = gain.col(axis).cast<float>();
-    rows[axis] = {own.x(), own.y(), own.z(), place.high[axis]};
-    rows[4 + axis] = {more.x(), more.y(), more.z(), static_cast<float>(gone[axis])};
+    rows[axis] = float4(turn.col(axis), high[static_cast<std::size_t>(axis)]);
+    rows[4 + axis] = float4(gain.col(axis), static_cast<float>(gone[axis]));
   }
   const double radius = needle_radius_of(tool);
   const float turned = static_cast<float>(radius > 0.0 ? radius * needle_turn(motion.pose, motion.next_pose) : 0.0);
-  rows[3] = {place.low.x(), place.low.y(), place.low.z(), radius > 0.0 ? turned : placed ? 1.0f : 0.0f};
+  rows[3] = {low[0], low[1], low[2], radius > 0.0 ? turned : placed ? 1.0f : 0.0f};
 }
 
 void FloatTools::begin_batch(int steps, double dt, double last_dt) {

@@ -10,10 +10,6 @@
 namespace phymul {
 namespace {
 
-Float4 narrowed(const Vec3& v) {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
-}
-
 /// A power of 2 m, which scales without rounding.
 double unit_of(double volume) {
   return std::ldexp(1.0, static_cast<int>(std::lround(std::log2(volume) / 3.0)));
@@ -39,9 +35,9 @@ void add_volume(const VolumeConstraint& kept, const Model& model, FloatVolumes& 
   const auto X = [&](Index i) -> const Vec3& { return model.rest[static_cast<std::size_t>(i)]; };
   for (const auto& [a, b, c] : kept.triangles) {
     tables.facets.push_back({a, b, c, o});
-    tables.edges.push_back(narrowed((X(a) - X(o)) / unit));
-    tables.edges.push_back(narrowed((X(b) - X(a)) / unit));
-    tables.edges.push_back(narrowed((X(c) - X(a)) / unit));
+    tables.edges.push_back(float4((X(a) - X(o)) / unit));
+    tables.edges.push_back(float4((X(b) - X(a)) / unit));
+    tables.edges.push_back(float4((X(c) - X(a)) / unit));
     for (const Index i : {a, b, c}) tables.ranges[static_cast<std::size_t>(i)][2] = volume;
   }
 }

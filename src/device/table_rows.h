@@ -31,4 +31,14 @@ inline Vec3 widened(const Float4& v) {
   return {v[0], v[1], v[2]};
 }
 
+inline Float4 float4(const Vec3& v, float w = 0.0f) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), w};
+}
+
+/// A place as the sum of two.
+inline std::array<Float4, 2> halves(const Vec3& x) {
+  const Float4 high = float4(x);
+  return {high, float4(x - widened(high))};
+}
+
 }  // namespace phymul

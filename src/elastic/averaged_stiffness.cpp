@@ -3,6 +3,7 @@
 
 #include "base/side_by_side.h"
 #include "energy_density.h"
+#include "mean_gradient.h"
 
 namespace phymul {
 
@@ -27,15 +28,11 @@ Mat3 AveragedStiffness::stress(Index d, const Eigen::VectorXd& u) const {
   const DomainTexel& domain = t.domains[d];
   const Vec3 own = u.segment<3>(3 * domain.particle);
   Mat3 H = Mat3::Zero();
-  const auto add = [&](Index e, const Vec3& area) {
+  for_each_area(t, d, [&](Index e, const Vec3& area) {
     const Vec3 difference = u.segment<3>(3 * particle_[e]) - own;
     // An outer product takes twice as long.
     for (int axis = 0; axis < 3; ++axis) H.col(axis) += difference * area[axis];
-  };
-  for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) add(t.links[r].domain, t.links[r].area);
-  for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
-    add(t.surface_links[r].domain, t.surface_links[r].area);
-  }
+  });
   H *= domain.inverse_volume;
   const Mat3 P = cpu::stress_near_rest<double>(t.options.strain_energy, domain.energy, H) - domain.spread_stiffness * H;
   return P;

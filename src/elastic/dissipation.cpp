@@ -40,15 +40,11 @@ double decay(const DissipationTexel& of, double dt) {
 
 /// Adds the forces of the stress P of domain d.
 void add_stress(const TopologyTextures& t, Index d, const Mat3& P, std::span<Vec3> force) {
-  const auto add = [&](Index other, const Vec3& area) {
+  for_each_area(t, d, [&](Index other, const Vec3& area) {
     const Vec3 pull = P * area;
     force[t.domains[other].particle] -= pull;
     force[t.domains[d].particle] += pull;
-  };
-  for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) add(t.links[r].domain, t.links[r].area);
-  for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
-    add(t.surface_links[r].domain, t.surface_links[r].area);
-  }
+  });
 }
 
 const Snapshot::Part* find_part(const Snapshot& snapshot) {

@@ -7,17 +7,21 @@
 
 namespace phymul {
 
+/// Calls visit(e, area) for the links and surface links of domain d.
+template <class Visit>
+void for_each_area(const TopologyTextures& t, Index d, const Visit& visit) {
+  for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) visit(t.links[r].domain, t.links[r].area);
+  for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
+    visit(t.surface_links[r].domain, t.surface_links[r].area);
+  }
+}
+
 /// H_d = F_d - I, the mean displacement gradient of domain d. `displacement(e)`, m: of the particle of domain e.
 template <class Displacement>
 Mat3 mean_gradient(const TopologyTextures& t, Index d, const Displacement& displacement) {
   const Vec3 own = displacement(d);
   Mat3 H = Mat3::Zero();
-  for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
-    H += (displacement(t.links[r].domain) - own) * t.links[r].area.transpose();
-  }
-  for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
-    H += (displacement(t.surface_links[r].domain) - own) * t.surface_links[r].area.transpose();
-  }
+  for_each_area(t, d, [&](Index e, const Vec3& area) { H += (displacement(e) - own) * area.transpose(); });
   return t.domains[d].inverse_volume * H;
 }
 

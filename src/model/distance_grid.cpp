@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/decimal.h"
 #include "closest_triangle.h"
@@ -71,20 +70,17 @@ std::shared_ptr<const DistanceGrid> make_distance_grid(const Model& surface, dou
   if (enclosed_volume(triangles, surface.rest) < 0.0) {
     for (Triangle& t : triangles) std::swap(t[1], t[2]);
   }
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  Eigen::AlignedBox3d box;
   for (const Triangle& t : triangles) {
-    for (const Index i : t) {
-      low = low.cwiseMin(surface.rest[i]);
-      high = high.cwiseMax(surface.rest[i]);
-    }
+    for (const Index i : t) box.extend(surface.rest[i]);
   }
-  const Vec3 cubes = ((high - low) / spacing).array().ceil() + 2.0 * cubes_around;
+  const Vec3 cubes = (box.sizes() / spacing).array().ceil() + 2.0 * cubes_around;
   if (!((cubes.array() + 1.0).prod() <= most_corners)) {
     refuse("a spacing of " + to_decimal(spacing) + " m gives more than 64 million corners; take a larger one");
   }
   const std::array<int, 3> count{static_cast<int>(cubes.x()) + 1, static_cast<int>(cubes.y()) + 1,
                                  static_cast<int>(cubes.z()) + 1};
-  const Vec3 origin = 0.5 * (low + high) - 0.5 * spacing * cubes;
+  const Vec3 origin = box.center() - 0.5 * spacing * cubes;
   const ClosestTriangle closest(surface.rest, triangles);
   std::vector<float> values;
   values.reserve(static_cast<std::size_t>(count[0]) * count[1] * count[2]);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/bounding_box.h"
 #include "cell_geometry.h"
 #include "file_extras.h"
 
@@ -66,13 +67,7 @@ double mean_spacing(const Model& model) {
 }
 
 double body_size(const Model& model) {
-  if (model.rest.empty()) return 0.0;
-  Vec3 low = model.rest.front(), high = low;
-  for (const Vec3& x : model.rest) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  return (high - low).maxCoeff();
+  return model.rest.empty() ? 0.0 : bounding_box(model.rest).sizes().maxCoeff();
 }
 
 RaggedList neighbours_from_cells(const std::vector<Cell>& cells, Index particle_count) {

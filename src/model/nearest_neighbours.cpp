@@ -9,6 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "base/bounding_box.h"
+
 namespace phymul {
 namespace {
 
@@ -16,13 +18,8 @@ namespace {
 constexpr double same = 1.0 + 1e-6;
 
 int longest_axis(const VecList& rest) {
-  Vec3 low = rest.front(), high = low;
-  for (const Vec3& x : rest) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
   int axis = 0;
-  (high - low).maxCoeff(&axis);
+  bounding_box(rest).sizes().maxCoeff(&axis);
   return axis;
 }
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <string>
+#include <type_traits>
 
 #include "base/decimal.h"
 
@@ -18,51 +19,41 @@ constexpr double smallest_step = 1e-18;
 }  // namespace
 
 void require_options(const SolverOptions& options) {
+  const auto require = [](bool holds, const char* what, const auto& got) {
+    if (holds) return;
+    std::string text;
+    if constexpr (std::is_same_v<decltype(got), const double&>) {
+      text = to_decimal(got);
+    } else {
+      text = std::to_string(got);
+    }
+    throw Error(std::string("SolverOptions::") + what + "; got " + text);
+  };
+  const auto not_negative = [](double value) { return value >= 0.0 && std::isfinite(value); };
   const Damping& d = options.damping;
-  if (!(d.rate >= 0.0) || !std::isfinite(d.rate)) {
-    throw Error("SolverOptions::damping.rate must be a finite rate in 1/s, 0 or more; got " + to_decimal(d.rate));
-  }
-  if (!(d.factor >= 0.0 && d.factor <= 1.0)) {
-    throw Error("SolverOptions::damping.factor must be in [0, 1] (1 takes nothing, above 1 a body gains energy); got " +
-                to_decimal(d.factor));
-  }
-  if (!(options.rest_tolerance > 0.0)) {
-    throw Error("SolverOptions::rest_tolerance must be above 0; got " + to_decimal(options.rest_tolerance));
-  }
-  if (options.sleep_tolerance && (!(*options.sleep_tolerance >= 0.0) || !std::isfinite(*options.sleep_tolerance))) {
-    throw Error(
-        "SolverOptions::sleep_tolerance must be finite and 0 (skip only what repeats itself) or more, or empty (no "
-        "sleep); got " +
-        to_decimal(*options.sleep_tolerance));
-  }
-  if (!(options.max_displacement_per_step > 0.0)) {
-    throw Error("SolverOptions::max_displacement_per_step must be above 0 (infinite: no force is clamped); got " +
-                to_decimal(options.max_displacement_per_step));
-  }
-  if (options.max_substeps < 1) {
-    throw Error("SolverOptions::max_substeps must be 1 (one step for all materials) or more; got " +
-                std::to_string(options.max_substeps));
-  }
+  require(not_negative(d.rate), "damping.rate must be a finite rate in 1/s, 0 or more", d.rate);
+  require(d.factor >= 0.0 && d.factor <= 1.0,
+          "damping.factor must be in [0, 1] (1 takes nothing, above 1 a body gains energy)", d.factor);
+  require(options.rest_tolerance > 0.0, "rest_tolerance must be above 0", options.rest_tolerance);
+  const double sleep = options.sleep_tolerance.value_or(0.0);
+  require(not_negative(sleep),
+          "sleep_tolerance must be finite and 0 (skip only what repeats itself) or more, or empty (no sleep)", sleep);
+  require(options.max_displacement_per_step > 0.0,
+          "max_displacement_per_step must be above 0 (infinite: no force is clamped)",
+          options.max_displacement_per_step);
+  require(options.max_substeps >= 1, "max_substeps must be 1 (one step for all materials) or more",
+          options.max_substeps);
   if (options.max_substeps > 1 && options.sleep_tolerance) {
     throw Error(
         "SolverOptions::max_substeps and sleep_tolerance exclude each other: expected one of them; leave the other at "
         "its default");
   }
-  if (options.rest_steps < 1) {
-    throw Error("SolverOptions::rest_steps must be 1 or more; got " + std::to_string(options.rest_steps));
-  }
-  if (!(options.progress_seconds >= 0.0) || !std::isfinite(options.progress_seconds)) {
-    throw Error("SolverOptions::progress_seconds must be finite and 0 or more; got " +
-                to_decimal(options.progress_seconds));
-  }
-  if (options.threads < 0) {
-    throw Error("SolverOptions::threads must be 0 (chosen by the solver) or more; got " +
-                std::to_string(options.threads));
-  }
-  if (options.runner && options.runner->width() < 1) {
-    throw Error("SolverOptions::runner must have a width() of 1 (the calling thread alone) or more; got " +
-                std::to_string(options.runner->width()));
-  }
+  require(options.rest_steps >= 1, "rest_steps must be 1 or more", options.rest_steps);
+  require(not_negative(options.progress_seconds), "progress_seconds must be finite and 0 or more",
+          options.progress_seconds);
+  require(options.threads >= 0, "threads must be 0 (chosen by the solver) or more", options.threads);
+  const int width = options.runner ? options.runner->width() : 1;
+  require(width >= 1, "runner must have a width() of 1 (the calling thread alone) or more", width);
 }
 
 const char* why_no_steps(int n, double dt, bool to_rest, const Damping& damping) {

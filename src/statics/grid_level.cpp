@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/bounding_box.h"
 #include "elastic/energy_density.h"
 #include "elastic/rotation.h"
 
@@ -87,17 +88,13 @@ void add_held(const Vec3& t, const Vec3& held, ByAxis& sum) {
 }  // namespace
 
 GridShape GridShape::over(std::span<const Vec3> points, double spacing) {
-  Vec3 low = points.front(), high = low;
-  for (const Vec3& point : points) {
-    low = low.cwiseMin(point);
-    high = high.cwiseMax(point);
-  }
+  const Eigen::AlignedBox3d box = bounding_box(points);
   // Tables are of the whole box: one much larger than what is in it gets larger cells.
   const double most = std::min(1e9, 1e6 + 64.0 * static_cast<double>(points.size()));
-  while ((((high - low) / spacing).array() + 2.0).prod() > most) spacing *= 1.25;
-  GridShape shape{.origin = low};
+  while (((box.sizes() / spacing).array() + 2.0).prod() > most) spacing *= 1.25;
+  GridShape shape{.origin = box.min()};
   for (int axis = 0; axis < 3; ++axis) {
-    const double size = high[axis] - low[axis];
+    const double size = box.sizes()[axis];
     shape.cells[axis] = std::max(1, static_cast<Index>(std::lround(size / spacing)));
     shape.spacing[axis] = size > 0.0 ? size / shape.cells[axis] : spacing;
   }

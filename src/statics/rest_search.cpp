@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 
+#include "base/bounding_box.h"
 #include "elastic/domain_forces.h"
 #include "elastic/mean_gradient.h"
 #include "idle_motions.h"
@@ -58,9 +59,7 @@ class Search {
     for (const DomainTexel& domain : topology.domains) {
       shear += domain.energy[0] / std::pow(domain.inverse_volume, 2.0 / 3.0);
     }
-    Eigen::AlignedBox3d box;
-    for (const Vec3& rest : topology.rest) box.extend(rest);
-    most_way_ = most_way * box.diagonal().norm();
+    most_way_ = most_way * bounding_box(topology.rest).diagonal().norm();
     floor_ = force_rounding * shear / std::sqrt(static_cast<double>(topology.particle_count));
   }
 

@@ -2,7 +2,8 @@
 #include "body_frames.h"
 
 #include <cmath>
-#include <numeric>
+
+#include "base/union_find.h"
 
 namespace phymul {
 namespace {
@@ -13,22 +14,13 @@ constexpr double alike = 0.05;
 constexpr double agreement = 0.02;
 constexpr int sweeps = 30;
 
-Index root_of(std::vector<Index>& parent, Index i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
 /// By number: 0 for the part of particle 0, and so on.
 std::vector<Index> parts_of(Index particles, const std::vector<std::array<Index, 2>>& pairs) {
-  std::vector<Index> parent(static_cast<std::size_t>(particles));
-  std::iota(parent.begin(), parent.end(), 0);
-  for (const auto& [i, j] : pairs) {
-    const Index a = root_of(parent, i), b = root_of(parent, j);
-    parent[std::max(a, b)] = std::min(a, b);
-  }
-  std::vector<Index> part(parent.size());
+  UnionFind sets(static_cast<std::size_t>(particles));
+  for (const auto& [i, j] : pairs) sets.join(i, j);
+  std::vector<Index> part(static_cast<std::size_t>(particles));
   Index count = 0;
-  for (Index i = 0; i < particles; ++i) part[i] = parent[i] == i ? count++ : part[root_of(parent, i)];
+  for (Index i = 0; i < particles; ++i) part[i] = sets.root(i) == i ? count++ : part[sets.root(i)];
   return part;
 }
 

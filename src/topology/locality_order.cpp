@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <tuple>
 
+#include "base/bounding_box.h"
+
 namespace phymul {
 namespace {
 
@@ -21,18 +23,13 @@ std::uint64_t spread(std::uint64_t v) {
 }
 
 std::vector<std::uint64_t> morton_codes(const VecList& rest) {
-  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
-  if (!rest.empty()) low = high = rest.front();
-  for (const Vec3& x : rest) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  const double extent = (high - low).maxCoeff();
+  const Eigen::AlignedBox3d box = bounding_box(rest);
+  const double extent = box.sizes().maxCoeff();
   const double scale = extent > 0.0 ? 2097151.0 / extent : 0.0;
   std::vector<std::uint64_t> codes;
   codes.reserve(rest.size());
   for (const Vec3& x : rest) {
-    const Vec3 cell = (x - low) * scale;
+    const Vec3 cell = (x - box.min()) * scale;
     codes.push_back(spread(static_cast<std::uint64_t>(cell.x())) | spread(static_cast<std::uint64_t>(cell.y())) << 1 |
                     spread(static_cast<std::uint64_t>(cell.z())) << 2);
   }
@@ -90,13 +87,7 @@ std::vector<Index> line_order(const VecList& rest) {
   constexpr double least_line = 2.0;     // particles, on average
   constexpr double most_in_layer = 512;  // whose stresses and those of both layers beside them stay in near caches
   const auto particles = static_cast<double>(rest.size());
-  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
-  if (!rest.empty()) low = high = rest.front();
-  for (const Vec3& x : rest) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  const double equal = 1e-7 * (high - low).maxCoeff();
+  const double equal = 1e-7 * bounding_box(rest).sizes().maxCoeff();
   const std::array<std::vector<double>, 3> levels{levels_of(rest, 0, equal), levels_of(rest, 1, equal),
                                                   levels_of(rest, 2, equal)};
   std::array<int, 3> axes{0, 1, 2};

@@ -16,19 +16,14 @@ std::uint64_t of_cells(const Model& model) {
   Fnv sum;
   for (const Cell& cell : model.cells) {
     if (!is_solid(model.dimension, cell.type)) continue;
-    sum.add(cell.type);
-    sum.add(std::uint64_t{cell.particles.size()});  // as wide on every system
-    sum.add(cell.particles);
+    sum.add(cell.type, std::uint64_t{cell.particles.size()}, cell.particles);  // sizes as wide on every system
   }
   return sum.value();
 }
 
 void add_elasticity(Fnv& sum, const Material& material) {
-  sum.add(material.young);
-  sum.add(material.poisson);
-  sum.add(material.retardation_time);
-  sum.add(material.relaxation_strength);
-  sum.add(material.relaxation_time);
+  sum.add(material.young, material.poisson, material.retardation_time, material.relaxation_strength,
+          material.relaxation_time);
 }
 
 /// Cell by cell: a row of Model::materials that no cell has moves nothing. Rows count, because
@@ -48,8 +43,7 @@ std::uint64_t of_materials(const Model& model) {
     if (!is_solid(model.dimension, cell.type)) continue;
     const bool known = cell.material >= 0 && static_cast<std::size_t>(cell.material) < model.materials.size();
     const Material material = known ? model.materials[static_cast<std::size_t>(cell.material)] : Material{};
-    sum.add(known);
-    sum.add(cell.material);
+    sum.add(known, cell.material);
     add_elasticity(sum, material);
     sum.add(material.fibre_ratio);
     if (material.fibre_ratio > 1.0) sum.add(cell.fibre);
@@ -59,8 +53,7 @@ std::uint64_t of_materials(const Model& model) {
 
 std::uint64_t of_neighbours(const Model& model) {
   Fnv sum;
-  sum.add(model.neighbours.offset);
-  sum.add(model.neighbours.entry);
+  sum.add(model.neighbours.offset, model.neighbours.entry);
   return sum.value();
 }
 

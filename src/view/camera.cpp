@@ -43,14 +43,10 @@ Camera framing(std::span<const Vec3> points, const Vec3& towards_eye, double asp
   camera.up = std::abs(back.z()) > 0.99 ? Vec3(Vec3::UnitY()) : Vec3(Vec3::UnitZ());
   camera.eye = back;  // axes_of looks at the direction alone
   const CameraAxes axes = axes_of(camera);
-  Vec3 low = Vec3::Constant(HUGE_VAL), high = Vec3::Constant(-HUGE_VAL);
-  for (const Vec3& x : points) {
-    const Vec3 seen(axes.right.dot(x), axes.up.dot(x), back.dot(x));
-    low = low.cwiseMin(seen);
-    high = high.cwiseMax(seen);
-  }
-  const Vec3 middle = 0.5 * (low + high);
-  const Vec3 size = (high - low).cwiseMax(0.0);
+  Eigen::AlignedBox3d box;
+  for (const Vec3& x : points) box.extend(Vec3(axes.right.dot(x), axes.up.dot(x), back.dot(x)));
+  const Vec3 middle = box.center();
+  const Vec3 size = box.sizes().cwiseMax(0.0);
   camera.target = middle.x() * axes.right + middle.y() * axes.up + middle.z() * back;
   camera.view_angle = view_angle;
   camera.view_height = margin * std::max(size.y(), size.x() / aspect);

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "base/bounding_box.h"
 #include "base/denormals.h"
 
 namespace phymul::cpu {
@@ -146,12 +147,9 @@ void PackedTools::follow(const Scene& scene, std::span<const std::uint8_t> fixed
 }
 
 PackedTools::Block PackedTools::around(std::size_t block) const {
-  Block found{rest_[block * block_size], rest_[block * block_size]};
-  const std::size_t end = std::min(rest_.size(), (block + 1) * block_size);
-  for (std::size_t place = block * block_size; place < end; ++place) {
-    found.low = found.low.cwiseMin(rest_[place]);
-    found.high = found.high.cwiseMax(rest_[place]);
-  }
+  const std::size_t first = block * block_size, count = std::min(rest_.size() - first, block_size);
+  const Eigen::AlignedBox3d box = bounding_box(std::span(rest_).subspan(first, count));
+  Block found{box.min(), box.max()};
   const double more = rounding * found.low.cwiseAbs().cwiseMax(found.high.cwiseAbs()).maxCoeff();
   found.low.array() -= more;
   found.high.array() += more;

@@ -97,7 +97,7 @@ const Texture& ComputeDevice::displacements() {
     show_ = passes_.compiled(
         {.files = {"dialect/dialect_compute.glsl", "step/tables.glsl", "display/show_kernel.glsl"}, .defines = {}},
         lanes, state_);
-    shown_ = Texture::target(tables_.kind().particles, TexelFormat::rgba32f, "displacement");
+    shown_ = Texture::target(tables_.kind().particles, "displacement");
   }
   bind();
   show_.set("pair", state_.current());

@@ -13,13 +13,12 @@ ComputeJoints::ComputeJoints(FloatJoints joints, const ComputeTables& tables, St
   laws_row_ = rows.add("joint_laws_place", joints_.laws());
   rows.add("joint_ranges_place", tables.by_place(joints_.ranges()));
   rows.add("joint_ends_place", joints_.ends());
-  state_row_ = rows.take(nullptr, ComputeState::pairs * state_rows());
+  state_row_ = rows.take({}, ComputeState::pairs * state_rows());
   rows.note("joint_count", joints_.count());
 }
 
 void ComputeJoints::follow(StorageBuffer& buffer) {
-  if (!joints_.follow()) return;
-  buffer.write(16 * laws_row_, joints_.laws().data(), static_cast<std::int64_t>(16 * joints_.laws().size()));
+  if (joints_.follow()) buffer.write_rows(laws_row_, joints_.laws());
 }
 
 }  // namespace phymul::gl

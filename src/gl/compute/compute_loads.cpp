@@ -41,14 +41,12 @@ ComputeLoads::ComputeLoads(const Scene& scene, int instants, const FloatTools& t
 
 void ComputeLoads::evaluate(const std::vector<double>& instants) {
   table_.evaluate(instants);
-  if (table_.scale()) {
-    buffer_.write(16 * factors_row_, table_.factors().data(), static_cast<std::int64_t>(4 * table_.factors().size()));
-  }
-  buffer_.write(16 * gravity_row_, table_.gravity().data(), static_cast<std::int64_t>(16 * instants.size()));
+  if (table_.scale()) buffer_.write_rows(factors_row_, table_.factors());
+  buffer_.write_rows(gravity_row_, std::span(table_.gravity()).first(instants.size()));
   if (joints_) joints_->follow(buffer_);
   if (!kind().any()) return;
   const std::size_t values = instants.size() * static_cast<std::size_t>(table_.mode_count());
-  buffer_.write(16 * values_row_, table_.values().data(), static_cast<std::int64_t>(4 * values));
+  buffer_.write_rows(values_row_, std::span(table_.values()).first(values));
 }
 
 void ComputeLoads::set_frames(const FloatTools& tools) {
@@ -57,7 +55,7 @@ void ComputeLoads::set_frames(const FloatTools& tools) {
 }
 
 void ComputeLoads::write_joints(std::span<const Float4> rows, int pair) {
-  buffer_.write(std::int64_t{16} * joints_->state_row(pair), rows.data(), static_cast<std::int64_t>(rows.size_bytes()));
+  buffer_.write_rows(joints_->state_row(pair), rows);
 }
 
 std::vector<Float4> ComputeLoads::read_joints(int pair) const {

@@ -57,21 +57,19 @@ ComputeNeedles::ComputeNeedles(const FloatNeedles& needles, const FloatTools& to
                 "Needle::spread, or the backend \"cpu\"");
   }
   buffer_ = StorageBuffer(end / 4, "the scene's needles", limits);
-  const std::vector<std::int32_t> laws = law_words();
-  buffer_.write(0, laws.data(), static_cast<std::int64_t>(4 * laws.size()));
+  buffer_.write_rows(0, law_words());
   std::vector<std::int32_t> corners;
   for (const std::array<Index, 3>& facet : needles.facets) {
     for (const Index i : facet) corners.push_back(tables.place_of()[static_cast<std::size_t>(i)]);
   }
-  buffer_.write(4 * facets_, corners.data(), static_cast<std::int64_t>(4 * corners.size()));
-  buffer_.write(4 * order_, tables.place_of().data(), 4 * particles);
+  buffer_.write_rows(facets_ / 4, corners);
+  buffer_.write_rows(order_ / 4, tables.place_of());
   particle_at_.assign(static_cast<std::size_t>(tables.places()), -1);
   for (std::size_t i = 0; i < tables.place_of().size(); ++i) {
     particle_at_[static_cast<std::size_t>(tables.place_of()[i])] = static_cast<Index>(i);
   }
   const std::vector<Int4> zeros(static_cast<std::size_t>(tables.places()), Int4{});
-  for (const Placed& needle : needles_)
-    buffer_.write(4 * needle.share, zeros.data(), 16 * std::int64_t{tables.places()});
+  for (const Placed& needle : needles_) buffer_.write_rows(needle.share / 4, zeros);
   write(tools);
 }
 
@@ -131,8 +129,7 @@ void ComputeNeedles::write(const FloatTools& tools) {
   for (const Placed& needle : needles_) require_room(needle, tools.needle(needle.law.tool));
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   for (const Placed& needle : needles_) {
-    const std::vector<std::int32_t> words = state_words(needle, tools.needle(needle.law.tool));
-    buffer_.write(4 * needle.state, words.data(), static_cast<std::int64_t>(4 * words.size()));
+    buffer_.write_rows(needle.state / 4, state_words(needle, tools.needle(needle.law.tool)));
   }
   set_checkpoint();
 }
@@ -158,13 +155,9 @@ void ComputeNeedles::uncouple() {
 }
 
 void ComputeNeedles::copy(Copy from, Copy to) const {
-  const auto place = [this](Copy which) { return static_cast<GLintptr>(4 * (state_ + which * state_size_)); };
-  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  glBindBuffer(GL_COPY_READ_BUFFER, buffer_.id());
+  const auto row = [this](Copy which) { return (state_ + which * state_size_) / 4; };
   glBindBuffer(GL_COPY_WRITE_BUFFER, buffer_.id());
-  glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, place(from), place(to),
-                      static_cast<GLsizeiptr>(4 * state_size_));
-  glBindBuffer(GL_COPY_READ_BUFFER, 0);
+  buffer_.copy(row(from), state_size_ / 4, GL_COPY_WRITE_BUFFER, 16 * row(to));
   glBindBuffer(GL_COPY_WRITE_BUFFER, 0);
 }
 
@@ -175,14 +168,11 @@ std::int64_t ComputeNeedles::told_rows() const {
 }
 
 void ComputeNeedles::copy_told(GLintptr to_byte) const {
-  glBindBuffer(GL_COPY_READ_BUFFER, buffer_.id());
   for (const Placed& needle : needles_) {
-    const auto bytes = static_cast<GLsizeiptr>(4 * (header_words + needle.load_words()));
-    glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_PIXEL_PACK_BUFFER, static_cast<GLintptr>(4 * needle.state), to_byte,
-                        bytes);
-    to_byte += bytes;
+    const std::int64_t rows = (header_words + needle.load_words()) / 4;
+    buffer_.copy(needle.state / 4, rows, GL_PIXEL_PACK_BUFFER, to_byte);
+    to_byte += 16 * rows;
   }
-  glBindBuffer(GL_COPY_READ_BUFFER, 0);
 }
 
 ComputeNeedles::Told ComputeNeedles::take(std::span<const Float4> rows, std::span<ToolSums> sums) const {

@@ -43,7 +43,7 @@ class ComputeNeedles {
 
   // What a report carries: a header of 4 rows for each needle, and where it bends the forces on its shaft.
   std::int64_t told_rows() const;
-  void copy_told(GLintptr to_byte) const;  ///< to the buffer bound to GL_PIXEL_PACK_BUFFER
+  void copy_told(std::int64_t to_byte) const;  ///< to the buffer bound to GL_PIXEL_PACK_BUFFER
   struct Told {
     int full_step = 0;  ///< first of the batch that there was no room for; 0: none
     int tool = -1;      ///< row of the needle
@@ -65,6 +65,8 @@ class ComputeNeedles {
     std::int64_t state_words() const;
   };
   static constexpr int header_words = 16;
+  template <class Whole, class Real>
+  static void for_each_law_word(const Placed& needle, Whole&& whole, Real&& real);
   std::vector<std::int32_t> law_words() const;
   std::vector<std::int32_t> state_words(const Placed& needle, const NeedleState& state) const;
   NeedleState state_of(const Placed& needle, const std::vector<std::int32_t>& words) const;

@@ -2,7 +2,6 @@
 #include "compute_passes.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 namespace phymul::gl {
@@ -95,6 +94,15 @@ ShaderRequest ComputePasses::gathering(const StepKind& step) const {
   return request;
 }
 
+/// The same for a pass between forces and motion.
+ShaderRequest ComputePasses::pushing(const StepKind& step) const {
+  ShaderRequest request = gathering(step);
+  define(request, "CUT");
+  define(request, "PUSHES");
+  append(request, {"tools/pushed_tables.glsl"});
+  return request;
+}
+
 void ComputePasses::add_tools(const StepKind& step, ShaderRequest& request) const {
   define_tools(step.grids, request);
   define(request, "HOLDS_ONLY", step.holds_first());
@@ -123,20 +131,14 @@ Kernel ComputePasses::stepping(const StepKind& step, const ComputeState& state) 
 }
 
 Kernel ComputePasses::freeing(const StepKind& step, const ComputeState& state) const {
-  ShaderRequest request = gathering(step);
-  define(request, "CUT");
-  define(request, "PUSHES");
-  append(request, {"tools/pushed_tables.glsl"});
+  ShaderRequest request = pushing(step);
   if (step.tools && (step.contacts || step.presses || step.surfaces)) add_tools(step, request);
   append(request, {"step/free_kernel.glsl"});
   return compiled(std::move(request), lanes, state);
 }
 
 Kernel ComputePasses::pressing(const StepKind& step, const ComputeState& state) const {
-  ShaderRequest request = gathering(step);
-  define(request, "CUT");
-  define(request, "PUSHES");
-  append(request, {"tools/pushed_tables.glsl"});
+  ShaderRequest request = pushing(step);
   add_tools(step, request);
   append(request, {"tools/press_kernel.glsl"});
   return compiled(std::move(request), lanes, state);
@@ -144,11 +146,8 @@ Kernel ComputePasses::pressing(const StepKind& step, const ComputeState& state) 
 
 SurfacePasses ComputePasses::touching(const StepKind& step, const ComputeState& state) const {
   return SurfacePasses([&](const ShaderFiles& files, const char* name) {
-    ShaderRequest request = gathering(step);
-    define(request, "CUT");
-    define(request, "PUSHES");
+    ShaderRequest request = pushing(step);
     define(request, name);
-    append(request, {"tools/pushed_tables.glsl"});
     add_tools(step, request);
     append(request, {"tools/surface_tables.glsl"});
     append(request, files);
@@ -231,14 +230,13 @@ void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& sta
 }
 
 void ComputePasses::set_constants(const StepConstants& constants) {
-  const auto finite = [](double value) { return std::min(value, double{std::numeric_limits<float>::max()}); };
   now_->for_each([&](Kernel& kernel) {
-    const auto set = [&kernel](const char* name, double value) { kernel.set(name, static_cast<float>(value)); };
-    set("largest_acceleration", finite(constants.largest_acceleration));
+    const auto set = [&kernel](const char* name, double value) { kernel.set(name, to_float(value)); };
+    set("largest_acceleration", constants.largest_acceleration);
     set("dt", constants.dt);
     set("inverse_dt", 1.0 / constants.dt);
     set("damping_factor", constants.damping_factor);
-    set("runaway_speed", finite(constants.runaway_speed));
+    set("runaway_speed", constants.runaway_speed);
     set("speed_at_rest", constants.speed_at_rest);
     set("acceleration_at_rest", constants.acceleration_at_rest);
     kernel.set("tools_at_once", constants.tools_at_once ? 1 : 0);

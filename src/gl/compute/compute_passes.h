@@ -80,6 +80,7 @@ class ComputePasses {
   std::vector<Terms> compiled_terms(bool scaled, const ComputeState& state) const;
   Terms terms_of(const TermRows& rows, const ComputeState& state) const;
   ShaderRequest gathering(const StepKind& step) const;
+  ShaderRequest pushing(const StepKind& step) const;
   void add_tools(const StepKind& step, ShaderRequest& request) const;
   Stepping compiled(const StepKind& kind, const ComputeState& state) const;
   Kernel stepping(const StepKind& step, const ComputeState& state) const;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <tuple>
 #include <utility>
 
 namespace phymul::gl {
@@ -68,28 +69,22 @@ BatchReport ComputeReport::read(const ComputeState& state, int pair, const Compu
   }
   const std::int64_t tool_rows = tools ? 4 * tools->count() : 0, volume_rows = volumes ? volumes->count() : 0;
   BatchReport report = copy_.read(tool_rows + volume_rows + (needles ? needles->told_rows() : 0), [&] {
-    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     std::int64_t to = 0;
     const auto copy = [&to](const StorageBuffer& from, std::int64_t row, std::int64_t rows) {
-      glBindBuffer(GL_COPY_READ_BUFFER, from.id());
-      glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_PIXEL_PACK_BUFFER, static_cast<GLintptr>(16 * row),
-                          static_cast<GLintptr>(16 * to), static_cast<GLsizeiptr>(16 * rows));
+      from.copy(row, rows, GL_PIXEL_PACK_BUFFER, 16 * to);
       to += rows;
     };
     copy(state.rows(), last, 2);
     if (tools) copy(loads.rows(), tools->total_row(), tool_rows);
     if (volumes) copy(loads.rows(), volumes->roots_row(), volume_rows);
-    if (needles) needles->copy_told(static_cast<GLintptr>(16 * to));
-    glBindBuffer(GL_COPY_READ_BUFFER, 0);
+    if (needles) needles->copy_told(16 * to);
   });
   const std::span<const Float4> more(copy_.more());
   tool_sums_.resize(static_cast<std::size_t>(tool_rows / 4));
   for (std::size_t tool = 0; tool < tool_sums_.size(); ++tool) {
     const Float4* const rows = &more[4 * tool];
-    tool_sums_[tool].force = rows[0];
-    tool_sums_[tool].torque = rows[1];
-    tool_sums_[tool].last_force = rows[2];
-    tool_sums_[tool].last_torque = rows[3];
+    ToolSums& sums = tool_sums_[tool];  // whose shaft stays
+    std::tie(sums.force, sums.torque, sums.last_force, sums.last_torque) = std::tie(rows[0], rows[1], rows[2], rows[3]);
   }
   report.see_volumes(more.subspan(static_cast<std::size_t>(tool_rows), static_cast<std::size_t>(volume_rows)));
   if (needles) {

@@ -11,17 +11,17 @@ namespace phymul::gl {
 
 ComputeState::ComputeState(const ComputeTables& tables, const ComputeLimits& limits) : tables_(&tables) {
   const BodyKind& kind = tables.kind();
-  rows_.take(nullptr, pair_row(pairs));
+  rows_.take({}, pair_row(pairs));
   measured_row_ = rows_.take("measured_place", tables.places());
   rows_.take("force_place", kind.attractors ? tables.places() : 0);
   rows_.take("base_terms_place", kind.base_terms ? std::int64_t{4} * kind.bases : 0);
   rows_.take("volume_terms_place", std::int64_t{4} * kind.volumes);
   rows_.take("domain_terms_place", std::int64_t{4} * kind.domains);
   if (kind.dissipates()) {
-    strains_row_ = rows_.take(nullptr, pairs * strain_rows());
+    strains_row_ = rows_.take({}, pairs * strain_rows());
     dissipation_row_ = rows_.take("dissipation_place", std::int64_t{2} * kind.domains);
   }
-  report_row_ = rows_.take(nullptr, 2 * most_report_groups + 2);
+  report_row_ = rows_.take({}, 2 * most_report_groups + 2);
   const std::int64_t rows = rows_.end();
   if (rows > std::numeric_limits<int>::max()) {
     throw Error(ErrorCode::not_supported,
@@ -35,52 +35,42 @@ ComputeState::ComputeState(const ComputeTables& tables, const ComputeLimits& lim
   }
 }
 
-int ComputeState::free_pair() const {
-  int pair = 0;
-  while (pair == current_ || pair == checkpoint_) ++pair;
-  return pair;
-}
-
 void ComputeState::write(const VecList& rest, const State& state) {
   const auto places = static_cast<std::size_t>(tables_->places());
   std::vector<Float4> rows(2 * places, Float4{});
   pack_state(rest, state, place_of(), rows.data(), rows.data() + places);
-  buffer_.write(16 * pair_row(current_), rows.data(), static_cast<std::int64_t>(16 * rows.size()));
+  buffer_.write_rows(pair_row(current()), rows);
   set_checkpoint();
-  strains_fresh_ = true;
+  set_strains_fresh(true);
 }
 
 void ComputeState::set_dissipation(std::span<const Float4> constants) {
-  buffer_.write(16 * dissipation_row_, constants.data(), static_cast<std::int64_t>(constants.size_bytes()));
+  buffer_.write_rows(dissipation_row_, constants);
 }
 
 void ComputeState::write_strains(std::span<const Float4> rows) {
-  buffer_.write(std::int64_t{16} * strains_row(current_), rows.data(), static_cast<std::int64_t>(rows.size_bytes()));
-  strains_fresh_ = false;
+  buffer_.write_rows(strains_row(current()), rows);
+  set_strains_fresh(false);
 }
 
 std::vector<Float4> ComputeState::read_strains() const {
-  if (strains_fresh_ && current_ == checkpoint_) return {};
+  if (no_strains()) return {};
   std::vector<Float4> rows(static_cast<std::size_t>(strain_rows()));
-  buffer_.read(strains_row(current_), strain_rows(), rows.data());
+  buffer_.read(strains_row(current()), strain_rows(), rows.data());
   return rows;
 }
 
 void ComputeState::read(const VecList& rest, State& state) const {
   const auto places = static_cast<std::size_t>(tables_->places());
   std::vector<Float4> rows(2 * places);
-  buffer_.read(pair_row(current_), static_cast<std::int64_t>(2 * places), rows.data());
+  buffer_.read(pair_row(current()), static_cast<std::int64_t>(2 * places), rows.data());
   unpack_state(rows.data(), rows.data() + places, rest, place_of(), state);
 }
 
 void ComputeState::request_copy(StateCopies& copies, const State& header) const {
   const auto places = static_cast<std::size_t>(tables_->places());
   copies.request(places, header, [&] {
-    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    glBindBuffer(GL_COPY_READ_BUFFER, buffer_.id());
-    glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_PIXEL_PACK_BUFFER, static_cast<GLintptr>(16 * pair_row(current_)), 0,
-                        static_cast<GLsizeiptr>(32 * places));
-    glBindBuffer(GL_COPY_READ_BUFFER, 0);
+    buffer_.copy(pair_row(current()), static_cast<std::int64_t>(2 * places), GL_PIXEL_PACK_BUFFER, 0);
   });
 }
 

@@ -2,8 +2,7 @@
 //
 // What changes, on the device, in one storage buffer: three pairs of displacement (m) and velocity (m/s) by place; what
 // the last step measured; forces of attractors, terms of bases, volumes and domains, four rows each; rows of a
-// report. A step reads one pair and writes another; the third holds the state before the present batch. Of a body that
-// dissipates also the strains of its domains, with each pair, and the constants of its material.
+// report. Of a body that dissipates also the strains of its domains, with each pair, and the constants of its material.
 #pragma once
 
 #include "compute_tables.h"
@@ -11,21 +10,11 @@
 
 namespace phymul::gl {
 
-class ComputeState {
+class ComputeState : public StatePairs {
  public:
-  static constexpr int pairs = 3;
   static constexpr int most_report_groups = 256;
 
   ComputeState(const ComputeTables& tables, const ComputeLimits& limits);
-
-  int current() const { return current_; }
-  int free_pair() const;  ///< where the next step goes
-  void advance() { current_ = free_pair(); }
-  void set_checkpoint() {
-    if (current_ != checkpoint_) strains_fresh_ = false;
-    checkpoint_ = current_;
-  }
-  void go_back() { current_ = checkpoint_; }
 
   void bind() const { buffer_.bind(changing_binding); }
   void place(Kernel& kernel) const { rows_.place(kernel); }
@@ -39,8 +28,6 @@ class ComputeState {
   void set_dissipation(std::span<const Float4> constants);
   void write_strains(std::span<const Float4> rows);
   std::vector<Float4> read_strains() const;  ///< empty: fresh
-  /// True where the domains of the checkpoint have no strains but their own.
-  bool strains_fresh() const { return strains_fresh_; }
   int strains_row(int pair) const { return static_cast<int>(strains_row_ + pair * strain_rows()); }
 
   /// What the last step measured has been reported by then: rows for whoever shows something.
@@ -56,8 +43,6 @@ class ComputeState {
   StorageRows rows_;
   std::int64_t measured_row_ = 0, report_row_ = 0, strains_row_ = 0, dissipation_row_ = 0;
   StorageBuffer buffer_;
-  int current_ = 0, checkpoint_ = 0;
-  bool strains_fresh_ = true;
 };
 
 }  // namespace phymul::gl

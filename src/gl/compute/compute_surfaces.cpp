@@ -6,7 +6,7 @@
 namespace phymul::gl {
 
 ComputeSurfaces::ComputeSurfaces(FloatSurfaces surfaces, const ComputeTables& tables, StorageRows& rows)
-    : patches_(surfaces.patches()), law_of_(std::move(surfaces.law_of)) {
+    : SurfaceTools(std::move(surfaces.law_of)), patches_(surfaces.patches()) {
   rows.add("patch_corners_place", tables.placed(std::move(surfaces.corners), 3));
   rows.add("patch_laws_place", std::move(surfaces.laws));
   rows.add("patch_points_place", std::move(surfaces.points));

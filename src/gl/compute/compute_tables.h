@@ -45,7 +45,6 @@ class ComputeTables {
   void place(Kernel& kernel) const { rows_.place(kernel); }
 
  private:
-  void add_entries(const FloatTables& rows);
   void add_all(const SliceTables& slices);
 
   BodyKind kind_;

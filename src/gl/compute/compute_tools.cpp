@@ -20,17 +20,16 @@ ComputeTools::ComputeTools(const FloatTools& tools, const ComputeTables& tables,
   sums_row_ = needle_count_ == 0
                   ? rows.take("tool_sums_place", sums)
                   : rows.add("tool_sums_place", std::vector<Float4>(static_cast<std::size_t>(sums), Float4{}));
-  parts_row_ = rows.take(nullptr, std::int64_t{4} * most_parts * count_);
-  total_row_ = rows.take(nullptr, std::int64_t{4} * count_);
+  parts_row_ = rows.take({}, std::int64_t{4} * most_parts * count_);
+  total_row_ = rows.take({}, std::int64_t{4} * count_);
 }
 
 void ComputeTools::write_held(const FloatTools& tools, StorageBuffer& buffer) const {
-  const std::vector<Float4> held = tables_->by_place(tools.held());
-  buffer.write(16 * held_row_, held.data(), static_cast<std::int64_t>(16 * held.size()));
+  buffer.write_rows(held_row_, tables_->by_place(tools.held()));
 }
 
 void ComputeTools::write_frames(const FloatTools& tools, StorageBuffer& buffer) const {
-  buffer.write(16 * frames_row_, tools.frames().data(), static_cast<std::int64_t>(16 * tools.frames().size()));
+  buffer.write_rows(frames_row_, tools.frames());
 }
 
 }  // namespace phymul::gl

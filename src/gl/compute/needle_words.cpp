@@ -5,81 +5,63 @@
 
 #include <array>
 #include <bit>
-#include <utility>
+#include <cassert>
 
 #include "compute_needles.h"
 
 namespace phymul::gl {
 namespace {
 
-constexpr std::array names{
-    std::pair{"LAW_STATE", int{state_law}},
-    std::pair{"LAW_COUPLING", int{coupling_law}},
-    std::pair{"LAW_STIFFNESS", int{stiffness_law}},
-    std::pair{"LAW_INVERSE", int{inverse_law}},
-    std::pair{"LAW_SHARE", int{share_law}},
-    std::pair{"LAW_NODES", int{nodes_law}},
-    std::pair{"LAW_PARTICLES", int{particles_law}},
-    std::pair{"LAW_TOOL", int{tool_law}},
-    std::pair{"LAW_LENGTH", int{length_law}},
-    std::pair{"LAW_RADIUS", int{radius_law}},
-    std::pair{"LAW_PUNCTURE", int{puncture_law}},
-    std::pair{"LAW_CUTTING", int{cutting_law}},
-    std::pair{"LAW_STATIC_FRICTION", int{static_friction_law}},
-    std::pair{"LAW_KINETIC_FRICTION", int{kinetic_friction_law}},
-    std::pair{"LAW_SURFACE_FRICTION", int{surface_friction_law}},
-    std::pair{"LAW_SPREAD", int{spread_law}},
-    std::pair{"LAW_REACH", int{reach_law}},
-    std::pair{"LAW_BENDING_STIFFNESS", int{bending_stiffness_law}},
-    std::pair{"HEADER_COUNT", int{count_word}},
-    std::pair{"HEADER_PUNCTURED", int{punctured_word}},
-    std::pair{"HEADER_THROUGH", int{through_word}},
-    std::pair{"HEADER_SLIP", int{slip_word}},
-    std::pair{"HEADER_LOADS", int{loads_word}},
-    std::pair{"HEADER_FULL", int{full_word}},
-    std::pair{"HEADER_COUPLED", int{coupled_word}},
-    std::pair{"HEADER_STAGE", int{stage_word}},
-    std::pair{"HEADER_LEFT", int{left_word}},
-    std::pair{"HEADER_REACH", int{reach_word}},
-    std::pair{"HEADER_FIRST", int{first_word}},
-    std::pair{"HEADER_WAY", int{way_word}},
-    std::pair{"LAW_WORDS", words_a_law},
-};
+/// By HeaderWord.
+constexpr std::array header_names{"HEADER_COUNT", "HEADER_PUNCTURED", "HEADER_THROUGH", "HEADER_SLIP",
+                                  "HEADER_LOADS", "HEADER_FULL",      "HEADER_COUPLED", "HEADER_STAGE",
+                                  "HEADER_LEFT",  "HEADER_REACH",     "HEADER_FIRST",   "HEADER_WAY"};
+static_assert(header_names.size() == header_words_used);
 
 }  // namespace
 
+/// Calls whole(name, value) or real(name, value) for each word of a law, in order.
+template <class Whole, class Real>
+void ComputeNeedles::for_each_law_word(const Placed& needle, Whole&& whole, Real&& real) {
+  const FloatNeedles::One& own = needle.law;
+  whole("LAW_STATE", needle.state);
+  whole("LAW_COUPLING", needle.coupling);
+  whole("LAW_STIFFNESS", needle.stiffness);
+  whole("LAW_INVERSE", needle.inverse);
+  whole("LAW_SHARE", needle.share);
+  whole("LAW_NODES", own.nodes);
+  whole("LAW_PARTICLES", own.particles);
+  whole("LAW_TOOL", own.tool);
+  real("LAW_LENGTH", own.needle.length);
+  real("LAW_RADIUS", own.needle.radius);
+  real("LAW_PUNCTURE", own.needle.puncture);
+  real("LAW_CUTTING", own.needle.cutting);
+  real("LAW_STATIC_FRICTION", own.needle.static_friction);
+  real("LAW_KINETIC_FRICTION", own.needle.kinetic_friction);
+  real("LAW_SURFACE_FRICTION", own.friction);
+  real("LAW_SPREAD", own.spread);
+  real("LAW_REACH", own.reach);
+  real("LAW_BENDING_STIFFNESS", own.needle.bending_stiffness);
+}
+
 void ComputeNeedles::define(ShaderRequest& request) {
   static_assert(header_words_used <= header_words);
-  for (const auto& [name, word] : names) request.defines.emplace_back(name, word);
+  int word = 0;
+  const auto name_it = [&](const char* name, auto) { request.defines.emplace_back(name, word++); };
+  for_each_law_word({}, name_it, name_it);
+  assert(word <= words_a_law);
+  for (int k = 0; k < header_words_used; ++k) request.defines.emplace_back(header_names[k], k);
+  request.defines.emplace_back("LAW_WORDS", words_a_law);
   request.defines.emplace_back("HEADER_WORDS", header_words);
 }
 
 std::vector<std::int32_t> ComputeNeedles::law_words() const {
-  std::vector<std::int32_t> words(words_a_law * needles_.size(), 0);
-  std::int32_t* own = words.data();
+  std::vector<std::int32_t> words;
   for (const Placed& needle : needles_) {
-    const auto whole = [&](LawWord word, std::int64_t value) { own[word] = static_cast<std::int32_t>(value); };
-    const auto real = [&](LawWord word, double value) { own[word] = bits_of(static_cast<float>(value)); };
-    whole(state_law, needle.state);
-    whole(coupling_law, needle.coupling);
-    whole(stiffness_law, needle.stiffness);
-    whole(inverse_law, needle.inverse);
-    whole(share_law, needle.share);
-    whole(nodes_law, needle.law.nodes);
-    whole(particles_law, needle.law.particles);
-    whole(tool_law, needle.law.tool);
-    const Needle& law = needle.law.needle;
-    real(length_law, law.length);
-    real(radius_law, law.radius);
-    real(puncture_law, law.puncture);
-    real(cutting_law, law.cutting);
-    real(static_friction_law, law.static_friction);
-    real(kinetic_friction_law, law.kinetic_friction);
-    real(surface_friction_law, needle.law.friction);
-    real(spread_law, needle.law.spread);
-    real(reach_law, needle.law.reach);
-    real(bending_stiffness_law, law.bending_stiffness);
-    own += words_a_law;
+    for_each_law_word(
+        needle, [&](const char*, std::int64_t value) { words.push_back(static_cast<std::int32_t>(value)); },
+        [&](const char*, double value) { words.push_back(bits_of(static_cast<float>(value))); });
+    words.resize((words.size() + words_a_law - 1) / words_a_law * words_a_law, 0);
   }
   return words;
 }

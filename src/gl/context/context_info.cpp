@@ -7,14 +7,21 @@
 #include <array>
 
 #include "gl_api.h"
-#include "gl_functions.h"
 
 namespace phymul::gl {
 namespace {
 
-std::string text_of(GLenum name) {
-  const GLubyte* text = glGetString(name);
-  return text ? reinterpret_cast<const char*>(text) : "";
+/// Sorted.
+std::vector<std::string> gl_extensions() {
+  const GLint count = integer_of(GL_NUM_EXTENSIONS);
+  std::vector<std::string> names;
+  for (GLint i = 0; i < count; ++i) {
+    if (const GLubyte* name = glGetStringi(GL_EXTENSIONS, static_cast<GLuint>(i))) {
+      names.emplace_back(reinterpret_cast<const char*>(name));
+    }
+  }
+  std::sort(names.begin(), names.end());
+  return names;
 }
 
 bool is_software_renderer(const std::string& renderer) {
@@ -29,11 +36,8 @@ void read_version(ContextInfo& info) {
   info.es = info.version.starts_with("OpenGL ES");
   info.major = integer_of(GL_MAJOR_VERSION);
   info.minor = integer_of(GL_MINOR_VERSION);
-  if (info.es || info.at_least(3, 2)) {
-    info.core_profile = info.es || (integer_of(GL_CONTEXT_PROFILE_MASK) & GL_CONTEXT_CORE_PROFILE_BIT) != 0;
-  } else {
-    info.core_profile = false;
-  }
+  info.core_profile =
+      info.es || (info.at_least(3, 2) && (integer_of(GL_CONTEXT_PROFILE_MASK) & GL_CONTEXT_CORE_PROFILE_BIT) != 0);
 }
 
 void require_version(const ContextInfo& info) {
@@ -49,7 +53,7 @@ bool can_report_reset(const ContextInfo& info) {
 }  // namespace
 
 bool ContextInfo::has(std::string_view extension) const {
-  return contains(extensions, extension);
+  return std::binary_search(extensions.begin(), extensions.end(), extension);
 }
 
 std::string ContextInfo::device() const {
@@ -83,8 +87,7 @@ ContextInfo read_context_info() {
   info.max_texture_units = integer_of(GL_MAX_TEXTURE_IMAGE_UNITS);
   info.has_robustness =
       can_report_reset(info) && integer_of(GL_RESET_NOTIFICATION_STRATEGY) == GL_LOSE_CONTEXT_ON_RESET;
-  for (int tries = 0; tries < 16 && glGetError() != GL_NO_ERROR; ++tries) {  // a lost context may report for ever
-  }
+  forget_errors();
   return info;
 }
 

@@ -3,6 +3,8 @@
 // The one place that includes GL and EGL headers. GLEW is the loader; see gl_functions.h for what it does not load.
 #pragma once
 
+#include <string>
+
 #ifdef __EMSCRIPTEN__
 #include "gl/web/web_api.h"
 #else
@@ -26,6 +28,23 @@ inline GLint integer_of(GLenum name) {
   GLint value = 0;
   glGetIntegerv(name, &value);
   return value;
+}
+
+/// glGetString; empty where the context gives none, as a lost one.
+inline std::string text_of(GLenum name) {
+  const GLubyte* const text = glGetString(name);
+  return text ? reinterpret_cast<const char*>(text) : "";
+}
+
+/// What was wrong before must not be taken for the answer to what comes next. A lost context may report for ever.
+inline void forget_errors() {
+  for (int k = 0; k < 16 && glGetError() != GL_NO_ERROR; ++k) {
+  }
+}
+
+/// Of glGetError after an allocation.
+inline std::string memory_error(GLenum error) {
+  return error == GL_OUT_OF_MEMORY ? "out of memory" : "GL error " + std::to_string(error);
 }
 
 }  // namespace phymul::gl

@@ -55,8 +55,7 @@ void load_functions() {
                                        std::string(reinterpret_cast<const char*>(glewGetErrorString(result))));
   }
   fill_gaps();
-  for (int tries = 0; tries < 16 && glGetError() != GL_NO_ERROR; ++tries) {  // a lost context may report for ever
-  }
+  forget_errors();
   loaded = true;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/bounding_box.h"
 #include "model/require_indices.h"
 
 namespace phymul::gl {
@@ -25,10 +26,6 @@ const Colour attractor_colour{0.74, 0.16, 0.52, 1.0};
 const Colour line_colour{0.0, 0.0, 0.0, 1.0};
 const Colour rest_colour{0.42, 0.42, 0.42, 1.0};
 
-Float4 float4(const Vec3& v) {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
-}
-
 Eigen::Vector3f rgb(const Colour& colour) {
   return {static_cast<float>(colour[0]), static_cast<float>(colour[1]), static_cast<float>(colour[2])};
 }
@@ -37,15 +34,6 @@ std::vector<Eigen::Vector3f> scale_colours() {
   std::vector<Eigen::Vector3f> colours;
   for (int k = 0; k <= 16; ++k) colours.push_back(rgb(displacement_colour(k / 16.0)));
   return colours;
-}
-
-Vec3 middle_of(const VecList& points) {
-  Vec3 low = points.front(), high = points.front();
-  for (const Vec3& x : points) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  return 0.5 * (low + high);
 }
 
 /// To pixels from -1 to 1: x, y across the view, z between the planes. Column-major, as GL wants it.
@@ -81,7 +69,7 @@ struct BodyDrawing::Eye {
 };
 
 BodyDrawing::BodyDrawing(const Model& model, const ShaderLibrary& library, const Skin* skin)
-    : model_(model), library_(library), centre_(middle_of(model.rest)), spacing_(mean_spacing(model)) {
+    : model_(model), library_(library), centre_(bounding_box(model.rest).center()), spacing_(mean_spacing(model)) {
   std::vector<Float4> rest;
   for (const Vec3& x : model.rest) {
     rest.push_back(float4(x - centre_));
@@ -218,38 +206,37 @@ void BodyDrawing::draw_surface(const Placement& placement, const DisplayOptions&
   glDepthMask(GL_TRUE);
 }
 
-void BodyDrawing::draw_edges(const Placement& placement, const Eye& eye) {
+/// Lines between the particles of `pairs`; null: between each particle and itself, by the second displacements.
+Drawing& BodyDrawing::begin_pairs(const TextureView& displacement, const TextureView& second, const Texture* pairs,
+                                  const Eye& eye, const Colour& colour, bool by_displacement) {
   Drawing& drawing = begin(pair_, "display/display_pair.vert", "display/display_line.frag");
-  set_body(drawing, placement.displacement, eye, line_colour, false);
+  set_body(drawing, displacement, eye, colour, by_displacement);
+  drawing.input("second_displacement", second);
+  drawing.input("pairs", view_of(pairs ? *pairs : no_list_));
+  drawing.set("paired", pairs ? 1 : 0);
+  return drawing;
+}
+
+void BodyDrawing::draw_edges(const Placement& placement, const Eye& eye) {
+  Drawing& drawing = begin_pairs(placement.displacement, placement.displacement, &edges_, eye, line_colour, false);
   // A fine mesh would be all lines.
   const double strength = 0.45 * std::min(1.0, eye.pixels_per_metre * edge_length_ / eye.pixel_size / 15.0);
   set_line(drawing, eye, 0.55, strength);
-  drawing.input("second_displacement", placement.displacement);
-  drawing.input("pairs", view_of(edges_));
-  drawing.set("paired", 1);
   drawing.draw(edge_count_);
 }
 
 void BodyDrawing::draw_links(const Placement& placement, const Eye& eye) {
-  Drawing& drawing = begin(pair_, "display/display_pair.vert", "display/display_line.frag");
-  set_body(drawing, placement.displacement, eye, link_colour, true);
+  Drawing& drawing = begin_pairs(placement.displacement, placement.displacement, &links_, eye, link_colour, true);
   const double rod = link_size * spacing_ * eye.pixels_per_metre / eye.pixel_size;
   set_line(drawing, eye, std::clamp(rod, 0.6, 6.0), 1.0);
   drawing.set("tube", 1);
   drawing.set("lift", 0.0f);
-  drawing.input("second_displacement", placement.displacement);
-  drawing.input("pairs", view_of(links_));
-  drawing.set("paired", 1);
   drawing.draw(link_count_);
 }
 
 void BodyDrawing::draw_attractors(const Placement& placement, const DisplayOptions& options, const Eye& eye) {
-  Drawing& drawing = begin(pair_, "display/display_pair.vert", "display/display_line.frag");
-  set_body(drawing, placement.displacement, eye, attractor_colour, false);
+  Drawing& drawing = begin_pairs(placement.displacement, placement.attractor, nullptr, eye, attractor_colour, false);
   set_line(drawing, eye, 1.1, 1.0);
-  drawing.input("second_displacement", placement.attractor);
-  drawing.input("pairs", view_of(no_list_));
-  drawing.set("paired", 0);
   drawing.draw(model_.rest.size());
   draw_balls(placement.attractor, nullptr, model_.rest.size(), attractor_size * ball_radius(options), attractor_colour,
              false, eye);

@@ -36,6 +36,8 @@ class BodyDrawing {
   Eye eye_of(const Camera& camera, const DisplayOptions& options, const Viewport& viewport) const;
   void carry(const Skin& skin);
   Drawing& begin(Drawing& drawing, const char* name, const char* fragment);
+  Drawing& begin_pairs(const TextureView& displacement, const TextureView& second, const Texture* pairs, const Eye& eye,
+                       const Colour& colour, bool by_displacement);
   void set_body(Drawing& drawing, const TextureView& displacement, const Eye& eye, const Colour& colour,
                 bool by_displacement);
   void set_line(Drawing& drawing, const Eye& eye, double half_width, double opacity) const;

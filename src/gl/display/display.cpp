@@ -4,6 +4,7 @@
 #include <phymul/error.h>
 
 #include <array>
+#include <bit>
 #include <type_traits>
 #include <utility>
 
@@ -41,12 +42,6 @@ class BlendGuard {
                                                GL_CULL_FACE_MODE,  GL_FRONT_FACE};
   std::array<GLint, 8> value_{};
 };
-
-int log2_of(int width) {
-  int log2 = 0;
-  while ((1 << log2) < width) ++log2;
-  return log2;
-}
 
 /// What lives in the context.
 struct Objects {
@@ -147,10 +142,7 @@ class GlDisplay final : public Display {
 
   void upload(std::span<const Vec3> place, Texture& texture, const char* name) const {
     std::vector<Float4> moved(place.size());
-    for (std::size_t i = 0; i < place.size(); ++i) {
-      const Vec3 u = place[i] - model_.rest[i];
-      moved[i] = {static_cast<float>(u.x()), static_cast<float>(u.y()), static_cast<float>(u.z()), 0.0f};
-    }
+    for (std::size_t i = 0; i < place.size(); ++i) moved[i] = float4(place[i] - model_.rest[i]);
     if (texture) {
       texture.upload(std::span<const Float4>(moved));
     } else {
@@ -160,7 +152,8 @@ class GlDisplay final : public Display {
 
   /// Where a buffer of the solver can be read, uploading it where it must be.
   TextureView view_of_buffer(const ParticleBuffer& buffer, Texture& texture, const char* name) const {
-    if (buffer.texture != 0) return {buffer.texture, log2_of(buffer.width)};
+    if (buffer.texture != 0)
+      return {buffer.texture, std::countr_zero(std::bit_ceil(static_cast<unsigned>(buffer.width)))};
     if (buffer.position.empty()) return {};
     upload(buffer.position, texture, name);
     return view_of(texture);

@@ -18,11 +18,9 @@ int factor_for(int width, int height) {
     throw Error("Display: expected a picture of at least 1 x 1 pixels, got " + std::to_string(width) + " x " +
                 std::to_string(height));
   }
-  GLint largest = 0;
   std::array<GLint, 2> view{};
-  glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
   glGetIntegerv(GL_MAX_VIEWPORT_DIMS, view.data());
-  largest = std::min({largest, view[0], view[1]});
+  const GLint largest = std::min({integer_of(GL_MAX_RENDERBUFFER_SIZE), view[0], view[1]});
   const int factor = std::min(best_factor, largest / std::max(width, height));
   if (factor < 1) {
     throw Error("Display: a picture of " + std::to_string(width) + " x " + std::to_string(height) +
@@ -35,8 +33,7 @@ int factor_for(int width, int height) {
 
 PictureTarget::PictureTarget(int width, int height)
     : width_(width), height_(height), factor_(factor_for(width, height)) {
-  for (int tries = 0; tries < 16 && glGetError() != GL_NO_ERROR; ++tries) {  // a lost context may report for ever
-  }
+  forget_errors();
   glGenRenderbuffers(2, buffers_);
   const std::array<GLenum, 2> formats{GL_RGBA8, GL_DEPTH_COMPONENT24};
   for (std::size_t k = 0; k < formats.size(); ++k) {

@@ -44,7 +44,7 @@ void FragmentContactPasses::set_contacts(FragmentContacts& contacts) {
   for (Pass* const pass : {&corner_boxes_, &next_, &start_, &phase_, &part_}) contacts.bind_meetings(*pass);
   for (Pass* const pass : {&triangle_boxes_, &search_}) contacts.triangles.bind_tables(*pass);
   for (Pass* const pass : {&corner_boxes_, &next_, &start_}) contacts.corners.bind_tables(*pass);
-  for (Pass* const pass : {&surfaces_, &part_}) contacts.bind_free(*pass);
+  for (Pass* const pass : {&surfaces_, &part_}) contacts.free.bind(*pass);
   fastest_first_.input("mean_velocity", contacts.mean.result());
   search_.input("fastest", contacts.fastest.result());
   part_.input("surface_rows", contacts.surface_rows());
@@ -56,12 +56,8 @@ void FragmentContactPasses::set_contacts(FragmentContacts& contacts) {
   part_.set_rows(contacts.pushed_force, static_cast<int>(contacts.pushed_force.rows()));
 }
 
-void FragmentContactPasses::set_free(const std::array<Texture, 3>& open) {
-  for (Pass* const pass : {&surfaces_, &part_}) {
-    pass->input("pushed_force", open[0]);
-    pass->input("free_velocity", open[1]);
-    pass->input("pushed_shift", open[2]);
-  }
+void FragmentContactPasses::set_free(const OpenStep& open) {
+  for (Pass* const pass : {&surfaces_, &part_}) open.bind(*pass);
 }
 
 void FragmentContactPasses::set_step(double dt) {

@@ -16,8 +16,8 @@ class FragmentContactPasses {
 
   void set_contacts(FragmentContacts& contacts);
   void set_step(double dt);
-  /// Where the next step stands open, in place of FragmentContacts::free_target: force, velocity, shift.
-  void set_free(const std::array<Texture, 3>& open);
+  /// Where the next step stands open, in place of FragmentContacts::free.
+  void set_free(const OpenStep& open);
 
   /// Of a step from places `displacement`, which has been opened in FragmentContacts::free_target. What it comes to is
   /// in pushed_force and pushed_shift there.

@@ -5,6 +5,7 @@
 #include <phymul/topology_textures.h>
 
 #include <algorithm>
+#include <span>
 #include <string>
 
 #include "gl/context/context_info.h"
@@ -14,10 +15,6 @@ namespace {
 
 constexpr int first_phases = 8;            // of a scene that has told nothing yet
 constexpr std::int64_t counted = 1 << 24;  // what shaders count in floats
-
-Texture floats(std::int64_t rows, const char* name) {
-  return Texture::target(rows, TexelFormat::rgba32f, name);
-}
 
 /// Few levels, as each is a draw; small leaves, as fragments look at all items of one.
 constexpr BoxTree::Shape shallow{.leaf_size = 2, .halvings = 3};
@@ -109,7 +106,7 @@ FragmentTree::FragmentTree(const BoxTree& tree, const char* name)
   for (const Int4& node : rows) levels = std::max(levels, node[3]);
   nodes = Texture::table(std::span<const Int4>(rows), name);
   for (std::size_t k = 0; k < boxes.size(); ++k) {
-    for (Texture& side : boxes[k]) side = floats(size, name);
+    for (Texture& side : boxes[k]) side = Texture::target(size, name);
     targets[k] = Framebuffer({{&boxes[k][0]}, {&boxes[k][1]}});
   }
 }
@@ -148,22 +145,20 @@ PlannedContacts::PlannedContacts(const Scene& scene)
 
 FragmentContacts::FragmentContacts(const PlannedContacts& planned, Index model_rows)
     : constants(planned.contacts),
-      free_force(floats(model_rows, "forces before a step's motion")),
-      free_velocity(floats(model_rows, "velocities before a step's motion")),
-      free_shift(floats(model_rows, "shifts before a step's motion")),
-      free_target({{&free_force}, {&free_velocity}, {&free_shift}}),
-      moved(floats(static_cast<std::int64_t>(planned.contacts.particle.size()), "places of surfaces")),
-      velocity(floats(moved.rows(), "velocities of surfaces")),
+      free(model_rows),
+      free_target({{&free.force}, {&free.velocity}, {&free.shift}}),
+      moved(Texture::target(static_cast<std::int64_t>(planned.contacts.particle.size()), "places of surfaces")),
+      velocity(Texture::target(moved.rows(), "velocities of surfaces")),
       mean(static_cast<int>(moved.rows()), branch, {{"speeds"}}, "mean velocity of surfaces"),
       fastest(static_cast<int>(moved.rows()), branch, {{"speeds"}}, "largest speed of surfaces"),
       triangles(planned.triangles, "trees of triangles"),
       corners(planned.corners, "trees of contacts"),
       told(static_cast<int>(moved.rows()), branch, {{"told"}}, "phases of sweeps"),
-      surface_(Texture::table(std::span<const Int4>(planned.contacts.particle), "surface")),
-      rest_(Texture::table(std::span<const Float4>(planned.contacts.rest), "surface_rest")),
-      triangle_(Texture::table(std::span<const Int4>(planned.contacts.triangle), "triangle")),
-      law_(Texture::table(std::span<const Float4>(planned.contacts.triangle_law), "triangle_law")),
       most_phases_(planned.most_phases) {
+  surfaces_.add("surface", planned.contacts.particle);
+  surfaces_.add("surface_rest", planned.contacts.rest);
+  surfaces_.add("triangle", planned.contacts.triangle);
+  surfaces_.add("triangle_law", planned.contacts.triangle_law);
   phases_ = std::min(first_phases, most_phases_);
   std::vector<std::int32_t> rows(static_cast<std::size_t>(model_rows), -1);
   for (int k = 0; k < particles(); ++k) rows[static_cast<std::size_t>(planned.contacts.particle[k][0])] = k;
@@ -171,33 +166,24 @@ FragmentContacts::FragmentContacts(const PlannedContacts& planned, Index model_r
   surface_target = Framebuffer({{&moved}, {&velocity}});
   const std::int64_t most = meetings();
   who = Texture::target(most, TexelFormat::rgba32i, "contacts");
-  nearest = floats(most, "nearest points");
-  normal = floats(most, "normals of contacts");
+  nearest = Texture::target(most, "nearest points");
+  normal = Texture::target(most, "normals of contacts");
   meeting_target = Framebuffer({{&who}, {&nearest}, {&normal}});
   next_entries = Texture::target(4 * most, TexelFormat::r32i, "lists of contacts");
   next_target = Framebuffer({{&next_entries}});
   for (Sweeps& sweeps : sweeps_) {
-    sweeps.pressing = floats(particles() + most, "velocities in sweeps");
-    sweeps.pushing = floats(particles() + most, "impulses of sweeps");
+    sweeps.pressing = Texture::target(particles() + most, "velocities in sweeps");
+    sweeps.pushing = Texture::target(particles() + most, "impulses of sweeps");
     sweeps.turns = Texture::target(particles() + most, TexelFormat::rgba32i, "turns of sweeps");
     sweeps.target = Framebuffer({{&sweeps.pressing}, {&sweeps.pushing}, {&sweeps.turns}});
   }
-  pushed_force = floats(model_rows, "forces with contacts");
-  pushed_shift = floats(model_rows, "shifts with contacts");
+  pushed_force = Texture::target(model_rows, "forces with contacts");
+  pushed_shift = Texture::target(model_rows, "shifts with contacts");
   pushed_target = Framebuffer({{&pushed_force}, {&pushed_shift}});
 }
 
-void FragmentContacts::bind_free(Pass& pass) const {
-  pass.input("pushed_force", free_force);
-  pass.input("free_velocity", free_velocity);
-  pass.input("pushed_shift", free_shift);
-}
-
 void FragmentContacts::bind_surfaces(Pass& pass) const {
-  pass.input("surface", surface_);
-  pass.input("surface_rest", rest_);
-  pass.input("triangle", triangle_);
-  pass.input("triangle_law", law_);
+  surfaces_.bind(pass);
   pass.input("surface_moved", moved);
   pass.input("surface_velocity", velocity);
 }

@@ -8,6 +8,7 @@
 
 #include "base/box_tree.h"
 #include "device/float_contacts.h"
+#include "fragment_state.h"
 #include "gl/solver/contact_constants.h"
 #include "reduction.h"
 
@@ -46,13 +47,12 @@ class FragmentContacts {
   int meetings() const { return constants.particles * constants.bodies; }  ///< most contacts that a step can have
 
   const ContactConstants constants;
-  void bind_free(Pass& pass) const;
   void bind_surfaces(Pass& pass) const;
   void bind_meetings(Pass& pass) const;
   void bind_sweeps(Pass& pass) const;
 
   // What passes draw into, in their order.
-  Texture free_force, free_velocity, free_shift;  ///< the step opens: pushed_tables.glsl
+  OpenStep free;
   Framebuffer free_target;
   Texture moved, velocity;
   static constexpr int branch = 64;  ///< of reductions
@@ -87,7 +87,8 @@ class FragmentContacts {
     Framebuffer target;
   };
 
-  Texture surface_, rest_, triangle_, law_, surface_rows_;
+  NamedTables surfaces_;
+  Texture surface_rows_;
   std::array<Sweeps, 2> sweeps_;
   std::size_t turn_ = 0;  // of the newest
   int phases_, most_phases_, needed_ = 0;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fragment_device.h"
 
-#include <optional>
 #include <utility>
 
 namespace phymul::gl {
@@ -22,68 +21,44 @@ FragmentDevice::FragmentDevice(const FloatTables& tables, const Scene& scene, co
 }
 
 void FragmentDevice::set_scene(const Scene& scene, const FloatTools& tools) {
-  std::optional<PlannedContacts> touching;  // first, as it may refuse
-  if (scene.contacts()) touching.emplace(scene);
-  auto new_loads = std::make_unique<FragmentLoads>(scene, most_steps + 1, tables_);
-  auto new_tools = tools.empty() ? nullptr : std::make_unique<FragmentTools>(tools);
-  const FloatSurfaces surfaces = pack_surfaces(scene);
-  auto new_surfaces = surfaces.empty() ? nullptr : std::make_unique<FragmentSurfaces>(surfaces, tools);
-  const FloatVolumes volumes = pack_volumes(scene);
-  auto new_volumes = volumes.empty() ? nullptr : std::make_unique<FragmentVolumes>(volumes);
-  auto new_contacts = touching && !touching->contacts.empty()
-                          ? std::make_unique<FragmentContacts>(*touching, static_cast<Index>(scene.model().rest.size()))
-                          : nullptr;
-  FloatJoints joints(scene, tools.middle());
-  auto new_joints = joints.empty() ? nullptr : std::make_unique<FragmentJoints>(std::move(joints));
-  passes_.set_loads(*new_loads, new_tools.get(), new_surfaces.get(), new_volumes.get(), new_contacts.get(),
-                    new_joints.get());
-  loads_ = std::move(new_loads);
-  tools_ = std::move(new_tools);
-  surfaces_ = std::move(new_surfaces);
-  volumes_ = std::move(new_volumes);
-  contacts_ = std::move(new_contacts);
-  joints_ = std::move(new_joints);
+  auto made = std::make_unique<FragmentScene>(scene, most_steps + 1, tables_, tools);
+  passes_.set_scene(*made);
+  scene_ = std::move(made);
 }
 
 void FragmentDevice::set_held(const FloatTools& tools) {
-  if (tools_) tools_->set_held(tools);
-}
-
-void FragmentDevice::write(const VecList& rest, const State& state) {
-  state_.write(rest, state);
-  strains_fresh_ = true;
+  if (scene_->tools) scene_->tools->set_held(tools);
 }
 
 void FragmentDevice::write_strains(std::span<const Float4> rows) {
-  strains_->kept.write(rows, state_.pair());
-  strains_fresh_ = false;
+  strains_->kept.write(rows, state_.current());
+  state_.set_strains_fresh(false);
 }
 
 std::vector<Float4> FragmentDevice::read_strains() {
-  return strains_fresh_ && state_.is_checkpoint() ? std::vector<Float4>() : strains_->kept.read(state_.pair());
+  return state_.no_strains() ? std::vector<Float4>() : strains_->kept.read(state_.current());
 }
 
 void FragmentDevice::begin_batch(const StepConstants& constants, const std::vector<double>& instants,
                                  const FloatTools& tools) {
-  loads_->evaluate(instants);
-  if (tools_) tools_->set_frames(tools);
-  if (surfaces_) surfaces_->set_frames(tools);
-  if (joints_) joints_->follow();
-  if (contacts_) contacts_->begin_batch();
+  scene_->loads.evaluate(instants);
+  if (scene_->tools) scene_->tools->set_frames(tools);
+  if (scene_->surfaces) scene_->surfaces->set_frames(tools);
+  if (scene_->joints) scene_->joints->follow();
+  if (scene_->contacts) scene_->contacts->begin_batch();
   passes_.set_constants(constants);
-  strains_fresh_ = strains_fresh_ && state_.is_checkpoint();
   state_.set_checkpoint();
 }
 
 void FragmentDevice::give_more_passes() {
-  if (contacts_) contacts_->give_more_phases();
+  if (scene_->contacts) scene_->contacts->give_more_phases();
 }
 
 void FragmentDevice::run(int count) {
   vertices_.bind();
   state_.go_back();
   for (int step = 1; step <= count; ++step) {
-    passes_.step(state_, step, step == count, strains_fresh_);
+    passes_.step(state_, step, step == count);
     state_.advance();
   }
   steps_ = count;
@@ -91,14 +66,14 @@ void FragmentDevice::run(int count) {
 
 BatchReport FragmentDevice::try_step(int number) {
   vertices_.bind();
-  passes_.step(state_, number, true, strains_fresh_);
+  passes_.step(state_, number, true);
   return report(state_.next_displacement(), state_.next_velocity(), number);
 }
 
 BatchReport FragmentDevice::report(const Texture& displacement, const Texture& velocity, int last_step) {
   vertices_.bind();
-  if (contacts_) passes_.sum_contacts(last_step);
-  return report_.read(displacement, velocity, state_.measured(), tools_.get(), volumes_.get(), contacts_.get());
+  if (scene_->contacts) passes_.sum_contacts(last_step);
+  return report_.read(displacement, velocity, state_.measured(), *scene_);
 }
 
 }  // namespace phymul::gl

@@ -22,16 +22,16 @@ class FragmentDevice final : public Device {
   void set_dissipation(std::span<const Float4> constants) override { strains_->set_constants(constants); }
   void write_strains(std::span<const Float4> rows) override;
   std::vector<Float4> read_strains() override;
-  void write_joints(std::span<const Float4> rows) override { joints_->state.write(rows, state_.pair()); }
-  std::vector<Float4> read_joints() override { return joints_->state.read(state_.pair()); }
-  void write(const VecList& rest, const State& state) override;
+  void write_joints(std::span<const Float4> rows) override { scene_->joints->state.write(rows, state_.current()); }
+  std::vector<Float4> read_joints() override { return scene_->joints->state.read(state_.current()); }
+  void write(const VecList& rest, const State& state) override { state_.write(rest, state); }
   void read(const VecList& rest, State& state) override { state_.read(rest, state); }
   void begin_batch(const StepConstants& constants, const std::vector<double>& instants,
                    const FloatTools& tools) override;
   void run(int count) override;
   void give_more_passes() override;
   /// One where it is not known how many phases a step needs: a batch may have to be done several times.
-  int first_batch() const override { return contacts_ ? 1 : Device::first_batch(); }
+  int first_batch() const override { return scene_->contacts ? 1 : Device::first_batch(); }
   BatchReport try_step(int number) override;
   BatchReport report() override { return report(state_.displacement(), state_.velocity(), steps_); }
   std::span<const ToolSums> tool_sums() const override { return report_.tool_sums(); }
@@ -48,13 +48,7 @@ class FragmentDevice final : public Device {
   FragmentTables tables_;
   FragmentState state_;
   std::unique_ptr<FragmentStrains> strains_;  // null unless the body dissipates
-  bool strains_fresh_ = true;                 // the checkpoint's domains have no strains but their own
-  std::unique_ptr<FragmentLoads> loads_;
-  std::unique_ptr<FragmentTools> tools_;        // null where there are none
-  std::unique_ptr<FragmentSurfaces> surfaces_;  // likewise
-  std::unique_ptr<FragmentVolumes> volumes_;    // likewise
-  std::unique_ptr<FragmentContacts> contacts_;  // likewise
-  std::unique_ptr<FragmentJoints> joints_;      // likewise
+  std::unique_ptr<FragmentScene> scene_;
   FragmentPasses passes_;
   FragmentReport report_;
   StateCopies copies_;

@@ -29,7 +29,8 @@ class FragmentJoints {
 
  private:
   FloatJoints joints_;
-  Texture springs_, anchors_, places_, laws_, ranges_, ends_;
+  Texture laws_;
+  NamedTables springs_, ends_;
 };
 
 }  // namespace phymul::gl

@@ -5,7 +5,7 @@ namespace phymul::gl {
 
 FragmentLayers::FragmentLayers(std::int64_t rows, int layers, const char* name) : layers_(layers) {
   for (int k = 0; k < FragmentState::pairs; ++k) {
-    textures_[k] = Texture::target(rows, TexelFormat::rgba32f, name, layers_);
+    textures_[k] = Texture::target(rows, name, layers_);
     std::vector<Attachment> attachments;
     for (int layer = 0; layer < layers_; ++layer) attachments.push_back({&textures_[k], layer});
     targets_[k] = Framebuffer(attachments);

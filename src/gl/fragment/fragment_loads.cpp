@@ -10,8 +10,8 @@ FragmentLoads::FragmentLoads(const Scene& scene, int instants, const FragmentTab
         Texture::target(static_cast<std::int64_t>(table_.factors().size()), TexelFormat::r32f, "stiffness_factor");
   }
   if (!kind().any()) return;
-  index_ = Texture::table(std::span<const Int4>(table_.index()), "load_index");
-  parts_ = Texture::table(std::span<const Float4>(table_.parts()), "load_parts");
+  tables_.add("load_index", table_.index());
+  tables_.add("load_parts", table_.parts());
   values_ = Texture::target(static_cast<std::int64_t>(table_.values().size()), TexelFormat::r32f, "load_values");
 }
 
@@ -24,8 +24,7 @@ void FragmentLoads::evaluate(const std::vector<double>& instants) {
 
 void FragmentLoads::bind(Pass& pass) const {
   if (!values_) return;
-  pass.input("load_index", index_);
-  pass.input("load_parts", parts_);
+  tables_.bind(pass);
   pass.input("load_values", values_);
   pass.set("load_count", table_.mode_count());
 }

@@ -27,8 +27,9 @@ class FragmentLoads {
 
  private:
   LoadTable table_;
-  Texture index_, parts_, values_;  // null where nothing but gravity acts
-  Texture factors_;                 // null where no stiffness is scaled
+  NamedTables tables_;
+  Texture values_;   // null where nothing but gravity acts
+  Texture factors_;  // null where no stiffness is scaled
 };
 
 }  // namespace phymul::gl

@@ -2,7 +2,6 @@
 #include "fragment_passes.h"
 
 #include <algorithm>
-#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -36,14 +35,14 @@ void FragmentPasses::add(ShaderRequest request, const std::vector<Attachment>& t
 
 void FragmentPasses::add_attractors() {
   const BodyKind& kind = tables_->kind();
-  force_ = Texture::target(kind.particles, TexelFormat::rgba32f, "forces of attractors");
+  force_ = Texture::target(kind.particles, "forces of attractors");
   add({.files = joined({common, base_kernel(), attractor_files(kind)}), .defines = {}}, {{&force_}}, kind.particles);
 }
 
 void FragmentPasses::add_bases() {
   const BodyKind& kind = tables_->kind();
   const int corners = kind.conservative() ? 4 : 3;
-  base_terms_ = Texture::target(kind.bases, TexelFormat::rgba32f, "forces of bases", corners);
+  base_terms_ = Texture::target(kind.bases, "forces of bases", corners);
   ShaderRequest request{.files = joined({common, base_kernel(), {"step/force_of.glsl", "step/bases_pass.glsl"}}),
                         .defines = {}};
   if (!kind.conservative()) request.defines.emplace_back("AVERAGED", 1);
@@ -56,7 +55,7 @@ void FragmentPasses::add_bases() {
 void FragmentPasses::add_volumes() {
   const BodyKind& kind = tables_->kind();
   if (kind.volumes > 0) {
-    volume_terms_ = Texture::target(kind.volumes, TexelFormat::rgba32f, "forces of volumes", 4);
+    volume_terms_ = Texture::target(kind.volumes, "forces of volumes", 4);
     add({.files = joined({common, volume_kernel(), {"step/volumes_pass.glsl"}}), .defines = {}},
         {{&volume_terms_, 0}, {&volume_terms_, 1}, {&volume_terms_, 2}, {&volume_terms_, 3}}, kind.volumes);
   }
@@ -64,7 +63,7 @@ void FragmentPasses::add_volumes() {
 
 void FragmentPasses::add_domains() {
   const BodyKind& kind = tables_->kind();
-  domain_terms_ = Texture::target(kind.domains, TexelFormat::rgba32f, "stresses of domains", 3);
+  domain_terms_ = Texture::target(kind.domains, "stresses of domains", 3);
   add(domains_request(), {{&domain_terms_, 0}, {&domain_terms_, 1}, {&domain_terms_, 2}}, kind.domains);
   if (!strains_) return;
   const ShaderFiles passes{"step/kept_strains.glsl", "step/strains_pass.glsl"};
@@ -168,23 +167,21 @@ void FragmentPasses::compile_keeping(Stepping& stepping) const {
        .defines = {}});
 }
 
-void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentSurfaces* surfaces,
-                               FragmentVolumes* volumes, FragmentContacts* contacts, const FragmentJoints* joints) {
-  const auto before = std::tuple(now_, loads_, tools_, surfaces_, volumes_, contacts_, joints_);
+void FragmentPasses::set_scene(FragmentScene& scene) {
+  const auto before = std::pair(now_, scene_);
   const std::size_t known = stepping_.size();
-  std::tie(loads_, tools_, surfaces_, volumes_, contacts_, joints_) =
-      std::tuple(&loads, tools, surfaces, volumes, contacts, joints);
+  scene_ = &scene;
   try {
-    make_passes({.loads = loads.kind(),
-                 .tools = tools != nullptr,
-                 .grids = tools && tools->any_grid(),
-                 .volumes = volumes != nullptr,
-                 .contacts = contacts != nullptr,
-                 .surfaces = surfaces != nullptr,
-                 .joints_on_tools = joints && joints->any_tool()});
+    make_passes({.loads = scene.loads.kind(),
+                 .tools = scene.tools.has_value(),
+                 .grids = scene.tools && scene.tools->any_grid(),
+                 .volumes = scene.volumes.has_value(),
+                 .contacts = scene.contacts.has_value(),
+                 .surfaces = scene.surfaces.has_value(),
+                 .joints_on_tools = scene.joints && scene.joints->any_tool()});
     bind_scene();
   } catch (...) {
-    std::tie(now_, loads_, tools_, surfaces_, volumes_, contacts_, joints_) = before;
+    std::tie(now_, scene_) = before;
     while (stepping_.size() > known) stepping_.pop_back();
     if (now_) bind_scene();  // what passes know already they look up no more, so that nothing can fail
     throw;
@@ -193,7 +190,7 @@ void FragmentPasses::set_loads(const FragmentLoads& loads, FragmentTools* tools,
 
 void FragmentPasses::make_passes(const StepKind& kind) {
   if (kind.tools && !net_) {
-    Texture net = Texture::target(tables_->kind().particles, TexelFormat::rgba32f, "net forces");
+    Texture net = Texture::target(tables_->kind().particles, "net forces");
     net_target_ = Framebuffer({{&net}});
     net_ = std::move(net);
   }
@@ -204,59 +201,59 @@ void FragmentPasses::make_passes(const StepKind& kind) {
 }
 
 void FragmentPasses::bind_scene() {
-  loads_->bind(now_->step);
-  if (loads_->kind().scaled) loads_->bind_factors(now_->domains);
-  if (tools_) {
-    loads_->bind(now_->reaction);
-    loads_->bind(now_->tools);
-    tools_->bind(now_->tools);
-    tools_->bind(now_->step);
+  scene_->loads.bind(now_->step);
+  if (scene_->loads.kind().scaled) scene_->loads.bind_factors(now_->domains);
+  if (scene_->tools) {
+    scene_->loads.bind(now_->reaction);
+    scene_->loads.bind(now_->tools);
+    scene_->tools->bind(now_->tools);
+    scene_->tools->bind(now_->step);
   }
-  if (volumes_) bind_volumes();
+  if (scene_->volumes) bind_volumes();
   if (now_->kind.pushes()) {
-    loads_->bind(now_->free);
-    if (tools_) tools_->bind(now_->free);
+    scene_->loads.bind(now_->free);
+    if (scene_->tools) scene_->tools->bind(now_->free);
   }
-  if (surfaces_) bind_surfaces();
-  if (contacts_) bind_contacts();
-  if (joints_) bind_joints();
+  if (scene_->surfaces) bind_surfaces();
+  if (scene_->contacts) bind_contacts();
+  if (scene_->joints) bind_joints();
 }
 
 void FragmentPasses::bind_joints() {
-  joints_->bind(now_->joints);
-  if (joints_->any_tool()) tools_->bind(now_->joints);
-  joints_->bind_gathering(gathering_pass());
+  scene_->joints->bind(now_->joints);
+  if (scene_->joints->any_tool()) scene_->tools->bind(now_->joints);
+  scene_->joints->bind_gathering(gathering_pass());
 }
 
 void FragmentPasses::bind_surfaces() {
   now_->surfaces.for_each([this](Pass& pass) {
-    loads_->bind(pass);
-    tools_->bind(pass);
+    scene_->loads.bind(pass);
+    scene_->tools->bind(pass);
   });
-  now_->surfaces.bind(*surfaces_);
-  surfaces_->bind_given(now_->tools);
+  now_->surfaces.bind(*scene_->surfaces);
+  scene_->surfaces->bind_given(now_->tools);
 }
 
 void FragmentPasses::bind_contacts() {
-  now_->step.input("pushed_force", contacts_->pushed_force);
-  now_->step.input("pushed_shift", contacts_->pushed_shift);
-  touching_->set_contacts(*contacts_);
+  now_->step.input("pushed_force", scene_->contacts->pushed_force);
+  now_->step.input("pushed_shift", scene_->contacts->pushed_shift);
+  touching_->set_contacts(*scene_->contacts);
 }
 
 void FragmentPasses::bind_volumes() {
-  for (Pass* const pass : {&now_->along, &now_->end}) loads_->bind(*pass);
-  if (tools_) tools_->bind(now_->along);
-  for (Pass* const pass : {&now_->along, &now_->facets, &now_->sums, &now_->roots, &now_->end}) volumes_->bind(*pass);
+  for (Pass* const pass : {&now_->along, &now_->end}) scene_->loads.bind(*pass);
+  if (scene_->tools) scene_->tools->bind(now_->along);
+  for (Pass* const pass : {&now_->along, &now_->facets, &now_->sums, &now_->roots, &now_->end})
+    scene_->volumes->bind(*pass);
 }
 
 void FragmentPasses::set_constants(const StepConstants& constants) {
   dt_ = constants.dt;
   last_dt_ = constants.last_dt > 0.0 ? constants.last_dt : constants.dt;
-  const auto finite = [](double value) { return std::min(value, double{std::numeric_limits<float>::max()}); };
-  const auto largest = static_cast<float>(finite(constants.largest_acceleration));
+  const float largest = to_float(constants.largest_acceleration);
   gathering_pass().set("largest_acceleration", largest);
-  if (tools_) now_->tools.set("largest_acceleration", largest);
-  if (joints_) {
+  if (scene_->tools) now_->tools.set("largest_acceleration", largest);
+  if (scene_->joints) {
     now_->joints.set("inverse_dt", static_cast<float>(1.0 / constants.dt));
     now_->joints.set("tools_at_once", constants.tools_at_once ? 1 : 0);
   }
@@ -266,14 +263,14 @@ void FragmentPasses::set_constants(const StepConstants& constants) {
     pass.set("damping_factor", static_cast<float>(constants.damping_factor));
   };
   set_motion(now_->step);
-  if (tools_) set_motion(now_->tools);
-  if (volumes_) set_motion(now_->end);
+  if (scene_->tools) set_motion(now_->tools);
+  if (scene_->volumes) set_motion(now_->end);
   if (now_->kind.pushes()) set_motion(now_->free);
-  if (surfaces_) now_->surfaces.set_step(constants.dt);
-  if (contacts_) touching_->set_step(constants.dt);
-  Pass& end = volumes_ ? now_->end : now_->step;
-  const auto set = [&](const char* name, double value) { end.set(name, static_cast<float>(value)); };
-  set("runaway_speed", finite(constants.runaway_speed));
+  if (scene_->surfaces) now_->surfaces.set_step(constants.dt);
+  if (scene_->contacts) touching_->set_step(constants.dt);
+  Pass& end = scene_->volumes ? now_->end : now_->step;
+  const auto set = [&](const char* name, double value) { end.set(name, to_float(value)); };
+  set("runaway_speed", constants.runaway_speed);
   set("speed_at_rest", constants.speed_at_rest);
   set("acceleration_at_rest", constants.acceleration_at_rest);
 }
@@ -283,18 +280,18 @@ void FragmentPasses::prepare(Pass& pass, const FragmentState& state, int batch_s
   pass.input("velocity", state.velocity());
   pass.set("instant", batch_step - 1);
   pass.set("batch_step", batch_step);
-  pass.set("gravity", loads_->gravity(static_cast<std::size_t>(batch_step - 1)));
+  pass.set("gravity", scene_->loads.gravity(static_cast<std::size_t>(batch_step - 1)));
 }
 
-void FragmentPasses::draw_terms(const FragmentState& state, int batch_step, bool fresh) {
+void FragmentPasses::draw_terms(const FragmentState& state, int batch_step) {
   const auto remember = [&](Pass& pass) {
-    strains_->bind(pass, state.pair());
-    pass.set("strains_fresh", batch_step == 1 && fresh ? 1 : 0);
+    strains_->bind(pass, state.current());
+    pass.set("strains_fresh", batch_step == 1 && state.strains_fresh() ? 1 : 0);
     pass.set("inverse_last_dt", static_cast<float>(1.0 / (batch_step == 1 ? last_dt_ : dt_)));
   };
   for (Drawing& drawing : before_) {
     const bool last = &drawing == &before_.back();  // of domains, where there are some
-    Pass& pass = last && loads_->kind().scaled ? now_->domains : drawing.pass;
+    Pass& pass = last && scene_->loads.kind().scaled ? now_->domains : drawing.pass;
     pass.input("displacement", state.displacement());
     if (last && strains_) remember(pass);
     pass.draw(drawing.target);
@@ -302,13 +299,13 @@ void FragmentPasses::draw_terms(const FragmentState& state, int batch_step, bool
   if (!strains_) return;
   strains_pass_.input("displacement", state.displacement());
   remember(strains_pass_);
-  strains_pass_.draw(strains_->kept.target(state.next_pair()));
+  strains_pass_.draw(strains_->kept.target(state.free_pair()));
 }
 
-void FragmentPasses::step(const FragmentState& state, int batch_step, bool measuring, bool fresh) {
-  draw_terms(state, batch_step, fresh);
-  if (joints_) pull(state, batch_step);
-  if (tools_) {
+void FragmentPasses::step(const FragmentState& state, int batch_step, bool measuring) {
+  draw_terms(state, batch_step);
+  if (scene_->joints) pull(state, batch_step);
+  if (scene_->tools) {
     Pass& reaction = now_->reaction;
     reaction.input("displacement", state.displacement());
     reaction.set_rows(net_, tables_->kind().particles);
@@ -316,46 +313,46 @@ void FragmentPasses::step(const FragmentState& state, int batch_step, bool measu
     reaction.draw(net_target_);
   }
   if (now_->kind.pushes()) open(state, batch_step);
-  if (surfaces_) act(state, batch_step);
-  if (tools_) tell(state, batch_step);
-  if (contacts_) touch(state, batch_step);
+  if (scene_->surfaces) act(state, batch_step);
+  if (scene_->tools) tell(state, batch_step);
+  if (scene_->contacts) touch(state, batch_step);
   Pass& step = now_->step;
   prepare(step, state, batch_step);
   step.set_rows(state.displacement(), tables_->kind().particles);
-  step.draw(volumes_ ? volumes_->free_target() : state.next(measuring));
-  if (volumes_) keep(state, batch_step, measuring);
+  step.draw(scene_->volumes ? scene_->volumes->free_target() : state.next(measuring));
+  if (scene_->volumes) keep(state, batch_step, measuring);
 }
 
 void FragmentPasses::pull(const FragmentState& state, int batch_step) {
   Pass& joints = now_->joints;
   joints.input("displacement", state.displacement());
   joints.input("velocity", state.velocity());
-  joints.input("joint_state", joints_->state.texture(state.pair()));
+  joints.input("joint_state", scene_->joints->state.texture(state.current()));
   joints.set("joint_instant", batch_step - 1);
-  joints.set_rows(joints_->state.texture(0), joints_->count());
-  joints.draw(joints_->state.target(state.next_pair()));
-  gathering_pass().input("joint_state", joints_->state.texture(state.next_pair()));
+  joints.set_rows(scene_->joints->state.texture(0), scene_->joints->count());
+  joints.draw(scene_->joints->state.target(state.free_pair()));
+  gathering_pass().input("joint_state", scene_->joints->state.texture(state.free_pair()));
 }
 
 /// What pushes between forces and motion comes in the order of ToolSet::act and Touching of src/interaction.
 void FragmentPasses::open(const FragmentState& state, int batch_step) {
   prepare(now_->free, state, batch_step);
   now_->free.set_rows(state.displacement(), tables_->kind().particles);
-  now_->free.draw(surfaces_ ? surfaces_->open_target() : contacts_->free_target);
+  now_->free.draw(scene_->surfaces ? scene_->surfaces->open_target() : scene_->contacts->free_target);
 }
 
 void FragmentPasses::act(const FragmentState& state, int batch_step) {
-  now_->surfaces.act(*surfaces_, state.displacement(), batch_step);
-  if (contacts_) {
-    touching_->set_free(surfaces_->open());
+  now_->surfaces.act(*scene_->surfaces, state.displacement(), batch_step);
+  if (scene_->contacts) {
+    touching_->set_free(scene_->surfaces->open());
   } else {
-    surfaces_->bind_open(now_->step);
+    scene_->surfaces->open().bind(now_->step);
   }
 }
 
 void FragmentPasses::tell(const FragmentState& state, int batch_step) {
   prepare(now_->tools, state, batch_step);
-  tools_->tell(now_->tools);
+  scene_->tools->tell(now_->tools);
 }
 
 void FragmentPasses::touch(const FragmentState& state, int batch_step) {
@@ -364,10 +361,10 @@ void FragmentPasses::touch(const FragmentState& state, int batch_step) {
 
 void FragmentPasses::keep(const FragmentState& state, int batch_step, bool measuring) {
   prepare(now_->along, state, batch_step);
-  volumes_->follow_gradient(now_->along);
-  volumes_->sum(now_->facets, now_->sums);
-  volumes_->find_roots(now_->roots, batch_step);
-  volumes_->bind_roots(now_->end);
+  scene_->volumes->follow_gradient(now_->along);
+  scene_->volumes->sum(now_->facets, now_->sums);
+  scene_->volumes->find_roots(now_->roots, batch_step);
+  scene_->volumes->bind_roots(now_->end);
   prepare(now_->end, state, batch_step);
   now_->end.set_rows(state.displacement(), tables_->kind().particles);
   now_->end.draw(state.next(measuring));

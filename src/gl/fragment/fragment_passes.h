@@ -19,14 +19,10 @@
 #include <optional>
 
 #include "fragment_contact_passes.h"
-#include "fragment_joints.h"
-#include "fragment_loads.h"
+#include "fragment_scene.h"
 #include "fragment_state.h"
 #include "fragment_strains.h"
 #include "fragment_surface_passes.h"
-#include "fragment_tables.h"
-#include "fragment_tools.h"
-#include "fragment_volumes.h"
 #include "gl/solver/device.h"
 
 namespace phymul::gl {
@@ -36,18 +32,15 @@ class FragmentPasses {
   /// `strains`: null unless the body dissipates.
   FragmentPasses(const FragmentTables& tables, const FragmentStrains* strains, const ShaderLibrary& library);
 
-  /// Compiles what these loads need, where it is not there yet. Pointers: null for none. Where it throws, steps go on
-  /// with those of before.
-  void set_loads(const FragmentLoads& loads, FragmentTools* tools, FragmentSurfaces* surfaces, FragmentVolumes* volumes,
-                 FragmentContacts* contacts, const FragmentJoints* joints);
+  /// Compiles what this scene needs, where it is not there yet. Where it throws, steps go on with the one before.
+  void set_scene(FragmentScene& scene);
 
   /// Before steps of a call.
   void set_constants(const StepConstants& constants);
 
   /// One step from the current state to state.next(), as number `batch_step` (1, 2, ...) of a batch whose loads were
-  /// evaluated at instants batch_step - 1 and batch_step. `fresh`: the strains of the batch's first step are those of
-  /// its state. Does not advance the state.
-  void step(const FragmentState& state, int batch_step, bool measuring, bool fresh);
+  /// evaluated at instants batch_step - 1 and batch_step. Does not advance the state.
+  void step(const FragmentState& state, int batch_step, bool measuring);
 
   /// Brings down what the contacts of a batch told, up to this step of it; only where there are contacts.
   void sum_contacts(int last_step) { touching_->sum(last_step); }
@@ -83,7 +76,7 @@ class FragmentPasses {
   void add_volumes();
   void add_domains();
   ShaderRequest domains_request() const;
-  void draw_terms(const FragmentState& state, int batch_step, bool fresh);
+  void draw_terms(const FragmentState& state, int batch_step);
   void bind_terms(Pass& pass) const;
   ShaderRequest gathering(const LoadKind& loads) const;
   Stepping compiled(const StepKind& kind) const;
@@ -101,7 +94,7 @@ class FragmentPasses {
   void tell(const FragmentState& state, int batch_step);
   void touch(const FragmentState& state, int batch_step);
   /// The pass that gathers the net force.
-  Pass& gathering_pass() { return tools_ ? now_->reaction : contacts_ ? now_->free : now_->step; }
+  Pass& gathering_pass() { return scene_->tools ? now_->reaction : scene_->contacts ? now_->free : now_->step; }
   void keep(const FragmentState& state, int batch_step, bool measuring);
   void prepare(Pass& pass, const FragmentState& state, int batch_step) const;
 
@@ -115,12 +108,7 @@ class FragmentPasses {
   Framebuffer net_target_;
   std::deque<Stepping> stepping_;  // whose addresses stay
   Stepping* now_ = nullptr;
-  const FragmentLoads* loads_ = nullptr;
-  FragmentTools* tools_ = nullptr;
-  FragmentSurfaces* surfaces_ = nullptr;
-  FragmentVolumes* volumes_ = nullptr;
-  FragmentContacts* contacts_ = nullptr;
-  const FragmentJoints* joints_ = nullptr;
+  FragmentScene* scene_ = nullptr;
   std::optional<FragmentContactPasses> touching_;  // once bodies touched
 };
 

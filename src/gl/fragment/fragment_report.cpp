@@ -19,7 +19,10 @@ FragmentReport::FragmentReport(const ShaderLibrary& library, Index particles)
 }
 
 BatchReport FragmentReport::read(const Texture& displacement, const Texture& velocity, const Texture& measured,
-                                 FragmentTools* tools, const FragmentVolumes* volumes, FragmentContacts* contacts) {
+                                 FragmentScene& scene) {
+  auto& tools = scene.tools;
+  auto& contacts = scene.contacts;
+  const auto& volumes = scene.volumes;
   first_.input("displacement", displacement);
   first_.input("velocity", velocity);
   first_.input("measured", measured);

@@ -7,10 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "fragment_contacts.h"
-#include "fragment_state.h"
-#include "fragment_tools.h"
-#include "fragment_volumes.h"
+#include "fragment_scene.h"
 #include "gl/solver/device.h"
 #include "gl/solver/report_copy.h"
 
@@ -20,10 +17,9 @@ class FragmentReport {
  public:
   FragmentReport(const ShaderLibrary& library, Index particles);
 
-  /// Of the state a batch has reached, and of what its steps told of tools, kept volumes and contacts; null: there are
-  /// none. Waits for the device.
-  BatchReport read(const Texture& displacement, const Texture& velocity, const Texture& measured, FragmentTools* tools,
-                   const FragmentVolumes* volumes, FragmentContacts* contacts);
+  /// Of the state a batch has reached, and of what its steps told of tools, kept volumes and contacts. Waits for the
+  /// device.
+  BatchReport read(const Texture& displacement, const Texture& velocity, const Texture& measured, FragmentScene& scene);
   std::span<const ToolSums> tool_sums() const { return tool_sums_; }
 
  private:

@@ -1,56 +1,57 @@
 // SPDX-License-Identifier: MIT
 //
-// Where the particles are, on the device: three pairs of textures, displacement (m) and velocity (m/s). A step reads
-// one pair and writes another, so that no pass reads what it writes; the third holds the state before the present
-// batch.
+// Where the particles are, on the device: three pairs of textures, displacement (m) and velocity (m/s).
 #pragma once
 
 #include <phymul/state.h>
 
 #include <array>
 
-#include "gl/objects/framebuffer.h"
+#include "gl/objects/pass.h"
 #include "gl/solver/state_copies.h"
 
 namespace phymul::gl {
 
-class FragmentState {
+class FragmentState : public StatePairs {
  public:
-  static constexpr int pairs = 3;
-
   explicit FragmentState(Index particles);
 
-  const Texture& displacement() const { return displacement_[current_]; }
-  const Texture& velocity() const { return velocity_[current_]; }
+  const Texture& displacement() const { return displacement_[current()]; }
+  const Texture& velocity() const { return velocity_[current()]; }
   const Texture& measured() const { return measured_; }  ///< written by steps that are drawn with `measuring`
 
-  /// Where the next step goes; advance() makes it the current state.
+  // Of the free pair.
   const Framebuffer& next(bool measuring) const { return (measuring ? measuring_ : plain_)[free_pair()]; }
   const Texture& next_displacement() const { return displacement_[free_pair()]; }
   const Texture& next_velocity() const { return velocity_[free_pair()]; }
-  void advance() { current_ = free_pair(); }
-  int pair() const { return current_; }
-  int next_pair() const { return free_pair(); }
-  bool is_checkpoint() const { return current_ == checkpoint_; }
-
-  /// The current state becomes the one to come back to.
-  void set_checkpoint() { checkpoint_ = current_; }
-  void go_back() { current_ = checkpoint_; }
 
   /// Framebuffer of the current state, to be read: displacement at 0, velocity at 1.
-  const Framebuffer& current() const { return plain_[current_]; }
+  const Framebuffer& framebuffer() const { return plain_[current()]; }
 
   void request_copy(StateCopies& copies, const State& header) const;
   void read(const VecList& rest, State& state) const;
   void write(const VecList& rest, const State& state);
 
  private:
-  int free_pair() const;
-
   std::array<Texture, pairs> displacement_, velocity_;
   Texture measured_;  // speed, acceleration, force, displacement
   std::array<Framebuffer, pairs> plain_, measuring_;
-  int current_ = 0, checkpoint_ = 0;
+};
+
+/// Where a step stands between its forces and its motion: the rows of pushed_tables.glsl.
+struct OpenStep {
+  explicit OpenStep(std::int64_t particles)
+      : force(Texture::target(particles, "forces before a step's motion")),
+        velocity(Texture::target(particles, "velocities before a step's motion")),
+        shift(Texture::target(particles, "shifts before a step's motion")) {}
+
+  void bind(Pass& pass) const {
+    pass.input("pushed_force", force);
+    pass.input("free_velocity", velocity);
+    pass.input("pushed_shift", shift);
+  }
+
+  Texture force, velocity, shift;
 };
 
 }  // namespace phymul::gl

@@ -17,7 +17,7 @@ class FragmentStrains {
 
   explicit FragmentStrains(const BodyKind& kind)
       : kept(kind.domains, kind.strain_texels(), "strains of domains"),
-        constants_(Texture::target(std::int64_t{2} * kind.domains, TexelFormat::rgba32f, "dissipation")) {}
+        constants_(Texture::target(std::int64_t{2} * kind.domains, "dissipation")) {}
 
   void set_constants(std::span<const Float4> constants) { constants_.upload(constants); }
   /// The constants, and the strains of a pair.

@@ -39,7 +39,7 @@ void FragmentSurfacePasses::act(FragmentSurfaces& surfaces, const Texture& displ
       continue;
     }
     particles_.set("acting_tool", tool);
-    surfaces.bind_open(particles_);
+    surfaces.open().bind(particles_);
     particles_.draw(surfaces.next_open(tool));
   }
 }
@@ -50,7 +50,7 @@ void FragmentSurfacePasses::act_on_surfaces(FragmentSurfaces& surfaces, int tool
     pass.set("acting_tool", tool);
     pass.set("first_law", surfaces.first_law(tool));
     pass.set("round_shifts", placed ? 1 : 0);
-    surfaces.bind_open(pass);
+    surfaces.open().bind(pass);
   });
   press_.set_rows(surfaces.push(), placed ? 2 * surfaces.patches() : surfaces.patches());
   start_.draw(surfaces.first_target);

@@ -9,27 +9,16 @@
 #include <vector>
 
 #include "device/float_surfaces.h"
-#include "device/float_tools.h"
-#include "gl/objects/pass.h"
+#include "fragment_state.h"
 
 namespace phymul::gl {
 
-class FragmentSurfaces {
+class FragmentSurfaces : public SurfaceTools {
  public:
   FragmentSurfaces(const FloatSurfaces& surfaces, const FloatTools& tools);
 
   int patches() const { return patches_; }
   int particles() const { return particles_; }
-  int tools() const { return static_cast<int>(law_of_.size()); }
-  bool is_one(int tool) const { return first_law(tool) >= 0; }
-  int first_law(int tool) const { return law_of_[static_cast<std::size_t>(tool)]; }
-
-  /// Takes over in which steps of a batch tools were put where they are.
-  void set_frames(const FloatTools& tools) { placed_ = tools.placed(); }
-  bool was_placed(int tool, int instant) const {
-    return placed_[static_cast<std::size_t>(instant) * law_of_.size() + static_cast<std::size_t>(tool)] != 0;
-  }
-
   /// Tables, and what each of these passes finds always in the same place.
   void bind(Pass& pass) const;
 
@@ -43,25 +32,22 @@ class FragmentSurfaces {
   /// The other one than bind_corners() binds; becomes that.
   const Framebuffer& next_corners();
 
-  /// Force, velocity, shift as pushed_tables.glsl has them: where free_pass.glsl opens the step.
+  /// Where free_pass.glsl opens the step.
   const Framebuffer& open_target();
-  const std::array<Texture, 3>& open() const { return open_[open_turn_]; }
-  void bind_open(Pass& pass) const;
-  /// The other one than bind_open() binds, which becomes that, with what this tool gave.
+  const OpenStep& open() const { return open_[open_turn_]; }
+  /// The other one than open(), which becomes that, with what this tool gave.
   const Framebuffer& next_open(int tool);
   void bind_given(Pass& pass) const { pass.input("given_by_tools", given_); }
 
  private:
   int patches_, particles_;
-  std::vector<int> law_of_;
-  std::vector<char> placed_;  // [instants][tools]
-  Texture corners_, laws_, points_, ranges_, around_;
+  NamedTables tables_;
   std::array<Texture, 2> first_;                  // end, way
   Texture load_, push_;                           // push: a layer for each corner
   std::array<std::array<Texture, 4>, 2> rounds_;  // [turn]: end, way, given, shift
   std::array<Framebuffer, 2> round_targets_;
   std::size_t round_turn_ = 0;                     // of the newest
-  std::array<std::array<Texture, 3>, 2> open_;     // [turn]
+  std::array<OpenStep, 2> open_;                   // [turn]
   Texture given_;                                  // a layer for each tool
   Framebuffer open_target_;                        // of turn 0
   std::array<std::vector<Framebuffer>, 2> acted_;  // [turn][tool]

@@ -21,17 +21,10 @@ class FragmentTables {
   void bind(Pass& pass) const;
 
  private:
-  struct Entry {
-    const char* name;
-    Texture texture;
-  };
-  template <class Row>
-  void add(const char* name, const std::vector<Row>& rows);
-
   BodyKind kind_;
   std::vector<Index> materials_;
-  std::vector<Entry> textures_;
-  // Four lists share one texture, because a pass reads no more than sixteen; they start at these rows.
+  NamedTables tables_;
+  // Of FloatEntries.
   int volume_start_ = 0, spring_start_ = 0;
 };
 

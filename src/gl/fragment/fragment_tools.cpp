@@ -8,26 +8,23 @@ namespace {
 
 constexpr std::array<const char*, 4> sum_inputs{"forces", "torques", "last_forces", "last_torques"};
 
-Texture target(std::int64_t rows) {
-  return Texture::target(rows, TexelFormat::rgba32f, "forces on tools");
-}
-
 }  // namespace
 
 FragmentTools::FragmentTools(const FloatTools& tools)
-    : count_(tools.count()),
+    : any_grid_(tools.any_grid()),
+      count_(tools.count()),
       particles_(static_cast<int>(tools.held().size())),
       added_(particles_, rows_to_one, {{sum_inputs[0]}, {sum_inputs[1]}, {sum_inputs[2]}, {sum_inputs[3]}},
              "forces on tools", count_) {
-  laws_ = Texture::table(std::span<const Float4>(tools.laws()), "tool_laws");
-  rest_ = Texture::table(std::span<const Float4>(tools.rest()), "tool_rest");
+  tables_.add("tool_laws", tools.laws());
+  tables_.add("tool_rest", tools.rest());
+  if (any_grid_) tables_.add("tool_grid", tools.grid_values());
   held_ = Texture::table(std::span<const Float4>(tools.held()), "tool_held");
-  if (tools.any_grid()) grid_ = Texture::table(std::span<const float>(tools.grid_values()), "tool_grid");
-  frames_ = Texture::target(static_cast<std::int64_t>(tools.most_frames()), TexelFormat::rgba32f, "tool_frames");
+  frames_ = Texture::target(static_cast<std::int64_t>(tools.most_frames()), "tool_frames");
   const std::int64_t rows = std::int64_t{count_} * particles_;
-  for (Texture& texture : last_) texture = target(rows);
+  for (Texture& texture : last_) texture = Texture::target(rows, "forces on tools");
   for (std::size_t turn = 0; turn < sums_.size(); ++turn) {
-    for (Texture& texture : sums_[turn]) texture = target(rows);
+    for (Texture& texture : sums_[turn]) texture = Texture::target(rows, "forces on tools");
     targets_[turn] = Framebuffer({{&sums_[turn][0]}, {&sums_[turn][1]}, {&last_[0]}, {&last_[1]}});
   }
 }
@@ -41,11 +38,9 @@ void FragmentTools::set_frames(const FloatTools& tools) {
 }
 
 void FragmentTools::bind(Pass& pass) const {
-  pass.input("tool_laws", laws_);
+  tables_.bind(pass);
   pass.input("tool_frames", frames_);
-  pass.input("tool_rest", rest_);
   pass.input("tool_held", held_);
-  if (grid_) pass.input("tool_grid", grid_);
   pass.set("tool_count", count_);
 }
 

@@ -18,7 +18,7 @@ class FragmentTools {
   explicit FragmentTools(const FloatTools& tools);
 
   int count() const { return count_; }
-  bool any_grid() const { return static_cast<bool>(grid_); }
+  bool any_grid() const { return any_grid_; }
   void set_held(const FloatTools& tools);
   void set_frames(const FloatTools& tools);
   void bind(Pass& pass) const;
@@ -34,8 +34,10 @@ class FragmentTools {
   void copy(std::size_t offset) const;
 
  private:
+  bool any_grid_;
   int count_, particles_;
-  Texture laws_, frames_, rest_, held_, grid_;
+  NamedTables tables_;
+  Texture frames_, held_;
   std::array<std::array<Texture, 2>, 2> sums_;  // [turn]: forces, torques; a pass reads one and writes the other
   std::array<Texture, 2> last_;
   std::array<Framebuffer, 2> targets_;

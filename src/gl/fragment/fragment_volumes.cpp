@@ -1,50 +1,35 @@
 // SPDX-License-Identifier: MIT
 #include "fragment_volumes.h"
 
-#include <span>
-
 namespace phymul::gl {
-namespace {
-
-Texture target(std::int64_t rows, const char* name) {
-  return Texture::target(rows, TexelFormat::rgba32f, name);
-}
-
-}  // namespace
 
 FragmentVolumes::FragmentVolumes(const FloatVolumes& volumes)
-    : count_(volumes.count()),
-      particles_(static_cast<int>(volumes.ranges.size())),
-      laws_(Texture::table(std::span<const Float4>(volumes.laws), "kept_laws")),
-      ranges_(Texture::table(std::span<const Int4>(volumes.ranges), "kept_ranges")),
-      around_(Texture::table(std::span<const Int4>(volumes.around), "kept_around")),
-      facets_(Texture::table(std::span<const Int4>(volumes.facets), "kept_facets")),
-      edges_(Texture::table(std::span<const Float4>(volumes.edges), "kept_edges")),
-      nodes_(Texture::table(std::span<const Int4>(volumes.nodes), "kept_nodes")) {
-  for (Texture& texture : free_) texture = target(particles_, "free steps");
-  along_ = target(particles_, "ways of kept volumes");
+    : count_(volumes.count()), particles_(static_cast<int>(volumes.ranges.size())) {
+  tables_.add("kept_laws", volumes.laws);
+  tables_.add("kept_ranges", volumes.ranges);
+  tables_.add("kept_around", volumes.around);
+  tables_.add("kept_facets", volumes.facets);
+  tables_.add("kept_edges", volumes.edges);
+  tables_.add("kept_nodes", volumes.nodes);
+  for (Texture& texture : free_) texture = Texture::target(particles_, "free steps");
+  along_ = Texture::target(particles_, "ways of kept volumes");
   free_target_ = Framebuffer({{&free_[0]}, {&free_[1]}, {&free_[2]}});
   along_target_ = Framebuffer({{&along_}});
   for (const Int4& nodes : volumes.levels) {
     Level& level = levels_.emplace_back();
     level.first_node = nodes[0];
     level.rows = nodes[1] - nodes[0];
-    level.sums = target(level.rows, "sums of kept volumes");
+    level.sums = Texture::target(level.rows, "sums of kept volumes");
     level.target = Framebuffer({{&level.sums}});
   }
   for (std::size_t turn = 0; turn < roots_.size(); ++turn) {
-    roots_[turn] = target(count_, "ways of kept volumes");
+    roots_[turn] = Texture::target(count_, "ways of kept volumes");
     root_targets_[turn] = Framebuffer({{&roots_[turn]}});
   }
 }
 
 void FragmentVolumes::bind(Pass& pass) const {
-  pass.input("kept_laws", laws_);
-  pass.input("kept_ranges", ranges_);
-  pass.input("kept_around", around_);
-  pass.input("kept_facets", facets_);
-  pass.input("kept_edges", edges_);
-  pass.input("kept_nodes", nodes_);
+  tables_.bind(pass);
   pass.input("kept_along", along_);
   pass.input("free_displacement", free_[0]);
   pass.input("free_velocity", free_[1]);

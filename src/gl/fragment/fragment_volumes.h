@@ -42,7 +42,7 @@ class FragmentVolumes {
   };
 
   int count_, particles_;
-  Texture laws_, ranges_, around_, facets_, edges_, nodes_;
+  NamedTables tables_;
   std::array<Texture, 3> free_;
   Texture along_;
   Framebuffer free_target_, along_target_;

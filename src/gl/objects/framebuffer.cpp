@@ -4,13 +4,11 @@
 #include <phymul/error.h>
 
 #include <string>
-#include <utility>
 
 namespace phymul::gl {
 
-Framebuffer::Framebuffer(const std::vector<Attachment>& attachments) {
-  glGenFramebuffers(1, &id_);
-  glBindFramebuffer(GL_FRAMEBUFFER, id_);
+Framebuffer::Framebuffer(const std::vector<Attachment>& attachments) : id_(one_name(glGenFramebuffers)) {
+  glBindFramebuffer(GL_FRAMEBUFFER, *id_);
   std::vector<GLenum> buffers;
   std::string names;
   for (const Attachment& attachment : attachments) {
@@ -29,29 +27,14 @@ Framebuffer::Framebuffer(const std::vector<Attachment>& attachments) {
   glDrawBuffers(static_cast<GLsizei>(buffers.size()), buffers.data());
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
   if (status == GL_FRAMEBUFFER_COMPLETE) return;
-  glDeleteFramebuffers(1, &id_);
   throw Error(ErrorCode::device, "this driver cannot draw into the textures of " + names + " (framebuffer status " +
                                      std::to_string(status) +
                                      "); it needs float and integer textures of 32 bits as colour targets, which " +
                                      "GL 3.3 and OpenGL ES 3.0 with GL_EXT_color_buffer_float have");
 }
 
-Framebuffer::Framebuffer(Framebuffer&& other) noexcept {
-  *this = std::move(other);
-}
-
-Framebuffer& Framebuffer::operator=(Framebuffer&& other) noexcept {
-  std::swap(id_, other.id_);
-  std::swap(shape_, other.shape_);
-  return *this;
-}
-
-Framebuffer::~Framebuffer() {
-  if (id_ != 0) glDeleteFramebuffers(1, &id_);
-}
-
 void Framebuffer::read(int k, GLenum layout, GLenum type, void* out) const {
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, id_);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, *id_);
   glReadBuffer(static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + k));
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   glPixelStorei(GL_PACK_ROW_LENGTH, 0);

@@ -7,6 +7,7 @@
 
 #include <vector>
 
+#include "handle.h"
 #include "texture.h"
 
 namespace phymul::gl {
@@ -22,11 +23,8 @@ class Framebuffer {
   /// Attachment k takes what the shader writes at location k; all have one shape. Throws Error when the driver cannot
   /// draw into them.
   explicit Framebuffer(const std::vector<Attachment>& attachments);
-  Framebuffer(Framebuffer&& other) noexcept;
-  Framebuffer& operator=(Framebuffer&& other) noexcept;
-  ~Framebuffer();
 
-  GLuint id() const { return id_; }
+  GLuint id() const { return *id_; }
   TextureShape shape() const { return shape_; }
 
   /// Copies attachment k's texels of the first rows, in order, to `out`; at most to whole lines of texels, so `out`
@@ -34,7 +32,7 @@ class Framebuffer {
   void read(int k, GLenum layout, GLenum type, void* out) const;
 
  private:
-  GLuint id_ = 0;
+  Handle<FramebufferKind> id_;
   TextureShape shape_;
 };
 

@@ -32,12 +32,11 @@ ShaderRequest with_group(ShaderRequest request, int group) {
 }  // namespace
 
 ComputeLimits ComputeLimits::of_context() {
-  const auto* const renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));  // null in a lost context
   return {.block_bytes = limit(GL_MAX_SHADER_STORAGE_BLOCK_SIZE),
           .groups_across = groups_along(0),
           .groups_down = groups_along(1),
           .invocations = static_cast<int>(limit(GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS)),
-          .loop_turns = loop_turns_of(renderer ? renderer : "")};
+          .loop_turns = loop_turns_of(text_of(GL_RENDERER))};
 }
 
 Kernel::Kernel(const ShaderLibrary& library, ShaderRequest request, int group, const ComputeLimits& limits)
@@ -45,11 +44,6 @@ Kernel::Kernel(const ShaderLibrary& library, ShaderRequest request, int group, c
       program_(Program::computing(library, with_group(std::move(request), group))),
       group_(group),
       limits_(limits) {}
-
-GLint Kernel::location(const char* name) {
-  glUseProgram(program_.id());
-  return program_.known_uniform(name);
-}
 
 void Kernel::dispatch(int groups) {
   if (groups == 0) return;

@@ -30,8 +30,8 @@ class Kernel {
   int group() const { return group_; }
 
   /// For uniforms, which stay. Makes the program current.
-  void set(const char* name, int value) { glUniform1i(location(name), value); }
-  void set(const char* name, float value) { glUniform1f(location(name), value); }
+  void set(const char* name, int value) { glUniform1i(program_.use_uniform(name), value); }
+  void set(const char* name, float value) { glUniform1f(program_.use_uniform(name), value); }
 
   /// Groups that hold as many invocations.
   int groups_for(std::int64_t rows) const { return static_cast<int>((rows + group_ - 1) / group_); }
@@ -39,8 +39,6 @@ class Kernel {
   void dispatch(int groups);
 
  private:
-  GLint location(const char* name);
-
   std::string name_;
   Program program_;
   int group_ = 1;

@@ -41,21 +41,6 @@ void Pass::input(const char* name, const Texture& texture) {
   inputs_.push_back({name, texture.id(), texture.kind(), texture.log2_width(), place_location});
 }
 
-GLint Pass::location(const char* name) {
-  glUseProgram(program_.id());
-  return program_.known_uniform(name);
-}
-
-void Pass::set(const char* name, int value) {
-  glUniform1i(location(name), value);
-}
-void Pass::set(const char* name, float value) {
-  glUniform1f(location(name), value);
-}
-void Pass::set(const char* name, const Float4& xyz) {
-  glUniform3f(location(name), xyz[0], xyz[1], xyz[2]);
-}
-
 void Pass::set_rows(const Texture& target, int rows) {
   set("target_log2", target.log2_width());
   set("row_count", rows);

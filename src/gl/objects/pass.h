@@ -3,6 +3,7 @@
 // Pass: a program with the textures it reads, ready to be drawn over a target.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,9 +22,11 @@ class Pass {
   void input(const char* name, const Texture& texture);
 
   /// For uniforms, which stay too. Makes the program current.
-  void set(const char* name, int value);
-  void set(const char* name, float value);
-  void set(const char* name, const Float4& xyz);  ///< a vec3: the first three
+  void set(const char* name, int value) { glUniform1i(program_.use_uniform(name), value); }
+  void set(const char* name, float value) { glUniform1f(program_.use_uniform(name), value); }
+  void set(const char* name, const Float4& xyz) {  ///< a vec3: the first three
+    glUniform3f(program_.use_uniform(name), xyz[0], xyz[1], xyz[2]);
+  }
 
   /// The rectangle that will be drawn over, and how many of its rows mean something.
   void set_rows(const Texture& target, int rows);
@@ -39,25 +42,34 @@ class Pass {
     int log2_width;
     GLint place_location;
   };
-  GLint location(const char* name);
-
   std::string name_;  // of its last shader file, without the ending
   Program program_;
   std::vector<Input> inputs_;  // at texture units 0, 1, ...
   std::vector<std::string> unused_;
 };
 
+/// Constant tables in textures, each under the name by which passes read it.
+class NamedTables {
+ public:
+  template <class Row>
+  void add(const char* name, const std::vector<Row>& rows) {
+    tables_.push_back(Texture::table(std::span<const Row>(rows), name));
+  }
+  void bind(Pass& pass) const {
+    for (const Texture& table : tables_) pass.input(table.name(), table);
+  }
+
+ private:
+  std::vector<Texture> tables_;
+};
+
 /// What a draw without vertices needs in a core profile. Made and deleted in the context.
 class EmptyVertexArray {
  public:
-  EmptyVertexArray() { glGenVertexArrays(1, &id_); }
-  EmptyVertexArray(const EmptyVertexArray&) = delete;
-  EmptyVertexArray& operator=(const EmptyVertexArray&) = delete;
-  ~EmptyVertexArray() { glDeleteVertexArrays(1, &id_); }
-  void bind() const { glBindVertexArray(id_); }
+  void bind() const { glBindVertexArray(*id_); }
 
  private:
-  GLuint id_ = 0;
+  Handle<VertexArrayKind> id_{one_name(glGenVertexArrays)};
 };
 
 }  // namespace phymul::gl

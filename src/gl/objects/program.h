@@ -5,9 +5,11 @@
 
 #include "gl/context/gl_api.h"
 
+#include <initializer_list>
 #include <string>
 #include <vector>
 
+#include "handle.h"
 #include "shader_source.h"
 
 namespace phymul::gl {
@@ -22,24 +24,21 @@ class Program {
       : Program(library, {.files = {"dialect/cover_target.glsl"}, .defines = {}}, fragment) {}
   /// A compute shader.
   static Program computing(const ShaderLibrary& library, const ShaderRequest& request);
-  Program(Program&& other) noexcept;
-  Program& operator=(Program&& other) noexcept;
-  ~Program();
 
-  GLuint id() const { return id_; }
+  GLuint id() const { return *id_; }
   /// -1 where the shader has no such uniform or does not use it.
-  GLint uniform(const char* name) const { return glGetUniformLocation(id_, name); }
-  /// The same, remembered: for those that are set again and again.
-  GLint known_uniform(const char* name);
+  GLint uniform(const char* name) const { return glGetUniformLocation(*id_, name); }
+  /// The same, remembered, for those that are set again and again. Makes the program current.
+  GLint use_uniform(const char* name);
 
  private:
   struct Uniform {
     std::string name;
     GLint location;
   };
-  void link(const ShaderRequest& named);
+  void link(std::initializer_list<GLuint> shaders, const ShaderRequest& named);
 
-  GLuint id_ = 0;
+  Handle<ProgramKind> id_;
   std::vector<Uniform> uniforms_;
 };
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstring>
 #include <string>
-#include <utility>
 
 #include "mapped_buffer.h"
 
@@ -29,58 +28,42 @@ StorageBuffer::StorageBuffer(std::int64_t rows, const char* name, const ComputeL
                                               "; a shader of this driver sees " + megabytes(limits.block_bytes) +
                                               ". Use fewer particles or bases, or the backend \"cpu\"");
   }
-  for (int k = 0; k < 16 && glGetError() != GL_NO_ERROR;
-       ++k) {  // the driver's answer to the allocation is glGetError's
-  }
-  glGenBuffers(1, &id_);
-  glBindBuffer(GL_COPY_WRITE_BUFFER, id_);
+  forget_errors();
+  id_ = Handle<BufferKind>(one_name(glGenBuffers));
+  glBindBuffer(GL_COPY_WRITE_BUFFER, *id_);
   glBufferData(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, GL_DYNAMIC_COPY);
   glBindBuffer(GL_COPY_WRITE_BUFFER, 0);
   const GLenum error = glGetError();
   if (error == GL_NO_ERROR) return;
-  glDeleteBuffers(1, &id_);
-  throw Error(ErrorCode::out_of_memory,
-              "the buffer of " + std::string(name) + ", " + megabytes(bytes) + ", could not be made; the driver says " +
-                  (error == GL_OUT_OF_MEMORY ? std::string("out of memory") : "GL error " + std::to_string(error)) +
-                  ". Use fewer particles or bases, or a device with more memory");
-}
-
-StorageBuffer::StorageBuffer(StorageBuffer&& other) noexcept {
-  *this = std::move(other);
-}
-
-StorageBuffer& StorageBuffer::operator=(StorageBuffer&& other) noexcept {
-  std::swap(id_, other.id_);
-  std::swap(rows_, other.rows_);
-  return *this;
-}
-
-StorageBuffer::~StorageBuffer() {
-  if (id_ != 0) glDeleteBuffers(1, &id_);
+  throw Error(ErrorCode::out_of_memory, "the buffer of " + std::string(name) + ", " + megabytes(bytes) +
+                                            ", could not be made; the driver says " + memory_error(error) +
+                                            ". Use fewer particles or bases, or a device with more memory");
 }
 
 void StorageBuffer::write(std::int64_t first_byte, const void* data, std::int64_t bytes) {
   if (bytes == 0) return;
-  glBindBuffer(GL_COPY_WRITE_BUFFER, id_);
+  glBindBuffer(GL_COPY_WRITE_BUFFER, *id_);
   glBufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(first_byte), static_cast<GLsizeiptr>(bytes), data);
   glBindBuffer(GL_COPY_WRITE_BUFFER, 0);
 }
 
-void StorageBuffer::read(std::int64_t first_row, std::int64_t rows, void* out) const {
-  GLuint staging = 0;
-  const auto bytes = static_cast<GLsizeiptr>(rows * row_bytes);
+void StorageBuffer::copy(std::int64_t first_row, std::int64_t rows, GLenum target, std::int64_t to_byte) const {
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  glGenBuffers(1, &staging);
-  glBindBuffer(GL_COPY_WRITE_BUFFER, staging);
+  glBindBuffer(GL_COPY_READ_BUFFER, *id_);
+  glCopyBufferSubData(GL_COPY_READ_BUFFER, target, static_cast<GLintptr>(first_row * row_bytes),
+                      static_cast<GLintptr>(to_byte), static_cast<GLsizeiptr>(rows * row_bytes));
+  glBindBuffer(GL_COPY_READ_BUFFER, 0);
+}
+
+void StorageBuffer::read(std::int64_t first_row, std::int64_t rows, void* out) const {
+  const auto bytes = static_cast<GLsizeiptr>(rows * row_bytes);
+  const Handle<BufferKind> staging(one_name(glGenBuffers));
+  glBindBuffer(GL_COPY_WRITE_BUFFER, *staging);
   glBufferData(GL_COPY_WRITE_BUFFER, bytes, nullptr, GL_STREAM_READ);
-  glBindBuffer(GL_COPY_READ_BUFFER, id_);
-  glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(first_row * row_bytes), 0,
-                      bytes);
+  copy(first_row, rows, GL_COPY_WRITE_BUFFER, 0);
   const bool came = read_buffer(GL_COPY_WRITE_BUFFER, bytes,
                                 [&](const void* from) { std::memcpy(out, from, static_cast<std::size_t>(bytes)); });
-  glBindBuffer(GL_COPY_READ_BUFFER, 0);
   glBindBuffer(GL_COPY_WRITE_BUFFER, 0);
-  glDeleteBuffers(1, &staging);
   if (!came) throw Error(ErrorCode::device, "the device gave no copy of its rows");
 }
 

@@ -3,15 +3,15 @@
 
 namespace phymul::gl {
 
-std::int64_t StorageRows::take(const char* name, std::int64_t rows) {
+std::int64_t StorageRows::take(const std::string& name, std::int64_t rows) {
   const std::int64_t first = end_;
   end_ += rows;
-  if (name) note(name, static_cast<int>(first));
+  if (!name.empty()) note(name, static_cast<int>(first));
   return first;
 }
 
-std::int64_t StorageRows::take_words(const char* name, std::int64_t words) {
-  const std::int64_t first = 4 * take(nullptr, rows_of(4 * words));
+std::int64_t StorageRows::take_words(const std::string& name, std::int64_t words) {
+  const std::int64_t first = 4 * take({}, rows_of(4 * words));
   note(name, static_cast<int>(first));
   return first;
 }
@@ -24,7 +24,7 @@ void StorageRows::send(StorageBuffer& buffer) {
 
 void StorageRows::place(Kernel& kernel) const {
   for (const Uniform& uniform : uniforms_) {
-    std::visit([&](auto value) { kernel.set(uniform.name, value); }, uniform.value);
+    std::visit([&](auto value) { kernel.set(uniform.name.c_str(), value); }, uniform.value);
   }
 }
 

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <utility>
 #include <vector>
 
 namespace phymul::gl {
@@ -28,12 +27,6 @@ const FormatRow& row_of(TexelFormat format) {
   return rows[static_cast<int>(format)];
 }
 
-/// The driver's answer to an allocation is glGetError's: what was wrong before must not be taken for it.
-void forget_errors() {
-  for (int k = 0; k < 16 && glGetError() != GL_NO_ERROR; ++k) {
-  }
-}
-
 void require_allocated(const char* name, const TextureShape& shape, int layers, int bytes) {
   const GLenum error = glGetError();
   if (error == GL_NO_ERROR) return;
@@ -41,8 +34,7 @@ void require_allocated(const char* name, const TextureShape& shape, int layers, 
   throw Error(ErrorCode::device,
               "the texture of " + std::string(name) + " could not be made: " + std::to_string(shape.width) + " x " +
                   std::to_string(shape.height) + (layers > 0 ? " x " + std::to_string(layers) : std::string()) +
-                  " texels, " + std::to_string(texels * bytes) + " bytes; the driver says " +
-                  (error == GL_OUT_OF_MEMORY ? std::string("out of memory") : "GL error " + std::to_string(error)) +
+                  " texels, " + std::to_string(texels * bytes) + " bytes; the driver says " + memory_error(error) +
                   ". Its largest texture has " + std::to_string(largest_side()) +
                   " texels a side. Use fewer particles or bases, or a device with more memory");
 }
@@ -66,18 +58,20 @@ void keep_plain_unpacking() {
 }  // namespace
 
 int largest_side() {
-  GLint side = 0;
-  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
-  return side;
+  return integer_of(GL_MAX_TEXTURE_SIZE);
 }
 
 Texture::Texture(std::int64_t rows, TexelFormat format, const char* name, int layers, const void* padded)
-    : shape_(fit_texture(rows, largest_side(), name)), rows_(rows), layers_(layers), format_(format), name_(name) {
+    : id_(one_name(glGenTextures)),
+      shape_(fit_texture(rows, largest_side(), name)),
+      rows_(rows),
+      layers_(layers),
+      format_(format),
+      name_(name) {
   const FormatRow& row = row_of(format);
   forget_errors();
   keep_plain_unpacking();
-  glGenTextures(1, &id_);
-  glBindTexture(kind(), id_);
+  glBindTexture(kind(), *id_);
   for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
     glTexParameteri(kind(), filter, GL_NEAREST);
   }
@@ -90,30 +84,7 @@ Texture::Texture(std::int64_t rows, TexelFormat format, const char* name, int la
     glTexImage2D(kind(), 0, internal, shape_.width, shape_.height, 0, row.layout, row.type, padded);
   }
   glBindTexture(kind(), 0);
-  try {
-    require_allocated(name, shape_, layers, row.bytes);
-  } catch (...) {
-    glDeleteTextures(1, &id_);
-    throw;
-  }
-}
-
-Texture::Texture(Texture&& other) noexcept {
-  *this = std::move(other);
-}
-
-Texture& Texture::operator=(Texture&& other) noexcept {
-  std::swap(id_, other.id_);
-  std::swap(shape_, other.shape_);
-  std::swap(rows_, other.rows_);
-  std::swap(layers_, other.layers_);
-  std::swap(format_, other.format_);
-  std::swap(name_, other.name_);
-  return *this;
-}
-
-Texture::~Texture() {
-  if (id_ != 0) glDeleteTextures(1, &id_);
+  require_allocated(name, shape_, layers, row.bytes);
 }
 
 int Texture::log2_width() const {
@@ -133,10 +104,6 @@ PHYMUL_TABLE(float, r32f, 0.0f)
 PHYMUL_TABLE(Float2, rg32f, Float2{})
 PHYMUL_TABLE(Float4, rgba32f, Float4{})
 #undef PHYMUL_TABLE
-
-Texture Texture::target(std::int64_t rows, TexelFormat format, const char* name, int layers) {
-  return {rows, format, name, layers, nullptr};
-}
 
 void Texture::upload(std::span<const Float4> rows, int layer) {
   keep_plain_unpacking();
@@ -166,7 +133,7 @@ void Texture::upload_rows(const void* data, std::int64_t count, std::size_t byte
       glTexSubImage2D(kind(), 0, 0, line, width, lines, row.layout, row.type, texels);
     }
   };
-  glBindTexture(kind(), id_);
+  glBindTexture(kind(), *id_);
   if (whole > 0) send(0, shape_.width, whole, data);
   const auto* last = static_cast<const char*>(data) + static_cast<std::size_t>(whole) * shape_.width * bytes;
   if (rest > 0) send(whole, rest, 1, last);

@@ -11,6 +11,7 @@
 #include <span>
 
 #include "device/table_rows.h"
+#include "handle.h"
 
 namespace phymul::gl {
 
@@ -19,9 +20,6 @@ enum class TexelFormat { r32i, rg32i, rgba32i, r32f, rg32f, rgba32f };
 class Texture {
  public:
   Texture() = default;
-  Texture(Texture&& other) noexcept;
-  Texture& operator=(Texture&& other) noexcept;
-  ~Texture();
 
   /// A table of one row a texel: row r is texel (r mod width, r / width). What is beyond the rows holds `none` in
   /// integer tables and 0 in the others. Throws Error when the rows do not fit the context's limits or its memory.
@@ -33,7 +31,12 @@ class Texture {
   static Texture table(std::span<const Float4> rows, const char* name);
 
   /// Something to draw into, of undefined content; with layers > 0 an array of as many rectangles.
-  static Texture target(std::int64_t rows, TexelFormat format, const char* name, int layers = 0);
+  static Texture target(std::int64_t rows, TexelFormat format, const char* name, int layers = 0) {
+    return {rows, format, name, layers, nullptr};
+  }
+  static Texture target(std::int64_t rows, const char* name, int layers = 0) {  ///< of TexelFormat::rgba32f
+    return target(rows, TexelFormat::rgba32f, name, layers);
+  }
 
   /// Writes over the first rows, of an array those of a layer; no more than there are.
   void upload(std::span<const Float4> rows, int layer = 0);
@@ -41,8 +44,8 @@ class Texture {
   /// All rows, of 16 bytes, from a buffer's row `first` on, without the host.
   void upload_from(GLuint buffer, std::int64_t first);
 
-  explicit operator bool() const { return id_ != 0; }
-  GLuint id() const { return id_; }
+  explicit operator bool() const { return static_cast<bool>(id_); }
+  GLuint id() const { return *id_; }
   GLenum kind() const { return layers_ > 0 ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D; }
   TextureShape shape() const { return shape_; }
   int log2_width() const;
@@ -53,7 +56,7 @@ class Texture {
   Texture(std::int64_t rows, TexelFormat format, const char* name, int layers, const void* padded);
   void upload_rows(const void* data, std::int64_t count, std::size_t bytes, int layer = 0);
 
-  GLuint id_ = 0;
+  Handle<TextureKind> id_;
   TextureShape shape_;
   std::int64_t rows_ = 0;
   int layers_ = 0;

@@ -6,13 +6,6 @@
 #include "device/float_domains.h"
 
 namespace phymul::gl {
-namespace {
-
-Float4 to_float(const Vec3& v, float w = 0.0f) {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), w};
-}
-
-}  // namespace
 
 LoadTable::LoadTable(const Scene& scene, int instants, const std::vector<Index>& materials)
     : scene_(&scene), materials_(&materials), modes_(scene.modes()) {
@@ -29,7 +22,7 @@ LoadTable::LoadTable(const Scene& scene, int instants, const std::vector<Index>&
 std::vector<Float4> LoadTable::parts() const {
   std::vector<Float4> parts;
   for (const auto* list : {&modes_.force, &modes_.target}) {
-    for (const LoadModes::Part& part : *list) parts.push_back(to_float(part.vector, static_cast<float>(part.mode)));
+    for (const LoadModes::Part& part : *list) parts.push_back(float4(part.vector, static_cast<float>(part.mode)));
   }
   return parts;
 }
@@ -56,7 +49,7 @@ void LoadTable::evaluate(const std::vector<double>& instants) {
     scene_->mode_values(instants[at], row_);
     Vec3 gravity = modes_.gravity;
     for (const LoadModes::Part& part : modes_.acceleration) gravity += row_[part.mode] * part.vector;
-    gravity_[at] = to_float(gravity);
+    gravity_[at] = float4(gravity);
     if (kind_.any())
       out = std::transform(row_.begin(), row_.end(), out, [](double v) { return static_cast<float>(v); });
   }

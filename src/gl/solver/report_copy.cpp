@@ -16,10 +16,10 @@ struct Rows {
 }  // namespace
 
 void ReportCopy::begin(std::size_t more_rows) {
-  const bool fits = buffer_ != 0 && more_rows == more_.size();
+  const bool fits = buffer_ && more_rows == more_.size();
   more_.resize(more_rows);
-  if (buffer_ == 0) glGenBuffers(1, &buffer_);
-  glBindBuffer(GL_PIXEL_PACK_BUFFER, buffer_);
+  if (!buffer_) buffer_ = Handle<BufferKind>(one_name(glGenBuffers));
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, *buffer_);
   if (!fits) glBufferData(GL_PIXEL_PACK_BUFFER, bytes(), nullptr, GL_STREAM_READ);
 }
 

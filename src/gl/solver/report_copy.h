@@ -10,16 +10,12 @@
 #include <vector>
 
 #include "device.h"
+#include "gl/objects/handle.h"
 
 namespace phymul::gl {
 
 class ReportCopy {
  public:
-  ReportCopy() = default;
-  ReportCopy(const ReportCopy&) = delete;
-  ReportCopy& operator=(const ReportCopy&) = delete;
-  ~ReportCopy() { glDeleteBuffers(1, &buffer_); }
-
   /// `fill` gives the commands that write events, largest and so many rows more, 16 bytes each, to the buffer bound to
   /// GL_PIXEL_PACK_BUFFER. Waits for them.
   template <class Fill>
@@ -36,7 +32,7 @@ class ReportCopy {
   BatchReport end();
   GLsizeiptr bytes() const;
 
-  GLuint buffer_ = 0;
+  Handle<BufferKind> buffer_;
   std::vector<Float4> more_;
 };
 

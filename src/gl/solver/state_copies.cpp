@@ -28,6 +28,12 @@ void unpack_state(const Float4* displacement, const Float4* velocity, const VecL
   }
 }
 
+int StatePairs::free_pair() const {
+  int pair = 0;
+  while (pair == current_ || pair == checkpoint_) ++pair;
+  return pair;
+}
+
 StateCopies::~StateCopies() {
   clear();
   glDeleteBuffers(static_cast<GLsizei>(spare_.size()), spare_.data());

@@ -27,6 +27,31 @@ void pack_state(const VecList& rest, const State& state, PlaceOf place_of, Float
 void unpack_state(const Float4* displacement, const Float4* velocity, const VecList& rest, PlaceOf place_of,
                   State& state);
 
+/// Which of three pairs of displacements and velocities is which: a step reads the current one and writes the free
+/// one, so that no pass reads what it writes; the checkpoint holds the state before the present batch.
+class StatePairs {
+ public:
+  static constexpr int pairs = 3;
+
+  int current() const { return current_; }
+  int free_pair() const;  ///< where the next step goes; advance() makes it the current one
+  void advance() { current_ = free_pair(); }
+  void set_checkpoint() {
+    strains_fresh_ = no_strains();
+    checkpoint_ = current_;
+  }
+  void go_back() { current_ = checkpoint_; }
+
+  /// True where the domains of the checkpoint have no strains but their own.
+  bool strains_fresh() const { return strains_fresh_; }
+  void set_strains_fresh(bool fresh) { strains_fresh_ = fresh; }
+  bool no_strains() const { return strains_fresh_ && current_ == checkpoint_; }  ///< the same of the current state
+
+ private:
+  int current_ = 0, checkpoint_ = 0;
+  bool strains_fresh_ = true;
+};
+
 class StateCopies {
  public:
   static constexpr std::size_t most = 3;

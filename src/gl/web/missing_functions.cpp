@@ -15,38 +15,23 @@ namespace {
 
 }  // namespace
 
+#define PHYMUL_MISSING(type, name, ...) \
+  type name(__VA_ARGS__) {              \
+    missing(#name);                     \
+  }
+
 extern "C" {
-void glPolygonMode(GLenum, GLenum) {
-  missing("glPolygonMode");
+PHYMUL_MISSING(void, glPolygonMode, GLenum, GLenum)
+PHYMUL_MISSING(void, glClampColor, GLenum, GLenum)
+PHYMUL_MISSING(void, glDepthRange, GLdouble, GLdouble)
+PHYMUL_MISSING(void, glClearDepth, GLdouble)
+PHYMUL_MISSING(void, glClipControl, GLenum, GLenum)
+PHYMUL_MISSING(void, glClipControlEXT, GLenum, GLenum)
+PHYMUL_MISSING(void, glEnablei, GLenum, GLuint)
+PHYMUL_MISSING(void, glDisablei, GLenum, GLuint)
+PHYMUL_MISSING(GLboolean, glIsEnabledi, GLenum, GLuint)
+PHYMUL_MISSING(void, glColorMaski, GLuint, GLboolean, GLboolean, GLboolean, GLboolean)
+PHYMUL_MISSING(void, glGetBooleani_v, GLenum, GLuint, GLboolean*)
 }
-void glClampColor(GLenum, GLenum) {
-  missing("glClampColor");
-}
-void glDepthRange(GLdouble, GLdouble) {
-  missing("glDepthRange");
-}
-void glClearDepth(GLdouble) {
-  missing("glClearDepth");
-}
-void glClipControl(GLenum, GLenum) {
-  missing("glClipControl");
-}
-void glClipControlEXT(GLenum, GLenum) {
-  missing("glClipControlEXT");
-}
-void glEnablei(GLenum, GLuint) {
-  missing("glEnablei");
-}
-void glDisablei(GLenum, GLuint) {
-  missing("glDisablei");
-}
-GLboolean glIsEnabledi(GLenum, GLuint) {
-  missing("glIsEnabledi");
-}
-void glColorMaski(GLuint, GLboolean, GLboolean, GLboolean, GLboolean) {
-  missing("glColorMaski");
-}
-void glGetBooleani_v(GLenum, GLuint, GLboolean*) {
-  missing("glGetBooleani_v");
-}
-}
+
+#undef PHYMUL_MISSING

@@ -26,20 +26,12 @@ constexpr IntegerCode integers[] = {
 
 /// Metres.
 double unit_of(const std::string& path, int xyz_units) {
-  switch (xyz_units) {
-    case NIFTI_UNITS_UNKNOWN:
-      return 1e-3;
-    case NIFTI_UNITS_METER:
-      return 1.0;
-    case NIFTI_UNITS_MM:
-      return 1e-3;
-    case NIFTI_UNITS_MICRON:
-      return 1e-6;
-    default:
-      fail_format(
-          path, 0,
-          "expected lengths in metres, millimetres or micrometres (xyzt_units), got unit " + std::to_string(xyz_units));
-  }
+  if (xyz_units == NIFTI_UNITS_METER) return 1.0;
+  if (xyz_units == NIFTI_UNITS_MM || xyz_units == NIFTI_UNITS_UNKNOWN) return 1e-3;
+  if (xyz_units == NIFTI_UNITS_MICRON) return 1e-6;
+  fail_format(
+      path, 0,
+      "expected lengths in metres, millimetres or micrometres (xyzt_units), got unit " + std::to_string(xyz_units));
 }
 
 void set_frame(const nifti_image& file, double unit, LabelImage& image) {

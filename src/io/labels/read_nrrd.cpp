@@ -58,17 +58,12 @@ double unit_of(const std::string& path, const Nrrd& file) {
 
 /// Signs that turn a place of the file's space into one of RAS.
 Vec3 turn_to_ras(const std::string& path, int space, LabelImage& image) {
-  switch (space) {
-    case nrrdSpaceRightAnteriorSuperior:
-      return {1, 1, 1};
-    case nrrdSpaceLeftAnteriorSuperior:
-      return {-1, 1, 1};
-    case nrrdSpaceLeftPosteriorSuperior:
-      return {-1, -1, 1};
-    default:
-      image.notes.push_back(path + ": does not say what its axes are to a patient (space); taken for RAS");
-      return {1, 1, 1};
+  if (space == nrrdSpaceLeftAnteriorSuperior) return {-1, 1, 1};
+  if (space == nrrdSpaceLeftPosteriorSuperior) return {-1, -1, 1};
+  if (space != nrrdSpaceRightAnteriorSuperior) {
+    image.notes.push_back(path + ": does not say what its axes are to a patient (space); taken for RAS");
   }
+  return {1, 1, 1};
 }
 
 void set_frame(const std::string& path, const Nrrd& file, LabelImage& image) {

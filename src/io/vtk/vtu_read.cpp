@@ -5,6 +5,7 @@
 #include <phymul/error.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <charconv>
 #include <limits>
@@ -212,16 +213,10 @@ class VtuReader {
 
   NumberType number_type(pugi::xml_node array) {
     const std::string type = array.attribute("type").value();
-    if (type == "Float64") return NumberType::float64;
-    if (type == "Float32") return NumberType::float32;
-    if (type == "Int64") return NumberType::int64;
-    if (type == "Int32") return NumberType::int32;
-    if (type == "UInt8") return NumberType::uint8;
-    if (type == "Int8") return NumberType::int8;
-    if (type == "Int16") return NumberType::int16;
-    if (type == "UInt16") return NumberType::uint16;
-    if (type == "UInt32") return NumberType::uint32;
-    if (type == "UInt64") return NumberType::uint64;
+    constexpr std::array names{"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
+                               "UInt32", "Int64", "UInt64", "Float32", "Float64"};  // in the order of NumberType
+    const auto* const found = std::ranges::find(names, type);
+    if (found != names.end()) return static_cast<NumberType>(found - names.begin());
     fail(array, "expected a number type (Float64, Int32, UInt8, ...), got " + cited(type) + "; export the file again");
   }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 
+#include "base/bounding_box.h"
 #include "base/decimal.h"
 #include "plan_text.h"
 #include "planner.h"
@@ -111,13 +112,9 @@ Plan plan(SceneBuilder builder, PlanOptions options) {
 
 Plan plan(const Surface& surface, SimulationOptions simulation, std::function<void(Simulation&)> fill,
           PlanOptions options) {
-  double guess = 0.0;
-  if (!surface.vertices.empty()) {
-    Vec3 low = surface.vertices.front(), high = low;
-    for (const Vec3& at : surface.vertices) low = low.cwiseMin(at), high = high.cwiseMax(at);
-    guess = coarse_part_of_size * (high - low).maxCoeff();
-  }
-  return plan_from(builder_of(surface, std::move(simulation), std::move(fill)), std::move(options), guess);
+  const double size = surface.vertices.empty() ? 0.0 : bounding_box(surface.vertices).sizes().maxCoeff();
+  return plan_from(builder_of(surface, std::move(simulation), std::move(fill)), std::move(options),
+                   coarse_part_of_size * size);
 }
 
 Plan plan(const Solid& solid, SimulationOptions simulation, std::function<void(Simulation&)> fill,
