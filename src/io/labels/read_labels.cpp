@@ -4,7 +4,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -68,13 +67,26 @@ std::size_t voxel_count(const std::string& path, const std::vector<std::int64_t>
 }
 
 std::vector<std::uint16_t> labels_of(const std::string& path, const void* numbers, std::size_t count, NumberType type) {
-  // In the order of NumberType, in which floats come last.
-  constexpr std::array narrow{narrowed<std::int8_t>,   narrowed<std::uint8_t>, narrowed<std::int16_t>,
-                              narrowed<std::uint16_t>, narrowed<std::int32_t>, narrowed<std::uint32_t>,
-                              narrowed<std::int64_t>,  narrowed<std::uint64_t>};
-  const auto row = static_cast<std::size_t>(type);
-  if (row >= narrow.size()) fail_format(path, 0, "expected integers as labels, got numbers with a fraction");
-  return narrow[row](path, numbers, count);
+  switch (type) {
+    case NumberType::int8:
+      return narrowed<std::int8_t>(path, numbers, count);
+    case NumberType::uint8:
+      return narrowed<std::uint8_t>(path, numbers, count);
+    case NumberType::int16:
+      return narrowed<std::int16_t>(path, numbers, count);
+    case NumberType::uint16:
+      return narrowed<std::uint16_t>(path, numbers, count);
+    case NumberType::int32:
+      return narrowed<std::int32_t>(path, numbers, count);
+    case NumberType::uint32:
+      return narrowed<std::uint32_t>(path, numbers, count);
+    case NumberType::int64:
+      return narrowed<std::int64_t>(path, numbers, count);
+    case NumberType::uint64:
+      return narrowed<std::uint64_t>(path, numbers, count);
+    default:
+      fail_format(path, 0, "expected integers as labels, got numbers with a fraction");
+  }
 }
 
 void require_frame(const std::string& path, const LabelImage& image) {

@@ -5,7 +5,6 @@
 #include <phymul/error.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <charconv>
 #include <limits>
@@ -213,10 +212,13 @@ class VtuReader {
 
   NumberType number_type(pugi::xml_node array) {
     const std::string type = array.attribute("type").value();
-    constexpr std::array names{"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
-                               "UInt32", "Int64", "UInt64", "Float32", "Float64"};  // in the order of NumberType
-    const auto* const found = std::ranges::find(names, type);
-    if (found != names.end()) return static_cast<NumberType>(found - names.begin());
+    using enum NumberType;
+    constexpr std::pair<const char*, NumberType> types[] = {
+        {"Float64", float64}, {"Float32", float32}, {"Int64", int64},   {"UInt64", uint64}, {"Int32", int32},
+        {"UInt32", uint32},   {"Int16", int16},     {"UInt16", uint16}, {"Int8", int8},     {"UInt8", uint8}};
+    for (const auto& [name, known] : types) {
+      if (type == name) return known;
+    }
     fail(array, "expected a number type (Float64, Int32, UInt8, ...), got " + cited(type) + "; export the file again");
   }
 
