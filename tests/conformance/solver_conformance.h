@@ -215,23 +215,17 @@ TEST_P(SolverConformance, StepBeyondTheLimitIsRefusedAndNothingMoves) {
 
 /// The limit of (omega_max dt)^2 <= 2 (1 + d), where d = exp(-rate dt) falls with dt.
 TEST_P(SolverConformance, ARateOfDampingLowersTheStepLimit) {
-  const Model model = block();
-  const Scene scene(model);
-  const double free = make(model, scene)->stable_step();
+  const Scene scene(model_);
+  const double free = make(model_, scene)->stable_step();
   const auto displacement_after = [&](double share) {
-    const auto solver = make(model, scene, {.damping = {.rate = 1.0 / free}, .on_unstable = UnstableStep::allow});
+    const auto solver = make(model_, scene, {.damping = {.rate = 1.0 / free}, .on_unstable = UnstableStep::allow});
     const double limit = solver->stable_step();
     EXPECT_NEAR(2.0 * limit * limit, (1.0 + std::exp(-limit / free)) * free * free, 1e-12 * free * free);
-    solver->reset(displaced(model, 1e-4, 3));
+    solver->reset(displaced(model_, 1e-4, 3));
     const StepReport report = solver->step(2000, share * limit);
     EXPECT_EQ(report.beyond_limit, share > 1.0);
     if (!report.ok()) return std::numeric_limits<double>::infinity();
-    const VecList position = solver->read().position;
-    double largest = 0.0;
-    for (std::size_t i = 0; i < position.size(); ++i) {
-      largest = std::max(largest, (position[i] - model.rest[i]).norm());
-    }
-    return largest;
+    return largest_distance(solver->read().position, model_.rest);
   };
   EXPECT_LT(displacement_after(0.97), 1e-4 * 0.01);
   EXPECT_GT(displacement_after(1.03), 1e-2 * 0.01);

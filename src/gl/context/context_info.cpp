@@ -32,7 +32,7 @@ bool is_software_renderer(const std::string& renderer) {
 
 /// The versions name themselves: "OpenGL ES 3.2 Mesa 22.3.6", "4.5 (Core Profile) Mesa 22.3.6".
 void read_version(ContextInfo& info) {
-  info.version = text_of(GL_VERSION);
+  info.version = gl_text(GL_VERSION);
   info.es = info.version.starts_with("OpenGL ES");
   info.major = integer_of(GL_MAJOR_VERSION);
   info.minor = integer_of(GL_MINOR_VERSION);
@@ -71,12 +71,12 @@ std::int64_t loop_turns_of(std::string_view renderer) {
 ContextInfo read_context_info() {
   ContextInfo info;
   read_version(info);
-  info.vendor = text_of(GL_VENDOR);
-  info.renderer = text_of(renderer_name);
+  info.vendor = gl_text(GL_VENDOR);
+  info.renderer = gl_text(renderer_name);
   info.software = is_software_renderer(info.renderer);
   info.loop_turns = loop_turns_of(info.renderer);
   require_version(info);
-  info.glsl_version = text_of(GL_SHADING_LANGUAGE_VERSION);
+  info.glsl_version = gl_text(GL_SHADING_LANGUAGE_VERSION);
   info.extensions = gl_extensions();
   if (info.es && !info.has("GL_EXT_color_buffer_float")) {
     throw Error(ErrorCode::device, info.device() + " cannot draw into float textures (EXT_color_buffer_float)");

@@ -31,7 +31,7 @@ inline GLint integer_of(GLenum name) {
 }
 
 /// glGetString; empty where the context gives none, as a lost one.
-inline std::string text_of(GLenum name) {
+inline std::string gl_text(GLenum name) {
   const GLubyte* const text = glGetString(name);
   return text ? reinterpret_cast<const char*>(text) : "";
 }

@@ -36,7 +36,7 @@ ComputeLimits ComputeLimits::of_context() {
           .groups_across = groups_along(0),
           .groups_down = groups_along(1),
           .invocations = static_cast<int>(limit(GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS)),
-          .loop_turns = loop_turns_of(text_of(GL_RENDERER))};
+          .loop_turns = loop_turns_of(gl_text(GL_RENDERER))};
 }
 
 Kernel::Kernel(const ShaderLibrary& library, ShaderRequest request, int group, const ComputeLimits& limits)

@@ -9,7 +9,7 @@ namespace phymul::gl {
 namespace {
 
 std::string renderer() {
-  const std::string text = text_of(GL_RENDERER);
+  const std::string text = gl_text(GL_RENDERER);
   return text.empty() ? "an unnamed renderer" : text;
 }
 
