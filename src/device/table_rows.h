@@ -35,10 +35,10 @@ inline Float4 float4(const Vec3& v, float w = 0.0f) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), w};
 }
 
-/// A place as the sum of two.
+/// A place as the sum of two. GCC 12 takes the second for 0 in vectorised code where numbers are cast one by one.
 inline std::array<Float4, 2> halves(const Vec3& x) {
-  const Float4 high = float4(x);
-  return {high, float4(x - widened(high))};
+  const Eigen::Vector3f high = x.cast<float>(), low = (x - high.cast<double>()).cast<float>();
+  return {Float4{high.x(), high.y(), high.z(), 0.0f}, Float4{low.x(), low.y(), low.z(), 0.0f}};
 }
 
 }  // namespace phymul

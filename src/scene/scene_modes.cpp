@@ -62,6 +62,7 @@ LoadModes Scene::modes() const {
         add_part(force[i], mode, action.unit[k]);
         continue;
       }
+      if (action.imposed == 0) continue;  // every axis is free
       release(target[i], action.imposed);
       if (loads_[row].type == LoadType::rotation) {
         // R r - r = sin a x r + (1 - cos) a x (a x r)

@@ -4,6 +4,7 @@
 // Mirror and MirrorKernels.
 #include "device/float_tables.h"
 
+#include "device/float_contacts.h"
 #include "device/float_range.h"
 
 #include <gtest/gtest.h>
@@ -59,6 +60,23 @@ TEST(FloatTables, WhatNoFloatHoldsIsRefused) {
   EXPECT_TRUE(refuses([&] { pack_floats(built(model, Reaction::conservative)); }, "beyond the range of single"));
   const Model tiny = make_block({2e-10, 2e-10, 2e-10}, 2, 2, 2);
   EXPECT_TRUE(refuses([&] { pack_floats(built(tiny, Reaction::conservative)); }, "Expected a model in metres"));
+}
+
+TEST(FloatTables, ASurfacesPlacesAreSumsOfTwoFloats) {
+  const Model block = make_block({0.03, 0.02, 0.02}, 3, 2, 2);
+  const Model both = with_material(merged({{"near", &block}, {"far", &block}}));
+  Model apart = both;
+  for (const Index i : apart.group("far")) apart.rest[i] += Vec3(0.3111, 0.1, 0.0207);
+  Scene scene(apart);
+  scene.contacts({});
+  const FloatContacts contacts(scene);
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& X : apart.rest) middle += X / static_cast<double>(apart.rest.size());
+  ASSERT_EQ(contacts.rest.size(), 2 * contacts.particle.size());
+  for (std::size_t k = 0; k < contacts.particle.size(); ++k) {
+    const Vec3 X = apart.rest[contacts.particle[k][0]] - middle;
+    EXPECT_LE((widened(contacts.rest[2 * k]) + widened(contacts.rest[2 * k + 1]) - X).norm(), 0x1p-47 * X.norm());
+  }
 }
 
 TEST(FloatTables, RestThresholdsFollowTheDisplacement) {

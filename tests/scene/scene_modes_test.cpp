@@ -51,6 +51,16 @@ TEST(SceneModes, SumToWhatEvaluateSays) {
   }
 }
 
+TEST(SceneModes, ALoadWithoutAnAxisImposesNothing) {
+  const Model model = make_tetrahedron(0.01);
+  Scene scene(model);
+  Load load = load_of(LoadType::translation, {0, 3}, {0, 1, 0});
+  load.axes.fill(Axis::free);
+  scene.add(load);
+  const LoadModes modes = scene.modes();
+  EXPECT_TRUE(modes.fixed.empty() && modes.target_offset.empty() && modes.target.empty());
+}
+
 TEST(SceneModes, HoldNothingThatDoesNotAct) {
   const Model model = make_tetrahedron(0.01);
   Scene scene(model);
