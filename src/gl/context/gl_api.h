@@ -36,7 +36,8 @@ inline std::string gl_text(GLenum name) {
   return text ? reinterpret_cast<const char*>(text) : "";
 }
 
-/// What was wrong before must not be taken for the answer to what comes next. A lost context may report for ever.
+/// What was wrong before must not be taken for the answer to what comes next. A lost context may never stop reporting
+/// errors.
 inline void forget_errors() {
   for (int k = 0; k < 16 && glGetError() != GL_NO_ERROR; ++k) {
   }
