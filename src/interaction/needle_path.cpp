@@ -124,7 +124,10 @@ void NeedlePath::lengthen(const PredictedStep& step, const Line& line) {
     NeedleNode node = node_at(step, x);
     if (!node.particles.empty()) state_.hole.push_back(std::move(node));
   };
-  for (double left = state_.slip - spread_; left > 0.0; left -= spread_) add(shaft_at(line, left));
+  // A state from a file may have a longer way than a shaft.
+  for (double left = std::min(state_.slip, needle_.length) - spread_; left > 0.0; left -= spread_) {
+    add(shaft_at(line, left));
+  }
   state_.slip = 0.0;
   // Out again where the nearest surface back along the shaft is one it came out of. A mean over particles lies above
   // the deepest point of a dent, so that right after the puncture the tip may still be in front of the facets.
