@@ -9,7 +9,7 @@ cd "$(dirname "$0")/.."
 sh cmake/install-packages.sh examples surfaces
 . cmake/generator.sh
 
-# Less optimised but for the kernels, which always have -O3: built in four fifths of the time, and as fast in its steps.
+# Less optimised, but for the kernels of the steps, which always have -O3: this saves a sixth of the time to build.
 cmake -S . -B build/demo -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS_RELEASE="-O1 -DNDEBUG" -DPHYMUL_UNITY=ON \
   -DPHYMUL_BUILD_TESTS=OFF -DPHYMUL_BUILD_BENCH=OFF -DPHYMUL_WITH_GL=OFF
 cmake --build build/demo --parallel "$(nproc)" --target phymul-run
