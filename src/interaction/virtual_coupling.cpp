@@ -2,7 +2,7 @@
 #include <phymul/error.h>
 #include <phymul/virtual_coupling.h>
 
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <cmath>
 
 #include "base/decimal.h"
@@ -87,21 +87,21 @@ void VirtualCoupling::Moved::to(const Vec3& next_velocity, const Vec3& next_spin
 /// was moved in the tick before; V, its own velocity, is another one only after a tick that was left out.
 VirtualCoupling::Velocities VirtualCoupling::carrying(const ToolForce& load, const Vec3& pull, const Vec3& twist,
                                                       double mass, double inertia, double dt) const {
-  using Six = Eigen::Matrix<double, 6, 1>;
   const Mat3 turn = tool_.orientation.toRotationMatrix();
-  const Vec3 moment = load.held_mass * (turn * load.held_centre);
-  Mat3 cross;
-  cross << 0.0, -moment.z(), moment.y(), moment.z(), 0.0, -moment.x(), -moment.y(), moment.x(), 0.0;
-  Eigen::Matrix<double, 6, 6> held;
-  held << load.held_mass * Mat3::Identity(), -cross, cross, turn * load.held_inertia * turn.transpose();
-  Six known, before;
-  known << options_.mass * tool_.velocity + dt * pull, options_.inertia * tool_.spin + dt * twist;
-  before << moved_.velocity + dt * moved_.acceleration, moved_.spin + dt * moved_.spin_up;
-  known += held * before;
-  held.diagonal().head<3>().array() += mass;
-  held.diagonal().tail<3>().array() += inertia;
-  const Six next = held.llt().solve(known);
-  return {next.head<3>(), next.tail<3>()};
+  const Vec3 moment = load.held_mass * (turn * load.held_centre);  // M c, of the corners of G
+  const Mat3 held = turn * load.held_inertia * turn.transpose();
+  const Vec3 before = moved_.velocity + dt * moved_.acceleration;
+  const Vec3 turned_before = moved_.spin + dt * moved_.spin_up;
+  const Vec3 momentum =
+      options_.mass * tool_.velocity + dt * pull + load.held_mass * before - moment.cross(turned_before);
+  const Vec3 spin_momentum = options_.inertia * tool_.spin + dt * twist + moment.cross(before) + held * turned_before;
+  // The velocity's block is a number times the identity, so that it is eliminated: what is left is of the spin alone.
+  // [M c]x [M c]x = M c (M c)^T - |M c|^2.
+  const double whole = mass + load.held_mass;
+  Mat3 left = held + moment * moment.transpose() / whole;
+  left.diagonal().array() += inertia - moment.squaredNorm() / whole;
+  const Vec3 spin = left.inverse() * (spin_momentum - moment.cross(momentum) / whole);
+  return {(momentum + moment.cross(spin)) / whole, spin};
 }
 
 /// The host moves the tool to where it is, or leaves it there: what it holds stands still in this tick.

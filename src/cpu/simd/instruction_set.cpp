@@ -12,13 +12,16 @@ namespace phymul::cpu::simd {
 
 std::vector<const Kernels*> usable_kernels() {
   std::vector<const Kernels*> usable{&portable_kernels};
-#if defined(PHYMUL_X86_KERNELS)
+#if defined(PHYMUL_AVX2_KERNELS)
   if (PHYMUL_PROCESSOR_HAS("avx2") && PHYMUL_PROCESSOR_HAS("fma")) usable.push_back(&avx2_kernels);
+#endif
+#if defined(PHYMUL_AVX512_KERNELS)
   if (PHYMUL_PROCESSOR_HAS("avx512f") && PHYMUL_PROCESSOR_HAS("avx512dq") && PHYMUL_PROCESSOR_HAS("avx512vl") &&
       PHYMUL_PROCESSOR_HAS("avx512bw")) {
     usable.push_back(&avx512_kernels);
   }
-#elif defined(PHYMUL_NEON_KERNELS)
+#endif
+#if defined(PHYMUL_NEON_KERNELS)
   usable.push_back(&neon_kernels);  // every 64-bit ARM has it
 #endif
   return usable;
