@@ -13,7 +13,7 @@ namespace phymul {
 enum class Flaw {
   winding,          ///< cell with negative volume; turned round
   tangled,          ///< cell that overlaps a neighbour, however both are wound; refused
-  degenerate_cell,  ///< volume (area) below 1e-6 of its longest edge cubed (squared), or a vertex repeated
+  degenerate_cell,  ///< volume (area) below 1e-6 of its longest edge cubed (squared), infinite, or a vertex repeated
   duplicate_cell,   ///< two cells over the same particles
   duplicate_point,  ///< two particles closer than 1e-9 of the body size
   massless,         ///< particle whose mass is below 1e-9 of the mean

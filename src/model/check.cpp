@@ -69,18 +69,19 @@ bool repeats_a_vertex(const Cell& cell) {
   return false;
 }
 
-/// Lines, whose only measure is their length, are degenerate by a repeated vertex alone.
+/// Lines, whose only measure is their length, are degenerate by a repeated vertex alone; other cells also where their
+/// measure is beyond the range of numbers.
 bool is_degenerate(const Model& model, const Cell& cell) {
   if (cell_edges(cell.type).empty()) return false;
   if (repeats_a_vertex(cell)) return true;
   const double edge = longest_edge(model, cell);
   if (is_volume(cell.type)) {
     const double volume = signed_volume(cell.type, cell.particles, model.rest);
-    return !(std::abs(volume) >= degenerate_ratio * edge * edge * edge) || volume == 0.0;
+    return !(std::abs(volume) >= degenerate_ratio * edge * edge * edge) || volume == 0.0 || !std::isfinite(volume);
   }
   if (cell.type == CellType::line) return false;
   const double area = area_vector(cell.particles, model.rest).norm();
-  return !(area >= degenerate_ratio * edge * edge) || area == 0.0;
+  return !(area >= degenerate_ratio * edge * edge) || area == 0.0 || !std::isfinite(area);
 }
 
 /// Cells that overlap one they share a face with, however they are wound: with all volumes made positive, both cells
@@ -163,7 +164,8 @@ void look_at_cells(const Model& model, bool mending, std::vector<Finding>& findi
        findings);
   tell(Flaw::degenerate_cell, flat, false,
        counted(flat.size(), "cell is", "cells are") +
-           " degenerate, with no volume or area for the length of the edges or a vertex repeated: " +
+           " degenerate, with no volume or area for the length of the edges, one too large for a number, or a vertex "
+           "repeated: " +
            cells_named(model, flat) + "; remove such cells, or mend the order of the vertices",
        findings);
 }

@@ -135,9 +135,10 @@ TEST(CheckMesh, DegenerateCells) {
   Finding finding = only(check_mesh(flat), Flaw::degenerate_cell);
   EXPECT_EQ(finding.items, std::vector<Index>{0});
   EXPECT_FALSE(finding.mended);
-  EXPECT_EQ(finding.message,
-            "1 cell is degenerate, with no volume or area for the length of the edges or a vertex repeated: 0; remove "
-            "such cells, or mend the order of the vertices");
+  EXPECT_EQ(
+      finding.message,
+      "1 cell is degenerate, with no volume or area for the length of the edges, one too large for a number, or a "
+      "vertex repeated: 0; remove such cells, or mend the order of the vertices");
   flat.rest[3].z() = -1e-8;  // too flat to have a winding
   EXPECT_FALSE(has(find_flaws(flat), Flaw::winding));
   flat.rest[3].z() = 1e-4;
@@ -152,6 +153,12 @@ TEST(CheckMesh, DegenerateCells) {
   std::swap(crossed.cells[0].particles[2], crossed.cells[0].particles[3]);
   std::swap(crossed.cells[0].particles[6], crossed.cells[0].particles[7]);
   EXPECT_TRUE(has(find_flaws(crossed), Flaw::degenerate_cell));
+
+  // Sums of products beyond the range have no sign to go by.
+  for (const double size : {1e103, 1e277}) {
+    Model huge = make_block({size, size, size}, 1, 1, 1);
+    EXPECT_EQ(only(check_mesh(huge), Flaw::degenerate_cell).items, std::vector<Index>{0}) << size;
+  }
 
   Model strip = make_strip(1, 1, 1, 1);
   std::swap(strip.cells[0].particles[2], strip.cells[0].particles[3]);
