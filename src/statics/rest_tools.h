@@ -38,7 +38,7 @@ class RestTools final : public RestTerm {
   void raise(std::span<const Vec3> position) override;
 
   /// Adds what the particles that they press do to the tools, [Scene::tools()].
-  void add_reactions(std::span<const Vec3> position, std::span<ToolForce> tools) const;
+  void add_reactions(std::span<const Vec3> position, std::span<ToolForce> all) const;
 
  private:
   struct Touching {

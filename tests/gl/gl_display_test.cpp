@@ -12,6 +12,7 @@
 
 #include "gl/context/gl_api.h"
 #include "support/egl_host.h"
+#include "support/every_backend.h"
 #include "support/gl_fixture.h"
 #include "support/host_state.h"
 #include "support/message_of.h"
@@ -124,36 +125,54 @@ TEST_F(GlDisplayTest, StepsAfterAPictureAreThoseWithoutOne) {
   EXPECT_TRUE(drawn->read() == plain->read());
 }
 
-/// A skin is where Skin::deform() puts it, on every backend: drawn as a body of its own, it makes the same picture.
-TEST_F(GlDisplayTest, ASkinIsDrawnWhereItsBodyCarriesIt) {
-  const Model model = make_block({0.04, 0.02, 0.02}, 4, 2, 2);
-  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
-  Model ball = make_cylinder(0.009, 0.036, 3, 12, 10);  // lies in the block, its axis along x
-  for (Vec3& p : ball.rest) p = Vec3(0.002 + p.z(), 0.01 + p.x(), 0.01 + p.y());
-  const std::vector<std::array<Index, 3>> triangles = surface_triangles(ball);
-  const Skin skin(model, ball.rest);
-  const Camera camera = framing(model.rest, {0.4, -1, 0.35}, 1.25);
-  const DisplayOptions options{.particles = true, .rest_shape = true, .full_scale = 0.002};
-  for (const char* backend : {"gl", "gl-compute", "cpu"}) {
-    const auto solver = make_solver(backend, model, scene, {});
-    const auto display = make_display(*solver, skin, triangles);
-    EXPECT_EQ(display->zero_copy(), backend != std::string("cpu"));
-    ASSERT_TRUE(solver->step(60, 0.5 * solver->stable_step()).ok());
-    Model shown = ball;
-    shown.cells.clear();
-    for (const auto& triangle : triangles) {
-      shown.cells.push_back({.type = CellType::triangle, .particles = {triangle.begin(), triangle.end()}});
-    }
-    shown.neighbours = neighbours_from_cells(shown.cells, shown.particle_count());
-    const auto expected = make_display(shown);
-    const Image at_rest = expected->render(camera, options, 200, 160);
-    expected->show(skin.deform(solver->read().position));
-    const Image moved = expected->render(camera, options, 200, 160), drawn = display->render(camera, options, 200, 160);
-    int different = 0;
-    for (std::size_t k = 0; k < moved.rgba.size(); ++k) different += std::abs(moved.rgba[k] - drawn.rgba[k]) > 2;
-    EXPECT_LT(different, 20) << backend;  // rounding moves an edge over a pixel
-    EXPECT_GT(largest_difference(at_rest, moved), 100);
+struct DrawnSkin {
+  DrawnSkin() {
+    for (Vec3& p : ball.rest) p = Vec3(0.002 + p.z(), 0.01 + p.x(), 0.01 + p.y());
   }
+
+  Model body = make_block({0.04, 0.02, 0.02}, 4, 2, 2);
+  Scene scene = Scene(body).fix("x0").gravity({0, 0, -9.81});
+  Model ball = make_cylinder(0.009, 0.036, 3, 12, 10);  // lies in the block, its axis along x
+  std::vector<std::array<Index, 3>> triangles = surface_triangles(ball);
+};
+
+class GlSkinDisplay : public GlTest, public testing::WithParamInterface<std::string> {
+ protected:
+  std::string needs() const override { return GetParam(); }
+};
+
+/// A skin is where Skin::deform() puts it, on every backend: drawn as a body of its own, it makes the same picture.
+TEST_P(GlSkinDisplay, DrawsASkinWhereItsBodyCarriesIt) {
+  const DrawnSkin drawn_skin;
+  const auto& [body, scene, ball, triangles] = drawn_skin;
+  const Skin skin(body, ball.rest);
+  const Camera camera = framing(body.rest, {0.4, -1, 0.35}, 1.25);
+  const DisplayOptions options{.particles = true, .rest_shape = true, .full_scale = 0.002};
+  const auto solver = make_solver(GetParam(), body, scene, {});
+  const auto display = make_display(*solver, skin, triangles);
+  EXPECT_EQ(display->zero_copy(), GetParam() != "cpu");
+  ASSERT_TRUE(solver->step(60, 0.5 * solver->stable_step()).ok());
+  Model shown = ball;
+  shown.cells.clear();
+  for (const auto& triangle : triangles) {
+    shown.cells.push_back({.type = CellType::triangle, .particles = {triangle.begin(), triangle.end()}});
+  }
+  shown.neighbours = neighbours_from_cells(shown.cells, shown.particle_count());
+  const auto expected = make_display(shown);
+  const Image at_rest = expected->render(camera, options, 200, 160);
+  expected->show(skin.deform(solver->read().position));
+  const Image moved = expected->render(camera, options, 200, 160), drawn = display->render(camera, options, 200, 160);
+  int different = 0;
+  for (std::size_t k = 0; k < moved.rgba.size(); ++k) different += std::abs(moved.rgba[k] - drawn.rgba[k]) > 2;
+  EXPECT_LT(different, 20);  // rounding moves an edge over a pixel
+  EXPECT_GT(largest_difference(at_rest, moved), 100);
+}
+PHYMUL_ON_BACKENDS(GlSkinDisplay, (std::vector<std::string>{"gl", "gl-compute", "cpu"}));
+
+TEST_F(GlDisplayTest, RefusesASkinOfAnotherBodyAndTrianglesBeyondIt) {
+  const DrawnSkin drawn_skin;
+  const auto& [model, scene, ball, triangles] = drawn_skin;
+  const Skin skin(model, ball.rest);
   EXPECT_EQ(message_of([&] {
               make_display(*make_solver("cpu", model, scene, {}), skin,
                            std::vector<std::array<Index, 3>>{{0, 1, static_cast<Index>(skin.size())}});

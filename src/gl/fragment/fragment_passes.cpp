@@ -156,7 +156,7 @@ void FragmentPasses::compile_keeping(Stepping& stepping) const {
       compiled(stepping.kind, {"report/measure_step.glsl", "volume/kept_tables.glsl", "volume/kept_step_pass.glsl"});
   const auto plain = [this](ShaderRequest request) {
     define_kernels(tables_->kind(), request);
-    return Pass(*library_, std::move(request));
+    return Pass(*library_, request);
   };
   const ShaderFiles sums =
       joined({common, {"volume/kept_tables.glsl", "volume/kept_facet.glsl", "volume/kept_sums_pass.glsl"}});

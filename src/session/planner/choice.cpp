@@ -112,7 +112,8 @@ void Planner::choose() {
     Level& level = levels_[k];
     if (!level.has_field() || !std::isfinite(level.trial.error)) continue;
     if (kept && k >= *kept) continue;
-    if ((plan_.most_accurate = cheapest_in_time(level, fastest))) break;
+    plan_.most_accurate = cheapest_in_time(level, fastest);
+    if (plan_.most_accurate) break;
   }
   plan_.reason = reason_of_refusal(plan_, levels_.back().trial, ended_);
 }
