@@ -21,13 +21,13 @@ run() {  # preset, ctest's options
   esac
   # $parts is a list of words.
   sh cmake/install-packages.sh $parts
+  . cmake/generator.sh
   [ "$preset" != windows ] || sh cmake/toolchains/windows_libraries.sh
   cmake --preset "$preset"
   cmake --build --preset "$preset" --parallel "$(nproc)"
   ctest --preset "$preset" --output-on-failure --parallel 2 "$@"
 }
 
-. cmake/generator.sh
 if [ "${1:-}" = full ]; then
   failed=""
   for preset in ci asan-ubsan tsan; do
