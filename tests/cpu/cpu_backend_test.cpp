@@ -91,6 +91,43 @@ TEST(CpuBackend, ForcesBesideAFarParticleAreWithinTheRoundingBound) {
   }
 }
 
+/// Bases on a line have no normals: which way rounding makes them point must not matter.
+TEST(CpuBackend, ABodyOnALineHasTheForcesOfDoublePrecision) {
+  const Model model = make_block({0.02, 0.02, 0.02}, 1, 1, 1);
+  const Scene scene(model);
+  const Vec3 line = Vec3(1, 2, 4).normalized();  // along which the corners are equally far apart
+  VecList x = model.rest;
+  for (Vec3& place : x) place = line.dot(place) * line;
+  const TopologyOptions some{}, all{.reaction = Reaction::averaged, .bases = BaseSelection::all};
+  for (const TopologyOptions& options : {some, all}) {
+    const auto tables = std::make_shared<const TopologyTextures>(build_topology(model, options));
+    VecList exact(x.size());
+    elastic_forces(*tables, x, exact);
+    double largest = 0.0;
+    for (const Vec3& force : exact) largest = std::max(largest, force.norm());
+    for (const cpu::simd::Kernels* kernels : cpu::simd::usable_kernels()) {
+      const InstructionSet chosen(kernels->name);
+      const VecList found = forces_of(*make_solver("cpu", tables, scene, any_step()), x);
+      EXPECT_LT(largest_distance(found, exact), 1e-5 * largest) << kernels->name;
+    }
+  }
+}
+
+/// A force whose square is beyond the range is not clamped, which would make nothing of it, but told.
+TEST(CpuBackend, AForceBeyondTheRangeIsNotClamped) {
+  const Model model = with_material(make_block({0.02, 0.02, 0.02}, 2, 2, 2), soft_tissue());
+  const Scene scene(model);
+  for (const cpu::simd::Kernels* kernels : cpu::simd::usable_kernels()) {
+    const InstructionSet chosen(kernels->name);
+    const auto solver = make_solver("cpu", model, scene);
+    State state = rest_state(model);
+    state.position[0].x() = -1e18;
+    solver->reset(state);
+    const StepReport report = solver->step(1, solver->stable_step());
+    EXPECT_EQ(report.status, StepStatus::not_finite) << kernels->name << ": " << report.message();
+  }
+}
+
 TEST(CpuBackend, NoForceAtRestOrAfterATranslation) {
   for_each_case([](const Case& body) {
     const Scene scene(body.model);
