@@ -5,11 +5,17 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <ostream>
 
 #include "fuzz_target.h"
 #include "support/text_file.h"
 
 namespace phymul::fuzz {
+
+void PrintTo(const NamedTarget& target, std::ostream* out) {
+  *out << target.name;
+}
+
 namespace {
 
 class FuzzCorpus : public testing::TestWithParam<NamedTarget> {};

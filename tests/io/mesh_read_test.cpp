@@ -148,6 +148,8 @@ struct Refusal {
   const char* from;  ///< text in it, replaced by `to`
   const char* to;
   std::vector<const char*> expected;  ///< parts of the message
+
+  friend void PrintTo(const Refusal& refusal, std::ostream* out) { *out << refusal.file; }
 };
 
 const Refusal refusals[] = {

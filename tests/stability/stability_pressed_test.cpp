@@ -55,6 +55,10 @@ struct Pressed {
   double poisson;
   double friction;
   int at_least;  ///< mm
+
+  friend void PrintTo(const Pressed& pressed, std::ostream* out) {
+    *out << "nu " << pressed.poisson << ", friction " << pressed.friction;
+  }
 };
 
 class StabilityPressed : public testing::TestWithParam<Pressed> {};

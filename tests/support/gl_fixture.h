@@ -6,9 +6,19 @@
 #include <dlfcn.h>
 #include <phymul/solver.h>
 
+#include <ostream>
+
 #include "environment.h"
 #include "gl/context/context.h"
 #include "gl_needed.h"
+
+namespace phymul {
+
+inline void PrintTo(GlBackend backend, std::ostream* out) {
+  *out << name_of(backend);
+}
+
+}  // namespace phymul
 
 namespace phymul::test {
 
