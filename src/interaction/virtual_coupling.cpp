@@ -2,7 +2,7 @@
 #include <phymul/error.h>
 #include <phymul/virtual_coupling.h>
 
-#include <Eigen/LU>
+#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "base/decimal.h"
@@ -95,12 +95,12 @@ VirtualCoupling::Velocities VirtualCoupling::carrying(const ToolForce& load, con
   const Vec3 momentum =
       options_.mass * tool_.velocity + dt * pull + load.held_mass * before - moment.cross(turned_before);
   const Vec3 spin_momentum = options_.inertia * tool_.spin + dt * twist + moment.cross(before) + held * turned_before;
-  // The velocity's block is a number times the identity, so that it is eliminated: what is left is of the spin alone.
-  // [M c]x [M c]x = M c (M c)^T - |M c|^2.
+  // The velocity's block is a number times the identity, so that it is eliminated: what is left is of the spin alone,
+  // and positive definite, because J is at least the inertia of M at c. [M c]x [M c]x = M c (M c)^T - |M c|^2.
   const double whole = mass + load.held_mass;
   Mat3 left = held + moment * moment.transpose() / whole;
   left.diagonal().array() += inertia - moment.squaredNorm() / whole;
-  const Vec3 spin = left.inverse() * (spin_momentum - moment.cross(momentum) / whole);
+  const Vec3 spin = left.llt().solve(spin_momentum - moment.cross(momentum) / whole);
   return {(momentum + moment.cross(spin)) / whole, spin};
 }
 

@@ -3,7 +3,6 @@
 #include <phymul/pml.h>
 #include <phymul/shapes.h>
 
-#include <algorithm>
 #include <sstream>
 
 #include "fuzz_target.h"
@@ -20,12 +19,11 @@ void lml(std::string_view bytes) {
   if (!accepts_file("any.lml", [&] { loads = read_lml_text(std::string(bytes), "any.lml", body); })) return;
   const bool is_taken = accepts([&] {
     Scene scene(body);
-    for (const Load& load : loads) scene.add(load);
+    for (const Load& load : loads) {
+      if (load.type != LoadType::pressure) scene.add(load);  // which only the scene looks for facets of
+    }
   });
-  // Only the scene looks for the facets that a pressure acts on.
-  const bool has_pressure =
-      std::ranges::any_of(loads, [](const Load& load) { return load.type == LoadType::pressure; });
-  require(is_taken || has_pressure, "loads that a file may have, but not a scene");
+  require(is_taken, "loads that a file may have, but not a scene");
   std::ostringstream out;
   if (!accepts([&] { write_lml(loads, body, out); })) return;
   require(read_lml_text(out.str(), "again.lml", body) == loads, "other loads after writing and reading:\n" + out.str());

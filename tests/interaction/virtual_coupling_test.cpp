@@ -198,6 +198,39 @@ TEST(VirtualCoupling, CarriesALongLoadOnATurnedTool) {
   }
 }
 
+/// Point masses beside the tool's position, on a tool that is turned, moves and spins: what they, the tool, spring and
+/// damper give each other in a tick is in balance, force and torque.
+TEST(VirtualCoupling, CarriesALoadBesideItsPosition) {
+  const CouplingOptions o;
+  const double dt = 1e-3;
+  const Quaternion turned(Eigen::AngleAxisd(1.1, Vec3(0.3, -0.7, 0.5).normalized()));
+  const ToolPose start{
+      .position = {0.01, -0.02, 0.03}, .orientation = turned, .velocity = {0.1, -0.2, 0.15}, .spin = {2, -3, 1}};
+  const ToolPose hand{.position = {0.012, -0.019, 0.033}, .orientation = turned, .velocity = {0.05, 0.1, -0.1}};
+  const VecList at{{0.03, 0.01, 0}, {0.02, -0.01, 0.04}, {0.01, 0.03, 0.02}};
+  ToolForce load{.mean_force = {0.3, -0.2, 0.5}, .mean_torque = {0.01, 0.02, -0.03}};
+  const double each = 2.0 * o.mass;
+  for (const Vec3& q : at) {
+    load.held_mass += each;
+    load.held_centre += q / static_cast<double>(at.size());
+    load.held_inertia += each * (q.squaredNorm() * Mat3::Identity() - q * q.transpose());
+  }
+  VirtualCoupling coupling(o, start);
+  const ToolPose& tool = coupling.follow(hand, load, dt);
+  const Vec3 dv = tool.velocity - start.velocity, dw = tool.spin - start.spin;
+  const Vec3 pull = o.stiffness * (hand.position - start.position - dt * tool.velocity) +
+                    o.damping * (hand.velocity - tool.velocity) + load.mean_force;
+  const Vec3 twist = (-dt * o.turning_stiffness - o.turning_damping) * tool.spin + load.mean_torque;
+  Vec3 momentum = o.mass * dv, angular = o.inertia * dw;
+  for (const Vec3& q : at) {
+    const Vec3 r = turned * q, change = each * (dv + dw.cross(r));
+    momentum += change;
+    angular += r.cross(change);
+  }
+  EXPECT_LE((momentum - dt * pull).norm(), 1e-12 * dt * pull.norm());
+  EXPECT_LE((angular - dt * twist).norm(), 1e-12 * dt * twist.norm());
+}
+
 /// In a tick that is left out the tool stands still, and its load with it.
 TEST(VirtualCoupling, CarriesALoadThroughATickLeftOut) {
   RigidLoad load;

@@ -57,7 +57,7 @@ TEST(Recovery, FromEveryFailureStateWithEveryVolumeLaw) {
 }
 
 /// Which state of 168 is left depends on rounding, and so on compiler and instruction set: none with GCC 12, one with
-/// clang 16 or without vector instructions.
+/// clang 16 or with the portable kernels.
 TEST(Recovery, ParticleAveragedBodiesReturnFromAllStatesButOneWhateverTheirSizeAndCells) {
   std::string lost;
   int count = 0;
