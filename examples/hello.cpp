@@ -5,7 +5,7 @@
 
 int main() try {
   phymul::Simulation sim(phymul::make_block({0.2, 0.05, 0.05}, 16, 4, 4),
-                         {.material = phymul::Material{.young = 10e3, .poisson = 0.3, .density = 1000}});
+                         {.material = phymul::Material{.young = 30e3, .poisson = 0.3, .density = 1000}});
   sim.scene().fix("x0").gravity({0, 0, -9.81});
 
   const phymul::RestResult rest = sim.run_to_rest();
