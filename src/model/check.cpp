@@ -165,8 +165,7 @@ void look_at_cells(const Model& model, bool mending, std::vector<Finding>& findi
   tell(Flaw::degenerate_cell, flat, false,
        counted(flat.size(), "cell is", "cells are") +
            " degenerate, with no volume or area for the length of the edges, a size beyond the range of numbers or a "
-           "vertex "
-           "repeated: " +
+           "vertex repeated: " +
            cells_named(model, flat) + "; remove such cells, or mend their places or the order of the vertices",
        findings);
 }

@@ -20,7 +20,7 @@ void lml(std::string_view bytes) {
   const bool is_taken = accepts([&] {
     Scene scene(body);
     for (const Load& load : loads) {
-      if (load.type != LoadType::pressure) scene.add(load);  // which only the scene looks for facets of
+      if (load.type != LoadType::pressure) scene.add(load);  // only a scene knows whether there are facets to press on
     }
   });
   require(is_taken, "loads that a file may have, but not a scene");

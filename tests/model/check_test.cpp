@@ -137,8 +137,7 @@ TEST(CheckMesh, DegenerateCells) {
   EXPECT_FALSE(finding.mended);
   EXPECT_EQ(finding.message,
             "1 cell is degenerate, with no volume or area for the length of the edges, a size beyond the range of "
-            "numbers or a "
-            "vertex repeated: 0; remove such cells, or mend their places or the order of the vertices");
+            "numbers or a vertex repeated: 0; remove such cells, or mend their places or the order of the vertices");
   flat.rest[3].z() = -1e-8;  // too flat to have a winding
   EXPECT_FALSE(has(find_flaws(flat), Flaw::winding));
   flat.rest[3].z() = 1e-4;
