@@ -18,6 +18,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -69,28 +70,34 @@ struct VolumeTexel {
 inline constexpr std::size_t most_energy_constants = 6;
 
 /// A domain of Law::particle_averaged: the neighbourhood of a particle or, where materials meet, its part in one.
+/// Domains that lie alike, as in a lattice, have the same rows of links.
 struct DomainTexel {
   Index particle = none;
-  Index material = 0;             ///< row of Model::materials
+  Index material = 0;  ///< row of Model::materials
+  Index first_link = 0, link_count = 0;
+  Index first_surface_link = 0, surface_link_count = 0;
   double inverse_volume = 0.0;    ///< 1/V_d, 1/m^3
   double spread_stiffness = 0.0;  ///< s mu, Pa: the stabiliser times the shear modulus
   /// Constants of TopologyOptions::strain_energy, in the order in which StrainEnergy names them, then zeros.
   std::array<double, most_energy_constants> energy{};
 };
 
-/// The link of domain d, whose row this is, to domain e. From e to d the area has the opposite sign and the stiffness
-/// is the same. In a body of points (Law::particle_averaged) sums of w X_pq and s mu w replace the integrals.
+/// The link of domain d, one of whose rows this is, to domain e = d + offset. From e to d the area has the opposite
+/// sign and the stiffness is the same. In a body of points (Law::particle_averaged) sums of w X_pq and s mu w replace
+/// the integrals.
 struct LinkTexel {
-  Index domain = none;       ///< e
+  Index offset = 0;
   Vec3 area = Vec3::Zero();  ///< half the integral of N_d grad N_e - N_e grad N_d, m^2
   double stiffness = 0.0;    ///< -integral of s mu grad N_d . grad N_e, N/m
+  bool operator==(const LinkTexel&) const = default;
 };
 
 /// The symmetric part of the integral of N_d grad N_e, if it is not zero: on the surface of the body or of a material,
 /// also for e = d. The same from both sides. In a body of points it is in general not zero inside either.
 struct SurfaceLinkTexel {
-  Index domain = none;       ///< e
+  Index offset = 0;
   Vec3 area = Vec3::Zero();  ///< half the integral over the surface of N_d N_e times the outward normal, m^2
+  bool operator==(const SurfaceLinkTexel&) const = default;
 };
 
 /// How the material of a domain dissipates (Material). Small-strain tensor: 2 mu E + lambda tr(E) I.
@@ -120,7 +127,7 @@ struct TopologyTextures {
   std::vector<std::string> notes;
 
   Index particle_count = 0;
-  Index neighbour_count = 0;  ///< rows of neighbours and alpha
+  Index neighbour_count = 0;  ///< rows of neighbours and alpha; 0 if there are no bases
   Index base_count = 0;       ///< rows of bases, lambda, weight
 
   std::vector<IndexTexel> index;
@@ -141,15 +148,19 @@ struct TopologyTextures {
   std::vector<SpringTexel> springs;
   std::vector<VolumeTexel> volumes;
 
-  // Law::particle_averaged: domains in order of their particles. Domain d has the links first_link[d] ...
-  // first_link[d + 1] - 1, and likewise surface links.
+  // Law::particle_averaged: domains in order of their particles.
   std::vector<DomainTexel> domains;
   std::vector<Index> first_domain;  ///< [N + 1]
   std::vector<LinkTexel> links;
-  std::vector<Index> first_link{0};  ///< [domains + 1]
   std::vector<SurfaceLinkTexel> surface_links;
-  std::vector<Index> first_surface_link{0};   ///< [domains + 1]
   std::vector<DissipationTexel> dissipation;  ///< [domains]; empty where no material dissipates
+
+  std::span<const LinkTexel> links_of(Index domain) const {
+    return std::span(links).subspan(domains[domain].first_link, domains[domain].link_count);
+  }
+  std::span<const SurfaceLinkTexel> surface_links_of(Index domain) const {
+    return std::span(surface_links).subspan(domains[domain].first_surface_link, domains[domain].surface_link_count);
+  }
 
   // Transposed lists, because a shader can gather but not scatter. An entry is (row of the term) * corners + corner.
   RaggedList neighbour_of;             ///< per particle j: rows r of `neighbours` with neighbours[r] = j (corners = 1)

@@ -23,14 +23,14 @@ void pack_links(const TopologyTextures& from, Index d, const std::vector<Index>&
   Int4& range = to.range.back();
   const auto rows = [&to] { return static_cast<std::int32_t>(to.link.size()); };
   range[0] = rows();
-  for (Index r = from.first_link[d]; r < from.first_link[d + 1]; ++r) {
-    to.neighbour.push_back(number_of[from.links[r].domain]);
-    to.link.push_back(texel(from.links[r].area, from.links[r].stiffness));
+  for (const LinkTexel& link : from.links_of(d)) {
+    to.neighbour.push_back(number_of[d + link.offset]);
+    to.link.push_back(texel(link.area, link.stiffness));
   }
   range[1] = rows();
-  for (Index r = from.first_surface_link[d]; r < from.first_surface_link[d + 1]; ++r) {
-    to.neighbour.push_back(number_of[from.surface_links[r].domain]);
-    to.link.push_back(texel(from.surface_links[r].area, 0.0));
+  for (const SurfaceLinkTexel& link : from.surface_links_of(d)) {
+    to.neighbour.push_back(number_of[d + link.offset]);
+    to.link.push_back(texel(link.area, 0.0));
   }
   range[2] = rows();
 }

@@ -46,17 +46,15 @@ void AveragedStiffness::apply(Index first, Index last, const Eigen::VectorXd& u,
     const Index i = particle_[d];
     const Vec3 own = u.segment<3>(3 * i);
     Vec3 sum = Vec3::Zero();
-    for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
-      const LinkTexel& link = t.links[r];
-      const Index j = particle_[link.domain];
+    for (const LinkTexel& link : t.links_of(d)) {
+      const Index j = particle_[d + link.offset];
       const Vec3 pull = Q * link.area;
       result.segment<3>(3 * j) += pull;
       sum += pull + link.stiffness * (u.segment<3>(3 * j) - own);
     }
-    for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
-      const SurfaceLinkTexel& link = t.surface_links[r];
+    for (const SurfaceLinkTexel& link : t.surface_links_of(d)) {
       const Vec3 pull = Q * link.area;
-      result.segment<3>(3 * particle_[link.domain]) += pull;
+      result.segment<3>(3 * particle_[d + link.offset]) += pull;
       sum += pull;
     }
     result.segment<3>(3 * i) -= sum;

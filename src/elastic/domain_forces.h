@@ -37,14 +37,12 @@ void add_domain_forces(const TopologyTextures& t, const Displacement& displaceme
     visit(d, H);
     const Mat3 Q = factor * mean_stress(t, d, H);
     const Index i = t.domains[d].particle;
-    for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
-      const LinkTexel& link = t.links[r];
-      force[t.domains[link.domain].particle] -= Q * link.area;
-      force[i] += Q * link.area + factor * link.stiffness * (displacement(link.domain) - displacement(d));
+    for (const LinkTexel& link : t.links_of(d)) {
+      force[t.domains[d + link.offset].particle] -= Q * link.area;
+      force[i] += Q * link.area + factor * link.stiffness * (displacement(d + link.offset) - displacement(d));
     }
-    for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
-      const SurfaceLinkTexel& link = t.surface_links[r];
-      force[t.domains[link.domain].particle] -= Q * link.area;
+    for (const SurfaceLinkTexel& link : t.surface_links_of(d)) {
+      force[t.domains[d + link.offset].particle] -= Q * link.area;
       force[i] += Q * link.area;
     }
   }
@@ -61,8 +59,8 @@ double domain_energy(const TopologyTextures& t, const Displacement& displacement
     const double density = cpu::energy_density<double>(t.options, domain.energy, Mat3::Identity() + H, nullptr);
     energy += factor * (density - 0.5 * domain.spread_stiffness * H.squaredNorm()) / domain.inverse_volume;
     const Vec3 own = displacement(d);
-    for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {  // each from both sides
-      energy += 0.25 * factor * t.links[r].stiffness * (displacement(t.links[r].domain) - own).squaredNorm();
+    for (const LinkTexel& link : t.links_of(d)) {  // each from both sides
+      energy += 0.25 * factor * link.stiffness * (displacement(d + link.offset) - own).squaredNorm();
     }
   }
   return energy;

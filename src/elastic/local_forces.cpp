@@ -31,9 +31,9 @@ LocalForces::LocalForces(const LocalSteps& steps, Stiffness stiffness)
     };
   }
   UnionFind joined(t.rest.size());
-  for (std::size_t d = 0; d < t.domains.size(); ++d) {
-    for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
-      joined.join(t.domains[d].particle, t.domains[t.links[r].domain].particle);
+  for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
+    for (const LinkTexel& link : t.links_of(d)) {
+      joined.join(t.domains[d].particle, t.domains[d + link.offset].particle);
     }
   }
   std::vector<std::size_t> piece_of_root(t.rest.size());

@@ -10,10 +10,8 @@ namespace phymul {
 /// Calls visit(e, area) for the links and surface links of domain d.
 template <class Visit>
 void for_each_area(const TopologyTextures& t, Index d, const Visit& visit) {
-  for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) visit(t.links[r].domain, t.links[r].area);
-  for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
-    visit(t.surface_links[r].domain, t.surface_links[r].area);
-  }
+  for (const LinkTexel& link : t.links_of(d)) visit(d + link.offset, link.area);
+  for (const SurfaceLinkTexel& link : t.surface_links_of(d)) visit(d + link.offset, link.area);
 }
 
 /// H_d = F_d - I, the mean displacement gradient of domain d. `displacement(e)`, m: of the particle of domain e.

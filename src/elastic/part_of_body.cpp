@@ -13,6 +13,21 @@ std::vector<bool> materials_of(const TopologyTextures& t) {
   return present;
 }
 
+namespace {
+
+/// Row of the first. `row`: number of each domain in the part.
+template <class Link>
+Index append_links(std::span<const Link> links, Index d, const std::vector<Index>& row, std::vector<Link>& to) {
+  const auto first = static_cast<Index>(to.size());
+  for (const Link& link : links) {
+    to.push_back(link);
+    to.back().offset = row[d + link.offset] - row[d];
+  }
+  return first;
+}
+
+}  // namespace
+
 PartOfBody part_of(const TopologyTextures& t, const std::vector<bool>& chosen) {
   PartOfBody part;
   TopologyTextures& to = part.tables;
@@ -32,16 +47,8 @@ PartOfBody part_of(const TopologyTextures& t, const std::vector<bool>& chosen) {
       to.domains.push_back(t.domains[d]);
       to.domains.back().particle = static_cast<Index>(part.particle.size());
       if (!t.dissipation.empty()) to.dissipation.push_back(t.dissipation[d]);
-      for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
-        to.links.push_back(t.links[r]);
-        to.links.back().domain = row[t.links[r].domain];
-      }
-      to.first_link.push_back(static_cast<Index>(to.links.size()));
-      for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
-        to.surface_links.push_back(t.surface_links[r]);
-        to.surface_links.back().domain = row[t.surface_links[r].domain];
-      }
-      to.first_surface_link.push_back(static_cast<Index>(to.surface_links.size()));
+      to.domains.back().first_link = append_links(t.links_of(d), d, row, to.links);
+      to.domains.back().first_surface_link = append_links(t.surface_links_of(d), d, row, to.surface_links);
     }
     if (to.domains.size() == before) continue;
     part.particle.push_back(i);

@@ -31,9 +31,9 @@ double rest_spacing(const TopologyTextures& topology) {
   for (const VolumeTexel& term : topology.volumes) add(term.vertex[0], term.vertex[1]);
   if (count > 0) return sum / static_cast<double>(count);
   // Law::particle_averaged needs no neighbours: its cells make the body.
-  for (std::size_t d = 0; d < topology.domains.size(); ++d) {
-    for (Index r = topology.first_link[d]; r < topology.first_link[d + 1]; ++r) {
-      add(topology.domains[d].particle, topology.domains[topology.links[r].domain].particle);
+  for (Index d = 0; d < static_cast<Index>(topology.domains.size()); ++d) {
+    for (const LinkTexel& link : topology.links_of(d)) {
+      add(topology.domains[d].particle, topology.domains[d + link.offset].particle);
     }
   }
   return count > 0 ? sum / static_cast<double>(count) : 0.0;

@@ -24,8 +24,8 @@ const TopologyTextures& ScaledTables::of(const TopologyTextures& topology, std::
       scaled_->dissipation[d].mu = factor * topology.dissipation[d].mu;
       scaled_->dissipation[d].lambda = factor * topology.dissipation[d].lambda;
     }
-    // Links join domains of one material.
-    for (Index row = topology.first_link[d]; row < topology.first_link[d + 1]; ++row) {
+    // Links join domains of one material, and domains that share their rows are of one.
+    for (Index row = own.first_link; row < own.first_link + own.link_count; ++row) {
       scaled_->links[row].stiffness = factor * topology.links[row].stiffness;
     }
   }

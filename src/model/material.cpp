@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include "base/decimal.h"
 #include "cell_geometry.h"
@@ -19,6 +20,7 @@ namespace {
 constexpr Index usual_neighbours = 20;
 
 /// Sums density * volume / vertices over the cells that have a material. A particle in none of them keeps its mass.
+/// Throws before it changes anything.
 void sum_masses(Model& model) {
   std::vector<double> mass(model.rest.size(), 0.0);
   for (std::size_t row = 0; row < model.cells.size(); ++row) {
@@ -51,20 +53,31 @@ void sum_masses(Model& model) {
 template <class Predicate>
 void assign(Model& model, const Material& material, const std::string& nothing_chosen, Predicate chosen) {
   validate(model);
-  Model changed = model;
-  const auto known = std::find(changed.materials.begin(), changed.materials.end(), material);
-  const Index row = static_cast<Index>(known - changed.materials.begin());
-  if (known == changed.materials.end()) changed.materials.push_back(material);
+  std::vector<Index> rows;  // of each cell, before and after: a copy of a large model would take long
+  rows.reserve(model.cells.size());
+  std::vector<Material> materials = model.materials;
+  const auto known = std::find(materials.begin(), materials.end(), material);
+  const Index row = static_cast<Index>(known - materials.begin());
+  if (known == materials.end()) materials.push_back(material);
   bool any = false;
-  for (std::size_t c = 0; c < changed.cells.size(); ++c) {
-    if (!is_solid(model.dimension, changed.cells[c].type) || !chosen(c)) continue;
-    changed.cells[c].material = row;
-    any = true;
+  for (std::size_t c = 0; c < model.cells.size(); ++c) {
+    const bool is_chosen = is_solid(model.dimension, model.cells[c].type) && chosen(c);
+    rows.push_back(is_chosen ? row : model.cells[c].material);
+    any = any || is_chosen;
   }
   if (!any) throw Error(nothing_chosen);
-  drop_unused_materials(changed);
-  sum_masses(changed);
-  model = std::move(changed);
+  const auto exchange = [&] {
+    for (std::size_t c = 0; c < rows.size(); ++c) std::swap(model.cells[c].material, rows[c]);
+    std::swap(model.materials, materials);
+  };
+  exchange();
+  try {
+    sum_masses(model);
+  } catch (...) {
+    exchange();
+    throw;
+  }
+  drop_unused_materials(model);
 }
 
 /// Particles without cells: the same for all of them. Masses from their share of space, which takes neighbours.

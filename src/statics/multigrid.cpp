@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "elastic/energy_density.h"
+#include "elastic/mean_gradient.h"
 #include "elastic/rotation.h"
 
 namespace phymul {
@@ -60,13 +61,8 @@ std::vector<Mat3> diagonal_at_rest(const TopologyTextures& t) {
         of.emplace_back(i, g);
       }
     };
-    for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) {
-      add(t.links[r].domain, t.links[r].area);
-      diagonal[domain.particle].diagonal().array() += t.links[r].stiffness;
-    }
-    for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) {
-      add(t.surface_links[r].domain, t.surface_links[r].area);
-    }
+    for_each_area(t, d, [&](Index e, const Vec3& area) { add(e, area); });
+    for (const LinkTexel& link : t.links_of(d)) diagonal[domain.particle].diagonal().array() += link.stiffness;
     const double volume = 1.0 / domain.inverse_volume;
     std::array<std::array<Mat3, 3>, 3> stress;  // of H = e_a e_b^T
     for (int a = 0; a < 3; ++a) {

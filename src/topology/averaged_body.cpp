@@ -6,12 +6,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <span>
 #include <utility>
 
+#include "alike_domains.h"
 #include "base/side_by_side.h"
 #include "cell_quadrature.h"
+#include "domain_links.h"
 #include "energies.h"
 #include "model/cell_geometry.h"
 #include "model/material.h"
@@ -23,20 +26,17 @@
 namespace phymul {
 namespace {
 
-/// What rounding leaves of a weight that is zero by symmetry, over the largest one of its domain.
-constexpr double rounding = 1e-11;
-
 bool solid(const Model& model, Index row) {
   return is_solid(model.dimension, model.cells[row].type);
 }
 
-/// Calls visit(domains of its vertices, its points, is_own) for every solid cell, from two threads, each with one half
-/// of the domains for its own and the cells around them. Who visits writes rows of its own domains only; these see the
-/// cells in their order.
-template <class Visit>
-void for_each_cell(const Model& model, const Domains& domains, const Visit& visit) {
+/// Calls visit(domains of its vertices, its points, is_own) for every solid cell around the domains that `chosen`
+/// accepts, from two threads, each with one half of them for its own and the cells around them. Who visits writes rows
+/// of its own domains only; these see the cells in their order.
+template <class Chosen, class Visit>
+void for_each_cell(const Model& model, const Domains& domains, const Chosen& chosen, const Visit& visit) {
   in_halves(domains.count(), domains.host, [&](int, Index first, Index last) {
-    const auto is_own = [&](Index d) { return first <= d && d < last; };
+    const auto is_own = [&](Index d) { return first <= d && d < last && chosen(d); };
     std::vector<CellPoint> points;
     for (Index row = 0; row < domains.of_cell.rows(); ++row) {
       const std::span<const Index> vertices(domains.of_cell.begin(row), domains.of_cell.end(row));
@@ -89,20 +89,26 @@ void number_domains(const Model& model, Domains& domains) {
   }
 }
 
-constexpr Index most_vertices = 8;  // of a cell
+/// As find_kinds() takes them.
+RaggedList cells_around(const Domains& domains) {
+  const RaggedList& of_cell = domains.of_cell;
+  return transpose(domains.count(), of_cell.rows(), most_vertices, [&](Index row, Index vertex) {
+    return vertex < of_cell.size(row) ? of_cell.begin(row)[vertex] : none;
+  });
+}
 
-/// Rows of Domains::pairs for the domains first ... last - 1. cells: per domain the entries cell * most_vertices +
-/// vertex.
-RaggedList pair_rows(const RaggedList& of_cell, const RaggedList& cells, Index first, Index last) {
+/// Rows of Domains::pairs for the kinds first ... last - 1. `cells`: as of cells_around().
+RaggedList pair_rows(const Domains& domains, const RaggedList& cells, Index first, Index last) {
   RaggedList rows;
   std::vector<Index> row;
-  std::vector<Index> seen(static_cast<std::size_t>(cells.rows()), none);  // the last row that has it
-  for (Index d = first; d < last; ++d) {
+  std::vector<Index> seen(static_cast<std::size_t>(cells.rows()), none);  // the last kind that has it
+  for (Index kind = first; kind < last; ++kind) {
+    const Index d = domains.first_of_kind[kind];
     row.clear();
     for (const Index* entry = cells.begin(d); entry != cells.end(d); ++entry) {
       const Index cell = *entry / most_vertices;
-      for (const Index* e = of_cell.begin(cell); e != of_cell.end(cell); ++e) {
-        if (std::exchange(seen[*e], d) != d) row.push_back(*e);
+      for (const Index* e = domains.of_cell.begin(cell); e != domains.of_cell.end(cell); ++e) {
+        if (std::exchange(seen[*e], kind) != kind) row.push_back(*e - d);
       }
     }
     std::ranges::sort(row);
@@ -111,24 +117,33 @@ RaggedList pair_rows(const RaggedList& of_cell, const RaggedList& cells, Index f
   return rows;
 }
 
-void pair_domains(Domains& domains) {
-  const RaggedList& of_cell = domains.of_cell;
-  const RaggedList cells = transpose(domains.count(), of_cell.rows(), most_vertices, [&](Index row, Index vertex) {
-    return vertex < of_cell.size(row) ? of_cell.begin(row)[vertex] : none;
-  });
+void pair_domains(const RaggedList& cells, Domains& domains) {
   std::array<RaggedList, 2> rows;
-  in_halves(domains.count(), domains.host,
-            [&](int part, Index first, Index last) { rows[part] = pair_rows(of_cell, cells, first, last); });
+  in_halves(static_cast<Index>(domains.first_of_kind.size()), domains.host,
+            [&](int part, Index first, Index last) { rows[part] = pair_rows(domains, cells, first, last); });
   domains.pairs = std::move(rows[0]);
-  for (Index d = 0; d < rows[1].rows(); ++d) domains.pairs.push_row(rows[1].begin(d), rows[1].end(d));
+  for (Index k = 0; k < rows[1].rows(); ++k) domains.pairs.push_row(rows[1].begin(k), rows[1].end(k));
 }
 
-/// -integral of s mu grad N_d . grad N_e for every pair with e < d, s mu (`spread`) averaged over the domains; of the
-/// other pairs, where it is the same, 0.
-std::vector<double> pair_stiffness(const Model& model, const Domains& domains, const std::vector<double>& spread) {
-  std::vector<double> stiffness(domains.pairs.entry.size(), 0.0);
-  for_each_cell(model, domains, [&](std::span<const Index> domain, std::span<const CellPoint> points, auto is_own) {
-    std::array<double, 8> weight{};  // of each point
+/// s mu (`spread`) is averaged over the domains of a cell. A domain shares the values of the first of its kind if the
+/// s mu around both are equal.
+PairStiffness pair_stiffness(const Model& model, const Domains& domains, const std::vector<double>& spread) {
+  PairStiffness stiffness;
+  std::vector<char> has_own(domains.particle.size());
+  Index rows = 0;
+  for (Index d = 0; d < domains.count(); ++d) {
+    const Index other = domains.first_of_kind[domains.kind[d]];
+    has_own[d] = d == other;
+    domains.for_each_pair(d, [&](Index e, Index) {
+      if (spread[e] != spread[e - d + other]) has_own[d] = 1;
+    });
+    stiffness.first.push_back(has_own[d] ? rows : stiffness.first[other]);
+    if (has_own[d]) rows += domains.pair_count(d);
+  }
+  stiffness.value.assign(static_cast<std::size_t>(rows), 0.0);
+  const auto chosen = [&](Index d) { return has_own[d] != 0; };
+  for_each_cell(model, domains, chosen, [&](std::span<const Index> domain, const auto& points, const auto& is_own) {
+    std::array<double, most_vertices> weight{};  // of each point
     for (std::size_t k = 0; k < points.size(); ++k) {
       double s_mu = 0.0;
       for (std::size_t v = 0; v < domain.size(); ++v) s_mu += points[k].value[v] * spread[domain[v]];
@@ -141,7 +156,7 @@ std::vector<double> pair_stiffness(const Model& model, const Domains& domains, c
           sum += weight[k] * points[k].gradient[a].dot(points[k].gradient[b]);
         }
         const auto [e, d] = std::minmax(domain[a], domain[b]);
-        if (is_own(d)) stiffness[domains.pair(d, e)] -= sum;
+        if (is_own(d)) stiffness.value[stiffness.first[d] + domains.place(d, e)] -= sum;
       }
     }
   });
@@ -153,77 +168,62 @@ std::vector<double> stabiliser_of_domains(const Model& model, const Domains& dom
   if (options.stabiliser) return std::vector<double>(domains.particle.size(), *options.stabiliser);
   const std::vector<double> of_cell =
       calibrated_stabilisers(model, domains).of_cells(model, domains, kind_of(options.strain_energy).least_stabiliser);
-  std::vector<double> sum(domains.particle.size(), 0.0), weight(sum);
+  struct Mean {
+    double sum = 0.0, weight = 0.0, least = std::numeric_limits<double>::infinity(), most = -least;
+    /// Of equal values exactly theirs: rounding would tell domains apart that lie alike.
+    double value() const { return least == most ? least : sum / weight; }
+  };
+  std::vector<Mean> means(domains.particle.size());
+  Mean all;
   for (Index row = 0; row < domains.of_cell.rows(); ++row) {
     if (domains.of_cell.size(row) == 0) continue;
     const double volume = std::abs(signed_measure(model.dimension, model.cells[row], model.rest));
     for (const Index* d = domains.of_cell.begin(row); d != domains.of_cell.end(row); ++d) {
-      sum[*d] += volume * of_cell[row];
-      weight[*d] += volume;
+      for (Mean* mean : {&means[*d], &all}) {
+        mean->sum += volume * of_cell[row];
+        mean->weight += volume;
+        mean->least = std::min(mean->least, of_cell[row]);
+        mean->most = std::max(mean->most, of_cell[row]);
+      }
     }
   }
-  double mean = 0.0, whole = 0.0;
-  for (std::size_t d = 0; d < sum.size(); ++d) {
-    mean += sum[d];
-    whole += weight[d];
-    sum[d] /= weight[d];
-  }
-  options.stabiliser = mean / whole;
-  return sum;
-}
-
-void add_links(const Domains& domains, const std::vector<double>& stiffness, TopologyTextures& topology) {
-  const RaggedList& pairs = domains.pairs;
-  topology.links.reserve(pairs.entry.size() - domains.particle.size());
-  // Where row e has d: both rows are in increasing order, so that it is where the row has been read to.
-  std::vector<Index> next(pairs.offset.begin(), pairs.offset.end() - 1);
-  for (Index d = 0; d < domains.count(); ++d) {
-    double largest = 0.0;
-    for (Index r = pairs.offset[d]; r < pairs.offset[d + 1]; ++r) {
-      largest = std::max(largest, domains.area[r].cwiseAbs().maxCoeff());
-    }
-    const auto cleaned = [&](const Vec3& area) {
-      return Vec3((area.array().abs() > rounding * largest).select(area, 0.0));
-    };
-    for (Index r = pairs.offset[d]; r < pairs.offset[d + 1]; ++r) {
-      const Index e = pairs.entry[r];
-      const Vec3& there = domains.area[r];
-      const Index reverse = next[e]++;
-      const Vec3& back = domains.area[reverse];
-      const Vec3 surface = cleaned(0.5 * (there + back));
-      if (surface != Vec3::Zero()) topology.surface_links.push_back({e, surface});
-      if (e != d) topology.links.push_back({e, cleaned(0.5 * (there - back)), stiffness[e < d ? r : reverse]});
-    }
-    topology.first_link.push_back(static_cast<Index>(topology.links.size()));
-    topology.first_surface_link.push_back(static_cast<Index>(topology.surface_links.size()));
-  }
-  topology.surface_links.shrink_to_fit();
+  options.stabiliser = all.value();
+  std::vector<double> values;
+  values.reserve(means.size());
+  for (const Mean& mean : means) values.push_back(mean.value());
+  return values;
 }
 
 }  // namespace
 
-Index Domains::pair(Index d, Index e) const {
+Index Domains::place(Index d, Index e) const {
   // Rows have some 15 or 27 entries: counting, which does not branch, beats a search.
   Index before = 0;
-  for (const Index* at = pairs.begin(d); at != pairs.end(d); ++at) before += *at < e ? 1 : 0;
-  return pairs.offset[d] + before;
+  for (const Index* at = pairs.begin(kind[d]); at != pairs.end(kind[d]); ++at) before += *at < e - d ? 1 : 0;
+  return before;
 }
 
 Domains domains_of(const Model& model, TaskRunner* host) {
   Domains domains;
   domains.host = host;
   number_domains(model, domains);
-  pair_domains(domains);
-  domains.volume.assign(domains.particle.size(), 0.0);
+  {
+    const RaggedList cells = cells_around(domains);
+    find_kinds(model, cells, domains);
+    pair_domains(cells, domains);
+  }
+  domains.volume.assign(domains.first_of_kind.size(), 0.0);
   domains.area.assign(domains.pairs.entry.size(), Vec3::Zero());
-  for_each_cell(model, domains, [&](std::span<const Index> domain, std::span<const CellPoint> points, auto is_own) {
+  const auto chosen = [&](Index d) { return domains.is_first_of_kind(d); };
+  for_each_cell(model, domains, chosen, [&](std::span<const Index> domain, const auto& points, const auto& is_own) {
     for (std::size_t a = 0; a < domain.size(); ++a) {
-      if (!is_own(domain[a])) continue;
-      for (const CellPoint& point : points) domains.volume[domain[a]] += point.volume * point.value[a];
+      const Index d = domain[a];
+      if (!is_own(d)) continue;
+      for (const CellPoint& point : points) domains.volume[domains.kind[d]] += point.volume * point.value[a];
       for (std::size_t b = 0; b < domain.size(); ++b) {
         Vec3 area = Vec3::Zero();
         for (const CellPoint& point : points) area += point.volume * point.value[a] * point.gradient[b];
-        domains.area[domains.pair(domain[a], domain[b])] += area;
+        domains.area[domains.first_pair(d) + domains.place(d, domain[b])] += area;
       }
     }
   });
@@ -264,10 +264,10 @@ void choose_energy(const Model& model, StrainEnergy& energy) {
 }
 
 /// Unit vectors along the fibres of each domain: the mean over its cells. A fibre has no sign: each is turned to the
-/// one before.
+/// one before. Empty if no material has fibres.
 VecList fibres_of(const Model& model, const Domains& domains) {
+  if (!has_fibres(model)) return {};
   VecList sum(domains.particle.size(), Vec3::Zero());
-  if (!has_fibres(model)) return sum;
   for (Index row = 0; row < domains.of_cell.rows(); ++row) {
     const Cell& cell = model.cells[row];
     if (domains.of_cell.size(row) == 0 || !(model.materials[cell.material].fibre_ratio > 1.0)) continue;
@@ -301,15 +301,19 @@ void add_averaged_terms(const Model& model, TopologyTextures& topology) {
   for (Index d = 0; d < domains.count(); ++d) {
     const Material& material = model.materials[domains.material[d]];
     spread[d] *= 0.5 * material.young / (1.0 + material.poisson);
-    topology.domains.push_back({domains.particle[d], domains.material[d], 1.0 / domains.volume[d], spread[d],
-                                energy_constants(topology.options.strain_energy, material, fibres[d])});
+    topology.domains.push_back({.particle = domains.particle[d],
+                                .material = domains.material[d],
+                                .inverse_volume = 1.0 / domains.volume[domains.kind[d]],
+                                .spread_stiffness = spread[d],
+                                .energy = energy_constants(topology.options.strain_energy, material,
+                                                           fibres.empty() ? Vec3(Vec3::Zero()) : fibres[d])});
   }
   topology.dissipation = dissipation_of(model, domains);
   topology.first_domain.assign(model.rest.size() + 1, 0);
   for (const Index i : domains.particle) ++topology.first_domain[i + 1];
   std::partial_sum(topology.first_domain.begin(), topology.first_domain.end(), topology.first_domain.begin());
   if (points) {
-    for (double& stiffness : body.stiffness) stiffness *= spread.front();  // one material
+    for (double& stiffness : body.stiffness.value) stiffness *= spread.front();  // one material
     add_links(domains, body.stiffness, topology);
   } else {
     add_links(domains, pair_stiffness(model, domains, spread), topology);

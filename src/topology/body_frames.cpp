@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "body_frames.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/union_find.h"
+#include "coordinate_products.h"
 
 namespace phymul {
 namespace {
@@ -15,9 +18,9 @@ constexpr double agreement = 0.02;
 constexpr int sweeps = 30;
 
 /// By number: 0 for the part of particle 0, and so on.
-std::vector<Index> parts_of(Index particles, const std::vector<std::array<Index, 2>>& pairs) {
+std::vector<Index> parts_of(Index particles, const ParticlePairs& pairs) {
   UnionFind sets(static_cast<std::size_t>(particles));
-  for (const auto& [i, j] : pairs) sets.join(i, j);
+  pairs([&](Index i, Index j) { sets.join(i, j); });
   std::vector<Index> part(static_cast<std::size_t>(particles));
   Index count = 0;
   for (Index i = 0; i < particles; ++i) part[i] = sets.root(i) == i ? count++ : part[sets.root(i)];
@@ -31,24 +34,23 @@ double principal_angle(const Mat3& moment, int a, int b) {
   return angle < -M_PI / 4 ? angle + M_PI / 2 : angle;
 }
 
+/// Sum of m m^T / length^8 over the pairs, m the products of the vector e from one particle to the other.
+using FourthMoments = Eigen::Matrix<double, 6, 6>;
+
 /// The same for four directions at right angles that lie best along the pairs, near ones first: sum of
 /// (r / length^2)^4 cos 4 (phi - angle), r e^(i phi) the projection of a pair, is largest.
-double lattice_angle(const VecList& apart, const Mat3& axes, int a, int b) {
-  double cosine = 0.0, sine = 0.0, whole = 0.0;
-  for (const Vec3& e : apart) {
-    const double length4 = std::pow(e.squaredNorm(), 2);
-    const double p = axes.col(a).dot(e), q = axes.col(b).dot(e);
-    // Real and imaginary part of (p + i q)^4.
-    const double weight = 1.0 / (length4 * length4);
-    cosine += weight * (p * p * p * p - 6.0 * p * p * q * q + q * q * q * q);
-    sine += weight * 4.0 * (p * p * p * q - p * q * q * q);
-    whole += weight * std::pow(p * p + q * q, 2);
-  }
+double lattice_angle(const FourthMoments& moments, const Mat3& axes, int a, int b) {
+  // With p and q along the axes, the real and the imaginary part of (p + i q)^4, and (p^2 + q^2)^2.
+  const Products pp = product_weights(axes.col(a), axes.col(a)), pq = product_weights(axes.col(a), axes.col(b)),
+                 qq = product_weights(axes.col(b), axes.col(b));
+  const double p4 = pp.dot(moments * pp), p2q2 = pq.dot(moments * pq), q4 = qq.dot(moments * qq);
+  const double cosine = p4 - 6.0 * p2q2 + q4, sine = 4.0 * (pp - qq).dot(moments * pq);
+  const double whole = p4 + 2.0 * p2q2 + q4;
   if (std::hypot(cosine, sine) < agreement * whole) return 0.0;
   return 0.25 * std::atan2(sine, cosine);
 }
 
-Mat3 axes_of(const Mat3& moment, const VecList& apart, int dimension) {
+Mat3 axes_of(const Mat3& moment, const FourthMoments& fourth, int dimension) {
   constexpr std::array<std::array<int, 2>, 3> planes{{{0, 1}, {0, 2}, {1, 2}}};
   Mat3 axes = Mat3::Identity();
   for (int sweep = 0; sweep < sweeps; ++sweep) {
@@ -58,7 +60,7 @@ Mat3 axes_of(const Mat3& moment, const VecList& apart, int dimension) {
       const Mat3 turned = axes.transpose() * moment * axes;
       const double unlike = std::hypot(turned(a, a) - turned(b, b), 2.0 * turned(a, b));
       const bool distinct = unlike > alike * (turned(a, a) + turned(b, b));
-      const double angle = distinct ? principal_angle(turned, a, b) : lattice_angle(apart, axes, a, b);
+      const double angle = distinct ? principal_angle(turned, a, b) : lattice_angle(fourth, axes, a, b);
       const double c = std::cos(angle), s = std::sin(angle);
       const Vec3 first = axes.col(a), second = axes.col(b);
       axes.col(a) = c * first + s * second;
@@ -72,8 +74,7 @@ Mat3 axes_of(const Mat3& moment, const VecList& apart, int dimension) {
 
 }  // namespace
 
-BodyFrames::BodyFrames(const Model& model, const std::vector<double>& volume,
-                       const std::vector<std::array<Index, 2>>& pairs)
+BodyFrames::BodyFrames(const Model& model, const std::vector<double>& volume, const ParticlePairs& pairs)
     : model_(model), part_(parts_of(model.particle_count(), pairs)) {
   Index count = 0;
   for (const Index part : part_) count = std::max(count, part + 1);
@@ -91,10 +92,14 @@ BodyFrames::BodyFrames(const Model& model, const std::vector<double>& volume,
     const Vec3 r = model.rest[i] - frames_[part_[i]].centre;
     moment[part_[i]] += volume[i] * r * r.transpose();
   }
-  std::vector<VecList> apart(frames_.size());
-  for (const auto& [i, j] : pairs) apart[part_[i]].push_back(model.rest[j] - model.rest[i]);
+  std::vector<FourthMoments> fourth(frames_.size(), FourthMoments::Zero());
+  pairs([&](Index i, Index j) {
+    const Vec3 e = model.rest[j] - model.rest[i];
+    const Products scaled = products(e) / std::pow(e.squaredNorm(), 2);
+    fourth[part_[i]] += scaled * scaled.transpose();
+  });
   for (std::size_t part = 0; part < frames_.size(); ++part) {
-    frames_[part].axes = axes_of(moment[part], apart[part], model.dimension);
+    frames_[part].axes = axes_of(moment[part], fourth[part], model.dimension);
   }
 }
 

@@ -5,7 +5,7 @@
 
 #include <phymul/model.h>
 
-#include <array>
+#include <functional>
 #include <vector>
 
 namespace phymul {
@@ -15,13 +15,16 @@ struct BodyFrame {
   Mat3 axes = Mat3::Identity();  ///< columns
 };
 
+/// Calls what it is given for every two particles that belong together.
+using ParticlePairs = std::function<void(const std::function<void(Index, Index)>&)>;
+
 /// Frames of the parts that no pair joins.
 class BodyFrames {
  public:
-  /// `volume` [N]: of each particle; those of none count nowhere. `pairs`: particles that belong together, each once.
-  /// The axes are the principal ones of the volume. Where a part is about as long along two of them, these lie as the
-  /// pairs do: along the edges of a lattice, not between them.
-  BodyFrames(const Model& model, const std::vector<double>& volume, const std::vector<std::array<Index, 2>>& pairs);
+  /// `volume` [N]: of each particle; those of none count nowhere. The axes are the principal ones of the volume. Where
+  /// a part is about as long along two of them, these lie as the pairs do: along the edges of a lattice, not between
+  /// them.
+  BodyFrames(const Model& model, const std::vector<double>& volume, const ParticlePairs& pairs);
 
   Index part(Index particle) const { return part_[particle]; }
   const BodyFrame& of_part(Index part) const { return frames_[part]; }

@@ -38,13 +38,13 @@ void add_terms(Fnv& sum, const TopologyTextures& t) {
 
 void add_averaged(Fnv& sum, const TopologyTextures& t) {
   if (t.domains.empty()) return;
-  for (const DomainTexel& domain : t.domains) {
+  for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
+    const DomainTexel& domain = t.domains[d];
     sum.add(domain.particle, domain.inverse_volume, domain.spread_stiffness, domain.energy);
+    sum.add(domain.link_count, domain.surface_link_count);
+    for (const LinkTexel& link : t.links_of(d)) sum.add(link.offset, link.area, link.stiffness);
+    for (const SurfaceLinkTexel& link : t.surface_links_of(d)) sum.add(link.offset, link.area);
   }
-  sum.add(t.first_link);
-  for (const LinkTexel& link : t.links) sum.add(link.domain, link.area, link.stiffness);
-  sum.add(t.first_surface_link);
-  for (const SurfaceLinkTexel& link : t.surface_links) sum.add(link.domain, link.area);
   for (const DissipationTexel& texel : t.dissipation) {
     sum.add(texel.retardation_time, texel.relaxation_strength, texel.relaxation_time);
   }

@@ -4,6 +4,7 @@
 #include <phymul/error.h>
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 
 #include "base/decimal.h"
@@ -80,20 +81,25 @@ void pair_domains(const Edges& edges, Domains& domains) {
       pair(i, edge.to);
     }
   }
-  for (std::vector<Index>& row : rows) {
+  for (Index d = 0; d < static_cast<Index>(rows.size()); ++d) {
+    std::vector<Index>& row = rows[d];
+    for (Index& e : row) e -= d;
     std::ranges::sort(row);
     row.erase(std::ranges::unique(row).begin(), row.end());
     domains.pairs.push_row(row.begin(), row.end());
   }
+  domains.kind.resize(edges.size());
+  std::iota(domains.kind.begin(), domains.kind.end(), 0);
+  domains.first_of_kind = domains.kind;
   domains.area.assign(domains.pairs.entry.size(), Vec3::Zero());
 }
 
-std::vector<std::array<Index, 2>> neighbour_pairs(const Model& model) {
-  std::vector<std::array<Index, 2>> pairs;
-  for (Index i = 0; i < model.particle_count(); ++i) {
-    for (const Index* j = model.neighbours.begin(i); j != model.neighbours.end(i); ++j) pairs.push_back({i, *j});
-  }
-  return pairs;
+auto neighbour_pairs(const Model& model) {
+  return [&model](const auto& visit) {
+    for (Index i = 0; i < model.particle_count(); ++i) {
+      for (const Index* j = model.neighbours.begin(i); j != model.neighbours.end(i); ++j) visit(i, *j);
+    }
+  };
 }
 
 /// Energies of a bending: exact, of the means, and of the spread at s = 1.
@@ -175,15 +181,16 @@ PointDomains point_domains(const Model& model) {
   const Edges edges = edges_of(model, neighbours, domains.volume);
   domains.material.assign(edges.size(), 0);
   pair_domains(edges, domains);
-  body.stiffness.assign(domains.pairs.entry.size(), 0.0);
+  body.stiffness = {domains.pairs.offset, std::vector<double>(domains.pairs.entry.size(), 0.0)};
+  const auto row = [&](Index d, Index e) { return domains.first_pair(d) + domains.place(d, e); };
   for (Index i = 0; i < static_cast<Index>(edges.size()); ++i) {
     domains.particle.push_back(i);
     for (const WeightedEdge& edge : edges[i]) {
       const Vec3 area = edge.weight * (model.rest[edge.to] - model.rest[edge.from]);
-      domains.area[domains.pair(i, edge.to)] += area;
-      domains.area[domains.pair(i, edge.from)] -= area;
-      body.stiffness[domains.pair(edge.from, edge.to)] += edge.weight;
-      body.stiffness[domains.pair(edge.to, edge.from)] += edge.weight;
+      domains.area[row(i, edge.to)] += area;
+      domains.area[row(i, edge.from)] -= area;
+      body.stiffness.value[row(edge.from, edge.to)] += edge.weight;
+      body.stiffness.value[row(edge.to, edge.from)] += edge.weight;
     }
   }
   body.stabiliser = BendingOfPoints(model, edges, domains.volume, cells).stabiliser();

@@ -11,9 +11,9 @@ namespace phymul {
 
 /// One domain for each particle, of the volume that its mass and the material's density give it.
 struct PointDomains {
-  Domains domains;                ///< pairs in both directions; the area of a pair is not antisymmetric
-  std::vector<double> stiffness;  ///< per row of pairs, at s mu = 1, m
-  double stabiliser = 0.0;        ///< by pure bending of the body, as in stabiliser.h; may be below 0
+  Domains domains;          ///< pairs in both directions; the area of a pair is not antisymmetric; each is a kind
+  PairStiffness stiffness;  ///< at s mu = 1, m
+  double stabiliser = 0.0;  ///< by pure bending of the body, as in stabiliser.h; may be below 0
 };
 
 /// Throws Error unless the model has one material and each particle neighbours that span its dimension.

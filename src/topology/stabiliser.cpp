@@ -11,20 +11,16 @@
 #include "bending.h"
 #include "body_frames.h"
 #include "cell_quadrature.h"
+#include "coordinate_products.h"
 
 namespace phymul {
 namespace {
 
 constexpr std::size_t cell_types = 10;  // of CellType
 
-/// Products x_a x_b of coordinates, from which every bending is made, at place[a][b]; a column of Gradients each.
-using Products = Eigen::Matrix<double, 1, 6>;
+/// A column for each of the products x_a x_b of coordinates, from which every bending is made; place[a][b] is theirs.
 using Gradients = Eigen::Matrix<double, 3, 6>;
 constexpr std::array<std::array<int, 3>, 3> place{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}}};
-
-Products products(const Vec3& x) {
-  return {x.x() * x.x(), x.y() * x.y(), x.z() * x.z(), x.x() * x.y(), x.y() * x.z(), x.z() * x.x()};
-}
 
 /// Adds gradient * product, column by column: an outer product takes twice as long.
 void add(const Vec3& gradient, const Products& product, Gradients& sum) {
@@ -43,15 +39,15 @@ Mat3 bent(const Gradients& of, const Bending& way, double nu) {
 
 BodyFrames frames_of(const Model& model, const Domains& domains) {
   std::vector<double> volume(model.rest.size(), 0.0);
-  for (Index d = 0; d < domains.count(); ++d) volume[domains.particle[d]] += domains.volume[d];
-  std::vector<std::array<Index, 2>> pairs;
-  for (Index d = 0; d < domains.count(); ++d) {
-    for (const Index* e = domains.pairs.begin(d); e != domains.pairs.end(d); ++e) {
-      const Index i = domains.particle[d], j = domains.particle[*e];
-      if (i < j) pairs.push_back({i, j});
+  for (Index d = 0; d < domains.count(); ++d) volume[domains.particle[d]] += domains.volume[domains.kind[d]];
+  return BodyFrames(model, volume, [&](const auto& visit) {
+    for (Index d = 0; d < domains.count(); ++d) {
+      domains.for_each_pair(d, [&](Index e, Index) {
+        const Index i = domains.particle[d], j = domains.particle[e];
+        if (i < j) visit(i, j);
+      });
     }
-  }
-  return BodyFrames(model, volume, pairs);
+  });
 }
 
 /// Energies of one part of the body, by type of cell. Means and spread are summed as what they differ by, cell by cell:
@@ -114,11 +110,11 @@ class BendingTest {
     const Products own = products(frames_.local(domains_.particle[d]));
     const Mat3 to_frame = frames_.of_part(frames_.part(domains_.particle[d])).axes.transpose();
     Gradients gradients = Gradients::Zero();
-    for (Index r = domains_.pairs.offset[d]; r < domains_.pairs.offset[d + 1]; ++r) {
-      const Products other = products(frames_.local(domains_.particle[domains_.pairs.entry[r]]));
-      add(to_frame * domains_.area[r], other - own, gradients);
-    }
-    gradients /= domains_.volume[d];
+    domains_.for_each_pair(d, [&](Index e, Index row) {
+      const Products other = products(frames_.local(domains_.particle[e]));
+      add(to_frame * domains_.area[row], other - own, gradients);
+    });
+    gradients /= domains_.volume[domains_.kind[d]];
     for (std::size_t k = 0; k < ways_.size(); ++k) {
       const Mat3 H = bent(gradients, ways_[k], elastic.poisson);
       mean_[d][k] = {elastic.energy(H), 0.5 * elastic.mu * H.squaredNorm()};

@@ -96,7 +96,7 @@ void treat_sparse(const Model& model, const std::vector<Index>& sparse, Topology
 }
 
 void pack_neighbours(const RaggedList& rows, TopologyTextures& topology) {
-  topology.neighbour_count = rows.offset.back();
+  topology.neighbour_count = static_cast<Index>(rows.entry.size());
   topology.neighbours = rows.entry;
   topology.alpha.assign(topology.neighbours.size(), 0.0);
   for (Index i = 0; i < rows.rows(); ++i) {
@@ -239,9 +239,11 @@ TopologyTextures build_topology(const Model& model, const TopologyOptions& optio
   } else {
     table = build_plain(model, topology);
   }
-  pack_neighbours(model.neighbours, topology);
   pack_bases(table, topology);
-  fill_alpha(topology);
+  if (topology.base_count > 0) {
+    pack_neighbours(model.neighbours, topology);
+    fill_alpha(topology);
+  }
   fill_transposes(topology);
   return topology;
 }

@@ -4,6 +4,7 @@
 #include <phymul/error.h>
 
 #include <string>
+#include <vector>
 
 #include "base/fnv.h"
 #include "model/cell_geometry.h"
@@ -39,14 +40,19 @@ std::uint64_t of_materials(const Model& model) {
     }
     return sum.value();
   }
+  std::vector<std::uint64_t> hashes;  // of each material and its row
+  for (const Material& material : model.materials) {
+    Fnv one;
+    one.add(std::uint64_t{hashes.size()});
+    add_elasticity(one, material);
+    one.add(material.fibre_ratio);
+    hashes.push_back(one.value());
+  }
   for (const Cell& cell : model.cells) {
     if (!is_solid(model.dimension, cell.type)) continue;
-    const bool known = cell.material >= 0 && static_cast<std::size_t>(cell.material) < model.materials.size();
-    const Material material = known ? model.materials[static_cast<std::size_t>(cell.material)] : Material{};
-    sum.add(known, cell.material);
-    add_elasticity(sum, material);
-    sum.add(material.fibre_ratio);
-    if (material.fibre_ratio > 1.0) sum.add(cell.fibre);
+    const bool known = cell.material >= 0 && static_cast<std::size_t>(cell.material) < hashes.size();
+    sum.add(known ? hashes[cell.material] : std::uint64_t{0});
+    if (known && model.materials[cell.material].fibre_ratio > 1.0) sum.add(cell.fibre);
   }
   return sum.value();
 }

@@ -185,10 +185,8 @@ class BoundedForces {
       c1.add(A.y * u);
       c2.add(A.z * u);
     };
-    for (Index r = t_.first_link[d]; r < t_.first_link[d + 1]; ++r) add(t_.links[r].domain, t_.links[r].area);
-    for (Index r = t_.first_surface_link[d]; r < t_.first_surface_link[d + 1]; ++r) {
-      add(t_.surface_links[r].domain, t_.surface_links[r].area);
-    }
+    for (const LinkTexel& link : t_.links_of(d)) add(d + link.offset, link.area);
+    for (const SurfaceLinkTexel& link : t_.surface_links_of(d)) add(d + link.offset, link.area);
     const Bounded inverse = stored(t_.domains[d].inverse_volume);
     return {inverse * c0.total(), inverse * c1.total(), inverse * c2.total()};
   }
@@ -223,14 +221,12 @@ class BoundedForces {
     for (std::size_t k = 0; k < p.size(); ++k) p[k] = stored(domain.energy[k]);
     cpu::Columns<Bounded> Q = Energy::minus(Energy::energy_stress(H, p.data()), Energy::scaled(spread, H));
     if (dissipation_) Q = Energy::plus(Q, dissipated_stress(d, H));
-    for (Index r = t_.first_link[d]; r < t_.first_link[d + 1]; ++r) {
-      const LinkTexel& link = t_.links[r];
-      sum_[t_.domains[link.domain].particle].add(-BoundedKernels::times(Q, stored3(link.area)));
-      sum_[domain.particle].add(stored(link.stiffness) * difference_of_domains(d, link.domain));
+    for (const LinkTexel& link : t_.links_of(d)) {
+      sum_[t_.domains[d + link.offset].particle].add(-BoundedKernels::times(Q, stored3(link.area)));
+      sum_[domain.particle].add(stored(link.stiffness) * difference_of_domains(d, d + link.offset));
     }
-    for (Index r = t_.first_surface_link[d]; r < t_.first_surface_link[d + 1]; ++r) {
-      sum_[t_.domains[t_.surface_links[r].domain].particle].add(
-          -BoundedKernels::times(Q, stored3(t_.surface_links[r].area)));
+    for (const SurfaceLinkTexel& link : t_.surface_links_of(d)) {
+      sum_[t_.domains[d + link.offset].particle].add(-BoundedKernels::times(Q, stored3(link.area)));
     }
   }
 

@@ -6,8 +6,10 @@
 #include <phymul/phymul.h>
 #include <phymul/topology_textures.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace phymul::test {
@@ -76,8 +78,11 @@ class StaticSolve {
   }
 
   double spacing() const {
-    const Index j = topology_.neighbours[topology_.index[0].first_neighbour];
-    return (topology_.rest[0] - topology_.rest[j]).norm();
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 1; i < topology_.rest.size(); ++i) {
+      least = std::min(least, (topology_.rest[i] - topology_.rest[0]).norm());
+    }
+    return least;
   }
 
   VecList conjugate_gradients(const VecList& x, VecList residual, double tolerance) {

@@ -39,10 +39,11 @@ TEST(BodyFrames, AxesLieAsTheBodyDoes) {
   const Mat3 turn = Eigen::AngleAxisd(0.6, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
   for (Model model : {make_block({0.05, 0.02, 0.01}, 5, 4, 3), make_block({0.04, 0.04, 0.04}, 4, 4, 4, 26)}) {
     for (Vec3& p : model.rest) p = turn * p;
-    std::vector<std::array<Index, 2>> pairs;
-    for (Index i = 0; i < model.particle_count(); ++i) {
-      for (const Index* j = model.neighbours.begin(i); j != model.neighbours.end(i); ++j) pairs.push_back({i, *j});
-    }
+    const auto pairs = [&](const auto& visit) {
+      for (Index i = 0; i < model.particle_count(); ++i) {
+        for (const Index* j = model.neighbours.begin(i); j != model.neighbours.end(i); ++j) visit(i, *j);
+      }
+    };
     const BodyFrames frames(model, std::vector<double>(model.rest.size(), 1e-6), pairs);
     ASSERT_EQ(frames.parts(), 1);
     const Mat3 along = turn.transpose() * frames.of_part(0).axes;

@@ -38,7 +38,18 @@ class AveragesPacker {
   }
 
  private:
+  void require_offsets(std::size_t rows, std::int32_t most) const {
+    if (rows <= static_cast<std::size_t>(most)) return;
+    throw Error("the body has " + std::to_string(t_.particle_count) +
+                " particles, too many for 32-bit offsets; the backend \"reference\" has no such limit");
+  }
+
   void pack_by_slot() {
+    std::size_t links = 0;
+    for (const DomainTexel& domain : t_.domains) {
+      links += static_cast<std::size_t>(domain.link_count + domain.surface_link_count);
+    }
+    require_offsets(links, std::numeric_limits<std::int32_t>::max() / 4);
     to_.first_link.push_back(0);
     for (const Index d : domain_of_quad_) {
       if (d != none) {
@@ -67,11 +78,7 @@ class AveragesPacker {
     }
     const auto whole = static_cast<std::size_t>(lanes_);
     places.resize((places.size() + whole - 1) / whole * whole, none);
-    if (places.size() > std::numeric_limits<std::int32_t>::max() / 16 ||
-        t_.links.size() > std::numeric_limits<std::int32_t>::max() / 4) {
-      throw Error("the body has " + std::to_string(t_.particle_count) +
-                  " particles, too many for 32-bit offsets; the backend \"reference\" has no such limit");
-    }
+    require_offsets(places.size(), std::numeric_limits<std::int32_t>::max() / 16);
     to_.slots = static_cast<std::int32_t>(places.size());
     domain_of_quad_.assign(places.size(), none);
     to_.domain_of_place = places;
@@ -121,18 +128,14 @@ class AveragesPacker {
     constexpr double rounding = 1e-11;  // of a stiffness that is zero by symmetry, as along the edges of cubes
     all_.clear();
     double stiffest = 0.0;
-    for (Index r = t_.first_link[d]; r < t_.first_link[d + 1]; ++r) {
-      stiffest = std::max(stiffest, std::abs(t_.links[r].stiffness));
-    }
-    for (Index r = t_.first_link[d]; r < t_.first_link[d + 1]; ++r) {
-      const LinkTexel& link = t_.links[r];
+    for (const LinkTexel& link : t_.links_of(d)) stiffest = std::max(stiffest, std::abs(link.stiffness));
+    for (const LinkTexel& link : t_.links_of(d)) {
       const double stiffness = std::abs(link.stiffness) > rounding * stiffest ? link.stiffness : 0.0;
-      all_.push_back({link.domain, link.area, -link.area, stiffness});
+      all_.push_back({d + link.offset, link.area, -link.area, stiffness});
     }
-    for (Index r = t_.first_surface_link[d]; r < t_.first_surface_link[d + 1]; ++r) {
-      const SurfaceLinkTexel& surface = t_.surface_links[r];
-      auto known = std::ranges::find(all_, surface.domain, &Link::domain);
-      if (known == all_.end()) known = all_.insert(known, {surface.domain, Vec3::Zero(), Vec3::Zero(), 0.0});
+    for (const SurfaceLinkTexel& surface : t_.surface_links_of(d)) {
+      auto known = std::ranges::find(all_, d + surface.offset, &Link::domain);
+      if (known == all_.end()) known = all_.insert(known, {d + surface.offset, Vec3::Zero(), Vec3::Zero(), 0.0});
       known->there += surface.area;
       known->back += surface.area;
     }
@@ -271,8 +274,8 @@ std::vector<int> PackedAverages::shared_out(int parts) const {
 PackedAverages pack_averages(const TopologyTextures& topology, const std::vector<Index>& order, std::int32_t places,
                              int lanes, AveragedLinks links) {
   PackedAverages packed;
-  const bool packed_all = AveragesPacker(topology, order, places, lanes, packed).pack(links);
-  return packed_all ? packed : PackedAverages{};
+  if (!AveragesPacker(topology, order, places, lanes, packed).pack(links)) packed = {};
+  return packed;
 }
 
 }  // namespace phymul::cpu

@@ -165,7 +165,7 @@ class BodyPacker {
 std::vector<Index> links_of(const TopologyTextures& t) {
   std::vector<Index> links(static_cast<std::size_t>(t.particle_count), 0);
   for (Index i = 0; i < t.particle_count; ++i) {
-    for (Index d = t.first_domain[i]; d < t.first_domain[i + 1]; ++d) links[i] += t.first_link[d + 1] - t.first_link[d];
+    for (Index d = t.first_domain[i]; d < t.first_domain[i + 1]; ++d) links[i] += t.domains[d].link_count;
   }
   return links;
 }

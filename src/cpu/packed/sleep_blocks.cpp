@@ -36,8 +36,8 @@ Lists around(const TopologyTextures& t, const PackedBody& body, int count) {
     const auto add = [&](Index domain) { set.add(own, block_of[t.domains[domain].particle], lists[own]); };
     set.add(own, own, lists[own]);
     for (Index d = t.first_domain[i]; d < t.first_domain[i + 1]; ++d) {
-      for (Index r = t.first_link[d]; r < t.first_link[d + 1]; ++r) add(t.links[r].domain);
-      for (Index r = t.first_surface_link[d]; r < t.first_surface_link[d + 1]; ++r) add(t.surface_links[r].domain);
+      for (const LinkTexel& link : t.links_of(d)) add(d + link.offset);
+      for (const SurfaceLinkTexel& link : t.surface_links_of(d)) add(d + link.offset);
     }
   }
   return lists;

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+//
+// Domains that lie alike share their constants, and these are the ones that each would have alone.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "support/bodies.h"
+
+namespace phymul::test {
+namespace {
+
+std::size_t links_of_all_domains(const TopologyTextures& t) {
+  std::size_t sum = 0;
+  for (const DomainTexel& domain : t.domains) sum += static_cast<std::size_t>(domain.link_count);
+  return sum;
+}
+
+/// A bar of two materials, of hexahedra.
+Model two_materials() {
+  Model bar = make_block({0.08, 0.04, 0.04}, 8, 4, 4);
+  set_material(bar, {.young = 1e4, .poisson = 0.45, .density = 1000.0});
+  set_material(bar, {.young = 5e4, .poisson = 0.3, .density = 1200.0},
+               [](const Vec3& place) { return place.x() > 0.05; });
+  return bar;
+}
+
+/// Per axis a domain is at the surface, beside one that is, or neither, on two sides: five places.
+TEST(AlikeDomains, OfALatticeShareTheirLinks) {
+  for (const int cells : {8, 16}) {
+    const double side = 0.01 * cells;
+    const TopologyTextures t = build_topology(with_material(make_block(Vec3::Constant(side), cells, cells, cells)));
+    EXPECT_LE(t.links.size(), 125u * 26u);
+    EXPECT_GT(links_of_all_domains(t), 4 * t.links.size());
+  }
+}
+
+/// Each particle is moved by up to a thousand-millionth of the spacing, so that no two domains are alike.
+TEST(AlikeDomains, HaveTheConstantsOfDomainsThatShareNothing) {
+  const std::vector<Body> bodies{
+      {"lattice", with_material(make_block({0.07, 0.06, 0.05}, 7, 6, 5))},
+      {"two materials", two_materials()},
+      {"pyramids", with_material(cut_into_pyramids(make_block({0.04, 0.03, 0.03}, 4, 3, 3)))},
+      {"plane", with_material(make_strip(0.05, 0.03, 5, 3))}};
+  for (const Body& body : bodies) {
+    Model moved = body.model;
+    jitter(moved, 1e-9, 7);
+    TopologyOptions options;
+    const TopologyTextures shared = build_topology(body.model, options);
+    options.stabiliser = shared.options.stabiliser;
+    const TopologyTextures own = build_topology(moved, options), with_same_s = build_topology(body.model, options);
+    EXPECT_EQ(own.links.size(), links_of_all_domains(own)) << body.name;
+    EXPECT_LT(with_same_s.links.size(), links_of_all_domains(own)) << body.name;
+    ASSERT_EQ(with_same_s.domains.size(), own.domains.size());
+    for (Index d = 0; d < static_cast<Index>(own.domains.size()); ++d) {
+      const auto these = with_same_s.links_of(d), those = own.links_of(d);
+      ASSERT_EQ(these.size(), those.size()) << body.name << ", domain " << d;
+      ASSERT_NEAR(with_same_s.domains[d].inverse_volume, own.domains[d].inverse_volume,
+                  1e-7 * own.domains[d].inverse_volume);
+      double area = 0.0, stiffness = 0.0;
+      for (const LinkTexel& link : those) {
+        area = std::max(area, link.area.norm());
+        stiffness = std::max(stiffness, std::abs(link.stiffness));
+      }
+      for (std::size_t k = 0; k < those.size(); ++k) {
+        ASSERT_EQ(these[k].offset, those[k].offset) << body.name << ", domain " << d;
+        ASSERT_LE((these[k].area - those[k].area).norm(), 1e-7 * area) << body.name << ", domain " << d;
+        ASSERT_NEAR(these[k].stiffness, those[k].stiffness, 1e-7 * stiffness) << body.name << ", domain " << d;
+      }
+    }
+  }
+}
+
+/// Coordinates are rounded to 1e-9 of a cell there, so that domains which should be alike are not.
+TEST(AlikeDomains, LeaveNothingInsideFarFromTheOrigin) {
+  Model block = make_block({0.06, 0.06, 0.06}, 6, 6, 6);
+  for (Vec3& place : block.rest) place += Vec3(1e5 + 0.1, -2e5 - 0.3, 5e4 + 0.7);
+  const TopologyTextures t = build_topology(with_material(block));
+  for (Index i = 0; i < t.particle_count; ++i) {
+    const Vec3 in_block = block.rest[i] - block.rest.front();
+    const bool inside = in_block.minCoeff() > 0.005 && in_block.maxCoeff() < 0.055;
+    EXPECT_EQ(t.domains[i].surface_link_count > 0, !inside) << i;
+  }
+}
+
+}  // namespace
+}  // namespace phymul::test
