@@ -35,6 +35,7 @@
 #include <phymul/step_limit.h>
 #include <phymul/surface.h>
 #include <phymul/surface_file.h>
+#include <phymul/surface_patch.h>
 #include <phymul/task_runner.h>
 #include <phymul/tool.h>
 #include <phymul/topology.h>

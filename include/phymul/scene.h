@@ -21,8 +21,9 @@
 
 namespace phymul {
 
-struct LoadFrame;  // load_frame.h
-struct LoadModes;  // load_frame.h
+struct LoadFrame;     // load_frame.h
+struct SurfacePatch;  // surface_patch.h
+struct LoadModes;     // load_frame.h
 
 /// A closed surface whose enclosed volume every step restores: Scene::constrain_volume.
 struct VolumeConstraint {
@@ -191,6 +192,14 @@ class Scene {
   JointHandle attach(std::span<const Index> patch, const World& world, const Attachment& springs) &;
   JointHandle attach(std::span<const Index> patch, const ToolHandle& tool, const Attachment& springs) &;
   JointHandle attach(std::span<const Index> patch, std::string_view group, const Attachment& springs) &;
+
+  /// Holds a part of the surface in all directions, as stiff glue to the world does. What is held depends on the
+  /// patch alone; particles that fix() holds are those that happen to lie there, and the result changes with them. The
+  /// joint has a spring for each point, between the cell that it is in and its place at rest. The stiffness per area is
+  /// 18 E / h: Young's modulus and the distance of neighbours at the patch. The stable step becomes shorter by a fifth
+  /// to two fifths. Throws Error for a 2-D body or one without a material, for points farther than two cells from it,
+  /// and for areas that are not above 0 and finite or are not as many as the points.
+  JointHandle hold(const SurfacePatch& patch) &;
 
   Scene& remove_joint(std::string_view name);
   JointHandle joint(std::string_view name) &;  ///< throws Error, with the known names, for an unknown one

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/error.h>
+#include <phymul/scene.h>
+#include <phymul/skin.h>
+#include <phymul/surface_patch.h>
+
+#include <cmath>
+
+#include "base/decimal.h"
+#include "base/file_error.h"
+#include "default_name.h"
+
+namespace phymul {
+namespace {
+
+/// The layer between patch and world is as stiff as tissue of 1/18 of the spacing. Stiffer ones make a coarse body too
+/// stiff: its cells cannot follow the stress at the edge of the patch. Softer ones let it move.
+/// docs/measurements/accuracy.md, "Held patches".
+constexpr double layers_in_spacing = 18.0;
+
+/// Largest distance of a point from the body, in sizes of a cell: bodies round off the edges of their surface.
+constexpr double most_outside = 2.0;
+
+void require_patch(const Model& model, const SurfacePatch& patch) {
+  if (model.dimension != 3) throw Error(ErrorCode::not_supported, "hold: expected a body in 3 dimensions");
+  if (model.materials.empty()) {
+    throw Error(
+        "hold: expected a body with a material, from which the stiffness follows; call set_material, or fix() "
+        "particles");
+  }
+  if (patch.points.empty() || patch.points.size() != patch.areas.size()) {
+    throw Error("hold: expected points and as many areas, got " + std::to_string(patch.points.size()) + " and " +
+                std::to_string(patch.areas.size()));
+  }
+  for (const double area : patch.areas) {
+    if (!(area > 0.0) || !std::isfinite(area)) {
+      throw Error("hold: expected finite areas above 0 m^2, got " + to_decimal(area));
+    }
+  }
+}
+
+Skin bound(const Model& model, const SurfacePatch& patch) {
+  try {
+    return {model, patch.points, most_outside};
+  } catch (const Error& error) {
+    throw with_prefix("hold: ", error);
+  }
+}
+
+/// Per particle Young's modulus over the distance to its neighbours, Pa/m: means over its cells and their edges.
+std::vector<double> modulus_over_spacing(const Model& model) {
+  std::vector<double> modulus(model.rest.size(), 0.0), cells(modulus), distance(modulus), edges(modulus);
+  for (const Cell& cell : model.cells) {
+    if (cell.material < 0) continue;
+    for (const Index i : cell.particles) {
+      modulus[i] += model.materials[cell.material].young;
+      cells[i] += 1.0;
+      for (const Index j : cell.particles) {
+        if (j == i) continue;
+        distance[i] += (model.rest[j] - model.rest[i]).norm();
+        edges[i] += 1.0;
+      }
+    }
+  }
+  for (std::size_t i = 0; i < modulus.size(); ++i) {
+    if (cells[i] > 0.0) modulus[i] *= edges[i] / (cells[i] * distance[i]);
+  }
+  return modulus;
+}
+
+}  // namespace
+
+JointHandle Scene::hold(const SurfacePatch& patch) & {
+  require_patch(*model_, patch);
+  const Skin skin = bound(*model_, patch);
+  const VecList places = skin.deform(model_->rest);
+  const std::vector<double> stiffness = modulus_over_spacing(*model_);
+  Joint joint;
+  double area = 0.0;
+  for (std::size_t k = 0; k < patch.points.size(); ++k) {
+    const std::span<const Index> particles = skin.particles(k);
+    const std::span<const double> weights = skin.weights(k);
+    JointSpring spring{
+        .a = {.particles = {particles.begin(), particles.end()}, .weights = {weights.begin(), weights.end()}},
+        .b = at_world(places[k]),
+        .rest_length = 0.0,
+        .share = patch.areas[k]};
+    double mean = 0.0;
+    for (const Index i : particles) mean += stiffness[i] / static_cast<double>(particles.size());
+    joint.stiffness += patch.areas[k] * layers_in_spacing * mean;
+    area += patch.areas[k];
+    joint.springs.push_back(std::move(spring));
+  }
+  joint.stiffness /= area;
+  add_joint(default_name("joint", next_joint_, joints_), std::move(joint));
+  return {*this, joints_.back().id};
+}
+
+}  // namespace phymul
