@@ -1,41 +1,39 @@
 // SPDX-License-Identifier: MIT
 //
-// A symmetric sparse matrix of 3 x 3 blocks by rows, for the coarse levels of statics.
+// A symmetric sparse matrix of 3 x 3 blocks by rows, in single precision, for the smoothing on coarse levels of
+// statics.
 #pragma once
 
 #include <phymul/types.h>
 
-#include <Eigen/Core>
-#include <span>
 #include <vector>
+
+#include "padded_vectors.h"
 
 namespace phymul {
 
 class BlockMatrix {
  public:
+  BlockMatrix() = default;
   /// `columns` [rows]: of each row, sorted, the diagonal among them.
   explicit BlockMatrix(const std::vector<std::vector<Index>>& columns);
 
   Index rows() const { return static_cast<Index>(first_.size()) - 1; }
   void set_zero();
   Index entry(Index row, Index column) const;
-  Mat3& at(Index entry) { return blocks_[entry]; }
-  const Mat3& at(Index entry) const { return blocks_[entry]; }
-  std::span<const Index> columns_of(Index row) const {
-    return {column_.data() + first_[row], column_.data() + first_[row + 1]};
-  }
+  PaddedMatrix& at(Index entry) { return blocks_[entry]; }
 
   void invert_diagonal();  ///< after the last change, before smooth()
-  /// result = b - A x. Shapes [3 rows].
-  void residual(const Eigen::VectorXd& b, const Eigen::VectorXd& x, Eigen::VectorXd& result) const;
+  /// result = b - A x. Shapes [rows].
+  void residual(const PaddedVectors& b, const PaddedVectors& x, PaddedVectors& result) const;
   /// One sweep of Gauss and Seidel over x for A x = b, by rising rows or by falling ones.
-  void smooth(const Eigen::VectorXd& b, bool rising, Eigen::VectorXd& x) const;
+  void smooth(const PaddedVectors& b, bool rising, PaddedVectors& x) const;
 
  private:
-  Vec3 row_product(Index row, const Eigen::VectorXd& x) const;
+  Eigen::Vector4f row_residual(Index row, const PaddedVectors& b, const PaddedVectors& x) const;
 
-  std::vector<Index> first_{0}, column_, diagonal_;
-  std::vector<Mat3> blocks_, inverse_;
+  std::vector<Index> first_{0}, column_;
+  std::vector<PaddedMatrix> blocks_, inverse_;
 };
 
 }  // namespace phymul

@@ -6,7 +6,7 @@
 
 #include "base/bounding_box.h"
 #include "elastic/energy_density.h"
-#include "elastic/rotation.h"
+#include "polar_rotation.h"
 
 namespace phymul {
 namespace {
@@ -186,23 +186,12 @@ GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint
       }
     }
   }
-  std::vector<std::vector<Index>> columns(node_place_.size());
   for (Cell& cell : cells_) {
     cell.gradient /= cell.volume;
     cell.spread = spread_of_parts * (cell.spread - cell.shear * products(cell.gradient)) +
                   spread_of_cell * cell.shear * over_cell;
     cell.shear /= cell.volume;
     cell.lame /= cell.volume;
-    for (const Index a : cell.node) {
-      for (const Index b : cell.node) {  // at most 27 in all
-        if (std::ranges::find(columns[a], b) == columns[a].end()) columns[a].push_back(b);
-      }
-    }
-  }
-  for (std::vector<Index>& row : columns) std::ranges::sort(row);
-  stiffness_ = std::make_unique<BlockMatrix>(columns);
-  for (Cell& cell : cells_) {
-    for (int k = 0; k < 64; ++k) cell.entry[k] = stiffness_->entry(cell.node[k / 8], cell.node[k % 8]);
   }
 }
 
@@ -219,14 +208,30 @@ void GridLevel::add_terms(const TopologyTextures& topology, std::span<const Mat3
   }
 }
 
-void GridLevel::assemble(std::span<const Mat3> gradients) {
+BlockMatrix GridLevel::empty_stiffness() {
+  std::vector<std::vector<Index>> columns(node_place_.size());
+  for (const Cell& cell : cells_) {
+    for (const Index a : cell.node) {
+      for (const Index b : cell.node) {  // at most 27 in all
+        if (std::ranges::find(columns[a], b) == columns[a].end()) columns[a].push_back(b);
+      }
+    }
+  }
+  for (std::vector<Index>& row : columns) std::ranges::sort(row);
+  BlockMatrix stiffness(columns);
+  for (Cell& cell : cells_) {
+    for (int k = 0; k < 64; ++k) cell.entry[k] = stiffness.entry(cell.node[k / 8], cell.node[k % 8]);
+  }
+  return stiffness;
+}
+
+template <class Visit>
+void GridLevel::for_each_block(std::span<const Mat3> gradients, const Visit& visit) const {
   std::vector<Mat3> turned(cells_.size(), Mat3::Zero());
   for (const Part& part : parts_) turned[part.cell] += part.share * (Mat3::Identity() + gradients[part.domain]);
-  stiffness_->set_zero();
   for (std::size_t c = 0; c < cells_.size(); ++c) {
     const Cell& cell = cells_[c];
-    const Mat3 R = rotation_of(turned[c]);
-    const Gradient g = cell.gradient * R.transpose();  // rows R g_a
+    const Gradient g = cell.gradient * polar_rotation(turned[c]).transpose();  // rows R g_a
     const ByCorners inner = products(g);
     for (int a = 0; a < 8; ++a) {
       const Vec3 ga = g.row(a);
@@ -239,11 +244,26 @@ void GridLevel::assemble(std::span<const Mat3> gradients) {
           if (cell.terms != none) block(axis, axis) += terms_[cell.terms][axis](a, b);
         }
         if (a == b) block.diagonal() *= 1.0 + regularisation;
-        stiffness_->at(cell.entry[8 * a + b]) += block;
+        visit(cell, a, b, block);
       }
     }
   }
-  stiffness_->invert_diagonal();
+}
+
+void GridLevel::assemble(std::span<const Mat3> gradients, BlockMatrix& stiffness) const {
+  stiffness.set_zero();
+  for_each_block(gradients, [&](const Cell& cell, int a, int b, const Mat3& block) {
+    stiffness.at(cell.entry[8 * a + b]).topRows<3>() += block.cast<float>();
+  });
+  stiffness.invert_diagonal();
+}
+
+Eigen::MatrixXd GridLevel::dense_stiffness(std::span<const Mat3> gradients) const {
+  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(3 * nodes(), 3 * nodes());
+  for_each_block(gradients, [&](const Cell& cell, int a, int b, const Mat3& block) {
+    if (cell.node[a] >= cell.node[b]) stiffness.block<3, 3>(3 * cell.node[a], 3 * cell.node[b]) += block;
+  });
+  return stiffness;
 }
 
 Eigen::SparseMatrix<double> GridLevel::laplacian(int axis) const {
@@ -280,15 +300,16 @@ GridPlace GridLevel::place_of(const Vec3& point) const {
   for (int axis = 0; axis < 3; ++axis) {
     at[axis] = std::clamp(static_cast<Index>(std::floor(t[axis])), Index{0}, shape_.cells[axis] - 1);
   }
-  GridPlace place{.node = {}, .weight = weights_at(t - Vec3(at[0], at[1], at[2]))};
+  GridPlace place;
+  std::array<double, 8> weight = weights_at(t - Vec3(at[0], at[1], at[2]));
   double sum = 0.0;
   for (int a = 0; a < 8; ++a) {
     const Index node = node_of_[node_at({at[0] + (a & 1), at[1] + (a >> 1 & 1), at[2] + (a >> 2 & 1)})];
     place.node[a] = std::max(node, Index{0});
-    if (node == none) place.weight[a] = 0.0;
-    sum += place.weight[a];
+    if (node == none) weight[a] = 0.0;
+    sum += weight[a];
   }
-  for (double& weight : place.weight) weight /= sum;
+  for (int a = 0; a < 8; ++a) place.weight[a] = static_cast<float>(weight[a] / sum);
   return place;
 }
 

@@ -12,7 +12,6 @@
 #include <Eigen/SparseCore>
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -23,7 +22,7 @@ namespace phymul {
 /// Nodes around a place and their weights, which sum to 1.
 struct GridPlace {
   std::array<Index, 8> node;
-  std::array<double, 8> weight;
+  std::array<float, 8> weight;
 };
 
 /// The box that all grids share, and the cells of the finest.
@@ -43,8 +42,11 @@ class GridLevel {
 
   /// From the next assemble() on with terms of these blocks, RestTerm::add_diagonal(), as if all ended at the world.
   void add_terms(const TopologyTextures& topology, std::span<const Mat3> blocks);
-  /// Turns the cells: `gradients` as Tangent::linearise. To be called once before the others.
-  void assemble(std::span<const Mat3> gradients);
+  /// The stiffness of cells that have turned: `gradients` as Tangent::linearise. Rows are nodes.
+  void assemble(std::span<const Mat3> gradients, BlockMatrix& stiffness) const;
+  /// The same as a dense matrix, [3 nodes, 3 nodes], of which only the lower triangle is set.
+  Eigen::MatrixXd dense_stiffness(std::span<const Mat3> gradients) const;
+  BlockMatrix empty_stiffness();  ///< what assemble() takes
 
   /// Of the problem: find the displacement along an axis whose gradients are, in the mean, given ones, 0 where
   /// particles are held. The lower triangle, [nodes, nodes].
@@ -55,13 +57,12 @@ class GridLevel {
   Index nodes() const { return static_cast<Index>(node_place_.size()); }
   GridPlace place_of(const Vec3& point) const;  ///< nodes that are not there have weight 0
   const Vec3& node_place(Index node) const { return node_place_[node]; }
-  const BlockMatrix& stiffness() const { return *stiffness_; }
 
  private:
   using ByAxis = std::array<Eigen::Matrix<double, 8, 8>, 3>;
   struct Cell {
     std::array<Index, 8> node;
-    std::array<Index, 64> entry;           // of the matrix
+    std::array<Index, 64> entry;           // of the matrix of assemble()
     double volume = 0.0;                   // m^3, of its material
     double shear = 0.0, lame = 0.0;        // Pa, means
     Eigen::Matrix<double, 8, 3> gradient;  // mean of the nodes' functions, 1/m
@@ -73,6 +74,9 @@ class GridLevel {
     double share;
   };
 
+  /// Calls visit(cell, a, b, block) for the corners a and b of all cells.
+  template <class Visit>
+  void for_each_block(std::span<const Mat3> gradients, const Visit& visit) const;
   Index cell_at(const std::array<Index, 3>& at) const;
   Index node_at(const std::array<Index, 3>& at) const;
 
@@ -82,7 +86,6 @@ class GridLevel {
   std::vector<Cell> cells_;
   std::vector<Part> parts_;
   std::vector<ByAxis> held_, terms_;  // N/m, of particles that are held, and of terms
-  std::unique_ptr<BlockMatrix> stiffness_;
 };
 
 }  // namespace phymul

@@ -5,10 +5,11 @@
 // rest before and after; the others are grids (grid_level.h), smoothed by Gauss-Seidel, the coarsest solved directly.
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <span>
 #include <vector>
 
-#include "block_cholesky.h"
+#include "block_matrix.h"
 #include "grid_level.h"
 #include "rest_term.h"
 #include "tangent.h"
@@ -47,24 +48,30 @@ class Multigrid {
   struct Coarse {
     GridLevel level;
     std::vector<GridPlace> finer;  // of particles, or of the nodes of the level before
-    Eigen::VectorXd b, x, r;
+    BlockMatrix stiffness;         // not of the coarsest
+    PaddedVectors b, x, r;
   };
 
-  void scale(const Eigen::VectorXd& r, Eigen::VectorXd& z) const;
+  void apply(const PaddedVectors& d, PaddedVectors& result);
+  void scale(const PaddedVectors& r, PaddedVectors& z) const;
   void cycle(std::size_t level);
+  void solve_coarsest();
 
   const TopologyTextures& topology_;
   Tangent& tangent_;
   RestTerms terms_;
   Eigen::VectorXd free_;
-  std::vector<Mat3> diagonal_;        // at rest, without terms
-  std::vector<Mat3> of_terms_;        // RestTerm::add_diagonal() that the levels have
-  std::vector<Mat3> turned_inverse_;  // of both, the first turned with the particles
-  double largest_ = 1.0;              // eigenvalue of the scaled K
+  PaddedVectors padded_free_;
+  std::vector<Mat3> diagonal_;                // at rest, without terms
+  std::vector<Mat3> of_terms_;                // RestTerm::add_diagonal() that the levels have
+  std::vector<PaddedMatrix> turned_inverse_;  // of both, the first turned with the particles
+  double typical_stiffness_ = 0.0;            // N/m, of a particle
+  float largest_ = 1.0f;                      // eigenvalue of the scaled K
   std::vector<Coarse> coarse_;
-  BlockCholesky direct_;  // of the coarsest level
+  Eigen::LLT<Eigen::MatrixXd> direct_;  // of the coarsest level
   int evaluations_ = 0;
-  Eigen::VectorXd strongest_, residual_, correction_, image_, scaled_;
+  PaddedVectors strongest_, of_r_, of_z_, image_, residual_, scaled_;
+  Eigen::VectorXd coarsest_, of_d_, of_image_;
 };
 
 }  // namespace phymul
