@@ -171,7 +171,7 @@ class Search {
   }
 
   /// Solves K d = r for the direction d: first roughly, then further if the true residual at the end of d follows the
-  /// linear one.
+  /// linear one. By how much it deviates is known from the last step, or found by going there.
   void find_direction(bool imposes) {
     direction_ = imposed_way_;
     Vector r = residual_, z;
@@ -203,19 +203,25 @@ class Search {
       if (r.norm() <= goal) {
         if (looked) break;
         looked = true;
-        find_change();
-        move(1.0);
-        residual_at(trial_, next_residual_, next_gradients_);
-        reached_ = true;
-        goal = std::max(worth_while * (next_residual_ - r).norm(), share_of_rest * goal_);
+        double deviation = deviation_per_energy_ * direction_.dot(residual_ - r);
+        if (deviation_per_energy_ == 0.0) {
+          find_change();
+          move(1.0);
+          residual_at(trial_, next_residual_, next_gradients_);
+          reached_ = true;
+          deviation = (next_residual_ - r).norm();
+        }
+        goal = std::max(worth_while * deviation, share_of_rest * goal_);
         if (r.norm() <= goal) break;
       }
     }
+    left_ = r;
     // What nothing holds but slack springs has a tangent that is as good as singular.
     if (!imposes && !(direction_.dot(residual_) > 0.0)) {
       grid_.solve(residual_, direction_);
       idle_.remove(direction_);
       reached_ = false;
+      left_ = residual_;
     }
     if (!reached_) find_change();
   }
@@ -281,6 +287,9 @@ class Search {
           continue;
         }
       }
+      // Both are of second order in the direction, but for where contacts change.
+      const double energy_of_way = share == 1.0 && terms_.empty() ? direction_.dot(residual_ - left_) : 0.0;
+      deviation_per_energy_ = energy_of_way > 0.0 ? (next_residual_ - left_).norm() / energy_of_way : 0.0;
       take_trial();
       energy_ = energy;
       return true;
@@ -304,7 +313,9 @@ class Search {
   double most_way_ = 0.0;                          // m
   Vector residual_, next_residual_, direction_, imposed_way_, image_, bent_;
   Vector way_, image_of_way_;  // of conjugate gradients
+  Vector left_;                // the linear residual at the end of direction_
   double curvature_ = 0.0;
+  double deviation_per_energy_ = 0.0;  // 1/m: of the true residual from the linear one, in the last step; 0: unknown
   bool keeps_way_ = false;
   bool reached_ = false;  // trial_ and next_residual_ are those at the end of direction_
   std::vector<Mat3> gradients_, next_gradients_, turned_at_, change_;
