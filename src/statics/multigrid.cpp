@@ -141,12 +141,15 @@ Multigrid::Multigrid(const TopologyTextures& topology, std::span<const std::uint
 bool Multigrid::follow_terms() {
   std::vector<Mat3> now(terms_.empty() ? 0 : diagonal_.size(), Mat3::Zero());
   for (const RestTerm* term : terms_) term->add_diagonal(now);
+  of_terms_.resize(now.size(), Mat3::Zero());
   double size = 0.0, change = 0.0;
+  bool lacks = false;  // a stiffness: corrections would overshoot there
   for (std::size_t i = 0; i < now.size(); ++i) {
     size += now[i].norm();
-    change += of_terms_.empty() ? now[i].norm() : (now[i] - of_terms_[i]).norm();
+    change += (now[i] - of_terms_[i]).norm();
+    lacks |= now[i].trace() > diagonal_[i].trace() + 2.0 * of_terms_[i].trace();
   }
-  if (change <= little_change_of_terms * size) return false;
+  if (!lacks && change <= little_change_of_terms * size) return false;
   of_terms_ = std::move(now);
   for (Coarse& coarse : coarse_) coarse.level.add_terms(topology_, of_terms_);
   return true;
