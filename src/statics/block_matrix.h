@@ -15,25 +15,31 @@ namespace phymul {
 class BlockMatrix {
  public:
   BlockMatrix() = default;
-  /// `columns` [rows]: of each row, sorted, the diagonal among them.
-  explicit BlockMatrix(const std::vector<std::vector<Index>>& columns);
+  /// `first` [rows + 1] of each row's entries in `column`; those of a row are sorted, and the diagonal is among them.
+  BlockMatrix(std::vector<Index> first, std::vector<Index> column);
 
   Index rows() const { return static_cast<Index>(first_.size()) - 1; }
   void set_zero();
-  Index entry(Index row, Index column) const;
-  PaddedMatrix& at(Index entry) { return blocks_[entry]; }
+  Eigen::Map<Eigen::Matrix3f> at(Index entry) {
+    return Eigen::Map<Eigen::Matrix3f>(&blocks_[9 * static_cast<std::size_t>(entry)]);
+  }
 
-  void invert_diagonal();  ///< after the last change, before smooth()
-  /// result = b - A x. Shapes [rows].
-  void residual(const PaddedVectors& b, const PaddedVectors& x, PaddedVectors& result) const;
-  /// One sweep of Gauss and Seidel over x for A x = b, by rising rows or by falling ones.
-  void smooth(const PaddedVectors& b, bool rising, PaddedVectors& x) const;
+  void invert_diagonal();  ///< after the last change, before rise() and fall()
+  /// Two sweeps of Gauss and Seidel over x for A x = b by rising rows, then the residual r = b - A x. Shapes [rows].
+  void rise(const PaddedVectors& b, PaddedVectors& x, PaddedVectors& r) const;
+  /// Two by falling rows.
+  void fall(const PaddedVectors& b, PaddedVectors& x) const;
 
  private:
-  Eigen::Vector4f row_residual(Index row, const PaddedVectors& b, const PaddedVectors& x) const;
+  template <int step>
+  Eigen::Vector4f residual(Index row, const PaddedVectors& b, const PaddedVectors& x) const;
+  template <int step>
+  void relax(Index row, const PaddedVectors& b, PaddedVectors& x) const;
 
-  std::vector<Index> first_{0}, column_;
-  std::vector<PaddedMatrix> blocks_, inverse_;
+  std::vector<Index> first_{0}, column_, diagonal_;
+  Index reach_ = 0;            // beyond which no row has an entry
+  std::vector<float> blocks_;  // 9 of each entry by columns, and one more: columns are read by fours
+  std::vector<PaddedMatrix> inverse_;
 };
 
 }  // namespace phymul

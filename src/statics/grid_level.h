@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "block_matrix.h"
+#include "grid_shape.h"
 
 namespace phymul {
 
@@ -23,16 +24,6 @@ namespace phymul {
 struct GridPlace {
   std::array<Index, 8> node;
   std::array<float, 8> weight;
-};
-
-/// The box that all grids share, and the cells of the finest.
-struct GridShape {
-  Vec3 origin{0, 0, 0}, spacing{0, 0, 0};  ///< m
-  std::array<Index, 3> cells{1, 1, 1};
-
-  /// Cells of about `spacing`, m, over the box of the points.
-  static GridShape over(std::span<const Vec3> points, double spacing);
-  GridShape coarser() const;  ///< twice the spacing; beyond the box where a number of cells is odd
 };
 
 class GridLevel {
@@ -62,12 +53,14 @@ class GridLevel {
   using ByAxis = std::array<Eigen::Matrix<double, 8, 8>, 3>;
   struct Cell {
     std::array<Index, 8> node;
-    std::array<Index, 64> entry;           // of the matrix of assemble()
-    double volume = 0.0;                   // m^3, of its material
-    double shear = 0.0, lame = 0.0;        // Pa, means
-    Eigen::Matrix<double, 8, 3> gradient;  // mean of the nodes' functions, 1/m
-    Eigen::Matrix<double, 8, 8> spread;    // N/m, what the mean leaves out
-    Index held = none, terms = none;       // in held_ and terms_
+    std::array<Index, 64> entry;     // of the matrix of assemble()
+    double volume = 0.0;             // m^3, of its material
+    double shear = 0.0, lame = 0.0;  // Pa, means
+    /// Mean of the gradients of the nodes' functions, 1/m.
+    Eigen::Matrix<double, 8, 3> gradient = Eigen::Matrix<double, 8, 3>::Zero();
+    /// N/m, what the mean leaves out.
+    Eigen::Matrix<double, 8, 8> spread = Eigen::Matrix<double, 8, 8>::Zero();
+    Index held = none, terms = none;  // in held_ and terms_
   };
   struct Part {  // of a domain in a cell
     Index cell, domain;
@@ -77,11 +70,15 @@ class GridLevel {
   /// Calls visit(cell, a, b, block) for the corners a and b of all cells.
   template <class Visit>
   void for_each_block(std::span<const Mat3> gradients, const Visit& visit) const;
-  Index cell_at(const std::array<Index, 3>& at) const;
-  Index node_at(const std::array<Index, 3>& at) const;
+  void share_out(const TopologyTextures& topology);
+  void number_cells();
+  /// In [0, 1]^3.
+  Vec3 place_in(const Cell& cell, const Vec3& point) const {
+    return (point - node_place_[cell.node[0]]).cwiseQuotient(shape_.spacing);
+  }
 
   GridShape shape_;
-  std::vector<Index> node_of_, cell_of_;  // of the whole grid; none
+  std::vector<Index> node_of_, cell_of_;  // by GridShape::row_of(); none
   std::vector<Vec3> node_place_;
   std::vector<Cell> cells_;
   std::vector<Part> parts_;

@@ -19,7 +19,6 @@ using Vector = Eigen::VectorXd;
 /// Of a damped sweep over the particles, over the largest eigenvalue: below 2 it converges; a tenth more or less
 /// hardly changes the number of evaluations.
 constexpr double jump = 1.5;
-constexpr int coarse_sweeps = 2;
 /// A power iteration of a few steps ends below the largest eigenvalue, the more so the larger the body.
 constexpr double above_estimate = 1.3;
 constexpr double finest_cells = 1.75;  // of the finest grid, in mean spacings
@@ -196,7 +195,6 @@ void Multigrid::apply(const PaddedVectors& d, PaddedVectors& result) {
     }
   }
   for (std::size_t i = 0; i < result.size(); ++i) {
-    result[i][3] = 0.0f;
     result[i].array() *= padded_free_[i].array();
   }
   ++evaluations_;
@@ -230,12 +228,11 @@ void Multigrid::cycle(std::size_t level) {
   if (level + 1 == coarse_.size()) return solve_coarsest();
   Coarse &coarse = coarse_[level], &next = coarse_[level + 1];
   numbers_of(coarse.x).setZero();
-  for (int k = 0; k < coarse_sweeps; ++k) coarse.stiffness.smooth(coarse.b, true, coarse.x);
-  coarse.stiffness.residual(coarse.b, coarse.x, coarse.r);
+  coarse.stiffness.rise(coarse.b, coarse.x, coarse.r);
   restrict_to(next.finer, coarse.r, next.b);
   cycle(level + 1);
   for (std::size_t i = 0; i < coarse.x.size(); ++i) coarse.x[i] += value_at(next.finer[i], next.x);
-  for (int k = 0; k < coarse_sweeps; ++k) coarse.stiffness.smooth(coarse.b, false, coarse.x);
+  coarse.stiffness.fall(coarse.b, coarse.x);
 }
 
 void Multigrid::solve(const Vector& r, Vector& z) {
