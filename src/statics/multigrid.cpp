@@ -90,15 +90,18 @@ std::vector<Mat3> diagonal_at_rest(const TopologyTextures& t) {
   return diagonal;
 }
 
-Multigrid::Multigrid(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, Tangent& tangent,
-                     RestTerms terms)
-    : topology_(topology), tangent_(tangent), terms_(terms), free_(Vector::Ones(3 * topology.particle_count)) {
+Multigrid::Multigrid(const TopologyTextures& topology, std::span<const std::uint8_t> fixed,
+                     std::span<const Mat3> diagonal, Tangent& tangent, RestTerms terms)
+    : topology_(topology),
+      tangent_(tangent),
+      terms_(terms),
+      free_(Vector::Ones(3 * topology.particle_count)),
+      diagonal_(diagonal) {
   for (std::size_t i = 0; i < fixed.size(); ++i) {
     for (int axis = 0; axis < 3; ++axis) {
       if ((fixed[i] >> axis & 1) != 0) free_[3 * static_cast<Eigen::Index>(i) + axis] = 0.0;
     }
   }
-  diagonal_ = diagonal_at_rest(topology);
   turned_inverse_.resize(diagonal_.size());
   double volume = 0.0;
   for (const DomainTexel& domain : topology.domains) volume += 1.0 / domain.inverse_volume;

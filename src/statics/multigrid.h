@@ -21,8 +21,10 @@ std::vector<Mat3> diagonal_at_rest(const TopologyTextures& topology);
 
 class Multigrid {
  public:
-  /// Of the free coordinates. `fixed` [N]: as LoadFrame::fixed, or empty. Keeps references to the arguments.
-  Multigrid(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, Tangent& tangent, RestTerms terms);
+  /// Of the free coordinates. `fixed` [N]: as LoadFrame::fixed, or empty. `diagonal`: diagonal_at_rest(). Keeps
+  /// references to the arguments.
+  Multigrid(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, std::span<const Mat3> diagonal,
+            Tangent& tangent, RestTerms terms);
 
   /// Takes the terms' stiffness as it is now, if it has changed by much since it last did; returns whether. Then
   /// turn() and estimate_largest() are to be called.
@@ -62,7 +64,7 @@ class Multigrid {
   RestTerms terms_;
   Eigen::VectorXd free_;
   PaddedVectors padded_free_;
-  std::vector<Mat3> diagonal_;                // at rest, without terms
+  std::span<const Mat3> diagonal_;            // at rest, without terms
   std::vector<Mat3> of_terms_;                // RestTerm::add_diagonal() that the levels have
   std::vector<PaddedMatrix> turned_inverse_;  // of both, the first turned with the particles
   double typical_stiffness_ = 0.0;            // N/m, of a particle

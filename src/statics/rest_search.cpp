@@ -40,14 +40,14 @@ constexpr double energy_rounding = 1e-11;  ///< of an energy
 class Search {
  public:
   Search(const TopologyTextures& topology, const LoadFrame& loads, RestTerms terms,
-         std::span<const ConnectedBody> loose, VecList& position)
+         std::span<const ConnectedBody> loose, std::span<const Mat3> diagonal, VecList& position)
       : topology_(topology),
         loads_(loads),
         terms_(terms),
         idle_(loose, loads, terms),
         position_(position),
         tangent_(make_tangent(topology)),
-        grid_(topology, loads.fixed, *tangent_, terms),
+        grid_(topology, loads.fixed, diagonal, *tangent_, terms),
         path_(topology, grid_.finest_of(path_nodes)),
         load_(3 * topology.particle_count),
         force_(position.size()),
@@ -67,6 +67,10 @@ class Search {
     most_evaluations_ = most_evaluations;
     RestSearchEnd end;
     residual_at(position_, residual_, gradients_);
+    if (position_ == topology_.rest) {
+      energy_ = 0.0;
+      for (const RestTerm* term : terms_) *energy_ += term->energy(position_);
+    }
     while (true) {
       const bool imposes = find_way_to_targets();
       const double law = tolerance * scale_ + floor_, miss = miss_of_terms();
@@ -188,7 +192,11 @@ class Search {
       grid_.solve(r, z);
       idle_.remove(z);
       const bool goes_on = k > 0 || (keeps_way_ && !imposes);
-      way_ = goes_on ? Vector(z - z.dot(image_of_way_) / curvature_ * way_) : z;
+      if (goes_on) {
+        way_ = z - z.dot(image_of_way_) / curvature_ * way_;
+      } else {
+        way_ = z;
+      }
       grid_.apply(way_, image_of_way_);
       idle_.remove(image_of_way_);
       curvature_ = way_.dot(image_of_way_);
@@ -336,9 +344,9 @@ double potential_energy(const TopologyTextures& topology, const LoadFrame& loads
 }
 
 RestSearchEnd search_rest(const TopologyTextures& topology, const LoadFrame& loads, RestTerms terms,
-                          std::span<const ConnectedBody> loose, double tolerance, int most_evaluations,
-                          VecList& position) {
-  return Search(topology, loads, terms, loose, position).run(tolerance, most_evaluations);
+                          std::span<const ConnectedBody> loose, std::span<const Mat3> diagonal, double tolerance,
+                          int most_evaluations, VecList& position) {
+  return Search(topology, loads, terms, loose, diagonal, position).run(tolerance, most_evaluations);
 }
 
 }  // namespace phymul
