@@ -23,7 +23,7 @@ constexpr double jump = 1.5;
 constexpr double above_estimate = 1.3;
 constexpr double finest_cells = 1.75;  // of the finest grid, in mean spacings
 constexpr double little_change_of_terms = 0.1;
-constexpr Index few_nodes = 120;  // solved directly in a millisecond or so
+constexpr Index few_nodes = 120;  // factorised as a dense matrix in a few milliseconds at most
 
 void restrict_to(const std::vector<GridPlace>& finer, const PaddedVectors& from, PaddedVectors& to) {
   numbers_of(to).setZero();
