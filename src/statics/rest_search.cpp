@@ -20,16 +20,17 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-constexpr double first_goal = 0.1;      ///< of a linear residual, before the true one is looked at
-constexpr double worth_while = 0.3;     ///< a linear residual below this share of the true one's deviation is in vain
-constexpr double share_of_rest = 0.8;   ///< of the tolerance, for the linear residual
-constexpr double share_of_miss = 0.1;   ///< of the miss of terms, for residuals before they are raised
-constexpr double share_of_idle = 0.01;  ///< of the goal: a free motion with a smaller residual is left alone
-constexpr double balanced = 1e-8;       ///< of the loads: likewise
-constexpr int most_iterations = 60;     ///< of conjugate gradients
-constexpr double most_change = 0.75;    ///< of a mean gradient in one step: rotation in rad, strain
-constexpr double most_way = 0.25;       ///< of a particle in one step, in sizes of the body
-constexpr double little_change = 0.05;  ///< up to which the preconditioner stays
+constexpr double first_goal = 0.1;   ///< of a linear residual, before the true one is looked at
+constexpr double worth_while = 0.3;  ///< a linear residual below this share of the true one's deviation is in vain
+constexpr double worth_while_predicted = 0.7;  ///< likewise if it is predicted, which is mostly too low
+constexpr double share_of_rest = 0.8;          ///< of the tolerance, for the linear residual
+constexpr double share_of_miss = 0.1;          ///< of the miss of terms, for residuals before they are raised
+constexpr double share_of_idle = 0.01;         ///< of the goal: a free motion with a smaller residual is left alone
+constexpr double balanced = 1e-8;              ///< of the loads: likewise
+constexpr int most_iterations = 60;            ///< of conjugate gradients
+constexpr double most_change = 0.75;           ///< of a mean gradient in one step: rotation in rad, strain
+constexpr double most_way = 0.25;              ///< of a particle in one step, in sizes of the body
+constexpr double little_change = 0.05;         ///< up to which the preconditioner stays
 constexpr int first_power_steps = 3, power_steps = 2;
 constexpr Index path_nodes = 600;
 constexpr int most_trials = 12;  ///< of a line search
@@ -211,15 +212,15 @@ class Search {
       if (r.norm() <= goal) {
         if (looked) break;
         looked = true;
-        double deviation = deviation_per_energy_ * direction_.dot(residual_ - r);
+        double in_vain = worth_while_predicted * deviation_per_energy_ * direction_.dot(residual_ - r);
         if (deviation_per_energy_ == 0.0) {
           find_change();
           move(1.0);
           residual_at(trial_, next_residual_, next_gradients_);
           reached_ = true;
-          deviation = (next_residual_ - r).norm();
+          in_vain = worth_while * (next_residual_ - r).norm();
         }
-        goal = std::max(worth_while * deviation, share_of_rest * goal_);
+        goal = std::max(in_vain, share_of_rest * goal_);
         if (r.norm() <= goal) break;
       }
     }
