@@ -200,7 +200,7 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   hold_grasped(scene(), state, loads);
   RestJoints joints(scene(), state);
   const bool has_tools = !scene().tools().empty();
-  const std::vector<Mat3> diagonal = has_tools ? diagonal_at_rest(topology) : std::vector<Mat3>{};
+  const std::vector<Mat3> diagonal = diagonal_at_rest(topology);
   RestTools tools(scene(), diagonal, loads.fixed);
   std::vector<RestTerm*> terms;
   if (!joints.empty()) terms.push_back(&joints);
@@ -221,7 +221,7 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
       squared_way_to_targets(loads, topology.rest) <= squared_way_to_targets(loads, state.position);
   if (begins_anew) state.position = topology.rest;
   const auto search = [&](int most_evaluations) {
-    return search_rest(topology, loads, terms, loose, options.tolerance, most_evaluations, state.position);
+    return search_rest(topology, loads, terms, loose, diagonal, options.tolerance, most_evaluations, state.position);
   };
   RestSearchEnd end = search(options.most_evaluations);
   result.evaluations = end.evaluations;

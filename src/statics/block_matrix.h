@@ -1,41 +1,45 @@
 // SPDX-License-Identifier: MIT
 //
-// A symmetric sparse matrix of 3 x 3 blocks by rows, for the coarse levels of statics.
+// A symmetric sparse matrix of 3 x 3 blocks by rows, in single precision, for the smoothing on coarse levels of
+// statics.
 #pragma once
 
 #include <phymul/types.h>
 
-#include <Eigen/Core>
-#include <span>
 #include <vector>
+
+#include "padded_vectors.h"
 
 namespace phymul {
 
 class BlockMatrix {
  public:
-  /// `columns` [rows]: of each row, sorted, the diagonal among them.
-  explicit BlockMatrix(const std::vector<std::vector<Index>>& columns);
+  BlockMatrix() = default;
+  /// `first` [rows + 1] of each row's entries in `column`; those of a row are sorted, and the diagonal is among them.
+  BlockMatrix(std::vector<Index> first, std::vector<Index> column);
 
   Index rows() const { return static_cast<Index>(first_.size()) - 1; }
   void set_zero();
-  Index entry(Index row, Index column) const;
-  Mat3& at(Index entry) { return blocks_[entry]; }
-  const Mat3& at(Index entry) const { return blocks_[entry]; }
-  std::span<const Index> columns_of(Index row) const {
-    return {column_.data() + first_[row], column_.data() + first_[row + 1]};
+  Eigen::Map<Eigen::Matrix3f> at(Index entry) {
+    return Eigen::Map<Eigen::Matrix3f>(&blocks_[9 * static_cast<std::size_t>(entry)]);
   }
 
-  void invert_diagonal();  ///< after the last change, before smooth()
-  /// result = b - A x. Shapes [3 rows].
-  void residual(const Eigen::VectorXd& b, const Eigen::VectorXd& x, Eigen::VectorXd& result) const;
-  /// One sweep of Gauss and Seidel over x for A x = b, by rising rows or by falling ones.
-  void smooth(const Eigen::VectorXd& b, bool rising, Eigen::VectorXd& x) const;
+  void invert_diagonal();  ///< after the last change, before rise() and fall()
+  /// Two sweeps of Gauss and Seidel over x for A x = b by rising rows, then the residual r = b - A x. Shapes [rows].
+  void rise(const PaddedVectors& b, PaddedVectors& x, PaddedVectors& r) const;
+  /// Two by falling rows.
+  void fall(const PaddedVectors& b, PaddedVectors& x) const;
 
  private:
-  Vec3 row_product(Index row, const Eigen::VectorXd& x) const;
+  template <int step>
+  Eigen::Vector4f residual(Index row, const PaddedVectors& b, const PaddedVectors& x) const;
+  template <int step>
+  void relax(Index row, const PaddedVectors& b, PaddedVectors& x) const;
 
   std::vector<Index> first_{0}, column_, diagonal_;
-  std::vector<Mat3> blocks_, inverse_;
+  Index reach_ = 0;            // beyond which no row has an entry
+  std::vector<float> blocks_;  // 9 of each entry by columns, and one more: columns are read by fours
+  std::vector<PaddedMatrix> inverse_;
 };
 
 }  // namespace phymul

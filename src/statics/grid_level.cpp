@@ -2,11 +2,12 @@
 #include "grid_level.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <utility>
 
-#include "base/bounding_box.h"
 #include "elastic/energy_density.h"
-#include "elastic/rotation.h"
+#include "polar_rotation.h"
 
 namespace phymul {
 namespace {
@@ -87,122 +88,91 @@ void add_held(const Vec3& t, const Vec3& held, ByAxis& sum) {
 
 }  // namespace
 
-GridShape GridShape::over(std::span<const Vec3> points, double spacing) {
-  const Eigen::AlignedBox3d box = bounding_box(points);
-  // Tables are of the whole box: one much larger than what is in it gets larger cells.
-  const double most = std::min(1e9, 1e6 + 64.0 * static_cast<double>(points.size()));
-  while (((box.sizes() / spacing).array() + 2.0).prod() > most) spacing *= 1.25;
-  GridShape shape{.origin = box.min()};
-  for (int axis = 0; axis < 3; ++axis) {
-    const double size = box.sizes()[axis];
-    shape.cells[axis] = std::max(1, static_cast<Index>(std::lround(size / spacing)));
-    shape.spacing[axis] = size > 0.0 ? size / shape.cells[axis] : spacing;
+/// Cells and nodes get numbers in the order of their rows.
+void GridLevel::number_cells() {
+  shape_.for_each_place(0, [&](const std::array<Index, 3>& at) {
+    if (cell_of_[shape_.row_of(at, 0)] == none) return;
+    for (int a = 0; a < 8; ++a) node_of_[shape_.row_of(corner_at(at, a), 1)] = 0;
+  });
+  shape_.for_each_place(1, [&](const std::array<Index, 3>& at) {
+    Index& node = node_of_[shape_.row_of(at, 1)];
+    if (node == none) return;
+    node = static_cast<Index>(node_place_.size());
+    node_place_.push_back(shape_.origin + shape_.spacing.cwiseProduct(Vec3(at[0], at[1], at[2])));
+  });
+  shape_.for_each_place(0, [&](const std::array<Index, 3>& at) {
+    Index& known = cell_of_[shape_.row_of(at, 0)];
+    if (known == none) return;
+    known = static_cast<Index>(cells_.size());
+    Cell& cell = cells_.emplace_back();
+    for (int a = 0; a < 8; ++a) cell.node[a] = node_of_[shape_.row_of(corner_at(at, a), 1)];
+  });
+}
+
+/// Domains in cells, by rows of the table of cells.
+void GridLevel::share_out(const TopologyTextures& topology) {
+  for (Index d = 0; d < static_cast<Index>(topology.domains.size()); ++d) {
+    const DomainTexel& domain = topology.domains[d];
+    const Vec3 t = (topology.rest[domain.particle] - shape_.origin).cwiseQuotient(shape_.spacing);
+    std::array<std::array<Index, 2>, 3> range;
+    double share = 1.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto clamped = [&](double value) {
+        return std::clamp(static_cast<Index>(std::floor(value)), Index{0}, shape_.cells[axis] - 1);
+      };
+      range[axis] = {clamped(t[axis] - on_plane), clamped(t[axis] + on_plane)};
+      if (range[axis][0] != range[axis][1]) share *= 0.5;
+    }
+    std::array<Index, 3> at;
+    for (at[2] = range[2][0]; at[2] <= range[2][1]; ++at[2]) {
+      for (at[1] = range[1][0]; at[1] <= range[1][1]; ++at[1]) {
+        for (at[0] = range[0][0]; at[0] <= range[0][1]; ++at[0]) {
+          const std::size_t row = shape_.row_of(at, 0);
+          cell_of_[row] = 0;
+          parts_.push_back({static_cast<Index>(row), d, share / domain.inverse_volume});
+        }
+      }
+    }
   }
-  return shape;
-}
-
-GridShape GridShape::coarser() const {
-  GridShape shape{.origin = origin, .spacing = 2.0 * spacing};
-  for (int axis = 0; axis < 3; ++axis) shape.cells[axis] = (cells[axis] + 1) / 2;
-  return shape;
-}
-
-Index GridLevel::cell_at(const std::array<Index, 3>& at) const {
-  return at[0] + shape_.cells[0] * (at[1] + shape_.cells[1] * at[2]);
-}
-
-Index GridLevel::node_at(const std::array<Index, 3>& at) const {
-  return at[0] + (shape_.cells[0] + 1) * (at[1] + (shape_.cells[1] + 1) * at[2]);
 }
 
 GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, const GridShape& shape)
     : shape_(shape) {
-  const auto& n = shape.cells;
-  cell_of_.assign(static_cast<std::size_t>(n[0]) * n[1] * n[2], none);
-  node_of_.assign(static_cast<std::size_t>(n[0] + 1) * (n[1] + 1) * (n[2] + 1), none);
-  const ByCorners over_cell = spread_over_cell(shape.spacing);
-
-  const auto cell_index = [&](const std::array<Index, 3>& at) {
-    Index& known = cell_of_[cell_at(at)];
-    if (known != none) return known;
-    known = static_cast<Index>(cells_.size());
-    Cell cell;
-    cell.gradient.setZero();
-    cell.spread.setZero();
-    for (int a = 0; a < 8; ++a) {
-      const std::array<Index, 3> corner{at[0] + (a & 1), at[1] + (a >> 1 & 1), at[2] + (a >> 2 & 1)};
-      Index& node = node_of_[node_at(corner)];
-      if (node == none) {
-        node = static_cast<Index>(node_place_.size());
-        node_place_.push_back(shape_.origin + shape_.spacing.cwiseProduct(Vec3(corner[0], corner[1], corner[2])));
-      }
-      cell.node[a] = node;
-    }
-    cells_.push_back(cell);
-    return known;
-  };
-
-  for (Index d = 0; d < static_cast<Index>(topology.domains.size()); ++d) {
-    const DomainTexel& domain = topology.domains[d];
-    const double volume = 1.0 / domain.inverse_volume;
+  cell_of_.assign(shape.rows(0), none);
+  node_of_.assign(shape.rows(1), none);
+  share_out(topology);
+  number_cells();
+  for (Part& part : parts_) {
+    part.cell = cell_of_[part.cell];
+    Cell& cell = cells_[part.cell];
+    const DomainTexel& domain = topology.domains[part.domain];
     Mat3 unit = Mat3::Zero();
     unit(0, 1) = 1.0;
     const double shear = cpu::stress_near_rest<double>(topology.options.strain_energy, domain.energy, unit)(0, 1);
     unit.setZero();
     unit(0, 0) = 1.0;
     const double lame = cpu::stress_near_rest<double>(topology.options.strain_energy, domain.energy, unit)(1, 1);
-    const Vec3 t = (topology.rest[domain.particle] - shape.origin).cwiseQuotient(shape.spacing);
-    std::array<std::array<Index, 2>, 3> range;
-    double share = 1.0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto clamped = [&](double value) {
-        return std::clamp(static_cast<Index>(std::floor(value)), Index{0}, n[axis] - 1);
-      };
-      range[axis] = {clamped(t[axis] - on_plane), clamped(t[axis] + on_plane)};
-      if (range[axis][0] != range[axis][1]) share *= 0.5;
-    }
+    const Vec3 local = place_in(cell, topology.rest[domain.particle]);
+    const Gradient gradient = gradients_at(local, shape.spacing);
+    cell.volume += part.share;
+    cell.shear += part.share * shear;
+    cell.lame += part.share * lame;
+    cell.gradient += part.share * gradient;
+    cell.spread += part.share * shear * products(gradient);
     Vec3 held = Vec3::Zero();
-    for (int axis = 0; axis < 3; ++axis) {
-      const bool holds = !fixed.empty() && (fixed[domain.particle] >> axis & 1) != 0;
-      held[axis] = holds ? hold * shear * std::cbrt(volume) : 0.0;
+    for (int axis = 0; axis < 3 && !fixed.empty(); ++axis) {
+      if ((fixed[domain.particle] >> axis & 1) == 0) continue;
+      held[axis] = hold * shear * part.share * std::cbrt(domain.inverse_volume * domain.inverse_volume);
     }
-    std::array<Index, 3> at;
-    for (at[2] = range[2][0]; at[2] <= range[2][1]; ++at[2]) {
-      for (at[1] = range[1][0]; at[1] <= range[1][1]; ++at[1]) {
-        for (at[0] = range[0][0]; at[0] <= range[0][1]; ++at[0]) {
-          const Index c = cell_index(at);
-          Cell& cell = cells_[c];
-          const Vec3 local = t - Vec3(at[0], at[1], at[2]);
-          const Gradient gradient = gradients_at(local, shape.spacing);
-          const double part = share * volume;
-          parts_.push_back({c, d, part});
-          cell.volume += part;
-          cell.shear += part * shear;
-          cell.lame += part * lame;
-          cell.gradient += part * gradient;
-          cell.spread += part * shear * products(gradient);
-          if (!held.isZero(0.0)) add_held(local, share * held, block_of(cell.held, held_));
-        }
-      }
-    }
+    if (!held.isZero(0.0)) add_held(local, held, block_of(cell.held, held_));
   }
-  std::vector<std::vector<Index>> columns(node_place_.size());
+  const ByCorners over_cell = spread_over_cell(shape.spacing);
   for (Cell& cell : cells_) {
     cell.gradient /= cell.volume;
     cell.spread = spread_of_parts * (cell.spread - cell.shear * products(cell.gradient)) +
                   spread_of_cell * cell.shear * over_cell;
     cell.shear /= cell.volume;
     cell.lame /= cell.volume;
-    for (const Index a : cell.node) {
-      for (const Index b : cell.node) {  // at most 27 in all
-        if (std::ranges::find(columns[a], b) == columns[a].end()) columns[a].push_back(b);
-      }
-    }
-  }
-  for (std::vector<Index>& row : columns) std::ranges::sort(row);
-  stiffness_ = std::make_unique<BlockMatrix>(columns);
-  for (Cell& cell : cells_) {
-    for (int k = 0; k < 64; ++k) cell.entry[k] = stiffness_->entry(cell.node[k / 8], cell.node[k % 8]);
   }
 }
 
@@ -213,20 +183,43 @@ void GridLevel::add_terms(const TopologyTextures& topology, std::span<const Mat3
     const DomainTexel& domain = topology.domains[part.domain];
     if (topology.first_domain[domain.particle] != part.domain || blocks[domain.particle].isZero(0.0)) continue;
     Cell& cell = cells_[part.cell];
-    const Vec3 local = (topology.rest[domain.particle] - node_place_[cell.node[0]]).cwiseQuotient(shape_.spacing);
+    const Vec3 local = place_in(cell, topology.rest[domain.particle]);
     const double share = part.share * domain.inverse_volume;
     add_held(local, share * blocks[domain.particle].diagonal(), block_of(cell.terms, terms_));
   }
 }
 
-void GridLevel::assemble(std::span<const Mat3> gradients) {
+BlockMatrix GridLevel::empty_stiffness() {
+  // Bits of a row: its neighbours, as many as 27, in the order of their numbers.
+  const auto bit_of = [&](int a, int b) {
+    int bit = 0;
+    for (const int axis : shape_.slow_to_fast) bit = 3 * bit + 1 + (b >> axis & 1) - (a >> axis & 1);
+    return bit;
+  };
+  std::vector<std::uint32_t> neighbours(node_place_.size(), 0);
+  for (const Cell& cell : cells_) {
+    for (int k = 0; k < 64; ++k) neighbours[cell.node[k / 8]] |= 1u << bit_of(k / 8, k % 8);
+  }
+  std::vector<Index> first{0};
+  for (const std::uint32_t bits : neighbours) first.push_back(first.back() + std::popcount(bits));
+  std::vector<Index> column(static_cast<std::size_t>(first.back()));
+  for (Cell& cell : cells_) {
+    for (int k = 0; k < 64; ++k) {
+      const Index row = cell.node[k / 8];
+      cell.entry[k] = first[row] + std::popcount(neighbours[row] & ((1u << bit_of(k / 8, k % 8)) - 1));
+      column[cell.entry[k]] = cell.node[k % 8];
+    }
+  }
+  return BlockMatrix(std::move(first), std::move(column));
+}
+
+template <class Visit>
+void GridLevel::for_each_block(std::span<const Mat3> gradients, const Visit& visit) const {
   std::vector<Mat3> turned(cells_.size(), Mat3::Zero());
   for (const Part& part : parts_) turned[part.cell] += part.share * (Mat3::Identity() + gradients[part.domain]);
-  stiffness_->set_zero();
   for (std::size_t c = 0; c < cells_.size(); ++c) {
     const Cell& cell = cells_[c];
-    const Mat3 R = rotation_of(turned[c]);
-    const Gradient g = cell.gradient * R.transpose();  // rows R g_a
+    const Gradient g = cell.gradient * polar_rotation(turned[c]).transpose();  // rows R g_a
     const ByCorners inner = products(g);
     for (int a = 0; a < 8; ++a) {
       const Vec3 ga = g.row(a);
@@ -239,11 +232,26 @@ void GridLevel::assemble(std::span<const Mat3> gradients) {
           if (cell.terms != none) block(axis, axis) += terms_[cell.terms][axis](a, b);
         }
         if (a == b) block.diagonal() *= 1.0 + regularisation;
-        stiffness_->at(cell.entry[8 * a + b]) += block;
+        visit(cell, a, b, block);
       }
     }
   }
-  stiffness_->invert_diagonal();
+}
+
+void GridLevel::assemble(std::span<const Mat3> gradients, BlockMatrix& stiffness) const {
+  stiffness.set_zero();
+  for_each_block(gradients, [&](const Cell& cell, int a, int b, const Mat3& block) {
+    stiffness.at(cell.entry[8 * a + b]) += block.cast<float>();
+  });
+  stiffness.invert_diagonal();
+}
+
+Eigen::MatrixXd GridLevel::dense_stiffness(std::span<const Mat3> gradients) const {
+  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(3 * nodes(), 3 * nodes());
+  for_each_block(gradients, [&](const Cell& cell, int a, int b, const Mat3& block) {
+    if (cell.node[a] >= cell.node[b]) stiffness.block<3, 3>(3 * cell.node[a], 3 * cell.node[b]) += block;
+  });
+  return stiffness;
 }
 
 Eigen::SparseMatrix<double> GridLevel::laplacian(int axis) const {
@@ -280,15 +288,16 @@ GridPlace GridLevel::place_of(const Vec3& point) const {
   for (int axis = 0; axis < 3; ++axis) {
     at[axis] = std::clamp(static_cast<Index>(std::floor(t[axis])), Index{0}, shape_.cells[axis] - 1);
   }
-  GridPlace place{.node = {}, .weight = weights_at(t - Vec3(at[0], at[1], at[2]))};
+  GridPlace place;
+  std::array<double, 8> weight = weights_at(t - Vec3(at[0], at[1], at[2]));
   double sum = 0.0;
   for (int a = 0; a < 8; ++a) {
-    const Index node = node_of_[node_at({at[0] + (a & 1), at[1] + (a >> 1 & 1), at[2] + (a >> 2 & 1)})];
+    const Index node = node_of_[shape_.row_of(corner_at(at, a), 1)];
     place.node[a] = std::max(node, Index{0});
-    if (node == none) place.weight[a] = 0.0;
-    sum += place.weight[a];
+    if (node == none) weight[a] = 0.0;
+    sum += weight[a];
   }
-  for (double& weight : place.weight) weight /= sum;
+  for (int a = 0; a < 8; ++a) place.weight[a] = static_cast<float>(weight[a] / sum);
   return place;
 }
 

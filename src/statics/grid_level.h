@@ -12,28 +12,18 @@
 #include <Eigen/SparseCore>
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
 #include "block_matrix.h"
+#include "grid_shape.h"
 
 namespace phymul {
 
 /// Nodes around a place and their weights, which sum to 1.
 struct GridPlace {
   std::array<Index, 8> node;
-  std::array<double, 8> weight;
-};
-
-/// The box that all grids share, and the cells of the finest.
-struct GridShape {
-  Vec3 origin{0, 0, 0}, spacing{0, 0, 0};  ///< m
-  std::array<Index, 3> cells{1, 1, 1};
-
-  /// Cells of about `spacing`, m, over the box of the points.
-  static GridShape over(std::span<const Vec3> points, double spacing);
-  GridShape coarser() const;  ///< twice the spacing; beyond the box where a number of cells is odd
+  std::array<float, 8> weight;
 };
 
 class GridLevel {
@@ -43,8 +33,11 @@ class GridLevel {
 
   /// From the next assemble() on with terms of these blocks, RestTerm::add_diagonal(), as if all ended at the world.
   void add_terms(const TopologyTextures& topology, std::span<const Mat3> blocks);
-  /// Turns the cells: `gradients` as Tangent::linearise. To be called once before the others.
-  void assemble(std::span<const Mat3> gradients);
+  /// The stiffness of cells that have turned: `gradients` as Tangent::linearise. Rows are nodes.
+  void assemble(std::span<const Mat3> gradients, BlockMatrix& stiffness) const;
+  /// The same as a dense matrix, [3 nodes, 3 nodes], of which only the lower triangle is set.
+  Eigen::MatrixXd dense_stiffness(std::span<const Mat3> gradients) const;
+  BlockMatrix empty_stiffness();  ///< what assemble() takes
 
   /// Of the problem: find the displacement along an axis whose gradients are, in the mean, given ones, 0 where
   /// particles are held. The lower triangle, [nodes, nodes].
@@ -55,34 +48,41 @@ class GridLevel {
   Index nodes() const { return static_cast<Index>(node_place_.size()); }
   GridPlace place_of(const Vec3& point) const;  ///< nodes that are not there have weight 0
   const Vec3& node_place(Index node) const { return node_place_[node]; }
-  const BlockMatrix& stiffness() const { return *stiffness_; }
 
  private:
   using ByAxis = std::array<Eigen::Matrix<double, 8, 8>, 3>;
   struct Cell {
     std::array<Index, 8> node;
-    std::array<Index, 64> entry;           // of the matrix
-    double volume = 0.0;                   // m^3, of its material
-    double shear = 0.0, lame = 0.0;        // Pa, means
-    Eigen::Matrix<double, 8, 3> gradient;  // mean of the nodes' functions, 1/m
-    Eigen::Matrix<double, 8, 8> spread;    // N/m, what the mean leaves out
-    Index held = none, terms = none;       // in held_ and terms_
+    std::array<Index, 64> entry;     // of the matrix of assemble()
+    double volume = 0.0;             // m^3, of its material
+    double shear = 0.0, lame = 0.0;  // Pa, means
+    /// Mean of the gradients of the nodes' functions, 1/m.
+    Eigen::Matrix<double, 8, 3> gradient = Eigen::Matrix<double, 8, 3>::Zero();
+    /// N/m, what the mean leaves out.
+    Eigen::Matrix<double, 8, 8> spread = Eigen::Matrix<double, 8, 8>::Zero();
+    Index held = none, terms = none;  // in held_ and terms_
   };
   struct Part {  // of a domain in a cell
     Index cell, domain;
     double share;
   };
 
-  Index cell_at(const std::array<Index, 3>& at) const;
-  Index node_at(const std::array<Index, 3>& at) const;
+  /// Calls visit(cell, a, b, block) for the corners a and b of all cells.
+  template <class Visit>
+  void for_each_block(std::span<const Mat3> gradients, const Visit& visit) const;
+  void share_out(const TopologyTextures& topology);
+  void number_cells();
+  /// In [0, 1]^3.
+  Vec3 place_in(const Cell& cell, const Vec3& point) const {
+    return (point - node_place_[cell.node[0]]).cwiseQuotient(shape_.spacing);
+  }
 
   GridShape shape_;
-  std::vector<Index> node_of_, cell_of_;  // of the whole grid; none
+  std::vector<Index> node_of_, cell_of_;  // by GridShape::row_of(); none
   std::vector<Vec3> node_place_;
   std::vector<Cell> cells_;
   std::vector<Part> parts_;
   std::vector<ByAxis> held_, terms_;  // N/m, of particles that are held, and of terms
-  std::unique_ptr<BlockMatrix> stiffness_;
 };
 
 }  // namespace phymul

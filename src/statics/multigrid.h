@@ -5,10 +5,11 @@
 // rest before and after; the others are grids (grid_level.h), smoothed by Gauss-Seidel, the coarsest solved directly.
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <span>
 #include <vector>
 
-#include "block_cholesky.h"
+#include "block_matrix.h"
 #include "grid_level.h"
 #include "rest_term.h"
 #include "tangent.h"
@@ -20,8 +21,10 @@ std::vector<Mat3> diagonal_at_rest(const TopologyTextures& topology);
 
 class Multigrid {
  public:
-  /// Of the free coordinates. `fixed` [N]: as LoadFrame::fixed, or empty. Keeps references to the arguments.
-  Multigrid(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, Tangent& tangent, RestTerms terms);
+  /// Of the free coordinates. `fixed` [N]: as LoadFrame::fixed, or empty. `diagonal`: diagonal_at_rest(). Keeps
+  /// references to the arguments.
+  Multigrid(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, std::span<const Mat3> diagonal,
+            Tangent& tangent, RestTerms terms);
 
   /// Takes the terms' stiffness as it is now, if it has changed by much since it last did; returns whether. Then
   /// turn() and estimate_largest() are to be called.
@@ -47,24 +50,30 @@ class Multigrid {
   struct Coarse {
     GridLevel level;
     std::vector<GridPlace> finer;  // of particles, or of the nodes of the level before
-    Eigen::VectorXd b, x, r;
+    BlockMatrix stiffness;         // not of the coarsest
+    PaddedVectors b, x, r;
   };
 
-  void scale(const Eigen::VectorXd& r, Eigen::VectorXd& z) const;
+  void apply(const PaddedVectors& d, PaddedVectors& result);
+  void scale(const PaddedVectors& r, PaddedVectors& z) const;
   void cycle(std::size_t level);
+  void solve_coarsest();
 
   const TopologyTextures& topology_;
   Tangent& tangent_;
   RestTerms terms_;
   Eigen::VectorXd free_;
-  std::vector<Mat3> diagonal_;        // at rest, without terms
-  std::vector<Mat3> of_terms_;        // RestTerm::add_diagonal() that the levels have
-  std::vector<Mat3> turned_inverse_;  // of both, the first turned with the particles
-  double largest_ = 1.0;              // eigenvalue of the scaled K
+  PaddedVectors padded_free_;
+  std::span<const Mat3> diagonal_;            // at rest, without terms
+  std::vector<Mat3> of_terms_;                // RestTerm::add_diagonal() that the levels have
+  std::vector<PaddedMatrix> turned_inverse_;  // of both, the first turned with the particles
+  double typical_stiffness_ = 0.0;            // N/m, of a particle
+  float largest_ = 1.0f;                      // eigenvalue of the scaled K
   std::vector<Coarse> coarse_;
-  BlockCholesky direct_;  // of the coarsest level
+  Eigen::LLT<Eigen::MatrixXd> direct_;  // of the coarsest level
   int evaluations_ = 0;
-  Eigen::VectorXd strongest_, residual_, correction_, image_, scaled_;
+  PaddedVectors strongest_, of_r_, of_z_, image_, residual_, scaled_;
+  Eigen::VectorXd coarsest_, of_d_, of_image_;
 };
 
 }  // namespace phymul

@@ -20,16 +20,17 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-constexpr double first_goal = 0.1;      ///< of a linear residual, before the true one is looked at
-constexpr double worth_while = 0.3;     ///< a linear residual below this share of the true one's deviation is in vain
-constexpr double share_of_rest = 0.8;   ///< of the tolerance, for the linear residual
-constexpr double share_of_miss = 0.1;   ///< of the miss of terms, for residuals before they are raised
-constexpr double share_of_idle = 0.01;  ///< of the goal: a free motion with a smaller residual is left alone
-constexpr double balanced = 1e-8;       ///< of the loads: likewise
-constexpr int most_iterations = 60;     ///< of conjugate gradients
-constexpr double most_change = 0.75;    ///< of a mean gradient in one step: rotation in rad, strain
-constexpr double most_way = 0.25;       ///< of a particle in one step, in sizes of the body
-constexpr double little_change = 0.05;  ///< up to which the preconditioner stays
+constexpr double first_goal = 0.1;   ///< of a linear residual, before the true one is looked at
+constexpr double worth_while = 0.3;  ///< a linear residual below this share of the true one's deviation is in vain
+constexpr double worth_while_predicted = 0.7;  ///< likewise if it is predicted, which is mostly too low
+constexpr double share_of_rest = 0.8;          ///< of the tolerance, for the linear residual
+constexpr double share_of_miss = 0.1;          ///< of the miss of terms, for residuals before they are raised
+constexpr double share_of_idle = 0.01;         ///< of the goal: a free motion with a smaller residual is left alone
+constexpr double balanced = 1e-8;              ///< of the loads: likewise
+constexpr int most_iterations = 60;            ///< of conjugate gradients
+constexpr double most_change = 0.75;           ///< of a mean gradient in one step: rotation in rad, strain
+constexpr double most_way = 0.25;              ///< of a particle in one step, in sizes of the body
+constexpr double little_change = 0.05;         ///< up to which the preconditioner stays
 constexpr int first_power_steps = 3, power_steps = 2;
 constexpr Index path_nodes = 600;
 constexpr int most_trials = 12;  ///< of a line search
@@ -40,14 +41,14 @@ constexpr double energy_rounding = 1e-11;  ///< of an energy
 class Search {
  public:
   Search(const TopologyTextures& topology, const LoadFrame& loads, RestTerms terms,
-         std::span<const ConnectedBody> loose, VecList& position)
+         std::span<const ConnectedBody> loose, std::span<const Mat3> diagonal, VecList& position)
       : topology_(topology),
         loads_(loads),
         terms_(terms),
         idle_(loose, loads, terms),
         position_(position),
         tangent_(make_tangent(topology)),
-        grid_(topology, loads.fixed, *tangent_, terms),
+        grid_(topology, loads.fixed, diagonal, *tangent_, terms),
         path_(topology, grid_.finest_of(path_nodes)),
         load_(3 * topology.particle_count),
         force_(position.size()),
@@ -67,6 +68,10 @@ class Search {
     most_evaluations_ = most_evaluations;
     RestSearchEnd end;
     residual_at(position_, residual_, gradients_);
+    if (position_ == topology_.rest) {
+      energy_ = 0.0;
+      for (const RestTerm* term : terms_) *energy_ += term->energy(position_);
+    }
     while (true) {
       const bool imposes = find_way_to_targets();
       const double law = tolerance * scale_ + floor_, miss = miss_of_terms();
@@ -171,7 +176,7 @@ class Search {
   }
 
   /// Solves K d = r for the direction d: first roughly, then further if the true residual at the end of d follows the
-  /// linear one.
+  /// linear one. By how much it deviates is known from the last step, or found by going there.
   void find_direction(bool imposes) {
     direction_ = imposed_way_;
     Vector r = residual_, z;
@@ -188,7 +193,11 @@ class Search {
       grid_.solve(r, z);
       idle_.remove(z);
       const bool goes_on = k > 0 || (keeps_way_ && !imposes);
-      way_ = goes_on ? Vector(z - z.dot(image_of_way_) / curvature_ * way_) : z;
+      if (goes_on) {
+        way_ = z - z.dot(image_of_way_) / curvature_ * way_;
+      } else {
+        way_ = z;
+      }
       grid_.apply(way_, image_of_way_);
       idle_.remove(image_of_way_);
       curvature_ = way_.dot(image_of_way_);
@@ -203,19 +212,25 @@ class Search {
       if (r.norm() <= goal) {
         if (looked) break;
         looked = true;
-        find_change();
-        move(1.0);
-        residual_at(trial_, next_residual_, next_gradients_);
-        reached_ = true;
-        goal = std::max(worth_while * (next_residual_ - r).norm(), share_of_rest * goal_);
+        double in_vain = worth_while_predicted * deviation_per_energy_ * direction_.dot(residual_ - r);
+        if (deviation_per_energy_ == 0.0) {
+          find_change();
+          move(1.0);
+          residual_at(trial_, next_residual_, next_gradients_);
+          reached_ = true;
+          in_vain = worth_while * (next_residual_ - r).norm();
+        }
+        goal = std::max(in_vain, share_of_rest * goal_);
         if (r.norm() <= goal) break;
       }
     }
+    left_ = r;
     // What nothing holds but slack springs has a tangent that is as good as singular.
     if (!imposes && !(direction_.dot(residual_) > 0.0)) {
       grid_.solve(residual_, direction_);
       idle_.remove(direction_);
       reached_ = false;
+      left_ = residual_;
     }
     if (!reached_) find_change();
   }
@@ -281,6 +296,9 @@ class Search {
           continue;
         }
       }
+      // Both are of second order in the direction, but for where contacts change.
+      const double energy_of_way = share == 1.0 && terms_.empty() ? direction_.dot(residual_ - left_) : 0.0;
+      deviation_per_energy_ = energy_of_way > 0.0 ? (next_residual_ - left_).norm() / energy_of_way : 0.0;
       take_trial();
       energy_ = energy;
       return true;
@@ -304,7 +322,9 @@ class Search {
   double most_way_ = 0.0;                          // m
   Vector residual_, next_residual_, direction_, imposed_way_, image_, bent_;
   Vector way_, image_of_way_;  // of conjugate gradients
+  Vector left_;                // the linear residual at the end of direction_
   double curvature_ = 0.0;
+  double deviation_per_energy_ = 0.0;  // 1/m: of the true residual from the linear one, in the last step; 0: unknown
   bool keeps_way_ = false;
   bool reached_ = false;  // trial_ and next_residual_ are those at the end of direction_
   std::vector<Mat3> gradients_, next_gradients_, turned_at_, change_;
@@ -325,9 +345,9 @@ double potential_energy(const TopologyTextures& topology, const LoadFrame& loads
 }
 
 RestSearchEnd search_rest(const TopologyTextures& topology, const LoadFrame& loads, RestTerms terms,
-                          std::span<const ConnectedBody> loose, double tolerance, int most_evaluations,
-                          VecList& position) {
-  return Search(topology, loads, terms, loose, position).run(tolerance, most_evaluations);
+                          std::span<const ConnectedBody> loose, std::span<const Mat3> diagonal, double tolerance,
+                          int most_evaluations, VecList& position) {
+  return Search(topology, loads, terms, loose, diagonal, position).run(tolerance, most_evaluations);
 }
 
 }  // namespace phymul

@@ -26,10 +26,11 @@ struct RestSearchEnd {
 /// Takes `position`, [N] m, towards rest under `loads`, as Scene::evaluate() fills them, and terms; until the residual
 /// is at most `tolerance` and terms miss their laws by no more, or after `most_evaluations` (a few more, because a line
 /// search is not broken off). `loose`: the bodies that have free_motions(); along these they stay where the search
-/// begins, unless something drives them. Throws Error for tables beyond the range of single precision.
+/// begins, unless something drives them. `diagonal`: diagonal_at_rest(). Throws Error for tables beyond the range of
+/// single precision.
 RestSearchEnd search_rest(const TopologyTextures& topology, const LoadFrame& loads, RestTerms terms,
-                          std::span<const ConnectedBody> loose, double tolerance, int most_evaluations,
-                          VecList& position);
+                          std::span<const ConnectedBody> loose, std::span<const Mat3> diagonal, double tolerance,
+                          int most_evaluations, VecList& position);
 
 /// N, on particle i of so much mass, kg.
 inline Vec3 load_on(std::span<const double> mass, const LoadFrame& loads, std::size_t i) {

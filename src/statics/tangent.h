@@ -9,6 +9,8 @@
 #include <memory>
 #include <span>
 
+#include "padded_vectors.h"
+
 namespace phymul {
 
 class Tangent {
@@ -18,6 +20,8 @@ class Tangent {
   virtual void linearise(std::span<const Mat3> gradients) = 0;
   /// result = K d, [3 N], m and N; to single precision, relative to the largest numbers around a particle.
   virtual void apply(const Eigen::VectorXd& d, Eigen::VectorXd& result) = 0;
+  /// The same, [N]; the largest numbers should be near 1. Fourth numbers of 0 stay 0.
+  virtual void apply(const PaddedVectors& d, PaddedVectors& result) = 0;
 };
 
 /// By the vector kernels of the backend "cpu" (src/cpu/packed/packed_tangent.cpp), on one thread. `topology` must

@@ -43,7 +43,8 @@ void TurningPath::bend(std::span<const Mat3> at, std::span<const Mat3> change, d
   added.resize(3 * static_cast<Eigen::Index>(places_.size()));
   for (std::size_t i = 0; i < places_.size(); ++i) {
     Vec3 value = Vec3::Zero();
-    for (int a = 0; a < 8; ++a) value += places_[i].weight[a] * at_nodes.segment<3>(3 * places_[i].node[a]);
+    for (int a = 0; a < 8; ++a)
+      value += static_cast<double>(places_[i].weight[a]) * at_nodes.segment<3>(3 * places_[i].node[a]);
     added.segment<3>(3 * static_cast<Eigen::Index>(i)) = value;
   }
 }

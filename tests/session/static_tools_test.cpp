@@ -178,6 +178,15 @@ TEST(StaticTools, TakeAsManyEvaluationsForALargeBodyAsForASmallOne) {
   }
 }
 
+/// Here a contact begins late that is much stiffer than the body around it.
+TEST(StaticTools, ANewContactDoesNotHoldUpTheSearch) {
+  const Tool ball{.shape = Sphere{0.02}, .pose = {.position = {0.04455, 0.0351, 0.065}}};
+  Simulation sim = under(ball, make_block({0.08, 0.08, 0.05}, 17, 17, 11));
+  const StaticResult result = sim.solve_static();
+  EXPECT_TRUE(result.converged()) << result.message();
+  EXPECT_LE(result.evaluations, 250);
+}
+
 TEST(StaticTools, WhatHasNoSuchRestIsRefusedByName) {
   const Tool ball = cases()[0].tool;
   const auto refusal = [](Simulation sim) { return message_of([&] { (void)sim.solve_static(); }); };

@@ -36,7 +36,6 @@ class PackedTangent final : public Tangent {
   }
 
   void apply(const Eigen::VectorXd& d, Eigen::VectorXd& result) override {
-    const DenormalsAreZero guard;
     result.resize(d.size());
     const double largest = d.cwiseAbs().maxCoeff();
     if (!(largest > 0.0) || !std::isfinite(largest)) {
@@ -44,9 +43,28 @@ class PackedTangent final : public Tangent {
       return;
     }
     for (std::size_t place = 0; place < body_->order.size(); ++place) {
-      const Eigen::Index at = 3 * body_->order[place];
-      for (int a = 0; a < 3; ++a) u_[4 * body_->quad_of(place) + a] = static_cast<float>(d[at + a] / largest);
+      displacement(place).head<3>() = (d.segment<3>(3 * body_->order[place]) / largest).cast<float>();
     }
+    find_forces();
+    for (std::size_t place = 0; place < body_->order.size(); ++place) {
+      result.segment<3>(3 * body_->order[place]) = -largest * force(place).head<3>().cast<double>();
+    }
+  }
+
+  void apply(const PaddedVectors& d, PaddedVectors& result) override {
+    for (std::size_t place = 0; place < body_->order.size(); ++place) displacement(place) = d[body_->order[place]];
+    find_forces();
+    for (std::size_t place = 0; place < body_->order.size(); ++place) result[body_->order[place]] = -force(place);
+  }
+
+ private:
+  using Quad = Eigen::Map<Eigen::Vector4f, Eigen::Aligned16>;
+  Quad displacement(std::size_t place) { return Quad(&u_[4 * body_->quad_of(place)]); }
+  Quad force(std::size_t place) { return Quad(&force_[4 * body_->quad_of(place)]); }
+
+  /// From displacements to forces.
+  void find_forces() {
+    const DenormalsAreZero guard;
     const PackedAverages& averages = body_->averages;
     averages.copy_displacements(bytes(u_));
     simd::Averaged job = averages.job(bytes(u_), bytes(stress_), bytes(force_));
@@ -58,14 +76,8 @@ class PackedTangent final : public Tangent {
     kernels_.averaged_tangents[runs][energy][body_->bounded](job, 0, slices);
     kernels_.averaged_forces[runs](job, 0, slices);
     averages.gather_forces(bytes(force_));
-    for (std::size_t place = 0; place < body_->order.size(); ++place) {
-      const Eigen::Index at = 3 * body_->order[place];
-      for (int a = 0; a < 3; ++a)
-        result[at + a] = -largest * static_cast<double>(force_[4 * body_->quad_of(place) + a]);
-    }
   }
 
- private:
   /// Of the constants of a place, column `which` of `columns`.
   float* column(std::size_t place, std::size_t columns, std::size_t which) {
     const auto lanes = static_cast<std::size_t>(body_->lanes);
