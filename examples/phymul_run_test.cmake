@@ -60,6 +60,8 @@ if(ASSIMP)
   run(1 "--plan requires --max-error" ${plan})
   run(0 "steps to rest.*filled with [0-9]+ particles" ${bean} --spacing 0.016 --fine-near 0 0 0.03 0.005 0.008
       --fix-near 0 0 -0.03 0.02 --out ${OUT}/fine_bean)
+  run(0 "steps to rest" ${bean} --spacing 0.012 --hold-near 0 0 -0.03 0.02 --out ${OUT}/held_bean)
+  run(1 "--hold-near: .*no part of the surface" ${bean} --spacing 0.012 --hold-near 1 0 0 0.02 --out ${OUT}/none)
   run(1 "at least an eighth of the spacing" ${bean} --spacing 0.016 --fine-near 0 0 0 0.01 0.001 --out ${OUT}/none)
   run(1 "the nearest is 0.9[0-9]+ m away" ${bean} --spacing 0.012 --fix-near 1 0 0 0.02 --out ${OUT}/none)
   run(1 "bean.stl: a surface is filled; give --spacing" ${bean} --out ${OUT}/none)

@@ -5,10 +5,12 @@
 #include <phymul/lml.h>
 #include <phymul/mesh.h>
 #include <phymul/pml.h>
+#include <phymul/surface_file.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include "surface_body.h"
 
@@ -96,6 +98,11 @@ void fill_scene(const RunOptions& options, const phymul::Model& model, phymul::S
   for (std::size_t k = 0; k < options.fixed_balls.size(); k += 4) {
     scene.fix(particles_in_ball(model, &options.fixed_balls[k], "--fix-near"));
   }
+  std::optional<phymul::Surface> surface;
+  if (!options.held_balls.empty() && is_surface(options.body)) {
+    surface = phymul::read_surface(options.body, length_unit(options));
+  }
+  hold_in_balls(scene, surface ? &*surface : nullptr, options.spacing, options.held_balls);
   for (const GroupVector& force : options.forces) {
     std::vector<phymul::Index> members = model.group(force.group);
     const double share = 1.0 / static_cast<double>(members.size());

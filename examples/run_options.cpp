@@ -116,6 +116,11 @@ void add_body_options(CLI::App& app, RunOptions& options) {
       ->option_text("X Y Z RADIUS")
       ->type_size(4)
       ->allow_extra_args(false);
+  app.add_option("--hold-near", options.held_balls,
+                 "hold the part of the surface in a ball, m; may be given several times")
+      ->option_text("X Y Z RADIUS")
+      ->type_size(4)
+      ->allow_extra_args(false);
   add_of_groups<4>(app, "--group", "NAME=X,Y,Z,RADIUS", "tumour=0.02,0,0.01,0.008",
                    "a group more: the particles in a ball, m; may be given several times",
                    [&options](const std::string& name, const std::array<double, 4>& it) {

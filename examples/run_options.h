@@ -42,6 +42,7 @@ struct RunOptions {
   std::vector<GroupVector> moves;   ///< m, imposed displacement of the group
   std::vector<std::string> fixed_groups;
   std::vector<double> fixed_balls;  ///< m, each x y z radius
+  std::vector<double> held_balls;   ///< the same, of the surface
   std::vector<double> gravity;      ///< m/s^2, three or none
 
   std::string backend = "auto";

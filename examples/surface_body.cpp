@@ -4,6 +4,7 @@
 #include <phymul/error.h>
 #include <phymul/label_file.h>
 #include <phymul/surface_file.h>
+#include <phymul/surface_patch.h>
 
 #include <algorithm>
 #include <cctype>
@@ -89,4 +90,23 @@ std::vector<phymul::Index> particles_in_ball(const phymul::Model& model, const d
     throw phymul::Error(option + ": no particle is so near; the nearest is " + std::to_string(nearest) + " m away");
   }
   return found;
+}
+
+void hold_in_balls(phymul::Scene& scene, const phymul::Surface* surface, double spacing,
+                   const std::vector<double>& balls) {
+  if (balls.empty()) return;
+  if (surface == nullptr) {
+    throw phymul::Error(
+        "--hold-near: expected a surface that is filled; --fix-near holds the particles of other bodies");
+  }
+  for (std::size_t k = 0; k < balls.size(); k += 4) {
+    const phymul::Vec3 centre(balls[k], balls[k + 1], balls[k + 2]);
+    const double radius = balls[k + 3];
+    const auto inside = [&](const phymul::Vec3& at) { return (at - centre).norm() <= radius; };
+    try {
+      scene.hold(phymul::sample_surface(*surface, spacing / 3.0, inside));
+    } catch (const phymul::Error& error) {
+      throw phymul::Error("--hold-near: " + std::string(error.what()));
+    }
+  }
 }

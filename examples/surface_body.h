@@ -4,6 +4,7 @@
 #pragma once
 
 #include <phymul/body.h>
+#include <phymul/scene.h>
 
 #include <string>
 #include <vector>
@@ -23,6 +24,12 @@ bool is_label_image(const std::string& path);
 /// option's name if there are none.
 std::vector<phymul::Index> particles_in_ball(const phymul::Model& model, const double* ball,
                                              const std::string& option = "--fix-near");
+
+/// Holds the parts of a surface that are in the balls, m, each x y z radius, as Scene::hold(). `spacing`: of the body
+/// that fills it. Throws phymul::Error that begins with "--hold-near: " if there are balls but no surface, or no part
+/// of it is inside.
+void hold_in_balls(phymul::Scene& scene, const phymul::Surface* surface, double spacing,
+                   const std::vector<double>& balls);
 
 /// fine_balls: m, each x y z radius spacing, as fine_near(). Throws phymul::Error as read_surface(), make_body() and
 /// fine_near() do, and where the spacing is 0: none was given.

@@ -92,6 +92,11 @@ std::optional<ViewOptions> read_view_options(int argc, char** argv, int& exit_co
       ->option_text("X Y Z RADIUS")
       ->type_size(4)
       ->allow_extra_args(false);
+  app.add_option("--hold-near", options.held_balls,
+                 "hold the part of the surface in a ball, m; may be given several times")
+      ->option_text("X Y Z RADIUS")
+      ->type_size(4)
+      ->allow_extra_args(false);
   app.add_option("--backend", options.backend, "solver by name")->capture_default_str();
   app.add_flag("--from-file", options.from_file, "masses and stiffnesses of the file, no material");
   app.add_option("--young", options.material.young, "Young's modulus, Pa")->capture_default_str();

@@ -16,6 +16,7 @@ struct ViewOptions {
   std::string loads;              ///< .lml; empty: none
   std::vector<std::string> fixed_groups;
   std::vector<double> fixed_balls;  ///< m, each x y z radius
+  std::vector<double> held_balls;   ///< the same, of the surface
   std::string backend = "auto";
   bool from_file = false;  ///< masses and stiffnesses of the file instead of the material
   phymul::Material material{.young = 10e3, .poisson = 0.3, .density = 1000.0};

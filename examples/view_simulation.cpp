@@ -28,6 +28,7 @@ Simulation::Simulation(const ViewBody& body, const ViewOptions& options)
   for (std::size_t k = 0; k < options.fixed_balls.size(); k += 4) {
     scene_.fix(particles_in_ball(model_, &options.fixed_balls[k]));
   }
+  hold_in_balls(scene_, body.surface ? &*body.surface : nullptr, options.spacing, options.held_balls);
   spectrum_ = estimate_spectrum(*topology_, topology_->rest);
   use(options.backend);
 }

@@ -44,6 +44,21 @@ TEST(GuideOrgans, AreFineWhereItMattersAndShowTheirSurface) {
   EXPECT_NEAR(surface.vertices[0].z() - vertices[0].z(), 0.5 * 9.81 * 0.05 * 0.05, 1e-3);
 }
 
+TEST(GuideOrgans, AreHeldByTheirSurface) {
+  const phymul::Surface surface = ball();
+  phymul::Simulation sim(phymul::make_body(surface, {.spacing = 0.008}),
+                         {.material = {.young = 5e3, .poisson = 0.45, .density = 1000}, .backend = "cpu"});
+  sim.scene().gravity({0, 0, -9.81});
+
+  const auto below = [](const phymul::Vec3& place) { return place.z() < -0.0254; };
+  sim.scene().hold(phymul::sample_surface(surface, 0.002, below));  // points 2 mm apart: a third of the spacing
+
+  ASSERT_TRUE(sim.run_to_rest().converged());
+  const phymul::Vec3 force = sim.report_of(sim.scene().joint("joint 1")).force;
+  const double weight = 9.81 * 1000 * 4.0 / 3.0 * 3.14159 * 0.04 * 0.04 * 0.04;
+  EXPECT_NEAR(std::abs(force.z()), weight, 0.02 * weight);
+}
+
 TEST(GuideOrgans, ComeFromSolids) {
   const phymul::Solid lobe = phymul::solid_ellipsoid({0, 0, 0}, {0.06, 0.04, 0.03});
   const phymul::Solid vessel = phymul::solid_capsule({-0.1, 0, 0}, {0.1, 0, 0}, 0.008);
