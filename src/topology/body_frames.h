@@ -15,7 +15,7 @@ struct BodyFrame {
   Mat3 axes = Mat3::Identity();  ///< columns
 };
 
-/// Calls what it is given for every two particles that belong together.
+/// A function that calls its argument with the numbers of each two particles that belong together.
 using ParticlePairs = std::function<void(const std::function<void(Index, Index)>&)>;
 
 /// Frames of the parts that no pair joins.
