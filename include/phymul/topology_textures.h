@@ -172,7 +172,7 @@ struct TopologyTextures {
 };
 
 /// Hash (FNV-1a, 64 bits) of the constants and indices of the tables. It depends on material, rest shape, masses,
-/// options and order of the particles. It is the same in all versions, because files contain it.
+/// options and order of the particles. Files contain it; it is the same on every system.
 std::uint64_t fingerprint(const TopologyTextures& topology);
 
 }  // namespace phymul

@@ -19,8 +19,10 @@ class SharedRows {
 
   /// Row of the table where the links of domain d begin.
   Index add(Index d, const std::vector<Link>& links) {
-    // In a lattice they are mostly those of the domain before.
-    if (before_ != none && is(before_, links)) return rows_[before_].first;
+    // In a lattice they are mostly those of the domain before. Domains of two materials share none, because a factor of
+    // Scene::scale_stiffness() is of one.
+    const bool same_material = d > 0 && domains_.material[d] == domains_.material[d - 1];
+    if (same_material && is(before_, links)) return rows_[before_].first;
     Index& latest = latest_[domains_.kind[d]];
     int compared = 0;
     for (Index row = latest; row != none && compared < most_compared; row = rows_[row].earlier, ++compared) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "elastic/scaled_tables.h"
 #include "support/bodies.h"
 
 namespace phymul::test {
@@ -71,7 +72,29 @@ TEST(AlikeDomains, HaveTheConstantsOfDomainsThatShareNothing) {
   }
 }
 
-/// Coordinates are rounded to 1e-9 of a cell there, so that domains which should be alike are not.
+/// Materials that differ in density alone have equal links; a factor of one must not reach the other's.
+TEST(AlikeDomains, OfTwoMaterialsShareNoLinks) {
+  Model model = make_block({8, 8, 8}, 8, 8, 8);
+  const Material one{.young = 1e4, .poisson = 0.3, .density = 1000.0};
+  Material other = one;
+  other.density = 1100.0;
+  set_material(model, one);
+  set_material(model, other, [](const Vec3& p) {
+    return (static_cast<int>(p.x()) + static_cast<int>(p.y()) + static_cast<int>(p.z())) % 2 == 0;
+  });
+  const TopologyTextures t = build_topology(model);
+  jitter(model, 0.02, 3);
+  const std::vector<double> factors{1.0, 10.0};
+  VecList wanted(t.rest.size()), found(t.rest.size());
+  elastic_forces(t, model.rest, wanted, factors);
+  ScaledTables scaled;
+  elastic_forces(scaled.of(t, factors), model.rest, found);
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    ASSERT_LE((found[i] - wanted[i]).norm(), 1e-12 * largest_norm(wanted)) << i;
+  }
+}
+
+/// Coordinates are rounded to 1e-9 of a cell there, so that most domains which should be alike are not.
 TEST(AlikeDomains, LeaveNothingInsideFarFromTheOrigin) {
   Model block = make_block({0.06, 0.06, 0.06}, 6, 6, 6);
   for (Vec3& place : block.rest) place += Vec3(1e5 + 0.1, -2e5 - 0.3, 5e4 + 0.7);
