@@ -197,7 +197,7 @@ class Scene {
   /// patch alone; particles that fix() holds are those that happen to lie there, and the result changes with them. The
   /// joint has a spring for each point, between the cell that it is in and its place at rest. The stiffness per area is
   /// 18 E / h: Young's modulus and the distance of neighbours at the patch. The stable step becomes shorter by a fifth
-  /// to two fifths. Throws Error for a 2-D body or one without a material, for points farther than two cells from it,
+  /// to a half. Throws Error for a 2-D body or one without a material, for points farther than two cells from it,
   /// and for areas that are not above 0 and finite or are not as many as the points.
   JointHandle hold(const SurfacePatch& patch) &;
 

@@ -9,6 +9,7 @@
 //   neighbours  per row: particle number                                (rows X ... X + Nc - 1 belong to one particle)
 //   bases       per row: particles a, b, c and the height beta          (rows X' ... X' + Bc - 1)
 //   alpha       per row of `neighbours`: alpha_ij
+// The last three have no rows, and Nc is 0, where no particle has a base: in bodies with a material and of springs.
 // Other tables are empty unless the options need them. Integers are stored as integers: a float holds them only to
 // 2^24.
 #pragma once

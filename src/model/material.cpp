@@ -20,7 +20,7 @@ namespace {
 constexpr Index usual_neighbours = 20;
 
 /// Sums density * volume / vertices over the cells that have a material. A particle in none of them keeps its mass.
-/// Throws before it changes anything.
+/// An Error leaves the model as it was.
 void sum_masses(Model& model) {
   std::vector<double> mass(model.rest.size(), 0.0);
   for (std::size_t row = 0; row < model.cells.size(); ++row) {
@@ -49,7 +49,7 @@ void sum_masses(Model& model) {
   if (kept > 0) model.notes.push_back("set_material: " + std::to_string(kept) + std::string(without));
 }
 
-/// Gives the material to the solid cells whose rows `chosen` accepts; what it throws leaves the model as it was.
+/// Gives the material to the solid cells whose rows `chosen` accepts; an Error leaves the model as it was.
 template <class Predicate>
 void assign(Model& model, const Material& material, const std::string& nothing_chosen, Predicate chosen) {
   validate(model);

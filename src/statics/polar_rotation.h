@@ -11,7 +11,7 @@
 
 namespace phymul {
 
-/// rotation_of(F), in a fifth of the time unless F is nearly flat or inside out: by Newton's method for the polar
+/// rotation_of(F), sooner unless F is nearly flat or inside out: by Newton's method for the polar
 /// decomposition (N. Higham, SIAM J. Sci. Stat. Comput. 7 (1986) 1160-1174).
 inline Mat3 polar_rotation(const Mat3& F) {
   constexpr double flat = 0.05;  // of the determinant of a matrix of the same norm that is a multiple of a rotation

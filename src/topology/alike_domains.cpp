@@ -10,9 +10,9 @@
 namespace phymul {
 namespace {
 
-/// Two places count as the same if they differ by less than this share of the distances. Coordinates of a lattice have
-/// a tenth of it where they are a thousand cells from the origin. Sums of links that should be zero must stay below
-/// the `rounding` of domain_links.cpp.
+/// Two places count as the same if they differ by less than this share of their distance from the domain's own.
+/// Coordinates of a lattice have a tenth of it where they are a thousand cells from the origin. Sums of links that
+/// should be zero must stay below the `rounding` of domain_links.cpp.
 constexpr double same_place = 1e-12;
 
 /// Kinds of one key that a domain is compared with, the first ones: where no two are alike the search must end.

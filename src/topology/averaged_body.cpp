@@ -30,9 +30,9 @@ bool solid(const Model& model, Index row) {
   return is_solid(model.dimension, model.cells[row].type);
 }
 
-/// Calls visit(domains of its vertices, its points, is_own) for every solid cell around the domains that `chosen`
-/// accepts, from two threads, each with one half of them for its own and the cells around them. Who visits writes rows
-/// of its own domains only; these see the cells in their order.
+/// Calls visit(domains of the vertices, points, is_own) for every solid cell that has a domain which `chosen` accepts.
+/// Two threads do it, each for one half of the domains. A visit writes to rows of domains that is_own accepts, and to
+/// no others; a domain is given its cells in their order.
 template <class Chosen, class Visit>
 void for_each_cell(const Model& model, const Domains& domains, const Chosen& chosen, const Visit& visit) {
   in_halves(domains.count(), domains.host, [&](int, Index first, Index last) {

@@ -58,6 +58,8 @@ class SharedRows {
 void add_links(const Domains& domains, const PairStiffness& stiffness, TopologyTextures& topology) {
   SharedRows<LinkTexel> rows(domains, topology.links);
   SharedRows<SurfaceLinkTexel> surface_rows(domains, topology.surface_links);
+  // Where few domains are alike most rows are stored, and a table that grows would be copied again and again.
+  if (2 * domains.first_of_kind.size() > domains.particle.size()) topology.links.reserve(domains.pairs.entry.size());
   std::vector<LinkTexel> links;
   std::vector<SurfaceLinkTexel> surface_links;
   // Where row e has d: both rows are in increasing order, so that it is where the row has been read to.
