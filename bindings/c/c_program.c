@@ -170,6 +170,9 @@ static const char* interact(phymul_simulation* sim, const int32_t* top, int32_t 
   const phymul_joint_options ligament = {.size = sizeof ligament, .stiffness = 1e5, .damping = 50, .slack = 1};
   const double offset[3] = {0, 0, 0.01};
   DO(phymul_attach(sim, top, top_count, NULL, 0, offset, &ligament, &joint))
+  const char* said = NULL;
+  DO(phymul_add_body_types(sim, &said))
+  if (!said || *said) return "a body without components has body types";
 
   const double points[9] = {0.004, 0.004, 0.03, 0.022, 0.004, 0.03, 0.004, 0.022, 0.03};
   const int32_t triangle[3] = {0, 1, 2};

@@ -32,7 +32,7 @@ struct phymul_body {
 struct phymul_simulation {
   phymul::Simulation simulation;
   phymul::VecList positions{}, velocities{}, forces{};  // [N] from the first call on: their memory never moves
-  std::string message{}, warnings{}, backend{};
+  std::string message{}, warnings{}, backend{}, body_types{};
 };
 
 struct phymul_snapshot {

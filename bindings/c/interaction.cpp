@@ -176,6 +176,30 @@ phymul_status phymul_attach(phymul_simulation* sim, const int32_t* particles, in
   });
 }
 
+phymul_status phymul_hold_near(phymul_simulation* sim, const double* vertices, int32_t vertex_count,
+                               const int32_t* triangles, int32_t triangle_count, const double centre[3], double radius,
+                               double spacing, uint64_t* joint) {
+  return guarded([&] {
+    need(joint, "a place for the joint");
+    const Surface surface{.vertices = vectors(vertices, vertex_count, "vertices"),
+                          .triangles = triples(triangles, triangle_count, "triangles"),
+                          .notes = {}};
+    const Vec3 middle = vector(centre, "a centre");
+    const SurfacePatch patch =
+        sample_surface(surface, spacing, [&](const Vec3& place) { return (place - middle).norm() <= radius; });
+    *joint = need(sim, "a simulation").simulation.scene().hold(patch).id();
+  });
+}
+
+phymul_status phymul_add_body_types(phymul_simulation* sim, const char** sentences) {
+  return guarded([&] {
+    need(sentences, "a place for the sentences");
+    phymul_simulation& own = need(sim, "a simulation");
+    own.body_types = lines(add_body_types(own.simulation.scene()));
+    *sentences = own.body_types.c_str();
+  });
+}
+
 phymul_status phymul_joint_remove(phymul_simulation* sim, uint64_t joint) {
   return guarded([&] {
     Scene& scene = need(sim, "a simulation").simulation.scene();

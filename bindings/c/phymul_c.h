@@ -324,6 +324,14 @@ PHYMUL_API phymul_status phymul_joint_add(phymul_simulation* sim, const phymul_a
 PHYMUL_API phymul_status phymul_attach(phymul_simulation* sim, const int32_t* particles, int32_t count,
                                        const char* group, uint64_t tool, const double offset[3],
                                        const phymul_joint_options* options, uint64_t* joint);
+// Scene::hold: holds the part of a surface in a ball, in all directions. The surface may be that which the body was
+// made from; `spacing`, m: a third of the body's.
+PHYMUL_API phymul_status phymul_hold_near(phymul_simulation* sim, const double* vertices, int32_t vertex_count,
+                                          const int32_t* triangles, int32_t triangle_count, const double centre[3],
+                                          double radius, double spacing, uint64_t* joint);
+// add_body_types: what the components of a .pml file are by their bodyType. `sentences`: what was added, a line each;
+// valid until the next call of the same with this simulation.
+PHYMUL_API phymul_status phymul_add_body_types(phymul_simulation* sim, const char** sentences);
 PHYMUL_API phymul_status phymul_joint_remove(phymul_simulation* sim, uint64_t joint);
 PHYMUL_API phymul_status phymul_joint_set(phymul_simulation* sim, uint64_t joint, double stiffness, double damping);
 PHYMUL_API phymul_status phymul_joint_read(phymul_simulation* sim, uint64_t joint, phymul_joint_report* report);

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <iosfwd>
 #include <string>
+#include <vector>
 
 namespace phymul {
 
@@ -18,15 +19,29 @@ struct PmlOptions {
   std::size_t max_bytes = std::size_t{4} << 30;  ///< larger files are refused
 };
 
+class Scene;
+
 /// Reads a body. Neighbourhoods come from the structuralComponent "Neighborhoods" where there is one, else from the
-/// cells. Mass and stiffness: atom, then its neighbourhood cell, then that cell's component, then the default, which is
-/// noted with its value (the stiffness where no cell has a material): 1 kg a particle is nobody's tissue. Cells are
+/// cells. Mass and stiffness: atom, then its neighbourhood cell, then that cell's component, then a component with a
+/// bodyType (its mass), then the default, which is noted with its value (the stiffness where no cell has a material):
+/// 1 kg a particle is nobody's tissue. A material without a density gets that of its masses, which is noted. Cells are
 /// oriented and the mesh is checked (check.h); what was found stands in Model::notes. Throws Error
 /// ("file:line: expected ..., got ...; do ...") and leaves nothing behind.
 Model read_pml(const std::string& path, const PmlOptions& options = {});
 
 /// The same from memory; `source` stands for the file name in messages.
 Model read_pml_text(std::string text, const std::string& source, const PmlOptions& options = {});
+
+/// Adds what the components of scene.model() are by their attribute bodyType, as in the scenes of SOFA's reader of PML:
+/// - "rigid", or any other body with mass="0": its particles are held where they are.
+/// - "stiffSpring": a joint with the component's name, and a spring along each edge and each long diagonal of a
+///   hexahedron of its cells without a material; stiffness in N/m and damping in N s/m (0 if omitted) are attributes.
+/// - "interaction": the same along its lines, from a particle of the component that body1 names to one of body2.
+/// - "FEM": nothing, because the materials are in the model.
+/// Contacts are switched on, with their defaults, if two of these components have collision="true".
+/// Returns a sentence for each of these components; none in a file without them. Throws Error, and changes nothing, for
+/// springs without a stiffness, lines that do not join the named bodies, and as Scene::add_joint().
+std::vector<std::string> add_body_types(Scene& scene);
 
 /// Writes the model so that read_pml with the same options gives an equal one, unknown attributes included. Coordinates
 /// come back bit by bit where length_unit is a power of ten, else within two units in the last place. Not written:

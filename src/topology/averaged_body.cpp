@@ -16,6 +16,7 @@
 #include "cell_quadrature.h"
 #include "domain_links.h"
 #include "energies.h"
+#include "model/body_type.h"
 #include "model/cell_geometry.h"
 #include "model/material.h"
 #include "model/point_cells.h"
@@ -53,9 +54,10 @@ void number_domains(const Model& model, Domains& domains) {
   keys.reserve(model.rest.size());
   std::size_t vertices = 0;
   std::vector<Index> last(model.rest.size(), none);  // material that a particle was last seen with
+  const std::vector<char> without_tissue = cells_without_tissue(model);
   for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
     const Cell& cell = model.cells[row];
-    if (!solid(model, row)) continue;
+    if (!solid(model, row) || (cell.material < 0 && without_tissue[row])) continue;
     if (cell.material < 0) {
       throw Error(cell_label(model, static_cast<std::size_t>(row)) +
                   " has no material although others have; give every solid cell one with set_material");
@@ -78,7 +80,7 @@ void number_domains(const Model& model, Domains& domains) {
   domains.of_cell.entry.reserve(vertices);
   for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
     const Cell& cell = model.cells[row];
-    if (solid(model, row)) {
+    if (solid(model, row) && cell.material >= 0) {
       for (const Index i : cell.particles) {
         Index d = first[i];
         while (domains.material[d] != cell.material) ++d;

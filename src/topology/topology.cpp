@@ -5,6 +5,7 @@
 #include "averaged_body.h"
 #include "base/decimal.h"
 #include "base_selection.h"
+#include "model/body_type.h"
 #include "stretched_cells.h"
 #include "topology_match.h"
 #include "topology_terms.h"
@@ -74,7 +75,10 @@ std::string how_to_get_bases(const Model& model, BaseSelection bases) {
          ", and must pass the thresholds. Give more neighbours, loosen min_quality and max_barycentric";
 }
 
-void treat_sparse(const Model& model, const std::vector<Index>& sparse, TopologyTextures& topology) {
+void treat_sparse(const Model& model, std::vector<Index> sparse, TopologyTextures& topology) {
+  if (sparse.empty()) return;
+  const std::vector<char> without_tissue = particles_without_tissue(model);
+  std::erase_if(sparse, [&](Index i) { return without_tissue[i] != 0; });
   if (sparse.empty()) return;
   const bool averaged = topology.options.law == Law::particle_averaged;
   switch (topology.options.on_sparse) {

@@ -275,6 +275,7 @@ TEST(ReadLabels, RefusesBadNrrd) {
   };
   EXPECT_TRUE(says(reading_labels("bad.nrrd", "nothing of it"), "bad.nrrd: expected an image in NRRD"));
   EXPECT_TRUE(says(with(plain, "short"), "bad.nrrd: expected an image in NRRD"));
+  EXPECT_TRUE(says(with("type: uchar\ndimension: 3\nsizes: 1 1 999999999\nspacings: 1 1 1\n", "short"), "ends before"));
 #ifndef __SANITIZE_ADDRESS__  // teem loses its buffers there
   EXPECT_TRUE(
       says(reading_labels("bad.nrrd", nrrd(plain + "encoding: gzip\n", zipped(bytes_of(counted())).substr(0, 30))),

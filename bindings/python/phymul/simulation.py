@@ -207,6 +207,20 @@ class Simulation(Owner):
                               _ref(number))
         return Joint(self, number.value)
 
+    def hold_near(self, vertices: Any, triangles: Any, centre: Vector, radius: float, spacing: float) -> Joint:
+        """Holds the part of a surface in a ball, in all directions, whatever particles lie there. The surface may be
+        that which the body was made from; spacing, m: a third of the body's."""
+        vertices, triangles = floats(vertices, (-1, 3), "vertices"), integers(triangles, 3, "triangles")
+        middle, number = floats(centre, (3,), "a centre"), ctypes.c_uint64()
+        library.phymul_hold_near(self._pointer, vertices.ctypes.data, len(vertices), triangles.ctypes.data,
+                                 len(triangles), middle.ctypes.data, radius, spacing, _ref(number))
+        return Joint(self, number.value)
+
+    def add_body_types(self) -> list[str]:
+        """Adds what the components of a .pml file are by their bodyType: springs, held bodies, contacts. Returns a
+        sentence for each."""
+        return text_of(library.phymul_add_body_types, self._pointer).splitlines()
+
     def bind(self, points: Any, triangles: Any = ()) -> Skin:
         """Points [n][3], m, that move with the body, such as the vertices of a finer surface; triangles for normals."""
         return Skin(self, floats(points, (-1, 3), "points"), integers(triangles, 3, "triangles"))

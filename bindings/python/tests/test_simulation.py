@@ -13,6 +13,23 @@ from test_bodies import Refusals
 SOFT = {"young": 10e3, "poisson": 0.4, "density": 1000}
 
 
+# A triangle that does not move, and a tetrahedron of springs that hangs from it by a thread.
+TWO_BODIES = """<physicalModel name="two"><atoms><structuralComponent>
+<atom><atomProperties index="0" x="0" y="0" z="20"/></atom><atom><atomProperties index="1" x="9" y="0" z="20"/></atom>
+<atom><atomProperties index="2" x="0" y="9" z="20"/></atom><atom><atomProperties index="3" x="0" y="0" z="10"/></atom>
+<atom><atomProperties index="4" x="5" y="0" z="0"/></atom><atom><atomProperties index="5" x="-5" y="5" z="0"/></atom>
+<atom><atomProperties index="6" x="-5" y="-5" z="0"/></atom>
+</structuralComponent></atoms><exclusiveComponents><multiComponent name="bodies">
+<structuralComponent name="hook" bodyType="rigid"><cell><cellProperties type="TRIANGLE"/>
+<atomRef index="0"/><atomRef index="1"/><atomRef index="2"/></cell></structuralComponent>
+<structuralComponent name="net" bodyType="stiffSpring" mass="1e-3" stiffness="20" damping="0.01">
+<cell><cellProperties type="TETRAHEDRON"/><atomRef index="3"/><atomRef index="4"/><atomRef index="5"/>
+<atomRef index="6"/></cell></structuralComponent>
+<structuralComponent name="thread" bodyType="interaction" stiffness="5" damping="0.01" body1="hook" body2="net">
+<cell><cellProperties type="LINE"/><atomRef index="0"/><atomRef index="3"/></cell></structuralComponent>
+</multiComponent></exclusiveComponents></physicalModel>"""
+
+
 def block(**options):
     options = {**SOFT, "backend": "cpu", "damping": 20, "threads": 1, **options}
     return phymul.Simulation(phymul.make_block((0.03, 0.03, 0.03), 3, 3, 3), **options)
@@ -225,6 +242,29 @@ class ToolsJointsSkins(Refusals):
         self.assertEqual(thread.report.largest, 0.0)
         thread.remove()
         self.refused(ErrorCode.UNKNOWN_NAME, "joint", lambda: thread.report)
+
+    def test_a_part_of_a_surface_is_held(self):
+        body = phymul.make_block((0.03, 0.03, 0.03), 3, 3, 3)
+        sim = phymul.Simulation(body, **SOFT, damping=30).gravity((0, 0, -9.81))
+        patch = sim.hold_near(body.rest, body.triangles, (0.015, 0.015, 0.03), 0.012, 0.01 / 3)
+        sim.run_to_rest()
+        self.assertAlmostEqual(patch.report.force[2], 1000 * 0.03**3 * 9.81, delta=0.003)
+        self.refused(ErrorCode.INVALID_ARGUMENT, "inside", sim.hold_near, body.rest, body.triangles, (1, 1, 1), 0.1,
+                     0.01)
+
+    def test_bodies_of_a_pml_file(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "two.pml"
+            path.write_text(TWO_BODIES)
+            sim = phymul.Simulation(phymul.read_body(path), backend="reference", damping=20).gravity((0, 0, -9.81))
+        self.assertEqual(sim.add_body_types(), [
+            'component "hook" (bodyType "rigid"): its 3 particle(s) are held',
+            'component "net" (bodyType "stiffSpring"): 6 spring(s) of 20 N/m',
+            'component "thread" (bodyType "interaction"): 1 spring(s) of 5 N/m'])
+        sim.run_to_rest()
+        np.testing.assert_array_equal(sim.displacements[:3], np.zeros((3, 3)))
+        weight = 4 * 1e-3 * 9.81
+        self.assertAlmostEqual(sim.displacements[3, 2], -weight / 5, delta=1e-2 * weight / 5)
 
     def test_glue_and_tools_as_partners(self):
         lower = phymul.make_block((0.03, 0.03, 0.02), 3, 3, 2)

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <new>
@@ -64,6 +65,16 @@ std::size_t voxel_count(const std::string& path, const std::vector<std::int64_t>
                     " voxels of " + std::to_string(size_of(type)) + " bytes");
   }
   return static_cast<std::size_t>(count);
+}
+
+void fail_missing_voxels(const std::string& path, std::size_t count, NumberType type) {
+  fail_format(path, 0,
+              "expected " + std::to_string(count) + " voxels of " + std::to_string(size_of(type)) +
+                  " bytes, but the file of " + std::to_string(std::filesystem::file_size(path)) + " bytes ends before");
+}
+
+void require_voxel_bytes(const std::string& path, std::size_t count, NumberType type, std::uint64_t most) {
+  if (count * size_of(type) / most > std::filesystem::file_size(path)) fail_missing_voxels(path, count, type);
 }
 
 std::vector<std::uint16_t> labels_of(const std::string& path, const void* numbers, std::size_t count, NumberType type) {

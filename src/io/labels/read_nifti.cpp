@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <memory>
 
 #include "base/decimal.h"
@@ -14,9 +13,6 @@
 
 namespace phymul {
 namespace {
-
-/// The most that deflate makes of a byte.
-constexpr std::uint64_t most_inflation = 1032;
 
 constexpr IntegerCode integers[] = {
     {DT_INT8, NumberType::int8},     {DT_UINT8, NumberType::uint8},   {DT_INT16, NumberType::int16},
@@ -66,13 +62,7 @@ std::vector<std::int64_t> sizes_of(const std::string& path, const nifti_1_header
 std::vector<std::uint16_t> read_voxels(const std::string& path, const nifti_1_header& header, bool is_swapped,
                                        std::size_t count, NumberType type) {
   const std::size_t each = size_of(type), bytes = count * each;
-  const std::uint64_t file_bytes = std::filesystem::file_size(path);
-  const auto fail_short = [&] {
-    fail_format(path, 0,
-                "expected " + std::to_string(count) + " voxels of " + std::to_string(each) +
-                    " bytes, but the file of " + std::to_string(file_bytes) + " bytes ends before");
-  };
-  if (bytes / most_inflation > file_bytes) fail_short();
+  require_voxel_bytes(path, count, type, most_inflation);
   const float offset = header.vox_offset;
   if (!(offset >= 348.0f && offset < 0x1p30f)) {
     fail_format(path, 0, "expected voxels behind the header of 348 bytes, got vox_offset " + to_decimal(offset));
@@ -83,7 +73,7 @@ std::vector<std::uint16_t> read_voxels(const std::string& path, const nifti_1_he
   const bool is_whole =
       znzseek(file, static_cast<long>(offset), SEEK_SET) >= 0 && znzread(voxels.data(), 1, bytes, file) == bytes;
   znzclose(file);
-  if (!is_whole) fail_short();
+  if (!is_whole) fail_missing_voxels(path, count, type);
   if (is_swapped && each > 1) nifti_swap_Nbytes(count, static_cast<int>(each), voxels.data());
   return labels_of(path, voxels.data(), count, type);
 }

@@ -24,13 +24,23 @@ constexpr IntegerCode integers[] = {
     {nrrdTypeLLong, NumberType::int64},   {nrrdTypeULLong, NumberType::uint64},
 };
 
+using Reading = std::unique_ptr<NrrdIoState, NrrdIoState* (*)(NrrdIoState*)>;
+
+/// The most that bzip2 makes of a byte: 900,000 equal ones of some 40.
+constexpr std::uint64_t most_bzip2 = 25000;
+
+Reading make_reading() {
+  Reading io(nrrdIoStateNew(), nrrdIoStateNix);
+  if (!io) throw std::bad_alloc();
+  return io;
+}
+
 /// The header alone, or all.
-File load(const std::string& path, bool header_alone) {
+File load(const std::string& path, NrrdIoState* io, bool header_alone) {
   File file(nrrdNew(), nrrdNuke);
-  std::unique_ptr<NrrdIoState, NrrdIoState* (*)(NrrdIoState*)> io(nrrdIoStateNew(), nrrdIoStateNix);
-  if (!file || !io) throw std::bad_alloc();
-  nrrdIoStateSet(io.get(), nrrdIoStateSkipData, header_alone ? AIR_TRUE : AIR_FALSE);
-  if (nrrdLoad(file.get(), path.c_str(), io.get()) == 0) return file;
+  if (!file) throw std::bad_alloc();
+  nrrdIoStateSet(io, nrrdIoStateSkipData, header_alone ? AIR_TRUE : AIR_FALSE);
+  if (nrrdLoad(file.get(), path.c_str(), io) == 0) return file;
   std::unique_ptr<char, void (*)(void*)> reasons(biffGetDone(NRRD), std::free);
   std::string last = reasons ? reasons.get() : "";
   // One reason a line, the innermost last.
@@ -107,7 +117,8 @@ void set_names(const Nrrd& file, LabelImage& image) {
 LabelImage read_nrrd(const std::string& path) {
   static std::mutex one_at_a_time;  // teem collects its reasons in one place
   const std::scoped_lock lock(one_at_a_time);
-  const File header = load(path, true);
+  const Reading of_header = make_reading();
+  const File header = load(path, of_header.get(), true);
   if (header->dim != 3) {
     fail_format(path, 0,
                 "expected an image of three dimensions, got " + std::to_string(header->dim) +
@@ -117,8 +128,12 @@ LabelImage read_nrrd(const std::string& path) {
   std::vector<std::int64_t> sizes;
   for (int axis = 0; axis < 3; ++axis) sizes.push_back(static_cast<std::int64_t>(header->axis[axis].size));
   const std::size_t count = voxel_count(path, sizes, type);
+  const bool elsewhere = of_header->dataFNFormat != nullptr || of_header->dataFNArr->len > 0;
+  if (!elsewhere) {
+    require_voxel_bytes(path, count, type, of_header->encoding == nrrdEncodingBzip2 ? most_bzip2 : most_inflation);
+  }
 
-  const File file = load(path, false);
+  const File file = load(path, make_reading().get(), false);
   LabelImage image;
   image.size = {static_cast<Index>(sizes[0]), static_cast<Index>(sizes[1]), static_cast<Index>(sizes[2])};
   image.label = labels_of(path, file->data, count, type);

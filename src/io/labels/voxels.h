@@ -26,6 +26,16 @@ NumberType integer_type(const std::string& path, std::span<const IntegerCode> kn
 /// Numbers of these sizes that an image holds. Throws Error for a size below 1, and for more than 2^31 bytes.
 std::size_t voxel_count(const std::string& path, const std::vector<std::int64_t>& sizes, NumberType type);
 
+/// Throws Error: the file ends before its voxels do.
+[[noreturn]] void fail_missing_voxels(const std::string& path, std::size_t count, NumberType type);
+
+/// Throws it where a file cannot hold so many bytes of voxels, however well compressed: `most` is the most that its
+/// compression makes of a byte.
+void require_voxel_bytes(const std::string& path, std::size_t count, NumberType type, std::uint64_t most);
+
+/// The most that deflate makes of a byte.
+inline constexpr std::uint64_t most_inflation = 1032;
+
 /// The numbers as labels; they need no alignment. Throws Error for one that is not from 0 to 65,535.
 std::vector<std::uint16_t> labels_of(const std::string& path, const void* numbers, std::size_t count, NumberType type);
 

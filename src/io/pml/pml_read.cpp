@@ -70,9 +70,10 @@ Model PmlReader::read() {
   resolve_cell_references();
   restore_cell_rows();
   restore_component_rows();
-  drop_unused_materials(model_);
   finish_neighbourhoods();
   finish_particles();
+  finish_densities();
+  drop_unused_materials(model_);
   model_.extras = std::move(extras_).share();
   model_.notes = xml_.take_notes();
   return std::move(model_);

@@ -83,7 +83,10 @@ Index PmlReader::add_component(pugi::xml_node node, const PmlMarks& own, Index p
 void PmlReader::read_structures(pugi::xml_node node, Index component, bool neighbourhoods) {
   // A component's material is that of its cells; without cells it stays an attribute like any other.
   Index material = -1;
-  if (component >= 0 && node.child("cell")) material = take_material(node, model_.components[component].attributes);
+  if (component >= 0 && node.child("cell")) {
+    material = take_material(node, model_.components[component].attributes, true);
+    require_body_constants(node);
+  }
   for (const pugi::xml_node child : node.children()) {
     const std::string_view kind = child.name();
     if (kind == "cell") {
@@ -135,7 +138,7 @@ void PmlReader::read_cell(pugi::xml_node node, Index component, Index material) 
   cell.type = head.type;
   cell.name = head.name;
   cell.attributes = std::move(head.others);
-  cell.material = take_material(head.node, cell.attributes);
+  cell.material = take_material(head.node, cell.attributes, false);
   if (cell.material < 0) cell.material = material;
   for (const pugi::xml_node child : node.children()) {
     if (child.name() == std::string_view("color")) cell.colour = colour(child);
@@ -174,7 +177,15 @@ Index PmlReader::atom_row(pugi::xml_node atom_ref) const {
                           ", which no atom has; add the atom or remove the <atomRef>");
 }
 
-Index PmlReader::take_material(pugi::xml_node node, std::vector<Attribute>& attributes) {
+void PmlReader::require_body_constants(pugi::xml_node component) const {
+  if (!component.attribute("bodyType")) return;
+  for (const char* const name : {"mass", "stiffness", "damping"}) {
+    const pugi::xml_attribute attribute = component.attribute(name);
+    if (attribute) positive(component, name, attribute.value(), true);
+  }
+}
+
+Index PmlReader::take_material(pugi::xml_node node, std::vector<Attribute>& attributes, bool of_component) {
   std::array<std::optional<double>, 3> constants;
   std::size_t given = 0;
   for (std::size_t i = 0; i < material_names.size(); ++i) {
@@ -185,20 +196,29 @@ Index PmlReader::take_material(pugi::xml_node node, std::vector<Attribute>& attr
     constants[i] = parse_decimal(found->value);
   }
   if (given == 0) return -1;
-  if (given < material_names.size()) {
-    xml_.note(node, "expected young (Pa), poisson and density (kg/m^3) together, got some of them; no material is set");
+  const bool weighed = !node.attribute("density");  // its masses give the density, once they are known
+  if (given < material_names.size() && !(weighed && given == 2)) {
+    xml_.note(node, "expected young (Pa) and poisson together, got one of them; no material is set");
     return -1;
   }
-  for (const char* const name : material_names) xml_.number(node, name);
-  const Material material{*constants[0], *constants[1], *constants[2]};
+  for (const char* const name : material_names) {
+    if (node.attribute(name)) xml_.number(node, name);
+  }
+  const Material material{*constants[0], *constants[1], weighed ? 0.0 : *constants[2]};
   try {
-    require_in_range(material);
+    Material checked = material;
+    if (weighed) checked.density = 1.0;
+    require_in_range(checked);
   } catch (const Error& error) {
     xml_.fail(node, error.what());
   }
   std::erase_if(attributes, [](const Attribute& attribute) {
     return std::find(material_names.begin(), material_names.end(), attribute.name) != material_names.end();
   });
+  if (weighed && of_component) {  // another with these constants may have another density
+    model_.materials.push_back(material);
+    return static_cast<Index>(model_.materials.size()) - 1;
+  }
   const auto [entry, is_new] = material_rows_.try_emplace({material.young, material.poisson, material.density},
                                                           static_cast<Index>(model_.materials.size()));
   if (is_new) model_.materials.push_back(material);

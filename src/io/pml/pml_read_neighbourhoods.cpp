@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pml_bodies.h"
 #include "pml_reader.h"
 
 namespace phymul {
@@ -54,7 +55,16 @@ void PmlReader::finish_neighbourhoods() {
   if (neighbourhood_cell_.empty()) {
     if (neighbourhoods_)
       xml_.note(neighbourhoods_, "no neighbourhood in \"Neighborhoods\"; they are made from the cells");
-    model_.neighbours = neighbours_from_cells(model_.cells, model_.particle_count());
+    const std::vector<char> springs = interaction_cells(model_);
+    if (std::ranges::find(springs, 1) == springs.end()) {
+      model_.neighbours = neighbours_from_cells(model_.cells, model_.particle_count());
+      return;
+    }
+    std::vector<Cell> tissue;
+    for (std::size_t row = 0; row < springs.size(); ++row) {
+      if (!springs[row]) tissue.push_back(model_.cells[row]);
+    }
+    model_.neighbours = neighbours_from_cells(tissue, model_.particle_count());
     return;
   }
   std::vector<Index> row_entries;
@@ -110,7 +120,8 @@ void PmlReader::note_defaults() {
                                " kg each is assumed (PmlOptions::default_mass), until set_material gives another");
   }
   // Materials of the cells leave no use for it.
-  const auto slack = std::isnan(component_stiffness_) && model_.materials.empty() ? unset_in(model_.stiffness) : 0;
+  const bool elastic = std::ranges::any_of(model_.cells, [](const Cell& cell) { return cell.material >= 0; });
+  const auto slack = std::isnan(component_stiffness_) && !elastic ? unset_in(model_.stiffness) : 0;
   if (slack > 0) {
     xml_.note(xml_.root(),
               std::to_string(slack) + of + "stiffness: " + to_decimal(options_.default_stiffness) +
@@ -119,6 +130,7 @@ void PmlReader::note_defaults() {
 }
 
 void PmlReader::finish_particles() {
+  take_body_constants();
   note_defaults();
   const double mass = std::isnan(component_mass_) ? options_.default_mass : component_mass_;
   const double stiffness = std::isnan(component_stiffness_) ? options_.default_stiffness : component_stiffness_;

@@ -68,7 +68,8 @@ class PmlReader {
   CellHead read_cell_head(pugi::xml_node cell);
   void read_cell_parts(pugi::xml_node cell, std::vector<Index>& particles);
   Index atom_row(pugi::xml_node atom_ref) const;
-  Index take_material(pugi::xml_node node, std::vector<Attribute>& attributes);
+  void require_body_constants(pugi::xml_node component) const;
+  Index take_material(pugi::xml_node node, std::vector<Attribute>& attributes, bool of_component);
   void resolve_cell_references();
   void note_repeated_cells(const IndexTable& cells);
   [[noreturn]] void fail_rows(const char* what) const;
@@ -83,6 +84,10 @@ class PmlReader {
   void note_missing(const std::vector<Index>& rows);
   void note_defaults();
   void finish_particles();
+
+  // pml_read_bodies.cpp: what the attribute bodyType adds
+  void take_body_constants();
+  void finish_densities();
 
   static constexpr std::size_t largest_count = std::numeric_limits<Index>::max();
   static constexpr double unset = std::numeric_limits<double>::quiet_NaN();
