@@ -115,10 +115,8 @@ void fill_scene(const RunOptions& options, const phymul::Model& model, phymul::S
       scene.add(load_on(phymul::LoadType::translation, move, model.group(move.group), 1.0));
     }
   }
-  if (is_pml(options.body)) {
-    for (std::string& done : phymul::add_body_types(scene)) {
-      if (notes) notes->push_back(std::move(done));
-    }
+  for (std::string& done : phymul::add_body_types(scene)) {
+    if (notes) notes->push_back(std::move(done));
   }
   const std::vector<double> gravity = options.gravity.empty() ? std::vector<double>(3, 0.0) : options.gravity;
   scene.gravity({gravity[0], gravity[1], gravity[2]});

@@ -4,6 +4,7 @@
 #include <phymul/simulation.h>
 #include <phymul/topology_textures.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 
@@ -19,6 +20,11 @@ constexpr double g = 9.81;
 std::string text_of(const std::string& path) {
   std::ifstream file(path);
   return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::string attribute(const Component& component, const std::string& name) {
+  const auto found = std::ranges::find(component.attributes, name, &Attribute::name);
+  return found == component.attributes.end() ? "" : found->value;
 }
 
 class PmlBodiesOn : public test::OnEveryBackend {};
@@ -73,6 +79,16 @@ TEST(PmlBodies, AMaterialWithoutVolumeIsNone) {
   const Model model = read_pml_text(text, "t.pml");
   EXPECT_TRUE(model.materials.empty());
   EXPECT_EQ(model.cells[0].material, -1);
+  EXPECT_TRUE(has_note(model.notes, "neither a density nor masses"));
+  EXPECT_EQ(attribute(model.components[1], "young"), "1000");
+  EXPECT_EQ(reread(model), model);
+}
+
+TEST(PmlBodies, AMassThatIsAssumedGivesNoDensity) {
+  const Model model = read_pml_text(replaced(text_of(hanging), " mass=\"1e-4\"", ""), "t.pml");
+  EXPECT_TRUE(model.materials.empty());
+  EXPECT_TRUE(has_note(model.notes, "neither a density nor masses"));
+  EXPECT_TRUE(has_note(model.notes, "have no mass: 1 kg each is assumed"));
 }
 
 TEST(PmlBodies, AreAddedAsWhatTheyAre) {
@@ -100,7 +116,7 @@ TEST_P(PmlBodiesOn, HangByTheirWeight) {
   add_body_types(sim.scene());
   sim.scene().gravity({0, 0, -g});
   const RestResult rest = sim.run_to_rest();
-  ASSERT_TRUE(rest.converged) << rest.message();
+  ASSERT_TRUE(rest.converged()) << rest.message();
   const double net = 8 * 2e-4 * g, all = net + 8 * 1e-4 * g;
   EXPECT_NEAR(sim.solver().joint_report("upper").force.z(), -all, 1e-3 * all);
   EXPECT_NEAR(sim.solver().joint_report("lower").force.z(), -net, 1e-3 * net);

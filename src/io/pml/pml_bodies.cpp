@@ -135,9 +135,8 @@ std::vector<Index> densities_from_masses(Model& model) {
   }
   for (Cell& cell : model.cells) {
     if (cell.material < 0) continue;
-    const Material& material = model.materials[cell.material];
-    const auto first = std::ranges::find(model.materials, material);
-    cell.material = material.density == 0.0 ? -1 : static_cast<Index>(first - model.materials.begin());
+    const auto first = std::ranges::find(model.materials, model.materials[cell.material]);
+    cell.material = static_cast<Index>(first - model.materials.begin());
   }
   return found;
 }

@@ -11,8 +11,8 @@ namespace phymul {
 std::vector<char> interaction_cells(const Model& model);
 
 /// Gives every material without a density (0) the mass of its cells by their volume; the mass of a particle counts by
-/// the share of its cells that have the material. Cells of a material of no volume or mass lose it. Materials that
-/// are equal then become one. Returns the rows of the materials that got a density.
+/// the share of its cells that have the material. A material of no volume, or of a particle without a mass (NaN),
+/// gets none. Cells of equal materials then have the first of them. Returns the rows that got a density.
 std::vector<Index> densities_from_masses(Model& model);
 
 }  // namespace phymul

@@ -72,7 +72,6 @@ Model PmlReader::read() {
   restore_component_rows();
   finish_neighbourhoods();
   finish_particles();
-  finish_densities();
   drop_unused_materials(model_);
   model_.extras = std::move(extras_).share();
   model_.notes = xml_.take_notes();

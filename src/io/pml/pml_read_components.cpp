@@ -84,8 +84,9 @@ void PmlReader::read_structures(pugi::xml_node node, Index component, bool neigh
   // A component's material is that of its cells; without cells it stays an attribute like any other.
   Index material = -1;
   if (component >= 0 && node.child("cell")) {
-    material = take_material(node, model_.components[component].attributes, true);
     require_body_constants(node);
+    material = material_to_weigh(node);
+    if (material < 0) material = take_material(node, model_.components[component].attributes);
   }
   for (const pugi::xml_node child : node.children()) {
     const std::string_view kind = child.name();
@@ -138,7 +139,7 @@ void PmlReader::read_cell(pugi::xml_node node, Index component, Index material) 
   cell.type = head.type;
   cell.name = head.name;
   cell.attributes = std::move(head.others);
-  cell.material = take_material(head.node, cell.attributes, false);
+  cell.material = take_material(head.node, cell.attributes);
   if (cell.material < 0) cell.material = material;
   for (const pugi::xml_node child : node.children()) {
     if (child.name() == std::string_view("color")) cell.colour = colour(child);
@@ -185,7 +186,27 @@ void PmlReader::require_body_constants(pugi::xml_node component) const {
   }
 }
 
-Index PmlReader::take_material(pugi::xml_node node, std::vector<Attribute>& attributes, bool of_component) {
+/// A body without a density gets one from its masses, once they are known; its attributes stay. Until then it is 0.
+Index PmlReader::material_to_weigh(pugi::xml_node component) {
+  const bool is_body = component.attribute("bodyType") && component.attribute("young") &&
+                       component.attribute("poisson") && !component.attribute("density");
+  if (!is_body) return -1;
+  Material material{xml_.number(component, "young"), xml_.number(component, "poisson"), 1.0};
+  require_material(component, material);
+  material.density = 0.0;
+  model_.materials.push_back(material);
+  return static_cast<Index>(model_.materials.size()) - 1;
+}
+
+void PmlReader::require_material(pugi::xml_node node, const Material& material) const {
+  try {
+    require_in_range(material);
+  } catch (const Error& error) {
+    xml_.fail(node, error.what());
+  }
+}
+
+Index PmlReader::take_material(pugi::xml_node node, std::vector<Attribute>& attributes) {
   std::array<std::optional<double>, 3> constants;
   std::size_t given = 0;
   for (std::size_t i = 0; i < material_names.size(); ++i) {
@@ -196,29 +217,16 @@ Index PmlReader::take_material(pugi::xml_node node, std::vector<Attribute>& attr
     constants[i] = parse_decimal(found->value);
   }
   if (given == 0) return -1;
-  const bool weighed = !node.attribute("density");  // its masses give the density, once they are known
-  if (given < material_names.size() && !(weighed && given == 2)) {
-    xml_.note(node, "expected young (Pa) and poisson together, got one of them; no material is set");
+  if (given < material_names.size()) {
+    xml_.note(node, "expected young (Pa), poisson and density (kg/m^3) together, got some of them; no material is set");
     return -1;
   }
-  for (const char* const name : material_names) {
-    if (node.attribute(name)) xml_.number(node, name);
-  }
-  const Material material{*constants[0], *constants[1], weighed ? 0.0 : *constants[2]};
-  try {
-    Material checked = material;
-    if (weighed) checked.density = 1.0;
-    require_in_range(checked);
-  } catch (const Error& error) {
-    xml_.fail(node, error.what());
-  }
+  for (const char* const name : material_names) xml_.number(node, name);
+  const Material material{*constants[0], *constants[1], *constants[2]};
+  require_material(node, material);
   std::erase_if(attributes, [](const Attribute& attribute) {
     return std::find(material_names.begin(), material_names.end(), attribute.name) != material_names.end();
   });
-  if (weighed && of_component) {  // another with these constants may have another density
-    model_.materials.push_back(material);
-    return static_cast<Index>(model_.materials.size()) - 1;
-  }
   const auto [entry, is_new] = material_rows_.try_emplace({material.young, material.poisson, material.density},
                                                           static_cast<Index>(model_.materials.size()));
   if (is_new) model_.materials.push_back(material);

@@ -131,6 +131,8 @@ void PmlReader::note_defaults() {
 
 void PmlReader::finish_particles() {
   take_body_constants();
+  weigh_materials();
+  fill_immovable_bodies();
   note_defaults();
   const double mass = std::isnan(component_mass_) ? options_.default_mass : component_mass_;
   const double stiffness = std::isnan(component_stiffness_) ? options_.default_stiffness : component_stiffness_;

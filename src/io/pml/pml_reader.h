@@ -69,7 +69,9 @@ class PmlReader {
   void read_cell_parts(pugi::xml_node cell, std::vector<Index>& particles);
   Index atom_row(pugi::xml_node atom_ref) const;
   void require_body_constants(pugi::xml_node component) const;
-  Index take_material(pugi::xml_node node, std::vector<Attribute>& attributes, bool of_component);
+  Index material_to_weigh(pugi::xml_node component);
+  void require_material(pugi::xml_node node, const Material& material) const;
+  Index take_material(pugi::xml_node node, std::vector<Attribute>& attributes);
   void resolve_cell_references();
   void note_repeated_cells(const IndexTable& cells);
   [[noreturn]] void fail_rows(const char* what) const;
@@ -87,7 +89,8 @@ class PmlReader {
 
   // pml_read_bodies.cpp: what the attribute bodyType adds
   void take_body_constants();
-  void finish_densities();
+  void weigh_materials();
+  void fill_immovable_bodies();
 
   static constexpr std::size_t largest_count = std::numeric_limits<Index>::max();
   static constexpr double unset = std::numeric_limits<double>::quiet_NaN();
