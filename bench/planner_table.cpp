@@ -34,8 +34,14 @@ constexpr Asked asked[]{{"cantilever", "nu0.30_g0.10", 0.02},
                         {"block_indented", "nu0.30_d0.0050", 0.1},
                         {"cylinder_sheared", "nu0.45_ux0.010", 0.02},
                         {"cylinder_compressed", "nu0.30_c0.050", 0.02},
-                        {"closed_torsion", "nu0.30", 0.05}};
-constexpr double organ_error = 0.1;
+                        {"closed_torsion", "nu0.30", 0.05},
+                        // Five on which the planner was not developed.
+                        {"cantilever", "nu0.30_g1.00", 0.04},
+                        {"cantilever", "nu0.49_g0.05", 0.03},
+                        {"cantilever_slivers", "nu0.45_g0.05", 0.05},
+                        {"bar_stretched_tetrahedra", "nu0.30_s0.10", 0.01},
+                        {"cube_slip", "nu0.45_c0.1250", 0.01}};
+constexpr double organ_errors[]{0.1, 0.4};
 constexpr std::size_t compared_points = 500;  // of the organ
 
 SimulationOptions neo_hookean() {
@@ -127,19 +133,17 @@ void case_row(const Asked& it, const std::string& folder, double budget, bool re
   });
 }
 
-/// Its flat underside held, a tenth of its weight sideways and down.
-void fill_organ(Simulation& sim) {
-  double low = 1e9, high = -1e9;
-  for (const Vec3& at : sim.model().rest) low = std::min(low, at.z()), high = std::max(high, at.z());
-  sim.scene().fix(sim.model().particles_in([&](const Vec3& at) { return at.z() < low + 0.02 * (high - low); }));
-  sim.scene().gravity({0.4, 0, -0.8});
-}
-
+/// Held in a ball, under its whole weight.
 void organ_row(double max_error, double budget, bool report, const std::string& path) {
   const Surface surface = read_surface(path, 1e-3);
   SimulationOptions options = neo_hookean();
   options.material = {.young = 10e3, .poisson = 0.45, .density = 1000};
-  const Plan made = plan(surface, options, fill_organ, wishes(max_error, budget));
+  const auto fill = [&surface](Simulation& sim) {
+    const auto is_held = [](const Vec3& at) { return (at - Vec3(0, 0, -0.03)).norm() < 0.035; };
+    sim.scene().hold(sample_surface(surface, mean_spacing(sim.model()) / 3.0, is_held));
+    sim.scene().gravity({0, 0, -9.81});
+  };
+  const Plan made = plan(surface, options, fill, wishes(max_error, budget));
   if (report) std::puts(made.report().c_str());
   const double finest = made.trials.back().candidate.spacing;
   Simulation fine = made.make({.candidate = {.spacing = finest / 1.5}});
@@ -153,7 +157,7 @@ void organ_row(double max_error, double budget, bool report, const std::string& 
                         4.0);
   }
   u = Skin(fine.model(), points).deform(u);
-  print_row("organ, against " + std::to_string(fine.model().particle_count()) + " particles", made, 0.0, report,
+  print_row("organ, vs " + std::to_string(fine.model().particle_count()) + " particles", made, 0.0, report,
             [&](const PlanTrial& trial) {
               Simulation sim = made.make(trial);
               return comes_to_rest(sim) ? true_error(sim, points, u) : 1.0;
@@ -185,7 +189,7 @@ int main(int argc, char** argv) try {
     if (rows > 0) --rows, case_row(it, arguments.text("cases"), budget, reports);
   }
   if (arguments.text("organ").empty()) return 0;
-  organ_row(organ_error, budget, reports, arguments.text("organ"));
+  for (const double max_error : organ_errors) organ_row(max_error, budget, reports, arguments.text("organ"));
 } catch (const phymul::Error& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return 1;

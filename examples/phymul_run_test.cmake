@@ -52,8 +52,8 @@ set(bean ${DATA}/bean.stl --unit 0.001 --gravity 0 0 -9.81 --frame-interval 0 --
 if(ASSIMP)
   run(0 "steps to rest.*filled with [0-9]+ particles" ${bean} --spacing 0.012 --fix-near 0 0 -0.03 0.02
       --fix-near 0.05 0.02 0 0.02 --out ${OUT}/bean)
-  set(plan ${DATA}/bean.stl --unit 0.001 --gravity 0 0 -9.81 --fix-near 0 0 -0.03 0.035 --plan)
-  run(0 "Chosen: .*bean.stl --unit 0.001 --gravity 0 0 -9.81 --fix-near 0 0 -0.03 0.035 --spacing 0.0[0-9]+ --backend cpu --threads [12]"
+  set(plan ${DATA}/bean.stl --unit 0.001 --gravity 0 0 -9.81 --hold-near 0 0 -0.03 0.035 --plan)
+  run(0 "Chosen: .*bean.stl --unit 0.001 --gravity 0 0 -9.81 --hold-near 0 0 -0.03 0.035 --spacing 0.0[0-9]+ --backend cpu --threads [12]"
       ${plan} --max-error 90% --rate=10)
   run(3 "Not kept" ${plan} --max-error 0.9 --rate 1e8)
   run(1 "expected a share as 3% or 0.03, got 300%" ${plan} --max-error 300%)

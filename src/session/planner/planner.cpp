@@ -11,7 +11,8 @@ namespace phymul {
 namespace {
 
 constexpr double refinement = 1.4142135623730951;
-constexpr double safety = 1.25;
+/// Of the distance of the finest body from the limit, which is extrapolated: how far the limit may be off.
+constexpr double doubt = 0.5;
 /// Of the first body: a first spacing is taken if it gives so many.
 constexpr Index fewest_particles = 100, wanted_particles = 180, most_first_particles = 320;
 constexpr Index fewest_at_all = 30;
@@ -20,8 +21,10 @@ constexpr double first_guess = 0.1;  // m: a body that is finer than it need be 
 constexpr double finest_guess = 1e-6;
 constexpr double most_particles = 2e6;
 constexpr int same_body_tries = 6;
-/// Of PlanOptions::max_error: a body with less is a good enough reference for the coarser ones.
-constexpr double enough_error = 0.5;
+/// Of PlanOptions::max_error: a body with less is a good enough reference for the coarser ones. While little of the
+/// budget is used, finer bodies make a better one.
+constexpr double enough_error = 0.5, best_error = 0.2;
+constexpr double for_better = 0.25;  // share of the budget
 /// Share of the budget for refining; the rest is for choosing.
 constexpr double for_refining = 0.7;
 constexpr int most_bisections = 2;
@@ -133,17 +136,24 @@ void Planner::estimate_errors() {
   const Convergence fit = fit_convergence(field(*ladder[last - 2 * stride]), field(*ladder[last - stride]), finest);
   if (!(fit.scale > 0.0)) throw SceneError("nothing moves in this scene; give it a load, or PlanOptions::probe_time");
   plan_.order = fit.order;
+  const double doubtful = doubt * mean_distance(finest.u, fit.limit) / fit.scale;
   double error_of_finer = 0.0;
   for (std::size_t k = levels_.size(); k-- > 0;) {
     Level& level = levels_[k];
     if (!level.has_field()) continue;
-    error_of_finer = std::max(error_of_finer, safety * estimated_error(fit, field(level), finest));
+    error_of_finer = std::max(error_of_finer, estimated_error(fit, field(level), finest) + doubtful);
     level.trial.error = error_of_finer;
     level.trial.keeps_error = error_of_finer <= plan_.options.max_error;
   }
   plan_.notes.clear();
   if (!fit.converges) {
     plan_.notes.emplace_back("the displacements do not converge as expected; errors are guesses on the safe side");
+  }
+  if (std::ranges::any_of(ladder, [](const Level* it) { return it->probe.folded; })) {
+    plan_.notes.emplace_back(
+        "cells are flat or inside out at rest: finer bodies may fold more, and the errors are those against such a "
+        "body; "
+        "hold or load the body less abruptly there");
   }
 }
 
@@ -179,12 +189,14 @@ void Planner::refine() {
       ended_ = "finer bodies fail: " + finest.trial.note;
       break;
     }
-    if (finest.trial.error <= enough_error * options.max_error) {
+    const double with_next = prober_.elapsed() + predicted_seconds(spacing / refinement);
+    const bool may_be_better = with_next < for_better * options.budget;
+    if (finest.trial.error <= (may_be_better ? best_error : enough_error) * options.max_error) {
       ended_ = "the errors are known well enough";
       break;
     }
     const double share = levels_.size() < fitted ? 1.0 : for_refining;
-    if (prober_.elapsed() + predicted_seconds(spacing / refinement) > share * options.budget) {
+    if (with_next > share * options.budget) {
       ended_ = "a finer body would exceed the budget";
       break;
     }

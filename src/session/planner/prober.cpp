@@ -169,7 +169,8 @@ void Prober::find_rest(Simulation& sim, Probe& probe) const {
     probe.note = "solve_static: " + result.message();
     return rest_by_steps(sim, probe);
   }
-  if (result.folded >= 0) probe.note = "cell " + std::to_string(result.folded) + " is flat or inside out";
+  probe.folded = result.folded >= 0;
+  if (probe.folded) probe.note = "cell " + std::to_string(result.folded) + " is flat or inside out";
 }
 
 void Prober::rest_by_steps(Simulation& sim, Probe& probe) const {
@@ -187,6 +188,7 @@ void Prober::rest_by_steps(Simulation& sim, Probe& probe) const {
   if (!rest.converged()) {
     probe.failure = rest.message();
   } else if (rest.folded >= 0) {
+    probe.folded = true;
     probe.note = "cell " + std::to_string(rest.folded) + " is flat or inside out";
   }
 }

@@ -26,6 +26,7 @@ struct Probe {
   double tick = PlanTrial::unknown;  ///< s, median
   double rest_seconds = PlanTrial::unknown;
   bool by_steps = false;  ///< rest by run_to_rest()
+  bool folded = false;    ///< a cell is flat or inside out at rest
   double seconds = 0.0;   ///< s, of everything
   std::string failure;    ///< empty: none
   std::string note;
