@@ -76,8 +76,7 @@ typedef struct phymul_material {
   double relaxation_time;      // s, > 0 with a relaxation_strength
 } phymul_material;
 
-// A place around which a body is finer (fine_near): `spacing`, m, within `radius`, and half a metre more per metre of
-// distance outside.
+// A place around which a body is finer (fine_near): `spacing` within `radius`, plus half the distance outside.
 typedef struct phymul_fine_place {
   double place[3];  // m
   double radius;    // m, > 0
@@ -96,8 +95,7 @@ PHYMUL_API phymul_status phymul_body_cylinder(double radius, double length, int3
                                               int32_t discs, phymul_body** made);
 // .pml, or a mesh: .msh, .vtk, .vtu. metres_per_unit of the file, 0: 1e-3 for .pml and 1 for meshes.
 PHYMUL_API phymul_status phymul_body_read(const char* path, double metres_per_unit, phymul_body** made);
-// make_body: fills a closed surface with tetrahedra, about `spacing` m apart, finer around `places` (NULL with count 0:
-// nowhere). Group: "surface".
+// make_body: fills a closed surface, about `spacing` m apart, finer around `places` (NULL, 0: nowhere). Group: "surface".
 PHYMUL_API phymul_status phymul_body_fill(const double* vertices, int32_t vertex_count, const int32_t* triangles,
                                           int32_t triangle_count, double spacing, const phymul_fine_place* places,
                                           int32_t place_count, phymul_body** made);
@@ -117,8 +115,7 @@ PHYMUL_API phymul_status phymul_body_cells(phymul_body* body, const int32_t** ty
                                            const int32_t** particles, int32_t* cell_count);
 // Of the outside, counter-clockwise seen from there.
 PHYMUL_API phymul_status phymul_body_triangles(phymul_body* body, const int32_t** triangles, int32_t* count);
-// What reading, building and set_material found or corrected. This and the next two: valid until the next call of the
-// same function with this body.
+// What was found or corrected. This and the next two: valid until the next call of the same function with this body.
 PHYMUL_API phymul_status phymul_body_notes(phymul_body* body, const char** notes);
 PHYMUL_API phymul_status phymul_body_groups(phymul_body* body, const char** names);
 PHYMUL_API phymul_status phymul_body_group(phymul_body* body, const char* name, const int32_t** particles,
@@ -205,8 +202,7 @@ typedef struct phymul_rest_report {
   double residual;    // N; solve_static: net forces over loads
 } phymul_rest_report;
 
-// Simulation::advance, and Solver::step, which phymul_record does not see. A step that fails is the error
-// PHYMUL_STEP_FAILED, and fills the report too. `report` may be NULL here and in the next two.
+// Simulation::advance; Solver::step, unseen by phymul_record. PHYMUL_STEP_FAILED fills the report too. It may be NULL.
 PHYMUL_API phymul_status phymul_advance(phymul_simulation* sim, double seconds, phymul_step_report* report);
 PHYMUL_API phymul_status phymul_step(phymul_simulation* sim, int32_t steps, double dt, phymul_step_report* report);
 // Not to converge is no error: phymul_rest_report.converged is 0, and phymul_message says why.
@@ -324,13 +320,11 @@ PHYMUL_API phymul_status phymul_joint_add(phymul_simulation* sim, const phymul_a
 PHYMUL_API phymul_status phymul_attach(phymul_simulation* sim, const int32_t* particles, int32_t count,
                                        const char* group, uint64_t tool, const double offset[3],
                                        const phymul_joint_options* options, uint64_t* joint);
-// Scene::hold: holds the part of a surface in a ball, in all directions. The surface may be that which the body was
-// made from; `spacing`, m: a third of the body's.
+// Scene::hold, of the part in a ball of the surface that the body was made from. `spacing`, m: a third of the body's.
 PHYMUL_API phymul_status phymul_hold_near(phymul_simulation* sim, const double* vertices, int32_t vertex_count,
                                           const int32_t* triangles, int32_t triangle_count, const double centre[3],
                                           double radius, double spacing, uint64_t* joint);
-// add_body_types: what the components of a .pml file are by their bodyType. `sentences`: what was added, a line each;
-// valid until the next call of the same with this simulation.
+// add_body_types, for a body from a .pml file. `sentences`: a line each, valid until the next call of the same.
 PHYMUL_API phymul_status phymul_add_body_types(phymul_simulation* sim, const char** sentences);
 PHYMUL_API phymul_status phymul_joint_remove(phymul_simulation* sim, uint64_t joint);
 PHYMUL_API phymul_status phymul_joint_set(phymul_simulation* sim, uint64_t joint, double stiffness, double damping);

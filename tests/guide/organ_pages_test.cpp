@@ -112,4 +112,14 @@ TEST(GuideFormats, ReadAndWriteFiles) {
   EXPECT_NEAR(sim.time(), 0.1, 1e-9);
 }
 
+TEST(GuideFormats, BodiesOfAPmlScene) {
+  const ScratchFolder folder;
+  std::filesystem::copy(PHYMUL_TEST_DATA "/hanging_bodies.pml", "scene.pml");
+
+  phymul::Simulation sim(phymul::read_pml("scene.pml"));
+  for (const std::string& done : phymul::add_body_types(sim.scene())) std::puts(done.c_str());
+
+  EXPECT_EQ(sim.scene().joints().size(), 3u);
+}
+
 }  // namespace
