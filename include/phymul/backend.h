@@ -64,9 +64,11 @@ class SolverBackend : public Solver {
 
  protected:
   /// Throws Error for options out of their range and for tables of another model than the scene's. The constructor of a
-  /// backend must end with reset().
+  /// backend must end with reset(), or with begin_at_rest() if its own arrays have the rest shape without velocities.
   SolverBackend(std::string name, std::shared_ptr<const TopologyTextures> topology, const Scene& scene,
                 const SolverOptions& options);
+
+  void begin_at_rest();  ///< what reset() does besides do_reset(), without a copy of the rest shape
 
   /// Result of do_step(). Maxima are of the last good step and of free coordinates only.
   struct Motion {

@@ -70,6 +70,9 @@ struct VolumeTexel {
 
 inline constexpr std::size_t most_energy_constants = 6;
 
+/// Constants of TopologyOptions::strain_energy, in the order in which StrainEnergy names them, then zeros.
+using EnergyConstants = std::array<double, most_energy_constants>;
+
 /// A domain of Law::particle_averaged: the neighbourhood of a particle or, where materials meet, its part in one.
 /// Domains that lie alike, as in a lattice, have the same rows of links.
 struct DomainTexel {
@@ -77,10 +80,9 @@ struct DomainTexel {
   Index material = 0;  ///< row of Model::materials
   Index first_link = 0, link_count = 0;
   Index first_surface_link = 0, surface_link_count = 0;
+  Index energy = 0;               ///< row of TopologyTextures::energies; domains that share one are of one material
   double inverse_volume = 0.0;    ///< 1/V_d, 1/m^3
   double spread_stiffness = 0.0;  ///< s mu, Pa: the stabiliser times the shear modulus
-  /// Constants of TopologyOptions::strain_energy, in the order in which StrainEnergy names them, then zeros.
-  std::array<double, most_energy_constants> energy{};
 };
 
 /// The link of domain d, one of whose rows this is, to domain e = d + offset. From e to d the area has the opposite
@@ -151,11 +153,13 @@ struct TopologyTextures {
 
   // Law::particle_averaged: domains in order of their particles.
   std::vector<DomainTexel> domains;
+  std::vector<EnergyConstants> energies;
   std::vector<Index> first_domain;  ///< [N + 1]
   std::vector<LinkTexel> links;
   std::vector<SurfaceLinkTexel> surface_links;
   std::vector<DissipationTexel> dissipation;  ///< [domains]; empty where no material dissipates
 
+  const EnergyConstants& energy_of(Index domain) const { return energies[domains[domain].energy]; }
   std::span<const LinkTexel> links_of(Index domain) const {
     return std::span(links).subspan(domains[domain].first_link, domains[domain].link_count);
   }

@@ -74,7 +74,7 @@ FloatDomains pack_domains(const TopologyTextures& topology) {
     Float4* law = &to.law[to.law.size() - texels];
     law[0][0] = narrow(domain.inverse_volume);
     law[0][1] = narrow(domain.spread_stiffness);
-    for (std::size_t k = 0; k < constants; ++k) law[(k + 2) / 4][(k + 2) % 4] = narrow(domain.energy[k]);
+    for (std::size_t k = 0; k < constants; ++k) law[(k + 2) / 4][(k + 2) % 4] = narrow(topology.energy_of(d)[k]);
     pack_links(topology, d, number_of, to);
   }
   chain_domains(topology, order, to);

@@ -19,7 +19,9 @@ const TopologyTextures& ScaledTables::of(const TopologyTextures& topology, std::
     const auto material = static_cast<std::size_t>(own.material);
     const double factor = material < factors.size() ? factors[material] : 1.0;
     domain.spread_stiffness = factor * own.spread_stiffness;
-    for (std::size_t k = 0; k < moduli; ++k) domain.energy[k] = factor * own.energy[k];
+    for (std::size_t k = 0; k < moduli; ++k) {
+      scaled_->energies[own.energy][k] = factor * topology.energies[own.energy][k];
+    }
     if (!topology.dissipation.empty()) {
       scaled_->dissipation[d].mu = factor * topology.dissipation[d].mu;
       scaled_->dissipation[d].lambda = factor * topology.dissipation[d].lambda;

@@ -149,6 +149,12 @@ void SolverBackend::reset(const State& state) {
   joints_->reset(state);
 }
 
+void SolverBackend::begin_at_rest() {
+  require_supported();
+  follow_scene();
+  joints_->reset({});
+}
+
 void SolverBackend::read(State& state) const {
   do_read(state);
   joints_->read(state);

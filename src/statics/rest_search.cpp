@@ -58,7 +58,7 @@ class Search {
     }
     double shear = 0.0;
     for (const DomainTexel& domain : topology.domains) {
-      shear += domain.energy[0] / std::pow(domain.inverse_volume, 2.0 / 3.0);
+      shear += topology.energies[domain.energy][0] / std::pow(domain.inverse_volume, 2.0 / 3.0);
     }
     most_way_ = most_way * bounding_box(topology.rest).diagonal().norm();
     floor_ = force_rounding * shear / std::sqrt(static_cast<double>(topology.particle_count));

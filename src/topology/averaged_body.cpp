@@ -300,15 +300,25 @@ void add_averaged_terms(const Model& model, TopologyTextures& topology) {
   std::vector<double> spread = stabiliser_of_domains(model, domains, topology.options);
   const VecList fibres = fibres_of(model, domains);
   topology.domains.reserve(domains.particle.size());
+  std::vector<Index> last(model.materials.size(), none);  // row of each material's constants
+  const auto energy_row = [&](Index d) {
+    Index& row = last[domains.material[d]];
+    const EnergyConstants own = energy_constants(topology.options.strain_energy, model.materials[domains.material[d]],
+                                                 fibres.empty() ? Vec3(Vec3::Zero()) : fibres[d]);
+    if (row == none || topology.energies[row] != own) {  // another direction of fibres
+      row = static_cast<Index>(topology.energies.size());
+      topology.energies.push_back(own);
+    }
+    return row;
+  };
   for (Index d = 0; d < domains.count(); ++d) {
     const Material& material = model.materials[domains.material[d]];
     spread[d] *= 0.5 * material.young / (1.0 + material.poisson);
     topology.domains.push_back({.particle = domains.particle[d],
                                 .material = domains.material[d],
+                                .energy = energy_row(d),
                                 .inverse_volume = 1.0 / domains.volume[domains.kind[d]],
-                                .spread_stiffness = spread[d],
-                                .energy = energy_constants(topology.options.strain_energy, material,
-                                                           fibres.empty() ? Vec3(Vec3::Zero()) : fibres[d])});
+                                .spread_stiffness = spread[d]});
   }
   topology.dissipation = dissipation_of(model, domains);
   topology.first_domain.assign(model.rest.size() + 1, 0);

@@ -16,7 +16,7 @@ struct EnergyKind {
   StrainEnergy energy;
   const char* name;
   std::int32_t number;      ///< in files; never changes
-  std::size_t constants;    ///< of DomainTexel::energy
+  std::size_t constants;    ///< of EnergyConstants that it has
   std::size_t moduli;       ///< the first of them, Pa, to which the energy is proportional
   double least_stabiliser;  ///< below it rough motions would cost next to nothing
 };
@@ -30,8 +30,8 @@ constexpr const EnergyKind& kind_of(StrainEnergy energy) {
   return energy_kinds[static_cast<std::size_t>(energy)];
 }
 
-/// DomainTexel::energy; `fibre`: the unit vector along the domain's fibres, or zero.
-inline std::array<double, most_energy_constants> energy_constants(StrainEnergy energy, const Material& material,
+/// `fibre`: the unit vector along the domain's fibres, or zero.
+inline EnergyConstants energy_constants(StrainEnergy energy, const Material& material,
                                                                   const Vec3& fibre) {
   const Calibration of_directions = calibrate(material);
   switch (energy) {

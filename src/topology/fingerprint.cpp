@@ -40,7 +40,7 @@ void add_averaged(Fnv& sum, const TopologyTextures& t) {
   if (t.domains.empty()) return;
   for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
     const DomainTexel& domain = t.domains[d];
-    sum.add(domain.particle, domain.inverse_volume, domain.spread_stiffness, domain.energy);
+    sum.add(domain.particle, domain.inverse_volume, domain.spread_stiffness, t.energy_of(d));
     sum.add(domain.link_count, domain.surface_link_count);
     for (const LinkTexel& link : t.links_of(d)) sum.add(link.offset, link.area, link.stiffness);
     for (const SurfaceLinkTexel& link : t.surface_links_of(d)) sum.add(link.offset, link.area);

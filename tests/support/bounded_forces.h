@@ -218,7 +218,7 @@ class BoundedForces {
     const cpu::Columns<Bounded> H = mean_gradient(d);
     const Bounded spread = stored(domain.spread_stiffness);
     std::array<Bounded, most_energy_constants> p;
-    for (std::size_t k = 0; k < p.size(); ++k) p[k] = stored(domain.energy[k]);
+    for (std::size_t k = 0; k < p.size(); ++k) p[k] = stored(t_.energy_of(d)[k]);
     cpu::Columns<Bounded> Q = Energy::minus(Energy::energy_stress(H, p.data()), Energy::scaled(spread, H));
     if (dissipation_) Q = Energy::plus(Q, dissipated_stress(d, H));
     for (const LinkTexel& link : t_.links_of(d)) {

@@ -186,7 +186,7 @@ class AveragesPacker {
       };
       put(0, domain.inverse_volume);
       put(1, domain.spread_stiffness);
-      for (std::size_t k = 0; k < constants; ++k) put(2 + k, domain.energy[k]);
+      for (std::size_t k = 0; k < constants; ++k) put(2 + k, t_.energy_of(d)[k]);
     }
   }
 

@@ -68,7 +68,8 @@ class SimdSolver final : public SolverBackend {
     if (body_->gives()) pull_.assign(quads, 0.0f);
     near_u_.assign(summaries_.size(), Floats(4 * body_->most_slots() + page, 0.0f));
     follow_scene_parts();
-    reset();
+    begin_at_rest();
+    tools_.reset(scene(), {});
   }
 
  private:
