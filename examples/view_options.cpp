@@ -98,7 +98,7 @@ std::optional<ViewOptions> read_view_options(int argc, char** argv, int& exit_co
       ->type_size(4)
       ->allow_extra_args(false);
   app.add_option("--backend", options.backend, "solver by name")->capture_default_str();
-  app.add_flag("--from-file", options.from_file, "masses and stiffnesses of the file, no material");
+  app.add_flag("--from-file", options.from_file, "masses, stiffnesses and materials of the file alone");
   app.add_option("--young", options.material.young, "Young's modulus, Pa")->capture_default_str();
   app.add_option("--poisson", options.material.poisson, "Poisson's ratio")->capture_default_str();
   app.add_option("--damping", options.damping_rate, "rate of loss of velocity, 1/s")->capture_default_str();

@@ -24,7 +24,7 @@ Simulation::Simulation(const ViewBody& body, const ViewOptions& options)
       topology_(std::make_shared<const phymul::TopologyTextures>(build_topology(model_))) {
   if (body.surface) skin_.emplace(model_, body.surface->vertices);
   if (!options.loads.empty()) scene_.add(phymul::read_lml(options.loads, model_));
-  phymul::add_body_types(scene_);
+  for (const std::string& done : phymul::add_body_types(scene_)) std::fprintf(stderr, "note: %s\n", done.c_str());
   for (const std::string& group : options.fixed_groups) scene_.fix(group);
   for (std::size_t k = 0; k < options.fixed_balls.size(); k += 4) {
     scene_.fix(particles_in_ball(model_, &options.fixed_balls[k]));

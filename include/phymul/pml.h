@@ -22,9 +22,10 @@ struct PmlOptions {
 class Scene;
 
 /// Reads a body. Neighbourhoods come from the structuralComponent "Neighborhoods" where there is one, else from the
-/// cells. Mass and stiffness: atom, then its neighbourhood cell, then that cell's component, then a component with a
-/// bodyType (its mass), then the default, which is noted with its value (the stiffness where no cell has a material):
-/// 1 kg a particle is nobody's tissue. A material without a density gets that of its masses, which is noted. Cells are
+/// cells. Mass and stiffness: atom, then its neighbourhood cell, then that cell's component, then the default, which is
+/// noted with its value (the stiffness where no cell has a material): 1 kg a particle is nobody's tissue. Bodies of the
+/// bodyType FEM, stiffSpring and rigid come before the default: with their mass, with a density times volume, and with
+/// a shape stiffness of 0 unless they are FEM. FEM with young and poisson gets the density of its masses. Cells are
 /// oriented and the mesh is checked (check.h); what was found stands in Model::notes. Throws Error
 /// ("file:line: expected ..., got ...; do ...") and leaves nothing behind.
 Model read_pml(const std::string& path, const PmlOptions& options = {});
@@ -34,13 +35,14 @@ Model read_pml_text(std::string text, const std::string& source, const PmlOption
 
 /// Adds what the components of scene.model() are by their attribute bodyType, as in the scenes of SOFA's reader of PML:
 /// - "rigid", or any other body with mass="0": its particles are held where they are.
-/// - "stiffSpring": a joint with the component's name, and a spring along each edge and each long diagonal of a
-///   hexahedron of its cells without a material; stiffness in N/m and damping in N s/m (0 if omitted) are attributes.
-/// - "interaction": the same along its lines, from a particle of the component that body1 names to one of body2.
+/// - "stiffSpring": a joint with a spring along each edge, and each long diagonal of a hexahedron, of its cells without
+///   a material; stiffness in N/m and damping in N s/m (0 if omitted) are attributes.
+/// - "interaction": the same along its lines between particles of the components that body1 and body2 name.
 /// - "FEM": nothing, because the materials are in the model.
-/// Contacts are switched on, with their defaults, if two of these components have collision="true".
-/// Returns a sentence for each of these components; none in a file without them. Throws Error, and changes nothing, for
-/// springs without a stiffness, lines that do not join the named bodies, and as Scene::add_joint().
+/// Joints have the names of their components, numbered from the second one of a name. Contacts are switched on, with
+/// their defaults, if two components have collision="true". Returns a sentence for each of these components, also where
+/// nothing is added; none for a model without them. Call it once. Throws Error, and changes nothing, for constants that
+/// are no numbers of 0 or more, lines that do not join the named bodies, and joints that the scene has already.
 std::vector<std::string> add_body_types(Scene& scene);
 
 /// Writes the model so that read_pml with the same options gives an equal one, unknown attributes included. Coordinates

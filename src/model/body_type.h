@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // The attribute bodyType of a component, by which SOFA's reader of PML tells what a body is: an elastic solid ("FEM"),
-// a net of springs ("stiffSpring"), a rigid body ("rigid"), or springs between two bodies ("interaction").
+// a net of springs ("stiffSpring"), a rigid body ("rigid"), springs between two bodies ("interaction"), and others.
 #pragma once
 
 #include <phymul/model.h>
@@ -19,14 +19,20 @@ inline std::string_view body_type(const Component& component) {
   return attribute_of(component, "bodyType");
 }
 
-/// Rigid, or of mass 0.
+/// Rigid, or a body of mass 0.
 bool is_immovable(const Component& component);
 
-/// Particles of the component's own cells and those it lists, sorted, each once.
-std::vector<Index> own_particles(const Model& model, const Component& component);
+/// A solid with young and poisson, but no density.
+bool needs_density(const Component& component);
 
-/// Cells that need no material, and particles that need no cell with one: of nets of springs and of bodies that do not
-/// move; also the cells between bodies.
+/// Cells that the component has or refers to; particles of these and those it lists, sorted, each once.
+std::vector<Index> cells_of(const Component& component);
+std::vector<Index> particles_of(const Model& model, const Component& component);
+
+/// [cells] 1: springs between bodies, which make one body of them as little as joints do.
+std::vector<char> interaction_cells(const Model& model);
+
+/// Cells that need no material, and particles that need no cell with one: those of bodies that are no movable solids.
 std::vector<char> cells_without_tissue(const Model& model);
 std::vector<char> particles_without_tissue(const Model& model);
 

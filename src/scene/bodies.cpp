@@ -8,6 +8,7 @@
 
 #include "base/file_error.h"
 #include "base/union_find.h"
+#include "model/body_type.h"
 #include "model/file_extras.h"
 
 namespace phymul {
@@ -143,9 +144,11 @@ std::vector<ConnectedBody> connected_bodies(const Model& model) {
   for (Index i = 0; i < model.neighbours.rows(); ++i) {
     for (const Index* j = model.neighbours.begin(i); j != model.neighbours.end(i); ++j) sets.join(i, *j);
   }
-  for (const Cell& cell : model.cells) {
+  const std::vector<char> joints = interaction_cells(model);
+  for (std::size_t row = 0; row < model.cells.size(); ++row) {
+    const Cell& cell = model.cells[row];
     // Lists only name particles.
-    if (cell_size(cell.type) == 0) continue;
+    if (cell_size(cell.type) == 0 || joints[row]) continue;
     for (const Index i : cell.particles) sets.join(cell.particles.front(), i);
   }
   std::vector<ConnectedBody> bodies;

@@ -65,7 +65,8 @@ void require_supported(const TopologyTextures& topology, const Scene& scene, con
 /// J, of strains of about 1.
 double strained_energy(const TopologyTextures& topology) {
   double energy = 0.0;
-  for (const DomainTexel& domain : topology.domains) energy += domain.energy[0] / domain.inverse_volume;
+  for (const DomainTexel& domain : topology.domains)
+    energy += topology.energies[domain.energy][0] / domain.inverse_volume;
   return energy;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Components with a bodyType, as in scenes of SOFA's reader of PML: what they are made of, and what joins them.
+#include <phymul/bodies.h>
 #include <phymul/simulation.h>
 #include <phymul/topology_textures.h>
 
@@ -36,7 +37,7 @@ TEST(PmlBodies, TissueHasTheFilesMaterial) {
   EXPECT_EQ(model.materials[0].young, 3000.0);
   EXPECT_EQ(model.materials[0].poisson, 0.45);
   EXPECT_NEAR(model.materials[0].density, 800.0, 1e-9);  // 8 particles of 0.1 g in 1 cm^3
-  EXPECT_TRUE(has_note(model.notes, "800.0000000000002 kg/m^3 follows from the masses"));
+  EXPECT_TRUE(has_note(model.notes, "a density of 800.0000000000002 kg/m^3 follows from the masses and volumes"));
   for (const Index i : model.group("tissue")) EXPECT_EQ(model.mass[i], 1e-4);
   for (const Index i : model.group("net")) EXPECT_EQ(model.mass[i], 2e-4);
   for (const Index i : model.group("net")) EXPECT_EQ(model.stiffness[i], 0.0);
@@ -79,7 +80,7 @@ TEST(PmlBodies, AMaterialWithoutVolumeIsNone) {
   const Model model = read_pml_text(text, "t.pml");
   EXPECT_TRUE(model.materials.empty());
   EXPECT_EQ(model.cells[0].material, -1);
-  EXPECT_TRUE(has_note(model.notes, "neither a density nor masses"));
+  EXPECT_TRUE(has_note(model.notes, "t.pml:10: expected a density, or masses and cells that fill space"));
   EXPECT_EQ(attribute(model.components[1], "young"), "1000");
   EXPECT_EQ(reread(model), model);
 }
@@ -87,8 +88,91 @@ TEST(PmlBodies, AMaterialWithoutVolumeIsNone) {
 TEST(PmlBodies, AMassThatIsAssumedGivesNoDensity) {
   const Model model = read_pml_text(replaced(text_of(hanging), " mass=\"1e-4\"", ""), "t.pml");
   EXPECT_TRUE(model.materials.empty());
-  EXPECT_TRUE(has_note(model.notes, "neither a density nor masses"));
+  EXPECT_TRUE(has_note(model.notes, "expected a density, or masses and cells that fill space"));
   EXPECT_TRUE(has_note(model.notes, "have no mass: 1 kg each is assumed"));
+  // Writing gives each particle its mass. The body is not weighed by that.
+  EXPECT_EQ(reread(model), model);
+  Model cleared = read_pml(hanging);
+  cleared.materials.clear();
+  for (Cell& cell : cleared.cells) cell.material = -1;
+  EXPECT_EQ(reread(cleared), cleared);
+}
+
+TEST(PmlBodies, ADensityGivesMasses) {
+  const std::string text = replaced(text_of(hanging), "mass=\"1e-4\"", "density=\"1200\"");
+  const Model model = read_pml_text(text, "t.pml");
+  ASSERT_EQ(model.materials.size(), 1u);
+  EXPECT_EQ(model.materials[0].density, 1200.0);
+  for (const Index i : model.group("tissue")) EXPECT_NEAR(model.mass[i], 1200e-6 / 8, 1e-15);
+  EXPECT_EQ(reread(model), model);
+}
+
+TEST(PmlBodies, OnlySolidsHaveAMaterial) {
+  const std::string text =
+      replaced(text_of(hanging), "bodyType=\"stiffSpring\"", "bodyType=\"stiffSpring\" young=\"5\" poisson=\"0.3\"");
+  const Model model = read_pml_text(text, "t.pml");
+  EXPECT_EQ(model.materials.size(), 1u);
+  Scene scene(model);
+  add_body_types(scene);
+  EXPECT_EQ(scene.joints().size(), 3u);
+}
+
+/// Atom, neighbourhood cell, its component, then the body.
+TEST(PmlBodies, NeighbourhoodsComeBeforeBodies) {
+  const std::string text = replaced(text_of(hanging), "</multiComponent>",
+                                    "<structuralComponent name=\"Neighborhoods\" mass=\"7\" stiffness=\"9\">" +
+                                        cell_text("POLY_VERTEX", {13, 14, 15}, "name=\"Atom #12\"") +
+                                        "</structuralComponent></multiComponent>");
+  const Model model = read_pml_text(text, "t.pml");
+  EXPECT_EQ(model.mass[12], 7.0);
+  EXPECT_EQ(model.stiffness[12], 9.0);
+}
+
+TEST(PmlBodies, OfUnknownTypesAreSaidAndDoNothing) {
+  const std::string text =
+      replaced(text_of(hanging), "bodyType=\"rigid\" mass=\"1\"", "bodyType=\"mapped\" mass=\"all\"");
+  const Model model = read_pml_text(text, "t.pml");
+  Scene scene(model);
+  EXPECT_TRUE(has_note(add_body_types(scene), "component \"plate\" (bodyType \"mapped\"): nothing is added"));
+  EXPECT_NO_THROW(build_topology(model));
+}
+
+TEST(PmlBodies, MayReferToTheirCells) {
+  std::string text = text_of(hanging);
+  const std::string cell = "<cellProperties type=\"QUAD\"/>";
+  text = replaced(text, cell, "<cellProperties index=\"77\" type=\"QUAD\"/>");
+  const std::size_t from = text.find("<cell><cellProperties index=\"77\""), to = text.find("</cell>", from) + 7;
+  const std::string whole = text.substr(from, to - from);
+  text.replace(from, to - from, "<cellRef index=\"77\"/>");
+  text = replaced(text, "<informativeComponents/>",
+                  "<informativeComponents><multiComponent name=\"i\"><structuralComponent name=\"shapes\">" + whole +
+                      "</structuralComponent></multiComponent></informativeComponents>");
+  const Model model = read_pml_text(text, "t.pml");
+  Scene scene(model);
+  EXPECT_TRUE(has_note(add_body_types(scene), "component \"plate\" (bodyType \"rigid\"): its 4 particle(s) are held"));
+  EXPECT_NO_THROW(build_topology(model));
+  EXPECT_EQ(reread(model), model);
+}
+
+/// Springs make one body of two as little as joints do.
+TEST(PmlBodies, OfAnInteractionTouchEachOther) {
+  std::string text = replaced(text_of(hanging), "mass=\"1\"", "mass=\"1\" collision=\"true\"");
+  text = replaced(text, "stiffness=\"8\"", "stiffness=\"0.001\"");
+  text = replaced(text, "stiffness=\"5\"", "stiffness=\"0.001\"");
+  Simulation sim(read_pml_text(text, "t.pml"), {.backend = "cpu", .damping = {.rate = 20}});
+  EXPECT_EQ(connected_bodies(sim.model()).size(), 3u);
+  add_body_types(sim.scene());
+  sim.scene().gravity({0, 0, 9.81});
+  ASSERT_TRUE(sim.advance(0.3).ok());
+  for (const Index i : sim.model().group("tissue")) EXPECT_LT(sim.state().position[i].z(), 0.0);
+}
+
+TEST(PmlBodies, OfAMergedModelFindEachOther) {
+  const Model one = read_pml(hanging), other = moved(one, {0.1, 0, 0});
+  const Model both = merge_models(std::vector<NamedBody>{{"a", &one}, {"b", &other}});
+  Scene scene(both);
+  add_body_types(scene);
+  EXPECT_EQ(scene.joints().size(), 6u);
 }
 
 TEST(PmlBodies, AreAddedAsWhatTheyAre) {
@@ -142,7 +226,7 @@ TEST(PmlBodies, TissueStillNeedsAMaterial) {
   const Model model = read_pml_text(text, "t.pml");
   EXPECT_NE(message_of([&] { build_topology(model); }).find("has no material although others have"), std::string::npos);
   Scene scene(model);
-  EXPECT_TRUE(has_note(add_body_types(scene), "its cells have no material, because it has no young and poisson"));
+  EXPECT_TRUE(has_note(add_body_types(scene), "its cells have no material, which takes young, poisson, and masses"));
 }
 
 /// A user who gives all cells a material, as phymul-run does, gets no springs besides.
@@ -168,15 +252,50 @@ TEST(PmlBodies, RefusesWhatIsWrong) {
       }
     });
   };
-  EXPECT_EQ(with("stiffness=\"8\" ", ""), "component \"upper\": expected a stiffness in N/m for its springs, got none");
   EXPECT_EQ(with("body1=\"plate\"", "body1=\"ceiling\""),
             "component \"upper\": expected the name of a component in body1, got \"ceiling\"");
-  EXPECT_EQ(with("body1=\"plate\"", "body1=\"net\""),
-            "component \"upper\": expected each line to go from a particle of body1 to one of body2, but particle 0 is "
-            "not in \"net\"");
-  EXPECT_NE(with("stiffness=\"8\"", "stiffness=\"-8\"").find("bad.pml:"), std::string::npos);
-  EXPECT_NE(with("damping=\"0.001\"", "damping=\"some\"").find("expected a finite number"), std::string::npos);
-  EXPECT_NE(with("name=\"lower\"", "name=\"upper\"").find("upper"), std::string::npos);
+  const std::string no_line =
+      "component \"upper\": expected lines between particles of body1 and body2, but that from 0 to 8 is none; both "
+      "attributes may be left out";
+  EXPECT_EQ(with("body1=\"plate\"", "body1=\"net\""), no_line);
+  EXPECT_EQ(with("body1=\"plate\"", "body1=\"lower\" "), no_line);
+  EXPECT_EQ(with("stiffness=\"8\"", "stiffness=\"-8\""),
+            "component \"upper\": expected a stiffness of 0 N/m or more, got \"-8\"");
+  EXPECT_EQ(with("damping=\"0.001\"", "damping=\"some\""),
+            "component \"lower\": expected a damping of 0 N s/m or more, got \"some\"");
+  EXPECT_NE(with("young=\"3000\"", "young=\"soft\"").find("bad.pml:"), std::string::npos);
+
+  const Model model = read_pml(hanging);
+  Scene twice(model);
+  add_body_types(twice);
+  EXPECT_NE(message_of([&] { add_body_types(twice); }).find("net"), std::string::npos);
+  EXPECT_EQ(twice.loads().size(), 1u);
+}
+
+TEST(PmlBodies, OtherProgramsFilesAreTakenAsTheyAre) {
+  const auto after = [&](const std::string& from, const std::string& to, std::vector<std::string>* names = nullptr) {
+    const Model model = read_pml_text(replaced(text_of(hanging), from, to), "t.pml");
+    Scene scene(model);
+    const std::vector<std::string> done = add_body_types(scene);
+    if (names) {
+      for (const SceneJoint& joint : scene.joints()) names->push_back(joint.name);
+    }
+    return done;
+  };
+  EXPECT_TRUE(
+      has_note(after("stiffness=\"8\" ", ""), "\"upper\" (bodyType \"interaction\"): no springs, because it has no"));
+  std::vector<std::string> names;
+  after("name=\"lower\"", "name=\"upper\"", &names);
+  EXPECT_EQ(names, (std::vector<std::string>{"net", "upper", "upper 2"}));
+  const std::string reversed = "body1=\"tissue\" body2=\"plate\"";
+  EXPECT_TRUE(has_note(after("body1=\"plate\" body2=\"tissue\"", reversed),
+                       "\"upper\" (bodyType \"interaction\"): 4 spring(s)"));
+}
+
+TEST(PmlBodies, AMassThatIsNoNumberIsSaid) {
+  const Model model = read_pml_text(replaced(text_of(hanging), "mass=\"2e-4\"", "mass=\"1 2 3\""), "t.pml");
+  EXPECT_TRUE(
+      has_note(model.notes, "expected one mass of 0 kg or more for each particle of the component, got \"1 2 3\""));
 }
 
 }  // namespace

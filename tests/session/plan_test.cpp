@@ -65,6 +65,23 @@ TEST(Plan, KeepsItsPromiseAgainstAMuchFinerBody) {
   EXPECT_TRUE(says(made.report(), "chosen"));
 }
 
+/// While time is left, bodies are compared with a better one than the error asked for needs.
+TEST(Plan, UsesTimeThatIsLeftForABetterReference) {
+  const Plan made = plan(sagging, wishes(0.1, 20));
+  EXPECT_LT(made.trials.back().error, 0.25 * made.options.max_error) << made.report();
+}
+
+TEST(Plan, SaysThatCellsFold) {
+  const auto folding = [](const PlanCandidate& candidate) {
+    Simulation sim = sagging(candidate);
+    sim.scene().gravity({0, 0, -9.81});
+    return sim;
+  };
+  const Plan made = plan(folding, {.max_error = 0.5, .rate = 20, .finest = 0.012});
+  EXPECT_TRUE(says(made.report(), "cells are flat or inside out at rest")) << made.report();
+  EXPECT_FALSE(says(plan(sagging, wishes(0.1, 20)).report(), "inside out"));
+}
+
 TEST(Plan, AStrictWishTakesAFinerBody) {
   const Plan loose = plan(sagging, wishes(0.1, 20)), strict = plan(sagging, wishes(0.01, 20));
   ASSERT_TRUE(loose.kept) << loose.report();

@@ -20,6 +20,8 @@ std::optional<PmlMarks> parse_pml_marks(std::string_view text) {
       marks.loose = true;
     } else if (word == "unlisted") {
       marks.unlisted = true;
+    } else if (word == "unweighed") {
+      marks.unweighed = true;
     } else if (word.starts_with("row=")) {
       const std::optional<std::int64_t> row = parse_integer(word.substr(4));
       if (!row || *row < 0 || *row > std::numeric_limits<Index>::max()) return std::nullopt;

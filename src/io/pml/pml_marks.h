@@ -18,6 +18,7 @@ struct PmlMarks {
   bool wrapper = false;      ///< multiComponent: stands only because PML wants one root; no row of Model::components
   bool loose = false;        ///< structuralComponent: holds cells that are in no component; no row either
   bool unlisted = false;     ///< structuralComponent "Neighborhoods": no row either
+  bool unweighed = false;    ///< structuralComponent: its cells without a material have none, whatever their masses
   std::optional<Index> row;  ///< component, cell: row in the model where it is not the order of the file
 };
 

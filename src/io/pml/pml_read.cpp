@@ -68,10 +68,10 @@ Model PmlReader::read() {
   }
   if (informative) read_section(informative, false);
   resolve_cell_references();
-  restore_cell_rows();
-  restore_component_rows();
   finish_neighbourhoods();
   finish_particles();
+  restore_cell_rows();
+  restore_component_rows();
   drop_unused_materials(model_);
   model_.extras = std::move(extras_).share();
   model_.notes = xml_.take_notes();
@@ -243,7 +243,7 @@ PmlMarks PmlReader::marks(pugi::xml_node node) const {
   const std::optional<PmlMarks> parsed = parse_pml_marks(text);
   if (!parsed) {
     xml_.fail(node, std::string("expected attribute \"") + pml_mark_attribute +
-                        "\" as write_pml makes it (unnumbered, wrapper, loose, unlisted, row=N), got " +
+                        "\" as write_pml makes it (unnumbered, wrapper, loose, unlisted, unweighed, row=N), got " +
                         XmlSource::cite(text));
   }
   return *parsed;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include "model/body_type.h"
 #include "model/material.h"
 #include "pml_reader.h"
 
@@ -77,16 +78,16 @@ Index PmlReader::add_component(pugi::xml_node node, const PmlMarks& own, Index p
                       .attributes = xml_.other_attributes(node, {"name", pml_mark_attribute})};
   model_.components.push_back(std::move(component));
   component_rows_.push_back(own.row.value_or(-1));
+  component_nodes_.push_back(node);
+  unweighed_.push_back(own.unweighed);
   return static_cast<Index>(model_.components.size()) - 1;
 }
 
 void PmlReader::read_structures(pugi::xml_node node, Index component, bool neighbourhoods) {
   // A component's material is that of its cells; without cells it stays an attribute like any other.
   Index material = -1;
-  if (component >= 0 && node.child("cell")) {
-    require_body_constants(node);
-    material = material_to_weigh(node);
-    if (material < 0) material = take_material(node, model_.components[component].attributes);
+  if (component >= 0 && node.child("cell") && !needs_density(model_.components[component])) {
+    material = take_material(node, model_.components[component].attributes);
   }
   for (const pugi::xml_node child : node.children()) {
     const std::string_view kind = child.name();
@@ -176,26 +177,6 @@ Index PmlReader::atom_row(pugi::xml_node atom_ref) const {
   if (row >= 0) return row;
   xml_.fail(atom_ref, "expected the index of an atom, got " + std::to_string(number) +
                           ", which no atom has; add the atom or remove the <atomRef>");
-}
-
-void PmlReader::require_body_constants(pugi::xml_node component) const {
-  if (!component.attribute("bodyType")) return;
-  for (const char* const name : {"mass", "stiffness", "damping"}) {
-    const pugi::xml_attribute attribute = component.attribute(name);
-    if (attribute) positive(component, name, attribute.value(), true);
-  }
-}
-
-/// A body without a density gets one from its masses, once they are known; its attributes stay. Until then it is 0.
-Index PmlReader::material_to_weigh(pugi::xml_node component) {
-  const bool is_body = component.attribute("bodyType") && component.attribute("young") &&
-                       component.attribute("poisson") && !component.attribute("density");
-  if (!is_body) return -1;
-  Material material{xml_.number(component, "young"), xml_.number(component, "poisson"), 1.0};
-  require_material(component, material);
-  material.density = 0.0;
-  model_.materials.push_back(material);
-  return static_cast<Index>(model_.materials.size()) - 1;
 }
 
 void PmlReader::require_material(pugi::xml_node node, const Material& material) const {

@@ -2,10 +2,19 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pml_bodies.h"
+#include "model/body_type.h"
 #include "pml_reader.h"
 
 namespace phymul {
+namespace {
+
+void fill_unset(std::vector<double>& values, double value) {
+  for (double& it : values) {
+    if (std::isnan(it)) it = value;
+  }
+}
+
+}  // namespace
 
 void PmlReader::open_neighbourhoods(pugi::xml_node component) {
   if (neighbourhoods_) {
@@ -114,14 +123,14 @@ void PmlReader::note_defaults() {
     return std::ranges::count_if(values, [](double value) { return std::isnan(value); });
   };
   const std::string of = " of " + std::to_string(model_.particle_count()) + " atom(s) have no ";
-  const auto massless = std::isnan(component_mass_) ? unset_in(model_.mass) : 0;
+  const auto massless = unset_in(model_.mass);
   if (massless > 0) {
     xml_.note(xml_.root(), std::to_string(massless) + of + "mass: " + to_decimal(options_.default_mass) +
                                " kg each is assumed (PmlOptions::default_mass), until set_material gives another");
   }
   // Materials of the cells leave no use for it.
   const bool elastic = std::ranges::any_of(model_.cells, [](const Cell& cell) { return cell.material >= 0; });
-  const auto slack = std::isnan(component_stiffness_) && !elastic ? unset_in(model_.stiffness) : 0;
+  const auto slack = elastic ? 0 : unset_in(model_.stiffness);
   if (slack > 0) {
     xml_.note(xml_.root(),
               std::to_string(slack) + of + "stiffness: " + to_decimal(options_.default_stiffness) +
@@ -130,16 +139,15 @@ void PmlReader::note_defaults() {
 }
 
 void PmlReader::finish_particles() {
+  fill_unset(model_.mass, component_mass_);
+  fill_unset(model_.stiffness, component_stiffness_);
   take_body_constants();
-  weigh_materials();
+  add_bodies_to_weigh();
+  weigh_bodies();
   fill_immovable_bodies();
   note_defaults();
-  const double mass = std::isnan(component_mass_) ? options_.default_mass : component_mass_;
-  const double stiffness = std::isnan(component_stiffness_) ? options_.default_stiffness : component_stiffness_;
-  for (Index row = 0; row < model_.particle_count(); ++row) {
-    if (std::isnan(model_.mass[row])) model_.mass[row] = mass;
-    if (std::isnan(model_.stiffness[row])) model_.stiffness[row] = stiffness;
-  }
+  fill_unset(model_.mass, options_.default_mass);
+  fill_unset(model_.stiffness, options_.default_stiffness);
 }
 
 }  // namespace phymul

@@ -41,6 +41,11 @@ class PmlReader {
     std::vector<Attribute> others;  // mass and stiffness among them
   };
 
+  struct BodyToWeigh {
+    pugi::xml_node node;
+    Index material;
+  };
+
   struct CellReference {
     pugi::xml_node node;
     Index component;
@@ -68,8 +73,6 @@ class PmlReader {
   CellHead read_cell_head(pugi::xml_node cell);
   void read_cell_parts(pugi::xml_node cell, std::vector<Index>& particles);
   Index atom_row(pugi::xml_node atom_ref) const;
-  void require_body_constants(pugi::xml_node component) const;
-  Index material_to_weigh(pugi::xml_node component);
   void require_material(pugi::xml_node node, const Material& material) const;
   Index take_material(pugi::xml_node node, std::vector<Attribute>& attributes);
   void resolve_cell_references();
@@ -89,7 +92,9 @@ class PmlReader {
 
   // pml_read_bodies.cpp: what the attribute bodyType adds
   void take_body_constants();
-  void weigh_materials();
+  void take_masses_of_densities();
+  void add_bodies_to_weigh();
+  void weigh_bodies();
   void fill_immovable_bodies();
 
   static constexpr std::size_t largest_count = std::numeric_limits<Index>::max();
@@ -105,8 +110,11 @@ class PmlReader {
 
   std::vector<CellReference> cell_references_;
   std::vector<Index> component_rows_;  // [components] wanted row, -1: none given
-  std::vector<Index> cell_rows_;       // [cells] likewise
-  std::vector<Index> cell_numbers_;    // [cells] as in the file, -1: none
+  std::vector<pugi::xml_node> component_nodes_;
+  std::vector<char> unweighed_;  // [components] PmlMarks::unweighed
+  std::vector<BodyToWeigh> to_weigh_;
+  std::vector<Index> cell_rows_;     // [cells] likewise
+  std::vector<Index> cell_numbers_;  // [cells] as in the file, -1: none
   std::vector<pugi::xml_node> cell_nodes_;
   std::map<std::array<double, 3>, Index> material_rows_;
 

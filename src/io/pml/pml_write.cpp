@@ -8,6 +8,7 @@
 #include "base/decimal.h"
 #include "base/replace_file.h"
 #include "io/xml/xml_writer.h"
+#include "model/body_type.h"
 #include "model/file_extras.h"
 #include "pml_layout.h"
 #include "pml_marks.h"
@@ -150,7 +151,12 @@ void PmlWriter::write_component(Index row) {
   if (!component.name.empty()) xml_.attribute("name", component.name);
   const Index material = common_material(component, layout_.own_cells[row]);
   if (material >= 0) write_material(model_.materials[material]);
-  if (!layout_.components_in_order) write_mark("row=" + std::to_string(row));
+  const std::vector<Index> cells = cells_of(component);
+  const bool unweighed = needs_density(component) &&
+                         std::ranges::any_of(cells, [this](Index cell) { return model_.cells[cell].material < 0; });
+  std::string marks = unweighed ? "unweighed" : "";
+  if (!layout_.components_in_order) marks += (marks.empty() ? "row=" : " row=") + std::to_string(row);
+  if (!marks.empty()) write_mark(marks);
   write_attributes(component.attributes, {"name", pml_mark_attribute}, "component");
   write_colour(component.colour);
   for (const Index child : layout_.children[row]) write_component(child);
