@@ -33,6 +33,7 @@ PartOfBody part_of(const TopologyTextures& t, const std::vector<bool>& chosen) {
   TopologyTextures& to = part.tables;
   to.options = t.options;
   to.dimension = t.dimension;
+  to.energies = t.energies;
   std::vector<Index> row(t.domains.size(), none);  // of a domain in `to`
   Index rows = 0;
   for (std::size_t d = 0; d < t.domains.size(); ++d) {

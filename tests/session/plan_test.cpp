@@ -77,7 +77,7 @@ TEST(Plan, SaysThatCellsFold) {
     sim.scene().gravity({0, 0, -9.81});
     return sim;
   };
-  const Plan made = plan(folding, {.max_error = 0.5, .rate = 20, .finest = 0.012});
+  const Plan made = plan(folding, {.max_error = 0.5, .rate = 20, .finest = 0.009});
   EXPECT_TRUE(says(made.report(), "cells are flat or inside out at rest")) << made.report();
   EXPECT_FALSE(says(plan(sagging, wishes(0.1, 20)).report(), "inside out"));
 }
