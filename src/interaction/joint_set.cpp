@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "joint_spring.h"
 
@@ -214,6 +215,45 @@ double add_joint_forces(const Scene& scene, const State& state, std::span<Vec3> 
   return joints.energy();
 }
 
+template <class Constant>
+double JointSet::largest_of(const Scene& scene, std::span<const double> mass, const Constant& constant) {
+  constexpr int turns = 6;
+  const auto has = [&](const SceneJoint& it) { return constant(it.joint) > 0.0; };
+  if (std::ranges::none_of(scene.joints(), has)) return 0.0;
+  double bound = std::numeric_limits<double>::infinity();
+  trial_.assign(mass.size(), 1.0);
+  for (int turn = 0; turn < turns; ++turn) {
+    row_.assign(mass.size(), 0.0);
+    for (const SceneJoint& it : scene.joints()) {
+      for (const JointSpring& spring : it.joint.springs) add_row(spring, constant(it.joint), mass);
+    }
+    double largest = 0.0;
+    for (std::size_t i = 0; i < mass.size(); ++i) {
+      if (row_[i] > 0.0) largest = std::max(largest, row_[i] / trial_[i]);
+    }
+    bound = std::min(bound, largest);
+    std::swap(row_, trial_);
+    for (double& it : trial_) it /= bound;
+  }
+  return bound;
+}
+
+/// Adds |M^-1 K| trial of a spring to row_.
+void JointSet::add_row(const JointSpring& spring, double constant, std::span<const double> mass) {
+  double sum = 0.0;
+  for (const Anchor* end : {&spring.a, &spring.b}) {
+    for (std::size_t k = 0; k < end->particles.size(); ++k) {
+      sum += std::abs(end->weights[k]) * trial_[end->particles[k]];
+    }
+  }
+  for (const Anchor* end : {&spring.a, &spring.b}) {
+    for (std::size_t k = 0; k < end->particles.size(); ++k) {
+      const Index i = end->particles[k];
+      row_[i] += constant * spring.share * std::abs(end->weights[k]) * sum / mass[i];
+    }
+  }
+}
+
 const JointBounds& JointSet::bounds(const Scene& scene, std::span<const double> mass) {
   const bool known = bounds_version_ == scene.version() && bounds_values_version_ == scene.values_version();
   bounds_version_ = scene.version();
@@ -221,27 +261,8 @@ const JointBounds& JointSet::bounds(const Scene& scene, std::span<const double> 
   if (known) return bounds_;
   bounds_ = {};
   if (scene.joints().empty()) return bounds_;
-  row_stiffness_.assign(mass.size(), 0.0);
-  row_damping_.assign(mass.size(), 0.0);
-  for (const SceneJoint& known_joint : scene.joints()) {
-    const Joint& joint = known_joint.joint;
-    for (const JointSpring& spring : joint.springs) {
-      double weights = 0.0;
-      for (const Anchor* end : {&spring.a, &spring.b}) {
-        for (const double w : end->weights) weights += std::abs(w);
-      }
-      for (const Anchor* end : {&spring.a, &spring.b}) {
-        for (std::size_t k = 0; k < end->particles.size(); ++k) {
-          const Index i = end->particles[k];
-          const double row = spring.share * std::abs(end->weights[k]) * weights / mass[i];
-          row_stiffness_[i] += joint.stiffness * row;
-          row_damping_[i] += joint.damping * row;
-        }
-      }
-    }
-  }
-  bounds_.stiffness = *std::ranges::max_element(row_stiffness_);
-  bounds_.damping = *std::ranges::max_element(row_damping_);
+  bounds_.stiffness = largest_of(scene, mass, [](const Joint& joint) { return joint.stiffness; });
+  bounds_.damping = largest_of(scene, mass, [](const Joint& joint) { return joint.damping; });
   return bounds_;
 }
 

@@ -20,8 +20,9 @@ struct ToolWay {
 };
 
 /// Upper bounds of what the joints of a scene add to a body: of the largest eigenvalue of M^-1 K, 1/s^2, and of M^-1 C,
-/// 1/s. By Gershgorin's circles: row i of a spring between weighted means has k |w_i| sum |w_j| / m_i, and the matrix
-/// is similar to a symmetric one. Exact for one particle, and for two of equal mass.
+/// 1/s. Entry (i, j) of a spring between weighted means is +-k w_i w_j / m_i. The largest eigenvalue of A is at most
+/// max (|A| x)_i / x_i for any positive x (L. Collatz, Einschliessungssatz fuer die charakteristischen Zahlen von
+/// Matrizen, Math. Z. 48, 1942); x = 1 gives Gershgorin's circles, and a few multiplications of x by |A| better ones.
 struct JointBounds {
   double stiffness = 0.0, damping = 0.0;
 };
@@ -74,6 +75,10 @@ class JointSet {
   const JointReport& report(const SceneJoint& wanted) const;
 
  private:
+  template <class Constant>
+  double largest_of(const Scene& scene, std::span<const double> mass, const Constant& constant);
+  void add_row(const JointSpring& spring, double constant, std::span<const double> mass);
+
   struct End {
     std::vector<Index> points;  // rows of points_; empty: `place` of the world, or of a tool
     std::vector<double> weights;
@@ -107,7 +112,7 @@ class JointSet {
   mutable JointReport unseen_;
   JointBounds bounds_;
   std::uint64_t bounds_version_ = 0, bounds_values_version_ = 0;
-  std::vector<double> row_stiffness_, row_damping_;  // [N] of bounds(); empty: never called with joints
+  std::vector<double> row_, trial_;  // [N] of bounds(); empty: never called with joints
 };
 
 /// Throws Error where a joint's part of a state names springs that the scene's joint of that name does not have.

@@ -4,6 +4,7 @@
 #include <phymul/skin.h>
 #include <phymul/surface_patch.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/decimal.h"
@@ -13,10 +14,10 @@
 namespace phymul {
 namespace {
 
-/// The layer between patch and world is as stiff as tissue of 1/18 of the spacing. Stiffer ones make a coarse body too
+/// The layer between patch and world is as stiff as tissue of 1/25 of the spacing. Stiffer ones make a coarse body too
 /// stiff: its cells cannot follow the stress at the edge of the patch. Softer ones let it move.
 /// docs/measurements/accuracy.md, "Held patches".
-constexpr double layers_in_spacing = 18.0;
+constexpr double layers_in_spacing = 25.0;
 
 /// Largest distance of a point from the body, in sizes of a cell: bodies round off the edges of their surface.
 constexpr double most_outside = 2.0;
@@ -68,6 +69,32 @@ std::vector<double> modulus_over_spacing(const Model& model) {
   return modulus;
 }
 
+/// Of the mean over the springs of stiffness over mass of their particles: the most that a particle gets. Light
+/// particles, as at sharp edges, would set the step of the whole body and hold little.
+constexpr double most_for_mass = 0.8;
+
+void spare_light_particles(Joint& joint, const std::vector<double>& mass) {
+  std::vector<double> stiffness(mass.size(), 0.0);
+  for (const JointSpring& spring : joint.springs) {
+    for (std::size_t k = 0; k < spring.a.particles.size(); ++k) {
+      stiffness[spring.a.particles[k]] += joint.stiffness * spring.share * spring.a.weights[k];
+    }
+  }
+  double sum = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < mass.size(); ++i) {
+    sum += stiffness[i];
+    squares += stiffness[i] * stiffness[i] / mass[i];
+  }
+  const double most = most_for_mass * squares / sum;  // 1/s^2
+  for (JointSpring& spring : joint.springs) {
+    double factor = 1.0;
+    for (const Index i : spring.a.particles) {
+      if (stiffness[i] > most * mass[i]) factor = std::min(factor, most * mass[i] / stiffness[i]);
+    }
+    spring.share *= factor;
+  }
+}
+
 }  // namespace
 
 JointHandle Scene::hold(const SurfacePatch& patch) & {
@@ -92,6 +119,7 @@ JointHandle Scene::hold(const SurfacePatch& patch) & {
     joint.springs.push_back(std::move(spring));
   }
   joint.stiffness /= area;
+  spare_light_particles(joint, model_->mass);
   add_joint(default_name("joint", next_joint_, joints_), std::move(joint));
   return {*this, joints_.back().id};
 }
