@@ -196,9 +196,9 @@ class Scene {
   /// Holds a part of the surface in all directions, as stiff glue to the world does. What is held depends on the
   /// patch alone; particles that fix() holds are those that happen to lie there, and the result changes with them. The
   /// joint has a spring for each point, between the cell that it is in and its place at rest. The stiffness per area is
-  /// 18 E / h: Young's modulus and the distance of neighbours at the patch. The stable step becomes shorter by a fifth
-  /// to a half. Throws Error for a 2-D body or one without a material, for points farther than two cells from it,
-  /// and for areas that are not above 0 and finite or are not as many as the points.
+  /// 25 E / h (Young's modulus, distance of neighbours), less at light particles, which would set the step. The stable
+  /// step becomes shorter by a tenth to a third. Throws Error for a 2-D body or one without a material, for points
+  /// farther than two cells from it, and for areas that are not above 0 and finite or are not as many as the points.
   JointHandle hold(const SurfacePatch& patch) &;
 
   Scene& remove_joint(std::string_view name);
