@@ -273,7 +273,15 @@ TEST(ReadLabels, RefusesBadNrrd) {
   const auto with = [&](const std::string& fields, const std::string& voxels = bytes_of(counted())) {
     return reading_labels("bad.nrrd", nrrd(fields + raw, voxels));
   };
-  EXPECT_TRUE(says(reading_labels("bad.nrrd", "nothing of it"), "bad.nrrd: expected an image in NRRD"));
+  EXPECT_TRUE(says(reading_labels("bad.nrrd", "nothing of it"), "bad.nrrd:1: expected an image in NRRD"));
+  EXPECT_TRUE(says(reading_labels("bad.nrrd", "P5\n2 2\n255\n...."), "bad.nrrd:1: expected an image in NRRD"));
+  const std::string endless(2000, 'x');
+  for (const std::string& line : {endless, "space: " + endless, "space: " + endless + ":=a", endless + ": a:=b"}) {
+    EXPECT_TRUE(
+        says(reading_labels("bad.nrrd", nrrd(plain + line + "\n" + raw)), "bad.nrrd:5: expected lines of at most 512"));
+  }
+  EXPECT_EQ(reading_labels("a.nrrd", nrrd(plain + "spacings: 1 2 3\nnote:=" + endless + ": " + endless + "\n" + raw)),
+            "(no error)");
   EXPECT_TRUE(says(with(plain, "short"), "bad.nrrd: expected an image in NRRD"));
   EXPECT_TRUE(says(with("type: uchar\ndimension: 3\nsizes: 1 1 999999999\nspacings: 1 1 1\n", "short"), "ends before"));
 #ifndef __SANITIZE_ADDRESS__  // teem loses its buffers there

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -23,6 +24,29 @@ constexpr IntegerCode integers[] = {
     {nrrdTypeUShort, NumberType::uint16}, {nrrdTypeInt, NumberType::int32},     {nrrdTypeUInt, NumberType::uint32},
     {nrrdTypeLLong, NumberType::int64},   {nrrdTypeULLong, NumberType::uint64},
 };
+
+/// Characters of a line of the header that is no key/value pair. teem puts such lines into its messages, whose buffer a
+/// line of 1,000 overflows.
+constexpr std::size_t longest_line = 512;
+
+/// teem would read other formats too, by their first bytes.
+void require_header(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) fail_access(path, "the file cannot be opened");
+  std::string line;
+  for (std::size_t number = 1; std::getline(file, line); ++number) {
+    if (number == 1 && !line.starts_with("NRRD")) {
+      fail_format(path, 1, "expected an image in NRRD, which begins with NRRD, got other bytes");
+    }
+    if (trim(line).empty()) return;
+    const bool is_pair = line.find(":=") < line.find(": ");
+    if (line.size() > longest_line && !is_pair) {
+      fail_format(path, number,
+                  "expected lines of at most " + std::to_string(longest_line) + " characters in the header, got " +
+                      std::to_string(line.size()));
+    }
+  }
+}
 
 using Reading = std::unique_ptr<NrrdIoState, NrrdIoState* (*)(NrrdIoState*)>;
 
@@ -114,6 +138,7 @@ void set_names(const Nrrd& file, LabelImage& image) {
 LabelImage read_nrrd(const std::string& path) {
   static std::mutex one_at_a_time;  // teem collects its reasons in one place
   const std::scoped_lock lock(one_at_a_time);
+  require_header(path);
   const Reading of_header = make_reading();
   const File header = load(path, of_header.get(), true);
   if (header->dim != 3) {
