@@ -278,7 +278,7 @@ TEST(ReadLabels, RefusesBadNrrd) {
   const std::string endless(2000, 'x');
   for (const std::string& line : {endless, "space: " + endless, "space: " + endless + ":=a", endless + ": a:=b"}) {
     EXPECT_TRUE(
-        says(reading_labels("bad.nrrd", nrrd(plain + line + "\n" + raw)), "bad.nrrd:5: expected lines of at most 512"));
+        says(reading_labels("bad.nrrd", nrrd(plain + line + "\n" + raw)), "bad.nrrd:6: expected lines of at most 512"));
   }
   EXPECT_EQ(reading_labels("a.nrrd", nrrd(plain + "spacings: 1 2 3\nnote:=" + endless + ": " + endless + "\n" + raw)),
             "(no error)");
