@@ -215,25 +215,41 @@ double add_joint_forces(const Scene& scene, const State& state, std::span<Vec3> 
   return joints.energy();
 }
 
+/// Rows of the particles that springs have.
+void JointSet::number_rows(const Scene& scene, std::size_t particles) {
+  row_of_.assign(particles, -1);
+  Index rows = 0;
+  for (const SceneJoint& joint : scene.joints()) {
+    for (const JointSpring& spring : joint.joint.springs) {
+      for (const Anchor* end : {&spring.a, &spring.b}) {
+        for (const Index i : end->particles) {
+          if (row_of_[i] < 0) row_of_[i] = rows++;
+        }
+      }
+    }
+  }
+  row_.resize(static_cast<std::size_t>(rows));
+  trial_.resize(static_cast<std::size_t>(rows));
+}
+
 template <class Constant>
 double JointSet::largest_of(const Scene& scene, std::span<const double> mass, const Constant& constant) {
   constexpr int turns = 6;
   const auto has = [&](const SceneJoint& it) { return constant(it.joint) > 0.0; };
   if (std::ranges::none_of(scene.joints(), has)) return 0.0;
   double bound = std::numeric_limits<double>::infinity();
-  trial_.assign(mass.size(), 1.0);
+  std::ranges::fill(trial_, 1.0);
   for (int turn = 0; turn < turns; ++turn) {
-    row_.assign(mass.size(), 0.0);
+    std::ranges::fill(row_, 0.0);
     for (const SceneJoint& it : scene.joints()) {
       for (const JointSpring& spring : it.joint.springs) add_row(spring, constant(it.joint), mass);
     }
     double largest = 0.0;
-    for (std::size_t i = 0; i < mass.size(); ++i) {
+    for (std::size_t i = 0; i < row_.size(); ++i) {
       if (row_[i] > 0.0) largest = std::max(largest, row_[i] / trial_[i]);
     }
     bound = std::min(bound, largest);
-    std::swap(row_, trial_);
-    for (double& it : trial_) it /= bound;
+    for (std::size_t i = 0; i < row_.size(); ++i) trial_[i] = row_[i] / bound;
   }
   return bound;
 }
@@ -243,26 +259,28 @@ void JointSet::add_row(const JointSpring& spring, double constant, std::span<con
   double sum = 0.0;
   for (const Anchor* end : {&spring.a, &spring.b}) {
     for (std::size_t k = 0; k < end->particles.size(); ++k) {
-      sum += std::abs(end->weights[k]) * trial_[end->particles[k]];
+      sum += std::abs(end->weights[k]) * trial_[row_of_[end->particles[k]]];
     }
   }
   for (const Anchor* end : {&spring.a, &spring.b}) {
     for (std::size_t k = 0; k < end->particles.size(); ++k) {
       const Index i = end->particles[k];
-      row_[i] += constant * spring.share * std::abs(end->weights[k]) * sum / mass[i];
+      row_[row_of_[i]] += constant * spring.share * std::abs(end->weights[k]) * sum / mass[i];
     }
   }
 }
 
 const JointBounds& JointSet::bounds(const Scene& scene, std::span<const double> mass) {
-  const bool known = bounds_version_ == scene.version() && bounds_values_version_ == scene.values_version();
+  const bool same_springs = bounds_version_ == scene.version();
+  if (same_springs && bounds_values_version_ == scene.values_version()) return bounds_;
+  bounds_ = {};
+  if (!scene.joints().empty()) {
+    if (!same_springs || row_of_.empty()) number_rows(scene, mass.size());
+    bounds_.stiffness = largest_of(scene, mass, [](const Joint& joint) { return joint.stiffness; });
+    bounds_.damping = largest_of(scene, mass, [](const Joint& joint) { return joint.damping; });
+  }
   bounds_version_ = scene.version();
   bounds_values_version_ = scene.values_version();
-  if (known) return bounds_;
-  bounds_ = {};
-  if (scene.joints().empty()) return bounds_;
-  bounds_.stiffness = largest_of(scene, mass, [](const Joint& joint) { return joint.stiffness; });
-  bounds_.damping = largest_of(scene, mass, [](const Joint& joint) { return joint.damping; });
   return bounds_;
 }
 

@@ -75,6 +75,7 @@ class JointSet {
   const JointReport& report(const SceneJoint& wanted) const;
 
  private:
+  void number_rows(const Scene& scene, std::size_t particles);
   template <class Constant>
   double largest_of(const Scene& scene, std::span<const double> mass, const Constant& constant);
   void add_row(const JointSpring& spring, double constant, std::span<const double> mass);
@@ -112,7 +113,9 @@ class JointSet {
   mutable JointReport unseen_;
   JointBounds bounds_;
   std::uint64_t bounds_version_ = 0, bounds_values_version_ = 0;
-  std::vector<double> row_, trial_;  // [N] of bounds(); empty: never called with joints
+  // Of bounds(), empty before it is called with joints:
+  std::vector<Index> row_of_;        // [N], -1: no spring
+  std::vector<double> row_, trial_;  // [rows]
 };
 
 /// Throws Error where a joint's part of a state names springs that the scene's joint of that name does not have.

@@ -150,7 +150,7 @@ JointHandle Scene::add_joint(Joint joint, std::span<const Vec3> position) & {
 }
 
 JointHandle Scene::add_joint(JointSpring spring, double stiffness, double damping, std::span<const Vec3> position) & {
-  return add_joint({.springs = {std::move(spring)}, .stiffness = stiffness, .damping = damping}, position);
+  return add_joint(Joint{.springs = {std::move(spring)}, .stiffness = stiffness, .damping = damping}, position);
 }
 
 Scene& Scene::remove_joint(std::string_view name) {
