@@ -280,6 +280,10 @@ TEST(ReadLabels, RefusesBadNrrd) {
     EXPECT_TRUE(
         says(reading_labels("bad.nrrd", nrrd(plain + line + "\n" + raw)), "bad.nrrd:6: expected lines of at most 512"));
   }
+  // teem ends lines at a carriage return, and takes what follows LIST for names of files.
+  for (const std::string& line : {"a:=b\rspace: " + endless, "data file: LIST\na:=" + endless, "\r\r\n" + endless}) {
+    EXPECT_TRUE(says(reading_labels("bad.nrrd", nrrd(plain + line + "\n" + raw)), "expected lines of at most 512"));
+  }
   EXPECT_EQ(reading_labels("a.nrrd", nrrd(plain + "spacings: 1 2 3\nnote:=" + endless + ": " + endless + "\n" + raw)),
             "(no error)");
   EXPECT_TRUE(says(with(plain, "short"), "bad.nrrd: expected an image in NRRD"));

@@ -8,7 +8,7 @@
 namespace phymul::cpu {
 namespace {
 
-constexpr double quad = 16.0, triple = 12.0, word = 4.0;  // bytes
+constexpr double quad_bytes = 16.0, triple_bytes = 12.0, word_bytes = 4.0;
 
 double constants(const PackedBody& b) {
   double words = 0.0;
@@ -21,7 +21,7 @@ double constants(const PackedBody& b) {
   }
   const bool attracts = !(b.bases.empty() && b.enumerated.empty()) && b.use != simd::BaseUse::conservative;
   if (attracts) words += static_cast<double>(b.stiffness.size());
-  return word * words;
+  return word_bytes * words;
 }
 
 }  // namespace
@@ -29,10 +29,10 @@ double constants(const PackedBody& b) {
 double PackedBody::bytes_a_step() const {
   double halo_slots = 0.0;
   for (const Cluster& cluster : clusters) halo_slots += static_cast<double>(cluster.halo.size());
-  const double state = places * (2.0 * quad + 2.0 * triple);           // u and v, read and written
-  const double gathered = places * quad + halo_slots * (quad + word);  // u once more, with that of other clusters
-  const double forces = static_cast<double>(force_rows) * 2.0 * quad;  // written by clusters, read by the move
-  const double pulls = gives() ? places * 2.0 * quad : 0.0;            // likewise
+  const double state = places * (2.0 * quad_bytes + 2.0 * triple_bytes);                 // u and v, read and written
+  const double gathered = places * quad_bytes + halo_slots * (quad_bytes + word_bytes);  // u, with that of others
+  const double forces = static_cast<double>(force_rows) * 2.0 * quad_bytes;  // written by clusters, read by the move
+  const double pulls = gives() ? places * 2.0 * quad_bytes : 0.0;            // likewise
   return constants(*this) + state + gathered + forces + pulls + averages.bytes();
 }
 

@@ -4,6 +4,7 @@
 #ifdef PHYMUL_HAS_TEEM
 #include <teem/nrrd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -29,21 +30,31 @@ constexpr IntegerCode integers[] = {
 /// line of 1,000 overflows.
 constexpr std::size_t longest_line = 512;
 
-/// teem would read other formats too, by their first bytes.
+/// A key/value pair. After "LIST" come names of files, whatever is in them.
+bool is_pair(std::string_view line, bool lists) {
+  return !lists && line.find(":=") < line.find(": ");
+}
+
+/// teem would read other formats too, by their first bytes. It ends a line also at a lone carriage return.
 void require_header(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) fail_access(path, "the file cannot be opened");
-  std::string line;
-  for (std::size_t number = 1; std::getline(file, line); ++number) {
-    if (number == 1 && !line.starts_with("NRRD")) {
+  bool lists = false;
+  std::string text;
+  for (std::size_t number = 1; std::getline(file, text); ++number) {
+    if (number == 1 && !text.starts_with("NRRD")) {
       fail_format(path, 1, "expected an image in NRRD, which begins with NRRD, got other bytes");
     }
-    if (trim(line).empty()) return;
-    const bool is_pair = line.find(":=") < line.find(": ");
-    if (line.size() > longest_line && !is_pair) {
-      fail_format(path, number,
-                  "expected lines of at most " + std::to_string(longest_line) + " characters in the header, got " +
-                      std::to_string(line.size()));
+    if (text.empty() || text == "\r") return;
+    for (std::string_view rest = text; !rest.empty();) {
+      const std::string_view line = rest.substr(0, rest.find('\r'));
+      rest.remove_prefix(std::min(rest.size(), line.size() + 1));
+      if (line.size() > longest_line && !is_pair(line, lists)) {
+        fail_format(path, number,
+                    "expected lines of at most " + std::to_string(longest_line) + " characters in the header, got " +
+                        std::to_string(line.size()));
+      }
+      lists = lists || line.find("LIST") != std::string_view::npos;
     }
   }
 }
