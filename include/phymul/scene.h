@@ -195,10 +195,12 @@ class Scene {
 
   /// Holds a part of the surface in all directions, as stiff glue to the world does. What is held depends on the
   /// patch alone; particles that fix() holds are those that happen to lie there, and the result changes with them. The
-  /// joint has a spring for each point, between the cell that it is in and its place at rest. The stiffness per area is
-  /// 25 E / h (Young's modulus, distance of neighbours), less at light particles, which would set the step. The stable
-  /// step becomes shorter by a tenth to a third. Throws Error for a 2-D body or one without a material, for points
-  /// farther than two cells from it, and for areas that are not above 0 and finite or are not as many as the points.
+  /// joint has a spring for each point, between the cell that it is in and its place at rest. The stiffness per
+  /// area is at most 25 E / h (Young's modulus, distance of vertices of a cell), and no particle gets more for its
+  /// mass than 0.8 of the mean; 15 to 20 E / h result. The stable step becomes shorter by a tenth to two thirds, by
+  /// more if points lie outside the body. JointSpring::share is the area times this reduction. Throws Error for a
+  /// 2-D body or one without a material, for points farther than two cells from it, and for areas that are not
+  /// above 0 and finite or are not as many as the points.
   JointHandle hold(const SurfacePatch& patch) &;
 
   Scene& remove_joint(std::string_view name);

@@ -23,7 +23,7 @@ struct FloatDomains {
   /// of the same particle, or `none`.
   std::vector<Int4> range;
   int law_texels = 1;                   ///< per domain
-  std::vector<Float4> law;              ///< per domain: 1/V_d (1/m^3), s mu (Pa), DomainTexel::energy; 0 without links
+  std::vector<Float4> law;              ///< per domain: 1/V_d (1/m^3), s mu (Pa), EnergyConstants; 0 without links
   std::vector<std::int32_t> owner;      ///< per domain: its particle; empty if no particle has several domains
   std::vector<std::int32_t> neighbour;  ///< per row: e
   std::vector<Float4> link;             ///< per row: area (m^2), stiffness (N/m; of a surface link 0)

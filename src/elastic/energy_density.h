@@ -111,7 +111,7 @@ Mat<S> stress_near_rest(StrainEnergy energy, const std::array<S, most_energy_con
   return P + p[2] * a.dot(H * a) * a * a.transpose();
 }
 
-/// psi(F), Pa, of the constants `p` (DomainTexel::energy), and where asked for its derivative by F.
+/// psi(F), Pa, of the constants `p` (EnergyConstants), and where asked for its derivative by F.
 template <class S>
 S energy_density(const TopologyOptions& options, const std::array<S, most_energy_constants>& p, const Mat<S>& F,
                  Mat<S>* gradient) {

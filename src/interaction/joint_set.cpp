@@ -248,7 +248,8 @@ double JointSet::largest_of(const Scene& scene, std::span<const double> mass, co
     for (std::size_t i = 0; i < row_.size(); ++i) {
       if (row_[i] > 0.0) largest = std::max(largest, row_[i] / trial_[i]);
     }
-    bound = std::min(bound, largest);
+    if (turn == 0 || largest > 0.0) bound = std::min(bound, largest);  // 0 later: underflow
+    if (!(largest > 0.0 && std::isfinite(largest))) break;
     for (std::size_t i = 0; i < row_.size(); ++i) trial_[i] = row_[i] / bound;
   }
   return bound;

@@ -76,8 +76,10 @@ constexpr double most_for_mass = 0.8;
 void spare_light_particles(Joint& joint, const std::vector<double>& mass) {
   std::vector<double> stiffness(mass.size(), 0.0);
   for (const JointSpring& spring : joint.springs) {
+    double weights = 0.0;  // 1 for a point in the body
+    for (const double w : spring.a.weights) weights += std::abs(w);
     for (std::size_t k = 0; k < spring.a.particles.size(); ++k) {
-      stiffness[spring.a.particles[k]] += joint.stiffness * spring.share * spring.a.weights[k];
+      stiffness[spring.a.particles[k]] += joint.stiffness * spring.share * weights * std::abs(spring.a.weights[k]);
     }
   }
   double sum = 0.0, squares = 0.0;

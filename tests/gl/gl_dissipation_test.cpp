@@ -29,9 +29,9 @@ Material dissipating(int kinds, Material material = soft_tissue()) {
 
 /// The half where x is least is harder, and dissipates less.
 Model with(const Model& model, int kinds) {
-  Material hard = dissipating(kinds, {50e3, 0.2, 1500.0});
-  hard.relaxation_time *= 0.3;
-  return with_harder_half(model, dissipating(kinds), hard);
+  Material harder = dissipating(kinds, {50e3, 0.2, 1500.0});
+  harder.relaxation_time *= 0.3;
+  return with_harder_half(model, dissipating(kinds), harder);
 }
 
 std::vector<Body> dissipating_bodies(int kinds) {

@@ -41,7 +41,9 @@ TEST(PmlBodies, TissueHasTheFilesMaterial) {
   for (const Index i : model.group("tissue")) EXPECT_EQ(model.mass[i], 1e-4);
   for (const Index i : model.group("net")) EXPECT_EQ(model.mass[i], 2e-4);
   for (const Index i : model.group("net")) EXPECT_EQ(model.stiffness[i], 0.0);
-  EXPECT_EQ(reread(model), model);
+  const Model again = reread(model);
+  EXPECT_EQ(again, model);
+  EXPECT_FALSE(has_note(again.notes, "density"));
 }
 
 /// Two bodies that share a face: the particles there give each its part of their mass.
@@ -263,6 +265,9 @@ TEST(PmlBodies, RefusesWhatIsWrong) {
             "component \"upper\": expected a stiffness of 0 N/m or more, got \"-8\"");
   EXPECT_EQ(with("damping=\"0.001\"", "damping=\"some\""),
             "component \"lower\": expected a damping of 0 N s/m or more, got \"some\"");
+  EXPECT_EQ(with("<atomRef index=\"0\"/><atomRef index=\"8\"/></cell>",
+                 "<atomRef index=\"0\"/><atomRef index=\"0\"/></cell>"),
+            "component \"upper\": expected lines between two particles, got one from 0 to itself");
   EXPECT_NE(with("young=\"3000\"", "young=\"soft\"").find("bad.pml:"), std::string::npos);
 
   const Model model = read_pml(hanging);

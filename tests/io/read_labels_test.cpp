@@ -281,9 +281,20 @@ TEST(ReadLabels, RefusesBadNrrd) {
         says(reading_labels("bad.nrrd", nrrd(plain + line + "\n" + raw)), "bad.nrrd:6: expected lines of at most 512"));
   }
   // teem ends lines at a carriage return, and takes what follows LIST for names of files.
-  for (const std::string& line : {"a:=b\rspace: " + endless, "data file: LIST\na:=" + endless, "\r\r\n" + endless}) {
+  for (const std::string& line : {"a:=b\rspace: " + endless, "data file: LIST\na:=" + endless,
+                                  "Data File: LIST\n\n#" + endless, "\r\r\n" + endless}) {
     EXPECT_TRUE(says(reading_labels("bad.nrrd", nrrd(plain + line + "\n" + raw)), "expected lines of at most 512"));
   }
+  EXPECT_TRUE(says(reading_labels("bad.nrrd", nrrd(plain + endless + std::string(1, '\0') + ":=x\n" + raw)),
+                   "bad.nrrd:6: expected text in the header"));
+  EXPECT_TRUE(says(reading_labels("bad.nrrd", nrrd(plain + "data file: x%400d.raw 1 2 1 2\n" + raw)),
+                   "bad.nrrd:6: expected a header without \"%\""));
+  const TextFile image("a.nrrd", nrrd(plain + raw));
+  std::string deep = image.path().substr(0, image.path().rfind('/') + 1);
+  for (int k = 0; k < 300; ++k) deep += "./";
+  deep += "a.nrrd";
+  EXPECT_TRUE(refuses([&] { read_labels(deep); }, "expected a path of at most 512"));
+  EXPECT_EQ(reading_labels("a.nrrd", nrrd(plain + "spacings: 1 2 3\n#" + endless + "\n" + raw)), "(no error)");
   EXPECT_EQ(reading_labels("a.nrrd", nrrd(plain + "spacings: 1 2 3\nnote:=" + endless + ": " + endless + "\n" + raw)),
             "(no error)");
   EXPECT_TRUE(says(with(plain, "short"), "bad.nrrd: expected an image in NRRD"));

@@ -130,7 +130,7 @@ void MirrorForces::volume_rows(std::span<const Float3> u) const {
   }
 }
 
-/// DomainTexel::energy.
+/// EnergyConstants.
 std::array<float, most_energy_constants> MirrorForces::energy_constants(Index d) const {
   const Float4* law = &tables_.domains.law[tables_.domains.law_texels * d];
   std::array<float, most_energy_constants> p{};

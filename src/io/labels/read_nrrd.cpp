@@ -5,6 +5,7 @@
 #include <teem/nrrd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -26,17 +27,40 @@ constexpr IntegerCode integers[] = {
     {nrrdTypeLLong, NumberType::int64},   {nrrdTypeULLong, NumberType::uint64},
 };
 
-/// Characters of a line of the header that is no key/value pair. teem puts such lines into its messages, whose buffer a
-/// line of 1,000 overflows.
-constexpr std::size_t longest_line = 512;
+/// Characters of a path, and of a line of the header that is neither a key/value pair nor a comment. teem puts these
+/// into its messages, whose buffer 1,000 of them overflow.
+constexpr std::size_t longest_text = 512;
 
-/// A key/value pair. After "LIST" come names of files, whatever is in them.
-bool is_pair(std::string_view line, bool lists) {
-  return !lists && line.find(":=") < line.find(": ");
+bool names_a_list(std::string_view line) {
+  std::string field(line.substr(0, line.find(':')));
+  std::ranges::transform(field, field.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return field.find("file") != std::string::npos && line.find("LIST") != std::string_view::npos;
 }
 
-/// teem would read other formats too, by their first bytes. It ends a line also at a lone carriage return.
+/// `lists`: a name of a file, whatever is in it.
+void require_line(const std::string& path, std::size_t number, std::string_view line, bool lists) {
+  if (line.find('\0') != std::string_view::npos) {
+    fail_format(path, number, "expected text in the header, got a byte of 0");
+  }
+  if (!lists && (line.starts_with('#') || line.find(":=") < line.find(": "))) return;
+  if (line.size() > longest_text) {
+    fail_format(path, number,
+                "expected lines of at most " + std::to_string(longest_text) + " characters in the header, got " +
+                    std::to_string(line.size()));
+  }
+  // teem gives numbered names of files to sprintf as they are.
+  if (line.find('%') != std::string_view::npos) {
+    fail_format(path, number,
+                "expected a header without \"%\", as in numbered names of files; put the voxels into one");
+  }
+}
+
+/// What teem must not see. It would also read other formats, by their first bytes. It ends a line at a lone carriage
+/// return too, and does not end a list of files at an empty line.
 void require_header(const std::string& path) {
+  if (path.size() > longest_text) {
+    fail_access(path, "expected a path of at most " + std::to_string(longest_text) + " characters for NRRD");
+  }
   std::ifstream file(path, std::ios::binary);
   if (!file) fail_access(path, "the file cannot be opened");
   bool lists = false;
@@ -45,16 +69,12 @@ void require_header(const std::string& path) {
     if (number == 1 && !text.starts_with("NRRD")) {
       fail_format(path, 1, "expected an image in NRRD, which begins with NRRD, got other bytes");
     }
-    if (text.empty() || text == "\r") return;
+    if (!lists && (text.empty() || text == "\r")) return;
     for (std::string_view rest = text; !rest.empty();) {
       const std::string_view line = rest.substr(0, rest.find('\r'));
       rest.remove_prefix(std::min(rest.size(), line.size() + 1));
-      if (line.size() > longest_line && !is_pair(line, lists)) {
-        fail_format(path, number,
-                    "expected lines of at most " + std::to_string(longest_line) + " characters in the header, got " +
-                        std::to_string(line.size()));
-      }
-      lists = lists || line.find("LIST") != std::string_view::npos;
+      require_line(path, number, line, lists);
+      lists = lists || names_a_list(line);
     }
   }
 }

@@ -77,6 +77,10 @@ std::vector<Ends> lines_of(const Model& model, const Component& component) {
     const Cell& cell = model.cells[row];
     if (cell.type != CellType::line) continue;
     const Ends ends{cell.particles[0], cell.particles[1]};
+    if (ends[0] == ends[1]) {
+      fail(component, "expected lines between two particles, got one from " +
+                          std::to_string(model.file_index(ends[0])) + " to itself");
+    }
     if (!(is_in(0, ends[0]) && is_in(1, ends[1])) && !(is_in(0, ends[1]) && is_in(1, ends[0]))) {
       fail(component, "expected lines between particles of body1 and body2, but that from " +
                           std::to_string(model.file_index(ends[0])) + " to " +
@@ -127,6 +131,7 @@ class BodyTypes {
   std::string hold(const Component& component) {
     const std::vector<Index> particles = particles_of(model_, component);
     held.insert(held.end(), particles.begin(), particles.end());
+    if (particles.empty()) return "nothing is held, because it has no cells or particles of its own";
     return "its " + std::to_string(particles.size()) + " particle(s) are held";
   }
 

@@ -64,7 +64,10 @@ void PmlReader::take_masses_of_densities() {
 void PmlReader::add_bodies_to_weigh() {
   for (std::size_t row = 0; row < model_.components.size(); ++row) {
     const Component& component = model_.components[row];
-    if (!needs_density(component) || unweighed_[row]) continue;
+    const auto lacks_material = [this](Index cell) { return model_.cells[cell].material < 0; };
+    if (!needs_density(component) || unweighed_[row] || std::ranges::none_of(cells_of(component), lacks_material)) {
+      continue;
+    }
     const pugi::xml_node node = component_nodes_[row];
     Material material{xml_.number(node, "young"), xml_.number(node, "poisson"), 1.0};
     require_material(node, material);
