@@ -150,7 +150,8 @@ void add_elasticity_options(CLI::App& app, RunOptions& options) {
                        [&options](const std::string& name, const std::array<double, 2>& it) {
                          options.materials.push_back({name, {.young = it[0], .poisson = it[1]}});
                        });
-  auto* from_file = app.add_flag("--from-file", options.from_file, "masses, stiffnesses and materials of the file alone");
+  auto* from_file =
+      app.add_flag("--from-file", options.from_file, "masses, stiffnesses and materials of the file alone");
   auto* reaction =
       add_choice(app, "--reaction", options.topology.reaction, reactions, "how forces are given back [conservative]");
   auto* bases = add_choice(app, "--bases", options.topology.bases, selections, "which bases [thresholded]");

@@ -42,7 +42,8 @@ Model read_pml_text(std::string text, const std::string& source, const PmlOption
 /// Joints have the names of their components, numbered from the second one of a name. Contacts are switched on, with
 /// their defaults, if two components have collision="true". Returns a sentence for each of these components, also where
 /// nothing is added; none for a model without them. Call it once. Throws Error, and changes nothing, for constants that
-/// are no numbers of 0 or more, lines that do not join two particles of the named bodies, and joints that the scene has already.
+/// are no numbers of 0 or more, lines that do not join two particles of the named bodies, and joints that the scene has
+/// already.
 std::vector<std::string> add_body_types(Scene& scene);
 
 /// Writes the model so that read_pml with the same options gives an equal one, unknown attributes included. Coordinates

@@ -31,8 +31,7 @@ constexpr const EnergyKind& kind_of(StrainEnergy energy) {
 }
 
 /// `fibre`: the unit vector along the domain's fibres, or zero.
-inline EnergyConstants energy_constants(StrainEnergy energy, const Material& material,
-                                                                  const Vec3& fibre) {
+inline EnergyConstants energy_constants(StrainEnergy energy, const Material& material, const Vec3& fibre) {
   const Calibration of_directions = calibrate(material);
   switch (energy) {
     case StrainEnergy::shape_memory:
