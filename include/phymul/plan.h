@@ -58,7 +58,7 @@ struct PlanTrial {
   PlanCandidate candidate{};
   Index particles = 0;
   double mean_spacing = 0.0;   ///< m, of the body that was made
-  double error = unknown;      ///< estimate of the error, to compare with max_error; includes the factor of safety
+  double error = unknown;      ///< estimate of the error, to compare with max_error; plan() says of what
   double tick = unknown;       ///< s of wall time, median of ticks of 1 / rate (without a rate: of 1 ms)
   double real_time = unknown;  ///< simulated time of a tick over its wall time
   double rest = unknown;       ///< s of wall time to the rest shape
@@ -95,10 +95,10 @@ struct Plan {
 /// Error: bodies whose spacings have the ratio sqrt(2), from about 180 particles on, are compared at the same material
 /// points (near the particles of the first one and in the centres of its cells). Three of them fit u(h) = u0 + C h^p
 /// with p in [1, 2.5] (L. F. Richardson 1911). The error is |u(h) - u0|. If h is about 2 hf or more, with hf the finest
-/// spacing, it is at least |u(h) - u(hf)| h^p / (h^p - hf^p). It is never less than the error of a finer body. The
-/// result is multiplied by 1.25, the factor of safety of P. J. Roache (J. Fluids Eng. 116, 1994). It is an estimate,
-/// not a bound. It does not include errors that all bodies have in common, such as those of the strain energy or of a
-/// surface that is too coarse. Time: medians of measured ticks, so other work on the machine changes it.
+/// spacing, it is at least |u(h) - u(hf)| h^p / (h^p - hf^p). Half of |u(hf) - u0| is added, because the limit u0 is
+/// extrapolated. It is never less than the error of a finer body. It is an estimate, not a bound. It does not include
+/// errors that all bodies have in common, such as those of the strain energy or of a surface that is too coarse. Time:
+/// medians of measured ticks, so other work on the machine changes it.
 ///
 /// Throws Error for options out of their range, and for a builder that always throws, does not use the candidate or
 /// makes a body without volume cells. Throws Error for a scene in which nothing moves. Without probe_time it also
