@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The attribute bodyType of a component, by which SOFA's reader of PML tells what a body is: an elastic solid ("FEM"),
-// a net of springs ("stiffSpring"), a rigid body ("rigid"), springs between two bodies ("interaction"), and others.
+// The attribute bodyType of a component. SOFA's reader of PML tells bodies apart by it: "FEM" is an elastic solid,
+// "stiffSpring" a net of springs, "rigid" a rigid body, "interaction" springs between two bodies. There are others.
 #pragma once
 
 #include <phymul/model.h>

@@ -69,10 +69,11 @@ std::vector<double> modulus_over_spacing(const Model& model) {
   return modulus;
 }
 
-/// Of the mean over the springs of stiffness over mass of their particles: the most that a particle gets. Light
-/// particles, as at sharp edges, would set the step of the whole body and hold little.
+/// Share of the mean of stiffness over mass, weighted by stiffness.
 constexpr double most_for_mass = 0.8;
 
+/// Light particles, as at sharp edges, would set the step of the whole body, and they hold little. So the stiffness of
+/// a particle is limited by its mass.
 void spare_light_particles(Joint& joint, const std::vector<double>& mass) {
   std::vector<double> stiffness(mass.size(), 0.0);
   for (const JointSpring& spring : joint.springs) {

@@ -32,9 +32,9 @@ double mean_distance(std::span<const Vec3> a, std::span<const Vec3> b);
 /// most_order].
 Convergence fit_convergence(const FieldAt& coarse, const FieldAt& middle, const FieldAt& fine);
 
-/// Error of a field as a share of the scale: its distance from the limit or, if larger,
-/// that from the finest field, extrapolated. The latter only where that field is about twice as fine: between nearer
-/// ones, what differs by chance between two meshes would be multiplied.
+/// Error of a field as a share of the scale: its distance from the limit or, if larger, that from the finest field,
+/// extrapolated. The latter only where that field is about twice as fine: between nearer ones, what differs by chance
+/// between two meshes would be multiplied.
 double estimated_error(const Convergence& fit, const FieldAt& field, const FieldAt& finest);
 
 }  // namespace phymul

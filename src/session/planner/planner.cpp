@@ -152,8 +152,7 @@ void Planner::estimate_errors() {
   if (std::ranges::any_of(ladder, [](const Level* it) { return it->probe.folded; })) {
     plan_.notes.emplace_back(
         "cells are flat or inside out at rest: finer bodies may fold more, and the errors are those against such a "
-        "body; "
-        "hold or load the body less abruptly there");
+        "body; hold or load the body less abruptly there");
   }
 }
 
