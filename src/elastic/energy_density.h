@@ -98,13 +98,21 @@ S neo_hookean_energy(const Mat<S>& F, S mu, Mat<S>* gradient) {
   return mu * (S(0.5) * (g * F.squaredNorm() - S(3)) + S(3.1) * below * below);
 }
 
-/// The change of dpsi/dF with F = I + H at H = 0: 2 mu sym(H) + lambda tr(H) I with Lame's constants, and
-/// k (a . H a) a a^T along fibres.
+/// Lame's constants at rest, Pa.
+template <class S>
+struct Lame {
+  S mu, lambda;
+};
+template <class S>
+Lame<S> lame_at_rest(StrainEnergy energy, const std::array<S, most_energy_constants>& p) {
+  if (energy == StrainEnergy::neo_hookean) return {p[0], p[1] - S(2) / S(3) * p[0]};
+  return {S(7) / S(15) * p[0], p[1] - p[0] / S(5)};  // Calibration in topology.h
+}
+
+/// The change of dpsi/dF with F = I + H at H = 0: 2 mu sym(H) + lambda tr(H) I, and k (a . H a) a a^T along fibres.
 template <class S>
 Mat<S> stress_near_rest(StrainEnergy energy, const std::array<S, most_energy_constants>& p, const Mat<S>& H) {
-  const bool of_directions = energy != StrainEnergy::neo_hookean;  // Calibration in topology.h
-  const S mu = of_directions ? S(7) / S(15) * p[0] : p[0];
-  const S lambda = of_directions ? p[1] - p[0] / S(5) : p[1] - S(2) / S(3) * p[0];
+  const auto [mu, lambda] = lame_at_rest(energy, p);
   Mat<S> P = mu * (H + H.transpose()) + lambda * H.trace() * Mat<S>::Identity();
   if (energy != StrainEnergy::fibres) return P;
   const Vec<S> a(p[3], p[4], p[5]);

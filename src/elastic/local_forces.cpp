@@ -2,12 +2,15 @@
 #include <phymul/error.h>
 
 #include <algorithm>
+#include <memory>
+#include <type_traits>
 
 #include "averaged_stiffness.h"
 #include "base/checked_file.h"
 #include "base/union_find.h"
 #include "local_steps.h"
 #include "rotation.h"
+#include "substep_loop.h"
 
 namespace phymul {
 namespace {
@@ -19,17 +22,35 @@ const Snapshot::Part* find_pushes(const Snapshot& snapshot) {
   return part == snapshot.parts.end() ? nullptr : &*part;
 }
 
+/// All numbers of vectors, [3 n].
+template <class Vectors>
+auto numbers_of(Vectors& vectors) {
+  using Numbers = std::conditional_t<std::is_const_v<std::remove_reference_t<decltype(vectors.front())>>,
+                                     const Eigen::VectorXd, Eigen::VectorXd>;
+  return Eigen::Map<Numbers>(vectors.front().data(), 3 * static_cast<Eigen::Index>(vectors.size()));
+}
+
+LocalForces::Loop in_double_precision(const LocalSteps& steps) {
+  const TopologyTextures& t = steps.stiff.tables;
+  Eigen::VectorXd inverse_mass(3 * t.particle_count);
+  for (Index i = 0; i < t.particle_count; ++i) inverse_mass.segment<3>(3 * i).setConstant(1.0 / t.mass[i]);
+  using Loop = SubstepLoop<Eigen::VectorXd>;
+  const auto loop = std::make_shared<Loop>(
+      steps.substeps, inverse_mass,
+      [K = AveragedStiffness(t)](const Eigen::VectorXd& d, Eigen::VectorXd& result) { K.apply_alone(d, result); });
+  return [loop, f = inverse_mass](std::span<const Vec3> still, double dt, double factor, std::span<Vec3> sum) mutable {
+    f = numbers_of(still);
+    numbers_of(sum) = loop->run(f, dt, factor);
+  };
+}
+
 }  // namespace
 
-LocalForces::LocalForces(const LocalSteps& steps, Stiffness stiffness)
-    : steps_(steps), stiffness_(std::move(stiffness)), change_(steps.stiff.particle.size()) {
+LocalForces::LocalForces(const LocalSteps& steps, Loop loop)
+    : steps_(steps), loop_(std::move(loop)), still_(steps.stiff.particle.size()), change_(still_.size()) {
   reset();
   const TopologyTextures& t = steps.stiff.tables;
-  if (!stiffness_) {
-    stiffness_ = [K = AveragedStiffness(t)](const Eigen::VectorXd& d, Eigen::VectorXd& result) {
-      K.apply_alone(d, result);
-    };
-  }
+  if (!loop_) loop_ = in_double_precision(steps);
   UnionFind joined(t.rest.size());
   for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
     for (const LinkTexel& link : t.links_of(d)) {
@@ -37,9 +58,7 @@ LocalForces::LocalForces(const LocalSteps& steps, Stiffness stiffness)
     }
   }
   std::vector<std::size_t> piece_of_root(t.rest.size());
-  inverse_mass_.resize(3 * t.particle_count);
   for (Index i = 0; i < t.particle_count; ++i) {
-    inverse_mass_.segment<3>(3 * i).setConstant(1.0 / t.mass[i]);
     const Index root = joined.root(i);  // the smallest number of its set
     if (root == i) {
       piece_of_root[i] = pieces_.size();
@@ -51,7 +70,6 @@ LocalForces::LocalForces(const LocalSteps& steps, Stiffness stiffness)
     piece.centre += t.mass[i] * t.rest[i];
   }
   for (Piece& piece : pieces_) piece.centre /= piece.mass;
-  for (Eigen::VectorXd* v : {&w_, &before_, &next_, &pull_, &sum_, &still_}) v->setZero(inverse_mass_.size());
 }
 
 void LocalForces::turn_pieces(std::span<const Vec3> x) {
@@ -78,23 +96,10 @@ std::span<const Vec3> LocalForces::changes(std::span<const Vec3> x, std::span<co
   turn_pieces(x);
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Vec3 all = acceleration[i] + pushes_[i] / steps_.stiff.tables.mass[i];
-    still_.segment<3>(3 * static_cast<Eigen::Index>(i)) = pieces_[piece_of_[i]].turn.transpose() * all;
+    still_[i] = pieces_[piece_of_[i]].turn.transpose() * all;
   }
-  for (Eigen::VectorXd* v : {&w_, &before_, &pull_, &sum_}) v->setZero();
-  for (std::size_t k = 0; k < steps_.substeps.size(); ++k) {
-    const Substep& substep = steps_.substeps[k];
-    if (k > 0) {
-      stiffness_(w_, pull_);
-      pull_ *= factor;
-      sum_ -= substep.share * pull_;
-    }
-    next_ = w_ + substep.keep * (w_ - before_) + substep.kick * dt * dt * (still_ - inverse_mass_.cwiseProduct(pull_));
-    before_.swap(w_);
-    w_.swap(next_);
-  }
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    change_[i] = pieces_[piece_of_[i]].turn * sum_.segment<3>(3 * static_cast<Eigen::Index>(i));
-  }
+  loop_(still_, dt, factor, change_);
+  for (std::size_t i = 0; i < x.size(); ++i) change_[i] = pieces_[piece_of_[i]].turn * change_[i];
   return change_;
 }
 

@@ -5,6 +5,7 @@
 
 #include "base/symmetric_modes.h"
 #include "scaled_stiffness.h"
+#include "substep_loop.h"
 
 namespace phymul {
 namespace {
@@ -17,33 +18,21 @@ constexpr int steps_at_most = 120;
 class Filter {
  public:
   explicit Filter(const LocalSteps& steps)
-      : steps_(steps), stiffness_(steps.stiff.tables, steps.stiff.tables.rest, {}), dt2_(4.0 / steps.rate()) {
-    const auto size = static_cast<Eigen::Index>(3 * steps.stiff.particle.size());
-    for (Vector* v : {&z_, &w_, &before_, &next_, &pull_, &sum_}) v->resize(size);
-  }
+      : steps_(steps),
+        stiffness_(steps.stiff.tables, steps.stiff.tables.rest, {}),
+        dt_(2.0 / std::sqrt(steps.rate())),
+        still_(static_cast<Eigen::Index>(3 * steps.stiff.particle.size())),
+        loop_(steps.substeps, Vector::Ones(still_.size()),
+              [this](const Vector& w, Vector& result) { stiffness_.apply(w, result); }) {}
 
   void apply(const Vector& z, Vector& result) {
     result = z;
-    for_each([&](Eigen::Index own, Eigen::Index of_whole) { z_.segment<3>(own) = z.segment<3>(of_whole); });
-    w_.setZero();
-    before_.setZero();
-    sum_.setZero();
-    for (std::size_t k = 0; k < steps_.substeps.size(); ++k) {
-      const Substep& substep = steps_.substeps[k];
-      if (k == 0) {
-        pull_.setZero();
-      } else {
-        stiffness_.apply(w_, pull_);
-      }
-      sum_ += substep.share * pull_;
-      next_ = w_ + substep.keep * (w_ - before_) - substep.kick * dt2_ * (z_ + pull_);
-      before_.swap(w_);
-      w_.swap(next_);
-    }
-    for_each([&](Eigen::Index own, Eigen::Index of_whole) { result.segment<3>(of_whole) += sum_.segment<3>(own); });
+    for_each([&](Eigen::Index own, Eigen::Index whole) { still_.segment<3>(own) = -z.segment<3>(whole); });
+    const Vector& sum = loop_.run(still_, dt_, 1.0);
+    for_each([&](Eigen::Index own, Eigen::Index whole) { result.segment<3>(whole) -= sum.segment<3>(own); });
   }
 
-  double dt2() const { return dt2_; }
+  double dt2() const { return dt_ * dt_; }
 
  private:
   template <class Each>
@@ -55,8 +44,9 @@ class Filter {
 
   const LocalSteps& steps_;
   ScaledStiffness stiffness_;
-  const double dt2_;
-  Vector z_, w_, before_, next_, pull_, sum_;
+  const double dt_;
+  Vector still_;
+  SubstepLoop<Vector> loop_;
 };
 
 }  // namespace

@@ -59,11 +59,11 @@ std::unique_ptr<const LocalSteps> choose_local_steps(const TopologyTextures& top
 /// What substeps change of the forces of a step. Rows are those of LocalSteps::stiff.
 class LocalForces {
  public:
-  /// result = K d of LocalSteps::stiff at rest, [3 n], m and N.
-  using Stiffness = std::function<void(const Eigen::VectorXd& d, Eigen::VectorXd& result)>;
+  /// The substeps in the coordinates of rest: to the sum of -share_k factor K w_k, [n] N, from f / m, [n] m/s^2.
+  using Loop = std::function<void(std::span<const Vec3> still, double dt, double factor, std::span<Vec3> sum)>;
 
-  /// Keeps a reference. Without `stiffness` it is computed in double precision.
-  explicit LocalForces(const LocalSteps& steps, Stiffness stiffness = {});
+  /// Keeps a reference. Without `loop` it is run in double precision.
+  explicit LocalForces(const LocalSteps& steps, Loop loop = {});
 
   /// `x` [n] m; `acceleration` [n] m/s^2: by all forces but those of tools and contacts, 0 for imposed coordinates;
   /// `dt`, s; `factor`: LocalSteps::factor. Returns [n] N, to be added to the elastic forces; valid until the next
@@ -91,11 +91,10 @@ class LocalForces {
   void turn_pieces(std::span<const Vec3> x);
 
   const LocalSteps& steps_;
-  Stiffness stiffness_;
+  Loop loop_;
   std::vector<Piece> pieces_;
-  std::vector<std::size_t> piece_of_;                                      // [n]
-  Eigen::VectorXd inverse_mass_, w_, before_, next_, pull_, sum_, still_;  // [3 n], in the pieces' frames
-  VecList change_, pushes_, next_pushes_;
+  std::vector<std::size_t> piece_of_;  // [n]
+  VecList still_, change_, pushes_, next_pushes_;
 };
 
 }  // namespace phymul

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "base/compiler.h"
@@ -24,6 +25,13 @@ PHYMUL_INLINE Eigen::Vector4f product(const PaddedMatrix& A, const Eigen::Vector
   return A.col(0) * x[0] + A.col(1) * x[1] + A.col(2) * x[2];
 }
 
+/// The vectors of `numbers`, [4 n].
+inline std::span<const Eigen::Vector4f> vectors_of(const Eigen::VectorXf& numbers) {
+  return {reinterpret_cast<const Eigen::Vector4f*>(numbers.data()), static_cast<std::size_t>(numbers.size()) / 4};
+}
+inline std::span<Eigen::Vector4f> vectors_of(Eigen::VectorXf& numbers) {
+  return {reinterpret_cast<Eigen::Vector4f*>(numbers.data()), static_cast<std::size_t>(numbers.size()) / 4};
+}
 /// All numbers of `v`, [4 n].
 inline Eigen::Map<Eigen::VectorXf, Eigen::Aligned16> numbers_of(PaddedVectors& v) {
   return {v.data()->data(), 4 * static_cast<Eigen::Index>(v.size())};

@@ -1,12 +1,34 @@
 // SPDX-License-Identifier: MIT
 #include "packed_local_steps.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include "statics/padded_vectors.h"
+
 namespace phymul::cpu {
+namespace {
+
+Eigen::VectorXf inverse_masses(const TopologyTextures& stiff) {
+  Eigen::VectorXf result(4 * stiff.particle_count);
+  for (Index i = 0; i < stiff.particle_count; ++i) {
+    result.segment<4>(4 * i).setConstant(static_cast<float>(1.0 / stiff.mass[i]));
+  }
+  return result;
+}
+
+}  // namespace
 
 PackedLocalSteps::PackedLocalSteps(const LocalSteps& steps, const PackedBody& body)
     : steps_(steps),
       stiffness_(make_tangent(steps.stiff.tables)),
-      forces_(steps, [this](const Eigen::VectorXd& d, Eigen::VectorXd& result) { stiffness_->apply(d, result); }),
+      still_(Eigen::VectorXf::Zero(4 * steps.stiff.tables.particle_count)),
+      loop_(steps.substeps, inverse_masses(steps.stiff.tables),
+            [this](const Eigen::VectorXf& w, Eigen::VectorXf& result) {
+              stiffness_->apply(vectors_of(w), vectors_of(result));
+            }),
+      forces_(steps, [this](std::span<const Vec3> still, double dt, double factor,
+                            std::span<Vec3> sum) { run_loop(still, dt, factor, sum); }),
       x_(steps.stiff.particle.size()),
       acceleration_(x_.size()) {
   std::vector<std::size_t> place_of(body.order.size());
@@ -34,6 +56,23 @@ void PackedLocalSteps::add_changes(const simd::Move& move, std::span<const doubl
       forces_.changes(x_, acceleration_, static_cast<double>(move.dt), steps_.factor(factors));
   for (std::size_t r = 0; r < place_.size(); ++r) {
     for (std::size_t a = 0; a < 3; ++a) elastic[4 * quad_[r] + a] += static_cast<float>(change[r][a]);
+  }
+}
+
+void PackedLocalSteps::run_loop(std::span<const Vec3> still, double dt, double factor, std::span<Vec3> sum) {
+  double largest = 0.0;
+  for (const Vec3& a : still) largest = std::max(largest, a.cwiseAbs().maxCoeff());
+  // The step's own check names what is not a number.
+  const bool moves = largest > 0.0 && std::isfinite(largest);
+  if (moves) {
+    for (std::size_t r = 0; r < still.size(); ++r) {
+      still_.segment<3>(4 * static_cast<Eigen::Index>(r)) = (still[r] / largest).cast<float>();
+    }
+  }
+  const Eigen::VectorXf* of_largest = moves ? &loop_.run(still_, dt, factor) : nullptr;
+  for (std::size_t r = 0; r < sum.size(); ++r) {
+    sum[r] = moves ? Vec3(largest * of_largest->segment<3>(4 * static_cast<Eigen::Index>(r)).cast<double>())
+                   : Vec3(Vec3::Zero());
   }
 }
 

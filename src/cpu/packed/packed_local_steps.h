@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "elastic/local_steps.h"
+#include "elastic/substep_loop.h"
 #include "packed_body.h"
 #include "statics/tangent.h"
 
@@ -28,8 +28,12 @@ class PackedLocalSteps {
   const LocalForces& forces() const { return forces_; }
 
  private:
+  void run_loop(std::span<const Vec3> still, double dt, double factor, std::span<Vec3> sum);
+
   const LocalSteps& steps_;
   const std::unique_ptr<Tangent> stiffness_;
+  Eigen::VectorXf still_;  // [4 n]
+  SubstepLoop<Eigen::VectorXf> loop_;
   LocalForces forces_;
   std::vector<std::size_t> place_, quad_;  // [n] of LocalSteps::stiff, in the body
   VecList x_, acceleration_;

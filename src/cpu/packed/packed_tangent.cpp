@@ -4,6 +4,7 @@
 
 #include "base/denormals.h"
 #include "cpu/simd/instruction_set.h"
+#include "elastic/energy_density.h"
 #include "packed_body.h"
 #include "statics/tangent.h"
 #include "topology/energies.h"
@@ -21,17 +22,26 @@ class PackedTangent final : public Tangent {
     u_.assign(4 * (static_cast<std::size_t>(std::max(body_->places, averages.slots)) + 1), 0.0f);
     force_.assign(4 * static_cast<std::size_t>(averages.slots), 0.0f);
     stress_.assign(averages.stress_floats(), 0.0f);
-    add_columns();
+    own_ = kind_of(topology_.options.strain_energy).constants;
     linearise({});
   }
 
   void linearise(std::span<const Mat3> gradients) override {
-    const std::size_t columns = 11 + own_;
+    at_rest_ = gradients.empty();
     const std::vector<Index>& domains = body_->averages.domain_of_place;
+    if (at_rest_) {
+      copy_columns(2, 2 + near_rest);
+    } else {
+      copy_columns(2 + own_, 2 + own_ + 9);
+    }
     for (std::size_t place = 0; place < domains.size(); ++place) {
-      const Mat3 H = gradients.empty() || domains[place] == none ? Mat3(Mat3::Zero()) : gradients[domains[place]];
-      float* at = column(place, columns, 2 + own_);
-      for (int k = 0; k < 9; ++k) at[k * body_->lanes] = static_cast<float>(H(k % 3, k / 3));
+      if (domains[place] == none) continue;
+      if (at_rest_) {
+        put_stress_near_rest(place, domains[place]);
+      } else {
+        const Mat3& H = gradients[domains[place]];
+        for (std::size_t k = 0; k < 9; ++k) constant(place, 2 + own_ + k) = static_cast<float>(H(k % 3, k / 3));
+      }
     }
   }
 
@@ -51,7 +61,7 @@ class PackedTangent final : public Tangent {
     }
   }
 
-  void apply(const PaddedVectors& d, PaddedVectors& result) override {
+  void apply(std::span<const Eigen::Vector4f> d, std::span<Eigen::Vector4f> result) override {
     for (std::size_t place = 0; place < body_->order.size(); ++place) displacement(place) = d[body_->order[place]];
     find_forces();
     for (std::size_t place = 0; place < body_->order.size(); ++place) result[body_->order[place]] = -force(place);
@@ -73,33 +83,47 @@ class PackedTangent final : public Tangent {
     const int slices = averages.slices();
     if (runs) kernels_.spread_displacements(job, 0, slices);
     const auto energy = static_cast<int>(topology_.options.strain_energy);
-    kernels_.averaged_tangents[runs][energy][body_->bounded](job, 0, slices);
+    const auto stresses =
+        at_rest_ ? kernels_.averaged_near_rest[runs] : kernels_.averaged_tangents[runs][energy][body_->bounded];
+    stresses(job, 0, slices);
     kernels_.averaged_forces[runs](job, 0, slices);
     averages.gather_forces(bytes(force_));
   }
 
-  /// Of the constants of a place, column `which` of `columns`.
-  float* column(std::size_t place, std::size_t columns, std::size_t which) {
+  /// Of the constants of a place.
+  float& constant(std::size_t place, std::size_t column) {
     const auto lanes = static_cast<std::size_t>(body_->lanes);
-    return &constants_[(place / lanes * columns + which) * lanes + place % lanes];
+    return constants_[(place / lanes * columns_ + column) * lanes + place % lanes];
   }
 
-  /// Those of the body, with room for nine more.
-  void add_columns() {
-    own_ = kind_of(topology_.options.strain_energy).constants;
+  /// Constants of so many columns, the first `kept` of which are the body's.
+  void copy_columns(std::size_t kept, std::size_t columns) {
+    if (columns_ == columns) return;
+    columns_ = columns;
     const auto lanes = static_cast<std::size_t>(body_->lanes);
     const std::size_t slices = body_->averages.constants.size() / ((2 + own_) * lanes);
-    constants_.assign(slices * (11 + own_) * lanes, 0.0f);
+    constants_.assign(slices * columns * lanes, 0.0f);
     for (std::size_t slice = 0; slice < slices; ++slice) {
-      std::copy_n(&body_->averages.constants[slice * (2 + own_) * lanes], (2 + own_) * lanes,
-                  &constants_[slice * (11 + own_) * lanes]);
+      std::copy_n(&body_->averages.constants[slice * (2 + own_) * lanes], kept * lanes,
+                  &constants_[slice * columns * lanes]);
     }
   }
 
+  void put_stress_near_rest(std::size_t place, Index domain) {
+    const EnergyConstants& p = topology_.energy_of(domain);
+    const auto [mu, lambda] = lame_at_rest(topology_.options.strain_energy, p);
+    constant(place, 2) = static_cast<float>(mu);
+    constant(place, 3) = static_cast<float>(lambda);
+    if (topology_.options.strain_energy != StrainEnergy::fibres) return;
+    for (std::size_t k = 2; k < own_; ++k) constant(place, 2 + k) = static_cast<float>(p[k]);
+  }
+
+  static constexpr std::size_t near_rest = 6;  // constants of simd::Kernels::averaged_near_rest
   const TopologyTextures& topology_;
   const simd::Kernels& kernels_;
   std::unique_ptr<const PackedBody> body_;
-  std::size_t own_ = 0;  // constants of the energy
+  bool at_rest_ = true;
+  std::size_t own_ = 0, columns_ = 0;  // constants of the energy, and with those of the state
   Floats constants_, u_, force_, stress_;
 };
 

@@ -191,6 +191,8 @@ struct Kernels {
   void (*averaged_stresses[2][most_energies][2])(const Averaged&, int slice, int end);
   /// The same for small changes of displacements `u`; Averaged::constants as TangentOf (kernel_text.h) says.
   void (*averaged_tangents[2][most_energies][2])(const Averaged&, int slice, int end);
+  /// The same at rest; constants as StressNearRest says.
+  void (*averaged_near_rest[2])(const Averaged&, int slice, int end);  ///< [of runs]
   /// Adds to the stresses what Averaged::dissipation gives; after averaged_stresses, which fills Averaged::sums.
   void (*add_dissipation[2])(const Averaged&, int slice, int end);  ///< [of runs]
   void (*scale_stresses[2])(const Averaged&, int slice, int end);   ///< [of runs]

@@ -98,6 +98,26 @@ struct TangentOf {
   }
 };
 
+/// The same at H = 0, where it is Hooke's law with fibres (stress_near_rest() in elastic/energy_density.h). Constants:
+/// mu, lambda, and of fibres k and a; k is 0 where there are none.
+struct StressNearRest {
+#include "kernels/columns.glsl"
+  static constexpr int energy_constants = 6;
+
+  PHYMUL_INLINE static Columns energy_stress(const Columns& H, const Pack* p) {
+    const Pack3 a{p[3], p[4], p[5]};
+    const Pack volume = p[1] * ((H.c0.x + H.c1.y) + H.c2.z), along = p[2] * dot(a, times(H, a));
+    const Columns twice_symmetric{{H.c0.x + H.c0.x, H.c0.y + H.c1.x, H.c0.z + H.c2.x},
+                                  {H.c1.x + H.c0.y, H.c1.y + H.c1.y, H.c1.z + H.c2.y},
+                                  {H.c2.x + H.c0.z, H.c2.y + H.c1.z, H.c2.z + H.c2.z}};
+    Columns P = plus_outer(scaled(p[0], twice_symmetric), along * a, a);
+    P.c0.x += volume;
+    P.c1.y += volume;
+    P.c2.z += volume;
+    return P;
+  }
+};
+
 /// In the order of StrainEnergy.
 template <template <bool bounded_volume> class... Energies>
 struct EnergyList {};

@@ -42,6 +42,7 @@ constexpr simd::Kernels all_kernels(const char* name) {
       spread_displacements,
       {},
       {},
+      {averaged_stresses<StressNearRest>, run_stresses<StressNearRest>},
       {add_dissipation, run_dissipation},
       {scale_stresses, scale_run_stresses},
       {averaged_forces, run_forces},
