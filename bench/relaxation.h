@@ -38,7 +38,7 @@ struct Relaxation {
   State state;
   int steps = 0;
   double dt = 0.0, stable_step = 0.0, rate = 0.0;
-  double wall_per_step = 0.0;  ///< s, median over batches of steps
+  double wall_per_step = 0.0;  ///< s, median of runs of `steps` steps in one call
   std::string device;
   Excited excited;
   std::map<std::string, Vec3, std::less<>> tool_force;  ///< N, of the body on each tool, mean over the last steps

@@ -92,11 +92,18 @@ Index first_folded_cell(const Model& model, std::span<const Vec3> position) {
   require_count(model, position.size(), "positions");
   for (std::size_t c = 0; c < model.cells.size(); ++c) {
     const Cell& cell = model.cells[c];
-    const double at_rest = signed_measure(model.dimension, cell, model.rest);
+    const bool solid = model.dimension == 3 && is_volume(cell.type);
+    // All corners of a tetrahedron are the whole of it.
+    const bool one_corner = solid && cell.type == CellType::tetrahedron;
+    const auto measure = [&](std::span<const Vec3> x) {
+      return one_corner ? corner_volume(cell, cell_corners(cell.type).front(), x)
+                        : signed_measure(model.dimension, cell, x);
+    };
+    const double at_rest = measure(model.rest);
     // A cell that the model has wound the other way is negative from the start.
     const auto folds = [&](double now, double rest) { return now * at_rest < folded_share * rest * at_rest; };
-    if (folds(signed_measure(model.dimension, cell, position), at_rest)) return static_cast<Index>(c);
-    if (model.dimension != 3 || !is_volume(cell.type)) continue;
+    if (folds(measure(position), at_rest)) return static_cast<Index>(c);
+    if (!solid || one_corner) continue;
     for (const CellCorner& corner : cell_corners(cell.type)) {
       const double rest = corner_volume(cell, corner, model.rest);
       if (rest * at_rest < flat_corner * at_rest * at_rest) continue;
