@@ -14,9 +14,9 @@ from chart_style import plt
 from tables import accuracy_table, cheapest_table, moved_fronts_table
 
 
-def draw_front(axes, rows, time, error):
-    """One line a method and way to rest through its resolutions; the front over all of them in bold, that of steps
-    alone dashed."""
+def draw_front(axes, rows, before, time, error):
+    """One line a method and way to rest through its resolutions; the front over all of them in bold, that of `before`, or
+    without it that of steps alone, dashed."""
     failed = []
     for (method, label, way), of_method in data.groups(rows, "method", "label", "rest").items():
         by_steps = way == "steps"
@@ -31,18 +31,19 @@ def draw_front(axes, rows, time, error):
         if not by_steps:
             looks["fillstyle"] = "none"
         axes.plot([number(r, time) for r in line], [number(r, error) for r in line], label=text, **looks)
-    of_steps = data.front([row for row in rows if row["rest"] == "steps"], time, error)
-    if len(of_steps) > 1:
-        axes.plot(*zip(*of_steps), color="black", linewidth=2, alpha=0.5, linestyle=(0, (3, 2)), zorder=1,
-                  label="Pareto front of steps")
+    other = data.front(before or [row for row in rows if row["rest"] == "steps"], time, error)
+    if len(other) > 1:
+        axes.plot(*zip(*other), color="black", linewidth=2, alpha=0.5, linestyle=(0, (3, 2)), zorder=1,
+                  label="Pareto front before" if before else "Pareto front of steps")
     front = data.front(rows, time, error)
-    if len(front) > 1 and front != of_steps:
+    if len(front) > 1 and front != other:
         axes.plot(*zip(*front), color="black", linewidth=5, alpha=0.18, solid_capstyle="round", zorder=1,
                   label="Pareto front")
     return failed
 
 
-def work_precision(out, rows, about):
+def work_precision(out, rows, before, about):
+    before = data.groups(before, "case", "level")
     for (case,), of_case in data.groups(rows, "case").items():
         levels = list(data.groups(of_case, "level").items())
         error = data.error_column(of_case)
@@ -53,7 +54,7 @@ def work_precision(out, rows, about):
             errors = [number(r, error) for r in of_level if r["status"] == "ok" and r[error]]
             highest = max(errors + ([] if math.isnan(null) else [null]), default=1.0)
             for axes, time in zip(row_axes, ("wall_per_s", "wall_to_rest")):
-                failed = draw_front(axes, of_level, time, error)
+                failed = draw_front(axes, of_level, before.get((case, level[0]), []), time, error)
                 axes.set(xscale="log", yscale="log")
                 axes.set_ylim(max(min([floor, *errors]) / 2, 1e-5), min(1.5 * highest, 20))
                 axes.axhspan(axes.get_ylim()[0], floor, color="#bbbbbb", alpha=0.5, linewidth=0)
@@ -237,23 +238,28 @@ def soft_cube(out, quoted_path):
         style.finish(figure, out, name, foot)
 
 
-def main(out):
+def main(out, before):
     here = os.path.dirname(os.path.abspath(__file__))
     rows, about = data.read(f"{out}/work_precision.csv")
     samples, _ = data.read(f"{out}/samples.csv")
     if not rows:
         sys.exit(f"{out}/work_precision.csv: expected rows to draw")
-    work_precision(out, rows, about)
+    before, _ = data.read(before) if before else ([], {})
+    work_precision(out, rows, before, about)
     orders = convergence(out, rows, samples, about)
     cost(out, rows, about)
     order_in_time(out)
     equivalence(out)
     soft_cube(out, os.path.join(here, "..", "reference", "peers", "soft_cube_quoted.csv"))
     with open(f"{out}/tables.md", "w", encoding="utf-8") as file:
-        file.write("\n".join((cheapest_table(rows), moved_fronts_table(rows), accuracy_table(rows, orders))))
+        of_steps = [row for row in rows if row["rest"] == "steps"]
+        file.write("\n".join((cheapest_table(rows), moved_fronts_table(of_steps, rows), accuracy_table(rows, orders),
+                              moved_fronts_table(before, rows))))
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="Draws every chart and table from the CSV files of a folder; bench/charts.sh makes them.")
     parser.add_argument("folder", help="where the CSV files are, and the charts go")
-    main(parser.parse_args().folder)
+    parser.add_argument("--before", help="work_precision.csv of another build, measured beside: its fronts are dashed")
+    arguments = parser.parse_args()
+    main(arguments.folder, arguments.before)

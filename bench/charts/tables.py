@@ -37,19 +37,20 @@ def cheapest_table(rows):
     return text
 
 
-def moved_fronts_table(rows):
-    """Where the front over all ways to rest comes to some error sooner than that of steps alone: most at that error, least
-    over all errors of the front of steps."""
-    text = "| case | error | steps | all ways | sooner | least |\n|---|---|---|---|---|---|\n"
-    for of_level in data.groups(rows, "case", "level").values():
+def moved_fronts_table(before, rows):
+    """Where the front of `rows` comes to some error sooner than that of `before`: most at that error, least over all errors
+    of the front before."""
+    of_before = data.groups(before, "case", "level")
+    text = "| case | error | before | now | sooner | least |\n|---|---|---|---|---|---|\n"
+    for key, of_level in data.groups(rows, "case", "level").items():
         error = data.error_column(of_level)
-        before = data.front([r for r in of_level if r["rest"] == "steps"], "wall_to_rest", error)
-        after = data.front(of_level, "wall_to_rest", error)
-        ratios = [(data.time_at(before, e) / data.time_at(after, e), e) for _, e in before]
+        old = data.front(of_before.get(key, []), "wall_to_rest", error)
+        now = data.front(of_level, "wall_to_rest", error)
+        ratios = [(data.time_at(old, e) / data.time_at(now, e), e) for _, e in old]
         most, at = max(ratios, default=(1.0, 0.0))
         if most > 1.05:
-            text += (f"| {names.case_text(of_level[0])} | {percent(at, 2)} | {seconds(data.time_at(before, at))} "
-                     f"| {seconds(data.time_at(after, at))} | {most:.1f} | {min(ratios)[0]:.1f} |\n")
+            text += (f"| {names.case_text(of_level[0])} | {percent(at, 2)} | {seconds(data.time_at(old, at))} "
+                     f"| {seconds(data.time_at(now, at))} | {most:.1f} | {min(ratios)[0]:.1f} |\n")
     return text
 
 
