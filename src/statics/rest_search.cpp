@@ -29,7 +29,7 @@ constexpr double share_of_idle = 0.01;         ///< of the goal: a free motion w
 constexpr double balanced = 1e-8;              ///< of the loads: likewise
 constexpr int most_iterations = 60;            ///< of conjugate gradients
 constexpr double most_change = 0.75;           ///< of a mean gradient in one step: rotation in rad, strain
-constexpr double most_way = 0.25;              ///< of a particle in one step, in sizes of the body
+constexpr double most_way = 0.75;              ///< of a particle in one step, in sizes of the body
 constexpr double little_change = 0.05;         ///< up to which the preconditioner stays
 constexpr int first_power_steps = 3, power_steps = 2;
 constexpr Index path_nodes = 600;
@@ -176,7 +176,8 @@ class Search {
   }
 
   /// Solves K d = r for the direction d: first roughly, then further if the true residual at the end of d follows the
-  /// linear one. By how much it deviates is known from the last step, or found by going there.
+  /// linear one. By how much it deviates is known from the last step, or found by going there. Where the way along d is
+  /// limited, a rough direction is good enough.
   void find_direction(bool imposes) {
     direction_ = imposed_way_;
     Vector r = residual_, z;
@@ -209,6 +210,10 @@ class Search {
       direction_ += step * way_;
       r -= step * image_of_way_;
       reached_ = false;
+      if (limited_ && !imposes && r.norm() > goal) {
+        find_change();
+        if (largest_share() < 1.0) break;
+      }
       if (r.norm() <= goal) {
         if (looked) break;
         looked = true;
@@ -275,6 +280,7 @@ class Search {
   /// Whether there is a step that makes the residual or the energy smaller.
   bool descend() {
     double share = largest_share();
+    limited_ = share < 1.0;
     const double slope = -residual_.dot(direction_);
     for (int k = 0; k < most_trials; ++k) {
       if (!reached_ || share < 1.0 || k > 0) {
@@ -326,6 +332,7 @@ class Search {
   double curvature_ = 0.0;
   double deviation_per_energy_ = 0.0;  // 1/m: of the true residual from the linear one, in the last step; 0: unknown
   bool keeps_way_ = false;
+  bool limited_ = true;   // largest_share() was less than 1 in the last step
   bool reached_ = false;  // trial_ and next_residual_ are those at the end of direction_
   std::vector<Mat3> gradients_, next_gradients_, turned_at_, change_;
   VecList of_domains_;  // displacements of their particles, side by side: sums over neighbours read them many times
