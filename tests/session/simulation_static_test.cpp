@@ -116,6 +116,20 @@ TEST(SimulationStatic, TakesAsManyEvaluationsForALargeBodyAsForASmallOne) {
   }
 }
 
+/// Its tip comes down by more than its length.
+TEST(SimulationStatic, TakesThreeTimesAsManyUnderTheWholeWeight) {
+  for (const Cells cells : {Cells::tetrahedra, Cells::hexahedra}) {
+    for (const int across : {4, 8}) {
+      for (const auto& [poisson, most] : {std::pair(0.3, 210), std::pair(0.45, 420)}) {
+        Simulation sim = hung(beam(across, cells), poisson, 1.0, StrainEnergy::neo_hookean);
+        const StaticResult result = sim.solve_static();
+        EXPECT_TRUE(result.converged()) << result.message();
+        EXPECT_LE(result.evaluations, most) << across << " across, nu " << poisson;
+      }
+    }
+  }
+}
+
 TEST(SimulationStatic, ABackendInSinglePrecisionTakesTheState) {
   Simulation single(beam(2, Cells::tetrahedra), {.material = tissue_of(0.3), .backend = "cpu"});
   single.scene().fix("x0").gravity({0, 0, -0.1});
