@@ -150,7 +150,8 @@ class Search {
   }
 
   void linearise() {
-    tangent_->linearise(gradients_);
+    const bool at_rest = std::ranges::all_of(gradients_, [](const Mat3& H) { return H == Mat3::Zero(); });
+    tangent_->linearise(at_rest ? std::span<const Mat3>() : gradients_);
     for (RestTerm* term : terms_) term->linearise(position_);
     double most = turned_at_.empty() ? std::numeric_limits<double>::infinity() : 0.0;
     for (std::size_t d = 0; d < turned_at_.size(); ++d) {
