@@ -38,8 +38,8 @@ def cheapest_table(rows):
 
 
 def moved_fronts_table(before, rows):
-    """Where the front of `rows` comes to some error below 5 % sooner than that of `before`: most at that error, least over
-    all such errors of the front before."""
+    """Where the fronts of `rows` and `before` differ at some error below 5 %: how much sooner `rows` comes to it, most at
+    that error, least over all such errors of the front before."""
     of_before = data.groups(before, "case", "level")
     text = "| case | error | before | now | sooner | least |\n|---|---|---|---|---|---|\n"
     for key, of_level in data.groups(rows, "case", "level").items():
@@ -49,7 +49,7 @@ def moved_fronts_table(before, rows):
         ratios = [(data.time_at(old, e) / data.time_at(now, e), e) for _, e in old if e <= 0.05]
         most, at = max(ratios, default=(1.0, 0.0))
         least = min(ratios, default=(1.0, 0.0))[0]
-        if most > 1.05:
+        if most > 1.05 or least < 0.95:
             text += (f"| {names.case_text(of_level[0])} | {percent(at, 2)} | {seconds(data.time_at(old, at))} "
                      f"| {seconds(data.time_at(now, at))} | {most:.1f} | {f'{least:.1f}' if least > 0.0 else 'does not reach all'} |\n")
     return text

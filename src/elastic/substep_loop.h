@@ -26,14 +26,15 @@ class SubstepLoop {
     for (Numbers* v : {&w_, &before_, &next_, &pull_, &sum_}) v->setZero(inverse_mass_.size());
   }
 
-  /// The sum of -share_k factor K w_k; `still`: f / m at w = 0. Valid until the next call.
+  /// The sum of -share_k factor K w_k; `still`: f / m at w = 0. Valid until the next call. What the recursion carries
+  /// is w / dt^2: of the size of `still` in the units of any body, as single precision needs it.
   const Numbers& run(const Numbers& still, double dt, double factor) {
     for (Numbers* v : {&w_, &before_, &pull_, &sum_}) v->setZero();
     for (std::size_t k = 0; k < substeps_.size(); ++k) {
-      const auto keep = static_cast<Scalar>(substeps_[k].keep), kick = static_cast<Scalar>(substeps_[k].kick * dt * dt);
+      const auto keep = static_cast<Scalar>(substeps_[k].keep), kick = static_cast<Scalar>(substeps_[k].kick);
       if (k > 0) {
         stiffness_(w_, pull_);
-        pull_ *= static_cast<Scalar>(factor);
+        pull_ *= static_cast<Scalar>(factor * dt * dt);
         sum_ -= static_cast<Scalar>(substeps_[k].share) * pull_;
       }
       next_ = w_ + keep * (w_ - before_) + kick * (still - inverse_mass_.cwiseProduct(pull_));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Vectors and matrices of three rows in single precision, with a fourth row of zeros: four numbers at a time are what
-// every processor adds in one go. Preconditioners need no more than that.
+// every processor adds in one go. Preconditioners and local time steps need no more than that.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,6 +32,7 @@ inline std::span<const Eigen::Vector4f> vectors_of(const Eigen::VectorXf& number
 inline std::span<Eigen::Vector4f> vectors_of(Eigen::VectorXf& numbers) {
   return {reinterpret_cast<Eigen::Vector4f*>(numbers.data()), static_cast<std::size_t>(numbers.size()) / 4};
 }
+
 /// All numbers of `v`, [4 n].
 inline Eigen::Map<Eigen::VectorXf, Eigen::Aligned16> numbers_of(PaddedVectors& v) {
   return {v.data()->data(), 4 * static_cast<Eigen::Index>(v.size())};

@@ -29,7 +29,9 @@ constexpr double share_of_idle = 0.01;         ///< of the goal: a free motion w
 constexpr double balanced = 1e-8;              ///< of the loads: likewise
 constexpr int most_iterations = 60;            ///< of conjugate gradients
 constexpr double most_change = 0.75;           ///< of a mean gradient in one step: rotation in rad, strain
-constexpr double most_way = 0.75;              ///< of a particle in one step, in sizes of the body
+constexpr double most_way = 0.25;              ///< of a particle in one step, in sizes of the body
+constexpr double much_limited = 0.5;           ///< if less of the way is gone, any direction will do
+constexpr double rough = 0.7;                  ///< a linear residual that will do if the way is limited at all
 constexpr double little_change = 0.05;         ///< up to which the preconditioner stays
 constexpr int first_power_steps = 3, power_steps = 2;
 constexpr Index path_nodes = 600;
@@ -190,7 +192,7 @@ class Search {
     if (keeps_way_) idle_.remove(way_);
     reached_ = false;
     double goal = std::max(first_goal * r.norm(), share_of_rest * goal_);
-    bool looked = imposes;
+    bool looked = imposes, knows_change = false;
     for (int k = 0; k < most_iterations && evaluations() < most_evaluations_; ++k) {
       grid_.solve(r, z);
       idle_.remove(z);
@@ -211,9 +213,13 @@ class Search {
       direction_ += step * way_;
       r -= step * image_of_way_;
       reached_ = false;
-      if (limited_ && !imposes && r.norm() > goal) {
+      knows_change = false;
+      // Not after each iteration: to look takes as long as a force.
+      if (limited_ && !imposes && r.norm() > goal && (k & (k + 1)) == 0) {
         find_change();
-        if (largest_share() < 1.0) break;
+        knows_change = true;
+        const double share = largest_share();
+        if (share < much_limited || (share < 1.0 && r.norm() <= rough * residual_.norm())) break;
       }
       if (r.norm() <= goal) {
         if (looked) break;
@@ -235,10 +241,10 @@ class Search {
     if (!imposes && !(direction_.dot(residual_) > 0.0)) {
       grid_.solve(residual_, direction_);
       idle_.remove(direction_);
-      reached_ = false;
+      reached_ = knows_change = false;
       left_ = residual_;
     }
-    if (!reached_) find_change();
+    if (!reached_ && !knows_change) find_change();
   }
 
   double largest_share() const {
@@ -333,7 +339,7 @@ class Search {
   double curvature_ = 0.0;
   double deviation_per_energy_ = 0.0;  // 1/m: of the true residual from the linear one, in the last step; 0: unknown
   bool keeps_way_ = false;
-  bool limited_ = true;   // largest_share() was less than 1 in the last step
+  bool limited_ = true;   // largest_share() was less than 1 when last asked for a descent; or none was yet
   bool reached_ = false;  // trial_ and next_residual_ are those at the end of direction_
   std::vector<Mat3> gradients_, next_gradients_, turned_at_, change_;
   VecList of_domains_;  // displacements of their particles, side by side: sums over neighbours read them many times

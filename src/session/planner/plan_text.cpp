@@ -59,7 +59,8 @@ std::string verdict(const Plan& plan, const PlanTrial& trial) {
   if (trial.particles == 0) return "not built";
   if (std::isnan(trial.error)) return "error unknown";
   if (trial.keeps_error) return trial.keeps_time ? "keeps both" : "too slow";
-  return trial.keeps_time ? "error too large" : "error too large, too slow";
+  const bool small = trial.error <= plan.options.max_error;  // but the finest body folds
+  return std::string(small ? "error not certain" : "error too large") + (trial.keeps_time ? "" : ", too slow");
 }
 
 std::string row(const Plan& plan, const PlanTrial& trial) {
@@ -111,6 +112,10 @@ std::string reason_of_refusal(const Plan& plan, const PlanTrial& finest, const s
     return "No error is known: that takes three bodies, and " + ended + ".";
   }
   if (plan.cheapest) return "No candidate that keeps the error is fast enough.";
+  if (finest.error <= plan.options.max_error) {
+    return "No error is certain, because cells of the finest body, " +
+           text("%.4g mm, are flat or inside out at rest.", 1e3 * finest.candidate.spacing);
+  }
   return "No body that was tried keeps the error; the finest, " +
          text("%.4g mm, has ", 1e3 * finest.candidate.spacing) + percent(finest.error) + ", and " + ended + ".";
 }

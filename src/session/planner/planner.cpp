@@ -137,22 +137,25 @@ void Planner::estimate_errors() {
   if (!(fit.scale > 0.0)) throw SceneError("nothing moves in this scene; give it a load, or PlanOptions::probe_time");
   plan_.order = fit.order;
   const double doubtful = doubt * mean_distance(finest.u, fit.limit) / fit.scale;
+  // A material means nothing where it is inside out, and finer bodies may rest elsewhere.
+  const bool folds = ladder[last]->probe.folded;
   double error_of_finer = 0.0;
   for (std::size_t k = levels_.size(); k-- > 0;) {
     Level& level = levels_[k];
     if (!level.has_field()) continue;
     error_of_finer = std::max(error_of_finer, estimated_error(fit, field(level), finest) + doubtful);
     level.trial.error = error_of_finer;
-    level.trial.keeps_error = error_of_finer <= plan_.options.max_error;
+    level.trial.keeps_error = !folds && error_of_finer <= plan_.options.max_error;
   }
   plan_.notes.clear();
   if (!fit.converges) {
     plan_.notes.emplace_back("the displacements do not converge as expected; errors are guesses on the safe side");
   }
-  if (std::ranges::any_of(ladder, [](const Level* it) { return it->probe.folded; })) {
+  if (folds) {
     plan_.notes.emplace_back(
-        "cells are flat or inside out at rest: finer bodies may fold more, and the errors are those against such a "
-        "body; hold or load the body less abruptly there");
+        "cells of the finest body are flat or inside out at rest, so no error is certain: finer bodies may fold more "
+        "and "
+        "rest elsewhere; hold or load the body less abruptly there");
   }
 }
 
