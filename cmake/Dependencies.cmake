@@ -9,9 +9,15 @@ function(phymul_missing sentence debian_package)
                       "Where it is installed elsewhere, add its prefix to CMAKE_PREFIX_PATH. ${ARGN}")
 endfunction()
 
-find_package(Eigen3 3.4 QUIET NO_MODULE)
-if(NOT Eigen3_FOUND)
-  phymul_missing("phymul needs Eigen 3.4" libeigen3-dev)
+# The first one that CMake comes to, 3.4 or 5, which follows it: asked for 3.4, CMake would pass over a package manager's
+# Eigen 5 and take an older one of the system. phymul_eigen: the series, which users must have too.
+find_package(Eigen3 QUIET NO_MODULE)
+if(NOT Eigen3_FOUND OR Eigen3_VERSION VERSION_LESS 3.4 OR Eigen3_VERSION VERSION_GREATER_EQUAL 6)
+  phymul_missing("phymul needs Eigen 3.4 or 5" libeigen3-dev)
+endif()
+set(phymul_eigen 3.4)
+if(Eigen3_VERSION VERSION_GREATER_EQUAL 5)
+  set(phymul_eigen 5)
 endif()
 
 find_package(pugixml QUIET)
