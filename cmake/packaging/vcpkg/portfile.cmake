@@ -3,6 +3,9 @@
 # A port of vcpkg, for an overlay: docs/guide/packages.md. PHYMUL_REPOSITORY and PHYMUL_COMMIT, in the environment, name
 # where the sources come from.
 vcpkg_check_linkage(ONLY_STATIC_LIBRARY)
+if("$ENV{PHYMUL_REPOSITORY}" STREQUAL "" OR "$ENV{PHYMUL_COMMIT}" STREQUAL "")
+  message(FATAL_ERROR "phymul: PHYMUL_REPOSITORY and PHYMUL_COMMIT must be set: docs/guide/packages.md")
+endif()
 vcpkg_from_git(OUT_SOURCE_PATH SOURCE_PATH URL "$ENV{PHYMUL_REPOSITORY}" REF "$ENV{PHYMUL_COMMIT}")
 vcpkg_check_features(OUT_FEATURE_OPTIONS options FEATURES gl PHYMUL_WITH_GL surfaces PHYMUL_WITH_ASSIMP)
 vcpkg_cmake_configure(
