@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""A recipe for Conan 2: `conan create cmake/packaging/conan` from the root of the tree. docs/guide/packages.md."""
+"""A recipe for Conan 2, run from the root of the tree: docs/guide/packages.md."""
 
 import os
 
 from conan import ConanFile
+from conan.tools.build import check_min_cppstd
 from conan.tools.cmake import CMake, CMakeDeps, CMakeToolchain, cmake_layout
 from conan.tools.files import copy
 
@@ -18,6 +19,9 @@ class Phymul(ConanFile):
     default_options = {"shared": False, "fPIC": True, "surfaces": False}
     implements = ["auto_shared_fpic"]
 
+    def validate(self):
+        check_min_cppstd(self, 20)  # the headers' needs too: Conan's own targets do not hand on what CMake's say
+
     def requirements(self):
         self.requires("eigen/3.4.0", transitive_headers=True)
         self.requires("pugixml/1.14")
@@ -30,7 +34,7 @@ class Phymul(ConanFile):
 
     def export_sources(self):
         root = os.path.join(self.recipe_folder, "..", "..", "..")
-        for pattern in ("CMakeLists.txt", "LICENSE", "bindings/*", "cmake/*", "glsl/*", "include/*", "src/*"):
+        for pattern in ("CMakeLists.txt", "LICENSE", "cmake/*", "glsl/*", "include/*", "src/*"):
             copy(self, pattern, src=root, dst=self.export_sources_folder)
 
     def generate(self):
@@ -52,6 +56,7 @@ class Phymul(ConanFile):
 
     def package_info(self):
         self.cpp_info.set_property("cmake_target_name", "phymul::phymul")
+        self.cpp_info.set_property("cmake_config_version_compat", "SameMinorVersion")
         self.cpp_info.libs = ["phymul"]
         if self.settings.os == "Linux":
             self.cpp_info.system_libs = ["pthread", "dl"]
