@@ -63,7 +63,8 @@ struct PlanTrial {
   double real_time = unknown;  ///< simulated time of a tick over its wall time
   double rest = unknown;       ///< s of wall time to the rest shape
   bool rest_by_steps = false;  ///< by run_to_rest(), because solve_static() does not support the scene or failed
-  bool keeps_error = false, keeps_time = false;  ///< it meets max_error; it meets rate and rest_in
+  /// It meets max_error, and no cell of the finest body is flat or inside out at rest; it meets rate and rest_in.
+  bool keeps_error = false, keeps_time = false;
   std::string note{};                            ///< why figures are missing, and what else to know; may be empty
 };
 
