@@ -65,7 +65,7 @@ struct PlanTrial {
   bool rest_by_steps = false;  ///< by run_to_rest(), because solve_static() does not support the scene or failed
   /// It meets max_error, and no cell of the finest body is flat or inside out at rest; it meets rate and rest_in.
   bool keeps_error = false, keeps_time = false;
-  std::string note{};                            ///< why figures are missing, and what else to know; may be empty
+  std::string note{};  ///< why figures are missing, and what else to know; may be empty
 };
 
 struct Plan {
