@@ -9,10 +9,10 @@
 // The shares sum to 1 and K w sums to 0 over the particles, so linear momentum is conserved; where f is 0 all w are, so
 // rest shapes are the same. w_p is a Chebyshev polynomial of dt^2 K / m, damped so far that a = Q f / m with Q between
 // 0 and 1: the scheme is Verlet's with a larger mass for the vibrations of the stiff materials, so that small ones have
-// no resonances. Sources: Diaz and Grote, Energy conserving explicit local time stepping for second-order wave equations,
-// SIAM J. Sci. Comput. 31, 2009; Grote, Michel and Sauter, Stabilized leapfrog based local time-stepping method for the
-// wave equation, Math. Comp. 90, 2021. There K is the exact stiffness; here it is that at rest, because substeps with
-// the forces themselves are no gradient, and undamped bodies gained energy.
+// no resonances. Sources: Diaz and Grote, Energy conserving explicit local time stepping for second-order wave
+// equations, SIAM J. Sci. Comput. 31, 2009; Grote, Michel and Sauter, Stabilized leapfrog based local time-stepping
+// method for the wave equation, Math. Comp. 90, 2021. There K is the exact stiffness; here it is that at rest, because
+// substeps with the forces themselves are no gradient, and undamped bodies gained energy.
 #pragma once
 
 #include <phymul/elasticity.h>

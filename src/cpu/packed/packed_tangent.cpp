@@ -30,7 +30,7 @@ class PackedTangent final : public Tangent {
     at_rest_ = gradients.empty();
     const std::vector<Index>& domains = body_->averages.domain_of_place;
     if (at_rest_) {
-      copy_columns(2, 2 + near_rest);
+      copy_columns(2, 2 + simd::constants_near_rest);
     } else {
       copy_columns(2 + own_, 2 + own_ + 9);
     }
@@ -118,7 +118,6 @@ class PackedTangent final : public Tangent {
     for (std::size_t k = 2; k < own_; ++k) constant(place, 2 + k) = static_cast<float>(p[k]);
   }
 
-  static constexpr std::size_t near_rest = 6;  // constants of simd::Kernels::averaged_near_rest
   const TopologyTextures& topology_;
   const simd::Kernels& kernels_;
   std::unique_ptr<const PackedBody> body_;

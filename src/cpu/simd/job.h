@@ -177,6 +177,7 @@ struct MoveSummary {
 enum class BaseUse { conservative, averaged, attractor };
 
 inline constexpr int most_energies = 8;
+inline constexpr int constants_near_rest = 6;  ///< of Kernels::averaged_near_rest
 
 /// The kernels of one instruction set.
 struct Kernels {

@@ -48,6 +48,7 @@ constexpr simd::Kernels all_kernels(const char* name) {
       {averaged_forces, run_forces},
       move_slices};
   set_stresses(kernels, Energies{});
+  static_assert(StressNearRest::energy_constants == simd::constants_near_rest);
   return kernels;
 }
 
