@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <type_traits>
 
 #include "averaged_stiffness.h"
 #include "base/checked_file.h"
@@ -23,11 +22,9 @@ const Snapshot::Part* find_pushes(const Snapshot& snapshot) {
 }
 
 /// All numbers of vectors, [3 n].
-template <class Vectors>
-auto numbers_of(Vectors& vectors) {
-  using Numbers = std::conditional_t<std::is_const_v<std::remove_reference_t<decltype(vectors.front())>>,
-                                     const Eigen::VectorXd, Eigen::VectorXd>;
-  return Eigen::Map<Numbers>(vectors.front().data(), 3 * static_cast<Eigen::Index>(vectors.size()));
+template <class Numbers, class Vector>
+Eigen::Map<Numbers> numbers_of(std::span<Vector> vectors) {
+  return {vectors.front().data(), 3 * static_cast<Eigen::Index>(vectors.size())};
 }
 
 LocalForces::Loop in_double_precision(const LocalSteps& steps) {
@@ -39,8 +36,8 @@ LocalForces::Loop in_double_precision(const LocalSteps& steps) {
       steps.substeps, inverse_mass,
       [K = AveragedStiffness(t)](const Eigen::VectorXd& d, Eigen::VectorXd& result) { K.apply_alone(d, result); });
   return [loop, f = inverse_mass](std::span<const Vec3> still, double dt, double factor, std::span<Vec3> sum) mutable {
-    f = numbers_of(still);
-    numbers_of(sum) = loop->run(f, dt, factor);
+    f = numbers_of<const Eigen::VectorXd>(still);
+    numbers_of<Eigen::VectorXd>(sum) = loop->run(f, dt, factor);
   };
 }
 

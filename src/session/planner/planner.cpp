@@ -154,8 +154,7 @@ void Planner::estimate_errors() {
   if (folds) {
     plan_.notes.emplace_back(
         "cells of the finest body are flat or inside out at rest, so no error is certain: finer bodies may fold more "
-        "and "
-        "rest elsewhere; hold or load the body less abruptly there");
+        "and rest elsewhere; hold or load the body less abruptly there");
   }
 }
 
