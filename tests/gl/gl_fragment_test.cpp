@@ -140,13 +140,23 @@ TEST_F(GlFragment, TellsOfItsStepsWhatTheMirrorTells) {
   for (const double amount : {0.05, 0.2}) {
     for (const double beyond : {1.5, 3.0, 10.0}) {
       SCOPED_TRACE(beyond);
-      twins.reset(random_state(model, amount, 0.0, 3));
+      const State start = random_state(model, amount, 0.0, 3);
+      twins.reset(start);
       const double dt = beyond * twins.gl->stable_step();
-      const StepReport a = twins.gl->step(100000, dt), b = twins.mirror->step(100000, dt);
+      StepReport a = twins.gl->step(100000, dt), b = twins.mirror->step(100000, dt);
       EXPECT_EQ(a.status, StepStatus::not_finite);
       EXPECT_EQ(a.steps, b.steps);
       EXPECT_EQ(a.particle, b.particle);
       EXPECT_EQ(a.time, b.time);
+      if (!twins.same_bits_expected()) {  // what flies apart multiplies roundings: the last good step from one state
+        twins.gl->reset(start);
+        ASSERT_TRUE(twins.gl->step(a.steps - 1, dt).ok());
+        twins.mirror->reset(twins.gl->read());
+        a = twins.gl->step(2, dt), b = twins.mirror->step(2, dt);
+        EXPECT_EQ(a.status, StepStatus::not_finite);
+        EXPECT_EQ(a.steps, 1);
+        EXPECT_EQ(b.steps, 1);
+      }
       EXPECT_NEAR(a.residual, b.residual, 1e-4 * b.residual);
       EXPECT_NEAR(a.max_speed, b.max_speed, 1e-4 * b.max_speed);
       twins.expect_same_bits("the last good state");

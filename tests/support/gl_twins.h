@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <string>
@@ -77,6 +78,10 @@ class GlTwins {
 
   const SolverOptions& options() const { return options_; }
   bool same_bits_expected() const { return gl->context()->info().renderer.starts_with("llvmpipe"); }
+
+  /// What the error of a sum over a body is a share of: where bits are the same the sum, else the largest that the run
+  /// has seen. Terms are rounded as shares of themselves, and may cancel in a sum.
+  double scale_of(double sum, double largest) const { return same_bits_expected() ? std::abs(sum) : largest; }
 
   void reset(const State& state) const {
     gl->reset(state);
