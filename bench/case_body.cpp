@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 namespace phymul::bench {
 namespace {
@@ -26,14 +25,13 @@ int count(const std::string& text, const Variables& variables) {
 }
 
 Model from_file(const ReferenceCase& it, const Variables& variables) {
-  if (it.body_args.empty()) throw Error("body file: expected a path");
   std::string path = it.body_args[0];
   if (const std::size_t mark = path.find("{n}"); mark != std::string::npos) {
     path.replace(mark, 3, std::to_string(static_cast<int>(variables.at("n"))));
   }
   MeshOptions options;
   if (it.body_args.size() > 1) options.length_unit = evaluate(it.body_args[1], variables);
-  return read_mesh((std::filesystem::path(it.folder) / path).string(), options);
+  return read_mesh(path, options);
 }
 
 void add_place(Variables& variables, const Vec3& point) {

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -131,9 +130,8 @@ Samples samples_of(const ReferenceCase& it, const std::string& level, const Vari
     }
     return result;
   }
-  const std::string path = (std::filesystem::path(it.folder) / it.samples).string();
-  std::ifstream in(path);
-  if (!in) throw Error(path + ": expected a CSV file with the columns level,x,y,z,ux,uy,uz");
+  std::ifstream in(it.samples);
+  if (!in) throw Error(it.samples + ": expected a CSV file with the columns level,x,y,z,ux,uy,uz");
   for (std::string line; std::getline(in, line);) {
     std::istringstream fields(line);
     std::string name, field;
@@ -141,11 +139,11 @@ Samples samples_of(const ReferenceCase& it, const std::string& level, const Vari
     if (name != level) continue;
     std::vector<double> v;
     while (std::getline(fields, field, ',')) v.push_back(evaluate(field, {}));
-    if (v.size() != 6) throw Error(path + ": expected 7 columns in \"" + line + "\"");
+    if (v.size() != 6) throw Error(it.samples + ": expected 7 columns in \"" + line + "\"");
     result.point.emplace_back(v[0], v[1], v[2]);
     result.displacement.emplace_back(v[3], v[4], v[5]);
   }
-  if (result.point.empty()) throw Error(path + ": expected rows of level " + level);
+  if (result.point.empty()) throw Error(it.samples + ": expected rows of level " + level);
   return result;
 }
 

@@ -51,14 +51,15 @@ ReferenceCase::OnGroup on_group(const Words& words, const char* usage = "GROUP x
   return {words[1], triple(words, 2)};
 }
 
-void read_file(const std::string& path, ReferenceCase& it);
+void read_file(const fs::path& path, ReferenceCase& it);
 
-void read_line(const Words& w, ReferenceCase& it) {
+/// `folder`: of the file that has the line.
+void read_line(const Words& w, const fs::path& folder, ReferenceCase& it) {
   const std::string& key = w[0];
   constexpr std::size_t any = 1000;
   if (key == "include") {
     require_count(w, 1, 1, "FILE");
-    read_file((fs::path(it.folder) / w[1]).string(), it);
+    read_file(folder / w[1], it);
   } else if (key == "title") {
     it.title = joined(w, 1);
   } else if (key == "let") {
@@ -78,6 +79,7 @@ void read_line(const Words& w, ReferenceCase& it) {
     require_count(w, 2, 7, "block|tetrahedra|cylinder|filled|file arguments");
     it.body = w[1];
     it.body_args.assign(w.begin() + 2, w.end());
+    if (it.body == "file") it.body_args[0] = (folder / w[2]).string();
   } else if (key == "cells") {
     require_count(w, 3, 3, "x y z, or rings sectors layers");
     it.cells.assign(w.begin() + 1, w.end());
@@ -116,7 +118,7 @@ void read_line(const Words& w, ReferenceCase& it) {
     it.pushes.push_back(push);
   } else if (key == "samples") {
     require_count(w, 1, 1, "FILE");
-    it.samples = w[1];
+    it.samples = (folder / w[1]).string();
   } else if (key == "point") {
     require_count(w, 3, 3, "x y z");
     it.points.push_back(triple(w, 1));
@@ -136,18 +138,18 @@ void read_line(const Words& w, ReferenceCase& it) {
   }
 }
 
-void read_file(const std::string& path, ReferenceCase& it) {
+void read_file(const fs::path& path, ReferenceCase& it) {
   std::ifstream in(path);
-  if (!in) throw Error(path + ": expected a case file that can be read");
+  if (!in) throw Error(path.string() + ": expected a case file that can be read");
   int number = 0;
   for (std::string line; std::getline(in, line);) {
     ++number;
     const Words words = split(line.substr(0, line.find('#')));
     if (words.empty()) continue;
     try {
-      read_line(words, it);
+      read_line(words, path.parent_path(), it);
     } catch (const Error& error) {
-      throw Error(path + ":" + std::to_string(number) + ": " + error.what());
+      throw Error(path.string() + ":" + std::to_string(number) + ": " + error.what());
     }
   }
 }
@@ -204,7 +206,6 @@ ReferenceCase read_case(const std::string& path) {
   ReferenceCase it;
   it.name = fs::path(path).stem().string();
   it.title = it.name;
-  it.folder = fs::path(path).parent_path().string();
   read_file(path, it);
   if (it.levels.empty()) it.levels.push_back({"only", {}});
   require_complete(it, path);

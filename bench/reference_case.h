@@ -31,8 +31,7 @@ struct ReferenceCase {
     Triple axis{"0", "0", "1"};      ///< where its own +z points
   };
 
-  std::string name;    ///< of the file, without folder and extension
-  std::string folder;  ///< of the file: other paths are relative to it
+  std::string name;  ///< of the file, without folder and extension
   std::string title;
   std::vector<std::pair<std::string, std::string>> lets;
   std::vector<std::pair<std::string, std::string>> fields;  ///< of the place: name, expression in x, y, z

@@ -82,6 +82,19 @@ TEST_F(CaseFile, MeshFileSheared) {
   EXPECT_NEAR(problem.reference[0].x(), 0.02, 1e-15);
 }
 
+/// Files that include each other in other folders: each path is relative to the file that has it.
+TEST_F(CaseFile, PathsAreRelativeToTheFileThatHasThem) {
+  const Model body = make_block({1, 1, 1}, 2, 2, 2);
+  std::filesystem::create_directories(folder_ / "parts" / "data");
+  write_vtu(body, rest_state(body), (folder_ / "parts" / "data" / "cube.vtu").string());
+  write("parts/data/cube.csv", "only,0,0,1,0,0,0.25\n");
+  write("parts/body.case", "body file data/cube.vtu\nsamples data/cube.csv\nresolutions 2\n");
+  write("parts/loads.case", "include body.case\nfix z0\n");
+  const Problem problem = make_problem(read_case(write("all.case", "include parts/loads.case\n")), "only", 2);
+  EXPECT_EQ(problem.model.particle_count(), body.particle_count());
+  EXPECT_EQ(problem.reference, VecList{Vec3(0, 0, 0.25)});
+}
+
 TEST_F(CaseFile, ErrorsNameFileAndLine) {
   const std::string path = write("wrong.case", "title it\nbody block 1 1 1\nmove x0 0 0\n");
   try {
