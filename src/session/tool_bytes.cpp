@@ -56,19 +56,29 @@ std::shared_ptr<const DistanceGrid> take_grid(ByteReader& in) {
   return std::make_shared<const DistanceGrid>(origin, spacing, count, std::move(values));
 }
 
-template <std::size_t row = 0>
-ToolShape take_shape(ByteReader& in, ShapeKind wanted) {
-  using Shape = std::variant_alternative_t<row, ToolShape>;
-  if (kind_of(Shape{}) != wanted) {
-    if constexpr (row + 1 < std::variant_size_v<ToolShape>) return take_shape<row + 1>(in, wanted);
+template <class Shape>
+ToolShape take_members(ByteReader& in) {
+  Shape shape;
+  each_member(shape, [&](double& member) { member = in.real("a size of a tool"); });
+  return shape;
+}
+
+ToolShape take_shape(ByteReader& in, ShapeKind kind) {
+  switch (kind) {
+    case ShapeKind::sphere:
+      return take_members<Sphere>(in);
+    case ShapeKind::capsule:
+      return take_members<Capsule>(in);
+    case ShapeKind::half_space:
+      return take_members<HalfSpace>(in);
+    case ShapeKind::box:
+      return take_members<Box>(in);
+    case ShapeKind::grid:
+      return take_grid(in);
+    case ShapeKind::needle:
+      break;
   }
-  if constexpr (std::is_same_v<Shape, std::shared_ptr<const DistanceGrid>>) {
-    return take_grid(in);
-  } else {
-    Shape shape;
-    each_member(shape, [&](double& member) { member = in.real("a size of a tool"); });
-    return shape;
-  }
+  return take_members<Needle>(in);
 }
 
 // From here on: what a thing is made of, for a ByteWriter and a thing that is const, or a ByteReader and one that is
