@@ -103,6 +103,7 @@ for part in "$@"; do
       need_package lld-16
       need_package llvm-16
       need_package googletest
+      need_command xz xz-utils
       need_command node nodejs
       need_package chromium
       ;;
