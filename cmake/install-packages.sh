@@ -104,6 +104,7 @@ for part in "$@"; do
       need_package llvm-16
       need_package googletest
       need_command xz xz-utils
+      need_command bzip2 bzip2
       need_command node nodejs
       need_package chromium
       ;;
