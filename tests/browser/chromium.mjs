@@ -95,9 +95,9 @@ export class Page {
   #receive(message) {
     const {method, params} = message;
     if (message.id && this.#waiting.has(message.id)) {
-      const {resolve, reject} = this.#waiting.get(message.id);
+      const {asked, resolve, reject} = this.#waiting.get(message.id);
       this.#waiting.delete(message.id);
-      if (message.error) reject(new Error(message.error.message));
+      if (message.error) reject(new Error(`${asked}: ${message.error.message}`));
       else resolve(message.result);
     } else if (method === 'Inspector.targetCrashed') {
       this.#fail('the page crashed');
@@ -115,7 +115,7 @@ export class Page {
   send(method, params = {}) {
     return new Promise((resolve, reject) => {
       if (this.#end) return reject(new Error(this.#end));
-      this.#waiting.set(++this.#next, {resolve, reject});
+      this.#waiting.set(++this.#next, {asked: method, resolve, reject});
       this.#browser.stdio[3].write(JSON.stringify({id: this.#next, method, params, sessionId: this.#session}) + '\0');
     });
   }
