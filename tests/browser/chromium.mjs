@@ -131,7 +131,7 @@ export class Page {
   /// Waits for an expression to hold; `said` is one that tells what the page shows where it does not.
   async until(expression, seconds, what, said = '""') {
     for (const end = Date.now() + 1000 * patience * seconds; Date.now() < end; await pause(200)) {
-      if (await this.evaluate(expression)) return;
+      if (await this.evaluate(`Boolean(${expression})`)) return;  // an object may be too large to be told
     }
     throw new Error(`${what}: not within ${patience * seconds} s; the page says "${await this.evaluate(said)}"`);
   }
