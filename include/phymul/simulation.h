@@ -95,8 +95,9 @@ class Simulation {
   StaticResult solve_static(const StaticOptions& options = {});
 
   /// Probable mistakes, one sentence each: a body without a material, sizes and constants that suggest other units than
-  /// SI, a part that nothing holds, cells too long for their thickness, a tool that is too thin. They refer to the
-  /// model, and to the scene at the time when the solver was made. Makes the solver.
+  /// SI, a part that nothing holds (without tools and contacts, which may), cells too long for their thickness, a tool
+  /// that is too thin, or that begins inside the body. They refer to the model, and to the scene at the time when the
+  /// solver was made. Makes the solver.
   const std::vector<std::string>& warnings() const;
 
   double step_limit() const;  ///< s: SimulationOptions::step * Solver::stable_step(); 1e-3 if that is infinite

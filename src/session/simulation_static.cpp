@@ -39,7 +39,10 @@ void require_supported(const SceneTool& tool, const Solver& solver) {
   if (tool.tool.compliance > 0.0 && tool.tool.contact == ToolContact::surface) {
     refuse(name + " has compliance and ToolContact::surface");
   }
-  if (tool.pose.velocity != Vec3::Zero() || tool.pose.spin != Vec3::Zero()) refuse(name + " has a velocity");
+  if (tool.pose.velocity != Vec3::Zero() || tool.pose.spin != Vec3::Zero()) {
+    throw Error(ErrorCode::not_supported, "Simulation::solve_static: " + name +
+                                              " has a velocity; move_to() the pose where it shall stand, without one");
+  }
   if (!solver.has_grasp_ahead(tool.name)) return;
   refuse(name + (tool.grasping ? " is to grasp" : " is to release") + " in the next step: take a step before");
 }

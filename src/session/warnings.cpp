@@ -5,6 +5,10 @@
 #include <phymul/surface.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <span>
 
 #include "base/decimal.h"
 #include "base/place_text.h"
@@ -128,6 +132,45 @@ void look_at_joints(const Scene& scene, std::vector<std::string>& found) {
   }
 }
 
+/// m, the least that a shape is thick; 0 where that is unbounded or not known.
+double thickness_of(const ToolShape& shape) {
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) return 2.0 * sphere->radius;
+  if (const auto* capsule = std::get_if<Capsule>(&shape)) return 2.0 * capsule->radius;
+  if (const auto* box = std::get_if<Box>(&shape)) return 2.0 * box->half_size.minCoeff();
+  return 0.0;
+}
+
+/// Whether the surface at rest encloses the place: by the solid angle of its triangles (Van Oosterom and Strackee,
+/// IEEE Trans. Biomed. Eng. 1983, equation 8), 4 pi inside and 0 outside.
+bool encloses(const Model& model, std::span<const std::array<Index, 3>> triangles, const Vec3& place) {
+  double angle = 0.0;
+  for (const auto& [i, j, k] : triangles) {
+    const Vec3 a = model.rest[i] - place, b = model.rest[j] - place, c = model.rest[k] - place;
+    const double x = a.norm(), y = b.norm(), z = c.norm();
+    angle += 2.0 * std::atan2(a.dot(b.cross(c)), x * y * z + a.dot(b) * z + a.dot(c) * y + b.dot(c) * x);
+  }
+  return std::abs(angle) > 2.0 * std::numbers::pi;
+}
+
+void look_at_tools(const Model& model, const Scene& scene, std::vector<std::string>& found) {
+  constexpr double many = 5.0;  // bodies; a floor made of a box is thinner
+  if (scene.tools().empty()) return;
+  const double size = body_size(model);
+  const std::vector<std::array<Index, 3>> triangles = surface_triangles(model);
+  for (const SceneTool& tool : scene.tools()) {
+    const double thickness = thickness_of(tool.tool.shape);
+    if (size > 0.0 && thickness > many * size) {
+      found.emplace_back("the tool \"" + tool.name + "\" is " + to_decimal(thickness) + " m thick, the body " +
+                         to_decimal(size) + " m large: expected lengths in m; was it in mm?");
+    } else if (thickness > 0.0 && tool.tool.contact == ToolContact::surface &&
+               encloses(model, triangles, tool.pose.position)) {
+      found.emplace_back("the middle of the tool \"" + tool.name +
+                         "\" begins inside the body, where ToolContact::surface pushes points to either side and "
+                         "forces mislead; begin outside and move it in");
+    }
+  }
+}
+
 /// Even where nothing spreads the particles. How thick a DistanceGrid is, is not known.
 void look_for_thin_tools(const Model& model, const Scene& scene, std::vector<std::string>& found) {
   const auto meets_particles = [](const SceneTool& tool) {
@@ -157,6 +200,7 @@ std::vector<std::string> warnings_of(const Model& model, const Scene& scene, boo
   }
   look_at_units(model, scene, found);
   look_at_joints(scene, found);
+  look_at_tools(model, scene, found);
   look_for_thin_tools(model, scene, found);
   look_for_what_is_loose(model, scene, found);
   return found;

@@ -68,7 +68,9 @@ const Backend& find_backend(std::string_view name) {
   }
   std::string known = "auto";
   for (const Backend& backend : backends) known += std::string(", ") + backend.name;
-  throw Error(ErrorCode::unknown_name, "unknown backend \"" + std::string(name) + "\"; this build has: " + known);
+  const char* const hint = name == "gl" || name == "gl-compute" ? "; build phymul with PHYMUL_WITH_GL=ON for it" : "";
+  throw Error(ErrorCode::unknown_name,
+              "unknown backend \"" + std::string(name) + "\"; this build has: " + known + hint);
 }
 
 struct Choice {

@@ -197,6 +197,9 @@ int thread_count() {
 }
 
 TEST(HostThreads, TheLibraryStartsNone) {
+#if defined(_WIN32)
+  GTEST_SKIP() << "NOT TESTED: /proc is not this process's own, even where Wine shows one";
+#endif
   if (!std::filesystem::exists("/proc/self/task")) GTEST_SKIP() << "NOT TESTED: this system does not list threads";
   int most = 0;
   const auto host = std::make_shared<Host>(4, [&](int count, const std::function<void(int)>& task) {

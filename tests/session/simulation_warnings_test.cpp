@@ -97,6 +97,26 @@ TEST(SimulationWarnings, ToolsThatPassBetweenParticles) {
   EXPECT_TRUE(with({.shape = Needle{.length = 0.1, .radius = 1e-3}}).empty());
 }
 
+TEST(SimulationWarnings, ToolsInOtherUnitsAndInsideTheBody) {
+  const auto with = [](Tool tool, const Vec3& place) {
+    tool.pose.position = place;
+    return warnings(block(), soft, [&](Scene& scene) {
+      hold_and_pull(scene);
+      scene.add_tool("ball", tool);
+    });
+  };
+  const Tool ball{.shape = Sphere{0.008}, .contact = ToolContact::surface};
+  EXPECT_TRUE(with(ball, {0.02, 0.01, 0.0281}).empty());
+  EXPECT_TRUE(with(ball, {0.02, 0.01, 0.0201}).empty()) << "its middle is outside";
+  const auto inside = with(ball, {0.02, 0.01, 0.0199});
+  ASSERT_EQ(inside.size(), 1u);
+  EXPECT_TRUE(inside[0].starts_with("the middle of the tool \"ball\" begins inside the body")) << inside[0];
+  EXPECT_EQ(with({.shape = Sphere{8}, .contact = ToolContact::surface}, {0, 0, 9}),
+            std::vector<std::string>{"the tool \"ball\" is 16 m thick, the body 0.04 m large: expected lengths in m; "
+                                     "was it in mm?"});
+  EXPECT_TRUE(with({.shape = Box{{1, 1, 0.05}}}, {0, 0, -0.06}).empty()) << "a floor";
+}
+
 TEST(SimulationWarnings, WhatNothingHolds) {
   EXPECT_EQ(warnings(block(), soft,
                      [](Scene& scene) {
