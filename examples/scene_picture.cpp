@@ -42,6 +42,9 @@ phymul::Quaternion turn_from_z(const Vec3& direction) {
   return {0.5 * s, -d.y() / s, d.x() / s, 0.0};
 }
 
+constexpr double ball_radius = 0.055;  // of a particle, in spacings
+constexpr double marked_ball = 1.25;   // times as large: held or driven
+
 /// One picture: what is drawn into the raster.
 class Sheet {
  public:
@@ -75,11 +78,11 @@ class Sheet {
 
   /// Particles as balls, links as rods, attractors as small balls.
   void add_inside(const ScenePictureOptions& options) {
-    const double radius = 0.055 * mean_spacing(model_);
+    const double radius = ball_radius * mean_spacing(model_);
     for (Index i = 0; i < model_.particle_count(); ++i) {
       const bool held = std::ranges::count(options.held, i) > 0, driven = std::ranges::count(options.driven, i) > 0;
       const Colour colour = held ? held_colour : driven ? driven_colour : colour_at(moved(i));
-      add_ball(x_[i], (held || driven ? 1.25 : 1.0) * radius, colour);
+      add_ball(x_[i], (held || driven ? marked_ball : 1.0) * radius, colour);
       for (const Index* j = model_.neighbours.begin(i); j != model_.neighbours.end(i); ++j) {
         if (i < *j) add_rod(x_[i], x_[*j], 0.4 * radius, colour_at(0.5 * (moved(i) + moved(*j))));
       }
@@ -228,6 +231,14 @@ void ScenePictures::draw(const phymul::State& state, const ScenePictureOptions& 
   if (frame.empty()) {
     frame = model_.rest;
     frame.insert(frame.end(), state.position.begin(), state.position.end());
+  }
+  if (options.inside) {  // with the balls around the particles
+    const double radius = marked_ball * ball_radius * mean_spacing(model_);
+    for (std::size_t k = 0, count = frame.size(); k < count; ++k) {
+      for (int axis = 0; axis < 3; ++axis) {
+        for (const double side : {-radius, radius}) frame.emplace_back(frame[k] + side * Vec3::Unit(axis));
+      }
+    }
   }
   const double largest = displacement_norms(model_, state).max;
   const double full_scale = options.full_scale > 0.0 ? options.full_scale : largest;
