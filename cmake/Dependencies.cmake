@@ -163,3 +163,6 @@ if(PHYMUL_BUILD_EXAMPLES AND phymul_has_gl AND NOT EMSCRIPTEN)
                    "apt-get install libglfw3-dev")
   endif()
 endif()
+
+message(STATUS "phymul ${PROJECT_VERSION}: GL ${phymul_has_gl}, Assimp ${phymul_has_assimp}, NIfTI ${phymul_has_nifti}, "
+               "NRRD ${phymul_has_teem}, MPI ${phymul_has_mpi}")

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <new>
 #include <optional>
 #include <vector>
@@ -37,7 +36,7 @@ std::size_t size_of(NumberType type) {
   return sizes[static_cast<std::size_t>(type)];
 }
 
-std::string read_whole_file(const std::string& path, std::size_t max_bytes) try {
+std::ifstream open_file(const std::string& path) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) fail_access(path, "expected a file, got a folder");
   errno = 0;
@@ -46,7 +45,13 @@ std::string read_whole_file(const std::string& path, std::size_t max_bytes) try 
     fail_access(path, "cannot be opened" + (errno != 0 ? std::string(" (") + std::strerror(errno) + ')' : "") +
                           "; check the name and the right to read it");
   }
+  return in;
+}
+
+std::string read_whole_file(const std::string& path, std::size_t max_bytes) try {
+  std::ifstream in = open_file(path);
   std::string text;
+  std::error_code ignored;
   const std::uintmax_t expected = std::filesystem::file_size(path, ignored);  // of devices and pipes: none, or 0
   if (!ignored) text.reserve(static_cast<std::size_t>(std::min<std::uintmax_t>(expected, max_bytes)));
   std::vector<char> chunk(1 << 16);

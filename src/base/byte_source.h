@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <fstream>
 #include <string>
 #include <string_view>
 
@@ -16,6 +17,9 @@ enum class NumberType { int8, uint8, int16, uint16, int32, uint32, int64, uint64
 
 /// Bytes of one number of that type in a binary file.
 std::size_t size_of(NumberType type);
+
+/// For reading bytes. Throws Error, with the system's reason, for a folder and what cannot be opened.
+std::ifstream open_file(const std::string& path);
 
 /// Also of a pipe or a device. Throws Error when it cannot be read or has more than max_bytes.
 std::string read_whole_file(const std::string& path, std::size_t max_bytes);

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <sstream>
 
 #include "body/body_shapes.h"
@@ -159,7 +160,11 @@ TEST(ReadSurface, RefusesByFileAndPlace) {
   EXPECT_TRUE(says(reading_surface("box.step", ""),
                    "expected a surface in a .stl, .obj, .ply, .gltf or .glb file, got \".step\""));
   EXPECT_TRUE(says(reading_surface("box.stl", stl_text(box()), 0.0), "metres_per_unit above 0, got 0"));
-  EXPECT_TRUE(refuses([] { read_surface("no such file.stl"); }, "no such file.stl: the file cannot be opened"));
+  EXPECT_TRUE(refuses([] { read_surface("no such file.stl"); }, "no such file.stl: cannot be opened ("));
+  const std::string folder = testing::TempDir() + "folder.stl";
+  std::filesystem::create_directories(folder);
+  EXPECT_TRUE(refuses([&] { read_surface(folder); }, "folder.stl: expected a file, got a folder"));
+  std::filesystem::remove(folder);
   SKIP_WITHOUT_ASSIMP();
   Surface open = box();
   open.triangles.pop_back();

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <new>
 #include <string_view>
 
+#include "base/byte_source.h"
 #include "base/file_ending.h"
 #include "base/file_error.h"
 #include "base/place_text.h"
@@ -123,7 +123,7 @@ LabelImage read_labels(const std::string& path) {
   if (!is_nifti && !is_nrrd) {
     fail_format(path, 0, "expected a labelled image in a .nii, .nii.gz, .nrrd or .nhdr file");
   }
-  if (!std::ifstream(path)) fail_access(path, "the file cannot be opened");
+  open_file(path);  // or a reason is told
   try {
     LabelImage image = is_nifti ? read_nifti(path) : read_nrrd(path);
     require_frame(path, image);

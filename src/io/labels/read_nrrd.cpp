@@ -13,6 +13,7 @@
 #include <mutex>
 #include <optional>
 
+#include "base/byte_source.h"
 #include "base/decimal.h"
 #include "base/file_error.h"
 
@@ -61,8 +62,7 @@ void require_header(const std::string& path) {
   if (path.size() > longest_text) {
     fail_access(path, "expected a path of at most " + std::to_string(longest_text) + " characters for NRRD");
   }
-  std::ifstream file(path, std::ios::binary);
-  if (!file) fail_access(path, "the file cannot be opened");
+  std::ifstream file = open_file(path);
   bool lists = false;
   std::string text;
   for (std::size_t number = 1; std::getline(file, text); ++number) {

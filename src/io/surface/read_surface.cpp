@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <string_view>
 
+#include "base/byte_source.h"
 #include "base/decimal.h"
 #include "base/file_ending.h"
 #include "base/file_error.h"
@@ -82,7 +82,7 @@ Surface read_surface(const std::string& path, double metres_per_unit) {
   if (std::ranges::find(known, extension) == known.end()) {
     fail_format(path, 0, "expected a surface in a .stl, .obj, .ply, .gltf or .glb file, got \"" + extension + "\"");
   }
-  if (!std::ifstream(path)) fail_access(path, "the file cannot be opened");
+  open_file(path);  // or a reason is told
   try {
     Surface surface = read_triangles(path);
     for (Vec3& x : surface.vertices) x *= metres_per_unit;
