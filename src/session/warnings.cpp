@@ -154,16 +154,16 @@ bool encloses(const Model& model, std::span<const std::array<Index, 3>> triangle
 
 void look_at_tools(const Model& model, const Scene& scene, std::vector<std::string>& found) {
   constexpr double many = 5.0;  // bodies; a floor made of a box is thinner
-  if (scene.tools().empty()) return;
+  const auto meets_surface = [](const SceneTool& tool) { return tool.tool.contact == ToolContact::surface; };
+  std::vector<std::array<Index, 3>> triangles;
+  if (std::ranges::any_of(scene.tools(), meets_surface)) triangles = surface_triangles(model);
   const double size = body_size(model);
-  const std::vector<std::array<Index, 3>> triangles = surface_triangles(model);
   for (const SceneTool& tool : scene.tools()) {
     const double thickness = thickness_of(tool.tool.shape);
     if (size > 0.0 && thickness > many * size) {
       found.emplace_back("the tool \"" + tool.name + "\" is " + to_decimal(thickness) + " m thick, the body " +
                          to_decimal(size) + " m large: expected lengths in m; was it in mm?");
-    } else if (thickness > 0.0 && tool.tool.contact == ToolContact::surface &&
-               encloses(model, triangles, tool.pose.position)) {
+    } else if (thickness > 0.0 && meets_surface(tool) && encloses(model, triangles, tool.pose.position)) {
       found.emplace_back("the middle of the tool \"" + tool.name +
                          "\" begins inside the body, where ToolContact::surface pushes points to either side and "
                          "forces mislead; begin outside and move it in");
