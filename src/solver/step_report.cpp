@@ -17,7 +17,8 @@ std::string good_message(const StepReport& r, const char* verdict) {
       text, sizeof text, "%s %d steps to t = %.6g s, residual %.3g N, speed %.3g m/s%s%s%s%s", verdict, r.steps, r.time,
       r.residual, r.max_speed, r.at_rest ? ", at rest" : "", r.stopped ? "; stopped by SolverOptions::progress" : "",
       r.beyond_limit ? "; the step is beyond the stable step" : "",
-      r.force_clamped ? "; elastic forces were clamped in some step, as after the jump of a tool or a load" : "");
+      r.force_clamped ? "; elastic forces were clamped in some step, as where a tool jumps or a load acts at once"
+                      : "");
   if (r.springs_broken == 0) return text;
   return text + ("; " + std::to_string(r.springs_broken)) +
          (r.springs_broken == 1 ? " spring of a joint broke" : " springs of joints broke");
