@@ -12,6 +12,7 @@
 
 #include "base/decimal.h"
 #include "base/place_text.h"
+#include "interaction/tool_shape.h"
 
 namespace phymul {
 namespace {
@@ -132,14 +133,6 @@ void look_at_joints(const Scene& scene, std::vector<std::string>& found) {
   }
 }
 
-/// m, the least that a shape is thick; 0 where that is unbounded or not known.
-double thickness_of(const ToolShape& shape) {
-  if (const auto* sphere = std::get_if<Sphere>(&shape)) return 2.0 * sphere->radius;
-  if (const auto* capsule = std::get_if<Capsule>(&shape)) return 2.0 * capsule->radius;
-  if (const auto* box = std::get_if<Box>(&shape)) return 2.0 * box->half_size.minCoeff();
-  return 0.0;
-}
-
 /// Whether the surface at rest encloses the place: by the solid angle of its triangles (Van Oosterom and Strackee,
 /// IEEE Trans. Biomed. Eng. 1983, equation 8), 4 pi inside and 0 outside.
 bool encloses(const Model& model, std::span<const std::array<Index, 3>> triangles, const Vec3& place) {
@@ -159,7 +152,7 @@ void look_at_tools(const Model& model, const Scene& scene, std::vector<std::stri
   if (std::ranges::any_of(scene.tools(), meets_surface)) triangles = surface_triangles(model);
   const double size = body_size(model);
   for (const SceneTool& tool : scene.tools()) {
-    const double thickness = thickness_of(tool.tool.shape);
+    const double thickness = 2.0 * least_radius(tool.tool.shape).value_or(0.0);
     if (size > 0.0 && thickness > many * size) {
       found.emplace_back("the tool \"" + tool.name + "\" is " + to_decimal(thickness) + " m thick, the body " +
                          to_decimal(size) + " m large: expected lengths in m; was it in mm?");
