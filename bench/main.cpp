@@ -10,13 +10,23 @@
 
 namespace {
 
+/// Google Benchmark renamed the mark in version 1.8.
+template <class Run>
+bool could_not_run(const Run& run) {
+  if constexpr (requires { run.error_occurred; }) {
+    return run.error_occurred;
+  } else {
+    return run.skipped != decltype(run.skipped){};
+  }
+}
+
 /// What Google Benchmark's own reporter prints, and a memory of errors.
 class WatchfulReporter : public benchmark::ConsoleReporter {
  public:
   using benchmark::ConsoleReporter::ConsoleReporter;
 
   void ReportRuns(const std::vector<Run>& runs) override {
-    for (const Run& run : runs) failed_ = failed_ || run.error_occurred;
+    for (const Run& run : runs) failed_ = failed_ || could_not_run(run);
     ConsoleReporter::ReportRuns(runs);
   }
   bool failed() const { return failed_; }
