@@ -22,8 +22,9 @@ struct Surface {
 /// Makes the surface one that bounds a body: merges vertices closer than a millionth of its size, drops triangles with
 /// a repeated corner and vertices without a triangle, turns triangles until all are counter-clockwise seen from outside
 /// (a cavity's, seen from within it). Several shells may lie apart, touch or lie in each other. Surface::notes lists
-/// the changes, and says if the size is not between 1 mm and 1 m. Throws Error, and changes nothing, if a coordinate is
-/// not finite, an index is out of range, an edge is open, the surface is one-sided or triangles cross.
+/// the changes and shells that enclose nothing, and says if the size is not between 1 mm and 1 m. Throws Error, and
+/// changes nothing, if a coordinate is not finite, an index is out of range, an edge is open, the surface is one-sided
+/// or triangles cross.
 void mend_surface(Surface& surface);
 
 /// A solid that a function describes: `distance` is negative inside, positive outside and continuous. It need not be a

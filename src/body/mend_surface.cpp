@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <tuple>
 
@@ -261,6 +262,7 @@ class Mending {
   }
 
   /// A shell inside an odd number of others bounds a cavity. Shells do not cross, so that one corner says where it is.
+  /// A shell that encloses nothing has no outside, and stays as it is.
   void turn_outward() {
     std::vector<std::vector<Triangle>> shells(static_cast<std::size_t>(shells_));
     for (std::size_t i = 0; i < surface_.triangles.size(); ++i) shells[shell_[i]].push_back(surface_.triangles[i]);
@@ -271,12 +273,19 @@ class Mending {
     std::vector<char> inward(shells.size());
     for (std::size_t own = 0; own < shells.size(); ++own) {
       const Triangle& t = shells[own].front();
+      const double volume = enclosed_volume(shells[own], surface_.vertices);
+      const double length = boxes[own].diagonal().norm();
+      if (std::abs(volume) <= 1e-12 * length * length * length) {  // rounding, whose sign says nothing
+        note(std::to_string(shells[own].size()) + " triangles, the first at " + place_text(surface_.vertices[t[0]]) +
+             ", lie on each other and enclose nothing");
+        continue;
+      }
       const Vec3 place = (surface_.vertices[t[0]] + surface_.vertices[t[1]] + surface_.vertices[t[2]]) / 3.0;
       bool is_cavity = false;
       for (std::size_t other = 0; other < shells.size(); ++other) {
         if (other != own && boxes[other].contains(place)) is_cavity ^= is_within(place, shells[other]);
       }
-      inward[own] = (enclosed_volume(shells[own], surface_.vertices) < 0.0) != is_cavity;
+      inward[own] = (volume < 0.0) != is_cavity;
     }
     std::size_t turned = 0;
     for (std::size_t i = 0; i < surface_.triangles.size(); ++i) {

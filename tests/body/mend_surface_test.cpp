@@ -105,6 +105,28 @@ TEST(MendSurface, DropsTrianglesThatRepeatOthers) {
   EXPECT_TRUE(says(refusal(both(box(), inside_out(box()))), "back to back"));
 }
 
+/// Two sheets with the same border and different diagonals. Their volume is what rounding makes of 0.
+TEST(MendSurface, LeavesAShellThatEnclosesNothingAsItIs) {
+  for (const double angle : {0.0, 0.3, 0.7, 1.9, 2.6}) {
+    for (const bool inverted : {false, true}) {
+      Surface sheets;
+      sheets.vertices = {{0.1, 0, 0}, {0.11, 0, 0.003}, {0.11, 0.01, 0.003}, {0.1, 0.01, 0}};
+      sheets.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
+      if (inverted) sheets = inside_out(sheets);
+      Surface given = both(box(), sheets);
+      const Eigen::AngleAxisd turn(angle, Vec3(1, 2, 3).normalized());
+      for (Vec3& x : given.vertices) x = turn * x;
+      const Surface once = mended(given);
+      ASSERT_EQ(once.notes.size(), 1u);
+      EXPECT_TRUE(says(once.notes[0], "4 triangles, the first at")) << once.notes[0];
+      const Surface again = mended(once);
+      EXPECT_EQ(again.triangles, once.triangles);
+      EXPECT_EQ(again.notes, once.notes);
+      EXPECT_NEAR(enclosed_volume(once.triangles, once.vertices), 6e-6, 1e-17);
+    }
+  }
+}
+
 TEST(MendSurface, SaysWhereItIsOpen) {
   Surface open = box();
   open.triangles.pop_back();
