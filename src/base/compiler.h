@@ -36,6 +36,10 @@
 /// Whether this x86 processor has some instructions, named as GCC names them, in quotes.
 #define PHYMUL_PROCESSOR_HAS(name) __builtin_cpu_supports(name)
 
+/// The register of AArch64 that controls floating-point numbers: 64 bits.
+#define PHYMUL_READ_FPCR(bits) asm volatile("mrs %0, fpcr" : "=r"(bits) : : "memory")
+#define PHYMUL_WRITE_FPCR(bits) asm volatile("msr fpcr, %0" : : "r"(bits) : "memory")
+
 namespace phymul {
 
 /// Tells the processor that this thread waits for another one.
