@@ -10,7 +10,7 @@
 
 namespace {
 
-/// Google Benchmark renamed the mark in version 1.8.
+/// Google Benchmark 1.9 has another name for the mark than 1.7.
 template <class Run>
 bool could_not_run(const Run& run) {
   if constexpr (requires { run.error_occurred; }) {

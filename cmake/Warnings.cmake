@@ -8,8 +8,8 @@ target_compile_options(phymul_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshad
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   target_compile_options(phymul_warnings INTERFACE -Wno-restrict)
 endif()
-# GCC 13 and newer follow ranges into what they inline of Eigen and the standard library, and report strings and vectors
-# of impossible lengths there, differently from version to version. GCC 12 and clang watch over our own.
+# GCC 14 follows ranges into what it inlines of Eigen and the standard library, and reports strings and vectors of
+# impossible lengths there. GCC 12 and clang watch over our own.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 13)
   target_compile_options(phymul_warnings INTERFACE -Wno-aggressive-loop-optimizations -Wno-array-bounds
                                                    -Wno-stringop-overflow)

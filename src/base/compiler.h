@@ -36,11 +36,35 @@
 /// Whether this x86 processor has some instructions, named as GCC names them, in quotes.
 #define PHYMUL_PROCESSOR_HAS(name) __builtin_cpu_supports(name)
 
-/// The register of AArch64 that controls floating-point numbers: 64 bits.
-#define PHYMUL_READ_FPCR(bits) asm volatile("mrs %0, fpcr" : "=r"(bits) : : "memory")
-#define PHYMUL_WRITE_FPCR(bits) asm volatile("msr fpcr, %0" : : "r"(bits) : "memory")
-
 namespace phymul {
+
+/// The register that controls this thread's floating-point numbers, and its bits that make numbers below 1e-38 be 0:
+/// none where the library knows no such register. Emscripten, which writes SSE2 by WebAssembly's vectors, has none.
+#if defined(__SSE2__) && !defined(__EMSCRIPTEN__)
+inline constexpr unsigned long long denormals_are_zero = 0x8040;  // FTZ, DAZ
+PHYMUL_INLINE unsigned long long float_control() {
+  return _mm_getcsr();
+}
+PHYMUL_INLINE void set_float_control(unsigned long long bits) {
+  _mm_setcsr(static_cast<unsigned>(bits));
+}
+#elif defined(__aarch64__)
+inline constexpr unsigned long long denormals_are_zero = 1ULL << 24;  // FZ
+PHYMUL_INLINE unsigned long long float_control() {
+  unsigned long long bits = 0;
+  asm volatile("mrs %0, fpcr" : "=r"(bits) : : "memory");
+  return bits;
+}
+PHYMUL_INLINE void set_float_control(unsigned long long bits) {
+  asm volatile("msr fpcr, %0" : : "r"(bits) : "memory");
+}
+#else
+inline constexpr unsigned long long denormals_are_zero = 0;
+PHYMUL_INLINE unsigned long long float_control() {
+  return 0;
+}
+PHYMUL_INLINE void set_float_control(unsigned long long) {}
+#endif
 
 /// Tells the processor that this thread waits for another one.
 PHYMUL_INLINE void pause_a_moment() {

@@ -1,14 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdint>
-
 #include "compiler.h"
-
-// Emscripten, which writes SSE2 by WebAssembly's vectors, has no such register.
-#if defined(__SSE2__) && !defined(__EMSCRIPTEN__)
-#include <xmmintrin.h>
-#endif
 
 namespace phymul::cpu {
 
@@ -17,35 +10,13 @@ namespace phymul::cpu {
 /// only if both do it.
 class DenormalsAreZero {
  public:
-#if defined(__SSE2__) && !defined(__EMSCRIPTEN__)
-  DenormalsAreZero() : before_(_mm_getcsr()) {
-    _mm_setcsr(before_ | 0x8040);
-  }  // FTZ, DAZ
-  ~DenormalsAreZero() {
-    _mm_setcsr(before_);
-  }
-
- private:
-  unsigned before_;
-#elif defined(__aarch64__)
-  DenormalsAreZero() {
-    PHYMUL_READ_FPCR(before_);
-    PHYMUL_WRITE_FPCR(before_ | std::uint64_t{1} << 24);  // FZ
-  }
-  ~DenormalsAreZero() {
-    PHYMUL_WRITE_FPCR(before_);
-  }
-
- private:
-  std::uint64_t before_ = 0;
-#else
-  DenormalsAreZero() {}
-  ~DenormalsAreZero() {}
-
- public:
-#endif
+  DenormalsAreZero() : before_(float_control()) { set_float_control(before_ | denormals_are_zero); }
+  ~DenormalsAreZero() { set_float_control(before_); }
   DenormalsAreZero(const DenormalsAreZero&) = delete;
   DenormalsAreZero& operator=(const DenormalsAreZero&) = delete;
+
+ private:
+  unsigned long long before_;
 };
 
 }  // namespace phymul::cpu

@@ -7,9 +7,7 @@ namespace phymul::test {
 namespace {
 
 TEST(DenormalsAreZero, WhileTheGuardLives) {
-#if !(defined(__SSE2__) || defined(__aarch64__)) || defined(__EMSCRIPTEN__)
-  GTEST_SKIP() << "NOT TESTED: this processor has no such switch that the library knows";
-#endif
+  if (denormals_are_zero == 0) GTEST_SKIP() << "NOT TESTED: the library knows no such switch of this processor";
   const volatile float small = 1e-30f, tenth = 0.1f, tiny = 1e-40f;
   volatile float result = 0.0f;
   const auto product = [&] { return small * (1e-9f * tenth); };  // a result below 1e-38 ...
