@@ -107,6 +107,8 @@ struct Model {
   std::vector<Cell> cells;
   std::vector<Component> components;
   std::vector<Material> materials;  ///< if empty, stiffness is used; set_material adds them
+  /// Largest share of the mass that set_material moves between particles of the same cells, >= 0; 0: none.
+  double most_mass_moved = 0.03;
 
   /// Further content of the file, opaque: numbers and names of particles and cells, further attributes. It is needed
   /// only to write the file back without loss. Null for a built shape. Set it to null after adding or removing
@@ -138,6 +140,9 @@ struct Model {
 /// Gives every volume cell the material, and every particle the mass density * (its share of the volume of its cells).
 /// A cell's volume is divided evenly among its vertices. In 2-D the cells are triangles and quads, one metre thick. A
 /// particle without such a cell keeps its mass, and Model::notes says so.
+/// If a few light particles set the stable step alone, they then get mass from particles in the same cells, at most the
+/// share Model::most_mass_moved of all mass; total mass, centre of mass and moments of inertia stay (mass scaling:
+/// docs/theory/physics.md). Model::notes has the share and the estimated gain.
 /// In a body of points, which has no such cell, all particles get the material. The volume of a particle is that of its
 /// Voronoi cell among its neighbours; Model::notes has the sum. If the body has no neighbours it gets
 /// nearest_neighbours(rest, 20). Throws Error, and changes nothing, if the model is not valid, has a volume cell

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string_view>
 #include <utility>
 
+#include "balanced_masses.h"
 #include "base/decimal.h"
 #include "cell_geometry.h"
 #include "group.h"
@@ -35,6 +37,7 @@ void sum_masses(Model& model) {
     const double share = model.materials[cell.material].density * measure / static_cast<double>(cell.particles.size());
     for (const Index i : cell.particles) mass[i] += share;
   }
+  const MassBalance balance = balance_masses(model, mass);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < mass.size(); ++i) {
     if (mass[i] > 0.0) {
@@ -45,7 +48,16 @@ void sum_masses(Model& model) {
   }
   // Only the last call knows: materials are given one region after another.
   constexpr std::string_view without = " particle(s) are in no cell with a material and keep their mass";
-  std::erase_if(model.notes, [&](const std::string& note) { return note.ends_with(without); });
+  constexpr std::string_view longer = " times as long (Model::most_mass_moved)";
+  std::erase_if(model.notes,
+                [&](const std::string& note) { return note.ends_with(without) || note.ends_with(longer); });
+  if (balance.moved > 0.0) {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "set_material: %.1f %% of the mass moved to light particles beside it; the stable step is about %.1f",
+                  100.0 * balance.moved, balance.gain);
+    model.notes.push_back(text + std::string(longer));
+  }
   if (kept > 0) model.notes.push_back("set_material: " + std::to_string(kept) + std::string(without));
 }
 
@@ -53,6 +65,10 @@ void sum_masses(Model& model) {
 template <class Predicate>
 void assign(Model& model, const Material& material, const std::string& nothing_chosen, Predicate chosen) {
   validate(model);
+  if (!(model.most_mass_moved >= 0.0 && model.most_mass_moved < 1.0)) {
+    throw Error("set_material: expected Model::most_mass_moved of at least 0 and below 1, got " +
+                to_decimal(model.most_mass_moved));
+  }
   std::vector<Index> rows;  // of each cell, before and after: a copy of a large model would take long
   rows.reserve(model.cells.size());
   std::vector<Material> materials = model.materials;
