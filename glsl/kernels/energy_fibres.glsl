@@ -17,3 +17,11 @@ KERNEL Columns energy_stress(Columns H, real p[energy_constants]) {
   Columns P = plus(shape_stress(H, change, p[0]), volume_stress(change, p[1]));
   return plus_outer(P, tension * (a + stretched), a);
 }
+
+// In place of squared_condition: along the fibres the slope of their force grows by (3 |F a|^2 - 1) / 2.
+KERNEL real fibre_condition(Columns H, real p[energy_constants]) {
+  real3 a = real3(p[3], p[4], p[5]);
+  real along = literal(1.0f) + literal(1.5f) * fibre_strain(a, times(H, a));
+  real condition = squared_condition(H, change_of(H));
+  return select(along > literal(1.0f), along * condition, condition);
+}

@@ -38,6 +38,7 @@ class SolverBackend : public Solver {
   const SolverOptions& options() const final { return options_; }
   bool takes_tools() const final { return do_takes_tools(); }
   double stable_step() const final { return step_limit(options_.damping); }
+  double suggested_step(double seconds) const final;
   int substeps() const final;
   /// Change of the forces at a state by the substeps of a step of `dt` s, [N] N; empty without substeps.
   VecList substep_forces(const State& state, double dt) const;
@@ -81,7 +82,10 @@ class SolverBackend : public Solver {
     double max_acceleration = 0.0;  ///< m/s^2
     double max_force = 0.0;         ///< N
     double max_speed = 0.0;         ///< m/s
-    int steps_at_rest = 0;          ///< number of consecutive steps up to the last one within the thresholds
+    /// frequency_growth() (elasticity.h) in the last step; 0: not known of this call. Infinite: this backend does
+    /// not compute it.
+    double growth = std::numeric_limits<double>::infinity();
+    int steps_at_rest = 0;  ///< number of consecutive steps up to the last one within the thresholds
   };
   /// Argument of do_step().
   struct StepPlan {
@@ -172,6 +176,8 @@ class SolverBackend : public Solver {
   SolverOptions options_;
   LoadFrame frame_;
   std::uint64_t scene_version_ = 0, values_version_ = 0;
+  double growth_ = 0.0, speed_ = 0.0;     // Snapshot's
+  mutable double growth_of_state_ = 0.0;  // where growth_ is 0; 0: not yet computed
   mutable std::optional<std::uint64_t> topology_hash_;
   std::unique_ptr<Profile> profile_;
   std::unique_ptr<JointSet> joints_;

@@ -40,6 +40,11 @@ struct Spectrum {
 Spectrum estimate_spectrum(const TopologyTextures& topology, std::span<const Vec3> position,
                            std::span<const std::uint8_t> fixed = {});
 
+/// By how much deformation can have raised the largest eigenvalue over that at rest: 1 at rest, in other states an
+/// estimate from above (docs/theory/physics.md), above 1e4 where a domain has less than 0.7 of its volume. Infinite for
+/// bodies with terms other than those of a material. Throws Error when the size does not agree; does not allocate.
+double frequency_growth(const TopologyTextures& topology, std::span<const Vec3> position);
+
 /// Largest stable step of x+ = x + d (x - x-) + (f/m) dt^2 in s: (omega_max dt)^2 <= 2 (1 + d); infinite without
 /// any stiffness.
 double stable_step(const Spectrum& spectrum, double damping_factor);

@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,8 +33,10 @@ struct SimulationOptions {
   std::vector<GroupMaterial> materials{};  ///< of groups, set after `material` in this order
   std::string backend = "auto";            ///< a name that make_solver() accepts
   Damping damping{};                       ///< replaces solver.damping, unless it is left out
-  double step = 0.5;                       ///< largest step of advance(), as a multiple of stable_step(), > 0
-  std::shared_ptr<TaskRunner> runner{};    ///< replaces those of topology and solver, unless it is left out
+  /// Largest step of advance() and run_to_rest(), as a multiple of Solver::stable_step(), > 0. Empty: 0.5, in calls of
+  /// advance() of few steps up to 0.9, as far as deformation allows (Solver::suggested_step()).
+  std::optional<double> step{};
+  std::shared_ptr<TaskRunner> runner{};  ///< replaces those of topology and solver, unless it is left out
   TopologyOptions topology{};
   SolverOptions solver{};
   SolverFactory make_solver{};                    ///< empty: phymul::make_solver() makes the solver
@@ -71,8 +74,8 @@ class Simulation {
   Solver& solver();  ///< calls made to it directly are neither recorded nor kept in the history
   const Solver& solver() const;
 
-  /// Simulates `seconds` in n = ceil(seconds / step_limit()) equal steps. 0 seconds: only applies changes of the scene.
-  /// Returns the report of Solver::step().
+  /// Simulates `seconds` in n = ceil(seconds / step_limit(seconds)) equal steps. 0 seconds: only applies changes of the
+  /// scene. Returns the report of Solver::step().
   StepReport advance(double seconds);
 
   /// Takes steps of step_limit() until the body is at rest, at most `max_steps`. Uses the damping of the options. If
@@ -100,8 +103,10 @@ class Simulation {
   /// solver was made. Makes the solver.
   const std::vector<std::string>& warnings() const;
 
-  double step_limit() const;  ///< s: SimulationOptions::step * Solver::stable_step(); 1e-3 if that is infinite
-  double time() const;        ///< s, of the present state
+  /// Largest step that advance(seconds) would take now, s: SimulationOptions::step * Solver::stable_step(), or
+  /// Solver::suggested_step(seconds); 1e-3 if that is infinite.
+  double step_limit(double seconds = 0.0) const;
+  double time() const;  ///< s, of the present state
 
   /// The present state with velocities at State::time. (Solver::read() returns those half a step earlier.) They are
   /// accurate to second order in the step for elastic forces and loads. Forces of tools and contacts are left out of

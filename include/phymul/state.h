@@ -33,8 +33,10 @@ struct State {
 /// run_to_rest(), energy() and materials that dissipate.
 struct Snapshot {
   State state;
-  double last_dt = 0.0;   ///< s, of the last step; 0: there was none
-  int steps_at_rest = 0;  ///< number of consecutive steps up to the last one that passed the rest test
+  double last_dt = 0.0;    ///< s, of the last step; 0: none
+  int steps_at_rest = 0;   ///< number of consecutive steps up to the last one that passed the rest test
+  double growth = 0.0;     ///< StepReport::growth of the last call; 0: there was none
+  double max_speed = 0.0;  ///< m/s, of the last call
   /// [N] m, or empty: displacements from rest of a backend in single precision. rest + displacement, rounded to
   /// position, would lose bits of it.
   VecList displacement;

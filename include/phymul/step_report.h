@@ -34,6 +34,10 @@ struct StepReport {
   bool at_rest = false;       ///< the rest test (SolverOptions::rest_tolerance) holds at the end; not part of ok()
   double residual = 0.0;      ///< N, largest net force on a free particle in the last step
   double max_speed = 0.0;     ///< m/s, largest speed
+  /// By how much deformation can have raised the largest eigenvalue of the stiffness over the masses in the last step:
+  /// frequency_growth() (elasticity.h). Infinite: no bound is known (backends gl and gl-compute, bodies without a
+  /// material); 0: none of this call.
+  double growth = 0.0;
   /// An elastic force was limited in some step of this call: SolverOptions::max_displacement_per_step.
   bool force_clamped = false;
   int springs_broken = 0;  ///< springs of joints that broke in this call

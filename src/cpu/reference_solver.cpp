@@ -140,6 +140,7 @@ class ReferenceSolver final : public SolverBackend {
       laps.end(checks_row_);
       if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;
     }
+    motion.growth = frequency_growth(elastic(), state_.position);
     return motion;
   }
 

@@ -17,6 +17,18 @@ inline double factor_of(const TopologyTextures& t, Index d, std::span<const doub
   return material < factors.size() ? factors[material] : 1.0;
 }
 
+/// frequency_growth() (elasticity.h) is the largest squared_condition() of all domains to this power. Calibrated on
+/// uniformly strained bodies (docs/theory/physics.md): energies that stiffen more where volume is cheaper, as that of
+/// shape memory below nu = 0.3, need the larger one.
+inline double growth_exponent(const TopologyTextures& t) {
+  for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
+    const bool is_cheap = t.energy_of(d)[1] < 0.89 * t.energy_of(d)[0];  // kappa / c is 0.9 at nu = 0.3
+    if (t.options.strain_energy == StrainEnergy::neo_hookean) return 1.5;
+    if (t.options.strain_energy == StrainEnergy::shape_memory && is_cheap) return 1.5;
+  }
+  return 0.75;
+}
+
 /// dE/dF_d per volume, the stabiliser's part of it included.
 inline Mat3 mean_stress(const TopologyTextures& t, Index d, const Mat3& H) {
   const DomainTexel& domain = t.domains[d];

@@ -5,6 +5,10 @@
 
 #include <phymul/error.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 #include "domain_forces.h"
 #include "force_shape.h"
 #include "force_spring.h"
@@ -180,6 +184,21 @@ Index first_collapsed(const TopologyTextures& topology, std::span<const Vec3> po
     }
   }
   return -1;
+}
+
+double frequency_growth(const TopologyTextures& topology, std::span<const Vec3> position) {
+  require_sizes(topology, "frequency_growth", position.size(), position.size());
+  if (topology.base_count > 0 || !topology.springs.empty() || !topology.volumes.empty()) {
+    return std::numeric_limits<double>::infinity();
+  }
+  double largest = 1.0;
+  const auto displacement = displacements_at(topology, position);
+  for (Index d = 0; d < static_cast<Index>(topology.domains.size()); ++d) {
+    const Mat3 F = Mat3::Identity() + mean_gradient(topology, d, displacement);
+    largest =
+        std::max(largest, cpu::squared_condition<double>(topology.options.strain_energy, topology.energy_of(d), F));
+  }
+  return std::pow(largest, growth_exponent(topology));
 }
 
 double elastic_energy(const TopologyTextures& topology, std::span<const Vec3> position,

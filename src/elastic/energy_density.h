@@ -119,6 +119,18 @@ Mat<S> stress_near_rest(StrainEnergy energy, const std::array<S, most_energy_con
   return P + p[2] * a.dot(H * a) * a * a.transpose();
 }
 
+/// The square of the condition number |F| |F^-1| by Frobenius' norm, over its value 9 at rest; |F|^2 |cof(F)|^2 / 9
+/// where det F > 1; times what fibres grow by. 1e6 below det F = 0.7, where laws change.
+template <class S>
+S squared_condition(StrainEnergy energy, const std::array<S, most_energy_constants>& p, const Mat<S>& F) {
+  const S J = F.determinant(), huge = S(1e6);
+  if (!(J > S(0.7))) return huge;
+  const S condition = F.squaredNorm() * cofactor(F).squaredNorm() / (S(9) * std::min(J * J, S(1)));
+  if (energy != StrainEnergy::fibres) return condition;
+  const Vec<S> a(p[3], p[4], p[5]);
+  return condition * std::max(S(1), S(1) + S(1.5) * ((F * a).squaredNorm() - a.squaredNorm()));
+}
+
 /// psi(F), Pa, of the constants `p` (EnergyConstants), and where asked for its derivative by F.
 template <class S>
 S energy_density(const TopologyOptions& options, const std::array<S, most_energy_constants>& p, const Mat<S>& F,

@@ -50,8 +50,8 @@ Model merged(std::vector<SimulationBody> bodies, SimulationOptions& options) {
 
 Simulation::Parts::Parts(Model model_in, SimulationOptions options_in)
     : options(std::move(options_in)), model(with_materials(std::move(model_in), options)), scene(model) {
-  if (!(options.step > 0.0) || !std::isfinite(options.step)) {
-    throw Error("SimulationOptions::step must be finite and above 0; got " + to_decimal(options.step));
+  if (options.step && (!(*options.step > 0.0) || !std::isfinite(*options.step))) {
+    throw Error("SimulationOptions::step must be finite and above 0; got " + to_decimal(*options.step));
   }
   if (options.runner) options.topology.runner = options.solver.runner = options.runner;
   if (options.damping.rate != 0.0 || options.damping.factor != 1.0) options.solver.damping = options.damping;
@@ -89,8 +89,8 @@ Solver& Simulation::Parts::solver() {
   return *made;
 }
 
-double Simulation::Parts::step_limit() {
-  const double limit = options.step * solver().stable_step();
+double Simulation::Parts::step_limit(double seconds) {
+  const double limit = options.step ? *options.step * solver().stable_step() : solver().suggested_step(seconds);
   return std::isfinite(limit) ? limit : step_without_stiffness;
 }
 
@@ -184,12 +184,12 @@ const std::vector<std::string>& Simulation::warnings() const {
   return parts_->warnings;
 }
 
-double Simulation::step_limit() const {
-  return parts_->step_limit();
+double Simulation::step_limit(double seconds) const {
+  return parts_->step_limit(seconds);
 }
 
 StepReport Simulation::advance(double seconds) {
-  const double limit = step_limit();
+  const double limit = step_limit(seconds);
   if (seconds == 0.0) return parts_->step(0, limit);
   const double steps = std::max(1.0, std::ceil(seconds / limit - rounding));
   // One step of a length that makes no sense: the solver refuses it and says why.
@@ -200,7 +200,7 @@ StepReport Simulation::advance(double seconds) {
 }
 
 RestResult Simulation::run_to_rest(int max_steps) {
-  const double dt = step_limit();
+  const double dt = step_limit(std::numeric_limits<double>::infinity());
   parts_->begin(dt);
   const Damping& damping = solver().options().damping;
   if (damping.rate > 0.0 || damping.factor < 1.0) return parts_->run_to_rest(max_steps, dt, damping);

@@ -17,7 +17,7 @@ struct Simulation::Parts {
   Parts(Model model_in, SimulationOptions options_in);
 
   Solver& solver();  ///< made by the first call
-  double step_limit();
+  double step_limit(double seconds = 0.0);
   const TopologyTextures& elastic() { return scaled.of(*topology, scene.stiffness_factors()); }
 
   /// To be called before steps of dt: converts the velocities of a state that was set for just these steps.

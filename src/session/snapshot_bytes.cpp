@@ -13,6 +13,9 @@
 namespace phymul {
 namespace {
 
+/// A part in the bytes alone, so that files have it which were written before snapshots had it.
+constexpr const char* motion_part = "motion";
+
 bool all_finite(const VecList& list) {
   return std::all_of(list.begin(), list.end(), [](const Vec3& v) { return v.allFinite(); });
 }
@@ -46,11 +49,18 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot) {
   out.u64(snapshot.state.tools.size());
   for (const ToolState& tool : snapshot.state.tools) put_tool_state(out, tool);
   joint_state_fields(out, snapshot.state.joints);
-  out.u64(snapshot.parts.size());
+  const bool moved = snapshot.growth != 0.0 || snapshot.max_speed != 0.0;
+  out.u64(snapshot.parts.size() + (moved ? 1 : 0));
   for (const Snapshot::Part& part : snapshot.parts) {
     out.text(part.name);
     out.text({reinterpret_cast<const char*>(part.bytes.data()), part.bytes.size()});
   }
+  if (!moved) return;
+  ByteWriter motion;
+  motion.real(snapshot.growth);
+  motion.real(snapshot.max_speed);
+  out.text(motion_part);
+  out.text(motion.bytes());
 }
 
 Snapshot take_snapshot(ByteReader& in) {
@@ -82,6 +92,13 @@ Snapshot take_snapshot(ByteReader& in) {
     Snapshot::Part part;
     part.name = in.text("a part's name");
     const std::string bytes = in.text("a part");
+    if (part.name == motion_part) {
+      ByteReader motion("", bytes);
+      snapshot.growth = motion.real("a growth");
+      snapshot.max_speed = motion.real("a speed");
+      if (!(snapshot.growth >= 0.0 && snapshot.max_speed >= 0.0)) in.fail("expected a growth and a speed of 0 or more");
+      continue;
+    }
     part.bytes.assign(bytes.begin(), bytes.end());
     snapshot.parts.push_back(std::move(part));
   }

@@ -147,6 +147,7 @@ void SolverBackend::reset(const State& state) {
   copies_.clear();
   do_reset(state);
   joints_->reset(state);
+  growth_ = growth_of_state_ = speed_ = 0.0;
 }
 
 void SolverBackend::begin_at_rest() {
@@ -228,6 +229,8 @@ Snapshot SolverBackend::snapshot() const {
   Snapshot snapshot;
   do_snapshot(snapshot);
   joints_->read(snapshot.state);
+  snapshot.growth = growth_;
+  snapshot.max_speed = speed_;
   snapshot.topology_hash = topology_hash();
   snapshot.backend = name_;
   return snapshot;
@@ -258,6 +261,9 @@ void SolverBackend::restore(const Snapshot& snapshot) {
   do_restore(snapshot);
   joints_->reset(snapshot.state);
   copies_.clear();
+  growth_ = snapshot.growth;
+  speed_ = snapshot.max_speed;
+  growth_of_state_ = 0.0;
 }
 
 void SolverBackend::start(const State& state, double dt) {

@@ -5,6 +5,7 @@
 #include <phymul/elasticity.h>
 #include <phymul/monitor.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -20,6 +21,18 @@ namespace {
 constexpr double limit_slack = 1e-9;
 /// Speeds beyond this many times spacing times omega_max (twice the wave speed or so) are a failure, not a motion.
 constexpr double runaway_factor = 1e6;
+
+/// Of the stable step at rest. With the first, bodies return from all states from which they do at all. The second is
+/// stable although frequency_growth() may be up to 15 % too low.
+constexpr double surest_share = 0.5, longest_share = 0.9;
+/// For longer than so many steps nothing says how a body will deform.
+constexpr double foreseen_steps = 16.0;
+
+/// m, that a tool of the size of a spacing moves from one pose to another.
+double travel(const ToolPose& from, const ToolPose& to, double spacing) {
+  return (to.position - from.position).norm() +
+         spacing * to.orientation.normalized().angularDistance(from.orientation.normalized());
+}
 
 /// A model whose motion grows by itself shows that; a cut would hide it.
 bool grows_by_itself(const Spectrum& spectrum) {
@@ -59,6 +72,26 @@ class AtReturn {
 
 double Damping::factor_at(double dt) const {
   return factor * std::exp(-rate * dt);
+}
+
+double SolverBackend::suggested_step(double seconds) const {
+  const double stable = stable_step();
+  if (substeps() > 1 || !(seconds <= foreseen_steps * longest_share * stable)) return surest_share * stable;
+  double growth = growth_, speed = speed_;
+  if (growth == 0.0) {
+    const State state = read();
+    if (growth_of_state_ == 0.0) growth_of_state_ = frequency_growth(elastic(), state.position);
+    growth = growth_of_state_;
+    speed = 0.0;
+    for (const Vec3& v : state.velocity) speed = std::max(speed, v.norm());
+  }
+  double way = speed * seconds;
+  for (std::size_t row = 0; row < scene_->tools().size(); ++row) {
+    way = std::max(way, travel(do_tool_report(row).pose, scene_->tools()[row].pose, spacing_));
+  }
+  const double stretch = 1.0 + way / spacing_;
+  const double share = longest_share / std::sqrt(growth * stretch * stretch);
+  return stable * (share > surest_share ? std::min(share, longest_share) : surest_share);
 }
 
 StepReport SolverBackend::step(int n, double dt) {
@@ -167,6 +200,12 @@ StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest, const Dam
   report.time = do_time();
   report.residual = motion.max_force;
   report.max_speed = motion.max_speed;
+  report.growth = motion.growth;
+  if (motion.steps > 0) {
+    growth_ = motion.steps == n ? motion.growth : 0.0;
+    speed_ = motion.max_speed;
+    growth_of_state_ = 0.0;
+  }
   report.force_clamped = motion.force_clamped;
   report.springs_broken = joints_->broken() - broken_before;
   report.at_rest = motion.steps_at_rest >= options_.rest_steps;

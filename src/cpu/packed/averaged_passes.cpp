@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "averaged_passes.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/denormals.h"
+#include "elastic/domain_forces.h"
 
 namespace phymul::cpu {
 
@@ -10,8 +14,10 @@ AveragedPasses::AveragedPasses(const TopologyTextures& topology, const PackedBod
     : body_(body),
       kernels_(kernels),
       energy_(static_cast<int>(topology.options.strain_energy)),
+      growth_exponent_(growth_exponent(topology)),
       stress_(body.averages.stress_floats(), 0.0f),
       sums_(topology.dissipation.empty() ? 0 : 9 * static_cast<std::size_t>(body.averages.slots), 0.0f),
+      condition_(static_cast<std::size_t>(body.averages.slots), 1.0f),
       first_(body.averages.shared_out(parts)) {}
 
 bool AveragedPasses::scale(const TopologyTextures& topology, const std::vector<double>& of_materials) {
@@ -25,6 +31,10 @@ bool AveragedPasses::scale(const TopologyTextures& topology, const std::vector<d
     factor_[place] = row < of_materials.size() ? static_cast<float>(of_materials[row]) : 1.0f;
   }
   return true;
+}
+
+double AveragedPasses::growth() const {
+  return std::pow(static_cast<double>(*std::ranges::max_element(condition_)), growth_exponent_);
 }
 
 template <class Pass>
@@ -46,13 +56,14 @@ void AveragedPasses::for_each_pass(const simd::Averaged& job, WorkLaps& laps, co
 }
 
 void AveragedPasses::run(char* force, char* u, char* next_u, const simd::Dissipation* dissipation,
-                         const BodySleep* sleep, ThreadPool& pool, WorkLaps& laps) {
+                         const BodySleep* sleep, bool last, ThreadPool& pool, WorkLaps& laps) {
   if (sleep != nullptr && sleep->none()) return;
   const PackedAverages& averages = body_.averages;
   simd::Averaged job = averages.job(u, reinterpret_cast<char*>(stress_.data()), force);
   if (!factor_.empty()) job.factor = factor_.data();
   job.dissipation = dissipation;
   job.sums = dissipation != nullptr ? sums_.data() : nullptr;
+  job.condition = last ? condition_.data() : nullptr;
   if (sleep != nullptr) {
     sleep->copy_displacements(u, next_u);
   } else {

@@ -23,9 +23,12 @@ class AveragedPasses {
 
   /// `force`: [slots] N, written; `u`: [slots] m, whose rows of further domains are written. `sleep`: null, or what
   /// says which blocks are computed; then those rows of `next_u` are written too. `dissipation`: null, or that of the
-  /// material.
-  void run(char* force, char* u, char* next_u, const simd::Dissipation* dissipation, const BodySleep* sleep,
+  /// material. `last`: of a call, after which growth() is asked.
+  void run(char* force, char* u, char* next_u, const simd::Dissipation* dissipation, const BodySleep* sleep, bool last,
            ThreadPool& pool, WorkLaps& laps);
+
+  /// frequency_growth() of the last such run. Of what sleeps, as it was in the last one that computed it.
+  double growth() const;
 
  private:
   template <class Pass>
@@ -34,7 +37,8 @@ class AveragedPasses {
   const PackedBody& body_;
   const simd::Kernels& kernels_;
   const int energy_;
-  Floats stress_, sums_;
+  const double growth_exponent_;
+  Floats stress_, sums_, condition_;
   std::vector<double> of_materials_;
   Floats factor_;           // simd::Averaged::factor
   std::vector<int> first_;  // [parts + 1] slice

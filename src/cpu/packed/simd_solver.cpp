@@ -153,7 +153,7 @@ class SimdSolver final : public SolverBackend {
     laps_.begin();
     if (!tools_.empty()) tools_.set().begin_call(scene(), plan.steps, plan.stop_at_rest);
     while (motion.steps < plan.steps) {
-      motion.lost_volume = step_once(plan);
+      motion.lost_volume = step_once(plan, motion.steps + 1 == plan.steps);
       if (sleep_ && motion.lost_volume >= 0) sleep_->compute_all();
       if (motion.lost_volume >= 0) break;
       const simd::MoveSummary summary = moved();
@@ -186,11 +186,12 @@ class SimdSolver final : public SolverBackend {
       laps_.end_step(!tools_.empty());
       if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;
     }
+    if (averaged_) motion.growth = motion.steps == plan.steps ? averaged_->growth() : 0.0;
     return motion;
   }
 
   /// The row of a volume that cannot be restored; -1: none.
-  int step_once(const StepPlan& plan) {
+  int step_once(const StepPlan& plan, bool last) {
     std::uint8_t* const changed = sleep_ ? sleep_->changed_loads() : nullptr;
     loads_.act_at(scene(), time_, changed);
     loads_.impose_at(scene(), time_ + plan.dt, changed);
@@ -201,8 +202,8 @@ class SimdSolver final : public SolverBackend {
     laps_.end(Work::loads);
     if (averaged_) {
       averaged_->run(bytes(force_), bytes(u_), bytes(next_u_),
-                     dissipation_ ? dissipation_->job(plan.dt, last_dt_) : nullptr, sleep_ ? &*sleep_ : nullptr, pool_,
-                     laps_);
+                     dissipation_ ? dissipation_->job(plan.dt, last_dt_) : nullptr, sleep_ ? &*sleep_ : nullptr, last,
+                     pool_, laps_);
       if (local_) local_->add_changes(move, scene().stiffness_factors(), bytes(force_));
       laps_.end(Work::averaged_forces);
     } else {

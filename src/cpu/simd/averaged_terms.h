@@ -131,6 +131,13 @@ PHYMUL_INLINE Columns averaged_stress(const simd::Averaged& body, int slice, con
   if (body.sums) store_columns(body.sums + static_cast<std::int64_t>(slice) * 9 * lanes, sums);
   const Columns H = Energy::scaled(inverse_volume, sums);
   const Columns P = Energy::energy_stress(H, p);
+  float* const condition =
+      body.condition == nullptr ? nullptr : body.condition + static_cast<std::int64_t>(slice) * lanes;
+  if constexpr (requires { Energy::fibre_condition(H, p); }) {
+    if (condition) store(condition, Energy::fibre_condition(H, p));
+  } else if constexpr (requires { Energy::squared_condition(H, Energy::change_of(H)); }) {
+    if (condition) store(condition, Energy::squared_condition(H, Energy::change_of(H)));
+  }
   Columns Q{P.c0 - spread * H.c0, P.c1 - spread * H.c1, P.c2 - spread * H.c2};
   if (body.plane) Q.c0.z = Q.c1.z = Q.c2.z = Pack{};  // nothing but rounding, which would leave the plane
   return Q;

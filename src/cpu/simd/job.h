@@ -136,6 +136,7 @@ struct Averaged {
   const Dissipation* dissipation = nullptr;  ///< null: no material dissipates
   float* sums = nullptr;          ///< [slices][9][lanes] V H by columns, for the dissipation; null: not wanted
   const float* factor = nullptr;  ///< [slots] of the stiffness (Scene::scale_stiffness), place by place; null: 1
+  float* condition = nullptr;     ///< [slots] squared_condition (glsl/kernels), place by place; null: not wanted
   bool plane = false;
 };
 
