@@ -142,7 +142,7 @@ typedef struct phymul_options {
   const char* backend;       // NULL: "auto"
   const phymul_material* material;  // NULL: bodies keep their materials
   double damping_rate;              // 1/s
-  double step;                      // largest step, as a multiple of the stable one; 0: 0.5
+  double step;                      // largest step, as a multiple of the stable one; 0: it follows the deformation
   double rest_tolerance;            // SolverOptions::rest_tolerance; 0: 1e-8
   int32_t strain_energy;            // PHYMUL_SHAPE_MEMORY or PHYMUL_NEO_HOOKEAN
   int32_t sleeps;                   // 1: parts of the body that rest cost nothing (SolverOptions::sleep_tolerance)

@@ -81,9 +81,9 @@ class Solver {
   virtual bool takes_tools() const = 0;  ///< false: make_solver and step() refuse scenes with tools
 
   /// Largest stable dt, s, of the free body at rest, with the solver's damping, rate and factor, and the scene's
-  /// joints. Fixed particles can only raise it. Deformation may lower it: use half of it. Infinite for a body without
-  /// stiffness and joints, for which every finite dt is stable. See estimate_spectrum (elasticity.h); joints:
-  /// docs/guide/joints.md.
+  /// joints. Fixed particles can only raise it. Deformation may lower it: use suggested_step() or half of it. Infinite
+  /// for a body without stiffness and joints, for which every finite dt is stable. See estimate_spectrum
+  /// (elasticity.h); joints: docs/guide/joints.md.
   virtual double stable_step() const = 0;
   /// A step for motion that goes on for `seconds`, s: 0.9 times the stable step of the present state, and between 0.5
   /// and 0.9 of stable_step(). By a bound on how much deformation has raised the highest frequency

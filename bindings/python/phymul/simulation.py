@@ -72,11 +72,11 @@ class Simulation(Owner):
     so that the backend "auto" can choose by them."""
 
     def __init__(self, body: Union[Body, Mapping[str, Body]], *, young: float = 0.0, poisson: float = 0.0,
-                 density: float = 0.0, backend: str = "auto", damping: float = 0.0, step: float = 0.5, threads: int = 0,
+                 density: float = 0.0, backend: str = "auto", damping: float = 0.0, step: float = 0.0, threads: int = 0,
                  rest_tolerance: float = 1e-8, strain_energy: str = "shape_memory",
                  sleep_tolerance: Optional[float] = None) -> None:
         """young: Pa, density: kg/m^3; left out, bodies keep their materials. damping: 1/s. step: largest one, as a
-        multiple of the stable step. threads: of the backend "cpu", 0: as many as the body has work for."""
+        multiple of the stable step; 0: it follows the deformation. threads: of the backend "cpu", 0: as many as the body has work for."""
         self._handle: Optional[Handle] = None
         energies = ("shape_memory", "neo_hookean")
         if strain_energy not in energies:

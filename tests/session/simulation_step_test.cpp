@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+//
+// The step that Simulation::advance() takes: as long as the deformation of the present state allows.
+#include <gtest/gtest.h>
+#include <phymul/elasticity.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "support/bodies.h"
+#include "support/failure_states.h"
+#include "support/message_of.h"
+
+namespace phymul::test {
+namespace {
+
+constexpr Material of_organs{.young = 5e3, .poisson = 0.45, .density = 1000};
+
+Model tetrahedra() {
+  return make_tetrahedral_block({0.1, 0.1, 0.1}, 4, 4, 4, 0.2, 7);
+}
+
+Simulation pressed(const std::string& backend, std::optional<double> step = {}) {
+  Simulation sim(tetrahedra(), {.material = of_organs, .backend = backend, .damping = {.rate = 20}, .step = step});
+  sim.scene().fix("z0").add_tool(
+      "ball", {.shape = Sphere{0.03}, .pose = {.position = {0.05, 0.05, 0.13}}, .contact = ToolContact::particles});
+  return sim;
+}
+
+void press_to(Simulation& sim, double depth) {
+  sim.scene().tool("ball").move_to({.position = {0.05, 0.05, 0.13 - depth}});
+}
+
+double share(Simulation& sim, double seconds) {
+  return sim.step_limit(seconds) / sim.solver().stable_step();
+}
+
+TEST(FrequencyGrowth, IsAboveThatOfUniformStrain) {
+  // Stretches along three axes: uniaxial, of constant volume, and of more and less of it.
+  const std::vector<Vec3> cases{{0.8, 1, 1},      {1.4, 1, 1},       {0.7, 1.195, 1.195}, {1.5, 0.8165, 0.8165},
+                                {1.3, 0.77, 1.0}, {1.2, 1.1, 1.0},   {0.95, 0.9, 0.95},   {0.63, 1.45, 1.15},
+                                {1.1, 1.1, 1.1},  {0.8, 0.8, 1.5625}};
+  for (const StrainEnergy energy : {StrainEnergy::shape_memory, StrainEnergy::neo_hookean}) {
+    for (const double nu : {0.3, 0.45, 0.49}) {
+      for (Model model : {tetrahedra(), make_block({0.1, 0.1, 0.1}, 4, 4, 4)}) {
+        set_material(model, {.young = 5e3, .poisson = nu, .density = 1000});
+        const TopologyTextures topology = build_topology(model, {.strain_energy = energy});
+        const double at_rest = estimate_spectrum(topology, topology.rest).largest;
+        EXPECT_NEAR(frequency_growth(topology, topology.rest), 1.0, 1e-12);
+        for (const Vec3& stretch : cases) {
+          const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+          VecList x = topology.rest;
+          for (Vec3& p : x) p = turn * stretch.cwiseProduct(p);
+          const double growth = estimate_spectrum(topology, x).largest / at_rest;
+          EXPECT_GT(1.15 * frequency_growth(topology, x), growth) << nu << ": " << stretch.transpose();
+        }
+      }
+    }
+  }
+}
+
+TEST(FrequencyGrowth, IsTheSameOnBothProcessorBackends) {
+  Simulation exact = pressed("reference", 0.5), single = pressed("cpu", 0.5);
+  for (Simulation* sim : {&exact, &single}) {
+    press_to(*sim, 0.04);
+    ASSERT_TRUE(sim->advance(0.3).ok());
+  }
+  const double growth = exact.advance(1e-3).growth;
+  EXPECT_GT(growth, 1.2);
+  EXPECT_NEAR(single.advance(1e-3).growth, growth, 5e-3 * growth);  // of states a step apart
+  EXPECT_NEAR(frequency_growth(exact.solver().topology(), exact.solver().read().position), growth, 1e-12 * growth);
+}
+
+TEST(SimulationStep, FollowsTheDeformation) {
+  Simulation sim = pressed("cpu");
+  const double stable = sim.solver().stable_step();
+  EXPECT_DOUBLE_EQ(share(sim, 1e-6), 0.9);
+  EXPECT_NEAR(sim.advance(8.9 * stable).dt, 0.89 * stable, 1e-12);
+  const auto squeezed_to = [&](double height) {
+    State state = rest_state(sim.model());
+    const double across = std::sqrt(1.0 / height);
+    for (Vec3& x : state.position) x = Vec3(across, across, height).cwiseProduct(x);
+    sim.set_state(state);
+    return share(sim, 1e-6);
+  };
+  const double a_little = squeezed_to(0.7);
+  EXPECT_LT(a_little, 0.9);
+  EXPECT_GT(a_little, 0.75);
+  EXPECT_LT(squeezed_to(0.5), 0.7);
+  EXPECT_DOUBLE_EQ(squeezed_to(0.3), 0.5);
+  EXPECT_DOUBLE_EQ(squeezed_to(-1.0), 0.5);
+}
+
+TEST(SimulationStep, LooksAhead) {
+  Simulation sim = pressed("cpu");
+  const double stable = sim.solver().stable_step();
+  EXPECT_DOUBLE_EQ(share(sim, 20.0 * stable), 0.5);  // too long to foresee
+  press_to(sim, 0.01);
+  const double on_its_way = share(sim, stable);
+  EXPECT_LT(on_its_way, 0.8);
+  sim.scene().tool("ball").teleport({.position = {0.05, 0.05, 0.13}});
+  State thrown = rest_state(sim.model());
+  for (Vec3& v : thrown.velocity) v.z() = 20.0;
+  sim.set_state(thrown);
+  EXPECT_LT(share(sim, stable), 0.8);
+}
+
+TEST(SimulationStep, IsAsGivenOrHalfWhereNothingIsKnown) {
+  Simulation given = pressed("cpu", 0.3);
+  EXPECT_DOUBLE_EQ(share(given, 1e-6), 0.3);
+  Simulation springs(tetrahedra(), {.backend = "cpu", .topology = {.law = Law::springs}});
+  EXPECT_DOUBLE_EQ(share(springs, 1e-6), 0.5);
+  EXPECT_TRUE(std::isinf(springs.advance(1e-3 * springs.solver().stable_step()).growth));
+  EXPECT_NE(message_of([] { pressed("cpu", 0.0); }).find("SimulationOptions::step"), std::string::npos);
+}
+
+/// A snapshot has all that the next step depends on.
+TEST(SimulationStep, IsTheSameAfterRestoring) {
+  for (const char* backend : {"cpu", "reference"}) {
+    Simulation sim = pressed(backend);
+    press_to(sim, 0.02);
+    for (int tick = 0; tick < 40; ++tick) ASSERT_TRUE(sim.advance(2e-3).ok());
+    const Snapshot middle = sim.snapshot();
+    const auto go_on = [&] {
+      for (int tick = 0; tick < 40; ++tick) ASSERT_TRUE(sim.advance(2e-3).ok());
+    };
+    go_on();
+    const Snapshot end = sim.snapshot();
+    EXPECT_GT(end.growth, 1.0);
+    sim.restore(middle);
+    go_on();
+    EXPECT_EQ(sim.snapshot(), end) << backend;
+  }
+}
+
+/// As many as with half of the stable step.
+TEST(SimulationStep, BrokenBodiesReturn) {
+  constexpr double side = 0.1;
+  constexpr int cells = 3;
+  int returned = 0;
+  for (const FailureState& failure : failure_states()) {
+    Simulation sim(
+        make_tetrahedral_block(Vec3::Constant(side), cells, cells, cells, 0.2, 7),
+        {.material = {.young = 5e3, .poisson = 0.3, .density = 1000}, .backend = "cpu", .damping = {.rate = 40}});
+    std::mt19937 bits(5);
+    State broken = rest_state(sim.model());
+    failure.apply(broken.position, side, side / cells, bits);
+    sim.set_state(broken);
+    const double tick = 4.0 * sim.solver().stable_step();
+    bool good = true;
+    for (int k = 0; good && k < 400; ++k) good = sim.advance(tick).ok();
+    if (good) good = sim.run_to_rest(60'000).converged();
+    returned += good && first_folded_cell(sim.model(), sim.solver().read().position) < 0 ? 1 : 0;
+  }
+  EXPECT_EQ(returned, static_cast<int>(failure_states().size()));
+}
+
+}  // namespace
+}  // namespace phymul::test
