@@ -21,10 +21,6 @@ constexpr double passed_on = 0.1;
 /// Of its mass, by which a particle may stay lighter than it should be.
 constexpr double lightness = 0.01;
 
-double wave_modulus(const Material& m) {
-  return m.young * (1.0 - m.poisson) / ((1.0 + m.poisson) * (1.0 - 2.0 * m.poisson));
-}
-
 /// Vertex v of a cell with its edge neighbours (2-D: two), and their barycentric coordinates' gradients, 1/m.
 struct Corner {
   std::array<Index, 4> particle{};
@@ -79,9 +75,10 @@ class CellsAround {
   std::vector<std::pair<const Cell*, std::size_t>> entries_;
 };
 
-/// [N] N/m: of each particle a bound on its own block of the stiffness, in the law of one mean deformation per particle
-/// (docs/theory/physics.md): the sum over neighbourhoods d of M |C_d|^2 / V_d with the wave's modulus M. Other cells
-/// than tetrahedra and triangles count by their corners.
+/// [N] kg/m^2: of each particle a bound on its own block of the stiffness in the law of one mean deformation per
+/// particle (docs/theory/physics.md), over the squared speed of the pressure wave: the sum over neighbourhoods d of rho
+/// |C_d|^2 / V_d. Other cells than tetrahedra and triangles count by their corners. So only the shape of cells counts,
+/// and no material gets mass of another because it is stiffer.
 std::vector<double> own_stiffness(const Model& model, const CellsAround& cells) {
   const std::size_t count = model.rest.size();
   std::vector<double> share_of(model.cells.size(), 0.0);  // of each vertex, m^3
@@ -95,11 +92,11 @@ std::vector<double> own_stiffness(const Model& model, const CellsAround& cells) 
   for (std::size_t d = 0; d < count; ++d) {
     around.clear();
     area.clear();
-    double volume = 0.0, modulus = 0.0;
+    double volume = 0.0, own_mass = 0.0;
     for (const auto& [cell, place] : cells[d]) {
       const double share = share_of[cell - model.cells.data()];
       volume += share;
-      modulus += share * wave_modulus(model.materials[cell->material]);
+      own_mass += share * model.materials[cell->material].density;
       const Corner corner = corner_of(model, *cell, place);
       for (int e = 0; e < corner.size; ++e) {
         const Index j = corner.particle[e];
@@ -112,7 +109,7 @@ std::vector<double> own_stiffness(const Model& model, const CellsAround& cells) 
       }
     }
     for (std::size_t k = 0; k < around.size(); ++k) {
-      stiffness[around[k]] += modulus * area[k].squaredNorm() / (volume * volume);
+      stiffness[around[k]] += own_mass * area[k].squaredNorm() / (volume * volume);
       row_of[around[k]] = -1;
     }
   }

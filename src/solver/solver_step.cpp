@@ -202,7 +202,7 @@ StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest, const Dam
   report.max_speed = motion.max_speed;
   report.growth = motion.growth;
   if (motion.steps > 0) {
-    growth_ = motion.steps == n ? motion.growth : 0.0;
+    growth_ = motion.growth;
     speed_ = motion.max_speed;
     growth_of_state_ = 0.0;
   }

@@ -57,6 +57,7 @@ void AveragedPasses::for_each_pass(const simd::Averaged& job, WorkLaps& laps, co
 
 void AveragedPasses::run(char* force, char* u, char* next_u, const simd::Dissipation* dissipation,
                          const BodySleep* sleep, bool last, ThreadPool& pool, WorkLaps& laps) {
+  if (last && sleep != nullptr) std::ranges::fill(condition_, 1.0f);
   if (sleep != nullptr && sleep->none()) return;
   const PackedAverages& averages = body_.averages;
   simd::Averaged job = averages.job(u, reinterpret_cast<char*>(stress_.data()), force);

@@ -27,7 +27,7 @@ class AveragedPasses {
   void run(char* force, char* u, char* next_u, const simd::Dissipation* dissipation, const BodySleep* sleep, bool last,
            ThreadPool& pool, WorkLaps& laps);
 
-  /// frequency_growth() of the last such run. Of what sleeps, as it was in the last one that computed it.
+  /// frequency_growth() of the last such run, of what it computed: what sleeps counts as at rest.
   double growth() const;
 
  private:
