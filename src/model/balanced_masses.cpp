@@ -14,10 +14,10 @@ namespace {
 
 /// Of the estimate. It is that of a particle that moves alone: below, the body as a whole sets the step.
 constexpr double least_gain = 1.3;
-constexpr int halvings = 8;  // of the interval of bounds, by its logarithm
-constexpr int most_rounds = 12;
+constexpr int halvings = 7;  // of the interval of bounds, by its logarithm
+constexpr int most_rounds = 24;
 /// Of a particle's mass beyond what it can spare, which it may give in a round: it then asks its own neighbours.
-constexpr double passed_on = 0.1;
+constexpr double passed_on = 0.2;
 /// Of its mass, by which a particle may stay lighter than it should be.
 constexpr double lightness = 0.01;
 
@@ -132,37 +132,56 @@ Transfer transfer(const CellsAround& cells, const std::vector<double>& stiffness
   for (std::size_t i = 0; i < count; ++i) wanted += std::max(0.0, stiffness[i] / bound - mass[i]);
   if (wanted > most) return result;
   result.mass = mass;
-  std::vector<double> lack(count), can_give(count), around(count), asked(count);
-  std::vector<std::size_t> asking;
-  for (int round = 0; round < most_rounds; ++round) {
-    asking.clear();
-    for (std::size_t i = 0; i < count; ++i) {
-      const double spare = result.mass[i] - stiffness[i] / bound;
-      lack[i] = spare < -lightness * result.mass[i] ? -spare : 0.0;
-      can_give[i] = lack[i] > 0.0 ? 0.0 : std::max(spare, 0.0) + passed_on * result.mass[i];
-      if (lack[i] > 0.0) asking.push_back(i);
-    }
-    result.is_done = asking.empty();
-    if (result.is_done) break;
-    const auto each_pair = [&](const auto& visit) {
-      for (const std::size_t i : asking) {
-        for (const auto& [cell, place] : cells[i]) {
-          for (const Index j : cell->particles) {
-            if (can_give[j] > 0.0) visit(i, j);
-          }
-        }
-      }
-    };
-    std::ranges::fill(around, 0.0);
-    std::ranges::fill(asked, 0.0);
-    each_pair([&](std::size_t i, Index j) { around[i] += can_give[j]; });
-    each_pair([&](std::size_t i, Index j) { asked[j] += lack[i] * can_give[j] / around[i]; });
-    each_pair([&](std::size_t i, Index j) {
-      const double given = lack[i] * can_give[j] / around[i] * std::min(1.0, can_give[j] / asked[j]);
-      result.mass[i] += given;
-      result.mass[j] -= given;
-    });
+  const auto spare = [&](std::size_t i) { return result.mass[i] - stiffness[i] / bound; };
+  const auto lacks = [&](std::size_t i) { return spare(i) < -lightness * result.mass[i]; };
+  struct Giver {
+    double can_give = -1.0, asked = 0.0;  // kg; below 0: not yet looked at in this round
+  };
+  std::vector<Giver> givers(count);
+  std::vector<std::size_t> asking, around;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (lacks(i)) asking.push_back(i);
   }
+  const auto each_neighbour = [&](std::size_t i, const auto& visit) {
+    for (const auto& [cell, place] : cells[i]) {
+      for (const Index j : cell->particles) visit(static_cast<std::size_t>(j));
+    }
+  };
+  std::vector<double> found(count);  // kg, that the neighbours of one that asks can give
+  for (int round = 0; round < most_rounds && !asking.empty(); ++round) {
+    around.clear();
+    for (const std::size_t i : asking) {
+      found[i] = 0.0;
+      each_neighbour(i, [&](std::size_t j) {
+        if (givers[j].can_give < 0.0) {
+          around.push_back(j);
+          givers[j].can_give = lacks(j) ? 0.0 : std::max(spare(j), 0.0) + passed_on * result.mass[j];
+        }
+        found[i] += givers[j].can_give;
+      });
+    }
+    for (const std::size_t i : asking) {
+      if (!(found[i] > 0.0)) continue;
+      each_neighbour(i, [&](std::size_t j) { givers[j].asked -= spare(i) * givers[j].can_give / found[i]; });
+    }
+    for (const std::size_t i : asking) {
+      if (!(found[i] > 0.0)) continue;
+      const double lack = -spare(i);
+      each_neighbour(i, [&](std::size_t j) {
+        const auto [can_give, asked] = givers[j];
+        if (!(can_give > 0.0)) return;
+        const double given = lack * can_give / found[i] * std::min(1.0, can_give / asked);
+        result.mass[i] += given;
+        result.mass[j] -= given;
+      });
+    }
+    asking.clear();
+    for (const std::size_t i : around) {  // those that asked among them
+      givers[i] = {};
+      if (lacks(i)) asking.push_back(i);
+    }
+  }
+  result.is_done = asking.empty();
   return result;
 }
 
