@@ -30,6 +30,7 @@
 #define PHYMUL_ALIGNED(pointer, bytes) __builtin_assume_aligned(pointer, bytes)
 /// Asks for the line of a cache at an address, to be read: into all caches.
 #define PHYMUL_PREFETCH(at) __builtin_prefetch(at)
+#define PHYMUL_PREFETCH_TO_WRITE(at) __builtin_prefetch(at, 1)
 /// The same, for data that is wanted later than what is at work.
 #define PHYMUL_PREFETCH_LATER(at) __builtin_prefetch(at, 0, 2)
 

@@ -19,6 +19,9 @@
 namespace phymul::cpu {
 namespace {
 
+/// Bytes a step above which a core finds hardly anything of a pass in its own caches.
+constexpr double own_caches = 4e6;
+
 using LinkRow = std::array<float, 4>;
 
 class AveragesPacker {
@@ -215,7 +218,8 @@ simd::Averaged PackedAverages::job(char* u, char* stress, char* force) const {
           .force_row = force_row.data(),
           .links = links.data(),
           .runs = runs.job(reinterpret_cast<float*>(stress)),
-          .plane = plane};
+          .plane = plane,
+          .far = bytes() > own_caches};
 }
 
 void PackedAverages::copy_displacements(char* u) const {

@@ -101,6 +101,11 @@ PHYMUL_INLINE void split(Wide w, Quad to[4]) {
 }
 #endif
 
+/// Slots ahead of a pass at which it asks for what it will gather: farther than nearly all links reach, or else the
+/// first of them to reach a line waits for it.
+inline constexpr std::int64_t gathered_ahead = 1024;
+inline constexpr int links_ahead = 128;
+
 /// Sum over the links of slot q, of which there is an even number: two sums, whose products need not wait for each
 /// other. `gathered`: of a byte offset in Averaged::u.
 template <class Gathered>
@@ -110,6 +115,7 @@ PHYMUL_INLINE Wide link_sum(const simd::Averaged& body, std::int64_t q, const st
   const float* constants = body.links + 4 * static_cast<std::int64_t>(rows[q]);
   const std::int32_t *link = body.link + body.first_link[q], *last = body.link + body.first_link[q + 1];
   for (; link < last; link += 2, constants += 8) {
+    if (body.far) PHYMUL_PREFETCH(constants + 4 * links_ahead);
     even = plus_product(even, gathered(link[0]), each_four_times(constants));
     odd = plus_product(odd, gathered(link[1]), each_four_times(constants + 4));
   }
@@ -143,6 +149,12 @@ PHYMUL_INLINE Columns averaged_stress(const simd::Averaged& body, int slice, con
   return Q;
 }
 
+/// Displacements that later slices gather, and where the stresses of the next few go.
+PHYMUL_INLINE void ask_for_slice(const simd::Averaged& body, std::int64_t first) {
+  for (int k = 0; k < lanes; k += 4) PHYMUL_PREFETCH(body.u + 16 * (first + gathered_ahead + k));
+  for (int k = 0; k < lanes; ++k) PHYMUL_PREFETCH_TO_WRITE(body.stress + 64 * (first + 4 * lanes + k));
+}
+
 /// Stresses and springs of slices [slice, end). Displacements around a slot, each less its own, are summed with the
 /// areas (three columns) and with the stiffnesses (the fourth).
 template <class Energy>
@@ -150,6 +162,7 @@ void averaged_stresses(const simd::Averaged& body, int slice, int end) {
   alignas(64) float columns[3][4 * lanes];
   for (; slice < end; ++slice) {
     const std::int64_t first = static_cast<std::int64_t>(slice) * lanes;
+    if (body.far) ask_for_slice(body, first);
     for (int k = 0; k < lanes; ++k) {
       const Quad own = load_quad(body.u + 16 * (first + k));
       Quad sum[4];
@@ -189,6 +202,7 @@ inline void scale_stresses(const simd::Averaged& body, int slice, int end) {
 inline void averaged_forces(const simd::Averaged& body, int slice, int end) {
   const std::int64_t last = static_cast<std::int64_t>(end) * lanes;
   for (std::int64_t q = static_cast<std::int64_t>(slice) * lanes; q < last; ++q) {
+    if (body.far) PHYMUL_PREFETCH(body.stress + 64 * (q + gathered_ahead));
     Quad part[4];
     split(link_sum(body, q, body.force_row,
                    [&](std::int32_t offset)

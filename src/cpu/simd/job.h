@@ -138,6 +138,7 @@ struct Averaged {
   const float* factor = nullptr;  ///< [slots] of the stiffness (Scene::scale_stiffness), place by place; null: 1
   float* condition = nullptr;     ///< [slots] squared_condition (glsl/kernels), place by place; null: not wanted
   bool plane = false;
+  bool far = false;  ///< the arrays are in no cache near a core: asked for ahead, where links go slot by slot
 };
 
 /// Particles [first, first + lanes * slices) of the body.
