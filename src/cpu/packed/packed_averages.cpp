@@ -20,7 +20,7 @@ namespace phymul::cpu {
 namespace {
 
 /// Bytes a step above which a core finds hardly anything of a pass in its own caches.
-constexpr double own_caches = 4e6;
+constexpr double own_caches = 8e6;
 
 using LinkRow = std::array<float, 4>;
 
@@ -63,6 +63,7 @@ class AveragesPacker {
       }
       to_.first_link.push_back(static_cast<std::int32_t>(to_.link.size()));
     }
+    to_.link.resize(to_.link.size() + simd::links_ahead, 0);
   }
 
   void place_domains() {

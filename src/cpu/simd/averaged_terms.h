@@ -104,18 +104,22 @@ PHYMUL_INLINE void split(Wide w, Quad to[4]) {
 /// Slots ahead of a pass at which it asks for what it will gather: farther than nearly all links reach, or else the
 /// first of them to reach a line waits for it.
 inline constexpr std::int64_t gathered_ahead = 1024;
-inline constexpr int links_ahead = 128;
 
 /// Sum over the links of slot q, of which there is an even number: two sums, whose products need not wait for each
-/// other. `gathered`: of a byte offset in Averaged::u.
-template <class Gathered>
-PHYMUL_INLINE Wide link_sum(const simd::Averaged& body, std::int64_t q, const std::int32_t* rows,
+/// other. `gathered`: of a byte offset in Averaged::u, from `from` plus `scale` times it.
+template <int scale, class Gathered>
+PHYMUL_INLINE Wide link_sum(const simd::Averaged& body, std::int64_t q, const std::int32_t* rows, const char* from,
                             const Gathered& gathered) {
   Wide even = zero_wide(), odd = zero_wide();
   const float* constants = body.links + 4 * static_cast<std::int64_t>(rows[q]);
   const std::int32_t *link = body.link + body.first_link[q], *last = body.link + body.first_link[q + 1];
   for (; link < last; link += 2, constants += 8) {
-    if (body.far) PHYMUL_PREFETCH(constants + 4 * links_ahead);
+    if (body.far) {
+      PHYMUL_PREFETCH(constants + 4 * simd::links_ahead);
+      for (int k = 0; k < 2; ++k) {
+        PHYMUL_PREFETCH(from + scale * static_cast<std::int64_t>(link[simd::links_ahead + k]));
+      }
+    }
     even = plus_product(even, gathered(link[0]), each_four_times(constants));
     odd = plus_product(odd, gathered(link[1]), each_four_times(constants + 4));
   }
@@ -166,9 +170,10 @@ void averaged_stresses(const simd::Averaged& body, int slice, int end) {
     for (int k = 0; k < lanes; ++k) {
       const Quad own = load_quad(body.u + 16 * (first + k));
       Quad sum[4];
-      split(link_sum(body, first + k, body.stress_row,
-                     [&](std::int32_t offset) PHYMUL_INLINED { return four_times(load_quad(body.u + offset) - own); }),
-            sum);
+      split(
+          link_sum<1>(body, first + k, body.stress_row, body.u,
+                      [&](std::int32_t offset) PHYMUL_INLINED { return four_times(load_quad(body.u + offset) - own); }),
+          sum);
       for (int c = 0; c < 3; ++c) store_quad(reinterpret_cast<char*>(columns[c]) + 16 * k, sum[c]);
       store_quad(body.force + 16 * (first + k), sum[3]);
     }
@@ -204,9 +209,9 @@ inline void averaged_forces(const simd::Averaged& body, int slice, int end) {
   for (std::int64_t q = static_cast<std::int64_t>(slice) * lanes; q < last; ++q) {
     if (body.far) PHYMUL_PREFETCH(body.stress + 64 * (q + gathered_ahead));
     Quad part[4];
-    split(link_sum(body, q, body.force_row,
-                   [&](std::int32_t offset)
-                       PHYMUL_INLINED { return load_wide(body.stress + 4 * static_cast<std::int64_t>(offset)); }),
+    split(link_sum<4>(body, q, body.force_row, body.stress,
+                      [&](std::int32_t offset)
+                          PHYMUL_INLINED { return load_wide(body.stress + 4 * static_cast<std::int64_t>(offset)); }),
           part);
     char* at = body.force + 16 * q;
     store_quad(at, load_quad(at) + ((part[0] + part[1]) + part[2]));

@@ -119,6 +119,9 @@ struct Dissipation {
 /// 1 - exp(-dt / tau).
 inline constexpr int dissipation_columns = 5;
 
+/// Links that a pass over Averaged::link reads ahead.
+inline constexpr int links_ahead = 128;
+
 /// Law::particle_averaged. A slot is a domain: the first of a particle is at the particle's quad, further ones follow
 /// those of all particles. Slots of one slice stand in the order of quad_of(), and so do their constants' rows.
 struct Averaged {
@@ -127,7 +130,7 @@ struct Averaged {
   char* force = nullptr;                     ///< [slots] N
   const float* constants = nullptr;          ///< [slices][2 + constants][lanes] 1/V, s mu, those of the energy
   const std::int32_t* first_link = nullptr;  ///< [slots + 1] of `link`; even numbers of each slot
-  const std::int32_t* link = nullptr;        ///< byte offset of the other slot in `u`
+  const std::int32_t* link = nullptr;        ///< byte offset of the other slot in `u`; `links_ahead` more at the end
   /// [slots] row of the first link in `links`, for either pass: C_de, m^2, and k, N/m; -C_ed and k. Inside a body these
   /// are the same, and equal ones are there once.
   const std::int32_t *stress_row = nullptr, *force_row = nullptr;
