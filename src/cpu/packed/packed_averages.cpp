@@ -20,7 +20,7 @@ namespace phymul::cpu {
 namespace {
 
 /// Bytes a step above which a core finds hardly anything of a pass in its own caches.
-constexpr double own_caches = 8e6;
+constexpr double own_caches = 16e6;
 
 using LinkRow = std::array<float, 4>;
 
