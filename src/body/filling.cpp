@@ -68,8 +68,7 @@ std::vector<std::array<Index, 3>> outer_faces(const Stuffing& body) {
 
 /// Moves the surface along its normals by one length times the square of the local spacing as a share of the coarsest:
 /// that is how much flat triangles cut off. Returns the way of the particles that move most, m.
-double meet_volume(Stuffing& body, double wanted, double most) {
-  const auto faces = outer_faces(body);
+double meet_volume(Stuffing& body, const std::vector<std::array<Index, 3>>& faces, double wanted, double most) {
   VecList along(body.place.size());
   volume_gradient(faces, body.place, along);
   for (Vec3& normal : along) normal.normalize();
@@ -178,9 +177,7 @@ Stuffing filled(const Interior& interior, const CentredLattice& lattice, const B
   GradedLattice graded(lattice, options);
   if (graded.is_uniform()) return stuffed(interior, lattice);
   graded.number_points();
-  Stuffing body = stuffed(interior, graded);
-  improve_cells(body, outer_faces(body));
-  return body;
+  return stuffed(interior, graded);
 }
 
 }  // namespace
@@ -195,8 +192,13 @@ Model filled_body(const Interior& interior, const CentredLattice& lattice, doubl
   if (!(wanted_volume > 0.0)) {
     refuse_body("expected a shape with a volume above 0, got " + length_text(1e6 * wanted_volume) + " ml");
   }
-  if (adjust) adjust(body);
-  const double moved = meet_volume(body, wanted_volume, most_moved * options.spacing);
+  std::vector<std::array<Index, 3>> faces = outer_faces(body);
+  improve_cells(body, faces);
+  if (adjust) {
+    adjust(body);
+    faces = outer_faces(body);
+  }
+  const double moved = meet_volume(body, faces, wanted_volume, most_moved * options.spacing);
   BodyReport own = report_of(body, wanted_volume);
   own.moved = moved;
   own.smallest_spacing = own.largest_spacing = options.spacing;

@@ -24,6 +24,14 @@ double quality(const std::array<Vec3, 4>& corner) {
   return volume > 0.0 ? worst : -worst - 1e-3;
 }
 
+/// Along the axes and the diagonals between them.
+std::array<Vec3, 14> directions() {
+  std::array<Vec3, 14> all;
+  for (int k = 0; k < 6; ++k) all[k] = (k % 2 ? 1.0 : -1.0) * Vec3::Unit(k / 2);
+  for (int k = 0; k < 8; ++k) all[6 + k] = Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1).normalized();
+  return all;
+}
+
 class Improvement {
  public:
   Improvement(Stuffing& body, const std::vector<std::array<Index, 3>>& outer_faces)
@@ -70,8 +78,7 @@ class Improvement {
     for (int turn = 0; turn < 6; ++turn, step *= 0.5) {
       const Vec3 from = place;
       Vec3 to = from;
-      for (int way = 0; way < 6; ++way) {
-        const Vec3 along = (way % 2 ? 1.0 : -1.0) * Vec3::Unit(way / 2);
+      for (const Vec3& along : directions_) {
         place = from + step * (along - along.dot(normal) * normal);
         const double own = worst_at(i);
         if (own <= best) continue;
@@ -82,6 +89,7 @@ class Improvement {
     }
   }
 
+  const std::array<Vec3, 14> directions_ = directions();
   Stuffing& body_;
   VecList normal_;                         // [places] outward; zero inside
   std::vector<std::vector<Index>> cells_;  // [places] rows
