@@ -96,10 +96,10 @@ struct BodyReport {
 /// set_material. The group "surface" holds the particles on the surface.
 ///
 /// With BodyOptions::spacing_at the lattice is that of a balanced octree (the same paper, section 3): neighbouring
-/// leaves differ by a factor of 2 at most, and tetrahedra share whole faces. Angles are not bounded where the spacing
-/// changes at the surface; cells below 15 degrees are improved by moving their particles (particles on the surface move
-/// along it). The outward shift of the surface is proportional to the square of the local spacing. If the field asks
-/// for `spacing` everywhere, the body is bitwise equal to the one without a field.
+/// leaves differ by a factor of 2 at most, and tetrahedra share whole faces. With and without, cells with an angle
+/// below 15 degrees at the surface are improved by moving their particles (particles on the surface move along it). The
+/// outward shift of the surface is proportional to the square of the local spacing. If the field asks for `spacing`
+/// everywhere, the body is bitwise equal to the one without a field.
 ///
 /// A Surface is first mended as by mend_surface(); Model::notes has its notes, and says if the body has several parts.
 /// Throws Error as mend_surface() does, for an option out of range, if a distance is NaN, and if the error of the
