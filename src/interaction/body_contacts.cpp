@@ -45,6 +45,7 @@ void push(TouchedParticles::Touched& particle, const Vec3& impulse) {
 
 void BodyContacts::follow(const Scene& scene) {
   contacts_.clear();
+  forget();
   if (!scene.contacts()) {
     surface_ = {};
     surface_known_ = false;
@@ -58,20 +59,26 @@ void BodyContacts::follow(const Scene& scene) {
   surface_ = {};  // of no use half made
   surface_ = make_contact_surface(scene.model());
   candidates_.follow(surface_, options_);
+  rows_.clear();
+  for (const ContactSurface::Particle& particle : surface_.particles) rows_.push_back(particle.row);
   place_.resize(surface_.particles.size());
   velocity_.resize(surface_.particles.size());
   surface_known_ = true;
 }
 
+/// Two places come nearer by no more than both go. A velocity differs from the mean by no more than twice the largest.
+bool BodyContacts::none_near(const TouchedParticles& touched) const {
+  return candidates_.none_within(4.0 * touched.going(), 2.0 * (touched.step().gone() - gone_));
+}
+
 /// Particles whose gap to a triangle is less than twice what the fastest one moves against the mean.
 void BodyContacts::find(TouchedParticles& touched) {
   const double dt = touched.dt();
+  gone_ = touched.step().gone();
+  touched.fetch(rows_, place_, velocity_);
   Vec3 mean = Vec3::Zero();
-  for (std::size_t k = 0; k < place_.size(); ++k) {
-    place_[k] = touched.step().position(surface_.particles[k].row);
-    velocity_[k] = touched.velocity(surface_.particles[k].row);
-    mean += velocity_[k] / static_cast<double>(place_.size());
-  }
+  for (const Vec3& velocity : velocity_) mean += velocity;
+  mean /= static_cast<double>(place_.size());
   double fastest = 0.0;
   for (const Vec3& velocity : velocity_) fastest = std::max(fastest, (velocity - mean).squaredNorm());
   // Beyond a few edges a step is a failure, which the solver reports: the search must not outgrow the body.
@@ -91,6 +98,11 @@ void BodyContacts::find(TouchedParticles& touched) {
     const auto& corner = surface_.triangles[contact.triangle].corner;
     contact.slot = touched.slot(surface_.particles[contact.particle].row);
     for (int c = 0; c < 3; ++c) contact.corner[c] = touched.slot(surface_.particles[corner[c]].row);
+    contact.mobility = inverse_mass(touched[contact.slot], contact.normal);
+    for (int c = 0; c < 3; ++c) {
+      contact.mobility +=
+          contact.share[c] * contact.share[c] * inverse_mass(touched[contact.corner[c]], contact.normal);
+    }
   }
 }
 
@@ -99,8 +111,10 @@ void BodyContacts::find(TouchedParticles& touched) {
 /// in does not matter.
 std::optional<BodyContacts::Nearest> BodyContacts::nearest(const ContactCandidates::List& list,
                                                            double search_distance) const {
+  const double facing = 1.01 * ContactSurface::facing_share * surface_.longest_edge;  // and what rounds
   std::optional<Nearest> best;
-  for (const Index t : list.triangles) {
+  for (const auto& [t, least] : list.triangles) {
+    if (least - list.nearer > (best ? best->rank + facing : search_distance)) break;
     const auto found = look(list.particle, static_cast<std::size_t>(t), search_distance);
     if (!found) continue;
     if (!best || found->rank < best->rank || (found->rank == best->rank && found->triangle < best->triangle)) {
@@ -175,10 +189,9 @@ void BodyContacts::press(Contact& contact, TouchedParticles& touched) const {
     for (int c = 0; c < 3; ++c) push(corner(c), -contact.share[c] * impulse);
   };
 
-  const double along_normal = mobility(contact.normal);
-  if (along_normal == 0.0) return;
+  if (contact.mobility == 0.0) return;
   const double lacking = -std::max(contact.gap, 0.0) / touched.dt() - contact.normal.dot(relative());
-  const double pressed = std::max(contact.pressed + lacking / along_normal, 0.0);
+  const double pressed = std::max(contact.pressed + lacking / contact.mobility, 0.0);
   if (pressed != contact.pressed) give((pressed - contact.pressed) * contact.normal);
   contact.pressed = pressed;
   if (options_.friction == 0.0 || (pressed == 0.0 && contact.rubbed == Vec3::Zero())) return;
@@ -197,15 +210,11 @@ void BodyContacts::press(Contact& contact, TouchedParticles& touched) const {
 }
 
 void BodyContacts::part(const Contact& contact, TouchedParticles& touched) {
-  if (contact.gap >= 0.0) return;
+  if (contact.gap >= 0.0 || contact.mobility == 0.0) return;
   TouchedParticles::Touched& particle = touched[contact.slot];
-  double mobility = inverse_mass(particle, contact.normal);
-  for (int c = 0; c < 3; ++c) {
-    mobility += contact.share[c] * contact.share[c] * inverse_mass(touched[contact.corner[c]], contact.normal);
-  }
-  if (mobility == 0.0) return;
   const double way =
-      std::min(-ContactSurface::parted_share * contact.gap, ContactSurface::largest_parting * contact.edge) / mobility;
+      std::min(-ContactSurface::parted_share * contact.gap, ContactSurface::largest_parting * contact.edge) /
+      contact.mobility;
   shift(particle, way * particle.inverse_mass * contact.normal);
   for (int c = 0; c < 3; ++c) {
     TouchedParticles::Touched& corner = touched[contact.corner[c]];
@@ -214,6 +223,7 @@ void BodyContacts::part(const Contact& contact, TouchedParticles& touched) {
 }
 
 void BodyContacts::act(TouchedParticles& touched) {
+  if (none_near(touched)) return;
   find(touched);
   for (int round = 0; round < options_.rounds; ++round) {
     for (Contact& contact : contacts_) press(contact, touched);

@@ -29,6 +29,7 @@ class BodyContacts {
 
   void follow(const Scene& scene);  ///< allocates
   bool empty() const { return surface_.particles.empty(); }
+  void forget() { gone_ = NAN; }  ///< places changed otherwise than step by step
 
   void act(TouchedParticles& touched);
 
@@ -41,6 +42,7 @@ class BodyContacts {
     Vec3 normal{0, 0, 0};                    // away from the triangle
     double gap = 0.0;                        // m, at the step's start; negative: overlap
     double edge = 0.0;                       // m, of the triangle, about
+    double mobility = 0.0;                   // 1/kg, along the normal
     double pressed = 0.0;                    // N s, so far
     Vec3 rubbed{0, 0, 0};                    // N s, so far, across the normal
   };
@@ -51,6 +53,7 @@ class BodyContacts {
     bool inside = false;
   };
 
+  bool none_near(const TouchedParticles& touched) const;
   void find(TouchedParticles& touched);
   std::optional<Nearest> nearest(const ContactCandidates::List& list, double search_distance) const;
   std::optional<Nearest> look(std::size_t particle, std::size_t triangle, double search_distance) const;
@@ -62,6 +65,8 @@ class BodyContacts {
   ContactSurface surface_;
   bool surface_known_ = false;  // and candidates_ of it; it is the model's, whatever else of a scene changes
   ContactCandidates candidates_;
+  double gone_ = NAN;         // m, PredictedStep::gone() at the last find()
+  std::vector<Index> rows_;   // [particles of the surface] of the model
   VecList place_, velocity_;  // [particles of the surface] m, m/s
   std::vector<Contact> contacts_;
 };

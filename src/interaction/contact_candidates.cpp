@@ -144,7 +144,7 @@ void ContactCandidates::find_skins() {
 }
 
 /// Not where a place is not finite, now or then.
-bool ContactCandidates::hold(std::span<const Vec3> place, double margin) const {
+bool ContactCandidates::hold(std::span<const Vec3> place, double margin) {
   if (!complete_) return false;
   Vec3 low = Vec3::Constant(HUGE_VAL), high = Vec3::Constant(-HUGE_VAL), sum = Vec3::Zero();
   for (std::size_t k = 0; k < place.size(); ++k) {
@@ -156,14 +156,15 @@ bool ContactCandidates::hold(std::span<const Vec3> place, double margin) const {
     }
   }
   if (!sum.allFinite()) return false;
-  const double diagonal = (1.0 + of_length) * (high - low).norm() + of_places * (low.norm() + high.norm());
-  return diagonal <= slack_ && margin + diagonal <= margin_ + slack_;
+  nearer_ = (1.0 + of_length) * (high - low).norm() + of_places * (low.norm() + high.norm());
+  return nearer_ <= slack_ && margin + nearer_ <= margin_ + slack_;
 }
 
 void ContactCandidates::begin(std::span<const Vec3> place, double margin) {
   complete_ = false;
   ++searches_;
   margin_ = margin;
+  nearer_ = 0.0;
   slack_ = std::clamp(wanted_steps * margin, least_slack * usual_edge_, most_slack * usual_edge_);
   if (slack_ < least_steps * margin || tight_searches_ > 0) slack_ = 0.0;
   if (tight_searches_ > 0) --tight_searches_;
@@ -247,16 +248,18 @@ bool ContactCandidates::meet(const Cluster& cluster, std::size_t body) {
   return !met_.empty();
 }
 
-/// Whether a triangle may be within `distance_limit`, m. Its box alone says so where the triangle is so thin that
-/// rounding may put the nearest point anywhere on it.
-bool ContactCandidates::within(const Vec3& x, Index item, double distance_limit) const {
-  if (distance(Box{x, x}, item_box_[item]) > distance_limit * distance_limit) return false;
+/// m: a triangle is no nearer; infinite where it is not within `distance_limit`, m. Its box alone says so where the
+/// triangle is so thin that rounding may put the nearest point anywhere on it.
+double ContactCandidates::least_distance(const Vec3& x, Index item, double distance_limit) const {
+  const double of_box = distance(Box{x, x}, item_box_[item]);
+  if (of_box > distance_limit * distance_limit) return HUGE_VAL;
   const auto& corner = surface_->triangles[triangles_.items[item]].corner;
   const Vec3 &a = then_[corner[0]], &b = then_[corner[1]], &c = then_[corner[2]];
   const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
-  if (!((b - a).cross(c - a).squaredNorm() > thin * longest * longest)) return true;
+  if (!((b - a).cross(c - a).squaredNorm() > thin * longest * longest)) return (1.0 - of_nearest) * std::sqrt(of_box);
   const Vec3 share = closest_point(x, a, b, c);
-  return !((x - (share[0] * a + share[1] * b + share[2] * c)).norm() > (1.0 + of_nearest) * distance_limit);
+  const double off = (x - (share[0] * a + share[1] * b + share[2] * c)).norm();
+  return off > (1.0 + of_nearest) * distance_limit ? HUGE_VAL : (1.0 - of_nearest) * off;
 }
 
 /// Nothing where all triangles are too far away by their own edges. Else those too that may rank before one that is
@@ -279,7 +282,7 @@ bool ContactCandidates::gather(std::size_t particle, const Vec3& x, std::size_t 
   for (const Index item : met_) {
     if (is_skin(item)) continue;
     const double distance_limit = std::max(item_search_[item], usual);
-    if (distance_limit <= furthest || !within(x, item, distance_limit)) continue;
+    if (distance_limit <= furthest || least_distance(x, item, distance_limit) == HUGE_VAL) continue;
     if (!surface_->is_own_skin(own, particle, triangle_of(item))) furthest = distance_limit;
   }
   if (furthest == 0.0) return false;
@@ -287,14 +290,16 @@ bool ContactCandidates::gather(std::size_t particle, const Vec3& x, std::size_t 
   near_.clear();
   skin = skin_.data() + (itself ? skin_first_[particle] : 0);
   visit_items(here, body, furthest, [&](Index item) {
-    if (is_skin(item) || !within(x, item, furthest)) return;
-    if (surface_->is_own_skin(own, particle, triangle_of(item))) return;
-    near_.push_back(triangles_.items[item]);
+    if (is_skin(item)) return;
+    const double least = least_distance(x, item, furthest);
+    if (least == HUGE_VAL || surface_->is_own_skin(own, particle, triangle_of(item))) return;
+    near_.push_back({triangles_.items[item], least});
   });
+  std::ranges::sort(near_, {}, &Near::least);
   return true;
 }
 
-std::span<const Index> ContactCandidates::keep(std::size_t particle) {
+std::span<const ContactCandidates::Near> ContactCandidates::keep(std::size_t particle) {
   if (!keeps_) return near_;
   if (listed_.size() + near_.size() > most_each * then_.size()) {
     keeps_ = false;

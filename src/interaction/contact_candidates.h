@@ -23,10 +23,15 @@ namespace phymul::cpu {
 
 class ContactCandidates {
  public:
+  struct Near {
+    Index triangle = -1;
+    double least = 0.0;  // m: it was no nearer at the search
+  };
   /// Of one particle those of one body; rows of the surface.
   struct List {
     std::size_t particle = 0;
-    std::span<const Index> triangles;  // in no order
+    double nearer = 0.0;              // m: what may have come nearer since
+    std::span<const Near> triangles;  // those of least `least` first
   };
 
   /// Takes over a surface, which must outlive the calls of each(). Allocates.
@@ -40,7 +45,7 @@ class ContactCandidates {
   template <class Visit>
   void each(std::span<const Vec3> place, double margin, Visit visit) {
     if (hold(place, margin)) {
-      for (const Kept& kept : kept_) visit(List{kept.particle, {listed_.data() + kept.first, kept.count}});
+      for (const Kept& kept : kept_) visit(List{kept.particle, nearer_, {listed_.data() + kept.first, kept.count}});
       return;
     }
     begin(place, margin);
@@ -49,11 +54,17 @@ class ContactCandidates {
         if (!meet(cluster, body)) continue;
         for (std::size_t k = cluster.first; k < cluster.end; ++k) {
           const auto particle = static_cast<std::size_t>(particles_.items[k]);
-          if (gather(particle, place[particle], body)) visit(List{particle, keep(particle)});
+          if (gather(particle, place[particle], body)) visit(List{particle, 0.0, keep(particle)});
         }
       }
     }
     complete_ = keeps_;  // and not before, as visit and memory may throw
+  }
+
+  /// Whether each() would visit nothing, after no two places came nearer by more than this, m, since the last call.
+  bool none_within(double margin, double nearer) const {
+    const double room = slack_ - nearer_ - nearer;
+    return complete_ && kept_.empty() && room >= 0.0 && margin <= margin_ + room;
   }
 
   std::size_t searches() const { return searches_; }  ///< since follow()
@@ -72,14 +83,14 @@ class ContactCandidates {
     std::size_t particle = 0, first = 0, count = 0;
   };
 
-  bool hold(std::span<const Vec3> place, double margin) const;
+  bool hold(std::span<const Vec3> place, double margin);
   void begin(std::span<const Vec3> place, double margin);
   bool measure(std::span<const Vec3> place);
   void find_skins();
   bool meet(const Cluster& cluster, std::size_t body);
-  bool within(const Vec3& x, Index item, double distance_limit) const;
+  double least_distance(const Vec3& x, Index item, double distance_limit) const;
   bool gather(std::size_t particle, const Vec3& x, std::size_t body);
-  std::span<const Index> keep(std::size_t particle);
+  std::span<const Near> keep(std::size_t particle);
   double search_distance(double edge) const;
   template <class Visit>
   void visit_items(const Box& box, std::size_t body, double distance_limit, Visit visit) const;
@@ -102,13 +113,14 @@ class ContactCandidates {
   int tight_searches_ = 0;             // that are still to go without slack, as lists were too long with it
   bool lost_ = false;                  // a place is so far away that nothing is found
   double margin_ = 0.0, slack_ = 0.0;  // m
+  double nearer_ = 0.0;                // m: what may have come nearer until the last each()
   VecList then_;                       // [particles] where they were
   std::vector<Kept> kept_;
-  std::vector<Index> listed_;
+  std::vector<Near> listed_;
   std::vector<Box> node_box_, item_box_;           // of triangles_; a little more than rounding makes of a distance
   std::vector<double> node_search_, item_search_;  // m, by their edges
   std::vector<Index> met_;                         // items that the cluster in question meets
-  std::vector<Index> near_;                        // triangles, of the particle in question
+  std::vector<Near> near_;                         // of the particle in question
 };
 
 }  // namespace phymul::cpu

@@ -3,6 +3,13 @@
 
 namespace phymul {
 
+void PredictedStep::fetch(std::span<const Index> rows, VecList& at, VecList& velocity) const {
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    at[k] = position(rows[k]);
+    velocity[k] = predicted_velocity(rows[k]);
+  }
+}
+
 void TouchedParticles::prepare(std::span<const double> mass, std::span<const std::uint8_t> fixed, bool plane) {
   mass_ = mass;
   fixed_ = fixed;
@@ -40,6 +47,22 @@ std::size_t TouchedParticles::slot(Index particle) {
     touched.withheld = step_->withheld(particle);
   }
   return static_cast<std::size_t>(slot);
+}
+
+void TouchedParticles::fetch(std::span<const Index> rows, VecList& position, VecList& velocity) const {
+  step_->fetch(rows, position, velocity);
+  if (touched_.empty()) return;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (slot_of_[rows[k]] >= 0) velocity[k] = touched_[slot_of_[rows[k]]].velocity;
+  }
+}
+
+double TouchedParticles::going() const {
+  double longest = step_->going();
+  for (const Touched& touched : touched_) {
+    longest = std::max(longest, (dt_ * touched.velocity + touched.shift).norm());
+  }
+  return longest;
 }
 
 }  // namespace phymul

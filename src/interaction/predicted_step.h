@@ -8,6 +8,7 @@
 #include <phymul/types.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -37,6 +38,12 @@ class PredictedStep {
   virtual Vec3 predicted_velocity(Index i) const = 0;
   /// N: the elastic force that SolverOptions::max_displacement_per_step withholds in this step. v* lacks it.
   virtual Vec3 withheld(Index i) const = 0;
+  /// Positions and predicted velocities of many: [rows].
+  virtual void fetch(std::span<const Index> rows, VecList& position, VecList& velocity) const;
+  /// m: between two steps no particle has gone farther than this has grown. Infinite: not known.
+  virtual double gone() const { return HUGE_VAL; }
+  /// m: no way from x to x* is longer. Likewise.
+  virtual double going() const { return HUGE_VAL; }
   /// Appends, in an order that no number of threads changes, the particles whose way from x to x* may meet the region.
   virtual void find(const Region& region, std::vector<Index>& found) const = 0;
   virtual void add_force(Index i, const Vec3& force) = 0;  ///< N, over this step; at most once a particle
@@ -88,6 +95,9 @@ class TouchedParticles {
     const Index slot = slot_of_[particle];
     return slot < 0 ? step_->predicted_velocity(particle) : touched_[slot].velocity;
   }
+  void fetch(std::span<const Index> rows, VecList& position, VecList& velocity) const;  ///< likewise, of many
+  /// m: no particle's way in this step is longer, with the impulses and shifts so far.
+  double going() const;
   /// m, at the step's end, with the impulses and shifts so far.
   Vec3 end(Index particle) const {
     const Index slot = slot_of_[particle];

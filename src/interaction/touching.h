@@ -15,6 +15,7 @@ class Touching {
     contacts_.follow(scene);
     volumes_.follow(scene);
   }
+  void forget() { contacts_.forget(); }  ///< places changed otherwise than step by step
   bool empty() const { return contacts_.empty() && volumes_.empty(); }
 
   /// The row of a volume that cannot be restored; -1: none.

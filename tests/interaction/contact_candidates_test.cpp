@@ -54,7 +54,7 @@ Pairs pairs_that_count(const ContactSurface& surface, const VecList& place, cons
 Pairs pairs_listed(cpu::ContactCandidates& candidates, const VecList& place, double margin) {
   Pairs pairs;
   candidates.each(place, margin, [&](const cpu::ContactCandidates::List& list) {
-    for (const Index t : list.triangles) EXPECT_TRUE(pairs.insert({list.particle, t}).second);
+    for (const auto& near : list.triangles) EXPECT_TRUE(pairs.insert({list.particle, near.triangle}).second);
   });
   return pairs;
 }

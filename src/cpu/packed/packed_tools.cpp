@@ -2,6 +2,7 @@
 #include "packed_tools.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -20,6 +21,11 @@ constexpr std::size_t block_size = 32;
 /// More than rounding in floats makes of a length and its square.
 constexpr double of_floats = 1e-5;
 
+/// m: no particle goes farther in a step whose last pass left this. What rounds in floats counts.
+double longest_way(const simd::MoveSummary& moved, double dt) {
+  return (1.0 + of_floats) * dt * std::sqrt(double{moved.motion}) + 0x1p-22 * std::sqrt(double{moved.displacement});
+}
+
 /// Of the coordinates: what rounds where places and regions are compared.
 constexpr double rounding = 1e-12;
 
@@ -28,8 +34,8 @@ constexpr double rounding = 1e-12;
 /// A step whose prediction is in move.next_u and move.next_v.
 class PackedTools::Step final : public PredictedStep {
  public:
-  Step(PackedTools& tools, const simd::Move& move, ThreadPool& pool, double farthest)
-      : tools_(tools), move_(move), pool_(pool), farthest_(farthest) {}
+  Step(PackedTools& tools, const simd::Move& move, ThreadPool& pool, double farthest, double going)
+      : tools_(tools), move_(move), pool_(pool), farthest_(farthest), going_(going) {}
 
   Vec3 position(Index i) const override { return place_at(move_.u, static_cast<std::size_t>(tools_.place_of_[i])); }
 
@@ -38,6 +44,16 @@ class PackedTools::Step final : public PredictedStep {
     const float* v = move_.next_v;
     return {v[tools_.velocity_at(place, 0)], v[tools_.velocity_at(place, 1)], v[tools_.velocity_at(place, 2)]};
   }
+
+  void fetch(std::span<const Index> rows, VecList& at, VecList& velocity) const override {
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      at[k] = Step::position(rows[k]);
+      velocity[k] = Step::predicted_velocity(rows[k]);
+    }
+  }
+
+  double gone() const override { return tools_.gone_; }
+  double going() const override { return going_; }
 
   Vec3 withheld(Index i) const override {
     const float* row = &tools_.withheld_[4 * tools_.quad_of_particle(i)];
@@ -112,7 +128,7 @@ class PackedTools::Step final : public PredictedStep {
   PackedTools& tools_;
   const simd::Move& move_;
   ThreadPool& pool_;
-  const double farthest_;
+  const double farthest_, going_;
 };
 
 PackedTools::PackedTools(const PackedBody& body, const TopologyTextures& topology, int parts)
@@ -170,7 +186,8 @@ void PackedTools::ask(simd::Move& move) {
   move.was_cut = was_cut_.data();
 }
 
-bool PackedTools::act(const simd::Move& move, ThreadPool& pool, double dt, double last_dt, double farthest) {
+bool PackedTools::act(const simd::Move& move, ThreadPool& pool, double dt, double last_dt,
+                      const simd::MoveSummary& moved) {
   if (move.load != nullptr) {
     std::memcpy(load_.data(), move.load, sizeof(float) * load_.size());
   } else {
@@ -178,7 +195,8 @@ bool PackedTools::act(const simd::Move& move, ThreadPool& pool, double dt, doubl
   }
   pushed_.clear();
   shifts_.clear();
-  Step step(*this, move, pool, (1.0 + of_floats) * std::max(farthest, farthest_));
+  const double farthest = std::max(std::sqrt(double{moved.displacement}), farthest_);
+  Step step(*this, move, pool, (1.0 + of_floats) * farthest, longest_way(moved, dt));
   touched_.begin(step, dt, last_dt);
   set_.act(touched_);
   lost_volume_ = touching_.act(touched_);
@@ -196,12 +214,14 @@ void PackedTools::shift(float* next_u) {
 
 void PackedTools::reset(const Scene& scene, const State& state) {
   set_.reset(scene, state);
+  touching_.forget();
   farthest_ = std::numeric_limits<double>::infinity();
 }
 
-void PackedTools::accept(double farthest) {
+void PackedTools::accept(const simd::MoveSummary& moved, double dt) {
   set_.accept();
-  farthest_ = farthest + farthest_shift_;
+  farthest_ = std::sqrt(double{moved.displacement}) + farthest_shift_;
+  gone_ += longest_way(moved, dt) + farthest_shift_;
 }
 
 }  // namespace phymul::cpu

@@ -24,16 +24,15 @@ class PackedTools {
   bool empty() const { return set_.empty() && touching_.empty(); }
   ToolSet& set() { return set_; }
   void reset(const Scene& scene, const State& state);
-  /// The step counts; no displacement that its last pass left is larger than `farthest`, m.
-  void accept(double farthest);
+  /// The step counts. `moved`: of its last pass.
+  void accept(const simd::MoveSummary& moved, double dt);
   const ToolSet& set() const { return set_; }
 
   /// Before a moving pass, where not empty().
   void ask(simd::Move& move);
   /// After a moving pass: what tools do about where it went. True where the pass is to be done again, with loads() in
-  /// place of move.load. `last_dt`: s, of the step before; 0: none. `farthest`: m, no displacement of move.next_u is
-  /// larger.
-  bool act(const simd::Move& move, ThreadPool& pool, double dt, double last_dt, double farthest);
+  /// place of move.load. `last_dt`: s, of the step before; 0: none. `moved`: of that pass.
+  bool act(const simd::Move& move, ThreadPool& pool, double dt, double last_dt, const simd::MoveSummary& moved);
   /// Quads of the particles that the last act() pushed, and of those that shift() will move with the way of each, m.
   std::span<const std::size_t> pushed() const { return pushed_; }
   std::span<const std::pair<std::size_t, std::array<float, 3>>> shifts() const { return shifts_; }
@@ -59,6 +58,7 @@ class PackedTools {
   int lost_volume_ = -1;
   double farthest_ = 0.0;        // m: no displacement at the step's start is larger; may be infinite
   double farthest_shift_ = 0.0;  // m, of shifts_
+  double gone_ = 0.0;            // m, PredictedStep::gone()
   TouchedParticles touched_;
   // Empty without tools.
   std::vector<Index> place_of_;                                       // [particles]

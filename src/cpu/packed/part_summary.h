@@ -21,6 +21,7 @@ inline simd::MoveSummary summary_of(std::span<const PartSummary> parts) {
     all.acceleration = std::max(all.acceleration, part.acceleration);
     all.force = std::max(all.force, part.force);
     all.speed = std::max(all.speed, part.speed);
+    all.motion = std::max(all.motion, part.motion);
     all.displacement = std::max(all.displacement, part.displacement);
     all.runaway = all.runaway || part.runaway;
     all.cut = all.cut || part.cut;

@@ -169,7 +169,7 @@ class SimdSolver final : public SolverBackend {
       if (local_) local_->forces().accept();
       u_.swap(next_u_);
       v_.swap(next_v_);
-      if (!tools_.empty()) tools_.accept(std::sqrt(static_cast<double>(summary.displacement)));
+      if (!tools_.empty()) tools_.accept(summary, plan.dt);
       joints().accept();
       time_ += plan.dt;
       last_dt_ = plan.dt;
@@ -211,8 +211,7 @@ class SimdSolver final : public SolverBackend {
     }
     run(move);
     if (tools_.empty()) return -1;
-    const bool pushed =
-        tools_.act(move, pool_, plan.dt, last_dt_, std::sqrt(static_cast<double>(moved().displacement)));
+    const bool pushed = tools_.act(move, pool_, plan.dt, last_dt_, moved());
     if (local_) local_->keep_pushes(move, pushed ? tools_.loads() : nullptr);
     laps_.end(Work::tools);
     if (pushed) {

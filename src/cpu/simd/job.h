@@ -175,6 +175,7 @@ struct Move {
 /// Largest squares, but for the displacement's over free coordinates, and whether a particle ran away.
 struct MoveSummary {
   float acceleration = 0, force = 0, speed = 0, displacement = 0;
+  float motion = 0;  ///< (m/s)^2: as speed, with imposed coordinates
   bool runaway = false;
   bool cut = false;  ///< some elastic force was
 };

@@ -96,7 +96,7 @@ PHYMUL_INLINE void move_slices_of(const simd::Move& move, int slice, int end, si
   constexpr float largest_float = 3.4028234e38f;
   const Pack3 gravity{all(move.gravity[0]), all(move.gravity[1]), all(move.gravity[2])};
   const Pack dt = all(move.dt), damping = all(move.damping), runaway = all(move.runaway_squared);
-  Pack acceleration{}, push{}, speed{}, displacement{};
+  Pack acceleration{}, push{}, speed{}, motion{}, displacement{};
   Ints ran{};
   bool cut = false;
   for (; slice < end; ++slice) {
@@ -129,7 +129,9 @@ PHYMUL_INLINE void move_slices_of(const simd::Move& move, int slice, int end, si
     speed = larger(select(there, dot(free_v, free_v), Pack{}), speed);
     const Pack reached = dot(next_u, next_u);
     displacement = larger(select(there, reached, Pack{}), displacement);
-    ran |= there & ~((dot(next_v, next_v) <= runaway) & (reached <= largest_float));
+    const Pack gone = dot(next_v, next_v);
+    motion = larger(select(there, gone, Pack{}), motion);
+    ran |= there & ~((gone <= runaway) & (reached <= largest_float));
     // Slots that stand for nothing stay at 0, whatever gravity does.
     next_u = {select(there, next_u.x, Pack{}), select(there, next_u.y, Pack{}), select(there, next_u.z, Pack{})};
     store_row(move.next_u + 16 * at, next_u);
@@ -140,6 +142,7 @@ PHYMUL_INLINE void move_slices_of(const simd::Move& move, int slice, int end, si
   summary.acceleration = largest_of(acceleration);
   summary.force = largest_of(push);
   summary.speed = largest_of(speed);
+  summary.motion = largest_of(motion);
   summary.displacement = largest_of(displacement);
   summary.runaway = any_of(ran);
   summary.cut = cut;
