@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -50,6 +51,41 @@ Model two_blocks() {
   return merge_models(bodies);
 }
 
+Model organ(const Vec3& centre, const Vec3& half_axes, double spacing) {
+  Model made = make_body(solid_ellipsoid(centre, half_axes), {.spacing = spacing});
+  set_material(made, {5e3, 0.45, 1000.0});
+  return made;
+}
+
+/// Two, of which the far sides are held: groups "low/held" and "high/held".
+Model two_organs(Model low, Model high) {
+  for (Model* own : {&low, &high}) {
+    const double side = own == &low ? -1.0 : 1.0;
+    double end = -HUGE_VAL;
+    for (const Vec3& x : own->rest) end = std::max(end, side * x.z());
+    std::vector<Index> held;
+    for (Index i = 0; i < own->particle_count(); ++i) {
+      if (side * own->rest[i].z() > end - 4e-3) held.push_back(i);
+    }
+    own->add_group("held", held);
+  }
+  const NamedBody bodies[] = {{"low", &low}, {"high", &high}};
+  Model both = merge_models(bodies);
+  std::vector<Index> all = both.group("low/held");
+  for (const Index i : both.group("high/held")) all.push_back(i);
+  both.add_group("held", all);
+  return both;
+}
+
+Model organs_apart(double gap) {
+  const Vec3 half(0.035, 0.03, 0.02);
+  return two_organs(organ({0, 0, 0}, half, 6e-3), organ({0, 0, 2.0 * half.z() + gap}, half, 6e-3));
+}
+
+Model gallbladder_under_liver() {
+  return two_organs(organ({0, 0, -0.0395}, {0.03, 0.014, 0.014}, 4e-3), organ({0, 0, 0}, {0.07, 0.05, 0.025}, 7e-3));
+}
+
 std::vector<Case> cases() {
   const Vec3 size(0.05, 0.065, 0.1), leaning(3, 0, -9.81), down(0, 0, -9.81);
   const Model block = soft(make_block(size, 10, 13, 20));
@@ -63,7 +99,13 @@ std::vector<Case> cases() {
           {.name = "stacked", .model = two_blocks(), .gravity = down, .fixed = "low/z0"},
           {.name = "stacked, self off", .model = two_blocks(), .gravity = down, .fixed = "low/z0", .self = false},
           {.name = "colliding at 1 m/s", .model = two_blocks(), .thrown = {0.2, 0, -1}},
-          {.name = "colliding at 5 m/s", .model = two_blocks(), .thrown = {1, 0, -5}}};
+          {.name = "colliding at 5 m/s", .model = two_blocks(), .thrown = {1, 0, -5}},
+          {.name = "organs, 30 mm apart", .model = organs_apart(0.030), .fixed = "held"},
+          {.name = "organs, 5 mm apart", .model = organs_apart(0.005), .fixed = "held"},
+          {.name = "organs, 1 mm apart", .model = organs_apart(0.001), .fixed = "held"},
+          {.name = "organs, 0.5 mm apart", .model = organs_apart(0.0005), .fixed = "held"},
+          {.name = "organ lying on another", .model = organs_apart(0.001), .gravity = down, .fixed = "low/held"},
+          {.name = "liver, gallbladder", .model = gallbladder_under_liver(), .gravity = down, .fixed = "held"}};
 }
 
 State start_of(const Case& test) {

@@ -170,12 +170,75 @@ void compare(const Organ& organ, const Probe& probe, ToolContact contact, int si
   std::fflush(stdout);
 }
 
+/// Boxes that come by 3 mm in 30 ticks, and rest for 150. Each on its side of the body.
+void press_flat(const char* name, const Model& body, const Vec3& half, const std::vector<double>& heights) {
+  std::printf("%s, %d particles\n", name, body.particle_count());
+  for (int contact = -1; contact <= 1; ++contact) {  // without tools, ToolContact
+    Scene scene(body);
+    scene.fix("held");
+    const auto place = [](double height, double by) {
+      return ToolPose{.position = {0, 0, height - std::copysign(by, height)}};
+    };
+    for (const double height : contact < 0 ? std::vector<double>{} : heights) {
+      scene.add_tool(std::to_string(height), {.shape = Box{half},
+                                              .pose = place(height, 0.0),
+                                              .friction = 0.3,
+                                              .contact = contact == 0 ? ToolContact::particles : ToolContact::surface});
+    }
+    SolverOptions options;
+    options.threads = 1;
+    options.damping.rate = 60.0;
+    const auto solver = make_solver("cpu", body, scene, {}, options);
+    const int steps = static_cast<int>(std::ceil(tick / (0.5 * solver->stable_step())));
+    std::vector<double> seconds;
+    for (int k = 1; k <= 180; ++k) {
+      for (std::size_t row = 0; row < scene.tools().size(); ++row) {
+        scene.tool(scene.tools()[row].name).move_to(place(heights[row], 1e-4 * std::min(k, 30)));
+      }
+      const double begin = bench::processor_seconds();
+      const StepReport report = solver->step(steps, tick / steps);
+      seconds.push_back(bench::processor_seconds() - begin);
+      if (!report.ok()) throw Error(report.message());
+    }
+    std::ranges::nth_element(seconds, seconds.begin() + 90);
+    std::printf("  %-9s: a tick %.3f ms",
+                contact < 0    ? "no tool"
+                : contact == 0 ? "particles"
+                               : "surface",
+                1e3 * seconds[90]);
+    if (contact >= 0) {
+      std::printf(", force %.4f N", solver->tool_force(scene.tools().front().name).mean_force.norm());
+    }
+    std::printf("\n");
+  }
+}
+
+void press_plates_and_jaws() {
+  Model slab = make_tetrahedral_block({0.06, 0.06, 0.03}, 13, 13, 4, 0.2, 7);
+  Model lobe = make_body(solid_ellipsoid({0, 0, 0}, {0.03, 0.04, 0.01}), {.spacing = 4.9e-3});
+  std::vector<Index> bottom, end;
+  for (Vec3& x : slab.rest) x -= Vec3(0.03, 0.03, 0.015);
+  for (Index i = 0; i < slab.particle_count(); ++i) {
+    if (slab.rest[i].z() < -0.0149) bottom.push_back(i);
+  }
+  for (Index i = 0; i < lobe.particle_count(); ++i) {
+    if (lobe.rest[i].y() < -0.033) end.push_back(i);
+  }
+  slab.add_group("held", bottom);
+  lobe.add_group("held", end);
+  for (Model* body : {&slab, &lobe}) set_material(*body, {.young = 5e3, .poisson = 0.45, .density = 1000});
+  press_flat("plate of 40 mm on a slab", slab, {0.02, 0.02, 0.005}, {0.0205});
+  press_flat("plate of 80 mm on a slab", slab, {0.04, 0.04, 0.002}, {0.0175});
+  press_flat("two jaws on a lobe", lobe, {0.01, 0.012, 0.002}, {0.0125, -0.0125});
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
-  if (bench::prints_usage(argc, argv,
-                          "tool_contact [surface file in mm [spacing in mm [places a side]]], default an ellipsoid, 6 "
-                          "and 5\nForce on tools at places 1 mm apart, sliding, and the cost of a tick.")) {
+  if (bench::prints_usage(
+          argc, argv,
+          "tool_contact [surface file in mm [spacing in mm [places a side]]], default an ellipsoid, 6 "
+          "and 5\nForce on tools at places 1 mm apart, sliding, and the cost of a tick; then plates and jaws.")) {
     return 0;
   }
   const std::string file = argc > 1 ? argv[1] : "";
@@ -188,6 +251,7 @@ int main(int argc, char** argv) try {
       compare(organ, probe, contact, side, 0.0, 5e-3);
     }
   }
+  press_plates_and_jaws();
   return 0;
 } catch (const phymul::Error& error) {
   std::puts(error.what());

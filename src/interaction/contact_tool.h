@@ -74,16 +74,10 @@ Depth<S> depth_after(const ShapeIn<S>& shape, const Vector3<S>& q0, const Vector
   return {depth, (S(1.0f) / depth) * out};
 }
 
-/// The impulse along the normal that leaves the particle on the surface (or pressed into it by compliance times the
-/// force), and against its sliding that of Coulomb's law: what stops it, but at most friction times the normal one.
-/// What a placed tool covers comes out without an impulse. Else a particle that is inside at the step's start slid
-/// there over a curved surface, and is due the impulse that keeps it on its curve. `way`: q1 - q0, which in float has
-/// more digits than the difference.
+/// What touch_in_step() is for a particle that is so deep.
 template <class S>
-Touch<S> touch_in_step(const ShapeIn<S>& shape, const ContactLaw<S>& law, const Vector3<S>& q0, const Vector3<S>& q1,
-                       const Vector3<S>& way, const S& inverse_mass, const S& dt) {
-  const Depth<S> in = depth_after(shape, q0, q1, way);
-  if (!(in.depth > S(0.0f))) return {};
+Touch<S> touch_at_depth(const ShapeIn<S>& shape, const ContactLaw<S>& law, const Depth<S>& in, const Vector3<S>& q0,
+                        const Vector3<S>& way, const S& inverse_mass, const S& dt) {
   S before = S(0.0f);
   if (law.placed && law.compliance == S(0.0f)) {
     before = at_most(at_least(S(0.0f), -distance_to(shape, q0).phi), in.depth);
@@ -103,6 +97,18 @@ Touch<S> touch_in_step(const ShapeIn<S>& shape, const ContactLaw<S>& law, const 
     touch.impulse -= quotient(most, length) * slide;
   }
   return touch;
+}
+
+/// The impulse along the normal that leaves the particle on the surface (or pressed into it by compliance times the
+/// force), and against its sliding that of Coulomb's law: what stops it, but at most friction times the normal one.
+/// What a placed tool covers comes out without an impulse. Else a particle that is inside at the step's start slid
+/// there over a curved surface, and is due the impulse that keeps it on its curve. `way`: q1 - q0, which in float has
+/// more digits than the difference.
+template <class S>
+Touch<S> touch_in_step(const ShapeIn<S>& shape, const ContactLaw<S>& law, const Vector3<S>& q0, const Vector3<S>& q1,
+                       const Vector3<S>& way, const S& inverse_mass, const S& dt) {
+  const Depth<S> in = depth_after(shape, q0, q1, way);
+  return in.depth > S(0.0f) ? touch_at_depth(shape, law, in, q0, way, inverse_mass, dt) : Touch<S>{};
 }
 
 }  // namespace phymul::cpu

@@ -1,142 +1,242 @@
 // SPDX-License-Identifier: MIT
 #include "surface_press.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 namespace phymul::cpu {
 namespace {
 
-/// Of a triangle, in its longest edge at rest. No point of a triangle is farther from the nearest corner than its
-/// longest edge over the root of 3, so that triangles stretched to 2.6 times their longest edge are still found;
-/// about 1.5 times where a tool passes through them in one step.
-constexpr double reach_in_edges = 1.5;
+/// Of the longest edge at rest: what tool and body may use up lasts some tens of steps of a hand.
+constexpr double room_in_edges = 0.5;
+
+/// Below it, of the thickness, squared, depth_after() looks at the end alone.
+constexpr double short_way = 0.2499;
 
 Vec3 mean(const ContactPoints::Shares& share, const Vec3& a, const Vec3& b, const Vec3& c) {
   return share[0] * a + share[1] * b + share[2] * c;
 }
 
+/// As depth_after(): most ways are too short to pass through the tool.
+Depth<double> depth_of(const ShapeIn<double>& shape, const Vector3<double>& from, const Vector3<double>& to,
+                       const Vector3<double>& way) {
+  if (inner_product(way, way) > short_way * shape.thickness * shape.thickness) return depth_after(shape, from, to, way);
+  const Distance<double> end = distance_to(shape, to);
+  return {-end.phi, end.normal};
+}
+
+/// The face of a box that is its nearest surface to a place inside or before it: twice its axis, one more at the
+/// negative end; -1: the place is over an edge. Places of one face are convex: a triangle whose corners are there
+/// touches no other.
+int face_of(const ShapeIn<double>& box, const Vec3& q) {
+  const Vec3 off = q.cwiseAbs() - packed(box.size);
+  int axis = 0;
+  off.maxCoeff(&axis);
+  if ((off.array() > 0.0).count() > 1) return -1;
+  return 2 * axis + (q[axis] < 0.0 ? 1 : 0);
+}
+
 }  // namespace
 
 SurfacePress::SurfacePress(const Model& model, const Tool& tool)
-    : points_(make_contact_points(model, tool)),
-      reach_of_(model.rest.size(), 0.0),
-      corner_of_(model.rest.size(), -1),
-      is_near_(points_.patches.size(), 0) {
+    : points_(make_contact_points(model, tool)), corner_of_(model.rest.size(), -1) {
   corners_.reserve(model.rest.size());
+  loaded_.reserve(model.rest.size());
   near_.reserve(points_.patches.size());
-  pressed_.reserve(points_.most_points);
+  pressed_.reserve(points_.most_points + model.rest.size());
   for (const ContactPoints::Patch& patch : points_.patches) {
     for (int c = 0; c < 3; ++c) {
       const Vec3 edge = model.rest[patch.corner[(c + 1) % 3]] - model.rest[patch.corner[c]];
-      for (const Index row : patch.corner) reach_of_[row] = std::max(reach_of_[row], reach_in_edges * edge.norm());
+      room_ = std::max(room_, room_in_edges * edge.norm());
     }
   }
-  reach_ = std::ranges::max(reach_of_);
 }
 
-std::size_t SurfacePress::corner(Index row, const ToolFrame& start, const ToolFrame& end, TouchedParticles& touched) {
-  if (corner_of_[row] < 0) {
-    corner_of_[row] = static_cast<Index>(corners_.size());
-    Corner& made = corners_.emplace_back();
-    made.slot = touched.slot(row);
-    const TouchedParticles::Touched& particle = touched[made.slot];
-    made.from = start.inside(particle.position);
-    made.to = end.inside(particle.end(touched.dt()) + particle.shift);
-    made.inverse_mass = particle.held || particle.fixed == 7 ? 0.0 : particle.inverse_mass;
-  }
-  return static_cast<std::size_t>(corner_of_[row]);
+/// A triangle comes nearer to the tool by no more than both go, and its corners leave its middle by no more than twice
+/// what the body goes.
+bool SurfacePress::knows_near(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
+                              const TouchedParticles& touched) const {
+  const auto moved = [&](const ToolFrame& from, const ToolFrame& to) {
+    return (to.position - from.position).norm() + (to.turn - from.turn).norm() * (lever_ + room_);
+  };
+  const double going = touched.going(), body = touched.step().gone() - gone_ + going_ + going;
+  const double used = 3.0 * body + moved(then_, end) + going + moved(start, end);
+  // Distances in a grid, and beyond it, may change faster than places do.
+  return (shape.kind == ShapeKind::grid ? 2.0 : 1.0) * used <= room_;
 }
 
-void SurfacePress::gather(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
-                          const std::vector<Index>& near, TouchedParticles& touched) {
+void SurfacePress::find_near(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
+                             const TouchedParticles& touched) {
+  then_ = end;
+  gone_ = touched.step().gone();
+  going_ = touched.going();
   near_.clear();
   corners_.clear();
-  pressed_.clear();
-  for (const Index row : near) {
-    if (points_.patch_first[row] == points_.patch_first[row + 1]) continue;
-    const Vec3 from = start.inside(touched.step().position(row)), to = end.inside(touched.end(row));
-    if (distance_to(shape, unpacked(to)).phi > reach_of_[row] + (to - from).norm()) continue;
-    for (std::size_t k = points_.patch_first[row]; k < points_.patch_first[row + 1]; ++k) {
-      const Index patch = points_.patch_of[k];
-      if (is_near_[patch] == 0) near_.push_back({patch, {}});
-      is_near_[patch] = 1;
-    }
+  for (Index patch = 0; patch < static_cast<Index>(points_.patches.size()); ++patch) {
+    if (may_touch(shape, corners_of(patch, start, end, touched), room_)) near_.push_back(patch);
   }
-  // Not in the backend's order, so that all backends add up alike.
-  std::ranges::sort(near_, {}, &Near::patch);
-  for (Near& own : near_) {
-    is_near_[own.patch] = 0;
-    const auto& row = points_.patches[own.patch].corner;
-    for (int c = 0; c < 3; ++c) own.corner[c] = corner(row[c], start, end, touched);
+  lever_ = 0.0;
+  for (const Corner& corner : corners_) {
+    lever_ = std::max(lever_, corner.to.norm());
+    corner_of_[corner.row] = -1;
   }
 }
 
-/// Whether a point of the triangle may be in the tool at the step's end, or have gone through it.
-bool SurfacePress::may_touch(const ShapeIn<double>& shape, const Near& near) const {
-  const Corner &a = corners_[near.corner[0]], &b = corners_[near.corner[1]], &c = corners_[near.corner[2]];
+SurfacePress::Corners SurfacePress::corners_of(Index patch, const ToolFrame& start, const ToolFrame& end,
+                                               const TouchedParticles& touched) {
+  Corners all{};
+  for (int c = 0; c < 3; ++c) {
+    const Index row = points_.patches[patch].corner[c];
+    if (corner_of_[row] < 0) {
+      corner_of_[row] = static_cast<Index>(corners_.size());
+      Corner& made = corners_.emplace_back();
+      made.row = row;
+      made.from = start.inside(touched.step().position(row));
+      made.to = end.inside(touched.end(row));
+    }
+    all[c] = static_cast<std::size_t>(corner_of_[row]);
+  }
+  return all;
+}
+
+/// Whether a point of the triangle may be in the tool at the step's end, or have gone through it, if it comes nearer by
+/// `room`, m.
+bool SurfacePress::may_touch(const ShapeIn<double>& shape, const Corners& of, double room) const {
+  const Corner &a = corners_[of[0]], &b = corners_[of[1]], &c = corners_[of[2]];
   const Vec3 middle = (a.to + b.to + c.to) / 3.0;
   double far = 0.0, way = 0.0;  // squared
   for (const Corner* own : {&a, &b, &c}) {
     far = std::max(far, (own->to - middle).squaredNorm());
     way = std::max(way, (own->to - own->from).squaredNorm());
   }
-  return distance_to(shape, unpacked(middle)).phi <= std::sqrt(far) + std::sqrt(way);
+  return distance_to(shape, unpacked(middle)).phi <= std::sqrt(far) + std::sqrt(way) + room;
 }
 
-SurfacePress::Way SurfacePress::way_of(Index row, std::int32_t point) const {
-  const Near& near = near_[row];
-  const ContactPoints::Shares& share = (*points_.patches[near.patch].points)[point];
-  const Corner &a = corners_[near.corner[0]], &b = corners_[near.corner[1]], &c = corners_[near.corner[2]];
-  return {unpacked(mean(share, a.from, b.from, c.from)), unpacked(mean(share, a.to, b.to, c.to))};
+/// Whether no point of the triangle passes through the tool in this step.
+bool SurfacePress::is_short(const ShapeIn<double>& shape, const Corners& of) const {
+  return std::ranges::all_of(of, [&](std::size_t c) {
+    return (corners_[c].to - corners_[c].from).squaredNorm() <= short_way * shape.thickness * shape.thickness;
+  });
 }
 
-/// Finds the points that are in the tool at the step's end, their load on each particle, and what that makes of them.
-void SurfacePress::find_pressed(const ShapeIn<double>& shape) {
-  for (Index k = 0; k < static_cast<Index>(near_.size()); ++k) {
-    if (!may_touch(shape, near_[k])) continue;
-    const ContactPoints::Patch& patch = points_.patches[near_[k].patch];
-    for (std::int32_t p = 0; p < static_cast<std::int32_t>(patch.points->size()); ++p) {
-      const Way way = way_of(k, p);
-      const double depth = depth_after(shape, way.from, way.to, way.to - way.from).depth;
-      if (!(depth > 0.0)) continue;
-      const double load = patch.area * depth;
-      pressed_.push_back({k, p, load});
-      for (int c = 0; c < 3; ++c) corners_[near_[k].corner[c]].load += (*patch.points)[p][c] * load;
+/// A flat face that presses some points of a triangle presses those in between as well: only the outermost act, for all
+/// of them. True where the corners themselves are before one face: then they act.
+bool SurfacePress::find_flat(const ShapeIn<double>& shape, const ContactPoints::Patch& patch, const Corners& of) {
+  if (shape.kind == ShapeKind::half_space) return true;
+  const Vec3 &a = corners_[of[0]].to, &b = corners_[of[1]].to, &c = corners_[of[2]].to;
+  const int before = face_of(shape, a);
+  if (before >= 0 && before == face_of(shape, b) && before == face_of(shape, c)) return true;
+  const Vec3 around = packed(shape.size).array() + shape.margin;
+  if ((a.cwiseMin(b).cwiseMin(c).array() >= around.array()).any() ||
+      (a.cwiseMax(b).cwiseMax(c).array() <= -around.array()).any()) {
+    return false;
+  }
+  struct Group {
+    int count = 0;
+    std::array<const ContactPoints::Shares*, 3> outermost{};
+  };
+  std::array<Group, 6> groups;
+  for (const ContactPoints::Shares& share : *patch.points) {
+    const Vec3 q = mean(share, a, b, c);
+    if (!(q.array().abs() < around.array()).all()) continue;
+    const int face = face_of(shape, q);
+    if (face < 0) {
+      find(shape, of, share, patch.area);
+      continue;
     }
+    Group& group = groups[face];
+    ++group.count;
+    for (int k = 0; k < 3; ++k) {
+      if (!group.outermost[k] || share[k] > (*group.outermost[k])[k]) group.outermost[k] = &share;
+    }
+  }
+  for (const auto& [count, outermost] : groups) {
+    for (int k = 0; k < 3 && count > 0; ++k) {
+      if (std::ranges::find(outermost, outermost[k]) - outermost.begin() < k) continue;
+      const auto times = std::ranges::count(outermost, outermost[k]);
+      find(shape, of, *outermost[k], static_cast<double>(times * count) / 3.0 * patch.area);
+    }
+  }
+  return false;
+}
+
+/// Keeps a point that is in the tool at the step's end.
+void SurfacePress::find(const ShapeIn<double>& shape, const Corners& of, const ContactPoints::Shares& share,
+                        double area) {
+  const Corner &a = corners_[of[0]], &b = corners_[of[1]], &c = corners_[of[2]];
+  const Vector3<double> from = unpacked(mean(share, a.from, b.from, c.from)),
+                        to = unpacked(mean(share, a.to, b.to, c.to));
+  const double depth = depth_of(shape, from, to, to - from).depth;
+  if (!(depth > 0.0)) return;
+  pressed_.push_back({of, share, from, area * depth});
+  for (int k = 0; k < 3; ++k) corners_[of[k]].load += share[k] * pressed_.back().load;
+}
+
+/// Finds the points that touch, their load on each particle, and what that makes of them.
+void SurfacePress::find_pressed(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
+                                TouchedParticles& touched) {
+  corners_.clear();
+  loaded_.clear();
+  pressed_.clear();
+  for (const Index row : near_) {
+    const Corners of = corners_of(row, start, end, touched);
+    if (!may_touch(shape, of, 0.0)) continue;
+    const ContactPoints::Patch& patch = points_.patches[row];
+    const bool is_flat = shape.kind == ShapeKind::box || shape.kind == ShapeKind::half_space;
+    if (is_flat && is_short(shape, of)) {
+      if (!find_flat(shape, patch, of)) continue;
+      const double area = patch.area * static_cast<double>(patch.points->size()) / 3.0;
+      for (const std::size_t c : of) corners_[c].area += area;
+    } else {
+      for (const ContactPoints::Shares& share : *patch.points) find(shape, of, share, patch.area);
+    }
+  }
+  // The same corner of several triangles is one point.
+  for (std::size_t k = 0; k < corners_.size(); ++k) {
+    if (corners_[k].area > 0.0) find(shape, {k, k, k}, {1.0, 0.0, 0.0}, corners_[k].area);
+  }
+  for (std::size_t k = 0; k < corners_.size(); ++k) {
+    Corner& corner = corners_[k];
+    corner_of_[corner.row] = -1;
+    if (!(corner.load > 0.0)) continue;
+    loaded_.push_back(k);
+    corner.slot = touched.slot(corner.row);
+    const TouchedParticles::Touched& particle = touched[corner.slot];
+    corner.inverse_mass = particle.held || particle.fixed == 7 ? 0.0 : particle.inverse_mass;
   }
   for (Pressed& point : pressed_) {
-    const Near& near = near_[point.near];
-    const ContactPoints::Shares& share = (*points_.patches[near.patch].points)[point.point];
     for (int c = 0; c < 3; ++c) {
-      const Corner& corner = corners_[near.corner[c]];
-      point.inverse_mass += share[c] * corner.load / point.load * corner.inverse_mass;
-      point.crowd += share[c] * corner.load / point.load;
+      const Corner& corner = corners_[point.corner[c]];
+      point.inverse_mass += point.share[c] * corner.load / point.load * corner.inverse_mass;
+      point.crowd += point.share[c] * corner.load / point.load;
     }
   }
 }
 
-/// Particles take nothing before hand_over().
-void SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt) {
-  const Near& near = near_[point.near];
-  const ContactPoints::Shares& share = (*points_.patches[near.patch].points)[point.point];
-  const std::array<Corner*, 3> corner{&corners_[near.corner[0]], &corners_[near.corner[1]], &corners_[near.corner[2]]};
-  if (!(point.inverse_mass > 0.0)) return;
+/// Particles take nothing before hand_over(). Whether there is something for them.
+bool SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt) {
+  if (!(point.inverse_mass > 0.0)) return false;
+  const std::array<Corner*, 3> corner{&corners_[point.corner[0]], &corners_[point.corner[1]],
+                                      &corners_[point.corner[2]]};
+  const Vector3<double> to = unpacked(mean(point.share, corner[0]->to, corner[1]->to, corner[2]->to));
+  const Vector3<double> way = to - point.from;
+  const Depth<double> in = depth_of(shape, point.from, to, way);
+  if (!(in.depth > 0.0)) return false;
   ContactLaw<double> own_law = law;
   own_law.compliance *= point.crowd;  // so that a patch that moves as one is as compliant as its particles
-  const Way way = way_of(point.near, point.point);
-  const Touch<double> touch =
-      touch_in_step(shape, own_law, way.from, way.to, way.to - way.from, point.inverse_mass, dt);
-  if (!touch.touches) return;
+  const Touch<double> touch = touch_at_depth(shape, own_law, in, point.from, way, point.inverse_mass, dt);
   for (int c = 0; c < 3; ++c) {
-    corner[c]->impulse += share[c] * packed(touch.impulse);
-    corner[c]->shift += share[c] / point.inverse_mass * packed(touch.shift);
+    corner[c]->impulse += point.share[c] * packed(touch.impulse);
+    corner[c]->shift += point.share[c] / point.inverse_mass * packed(touch.shift);
   }
+  return true;
 }
 
 /// What a round gave to particles that can take it.
 void SurfacePress::hand_over(const ToolFrame& end, TouchedParticles& touched) {
-  for (Corner& corner : corners_) {
+  for (const std::size_t k : loaded_) {
+    Corner& corner = corners_[k];
     if (corner.impulse == Vec3::Zero() && corner.shift == Vec3::Zero()) continue;
     if (corner.inverse_mass > 0.0) {
       TouchedParticles::Touched& particle = touched[corner.slot];
@@ -151,20 +251,20 @@ void SurfacePress::hand_over(const ToolFrame& end, TouchedParticles& touched) {
 }
 
 void SurfacePress::act(const ShapeIn<double>& shape, const ContactLaw<double>& law, const ToolFrame& start,
-                       const ToolFrame& end, const std::vector<Index>& near, TouchedParticles& touched,
-                       ToolForce& force) {
+                       const ToolFrame& end, TouchedParticles& touched, ToolForce& force) {
   const double dt = touched.dt();
-  gather(shape, start, end, near, touched);
-  find_pressed(shape);
-  const int rounds = pressed_.empty() ? 0 : rounds_of_surface(law.placed);
-  for (int round = 0; round < rounds; ++round) {
-    for (const Pressed& point : pressed_) press(shape, law, point, dt);
+  if (!knows_near(shape, start, end, touched)) find_near(shape, start, end, touched);
+  find_pressed(shape, start, end, touched);
+  for (int round = 0; round < rounds_of_surface(law.placed); ++round) {
+    bool any = false;
+    for (const Pressed& point : pressed_) any |= press(shape, law, point, dt);
+    if (!any) break;
     hand_over(end, touched);
   }
-  for (const Corner& corner : corners_) {
-    TouchedParticles::Touched& particle = touched[corner.slot];
-    corner_of_[particle.particle] = -1;
+  for (const std::size_t k : loaded_) {
+    const Corner& corner = corners_[k];
     if (corner.given == Vec3::Zero()) continue;
+    TouchedParticles::Touched& particle = touched[corner.slot];
     react(force, end, particle.position, corner.given + dt * TouchedParticles::borne(particle, corner.given), dt);
   }
 }

@@ -12,10 +12,15 @@
 // number of points and the triangles' shape. So a round does not overshoot, its result does not depend on the order of
 // points, and what lies evenly deep comes out in one round. Because a point that begins to touch has no load, the force
 // is continuous as a tool slides. The next step starts from what the last round leaves.
+//
+// A flat face presses a triangle that lies before it at its corners: so under a plate a particle is one point, as with
+// ToolContact::particles. Of a triangle that lies over the face's border the outermost of the points before it act.
+//
+// Which triangles a tool may touch is found with some room to spare and kept while body and tool use it up.
 #pragma once
 
 #include <array>
-#include <cstdint>
+#include <cmath>
 #include <vector>
 
 #include "contact_points.h"
@@ -42,54 +47,59 @@ class SurfacePress {
   /// Allocates; act() does not.
   SurfacePress(const Model& model, const Tool& tool);
 
-  /// m: no tool touches a triangle whose corners are all farther away from it, unless it is stretched (see the .cpp).
-  double reach() const { return reach_; }
+  /// Places changed otherwise than step by step.
+  void forget() { gone_ = NAN; }
 
-  /// `near`: particles within reach of the tool, in any order that no number of threads changes. Impulses go to
-  /// `touched`, and what they took to `force`.
+  /// Impulses go to `touched`, and what they took to `force`.
   void act(const ShapeIn<double>& shape, const ContactLaw<double>& law, const ToolFrame& start, const ToolFrame& end,
-           const std::vector<Index>& near, TouchedParticles& touched, ToolForce& force);
+           TouchedParticles& touched, ToolForce& force);
 
  private:
   struct Corner {  // a particle, in the tool's frame
-    std::size_t slot = 0;
+    Index row = -1;
+    std::size_t slot = 0;                   // where load is not 0; likewise inverse_mass
     Vec3 from{0, 0, 0}, to{0, 0, 0};        // m, of its way in this step, with the impulses of past rounds
     double inverse_mass = 0.0;              // 1/kg, 0 where it is imposed or held
+    double area = 0.0;                      // m^2, that it stands for where triangles are pressed at their corners
     double load = 0.0;                      // m^3: sum over the points that touch of share times load
     Vec3 impulse{0, 0, 0}, shift{0, 0, 0};  // N s and kg m, of this round
     Vec3 given{0, 0, 0};                    // N s, of all rounds, in the world
   };
-  struct Near {  // a patch
-    Index patch = -1;
-    std::array<std::size_t, 3> corner{};  // of corners_
-  };
-  struct Pressed {                           // a point that touches in the first round
-    Index near = -1;                         // row of near_
-    std::int32_t point = 0;                  // of its patch
-    double load = 0.0;                       // m^3: its area times its depth
-    double inverse_mass = 0.0, crowd = 0.0;  // 1/kg: a_s; and the same without the particles' inverse masses
-  };
-  struct Way {  // of a point, m, in the tool's frame
-    Vector3<double> from, to;
+  using Corners = std::array<std::size_t, 3>;  // of a triangle, in corners_
+  struct Pressed {                             // a point that touches in the first round
+    Corners corner{};
+    ContactPoints::Shares share{};         // of them
+    Vector3<double> from;                  // m, in the tool's frame
+    double load = 0.0;                     // m^3: its area times its depth
+    double inverse_mass = 0.0, crowd = 0;  // 1/kg: a_s; and the same without the particles' inverse masses
   };
 
-  void gather(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
-              const std::vector<Index>& near, TouchedParticles& touched);
-  std::size_t corner(Index row, const ToolFrame& start, const ToolFrame& end, TouchedParticles& touched);
-  bool may_touch(const ShapeIn<double>& shape, const Near& near) const;
-  Way way_of(Index row, std::int32_t point) const;
-  void find_pressed(const ShapeIn<double>& shape);
-  void press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt);
+  Corners corners_of(Index patch, const ToolFrame& start, const ToolFrame& end, const TouchedParticles& touched);
+  bool may_touch(const ShapeIn<double>& shape, const Corners& of, double room) const;
+  bool knows_near(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
+                  const TouchedParticles& touched) const;
+  void find_near(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
+                 const TouchedParticles& touched);
+  bool is_short(const ShapeIn<double>& shape, const Corners& of) const;
+  bool find_flat(const ShapeIn<double>& shape, const ContactPoints::Patch& patch, const Corners& of);
+  void find(const ShapeIn<double>& shape, const Corners& of, const ContactPoints::Shares& share, double area);
+  void find_pressed(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
+                    TouchedParticles& touched);
+  bool press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt);
   void hand_over(const ToolFrame& end, TouchedParticles& touched);
 
   ContactPoints points_;
-  std::vector<double> reach_of_;  // [N] m, as reach(), of the triangles that have the particle
-  double reach_ = 0.0;            // m, the largest
   std::vector<Index> corner_of_;  // [N] of corners_, -1: not in this step
-  std::vector<char> is_near_;     // [patches]
   std::vector<Corner> corners_;
-  std::vector<Near> near_;
+  std::vector<std::size_t> loaded_;  // of corners_
   std::vector<Pressed> pressed_;
+
+  // Of the last find_near().
+  std::vector<Index> near_;          // patches, ascending
+  double room_ = 0.0;                // m, that body and tool may use up
+  double lever_ = 0.0;               // m: no corner was farther from the tool's position
+  ToolFrame then_{ToolPose{}};       // of its step's end
+  double gone_ = NAN, going_ = 0.0;  // m, of its step
 };
 
 }  // namespace phymul::cpu

@@ -84,6 +84,7 @@ void ToolSet::reset(const Scene& scene, const State& state) {
   for (std::size_t row = 0; row < tools_.size(); ++row) {
     Moving& tool = tools_[row];
     const ToolState* const known = tool.moved.reset(scene.tools()[row], state, scene.model().mass, !was_reset_);
+    if (tool.surface) tool.surface->forget();
     if (tool.needle) {
       tool.needle->restore(known ? known->needle : NeedleState{});
       tool.moved.report.shaft = tool.needle->state().shaft;
@@ -151,13 +152,13 @@ void ToolSet::hold(Moving& tool, TouchedParticles& touched) {
 
 void ToolSet::press(Moving& tool, TouchedParticles& touched) {
   const ToolFrame start(tool.moved.motion.pose), end(tool.moved.motion.next_pose);
-  const double dt = touched.dt(), reach = tool.surface ? tool.surface->reach() : 0.0;
-  found_.clear();
-  touched.step().find(swept_bounds(tool.shape, tool.bounds, start, end, reach), found_);
+  const double dt = touched.dt();
   if (tool.surface) {
-    tool.surface->act(tool.shape, tool.law, start, end, found_, touched, tool.next_force);
+    tool.surface->act(tool.shape, tool.law, start, end, touched, tool.next_force);
     return;
   }
+  found_.clear();
+  touched.step().find(swept_bounds(tool.shape, tool.bounds, start, end, 0.0), found_);
   for (const Index i : found_) {
     TouchedParticles::Touched& particle = touched[touched.slot(i)];
     if (particle.held || particle.fixed == 7) continue;

@@ -164,6 +164,48 @@ TEST_P(ToolSurfaceOn, FrictionStaysInCoulombsConeAndReachesIt) {
   EXPECT_NEAR(share, 0.3, 0.01);
 }
 
+/// Under a face particles are the points that act.
+TEST(ToolSurface, AFaceThatCoversTheSurfaceFeelsWhatItFeelsAtParticles) {
+  const Model model = slab();
+  const Vec3 from = top_middle + Vec3(0, 0, 0.01);
+  double force[2];
+  for (const ToolContact contact : {ToolContact::particles, ToolContact::surface}) {
+    PressedSlab pressed(model, {.shape = Box{{0.04, 0.04, 0.01}}, .pose = {.position = from}, .contact = contact});
+    force[static_cast<std::size_t>(contact)] = pressed.press(from, 1e-3).mean_force.z();
+  }
+  EXPECT_NEAR(force[1], force[0], 1e-4 * force[0]);
+}
+
+/// One solver keeps the triangles that are near, the other looks for them anew before every call.
+TEST(ToolSurface, KeptAndFreshTrianglesHaveTheSameBits) {
+  const Model model = slab();
+  Scene kept_scene(model), fresh_scene(model);
+  for (Scene* scene : {&kept_scene, &fresh_scene}) {
+    scene->fix("z0").add_tool("ball", ball_of(cell, ToolContact::surface));
+    scene->add_tool("blade", {.shape = Box{{0.012, 0.001, 0.01}},
+                              .pose = {.position = top_middle + Vec3(0.01, 0.01, 0.013)},
+                              .contact = ToolContact::surface});
+  }
+  const auto kept = make_solver("cpu", model, kept_scene, {}, damped(100.0)),
+             fresh = make_solver("cpu", model, fresh_scene, {}, damped(100.0));
+  const double dt = 0.5 * kept->stable_step();
+  for (int k = 1; k <= 200; ++k) {
+    fresh->restore(fresh->snapshot());
+    for (Scene* scene : {&kept_scene, &fresh_scene}) {
+      const double deep = k <= 100 ? 5e-5 * k : 5e-3 - 1e-4 * (k - 100);
+      scene->tool("ball").move_to({.position = top_middle + Vec3(-1e-4 * k, 0, cell + 1e-3 - deep)});
+      scene->tool("blade").move_to({.position = top_middle + Vec3(0.01, 0.01, 0.013 - deep),
+                                    .orientation = Quaternion(Eigen::AngleAxisd(0.01 * k, Vec3::UnitZ()))});
+    }
+    ASSERT_TRUE(is_ok(kept->step(2, dt)));
+    ASSERT_TRUE(is_ok(fresh->step(2, dt)));
+    ASSERT_EQ(kept->read(), fresh->read()) << k;
+    if (k == 100) {
+      EXPECT_GT(largest_distance(kept->read().position, model.rest), 1e-3);  // they do touch
+    }
+  }
+}
+
 TEST(ToolSurface, NeedlesAreRefusedAndAutoTakesTheProcessor) {
   const Model model = slab();
   Scene scene(model);
