@@ -118,20 +118,15 @@ std::vector<double> own_stiffness(const Model& model, const CellsAround& cells) 
 
 struct Transfer {
   std::vector<double> mass;  // [N] kg
-  double moved = 0.0;        // kg
   bool is_done = false;      // each particle has what it needs
 };
 
 /// Each particle with less than stiffness / bound asks those in its cells that have enough, in proportion to what they
 /// can give, until none does.
-Transfer transfer(const CellsAround& cells, const std::vector<double>& stiffness, const std::vector<double>& mass,
-                  double bound, double most) {
+Transfer transfer(const CellsAround& cells, const std::vector<double>& stiffness, std::vector<double> mass,
+                  double bound) {
   const std::size_t count = mass.size();
-  Transfer result;
-  double wanted = 0.0;
-  for (std::size_t i = 0; i < count; ++i) wanted += std::max(0.0, stiffness[i] / bound - mass[i]);
-  if (wanted > most) return result;
-  result.mass = mass;
+  Transfer result{.mass = std::move(mass)};
   const auto spare = [&](std::size_t i) { return result.mass[i] - stiffness[i] / bound; };
   const auto lacks = [&](std::size_t i) { return spare(i) < -lightness * result.mass[i]; };
   struct Giver {
@@ -235,27 +230,35 @@ MassBalance balance_masses(const Model& model, std::vector<double>& mass) {
     highest = std::max(highest, stiffness[i] / mass[i]);
   }
   if (!(sum > 0.0)) return {};
+  const double most = model.most_mass_moved * total;
   double low = std::log(sum / total), high = std::log(highest);
-  Transfer best{.mass = mass};
+  std::vector<double> moved_so_far = mass, best = mass;
+  MassBalance balance;
   for (int k = 0; k < halvings; ++k) {
-    const double middle = 0.5 * (low + high);
-    Transfer tried = transfer(cells, stiffness, mass, std::exp(middle), model.most_mass_moved * total);
-    if (tried.is_done) keep_moments(model.rest, mass, tried.mass);
-    tried.moved = tried.is_done ? moved_between(mass, tried.mass) : 0.0;
-    if (tried.is_done && tried.moved <= model.most_mass_moved * total) {
-      high = middle;
-      best = std::move(tried);
-    } else {
-      low = middle;
-    }
+    const double below = low, middle = 0.5 * (low + high), bound = std::exp(middle);
+    low = middle;  // unless the bound is reached
+    double wanted = 0.0;
+    for (std::size_t i = 0; i < mass.size(); ++i) wanted += std::max(0.0, stiffness[i] / bound - mass[i]);
+    if (wanted > most) continue;
+    Transfer tried = transfer(cells, stiffness, moved_so_far, bound);
+    if (!tried.is_done) continue;
+    std::vector<double> corrected = tried.mass;
+    keep_moments(model.rest, mass, corrected);
+    const double moved = moved_between(mass, corrected);
+    if (moved > most) continue;
+    low = below;
+    high = middle;
+    balance.moved = moved / total;
+    best = std::move(corrected);
+    moved_so_far = std::move(tried.mass);
   }
   double reached = 0.0;
   for (std::size_t i = 0; i < mass.size(); ++i) {
-    if (mass[i] > 0.0) reached = std::max(reached, stiffness[i] / best.mass[i]);
+    if (mass[i] > 0.0) reached = std::max(reached, stiffness[i] / best[i]);
   }
-  const MassBalance balance{.moved = best.moved / total, .gain = std::sqrt(highest / reached)};
+  balance.gain = std::sqrt(highest / reached);
   if (!(balance.gain >= least_gain)) return {};
-  mass = std::move(best.mass);
+  mass = std::move(best);
   return balance;
 }
 
