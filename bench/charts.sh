@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 #
-# Makes every chart and table of docs/measurements/charts.md and docs/measurements/stability.md: builds, measures, draws.
+# Makes every chart and table of docs/measurements/charts.md, peers.md and stability.md: builds, measures, draws.
 #   sh bench/charts.sh [--quick] [--out DIR] [--draw-only] [--methods a,b,...] [--backends a,b,...] [--wall-cap SECONDS]
 # Default DIR: out/charts. --quick takes coarse bodies only and under 3 minutes; --draw-only redraws what is in DIR.
 # Measure on a quiet machine: times are wall times.
@@ -43,11 +43,13 @@ if [ -z "$draw_only" ]; then
     peer="--reference-steps 1000 --slow-steps 200 --steps 70,100,200,1000 --bullet-steps 10,50 --repeats 2"
     trajectory="--finest 16 --most-steps 1024"
     atlas="--cells 2 --steps 2000 --most-particles 40"
+    peer_caps=4 peer_particles=450
   else
     precision="--most-particles 4096 --most-particles-in-reference 800 --steps 0.9,0.5 --wall-cap ${wall_cap:-10}"
     peer=""
     trajectory=""
     atlas=""
+    peer_caps="20 4 4" peer_particles=40000  # rounds: the first comes to rest, the others only time the steps
   fi
   bin=build/charts/bench
   # $precision and the like are lists of words.
@@ -56,9 +58,18 @@ if [ -z "$draw_only" ]; then
   $bin/peer_cube $peer --backends "$backends" --out "$out/soft_cube.csv"
   $bin/trajectory_error $trajectory --backends "$backends" --order "$out/order_in_time.csv" \
     --equivalence "$out/equivalence.csv"
+  peer_cases=bench/reference/peers round=0
+  [ ! -e bench/reference/bean_10000.vtu ] || peer_cases=$peer_cases,bench/reference/fine/bean_fine.case
+  rm -f "$out"/peers_*.csv
+  for cap in $peer_caps; do
+    round=$((round + 1))
+    $bin/work_precision --cases $peer_cases --methods particle_averaged,neo_hookean --backends cpu --threads 1 \
+      --rest steps --most-particles $peer_particles --wall-cap "$cap" --out "$out/peers_$round.csv"
+  done
   $bin/stability_atlas $atlas --limits "$out/stability_limits.csv" --recovery "$out/stability_recovery.csv" \
     --rates "$out/stability_rates.csv"
 fi
 "$python" bench/charts/draw.py "$out"
 "$python" bench/charts/draw_stability.py "$out"
+"$python" bench/charts/draw_peers.py "$out"
 echo "charts, tables and CSV files are in $out"

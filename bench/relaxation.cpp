@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <numbers>
 #include <vector>
 
@@ -57,11 +58,18 @@ double stiffness_over_mass(const TopologyTextures& topology, const VecList& from
 
 constexpr std::size_t timed_runs = 5;
 
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
 class Relaxing {
  public:
   Relaxing(std::shared_ptr<const TopologyTextures> topology, const Scene& scene, const RelaxationPlan& plan)
       : topology_(std::move(topology)), scene_(scene), plan_(plan) {
     options_.on_unstable = UnstableStep::allow;
+    options_.threads = plan.threads;
     options_.spectrum = estimate_spectrum(*topology_, topology_->rest);
     result_.stable_step = stable_step(*options_.spectrum, 1.0);
     result_.dt = plan.step_share * result_.stable_step;
@@ -174,23 +182,24 @@ class Relaxing {
     for (const SceneTool& tool : scene_.tools()) {
       result_.tool_force[tool.name] = damped->tool_force(tool.name).mean_force;
     }
-    result_.wall_per_step = seconds_of_a_step(*damped, start);
+    time_steps(*damped, start);
   }
 
   /// The same steps again, in calls of step() alone: the calls above also look for cells that are folded.
-  double seconds_of_a_step(Solver& solver, const State& start) const {
-    std::vector<double> seconds;
+  void time_steps(Solver& solver, const State& start) {
+    std::vector<double> seconds, processor;
     const int steps = std::max(1, result_.steps);
     const auto began = Clock::now();
     do {
       solver.reset(start);
+      const std::clock_t processor_begin = std::clock();
       const auto begin = Clock::now();
-      const StepReport report = solver.step(steps, result_.dt);
-      seconds.push_back(seconds_since(begin) / std::max(1, report.steps));
+      const int taken = std::max(1, solver.step(steps, result_.dt).steps);
+      seconds.push_back(seconds_since(begin) / taken);
+      processor.push_back(static_cast<double>(std::clock() - processor_begin) / CLOCKS_PER_SEC / taken);
     } while (seconds.size() < timed_runs && result_.status == "ok" && seconds_since(began) < 0.5 * plan_.wall_cap);
-    const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
-    std::ranges::nth_element(seconds, middle);
-    return *middle;
+    result_.wall_per_step = median(std::move(seconds));
+    result_.cpu_per_step = median(std::move(processor));
   }
 
   std::shared_ptr<const TopologyTextures> topology_;

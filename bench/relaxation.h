@@ -27,6 +27,7 @@ struct RelaxationPlan {
   std::string backend;
   double step_share = 0.9;      ///< dt over stable_step()
   double rest_accuracy = 1e-4;  ///< at rest when what is left to go is about this part of the largest displacement
+  int threads = 0;              ///< SolverOptions::threads
   double wall_cap = 20.0;       ///< s; beyond it the status is over_budget
   double patience = 60.0;       ///< in 1 / omega of the excited motion; a body still moving then is restless
   Excited excited;              ///< found where omega is 0
@@ -39,6 +40,7 @@ struct Relaxation {
   int steps = 0;
   double dt = 0.0, stable_step = 0.0, rate = 0.0;
   double wall_per_step = 0.0;  ///< s, median of runs of `steps` steps in one call
+  double cpu_per_step = 0.0;   ///< s of processor, all threads; of the same runs
   std::string device;
   Excited excited;
   std::map<std::string, Vec3, std::less<>> tool_force;  ///< N, of the body on each tool, mean over the last steps

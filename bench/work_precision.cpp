@@ -23,11 +23,11 @@ using namespace phymul;
 using namespace phymul::bench;
 
 const std::vector<std::string> columns{
-    "case",         "title",  "level",      "method",      "label",        "backend",    "rest",
-    "device",       "n",      "particles",  "spacing",     "step_share",   "dt",         "stable_step",
-    "damping_rate", "status", "steps",      "wall_step",   "wall_to_rest", "wall_per_s", "error",
-    "p95",          "max",    "median_ren", "force_error", "null_error",   "floor",      "force_floor",
-    "stiffness",    "message"};
+    "case",         "title",   "level",      "method",      "label",        "backend",    "rest",
+    "device",       "n",       "particles",  "spacing",     "step_share",   "dt",         "stable_step",
+    "damping_rate", "status",  "steps",      "wall_step",   "wall_to_rest", "wall_per_s", "error",
+    "p95",          "max",     "median_ren", "force_error", "null_error",   "floor",      "force_floor",
+    "stiffness",    "message", "cpu_per_s"};
 
 const std::vector<std::string> sample_columns{"case",   "level", "method", "backend", "n",  "spacing", "step_share",
                                               "sample", "ux",    "uy",     "uz",      "rx", "ry",      "rz"};
@@ -36,6 +36,7 @@ struct Choice {
   std::vector<std::string> methods, backends, ways_to_rest;
   std::vector<double> step_shares;
   double stabiliser_share = 1.0;
+  int threads = 0;
   double most_particles = 0.0, wall_cap = 0.0, rest_accuracy = 0.0;
   std::size_t most_resolutions = 0;
   ToolContact contact = ToolContact::particles;
@@ -104,6 +105,7 @@ class Run {
     RelaxationPlan plan;
     plan.backend = wanted(backends, "cpu") ? "cpu" : backends.front();  // for the stretching test
     plan.wall_cap = choice_.wall_cap;
+    plan.threads = choice_.threads;
     plan.rest_accuracy = choice_.rest_accuracy;
     Prepared prepared;
     prepared.method = &method;
@@ -217,6 +219,7 @@ class Run {
       row["wall_to_rest"] = field(it.wall_to_rest());
       if (steps) row["wall_step"] = field(it.wall_per_step);
       if (steps) row["wall_per_s"] = field(it.wall_per_step / it.dt);
+      if (steps) row["cpu_per_s"] = field(it.cpu_per_step / it.dt);
     }
     if (measures && measures->displacement) {
       row["error"] = field(measures->displacement->global_ratio);
@@ -256,18 +259,19 @@ int main(int argc, char** argv) try {
                              {"most-particles-in-reference", "4913"},
                              {"most-resolutions", "99"},
                              {"wall-cap", "20"},
+                             {"threads", "0"},
                              {"rest-accuracy", "1e-4"},
                              {"stabiliser", "1"},
                              {"contact", "particles"},
                              {"samples", ""},
                              {"out", "work_precision.csv"}};
-  if (prints_usage(
-          argc, argv, "work_precision",
-          "Error against time of every reference case, model, resolution and backend. Lists are separated\n"
-          "by commas. cases: files or folders; levels: main, all, or names; steps: in shares of the stable\n"
-          "one; rest: by steps, by solve_static; wall-cap: seconds for a run; stabiliser: in shares of the\n"
-          "calibrated one; contact: what tools touch, particles or surface; samples: a CSV file for displacements.",
-          known)) {
+  if (prints_usage(argc, argv, "work_precision",
+                   "Error against time of every reference case, model, resolution and backend. Lists are separated\n"
+                   "by commas. cases: files or folders; levels: main, all, or names; steps: in shares of the stable\n"
+                   "one; rest: by steps, by solve_static; wall-cap: seconds for a run; stabiliser: in shares of the\n"
+                   "calibrated one; threads: of the backend cpu, 0: by itself; contact: what tools touch, particles or "
+                   "surface; samples: a CSV file for displacements.",
+                   known)) {
     return 0;
   }
   const Arguments arguments(argc, argv, known);
@@ -289,6 +293,7 @@ int main(int argc, char** argv) try {
   }
   choice.contact = contact == "surface" ? ToolContact::surface : ToolContact::particles;
   choice.wall_cap = arguments.number("wall-cap");
+  choice.threads = static_cast<int>(arguments.number("threads"));
   choice.rest_accuracy = arguments.number("rest-accuracy");
   CsvFile file(arguments.text("out"), columns);
   std::unique_ptr<CsvFile> samples;
