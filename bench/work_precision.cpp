@@ -269,8 +269,8 @@ int main(int argc, char** argv) try {
                    "Error against time of every reference case, model, resolution and backend. Lists are separated\n"
                    "by commas. cases: files or folders; levels: main, all, or names; steps: in shares of the stable\n"
                    "one; rest: by steps, by solve_static; wall-cap: seconds for a run; stabiliser: in shares of the\n"
-                   "calibrated one; threads: of the backend cpu, 0: by itself; contact: what tools touch, particles or "
-                   "surface; samples: a CSV file for displacements.",
+                   "calibrated one; contact: what tools touch, particles or surface; samples: a CSV file for\n"
+                   "displacements; threads: of the backend cpu, 0: as it chooses.",
                    known)) {
     return 0;
   }
