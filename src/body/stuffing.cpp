@@ -12,10 +12,11 @@
 namespace phymul {
 namespace {
 
-// A point this near to the surface, as a share of the edge along which it is near, moves onto it. The paper's 0.359 and
-// 0.21509 bound the dihedral angles, but leave particles of a hundredth of the mean mass, which set the stable step.
-// With these few edges are cut; cells that they spoil are improved afterwards.
-constexpr double near_along_short = 0.48, near_along_long = 0.36;
+// A point this near to the surface, as a share of the edge along which it is near, moves onto it. The paper's 0.359
+// along short edges bounds the dihedral angles, but leaves particles of a hundredth of the mean mass, which set the
+// stable step; cells that the larger one spoils are improved afterwards. A larger one along long edges would cut off
+// the edges of boxes.
+constexpr double near_along_short = 0.46, near_along_long = 0.21509;
 /// The same in a graded lattice for edges longer than the shortest at the point, whose length it is a share of.
 constexpr double near_by_shortest = near_along_long / CentredLattice::short_length;
 

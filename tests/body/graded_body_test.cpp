@@ -165,7 +165,7 @@ TEST(GradedBody, RefusesFieldsOutOfRange) {
   }
   EXPECT_EQ(filling(0.002), "(no error)");
   EXPECT_TRUE(says(filling(0.002, 1000), "more than 10000 leaves"));
-  EXPECT_TRUE(says(filling(0.008, 300), "needs 948 particles"));
+  EXPECT_TRUE(says(filling(0.008, 300), "needs 1008 particles"));
   const auto near = [](const Vec3& place, double radius, double fine, double coarse, double growth) {
     return message_of([&] { fine_near(place, radius, fine, coarse, growth); });
   };

@@ -43,7 +43,7 @@ TEST(MakeBody, TenShapesHaveALongStep) {
     set_material(model, tissue);
     const TopologyTextures tables = build_topology(model, {});
     const double step = stable_step(tables, estimate_spectrum(tables, model.rest), 1.0);
-    EXPECT_GT(step * wave / std::cbrt(report.volume / report.particles), 0.58);
+    EXPECT_GT(step * wave / std::cbrt(report.volume / report.particles), 0.87);
     EXPECT_GT(*std::ranges::min_element(model.mass), 0.04 * tissue.density * report.volume / report.particles);
   }
 }

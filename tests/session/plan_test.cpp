@@ -156,7 +156,7 @@ TEST(Plan, FillsASolidAndKeepsTheTimeToRest) {
     sim.scene().gravity({0, 0, -2.0});
   };
   const Plan made = plan(solid_ellipsoid({0, 0, 0}, {0.05, 0.03, 0.03}), {.material = tissue}, fill,
-                         {.max_error = 0.5, .rest_in = 10.0, .finest = 0.008});
+                         {.max_error = 0.5, .rest_in = 10.0, .finest = 0.006});
   ASSERT_TRUE(made.kept) << made.report();
   EXPECT_LE(made.chosen.rest, 8.0);
   EXPECT_TRUE(made.make().solve_static().converged());
