@@ -20,6 +20,7 @@ class JointSet;         // src/interaction/joint_set.h
 class Profile;          // src/solver/profile.h
 class MaterialSpectra;  // src/elastic/material_spectra.h
 class ScaledTables;     // src/elastic/scaled_tables.h
+class StiffJoints;      // src/interaction/stiff_joints.h
 struct LocalSteps;      // src/elastic/local_steps.h
 
 /// Implements what all backends have in common: checks of arguments and states, the step limit, failure policy, rest
@@ -40,8 +41,9 @@ class SolverBackend : public Solver {
   double stable_step() const final { return step_limit(options_.damping); }
   double suggested_step(double seconds) const final;
   int substeps() const final;
-  /// Change of the forces at a state by the substeps of a step of `dt` s, [N] N; empty without substeps.
-  VecList substep_forces(const State& state, double dt) const;
+  /// `further` and the change of the forces at a state, `further` included, by SolverOptions::max_substeps in a step of
+  /// `dt` s. [N] N, or empty.
+  VecList substep_forces(const State& state, double dt, VecList further = {}) const;
 
   using Solver::read;
   using Solver::reset;
@@ -114,6 +116,10 @@ class SolverBackend : public Solver {
   /// Why only "cpu" and "reference" support this body (its substeps), as a result for do_cannot(); null: others may.
   const char* beyond_devices() const;
 
+  /// For the constructor of a backend that solves stiff_joints() in each step; others leave them explicit.
+  void solve_stiff_joints();
+  StiffJoints* stiff_joints() { return stiff_joints_.get(); }  ///< null: all joints are explicit
+
   LoadFrame& frame() { return frame_; }              ///< prepared; a backend evaluates it at the time of each step
   const LoadFrame& frame() const { return frame_; }  ///< of the scene as the last step or reset saw it
   JointSet& joints() { return *joints_; }            ///< of the scene; empty for backends without joints
@@ -160,6 +166,9 @@ class SolverBackend : public Solver {
   void require_supported() const;
   void require_idle(const char* what) const;
   void follow_scene();
+  void follow_joints();
+  double energy_of_larger_masses(const State& state, const VecList& next, double dt,
+                                 const std::vector<std::uint8_t>& fixed) const;
   bool any_tool_grasps() const;
   StepReport advance(int n, double dt, bool stop_at_rest, const Damping& damping);
   StepPlan plan_for(int n, double dt, const Damping& damping, bool beyond_limit) const;
@@ -181,6 +190,7 @@ class SolverBackend : public Solver {
   mutable std::optional<std::uint64_t> topology_hash_;
   std::unique_ptr<Profile> profile_;
   std::unique_ptr<JointSet> joints_;
+  std::unique_ptr<StiffJoints> stiff_joints_;
   int steps_a_slice_ = 1;                     // between two looks at the clock, if progress is asked for
   Spectrum own_spectrum_;                     // of the model's own stiffness
   double stiffness_ = 0.0, viscosity_ = 0.0;  // bounds of it and of its dissipation, over the masses: 1/s^2, 1/s

@@ -59,14 +59,18 @@ struct SolverOptions {
   /// docs/guide/choosing.md has the error of some tolerances. run_to_rest() skips only parts whose state repeats
   /// itself. No effect if a material dissipates. make_solver throws Error for a negative value, NaN or infinity.
   std::optional<double> sleep_tolerance{};
-  /// Local time steps: materials that need a shorter step than the others, such as a stiff tumour in soft tissue, take
-  /// up to this many substeps within each step, so that they do not limit the step of the whole body. >= 1; 1: off.
-  /// Backends "reference" and "cpu", bodies with a material (Law::particle_averaged). The solver chooses the materials
-  /// and the number (Solver::substeps), and stable_step() is that of the whole scheme; without a gain it uses one step
-  /// for all. Rest shapes are the same and linear momentum is conserved. Vibrations of the stiff materials that are
-  /// faster than the step are slowed down, as by a larger mass, which Solver::energy() does not count. Making the
-  /// solver takes about three times as long. make_solver throws Error together with sleep_tolerance and for materials
-  /// that dissipate. See docs/guide/choosing.md.
+  /// Local time steps: parts that need a shorter step than the rest do not limit the step of the whole body. >= 1; 1:
+  /// off. Backends "reference" and "cpu", bodies with a material (Law::particle_averaged).
+  /// - Materials that are stiffer, such as a tumour in soft tissue, take up to this many substeps within each step
+  ///   (Solver::substeps), unless a material dissipates. Vibrations inside them that are faster than the step are slowed
+  ///   down, as by a larger mass, which Solver::energy() does not count.
+  /// - Parts with smaller cells, such as a duct, get a larger inertia for motions finer than the spacing of the rest.
+  /// - Joints that cannot go slack, of 48 springs together, are solved implicitly, as by a larger mass of the motion
+  ///   that stretches them. Solver::energy() counts these masses and those of small cells.
+  /// The solver chooses parts and numbers by their cost; where they save less than a tenth, it uses one step for all.
+  /// stable_step() is that of the whole scheme. Rest shapes are the same and linear momentum is conserved. Making the
+  /// solver takes two to three times as long. make_solver throws Error together with sleep_tolerance. See
+  /// docs/guide/choosing.md.
   int max_substeps = 1;
   /// In mean spacings, > 0. An elastic force that alone would move its particle further than this in one step is
   /// limited to that distance, and StepReport::force_clamped is set. Forces of this size occur only in states that real

@@ -12,6 +12,7 @@
 #include "elastic/local_steps.h"
 #include "integrate.h"
 #include "interaction/joint_set.h"
+#include "interaction/stiff_joints.h"
 #include "interaction/tool_set.h"
 #include "interaction/touching.h"
 #include "solver/profile.h"
@@ -30,8 +31,9 @@ class ReferenceSolver final : public SolverBackend {
         dissipation_(topology()) {
     if (local_steps() != nullptr) {
       local_.emplace(*local_steps());
-      for (VecList* list : {&local_x_, &local_a_, &local_f_}) list->resize(local_steps()->stiff.particle.size());
+      for (VecList* list : {&local_x_, &local_a_, &local_f_}) list->resize(local_steps()->particle.size());
     }
+    solve_stiff_joints();
     if (Profile* profile = profiling()) {
       forces_row_ = profile->row("forces");
       move_row_ = profile->row("move");
@@ -65,7 +67,7 @@ class ReferenceSolver final : public SolverBackend {
   void do_restore(const Snapshot& snapshot) override {
     const bool strained = !dissipation_.empty() && has_strains(snapshot);
     const bool pushed = local_ && LocalForces::has(snapshot);
-    if (snapshot.parts.size() != 1 || !(strained || pushed)) refuse_parts(snapshot);
+    if (snapshot.parts.size() != std::size_t{strained} + std::size_t{pushed}) refuse_parts(snapshot);
     const StrainMemory strains = strains_of(snapshot, topology());
     do_reset(snapshot.state);
     dissipation_.reset(strains);
@@ -109,8 +111,10 @@ class ReferenceSolver final : public SolverBackend {
       laps.end(forces_row_);
       const bool any_cut = cut_forces(plan.largest_acceleration);
       for (const JointSet::Point& point : joints().points()) force_[point.particle] += point.force;
+      if (solves())
+        solve_joints(
+            plan, [this](Index i) { return acceleration(i, force_[i], frame()); }, false);
       if (touches()) motion.lost_volume = touch(plan);
-      if (local_ && touches()) add_pushes();
       if (motion.lost_volume >= 0) break;
       measure(motion);
       laps.end(checks_row_, 0);
@@ -156,9 +160,8 @@ class ReferenceSolver final : public SolverBackend {
   ParticleBuffer do_position_buffer() const override { return {.position = state_.position}; }
 
   Energy do_energy() const override {
-    if (local_) return energy_of(state_, last_dt_, substep_forces(state_, last_dt_));
-    const DissipationNow dissipation = dissipation_at(elastic(), state_.position, dissipation_.memory(), last_dt_);
-    Energy energy = energy_of(state_, last_dt_, dissipation.force);
+    DissipationNow dissipation = dissipation_at(elastic(), state_.position, dissipation_.memory(), last_dt_);
+    Energy energy = energy_of(state_, last_dt_, substep_forces(read(), last_dt_, std::move(dissipation.force)));
     energy.elastic += dissipation.energy;
     return energy;
   }
@@ -220,7 +223,7 @@ class ReferenceSolver final : public SolverBackend {
 
   /// Joints must have acted.
   void add_substeps(double dt) {
-    const std::vector<Index>& particle = local_steps()->stiff.particle;
+    const std::vector<Index>& particle = local_steps()->particle;
     for (const JointSet::Point& point : joints().points()) force_[point.particle] += point.force;
     for (std::size_t r = 0; r < particle.size(); ++r) {
       const Index i = particle[r];
@@ -236,10 +239,26 @@ class ReferenceSolver final : public SolverBackend {
     for (std::size_t r = 0; r < particle.size(); ++r) force_[particle[r]] += change[r];
   }
 
+  bool solves() { return stiff_joints() != nullptr && !stiff_joints()->empty(); }
+
+  /// Adds to force_ what the implicit joints change of the accelerations `of`(particle).
+  template <class Of>
+  void solve_joints(const StepPlan& plan, const Of& of, bool later) {
+    for (StiffJoints::Reached& reached : stiff_joints()->reached()) {
+      reached.acceleration = of(reached.particle);
+      for (int axis = 0; axis < 3; ++axis) {
+        if (fixed(reached.particle, axis)) reached.acceleration[axis] = 0.0;
+      }
+    }
+    stiff_joints()->act(scene(), joints(), plan.dt, plan.damping_factor, later);
+    for (const StiffJoints::Reached& reached : stiff_joints()->reached()) force_[reached.particle] += reached.force;
+  }
+
   /// What tools and contacts have added since touch() began.
   void add_pushes() {
-    const std::vector<Index>& particle = local_steps()->stiff.particle;
-    for (std::size_t r = 0; r < particle.size(); ++r) local_->pushes()[r] = force_[particle[r]] - local_f_[r];
+    const std::vector<Index>& particle = local_steps()->particle;
+    const std::span<Vec3> pushes = local_->pushes();
+    for (std::size_t r = 0; r < particle.size(); ++r) pushes[r] = force_[particle[r]] - local_f_[r];
   }
 
   bool touches() const { return !tools_.empty() || !touching_.empty(); }
@@ -247,7 +266,8 @@ class ReferenceSolver final : public SolverBackend {
   /// The row of a volume that cannot be restored; -1: none.
   int touch(const StepPlan& plan) {
     shifts_.clear();
-    for (std::size_t r = 0; r < local_f_.size(); ++r) local_f_[r] = force_[local_steps()->stiff.particle[r]];
+    for (std::size_t r = 0; r < local_f_.size(); ++r) local_f_[r] = force_[local_steps()->particle[r]];
+    if (solves()) untouched_ = force_;
     move(plan);
     scene().evaluate(state_.time, frame());
     Step step(*this);
@@ -255,6 +275,11 @@ class ReferenceSolver final : public SolverBackend {
     tools_.act(touched_);
     const int lost = touching_.act(touched_);
     touched_.end();
+    if (local_) add_pushes();
+    if (solves()) {
+      solve_joints(
+          plan, [this](Index i) -> Vec3 { return (force_[i] - untouched_[i]) / topology().mass[i]; }, true);
+    }
     return lost;
   }
 
@@ -321,6 +346,7 @@ class ReferenceSolver final : public SolverBackend {
   Dissipation dissipation_;
   std::optional<LocalForces> local_;
   VecList local_x_, local_a_, local_f_;  // m, m/s^2, N, for it
+  VecList untouched_;                    // N, for implicit joints
   ToolSet tools_;
   std::vector<ToolWay> ways_;
   Touching touching_;

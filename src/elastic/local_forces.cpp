@@ -44,9 +44,14 @@ LocalForces::Loop in_double_precision(const LocalSteps& steps) {
 }  // namespace
 
 LocalForces::LocalForces(const LocalSteps& steps, Loop loop)
-    : steps_(steps), loop_(std::move(loop)), still_(steps.stiff.particle.size()), change_(still_.size()) {
+    : steps_(steps),
+      loop_(std::move(loop)),
+      still_(steps.particle.size()),
+      change_(still_.size()),
+      nodes_(steps.fine.nodes()) {
   reset();
   const TopologyTextures& t = steps.stiff.tables;
+  if (t.domains.empty()) return;
   if (!loop_) loop_ = in_double_precision(steps);
   UnionFind joined(t.rest.size());
   for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
@@ -75,9 +80,9 @@ void LocalForces::turn_pieces(std::span<const Vec3> x) {
     piece.now.setZero();
     piece.turn.setZero();
   }
-  for (std::size_t i = 0; i < x.size(); ++i) pieces_[piece_of_[i]].now += t.mass[i] * x[i];
+  for (std::size_t i = 0; i < piece_of_.size(); ++i) pieces_[piece_of_[i]].now += t.mass[i] * x[i];
   for (Piece& piece : pieces_) piece.now /= piece.mass;
-  for (std::size_t i = 0; i < x.size(); ++i) {
+  for (std::size_t i = 0; i < piece_of_.size(); ++i) {
     Piece& piece = pieces_[piece_of_[i]];
     piece.turn += t.mass[i] * (x[i] - piece.now) * (t.rest[i] - piece.centre).transpose();
   }
@@ -90,23 +95,33 @@ void LocalForces::turn_pieces(std::span<const Vec3> x) {
 
 std::span<const Vec3> LocalForces::changes(std::span<const Vec3> x, std::span<const Vec3> acceleration, double dt,
                                            double factor) {
-  turn_pieces(x);
   for (std::size_t i = 0; i < x.size(); ++i) {
-    const Vec3 all = acceleration[i] + pushes_[i] / steps_.stiff.tables.mass[i];
-    still_[i] = pieces_[piece_of_[i]].turn.transpose() * all;
+    still_[i] = acceleration[i];
+    if (pushed_) still_[i] += pushes_[i] / steps_.mass[i];
   }
-  loop_(still_, dt, factor, change_);
-  for (std::size_t i = 0; i < x.size(); ++i) change_[i] = pieces_[piece_of_[i]].turn * change_[i];
-  return change_;
+  const std::size_t stiff = piece_of_.size(), fine = x.size() - stiff;
+  const std::span<Vec3> change(change_.data(), x.size());
+  if (stiff > 0) {
+    turn_pieces(x);
+    for (std::size_t i = 0; i < stiff; ++i) still_[i] = pieces_[piece_of_[i]].turn.transpose() * still_[i];
+    loop_(std::span(still_).first(stiff), dt, factor, change.first(stiff));
+    for (std::size_t i = 0; i < stiff; ++i) change[i] = pieces_[piece_of_[i]].turn * change[i];
+  }
+  if (fine > 0) {
+    for (std::size_t i = stiff; i < x.size(); ++i) still_[i] *= steps_.mass[i];
+    steps_.fine.changes<Vec3>(std::span(still_).last(fine), change.last(fine), nodes_);
+  }
+  return change;
 }
 
 void LocalForces::reset() {
-  pushes_.assign(steps_.stiff.particle.size(), Vec3::Zero());
+  pushes_.assign(steps_.particle.size(), Vec3::Zero());
   next_pushes_ = pushes_;
+  pushed_ = next_pushed_ = false;
 }
 
 void LocalForces::put(Snapshot& snapshot) const {
-  if (std::ranges::all_of(pushes_, [](const Vec3& push) { return push == Vec3::Zero(); })) return;
+  if (std::ranges::all_of(acting(), [](const Vec3& push) { return push == Vec3::Zero(); })) return;
   ByteWriter out;
   for (const Vec3& push : pushes_) {
     for (const double component : push) out.real(component);
@@ -123,9 +138,11 @@ void LocalForces::take(const Snapshot& snapshot) {
   if (part == nullptr) return reset();
   const std::string bytes(part->bytes.begin(), part->bytes.end());
   ByteReader in("the snapshot's part \"pushes\"", bytes);
-  VecList pushes = in.vectors(pushes_.size(), "forces on the particles of the stiff materials");
+  VecList pushes = in.vectors(pushes_.size(), "forces on the particles of local steps");
   in.expect_end("the part");
-  pushes_ = next_pushes_ = std::move(pushes);
+  reset();
+  pushes_ = std::move(pushes);
+  pushed_ = true;
 }
 
 }  // namespace phymul

@@ -2,6 +2,7 @@
 #include "local_step_limit.h"
 
 #include <cmath>
+#include <optional>
 
 #include "base/symmetric_modes.h"
 #include "scaled_stiffness.h"
@@ -14,51 +15,63 @@ using Vector = Eigen::VectorXd;
 
 constexpr int steps_at_most = 120;
 
-/// The step's polynomial, applied to z = K u: minus the mean acceleration of the substeps, over the masses.
+/// Q, applied to z = K u: minus the mean acceleration of a step, over the masses.
 class Filter {
  public:
   explicit Filter(const LocalSteps& steps)
       : steps_(steps),
-        stiffness_(steps.stiff.tables, steps.stiff.tables.rest, {}),
         dt_(2.0 / std::sqrt(steps.rate())),
-        still_(static_cast<Eigen::Index>(3 * steps.stiff.particle.size())),
-        loop_(steps.substeps, Vector::Ones(still_.size()),
-              [this](const Vector& w, Vector& result) { stiffness_.apply(w, result); }) {}
+        still_(Vector::Zero(static_cast<Eigen::Index>(3 * steps.stiff.particle.size()))),
+        a_(steps.fine.particle.size()),
+        change_(a_.size()),
+        nodes_(steps.fine.nodes()) {
+    if (steps.substeps.empty()) return;
+    stiffness_.emplace(steps.stiff.tables, steps.stiff.tables.rest, std::span<const std::uint8_t>{});
+    loop_.emplace(steps.substeps, Vector::Ones(still_.size()),
+                  [this](const Vector& w, Vector& result) { stiffness_->apply(w, result); });
+  }
 
   void apply(const Vector& z, Vector& result) {
     result = z;
-    for_each([&](Eigen::Index own, Eigen::Index whole) { still_.segment<3>(own) = -z.segment<3>(whole); });
-    const Vector& sum = loop_.run(still_, dt_, 1.0);
-    for_each([&](Eigen::Index own, Eigen::Index whole) { result.segment<3>(whole) -= sum.segment<3>(own); });
+    if (loop_) {
+      for_each(steps_.stiff.particle, [&](auto own, auto whole) { still_.segment<3>(3 * own) = -z.segment<3>(whole); });
+      const Vector& sum = loop_->run(still_, dt_, 1.0);
+      for_each(steps_.stiff.particle,
+               [&](auto own, auto whole) { result.segment<3>(whole) -= sum.segment<3>(3 * own); });
+    }
+    if (steps_.fine.empty()) return;
+    const auto root = [&](auto own) { return std::sqrt(steps_.fine.mass[own]); };
+    for_each(steps_.fine.particle, [&](auto own, auto whole) { a_[own] = z.segment<3>(whole) * root(own); });
+    steps_.fine.changes<Vec3>(a_, change_, nodes_);
+    for_each(steps_.fine.particle, [&](auto own, auto whole) { result.segment<3>(whole) += change_[own] / root(own); });
   }
-
-  double dt2() const { return dt_ * dt_; }
 
  private:
   template <class Each>
-  void for_each(const Each& each) const {
-    for (std::size_t r = 0; r < steps_.stiff.particle.size(); ++r) {
-      each(static_cast<Eigen::Index>(3 * r), Eigen::Index{3} * steps_.stiff.particle[r]);
+  static void for_each(const std::vector<Index>& particle, const Each& each) {
+    for (std::size_t r = 0; r < particle.size(); ++r) {
+      each(static_cast<Eigen::Index>(r), Eigen::Index{3} * particle[r]);
     }
   }
 
   const LocalSteps& steps_;
-  ScaledStiffness stiffness_;
+  std::optional<ScaledStiffness> stiffness_;
   const double dt_;
   Vector still_;
-  SubstepLoop<Vector> loop_;
+  std::optional<SubstepLoop<Vector>> loop_;
+  VecList a_, change_, nodes_;
 };
 
 }  // namespace
 
-double local_step_margin(const TopologyTextures& topology, const LocalSteps& steps) {
+double largest_rate(const TopologyTextures& topology, const LocalSteps& steps) {
   ScaledStiffness K(topology, topology.rest, {});
   Filter filter(steps);
   // v: vectors of unit energy; z = K v. Vectors without energy, rigid motions, drop out by themselves.
   Vector v = K.start_vector(), z, last_v = Vector::Zero(v.size()), w, image;
   K.apply(v, z);
   const double energy = std::sqrt(v.dot(z));
-  if (!(energy > 0.0)) return 1.0;
+  if (!(energy > 0.0)) return 0.0;
   v /= energy;
   z /= energy;
   std::vector<double> diagonal, off;
@@ -82,7 +95,7 @@ double local_step_margin(const TopologyTextures& topology, const LocalSteps& ste
     v = w / beta;
     z = image / beta;
   }
-  return std::max(1.0, filter.dt2() * largest / 4.0);
+  return largest;
 }
 
 }  // namespace phymul

@@ -5,10 +5,10 @@
 
 namespace phymul {
 
-/// How much larger the largest eigenvalue of the whole scheme is than its parts promise, at the step that they promise
-/// (LocalSteps::rate): 1 or more. The scheme's operator is B = Q(K_stiff) K over the masses, with the polynomial Q of
-/// the substeps. It is symmetric in the inner product of the energy, x . K y, in which Lanczos iteration finds its
-/// largest eigenvalue.
-double local_step_margin(const TopologyTextures& topology, const LocalSteps& steps);
+/// 1/s^2: the largest eigenvalue of the whole scheme at the step that its parts promise (LocalSteps::rate). The
+/// scheme's operator is B = Q K over the masses, with the Q of fine parts and the polynomial Q(K_stiff) of the
+/// substeps. It is symmetric in the inner product of the energy, x . K y, in which Lanczos iteration finds its largest
+/// eigenvalue.
+double largest_rate(const TopologyTextures& topology, const LocalSteps& steps);
 
 }  // namespace phymul

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Local time steps (SolverOptions::max_substeps): materials that need a shorter step than the others are advanced by
-// substeps within each step, while the forces of the others stay as they are at its start.
+// Local time steps (SolverOptions::max_substeps). Parts with small cells: fine_parts.h. Materials that need a shorter
+// step than the others are advanced by substeps within each step, while the forces of the others stay as they are at
+// its start:
 //
 // From x, with all forces f(x) and the stiffness K of the stiff materials at rest, turned as they are turned now, a
 // step of Verlet's scheme takes the mean acceleration a = sum_k share_k a_k of
@@ -22,8 +23,10 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "fine_parts.h"
 #include "part_of_body.h"
 
 namespace phymul {
@@ -38,13 +41,17 @@ std::vector<Substep> substeps_of(int count);
 double substep_limit(int count);
 
 struct LocalSteps {
-  PartOfBody stiff;
+  PartOfBody stiff;               ///< without particles if no material has substeps
+  FineParts fine;                 ///< of other particles, rows of the body
+  std::vector<Index> particle;    ///< rows of the body: those of `stiff`, then of `fine`
+  VecList rest;                   ///< m, by `particle`
+  std::vector<double> mass;       ///< kg, likewise
   std::vector<bool> chosen;       ///< by row of Model::materials: in `stiff`
-  std::vector<Substep> substeps;  ///< two or more
+  std::vector<Substep> substeps;  ///< two or more; none if no material has them
   double share = 0.0;             ///< of all domains that are in `stiff`
-  double soft_rate = 0.0;         ///< 1/s^2, largest eigenvalue of the others' stiffness over the masses
-  double stiff_rate = 0.0;        ///< 1/s^2, of K / m
-  double margin = 1.0;            ///< >= 1: the whole scheme's dt^2 lambda over that of its parts
+  double soft_rate = 0.0;   ///< 1/s^2, largest eigenvalue of the others' stiffness over the masses, `fine` included
+  double stiff_rate = 0.0;  ///< 1/s^2, of K / m
+  double margin = 1.0;      ///< >= 1: the whole scheme's dt^2 lambda over that of its parts
 
   /// 1/s^2: a step is stable up to dt^2 times this = 4. `factors`: Scene::stiffness_factors.
   double rate(std::span<const double> factors = {}) const;
@@ -52,14 +59,15 @@ struct LocalSteps {
   double factor(std::span<const double> factors) const;
 };
 
-/// The materials and the number of substeps, at most `most`, with which a second of physics costs least. `whole`: of
-/// the body. Null if one step for all is as cheap: one material, or materials of like stiffness.
+/// The materials, the number of substeps, at most `most`, and the fine parts with which a second of physics costs
+/// least. `whole`: of the body. Null if one step for all is about as cheap.
 std::unique_ptr<const LocalSteps> choose_local_steps(const TopologyTextures& topology, const Spectrum& whole, int most);
 
-/// What substeps change of the forces of a step. Rows are those of LocalSteps::stiff.
+/// What local steps change of the forces of a step. Rows are those of LocalSteps::particle.
 class LocalForces {
  public:
-  /// The substeps in the coordinates of rest: to the sum of -share_k factor K w_k, [n] N, from f / m, [n] m/s^2.
+  /// The substeps of LocalSteps::stiff in the coordinates of rest: to the sum of -share_k factor K w_k, [n] N, from f /
+  /// m, [n] m/s^2.
   using Loop = std::function<void(std::span<const Vec3> still, double dt, double factor, std::span<Vec3> sum)>;
 
   /// Keeps a reference. Without `loop` it is run in double precision.
@@ -67,13 +75,22 @@ class LocalForces {
 
   /// `x` [n] m; `acceleration` [n] m/s^2: by all forces but those of tools and contacts, 0 for imposed coordinates;
   /// `dt`, s; `factor`: LocalSteps::factor. Returns [n] N, to be added to the elastic forces; valid until the next
-  /// call.
+  /// call. Of the particles of LocalSteps::stiff alone if n is their number.
   std::span<const Vec3> changes(std::span<const Vec3> x, std::span<const Vec3> acceleration, double dt, double factor);
 
-  /// [n] N, of tools and contacts in this step, which act in the substeps of the next one: at rest they are the same.
-  std::span<Vec3> pushes() { return next_pushes_; }
-  void accept() { pushes_ = next_pushes_; }  ///< the step counts
-  void reset();                              ///< no pushes
+  /// [n] N, of tools and contacts in this step, all of them, which act in the next one: at rest they are the same. A
+  /// step that does not ask has none.
+  std::span<Vec3> pushes() {
+    next_pushed_ = true;
+    return next_pushes_;
+  }
+  void accept() {  ///< the step counts
+    pushes_.swap(next_pushes_);
+    pushed_ = std::exchange(next_pushed_, false);
+  }
+  /// [n] N, those of the step before; empty: none.
+  std::span<const Vec3> acting() const { return pushed_ ? std::span<const Vec3>(pushes_) : std::span<const Vec3>(); }
+  void reset();  ///< no pushes
   /// Adds the pushes, if there are any, as a part of the snapshot, and takes them from there. take() throws Error if
   /// the part is of another body.
   void put(Snapshot& snapshot) const;
@@ -94,7 +111,8 @@ class LocalForces {
   Loop loop_;
   std::vector<Piece> pieces_;
   std::vector<std::size_t> piece_of_;  // [n]
-  VecList still_, change_, pushes_, next_pushes_;
+  VecList still_, change_, nodes_, pushes_, next_pushes_;
+  bool pushed_ = false, next_pushed_ = false;
 };
 
 }  // namespace phymul

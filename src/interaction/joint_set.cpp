@@ -40,7 +40,7 @@ void JointSet::follow(const Scene& scene) {
 
   std::vector<Followed> now;
   for (const SceneJoint& joint : scene.joints()) {
-    Followed followed{.id = joint.id, .name = joint.name, .springs = {}, .next = {}, .report = {}};
+    Followed followed{.id = joint.id, .name = joint.name, .springs = {}, .next = {}, .reach = {}, .report = {}};
     for (const JointSpring& spring : joint.joint.springs) {
       followed.springs.push_back({end_of(spring.a, scene.tools()), end_of(spring.b, scene.tools())});
     }
@@ -48,9 +48,11 @@ void JointSet::follow(const Scene& scene) {
     if (known != joints_.end()) followed.report = known->report;  // a copy: what follows may need memory and fail
     followed.report.springs.resize(followed.springs.size());
     followed.next = followed.report.springs;
+    followed.reach.resize(followed.springs.size());
     now.push_back(std::move(followed));
   }
   joints_ = std::move(now);
+  if (solved_) left_out_ = solved_(scene);
 }
 
 void JointSet::reset(const State& state) {
@@ -96,28 +98,33 @@ JointSet::Motion JointSet::motion_of(const End& end, std::span<const ToolWay> to
   return motion;
 }
 
-void JointSet::give(const End& end, const Vec3& at, const Vec3& force, std::span<const ToolWay> tools) {
-  for (std::size_t k = 0; k < end.points.size(); ++k) points_[end.points[k]].force += end.weights[k] * force;
+void JointSet::give(const End& end, const Vec3& at, const Vec3& force, std::span<const ToolWay> tools, bool left_out) {
+  for (std::size_t k = 0; k < end.points.size() && !left_out; ++k)
+    points_[end.points[k]].force += end.weights[k] * force;
   if (end.tool < 0) return;
   pulls_[end.tool].force += force;
   pulls_[end.tool].torque += (at - tools[end.tool].next_pose.position).cross(force);
 }
 
-void JointSet::act(Followed& followed, const Joint& joint, std::span<const ToolWay> tools, double dt) {
+void JointSet::act(std::size_t joint_row, std::span<const ToolWay> tools, double dt) {
+  Followed& followed = joints_[joint_row];
+  const Joint& joint = scene_->joints()[joint_row].joint;
+  const bool left_out = is_left_out(joint_row);
   for (std::size_t row = 0; row < followed.springs.size(); ++row) {
     const auto& [a, b] = followed.springs[row];
     SpringReport& next = followed.next[row];
     const Motion at_a = motion_of(a, tools, dt), at_b = motion_of(b, tools, dt);
     Vec3 r = at_b.position - at_a.position, v = at_b.velocity - at_a.velocity;
     if (scene_->model().dimension == 2) r.z() = v.z() = 0.0;  // tools move in space
+    followed.reach[row] = r;
     next = {.length = r.norm(), .broken = followed.report.springs[row].broken};
     if (next.broken) continue;
     const JointSpring& spring = joint.springs[row];
     next.force = spring_force(joint, spring, r, v);
     next.broken = next.force.norm() > spring.share * joint.breaking_force;
     energy_ += spring_energy(joint, spring, next.length);
-    give(a, at_a.position, next.force, tools);
-    give(b, at_b.position, -next.force, tools);
+    give(a, at_a.position, next.force, tools, left_out);
+    give(b, at_b.position, -next.force, tools, left_out);
   }
 }
 
@@ -125,9 +132,7 @@ void JointSet::act(std::span<const ToolWay> tools, double dt) {
   for (Point& point : points_) point.force.setZero();
   for (Pull& pull : pulls_) pull = {};
   energy_ = 0.0;
-  for (std::size_t row = 0; row < joints_.size(); ++row) {
-    act(joints_[row], scene_->joints()[row].joint, tools, dt);
-  }
+  for (std::size_t row = 0; row < joints_.size(); ++row) act(row, tools, dt);
 }
 
 void JointSet::take(std::span<const Told> told, std::span<Pull> sums) {
@@ -195,8 +200,7 @@ void require_joint_states(const State& state, const std::vector<SceneJoint>& joi
   }
 }
 
-double add_joint_forces(const Scene& scene, const State& state, std::span<Vec3> force) {
-  if (scene.joints().empty()) return 0.0;
+JointSet joints_of(const Scene& scene, const State& state) {
   JointSet joints;
   joints.follow(scene);
   joints.reset(state);
@@ -211,6 +215,12 @@ double add_joint_forces(const Scene& scene, const State& state, std::span<Vec3> 
     point.velocity = state.velocity[point.particle];
   }
   joints.act(tools, 1.0);
+  return joints;
+}
+
+double add_joint_forces(const Scene& scene, const State& state, std::span<Vec3> force) {
+  if (scene.joints().empty()) return 0.0;
+  JointSet joints = joints_of(scene, state);
   for (const JointSet::Point& point : joints.points()) force[point.particle] += point.force;
   return joints.energy();
 }
@@ -235,14 +245,14 @@ void JointSet::number_rows(const Scene& scene, std::size_t particles) {
 template <class Constant>
 double JointSet::largest_of(const Scene& scene, std::span<const double> mass, const Constant& constant) {
   constexpr int turns = 6;
-  const auto has = [&](const SceneJoint& it) { return constant(it.joint) > 0.0; };
+  const auto has = [&](const SceneJoint& it) { return constant(it) > 0.0; };
   if (std::ranges::none_of(scene.joints(), has)) return 0.0;
   double bound = std::numeric_limits<double>::infinity();
   std::ranges::fill(trial_, 1.0);
   for (int turn = 0; turn < turns; ++turn) {
     std::ranges::fill(row_, 0.0);
     for (const SceneJoint& it : scene.joints()) {
-      for (const JointSpring& spring : it.joint.springs) add_row(spring, constant(it.joint), mass);
+      for (const JointSpring& spring : it.joint.springs) add_row(spring, constant(it), mass);
     }
     double largest = 0.0;
     for (std::size_t i = 0; i < row_.size(); ++i) {
@@ -276,9 +286,19 @@ const JointBounds& JointSet::bounds(const Scene& scene, std::span<const double> 
   if (same_springs && bounds_values_version_ == scene.values_version()) return bounds_;
   bounds_ = {};
   if (!scene.joints().empty()) {
-    if (!same_springs || row_of_.empty()) number_rows(scene, mass.size());
-    bounds_.stiffness = largest_of(scene, mass, [](const Joint& joint) { return joint.stiffness; });
-    bounds_.damping = largest_of(scene, mass, [](const Joint& joint) { return joint.damping; });
+    if (!same_springs || row_of_.empty()) {
+      number_rows(scene, mass.size());
+      if (solved_) left_out_ = solved_(scene);
+    }
+    const auto bound = [&](double Joint::*constant, bool of_left) {
+      return largest_of(scene, mass, [&](const SceneJoint& it) {
+        return of_left && left_out_[&it - scene.joints().data()] ? 0.0 : it.joint.*constant;
+      });
+    };
+    bounds_.stiffness = bound(&Joint::stiffness, false);
+    bounds_.damping = bound(&Joint::damping, false);
+    bounds_.left_stiffness = solved_ ? bound(&Joint::stiffness, true) : bounds_.stiffness;
+    bounds_.left_damping = solved_ ? bound(&Joint::damping, true) : bounds_.damping;
   }
   bounds_version_ = scene.version();
   bounds_values_version_ = scene.values_version();

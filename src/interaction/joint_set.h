@@ -9,7 +9,9 @@
 #include <phymul/scene.h>
 #include <phymul/state.h>
 
+#include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace phymul {
@@ -25,6 +27,7 @@ struct ToolWay {
 /// Matrizen, Math. Z. 48, 1942); x = 1 gives Gershgorin's circles, and a few multiplications of x by |A| better ones.
 struct JointBounds {
   double stiffness = 0.0, damping = 0.0;
+  double left_stiffness = 0.0, left_damping = 0.0;  ///< of joints that are not solved implicitly
 };
 
 class JointSet {
@@ -67,6 +70,21 @@ class JointSet {
 
   double energy() const { return energy_; }  ///< J, of the springs in the last act()
 
+  /// Of a spring in the last act(), by Scene::joints().
+  struct Now {
+    const Vec3& reach;  ///< m, from anchor `a` to `b`
+    const Vec3& force;  ///< N, on anchor `a`
+    bool was_broken, left_out;
+  };
+  Now now(std::size_t joint, std::size_t spring) const {
+    const Followed& of = joints_[joint];
+    return {of.reach[spring], of.next[spring].force, of.report.springs[spring].broken, is_left_out(joint)};
+  }
+
+  /// Before follow(): act() gives no particle the forces of joints that `solved`(scene) names, by Scene::joints(), and
+  /// JointBounds::left_stiffness and left_damping are without them.
+  void leave_out(std::function<std::vector<bool>(const Scene&)> solved) { solved_ = std::move(solved); }
+
   /// Of a scene as it is now, which follow() need not have seen. `mass`: [N] kg, always the same. Allocates only after
   /// a change of Scene::version().
   const JointBounds& bounds(const Scene& scene, std::span<const double> mass);
@@ -94,16 +112,18 @@ class JointSet {
     std::string name;
     std::vector<Ends> springs;
     std::vector<SpringReport> next;  // of the step in question
+    VecList reach;                   // [springs] m, likewise
     JointReport report;
   };
   struct Motion {
     Vec3 position, velocity;
   };
 
+  bool is_left_out(std::size_t row) const { return row < left_out_.size() && left_out_[row]; }
   End end_of(const Anchor& anchor, const std::vector<SceneTool>& tools) const;
   Motion motion_of(const End& end, std::span<const ToolWay> tools, double dt) const;
-  void give(const End& end, const Vec3& at, const Vec3& force, std::span<const ToolWay> tools);
-  void act(Followed& followed, const Joint& joint, std::span<const ToolWay> tools, double dt);
+  void give(const End& end, const Vec3& at, const Vec3& force, std::span<const ToolWay> tools, bool left_out);
+  void act(std::size_t row, std::span<const ToolWay> tools, double dt);
 
   const Scene* scene_ = nullptr;
   std::vector<Followed> joints_;  // by Scene::joints()
@@ -113,6 +133,8 @@ class JointSet {
   mutable JointReport unseen_;
   JointBounds bounds_;
   std::uint64_t bounds_version_ = 0, bounds_values_version_ = 0;
+  std::function<std::vector<bool>(const Scene&)> solved_;
+  std::vector<bool> left_out_;  // by Scene::joints(); empty: none
   // Of bounds(), empty before it is called with joints:
   std::vector<Index> row_of_;        // [N], -1: no spring
   std::vector<double> row_, trial_;  // [rows]
@@ -120,6 +142,9 @@ class JointSet {
 
 /// Throws Error where a joint's part of a state names springs that the scene's joint of that name does not have.
 void require_joint_states(const State& state, const std::vector<SceneJoint>& joints);
+
+/// The joints of a scene that have acted on a whole state, with tools at rest. Allocates.
+JointSet joints_of(const Scene& scene, const State& state);
 
 /// Adds the forces of the scene's joints in a whole state to `force`, [N] N, and returns their energy, J. Nothing
 /// without joints; allocates.

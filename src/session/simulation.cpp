@@ -221,10 +221,9 @@ State Simulation::state() const {
     const TopologyTextures& elastic = parts_->elastic();
     const StrainMemory strains = strains_of(now, *parts_->topology);
     const auto* backend = dynamic_cast<const SolverBackend*>(&solver());
-    const bool substeps = backend != nullptr && backend->substeps() > 1;  // excludes dissipation
-    to_own_time(elastic, parts_->scene, {now.last_dt, d}, state,
-                substeps ? backend->substep_forces(state, now.last_dt)
-                         : dissipation_at(elastic, state.position, strains, now.last_dt).force);
+    VecList further = dissipation_at(elastic, state.position, strains, now.last_dt).force;
+    if (backend != nullptr) further = backend->substep_forces(state, now.last_dt, std::move(further));
+    to_own_time(elastic, parts_->scene, {now.last_dt, d}, state, further);
   }
   return std::move(state);
 }

@@ -46,8 +46,9 @@ void for_free_coordinates(const TopologyTextures& topology, const Scene& scene, 
 
 }  // namespace
 
-VecList free_accelerations(const TopologyTextures& topology, const Scene& scene, const State& state) {
-  const Acting acting(topology, scene, state, {});
+VecList free_accelerations(const TopologyTextures& topology, const Scene& scene, const State& state,
+                           const VecList& further) {
+  const Acting acting(topology, scene, state, further);
   VecList acceleration(state.position.size(), Vec3::Zero());
   for_free_coordinates(topology, scene, acting, state,
                        [&](std::size_t i, int axis, double a) { acceleration[i][axis] = a; });

@@ -15,8 +15,9 @@ struct HalfStep {
   double dt = 0.0, d = 1.0;
 };
 
-/// m/s^2, of elastic forces, joints and loads at the state; 0 for imposed coordinates.
-VecList free_accelerations(const TopologyTextures& topology, const Scene& scene, const State& state);
+/// m/s^2, of elastic forces, joints, loads and `further`, as below, at the state; 0 for imposed coordinates.
+VecList free_accelerations(const TopologyTextures& topology, const Scene& scene, const State& state,
+                           const VecList& further);
 
 // Both take the acceleration of elastic forces, joints and loads at the state, in double precision, and leave
 // velocities of imposed coordinates as they are. `further`: further forces, N, or none.

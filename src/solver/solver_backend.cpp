@@ -17,6 +17,7 @@
 #include "elastic/scaled_tables.h"
 #include "half_step.h"
 #include "interaction/joint_set.h"
+#include "interaction/stiff_joints.h"
 #include "profile.h"
 #include "scene/tool_state.h"
 #include "solver_input.h"
@@ -80,12 +81,6 @@ SolverBackend::SolverBackend(std::string name, std::shared_ptr<const TopologyTex
   stiffness_ = bound.stiffness;
   viscosity_ = bound.damping;
   if (options_.max_substeps > 1 && !topology_->domains.empty()) {
-    if (!topology_->dissipation.empty()) {
-      throw Error(
-          ErrorCode::not_supported,
-          "SolverOptions::max_substeps: the body has a material that dissipates, which has no substeps; expected "
-          "materials without retardation_time and relaxation_strength, or max_substeps = 1");
-    }
     local_steps_ = choose_local_steps(*topology_, own_spectrum_, options_.max_substeps);
   }
   spacing_ = mean_spacing(model());
@@ -103,7 +98,7 @@ SolverBackend::~SolverBackend() = default;
 void SolverBackend::follow_scene() {
   if (scene_version_ != scene_->version()) {
     scene_->prepare(frame_);
-    joints_->follow(*scene_);
+    follow_joints();
     do_scene_changed();
   } else if (values_version_ != scene_->values_version()) {
     do_values_changed();
@@ -168,9 +163,10 @@ const JointReport& SolverBackend::joint_report_at(std::size_t row) const {
 /// Eigenvalues of sums are at most the sums of the largest (Weyl).
 double SolverBackend::step_limit(const Damping& damping) const {
   const JointBounds& joints = joints_->bounds(*scene_, topology_->mass);
-  const double factor = stiffness_factor();
-  const double body = local_steps_ ? local_steps_->rate(scene_->stiffness_factors()) : factor * stiffness_;
-  const StepBound bound{body + joints.stiffness, factor * viscosity_ + joints.damping};
+  // Local steps hide a share of the stiffness, and as much of what dissipates in proportion to it.
+  const double factor =
+      local_steps_ ? local_steps_->rate(scene_->stiffness_factors()) / own_spectrum_.largest : stiffness_factor();
+  const StepBound bound{factor * stiffness_ + joints.left_stiffness, factor * viscosity_ + joints.left_damping};
   double step = largest_step(bound, damping.factor);
   if (damping.rate == 0.0 || !std::isfinite(step)) return step;
   // A longer step is damped more, and what is damped more takes only a shorter one. Each turn comes nearer to the step
@@ -180,22 +176,19 @@ double SolverBackend::step_limit(const Damping& damping) const {
 }
 
 int SolverBackend::substeps() const {
-  return local_steps_ ? static_cast<int>(local_steps_->substeps.size()) : 1;
+  return local_steps_ ? std::max(1, static_cast<int>(local_steps_->substeps.size())) : 1;
 }
 
-VecList SolverBackend::substep_forces(const State& state, double dt) const {
-  if (!local_steps_ || !(dt > 0.0)) return {};
-  const VecList acceleration = free_accelerations(elastic(), *scene_, state);
-  VecList force(state.position.size(), Vec3::Zero()), x, a;
-  const std::vector<Index>& particle = local_steps_->stiff.particle;
-  for (const Index i : particle) {
-    x.push_back(state.position[i]);
-    a.push_back(acceleration[i]);
-  }
-  LocalForces forces(*local_steps_);
-  const std::span<const Vec3> change = forces.changes(x, a, dt, local_steps_->factor(scene_->stiffness_factors()));
-  for (std::size_t r = 0; r < particle.size(); ++r) force[particle[r]] = change[r];
-  return force;
+void SolverBackend::solve_stiff_joints() {
+  if (options_.max_substeps < 2 || topology_->domains.empty()) return;
+  stiff_joints_ = std::make_unique<StiffJoints>();
+  joints_->leave_out([this](const Scene& scene) { return solved_joints(scene, local_steps()); });
+  follow_joints();
+}
+
+void SolverBackend::follow_joints() {
+  joints_->follow(*scene_);
+  if (stiff_joints_) stiff_joints_->follow(*scene_, *topology_, frame_.fixed, local_steps());
 }
 
 double SolverBackend::stiffness_factor() const {
@@ -313,7 +306,7 @@ void SolverBackend::do_restore(const Snapshot& snapshot) {
 
 const char* SolverBackend::beyond_devices() const {
   if (local_steps_) {
-    return "SolverOptions::max_substeps is above 1, and materials of this body would have substeps, which this backend "
+    return "SolverOptions::max_substeps is above 1, and parts of this body would have local steps, which this backend "
            "does not do; use \"cpu\" or \"reference\"";
   }
   return nullptr;
@@ -329,29 +322,6 @@ const char* SolverBackend::do_cannot() const {
   if (!scene_->stiffness_factors().empty()) return no_scaled_stiffness;
   if (!scene_->volume_constraints().empty() && !do_takes_volumes()) return no_volumes;
   return scene_->contacts() ? no_contacts : nullptr;
-}
-
-Energy SolverBackend::energy_of(const State& state, double last_dt, const VecList& dissipative) const {
-  LoadFrame now;  // not frame_: the scene may have changed since the last step
-  scene_->prepare(now);
-  scene_->evaluate(state.time, now);
-  VecList force(state.position.size());
-  elastic_forces(elastic(), state.position, force);
-  Energy energy;
-  energy.elastic = elastic_energy(elastic(), state.position);
-  if (!scene_->joints().empty()) energy.elastic += add_joint_forces(*scene_, read(), force);
-  for (Index i = 0; i < topology_->particle_count; ++i) {
-    const double m = topology_->mass[i];
-    if (!now.force.empty()) force[i] += now.force[i];
-    if (!dissipative.empty()) force[i] += dissipative[i];
-    Vec3 a = force[i] / m + now.gravity;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!now.fixed.empty() && (now.fixed[i] >> axis & 1) != 0) a[axis] = 0.0;
-    }
-    energy.kinetic += 0.5 * m * state.velocity[i].dot(state.velocity[i] + last_dt * a);
-    energy.gravity -= m * now.gravity.dot(state.position[i] - topology_->rest[i]);
-  }
-  return energy;
 }
 
 Momentum SolverBackend::do_momentum(const Vec3& about) const {

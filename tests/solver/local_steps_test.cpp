@@ -271,13 +271,6 @@ TEST(LocalSteps, RefuseWhatTheyExclude) {
   options.max_substeps = 8;
   options.sleep_tolerance = 0.0;
   EXPECT_TRUE(refuses([&] { make_solver("cpu", model, scene, {}, options); }, "exclude each other"));
-  options.sleep_tolerance.reset();
-  Model dissipative = cube(4);
-  Material slow = stiff;
-  slow.retardation_time = 1e-3;
-  set_material(dissipative, slow, [](const Vec3& place) { return place.x() < 0.03; });
-  const Scene of_it(dissipative);
-  EXPECT_TRUE(refuses([&] { make_solver("cpu", dissipative, of_it, {}, options); }, "dissipates"));
 }
 
 }  // namespace

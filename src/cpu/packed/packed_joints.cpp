@@ -7,8 +7,9 @@
 
 namespace phymul::cpu {
 
-void PackedJoints::follow(JointSet& joints, const ToolSet& tools, const PackedBody& body) {
+void PackedJoints::follow(JointSet& joints, StiffJoints* stiff, const ToolSet& tools, const PackedBody& body) {
   at_.clear();
+  reached_.clear();
   load_.clear();
   if (joints.empty()) return;
   std::vector<std::size_t> place_of(body.order.size());
@@ -20,6 +21,11 @@ void PackedJoints::follow(JointSet& joints, const ToolSet& tools, const PackedBo
     at.quad = body.quad_of(place);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       at.velocity[axis] = (3 * (place / lanes) + axis) * lanes + place % lanes;
+    }
+  }
+  if (stiff != nullptr) {
+    for (const StiffJoints::Reached& reached : stiff->reached()) {
+      reached_.push_back({body.quad_of(place_of[reached.particle]), place_of[reached.particle]});
     }
   }
   ways_.reserve(tools.count());
@@ -40,7 +46,11 @@ void PackedJoints::act(JointSet& joints, ToolSet& tools, const TopologyTextures&
   joints.act(ways_, dt);
   tools.pull(joints.pulls());
 
-  if (move.load != nullptr) std::memcpy(load_.data(), move.load, sizeof(float) * load_.size());
+  if (move.load != nullptr) {
+    std::memcpy(load_.data(), move.load, sizeof(float) * load_.size());
+  } else {
+    for (const Place& reached : reached_) std::memset(&load_[4 * reached.quad], 0, 4 * sizeof(float));
+  }
   for (std::size_t row = 0; row < at_.size(); ++row) {
     At& at = at_[row];
     float* const load = &load_[4 * at.quad];
@@ -52,6 +62,50 @@ void PackedJoints::act(JointSet& joints, ToolSet& tools, const TopologyTextures&
     }
   }
   move.load = reinterpret_cast<const char*>(load_.data());
+}
+
+template <class Acceleration>
+void PackedJoints::solve(StiffJoints& stiff, const JointSet& joints, const Scene& scene, double dt, double d,
+                         const simd::Move& move, const Acceleration& acceleration, bool later, char* loads) {
+  const std::span<StiffJoints::Reached> reached = stiff.reached();
+  for (std::size_t row = 0; row < reached_.size(); ++row) {
+    const auto [quad, place] = reached_[row];
+    reached[row].acceleration = acceleration(4 * quad, static_cast<double>(move.inverse_mass[place]));
+    for (int axis = 0; axis < 3; ++axis) {
+      if (move.fixed != nullptr && (move.fixed[place] >> axis & 1) != 0) reached[row].acceleration[axis] = 0.0;
+    }
+  }
+  stiff.act(scene, joints, dt, d, later);
+  auto* const to = reinterpret_cast<float*>(loads);
+  for (std::size_t row = 0; row < reached_.size(); ++row) {
+    for (std::size_t a = 0; a < 3; ++a) to[4 * reached_[row].quad + a] += static_cast<float>(reached[row].force[a]);
+  }
+}
+
+namespace {
+
+Vec3 vector_at(const char* quads, std::size_t at) {
+  const auto* const own = reinterpret_cast<const float*>(quads) + at;
+  return {own[0], own[1], own[2]};
+}
+
+}  // namespace
+
+void PackedJoints::solve(StiffJoints& stiff, const JointSet& joints, const Scene& scene, double dt, double d,
+                         const char* force, simd::Move& move) {
+  const Vec3 gravity(move.gravity[0], move.gravity[1], move.gravity[2]);
+  const auto all = [&](std::size_t at, double inverse_mass) -> Vec3 {
+    return inverse_mass * (vector_at(force, at) + vector_at(move.load, at)) + gravity;
+  };
+  solve(stiff, joints, scene, dt, d, move, all, false, reinterpret_cast<char*>(load_.data()));
+}
+
+void PackedJoints::solve_pushes(StiffJoints& stiff, const JointSet& joints, const Scene& scene, double dt, double d,
+                                const simd::Move& move, char* loads) {
+  const auto pushes = [&](std::size_t at, double inverse_mass) -> Vec3 {
+    return inverse_mass * (vector_at(loads, at) - vector_at(move.load, at));
+  };
+  solve(stiff, joints, scene, dt, d, move, pushes, true, loads);
 }
 
 }  // namespace phymul::cpu

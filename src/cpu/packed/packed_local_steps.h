@@ -28,15 +28,22 @@ class PackedLocalSteps {
   const LocalForces& forces() const { return forces_; }
 
  private:
+  struct Place {
+    std::size_t quad, place;  // in the body
+  };
+  void add_substeps(const simd::Move& move, std::span<const double> factors, float* elastic);
+  void add_fine_parts(const simd::Move& move, float* elastic);
   void run_loop(std::span<const Vec3> still, double dt, double factor, std::span<Vec3> sum);
 
   const LocalSteps& steps_;
-  const std::unique_ptr<Tangent> stiffness_;
-  Eigen::VectorXf still_;  // [4 n]
+  const std::unique_ptr<Tangent> stiffness_;  // null without substeps
+  Eigen::VectorXf still_;                     // [4 n]
   SubstepLoop<Eigen::VectorXf> loop_;
   LocalForces forces_;
-  std::vector<std::size_t> place_, quad_;  // [n] of LocalSteps::stiff, in the body
-  VecList x_, acceleration_;
+  std::vector<Place> at_;     // by LocalSteps::particle
+  VecList x_, acceleration_;  // of LocalSteps::stiff
+  std::vector<float> fine_mass_;
+  std::vector<Eigen::Vector4f> fine_f_, fine_change_, fine_nodes_;
 };
 
 }  // namespace phymul::cpu

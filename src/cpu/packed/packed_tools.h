@@ -37,7 +37,7 @@ class PackedTools {
   std::span<const std::size_t> pushed() const { return pushed_; }
   std::span<const std::pair<std::size_t, std::array<float, 3>>> shifts() const { return shifts_; }
   int lost_volume() const { return lost_volume_; }  ///< by the last act(): a row; -1: none
-  const char* loads() const { return reinterpret_cast<const char*>(load_.data()); }
+  char* loads() { return reinterpret_cast<char*>(load_.data()); }
   /// After the last pass of a step.
   void shift(float* next_u);
 

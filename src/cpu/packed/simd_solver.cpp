@@ -67,6 +67,7 @@ class SimdSolver final : public SolverBackend {
     }
     if (body_->gives()) pull_.assign(quads, 0.0f);
     near_u_.assign(summaries_.size(), Floats(4 * body_->most_slots() + page, 0.0f));
+    solve_stiff_joints();
     follow_scene_parts();
     begin_at_rest();
     tools_.reset(scene(), {});
@@ -91,9 +92,9 @@ class SimdSolver final : public SolverBackend {
 
   void do_restore(const Snapshot& snapshot) override {
     const bool slept = snapshot.parts.size() == 1 && snapshot.parts.front().name == sleep_part;
-    const bool strained = dissipation_ && snapshot.parts.size() == 1 && has_strains(snapshot);
-    const bool pushed = local_ && snapshot.parts.size() == 1 && LocalForces::has(snapshot);
-    if (!slept && !strained && !pushed) refuse_parts(snapshot);
+    const bool strained = dissipation_ && has_strains(snapshot), pushed = local_ && LocalForces::has(snapshot);
+    const bool known = slept || snapshot.parts.size() == std::size_t{strained} + std::size_t{pushed};
+    if (!known) refuse_parts(snapshot);
     if (sleep_ && slept) sleep_->require_fitting(snapshot.parts.front().bytes);
     const StrainMemory strains = strains_of(snapshot, topology());
     take(snapshot.state, snapshot.displacement);
@@ -134,7 +135,7 @@ class SimdSolver final : public SolverBackend {
   void follow_scene_parts() {
     if (averaged_) averaged_->scale(topology(), scene().stiffness_factors());
     tools_.follow(scene(), frame().fixed);
-    pulled_.follow(joints(), tools_.set(), *body_);
+    pulled_.follow(joints(), stiff_joints(), tools_.set(), *body_);
   }
 
   void do_values_changed() override {
@@ -200,11 +201,13 @@ class SimdSolver final : public SolverBackend {
     if (!joints().empty()) pulled_.act(joints(), tools_.set(), topology(), plan.dt, move, changed);
     if (sleep_) sleep_->begin(move, held_below(plan));
     laps_.end(Work::loads);
+    const bool solves = stiff_joints() != nullptr && !stiff_joints()->empty();
     if (averaged_) {
       averaged_->run(bytes(force_), bytes(u_), bytes(next_u_),
                      dissipation_ ? dissipation_->job(plan.dt, last_dt_) : nullptr, sleep_ ? &*sleep_ : nullptr, last,
                      pool_, laps_);
       if (local_) local_->add_changes(move, scene().stiffness_factors(), bytes(force_));
+      if (solves) pulled_.solve(*stiff_joints(), joints(), scene(), plan.dt, plan.damping_factor, bytes(force_), move);
       laps_.end(Work::averaged_forces);
     } else {
       clustered_forces();
@@ -216,6 +219,9 @@ class SimdSolver final : public SolverBackend {
     laps_.end(Work::tools);
     if (pushed) {
       if (sleep_) sleep_->push(tools_.pushed());
+      if (solves) {
+        pulled_.solve_pushes(*stiff_joints(), joints(), scene(), plan.dt, plan.damping_factor, move, tools_.loads());
+      }
       move.load = tools_.loads();
       run(move);
     }
@@ -347,10 +353,9 @@ class SimdSolver final : public SolverBackend {
 
   Energy do_energy() const override {
     const State state = read();
-    if (local_) return energy_of(state, last_dt_, substep_forces(state, last_dt_));
     DissipationNow now;
     if (dissipation_) now = dissipation_at(elastic(), state.position, dissipation_->memory(), last_dt_);
-    Energy energy = energy_of(state, last_dt_, now.force);
+    Energy energy = energy_of(state, last_dt_, substep_forces(state, last_dt_, std::move(now.force)));
     energy.elastic += now.energy;
     return energy;
   }
