@@ -178,7 +178,7 @@ void expect_energy_kept(const std::string& backend, int steps) {
     const double a = model.rest[i].x() / edge;
     state.velocity[i].z() = 0.024 * a * a * (1.5 - 0.5 * a);
   }
-  const double dt = 0.5 * solver->stable_step();
+  const double dt = 0.4 * solver->stable_step();  // half of it without balanced masses
   solver->start(state, dt);
   const double before = solver->energy().total();
   double moved = 0.0, differs = 0.0;
