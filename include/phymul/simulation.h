@@ -33,8 +33,8 @@ struct SimulationOptions {
   std::vector<GroupMaterial> materials{};  ///< of groups, set after `material` in this order
   std::string backend = "auto";            ///< a name that make_solver() accepts
   Damping damping{};                       ///< replaces solver.damping, unless it is left out
-  /// Largest step of advance() and run_to_rest(), as a multiple of Solver::stable_step(), > 0. Empty: 0.5, in calls of
-  /// advance() of few steps up to 0.9, as far as deformation allows (Solver::suggested_step()).
+  /// Largest step of advance() and run_to_rest(), as a multiple of Solver::stable_step(), > 0. Empty: it follows the
+  /// deformation, between 0.25 and 0.9, in calls of many steps at most 0.5 (Solver::suggested_step()).
   std::optional<double> step{};
   std::shared_ptr<TaskRunner> runner{};  ///< replaces those of topology and solver, unless it is left out
   TopologyOptions topology{};

@@ -22,9 +22,11 @@ constexpr double limit_slack = 1e-9;
 /// Speeds beyond this many times spacing times omega_max (twice the wave speed or so) are a failure, not a motion.
 constexpr double runaway_factor = 1e6;
 
-/// Of the stable step at rest. With the first, bodies return from all states from which they do at all. The second is
-/// stable although frequency_growth() may be up to 15 % too low.
-constexpr double surest_share = 0.5, longest_share = 0.9;
+/// Of the stable step: where nothing is known of the deformation, and where nothing has raised the frequency. The
+/// latter is stable although frequency_growth() may be up to 15 % too low.
+constexpr double usual_share = 0.5, longest_share = 0.9;
+/// A growth by more than 13 is that of single domains, which do not set the step alone.
+constexpr double shortest_share = 0.25;
 /// For longer than so many steps nothing says how a body will deform.
 constexpr double foreseen_steps = 16.0;
 
@@ -76,7 +78,7 @@ double Damping::factor_at(double dt) const {
 
 double SolverBackend::suggested_step(double seconds) const {
   const double stable = stable_step();
-  if (substeps() > 1 || !(seconds <= foreseen_steps * longest_share * stable)) return surest_share * stable;
+  if (substeps() > 1) return usual_share * stable;
   double growth = growth_, speed = speed_;
   if (growth == 0.0) {
     const State state = read();
@@ -85,13 +87,18 @@ double SolverBackend::suggested_step(double seconds) const {
     speed = 0.0;
     for (const Vec3& v : state.velocity) speed = std::max(speed, v.norm());
   }
-  double way = speed * seconds;
-  for (std::size_t row = 0; row < scene_->tools().size(); ++row) {
-    way = std::max(way, travel(do_tool_report(row).pose, scene_->tools()[row].pose, spacing_));
+  if (!std::isfinite(growth)) return usual_share * stable;
+  const bool is_foreseen = seconds <= foreseen_steps * longest_share * stable;
+  double way = 0.0;  // m
+  if (is_foreseen) {
+    way = speed * seconds;
+    for (std::size_t row = 0; row < scene_->tools().size(); ++row) {
+      way = std::max(way, travel(do_tool_report(row).pose, scene_->tools()[row].pose, spacing_));
+    }
   }
   const double stretch = 1.0 + way / spacing_;
   const double share = longest_share / std::sqrt(growth * stretch * stretch);
-  return stable * (share > surest_share ? std::min(share, longest_share) : surest_share);
+  return stable * std::clamp(share, shortest_share, is_foreseen ? longest_share : usual_share);
 }
 
 StepReport SolverBackend::step(int n, double dt) {

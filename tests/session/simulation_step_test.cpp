@@ -87,8 +87,8 @@ TEST(SimulationStep, FollowsTheDeformation) {
   EXPECT_LT(a_little, 0.9);
   EXPECT_GT(a_little, 0.75);
   EXPECT_LT(squeezed_to(0.5), 0.7);
-  EXPECT_DOUBLE_EQ(squeezed_to(0.3), 0.5);
-  EXPECT_DOUBLE_EQ(squeezed_to(-1.0), 0.5);
+  EXPECT_LT(squeezed_to(0.3), 0.4);
+  EXPECT_DOUBLE_EQ(squeezed_to(-1.0), 0.25);
 }
 
 TEST(SimulationStep, LooksAhead) {
@@ -103,6 +103,26 @@ TEST(SimulationStep, LooksAhead) {
   for (Vec3& v : thrown.velocity) v.z() = 20.0;
   sim.set_state(thrown);
   EXPECT_LT(share(sim, stable), 0.8);
+}
+
+/// What half of the stable step would shake.
+TEST(SimulationStep, HoldsADeepPressStill) {
+  const double radius = 0.01, depth = 0.016;
+  Model model = make_body(solid_ellipsoid({0, 0, 0}, {0.04, 0.03, 0.025}), {.spacing = 0.006});
+  model.add_group("held", model.particles_in([](const Vec3& x) { return x.z() < -0.01; }));
+  Simulation sim(model, {.material = of_organs, .backend = "cpu", .damping = {.rate = 20}});
+  sim.scene().fix("held");
+  const auto pose = [&](double deep) { return ToolPose{.position = {0, 0, 0.025 + radius - deep}}; };
+  const ToolHandle ball =
+      sim.scene().add_tool({.shape = Sphere{radius}, .pose = pose(0.0), .contact = ToolContact::surface});
+  StepReport last;
+  for (int tick = 1; tick <= 700; ++tick) {
+    ball.move_to(pose(std::min(depth, 5e-5 * tick)));
+    last = sim.advance(1e-3);
+    ASSERT_TRUE(last.ok()) << last.message();
+  }
+  EXPECT_LT(last.max_speed, 0.02);  // m/s; 1.4 with half of it
+  EXPECT_GT(last.growth, 3.0);
 }
 
 TEST(SimulationStep, IsAsGivenOrHalfWhereNothingIsKnown) {
