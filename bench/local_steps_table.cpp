@@ -4,8 +4,9 @@
 // held at one side under gravity; backend cpu, one thread. Three solvers take turns: the cube without the ball, with it
 // by one step for all, and with it by substeps. Medians over the turns of processor time per second of physics, and the
 // error of each against a fifth of its body's shortest step.
-// Then a liver of some 2,500 particles with a duct of 700 at a third of its spacing, and two places of the liver tied by a
-// lock of 27 springs: the liver alone, with both by one step for all, and with both by SolverOptions::max_substeps.
+// Then a liver of some 2,500 particles with a duct of 700 at a third of its spacing, and two places of the liver tied
+// by a lock of 27 springs: the liver alone, with both by one step for all, and with both by
+// SolverOptions::max_substeps.
 //   local_steps_table [cells of an edge [turns]]
 #include <phymul/phymul.h>
 

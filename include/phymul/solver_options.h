@@ -62,8 +62,8 @@ struct SolverOptions {
   /// Local time steps: parts that need a shorter step than the rest do not limit the step of the whole body. >= 1; 1:
   /// off. Backends "reference" and "cpu", bodies with a material (Law::particle_averaged).
   /// - Materials that are stiffer, such as a tumour in soft tissue, take up to this many substeps within each step
-  ///   (Solver::substeps), unless a material dissipates. Vibrations inside them that are faster than the step are slowed
-  ///   down, as by a larger mass, which Solver::energy() does not count.
+  ///   (Solver::substeps), unless a material dissipates. Vibrations inside them that are faster than the step are
+  ///   slowed down, as by a larger mass, which Solver::energy() does not count.
   /// - Parts with smaller cells, such as a duct, get a larger inertia for motions finer than the spacing of the rest.
   /// - Joints that cannot go slack, of 48 springs together, are solved implicitly, as by a larger mass of the motion
   ///   that stretches them. Solver::energy() counts these masses and those of small cells.
