@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 
+#include "averaged_stiffness.h"
 #include "domain_forces.h"
 #include "force_shape.h"
 #include "force_spring.h"
@@ -188,7 +189,7 @@ Index first_collapsed(const TopologyTextures& topology, std::span<const Vec3> po
 
 double frequency_growth(const TopologyTextures& topology, std::span<const Vec3> position) {
   require_sizes(topology, "frequency_growth", position.size(), position.size());
-  if (topology.base_count > 0 || !topology.springs.empty() || !topology.volumes.empty()) {
+  if (!AveragedStiffness::is_all_of(topology)) {
     return std::numeric_limits<double>::infinity();
   }
   double largest = 1.0;
