@@ -23,7 +23,7 @@ constexpr double limit_slack = 1e-9;
 constexpr double runaway_factor = 1e6;
 
 /// Of the stable step: where nothing is known of the deformation, and where nothing has raised the frequency. The
-/// latter is stable although frequency_growth() may be up to 15 % too low.
+/// latter is stable although frequency_growth() may be up to 20 % too low.
 constexpr double usual_share = 0.5, longest_share = 0.9;
 /// A growth by more than 13 is that of single domains, which do not set the step alone.
 constexpr double shortest_share = 0.25;
