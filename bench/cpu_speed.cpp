@@ -242,15 +242,6 @@ std::vector<std::function<Case()>> cases() {
         return Case{"tetrahedra material 4k", with_material(tetrahedra(16)), {}};
       },
       [=] {
-        return Case{
-            "tetrahedra neo-Hookean 4k", with_material(tetrahedra(16)), {.strain_energy = StrainEnergy::neo_hookean}};
-      },
-      [=] {
-        return Case{"lattice neo-Hookean 2673",
-                    with_material(make_block({0.04, 0.04, 0.16}, 8, 8, 32)),
-                    {.strain_energy = StrainEnergy::neo_hookean}};
-      },
-      [=] {
         return Case{"lattice material 2673", with_material(make_block({0.04, 0.04, 0.16}, 8, 8, 32)), {}};
       },
       [=] {

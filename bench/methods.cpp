@@ -37,11 +37,8 @@ std::vector<Method> make_methods() {
   reaction("shared", "shape memory, shared reaction", Reaction::shared);
   reaction("barycentric", "shape memory, barycentric reaction", Reaction::barycentric);
   reaction("averaged", "shape memory, averaged", Reaction::averaged);
-  Method& shape_memory = all.emplace_back();
-  shape_memory.name = "particle_averaged", shape_memory.label = "material";
-  Method& neo_hookean = all.emplace_back();
-  neo_hookean.name = "neo_hookean", neo_hookean.label = "material, neo-Hookean";
-  neo_hookean.options.strain_energy = StrainEnergy::neo_hookean;
+  Method& material = all.emplace_back();
+  material.name = "particle_averaged", material.label = "material";
   return all;
 }
 

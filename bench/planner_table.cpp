@@ -44,12 +44,6 @@ constexpr Asked asked[]{{"cantilever", "nu0.30_g0.10", 0.02},
 constexpr double organ_errors[]{0.1, 0.4};
 constexpr std::size_t compared_points = 500;  // of the organ
 
-SimulationOptions neo_hookean() {
-  SimulationOptions options;
-  options.topology.strain_energy = StrainEnergy::neo_hookean;
-  return options;
-}
-
 PlanOptions wishes(double max_error, double budget) {
   return {.max_error = max_error, .rest_in = 100.0, .budget = budget};
 }
@@ -85,7 +79,7 @@ class CaseBodies {
 
   Simulation simulation(const PlanCandidate& candidate) const {
     const Problem it = problem(candidate.spacing);
-    Simulation sim(it.model, candidate.options(neo_hookean()));
+    Simulation sim(it.model, candidate.options({}));
     sim.scene().gravity(it.gravity).add(it.loads);
     return sim;
   }
@@ -136,7 +130,7 @@ void case_row(const Asked& it, const std::string& folder, double budget, bool re
 /// Held in a ball, under its whole weight.
 void organ_row(double max_error, double budget, bool report, const std::string& path) {
   const Surface surface = read_surface(path, 1e-3);
-  SimulationOptions options = neo_hookean();
+  SimulationOptions options;
   options.material = {.young = 10e3, .poisson = 0.45, .density = 1000};
   const auto fill = [&surface](Simulation& sim) {
     const auto is_held = [](const Vec3& at) { return (at - Vec3(0, 0, -0.03)).norm() < 0.035; };

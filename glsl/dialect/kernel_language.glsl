@@ -16,6 +16,7 @@
 #define real3 vec3
 #define literal(x) x
 #define select(condition, a, b) ((condition) ? (a) : (b))
+#define any_below(a, b) ((a) < (b))
 #define square_root(x) sqrt(x)
 #define inverse_root(x) (1.0 / sqrt(x))
 

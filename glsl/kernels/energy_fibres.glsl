@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// StrainEnergy::fibres at F = I + H, of c, kappa, k and the direction a: shape memory, and k/8 (|F a|^2 - 1)^2, where
-// |F a|^2 - 1 = 2 a . H a + |H a|^2. Needs columns.glsl, volume.glsl, shape_memory.glsl.
+// StrainEnergy::fibres at F = I + H, of mu, K, k and the direction a: neo-Hookean, and k/8 (|F a|^2 - 1)^2, where
+// |F a|^2 - 1 = 2 a . H a + |H a|^2. Needs columns.glsl, volume.glsl, neo_hookean.glsl.
 
 KERNEL_CONSTANT int energy_constants = 6;
 
@@ -10,12 +10,10 @@ KERNEL real fibre_strain(real3 a, real3 stretched) {
 }
 
 KERNEL Columns energy_stress(Columns H, real p[energy_constants]) {
-  Change change = change_of(H);
   real3 a = real3(p[3], p[4], p[5]);
   real3 stretched = times(H, a);
   real tension = literal(0.5f) * p[2] * fibre_strain(a, stretched);
-  Columns P = plus(shape_stress(H, change, p[0]), volume_stress(change, p[1]));
-  return plus_outer(P, tension * (a + stretched), a);
+  return plus_outer(neo_hookean_stress(H, change_of(H), p[0], p[1]), tension * (a + stretched), a);
 }
 
 // In place of squared_condition: along the fibres the slope of their force grows by (3 |F a|^2 - 1) / 2.

@@ -8,20 +8,9 @@
 // U'(J)
 KERNEL real volume_pressure(real change) {
   if (!bounded_volume) return change;
-  real x = change * literal(2.5f);  // over s = 0.4, where U' saturates
-  return change * inverse_root(literal(1.0f) + x * x);
-}
-
-// The square of the condition number |F| |F^-1| by Frobenius' norm, over its value 9 at rest; |F|^2 |cof(F)|^2 / 9 where
-// J > 1. How much the frequencies can have risen follows from it (docs/theory/physics.md). `huge`: laws change
-// below J = 0.7, and where F is inverted.
-KERNEL real squared_condition(Columns H, Change change) {
-  real one = literal(1.0f);
-  real huge = literal(1e6f);
-  real J = one + volume_change(change);
-  real least = select(J > one, one, J * J);
-  real product = squared_norm(plus_identity(H)) * squared_norm(plus_identity(change.cof));
-  return select(J > literal(0.7f), product * (literal(0.11111111f) / least), huge);
+  real most = literal(0.5f);
+  real above = select(change < -most, -most, change);
+  return select(above > most, most, above);
 }
 
 // The derivative of stiffness * U(det F) by F.

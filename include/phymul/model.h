@@ -70,7 +70,7 @@ struct Component {
 /// Elastic material. The constants are those of small strains.
 struct Material {
   double young = 0.0;    ///< Young's modulus, Pa, > 0
-  double poisson = 0.0;  ///< Poisson's ratio, in (-3/8, 1/2)
+  double poisson = 0.0;  ///< Poisson's ratio, in (-1, 1/2)
   double density = 0.0;  ///< kg/m^3, > 0
   /// Young's modulus along the fibres (Cell::fibre), divided by `young`, the modulus of the tissue between them. 1: no
   /// fibres. The modulus across the fibres is young / (1 - poisson^2 (1 - 1 / fibre_ratio)). build_topology() throws

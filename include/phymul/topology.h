@@ -62,23 +62,21 @@ enum class BaseSelection {
   thresholded  ///< those above min_quality and within max_barycentric
 };
 
-/// The energy U of a volume ratio J, J/m^3; U(1) = U'(1) = 0, U''(1) = kappa for all.
+/// The energy U of a volume ratio J, J/m^3; U(1) = U'(1) = 0, U''(1) = kappa for both.
 enum class VolumeLaw {
   quadratic,  ///< kappa/2 (J-1)^2
-  bounded     ///< kappa s^2 (sqrt(1 + ((J-1)/s)^2) - 1), s = 0.4: |U'| stays below kappa s for every J
+  bounded     ///< the same for J from 0.5 to 1.5, and linear beyond: |U'| is at most kappa / 2
 };
 
 /// Energy density psi of a material, J/m^3, at a deformation gradient F, J = det F. mu and K are the shear modulus and
-/// the bulk modulus; U is VolumeLaw at kappa = 1. Except for the fibres all are the same for small strains.
+/// the bulk modulus; U is VolumeLaw at kappa = 1. Without the fibres both are the same for small strains.
 enum class StrainEnergy {
-  /// c/2 |F n0 - n(F)|^2, averaged over seven directions n0 that are isotropic together (Calibration), plus kappa U(J)
-  shape_memory,
-  /// mu/2 (J^(-2/3) tr(F^T F) - 3) + K U(J). Below J = 0.7, J^(-2/3) is replaced by its tangent there, and 3.1 mu
-  /// (0.7 - J)^2 is added. Fewer broken states (docs/theory/stability.md) recover than with shape_memory.
+  /// mu/2 (J^(-2/3) tr(F^T F) - 3) + K U(J) wherever the principal stretches are between 0.6 and 1.7, and somewhat
+  /// beyond. Far from there, inverted or not, it is mu (tr(F^T F) / 2 - 2 d + 1) + K U(J) with d = sqrt(3) J / |cof F|,
+  /// so that flattened, mirrored and overstretched bodies return (docs/theory/physics.md). The passage is smooth.
   neo_hookean,
-  /// shape_memory, plus k/8 (|F a|^2 - 1)^2 along fibres a, k = (fibre_ratio - 1) E (the standard reinforcing energy:
-  /// Qiu and Pence 1997). build_topology uses it in place of shape_memory if a material has fibres. Throws Error for
-  /// fibres with neo_hookean.
+  /// neo_hookean, plus k/8 (|F a|^2 - 1)^2 along fibres a, k = (fibre_ratio - 1) E (the standard reinforcing energy:
+  /// Qiu and Pence 1997). build_topology uses it if a material has fibres.
   fibres
 };
 
@@ -97,13 +95,13 @@ struct TopologyOptions {
   BaseSelection bases = BaseSelection::thresholded;
   double min_quality = 0.05;      ///< [0, 1), thresholded: least 2 A / L^2 of a base, of area A and longest edge L
   double max_barycentric = 1.25;  ///< > 0, thresholded: largest |lambda|
-  StrainEnergy strain_energy = StrainEnergy::shape_memory;  ///< of Law::particle_averaged
+  StrainEnergy strain_energy = StrainEnergy::neo_hookean;  ///< of Law::particle_averaged
   VolumeLaw volume_law = VolumeLaw::bounded;
   /// Volume stiffness kappa, Pa, >= 0, of a model without a material (springs, or stiffness in N/m). 0: no volume term.
   double volume_stiffness = 0.0;
   /// s of Law::particle_averaged, >= 0. Empty: calibrated so that pure bending of each connected part has the correct
-  /// energy (0.1 to 0.7, neo_hookean 0.25 to 0.7; one value for each part and type of cell). build_topology then writes
-  /// the mean over the volume into TopologyTextures::options.
+  /// energy (0.25 to 0.7; one value for each part and type of cell). build_topology then writes the mean over the volume
+  /// into TopologyTextures::options.
   std::optional<double> stabiliser = std::nullopt;
   SparseParticle on_sparse = SparseParticle::error;
   /// Threads of the host that build the tables and estimate the spectrum of the body. The tables keep the pointer.
@@ -118,16 +116,5 @@ struct TopologyTextures;
 /// other or the model, for particles without a base or volume (SparseParticle::error), and if a table has more rows
 /// than 32-bit numbers count.
 TopologyTextures build_topology(const Model& model, const TopologyOptions& options = {});
-
-/// Constants of StrainEnergy::shape_memory: the energy density c/2 |F n0 - n(F)|^2, averaged over all rest normals n0,
-/// with n(F) the deformed unit normal, plus kappa/2 (J-1)^2 with J = det F. At small strain mu = 7/15 c and
-/// lambda = kappa - c/5.
-struct Calibration {
-  double c = 0.0;      ///< Pa
-  double kappa = 0.0;  ///< Pa
-};
-
-/// Throws Error if Young's modulus is not positive or Poisson's ratio is outside [-3/8, 1/2).
-Calibration calibrate(const Material& material);
 
 }  // namespace phymul

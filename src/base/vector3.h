@@ -32,12 +32,15 @@ Vector3<S> cross_product(const Vector3<S>& a, const Vector3<S>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-// What packs of floats overload: a choice lane by lane, and the square root.
+// What packs of floats overload: a choice lane by lane, whether a < b in any lane, and the square root.
 inline float select(bool mask, float a, float b) {
   return mask ? a : b;
 }
 inline double select(bool mask, double a, double b) {
   return mask ? a : b;
+}
+inline bool any_below(float a, float b) {
+  return a < b;
 }
 inline float square_root(float x) {
   return std::sqrt(x);

@@ -4,6 +4,7 @@
 // mean_gradient() takes it. `factors`: as of elastic_forces().
 #pragma once
 
+#include <algorithm>
 #include <span>
 
 #include "energy_density.h"
@@ -20,12 +21,9 @@ inline double factor_of(const TopologyTextures& t, Index d, std::span<const doub
 /// frequency_growth() (elasticity.h) is the largest squared_condition() of all domains to this power. Calibrated on
 /// uniformly strained bodies (docs/theory/physics.md): the less volume resists, the more frequencies grow.
 inline double growth_exponent(const TopologyTextures& t) {
-  if (t.options.strain_energy == StrainEnergy::neo_hookean) return 2.0;
-  if (t.options.strain_energy == StrainEnergy::fibres) return 0.75;
-  for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
-    if (t.energy_of(d)[1] < 2.0 * t.energy_of(d)[0]) return 1.5;  // kappa / c is 2.07 at nu = 0.4
-  }
-  return 0.75;
+  double shear_over_bulk = 0.0;
+  for (const EnergyConstants& p : t.energies) shear_over_bulk = std::max(shear_over_bulk, p[0] / p[1]);
+  return 1.0 + 1.6 * shear_over_bulk;
 }
 
 /// dE/dF_d per volume, the stabiliser's part of it included.

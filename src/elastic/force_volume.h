@@ -6,30 +6,27 @@
 
 #include <phymul/topology.h>
 
+#include <algorithm>
+
 #include "force_shape.h"
 
 namespace phymul::cpu {
 
-/// Width of the bounded law: u' saturates at this value.
+/// Of J - 1, beyond which the bounded law is linear.
 template <class S>
-inline constexpr S volume_bound = S(0.4);
-
-template <class S>
-S volume_energy_density(VolumeLaw law, S J) {
-  const S e = J - S(1);
-  if (law == VolumeLaw::quadratic) return S(0.5) * e * e;
-  const S s = volume_bound<S>;
-  const S root = std::sqrt(S(1) + (e / s) * (e / s));
-  return e * e / (S(1) + root);  // s^2 (root - 1) without its cancellation near J = 1
-}
+inline constexpr S volume_bound = S(0.5);
 
 /// u'(J).
 template <class S>
 S volume_pressure(VolumeLaw law, S J) {
   const S e = J - S(1);
-  if (law == VolumeLaw::quadratic) return e;
-  const S s = volume_bound<S>;
-  return e / std::sqrt(S(1) + (e / s) * (e / s));
+  return law == VolumeLaw::quadratic ? e : std::clamp(e, -volume_bound<S>, volume_bound<S>);
+}
+
+template <class S>
+S volume_energy_density(VolumeLaw law, S J) {
+  const S e = J - S(1), pressure = volume_pressure(law, J);
+  return pressure * (e - S(0.5) * pressure);
 }
 
 template <class S>

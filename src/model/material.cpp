@@ -162,8 +162,8 @@ void require_in_range(const Material& material) {
   if (!(material.young > 0.0) || !std::isfinite(material.young)) {
     throw Error("material: expected a positive, finite Young's modulus in Pa, got " + to_decimal(material.young));
   }
-  if (!(material.poisson > -3.0 / 8.0 && material.poisson < 0.5)) {
-    throw Error("material: expected Poisson's ratio above -3/8 and below 1/2, got " + to_decimal(material.poisson) +
+  if (!(material.poisson > -1.0 && material.poisson < 0.5)) {
+    throw Error("material: expected Poisson's ratio above -1 and below 1/2, got " + to_decimal(material.poisson) +
                 "; take 0.49 for a nearly incompressible tissue");
   }
   if (!(material.density > 0.0) || !std::isfinite(material.density)) {

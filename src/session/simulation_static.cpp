@@ -255,8 +255,7 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
     result.folded = first_folded_cell(model(), state.position);
   } else if (end.stuck) {
     result.cause =
-        "the search got stuck where no small step lowers the energy, as where cells fold; load in smaller parts, "
-        "or take StrainEnergy::neo_hookean";
+        "the search got stuck where no small step lowers the energy, as where cells fold; load in smaller parts";
   } else {
     result.status = RestStatus::step_limit;
   }

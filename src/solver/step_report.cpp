@@ -81,8 +81,7 @@ std::string RestResult::message() const {
   if (folded >= 0) {
     text += "; cell " + std::to_string(folded) + ", at " + place_text(folded_at) + " at rest, is flat or inside out: ";
     text += converged() ? "the body rests folded, which is not its rest shape"
-                        : "it can keep its particles moving; hold less abruptly there, refine the mesh, or take "
-                          "StrainEnergy::neo_hookean";
+                        : "it can keep its particles moving; hold less abruptly there or refine the mesh";
   }
   return text;
 }

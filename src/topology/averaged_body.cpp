@@ -169,7 +169,7 @@ PairStiffness pair_stiffness(const Model& model, const Domains& domains, const s
 std::vector<double> stabiliser_of_domains(const Model& model, const Domains& domains, TopologyOptions& options) {
   if (options.stabiliser) return std::vector<double>(domains.particle.size(), *options.stabiliser);
   const std::vector<double> of_cell =
-      calibrated_stabilisers(model, domains).of_cells(model, domains, kind_of(options.strain_energy).least_stabiliser);
+      calibrated_stabilisers(model, domains).of_cells(model, domains, least_stabiliser);
   struct Mean {
     double sum = 0.0, weight = 0.0, least = std::numeric_limits<double>::infinity(), most = -least;
     /// Of equal values exactly theirs: rounding would tell domains apart that lie alike.
@@ -243,7 +243,6 @@ std::vector<DissipationTexel> dissipation_of(const Model& model, const Domains& 
   bool any = false;
   std::vector<DissipationTexel> of_material;
   for (const Material& m : model.materials) {
-    require_dissipation_in_range(m);
     any = any || m.retardation_time > 0.0 || m.relaxation_strength > 0.0;
     const double mu = 0.5 * m.young / (1.0 + m.poisson);
     of_material.push_back({mu, 2.0 * mu * m.poisson / (1.0 - 2.0 * m.poisson), m.retardation_time,
@@ -253,16 +252,6 @@ std::vector<DissipationTexel> dissipation_of(const Model& model, const Domains& 
   if (!any) return found;
   for (const Index material : domains.material) found.push_back(of_material[material]);
   return found;
-}
-
-void choose_energy(const Model& model, StrainEnergy& energy) {
-  if (!has_fibres(model)) return;
-  if (energy == StrainEnergy::neo_hookean) {
-    throw Error(
-        "StrainEnergy::neo_hookean has no fibres, and a material has a fibre_ratio above 1. Set it to 1, or leave "
-        "StrainEnergy::shape_memory");
-  }
-  energy = StrainEnergy::fibres;
 }
 
 /// Unit vectors along the fibres of each domain: the mean over its cells. A fibre has no sign: each is turned to the
@@ -289,13 +278,13 @@ VecList fibres_of(const Model& model, const Domains& domains) {
 }  // namespace
 
 void add_averaged_terms(const Model& model, TopologyTextures& topology) {
-  choose_energy(model, topology.options.strain_energy);
+  if (has_fibres(model)) topology.options.strain_energy = StrainEnergy::fibres;
   const bool points = is_body_of_points(model);
   PointDomains body;
   if (points) body = point_domains(model);
   const Domains domains = points ? std::move(body.domains) : domains_of(model, topology.options.runner.get());
   if (points && !topology.options.stabiliser) {
-    topology.options.stabiliser = std::max(body.stabiliser, kind_of(topology.options.strain_energy).least_stabiliser);
+    topology.options.stabiliser = std::max(body.stabiliser, least_stabiliser);
   }
   std::vector<double> spread = stabiliser_of_domains(model, domains, topology.options);
   const VecList fibres = fibres_of(model, domains);

@@ -15,16 +15,17 @@ namespace phymul {
 struct EnergyKind {
   StrainEnergy energy;
   const char* name;
-  std::int32_t number;      ///< in files; never changes
-  std::size_t constants;    ///< of EnergyConstants that it has
-  std::size_t moduli;       ///< the first of them, Pa, to which the energy is proportional
-  double least_stabiliser;  ///< below it rough motions would cost next to nothing
+  std::int32_t number;    ///< in files; never changes; 0 to 2 were energies that are gone
+  std::size_t constants;  ///< of EnergyConstants that it has
+  std::size_t moduli;     ///< the first of them, Pa, to which the energy is proportional
 };
 
 /// In the order of the enumerators.
-inline constexpr std::array energy_kinds{EnergyKind{StrainEnergy::shape_memory, "shape_memory", 0, 2, 2, 0.1},
-                                         EnergyKind{StrainEnergy::neo_hookean, "neo_hookean", 1, 2, 2, 0.25},
-                                         EnergyKind{StrainEnergy::fibres, "fibres", 2, 6, 3, 0.1}};
+inline constexpr std::array energy_kinds{EnergyKind{StrainEnergy::neo_hookean, "neo_hookean", 3, 2, 2},
+                                         EnergyKind{StrainEnergy::fibres, "fibres", 4, 6, 3}};
+
+/// Below it rough motions would cost next to nothing.
+inline constexpr double least_stabiliser = 0.25;
 
 constexpr const EnergyKind& kind_of(StrainEnergy energy) {
   return energy_kinds[static_cast<std::size_t>(energy)];
@@ -32,17 +33,10 @@ constexpr const EnergyKind& kind_of(StrainEnergy energy) {
 
 /// `fibre`: the unit vector along the domain's fibres, or zero.
 inline EnergyConstants energy_constants(StrainEnergy energy, const Material& material, const Vec3& fibre) {
-  const Calibration of_directions = calibrate(material);
-  switch (energy) {
-    case StrainEnergy::shape_memory:
-      return {of_directions.c, of_directions.kappa};
-    case StrainEnergy::fibres:
-      return {of_directions.c, of_directions.kappa, (material.fibre_ratio - 1.0) * material.young,
-              fibre.x(),       fibre.y(),           fibre.z()};
-    case StrainEnergy::neo_hookean:
-      break;
-  }
-  return {material.young / (2.0 * (1.0 + material.poisson)), material.young / (3.0 * (1.0 - 2.0 * material.poisson))};
+  const double mu = material.young / (2.0 * (1.0 + material.poisson));
+  const double bulk = material.young / (3.0 * (1.0 - 2.0 * material.poisson));
+  if (energy == StrainEnergy::neo_hookean) return {mu, bulk};
+  return {mu, bulk, (material.fibre_ratio - 1.0) * material.young, fibre.x(), fibre.y(), fibre.z()};
 }
 
 }  // namespace phymul

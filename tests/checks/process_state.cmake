@@ -7,7 +7,6 @@ cmake_minimum_required(VERSION 3.25)
 # Names of variables. Made once and constant from then on: tables, names of files, functions of EGL.
 set(constant hexahedron pyramid quad wedge  # topology/cell_quadrature.cpp
              one all empty                  # interaction/contact_points.cpp, model/file_extras.cpp; bindings/c/errors.cpp
-             directions                     # elastic/energy_density.h
              common files report_files      # gl: names of shader files
              query get place)               # gl: functions of EGL and GLX; where PHYMUL_GLSL has shaders
 # That change; each is safe for threads.

@@ -84,11 +84,11 @@ void model(std::string_view bytes) {
     check_model(any);
   }
   TopologyOptions options;
-  if (in.below(2) == 0) options.law = static_cast<Law>(in.below(3));
+  if (in.below(2) == 0) options.law = static_cast<Law>(in.below(2));
   options.reaction = static_cast<Reaction>(in.below(5));
   options.bases = static_cast<BaseSelection>(in.below(2));
-  options.strain_energy = static_cast<StrainEnergy>(in.below(3));
-  options.on_sparse = static_cast<SparseParticle>(in.below(3));
+  options.strain_energy = static_cast<StrainEnergy>(in.below(2));
+  options.on_sparse = static_cast<SparseParticle>(in.below(2));
   if (in.below(4) == 0) options.volume_stiffness = in.real();
   simulate(any, options);
 }

@@ -47,21 +47,19 @@ void change(Scene& scene, int call) {
 
 TEST_P(GlStiffness, IsTheMirrorsBitByBitAndTheReferences) {
   const int steps = sanitized ? 10 : 60;
-  for (const StrainEnergy energy : {StrainEnergy::shape_memory, StrainEnergy::neo_hookean}) {
-    for (const Body& body : bodies_of_two_materials()) {
-      SCOPED_TRACE(body.name);
-      Scene scene = Scene(body.model).fix("x0").gravity({0, -9.81, 0});
-      const auto tables = tables_of(body.model, {.strain_energy = energy});
-      const GlTrio trio = trio_of(tables, scene, {.damping = {.factor = 0.99}});
-      trio.reset(random_state(body.model, 0.05, 0.0, 5));
-      const double dt = 0.15 * trio.reference->stable_step();
-      for (int call = 0; call < 7; ++call) {
-        change(scene, call);
-        trio.step(steps, dt, "call " + std::to_string(call));
-        EXPECT_LE(trio.apart(), 1e-5 * body_size(body.model)) << "call " << call;
-        const Energy a = trio.twins.gl->energy(), b = trio.reference->energy();
-        EXPECT_NEAR(a.elastic, b.elastic, 1e-5 * b.elastic);
-      }
+  for (const Body& body : bodies_of_two_materials()) {
+    SCOPED_TRACE(body.name);
+    Scene scene = Scene(body.model).fix("x0").gravity({0, -9.81, 0});
+    const auto tables = tables_of(body.model);
+    const GlTrio trio = trio_of(tables, scene, {.damping = {.factor = 0.99}});
+    trio.reset(random_state(body.model, 0.05, 0.0, 5));
+    const double dt = 0.15 * trio.reference->stable_step();
+    for (int call = 0; call < 7; ++call) {
+      change(scene, call);
+      trio.step(steps, dt, "call " + std::to_string(call));
+      EXPECT_LE(trio.apart(), 1e-5 * body_size(body.model)) << "call " << call;
+      const Energy a = trio.twins.gl->energy(), b = trio.reference->energy();
+      EXPECT_NEAR(a.elastic, b.elastic, 1e-5 * b.elastic);
     }
   }
 }

@@ -65,19 +65,11 @@ struct GreenStrain {
 };
 
 template <class S, bool bounded_volume = true>
-struct ShapeMemory {
-  PHYMUL_KERNEL_WORDS
-#include "kernels/columns.glsl"
-#include "kernels/energy_shape_memory.glsl"
-#include "kernels/shape_memory.glsl"
-#include "kernels/volume.glsl"
-};
-
-template <class S, bool bounded_volume = true>
 struct NeoHookean {
   PHYMUL_KERNEL_WORDS
 #include "kernels/columns.glsl"
 #include "kernels/energy_neo_hookean.glsl"
+#include "kernels/neo_hookean.glsl"
 #include "kernels/volume.glsl"
 };
 
@@ -86,7 +78,7 @@ struct Fibres {
   PHYMUL_KERNEL_WORDS
 #include "kernels/columns.glsl"
 #include "kernels/energy_fibres.glsl"
-#include "kernels/shape_memory.glsl"
+#include "kernels/neo_hookean.glsl"
 #include "kernels/volume.glsl"
 };
 
@@ -95,8 +87,6 @@ template <class S, class Call>
 void with_energy(const TopologyOptions& options, const Call& call) {
   const bool bounded = options.volume_law == VolumeLaw::bounded;
   switch (options.strain_energy) {
-    case StrainEnergy::shape_memory:
-      return bounded ? call(ShapeMemory<S, true>{}) : call(ShapeMemory<S, false>{});
     case StrainEnergy::neo_hookean:
       return bounded ? call(NeoHookean<S, true>{}) : call(NeoHookean<S, false>{});
     case StrainEnergy::fibres:

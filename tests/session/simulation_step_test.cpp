@@ -40,20 +40,18 @@ TEST(FrequencyGrowth, IsAboveThatOfUniformStrain) {
   const std::vector<Vec3> cases{{0.8, 1, 1},      {1.4, 1, 1},       {0.7, 1.195, 1.195}, {1.5, 0.8165, 0.8165},
                                 {1.3, 0.77, 1.0}, {1.2, 1.1, 1.0},   {0.95, 0.9, 0.95},   {0.63, 1.45, 1.15},
                                 {1.1, 1.1, 1.1},  {0.8, 0.8, 1.5625}};
-  for (const StrainEnergy energy : {StrainEnergy::shape_memory, StrainEnergy::neo_hookean}) {
-    for (const double nu : {0.3, 0.45, 0.49}) {
-      for (Model model : {tetrahedra(), make_block({0.1, 0.1, 0.1}, 4, 4, 4)}) {
-        set_material(model, {.young = 5e3, .poisson = nu, .density = 1000});
-        const TopologyTextures topology = build_topology(model, {.strain_energy = energy});
-        const double at_rest = estimate_spectrum(topology, topology.rest).largest;
-        EXPECT_NEAR(frequency_growth(topology, topology.rest), 1.0, 1e-12);
-        for (const Vec3& stretch : cases) {
-          const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
-          VecList x = topology.rest;
-          for (Vec3& p : x) p = turn * stretch.cwiseProduct(p);
-          const double growth = estimate_spectrum(topology, x).largest / at_rest;
-          EXPECT_GT(1.15 * frequency_growth(topology, x), growth) << nu << ": " << stretch.transpose();
-        }
+  for (const double nu : {0.3, 0.45, 0.49}) {
+    for (Model model : {tetrahedra(), make_block({0.1, 0.1, 0.1}, 4, 4, 4)}) {
+      set_material(model, {.young = 5e3, .poisson = nu, .density = 1000});
+      const TopologyTextures topology = build_topology(model);
+      const double at_rest = estimate_spectrum(topology, topology.rest).largest;
+      EXPECT_NEAR(frequency_growth(topology, topology.rest), 1.0, 1e-12);
+      for (const Vec3& stretch : cases) {
+        const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+        VecList x = topology.rest;
+        for (Vec3& p : x) p = turn * stretch.cwiseProduct(p);
+        const double growth = estimate_spectrum(topology, x).largest / at_rest;
+        EXPECT_GT(1.15 * frequency_growth(topology, x), growth) << nu << ": " << stretch.transpose();
       }
     }
   }

@@ -49,7 +49,6 @@ std::vector<ScaledBody> cases() {
   const Model tetrahedra = make_tetrahedral_block({0.05, 0.02, 0.02}, 5, 2, 2, 0.2, 3);
   return {{"lattice", of(make_block({0.1, 0.02, 0.02}, 30, 5, 5)), {}},
           {"tetrahedra", of(tetrahedra), {}},
-          {"neo-Hookean", of(tetrahedra), {.strain_energy = StrainEnergy::neo_hookean}},
           {"fibres",
            [=](Tissues t) {
              t.tissue.fibre_ratio = 4.0;

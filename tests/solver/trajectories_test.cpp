@@ -58,8 +58,7 @@ std::vector<Trajectory> trajectories() {
   TopologyOptions filled = springs;
   filled.volume_stiffness = 50.0;
   return {
-      {"shape memory", tissue, hang},
-      {"neo-Hookean", tissue, hang, {.strain_energy = StrainEnergy::neo_hookean}},
+      {"material", tissue, hang},
       {"fibres", fibrous, hang},
       {"bases of the thesis", jittered_block, hang},
       {"springs", jittered_block, hang, springs},

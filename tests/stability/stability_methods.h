@@ -48,11 +48,6 @@ inline std::vector<Method> stability_methods() {
   }
   add("material, nu 0.3", [](Method& m) { m.material = true; });
   add("material, nu 0.45", [](Method& m) { m.material = true, m.poisson = 0.45; });
-  add("neo-Hookean, nu 0.3", [](Method& m) { m.material = true, m.options.strain_energy = StrainEnergy::neo_hookean; });
-  add("neo-Hookean, nu 0.45", [](Method& m) {
-    m.material = true, m.poisson = 0.45;
-    m.options.strain_energy = StrainEnergy::neo_hookean;
-  });
   return all;
 }
 

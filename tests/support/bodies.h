@@ -227,7 +227,6 @@ inline std::vector<Variant> averaged_variants() {
   return {{"material", {}, true},
           {"material nu 0.45", {}, true, 0.45},
           {"material quadratic volume", {.volume_law = VolumeLaw::quadratic}, true},
-          {"neo-Hookean", {.strain_energy = StrainEnergy::neo_hookean}, true},
           {"fibres", {}, true, 0.3, 4.0}};
 }
 

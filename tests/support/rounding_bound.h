@@ -94,6 +94,12 @@ inline Bounded select(const Outcome& outcome, const Bounded& a, const Bounded& b
   return {taken.value, std::max(taken.error, left.error + std::abs(left.value - taken.value))};
 }
 
+/// Also where rounding may have changed it.
+inline bool any_below(const Bounded& a, const Bounded& b) {
+  const Outcome outcome = a < b;
+  return outcome.holds || !outcome.sure;
+}
+
 /// Of 1 / sqrt(a) - 1 from y = a - 1. The vector kernels' has a few units of the result and of 1e-10 besides.
 inline Bounded inverse_root_change(const Bounded& a, const Bounded& y) {
   const Bounded root = square_root(a);

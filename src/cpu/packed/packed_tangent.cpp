@@ -111,7 +111,7 @@ class PackedTangent final : public Tangent {
 
   void put_stress_near_rest(std::size_t place, Index domain) {
     const EnergyConstants& p = topology_.energy_of(domain);
-    const auto [mu, lambda] = lame_at_rest(topology_.options.strain_energy, p);
+    const auto [mu, lambda] = lame_at_rest(p);
     constant(place, 2) = static_cast<float>(mu);
     constant(place, 3) = static_cast<float>(lambda);
     if (topology_.options.strain_energy != StrainEnergy::fibres) return;

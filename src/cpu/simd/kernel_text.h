@@ -53,17 +53,10 @@ struct GreenStrain {
 };
 
 template <bool bounded_volume>
-struct ShapeMemory {
-#include "kernels/columns.glsl"
-#include "kernels/energy_shape_memory.glsl"
-#include "kernels/shape_memory.glsl"
-#include "kernels/volume.glsl"
-};
-
-template <bool bounded_volume>
 struct NeoHookean {
 #include "kernels/columns.glsl"
 #include "kernels/energy_neo_hookean.glsl"
+#include "kernels/neo_hookean.glsl"
 #include "kernels/volume.glsl"
 };
 
@@ -71,7 +64,7 @@ template <bool bounded_volume>
 struct Fibres {
 #include "kernels/columns.glsl"
 #include "kernels/energy_fibres.glsl"
-#include "kernels/shape_memory.glsl"
+#include "kernels/neo_hookean.glsl"
 #include "kernels/volume.glsl"
 };
 
@@ -121,7 +114,7 @@ struct StressNearRest {
 /// In the order of StrainEnergy.
 template <template <bool bounded_volume> class... Energies>
 struct EnergyList {};
-using Energies = EnergyList<ShapeMemory, NeoHookean, Fibres>;
+using Energies = EnergyList<NeoHookean, Fibres>;
 
 #undef KERNEL
 #undef KERNEL_CONSTANT

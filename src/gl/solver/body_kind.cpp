@@ -47,7 +47,7 @@ const ShaderFiles& volume_kernel() {
 }
 
 ShaderFiles domain_files(const BodyKind& kind) {
-  ShaderFiles files{"kernels/columns.glsl", "kernels/volume.glsl", "kernels/shape_memory.glsl",
+  ShaderFiles files{"kernels/columns.glsl", "kernels/volume.glsl", "kernels/neo_hookean.glsl",
                     std::string("kernels/energy_") + kind_of(kind.options.strain_energy).name + ".glsl",
                     "step/domain_gradient.glsl"};
   if (kind.dissipates()) files.insert(files.end(), {"kernels/green_strain.glsl", "step/dissipation.glsl"});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// From Young's modulus and Poisson's ratio to stiffness, and what may stand in the way.
+// From a material to tables, and what may stand in the way.
 #include <gtest/gtest.h>
 
 #include "model/file_extras.h"
@@ -10,27 +10,7 @@
 namespace phymul::test {
 namespace {
 
-TEST(Calibration, ConstantsOfAMaterial) {
-  const Calibration c = calibrate({10e3, 0.25, 1000});  // mu = lambda = 4 kPa
-  EXPECT_NEAR(c.c, 15.0 / 7.0 * 4e3, 1e-9);
-  EXPECT_NEAR(c.kappa, 4e3 + 3.0 / 7.0 * 4e3, 1e-9);
-  EXPECT_NEAR(calibrate({10e3, -0.375, 1000}).kappa, 0.0, 1e-9);
-}
-
-TEST(Calibration, ConstantsOutOfRangeAreRefused) {
-  const auto expect_refused = [](double young, double nu, const char* text) {
-    EXPECT_TRUE(refuses([&] { calibrate({young, nu, 1000}); }, text));
-  };
-  expect_refused(1e4, 0.5, "Poisson's ratio is 0.5; expected -0.375 to 0.5");
-  expect_refused(1e4, -0.4, "Poisson's ratio is -0.4");
-  expect_refused(0.0, 0.3, "Young's modulus is 0 Pa");
-  expect_refused(NAN, 0.3, "Young's modulus is nan");
-  expect_refused(INFINITY, 0.3, "Young's modulus is inf");
-  expect_refused(1e4, NAN, "Poisson's ratio is nan");
-  for (double young = 1.0; young < 1e6; young *= 1.01) EXPECT_GE(calibrate({young, -0.375, 1000}).kappa, 0.0) << young;
-}
-
-TEST(Calibration, StiffnessIsWhatTheMaterialSaysNotWhatTheModelHeld) {
+TEST(MaterialTables, StiffnessIsWhatTheMaterialSaysNotWhatTheModelHeld) {
   Model block = with_material(make_block({0.02, 0.02, 0.02}, 2, 2, 2));
   const VecList stretched = random_positions(block, 0.1, 1);
   const double before = elastic_energy(build_topology(block), stretched);
@@ -40,14 +20,14 @@ TEST(Calibration, StiffnessIsWhatTheMaterialSaysNotWhatTheModelHeld) {
   EXPECT_NEAR(elastic_energy(build_topology(block), stretched), 2 * before, 1e-9 * before);
 }
 
-TEST(Calibration, TheLawFollowsFromTheModel) {
+TEST(MaterialTables, TheLawFollowsFromTheModel) {
   Model block = make_block({0.02, 0.02, 0.02}, 2, 2, 2, 26);
   EXPECT_EQ(build_topology(block).options.law, Law::shape_memory);
   set_material(block, soft_tissue());
   EXPECT_EQ(build_topology(block).options.law, Law::particle_averaged);
 }
 
-TEST(Calibration, WhatCannotCarryAMaterialSaysSo) {
+TEST(MaterialTables, WhatCannotCarryAMaterialSaysSo) {
   const Model block = with_material(make_block({0.02, 0.02, 0.02}, 2, 2, 2));
   const auto refuse = [](const Model& model, auto&& set) {
     TopologyOptions options;

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+//
+// The energy of StrainEnergy::neo_hookean (topology.h) at F = I + H: its derivative by F, exactly 0 at H = 0. Notation of
+// src/elastic/energy_density.h. While u is at least 0.6, with I1 = |F|^2,
+//   P = mu J^(-2/3) [H - (cof(F) - I) + (1 - I1 / (3 J)) cof(F)] + K U'(J) cof(F)
+// where 3 J - I1 = tr(H) + 3 (minors + det) - |H|^2, so that nothing is lost near rest. Needs columns.glsl, volume.glsl.
+
+struct Invariants {
+  real J;       // det F
+  real I1, I2;  // |F|^2, |cof(F)|^2
+};
+
+KERNEL Invariants invariants_of(Columns H, Change change) {
+  real of_strain = change.trace + change.trace + squared_norm(H);
+  return Invariants(literal(1.0f) + volume_change(change), literal(3.0f) + of_strain,
+                    squared_norm(plus_identity(change.cof)));
+}
+
+// Not negative while u >= 0.6.
+KERNEL real room_within_the_law(Invariants of) {
+  real norm = literal(1.0f) + literal(0.33333334f) * of.I1;
+  real least = (literal(0.03f) * of.I2) * (norm * norm);
+  return select(of.J > literal(0.0f), of.J * of.J, literal(0.0f)) - least;
+}
+
+// The square of the condition number |F| |F^-1| by Frobenius' norm, over its value 9 at rest; |F|^2 |cof(F)|^2 / 9 where
+// J > 1. How much the frequencies can have risen follows from it (docs/theory/physics.md). `huge`: outside the law.
+KERNEL real squared_condition(Columns H, Change change) {
+  real one = literal(1.0f);
+  real huge = literal(1e6f);
+  Invariants of = invariants_of(H, change);
+  real least = select(of.J > one, one, of.J * of.J);
+  real condition = (of.I1 * of.I2) * (literal(0.11111111f) / least);
+  return select(room_within_the_law(of) < literal(0.0f), huge, condition);
+}
+
+// P over mu, of which `near` is J^(-2/3) [...] and g is J^(-2/3), where the far energy has a share w.
+KERNEL Columns far_stress(Columns near, Columns H, Change change, Invariants of, real g) {
+  real zero = literal(0.0f);
+  real one = literal(1.0f);
+  real third = literal(0.33333334f);
+  real root_of_three = literal(1.7320508f);
+  Columns F = plus_identity(H);
+  Columns cof = plus_identity(change.cof);
+  // Where two stretches are nothing beside the third, d has no direction left.
+  real least = literal(1e-12f) * (of.I1 * of.I1) + literal(1e-30f);
+  real inverse = select(of.I2 > least, inverse_root(select(of.I2 > least, of.I2, one)), zero);
+  real d = root_of_three * (of.J * inverse);
+  real within = one / (one + third * of.I1);
+  real u = literal(2.0f) * (d * within);
+  real t = literal(1.5f) - literal(2.5f) * u;
+  t = select(room_within_the_law(of) < zero, select(t < one, t, one), zero);
+  t = select(t > zero, t, zero);
+  real w = (t * t) * (literal(3.0f) - literal(2.0f) * t);
+  real slope = literal(-15.0f) * (t * (one - t));  // dw/du
+  real rise = (literal(0.5f) * of.I1 - literal(2.0f) * d + one) - literal(0.5f) * (g * of.I1 - literal(3.0f));
+  real by_u = slope * rise;
+  // grad u = 2 within grad d - 2/3 u within F, grad d = inverse (root_of_three cof - inverse d A), A = grad I2 / 2
+  Columns A = Columns(cross_product(cof.c1, F.c2) + cross_product(F.c1, cof.c2),
+                      cross_product(cof.c2, F.c0) + cross_product(F.c2, cof.c0),
+                      cross_product(cof.c0, F.c1) + cross_product(F.c0, cof.c1));
+  real by_d = (literal(2.0f) * (by_u * within) - literal(2.0f) * w) * inverse;
+  Columns P = plus(scaled(one - w, near), scaled(w - literal(0.6666667f) * ((by_u * u) * within), F));
+  return plus(P, minus(scaled(by_d * root_of_three, cof), scaled((by_d * inverse) * d, A)));
+}
+
+KERNEL Columns neo_hookean_stress(Columns H, Change change, real mu, real K) {
+  real tiny = literal(1e-9f);
+  Invariants of = invariants_of(H, change);
+  real base = select(of.J > tiny, of.J, literal(1.0f));
+  real root = inverse_cube_root(base);
+  real g = root * root;
+  real excess = literal(3.0f) * (change.minors + change.determinant) + (change.trace - squared_norm(H));
+  real along = (literal(0.33333334f) * excess) * (literal(1.0f) / base);
+  Columns P = scaled(g, plus(minus(H, change.cof), scaled(along, plus_identity(change.cof))));
+  if (any_below(room_within_the_law(of), literal(0.0f))) P = far_stress(P, H, change, of, g);
+  return plus(scaled(mu, P), volume_stress(change, K));
+}
