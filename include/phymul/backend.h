@@ -44,6 +44,8 @@ class SolverBackend : public Solver {
   /// `further` and the change of the forces at a state, `further` included, by SolverOptions::max_substeps in a step of
   /// `dt` s. [N] N, or empty.
   VecList substep_forces(const State& state, double dt, VecList further = {}) const;
+  /// Sets the velocities of tools that moved in the last step, of `dt` s, to those they had in it. `tools`: of read().
+  void set_last_velocities(std::vector<ToolState>& tools, double dt) const;
 
   using Solver::read;
   using Solver::reset;
@@ -185,6 +187,7 @@ class SolverBackend : public Solver {
   SolverOptions options_;
   LoadFrame frame_;
   std::uint64_t scene_version_ = 0, values_version_ = 0;
+  std::optional<Index> loose_;            // RestResult's, of the scene of these versions; empty: not yet looked for
   double growth_ = 0.0, speed_ = 0.0;     // Snapshot's
   mutable double growth_of_state_ = 0.0;  // where growth_ is 0; 0: not yet computed
   mutable std::optional<std::uint64_t> topology_hash_;

@@ -99,8 +99,8 @@ class Simulation {
 
   /// Probable mistakes, one sentence each: a body without a material, sizes and constants that suggest other units than
   /// SI, a part that nothing holds (without tools and contacts, which may), cells too long for their thickness, a tool
-  /// that is too thin, or that begins inside the body. They refer to the model, and to the scene at the time when the
-  /// solver was made. Makes the solver.
+  /// that is too thin, a tool that begins inside a body, bodies with contacts that begin inside each other. They refer
+  /// to the model, and to the scene at the time when the solver was made. Makes the solver.
   const std::vector<std::string>& warnings() const;
 
   /// Largest step that advance(seconds) would take now, s: SimulationOptions::step * Solver::stable_step(), or
@@ -109,8 +109,9 @@ class Simulation {
   double time() const;  ///< s, of the present state
 
   /// The present state with velocities at State::time. (Solver::read() returns those half a step earlier.) They are
-  /// accurate to second order in the step for elastic forces and loads. Forces of tools and contacts are left out of
-  /// the half step. Velocities of imposed coordinates are their means over the last step.
+  /// accurate to second order in the step for elastic forces and loads. What tools, contacts and volume constraints do
+  /// is that of a next step in which the tools go on as in the last one; a backend that is no SolverBackend has them
+  /// stand still. Velocities of imposed coordinates are their means over the last step.
   State state() const;
   /// Starts from a state with velocities at State::time. Throws Error as Solver::start() does.
   void set_state(const State& state);

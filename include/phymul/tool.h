@@ -97,7 +97,8 @@ struct ToolForce {
 
 /// State of a tool after a step, as a backend reports it.
 struct ToolReport {
-  ToolPose pose{};  ///< at the state's time
+  ToolPose pose{};       ///< at the state's time
+  ToolPose last_pose{};  ///< before the last step; `pose` if it was teleported or no step was done since
   ToolForce force{};
   int held = 0;                    ///< number of particles that it holds
   std::uint64_t grasps = 0;        ///< SceneTool::grasps as of the last step

@@ -48,7 +48,7 @@ MovedTool::MovedTool(const SceneTool& tool)
 
 void MovedTool::place(const ToolPose& pose) {
   motion.place(pose);
-  report.pose = pose;
+  report.pose = report.last_pose = pose;
 }
 
 const ToolState* MovedTool::reset(const SceneTool& wanted, const State& state, std::span<const double> mass,
@@ -132,6 +132,7 @@ void MovedTool::weigh_held(std::span<const double> mass) {
 }
 
 void MovedTool::accept_pose() {
+  report.last_pose = motion.pose;
   motion.accept();
   report.pose = motion.pose;
 }

@@ -222,8 +222,13 @@ State Simulation::state() const {
     const StrainMemory strains = strains_of(now, *parts_->topology);
     const auto* backend = dynamic_cast<const SolverBackend*>(&solver());
     VecList further = dissipation_at(elastic, state.position, strains, now.last_dt).force;
-    if (backend != nullptr) further = backend->substep_forces(state, now.last_dt, std::move(further));
+    const std::vector<ToolState> tools = state.tools;
+    if (backend != nullptr) {
+      further = backend->substep_forces(state, now.last_dt, std::move(further));
+      backend->set_last_velocities(state.tools, now.last_dt);
+    }
     to_own_time(elastic, parts_->scene, {now.last_dt, d}, state, further);
+    state.tools = tools;
   }
   return std::move(state);
 }

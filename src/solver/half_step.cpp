@@ -8,12 +8,14 @@
 #include <utility>
 
 #include "interaction/joint_set.h"
+#include "touch_now.h"
 
 namespace phymul {
 namespace {
 
-/// Rounds in which the velocities that joints damp are found: each leaves at most dt c / m / (1 + d) of the error.
-constexpr int damped_rounds = 60;
+/// Rounds in which the velocities that joints damp, or tools and contacts bound, are found: each leaves at most
+/// dt c / m / (1 + d) or d / (1 + d) of the error.
+constexpr int rounds = 60;
 
 /// N, of elastic forces and loads; m/s^2 of gravity; coordinates that are imposed.
 struct Acting {
@@ -58,9 +60,15 @@ VecList free_accelerations(const TopologyTextures& topology, const Scene& scene,
 void to_own_time(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state,
                  const VecList& further) {
   const Acting acting(topology, scene, state, further);
-  VecList velocity = state.velocity;
+  TouchNow touch(scene, topology, state, step.dt);
+  VecList next = state.velocity;
   for_free_coordinates(topology, scene, acting, state, [&](std::size_t i, int axis, double a) {
-    velocity[i][axis] = ((1.0 + step.d) * velocity[i][axis] + step.dt * a) / 2.0;
+    next[i][axis] = step.d * next[i][axis] + step.dt * a;
+  });
+  touch.act(next);
+  VecList velocity = state.velocity;
+  for_free_coordinates(topology, scene, acting, state, [&](std::size_t i, int axis, double) {
+    velocity[i][axis] = (velocity[i][axis] + next[i][axis]) / 2.0;
   });
   state.velocity = std::move(velocity);
 }
@@ -68,15 +76,22 @@ void to_own_time(const TopologyTextures& topology, const Scene& scene, const Hal
 void to_half_step_before(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state,
                          const VecList& further) {
   const Acting acting(topology, scene, state, further);
+  TouchNow touch(scene, topology, state, step.dt);
   const bool damped =
       std::ranges::any_of(scene.joints(), [](const SceneJoint& joint) { return joint.joint.damping > 0.0; });
   const VecList own = state.velocity;
-  VecList velocity = own;
-  for (int k = 0; k < (damped ? damped_rounds : 1); ++k) {
+  VecList velocity = own, given(own.size(), Vec3::Zero());  // m/s, of tools and contacts
+  for (int k = 0; k < (damped || !touch.empty() ? rounds : 1); ++k) {
+    VecList next = own;
     for_free_coordinates(topology, scene, acting, state, [&](std::size_t i, int axis, double a) {
-      velocity[i][axis] = (2.0 * own[i][axis] - step.dt * a) / (1.0 + step.d);
+      velocity[i][axis] = (2.0 * own[i][axis] - step.dt * a - given[i][axis]) / (1.0 + step.d);
+      next[i][axis] = step.d * velocity[i][axis] + step.dt * a;
     });
     state.velocity = velocity;
+    if (touch.empty()) continue;
+    given = next;
+    touch.act(given);
+    for (std::size_t i = 0; i < given.size(); ++i) given[i] -= next[i];
   }
 }
 

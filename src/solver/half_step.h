@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Verlet's scheme keeps the velocity v- of half a step before the state's time and steps to v+ = d v- + a dt. The
-// velocity of the state's own time is their mean, v = ((1 + d) v- + a dt) / 2.
+// velocity of the state's own time is their mean, v = ((1 + d) v- + a dt) / 2. What tools, contacts and volume
+// constraints do in the step is part of a.
 #pragma once
 
 #include <phymul/scene.h>
@@ -19,8 +20,9 @@ struct HalfStep {
 VecList free_accelerations(const TopologyTextures& topology, const Scene& scene, const State& state,
                            const VecList& further);
 
-// Both take the acceleration of elastic forces, joints and loads at the state, in double precision, and leave
-// velocities of imposed coordinates as they are. `further`: further forces, N, or none.
+// Both take the acceleration of elastic forces, joints, loads and what touches at the state, in double precision, and
+// leave velocities of imposed coordinates as they are. Tools go on with the velocities of their poses in the state.
+// `further`: further forces, N, or none.
 void to_own_time(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state,
                  const VecList& further = {});
 void to_half_step_before(const TopologyTextures& topology, const Scene& scene, const HalfStep& step, State& state,

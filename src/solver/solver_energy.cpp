@@ -4,6 +4,8 @@
 #include <phymul/backend.h>
 #include <phymul/elasticity.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <utility>
 
 #include "elastic/local_steps.h"
@@ -40,6 +42,19 @@ VecList SolverBackend::substep_forces(const State& state, double dt, VecList fur
     for (const StiffJoints::Reached& reached : now_solved.joints.reached()) further[reached.particle] += reached.force;
   }
   return further;
+}
+
+void SolverBackend::set_last_velocities(std::vector<ToolState>& tools, double dt) const {
+  for (std::size_t row = 0; row < scene_->tools().size(); ++row) {
+    const auto own = std::ranges::find(tools, scene_->tools()[row].name, &ToolState::name);
+    if (own == tools.end()) continue;
+    const ToolReport& report = do_tool_report(row);
+    const ToolPose &pose = report.pose, &last = report.last_pose;
+    const Eigen::AngleAxisd turn(Eigen::Quaterniond(pose.orientation) *
+                                 Eigen::Quaterniond(last.orientation).conjugate());
+    if (pose.position != last.position) own->pose.velocity = (pose.position - last.position) / dt;
+    if (turn.angle() > 0.0) own->pose.spin = turn.angle() / dt * turn.axis();
+  }
 }
 
 Energy SolverBackend::energy_of(const State& state, double last_dt, const VecList& dissipative) const {
