@@ -70,12 +70,10 @@ int face_of(ShapeIn box, vec3 q) {
   return 2 * axis + (q[axis] < 0.0 ? 1 : 0);
 }
 
-// Which points of a patch act, and for how much area, as SurfacePress::find_flat has it.
+// Which points of a patch act: SurfacePress::is_before_one_face.
 struct ActingPoints {
-  ivec4 law;           // rows of patch_points, or 0, 3: of corners in their place; bits of the area of each, m^2
-  bool corners, flat_tool;
-  ivec3 outermost[6];  // of each face, which act for its others
-  float count[6];
+  ivec4 law;  // rows of patch_points, or 0, 3: of corners in their place; bits of the area of each, m^2
+  bool corners;
 };
 
 vec3 point_share(ActingPoints points, int row) {
@@ -83,20 +81,10 @@ vec3 point_share(ActingPoints points, int row) {
   return vec3(row == 0 ? 1.0 : 0.0, row == 1 ? 1.0 : 0.0, row == 2 ? 1.0 : 0.0);
 }
 
-// m^2
-float point_area(ActingPoints points, ShapeIn shape, PatchCorners first, int row, vec3 share) {
-  float area = intBitsToFloat(points.law.z);
-  int face = points.flat_tool ? face_of(shape, point_end(first, share)) : -1;
-  if (face < 0) return area;
-  ivec3 own = ivec3(equal(points.outermost[face], ivec3(row)));
-  return 0.33333334 * float(own.x + own.y + own.z) * points.count[face] * area;
-}
-
 ActingPoints points_of(ShapeIn shape, PatchCorners first, ivec3 who, int patch_row) {
   ActingPoints points;
   points.law = fetch_load_ivec4(patch_laws, patch_laws_place, first_law + patch_row);
   points.corners = false;
-  points.flat_tool = false;
   float way = at_least(square(first.way_a.xyz), at_least(square(first.way_b.xyz), square(first.way_c.xyz)));
   bool is_short = way <= 0.2499 * shape.thickness * shape.thickness;
   bool is_box = shape.kind == SHAPE_BOX;
@@ -104,30 +92,9 @@ ActingPoints points_of(ShapeIn shape, PatchCorners first, ivec3 who, int patch_r
   int before = is_box ? face_of(shape, first.end_a.xyz) : 0;
   points.corners = !is_box || (before >= 0 && before == face_of(shape, first.end_b.xyz) &&
                                before == face_of(shape, first.end_c.xyz));
+  if (!points.corners) return points;
   float area = intBitsToFloat(points.law.z);
-  if (points.corners) {
-    points.law = ivec4(0, 3, floatBitsToInt(0.33333334 * float(points.law.y - points.law.x) * area), 0);
-    return points;
-  }
-  points.flat_tool = true;
-  vec3 most[6];
-  for (int face = 0; face < 6; ++face) {
-    points.outermost[face] = ivec3(-1);
-    points.count[face] = 0.0;
-    most[face] = vec3(-1.0);
-  }
-  for (int row = points.law.x; row < points.law.y; ++row) {
-    vec3 share = point_share(points, row);
-    vec3 q = point_end(first, share);
-    int face = face_of(shape, q);
-    if (face < 0 || !all(lessThan(abs(q), shape.size + vec3(shape.margin)))) continue;
-    points.count[face] += 1.0;
-    for (int corner = 0; corner < 3; ++corner) {
-      if (!(share[corner] > most[face][corner])) continue;
-      most[face][corner] = share[corner];
-      points.outermost[face][corner] = row;
-    }
-  }
+  points.law = ivec4(0, 3, floatBitsToInt(0.33333334 * float(points.law.y - points.law.x) * area), 0);
   return points;
 }
 
@@ -140,7 +107,7 @@ vec4 load_of_patch(ShapeIn shape, int patch_row) {
   ActingPoints points = points_of(shape, at, who, patch_row);
   for (int row = points.law.x; row < points.law.y; ++row) {
     vec3 share = point_share(points, row);
-    float load = point_load(shape, at, share, point_area(points, shape, at, row, share));
+    float load = point_load(shape, at, share, intBitsToFloat(points.law.z));
     if (load > 0.0) sum = vec4(sum.xyz + load * share, 1.0);
   }
   return sum;
@@ -157,7 +124,7 @@ PatchPush push_on_patch(ShapeIn shape, ContactLaw law, int patch_row, float dt) 
   ActingPoints points = points_of(shape, first, who, patch_row);
   for (int row = points.law.x; row < points.law.y; ++row) {
     vec3 share = point_share(points, row);
-    float load = point_load(shape, first, share, point_area(points, shape, first, row, share));
+    float load = point_load(shape, first, share, intBitsToFloat(points.law.z));
     if (!(load > 0.0)) continue;
     vec3 parts = (1.0 / load) * (share * loads);  // into which each corner is split, times its share
     float inverse_mass = inner_product(parts, inverse_masses);

@@ -120,45 +120,13 @@ bool SurfacePress::is_short(const ShapeIn<double>& shape, const Corners& of) con
   });
 }
 
-/// A flat face that presses some points of a triangle presses those in between as well: only the outermost act, for all
-/// of them. True where the corners themselves are before one face: then they act.
-bool SurfacePress::find_flat(const ShapeIn<double>& shape, const ContactPoints::Patch& patch, const Corners& of) {
+/// A flat face that presses all corners of a triangle presses the points in between as well: then the corners act, for
+/// all of them.
+bool SurfacePress::is_before_one_face(const ShapeIn<double>& shape, const Corners& of) const {
   if (shape.kind == ShapeKind::half_space) return true;
-  const Vec3 &a = corners_[of[0]].to, &b = corners_[of[1]].to, &c = corners_[of[2]].to;
-  const int before = face_of(shape, a);
-  if (before >= 0 && before == face_of(shape, b) && before == face_of(shape, c)) return true;
-  const Vec3 around = packed(shape.size).array() + shape.margin;
-  if ((a.cwiseMin(b).cwiseMin(c).array() >= around.array()).any() ||
-      (a.cwiseMax(b).cwiseMax(c).array() <= -around.array()).any()) {
-    return false;
-  }
-  struct Group {
-    int count = 0;
-    std::array<const ContactPoints::Shares*, 3> outermost{};
-  };
-  std::array<Group, 6> groups;
-  for (const ContactPoints::Shares& share : *patch.points) {
-    const Vec3 q = mean(share, a, b, c);
-    if (!(q.array().abs() < around.array()).all()) continue;
-    const int face = face_of(shape, q);
-    if (face < 0) {
-      find(shape, of, share, patch.area);
-      continue;
-    }
-    Group& group = groups[face];
-    ++group.count;
-    for (int k = 0; k < 3; ++k) {
-      if (!group.outermost[k] || share[k] > (*group.outermost[k])[k]) group.outermost[k] = &share;
-    }
-  }
-  for (const auto& [count, outermost] : groups) {
-    for (int k = 0; k < 3 && count > 0; ++k) {
-      if (std::ranges::find(outermost, outermost[k]) - outermost.begin() < k) continue;
-      const auto times = std::ranges::count(outermost, outermost[k]);
-      find(shape, of, *outermost[k], static_cast<double>(times * count) / 3.0 * patch.area);
-    }
-  }
-  return false;
+  if (shape.kind != ShapeKind::box) return false;
+  const int face = face_of(shape, corners_[of[0]].to);
+  return face >= 0 && face == face_of(shape, corners_[of[1]].to) && face == face_of(shape, corners_[of[2]].to);
 }
 
 /// Keeps a point that is in the tool at the step's end.
@@ -183,9 +151,7 @@ void SurfacePress::find_pressed(const ShapeIn<double>& shape, const ToolFrame& s
     const Corners of = corners_of(row, start, end, touched);
     if (!may_touch(shape, of, 0.0)) continue;
     const ContactPoints::Patch& patch = points_.patches[row];
-    const bool is_flat = shape.kind == ShapeKind::box || shape.kind == ShapeKind::half_space;
-    if (is_flat && is_short(shape, of)) {
-      if (!find_flat(shape, patch, of)) continue;
+    if (is_short(shape, of) && is_before_one_face(shape, of)) {
       const double area = patch.area * static_cast<double>(patch.points->size()) / 3.0;
       for (const std::size_t c : of) corners_[c].area += area;
     } else {

@@ -14,7 +14,8 @@
 // is continuous as a tool slides. The next step starts from what the last round leaves.
 //
 // A flat face presses a triangle that lies before it at its corners: so under a plate a particle is one point, as with
-// ToolContact::particles. Of a triangle that lies over the face's border the outermost of the points before it act.
+// ToolContact::particles. Over the face's border all points of a triangle act: fewer would change as it slides, and
+// never let it rest.
 //
 // Which triangles a tool may touch is found with some room to spare and kept while body and tool use it up.
 #pragma once
@@ -42,6 +43,12 @@ constexpr int rounds_of_surface(bool placed) {
   return placed ? 60 : 6;
 }
 
+/// Whether a particle below the surface was in the tool before this step. One that was not is stopped as with
+/// ToolContact::particles: where a body is hit hard, its surface alone does not keep the rest out of the tool.
+inline bool is_deep_in(const ShapeIn<double>& shape, const Vector3<double>& start) {
+  return distance_to(shape, start).phi < -0.01 * shape.thickness;
+}
+
 class SurfacePress {
  public:
   /// Allocates; act() does not.
@@ -50,6 +57,8 @@ class SurfacePress {
   /// Places changed otherwise than step by step.
   void forget() { gone_ = NAN; }
 
+  /// Whether the particle is on the surface, or of a body that has none.
+  bool has(Index row) const { return points_.patch_first[row] < points_.patch_first[row + 1]; }
   /// Impulses go to `touched`, and what they took to `force`.
   void act(const ShapeIn<double>& shape, const ContactLaw<double>& law, const ToolFrame& start, const ToolFrame& end,
            TouchedParticles& touched, ToolForce& force);
@@ -81,7 +90,7 @@ class SurfacePress {
   void find_near(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
                  const TouchedParticles& touched);
   bool is_short(const ShapeIn<double>& shape, const Corners& of) const;
-  bool find_flat(const ShapeIn<double>& shape, const ContactPoints::Patch& patch, const Corners& of);
+  bool is_before_one_face(const ShapeIn<double>& shape, const Corners& of) const;
   void find(const ShapeIn<double>& shape, const Corners& of, const ContactPoints::Shares& share, double area);
   void find_pressed(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
                     TouchedParticles& touched);

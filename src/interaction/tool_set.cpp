@@ -153,16 +153,15 @@ void ToolSet::hold(Moving& tool, TouchedParticles& touched) {
 void ToolSet::press(Moving& tool, TouchedParticles& touched) {
   const ToolFrame start(tool.moved.motion.pose), end(tool.moved.motion.next_pose);
   const double dt = touched.dt();
-  if (tool.surface) {
-    tool.surface->act(tool.shape, tool.law, start, end, touched, tool.next_force);
-    return;
-  }
+  if (tool.surface) tool.surface->act(tool.shape, tool.law, start, end, touched, tool.next_force);
   found_.clear();
   touched.step().find(swept_bounds(tool.shape, tool.bounds, start, end, 0.0), found_);
   for (const Index i : found_) {
+    if (tool.surface && tool.surface->has(i)) continue;
     TouchedParticles::Touched& particle = touched[touched.slot(i)];
     if (particle.held || particle.fixed == 7) continue;
     const Vec3 q0 = start.inside(particle.position), q1 = end.inside(particle.end(dt));
+    if (tool.surface && is_deep_in(tool.shape, unpacked(q0))) continue;
     const Touch<double> touch =
         touch_in_step(tool.shape, tool.law, unpacked(q0), unpacked(q1), unpacked(q1 - q0), particle.inverse_mass, dt);
     if (!touch.touches) continue;
