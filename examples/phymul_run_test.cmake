@@ -47,6 +47,10 @@ endif()
 run(0 "steps to rest after the last date" ${MESH} --unit 0.01 --fix "fixed side" --gravity 0 0 -9.81 --damping 60
     --frame-interval 0 --out ${OUT}/mesh)
 
+# What nothing holds moves away, whatever its damping.
+run(3 "nothing holds the part of particle 0: it moves away" ${MESH} --unit 0.01 --gravity 0 0 -9.81
+    --max-time 0.05 --frame-interval 0 --no-pictures --out ${OUT}/loose)
+
 # A surface in millimetres is filled, held at a place, and comes to rest.
 set(bean ${DATA}/bean.stl --unit 0.001 --gravity 0 0 -9.81 --frame-interval 0 --no-pictures)
 if(ASSIMP)

@@ -67,8 +67,13 @@ bool RunLoop::advance(double date) {
   const auto steps = static_cast<int>(std::max<long long>(1, std::llround((date - state_.time) / summary_.dt)));
   const auto start = std::chrono::steady_clock::now();
   // Undamped, nothing comes to rest, and run_to_rest() refuses.
-  report_ = is_settling() && options_.damping_rate > 0.0 ? solver_.run_to_rest(steps, summary_.dt).report
-                                                         : solver_.step(steps, summary_.dt);
+  if (is_settling() && options_.damping_rate > 0.0) {
+    const phymul::RestResult rest = solver_.run_to_rest(steps, summary_.dt);
+    report_ = rest.report;
+    loose_ = rest.loose;
+  } else {
+    report_ = solver_.step(steps, summary_.dt);
+  }
   summary_.wall_time += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   summary_.steps += report_.steps;
   return report_.ok();
@@ -132,10 +137,12 @@ int RunLoop::run() {
 int RunLoop::finish(bool failed, bool at_rest) {
   solver_.read(state_);
   if (failed) summary_.failure = report_.message();
-  summary_.status = failed ? "the solver failed"
-                    : at_rest
-                        ? "at rest"
-                        : "not at rest after " + std::to_string(state_.time) + " s; raise --max-time or --damping";
+  const std::string moving = "not at rest after " + std::to_string(state_.time) + " s";
+  summary_.status = failed       ? "the solver failed"
+                    : at_rest    ? "at rest"
+                    : loose_ < 0 ? moving + "; raise --max-time or --damping"
+                                 : "nothing holds the part of particle " + std::to_string(loose_) +
+                                       ": it moves away unless its loads balance; hold it, as with --fix; " + moving;
   if (at_rest) summary_.steps_to_rest = summary_.steps - settling_from_;
   summary_.at_rest = at_rest;
   if (!pull_date_ && pulled_) {

@@ -55,6 +55,7 @@ class RunLoop {
 
   phymul::State state_;
   phymul::StepReport report_;
+  phymul::Index loose_ = -1;  // RestResult::loose
   std::optional<phymul::State> pulled_;
   Snapshot pulled_shot_;
   std::optional<phymul::VtkSeries> series_;

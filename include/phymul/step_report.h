@@ -68,6 +68,9 @@ struct RestResult {
   /// call first_folded_cell() (monitor.h) and first_collapsed() (elasticity.h).
   Index folded = -1;
   Vec3 folded_at{0, 0, 0};  ///< m, mean of that cell's vertices at rest
+  /// Only if step_limit: a particle of a part that loads push and that nothing holds (no imposed position, joint, tool
+  /// or contact), else -1. Such a part moves away unless its loads balance.
+  Index loose = -1;
 
   bool converged() const { return status == RestStatus::converged; }
   std::string message() const;  ///< one sentence for people; allocates

@@ -26,6 +26,8 @@ namespace {
 constexpr double no_gain = 1e-12;
 /// Of the forces and their moments: less is rounding.
 constexpr double unbalanced = 1e-8;
+/// Of a rigid body.
+constexpr std::size_t all_motions = 6;
 
 [[noreturn]] void refuse(const std::string& what) {
   throw Error(ErrorCode::not_supported, "Simulation::solve_static: " + what + "; use run_to_rest()");
@@ -89,7 +91,8 @@ std::string why_no_rest(const Model& model, const LoadFrame& loads, RestTerms te
   for (const RestTerm* term : terms) term->mark_held(held);
   for (const ConnectedBody& body : loose) {
     if (std::ranges::any_of(body.particles, [&](Index i) { return held[i] != 0; })) continue;
-    for (const RigidMotion& motion : free_motions(body.particles, model.rest, loads.fixed)) {
+    const std::vector<RigidMotion> motions = free_motions(body.particles, model.rest, loads.fixed);
+    for (const RigidMotion& motion : motions) {
       double driving = 0.0, forces = 0.0;
       for (const Index i : body.particles) {
         Vec3 force = load_on(model.mass, loads, i);
@@ -102,6 +105,9 @@ std::string why_no_rest(const Model& model, const LoadFrame& loads, RestTerms te
       if (std::abs(driving) <= unbalanced * forces) continue;
       const std::string name =
           body.name.empty() ? "the body of particle " + std::to_string(body.particles.front()) : '"' + body.name + '"';
+      if (terms.empty() && motions.size() == all_motions) {
+        return "nothing holds " + name + ", and the loads drive it: it moves away; hold it, as with Scene::fix()";
+      }
       return name +
              " has no rest as it lies: a rigid motion of it meets no support, and the loads drive it; hold it, or use "
              "run_to_rest()";

@@ -7,12 +7,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <span>
 
 #include "base/decimal.h"
 #include "base/place_text.h"
+#include "interaction/closest_point.h"
 #include "interaction/tool_shape.h"
+#include "overlaps.h"
+#include "scene/loose_parts.h"
 
 namespace phymul {
 namespace {
@@ -57,65 +61,14 @@ std::string place_of(const ConnectedBody& part, const Model& model) {
   return text + " at " + place_text(x);
 }
 
-bool holds(const SceneJoint& joint) {
-  return joint.joint.stiffness > 0.0;
-}
-
-/// Particles that imposed positions or joints to the world hold.
-std::vector<char> held_particles(const Model& model, const Scene& scene) {
-  std::vector<char> is_held(model.rest.size(), 0);
-  for (const Load& load : scene.loads()) {
-    if (load.type != LoadType::translation) continue;
-    for (const Index i : load.particles) is_held[i] = 1;
-  }
-  for (const SceneJoint& joint : scene.joints()) {
-    for (const JointSpring& spring : joint.joint.springs) {
-      const bool to_world = spring.a.particles.empty() || spring.b.particles.empty();
-      if (!to_world || !holds(joint)) continue;
-      for (const Anchor* end : {&spring.a, &spring.b}) {
-        for (const Index i : end->particles) is_held[i] = 1;
-      }
-    }
-  }
-  return is_held;
-}
-
-/// Parts that nothing holds, not by way of other parts to which joints tie them either.
-std::vector<ConnectedBody> loose_parts(const Model& model, const Scene& scene, const std::vector<char>& is_held) {
-  std::vector<ConnectedBody> parts = connected_bodies(model);
-  std::vector<std::size_t> part_of(model.rest.size(), 0);
-  std::vector<char> part_is_held(parts.size(), 0);
-  for (std::size_t row = 0; row < parts.size(); ++row) {
-    for (const Index i : parts[row].particles) {
-      part_of[i] = row;
-      part_is_held[row] |= is_held[i];
-    }
-  }
-  for (bool spreads = true; spreads;) {
-    spreads = false;
-    for (const SceneJoint& joint : scene.joints()) {
-      for (const JointSpring& spring : joint.joint.springs) {
-        if (!holds(joint) || spring.a.particles.empty() || spring.b.particles.empty()) continue;
-        char& a = part_is_held[part_of[spring.a.particles.front()]];
-        char& b = part_is_held[part_of[spring.b.particles.front()]];
-        spreads = spreads || a != b;
-        a = b = a | b;
-      }
-    }
-  }
-  std::erase_if(parts, [&](const ConnectedBody& part) { return part_is_held[part_of[part.particles.front()]] != 0; });
-  return parts;
-}
-
 /// Tools and contacts may hold what nothing imposes: then there is nothing to say.
 void look_for_what_is_loose(const Model& model, const Scene& scene, std::vector<std::string>& found) {
   if (scene.contacts() || !scene.tools().empty()) return;
-  bool is_pushed = scene.gravity() != Vec3::Zero();
-  for (const Load& load : scene.loads()) is_pushed = is_pushed || load.type != LoadType::translation;
   const std::vector<char> is_held = held_particles(model, scene);
   const bool any_held = std::ranges::find(is_held, 1) != is_held.end();
   if (!any_held) {
-    if (is_pushed) found.emplace_back("nothing holds the body: it moves away; Scene::fix() holds a group of particles");
+    if (first_loose(scene) >= 0)
+      found.emplace_back("nothing holds the body: it moves away; Scene::fix() holds a group of particles");
     return;
   }
   const std::vector<ConnectedBody> loose = loose_parts(model, scene, is_held);
@@ -145,21 +98,42 @@ bool encloses(const Model& model, std::span<const std::array<Index, 3>> triangle
   return std::abs(angle) > 2.0 * std::numbers::pi;
 }
 
+/// m: of the points on a tool's axis the largest distance from the surface at rest among those that it encloses; 0:
+/// none.
+double depth_inside(const Model& model, std::span<const std::array<Index, 3>> triangles, const SceneTool& tool) {
+  std::vector<Vec3> axis{tool.pose.position};
+  if (const auto* capsule = std::get_if<Capsule>(&tool.tool.shape)) {
+    const Vec3 along = tool.pose.orientation.normalized() * Vec3(0, 0, capsule->length);
+    axis.insert(axis.end(), {tool.pose.position + 0.5 * along, tool.pose.position + along});
+  }
+  double deepest = 0.0;
+  for (const Vec3& place : axis) {
+    if (!encloses(model, triangles, place)) continue;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const auto& [i, j, k] : triangles) {
+      const Vec3 share = cpu::closest_point(place, model.rest[i], model.rest[j], model.rest[k]);
+      const Vec3 at = share[0] * model.rest[i] + share[1] * model.rest[j] + share[2] * model.rest[k];
+      nearest = std::min(nearest, (at - place).norm());
+    }
+    deepest = std::max(deepest, nearest);
+  }
+  return deepest;
+}
+
 void look_at_tools(const Model& model, const Scene& scene, std::vector<std::string>& found) {
   constexpr double many = 5.0;  // bodies; a floor made of a box is thinner
-  const auto meets_surface = [](const SceneTool& tool) { return tool.tool.contact == ToolContact::surface; };
-  std::vector<std::array<Index, 3>> triangles;
-  if (std::ranges::any_of(scene.tools(), meets_surface)) triangles = surface_triangles(model);
+  const std::vector<std::array<Index, 3>> triangles =
+      scene.tools().empty() ? std::vector<std::array<Index, 3>>{} : surface_triangles(model);
   const double size = body_size(model);
   for (const SceneTool& tool : scene.tools()) {
     const double thickness = 2.0 * least_radius(tool.tool.shape).value_or(0.0);
     if (size > 0.0 && thickness > many * size) {
       found.emplace_back("the tool \"" + tool.name + "\" is " + to_decimal(thickness) + " m thick, the body " +
                          to_decimal(size) + " m large: expected lengths in m; was it in mm?");
-    } else if (thickness > 0.0 && meets_surface(tool) && encloses(model, triangles, tool.pose.position)) {
-      found.emplace_back("the middle of the tool \"" + tool.name +
-                         "\" begins inside the body, where ToolContact::surface pushes points to either side and "
-                         "forces mislead; begin outside and move it in");
+    } else if (const double depth = thickness > 0.0 ? depth_inside(model, triangles, tool) : 0.0; depth > 0.0) {
+      found.emplace_back(
+          "the middle of the tool \"" + tool.name + "\" begins inside the body, " + length_text(depth) +
+          " m deep, where a tool pushes to either side and forces mislead; begin outside and move it in");
     }
   }
 }
@@ -194,6 +168,7 @@ std::vector<std::string> warnings_of(const Model& model, const Scene& scene, boo
   look_at_units(model, scene, found);
   look_at_joints(scene, found);
   look_at_tools(model, scene, found);
+  look_for_overlaps(model, scene, found);
   look_for_thin_tools(model, scene, found);
   look_for_what_is_loose(model, scene, found);
   return found;

@@ -103,6 +103,7 @@ void SolverBackend::follow_scene() {
   } else if (values_version_ != scene_->values_version()) {
     do_values_changed();
   }
+  if (scene_version_ != scene_->version() || values_version_ != scene_->values_version()) loose_.reset();
   scene_version_ = scene_->version();
   values_version_ = scene_->values_version();
 }

@@ -12,6 +12,7 @@
 
 #include "interaction/joint_set.h"
 #include "model/cell_geometry.h"
+#include "scene/loose_parts.h"
 #include "solver_input.h"
 
 namespace phymul {
@@ -117,6 +118,8 @@ RestResult SolverBackend::run_to_rest(int max_steps, double dt, const Damping& d
     const State state = read();
     result.collapsed = first_collapsed(*topology_, state.position);
     result.folded = first_folded_cell(model(), state.position);
+    if (!loose_) loose_ = first_loose(*scene_);
+    if (!result.converged()) result.loose = *loose_;
   }
   if (result.folded >= 0) result.folded_at = cell_centre(model().cells[result.folded], model().rest);
   return result;

@@ -73,7 +73,12 @@ std::string StepReport::message() const {
 
 std::string RestResult::message() const {
   if (status == RestStatus::failed) return report.message();
-  std::string text = good_message(report, converged() ? "ok:" : "not at rest after");
+  std::string text;
+  if (loose >= 0) {
+    text = "nothing holds the part of particle " + std::to_string(loose) +
+           ": it moves away unless its loads balance; hold it, as with Scene::fix(). ";
+  }
+  text += good_message(report, converged() ? "ok:" : "not at rest after");
   if (collapsed >= 0) {
     text += "; a base of particle " + std::to_string(collapsed) +
             " has collapsed and has no direction: move some of its particles apart";

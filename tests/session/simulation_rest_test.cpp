@@ -5,6 +5,7 @@
 #include <phymul/elasticity.h>
 
 #include <cmath>
+#include <functional>
 
 #include "support/bodies.h"
 #include "support/message_of.h"
@@ -135,6 +136,46 @@ TEST(SimulationRest, TellsItsProgressAsOneCall) {
   EXPECT_EQ(rest.report.steps, 300);
   EXPECT_EQ(calls, 300);
   EXPECT_TRUE(in_order && whole);
+}
+
+/// What moves away is not told to be damped more, or run longer.
+TEST(SimulationRest, SaysFirstThatNothingHoldsTheBody) {
+  const auto rest_of = [](const std::function<void(Scene&)>& change) {
+    Simulation sim(make_block({0.04, 0.02, 0.02}, 4, 2, 2), {.material = beam_material, .backend = "cpu"});
+    change(sim.scene());
+    return sim.run_to_rest(20);
+  };
+  const auto fall = [](Scene& scene) { scene.gravity({0, 0, -9.81}); };
+  const RestResult free = rest_of(fall);
+  EXPECT_EQ(free.loose, 0);
+  EXPECT_TRUE(free.message().starts_with("nothing holds the part of particle 0: it moves away unless its loads balance")) << free.message();
+  EXPECT_TRUE(says(free.message(), "not at rest after 20 steps"));
+  for (const auto& hold : std::vector<std::function<void(Scene&)>>{[](Scene& scene) { scene.fix("x0"); },
+                                                                   [](Scene& scene) { scene.add_tool(HalfSpace{}); }}) {
+    const RestResult held = rest_of([&](Scene& scene) {
+      fall(scene);
+      hold(scene);
+    });
+    EXPECT_EQ(held.loose, -1);
+    EXPECT_TRUE(held.message().starts_with("not at rest after")) << held.message();
+  }
+  EXPECT_EQ(rest_of([](Scene& scene) {
+              scene.add({.particles = {3}, .events = {{0, 1}}, .direction = {1, 0, 0}});
+            }).loose,
+            0);
+  EXPECT_EQ(rest_of([](Scene&) {}).loose, -1) << "it floats";
+}
+
+/// Of two bodies the one that is free, and neither once it hangs on the other.
+TEST(SimulationRest, NamesThePartThatNothingHolds) {
+  const Model one = make_block({0.04, 0.02, 0.02}, 4, 2, 2), other = moved(one, {0.05, 0, 0});
+  for (const bool hangs : {false, true}) {
+    Simulation sim(merge_models(std::vector<NamedBody>{{"a", &one}, {"b", &other}}),
+                   {.material = beam_material, .backend = "cpu"});
+    sim.scene().fix("a/x0").gravity({0, 0, -9.81});
+    if (hangs) sim.scene().attach(sim.model().group("b/x0"), "a", {.stiffness = 1e6});
+    EXPECT_EQ(sim.run_to_rest(100).loose, hangs ? -1 : 45);
+  }
 }
 
 /// At the rim of a clamp a strongly bent beam folds a cell, whose particles do not come to rest: the result says where.

@@ -110,11 +110,46 @@ TEST(SimulationWarnings, ToolsInOtherUnitsAndInsideTheBody) {
   EXPECT_TRUE(with(ball, {0.02, 0.01, 0.0201}).empty()) << "its middle is outside";
   const auto inside = with(ball, {0.02, 0.01, 0.0199});
   ASSERT_EQ(inside.size(), 1u);
-  EXPECT_TRUE(inside[0].starts_with("the middle of the tool \"ball\" begins inside the body")) << inside[0];
+  EXPECT_TRUE(inside[0].starts_with("the middle of the tool \"ball\" begins inside the body, 0.0001 m deep"))
+      << inside[0];
+  // With the other contact, at the far end of a rod, and deeper.
+  EXPECT_TRUE(with({.shape = Sphere{0.008}}, {0.02, 0.01, 0.0281}).empty());
+  EXPECT_EQ(with({.shape = Sphere{0.008}}, {0.02, 0.01, 0.0199}), inside);
+  const auto rod = with({.shape = Capsule{0.008, 0.05}}, {0.02, 0.01, -0.042});
+  ASSERT_EQ(rod.size(), 1u);
+  EXPECT_TRUE(says(rod[0], "0.008 m deep")) << rod[0];
   EXPECT_EQ(with({.shape = Sphere{8}, .contact = ToolContact::surface}, {0, 0, 9}),
             std::vector<std::string>{"the tool \"ball\" is 16 m thick, the body 0.04 m large: expected lengths in m; "
                                      "was it in mm?"});
   EXPECT_TRUE(with({.shape = Box{{1, 1, 0.05}}}, {0, 0, -0.06}).empty()) << "a floor";
+}
+
+TEST(SimulationWarnings, BodiesThatBeginInsideEachOther) {
+  const Model one = block();
+  const auto at = [&](double gap, bool touches = true) {
+    const Model other = moved(block(), {0.04 + gap, 0.003, 0.002});
+    return warnings(merge_models(std::vector<NamedBody>{{"liver", &one}, {"kidney", &other}}), soft, [&](Scene& scene) {
+      scene.fix("liver/x0");
+      if (touches) scene.contacts({});
+      if (!touches) scene.fix("kidney/x0");
+    });
+  };
+  EXPECT_TRUE(at(0.001).empty());
+  EXPECT_TRUE(at(0.0).empty());
+  EXPECT_TRUE(at(-0.002, false).empty());
+  const auto shallow = at(-0.002);
+  ASSERT_EQ(shallow.size(), 1u);
+  EXPECT_TRUE(says(shallow[0], "\"kidney\" begins 0.002 m deep inside \"liver\", at (0.038, 0.003, 0.012) m"))
+      << shallow[0];
+  EXPECT_TRUE(says(shallow[0], "contacts part them little by little")) << shallow[0];
+}
+
+TEST(SimulationWarnings, BodiesDeeperThanACellAreSaidToInterlock) {
+  const Model one = make_block({0.04, 0.02, 0.02}, 16, 8, 8), other = moved(one, {0.03, 0.003, 0.002});
+  const auto found = warnings(merge_models(std::vector<NamedBody>{{"a", &one}, {"b", &other}}), soft,
+                              [](Scene& scene) { scene.fix("a/x0").contacts({}); });
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(says(found[0], "so that they interlock; move them apart")) << found[0];
 }
 
 TEST(SimulationWarnings, WhatNothingHolds) {
