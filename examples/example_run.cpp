@@ -4,6 +4,7 @@
 #include <phymul/error.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <numeric>
 
@@ -49,8 +50,13 @@ std::string text(const char* format, double a, double b, double c) {
 }
 
 double advance(phymul::Simulation& sim, double seconds) {
+  static auto next = std::chrono::steady_clock::now() + std::chrono::seconds(3);
   const phymul::StepReport report = sim.advance(seconds);
   if (!report.ok()) throw phymul::Error(report.message());
+  if (const auto now = std::chrono::steady_clock::now(); now >= next) {
+    std::fprintf(stderr, "t = %.4g s\n", report.time);
+    next = now + std::chrono::seconds(3);
+  }
   return report.time;
 }
 

@@ -24,11 +24,22 @@ void print_notes(const std::vector<std::string>& notes) {
   if (notes.size() > most) std::fprintf(stderr, "note: ... and %zu more\n", notes.size() - most);
 }
 
+phymul::SolverOptions telling(Progress& progress) {
+  phymul::SolverOptions options;
+  options.progress = [&progress](const phymul::StepProgress& step) {
+    progress.show(step);
+    return true;
+  };
+  return options;
+}
+
 /// For a body that is filled at a spacing.
-phymul::Simulation make_simulation(RunOptions options, const phymul::PlanCandidate& candidate) {
+phymul::Simulation make_simulation(RunOptions options, const phymul::PlanCandidate& candidate, Progress& progress) {
   options.spacing = candidate.spacing;
-  phymul::Simulation sim(read_body(options),
-                         candidate.options({.damping = {.rate = options.damping_rate}, .topology = options.topology}));
+  phymul::Simulation sim(read_body(options), candidate.options({.damping = {.rate = options.damping_rate},
+                                                                .topology = options.topology,
+                                                                .solver = telling(progress)}));
+  progress.show_trial(candidate.spacing, sim.model().particle_count());
   fill_scene(options, sim.model(), sim.scene(), nullptr);
   return sim;
 }
@@ -47,15 +58,11 @@ int run(const RunOptions& options) {
   std::vector<std::string> notes;
   fill_scene(options, model, scene, &notes);
   print_notes(notes);
-  phymul::SolverOptions solver_options;
+  Progress progress(options.quiet);
+  phymul::SolverOptions solver_options = telling(progress);
   solver_options.damping.rate = options.damping_rate;
   solver_options.profile = options.profile;
   solver_options.threads = options.threads;
-  Progress progress(options.quiet);
-  solver_options.progress = [&progress](const phymul::StepProgress& step) {
-    progress.show(step);
-    return true;
-  };
   const auto solver = phymul::make_solver(options.backend, model, scene, options.topology, solver_options);
   print_notes(solver->topology().notes);
 
@@ -86,8 +93,10 @@ int main(int argc, char** argv) try {
   const std::optional<RunOptions> options = read_run_options(argc, argv, exit_code);
   if (!options) return exit_code;
   if (!options->plan) return run(*options);
-  return print_plan(*options, std::vector<std::string>(argv, argv + argc),
-                    [&](const phymul::PlanCandidate& candidate) { return make_simulation(*options, candidate); });
+  Progress progress(options->quiet);
+  return print_plan(*options, std::vector<std::string>(argv, argv + argc), [&](const phymul::PlanCandidate& candidate) {
+    return make_simulation(*options, candidate, progress);
+  });
 } catch (const phymul::Error& error) {
   std::fprintf(stderr, "phymul-run: %s\n", error.what());
   return 1;

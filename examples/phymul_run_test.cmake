@@ -43,6 +43,13 @@ if(NOT said STREQUAL "")
   message(FATAL_ERROR "phymul-run --quiet said on the way: ${said}")
 endif()
 
+# Long work says where it is also where the standard error is no terminal.
+execute_process(COMMAND ${RUN} ${sample} --damping 0 --max-time 1e6 --frame-interval 0 --no-pictures --out ${OUT}/long
+                TIMEOUT 5 OUTPUT_QUIET ERROR_VARIABLE said)
+if(NOT said MATCHES "t = +[0-9.]+ s .* steps/s\n")
+  message(FATAL_ERROR "phymul-run was silent for five seconds: ${said}")
+endif()
+
 # A small stiff body comes to rest.
 run(0 "steps to rest after the last date" ${MESH} --unit 0.01 --fix "fixed side" --gravity 0 0 -9.81 --damping 60
     --frame-interval 0 --out ${OUT}/mesh)

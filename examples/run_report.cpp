@@ -32,35 +32,54 @@ Snapshot take_snapshot(std::string label, const phymul::Solver& solver, const ph
 }
 
 Progress::Progress(bool quiet)
-    : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0), next_(std::chrono::steady_clock::now()) {}
+    : quiet_(quiet),
+      terminal_(isatty(STDERR_FILENO) != 0),
+      interval_(terminal_ ? 200 : 3000),
+      next_(std::chrono::steady_clock::now()) {
+  if (!terminal_) next_ += interval_;
+}
 
 Progress::~Progress() {
   if (line_open_) std::fputc('\n', stderr);
 }
 
 bool Progress::is_due() {
-  if (quiet_ || !terminal_) return false;
+  if (quiet_) return false;
   const auto now = std::chrono::steady_clock::now();
   if (now < next_) return false;
-  next_ = now + std::chrono::milliseconds(200);
-  line_open_ = true;
+  next_ = now + interval_;
   return true;
+}
+
+/// \033[K clears what a longer line has left.
+void Progress::print(const char* line) {
+  std::fprintf(stderr, terminal_ ? "\r%s\033[K" : "%s\n", line);
+  std::fflush(stderr);
+  line_open_ = terminal_;
 }
 
 void Progress::show(double time, const phymul::Energy& energy, const StepReport& report, double steps_per_second) {
   if (!is_due()) return;
-  // \033[K clears what a longer line has left.
-  std::fprintf(stderr,
-               "\rt = %8.4f s  elastic %.3e J  kinetic %.3e J  residual %.2e N  speed %.2e m/s  %.0f steps/s\033[K",
-               time, energy.elastic, energy.kinetic, report.residual, report.max_speed, steps_per_second);
-  std::fflush(stderr);
+  char line[256];
+  std::snprintf(line, sizeof line,
+                "t = %8.4f s  elastic %.3e J  kinetic %.3e J  residual %.2e N  speed %.2e m/s  %.0f steps/s", time,
+                energy.elastic, energy.kinetic, report.residual, report.max_speed, steps_per_second);
+  print(line);
 }
 
 void Progress::show(const phymul::StepProgress& progress) {
   if (!is_due()) return;
-  std::fprintf(stderr, "\rt = %8.4f s  step %d of at most %d  residual %.2e N  speed %.2e m/s\033[K", progress.time,
-               progress.steps, progress.of, progress.residual, progress.max_speed);
-  std::fflush(stderr);
+  char line[256];
+  std::snprintf(line, sizeof line, "t = %8.4f s  step %d of at most %d  residual %.2e N  speed %.2e m/s", progress.time,
+                progress.steps, progress.of, progress.residual, progress.max_speed);
+  print(line);
+}
+
+void Progress::show_trial(double spacing, int particles) {
+  if (!is_due()) return;
+  char line[128];
+  std::snprintf(line, sizeof line, "spacing %.4g m: %d particles", spacing, particles);
+  print(line);
 }
 
 void Progress::say(const std::string& sentence) {

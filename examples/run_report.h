@@ -44,7 +44,8 @@ struct RunSummary {
   std::optional<Snapshot> let_go;  ///< the one just before
 };
 
-/// What is said on the way, on the standard error: one line, overwritten in place, where that is a terminal.
+/// What is said on the way, on the standard error: one line, overwritten in place, where that is a terminal; else a
+/// line every three seconds.
 class Progress {
  public:
   explicit Progress(bool quiet);
@@ -56,13 +57,17 @@ class Progress {
   void show(double time, const phymul::Energy& energy, const phymul::StepReport& report, double steps_per_second);
   /// Within a call of the solver that takes long.
   void show(const phymul::StepProgress& progress);
+  /// Of a plan: a body of this spacing, m, is tried.
+  void show_trial(double spacing, int particles);
   void say(const std::string& sentence);  ///< prints now, on a line of its own, terminal or not
 
  private:
   bool is_due();
+  void print(const char* line);
 
   bool quiet_, terminal_;
   bool line_open_ = false;
+  std::chrono::milliseconds interval_;
   std::chrono::steady_clock::time_point next_;
 };
 

@@ -4,6 +4,7 @@
 #include <phymul/error.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -96,7 +97,16 @@ std::vector<SceneResult> results_of(const Scenes& scenes, StudyJournal& journal,
 
 int identify(const Study& study, const StudyOptions& options, StudyJournal& journal, StudyRanks& ranks) {
   if (journal.size() > 0 && !options.quiet) std::fprintf(stderr, "%zu scenes were done before\n", journal.size());
-  const SceneEvaluator evaluate = [&](const Scenes& scenes) { return results_of(scenes, journal, ranks, true); };
+  // How many scenes the search will need is not known.
+  auto next = std::chrono::steady_clock::now() + std::chrono::seconds(3);
+  const SceneEvaluator evaluate = [&](const Scenes& scenes) {
+    std::vector<SceneResult> results = results_of(scenes, journal, ranks, true);
+    if (const auto now = std::chrono::steady_clock::now(); !options.quiet && now >= next) {
+      std::fprintf(stderr, "%zu scenes solved so far\n", journal.size());
+      next = now + std::chrono::seconds(3);
+    }
+    return results;
+  };
   const StudyFit fit = fit_unknowns(study, evaluate, ranks.slots() > 1);
   write_fit(options.out + "/fit.csv", fit);
   if (!options.quiet) std::fprintf(stderr, "%zu scenes solved in all\n", journal.size());

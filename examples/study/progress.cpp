@@ -22,7 +22,7 @@ void StudyProgress::done(bool failed) {
   if (failed) ++failed_;
   const Clock::time_point now = Clock::now();
   if (quiet_ || now < next_ || known_ + done_ == all_) return;
-  next_ = now + (terminal_ ? std::chrono::milliseconds(200) : std::chrono::seconds(10));
+  next_ = now + (terminal_ ? std::chrono::milliseconds(200) : std::chrono::seconds(3));
   print();
 }
 
