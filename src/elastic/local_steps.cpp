@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "local_step_limit.h"
+#include "scaled_stiffness.h"
 
 namespace phymul {
 namespace {
@@ -14,6 +15,9 @@ namespace {
 /// T_p at the start of the polynomial: it is bounded by the inverse. For linear bodies 1.1 suffices; with less than 2
 /// an undamped body bent by 2 % of its length gained energy (docs/decisions/2026-11-25-local-time-steps.md).
 constexpr double damped = 2.5;
+
+/// Each finds a half to a third of what is left of the excess; what is left of the last is below ritz_accuracy.
+constexpr int margin_turns = 12;
 
 /// Chebyshev polynomials at delta = cosh(theta), T_p(delta) = damped.
 struct Chebyshev {
@@ -166,7 +170,12 @@ std::unique_ptr<const LocalSteps> choose_local_steps(const TopologyTextures& t, 
   if (best->substeps.empty() && best->fine.empty()) return nullptr;
   if (!best->substeps.empty()) {
     best->stiff = part_of(t, best->chosen);
-    best->margin = std::max(1.0, largest_rate(t, *best) / best->rate());
+    // In a shorter step substeps hide less of the stiffness, so that the margin of a step is that of no shorter one.
+    for (int turn = 0; turn < margin_turns; ++turn) {
+      const double excess = largest_rate(t, *best) / best->rate();
+      if (excess <= 1.0) break;
+      best->margin *= (1.0 + ritz_accuracy) * excess;
+    }
   }
   if (cost(*best, t) >= (1.0 - least_gain) * std::sqrt(whole.largest)) return nullptr;
   number_particles(t, *best);

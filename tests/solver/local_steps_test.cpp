@@ -2,10 +2,13 @@
 //
 // SolverOptions::max_substeps: materials that need a shorter step than the others.
 #include <gtest/gtest.h>
+#include <phymul/elasticity.h>
 #include <phymul/phymul.h>
+#include <phymul/topology_textures.h>
 
 #include <random>
 
+#include "elastic/local_step_limit.h"
 #include "elastic/local_steps.h"
 #include "support/allocation_count.h"
 #include "support/bodies.h"
@@ -257,10 +260,51 @@ TEST_P(LocalStepsOn, AStiffnessThatChangesIsCounted) {
   scene.scale_stiffness(stiff, 4.0);
   EXPECT_NEAR(solver->stable_step(), 0.5 * before, 0.2 * before);
   EXPECT_TRUE(solver->step(200, 0.9 * solver->stable_step()).ok());
+  // The soft tissue sets the step; the tumour, a hundred times as stiff, has substeps to spare.
+  scene.scale_stiffness(stiff, 1.0);
+  scene.scale_stiffness(soft, 4.0);
+  EXPECT_NEAR(solver->stable_step(), 0.5 * before, 0.02 * before);
 }
 
 TEST_P(LocalStepsOn, OneMaterialHasOneStepAndTheSameBits) {
   EXPECT_EQ(fallen(GetParam(), cube(4), 1, 0.5, 0.05), fallen(GetParam(), cube(4), 32, 0.5, 0.05));
+}
+
+/// Of a material beside one 30 times as stiff at every vertex, whose step substeps alone make too long.
+Model checkerboard() {
+  Model model = cube(6);
+  set_material(model, {150e3, 0.45, 1000.0}, [](const Vec3& at) {
+    const Vec3 cell = 6.0 / edge * at;
+    return (static_cast<int>(cell.x()) + static_cast<int>(cell.y()) + static_cast<int>(cell.z())) % 2 == 0;
+  });
+  return model;
+}
+
+TEST(LocalSteps, TheLimitHoldsWhereMaterialsMeetEverywhere) {
+  const TopologyTextures t = build_topology(checkerboard());
+  const Spectrum whole = estimate_spectrum(t, t.rest);
+  // Without local steps it is the largest eigenvalue.
+  EXPECT_NEAR(largest_rate(t, {}), whole.largest, 1e-4 * whole.largest);
+  for (const int most : {8, 32}) {
+    const auto steps = choose_local_steps(t, whole, most);
+    ASSERT_TRUE(steps);
+    EXPECT_EQ(steps->substeps.size(), 7u) << "more cost more than they gain";
+    EXPECT_GT(steps->margin, 1.02) << "or this shows nothing";
+    EXPECT_LE(largest_rate(t, *steps), steps->rate());
+  }
+}
+
+TEST_P(LocalStepsOn, ACheckerboardIsBoundedJustBelowTheLimit) {
+  const Model model = checkerboard();
+  const Scene scene(model);
+  const auto solver = solver_of(GetParam(), model, scene, 32);
+  ASSERT_GT(solver->substeps(), 1);
+  State state = solver->read();
+  std::mt19937 bits(5);
+  for (Vec3& x : state.position) x += 1e-6 * edge * random_vector(bits, 3);
+  solver->reset(state);
+  ASSERT_TRUE(solver->step(2000, 0.995 * solver->stable_step()).ok());
+  EXPECT_LT(largest_distance(solver->read().position, model.rest), 1e-4 * edge);
 }
 
 TEST(LocalSteps, RefuseWhatTheyExclude) {
