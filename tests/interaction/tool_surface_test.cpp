@@ -286,48 +286,6 @@ TEST_P(ToolSurfaceOn, FeelsNoBlowWhenTheStepGetsShorter) {
   }
 }
 
-/// Tools with and without edges, some of whose points stay inside for a while.
-TEST_P(ToolSurfaceOn, WhatIsPressedComesToRest) {
-  const Model model = soft_block({0.04, 0.04, 0.02}, 6, 6, 3);
-  const std::array<ToolShape, 3> shapes{Sphere{0.01}, Capsule{0.004, 0.05}, Box{{0.011, 0.003, 0.01}}};
-  for (const ToolShape& shape : shapes) {
-    Scene scene(model);
-    scene.fix("z0").add_tool("tool", {.shape = shape, .contact = ToolContact::surface});
-    scene.tool("tool").teleport({.position = {0.0212, 0.0201, 0.03}});
-    const auto solver = make(model, scene, damped(150.0));
-    const double deep = std::holds_alternative<Capsule>(shape) ? 0.0224 : 0.0284;
-    scene.tool("tool").move_to({.position = {0.0212, 0.0201, deep}});
-    ASSERT_TRUE(solver->step(100, 0.5 * solver->stable_step()).ok());
-    const RestResult rest = solver->run_to_rest(4000, 0.5 * solver->stable_step());
-    EXPECT_TRUE(rest.converged()) << shape.index() << ": " << rest.message();
-    EXPECT_GT(solver->tool_force("tool").force.z(), 0.05);
-  }
-}
-
-/// Its inside must not pass through the tool where its surface was stopped.
-TEST_P(ToolSurfaceOn, ABallFlungAtAPlateGainsNoEnergy) {
-  const Model model = with_material(make_body(solid_ball({0, 0, 0}, 0.02), {.spacing = 0.006}));
-  for (const bool is_box : {false, true}) {
-    Scene scene(model);
-    Tool plate{.shape = HalfSpace{}, .contact = ToolContact::surface};
-    if (is_box) plate.shape = Box{{0.1, 0.1, 0.02}};
-    plate.pose.position = {0, 0, is_box ? -0.042 : -0.022};
-    scene.add_tool("plate", plate);
-    const auto solver = make(model, scene);
-    State flung = rest_state(model);
-    for (Vec3& v : flung.velocity) v = {0, 0, -50};
-    solver->reset(flung);
-    const double before = solver->energy().total(), dt = 0.5 * solver->stable_step();
-    double most = 0.0;
-    for (int k = 0; k < 40; ++k) {
-      ASSERT_TRUE(solver->step(1, dt).ok());
-      most = std::max(most, solver->energy().total());
-    }
-    EXPECT_LE(most, before * (1.0 + 1e-3)) << is_box;
-    EXPECT_LT(solver->energy().total(), 0.9 * before) << "it has met the plate";
-  }
-}
-
 /// Bodies without triangles, and those that loads impose: as with ToolContact::particles.
 TEST_P(ToolSurfaceOn, TouchesParticlesWhereThereAreNoTriangles) {
   const Model model = make_strip(0.04, 0.02, 8, 4);

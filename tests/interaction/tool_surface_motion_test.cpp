@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+//
+// Tools with ToolContact::surface: rest, hard hits, fast tools, and what another tool holds.
+#include <array>
+#include <cmath>
+
+#include "support/tool_backends.h"
+
+namespace phymul::test {
+namespace {
+
+class ToolSurfaceMotionOn : public WithTools {};
+PHYMUL_ON_EVERY_BACKEND(ToolSurfaceMotionOn);
+
+/// Tools with and without edges, some of whose points stay inside for a while.
+TEST_P(ToolSurfaceMotionOn, WhatIsPressedComesToRest) {
+  const Model model = soft_block({0.04, 0.04, 0.02}, 6, 6, 3);
+  const std::array<ToolShape, 3> shapes{Sphere{0.01}, Capsule{0.004, 0.05}, Box{{0.011, 0.003, 0.01}}};
+  for (const ToolShape& shape : shapes) {
+    Scene scene(model);
+    scene.fix("z0").add_tool("tool", {.shape = shape, .contact = ToolContact::surface});
+    scene.tool("tool").teleport({.position = {0.0212, 0.0201, 0.03}});
+    const auto solver = make(model, scene, damped(150.0));
+    const double deep = std::holds_alternative<Capsule>(shape) ? 0.0224 : 0.0284;
+    scene.tool("tool").move_to({.position = {0.0212, 0.0201, deep}});
+    ASSERT_TRUE(solver->step(100, 0.5 * solver->stable_step()).ok());
+    const RestResult rest = solver->run_to_rest(4000, 0.5 * solver->stable_step());
+    EXPECT_TRUE(rest.converged()) << shape.index() << ": " << rest.message();
+    EXPECT_GT(solver->tool_force("tool").force.z(), 0.05);
+  }
+}
+
+/// Its inside must not pass through the tool where its surface was stopped.
+TEST_P(ToolSurfaceMotionOn, ABallFlungAtAPlateGainsNoEnergy) {
+  const Model model = with_material(make_body(solid_ball({0, 0, 0}, 0.02), {.spacing = 0.006}));
+  for (const bool is_box : {false, true}) {
+    Scene scene(model);
+    Tool plate{.shape = HalfSpace{}, .contact = ToolContact::surface};
+    if (is_box) plate.shape = Box{{0.1, 0.1, 0.02}};
+    plate.pose.position = {0, 0, is_box ? -0.042 : -0.022};
+    scene.add_tool("plate", plate);
+    const auto solver = make(model, scene);
+    State flung = rest_state(model);
+    for (Vec3& v : flung.velocity) v = {0, 0, -50};
+    solver->reset(flung);
+    const double before = solver->energy().total(), dt = 0.5 * solver->stable_step();
+    double most = 0.0;
+    for (int k = 0; k < 40; ++k) {
+      ASSERT_TRUE(solver->step(1, dt).ok());
+      most = std::max(most, solver->energy().total());
+    }
+    EXPECT_LE(most, before * (1.0 + 1e-3)) << is_box;
+    EXPECT_LT(solver->energy().total(), 0.9 * before) << "it has met the plate";
+  }
+}
+
+/// What one tool holds another does not move, and does not feel.
+TEST_P(ToolSurfaceMotionOn, WhatAnotherToolHoldsStays) {
+  const Model model = soft_block({0.02, 0.02, 0.02}, 4, 4, 4);
+  Scene scene = Scene(model).fix("z0");
+  scene.add_tool("jaw", {.shape = Box{{0.02, 0.02, 0.002}}, .pose = {.position = {0.01, 0.01, 0.022}}});
+  scene.tool("jaw").grasp(1e-4);
+  scene.add_tool("ball",
+                 {.shape = Sphere{0.006}, .pose = {.position = {0.01, 0.01, 0.0265}}, .contact = ToolContact::surface});
+  const auto solver = make(model, scene);
+  const double dt = 0.3 * solver->stable_step();
+  ASSERT_TRUE(solver->step(1, dt).ok());
+  ASSERT_EQ(solver->held("jaw"), 25);
+  scene.tool("ball").move_to({.position = {0.01, 0.01, 0.0225}});
+  for (int k = 0; k < 10; ++k) {
+    ASSERT_TRUE(solver->step(2, dt).ok());
+    EXPECT_EQ(solver->tool_force("ball").force, Vec3(0, 0, 0));
+  }
+  for (const Index i : model.group("z1")) {
+    EXPECT_LE((solver->read().position[i] - model.rest[i]).norm(), 1e-6 * 0.02);
+  }
+}
+
+/// Beyond what it passes in a step: a rod that is thin beside its way.
+TEST_P(ToolSurfaceMotionOn, AFastRodIsFeltWhereItPassesTheSurface) {
+  const Model model = soft_block({0.04, 0.04, 0.04}, 8, 8, 8);
+  Scene scene = Scene(model).fix("z0");
+  const Quaternion lying(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitY()));
+  scene.add_tool("rod", {.shape = Capsule{0.001, 0.05},
+                         .pose = {.position = {-0.005, 0.0212, 0.05}, .orientation = lying},
+                         .contact = ToolContact::surface});
+  const auto solver = make(model, scene);
+  const double dt = 0.3 * solver->stable_step();
+  ASSERT_TRUE(solver->step(1, dt).ok());
+  scene.tool("rod").move_to({.position = {-0.005, 0.0212, 0.03}, .orientation = lying});
+  ASSERT_TRUE(solver->step(1, dt).ok());
+  EXPECT_GT(solver->tool_force("rod").force.z(), 1.0);
+  // It pushes down what it met: nothing of the surface is above it.
+  for (const Index i : model.group("z1")) {
+    const Vec3& rest = model.rest[i];
+    if (std::abs(rest.y() - 0.02) < 0.001 && rest.x() > 0.001 && rest.x() < 0.039) {
+      EXPECT_LT(solver->read().position[i].z(), 0.0395);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace phymul::test
