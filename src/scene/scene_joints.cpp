@@ -136,7 +136,9 @@ Scene& Scene::add_joint(std::string name, Joint joint, std::span<const Vec3> pos
   const std::span<const Vec3> where = position.empty() ? std::span<const Vec3>(model_->rest) : position;
   for (JointSpring& spring : added.joint.springs) {
     if (spring.rest_length >= 0.0) continue;
-    spring.rest_length = (anchor_place(spring.b, where, tools_) - anchor_place(spring.a, where, tools_)).norm();
+    Vec3 way = anchor_place(spring.b, where, tools_) - anchor_place(spring.a, where, tools_);
+    if (model_->dimension == 2) way.z() = 0.0;  // tools move in space, and springs in the plane
+    spring.rest_length = way.norm();
   }
   joints_.push_back(std::move(added));
   ++next_joint_;

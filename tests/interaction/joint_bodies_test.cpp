@@ -33,6 +33,24 @@ TEST_P(JointOfBodiesIn, KeepsMomentum) {
   EXPECT_LT((after.angular - before.angular).norm(), 1e4 * roundoff() * before.angular.norm());
 }
 
+/// A tool moves in space, a plane body does not: what is off its plane neither pulls nor lengthens a spring.
+TEST_P(JointOfBodiesIn, OfAPlaneBodyPullInItsPlane) {
+  const Model model = with_material(make_strip(0.02, 0.02, 2, 2));
+  Scene scene = Scene(model).fix("x0");
+  scene.add_tool("hook", {.shape = Sphere{0.001}, .pose = {.position = {0.023, 0.024, 0.005}}});
+  const Index corner = 8;
+  ASSERT_EQ(model.rest[corner], Vec3(0.02, 0.02, 0));
+  scene.add_joint("rope", {.springs = {{at_particle(corner), at_tool("hook"), 0.0}}, .stiffness = 2.0});
+  scene.add_joint("loose", {.springs = {{at_particle(corner), at_tool("hook")}}, .stiffness = 2.0});
+  const auto solver = make_solver(GetParam(), model, scene);
+  ASSERT_TRUE(solver->step(1, 0.1 * solver->stable_step()).ok());
+  EXPECT_NEAR(solver->joint_report("rope").springs[0].length, 0.005, 1e-4 * 0.005);
+  const Vec3 force = solver->tool_force("hook").force;
+  EXPECT_NEAR(force.norm(), 0.01, 1e-4 * 0.01);
+  EXPECT_EQ(force.z(), 0.0);
+  EXPECT_NEAR(scene.joint("loose").joint().springs[0].rest_length, 0.005, 1e-12);
+}
+
 TEST_P(JointOfBodiesIn, GlueHoldsTwoCubesTogether) {
   const double gap = 0.001, pull = 0.4, k = 5e7;
   const Model model = cubes_apart(gap);

@@ -130,6 +130,32 @@ TEST_F(JointsOfAScene, RefusesPatchesThatDoNotFit) {
   EXPECT_TRUE(scene_.joints().empty());
 }
 
+TEST_F(JointsOfAScene, APatchTakesEachOfItsParticlesOnce) {
+  std::vector<Index> top = model_.group("z1");
+  const std::size_t once = scene_.attach(top, World{}, {.stiffness = 1e5}).joint().springs.size();
+  EXPECT_EQ(once, 9u);
+  top.insert(top.end(), top.begin(), top.end());
+  EXPECT_EQ(scene_.attach(top, World{}, {.stiffness = 1e5}).joint().springs.size(), once);
+}
+
+/// Glued where the bodies are, and not where they were at rest: the springs have no force there.
+TEST_F(JointsOfAScene, GlueTakesThePositionsThatArePassed) {
+  const Model upper = moved(model_, {0, 0, 0.021});
+  const Model both = merged({{"lower", &model_}, {"upper", &upper}});
+  VecList now = both.rest;
+  for (const Index i : both.group("upper")) now[i] = both.rest[i] + Vec3(0.003, -0.002, 0.004);
+  for (const Index i : both.group("lower")) now[i] = both.rest[i] + Vec3(0.001, 0.001, 0.005);
+  Scene scene(both);
+  scene.attach(both.group("upper/z0"), "lower", {.stiffness = 1e5, .position = now});
+  for (const JointSpring& spring : scene.joints().front().joint.springs) {
+    Vec3 partner = Vec3::Zero();
+    for (std::size_t k = 0; k < spring.b.particles.size(); ++k) {
+      partner += spring.b.weights[k] * now[spring.b.particles[k]];
+    }
+    EXPECT_LT((partner - now[spring.a.particles.front()]).norm(), 1e-12);
+  }
+}
+
 TEST_F(JointsOfAScene, RefusesGlueThatIsTooFar) {
   const Model upper = moved(model_, {0, 0, 0.035});
   const Model both = merged({{"lower", &model_}, {"upper", &upper}});

@@ -129,6 +129,25 @@ TEST(StaticTools, FindTheShapeAndForcesThatStepsComeTo) {
   }
 }
 
+/// Triangles with one or two corners that are held bear a force like others.
+TEST(StaticTools, ATriangleAtAHeldEdgeIsPressed) {
+  const auto beside = [] {
+    Simulation sim(make_block({0.06, 0.06, 0.04}, 6, 6, 4), soft_options());
+    sim.scene().fix("x0").add_tool(
+        "ball",
+        {.shape = Sphere{0.008}, .pose = {.position = {0.006, 0.0311, 0.0465}}, .contact = ToolContact::surface});
+    return sim;
+  };
+  Simulation solved = beside(), stepped = beside();
+  const StaticResult result = solved.solve_static();
+  ASSERT_TRUE(result.converged()) << result.message();
+  ASSERT_TRUE(has_converged(stepped.run_to_rest(20000)));
+  const double force = stepped.force_on(stepped.scene().tool("ball")).force.z();
+  EXPECT_GT(force, 0.05);
+  // In steps a tool does not feel the share of corners that are held.
+  EXPECT_GT(solved.force_on(solved.scene().tool("ball")).force.z(), 0.95 * force);
+}
+
 TEST(StaticTools, AFloorCarriesTheWeight) {
   for (const ToolContact contact : {ToolContact::particles, ToolContact::surface}) {
     Simulation sim(make_tetrahedral_block({0.06, 0.06, 0.04}, 5, 5, 4, 0.2, 1), soft_options(0.45));
