@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <new>
@@ -21,23 +20,6 @@ namespace phymul {
 namespace {
 
 constexpr std::uint64_t most_bytes = std::uint64_t{1} << 31;
-
-template <class Number>
-std::vector<std::uint16_t> narrowed(const std::string& path, const void* numbers, std::size_t count) {
-  std::vector<std::uint16_t> labels(count);
-  const char* bytes = static_cast<const char*>(numbers);
-  for (std::size_t i = 0; i < count; ++i) {
-    Number value;
-    std::memcpy(&value, bytes + i * sizeof value, sizeof value);
-    labels[i] = static_cast<std::uint16_t>(value);  // NOLINT(bugprone-signed-char-misuse): see the next line
-    // A number that 16 bits do not hold comes back as another; a negative one of 16 bits does too.
-    if (static_cast<Number>(labels[i]) != value || value < Number{0}) {
-      fail_format(path, 0,
-                  "expected labels from 0 to 65535, got " + std::to_string(value) + " in voxel " + std::to_string(i));
-    }
-  }
-  return labels;
-}
 
 }  // namespace
 
@@ -77,27 +59,19 @@ void require_voxel_bytes(const std::string& path, std::size_t count, NumberType 
   if (count * size_of(type) / most > std::filesystem::file_size(path)) fail_missing_voxels(path, count, type);
 }
 
-std::vector<std::uint16_t> labels_of(const std::string& path, const void* numbers, std::size_t count, NumberType type) {
-  switch (type) {
-    case NumberType::int8:
-      return narrowed<std::int8_t>(path, numbers, count);
-    case NumberType::uint8:
-      return narrowed<std::uint8_t>(path, numbers, count);
-    case NumberType::int16:
-      return narrowed<std::int16_t>(path, numbers, count);
-    case NumberType::uint16:
-      return narrowed<std::uint16_t>(path, numbers, count);
-    case NumberType::int32:
-      return narrowed<std::int32_t>(path, numbers, count);
-    case NumberType::uint32:
-      return narrowed<std::uint32_t>(path, numbers, count);
-    case NumberType::int64:
-      return narrowed<std::int64_t>(path, numbers, count);
-    case NumberType::uint64:
-      return narrowed<std::uint64_t>(path, numbers, count);
-    default:
-      fail_format(path, 0, "expected integers as labels, got numbers with a fraction");
+std::vector<std::uint16_t> labels_of(const std::string& path, const void* numbers, std::size_t count, NumberType type,
+                                     bool swap) {
+  ByteSource in(path, {static_cast<const char*>(numbers), count * size_of(type)});
+  in.use_binary(swap);
+  std::vector<std::uint16_t> labels(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int64_t label = in.integer(type, "labels");
+    labels[i] = static_cast<std::uint16_t>(label);
+    if (labels[i] == label) continue;
+    fail_format(path, 0,
+                "expected labels from 0 to 65535, got " + std::to_string(label) + " in voxel " + std::to_string(i));
   }
+  return labels;
 }
 
 void require_frame(const std::string& path, const LabelImage& image) {
@@ -116,7 +90,7 @@ void fail_without(const std::string& path, const std::string& what, const std::s
               path);
 }
 
-LabelImage read_labels(const std::string& path) {
+LabelImage read_labels(const std::string& path, const LabelFileOptions& options) {
   const std::string name = lower_case(path);
   const auto ends_in = [&](std::string_view ending) { return std::string_view(name).ends_with(ending); };
   const bool is_nifti = ends_in(".nii") || ends_in(".nii.gz"), is_nrrd = ends_in(".nrrd") || ends_in(".nhdr");
@@ -125,7 +99,7 @@ LabelImage read_labels(const std::string& path) {
   }
   open_file(path);  // or a reason is told
   try {
-    LabelImage image = is_nifti ? read_nifti(path) : read_nrrd(path);
+    LabelImage image = is_nifti ? read_nifti(path, options) : read_nrrd(path);
     require_frame(path, image);
     return image;
   } catch (const std::bad_alloc&) {

@@ -4,12 +4,16 @@
 #ifdef PHYMUL_HAS_NIFTI
 #include <nifti1_io.h>
 
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <memory>
 
 #include "base/decimal.h"
 #include "base/file_error.h"
+#include "base/place_text.h"
 
 namespace phymul {
 namespace {
@@ -30,12 +34,53 @@ double unit_of(const std::string& path, int xyz_units) {
       "expected lengths in metres, millimetres or micrometres (xyzt_units), got unit " + std::to_string(xyz_units));
 }
 
-void set_frame(const nifti_image& file, double unit, LabelImage& image) {
-  const mat44& frame = file.sform_code > 0 ? file.sto_xyz : file.qto_xyz;
-  for (int row = 0; row < 3; ++row) {
-    for (int axis = 0; axis < 3; ++axis) image.step[axis][row] = unit * frame.m[row][axis];
-    image.origin[row] = unit * frame.m[row][3];
+using Frame = Eigen::Matrix<double, 3, 4>;  // m: steps along i, j and k, and the centre of the first voxel
+
+Frame frame_of(const mat44& frame, double unit) {
+  using Rows = Eigen::Matrix<float, 4, 4, Eigen::RowMajor>;
+  return unit * Eigen::Map<const Rows>(&frame.m[0][0]).topRows<3>().cast<double>();
+}
+
+/// To which sides of a patient i, j and k run, "RAS".
+std::string sides_of(const mat44& frame) {
+  std::array<int, 3> way{};  // 1: to the right, 2: to the left, ...
+  nifti_mat44_to_orientation(frame, &way[0], &way[1], &way[2]);
+  return {"?RLAPSI"[way[0]], "?RLAPSI"[way[1]], "?RLAPSI"[way[2]]};
+}
+
+/// Throws Error where one is the mirror image of the other.
+void compare_frames(const std::string& path, const nifti_image& file, double unit, LabelImage& image) {
+  const Frame sform = frame_of(file.sto_xyz, unit), qform = frame_of(file.qto_xyz, unit);
+  double apart = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    Eigen::Vector4d voxel(0.0, 0.0, 0.0, 1.0);
+    for (int axis = 0; axis < 3; ++axis) voxel[axis] = (corner >> axis & 1) * (image.size[axis] - 1);
+    apart = std::max(apart, ((sform - qform) * voxel).norm());
   }
+  // As much as rounding of a quaternion in single precision may move voxels.
+  if (apart <= 0.05 * sform.leftCols<3>().colwise().norm().minCoeff()) return;
+  const std::string both = "sform (i, j and k run to " + sides_of(file.sto_xyz) + ") and qform (to " +
+                           sides_of(file.qto_xyz) + ") place voxels up to " + length_text(1e3 * apart) + " mm apart",
+                    choice = "LabelFileOptions::nifti_frame chooses";
+  if (sform.leftCols<3>().determinant() * qform.leftCols<3>().determinant() < 0.0) {
+    fail_format(path, 0,
+                "expected frames that agree, but " + both + " and mirror left and right, or another pair of " +
+                    "sides; " + choice + ", or store the right one as both");
+  }
+  image.notes.push_back(path + ": " + both + "; the sform is used, " + choice);
+}
+
+void set_frame(const std::string& path, const nifti_image& file, double unit, NiftiFrame asked, LabelImage& image) {
+  const bool has_sform = file.sform_code > 0, has_qform = file.qform_code > 0;
+  if (asked == NiftiFrame::sform && !has_sform) fail_format(path, 0, "expected an sform, got none (sform_code 0)");
+  if (asked == NiftiFrame::qform && !has_qform) fail_format(path, 0, "expected a qform, got none (qform_code 0)");
+  if (asked == NiftiFrame::either && has_sform && has_qform) compare_frames(path, file, unit, image);
+  if (!has_sform && !has_qform) {
+    image.notes.push_back(path + ": says nothing about its frame; taken to begin at 0, along x, y and z");
+  }
+  const Frame frame = frame_of(has_sform && asked != NiftiFrame::qform ? file.sto_xyz : file.qto_xyz, unit);
+  for (int axis = 0; axis < 3; ++axis) image.step[axis] = frame.col(axis);
+  image.origin = frame.col(3);
 }
 
 NumberType type_of(const std::string& path, const nifti_1_header& header) {
@@ -61,7 +106,7 @@ std::vector<std::int64_t> sizes_of(const std::string& path, const nifti_1_header
 /// Not by nifti_image_load, which fills up with zeros what a file lacks.
 std::vector<std::uint16_t> read_voxels(const std::string& path, const nifti_1_header& header, bool is_swapped,
                                        std::size_t count, NumberType type) {
-  const std::size_t each = size_of(type), bytes = count * each;
+  const std::size_t bytes = count * size_of(type);
   require_voxel_bytes(path, count, type, most_inflation);
   const float offset = header.vox_offset;
   if (!(offset >= 348.0f && offset < 0x1p30f)) {
@@ -74,19 +119,27 @@ std::vector<std::uint16_t> read_voxels(const std::string& path, const nifti_1_he
       znzseek(file, static_cast<long>(offset), SEEK_SET) >= 0 && znzread(voxels.data(), 1, bytes, file) == bytes;
   znzclose(file);
   if (!is_whole) fail_missing_voxels(path, count, type);
-  if (is_swapped && each > 1) nifti_swap_Nbytes(count, static_cast<int>(each), voxels.data());
-  return labels_of(path, voxels.data(), count, type);
+  return labels_of(path, voxels.data(), count, type, is_swapped);
+}
+
+bool is_nifti_2(const std::string& path) {
+  char start[7] = {};
+  znzFile file = znzopen(path.c_str(), "rb", nifti_is_gzfile(path.c_str()));
+  if (file) znzread(start, 1, sizeof start, file), znzclose(file);
+  return start[4] == 'n' && start[6] == '2';
 }
 
 }  // namespace
 
-LabelImage read_nifti(const std::string& path) {
+LabelImage read_nifti(const std::string& path, const LabelFileOptions& options) {
   nifti_set_debug_level(0);  // it would print to stderr
   int is_swapped = 0;
   const std::unique_ptr<nifti_1_header, void (*)(void*)> header(nifti_read_header(path.c_str(), &is_swapped, 0),
                                                                 std::free);
   if (!header || !nifti_hdr_looks_good(header.get()) || !NIFTI_ONEFILE(*header)) {
-    fail_format(path, 0, "expected a header of NIfTI-1 with its voxels in the same file (magic \"n+1\"), got another");
+    fail_format(path, 0,
+                std::string("expected a header of NIfTI-1 with its voxels in the same file (magic \"n+1\"), got ") +
+                    (is_nifti_2(path) ? "one of NIfTI-2; save it as NIfTI-1" : "another"));
   }
   const NumberType type = type_of(path, *header);
   const std::vector<std::int64_t> sizes = sizes_of(path, *header);
@@ -97,10 +150,7 @@ LabelImage read_nifti(const std::string& path) {
   if (!file) fail_format(path, 0, "expected a header that makes an image of NIfTI-1");
   LabelImage image;
   image.size = {static_cast<Index>(sizes[0]), static_cast<Index>(sizes[1]), static_cast<Index>(sizes[2])};
-  set_frame(*file, unit_of(path, file->xyz_units), image);
-  if (file->sform_code <= 0 && file->qform_code <= 0) {
-    image.notes.push_back(path + ": says nothing about its frame; taken to begin at 0, along x, y and z");
-  }
+  set_frame(path, *file, unit_of(path, file->xyz_units), options.nifti_frame, image);
   image.label = read_voxels(path, *header, is_swapped != 0, count, type);
   return image;
 }
@@ -111,7 +161,7 @@ LabelImage read_nifti(const std::string& path) {
 
 namespace phymul {
 
-LabelImage read_nifti(const std::string& path) {
+LabelImage read_nifti(const std::string& path, const LabelFileOptions&) {
   fail_without(path, "nifticlib", "libnifti-dev");
 }
 

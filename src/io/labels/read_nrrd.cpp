@@ -5,16 +5,20 @@
 #include <teem/nrrd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <numeric>
 #include <optional>
+#include <utility>
 
 #include "base/byte_source.h"
 #include "base/decimal.h"
+#include "base/file_ending.h"
 #include "base/file_error.h"
 
 namespace phymul {
@@ -33,8 +37,7 @@ constexpr IntegerCode integers[] = {
 constexpr std::size_t longest_text = 512;
 
 bool names_a_list(std::string_view line) {
-  std::string field(line.substr(0, line.find(':')));
-  std::ranges::transform(field, field.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string field = lower_case(line.substr(0, line.find(':')));
   return field.find("file") != std::string::npos && line.find("LIST") != std::string_view::npos;
 }
 
@@ -102,20 +105,19 @@ File load(const std::string& path, NrrdIoState* io, bool header_alone) {
 }
 
 /// Metres.
-double unit_of(const std::string& path, const Nrrd& file) {
-  std::optional<std::string> unit;
-  for (int axis = 0; axis < 3; ++axis) {
-    const char* own = file.spaceDim > 0 ? file.spaceUnits[axis] : file.axis[axis].units;
-    const std::string text = own ? own : "";
-    if (unit && *unit != text)
-      fail_format(path, 0, "expected one unit of length, got \"" + *unit + "\" and \"" + text + "\"");
-    unit = text;
+double length_of(const std::string& path, const std::string& unit) {
+  static const std::map<std::string, double> known{
+      {"", 1e-3},      {"m", 1.0},          {"cm", 1e-2},        {"centi", 1e-2},  {"mm", 1e-3},
+      {"milli", 1e-3}, {"\xc2\xb5m", 1e-6}, {"\xce\xbcm", 1e-6}, {"micron", 1e-6}, {"micro", 1e-6},
+      {"um", 1e-6},    {"nm", 1e-9},        {"nano", 1e-9}};
+  std::string name = lower_case(unit);
+  if (name.size() > 2 && name.back() == 's') name.pop_back();
+  for (const std::string_view metre : {"meter", "metre"}) {
+    if (name.ends_with(metre)) name.resize(name.size() - (name == metre ? 4 : 5));
   }
-  if (unit->empty() || *unit == "mm" || *unit == "millimeter" || *unit == "millimetre") return 1e-3;
-  if (*unit == "m" || *unit == "meter" || *unit == "metre") return 1.0;
-  if (*unit == "cm") return 1e-2;
-  if (*unit == "um" || *unit == "micron" || *unit == "\xc2\xb5m") return 1e-6;
-  fail_format(path, 0, "expected a length in m, cm, mm or um, got \"" + *unit + "\"");
+  const auto found = known.find(name);
+  if (found != known.end()) return found->second;
+  fail_format(path, 0, "expected a length in m, cm, mm, um or nm, got \"" + unit + "\"");
 }
 
 /// Signs that turn a place of the file's space into one of RAS.
@@ -128,40 +130,101 @@ Vec3 turn_to_ras(const std::string& path, int space, LabelImage& image) {
   return {1, 1, 1};
 }
 
-void set_frame(const std::string& path, const Nrrd& file, LabelImage& image) {
-  const double unit = unit_of(path, file);
-  if (file.spaceDim == 0) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const double length = std::isfinite(file.axis[axis].spacing) ? file.axis[axis].spacing : 1.0;
-      image.step[axis] = unit * length * Vec3::Unit(axis);
-    }
-    image.notes.push_back(path + ": says nothing about its frame; taken to begin at 0, along x, y and z");
-    return;
+void set_frame(const std::string& path, const Nrrd& file, const std::vector<unsigned>& axes, LabelImage& image) {
+  const bool has_directions = file.spaceDim > 0 && std::isfinite(file.axis[axes[0]].spaceDirection[0]);
+  Vec3 units;
+  int missing = 0;
+  for (int k = 0; k < 3; ++k) {
+    const char* own = has_directions ? file.spaceUnits[k] : file.axis[axes[k]].units;
+    missing += !own || !*own;
+    units[k] = length_of(path, own ? own : "");
   }
-  if (file.spaceDim != 3) {
+  if (missing % 3 != 0) fail_format(path, 0, "expected units of length for all axes or for none");
+  Vec3 turn = Vec3::Ones();
+  if (file.spaceDim == 0) {
+    image.notes.push_back(path + ": says nothing about its frame; taken to begin at 0, along x, y and z");
+  } else if (file.spaceDim == 3) {
+    turn = turn_to_ras(path, file.space, image);
+  } else {
     fail_format(path, 0, "expected a space of three dimensions, got " + std::to_string(file.spaceDim));
   }
-  const Vec3 turn = unit * turn_to_ras(path, file.space, image);
-  for (int row = 0; row < 3; ++row) {
-    for (int axis = 0; axis < 3; ++axis) image.step[axis][row] = turn[row] * file.axis[axis].spaceDirection[row];
-    const double origin = file.spaceOrigin[row];
-    image.origin[row] = std::isfinite(origin) ? turn[row] * origin : 0.0;
+  for (int k = 0; k < 3; ++k) {
+    const NrrdAxisInfo& axis = file.axis[axes[k]];
+    if (has_directions) {
+      for (int row = 0; row < 3; ++row) image.step[k][row] = units[row] * turn[row] * axis.spaceDirection[row];
+    } else {
+      image.step[k] = units[k] * turn[k] * (std::isfinite(axis.spacing) ? axis.spacing : 1.0) * Vec3::Unit(k);
+    }
+    const double origin = file.spaceOrigin[k];
+    image.origin[k] = std::isfinite(origin) ? units[k] * turn[k] * origin : 0.0;
   }
 }
 
-/// 3D Slicer's keys.
-void set_names(const Nrrd& file, LabelImage& image) {
+struct Segment {
+  std::string name;
+  std::uint16_t label;
+  std::int64_t layer;
+};
+
+/// Of 3D Slicer's keys.
+std::vector<Segment> segments_of(const Nrrd& file) {
   const auto value = [&](const std::string& key) {
     std::unique_ptr<char, void (*)(void*)> text(nrrdKeyValueGet(&file, key.c_str()), std::free);
     return std::string(text ? text.get() : "");
   };
+  std::vector<Segment> segments;
   for (int segment = 0;; ++segment) {
     const std::string key = "Segment" + std::to_string(segment) + "_";
     const std::string name = value(key + "Name");
-    if (name.empty()) return;
+    if (name.empty()) return segments;
     const std::optional<std::int64_t> label = parse_integer(value(key + "LabelValue"));
-    if (label && *label > 0 && *label <= 65535) image.names[static_cast<std::uint16_t>(*label)] = name;
+    if (!label || *label <= 0 || *label > 65535) continue;
+    segments.push_back({name, static_cast<std::uint16_t>(*label), parse_integer(value(key + "Layer")).value_or(0)});
   }
+}
+
+/// Makes one label a voxel of image.label, which has one a voxel and layer; `below`: numbers between those of two
+/// layers. Layers have labels of their own: they are numbered anew.
+void merge_layers(const std::string& path, const std::vector<Segment>& segments, std::size_t layers, std::size_t below,
+                  LabelImage& image) {
+  struct Own {
+    Index voxels = 0;
+    std::uint16_t number = 0;  // in the image
+  };
+  std::map<std::pair<std::int64_t, std::uint16_t>, Own> labels;  // by layer and its label
+  for (std::size_t row = 0; row < image.label.size(); ++row) {
+    if (image.label[row] != 0) ++labels[{row / below % layers, image.label[row]}].voxels;
+  }
+  if (labels.size() > 65535) fail_format(path, 0, "expected at most 65535 labels in all layers");
+  std::string text;
+  for (auto& [key, own] : labels) {
+    own.number = static_cast<std::uint16_t>(image.names.size() + 1);
+    std::string& name = image.names[own.number];
+    name = "label " + std::to_string(key.second) + " of layer " + std::to_string(key.first);
+    for (const Segment& segment : segments) {
+      if (std::pair(segment.layer, segment.label) == key) name = segment.name;
+    }
+    text += (text.empty() ? "" : ", ") + std::to_string(own.number) + " (" + name + ')';
+  }
+  image.notes.push_back(path + ": segments are in layers; their labels are numbered anew: " + text);
+  std::vector<std::uint16_t> merged(image.label.size() / layers);
+  std::size_t shared = 0;
+  for (std::size_t voxel = 0; voxel < merged.size(); ++voxel) {
+    const Own* least = nullptr;
+    int here = 0;
+    for (std::size_t layer = 0; layer < layers; ++layer) {
+      const auto own = labels.find(
+          {static_cast<std::int64_t>(layer), image.label[(voxel / below * layers + layer) * below + voxel % below]});
+      if (own == labels.end()) continue;
+      if (!least || own->second.voxels < least->voxels) least = &own->second;
+      shared += ++here == 2;
+    }
+    if (least) merged[voxel] = least->number;
+  }
+  image.label = std::move(merged);
+  if (shared == 0) return;
+  image.notes.push_back(path + ": " + std::to_string(shared) +
+                        " voxels are in more than one segment; each went to the smaller one");
 }
 
 }  // namespace
@@ -172,14 +235,21 @@ LabelImage read_nrrd(const std::string& path) {
   require_header(path);
   const Reading of_header = make_reading();
   const File header = load(path, of_header.get(), true);
-  if (header->dim != 3) {
-    fail_format(path, 0,
-                "expected an image of three dimensions, got " + std::to_string(header->dim) +
-                    "; save one label image of it (3D Slicer: export the segments to a label map)");
-  }
   const NumberType type = integer_type(path, integers, header->type, airEnumStr(nrrdType, header->type));
   std::vector<std::int64_t> sizes;
-  for (int axis = 0; axis < 3; ++axis) sizes.push_back(static_cast<std::int64_t>(header->axis[axis].size));
+  std::vector<unsigned> axes;      // of space
+  std::optional<unsigned> layers;  // 3D Slicer's, of segments that overlap
+  for (unsigned axis = 0; axis < header->dim; ++axis) {
+    sizes.push_back(static_cast<std::int64_t>(header->axis[axis].size));
+    const bool is_list = header->dim == 4 && header->axis[axis].kind == nrrdKindList;
+    if (is_list) layers = axis;
+    if (!is_list) axes.push_back(axis);
+  }
+  if (axes.size() != 3) {
+    fail_format(path, 0,
+                "expected an image of three dimensions, or a fourth of kind \"list\" for layers of segments, got " +
+                    std::to_string(header->dim) + "; save one label image of it");
+  }
   const std::size_t count = voxel_count(path, sizes, type);
   const bool elsewhere = of_header->dataFNFormat != nullptr || of_header->dataFNArr->len > 0;
   // bzip2 makes gigabytes of some hundred bytes.
@@ -187,10 +257,16 @@ LabelImage read_nrrd(const std::string& path) {
 
   const File file = load(path, make_reading().get(), false);
   LabelImage image;
-  image.size = {static_cast<Index>(sizes[0]), static_cast<Index>(sizes[1]), static_cast<Index>(sizes[2])};
+  for (int k = 0; k < 3; ++k) image.size[k] = static_cast<Index>(sizes[axes[k]]);
   image.label = labels_of(path, file->data, count, type);
-  set_frame(path, *file, image);
-  set_names(*file, image);
+  set_frame(path, *file, axes, image);
+  const std::vector<Segment> segments = segments_of(*file);
+  if (layers) {
+    const auto below = std::accumulate(sizes.begin(), sizes.begin() + *layers, std::int64_t{1}, std::multiplies<>());
+    merge_layers(path, segments, static_cast<std::size_t>(sizes[*layers]), static_cast<std::size_t>(below), image);
+  } else {
+    for (const Segment& segment : segments) image.names[segment.label] = segment.name;
+  }
   return image;
 }
 

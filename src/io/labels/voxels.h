@@ -3,7 +3,7 @@
 // What the readers of labelled images share.
 #pragma once
 
-#include <phymul/labels.h>
+#include <phymul/label_file.h>
 
 #include <cstdint>
 #include <span>
@@ -36,8 +36,10 @@ void require_voxel_bytes(const std::string& path, std::size_t count, NumberType 
 /// The most that deflate makes of a byte.
 inline constexpr std::uint64_t most_inflation = 1032;
 
-/// The numbers as labels; they need no alignment. Throws Error for one that is not from 0 to 65,535.
-std::vector<std::uint16_t> labels_of(const std::string& path, const void* numbers, std::size_t count, NumberType type);
+/// The numbers as labels; they need no alignment. `swap`: of the other byte order. Throws Error for one that is not
+/// from 0 to 65,535.
+std::vector<std::uint16_t> labels_of(const std::string& path, const void* numbers, std::size_t count, NumberType type,
+                                     bool swap = false);
 
 /// Throws Error unless the steps are finite and span space.
 void require_frame(const std::string& path, const LabelImage& image);
@@ -45,7 +47,7 @@ void require_frame(const std::string& path, const LabelImage& image);
 /// Throws Error: `what` reads the format, and phymul was built without it.
 [[noreturn]] void fail_without(const std::string& path, const std::string& what, const std::string& package);
 
-LabelImage read_nifti(const std::string& path);
+LabelImage read_nifti(const std::string& path, const LabelFileOptions& options);
 LabelImage read_nrrd(const std::string& path);
 
 }  // namespace phymul
