@@ -86,16 +86,21 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
-/// In metres by a node that scales it.
-std::string gltf_text(const Surface& surface) {
+/// Places, then what `append` makes of the triangles.
+template <class Append>
+std::string box_bytes(const Append& append) {
   std::string bytes;
-  for (const Vec3& x : surface.vertices) {
+  for (const Vec3& x : box().vertices) {
     for (const double value : x) append_float(bytes, value);
   }
-  const std::size_t places = bytes.size();
-  for (const auto& t : surface.triangles) {
-    for (const std::int32_t p : t) bytes.append(reinterpret_cast<const char*>(&p), 4);
-  }
+  for (const auto& t : box().triangles) append(bytes, std::string(reinterpret_cast<const char*>(t.data()), 12));
+  return bytes;
+}
+
+/// In metres by a node that scales it.
+std::string gltf_text(const Surface& surface) {
+  const std::string bytes = box_bytes([](std::string& out, const std::string& rows) { out += rows; });
+  const std::size_t places = 12 * surface.vertices.size();
   std::ostringstream out;
   out << R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],)"
       << R"("nodes":[{"mesh":0,"scale":[0.001,0.001,0.001]}],)"
@@ -143,6 +148,67 @@ TEST(ReadSurface, EveryFormatGivesTheSameBox) {
     for (const Vec3& x : surface.vertices) high = high.cwiseMax(x);
     EXPECT_LT((high - Vec3(0.03, 0.02, 0.01)).norm(), 1e-8);
     EXPECT_TRUE(surface.notes.empty()) << surface.notes.front();
+  }
+}
+
+void expect_box(const std::string& name, const std::string& bytes, double unit = 1e-3) {
+  const TextFile file(name, bytes);
+  Surface surface;
+  ASSERT_EQ(message_of([&] { surface = read_surface(file.path(), unit); }), "(no error)");
+  EXPECT_EQ(surface.triangles.size(), 12u);
+  EXPECT_NEAR(enclosed_volume(surface.triangles, surface.vertices), 6e-6, 1e-11);
+}
+
+std::string with_line_ends(const std::string& text, const std::string& line_end) {
+  std::string out;
+  for (const char c : text) out += c == '\n' ? line_end : std::string(1, c);
+  return out;
+}
+
+/// Assimp takes bytes that are line ends for those of the header. Here they are those of the first x, next to 0.
+TEST(ReadSurface, BinaryPlyWhoseDataBeginWithALineEnd) {
+  SKIP_WITHOUT_ASSIMP();
+  std::string head = ply_text(box());
+  head.resize(head.find("end_header\n") + 11);
+  head.replace(head.find("ascii"), 5, "binary_little_endian");
+  std::string bytes = box_bytes([](std::string& out, const std::string& rows) { out += '\3' + rows; });
+  for (const std::string first : {"", "\n", "\r", "\r\n", "\n\n", " "}) {
+    bytes.replace(0, first.size(), first);
+    for (const std::string line_end : {"\n", "\r\n"}) expect_box("box.ply", with_line_ends(head, line_end) + bytes);
+  }
+}
+
+/// As programs write them that keep faces and lose what the faces name.
+TEST(ReadSurface, ObjWithRowsThatDoNotExist) {
+  SKIP_WITHOUT_ASSIMP();
+  for (const std::string rows : {"/7/9", "//4", "/5", "/", "/-3/-2"}) {
+    std::ostringstream text;
+    text << "mtllib none.mtl\no box\nvn 0 0 1\nusemtl none\ns off\n";
+    for (const auto& t : box().triangles) {
+      for (const Index p : t) text << "  v\t" << box().vertices[p].transpose() << '\n';
+      text << "f -3" << rows << " -2" << rows << " \\\n -1" << rows << '\n';  // over two lines
+    }
+    expect_box("box.obj", with_line_ends(text.str(), "\r\n"));
+    expect_box("box.obj", text.str());
+  }
+}
+
+TEST(ReadSurface, GlbWithChunksThatAreNotFilledUp) {
+  SKIP_WITHOUT_ASSIMP();
+  std::string json = gltf_text(box());
+  const std::string binary = box_bytes([](std::string& out, const std::string& rows) { out += rows; });
+  const std::size_t uri = json.find(",\"uri\"");
+  json.erase(uri, json.find("\"}]", uri) + 1 - uri);
+  const auto word = [](std::size_t number) {
+    const auto own = static_cast<std::uint32_t>(number);
+    return std::string(reinterpret_cast<const char*>(&own), 4);
+  };
+  for (int spaces = 0; spaces < 4; ++spaces, json += ' ') {
+    for (const std::size_t filled : {std::size_t{0}, (4 - json.size() % 4) % 4}) {
+      const std::string chunks = word(json.size()) + "JSON" + json + std::string(filled, ' ') +
+                                 word(binary.size() + 1) + std::string("BIN\0", 4) + binary + '\0';
+      expect_box("box.glb", "glTF" + word(2) + word(12 + chunks.size()) + chunks, 1.0);
+    }
   }
 }
 

@@ -22,6 +22,67 @@ namespace {
 
 #ifdef PHYMUL_HAS_ASSIMP
 
+constexpr std::size_t most_bytes = std::size_t{4} << 30;
+
+/// A byte is put before binary data: Assimp takes line ends at their beginning for those of the header.
+std::string mended_ply(const std::string& bytes) {
+  const std::string line_end = bytes.starts_with("ply\r\n") ? "\r\n" : bytes.starts_with("ply\r") ? "\r" : "\n";
+  const std::string last = line_end + "end_header" + line_end;
+  const std::size_t format = bytes.find(line_end + "format binary_"), end = bytes.find(last);
+  if (!bytes.starts_with("ply") || end == bytes.npos || format > end) return bytes;
+  const std::size_t elements = bytes.find(line_end, format + 1) + line_end.size(), data = end + last.size();
+  // An element of a name that Assimp does not know counts nothing there; edges it reads and leaves out.
+  return bytes.substr(0, elements) + "element edge 1" + line_end + "property uchar byte" + line_end +
+         bytes.substr(elements, data - elements) + 'x' + bytes.substr(data);
+}
+
+/// Vertices and faces alone, without rows of textures and normals, which Assimp requires to exist.
+std::string mended_obj(const std::string& bytes) {
+  std::string out;
+  bool keeps = false, continues = false;  // a backslash at its end continues a line
+  for (std::size_t from = 0; from < bytes.size();) {
+    const std::size_t end = std::min(bytes.find_first_of("\r\n", from), bytes.size());
+    std::string_view line = trim(std::string_view(bytes).substr(from, end - from));
+    from = end + 1;
+    if (line.empty()) continue;  // also between the two bytes of a line end
+    if (!continues) keeps = line.starts_with("v ") || line.starts_with("v\t") || line.starts_with('f');
+    continues = line.ends_with('\\');
+    if (!keeps) continue;
+    if (continues) line.remove_suffix(1);
+    bool in_row = true;  // of a face: up to a slash
+    for (const char c : line) {
+      in_row = c == ' ' || c == '\t' || (in_row && c != '/');
+      if (in_row) out += c;
+    }
+    out += continues ? ' ' : '\n';
+  }
+  return out;
+}
+
+/// Little-endian.
+std::string word_of(std::size_t number) {
+  std::string word;
+  for (int k = 0; k < 4; ++k) word += static_cast<char>(number >> 8 * k & 255);
+  return word;
+}
+
+/// Chunks of a length that is no multiple of 4 are filled up, as the format requires.
+std::string mended_glb(const std::string& bytes) {
+  std::string chunks;
+  if (!bytes.starts_with("glTF" + word_of(2))) return bytes;
+  for (std::size_t at = 12; at + 8 <= bytes.size();) {
+    std::size_t length = 0;
+    for (int k = 4; k-- > 0;) length = length << 8 | static_cast<unsigned char>(bytes[at + k]);
+    if (length > bytes.size() - at - 8) return bytes;
+    const std::string kind = bytes.substr(at + 4, 4), filling((4 - length % 4) % 4, kind == "JSON" ? ' ' : '\0');
+    chunks += word_of(length + filling.size()) + kind + bytes.substr(at + 8, length) + filling;
+    at += 8 + length;
+    // Some fill up and do not count it: the next chunk is where one begins.
+    if (bytes.compare(at + 4 <= bytes.size() ? at + 4 : at, 3, "BIN") != 0) at += filling.size();
+  }
+  return "glTF" + word_of(2) + word_of(12 + chunks.size()) + chunks;
+}
+
 /// Adds the meshes of a node and of those below it.
 void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& around, Surface& surface) {
   const aiMatrix4x4 place = around * node.mTransformation;
@@ -48,10 +109,17 @@ void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& aroun
 Surface read_triangles(const std::string& path) {
   Assimp::Importer importer;
   // None of its later treatments: they stop the program where they meet what they do not expect.
-  const aiScene* scene = importer.ReadFile(path, 0);
+  const std::string ending = file_ending(path);
+  std::string (*const mended)(const std::string&) = ending == ".ply"   ? mended_ply
+                                                    : ending == ".obj" ? mended_obj
+                                                    : ending == ".glb" ? mended_glb
+                                                                       : nullptr;
+  const std::string bytes = mended ? mended(read_whole_file(path, most_bytes)) : "";
+  const aiScene* scene = mended ? importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, ending.c_str() + 1)
+                                : importer.ReadFile(path, 0);
   if (!scene || !scene->mRootNode) {
     fail_format(path, 0,
-                std::string("the file cannot be read as ") + file_ending(path) + " (" + importer.GetErrorString() +
+                "the file cannot be read as " + ending + " (" + importer.GetErrorString() +
                     "); save it anew from the program that made it");
   }
   Surface surface;
