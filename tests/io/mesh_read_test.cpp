@@ -153,11 +153,11 @@ struct Refusal {
 };
 
 const Refusal refusals[] = {
-    {"SecondOrder",
+    {"ThirdOrder",
      "mixed_41.msh",
-     "3 2 4 1\n8 6 7 21 22",
-     "3 2 11 1\n8 6 7 21 22 1 2 3 4 5 8",
-     {".msh:67: ", "first-order", "type 11", "Mesh.ElementOrder = 1"}},
+     "3 2 4 1\n8",
+     "3 2 29 1\n8",
+     {".msh:67: ", "type 29, of higher", "ElementOrder = 1"}},
     {"UnknownNode", "mixed_41.msh", "8 6 7 21 22", "8 6 7 21 99", {".msh:68: ", "got 99 in element 8"}},
     {"NodeTwice", "mixed_41.msh", "30\n21\n", "21\n21\n", {".msh:45: ", "each node once", "21"}},
     {"NoNumber", "mixed_41.msh", "1.5 0.5 0\n", "1.5 0,5 0\n", {".msh:41: ", "\"0,5\"", "a coordinate"}},
@@ -175,7 +175,7 @@ const Refusal refusals[] = {
     {"NotGmsh", "mixed_22.msh", "$MeshFormat", "solid", {".msh:1: ", "expected $MeshFormat", "\"solid\""}},
     {"PointOutOfRange", "mixed_51.vtk", "\n11 10 11 1", "\n11 10 12 1", {".vtk:16: ", "0 to 12 - 1", "got 12"}},
     {"OffsetBackwards", "mixed_51.vtk", "0 1 3 6", "0 3 1 6", {".vtk:13: ", "offsets", "got 1"}},
-    {"VtkSecondOrder", "mixed_42.vtk", "\n14", "\n24", {"cell 7", "type 24", "second or higher order", "linear"}},
+    {"VtkPolyhedron", "mixed_42.vtk", "\n14", "\n42", {"cell 7", "type 42", "export tetrahedra"}},
     {"WrongCorners", "mixed_42.vtk", "\n14", "\n13", {"cell 7", "6 points", "got 5"}},
     {"TooFewTypes", "mixed_42.vtk", "CELL_TYPES 8", "CELL_TYPES 7", {".vtk:21: ", "got 7 types for 8 cells"}},
     {"Surface", "mixed_42.vtk", "UNSTRUCTURED_GRID", "POLYDATA", {".vtk:4: ", "UNSTRUCTURED_GRID", "polydata"}},

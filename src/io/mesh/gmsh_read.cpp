@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Gmsh .msh, versions 2.x and 4.1, text and binary. Text and binary hold the same numbers in the same order, so one
+// Gmsh .msh, versions 1, 2.x and 4.1, text and binary. Text and binary hold the same numbers in the same order, so one
 // parser reads both: ByteSource knows which. Format: https://gmsh.info/doc/texinfo/gmsh.html#File-formats
 #include <phymul/error.h>
 
@@ -38,7 +38,8 @@ class GmshReader {
       read_section(std::string(line.substr(1)));
     }
     if (!has_nodes_ || !has_elements_) {
-      in_.fail(std::string("expected a section $") + (has_nodes_ ? "Elements" : "Nodes") +
+      const char* missing = major_ == 1 ? "ELM" : has_nodes_ ? "Elements" : "Nodes";
+      in_.fail(std::string("expected a section $") + missing +
                ", got the end of the file; it is cut off or holds no mesh: export it again");
     }
     name_groups();
@@ -47,6 +48,7 @@ class GmshReader {
 
  private:
   void read_section(const std::string& name) {
+    if (name == "NOD" && major_ == 0) major_ = 1;  // the first version says none
     if (name != "MeshFormat" && major_ == 0 && name != "Comments") {
       in_.fail("expected $MeshFormat as the first section, got " + cited('$' + name) + "; export the file again");
     }
@@ -56,11 +58,11 @@ class GmshReader {
       read_names();
     } else if (name == "Entities" && major_ == 4) {
       read_entities();
-    } else if (name == "Nodes") {
+    } else if (name == (major_ == 1 ? "NOD" : "Nodes")) {
       if (has_nodes_) in_.fail("expected one section $Nodes, got a second; join the files in the mesher");
       has_nodes_ = true;
       major_ == 4 ? read_nodes_4() : read_nodes_2();
-    } else if (name == "Elements") {
+    } else if (name == (major_ == 1 ? "ELM" : "Elements")) {
       if (!has_nodes_) in_.fail("expected $Nodes before $Elements; export the file again");
       has_elements_ = true;
       major_ == 4 ? read_elements_4() : read_elements_2();
@@ -71,12 +73,14 @@ class GmshReader {
       skip_section(name);
       return;
     }
-    in_.expect_word("$End" + name);
+    in_.expect_word(end_of(name));
   }
 
+  std::string end_of(const std::string& name) const { return (major_ == 1 ? "$END" : "$End") + name; }
+
   void skip_section(const std::string& name) {
-    if (!in_.skip_past("$End" + name)) {
-      in_.fail("expected $End" + name + ", got the end of the file; it is cut off: export it again");
+    if (!in_.skip_past(end_of(name))) {
+      in_.fail("expected " + end_of(name) + ", got the end of the file; it is cut off: export it again");
     }
   }
 
@@ -196,27 +200,31 @@ class GmshReader {
 
   struct ElementType {
     CellType cell;
-    int dimension;
+    int dimension, nodes;  // the corners first
   };
 
   ElementType element_type(std::int64_t number) {
     static constexpr std::pair<int, ElementType> known[] = {
-        {1, {CellType::line, 1}},        {2, {CellType::triangle, 2}},   {3, {CellType::quad, 2}},
-        {4, {CellType::tetrahedron, 3}}, {5, {CellType::hexahedron, 3}}, {6, {CellType::wedge, 3}},
-        {7, {CellType::pyramid, 3}},     {15, {CellType::atom, 0}},
+        {1, {CellType::line, 1, 2}},         {2, {CellType::triangle, 2, 3}},     {3, {CellType::quad, 2, 4}},
+        {4, {CellType::tetrahedron, 3, 4}},  {5, {CellType::hexahedron, 3, 8}},   {6, {CellType::wedge, 3, 6}},
+        {7, {CellType::pyramid, 3, 5}},      {15, {CellType::atom, 0, 1}},        {8, {CellType::line, 1, 3}},
+        {9, {CellType::triangle, 2, 6}},     {10, {CellType::quad, 2, 9}},        {11, {CellType::tetrahedron, 3, 10}},
+        {12, {CellType::hexahedron, 3, 27}}, {13, {CellType::wedge, 3, 18}},      {14, {CellType::pyramid, 3, 14}},
+        {16, {CellType::quad, 2, 8}},        {17, {CellType::hexahedron, 3, 20}}, {18, {CellType::wedge, 3, 15}},
+        {19, {CellType::pyramid, 3, 13}},
     };
     for (const auto& [row, type] : known) {
       if (row == number) return type;
     }
-    in_.fail("expected first-order elements (types 1 to 7 and 15), got type " + std::to_string(number) +
-             (number > 7 && number < 140 ? ", of second or higher order" : "") +
+    in_.fail("expected elements of first or second order (types 1 to 19), got type " + std::to_string(number) +
+             (number > 19 && number < 140 ? ", of higher order" : "") +
              "; export the mesh with first-order elements (Gmsh: Mesh.ElementOrder = 1)");
   }
 
-  Cell read_cell(CellType type, std::int64_t tag) {
+  Cell read_cell(const ElementType& type, std::int64_t tag) {
     Cell cell;
-    cell.type = type;
-    const int corners = cell_size(type);
+    cell.type = type.cell;
+    const int corners = cell_size(type.cell);
     cell.particles.reserve(static_cast<std::size_t>(corners));
     for (int k = 0; k < corners; ++k) {
       const std::int64_t node = in_.integer(major_ == 4 ? size_type : int_type, "a node tag");
@@ -227,6 +235,7 @@ class GmshReader {
       }
       cell.particles.push_back(found->second);
     }
+    in_.skip_numbers(static_cast<std::size_t>(type.nodes - corners), major_ == 4 ? size_type : int_type);
     return cell;
   }
 
@@ -237,20 +246,21 @@ class GmshReader {
       in_.integer(int_type, "an entity dimension");
       const std::int64_t entity = in_.integer(int_type, "an entity tag");
       const ElementType type = element_type(in_.integer(int_type, "an element type"));
-      const auto numbers = static_cast<std::size_t>(1 + cell_size(type.cell));
+      const auto numbers = static_cast<std::size_t>(1 + type.nodes);
       const std::size_t n = in_.count(size_type, numbers * in_.least_bytes(size_type), "a number of elements");
       const auto groups = entity_groups_.find({type.dimension, entity});
       for (std::size_t i = 0; i < n; ++i) {
         const std::int64_t tag = in_.integer(size_type, "an element tag");
         const auto row = static_cast<Index>(parts_.cells.size());
-        add_cell(read_cell(type.cell, tag), tag);
+        add_cell(read_cell(type, tag), type, tag);
         if (groups == entity_groups_.end()) continue;
         for (const std::int64_t physical : groups->second) group_cells_[{type.dimension, physical}].push_back(row);
       }
     }
   }
 
-  void add_cell(Cell cell, std::int64_t tag) {
+  void add_cell(Cell cell, const ElementType& type, std::int64_t tag) {
+    parts_.higher_order += type.nodes != cell_size(type.cell);
     const bool fits = tag >= 0 && tag <= std::numeric_limits<Index>::max();
     parts_.cells.push_back(std::move(cell));
     parts_.cell_tags.push_back(fits ? static_cast<Index>(tag) : -1);
@@ -272,7 +282,8 @@ class GmshReader {
       } else {
         const std::int64_t number = in_.integer(int_type, "an element number");
         const ElementType type = element_type(in_.integer(int_type, "an element type"));
-        read_element_2(number, type, in_.count(int_type, 2, "a number of tags"));
+        // Version 1 has no number of tags: a physical and an elementary one, then the number of nodes.
+        read_element_2(number, type, major_ == 1 ? 3 : in_.count(int_type, 2, "a number of tags"));
         ++done;
       }
     }
@@ -282,10 +293,10 @@ class GmshReader {
   void read_element_2(std::int64_t number, ElementType type, std::size_t tags) {
     const std::int64_t physical = tags > 0 ? std::abs(in_.integer(int_type, "a physical tag")) : 0;
     if (tags > 1) in_.skip_numbers(tags - 1, int_type);
-    Cell cell = read_cell(type.cell, number);
+    Cell cell = read_cell(type, number);
     const auto [known, is_new] =
         cell_row_.emplace(std::pair(type.cell, cell.particles), static_cast<Index>(parts_.cells.size()));
-    if (is_new) add_cell(std::move(cell), number);
+    if (is_new) add_cell(std::move(cell), type, number);
     if (physical == 0) return;
     std::vector<Index>& members = group_cells_[{type.dimension, physical}];
     if (members.empty() || members.back() != known->second) members.push_back(known->second);

@@ -6,6 +6,7 @@
 #include <phymul/mesh.h>
 #include <phymul/model.h>
 
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,6 +27,8 @@ struct MeshParts {
   std::vector<Index> cell_tags;   ///< [cells] or empty: the file's own numbers of the cells; -1: none
   std::vector<MeshGroup> groups;
   std::vector<std::string> notes;
+  std::map<std::string, std::size_t> left_out;  ///< cells that are no volume and not read, by kind
+  std::size_t higher_order = 0;                 ///< cells of which the corners alone were taken
 };
 
 /// What read_mesh does, with a file already in memory. `source` stands for its name.

@@ -24,12 +24,18 @@ bool holds_points_only(CellType type) {
   return type == CellType::atom || type == CellType::poly_vertex;
 }
 
-/// Row in the model of each point, -1 for those that no line, face or volume uses. A point that only vertex cells use
-/// counts as unused: meshers write such for the centres of arcs and other construction points.
+bool has_volume(const MeshParts& parts) {
+  return std::ranges::any_of(parts.cells, [](const Cell& cell) { return is_volume(cell.type); });
+}
+
+/// Row in the model of each point, -1 for those that no volume uses; in a mesh without volumes, no line or face. A
+/// point that only vertex cells use counts as unused: meshers write such for the centres of arcs and other construction
+/// points.
 std::vector<Index> number_used_points(const MeshParts& parts, Index& used) {
   std::vector<Index> row(parts.points.size(), -1);
+  const bool volumes_alone = has_volume(parts);
   for (const Cell& cell : parts.cells) {
-    if (holds_points_only(cell.type)) continue;
+    if (volumes_alone ? !is_volume(cell.type) : holds_points_only(cell.type)) continue;
     for (const Index p : cell.particles) row[p] = 0;
   }
   used = 0;
@@ -54,13 +60,24 @@ void note_dropped_points(MeshParts& parts, const std::vector<Index>& row, Index 
                         " points are in no cell and were dropped (" + listed + ")");
 }
 
-/// Renumbers the cells' points and drops vertex cells over dropped points. Returns the new row of each cell, or -1.
+/// "2 line, 1 polygon".
+std::string kinds_left_out(const MeshParts& parts) {
+  std::string text;
+  for (const auto& [kind, n] : parts.left_out) text += (text.empty() ? "" : ", ") + std::to_string(n) + ' ' + kind;
+  return text;
+}
+
+/// Renumbers the cells' points and drops cells over dropped points, counted by kind. Returns the new row of each cell,
+/// or -1.
 std::vector<Index> move_cells(MeshParts& parts, const std::vector<Index>& row, std::vector<Cell>& cells) {
   std::vector<Index> cell_row(parts.cells.size(), -1);
   for (std::size_t c = 0; c < parts.cells.size(); ++c) {
     Cell& cell = parts.cells[c];
     for (Index& p : cell.particles) p = row[p];
-    if (std::find(cell.particles.begin(), cell.particles.end(), -1) != cell.particles.end()) continue;
+    if (std::find(cell.particles.begin(), cell.particles.end(), -1) != cell.particles.end()) {
+      ++parts.left_out[lower_case(cell_name(cell.type))];
+      continue;
+    }
     cell_row[c] = static_cast<Index>(cells.size());
     cells.push_back(std::move(cell));
   }
@@ -129,10 +146,10 @@ MeshParts read_parts(const std::string& path, std::string_view bytes) {
 Model assemble(MeshParts parts, const MeshOptions& options) {
   Index used = 0;
   const std::vector<Index> point_row = number_used_points(parts, used);
-  if (used == 0) {
+  if (used == 0 || (!parts.left_out.empty() && !has_volume(parts))) {
     fail_format(parts.source, 0,
-                "expected cells (tetrahedra, hexahedra, wedges, pyramids, faces or lines), got none; mesh the volume "
-                "before exporting");
+                "expected cells (tetrahedra, hexahedra, wedges, pyramids, faces of 3 or 4 corners, or lines), got " +
+                    (parts.left_out.empty() ? "none" : kinds_left_out(parts)) + "; mesh the volume before exporting");
   }
   note_dropped_points(parts, point_row, used);
 
@@ -147,6 +164,14 @@ Model assemble(MeshParts parts, const MeshOptions& options) {
       extras.particle_index.push_back(parts.point_tags.empty() ? static_cast<Index>(p) : parts.point_tags[p]);
   }
   const std::vector<Index> cell_row = move_cells(parts, point_row, model.cells);
+  if (!parts.left_out.empty()) {
+    parts.notes.push_back(parts.source + ": cells that are no volume and not part of one were left out (" +
+                          kinds_left_out(parts) + ")");
+  }
+  if (parts.higher_order > 0) {
+    parts.notes.push_back(parts.source + ": cells of second or higher order (" + std::to_string(parts.higher_order) +
+                          "): their corners were taken and the points between left out; curved edges are straight");
+  }
   for (std::size_t c = 0; c < parts.cell_tags.size(); ++c) {
     if (cell_row[c] >= 0) extras.cell_index.push_back(parts.cell_tags[c]);
   }

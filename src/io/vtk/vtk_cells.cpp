@@ -12,75 +12,27 @@
 namespace phymul {
 namespace {
 
-enum VtkType : std::int64_t {
-  vtk_empty = 0,
-  vtk_vertex = 1,
-  vtk_poly_vertex = 2,
-  vtk_line = 3,
-  vtk_poly_line = 4,
-  vtk_triangle = 5,
-  vtk_polygon = 7,
-  vtk_pixel = 8,
-  vtk_quad = 9,
-  vtk_tetra = 10,
-  vtk_voxel = 11,
-  vtk_hexahedron = 12,
-  vtk_wedge = 13,
-  vtk_pyramid = 14,
-  vtk_first_quadratic = 21
-};
-
-/// Where a message is about; made into words only when one is needed.
-struct Place {
-  const std::string& file;
-  std::size_t cell;
-
-  std::string words() const { return file + ": cell " + std::to_string(cell) + ": "; }
-};
-
-[[noreturn]] void refuse_type(std::int64_t type, const Place& place) {
-  std::string message =
-      place.words() + "expected first-order cells (VTK types 1 to 5, 8 to 14), got type " + std::to_string(type);
-  if (type >= vtk_first_quadratic && type != 41 && type != 42) {
-    message += ", of second or higher order; export the mesh with first-order (linear) cells";
-  } else {
-    message += "; export tetrahedra, hexahedra, wedges or pyramids";
-  }
-  throw Error(message);
-}
+enum VtkType : std::int64_t { empty = 0, strip = 6, polygon = 7, pixel = 8, voxel = 11, higher_polygon = 36 };
 
 struct TypeRow {
   std::int64_t vtk;
   CellType type;
+  std::ptrdiff_t points;  // of the whole cell, the corners first; 0: any number
 };
 
-/// Of several numbers of one type the first is written.
+/// Of several numbers of one type the first is written. From 21 on: cells of higher order.
 constexpr TypeRow type_rows[] = {
-    {vtk_vertex, CellType::atom},
-    {vtk_poly_vertex, CellType::poly_vertex},
-    {vtk_line, CellType::line},
-    {vtk_poly_line, CellType::poly_line},
-    {vtk_triangle, CellType::triangle},
-    {vtk_quad, CellType::quad},
-    {vtk_pixel, CellType::quad},
-    {vtk_tetra, CellType::tetrahedron},
-    {vtk_hexahedron, CellType::hexahedron},
-    {vtk_voxel, CellType::hexahedron},
-    {vtk_wedge, CellType::wedge},
-    {vtk_pyramid, CellType::pyramid},
+    {1, CellType::atom, 1},           {2, CellType::poly_vertex, 0},  {3, CellType::line, 2},
+    {4, CellType::poly_line, 0},      {5, CellType::triangle, 3},     {9, CellType::quad, 4},
+    {pixel, CellType::quad, 4},       {10, CellType::tetrahedron, 4}, {12, CellType::hexahedron, 8},
+    {voxel, CellType::hexahedron, 8}, {13, CellType::wedge, 6},       {14, CellType::pyramid, 5},
+    {21, CellType::line, 3},          {22, CellType::triangle, 6},    {23, CellType::quad, 8},
+    {24, CellType::tetrahedron, 10},  {25, CellType::hexahedron, 20}, {26, CellType::wedge, 15},
+    {27, CellType::pyramid, 13},      {28, CellType::quad, 9},        {29, CellType::hexahedron, 27},
+    {30, CellType::quad, 6},          {31, CellType::wedge, 12},      {32, CellType::wedge, 18},
+    {33, CellType::hexahedron, 24},   {34, CellType::triangle, 7},    {35, CellType::line, 4},
+    {37, CellType::pyramid, 19},
 };
-
-CellType our_type(std::int64_t type, std::size_t corners, const Place& place) {
-  if (type == vtk_polygon) {
-    if (corners == 3) return CellType::triangle;
-    if (corners == 4) return CellType::quad;
-    throw Error(place.words() + "expected polygons of 3 or 4 corners, got one of " + std::to_string(corners) +
-                "; triangulate the mesh and export it again");
-  }
-  const auto* const row = std::ranges::find(type_rows, type, &TypeRow::vtk);
-  if (row == std::end(type_rows)) refuse_type(type, place);
-  return row->type;
-}
 
 /// VTK's documentation has a wedge's first triangle look outward; many writers have it look inward, as Model has it.
 /// The volume tells which it is, as it tells check_mesh().
@@ -97,23 +49,39 @@ void turn_wedge(std::vector<Index>& p) {
 
 void append_vtk_cells(const VtkCells& vtk, Index first_point, const std::string& where, MeshParts& parts) {
   for (std::size_t c = 0; c < vtk.types.size(); ++c) {
-    const std::int64_t type = vtk.types[c];
-    if (type == vtk_empty) continue;
-    const Place place{where, c};
+    std::int64_t type = vtk.types[c];
     const auto begin = vtk.connectivity.begin() + static_cast<std::ptrdiff_t>(vtk.offset[c]);
-    const auto end = vtk.connectivity.begin() + static_cast<std::ptrdiff_t>(vtk.offset[c + 1]);
-    Cell cell;
-    cell.type = our_type(type, static_cast<std::size_t>(end - begin), place);
-    const int corners = cell_size(cell.type);
-    if (corners != 0 ? end - begin != corners : end == begin) {
-      throw Error(place.words() + "expected " + (corners != 0 ? std::to_string(corners) + " points" : "points") +
-                  " for VTK type " + std::to_string(type) + ", got " + std::to_string(end - begin) +
-                  "; the file is damaged: export it again");
+    const std::ptrdiff_t points = vtk.offset[c + 1] - vtk.offset[c];
+    if (type == empty) continue;
+    if (type == polygon && (points == 3 || points == 4)) type = points == 3 ? 5 : 9;
+    if (type == strip || type == polygon || type == higher_polygon) {
+      ++parts.left_out[type == strip ? "triangle strip" : "polygon"];
+      continue;
     }
-    for (auto p = begin; p != end; ++p) cell.particles.push_back(first_point + static_cast<Index>(*p));
-    if (type == vtk_pixel || type == vtk_voxel) std::swap(cell.particles[2], cell.particles[3]);
-    if (type == vtk_voxel) std::swap(cell.particles[6], cell.particles[7]);
-    if (type == vtk_wedge && first_triangle_looks_out(parts.points, cell.particles)) turn_wedge(cell.particles);
+    const auto* const row = std::ranges::find(type_rows, type, &TypeRow::vtk);
+    const auto refuse = [&](const std::string& what) {
+      throw Error(where + ": cell " + std::to_string(c) + ": expected " + what);
+    };
+    if (row == std::end(type_rows)) {
+      refuse("VTK types 1 to 14 or 21 to 37, of first or second order, got type " + std::to_string(type) +
+             "; export tetrahedra, hexahedra, wedges or pyramids");
+    }
+    if (row->points != 0 ? points != row->points : points == 0) {
+      refuse((row->points != 0 ? std::to_string(row->points) + " points" : "points") + " for VTK type " +
+             std::to_string(type) + ", got " + std::to_string(points) + "; the file is damaged: export it again");
+    }
+    const int corners = cell_size(row->type);
+    parts.higher_order += corners != 0 && points > corners;
+    Cell cell;
+    cell.type = row->type;
+    for (auto p = begin; p != begin + (corners != 0 ? corners : points); ++p) {
+      cell.particles.push_back(first_point + static_cast<Index>(*p));
+    }
+    if (type == pixel || type == voxel) std::swap(cell.particles[2], cell.particles[3]);
+    if (type == voxel) std::swap(cell.particles[6], cell.particles[7]);
+    if (cell.type == CellType::wedge && first_triangle_looks_out(parts.points, cell.particles)) {
+      turn_wedge(cell.particles);
+    }
     parts.cells.push_back(std::move(cell));
   }
 }
