@@ -12,6 +12,7 @@
 #include "base/place_text.h"
 #include "cell_geometry.h"
 #include "duplicates.h"
+#include "file_extras.h"
 
 namespace phymul {
 namespace {
@@ -43,12 +44,19 @@ std::string first_few(const Items& items, Name name) {
   return text;
 }
 
+/// Before numbers of the file, or where it gave none before rows of the model, counted from 0.
+std::string word_before(const std::vector<Index>& file_numbers) {
+  return file_numbers.empty() ? "row " : "number ";
+}
+
 std::string particles_named(const Model& model, const std::vector<Index>& items) {
-  return first_few(items, [&](Index i) { return std::to_string(model.file_index(i)); });
+  return word_before(extras_of(model).particle_index) +
+         first_few(items, [&](Index i) { return std::to_string(model.file_index(i)); });
 }
 
 std::string cells_named(const Model& model, const std::vector<Index>& items) {
-  return first_few(items, [&](Index row) { return std::to_string(cell_number(model, row)); });
+  return word_before(extras_of(model).cell_index) +
+         first_few(items, [&](Index row) { return std::to_string(cell_number(model, row)); });
 }
 
 double longest_edge(const Model& model, const Cell& cell) {
@@ -186,15 +194,16 @@ void look_for_repeats(const Model& model, std::vector<Finding>& findings) {
            std::to_string(cell_number(model, pair.second));
   });
   tell(Flaw::duplicate_cell, rows_of(cells), false,
-       counted(cells.size(), "cell stands", "cells stand") + " over the particles of another: " + cell_names +
-           "; keep one of each, or their volume counts twice",
+       counted(cells.size(), "cell stands", "cells stand") + " over the particles of another: " +
+           word_before(extras_of(model).cell_index) + cell_names + "; keep one of each, or their volume counts twice",
        findings);
   const Repeats points = repeated_points(model.rest, same_point_ratio * body_size(model));
   const std::string point_names = first_few(points, [&](const std::pair<Index, Index>& pair) {
     return std::to_string(model.file_index(pair.first)) + " on " + std::to_string(model.file_index(pair.second));
   });
   tell(Flaw::duplicate_point, rows_of(points), false,
-       counted(points.size(), "particle lies", "particles lie") + " on the place of another: " + point_names +
+       counted(points.size(), "particle lies", "particles lie") +
+           " on the place of another: " + word_before(extras_of(model).particle_index) + point_names +
            "; merge such pairs, unless the body is meant to be cut there",
        findings);
 }

@@ -100,7 +100,7 @@ TEST(CheckMesh, TurnsQuadsRoundInThePlaneOnly) {
   Model strip = make_strip(1, 1, 2, 1);
   mirror(strip.cells[1]);
   EXPECT_EQ(only(check_mesh(strip), Flaw::winding).message,
-            "1 cell is wound the wrong way, with negative area: 1; turned round");
+            "1 cell is wound the wrong way, with negative area: row 1; turned round");
   EXPECT_GT(signed_measure(2, strip.cells[1], strip.rest), 0.0);
   strip.dimension = 3;
   mirror(strip.cells[1]);
@@ -114,7 +114,7 @@ TEST(CheckMesh, FindFlawsChangesNothingAndSaysWhatWouldBeDone) {
   const Model before = model;
   const Finding finding = only(find_flaws(model), Flaw::winding);
   EXPECT_FALSE(finding.mended);
-  EXPECT_EQ(finding.message, "1 cell is wound the wrong way, with negative volume: 40; check_mesh mends this");
+  EXPECT_EQ(finding.message, "1 cell is wound the wrong way, with negative volume: number 40; check_mesh mends this");
   EXPECT_EQ(model, before);
   EXPECT_TRUE(model.notes.empty());
 }
@@ -126,7 +126,7 @@ TEST(CheckMesh, NotesNameTheSource) {
   ASSERT_EQ(model.notes.size(), 1u);
   EXPECT_EQ(
       model.notes[0],
-      "liver.pml: 12 cells are wound the wrong way, with negative volume: 0, 1, 2, 3, 4 and 7 more; turned round");
+      "liver.pml: 12 cells are wound the wrong way, with negative volume: row 0, 1, 2, 3, 4 and 7 more; turned round");
 }
 
 TEST(CheckMesh, DegenerateCells) {
@@ -135,9 +135,10 @@ TEST(CheckMesh, DegenerateCells) {
   Finding finding = only(check_mesh(flat), Flaw::degenerate_cell);
   EXPECT_EQ(finding.items, std::vector<Index>{0});
   EXPECT_FALSE(finding.mended);
-  EXPECT_EQ(finding.message,
-            "1 cell is degenerate, with no volume or area for the length of the edges, a size beyond the range of "
-            "numbers or a vertex repeated: 0; remove such cells, or mend their places or the order of the vertices");
+  EXPECT_EQ(
+      finding.message,
+      "1 cell is degenerate, with no volume or area for the length of the edges, a size beyond the range of "
+      "numbers or a vertex repeated: row 0; remove such cells, or mend their places or the order of the vertices");
   flat.rest[3].z() = -1e-8;  // too flat to have a winding
   EXPECT_FALSE(has(find_flaws(flat), Flaw::winding));
   flat.rest[3].z() = 1e-4;
@@ -198,8 +199,8 @@ TEST(CheckMesh, DuplicateCells) {
   const Finding finding = only(findings, Flaw::duplicate_cell);
   EXPECT_EQ(findings.size(), 1u);
   EXPECT_EQ(finding.items, (std::vector<Index>{7, last, last + 1}));
-  EXPECT_EQ(finding.message, "2 cells stand over the particles of another: " + std::to_string(last) + " repeats 7, " +
-                                 std::to_string(last + 1) +
+  EXPECT_EQ(finding.message, "2 cells stand over the particles of another: row " + std::to_string(last) +
+                                 " repeats 7, " + std::to_string(last + 1) +
                                  " repeats 7; keep one of each, or their volume counts twice");
 }
 
@@ -213,10 +214,10 @@ TEST(CheckMesh, DuplicatePointsAtAnyScaleAndPlace) {
     model.rest[80] = model.rest[6] + Vec3(1.1e-9, 0, 0) * scale;
     const Finding finding = only(find_flaws(model), Flaw::duplicate_point);
     EXPECT_EQ(finding.items, (std::vector<Index>{5, 60}));
-    EXPECT_EQ(
-        finding.message,
-        "1 particle lies on the place of another: 1060 on 1005; merge such pairs, unless the body is meant to be cut "
-        "there");
+    EXPECT_EQ(finding.message,
+              "1 particle lies on the place of another: number 1060 on 1005; merge such pairs, unless the body is "
+              "meant to be cut "
+              "there");
   }
 }
 
@@ -273,7 +274,7 @@ TEST(CheckMesh, MasslessParticles) {
   const Finding finding = only(find_flaws(model), Flaw::massless);
   EXPECT_EQ(finding.items, std::vector<Index>{4});
   EXPECT_EQ(finding.message,
-            "1 particle has next to no mass beside the mean: 4; give more, or the stable step becomes tiny");
+            "1 particle has next to no mass beside the mean: row 4; give more, or the stable step becomes tiny");
   for (double& mass : model.mass) mass *= 1e-12;
   EXPECT_EQ(only(find_flaws(model), Flaw::massless).items, std::vector<Index>{4});
 }
@@ -299,9 +300,10 @@ TEST(CheckMesh, IsolatedParticles) {
   model.components.clear();
   const Finding finding = only(find_flaws(model), Flaw::isolated);
   EXPECT_EQ(finding.items, std::vector<Index>{0});
-  EXPECT_EQ(finding.message,
-            "1 particle has no neighbours or no cell around: 0; nothing elastic holds such a particle: remove it, or "
-            "add it to the mesh");
+  EXPECT_EQ(
+      finding.message,
+      "1 particle has no neighbours or no cell around: row 0; nothing elastic holds such a particle: remove it, or "
+      "add it to the mesh");
   Cell list;  // holds particles together in name only
   list.type = CellType::poly_vertex;
   list.particles = {0, 1, 2};
@@ -319,17 +321,19 @@ TEST(CheckMesh, FewNeighboursOrAllOnOneLine) {
     replace_row(model.neighbours, 8, {5, 5, 3, 3});
     const Finding finding = only(find_flaws(model), Flaw::few_neighbours);
     EXPECT_EQ(finding.items, (std::vector<Index>{0, 7, 8}));
-    EXPECT_EQ(finding.message,
-              "3 particles have fewer than 3 neighbours or all of them on one line: 0, 7, 8; add neighbours, or choose "
-              "what becomes of sparse particles");
+    EXPECT_EQ(
+        finding.message,
+        "3 particles have fewer than 3 neighbours or all of them on one line: row 0, 7, 8; add neighbours, or choose "
+        "what becomes of sparse particles");
     model.rest[2].y() += 1e-4 * scale;  // off the line by far more than rounding
     EXPECT_EQ(only(find_flaws(model), Flaw::few_neighbours).items, (std::vector<Index>{0, 8}));
   }
   Model strip = make_strip(1, 1, 2, 2);
   EXPECT_FALSE(has(find_flaws(strip), Flaw::few_neighbours));
   replace_row(strip.neighbours, 4, {1});
-  EXPECT_EQ(only(find_flaws(strip), Flaw::few_neighbours).message,
-            "1 particle has fewer than 2 neighbours: 4; add neighbours, or choose what becomes of sparse particles");
+  EXPECT_EQ(
+      only(find_flaws(strip), Flaw::few_neighbours).message,
+      "1 particle has fewer than 2 neighbours: row 4; add neighbours, or choose what becomes of sparse particles");
 }
 
 TEST(CheckMesh, SelfNeighboursAreRemovedAndDoNotCount) {
@@ -337,10 +341,10 @@ TEST(CheckMesh, SelfNeighboursAreRemovedAndDoNotCount) {
   const Model right = model;
   replace_row(model.neighbours, 0, {1, 0, 3, 9, 0});
   EXPECT_EQ(only(find_flaws(model), Flaw::self_neighbour).message,
-            "1 particle is among its own neighbours: 0; check_mesh mends this");
+            "1 particle is among its own neighbours: row 0; check_mesh mends this");
   const Finding finding = only(check_mesh(model), Flaw::self_neighbour);
   EXPECT_TRUE(finding.mended);
-  EXPECT_EQ(finding.message, "1 particle is among its own neighbours: 0; removed from the lists");
+  EXPECT_EQ(finding.message, "1 particle is among its own neighbours: row 0; removed from the lists");
   EXPECT_EQ(model, right);
   replace_row(model.neighbours, 0, {0, 1, 3});
   EXPECT_EQ(only(check_mesh(model), Flaw::few_neighbours).items, std::vector<Index>{0});
