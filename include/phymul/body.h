@@ -79,6 +79,7 @@ struct BodyReport {
   int parts = 0;                      ///< connected parts of the body
   double volume = 0.0;                ///< m^3, of the body
   double wanted_volume = 0.0;         ///< m^3, inside the surface or solid
+  double unmoved_volume = 0.0;        ///< m^3, of the body before its surface was moved to meet the volume
   double moved = 0.0;                 ///< m, largest outward shift of the surface to meet the volume; negative: inward
   double smallest_angle = 0.0;        ///< degrees, of the dihedral angles of all cells
   double largest_angle = 0.0;         ///< degrees
@@ -92,7 +93,9 @@ struct BodyReport {
 /// inside have the lattice's 14 neighbours, the others those that they share a tetrahedron with. Dihedral angles stay
 /// between about 10 and 165 degrees. Flat triangles cut off volume where the surface is curved. Therefore the surface
 /// is then moved outward, by the same distance everywhere and at most 5 % of the spacing, until the volume is met.
-/// Edges are rounded off within a spacing, and parts thinner than the spacing are lost. Mass and stiffness are 1 until
+/// Edges are rounded off within a spacing, and parts thinner than the spacing are lost. Of a Surface, notes name the
+/// parts farther from the body than the spacing asked for there, and say if the surface of the body has another number
+/// of shells or another Euler number, because narrow walls or gaps were fused. Mass and stiffness are 1 until
 /// set_material. The group "surface" holds the particles on the surface.
 ///
 /// With BodyOptions::spacing_at the lattice is that of a balanced octree (the same paper, section 3): neighbouring
@@ -103,7 +106,8 @@ struct BodyReport {
 ///
 /// A Surface is first mended as by mend_surface(); Model::notes has its notes, and says if the body has several parts.
 /// Throws Error as mend_surface() does, for an option out of range, if a distance is NaN, and if the error of the
-/// volume is above most_volume_error: parts of the shape are then thinner than the spacing. Fills `report` if not null.
+/// volume is above most_volume_error: parts of the shape are then thinner than the spacing, or its edges and corners
+/// are a large share of it; the message says which. Fills `report` if not null.
 Model make_body(const Surface& surface, const BodyOptions& options, BodyReport* report = nullptr);
 Model make_body(const Solid& solid, const BodyOptions& options, BodyReport* report = nullptr);
 

@@ -97,18 +97,12 @@ BodyReport report_of(const Stuffing& body, double wanted_volume) {
   return report;
 }
 
-void require_met(const BodyReport& report, const BodyOptions& options) {
+void require_few(const BodyReport& report, const BodyOptions& options) {
   if (report.particles > options.most_particles) {
     refuse_body("a spacing of " + length_text(options.spacing) + " m needs " + std::to_string(report.particles) +
                 " particles, more than " + std::to_string(options.most_particles) +
                 " (BodyOptions::most_particles); take a larger spacing");
   }
-  const double error = report.volume / report.wanted_volume - 1.0;
-  if (std::abs(error) <= options.most_volume_error) return;
-  refuse_body("the body has " + length_text(1e6 * report.volume) + " ml, " + length_text(100.0 * std::abs(error)) +
-              " % " + (error < 0.0 ? "less" : "more") + " than the " + length_text(1e6 * report.wanted_volume) +
-              " ml asked for: parts of the shape are thinner than the spacing of " + length_text(options.spacing) +
-              " m; take a smaller one, or allow more by BodyOptions::most_volume_error");
 }
 
 Model model_of(Stuffing body, const BodyReport& report) {
@@ -183,7 +177,7 @@ Stuffing filled(const Interior& interior, const CentredLattice& lattice, const B
 }  // namespace
 
 Model filled_body(const Interior& interior, const CentredLattice& lattice, double wanted_volume,
-                  const BodyOptions& options, BodyReport* report, const std::function<void(Stuffing&)>& adjust) {
+                  const BodyOptions& options, BodyReport& report, const std::function<void(Stuffing&)>& adjust) {
   Stuffing body = filled(interior, lattice, options);
   if (body.cells.empty()) {
     refuse_body("no point of a lattice with a spacing of " + length_text(options.spacing) +
@@ -198,18 +192,38 @@ Model filled_body(const Interior& interior, const CentredLattice& lattice, doubl
     adjust(body);
     faces = outer_faces(body);
   }
+  const double unmoved = enclosed_volume(faces, body.place);
   const double moved = meet_volume(body, faces, wanted_volume, most_moved * options.spacing);
-  BodyReport own = report_of(body, wanted_volume);
-  own.moved = moved;
-  own.smallest_spacing = own.largest_spacing = options.spacing;
+  report = report_of(body, wanted_volume);
+  report.unmoved_volume = unmoved;
+  report.moved = moved;
+  report.smallest_spacing = report.largest_spacing = options.spacing;
   if (!body.leaf_edge.empty()) {
     const auto [least, most] = std::ranges::minmax(body.leaf_edge);
-    own.smallest_spacing = least * options.spacing;
-    own.largest_spacing = most * options.spacing;
+    report.smallest_spacing = least * options.spacing;
+    report.largest_spacing = most * options.spacing;
   }
-  require_met(own, options);
-  if (report) *report = own;
-  return model_of(std::move(body), own);
+  require_few(report, options);
+  return model_of(std::move(body), report);
+}
+
+void require_volume(const BodyReport& report, const BodyOptions& options, const std::function<std::string()>& thin) {
+  const auto error = [&](double volume) { return volume / report.wanted_volume - 1.0; };
+  const auto text = [&](double volume) {
+    return length_text(100.0 * std::abs(error(volume))) + " % " + (error(volume) < 0.0 ? "less" : "more");
+  };
+  if (std::abs(error(report.volume)) <= options.most_volume_error) return;
+  std::string cause = "gaps or cavities narrower than that are filled";
+  if (error(report.volume) < 0.0) {
+    const std::string lost = thin ? thin() : "",
+                      edges = "edges and corners, and walls of one or two spacings, are rounded off";
+    cause = "parts thinner than the spacing are lost" + (thin ? ": " + lost : ", or " + edges);
+    if (thin && lost.empty()) cause = edges;
+  }
+  refuse_body("the body has " + length_text(1e6 * report.volume) + " ml, " + text(report.volume) + " than the " +
+              length_text(1e6 * report.wanted_volume) + " ml asked for (" + text(report.unmoved_volume) +
+              " before its surface was moved). With a spacing of " + length_text(options.spacing) + " m " + cause +
+              "; take a smaller one, or allow more by BodyOptions::most_volume_error");
 }
 
 }  // namespace phymul

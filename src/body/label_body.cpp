@@ -8,6 +8,7 @@
 #include "base/place_text.h"
 #include "filling.h"
 #include "label_field.h"
+#include "lost_parts.h"
 #include "model/cell_geometry.h"
 #include "model/group.h"
 #include "region_interfaces.h"
@@ -55,6 +56,18 @@ std::vector<RegionReport> add_regions(Model& model, const LabelField& field, dou
   return reports;
 }
 
+/// Calls see(centre) for the voxels of the regions.
+void each_voxel(const LabelImage& image, const std::vector<LabelRegion>& regions, const Contains& see) {
+  const auto [ni, nj, nk] = image.size;
+  for (std::size_t row = 0; row < image.label.size(); ++row) {
+    const std::uint16_t own = image.label[row];
+    if (regions.empty() ? own == 0 : std::ranges::count(regions, own, &LabelRegion::label) == 0) continue;
+    const std::size_t line = row / ni;
+    const Vec3 at(static_cast<double>(row % ni), static_cast<double>(line % nj), static_cast<double>(line / nj));
+    see(image.origin + at.x() * image.step[0] + at.y() * image.step[1] + at.z() * image.step[2]);
+  }
+}
+
 }  // namespace
 
 Model make_body(const LabelImage& image, const LabelBodyOptions& options, BodyReport* report) {
@@ -64,8 +77,11 @@ Model make_body(const LabelImage& image, const LabelBodyOptions& options, BodyRe
   double wanted_volume = 0.0;
   for (const double volume : field.volumes()) wanted_volume += volume;
   BodyReport own;
-  Model model = filled_body(LabelInterior(field), lattice, wanted_volume, filling, &own,
+  Model model = filled_body(LabelInterior(field), lattice, wanted_volume, filling, own,
                             [&](Stuffing& body) { meet_interfaces(body, field, lattice.edge); });
+  require_volume(own, filling, [&] {
+    return lost_parts([&](const Contains& see) { each_voxel(image, options.regions, see); }, model, filling);
+  });
   own.regions = add_regions(model, field, options.spacing);
   model.notes.insert(model.notes.begin(), image.notes.begin(), image.notes.end());
   if (report) *report = std::move(own);

@@ -3,6 +3,7 @@
 // Bodies of one region: what is asked of their shapes.
 #include <phymul/body.h>
 #include <phymul/error.h>
+#include <phymul/surface_patch.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,7 @@
 #include "base/bounding_box.h"
 #include "base/place_text.h"
 #include "filling.h"
+#include "lost_parts.h"
 #include "model/enclosed_volume.h"
 #include "solid_interior.h"
 #include "surface_interior.h"
@@ -36,7 +38,18 @@ Model make_body(const Surface& surface, const BodyOptions& options, BodyReport* 
   const Eigen::AlignedBox3d box = bounding_box(mended.vertices);
   const CentredLattice lattice = lattice_over(box.min(), box.max(), options);
   const double volume = enclosed_volume(mended.triangles, mended.vertices);
-  Model model = filled_body(SurfaceInterior(mended, lattice), lattice, volume, options, report);
+  BodyReport own;
+  Model model = filled_body(SurfaceInterior(mended, lattice), lattice, volume, options, own);
+  const auto sample = [&](const Contains& see) { sample_surface(mended, 0.5 * options.spacing, see); };
+  const std::string lost = lost_parts(sample, model, options), fused = fused_note(mended, model);
+  require_volume(own, options, [&] { return lost.empty() ? fused : lost; });
+  if (report) *report = own;
+  const auto note = [&](const std::string& what) {
+    model.notes.push_back("make_body: " + what + "; take a smaller spacing than " + length_text(options.spacing) +
+                          " m, or a finer one there (BodyOptions::spacing_at, fine_near)");
+  };
+  if (!lost.empty()) note("the body lacks parts of the surface, farther than a spacing from it: " + lost);
+  if (!fused.empty()) note(fused);
   model.notes.insert(model.notes.begin(), mended.notes.begin(), mended.notes.end());
   return model;
 }
@@ -49,7 +62,11 @@ Model make_body(const Solid& solid, const BodyOptions& options, BodyReport* repo
   }
   const CentredLattice lattice = lattice_over(solid.low, solid.high, options);
   const SolidInterior interior(solid);
-  return filled_body(interior, lattice, interior.volume(lattice), options, report);
+  BodyReport own;
+  Model model = filled_body(interior, lattice, interior.volume(lattice), options, own);
+  require_volume(own, options, {});
+  if (report) *report = own;
+  return model;
 }
 
 }  // namespace phymul
