@@ -63,7 +63,7 @@ if [ -z "$draw_only" ]; then
   rm -f "$out"/peers_*.csv
   for cap in $peer_caps; do
     round=$((round + 1))
-    $bin/work_precision --cases $peer_cases --methods particle_averaged,neo_hookean --backends cpu --threads 1 \
+    $bin/work_precision --cases $peer_cases --methods particle_averaged --backends cpu --threads 1 \
       --rest steps --most-particles $peer_particles --wall-cap "$cap" --out "$out/peers_$round.csv"
   done
   $bin/stability_atlas $atlas --limits "$out/stability_limits.csv" --recovery "$out/stability_recovery.csv" \

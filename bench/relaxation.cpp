@@ -35,6 +35,8 @@ const char* name_of(StepStatus status) {
       return "volume_lost";
     case StepStatus::not_supported:
       return "not_supported";
+    case StepStatus::carried_away:
+      return "carried_away";
     case StepStatus::needle_full:
       return "needle_full";
   }

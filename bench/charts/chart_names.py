@@ -60,8 +60,7 @@ def panel_title(row, width=46):
 
 
 def stability_text(method):
-    """ "shared" or "neo-Hookean, nu 0.45" written out."""
+    """ "shared" or "material, nu 0.45" written out."""
     if ", nu " in method:
-        energy, ratio = method.split(", nu ")
-        return f"{'material' if energy == 'material' else 'material, ' + energy}, Poisson's ratio {float(ratio):.2f}"
+        return f"material, Poisson's ratio {float(method.split(', nu ')[1]):.2f}"
     return STABILITY_METHODS.get(method, method)

@@ -22,9 +22,9 @@ VERDICTS = {"returned": ("o", True), "rests collapsed": ("s", False), "rests fol
 
 
 def key_of(method):
-    """The name that chart_style knows, of "springs 18, volume" or "neo-Hookean, nu 0.45"."""
+    """The name that chart_style knows, of "springs 18, volume" or "material, nu 0.45"."""
     if ", nu" in method:
-        return "neo_hookean" if method.startswith("neo-Hookean") else "particle_averaged"
+        return "particle_averaged"
     return method.replace(", ", "_").replace(" ", "_")
 
 

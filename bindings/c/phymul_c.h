@@ -130,8 +130,6 @@ PHYMUL_API phymul_status phymul_body_set_material(phymul_body* body, const phymu
 
 // --- Simulations ----------------------------------------------------------------------------------------------------
 
-enum { PHYMUL_SHAPE_MEMORY = 0, PHYMUL_NEO_HOOKEAN = 1 };  // strain energies
-
 // TaskRunner: calls part(task, 0) ... part(task, count - 1), by any threads, and returns when all have returned.
 typedef void (*phymul_part)(void* task, int32_t part);
 typedef void (*phymul_run_parts)(void* user, int32_t count, phymul_part part, void* task);
@@ -144,13 +142,11 @@ typedef struct phymul_options {
   double damping_rate;              // 1/s
   double step;                      // largest step, as a multiple of the stable one; 0: it follows the deformation
   double rest_tolerance;            // SolverOptions::rest_tolerance; 0: 1e-8
-  int32_t strain_energy;            // PHYMUL_SHAPE_MEMORY or PHYMUL_NEO_HOOKEAN
   int32_t sleeps;                   // 1: parts of the body that rest cost nothing (SolverOptions::sleep_tolerance)
+  int32_t run_parts_width;          // with run_parts: how many parts can run side by side, 1 or more
   double sleep_tolerance;           // with `sleeps`; 0: results as without sleep
   phymul_run_parts run_parts;       // threads of the host; NULL: the library starts threads
   void* run_parts_user;
-  int32_t run_parts_width;  // with run_parts: how many parts can run side by side, 1 or more
-  int32_t unused;
 } phymul_options;
 
 // Of one body (count 1, names NULL), or of several, each with a name; their groups are then "name/group".

@@ -6,7 +6,6 @@
 using namespace phymul;
 using namespace phymul::c;
 
-static_assert(static_cast<int>(StrainEnergy::neo_hookean) == PHYMUL_NEO_HOOKEAN);
 static_assert(static_cast<int>(LoadType::translation) == PHYMUL_TRANSLATION);
 static_assert(static_cast<int>(LoadType::rotation) == PHYMUL_ROTATION);
 static_assert(static_cast<int>(LoadType::force) == PHYMUL_FORCE);
@@ -45,7 +44,6 @@ class Runner final : public TaskRunner {
 
 SimulationOptions options_for(const phymul_options* given) {
   const phymul_options from = options_of(given, "options of a simulation");
-  require_kind(from.strain_energy, PHYMUL_SHAPE_MEMORY, 2, "a strain energy");
   SimulationOptions options;
   if (from.material) options.material = material_of(from.material);
   if (from.backend) options.backend = from.backend;
@@ -54,7 +52,6 @@ SimulationOptions options_for(const phymul_options* given) {
   if (from.rest_tolerance != 0.0) options.solver.rest_tolerance = from.rest_tolerance;
   options.solver.threads = from.threads;
   if (from.sleeps != 0) options.solver.sleep_tolerance = from.sleep_tolerance;
-  options.topology.strain_energy = static_cast<StrainEnergy>(from.strain_energy);
   if (from.run_parts)
     options.runner = std::make_shared<Runner>(from.run_parts, from.run_parts_user, from.run_parts_width);
   return options;

@@ -24,14 +24,14 @@ KERNEL real room_within_the_law(Invariants of) {
 }
 
 // The square of the condition number |F| |F^-1| by Frobenius' norm, over its value 9 at rest; |F|^2 |cof(F)|^2 / 9 where
-// J > 1. How much the frequencies can have risen follows from it (docs/theory/physics.md). `huge`: outside the law.
+// J > 1. How much the frequencies can have risen follows from it (docs/theory/physics.md). 1e6 beyond the
+// law, 2e6 where F is inverted.
 KERNEL real squared_condition(Columns H, Change change) {
   real one = literal(1.0f);
-  real huge = literal(1e6f);
   Invariants of = invariants_of(H, change);
   real least = select(of.J > one, one, of.J * of.J);
   real condition = (of.I1 * of.I2) * (literal(0.11111111f) / least);
-  return select(room_within_the_law(of) < literal(0.0f), huge, condition);
+  return select(room_within_the_law(of) < literal(0.0f), select(of.J > literal(0.0f), literal(1e6f), literal(2e6f)), condition);
 }
 
 // P over mu, of which `near` is J^(-2/3) [...] and g is J^(-2/3), where the far energy has a share w.

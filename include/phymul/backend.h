@@ -3,6 +3,7 @@
 // SolverBackend: base class of all backends. Only authors of backends need this header.
 #pragma once
 
+#include <phymul/elasticity.h>
 #include <phymul/load_frame.h>
 #include <phymul/solver.h>
 
@@ -86,9 +87,10 @@ class SolverBackend : public Solver {
     double max_acceleration = 0.0;  ///< m/s^2
     double max_force = 0.0;         ///< N
     double max_speed = 0.0;         ///< m/s
-    /// frequency_growth() (elasticity.h) in the last step; 0: not known of this call. Infinite: this backend does
-    /// not compute it.
-    double growth = std::numeric_limits<double>::infinity();
+    double max_displacement = 0.0;  ///< m, of all particles, from their rest places; 0: not computed
+    /// strain_summary() (elasticity.h) of the last step; a growth of 0: not known of this call, infinite: this backend
+    /// does not compute it.
+    StrainSummary strain{};
     int steps_at_rest = 0;  ///< number of consecutive steps up to the last one within the thresholds
   };
   /// Argument of do_step().
@@ -174,6 +176,7 @@ class SolverBackend : public Solver {
   bool any_tool_grasps() const;
   StepReport advance(int n, double dt, bool stop_at_rest, const Damping& damping);
   StepPlan plan_for(int n, double dt, const Damping& damping, bool beyond_limit) const;
+  void note_strain(const Motion& motion, StepReport& report);
   void report_failure(const Motion& motion, StepReport& report) const;
   Motion run(const StepPlan& plan, StepReport& report);
   Motion run_with_progress(const StepPlan& plan, StepReport& report);
@@ -189,6 +192,9 @@ class SolverBackend : public Solver {
   std::uint64_t scene_version_ = 0, values_version_ = 0;
   std::optional<Index> loose_;            // RestResult's, of the scene of these versions; empty: not yet looked for
   double growth_ = 0.0, speed_ = 0.0;     // Snapshot's
+  Index first_beyond_ = -1;               // StepReport's
+  double beyond_since_ = 0.0;             // s
+  std::optional<bool> all_held_;          // of the scene of these versions; empty: not yet looked for
   mutable double growth_of_state_ = 0.0;  // where growth_ is 0; 0: not yet computed
   mutable std::optional<std::uint64_t> topology_hash_;
   std::unique_ptr<Profile> profile_;

@@ -6,6 +6,7 @@
 
 #include <phymul/topology_textures.h>
 
+#include <limits>
 #include <span>
 
 namespace phymul {
@@ -40,9 +41,22 @@ struct Spectrum {
 Spectrum estimate_spectrum(const TopologyTextures& topology, std::span<const Vec3> position,
                            std::span<const std::uint8_t> fixed = {});
 
+/// How a body is strained. Domains (Law::particle_averaged) are *beyond the law* where their energy is not that of
+/// StrainEnergy alone as it holds near rest: stretches outside 0.6 to 1.7 and somewhat more, or inverted.
+struct StrainSummary {
+  double growth = std::numeric_limits<double>::infinity();  ///< frequency_growth()
+  Index beyond_law = 0;                                     ///< number of domains
+  Index inverted = 0;                                       ///< number of these with det F <= 0
+  Index first_beyond = -1;                                  ///< their lowest particle, row of the model; -1: none
+};
+
+/// Throws Error when the size does not agree; does not allocate. Bodies with terms other than those of a material have
+/// an infinite growth and no domains beyond the law.
+StrainSummary strain_summary(const TopologyTextures& topology, std::span<const Vec3> position);
+
 /// By how much deformation can have raised the largest eigenvalue over that at rest: 1 at rest, in other states an
-/// estimate from above (docs/theory/physics.md), above 1e4 where a domain has less than 0.7 of its volume. Infinite for
-/// bodies with terms other than those of a material. Throws Error when the size does not agree; does not allocate.
+/// estimate from above (docs/theory/physics.md), above 1e6 where a domain is beyond the law (StrainSummary). Infinite
+/// for bodies with terms other than those of a material. Throws Error when the size does not agree; does not allocate.
 double frequency_growth(const TopologyTextures& topology, std::span<const Vec3> position);
 
 /// Largest stable step of x+ = x + d (x - x-) + (f/m) dt^2 in s: (omega_max dt)^2 <= 2 (1 + d); infinite without

@@ -18,6 +18,10 @@ enum class StepStatus {
   not_finite,
   device_lost,    ///< the GPU or its context failed
   volume_lost,    ///< a volume constraint (Scene::constrain_volume) could not be satisfied; the step was undone
+  /// Every part of the body is held, domains are beyond the law, and a particle is farther than ten times the size of
+  /// the body from where it may be. The state is that of the time in the report; Simulation::rewind or restore goes
+  /// back. Not reported by the backends gl and gl-compute.
+  carried_away,
   not_supported,  ///< the backend does not support something in the scene (tools, joints, volume constraints,
                   ///< contacts, factors of stiffness), dissipation, or substeps: see cause; nothing was done
   /// A needle's hole needs more nodes, or a node more particles, than the GPU has reserved. The step was undone.
@@ -38,6 +42,11 @@ struct StepReport {
   /// frequency_growth() (elasticity.h). Infinite: no bound is known (backends gl and gl-compute, bodies without a
   /// material); 0: none of this call.
   double growth = 0.0;
+  /// Domains (Law::particle_averaged) that are beyond the law in the last step, and of these the inverted ones
+  /// (StrainSummary in elasticity.h). 0 on the backends gl and gl-compute, which do not count them.
+  Index beyond_law = 0, inverted = 0;
+  Index first_beyond = -1;    ///< while there are any: a particle that was the first to be found there; else -1
+  double beyond_since = 0.0;  ///< s, time of the end of the call that found it
   /// An elastic force was limited in some step of this call: SolverOptions::max_displacement_per_step.
   bool force_clamped = false;
   int springs_broken = 0;  ///< springs of joints that broke in this call

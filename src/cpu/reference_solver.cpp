@@ -144,7 +144,10 @@ class ReferenceSolver final : public SolverBackend {
       laps.end(checks_row_);
       if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;
     }
-    motion.growth = frequency_growth(elastic(), state_.position);
+    motion.strain = strain_summary(elastic(), state_.position);
+    for (Index i = 0; i < topology().particle_count; ++i) {
+      motion.max_displacement = std::max(motion.max_displacement, (state_.position[i] - topology().rest[i]).norm());
+    }
     return motion;
   }
 

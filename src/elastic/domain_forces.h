@@ -4,6 +4,8 @@
 // mean_gradient() takes it. `factors`: as of elastic_forces().
 #pragma once
 
+#include <phymul/elasticity.h>
+
 #include <algorithm>
 #include <span>
 
@@ -24,6 +26,14 @@ inline double growth_exponent(const TopologyTextures& t) {
   double shear_over_bulk = 0.0;
   for (const EnergyConstants& p : t.energies) shear_over_bulk = std::max(shear_over_bulk, p[0] / p[1]);
   return 1.0 + 1.6 * shear_over_bulk;
+}
+
+/// Adds a domain of the particle, of which squared_condition() is known, to the counts.
+inline void count_beyond_law(double condition, Index particle, StrainSummary& to) {
+  if (!(condition >= 1e6)) return;
+  ++to.beyond_law;
+  if (condition >= 2e6) ++to.inverted;
+  if (to.first_beyond < 0 || particle < to.first_beyond) to.first_beyond = particle;
 }
 
 /// dE/dF_d per volume, the stabiliser's part of it included.

@@ -187,19 +187,24 @@ Index first_collapsed(const TopologyTextures& topology, std::span<const Vec3> po
   return -1;
 }
 
-double frequency_growth(const TopologyTextures& topology, std::span<const Vec3> position) {
-  require_sizes(topology, "frequency_growth", position.size(), position.size());
-  if (!AveragedStiffness::is_all_of(topology)) {
-    return std::numeric_limits<double>::infinity();
-  }
+StrainSummary strain_summary(const TopologyTextures& topology, std::span<const Vec3> position) {
+  require_sizes(topology, "strain_summary", position.size(), position.size());
+  StrainSummary found;
+  if (!AveragedStiffness::is_all_of(topology)) return found;
   double largest = 1.0;
   const auto displacement = displacements_at(topology, position);
   for (Index d = 0; d < static_cast<Index>(topology.domains.size()); ++d) {
     const Mat3 F = Mat3::Identity() + mean_gradient(topology, d, displacement);
-    largest =
-        std::max(largest, cpu::squared_condition<double>(topology.options.strain_energy, topology.energy_of(d), F));
+    const double condition = cpu::squared_condition<double>(topology.options.strain_energy, topology.energy_of(d), F);
+    largest = std::max(largest, condition);
+    count_beyond_law(condition, topology.domains[d].particle, found);
   }
-  return std::pow(largest, growth_exponent(topology));
+  found.growth = std::pow(largest, growth_exponent(topology));
+  return found;
+}
+
+double frequency_growth(const TopologyTextures& topology, std::span<const Vec3> position) {
+  return strain_summary(topology, position).growth;
 }
 
 double elastic_energy(const TopologyTextures& topology, std::span<const Vec3> position,

@@ -109,11 +109,11 @@ Mat<S> stress_near_rest(StrainEnergy energy, const std::array<S, most_energy_con
 
 /// The square of the condition number |F| |F^-1| by Frobenius' norm, over its value 9 at rest; |F|^2 |cof(F)|^2 / 9
 /// where det F > 1; times what fibres grow by. 1e6 where the energy is not
-/// neo-Hookean alone.
+/// neo-Hookean alone, 2e6 where F is inverted.
 template <class S>
 S squared_condition(StrainEnergy energy, const std::array<S, most_energy_constants>& p, const Mat<S>& F) {
-  if (!(how_far(F).u >= end_of_law<S>)) return S(1e6);
   const S J = F.determinant();
+  if (!(how_far(F).u >= end_of_law<S>)) return J > S(0) ? S(1e6) : S(2e6);
   const S condition = F.squaredNorm() * cofactor(F).squaredNorm() / (S(9) * std::min(J * J, S(1)));
   if (energy != StrainEnergy::fibres) return condition;
   const Vec<S> a(p[3], p[4], p[5]);

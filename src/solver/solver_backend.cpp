@@ -103,7 +103,10 @@ void SolverBackend::follow_scene() {
   } else if (values_version_ != scene_->values_version()) {
     do_values_changed();
   }
-  if (scene_version_ != scene_->version() || values_version_ != scene_->values_version()) loose_.reset();
+  if (scene_version_ != scene_->version() || values_version_ != scene_->values_version()) {
+    loose_.reset();
+    all_held_.reset();
+  }
   scene_version_ = scene_->version();
   values_version_ = scene_->values_version();
 }
@@ -144,6 +147,7 @@ void SolverBackend::reset(const State& state) {
   do_reset(state);
   joints_->reset(state);
   growth_ = growth_of_state_ = speed_ = 0.0;
+  first_beyond_ = -1;
 }
 
 void SolverBackend::begin_at_rest() {
@@ -256,6 +260,7 @@ void SolverBackend::restore(const Snapshot& snapshot) {
   joints_->reset(snapshot.state);
   copies_.clear();
   growth_ = snapshot.growth;
+  first_beyond_ = -1;
   speed_ = snapshot.max_speed;
   growth_of_state_ = 0.0;
 }

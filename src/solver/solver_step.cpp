@@ -22,6 +22,8 @@ namespace {
 constexpr double limit_slack = 1e-9;
 /// Speeds beyond this many times spacing times omega_max (twice the wave speed or so) are a failure, not a motion.
 constexpr double runaway_factor = 1e6;
+/// Of the body, from rest: with parts held, stretches of ten and more lie between.
+constexpr double farthest_sizes = 10.0;
 
 /// Of the stable step: where nothing is known of the deformation, and where nothing has raised the frequency. The
 /// latter is stable although frequency_growth() may be up to 20 % too low.
@@ -210,17 +212,50 @@ StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest, const Dam
   report.time = do_time();
   report.residual = motion.max_force;
   report.max_speed = motion.max_speed;
-  report.growth = motion.growth;
+  report.growth = motion.strain.growth;
   if (motion.steps > 0) {
-    growth_ = motion.growth;
+    growth_ = motion.strain.growth;
     speed_ = motion.max_speed;
     growth_of_state_ = 0.0;
   }
   report.force_clamped = motion.force_clamped;
   report.springs_broken = joints_->broken() - broken_before;
   report.at_rest = motion.steps_at_rest >= options_.rest_steps;
+  note_strain(motion, report);
   report_failure(motion, report);
   return report;
+}
+
+void SolverBackend::note_strain(const Motion& motion, StepReport& report) {
+  if (motion.strain.growth != 0.0) {
+    if (motion.strain.beyond_law == 0) first_beyond_ = -1;
+    if (motion.strain.beyond_law > 0 && first_beyond_ < 0) {
+      first_beyond_ = motion.strain.first_beyond;
+      beyond_since_ = report.time;
+    }
+  }
+  report.beyond_law = motion.strain.beyond_law;
+  report.inverted = motion.strain.inverted;
+  report.first_beyond = first_beyond_;
+  report.beyond_since = first_beyond_ < 0 ? 0.0 : beyond_since_;
+  if (motion.strain.beyond_law == 0 || motion.max_displacement <= farthest_sizes * body_size(model())) return;
+  if (!all_held_) all_held_ = loose_parts(model(), *scene_, held_particles(model(), *scene_)).empty();
+  if (!*all_held_) return;
+  double imposed = 0.0;
+  for (std::size_t i = 0; i < frame_.target.size(); ++i) {
+    Vec3 moved = frame_.target[i] - topology_->rest[i];
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((frame_.fixed[i] >> axis & 1) == 0) moved[axis] = 0.0;
+    }
+    imposed = std::max(imposed, moved.norm());
+  }
+  const State now = read();
+  for (Index i = 0; i < topology_->particle_count; ++i) {
+    if ((now.position[i] - topology_->rest[i]).norm() <= imposed + farthest_sizes * body_size(model())) continue;
+    report.status = StepStatus::carried_away;
+    report.particle = i;
+    return;
+  }
 }
 
 }  // namespace phymul

@@ -19,8 +19,18 @@ std::string good_message(const StepReport& r, const char* verdict) {
       r.beyond_limit ? "; the step is beyond the stable step" : "",
       r.force_clamped ? "; elastic forces were clamped in some step, as where a tool jumps or a load acts at once"
                       : "");
-  if (r.springs_broken == 0) return text;
-  return text + ("; " + std::to_string(r.springs_broken)) +
+  std::string all = text;
+  if (r.beyond_law > 0) {
+    std::snprintf(
+        text, sizeof text,
+        "; around %d %s the material is strained beyond the law%s, first around particle %d, found at t = %.6g s",
+        static_cast<int>(r.beyond_law), r.beyond_law == 1 ? "particle" : "particles",
+        r.inverted == 0 ? "" : (", inverted around " + std::to_string(r.inverted)).c_str(),
+        static_cast<int>(r.first_beyond), r.beyond_since);
+    all += text;
+  }
+  if (r.springs_broken == 0) return all;
+  return all + "; " + std::to_string(r.springs_broken) +
          (r.springs_broken == 1 ? " spring of a joint broke" : " springs of joints broke");
 }
 
@@ -48,6 +58,15 @@ std::string StepReport::message() const {
                     "s (step %d of this call, "
                     "dt = %.6g s, stable step at rest %.6g s); the state at that time is kept. Likely cause: %s",
                     static_cast<int>(particle), time, steps + 1, dt, stable_step, cause);
+      break;
+    case StepStatus::carried_away:
+      std::snprintf(
+          text, sizeof text,
+          "carried_away: particle %d is more than ten times the size of the body from where its loads can have "
+          "brought it, at t = %.6g s, dt = %.6g s. Since t = %.6g s the material has been strained beyond the "
+          "law, first around particle %d. Go back to a state before that; load more slowly, take shorter "
+          "steps or refine the mesh there",
+          static_cast<int>(particle), time, dt, beyond_since, static_cast<int>(first_beyond));
       break;
     case StepStatus::not_supported:
       std::snprintf(text, sizeof text, "not_supported: %s; nothing was done", cause);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The energy of a material as a function of the deformation gradient alone: which law it is where, and what it leads to.
+// The energy of a material as a function of the deformation gradient alone: which law it is where, and what it leads
+// to.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -38,7 +39,8 @@ TEST(EnergyDensity, IsNeoHookeanForStretchesOfSixToSeventeenTenths) {
     const Mat3 F = random_turn(bits) * s.asDiagonal() * random_turn(bits);
     const double J = s.prod();
     const double shape = 0.5 * shear * (std::pow(J, -2.0 / 3.0) * s.squaredNorm() - 3.0);
-    const double volume = bulk * (std::abs(J - 1.0) < 0.5 ? 0.5 * (J - 1.0) * (J - 1.0) : 0.5 * std::abs(J - 1.0) - 0.125);
+    const double volume =
+        bulk * (std::abs(J - 1.0) < 0.5 ? 0.5 * (J - 1.0) * (J - 1.0) : 0.5 * std::abs(J - 1.0) - 0.125);
     EXPECT_NEAR(energy_of(F, bulk), shape + volume, 1e-9 * (shape + volume)) << s.transpose();
   }
 }

@@ -50,7 +50,7 @@ TEST_P(GlStiffness, IsTheMirrorsBitByBitAndTheReferences) {
   for (const Body& body : bodies_of_two_materials()) {
     SCOPED_TRACE(body.name);
     Scene scene = Scene(body.model).fix("x0").gravity({0, -9.81, 0});
-    const auto tables = tables_of(body.model);
+    const auto tables = tables_of(body.model, {});
     const GlTrio trio = trio_of(tables, scene, {.damping = {.factor = 0.99}});
     trio.reset(random_state(body.model, 0.05, 0.0, 5));
     const double dt = 0.15 * trio.reference->stable_step();

@@ -14,7 +14,7 @@
 namespace phymul::test {
 namespace {
 
-constexpr Material tissue{.young = 10e3, .poisson = 0.3, .density = 1000};
+constexpr Material planned_tissue{.young = 10e3, .poisson = 0.3, .density = 1000};
 
 int cells(double length, double spacing) {
   return std::max(1, static_cast<int>(std::lround(length / spacing)));
@@ -25,7 +25,7 @@ Model beam(double spacing) {
 }
 
 Simulation sagging(const PlanCandidate& candidate) {
-  Simulation sim(beam(candidate.spacing), candidate.options({.material = tissue}));
+  Simulation sim(beam(candidate.spacing), candidate.options({.material = planned_tissue}));
   sim.scene().fix("x0").gravity({0, 0, -0.1});
   return sim;
 }
@@ -134,7 +134,7 @@ TEST(Plan, KeepsItsBudget) {
 TEST(Plan, FollowsMotionUnderLoadsAndTools) {
   int ticks = 0;
   const auto pressed = [](const PlanCandidate& candidate) {
-    Simulation sim(beam(candidate.spacing), candidate.options({.material = tissue}));
+    Simulation sim(beam(candidate.spacing), candidate.options({.material = planned_tissue}));
     sim.scene().fix("z0");
     sim.scene().add_tool("probe", {.shape = Sphere{.radius = 0.03}, .pose = {.position = {0.1, 0.025, 0.081}}});
     return sim;
@@ -155,7 +155,7 @@ TEST(Plan, FillsASolidAndKeepsTheTimeToRest) {
     sim.scene().fix(sim.model().particles_in([](const Vec3& at) { return at.x() < -0.02; }));
     sim.scene().gravity({0, 0, -2.0});
   };
-  const Plan made = plan(solid_ellipsoid({0, 0, 0}, {0.05, 0.03, 0.03}), {.material = tissue}, fill,
+  const Plan made = plan(solid_ellipsoid({0, 0, 0}, {0.05, 0.03, 0.03}), {.material = planned_tissue}, fill,
                          {.max_error = 0.5, .rest_in = 10.0, .finest = 0.006});
   ASSERT_TRUE(made.kept) << made.report();
   EXPECT_LE(made.chosen.rest, 8.0);
@@ -180,7 +180,7 @@ TEST(Plan, SaysWhatIsWrongWithABuilder) {
   const auto built = [](const SceneBuilder& builder) { return [builder] { plan(builder, wishes(0.1, 100)); }; };
   const auto beam_with = [&](auto act, double spacing = 0.0) {
     return built([=](const PlanCandidate& it) {
-      Simulation sim(beam(spacing > 0.0 ? spacing : it.spacing), it.options({.material = tissue}));
+      Simulation sim(beam(spacing > 0.0 ? spacing : it.spacing), it.options({.material = planned_tissue}));
       act(sim.scene());
       return sim;
     });
@@ -194,7 +194,7 @@ TEST(Plan, SaysWhatIsWrongWithABuilder) {
                           0.02),
                       "it must use PlanCandidate::spacing"));
   EXPECT_TRUE(refuses(built([](const PlanCandidate& it) {
-                        return Simulation(beam(it.spacing), {.material = tissue, .backend = "reference"});
+                        return Simulation(beam(it.spacing), {.material = planned_tissue, .backend = "reference"});
                       }),
                       "expected a simulation with the backend \"cpu\", got \"reference\""));
   EXPECT_TRUE(refuses(beam_with([](Scene& scene) {

@@ -59,6 +59,12 @@ std::vector<Trajectory> trajectories() {
   filled.volume_stiffness = 50.0;
   return {
       {"material", tissue, hang},
+      {"material beyond its law", tissue,
+       [](Scene& scene) {
+         Load press{.type = LoadType::translation, .events = {{0.0, 0.02}}, .direction = {0, 0, -1}};
+         press.particles = scene.model().group("z1");
+         scene.fix("z0").add(press);
+       }},
       {"fibres", fibrous, hang},
       {"bases of the thesis", jittered_block, hang},
       {"springs", jittered_block, hang, springs},

@@ -29,8 +29,8 @@ TEST(StabilityAveraged, EnergyIsKeptForLongCloseToTheLimit) {
 /// All at once, and held: the rest shape does not depend on the step.
 TEST(StabilityAveraged, APunchRestsInTheSameShapeCloseToTheLimit) {
   for (const double poisson : {0.3, 0.45}) {
-    const Model model = with_material(make_block({0.1, 0.1, 0.05}, 10, 10, 5),
-                                      {.young = 10e3, .poisson = poisson, .density = 1000.0});
+    const Model model =
+        with_material(make_block({0.1, 0.1, 0.05}, 10, 10, 5), {.young = 10e3, .poisson = poisson, .density = 1000.0});
     Load punch{.type = LoadType::translation, .events = {{0.0, 0.005}}, .direction = {0, 0, -1}};
     for (Index i = 0; i < model.particle_count(); ++i) {
       const Vec3 from_middle = model.rest[i] - Vec3(0.05, 0.05, 0.05);

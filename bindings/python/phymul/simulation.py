@@ -73,17 +73,13 @@ class Simulation(Owner):
 
     def __init__(self, body: Union[Body, Mapping[str, Body]], *, young: float = 0.0, poisson: float = 0.0,
                  density: float = 0.0, backend: str = "auto", damping: float = 0.0, step: float = 0.0, threads: int = 0,
-                 rest_tolerance: float = 1e-8, strain_energy: str = "shape_memory",
-                 sleep_tolerance: Optional[float] = None) -> None:
+                 rest_tolerance: float = 1e-8, sleep_tolerance: Optional[float] = None) -> None:
         """young: Pa, density: kg/m^3; left out, bodies keep their materials. damping: 1/s. step: largest one, as a
         multiple of the stable step; 0: it follows the deformation. threads: of the backend "cpu", 0: as many as the body has work for."""
         self._handle: Optional[Handle] = None
-        energies = ("shape_memory", "neo_hookean")
-        if strain_energy not in energies:
-            raise Error(f'expected a strain energy of {", ".join(energies)}; got "{strain_energy}"')
         options = sized("phymul_options", threads=threads, backend=backend.encode(), damping_rate=damping, step=step,
-                         rest_tolerance=rest_tolerance, strain_energy=constants[strain_energy.upper()],
-                         sleeps=sleep_tolerance is not None, sleep_tolerance=sleep_tolerance or 0.0)
+                         rest_tolerance=rest_tolerance, sleeps=sleep_tolerance is not None,
+                         sleep_tolerance=sleep_tolerance or 0.0)
         material = Material(young, poisson, density)
         material_struct = material._struct
         if material != Material(0.0, 0.0, 0.0):

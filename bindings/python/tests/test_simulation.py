@@ -105,7 +105,6 @@ class Steps(Refusals):
         sim, invalid = block(), ErrorCode.INVALID_ARGUMENT
         self.refused(ErrorCode.UNKNOWN_NAME, "x0", sim.fix, "tumour")
         self.refused(ErrorCode.UNKNOWN_NAME, "reference", lambda: block(backend="abacus").time)
-        self.refused(invalid, "hookean", block, strain_energy="rubber")
         self.refused(invalid, "(64,), got the shape (3,)", sim.fix, [True, False, True])
         self.refused(invalid, "64", sim.fix, [64])
         self.refused(invalid, "(3,)", sim.gravity, 9.81)

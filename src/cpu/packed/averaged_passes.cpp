@@ -33,8 +33,16 @@ bool AveragedPasses::scale(const TopologyTextures& topology, const std::vector<d
   return true;
 }
 
-double AveragedPasses::growth() const {
-  return std::pow(static_cast<double>(*std::ranges::max_element(condition_)), growth_exponent_);
+StrainSummary AveragedPasses::strain(const TopologyTextures& topology) const {
+  StrainSummary found;
+  const double largest = *std::ranges::max_element(condition_);
+  found.growth = std::pow(largest, growth_exponent_);
+  if (largest < 1e6) return found;
+  const std::vector<Index>& domains = body_.averages.domain_of_place;
+  for (std::size_t place = 0; place < domains.size(); ++place) {
+    if (domains[place] != none) count_beyond_law(condition_[place], topology.domains[domains[place]].particle, found);
+  }
+  return found;
 }
 
 template <class Pass>

@@ -3,6 +3,8 @@
 // The elastic forces of a body of Law::particle_averaged: its kernels, pass by pass, shared out over threads.
 #pragma once
 
+#include <phymul/elasticity.h>
+
 #include <vector>
 
 #include "base/thread_pool.h"
@@ -23,12 +25,12 @@ class AveragedPasses {
 
   /// `force`: [slots] N, written; `u`: [slots] m, whose rows of further domains are written. `sleep`: null, or what
   /// says which blocks are computed; then those rows of `next_u` are written too. `dissipation`: null, or that of the
-  /// material. `last`: of a call, after which growth() is asked.
+  /// material. `last`: of a call, after which strain() is asked.
   void run(char* force, char* u, char* next_u, const simd::Dissipation* dissipation, const BodySleep* sleep, bool last,
            ThreadPool& pool, WorkLaps& laps);
 
-  /// frequency_growth() of the last such run, of what it computed: what sleeps counts as at rest.
-  double growth() const;
+  /// strain_summary() of the last such run, of what it computed: what sleeps counts as at rest.
+  StrainSummary strain(const TopologyTextures& topology) const;
 
  private:
   template <class Pass>

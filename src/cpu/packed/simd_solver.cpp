@@ -178,8 +178,9 @@ class SimdSolver final : public SolverBackend {
       motion.force_clamped = motion.force_clamped || summary.cut;
 
       motion.max_speed = std::sqrt(static_cast<double>(summary.speed));
+      motion.max_displacement = std::sqrt(static_cast<double>(summary.displacement));
       const RestThresholds rest = rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest},
-                                                  std::sqrt(static_cast<double>(summary.displacement)), plan.omega_max);
+                                                  motion.max_displacement, plan.omega_max);
       const bool quiet = motion.max_speed <= rest.speed && motion.max_acceleration <= rest.acceleration;
       steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
       motion.steps_at_rest = steps_at_rest_;
@@ -187,7 +188,10 @@ class SimdSolver final : public SolverBackend {
       laps_.end_step(!tools_.empty());
       if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;
     }
-    if (averaged_) motion.growth = motion.steps == plan.steps ? averaged_->growth() : 0.0;
+    if (averaged_) {
+      motion.strain.growth = 0.0;
+      if (motion.steps == plan.steps) motion.strain = averaged_->strain(topology());
+    }
     return motion;
   }
 
