@@ -6,6 +6,7 @@
 #include <phymul/body.h>
 
 #include <functional>
+#include <string>
 
 #include "interior.h"
 #include "stuffing.h"
@@ -26,5 +27,15 @@ Model filled_body(const Interior& interior, const CentredLattice& lattice, doubl
 /// Throws Error for an error of the volume above options.most_volume_error. `thin` says what is lost of the shape;
 /// empty text: nothing, so that edges and corners are the cause; without the function both may be.
 void require_volume(const BodyReport& report, const BodyOptions& options, const std::function<std::string()>& thin);
+
+/// Parts of a shape farther from its body than the spacing asked for there, by samples: `sample` calls its argument
+/// with each. "0.012 m around (0, 0, 0.1) m": the diagonal and the middle of a part's box, the longest first, five at
+/// most and the number of the others. Empty: none. `skin`: all particles, and the triangles of the body's surface.
+std::string lost_parts(const std::function<void(const Contains&)>& sample, const Surface& skin,
+                       const BodyOptions& options);
+
+/// A note, if the body's surface has another number of shells, another Euler number (V - E + F) or more edges of more
+/// than two faces than the surface; else empty.
+std::string fused_note(const Surface& surface, const Surface& skin);
 
 }  // namespace phymul

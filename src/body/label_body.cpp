@@ -2,13 +2,13 @@
 //
 // Bodies of several regions: a labelled image is filled, and its cells are given to regions.
 #include <phymul/labels.h>
+#include <phymul/surface.h>
 
 #include <algorithm>
 
 #include "base/place_text.h"
 #include "filling.h"
 #include "label_field.h"
-#include "lost_parts.h"
 #include "model/cell_geometry.h"
 #include "model/group.h"
 #include "region_interfaces.h"
@@ -80,7 +80,8 @@ Model make_body(const LabelImage& image, const LabelBodyOptions& options, BodyRe
   Model model = filled_body(LabelInterior(field), lattice, wanted_volume, filling, own,
                             [&](Stuffing& body) { meet_interfaces(body, field, lattice.edge); });
   require_volume(own, filling, [&] {
-    return lost_parts([&](const Contains& see) { each_voxel(image, options.regions, see); }, model, filling);
+    return lost_parts([&](const Contains& see) { each_voxel(image, options.regions, see); },
+                      {model.rest, surface_triangles(model), {}}, filling);
   });
   own.regions = add_regions(model, field, options.spacing);
   model.notes.insert(model.notes.begin(), image.notes.begin(), image.notes.end());

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "lost_parts.h"
-
-#include <phymul/surface.h>
-
+//
+// Where a body differs from the shape that it was filled from.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -14,11 +12,11 @@
 
 #include "base/place_text.h"
 #include "base/union_find.h"
+#include "filling.h"
 
 namespace phymul {
 namespace {
 
-constexpr std::size_t most_named = 5;
 /// Spacings: a place that is one from the body is so near to a particle or to the middle of a face at the surface.
 constexpr double between = 1.1;
 
@@ -28,18 +26,20 @@ Cube cube_at(const Vec3& x, double edge) {
   return {std::llround(x.x() / edge), std::llround(x.y() / edge), std::llround(x.z() / edge)};
 }
 
+/// Itself first.
 std::array<Cube, 27> cubes_around(const Cube& cube) {
   std::array<Cube, 27> all;
   for (int k = 0; k < 27; ++k) all[k] = {cube[0] + k % 3 - 1, cube[1] + k / 3 % 3 - 1, cube[2] + k / 9 - 1};
+  std::swap(all[0], all[13]);
   return all;
 }
 
-std::string shells_text(const std::vector<std::array<Index, 3>>& triangles, std::size_t vertices) {
-  UnionFind sets(vertices);
-  std::vector<char> is_used(vertices, 0);
+std::string shells_text(const Surface& surface) {
+  UnionFind sets(surface.vertices.size());
+  std::vector<char> is_used(surface.vertices.size(), 0);
   std::vector<std::pair<Index, Index>> edges;
   int joined = 0, crowded = 0;
-  for (const auto& t : triangles) {
+  for (const auto& t : surface.triangles) {
     for (int k = 0; k < 3; ++k) {
       is_used[t[k]] = 1;
       joined += sets.join(t[0], t[k]) ? 1 : 0;
@@ -53,19 +53,19 @@ std::string shells_text(const std::vector<std::array<Index, 3>>& triangles, std:
   const auto used = std::ranges::count(is_used, 1);
   const auto distinct = std::unique(edges.begin(), edges.end()) - edges.begin();
   return "shells: " + std::to_string(used - joined) +
-         ", Euler number: " + std::to_string(used - distinct + std::ssize(triangles)) +
+         ", Euler number: " + std::to_string(used - distinct + std::ssize(surface.triangles)) +
          ", edges of more than two faces: " + std::to_string(crowded);
 }
 
 }  // namespace
 
-std::string lost_parts(const std::function<void(const Contains&)>& sample, const Model& body,
+std::string lost_parts(const std::function<void(const Contains&)>& sample, const Surface& skin,
                        const BodyOptions& options) {
   const double edge = between * options.spacing;
   std::map<Cube, VecList> near;  // particles and middles
-  for (const Vec3& x : body.rest) near[cube_at(x, edge)].push_back(x);
-  for (const auto& [a, b, c] : surface_triangles(body)) {
-    const Vec3 x = (body.rest[a] + body.rest[b] + body.rest[c]) / 3.0;
+  for (const Vec3& x : skin.vertices) near[cube_at(x, edge)].push_back(x);
+  for (const auto& [a, b, c] : skin.triangles) {
+    const Vec3 x = (skin.vertices[a] + skin.vertices[b] + skin.vertices[c]) / 3.0;
     near[cube_at(x, edge)].push_back(x);
   }
   const auto is_lost = [&](const Vec3& x) {
@@ -99,14 +99,13 @@ std::string lost_parts(const std::function<void(const Contains&)>& sample, const
   }
   std::ranges::sort(parts);
   std::string text;
-  for (std::size_t k = 0; k < std::min(parts.size(), most_named); ++k) text += (k ? ", " : "") + parts[k].second;
-  if (parts.size() > most_named) text += " and " + std::to_string(parts.size() - most_named) + " more";
+  for (std::size_t k = 0; k < std::min<std::size_t>(parts.size(), 5); ++k) text += (k ? ", " : "") + parts[k].second;
+  if (parts.size() > 5) text += " and " + std::to_string(parts.size() - 5) + " more";
   return text;
 }
 
-std::string fused_note(const Surface& surface, const Model& body) {
-  const std::string own = shells_text(surface_triangles(body), body.rest.size()),
-                    wanted = shells_text(surface.triangles, surface.vertices.size());
+std::string fused_note(const Surface& surface, const Surface& skin) {
+  const std::string own = shells_text(skin), wanted = shells_text(surface);
   if (own == wanted) return {};
   return "walls, gaps or holes narrower than the spacing are fused, closed or torn: the body's surface has " + own +
          "; the surface it fills has " + wanted;

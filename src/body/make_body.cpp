@@ -3,6 +3,7 @@
 // Bodies of one region: what is asked of their shapes.
 #include <phymul/body.h>
 #include <phymul/error.h>
+#include <phymul/surface.h>
 #include <phymul/surface_patch.h>
 
 #include <algorithm>
@@ -12,7 +13,6 @@
 #include "base/bounding_box.h"
 #include "base/place_text.h"
 #include "filling.h"
-#include "lost_parts.h"
 #include "model/enclosed_volume.h"
 #include "solid_interior.h"
 #include "surface_interior.h"
@@ -40,8 +40,9 @@ Model make_body(const Surface& surface, const BodyOptions& options, BodyReport* 
   const double volume = enclosed_volume(mended.triangles, mended.vertices);
   BodyReport own;
   Model model = filled_body(SurfaceInterior(mended, lattice), lattice, volume, options, own);
+  const Surface skin{model.rest, surface_triangles(model), {}};
   const auto sample = [&](const Contains& see) { sample_surface(mended, 0.5 * options.spacing, see); };
-  const std::string lost = lost_parts(sample, model, options), fused = fused_note(mended, model);
+  const std::string lost = lost_parts(sample, skin, options), fused = fused_note(mended, skin);
   require_volume(own, options, [&] { return lost.empty() ? fused : lost; });
   if (report) *report = own;
   const auto note = [&](const std::string& what) {

@@ -29,8 +29,11 @@ TEST(LostParts, AThinHornIsNamedWithPlaceAndLength) {
               fine = make_body(horned_ball(), {.spacing = 0.008, .spacing_at = field});
   EXPECT_TRUE(says(coarse.notes.at(0), "it: 0.018", " m around (0, 0, 0.0685", "than 0.008 m", "spacing_at"));
   EXPECT_TRUE(says(fine.notes.at(0), "it: 0.003", " m around (0, 0, 0.0757"));
+  BodyReport report;
   for (const double spacing : {0.005, 0.008, 0.015}) {
-    EXPECT_TRUE(make_body(ball_surface(0.05, 20), {.spacing = spacing}).notes.empty());
+    EXPECT_TRUE(make_body(ball_surface(0.05, 20), {.spacing = spacing}, &report).notes.empty());
+    const double added = 4.0 * std::numbers::pi * 0.05 * 0.05 * report.moved;
+    EXPECT_NEAR(report.volume - report.unmoved_volume, added, 0.1 * std::abs(added));
     EXPECT_TRUE(make_body(box_surface({0, 0, 0}, {0.1, 0.06, 0.08}), {.spacing = spacing}).notes.empty());
   }
 }
@@ -45,17 +48,7 @@ TEST(LostParts, ARefusalNamesTheCause) {
   const LabelImage far = painted(60, [](const Vec3& x) { return x.norm() < 0.03 || x.x() > 0.056; });
   EXPECT_TRUE(says(filling(far, 0.018), "parts thinner than the spacing are lost: 0.16", "m around (0.057"));
   EXPECT_TRUE(says(filling(box_surface({0, 0, 0}, {0.03, 0.03, 0.03}), 0.01), "m edges and corners"));
-  const Surface sheet = box_surface({0.06, -0.1, -0.1}, {0.061, 0.1, 0.1});
-  EXPECT_TRUE(says(filling(both(ball_surface(0.05, 10), sheet), 0.008), "are lost: 0.28", "m around (0.06"));
   EXPECT_TRUE(says(filling(solid_box({0, 0, 0}, {0.03, 0.03, 0.03}), 0.01), "are lost, or edges and corners"));
-}
-
-TEST(LostParts, TheVolumeBeforeTheSurfaceIsMovedIsReported) {
-  BodyReport report;
-  make_body(ball_surface(0.05, 20), {.spacing = 0.01}, &report);
-  const double added = 4.0 * std::numbers::pi * 0.05 * 0.05 * report.moved;
-  EXPECT_GT(added, 0.0);
-  EXPECT_NEAR(report.volume - report.unmoved_volume, added, 0.1 * added);
 }
 
 /// A bag with walls of 2 mm.

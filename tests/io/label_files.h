@@ -7,7 +7,6 @@
 #include <phymul/label_file.h>
 #include <zlib.h>
 
-#include <algorithm>
 #include <cstring>
 #include <string>
 #include <vector>

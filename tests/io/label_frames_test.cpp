@@ -58,7 +58,6 @@ TEST(LabelFrames, UnitsOfNrrd) {
                                                   {1e-6, {"um", "micron", "\xc2\xb5m", "\xce\xbcm", "micrometers"}},
                                                   {1e-9, {"nm"}}}) {
     for (const std::string& name : names) {
-      SCOPED_TRACE(name);
       const std::string units = "units: \"" + name + "\" \"" + name + "\" \"" + name + "\"\n";
       for (const std::string& fields :
            {spacings + units, space + "space " + units + directions, space + spacings + units}) {
@@ -94,9 +93,8 @@ TEST(LabelFrames, NrrdInLayers) {
   std::vector<std::uint16_t> wanted(24, 3);
   for (int i = 0; i < 12; ++i) wanted[i] = i == 3 || i == 4 ? 2 : 1;
   EXPECT_EQ(image.label, wanted);
-  ASSERT_EQ(image.notes.size(), 2u);
-  EXPECT_TRUE(says(image.notes[0], "numbered anew: 1 (liver), 2 (tumour), 3 (vessel)"));
-  EXPECT_TRUE(says(image.notes[1], "4 voxels are in more than one segment", "smaller"));
+  EXPECT_TRUE(says(image.notes.at(0), "numbered anew: 1 (liver), 2 (tumour), 3 (vessel)"));
+  EXPECT_TRUE(says(image.notes.at(1), "4 voxels are in more than one segment", "smaller"));
   EXPECT_TRUE(says(reading_labels("a.nrrd", file("time")), "or a fourth of kind \"list\" for layers", "got 4"));
 }
 

@@ -79,8 +79,8 @@ TEST(MeshKinds, OfSecondOrderElementsOfGmshTheCornersAreTaken) {
     }
     elements << '\n';
   }
-  const std::string head = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" + std::to_string(node) + '\n';
-  const std::string text = head + nodes.str() + "$EndNodes\n$Elements\n11\n" + elements.str() + "$EndElements\n";
+  const std::string head = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" + std::to_string(node) + '\n',
+                    text = head + nodes.str() + "$EndNodes\n$Elements\n11\n" + elements.str() + "$EndElements\n";
   const Model model = mesh_from_bytes("t.msh", text, {});
   EXPECT_EQ(model.group("volume 4").size(), 4u + 8 + 6 + 5 + 8 + 6 + 5);
   EXPECT_TRUE(has_note(model.notes, "cells of second or higher order (11)"));

@@ -121,11 +121,13 @@ double length_of(const std::string& path, const std::string& unit) {
 }
 
 /// Signs that turn a place of the file's space into one of RAS.
-Vec3 turn_to_ras(const std::string& path, int space, LabelImage& image) {
-  if (space == nrrdSpaceLeftAnteriorSuperior) return {-1, 1, 1};
-  if (space == nrrdSpaceLeftPosteriorSuperior) return {-1, -1, 1};
-  if (space != nrrdSpaceRightAnteriorSuperior) {
-    image.notes.push_back(path + ": does not say what its axes are to a patient (space); taken for RAS");
+Vec3 turn_to_ras(const std::string& path, const Nrrd& file, LabelImage& image) {
+  if (file.space == nrrdSpaceLeftAnteriorSuperior) return {-1, 1, 1};
+  if (file.space == nrrdSpaceLeftPosteriorSuperior) return {-1, -1, 1};
+  if (file.space != nrrdSpaceRightAnteriorSuperior) {
+    image.notes.push_back(path + (file.spaceDim > 0
+                                      ? ": does not say what its axes are to a patient (space); taken for RAS"
+                                      : ": says nothing about its frame; taken to begin at 0, along x, y and z"));
   }
   return {1, 1, 1};
 }
@@ -140,14 +142,10 @@ void set_frame(const std::string& path, const Nrrd& file, const std::vector<unsi
     units[k] = length_of(path, own ? own : "");
   }
   if (missing % 3 != 0) fail_format(path, 0, "expected units of length for all axes or for none");
-  Vec3 turn = Vec3::Ones();
-  if (file.spaceDim == 0) {
-    image.notes.push_back(path + ": says nothing about its frame; taken to begin at 0, along x, y and z");
-  } else if (file.spaceDim == 3) {
-    turn = turn_to_ras(path, file.space, image);
-  } else {
+  if (file.spaceDim != 0 && file.spaceDim != 3) {
     fail_format(path, 0, "expected a space of three dimensions, got " + std::to_string(file.spaceDim));
   }
+  const Vec3 turn = turn_to_ras(path, file, image);
   for (int k = 0; k < 3; ++k) {
     const NrrdAxisInfo& axis = file.axis[axes[k]];
     if (has_directions) {
@@ -160,38 +158,34 @@ void set_frame(const std::string& path, const Nrrd& file, const std::vector<unsi
   }
 }
 
-struct Segment {
-  std::string name;
-  std::uint16_t label;
-  std::int64_t layer;
-};
+using SegmentNames = std::map<std::pair<std::int64_t, std::uint16_t>, std::string>;  // by layer and label
 
 /// Of 3D Slicer's keys.
-std::vector<Segment> segments_of(const Nrrd& file) {
+SegmentNames names_of(const Nrrd& file) {
   const auto value = [&](const std::string& key) {
     std::unique_ptr<char, void (*)(void*)> text(nrrdKeyValueGet(&file, key.c_str()), std::free);
     return std::string(text ? text.get() : "");
   };
-  std::vector<Segment> segments;
+  SegmentNames names;
   for (int segment = 0;; ++segment) {
     const std::string key = "Segment" + std::to_string(segment) + "_";
     const std::string name = value(key + "Name");
-    if (name.empty()) return segments;
+    if (name.empty()) return names;
     const std::optional<std::int64_t> label = parse_integer(value(key + "LabelValue"));
     if (!label || *label <= 0 || *label > 65535) continue;
-    segments.push_back({name, static_cast<std::uint16_t>(*label), parse_integer(value(key + "Layer")).value_or(0)});
+    names[{parse_integer(value(key + "Layer")).value_or(0), static_cast<std::uint16_t>(*label)}] = name;
   }
 }
 
 /// Makes one label a voxel of image.label, which has one a voxel and layer; `below`: numbers between those of two
 /// layers. Layers have labels of their own: they are numbered anew.
-void merge_layers(const std::string& path, const std::vector<Segment>& segments, std::size_t layers, std::size_t below,
+void merge_layers(const std::string& path, const SegmentNames& names, std::size_t layers, std::size_t below,
                   LabelImage& image) {
   struct Own {
     Index voxels = 0;
     std::uint16_t number = 0;  // in the image
   };
-  std::map<std::pair<std::int64_t, std::uint16_t>, Own> labels;  // by layer and its label
+  std::map<SegmentNames::key_type, Own> labels;
   for (std::size_t row = 0; row < image.label.size(); ++row) {
     if (image.label[row] != 0) ++labels[{row / below % layers, image.label[row]}].voxels;
   }
@@ -199,11 +193,9 @@ void merge_layers(const std::string& path, const std::vector<Segment>& segments,
   std::string text;
   for (auto& [key, own] : labels) {
     own.number = static_cast<std::uint16_t>(image.names.size() + 1);
-    std::string& name = image.names[own.number];
-    name = "label " + std::to_string(key.second) + " of layer " + std::to_string(key.first);
-    for (const Segment& segment : segments) {
-      if (std::pair(segment.layer, segment.label) == key) name = segment.name;
-    }
+    const auto named = names.find(key);
+    const std::string other = "label " + std::to_string(key.second) + " of layer " + std::to_string(key.first);
+    const std::string& name = image.names[own.number] = named != names.end() ? named->second : other;
     text += (text.empty() ? "" : ", ") + std::to_string(own.number) + " (" + name + ')';
   }
   image.notes.push_back(path + ": segments are in layers; their labels are numbered anew: " + text);
@@ -260,12 +252,12 @@ LabelImage read_nrrd(const std::string& path) {
   for (int k = 0; k < 3; ++k) image.size[k] = static_cast<Index>(sizes[axes[k]]);
   image.label = labels_of(path, file->data, count, type);
   set_frame(path, *file, axes, image);
-  const std::vector<Segment> segments = segments_of(*file);
+  const SegmentNames names = names_of(*file);
   if (layers) {
     const auto below = std::accumulate(sizes.begin(), sizes.begin() + *layers, std::int64_t{1}, std::multiplies<>());
-    merge_layers(path, segments, static_cast<std::size_t>(sizes[*layers]), static_cast<std::size_t>(below), image);
+    merge_layers(path, names, static_cast<std::size_t>(sizes[*layers]), static_cast<std::size_t>(below), image);
   } else {
-    for (const Segment& segment : segments) image.names[segment.label] = segment.name;
+    for (const auto& [key, name] : names) image.names[key.second] = name;
   }
   return image;
 }

@@ -22,8 +22,6 @@ namespace {
 
 #ifdef PHYMUL_HAS_ASSIMP
 
-constexpr std::size_t most_bytes = std::size_t{4} << 30;
-
 /// A byte is put before binary data: Assimp takes line ends at their beginning for those of the header.
 std::string mended_ply(const std::string& bytes) {
   const std::string line_end = bytes.starts_with("ply\r\n") ? "\r\n" : bytes.starts_with("ply\r") ? "\r" : "\n";
@@ -46,13 +44,12 @@ std::string mended_obj(const std::string& bytes) {
     from = end + 1;
     if (line.empty()) continue;  // also between the two bytes of a line end
     if (!continues) keeps = line.starts_with("v ") || line.starts_with("v\t") || line.starts_with('f');
-    continues = line.ends_with('\\');
+    continues = keeps && line.ends_with('\\');
     if (!keeps) continue;
-    if (continues) line.remove_suffix(1);
     bool in_row = true;  // of a face: up to a slash
     for (const char c : line) {
       in_row = c == ' ' || c == '\t' || (in_row && c != '/');
-      if (in_row) out += c;
+      if (in_row && c != '\\') out += c;
     }
     out += continues ? ' ' : '\n';
   }
@@ -114,7 +111,7 @@ Surface read_triangles(const std::string& path) {
                                                     : ending == ".obj" ? mended_obj
                                                     : ending == ".glb" ? mended_glb
                                                                        : nullptr;
-  const std::string bytes = mended ? mended(read_whole_file(path, most_bytes)) : "";
+  const std::string bytes = mended ? mended(read_whole_file(path, std::size_t{4} << 30)) : "";
   const aiScene* scene = mended ? importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, ending.c_str() + 1)
                                 : importer.ReadFile(path, 0);
   if (!scene || !scene->mRootNode) {
