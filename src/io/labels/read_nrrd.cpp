@@ -14,7 +14,6 @@
 #include <mutex>
 #include <numeric>
 #include <optional>
-#include <utility>
 
 #include "base/byte_source.h"
 #include "base/decimal.h"

@@ -36,8 +36,7 @@ void require_voxel_bytes(const std::string& path, std::size_t count, NumberType 
 /// The most that deflate makes of a byte.
 inline constexpr std::uint64_t most_inflation = 1032;
 
-/// The numbers, at any place in memory, as labels; `swap`: of the other byte order. Throws Error for one above 65,535
-/// or below 0.
+/// The numbers as labels; `swap`: of the other byte order. Throws Error for one that is not from 0 to 65,535.
 std::vector<std::uint16_t> labels_of(const std::string& path, const void* numbers, std::size_t count, NumberType type,
                                      bool swap = false);
 

@@ -56,8 +56,7 @@ std::string mended_obj(const std::string& bytes) {
   return out;
 }
 
-/// Little-endian.
-std::string word_of(std::size_t number) {
+std::string word_of(std::size_t number) {  // little-endian
   std::string word;
   for (int k = 0; k < 4; ++k) word += static_cast<char>(number >> 8 * k & 255);
   return word;

@@ -19,8 +19,8 @@ struct VtkCells {
   std::vector<std::int64_t> types;         ///< [cells] VTK's number of the cell type
 };
 
-/// Appends the cells, the points counted from `first_point`; of cells of higher order the corners. Polygons of more than
-/// four corners and strips are counted in MeshParts::left_out. `where` begins the messages. Throws Error for other types.
+/// Appends the cells, the points counted from `first_point`; of cells of second order the corners. Larger polygons and
+/// strips are counted in MeshParts::left_out. `where` begins the messages. Throws Error for other types.
 void append_vtk_cells(const VtkCells& vtk, Index first_point, const std::string& where, MeshParts& parts);
 
 /// VTK's number of our type.
