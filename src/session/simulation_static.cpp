@@ -26,8 +26,6 @@ namespace {
 constexpr double no_gain = 1e-12;
 /// Of the forces and their moments: less is rounding.
 constexpr double unbalanced = 1e-8;
-/// Of a rigid body.
-constexpr std::size_t all_motions = 6;
 
 [[noreturn]] void refuse(const std::string& what) {
   throw Error(ErrorCode::not_supported, "Simulation::solve_static: " + what + "; use run_to_rest()");
@@ -105,7 +103,7 @@ std::string why_no_rest(const Model& model, const LoadFrame& loads, RestTerms te
       if (std::abs(driving) <= unbalanced * forces) continue;
       const std::string name =
           body.name.empty() ? "the body of particle " + std::to_string(body.particles.front()) : '"' + body.name + '"';
-      if (terms.empty() && motions.size() == all_motions) {
+      if (terms.empty() && motions.size() == 6) {
         return "nothing holds " + name + ", and the loads drive it: it moves away; hold it, as with Scene::fix()";
       }
       return name +

@@ -15,7 +15,6 @@
 #include "base/place_text.h"
 #include "interaction/closest_point.h"
 #include "interaction/tool_shape.h"
-#include "overlaps.h"
 #include "scene/loose_parts.h"
 
 namespace phymul {

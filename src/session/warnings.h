@@ -12,4 +12,7 @@ namespace phymul {
 /// nothing holds. `takes_material`: the law of the body can use one.
 std::vector<std::string> warnings_of(const Model& model, const Scene& scene, bool takes_material);
 
+/// Adds a sentence if bodies that can touch each other overlap at rest: the deepest pair, and by how much.
+void look_for_overlaps(const Model& model, const Scene& scene, std::vector<std::string>& found);
+
 }  // namespace phymul

