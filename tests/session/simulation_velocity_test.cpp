@@ -49,9 +49,9 @@ TEST_P(VelocityOfStateOn, IsZeroOfWhatContactsAndConstraintsHold) {
     ASSERT_TRUE(sim.advance(2.0).ok());
     ASSERT_LT(largest_norm(sim.solver().read().velocity), 1e-4);
     EXPECT_LT(largest_norm(sim.state().velocity), 1e-4);
+    const VecList before = sim.solver().read().velocity;
     sim.set_state(sim.state());
-    ASSERT_TRUE(sim.advance(1e-3).ok());
-    EXPECT_LT(largest_norm(sim.solver().read().velocity), 1e-3);
+    EXPECT_LT(largest_distance(sim.solver().read().velocity, before), 1e-4);
   }
 }
 
