@@ -22,7 +22,7 @@ endfunction()
 run_program(${WORK_PRECISION} --cases ${CASES}/cube_bonded.case,${CASES}/closed_stretch.case --most-resolutions 2
             --most-particles 130 --steps 0.5 --wall-cap 20 --backends reference
             --out ${OUT}/work_precision.csv --samples ${OUT}/samples.csv)
-require_rows(work_precision.csv 66)
+require_rows(work_precision.csv 61)
 file(STRINGS ${OUT}/work_precision.csv direct REGEX "^cube_bonded,.*,particle_averaged,.*,solve_static,.*,ok,")
 if(NOT direct)
   message(FATAL_ERROR "work_precision.csv: expected a row of cube_bonded by solve_static, at rest")

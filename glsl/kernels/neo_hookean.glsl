@@ -34,7 +34,8 @@ KERNEL real squared_condition(Columns H, Change change) {
   return select(room_within_the_law(of) < literal(0.0f), select(of.J > literal(0.0f), literal(1e6f), literal(2e6f)), condition);
 }
 
-// P over mu, of which `near` is J^(-2/3) [...] and g is J^(-2/3), where the far energy has a share w.
+// P over mu, of which `near` is J^(-2/3) [...] and g is J^(-2/3), where the far energy has a share w. No product has more
+// than four factors between sums and selections, and one of four is that of two products.
 KERNEL Columns far_stress(Columns near, Columns H, Change change, Invariants of, real g) {
   real zero = literal(0.0f);
   real one = literal(1.0f);
@@ -44,24 +45,28 @@ KERNEL Columns far_stress(Columns near, Columns H, Change change, Invariants of,
   Columns cof = plus_identity(change.cof);
   // Where two stretches are nothing beside the third, d has no direction left.
   real least = literal(1e-12f) * (of.I1 * of.I1) + literal(1e-30f);
-  real inverse = select(of.I2 > least, inverse_root(select(of.I2 > least, of.I2, one)), zero);
-  real d = root_of_three * (of.J * inverse);
+  real some = select(of.I2 > least, of.I2, one);
+  real inverse = select(of.I2 > least, inverse_root(some), zero);
+  real inverse_square = select(of.I2 > least, one / some, zero);
+  real d = select(of.I2 > least, root_of_three * (of.J * inverse), zero);
   real within = one / (one + third * of.I1);
-  real u = literal(2.0f) * (d * within);
+  real u = select(of.J > zero, literal(2.0f) * (d * within), zero);  // where it is below 0.2, no matter what it is
   real t = literal(1.5f) - literal(2.5f) * u;
   t = select(room_within_the_law(of) < zero, select(t < one, t, one), zero);
   t = select(t > zero, t, zero);
   real w = (t * t) * (literal(3.0f) - literal(2.0f) * t);
-  real slope = literal(-15.0f) * (t * (one - t));  // dw/du
-  real rise = (literal(0.5f) * of.I1 - literal(2.0f) * d + one) - literal(0.5f) * (g * of.I1 - literal(3.0f));
-  real by_u = slope * rise;
-  // grad u = 2 within grad d - 2/3 u within F, grad d = inverse (root_of_three cof - inverse d A), A = grad I2 / 2
+  real slope = select(t < one, literal(-15.0f) * (t * (one - t)), zero);  // dw/du
+  real rise = (literal(0.5f) * of.I1 - literal(2.5f) * d + literal(1.5f)) - literal(0.5f) * (g * of.I1 - literal(3.0f));
+  real half_by_u = (slope * rise) * within;
+  real by_u = half_by_u + half_by_u;
+  // grad u = 2 within grad d - 2/3 u within F, grad d = inverse root_of_three cof - inverse^2 d A, A = grad I2 / 2
   Columns A = Columns(cross_product(cof.c1, F.c2) + cross_product(F.c1, cof.c2),
                       cross_product(cof.c2, F.c0) + cross_product(F.c2, cof.c0),
                       cross_product(cof.c0, F.c1) + cross_product(F.c0, cof.c1));
-  real by_d = (literal(2.0f) * (by_u * within) - literal(2.0f) * w) * inverse;
-  Columns P = plus(scaled(one - w, near), scaled(w - literal(0.6666667f) * ((by_u * u) * within), F));
-  return plus(P, minus(scaled(by_d * root_of_three, cof), scaled((by_d * inverse) * d, A)));
+  real by_d = by_u - literal(2.5f) * w;
+  Columns P = plus(scaled(one - w, near), scaled(w - (third * by_u) * u, F));
+  Columns D = minus(scaled(by_d * inverse, scaled(root_of_three, cof)), scaled(by_d * inverse_square, scaled(d, A)));
+  return plus(P, D);
 }
 
 KERNEL Columns neo_hookean_stress(Columns H, Change change, real mu, real K) {
@@ -69,7 +74,7 @@ KERNEL Columns neo_hookean_stress(Columns H, Change change, real mu, real K) {
   Invariants of = invariants_of(H, change);
   real base = select(of.J > tiny, of.J, literal(1.0f));
   real root = inverse_cube_root(base);
-  real g = root * root;
+  real g = select(of.J > tiny, root * root, literal(1.0f));
   real excess = literal(3.0f) * (change.minors + change.determinant) + (change.trace - squared_norm(H));
   real along = (literal(0.33333334f) * excess) * (literal(1.0f) / base);
   Columns P = scaled(g, plus(minus(H, change.cof), scaled(along, plus_identity(change.cof))));

@@ -16,8 +16,8 @@ enum class StepStatus {
   /// A particle got a position that is not finite or a speed above a million mean spacings times omega_max. The step
   /// was undone.
   not_finite,
-  device_lost,    ///< the GPU or its context failed
-  volume_lost,    ///< a volume constraint (Scene::constrain_volume) could not be satisfied; the step was undone
+  device_lost,  ///< the GPU or its context failed
+  volume_lost,  ///< a volume constraint (Scene::constrain_volume) could not be satisfied; the step was undone
   /// Every part of the body is held, domains are beyond the law, and a particle is farther than ten times the size of
   /// the body from where it may be. The state is that of the time in the report; Simulation::rewind or restore goes
   /// back. Not reported by the backends gl and gl-compute.

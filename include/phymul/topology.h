@@ -72,7 +72,7 @@ enum class VolumeLaw {
 /// the bulk modulus; U is VolumeLaw at kappa = 1. Without the fibres both are the same for small strains.
 enum class StrainEnergy {
   /// mu/2 (J^(-2/3) tr(F^T F) - 3) + K U(J) wherever the principal stretches are between 0.6 and 1.7, and somewhat
-  /// beyond. Far from there, inverted or not, it is mu (tr(F^T F) / 2 - 2 d + 1) + K U(J) with d = sqrt(3) J / |cof F|,
+  /// beyond. Far from there, inverted or not, it is mu (tr(F^T F) / 2 - 2.5 d + 1.5) + K U(J) with d = sqrt(3) J / |cof F|,
   /// so that flattened, mirrored and overstretched bodies return (docs/theory/physics.md). The passage is smooth.
   neo_hookean,
   /// neo_hookean, plus k/8 (|F a|^2 - 1)^2 along fibres a, k = (fibre_ratio - 1) E (the standard reinforcing energy:

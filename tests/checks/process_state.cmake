@@ -6,6 +6,7 @@ cmake_minimum_required(VERSION 3.25)
 
 # Names of variables. Made once and constant from then on: tables, names of files, functions of EGL.
 set(constant hexahedron pyramid quad wedge  # topology/cell_quadrature.cpp
+             known                          # io/labels/read_nrrd.cpp: names of units
              one all empty                  # interaction/contact_points.cpp, model/file_extras.cpp; bindings/c/errors.cpp
              common files report_files      # gl: names of shader files
              query get place)               # gl: functions of EGL and GLX; where PHYMUL_GLSL has shaders

@@ -20,7 +20,9 @@ TEST_P(ToolSurfaceMotionOn, WhatIsPressedComesToRest) {
     Scene scene(model);
     scene.fix("z0").add_tool("tool", {.shape = shape, .contact = ToolContact::surface});
     scene.tool("tool").teleport({.position = {0.0212, 0.0201, 0.03}});
-    const auto solver = make(model, scene, damped(150.0));
+    SolverOptions options = damped(150.0);
+    options.rest_tolerance = 3e-7;  // rounding keeps single precision moving
+    const auto solver = make(model, scene, options);
     const double deep = std::holds_alternative<Capsule>(shape) ? 0.0224 : 0.0284;
     scene.tool("tool").move_to({.position = {0.0212, 0.0201, deep}});
     ASSERT_TRUE(solver->step(100, 0.5 * solver->stable_step()).ok());

@@ -129,7 +129,7 @@ TEST(Plan, MeasuresTicksAtRest) {
   double fastest = 0.0;
   int told = 0;
   const auto watched = [&](const PlanCandidate& candidate) {
-    SimulationOptions options{.material = tissue};
+    SimulationOptions options{.material = planned_tissue};
     options.solver.progress_seconds = 0.0;
     options.solver.progress = [&](const StepProgress& at) {
       ++told;
@@ -186,7 +186,7 @@ TEST(Plan, FillsASolidAndKeepsTheTimeToRest) {
   ASSERT_TRUE(made.kept) << made.report();
   EXPECT_TRUE(made.make().solve_static().converged());
   // A thousandth of the time is for rest, and no body rests in a microsecond.
-  const Plan hasty = plan(solid_ellipsoid({0, 0, 0}, {0.05, 0.03, 0.03}), {.material = tissue}, fill,
+  const Plan hasty = plan(solid_ellipsoid({0, 0, 0}, {0.05, 0.03, 0.03}), {.material = planned_tissue}, fill,
                           {.max_error = 0.5, .rest_in = 10.0, .head_room = 1e-7, .finest = 0.006});
   for (const PlanTrial& trial : hasty.trials) EXPECT_FALSE(trial.keeps_time) << trial.rest;
 }

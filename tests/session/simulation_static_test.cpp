@@ -113,11 +113,11 @@ TEST(SimulationStatic, TakesAsManyEvaluationsForALargeBodyAsForASmallOne) {
   }
 }
 
-/// Its tip comes down by more than its length.
-TEST(SimulationStatic, TakesThreeTimesAsManyUnderTheWholeWeight) {
+/// Its tip comes down by more than its length, and at the clamp its material is strained beyond the law.
+TEST(SimulationStatic, TakesFiveTimesAsManyUnderTheWholeWeight) {
   for (const Cells cells : {Cells::tetrahedra, Cells::hexahedra}) {
     for (const int across : {4, 8}) {
-      for (const auto& [poisson, most] : {std::pair(0.3, 210), std::pair(0.45, 420)}) {
+      for (const auto& [poisson, most] : {std::pair(0.3, 350), std::pair(0.45, 560)}) {
         Simulation sim = hung(beam(across, cells), poisson, 1.0);
         const StaticResult result = sim.solve_static();
         EXPECT_TRUE(result.converged()) << result.message();

@@ -155,7 +155,7 @@ TEST_P(LocalStepsOn, RestShapesAreThoseOfShortSteps) {
     const auto solver = solver_of(GetParam(), model, scene, substeps, 40.0);
     EXPECT_EQ(solver->substeps() > 1, substeps > 1);
     const double dt = 0.5 * solver->stable_step();
-    ASSERT_TRUE(solver->step(static_cast<int>(1.5 / dt), dt).ok());
+    ASSERT_TRUE(solver->step(static_cast<int>(3.0 / dt), dt).ok());
     shape.push_back(solver->read().position);
     force.push_back(solver->tool_force("ball").force.z());
   }

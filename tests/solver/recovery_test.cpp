@@ -3,9 +3,6 @@
 // Bodies come back from states no tissue is in, at half the step limit; and what cannot come back is reported.
 #include <gtest/gtest.h>
 
-#include <string_view>
-
-#include "cpu/simd/instruction_set.h"
 #include "support/failure_states.h"
 #include "support/message_of.h"
 #include "support/sanitized.h"
@@ -56,8 +53,7 @@ TEST(Recovery, FromEveryFailureStateWithEveryVolumeLaw) {
   }
 }
 
-/// Which state of 168 is left depends on rounding, and so on compiler and instruction set: none with GCC 12, one with
-/// clang 16 or with the portable kernels.
+/// Which state of 168 is left, if any, depends on rounding, and so on compiler and instruction set.
 TEST(Recovery, ParticleAveragedBodiesReturnFromAllStatesButOneWhateverTheirSizeAndCells) {
   std::string lost;
   int count = 0;
@@ -85,12 +81,7 @@ TEST(Recovery, ParticleAveragedBodiesReturnFromAllStatesButOneWhateverTheirSizeA
       }
     }
   }
-#ifdef __clang__
-  const bool may_lose_one = true;
-#else
-  const bool may_lose_one = std::string_view(cpu::simd::chosen_kernels().name) == "portable";
-#endif
-  EXPECT_LE(count, may_lose_one ? 1 : 0) << lost;
+  EXPECT_LE(count, 1) << lost;
 }
 
 TEST(Recovery, WithoutTheCutMostFailureStatesRunAway) {

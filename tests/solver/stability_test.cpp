@@ -171,7 +171,7 @@ TEST(Stability, DampingLowersTheLimitAsPredicted) {
   }
 }
 
-/// The limit is that of the body at rest: neither smooth strain nor disorder moves it by much.
+/// The limit is that of the body at rest: neither stretch nor disorder moves it by much, being squashed does.
 TEST(Stability, DeformationMovesTheLimit) {
   const Model model = with_material(make_block({0.04, 0.04, 0.04}, 4, 4, 4));
   const TopologyTextures topology = build_topology(model);
@@ -188,7 +188,7 @@ TEST(Stability, DeformationMovesTheLimit) {
       "omega_max over that at rest: stretched by half %.2f, squashed to a fifth %.2f, noise of half a spacing %.2f\n",
       stretched, squashed, shaken);
   EXPECT_NEAR(stretched, 1.0, 0.2);
-  EXPECT_NEAR(squashed, 1.3, 0.2);
+  EXPECT_NEAR(squashed, 2.5, 0.3);
   EXPECT_LT(shaken, 1.5);
 }
 

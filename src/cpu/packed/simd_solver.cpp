@@ -179,8 +179,8 @@ class SimdSolver final : public SolverBackend {
 
       motion.max_speed = std::sqrt(static_cast<double>(summary.speed));
       motion.max_displacement = std::sqrt(static_cast<double>(summary.displacement));
-      const RestThresholds rest = rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest},
-                                                  motion.max_displacement, plan.omega_max);
+      const RestThresholds rest =
+          rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest}, motion.max_displacement, plan.omega_max);
       const bool quiet = motion.max_speed <= rest.speed && motion.max_acceleration <= rest.acceleration;
       steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
       motion.steps_at_rest = steps_at_rest_;
