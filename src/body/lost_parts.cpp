@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,14 @@ namespace {
 constexpr double between = 1.1;
 
 using Cube = std::array<std::int64_t, 3>;
+
+struct HashOfCube {
+  std::size_t operator()(const Cube& cube) const {
+    std::uint64_t sum = 0;
+    for (const std::int64_t k : cube) sum = (sum ^ static_cast<std::uint64_t>(k)) * 0x9e3779b97f4a7c15;
+    return sum ^ sum >> 32;
+  }
+};
 
 Cube cube_at(const Vec3& x, double edge) {
   return {std::llround(x.x() / edge), std::llround(x.y() / edge), std::llround(x.z() / edge)};
@@ -62,7 +71,7 @@ std::string shells_text(const Surface& surface) {
 std::string lost_parts(const std::function<void(const Contains&)>& sample, const Surface& skin,
                        const BodyOptions& options) {
   const double edge = between * options.spacing;
-  std::map<Cube, VecList> near;  // particles and middles
+  std::unordered_map<Cube, VecList, HashOfCube> near;  // particles and middles
   for (const Vec3& x : skin.vertices) near[cube_at(x, edge)].push_back(x);
   for (const auto& [a, b, c] : skin.triangles) {
     const Vec3 x = (skin.vertices[a] + skin.vertices[b] + skin.vertices[c]) / 3.0;
