@@ -28,7 +28,8 @@ void require(bool holds, const std::string& sentence);
 
 std::string text(const char* format, double a, double b = 0.0, double c = 0.0);
 
-/// Advances a simulation, and says the time reached every three seconds; throws phymul::Error if that fails. Returns the time reached, s.
+/// Advances a simulation, and says the time reached every three seconds; throws phymul::Error if that fails. Returns
+/// the time reached, s.
 double advance(phymul::Simulation& sim, double seconds);
 
 /// Where a point of the body at rest is now: the mean of particles near it, moved with them. Chosen once.

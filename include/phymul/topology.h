@@ -72,8 +72,9 @@ enum class VolumeLaw {
 /// the bulk modulus; U is VolumeLaw at kappa = 1. Without the fibres both are the same for small strains.
 enum class StrainEnergy {
   /// mu/2 (J^(-2/3) tr(F^T F) - 3) + K U(J) wherever the principal stretches are between 0.6 and 1.7, and somewhat
-  /// beyond. Far from there, inverted or not, it is mu (tr(F^T F) / 2 - 2.5 d + 1.5) + K U(J) with d = sqrt(3) J / |cof F|,
-  /// so that flattened, mirrored and overstretched bodies return (docs/theory/physics.md). The passage is smooth.
+  /// beyond. Far from there, inverted or not, it is mu (tr(F^T F) / 2 - 2.5 d + 1.5) + K U(J) with
+  /// d = sqrt(3) J / |cof F|, so that flattened, mirrored and overstretched bodies return (docs/theory/physics.md). The
+  /// passage is smooth.
   neo_hookean,
   /// neo_hookean, plus k/8 (|F a|^2 - 1)^2 along fibres a, k = (fibre_ratio - 1) E (the standard reinforcing energy:
   /// Qiu and Pence 1997). build_topology uses it if a material has fibres.
@@ -100,8 +101,8 @@ struct TopologyOptions {
   /// Volume stiffness kappa, Pa, >= 0, of a model without a material (springs, or stiffness in N/m). 0: no volume term.
   double volume_stiffness = 0.0;
   /// s of Law::particle_averaged, >= 0. Empty: calibrated so that pure bending of each connected part has the correct
-  /// energy (0.25 to 0.7; one value for each part and type of cell). build_topology then writes the mean over the volume
-  /// into TopologyTextures::options.
+  /// energy (0.25 to 0.7; one value for each part and type of cell). build_topology then writes the mean over the
+  /// volume into TopologyTextures::options.
   std::optional<double> stabiliser = std::nullopt;
   SparseParticle on_sparse = SparseParticle::error;
   /// Threads of the host that build the tables and estimate the spectrum of the body. The tables keep the pointer.

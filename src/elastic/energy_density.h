@@ -4,9 +4,9 @@
 // With the principal stretches s of F,
 //   d = sqrt(3 / (1/s1^2 + 1/s2^2 + 1/s3^2)) = sqrt(3) J / |cof(F)|, negative where F is inverted
 //   u = 2 d / (1 + (s1^2 + s2^2 + s3^2) / 3): 1 at rest and less elsewhere; at least 0.61 where all s are 0.6 to 1.7
-// the energy is neo-Hookean where u >= 0.6 and mu (|F|^2 / 2 - 2.5 d + 1.5) where u <= 0.2. In between, the share of the
-// second rises smoothly. By -2.5 d, unlike by J alone, a body collapsed to a line or a point is pushed apart: the only
-// minima of the whole are rotations.
+// the energy is neo-Hookean where u >= 0.6 and mu (|F|^2 / 2 - 2.5 d + 1.5) where u <= 0.2. In between, the share of
+// the second rises smoothly. By -2.5 d, unlike by J alone, a body collapsed to a line or a point is pushed apart: the
+// only minima of the whole are rotations.
 #pragma once
 
 #include <phymul/topology_textures.h>
@@ -83,7 +83,8 @@ S neo_hookean_energy(const Mat<S>& F, S mu, Mat<S>* gradient) {
   const S less = -e / J * (root + S(1)) / (g + root + S(1));
   const S near = S(0.5) * (less * I1 + (S(2) * H.trace() + H.squaredNorm()));
   const S width = end_of_law<S> - begin_of_far<S>, t = std::clamp((end_of_law<S> - of.u) / width, S(0), S(1));
-  const S w = t * t * (S(3) - S(2) * t), slope = S(-6) * t * (S(1) - t) / width, far = S(0.5) * I1 - S(2.5) * of.d + S(1.5);
+  const S w = t * t * (S(3) - S(2) * t), slope = S(-6) * t * (S(1) - t) / width,
+          far = S(0.5) * I1 - S(2.5) * of.d + S(1.5);
   if (gradient) {
     const Mat<S> by_near = g * (F - I1 / (S(3) * J) * cofactor(F));
     *gradient = mu * ((S(1) - w) * by_near + w * (F - S(2.5) * of.by_d) + slope * (far - near) * of.by_u);

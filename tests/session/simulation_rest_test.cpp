@@ -148,7 +148,9 @@ TEST(SimulationRest, SaysFirstThatNothingHoldsTheBody) {
   const auto fall = [](Scene& scene) { scene.gravity({0, 0, -9.81}); };
   const RestResult free = rest_of(fall);
   EXPECT_EQ(free.loose, 0);
-  EXPECT_TRUE(free.message().starts_with("nothing holds the part of particle 0: it moves away unless its loads balance")) << free.message();
+  EXPECT_TRUE(
+      free.message().starts_with("nothing holds the part of particle 0: it moves away unless its loads balance"))
+      << free.message();
   EXPECT_TRUE(says(free.message(), "not at rest after 20 steps"));
   for (const auto& hold : std::vector<std::function<void(Scene&)>>{[](Scene& scene) { scene.fix("x0"); },
                                                                    [](Scene& scene) { scene.add_tool(HalfSpace{}); }}) {
