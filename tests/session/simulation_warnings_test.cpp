@@ -168,7 +168,7 @@ TEST(SimulationWarnings, WhatNothingHolds) {
   const Model three = merge_models(std::vector<NamedBody>{{"liver", &one}, {"a", &other}, {"b", &third}});
   ASSERT_EQ(warnings(three, soft, hold_liver).size(), 1u);
   EXPECT_TRUE(says(warnings(three, soft, hold_liver)[0], " and 1 more are joined to nothing"));
-  // What hangs on what hangs on what is held, whatever the joints' order.
+  // A chain of joints leads to a part that is held, in whatever order the joints stand.
   EXPECT_TRUE(warnings(three, soft, [&](Scene& scene) {
                 hold_liver(scene);
                 for (const auto& [one_end, other_end] :
